@@ -1,0 +1,1 @@
+//! Drops what cannot be drawn.

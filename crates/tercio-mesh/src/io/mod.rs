@@ -1,0 +1,121 @@
+//! Model files. One module a format; the format is found by content, never by file name.
+
+pub mod input;
+pub mod obj;
+pub mod off;
+pub mod ply;
+pub mod stl;
+pub mod text;
+
+use std::path::Path;
+
+use crate::error::printable;
+use crate::{Mesh, Progress, ReadError};
+use input::Input;
+
+/// How a model is read.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct ReadOptions<'a> {
+    /// Most bytes that the model and its reading may take; `None` for no limit.
+    pub memory_limit: Option<u64>,
+    /// Told how far the reading has come.
+    pub progress: Option<&'a Progress>,
+}
+
+impl ReadOptions<'_> {
+    /// Fails if `needed` bytes for `what` are over the limit. Call it before memory is taken.
+    ///
+    /// # Errors
+    /// [`ReadError::MemoryLimit`].
+    pub fn check_memory(&self, file: &str, what: &str, needed: u64) -> Result<(), ReadError> {
+        match self.memory_limit {
+            Some(limit) if needed > limit => {
+                Err(ReadError::MemoryLimit { file: file.into(), what: what.into(), needed, limit })
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+/// A file format.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Format {
+    /// Stanford polygon format.
+    Ply,
+    /// Wavefront OBJ.
+    Obj,
+    /// Stereolithography, ASCII or binary.
+    Stl,
+    /// Geomview object file format and its dialects.
+    Off,
+}
+
+/// What a reader found besides the mesh itself.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct ReadReport {
+    /// Format and dialect, such as "PLY, binary little-endian".
+    pub format: String,
+    /// Size of the file as it lies on disk, in bytes.
+    pub file_bytes: u64,
+    /// Faces of any number of corners that the file holds.
+    pub faces: u64,
+    /// Points and lines that the file holds and that are not drawn.
+    pub ignored_points_and_lines: u64,
+    /// What was odd, one sentence each, ready to be shown behind "warning: FILE: ".
+    pub warnings: Vec<String>,
+}
+
+/// A mesh and what was found while it was read. The mesh is as the file holds it: not cleaned, not welded,
+/// without made normals. Positions may be non-finite; indices are inside the vertices.
+#[derive(Clone, Debug, Default)]
+pub struct ReadModel {
+    /// The mesh.
+    pub mesh: Mesh,
+    /// What was found.
+    pub report: ReadReport,
+}
+
+/// Reads a model; `-` is standard input. Gzip is undone first, then the format is found by content.
+///
+/// # Errors
+/// Any [`ReadError`]; a broken file never panics.
+pub fn read(path: &Path, options: &ReadOptions) -> Result<ReadModel, ReadError> {
+    let input = input::open(path, options)?;
+    read_input(&input, options)
+}
+
+/// Reads a model from bytes in memory; `input.base` is where companion files (MTL) are looked for.
+///
+/// # Errors
+/// Any [`ReadError`].
+pub fn read_input(input: &Input, options: &ReadOptions) -> Result<ReadModel, ReadError> {
+    let mut model = match sniff(input.bytes()) {
+        Some(Format::Ply) => ply::read(input, options),
+        Some(Format::Obj) => obj::read(input, options),
+        Some(Format::Stl) => stl::read(input, options),
+        Some(Format::Off) => off::read(input, options),
+        None => {
+            return Err(ReadError::UnknownFormat {
+                file: input.name.clone(),
+                begins: printable(&input.bytes()[..input.bytes().len().min(24)]),
+            });
+        }
+    }?;
+    model.report.file_bytes = input.file_bytes;
+    Ok(model)
+}
+
+/// Finds the format by content; `None` for one that is not read.
+pub fn sniff(bytes: &[u8]) -> Option<Format> {
+    if ply::looks_like(bytes) {
+        Some(Format::Ply)
+    } else if off::looks_like(bytes) {
+        Some(Format::Off)
+    } else if stl::looks_like(bytes) {
+        Some(Format::Stl)
+    } else if obj::looks_like(bytes) {
+        Some(Format::Obj)
+    } else {
+        None
+    }
+}

@@ -1,0 +1,154 @@
+//! The indexed triangle mesh.
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use crate::{Aabb, OctNormal};
+
+/// The largest number of vertices or triangles: both are numbered in 32 bits, and the last number is kept
+/// free to mean "none".
+pub const MAX_ELEMENTS: u64 = u32::MAX as u64 - 1;
+
+/// An indexed triangle mesh in object space.
+///
+/// A triangle's number is its place in [`Mesh::triangles`]; it decides visibility among equal depths and
+/// must not depend on how the mesh is later cut into clusters.
+#[derive(Clone, Debug, Default)]
+pub struct Mesh {
+    /// World position of the point that [`Mesh::positions`] are relative to.
+    pub origin: DVec3,
+    /// Vertex positions relative to `origin`. All finite.
+    pub positions: Vec<[f32; 3]>,
+    /// Three vertex numbers a triangle, counter-clockwise seen from outside.
+    pub triangles: Vec<[u32; 3]>,
+    /// Unit normals, one a vertex.
+    pub normals: Option<Vec<OctNormal>>,
+    /// sRGB colour and linear alpha, one a vertex.
+    pub vertex_colors: Option<Vec<[u8; 4]>>,
+    /// sRGB colour and linear alpha, one a triangle. Wins over vertex colours.
+    pub face_colors: Option<Vec<[u8; 4]>>,
+    /// Texture coordinates, one pair a vertex, v upwards.
+    pub texcoords: Option<Vec<[f32; 2]>>,
+    /// Every other scalar that stood in the file.
+    pub attributes: Vec<Attribute>,
+    /// Materials that the file names.
+    pub materials: Vec<FileMaterial>,
+    /// Index into `materials`, one a triangle; [`Mesh::NO_MATERIAL`] where there is none.
+    pub triangle_materials: Option<Vec<u32>>,
+    /// Number of the input face (polygon) that a triangle came from; `None` where face i is triangle i.
+    pub face_of_triangle: Option<Vec<u32>>,
+}
+
+/// Whom an attribute's values belong to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum AttributeDomain {
+    /// One value a vertex.
+    Vertex,
+    /// One value a triangle.
+    Triangle,
+}
+
+/// A named scalar array.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Attribute {
+    /// The name in the file.
+    pub name: String,
+    /// Whom the values belong to.
+    pub domain: AttributeDomain,
+    /// One value each; integers above 2^24 are rounded to `f32`.
+    pub values: Vec<f32>,
+}
+
+/// A material as a model file states it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FileMaterial {
+    /// The name in the file.
+    pub name: String,
+    /// Diffuse colour as it stands in the file, taken as sRGB, 0 to 1.
+    pub diffuse: [f32; 3],
+    /// Opacity, 0 to 1.
+    pub opacity: f32,
+    /// File name of the diffuse texture, as it stands in the file.
+    pub diffuse_texture: Option<String>,
+}
+
+impl Mesh {
+    /// The entry of `triangle_materials` for a triangle without material.
+    pub const NO_MATERIAL: u32 = u32::MAX;
+
+    /// World-space bounds of all vertices, used by a triangle or not.
+    pub fn bounds(&self) -> Aabb {
+        let (min, max) = self
+            .positions
+            .par_chunks(1 << 16)
+            .map(|chunk| {
+                chunk.iter().fold(([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]), |(lo, hi), p| {
+                    (
+                        std::array::from_fn(|k| lo[k].min(p[k])),
+                        std::array::from_fn(|k| hi[k].max(p[k])),
+                    )
+                })
+            })
+            .reduce(
+                || ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]),
+                |a, b| {
+                    (
+                        std::array::from_fn(|k| a.0[k].min(b.0[k])),
+                        std::array::from_fn(|k| a.1[k].max(b.1[k])),
+                    )
+                },
+            );
+        if self.positions.is_empty() {
+            return Aabb::EMPTY;
+        }
+        let world = |p: [f32; 3]| self.origin + DVec3::new(p[0].into(), p[1].into(), p[2].into());
+        Aabb { min: world(min), max: world(max) }
+    }
+
+    /// The triangle turned so that its lowest vertex number comes first.
+    ///
+    /// Depth and attributes are interpolated from the first corner; turning every triangle the same way
+    /// makes the picture independent of the corner at which the file happens to begin.
+    #[inline]
+    pub fn canonical([a, b, c]: [u32; 3]) -> [u32; 3] {
+        if a <= b && a <= c {
+            [a, b, c]
+        } else if b <= c {
+            [b, c, a]
+        } else {
+            [c, a, b]
+        }
+    }
+}
+
+/// The origin that keeps a model's detail when its positions become `f32`: zero where `f32` is fine enough
+/// anyway, else the middle of the model.
+///
+/// `bounds` are in file coordinates. A model whose coordinates are at most four times its own size loses at
+/// most two bits at zero, so it stays where it is and its positions stand in memory as in the file.
+pub fn choose_origin(bounds: &Aabb) -> DVec3 {
+    let farthest = bounds.min.abs().max(bounds.max.abs()).max_element();
+    if bounds.is_empty() || farthest <= 4.0 * bounds.size().max_element() { DVec3::ZERO } else { bounds.center() }
+}
+
+/// Positions relative to the origin of [`choose_origin`], from file coordinates. Non-finite positions are
+/// left out of the choice and stay non-finite.
+pub fn localize(points: &[[f64; 3]]) -> (DVec3, Vec<[f32; 3]>) {
+    let bounds = points
+        .par_chunks(1 << 16)
+        .map(|chunk| {
+            let mut b = Aabb::EMPTY;
+            chunk.iter().map(|&p| DVec3::from(p)).filter(|p| p.is_finite()).for_each(|p| b.add(p));
+            b
+        })
+        .reduce(|| Aabb::EMPTY, Aabb::union);
+    let origin = choose_origin(&bounds);
+    let local = points
+        .par_iter()
+        .map(|&p| {
+            let q = DVec3::from(p) - origin;
+            [q.x as f32, q.y as f32, q.z as f32]
+        })
+        .collect();
+    (origin, local)
+}

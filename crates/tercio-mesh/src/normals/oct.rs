@@ -1,0 +1,62 @@
+//! Unit vectors in 32 bits: the octahedral map, 16 bits a coordinate.
+//!
+//! Source: Cigolle et al., "A Survey of Efficient Representations for Independent Unit Vectors" (2014).
+//! The greatest error is 0.004 degrees, which no 8-bit picture can show.
+
+/// A unit normal, octahedral coordinates as two signed 16-bit numbers, u in the low half.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
+#[repr(transparent)]
+pub struct OctNormal(pub u32);
+
+impl OctNormal {
+    /// Encodes a vector of any length; a zero or non-finite one becomes +z.
+    #[inline]
+    pub fn encode([x, y, z]: [f32; 3]) -> Self {
+        let sum = x.abs() + y.abs() + z.abs();
+        if !(sum > 0.0 && sum.is_finite()) {
+            return Self(0);
+        }
+        let (mut u, mut v) = (x / sum, y / sum);
+        if z < 0.0 {
+            (u, v) = ((1.0 - v.abs()).copysign(u), (1.0 - u.abs()).copysign(v));
+        }
+        let q = |t: f32| (t * 32767.0).round() as i32 as i16 as u16 as u32;
+        Self(q(u) | q(v) << 16)
+    }
+
+    /// The vector, not normalised: its coordinates' absolute values add up to 1.
+    ///
+    /// The fixed sequence of operations is part of the picture law; the renderer's kernels repeat it.
+    #[inline]
+    pub fn decode(self) -> [f32; 3] {
+        let u = self.0 as u16 as i16 as f32 * (1.0 / 32767.0);
+        let v = (self.0 >> 16) as u16 as i16 as f32 * (1.0 / 32767.0);
+        let z = (1.0 - u.abs()) - v.abs();
+        let fold = (-z).max(0.0);
+        let x = if u >= 0.0 { u - fold } else { u + fold };
+        let y = if v >= 0.0 { v - fold } else { v + fold };
+        [x, y, z]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn a_decoded_normal_points_the_same_way(x in -1f32..1., y in -1f32..1., z in -1f32..1.) {
+            let v = glam::DVec3::new(x.into(), y.into(), z.into());
+            prop_assume!(v.length() > 1e-3);
+            let d = OctNormal::encode([x, y, z]).decode();
+            let d = glam::DVec3::new(d[0].into(), d[1].into(), d[2].into()).normalize();
+            prop_assert!(d.angle_between(v) < 8e-5, "{v} {d}");
+        }
+    }
+
+    #[test]
+    fn a_zero_normal_points_up() {
+        assert_eq!(OctNormal::encode([0.0; 3]).decode(), [0.0, 0.0, 1.0]);
+    }
+}

@@ -1,0 +1,1 @@
+//! Is the mesh closed, is it consistently wound?

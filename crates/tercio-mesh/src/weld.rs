@@ -1,0 +1,1 @@
+//! Joins vertices that stand at the same place.
