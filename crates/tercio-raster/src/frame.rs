@@ -1,0 +1,29 @@
+//! The finished picture.
+
+use crate::FrameStats;
+
+/// The id of a pixel where nothing was drawn.
+pub const NO_PRIMITIVE: u32 = u32::MAX;
+
+/// A finished picture. Every plane is row-major, the upper left pixel first, and empty if it was not asked
+/// for.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Frame {
+    /// Pixels across.
+    pub width: u32,
+    /// Pixels down.
+    pub height: u32,
+    /// sRGB colour, alpha not multiplied in.
+    pub color: Vec<[u8; 4]>,
+    /// sRGB colour, 16 bits.
+    pub color16: Vec<[u16; 4]>,
+    /// Distance from the eye along the line of sight in world units; infinite where nothing was drawn.
+    pub depth: Vec<f32>,
+    /// Number of the input face (polygon) that is seen, counted through the instances in order;
+    /// [`NO_PRIMITIVE`] where nothing was drawn.
+    pub ids: Vec<u32>,
+    /// Unit normals in world space, turned to the viewer; zero where nothing was drawn.
+    pub normals: Vec<[f32; 3]>,
+    /// What was counted and timed.
+    pub stats: FrameStats,
+}

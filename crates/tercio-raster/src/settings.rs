@@ -1,0 +1,217 @@
+//! What a picture is drawn with. Size, culling and shading change the picture; everything else may change
+//! only how fast it is there.
+
+use std::fmt;
+use std::str::FromStr;
+
+use fearless_simd::Level;
+
+use crate::RenderError;
+
+/// The largest width and height of a picture, in pixels.
+pub const MAX_SIZE: u32 = 32768;
+
+/// How triangles are sorted into tiles.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Binning {
+    /// Into every tile that the bounding box touches.
+    BoundingBox,
+    /// Only into tiles of which the triangle can cover a sample.
+    #[default]
+    Exact,
+}
+
+/// Which triangles are left out by their facing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Cull {
+    /// Surfaces are two-sided; hidden back faces are skipped where that provably leaves the picture the same.
+    #[default]
+    Auto,
+    /// Surfaces are two-sided; nothing is skipped by its facing.
+    None,
+    /// Triangles that show their back are not drawn.
+    Back,
+    /// Triangles that show their front are not drawn.
+    Front,
+}
+
+/// Where and how light is computed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Shading {
+    /// Once a triangle's plane: facets show.
+    Flat,
+    /// At the vertices, colours are interpolated.
+    Gouraud,
+    /// At every pixel from the interpolated normal.
+    #[default]
+    Phong,
+    /// Not at all: the colours as they are.
+    Unlit,
+}
+
+/// Which pictures a frame holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Outputs {
+    /// 8-bit sRGB colour.
+    pub color: bool,
+    /// 16-bit sRGB colour.
+    pub color16: bool,
+    /// Distance along the line of sight.
+    pub depth: bool,
+    /// Primitive numbers.
+    pub ids: bool,
+    /// World-space normals.
+    pub normals: bool,
+}
+
+impl Default for Outputs {
+    fn default() -> Self {
+        Self { color: true, color16: false, depth: false, ids: false, normals: false }
+    }
+}
+
+/// A SIMD level by name; the processor decides which of them exist.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SimdLevel {
+    /// One number at a time.
+    Scalar,
+    /// x86-64 baseline, 128 bits.
+    Sse2,
+    /// x86-64-v2, 128 bits.
+    Sse42,
+    /// x86-64-v3, 256 bits.
+    Avx2,
+    /// AVX-512 as in Ice Lake, Zen 4 and later, 512 bits.
+    Avx512,
+    /// AArch64, 128 bits.
+    Neon,
+}
+
+impl SimdLevel {
+    /// All names.
+    pub const ALL: [Self; 6] = [Self::Scalar, Self::Sse2, Self::Sse42, Self::Avx2, Self::Avx512, Self::Neon];
+
+    /// The name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Scalar => "scalar",
+            Self::Sse2 => "sse2",
+            Self::Sse42 => "sse4.2",
+            Self::Avx2 => "avx2",
+            Self::Avx512 => "avx512",
+            Self::Neon => "neon",
+        }
+    }
+
+    /// The best level of this processor.
+    pub fn best() -> Self {
+        *Self::available().last().unwrap_or(&Self::Scalar)
+    }
+
+    /// The levels of this processor, slowest first.
+    pub fn available() -> Vec<Self> {
+        Self::ALL.into_iter().filter(|l| l.level().is_some()).collect()
+    }
+
+    /// The proof that this processor has the level.
+    pub(crate) fn level(self) -> Option<Level> {
+        let best = Level::new();
+        match self {
+            Self::Scalar => Some(Level::Fallback(fearless_simd::Fallback::new())),
+            #[cfg(target_arch = "x86_64")]
+            Self::Sse2 => best.as_sse2().map(Level::Sse2),
+            #[cfg(target_arch = "x86_64")]
+            Self::Sse42 => best.as_sse4_2().map(Level::Sse4_2),
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx2 => best.as_avx2().map(Level::Avx2),
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx512 => best.as_avx512().map(Level::Avx512),
+            #[cfg(target_arch = "aarch64")]
+            Self::Neon => best.as_neon().map(Level::Neon),
+            #[allow(unreachable_patterns, reason = "which levels exist depends on the architecture")]
+            _ => {
+                let _ = best;
+                None
+            }
+        }
+    }
+}
+
+impl fmt::Display for SimdLevel {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+impl FromStr for SimdLevel {
+    type Err = String;
+
+    fn from_str(s: &str) -> Result<Self, String> {
+        Self::ALL.into_iter().find(|l| l.name() == s).ok_or_else(|| {
+            let names: Vec<_> = Self::ALL.iter().map(|l| l.name()).collect();
+            format!("expected one of {}, found \"{s}\"", names.join(", "))
+        })
+    }
+}
+
+/// What a picture is drawn with.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Settings {
+    /// Pixels across, 1 to [`MAX_SIZE`].
+    pub width: u32,
+    /// Pixels down, 1 to [`MAX_SIZE`].
+    pub height: u32,
+    /// Which triangles are left out by their facing.
+    pub cull: Cull,
+    /// Where and how light is computed.
+    pub shading: Shading,
+    /// Which pictures are wanted.
+    pub outputs: Outputs,
+    /// Pixels along the edge of a tile: 8, 16, 32, 64 or 128; `None` lets the renderer choose.
+    pub tile_size: Option<u32>,
+    /// How triangles are sorted into tiles.
+    pub binning: Binning,
+    /// Whole clusters are tested before their triangles are.
+    pub cluster_culling: bool,
+    /// `None` takes the best of this processor.
+    pub simd: Option<SimdLevel>,
+}
+
+impl Settings {
+    /// A picture of this size, everything else by default.
+    pub fn new(width: u32, height: u32) -> Self {
+        Self {
+            width,
+            height,
+            cull: Cull::default(),
+            shading: Shading::default(),
+            outputs: Outputs::default(),
+            tile_size: None,
+            binning: Binning::default(),
+            cluster_culling: true,
+            simd: None,
+        }
+    }
+
+    /// Tells whether these settings make a picture on this processor.
+    ///
+    /// # Errors
+    /// [`RenderError::Setting`] names the first that does not.
+    pub fn check(&self) -> Result<(), RenderError> {
+        let setting = |what, range: String, value: String| Err(RenderError::Setting { what, range, value });
+        for (what, value) in [("width", self.width), ("height", self.height)] {
+            if !(1..=MAX_SIZE).contains(&value) {
+                return setting(what, format!("1 to {MAX_SIZE} pixels"), value.to_string());
+            }
+        }
+        if let Some(t) = self.tile_size.filter(|t| ![8, 16, 32, 64, 128].contains(t)) {
+            return setting("tile size", "8, 16, 32, 64 or 128 pixels".into(), t.to_string());
+        }
+        if let Some(level) = self.simd.filter(|l| l.level().is_none()) {
+            let names: Vec<_> = SimdLevel::available().iter().map(|l| l.name()).collect();
+            let range = format!("a level of this processor ({})", names.join(", "));
+            return setting("SIMD level", range, level.to_string());
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,111 @@
+//! The camera: where it stands, where it looks, how it projects.
+
+use glam::DVec3;
+
+/// How view space becomes the picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Projection {
+    /// A pinhole; `fov_y` is the full vertical angle in radians, above 0 and below pi.
+    Perspective {
+        /// Full vertical angle of view, radians.
+        fov_y: f64,
+    },
+    /// Parallel rays; the picture is `height` world units high.
+    Orthographic {
+        /// World units from the lower to the upper border of the picture.
+        height: f64,
+    },
+}
+
+/// A camera in world space.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Camera {
+    /// Where the camera stands.
+    pub eye: DVec3,
+    /// The point in the middle of the picture; must differ from `eye`.
+    pub target: DVec3,
+    /// What shall point upwards in the picture; must not be parallel to the line of sight.
+    pub up: DVec3,
+    /// How it projects.
+    pub projection: Projection,
+    /// Distance of the near plane along the line of sight, world units; `None` lets the renderer choose one
+    /// that cuts off nothing that could be seen.
+    pub near: Option<f64>,
+}
+
+/// The camera's axes in world space, unit length, at right angles.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CameraBasis {
+    /// To the right in the picture.
+    pub right: DVec3,
+    /// Upwards in the picture.
+    pub up: DVec3,
+    /// Into the picture.
+    pub forward: DVec3,
+}
+
+/// Why a camera cannot be used.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum CameraError {
+    /// Eye and target are the same point, or a coordinate is not finite.
+    #[error("the camera's eye and target must be two different finite points (eye {eye}, target {target})")]
+    NoDirection {
+        /// The eye.
+        eye: DVec3,
+        /// The target.
+        target: DVec3,
+    },
+    /// The up vector is zero or parallel to the line of sight.
+    #[error("the camera's up vector {up} must not be zero or along the line of sight {forward}")]
+    NoUp {
+        /// The up vector.
+        up: DVec3,
+        /// The line of sight.
+        forward: DVec3,
+    },
+    /// A field of view or height out of range.
+    #[error("the camera's {what} must be {range}, is {value}")]
+    OutOfRange {
+        /// Which number.
+        what: &'static str,
+        /// What it may be.
+        range: &'static str,
+        /// What it is.
+        value: f64,
+    },
+}
+
+impl Camera {
+    /// The camera's axes.
+    ///
+    /// # Errors
+    /// [`CameraError`] if the fields do not make a camera.
+    pub fn basis(&self) -> Result<CameraBasis, CameraError> {
+        let (what, range, value, good) = match self.projection {
+            Projection::Perspective { fov_y } => {
+                let range = "above 0 and below 180 degrees";
+                ("field of view", range, fov_y.to_degrees(), fov_y > 0.0 && fov_y < std::f64::consts::PI)
+            }
+            Projection::Orthographic { height } => {
+                ("height", "above 0 and finite", height, height > 0.0 && height.is_finite())
+            }
+        };
+        if !good {
+            return Err(CameraError::OutOfRange { what, range, value });
+        }
+        if let Some(near) = self.near.filter(|near| !(*near > 0.0 && near.is_finite())) {
+            let range = "above 0 and finite";
+            return Err(CameraError::OutOfRange { what: "near distance", range, value: near });
+        }
+        let no_direction = CameraError::NoDirection { eye: self.eye, target: self.target };
+        let forward = (self.target - self.eye).try_normalize().ok_or(no_direction)?;
+        let no_up = CameraError::NoUp { up: self.up, forward };
+        let up_hint = self.up.try_normalize().ok_or(no_up)?;
+        let side = forward.cross(up_hint);
+        if side.length() < 1e-9 {
+            return Err(no_up);
+        }
+        let right = side.normalize();
+        Ok(CameraBasis { right, up: right.cross(forward), forward })
+    }
+}

@@ -1,0 +1,63 @@
+//! Lights.
+
+use glam::DVec3;
+
+/// What a light's direction or place is given in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LightSpace {
+    /// Stays where it is when the camera moves.
+    World,
+    /// Moves with the camera: x right, y up, z towards the viewer, origin at the eye.
+    Camera,
+}
+
+/// A light. Colours are linear and may be above 1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Light {
+    /// The same from everywhere.
+    Ambient {
+        /// Linear RGB.
+        color: [f32; 3],
+    },
+    /// From infinitely far away.
+    Directional {
+        /// Towards the light; any length above 0.
+        to_light: DVec3,
+        /// What `to_light` is given in.
+        space: LightSpace,
+        /// Linear RGB.
+        color: [f32; 3],
+    },
+    /// From one place; brightness does not fall off with distance.
+    Point {
+        /// Where it stands.
+        position: DVec3,
+        /// What `position` is given in.
+        space: LightSpace,
+        /// Linear RGB.
+        color: [f32; 3],
+    },
+}
+
+impl Light {
+    /// A light at the camera that shines where it looks.
+    pub fn headlight(color: [f32; 3]) -> Self {
+        Self::Directional { to_light: DVec3::Z, space: LightSpace::Camera, color }
+    }
+
+    /// The lights of a picture for which none were chosen: a warm key light over the viewer's left shoulder,
+    /// a cool fill light from the right, and a little from everywhere.
+    pub fn studio() -> Vec<Self> {
+        let camera = |x, y, z, color| Self::Directional {
+            to_light: DVec3::new(x, y, z),
+            space: LightSpace::Camera,
+            color,
+        };
+        vec![
+            Self::Ambient { color: [0.10, 0.105, 0.12] },
+            camera(-0.45, 0.65, 0.75, [0.82, 0.80, 0.76]),
+            camera(0.85, 0.10, 0.45, [0.20, 0.23, 0.28]),
+            camera(0.0, -0.9, 0.3, [0.06, 0.055, 0.05]),
+        ]
+    }
+}

@@ -1,0 +1,104 @@
+//! The scene: meshes in their places, lights, background.
+
+use std::sync::Arc;
+
+use glam::DAffine3;
+use tercio_mesh::{Aabb, ClusteredMesh};
+
+use crate::Light;
+
+/// Everything that is drawn.
+#[derive(Clone, Debug, Default)]
+pub struct Scene {
+    /// Meshes in their places. Primitive numbers of the picture run through the instances in order.
+    pub instances: Vec<Instance>,
+    /// The lights.
+    pub lights: Vec<Light>,
+    /// What stands where nothing is drawn.
+    pub background: Background,
+}
+
+/// A mesh in its place.
+#[derive(Clone, Debug)]
+pub struct Instance {
+    /// What is drawn; several instances may share it.
+    pub mesh: Arc<ClusteredMesh>,
+    /// Places the mesh in the world; applied after the mesh's own origin is added.
+    pub world_from_object: DAffine3,
+    /// How it looks.
+    pub surface: Surface,
+}
+
+impl Instance {
+    /// The mesh where its file puts it.
+    pub fn new(mesh: Arc<ClusteredMesh>) -> Self {
+        Self { mesh, world_from_object: DAffine3::IDENTITY, surface: Surface::default() }
+    }
+
+    /// World-space bounds.
+    pub fn bounds(&self) -> Aabb {
+        let own = self.mesh.bounds;
+        if own.is_empty() || self.world_from_object == DAffine3::IDENTITY {
+            return own;
+        }
+        let mut bounds = Aabb::EMPTY;
+        own.corners().into_iter().for_each(|c| bounds.add(self.world_from_object.transform_point3(c)));
+        bounds
+    }
+}
+
+/// How a surface answers light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Surface {
+    /// Linear RGB where the mesh has no colours of its own.
+    pub base_color: [f32; 3],
+    /// False draws everything in `base_color`, whatever colours the mesh has.
+    pub use_mesh_colors: bool,
+    /// Strength of the highlight in Phong shading, 0 for none.
+    pub specular: f32,
+    /// log2 of the highlight's exponent, 0 to 10: 5 means 32.
+    pub shininess_log2: u32,
+}
+
+impl Default for Surface {
+    fn default() -> Self {
+        // A light clay: bright enough to show form, below white so that highlights stand out.
+        Self { base_color: [0.62, 0.60, 0.57], use_mesh_colors: true, specular: 0.06, shininess_log2: 5 }
+    }
+}
+
+/// What stands where nothing is drawn; sRGB, 0 to 1, alpha linear.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Background {
+    /// One colour.
+    Solid([f32; 4]),
+    /// From the upper border to the lower one.
+    Gradient {
+        /// At the upper border.
+        top: [f32; 4],
+        /// At the lower border.
+        bottom: [f32; 4],
+    },
+}
+
+impl Default for Background {
+    fn default() -> Self {
+        Self::Gradient { top: [0.93, 0.94, 0.96, 1.0], bottom: [0.70, 0.73, 0.78, 1.0] }
+    }
+}
+
+impl Scene {
+    /// One mesh under the default lights.
+    pub fn of_mesh(mesh: Arc<ClusteredMesh>) -> Self {
+        Self {
+            instances: vec![Instance::new(mesh)],
+            lights: Light::studio(),
+            background: Background::default(),
+        }
+    }
+
+    /// World-space bounds of all instances.
+    pub fn bounds(&self) -> Aabb {
+        self.instances.iter().fold(Aabb::EMPTY, |b, i| b.union(i.bounds()))
+    }
+}
