@@ -47,7 +47,9 @@ pub enum ReadError {
         found: String,
     },
     /// The content is of no format that is read.
-    #[error("{file}: not a model that tercio reads (PLY, OBJ, STL, OFF, each also gzip-compressed); it begins with {begins}")]
+    #[error(
+        "{file}: not a model that tercio reads (PLY, OBJ, STL, OFF, each also gzip-compressed); it begins with {begins}"
+    )]
     UnknownFormat {
         /// File name as the user gave it.
         file: String,

@@ -83,19 +83,13 @@ impl Mesh {
             .par_chunks(1 << 16)
             .map(|chunk| {
                 chunk.iter().fold(([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]), |(lo, hi), p| {
-                    (
-                        std::array::from_fn(|k| lo[k].min(p[k])),
-                        std::array::from_fn(|k| hi[k].max(p[k])),
-                    )
+                    (std::array::from_fn(|k| lo[k].min(p[k])), std::array::from_fn(|k| hi[k].max(p[k])))
                 })
             })
             .reduce(
                 || ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]),
                 |a, b| {
-                    (
-                        std::array::from_fn(|k| a.0[k].min(b.0[k])),
-                        std::array::from_fn(|k| a.1[k].max(b.1[k])),
-                    )
+                    (std::array::from_fn(|k| a.0[k].min(b.0[k])), std::array::from_fn(|k| a.1[k].max(b.1[k])))
                 },
             );
         if self.positions.is_empty() {
@@ -128,7 +122,11 @@ impl Mesh {
 /// most two bits at zero, so it stays where it is and its positions stand in memory as in the file.
 pub fn choose_origin(bounds: &Aabb) -> DVec3 {
     let farthest = bounds.min.abs().max(bounds.max.abs()).max_element();
-    if bounds.is_empty() || farthest <= 4.0 * bounds.size().max_element() { DVec3::ZERO } else { bounds.center() }
+    if bounds.is_empty() || farthest <= 4.0 * bounds.size().max_element() {
+        DVec3::ZERO
+    } else {
+        bounds.center()
+    }
 }
 
 /// Positions relative to the origin of [`choose_origin`], from file coordinates. Non-finite positions are

@@ -89,11 +89,8 @@ pub fn open(path: &Path, options: &ReadOptions) -> Result<Input, ReadError> {
     // SAFETY: the map is only read. Another process that shortens the file meanwhile ends this one with
     // SIGBUS, as for every program that maps files; no other memory is touched.
     let map = unsafe { Mmap::map(&file) }.map_err(io_error)?;
-    let content = if is_gzip(&map) {
-        Content::Owned(inflate(&name, &map[..], options)?)
-    } else {
-        Content::Mapped(map)
-    };
+    let content =
+        if is_gzip(&map) { Content::Owned(inflate(&name, &map[..], options)?) } else { Content::Mapped(map) };
     Ok(Input { name, base, file_bytes, content })
 }
 
