@@ -53,7 +53,7 @@ impl<'a> FrameContext<'a> {
             first_primitive.push(triangles);
             first_face.push(faces);
             clusters += mesh.clusters.len() as u64;
-            triangles += mesh.triangle_count();
+            triangles += mesh.triangle_count() as u64;
             faces += faces_of(mesh);
             first_cluster.push(clusters.min(u64::from(u32::MAX)) as u32);
         }
@@ -73,7 +73,7 @@ impl<'a> FrameContext<'a> {
 
     /// Triangles of all instances.
     pub fn triangles(&self) -> u64 {
-        self.scene.instances.iter().map(|i| i.mesh.triangle_count()).sum()
+        self.scene.instances.iter().map(|i| i.mesh.triangle_count() as u64).sum()
     }
 
     /// The instance that a cluster belongs to, and the cluster's number in its mesh.
@@ -116,6 +116,6 @@ impl<'a> FrameContext<'a> {
 pub fn faces_of(mesh: &ClusteredMesh) -> u64 {
     match &mesh.face_of_triangle {
         Some(faces) => faces.last().map_or(0, |&last| u64::from(last) + 1),
-        None => mesh.triangle_count(),
+        None => mesh.triangle_count() as u64,
     }
 }

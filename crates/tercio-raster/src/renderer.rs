@@ -35,7 +35,9 @@ pub enum RenderError {
         value: String,
     },
     /// More triangles than can be numbered.
-    #[error("the scene holds {triangles} triangles in {clusters} clusters; 32 bits do not suffice to number them")]
+    #[error(
+        "the scene holds {triangles} triangles in {clusters} clusters; 32 bits do not suffice to number them"
+    )]
     TooLarge {
         /// Triangles of all instances.
         triangles: u64,
@@ -67,7 +69,12 @@ impl Renderer {
     ///
     /// # Errors
     /// A camera or setting that makes no picture, or a scene too large to be numbered.
-    pub fn render(&mut self, scene: &Scene, camera: &Camera, settings: &Settings) -> Result<Frame, RenderError> {
+    pub fn render(
+        &mut self,
+        scene: &Scene,
+        camera: &Camera,
+        settings: &Settings,
+    ) -> Result<Frame, RenderError> {
         let mut frame = Frame::default();
         self.render_into(scene, camera, settings, &mut frame)?;
         Ok(frame)
@@ -126,7 +133,11 @@ impl Renderer {
 
         let milliseconds = |from: Instant, to: Instant| (to - from).as_secs_f64() * 1e3;
         frame.stats = FrameStats {
-            frontend: self.batches.iter().map(|b| b.counts).fold(FrontEndCounts::default(), FrontEndCounts::plus),
+            frontend: self
+                .batches
+                .iter()
+                .map(|b| b.counts)
+                .fold(FrontEndCounts::default(), FrontEndCounts::plus),
             binning: BinningCounts::of(&self.batches, &grid),
             backend: backend.finish(),
             milliseconds: StageTimes {

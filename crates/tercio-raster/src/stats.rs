@@ -108,7 +108,8 @@ impl FrontEndCounts {
             clusters_outside: self.clusters_outside + o.clusters_outside,
             clusters_facing: self.clusters_facing + o.clusters_facing,
             triangles_in: self.triangles_in + o.triangles_in,
-            triangles_in_outside_clusters: self.triangles_in_outside_clusters + o.triangles_in_outside_clusters,
+            triangles_in_outside_clusters: self.triangles_in_outside_clusters
+                + o.triangles_in_outside_clusters,
             triangles_in_facing_clusters: self.triangles_in_facing_clusters + o.triangles_in_facing_clusters,
             triangles_outside: self.triangles_outside + o.triangles_outside,
             triangles_no_area: self.triangles_no_area + o.triangles_no_area,

@@ -55,7 +55,8 @@ impl View {
         // A perspective camera may stand inside the model: the plane is then as near as the precision of
         // positions allows. In front of the model its place does not matter, depth being relative to it.
         let size = bounds.radius().max(f64::MIN_POSITIVE.sqrt());
-        let automatic = if perspective { (1e-4 * size).max(0.5 * nearest) } else { nearest.max(0.0) - 1e-3 * size };
+        let automatic =
+            if perspective { (1e-4 * size).max(0.5 * nearest) } else { nearest.max(0.0) - 1e-3 * size };
         let near = camera.near.unwrap_or(if perspective { automatic } else { automatic.max(0.0) });
         let far = farthest.max(near) + 1e-2 * size;
         Ok(Self { width, height, eye: camera.eye, basis, perspective, scale, near, far })

@@ -112,7 +112,13 @@ pub struct CornerLanes {
 
 impl CornerLanes {
     /// Fetches the corners of all lanes; all slots belong to `instance`.
-    pub fn fetch(&mut self, context: &FrameContext, instance: usize, slots: &[u32; LANES], colors: ColorSource) {
+    pub fn fetch(
+        &mut self,
+        context: &FrameContext,
+        instance: usize,
+        slots: &[u32; LANES],
+        colors: ColorSource,
+    ) {
         let scene_instance = &context.scene.instances[instance];
         let mesh = &*scene_instance.mesh;
         let mut before = None;

@@ -36,7 +36,11 @@ pub fn tile<S: Simd>(
     for (block, slots) in memory.slot.chunks_exact(LANES).enumerate() {
         let (bx, by) = (block % memory.blocks, block / memory.blocks);
         for (lane, &slot) in slots.iter().enumerate() {
-            if slot == NO_SLOT {
+            let x = ((bx << BLOCK_BITS) as i32) + LANE_X[lane];
+            let y = ((by << BLOCK_BITS) as i32) + LANE_Y[lane];
+            // Blocks at the border of the picture hold samples beyond it.
+            let beyond = memory.corner[0] + x > memory.last[0] || memory.corner[1] + y > memory.last[1];
+            if slot == NO_SLOT || beyond {
                 continue;
             }
             counts.pixels_shaded += 1;
@@ -45,8 +49,6 @@ pub fn tile<S: Simd>(
                 flush(simd, context, instance, &mut fragments, &mut corners, pixels, planes);
                 instance = own;
             }
-            let x = ((bx << BLOCK_BITS) as i32) + LANE_X[lane];
-            let y = ((by << BLOCK_BITS) as i32) + LANE_Y[lane];
             let place = (y as usize * pixels.width + x as usize) as u32;
             let depth = memory.depth[block * LANES + lane];
             if fragments.push(memory.corner[0] + x, memory.corner[1] + y, place, slot, depth) {

@@ -165,8 +165,7 @@ impl TileMemory {
             wins = wins | mask32x16::from_bitmask(simd, u64::from(more));
         }
         wins.select(depth, before).store_slice(old_depth);
-        let before: i32x16<S> =
-            fearless_simd::u32x16::from_slice(simd, old_slot).bitcast();
+        let before: i32x16<S> = fearless_simd::u32x16::from_slice(simd, old_slot).bitcast();
         wins.select(slots, before).bitcast::<fearless_simd::u32x16<S>>().store_slice(old_slot);
     }
 }

@@ -67,9 +67,8 @@ pub fn clip_triangle(
 }
 
 fn to_clip(view: &ObjectView, p: [f32; 3]) -> ClipVertex {
-    let row = |r: &[f64; 4]| {
-        ((f64::from(p[0]) * r[0] + f64::from(p[1]) * r[1]) + f64::from(p[2]) * r[2]) + r[3]
-    };
+    let row =
+        |r: &[f64; 4]| ((f64::from(p[0]) * r[0] + f64::from(p[1]) * r[1]) + f64::from(p[2]) * r[2]) + r[3];
     let rows = &view.exact;
     ClipVertex { x: row(&rows.x), y: row(&rows.y), w: row(&rows.w), d: row(&rows.d), kept: None }
 }

@@ -49,9 +49,8 @@ pub fn place(view: &View, object: &ObjectView, cluster: &Cluster) -> Placement {
     if check(near) {
         return Placement::Outside;
     }
-    let combine = |factor: f64, row: &[f64; 4], sign: f64| {
-        std::array::from_fn(|k| factor * rows.w[k] + sign * row[k])
-    };
+    let combine =
+        |factor: f64, row: &[f64; 4], sign: f64| std::array::from_fn(|k| factor * rows.w[k] + sign * row[k]);
     let mut outside = false;
     for (row, border) in [(&rows.x, border[0]), (&rows.y, border[1])] {
         for sign in [1.0, -1.0] {

@@ -33,9 +33,7 @@ pub fn project<S: Simd>(simd: S, view: &ObjectView, p: [f32x16<S>; 3]) -> Projec
         (cx, cy, d, d.simd_le(splat(simd, 1.0)))
     };
     let guard = splat(simd, GUARD);
-    let snap = |v: f32x16<S>, offset: i32| {
-        v.round_ties_even().to_int::<i32x16<S>>() + splat_i(simd, offset)
-    };
+    let snap = |v: f32x16<S>, offset: i32| v.round_ties_even().to_int::<i32x16<S>>() + splat_i(simd, offset);
     Projected {
         x: snap(x, view.offset[0]),
         y: snap(y, view.offset[1]),

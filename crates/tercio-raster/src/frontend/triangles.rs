@@ -1,8 +1,8 @@
 //! One cluster: its vertices to the screen, then its triangles 16 at a time.
 
 use fearless_simd::Simd;
-use fearless_simd::prelude::*;
 use fearless_simd::i32x16;
+use fearless_simd::prelude::*;
 use tercio_mesh::ClusteredMesh;
 use tercio_mesh::cluster::{Cluster, MAX_VERTICES};
 
@@ -130,9 +130,7 @@ impl ClusterPass {
 
         // Is there a sample of the picture in the box?
         let first = |v: i32x16<S>| ((v + (SAMPLE - 1)) >> SUBPIXEL_BITS).max(splat_i(simd, 0));
-        let last = |v: i32x16<S>, n: u32| {
-            ((v - SAMPLE) >> SUBPIXEL_BITS).min(splat_i(simd, n as i32 - 1))
-        };
+        let last = |v: i32x16<S>, n: u32| ((v - SAMPLE) >> SUBPIXEL_BITS).min(splat_i(simd, n as i32 - 1));
         let hits = first(min_x).simd_le(last(max_x, context.view.width))
             & first(min_y).simd_le(last(max_y, context.view.height));
         let hits = hits.to_bitmask() as u32 & live;

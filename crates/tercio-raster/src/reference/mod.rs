@@ -35,7 +35,12 @@ struct Sample {
 ///
 /// # Panics
 /// If there are not as many meshes as instances.
-pub fn render(meshes: &[&Mesh], scene: &Scene, camera: &Camera, settings: &Settings) -> Result<Frame, RenderError> {
+pub fn render(
+    meshes: &[&Mesh],
+    scene: &Scene,
+    camera: &Camera,
+    settings: &Settings,
+) -> Result<Frame, RenderError> {
     assert_eq!(meshes.len(), scene.instances.len(), "one plain mesh an instance");
     settings.check()?;
     let (width, height) = (settings.width as usize, settings.height as usize);
@@ -120,9 +125,8 @@ fn first_faces(meshes: &[&Mesh]) -> Vec<u32> {
 /// Calls `emit(x, y, depth)` for every sample that a triangle covers.
 fn rasterize(v: [ScreenVertex; 3], settings: &Settings, mut emit: impl FnMut(usize, usize, f32)) {
     // Positive where p lies clockwise of the edge from a to b, on a screen whose y runs downwards.
-    let edge = |a: [i64; 2], b: [i64; 2], p: [i64; 2]| {
-        (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0])
-    };
+    let edge =
+        |a: [i64; 2], b: [i64; 2], p: [i64; 2]| (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0]);
     let at = v.map(|v| [i64::from(v.x), i64::from(v.y)]);
     let area = edge(at[0], at[1], at[2]);
     let culled = match settings.cull {

@@ -125,10 +125,13 @@ fn corner_colors(mesh: &Mesh, triangle: usize, surface: &Surface) -> Option<[Vec
     } else if let Some(colors) = &mesh.vertex_colors {
         Some(Mesh::canonical(mesh.triangles[triangle]).map(|v| linear(colors[v as usize])))
     } else {
-        let material = mesh.materials.get(mesh.triangle_materials.as_ref()?[triangle] as usize)?;
+        let materials = mesh.triangle_materials.as_ref().filter(|_| !mesh.materials.is_empty())?;
         let level = |c: f32| (c.clamp(0.0, 1.0) * 255.0 + 0.5) as u8;
-        let [r, g, b] = material.diffuse.map(level);
-        Some([linear([r, g, b, 255]); 3])
+        let color = match mesh.materials.get(materials[triangle] as usize) {
+            Some(m) => linear([level(m.diffuse[0]), level(m.diffuse[1]), level(m.diffuse[2]), 255]),
+            None => surface.base_color,
+        };
+        Some([color; 3])
     }
 }
 
@@ -155,7 +158,13 @@ fn barycentrics(object: &ObjectView, p: [Vec3; 3], pixel: [i32; 2]) -> [f32; 3] 
 }
 
 /// Diffuse light and highlights of all lights.
-fn reflect(lights: &LightRig, surface: &Surface, normal: Vec3, to_viewer: Vec3, position: Vec3) -> (Vec3, Vec3) {
+fn reflect(
+    lights: &LightRig,
+    surface: &Surface,
+    normal: Vec3,
+    to_viewer: Vec3,
+    position: Vec3,
+) -> (Vec3, Vec3) {
     let (mut diffuse, mut specular) = (lights.ambient, [0.0; 3]);
     let distant = lights.distant.iter().map(|l| (l.to_light, l.color));
     let near = lights.near.iter().map(|l| {
