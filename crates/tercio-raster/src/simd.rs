@@ -5,10 +5,42 @@
 //! ([`crate::Renderer`] does it) and nowhere else.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x16, i32x16};
+use fearless_simd::{Level, Simd, f32x16, i32x16};
 
 /// Lanes of every kernel: one 4x4 block of samples, or 16 vertices, triangles or pixels.
 pub const LANES: usize = 16;
+
+/// `[f(0), f(1), f(2)]`, written out: a closure would not be compiled at the kernel's SIMD level.
+macro_rules! each3 {
+    ($k:ident => $value:expr) => {
+        [
+            {
+                const $k: usize = 0;
+                $value
+            },
+            {
+                const $k: usize = 1;
+                $value
+            },
+            {
+                const $k: usize = 2;
+                $value
+            },
+        ]
+    };
+}
+pub(crate) use each3;
+
+/// Runs a part of a kernel. At the scalar level it is a function of its own: 16 lanes written out one by one
+/// make code so long that compiling it in one piece takes minutes.
+#[inline(always)]
+pub fn part<S: Simd, R>(simd: S, work: impl FnOnce() -> R) -> R {
+    #[inline(never)]
+    fn on_its_own<R>(work: impl FnOnce() -> R) -> R {
+        work()
+    }
+    if matches!(simd.level(), Level::Fallback(_)) { on_its_own(work) } else { work() }
+}
 
 /// Loads 16 numbers.
 #[inline(always)]
@@ -31,20 +63,31 @@ pub fn splat_i<S: Simd>(simd: S, value: i32) -> i32x16<S> {
 /// `((x * r0 + y * r1) + z * r2) + r3`, each product and sum rounded.
 #[inline(always)]
 pub fn row<S: Simd>(simd: S, r: &[f32; 4], p: [f32x16<S>; 3]) -> f32x16<S> {
-    let k = |i: usize| splat(simd, r[i]);
-    ((p[0] * k(0) + p[1] * k(1)) + p[2] * k(2)) + k(3)
+    part(
+        simd,
+        #[inline(always)]
+        || ((p[0] * r[0] + p[1] * r[1]) + p[2] * r[2]) + splat(simd, r[3]),
+    )
 }
 
 /// `(a0 * b0 + a1 * b1) + a2 * b2`.
 #[inline(always)]
 pub fn dot<S: Simd>(a: [f32x16<S>; 3], b: [f32x16<S>; 3]) -> f32x16<S> {
-    (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]
+    part(
+        a[0].simd,
+        #[inline(always)]
+        || (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2],
+    )
 }
 
 /// `a x b`.
 #[inline(always)]
 pub fn cross<S: Simd>(a: [f32x16<S>; 3], b: [f32x16<S>; 3]) -> [f32x16<S>; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+    part(
+        a[0].simd,
+        #[inline(always)]
+        || [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]],
+    )
 }
 
 #[cfg(target_arch = "x86_64")]
@@ -67,7 +110,7 @@ fearless_simd::kernel!(
 #[inline(always)]
 pub fn lookup<S: Simd>(simd: S, table: &[i32; 64], index: &[u8; 16]) -> i32x16<S> {
     #[cfg(target_arch = "x86_64")]
-    if let fearless_simd::Level::Avx512(token) = simd.level() {
+    if let Level::Avx512(token) = simd.level() {
         return lookup_avx512(token, table, index).simd_into(simd);
     }
     i32x16::from_fn(simd, |lane| table[usize::from(index[lane] & 63)])

@@ -5,7 +5,7 @@ use fearless_simd::{Simd, f32x16};
 use tercio_scene::Surface;
 
 use crate::lighting::LightRig;
-use crate::simd::{dot, splat};
+use crate::simd::{dot, each3, part, splat};
 
 /// Three components of 16 points.
 pub type Vec3x16<S> = [f32x16<S>; 3];
@@ -21,17 +21,39 @@ pub struct Reflected<S: Simd> {
 /// A vector of length 1 in the same direction; `instead` where the length is next to nothing.
 #[inline(always)]
 pub fn normalize<S: Simd>(simd: S, v: Vec3x16<S>, instead: Vec3x16<S>) -> Vec3x16<S> {
-    let square = dot(v, v);
-    let long_enough = square.simd_gt(splat(simd, 1e-30));
-    let inverse = splat(simd, 1.0) / square.sqrt();
-    [0, 1, 2].map(|k| long_enough.select(v[k] * inverse, instead[k]))
+    part(
+        simd,
+        #[inline(always)]
+        || {
+            let square = dot(v, v);
+            let long_enough = square.simd_gt(splat(simd, 1e-30));
+            let inverse = splat(simd, 1.0) / square.sqrt();
+            each3!(K => long_enough.select(v[K] * inverse, instead[K]))
+        },
+    )
 }
 
 /// Lambert's diffuse light and Blinn's highlights of all lights.
 ///
-/// `normal` and `to_viewer` are unit vectors in world axes, `position` is relative to the eye.
-#[inline(always)]
+/// `normal` and `to_viewer` are unit vectors in world axes, `position` is relative to the eye. Not inlined: it
+/// is long, and called from four places.
+#[inline(never)]
 pub fn reflect<S: Simd>(
+    simd: S,
+    rig: &LightRig,
+    surface: &Surface,
+    normal: &Vec3x16<S>,
+    to_viewer: &Vec3x16<S>,
+    position: &Vec3x16<S>,
+) -> Reflected<S> {
+    simd.vectorize(
+        #[inline(always)]
+        || sum_lights(simd, rig, surface, *normal, *to_viewer, *position),
+    )
+}
+
+#[inline(always)]
+fn sum_lights<S: Simd>(
     simd: S,
     rig: &LightRig,
     surface: &Surface,
@@ -40,13 +62,13 @@ pub fn reflect<S: Simd>(
     position: Vec3x16<S>,
 ) -> Reflected<S> {
     let zero = splat(simd, 0.0);
-    let mut sum = Reflected { diffuse: rig.ambient.map(|c| splat(simd, c)), specular: [zero; 3] };
+    let mut sum = Reflected { diffuse: each3!(K => splat(simd, rig.ambient[K])), specular: [zero; 3] };
     for light in &rig.distant {
-        let to_light = light.to_light.map(|c| splat(simd, c));
+        let to_light = each3!(K => splat(simd, light.to_light[K]));
         add_light(simd, surface, normal, to_viewer, to_light, light.color, &mut sum);
     }
     for light in &rig.near {
-        let offset = [0, 1, 2].map(|k| splat(simd, light.position[k]) - position[k]);
+        let offset = each3!(K => splat(simd, light.position[K]) - position[K]);
         let to_light = normalize(simd, offset, to_viewer);
         add_light(simd, surface, normal, to_viewer, to_light, light.color, &mut sum);
     }
@@ -63,24 +85,30 @@ fn add_light<S: Simd>(
     color: [f32; 3],
     sum: &mut Reflected<S>,
 ) {
-    let zero = splat(simd, 0.0);
-    let cosine = dot(normal, to_light);
-    let lit = cosine.simd_gt(zero);
-    let cosine = lit.select(cosine, zero);
-    for k in 0..3 {
-        sum.diffuse[k] = sum.diffuse[k] + cosine * color[k];
-    }
-    if surface.specular > 0.0 {
-        let between = [0, 1, 2].map(|k| to_light[k] + to_viewer[k]);
-        let half = normalize(simd, between, to_viewer);
-        let mut power = dot(normal, half);
-        power = (power.simd_gt(zero) & lit).select(power, zero);
-        for _ in 0..surface.shininess_log2 {
-            power = power * power;
-        }
-        let strength = power * surface.specular;
-        for k in 0..3 {
-            sum.specular[k] = sum.specular[k] + strength * color[k];
-        }
-    }
+    part(
+        simd,
+        #[inline(always)]
+        || {
+            let zero = splat(simd, 0.0);
+            let cosine = dot(normal, to_light);
+            let lit = cosine.simd_gt(zero);
+            let cosine = lit.select(cosine, zero);
+            for k in 0..3 {
+                sum.diffuse[k] = sum.diffuse[k] + cosine * color[k];
+            }
+            if surface.specular > 0.0 {
+                let between = each3!(K => to_light[K] + to_viewer[K]);
+                let half = normalize(simd, between, to_viewer);
+                let mut power = dot(normal, half);
+                power = (power.simd_gt(zero) & lit).select(power, zero);
+                for _ in 0..surface.shininess_log2 {
+                    power = power * power;
+                }
+                let strength = power * surface.specular;
+                for k in 0..3 {
+                    sum.specular[k] = sum.specular[k] + strength * color[k];
+                }
+            }
+        },
+    )
 }

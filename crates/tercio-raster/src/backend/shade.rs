@@ -4,7 +4,7 @@
 //! projects them again as the front end did, and interpolates between them.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x16, i32x16};
+use fearless_simd::{Simd, f32x16, i32x16, mask32x16, u32x16};
 
 use super::fetch::{ColorSource, CornerLanes, Fragments};
 use super::light::{Vec3x16, normalize, reflect};
@@ -16,7 +16,7 @@ use crate::conventions::{SAMPLE, SUBPIXELS};
 use crate::frontend::clip::barycentrics_unclipped;
 use crate::frontend::transform::{Projected, project};
 use crate::settings::Shading;
-use crate::simd::{LANES, cross, dot, load, row, splat, splat_i};
+use crate::simd::{LANES, cross, dot, each3, load, part, row, splat};
 use crate::stats::BackEndCounts;
 use crate::view::ObjectView;
 
@@ -59,8 +59,9 @@ pub fn tile<S: Simd>(
     flush(simd, context, instance, &mut fragments, &mut corners, pixels, planes);
 }
 
-/// Shades the pixels gathered so far.
-#[inline(always)]
+/// Shades the pixels gathered so far. Not inlined, so that the kernel is compiled once a level, not three
+/// times.
+#[inline(never)]
 fn flush<S: Simd>(
     simd: S,
     context: &FrameContext,
@@ -97,76 +98,117 @@ fn shade_16<S: Simd>(
     let source = ColorSource::of(mesh, surface);
     corners.fetch(context, instance, &fragments.slot, source);
 
-    let p: [Vec3x16<S>; 3] = [0, 1, 2].map(|k| [0, 1, 2].map(|a| load(simd, &corners.position[k][a])));
+    let p: Corners16<S> = each3!(K => load3(simd, &corners.position[K]));
     let weight = barycentrics(simd, object, fragments, corners, p);
-    let mix = |v: [f32x16<S>; 3]| (weight[0] * v[0] + weight[1] * v[1]) + weight[2] * v[2];
 
-    // The plane of the triangle, on the side from which it is seen.
-    let edge = |k: usize| -> Vec3x16<S> { [0, 1, 2].map(|a| (p[k][a] - p[0][a]) * object.inverse_size) };
-    let plane = cross(edge(1), edge(2));
-    let viewer = object.viewer.map(|v| splat(simd, v));
-    let sight = if object.perspective { [0, 1, 2].map(|a| viewer[a] - p[0][a]) } else { viewer };
-    let seen_from_back = dot(plane, sight).simd_lt(splat(simd, 0.0));
+    // The plane of the triangle, and the side from which it is seen.
+    let edge_1 = each3!(A => (p[1][A] - p[0][A]) * object.inverse_size);
+    let edge_2 = each3!(A => (p[2][A] - p[0][A]) * object.inverse_size);
+    let plane = cross(edge_1, edge_2);
+    let viewer = each3!(A => splat(simd, object.viewer[A]));
+    let sight = if object.perspective { each3!(A => viewer[A] - p[0][A]) } else { viewer };
+    let side = Side { plane, from_back: dot(plane, sight).simd_lt(splat(simd, 0.0)) };
 
-    // A normal is turned to the side of the triangle that is seen, whatever its winding is.
-    let world = |n: Vec3x16<S>| object.normal_matrix.map(|r| dot(n, r.map(|c| splat(simd, c))));
-    let to_world = object.world_from_local;
-    let position_of = |q: Vec3x16<S>| -> Vec3x16<S> {
-        [0, 1, 2].map(|k| {
-            let r = to_world[k];
-            row(simd, &[r[0], r[1], r[2], object.eye_from_local[k]], q)
-        })
+    let normals: Corners16<S> = if mesh.normals.is_some() {
+        each3!(K => decode_normal(simd, &corners.normal[K]))
+    } else {
+        [plane; 3]
     };
-    let to_viewer_from = |q: Vec3x16<S>| -> Vec3x16<S> {
-        let distant = context.lights.to_viewer.map(|c| splat(simd, c));
-        if object.perspective { normalize(simd, q.map(|c| -c), distant) } else { distant }
-    };
-    let facing = |n: Vec3x16<S>, to_viewer: Vec3x16<S>| -> Vec3x16<S> {
-        let against = dot(n, plane).simd_lt(splat(simd, 0.0));
-        let turn = (against & !seen_from_back) | (seen_from_back & !against);
-        let n = world(n.map(|c| turn.select(-c, c)));
-        normalize(simd, n, to_viewer)
-    };
-    let corner_normal = |k: usize| -> Vec3x16<S> {
-        if mesh.normals.is_some() { decode_normal(simd, &corners.normal[k]) } else { plane }
-    };
-
-    let position = position_of([0, 1, 2].map(|a| mix([p[0][a], p[1][a], p[2][a]])));
-    let to_viewer = to_viewer_from(position);
-    let smooth = || -> Vec3x16<S> {
-        let n = [0, 1, 2].map(corner_normal);
-        [0, 1, 2].map(|a| mix([n[0][a], n[1][a], n[2][a]]))
-    };
+    let position = to_eye(simd, object, mix3(weight, p));
+    let to_viewer = towards_viewer(simd, context, object, position);
     let flat = context.settings.shading == Shading::Flat;
-    let normal = facing(if flat { plane } else { smooth() }, to_viewer);
+    let normal = side.turn(simd, object, if flat { plane } else { mix3(weight, normals) }, to_viewer);
 
     let albedo: Vec3x16<S> = match source {
-        ColorSource::Base => surface.base_color.map(|c| splat(simd, c)),
-        _ => [0, 1, 2].map(|c| mix([0, 1, 2].map(|k| load(simd, &corners.color[k][c])))),
+        ColorSource::Base => each3!(C => splat(simd, surface.base_color[C])),
+        _ => mix3(weight, each3!(K => load3(simd, &corners.color[K]))),
     };
     let lit: Vec3x16<S> = match context.settings.shading {
         Shading::Unlit => albedo,
         Shading::Flat | Shading::Phong => {
-            let light = reflect(simd, &context.lights, surface, normal, to_viewer, position);
-            [0, 1, 2].map(|k| albedo[k] * light.diffuse[k] + light.specular[k])
+            let light = reflect(simd, &context.lights, surface, &normal, &to_viewer, &position);
+            each3!(C => albedo[C] * light.diffuse[C] + light.specular[C])
         }
         Shading::Gouraud => {
-            let at_corner = [0, 1, 2].map(|k| {
-                let position = position_of(p[k]);
-                let to_viewer = to_viewer_from(position);
-                let normal = facing(corner_normal(k), to_viewer);
-                reflect(simd, &context.lights, surface, normal, to_viewer, position)
+            let at_corner = each3!(K => {
+                let position = to_eye(simd, object, p[K]);
+                let to_viewer = towards_viewer(simd, context, object, position);
+                let normal = side.turn(simd, object, normals[K], to_viewer);
+                reflect(simd, &context.lights, surface, &normal, &to_viewer, &position)
             });
-            let [a, b, c] = &at_corner;
-            [0, 1, 2].map(|k| {
-                let diffuse = mix([a.diffuse[k], b.diffuse[k], c.diffuse[k]]);
-                let specular = mix([a.specular[k], b.specular[k], c.specular[k]]);
-                albedo[k] * diffuse + specular
-            })
+            let diffuse = mix3(weight, each3!(K => at_corner[K].diffuse));
+            let specular = mix3(weight, each3!(K => at_corner[K].specular));
+            each3!(C => albedo[C] * diffuse[C] + specular[C])
         }
     };
     write_color(simd, fragments, lit, pixels, planes);
     write_geometry(context, fragments, normal, pixels, planes);
+}
+
+/// A vector at each of the three corners.
+type Corners16<S> = [Vec3x16<S>; 3];
+
+/// Loads three components.
+#[inline(always)]
+fn load3<S: Simd>(simd: S, from: &[[f32; LANES]; 3]) -> Vec3x16<S> {
+    each3!(A => load(simd, &from[A]))
+}
+
+/// Interpolates a vector between the corners.
+#[inline(always)]
+fn mix3<S: Simd>(weight: [f32x16<S>; 3], v: Corners16<S>) -> Vec3x16<S> {
+    part(
+        weight[0].simd,
+        #[inline(always)]
+        || each3!(A => (weight[0] * v[0][A] + weight[1] * v[1][A]) + weight[2] * v[2][A]),
+    )
+}
+
+/// From local coordinates to world axes relative to the eye.
+#[inline(always)]
+fn to_eye<S: Simd>(simd: S, object: &ObjectView, q: Vec3x16<S>) -> Vec3x16<S> {
+    let r = &object.world_from_local;
+    each3!(K => row(simd, &[r[K][0], r[K][1], r[K][2], object.eye_from_local[K]], q))
+}
+
+/// Unit vectors towards the viewer from positions relative to the eye.
+#[inline(always)]
+fn towards_viewer<S: Simd>(
+    simd: S,
+    context: &FrameContext,
+    object: &ObjectView,
+    position: Vec3x16<S>,
+) -> Vec3x16<S> {
+    let distant = each3!(A => splat(simd, context.lights.to_viewer[A]));
+    if object.perspective { normalize(simd, each3!(A => -position[A]), distant) } else { distant }
+}
+
+/// Which side of its triangle a pixel shows.
+#[derive(Clone, Copy)]
+struct Side<S: Simd> {
+    /// The triangle's normal by its winding, in object space, any length.
+    plane: Vec3x16<S>,
+    /// It is seen from behind.
+    from_back: mask32x16<S>,
+}
+
+impl<S: Simd> Side<S> {
+    /// A unit normal in world space, turned to the side of the triangle that is seen, whatever its winding.
+    #[inline(always)]
+    fn turn(&self, simd: S, object: &ObjectView, n: Vec3x16<S>, to_viewer: Vec3x16<S>) -> Vec3x16<S> {
+        part(
+            simd,
+            #[inline(always)]
+            || {
+                let against = dot(n, self.plane).simd_lt(splat(simd, 0.0));
+                let turn = (against & !self.from_back) | (self.from_back & !against);
+                let n = each3!(A => turn.select(-n[A], n[A]));
+                let m = &object.normal_matrix;
+                let world = each3!(K => (n[0] * m[K][0] + n[1] * m[K][1]) + n[2] * m[K][2]);
+                normalize(simd, world, to_viewer)
+            },
+        )
+    }
 }
 
 /// Perspective barycentric coordinates of each pixel's sample in its triangle: not negative, adding up to 1.
@@ -176,58 +218,78 @@ fn barycentrics<S: Simd>(
     object: &ObjectView,
     fragments: &Fragments,
     corners: &CornerLanes,
-    p: [Vec3x16<S>; 3],
+    p: Corners16<S>,
 ) -> [f32x16<S>; 3] {
-    let zero = splat(simd, 0.0);
-    let v: [Projected<S>; 3] = p.map(|p| project(simd, object, p));
-    let sample = |pixel: &[i32; LANES]| i32x16::load_array_ref(simd, pixel) * SUBPIXELS + SAMPLE;
-    let (sx, sy) = (sample(&fragments.x), sample(&fragments.y));
-    // Corners as seen from the sample: whole numbers below 2^24, exact in `f32`.
-    let x = [0, 1, 2].map(|k: usize| (v[k].x - sx).to_float::<f32x16<S>>());
-    let y = [0, 1, 2].map(|k: usize| (v[k].y - sy).to_float::<f32x16<S>>());
-    let weigh = |k: usize| {
-        let (i, j) = ((k + 1) % 3, (k + 2) % 3);
-        let area = x[i] * y[j] - y[i] * x[j];
-        if object.perspective { area * v[k].d } else { area }
-    };
-    let b = [weigh(0), weigh(1), weigh(2)];
-    let negative = ((b[0] + b[1]) + b[2]).simd_lt(zero);
-    let b = b.map(|b| {
-        let b = negative.select(-b, b);
-        b.simd_gt(zero).select(b, zero)
-    });
-    let sum = (b[0] + b[1]) + b[2];
-    let good = sum.simd_gt(zero);
-    let inverse = splat(simd, 1.0) / sum;
-    let one_corner = [splat(simd, 1.0), zero, zero];
-    let mut weight = [0, 1, 2].map(|k| good.select(b[k] * inverse, one_corner[k]));
+    part(
+        simd,
+        #[inline(always)]
+        || {
+            let zero = splat(simd, 0.0);
+            let v: [Projected<S>; 3] = each3!(K => project(simd, object, p[K]));
+            let sample_x = i32x16::load_array_ref(simd, &fragments.x) * SUBPIXELS + SAMPLE;
+            let sample_y = i32x16::load_array_ref(simd, &fragments.y) * SUBPIXELS + SAMPLE;
+            // Corners as seen from the sample: whole numbers of at most 2^24, exact in `f32`.
+            let x: [f32x16<S>; 3] = each3!(K => (v[K].x - sample_x).to_float());
+            let y: [f32x16<S>; 3] = each3!(K => (v[K].y - sample_y).to_float());
+            let mut b = each3!(K => {
+                let (i, j) = ((K + 1) % 3, (K + 2) % 3);
+                x[i] * y[j] - y[i] * x[j]
+            });
+            if object.perspective {
+                b = each3!(K => b[K] * v[K].d);
+            }
+            let negative = ((b[0] + b[1]) + b[2]).simd_lt(zero);
+            let b = each3!(K => negative.select(-b[K], b[K]));
+            let b = each3!(K => b[K].simd_gt(zero).select(b[K], zero));
+            let sum = (b[0] + b[1]) + b[2];
+            let good = sum.simd_gt(zero);
+            let inverse = splat(simd, 1.0) / sum;
+            let one_corner = [splat(simd, 1.0), zero, zero];
+            let mut weight = each3!(K => good.select(b[K] * inverse, one_corner[K]));
 
-    let inside = (v[0].inside & v[1].inside & v[2].inside).to_bitmask() as u32;
-    if inside & 0xffff != 0xffff {
-        let offset = object.offset.map(f64::from);
-        for lane in (0..LANES).filter(|lane| inside >> lane & 1 == 0) {
-            let positions = [0, 1, 2].map(|k| [0, 1, 2].map(|a| corners.position[k][a][lane]));
-            let at = |pixel: i32, offset: f64| f64::from(pixel * SUBPIXELS + SAMPLE) - offset;
-            let sample = [at(fragments.x[lane], offset[0]), at(fragments.y[lane], offset[1])];
-            let exact = barycentrics_unclipped(object, positions, sample);
-            (0..3).for_each(|k| weight[k][lane] = exact[k]);
-        }
-    }
-    weight
+            let inside = (v[0].inside & v[1].inside & v[2].inside).to_bitmask() as u32;
+            if inside & 0xffff != 0xffff {
+                for lane in 0..LANES {
+                    if inside >> lane & 1 == 0 {
+                        let exact = unclipped(object, fragments, corners, lane);
+                        (weight[0][lane], weight[1][lane], weight[2][lane]) = (exact[0], exact[1], exact[2]);
+                    }
+                }
+            }
+            weight
+        },
+    )
+}
+
+/// [`barycentrics_unclipped`] of one lane.
+#[cold]
+#[inline(never)]
+fn unclipped(object: &ObjectView, fragments: &Fragments, corners: &CornerLanes, lane: usize) -> [f32; 3] {
+    let positions = corners.position.map(|corner| corner.map(|axis| axis[lane]));
+    let pixel = [fragments.x[lane], fragments.y[lane]];
+    let at = |k: usize| f64::from(pixel[k] * SUBPIXELS + SAMPLE) - f64::from(object.offset[k]);
+    barycentrics_unclipped(object, positions, [at(0), at(1)])
 }
 
 /// [`tercio_mesh::OctNormal::decode`], lane by lane.
 #[inline(always)]
 fn decode_normal<S: Simd>(simd: S, packed: &[u32; LANES]) -> Vec3x16<S> {
-    let bits = i32x16::from_fn(simd, |lane| packed[lane] as i32);
-    let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
-    let unit = splat(simd, 1.0 / 32767.0);
-    let u = ((bits << 16) >> 16).to_float::<f32x16<S>>() * unit;
-    let v = (bits >> 16).to_float::<f32x16<S>>() * unit;
-    let z = (one - u.abs()) - v.abs();
-    let fold = z.simd_lt(zero).select(-z, zero);
-    let unfold = |c: f32x16<S>| c.simd_ge(zero).select(c - fold, c + fold);
-    [unfold(u), unfold(v), z]
+    part(
+        simd,
+        #[inline(always)]
+        || {
+            let bits: i32x16<S> = u32x16::load_array_ref(simd, packed).bitcast();
+            let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
+            let unit = splat(simd, 1.0 / 32767.0);
+            let u = ((bits << 16) >> 16).to_float::<f32x16<S>>() * unit;
+            let v = (bits >> 16).to_float::<f32x16<S>>() * unit;
+            let z = (one - u.abs()) - v.abs();
+            let fold = z.simd_lt(zero).select(-z, zero);
+            let x = u.simd_ge(zero).select(u - fold, u + fold);
+            let y = v.simd_ge(zero).select(v - fold, v + fold);
+            [x, y, z]
+        },
+    )
 }
 
 #[inline(always)]
@@ -238,27 +300,30 @@ fn write_color<S: Simd>(
     pixels: &mut TilePixels,
     planes: &Planes,
 ) {
-    let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
-    let linear = linear.map(|c| {
-        let c = c.simd_gt(zero).select(c, zero);
-        c.simd_lt(one).select(c, one)
-    });
-    if planes.color.is_wanted() {
-        let table = &**ENCODE;
-        let index = linear.map(|c| (c * (ENCODE_STEPS - 1) as f32 + 0.5).to_int::<i32x16<S>>());
-        let index = index.map(|i| i.min(splat_i(simd, ENCODE_STEPS as i32 - 1)).to_array());
-        for lane in 0..fragments.count {
-            let [r, g, b] = [0, 1, 2].map(|k| table[index[k][lane] as usize % ENCODE_STEPS]);
-            pixels.color[fragments.place[lane] as usize] = [r, g, b, 255];
-        }
-    }
-    if planes.color16.is_wanted() {
-        let linear = linear.map(|c| c.to_array());
-        for lane in 0..fragments.count {
-            let [r, g, b] = [0, 1, 2].map(|k| encode16(linear[k][lane]));
-            pixels.color16[fragments.place[lane] as usize] = [r, g, b, 65535];
-        }
-    }
+    part(
+        simd,
+        #[inline(always)]
+        || {
+            let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
+            let linear = each3!(C => linear[C].simd_gt(zero).select(linear[C], zero));
+            let linear = each3!(C => linear[C].simd_lt(one).select(linear[C], one));
+            if planes.color.is_wanted() {
+                let table = &**ENCODE;
+                let index = each3!(C => (linear[C] * (ENCODE_STEPS - 1) as f32 + 0.5).to_int::<i32x16<S>>().to_array());
+                for lane in 0..fragments.count {
+                    let [r, g, b] = each3!(C => table[index[C][lane] as usize % ENCODE_STEPS]);
+                    pixels.color[fragments.place[lane] as usize] = [r, g, b, 255];
+                }
+            }
+            if planes.color16.is_wanted() {
+                let linear = each3!(C => linear[C].to_array());
+                for lane in 0..fragments.count {
+                    let [r, g, b] = [0, 1, 2].map(|k| encode16(linear[k][lane]));
+                    pixels.color16[fragments.place[lane] as usize] = [r, g, b, 65535];
+                }
+            }
+        },
+    )
 }
 
 #[inline(always)]
@@ -281,7 +346,7 @@ fn write_geometry<S: Simd>(
         }
     }
     if planes.normals.is_wanted() {
-        let normal = normal.map(|c| c.to_array());
+        let normal = each3!(A => normal[A].to_array());
         for lane in lanes {
             pixels.normals[fragments.place[lane] as usize] = [0, 1, 2].map(|k| normal[k][lane]);
         }

@@ -10,7 +10,7 @@ use super::edges::Edges;
 use crate::binning::ScreenTriangle;
 use crate::context::{FrameContext, NO_SLOT};
 use crate::conventions::{SAMPLE, SUBPIXELS};
-use crate::simd::{LANES, splat, splat_i};
+use crate::simd::{LANES, each3, part, splat, splat_i};
 use crate::stats::BackEndCounts;
 
 /// log2 of a block's edge in pixels.
@@ -58,9 +58,8 @@ impl DepthPlane {
     /// Of a triangle with area.
     #[inline(always)]
     pub fn new(t: &ScreenTriangle) -> Self {
-        let difference = |a: &[i32; 3], k: usize| (a[k] - a[0]) as f32;
-        let (x1, x2) = (difference(&t.x, 1), difference(&t.x, 2));
-        let (y1, y2) = (difference(&t.y, 1), difference(&t.y, 2));
+        let (x1, x2) = ((t.x[1] - t.x[0]) as f32, (t.x[2] - t.x[0]) as f32);
+        let (y1, y2) = ((t.y[1] - t.y[0]) as f32, (t.y[2] - t.y[0]) as f32);
         let (d1, d2) = (t.d[1] - t.d[0], t.d[2] - t.d[0]);
         let inverse = 1.0 / t.area() as f32;
         Self {
@@ -105,15 +104,14 @@ impl TileMemory {
         if x0 > x1 || y0 > y1 {
             return;
         }
-        let block = |p: i32, k: usize| (p - self.corner[k]) >> BLOCK_BITS;
-        let (bx0, bx1) = (block(x0, 0), block(x1, 0));
-        let (by0, by1) = (block(y0, 1), block(y1, 1));
+        let (bx0, bx1) = ((x0 - self.corner[0]) >> BLOCK_BITS, (x1 - self.corner[0]) >> BLOCK_BITS);
+        let (by0, by1) = ((y0 - self.corner[1]) >> BLOCK_BITS, (y1 - self.corner[1]) >> BLOCK_BITS);
 
         let edges = Edges::new(triangle);
         let plane = DepthPlane::new(triangle);
         let lane_x = i32x16::load_array(simd, LANE_X);
         let lane_y = i32x16::load_array(simd, LANE_Y);
-        let step: [i32x16<S>; 3] = [0, 1, 2].map(|k| lane_x * edges.a[k] + lane_y * edges.b[k]);
+        let step: [i32x16<S>; 3] = each3!(K => lane_x * edges.a[K] + lane_y * edges.b[K]);
         let lane_dx = (lane_x * SUBPIXELS).to_float::<f32x16<S>>();
         let lane_dy = (lane_y * SUBPIXELS).to_float::<f32x16<S>>();
         let slots = splat_i(simd, triangle.slot as i32);
@@ -124,10 +122,7 @@ impl TileMemory {
             let along_y = dy * plane.dy;
             for bx in bx0..=bx1 {
                 let px = self.corner[0] + (bx << BLOCK_BITS);
-                let e = [0, 1, 2].map(|k| {
-                    let at_block = edges.at(k, px, py).clamp(-EDGE_LIMIT, EDGE_LIMIT);
-                    step[k] + at_block as i32
-                });
+                let e = each3!(K => step[K] + edges.at(K, px, py).clamp(-EDGE_LIMIT, EDGE_LIMIT) as i32);
                 let covered = ((e[0] | e[1]) | e[2]).simd_ge(splat_i(simd, 0));
                 counts.blocks += 1;
                 if !covered.any_true() {
@@ -154,19 +149,25 @@ impl TileMemory {
         depth: f32x16<S>,
         slots: i32x16<S>,
     ) {
-        let old_depth = &mut self.depth[at..at + LANES];
-        let old_slot = &mut self.slot[at..at + LANES];
-        let before = f32x16::from_slice(simd, old_depth);
-        let mut wins = covered & depth.simd_gt(before);
-        let tie = covered & depth.simd_eq(before);
-        if tie.any_true() {
-            let bits = tie.to_bitmask() as u32;
-            let more = lower_primitives(context, bits, slots[0] as u32, old_slot);
-            wins = wins | mask32x16::from_bitmask(simd, u64::from(more));
-        }
-        wins.select(depth, before).store_slice(old_depth);
-        let before: i32x16<S> = fearless_simd::u32x16::from_slice(simd, old_slot).bitcast();
-        wins.select(slots, before).bitcast::<fearless_simd::u32x16<S>>().store_slice(old_slot);
+        part(
+            simd,
+            #[inline(always)]
+            || {
+                let old_depth = &mut self.depth[at..at + LANES];
+                let old_slot = &mut self.slot[at..at + LANES];
+                let before = f32x16::from_slice(simd, old_depth);
+                let mut wins = covered & depth.simd_gt(before);
+                let tie = covered & depth.simd_eq(before);
+                if tie.any_true() {
+                    let bits = tie.to_bitmask() as u32;
+                    let more = lower_primitives(context, bits, slots[0] as u32, old_slot);
+                    wins = wins | mask32x16::from_bitmask(simd, u64::from(more));
+                }
+                wins.select(depth, before).store_slice(old_depth);
+                let before: i32x16<S> = fearless_simd::u32x16::from_slice(simd, old_slot).bitcast();
+                wins.select(slots, before).bitcast::<fearless_simd::u32x16<S>>().store_slice(old_slot);
+            },
+        )
     }
 }
 

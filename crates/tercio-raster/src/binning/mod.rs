@@ -37,28 +37,29 @@ impl ScreenTriangle {
         if v[2].d < v[first].d {
             first = 2;
         }
-        let turned = [v[first], v[(first + 1) % 3], v[(first + 2) % 3]];
-        Self { x: turned.map(|v| v.x), y: turned.map(|v| v.y), d: turned.map(|v| v.d), slot }
+        const NEXT: [usize; 3] = [1, 2, 0];
+        let (a, b, c) = (v[first], v[NEXT[first]], v[NEXT[NEXT[first]]]);
+        Self { x: [a.x, b.x, c.x], y: [a.y, b.y, c.y], d: [a.d, b.d, c.d], slot }
     }
 
     /// Twice the signed area, in square sub-pixels; positive if the corners run clockwise on the screen.
     #[inline(always)]
     pub fn area(&self) -> i64 {
-        let d = |a: &[i32; 3], k: usize| i64::from(a[k] - a[0]);
-        d(&self.x, 1) * d(&self.y, 2) - d(&self.x, 2) * d(&self.y, 1)
+        let (x1, x2) = (i64::from(self.x[1] - self.x[0]), i64::from(self.x[2] - self.x[0]));
+        let (y1, y2) = (i64::from(self.y[1] - self.y[0]), i64::from(self.y[2] - self.y[0]));
+        x1 * y2 - x2 * y1
     }
 
     /// First and last column and row of pixels whose samples lie in the bounding box, inside the picture;
     /// `None` if there are none.
     #[inline(always)]
     pub fn samples(&self, width: u32, height: u32) -> Option<PixelRect> {
-        let least = |a: &[i32; 3]| a[0].min(a[1]).min(a[2]);
-        let most = |a: &[i32; 3]| a[0].max(a[1]).max(a[2]);
+        let ([x0, x1, x2], [y0, y1, y2]) = (self.x, self.y);
         let rect = PixelRect {
-            x0: first_sample(least(&self.x)).max(0),
-            x1: last_sample(most(&self.x)).min(width as i32 - 1),
-            y0: first_sample(least(&self.y)).max(0),
-            y1: last_sample(most(&self.y)).min(height as i32 - 1),
+            x0: first_sample(x0.min(x1).min(x2)).max(0),
+            x1: last_sample(x0.max(x1).max(x2)).min(width as i32 - 1),
+            y0: first_sample(y0.min(y1).min(y2)).max(0),
+            y1: last_sample(y0.max(y1).max(y2)).min(height as i32 - 1),
         };
         (rect.x0 <= rect.x1 && rect.y0 <= rect.y1).then_some(rect)
     }

@@ -4,7 +4,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, i32x16, mask32x16};
 
 use crate::conventions::GUARD;
-use crate::simd::{row, splat, splat_i};
+use crate::simd::{part, row, splat};
 use crate::view::ObjectView;
 
 /// 16 projected vertices.
@@ -22,22 +22,37 @@ pub struct Projected<S: Simd> {
 /// [`ObjectView::project`], lane by lane.
 #[inline(always)]
 pub fn project<S: Simd>(simd: S, view: &ObjectView, p: [f32x16<S>; 3]) -> Projected<S> {
-    let (cx, cy) = (row(simd, &view.x, p), row(simd, &view.y, p));
-    let (x, y, d, in_front) = if view.perspective {
-        let w = row(simd, &view.w, p);
-        let inverse = splat(simd, 1.0) / w;
-        let near = splat(simd, view.near);
-        (cx * inverse, cy * inverse, near * inverse, w.simd_ge(near))
-    } else {
-        let d = row(simd, &view.d, p);
-        (cx, cy, d, d.simd_le(splat(simd, 1.0)))
-    };
-    let guard = splat(simd, GUARD);
-    let snap = |v: f32x16<S>, offset: i32| v.round_ties_even().to_int::<i32x16<S>>() + splat_i(simd, offset);
-    Projected {
-        x: snap(x, view.offset[0]),
-        y: snap(y, view.offset[1]),
-        d,
-        inside: in_front & x.abs().simd_le(guard) & y.abs().simd_le(guard),
-    }
+    part(
+        simd,
+        #[inline(always)]
+        || {
+            let (cx, cy) = (row(simd, &view.x, p), row(simd, &view.y, p));
+            let (x, y, d, in_front) = if view.perspective {
+                let w = row(simd, &view.w, p);
+                let inverse = splat(simd, 1.0) / w;
+                let near = splat(simd, view.near);
+                (cx * inverse, cy * inverse, near * inverse, w.simd_ge(near))
+            } else {
+                let d = row(simd, &view.d, p);
+                (cx, cy, d, d.simd_le(splat(simd, 1.0)))
+            };
+            let guard = splat(simd, GUARD);
+            Projected {
+                x: snap(x) + view.offset[0],
+                y: snap(y) + view.offset[1],
+                d,
+                inside: in_front & x.abs().simd_le(guard) & y.abs().simd_le(guard),
+            }
+        },
+    )
+}
+
+/// To whole sub-pixels, ties to even.
+#[inline(always)]
+fn snap<S: Simd>(v: f32x16<S>) -> i32x16<S> {
+    part(
+        v.simd,
+        #[inline(always)]
+        || v.round_ties_even().to_int(),
+    )
 }

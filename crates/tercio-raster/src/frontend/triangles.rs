@@ -14,7 +14,7 @@ use crate::binning::ScreenTriangle;
 use crate::context::FrameContext;
 use crate::conventions::{SAMPLE, SMALL_EXTENT, SUBPIXEL_BITS};
 use crate::settings::Cull;
-use crate::simd::{LANES, load, lookup, splat_i};
+use crate::simd::{LANES, each3, load, lookup, splat_i};
 use crate::view::{ObjectView, ScreenVertex};
 
 /// The projected vertices of one cluster.
@@ -61,10 +61,10 @@ impl ClusterPass {
         let mut first = 0;
         while first < count {
             let from = cluster.first_triangle as usize + first;
-            let corners: Corners = std::array::from_fn(|k| {
-                let lanes = &mesh.corners[k][from..from + LANES];
-                std::array::from_fn(|lane| lanes[lane])
-            });
+            let mut corners: Corners = [[0; LANES]; 3];
+            for k in 0..3 {
+                corners[k].copy_from_slice(&mesh.corners[k][from..from + LANES]);
+            }
             let live = if count - first >= LANES { 0xffff } else { (1u32 << (count - first)) - 1 };
             let slot = first_slot + first as u32;
             let whole = if self.beyond == 0 {
@@ -85,7 +85,11 @@ impl ClusterPass {
         let mut first = 0;
         while first < count {
             let from = cluster.first_vertex as usize + first;
-            let p = [&mesh.x, &mesh.y, &mesh.z].map(|a| load(simd, &a[from..from + LANES]));
+            let p = [
+                load(simd, &mesh.x[from..from + LANES]),
+                load(simd, &mesh.y[from..from + LANES]),
+                load(simd, &mesh.z[from..from + LANES]),
+            ];
             let v = project(simd, object, p);
             let to = first..first + LANES;
             v.x.store_slice(&mut self.x[to.clone()]);
@@ -123,16 +127,14 @@ impl ClusterPass {
         batch: &mut Batch,
     ) {
         let counts = &mut batch.counts;
-        let [x0, x1, x2] = [0, 1, 2].map(|k| lookup(simd, &self.x, &corners[k]));
-        let [y0, y1, y2] = [0, 1, 2].map(|k| lookup(simd, &self.y, &corners[k]));
+        let [x0, x1, x2] = each3!(K => lookup(simd, &self.x, &corners[K]));
+        let [y0, y1, y2] = each3!(K => lookup(simd, &self.y, &corners[K]));
         let (min_x, max_x) = (x0.min(x1).min(x2), x0.max(x1).max(x2));
         let (min_y, max_y) = (y0.min(y1).min(y2), y0.max(y1).max(y2));
 
         // Is there a sample of the picture in the box?
-        let first = |v: i32x16<S>| ((v + (SAMPLE - 1)) >> SUBPIXEL_BITS).max(splat_i(simd, 0));
-        let last = |v: i32x16<S>, n: u32| ((v - SAMPLE) >> SUBPIXEL_BITS).min(splat_i(simd, n as i32 - 1));
-        let hits = first(min_x).simd_le(last(max_x, context.view.width))
-            & first(min_y).simd_le(last(max_y, context.view.height));
+        let hits = first_sample_16(simd, min_x).simd_le(last_sample_16(simd, max_x, context.view.width))
+            & first_sample_16(simd, min_y).simd_le(last_sample_16(simd, max_y, context.view.height));
         let hits = hits.to_bitmask() as u32 & live;
         counts.triangles_no_sample += u64::from((live & !hits).count_ones());
         if hits == 0 {
@@ -180,7 +182,8 @@ impl ClusterPass {
 
     #[inline(always)]
     fn triangle(&self, corners: &Corners, lane: u32, first_slot: u32) -> ScreenTriangle {
-        let v = [0, 1, 2].map(|k| self.vertex(corners[k][lane as usize]));
+        let lane_index = lane as usize;
+        let v = each3!(K => self.vertex(corners[K][lane_index]));
         ScreenTriangle::new(v, first_slot + lane)
     }
 
@@ -224,6 +227,18 @@ impl ClusterPass {
         }
         whole
     }
+}
+
+/// [`crate::conventions::first_sample`], not before the picture.
+#[inline(always)]
+fn first_sample_16<S: Simd>(simd: S, v: i32x16<S>) -> i32x16<S> {
+    ((v + (SAMPLE - 1)) >> SUBPIXEL_BITS).max(splat_i(simd, 0))
+}
+
+/// [`crate::conventions::last_sample`], not behind a picture of `size` pixels.
+#[inline(always)]
+fn last_sample_16<S: Simd>(simd: S, v: i32x16<S>, size: u32) -> i32x16<S> {
+    ((v - SAMPLE) >> SUBPIXEL_BITS).min(splat_i(simd, size as i32 - 1))
 }
 
 /// Bins one piece of a clipped triangle.
