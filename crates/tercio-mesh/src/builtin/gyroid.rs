@@ -14,9 +14,11 @@ use super::soup::cube_root;
 use crate::trig::sin_cos;
 use crate::{Mesh, OctNormal};
 
-/// Grid cells a period: where the number of triangles leaves the choice, and the least that is safe.
+/// Grid cells a period: where triangles are plenty, where they are few, and the least that keeps the net
+/// manifold.
 const FINE: f64 = 28.0;
-const COARSE: f64 = 10.0;
+const COARSE: f64 = 18.0;
+const COARSEST: f64 = 12.0;
 /// Triangles a period, for one cell a period: twice the mean of |nx| + |ny| + |nz| (3/2) times the area of
 /// the surface in a cubic period of side 1 (3.0915).
 const TRIANGLES: f64 = 9.2745;
@@ -30,14 +32,17 @@ const NONE: u32 = u32::MAX;
 /// cuts it. About 9 periods a side at 5.4 million triangles.
 pub fn gyroid(count: u64) -> Mesh {
     let target = count as f64;
-    let periods = cube_root((target / (TRIANGLES * FINE * FINE)).max(1.0)).min(MOST_PERIODS);
-    let cells = (target / (TRIANGLES * periods)).sqrt().round().max(COARSE) as usize;
+    let fineness = COARSE + (FINE - COARSE) * (target / 1e5).min(1.0);
+    let cube = target / (TRIANGLES * fineness * fineness);
+    // Below one period the cube root is not worth its care.
+    let periods = if cube > 1.0 { cube_root(cube).min(MOST_PERIODS) } else { 0.75 };
+    let cells = (target / (TRIANGLES * periods)).sqrt().round().max(COARSEST) as usize;
 
     // The formula knows nothing of the border, where quadrilaterals lack; stretch until the count is met.
     let mut best: Option<(f64, Field)> = None;
     let mut periods = target / (TRIANGLES * (cells * cells) as f64);
-    for _ in 0..6 {
-        periods = periods.clamp(0.8, cells as f64 / COARSE);
+    for _ in 0..8 {
+        periods = periods.clamp(0.3, cells as f64 / COARSEST);
         let field = Field::new(cells, periods);
         let made = 2.0 * field.count_quads() as f64;
         let error = (made / target - 1.0).abs();
@@ -299,7 +304,7 @@ mod tests {
                     *uses.entry((a.min(b), a.max(b))).or_insert(0) += 1;
                 }
             }
-            let cell = 2.0 * COARSE.max((count as f64 / 9.3 / 12.0).sqrt()).recip();
+            let cell = 2.0 * COARSEST.max((count as f64 / 9.3 / 12.0).sqrt()).recip();
             for ((a, b), n) in uses {
                 if n == 1 {
                     for v in [a, b] {
