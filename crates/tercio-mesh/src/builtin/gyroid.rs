@@ -2,10 +2,12 @@
 //!
 //! A sheet of endless passages: every line of sight crosses many layers, so most of what is drawn is hidden.
 //!
-//! The surface is made by naive surface nets (Gibson, "Constrained Elastic Surface Nets", 1998): a vertex in
-//! each cell of a grid whose corners lie on both sides, a quadrilateral across each grid edge whose ends do.
-//! The grid is fine enough that no cell holds two sheets, which makes the net manifold. The vertices are then
-//! moved onto the surface, along its gradient.
+//! The surface is made by dual marching cubes (Nielson 2004): a vertex for each sheet in each cell of a grid
+//! whose corners lie on both sides, a quadrilateral across each grid edge whose ends do. A saddle that touches
+//! a side of a cell crosses it in two branches, however fine the grid is, and the gyroid is all saddles; so
+//! which crossings belong to one sheet is found from side to side of the cell, with the asymptotic decider
+//! (Nielson and Hamann 1991) where four meet. One vertex for all would make the net touch itself there. The
+//! vertices are then moved onto the surface, along its gradient.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -27,6 +29,20 @@ const MOST_PERIODS: f64 = 12.0;
 /// Where the cube lies in the endless surface: nowhere special, so that no grid point lies on it.
 const PHASE: [f64; 3] = [0.37, 1.13, 2.71];
 const NONE: u32 = u32::MAX;
+
+/// The edges of a cell: number of the lower corner (bit k: the upper end along axis k), and axis. Edge
+/// 4 axis + n runs along the axis.
+const EDGES: [(usize, usize); 12] =
+    [(0, 0), (2, 0), (4, 0), (6, 0), (0, 1), (1, 1), (4, 1), (5, 1), (0, 2), (1, 2), (2, 2), (3, 2)];
+/// The sides of a cell: four corners in turn, and the edges from each to the next.
+const SIDES: [([usize; 4], [usize; 4]); 6] = [
+    ([0, 1, 3, 2], [0, 5, 1, 4]),
+    ([4, 5, 7, 6], [2, 7, 3, 6]),
+    ([0, 1, 5, 4], [0, 9, 2, 8]),
+    ([2, 3, 7, 6], [1, 11, 3, 10]),
+    ([0, 2, 6, 4], [4, 10, 6, 8]),
+    ([1, 3, 7, 5], [5, 11, 7, 9]),
+];
 
 /// The gyroid inside the cube from -1 to 1, about `count` triangles, at least some 600; open where the cube
 /// cuts it. About 9 periods a side at 5.4 million triangles.
@@ -163,13 +179,59 @@ impl Field {
     }
 }
 
+/// For each edge of a cell the number of the sheet that crosses it, and how many sheets there are.
+type Sheets = ([u8; 12], u8);
+const NO_SHEET: u8 = u8::MAX;
+
+fn sheets(values: &[f64; 8]) -> Sheets {
+    let crosses = EDGES.map(|(a, axis)| (values[a] < 0.0) != (values[a | 1 << axis] < 0.0));
+    let mut of: [u8; 12] = std::array::from_fn(|e| if crosses[e] { e as u8 } else { NO_SHEET });
+    let mut join = |a: usize, b: usize| {
+        let (low, high) = (of[a].min(of[b]), of[a].max(of[b]));
+        of.iter_mut().filter(|s| **s == high).for_each(|s| *s = low);
+    };
+    for (corners, edges) in &SIDES {
+        let mut crossed = edges.iter().copied().filter(|&e| crosses[e]);
+        match (crossed.next(), crossed.next(), crossed.next()) {
+            (Some(a), Some(b), None) => join(a, b),
+            (Some(_), Some(_), Some(_)) => {
+                let v = corners.map(|c| values[c]);
+                // The bilinear saddle, (v0 v2 - v1 v3) / (v0 + v2 - v1 - v3), has the sign of v0 and v2, so
+                // that these are connected, if the numerator is positive: the denominator has that sign too.
+                let first_connected = v[0] * v[2] > v[1] * v[3];
+                let [e01, e12, e23, e30] = *edges;
+                // The branches cut off the corners that are not connected.
+                let pairs = if first_connected { [(e01, e12), (e23, e30)] } else { [(e30, e01), (e12, e23)] };
+                pairs.into_iter().for_each(|(a, b)| join(a, b));
+            }
+            _ => {}
+        }
+    }
+    // From names to numbers in order.
+    let mut count = 0;
+    let mut numbers = [NO_SHEET; 12];
+    for e in 0..12 {
+        if crosses[e] {
+            if of[e] as usize == e {
+                numbers[e] = count;
+                count += 1;
+            } else {
+                numbers[e] = numbers[of[e] as usize];
+            }
+        }
+    }
+    (numbers, count)
+}
+
 /// The cells between two planes of grid points.
 #[derive(Default)]
 struct Layer {
     low: Vec<f64>,
     high: Vec<f64>,
-    /// The vertex of each cell that has one.
+    /// The first vertex of each cell that has one.
     numbers: Vec<u32>,
+    /// Cells with more than one sheet, in order.
+    several: Vec<(u32, [u8; 12])>,
 }
 
 impl Layer {
@@ -180,6 +242,7 @@ impl Layer {
         let (n, side) = (field.cells, field.cells + 1);
         let mut next = first;
         self.numbers.clear();
+        self.several.clear();
         for j in 0..n {
             for i in 0..n {
                 let p = j * side + i;
@@ -187,101 +250,116 @@ impl Layer {
                     .iter()
                     .map(|&q| u32::from(self.low[q] < 0.0) + u32::from(self.high[q] < 0.0))
                     .sum::<u32>();
-                let active = !matches!(negative, 0 | 8);
-                self.numbers.push(if active { next } else { NONE });
-                next += u32::from(active);
+                match negative {
+                    0 | 8 => self.numbers.push(NONE),
+                    _ => {
+                        let (of, count) = sheets(&self.corners(side, i, j));
+                        if count > 1 {
+                            self.several.push((self.numbers.len() as u32, of));
+                        }
+                        self.numbers.push(next);
+                        next += u32::from(count);
+                    }
+                }
             }
         }
         next - first
     }
 
-    fn vertices(&self, field: &Field, k: usize) -> impl Iterator<Item = ([f32; 3], OctNormal)> {
-        let (n, step) = (field.cells, 2.0 / field.cells as f64);
-        self.numbers.iter().enumerate().filter(|c| *c.1 != NONE).map(move |(cell, _)| {
-            let (i, j) = (cell % n, cell / n);
-            let corner = DVec3::new(i as f64, j as f64, k as f64) * step - 1.0;
-            // The mean of where the cell's edges cross, then two steps to the surface (Newton's method), not
-            // leaving the cell by more than a little, or the net could fold.
-            let mut p = corner + self.mean_crossing(n + 1, i, j) * step;
-            for _ in 0..2 {
-                let (value, gradient) = field.at(p);
-                p -= gradient * (value / (gradient.length_squared() * field.wave));
-                p = p.clamp(corner, corner + step);
-            }
-            let normal = field.at(p).1;
-            (p.as_vec3().to_array(), OctNormal::encode(normal.as_vec3().to_array()))
+    /// The values at the corners of a cell.
+    fn corners(&self, side: usize, i: usize, j: usize) -> [f64; 8] {
+        std::array::from_fn(|c| {
+            let plane = if c & 4 == 0 { &self.low } else { &self.high };
+            plane[(j + (c >> 1 & 1)) * side + i + (c & 1)]
         })
     }
 
-    /// In units of the cell.
-    fn mean_crossing(&self, side: usize, i: usize, j: usize) -> DVec3 {
-        let corner = |c: usize| {
-            let plane = if c & 4 == 0 { &self.low } else { &self.high };
-            plane[(j + (c >> 1 & 1)) * side + i + (c & 1)]
-        };
-        let (mut sum, mut crossings) = (DVec3::ZERO, 0.0);
-        for axis in 0..3 {
-            for a in (0..8).filter(|c| c >> axis & 1 == 0) {
-                let (va, vb) = (corner(a), corner(a | 1 << axis));
-                if (va < 0.0) != (vb < 0.0) {
-                    let mut at = [0, 1, 2].map(|k| (a >> k & 1) as f64);
-                    at[axis] = va / (va - vb);
-                    sum += DVec3::from(at);
-                    crossings += 1.0;
+    fn vertices(&self, field: &Field, k: usize) -> impl Iterator<Item = ([f32; 3], OctNormal)> {
+        let (n, step) = (field.cells, 2.0 / field.cells as f64);
+        self.numbers.iter().enumerate().filter(|c| *c.1 != NONE).flat_map(move |(cell, _)| {
+            let (i, j) = (cell % n, cell / n);
+            let corner = DVec3::new(i as f64, j as f64, k as f64) * step - 1.0;
+            let values = self.corners(n + 1, i, j);
+            let (of, count) = sheets(&values);
+            (0..count).map(move |sheet| {
+                // The mean of where the sheet crosses edges, then two steps to the surface (Newton's method),
+                // but not out of the cell, or the net could fold.
+                let mut p = corner + mean_crossing(&values, &of, sheet) * step;
+                for _ in 0..2 {
+                    let (value, gradient) = field.at(p);
+                    p -= gradient * (value / (gradient.length_squared() * field.wave));
+                    p = p.clamp(corner, corner + step);
                 }
-            }
+                let normal = field.at(p).1;
+                (p.as_vec3().to_array(), OctNormal::encode(normal.as_vec3().to_array()))
+            })
+        })
+    }
+
+    /// The vertex of the sheet that crosses an edge of a cell.
+    fn vertex(&self, cell: usize, edge: usize) -> u32 {
+        let first = self.numbers[cell];
+        match self.several.binary_search_by_key(&(cell as u32), |s| s.0) {
+            Ok(at) => first + u32::from(self.several[at].1[edge]),
+            Err(_) => first,
         }
-        sum / crossings
     }
 
     /// The quadrilaterals across the edges that begin on the layer's lower plane, except along its border.
     /// They face where the function is positive.
     fn quads(&self, n: usize, below: Option<&Self>, mut emit: impl FnMut([u32; 4])) {
         let side = n + 1;
-        let cell = |l: &Self, i: usize, j: usize| l.numbers[j * n + i];
         for j in 0..n {
             for i in 0..n {
                 let p = j * side + i;
                 let negative = self.low[p] < 0.0;
-                // Cells round the edge, counter-clockwise seen from its far end.
-                let mut across = |far: f64, ring: [u32; 4]| {
-                    if negative != (far < 0.0) {
-                        let [a, b, c, d] = ring;
-                        emit(if negative { [a, b, c, d] } else { [a, d, c, b] });
+                // The cells round an edge along an axis, counter-clockwise seen from its far end: whether in
+                // this layer, and place. The edge is a different one of the twelve for each.
+                let mut across = |axis: usize, far: f64, ring: [(&Self, usize, usize); 4]| {
+                    if negative == (far < 0.0) {
+                        return;
                     }
+                    // In the ring's order the edge is at the cell's upper end along both other axes, along
+                    // the second only, along none, along the first only.
+                    let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
+                    let lower_corner = [1 << u | 1 << v, 1 << v, 0, 1 << u];
+                    let [a, b, c, d] = std::array::from_fn(|k| {
+                        let (layer, i, j) = ring[k];
+                        let edge = EDGES.iter().position(|&e| e == (lower_corner[k], axis)).unwrap_or(0);
+                        layer.vertex(j * n + i, edge)
+                    });
+                    emit(if negative { [a, b, c, d] } else { [a, d, c, b] });
                 };
                 if i > 0 && j > 0 {
-                    let ring = [
-                        cell(self, i - 1, j - 1),
-                        cell(self, i, j - 1),
-                        cell(self, i, j),
-                        cell(self, i - 1, j),
-                    ];
-                    across(self.high[p], ring);
+                    let ring = [(self, i - 1, j - 1), (self, i, j - 1), (self, i, j), (self, i - 1, j)];
+                    across(2, self.high[p], ring);
                 }
                 if let Some(below) = below {
                     if j > 0 {
-                        let ring = [
-                            cell(below, i, j - 1),
-                            cell(below, i, j),
-                            cell(self, i, j),
-                            cell(self, i, j - 1),
-                        ];
-                        across(self.low[p + 1], ring);
+                        let ring = [(below, i, j - 1), (below, i, j), (self, i, j), (self, i, j - 1)];
+                        across(0, self.low[p + 1], ring);
                     }
                     if i > 0 {
-                        let ring = [
-                            cell(below, i - 1, j),
-                            cell(self, i - 1, j),
-                            cell(self, i, j),
-                            cell(below, i, j),
-                        ];
-                        across(self.low[p + side], ring);
+                        let ring = [(below, i - 1, j), (self, i - 1, j), (self, i, j), (below, i, j)];
+                        across(1, self.low[p + side], ring);
                     }
                 }
             }
         }
     }
+}
+
+/// In units of the cell.
+fn mean_crossing(values: &[f64; 8], of: &[u8; 12], sheet: u8) -> DVec3 {
+    let (mut sum, mut crossings) = (DVec3::ZERO, 0.0);
+    for (&(a, axis), _) in EDGES.iter().zip(of).filter(|e| *e.1 == sheet) {
+        let (va, vb) = (values[a], values[a | 1 << axis]);
+        let mut at = [0, 1, 2].map(|k| (a >> k & 1) as f64);
+        at[axis] = va / (va - vb);
+        sum += DVec3::from(at);
+        crossings += 1.0;
+    }
+    sum / crossings
 }
 
 #[cfg(test)]

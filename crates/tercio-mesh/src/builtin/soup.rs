@@ -15,12 +15,11 @@ pub fn soup(count: u64, seed: u64) -> Mesh {
         let random = |k: u64| unit(hash(first + k));
         let u = random(0);
         // Most are about typical, few are twelve times as large.
-        let size = typical * (0.2 + u * u * u * u * u * u * 12.0);
-        let center: [f64; 3] = std::array::from_fn(|k| random(1 + k as u64) * 2.0 - 1.0);
+        let size = (typical * (0.2 + u * u * u * u * u * u * 12.0)).min(0.9);
+        let center: [f64; 3] = std::array::from_fn(|k| (random(1 + k as u64) * 2.0 - 1.0) * (1.0 - size));
         let corners = std::array::from_fn(|c| {
             std::array::from_fn(|k| {
-                let p = center[k] + size * (random(4 + 3 * c as u64 + k as u64) * 2.0 - 1.0);
-                p.clamp(-1.0, 1.0) as f32
+                (center[k] + size * (random(4 + 3 * c as u64 + k as u64) * 2.0 - 1.0)) as f32
             })
         });
         let color = hash(first + 13).to_le_bytes();
