@@ -1,1 +1,368 @@
 //! Drops what cannot be drawn.
+
+use std::collections::HashMap;
+
+use rayon::prelude::*;
+
+use crate::weld::{hash_bits, position_bits};
+use crate::{AttributeDomain, Mesh};
+
+const CHUNK: usize = 1 << 15;
+
+/// What [`clean`] found.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Cleaned {
+    /// Triangles dropped because two corners stand at the same position.
+    pub duplicate_corner: u64,
+    /// Triangles dropped because their three different corners stand on one line.
+    pub degenerate: u64,
+    /// Triangles without area that were kept because they close a T-junction.
+    pub stitching_kept: u64,
+    /// Vertices whose position was not finite and was replaced.
+    pub non_finite_vertices: u64,
+    /// Triangles dropped because they used such a vertex.
+    pub non_finite_triangles: u64,
+}
+
+impl Cleaned {
+    /// Number of triangles dropped.
+    pub fn total(&self) -> u64 {
+        self.duplicate_corner + self.degenerate + self.non_finite_triangles
+    }
+}
+
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Fault {
+    NonFinite,
+    DuplicateCorner,
+    /// Collinear; the bits tell the longest edge, 0 to 2, counted from its first corner.
+    Flat(u8),
+}
+
+/// Drops the triangles that cannot be drawn, in place; the others keep their order. Vertices stay where
+/// they are.
+///
+/// Dropped are triangles with a non-finite corner, with two corners at the same position, and those whose
+/// area is exactly zero (their cross product in `f64` is). Of the last, those are kept that stitch a
+/// T-junction: their longest edge and one of the others (by position) are used by other kept triangles.
+/// They cover no pixel of their own, but without them the mesh would not be closed, and what simplifies or
+/// smooths it would tear it there.
+///
+/// Non-finite positions become that of the first finite vertex, or zero, so that bounds stay finite.
+///
+/// # Panics
+///
+/// If a triangle's vertex does not exist, or an array of the mesh is too short.
+pub fn clean(mesh: &mut Mesh) -> Cleaned {
+    let mut found = Cleaned::default();
+    let positions = &mesh.positions;
+    let mut faults: Vec<(u32, Fault)> = mesh
+        .triangles
+        .par_chunks(CHUNK)
+        .enumerate()
+        .flat_map_iter(|(n, chunk)| {
+            let mut list = Vec::new();
+            for (k, t) in chunk.iter().enumerate() {
+                let corners = t.map(|v| positions[v as usize]);
+                if !surely_good(corners)
+                    && let Some(fault) = fault_of(corners)
+                {
+                    list.push(((n * CHUNK + k) as u32, fault));
+                }
+            }
+            list
+        })
+        .collect();
+
+    let flat: Vec<(u32, u8)> = faults
+        .iter()
+        .filter_map(|&(t, f)| if let Fault::Flat(longest) = f { Some((t, longest)) } else { None })
+        .collect();
+    if !flat.is_empty() {
+        let faulty: Vec<u32> = faults.iter().map(|f| f.0).collect();
+        let mut kept = stitching(mesh, &flat, &faulty).into_iter();
+        faults.retain(|f| !matches!(f.1, Fault::Flat(_)) || !kept.next().unwrap_or(false));
+    }
+    for (_, fault) in &faults {
+        match fault {
+            Fault::NonFinite => found.non_finite_triangles += 1,
+            Fault::DuplicateCorner => found.duplicate_corner += 1,
+            Fault::Flat(_) => found.degenerate += 1,
+        }
+    }
+    found.stitching_kept = flat.len() as u64 - found.degenerate;
+    found.non_finite_vertices = mend_positions(&mut mesh.positions);
+    if !faults.is_empty() {
+        let drops: Vec<u32> = faults.iter().map(|f| f.0).collect();
+        drop_triangles(mesh, &drops);
+    }
+    found
+}
+
+/// A quick proof, for nearly all triangles, that the cross product is finite and not zero.
+#[inline]
+fn surely_good([a, b, c]: [[f32; 3]; 3]) -> bool {
+    let (e, f) = ([b[0] - a[0], b[1] - a[1], b[2] - a[2]], [c[0] - a[0], c[1] - a[1], c[2] - a[2]]);
+    let clear = |i: usize, j: usize| {
+        let (p, q) = (e[i] * f[j], e[j] * f[i]);
+        // Well above the rounding of the products, well above what underflows, false for NaN; and below
+        // infinity, for which the right side would be infinite too.
+        (p - q).abs() > 1e-5 * (p.abs() + q.abs()) + 1e-30
+    };
+    // A component says nothing about the other coordinate: it is finite if its product with 0 is 0.
+    (clear(0, 1) && (e[2] + f[2] + a[2]) * 0.0 == 0.0)
+        || (clear(1, 2) && (e[0] + f[0] + a[0]) * 0.0 == 0.0)
+        || (clear(2, 0) && (e[1] + f[1] + a[1]) * 0.0 == 0.0)
+}
+
+#[cold]
+fn fault_of(corners: [[f32; 3]; 3]) -> Option<Fault> {
+    if !corners.as_flattened().iter().all(|x| x.is_finite()) {
+        return Some(Fault::NonFinite);
+    }
+    let [a, b, c] = corners;
+    if a == b || b == c || c == a {
+        return Some(Fault::DuplicateCorner);
+    }
+    let edge = |p: [f32; 3], q: [f32; 3]| std::array::from_fn(|k| f64::from(q[k]) - f64::from(p[k]));
+    let [e, f, g]: [[f64; 3]; 3] = [edge(a, b), edge(b, c), edge(c, a)];
+    let cross = [e[1] * g[2] - e[2] * g[1], e[2] * g[0] - e[0] * g[2], e[0] * g[1] - e[1] * g[0]];
+    if cross != [0.0; 3] {
+        return None;
+    }
+    let square = [e, f, g].map(|v| v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+    let longest = (1..3).fold(0, |m, k| if square[k] > square[m] { k } else { m });
+    Some(Fault::Flat(longest as u8))
+}
+
+type EdgeKey = [[u32; 3]; 2];
+
+fn edge_key(a: [u32; 3], b: [u32; 3]) -> EdgeKey {
+    if a <= b { [a, b] } else { [b, a] }
+}
+
+/// Which of the flat triangles (with the number of their longest edge) stay; `faulty` are all triangles
+/// that may go, in order.
+///
+/// Flat triangles may lean on each other (several points on one long edge), so all begin as kept, and those
+/// without support fall, until none does.
+fn stitching(mesh: &Mesh, flat: &[(u32, u8)], faulty: &[u32]) -> Vec<bool> {
+    let corners = |t: u32| mesh.triangles[t as usize].map(|v| position_bits(mesh.positions[v as usize]));
+
+    // Number the edges of the flat triangles.
+    let mut number_of: HashMap<EdgeKey, u32> = HashMap::new();
+    let edges: Vec<[u32; 3]> = flat
+        .iter()
+        .map(|&(t, _)| {
+            let c = corners(t);
+            std::array::from_fn(|k| {
+                let next = number_of.len() as u32;
+                *number_of.entry(edge_key(c[k], c[(k + 1) % 3])).or_insert(next)
+            })
+        })
+        .collect();
+
+    // Count their uses by good triangles. A bit per hash of a position spares most look-ups.
+    let bits = (flat.len() * 64).next_power_of_two().max(1 << 12);
+    let mut met = vec![0u64; bits / 64];
+    let bit = |c: [u32; 3]| hash_bits(c) as usize & (bits - 1);
+    for &(t, _) in flat {
+        for c in corners(t) {
+            met[bit(c) / 64] |= 1 << (bit(c) % 64);
+        }
+    }
+    let mut uses = vec![0u32; number_of.len()];
+    let hits: Vec<u32> = (0..mesh.triangles.len() as u32)
+        .into_par_iter()
+        .with_min_len(CHUNK)
+        .flat_map_iter(|t| {
+            let c = corners(t);
+            let m = c.map(|c| met[bit(c) / 64] >> (bit(c) % 64) & 1 == 1);
+            (0..3)
+                .filter_map(move |k| {
+                    let n = (k + 1) % 3;
+                    (m[k] && m[n]).then(|| edge_key(c[k], c[n]))
+                })
+                .filter(move |_| faulty.binary_search(&t).is_err())
+                .filter_map(|key| number_of.get(&key).copied())
+        })
+        .collect();
+    hits.into_iter().chain(edges.iter().flatten().copied()).for_each(|e| uses[e as usize] += 1);
+
+    // Who stands at an edge, for those who fall later because a neighbour fell.
+    let mut at_edge: Vec<(u32, u32)> = Vec::with_capacity(edges.len() * 3);
+    for (i, e) in edges.iter().enumerate() {
+        at_edge.extend(e.iter().map(|&e| (e, i as u32)));
+    }
+    at_edge.sort_unstable();
+
+    let mut kept = vec![true; flat.len()];
+    let mut doubtful: Vec<u32> = (0..flat.len() as u32).collect();
+    while let Some(i) = doubtful.pop() {
+        let (e, longest) = (edges[i as usize], flat[i as usize].1 as usize);
+        let shared = |k: usize| uses[e[k % 3] as usize] > 1;
+        if !kept[i as usize] || shared(longest) && (shared(longest + 1) || shared(longest + 2)) {
+            continue;
+        }
+        kept[i as usize] = false;
+        for edge in e {
+            uses[edge as usize] -= 1;
+            if uses[edge as usize] == 1 {
+                let first = at_edge.partition_point(|&(x, _)| x < edge);
+                doubtful.extend(at_edge[first..].iter().take_while(|x| x.0 == edge).map(|x| x.1));
+            }
+        }
+    }
+    kept
+}
+
+/// Replaces non-finite positions; returns how many there were.
+fn mend_positions(positions: &mut [[f32; 3]]) -> u64 {
+    let finite = |p: &[f32; 3]| p.iter().all(|x| x.is_finite());
+    let bad: u64 = positions.par_chunks(CHUNK).map(|c| c.iter().filter(|p| !finite(p)).count() as u64).sum();
+    if bad > 0 {
+        let substitute = positions.iter().copied().find(finite).unwrap_or_default();
+        positions.par_iter_mut().filter(|p| !finite(p)).for_each(|p| *p = substitute);
+    }
+    bad
+}
+
+fn drop_triangles(mesh: &mut Mesh, drops: &[u32]) {
+    if mesh.face_of_triangle.is_none() {
+        mesh.face_of_triangle = Some((0..mesh.triangles.len() as u32).collect());
+    }
+    drop_elements(&mut mesh.triangles, drops);
+    mesh.face_colors.iter_mut().for_each(|a| drop_elements(a, drops));
+    mesh.triangle_materials.iter_mut().for_each(|a| drop_elements(a, drops));
+    mesh.face_of_triangle.iter_mut().for_each(|a| drop_elements(a, drops));
+    for a in &mut mesh.attributes {
+        if a.domain == AttributeDomain::Triangle {
+            drop_elements(&mut a.values, drops);
+        }
+    }
+}
+
+/// Removes the elements with the given numbers, which are in order.
+fn drop_elements<T: Copy>(array: &mut Vec<T>, drops: &[u32]) {
+    let mut to = drops[0] as usize;
+    for (i, &d) in drops.iter().enumerate() {
+        let end = drops.get(i + 1).map_or(array.len(), |&n| n as usize);
+        array.copy_within(d as usize + 1..end, to);
+        to += end - (d as usize + 1);
+    }
+    array.truncate(to);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Attribute;
+    use proptest::prelude::*;
+
+    fn mesh(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Mesh {
+        Mesh { positions: positions.to_vec(), triangles: triangles.to_vec(), ..Mesh::default() }
+    }
+
+    #[test]
+    fn each_fault_is_counted_and_all_arrays_stay_parallel() {
+        let nan = f32::NAN;
+        let mut m = mesh(
+            &[
+                [0., 0., 0.],
+                [1., 0., 0.],
+                [0., 1., 0.],
+                [2., 0., 0.],
+                [nan, 0., 0.],
+                [1., 0., -0.0],
+                [f32::INFINITY, 7., 1.],
+            ],
+            &[[0, 1, 2], [0, 1, 1], [0, 1, 3], [1, 3, 2], [0, 4, 1], [0, 1, 5], [2, 6, 0], [2, 1, 0]],
+        );
+        m.face_colors = Some((0..8).map(|i| [i; 4]).collect());
+        m.triangle_materials = Some((0..8).collect());
+        m.attributes.push(Attribute {
+            name: "a".into(),
+            domain: AttributeDomain::Triangle,
+            values: (0..8u8).map(f32::from).collect(),
+        });
+        let found = clean(&mut m);
+        let expected = Cleaned {
+            duplicate_corner: 2,
+            degenerate: 1,
+            stitching_kept: 0,
+            non_finite_vertices: 2,
+            non_finite_triangles: 2,
+        };
+        assert_eq!(found, expected);
+        assert_eq!(found.total(), 5);
+        assert_eq!(m.triangles, [[0, 1, 2], [1, 3, 2], [2, 1, 0]]);
+        assert_eq!(m.face_of_triangle.as_deref(), Some(&[0, 3, 7][..]));
+        assert_eq!(m.triangle_materials.as_deref(), Some(&[0, 3, 7][..]));
+        assert_eq!(m.face_colors.as_deref(), Some(&[[0; 4], [3; 4], [7; 4]][..]));
+        assert_eq!(m.attributes[0].values, [0., 3., 7.]);
+        assert_eq!(m.positions[4], [0.0; 3]);
+        assert_eq!(clean(&mut m), Cleaned::default());
+    }
+
+    #[test]
+    fn flat_triangles_that_stitch_stay() {
+        // A large triangle below the x axis, small ones above it that meet at (1, 0), (2, 0) and (3, 0), and
+        // flat ones between: one leans on the two others.
+        let p = [
+            [0., 0., 0.],
+            [1., 0., 0.],
+            [2., 0., 0.],
+            [3., 0., 0.],
+            [4., 0., 0.],
+            [2., -2., 0.],
+            [2., 2., 0.],
+            [9., 0., 0.],
+        ];
+        let good = [[0, 5, 4], [0, 1, 6], [1, 2, 6], [2, 3, 6], [3, 4, 6]];
+        let stitches = [[0, 4, 2], [0, 2, 1], [2, 4, 3]];
+        let mut m = mesh(&p, &[&good[..], &stitches, &[[0, 4, 7]]].concat());
+        let found = clean(&mut m);
+        assert_eq!((found.stitching_kept, found.degenerate), (3, 1));
+        assert_eq!(m.triangles.len(), 8);
+        // Without the large triangle nothing is left to stitch to.
+        let mut m = mesh(&p, &[&good[1..], &stitches].concat());
+        let found = clean(&mut m);
+        assert_eq!((found.stitching_kept, found.degenerate), (0, 3));
+        assert_eq!(m.triangles, good[1..]);
+    }
+
+    #[test]
+    fn very_small_and_very_large_triangles_are_no_fault() {
+        for s in [1e-38f32, 1e-20, 1.0, 1e19, 3e38] {
+            let mut m = mesh(&[[0., 0., 0.], [s, 0., 0.], [0., 0., s]], &[[0, 1, 2]]);
+            assert_eq!(clean(&mut m).total(), 0, "{s}");
+        }
+        // A coordinate that is not part of the component that shows the area.
+        let mut m = mesh(&[[0., 0., f32::NAN], [1., 0., 0.], [0., 1., 0.]], &[[0, 1, 2]]);
+        assert_eq!(clean(&mut m).non_finite_triangles, 1);
+        let mut m = mesh(&[[0., 0., 0.], [1., 0., 0.], [0., 1., f32::NEG_INFINITY]], &[[0, 1, 2]]);
+        assert_eq!(clean(&mut m).non_finite_triangles, 1);
+    }
+
+    proptest! {
+        #[test]
+        fn what_stays_is_good_and_cleaning_again_does_nothing(
+            p in prop::collection::vec(prop::array::uniform3((0u8..4).prop_map(f32::from)), 1..40),
+            t in prop::collection::vec(prop::array::uniform3(any::<prop::sample::Index>()), 0..200),
+        ) {
+            let t: Vec<[u32; 3]> = t.iter().map(|t| [0, 1, 2].map(|k| t[k].index(p.len()) as u32)).collect();
+            let mut m = mesh(&p, &t);
+            let found = clean(&mut m);
+            prop_assert_eq!(t.len() as u64, m.triangles.len() as u64 + found.total());
+            if let Some(face) = &m.face_of_triangle {
+                let left: Vec<_> = face.iter().map(|&f| t[f as usize]).collect();
+                prop_assert_eq!(&left, &m.triangles);
+            }
+            let flat = m.triangles.iter().filter(|t| fault_of(t.map(|v| p[v as usize])).is_some()).count();
+            prop_assert_eq!(flat as u64, found.stitching_kept);
+            let again = clean(&mut m);
+            prop_assert_eq!(again.total(), 0);
+            prop_assert_eq!(again.stitching_kept, found.stitching_kept);
+        }
+    }
+}

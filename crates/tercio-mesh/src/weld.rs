@@ -205,7 +205,7 @@ fn first_equals(
     let shards = (n / rounds / SHARD).next_power_of_two();
     let hash = |v: usize| hash_bits(position_bits(positions[v])) ^ data_hash(v);
     // The hash as a fraction picks the round and the shard; its low half is left for the table.
-    let bucket = |h: u64| ((h >> 32) * (rounds * shards) as u64 >> 32) as usize;
+    let bucket = |h: u64| (((h >> 32) * (rounds * shards) as u64) >> 32) as usize;
 
     let result: Vec<AtomicU32> = (0..n).into_par_iter().map(|_| AtomicU32::new(0)).collect();
     let starts: Vec<usize> = (0..n).step_by(CHUNK).collect();
@@ -217,7 +217,7 @@ fn first_equals(
                 deal(
                     start..n.min(start + CHUNK),
                     positions,
-                    &hash,
+                    hash,
                     |h| bucket(h).checked_sub(first_bucket).filter(|&s| s < shards),
                     shards,
                 )
