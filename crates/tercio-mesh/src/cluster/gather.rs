@@ -37,6 +37,7 @@ pub(super) fn triangles<T: Copy + Default + Send + Sync>(
     let n = source.len();
     match primitives {
         None => {
+            source.reserve_exact(PADDING);
             source.resize(n + PADDING, T::default());
             source
         }

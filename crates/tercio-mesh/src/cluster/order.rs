@@ -3,16 +3,24 @@
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
-use super::hilbert;
+use glam::Vec3;
+
+use super::partition::Limits;
+use super::{PADDING, hilbert, runs};
 use crate::Mesh;
 
 /// Triangles a block has at most. Blocks are clustered independently, one thread each; their size is fixed,
 /// so that the result does not depend on the number of threads. A block's working set stays in the L2 cache.
 pub(super) const BLOCK: usize = 20_000;
 
+/// Consecutive triangles of a sample that tells whether the mesh's order is good.
+const SAMPLE: usize = 2048;
+/// Samples taken, evenly over the mesh.
+const SAMPLES: usize = 16;
+
 /// An order of the triangles and the lengths of the blocks it is cut into.
 pub(super) struct Blocks {
-    /// Triangle numbers; `None` for the order of the mesh.
+    /// Triangle numbers, then padding; `None` for the order of the mesh.
     pub order: Option<Vec<u32>>,
     /// Triangles of each block, one block after the other.
     pub lengths: Vec<usize>,
@@ -29,7 +37,8 @@ pub(super) fn file(mesh: &Mesh) -> Blocks {
 pub(super) fn spatial(mesh: &Mesh) -> Blocks {
     let n = mesh.triangles.len();
     if n <= BLOCK {
-        return Blocks { order: Some((0..n as u32).collect()), lengths: cut_evenly(n).collect() };
+        let order = (0..n as u32).chain([0; PADDING]).collect();
+        return Blocks { order: Some(order), lengths: cut_evenly(n).collect() };
     }
     let grid = Grid::new(mesh, grid_bits(n));
     let ranks = grid.rank_table();
@@ -65,6 +74,42 @@ impl Blocks {
             sort_finely(mesh, &mut order[range]);
         }
     }
+}
+
+/// True if consecutive triangles of the mesh make full and compact clusters, judged by a few samples.
+pub(super) fn is_coherent(mesh: &Mesh, limits: Limits) -> bool {
+    let n = mesh.triangles.len();
+    let length = SAMPLE.min(n);
+    let starts = (0..SAMPLES).map(|i| (n - length) / (SAMPLES - 1) * i);
+    let (mut clusters, mut vertices, mut spread, mut area) = (0, 0, 0.0, 0.0);
+    let mut corners = [const { [0; SAMPLE] }; 3];
+    for triangles in starts.map(|s| &mesh.triangles[s..s + length]) {
+        let cut = runs::cut(triangles.iter().copied(), &mut corners.each_mut().map(|c| &mut c[..]), limits);
+        clusters += cut.clusters.len();
+        vertices += cut.vertices.len();
+        let mut next = 0;
+        for span in &cut.clusters {
+            let piece = &triangles[next..next + usize::from(span.triangles)];
+            next += piece.len();
+            let (diagonal, surface) = extent(mesh, piece);
+            spread += diagonal;
+            area += surface;
+        }
+    }
+    // A round flat patch spreads over 2.5 times its area; the dragon's grown clusters over 5 times theirs.
+    let full = vertices as f32 <= 0.75 * (length * SAMPLES) as f32;
+    full && clusters > 0 && spread <= 6.0 * area
+}
+
+/// Square of the diagonal of the box round triangles, and their surface.
+fn extent(mesh: &Mesh, triangles: &[[u32; 3]]) -> (f32, f32) {
+    let (mut min, mut max, mut area) = (Vec3::INFINITY, Vec3::NEG_INFINITY, 0.0);
+    for t in triangles {
+        let [a, b, c] = t.map(|v| Vec3::from(mesh.positions[v as usize]));
+        (min, max) = (min.min(a).min(b).min(c), max.max(a).max(b).max(c));
+        area += (b - a).cross(c - a).length() * 0.5;
+    }
+    (min.distance_squared(max), area)
 }
 
 /// Lengths of the fewest blocks that hold `n` triangles, as even as can be.
@@ -146,7 +191,7 @@ fn counting_sort(mesh: &Mesh, cells: &[u16], cell_count: usize) -> (Vec<u32>, Ve
         *total = (place - begin) as usize;
     }
     // Every place is written once; atomics only tell the compiler that threads may share the array.
-    let order: Vec<AtomicU32> = (0..n).into_par_iter().map(|_| AtomicU32::new(0)).collect();
+    let order: Vec<AtomicU32> = (0..n + PADDING).into_par_iter().map(|_| AtomicU32::new(0)).collect();
     mesh.triangles.par_chunks(chunk).zip(places).enumerate().for_each(|(i, (triangles, mut places))| {
         for (j, t) in triangles.iter().enumerate() {
             let place = &mut places[key(t)];

@@ -1,8 +1,12 @@
 //! From a mesh to clusters.
 
+use std::sync::Mutex;
+
 use rayon::prelude::*;
 
-use super::{ClusteredMesh, MAX_TRIANGLES, MAX_VERTICES, PADDING, gather, order, runs, shuffle};
+use super::{
+    ClusteredMesh, MAX_TRIANGLES, MAX_VERTICES, PADDING, gather, grow::Grower, order, runs, shuffle,
+};
 use crate::{Aabb, Mesh, Progress};
 use glam::{DVec3, Vec3};
 
@@ -112,15 +116,17 @@ pub fn partition(mut mesh: Mesh, options: &PartitionOptions) -> ClusteredMesh {
     }
     let blocks = match options.order {
         Order::File => order::file(&mesh),
+        Order::Auto if order::is_coherent(&mesh, limits) => order::file(&mesh),
         Order::Auto | Order::Spatial => order::spatial(&mesh),
     };
     let mut out = ClusteredMesh { origin: mesh.origin, ..ClusteredMesh::default() };
     out.corners = std::array::from_fn(|_| vec![0; n + PADDING]);
     out.primitives = blocks.order;
+    let pool = Mutex::new(Vec::new());
     let cuts: Vec<Cut> = jobs(&mut out, &blocks.lengths)
         .into_par_iter()
         .map(|mut block| {
-            let cut = cut(&mesh.triangles, &mut block, limits);
+            let cut = cut(&mesh, &mut block, limits, &pool);
             if let Some(progress) = options.progress {
                 progress.advance(block.corners[0].len() as u64);
             }
@@ -128,9 +134,6 @@ pub fn partition(mut mesh: Mesh, options: &PartitionOptions) -> ClusteredMesh {
         })
         .collect();
     mesh.triangles = Vec::new();
-    if let Some(primitives) = &mut out.primitives {
-        primitives.resize(n + PADDING, 0);
-    }
     gather::positions(&mut out, &cuts, &std::mem::take(&mut mesh.positions));
     gather::attributes(&mut out, &cuts, mesh);
     out.bounds = bounds(&out);
@@ -152,14 +155,22 @@ fn jobs<'a>(out: &'a mut ClusteredMesh, lengths: &[usize]) -> Vec<Block<'a>> {
     firsts.zip(corners).zip(order).map(|((first, corners), order)| Block { first, corners, order }).collect()
 }
 
-fn cut(triangles: &[[u32; 3]], block: &mut Block, limits: Limits) -> Cut {
-    match &block.order {
-        Some(order) => runs::cut(order.iter().map(|&t| triangles[t as usize]), &mut block.corners, limits),
-        None => {
-            let range = block.first..block.first + block.corners[0].len();
-            runs::cut(triangles[range].iter().copied(), &mut block.corners, limits)
-        }
+/// Cuts one block: a given order into runs, else by growing.
+fn cut(mesh: &Mesh, block: &mut Block, limits: Limits, pool: &Mutex<Vec<Grower>>) -> Cut {
+    let Some(order) = &mut block.order else {
+        let range = block.first..block.first + block.corners[0].len();
+        return runs::cut(mesh.triangles[range].iter().copied(), &mut block.corners, limits);
+    };
+    // Working memory goes from block to block; as many exist as threads run at a time.
+    let mut grower = pool.lock().ok().and_then(|mut p| p.pop()).unwrap_or_default();
+    grower.mesh.fill(mesh, order.iter().map(|&t| mesh.triangles[t as usize]));
+    let cut = grower.cut(&mut block.corners, limits);
+    let old = order.to_vec();
+    order.iter_mut().zip(&grower.taken).for_each(|(o, &t)| *o = old[usize::from(t)]);
+    if let Ok(mut pool) = pool.lock() {
+        pool.push(grower);
     }
+    cut
 }
 
 /// World-space bounds of all clusters.

@@ -1,0 +1,163 @@
+//! A block of triangles with vertices numbered inside the block.
+
+use glam::Vec3;
+
+use crate::Mesh;
+
+/// A block's triangles over its own vertices, and which triangles each vertex has.
+#[derive(Default)]
+pub(super) struct LocalMesh {
+    /// Mesh vertex of each local one, in the order of first use.
+    pub vertices: Vec<u32>,
+    /// Positions of the vertices.
+    pub positions: Vec<[f32; 3]>,
+    /// Local vertices of each triangle, turned by [`Mesh::canonical`].
+    pub triangles: Vec<[u16; 3]>,
+    /// Unit normals of the triangles; zero without area.
+    pub normals: Vec<[f32; 3]>,
+    /// Mean of the triangles' areas, times two.
+    pub area: f32,
+    /// Where each vertex's triangles begin in `around`, and one more.
+    starts: Vec<u32>,
+    /// Triangles round the vertices.
+    around: Vec<u16>,
+    table: Table,
+}
+
+impl LocalMesh {
+    /// Takes a new block. It has at most 2^16 / 3 triangles.
+    pub fn fill(&mut self, mesh: &Mesh, triangles: impl ExactSizeIterator<Item = [u32; 3]>) {
+        self.vertices.clear();
+        self.triangles.clear();
+        self.table.clear();
+        let Self { vertices, triangles: local, table, .. } = self;
+        for t in triangles {
+            let [a, b, c] = turn(t);
+            let (a, b) = (table.number(a, vertices), table.number(b, vertices));
+            local.push([a, b, table.number(c, vertices)]);
+        }
+        self.positions.clear();
+        self.positions.extend(vertices.iter().map(|&v| mesh.positions[v as usize]));
+        self.orient();
+        self.connect();
+    }
+
+    /// Triangles that have the vertex as a corner; twice or more where it is two corners of one.
+    #[inline]
+    pub fn around(&self, vertex: u16) -> &[u16] {
+        let v = usize::from(vertex);
+        &self.around[self.starts[v] as usize..self.starts[v + 1] as usize]
+    }
+
+    fn orient(&mut self) {
+        let mut sum = 0.0;
+        self.normals.clear();
+        let point = |v: u16| Vec3::from(self.positions[usize::from(v)]);
+        self.normals.extend(self.triangles.iter().map(|&[a, b, c]| {
+            let (a, b, c) = (point(a), point(b), point(c));
+            let normal = (b - a).cross(c - a);
+            let area = normal.length();
+            sum += area;
+            (normal / area.max(f32::MIN_POSITIVE)).to_array()
+        }));
+        self.area = sum / self.triangles.len() as f32;
+    }
+
+    fn connect(&mut self) {
+        self.starts.clear();
+        self.starts.resize(self.vertices.len() + 2, 0);
+        // Two places ahead, so that filling leaves every start where it belongs.
+        for &v in self.triangles.as_flattened() {
+            self.starts[usize::from(v) + 2] += 1;
+        }
+        let mut sum = 0;
+        for start in &mut self.starts {
+            sum += *start;
+            *start = sum;
+        }
+        self.around.resize(self.triangles.len() * 3, 0);
+        for (t, corners) in self.triangles.iter().enumerate() {
+            for &v in corners {
+                let place = &mut self.starts[usize::from(v) + 1];
+                self.around[*place as usize] = t as u16;
+                *place += 1;
+            }
+        }
+    }
+}
+
+/// From mesh vertices to local numbers: open addressing, with lines of eight slots for eight vertices that
+/// follow each other, because those usually come together.
+#[derive(Default)]
+struct Table {
+    /// Mesh vertex in the high half, its local number plus one in the low half; 0 for a free slot.
+    slots: Vec<u64>,
+}
+
+const LINE: usize = 8;
+
+impl Table {
+    fn clear(&mut self) {
+        self.slots.clear();
+        self.slots.resize(1 << 15, 0);
+    }
+
+    /// The slot where a vertex stands or would stand.
+    #[inline]
+    fn slot(&self, vertex: u32) -> usize {
+        let mask = self.slots.len() - 1;
+        let line = u64::from(vertex / LINE as u32).wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 40;
+        let mut i = (line as usize * LINE + vertex as usize % LINE) & mask;
+        while self.slots[i] != 0 && (self.slots[i] >> 32) as u32 != vertex {
+            i = (i + 1) & mask;
+        }
+        i
+    }
+
+    /// The vertex's number; a new vertex is added to `vertices`.
+    #[inline]
+    fn number(&mut self, vertex: u32, vertices: &mut Vec<u32>) -> u16 {
+        let slot = self.slot(vertex);
+        if self.slots[slot] == 0 {
+            vertices.push(vertex);
+            self.slots[slot] = u64::from(vertex) << 32 | vertices.len() as u64;
+            if vertices.len() * 2 > self.slots.len() {
+                self.grow(vertices);
+            }
+            return (vertices.len() - 1) as u16;
+        }
+        (self.slots[slot] as u32 - 1) as u16
+    }
+
+    #[cold]
+    fn grow(&mut self, vertices: &[u32]) {
+        let size = self.slots.len() * 2;
+        self.slots.clear();
+        self.slots.resize(size, 0);
+        for (i, &v) in vertices.iter().enumerate() {
+            let slot = self.slot(v);
+            self.slots[slot] = u64::from(v) << 32 | (i as u64 + 1);
+        }
+    }
+}
+
+/// [`Mesh::canonical`] without branches: which corner is lowest cannot be predicted.
+#[inline]
+fn turn([a, b, c]: [u32; 3]) -> [u32; 3] {
+    let first = usize::from(b < a && b <= c) + 2 * usize::from(c < a && c < b);
+    let around = [a, b, c, a, b];
+    [around[first], around[first + 1], around[first + 2]]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn turning_is_canonical() {
+        for i in 0..27u32 {
+            let t = [i % 3, i / 3 % 3, i / 9];
+            assert_eq!(turn(t), Mesh::canonical(t), "{t:?}");
+        }
+    }
+}
