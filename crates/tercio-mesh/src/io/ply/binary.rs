@@ -90,10 +90,12 @@ pub(super) fn read(job: &Job, header: &Header, plans: &[Plan], big: bool) -> Res
     for (element, plan) in header.elements.iter().zip(plans) {
         let (layout, end) = layout::find(&binary, element, plan.rows, at)?;
         let mut table = Table::default();
-        if plan.role != Role::Skipped && plan.rows > 0 {
+        if plan.role != Role::Skipped {
             job.begin(plan.role, plan.rows as u64);
-            // Lists are at most as long in memory as in the file, but for numbers shorter than 32 bits.
-            let lists = plan.corners.map_or(0, |_| 4 * (end - at) as u64);
+            let lists = match plan.corners.and_then(|i| element.properties.get(i)).map(|p| p.shape) {
+                Some(Shape::List { item, .. }) => ((end - at) / item.size()) as u64 * 4,
+                _ => 0,
+            };
             job.reserve("the mesh", plan.field_bytes().saturating_add(lists))?;
             table = Table::new(plan);
             match &layout {
