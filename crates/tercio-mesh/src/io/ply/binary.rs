@@ -267,6 +267,10 @@ fn read_ragged(
         .map(|(first, at, mut slots)| {
             let here = BLOCK.min(plan.rows - first);
             let mut lists = Lists::default();
+            if plan.corners.is_some() {
+                lists.counts.reserve(here);
+                lists.corners.reserve(4 * here);
+            }
             let mut values = vec![0.0; element.properties.len()];
             let mut at = at;
             for row in 0..here {
@@ -318,12 +322,24 @@ fn walk_row(
         })?;
         if plan.corners == Some(i) {
             lists.counts.push(length as u32);
+            let end = at.saturating_add(length.saturating_mul(item.size()));
+            // One look at the bounds for the whole list; a list that is cut off goes on number by number.
+            if let Some(items) = binary.bytes.get(*at..end) {
+                let vertices =
+                    items.chunks_exact(item.size()).map(|b| plan.vertex(number(item, binary.big, b)?));
+                let before = lists.corners.len();
+                lists.corners.extend(vertices.map_while(|v| v));
+                if lists.corners.len() - before == length {
+                    *at = end;
+                    continue;
+                }
+            }
             for _ in 0..length {
                 let place = Place::Byte(*at as u64);
                 let value = take(at, item)?;
-                lists.corners.push(plan.vertex(value).ok_or_else(|| {
-                    malformed(binary.file, place, plan.expected_vertex(), value.to_string())
-                })?);
+                if plan.vertex(value).is_none() {
+                    return Err(malformed(binary.file, place, plan.expected_vertex(), value.to_string()));
+                }
             }
         } else if plan.wedges == Some(i) {
             lists.wedge_counts.push(length as u32);
