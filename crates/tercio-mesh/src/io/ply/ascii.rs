@@ -32,11 +32,11 @@ pub(super) fn read(job: &Job, header: &Header, plans: &[Plan]) -> Result<Vec<Tab
         progress.begin("reading vertices and faces", body.len() as u64);
     }
     let text = Text { job, body: &body, first_line: header.body_line, elements: &header.elements, plans };
-    match in_parallel(&text) {
+    let too_long = match in_parallel(&text) {
         Ok(read) => return Ok(read.finish(&text)),
         Err(Trouble::Wrong(error)) => return Err(error),
-        Err(Trouble::Layout(_)) => {}
-    }
+        Err(trouble) => matches!(trouble, Trouble::Surplus(_)),
+    };
     let free = in_sequence(&text, Spacing::Free);
     if let Ok(read) = free {
         if !read.trailing {
@@ -49,10 +49,15 @@ pub(super) fn read(job: &Job, header: &Header, plans: &[Plan]) -> Result<Vec<Tab
     }
     match (free, in_sequence(&text, Spacing::Lenient)) {
         (_, Ok(read)) | (Ok(read), _) => Ok(read.finish(&text)),
-        // The reading that came farther was the better guess.
         (Err(free), Err(by_line)) => {
+            // Tell of the reading that was the better guess: the one by line where the first line out of
+            // step was too long, none was too short and there is one for every instance; else the one that
+            // came farther.
+            let lines = body.iter().filter(|&&b| b == b'\n').count();
+            let rows: usize = plans.iter().map(|p| p.rows).sum();
+            let prefer_lines = too_long && matches!(by_line, Trouble::Wrong(_)) && lines >= rows;
             let (free, by_line) = (free.into_error(), by_line.into_error());
-            Err(if line_of(&by_line) > line_of(&free) { by_line } else { free })
+            Err(if prefer_lines || line_of(&by_line) > line_of(&free) { by_line } else { free })
         }
     }
 }
@@ -126,6 +131,12 @@ struct Segment<'a> {
     slots: Vec<Slots<'a>>,
 }
 
+/// What one stretch of the text gave: lists with the number of their element.
+struct Stretch {
+    lists: Vec<(usize, Lists)>,
+    trailing: bool,
+}
+
 /// One instance a line, all threads.
 fn in_parallel(text: &Text) -> Result<Reading, Trouble> {
     let chunks = split_lines(text.body, rayon::current_num_threads() * 8);
@@ -155,7 +166,7 @@ fn in_parallel(text: &Text) -> Result<Reading, Trouble> {
         work.push((chunk, line, segments));
         line += lines as u64;
     }
-    let pieces: Vec<Result<(Vec<(usize, Lists)>, bool), Trouble>> = work
+    let pieces: Vec<Result<Stretch, Trouble>> = work
         .into_par_iter()
         .map(|(chunk, line, segments)| {
             let mut cursor = Cursor::new(chunk, line);
@@ -165,15 +176,15 @@ fn in_parallel(text: &Text) -> Result<Reading, Trouble> {
             }
             text.job.advance(chunk.len() as u64);
             cursor.skip_space();
-            Ok((lists, !cursor.is_at_end()))
+            Ok(Stretch { lists, trailing: !cursor.is_at_end() })
         })
         .collect();
     drop(slots);
     let mut trailing = false;
     // The trouble of the first stretch wins: what comes behind it may only follow from it.
     for piece in pieces {
-        let (lists, rest) = piece?;
-        trailing |= rest;
+        let Stretch { lists, trailing: more } = piece?;
+        trailing |= more;
         for (element, lists) in lists {
             if let Some(table) = tables.get_mut(element) {
                 table.lists.push(lists);

@@ -90,10 +90,12 @@ pub(super) fn read(job: &Job, header: &Header, plans: &[Plan], big: bool) -> Res
     for (element, plan) in header.elements.iter().zip(plans) {
         let (layout, end) = layout::find(&binary, element, plan.rows, at)?;
         let mut table = Table::default();
-        if plan.role != Role::Skipped && plan.rows > 0 {
+        if plan.role != Role::Skipped {
             job.begin(plan.role, plan.rows as u64);
-            // Lists are at most as long in memory as in the file, but for numbers shorter than 32 bits.
-            let lists = plan.corners.map_or(0, |_| 4 * (end - at) as u64);
+            let lists = match plan.corners.and_then(|i| element.properties.get(i)).map(|p| p.shape) {
+                Some(Shape::List { item, .. }) => ((end - at) / item.size()) as u64 * 4,
+                _ => 0,
+            };
             job.reserve("the mesh", plan.field_bytes().saturating_add(lists))?;
             table = Table::new(plan);
             match &layout {
@@ -265,6 +267,10 @@ fn read_ragged(
         .map(|(first, at, mut slots)| {
             let here = BLOCK.min(plan.rows - first);
             let mut lists = Lists::default();
+            if plan.corners.is_some() {
+                lists.counts.reserve(here);
+                lists.corners.reserve(4 * here);
+            }
             let mut values = vec![0.0; element.properties.len()];
             let mut at = at;
             for row in 0..here {
@@ -316,12 +322,24 @@ fn walk_row(
         })?;
         if plan.corners == Some(i) {
             lists.counts.push(length as u32);
+            let end = at.saturating_add(length.saturating_mul(item.size()));
+            // One look at the bounds for the whole list; a list that is cut off goes on number by number.
+            if let Some(items) = binary.bytes.get(*at..end) {
+                let vertices =
+                    items.chunks_exact(item.size()).map(|b| plan.vertex(number(item, binary.big, b)?));
+                let before = lists.corners.len();
+                lists.corners.extend(vertices.map_while(|v| v));
+                if lists.corners.len() - before == length {
+                    *at = end;
+                    continue;
+                }
+            }
             for _ in 0..length {
                 let place = Place::Byte(*at as u64);
                 let value = take(at, item)?;
-                lists.corners.push(plan.vertex(value).ok_or_else(|| {
-                    malformed(binary.file, place, plan.expected_vertex(), value.to_string())
-                })?);
+                if plan.vertex(value).is_none() {
+                    return Err(malformed(binary.file, place, plan.expected_vertex(), value.to_string()));
+                }
             }
         } else if plan.wedges == Some(i) {
             lists.wedge_counts.push(length as u32);

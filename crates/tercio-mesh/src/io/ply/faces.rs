@@ -68,11 +68,9 @@ struct Piece {
 
 fn triangulate(positions: &[[f32; 3]], lists: &Lists, first: u32) -> Piece {
     let mut triangulator = Triangulator::default();
-    let mut piece = Piece {
-        triangles: Vec::with_capacity(lists.counts.len()),
-        faces: Vec::with_capacity(lists.counts.len()),
-        ignored: 0,
-    };
+    let made = lists.counts.iter().map(|&count| count.saturating_sub(2) as usize).sum();
+    let mut piece =
+        Piece { triangles: Vec::with_capacity(made), faces: Vec::with_capacity(made), ignored: 0 };
     let mut points = Vec::new();
     let mut rest = lists.corners.as_slice();
     for (&count, face) in lists.counts.iter().zip(first..) {

@@ -1,8 +1,8 @@
 //! PLY, the Stanford polygon format: ASCII and binary of both byte orders.
 //!
-//! The header ([`header`]) declares elements, tables of numbers and lists. [`plan`] decides what of them is
-//! kept; [`binary`] and [`ascii`] read the kept part into tables of the mesh's own types ([`table`]);
-//! [`assemble`] makes triangles of faces and strips and puts the mesh together, which has to wait for the
+//! The header (`header`) declares elements, tables of numbers and lists. `plan` decides what of them is
+//! kept; `binary` and `ascii` read the kept part into tables of the mesh's own types (`table`);
+//! `assemble` makes triangles of faces and strips and puts the mesh together, which has to wait for the
 //! end because the elements may stand in any order.
 //!
 //! Source: G. Turk, "The PLY Polygon File Format" (1994), with the names of properties that are in use.

@@ -22,8 +22,10 @@ pub(super) enum Spacing {
 /// Why an instance could not be read.
 #[derive(Debug)]
 pub(super) enum Trouble {
-    /// The instance is longer or shorter than its line, which is allowed under another [`Spacing`].
-    Layout(ReadError),
+    /// The line is over before the instance, which is allowed under another [`Spacing`].
+    Short(ReadError),
+    /// The line holds more than the instance, also allowed under another.
+    Surplus(ReadError),
     /// Wrong under any spacing.
     Wrong(ReadError),
 }
@@ -31,7 +33,7 @@ pub(super) enum Trouble {
 impl Trouble {
     pub(super) fn into_error(self) -> ReadError {
         match self {
-            Self::Layout(error) | Self::Wrong(error) => error,
+            Self::Short(error) | Self::Surplus(error) | Self::Wrong(error) => error,
         }
     }
 }
@@ -130,8 +132,8 @@ impl<'a> Row<'a> {
         let left = ahead.rest().len() / 2;
         if length as usize > left {
             let expected = format!("{length} numbers for {}", self.name(row, property));
-            let found = format!("{} bytes", ahead.rest().len());
-            return Err(Trouble::Layout(malformed(self.file, Place::Line(cursor.line()), expected, found)));
+            let found = format!("{} bytes up to the end of the file", ahead.rest().len());
+            return Err(Trouble::Short(malformed(self.file, Place::Line(cursor.line()), expected, found)));
         }
         *cursor = ahead;
         Ok(length)
@@ -171,7 +173,7 @@ impl<'a> Row<'a> {
     fn trouble(&self, cursor: &mut Cursor, expected: &str, row: usize, property: usize) -> Trouble {
         let error = cursor.expected(self.file, format!("{expected} for {}", self.name(row, property)));
         if self.spacing != Spacing::Free && cursor.line_is_over() {
-            Trouble::Layout(error)
+            Trouble::Short(error)
         } else {
             Trouble::Wrong(error)
         }
@@ -181,6 +183,6 @@ impl<'a> Row<'a> {
     #[cold]
     pub(super) fn surplus(&self, cursor: &Cursor, row: usize) -> Trouble {
         let expected = format!("the end of the line behind element {} {row}", self.element.name);
-        Trouble::Layout(cursor.expected(self.file, expected))
+        Trouble::Surplus(cursor.expected(self.file, expected))
     }
 }
