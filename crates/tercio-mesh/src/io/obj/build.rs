@@ -1,0 +1,365 @@
+//! From parsed stretches to the mesh.
+
+use rayon::prelude::*;
+
+use crate::error::printable;
+use crate::io::{ReadModel, ReadOptions, ReadReport, input::Input};
+use crate::mesh::{Attribute, AttributeDomain, FileMaterial, MAX_ELEMENTS, localize};
+use crate::polygon::Triangulator;
+use crate::{Mesh, OctNormal, ReadError};
+
+use super::faces::NONE;
+use super::mtl;
+use super::names::{self, Names};
+use super::parse::{Chunk, UNKNOWN_KEPT};
+use super::unify::{Vertices, is_unified};
+
+/// All that the file holds.
+pub struct Parsed<'a> {
+    /// Of `v`.
+    pub positions: Vec<[f64; 3]>,
+    /// Of `vt`.
+    pub texcoords: Vec<[f32; 2]>,
+    /// Of `vn`.
+    pub normals: Vec<[f32; 3]>,
+    /// Everything else.
+    pub chunks: Vec<Chunk<'a>>,
+}
+
+/// Makes the mesh.
+///
+/// # Errors
+/// Too many vertices or triangles, or too little memory for them.
+pub fn build(input: &Input, options: &ReadOptions, parsed: Parsed) -> Result<ReadModel, ReadError> {
+    let Parsed { mut positions, texcoords, normals, mut chunks } = parsed;
+    let mut warnings = Vec::new();
+    let faces: u64 = chunks.iter().map(|c| u64::from(c.corners.faces())).sum();
+    let triangle_count: u64 = chunks.iter().map(|c| c.corners.triangles()).sum();
+    let too_many = |what, count| ReadError::TooMany { file: input.name.clone(), what, count };
+    if triangle_count > MAX_ELEMENTS {
+        return Err(too_many("triangles", triangle_count));
+    }
+
+    let with_vt = uses(&chunks, |c| &c.corners.vt);
+    let with_vn = uses(&chunks, |c| &c.corners.vn) && normals_serve(&chunks, &normals, &mut warnings);
+    if with_vt {
+        warn_of_missing_texcoords(&chunks, &mut warnings);
+    }
+    let corners: u64 = chunks.iter().map(|c| c.corners.v.len() as u64).sum();
+    let vertices_needed =
+        positions.len() as u64 * 48 + texcoords.len() as u64 * 16 + normals.len() as u64 * 16;
+    let needed = input.held_bytes() + vertices_needed + corners * 4 + triangle_count * 24;
+    options.check_memory(&input.name, "triangles", needed)?;
+
+    let unified = is_unified(&chunks, with_vt, with_vn);
+    let vertices = if unified {
+        None
+    } else {
+        let v = Vertices::unify(positions.len(), &mut chunks, with_vt, with_vn)
+            .map_err(|count| too_many("vertices", count))?;
+        options.check_memory(&input.name, "split vertices", needed + v.extra() as u64 * 68)?;
+        Some(v)
+    };
+    let vertex_colors = vertex_colors(&chunks, positions.len(), &mut warnings);
+    let mut mesh = Mesh { vertex_colors, ..Mesh::default() };
+    match &vertices {
+        Some(v) => {
+            v.extend(&mut positions);
+            if let Some(colors) = &mut mesh.vertex_colors {
+                v.extend(colors);
+            }
+            let at = |values: &[[f32; 3]], i: u32| values.get(i as usize).copied().unwrap_or_default();
+            mesh.normals = with_vn.then(|| v.normals().map(|i| OctNormal::encode(at(&normals, i))).collect());
+            let at = |i: u32| texcoords.get(i as usize).copied().unwrap_or_default();
+            mesh.texcoords = with_vt.then(|| v.texcoords().map(at).collect());
+        }
+        None => {
+            let count = positions.len();
+            mesh.normals = with_vn.then(|| {
+                let mut n: Vec<_> = normals.par_iter().take(count).map(|&n| OctNormal::encode(n)).collect();
+                n.resize(count, OctNormal::default());
+                n
+            });
+            mesh.texcoords = with_vt.then(|| {
+                let mut t = texcoords;
+                t.resize(count, [0.0; 2]);
+                t
+            });
+        }
+    }
+    drop(vertices);
+    drop(normals);
+    (mesh.triangles, mesh.face_of_triangle) = triangles(&mut chunks, &positions, triangle_count as usize);
+    (mesh.origin, mesh.positions) = localize(&positions);
+    drop(positions);
+
+    add_names(&chunks, &mut mesh);
+    add_materials(input, &chunks, &mut mesh, &mut warnings);
+    warn_of_ignored(&chunks, &mut warnings);
+    let report = ReadReport {
+        format: "OBJ".into(),
+        file_bytes: input.file_bytes,
+        faces,
+        ignored_points_and_lines: chunks.iter().map(|c| c.points_and_lines + c.small_faces).sum(),
+        warnings,
+    };
+    Ok(ReadModel { mesh, report })
+}
+
+fn uses(chunks: &[Chunk], of: impl for<'c> Fn(&'c Chunk) -> &'c Vec<u32> + Sync) -> bool {
+    chunks.par_iter().any(|c| of(c).iter().any(|&i| i != NONE))
+}
+
+/// Normals are used only if every corner has one that points somewhere: a vertex cannot be without.
+fn normals_serve(chunks: &[Chunk], normals: &[[f32; 3]], warnings: &mut Vec<String>) -> bool {
+    let missing: u64 = chunks
+        .par_iter()
+        .map(|c| {
+            let without = if c.corners.vn.is_empty() { c.corners.v.len() } else { 0 };
+            (without + c.corners.vn.iter().filter(|&&i| i == NONE).count()) as u64
+        })
+        .sum();
+    if missing > 0 {
+        warnings
+            .push(format!("left out the file's normals, because {} had none", counted(missing, "corner")));
+        return false;
+    }
+    let points_nowhere = |n: &[f32; 3]| {
+        let sum: f32 = n.iter().map(|x| x.abs()).sum();
+        !(sum > 0.0 && sum.is_finite())
+    };
+    let bad: Vec<bool> = normals.par_iter().map(points_nowhere).collect();
+    let is_bad = |i: u32| bad.get(i as usize).copied().unwrap_or(true);
+    let used = bad.contains(&true) && chunks.par_iter().any(|c| c.corners.vn.iter().any(|&i| is_bad(i)));
+    if used {
+        warnings.push("left out the file's normals, because some are zero or not finite".into());
+    }
+    !used
+}
+
+fn warn_of_missing_texcoords(chunks: &[Chunk], warnings: &mut Vec<String>) {
+    let missing: u64 = chunks
+        .par_iter()
+        .map(|c| {
+            let without = if c.corners.vt.is_empty() { c.corners.v.len() } else { 0 };
+            (without + c.corners.vt.iter().filter(|&&i| i == NONE).count()) as u64
+        })
+        .sum();
+    if missing > 0 {
+        warnings.push(format!(
+            "set the texture coordinates of {} without any to 0, 0",
+            counted(missing, "corner")
+        ));
+    }
+}
+
+/// Colours behind the positions: 0 to 1, or 0 to 255 as some programs write them.
+fn vertex_colors(chunks: &[Chunk], count: usize, warnings: &mut Vec<String>) -> Option<Vec<[u8; 4]>> {
+    let largest = chunks
+        .par_iter()
+        .filter(|c| !c.colors.is_empty())
+        .map(|c| c.colors.iter().flat_map(|c| &c[..3]).fold(0.0f32, |a, &b| a.max(b)))
+        .reduce_with(f32::max)?;
+    // Colours computed in floating point may pass 1 by a little.
+    let is_bytes = largest > 2.0;
+    if is_bytes {
+        warnings.push("took vertex colours as 0 to 255, because some are far above 1".into());
+    }
+    let scale = if is_bytes { 1.0 } else { 255.0 };
+    let byte = |x: f32| (x * scale).round() as u8;
+    let mut colors = Vec::with_capacity(count);
+    let mut without = 0;
+    for chunk in chunks {
+        colors.extend(chunk.colors.iter().map(|&[r, g, b, a]| {
+            if r.is_nan() || g.is_nan() || b.is_nan() {
+                without += 1;
+                return [255; 4];
+            }
+            // An alpha that was not there is 1 in either way of counting.
+            let alpha = if a == 1.0 || a.is_nan() { 255 } else { byte(a) };
+            [byte(r), byte(g), byte(b), alpha]
+        }));
+        let held = chunk.vertices as usize - chunk.colors.len();
+        without += held;
+        colors.resize(colors.len() + held, [255; 4]);
+    }
+    if without > 0 {
+        warnings.push(format!("set the colour of vertices without one to white: {without} of {count}"));
+    }
+    Some(colors)
+}
+
+/// The faces as triangles, and each triangle's face where they differ in number. Frees the corners.
+fn triangles(
+    chunks: &mut [Chunk],
+    positions: &[[f64; 3]],
+    count: usize,
+) -> (Vec<[u32; 3]>, Option<Vec<u32>>) {
+    let cut: Vec<Option<Cut>> = chunks
+        .par_iter()
+        .map(|chunk| Some(triangulate(&chunk.corners.v, chunk.corners.sizes()?, positions)))
+        .collect();
+    let is_mixed = cut.iter().any(Option::is_some);
+    let mut triangles = Vec::with_capacity(count);
+    let mut faces = Vec::with_capacity(if is_mixed { count } else { 0 });
+    let mut face = 0;
+    for (chunk, cut) in chunks.iter_mut().zip(cut) {
+        let corners = std::mem::take(&mut chunk.corners.v);
+        match cut {
+            Some((t, f)) => {
+                triangles.extend(t);
+                faces.extend(f.into_iter().map(|f| f + face));
+            }
+            None => {
+                triangles.extend_from_slice(corners.as_chunks::<3>().0);
+                if is_mixed {
+                    faces.extend(face..face + chunk.corners.faces());
+                }
+            }
+        }
+        face += chunk.corners.faces();
+    }
+    (triangles, is_mixed.then_some(faces))
+}
+
+/// Triangles, and of which face of the stretch each is.
+type Cut = (Vec<[u32; 3]>, Vec<u32>);
+
+fn triangulate(corners: &[u32], sizes: &[u32], positions: &[[f64; 3]]) -> Cut {
+    let mut triangulator = Triangulator::default();
+    let mut points = Vec::new();
+    let mut triangles = Vec::with_capacity(corners.len() - 2 * sizes.len());
+    let mut faces = Vec::with_capacity(triangles.capacity());
+    let mut rest = corners;
+    for (face, &size) in sizes.iter().enumerate() {
+        let (polygon, tail) = rest.split_at(size as usize);
+        rest = tail;
+        if let &[a, b, c] = polygon {
+            triangles.push([a, b, c]);
+        } else {
+            points.clear();
+            points.extend(polygon.iter().map(|&v| positions[v as usize]));
+            triangulator.triangulate(&points, |t| triangles.push(t.map(|i| polygon[i])));
+        }
+        faces.resize(triangles.len(), face as u32);
+    }
+    (triangles, faces)
+}
+
+/// Groups and objects become attributes where there is more than one.
+fn add_names(chunks: &[Chunk], mesh: &mut Mesh) {
+    let groups = Names::join(chunks, |c| &c.groups);
+    let objects = Names::join(chunks, |c| &c.objects);
+    for (name, names) in [("group", groups), ("object", objects)] {
+        if names.differ() {
+            // Faces before the first name count as a group of their own, 0.
+            let values = names.spread(mesh.triangles.len(), mesh.face_of_triangle.as_deref(), |number| {
+                number.map_or(0.0, |n| n as f32 + 1.0)
+            });
+            mesh.attributes.push(Attribute { name: name.into(), domain: AttributeDomain::Triangle, values });
+        }
+    }
+}
+
+/// Looks up the materials that faces use. One that no library defines is warned of and stays without number,
+/// because a made-up colour would pass for one of the file.
+fn add_materials(input: &Input, chunks: &[Chunk], mesh: &mut Mesh, warnings: &mut Vec<String>) {
+    let used = Names::join(chunks, |c| &c.materials);
+    if used.names.is_empty() {
+        return;
+    }
+    let mut library = Vec::new();
+    let mut asked: Vec<&[u8]> = Vec::new();
+    for &names in chunks.iter().flat_map(|c| &c.libraries) {
+        if asked.contains(&names) {
+            continue;
+        }
+        asked.push(names);
+        match &input.base {
+            Some(base) => mtl::load(base, names, &mut library, warnings),
+            None => {
+                warnings.push("did not look for material libraries: the model comes without a folder".into())
+            }
+        }
+        if asked.len() == MOST_LIBRARIES {
+            warnings.push(format!("did not read more than {MOST_LIBRARIES} material libraries"));
+            break;
+        }
+    }
+    warnings.dedup();
+    let mut by_name = std::collections::HashMap::new();
+    for (i, material) in library.iter().enumerate().rev() {
+        by_name.insert(material.name.as_str(), i);
+    }
+    let mut undefined = Vec::new();
+    let numbers: Vec<u32> = used
+        .names
+        .iter()
+        .map(|name| {
+            let name = names::text(name);
+            match by_name.get(name.as_str()).and_then(|&i| library.get(i)) {
+                Some(material) => {
+                    mesh.materials.push(FileMaterial::clone(material));
+                    mesh.materials.len() as u32 - 1
+                }
+                None => {
+                    undefined.push(format!("\"{name}\""));
+                    Mesh::NO_MATERIAL
+                }
+            }
+        })
+        .collect();
+    if !undefined.is_empty() {
+        let dots = if undefined.len() > 3 { ", …" } else { "" };
+        let first = undefined.iter().take(3).cloned().collect::<Vec<_>>().join(", ");
+        warnings.push(format!(
+            "found no definition of {}: {first}{dots}",
+            counted(undefined.len() as u64, "material")
+        ));
+    }
+    if !mesh.materials.is_empty() {
+        let number =
+            |n: Option<u32>| n.and_then(|n| numbers.get(n as usize)).copied().unwrap_or(Mesh::NO_MATERIAL);
+        mesh.triangle_materials =
+            Some(used.spread(mesh.triangles.len(), mesh.face_of_triangle.as_deref(), number));
+    }
+}
+
+/// Each asks the file system several times.
+const MOST_LIBRARIES: usize = 256;
+
+fn warn_of_ignored(chunks: &[Chunk], warnings: &mut Vec<String>) {
+    let small: u64 = chunks.iter().map(|c| c.small_faces).sum();
+    if let Some(line) = chunks.iter().find_map(|c| c.first_small_face) {
+        warnings.push(format!(
+            "ignored {} with fewer than three corners, the first in line {line}",
+            counted(small, "face")
+        ));
+    }
+    let pointless: u64 = chunks.iter().map(|c| c.corners.pointless).sum();
+    if pointless > 0 {
+        warnings.push(format!(
+            "ignored {pointless} indices of texture coordinates or normals that the file does not hold"
+        ));
+    }
+    let odd: u64 = chunks.iter().map(|c| c.odd_numbers).sum();
+    if odd > 0 {
+        warnings.push(format!("guessed {} written in a way that OBJ does not know", counted(odd, "number")));
+    }
+    let lines: u64 = chunks.iter().map(|c| c.unknown_lines).sum();
+    if lines > 0 {
+        let mut unknown: Vec<&[u8]> = Vec::new();
+        for keyword in chunks.iter().flat_map(|c| &c.unknown) {
+            if unknown.len() < UNKNOWN_KEPT && !unknown.contains(keyword) {
+                unknown.push(keyword);
+            }
+        }
+        let shown = unknown.iter().map(|k| printable(k)).collect::<Vec<_>>().join(", ");
+        warnings.push(format!("ignored {} that begin with an unknown word: {shown}", counted(lines, "line")));
+    }
+}
+
+/// "1 face", "2 faces".
+fn counted(n: u64, what: &str) -> String {
+    format!("{n} {what}{}", if n == 1 { "" } else { "s" })
+}

@@ -1,0 +1,148 @@
+//! Wavefront OBJ with its material libraries (MTL).
+//!
+//! The text is cut into stretches at line ends. A first pass counts vertices and faces, so that every
+//! stretch knows where its own begin ([`lines`]); a second parses all stretches at once ([`parse`],
+//! [`faces`]); then corners become vertices ([`unify`]) and faces triangles ([`build`]).
+//!
+//! Source: the appendix "Object Files (.obj)" of the Advanced Visualizer manual; free-form curves and
+//! surfaces are not drawn.
+
+mod build;
+mod faces;
+mod lines;
+mod mtl;
+mod names;
+mod parse;
+pub(super) mod transcode;
+mod unify;
+
+use rayon::prelude::*;
+
+use crate::ReadError;
+use crate::mesh::MAX_ELEMENTS;
+
+use super::{ReadModel, ReadOptions, input::Input};
+use lines::{Counts, Lines};
+use parse::{Chunk, Context, Slots};
+
+/// How much of a file is looked at to find out what it is.
+const FRONT: usize = 1 << 18;
+
+/// Keywords that an OBJ file may begin with.
+const KEYWORDS: [&[u8]; 27] = [
+    b"v",
+    b"vt",
+    b"vn",
+    b"vp",
+    b"f",
+    b"fo",
+    b"l",
+    b"p",
+    b"o",
+    b"g",
+    b"s",
+    b"mg",
+    b"mtllib",
+    b"usemtl",
+    b"maplib",
+    b"usemap",
+    b"cstype",
+    b"deg",
+    b"bmat",
+    b"step",
+    b"curv",
+    b"curv2",
+    b"surf",
+    b"bevel",
+    b"lod",
+    b"c_interp",
+    b"d_interp",
+];
+
+/// Does the content look like OBJ? Decided by the first word that is no comment.
+pub fn looks_like(bytes: &[u8]) -> bool {
+    let text = transcode::front(bytes, FRONT);
+    Lines::new(&text, 1)
+        .map(|line| line.text.trim_ascii())
+        .find(|line| !line.is_empty() && !line.starts_with(b"#"))
+        .and_then(|line| line.split(u8::is_ascii_whitespace).next())
+        .is_some_and(|word| KEYWORDS.contains(&word))
+}
+
+/// Reads OBJ.
+///
+/// # Errors
+/// Any [`ReadError`].
+pub fn read(input: &Input, options: &ReadOptions) -> Result<ReadModel, ReadError> {
+    let text = transcode::text(input, options)?;
+    // Small enough to share the work evenly, large enough that the arrays of a stretch are worth having.
+    let step = (text.len() / (8 * rayon::current_num_threads())).clamp(1 << 16, 1 << 22);
+    read_stretches(input, options, &lines::split(&text, step))
+}
+
+fn read_stretches(input: &Input, options: &ReadOptions, parts: &[&[u8]]) -> Result<ReadModel, ReadError> {
+    let bytes = parts.iter().map(|p| p.len() as u64).sum();
+    if let Some(p) = options.progress {
+        p.begin("parsing", bytes);
+    }
+    let counts: Vec<Counts> = parts.par_iter().map(|part| Counts::of(part)).collect();
+    let total = counts.iter().fold(Counts::default(), |sum, &c| sum.plus(c));
+    check_counts(input, options, &total)?;
+
+    let mut positions = vec![[0.0f64; 3]; total.vertices as usize];
+    let mut texcoords = vec![[0.0f32; 2]; total.texcoords as usize];
+    let mut normals = vec![[0.0f32; 3]; total.normals as usize];
+    let mut jobs = Vec::with_capacity(parts.len());
+    let mut before = Counts::default();
+    let (mut p, mut t, mut n) = (&mut positions[..], &mut texcoords[..], &mut normals[..]);
+    for (&part, &count) in parts.iter().zip(&counts) {
+        let slots = Slots {
+            positions: take(&mut p, count.vertices),
+            texcoords: take(&mut t, count.texcoords),
+            normals: take(&mut n, count.normals),
+        };
+        jobs.push((part, Context { file: &input.name, before, total }, slots));
+        before = before.plus(count);
+    }
+    let parsed: Vec<Result<Chunk, ReadError>> = jobs
+        .into_par_iter()
+        .map(|(part, context, slots)| {
+            let chunk = parse::parse(part, &context, slots);
+            if let Some(p) = options.progress {
+                p.advance(part.len() as u64);
+            }
+            chunk
+        })
+        .collect();
+    // In the order of the file, so that the first error is the one that is told.
+    let chunks = parsed.into_iter().collect::<Result<Vec<_>, _>>()?;
+    build::build(input, options, build::Parsed { positions, texcoords, normals, chunks })
+}
+
+/// Cuts the first `count` elements off a slice.
+fn take<'s, T>(slice: &mut &'s mut [T], count: u64) -> &'s mut [T] {
+    let (head, tail) = std::mem::take(slice).split_at_mut(count as usize);
+    *slice = tail;
+    head
+}
+
+fn check_counts(input: &Input, options: &ReadOptions, total: &Counts) -> Result<(), ReadError> {
+    let all = [
+        ("vertices", total.vertices),
+        ("texture coordinates", total.texcoords),
+        ("normals", total.normals),
+        ("faces", total.faces),
+    ];
+    for (what, count) in all {
+        if count > MAX_ELEMENTS {
+            return Err(ReadError::TooMany { file: input.name.clone(), what, count });
+        }
+    }
+    // Positions in f64 and f32; normals and texture coordinates as they stand and as they end; corners and
+    // triangles.
+    let needed = total.vertices * 36 + total.texcoords * 16 + total.normals * 16 + total.faces * 24;
+    options.check_memory(&input.name, "vertices and faces", input.held_bytes() + needed)
+}
+
+#[cfg(test)]
+mod tests;

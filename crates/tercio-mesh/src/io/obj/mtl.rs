@@ -1,0 +1,235 @@
+//! Material libraries (MTL): names, diffuse colours, opacities and diffuse textures.
+//!
+//! Nothing in a material library keeps a model from being drawn, so what is broken becomes a warning.
+
+use std::fs;
+use std::path::Path;
+
+use crate::mesh::FileMaterial;
+
+use super::lines::{Lines, join};
+use super::transcode;
+
+/// A larger material library is not read: it is no material library.
+const MAX_BYTES: u64 = 1 << 28;
+
+/// Diffuse colour of a material that states none.
+const DIFFUSE: [f32; 3] = [0.8; 3];
+
+/// Loads the libraries that one `mtllib` line names.
+///
+/// Several names are separated by blanks, but names may hold blanks too, so the longest run of words that is
+/// a file wins. Only files in `base` or reached from it by a relative path are opened.
+pub fn load(base: &Path, names: &[u8], materials: &mut Vec<FileMaterial>, warnings: &mut Vec<String>) {
+    // Each run of words is asked of the file system; the limit keeps a hostile line from asking millions.
+    const MOST_WORDS: usize = 64;
+    let names = String::from_utf8_lossy(names);
+    let words: Vec<&str> = names.split_whitespace().take(MOST_WORDS).collect();
+    let mut first = 0;
+    while first < words.len() {
+        let run = (first + 1..=words.len()).rev().find_map(|end| {
+            let name = words[first..end].join(" ");
+            is_file(base, &name).then_some((name, end))
+        });
+        match run {
+            Some((name, end)) => {
+                load_one(base, &name, materials, warnings);
+                first = end;
+            }
+            None => {
+                let len = words[first..].iter().position(|w| w.to_ascii_lowercase().ends_with(".mtl"));
+                let end = len.map_or(words.len(), |n| first + n + 1);
+                warnings.push(format!("found no material library \"{}\"", words[first..end].join(" ")));
+                first = end;
+            }
+        }
+    }
+}
+
+/// The path as seen from the model, with the separators of this system. An absolute path comes from another
+/// machine: only its last part means something here.
+fn relative(name: &str) -> String {
+    let name = name.trim_matches('"').replace('\\', "/");
+    let absolute = name.starts_with('/') || name.get(1..2) == Some(":");
+    match name.rsplit_once('/') {
+        Some((_, last)) if absolute => last.into(),
+        _ => name,
+    }
+}
+
+fn is_file(base: &Path, name: &str) -> bool {
+    fs::metadata(base.join(relative(name))).is_ok_and(|m| m.is_file())
+}
+
+fn load_one(base: &Path, name: &str, materials: &mut Vec<FileMaterial>, warnings: &mut Vec<String>) {
+    let path = base.join(relative(name));
+    match fs::metadata(&path) {
+        Ok(m) if m.len() > MAX_BYTES => {
+            warnings.push(format!("did not read the material library \"{name}\": it is too large"));
+            return;
+        }
+        _ => {}
+    }
+    match fs::read(&path) {
+        Ok(bytes) => parse(name, &transcode::convert(&bytes), materials, warnings),
+        Err(e) => warnings.push(format!("did not read the material library \"{name}\": {e}")),
+    }
+}
+
+/// A material while it is read.
+struct Draft {
+    material: FileMaterial,
+    /// Whether `d` stood in the file: it wins over `Tr`, which exporters write either way round.
+    has_d: bool,
+}
+
+/// Parses a library and appends its materials; a name that is there already keeps its first meaning.
+pub fn parse(library: &str, text: &[u8], materials: &mut Vec<FileMaterial>, warnings: &mut Vec<String>) {
+    let mut broken = Vec::new();
+    let mut draft: Option<Draft> = None;
+    let mut scratch = Vec::new();
+    for line in Lines::new(text, 1) {
+        let text = if line.continued { join(line.text, &mut scratch) } else { line.text }.trim_ascii();
+        let keyword = text.split(u8::is_ascii_whitespace).next().unwrap_or_default();
+        let value = text.get(keyword.len()..).unwrap_or_default().trim_ascii();
+        if keyword == b"newmtl" {
+            materials.extend(draft.take().map(|d| d.material));
+            draft = Some(Draft {
+                material: FileMaterial {
+                    name: String::from_utf8_lossy(value).into_owned(),
+                    diffuse: DIFFUSE,
+                    opacity: 1.0,
+                    diffuse_texture: None,
+                },
+                has_d: false,
+            });
+            continue;
+        }
+        let understood = match (keyword, &mut draft) {
+            (b"Kd" | b"d" | b"Tr" | b"map_Kd", Some(draft)) => statement(draft, keyword, value),
+            (b"Kd" | b"d" | b"Tr" | b"map_Kd", None) => false,
+            _ => true,
+        };
+        if !understood {
+            broken.push(line.number);
+        }
+    }
+    materials.extend(draft.map(|d| d.material));
+    if let Some(first) = broken.first() {
+        let more = match broken.len() - 1 {
+            0 => String::new(),
+            n => format!(" and in {n} more"),
+        };
+        warnings.push(format!(
+            "did not understand the value in line {first} of the material library \"{library}\"{more}"
+        ));
+    }
+}
+
+/// Takes over one statement; false if its value makes no sense.
+fn statement(draft: &mut Draft, keyword: &[u8], value: &[u8]) -> bool {
+    let material = &mut draft.material;
+    let unit = |x: f32| x.clamp(0.0, 1.0);
+    match keyword {
+        b"Kd" => match numbers(value) {
+            Some(rgb) => match rgb[..] {
+                [r, g, b, ..] => material.diffuse = [r, g, b].map(unit),
+                [grey] => material.diffuse = [unit(grey); 3],
+                _ => return false,
+            },
+            None => return false,
+        },
+        b"d" | b"Tr" => {
+            let value = value.strip_prefix(b"-halo").unwrap_or(value);
+            let Some(&[x, ..]) = numbers(value).as_deref() else { return false };
+            if keyword == b"d" {
+                material.opacity = unit(x);
+                draft.has_d = true;
+            } else if !draft.has_d {
+                material.opacity = unit(1.0 - x);
+            }
+        }
+        _ => match texture_name(&String::from_utf8_lossy(value)) {
+            Some(name) => material.diffuse_texture = Some(name),
+            None => return false,
+        },
+    }
+    true
+}
+
+/// All words as finite numbers, or none.
+fn numbers(value: &[u8]) -> Option<Vec<f32>> {
+    value
+        .split(u8::is_ascii_whitespace)
+        .filter(|w| !w.is_empty())
+        .take_while(|w| !w.starts_with(b"#"))
+        .map(|w| fast_float2::parse::<f32, _>(w).ok().filter(|x| x.is_finite()))
+        .collect()
+}
+
+/// The file name behind the options of a texture statement; it may hold blanks.
+fn texture_name(value: &str) -> Option<String> {
+    let is_number = |word: &str| fast_float2::parse::<f32, _>(word).is_ok();
+    let mut rest = value.trim();
+    while let Some((option, after)) = rest.split_once(char::is_whitespace).filter(|(o, _)| o.starts_with('-'))
+    {
+        // How many words follow, and whether fewer may if they are not numbers.
+        let (most, numeric) = match option.to_ascii_lowercase().as_str() {
+            "-o" | "-s" | "-t" => (3, true),
+            "-mm" => (2, true),
+            "-bm" | "-boost" | "-texres" => (1, true),
+            "-blendu" | "-blendv" | "-cc" | "-clamp" | "-imfchan" | "-type" | "-colorspace" => (1, false),
+            // No option: a file name that begins with a minus sign.
+            _ => break,
+        };
+        rest = after.trim_start();
+        for _ in 0..most {
+            match rest.split_once(char::is_whitespace) {
+                Some((word, after)) if !numeric || is_number(word) => rest = after.trim_start(),
+                _ => break,
+            }
+        }
+    }
+    (!rest.is_empty()).then(|| rest.into())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parsed(text: &str) -> (Vec<FileMaterial>, Vec<String>) {
+        let (mut materials, mut warnings) = (Vec::new(), Vec::new());
+        parse("a.mtl", text.as_bytes(), &mut materials, &mut warnings);
+        (materials, warnings)
+    }
+
+    #[test]
+    fn colours_opacities_and_textures_are_read() {
+        let (m, w) = parsed(
+            "# c\nnewmtl red paint\nKd 1 0.5 0\nd 0.25\nTr 0.9\nmap_Kd -s 1 1 1 -o 0.5 -clamp on my tex.png\n\
+             newmtl b\r\nTr 0.25\r\nKd 0.5\r\nNs 3\nmap_Kd -type sphere a.jpg",
+        );
+        assert_eq!(w, [""; 0]);
+        assert_eq!(m[0].name, "red paint");
+        assert_eq!(m[0].diffuse, [1.0, 0.5, 0.0]);
+        assert_eq!(m[0].opacity, 0.25);
+        assert_eq!(m[0].diffuse_texture.as_deref(), Some("my tex.png"));
+        assert_eq!((m[1].opacity, m[1].diffuse), (0.75, [0.5; 3]));
+        assert_eq!(m[1].diffuse_texture.as_deref(), Some("a.jpg"));
+    }
+
+    #[test]
+    fn broken_values_are_told_once_and_change_nothing() {
+        let (m, w) = parsed("Kd 1 1 1\nnewmtl a\nKd x 0 0\nKd nan 0 0\nd\nmap_Kd\n");
+        assert_eq!(m[0].diffuse, DIFFUSE);
+        assert_eq!(w.len(), 1);
+        assert!(w[0].contains("line 1 of") && w[0].contains("4 more"), "{w:?}");
+    }
+
+    #[test]
+    fn paths_of_other_machines_lead_to_their_last_part() {
+        assert_eq!(relative("C:\\models\\a b.mtl"), "a b.mtl");
+        assert_eq!(relative("/etc/passwd"), "passwd");
+        assert_eq!(relative("..\\m\\a.mtl"), "../m/a.mtl");
+    }
+}

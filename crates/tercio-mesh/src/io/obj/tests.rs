@@ -1,0 +1,258 @@
+use proptest::prelude::*;
+
+use super::*;
+use crate::error::Place;
+use crate::{AttributeDomain, Mesh};
+
+fn input(text: &[u8]) -> Input {
+    Input::from_bytes("a.obj", text.to_vec(), &ReadOptions::default()).unwrap()
+}
+
+fn model(text: &str) -> ReadModel {
+    read(&input(text.as_bytes()), &ReadOptions::default()).unwrap_or_else(|e| panic!("{e}"))
+}
+
+/// Line, expectation and finding of the error.
+fn error(text: &str) -> (u64, String, String) {
+    match read(&input(text.as_bytes()), &ReadOptions::default()) {
+        Err(ReadError::Malformed { place: Place::Line(line), expected, found, .. }) => {
+            (line, expected, found)
+        }
+        other => panic!("{other:?}"),
+    }
+}
+
+const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+
+#[test]
+fn a_triangle_and_a_square() {
+    let m = model(&format!("# c\n\n{SQUARE}f 1 2 3 # c\n  f\t1 2 3 4\r\n"));
+    assert_eq!(m.mesh.positions, [[0., 0., 0.], [1., 0., 0.], [1., 1., 0.], [0., 1., 0.]]);
+    assert_eq!(m.mesh.triangles.len(), 3);
+    assert_eq!(m.mesh.face_of_triangle.as_deref(), Some(&[0, 1, 1][..]));
+    assert_eq!((m.report.faces, m.report.format.as_str()), (2, "OBJ"));
+    assert_eq!(m.report.warnings, [""; 0]);
+}
+
+#[test]
+fn relative_indices_count_from_the_line_they_stand_in() {
+    let m = model("v 0 0 0\nv 1 0 0\nv 1 1 0\nf -3 -2 -1\nv 0 0 1\nv 0 1 1\nv 1 1 1\nf -3 -2 -1\nf 1 -1 2\n");
+    assert_eq!(m.mesh.triangles, [[0, 1, 2], [3, 4, 5], [0, 5, 1]]);
+    assert_eq!(m.mesh.face_of_triangle, None);
+}
+
+#[test]
+fn faces_may_stand_before_their_vertices() {
+    assert_eq!(model("f 1 2 3\nv 0 0 0\nv 1 0 0\nv 0 1 0\n").mesh.triangles, [[0, 1, 2]]);
+}
+
+#[test]
+fn line_ends_and_encodings_do_not_matter() {
+    let text = format!("mtllib no\n{SQUARE}f 1 2 \\\n 3 4\nf 1 2 3");
+    let plain = model(&text.replace("mtllib no\n", ""));
+    let utf16: Vec<u8> = format!("\u{feff}{text}").encode_utf16().flat_map(u16::to_le_bytes).collect();
+    for bytes in [
+        text.replace('\n', "\r\n").into_bytes(),
+        text.replace('\n', "\r").into_bytes(),
+        format!("\u{feff}{text}").into_bytes(),
+        utf16,
+    ] {
+        assert!(looks_like(&bytes), "{bytes:?}");
+        let m = read(&input(&bytes), &ReadOptions::default()).unwrap();
+        assert_eq!(m.mesh.triangles, plain.mesh.triangles);
+        assert_eq!(m.mesh.positions, plain.mesh.positions);
+    }
+}
+
+#[test]
+fn vertices_are_split_only_where_corners_differ() {
+    let vt = "vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nvt 0.5\n";
+    let same = model(&format!("{SQUARE}{vt}f 1/1 2/2 3/3\nf 1/1 3/3 4/4\n"));
+    assert_eq!(same.mesh.positions.len(), 4);
+    assert_eq!(same.mesh.texcoords, Some(vec![[0., 0.], [1., 0.], [1., 1.], [0., 1.]]));
+    let seam = model(&format!("{SQUARE}{vt}f 1/2 2/2 3/3\nf 1/5 3/3 4/4\nf 1/5 2/2 4/4\n"));
+    assert_eq!(seam.mesh.triangles, [[0, 1, 2], [4, 2, 3], [4, 1, 3]]);
+    assert_eq!(seam.mesh.positions[4], [0., 0., 0.]);
+    assert_eq!(seam.mesh.texcoords.unwrap()[4], [0.5, 0.]);
+}
+
+#[test]
+fn many_normals_at_one_vertex_become_as_many_vertices() {
+    let mut text = String::from("v 0 0 0\nv 1 0 0\nv 0 1 0\n");
+    for i in 0..100 {
+        text += &format!("vn 1 {i} 0\n");
+    }
+    for _ in 0..2 {
+        for i in 1..=100 {
+            text += &format!("f 1//{i} 2//1 3//1\n");
+        }
+    }
+    let m = model(&text).mesh;
+    assert_eq!(m.positions.len(), 3 + 99);
+    assert_eq!(m.triangles[..100], m.triangles[100..]);
+    assert_eq!(m.normals.unwrap().len(), 102);
+}
+
+#[test]
+fn normals_are_kept_only_if_all_corners_have_one() {
+    let vn = "vn 0 0 2\nvn 0 0 0\n";
+    let whole = model(&format!("{SQUARE}{vn}f 1//1 2//1 3//1\n"));
+    assert_eq!(whole.mesh.normals.unwrap()[0].decode(), [0., 0., 1.]);
+    for faces in ["f 1//1 2//1 3//1\nf 1 3 4\n", "f 1//1 2//2 3//1\n"] {
+        let part = model(&format!("{SQUARE}{vn}{faces}"));
+        assert_eq!(part.mesh.normals, None);
+        assert_eq!(part.mesh.positions.len(), 4);
+        assert!(part.report.warnings[0].contains("left out the file's normals"));
+    }
+}
+
+#[test]
+fn colours_behind_positions() {
+    let m = model("v 0 0 0 1 0.5 0\nv 1 0 0 1\nv 0 1 0 0 0 1 0.2\nf 1 2 3\n");
+    assert_eq!(m.mesh.vertex_colors.unwrap(), [[255, 128, 0, 255], [255; 4], [0, 0, 255, 51]]);
+    assert!(m.report.warnings[0].contains("1 of 3"), "{:?}", m.report.warnings);
+    let bytes = model("v 0 0 0 255 128 0\nv 1 0 0 0 1 0\nv 0 1 0 0 0 0\nf 1 2 3\n");
+    assert_eq!(bytes.mesh.vertex_colors.unwrap()[..2], [[255, 128, 0, 255], [0, 1, 0, 255]]);
+}
+
+#[test]
+fn materials_come_from_the_library_beside_the_model() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("my lib.mtl"), "newmtl red paint\nKd 1 0 0\n").unwrap();
+    std::fs::write(folder.path().join("b.mtl"), "newmtl blue\nKd 0 0 1\nnewmtl unused\n").unwrap();
+    let text = format!(
+        "mtllib my lib.mtl none.mtl b.mtl\n{SQUARE}f 1 2 3\nusemtl blue\nf 1 2 3 4\nusemtl red paint\nf 1 2 4\n\
+         usemtl gone\nf 1 2 4\n"
+    );
+    let mut input = input(text.as_bytes());
+    input.base = Some(folder.path().into());
+    let m = read(&input, &ReadOptions::default()).unwrap();
+    let names: Vec<_> = m.mesh.materials.iter().map(|m| m.name.as_str()).collect();
+    assert_eq!(names, ["blue", "red paint"]);
+    let none = Mesh::NO_MATERIAL;
+    assert_eq!(m.mesh.triangle_materials.unwrap(), [none, 0, 0, 1, none]);
+    assert_eq!(m.report.warnings.len(), 2, "{:?}", m.report.warnings);
+    assert!(m.report.warnings[0].contains("\"none.mtl\""));
+    assert!(m.report.warnings[1].contains("\"gone\""));
+}
+
+#[test]
+fn groups_become_an_attribute_where_they_differ() {
+    let m = model(&format!("{SQUARE}g a\nf 1 2 3 4\ng b c\nf 1 2 3\ng a\nf 2 3 4\n"));
+    assert_eq!(m.mesh.attributes.len(), 1);
+    let group = &m.mesh.attributes[0];
+    assert_eq!((group.name.as_str(), group.domain), ("group", AttributeDomain::Triangle));
+    assert_eq!(group.values, [1., 1., 2., 1.]);
+    assert!(model(&format!("{SQUARE}o x\ng a\nf 1 2 3\n")).mesh.attributes.is_empty());
+}
+
+#[test]
+fn what_is_not_drawn_is_counted_and_told() {
+    let m = model(&format!("{SQUARE}p 1 2 3\nl 1 2 3\nf 1 2\ns off\nfoo 1\nbar\nfoo\nf 1 2 3\n"));
+    assert_eq!((m.report.faces, m.report.ignored_points_and_lines), (1, 5));
+    assert_eq!(
+        m.report.warnings,
+        [
+            "ignored 1 face with fewer than three corners, the first in line 7",
+            "ignored 3 lines that begin with an unknown word: \"foo\", \"bar\"",
+        ]
+    );
+}
+
+#[test]
+fn errors_say_line_expectation_and_finding() {
+    let at = |text: &str| {
+        let (line, _, found) = error(text);
+        (line, found)
+    };
+    assert_eq!(at("v 0 0 0\nv 1 \\\n x 0\n"), (2, "\"x\"".into()));
+    assert_eq!(at("v 0 0\nv 1 0 0\n"), (1, "the end of the line".into()));
+    assert_eq!(at("v 0 0 0\n\nf 1 1 2\n"), (3, "\"2\"".into()));
+    assert_eq!(at("v 0 0 0\nf 1 0 1\n"), (2, "\"0\"".into()));
+    assert_eq!(at("v 0 0 0\nf 1 1 -2\n"), (2, "\"-2\"".into()));
+    assert_eq!(at("v 0 0 0\nf 1 1 9223372036854775808\n"), (2, "\"9223372036854775808\"".into()));
+    assert_eq!(at("v 0 0 0\nf 1 1 -9223372036854775808\n"), (2, "\"-9223372036854775808\"".into()));
+    assert_eq!(at("v 0 0 0\nvt 0 0\nf 1/1 1/2 1/1\n"), (3, "\"1/2\"".into()));
+    assert_eq!(at("v 0 0 0\nf 1/1/1/1 1 1\n"), (2, "\"1/1/1/1\"".into()));
+    assert_eq!(at("vn 0 0\n"), (1, "the end of the line".into()));
+    assert!(error("v 0 0 0\nf 1 2 3\n").1.contains("from 1 to 1"));
+}
+
+#[test]
+fn numbers_of_old_programs_are_understood() {
+    let m = model("v 1.#IND -1.#INF 3.1+e2\nv +1. .5 -2.e+1\nv nan -nan inf\nv 0 0 0\nf 1 2 3\n");
+    assert!(m.mesh.positions[0][0].is_nan());
+    assert_eq!(m.mesh.positions[0][1], f32::NEG_INFINITY);
+    assert_eq!(m.mesh.positions[1], [1., 0.5, -20.]);
+    assert_eq!(m.report.warnings, ["guessed 3 numbers written in a way that OBJ does not know"]);
+}
+
+#[test]
+fn the_first_word_decides_what_looks_like_obj() {
+    for yes in ["v 1 2 3", "\n# c\n\t mtllib a", "g\n", "o"] {
+        assert!(looks_like(yes.as_bytes()), "{yes}");
+    }
+    for no in ["", "# only a comment\n\n", "ply\n", "solid\n", "hello", "<svg>"] {
+        assert!(!looks_like(no.as_bytes()), "{no}");
+    }
+}
+
+#[test]
+fn memory_is_asked_for_before_it_is_taken() {
+    let options = ReadOptions { memory_limit: Some(1000), progress: None };
+    let text = SQUARE.repeat(8);
+    let result = read(&input(text.as_bytes()), &options);
+    assert!(matches!(result, Err(ReadError::MemoryLimit { .. })), "{result:?}");
+}
+
+#[test]
+fn a_file_cut_anywhere_never_panics() {
+    let text = format!(
+        "mtllib a b.mtl\n{SQUARE}vt 0 0\nvn 0 0 1\nusemtl a\ng x\nf 1/1/1 2/1/1 3/1/1 \\\n 4/1/1\nf -4//-1 -3//-1 -1//-1\n"
+    );
+    for n in 0..text.len() {
+        let _ = read(&input(&text.as_bytes()[..n]), &ReadOptions::default());
+        let _ = looks_like(&text.as_bytes()[..n]);
+    }
+}
+
+fn statement() -> impl Strategy<Value = String> {
+    let c = -9i32..9;
+    let i = prop_oneof![1i32..12, -4i32..0];
+    prop_oneof![
+        6 => (c.clone(), c.clone(), c.clone()).prop_map(|(x, y, z)| format!("v {x} {y} {z}")),
+        1 => (c.clone(), c.clone()).prop_map(|(x, y)| format!("v {x} \\\n{y} 0 1 0 0.5")),
+        2 => (c.clone(), c.clone()).prop_map(|(x, y)| format!("vt {x} {y}")),
+        2 => (c.clone(), c).prop_map(|(x, y)| format!("vn {x} {y} 1")),
+        4 => (i.clone(), i.clone(), i.clone()).prop_map(|(a, b, c)| format!("f {a} {b} {c}")),
+        2 => (i.clone(), i.clone(), i.clone(), i.clone()).prop_map(|(a, b, c, d)| format!("f {a} {b} \\\n {c} {d}")),
+        2 => (i.clone(), i.clone(), i).prop_map(|(a, b, c)| format!("f {a}/{b}/{c} {b}/{c}/1 {c}/1/{a}")),
+        1 => "[abc]".prop_map(|n| format!("usemtl {n}")),
+        1 => "[abc]".prop_map(|n| format!("g {n}")),
+        1 => "[abc]{2}".prop_map(|n| format!("{n} \\")),
+    ]
+}
+
+proptest! {
+    #[test]
+    fn stretches_parsed_apart_give_the_same_model(
+        mut lines in prop::collection::vec(statement(), 0..40),
+        step in 1usize..200,
+    ) {
+        // Enough of everything in front that most files are right.
+        for i in 0..11 {
+            lines.insert(0, format!("v {i} 0 1\nvt {i} 0\nvn {i} 0 1"));
+        }
+        let text = lines.join("\n");
+        let input = input(text.as_bytes());
+        let options = ReadOptions::default();
+        let whole = read_stretches(&input, &options, &[text.as_bytes()]);
+        let apart = read_stretches(&input, &options, &lines::split(text.as_bytes(), step));
+        prop_assert_eq!(format!("{whole:?}"), format!("{apart:?}"));
+    }
+
+    #[test]
+    fn no_bytes_make_it_panic(text in "[vfnt 0-9/\\\\\n#.-]{0,200}") {
+        let _ = read(&input(text.as_bytes()), &ReadOptions::default());
+    }
+}

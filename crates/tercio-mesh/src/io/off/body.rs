@@ -1,0 +1,309 @@
+//! Vertices and faces.
+
+use crate::io::text::Cursor;
+use crate::io::{ReadModel, ReadOptions, ReadReport, input::Input};
+use crate::mesh::{MAX_ELEMENTS, localize};
+use crate::polygon::Triangulator;
+use crate::{Mesh, OctNormal, ReadError};
+
+use super::header::{Header, float, integer, line_is_over, skip_to_word};
+
+/// Lines between two reports of progress.
+const STEP: u64 = 1 << 14;
+
+/// Colours as they stand in the file, and how large their numbers become.
+#[derive(Default)]
+struct Colors {
+    /// One an element; NaN where it has none.
+    values: Vec<[f32; 4]>,
+    largest: f32,
+    given: usize,
+}
+
+/// Tells how far the cursor has come, from time to time.
+struct Reporter<'a> {
+    options: &'a ReadOptions<'a>,
+    told: usize,
+}
+
+impl Reporter<'_> {
+    fn tell(&mut self, element: u64, cursor: &Cursor) {
+        if element.is_multiple_of(STEP)
+            && let Some(p) = self.options.progress
+        {
+            p.advance((cursor.offset() - self.told) as u64);
+            self.told = cursor.offset();
+        }
+    }
+}
+
+struct Vertices {
+    positions: Vec<[f64; 3]>,
+    normals: Vec<[f32; 3]>,
+    texcoords: Vec<[f32; 2]>,
+    colors: Colors,
+}
+
+#[derive(Default)]
+struct Faces {
+    triangles: Vec<[u32; 3]>,
+    /// Face of each triangle.
+    faces: Vec<u32>,
+    /// One a face.
+    colors: Colors,
+    kept: u64,
+    ignored: u64,
+}
+
+/// Reads everything behind the counts.
+///
+/// # Errors
+/// A number that is not as it should be, the end of the file too soon, or too little memory.
+pub fn read(
+    input: &Input,
+    options: &ReadOptions,
+    header: &Header,
+    mut cursor: Cursor,
+) -> Result<ReadModel, ReadError> {
+    for (what, count) in [("vertices", header.vertices), ("faces", header.faces)] {
+        if count > MAX_ELEMENTS {
+            return Err(ReadError::TooMany { file: input.name.clone(), what, count });
+        }
+    }
+    // The header's check against the size of the file keeps these products far below 2^64.
+    let vertex =
+        36 + 20 * u64::from(header.colors) + 16 * u64::from(header.normals) + 8 * u64::from(header.texcoords);
+    let needed = header.vertices * vertex + header.faces * 36;
+    options.check_memory(&input.name, "vertices and faces", input.held_bytes() + needed)?;
+    if let Some(p) = options.progress {
+        p.begin("parsing", (cursor.offset() + cursor.rest().len()) as u64);
+    }
+    let mut reporter = Reporter { options, told: 0 };
+    let file = input.name.as_str();
+    let vertices = read_vertices(file, header, &mut cursor, &mut reporter)?;
+    let faces = read_faces(input, header, &mut cursor, &vertices.positions, &mut reporter)?;
+
+    let mut warnings = Vec::new();
+    if !header.has_keyword {
+        warnings.push("the keyword OFF is missing".into());
+    }
+    skip_to_word(&mut cursor);
+    if !cursor.is_at_end() {
+        warnings.push(format!("ignored what stands behind the last face, from line {}", cursor.line()));
+    }
+    if faces.ignored > 0 {
+        warnings.push(format!("ignored {} of the faces, which have fewer than three corners", faces.ignored));
+    }
+    let normals = header.normals.then(|| usable_normals(&vertices.normals, &mut warnings)).flatten();
+    let is_split =
+        faces.triangles.len() as u64 != faces.kept || faces.faces.iter().zip(0..).any(|(&f, i)| f != i);
+    let face_colors = faces.colors.bytes().map(|colors| {
+        faces.faces.iter().map(|&f| colors.get(f as usize).copied().unwrap_or([255; 4])).collect()
+    });
+    let (origin, positions) = localize(&vertices.positions);
+    let mesh = Mesh {
+        origin,
+        positions,
+        triangles: faces.triangles,
+        normals,
+        vertex_colors: vertices.colors.bytes(),
+        face_colors,
+        texcoords: header.texcoords.then_some(vertices.texcoords),
+        face_of_triangle: is_split.then_some(faces.faces),
+        ..Mesh::default()
+    };
+    let letters = [(header.texcoords, "ST"), (header.colors, "C"), (header.normals, "N")];
+    let letters: String = letters.iter().filter(|l| l.0).map(|l| l.1).collect();
+    let report = ReadReport {
+        format: if letters.is_empty() { "OFF".into() } else { format!("OFF, {letters}OFF") },
+        file_bytes: input.file_bytes,
+        faces: faces.kept,
+        ignored_points_and_lines: faces.ignored,
+        warnings,
+    };
+    Ok(ReadModel { mesh, report })
+}
+
+/// A vertex cannot be without a normal, so one that points nowhere makes all of them useless.
+fn usable_normals(normals: &[[f32; 3]], warnings: &mut Vec<String>) -> Option<Vec<OctNormal>> {
+    let points = |n: &[f32; 3]| {
+        let sum: f32 = n.iter().map(|x| x.abs()).sum();
+        sum > 0.0 && sum.is_finite()
+    };
+    if normals.iter().all(points) {
+        return Some(normals.iter().map(|&n| OctNormal::encode(n)).collect());
+    }
+    warnings.push("left out the file's normals, because some are zero or not finite".into());
+    None
+}
+
+fn read_vertices(
+    file: &str,
+    header: &Header,
+    cursor: &mut Cursor,
+    reporter: &mut Reporter,
+) -> Result<Vertices, ReadError> {
+    let room = |wanted: bool| if wanted { header.vertices as usize } else { 0 };
+    let mut vertices = Vertices {
+        positions: Vec::with_capacity(room(true)),
+        normals: Vec::with_capacity(room(header.normals)),
+        texcoords: Vec::with_capacity(room(header.texcoords)),
+        colors: Colors { values: Vec::with_capacity(room(header.colors)), ..Colors::default() },
+    };
+    for i in 0..header.vertices {
+        let mut number = |what: &str| {
+            skip_to_word(cursor);
+            float(cursor)
+                .ok_or_else(|| cursor.expected(file, format!("{what} of vertex {i} of {}", header.vertices)))
+        };
+        let mut position = [0.0; 3];
+        for x in &mut position {
+            *x = number("a coordinate")?;
+        }
+        vertices.positions.push(position);
+        if header.normals {
+            let mut normal = [0.0; 3];
+            for x in &mut normal {
+                *x = number("a normal's coordinate")? as f32;
+            }
+            vertices.normals.push(normal);
+        }
+        if header.colors {
+            // Three or four numbers, so their end shows only at the end of the line.
+            let (numbers, count) = rest_of_line(file, cursor, "a colour or a texture coordinate")?;
+            let colors = if header.texcoords { count.saturating_sub(2) } else { count };
+            if header.texcoords {
+                match numbers.get(colors..count) {
+                    Some(&[u, v]) => vertices.texcoords.push([u, v]),
+                    _ => return Err(cursor.expected(file, "two texture coordinates")),
+                }
+            }
+            let known = vertices.colors.push(numbers.get(..colors).unwrap_or_default());
+            if !known {
+                return Err(
+                    cursor.expected(file, format!("a colour of three or four numbers instead of {colors}"))
+                );
+            }
+        } else if header.texcoords {
+            let u = number("a texture coordinate")? as f32;
+            let v = number("a texture coordinate")? as f32;
+            vertices.texcoords.push([u, v]);
+        }
+        reporter.tell(i, cursor);
+    }
+    Ok(vertices)
+}
+
+/// At most seven numbers up to the end of the line.
+fn rest_of_line(file: &str, cursor: &mut Cursor, what: &str) -> Result<([f32; 7], usize), ReadError> {
+    let mut numbers = [0.0; 7];
+    let mut count = 0;
+    while !line_is_over(cursor) {
+        match (float(cursor), numbers.get_mut(count)) {
+            (Some(value), Some(slot)) => *slot = value as f32,
+            (Some(_), None) => return Err(cursor.expected(file, "the end of the line")),
+            (None, _) => return Err(cursor.expected(file, what)),
+        }
+        count += 1;
+    }
+    Ok((numbers, count))
+}
+
+fn read_faces(
+    input: &Input,
+    header: &Header,
+    cursor: &mut Cursor,
+    positions: &[[f64; 3]],
+    reporter: &mut Reporter,
+) -> Result<Faces, ReadError> {
+    let file = input.name.as_str();
+    let mut faces = Faces::default();
+    faces.triangles.reserve(header.faces as usize);
+    faces.faces.reserve(header.faces as usize);
+    let mut triangulator = Triangulator::default();
+    let (mut polygon, mut points) = (Vec::new(), Vec::new());
+    for i in 0..header.faces {
+        skip_to_word(cursor);
+        let before = cursor.clone();
+        let corners = match integer(cursor) {
+            // Each corner takes at least a digit and a blank.
+            Some(n) if n >= 0 && n as u64 <= cursor.rest().len() as u64 / 2 => n as usize,
+            Some(_) => return Err(before.expected(file, "a number of corners that the file has room for")),
+            None => {
+                return Err(
+                    before.expected(file, format!("the number of corners of face {i} of {}", header.faces))
+                );
+            }
+        };
+        polygon.clear();
+        for _ in 0..corners {
+            skip_to_word(cursor);
+            let before = cursor.clone();
+            match integer(cursor).and_then(|v| u32::try_from(v).ok()) {
+                Some(v) if u64::from(v) < header.vertices => polygon.push(v),
+                _ => {
+                    let last = header.vertices.saturating_sub(1);
+                    return Err(before.expected(file, format!("a vertex number from 0 to {last}")));
+                }
+            }
+        }
+        let (numbers, count) = rest_of_line(file, cursor, "a colour of a face")?;
+        if corners < 3 {
+            faces.ignored += 1;
+            continue;
+        }
+        // One number is the place in a colour map that nobody has.
+        let numbers = numbers.get(..if count == 1 { 0 } else { count }).unwrap_or_default();
+        if !faces.colors.push(numbers) {
+            return Err(
+                cursor.expected(file, format!("a colour of three or four numbers instead of {count}"))
+            );
+        }
+        if let &[a, b, c] = &polygon[..] {
+            faces.triangles.push([a, b, c]);
+        } else {
+            points.clear();
+            points.extend(polygon.iter().map(|&v| positions[v as usize]));
+            triangulator.triangulate(&points, |t| faces.triangles.push(t.map(|k| polygon[k])));
+        }
+        let count = faces.triangles.len() as u64;
+        if count > MAX_ELEMENTS {
+            return Err(ReadError::TooMany { file: file.into(), what: "triangles", count });
+        }
+        faces.faces.resize(faces.triangles.len(), faces.kept as u32);
+        faces.kept += 1;
+        reporter.tell(i, cursor);
+    }
+    Ok(faces)
+}
+
+impl Colors {
+    /// Appends the numbers of a colour, or none; false for any other count of them.
+    fn push(&mut self, numbers: &[f32]) -> bool {
+        let color = match *numbers {
+            [] => [f32::NAN; 4],
+            [r, g, b] => [r, g, b, f32::INFINITY],
+            [r, g, b, a] => [r, g, b, a],
+            _ => return false,
+        };
+        if !numbers.is_empty() {
+            self.given += 1;
+            self.largest = numbers.iter().fold(self.largest, |a, &b| a.max(b));
+        }
+        self.values.push(color);
+        true
+    }
+
+    /// In bytes; nothing if no element has a colour. Elements without one become white.
+    ///
+    /// Files hold numbers from 0 to 1 or from 0 to 255, written as integers or not; what they mean shows only
+    /// in how large they become.
+    fn bytes(&self) -> Option<Vec<[u8; 4]>> {
+        let scale = if self.largest > 1.0 { 1.0 } else { 255.0 };
+        let byte = |x: f32| (x * scale).round() as u8;
+        (self.given > 0).then(|| {
+            let white = |c: &[f32; 4]| if c[0].is_nan() { [255; 4] } else { c.map(byte) };
+            self.values.iter().map(white).collect()
+        })
+    }
+}

@@ -1,0 +1,122 @@
+use proptest::prelude::*;
+
+use super::*;
+use crate::error::Place;
+
+fn input(bytes: &[u8]) -> Input {
+    Input::from_bytes("a.off", bytes.to_vec(), &ReadOptions::default()).unwrap()
+}
+
+fn model(text: &str) -> ReadModel {
+    assert!(looks_like(text.as_bytes()), "{text}");
+    read(&input(text.as_bytes()), &ReadOptions::default()).unwrap_or_else(|e| panic!("{e}"))
+}
+
+fn error_line(text: &str) -> u64 {
+    match read(&input(text.as_bytes()), &ReadOptions::default()) {
+        Err(ReadError::Malformed { place: Place::Line(line), .. }) => line,
+        other => panic!("{other:?}"),
+    }
+}
+
+const BODY: &str = "0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 2\n4 0 1 2 3\n";
+
+#[test]
+fn headers_of_all_kinds() {
+    for header in [
+        "OFF\n4 2 5\n",
+        "OFF 4 2\n",
+        "# c\n\nOFF # c\n4 2 0 # c\n\n",
+        "OFF4 2 5\n",
+        "appearance {\n+a {x}\n}\nOFF\n4 2 0\n",
+    ] {
+        let m = model(&format!("{header}{BODY}"));
+        assert_eq!((m.mesh.positions.len(), m.mesh.triangles.len(), m.report.faces), (4, 3, 2), "{header}");
+        assert_eq!(m.mesh.face_of_triangle.as_deref(), Some(&[0, 1, 1][..]));
+        assert_eq!((m.report.format.as_str(), m.report.warnings.len()), ("OFF", 0));
+    }
+    let bare = model(&format!("4 2 0\n{BODY}"));
+    assert_eq!(bare.report.warnings, ["the keyword OFF is missing"]);
+    let crs = format!("OFF\n4 2 0\n{BODY}").replace('\n', "\r");
+    assert_eq!(model(&crs).mesh.triangles.len(), 3);
+}
+
+#[test]
+fn more_dimensions_and_binary_are_not_supported() {
+    for header in ["4OFF\n", "C4nOFF\n", "nOFF 5\n", "OFF BINARY\n"] {
+        let text = format!("{header}4 2 0\n{BODY}");
+        assert!(looks_like(text.as_bytes()));
+        let result = read(&input(text.as_bytes()), &ReadOptions::default());
+        assert!(matches!(result, Err(ReadError::Unsupported { .. })), "{header}: {result:?}");
+    }
+}
+
+#[test]
+fn vertices_hold_what_the_letters_say() {
+    let m = model(
+        "STCNOFF\n3 1 0\n0 0 0 0 0 2 1 0.5 0 0.25 0.75\n1 0 0 0 0 1 0 0 1 0.5 1 0\n0 1 0 0 0 1 0 0 0 1 1 # c\n3 0 1 2\n",
+    );
+    assert_eq!(m.report.format, "OFF, STCNOFF");
+    assert_eq!(m.mesh.normals.unwrap()[0].decode(), [0., 0., 1.]);
+    assert_eq!(m.mesh.vertex_colors.unwrap(), [[255, 128, 0, 255], [0, 0, 255, 128], [0, 0, 0, 255]]);
+    assert_eq!(m.mesh.texcoords.unwrap(), [[0.25, 0.75], [1., 0.], [1., 1.]]);
+    let plain = model("NOFF 3 1\n0 0 0 0 0 1\n1 0 0\n0 0 0\n0 1 0 0 0 1\n3 0 1 2\n");
+    assert_eq!(plain.mesh.normals, None);
+    assert_eq!(plain.report.warnings, ["left out the file's normals, because some are zero or not finite"]);
+}
+
+#[test]
+fn colours_from_0_to_1_and_from_0_to_255() {
+    let v = "0 0 0\n1 0 0\n0 1 0\n0 1 1\n";
+    let m = model(&format!("OFF\n4 4 0\n{v}3 0 1 2 255 0 10\n4 0 1 2 3 1 2 3 4\n3 0 1 3\n3 0 1 2 7#c\n"));
+    let colors = m.mesh.face_colors.unwrap();
+    assert_eq!(colors, [[255, 0, 10, 255], [1, 2, 3, 4], [1, 2, 3, 4], [255; 4], [255; 4]]);
+    let unit = model(&format!("OFF\n4 1 0\n{v}3 0 1 2 1 0.5 0#red\n")).mesh.face_colors.unwrap();
+    assert_eq!(unit, [[255, 128, 0, 255]]);
+    assert_eq!(model(&format!("OFF\n4 1 0\n{v}3 0 1 2\n")).mesh.face_colors, None);
+}
+
+#[test]
+fn small_faces_are_ignored_and_the_rest_is_told() {
+    let m = model("OFF\n3 3 0\n0 0 0\n1 0 0\n0 1 0\n2 0 1\n3 0 1 2\n1 0\n\nmore\n");
+    assert_eq!((m.report.faces, m.report.ignored_points_and_lines, m.mesh.face_of_triangle), (1, 2, None));
+    assert_eq!(m.report.warnings.len(), 2);
+    assert!(m.report.warnings[0].contains("line 10"), "{:?}", m.report.warnings);
+}
+
+#[test]
+fn errors_say_the_line() {
+    assert_eq!(error_line("OFF\nx 2 0\n"), 2);
+    assert_eq!(error_line("OFF\n-1 2 0\n"), 2);
+    assert_eq!(error_line("OFF\n400000000000 2 0\n0 0 0\n"), 2);
+    assert_eq!(error_line("OFF\n18446744073709551615 9223372036854775807 0\n0 0 0\n"), 2);
+    assert_eq!(error_line(&format!("OFF\n4 2 0\n{}", BODY.replace("1 1 0", "1 x 0"))), 5);
+    assert_eq!(error_line(&format!("OFF\n4 2 0\n{}", BODY.replace("3 0 1 2\n", "3 0 1 4\n"))), 7);
+    assert_eq!(error_line(&format!("OFF\n4 2 0\n{}", BODY.replace("3 0 1 2\n", "3 0 1 2 1 1\n"))), 7);
+    assert_eq!(error_line(&format!("OFF\n4 2 0\n{}", BODY.replace("4 0", "-4 0"))), 8);
+    assert_eq!(error_line(&format!("OFF\n4 3 0\n{BODY}")), 9);
+}
+
+#[test]
+fn other_files_do_not_look_like_off() {
+    for no in ["", "# OFF\n", "OFFSET 1", "1 2 3\n4 5 6\n", "3 1 0\n", "solid\n", "0 0 0\n1 0 0\n0 1 0\n"] {
+        assert!(!looks_like(no.as_bytes()), "{no}");
+    }
+}
+
+#[test]
+fn a_file_cut_anywhere_never_panics() {
+    let text = "appearance { a }\nSTCNOFF\n3 1 0\n0 0 0 0 0 2 1 0.5 0 0.25 0.75\n1 0 0 0 0 1 0 0 1 0.5 1 0#\n0 1 0 0 0 1 0 0 0 1 1 # c\n3 0 1 2 1 0 0\n";
+    for n in 0..text.len() {
+        let _ = looks_like(&text.as_bytes()[..n]);
+        let _ = read(&input(&text.as_bytes()[..n]), &ReadOptions::default());
+    }
+}
+
+proptest! {
+    #[test]
+    fn no_bytes_make_it_panic(text in "(ST|C|N){0,2}OFF[ \n][0-5] [0-3][ 0-9.#\n-]{0,120}") {
+        let _ = looks_like(text.as_bytes());
+        let _ = read(&input(text.as_bytes()), &ReadOptions::default());
+    }
+}
