@@ -16,7 +16,7 @@ use clap::{Parser, Subcommand};
 
 /// Draws very large polygon models without a GPU.
 #[derive(Debug, Parser)]
-#[command(version, propagate_version = true, max_term_width = 100)]
+#[command(name = "tercio", version, propagate_version = true, max_term_width = 100)]
 struct Cli {
     #[command(subcommand)]
     command: Command,

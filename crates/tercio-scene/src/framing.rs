@@ -190,7 +190,11 @@ impl Framing {
     }
 
     fn zoomed_fov(&self, tangent: f64) -> f64 {
-        2.0 * (tangent / self.zoom).atan()
+        match self.fov_y {
+            // As it was given, to the last digit.
+            Some(fov_y) if self.zoom == 1.0 => fov_y.to_radians(),
+            _ => 2.0 * (tangent / self.zoom).atan(),
+        }
     }
 
     /// `reach(d)` is the largest `d . (p - center)` of all points `p` of the model.

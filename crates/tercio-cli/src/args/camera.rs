@@ -80,7 +80,7 @@ pub struct CameraArgs {
     #[arg(default_value = "0", hide_default_value = true)]
     roll: f64,
     /// Shows the model larger (above 1) or smaller, by narrowing the angle of view.
-    #[arg(long, value_name = "FACTOR", value_parser = values::positive)]
+    #[arg(long, value_name = "FACTOR", allow_negative_numbers = true, value_parser = values::positive)]
     #[arg(default_value = "1", hide_default_value = true)]
     zoom: f64,
     /// The axis that points upwards.
@@ -98,13 +98,13 @@ pub struct CameraArgs {
     #[arg(requires = "eye")]
     up: Option<DVec3>,
     /// Vertical angle of view at zoom 1, degrees [default: 30].
-    #[arg(long, value_name = "DEG", value_parser = values::field_of_view)]
+    #[arg(long, value_name = "DEG", allow_negative_numbers = true, value_parser = values::field_of_view)]
     fov: Option<f64>,
     /// Parallel rays instead of a perspective.
     #[arg(long, conflicts_with = "fov")]
     orthographic: bool,
     /// Leaves out what is nearer to the camera than this, in the units of the model.
-    #[arg(long, value_name = "DISTANCE", value_parser = values::positive)]
+    #[arg(long, value_name = "DISTANCE", allow_negative_numbers = true, value_parser = values::positive)]
     near: Option<f64>,
 }
 

@@ -69,10 +69,10 @@ pub struct DrawingArgs {
     #[arg(long, value_name = "COLOR", value_parser = values::background)]
     background: Option<Background>,
     /// Strength of highlights, 0 for none.
-    #[arg(long, value_name = "STRENGTH", value_parser = values::not_negative)]
+    #[arg(long, value_name = "STRENGTH", allow_negative_numbers = true, value_parser = values::not_negative)]
     specular: Option<f64>,
     /// Edges sharper than this many degrees stay sharp where normals are made [default: all are smooth].
-    #[arg(long, value_name = "DEG", value_parser = values::crease_angle)]
+    #[arg(long, value_name = "DEG", allow_negative_numbers = true, value_parser = values::crease_angle)]
     pub crease_angle: Option<f64>,
 }
 

@@ -31,6 +31,13 @@ pub struct ModelArgs {
     pub model: PathBuf,
 }
 
+impl ModelArgs {
+    /// The model's name in messages, the same as in those of the reader.
+    pub fn name(&self) -> String {
+        if self.model.as_os_str() == "-" { "standard input".into() } else { self.model.display().to_string() }
+    }
+}
+
 /// What a command may use of the machine, and how much it says.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Running")]

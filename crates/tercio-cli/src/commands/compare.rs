@@ -30,7 +30,7 @@ pub struct Compare {
     /// Another one of the same size.
     b: PathBuf,
     /// Largest difference of a component that still counts as the same.
-    #[arg(long, value_name = "STEPS", value_parser = values::not_negative, default_value = "0")]
+    #[arg(long, value_name = "STEPS", allow_negative_numbers = true, value_parser = values::not_negative, default_value = "0")]
     threshold: f64,
     /// Writes a picture of the differences: black where there is none, white where it is largest.
     #[arg(long, value_name = "FILE")]

@@ -42,7 +42,7 @@ impl Info {
     pub fn run(&self) -> Result<ExitCode> {
         let pool = threads::pool(self.running.threads)?;
         let (loaded, attributes) = pool.install(|| self.load())?;
-        let model = self.model.model.display().to_string();
+        let model = self.model.name();
         if !self.running.quiet {
             for warning in report::warnings(&loaded.report) {
                 messages::warning(&format!("{model}: {warning}"));
@@ -120,11 +120,13 @@ fn text(model: &str, loaded: &LoadedMesh, attributes: &[AttributeSummary]) -> St
     let mut rows = vec![
         ("model", model.to_owned()),
         ("format", report.read.format.clone()),
-        ("file size", report::size(report.read.file_bytes)),
         ("faces", grouped(report.read.faces)),
         ("triangles", grouped(mesh.triangles)),
         ("vertices", grouped(mesh.vertices)),
     ];
+    if report.read.file_bytes > 0 {
+        rows.insert(2, ("file size", report::size(report.read.file_bytes)));
+    }
     if mesh.bounds.is_empty() {
         rows.push(("bounds", "none".into()));
     } else {

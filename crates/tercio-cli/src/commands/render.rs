@@ -90,9 +90,7 @@ impl Render {
         self.drawing.dress(&mut scene);
         let camera = self.camera.camera(&scene, self.drawing.size);
         display.stage("drawing");
-        let frame = Renderer::new()
-            .render(&scene, &camera, settings)
-            .with_context(|| self.model.model.display().to_string())?;
+        let frame = Renderer::new().render(&scene, &camera, settings).with_context(|| self.model.name())?;
         display.stage("writing");
         let writing = Instant::now();
         plan.write(&frame)?;
@@ -114,7 +112,7 @@ impl Render {
         if self.running.quiet {
             return;
         }
-        let model = self.model.model.display();
+        let model = self.model.name();
         for warning in report::warnings(&done.report) {
             messages::warning(&format!("{model}: {warning}"));
         }
@@ -136,7 +134,7 @@ impl Render {
     fn stats(&self, done: &Done, threads: usize, start: Instant) -> Result<Value> {
         Ok(json!({
             "tercio_version": env!("CARGO_PKG_VERSION"),
-            "load": report::load_json(&self.model.model.display().to_string(), &done.report),
+            "load": report::load_json(&self.model.name(), &done.report),
             "camera": camera_json(&done.camera),
             "picture": { "width": done.frame.width, "height": done.frame.height },
             "frame": serde_json::to_value(&done.frame.stats)?,
