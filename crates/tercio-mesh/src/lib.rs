@@ -9,6 +9,7 @@
 //! Positions are in object space: `world = origin + position`, with the origin in `f64`, so that a model
 //! far from zero keeps its detail in `f32`.
 
+mod adjacency;
 pub mod bounds;
 pub mod builtin;
 pub mod clean;
@@ -20,6 +21,7 @@ pub mod normals;
 pub mod polygon;
 pub mod progress;
 pub mod topology;
+pub mod trig;
 pub mod weld;
 
 pub use bounds::Aabb;

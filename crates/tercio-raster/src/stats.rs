@@ -2,6 +2,9 @@
 
 use serde::Serialize;
 
+use crate::binning::TileGrid;
+use crate::frontend::Batch;
+
 /// What one frame did. Counts are the same from run to run unless said otherwise; times are not.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct FrameStats {
@@ -30,16 +33,12 @@ pub struct FrontEndCounts {
     pub clusters_outside: u64,
     /// Clusters that show only the side that is culled.
     pub clusters_facing: u64,
-    /// Clusters hidden by what was drawn before. Depends on the order of work.
-    pub clusters_occluded: u64,
     /// Triangles of all instances.
     pub triangles_in: u64,
     /// Triangles in clusters outside the view volume.
     pub triangles_in_outside_clusters: u64,
     /// Triangles in clusters that show only the side that is culled.
     pub triangles_in_facing_clusters: u64,
-    /// Triangles in clusters hidden by what was drawn before. Depends on the order of work.
-    pub triangles_in_occluded_clusters: u64,
     /// Triangles wholly outside one plane of the view volume, met one by one.
     pub triangles_outside: u64,
     /// Triangles without area after snapping.
@@ -99,4 +98,71 @@ pub struct StageTimes {
     pub backend: f64,
     /// The whole frame.
     pub total: f64,
+}
+
+impl FrontEndCounts {
+    /// Sums.
+    pub(crate) fn plus(self, o: Self) -> Self {
+        Self {
+            clusters_in: self.clusters_in + o.clusters_in,
+            clusters_outside: self.clusters_outside + o.clusters_outside,
+            clusters_facing: self.clusters_facing + o.clusters_facing,
+            triangles_in: self.triangles_in + o.triangles_in,
+            triangles_in_outside_clusters: self.triangles_in_outside_clusters
+                + o.triangles_in_outside_clusters,
+            triangles_in_facing_clusters: self.triangles_in_facing_clusters + o.triangles_in_facing_clusters,
+            triangles_outside: self.triangles_outside + o.triangles_outside,
+            triangles_no_area: self.triangles_no_area + o.triangles_no_area,
+            triangles_facing: self.triangles_facing + o.triangles_facing,
+            triangles_no_sample: self.triangles_no_sample + o.triangles_no_sample,
+            triangles_clipped: self.triangles_clipped + o.triangles_clipped,
+            triangles_out: self.triangles_out + o.triangles_out,
+            vertices_transformed: self.vertices_transformed + o.vertices_transformed,
+        }
+    }
+}
+
+impl BinningCounts {
+    /// What the batches of a frame hold.
+    pub(crate) fn of(batches: &[Batch], grid: &TileGrid) -> Self {
+        let triangles: u64 = batches.iter().map(|b| b.bins.triangles.len() as u64).sum();
+        let entries: u64 = batches.iter().map(|b| b.bins.entries()).sum();
+        let fill = |tile: u32| batches.iter().map(|b| b.bins.tile(tile).len() as u64).sum::<u64>();
+        let (mut tiles_used, mut largest_tile) = (0, 0);
+        for fill in (0..grid.count() as u32).map(fill) {
+            tiles_used += u64::from(fill > 0);
+            largest_tile = largest_tile.max(fill);
+        }
+        Self {
+            triangles,
+            entries,
+            overlap: ratio(entries, triangles),
+            tiles: grid.count() as u64,
+            tiles_used,
+            largest_tile,
+            bytes: batches.iter().map(|b| b.bins.bytes()).sum(),
+        }
+    }
+}
+
+impl BackEndCounts {
+    /// Sums.
+    pub(crate) fn plus(self, o: Self) -> Self {
+        Self {
+            blocks: self.blocks + o.blocks,
+            samples_covered: self.samples_covered + o.samples_covered,
+            pixels_shaded: self.pixels_shaded + o.pixels_shaded,
+            overdraw: 0.0,
+        }
+    }
+
+    /// Fills in what follows from the sums.
+    pub(crate) fn finish(self) -> Self {
+        Self { overdraw: ratio(self.samples_covered, self.pixels_shaded), ..self }
+    }
+}
+
+/// A quotient, 0 where there is nothing to divide by.
+fn ratio(of: u64, by: u64) -> f64 {
+    if by == 0 { 0.0 } else { of as f64 / by as f64 }
 }

@@ -3,6 +3,23 @@
 //! Vertices that several clusters share stand in each of them, so that a cluster is read as one stretch of
 //! memory. Arrays are structures of arrays: a kernel loads 16 vertices or triangles at a time, and may load
 //! past a cluster's end into its neighbour (the last cluster is followed by padding).
+//!
+//! The work walks through the modules in this order: [`partition`] is the entrance, `order` decides which
+//! triangles come together into a block, `runs` cuts a block into clusters, `gather` copies
+//! vertices and attributes to their new places, `bounds` finds each cluster's box and cone. [`cone`] holds the
+//! tests that a renderer makes with them.
+
+mod access;
+mod bounds;
+mod cone;
+mod gather;
+mod hilbert;
+mod order;
+mod partition;
+mod runs;
+mod shuffle;
+
+pub use partition::{Order, PartitionOptions, partition};
 
 use glam::DVec3;
 
@@ -27,7 +44,13 @@ pub struct Cluster {
     pub vertices: u8,
     /// 1 to [`MAX_TRIANGLES`].
     pub triangles: u8,
-    /// Cosine-like cut-off of the normal cone: see [`Cluster::cone_axis`]. 127 means no cone.
+    /// Sine of the angle between the cone's axis and its side, times the length of `cone_axis`, in 1/127 and
+    /// rounded up. 127 means no cone; every test with it fails by itself, because the axis is shorter than 1.
+    ///
+    /// With `c` and `r` the centre and radius of [`Cluster::sphere`], `a = cone_axis / 127` and
+    /// `k = cone_cutoff / 127`, every triangle shows its back to an eye at `e` if
+    /// `dot(c - e, a) > k * |c - e| + r`, and its front if `dot(c - e, a) < -(k * |c - e| + r)`.
+    /// [`Cluster::faces_away`] and [`Cluster::faces_towards`] are these tests with room for rounding.
     pub cone_cutoff: i8,
     /// Unused.
     pub reserved: u8,
@@ -35,10 +58,16 @@ pub struct Cluster {
     pub min: [f32; 3],
     /// Object-space box, upper corner.
     pub max: [f32; 3],
-    /// Axis of the cone that holds all triangle normals, in 1/127.
+    /// Axis of the cone that holds all triangle normals, in 1/127; shorter than 1. Triangles without any area
+    /// are not in the cone: no facing can be told from them.
     pub cone_axis: [i8; 3],
     /// Unused.
     pub reserved2: u8,
+    /// Radius of a sphere round the middle of the box that holds all vertices, rounded up.
+    pub radius: f32,
+    /// Lower bound of the smallest triangle height (twice the area over the longest edge), in object units;
+    /// 0 where a triangle has no area.
+    pub min_height: f32,
 }
 
 /// A mesh partitioned into clusters; what the renderer draws.

@@ -1,6 +1,8 @@
 //! The finished picture.
 
-use crate::FrameStats;
+pub mod planes;
+
+use crate::{FrameStats, Settings};
 
 /// The id of a pixel where nothing was drawn.
 pub const NO_PRIMITIVE: u32 = u32::MAX;
@@ -26,4 +28,22 @@ pub struct Frame {
     pub normals: Vec<[f32; 3]>,
     /// What was counted and timed.
     pub stats: FrameStats,
+}
+
+impl Frame {
+    /// Gives the planes that the settings ask for their size.
+    pub(crate) fn resize(&mut self, settings: &Settings) {
+        fn fit<T: Clone + Default>(plane: &mut Vec<T>, wanted: bool, pixels: usize) {
+            plane.resize(if wanted { pixels } else { 0 }, T::default());
+        }
+        self.width = settings.width;
+        self.height = settings.height;
+        let pixels = settings.width as usize * settings.height as usize;
+        let outputs = &settings.outputs;
+        fit(&mut self.color, outputs.color, pixels);
+        fit(&mut self.color16, outputs.color16, pixels);
+        fit(&mut self.depth, outputs.depth, pixels);
+        fit(&mut self.ids, outputs.ids, pixels);
+        fit(&mut self.normals, outputs.normals, pixels);
+    }
 }

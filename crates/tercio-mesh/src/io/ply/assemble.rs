@@ -1,0 +1,200 @@
+//! Tables to mesh.
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::Job;
+use super::faces::{Triangles, from_faces, from_strips};
+use super::header::Header;
+use super::plan::{Plan, Role};
+use super::table::{Column, Table};
+use super::wedges;
+use crate::error::ReadError;
+use crate::io::{ReadModel, ReadReport};
+use crate::mesh::{MAX_ELEMENTS, choose_origin, localize};
+use crate::{Aabb, Attribute, AttributeDomain, FileMaterial, Mesh};
+
+/// Puts the mesh together.
+pub(super) fn model(
+    job: &Job,
+    header: &Header,
+    plans: Vec<Plan>,
+    tables: Vec<Table>,
+) -> Result<ReadModel, ReadError> {
+    let (mut mesh, mut report) = (Mesh::default(), ReadReport::default());
+    let of_role = |wanted: Role, tables: &mut Vec<(Plan, Table)>| {
+        tables.iter().position(|(p, _)| p.role == wanted).map(|i| tables.swap_remove(i))
+    };
+    let mut tables: Vec<(Plan, Table)> = plans.into_iter().zip(tables).collect();
+    let edges = header.elements.iter().filter(|e| e.name == "edge").map(|e| e.count);
+    report.ignored_points_and_lines = edges.fold(0, u64::saturating_add);
+
+    if let Some((plan, table)) = of_role(Role::Vertices, &mut tables) {
+        vertices(job, &mut mesh, &plan, table)?;
+    }
+    let mut triangles = Triangles::default();
+    let mut faces = 0;
+    if let Some((plan, mut table)) = of_role(Role::Faces, &mut tables) {
+        if table.lists.iter().any(|l| !l.wedges.is_empty()) {
+            split_wedges(job, &mut mesh, &mut table)?;
+        }
+        faces = plan.rows as u32;
+        report.faces = plan.rows as u64;
+        triangles = from_faces(job, &mesh.positions, &mut table)?;
+        let columns = std::mem::take(&mut table.columns);
+        face_columns(job, &mut mesh, &plan, columns, &triangles)?;
+        report.ignored_points_and_lines += triangles.ignored;
+        report.faces -= triangles.ignored;
+    }
+    if let Some((_, table)) = of_role(Role::Strips, &mut tables) {
+        let before = triangles.list.len();
+        from_strips(job, &table, &mut triangles.list)?;
+        let added = triangles.list.len() - before;
+        report.faces += added as u64;
+        if let Some(ids) = &mut triangles.face_of_triangle {
+            ids.extend((0..added as u32).map(|i| faces.saturating_add(i)));
+        }
+        // Strips carry no values of their own.
+        if let Some(colors) = &mut mesh.face_colors {
+            colors.resize(triangles.list.len(), [255; 4]);
+        }
+        for attribute in mesh.attributes.iter_mut().filter(|a| a.domain == AttributeDomain::Triangle) {
+            attribute.values.resize(triangles.list.len(), 0.0);
+        }
+    }
+    if triangles.list.len() as u64 > MAX_ELEMENTS {
+        let count = triangles.list.len() as u64;
+        return Err(ReadError::TooMany { file: job.file.into(), what: "triangles", count });
+    }
+    if triangles.list.is_empty() {
+        report.ignored_points_and_lines += mesh.positions.len() as u64;
+    }
+    mesh.triangles = triangles.list;
+    mesh.face_of_triangle = triangles.face_of_triangle;
+    materials(job, header, &mut mesh)?;
+    Ok(ReadModel { mesh, report })
+}
+
+fn vertices(job: &Job, mesh: &mut Mesh, plan: &Plan, table: Table) -> Result<(), ReadError> {
+    for (field, column) in plan.fields.iter().zip(table.columns) {
+        match column {
+            Column::Points32(points) => (mesh.origin, mesh.positions) = centered(points),
+            Column::Points64(points) => {
+                job.reserve("positions", 12 * points.len() as u64)?;
+                (mesh.origin, mesh.positions) = localize(&points);
+            }
+            Column::Normals(normals) => mesh.normals = Some(normals),
+            Column::Colors(colors) => mesh.vertex_colors = Some(colors),
+            Column::Texcoords(texcoords) => mesh.texcoords = Some(texcoords),
+            Column::Attribute(values) => {
+                let name = field.name.clone();
+                mesh.attributes.push(Attribute { name, domain: AttributeDomain::Vertex, values });
+            }
+        }
+    }
+    Ok(())
+}
+
+/// As [`localize`], in place.
+fn centered(mut points: Vec<[f32; 3]>) -> (DVec3, Vec<[f32; 3]>) {
+    let world = |p: &[f32; 3]| DVec3::new(p[0].into(), p[1].into(), p[2].into());
+    let bounds = points
+        .par_chunks(1 << 16)
+        .map(|chunk| {
+            let mut bounds = Aabb::EMPTY;
+            chunk.iter().map(world).filter(|p| p.is_finite()).for_each(|p| bounds.add(p));
+            bounds
+        })
+        .reduce(|| Aabb::EMPTY, Aabb::union);
+    let origin = choose_origin(&bounds);
+    if origin != DVec3::ZERO {
+        points.par_iter_mut().for_each(|p| *p = (world(p) - origin).as_vec3().to_array());
+    }
+    (origin, points)
+}
+
+fn split_wedges(job: &Job, mesh: &mut Mesh, table: &mut Table) -> Result<(), ReadError> {
+    fn repeat<T: Copy>(values: &mut Vec<T>, copied: &[u32]) {
+        let copies: Vec<T> = copied.iter().filter_map(|&v| values.get(v as usize).copied()).collect();
+        values.extend(copies);
+    }
+    let vertices = mesh.positions.len();
+    // At worst every corner is a copy.
+    let corners: u64 = table.lists.iter().map(|l| l.corners.len() as u64).sum();
+    job.reserve("texture coordinates at corners", 12 * vertices as u64 + 16 * corners)?;
+    let Some(split) = wedges::split(&mut table.lists, vertices) else {
+        let count = vertices as u64 + corners;
+        return Err(ReadError::TooMany { file: job.file.into(), what: "vertices", count });
+    };
+    if split.faces_without > 0 {
+        job.warn(format!("{} faces have no texture coordinates at their corners", split.faces_without));
+    }
+    job.reserve("vertices copied at texture seams", 32 * split.copied.len() as u64)?;
+    repeat(&mut mesh.positions, &split.copied);
+    mesh.normals.iter_mut().for_each(|v| repeat(v, &split.copied));
+    mesh.vertex_colors.iter_mut().for_each(|v| repeat(v, &split.copied));
+    mesh.attributes.iter_mut().for_each(|a| repeat(&mut a.values, &split.copied));
+    mesh.texcoords = Some(split.texcoords);
+    Ok(())
+}
+
+/// Values of faces, repeated for each of their triangles.
+fn face_columns(
+    job: &Job,
+    mesh: &mut Mesh,
+    plan: &Plan,
+    columns: Vec<Column>,
+    triangles: &Triangles,
+) -> Result<(), ReadError> {
+    fn spread<T: Copy + Send + Sync>(values: Vec<T>, triangles: &Triangles) -> Vec<T> {
+        match &triangles.face_of_triangle {
+            Some(faces) => faces.par_iter().filter_map(|&f| values.get(f as usize).copied()).collect(),
+            None => values,
+        }
+    }
+    if triangles.face_of_triangle.is_some() {
+        job.reserve("values of faces", 4 * columns.len() as u64 * triangles.list.len() as u64)?;
+    }
+    for (field, column) in plan.fields.iter().zip(columns) {
+        match column {
+            Column::Colors(colors) => mesh.face_colors = Some(spread(colors, triangles)),
+            Column::Attribute(values) => mesh.attributes.push(Attribute {
+                name: field.name.clone(),
+                domain: AttributeDomain::Triangle,
+                values: spread(values, triangles),
+            }),
+            _ => {}
+        }
+    }
+    Ok(())
+}
+
+/// MeshLab names textures in comments, and with more than one of them numbers them at the faces.
+fn materials(job: &Job, header: &Header, mesh: &mut Mesh) -> Result<(), ReadError> {
+    if mesh.texcoords.is_none() || header.textures.is_empty() {
+        return Ok(());
+    }
+    job.reserve("materials", 4 * mesh.triangles.len() as u64)?;
+    let material = |file: &String| FileMaterial {
+        name: file.clone(),
+        diffuse: [1.0; 3],
+        opacity: 1.0,
+        diffuse_texture: Some(file.clone()),
+    };
+    mesh.materials = header.textures.iter().map(material).collect();
+    let numbers = mesh
+        .attributes
+        .iter()
+        .find(|a| a.domain == AttributeDomain::Triangle && a.name == "texnumber")
+        .map(|a| a.values.as_slice());
+    let textures = mesh.materials.len() as u32;
+    let of_triangle = |i: usize| match numbers.and_then(|n| n.get(i)) {
+        Some(&number) if f64::from(number) == f64::from(number as u32) && (number as u32) < textures => {
+            number as u32
+        }
+        Some(_) => Mesh::NO_MATERIAL,
+        None => 0,
+    };
+    mesh.triangle_materials = Some((0..mesh.triangles.len()).map(of_triangle).collect());
+    Ok(())
+}

@@ -1,0 +1,139 @@
+//! Faces and strips to triangles.
+
+use rayon::prelude::*;
+
+use super::Job;
+use super::table::{Lists, Table};
+use crate::error::ReadError;
+use crate::mesh::MAX_ELEMENTS;
+use crate::polygon::Triangulator;
+
+/// Triangles and where they come from.
+#[derive(Debug, Default)]
+pub(super) struct Triangles {
+    pub(super) list: Vec<[u32; 3]>,
+    /// `None` where face i is triangle i.
+    pub(super) face_of_triangle: Option<Vec<u32>>,
+    /// Faces of fewer than three corners.
+    pub(super) ignored: u64,
+}
+
+/// Makes triangles of all faces; `table.lists` and `table.triangles` are empty afterwards.
+pub(super) fn from_faces(
+    job: &Job,
+    positions: &[[f32; 3]],
+    table: &mut Table,
+) -> Result<Triangles, ReadError> {
+    if let Some(list) = table.triangles.take() {
+        return Ok(Triangles { list, ..Triangles::default() });
+    }
+    let lists = std::mem::take(&mut table.lists);
+    let made: u64 = lists
+        .par_iter()
+        .map(|l| l.counts.iter().map(|&count| u64::from(count.saturating_sub(2))).sum::<u64>())
+        .sum();
+    if made > MAX_ELEMENTS {
+        return Err(ReadError::TooMany { file: job.file.into(), what: "triangles", count: made });
+    }
+    if lists.par_iter().all(|l| l.counts.iter().all(|&count| count == 3)) {
+        job.reserve("triangles", 12 * made)?;
+        let list = joined(lists, |l| l.corners.as_chunks().0);
+        return Ok(Triangles { list, ..Triangles::default() });
+    }
+    job.reserve("triangles of polygons", 32 * made)?;
+    let firsts: Vec<u32> = lists
+        .iter()
+        .scan(0, |face, l| {
+            let first = *face;
+            *face += l.counts.len() as u32;
+            Some(first)
+        })
+        .collect();
+    let pieces: Vec<Piece> =
+        lists.into_par_iter().zip(firsts).map(|(l, first)| triangulate(positions, &l, first)).collect();
+    let ignored = pieces.iter().map(|p| p.ignored).sum();
+    let (lists, faces): (Vec<_>, Vec<_>) = pieces.into_iter().map(|p| (p.triangles, p.faces)).unzip();
+    Ok(Triangles {
+        list: joined(lists, Vec::as_slice),
+        face_of_triangle: Some(joined(faces, Vec::as_slice)),
+        ignored,
+    })
+}
+
+struct Piece {
+    triangles: Vec<[u32; 3]>,
+    faces: Vec<u32>,
+    ignored: u64,
+}
+
+fn triangulate(positions: &[[f32; 3]], lists: &Lists, first: u32) -> Piece {
+    let mut triangulator = Triangulator::default();
+    let mut piece = Piece {
+        triangles: Vec::with_capacity(lists.counts.len()),
+        faces: Vec::with_capacity(lists.counts.len()),
+        ignored: 0,
+    };
+    let mut points = Vec::new();
+    let mut rest = lists.corners.as_slice();
+    for (&count, face) in lists.counts.iter().zip(first..) {
+        let (corners, behind) = rest.split_at(rest.len().min(count as usize));
+        rest = behind;
+        match *corners {
+            [_, _] | [_] | [] => piece.ignored += 1,
+            [a, b, c] => piece.triangles.push([a, b, c]),
+            _ => {
+                points.clear();
+                let point = |&v: &u32| positions.get(v as usize).map_or([0.0; 3], |p| p.map(f64::from));
+                points.extend(corners.iter().map(point));
+                triangulator.triangulate(&points, |triangle| {
+                    piece.triangles.push(triangle.map(|i| corners.get(i).copied().unwrap_or_default()));
+                });
+            }
+        }
+        piece.faces.resize(piece.triangles.len(), face);
+    }
+    piece
+}
+
+/// Pieces, one behind the other.
+fn joined<P: Send + Sync, T: Copy + Default + Send>(
+    pieces: Vec<P>,
+    of: impl Fn(&P) -> &[T] + Sync,
+) -> Vec<T> {
+    let mut all = vec![T::default(); pieces.iter().map(|p| of(p).len()).sum()];
+    let mut rest = all.as_mut_slice();
+    let mut work = Vec::with_capacity(pieces.len());
+    for piece in pieces {
+        let (here, behind) = std::mem::take(&mut rest).split_at_mut(of(&piece).len());
+        work.push((here, piece));
+        rest = behind;
+    }
+    work.into_par_iter().for_each(|(here, piece)| here.copy_from_slice(of(&piece)));
+    all
+}
+
+/// Adds the triangles of strips: every corner from the third on makes one with the two before it, every
+/// second one turned round. Triangles with a repeated corner only lead the strip on and are left out.
+pub(super) fn from_strips(job: &Job, table: &Table, list: &mut Vec<[u32; 3]>) -> Result<(), ReadError> {
+    let corners: u64 = table.lists.iter().map(|l| l.corners.len() as u64).sum();
+    job.reserve("triangles of strips", 12 * corners)?;
+    for lists in &table.lists {
+        let mut rest = lists.corners.as_slice();
+        for &count in &lists.counts {
+            let (strips, behind) = rest.split_at(rest.len().min(count as usize));
+            rest = behind;
+            for strip in strips.split(|&v| v == u32::MAX) {
+                for (i, corners) in strip.windows(3).enumerate() {
+                    if let &[a, b, c] = corners
+                        && a != b
+                        && b != c
+                        && c != a
+                    {
+                        list.push(if i % 2 == 0 { [a, b, c] } else { [b, a, c] });
+                    }
+                }
+            }
+        }
+    }
+    Ok(())
+}

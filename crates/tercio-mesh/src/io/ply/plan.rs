@@ -1,0 +1,258 @@
+//! What of an element is kept, and as what.
+
+use super::header::{Element, Encoding, Header, Scalar, Shape};
+use super::malformed;
+use crate::error::{Place, ReadError};
+use crate::mesh::MAX_ELEMENTS;
+
+/// What an element is to the mesh.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Role {
+    Vertices,
+    Faces,
+    /// Triangle strips; -1 begins a new one.
+    Strips,
+    /// Read over.
+    Skipped,
+}
+
+/// What scalar properties become.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Kind {
+    /// Positions that `f32` holds without loss.
+    Points32,
+    Points64,
+    Normals,
+    Colors,
+    Texcoords,
+    Attribute,
+}
+
+impl Kind {
+    /// Bytes of one value in memory.
+    pub(super) fn size(self) -> u64 {
+        match self {
+            Self::Points32 => 12,
+            Self::Points64 => 24,
+            Self::Normals | Self::Colors | Self::Attribute => 4,
+            Self::Texcoords => 8,
+        }
+    }
+}
+
+/// Scalar properties that are kept together.
+#[derive(Clone, Debug)]
+pub(super) struct Field {
+    pub(super) kind: Kind,
+    pub(super) name: String,
+    /// Their places among the element's properties.
+    pub(super) properties: Vec<usize>,
+    /// Makes a colour run from 0 to 255; 1 for all else.
+    pub(super) scale: f64,
+}
+
+impl Field {
+    /// Values of one instance before its properties are filled in: the alpha of colours without one is opaque.
+    #[inline]
+    pub(super) fn blank(&self) -> [f64; 4] {
+        [0.0, 0.0, 0.0, 255.0 / self.scale]
+    }
+}
+
+/// What is kept of one element.
+#[derive(Clone, Debug)]
+pub(super) struct Plan {
+    pub(super) role: Role,
+    pub(super) rows: usize,
+    pub(super) fields: Vec<Field>,
+    /// Place of the list of vertex numbers.
+    pub(super) corners: Option<usize>,
+    /// Place of the list of texture coordinates, a pair a corner.
+    pub(super) wedges: Option<usize>,
+    /// Number of vertices, the bound of vertex numbers.
+    pub(super) vertices: u32,
+}
+
+impl Plan {
+    /// The vertex number that a value stands for; `u32::MAX` for the restart of a strip.
+    #[inline]
+    pub(super) fn vertex(&self, value: f64) -> Option<u32> {
+        // The cast saturates, so what is negative, fractional, NaN or too large does not come back equal.
+        let number = value as u32;
+        if f64::from(number) == value && number < self.vertices {
+            Some(number)
+        } else if value == -1.0 && self.role == Role::Strips {
+            Some(u32::MAX)
+        } else {
+            None
+        }
+    }
+
+    /// Names what [`Plan::vertex`] takes, for errors.
+    pub(super) fn expected_vertex(&self) -> String {
+        match self.vertices {
+            0 => "no vertex number, there are no vertices".into(),
+            n => format!("a vertex number from 0 to {}", n - 1),
+        }
+    }
+
+    /// Bytes of memory for the scalar properties.
+    pub(super) fn field_bytes(&self) -> u64 {
+        self.rows as u64 * self.fields.iter().map(|f| f.kind.size()).sum::<u64>()
+    }
+}
+
+const INDEX_LISTS: [&str; 3] = ["vertex_indices", "vertex_index", "vertex_indexes"];
+const COLORS: [[&str; 4]; 3] = [
+    ["red", "green", "blue", "alpha"],
+    ["diffuse_red", "diffuse_green", "diffuse_blue", "diffuse_alpha"],
+    ["r", "g", "b", "a"],
+];
+const TEXCOORDS: [[&str; 2]; 4] =
+    [["s", "t"], ["u", "v"], ["texture_u", "texture_v"], ["texture_s", "texture_t"]];
+
+/// Plans all elements and checks their counts against the limits and the bytes left in the file.
+pub(super) fn make(
+    file: &str,
+    header: &Header,
+    bytes: &[u8],
+    warnings: &mut Vec<String>,
+) -> Result<Vec<Plan>, ReadError> {
+    let vertices = header.elements.iter().find(|e| e.name == "vertex").map_or(0, |e| e.count);
+    let mut left = (bytes.len() - header.body) as u64;
+    if header.encoding == Encoding::Ascii {
+        // The last number needs nothing behind it.
+        left += 1;
+    }
+    let mut plans: Vec<Plan> = Vec::new();
+    for element in &header.elements {
+        let role = match element.name.as_str() {
+            "vertex" => Role::Vertices,
+            "face" => Role::Faces,
+            "tristrips" => Role::Strips,
+            _ => Role::Skipped,
+        };
+        let place = Place::Line(element.line);
+        if role != Role::Skipped && plans.iter().any(|p| p.role == role) {
+            let found = format!("a second element {}", element.name);
+            return Err(malformed(file, place, "each element once", found));
+        }
+        let what = match role {
+            Role::Vertices => "vertices",
+            Role::Strips => "triangle strips",
+            _ => "faces",
+        };
+        if role != Role::Skipped && element.count > MAX_ELEMENTS {
+            return Err(ReadError::TooMany { file: file.into(), what, count: element.count });
+        }
+        let least = element.least_bytes(header.encoding);
+        match least.checked_mul(element.count).and_then(|needed| left.checked_sub(needed)) {
+            Some(rest) => left = rest,
+            None => {
+                let expected = format!(
+                    "at least {least} bytes for each of {} instances of element {}",
+                    element.count, element.name
+                );
+                return Err(malformed(file, place, expected, format!("{left} bytes left for them")));
+            }
+        }
+        let mut plan = Plan {
+            role,
+            // Bounded by the bytes left, so it fits; instances of no bytes are nothing to walk over.
+            rows: if least == 0 { 0 } else { element.count as usize },
+            fields: Vec::new(),
+            corners: None,
+            wedges: None,
+            vertices: vertices as u32,
+        };
+        match role {
+            Role::Vertices => plan.fields = vertex_fields(file, element)?,
+            Role::Faces => {
+                plan.corners = element.list(&INDEX_LISTS);
+                plan.wedges = element.list(&["texcoord"]);
+                plan.fields = face_fields(element);
+            }
+            Role::Strips => plan.corners = element.list(&INDEX_LISTS),
+            // Edges are counted as ignored lines.
+            Role::Skipped if element.name != "edge" && element.count > 0 => {
+                warnings.push(format!("{} instances of element {} are ignored", element.count, element.name));
+            }
+            Role::Skipped => {}
+        }
+        if matches!(role, Role::Faces | Role::Strips) && plan.corners.is_none() && element.count > 0 {
+            let expected = format!("a list property vertex_indices in element {}", element.name);
+            return Err(malformed(file, place, expected, "none"));
+        }
+        if role != Role::Skipped && element.count > 0 {
+            for (i, property) in element.properties.iter().enumerate() {
+                let kept = plan.corners == Some(i) || plan.wedges == Some(i);
+                if matches!(property.shape, Shape::List { .. }) && !kept {
+                    warnings
+                        .push(format!("the list property {} of {} is ignored", property.name, element.name));
+                }
+            }
+        }
+        plans.push(plan);
+    }
+    Ok(plans)
+}
+
+fn vertex_fields(file: &str, element: &Element) -> Result<Vec<Field>, ReadError> {
+    let mut fields = Vec::new();
+    let Some(points) = field(element, Kind::Points32, &["x", "y", "z"], 3) else {
+        if element.count == 0 {
+            return Ok(fields);
+        }
+        let place = Place::Line(element.line);
+        return Err(malformed(file, place, "the properties x, y and z in element vertex", "not all of them"));
+    };
+    let wide = |&i: &usize| {
+        matches!(
+            element.properties.get(i).map(|p| p.shape),
+            Some(Shape::One(Scalar::F64 | Scalar::I32 | Scalar::U32))
+        )
+    };
+    let kind = if points.properties.iter().any(wide) { Kind::Points64 } else { Kind::Points32 };
+    fields.push(Field { kind, ..points });
+    fields.extend(field(element, Kind::Normals, &["nx", "ny", "nz"], 3));
+    fields.extend(colors(element));
+    fields.extend(TEXCOORDS.iter().find_map(|names| field(element, Kind::Texcoords, names, 2)));
+    add_attributes(element, &mut fields);
+    Ok(fields)
+}
+
+fn face_fields(element: &Element) -> Vec<Field> {
+    let mut fields = Vec::from_iter(colors(element));
+    add_attributes(element, &mut fields);
+    fields
+}
+
+/// The properties of these names, if the first `needed` of them are there.
+fn field(element: &Element, kind: Kind, names: &[&str], needed: usize) -> Option<Field> {
+    let found: Vec<usize> =
+        names.iter().map_while(|name| element.scalar(name)).map(|(index, _)| index).collect();
+    let name = names.first().map_or("", |n| *n).into();
+    (found.len() >= needed).then_some(Field { kind, name, properties: found, scale: 1.0 })
+}
+
+fn colors(element: &Element) -> Option<Field> {
+    let mut colors = COLORS.iter().find_map(|names| field(element, Kind::Colors, names, 3))?;
+    let first = colors.properties.first().and_then(|&i| element.properties.get(i))?;
+    colors.scale = match first.shape {
+        Shape::One(Scalar::F32 | Scalar::F64) => 255.0,
+        Shape::One(Scalar::U16 | Scalar::I16) => 255.0 / 65535.0,
+        _ => 1.0,
+    };
+    Some(colors)
+}
+
+/// Keeps every scalar that has no meaning of its own as an attribute.
+fn add_attributes(element: &Element, fields: &mut Vec<Field>) {
+    for (i, property) in element.properties.iter().enumerate() {
+        let used = fields.iter().any(|f| f.properties.contains(&i));
+        if matches!(property.shape, Shape::One(_)) && !used {
+            let name = property.name.clone();
+            fields.push(Field { kind: Kind::Attribute, name, properties: vec![i], scale: 1.0 });
+        }
+    }
+}

@@ -1,0 +1,168 @@
+//! What 16 visible pixels need to know of their triangles.
+
+use tercio_mesh::ClusteredMesh;
+use tercio_mesh::Mesh;
+use tercio_scene::Surface;
+
+use crate::color::DECODE;
+use crate::context::FrameContext;
+use crate::simd::LANES;
+
+/// 16 pixels of one instance on their way through the shading kernel.
+#[derive(Debug, Default)]
+pub struct Fragments {
+    /// Lanes that hold a pixel; the others repeat the first.
+    pub count: usize,
+    /// Pixel columns in the picture.
+    pub x: [i32; LANES],
+    /// Pixel rows in the picture.
+    pub y: [i32; LANES],
+    /// Places in the tile's planes.
+    pub place: [u32; LANES],
+    /// Triangles.
+    pub slot: [u32; LANES],
+    /// Depths.
+    pub depth: [f32; LANES],
+}
+
+impl Fragments {
+    /// Adds a pixel; tells whether all lanes are taken.
+    #[inline(always)]
+    pub fn push(&mut self, x: i32, y: i32, place: u32, slot: u32, depth: f32) -> bool {
+        let lane = self.count % LANES;
+        self.x[lane] = x;
+        self.y[lane] = y;
+        self.place[lane] = place;
+        self.slot[lane] = slot;
+        self.depth[lane] = depth;
+        self.count = lane + 1;
+        self.count == LANES
+    }
+
+    /// Repeats the first pixel in the lanes that hold none.
+    pub fn fill_up(&mut self) {
+        for lane in self.count..LANES {
+            self.x[lane] = self.x[0];
+            self.y[lane] = self.y[0];
+            self.place[lane] = self.place[0];
+            self.slot[lane] = self.slot[0];
+            self.depth[lane] = self.depth[0];
+        }
+    }
+}
+
+/// Where a mesh's colour comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ColorSource {
+    /// The surface's one colour.
+    Base,
+    /// One a vertex.
+    Vertex,
+    /// One a triangle: its own or its material's.
+    Triangle,
+}
+
+impl ColorSource {
+    /// What a mesh offers and its surface takes.
+    pub fn of(mesh: &ClusteredMesh, surface: &Surface) -> Self {
+        if !surface.use_mesh_colors {
+            Self::Base
+        } else if mesh.face_colors.is_some() {
+            Self::Triangle
+        } else if mesh.vertex_colors.is_some() {
+            Self::Vertex
+        } else if mesh.triangle_materials.is_some() && !mesh.materials.is_empty() {
+            Self::Triangle
+        } else {
+            Self::Base
+        }
+    }
+}
+
+/// Linear colour of a triangle that has one of its own, from its place in the mesh's triangle arrays.
+pub fn triangle_color(mesh: &ClusteredMesh, surface: &Surface, triangle: usize) -> [f32; 3] {
+    if let Some(colors) = &mesh.face_colors {
+        return linear(colors[triangle]);
+    }
+    let material = mesh.triangle_materials.as_ref().map_or(Mesh::NO_MATERIAL, |m| m[triangle]);
+    match mesh.materials.get(material as usize) {
+        Some(m) => {
+            let level = |k: usize| (m.diffuse[k].clamp(0.0, 1.0) * 255.0 + 0.5) as u8;
+            linear([level(0), level(1), level(2), 255])
+        }
+        None => surface.base_color,
+    }
+}
+
+/// Linear light of an sRGB colour; alpha is left out.
+pub fn linear(color: [u8; 4]) -> [f32; 3] {
+    [0, 1, 2].map(|k| DECODE[usize::from(color[k])])
+}
+
+/// The corners of the triangles of 16 pixels, lane by lane.
+#[derive(Debug, Default)]
+pub struct CornerLanes {
+    /// Position: corner, axis, lane.
+    pub position: [[[f32; LANES]; 3]; 3],
+    /// Packed normal: corner, lane.
+    pub normal: [[u32; LANES]; 3],
+    /// Linear colour: corner, component, lane; only where the mesh has colours.
+    pub color: [[[f32; LANES]; 3]; 3],
+}
+
+impl CornerLanes {
+    /// Fetches the corners of all lanes; all slots belong to `instance`.
+    pub fn fetch(
+        &mut self,
+        context: &FrameContext,
+        instance: usize,
+        slots: &[u32; LANES],
+        colors: ColorSource,
+    ) {
+        let scene_instance = &context.scene.instances[instance];
+        let mesh = &*scene_instance.mesh;
+        let mut before = None;
+        for lane in 0..LANES {
+            let slot = slots[lane];
+            if before == Some(slot) {
+                self.repeat(lane, colors);
+                continue;
+            }
+            before = Some(slot);
+            let (_, cluster, triangle) = context.locate_slot(slot);
+            let first = mesh.clusters[cluster].first_vertex as usize;
+            for k in 0..3 {
+                let v = first + usize::from(mesh.corners[k][triangle]);
+                self.position[k][0][lane] = mesh.x[v];
+                self.position[k][1][lane] = mesh.y[v];
+                self.position[k][2][lane] = mesh.z[v];
+                if let Some(normals) = &mesh.normals {
+                    self.normal[k][lane] = normals[v].0;
+                }
+                if let (ColorSource::Vertex, Some(c)) = (colors, &mesh.vertex_colors) {
+                    self.set_color(k, lane, linear(c[v]));
+                }
+            }
+            if colors == ColorSource::Triangle {
+                let color = triangle_color(mesh, &scene_instance.surface, triangle);
+                (0..3).for_each(|k| self.set_color(k, lane, color));
+            }
+        }
+    }
+
+    fn set_color(&mut self, corner: usize, lane: usize, color: [f32; 3]) {
+        (0..3).for_each(|c| self.color[corner][c][lane] = color[c]);
+    }
+
+    /// Copies the lane before: neighbouring pixels mostly show the same triangle.
+    #[inline(always)]
+    fn repeat(&mut self, lane: usize, colors: ColorSource) {
+        for k in 0..3 {
+            (0..3).for_each(|axis| self.position[k][axis][lane] = self.position[k][axis][lane - 1]);
+            self.normal[k][lane] = self.normal[k][lane - 1];
+            if colors != ColorSource::Base {
+                (0..3).for_each(|c| self.color[k][c][lane] = self.color[k][c][lane - 1]);
+            }
+        }
+    }
+}

@@ -1,0 +1,86 @@
+//! How much light 16 points of a surface send to the viewer.
+
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x16};
+use tercio_scene::Surface;
+
+use crate::lighting::LightRig;
+use crate::simd::{dot, splat};
+
+/// Three components of 16 points.
+pub type Vec3x16<S> = [f32x16<S>; 3];
+
+/// Light of 16 points: what the surface's colour is multiplied by, and what is added on top.
+pub struct Reflected<S: Simd> {
+    /// Diffuse light, linear RGB.
+    pub diffuse: Vec3x16<S>,
+    /// Highlights, linear RGB.
+    pub specular: Vec3x16<S>,
+}
+
+/// A vector of length 1 in the same direction; `instead` where the length is next to nothing.
+#[inline(always)]
+pub fn normalize<S: Simd>(simd: S, v: Vec3x16<S>, instead: Vec3x16<S>) -> Vec3x16<S> {
+    let square = dot(v, v);
+    let long_enough = square.simd_gt(splat(simd, 1e-30));
+    let inverse = splat(simd, 1.0) / square.sqrt();
+    [0, 1, 2].map(|k| long_enough.select(v[k] * inverse, instead[k]))
+}
+
+/// Lambert's diffuse light and Blinn's highlights of all lights.
+///
+/// `normal` and `to_viewer` are unit vectors in world axes, `position` is relative to the eye.
+#[inline(always)]
+pub fn reflect<S: Simd>(
+    simd: S,
+    rig: &LightRig,
+    surface: &Surface,
+    normal: Vec3x16<S>,
+    to_viewer: Vec3x16<S>,
+    position: Vec3x16<S>,
+) -> Reflected<S> {
+    let zero = splat(simd, 0.0);
+    let mut sum = Reflected { diffuse: rig.ambient.map(|c| splat(simd, c)), specular: [zero; 3] };
+    for light in &rig.distant {
+        let to_light = light.to_light.map(|c| splat(simd, c));
+        add_light(simd, surface, normal, to_viewer, to_light, light.color, &mut sum);
+    }
+    for light in &rig.near {
+        let offset = [0, 1, 2].map(|k| splat(simd, light.position[k]) - position[k]);
+        let to_light = normalize(simd, offset, to_viewer);
+        add_light(simd, surface, normal, to_viewer, to_light, light.color, &mut sum);
+    }
+    sum
+}
+
+#[inline(always)]
+fn add_light<S: Simd>(
+    simd: S,
+    surface: &Surface,
+    normal: Vec3x16<S>,
+    to_viewer: Vec3x16<S>,
+    to_light: Vec3x16<S>,
+    color: [f32; 3],
+    sum: &mut Reflected<S>,
+) {
+    let zero = splat(simd, 0.0);
+    let cosine = dot(normal, to_light);
+    let lit = cosine.simd_gt(zero);
+    let cosine = lit.select(cosine, zero);
+    for k in 0..3 {
+        sum.diffuse[k] = sum.diffuse[k] + cosine * color[k];
+    }
+    if surface.specular > 0.0 {
+        let between = [0, 1, 2].map(|k| to_light[k] + to_viewer[k]);
+        let half = normalize(simd, between, to_viewer);
+        let mut power = dot(normal, half);
+        power = (power.simd_gt(zero) & lit).select(power, zero);
+        for _ in 0..surface.shininess_log2 {
+            power = power * power;
+        }
+        let strength = power * surface.specular;
+        for k in 0..3 {
+            sum.specular[k] = sum.specular[k] + strength * color[k];
+        }
+    }
+}

@@ -1,0 +1,121 @@
+//! What all stages of one frame share.
+
+use tercio_mesh::ClusteredMesh;
+use tercio_mesh::cluster::MAX_TRIANGLES;
+use tercio_scene::{Instance, Scene};
+
+use crate::RenderError;
+use crate::binning::TileGrid;
+use crate::lighting::LightRig;
+use crate::settings::Settings;
+use crate::view::{ObjectView, View};
+
+/// The slot of a sample where nothing was drawn.
+pub const NO_SLOT: u32 = u32::MAX;
+
+/// Read by every stage, written by none.
+pub struct FrameContext<'a> {
+    /// What is drawn.
+    pub scene: &'a Scene,
+    /// How.
+    pub settings: &'a Settings,
+    /// From where.
+    pub view: View,
+    /// The view of each instance.
+    pub objects: Vec<ObjectView>,
+    /// The lights, as the kernels want them.
+    pub lights: LightRig,
+    /// The tiles.
+    pub grid: TileGrid,
+    /// Number of each instance's first cluster; one more than there are instances.
+    first_cluster: Vec<u32>,
+    /// Number of each instance's first primitive.
+    first_primitive: Vec<u64>,
+    /// Number of each instance's first input face.
+    first_face: Vec<u64>,
+}
+
+impl<'a> FrameContext<'a> {
+    /// Numbers the clusters and primitives of a scene.
+    ///
+    /// # Errors
+    /// [`RenderError::TooLarge`] if 32 bits do not suffice.
+    pub fn new(
+        scene: &'a Scene,
+        settings: &'a Settings,
+        view: View,
+        grid: TileGrid,
+    ) -> Result<Self, RenderError> {
+        let mut first_cluster = vec![0];
+        let (mut first_primitive, mut first_face) = (Vec::new(), Vec::new());
+        let (mut clusters, mut triangles, mut faces) = (0u64, 0u64, 0u64);
+        for Instance { mesh, .. } in &scene.instances {
+            first_primitive.push(triangles);
+            first_face.push(faces);
+            clusters += mesh.clusters.len() as u64;
+            triangles += mesh.triangle_count() as u64;
+            faces += faces_of(mesh);
+            first_cluster.push(clusters.min(u64::from(u32::MAX)) as u32);
+        }
+        let numbered = u64::from(NO_SLOT) / MAX_TRIANGLES as u64;
+        if clusters >= numbered || triangles >= u64::from(u32::MAX) || faces >= u64::from(u32::MAX) {
+            return Err(RenderError::TooLarge { triangles, clusters });
+        }
+        let objects = scene.instances.iter().map(|i| view.object(i)).collect();
+        let lights = LightRig::new(&scene.lights, &view);
+        Ok(Self { scene, settings, view, objects, lights, grid, first_cluster, first_primitive, first_face })
+    }
+
+    /// Clusters of all instances.
+    pub fn clusters(&self) -> u32 {
+        *self.first_cluster.last().unwrap_or(&0)
+    }
+
+    /// Triangles of all instances.
+    pub fn triangles(&self) -> u64 {
+        self.scene.instances.iter().map(|i| i.mesh.triangle_count() as u64).sum()
+    }
+
+    /// The instance that a cluster belongs to, and the cluster's number in its mesh.
+    #[inline]
+    pub fn locate(&self, cluster: u32) -> (usize, usize) {
+        let instance = if self.first_cluster.len() == 2 {
+            0
+        } else {
+            self.first_cluster.partition_point(|&first| first <= cluster) - 1
+        };
+        (instance, (cluster - self.first_cluster[instance]) as usize)
+    }
+
+    /// Instance, cluster of its mesh, and place in the triangle arrays of its mesh.
+    #[inline]
+    pub fn locate_slot(&self, slot: u32) -> (usize, usize, usize) {
+        let (instance, cluster) = self.locate(slot / MAX_TRIANGLES as u32);
+        let first = self.scene.instances[instance].mesh.clusters[cluster].first_triangle;
+        (instance, cluster, first as usize + slot as usize % MAX_TRIANGLES)
+    }
+
+    /// The primitive number, which decides among equal depths.
+    #[cold]
+    pub fn primitive(&self, slot: u32) -> u64 {
+        let (instance, _, triangle) = self.locate_slot(slot);
+        self.first_primitive[instance] + u64::from(self.scene.instances[instance].mesh.primitive(triangle))
+    }
+
+    /// The number of the input face, which is what the ids of a frame tell.
+    pub fn face(&self, slot: u32) -> u32 {
+        let (instance, _, triangle) = self.locate_slot(slot);
+        let mesh = &self.scene.instances[instance].mesh;
+        let primitive = mesh.primitive(triangle);
+        let face = mesh.face_of_triangle.as_ref().map_or(primitive, |faces| faces[primitive as usize]);
+        (self.first_face[instance] + u64::from(face)) as u32
+    }
+}
+
+/// Faces that a mesh's triangles came from.
+pub fn faces_of(mesh: &ClusteredMesh) -> u64 {
+    match &mesh.face_of_triangle {
+        Some(faces) => faces.last().map_or(0, |&last| u64::from(last) + 1),
+        None => mesh.triangle_count() as u64,
+    }
+}

@@ -1,0 +1,43 @@
+//! Every convention of the picture, written once.
+//!
+//! * **World and object space**: right-handed. A triangle's front is the side from which its corners run
+//!   counter-clockwise.
+//! * **Clip space**: `x`, `y` in sub-pixels times `w`, origin in the middle of the picture, y downwards; `w` is
+//!   the distance along the line of sight (1 for an orthographic camera).
+//! * **Screen space**: whole sub-pixels, origin at the upper left corner of the picture, y downwards. One pixel
+//!   is [`SUBPIXELS`] sub-pixels; the sample of pixel (i, j) is its centre, at (i, j) * 256 + 128.
+//! * **Depth**: `near / w` for a perspective camera, `(far - z) / (far - near)` for an orthographic one: above 0,
+//!   at most 1, larger is nearer, 0 where nothing was drawn. It is linear in screen space.
+//! * **Coverage**: exact integer edge functions; a sample on an edge belongs to the triangle whose top or left
+//!   edge it is.
+//! * **Visibility**: the larger depth; among equals the lower primitive number.
+//! * **Interpolation**: from the farthest corner (the first among equals) for depth, from all three corners for
+//!   attributes; never from where a tile or a block happens to begin.
+//!
+//! No operation here is fused: a product is rounded before it is added to, on every machine.
+
+/// Sub-pixel positions along a pixel's edge.
+pub const SUBPIXELS: i32 = 256;
+/// log2 of [`SUBPIXELS`].
+pub const SUBPIXEL_BITS: u32 = 8;
+/// A sample's place inside its pixel, in sub-pixels.
+pub const SAMPLE: i32 = SUBPIXELS / 2;
+
+/// Triangles reach at most this many sub-pixels from the middle of the picture; those that go farther are
+/// clipped. Differences of coordinates stay below 2^24 and are exact in `f32`.
+pub const GUARD: f32 = 8_388_608.0;
+
+/// Below this extent in sub-pixels, products of coordinate differences fit into 32 bits.
+pub const SMALL_EXTENT: i32 = 1 << 14;
+
+/// First pixel whose sample is at or right of (below) a screen coordinate.
+#[inline(always)]
+pub fn first_sample(coordinate: i32) -> i32 {
+    (coordinate + (SAMPLE - 1)) >> SUBPIXEL_BITS
+}
+
+/// Last pixel whose sample is at or left of (above) a screen coordinate.
+#[inline(always)]
+pub fn last_sample(coordinate: i32) -> i32 {
+    (coordinate - SAMPLE) >> SUBPIXEL_BITS
+}

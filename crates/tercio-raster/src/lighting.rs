@@ -1,0 +1,69 @@
+//! Lights as the shading formulas want them: in world axes, relative to the eye, in `f32`.
+
+use glam::DVec3;
+use tercio_scene::{Light, LightSpace};
+
+use crate::view::View;
+
+/// A light from infinitely far away.
+#[derive(Clone, Copy, Debug)]
+pub struct DistantLight {
+    /// Unit vector towards it.
+    pub to_light: [f32; 3],
+    /// Linear RGB.
+    pub color: [f32; 3],
+}
+
+/// A light at a place.
+#[derive(Clone, Copy, Debug)]
+pub struct NearLight {
+    /// Where it stands, relative to the eye, world axes.
+    pub position: [f32; 3],
+    /// Linear RGB.
+    pub color: [f32; 3],
+}
+
+/// All lights of a frame.
+#[derive(Clone, Debug, Default)]
+pub struct LightRig {
+    /// The sum of the ambient lights.
+    pub ambient: [f32; 3],
+    /// In the order of the scene.
+    pub distant: Vec<DistantLight>,
+    /// In the order of the scene.
+    pub near: Vec<NearLight>,
+    /// Towards the viewer, for an orthographic camera.
+    pub to_viewer: [f32; 3],
+}
+
+impl LightRig {
+    /// The scene's lights seen from the eye.
+    pub fn new(lights: &[Light], view: &View) -> Self {
+        let basis = &view.basis;
+        let from_camera = |v: DVec3| basis.right * v.x + basis.up * v.y - basis.forward * v.z;
+        let f = |v: DVec3| [v.x as f32, v.y as f32, v.z as f32];
+        let mut rig = Self { to_viewer: f(-basis.forward), ..Self::default() };
+        for light in lights {
+            match *light {
+                Light::Ambient { color } => {
+                    rig.ambient = std::array::from_fn(|k| rig.ambient[k] + color[k]);
+                }
+                Light::Directional { to_light, space, color } => {
+                    let world = match space {
+                        LightSpace::World => to_light,
+                        LightSpace::Camera => from_camera(to_light),
+                    };
+                    rig.distant.push(DistantLight { to_light: f(world.normalize_or_zero()), color });
+                }
+                Light::Point { position, space, color } => {
+                    let relative = match space {
+                        LightSpace::World => position - view.eye,
+                        LightSpace::Camera => from_camera(position),
+                    };
+                    rig.near.push(NearLight { position: f(relative), color });
+                }
+            }
+        }
+        rig
+    }
+}

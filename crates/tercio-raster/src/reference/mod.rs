@@ -1,0 +1,171 @@
+//! The reference renderer: one processor, one triangle at a time, one pixel at a time.
+//!
+//! It is short, obvious and slow, and stays so. Every faster path must give the same bytes. It draws the plain
+//! [`Mesh`], before any partition, and knows nothing of clusters, tiles, lanes or threads. What a vertex's
+//! place on the screen is ([`ObjectView::project`]) and what clipping leaves of a triangle ([`clip_triangle`])
+//! are definitions that it shares with the renderer; coverage, depth, visibility and shading it does itself.
+
+mod shading;
+
+use tercio_mesh::Mesh;
+use tercio_scene::{Camera, Scene};
+
+use crate::backend::output::background_row;
+use crate::conventions::{SAMPLE, SUBPIXELS};
+use crate::frame::{Frame, NO_PRIMITIVE};
+use crate::frontend::clip::clip_triangle;
+use crate::lighting::LightRig;
+use crate::settings::{Cull, Settings};
+use crate::view::{ObjectView, ScreenVertex, View};
+use crate::{FrameStats, RenderError};
+use shading::{Pixel, shade};
+
+/// What is seen at a sample.
+#[derive(Clone, Copy)]
+struct Sample {
+    depth: f32,
+    instance: usize,
+    triangle: usize,
+}
+
+/// Draws one picture. `meshes` are the plain meshes of the scene's instances, in order.
+///
+/// # Errors
+/// As [`crate::Renderer::render`].
+///
+/// # Panics
+/// If there are not as many meshes as instances.
+pub fn render(
+    meshes: &[&Mesh],
+    scene: &Scene,
+    camera: &Camera,
+    settings: &Settings,
+) -> Result<Frame, RenderError> {
+    assert_eq!(meshes.len(), scene.instances.len(), "one plain mesh an instance");
+    settings.check()?;
+    let (width, height) = (settings.width as usize, settings.height as usize);
+    let view = View::new(camera, &scene.bounds(), settings.width, settings.height)?;
+    let objects: Vec<ObjectView> = scene.instances.iter().map(|i| view.object(i)).collect();
+    let nothing = Sample { depth: 0.0, instance: 0, triangle: usize::MAX };
+    let mut samples = vec![nothing; width * height];
+
+    for (instance, mesh) in meshes.iter().enumerate() {
+        let object = &objects[instance];
+        for (triangle, &corners) in mesh.triangles.iter().enumerate() {
+            let positions = Mesh::canonical(corners).map(|v| mesh.positions[v as usize]);
+            let projected = positions.map(|p| object.project(p));
+            let mut draw = |corners: [ScreenVertex; 3]| {
+                rasterize(corners, settings, |x, y, depth| {
+                    let old = &mut samples[y * width + x];
+                    // Triangles come in the order of their numbers, so among equals the first stays.
+                    if depth > old.depth {
+                        *old = Sample { depth, instance, triangle };
+                    }
+                });
+            };
+            if projected.iter().all(|v| v.inside) {
+                draw(projected);
+            } else {
+                clip_triangle(object, positions, projected, draw);
+            }
+        }
+    }
+
+    let lights = LightRig::new(&scene.lights, &view);
+    let mut frame = Frame::default();
+    frame.resize(settings);
+    frame.stats = FrameStats::default();
+    let first_faces = first_faces(meshes);
+    for (place, sample) in samples.iter().enumerate() {
+        let (x, y) = (place % width, place / width);
+        let background = background_row(&scene.background, y as u32, settings.height);
+        let mut pixel = Pixel::of_background(background);
+        let (mut distance, mut id) = (f32::INFINITY, NO_PRIMITIVE);
+        if sample.triangle != usize::MAX {
+            let (mesh, object) = (meshes[sample.instance], &objects[sample.instance]);
+            let surface = &scene.instances[sample.instance].surface;
+            pixel = shade(mesh, sample.triangle, surface, object, &lights, settings.shading, [x, y]);
+            distance = view.distance(sample.depth);
+            let face = mesh.face_of_triangle.as_ref().map_or(sample.triangle as u32, |f| f[sample.triangle]);
+            id = first_faces[sample.instance] + face;
+        }
+        put(&mut frame.color, place, pixel.color);
+        put(&mut frame.color16, place, pixel.color16);
+        put(&mut frame.depth, place, distance);
+        put(&mut frame.ids, place, id);
+        put(&mut frame.normals, place, pixel.normal);
+    }
+    Ok(frame)
+}
+
+/// Writes to a plane if it was asked for.
+fn put<T>(plane: &mut [T], place: usize, value: T) {
+    if let Some(slot) = plane.get_mut(place) {
+        *slot = value;
+    }
+}
+
+/// Number of each mesh's first face.
+fn first_faces(meshes: &[&Mesh]) -> Vec<u32> {
+    let mut next = 0;
+    let faces = |mesh: &Mesh| match &mesh.face_of_triangle {
+        Some(faces) => faces.last().map_or(0, |&last| last + 1),
+        None => mesh.triangles.len() as u32,
+    };
+    meshes
+        .iter()
+        .map(|mesh| {
+            let first = next;
+            next += faces(mesh);
+            first
+        })
+        .collect()
+}
+
+/// Calls `emit(x, y, depth)` for every sample that a triangle covers.
+fn rasterize(v: [ScreenVertex; 3], settings: &Settings, mut emit: impl FnMut(usize, usize, f32)) {
+    // Positive where p lies clockwise of the edge from a to b, on a screen whose y runs downwards.
+    let edge =
+        |a: [i64; 2], b: [i64; 2], p: [i64; 2]| (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0]);
+    let at = v.map(|v| [i64::from(v.x), i64::from(v.y)]);
+    let area = edge(at[0], at[1], at[2]);
+    let culled = match settings.cull {
+        Cull::Auto | Cull::None => false,
+        Cull::Back => area > 0,
+        Cull::Front => area < 0,
+    };
+    if area == 0 || culled {
+        return;
+    }
+    // Depth is interpolated from the farthest corner.
+    let farthest = [1, 2].into_iter().fold(0, |f, k| if v[k].d < v[f].d { k } else { f });
+    let [a, b, c] = [0, 1, 2].map(|k| v[(farthest + k) % 3]);
+    let [x1, y1, x2, y2] = [b.x - a.x, b.y - a.y, c.x - a.x, c.y - a.y].map(|d| d as f32);
+    let (d1, d2) = (b.d - a.d, c.d - a.d);
+    let inverse = 1.0 / area as f32;
+    let (slope_x, slope_y) = ((d1 * y2 - d2 * y1) * inverse, (d2 * x1 - d1 * x2) * inverse);
+
+    let clockwise = if area > 0 { at } else { [at[0], at[2], at[1]] };
+    let pixels = |k: usize, size: u32| {
+        let (least, most) = (at.map(|p| p[k]).into_iter().min(), at.map(|p| p[k]).into_iter().max());
+        let pixel = |c: Option<i64>| c.unwrap_or(0).div_euclid(i64::from(SUBPIXELS));
+        pixel(least).max(0)..=pixel(most).min(i64::from(size) - 1)
+    };
+    for y in pixels(1, settings.height) {
+        for x in pixels(0, settings.width) {
+            let sample = [x, y].map(|p| p * i64::from(SUBPIXELS) + i64::from(SAMPLE));
+            let covered = (0..3).all(|k| {
+                let (from, to) = (clockwise[k], clockwise[(k + 1) % 3]);
+                let value = edge(from, to, sample);
+                let top_left = from[1] > to[1] || (from[1] == to[1] && to[0] > from[0]);
+                value > 0 || (value == 0 && top_left)
+            });
+            if covered {
+                let dx = (sample[0] - i64::from(a.x)) as f32;
+                let dy = (sample[1] - i64::from(a.y)) as f32;
+                let depth = (dx * slope_x + dy * slope_y) + a.d;
+                emit(x as usize, y as usize, depth.max(a.d).min(b.d.max(c.d)));
+            }
+        }
+    }
+}

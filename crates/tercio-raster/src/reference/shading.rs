@@ -1,0 +1,189 @@
+//! The colour of one pixel, formula by formula.
+
+use tercio_mesh::Mesh;
+use tercio_scene::Surface;
+
+use crate::color::{DECODE, ENCODE, ENCODE_STEPS, encode16};
+use crate::conventions::{SAMPLE, SUBPIXELS};
+use crate::frontend::clip::barycentrics_unclipped;
+use crate::lighting::LightRig;
+use crate::settings::Shading;
+use crate::view::ObjectView;
+
+/// What a frame says of a pixel.
+pub struct Pixel {
+    pub color: [u8; 4],
+    pub color16: [u16; 4],
+    pub normal: [f32; 3],
+}
+
+impl Pixel {
+    /// Where nothing was drawn.
+    pub fn of_background((color, color16): ([u8; 4], [u16; 4])) -> Self {
+        Self { color, color16, normal: [0.0; 3] }
+    }
+}
+
+type Vec3 = [f32; 3];
+
+fn dot(a: Vec3, b: Vec3) -> f32 {
+    (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]
+}
+
+fn cross(a: Vec3, b: Vec3) -> Vec3 {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+fn each(f: impl Fn(usize) -> f32) -> Vec3 {
+    [0, 1, 2].map(f)
+}
+
+/// A unit vector; `instead` where the length is next to nothing.
+fn normalize(v: Vec3, instead: Vec3) -> Vec3 {
+    let square = dot(v, v);
+    let inverse = 1.0 / square.sqrt();
+    if square > 1e-30 { v.map(|c| c * inverse) } else { instead }
+}
+
+/// Shades the sample of pixel `[x, y]`, which shows triangle number `triangle`.
+pub fn shade(
+    mesh: &Mesh,
+    triangle: usize,
+    surface: &Surface,
+    object: &ObjectView,
+    lights: &LightRig,
+    shading: Shading,
+    pixel: [usize; 2],
+) -> Pixel {
+    let corners = Mesh::canonical(mesh.triangles[triangle]).map(|v| v as usize);
+    let p = corners.map(|v| mesh.positions[v]);
+    let weight = barycentrics(object, p, pixel.map(|c| c as i32));
+    let mix = |v: [f32; 3]| (weight[0] * v[0] + weight[1] * v[1]) + weight[2] * v[2];
+    let mix3 = |v: [Vec3; 3]| each(|k| mix(v.map(|v| v[k])));
+
+    let edge = |k: usize| each(|a| (p[k][a] - p[0][a]) * object.inverse_size);
+    let plane = cross(edge(1), edge(2));
+    let sight = if object.perspective { each(|a| object.viewer[a] - p[0][a]) } else { object.viewer };
+    let seen_from_back = dot(plane, sight) < 0.0;
+
+    let to_viewer_from = |position: Vec3| {
+        if object.perspective { normalize(position.map(|c| -c), lights.to_viewer) } else { lights.to_viewer }
+    };
+    let position_of = |q: Vec3| {
+        each(|k| {
+            let r = object.world_from_local[k];
+            ((q[0] * r[0] + q[1] * r[1]) + q[2] * r[2]) + object.eye_from_local[k]
+        })
+    };
+    let facing = |n: Vec3, to_viewer: Vec3| {
+        let against = dot(n, plane) < 0.0;
+        let n = if against != seen_from_back { n.map(|c| -c) } else { n };
+        normalize(each(|k| dot(n, object.normal_matrix[k])), to_viewer)
+    };
+    let corner_normal = |k: usize| mesh.normals.as_ref().map_or(plane, |n| n[corners[k]].decode());
+
+    let position = position_of(mix3(p));
+    let to_viewer = to_viewer_from(position);
+    let smooth = || mix3([0, 1, 2].map(corner_normal));
+    let normal = facing(if shading == Shading::Flat { plane } else { smooth() }, to_viewer);
+    let albedo = match corner_colors(mesh, triangle, surface) {
+        Some(colors) => mix3(colors),
+        None => surface.base_color,
+    };
+    let linear = match shading {
+        Shading::Unlit => albedo,
+        Shading::Flat | Shading::Phong => {
+            let (diffuse, specular) = reflect(lights, surface, normal, to_viewer, position);
+            each(|k| albedo[k] * diffuse[k] + specular[k])
+        }
+        Shading::Gouraud => {
+            let light = [0, 1, 2].map(|k| {
+                let position = position_of(p[k]);
+                let to_viewer = to_viewer_from(position);
+                reflect(lights, surface, facing(corner_normal(k), to_viewer), to_viewer, position)
+            });
+            let (diffuse, specular) = (mix3(light.map(|l| l.0)), mix3(light.map(|l| l.1)));
+            each(|k| albedo[k] * diffuse[k] + specular[k])
+        }
+    };
+    let linear = linear.map(|c| if c > 0.0 { c } else { 0.0 }).map(|c| if c < 1.0 { c } else { 1.0 });
+    let level = |c: f32| ENCODE[(c * (ENCODE_STEPS - 1) as f32 + 0.5) as usize];
+    Pixel {
+        color: [level(linear[0]), level(linear[1]), level(linear[2]), 255],
+        color16: [encode16(linear[0]), encode16(linear[1]), encode16(linear[2]), 65535],
+        normal,
+    }
+}
+
+/// Linear colours of a triangle's corners; `None` where the surface's own colour is taken.
+fn corner_colors(mesh: &Mesh, triangle: usize, surface: &Surface) -> Option<[Vec3; 3]> {
+    let linear = |c: [u8; 4]| [0, 1, 2].map(|k| DECODE[usize::from(c[k])]);
+    if !surface.use_mesh_colors {
+        None
+    } else if let Some(colors) = &mesh.face_colors {
+        Some([linear(colors[triangle]); 3])
+    } else if let Some(colors) = &mesh.vertex_colors {
+        Some(Mesh::canonical(mesh.triangles[triangle]).map(|v| linear(colors[v as usize])))
+    } else {
+        let materials = mesh.triangle_materials.as_ref().filter(|_| !mesh.materials.is_empty())?;
+        let level = |c: f32| (c.clamp(0.0, 1.0) * 255.0 + 0.5) as u8;
+        let color = match mesh.materials.get(materials[triangle] as usize) {
+            Some(m) => linear([level(m.diffuse[0]), level(m.diffuse[1]), level(m.diffuse[2]), 255]),
+            None => surface.base_color,
+        };
+        Some([color; 3])
+    }
+}
+
+/// Perspective barycentric coordinates of a pixel's sample: not negative, adding up to 1.
+fn barycentrics(object: &ObjectView, p: [Vec3; 3], pixel: [i32; 2]) -> [f32; 3] {
+    let v = p.map(|p| object.project(p));
+    let sample = pixel.map(|c| c * SUBPIXELS + SAMPLE);
+    if v.iter().any(|v| !v.inside) {
+        let from_middle = [0, 1].map(|k| f64::from(sample[k]) - f64::from(object.offset[k]));
+        return barycentrics_unclipped(object, p, from_middle);
+    }
+    let x = v.map(|v| (v.x - sample[0]) as f32);
+    let y = v.map(|v| (v.y - sample[1]) as f32);
+    let b = [0, 1, 2].map(|k| {
+        let (i, j) = ((k + 1) % 3, (k + 2) % 3);
+        let area = x[i] * y[j] - y[i] * x[j];
+        if object.perspective { area * v[k].d } else { area }
+    });
+    let negative = (b[0] + b[1]) + b[2] < 0.0;
+    let b = b.map(|b| if negative { -b } else { b }).map(|b| if b > 0.0 { b } else { 0.0 });
+    let sum = (b[0] + b[1]) + b[2];
+    let inverse = 1.0 / sum;
+    if sum > 0.0 { b.map(|b| b * inverse) } else { [1.0, 0.0, 0.0] }
+}
+
+/// Diffuse light and highlights of all lights.
+fn reflect(
+    lights: &LightRig,
+    surface: &Surface,
+    normal: Vec3,
+    to_viewer: Vec3,
+    position: Vec3,
+) -> (Vec3, Vec3) {
+    let (mut diffuse, mut specular) = (lights.ambient, [0.0; 3]);
+    let distant = lights.distant.iter().map(|l| (l.to_light, l.color));
+    let near = lights.near.iter().map(|l| {
+        let to_light = normalize(each(|k| l.position[k] - position[k]), to_viewer);
+        (to_light, l.color)
+    });
+    for (to_light, color) in distant.chain(near) {
+        let cosine = dot(normal, to_light);
+        let lit = cosine > 0.0;
+        let cosine = if lit { cosine } else { 0.0 };
+        diffuse = each(|k| diffuse[k] + cosine * color[k]);
+        if surface.specular > 0.0 {
+            let half = normalize(each(|k| to_light[k] + to_viewer[k]), to_viewer);
+            let mut power = dot(normal, half);
+            power = if lit && power > 0.0 { power } else { 0.0 };
+            (0..surface.shininess_log2).for_each(|_| power *= power);
+            let strength = power * surface.specular;
+            specular = each(|k| specular[k] + strength * color[k]);
+        }
+    }
+    (diffuse, specular)
+}

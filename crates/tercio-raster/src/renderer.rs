@@ -1,0 +1,165 @@
+//! One frame, stage after stage.
+
+use std::sync::Mutex;
+use std::time::Instant;
+
+use fearless_simd::dispatch;
+use rayon::prelude::*;
+use tercio_scene::camera::CameraError;
+use tercio_scene::{Camera, Scene};
+
+use crate::backend::output::Planes;
+use crate::backend::{self, Scratch};
+use crate::binning::TileGrid;
+use crate::context::FrameContext;
+use crate::frame::Frame;
+use crate::frontend::{self, Batch};
+use crate::settings::{Settings, SimdLevel};
+use crate::stats::{BackEndCounts, BinningCounts, FrameStats, FrontEndCounts, StageTimes};
+use crate::view::View;
+
+/// Why a picture could not be drawn.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum RenderError {
+    /// The camera is not one.
+    #[error(transparent)]
+    Camera(#[from] CameraError),
+    /// A setting is out of its range.
+    #[error("{what} must be {range}, is {value}")]
+    Setting {
+        /// Which setting.
+        what: &'static str,
+        /// What it may be.
+        range: String,
+        /// What it is.
+        value: String,
+    },
+    /// More triangles than can be numbered.
+    #[error(
+        "the scene holds {triangles} triangles in {clusters} clusters; 32 bits do not suffice to number them"
+    )]
+    TooLarge {
+        /// Triangles of all instances.
+        triangles: u64,
+        /// Clusters of all instances.
+        clusters: u64,
+    },
+}
+
+/// Batches of clusters a thread: enough that threads finish together, few enough that bins stay large.
+const BATCHES_A_THREAD: usize = 8;
+/// Fewer clusters than this make no batch of their own.
+const LEAST_CLUSTERS: usize = 16;
+
+/// Draws scenes; keeps its memory from frame to frame. Runs in the rayon pool it is called in.
+#[derive(Debug, Default)]
+pub struct Renderer {
+    batches: Vec<Batch>,
+    /// One a thread of the pool.
+    scratch: Vec<Mutex<Scratch>>,
+}
+
+impl Renderer {
+    /// A renderer that holds no memory yet.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Draws one picture.
+    ///
+    /// # Errors
+    /// A camera or setting that makes no picture, or a scene too large to be numbered.
+    pub fn render(
+        &mut self,
+        scene: &Scene,
+        camera: &Camera,
+        settings: &Settings,
+    ) -> Result<Frame, RenderError> {
+        let mut frame = Frame::default();
+        self.render_into(scene, camera, settings, &mut frame)?;
+        Ok(frame)
+    }
+
+    /// Draws one picture into the memory of an older one.
+    ///
+    /// # Errors
+    /// As [`Renderer::render`]; the frame is then as it was.
+    pub fn render_into(
+        &mut self,
+        scene: &Scene,
+        camera: &Camera,
+        settings: &Settings,
+        frame: &mut Frame,
+    ) -> Result<(), RenderError> {
+        let begin = Instant::now();
+        settings.check()?;
+        let simd = settings.simd.unwrap_or_else(SimdLevel::best);
+        let Some(level) = simd.level() else { unreachable!("checked above") };
+        let view = View::new(camera, &scene.bounds(), settings.width, settings.height)?;
+        let tile_size = settings.tile_size.unwrap_or_else(|| default_tile_size(settings));
+        let grid = TileGrid::new(settings.width, settings.height, tile_size);
+        let context = FrameContext::new(scene, settings, view, grid)?;
+        frame.resize(settings);
+
+        let threads = rayon::current_num_threads();
+        let clusters = context.clusters() as usize;
+        let batches = clusters.div_ceil(LEAST_CLUSTERS).min(threads * BATCHES_A_THREAD);
+        self.batches.resize_with(batches, Batch::default);
+        if self.scratch.len() < threads {
+            self.scratch.resize_with(threads, Mutex::default);
+        }
+        let prepared = Instant::now();
+
+        self.batches.par_iter_mut().enumerate().with_max_len(1).for_each(|(i, batch)| {
+            let share = |i: usize| (clusters * i / batches) as u32;
+            let range = share(i)..share(i + 1);
+            dispatch!(level, simd => frontend::run(simd, &context, range.clone(), batch));
+        });
+        let binned = Instant::now();
+
+        let planes = Planes::new(frame, &scene.background);
+        let backend = (0..grid.count() as u32)
+            .into_par_iter()
+            .with_max_len(1)
+            .map(|tile| {
+                let own = rayon::current_thread_index().unwrap_or(0);
+                // A thread that draws a tile does nothing else meanwhile, so the lock is free.
+                let mut scratch = self.scratch[own % threads].lock().unwrap_or_else(|e| e.into_inner());
+                dispatch!(level, simd => backend::run(simd, &context, &self.batches, tile, &mut scratch, &planes))
+            })
+            .reduce(BackEndCounts::default, BackEndCounts::plus);
+        drop(planes);
+        let drawn = Instant::now();
+
+        let milliseconds = |from: Instant, to: Instant| (to - from).as_secs_f64() * 1e3;
+        frame.stats = FrameStats {
+            frontend: self
+                .batches
+                .iter()
+                .map(|b| b.counts)
+                .fold(FrontEndCounts::default(), FrontEndCounts::plus),
+            binning: BinningCounts::of(&self.batches, &grid),
+            backend: backend.finish(),
+            milliseconds: StageTimes {
+                prepare: milliseconds(begin, prepared),
+                frontend: milliseconds(prepared, binned),
+                backend: milliseconds(binned, drawn),
+                total: milliseconds(begin, drawn),
+            },
+            threads,
+            simd: simd.name(),
+            tile_size,
+        };
+        Ok(())
+    }
+}
+
+/// Small tiles share the work of small pictures better; large pictures have tiles enough.
+fn default_tile_size(settings: &Settings) -> u32 {
+    let pixels = u64::from(settings.width) * u64::from(settings.height);
+    match pixels {
+        0..=0x4_0000 => 32,
+        0x4_0001..=0x100_0000 => 64,
+        _ => 128,
+    }
+}

@@ -1,0 +1,120 @@
+//! One picture: the same bytes from every path, and the same as from the reference.
+
+mod common;
+
+use common::*;
+use tercio_mesh::Mesh;
+use tercio_mesh::cluster::PartitionOptions;
+use tercio_raster::{Binning, Cull, Settings, Shading, SimdLevel};
+use tercio_scene::Camera;
+
+/// Every setting that must not change the picture, in turn.
+fn check_every_path(mesh: &Mesh, camera: &Camera, settings: &Settings, what: &str) {
+    let plain = scene(mesh);
+    let expected = draw_reference(mesh, &plain, camera, settings);
+    let check = |s: Settings, name: String| {
+        assert_same(&expected, &draw(&plain, camera, &s), &format!("{what}, {name}"));
+    };
+    for simd in SimdLevel::available() {
+        for binning in [Binning::BoundingBox, Binning::Exact] {
+            let s = Settings { simd: Some(simd), binning, ..settings.clone() };
+            check(s, format!("{simd}, {binning:?}"));
+        }
+    }
+    for tile_size in [8, 16, 32, 64, 128] {
+        let s = Settings { tile_size: Some(tile_size), ..settings.clone() };
+        check(s, format!("tiles of {tile_size}"));
+    }
+    for threads in [1, 2, 3, 7] {
+        with_threads(threads, || check(settings.clone(), format!("{threads} threads")));
+    }
+    check(Settings { cluster_culling: false, ..settings.clone() }, "no cluster culling".into());
+    if settings.cull == Cull::Auto {
+        check(Settings { cull: Cull::None, ..settings.clone() }, "no culling".into());
+    }
+    for (max_vertices, max_triangles, seed) in [(3, 1, None), (10, 17, Some(1)), (64, 128, Some(2))] {
+        let options =
+            PartitionOptions { max_vertices, max_triangles, shuffle_seed: seed, ..Default::default() };
+        let found = draw(&scene_with(mesh, &options), camera, settings);
+        assert_same(&expected, &found, &format!("{what}, clusters of {max_vertices} and {max_triangles}"));
+    }
+}
+
+#[test]
+fn a_soup_that_crosses_every_plane() {
+    let mesh = soup(100_000, 1);
+    check_every_path(
+        &mesh,
+        &perspective([0.1, 0.2, 0.3], [1.0, 0.0, -1.0], 75.0),
+        &everything(211, 157),
+        "inside",
+    );
+}
+
+#[test]
+fn a_soup_seen_by_an_orthographic_camera() {
+    let mesh = soup(20_000, 2);
+    check_every_path(
+        &mesh,
+        &orthographic([0.2, 0.3, 0.5], [0.0, 0.0, 0.0], 1.5),
+        &everything(160, 200),
+        "ortho",
+    );
+}
+
+#[test]
+fn a_sphere_from_outside_and_inside() {
+    let mesh = sphere(40);
+    check_every_path(&mesh, &perspective([1.0, 2.0, 3.0], [0.0; 3], 35.0), &everything(300, 200), "outside");
+    check_every_path(
+        &mesh,
+        &perspective([0.1, 0.2, 0.3], [1.0, 0.0, 0.0], 90.0),
+        &everything(300, 200),
+        "inside",
+    );
+}
+
+#[test]
+fn tiny_pictures() {
+    let mesh = soup(3_000, 3);
+    let camera = perspective([0.5, 1.0, 3.0], [0.0; 3], 40.0);
+    for (w, h) in [(1, 1), (3, 5), (31, 33)] {
+        check_every_path(&mesh, &camera, &everything(w, h), &format!("{w}x{h}"));
+    }
+}
+
+#[test]
+fn every_shading_and_every_culling() {
+    let mesh = soup(2_000, 4);
+    let bare = Mesh { normals: None, vertex_colors: None, ..sphere(12) };
+    let camera = perspective([0.5, 1.0, 3.0], [0.0; 3], 40.0);
+    for (mesh, name) in [(&mesh, "soup"), (&bare, "bare sphere")] {
+        let plain = scene(mesh);
+        for shading in [Shading::Flat, Shading::Gouraud, Shading::Phong, Shading::Unlit] {
+            for cull in [Cull::Auto, Cull::None, Cull::Back, Cull::Front] {
+                let settings = Settings { shading, cull, ..everything(120, 90) };
+                let expected = draw_reference(mesh, &plain, &camera, &settings);
+                for simd in SimdLevel::available() {
+                    let s = Settings { simd: Some(simd), ..settings.clone() };
+                    let what = format!("{name}, {shading:?}, {cull:?}, {simd}");
+                    assert_same(&expected, &draw(&plain, &camera, &s), &what);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn two_instances() {
+    let mesh = soup(2_000, 5);
+    let both = with_second_instance(scene(&mesh));
+    let camera = perspective([0.5, 1.0, 3.0], [0.0; 3], 40.0);
+    for cull in [Cull::Auto, Cull::Back] {
+        let settings = Settings { cull, ..everything(200, 150) };
+        let expected = draw_reference(&mesh, &both, &camera, &settings);
+        for simd in SimdLevel::available() {
+            let s = Settings { simd: Some(simd), ..settings.clone() };
+            assert_same(&expected, &draw(&both, &camera, &s), &format!("{cull:?}, {simd}"));
+        }
+    }
+}
