@@ -1,71 +1,332 @@
 //! Places a camera so that the model fills the picture.
+//!
+//! All that is asked of the model is its support function (how far it reaches in a direction), so that one
+//! solver serves boxes, which are cheap and steady from frame to frame, and exact vertices, which fill the
+//! picture best.
 
 use glam::DVec3;
 
-use crate::{Camera, Projection};
+use crate::camera::CameraBasis;
+use crate::{Camera, Projection, Scene};
 use tercio_mesh::Aabb;
 
 /// Which world axis points upwards.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum UpAxis {
-    /// +x
+    /// +x up; the front is seen from +z, with -y to the right.
     X,
-    /// +y
+    /// +y up; the front is seen from +z, with +x to the right.
     #[default]
     Y,
-    /// +z
+    /// +z up; the front is seen from -y, with +x to the right, as in CAD.
     Z,
 }
 
-/// Where the camera stands, seen from the model.
+impl UpAxis {
+    /// The axes of the front view.
+    pub fn front(self) -> CameraBasis {
+        let (right, up) = match self {
+            Self::X => (DVec3::NEG_Y, DVec3::X),
+            Self::Y => (DVec3::X, DVec3::Y),
+            Self::Z => (DVec3::X, DVec3::Z),
+        };
+        CameraBasis { right, up, forward: up.cross(right) }
+    }
+}
+
+/// Where the camera stands, seen from the model. Left and right are those of the picture in the front view.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum View {
     /// Looks at the side that faces the viewer.
     Front,
     /// From behind.
     Back,
-    /// From the model's left in the front view.
+    /// From the left border of the front view.
     Left,
-    /// From the model's right in the front view.
+    /// From the right border of the front view.
     Right,
-    /// From above.
+    /// From above; the front is at the lower border of the picture.
     Top,
-    /// From below.
+    /// From below; the front is at the upper border of the picture.
     Bottom,
-    /// From above, front and right.
+    /// From above, front and right, with equal angles to the three axes.
     Iso,
 }
 
-/// What the user asks of the camera; everything else follows from the model's bounds.
+impl View {
+    /// Azimuth and elevation in degrees, as in [`Framing`].
+    pub fn angles(self) -> (f64, f64) {
+        match self {
+            Self::Front => (0.0, 0.0),
+            Self::Back => (180.0, 0.0),
+            Self::Left => (-90.0, 0.0),
+            Self::Right => (90.0, 0.0),
+            Self::Top => (0.0, 90.0),
+            Self::Bottom => (0.0, -90.0),
+            Self::Iso => (45.0, std::f64::consts::FRAC_1_SQRT_2.atan().to_degrees()),
+        }
+    }
+}
+
+/// What the user asks of the camera; everything else follows from the model's extent.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Framing {
     /// Which axis points upwards.
     pub up_axis: UpAxis,
-    /// Degrees round the up axis; 0 is the front, positive turns the camera to the model's right.
+    /// Degrees round the up axis; 0 is the front, positive turns the camera to the right of the front view.
     pub azimuth: f64,
     /// Degrees above the horizon.
     pub elevation: f64,
-    /// Degrees round the line of sight; positive turns the camera counter-clockwise.
+    /// Degrees round the line of sight; positive turns the camera counter-clockwise, the picture clockwise.
     pub roll: f64,
-    /// Above 1 shows the model larger.
+    /// Above 1 shows the model larger. A perspective camera stays where it is and narrows its angle of
+    /// view, so that zooming never moves it into the model nor changes what hides what.
     pub zoom: f64,
     /// Width by height of the picture.
     pub aspect: f64,
-    /// Full vertical angle of view in degrees; `None` for an orthographic camera.
+    /// Full vertical angle of view in degrees at zoom 1; `None` for an orthographic camera.
     pub fov_y: Option<f64>,
-    /// The part of the picture that the model's bounds fill at zoom 1.
+    /// The part of the picture's width or height, whichever is tighter, that the model fills at zoom 1.
     pub fill: f64,
 }
 
-impl Framing {
-    /// The camera for a model with these bounds.
-    pub fn camera(&self, _bounds: &Aabb) -> Camera {
-        Camera {
-            eye: DVec3::Z,
-            target: DVec3::ZERO,
-            up: DVec3::Y,
-            projection: Projection::Orthographic { height: 1.0 },
-            near: None,
+impl Default for Framing {
+    /// From above, front and a little right, as one looks at a thing on a table, through a short telephoto
+    /// lens.
+    fn default() -> Self {
+        Self {
+            up_axis: UpAxis::Y,
+            azimuth: 30.0,
+            elevation: 18.0,
+            roll: 0.0,
+            zoom: 1.0,
+            aspect: 4.0 / 3.0,
+            fov_y: Some(Self::FOV_Y),
+            fill: 0.9,
         }
     }
 }
+
+impl Framing {
+    /// The default vertical angle of view, degrees.
+    pub const FOV_Y: f64 = 30.0;
+
+    /// The default framing for a picture of this size in pixels.
+    pub fn for_size(width: u32, height: u32) -> Self {
+        Self { aspect: f64::from(width.max(1)) / f64::from(height.max(1)), ..Self::default() }
+    }
+
+    /// The same framing from a named view.
+    pub fn with_view(self, view: View) -> Self {
+        let (azimuth, elevation) = view.angles();
+        Self { azimuth, elevation, ..self }
+    }
+
+    /// The axes of the camera. They stay at right angles at the poles, where "up" becomes "away from the
+    /// front" (from above) or "towards the front" (from below).
+    pub fn basis(&self) -> CameraBasis {
+        let front = self.up_axis.front();
+        let (sin_a, cos_a) = sin_cos_degrees(self.azimuth);
+        let (sin_e, cos_e) = sin_cos_degrees(self.elevation);
+        let towards_eye = front.right * sin_a - front.forward * cos_a;
+        let back = towards_eye * cos_e + front.up * sin_e;
+        let level = CameraBasis {
+            right: front.right * cos_a + front.forward * sin_a,
+            up: front.up * cos_e - towards_eye * sin_e,
+            forward: -back,
+        };
+        rolled(level, self.roll)
+    }
+
+    /// The camera for a model with these bounds: all eight corners are inside the part `fill` of the
+    /// picture, and in the middle of it.
+    ///
+    /// Bounds that are empty or a single point are drawn as if something of size 1 stood there.
+    pub fn camera(&self, bounds: &Aabb) -> Camera {
+        let bounds = drawable(bounds);
+        let half = bounds.size() * 0.5;
+        self.fit(&bounds, |direction| direction.abs().dot(half))
+    }
+
+    /// The camera that frames the vertices of a scene, which fills the picture better than their box does.
+    ///
+    /// The camera is the same however the meshes are cut into clusters.
+    pub fn camera_for_scene(&self, scene: &Scene) -> Camera {
+        let bounds = drawable(&scene.bounds());
+        if scene.bounds() != bounds {
+            return self.camera(&bounds);
+        }
+        let center = bounds.center();
+        self.fit(&bounds, |direction| {
+            let reach = scene.instances.iter().map(|i| i.reach(direction, center));
+            reach.fold(f64::NEG_INFINITY, f64::max)
+        })
+    }
+
+    /// A camera at `eye` that looks at `target`, with the roll, zoom and projection of this framing.
+    ///
+    /// Without `up`, the up axis points upwards, or the back of the front view where the line of sight runs
+    /// along the up axis. The picture of an orthographic camera is as high as a perspective one of the
+    /// default angle of view sees at the target.
+    pub fn camera_at(&self, eye: DVec3, target: DVec3, up: Option<DVec3>) -> Camera {
+        let front = self.up_axis.front();
+        let distance = eye.distance(target);
+        let up = up.unwrap_or_else(|| {
+            let across = (target - eye).cross(front.up).length();
+            if across > 1e-6 * distance { front.up } else { front.forward }
+        });
+        let tangent = half_tangent(self.fov_y.unwrap_or(Self::FOV_Y));
+        let projection = match self.fov_y {
+            Some(_) => Projection::Perspective { fov_y: self.zoomed_fov(tangent) },
+            None => Projection::Orthographic { height: 2.0 * distance * tangent / self.zoom },
+        };
+        let mut camera = Camera { eye, target, up, projection, near: None };
+        if self.roll != 0.0
+            && let Ok(basis) = camera.basis()
+        {
+            camera.up = rolled(basis, self.roll).up;
+        }
+        camera
+    }
+
+    fn zoomed_fov(&self, tangent: f64) -> f64 {
+        match self.fov_y {
+            // As it was given, to the last digit.
+            Some(fov_y) if self.zoom == 1.0 => fov_y.to_radians(),
+            _ => 2.0 * (tangent / self.zoom).atan(),
+        }
+    }
+
+    /// `reach(d)` is the largest `d . (p - center)` of all points `p` of the model.
+    fn fit(&self, bounds: &Aabb, reach: impl Fn(DVec3) -> f64) -> Camera {
+        let CameraBasis { right, up, forward } = self.basis();
+        let (back, center, radius) = (-forward, bounds.center(), bounds.radius());
+        let nearest = reach(back);
+        let place = |x: f64, y: f64, distance: f64, projection| {
+            let target = center + right * x + up * y;
+            Camera { eye: target + back * distance, target, up, projection, near: None }
+        };
+        let Some(fov_y) = self.fov_y else {
+            let (width, x) = extent(reach(right), reach(-right));
+            let (height, y) = extent(reach(up), reach(-up));
+            // Seen along a line or a flat side edge-on there may be no extent at all.
+            let height = height.max(width / self.aspect).max(radius * 1e-6) / (self.fill * self.zoom);
+            return place(x, y, nearest + radius, Projection::Orthographic { height });
+        };
+        let tangent = half_tangent(fov_y);
+        let (tan_x, tan_y) = (tangent * self.aspect * self.fill, tangent * self.fill);
+        let distance_x = Axis { across: right, back, reach: &reach }.nearest_eye(tan_x);
+        let distance_y = Axis { across: up, back, reach: &reach }.nearest_eye(tan_y);
+        // Whatever is seen along its length must not touch the eye.
+        let distance = distance_x.max(distance_y).max(nearest + radius * 1e-3);
+        let x = Axis { across: right, back, reach: &reach }.middle(distance, tan_x);
+        let y = Axis { across: up, back, reach: &reach }.middle(distance, tan_y);
+        place(x, y, distance, Projection::Perspective { fov_y: self.zoomed_fov(tangent) })
+    }
+}
+
+/// One direction of the picture under perspective. An eye at `x` along `across` and `d` along `back` sees a
+/// point `p` at the tangent `(p.across - x) / (d - p.back)`; all of them are at most `t` if
+/// `reach(across + t back) <= t d + x` and `reach(-across + t back) <= t d - x`.
+struct Axis<'a, F> {
+    across: DVec3,
+    back: DVec3,
+    reach: &'a F,
+}
+
+impl<F: Fn(DVec3) -> f64> Axis<'_, F> {
+    fn reaches(&self, t: f64) -> (f64, f64) {
+        ((self.reach)(self.across + self.back * t), (self.reach)(self.back * t - self.across))
+    }
+
+    /// The smallest distance from which everything is seen at tangents up to `t`, wherever `x` is.
+    fn nearest_eye(&self, t: f64) -> f64 {
+        let (plus, minus) = self.reaches(t);
+        (plus + minus) / (2.0 * t)
+    }
+
+    /// The `x` at which the model is in the middle of the picture, seen from `distance`; `t` is a tangent
+    /// inside which it can be seen from there.
+    ///
+    /// Asks for the smallest tangent that still holds the model: the root of the slack
+    /// `2 t d - plus - minus`, which rises with t and is minus the model's width at 0. It is made of few
+    /// straight pieces, on which secants end soon.
+    fn middle(&self, distance: f64, t: f64) -> f64 {
+        let slack = |t: f64| {
+            let (plus, minus) = self.reaches(t);
+            (2.0 * t * distance - plus - minus, (plus - minus) * 0.5)
+        };
+        let (mut last, mut this) = ((0.0, slack(0.0)), (t, slack(t)));
+        let (mut low, mut high) = (0.0, t);
+        let tolerance = -1e-3 * last.1.0;
+        for _ in 0..16 {
+            let (slack_here, x) = this.1;
+            if slack_here.abs() <= tolerance {
+                return x;
+            }
+            if slack_here > 0.0 {
+                high = this.0
+            } else {
+                low = this.0
+            }
+            let rise = slack_here - last.1.0;
+            let secant = this.0 - slack_here * (this.0 - last.0) / rise;
+            let inside = secant > low && secant < high;
+            let next = if inside { secant } else { (low + high) * 0.5 };
+            last = this;
+            this = (next, slack(next));
+        }
+        this.1.1
+    }
+}
+
+/// Width and middle, from how far something reaches to both sides.
+fn extent(plus: f64, minus: f64) -> (f64, f64) {
+    (plus + minus, (plus - minus) * 0.5)
+}
+
+/// Bounds with an extent that `f64` can resolve at their distance from zero.
+fn drawable(bounds: &Aabb) -> Aabb {
+    if bounds.is_empty() || !bounds.min.is_finite() || !bounds.max.is_finite() {
+        return Aabb { min: DVec3::splat(-0.5), max: DVec3::splat(0.5) };
+    }
+    let far = bounds.min.abs().max(bounds.max.abs()).max_element();
+    let size = bounds.size().max_element();
+    if size > far * 1e-13 {
+        return *bounds;
+    }
+    let half = DVec3::splat((far * 1e-6).max(0.5));
+    Aabb { min: bounds.center() - half, max: bounds.center() + half }
+}
+
+fn half_tangent(degrees: f64) -> f64 {
+    (degrees.to_radians() * 0.5).tan()
+}
+
+fn rolled(basis: CameraBasis, roll: f64) -> CameraBasis {
+    let (sin, cos) = sin_cos_degrees(roll);
+    CameraBasis {
+        right: basis.right * cos + basis.up * sin,
+        up: basis.up * cos - basis.right * sin,
+        forward: basis.forward,
+    }
+}
+
+/// Sine and cosine, exact at quarter turns, so that named views look exactly along the axes.
+fn sin_cos_degrees(degrees: f64) -> (f64, f64) {
+    let turned = degrees.rem_euclid(360.0);
+    if turned == 0.0 {
+        (0.0, 1.0)
+    } else if turned == 90.0 {
+        (1.0, 0.0)
+    } else if turned == 180.0 {
+        (0.0, -1.0)
+    } else if turned == 270.0 {
+        (-1.0, 0.0)
+    } else {
+        turned.to_radians().sin_cos()
+    }
+}
+
+#[cfg(test)]
+mod tests;

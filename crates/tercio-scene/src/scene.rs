@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use glam::DAffine3;
+use glam::{DAffine3, DVec3};
+use tercio_mesh::cluster::Cluster;
 use tercio_mesh::{Aabb, ClusteredMesh};
 
 use crate::Light;
@@ -44,6 +45,34 @@ impl Instance {
         let mut bounds = Aabb::EMPTY;
         own.corners().into_iter().for_each(|c| bounds.add(self.world_from_object.transform_point3(c)));
         bounds
+    }
+
+    /// How far the vertices reach in a direction: the largest `direction . (p - from)` of all world-space
+    /// vertices `p`; minus infinity where there are none. The same however the mesh is cut into clusters.
+    pub fn reach(&self, direction: DVec3, from: DVec3) -> f64 {
+        let mesh = &*self.mesh;
+        let d = self.world_from_object.matrix3.transpose() * direction;
+        // Both sums run in the same order, so that no rounding lets a vertex stand out of its box.
+        let of_box = |c: &Cluster| {
+            let far = |k: usize| (d[k] * f64::from(c.min[k])).max(d[k] * f64::from(c.max[k]));
+            far(0) + far(1) + far(2)
+        };
+        let of_vertices = |c: &Cluster| {
+            let range = c.first_vertex as usize..c.first_vertex as usize + usize::from(c.vertices);
+            range.fold(f64::NEG_INFINITY, |best, i| {
+                let p = [mesh.x[i], mesh.y[i], mesh.z[i]].map(f64::from);
+                best.max(d[0] * p[0] + d[1] * p[1] + d[2] * p[2])
+            })
+        };
+        // Begin with the farthest box: then few others are worth a look inside.
+        let first = mesh.clusters.iter().max_by(|a, b| of_box(a).total_cmp(&of_box(b)));
+        let start = first.map_or(f64::NEG_INFINITY, of_vertices);
+        let best = mesh
+            .clusters
+            .iter()
+            .fold(start, |best, c| if of_box(c) > best { best.max(of_vertices(c)) } else { best });
+        let origin = self.world_from_object.transform_point3(mesh.origin) - from;
+        direction.dot(origin) + best
     }
 }
 

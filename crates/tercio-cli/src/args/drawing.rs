@@ -1,0 +1,171 @@
+//! Options of how the model looks and how it is drawn.
+
+use clap::{Args, ValueEnum};
+use tercio::Normals;
+use tercio::raster::{Binning, Cull, Outputs, Settings, Shading, SimdLevel};
+use tercio::scene::{Background, Scene};
+
+use super::light::{self, LightSpec};
+use super::values;
+
+/// Where light is computed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum ShadingName {
+    /// Once a triangle: facets show.
+    Flat,
+    /// At the vertices.
+    Gouraud,
+    /// At every pixel.
+    Phong,
+    /// Not at all: plain colours.
+    Unlit,
+}
+
+/// Which triangles are left out by their facing.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub enum CullName {
+    /// Both sides are drawn; hidden back faces are skipped where the picture stays the same.
+    Auto,
+    /// Both sides are drawn, nothing is skipped.
+    None,
+    /// Triangles that show their back are left out.
+    Back,
+    /// Triangles that show their front are left out.
+    Front,
+}
+
+/// How triangles are sorted into tiles.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub enum BinningName {
+    /// By bounding box.
+    Bbox,
+    /// Exactly.
+    Exact,
+}
+
+/// How the model looks.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Drawing")]
+pub struct DrawingArgs {
+    /// Size of the picture in pixels, up to 32768x32768.
+    #[arg(short, long, value_name = "WxH", value_parser = values::size, default_value = "1280x960")]
+    pub size: (u32, u32),
+    /// Where light is computed.
+    #[arg(long, value_name = "HOW", value_enum, default_value_t = ShadingName::Phong)]
+    shading: ShadingName,
+    /// Which triangles to leave out by their facing.
+    #[arg(long, value_name = "SIDE", value_enum, default_value_t = CullName::Auto)]
+    cull: CullName,
+    /// A light, such as head, dir:1,1,0 or ambient:#404040; --help lists all kinds.
+    #[arg(long = "light", value_name = "LIGHT", long_help = light::HELP)]
+    lights: Vec<LightSpec>,
+    /// Colour of a model that has none of its own.
+    #[arg(long, value_name = "COLOR", value_parser = values::linear_color)]
+    color: Option<[f32; 3]>,
+    /// Draws everything in --color, whatever colours the model has.
+    #[arg(long)]
+    no_mesh_colors: bool,
+    /// A colour, two colours TOP,BOTTOM for a gradient, or transparent.
+    #[arg(long, value_name = "COLOR", value_parser = values::background)]
+    background: Option<Background>,
+    /// Strength of highlights, 0 for none.
+    #[arg(long, value_name = "STRENGTH", allow_negative_numbers = true, value_parser = values::not_negative)]
+    specular: Option<f64>,
+    /// Edges sharper than this many degrees stay sharp where normals are made [default: all are smooth].
+    #[arg(long, value_name = "DEG", allow_negative_numbers = true, value_parser = values::crease_angle)]
+    pub crease_angle: Option<f64>,
+}
+
+/// What changes only the speed. The picture is the same.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Tuning (the picture stays the same)")]
+pub struct TuningArgs {
+    /// SIMD level: scalar, sse2, sse4.2, avx2, avx512 or neon [default: the best of this processor].
+    #[arg(long, value_name = "LEVEL")]
+    simd: Option<SimdLevel>,
+    /// Pixels along the edge of a tile: 8, 16, 32, 64 or 128 [default: chosen by the renderer].
+    #[arg(long, value_name = "N")]
+    tile_size: Option<u32>,
+    /// How triangles are sorted into tiles.
+    #[arg(long, value_name = "HOW", value_enum, default_value_t = BinningName::Exact)]
+    binning: BinningName,
+    /// Tests every triangle, not whole clusters first.
+    #[arg(long)]
+    no_cluster_culling: bool,
+}
+
+impl DrawingArgs {
+    /// Settings of the renderer.
+    pub fn settings(&self, tuning: &TuningArgs, outputs: Outputs) -> Settings {
+        Settings {
+            cull: self.cull(),
+            shading: match self.shading {
+                ShadingName::Flat => Shading::Flat,
+                ShadingName::Gouraud => Shading::Gouraud,
+                ShadingName::Phong => Shading::Phong,
+                ShadingName::Unlit => Shading::Unlit,
+            },
+            outputs,
+            tile_size: tuning.tile_size,
+            binning: match tuning.binning {
+                BinningName::Bbox => Binning::BoundingBox,
+                BinningName::Exact => Binning::Exact,
+            },
+            cluster_culling: !tuning.no_cluster_culling,
+            simd: tuning.simd,
+            ..Settings::new(self.size.0, self.size.1)
+        }
+    }
+
+    /// Which triangles are left out by their facing.
+    pub fn cull(&self) -> Cull {
+        match self.cull {
+            CullName::Auto => Cull::Auto,
+            CullName::None => Cull::None,
+            CullName::Back => Cull::Back,
+            CullName::Front => Cull::Front,
+        }
+    }
+
+    /// The normals that the picture needs: making those that nobody sees takes time.
+    pub fn normals(&self, outputs: Outputs) -> Normals {
+        let seen = match self.shading {
+            ShadingName::Flat => false,
+            ShadingName::Unlit => outputs.normals,
+            ShadingName::Gouraud | ShadingName::Phong => true,
+        };
+        let crease_angle = self.crease_angle.map(f64::to_radians);
+        if seen { Normals::FileOrMade { crease_angle } } else { Normals::File }
+    }
+
+    /// Gives a scene its look.
+    pub fn dress(&self, scene: &mut Scene) {
+        for instance in &mut scene.instances {
+            let surface = &mut instance.surface;
+            surface.base_color = self.color.unwrap_or(surface.base_color);
+            surface.use_mesh_colors = !self.no_mesh_colors;
+            surface.specular = self.specular.map_or(surface.specular, |s| s as f32);
+        }
+        if !self.lights.is_empty() {
+            scene.lights = self.lights.iter().flat_map(|l| l.0.clone()).collect();
+        }
+        scene.background = self.background.unwrap_or(scene.background);
+    }
+
+    /// True if the background lets something through.
+    pub fn is_transparent(&self) -> bool {
+        match self.background {
+            None => false,
+            Some(Background::Solid(c)) => c[3] < 1.0,
+            Some(Background::Gradient { top, bottom }) => top[3].min(bottom[3]) < 1.0,
+        }
+    }
+
+    /// Lights that light nothing are a mistake that is better told.
+    pub fn check(&self) -> Result<(), &'static str> {
+        if self.shading == ShadingName::Unlit && !self.lights.is_empty() {
+            return Err("--light has no effect with --shading unlit");
+        }
+        Ok(())
+    }
+}

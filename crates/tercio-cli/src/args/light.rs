@@ -1,0 +1,97 @@
+//! How a light is written on the command line.
+
+use std::str::FromStr;
+
+use tercio::glam::DVec3;
+use tercio::scene::{Light, LightSpace};
+
+use super::values::{linear_color, positive, vector};
+
+/// One `--light`, which may stand for several lights.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LightSpec(pub Vec<Light>);
+
+/// What stands behind `--light` in the help.
+pub const HELP: &str = "\
+A light; may be given several times, and then replaces the default lights:
+  ambient:COLOR                from everywhere
+  dir:X,Y,Z[:COLOR]            from far away; X,Y,Z points towards the light
+  camera-dir:X,Y,Z[:COLOR]     the same, moving with the camera (x right, y up, z to the viewer)
+  point:X,Y,Z[:COLOR]          from a point in the world
+  camera-point:X,Y,Z[:COLOR]   the same, moving with the camera
+  head[:COLOR]                 from the camera
+  studio                       the default lights
+COLOR is #rrggbb, #rrggbb*STRENGTH or *STRENGTH";
+
+impl FromStr for LightSpec {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (kind, rest) = text.split_once(':').map_or((text, None), |(kind, rest)| (kind, Some(rest)));
+        let placed = || {
+            let rest = rest.ok_or_else(|| format!("expected {kind}:X,Y,Z[:COLOR]"))?;
+            let (place, tint) = rest.split_once(':').map_or((rest, None), |(p, t)| (p, Some(t)));
+            Ok::<_, String>((vector(place)?, color(tint)?))
+        };
+        let directional = |space| {
+            let (to_light, color) = placed()?;
+            if to_light == DVec3::ZERO {
+                return Err("the direction of a light must not be 0,0,0".to_owned());
+            }
+            Ok(Light::Directional { to_light, space, color })
+        };
+        let point = |space| placed().map(|(position, color)| Light::Point { position, space, color });
+        let light = match (kind, rest) {
+            ("studio", None) => return Ok(Self(Light::studio())),
+            ("ambient", Some(tint)) => Light::Ambient { color: color(Some(tint))? },
+            ("head", tint) => Light::headlight(color(tint)?),
+            ("dir", _) => directional(LightSpace::World)?,
+            ("camera-dir", _) => directional(LightSpace::Camera)?,
+            ("point", _) => point(LightSpace::World)?,
+            ("camera-point", _) => point(LightSpace::Camera)?,
+            _ => {
+                return Err("expected ambient:COLOR, dir:X,Y,Z, camera-dir:X,Y,Z, point:X,Y,Z, \
+                            camera-point:X,Y,Z, head or studio"
+                    .into());
+            }
+        };
+        Ok(Self(vec![light]))
+    }
+}
+
+/// `#rrggbb`, `#rrggbb*k` or `*k`; white where nothing stands.
+fn color(text: Option<&str>) -> Result<[f32; 3], String> {
+    let Some(text) = text else { return Ok([1.0; 3]) };
+    let (tint, strength) = text.split_once('*').map_or((text, None), |(t, s)| (t, Some(s)));
+    let tint = if tint.is_empty() && strength.is_some() { [1.0; 3] } else { linear_color(tint)? };
+    let strength = strength.map_or(Ok(1.0), positive)? as f32;
+    Ok(tint.map(|v| v * strength))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_kind_of_light() {
+        let one = |text: &str| text.parse::<LightSpec>().unwrap().0.remove(0);
+        assert_eq!(one("ambient:#fff*0.5"), Light::Ambient { color: [0.5; 3] });
+        assert_eq!(one("head"), Light::headlight([1.0; 3]));
+        assert_eq!(one("head:*2"), Light::headlight([2.0; 3]));
+        let (to_light, space) = (DVec3::new(0.0, 1.0, -2.0), LightSpace::World);
+        let red = [1.0, 0.0, 0.0];
+        assert_eq!(one("dir:0,1,-2:#f00"), Light::Directional { to_light, space, color: red });
+        let space = LightSpace::Camera;
+        assert_eq!(one("camera-point:0,1,-2"), Light::Point { position: to_light, space, color: [1.0; 3] });
+        assert_eq!("studio".parse::<LightSpec>().unwrap().0, Light::studio());
+    }
+
+    #[test]
+    fn nonsense_is_refused() {
+        for bad in
+            ["", "sun", "ambient", "dir", "dir:0,0,0", "dir:1,2", "point:1,2,3:blue", "head:*-1", "head:*"]
+        {
+            assert!(bad.parse::<LightSpec>().is_err(), "{bad}");
+        }
+    }
+}

@@ -1,0 +1,120 @@
+//! Options of what is written, and the plan that follows from them.
+
+use std::io::{self, IsTerminal};
+use std::path::{Path, PathBuf};
+
+use clap::{Args, ValueEnum};
+use tercio::image::{Destination, PictureFormat, WEBP_MAX_SIZE};
+use tercio::raster::Outputs;
+
+use super::drawing::DrawingArgs;
+use crate::output::{Array, Plan};
+
+/// Bits of a colour component.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Depth {
+    /// 8 bits.
+    #[value(name = "8")]
+    Eight,
+    /// 16 bits.
+    #[value(name = "16")]
+    Sixteen,
+}
+
+/// What is written.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Writing")]
+pub struct WritingArgs {
+    /// The picture: .png, .ppm or .webp (lossless), or `-` for standard output.
+    #[arg(short, long, value_name = "FILE")]
+    #[arg(required_unless_present_any = ["output_depth", "output_ids", "output_normals"])]
+    output: Option<PathBuf>,
+    /// Format of the picture: png, ppm or webp [default: by the extension; png for `-`].
+    #[arg(long, value_name = "FORMAT", requires = "output")]
+    format: Option<PictureFormat>,
+    /// Bits of a colour component; 16 in PNG and PPM only.
+    #[arg(long, value_name = "BITS", value_enum, default_value_t = Depth::Eight)]
+    depth: Depth,
+    /// Distance along the line of sight, NPY float32 (H, W), infinite where nothing was drawn.
+    #[arg(long, value_name = "FILE")]
+    output_depth: Option<PathBuf>,
+    /// Numbers of the faces that are seen, NPY uint32 (H, W), 4294967295 where nothing was drawn.
+    #[arg(long, value_name = "FILE")]
+    output_ids: Option<PathBuf>,
+    /// World-space normals, turned to the viewer, NPY float32 (H, W, 3), zero where nothing was drawn.
+    #[arg(long, value_name = "FILE")]
+    output_normals: Option<PathBuf>,
+    /// What was counted and timed, as JSON; `-` for standard output.
+    #[arg(long, value_name = "FILE")]
+    stats: Option<PathBuf>,
+}
+
+impl WritingArgs {
+    /// What is written where.
+    ///
+    /// # Errors
+    /// One sentence, if the options contradict each other.
+    pub fn plan(&self, drawing: &DrawingArgs) -> Result<Plan, String> {
+        let picture = match &self.output {
+            Some(path) => Some((Destination::parse(path), self.picture_format(path, drawing)?)),
+            None => None,
+        };
+        let arrays = [
+            (&self.output_depth, Array::Depth),
+            (&self.output_ids, Array::Ids),
+            (&self.output_normals, Array::Normals),
+        ];
+        let arrays = arrays.into_iter().filter_map(|(p, a)| Some((Destination::parse(p.as_ref()?), a)));
+        let plan = Plan {
+            outputs: Outputs {
+                color: picture.is_some() && self.depth == Depth::Eight,
+                color16: picture.is_some() && self.depth == Depth::Sixteen,
+                depth: self.output_depth.is_some(),
+                ids: self.output_ids.is_some(),
+                normals: self.output_normals.is_some(),
+            },
+            picture,
+            arrays: arrays.collect(),
+            stats: self.stats.as_deref().map(Destination::parse),
+        };
+        check_destinations(&plan)?;
+        Ok(plan)
+    }
+
+    fn picture_format(&self, path: &Path, drawing: &DrawingArgs) -> Result<PictureFormat, String> {
+        let stdout = path.as_os_str() == "-";
+        let by_name = || if stdout { Some(PictureFormat::Png) } else { PictureFormat::of_path(path) };
+        let format = self.format.or_else(by_name).ok_or_else(|| {
+            format!("{}: the extension must be .png, .ppm or .webp (or give --format)", path.display())
+        })?;
+        let (width, height) = drawing.size;
+        match format {
+            PictureFormat::WebP if self.depth == Depth::Sixteen => Err("WebP has no --depth 16".into()),
+            PictureFormat::WebP if width.max(height) > WEBP_MAX_SIZE => {
+                Err(format!("a WebP picture has at most {WEBP_MAX_SIZE} pixels a side"))
+            }
+            PictureFormat::Ppm if drawing.is_transparent() => {
+                Err("PPM has no transparency; choose another --background or format".into())
+            }
+            _ => Ok(format),
+        }
+    }
+}
+
+fn check_destinations(plan: &Plan) -> Result<(), String> {
+    let all: Vec<_> = plan.destinations().collect();
+    for (n, destination) in all.iter().enumerate() {
+        if all[..n].contains(destination) {
+            return Err(match destination {
+                Destination::Stdout => "only one output can go to standard output".into(),
+                Destination::File(path) => format!("{}: two outputs have this name", path.display()),
+            });
+        }
+    }
+    let binary =
+        plan.destinations().any(|d| *d == Destination::Stdout) && plan.stats != Some(Destination::Stdout);
+    if binary && io::stdout().is_terminal() {
+        return Err("a picture makes no sense on a terminal; send standard output elsewhere".into());
+    }
+    Ok(())
+}

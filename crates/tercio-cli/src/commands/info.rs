@@ -1,0 +1,177 @@
+//! `tercio info`: what stands in a model file.
+
+use std::fmt::Write;
+use std::process::ExitCode;
+
+use anyhow::Result;
+use clap::Args;
+use serde_json::{Value, json};
+use tercio::image::Destination;
+use tercio::mesh::AttributeDomain;
+use tercio::{AttributeSummary, LoadOptions, LoadedMesh, Normals};
+
+use crate::args::{ModelArgs, RunningArgs};
+use crate::output::write_text;
+use crate::progress::Display;
+use crate::report::{self, grouped};
+use crate::{memory, messages, threads};
+
+/// Tells what stands in a model file.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  tercio info scan.ply.gz
+  tercio info builtin:gyroid@100k --json
+
+Exit code: 0 success, 1 error, 2 wrong usage.")]
+pub struct Info {
+    #[command(flatten)]
+    model: ModelArgs,
+    /// Writes JSON with stable keys.
+    #[arg(long)]
+    json: bool,
+    #[command(flatten)]
+    running: RunningArgs,
+}
+
+impl Info {
+    /// Runs the command.
+    ///
+    /// # Errors
+    /// What went wrong.
+    pub fn run(&self) -> Result<ExitCode> {
+        let pool = threads::pool(self.running.threads)?;
+        let (loaded, attributes) = pool.install(|| self.load())?;
+        let model = self.model.name();
+        if !self.running.quiet {
+            for warning in report::warnings(&loaded.report) {
+                messages::warning(&format!("{model}: {warning}"));
+            }
+        }
+        let text = if self.json {
+            format!("{:#}\n", json(&model, &loaded, &attributes))
+        } else {
+            text(&model, &loaded, &attributes)
+        };
+        write_text(&Destination::Stdout, &text)?;
+        Ok(ExitCode::SUCCESS)
+    }
+
+    fn load(&self) -> Result<(LoadedMesh, Vec<AttributeSummary>)> {
+        let display = Display::new(self.running.progress_mode());
+        let options = LoadOptions {
+            memory_limit: self.running.memory_limit,
+            progress: Some(&display.progress),
+            normals: Normals::File,
+            topology: true,
+        };
+        let loaded = tercio::load_mesh(&self.model.model, &options)?;
+        let attributes = loaded.mesh.attributes.iter().map(AttributeSummary::of).collect();
+        Ok((loaded, attributes))
+    }
+}
+
+fn domain(domain: AttributeDomain) -> &'static str {
+    match domain {
+        AttributeDomain::Vertex => "vertex",
+        AttributeDomain::Triangle => "triangle",
+    }
+}
+
+fn json(model: &str, loaded: &LoadedMesh, attributes: &[AttributeSummary]) -> Value {
+    let mut value = report::load_json(model, &loaded.report);
+    let attribute = |a: &AttributeSummary| {
+        json!({
+            "name": a.name,
+            "of": domain(a.domain),
+            "min": a.range.map(|r| r.0),
+            "max": a.range.map(|r| r.1),
+            "nans": a.nans,
+        })
+    };
+    let material = |m: &tercio::mesh::FileMaterial| {
+        json!({
+            "name": m.name,
+            "diffuse": m.diffuse,
+            "opacity": m.opacity,
+            "diffuse_texture": m.diffuse_texture,
+        })
+    };
+    value["tercio_version"] = env!("CARGO_PKG_VERSION").into();
+    value["attributes"] = attributes.iter().map(attribute).collect();
+    value["materials"] = loaded.mesh.materials.iter().map(material).collect();
+    value["topology"] = loaded.report.topology.map_or(Value::Null, |t| {
+        json!({
+            "closed": t.closed,
+            "consistently_wound": t.consistently_wound,
+            "boundary_edges": t.boundary_edges,
+            "non_manifold_edges": t.non_manifold_edges,
+            "flipped_edges": t.flipped_edges,
+            "components": t.components,
+        })
+    });
+    value["peak_memory_bytes"] = memory::peak_bytes().into();
+    value
+}
+
+fn text(model: &str, loaded: &LoadedMesh, attributes: &[AttributeSummary]) -> String {
+    let report = &loaded.report;
+    let mesh = &report.mesh;
+    let mut rows = vec![
+        ("model", model.to_owned()),
+        ("format", report.read.format.clone()),
+        ("faces", grouped(report.read.faces)),
+        ("triangles", grouped(mesh.triangles)),
+        ("vertices", grouped(mesh.vertices)),
+    ];
+    if report.read.file_bytes > 0 {
+        rows.insert(2, ("file size", report::size(report.read.file_bytes)));
+    }
+    if mesh.bounds.is_empty() {
+        rows.push(("bounds", "none".into()));
+    } else {
+        rows.push(("bounds", format!("{} to {}", mesh.bounds.min, mesh.bounds.max)));
+        rows.push(("size", mesh.bounds.size().to_string()));
+    }
+    let present = [
+        (mesh.normals, "normals"),
+        (mesh.vertex_colors, "vertex colours"),
+        (mesh.face_colors, "face colours"),
+        (mesh.texcoords, "texture coordinates"),
+    ];
+    let present: Vec<_> = present.iter().filter(|p| p.0).map(|p| p.1).collect();
+    rows.push(("holds", if present.is_empty() { "positions only".into() } else { present.join(", ") }));
+    for material in &loaded.mesh.materials {
+        let texture = material.diffuse_texture.iter().map(|t| format!(", texture {t}"));
+        rows.push(("material", format!("{}{}", material.name, texture.collect::<String>())));
+    }
+    for a in attributes {
+        let range = a.range.map_or("no numbers".into(), |(min, max)| format!("{min} to {max}"));
+        let nans = if a.nans > 0 { format!(", {} NaN", grouped(a.nans)) } else { String::new() };
+        rows.push(("attribute", format!("{} ({}): {range}{nans}", a.name, domain(a.domain))));
+    }
+    if let Some(t) = &report.topology {
+        let open = format!("no, {} boundary edges", grouped(t.boundary_edges));
+        rows.push(("closed", if t.closed { "yes".into() } else { open }));
+        let flipped = format!("no, {} edges are run through twice the same way", grouped(t.flipped_edges));
+        rows.push(("consistently wound", if t.consistently_wound { "yes".into() } else { flipped }));
+        rows.push(("non-manifold edges", grouped(t.non_manifold_edges)));
+        rows.push(("components", grouped(t.components)));
+    }
+    rows.extend(report::repairs(report).into_iter().map(|r| ("repaired", r)));
+    rows.push(("memory", report::size(mesh.bytes)));
+    let t = &report.times;
+    rows.push((
+        "times",
+        format!(
+            "read {:.1} ms, clean {:.1}, weld {:.1}, topology {:.1}, in all {:.1}",
+            t.read, t.clean, t.weld, t.topology, t.total
+        ),
+    ));
+    let width = rows.iter().map(|r| r.0.len()).max().unwrap_or(0);
+    rows.iter().fold(String::new(), |mut text, (key, value)| {
+        // Writing into a string cannot fail.
+        let _ = writeln!(text, "{key:width$}  {value}");
+        text
+    })
+}

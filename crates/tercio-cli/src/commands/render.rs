@@ -1,0 +1,191 @@
+//! `tercio render`: from a model file to a picture.
+
+use std::process::ExitCode;
+use std::time::Instant;
+
+use anyhow::{Context, Result, bail};
+use clap::Args;
+use serde_json::{Value, json};
+use tercio::raster::{Frame, Renderer, Settings};
+use tercio::scene::{Camera, Projection, Scene};
+use tercio::{LoadOptions, LoadReport};
+
+use crate::args::camera::CameraArgs;
+use crate::args::drawing::{DrawingArgs, TuningArgs};
+use crate::args::writing::WritingArgs;
+use crate::args::{ModelArgs, RunningArgs};
+use crate::output::{Plan, UsageError, write_text};
+use crate::progress::Display;
+use crate::{memory, messages, nothing_drawn, report, threads};
+
+/// Draws a model into a picture file.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  tercio render builtin:teapot@1M -o teapot.png
+  tercio render scan.ply.gz -o scan.png --size 1920x1080 --view front
+  tercio render part.stl -o part.webp --up-axis z --crease-angle 40 --background transparent
+  tercio render scan.ply --output-depth depth.npy --output-ids ids.npy --stats -
+  zcat scan.obj.gz | tercio render - -o - | display
+
+Colours are #rrggbb, #rgb or #rrggbbaa; the # may be left out. Files are replaced only when the new
+one is whole. Exit code: 0 success, 1 error, 2 wrong usage.")]
+pub struct Render {
+    #[command(flatten)]
+    model: ModelArgs,
+    #[command(flatten)]
+    writing: WritingArgs,
+    #[command(flatten)]
+    camera: CameraArgs,
+    #[command(flatten)]
+    drawing: DrawingArgs,
+    #[command(flatten)]
+    tuning: TuningArgs,
+    #[command(flatten)]
+    running: RunningArgs,
+}
+
+/// What the parts of the work left behind for `--stats`.
+struct Done {
+    report: LoadReport,
+    camera: Camera,
+    frame: Frame,
+    output_milliseconds: f64,
+}
+
+impl Render {
+    /// Runs the command.
+    ///
+    /// # Errors
+    /// [`UsageError`] for options that contradict each other, else what went wrong.
+    pub fn run(&self) -> Result<ExitCode> {
+        let start = Instant::now();
+        let plan = self.writing.plan(&self.drawing).map_err(UsageError)?;
+        self.drawing.check().map_err(|e| UsageError(e.into()))?;
+        let settings = self.drawing.settings(&self.tuning, plan.outputs);
+        settings.check().map_err(|e| UsageError(e.to_string()))?;
+        plan.check()?;
+        let pool = threads::pool(self.running.threads)?;
+        let done = pool.install(|| self.draw(&plan, &settings))?;
+        self.tell(&done);
+        if let Some(destination) = &plan.stats {
+            let stats = self.stats(&done, pool.current_num_threads(), start)?;
+            write_text(destination, &format!("{stats:#}\n"))?;
+        }
+        Ok(ExitCode::SUCCESS)
+    }
+
+    fn draw(&self, plan: &Plan, settings: &Settings) -> Result<Done> {
+        let display = Display::new(self.running.progress_mode());
+        let options = LoadOptions {
+            memory_limit: self.running.memory_limit,
+            progress: Some(&display.progress),
+            normals: self.drawing.normals(plan.outputs),
+            topology: false,
+        };
+        let loaded = tercio::load(&self.model.model, &options)?;
+        let report = loaded.report;
+        self.check_memory(plan.frame_bytes(self.drawing.size), report.mesh.bytes)?;
+        let mut scene = Scene::of_mesh(loaded.mesh);
+        self.drawing.dress(&mut scene);
+        let camera = self.camera.camera(&scene, self.drawing.size);
+        display.stage("drawing");
+        let frame = Renderer::new().render(&scene, &camera, settings).with_context(|| self.model.name())?;
+        display.stage("writing");
+        let writing = Instant::now();
+        plan.write(&frame)?;
+        let output_milliseconds = writing.elapsed().as_secs_f64() * 1e3;
+        Ok(Done { report, camera, frame, output_milliseconds })
+    }
+
+    fn check_memory(&self, picture: u64, model: u64) -> Result<()> {
+        match self.running.memory_limit {
+            Some(limit) if picture.saturating_add(model) > limit => bail!(
+                "the picture needs {picture} bytes besides {model} for the model, the limit is {limit} bytes \
+                 (--memory-limit)"
+            ),
+            _ => Ok(()),
+        }
+    }
+
+    fn tell(&self, done: &Done) {
+        if self.running.quiet {
+            return;
+        }
+        let model = self.model.name();
+        for warning in report::warnings(&done.report) {
+            messages::warning(&format!("{model}: {warning}"));
+        }
+        if self.drawing.crease_angle.is_some() && !done.report.made_normals {
+            messages::warning(&format!(
+                "{model}: --crease-angle has no effect: {}",
+                if done.report.file_normals { "the file has normals" } else { "no normals are needed" }
+            ));
+        }
+        let (bounds, cull) = (&done.report.mesh.bounds, self.drawing.cull());
+        if let Some(reason) = nothing_drawn::reason(bounds, &done.camera, cull, &done.frame.stats) {
+            messages::warning(&format!("{model}: {reason}"));
+        }
+        if self.running.verbose {
+            tell_details(done);
+        }
+    }
+
+    fn stats(&self, done: &Done, threads: usize, start: Instant) -> Result<Value> {
+        Ok(json!({
+            "tercio_version": env!("CARGO_PKG_VERSION"),
+            "load": report::load_json(&self.model.name(), &done.report),
+            "camera": camera_json(&done.camera),
+            "picture": { "width": done.frame.width, "height": done.frame.height },
+            "frame": serde_json::to_value(&done.frame.stats)?,
+            "threads": threads,
+            "simd": done.frame.stats.simd,
+            "output_milliseconds": done.output_milliseconds,
+            "total_milliseconds": start.elapsed().as_secs_f64() * 1e3,
+            "peak_memory_bytes": memory::peak_bytes(),
+        }))
+    }
+}
+
+fn tell_details(done: &Done) {
+    let Done { report, frame, output_milliseconds, .. } = done;
+    let times = &report.times;
+    messages::note(&format!(
+        "{}: {} triangles, {} vertices; read {:.1} ms, clean {:.1}, weld {:.1}, normals {:.1}, clusters {:.1}",
+        report.read.format,
+        report::grouped(report.mesh.triangles),
+        report::grouped(report.mesh.vertices),
+        times.read,
+        times.clean,
+        times.weld,
+        times.normals,
+        times.partition,
+    ));
+    report::repairs(report).iter().for_each(|r| messages::note(r));
+    let stats = &frame.stats;
+    messages::note(&format!(
+        "drawn in {:.1} ms ({} threads, {}): {} triangles binned, {} pixels shaded, overdraw {:.2}; \
+         written in {output_milliseconds:.1} ms",
+        stats.milliseconds.total,
+        stats.threads,
+        stats.simd,
+        report::grouped(stats.frontend.triangles_out),
+        report::grouped(stats.backend.pixels_shaded),
+        stats.backend.overdraw,
+    ));
+}
+
+/// The camera as it can be given back with `--eye --target --up`.
+fn camera_json(camera: &Camera) -> Value {
+    let projection = match camera.projection {
+        Projection::Perspective { fov_y } => json!({ "fov_degrees": fov_y.to_degrees() }),
+        Projection::Orthographic { height } => json!({ "height": height }),
+    };
+    json!({
+        "eye": camera.eye.to_array(),
+        "target": camera.target.to_array(),
+        "up": camera.up.to_array(),
+        "projection": projection,
+        "near": camera.near,
+    })
+}

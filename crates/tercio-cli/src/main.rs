@@ -1,0 +1,53 @@
+//! The program `tercio`: one command a file, all of them thin over the library of the same name.
+
+mod args;
+mod commands;
+mod memory;
+mod messages;
+mod nothing_drawn;
+mod output;
+mod progress;
+mod report;
+mod threads;
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+/// Draws very large polygon models without a GPU.
+#[derive(Debug, Parser)]
+#[command(name = "tercio", version, propagate_version = true, max_term_width = 100)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    Render(Box<commands::render::Render>),
+    Info(commands::info::Info),
+    Compare(commands::compare::Compare),
+}
+
+fn main() -> ExitCode {
+    let (result, failure) = match Cli::parse().command {
+        Command::Render(command) => (command.run(), 1),
+        Command::Info(command) => (command.run(), 1),
+        // As with cmp and diff, 1 says that the pictures differ.
+        Command::Compare(command) => (command.run(), 2),
+    };
+    match result {
+        Ok(code) => code,
+        Err(error) if error.is::<output::UsageError>() => {
+            messages::error(&error);
+            messages::note("\nFor more information, try '--help'.");
+            ExitCode::from(2)
+        }
+        // Whoever read our output has enough; that is no error.
+        Err(error) if messages::is_broken_pipe(&error) => ExitCode::SUCCESS,
+        Err(error) => {
+            messages::error(&error);
+            ExitCode::from(failure)
+        }
+    }
+}

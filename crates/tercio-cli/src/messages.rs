@@ -1,0 +1,42 @@
+//! What is said on standard error, one line each.
+
+use std::io::{self, Write};
+
+use anyhow::Error;
+
+/// `error: ...`, with every cause behind it that the text does not tell already.
+pub fn error(error: &Error) {
+    let text = error.chain().fold(String::new(), |text, cause| match cause.to_string() {
+        cause if text.is_empty() => cause,
+        cause if text.ends_with(&cause) => text,
+        cause => format!("{text}: {cause}"),
+    });
+    say("error", &text);
+}
+
+/// `warning: ...`
+pub fn warning(text: &str) {
+    say("warning", text);
+}
+
+/// A line for the curious (`-v`).
+pub fn note(text: &str) {
+    // A closed standard error is no reason to fail.
+    let _ = writeln!(io::stderr().lock(), "{text}");
+}
+
+fn say(kind: &str, text: &str) {
+    // File names may hold line breaks, and a message is one line.
+    let text: Vec<_> = text.lines().map(str::trim).filter(|l| !l.is_empty()).collect();
+    let _ = writeln!(io::stderr().lock(), "{kind}: {}", text.join(" "));
+}
+
+/// True if the reader of our standard output went away.
+pub fn is_broken_pipe(error: &Error) -> bool {
+    let is = |e: &io::Error| e.kind() == io::ErrorKind::BrokenPipe;
+    error.chain().any(|cause| {
+        let image = cause.downcast_ref::<tercio::image::ImageError>();
+        cause.downcast_ref::<io::Error>().is_some_and(is)
+            || matches!(image, Some(tercio::image::ImageError::Io(e)) if is(e))
+    })
+}

@@ -1,0 +1,118 @@
+//! Writes what was planned: all of it, or nothing.
+
+use std::fmt;
+use std::io::Write;
+
+use anyhow::{Context, Result};
+use tercio::image::{Destination, ImageError, OutputFile, Picture, PictureFormat, npy};
+use tercio::raster::{Frame, Outputs};
+
+/// The options contradict each other; told as clap tells it.
+#[derive(Debug)]
+pub struct UsageError(pub String);
+
+impl fmt::Display for UsageError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl std::error::Error for UsageError {}
+
+/// A plane of numbers.
+#[derive(Clone, Copy, Debug)]
+pub enum Array {
+    /// Distances.
+    Depth,
+    /// Face numbers.
+    Ids,
+    /// Normals.
+    Normals,
+}
+
+/// What is written where.
+#[derive(Debug)]
+pub struct Plan {
+    /// What the renderer is asked for.
+    pub outputs: Outputs,
+    /// The picture.
+    pub picture: Option<(Destination, PictureFormat)>,
+    /// Arrays of numbers.
+    pub arrays: Vec<(Destination, Array)>,
+    /// Counts and times.
+    pub stats: Option<Destination>,
+}
+
+impl Plan {
+    /// Every place that is written to.
+    pub fn destinations(&self) -> impl Iterator<Item = &Destination> {
+        let picture = self.picture.iter().map(|p| &p.0);
+        picture.chain(self.arrays.iter().map(|a| &a.0)).chain(&self.stats)
+    }
+
+    /// Tells before the work begins what cannot be written after it.
+    ///
+    /// # Errors
+    /// The first output whose folder is missing.
+    pub fn check(&self) -> Result<()> {
+        self.destinations().try_for_each(|d| d.check().with_context(|| name(d)))
+    }
+
+    /// Bytes that the planes of a frame take.
+    pub fn frame_bytes(&self, (width, height): (u32, u32)) -> u64 {
+        let Outputs { color, color16, depth, ids, normals } = self.outputs;
+        let planes = [(color, 4), (color16, 8), (depth, 4), (ids, 4), (normals, 12)];
+        let pixel: u64 = planes.into_iter().filter(|p| p.0).map(|p| p.1).sum();
+        u64::from(width) * u64::from(height) * pixel
+    }
+
+    /// Writes picture and arrays. Nothing is seen of them before all are whole.
+    ///
+    /// # Errors
+    /// The first output that could not be written.
+    pub fn write(&self, frame: &Frame) -> Result<()> {
+        let mut files = Vec::new();
+        if let Some((destination, format)) = &self.picture {
+            files.push(begin(destination, |out| Picture::of_frame(frame).write(*format, out))?);
+        }
+        for (destination, array) in &self.arrays {
+            files.push(begin(destination, |out| Ok(write_array(frame, *array, out)?))?);
+        }
+        let destinations = self.destinations();
+        files.into_iter().zip(destinations).try_for_each(|(file, d)| file.commit().with_context(|| name(d)))
+    }
+}
+
+/// Writes a text.
+///
+/// # Errors
+/// The system's reason why it could not be written.
+pub fn write_text(destination: &Destination, text: &str) -> Result<()> {
+    let file = begin(destination, |out| Ok(out.write_all(text.as_bytes())?))?;
+    file.commit().with_context(|| name(destination))
+}
+
+fn begin(
+    destination: &Destination,
+    fill: impl FnOnce(&mut dyn Write) -> Result<(), ImageError>,
+) -> Result<OutputFile> {
+    let mut file = OutputFile::create(destination).with_context(|| name(destination))?;
+    fill(&mut file).with_context(|| name(destination))?;
+    Ok(file)
+}
+
+fn write_array(frame: &Frame, array: Array, out: &mut dyn Write) -> std::io::Result<()> {
+    let shape = [frame.height as usize, frame.width as usize, 3];
+    match array {
+        Array::Depth => npy::write(out, &shape[..2], &frame.depth),
+        Array::Ids => npy::write(out, &shape[..2], &frame.ids),
+        Array::Normals => npy::write(out, &shape, frame.normals.as_flattened()),
+    }
+}
+
+fn name(destination: &Destination) -> String {
+    match destination {
+        Destination::Stdout => "standard output".into(),
+        Destination::File(path) => path.display().to_string(),
+    }
+}

@@ -1,0 +1,111 @@
+//! What was found in a model, for `--stats` and `info`. The keys are stable: programs read them.
+
+use serde_json::{Value, json};
+use tercio::LoadReport;
+use tercio::mesh::Aabb;
+
+/// Everything about the loading of a model.
+pub fn load_json(model: &str, report: &LoadReport) -> Value {
+    let mesh = &report.mesh;
+    json!({
+        "model": model,
+        "format": report.read.format,
+        "file_bytes": report.read.file_bytes,
+        "faces": report.read.faces,
+        "vertices": mesh.vertices,
+        "triangles": mesh.triangles,
+        "bounds": bounds_json(&mesh.bounds),
+        "normals": normals(report),
+        "vertex_colors": mesh.vertex_colors,
+        "face_colors": mesh.face_colors,
+        "texcoords": mesh.texcoords,
+        "memory_bytes": mesh.bytes,
+        "repaired": {
+            "duplicate_corner_triangles": report.cleaned.duplicate_corner,
+            "degenerate_triangles": report.cleaned.degenerate,
+            "stitching_triangles_kept": report.cleaned.stitching_kept,
+            "non_finite_vertices": report.cleaned.non_finite_vertices,
+            "non_finite_triangles": report.cleaned.non_finite_triangles,
+            "welded_vertices": report.welded.unwrap_or(0),
+            "ignored_points_and_lines": report.read.ignored_points_and_lines,
+        },
+        "warnings": report.read.warnings,
+        "milliseconds": report.times,
+    })
+}
+
+fn bounds_json(bounds: &Aabb) -> Value {
+    if bounds.is_empty() {
+        return Value::Null;
+    }
+    json!({
+        "min": bounds.min.to_array(),
+        "max": bounds.max.to_array(),
+        "size": bounds.size().to_array(),
+        "center": bounds.center().to_array(),
+    })
+}
+
+/// Where the normals come from.
+pub fn normals(report: &LoadReport) -> &'static str {
+    match (report.file_normals, report.made_normals) {
+        (true, _) => "file",
+        (false, true) => "made",
+        (false, false) => "none",
+    }
+}
+
+/// What users should know about their model, one sentence each.
+pub fn warnings(report: &LoadReport) -> Vec<String> {
+    let mut all = report.read.warnings.clone();
+    let (vertices, triangles) = (report.cleaned.non_finite_vertices, report.cleaned.non_finite_triangles);
+    if vertices + triangles > 0 {
+        all.push(format!("{vertices} vertices are not finite, {triangles} triangles at them were left out"));
+    }
+    all
+}
+
+/// What was repaired, in words; empty if nothing was.
+pub fn repairs(report: &LoadReport) -> Vec<String> {
+    let cleaned = &report.cleaned;
+    let counts = [
+        (cleaned.duplicate_corner, "triangles with a corner twice dropped"),
+        (cleaned.degenerate, "triangles without area dropped"),
+        (cleaned.non_finite_triangles, "triangles at vertices that are not finite dropped"),
+        (report.welded.unwrap_or(0), "vertices joined with others at the same place"),
+        (report.read.ignored_points_and_lines, "points and lines left out"),
+    ];
+    counts.iter().filter(|c| c.0 > 0).map(|(n, what)| format!("{} {what}", grouped(*n))).collect()
+}
+
+/// A number with its thousands apart: 1,234,567.
+pub fn grouped(n: u64) -> String {
+    let digits = n.to_string();
+    let mut text = String::new();
+    for (k, digit) in digits.chars().enumerate() {
+        if k > 0 && (digits.len() - k).is_multiple_of(3) {
+            text.push(',');
+        }
+        text.push(digit);
+    }
+    text
+}
+
+/// An amount of memory for people.
+pub fn size(bytes: u64) -> String {
+    let units = ["B", "kB", "MB", "GB", "TB", "PB", "EB"];
+    let unit = (bytes.max(1).ilog10() / 3) as usize;
+    let value = bytes as f64 / 1000f64.powi(unit as i32);
+    if unit == 0 { format!("{bytes} B") } else { format!("{value:.1} {}", units[unit]) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_readable() {
+        assert_eq!([0, 999, 1000, 1_234_567].map(grouped), ["0", "999", "1,000", "1,234,567"]);
+        assert_eq!([0, 999, 1500, u64::MAX].map(size), ["0 B", "999 B", "1.5 kB", "18.4 EB"]);
+    }
+}

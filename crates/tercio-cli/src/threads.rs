@@ -1,0 +1,50 @@
+//! How many threads the process may use.
+
+use anyhow::{Context, Result};
+use rayon::{ThreadPool, ThreadPoolBuilder};
+
+/// The largest number that can be asked for.
+pub const MAX_THREADS: usize = 256;
+
+/// The pool in which everything runs, with as many threads as asked for or allowed.
+///
+/// # Errors
+/// If the system refuses so many threads.
+pub fn pool(asked: Option<usize>) -> Result<ThreadPool> {
+    let threads = asked.unwrap_or_else(allowed);
+    let pool = ThreadPoolBuilder::new().num_threads(threads).thread_name(|n| format!("tercio-{n}")).build();
+    pool.with_context(|| format!("cannot start {threads} threads"))
+}
+
+/// As many as affinity mask, cgroup quota and the batch system allow.
+fn allowed() -> usize {
+    // On Linux the standard library looks at sched_getaffinity and at the quotas of cgroup v1 and v2.
+    let system = std::thread::available_parallelism().map_or(1, usize::from);
+    limit(system, std::env::var("SLURM_CPUS_PER_TASK").ok().as_deref())
+}
+
+/// A job step may see more processors than it was given, where Slurm does not bind its tasks.
+fn limit(system: usize, slurm: Option<&str>) -> usize {
+    let slurm = slurm.and_then(|s| s.trim().parse().ok()).filter(|&n: &usize| n > 0);
+    system.min(slurm.unwrap_or(usize::MAX)).clamp(1, MAX_THREADS)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::limit;
+
+    #[test]
+    fn the_smaller_limit_holds() {
+        assert_eq!(limit(64, None), 64);
+        assert_eq!(limit(64, Some("8")), 8);
+        assert_eq!(limit(4, Some("8")), 4);
+        assert_eq!(limit(1024, None), 256);
+    }
+
+    #[test]
+    fn nonsense_of_the_batch_system_is_ignored() {
+        for nonsense in ["", "0", "-1", "many", "8.5", "99999999999999999999999"] {
+            assert_eq!(limit(16, Some(nonsense)), 16, "{nonsense}");
+        }
+    }
+}

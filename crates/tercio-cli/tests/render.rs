@@ -1,0 +1,241 @@
+//! `tercio render` from the outside.
+
+mod common;
+
+use std::io::Read;
+use std::process::Stdio;
+
+use common::{OCTAHEDRON, Place};
+use tercio::image::{Picture, Pixels};
+
+/// Runs fast and says as little as it can.
+const SMALL: &str = "--size 64x48 --quiet";
+
+#[test]
+fn every_format_is_written_and_holds_the_same_picture() {
+    let place = Place::new();
+    for name in ["a.png", "a.ppm", "a.webp", "A.PNG"] {
+        place.run(&format!("render model.off -o {name} {SMALL}")).quietly_well();
+    }
+    let pictures = ["a.png", "a.ppm", "a.webp", "A.PNG"].map(|n| Picture::read(&place.read(n)).unwrap());
+    assert_eq!((pictures[0].width, pictures[0].height), (64, 48));
+    pictures.iter().for_each(|p| assert_eq!(p, &pictures[0]));
+
+    place.run(&format!("render model.off -o deep.png --depth 16 {SMALL}")).quietly_well();
+    assert!(matches!(Picture::read(&place.read("deep.png")).unwrap().pixels, Pixels::Sixteen(_)));
+    place.run(&format!("render model.off -o clear.png --background transparent {SMALL}")).quietly_well();
+    assert!(!Picture::read(&place.read("clear.png")).unwrap().is_opaque());
+}
+
+#[test]
+fn the_model_is_seen() {
+    let place = Place::new();
+    let said = place.run("render model.off -o a.png --size 64x48");
+    assert_eq!((said.code, said.stderr.as_str()), (Some(0), ""), "no warning that nothing was drawn");
+    let picture = Picture::read(&place.read("a.png")).unwrap();
+    let Pixels::Eight(pixels) = picture.pixels else { panic!("8 bits") };
+    let (corner, middle) = (pixels[0], pixels[24 * 64 + 32]);
+    assert_ne!(corner, middle);
+}
+
+#[test]
+fn pipes_in_and_out() {
+    let place = Place::new();
+    let said = place.run_with_input(&format!("render - -o - {SMALL}"), OCTAHEDRON.as_bytes()).quietly_well();
+    assert_eq!(&said.stdout[..8], b"\x89PNG\r\n\x1a\n");
+    place.run(&format!("render model.off -o a.png {SMALL}")).quietly_well();
+    assert_eq!(said.stdout, place.read("a.png"));
+    let ppm = place.run(&format!("render model.off -o - --format ppm {SMALL}")).quietly_well();
+    assert!(ppm.stdout.starts_with(b"P6\n64 48\n255\n"));
+    let empty = place.run_with_input(&format!("render - -o - {SMALL}"), b"");
+    empty.failed(1, &["standard input"]);
+    assert!(empty.stdout.is_empty());
+}
+
+#[test]
+fn a_reader_that_has_enough_is_no_error() {
+    let place = Place::new();
+    let arguments = "render model.off -o - --format ppm --size 2000x2000 --quiet";
+    let mut child = place.command(arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    let mut stdout = child.stdout.take().unwrap();
+    stdout.read_exact(&mut [0; 8]).unwrap();
+    drop(stdout);
+    let said = child.wait_with_output().unwrap();
+    assert_eq!((said.status.code(), said.stderr), (Some(0), vec![]));
+}
+
+#[test]
+fn errors_name_the_file_and_the_reason() {
+    let place = Place::new();
+    std::fs::write(place.path("junk.ply"), b"\x00\x01 this is no model").unwrap();
+    place.run("render missing.ply -o a.png").failed(1, &["missing.ply: ", "No such file"]);
+    place.run("render junk.ply -o a.png").failed(1, &["junk.ply: not a model", "PLY, OBJ, STL, OFF"]);
+    place.run("render . -o a.png").failed(1, &[".: "]);
+    place.run("render builtin:teapod@1k -o a.png").failed(1, &["teapod"]);
+    place.run("render missing.ply -o no/a.png").failed(1, &["no/a.png: "]);
+    place.run("render missing.ply -o a.png --stats no/s.json").failed(1, &["no/s.json: "]);
+    place.run("render model.off -o a.png --eye 1,2,3 --target 1,2,3").failed(1, &["eye and target"]);
+    for limit in ["--memory-limit 100", "--memory-limit 1M --size 1000x1000"] {
+        place.run(&format!("render model.off -o a.png {limit}")).failed(1, &["--memory-limit"]);
+    }
+    // One line each, and the reason once.
+    let said = place.run("render missing.ply -o a.png");
+    assert_eq!((said.stderr.lines().count(), said.stderr.matches("No such").count()), (1, 1));
+    assert_eq!(place.names(), ["junk.ply", "model.off"]);
+}
+
+#[test]
+fn a_failed_run_leaves_the_old_picture() {
+    let place = Place::new();
+    std::fs::write(place.path("a.png"), "old").unwrap();
+    std::fs::write(place.path("d.npy"), "old").unwrap();
+    place.run("render missing.ply -o a.png").failed(1, &[]);
+    // The second output is a folder: the first one must not be there either.
+    std::fs::create_dir(place.path("folder.npy")).unwrap();
+    place
+        .run(&format!("render model.off -o a.png --output-ids folder.npy {SMALL}"))
+        .failed(1, &["folder.npy"]);
+    assert_eq!((place.read("a.png"), place.read("d.npy")), (b"old".to_vec(), b"old".to_vec()));
+    assert_eq!(place.names(), ["a.png", "d.npy", "folder.npy", "model.off"]);
+}
+
+#[test]
+fn stats_have_their_keys() {
+    let place = Place::new();
+    let said = place.run(&format!("render model.off -o a.png --stats - --threads 2 {SMALL}")).quietly_well();
+    let stats: serde_json::Value = serde_json::from_str(said.text()).unwrap();
+    let keys = [
+        "/tercio_version",
+        "/load/model",
+        "/load/format",
+        "/load/file_bytes",
+        "/load/vertices",
+        "/load/triangles",
+        "/load/bounds/min",
+        "/load/repaired/degenerate_triangles",
+        "/load/repaired/welded_vertices",
+        "/load/milliseconds/read",
+        "/load/milliseconds/clean",
+        "/load/milliseconds/weld",
+        "/load/milliseconds/normals",
+        "/load/milliseconds/partition",
+        "/load/milliseconds/total",
+        "/camera/eye",
+        "/camera/target",
+        "/camera/up",
+        "/camera/projection/fov_degrees",
+        "/frame/frontend/triangles_in",
+        "/frame/frontend/triangles_outside",
+        "/frame/binning/overlap",
+        "/frame/backend/pixels_shaded",
+        "/frame/backend/overdraw",
+        "/frame/milliseconds/total",
+        "/output_milliseconds",
+        "/total_milliseconds",
+        "/peak_memory_bytes",
+        "/simd",
+    ];
+    keys.into_iter().for_each(|k| assert!(stats.pointer(k).is_some(), "{k} is missing in {stats:#}"));
+    assert_eq!(stats["load"]["triangles"], 8);
+    assert_eq!(stats["threads"], 2);
+    assert_eq!(stats["picture"], serde_json::json!({ "width": 64, "height": 48 }));
+    if cfg!(target_os = "linux") {
+        assert!(stats["peak_memory_bytes"].as_u64().unwrap() > 1 << 20);
+    }
+
+    place.run(&format!("render model.off -o a.png --stats s.json --simd scalar {SMALL}")).quietly_well();
+    let stats: serde_json::Value = serde_json::from_slice(&place.read("s.json")).unwrap();
+    assert_eq!(stats["simd"], "scalar");
+}
+
+#[test]
+fn the_frame_is_counted() {
+    let place = Place::new();
+    let said = place.run(&format!("render model.off -o a.png --stats - {SMALL}")).quietly_well();
+    let stats: serde_json::Value = serde_json::from_str(said.text()).unwrap();
+    assert_eq!(stats["frame"]["frontend"]["triangles_in"], 8);
+    assert!(stats["frame"]["backend"]["pixels_shaded"].as_u64().unwrap() > 500);
+}
+
+/// Type, shape and content of an NPY file.
+fn npy(bytes: &[u8]) -> (String, Vec<usize>, &[u8]) {
+    assert_eq!(&bytes[..8], b"\x93NUMPY\x01\x00");
+    let end = 10 + usize::from(u16::from_le_bytes([bytes[8], bytes[9]]));
+    assert_eq!((end % 64, bytes[end - 1]), (0, b'\n'));
+    let header = std::str::from_utf8(&bytes[10..end]).unwrap();
+    assert!(header.contains("'fortran_order': False"));
+    let after = |key: &str| header.split_once(key).unwrap().1;
+    let descr = after("'descr': '").split('\'').next().unwrap().to_owned();
+    let shape = after("'shape': (").split(')').next().unwrap();
+    let shape = shape.split(',').filter_map(|n| n.trim().parse().ok()).collect();
+    (descr, shape, &bytes[end..])
+}
+
+#[test]
+fn arrays_are_as_numpy_reads_them() {
+    let place = Place::new();
+    let arrays = "--output-depth d.npy --output-ids i.npy --output-normals n.npy";
+    place.run(&format!("render model.off {arrays} {SMALL}")).quietly_well();
+    assert_eq!(place.names(), ["d.npy", "i.npy", "model.off", "n.npy"]);
+    let files = ["d.npy", "i.npy", "n.npy"].map(|n| place.read(n));
+    let [depth, ids, normals] = [npy(&files[0]), npy(&files[1]), npy(&files[2])];
+    assert_eq!((depth.0.as_str(), &depth.1[..], depth.2.len()), ("<f4", &[48, 64][..], 64 * 48 * 4));
+    assert_eq!((ids.0.as_str(), &ids.1[..], ids.2.len()), ("<u4", &[48, 64][..], 64 * 48 * 4));
+    assert_eq!(
+        (normals.0.as_str(), &normals.1[..], normals.2.len()),
+        ("<f4", &[48, 64, 3][..], 64 * 48 * 12)
+    );
+    // The corner is background.
+    assert_eq!(depth.2[..4], f32::INFINITY.to_le_bytes());
+    assert_eq!((&ids.2[..4], &normals.2[..12]), (&[255; 4][..], &[0; 12][..]));
+}
+
+#[test]
+fn an_empty_picture_says_why() {
+    let place = Place::new();
+    std::fs::write(place.path("points.off"), "OFF\n1 0 0\n0 0 0\n").unwrap();
+    let cases = [
+        ("points.off", "the model has no triangles"),
+        ("model.off --eye 0,0,5 --target 0,0,9", "behind the camera"),
+        ("model.off --eye 0,0,5 --target 9,0,5", "outside the picture"),
+        ("model.off --near 1000", "--near is 1000"),
+    ];
+    for (arguments, reason) in cases {
+        let said = place.run(&format!("render {arguments} -o a.png --size 64x48"));
+        assert_eq!(said.code, Some(0), "{}", said.stderr);
+        assert!(said.stderr.starts_with("warning: ") && said.stderr.contains(reason), "{}", said.stderr);
+        let quiet = place.run(&format!("render {arguments} -o a.png --size 64x48 -q"));
+        assert_eq!(quiet.stderr, "");
+    }
+}
+
+#[test]
+fn cameras_and_looks_are_accepted() {
+    let place = Place::new();
+    let cases = [
+        "--view iso --up-axis z --orthographic",
+        "--azimuth -30 --elevation -90 --roll 45 --zoom 2",
+        "--eye -3,2,1 --target 0,0,0 --up 0,0,1 --fov 60 --near 0.5",
+        "--shading flat --cull none --color 808080 --no-mesh-colors --background #fff,#000",
+        "--light head --light ambient:#fff*0.2 --specular 0 --crease-angle 30",
+        "--light dir:1,-1,1:#ff0 --light camera-dir:-1,0,1 --light point:3,3,3",
+        "--tile-size 8 --binning bbox --no-cluster-culling --simd scalar --threads 3",
+        "--memory-limit 2Gi --progress never",
+        "--shading gouraud --cull back",
+        "--shading unlit",
+    ];
+    for case in cases {
+        place.run(&format!("render model.off -o a.png {case} {SMALL}")).quietly_well();
+    }
+}
+
+#[test]
+fn the_picture_does_not_depend_on_threads_tiles_and_levels() {
+    let place = Place::new();
+    place.run(&format!("render model.off -o a.png {SMALL}")).quietly_well();
+    for tuning in ["--threads 1", "--threads 7 --tile-size 8", "--simd scalar --binning bbox", "--cull none"]
+    {
+        place.run(&format!("render model.off -o b.png {tuning} {SMALL}")).quietly_well();
+        assert!(place.read("a.png") == place.read("b.png"), "{tuning}");
+    }
+}

@@ -1,0 +1,76 @@
+//! Help, and arguments that make no sense.
+
+mod common;
+
+use common::Place;
+
+#[test]
+fn help_shows_commands_examples_and_groups() {
+    let place = Place::new();
+    let help = place.run("--help").quietly_well();
+    for command in ["render", "info", "compare"] {
+        assert!(help.text().contains(command));
+        let own = place.run(&format!("{command} --help")).quietly_well();
+        assert!(own.text().contains("Examples:") && own.text().contains("Exit code:"), "{command}");
+    }
+    let render = place.run("render --help").quietly_well();
+    for heading in ["Writing:", "Camera:", "Drawing:", "Tuning", "Running:"] {
+        assert!(render.text().contains(heading), "{heading}");
+    }
+    let version = place.run("--version").quietly_well();
+    assert_eq!(version.text(), format!("tercio {}\n", env!("CARGO_PKG_VERSION")));
+}
+
+#[test]
+fn wrong_usage_is_told_before_any_work() {
+    // The model does not exist: whoever looked for it first would exit with 1.
+    let place = Place::new();
+    let cases = [
+        ("", "--output"),
+        ("-o a.jpg", "extension must be .png, .ppm or .webp"),
+        ("-o a", "extension"),
+        ("-o a.png --size 0x5", "--size"),
+        ("-o a.png --size 40000x5", "--size"),
+        ("-o a.png --threads 0", "--threads"),
+        ("-o a.png --threads 257", "--threads"),
+        ("-o a.png --view top --azimuth 3", "--azimuth"),
+        ("-o a.png --view top --eye 1,2,3", "--eye"),
+        ("-o a.png --eye 1,2", "--eye"),
+        ("-o a.png --target 1,2,3", "--eye"),
+        ("-o a.png --up 0,0,1", "--eye"),
+        ("-o a.png --fov 30 --orthographic", "--orthographic"),
+        ("-o a.png --fov 180", "--fov"),
+        ("-o a.png --zoom 0", "--zoom"),
+        ("-o a.png --near -1", "--near"),
+        ("-o a.png --light sun", "--light"),
+        ("-o a.png --shading unlit --light head", "--light"),
+        ("-o a.png --color red", "--color"),
+        ("-o a.png --tile-size 17", "tile size"),
+        ("-o a.png --simd mmx", "--simd"),
+        ("-o a.png --memory-limit lots", "--memory-limit"),
+        ("-o a.png --quiet --verbose", "--verbose"),
+        ("-o a.webp --depth 16", "WebP"),
+        ("-o a.webp --size 16385x1", "WebP"),
+        ("-o a.ppm --background transparent", "transparency"),
+        ("-o a.ppm --background #fff,#ffffff00", "transparency"),
+        ("-o - --stats -", "standard output"),
+        ("-o a.png --stats a.png", "a.png"),
+        ("--output-depth a.npy --output-ids a.npy", "a.npy"),
+        ("--output-depth a.npy --format png", "--output"),
+    ];
+    for (arguments, part) in cases {
+        place.run(&format!("render missing.ply {arguments}")).failed(2, &[part]);
+    }
+    let levels = if cfg!(target_arch = "x86_64") { "neon" } else { "avx2" };
+    place.run(&format!("render missing.ply -o a.png --simd {levels}")).failed(2, &["SIMD level"]);
+    assert_eq!(place.names(), ["model.off"]);
+}
+
+#[test]
+fn commands_that_are_not_there_are_refused() {
+    let place = Place::new();
+    place.run("bench").failed(2, &["bench"]);
+    place.run("compare a.png").failed(2, &["<B>"]);
+    place.run("compare a.png b.png --threshold -1").failed(2, &[]);
+    place.run("compare a.png b.png --diff d.jpg").failed(2, &["d.jpg"]);
+}

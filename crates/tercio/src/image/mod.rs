@@ -1,0 +1,196 @@
+//! Picture files: written, read back, compared.
+//!
+//! [`Picture`] is what a viewer shows, in PNG, PPM or WebP; [`npy`] holds the numbers behind it (depth,
+//! primitive numbers, normals) for programs. [`OutputFile`] replaces a file only when the new one is whole.
+
+mod compare;
+pub mod npy;
+mod output;
+mod png;
+mod ppm;
+mod webp;
+
+use std::borrow::Cow;
+use std::fmt;
+use std::io::{self, Write};
+use std::path::Path;
+use std::str::FromStr;
+
+use rayon::prelude::*;
+use tercio_raster::Frame;
+
+pub use compare::{Difference, compare};
+pub use output::{Destination, OutputFile};
+
+/// The largest width and height of a WebP picture.
+pub const WEBP_MAX_SIZE: u32 = 16384;
+
+/// A format of picture files.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PictureFormat {
+    /// 8 or 16 bits, with transparency.
+    Png,
+    /// Portable pixmap (P6), 8 or 16 bits, without transparency.
+    Ppm,
+    /// Lossless WebP, 8 bits, with transparency, at most 16384 pixels a side.
+    WebP,
+}
+
+impl PictureFormat {
+    /// All formats.
+    pub const ALL: [Self; 3] = [Self::Png, Self::Ppm, Self::WebP];
+
+    /// The name, which is also the extension of its files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Png => "png",
+            Self::Ppm => "ppm",
+            Self::WebP => "webp",
+        }
+    }
+
+    /// The format that a file name asks for, by its extension in any case.
+    pub fn of_path(path: &Path) -> Option<Self> {
+        path.extension()?.to_str()?.to_ascii_lowercase().parse().ok()
+    }
+}
+
+impl fmt::Display for PictureFormat {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+impl FromStr for PictureFormat {
+    type Err = String;
+
+    fn from_str(s: &str) -> Result<Self, String> {
+        Self::ALL.into_iter().find(|f| f.name() == s).ok_or_else(|| {
+            let names: Vec<_> = Self::ALL.iter().map(|f| f.name()).collect();
+            format!("expected one of {}, found \"{s}\"", names.join(", "))
+        })
+    }
+}
+
+/// Why a picture could not be written or read.
+#[derive(Debug, thiserror::Error)]
+pub enum ImageError {
+    /// The system's reason.
+    #[error(transparent)]
+    Io(#[from] io::Error),
+    /// The file name has no extension that stands for a picture.
+    #[error("the extension of a picture must be .png, .ppm or .webp")]
+    UnknownExtension,
+    /// The content is no picture that is read.
+    #[error("not a picture that tercio reads (PNG, PPM, WebP)")]
+    UnknownFormat,
+    /// The content breaks the rules of its format.
+    #[error("broken {format} picture: {reason}")]
+    Malformed {
+        /// Which format.
+        format: PictureFormat,
+        /// What is wrong.
+        reason: String,
+    },
+    /// The picture cannot be kept in this format.
+    #[error("{format} cannot hold {what}")]
+    CannotHold {
+        /// Which format.
+        format: PictureFormat,
+        /// What it cannot hold.
+        what: &'static str,
+    },
+    /// Two pictures that are to be compared differ in size.
+    #[error("the pictures differ in size: {}x{} and {}x{}", .0[0], .0[1], .1[0], .1[1])]
+    SizesDiffer([u32; 2], [u32; 2]),
+}
+
+/// sRGB colour and linear alpha that is not multiplied in, row-major, the upper left pixel first.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Pixels<'a> {
+    /// 8 bits a component.
+    Eight(Cow<'a, [[u8; 4]]>),
+    /// 16 bits a component.
+    Sixteen(Cow<'a, [[u16; 4]]>),
+}
+
+/// A picture in memory.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Picture<'a> {
+    /// Pixels across.
+    pub width: u32,
+    /// Pixels down.
+    pub height: u32,
+    /// `width * height` of them.
+    pub pixels: Pixels<'a>,
+}
+
+impl<'a> Picture<'a> {
+    /// The colour of a frame: 16 bits if the frame has them, else 8.
+    pub fn of_frame(frame: &'a Frame) -> Self {
+        let pixels = if frame.color16.is_empty() {
+            Pixels::Eight(Cow::Borrowed(&frame.color))
+        } else {
+            Pixels::Sixteen(Cow::Borrowed(&frame.color16))
+        };
+        Self { width: frame.width, height: frame.height, pixels }
+    }
+
+    /// True if every pixel is fully opaque. Opaque pictures are written without an alpha channel.
+    pub fn is_opaque(&self) -> bool {
+        match &self.pixels {
+            Pixels::Eight(p) => p.par_iter().with_min_len(1 << 16).all(|p| p[3] == u8::MAX),
+            Pixels::Sixteen(p) => p.par_iter().with_min_len(1 << 16).all(|p| p[3] == u16::MAX),
+        }
+    }
+
+    /// Writes the picture in a format.
+    ///
+    /// # Errors
+    /// Whatever `out` says; [`ImageError::CannotHold`] for a picture that the format has no place for.
+    pub fn write(&self, format: PictureFormat, out: &mut dyn Write) -> Result<(), ImageError> {
+        match format {
+            PictureFormat::Png => png::write(self, out),
+            PictureFormat::Ppm => ppm::write(self, out),
+            PictureFormat::WebP => webp::write(self, out),
+        }
+    }
+
+    /// Writes the picture into a file, in the format of its extension. A file of that name is replaced only
+    /// when the new one is whole.
+    ///
+    /// # Errors
+    /// [`ImageError::UnknownExtension`], and as [`Picture::write`].
+    pub fn save(&self, path: &Path) -> Result<(), ImageError> {
+        let format = PictureFormat::of_path(path).ok_or(ImageError::UnknownExtension)?;
+        let mut file = OutputFile::create(&Destination::File(path.into()))?;
+        self.write(format, &mut file)?;
+        Ok(file.commit()?)
+    }
+
+    /// `width * height` as a length, for readers that must not trust a header.
+    fn pixel_count(width: u32, height: u32) -> Option<usize> {
+        usize::try_from(u64::from(width) * u64::from(height)).ok()
+    }
+}
+
+impl Picture<'static> {
+    /// Reads a PNG, PPM or WebP picture from memory; the format is found by content.
+    ///
+    /// # Errors
+    /// [`ImageError::UnknownFormat`], [`ImageError::Malformed`].
+    pub fn read(bytes: &[u8]) -> Result<Self, ImageError> {
+        if bytes.starts_with(b"\x89PNG") {
+            png::read(bytes)
+        } else if bytes.starts_with(b"P6") {
+            ppm::read(bytes)
+        } else if bytes.starts_with(b"RIFF") && bytes.get(8..12) == Some(b"WEBP") {
+            webp::read(bytes)
+        } else {
+            Err(ImageError::UnknownFormat)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,95 @@
+//! PNG through the `png` crate.
+
+use std::io::{Cursor, Write};
+
+use png::{BitDepth, ColorType, Compression, Decoder, Encoder, Filter, Limits, Transformations};
+use rayon::prelude::*;
+
+use super::{ImageError, Picture, PictureFormat, Pixels};
+
+/// A picture being compared may be as large as one being drawn: 32768 x 32768 pixels of 8 bytes.
+const READ_LIMIT: usize = (1 << 30) * 8 + (1 << 20);
+
+fn malformed(reason: impl ToString) -> ImageError {
+    ImageError::Malformed { format: PictureFormat::Png, reason: reason.to_string() }
+}
+
+pub(super) fn write(picture: &Picture, out: &mut dyn Write) -> Result<(), ImageError> {
+    let opaque = picture.is_opaque();
+    let mut encoder = Encoder::new(out, picture.width, picture.height);
+    encoder.set_color(if opaque { ColorType::Rgb } else { ColorType::Rgba });
+    encoder.set_depth(match picture.pixels {
+        Pixels::Eight(_) => BitDepth::Eight,
+        Pixels::Sixteen(_) => BitDepth::Sixteen,
+    });
+    encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
+    encoder.set_compression(Compression::Fast);
+    // Choosing a filter row by row takes longer than drawing the picture, and saves little on surfaces.
+    encoder.set_filter(Filter::Up);
+    let mut writer = encoder.write_header().map_err(write_error)?;
+    writer.write_image_data(&samples(picture, opaque)).map_err(write_error)?;
+    writer.finish().map_err(write_error)
+}
+
+fn write_error(error: png::EncodingError) -> ImageError {
+    match error {
+        png::EncodingError::IoError(e) => ImageError::Io(e),
+        other => ImageError::Io(std::io::Error::other(other)),
+    }
+}
+
+/// Samples as PNG and PPM want them: 16 bits with the high byte first, without alpha if `opaque`.
+pub(super) fn samples(picture: &Picture, opaque: bool) -> Vec<u8> {
+    let channels = if opaque { 3 } else { 4 };
+    let row = picture.width as usize;
+    match &picture.pixels {
+        Pixels::Eight(p) if !opaque => p.as_flattened().to_vec(),
+        Pixels::Eight(p) => {
+            let mut bytes = vec![0; p.len() * 3];
+            bytes.par_chunks_mut(row * 3).zip(p.par_chunks(row)).for_each(|(bytes, p)| {
+                bytes.as_chunks_mut::<3>().0.iter_mut().zip(p).for_each(|(b, p)| *b = [p[0], p[1], p[2]]);
+            });
+            bytes
+        }
+        Pixels::Sixteen(p) => {
+            let mut bytes = vec![0; p.len() * channels * 2];
+            bytes.par_chunks_mut(row * channels * 2).zip(p.par_chunks(row)).for_each(|(bytes, p)| {
+                let values = p.iter().flat_map(|p| &p[..channels]);
+                bytes.as_chunks_mut::<2>().0.iter_mut().zip(values).for_each(|(b, v)| *b = v.to_be_bytes());
+            });
+            bytes
+        }
+    }
+}
+
+pub(super) fn read(bytes: &[u8]) -> Result<Picture<'static>, ImageError> {
+    let mut decoder = Decoder::new_with_limits(Cursor::new(bytes), Limits { bytes: READ_LIMIT });
+    decoder.set_transformations(Transformations::EXPAND);
+    let mut reader = decoder.read_info().map_err(malformed)?;
+    let size =
+        reader.output_buffer_size().filter(|&s| s <= READ_LIMIT).ok_or_else(|| malformed("too large"))?;
+    let mut samples = vec![0; size];
+    let info = reader.next_frame(&mut samples).map_err(malformed)?;
+    samples.truncate(info.buffer_size());
+    let channels = info.color_type.samples();
+    let (width, height) = (info.width, info.height);
+    let pixels = if info.bit_depth == BitDepth::Sixteen {
+        let values: Vec<u16> = samples.as_chunks().0.iter().map(|&b| u16::from_be_bytes(b)).collect();
+        Pixels::Sixteen(rgba(&values, channels, u16::MAX).into())
+    } else {
+        Pixels::Eight(rgba(&samples, channels, u8::MAX).into())
+    };
+    Ok(Picture { width, height, pixels })
+}
+
+/// Four channels out of 1 (grey), 2 (grey, alpha), 3 or 4.
+pub(super) fn rgba<T: Copy>(values: &[T], channels: usize, opaque: T) -> Vec<[T; 4]> {
+    let pixel = |v: &[T]| match *v {
+        [grey] => [grey, grey, grey, opaque],
+        [grey, alpha] => [grey, grey, grey, alpha],
+        [r, g, b] => [r, g, b, opaque],
+        [r, g, b, a, ..] => [r, g, b, a],
+        [] => [opaque; 4],
+    };
+    values.chunks_exact(channels.max(1)).map(pixel).collect()
+}

@@ -1,0 +1,145 @@
+//! Pictures survive being written and read; damage gives errors.
+
+use std::fs;
+
+use proptest::prelude::*;
+
+use super::*;
+
+fn picture(width: u32, height: u32, sixteen: bool, opaque: bool, seed: u32) -> Picture<'static> {
+    let mut state = seed | 1;
+    let mut next = move || {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (state >> 16) as u16
+    };
+    let n = (width * height) as usize;
+    let alpha = |v: u16| if opaque { u16::MAX } else { v };
+    let wide: Vec<[u16; 4]> = (0..n).map(|_| [next(), next(), next(), alpha(next())]).collect();
+    let pixels = if sixteen {
+        Pixels::Sixteen(wide.into())
+    } else {
+        Pixels::Eight(wide.iter().map(|p| p.map(|v| (v >> 8) as u8)).collect::<Vec<_>>().into())
+    };
+    Picture { width, height, pixels }
+}
+
+fn written(picture: &Picture, format: PictureFormat) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    picture.write(format, &mut bytes).unwrap();
+    bytes
+}
+
+proptest! {
+    #[test]
+    fn what_is_written_can_be_read(
+        width in 1u32..70, height in 1u32..40, sixteen: bool, opaque: bool, seed: u32,
+    ) {
+        let original = picture(width, height, sixteen, opaque, seed);
+        for format in PictureFormat::ALL {
+            let can = match format {
+                PictureFormat::Png => true,
+                PictureFormat::Ppm => original.is_opaque(),
+                PictureFormat::WebP => !sixteen,
+            };
+            if can {
+                prop_assert_eq!(&Picture::read(&written(&original, format)).unwrap(), &original, "{}", format);
+            } else {
+                prop_assert!(original.write(format, &mut Vec::new()).is_err());
+            }
+        }
+    }
+
+    #[test]
+    fn damaged_pictures_give_errors_not_panics(
+        format in prop::sample::select(&PictureFormat::ALL[..]), cut in 0.0..1.0, at in 0.0..1.0, value: u8,
+    ) {
+        let mut bytes = written(&picture(20, 10, false, true, 5), format);
+        bytes.truncate((bytes.len() as f64 * cut) as usize);
+        prop_assert!(Picture::read(&bytes).is_err());
+        let mut bytes = written(&picture(20, 10, false, true, 5), format);
+        let place = (bytes.len() as f64 * at) as usize;
+        bytes[place] = value;
+        let _ = Picture::read(&bytes);
+    }
+}
+
+#[test]
+fn opaque_png_pictures_have_no_alpha_channel_and_say_srgb() {
+    let has = |bytes: &[u8], chunk: &[u8]| bytes.windows(4).any(|w| w == chunk);
+    let opaque = written(&picture(4, 4, false, true, 1), PictureFormat::Png);
+    let clear = written(&picture(4, 4, true, false, 1), PictureFormat::Png);
+    // Depth and colour type stand behind the size.
+    assert_eq!((&opaque[24..26], &clear[24..26]), (&[8, 2][..], &[16, 6][..]));
+    assert!(has(&opaque, b"sRGB") && has(&clear, b"sRGB"));
+}
+
+#[test]
+fn comparison_counts_and_shows_differences() {
+    let a = Picture { width: 2, height: 1, pixels: Pixels::Eight(vec![[10, 20, 30, 255]; 2].into()) };
+    let same = compare(&a, &a).unwrap().0;
+    assert_eq!((same.differing, same.largest_of_all(), same.mean_of_all()), (0, 0.0, 0.0));
+
+    let b = Picture { pixels: Pixels::Eight(vec![[10, 20, 30, 255], [14, 20, 22, 255]].into()), ..a.clone() };
+    let (d, shown) = compare(&a, &b).unwrap();
+    assert_eq!((d.pixels, d.differing), (2, 1));
+    assert_eq!((d.largest, d.mean), ([4.0, 0.0, 8.0, 0.0], [2.0, 0.0, 4.0, 0.0]));
+    assert_eq!(shown.pixels, Pixels::Eight(vec![[0, 0, 0, 255], [128, 0, 255, 255]].into()));
+
+    let deep = Picture { pixels: Pixels::Sixteen(vec![[2570, 5140, 7710, 65535]; 2].into()), ..a.clone() };
+    assert_eq!(compare(&a, &deep).unwrap().0.differing, 0);
+    let other = Picture { width: 1, height: 2, ..a.clone() };
+    assert!(matches!(compare(&a, &other), Err(ImageError::SizesDiffer([2, 1], [1, 2]))));
+}
+
+#[test]
+fn an_old_file_stays_until_the_new_one_is_whole() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.png");
+    let destination = Destination::parse(&path);
+    let write = |text: &[u8]| {
+        let mut file = OutputFile::create(&destination).unwrap();
+        file.write_all(text).unwrap();
+        file
+    };
+    write(b"old").commit().unwrap();
+    drop(write(b"half"));
+    assert_eq!(fs::read(&path).unwrap(), b"old");
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1, "the temporary file is gone");
+    write(b"new").commit().unwrap();
+    assert_eq!(fs::read(&path).unwrap(), b"new");
+}
+
+#[cfg(unix)]
+#[test]
+fn permissions_links_and_devices_are_respected() {
+    use std::os::unix::fs::PermissionsExt;
+    let folder = tempfile::tempdir().unwrap();
+    let [path, link] = ["a.png", "link.png"].map(|n| folder.path().join(n));
+    let p = picture(2, 2, false, true, 1);
+    p.save(&path).unwrap();
+    let mode = |path: &Path| fs::metadata(path).unwrap().permissions().mode() & 0o777;
+    fs::write(folder.path().join("plain"), "").unwrap();
+    assert_eq!(mode(&path), mode(&folder.path().join("plain")), "as any new file");
+
+    fs::set_permissions(&path, fs::Permissions::from_mode(0o640)).unwrap();
+    std::os::unix::fs::symlink(&path, &link).unwrap();
+    p.save(&link).unwrap();
+    assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
+    assert_eq!(mode(&path), 0o640);
+
+    let null = Destination::File("/dev/null".into());
+    let mut out = OutputFile::create(&null).unwrap();
+    out.write_all(b"x").unwrap();
+    out.commit().unwrap();
+    assert!(!fs::metadata("/dev/null").unwrap().is_file());
+}
+
+#[test]
+fn outputs_that_cannot_be_written_are_found_early() {
+    let folder = tempfile::tempdir().unwrap();
+    assert!(Destination::File(folder.path().into()).check().is_err());
+    assert!(Destination::File(folder.path().join("no/a.png")).check().is_err());
+    assert!(Destination::File("a.png".into()).check().is_ok());
+    assert_eq!(PictureFormat::of_path(Path::new("a.PNG")), Some(PictureFormat::Png));
+    assert_eq!(PictureFormat::of_path(Path::new("a.jpg")), None);
+}

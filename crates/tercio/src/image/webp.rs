@@ -1,0 +1,36 @@
+//! Lossless WebP through the `image-webp` crate.
+
+use std::io::{Cursor, Write};
+
+use image_webp::{ColorType, EncodingError, WebPDecoder, WebPEncoder};
+
+use super::png::{rgba, samples};
+use super::{ImageError, Picture, PictureFormat, Pixels, WEBP_MAX_SIZE};
+
+pub(super) fn write(picture: &Picture, out: &mut dyn Write) -> Result<(), ImageError> {
+    let cannot_hold = |what| Err(ImageError::CannotHold { format: PictureFormat::WebP, what });
+    if matches!(picture.pixels, Pixels::Sixteen(_)) {
+        return cannot_hold("16 bits a component");
+    }
+    if picture.width.max(picture.height) > WEBP_MAX_SIZE {
+        return cannot_hold("more than 16384 pixels a side");
+    }
+    let opaque = picture.is_opaque();
+    let color = if opaque { ColorType::Rgb8 } else { ColorType::Rgba8 };
+    let encoder = WebPEncoder::new(out);
+    encoder.encode(&samples(picture, opaque), picture.width, picture.height, color).map_err(|e| match e {
+        EncodingError::IoError(e) => ImageError::Io(e),
+        other => ImageError::Io(std::io::Error::other(other)),
+    })
+}
+
+pub(super) fn read(bytes: &[u8]) -> Result<Picture<'static>, ImageError> {
+    let malformed = |reason: String| ImageError::Malformed { format: PictureFormat::WebP, reason };
+    let mut decoder = WebPDecoder::new(Cursor::new(bytes)).map_err(|e| malformed(e.to_string()))?;
+    let (width, height) = decoder.dimensions();
+    let size = decoder.output_buffer_size().ok_or_else(|| malformed("too large".into()))?;
+    let mut values = vec![0; size];
+    decoder.read_image(&mut values).map_err(|e| malformed(e.to_string()))?;
+    let channels = if decoder.has_alpha() { 4 } else { 3 };
+    Ok(Picture { width, height, pixels: Pixels::Eight(rgba(&values, channels, u8::MAX).into()) })
+}

@@ -1,0 +1,233 @@
+//! From a model file to what a renderer draws.
+
+use std::path::Path;
+use std::sync::Arc;
+use std::time::Instant;
+
+use serde::Serialize;
+use tercio_mesh::builtin::{self, BuiltinError};
+use tercio_mesh::clean::{self, Cleaned};
+use tercio_mesh::cluster::{self, ClusteredMesh, PartitionOptions};
+use tercio_mesh::io::{self, ReadOptions, ReadReport};
+use tercio_mesh::mesh::MAX_ELEMENTS;
+use tercio_mesh::topology::{self, Topology};
+use tercio_mesh::{Mesh, Progress, ReadError, normals, weld};
+
+use crate::MeshSummary;
+
+/// Which normals a loaded mesh has.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Normals {
+    /// Those of the file; where it has none, they are made.
+    FileOrMade {
+        /// Edges sharper than this many radians stay sharp; `None` smooths over all of them.
+        crease_angle: Option<f64>,
+    },
+    /// Those of the file; where it has none, the mesh has none and is drawn in facets.
+    File,
+}
+
+impl Default for Normals {
+    fn default() -> Self {
+        Self::FileOrMade { crease_angle: None }
+    }
+}
+
+/// How a model is loaded.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct LoadOptions<'a> {
+    /// Most bytes that the model and its making ready may take; `None` for no limit.
+    pub memory_limit: Option<u64>,
+    /// Told how far the loading has come.
+    pub progress: Option<&'a Progress>,
+    /// Which normals the mesh shall have.
+    pub normals: Normals,
+    /// Whether [`LoadReport::topology`] is found out, which takes about as long as reading.
+    pub topology: bool,
+}
+
+/// Wall time of each stage in milliseconds; 0 for one that was not needed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct LoadTimes {
+    /// Reading the file, or making the built-in model.
+    pub read: f64,
+    /// Dropping what cannot be drawn.
+    pub clean: f64,
+    /// Joining the corners of a triangle soup.
+    pub weld: f64,
+    /// Finding out about the topology.
+    pub topology: f64,
+    /// Making normals.
+    pub normals: f64,
+    /// Cutting into clusters.
+    pub partition: f64,
+    /// All of it.
+    pub total: f64,
+}
+
+/// What was found and done while a model was loaded.
+#[derive(Clone, Debug, Default)]
+pub struct LoadReport {
+    /// What the reader found.
+    pub read: ReadReport,
+    /// What was dropped because it cannot be drawn.
+    pub cleaned: Cleaned,
+    /// Vertices joined with others, if the model was a triangle soup.
+    pub welded: Option<u64>,
+    /// Whether normals stood in the file.
+    pub file_normals: bool,
+    /// Whether normals were made.
+    pub made_normals: bool,
+    /// Closed, consistently wound? If it was asked for.
+    pub topology: Option<Topology>,
+    /// The mesh after repair, before it was cut into clusters.
+    pub mesh: MeshSummary,
+    /// Wall times.
+    pub times: LoadTimes,
+}
+
+/// A mesh ready to be drawn.
+#[derive(Clone, Debug)]
+pub struct Loaded {
+    /// The mesh.
+    pub mesh: Arc<ClusteredMesh>,
+    /// What was found and done.
+    pub report: LoadReport,
+}
+
+/// A mesh not yet cut into clusters.
+#[derive(Clone, Debug)]
+pub struct LoadedMesh {
+    /// The mesh.
+    pub mesh: Mesh,
+    /// What was found and done.
+    pub report: LoadReport,
+}
+
+/// Why a model could not be loaded.
+#[derive(Debug, thiserror::Error)]
+pub enum LoadError {
+    /// A file could not be read.
+    #[error(transparent)]
+    Read(#[from] ReadError),
+    /// There is no such built-in model.
+    #[error("{model}: {source}")]
+    Builtin {
+        /// The model as the user named it.
+        model: String,
+        /// What is wrong with the name.
+        source: BuiltinError,
+    },
+}
+
+/// Loads a model for drawing: a file, `-` for standard input, or `builtin:NAME@COUNT`.
+///
+/// Reads, drops what cannot be drawn, joins the corners of triangle soups, makes missing normals, and cuts
+/// the mesh into clusters. Files are never trusted: a broken one gives an error or a repaired model, and
+/// what was repaired stands in the report.
+///
+/// # Errors
+/// [`LoadError`], which names the file and the place in it.
+pub fn load(model: &Path, options: &LoadOptions) -> Result<Loaded, LoadError> {
+    let LoadedMesh { mesh, mut report } = load_mesh(model, options)?;
+    let needed = partition_bytes(&report.mesh);
+    check_memory(model, options, "the model and its clusters", needed)?;
+    begin(options, "making clusters", mesh.triangles.len());
+    let partition = PartitionOptions { progress: options.progress, ..PartitionOptions::default() };
+    let start = Instant::now();
+    let mesh = cluster::partition(mesh, &partition);
+    report.times.partition = milliseconds(start);
+    report.times.total += report.times.partition;
+    Ok(Loaded { mesh: Arc::new(mesh), report })
+}
+
+/// Loads a model as [`load`] does, but does not cut it into clusters.
+///
+/// # Errors
+/// [`LoadError`], which names the file and the place in it.
+pub fn load_mesh(model: &Path, options: &LoadOptions) -> Result<LoadedMesh, LoadError> {
+    let all = Instant::now();
+    let (mut mesh, read) = match model.to_str().filter(|m| m.starts_with("builtin:")) {
+        Some(name) => make_builtin(name, options)?,
+        None => {
+            let options = ReadOptions { memory_limit: options.memory_limit, progress: options.progress };
+            begin_stage(options.progress, "reading", 0);
+            let model = io::read(model, &options)?;
+            (model.mesh, model.report)
+        }
+    };
+    let mut report = LoadReport { read, file_normals: mesh.normals.is_some(), ..LoadReport::default() };
+    report.times.read = milliseconds(all);
+    check_size(model, &mesh)?;
+
+    begin(options, "cleaning", 0);
+    let start = Instant::now();
+    report.cleaned = clean::clean(&mut mesh);
+    report.times.clean = milliseconds(start);
+
+    let start = Instant::now();
+    if weld::is_soup(&mesh) {
+        begin(options, "joining vertices", 0);
+        report.welded = Some(weld::weld(&mut mesh));
+        report.times.weld = milliseconds(start);
+    }
+
+    if options.topology {
+        begin(options, "looking at edges", 0);
+        let start = Instant::now();
+        report.topology = Some(topology::analyze(&mesh));
+        report.times.topology = milliseconds(start);
+    }
+
+    if let (None, Normals::FileOrMade { crease_angle }) = (&mesh.normals, options.normals) {
+        begin(options, "making normals", 0);
+        let start = Instant::now();
+        normals::make_normals(&mut mesh, crease_angle);
+        report.made_normals = true;
+        report.times.normals = milliseconds(start);
+    }
+    report.mesh = MeshSummary::of(&mesh);
+    report.times.total = milliseconds(all);
+    Ok(LoadedMesh { mesh, report })
+}
+
+fn make_builtin(name: &str, options: &LoadOptions) -> Result<(Mesh, ReadReport), LoadError> {
+    begin(options, "making the model", 0);
+    let mesh = builtin::make(name).map_err(|source| LoadError::Builtin { model: name.to_owned(), source })?;
+    let report =
+        ReadReport { format: "built-in".into(), faces: mesh.triangles.len() as u64, ..ReadReport::default() };
+    Ok((mesh, report))
+}
+
+fn check_size(model: &Path, mesh: &Mesh) -> Result<(), ReadError> {
+    let counts = [("vertices", mesh.positions.len() as u64), ("triangles", mesh.triangles.len() as u64)];
+    match counts.into_iter().find(|(_, count)| *count > MAX_ELEMENTS) {
+        Some((what, count)) => Err(ReadError::TooMany { file: model.display().to_string(), what, count }),
+        None => Ok(()),
+    }
+}
+
+/// Mesh and clusters stand in memory side by side while one is made from the other. Vertices that clusters
+/// share stand in each of them: half as many again is more than is met in practice.
+fn partition_bytes(mesh: &MeshSummary) -> u64 {
+    mesh.bytes + mesh.bytes / 2 + mesh.bytes
+}
+
+fn check_memory(model: &Path, options: &LoadOptions, what: &str, needed: u64) -> Result<(), ReadError> {
+    let limit = ReadOptions { memory_limit: options.memory_limit, progress: None };
+    limit.check_memory(&model.display().to_string(), what, needed)
+}
+
+fn begin(options: &LoadOptions, stage: &'static str, total: usize) {
+    begin_stage(options.progress, stage, total as u64);
+}
+
+fn begin_stage(progress: Option<&Progress>, stage: &'static str, total: u64) {
+    if let Some(progress) = progress {
+        progress.begin(stage, total);
+    }
+}
+
+fn milliseconds(since: Instant) -> f64 {
+    since.elapsed().as_secs_f64() * 1e3
+}

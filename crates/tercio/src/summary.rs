@@ -1,0 +1,127 @@
+//! What a mesh holds, in numbers.
+
+use rayon::prelude::*;
+use tercio_mesh::{Aabb, Attribute, AttributeDomain, Mesh};
+
+/// What a mesh holds.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MeshSummary {
+    /// Vertices, used by a triangle or not.
+    pub vertices: u64,
+    /// Triangles.
+    pub triangles: u64,
+    /// World-space bounds of all vertices.
+    pub bounds: Aabb,
+    /// One normal a vertex.
+    pub normals: bool,
+    /// One colour a vertex.
+    pub vertex_colors: bool,
+    /// One colour a triangle.
+    pub face_colors: bool,
+    /// One pair of texture coordinates a vertex.
+    pub texcoords: bool,
+    /// Materials that the file names.
+    pub materials: u64,
+    /// Named scalar arrays.
+    pub attributes: u64,
+    /// Bytes of memory that the arrays hold.
+    pub bytes: u64,
+}
+
+impl Default for MeshSummary {
+    fn default() -> Self {
+        Self::of(&Mesh::default())
+    }
+}
+
+impl MeshSummary {
+    /// Looks at a mesh.
+    pub fn of(mesh: &Mesh) -> Self {
+        Self {
+            vertices: mesh.positions.len() as u64,
+            triangles: mesh.triangles.len() as u64,
+            bounds: mesh.bounds(),
+            normals: mesh.normals.is_some(),
+            vertex_colors: mesh.vertex_colors.is_some(),
+            face_colors: mesh.face_colors.is_some(),
+            texcoords: mesh.texcoords.is_some(),
+            materials: mesh.materials.len() as u64,
+            attributes: mesh.attributes.len() as u64,
+            bytes: bytes(mesh),
+        }
+    }
+}
+
+fn bytes(mesh: &Mesh) -> u64 {
+    fn of<T>(array: &[T]) -> u64 {
+        size_of_val(array) as u64
+    }
+    fn of_option<T>(array: &Option<Vec<T>>) -> u64 {
+        array.as_deref().map_or(0, of)
+    }
+    of(&mesh.positions)
+        + of(&mesh.triangles)
+        + of_option(&mesh.normals)
+        + of_option(&mesh.vertex_colors)
+        + of_option(&mesh.face_colors)
+        + of_option(&mesh.texcoords)
+        + of_option(&mesh.triangle_materials)
+        + of_option(&mesh.face_of_triangle)
+        + mesh.attributes.iter().map(|a| of(&a.values)).sum::<u64>()
+}
+
+/// The range of an attribute.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AttributeSummary {
+    /// The name in the file.
+    pub name: String,
+    /// Whom the values belong to.
+    pub domain: AttributeDomain,
+    /// Smallest and largest value that is not NaN; `None` where there is none.
+    pub range: Option<(f32, f32)>,
+    /// Values that are NaN.
+    pub nans: u64,
+}
+
+impl AttributeSummary {
+    /// Looks at all values.
+    pub fn of(attribute: &Attribute) -> Self {
+        let empty = (f32::INFINITY, f32::NEG_INFINITY, 0);
+        let (min, max, nans) = attribute
+            .values
+            .par_chunks(1 << 16)
+            .map(|chunk| {
+                // `min` and `max` of f32 leave NaN out.
+                chunk.iter().fold(empty, |(min, max, nans), &v| {
+                    (v.min(min), v.max(max), nans + u64::from(v.is_nan()))
+                })
+            })
+            .reduce(|| empty, |a, b| (a.0.min(b.0), a.1.max(b.1), a.2 + b.2));
+        Self {
+            name: attribute.name.clone(),
+            domain: attribute.domain,
+            range: (nans < attribute.values.len() as u64).then_some((min, max)),
+            nans,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_range_leaves_nan_out() {
+        let summary = |values: Vec<f32>| {
+            let a = AttributeSummary::of(&Attribute {
+                name: "quality".into(),
+                domain: AttributeDomain::Vertex,
+                values,
+            });
+            (a.range, a.nans)
+        };
+        assert_eq!(summary(vec![3.0, f32::NAN, -1.0]), (Some((-1.0, 3.0)), 1));
+        assert_eq!(summary(vec![f32::NAN]), (None, 1));
+        assert_eq!(summary(vec![]), (None, 0));
+    }
+}
