@@ -24,6 +24,7 @@ pub fn golden_folder() -> PathBuf {
 /// # Panics
 /// If they differ, or if there is no golden picture. What was drawn and the difference are then in
 /// `golden-diff` in the target folder.
+#[track_caller]
 pub fn check(topic: &str, name: &str, width: u32, height: u32, rgba: &[u8]) {
     assert_plain(topic);
     assert_plain(name);
@@ -97,6 +98,7 @@ pub fn describe(expected: &Picture, actual: &Picture) -> String {
 }
 
 /// Names become file names and arguments of `cargo xtask bless`.
+#[track_caller]
 fn assert_plain(name: &str) {
     let plain = |byte: u8| byte.is_ascii_alphanumeric() || b"-_.@+".contains(&byte);
     assert!(!name.is_empty() && name.bytes().all(plain) && !name.starts_with('.'), "a file name: {name:?}");
