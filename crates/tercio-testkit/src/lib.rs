@@ -1,0 +1,14 @@
+//! What the tests share; never part of a release.
+//!
+//! [`data`] finds the models beside the checkout, [`picture`] reads, writes and compares pictures, and
+//! [`golden`] holds a test's picture against the one that was blessed. Pictures are plain RGBA8 slices, so
+//! that every crate, the renderer itself too, can depend on this one in its tests.
+
+#![forbid(unsafe_code)]
+
+pub mod data;
+pub mod golden;
+pub mod picture;
+
+pub use data::{require_shared, shared_data, workspace_root};
+pub use picture::{Difference, Picture, compare};

@@ -1,0 +1,53 @@
+//! What the fuzz targets share: reading bytes as a model, and what must hold of every model that is read.
+
+use tercio_mesh::io::input::Input;
+use tercio_mesh::io::{ReadModel, ReadOptions};
+use tercio_mesh::{AttributeDomain, ReadError};
+
+/// A function that reads a model.
+pub type Read = fn(&Input, &ReadOptions) -> Result<ReadModel, ReadError>;
+
+/// Far below libFuzzer's own limit: a reader that takes more than it may is found out.
+const MEMORY_LIMIT: u64 = 256 << 20;
+
+/// Reads the bytes with `read`. An error is as good as a model: only a panic, a hang, too much memory or a
+/// model that is not sound is a failure.
+///
+/// Format targets give the format's own reader here, whatever the bytes begin with: it has to stand any.
+///
+/// # Panics
+/// If the reader does, or if its model is not sound.
+pub fn read_bytes(read: Read, bytes: &[u8]) {
+    let options = ReadOptions { memory_limit: Some(MEMORY_LIMIT), ..ReadOptions::default() };
+    let result = Input::from_bytes("fuzz", bytes.to_vec(), &options).and_then(|input| read(&input, &options));
+    match result {
+        Ok(model) => check(&model),
+        // The message is made from the bytes, too.
+        Err(error) => assert!(!error.to_string().is_empty()),
+    }
+}
+
+fn check(ReadModel { mesh, .. }: &ReadModel) {
+    let (vertices, triangles) = (mesh.positions.len(), mesh.triangles.len());
+    assert!(mesh.triangles.as_flattened().iter().all(|&v| (v as usize) < vertices), "index outside");
+    let belongs = |what: &str, length: Option<usize>, elements: usize| {
+        assert!(length.is_none_or(|length| length == elements), "{length:?} {what}, not {elements}");
+    };
+    belongs("normals", mesh.normals.as_ref().map(Vec::len), vertices);
+    belongs("vertex colours", mesh.vertex_colors.as_ref().map(Vec::len), vertices);
+    belongs("face colours", mesh.face_colors.as_ref().map(Vec::len), triangles);
+    belongs("texture coordinates", mesh.texcoords.as_ref().map(Vec::len), vertices);
+    belongs("triangle materials", mesh.triangle_materials.as_ref().map(Vec::len), triangles);
+    belongs("face numbers", mesh.face_of_triangle.as_ref().map(Vec::len), triangles);
+    for attribute in &mesh.attributes {
+        let elements = match attribute.domain {
+            AttributeDomain::Vertex => vertices,
+            AttributeDomain::Triangle => triangles,
+        };
+        belongs(&attribute.name, Some(attribute.values.len()), elements);
+    }
+    for &material in mesh.triangle_materials.iter().flatten() {
+        let known = (material as usize) < mesh.materials.len();
+        assert!(known || material == tercio_mesh::Mesh::NO_MATERIAL, "material {material}");
+    }
+}

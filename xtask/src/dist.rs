@@ -1,0 +1,149 @@
+//! `cargo xtask dist`: one static file that runs where nothing else is.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use anyhow::{Context as _, Result, ensure};
+use tercio_testkit::data::on_ci;
+use tercio_testkit::workspace_root;
+
+use crate::elf::Needs;
+use crate::process::{
+    cargo, find_program, host_triple, is_root, run as run_command, rustflags, target_folder,
+};
+
+/// The binary is to stay small enough to be sent by mail; a jump over this has a reason worth knowing.
+const MOST_BYTES: u64 = 10 << 20;
+
+const PNG_SIGNATURE: &[u8] = b"\x89PNG\r\n\x1a\n";
+
+/// Arguments of `cargo xtask dist`.
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// Run the binary in an empty root directory, too (as root, or where user namespaces are allowed)
+    #[arg(long)]
+    check: bool,
+}
+
+/// What came of the run in the empty root.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Outcome {
+    /// It ran, and it did right.
+    Checked,
+    /// This user may not change the root, and this is not CI.
+    Skipped,
+}
+
+/// Builds the binary and, if asked to, runs it.
+///
+/// # Errors
+/// It does not build, is not static, is too large, or does not run.
+pub fn run(arguments: &Arguments) -> Result<()> {
+    let binary = build()?;
+    if arguments.check {
+        check(&binary)?;
+    }
+    Ok(())
+}
+
+/// Builds `dist/tercio` and returns its path.
+///
+/// # Errors
+/// It does not build, is not static, or is too large.
+pub fn build() -> Result<PathBuf> {
+    let triple = host_triple()?;
+    ensure!(triple.contains("-linux-"), "a static binary is made on Linux only, this is {triple}");
+    ensure!(
+        !triple.contains("-gnu") || crate::packages::has_static_libc(),
+        "the static C library is missing (libc.a; Debian: libc6-dev, Fedora: glibc-static)"
+    );
+    run_command(
+        cargo()
+            .env("RUSTFLAGS", rustflags(&["-Ctarget-feature=+crt-static"]))
+            .args(["build", "--package", "tercio-cli", "--bin", "tercio", "--profile", "dist", "--target"])
+            .arg(&triple),
+    )?;
+    let built = target_folder()?.join(&triple).join("dist/tercio");
+    let content = fs::read(&built).with_context(|| format!("reading {}", built.display()))?;
+    Needs::of(&content)?.check_static()?;
+    let size = content.len() as u64;
+    ensure!(size <= MOST_BYTES, "the binary has {size} bytes, more than the {MOST_BYTES} it may have");
+
+    let binary = workspace_root().join("dist/tercio");
+    fs::create_dir_all(workspace_root().join("dist"))?;
+    // Under another name first: a binary that is running cannot be written over.
+    let unfinished = binary.with_extension("new");
+    fs::copy(&built, &unfinished)?;
+    fs::rename(&unfinished, &binary)?;
+    println!("{}: static, {size} bytes ({:.1} MB), {triple}", binary.display(), size as f64 / 1e6);
+    Ok(binary)
+}
+
+/// Runs the binary in a root directory that holds nothing else.
+///
+/// # Errors
+/// It fails there, or, on CI, it cannot be tried.
+pub fn check(binary: &Path) -> Result<Outcome> {
+    let folder = tempfile::tempdir()?;
+    fs::copy(binary, folder.path().join("tercio"))?;
+    let Some(room) = EmptyRoot::find(folder.path()) else {
+        let reason = "running in an empty root needs root, or unshare (util-linux) and user namespaces";
+        ensure!(!on_ci(), "{reason}; on CI this may not be skipped");
+        println!("skipped: {reason}");
+        return Ok(Outcome::Skipped);
+    };
+
+    room.tercio(&["render", "builtin:teapot@1k", "-o", "/t.png", "--size", "64x64"])?;
+    let picture =
+        fs::read(folder.path().join("t.png")).context("the picture that render should have made")?;
+    ensure!(picture.starts_with(PNG_SIGNATURE), "render wrote {} bytes that are no PNG", picture.len());
+
+    let info = room.tercio(&["info", "builtin:sphere@1k", "--json"])?;
+    serde_json::from_slice::<serde_json::Value>(&info.stdout).context("info --json wrote no JSON")?;
+
+    println!("{}: runs in an empty root ({} bytes of PNG)", binary.display(), picture.len());
+    Ok(Outcome::Checked)
+}
+
+/// A way to run programs with a folder as their root directory.
+struct EmptyRoot<'a> {
+    folder: &'a Path,
+    /// The program and arguments that stand before `FOLDER PROGRAM`.
+    command: Vec<PathBuf>,
+}
+
+impl<'a> EmptyRoot<'a> {
+    fn find(folder: &'a Path) -> Option<Self> {
+        let chroot = find_program("chroot")?;
+        let mut ways = Vec::new();
+        if is_root() {
+            ways.push(vec![chroot.clone()]);
+        }
+        // Containers often take the right to chroot from their root, and leave user namespaces.
+        if let Some(unshare) = find_program("unshare") {
+            ways.push(vec![unshare, "--map-root-user".into(), chroot]);
+        }
+        let works = |way: &Vec<PathBuf>| {
+            let mut probe = Command::new(&way[0]);
+            probe.args(&way[1..]).args(["/", "true"]).output().is_ok_and(|output| output.status.success())
+        };
+        ways.into_iter().find(works).map(|command| Self { folder, command })
+    }
+
+    fn tercio(&self, arguments: &[&str]) -> Result<Output> {
+        let mut command = Command::new(&self.command[0]);
+        // Without the environment, too: nothing of this machine may be needed.
+        command.args(&self.command[1..]).arg(self.folder).arg("/tercio").args(arguments).env_clear();
+        crate::process::show(&command);
+        let output = command.output().context("starting chroot")?;
+        ensure!(
+            output.status.success(),
+            "tercio {} failed in an empty root ({}): {}",
+            arguments.join(" "),
+            output.status,
+            String::from_utf8_lossy(&output.stderr).trim()
+        );
+        Ok(output)
+    }
+}

@@ -1,0 +1,279 @@
+//! `cargo xtask fuzz`: coverage-guided fuzzing of the readers with the stable toolchain.
+//!
+//! The targets in `fuzz/` have the layout of cargo-fuzz and run under it, too. cargo-fuzz asks for a
+//! nightly compiler because of its sanitizers; the coverage instrumentation that libFuzzer steers by needs
+//! only code generation flags, and the readers are safe Rust, where a sanitizer finds little that overflow
+//! checks and panics do not.
+
+mod seeds;
+
+use std::fs::{self, File};
+use std::io::{BufRead as _, BufReader, Write as _};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::time::Duration;
+
+use anyhow::{Context as _, Result, bail, ensure};
+use clap::ValueEnum;
+use tercio_testkit::workspace_root;
+
+use crate::libtest::Counts;
+use crate::process;
+
+/// The instrumentation that libFuzzer reads, as cargo-fuzz asks for it, without a sanitizer.
+const COVERAGE: [&str; 6] = [
+    "--cfg=fuzzing",
+    "-Cpasses=sancov-module",
+    "-Cllvm-args=-sanitizer-coverage-level=4",
+    "-Cllvm-args=-sanitizer-coverage-inline-8bit-counters",
+    "-Cllvm-args=-sanitizer-coverage-pc-table",
+    "-Cllvm-args=-sanitizer-coverage-trace-compares",
+];
+
+/// The largest input in bytes: seeds are no larger either. A parser's states are all reached by small files.
+const LARGEST_INPUT: u64 = 64 << 10;
+
+/// A program in `fuzz/fuzz_targets`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[value(rename_all = "snake_case")]
+enum Target {
+    /// The PLY reader
+    Ply,
+    /// The OBJ reader
+    Obj,
+    /// The STL reader
+    Stl,
+    /// The OFF reader
+    Off,
+    /// Decompression, the choice of the reader, and the reader
+    SniffRead,
+}
+
+impl Target {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Ply => "ply",
+            Self::Obj => "obj",
+            Self::Stl => "stl",
+            Self::Off => "off",
+            Self::SniffRead => "sniff_read",
+        }
+    }
+}
+
+/// Arguments of `cargo xtask fuzz`.
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// The target; all, one after the other, where none is given
+    target: Option<Target>,
+    /// How long each target runs
+    #[arg(long, default_value_t = 60)]
+    seconds: u64,
+    /// Run this file once instead, such as one that was found to fail
+    #[arg(long, value_name = "FILE", requires = "target")]
+    input: Option<PathBuf>,
+}
+
+/// Fuzzes one target or all.
+///
+/// # Errors
+/// A target does not build, or an input fails, hangs or takes too much memory.
+pub fn run(arguments: &Arguments) -> Result<()> {
+    let programs = build()?;
+    if let (Some(target), Some(input)) = (arguments.target, &arguments.input) {
+        return process::run(Command::new(programs.join(target.name())).args(LIMITS).arg(input));
+    }
+    let mut failed = Vec::new();
+    for target in Target::value_variants().iter().copied() {
+        if arguments.target.is_some_and(|chosen| chosen != target) {
+            continue;
+        }
+        if let Err(error) = fuzz(target, &programs, Duration::from_secs(arguments.seconds), true) {
+            eprintln!("error: {error:#}");
+            failed.push(target.name());
+        }
+    }
+    ensure!(failed.is_empty(), "failed: {}", failed.join(" "));
+    Ok(())
+}
+
+/// Fuzzes every target for a short time; each of them is one check.
+pub fn short_runs(time: Duration) -> Counts {
+    let mut counts = Counts::default();
+    let programs = build();
+    if let Err(error) = &programs {
+        eprintln!("error: {error:#}");
+    }
+    for target in Target::value_variants() {
+        let result = programs.as_ref().ok().map(|programs| fuzz(*target, programs, time, false));
+        if let Some(Err(error)) = &result {
+            eprintln!("error: {error:#}");
+        }
+        counts += Counts::one(matches!(result, Some(Ok(()))));
+    }
+    counts
+}
+
+/// A cargo command on the fuzz workspace, for the host as a named target: so that `RUSTFLAGS` leave build
+/// scripts alone.
+///
+/// # Errors
+/// Cargo or rustc do not answer.
+pub fn cargo_in_fuzz(subcommand: &str) -> Result<Command> {
+    let mut command = process::cargo();
+    command.args([subcommand, "--release", "--manifest-path", "fuzz/Cargo.toml", "--target"]);
+    command.arg(process::host_triple()?).arg("--target-dir").arg(target_folder()?);
+    Ok(command)
+}
+
+fn target_folder() -> Result<PathBuf> {
+    Ok(process::target_folder()?.join("fuzz"))
+}
+
+/// Builds all targets and returns the folder of the programs.
+fn build() -> Result<PathBuf> {
+    ensure!(process::find_program("c++").is_some(), "libFuzzer needs a C++ compiler (Debian: g++)");
+    process::run(cargo_in_fuzz("build")?.env("RUSTFLAGS", process::rustflags(&COVERAGE)))?;
+    Ok(target_folder()?.join(process::host_triple()?).join("release"))
+}
+
+/// One input may take ten seconds and two gigabytes, as any malformed file may.
+const LIMITS: [&str; 2] = ["-timeout=10", "-rss_limit_mb=2048"];
+
+fn fuzz(target: Target, programs: &Path, time: Duration, verbose: bool) -> Result<()> {
+    let name = target.name();
+    let folder = workspace_root().join("fuzz");
+    let corpus = folder.join("corpus").join(name);
+    let artifacts = folder.join("artifacts").join(name);
+    fs::create_dir_all(&corpus)?;
+    fs::create_dir_all(&artifacts)?;
+    let seeds = seeds::write(target, &corpus, LARGEST_INPUT)?;
+
+    let mut command = Command::new(programs.join(name));
+    command
+        .current_dir(&folder)
+        .args(LIMITS)
+        .arg(format!("-max_total_time={}", time.as_secs()))
+        .arg(format!("-max_len={LARGEST_INPUT}"))
+        .arg(format!("-dict=dict/{name}.dict"))
+        // The slash at the end makes it a folder.
+        .arg(format!("-artifact_prefix={}/", artifacts.display()))
+        .arg("-print_final_stats=1")
+        .arg(&corpus)
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped());
+    process::show(&command);
+
+    let log_path = target_folder()?.join(format!("{name}.log"));
+    let mut log = File::create(&log_path)?;
+    let mut child = command.spawn().with_context(|| format!("starting the fuzz target {name}"))?;
+    let mut stderr = BufReader::new(child.stderr.take().context("the fuzz target's output")?);
+    let mut seen = Seen::default();
+    let mut bytes = Vec::new();
+    while stderr.read_until(b'\n', &mut bytes)? > 0 {
+        log.write_all(&bytes)?;
+        let line = String::from_utf8_lossy(&bytes);
+        seen.line(line.trim_end());
+        if verbose {
+            eprint!("{line}");
+        }
+        bytes.clear();
+    }
+    let status = child.wait()?;
+
+    if let Some(input) = &seen.written {
+        bail!(
+            "fuzz target {name}: {}\n  input: {input}\n  again: cargo xtask fuzz {name} --input {input}\n  log: {}",
+            seen.reason.as_deref().unwrap_or("failed"),
+            log_path.display()
+        );
+    }
+    ensure!(status.success(), "fuzz target {name}: {status}, log: {}", log_path.display());
+    // Without counters libFuzzer tries at random, and a green run means little.
+    ensure!(seen.counters > 0, "fuzz target {name} was built without coverage counters");
+    ensure!(seen.runs > 0, "fuzz target {name} ran no input");
+    println!("fuzz target {name}: {} runs from {seeds} seeds, {} edges covered", seen.runs, seen.edges);
+    Ok(())
+}
+
+/// What libFuzzer's log tells.
+#[derive(Debug, Default)]
+struct Seen {
+    counters: u64,
+    runs: u64,
+    edges: u64,
+    /// The panic message, or libFuzzer's own words.
+    reason: Option<String>,
+    /// Where the failing input lies.
+    written: Option<String>,
+}
+
+impl Seen {
+    fn line(&mut self, line: &str) {
+        let number_after = |text: &str| {
+            let (_, rest) = line.split_once(text)?;
+            let rest = rest.trim_start();
+            rest[..rest.find(|c: char| !c.is_ascii_digit()).unwrap_or(rest.len())].parse::<u64>().ok()
+        };
+        if line.contains("inline 8-bit counters") {
+            self.counters = number_after("(").unwrap_or(0);
+        } else if let Some(runs) = number_after("stat::number_of_executed_units:") {
+            self.runs = runs;
+        } else if line.starts_with('#') {
+            self.edges = number_after(" cov:").unwrap_or(self.edges);
+        } else if let Some((_, path)) = line.split_once("Test unit written to ") {
+            // A slow input is written, too, but is within its limit and no failure.
+            if !path.contains("slow-unit-") {
+                self.written = Some(path.to_owned());
+            }
+        } else if line.contains("panicked at") || line.contains("ERROR: libFuzzer") {
+            self.reason.get_or_insert_with(|| line.trim().to_owned());
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_log_of_a_good_run_is_understood() {
+        let mut seen = Seen::default();
+        for line in [
+            "INFO: Loaded 1 modules   (159 inline 8-bit counters): 159 [0x1, 0x2), ",
+            "INFO: Loaded 1 PC tables (159 PCs): 159 [0x1,0x2), ",
+            "#2\tINITED cov: 8 ft: 8 corp: 1/1b exec/s: 0 rss: 27Mb",
+            "#56448447\tDONE   cov: 9 ft: 9 corp: 2/5b lim: 4096 exec/s: 2688021 rss: 27Mb",
+            "stat::number_of_executed_units: 56448447",
+            "artifact_prefix='x/'; Test unit written to x/slow-unit-0a",
+        ] {
+            seen.line(line);
+        }
+        assert_eq!((seen.counters, seen.runs, seen.edges), (159, 56448447, 9));
+        assert_eq!((seen.reason, seen.written), (None, None));
+    }
+
+    #[test]
+    fn a_crash_is_told_by_its_panic_and_its_input() {
+        let mut seen = Seen::default();
+        for line in [
+            "thread '<unnamed>' (9788) panicked at fuzz_targets/a.rs:4:85:",
+            "==9788== ERROR: libFuzzer: deadly signal",
+            "artifact_prefix='x/'; Test unit written to x/crash-93c5",
+        ] {
+            seen.line(line);
+        }
+        assert!(seen.reason.unwrap().contains("panicked at fuzz_targets/a.rs:4:85"));
+        assert_eq!(seen.written.as_deref(), Some("x/crash-93c5"));
+    }
+
+    #[test]
+    fn every_target_has_its_files() {
+        for target in Target::value_variants() {
+            let fuzz = workspace_root().join("fuzz");
+            assert!(fuzz.join(format!("fuzz_targets/{}.rs", target.name())).is_file(), "{target:?}");
+            assert!(fuzz.join(format!("dict/{}.dict", target.name())).is_file(), "{target:?}");
+            assert_eq!(target.to_possible_value().unwrap().get_name(), target.name());
+        }
+    }
+}

@@ -1,0 +1,324 @@
+//! Small right files to begin fuzzing from: made here, and taken from the test data where it is there.
+
+use std::fmt::Write as _;
+use std::fs;
+use std::io::Write as _;
+use std::path::Path;
+
+use anyhow::Result;
+use flate2::Compression;
+use flate2::write::GzEncoder;
+
+use super::Target;
+
+/// Writes the seeds of a target into its corpus and returns how many they are.
+///
+/// # Errors
+/// The file system's reason.
+pub fn write(target: Target, corpus: &Path, largest: u64) -> Result<usize> {
+    let mut count = 0;
+    for (number, seed) in made(target).into_iter().enumerate() {
+        fs::write(corpus.join(format!("seed-{number:02}")), seed)?;
+        count += 1;
+    }
+    if let Some(data) = tercio_testkit::shared_data() {
+        count += copy_small(&data, &data, extensions(target), corpus, largest)?;
+    }
+    Ok(count)
+}
+
+fn extensions(target: Target) -> &'static [&'static str] {
+    match target {
+        Target::Ply => &["ply"],
+        Target::Obj => &["obj"],
+        Target::Stl => &["stl"],
+        Target::Off => &["off"],
+        Target::SniffRead => &["ply", "obj", "stl", "off", "gz"],
+    }
+}
+
+/// Copies the files below `folder` whose name ends right and that are small, under names that tell where
+/// they are from.
+fn copy_small(folder: &Path, data: &Path, ends: &[&str], corpus: &Path, largest: u64) -> Result<usize> {
+    let mut count = 0;
+    for entry in fs::read_dir(folder)? {
+        let entry = entry?;
+        let path = entry.path();
+        if entry.file_type()?.is_dir() {
+            count += copy_small(&path, data, ends, corpus, largest)?;
+            continue;
+        }
+        let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("").to_ascii_lowercase();
+        if ends.contains(&extension.as_str()) && entry.metadata()?.len() <= largest {
+            let below = path.strip_prefix(data).unwrap_or(&path).to_string_lossy().replace('/', "-");
+            // Read and written, not copied: the data is read-only, and its copy would be, too.
+            fs::write(corpus.join(format!("shared-{below}")), fs::read(&path)?)?;
+            count += 1;
+        }
+    }
+    Ok(count)
+}
+
+fn made(target: Target) -> Vec<Vec<u8>> {
+    match target {
+        Target::Ply => ply(),
+        Target::Obj => obj(),
+        Target::Stl => stl(),
+        Target::Off => off(),
+        Target::SniffRead => {
+            let plain = [ply(), obj(), stl(), off()].concat();
+            let packed: Vec<_> = plain.iter().map(|bytes| gzip(bytes)).collect();
+            [plain, packed].concat()
+        }
+    }
+}
+
+fn gzip(bytes: &[u8]) -> Vec<u8> {
+    let mut encoder = GzEncoder::new(Vec::new(), Compression::default());
+    // A vector takes everything that is written to it.
+    encoder.write_all(bytes).and_then(|()| encoder.finish()).unwrap_or_default()
+}
+
+/// The corners of a tetrahedron; its faces are the four triples of them.
+const CORNERS: [[f32; 3]; 4] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.5]];
+const FACES: [[u8; 3]; 4] = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+
+#[derive(Clone, Copy)]
+enum Encoding {
+    Ascii,
+    Little,
+    Big,
+}
+
+/// Writes the values of a PLY body as they are declared.
+struct Body {
+    encoding: Encoding,
+    bytes: Vec<u8>,
+}
+
+impl Body {
+    /// One value of the scalar type that PLY calls `kind`.
+    fn put(&mut self, kind: &str, value: f64) {
+        let big = match kind {
+            _ if matches!(self.encoding, Encoding::Ascii) => {
+                self.bytes.extend(format!("{value} ").as_bytes());
+                return;
+            }
+            "char" | "int8" => (value as i8).to_be_bytes().to_vec(),
+            "uchar" | "uint8" => (value as u8).to_be_bytes().to_vec(),
+            "short" | "int16" => (value as i16).to_be_bytes().to_vec(),
+            "ushort" | "uint16" => (value as u16).to_be_bytes().to_vec(),
+            "int" | "int32" => (value as i32).to_be_bytes().to_vec(),
+            "uint" | "uint32" => (value as u32).to_be_bytes().to_vec(),
+            "float" | "float32" => (value as f32).to_be_bytes().to_vec(),
+            _ => value.to_be_bytes().to_vec(),
+        };
+        match self.encoding {
+            Encoding::Little => self.bytes.extend(big.iter().rev()),
+            _ => self.bytes.extend(big),
+        }
+    }
+
+    fn end_of_element(&mut self) {
+        if matches!(self.encoding, Encoding::Ascii) {
+            self.bytes.push(b'\n');
+        }
+    }
+}
+
+fn ply() -> Vec<Vec<u8>> {
+    let plain = [("x", "float"), ("y", "float"), ("z", "float")];
+    let everything = [
+        ("x", "double"),
+        ("y", "float64"),
+        ("z", "float32"),
+        ("nx", "float"),
+        ("ny", "float"),
+        ("nz", "float"),
+        ("red", "uchar"),
+        ("green", "uint8"),
+        ("blue", "uchar"),
+        ("alpha", "uchar"),
+        ("s", "float"),
+        ("t", "float"),
+        ("a", "char"),
+        ("b", "short"),
+        ("c", "ushort"),
+        ("d", "int"),
+        ("e", "uint32"),
+        ("confidence", "int16"),
+    ];
+    let mut files = Vec::new();
+    for encoding in [Encoding::Ascii, Encoding::Little, Encoding::Big] {
+        files.push(ply_file(encoding, &plain, ("uchar", "int"), false));
+        files.push(ply_file(encoding, &everything, ("ushort", "uint"), false));
+        files.push(ply_file(encoding, &plain, ("int", "short"), true));
+    }
+    files
+}
+
+/// A tetrahedron with these vertex properties; `list` is the type of a list's count and of its values. The
+/// faces are polygons with colours, or one triangle strip.
+fn ply_file(encoding: Encoding, vertex: &[(&str, &str)], list: (&str, &str), strips: bool) -> Vec<u8> {
+    let word = match encoding {
+        Encoding::Ascii => "ascii",
+        Encoding::Little => "binary_little_endian",
+        Encoding::Big => "binary_big_endian",
+    };
+    let mut header = format!("ply\nformat {word} 1.0\ncomment a seed\nobj_info none\nelement vertex 4\n");
+    for (name, kind) in vertex {
+        let _ = writeln!(header, "property {kind} {name}");
+    }
+    let (count, index) = list;
+    if strips {
+        let _ = write!(header, "element tristrips 1\nproperty list {count} {index} vertex_indices\n");
+    } else {
+        let _ = write!(header, "element face 4\nproperty list {count} {index} vertex_indices\n");
+        header += "property uchar red\nproperty uchar green\nproperty uchar blue\n";
+        header += "element edge 1\nproperty int vertex1\nproperty int vertex2\n";
+    }
+    header += "end_header\n";
+
+    let mut body = Body { encoding, bytes: header.into_bytes() };
+    for (number, corner) in CORNERS.iter().enumerate() {
+        for (place, (_, kind)) in vertex.iter().enumerate() {
+            let value = corner.get(place).map_or((number * place) as f64, |c| f64::from(*c));
+            body.put(kind, value);
+        }
+        body.end_of_element();
+    }
+    if strips {
+        let strip = [0, 2, 1, 3, -1, 2, 0, 3];
+        body.put(count, strip.len() as f64);
+        strip.iter().for_each(|corner| body.put(index, f64::from(*corner)));
+        body.end_of_element();
+        return body.bytes;
+    }
+    for face in FACES {
+        body.put(count, 3.0);
+        face.iter().for_each(|corner| body.put(index, f64::from(*corner)));
+        (0..3).for_each(|channel| body.put("uchar", f64::from(channel) * 100.0));
+        body.end_of_element();
+    }
+    [2.0, 3.0].iter().for_each(|corner| body.put("int", *corner));
+    body.end_of_element();
+    body.bytes
+}
+
+fn obj() -> Vec<Vec<u8>> {
+    let texts = [
+        "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n",
+        "# all kinds of corners\nmtllib a.mtl b.mtl\no thing\nv 0 0 0 1 0.5 0\nv 1 0 0 0 1 0\nv 1 1 0 0 0 1\n\
+         v 0 1 0 1 1 1\nvt 0 0\nvt 1 0 0\nvt 1 1\nvt 0 1\nvn 0 0 1\ng left right\nusemtl red\ns 1\n\
+         f 1 2 3\nf 1/1 2/2 3/3\nusemtl blue\ns off\nf 1//1 2//1 3//1\nf 1/1/1 2/2/1 3/3/1 4/4/1\n\
+         f -4/-4/-1 -3/-3/-1 -2/-2/-1\nl 1 2 3\np 1\n",
+        "v 0 0 0\r\nv 2 0 0\r\nv 2 2 0\r\nv 1 5e-1 0\r\nv 0 2 0\r\nf 1 2 \\\r\n 3 4 5\r\n",
+    ];
+    texts.map(|text| text.as_bytes().to_vec()).into()
+}
+
+fn stl() -> Vec<Vec<u8>> {
+    let mut text = String::new();
+    for solid in ["one", "two words", ""] {
+        let _ = writeln!(text, "solid {solid}");
+        for face in FACES {
+            text += "  facet normal 0 0 1\n    outer loop\n";
+            for corner in face {
+                let [x, y, z] = CORNERS[usize::from(corner)];
+                let _ = writeln!(text, "      vertex {x:e} {y} {z}");
+            }
+            text += "    endloop\n  endfacet\n";
+        }
+        let _ = writeln!(text, "endsolid {solid}");
+    }
+    let binary = |title: &[u8], attribute: u16| {
+        let mut bytes = title.to_vec();
+        bytes.resize(80, b' ');
+        bytes.extend((FACES.len() as u32).to_le_bytes());
+        for face in FACES {
+            bytes.extend([0; 12]);
+            let corners = face.iter().flat_map(|corner| CORNERS[usize::from(*corner)]);
+            corners.for_each(|coordinate| bytes.extend(coordinate.to_le_bytes()));
+            bytes.extend(attribute.to_le_bytes());
+        }
+        bytes
+    };
+    vec![
+        text.into_bytes(),
+        binary(b"seed", 0),
+        binary(b"solid seed", 0),
+        binary(b"COLOR=\x80\x40\x20\xff", 0x9234),
+    ]
+}
+
+fn off() -> Vec<Vec<u8>> {
+    let mut files = Vec::new();
+    // The key word, and what stands behind a vertex's coordinates.
+    let dialects = [
+        ("OFF", ""),
+        ("COFF", " 255 128 0 255"),
+        ("NOFF", " 0 0 1"),
+        ("STOFF", " 0.5 0.25"),
+        ("CNOFF", " 0 0 1 0.5 0.25 0 1"),
+        ("STCNOFF", " 0 0 1 1 0 0 1 0.5 0.25"),
+        ("4OFF", " 1"),
+    ];
+    for (word, tail) in dialects {
+        let mut text = format!("{word}\n# a seed\n4 4 6\n");
+        for [x, y, z] in CORNERS {
+            let _ = writeln!(text, "{x} {y} {z}{tail}");
+        }
+        for ([a, b, c], color) in FACES.iter().zip(["", " 7", " 255 0 0", " 0.5 0.5 0.5 1.0"]) {
+            let _ = writeln!(text, "3 {a} {b} {c}{color}");
+        }
+        files.push(text.into_bytes());
+    }
+    files.push(b"OFF 5 1 0 0 0 0 2 0 0 2 2 0 1 0.5 0 0 2 0 5 0 1 2 3 4\n".to_vec());
+    files.push(b"nOFF\n2\n3 1 0\n0 0\n1 0\n0 1\n3 0 1 2\n".to_vec());
+    let mut binary = b"OFF BINARY\n".to_vec();
+    [4u32, 4, 6].iter().for_each(|count| binary.extend(count.to_be_bytes()));
+    CORNERS.as_flattened().iter().for_each(|coordinate| binary.extend(coordinate.to_be_bytes()));
+    for face in FACES {
+        binary.extend(3u32.to_be_bytes());
+        face.iter().for_each(|corner| binary.extend(u32::from(*corner).to_be_bytes()));
+        binary.extend(0u32.to_be_bytes());
+    }
+    files.push(binary);
+    files
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::ValueEnum as _;
+
+    use super::*;
+
+    #[test]
+    fn binary_stl_has_the_size_that_its_count_tells() {
+        for seed in &stl()[1..] {
+            assert_eq!(seed.len(), 84 + 50 * FACES.len());
+        }
+    }
+
+    #[test]
+    fn binary_ply_of_both_byte_orders_has_one_size() {
+        let sizes: Vec<_> = ply().iter().map(|seed| seed.len()).collect();
+        // "little" is three letters longer than "big".
+        assert_eq!(sizes[3..6], [sizes[6] + 3, sizes[7] + 3, sizes[8] + 3]);
+    }
+
+    #[test]
+    fn seeds_are_written_once_and_small() {
+        let folder = tempfile::tempdir().unwrap();
+        for target in Target::value_variants() {
+            let corpus = folder.path().join(target.name());
+            fs::create_dir(&corpus).unwrap();
+            let count = write(*target, &corpus, 4096).unwrap();
+            assert_eq!(write(*target, &corpus, 4096).unwrap(), count, "seeds can be written again");
+            let files: Vec<_> = fs::read_dir(&corpus).unwrap().map(|file| file.unwrap()).collect();
+            assert_eq!(files.len(), count);
+            assert!(count >= made(*target).len());
+            assert!(files.iter().all(|file| file.metadata().unwrap().len() <= 4096));
+        }
+    }
+}

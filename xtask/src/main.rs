@@ -1,0 +1,55 @@
+//! The project's own commands: `cargo xtask COMMAND`.
+
+#![forbid(unsafe_code)]
+
+mod bless;
+mod dist;
+mod elf;
+mod figures;
+mod fuzz;
+mod libtest;
+mod packages;
+mod process;
+mod suite;
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+#[derive(Parser)]
+#[command(bin_name = "cargo xtask", about = "The commands that build, test and document tercio")]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Run all checks: format, lints, tests, short fuzzing, the static binary
+    Test(suite::Arguments),
+    /// Fuzz the readers with the stable toolchain
+    Fuzz(fuzz::Arguments),
+    /// Build one static binary into dist/
+    Dist(dist::Arguments),
+    /// Draw the golden pictures again and show what changed
+    Bless(bless::Arguments),
+    /// Draw the pictures of the README into docs/images/
+    Figures,
+}
+
+fn main() -> ExitCode {
+    let result = match Arguments::parse().command {
+        Command::Test(arguments) => return suite::run(&arguments),
+        Command::Fuzz(arguments) => fuzz::run(&arguments),
+        Command::Dist(arguments) => dist::run(&arguments),
+        Command::Bless(arguments) => bless::run(&arguments),
+        Command::Figures => figures::run(),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}
