@@ -8,7 +8,7 @@ use glam::DVec3;
 
 use crate::camera::CameraBasis;
 use crate::{Camera, Projection, Scene};
-use tercio_mesh::Aabb;
+use tercio_mesh::{Aabb, trig};
 
 /// Which world axis points upwards.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -193,7 +193,7 @@ impl Framing {
         match self.fov_y {
             // As it was given, to the last digit.
             Some(fov_y) if self.zoom == 1.0 => fov_y.to_radians(),
-            _ => 2.0 * (tangent / self.zoom).atan(),
+            _ => 2.0 * trig::atan2(tangent, self.zoom),
         }
     }
 
@@ -300,7 +300,8 @@ fn drawable(bounds: &Aabb) -> Aabb {
 }
 
 fn half_tangent(degrees: f64) -> f64 {
-    (degrees.to_radians() * 0.5).tan()
+    let (sin, cos) = trig::sin_cos(degrees.to_radians() * 0.5);
+    sin / cos
 }
 
 fn rolled(basis: CameraBasis, roll: f64) -> CameraBasis {
@@ -324,7 +325,7 @@ fn sin_cos_degrees(degrees: f64) -> (f64, f64) {
     } else if turned == 270.0 {
         (-1.0, 0.0)
     } else {
-        turned.to_radians().sin_cos()
+        trig::sin_cos(turned.to_radians())
     }
 }
 
