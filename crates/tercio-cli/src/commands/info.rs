@@ -100,7 +100,7 @@ fn json(model: &str, loaded: &LoadedMesh, attributes: &[AttributeSummary]) -> Va
     value["tercio_version"] = env!("CARGO_PKG_VERSION").into();
     value["attributes"] = attributes.iter().map(attribute).collect();
     value["materials"] = loaded.mesh.materials.iter().map(material).collect();
-    value["topology"] = loaded.report.topology.map_or(Value::Null, |t| {
+    value["topology"] = loaded.report.topology.as_ref().map_or(Value::Null, |t| {
         json!({
             "closed": t.closed,
             "consistently_wound": t.consistently_wound,
