@@ -8,7 +8,7 @@ use glam::DVec3;
 
 use crate::camera::CameraBasis;
 use crate::{Camera, Projection, Scene};
-use tercio_mesh::Aabb;
+use tercio_mesh::{Aabb, trig};
 
 /// Which world axis points upwards.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -193,7 +193,7 @@ impl Framing {
         match self.fov_y {
             // As it was given, to the last digit.
             Some(fov_y) if self.zoom == 1.0 => fov_y.to_radians(),
-            _ => 2.0 * (tangent / self.zoom).atan(),
+            _ => 2.0 * trig::atan2(tangent, self.zoom),
         }
     }
 
@@ -249,34 +249,36 @@ impl<F: Fn(DVec3) -> f64> Axis<'_, F> {
     /// inside which it can be seen from there.
     ///
     /// Asks for the smallest tangent that still holds the model: the root of the slack
-    /// `2 t d - plus - minus`, which rises with t and is minus the model's width at 0. It is made of few
-    /// straight pieces, on which secants end soon.
+    /// `2 t d - plus - minus`, which rises with t and is minus the model's width at 0. Found by the Illinois
+    /// method: chords, where the weight of an end that does not move is halved.
     fn middle(&self, distance: f64, t: f64) -> f64 {
         let slack = |t: f64| {
             let (plus, minus) = self.reaches(t);
             (2.0 * t * distance - plus - minus, (plus - minus) * 0.5)
         };
-        let (mut last, mut this) = ((0.0, slack(0.0)), (t, slack(t)));
-        let (mut low, mut high) = (0.0, t);
-        let tolerance = -1e-3 * last.1.0;
-        for _ in 0..16 {
-            let (slack_here, x) = this.1;
-            if slack_here.abs() <= tolerance {
-                return x;
+        let (mut high_slack, mut x) = slack(t);
+        let (mut low, mut high, mut low_slack) = (0.0, t, slack(0.0).0);
+        let mut was_low = None;
+        for _ in 0..64 {
+            if high_slack <= 0.0 || high - low <= 1e-4 * high {
+                break;
             }
-            if slack_here > 0.0 {
-                high = this.0
+            let next = high - high_slack * (high - low) / (high_slack - low_slack);
+            let (next_slack, next_x) = slack(next);
+            let is_low = next_slack < 0.0;
+            x = next_x;
+            if next_slack == 0.0 || next == low || next == high {
+                break;
+            } else if is_low {
+                (low, low_slack) = (next, next_slack);
+                high_slack *= if was_low == Some(true) { 0.5 } else { 1.0 };
             } else {
-                low = this.0
+                (high, high_slack) = (next, next_slack);
+                low_slack *= if was_low == Some(false) { 0.5 } else { 1.0 };
             }
-            let rise = slack_here - last.1.0;
-            let secant = this.0 - slack_here * (this.0 - last.0) / rise;
-            let inside = secant > low && secant < high;
-            let next = if inside { secant } else { (low + high) * 0.5 };
-            last = this;
-            this = (next, slack(next));
+            was_low = Some(is_low);
         }
-        this.1.1
+        x
     }
 }
 
@@ -300,7 +302,8 @@ fn drawable(bounds: &Aabb) -> Aabb {
 }
 
 fn half_tangent(degrees: f64) -> f64 {
-    (degrees.to_radians() * 0.5).tan()
+    let (sin, cos) = trig::sin_cos(degrees.to_radians() * 0.5);
+    sin / cos
 }
 
 fn rolled(basis: CameraBasis, roll: f64) -> CameraBasis {
@@ -324,7 +327,7 @@ fn sin_cos_degrees(degrees: f64) -> (f64, f64) {
     } else if turned == 270.0 {
         (-1.0, 0.0)
     } else {
-        turned.to_radians().sin_cos()
+        trig::sin_cos(turned.to_radians())
     }
 }
 
