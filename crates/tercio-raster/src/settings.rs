@@ -35,6 +35,18 @@ pub enum Cull {
     Front,
 }
 
+impl Cull {
+    /// Which orientation on the screen is left out: `Some(true)` the clockwise one, `Some(false)` the
+    /// counter-clockwise one, `None` neither. A mirrored instance shows its fronts clockwise.
+    pub(crate) fn drops_clockwise(self, mirrored: bool) -> Option<bool> {
+        match self {
+            Self::Auto | Self::None => None,
+            Self::Back => Some(!mirrored),
+            Self::Front => Some(mirrored),
+        }
+    }
+}
+
 /// Where and how light is computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Shading {

@@ -88,10 +88,8 @@ impl View {
             ([0.0, 0.0, 0.0, 1.0], row(b.forward, -k, self.far * k))
         };
         let inverse = linear.inverse();
-        let mut normal_matrix = inverse.transpose();
-        if linear.determinant() < 0.0 {
-            normal_matrix = -normal_matrix;
-        }
+        // It keeps the side of a plane on which a normal stands, of mirror images too.
+        let normal_matrix = inverse.transpose();
         // Towards the viewer in object space: the eye itself, or the direction of all rays.
         let viewer = if self.perspective { inverse * -shift } else { inverse * -b.forward };
         let f = |v: DVec3| [v.x as f32, v.y as f32, v.z as f32];
@@ -111,9 +109,19 @@ impl View {
             world_from_local: rows(linear),
             eye_from_local: f(shift),
             normal_matrix: rows(normal_matrix),
+            mirrored: linear.determinant() < 0.0,
+            similarity: similarity(linear),
             inverse_size: if size > 0.0 { (1.0 / size) as f32 } else { 1.0 },
         }
     }
+}
+
+/// The factor by which a map scales, if it scales all directions alike.
+fn similarity(linear: DMat3) -> Option<f64> {
+    let gram = linear.transpose() * linear;
+    let square = (gram.x_axis.x + gram.y_axis.y + gram.z_axis.z) / 3.0;
+    let error = (gram - DMat3::from_diagonal(DVec3::splat(square))).to_cols_array();
+    error.into_iter().all(|e| e.abs() <= 1e-9 * square).then(|| square.sqrt())
 }
 
 /// The rows of the matrix to clip space, not rounded.
@@ -156,6 +164,10 @@ pub struct ObjectView {
     pub eye_from_local: [f32; 3],
     /// Normals from object space to world space, length not kept.
     pub normal_matrix: [[f32; 3]; 3],
+    /// The instance is a mirror image: its fronts are clockwise.
+    pub mirrored: bool,
+    /// World units an object unit, if it is the same in all directions.
+    pub similarity: Option<f64>,
     /// Brings edges to a size at which their products neither vanish nor overflow.
     pub inverse_size: f32,
 }

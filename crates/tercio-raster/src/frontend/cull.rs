@@ -65,3 +65,54 @@ pub fn place(view: &View, object: &ObjectView, cluster: &Cluster) -> Placement {
         _ => Placement::Crossing,
     }
 }
+
+/// Snapping must not be able to turn a triangle over: at least this many sub-pixels of height are asked for.
+/// Half a sub-pixel is rounded at each corner, which can turn over triangles of less than 5; the rest is room
+/// for the rounding of `f32` on the way to the screen.
+const SAFE_HEIGHT: f64 = 16.0;
+
+/// True only if every triangle of a cluster shows its back (`back`) or its front (`!back`), and still does after
+/// its corners were snapped. The cluster must lie [`Placement::Inside`].
+///
+/// The normal cone tells the facing in exact geometry, with a margin m: the sine of the angle between the line
+/// of sight and each triangle's plane is at least 2/pi * m. On the screen the least height of a triangle is then
+/// at least `scale * height * sine * w_min^2 / w_max^3` for a perspective camera (the projected area over the
+/// longest projected edge), `scale * height * sine` for an orthographic one.
+pub fn shows_one_side(view: &View, object: &ObjectView, cluster: &Cluster, back: bool) -> bool {
+    let Some(similarity) = object.similarity else { return false };
+    let axis = cluster.cone_axis.map(|a| f64::from(a) / 127.0);
+    let cutoff = f64::from(cluster.cone_cutoff) / 127.0;
+    let (center, radius) = cluster.sphere();
+    let radius = f64::from(radius) * 1.0001;
+    let viewer = object.viewer.map(f64::from);
+    // Into the scene: from the eye to the middle of the cluster, or along the parallel rays.
+    let d: [f64; 3] =
+        std::array::from_fn(
+            |k| {
+                if object.perspective { f64::from(center[k]) - viewer[k] } else { -viewer[k] }
+            },
+        );
+    let dot = |a: [f64; 3], b: [f64; 3]| (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2];
+    let (along, length) = (dot(d, axis), dot(d, d).sqrt());
+    let along = if back { along } else { -along };
+    let reach = if object.perspective { radius } else { 0.0 };
+    let margin = (along - reach) / (length + reach) - cutoff - 1e-5;
+    if !(margin > 0.0) {
+        return false;
+    }
+    let sine = margin * std::f64::consts::FRAC_2_PI;
+    let height = f64::from(cluster.min_height) * similarity * view.scale * sine;
+    let on_screen = if object.perspective {
+        let [wx, wy, wz, w0] = object.exact.w;
+        let w = dot([wx, wy, wz], center.map(f64::from)) + w0;
+        let depth = radius * similarity;
+        let (nearest, farthest) = (w - depth, w + depth);
+        if nearest <= 0.0 {
+            return false;
+        }
+        height * nearest * nearest / (farthest * farthest * farthest)
+    } else {
+        height
+    };
+    on_screen > SAFE_HEIGHT
+}

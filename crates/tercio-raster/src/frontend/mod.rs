@@ -12,11 +12,10 @@ pub mod triangles;
 use std::ops::Range;
 
 use fearless_simd::Simd;
-use tercio_mesh::cluster::{Cluster, MAX_TRIANGLES};
+use tercio_mesh::cluster::MAX_TRIANGLES;
 
 use crate::binning::Bins;
 use crate::context::FrameContext;
-use crate::settings::Cull;
 use crate::stats::FrontEndCounts;
 use cull::Placement;
 use triangles::ClusterPass;
@@ -53,7 +52,12 @@ pub fn run<S: Simd>(simd: S, context: &FrameContext, clusters: Range<u32>, batch
                 counts.triangles_in_outside_clusters += triangles;
                 continue;
             }
-            if shows_culled_side_only(context, instance, cluster) {
+            let dropped = context.settings.cull.drops_clockwise(object.mirrored);
+            if placement == Placement::Inside
+                && dropped.is_some_and(|clockwise| {
+                    cull::shows_one_side(&context.view, object, cluster, clockwise != object.mirrored)
+                })
+            {
                 counts.clusters_facing += 1;
                 counts.triangles_in_facing_clusters += triangles;
                 continue;
@@ -67,14 +71,4 @@ pub fn run<S: Simd>(simd: S, context: &FrameContext, clusters: Range<u32>, batch
         );
     }
     batch.bins.sort(&context.grid);
-}
-
-/// Could be true only where every triangle of the cluster would be culled by its facing, snapped corners and
-/// all.
-fn shows_culled_side_only(context: &FrameContext, instance: usize, cluster: &Cluster) -> bool {
-    let _ = (context, instance, cluster);
-    match context.settings.cull {
-        Cull::Auto | Cull::None => false,
-        Cull::Back | Cull::Front => false,
-    }
 }

@@ -13,7 +13,6 @@ use super::transform::project;
 use crate::binning::ScreenTriangle;
 use crate::context::FrameContext;
 use crate::conventions::{SAMPLE, SMALL_EXTENT, SUBPIXEL_BITS};
-use crate::settings::Cull;
 use crate::simd::{LANES, each3, load, lookup, splat_i};
 use crate::view::{ObjectView, ScreenVertex};
 
@@ -72,7 +71,7 @@ impl ClusterPass {
             } else {
                 self.clip_crossing(context, object, mesh, cluster, &corners, live, slot, batch)
             };
-            self.draw_16(simd, context, &corners, whole, slot, batch);
+            self.draw_16(simd, context, object, &corners, whole, slot, batch);
             first += LANES;
         }
     }
@@ -116,11 +115,13 @@ impl ClusterPass {
     }
 
     /// 16 triangles whose corners are all inside: drops those that reach no sample and bins the others.
+    #[expect(clippy::too_many_arguments, reason = "one call site; a struct would only rename them")]
     #[inline(always)]
     fn draw_16<S: Simd>(
         &self,
         simd: S,
         context: &FrameContext,
+        object: &ObjectView,
         corners: &Corners,
         live: u32,
         first_slot: u32,
@@ -159,12 +160,10 @@ impl ClusterPass {
             counter |= u32::from(area < 0) << lane;
         }
         counts.triangles_no_area += u64::from((hits & !clockwise & !counter).count_ones());
-        // On the screen y runs downwards: a front face, counter-clockwise in the world, is one here too only
-        // after the flip, that is, its area is negative.
-        let (keep, drop) = match context.settings.cull {
-            Cull::Auto | Cull::None => (clockwise | counter, 0),
-            Cull::Back => (counter, clockwise),
-            Cull::Front => (clockwise, counter),
+        let (keep, drop) = match context.settings.cull.drops_clockwise(object.mirrored) {
+            None => (clockwise | counter, 0),
+            Some(true) => (counter, clockwise),
+            Some(false) => (clockwise, counter),
         };
         counts.triangles_facing += u64::from(drop.count_ones());
 
@@ -216,7 +215,7 @@ impl ClusterPass {
             let mut pieces = 0;
             clip_triangle(object, positions, v, |piece| {
                 pieces += 1;
-                draw_piece(context, ScreenTriangle::new(piece, first_slot + lane), batch);
+                draw_piece(context, object, ScreenTriangle::new(piece, first_slot + lane), batch);
             });
             let counter = if pieces == 0 {
                 &mut batch.counts.triangles_outside
@@ -242,13 +241,9 @@ fn last_sample_16<S: Simd>(simd: S, v: i32x16<S>, size: u32) -> i32x16<S> {
 }
 
 /// Bins one piece of a clipped triangle.
-fn draw_piece(context: &FrameContext, piece: ScreenTriangle, batch: &mut Batch) {
+fn draw_piece(context: &FrameContext, object: &ObjectView, piece: ScreenTriangle, batch: &mut Batch) {
     let area = piece.area();
-    let culled = match context.settings.cull {
-        Cull::Auto | Cull::None => false,
-        Cull::Back => area > 0,
-        Cull::Front => area < 0,
-    };
+    let culled = context.settings.cull.drops_clockwise(object.mirrored) == Some(area > 0);
     if area == 0 || culled {
         return;
     }

@@ -55,7 +55,7 @@ pub fn render(
             let positions = Mesh::canonical(corners).map(|v| mesh.positions[v as usize]);
             let projected = positions.map(|p| object.project(p));
             let mut draw = |corners: [ScreenVertex; 3]| {
-                rasterize(corners, settings, |x, y, depth| {
+                rasterize(corners, object.mirrored, settings, |x, y, depth| {
                     let old = &mut samples[y * width + x];
                     // Triangles come in the order of their numbers, so among equals the first stays.
                     if depth > old.depth {
@@ -123,16 +123,22 @@ fn first_faces(meshes: &[&Mesh]) -> Vec<u32> {
 }
 
 /// Calls `emit(x, y, depth)` for every sample that a triangle covers.
-fn rasterize(v: [ScreenVertex; 3], settings: &Settings, mut emit: impl FnMut(usize, usize, f32)) {
+fn rasterize(
+    v: [ScreenVertex; 3],
+    mirrored: bool,
+    settings: &Settings,
+    mut emit: impl FnMut(usize, usize, f32),
+) {
     // Positive where p lies clockwise of the edge from a to b, on a screen whose y runs downwards.
     let edge =
         |a: [i64; 2], b: [i64; 2], p: [i64; 2]| (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0]);
     let at = v.map(|v| [i64::from(v.x), i64::from(v.y)]);
     let area = edge(at[0], at[1], at[2]);
+    // Fronts are counter-clockwise, those of a mirrored instance clockwise.
     let culled = match settings.cull {
         Cull::Auto | Cull::None => false,
-        Cull::Back => area > 0,
-        Cull::Front => area < 0,
+        Cull::Back => (area > 0) != mirrored,
+        Cull::Front => (area < 0) != mirrored,
     };
     if area == 0 || culled {
         return;
