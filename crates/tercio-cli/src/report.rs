@@ -2,6 +2,7 @@
 
 use serde_json::{Value, json};
 use tercio::LoadReport;
+use tercio::glam::DVec3;
 use tercio::mesh::Aabb;
 
 /// Everything about the loading of a model.
@@ -91,6 +92,18 @@ pub fn grouped(n: u64) -> String {
     text
 }
 
+/// A point with as many digits as positions in `f32` keep in a model of this size.
+pub fn point(p: DVec3, size: f64) -> String {
+    let largest = size.max(f64::MIN_POSITIVE).log10().floor();
+    let digits = (6.0 - largest).clamp(0.0, 12.0) as usize;
+    let number = |v: f64| {
+        let text = format!("{v:.digits$}");
+        let short = if digits > 0 { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
+        if short == "-0" { "0".to_owned() } else { short.to_owned() }
+    };
+    format!("{} {} {}", number(p.x), number(p.y), number(p.z))
+}
+
 /// An amount of memory for people.
 pub fn size(bytes: u64) -> String {
     let units = ["B", "kB", "MB", "GB", "TB", "PB", "EB"];
@@ -102,6 +115,14 @@ pub fn size(bytes: u64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn points_show_the_digits_that_count() {
+        assert_eq!(point(DVec3::new(-0.10832399874925613, 1.0, -0.0), 0.2), "-0.108324 1 0");
+        assert_eq!(point(DVec3::new(4_500_000.25, 100.0, 0.0), 1000.0), "4500000.25 100 0");
+        assert_eq!(point(DVec3::new(1e9, 0.0, 3.0), 1e9), "1000000000 0 3");
+        assert_eq!(point(DVec3::ZERO, 0.0), "0 0 0");
+    }
 
     #[test]
     fn numbers_are_readable() {

@@ -96,7 +96,7 @@ impl Default for Framing {
     fn default() -> Self {
         Self {
             up_axis: UpAxis::Y,
-            azimuth: 30.0,
+            azimuth: 15.0,
             elevation: 18.0,
             roll: 0.0,
             zoom: 1.0,

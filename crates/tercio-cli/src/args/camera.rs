@@ -67,7 +67,7 @@ pub struct CameraArgs {
     /// A view by name.
     #[arg(long, value_name = "NAME", value_enum, conflicts_with_all = ["azimuth", "elevation", "eye"])]
     view: Option<NamedView>,
-    /// Degrees round the up axis; 0 is the front, positive turns the camera to its right [default: 30].
+    /// Degrees round the up axis; 0 is the front, positive turns the camera to its right [default: 15].
     #[arg(long, value_name = "DEG", allow_negative_numbers = true, value_parser = values::number)]
     #[arg(conflicts_with = "eye")]
     azimuth: Option<f64>,

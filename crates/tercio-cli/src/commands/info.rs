@@ -6,6 +6,7 @@ use std::process::ExitCode;
 use anyhow::Result;
 use clap::Args;
 use serde_json::{Value, json};
+use tercio::glam::DVec3;
 use tercio::image::Destination;
 use tercio::mesh::AttributeDomain;
 use tercio::{AttributeSummary, LoadOptions, LoadedMesh, Normals};
@@ -130,8 +131,10 @@ fn text(model: &str, loaded: &LoadedMesh, attributes: &[AttributeSummary]) -> St
     if mesh.bounds.is_empty() {
         rows.push(("bounds", "none".into()));
     } else {
-        rows.push(("bounds", format!("{} to {}", mesh.bounds.min, mesh.bounds.max)));
-        rows.push(("size", mesh.bounds.size().to_string()));
+        let size = mesh.bounds.size();
+        let point = |p: DVec3| report::point(p, size.max_element());
+        rows.push(("bounds", format!("{} to {}", point(mesh.bounds.min), point(mesh.bounds.max))));
+        rows.push(("size", point(size)));
     }
     let present = [
         (mesh.normals, "normals"),

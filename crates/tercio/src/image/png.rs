@@ -70,6 +70,8 @@ pub(super) fn read(bytes: &[u8]) -> Result<Picture<'static>, ImageError> {
         reader.output_buffer_size().filter(|&s| s <= READ_LIMIT).ok_or_else(|| malformed("too large"))?;
     let mut samples = vec![0; size];
     let info = reader.next_frame(&mut samples).map_err(malformed)?;
+    // Damage behind the pixels is damage too.
+    reader.finish().map_err(malformed)?;
     samples.truncate(info.buffer_size());
     let channels = info.color_type.samples();
     let (width, height) = (info.width, info.height);
