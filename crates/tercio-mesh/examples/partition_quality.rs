@@ -194,6 +194,6 @@ fn shuffle(triangles: &mut [[u32; 3]]) {
     let mut random = 1u64;
     for i in (1..triangles.len()).rev() {
         random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        triangles.swap(i, ((random >> 32) * (i as u64 + 1) >> 32) as usize);
+        triangles.swap(i, (((random >> 32) * (i as u64 + 1)) >> 32) as usize);
     }
 }

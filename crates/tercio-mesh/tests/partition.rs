@@ -228,6 +228,21 @@ fn every_number_of_threads_gives_the_same_bytes() {
 }
 
 #[test]
+fn a_good_order_is_kept_and_a_bad_one_is_not() {
+    // Tiles of 7 x 7 squares: 98 triangles over 64 vertices each.
+    let mut mesh = grid(140, false);
+    let tile = |i: usize| (i / 2 / 140 / 7, i / 2 % 140 / 7);
+    let mut order: Vec<usize> = (0..mesh.triangles.len()).collect();
+    order.sort_by_key(|&i| tile(i));
+    mesh.triangles = order.iter().map(|&i| mesh.triangles[i]).collect();
+    let kept = partition(mesh, &PartitionOptions::default());
+    assert!(kept.primitives.is_none());
+    assert_eq!(kept.clusters.len(), 400);
+    assert!(partition(grid(140, true), &PartitionOptions::default()).primitives.is_some());
+    assert!(partition(grid(140, false), &PartitionOptions::default()).primitives.is_some());
+}
+
+#[test]
 fn a_crowded_cell_is_cut() {
     // Nearly all triangles stand in one cell of the grid, because a few stand far away.
     let mut mesh = grid(200, true);

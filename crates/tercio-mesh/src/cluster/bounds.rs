@@ -23,19 +23,19 @@ pub(super) fn bound(cluster: &mut Cluster, [x, y, z]: [&[f32]; 3], corners: [&[u
         let (a, b, c) = (point(a), point(b), point(c));
         let (u, v) = (b - a, c - a);
         let normal = u.cross(v);
-        let area = normal.length();
+        let square = normal.length_squared();
         let (uu, vv, ww) = (u.length_squared(), v.length_squared(), (v - u).length_squared());
-        if area > 0.0 {
-            height = height.min(area / uu.max(vv).max(ww).sqrt());
-            trusted &= area > SINE_LIMIT * (uu * vv).sqrt();
-            normals[count] = normal / area;
+        if square > 0.0 {
+            height = height.min(square / uu.max(vv).max(ww));
+            trusted &= square > SINE_LIMIT * SINE_LIMIT * (uu * vv);
+            normals[count] = normal * (1.0 / square.sqrt());
             sum += normals[count];
             count += 1;
         } else {
             height = 0.0;
         }
     }
-    cluster.min_height = round_down(height);
+    cluster.min_height = round_down(height.sqrt());
     (cluster.cone_axis, cluster.cone_cutoff) =
         if trusted { cone(&normals[..count], sum) } else { ([0; 3], Cluster::NO_CONE) };
 }

@@ -7,7 +7,7 @@
 
 use super::local::LocalMesh;
 use super::partition::{Cut, Limits, Span};
-use super::rim::{self, Rim};
+use super::rim::Rim;
 
 /// The working memory of one thread.
 #[derive(Default)]
@@ -110,7 +110,7 @@ impl Grower {
             let square = self.mesh.area * open.triangles as f32;
             let center = open.sum.map(|s| s * scale);
             let Some(place) = self.rim.best(center, direction(open.normal), square) else { return };
-            self.take(self.rim.vertices[place], open, limits, corners);
+            self.take(self.rim.vertex(place), open, limits, corners);
         }
     }
 
@@ -129,13 +129,17 @@ impl Grower {
             self.vertices[usize::from(vertex)].at_rim = 0;
         }
         for &t in self.mesh.around(vertex) {
+            // Arithmetic instead of branches that go either way: a done triangle stays [`DONE`], all ones,
+            // and counts nothing.
             let state = &mut self.state[usize::from(t)];
-            if *state == DONE {
-                continue;
-            }
-            *state = if *state >> 2 == open.number { *state + 1 } else { open.number << 2 | 1 };
-            let c = self.mesh.triangles[usize::from(t)];
-            match *state & 3 {
+            let done = u32::from(*state == DONE).wrapping_neg();
+            let before = (*state & 3) * u32::from(*state >> 2 == open.number);
+            *state = (open.number << 2 | (before + 1)) | done;
+            let c = match (before + 1) & !done {
+                2 | 3 => self.mesh.triangles[usize::from(t)],
+                _ => continue,
+            };
+            match before + 1 {
                 2 => reach(&mut self.rim, &mut self.vertices, &self.mesh, t, open.number),
                 3 if open.triangles < limits.triangles => {
                     *state = DONE;
@@ -225,23 +229,25 @@ impl Grower {
 /// Notes at the rim the vertex that a triangle with two corners inside still lacks.
 #[inline]
 fn reach(rim: &mut Rim, vertices: &mut [Vertex], mesh: &LocalMesh, triangle: u16, number: u32) {
-    for v in mesh.triangles[usize::from(triangle)] {
-        let vertex = &mut vertices[usize::from(v)];
-        if vertex.member >> 8 == number {
-            continue;
-        }
-        if vertex.at_rim >> 8 != number {
-            if rim.vertices.len() == rim::MOST {
-                return;
-            }
-            let place = rim.push(v, mesh.positions[usize::from(v)], mesh.normals[usize::from(triangle)]);
-            vertex.at_rim = number << 8 | place as u32;
-            vertex.completes = 0;
-        }
-        vertex.completes += 1;
-        rim.weigh((vertex.at_rim & 0xff) as usize, vertex.completes, vertex.completes == vertex.live);
+    let corners = mesh.triangles[usize::from(triangle)];
+    let inside = |k: usize| usize::from(vertices[usize::from(corners[k])].member >> 8 == number);
+    // Arithmetic, because the place of the missing corner cannot be predicted.
+    let v = corners[inside(0) * (1 + inside(1))];
+    let vertex = &mut vertices[usize::from(v)];
+    if vertex.member >> 8 == number {
+        // None is missing: the triangle has a corner twice.
         return;
     }
+    if vertex.at_rim >> 8 != number {
+        if rim.is_full() {
+            return;
+        }
+        let place = rim.push(v, mesh.positions[usize::from(v)], mesh.normals[usize::from(triangle)]);
+        vertex.at_rim = number << 8 | place as u32;
+        vertex.completes = 0;
+    }
+    vertex.completes += 1;
+    rim.weigh((vertex.at_rim & 0xff) as usize, vertex.completes, vertex.completes == vertex.live);
 }
 
 /// The vector at unit length; zero stays zero.

@@ -22,6 +22,8 @@ pub(super) struct LocalMesh {
     /// Triangles round the vertices.
     around: Vec<u16>,
     table: Table,
+    /// Mesh vertices of each triangle.
+    corners: Vec<[u32; 3]>,
 }
 
 impl LocalMesh {
@@ -30,12 +32,14 @@ impl LocalMesh {
         self.vertices.clear();
         self.triangles.clear();
         self.table.clear();
-        let Self { vertices, triangles: local, table, .. } = self;
-        for t in triangles {
-            let [a, b, c] = turn(t);
-            let (a, b) = (table.number(a, vertices), table.number(b, vertices));
-            local.push([a, b, table.number(c, vertices)]);
-        }
+        // First all loads from far memory, so that they overlap; then the search, which stops and goes.
+        self.corners.clear();
+        self.corners.extend(triangles);
+        let Self { corners, vertices, triangles, table, .. } = self;
+        triangles.extend(corners.iter().map(|&[a, b, c]| {
+            let local = [table.number(a, vertices), table.number(b, vertices), table.number(c, vertices)];
+            turn([a, b, c], local)
+        }));
         self.positions.clear();
         self.positions.extend(vertices.iter().map(|&v| mesh.positions[v as usize]));
         self.orient();
@@ -86,47 +90,54 @@ impl LocalMesh {
     }
 }
 
-/// From mesh vertices to local numbers: open addressing, with lines of eight slots for eight vertices that
-/// follow each other, because those usually come together.
+/// From mesh vertices to local numbers: open addressing, with lines of slots for vertices that follow each
+/// other, because those usually come together.
 #[derive(Default)]
 struct Table {
-    /// Mesh vertex in the high half, its local number plus one in the low half; 0 for a free slot.
-    slots: Vec<u64>,
+    /// Local numbers plus one; 0 for a free slot.
+    slots: Vec<u16>,
 }
 
-const LINE: usize = 8;
+/// Slots that share a cache line.
+const LINE: u32 = 32;
+/// Slots at first: few enough for the L2 cache, many enough that vertices seldom meet.
+const SLOTS: usize = 1 << 16;
 
 impl Table {
     fn clear(&mut self) {
         self.slots.clear();
-        self.slots.resize(1 << 15, 0);
+        self.slots.resize(SLOTS, 0);
     }
 
     /// The slot where a vertex stands or would stand.
     #[inline]
-    fn slot(&self, vertex: u32) -> usize {
+    fn slot(&self, vertex: u32, vertices: &[u32]) -> usize {
         let mask = self.slots.len() - 1;
-        let line = u64::from(vertex / LINE as u32).wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 40;
-        let mut i = (line as usize * LINE + vertex as usize % LINE) & mask;
-        while self.slots[i] != 0 && (self.slots[i] >> 32) as u32 != vertex {
+        let line = u64::from(vertex / LINE).wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 40;
+        let mut i = (line as usize * LINE as usize + (vertex % LINE) as usize) & mask;
+        loop {
+            let local = self.slots[i];
+            if local == 0 || vertices[usize::from(local) - 1] == vertex {
+                return i;
+            }
             i = (i + 1) & mask;
         }
-        i
     }
 
     /// The vertex's number; a new vertex is added to `vertices`.
     #[inline]
     fn number(&mut self, vertex: u32, vertices: &mut Vec<u32>) -> u16 {
-        let slot = self.slot(vertex);
-        if self.slots[slot] == 0 {
-            vertices.push(vertex);
-            self.slots[slot] = u64::from(vertex) << 32 | vertices.len() as u64;
-            if vertices.len() * 2 > self.slots.len() {
-                self.grow(vertices);
-            }
-            return (vertices.len() - 1) as u16;
+        let slot = self.slot(vertex, vertices);
+        let local = self.slots[slot];
+        if local != 0 {
+            return local - 1;
         }
-        (self.slots[slot] as u32 - 1) as u16
+        vertices.push(vertex);
+        self.slots[slot] = vertices.len() as u16;
+        if vertices.len() * 2 > self.slots.len() {
+            self.grow(vertices);
+        }
+        (vertices.len() - 1) as u16
     }
 
     #[cold]
@@ -135,18 +146,20 @@ impl Table {
         self.slots.clear();
         self.slots.resize(size, 0);
         for (i, &v) in vertices.iter().enumerate() {
-            let slot = self.slot(v);
-            self.slots[slot] = u64::from(v) << 32 | (i as u64 + 1);
+            let slot = self.slot(v, vertices);
+            self.slots[slot] = i as u16 + 1;
         }
     }
 }
 
-/// [`Mesh::canonical`] without branches: which corner is lowest cannot be predicted.
+/// The local numbers of a triangle turned as [`Mesh::canonical`] turns `mesh`, without branches: which
+/// corner is the lowest cannot be predicted.
 #[inline]
-fn turn([a, b, c]: [u32; 3]) -> [u32; 3] {
-    let first = usize::from(b < a && b <= c) + 2 * usize::from(c < a && c < b);
-    let around = [a, b, c, a, b];
-    [around[first], around[first + 1], around[first + 2]]
+fn turn([a, b, c]: [u32; 3], local: [u16; 3]) -> [u16; 3] {
+    let first = u32::from(b < a && b <= c) + 2 * u32::from(c < a && c < b);
+    let [x, y, z] = local.map(u128::from);
+    let turned = (x | y << 16 | z << 32 | x << 48 | y << 64) >> (16 * first);
+    [turned as u16, (turned >> 16) as u16, (turned >> 32) as u16]
 }
 
 #[cfg(test)]
@@ -157,7 +170,8 @@ mod tests {
     fn turning_is_canonical() {
         for i in 0..27u32 {
             let t = [i % 3, i / 3 % 3, i / 9];
-            assert_eq!(turn(t), Mesh::canonical(t), "{t:?}");
+            let turned = turn(t, t.map(|v| v as u16 + 65_000));
+            assert_eq!(turned.map(|v| u32::from(v) - 65_000), Mesh::canonical(t), "{t:?}");
         }
     }
 }

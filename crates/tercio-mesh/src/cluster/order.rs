@@ -96,9 +96,10 @@ pub(super) fn is_coherent(mesh: &Mesh, limits: Limits) -> bool {
             area += surface;
         }
     }
-    // A round flat patch spreads over 2.5 times its area; the dragon's grown clusters over 5 times theirs.
+    // The square of the diagonal is 2.5 times the area of a round flat patch, and 7 times for tiles of 7 x 7
+    // squares when a sample begins inside a tile.
     let full = vertices as f32 <= 0.75 * (length * SAMPLES) as f32;
-    full && clusters > 0 && spread <= 6.0 * area
+    full && clusters > 0 && spread <= 8.0 * area
 }
 
 /// Square of the diagonal of the box round triangles, and their surface.

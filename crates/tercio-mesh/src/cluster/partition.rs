@@ -16,9 +16,9 @@ pub enum Order {
     /// The order of the mesh where it makes good clusters, else by space.
     #[default]
     Auto,
-    /// The order of the mesh. The cheapest; as good as the order of the file.
+    /// The order of the mesh, cut where a cluster is full. The cheapest; as good as the order of the file.
     File,
-    /// By place in space.
+    /// Sorted by place, and grown over neighbours into compact clusters with narrow cones.
     Spatial,
 }
 
