@@ -1,8 +1,8 @@
 //! One cluster: its vertices to the screen, then its triangles 16 at a time.
 
 use fearless_simd::Simd;
-use fearless_simd::i32x16;
 use fearless_simd::prelude::*;
+use fearless_simd::{f32x16, i32x16};
 use tercio_mesh::ClusteredMesh;
 use tercio_mesh::cluster::{Cluster, MAX_VERTICES};
 
@@ -10,10 +10,10 @@ use super::Batch;
 use super::clip::clip_triangle;
 use super::cull::Placement;
 use super::transform::project;
-use crate::binning::ScreenTriangle;
+use crate::binning::{PixelRect, ScreenTriangle};
 use crate::context::FrameContext;
 use crate::conventions::{SAMPLE, SMALL_EXTENT, SUBPIXEL_BITS};
-use crate::simd::{LANES, each3, load, lookup, splat_i};
+use crate::simd::{LANES, each3, load, lookup, part, splat_i};
 use crate::view::{ObjectView, ScreenVertex};
 
 /// The projected vertices of one cluster.
@@ -167,15 +167,24 @@ impl ClusterPass {
         };
         counts.triangles_facing += u64::from(drop.count_ones());
 
+        if keep == 0 {
+            return;
+        }
+        let d: [f32x16<S>; 3] = each3!(K => lookup(simd, &self.d, &corners[K]).bitcast());
+        let boxes = [
+            first_sample_16(simd, min_x),
+            last_sample_16(simd, max_x, context.view.width),
+            first_sample_16(simd, min_y),
+            last_sample_16(simd, max_y, context.view.height),
+        ];
+        let lanes = TriangleLanes::turned([x0, x1, x2], [y0, y1, y2], d, boxes);
+        batch.counts.triangles_out += u64::from(keep.count_ones());
         let mut left = keep;
         while left != 0 {
-            let lane = left.trailing_zeros();
+            let lane = left.trailing_zeros() as usize;
             left &= left - 1;
-            let triangle = self.triangle(corners, lane, first_slot);
-            if let Some(rect) = triangle.samples(context.view.width, context.view.height) {
-                batch.counts.triangles_out += 1;
-                batch.bins.push(&context.grid, context.settings.binning, triangle, rect);
-            }
+            let (triangle, rect) = lanes.get(lane, first_slot + lane as u32);
+            batch.bins.push(&context.grid, context.settings.binning, triangle, rect);
         }
     }
 
@@ -225,6 +234,56 @@ impl ClusterPass {
             *counter += 1;
         }
         whole
+    }
+}
+
+/// 16 triangles on their way into the bins: coordinates and depths of the corners, the farthest corner first
+/// as [`ScreenTriangle::new`] has it, and their samples.
+struct TriangleLanes {
+    x: [[i32; LANES]; 3],
+    y: [[i32; LANES]; 3],
+    d: [[f32; LANES]; 3],
+    /// First and last column, first and last row.
+    rect: [[i32; LANES]; 4],
+}
+
+impl TriangleLanes {
+    #[inline(always)]
+    fn turned<S: Simd>(
+        x: [i32x16<S>; 3],
+        y: [i32x16<S>; 3],
+        d: [f32x16<S>; 3],
+        rect: [i32x16<S>; 4],
+    ) -> Self {
+        part(
+            x[0].simd,
+            #[inline(always)]
+            || {
+                let second = d[1].simd_lt(d[0]) & d[1].simd_le(d[2]);
+                let third = d[2].simd_lt(d[0]) & d[2].simd_lt(d[1]);
+                let turn_i = each3!(K => third.select(x[(K + 2) % 3], second.select(x[(K + 1) % 3], x[K])));
+                let turn_j = each3!(K => third.select(y[(K + 2) % 3], second.select(y[(K + 1) % 3], y[K])));
+                let turn_d = each3!(K => third.select(d[(K + 2) % 3], second.select(d[(K + 1) % 3], d[K])));
+                Self {
+                    x: each3!(K => turn_i[K].to_array()),
+                    y: each3!(K => turn_j[K].to_array()),
+                    d: each3!(K => turn_d[K].to_array()),
+                    rect: [rect[0].to_array(), rect[1].to_array(), rect[2].to_array(), rect[3].to_array()],
+                }
+            },
+        )
+    }
+
+    #[inline(always)]
+    fn get(&self, lane: usize, slot: u32) -> (ScreenTriangle, PixelRect) {
+        let triangle = ScreenTriangle {
+            x: each3!(K => self.x[K][lane]),
+            y: each3!(K => self.y[K][lane]),
+            d: each3!(K => self.d[K][lane]),
+            slot,
+        };
+        let [x0, x1, y0, y1] = &self.rect;
+        (triangle, PixelRect { x0: x0[lane], x1: x1[lane], y0: y0[lane], y1: y1[lane] })
     }
 }
 
