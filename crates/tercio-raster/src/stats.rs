@@ -125,9 +125,9 @@ impl FrontEndCounts {
 impl BinningCounts {
     /// What the batches of a frame hold.
     pub(crate) fn of(batches: &[Batch], grid: &TileGrid) -> Self {
-        let triangles: u64 = batches.iter().map(|b| b.bins.triangles.len() as u64).sum();
+        let triangles: u64 = batches.iter().map(|b| b.bins.len()).sum();
         let entries: u64 = batches.iter().map(|b| b.bins.entries()).sum();
-        let fill = |tile: u32| batches.iter().map(|b| b.bins.tile(tile).len() as u64).sum::<u64>();
+        let fill = |tile: u32| batches.iter().map(|b| b.bins.fill(tile) as u64).sum::<u64>();
         let (mut tiles_used, mut largest_tile) = (0, 0);
         for fill in (0..grid.count() as u32).map(fill) {
             tiles_used += u64::from(fill > 0);

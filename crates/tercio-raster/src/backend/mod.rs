@@ -10,6 +10,7 @@ pub mod visibility;
 
 use fearless_simd::Simd;
 
+use crate::binning::Binned;
 use crate::context::FrameContext;
 use crate::frontend::Batch;
 use crate::stats::BackEndCounts;
@@ -34,15 +35,17 @@ pub fn run<S: Simd>(
     planes: &Planes,
 ) -> BackEndCounts {
     let mut counts = BackEndCounts::default();
-    let entries: usize = batches.iter().map(|b| b.bins.tile(tile).len()).sum();
+    let entries: usize = batches.iter().map(|b| b.bins.fill(tile)).sum();
     let rect = output::tile_rect(context, tile);
     scratch.pixels.clear(context, rect, planes);
     if entries > 0 {
         scratch.tile.clear(context, tile);
         for batch in batches {
-            for &number in batch.bins.tile(tile) {
-                let triangle = &batch.bins.triangles[number as usize];
-                scratch.tile.draw(simd, context, triangle, &mut counts);
+            for binned in batch.bins.in_tile(tile) {
+                match binned {
+                    Binned::Small(triangle) => scratch.tile.draw_small(simd, context, triangle, &mut counts),
+                    Binned::Any(triangle) => scratch.tile.draw(simd, context, triangle, &mut counts),
+                }
             }
         }
         shade::tile(simd, context, &scratch.tile, &mut scratch.pixels, planes, &mut counts);

@@ -7,7 +7,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, i32x16, mask32x16};
 
 use super::edges::Edges;
-use crate::binning::ScreenTriangle;
+use crate::binning::{ScreenTriangle, SmallTriangle};
 use crate::context::{FrameContext, NO_SLOT};
 use crate::conventions::{SAMPLE, SUBPIXELS};
 use crate::simd::{LANES, each3, part, splat, splat_i};
@@ -131,6 +131,52 @@ impl TileMemory {
                 let dx = lane_dx + (px * SUBPIXELS + SAMPLE - plane.anchor[0]) as f32;
                 let depth = (dx * plane.dx + along_y) + plane.base;
                 let depth = depth.max(splat(simd, plane.range[0])).min(splat(simd, plane.range[1]));
+                counts.samples_covered += u64::from(covered.to_bitmask().count_ones());
+                let at = (by as usize * self.blocks + bx as usize) * LANES;
+                self.write(simd, context, at, covered, depth, slots);
+            }
+        }
+    }
+
+    /// Draws one small triangle: [`TileMemory::draw`] with everything set up and no product over 32 bits.
+    #[inline(always)]
+    pub fn draw_small<S: Simd>(
+        &mut self,
+        simd: S,
+        context: &FrameContext,
+        t: &SmallTriangle,
+        counts: &mut BackEndCounts,
+    ) {
+        let (first_x, first_y) = (i32::from(t.first[0]), i32::from(t.first[1]));
+        let (x0, x1) = (first_x.max(self.corner[0]), i32::from(t.last[0]).min(self.last[0]));
+        let (y0, y1) = (first_y.max(self.corner[1]), i32::from(t.last[1]).min(self.last[1]));
+        let (bx0, bx1) = ((x0 - self.corner[0]) >> BLOCK_BITS, (x1 - self.corner[0]) >> BLOCK_BITS);
+        let (by0, by1) = ((y0 - self.corner[1]) >> BLOCK_BITS, (y1 - self.corner[1]) >> BLOCK_BITS);
+
+        let lane_x = i32x16::load_array(simd, LANE_X);
+        let lane_y = i32x16::load_array(simd, LANE_Y);
+        let a = each3!(K => i32::from(t.a[K]));
+        let b = each3!(K => i32::from(t.b[K]));
+        let step: [i32x16<S>; 3] = each3!(K => lane_x * a[K] + lane_y * b[K]);
+        let lane_dx = (lane_x * SUBPIXELS).to_float::<f32x16<S>>();
+        let lane_dy = (lane_y * SUBPIXELS).to_float::<f32x16<S>>();
+        let slots = splat_i(simd, t.slot as i32);
+        let (base, nearest) = (splat(simd, t.base), splat(simd, t.nearest));
+
+        for by in by0..=by1 {
+            let down = self.corner[1] + (by << BLOCK_BITS) - first_y;
+            let dy = lane_dy + (down * SUBPIXELS - i32::from(t.anchor[1])) as f32;
+            let along_y = dy * t.slope[1];
+            for bx in bx0..=bx1 {
+                let right = self.corner[0] + (bx << BLOCK_BITS) - first_x;
+                let e = each3!(K => step[K] + (t.c[K] + a[K] * right + b[K] * down));
+                let covered = ((e[0] | e[1]) | e[2]).simd_ge(splat_i(simd, 0));
+                counts.blocks += 1;
+                if !covered.any_true() {
+                    continue;
+                }
+                let dx = lane_dx + (right * SUBPIXELS - i32::from(t.anchor[0])) as f32;
+                let depth = ((dx * t.slope[0] + along_y) + t.base).max(base).min(nearest);
                 counts.samples_covered += u64::from(covered.to_bitmask().count_ones());
                 let at = (by as usize * self.blocks + bx as usize) * LANES;
                 self.write(simd, context, at, covered, depth, slots);

@@ -4,9 +4,12 @@
 //! entries batch after batch. A batch is sorted by counting: entries are numbered by tile, then moved.
 
 mod overlap;
+pub mod small;
 
 pub use overlap::covers_tile;
+pub use small::SmallTriangle;
 
+use crate::backend::edges::Edges;
 use crate::conventions::{first_sample, last_sample};
 use crate::settings::Binning;
 use crate::view::ScreenVertex;
@@ -106,68 +109,98 @@ impl TileGrid {
     }
 }
 
+/// Adds an entry to every tile that a triangle's samples touch; by exact binning only to those that it
+/// `covers`.
+#[inline(never)]
+fn push_pairs(
+    pairs: &mut Vec<(u32, u32)>,
+    grid: &TileGrid,
+    binning: Binning,
+    number: u32,
+    rect: PixelRect,
+    covers: impl Fn(PixelRect) -> bool,
+) {
+    let (s, edge) = (grid.shift, 1i32 << grid.shift);
+    for ty in rect.y0 as u32 >> s..=rect.y1 as u32 >> s {
+        for tx in rect.x0 as u32 >> s..=rect.x1 as u32 >> s {
+            let (x, y) = ((tx << s) as i32, (ty << s) as i32);
+            let part = PixelRect {
+                x0: rect.x0.max(x),
+                x1: rect.x1.min(x + edge - 1),
+                y0: rect.y0.max(y),
+                y1: rect.y1.min(y + edge - 1),
+            };
+            if binning == Binning::BoundingBox || covers(part) {
+                pairs.push((ty * grid.columns + tx, number));
+            }
+        }
+    }
+}
+
+/// The bit of an entry that tells it is a small triangle's.
+const SMALL: u32 = 1 << 31;
+
+/// A triangle in a tile's bin.
+#[derive(Clone, Copy, Debug)]
+pub enum Binned<'a> {
+    /// A small one.
+    Small(&'a SmallTriangle),
+    /// One of any size.
+    Any(&'a ScreenTriangle),
+}
+
 /// What one batch of clusters sorted into the tiles.
 #[derive(Debug, Default)]
 pub struct Bins {
-    /// The triangles, in the order they came.
-    pub triangles: Vec<ScreenTriangle>,
+    /// The small triangles, in the order they came.
+    small: Vec<SmallTriangle>,
+    /// The others, in the order they came.
+    triangles: Vec<ScreenTriangle>,
     /// Tile and triangle number of each entry, not sorted yet.
     pairs: Vec<(u32, u32)>,
     /// Where each tile's entries begin in `entries`; one more than there are tiles.
     starts: Vec<u32>,
-    /// Triangle numbers, tile after tile.
+    /// Triangle numbers, tile after tile; see [`SMALL`].
     entries: Vec<u32>,
 }
 
 impl Bins {
     /// Empties the bins, keeping their memory.
     pub fn clear(&mut self) {
+        self.small.clear();
         self.triangles.clear();
         self.pairs.clear();
         self.entries.clear();
         self.starts.clear();
     }
 
-    /// Adds a triangle to the tiles that it may touch; `rect` are its samples.
-    #[inline(always)]
+    /// Adds a triangle of any size to the tiles that it may touch; `rect` are its samples.
+    #[inline(never)]
     pub fn push(&mut self, grid: &TileGrid, binning: Binning, triangle: ScreenTriangle, rect: PixelRect) {
         let number = self.triangles.len() as u32;
         self.triangles.push(triangle);
-        let s = grid.shift;
-        let (tx0, tx1) = (rect.x0 as u32 >> s, rect.x1 as u32 >> s);
-        let (ty0, ty1) = (rect.y0 as u32 >> s, rect.y1 as u32 >> s);
-        if tx0 == tx1 && ty0 == ty1 {
-            self.pairs.push((ty0 * grid.columns + tx0, number));
-        } else {
-            self.push_many(grid, binning, number, rect, (tx0, tx1), (ty0, ty1));
-        }
+        let covers = |tile: PixelRect| covers_tile(&Edges::new(&triangle), tile);
+        push_pairs(&mut self.pairs, grid, binning, number, rect, covers);
     }
 
-    #[inline(never)]
-    fn push_many(
+    /// Adds a small triangle to the tiles that it may touch; `rect` are its samples.
+    #[inline(always)]
+    pub fn push_small(
         &mut self,
         grid: &TileGrid,
         binning: Binning,
-        number: u32,
+        triangle: SmallTriangle,
         rect: PixelRect,
-        columns: (u32, u32),
-        rows: (u32, u32),
     ) {
-        let triangle = self.triangles[number as usize];
-        let edge = 1i32 << grid.shift;
-        for ty in rows.0..=rows.1 {
-            for tx in columns.0..=columns.1 {
-                let (x, y) = ((tx << grid.shift) as i32, (ty << grid.shift) as i32);
-                let part = PixelRect {
-                    x0: rect.x0.max(x),
-                    x1: rect.x1.min(x + edge - 1),
-                    y0: rect.y0.max(y),
-                    y1: rect.y1.min(y + edge - 1),
-                };
-                if binning == Binning::BoundingBox || covers_tile(&triangle, part) {
-                    self.pairs.push((ty * grid.columns + tx, number));
-                }
-            }
+        let number = self.small.len() as u32 | SMALL;
+        self.small.push(triangle);
+        let s = grid.shift;
+        let (tx, ty) = (rect.x0 as u32 >> s, rect.y0 as u32 >> s);
+        if tx == rect.x1 as u32 >> s && ty == rect.y1 as u32 >> s {
+            self.pairs.push((ty * grid.columns + tx, number));
+        } else {
+            let covers = |tile: PixelRect| covers_tile(&triangle.edges(), tile);
+            push_pairs(&mut self.pairs, grid, binning, number, rect, covers);
         }
     }
 
@@ -195,13 +228,39 @@ impl Bins {
         self.starts[0] = 0;
     }
 
+    /// How many triangles a tile's bin holds.
+    pub fn fill(&self, tile: u32) -> usize {
+        self.tile(tile).len()
+    }
+
     /// The triangles of a tile, in the order they came.
-    pub fn tile(&self, tile: u32) -> &[u32] {
+    #[inline(always)]
+    pub fn in_tile(&self, tile: u32) -> impl Iterator<Item = Binned<'_>> {
+        self.tile(tile).iter().map(|&number| {
+            if number & SMALL != 0 {
+                Binned::Small(&self.small[(number & !SMALL) as usize])
+            } else {
+                Binned::Any(&self.triangles[number as usize])
+            }
+        })
+    }
+
+    fn tile(&self, tile: u32) -> &[u32] {
         if self.starts.is_empty() {
             return &[];
         }
         let (from, to) = (self.starts[tile as usize], self.starts[tile as usize + 1]);
         &self.entries[from as usize..to as usize]
+    }
+
+    /// Triangles of all sizes.
+    pub fn len(&self) -> u64 {
+        (self.small.len() + self.triangles.len()) as u64
+    }
+
+    /// No triangle was added.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
     }
 
     /// Entries in all tiles.
@@ -211,7 +270,8 @@ impl Bins {
 
     /// Bytes of memory held.
     pub fn bytes(&self) -> u64 {
-        (self.triangles.capacity() * size_of::<ScreenTriangle>()
+        (self.small.capacity() * size_of::<SmallTriangle>()
+            + self.triangles.capacity() * size_of::<ScreenTriangle>()
             + self.pairs.capacity() * 8
             + self.starts.capacity() * 4
             + self.entries.capacity() * 4) as u64

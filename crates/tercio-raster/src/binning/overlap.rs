@@ -1,12 +1,11 @@
 //! Exact binning: can a triangle cover a sample of a tile?
 
-use super::{PixelRect, ScreenTriangle};
+use super::PixelRect;
 use crate::backend::edges::Edges;
 
 /// False only if one edge leaves every sample of `rect` outside. The bounding box must have been tested
 /// before; the corner regions where box and edges pass and still nothing is covered stay in.
-pub fn covers_tile(triangle: &ScreenTriangle, rect: PixelRect) -> bool {
-    let edges = Edges::new(triangle);
+pub fn covers_tile(edges: &Edges, rect: PixelRect) -> bool {
     (0..3).all(|k| {
         // The sample of the rectangle that lies farthest inside this edge.
         let x = if edges.a[k] > 0 { rect.x1 } else { rect.x0 };

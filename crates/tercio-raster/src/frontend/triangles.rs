@@ -10,10 +10,11 @@ use super::Batch;
 use super::clip::clip_triangle;
 use super::cull::Placement;
 use super::transform::project;
-use crate::binning::{PixelRect, ScreenTriangle};
+use crate::binning::ScreenTriangle;
+use crate::binning::small::{Corners as TriangleCorners, TriangleLanes};
 use crate::context::FrameContext;
 use crate::conventions::{SAMPLE, SMALL_EXTENT, SUBPIXEL_BITS};
-use crate::simd::{LANES, each3, load, lookup, part, splat_i};
+use crate::simd::{LANES, each3, load, lookup, splat_i};
 use crate::view::{ObjectView, ScreenVertex};
 
 /// The projected vertices of one cluster.
@@ -177,14 +178,19 @@ impl ClusterPass {
             first_sample_16(simd, min_y),
             last_sample_16(simd, max_y, context.view.height),
         ];
-        let lanes = TriangleLanes::turned([x0, x1, x2], [y0, y1, y2], d, boxes);
+        let lanes = TriangleLanes::new(TriangleCorners { x: [x0, x1, x2], y: [y0, y1, y2], d }, area, boxes);
         batch.counts.triangles_out += u64::from(keep.count_ones());
         let mut left = keep;
         while left != 0 {
             let lane = left.trailing_zeros() as usize;
             left &= left - 1;
-            let (triangle, rect) = lanes.get(lane, first_slot + lane as u32);
-            batch.bins.push(&context.grid, context.settings.binning, triangle, rect);
+            let (rect, slot) = (lanes.rect(lane), first_slot + lane as u32);
+            let binning = context.settings.binning;
+            if small >> lane & 1 == 1 {
+                batch.bins.push_small(&context.grid, binning, lanes.small(lane, slot), rect);
+            } else {
+                batch.bins.push(&context.grid, binning, lanes.triangle(lane, slot), rect);
+            }
         }
     }
 
@@ -234,56 +240,6 @@ impl ClusterPass {
             *counter += 1;
         }
         whole
-    }
-}
-
-/// 16 triangles on their way into the bins: coordinates and depths of the corners, the farthest corner first
-/// as [`ScreenTriangle::new`] has it, and their samples.
-struct TriangleLanes {
-    x: [[i32; LANES]; 3],
-    y: [[i32; LANES]; 3],
-    d: [[f32; LANES]; 3],
-    /// First and last column, first and last row.
-    rect: [[i32; LANES]; 4],
-}
-
-impl TriangleLanes {
-    #[inline(always)]
-    fn turned<S: Simd>(
-        x: [i32x16<S>; 3],
-        y: [i32x16<S>; 3],
-        d: [f32x16<S>; 3],
-        rect: [i32x16<S>; 4],
-    ) -> Self {
-        part(
-            x[0].simd,
-            #[inline(always)]
-            || {
-                let second = d[1].simd_lt(d[0]) & d[1].simd_le(d[2]);
-                let third = d[2].simd_lt(d[0]) & d[2].simd_lt(d[1]);
-                let turn_i = each3!(K => third.select(x[(K + 2) % 3], second.select(x[(K + 1) % 3], x[K])));
-                let turn_j = each3!(K => third.select(y[(K + 2) % 3], second.select(y[(K + 1) % 3], y[K])));
-                let turn_d = each3!(K => third.select(d[(K + 2) % 3], second.select(d[(K + 1) % 3], d[K])));
-                Self {
-                    x: each3!(K => turn_i[K].to_array()),
-                    y: each3!(K => turn_j[K].to_array()),
-                    d: each3!(K => turn_d[K].to_array()),
-                    rect: [rect[0].to_array(), rect[1].to_array(), rect[2].to_array(), rect[3].to_array()],
-                }
-            },
-        )
-    }
-
-    #[inline(always)]
-    fn get(&self, lane: usize, slot: u32) -> (ScreenTriangle, PixelRect) {
-        let triangle = ScreenTriangle {
-            x: each3!(K => self.x[K][lane]),
-            y: each3!(K => self.y[K][lane]),
-            d: each3!(K => self.d[K][lane]),
-            slot,
-        };
-        let [x0, x1, y0, y1] = &self.rect;
-        (triangle, PixelRect { x0: x0[lane], x1: x1[lane], y0: y0[lane], y1: y1[lane] })
     }
 }
 
