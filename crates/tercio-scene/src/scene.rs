@@ -92,7 +92,7 @@ pub struct Surface {
 impl Default for Surface {
     fn default() -> Self {
         // A light clay: bright enough to show form, below white so that highlights stand out.
-        Self { base_color: [0.62, 0.60, 0.57], use_mesh_colors: true, specular: 0.06, shininess_log2: 5 }
+        Self { base_color: [0.578, 0.497, 0.392], use_mesh_colors: true, specular: 0.2, shininess_log2: 5 }
     }
 }
 
