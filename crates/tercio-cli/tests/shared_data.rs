@@ -37,7 +37,9 @@ fn files(folder: &Path, endings: &[&str]) -> Vec<PathBuf> {
 fn render(file: &Path, picture: &Path) -> (i32, String) {
     let mut child = Command::new("sh")
         .arg("-c")
-        .arg(format!("ulimit -v {ADDRESS_SPACE} && exec \"$0\" render \"$1\" -o \"$2\" --size 64x48 --threads 2"))
+        .arg(format!(
+            "ulimit -v {ADDRESS_SPACE} && exec \"$0\" render \"$1\" -o \"$2\" --size 64x48 --threads 2"
+        ))
         .args([Path::new(env!("CARGO_BIN_EXE_tercio")), file, picture])
         .stdin(Stdio::null())
         .stdout(Stdio::null())
@@ -89,7 +91,9 @@ fn every_model_of_a_format_that_is_read_draws() {
 
 #[test]
 fn every_broken_file_ends_in_an_error_or_a_repaired_picture() {
-    let Some(shared) = require_shared("every_broken_file_ends_in_an_error_or_a_repaired_picture") else { return };
+    let Some(shared) = require_shared("every_broken_file_ends_in_an_error_or_a_repaired_picture") else {
+        return;
+    };
     let folder = tempfile::tempdir().expect("a folder");
     let picture = folder.path().join("picture.png");
     let broken = files(&shared.join("malformed"), &[""]);

@@ -71,7 +71,7 @@ impl View {
 
     /// The view of one instance.
     pub fn object(&self, instance: &Instance) -> ObjectView {
-        let linear = DMat3::from(instance.world_from_object.matrix3);
+        let linear = instance.world_from_object.matrix3;
         let shift = instance.world_from_object.transform_point3(instance.mesh.origin) - self.eye;
         // A row of the combined matrix: `axis . (linear * p + shift) * scale + add`.
         let row = |axis: DVec3, scale: f64, add: f64| {

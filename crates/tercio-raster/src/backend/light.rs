@@ -94,7 +94,7 @@ fn add_light<S: Simd>(
             let lit = cosine.simd_gt(zero);
             let cosine = lit.select(cosine, zero);
             for k in 0..3 {
-                sum.diffuse[k] = sum.diffuse[k] + cosine * color[k];
+                sum.diffuse[k] += cosine * color[k];
             }
             if surface.specular > 0.0 {
                 let between = each3!(K => to_light[K] + to_viewer[K]);
@@ -106,7 +106,7 @@ fn add_light<S: Simd>(
                 }
                 let strength = power * surface.specular;
                 for k in 0..3 {
-                    sum.specular[k] = sum.specular[k] + strength * color[k];
+                    sum.specular[k] += strength * color[k];
                 }
             }
         },

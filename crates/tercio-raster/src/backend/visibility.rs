@@ -207,7 +207,7 @@ impl TileMemory {
                 if tie.any_true() {
                     let bits = tie.to_bitmask() as u32;
                     let more = lower_primitives(context, bits, slots[0] as u32, old_slot);
-                    wins = wins | mask32x16::from_bitmask(simd, u64::from(more));
+                    wins |= mask32x16::from_bitmask(simd, u64::from(more));
                 }
                 wins.select(depth, before).store_slice(old_depth);
                 let before: i32x16<S> = fearless_simd::u32x16::from_slice(simd, old_slot).bitcast();
