@@ -4,40 +4,11 @@ mod common;
 
 use common::*;
 use tercio_mesh::Mesh;
-use tercio_mesh::cluster::PartitionOptions;
-use tercio_raster::{Binning, Cull, Settings, Shading, SimdLevel};
+use tercio_raster::{Cull, Settings, Shading, SimdLevel};
 use tercio_scene::Camera;
 
-/// Every setting that must not change the picture, in turn.
 fn check_every_path(mesh: &Mesh, camera: &Camera, settings: &Settings, what: &str) {
-    let plain = scene(mesh);
-    let expected = draw_reference(mesh, &plain, camera, settings);
-    let check = |s: Settings, name: String| {
-        assert_same(&expected, &draw(&plain, camera, &s), &format!("{what}, {name}"));
-    };
-    for simd in SimdLevel::available() {
-        for binning in [Binning::BoundingBox, Binning::Exact] {
-            let s = Settings { simd: Some(simd), binning, ..settings.clone() };
-            check(s, format!("{simd}, {binning:?}"));
-        }
-    }
-    for tile_size in [8, 16, 32, 64, 128] {
-        let s = Settings { tile_size: Some(tile_size), ..settings.clone() };
-        check(s, format!("tiles of {tile_size}"));
-    }
-    for threads in [1, 2, 3, 7] {
-        with_threads(threads, || check(settings.clone(), format!("{threads} threads")));
-    }
-    check(Settings { cluster_culling: false, ..settings.clone() }, "no cluster culling".into());
-    if settings.cull == Cull::Auto {
-        check(Settings { cull: Cull::None, ..settings.clone() }, "no culling".into());
-    }
-    for (max_vertices, max_triangles, seed) in [(3, 1, None), (10, 17, Some(1)), (64, 128, Some(2))] {
-        let options =
-            PartitionOptions { max_vertices, max_triangles, shuffle_seed: seed, ..Default::default() };
-        let found = draw(&scene_with(mesh, &options), camera, settings);
-        assert_same(&expected, &found, &format!("{what}, clusters of {max_vertices} and {max_triangles}"));
-    }
+    check_paths(mesh, camera, settings, &[(3, 1, None), (10, 17, Some(1)), (64, 128, Some(2))], what);
 }
 
 #[test]

@@ -6,7 +6,10 @@ use std::sync::Arc;
 use glam::DVec3;
 use tercio_mesh::cluster::{PartitionOptions, partition};
 use tercio_mesh::{Mesh, OctNormal};
-use tercio_raster::{Frame, Outputs, Renderer, Settings, reference};
+use tercio_raster::frame::NO_PRIMITIVE;
+use tercio_raster::frontend::clip::clip_triangle;
+use tercio_raster::view::{ScreenVertex, View};
+use tercio_raster::{Binning, Cull, Frame, Outputs, Renderer, Settings, SimdLevel, reference};
 use tercio_scene::{Camera, Instance, Projection, Scene};
 
 /// A small generator of numbers from 0 to 1, the same everywhere (Steele, Lea and Flood's SplitMix64).
@@ -168,4 +171,117 @@ pub fn with_second_instance(mut scene: Scene) -> Scene {
     let second = Instance { world_from_object: turned, ..scene.instances[0].clone() };
     scene.instances.push(second);
     scene
+}
+
+/// Draws with every setting that must not change the picture, in turn, and expects the reference's bytes.
+/// `partitions` are further ways to cut the mesh into clusters: most vertices, most triangles, seed of the
+/// triangles' order.
+pub fn check_paths(
+    mesh: &Mesh,
+    camera: &Camera,
+    settings: &Settings,
+    partitions: &[(usize, usize, Option<u64>)],
+    what: &str,
+) {
+    let plain = scene(mesh);
+    let expected = draw_reference(mesh, &plain, camera, settings);
+    let check = |s: Settings, name: String| {
+        assert_same(&expected, &draw(&plain, camera, &s), &format!("{what}, {name}"));
+    };
+    for simd in SimdLevel::available() {
+        for binning in [Binning::BoundingBox, Binning::Exact] {
+            let s = Settings { simd: Some(simd), binning, ..settings.clone() };
+            check(s, format!("{simd}, {binning:?}"));
+        }
+    }
+    for tile_size in [8, 16, 32, 64, 128] {
+        let s = Settings { tile_size: Some(tile_size), ..settings.clone() };
+        check(s, format!("tiles of {tile_size}"));
+    }
+    for threads in [1, 2, 3, 7] {
+        with_threads(threads, || check(settings.clone(), format!("{threads} threads")));
+    }
+    check(Settings { cluster_culling: false, ..settings.clone() }, "no cluster culling".into());
+    if settings.cull == Cull::Auto {
+        check(Settings { cull: Cull::None, ..settings.clone() }, "no culling".into());
+    }
+    for &(max_vertices, max_triangles, shuffle_seed) in partitions {
+        let options = PartitionOptions { max_vertices, max_triangles, shuffle_seed, ..Default::default() };
+        let found = draw(&scene_with(mesh, &options), camera, settings);
+        assert_same(&expected, &found, &format!("{what}, clusters of {max_vertices} and {max_triangles}"));
+    }
+}
+
+/// A direction of any length but nearly none, all equally likely.
+pub fn direction(random: &mut Random) -> DVec3 {
+    loop {
+        let p = random.point(1.0);
+        if (0.1..=1.0).contains(&p.length()) {
+            return p.normalize();
+        }
+    }
+}
+
+/// Which pixels show something.
+pub fn covered(frame: &Frame) -> Vec<bool> {
+    frame.ids.iter().map(|&id| id != NO_PRIMITIVE).collect()
+}
+
+/// Settings that ask for primitive numbers only.
+pub fn ids_only(width: u32, height: u32) -> Settings {
+    let outputs = Outputs { color: false, color16: false, depth: false, ids: true, normals: false };
+    Settings { outputs, ..Settings::new(width, height) }
+}
+
+/// Does a triangle with corners in whole sub-pixels cover the sample of a pixel? An edge function as in a
+/// book, in 128 bits; on an edge the top-left rule decides. 0 if not, 1 if it does and runs clockwise on the
+/// screen, -1 if it runs the other way.
+pub fn covers(corners: [[i32; 2]; 3], pixel: [i32; 2]) -> i32 {
+    let p = corners.map(|c| c.map(i128::from));
+    let s = pixel.map(|c| i128::from(c) * 256 + 128);
+    let side = |a: [i128; 2], b: [i128; 2], p: [i128; 2]| {
+        (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0])
+    };
+    let area = side(p[0], p[1], p[2]);
+    let p = if area > 0 { p } else { [p[0], p[2], p[1]] };
+    let inside = |k: usize| {
+        let (a, b) = (p[k], p[(k + 1) % 3]);
+        // Clockwise on a screen whose y runs downwards: a left edge runs upwards, a top edge to the right.
+        let (left, top) = (b[1] < a[1], b[1] == a[1] && b[0] > a[0]);
+        let value = side(a, b, s);
+        value > 0 || value == 0 && (left || top)
+    };
+    if area != 0 && (0..3).all(inside) { area.signum() as i32 } else { 0 }
+}
+
+/// How often each sample is covered, back faces minus front faces: the winding number of the surface as it
+/// stands on the screen, after snapping and clipping. Once in front of an observer who stands inside a closed
+/// mesh, zero for one outside of whom nothing is behind the near plane.
+pub fn winding(mesh: &Mesh, scene: &Scene, camera: &Camera, width: u32, height: u32) -> Vec<i32> {
+    let view = View::new(camera, &scene.bounds(), width, height).expect("a camera");
+    let object = view.object(&scene.instances[0]);
+    let mut counts = vec![0; width as usize * height as usize];
+    let mut add = |v: [ScreenVertex; 3]| {
+        let corners = v.map(|v| [v.x, v.y]);
+        let range = |k: usize, size: u32| {
+            let (least, most) =
+                (corners.map(|c| c[k]).into_iter().min(), corners.map(|c| c[k]).into_iter().max());
+            (least.unwrap_or(0) >> 8).max(0)..=(most.unwrap_or(0) >> 8).min(size as i32 - 1)
+        };
+        for y in range(1, height) {
+            for x in range(0, width) {
+                counts[y as usize * width as usize + x as usize] += covers(corners, [x, y]);
+            }
+        }
+    };
+    for &t in &mesh.triangles {
+        let positions = Mesh::canonical(t).map(|v| mesh.positions[v as usize]);
+        let projected = positions.map(|p| object.project(p));
+        if projected.iter().all(|v| v.inside) {
+            add(projected);
+        } else {
+            clip_triangle(&object, positions, projected, &mut add);
+        }
+    }
+    counts
 }
