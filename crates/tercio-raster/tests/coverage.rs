@@ -220,7 +220,7 @@ fn no_tile_is_left_out_of_which_a_sample_is_covered() {
             continue;
         }
         let any = (tile.y0..=tile.y1).any(|y| (tile.x0..=tile.x1).any(|x| covers(corners, [x, y]) != 0));
-        match (covers_tile(&t, tile), any) {
+        match (covers_tile(&Edges::new(&t), tile), any) {
             (false, true) => panic!("{corners:?} covers a sample of {tile:?}"),
             (false, false) => left_out += 1,
             (true, true) => kept += 1,
