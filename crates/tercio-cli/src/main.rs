@@ -27,12 +27,14 @@ enum Command {
     Render(Box<commands::render::Render>),
     Info(commands::info::Info),
     Compare(commands::compare::Compare),
+    Bench(commands::bench::Bench),
 }
 
 fn main() -> ExitCode {
     let (result, failure) = match Cli::parse().command {
         Command::Render(command) => (command.run(), 1),
         Command::Info(command) => (command.run(), 1),
+        Command::Bench(command) => (command.run(), 1),
         // As with cmp and diff, 1 says that the pictures differ.
         Command::Compare(command) => (command.run(), 2),
     };

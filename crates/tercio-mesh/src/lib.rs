@@ -20,6 +20,7 @@ pub mod mesh;
 pub mod normals;
 pub mod polygon;
 pub mod progress;
+pub mod subdivide;
 pub mod topology;
 pub mod trig;
 pub mod weld;

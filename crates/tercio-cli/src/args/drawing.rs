@@ -34,6 +34,17 @@ pub enum CullName {
     Front,
 }
 
+impl From<CullName> for Cull {
+    fn from(name: CullName) -> Self {
+        match name {
+            CullName::Auto => Self::Auto,
+            CullName::None => Self::None,
+            CullName::Back => Self::Back,
+            CullName::Front => Self::Front,
+        }
+    }
+}
+
 /// How triangles are sorted into tiles.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 pub enum BinningName {
@@ -94,6 +105,22 @@ pub struct TuningArgs {
     no_cluster_culling: bool,
 }
 
+impl TuningArgs {
+    /// Settings of a picture of this size, all else by default.
+    pub fn settings(&self, (width, height): (u32, u32)) -> Settings {
+        Settings {
+            tile_size: self.tile_size,
+            binning: match self.binning {
+                BinningName::Bbox => Binning::BoundingBox,
+                BinningName::Exact => Binning::Exact,
+            },
+            cluster_culling: !self.no_cluster_culling,
+            simd: self.simd,
+            ..Settings::new(width, height)
+        }
+    }
+}
+
 impl DrawingArgs {
     /// Settings of the renderer.
     pub fn settings(&self, tuning: &TuningArgs, outputs: Outputs) -> Settings {
@@ -106,25 +133,13 @@ impl DrawingArgs {
                 ShadingName::Unlit => Shading::Unlit,
             },
             outputs,
-            tile_size: tuning.tile_size,
-            binning: match tuning.binning {
-                BinningName::Bbox => Binning::BoundingBox,
-                BinningName::Exact => Binning::Exact,
-            },
-            cluster_culling: !tuning.no_cluster_culling,
-            simd: tuning.simd,
-            ..Settings::new(self.size.0, self.size.1)
+            ..tuning.settings(self.size)
         }
     }
 
     /// Which triangles are left out by their facing.
     pub fn cull(&self) -> Cull {
-        match self.cull {
-            CullName::Auto => Cull::Auto,
-            CullName::None => Cull::None,
-            CullName::Back => Cull::Back,
-            CullName::Front => Cull::Front,
-        }
+        self.cull.into()
     }
 
     /// The normals that the picture needs: making those that nobody sees takes time.

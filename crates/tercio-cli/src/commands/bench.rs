@@ -1,0 +1,196 @@
+//! `tercio bench`: how fast a model turns.
+
+use std::fmt::Write;
+use std::process::ExitCode;
+use std::sync::Arc;
+use std::time::Instant;
+
+use anyhow::Result;
+use clap::Args;
+use serde_json::{Value, json};
+use tercio::glam::DVec3;
+use tercio::image::Destination;
+use tercio::mesh::cluster::{PartitionOptions, partition};
+use tercio::mesh::{Aabb, Mesh};
+use tercio::raster::{Frame, FrameStats, Renderer, Settings};
+use tercio::scene::{Camera, Light, Projection, Scene};
+use tercio::{LoadOptions, Normals};
+
+use crate::args::drawing::{CullName, TuningArgs};
+use crate::args::{ModelArgs, RunningArgs, values};
+use crate::output::write_text;
+use crate::progress::Display;
+use crate::report::grouped;
+use crate::{memory, threads};
+
+/// Measures how fast a model is drawn: loads it once, then draws views evenly round its vertical axis.
+///
+/// Each frame is a whole picture with smooth shading from vertex normals and one light, finished in memory; the
+/// model fills about 80 % of it.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  tercio bench builtin:gyroid@5.4M
+  tercio bench dragon.ply --subdivide 2 --threads 2 --json")]
+pub struct Bench {
+    #[command(flatten)]
+    model: ModelArgs,
+    /// Splits every triangle into four, this many times.
+    #[arg(long, value_name = "K", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=6))]
+    subdivide: u32,
+    /// Size of the picture in pixels.
+    #[arg(short, long, value_name = "WxH", default_value = "1024x1024", value_parser = values::size)]
+    size: (u32, u32),
+    /// Number of views.
+    #[arg(long, value_name = "N", default_value_t = 36, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    frames: u32,
+    /// Which triangles to leave out by their facing.
+    #[arg(long, value_name = "SIDE", value_enum, default_value_t = CullName::Auto)]
+    cull: CullName,
+    /// Writes JSON with stable keys.
+    #[arg(long)]
+    json: bool,
+    #[command(flatten)]
+    tuning: TuningArgs,
+    #[command(flatten)]
+    running: RunningArgs,
+}
+
+/// Median, least and greatest of some milliseconds.
+struct Spread {
+    median: f64,
+    least: f64,
+    most: f64,
+}
+
+impl Spread {
+    fn of(frames: &[FrameStats], time: impl Fn(&FrameStats) -> f64) -> Self {
+        let mut times: Vec<f64> = frames.iter().map(time).collect();
+        times.sort_by(f64::total_cmp);
+        Self { median: times[times.len() / 2], least: times[0], most: times[times.len() - 1] }
+    }
+
+    fn json(&self) -> Value {
+        json!({ "median_ms": self.median, "min_ms": self.least, "max_ms": self.most })
+    }
+}
+
+impl Bench {
+    /// Runs the command.
+    ///
+    /// # Errors
+    /// What went wrong.
+    pub fn run(&self) -> Result<ExitCode> {
+        let pool = threads::pool(self.running.threads)?;
+        let text = pool.install(|| self.measure())?;
+        write_text(&Destination::Stdout, &text)?;
+        Ok(ExitCode::SUCCESS)
+    }
+
+    fn measure(&self) -> Result<String> {
+        let display = Display::new(self.running.progress_mode());
+        let options = LoadOptions {
+            memory_limit: self.running.memory_limit,
+            progress: Some(&display.progress),
+            normals: Normals::default(),
+            topology: false,
+        };
+        let begin = Instant::now();
+        let mut mesh = tercio::load_mesh(&self.model.model, &options)?.mesh;
+        let load_ms = begin.elapsed().as_secs_f64() * 1e3;
+        for _ in 0..self.subdivide {
+            mesh = tercio::mesh::subdivide::subdivide(&mesh);
+        }
+        let (triangles, bounds) = (mesh.triangles.len() as u64, mesh.bounds());
+        let begin = Instant::now();
+        let scene = scene(mesh, &display);
+        let partition_ms = begin.elapsed().as_secs_f64() * 1e3;
+        display.stage("drawing");
+
+        let settings = Settings { cull: self.cull.into(), ..self.tuning.settings(self.size) };
+        let mut renderer = Renderer::new();
+        let mut frame = Frame::default();
+        // The first frame takes the memory that the others keep.
+        renderer.render_into(&scene, &self.camera(&bounds, 0), &settings, &mut frame)?;
+        let mut frames = Vec::new();
+        for view in 0..self.frames {
+            renderer.render_into(&scene, &self.camera(&bounds, view), &settings, &mut frame)?;
+            frames.push(frame.stats.clone());
+        }
+        drop(display);
+        Ok(self.report(triangles, load_ms, partition_ms, &frames))
+    }
+
+    /// View number `view` of `frames`, from a fifth of the distance above the middle.
+    fn camera(&self, bounds: &Aabb, view: u32) -> Camera {
+        const DISTANCE: f64 = 2.2;
+        const FILL: f64 = 0.8;
+        let size = bounds.size().max_element();
+        let angle = f64::from(view) / f64::from(self.frames) * std::f64::consts::TAU;
+        let (sin, cos) = tercio::mesh::trig::sin_cos(angle);
+        let target = bounds.center();
+        let eye = target + DVec3::new(sin, 0.2, cos) * (DISTANCE * size);
+        // The model's greatest extent, at the middle's distance, fills this part of the shorter side.
+        let shorter = f64::from(self.size.0.min(self.size.1)) / f64::from(self.size.1);
+        let fov_y = 2.0 * (0.5 / (FILL * shorter) / DISTANCE).atan();
+        Camera { eye, target, up: DVec3::Y, projection: Projection::Perspective { fov_y }, near: None }
+    }
+
+    fn report(&self, triangles: u64, load_ms: f64, partition_ms: f64, frames: &[FrameStats]) -> String {
+        let total = Spread::of(frames, |f| f.milliseconds.total);
+        let front = Spread::of(frames, |f| f.milliseconds.frontend);
+        let back = Spread::of(frames, |f| f.milliseconds.backend);
+        let last = &frames[frames.len() - 1];
+        let rate = triangles as f64 / total.median / 1e3;
+        if self.json {
+            let mut value = json!({
+                "model": self.model.name(),
+                "triangles": triangles,
+                "width": self.size.0,
+                "height": self.size.1,
+                "frames": frames.len(),
+                "threads": last.threads,
+                "simd": last.simd,
+                "tile_size": last.tile_size,
+                "million_triangles_per_second": rate,
+                "stages": { "frontend": front.json(), "backend": back.json() },
+                "load_ms": load_ms,
+                "partition_ms": partition_ms,
+                "peak_memory_bytes": memory::peak_bytes(),
+                "last_frame": last,
+            });
+            if let (Value::Object(value), Value::Object(spread)) = (&mut value, total.json()) {
+                value.extend(spread);
+            }
+            return format!("{value:#}\n");
+        }
+        let mut text = String::new();
+        let _ = writeln!(
+            text,
+            "{}: {} triangles, {}x{}, {} threads, {}, tiles of {}",
+            self.model.name(),
+            grouped(triangles),
+            self.size.0,
+            self.size.1,
+            last.threads,
+            last.simd,
+            last.tile_size
+        );
+        let _ = writeln!(text, "load {load_ms:.1} ms, partition {partition_ms:.1} ms");
+        for (name, s) in [("frame", &total), ("front end", &front), ("back end", &back)] {
+            let _ =
+                writeln!(text, "{name:9} {:8.2} ms median {:8.2} min {:8.2} max", s.median, s.least, s.most);
+        }
+        let _ = writeln!(text, "{rate:.1} million triangles/s");
+        text
+    }
+}
+
+/// The mesh under one light, without highlights.
+fn scene(mesh: Mesh, display: &Display) -> Scene {
+    let options = PartitionOptions { progress: Some(&display.progress), ..Default::default() };
+    let mut scene = Scene::of_mesh(Arc::new(partition(mesh, &options)));
+    scene.lights = vec![Light::Ambient { color: [0.1; 3] }, Light::headlight([0.9; 3])];
+    scene.instances[0].surface.specular = 0.0;
+    scene
+}
