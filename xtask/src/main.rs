@@ -2,6 +2,7 @@
 
 #![forbid(unsafe_code)]
 
+mod bench;
 mod bless;
 mod dist;
 mod elf;
@@ -33,6 +34,8 @@ enum Command {
     Dist(dist::Arguments),
     /// Draw the golden pictures again and show what changed
     Bless(bless::Arguments),
+    /// Measure speed and print a table
+    Bench(bench::Arguments),
     /// Draw the pictures of the README into docs/images/
     Figures,
 }
@@ -43,6 +46,7 @@ fn main() -> ExitCode {
         Command::Fuzz(arguments) => fuzz::run(&arguments),
         Command::Dist(arguments) => dist::run(&arguments),
         Command::Bless(arguments) => bless::run(&arguments),
+        Command::Bench(arguments) => bench::run(&arguments),
         Command::Figures => figures::run(),
     };
     match result {

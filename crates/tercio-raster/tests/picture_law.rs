@@ -89,3 +89,27 @@ fn two_instances() {
         }
     }
 }
+
+#[test]
+fn clusters_culled_by_their_cone_change_nothing() {
+    let mesh = sphere(60);
+    let plain = scene(&mesh);
+    let cameras = [
+        perspective([1.0, 2.0, 3.0], [0.0; 3], 35.0),
+        perspective([0.0, 0.0, 1.3], [0.0, 0.0, 0.0], 60.0),
+        orthographic([1.0, 2.0, 3.0], [0.0; 3], 2.5),
+    ];
+    let mut culled = 0;
+    for camera in &cameras {
+        for cull in [Cull::Back, Cull::Front] {
+            for (width, height) in [(900, 700), (90, 70)] {
+                let settings = Settings { cull, ..everything(width, height) };
+                let expected = draw_reference(&mesh, &plain, camera, &settings);
+                let found = draw(&plain, camera, &settings);
+                culled += found.stats.frontend.clusters_facing;
+                assert_same(&expected, &found, &format!("{cull:?}, {width}x{height}"));
+            }
+        }
+    }
+    assert!(culled > 100, "only {culled} clusters were culled by their cone");
+}
