@@ -29,7 +29,8 @@ pub enum Normals {
 
 impl Default for Normals {
     fn default() -> Self {
-        Self::FileOrMade { crease_angle: None }
+        // Corners of machine parts stay sharp, scans and coarsely cut cylinders are smooth.
+        Self::FileOrMade { crease_angle: Some(std::f64::consts::FRAC_PI_3) }
     }
 }
 
@@ -111,13 +112,8 @@ pub enum LoadError {
     #[error(transparent)]
     Read(#[from] ReadError),
     /// There is no such built-in model.
-    #[error("{model}: {source}")]
-    Builtin {
-        /// The model as the user named it.
-        model: String,
-        /// What is wrong with the name.
-        source: BuiltinError,
-    },
+    #[error(transparent)]
+    Builtin(#[from] BuiltinError),
 }
 
 /// Loads a model for drawing: a file, `-` for standard input, or `builtin:NAME@COUNT`.
@@ -159,6 +155,7 @@ pub fn load_mesh(model: &Path, options: &LoadOptions) -> Result<LoadedMesh, Load
     let mut report = LoadReport { read, file_normals: mesh.normals.is_some(), ..LoadReport::default() };
     report.times.read = milliseconds(all);
     check_size(model, &mesh)?;
+    check_memory(model, options, "the model and its making ready", preparation_bytes(&mesh))?;
 
     begin(options, "cleaning", 0);
     let start = Instant::now();
@@ -193,7 +190,8 @@ pub fn load_mesh(model: &Path, options: &LoadOptions) -> Result<LoadedMesh, Load
 
 fn make_builtin(name: &str, options: &LoadOptions) -> Result<(Mesh, ReadReport), LoadError> {
     begin(options, "making the model", 0);
-    let mesh = builtin::make(name).map_err(|source| LoadError::Builtin { model: name.to_owned(), source })?;
+    check_memory(name.as_ref(), options, "the model", builtin::needed_bytes(name)?)?;
+    let mesh = builtin::make(name)?;
     let report =
         ReadReport { format: "built-in".into(), faces: mesh.triangles.len() as u64, ..ReadReport::default() };
     Ok((mesh, report))
@@ -205,6 +203,12 @@ fn check_size(model: &Path, mesh: &Mesh) -> Result<(), ReadError> {
         Some((what, count)) => Err(ReadError::TooMany { file: model.display().to_string(), what, count }),
         None => Ok(()),
     }
+}
+
+/// Positions and numbers, and as much again with 12 bytes more an element for welding, or for the triangles at
+/// each vertex.
+fn preparation_bytes(mesh: &Mesh) -> u64 {
+    (mesh.positions.len() as u64 + mesh.triangles.len() as u64) * (12 + 12 + 12)
 }
 
 /// Mesh and clusters stand in memory side by side while one is made from the other. Vertices that clusters

@@ -82,7 +82,8 @@ pub struct DrawingArgs {
     /// Strength of highlights, 0 for none.
     #[arg(long, value_name = "STRENGTH", allow_negative_numbers = true, value_parser = values::not_negative)]
     specular: Option<f64>,
-    /// Edges sharper than this many degrees stay sharp where normals are made [default: all are smooth].
+    /// Edges sharper than this many degrees stay sharp where normals are made; 180 smooths all
+    /// [default: 60].
     #[arg(long, value_name = "DEG", allow_negative_numbers = true, value_parser = values::crease_angle)]
     pub crease_angle: Option<f64>,
 }
@@ -149,8 +150,11 @@ impl DrawingArgs {
             ShadingName::Unlit => outputs.normals,
             ShadingName::Gouraud | ShadingName::Phong => true,
         };
-        let crease_angle = self.crease_angle.map(f64::to_radians);
-        if seen { Normals::FileOrMade { crease_angle } } else { Normals::File }
+        match self.crease_angle {
+            _ if !seen => Normals::File,
+            Some(degrees) => Normals::FileOrMade { crease_angle: Some(degrees.to_radians()) },
+            None => Normals::default(),
+        }
     }
 
     /// Gives a scene its look.

@@ -46,9 +46,10 @@ pub struct RunningArgs {
     /// SLURM_CPUS_PER_TASK].
     #[arg(long, value_name = "N", value_parser = parse_threads)]
     pub threads: Option<usize>,
-    /// Most memory to use, such as 500M, 2G or 2Gi; refuses models that need more.
+    /// Most memory that models and pictures may take, such as 500M, 2G or 2Gi; larger ones are refused
+    /// before the memory is taken [default: what the machine and the control group have free].
     #[arg(long, value_name = "SIZE", value_parser = values::bytes)]
-    pub memory_limit: Option<u64>,
+    memory_limit: Option<u64>,
     /// When to show progress on standard error.
     #[arg(long, value_name = "WHEN", value_enum, default_value_t = ProgressMode::Auto)]
     pub progress: ProgressMode,
@@ -61,6 +62,11 @@ pub struct RunningArgs {
 }
 
 impl RunningArgs {
+    /// Most memory that models and pictures may take.
+    pub fn memory_limit(&self) -> Option<u64> {
+        self.memory_limit.or_else(crate::memory::available_bytes)
+    }
+
     /// Warnings and progress are for users who did not ask for quiet.
     pub fn progress_mode(&self) -> ProgressMode {
         if self.quiet { ProgressMode::Never } else { self.progress }

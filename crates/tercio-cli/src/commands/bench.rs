@@ -90,9 +90,9 @@ impl Bench {
     fn measure(&self) -> Result<String> {
         let display = Display::new(self.running.progress_mode());
         let options = LoadOptions {
-            memory_limit: self.running.memory_limit,
+            memory_limit: self.running.memory_limit(),
             progress: Some(&display.progress),
-            normals: Normals::default(),
+            normals: Normals::FileOrMade { crease_angle: None },
             topology: false,
         };
         let begin = Instant::now();

@@ -61,7 +61,7 @@ impl Info {
     fn load(&self) -> Result<(LoadedMesh, Vec<AttributeSummary>)> {
         let display = Display::new(self.running.progress_mode());
         let options = LoadOptions {
-            memory_limit: self.running.memory_limit,
+            memory_limit: self.running.memory_limit(),
             progress: Some(&display.progress),
             normals: Normals::File,
             topology: true,
@@ -154,9 +154,16 @@ fn text(model: &str, loaded: &LoadedMesh, attributes: &[AttributeSummary]) -> St
         rows.push(("attribute", format!("{} ({}): {range}{nans}", a.name, domain(a.domain))));
     }
     if let Some(t) = &report.topology {
-        let open = format!("no, {} boundary edges", grouped(t.boundary_edges));
+        let branching = format!("no, {} non-manifold edges", grouped(t.non_manifold_edges));
+        let open = match t.boundary_edges {
+            0 => branching.clone(),
+            n => format!("no, {} boundary edges", grouped(n)),
+        };
         rows.push(("closed", if t.closed { "yes".into() } else { open }));
-        let flipped = format!("no, {} edges are run through twice the same way", grouped(t.flipped_edges));
+        let flipped = match t.flipped_edges {
+            0 => branching,
+            n => format!("no, {} edges are run through twice the same way", grouped(n)),
+        };
         rows.push(("consistently wound", if t.consistently_wound { "yes".into() } else { flipped }));
         rows.push(("non-manifold edges", grouped(t.non_manifold_edges)));
         rows.push(("components", grouped(t.components)));

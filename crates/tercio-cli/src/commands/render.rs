@@ -78,7 +78,7 @@ impl Render {
     fn draw(&self, plan: &Plan, settings: &Settings) -> Result<Done> {
         let display = Display::new(self.running.progress_mode());
         let options = LoadOptions {
-            memory_limit: self.running.memory_limit,
+            memory_limit: self.running.memory_limit(),
             progress: Some(&display.progress),
             normals: self.drawing.normals(plan.outputs),
             topology: false,
@@ -99,7 +99,7 @@ impl Render {
     }
 
     fn check_memory(&self, picture: u64, model: u64) -> Result<()> {
-        match self.running.memory_limit {
+        match self.running.memory_limit() {
             Some(limit) if picture.saturating_add(model) > limit => bail!(
                 "the picture needs {picture} bytes besides {model} for the model, the limit is {limit} bytes \
                  (--memory-limit)"

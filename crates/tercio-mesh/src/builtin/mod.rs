@@ -64,7 +64,32 @@ pub enum BuiltinError {
 /// to the others.
 ///
 /// The mesh has vertex normals, save for the soup; terrain has vertex colours and the soup face colours.
+///
+/// # Errors
+/// [`BuiltinError`] if there is no such model.
 pub fn make(spec: &str) -> Result<Mesh, BuiltinError> {
+    let Plan { maker, count, seed } = plan(spec)?;
+    Ok(maker(count, seed))
+}
+
+/// About how many bytes [`make`] takes for a model: its mesh and what is needed to make it.
+///
+/// # Errors
+/// As [`make`].
+pub fn needed_bytes(spec: &str) -> Result<u64, BuiltinError> {
+    // The soup takes most: three vertices, three numbers and a colour a triangle.
+    const A_TRIANGLE: u64 = 3 * 12 + 12 + 4;
+    Ok(plan(spec)?.count.saturating_mul(A_TRIANGLE))
+}
+
+/// What a name asks for.
+struct Plan {
+    maker: Maker,
+    count: u64,
+    seed: u64,
+}
+
+fn plan(spec: &str) -> Result<Plan, BuiltinError> {
     let syntax = |part, found: &str| BuiltinError::Syntax { spec: spec.into(), part, found: found.into() };
     let rest = spec.strip_prefix("builtin:").ok_or_else(|| syntax("the scheme", spec))?;
     let (rest, query) = rest.split_once('?').map_or((rest, None), |(r, q)| (r, Some(q)));
@@ -86,7 +111,7 @@ pub fn make(spec: &str) -> Result<Mesh, BuiltinError> {
             q.strip_prefix("seed=").and_then(|n| n.parse().ok()).ok_or_else(|| syntax("the seed", q))?
         }
     };
-    Ok(maker(count, seed))
+    Ok(Plan { maker, count, seed })
 }
 
 /// A decimal number with an optional k, M or G behind it, rounded to whole triangles.
