@@ -3,7 +3,7 @@
 //! The data walks through the modules in this order. [`view`] says where things are on the screen;
 //! [`frontend`] brings clusters there and drops what reaches no sample; [`binning`] sorts the triangles that
 //! are left into tiles; [`backend`] finds what is visible in each tile and shades it; [`frame`] is the finished
-//! picture. [`reference`] does all of this in one plain loop, and every other path must equal it, bit for bit.
+//! picture. [`mod@reference`] does all of this in one plain loop, and every other path must equal it, bit for bit.
 //!
 //! [`conventions`] holds the conventions of all of them. [`simd`] is the one place that knows of SIMD levels.
 
