@@ -5,16 +5,11 @@ use std::time::{Duration, Instant};
 
 use tercio_mesh::ReadError;
 use tercio_mesh::io::{ReadModel, ReadOptions, read};
+use tercio_testkit::require_shared;
 
 /// The folder with the data; `None` where this machine has none. On the build server it must be there.
 fn data() -> Option<PathBuf> {
-    let here = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let found = here.ancestors().map(|folder| folder.join("shared/data")).find(|data| data.is_dir());
-    if found.is_none() {
-        assert_ne!(std::env::var("CI").as_deref(), Ok("true"), "no folder shared/data");
-        eprintln!("skipped: no folder shared/data beside the repository");
-    }
-    found
+    require_shared("a test of the PLY reader")
 }
 
 /// All files below a folder, by name.

@@ -71,11 +71,6 @@ impl<'a> FrameContext<'a> {
         *self.first_cluster.last().unwrap_or(&0)
     }
 
-    /// Triangles of all instances.
-    pub fn triangles(&self) -> u64 {
-        self.scene.instances.iter().map(|i| i.mesh.triangle_count() as u64).sum()
-    }
-
     /// The instance that a cluster belongs to, and the cluster's number in its mesh.
     #[inline]
     pub fn locate(&self, cluster: u32) -> (usize, usize) {

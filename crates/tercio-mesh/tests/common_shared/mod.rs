@@ -7,18 +7,11 @@ use std::time::{Duration, Instant};
 
 use tercio_mesh::ReadError;
 use tercio_mesh::io::{ReadModel, ReadOptions, read};
+use tercio_testkit::require_shared;
 
 /// The data folder. Without it a test has nothing to do, except where CI promises that it is there.
 pub fn data() -> Option<PathBuf> {
-    let found = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .ancestors()
-        .map(|folder| folder.join("shared/data"))
-        .find(|folder| folder.is_dir());
-    if found.is_none() {
-        assert!(std::env::var("CI").as_deref() != Ok("true"), "shared/data is missing");
-        eprintln!("skipped: shared/data is missing");
-    }
-    found
+    require_shared("a test of the readers")
 }
 
 /// All files under a folder with one of these extensions, sorted.

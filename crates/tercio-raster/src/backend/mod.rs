@@ -37,7 +37,7 @@ pub fn run<S: Simd>(
     let mut counts = BackEndCounts::default();
     let entries: usize = batches.iter().map(|b| b.bins.fill(tile)).sum();
     let rect = output::tile_rect(context, tile);
-    scratch.pixels.clear(context, rect, planes);
+    scratch.pixels.clear(rect, planes);
     if entries > 0 {
         scratch.tile.clear(context, tile);
         for batch in batches {

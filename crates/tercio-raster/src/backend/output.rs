@@ -83,7 +83,7 @@ pub struct TilePixels {
 
 impl TilePixels {
     /// Fills the tile with the background.
-    pub fn clear(&mut self, _context: &FrameContext, rect: PixelRect, planes: &Planes) {
+    pub fn clear(&mut self, rect: PixelRect, planes: &Planes) {
         self.width = (rect.x1 - rect.x0 + 1) as usize;
         let rows = &planes.background[rect.y0 as usize..=rect.y1 as usize];
         let pixels = self.width * rows.len();
