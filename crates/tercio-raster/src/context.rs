@@ -1,11 +1,13 @@
 //! What all stages of one frame share.
 
+use std::ops::Range;
+
 use tercio_mesh::ClusteredMesh;
 use tercio_mesh::cluster::MAX_TRIANGLES;
 use tercio_scene::{Instance, Scene};
 
 use crate::RenderError;
-use crate::binning::TileGrid;
+use crate::binning::{PixelRect, TileGrid};
 use crate::lighting::LightRig;
 use crate::settings::Settings;
 use crate::view::{ObjectView, View};
@@ -64,6 +66,26 @@ impl<'a> FrameContext<'a> {
         let objects = scene.instances.iter().map(|i| view.object(i)).collect();
         let lights = LightRig::new(&scene.lights, &view);
         Ok(Self { scene, settings, view, objects, lights, grid, first_cluster, first_primitive, first_face })
+    }
+
+    /// All pixels of the picture.
+    #[inline(always)]
+    pub fn picture(&self) -> PixelRect {
+        PixelRect { x0: 0, x1: self.view.width as i32 - 1, y0: 0, y1: self.view.height as i32 - 1 }
+    }
+
+    /// Cuts a range of clusters at the borders of instances: instance, number of the first cluster in the frame,
+    /// and the clusters' numbers in its mesh.
+    pub fn by_instance(&self, clusters: Range<u32>) -> impl Iterator<Item = (usize, u32, Range<usize>)> {
+        let first = self.first_cluster.partition_point(|&first| first <= clusters.start).max(1) - 1;
+        (first..self.objects.len())
+            .map(move |instance| {
+                let (begin, end) = (self.first_cluster[instance], self.first_cluster[instance + 1]);
+                let (from, to) = (begin.max(clusters.start), end.min(clusters.end));
+                (instance, from, (from - begin) as usize..(to.max(from) - begin) as usize)
+            })
+            .take_while(move |&(_, from, _)| from < clusters.end)
+            .filter(|(_, _, range)| !range.is_empty())
     }
 
     /// Clusters of all instances.

@@ -27,8 +27,9 @@ pub const SAMPLE: i32 = SUBPIXELS / 2;
 /// clipped. Differences of coordinates stay below 2^24 and are exact in `f32`.
 pub const GUARD: f32 = 8_388_608.0;
 
-/// Below this extent in sub-pixels, products of coordinate differences fit into 32 bits.
-pub const SMALL_EXTENT: i32 = 1 << 14;
+/// Below this extent in sub-pixels, edge functions and areas fit into 32 bits: they are differences of two
+/// products of coordinate differences.
+pub const SMALL_EXTENT: i32 = 1 << 15;
 
 /// First pixel whose sample is at or right of (below) a screen coordinate.
 #[inline(always)]

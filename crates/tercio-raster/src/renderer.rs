@@ -3,13 +3,13 @@
 use std::sync::Mutex;
 use std::time::Instant;
 
-use fearless_simd::dispatch;
+use fearless_simd::{Level, dispatch};
 use rayon::prelude::*;
 use tercio_scene::camera::CameraError;
 use tercio_scene::{Camera, Scene};
 
 use crate::backend::output::Planes;
-use crate::backend::{self, Scratch};
+use crate::backend::{self, Scratch, Share};
 use crate::binning::TileGrid;
 use crate::context::FrameContext;
 use crate::frame::Frame;
@@ -50,6 +50,9 @@ pub enum RenderError {
 const BATCHES_A_THREAD: usize = 8;
 /// Fewer clusters than this make no batch of their own.
 const LEAST_CLUSTERS: usize = 16;
+
+/// Tiles with fewer entries than this are never shared between threads.
+const LEAST_SHARED: u64 = 64;
 
 /// Draws scenes; keeps its memory from frame to frame. Runs in the rayon pool it is called in.
 #[derive(Debug, Default)]
@@ -118,16 +121,8 @@ impl Renderer {
         let binned = Instant::now();
 
         let planes = Planes::new(frame, &scene.background);
-        let backend = (0..grid.count() as u32)
-            .into_par_iter()
-            .with_max_len(1)
-            .map(|tile| {
-                let own = rayon::current_thread_index().unwrap_or(0);
-                // A thread that draws a tile does nothing else meanwhile, so the lock is free.
-                let mut scratch = self.scratch[own % threads].lock().unwrap_or_else(|e| e.into_inner());
-                dispatch!(level, simd => backend::run(simd, &context, &self.batches, tile, &mut scratch, &planes))
-            })
-            .reduce(BackEndCounts::default, BackEndCounts::plus);
+        let tiles = Tiles { context: &context, batches: &self.batches, planes: &planes, level };
+        let backend = tiles.draw(&mut self.scratch);
         drop(planes);
         let drawn = Instant::now();
 
@@ -151,6 +146,70 @@ impl Renderer {
             tile_size,
         };
         Ok(())
+    }
+}
+
+/// The back end's work on one frame.
+struct Tiles<'a> {
+    context: &'a FrameContext<'a>,
+    batches: &'a [Batch],
+    planes: &'a Planes<'a>,
+    level: Level,
+}
+
+impl Tiles<'_> {
+    /// Draws all tiles: the few that hold a great part of the work one after another, shared by all threads,
+    /// the others side by side.
+    fn draw(&self, scratch: &mut [Mutex<Scratch>]) -> BackEndCounts {
+        let threads = rayon::current_num_threads();
+        let tiles = self.context.grid.count() as u32;
+        let fill = |tile: u32| self.batches.iter().map(|b| b.bins.fill(tile)).sum::<u64>();
+        let mut alone: Vec<u32> = (0..tiles).collect();
+        let mut shared = Vec::new();
+        if threads > 1 {
+            let work: u64 = (0..tiles).map(fill).sum();
+            let heavy = |tile: &u32| fill(*tile) > LEAST_SHARED.max(work / (2 * threads as u64));
+            (shared, alone) = alone.into_iter().partition(heavy);
+        }
+        let counts = shared.into_iter().map(|tile| self.draw_shared(tile, &mut scratch[..threads]));
+        let counts = counts.fold(BackEndCounts::default(), BackEndCounts::plus);
+        let scratch = &*scratch;
+        alone
+            .into_par_iter()
+            .with_max_len(1)
+            .map(|tile| {
+                let own = rayon::current_thread_index().unwrap_or(0);
+                // A thread that draws a tile does nothing else meanwhile, so the lock is free.
+                let mut scratch = scratch[own % threads].lock().unwrap_or_else(|e| e.into_inner());
+                dispatch!(self.level, simd => backend::run(
+                    simd, self.context, self.batches, tile, &mut scratch, self.planes,
+                ))
+            })
+            .reduce(BackEndCounts::default, BackEndCounts::plus)
+            .plus(counts)
+    }
+
+    /// Draws one tile with all threads, each a share of its entries into a tile memory of its own.
+    fn draw_shared(&self, tile: u32, scratch: &mut [Mutex<Scratch>]) -> BackEndCounts {
+        let of = scratch.len();
+        let counts = scratch
+            .par_iter_mut()
+            .enumerate()
+            .with_max_len(1)
+            .map(|(part, scratch)| {
+                let scratch = scratch.get_mut().unwrap_or_else(|e| e.into_inner());
+                let share = Share { part, of };
+                dispatch!(self.level, simd => backend::run_share(
+                    simd, self.context, self.batches, tile, share, scratch, self.planes,
+                ))
+            })
+            .reduce(BackEndCounts::default, BackEndCounts::plus);
+        let mut parts = scratch.iter_mut().map(|s| s.get_mut().unwrap_or_else(|e| e.into_inner()));
+        let Some(first) = parts.next() else { unreachable!("a pool has a thread") };
+        parts.for_each(|part| first.tile.merge(self.context, &part.tile));
+        let shaded =
+            dispatch!(self.level, simd => backend::finish(simd, self.context, tile, first, self.planes));
+        counts.plus(shaded)
     }
 }
 

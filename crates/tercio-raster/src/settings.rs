@@ -21,6 +21,16 @@ pub enum Binning {
     Exact,
 }
 
+/// What is sorted into tiles.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Sorting {
+    /// Clusters that are small on the screen as a whole, of the others every triangle.
+    #[default]
+    Clusters,
+    /// Every triangle.
+    Triangles,
+}
+
 /// Which triangles are left out by their facing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Cull {
@@ -43,6 +53,16 @@ impl Cull {
             Self::Auto | Self::None => None,
             Self::Back => Some(!mirrored),
             Self::Front => Some(mirrored),
+        }
+    }
+
+    /// Of lanes that run clockwise and counter-clockwise on the screen: those that are drawn, those left out.
+    #[inline(always)]
+    pub(crate) fn split(self, mirrored: bool, clockwise: u32, counter: u32) -> (u32, u32) {
+        match self.drops_clockwise(mirrored) {
+            None => (clockwise | counter, 0),
+            Some(true) => (counter, clockwise),
+            Some(false) => (clockwise, counter),
         }
     }
 }
@@ -181,6 +201,8 @@ pub struct Settings {
     pub outputs: Outputs,
     /// Pixels along the edge of a tile: 8, 16, 32, 64 or 128; `None` lets the renderer choose.
     pub tile_size: Option<u32>,
+    /// What is sorted into tiles.
+    pub sorting: Sorting,
     /// How triangles are sorted into tiles.
     pub binning: Binning,
     /// Whole clusters are tested before their triangles are.
@@ -199,6 +221,7 @@ impl Settings {
             shading: Shading::default(),
             outputs: Outputs::default(),
             tile_size: None,
+            sorting: Sorting::default(),
             binning: Binning::default(),
             cluster_culling: true,
             simd: None,

@@ -106,6 +106,39 @@ fearless_simd::kernel!(
     }
 );
 
+#[cfg(target_arch = "x86_64")]
+fearless_simd::kernel!(
+    /// 16 entries of a table of 128 bytes that stays in two registers.
+    #[inline]
+    fn lookup_bytes_avx512(
+        avx512: Avx512,
+        table: &[u8; 128],
+        index: &[u8; 16],
+    ) -> std::arch::x86_64::__m128i {
+        use std::arch::x86_64::*;
+        let part = |k: usize| -> __m512i {
+            fearless_simd::u8x64::from_slice(avx512, &table[64 * k..64 * k + 64]).into()
+        };
+        let index: __m128i = fearless_simd::u8x16::from_slice(avx512, index).into();
+        _mm512_castsi512_si128(_mm512_permutex2var_epi8(part(0), _mm512_castsi128_si512(index), part(1)))
+    }
+);
+
+/// 16 entries of a table of 128 bytes; indices are taken modulo 128.
+#[inline(always)]
+pub fn lookup_bytes<S: Simd>(simd: S, table: &[u8; 128], index: &[u8; 16]) -> [u8; 16] {
+    #[cfg(target_arch = "x86_64")]
+    if let Level::Avx512(token) = simd.level() {
+        let found: fearless_simd::u8x16<S> = lookup_bytes_avx512(token, table, index).simd_into(simd);
+        return found.to_array();
+    }
+    let mut found = [0; 16];
+    for lane in 0..LANES {
+        found[lane] = table[usize::from(index[lane] & 127)];
+    }
+    found
+}
+
 /// 16 entries of a table of 64; indices are taken modulo 64.
 #[inline(always)]
 pub fn lookup<S: Simd>(simd: S, table: &[i32; 64], index: &[u8; 16]) -> i32x16<S> {
@@ -113,5 +146,62 @@ pub fn lookup<S: Simd>(simd: S, table: &[i32; 64], index: &[u8; 16]) -> i32x16<S
     if let Level::Avx512(token) = simd.level() {
         return lookup_avx512(token, table, index).simd_into(simd);
     }
-    i32x16::from_fn(simd, |lane| table[usize::from(index[lane] & 63)])
+    part(
+        simd,
+        #[inline(always)]
+        || i32x16::from_fn(simd, |lane| table[usize::from(index[lane] & 63)]),
+    )
 }
+
+#[cfg(target_arch = "x86_64")]
+fearless_simd::kernel!(
+    /// The chosen lanes, moved together to the front.
+    #[inline]
+    fn compress_avx512(
+        avx512: Avx512,
+        lanes: u16,
+        from: std::arch::x86_64::__m512i,
+    ) -> std::arch::x86_64::__m512i {
+        let _ = avx512;
+        std::arch::x86_64::_mm512_maskz_compress_epi32(lanes, from)
+    }
+);
+
+/// Writes the chosen lanes to `to`, one after another from place `at` on; there must be room for all 16.
+#[inline(always)]
+pub fn append<S: Simd>(simd: S, to: &mut [i32], at: usize, lanes: u32, from: i32x16<S>) {
+    let to = &mut to[at..at + LANES];
+    #[cfg(target_arch = "x86_64")]
+    if let Level::Avx512(token) = simd.level() {
+        let together: i32x16<S> = compress_avx512(token, lanes as u16, from.into()).simd_into(simd);
+        together.store_slice(to);
+        return;
+    }
+    let from = from.to_array();
+    let (mut left, mut count) = (lanes & 0xffff, 0);
+    while left != 0 {
+        to[count] = from[left.trailing_zeros() as usize];
+        count += 1;
+        left &= left - 1;
+    }
+}
+
+/// Asks the memory for some elements that will be read soon; those outside the slice are left out.
+#[inline(always)]
+pub fn prefetch<T>(from: &[T], first: usize, count: usize) {
+    let Some(from) = from.get(first..(first + count).min(from.len())) else { return };
+    let bytes = size_of_val(from);
+    let mut at = 0;
+    while at < bytes {
+        #[cfg(target_arch = "x86_64")]
+        // SAFETY: a prefetch reads nothing that the program could see, and never faults.
+        unsafe {
+            use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
+            _mm_prefetch::<_MM_HINT_T0>(from.as_ptr().cast::<i8>().wrapping_add(at));
+        }
+        at += CACHE_LINE;
+    }
+}
+
+/// Bytes that come from memory together.
+const CACHE_LINE: usize = 64;

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::binning::TileGrid;
+use crate::binning::{Bins, TileGrid};
 use crate::frontend::Batch;
 
 /// What one frame did. Counts are the same from run to run unless said otherwise; times are not.
@@ -33,6 +33,10 @@ pub struct FrontEndCounts {
     pub clusters_outside: u64,
     /// Clusters that show only the side that is culled.
     pub clusters_facing: u64,
+    /// Clusters between the samples of the picture.
+    pub clusters_no_sample: u64,
+    /// Clusters handed to the bins as a whole.
+    pub clusters_out: u64,
     /// Triangles of all instances.
     pub triangles_in: u64,
     /// Triangles in clusters outside the view volume.
@@ -45,45 +49,64 @@ pub struct FrontEndCounts {
     pub triangles_no_area: u64,
     /// Triangles culled by their facing, met one by one.
     pub triangles_facing: u64,
-    /// Triangles whose bounding box holds no sample of the picture.
+    /// Triangles whose bounding box, or whose cluster's, holds no sample of the picture.
     pub triangles_no_sample: u64,
     /// Triangles that were clipped at the near plane or the guard band.
     pub triangles_clipped: u64,
-    /// Triangles handed to the bins, pieces of clipped ones counted each.
+    /// Triangles handed to the bins one by one, pieces of clipped ones counted each.
     pub triangles_out: u64,
-    /// Vertices transformed.
+    /// Vertices of clusters whose triangles were sorted one by one.
     pub vertices_transformed: u64,
 }
 
-/// Binning: triangles in, entries out.
+/// Binning: clusters and triangles in, entries out.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct BinningCounts {
-    /// Triangles binned.
+    /// Triangles binned one by one.
     pub triangles: u64,
-    /// Entries in all tiles.
-    pub entries: u64,
+    /// Their entries in all tiles.
+    pub triangle_entries: u64,
     /// Entries a triangle.
-    pub overlap: f64,
+    pub triangle_overlap: f64,
+    /// Clusters binned as a whole.
+    pub clusters: u64,
+    /// Their entries in all tiles.
+    pub cluster_entries: u64,
+    /// Entries a cluster.
+    pub cluster_overlap: f64,
     /// Tiles of the picture.
     pub tiles: u64,
     /// Tiles with at least one entry.
     pub tiles_used: u64,
-    /// Entries of the fullest tile.
+    /// Entries of both kinds of the fullest tile.
     pub largest_tile: u64,
     /// Bytes that the bins hold.
     pub bytes: u64,
 }
 
-/// Back end: samples and pixels.
+/// Back end: what the clusters of the tiles became, samples and pixels. What a cluster does is counted in each
+/// tile that draws it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct BackEndCounts {
-    /// Blocks of 4x4 samples tested against a triangle.
+    /// Clusters that lay behind what was drawn before them.
+    pub clusters_hidden: u64,
+    /// Clusters drawn.
+    pub clusters_drawn: u64,
+    /// Their vertices.
+    pub vertices_transformed: u64,
+    /// Their triangles.
+    pub triangles_in: u64,
+    /// Those of them that hold a sample in their bounding box and face the right way.
+    pub triangles_drawn: u64,
+    /// Blocks of 4x4 samples tested against a triangle; triangles of a few samples need none.
     pub blocks: u64,
     /// Samples covered by a triangle, hidden or not.
     pub samples_covered: u64,
-    /// Pixels that show a triangle, each shaded once.
+    /// Pixels shaded. Pixels of clusters are shaded when they are won, and again if a nearer cluster wins them.
     pub pixels_shaded: u64,
-    /// Samples covered a pixel shaded.
+    /// Pixels that show a triangle.
+    pub pixels_visible: u64,
+    /// Samples covered a visible pixel.
     pub overdraw: f64,
 }
 
@@ -107,6 +130,8 @@ impl FrontEndCounts {
             clusters_in: self.clusters_in + o.clusters_in,
             clusters_outside: self.clusters_outside + o.clusters_outside,
             clusters_facing: self.clusters_facing + o.clusters_facing,
+            clusters_no_sample: self.clusters_no_sample + o.clusters_no_sample,
+            clusters_out: self.clusters_out + o.clusters_out,
             triangles_in: self.triangles_in + o.triangles_in,
             triangles_in_outside_clusters: self.triangles_in_outside_clusters
                 + o.triangles_in_outside_clusters,
@@ -125,22 +150,26 @@ impl FrontEndCounts {
 impl BinningCounts {
     /// What the batches of a frame hold.
     pub(crate) fn of(batches: &[Batch], grid: &TileGrid) -> Self {
-        let triangles: u64 = batches.iter().map(|b| b.bins.len()).sum();
-        let entries: u64 = batches.iter().map(|b| b.bins.entries()).sum();
-        let fill = |tile: u32| batches.iter().map(|b| b.bins.fill(tile) as u64).sum::<u64>();
+        let sum = |count: fn(&Bins) -> u64| batches.iter().map(|b| count(&b.bins)).sum::<u64>();
+        let (triangles, triangle_entries) = (sum(Bins::triangles), sum(Bins::triangle_entries));
+        let (clusters, cluster_entries) = (sum(Bins::clusters), sum(Bins::cluster_entries));
         let (mut tiles_used, mut largest_tile) = (0, 0);
-        for fill in (0..grid.count() as u32).map(fill) {
+        for tile in 0..grid.count() as u32 {
+            let fill = batches.iter().map(|b| b.bins.fill(tile)).sum::<u64>();
             tiles_used += u64::from(fill > 0);
             largest_tile = largest_tile.max(fill);
         }
         Self {
             triangles,
-            entries,
-            overlap: ratio(entries, triangles),
+            triangle_entries,
+            triangle_overlap: ratio(triangle_entries, triangles),
+            clusters,
+            cluster_entries,
+            cluster_overlap: ratio(cluster_entries, clusters),
             tiles: grid.count() as u64,
             tiles_used,
             largest_tile,
-            bytes: batches.iter().map(|b| b.bins.bytes()).sum(),
+            bytes: sum(Bins::bytes),
         }
     }
 }
@@ -149,16 +178,22 @@ impl BackEndCounts {
     /// Sums.
     pub(crate) fn plus(self, o: Self) -> Self {
         Self {
+            clusters_hidden: self.clusters_hidden + o.clusters_hidden,
+            clusters_drawn: self.clusters_drawn + o.clusters_drawn,
+            vertices_transformed: self.vertices_transformed + o.vertices_transformed,
+            triangles_in: self.triangles_in + o.triangles_in,
+            triangles_drawn: self.triangles_drawn + o.triangles_drawn,
             blocks: self.blocks + o.blocks,
             samples_covered: self.samples_covered + o.samples_covered,
             pixels_shaded: self.pixels_shaded + o.pixels_shaded,
+            pixels_visible: self.pixels_visible + o.pixels_visible,
             overdraw: 0.0,
         }
     }
 
     /// Fills in what follows from the sums.
     pub(crate) fn finish(self) -> Self {
-        Self { overdraw: ratio(self.samples_covered, self.pixels_shaded), ..self }
+        Self { overdraw: ratio(self.samples_covered, self.pixels_visible), ..self }
     }
 }
 

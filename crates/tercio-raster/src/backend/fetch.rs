@@ -1,12 +1,15 @@
 //! What 16 visible pixels need to know of their triangles.
 
-use tercio_mesh::ClusteredMesh;
-use tercio_mesh::Mesh;
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x16, i32x16, u32x16};
+use tercio_mesh::cluster::{Cluster, MAX_TRIANGLES, MAX_VERTICES};
+use tercio_mesh::{ClusteredMesh, Mesh};
 use tercio_scene::Surface;
 
+use super::visibility::TileMemory;
 use crate::color::DECODE;
 use crate::context::FrameContext;
-use crate::simd::LANES;
+use crate::simd::{LANES, each3, load, lookup, lookup_bytes};
 
 /// 16 pixels of one instance on their way through the shading kernel.
 #[derive(Debug, Default)]
@@ -37,6 +40,15 @@ impl Fragments {
         self.depth[lane] = depth;
         self.count = lane + 1;
         self.count == LANES
+    }
+
+    /// Takes pixels and places of 16 samples of a tile, given by their places in the tile memory.
+    #[inline(always)]
+    pub fn of_winners<S: Simd>(&mut self, simd: S, memory: &TileMemory, places: &[i32], width: usize) {
+        let [x, y] = memory.column_and_row(i32x16::from_slice(simd, &places[..LANES]));
+        (x + memory.corner[0]).store_slice(&mut self.x);
+        (y + memory.corner[1]).store_slice(&mut self.y);
+        (y * width as i32 + x).bitcast::<u32x16<S>>().store_slice(&mut self.place);
     }
 
     /// Repeats the first pixel in the lanes that hold none.
@@ -99,6 +111,57 @@ pub fn linear(color: [u8; 4]) -> [f32; 3] {
     [0, 1, 2].map(|k| DECODE[usize::from(color[k])])
 }
 
+/// What shading needs of one cluster, as tables that fit into vector registers.
+#[derive(Debug)]
+pub struct ClusterTable {
+    /// Positions, as the bits of `f32`: axis, vertex.
+    position: [[i32; MAX_VERTICES]; 3],
+    /// Packed normals; of no use where the mesh has none.
+    normal: [i32; MAX_VERTICES],
+    /// Corners of the triangles.
+    corners: [[u8; MAX_TRIANGLES]; 3],
+    first_vertex: usize,
+    first_triangle: usize,
+}
+
+impl Default for ClusterTable {
+    fn default() -> Self {
+        let zero = [0; MAX_VERTICES];
+        let corners = [[0; MAX_TRIANGLES]; 3];
+        Self { position: [zero; 3], normal: zero, corners, first_vertex: 0, first_triangle: 0 }
+    }
+}
+
+impl ClusterTable {
+    /// Copies a cluster.
+    #[inline(always)]
+    pub fn load<S: Simd>(&mut self, simd: S, mesh: &ClusteredMesh, cluster: &Cluster) {
+        self.first_vertex = cluster.first_vertex as usize;
+        self.first_triangle = cluster.first_triangle as usize;
+        let mut first = 0;
+        while first < usize::from(cluster.vertices) {
+            let from = self.first_vertex + first;
+            let to = first..first + LANES;
+            for (axis, values) in [&mesh.x, &mesh.y, &mesh.z].into_iter().enumerate() {
+                load(simd, &values[from..from + LANES])
+                    .bitcast::<i32x16<S>>()
+                    .store_slice(&mut self.position[axis][to.clone()]);
+            }
+            if let Some(normals) = &mesh.normals {
+                for (to, from) in self.normal[to].iter_mut().zip(&normals[from..from + LANES]) {
+                    *to = from.0 as i32;
+                }
+            }
+            first += LANES;
+        }
+        let (from, count) = (self.first_triangle, usize::from(cluster.triangles));
+        for k in 0..3 {
+            let count = count.next_multiple_of(LANES);
+            self.corners[k][..count].copy_from_slice(&mesh.corners[k][from..from + count]);
+        }
+    }
+}
+
 /// The corners of the triangles of 16 pixels, lane by lane.
 #[derive(Debug, Default)]
 pub struct CornerLanes {
@@ -111,6 +174,43 @@ pub struct CornerLanes {
 }
 
 impl CornerLanes {
+    /// Looks up the corners of 16 triangles of one cluster, given by their numbers in it.
+    #[inline(always)]
+    pub fn look_up<S: Simd>(
+        &mut self,
+        simd: S,
+        mesh: &ClusteredMesh,
+        surface: &Surface,
+        table: &ClusterTable,
+        triangles: &[u8; LANES],
+        colors: ColorSource,
+    ) {
+        let numbers = each3!(K => lookup_bytes(simd, &table.corners[K], triangles));
+        for k in 0..3 {
+            for axis in 0..3 {
+                let p = lookup(simd, &table.position[axis], &numbers[k]);
+                p.bitcast::<f32x16<S>>().store_slice(&mut self.position[k][axis]);
+            }
+            lookup(simd, &table.normal, &numbers[k]).bitcast::<u32x16<S>>().store_slice(&mut self.normal[k]);
+        }
+        match (colors, &mesh.vertex_colors) {
+            (ColorSource::Base, _) => {}
+            (ColorSource::Vertex, Some(of_vertices)) => {
+                for (k, lane) in (0..3).flat_map(|k| (0..LANES).map(move |lane| (k, lane))) {
+                    let vertex = table.first_vertex + usize::from(numbers[k][lane] & 63);
+                    self.set_color(k, lane, linear(of_vertices[vertex]));
+                }
+            }
+            _ => {
+                for lane in 0..LANES {
+                    let triangle = table.first_triangle + usize::from(triangles[lane]);
+                    let color = triangle_color(mesh, surface, triangle);
+                    (0..3).for_each(|k| self.set_color(k, lane, color));
+                }
+            }
+        }
+    }
+
     /// Fetches the corners of all lanes; all slots belong to `instance`.
     pub fn fetch(
         &mut self,

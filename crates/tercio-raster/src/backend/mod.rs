@@ -1,6 +1,11 @@
-//! The back end, parallel over tiles: coverage, depth and visibility into a small tile memory ([`visibility`]),
-//! then every visible pixel shaded once ([`shade`]) and written to the picture ([`output`]).
+//! The back end, parallel over tiles: coverage, depth and visibility into a small tile memory, every visible
+//! pixel shaded and written to the picture ([`output`]).
+//!
+//! Clusters come front to back, and one that lies behind everything drawn where it would appear is left out.
+//! What a cluster wins is shaded while it is at hand ([`cluster`]). Where triangles were sorted one by one
+//! ([`visibility`]), or several threads share a tile, all its pixels are shaded once at the end ([`shade`]).
 
+pub mod cluster;
 pub mod edges;
 pub mod fetch;
 pub mod light;
@@ -10,18 +15,45 @@ pub mod visibility;
 
 use fearless_simd::Simd;
 
-use crate::binning::Binned;
+use crate::binning::BinnedCluster;
 use crate::context::FrameContext;
 use crate::frontend::Batch;
 use crate::stats::BackEndCounts;
+use cluster::ClusterPass;
 use output::Planes;
+use shade::WinnerScratch;
 use visibility::TileMemory;
 
 /// The memory that one thread needs to draw a tile.
 #[derive(Debug, Default)]
 pub struct Scratch {
-    tile: TileMemory,
+    /// What is seen where.
+    pub tile: TileMemory,
     pixels: output::TilePixels,
+    clusters: Vec<BinnedCluster>,
+    pass: ClusterPass,
+    winners: WinnerScratch,
+}
+
+/// A share of a tile's work: every `of`-th entry, beginning with number `part`.
+#[derive(Clone, Copy, Debug)]
+pub struct Share {
+    /// Which share.
+    pub part: usize,
+    /// How many there are.
+    pub of: usize,
+}
+
+/// So many clusters before its turn a cluster is asked of the memory.
+const AHEAD: usize = 1;
+
+/// When pixels are shaded.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Shade {
+    /// With the cluster that wins them.
+    AtOnce,
+    /// When all of the tile is drawn.
+    Later,
 }
 
 /// Draws one tile from the bins of all batches and writes it to the picture.
@@ -35,21 +67,126 @@ pub fn run<S: Simd>(
     planes: &Planes,
 ) -> BackEndCounts {
     let mut counts = BackEndCounts::default();
-    let entries: usize = batches.iter().map(|b| b.bins.fill(tile)).sum();
     let rect = output::tile_rect(context, tile);
     scratch.pixels.clear(rect, planes);
-    if entries > 0 {
-        scratch.tile.clear(context, tile);
-        for batch in batches {
-            for binned in batch.bins.in_tile(tile) {
-                match binned {
-                    Binned::Small(triangle) => scratch.tile.draw_small(simd, context, triangle, &mut counts),
-                    Binned::Any(triangle) => scratch.tile.draw(simd, context, triangle, &mut counts),
-                }
-            }
+    let triangles: usize = batches.iter().map(|b| b.bins.triangles_in(tile).len()).sum();
+    let clusters: usize = batches.iter().map(|b| b.bins.clusters_in(tile).len()).sum();
+    if triangles + clusters > 0 {
+        let shade = if triangles > 0 { Shade::Later } else { Shade::AtOnce };
+        draw(simd, context, batches, tile, Share { part: 0, of: 1 }, shade, scratch, planes, &mut counts);
+        if shade == Shade::Later {
+            shade::tile(simd, context, &scratch.tile, &mut scratch.pixels, planes, &mut counts);
         }
-        shade::tile(simd, context, &scratch.tile, &mut scratch.pixels, planes, &mut counts);
+        counts.pixels_visible += scratch.tile.visible();
     }
     scratch.pixels.write(rect, planes);
     counts
+}
+
+/// Draws a share of a tile into the tile memory only; [`finish`] does the rest.
+#[inline(always)]
+pub fn run_share<S: Simd>(
+    simd: S,
+    context: &FrameContext,
+    batches: &[Batch],
+    tile: u32,
+    share: Share,
+    scratch: &mut Scratch,
+    planes: &Planes,
+) -> BackEndCounts {
+    let mut counts = BackEndCounts::default();
+    draw(simd, context, batches, tile, share, Shade::Later, scratch, planes, &mut counts);
+    counts
+}
+
+/// Shades and writes a tile that was drawn in shares, from the memory that they were merged into.
+#[inline(always)]
+pub fn finish<S: Simd>(
+    simd: S,
+    context: &FrameContext,
+    tile: u32,
+    scratch: &mut Scratch,
+    planes: &Planes,
+) -> BackEndCounts {
+    let mut counts = BackEndCounts::default();
+    let rect = output::tile_rect(context, tile);
+    scratch.pixels.clear(rect, planes);
+    shade::tile(simd, context, &scratch.tile, &mut scratch.pixels, planes, &mut counts);
+    counts.pixels_visible += scratch.tile.visible();
+    scratch.pixels.write(rect, planes);
+    counts
+}
+
+/// Draws a share of a tile's entries: triangles first, then clusters front to back. Not inlined, so that it is
+/// compiled once a level.
+#[expect(clippy::too_many_arguments, reason = "a struct would only rename them")]
+#[inline(never)]
+fn draw<S: Simd>(
+    simd: S,
+    context: &FrameContext,
+    batches: &[Batch],
+    tile: u32,
+    share: Share,
+    shade: Shade,
+    scratch: &mut Scratch,
+    planes: &Planes,
+    counts: &mut BackEndCounts,
+) {
+    simd.vectorize(
+        #[inline(always)]
+        || draw_inline(simd, context, batches, tile, share, shade, scratch, planes, counts),
+    );
+}
+
+#[expect(clippy::too_many_arguments, reason = "a struct would only rename them")]
+#[inline(always)]
+fn draw_inline<S: Simd>(
+    simd: S,
+    context: &FrameContext,
+    batches: &[Batch],
+    tile: u32,
+    share: Share,
+    shade: Shade,
+    scratch: &mut Scratch,
+    planes: &Planes,
+    counts: &mut BackEndCounts,
+) {
+    let Scratch { tile: memory, pixels, clusters, pass, winners } = scratch;
+    memory.clear(context, tile);
+    let triangles = batches.iter().flat_map(|b| b.bins.triangles_in(tile));
+    for triangle in triangles.skip(share.part).step_by(share.of) {
+        memory.draw(simd, context, triangle, counts);
+    }
+    clusters.clear();
+    let entries = batches.iter().flat_map(|b| b.bins.clusters_in(tile));
+    clusters.extend(entries.skip(share.part).step_by(share.of));
+    // Front to back; numbers make the order, and so the counts, the same from run to run.
+    clusters.sort_unstable_by_key(|c| (!c.nearest.to_bits(), c.number));
+    for (i, binned) in clusters.iter().enumerate() {
+        if let Some(later) = clusters.get(i + 2 * AHEAD) {
+            cluster::prefetch_head(context, later);
+        }
+        if let Some(later) = clusters.get(i + AHEAD).filter(|later| !cluster::is_hidden(simd, later, memory)) {
+            cluster::prefetch_body(context, later);
+        }
+        if cluster::is_hidden(simd, binned, memory) {
+            counts.clusters_hidden += 1;
+            continue;
+        }
+        counts.clusters_drawn += 1;
+        pass.draw(simd, context, binned, memory, counts);
+        if shade == Shade::AtOnce {
+            shade::winners(
+                simd,
+                context,
+                binned.number,
+                &mut pass.winners,
+                memory,
+                winners,
+                pixels,
+                planes,
+                counts,
+            );
+        }
+    }
 }

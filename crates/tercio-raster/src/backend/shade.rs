@@ -5,8 +5,11 @@
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, i32x16, mask32x16, u32x16};
+use tercio_mesh::cluster::MAX_TRIANGLES;
+use tercio_scene::Instance;
 
-use super::fetch::{ColorSource, CornerLanes, Fragments};
+use super::cluster::Winners;
+use super::fetch::{ClusterTable, ColorSource, CornerLanes, Fragments};
 use super::light::{Vec3x16, normalize, reflect};
 use super::output::{Planes, TilePixels};
 use super::visibility::{BLOCK_BITS, LANE_X, LANE_Y, TileMemory};
@@ -75,11 +78,81 @@ fn flush<S: Simd>(
         return;
     }
     fragments.fill_up();
+    let scene_instance = &context.scene.instances[instance];
+    let source = ColorSource::of(&scene_instance.mesh, &scene_instance.surface);
+    corners.fetch(context, instance, &fragments.slot, source);
+    shade(simd, context, instance, fragments, corners, pixels, planes);
+    fragments.count = 0;
+}
+
+/// What [`winners`] keeps from cluster to cluster.
+#[derive(Debug, Default)]
+pub struct WinnerScratch {
+    table: ClusterTable,
+    fragments: Fragments,
+    corners: CornerLanes,
+}
+
+/// Shades the samples that cluster `number` of the frame won.
+#[expect(clippy::too_many_arguments, reason = "one call site; a struct would only rename them")]
+#[inline(never)]
+pub fn winners<S: Simd>(
+    simd: S,
+    context: &FrameContext,
+    number: u32,
+    winners: &mut Winners,
+    memory: &TileMemory,
+    scratch: &mut WinnerScratch,
+    pixels: &mut TilePixels,
+    planes: &Planes,
+    counts: &mut BackEndCounts,
+) {
+    if winners.place.is_empty() {
+        return;
+    }
+    simd.vectorize(
+        #[inline(always)]
+        || {
+            let (instance, index) = context.locate(number);
+            let Instance { mesh, surface, .. } = &context.scene.instances[instance];
+            let source = ColorSource::of(mesh, surface);
+            let WinnerScratch { table, fragments, corners } = scratch;
+            table.load(simd, mesh, &mesh.clusters[index]);
+            let count = winners.fill_up();
+            counts.pixels_shaded += count as u64;
+            for first in (0..count).step_by(LANES) {
+                let triangles: &[u8; LANES] =
+                    (&winners.triangle[first..]).first_chunk().unwrap_or(&[0; LANES]);
+                fragments.count = (count - first).min(LANES);
+                fragments.of_winners(simd, memory, &winners.place[first..], pixels.width);
+                if planes.depth.is_wanted() || planes.ids.is_wanted() {
+                    for lane in 0..LANES {
+                        fragments.slot[lane] = number * MAX_TRIANGLES as u32 + u32::from(triangles[lane]);
+                        fragments.depth[lane] = memory.depth[winners.place[first + lane] as usize];
+                    }
+                }
+                corners.look_up(simd, mesh, surface, table, triangles, source);
+                shade(simd, context, instance, fragments, corners, pixels, planes);
+            }
+        },
+    );
+}
+
+/// Shades 16 pixels. Not inlined, so that the kernel is compiled once a level.
+#[inline(never)]
+fn shade<S: Simd>(
+    simd: S,
+    context: &FrameContext,
+    instance: usize,
+    fragments: &Fragments,
+    corners: &CornerLanes,
+    pixels: &mut TilePixels,
+    planes: &Planes,
+) {
     simd.vectorize(
         #[inline(always)]
         || shade_16(simd, context, instance, fragments, corners, pixels, planes),
     );
-    fragments.count = 0;
 }
 
 #[inline(always)]
@@ -88,7 +161,7 @@ fn shade_16<S: Simd>(
     context: &FrameContext,
     instance: usize,
     fragments: &Fragments,
-    corners: &mut CornerLanes,
+    corners: &CornerLanes,
     pixels: &mut TilePixels,
     planes: &Planes,
 ) {
@@ -96,7 +169,6 @@ fn shade_16<S: Simd>(
     let (object, surface) = (&context.objects[instance], &scene_instance.surface);
     let mesh = &*scene_instance.mesh;
     let source = ColorSource::of(mesh, surface);
-    corners.fetch(context, instance, &fragments.slot, source);
 
     let p: Corners16<S> = each3!(K => load3(simd, &corners.position[K]));
     let weight = barycentrics(simd, object, fragments, corners, p);

@@ -7,7 +7,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, i32x16, mask32x16};
 
 use super::edges::Edges;
-use crate::binning::{ScreenTriangle, SmallTriangle};
+use crate::binning::{PixelRect, ScreenTriangle};
 use crate::context::{FrameContext, NO_SLOT};
 use crate::conventions::{SAMPLE, SUBPIXELS};
 use crate::simd::{LANES, each3, part, splat, splat_i};
@@ -35,7 +35,9 @@ pub struct TileMemory {
     pub corner: [i32; 2],
     /// Last column and row of pixels inside the picture.
     pub last: [i32; 2],
-    /// Blocks along the edge.
+    /// The border of the picture cuts the tile: blocks may hold samples beyond it.
+    pub is_cut: bool,
+    /// Blocks along the edge, a power of two.
     pub blocks: usize,
 }
 
@@ -82,6 +84,7 @@ impl TileMemory {
             (x as i32 + edge as i32).min(context.view.width as i32) - 1,
             (y as i32 + edge as i32).min(context.view.height as i32) - 1,
         ];
+        self.is_cut = self.last != [x, y].map(|c| (c as usize + edge - 1) as i32);
         self.blocks = edge >> BLOCK_BITS;
         self.depth.clear();
         self.depth.resize(edge * edge, 0.0);
@@ -114,7 +117,6 @@ impl TileMemory {
         let step: [i32x16<S>; 3] = each3!(K => lane_x * edges.a[K] + lane_y * edges.b[K]);
         let lane_dx = (lane_x * SUBPIXELS).to_float::<f32x16<S>>();
         let lane_dy = (lane_y * SUBPIXELS).to_float::<f32x16<S>>();
-        let slots = splat_i(simd, triangle.slot as i32);
 
         for by in by0..=by1 {
             let py = self.corner[1] + (by << BLOCK_BITS);
@@ -133,68 +135,22 @@ impl TileMemory {
                 let depth = depth.max(splat(simd, plane.range[0])).min(splat(simd, plane.range[1]));
                 counts.samples_covered += u64::from(covered.to_bitmask().count_ones());
                 let at = (by as usize * self.blocks + bx as usize) * LANES;
-                self.write(simd, context, at, covered, depth, slots);
+                self.write(simd, context, at, covered, depth, triangle.slot);
             }
         }
     }
 
-    /// Draws one small triangle: [`TileMemory::draw`] with everything set up and no product over 32 bits.
+    /// Keeps the nearer of old and new at the covered samples of a block, and tells where the new one won.
     #[inline(always)]
-    pub fn draw_small<S: Simd>(
-        &mut self,
-        simd: S,
-        context: &FrameContext,
-        t: &SmallTriangle,
-        counts: &mut BackEndCounts,
-    ) {
-        let (first_x, first_y) = (i32::from(t.first[0]), i32::from(t.first[1]));
-        let (x0, x1) = (first_x.max(self.corner[0]), i32::from(t.last[0]).min(self.last[0]));
-        let (y0, y1) = (first_y.max(self.corner[1]), i32::from(t.last[1]).min(self.last[1]));
-        let (bx0, bx1) = ((x0 - self.corner[0]) >> BLOCK_BITS, (x1 - self.corner[0]) >> BLOCK_BITS);
-        let (by0, by1) = ((y0 - self.corner[1]) >> BLOCK_BITS, (y1 - self.corner[1]) >> BLOCK_BITS);
-
-        let lane_x = i32x16::load_array(simd, LANE_X);
-        let lane_y = i32x16::load_array(simd, LANE_Y);
-        let a = each3!(K => i32::from(t.a[K]));
-        let b = each3!(K => i32::from(t.b[K]));
-        let step: [i32x16<S>; 3] = each3!(K => lane_x * a[K] + lane_y * b[K]);
-        let lane_dx = (lane_x * SUBPIXELS).to_float::<f32x16<S>>();
-        let lane_dy = (lane_y * SUBPIXELS).to_float::<f32x16<S>>();
-        let slots = splat_i(simd, t.slot as i32);
-        let (base, nearest) = (splat(simd, t.base), splat(simd, t.nearest));
-
-        for by in by0..=by1 {
-            let down = self.corner[1] + (by << BLOCK_BITS) - first_y;
-            let dy = lane_dy + (down * SUBPIXELS - i32::from(t.anchor[1])) as f32;
-            let along_y = dy * t.slope[1];
-            for bx in bx0..=bx1 {
-                let right = self.corner[0] + (bx << BLOCK_BITS) - first_x;
-                let e = each3!(K => step[K] + (t.c[K] + a[K] * right + b[K] * down));
-                let covered = ((e[0] | e[1]) | e[2]).simd_ge(splat_i(simd, 0));
-                counts.blocks += 1;
-                if !covered.any_true() {
-                    continue;
-                }
-                let dx = lane_dx + (right * SUBPIXELS - i32::from(t.anchor[0])) as f32;
-                let depth = ((dx * t.slope[0] + along_y) + t.base).max(base).min(nearest);
-                counts.samples_covered += u64::from(covered.to_bitmask().count_ones());
-                let at = (by as usize * self.blocks + bx as usize) * LANES;
-                self.write(simd, context, at, covered, depth, slots);
-            }
-        }
-    }
-
-    /// Keeps the nearer of old and new at the covered samples of a block.
-    #[inline(always)]
-    fn write<S: Simd>(
+    pub fn write<S: Simd>(
         &mut self,
         simd: S,
         context: &FrameContext,
         at: usize,
         covered: mask32x16<S>,
         depth: f32x16<S>,
-        slots: i32x16<S>,
-    ) {
+        slot: u32,
+    ) -> u32 {
         part(
             simd,
             #[inline(always)]
@@ -205,15 +161,88 @@ impl TileMemory {
                 let mut wins = covered & depth.simd_gt(before);
                 let tie = covered & depth.simd_eq(before);
                 if tie.any_true() {
-                    let bits = tie.to_bitmask() as u32;
-                    let more = lower_primitives(context, bits, slots[0] as u32, old_slot);
+                    let more = lower_primitives(context, tie.to_bitmask() as u32, slot, old_slot);
                     wins |= mask32x16::from_bitmask(simd, u64::from(more));
                 }
                 wins.select(depth, before).store_slice(old_depth);
                 let before: i32x16<S> = fearless_simd::u32x16::from_slice(simd, old_slot).bitcast();
+                let slots = splat_i(simd, slot as i32);
                 wins.select(slots, before).bitcast::<fearless_simd::u32x16<S>>().store_slice(old_slot);
+                wins.to_bitmask() as u32 & 0xffff
             },
         )
+    }
+
+    /// Is every sample of a part of the tile nearer than this depth?
+    #[inline(always)]
+    pub fn all_nearer<S: Simd>(&self, simd: S, rect: PixelRect, depth: f32) -> bool {
+        let block = |pixel: i32, corner: i32| (pixel - corner) as usize >> BLOCK_BITS;
+        let (bx0, bx1) = (block(rect.x0, self.corner[0]), block(rect.x1, self.corner[0]));
+        let (by0, by1) = (block(rect.y0, self.corner[1]), block(rect.y1, self.corner[1]));
+        let depth = splat(simd, depth);
+        for by in by0..=by1 {
+            let row = by * self.blocks * LANES;
+            for block in self.depth[row + bx0 * LANES..row + (bx1 + 1) * LANES].chunks_exact(LANES) {
+                if f32x16::from_slice(simd, block).simd_le(depth).any_true() {
+                    return false;
+                }
+            }
+        }
+        true
+    }
+
+    /// Takes over what another memory of the same tile holds nearer.
+    pub fn merge(&mut self, context: &FrameContext, other: &Self) {
+        for (place, (&depth, &slot)) in other.depth.iter().zip(&other.slot).enumerate() {
+            let before = self.depth[place];
+            let wins = depth > before
+                || (slot != NO_SLOT && depth == before && lower_primitive(context, slot, self.slot[place]));
+            if wins {
+                self.depth[place] = depth;
+                self.slot[place] = slot;
+            }
+        }
+    }
+
+    /// Pixels of the picture that show something.
+    pub fn visible(&self) -> u64 {
+        let mut count = 0;
+        for (block, slots) in self.slot.chunks_exact(LANES).enumerate() {
+            let x = ((block % self.blocks) << BLOCK_BITS) as i32 + self.corner[0];
+            let y = ((block / self.blocks) << BLOCK_BITS) as i32 + self.corner[1];
+            for (lane, &slot) in slots.iter().enumerate() {
+                let inside = x + LANE_X[lane] <= self.last[0] && y + LANE_Y[lane] <= self.last[1];
+                count += u64::from(slot != NO_SLOT && inside);
+            }
+        }
+        count
+    }
+
+    /// The pixels of the tile that lie inside the picture.
+    #[inline(always)]
+    pub fn rect(&self) -> PixelRect {
+        PixelRect { x0: self.corner[0], x1: self.last[0], y0: self.corner[1], y1: self.last[1] }
+    }
+
+    /// Where rows of samples begin, counted from the tile's first; [`TileMemory::place_in_row`] is to be added.
+    #[inline(always)]
+    pub fn place_of_row<S: Simd>(&self, y: i32x16<S>) -> i32x16<S> {
+        let blocks = self.blocks.trailing_zeros() + 2 * BLOCK_BITS;
+        ((y >> BLOCK_BITS) << blocks) + ((y & 3) << BLOCK_BITS)
+    }
+
+    /// Column and row of samples in the tile, from their places.
+    #[inline(always)]
+    pub fn column_and_row<S: Simd>(&self, place: i32x16<S>) -> [i32x16<S>; 2] {
+        let block = place >> (2 * BLOCK_BITS);
+        let (bx, by) = (block & (self.blocks as i32 - 1), block >> self.blocks.trailing_zeros());
+        [(bx << BLOCK_BITS) + (place & 3), (by << BLOCK_BITS) + ((place >> BLOCK_BITS) & 3)]
+    }
+
+    /// Where columns of samples stand in a row.
+    #[inline(always)]
+    pub fn place_in_row<S: Simd>(&self, x: i32x16<S>) -> i32x16<S> {
+        ((x >> BLOCK_BITS) << (2 * BLOCK_BITS)) + (x & 3)
     }
 }
 
@@ -221,12 +250,18 @@ impl TileMemory {
 #[cold]
 #[inline(never)]
 fn lower_primitives(context: &FrameContext, ties: u32, slot: u32, old: &[u32]) -> u32 {
-    let own = context.primitive(slot);
     let mut wins = 0;
     for (lane, &old) in old.iter().enumerate() {
-        if ties >> lane & 1 == 1 && (old == NO_SLOT || own < context.primitive(old)) {
+        if ties >> lane & 1 == 1 && lower_primitive(context, slot, old) {
             wins |= 1 << lane;
         }
     }
     wins
+}
+
+/// Does a sample belong to `slot` because its primitive number is lower than that of `old`?
+#[cold]
+#[inline(never)]
+pub fn lower_primitive(context: &FrameContext, slot: u32, old: u32) -> bool {
+    old == NO_SLOT || context.primitive(slot) < context.primitive(old)
 }

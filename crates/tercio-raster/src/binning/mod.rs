@@ -1,13 +1,17 @@
-//! The sort between the front end and the back end: triangles into the tiles that they may touch.
+//! The sort between the front end and the back end: clusters and triangles into the tiles that they may touch.
+//!
+//! A cluster that is small on the screen is sorted as a whole: its 128 triangles cost one entry, and the tile
+//! that draws it finds its vertices in the cache. Only of large clusters, and of those that cross the near
+//! plane, the triangles are sorted one by one.
 //!
 //! Each batch of clusters fills bins of its own, so that threads never share one; the back end reads a tile's
-//! entries batch after batch. A batch is sorted by counting: entries are numbered by tile, then moved.
+//! entries batch after batch.
 
+mod lists;
 mod overlap;
-pub mod small;
 
+pub use lists::TileLists;
 pub use overlap::covers_tile;
-pub use small::SmallTriangle;
 
 use crate::backend::edges::Edges;
 use crate::conventions::{first_sample, last_sample};
@@ -81,6 +85,14 @@ pub struct PixelRect {
     pub y1: i32,
 }
 
+impl PixelRect {
+    /// The pixels of both.
+    #[inline(always)]
+    pub fn intersect(self, o: Self) -> Self {
+        Self { x0: self.x0.max(o.x0), x1: self.x1.min(o.x1), y0: self.y0.max(o.y0), y1: self.y1.min(o.y1) }
+    }
+}
+
 /// How the picture is divided into tiles.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct TileGrid {
@@ -103,177 +115,123 @@ impl TileGrid {
         self.columns as usize * self.rows as usize
     }
 
+    /// Tiles that a rectangle of pixels touches: first and last column, first and last row.
+    pub fn tiles_of(&self, [x0, x1, y0, y1]: [u16; 4]) -> u32 {
+        let along =
+            |first: u16, last: u16| (u32::from(last) >> self.shift) - (u32::from(first) >> self.shift) + 1;
+        along(x0, x1) * along(y0, y1)
+    }
+
     /// First column and row of pixels of a tile.
     pub fn corner(&self, tile: u32) -> (u32, u32) {
         ((tile % self.columns) << self.shift, (tile / self.columns) << self.shift)
     }
 }
 
-/// Adds an entry to every tile that a triangle's samples touch; by exact binning only to those that it
-/// `covers`.
-#[inline(never)]
-fn push_pairs(
-    pairs: &mut Vec<(u32, u32)>,
-    grid: &TileGrid,
-    binning: Binning,
-    number: u32,
-    rect: PixelRect,
-    covers: impl Fn(PixelRect) -> bool,
-) {
-    let (s, edge) = (grid.shift, 1i32 << grid.shift);
-    for ty in rect.y0 as u32 >> s..=rect.y1 as u32 >> s {
-        for tx in rect.x0 as u32 >> s..=rect.x1 as u32 >> s {
-            let (x, y) = ((tx << s) as i32, (ty << s) as i32);
-            let part = PixelRect {
-                x0: rect.x0.max(x),
-                x1: rect.x1.min(x + edge - 1),
-                y0: rect.y0.max(y),
-                y1: rect.y1.min(y + edge - 1),
-            };
-            if binning == Binning::BoundingBox || covers(part) {
-                pairs.push((ty * grid.columns + tx, number));
-            }
-        }
-    }
-}
-
-/// The bit of an entry that tells it is a small triangle's.
-const SMALL: u32 = 1 << 31;
-
-/// A triangle in a tile's bin.
-#[derive(Clone, Copy, Debug)]
-pub enum Binned<'a> {
-    /// A small one.
-    Small(&'a SmallTriangle),
-    /// One of any size.
-    Any(&'a ScreenTriangle),
+/// A cluster in a tile's bin.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct BinnedCluster {
+    /// Its number in the frame.
+    pub number: u32,
+    /// No sample of it is nearer: an upper bound of its depth.
+    pub nearest: f32,
+    /// First and last column, first and last row of the pixels that it may reach.
+    pub rect: [u16; 4],
 }
 
 /// What one batch of clusters sorted into the tiles.
 #[derive(Debug, Default)]
 pub struct Bins {
-    /// The small triangles, in the order they came.
-    small: Vec<SmallTriangle>,
-    /// The others, in the order they came.
+    /// Triangles that were sorted one by one, in the order they came.
     triangles: Vec<ScreenTriangle>,
-    /// Tile and triangle number of each entry, not sorted yet.
-    pairs: Vec<(u32, u32)>,
-    /// Where each tile's entries begin in `entries`; one more than there are tiles.
-    starts: Vec<u32>,
-    /// Triangle numbers, tile after tile; see [`SMALL`].
-    entries: Vec<u32>,
+    /// Numbers of triangles.
+    triangle_lists: TileLists<u32>,
+    cluster_lists: TileLists<BinnedCluster>,
+    /// Clusters that were sorted as a whole.
+    clusters: u64,
 }
 
 impl Bins {
     /// Empties the bins, keeping their memory.
     pub fn clear(&mut self) {
-        self.small.clear();
         self.triangles.clear();
-        self.pairs.clear();
-        self.entries.clear();
-        self.starts.clear();
+        self.triangle_lists.clear();
+        self.cluster_lists.clear();
+        self.clusters = 0;
     }
 
-    /// Adds a triangle of any size to the tiles that it may touch; `rect` are its samples.
+    /// Adds a triangle to the tiles that it may touch; `rect` are its samples.
     #[inline(never)]
     pub fn push(&mut self, grid: &TileGrid, binning: Binning, triangle: ScreenTriangle, rect: PixelRect) {
         let number = self.triangles.len() as u32;
         self.triangles.push(triangle);
-        let covers = |tile: PixelRect| covers_tile(&Edges::new(&triangle), tile);
-        push_pairs(&mut self.pairs, grid, binning, number, rect, covers);
-    }
-
-    /// Adds a small triangle to the tiles that it may touch; `rect` are its samples.
-    #[inline(always)]
-    pub fn push_small(
-        &mut self,
-        grid: &TileGrid,
-        binning: Binning,
-        triangle: SmallTriangle,
-        rect: PixelRect,
-    ) {
-        let number = self.small.len() as u32 | SMALL;
-        self.small.push(triangle);
         let s = grid.shift;
         let (tx, ty) = (rect.x0 as u32 >> s, rect.y0 as u32 >> s);
         if tx == rect.x1 as u32 >> s && ty == rect.y1 as u32 >> s {
-            self.pairs.push((ty * grid.columns + tx, number));
+            self.triangle_lists.push(ty * grid.columns + tx, number);
+        } else if binning == Binning::BoundingBox {
+            self.triangle_lists.push_rect(grid, number, rect, |_| true);
         } else {
-            let covers = |tile: PixelRect| covers_tile(&triangle.edges(), tile);
-            push_pairs(&mut self.pairs, grid, binning, number, rect, covers);
+            let edges = Edges::new(&triangle);
+            self.triangle_lists.push_rect(grid, number, rect, |part| covers_tile(&edges, part));
         }
     }
 
-    /// Sorts the entries by tile, keeping their order inside a tile.
-    pub fn sort(&mut self, grid: &TileGrid) {
-        self.starts.clear();
-        self.starts.resize(grid.count() + 1, 0);
-        for &(tile, _) in &self.pairs {
-            self.starts[tile as usize + 1] += 1;
-        }
-        let mut sum = 0;
-        for start in &mut self.starts {
-            sum += *start;
-            *start = sum;
-        }
-        self.entries.clear();
-        self.entries.resize(self.pairs.len(), 0);
-        // Moving an entry advances its tile's start; afterwards each start is the next tile's.
-        for &(tile, number) in &self.pairs {
-            let at = &mut self.starts[tile as usize];
-            self.entries[*at as usize] = number;
-            *at += 1;
-        }
-        self.starts.copy_within(0..grid.count(), 1);
-        self.starts[0] = 0;
-    }
-
-    /// How many triangles a tile's bin holds.
-    pub fn fill(&self, tile: u32) -> usize {
-        self.tile(tile).len()
-    }
-
-    /// The triangles of a tile, in the order they came.
+    /// Adds a whole cluster to the tiles that it may touch.
     #[inline(always)]
-    pub fn in_tile(&self, tile: u32) -> impl Iterator<Item = Binned<'_>> {
-        self.tile(tile).iter().map(|&number| {
-            if number & SMALL != 0 {
-                Binned::Small(&self.small[(number & !SMALL) as usize])
-            } else {
-                Binned::Any(&self.triangles[number as usize])
-            }
-        })
+    pub fn push_cluster(&mut self, grid: &TileGrid, cluster: BinnedCluster) {
+        let [x0, x1, y0, y1] = cluster.rect.map(i32::from);
+        self.cluster_lists.push_rect(grid, cluster, PixelRect { x0, x1, y0, y1 }, |_| true);
+        self.clusters += 1;
     }
 
-    fn tile(&self, tile: u32) -> &[u32] {
-        if self.starts.is_empty() {
-            return &[];
-        }
-        let (from, to) = (self.starts[tile as usize], self.starts[tile as usize + 1]);
-        &self.entries[from as usize..to as usize]
+    /// Sorts all that was added by tile.
+    pub fn sort(&mut self, grid: &TileGrid) {
+        self.triangle_lists.sort(grid);
+        self.cluster_lists.sort(grid);
     }
 
-    /// Triangles of all sizes.
-    pub fn len(&self) -> u64 {
-        (self.small.len() + self.triangles.len()) as u64
+    /// The triangles of a tile that were sorted one by one, in the order they came.
+    #[inline(always)]
+    pub fn triangles_in(&self, tile: u32) -> impl ExactSizeIterator<Item = &ScreenTriangle> {
+        self.triangle_lists.tile(tile).iter().map(|&number| &self.triangles[number as usize])
     }
 
-    /// No triangle was added.
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
+    /// The clusters of a tile, in the order they came.
+    #[inline(always)]
+    pub fn clusters_in(&self, tile: u32) -> &[BinnedCluster] {
+        self.cluster_lists.tile(tile)
     }
 
-    /// Entries in all tiles.
-    pub fn entries(&self) -> u64 {
-        self.entries.len() as u64
+    /// Entries of a tile, triangles and clusters.
+    pub fn fill(&self, tile: u32) -> u64 {
+        (self.triangle_lists.tile(tile).len() + self.cluster_lists.tile(tile).len()) as u64
+    }
+
+    /// Triangles that were sorted one by one.
+    pub fn triangles(&self) -> u64 {
+        self.triangles.len() as u64
+    }
+
+    /// Entries of triangles in all tiles.
+    pub fn triangle_entries(&self) -> u64 {
+        self.triangle_lists.len()
+    }
+
+    /// Clusters that were sorted as a whole.
+    pub fn clusters(&self) -> u64 {
+        self.clusters
+    }
+
+    /// Entries of clusters in all tiles.
+    pub fn cluster_entries(&self) -> u64 {
+        self.cluster_lists.len()
     }
 
     /// Bytes of memory held.
     pub fn bytes(&self) -> u64 {
-        (self.small.capacity() * size_of::<SmallTriangle>()
-            + self.triangles.capacity() * size_of::<ScreenTriangle>()
-            + self.pairs.capacity() * 8
-            + self.starts.capacity() * 4
-            + self.entries.capacity() * 4) as u64
+        (self.triangles.capacity() * size_of::<ScreenTriangle>()) as u64
+            + self.triangle_lists.bytes()
+            + self.cluster_lists.bytes()
     }
 }

@@ -1,11 +1,15 @@
-//! Whole clusters against the view volume, and against the eye.
+//! Whole clusters against the view volume and the samples of the picture, and against the eye.
 //!
-//! Both tests only ever drop what cannot reach a sample: they carry a margin for everything that rounding and
-//! snapping may move.
+//! [`ClusterTests`] looks at 16 clusters at a time in `f32`; [`place`] decides in `f64` about the few that cross
+//! a plane. All tests only ever drop what cannot reach a sample: they carry a margin for everything that
+//! rounding and snapping may move.
 
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x16, i32x16, mask32x16};
 use tercio_mesh::cluster::Cluster;
 
-use crate::conventions::{GUARD, SUBPIXELS};
+use crate::conventions::{GUARD, SAMPLE, SMALL_EXTENT, SUBPIXEL_BITS, SUBPIXELS};
+use crate::simd::{LANES, dot, each3, load, part, row, splat, splat_i};
 use crate::view::{ObjectView, View};
 
 /// Where a cluster lies.
@@ -69,50 +73,282 @@ pub fn place(view: &View, object: &ObjectView, cluster: &Cluster) -> Placement {
 /// Snapping must not be able to turn a triangle over: at least this many sub-pixels of height are asked for.
 /// Half a sub-pixel is rounded at each corner, which can turn over triangles of less than 5; the rest is room
 /// for the rounding of `f32` on the way to the screen.
-const SAFE_HEIGHT: f64 = 16.0;
+const SAFE_HEIGHT: f32 = 16.0;
+/// What `f32` may round away from a sum of products, relative to the sum of their magnitudes. Twenty roundings
+/// would be 1.2e-6.
+const SLACK: f32 = 3e-6;
 
-/// True only if every triangle of a cluster shows its back (`back`) or its front (`!back`), and still does after
-/// its corners were snapped. The cluster must lie [`Placement::Inside`].
+/// The bounds of 16 clusters, lane by lane.
+#[derive(Debug, Default)]
+pub struct ClusterLanes {
+    min: [[f32; LANES]; 3],
+    max: [[f32; LANES]; 3],
+    axis: [[f32; LANES]; 3],
+    cutoff: [f32; LANES],
+    radius: [f32; LANES],
+    min_height: [f32; LANES],
+}
+
+impl ClusterLanes {
+    /// Of at most 16 clusters; lanes behind the last hold nothing of use.
+    #[inline(always)]
+    pub fn load(&mut self, clusters: &[Cluster]) {
+        for (lane, cluster) in clusters.iter().enumerate().take(LANES) {
+            for k in 0..3 {
+                self.min[k][lane] = cluster.min[k];
+                self.max[k][lane] = cluster.max[k];
+                self.axis[k][lane] = f32::from(cluster.cone_axis[k]);
+            }
+            self.cutoff[lane] = f32::from(cluster.cone_cutoff);
+            self.radius[lane] = cluster.radius;
+            self.min_height[lane] = cluster.min_height;
+        }
+    }
+}
+
+/// What is known of 16 clusters; bit i of a mask is cluster i.
+#[derive(Debug, Default)]
+pub struct ClusterTests {
+    /// Wholly before the near plane or beside the picture.
+    pub outside: u32,
+    /// Inside the near plane and the guard band: no triangle needs clipping.
+    pub inside: u32,
+    /// Between the samples of the picture: nothing of it can be seen. Only inside.
+    pub no_sample: u32,
+    /// All triangles show the side that was asked about, and still do after snapping. Only inside.
+    pub one_side: u32,
+    /// Less than [`SMALL_EXTENT`] across and down on the screen. Only inside.
+    pub small: u32,
+    /// First and last column, first and last row of pixels that a cluster may reach. Only inside.
+    pub rect: [[i32; LANES]; 4],
+    /// Upper bound of the depth. Only inside.
+    pub nearest: [f32; LANES],
+}
+
+impl ClusterTests {
+    /// Tests 16 clusters. `back` asks which show only their back (`true`) or their front.
+    #[inline(always)]
+    pub fn new<S: Simd>(
+        simd: S,
+        view: &View,
+        object: &ObjectView,
+        lanes: &ClusterLanes,
+        back: Option<bool>,
+    ) -> Self {
+        {
+            {
+                let min = each3!(K => load(simd, &lanes.min[K]));
+                let max = each3!(K => load(simd, &lanes.max[K]));
+                let middle = each3!(K => (min[K] + max[K]) * 0.5);
+                let half = each3!(K => (max[K] - min[K]) * 0.5);
+                let depth = DepthRange::new(simd, object, middle, half);
+                let x = screen_range(simd, &object.x, object, &depth, middle, half);
+                let y = screen_range(simd, &object.y, object, &depth, middle, half);
+
+                let limit = splat(simd, GUARD * 0.99);
+                let inside = depth.in_front
+                    & x[0].simd_gt(-limit)
+                    & x[1].simd_lt(limit)
+                    & y[0].simd_gt(-limit)
+                    & y[1].simd_lt(limit);
+                let (columns, beside) = pixels(simd, x, object.offset[0], view.width);
+                let (rows, above) = pixels(simd, y, object.offset[1], view.height);
+                let between = columns[0].simd_gt(columns[1]) | rows[0].simd_gt(rows[1]);
+                let extent = splat(simd, SMALL_EXTENT as f32);
+                let small = (x[1] - x[0]).simd_lt(extent) & (y[1] - y[0]).simd_lt(extent);
+                let outside = depth.behind | (inside & (beside | above));
+                let inside = inside & !outside;
+                Self {
+                    outside: bits(outside),
+                    inside: bits(inside),
+                    no_sample: bits(between & inside),
+                    one_side: match back {
+                        Some(back) => {
+                            bits(one_side(simd, view, object, lanes, middle, &depth, back) & inside)
+                        }
+                        None => 0,
+                    },
+                    small: bits(small & inside),
+                    rect: [
+                        columns[0].to_array(),
+                        columns[1].to_array(),
+                        rows[0].to_array(),
+                        rows[1].to_array(),
+                    ],
+                    nearest: depth.nearest.to_array(),
+                }
+            }
+        }
+    }
+}
+
+/// One bit a lane.
+#[inline(always)]
+fn bits<S: Simd>(mask: mask32x16<S>) -> u32 {
+    mask.to_bitmask() as u32 & 0xffff
+}
+
+/// Where boxes lie along the line of sight.
+struct DepthRange<S: Simd> {
+    /// Least and greatest w.
+    w: [f32x16<S>; 2],
+    /// 1 / w of the middle.
+    inverse: f32x16<S>,
+    /// What rounding may have done to w.
+    slack: f32x16<S>,
+    /// Upper bound of the depth.
+    nearest: f32x16<S>,
+    /// Wholly inside the near plane.
+    in_front: mask32x16<S>,
+    /// Wholly outside it.
+    behind: mask32x16<S>,
+}
+
+impl<S: Simd> DepthRange<S> {
+    #[inline(always)]
+    fn new(simd: S, object: &ObjectView, middle: [f32x16<S>; 3], half: [f32x16<S>; 3]) -> Self {
+        part(
+            simd,
+            #[inline(always)]
+            || {
+                let one = splat(simd, 1.0);
+                if object.perspective {
+                    let w = row(simd, &object.w, middle);
+                    let slack = magnitude(simd, &object.w, middle, half);
+                    let reach = reach(simd, &object.w, half) + slack;
+                    let (least, most) = (w - reach, w + reach);
+                    let near = splat(simd, object.near);
+                    Self {
+                        w: [least, most],
+                        inverse: one / w,
+                        slack,
+                        nearest: near / least * (1.0 + SLACK),
+                        in_front: least.simd_gt(near),
+                        behind: most.simd_lt(near),
+                    }
+                } else {
+                    let d = row(simd, &object.d, middle);
+                    let reach = reach(simd, &object.d, half) + magnitude(simd, &object.d, middle, half);
+                    Self {
+                        w: [one; 2],
+                        inverse: one,
+                        slack: splat(simd, 0.0),
+                        nearest: d + reach,
+                        in_front: (d + reach).simd_lt(one),
+                        behind: (d - reach).simd_gt(one),
+                    }
+                }
+            },
+        )
+    }
+}
+
+/// How far a row may leave its value in the middle of a box.
+#[inline(always)]
+fn reach<S: Simd>(simd: S, r: &[f32; 4], half: [f32x16<S>; 3]) -> f32x16<S> {
+    dot(each3!(K => splat(simd, r[K].abs())), half)
+}
+
+/// What `f32` may have rounded away from a row anywhere in a box.
+#[inline(always)]
+fn magnitude<S: Simd>(simd: S, r: &[f32; 4], middle: [f32x16<S>; 3], half: [f32x16<S>; 3]) -> f32x16<S> {
+    (reach(simd, r, each3!(K => middle[K].abs() + half[K])) + splat(simd, r[3].abs())) * SLACK
+}
+
+/// Least and greatest screen coordinate of boxes, in sub-pixels from the middle of the picture; holds only where
+/// all of the box lies in front.
+///
+/// With s the coordinate of the middle, x - s * w vanishes there, and |x / w - s| is at most the reach of that
+/// row over the least w.
+#[inline(always)]
+fn screen_range<S: Simd>(
+    simd: S,
+    r: &[f32; 4],
+    object: &ObjectView,
+    depth: &DepthRange<S>,
+    middle: [f32x16<S>; 3],
+    half: [f32x16<S>; 3],
+) -> [f32x16<S>; 2] {
+    part(
+        simd,
+        #[inline(always)]
+        || {
+            let s = row(simd, r, middle) * depth.inverse;
+            let away = if object.perspective {
+                dot(each3!(K => (splat(simd, r[K]) - s * object.w[K]).abs()), half)
+            } else {
+                reach(simd, r, half)
+            };
+            let slack = magnitude(simd, r, middle, half) + s.abs() * depth.slack;
+            // Two sub-pixels for snapping and for cutting off the fraction.
+            let away = (away + slack) / depth.w[0] + (s.abs() * SLACK + 2.0);
+            [s - away, s + away]
+        },
+    )
+}
+
+/// First and last pixel of the picture whose sample lies in a range, and the lanes whose samples lie beside it.
+#[inline(always)]
+fn pixels<S: Simd>(simd: S, range: [f32x16<S>; 2], offset: i32, size: u32) -> ([i32x16<S>; 2], mask32x16<S>) {
+    part(
+        simd,
+        #[inline(always)]
+        || {
+            let first = (range[0].to_int::<i32x16<S>>() + (offset + SAMPLE - 1)) >> SUBPIXEL_BITS;
+            let last = (range[1].to_int::<i32x16<S>>() + (offset - SAMPLE)) >> SUBPIXEL_BITS;
+            let border = size as i32 - 1;
+            let beside =
+                first.simd_le(last) & (first.simd_gt(splat_i(simd, border)) | last.simd_lt(splat_i(simd, 0)));
+            ([first.max(splat_i(simd, 0)), last.min(splat_i(simd, border))], beside)
+        },
+    )
+}
+
+/// Which clusters surely show only their back (`back`) or their front, and still do after their corners were
+/// snapped. They must lie inside.
 ///
 /// The normal cone tells the facing in exact geometry, with a margin m: the sine of the angle between the line
 /// of sight and each triangle's plane is at least 2/pi * m. On the screen the least height of a triangle is then
 /// at least `scale * height * sine * w_min^2 / w_max^3` for a perspective camera (the projected area over the
 /// longest projected edge), `scale * height * sine` for an orthographic one.
-pub fn shows_one_side(view: &View, object: &ObjectView, cluster: &Cluster, back: bool) -> bool {
-    let Some(similarity) = object.similarity else { return false };
-    let axis = cluster.cone_axis.map(|a| f64::from(a) / 127.0);
-    let cutoff = f64::from(cluster.cone_cutoff) / 127.0;
-    let (center, radius) = cluster.sphere();
-    let radius = f64::from(radius) * 1.0001;
-    let viewer = object.viewer.map(f64::from);
-    // Into the scene: from the eye to the middle of the cluster, or along the parallel rays.
-    let d: [f64; 3] =
-        std::array::from_fn(
-            |k| {
-                if object.perspective { f64::from(center[k]) - viewer[k] } else { -viewer[k] }
-            },
-        );
-    let dot = |a: [f64; 3], b: [f64; 3]| (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2];
-    let (along, length) = (dot(d, axis), dot(d, d).sqrt());
-    let along = if back { along } else { -along };
-    let reach = if object.perspective { radius } else { 0.0 };
-    let margin = (along - reach) / (length + reach) - cutoff - 1e-5;
-    if !(margin > 0.0) {
-        return false;
-    }
-    let sine = margin * std::f64::consts::FRAC_2_PI;
-    let height = f64::from(cluster.min_height) * similarity * view.scale * sine;
-    let on_screen = if object.perspective {
-        let [wx, wy, wz, w0] = object.exact.w;
-        let w = dot([wx, wy, wz], center.map(f64::from)) + w0;
-        let depth = radius * similarity;
-        let (nearest, farthest) = (w - depth, w + depth);
-        if nearest <= 0.0 {
-            return false;
-        }
-        height * nearest * nearest / (farthest * farthest * farthest)
-    } else {
-        height
-    };
-    on_screen > SAFE_HEIGHT
+#[inline(always)]
+fn one_side<S: Simd>(
+    simd: S,
+    view: &View,
+    object: &ObjectView,
+    lanes: &ClusterLanes,
+    middle: [f32x16<S>; 3],
+    depth: &DepthRange<S>,
+    back: bool,
+) -> mask32x16<S> {
+    part(
+        simd,
+        #[inline(always)]
+        || {
+            let zero = splat(simd, 0.0);
+            let Some(similarity) = object.similarity else { return zero.simd_gt(zero) };
+            let axis = each3!(K => load(simd, &lanes.axis[K]) * (1.0 / 127.0));
+            let cutoff = load(simd, &lanes.cutoff) * (1.0 / 127.0);
+            let radius = load(simd, &lanes.radius) * 1.0001;
+            let viewer = each3!(K => splat(simd, object.viewer[K]));
+            // Into the scene: from the eye to the middle of the cluster, or along the parallel rays.
+            let d =
+                if object.perspective { each3!(K => middle[K] - viewer[K]) } else { each3!(K => -viewer[K]) };
+            let length = dot(d, d).sqrt();
+            let along = dot(d, axis);
+            let along = if back { along } else { -along };
+            let reach = if object.perspective { radius } else { zero };
+            let margin = (along - reach) / (length + reach) - cutoff - 1e-4;
+            let height = load(simd, &lanes.min_height)
+                * ((similarity * view.scale * std::f64::consts::FRAC_2_PI) as f32);
+            let height = height * margin;
+            let on_screen = if object.perspective {
+                let [least, most] = depth.w;
+                height * least * least / (most * most * most)
+            } else {
+                height
+            };
+            margin.simd_gt(zero) & on_screen.simd_gt(splat(simd, SAFE_HEIGHT))
+        },
+    )
 }

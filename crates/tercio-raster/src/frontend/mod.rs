@@ -1,8 +1,9 @@
-//! The front end, parallel over clusters: cull, transform, snap, drop what reaches no sample, clip, bin.
+//! The front end, parallel over clusters: cull whole clusters and sort the others into the bins.
 //!
-//! [`cull`] places whole clusters, [`transform`] brings their vertices to the screen, [`triangles`] looks at
-//! their triangles 16 at a time and hands the survivors to the bins; [`clip`] is for the few that cross the
-//! near plane or the guard band.
+//! [`cull`] places clusters, 16 at a time. Those that are small on the screen go into the bins as they are; the
+//! back end transforms them where they are drawn. Of the others [`transform`] brings the vertices to the screen
+//! and [`triangles`] looks at the triangles 16 at a time and hands the survivors to the bins; [`clip`] is for the
+//! few that cross the near plane or the guard band.
 
 pub mod clip;
 pub mod cull;
@@ -12,63 +13,113 @@ pub mod triangles;
 use std::ops::Range;
 
 use fearless_simd::Simd;
-use tercio_mesh::cluster::MAX_TRIANGLES;
+use tercio_mesh::cluster::{Cluster, MAX_TRIANGLES};
 
-use crate::binning::Bins;
+use crate::binning::{BinnedCluster, Bins};
 use crate::context::FrameContext;
+use crate::settings::Sorting;
+use crate::simd::LANES;
 use crate::stats::FrontEndCounts;
-use cull::Placement;
-use triangles::ClusterPass;
+use cull::{ClusterLanes, ClusterTests, Placement};
+use triangles::TrianglePass;
 
 /// What one batch of clusters made.
 #[derive(Debug, Default)]
 pub struct Batch {
-    /// The triangles, sorted into tiles.
+    /// Clusters and triangles, sorted into tiles.
     pub bins: Bins,
     /// What happened to the rest.
     pub counts: FrontEndCounts,
 }
+
+/// Clusters that reach into more tiles than this have their triangles sorted one by one: each of the tiles would
+/// transform all of them.
+const MOST_TILES: u32 = 16;
 
 /// Draws a range of the scene's clusters into the bins of a batch.
 #[inline(always)]
 pub fn run<S: Simd>(simd: S, context: &FrameContext, clusters: Range<u32>, batch: &mut Batch) {
     batch.bins.clear();
     batch.counts = FrontEndCounts::default();
-    let mut pass = ClusterPass::default();
-    for number in clusters {
-        let (instance, index) = context.locate(number);
+    let mut pass = TrianglePass::default();
+    let mut lanes = ClusterLanes::default();
+    for (instance, number, range) in context.by_instance(clusters) {
         let mesh = &*context.scene.instances[instance].mesh;
-        let cluster = &mesh.clusters[index];
-        let object = &context.objects[instance];
+        let sixteens = mesh.clusters[range].chunks(LANES).zip((number..).step_by(LANES));
+        for (clusters, number) in sixteens {
+            sort_16(simd, context, instance, clusters, number, &mut pass, &mut lanes, batch);
+        }
+    }
+    batch.bins.sort(&context.grid);
+}
+
+/// Sorts at most 16 clusters of one instance, of which the first has this number in the frame.
+#[expect(clippy::too_many_arguments, reason = "one call site; a struct would only rename them")]
+#[inline(always)]
+fn sort_16<S: Simd>(
+    simd: S,
+    context: &FrameContext,
+    instance: usize,
+    clusters: &[Cluster],
+    number: u32,
+    pass: &mut TrianglePass,
+    lanes: &mut ClusterLanes,
+    batch: &mut Batch,
+) {
+    let mesh = &*context.scene.instances[instance].mesh;
+    let object = &context.objects[instance];
+    let (view, settings) = (&context.view, context.settings);
+    let mut tests = ClusterTests::default();
+    if settings.cluster_culling {
+        let back =
+            settings.cull.drops_clockwise(object.mirrored).map(|clockwise| clockwise != object.mirrored);
+        lanes.load(clusters);
+        tests = ClusterTests::new(simd, view, object, lanes, back);
+    }
+    for (lane, cluster) in clusters.iter().enumerate() {
+        let is = |mask: u32| mask >> lane & 1 == 1;
         let triangles = u64::from(cluster.triangles);
         let counts = &mut batch.counts;
         counts.clusters_in += 1;
         counts.triangles_in += triangles;
-        let mut placement = Placement::Crossing;
-        if context.settings.cluster_culling {
-            placement = cull::place(&context.view, object, cluster);
-            if placement == Placement::Outside {
-                counts.clusters_outside += 1;
-                counts.triangles_in_outside_clusters += triangles;
-                continue;
-            }
-            let dropped = context.settings.cull.drops_clockwise(object.mirrored);
-            if placement == Placement::Inside
-                && dropped.is_some_and(|clockwise| {
-                    cull::shows_one_side(&context.view, object, cluster, clockwise != object.mirrored)
-                })
-            {
-                counts.clusters_facing += 1;
-                counts.triangles_in_facing_clusters += triangles;
+        let placement = match settings.cluster_culling {
+            true if is(tests.outside) => Placement::Outside,
+            true if is(tests.inside) => Placement::Inside,
+            true => cull::place(view, object, cluster),
+            false => Placement::Crossing,
+        };
+        if placement == Placement::Outside {
+            counts.clusters_outside += 1;
+            counts.triangles_in_outside_clusters += triangles;
+            continue;
+        }
+        if is(tests.one_side) {
+            counts.clusters_facing += 1;
+            counts.triangles_in_facing_clusters += triangles;
+            continue;
+        }
+        if is(tests.no_sample) {
+            counts.clusters_no_sample += 1;
+            counts.triangles_no_sample += triangles;
+            continue;
+        }
+        let number = number + lane as u32;
+        if is(tests.small) && settings.sorting == Sorting::Clusters {
+            let rect = [0, 1, 2, 3].map(|k| tests.rect[k][lane] as u16);
+            if context.grid.tiles_of(rect) <= MOST_TILES {
+                counts.clusters_out += 1;
+                batch.bins.push_cluster(
+                    &context.grid,
+                    BinnedCluster { number, nearest: tests.nearest[lane], rect },
+                );
                 continue;
             }
         }
-        let first_slot = number * MAX_TRIANGLES as u32;
+        let slot = number * MAX_TRIANGLES as u32;
         // Compiled on its own at this SIMD level; inlining it into the loop gains nothing.
         simd.vectorize(
             #[inline(always)]
-            || pass.draw(simd, context, object, mesh, cluster, first_slot, placement, batch),
+            || pass.draw(simd, context, object, mesh, cluster, slot, placement, batch),
         );
     }
-    batch.bins.sort(&context.grid);
 }

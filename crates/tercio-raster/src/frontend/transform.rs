@@ -1,11 +1,16 @@
-//! Vertices to the screen, 16 at a time.
+//! Vertices to the screen, and the triangles between them, 16 at a time.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, i32x16, mask32x16};
+use tercio_mesh::ClusteredMesh;
+use tercio_mesh::cluster::{Cluster, MAX_VERTICES};
 
-use crate::conventions::GUARD;
-use crate::simd::{part, row, splat};
-use crate::view::ObjectView;
+use crate::binning::PixelRect;
+#[cfg(doc)]
+use crate::binning::ScreenTriangle;
+use crate::conventions::{GUARD, SAMPLE, SUBPIXEL_BITS};
+use crate::simd::{LANES, each3, load, lookup, part, row, splat, splat_i};
+use crate::view::{ObjectView, ScreenVertex};
 
 /// 16 projected vertices.
 pub struct Projected<S: Simd> {
@@ -55,4 +60,173 @@ fn snap<S: Simd>(v: f32x16<S>) -> i32x16<S> {
         #[inline(always)]
         || v.round_ties_even().to_int(),
     )
+}
+
+/// The projected vertices of one cluster.
+#[derive(Debug)]
+pub struct ClusterVertices {
+    /// Screen coordinates.
+    pub x: [i32; MAX_VERTICES],
+    /// Screen coordinates.
+    pub y: [i32; MAX_VERTICES],
+    /// Depths, as the bits of an `f32`.
+    pub d: [i32; MAX_VERTICES],
+    /// Bit v tells that vertex v lies before the near plane or outside the guard band.
+    pub beyond: u64,
+}
+
+impl Default for ClusterVertices {
+    fn default() -> Self {
+        let zero = [0; MAX_VERTICES];
+        Self { x: zero, y: zero, d: zero, beyond: 0 }
+    }
+}
+
+impl ClusterVertices {
+    /// Projects all vertices of a cluster.
+    #[inline(always)]
+    pub fn project<S: Simd>(
+        &mut self,
+        simd: S,
+        object: &ObjectView,
+        mesh: &ClusteredMesh,
+        cluster: &Cluster,
+    ) {
+        self.beyond = 0;
+        let count = usize::from(cluster.vertices);
+        let mut first = 0;
+        while first < count {
+            let from = cluster.first_vertex as usize + first;
+            let p = [
+                load(simd, &mesh.x[from..from + LANES]),
+                load(simd, &mesh.y[from..from + LANES]),
+                load(simd, &mesh.z[from..from + LANES]),
+            ];
+            let v = project(simd, object, p);
+            let to = first..first + LANES;
+            v.x.store_slice(&mut self.x[to.clone()]);
+            v.y.store_slice(&mut self.y[to.clone()]);
+            v.d.bitcast::<i32x16<S>>().store_slice(&mut self.d[to]);
+            self.beyond |= (!v.inside.to_bitmask() & 0xffff) << first;
+            first += LANES;
+        }
+        if count < MAX_VERTICES {
+            // Lanes behind the last vertex hold a neighbour's.
+            self.beyond &= (1 << count) - 1;
+        }
+    }
+
+    /// One vertex.
+    #[inline(always)]
+    pub fn vertex(&self, corner: u8) -> ScreenVertex {
+        let v = usize::from(corner) % MAX_VERTICES;
+        ScreenVertex {
+            x: self.x[v],
+            y: self.y[v],
+            d: f32::from_bits(self.d[v] as u32),
+            inside: self.beyond >> v & 1 == 0,
+        }
+    }
+}
+
+/// 16 triangles of a cluster: the numbers of their corners, first, second and third.
+pub type CornerNumbers = [[u8; LANES]; 3];
+
+/// Loads the corners of 16 triangles, from number `first` of the mesh's triangle arrays on.
+#[inline(always)]
+pub fn corner_numbers(mesh: &ClusteredMesh, first: usize) -> CornerNumbers {
+    let mut corners: CornerNumbers = [[0; LANES]; 3];
+    for k in 0..3 {
+        corners[k].copy_from_slice(&mesh.corners[k][first..first + LANES]);
+    }
+    corners
+}
+
+/// 16 triangles on the screen, their corners in the order of the mesh.
+#[derive(Clone, Copy)]
+pub struct ScreenTriangles<S: Simd> {
+    /// Screen coordinates of the corners.
+    pub x: [i32x16<S>; 3],
+    /// Screen coordinates of the corners.
+    pub y: [i32x16<S>; 3],
+    /// First and last column of pixels whose samples the bounding box holds.
+    pub columns: [i32x16<S>; 2],
+    /// First and last row.
+    pub rows: [i32x16<S>; 2],
+}
+
+impl<S: Simd> ScreenTriangles<S> {
+    /// Looks the corners up; samples outside `rect` do not count.
+    #[inline(always)]
+    pub fn new(simd: S, vertices: &ClusterVertices, corners: &CornerNumbers, rect: PixelRect) -> Self {
+        let x = each3!(K => lookup(simd, &vertices.x, &corners[K]));
+        let y = each3!(K => lookup(simd, &vertices.y, &corners[K]));
+        part(
+            simd,
+            #[inline(always)]
+            || Self {
+                x,
+                y,
+                columns: samples(simd, x, [rect.x0, rect.x1]),
+                rows: samples(simd, y, [rect.y0, rect.y1]),
+            },
+        )
+    }
+
+    /// Lanes whose bounding box holds a sample.
+    #[inline(always)]
+    pub fn hits(&self) -> u32 {
+        let hits = self.columns[0].simd_le(self.columns[1]) & self.rows[0].simd_le(self.rows[1]);
+        hits.to_bitmask() as u32
+    }
+
+    /// Twice the signed area, in square sub-pixels; of use where the triangle is small enough for 32 bits.
+    #[inline(always)]
+    pub fn area(&self) -> i32x16<S> {
+        let (x, y) = (&self.x, &self.y);
+        (x[1] - x[0]) * (y[2] - y[0]) - (x[2] - x[0]) * (y[1] - y[0])
+    }
+}
+
+/// First and last sample between the least and the greatest of three coordinates, and inside `range`.
+#[inline(always)]
+fn samples<S: Simd>(simd: S, v: [i32x16<S>; 3], range: [i32; 2]) -> [i32x16<S>; 2] {
+    let (least, most) = (v[0].min(v[1]).min(v[2]), v[0].max(v[1]).max(v[2]));
+    [
+        ((least + (SAMPLE - 1)) >> SUBPIXEL_BITS).max(splat_i(simd, range[0])),
+        ((most - SAMPLE) >> SUBPIXEL_BITS).min(splat_i(simd, range[1])),
+    ]
+}
+
+/// The corners of 16 triangles, the farthest first as [`ScreenTriangle::new`] has it: depth is reckoned from
+/// there.
+#[derive(Clone, Copy)]
+pub struct Anchored<S: Simd> {
+    /// Screen coordinates.
+    pub x: [i32x16<S>; 3],
+    /// Screen coordinates.
+    pub y: [i32x16<S>; 3],
+    /// Depths.
+    pub d: [f32x16<S>; 3],
+}
+
+impl<S: Simd> Anchored<S> {
+    /// Turns the farthest corner, the first among equals, to the front.
+    #[inline(always)]
+    pub fn new(simd: S, vertices: &ClusterVertices, corners: &CornerNumbers, t: &ScreenTriangles<S>) -> Self {
+        let d: [f32x16<S>; 3] = each3!(K => lookup(simd, &vertices.d, &corners[K]).bitcast());
+        part(
+            simd,
+            #[inline(always)]
+            || {
+                let second = d[1].simd_lt(d[0]) & d[1].simd_le(d[2]);
+                let third = d[2].simd_lt(d[0]) & d[2].simd_lt(d[1]);
+                Self {
+                    x: each3!(K => third.select(t.x[(K + 2) % 3], second.select(t.x[(K + 1) % 3], t.x[K]))),
+                    y: each3!(K => third.select(t.y[(K + 2) % 3], second.select(t.y[(K + 1) % 3], t.y[K]))),
+                    d: each3!(K => third.select(d[(K + 2) % 3], second.select(d[(K + 1) % 3], d[K]))),
+                }
+            },
+        )
+    }
 }

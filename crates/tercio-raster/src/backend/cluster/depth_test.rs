@@ -1,0 +1,134 @@
+//! Samples that a cluster covers against the depths of the tile.
+
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x16, i32x16};
+
+use super::scan::MOST_SAMPLES_ALONG;
+use crate::backend::visibility::{TileMemory, lower_primitive};
+use crate::context::FrameContext;
+use crate::simd::{LANES, append};
+use crate::stats::BackEndCounts;
+
+/// The most samples that one scan of 16 triangles finds.
+const MOST_AT_ONCE: usize = LANES * (MOST_SAMPLES_ALONG * MOST_SAMPLES_ALONG) as usize;
+/// Room for a cluster of triangles of a pixel or two.
+const CAPACITY: usize = 1024;
+
+/// Covered samples that wait for their depth test, in the order they were found.
+#[derive(Debug)]
+pub struct Covered {
+    /// Places in the tile memory.
+    place: [i32; CAPACITY + LANES],
+    /// Depths, as the bits of an `f32`.
+    depth: [i32; CAPACITY + LANES],
+    /// Numbers of the triangles in their cluster.
+    triangle: [i32; CAPACITY + LANES],
+    count: usize,
+}
+
+impl Default for Covered {
+    fn default() -> Self {
+        let zero = [0; CAPACITY + LANES];
+        Self { place: zero, depth: zero, triangle: zero, count: 0 }
+    }
+}
+
+/// The samples that a cluster won, in the order in which it won them: of a sample that stands here more than
+/// once the last counts.
+#[derive(Debug, Default)]
+pub struct Winners {
+    /// Places in the tile memory.
+    pub place: Vec<i32>,
+    /// Numbers of the triangles in their cluster.
+    pub triangle: Vec<u8>,
+}
+
+impl Winners {
+    /// Forgets all.
+    pub fn clear(&mut self) {
+        self.place.clear();
+        self.triangle.clear();
+    }
+
+    /// Repeats the last sample so that 16 may be read at a time; returns how many there were.
+    pub fn fill_up(&mut self) -> usize {
+        let count = self.place.len();
+        let (place, triangle) =
+            (self.place.last().copied().unwrap_or(0), self.triangle.last().copied().unwrap_or(0));
+        self.place.resize(count.next_multiple_of(LANES), place);
+        self.triangle.resize(count.next_multiple_of(LANES), triangle);
+        count
+    }
+
+    /// Adds some of the 16 samples of a block.
+    #[inline(always)]
+    pub fn push_block(&mut self, block: usize, lanes: u32, triangle: u8) {
+        let mut left = lanes;
+        while left != 0 {
+            let lane = left.trailing_zeros() as usize;
+            left &= left - 1;
+            self.place.push((block + lane) as i32);
+            self.triangle.push(triangle);
+        }
+    }
+}
+
+impl Covered {
+    /// Adds the samples of some lanes.
+    #[inline(always)]
+    pub fn push<S: Simd>(
+        &mut self,
+        simd: S,
+        lanes: u32,
+        place: i32x16<S>,
+        depth: f32x16<S>,
+        triangle: i32x16<S>,
+    ) {
+        let at = self.count;
+        append(simd, &mut self.place, at, lanes, place);
+        append(simd, &mut self.depth, at, lanes, depth.bitcast());
+        append(simd, &mut self.triangle, at, lanes, triangle);
+        self.count += lanes.count_ones() as usize;
+    }
+
+    /// Has no room for another scan.
+    #[inline(always)]
+    pub fn is_nearly_full(&self) -> bool {
+        self.count > CAPACITY - MOST_AT_ONCE
+    }
+
+    /// Tests all samples, one after another, and lists those that won.
+    #[inline(always)]
+    pub fn test(
+        &mut self,
+        context: &FrameContext,
+        first_slot: u32,
+        tile: &mut TileMemory,
+        winners: &mut Winners,
+        counts: &mut BackEndCounts,
+    ) {
+        let count = std::mem::take(&mut self.count).min(CAPACITY);
+        counts.samples_covered += count as u64;
+        let mut won = winners.place.len();
+        winners.place.resize(won + count, 0);
+        winners.triangle.resize(won + count, 0);
+        let depths = &mut tile.depth[..];
+        let slots = &mut tile.slot[..depths.len()];
+        for i in 0..count {
+            let place = self.place[i] as usize % depths.len();
+            let (depth, slot) = (f32::from_bits(self.depth[i] as u32), first_slot + self.triangle[i] as u32);
+            let before = depths[place];
+            let mut wins = depth > before;
+            if depth == before {
+                wins = lower_primitive(context, slot, slots[place]);
+            }
+            depths[place] = if wins { depth } else { before };
+            slots[place] = if wins { slot } else { slots[place] };
+            winners.place[won] = place as i32;
+            winners.triangle[won] = self.triangle[i] as u8;
+            won += usize::from(wins);
+        }
+        winners.place.truncate(won);
+        winners.triangle.truncate(won);
+    }
+}

@@ -1,0 +1,144 @@
+//! Edge functions and depth planes of 16 small triangles at once.
+//!
+//! The numbers are the very same that [`crate::backend::edges::Edges`] and
+//! [`crate::backend::visibility::DepthPlane`] find for a triangle of any size, relative to the first sample of
+//! its bounding box inside the tile.
+
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x16, i32x16};
+
+use crate::conventions::{SAMPLE, SUBPIXEL_BITS};
+use crate::frontend::transform::{Anchored, ClusterVertices, CornerNumbers, ScreenTriangles};
+use crate::simd::{each3, part, splat, splat_i};
+
+/// 16 triangles of less than [`crate::conventions::SMALL_EXTENT`] sub-pixels across and down. Lanes whose
+/// bounding box holds no sample hold nothing of use.
+pub struct SmallTriangles<S: Simd> {
+    /// Column and row of the first sample in the picture.
+    pub first: [i32x16<S>; 2],
+    /// How many samples further the last column and row are.
+    pub extent: [i32x16<S>; 2],
+    /// Value of the edge functions at the first sample.
+    pub c: [i32x16<S>; 3],
+    /// Growth a pixel to the right.
+    pub a: [i32x16<S>; 3],
+    /// Growth a pixel downwards.
+    pub b: [i32x16<S>; 3],
+    /// From the farthest corner, where depth is reckoned from, to the first sample, in sub-pixels.
+    pub from_anchor: [i32x16<S>; 2],
+    /// Depth at that corner: the least of the triangle.
+    pub base: f32x16<S>,
+    /// The greatest depth of the triangle.
+    pub nearest: f32x16<S>,
+    /// Growth of depth a sub-pixel to the right and downwards.
+    pub slope: [f32x16<S>; 2],
+}
+
+impl<S: Simd> SmallTriangles<S> {
+    /// Sets 16 triangles up; `area` is twice their signed area.
+    #[inline(always)]
+    pub fn new(
+        simd: S,
+        vertices: &ClusterVertices,
+        corners: &CornerNumbers,
+        t: &ScreenTriangles<S>,
+        area: i32x16<S>,
+    ) -> Self {
+        let Anchored { x, y, d } = Anchored::new(simd, vertices, corners, t);
+        let slope = depth_slope(simd, x, y, d, area);
+        let [a, b] = edge_growth(simd, x, y, area);
+        part(
+            simd,
+            #[inline(always)]
+            || {
+                let first = [t.columns[0], t.rows[0]];
+                let sample_x = (first[0] << SUBPIXEL_BITS) + SAMPLE;
+                let sample_y = (first[1] << SUBPIXEL_BITS) + SAMPLE;
+                Self {
+                    first,
+                    extent: [t.columns[1] - first[0], t.rows[1] - first[1]],
+                    c: edge_values(simd, x, y, a, b, [sample_x, sample_y]),
+                    a,
+                    b,
+                    from_anchor: [sample_x - x[0], sample_y - y[0]],
+                    base: d[0],
+                    nearest: d[1].simd_gt(d[2]).select(d[1], d[2]),
+                    slope,
+                }
+            },
+        )
+    }
+
+    /// Lanes with so few samples that all 16 are best scanned together.
+    #[inline(always)]
+    pub fn few_samples(&self) -> u32 {
+        let limit = splat_i(self.base.simd, super::scan::MOST_SAMPLES_ALONG);
+        (self.extent[0].simd_lt(limit) & self.extent[1].simd_lt(limit)).to_bitmask() as u32
+    }
+}
+
+/// Growth of depth a sub-pixel to the right and downwards, from corners of which the farthest comes first.
+#[inline(always)]
+fn depth_slope<S: Simd>(
+    simd: S,
+    x: [i32x16<S>; 3],
+    y: [i32x16<S>; 3],
+    d: [f32x16<S>; 3],
+    area: i32x16<S>,
+) -> [f32x16<S>; 2] {
+    part(
+        simd,
+        #[inline(always)]
+        || {
+            let (x1, x2) = ((x[1] - x[0]).to_float::<f32x16<S>>(), (x[2] - x[0]).to_float::<f32x16<S>>());
+            let (y1, y2) = ((y[1] - y[0]).to_float::<f32x16<S>>(), (y[2] - y[0]).to_float::<f32x16<S>>());
+            let (d1, d2) = (d[1] - d[0], d[2] - d[0]);
+            let inverse = splat(simd, 1.0) / area.to_float::<f32x16<S>>();
+            [(d1 * y2 - d2 * y1) * inverse, (d2 * x1 - d1 * x2) * inverse]
+        },
+    )
+}
+
+/// Growth of the edge functions a pixel to the right and downwards, so that the inside is positive.
+#[inline(always)]
+fn edge_growth<S: Simd>(
+    simd: S,
+    x: [i32x16<S>; 3],
+    y: [i32x16<S>; 3],
+    area: i32x16<S>,
+) -> [[i32x16<S>; 3]; 2] {
+    part(
+        simd,
+        #[inline(always)]
+        || {
+            let counter = area.simd_lt(splat_i(simd, 0));
+            let a = each3!(K => y[K] - y[(K + 1) % 3]);
+            let b = each3!(K => x[(K + 1) % 3] - x[K]);
+            [each3!(K => counter.select(-a[K], a[K])), each3!(K => counter.select(-b[K], b[K]))]
+        },
+    )
+}
+
+/// Values of the edge functions at a sample: see [`crate::backend::edges::Edges`].
+#[inline(always)]
+fn edge_values<S: Simd>(
+    simd: S,
+    x: [i32x16<S>; 3],
+    y: [i32x16<S>; 3],
+    a: [i32x16<S>; 3],
+    b: [i32x16<S>; 3],
+    sample: [i32x16<S>; 2],
+) -> [i32x16<S>; 3] {
+    part(
+        simd,
+        #[inline(always)]
+        || {
+            let zero = splat_i(simd, 0);
+            each3!(K => {
+                let value = a[K] * (sample[0] - x[K]) + b[K] * (sample[1] - y[K]);
+                let top_left = a[K].simd_gt(zero) | (a[K].simd_eq(zero) & b[K].simd_gt(zero));
+                top_left.select(value, value - 1) >> SUBPIXEL_BITS
+            })
+        },
+    )
+}

@@ -1,0 +1,107 @@
+//! Lists of entries, one a tile.
+
+use super::{PixelRect, TileGrid};
+
+/// Entries sorted into tiles by counting: they come with the number of their tile and are moved there at once.
+#[derive(Debug)]
+pub struct TileLists<T> {
+    /// Tile and entry, in the order they came.
+    pairs: Vec<(u32, T)>,
+    /// Where each tile's entries begin in `entries`; one more than there are tiles.
+    starts: Vec<u32>,
+    /// The entries, tile after tile.
+    entries: Vec<T>,
+}
+
+impl<T> Default for TileLists<T> {
+    fn default() -> Self {
+        Self { pairs: Vec::new(), starts: Vec::new(), entries: Vec::new() }
+    }
+}
+
+impl<T: Copy + Default> TileLists<T> {
+    /// Empties the lists, keeping their memory.
+    pub fn clear(&mut self) {
+        self.pairs.clear();
+        self.starts.clear();
+        self.entries.clear();
+    }
+
+    /// Adds an entry to one tile.
+    #[inline(always)]
+    pub fn push(&mut self, tile: u32, entry: T) {
+        self.pairs.push((tile, entry));
+    }
+
+    /// Adds an entry to every tile that `rect` touches and of which it `covers` its part.
+    #[inline(always)]
+    pub fn push_rect(
+        &mut self,
+        grid: &TileGrid,
+        entry: T,
+        rect: PixelRect,
+        covers: impl Fn(PixelRect) -> bool,
+    ) {
+        let (s, edge) = (grid.shift, 1i32 << grid.shift);
+        for ty in rect.y0 as u32 >> s..=rect.y1 as u32 >> s {
+            for tx in rect.x0 as u32 >> s..=rect.x1 as u32 >> s {
+                let (x, y) = ((tx << s) as i32, (ty << s) as i32);
+                let part = PixelRect {
+                    x0: rect.x0.max(x),
+                    x1: rect.x1.min(x + edge - 1),
+                    y0: rect.y0.max(y),
+                    y1: rect.y1.min(y + edge - 1),
+                };
+                if covers(part) {
+                    self.push(ty * grid.columns + tx, entry);
+                }
+            }
+        }
+    }
+
+    /// Sorts the entries by tile, keeping their order inside a tile.
+    pub fn sort(&mut self, grid: &TileGrid) {
+        self.starts.clear();
+        self.starts.resize(grid.count() + 1, 0);
+        for &(tile, _) in &self.pairs {
+            self.starts[tile as usize + 1] += 1;
+        }
+        let mut sum = 0;
+        for start in &mut self.starts {
+            sum += *start;
+            *start = sum;
+        }
+        self.entries.clear();
+        self.entries.resize(self.pairs.len(), T::default());
+        // Moving an entry advances its tile's start; afterwards each start is the next tile's.
+        for &(tile, entry) in &self.pairs {
+            let at = &mut self.starts[tile as usize];
+            self.entries[*at as usize] = entry;
+            *at += 1;
+        }
+        self.starts.copy_within(0..grid.count(), 1);
+        self.starts[0] = 0;
+    }
+
+    /// The entries of a tile, in the order they came.
+    #[inline(always)]
+    pub fn tile(&self, tile: u32) -> &[T] {
+        if self.starts.is_empty() {
+            return &[];
+        }
+        let (from, to) = (self.starts[tile as usize], self.starts[tile as usize + 1]);
+        &self.entries[from as usize..to as usize]
+    }
+
+    /// Entries in all tiles.
+    pub fn len(&self) -> u64 {
+        self.entries.len() as u64
+    }
+
+    /// Bytes of memory held.
+    pub fn bytes(&self) -> u64 {
+        (self.pairs.capacity() * size_of::<(u32, T)>()
+            + self.starts.capacity() * 4
+            + self.entries.capacity() * size_of::<T>()) as u64
+    }
+}
