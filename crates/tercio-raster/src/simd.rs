@@ -5,7 +5,7 @@
 //! ([`crate::Renderer`] does it) and nowhere else.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Level, Simd, f32x16, i32x16};
+use fearless_simd::{Level, Simd, f32x16, i32x16, u8x16};
 
 /// Lanes of every kernel: one 4x4 block of samples, or 16 vertices, triangles or pixels.
 pub const LANES: usize = 16;
@@ -97,7 +97,7 @@ fearless_simd::kernel!(
     fn lookup_avx512(avx512: Avx512, table: &[i32; 64], index: &[u8; 16]) -> std::arch::x86_64::__m512i {
         use std::arch::x86_64::*;
         let part = |k: usize| -> __m512i { i32x16::from_slice(avx512, &table[16 * k..16 * k + 16]).into() };
-        let packed: __m128i = fearless_simd::u8x16::from_slice(avx512, index).into();
+        let packed: __m128i = u8x16::from_slice(avx512, index).into();
         let wide = _mm512_cvtepu8_epi32(packed);
         let low = _mm512_permutex2var_epi32(part(0), wide, part(1));
         let high = _mm512_permutex2var_epi32(part(2), wide, part(3));
@@ -119,7 +119,7 @@ fearless_simd::kernel!(
         let part = |k: usize| -> __m512i {
             fearless_simd::u8x64::from_slice(avx512, &table[64 * k..64 * k + 64]).into()
         };
-        let index: __m128i = fearless_simd::u8x16::from_slice(avx512, index).into();
+        let index: __m128i = u8x16::from_slice(avx512, index).into();
         _mm512_castsi512_si128(_mm512_permutex2var_epi8(part(0), _mm512_castsi128_si512(index), part(1)))
     }
 );
@@ -129,7 +129,7 @@ fearless_simd::kernel!(
 pub fn lookup_bytes<S: Simd>(simd: S, table: &[u8; 128], index: &[u8; 16]) -> [u8; 16] {
     #[cfg(target_arch = "x86_64")]
     if let Level::Avx512(token) = simd.level() {
-        let found: fearless_simd::u8x16<S> = lookup_bytes_avx512(token, table, index).simd_into(simd);
+        let found: u8x16<S> = lookup_bytes_avx512(token, table, index).simd_into(simd);
         return found.to_array();
     }
     let mut found = [0; 16];
@@ -174,6 +174,39 @@ pub fn append<S: Simd>(simd: S, to: &mut [i32], at: usize, lanes: u32, from: i32
     #[cfg(target_arch = "x86_64")]
     if let Level::Avx512(token) = simd.level() {
         let together: i32x16<S> = compress_avx512(token, lanes as u16, from.into()).simd_into(simd);
+        together.store_slice(to);
+        return;
+    }
+    let from = from.to_array();
+    let (mut left, mut count) = (lanes & 0xffff, 0);
+    while left != 0 {
+        to[count] = from[left.trailing_zeros() as usize];
+        count += 1;
+        left &= left - 1;
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+fearless_simd::kernel!(
+    /// The chosen bytes, moved together to the front.
+    #[inline]
+    fn compress_bytes_avx512(
+        avx512: Avx512,
+        lanes: u16,
+        from: std::arch::x86_64::__m128i,
+    ) -> std::arch::x86_64::__m128i {
+        let _ = avx512;
+        std::arch::x86_64::_mm_maskz_compress_epi8(lanes, from)
+    }
+);
+
+/// Writes the chosen bytes to `to`, one after another from place `at` on; there must be room for all 16.
+#[inline(always)]
+pub fn append_bytes<S: Simd>(simd: S, to: &mut [u8], at: usize, lanes: u32, from: u8x16<S>) {
+    let to = &mut to[at..at + LANES];
+    #[cfg(target_arch = "x86_64")]
+    if let Level::Avx512(token) = simd.level() {
+        let together: u8x16<S> = compress_bytes_avx512(token, lanes as u16, from.into()).simd_into(simd);
         together.store_slice(to);
         return;
     }

@@ -2,14 +2,15 @@
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, i32x16, u32x16};
-use tercio_mesh::cluster::{Cluster, MAX_TRIANGLES, MAX_VERTICES};
+use tercio_mesh::cluster::{Cluster, MAX_VERTICES};
 use tercio_mesh::{ClusteredMesh, Mesh};
 use tercio_scene::Surface;
 
 use super::visibility::TileMemory;
 use crate::color::DECODE;
 use crate::context::FrameContext;
-use crate::simd::{LANES, each3, load, lookup, lookup_bytes};
+use crate::frontend::transform::CornerTable;
+use crate::simd::{LANES, load, lookup};
 
 /// 16 pixels of one instance on their way through the shading kernel.
 #[derive(Debug, Default)]
@@ -118,8 +119,6 @@ pub struct ClusterTable {
     position: [[i32; MAX_VERTICES]; 3],
     /// Packed normals; of no use where the mesh has none.
     normal: [i32; MAX_VERTICES],
-    /// Corners of the triangles.
-    corners: [[u8; MAX_TRIANGLES]; 3],
     first_vertex: usize,
     first_triangle: usize,
 }
@@ -127,8 +126,7 @@ pub struct ClusterTable {
 impl Default for ClusterTable {
     fn default() -> Self {
         let zero = [0; MAX_VERTICES];
-        let corners = [[0; MAX_TRIANGLES]; 3];
-        Self { position: [zero; 3], normal: zero, corners, first_vertex: 0, first_triangle: 0 }
+        Self { position: [zero; 3], normal: zero, first_vertex: 0, first_triangle: 0 }
     }
 }
 
@@ -154,11 +152,6 @@ impl ClusterTable {
             }
             first += LANES;
         }
-        let (from, count) = (self.first_triangle, usize::from(cluster.triangles));
-        for k in 0..3 {
-            let count = count.next_multiple_of(LANES);
-            self.corners[k][..count].copy_from_slice(&mesh.corners[k][from..from + count]);
-        }
     }
 }
 
@@ -182,10 +175,11 @@ impl CornerLanes {
         mesh: &ClusteredMesh,
         surface: &Surface,
         table: &ClusterTable,
+        corners: &CornerTable,
         triangles: &[u8; LANES],
         colors: ColorSource,
     ) {
-        let numbers = each3!(K => lookup_bytes(simd, &table.corners[K], triangles));
+        let numbers = corners.look_up(simd, triangles);
         for k in 0..3 {
             for axis in 0..3 {
                 let p = lookup(simd, &table.position[axis], &numbers[k]);

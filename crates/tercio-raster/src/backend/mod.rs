@@ -2,8 +2,9 @@
 //! pixel shaded and written to the picture ([`output`]).
 //!
 //! Clusters come front to back, and one that lies behind everything drawn where it would appear is left out.
-//! What a cluster wins is shaded while it is at hand ([`cluster`]). Where triangles were sorted one by one
-//! ([`visibility`]), or several threads share a tile, all its pixels are shaded once at the end ([`shade`]).
+//! What a cluster wins is shaded while it is at hand ([`cluster`]). Pixels of triangles that were sorted one by
+//! one ([`visibility`]; they come first), and all pixels of a tile that several threads share, are shaded at the
+//! end ([`shade`]).
 
 pub mod cluster;
 pub mod edges;
@@ -47,7 +48,7 @@ pub struct Share {
 /// So many clusters before its turn a cluster is asked of the memory.
 const AHEAD: usize = 1;
 
-/// When pixels are shaded.
+/// When the pixels that clusters win are shaded.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Shade {
     /// With the cluster that wins them.
@@ -72,9 +73,9 @@ pub fn run<S: Simd>(
     let triangles: usize = batches.iter().map(|b| b.bins.triangles_in(tile).len()).sum();
     let clusters: usize = batches.iter().map(|b| b.bins.clusters_in(tile).len()).sum();
     if triangles + clusters > 0 {
-        let shade = if triangles > 0 { Shade::Later } else { Shade::AtOnce };
-        draw(simd, context, batches, tile, Share { part: 0, of: 1 }, shade, scratch, planes, &mut counts);
-        if shade == Shade::Later {
+        let all = Share { part: 0, of: 1 };
+        draw(simd, context, batches, tile, all, Shade::AtOnce, scratch, planes, &mut counts);
+        if triangles > 0 {
             shade::tile(simd, context, &scratch.tile, &mut scratch.pixels, planes, &mut counts);
         }
         counts.pixels_visible += scratch.tile.visible();
@@ -154,8 +155,10 @@ fn draw_inline<S: Simd>(
     let Scratch { tile: memory, pixels, clusters, pass, winners } = scratch;
     memory.clear(context, tile);
     let triangles = batches.iter().flat_map(|b| b.bins.triangles_in(tile));
+    let mut mixed = false;
     for triangle in triangles.skip(share.part).step_by(share.of) {
         memory.draw(simd, context, triangle, counts);
+        mixed = true;
     }
     clusters.clear();
     let entries = batches.iter().flat_map(|b| b.bins.clusters_in(tile));
@@ -166,7 +169,8 @@ fn draw_inline<S: Simd>(
         if let Some(later) = clusters.get(i + 2 * AHEAD) {
             cluster::prefetch_head(context, later);
         }
-        if let Some(later) = clusters.get(i + AHEAD).filter(|later| !cluster::is_hidden(simd, later, memory)) {
+        if let Some(later) = clusters.get(i + AHEAD).filter(|later| !cluster::is_hidden(simd, later, memory))
+        {
             cluster::prefetch_body(context, later);
         }
         if cluster::is_hidden(simd, binned, memory) {
@@ -176,10 +180,14 @@ fn draw_inline<S: Simd>(
         counts.clusters_drawn += 1;
         pass.draw(simd, context, binned, memory, counts);
         if shade == Shade::AtOnce {
+            if mixed {
+                memory.mark_shaded(&pass.winners.place);
+            }
             shade::winners(
                 simd,
                 context,
                 binned.number,
+                &pass.corners,
                 &mut pass.winners,
                 memory,
                 winners,

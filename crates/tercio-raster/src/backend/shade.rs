@@ -17,13 +17,13 @@ use crate::color::{ENCODE, ENCODE_STEPS, encode16};
 use crate::context::{FrameContext, NO_SLOT};
 use crate::conventions::{SAMPLE, SUBPIXELS};
 use crate::frontend::clip::barycentrics_unclipped;
-use crate::frontend::transform::{Projected, project};
+use crate::frontend::transform::{CornerTable, Projected, project};
 use crate::settings::Shading;
 use crate::simd::{LANES, cross, dot, each3, load, part, row, splat};
 use crate::stats::BackEndCounts;
 use crate::view::ObjectView;
 
-/// Shades every visible pixel of a tile.
+/// Shades every visible pixel of a tile that is not shaded yet.
 #[inline(always)]
 pub fn tile<S: Simd>(
     simd: S,
@@ -43,7 +43,7 @@ pub fn tile<S: Simd>(
             let y = ((by << BLOCK_BITS) as i32) + LANE_Y[lane];
             // Blocks at the border of the picture hold samples beyond it.
             let beyond = memory.corner[0] + x > memory.last[0] || memory.corner[1] + y > memory.last[1];
-            if slot == NO_SLOT || beyond {
+            if slot == NO_SLOT || beyond || memory.shaded[block] >> lane & 1 == 1 {
                 continue;
             }
             counts.pixels_shaded += 1;
@@ -100,6 +100,7 @@ pub fn winners<S: Simd>(
     simd: S,
     context: &FrameContext,
     number: u32,
+    corner_table: &CornerTable,
     winners: &mut Winners,
     memory: &TileMemory,
     scratch: &mut WinnerScratch,
@@ -131,7 +132,7 @@ pub fn winners<S: Simd>(
                         fragments.depth[lane] = memory.depth[winners.place[first + lane] as usize];
                     }
                 }
-                corners.look_up(simd, mesh, surface, table, triangles, source);
+                corners.look_up(simd, mesh, surface, table, corner_table, triangles, source);
                 shade(simd, context, instance, fragments, corners, pixels, planes);
             }
         },

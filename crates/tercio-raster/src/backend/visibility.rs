@@ -31,6 +31,8 @@ pub struct TileMemory {
     pub depth: Vec<f32>,
     /// Slot, [`NO_SLOT`] where nothing was drawn.
     pub slot: Vec<u32>,
+    /// Samples whose pixels are shaded already, one bit each, a block an entry.
+    pub shaded: Vec<u16>,
     /// First column and row of pixels.
     pub corner: [i32; 2],
     /// Last column and row of pixels inside the picture.
@@ -90,6 +92,8 @@ impl TileMemory {
         self.depth.resize(edge * edge, 0.0);
         self.slot.clear();
         self.slot.resize(edge * edge, NO_SLOT);
+        self.shaded.clear();
+        self.shaded.resize(edge * edge / LANES, 0);
     }
 
     /// Draws one triangle.
@@ -204,18 +208,28 @@ impl TileMemory {
         }
     }
 
+    /// Notes that the pixels of some samples are shaded.
+    #[inline(always)]
+    pub fn mark_shaded(&mut self, places: &[i32]) {
+        for &place in places {
+            self.shaded[place as usize / LANES] |= 1 << (place as usize % LANES);
+        }
+    }
+
     /// Pixels of the picture that show something.
     pub fn visible(&self) -> u64 {
-        let mut count = 0;
-        for (block, slots) in self.slot.chunks_exact(LANES).enumerate() {
-            let x = ((block % self.blocks) << BLOCK_BITS) as i32 + self.corner[0];
-            let y = ((block / self.blocks) << BLOCK_BITS) as i32 + self.corner[1];
-            for (lane, &slot) in slots.iter().enumerate() {
-                let inside = x + LANE_X[lane] <= self.last[0] && y + LANE_Y[lane] <= self.last[1];
-                count += u64::from(slot != NO_SLOT && inside);
-            }
+        let shown = |slots: &[u32]| slots.iter().map(|&slot| u32::from(slot != NO_SLOT)).sum::<u32>();
+        if !self.is_cut {
+            return u64::from(shown(&self.slot));
         }
-        count
+        let rect = self.rect();
+        let inside = |place: usize| {
+            let (block, lane) = (place / LANES, place % LANES);
+            let (bx, by) = ((block % self.blocks) << BLOCK_BITS, (block / self.blocks) << BLOCK_BITS);
+            self.corner[0] + bx as i32 + LANE_X[lane] <= rect.x1
+                && self.corner[1] + by as i32 + LANE_Y[lane] <= rect.y1
+        };
+        self.slot.iter().enumerate().filter(|&(place, &slot)| slot != NO_SLOT && inside(place)).count() as u64
     }
 
     /// The pixels of the tile that lie inside the picture.

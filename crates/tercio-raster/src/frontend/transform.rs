@@ -3,13 +3,13 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, i32x16, mask32x16};
 use tercio_mesh::ClusteredMesh;
-use tercio_mesh::cluster::{Cluster, MAX_VERTICES};
+use tercio_mesh::cluster::{Cluster, MAX_TRIANGLES, MAX_VERTICES};
 
 use crate::binning::PixelRect;
 #[cfg(doc)]
 use crate::binning::ScreenTriangle;
 use crate::conventions::{GUARD, SAMPLE, SUBPIXEL_BITS};
-use crate::simd::{LANES, each3, load, lookup, part, row, splat, splat_i};
+use crate::simd::{LANES, each3, load, lookup, lookup_bytes, part, row, splat, splat_i};
 use crate::view::{ObjectView, ScreenVertex};
 
 /// 16 projected vertices.
@@ -135,11 +135,44 @@ pub type CornerNumbers = [[u8; LANES]; 3];
 /// Loads the corners of 16 triangles, from number `first` of the mesh's triangle arrays on.
 #[inline(always)]
 pub fn corner_numbers(mesh: &ClusteredMesh, first: usize) -> CornerNumbers {
-    let mut corners: CornerNumbers = [[0; LANES]; 3];
-    for k in 0..3 {
-        corners[k].copy_from_slice(&mesh.corners[k][first..first + LANES]);
+    each3!(K => *mesh.corners[K][first..].first_chunk().unwrap_or(&[0; LANES]))
+}
+
+/// The corners of all triangles of a cluster: first, second and third.
+#[derive(Debug)]
+pub struct CornerTable([[u8; MAX_TRIANGLES]; 3]);
+
+impl Default for CornerTable {
+    fn default() -> Self {
+        Self([[0; MAX_TRIANGLES]; 3])
     }
-    corners
+}
+
+impl CornerTable {
+    /// Copies the corners of a cluster.
+    #[inline(always)]
+    pub fn load(&mut self, mesh: &ClusteredMesh, cluster: &Cluster) {
+        let first = cluster.first_triangle as usize;
+        for (to, from) in self.0.iter_mut().zip(&mesh.corners) {
+            let from = &from[first..];
+            match from.first_chunk() {
+                Some(from) => *to = *from,
+                None => to[..from.len()].copy_from_slice(from),
+            }
+        }
+    }
+
+    /// Of 16 triangles that stand one after another, `first` a multiple of 16.
+    #[inline(always)]
+    pub fn of_16(&self, first: usize) -> CornerNumbers {
+        each3!(K => *self.0[K][first % MAX_TRIANGLES..].first_chunk().unwrap_or(&[0; LANES]))
+    }
+
+    /// Of any 16 triangles.
+    #[inline(always)]
+    pub fn look_up<S: Simd>(&self, simd: S, triangles: &[u8; LANES]) -> CornerNumbers {
+        each3!(K => lookup_bytes(simd, &self.0[K], triangles))
+    }
 }
 
 /// 16 triangles on the screen, their corners in the order of the mesh.

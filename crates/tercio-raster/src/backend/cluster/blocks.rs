@@ -10,7 +10,6 @@ use crate::context::FrameContext;
 use crate::conventions::SUBPIXELS;
 use crate::simd::{LANES, each3, splat, splat_i};
 use crate::stats::BackEndCounts;
-use tercio_mesh::cluster::MAX_TRIANGLES;
 
 /// [`SmallTriangles`], to be read lane by lane.
 pub struct Lanes {
@@ -43,7 +42,8 @@ impl Lanes {
     }
 }
 
-/// Draws the triangles of some lanes; `first_slot` is the first lane's.
+/// Draws the triangles of some lanes; `first_slot` is that of the cluster's first triangle, `numbers` the
+/// triangles' in the cluster.
 #[expect(clippy::too_many_arguments, reason = "one call site; a struct would only rename them")]
 #[inline(always)]
 pub fn draw<S: Simd>(
@@ -52,6 +52,7 @@ pub fn draw<S: Simd>(
     t: &Lanes,
     mut lanes: u32,
     first_slot: u32,
+    numbers: &[u8; LANES],
     tile: &mut TileMemory,
     winners: &mut Winners,
     counts: &mut BackEndCounts,
@@ -61,9 +62,9 @@ pub fn draw<S: Simd>(
     let lane_dx = (lane_x * SUBPIXELS).to_float::<f32x16<S>>();
     let lane_dy = (lane_y * SUBPIXELS).to_float::<f32x16<S>>();
     while lanes != 0 {
-        let i = lanes.trailing_zeros() as usize;
+        let i = lanes.trailing_zeros() as usize % LANES;
         lanes &= lanes - 1;
-        let slot = first_slot + i as u32;
+        let slot = first_slot + u32::from(numbers[i]);
         let (x0, y0) = (t.first[0][i] - tile.corner[0], t.first[1][i] - tile.corner[1]);
         let (bx0, bx1) = (x0 >> BLOCK_BITS, (x0 + t.extent[0][i]) >> BLOCK_BITS);
         let (by0, by1) = (y0 >> BLOCK_BITS, (y0 + t.extent[1][i]) >> BLOCK_BITS);
@@ -91,7 +92,7 @@ pub fn draw<S: Simd>(
                 counts.samples_covered += u64::from(covered.to_bitmask().count_ones());
                 let at = (by as usize * tile.blocks + bx as usize) * LANES;
                 let won = tile.write(simd, context, at, covered, depth, slot);
-                winners.push_block(at, won, (slot % MAX_TRIANGLES as u32) as u8);
+                winners.push_block(simd, at, won, numbers[i]);
             }
         }
     }

@@ -3,33 +3,36 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, i32x16};
 
-use super::scan::MOST_SAMPLES_ALONG;
+use super::sieve::Size;
 use crate::backend::visibility::{TileMemory, lower_primitive};
 use crate::context::FrameContext;
 use crate::simd::{LANES, append};
 use crate::stats::BackEndCounts;
 
 /// The most samples that one scan of 16 triangles finds.
-const MOST_AT_ONCE: usize = LANES * (MOST_SAMPLES_ALONG * MOST_SAMPLES_ALONG) as usize;
-/// Room for a cluster of triangles of a pixel or two.
-const CAPACITY: usize = 1024;
+const MOST_AT_ONCE: usize = match Size::Medium.most_samples_along() {
+    Some(most) => LANES * (most * most) as usize,
+    None => 0,
+};
+/// Room for one scan beside what other scans found.
+const CAPACITY: usize = 2 * MOST_AT_ONCE;
+/// Where the number of a triangle stands beside a place in the tile memory.
+pub const NUMBER_SHIFT: u32 = 16;
 
 /// Covered samples that wait for their depth test, in the order they were found.
 #[derive(Debug)]
 pub struct Covered {
-    /// Places in the tile memory.
+    /// Places in the tile memory, and the numbers of the triangles in their cluster above [`NUMBER_SHIFT`].
     place: [i32; CAPACITY + LANES],
     /// Depths, as the bits of an `f32`.
     depth: [i32; CAPACITY + LANES],
-    /// Numbers of the triangles in their cluster.
-    triangle: [i32; CAPACITY + LANES],
     count: usize,
 }
 
 impl Default for Covered {
     fn default() -> Self {
         let zero = [0; CAPACITY + LANES];
-        Self { place: zero, depth: zero, triangle: zero, count: 0 }
+        Self { place: zero, depth: zero, count: 0 }
     }
 }
 
@@ -60,34 +63,27 @@ impl Winners {
         count
     }
 
-    /// Adds some of the 16 samples of a block.
+    /// Adds some of the 16 samples of the block that begins at a place.
     #[inline(always)]
-    pub fn push_block(&mut self, block: usize, lanes: u32, triangle: u8) {
-        let mut left = lanes;
-        while left != 0 {
-            let lane = left.trailing_zeros() as usize;
-            left &= left - 1;
-            self.place.push((block + lane) as i32);
-            self.triangle.push(triangle);
-        }
+    pub fn push_block<S: Simd>(&mut self, simd: S, block: usize, lanes: u32, triangle: u8) {
+        let (count, all) = (self.place.len(), self.place.len() + LANES);
+        let won = count + lanes.count_ones() as usize;
+        self.place.resize(all, 0);
+        append(simd, &mut self.place, count, lanes, i32x16::load_array(simd, LANE) + block as i32);
+        self.place.truncate(won);
+        self.triangle.resize(won, triangle);
     }
 }
 
+/// Number of each lane.
+const LANE: [i32; LANES] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15];
+
 impl Covered {
-    /// Adds the samples of some lanes.
+    /// Adds the samples of some lanes; `place` holds the triangles' numbers too.
     #[inline(always)]
-    pub fn push<S: Simd>(
-        &mut self,
-        simd: S,
-        lanes: u32,
-        place: i32x16<S>,
-        depth: f32x16<S>,
-        triangle: i32x16<S>,
-    ) {
-        let at = self.count;
-        append(simd, &mut self.place, at, lanes, place);
-        append(simd, &mut self.depth, at, lanes, depth.bitcast());
-        append(simd, &mut self.triangle, at, lanes, triangle);
+    pub fn push<S: Simd>(&mut self, simd: S, lanes: u32, place: i32x16<S>, depth: f32x16<S>) {
+        append(simd, &mut self.place, self.count, lanes, place);
+        append(simd, &mut self.depth, self.count, lanes, depth.bitcast());
         self.count += lanes.count_ones() as usize;
     }
 
@@ -114,9 +110,10 @@ impl Covered {
         winners.triangle.resize(won + count, 0);
         let depths = &mut tile.depth[..];
         let slots = &mut tile.slot[..depths.len()];
-        for i in 0..count {
-            let place = self.place[i] as usize % depths.len();
-            let (depth, slot) = (f32::from_bits(self.depth[i] as u32), first_slot + self.triangle[i] as u32);
+        for (&place, &depth) in self.place[..count].iter().zip(&self.depth[..count]) {
+            let triangle = (place as u32) >> NUMBER_SHIFT;
+            let place = place as usize & (depths.len() - 1);
+            let (depth, slot) = (f32::from_bits(depth as u32), first_slot + triangle);
             let before = depths[place];
             let mut wins = depth > before;
             if depth == before {
@@ -125,7 +122,7 @@ impl Covered {
             depths[place] = if wins { depth } else { before };
             slots[place] = if wins { slot } else { slots[place] };
             winners.place[won] = place as i32;
-            winners.triangle[won] = self.triangle[i] as u8;
+            winners.triangle[won] = triangle as u8;
             won += usize::from(wins);
         }
         winners.place.truncate(won);

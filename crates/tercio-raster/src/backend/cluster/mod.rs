@@ -1,28 +1,30 @@
 //! A whole cluster into a tile: transform, set up 16 triangles at a time, test samples, test depths, shade.
 //!
 //! All that a cluster needs stays in registers and in the first-level cache from its vertices to its pixels:
-//! [`setup`] makes edge functions and depth planes of 16 triangles, [`scan`] finds the samples that triangles of
-//! a few pixels cover, all 16 at once, and [`depth_test`] keeps those that are nearer than what was drawn.
-//! Larger triangles are drawn one by one, block after block ([`blocks`]). What won is shaded at once, 16 pixels
+//! [`sieve`] drops the triangles that reach no sample and sorts the others by size, so that every lane is used
+//! from there on and branches go one way. [`setup`] makes edge functions and depth planes of 16 triangles, [`scan`]
+//! finds the samples that triangles of a few pixels cover, all 16 at once, and [`depth_test`] keeps those that are
+//! nearer than what was drawn. Larger triangles are drawn one by one, block after block ([`blocks`]). What won is shaded at once, 16 pixels
 //! at a time ([`shade_winners`](super::shade::shade_winners)), from the vertices that lie ready.
 
 mod blocks;
 mod depth_test;
 mod scan;
 mod setup;
+mod sieve;
 
 use fearless_simd::Simd;
-use fearless_simd::prelude::*;
+use tercio_mesh::cluster::MAX_TRIANGLES;
 
 use crate::binning::{BinnedCluster, PixelRect};
 use crate::context::FrameContext;
-use crate::frontend::transform::{ClusterVertices, ScreenTriangles, corner_numbers};
-use crate::simd::{LANES, part, prefetch, splat_i};
+use crate::frontend::transform::{ClusterVertices, CornerTable};
+use crate::simd::{part, prefetch};
 use crate::stats::BackEndCounts;
 use depth_test::Covered;
 pub use depth_test::Winners;
 use setup::SmallTriangles;
-use tercio_mesh::cluster::MAX_TRIANGLES;
+use sieve::{Keep, Sieve, Size};
 
 use super::visibility::TileMemory;
 
@@ -30,6 +32,9 @@ use super::visibility::TileMemory;
 #[derive(Debug, Default)]
 pub struct ClusterPass {
     vertices: ClusterVertices,
+    /// The corners of the cluster's triangles.
+    pub corners: CornerTable,
+    sieve: Sieve,
     covered: Covered,
     /// What the cluster shows, for whoever shades it.
     pub winners: Winners,
@@ -50,53 +55,36 @@ impl ClusterPass {
         let (mesh, object) = (&*context.scene.instances[instance].mesh, &context.objects[instance]);
         let cluster = &mesh.clusters[index];
         let first_slot = binned.number * MAX_TRIANGLES as u32;
-        let cull = context.settings.cull;
-        self.vertices.project(simd, object, mesh, cluster);
-        self.winners.clear();
+        let rect = tile.rect();
+        let Self { vertices, corners, sieve, covered, winners } = self;
+        vertices.project(simd, object, mesh, cluster);
+        corners.load(mesh, cluster);
+        let keep = Keep { rect, cull: context.settings.cull, mirrored: object.mirrored };
+        sieve.sort(simd, vertices, corners, usize::from(cluster.triangles), &keep);
+        winners.clear();
         counts.vertices_transformed += u64::from(cluster.vertices);
         counts.triangles_in += u64::from(cluster.triangles);
-        let rect = tile.rect();
-        let count = usize::from(cluster.triangles);
-        let mut first = 0;
-        while first < count {
-            let corners = corner_numbers(mesh, cluster.first_triangle as usize + first);
-            let live = if count - first >= LANES { 0xffff } else { (1u32 << (count - first)) - 1 };
-            let t = ScreenTriangles::new(simd, &self.vertices, &corners, rect);
-            let hits = t.hits() & live;
-            if hits != 0 {
-                let area = t.area();
-                let zero = splat_i(simd, 0);
-                let clockwise = area.simd_gt(zero).to_bitmask() as u32 & hits;
-                let counter = area.simd_lt(zero).to_bitmask() as u32 & hits;
-                let (keep, _) = cull.split(object.mirrored, clockwise, counter);
-                if keep != 0 {
-                    counts.triangles_drawn += u64::from(keep.count_ones());
-                    let triangles = SmallTriangles::new(simd, &self.vertices, &corners, &t, area);
-                    let few = triangles.few_samples() & keep;
-                    if few != 0 {
-                        scan::scan(simd, &triangles, few, first as u32, tile, &mut self.covered);
+        counts.triangles_drawn += sieve.len();
+
+        for size in Size::ALL {
+            for (numbers, lanes) in sieve.of_size(size) {
+                let triangles = SmallTriangles::new(simd, vertices, &corners.look_up(simd, numbers), rect);
+                match size {
+                    Size::Tiny => scan::scan_tiny(simd, &triangles, lanes, numbers, tile, covered),
+                    Size::Small | Size::Medium => {
+                        scan::scan(simd, &triangles, lanes, numbers, tile, covered);
                     }
-                    if few != keep {
-                        let lanes = blocks::Lanes::new(&triangles);
-                        blocks::draw(
-                            simd,
-                            context,
-                            &lanes,
-                            keep & !few,
-                            first_slot + first as u32,
-                            tile,
-                            &mut self.winners,
-                            counts,
-                        );
-                    }
-                    if self.covered.is_nearly_full() {
-                        self.covered.test(context, first_slot, tile, &mut self.winners, counts);
+                    Size::Large => {
+                        let read = blocks::Lanes::new(&triangles);
+                        blocks::draw(simd, context, &read, lanes, first_slot, numbers, tile, winners, counts);
                     }
                 }
+                if covered.is_nearly_full() {
+                    covered.test(context, first_slot, tile, winners, counts);
+                }
             }
-            first += LANES;
         }
-        self.covered.test(context, first_slot, tile, &mut self.winners, counts);
+        covered.test(context, first_slot, tile, winners, counts);
     }
 }
 

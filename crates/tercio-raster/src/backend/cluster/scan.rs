@@ -3,26 +3,64 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, i32x16, mask32x16};
 
-use super::depth_test::Covered;
+use super::depth_test::{Covered, NUMBER_SHIFT};
 use super::setup::SmallTriangles;
 use crate::backend::visibility::TileMemory;
 use crate::conventions::SUBPIXELS;
-use crate::simd::{each3, part, splat_i};
+use crate::simd::{LANES, each3, part, splat_i};
 
-/// Bounding boxes of at most this many samples across and down are scanned.
-pub const MOST_SAMPLES_ALONG: i32 = 4;
+/// [`scan`] of triangles whose bounding boxes hold at most 2x2 samples, without a branch: whether a sample is
+/// covered cannot be foreseen.
+#[inline(always)]
+pub fn scan_tiny<S: Simd>(
+    simd: S,
+    t: &SmallTriangles<S>,
+    lanes: u32,
+    numbers: &[u8; LANES],
+    tile: &TileMemory,
+    covered: &mut Covered,
+) {
+    for row in 0..2 {
+        part(
+            simd,
+            #[inline(always)]
+            || {
+                let lanes = mask32x16::from_bitmask(simd, u64::from(lanes));
+                let number = number_bits(simd, numbers);
+                let in_row = lanes & t.extent[1].simd_ge(splat_i(simd, row));
+                let row_place = tile.place_of_row(t.first[1] - tile.corner[1] + row);
+                let along_y = (t.from_anchor[1] + row * SUBPIXELS).to_float::<f32x16<S>>() * t.slope[1];
+                for column in 0..2 {
+                    let in_box = in_row & t.extent[0].simd_ge(splat_i(simd, column));
+                    let e = each3!(K => t.c[K] + t.a[K] * column + t.b[K] * row);
+                    let hits = in_box & ((e[0] | e[1]) | e[2]).simd_ge(splat_i(simd, 0));
+                    let right = (t.from_anchor[0] + column * SUBPIXELS).to_float::<f32x16<S>>();
+                    let depth = ((right * t.slope[0] + along_y) + t.base).max(t.base).min(t.nearest);
+                    let place = row_place + tile.place_in_row(t.first[0] - tile.corner[0] + column);
+                    covered.push(simd, hits.to_bitmask() as u32 & 0xffff, place + number, depth);
+                }
+            },
+        );
+    }
+}
 
-/// Number of each lane.
-const NUMBERS: [i32; 16] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15];
+/// Numbers of triangles, where [`Covered`] wants them.
+#[inline(always)]
+fn number_bits<S: Simd>(simd: S, numbers: &[u8; LANES]) -> i32x16<S> {
+    let mut wide = [0; LANES];
+    for lane in 0..LANES {
+        wide[lane] = i32::from(numbers[lane]) << NUMBER_SHIFT;
+    }
+    i32x16::load_array(simd, wide)
+}
 
-/// Lists the samples that the triangles of some lanes cover. `first` is the number of the first lane's triangle
-/// in its cluster.
+/// Lists the samples that triangles of some lanes cover; `numbers` are the triangles' in their cluster.
 #[inline(always)]
 pub fn scan<S: Simd>(
     simd: S,
     t: &SmallTriangles<S>,
     lanes: u32,
-    first: u32,
+    numbers: &[u8; LANES],
     tile: &TileMemory,
     covered: &mut Covered,
 ) {
@@ -31,7 +69,7 @@ pub fn scan<S: Simd>(
         #[inline(always)]
         || {
             let lanes = mask32x16::from_bitmask(simd, u64::from(lanes));
-            let number = i32x16::load_array(simd, NUMBERS) + first as i32;
+            let number = number_bits(simd, numbers);
             let mut y = t.first[1] - tile.corner[1];
             let mut down = t.from_anchor[1];
             let mut at_row = t.c;
@@ -57,7 +95,7 @@ pub fn scan<S: Simd>(
                     if bits != 0 {
                         let depth = (right.to_float::<f32x16<S>>() * t.slope[0] + along_y) + t.base;
                         let depth = depth.max(t.base).min(t.nearest);
-                        covered.push(simd, bits, row_place + tile.place_in_row(x), depth, number);
+                        covered.push(simd, bits, row_place + tile.place_in_row(x) + number, depth);
                     }
                     e = each3!(K => e[K] + t.a[K]);
                     x = x + 1;

@@ -7,6 +7,7 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, i32x16};
 
+use crate::binning::PixelRect;
 use crate::conventions::{SAMPLE, SUBPIXEL_BITS};
 use crate::frontend::transform::{Anchored, ClusterVertices, CornerNumbers, ScreenTriangles};
 use crate::simd::{each3, part, splat, splat_i};
@@ -35,16 +36,16 @@ pub struct SmallTriangles<S: Simd> {
 }
 
 impl<S: Simd> SmallTriangles<S> {
-    /// Sets 16 triangles up; `area` is twice their signed area.
+    /// Sets 16 triangles up; only samples inside `rect` count.
     #[inline(always)]
-    pub fn new(
-        simd: S,
-        vertices: &ClusterVertices,
-        corners: &CornerNumbers,
-        t: &ScreenTriangles<S>,
-        area: i32x16<S>,
-    ) -> Self {
-        let Anchored { x, y, d } = Anchored::new(simd, vertices, corners, t);
+    pub fn new(simd: S, vertices: &ClusterVertices, corners: &CornerNumbers, rect: PixelRect) -> Self {
+        let t = ScreenTriangles::new(simd, vertices, corners, rect);
+        let Anchored { x, y, d } = Anchored::new(simd, vertices, corners, &t);
+        let area = part(
+            simd,
+            #[inline(always)]
+            || t.area(),
+        );
         let slope = depth_slope(simd, x, y, d, area);
         let [a, b] = edge_growth(simd, x, y, area);
         part(
@@ -67,13 +68,6 @@ impl<S: Simd> SmallTriangles<S> {
                 }
             },
         )
-    }
-
-    /// Lanes with so few samples that all 16 are best scanned together.
-    #[inline(always)]
-    pub fn few_samples(&self) -> u32 {
-        let limit = splat_i(self.base.simd, super::scan::MOST_SAMPLES_ALONG);
-        (self.extent[0].simd_lt(limit) & self.extent[1].simd_lt(limit)).to_bitmask() as u32
     }
 }
 

@@ -1,0 +1,127 @@
+//! Which triangles of a cluster reach a sample of a tile, and how many.
+
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, u8x16};
+use tercio_mesh::cluster::MAX_TRIANGLES;
+
+use crate::binning::PixelRect;
+use crate::frontend::transform::{ClusterVertices, CornerTable, ScreenTriangles};
+use crate::settings::Cull;
+use crate::simd::{LANES, append_bytes, part, splat_i};
+
+/// Number of each lane.
+const NUMBERS: [u8; LANES] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15];
+
+/// Which triangles are kept.
+#[derive(Clone, Copy, Debug)]
+pub struct Keep {
+    /// Those that reach a sample of these pixels,
+    pub rect: PixelRect,
+    /// and are not left out by their facing,
+    pub cull: Cull,
+    /// in an instance that is a mirror image.
+    pub mirrored: bool,
+}
+
+/// How many samples the bounding box of a triangle holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Size {
+    /// At most 2 across and down.
+    Tiny,
+    /// At most 4 across and down.
+    Small,
+    /// At most 8 across and down.
+    Medium,
+    /// More.
+    Large,
+}
+
+impl Size {
+    /// All, smallest first.
+    pub const ALL: [Self; 4] = [Self::Tiny, Self::Small, Self::Medium, Self::Large];
+
+    /// The most samples across or down; none for the last.
+    pub const fn most_samples_along(self) -> Option<i32> {
+        match self {
+            Self::Tiny => Some(2),
+            Self::Small => Some(4),
+            Self::Medium => Some(8),
+            Self::Large => None,
+        }
+    }
+}
+
+/// The triangles of a cluster that are drawn, by their number in it, in lists by size.
+#[derive(Debug)]
+pub struct Sieve {
+    numbers: [[u8; MAX_TRIANGLES + LANES]; Size::ALL.len()],
+    counts: [usize; Size::ALL.len()],
+}
+
+impl Default for Sieve {
+    fn default() -> Self {
+        Self { numbers: [[0; MAX_TRIANGLES + LANES]; Size::ALL.len()], counts: [0; Size::ALL.len()] }
+    }
+}
+
+impl Sieve {
+    /// Sorts the first `count` triangles of a cluster.
+    #[inline(always)]
+    pub fn sort<S: Simd>(
+        &mut self,
+        simd: S,
+        vertices: &ClusterVertices,
+        corners: &CornerTable,
+        count: usize,
+        keep: &Keep,
+    ) {
+        self.counts = [0; Size::ALL.len()];
+        let mut first = 0;
+        while first < count.min(MAX_TRIANGLES) {
+            let live = if count - first >= LANES { 0xffff } else { (1u32 << (count - first)) - 1 };
+            let t = ScreenTriangles::new(simd, vertices, &corners.of_16(first), keep.rect);
+            part(
+                simd,
+                #[inline(always)]
+                || {
+                    let (area, zero) = (t.area(), splat_i(simd, 0));
+                    let hits = t.hits() & live;
+                    let clockwise = area.simd_gt(zero).to_bitmask() as u32 & hits;
+                    let counter = area.simd_lt(zero).to_bitmask() as u32 & hits;
+                    let (kept, _) = keep.cull.split(keep.mirrored, clockwise, counter);
+                    let numbers = u8x16::load_array(simd, NUMBERS) + first as u8;
+                    let extent = (t.columns[1] - t.columns[0]).max(t.rows[1] - t.rows[0]);
+                    let mut left = kept;
+                    for size in Size::ALL {
+                        let (list, count) =
+                            (&mut self.numbers[size as usize], &mut self.counts[size as usize]);
+                        let of_size = match size.most_samples_along() {
+                            Some(most) => left & extent.simd_lt(splat_i(simd, most)).to_bitmask() as u32,
+                            None => left,
+                        };
+                        append_bytes(simd, list, *count, of_size, numbers);
+                        *count += of_size.count_ones() as usize;
+                        left &= !of_size;
+                    }
+                },
+            );
+            first += LANES;
+        }
+    }
+
+    /// Triangles that are drawn.
+    pub fn len(&self) -> u64 {
+        self.counts.iter().sum::<usize>() as u64
+    }
+
+    /// Triangles of one size, 16 at a time, with the lanes that hold one; the others hold some other triangle.
+    #[inline(always)]
+    pub fn of_size(&self, size: Size) -> impl Iterator<Item = (&[u8; LANES], u32)> {
+        let count = self.counts[size as usize];
+        let (chunks, _) = self.numbers[size as usize].as_chunks::<LANES>();
+        chunks.iter().zip((0..count).step_by(LANES)).map(move |(chunk, first)| {
+            let lanes = if count - first >= LANES { 0xffff } else { (1u32 << (count - first)) - 1 };
+            (chunk, lanes)
+        })
+    }
+}
