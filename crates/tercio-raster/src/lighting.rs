@@ -32,7 +32,7 @@ pub struct LightRig {
     pub distant: Vec<DistantLight>,
     /// In the order of the scene.
     pub near: Vec<NearLight>,
-    /// Towards the viewer, for an orthographic camera.
+    /// Towards the viewer along the middle of the view; for an orthographic camera from everywhere.
     pub to_viewer: [f32; 3],
 }
 

@@ -213,12 +213,12 @@ impl Tiles<'_> {
     }
 }
 
-/// Small tiles share the work of small pictures better; large pictures have tiles enough.
+/// Small tiles share the work of small pictures better; in large ones clusters reach into fewer tiles.
 fn default_tile_size(settings: &Settings) -> u32 {
     let pixels = u64::from(settings.width) * u64::from(settings.height);
     match pixels {
         0..=0x4_0000 => 32,
-        0x4_0001..=0x100_0000 => 64,
+        0x4_0001..=0x8_0000 => 64,
         _ => 128,
     }
 }

@@ -52,6 +52,12 @@ pub fn reflect<S: Simd>(
     )
 }
 
+/// What stands in for the direction of a vector without length: towards the viewer, along the middle of the view.
+#[inline(always)]
+pub fn beside<S: Simd>(simd: S, rig: &LightRig) -> Vec3x16<S> {
+    each3!(K => splat(simd, rig.to_viewer[K]))
+}
+
 #[inline(always)]
 fn sum_lights<S: Simd>(
     simd: S,
@@ -65,19 +71,21 @@ fn sum_lights<S: Simd>(
     let mut sum = Reflected { diffuse: each3!(K => splat(simd, rig.ambient[K])), specular: [zero; 3] };
     for light in &rig.distant {
         let to_light = each3!(K => splat(simd, light.to_light[K]));
-        add_light(simd, surface, normal, to_viewer, to_light, light.color, &mut sum);
+        add_light(simd, rig, surface, normal, to_viewer, to_light, light.color, &mut sum);
     }
     for light in &rig.near {
         let offset = each3!(K => splat(simd, light.position[K]) - position[K]);
-        let to_light = normalize(simd, offset, to_viewer);
-        add_light(simd, surface, normal, to_viewer, to_light, light.color, &mut sum);
+        let to_light = normalize(simd, offset, beside(simd, rig));
+        add_light(simd, rig, surface, normal, to_viewer, to_light, light.color, &mut sum);
     }
     sum
 }
 
 #[inline(always)]
+#[expect(clippy::too_many_arguments, reason = "called where they lie ready; a struct would only rename them")]
 fn add_light<S: Simd>(
     simd: S,
+    rig: &LightRig,
     surface: &Surface,
     normal: Vec3x16<S>,
     to_viewer: Vec3x16<S>,
@@ -98,7 +106,7 @@ fn add_light<S: Simd>(
             }
             if surface.specular > 0.0 {
                 let between = each3!(K => to_light[K] + to_viewer[K]);
-                let half = normalize(simd, between, to_viewer);
+                let half = normalize(simd, between, beside(simd, rig));
                 let mut power = dot(normal, half);
                 power = (power.simd_gt(zero) & lit).select(power, zero);
                 for _ in 0..surface.shininess_log2 {

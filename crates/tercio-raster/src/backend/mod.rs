@@ -7,11 +7,13 @@
 //! end ([`shade`]).
 
 pub mod cluster;
+pub mod corners;
 pub mod edges;
-pub mod fetch;
+pub mod interpolate;
 pub mod light;
 pub mod output;
 pub mod shade;
+pub mod table;
 pub mod visibility;
 
 use fearless_simd::Simd;
@@ -183,18 +185,7 @@ fn draw_inline<S: Simd>(
             if mixed {
                 memory.mark_shaded(&pass.winners.place);
             }
-            shade::winners(
-                simd,
-                context,
-                binned.number,
-                &pass.corners,
-                &mut pass.winners,
-                memory,
-                winners,
-                pixels,
-                planes,
-                counts,
-            );
+            shade::winners(simd, context, binned.number, pass, memory, winners, pixels, planes, counts);
         }
     }
 }

@@ -4,20 +4,19 @@
 //! projects them again as the front end did, and interpolates between them.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x16, i32x16, mask32x16, u32x16};
+use fearless_simd::{Simd, i32x16, mask32x16};
 use tercio_mesh::cluster::MAX_TRIANGLES;
 use tercio_scene::Instance;
 
-use super::cluster::Winners;
-use super::fetch::{ClusterTable, ColorSource, CornerLanes, Fragments};
-use super::light::{Vec3x16, normalize, reflect};
+use super::cluster::ClusterPass;
+use super::corners::{ColorSource, CornerLanes, Fragments};
+use super::interpolate::Barycentric;
+use super::light::{Vec3x16, beside, normalize, reflect};
 use super::output::{Planes, TilePixels};
+use super::table::ClusterTable;
 use super::visibility::{BLOCK_BITS, LANE_X, LANE_Y, TileMemory};
 use crate::color::{ENCODE, ENCODE_STEPS, encode16};
 use crate::context::{FrameContext, NO_SLOT};
-use crate::conventions::{SAMPLE, SUBPIXELS};
-use crate::frontend::clip::barycentrics_unclipped;
-use crate::frontend::transform::{CornerTable, Projected, project};
 use crate::settings::Shading;
 use crate::simd::{LANES, cross, dot, each3, load, part, row, splat};
 use crate::stats::BackEndCounts;
@@ -80,7 +79,10 @@ fn flush<S: Simd>(
     fragments.fill_up();
     let scene_instance = &context.scene.instances[instance];
     let source = ColorSource::of(&scene_instance.mesh, &scene_instance.surface);
-    corners.fetch(context, instance, &fragments.slot, source);
+    simd.vectorize(
+        #[inline(always)]
+        || corners.fetch(simd, context, instance, &fragments.slot, source),
+    );
     shade(simd, context, instance, fragments, corners, pixels, planes);
     fragments.count = 0;
 }
@@ -100,15 +102,14 @@ pub fn winners<S: Simd>(
     simd: S,
     context: &FrameContext,
     number: u32,
-    corner_table: &CornerTable,
-    winners: &mut Winners,
+    pass: &mut ClusterPass,
     memory: &TileMemory,
     scratch: &mut WinnerScratch,
     pixels: &mut TilePixels,
     planes: &Planes,
     counts: &mut BackEndCounts,
 ) {
-    if winners.place.is_empty() {
+    if pass.winners.place.is_empty() {
         return;
     }
     simd.vectorize(
@@ -116,14 +117,19 @@ pub fn winners<S: Simd>(
         || {
             let (instance, index) = context.locate(number);
             let Instance { mesh, surface, .. } = &context.scene.instances[instance];
+            let cluster = &mesh.clusters[index];
             let source = ColorSource::of(mesh, surface);
             let WinnerScratch { table, fragments, corners } = scratch;
-            table.load(simd, mesh, &mesh.clusters[index]);
+            table.load_normals(simd, mesh, cluster);
+            let positions = !table.normals_agree || Needs::of(context, instance).position;
+            if positions {
+                table.load_positions(simd, mesh, cluster);
+            }
+            let winners = &mut pass.winners;
             let count = winners.fill_up();
             counts.pixels_shaded += count as u64;
             for first in (0..count).step_by(LANES) {
-                let triangles: &[u8; LANES] =
-                    (&winners.triangle[first..]).first_chunk().unwrap_or(&[0; LANES]);
+                let Some(triangles) = winners.triangle[first..].first_chunk() else { break };
                 fragments.count = (count - first).min(LANES);
                 fragments.of_winners(simd, memory, &winners.place[first..], pixels.width);
                 if planes.depth.is_wanted() || planes.ids.is_wanted() {
@@ -132,7 +138,16 @@ pub fn winners<S: Simd>(
                         fragments.depth[lane] = memory.depth[winners.place[first + lane] as usize];
                     }
                 }
-                corners.look_up(simd, mesh, surface, table, corner_table, triangles, source);
+                table.look_up(
+                    simd,
+                    (mesh, surface),
+                    &pass.vertices,
+                    &pass.corners,
+                    triangles,
+                    source,
+                    positions,
+                    corners,
+                );
                 shade(simd, context, instance, fragments, corners, pixels, planes);
             }
         },
@@ -171,30 +186,36 @@ fn shade_16<S: Simd>(
     let mesh = &*scene_instance.mesh;
     let source = ColorSource::of(mesh, surface);
 
-    let p: Corners16<S> = each3!(K => load3(simd, &corners.position[K]));
-    let weight = barycentrics(simd, object, fragments, corners, p);
+    let needs = Needs::of(context, instance);
+    let at = Barycentric::new(simd, object, fragments, corners);
+    let zero = [splat(simd, 0.0); 3];
 
-    // The plane of the triangle, and the side from which it is seen.
-    let edge_1 = each3!(A => (p[1][A] - p[0][A]) * object.inverse_size);
-    let edge_2 = each3!(A => (p[2][A] - p[0][A]) * object.inverse_size);
-    let plane = cross(edge_1, edge_2);
-    let viewer = each3!(A => splat(simd, object.viewer[A]));
-    let sight = if object.perspective { each3!(A => viewer[A] - p[0][A]) } else { viewer };
-    let side = Side { plane, from_back: dot(plane, sight).simd_lt(splat(simd, 0.0)) };
+    let mut p: Corners16<S> = [zero; 3];
+    if needs.position || !corners.normals_agree {
+        p = each3!(K => load3(simd, &corners.position[K]));
+    }
+    let mut side = Side { plane: None, from_back: at.clockwise };
+    if object.mirrored {
+        side.from_back = !side.from_back;
+    }
+    if needs.plane || !corners.normals_agree {
+        side.plane = Some(plane_of(object, p));
+    }
+    let plane = side.plane.unwrap_or(zero);
+    let normals: Corners16<S> =
+        if mesh.normals.is_some() { each3!(K => load3(simd, &corners.normal[K])) } else { [plane; 3] };
 
-    let normals: Corners16<S> = if mesh.normals.is_some() {
-        each3!(K => decode_normal(simd, &corners.normal[K]))
-    } else {
-        [plane; 3]
-    };
-    let position = to_eye(simd, object, mix3(weight, p));
-    let to_viewer = towards_viewer(simd, context, object, position);
+    let (mut position, mut to_viewer) = (zero, beside(simd, &context.lights));
+    if needs.lit_from_position {
+        position = to_eye(simd, object, at.mix(p));
+        to_viewer = towards_viewer(simd, context, object, position);
+    }
     let flat = context.settings.shading == Shading::Flat;
-    let normal = side.turn(simd, object, if flat { plane } else { mix3(weight, normals) }, to_viewer);
+    let normal = side.turn(simd, context, object, if flat { plane } else { at.mix(normals) });
 
     let albedo: Vec3x16<S> = match source {
         ColorSource::Base => each3!(C => splat(simd, surface.base_color[C])),
-        _ => mix3(weight, each3!(K => load3(simd, &corners.color[K]))),
+        _ => at.mix(each3!(K => load3(simd, &corners.color[K]))),
     };
     let lit: Vec3x16<S> = match context.settings.shading {
         Shading::Unlit => albedo,
@@ -204,18 +225,51 @@ fn shade_16<S: Simd>(
         }
         Shading::Gouraud => {
             let at_corner = each3!(K => {
-                let position = to_eye(simd, object, p[K]);
-                let to_viewer = towards_viewer(simd, context, object, position);
-                let normal = side.turn(simd, object, normals[K], to_viewer);
+                let (mut position, mut to_viewer) = (zero, to_viewer);
+                if needs.lit_from_position {
+                    position = to_eye(simd, object, p[K]);
+                    to_viewer = towards_viewer(simd, context, object, position);
+                }
+                let normal = side.turn(simd, context, object, normals[K]);
                 reflect(simd, &context.lights, surface, &normal, &to_viewer, &position)
             });
-            let diffuse = mix3(weight, each3!(K => at_corner[K].diffuse));
-            let specular = mix3(weight, each3!(K => at_corner[K].specular));
+            let diffuse = at.mix(each3!(K => at_corner[K].diffuse));
+            let specular = at.mix(each3!(K => at_corner[K].specular));
             each3!(C => albedo[C] * diffuse[C] + specular[C])
         }
     };
     write_color(simd, fragments, lit, pixels, planes);
     write_geometry(context, fragments, normal, pixels, planes);
+}
+
+/// What the shading of an instance asks of its triangles' corners.
+#[derive(Clone, Copy, Debug)]
+struct Needs {
+    /// Their positions.
+    position: bool,
+    /// The triangle's plane.
+    plane: bool,
+    /// Light depends on where a point is.
+    lit_from_position: bool,
+}
+
+impl Needs {
+    #[inline(always)]
+    fn of(context: &FrameContext, instance: usize) -> Self {
+        let Instance { mesh, surface, .. } = &context.scene.instances[instance];
+        let plane = context.settings.shading == Shading::Flat || mesh.normals.is_none();
+        let highlights = surface.specular > 0.0 && context.view.perspective;
+        let lit_from_position = highlights || !context.lights.near.is_empty();
+        Self { position: plane || lit_from_position, plane, lit_from_position }
+    }
+}
+
+/// The normals of 16 triangles by their winding, in object space, of any length.
+#[inline(always)]
+fn plane_of<S: Simd>(object: &ObjectView, p: Corners16<S>) -> Vec3x16<S> {
+    let edge_1 = each3!(A => (p[1][A] - p[0][A]) * object.inverse_size);
+    let edge_2 = each3!(A => (p[2][A] - p[0][A]) * object.inverse_size);
+    cross(edge_1, edge_2)
 }
 
 /// A vector at each of the three corners.
@@ -225,16 +279,6 @@ type Corners16<S> = [Vec3x16<S>; 3];
 #[inline(always)]
 fn load3<S: Simd>(simd: S, from: &[[f32; LANES]; 3]) -> Vec3x16<S> {
     each3!(A => load(simd, &from[A]))
-}
-
-/// Interpolates a vector between the corners.
-#[inline(always)]
-fn mix3<S: Simd>(weight: [f32x16<S>; 3], v: Corners16<S>) -> Vec3x16<S> {
-    part(
-        weight[0].simd,
-        #[inline(always)]
-        || each3!(A => (weight[0] * v[0][A] + weight[1] * v[1][A]) + weight[2] * v[2][A]),
-    )
 }
 
 /// From local coordinates to world axes relative to the eye.
@@ -259,8 +303,9 @@ fn towards_viewer<S: Simd>(
 /// Which side of its triangle a pixel shows.
 #[derive(Clone, Copy)]
 struct Side<S: Simd> {
-    /// The triangle's normal by its winding, in object space, any length.
-    plane: Vec3x16<S>,
+    /// The triangle's normal by its winding, in object space, any length; `None` if the corners' normals are
+    /// known to point to the same side.
+    plane: Option<Vec3x16<S>>,
     /// It is seen from behind.
     from_back: mask32x16<S>,
 }
@@ -268,101 +313,23 @@ struct Side<S: Simd> {
 impl<S: Simd> Side<S> {
     /// A unit normal in world space, turned to the side of the triangle that is seen, whatever its winding.
     #[inline(always)]
-    fn turn(&self, simd: S, object: &ObjectView, n: Vec3x16<S>, to_viewer: Vec3x16<S>) -> Vec3x16<S> {
+    fn turn(&self, simd: S, context: &FrameContext, object: &ObjectView, n: Vec3x16<S>) -> Vec3x16<S> {
         part(
             simd,
             #[inline(always)]
             || {
-                let against = dot(n, self.plane).simd_lt(splat(simd, 0.0));
-                let turn = (against & !self.from_back) | (self.from_back & !against);
+                let mut turn = self.from_back;
+                if let Some(plane) = self.plane {
+                    let against = dot(n, plane).simd_lt(splat(simd, 0.0));
+                    turn = (against & !self.from_back) | (self.from_back & !against);
+                }
                 let n = each3!(A => turn.select(-n[A], n[A]));
                 let m = &object.normal_matrix;
                 let world = each3!(K => (n[0] * m[K][0] + n[1] * m[K][1]) + n[2] * m[K][2]);
-                normalize(simd, world, to_viewer)
+                normalize(simd, world, beside(simd, &context.lights))
             },
         )
     }
-}
-
-/// Perspective barycentric coordinates of each pixel's sample in its triangle: not negative, adding up to 1.
-#[inline(always)]
-fn barycentrics<S: Simd>(
-    simd: S,
-    object: &ObjectView,
-    fragments: &Fragments,
-    corners: &CornerLanes,
-    p: Corners16<S>,
-) -> [f32x16<S>; 3] {
-    part(
-        simd,
-        #[inline(always)]
-        || {
-            let zero = splat(simd, 0.0);
-            let v: [Projected<S>; 3] = each3!(K => project(simd, object, p[K]));
-            let sample_x = i32x16::load_array_ref(simd, &fragments.x) * SUBPIXELS + SAMPLE;
-            let sample_y = i32x16::load_array_ref(simd, &fragments.y) * SUBPIXELS + SAMPLE;
-            // Corners as seen from the sample: whole numbers of at most 2^24, exact in `f32`.
-            let x: [f32x16<S>; 3] = each3!(K => (v[K].x - sample_x).to_float());
-            let y: [f32x16<S>; 3] = each3!(K => (v[K].y - sample_y).to_float());
-            let mut b = each3!(K => {
-                let (i, j) = ((K + 1) % 3, (K + 2) % 3);
-                x[i] * y[j] - y[i] * x[j]
-            });
-            if object.perspective {
-                b = each3!(K => b[K] * v[K].d);
-            }
-            let negative = ((b[0] + b[1]) + b[2]).simd_lt(zero);
-            let b = each3!(K => negative.select(-b[K], b[K]));
-            let b = each3!(K => b[K].simd_gt(zero).select(b[K], zero));
-            let sum = (b[0] + b[1]) + b[2];
-            let good = sum.simd_gt(zero);
-            let inverse = splat(simd, 1.0) / sum;
-            let one_corner = [splat(simd, 1.0), zero, zero];
-            let mut weight = each3!(K => good.select(b[K] * inverse, one_corner[K]));
-
-            let inside = (v[0].inside & v[1].inside & v[2].inside).to_bitmask() as u32;
-            if inside & 0xffff != 0xffff {
-                for lane in 0..LANES {
-                    if inside >> lane & 1 == 0 {
-                        let exact = unclipped(object, fragments, corners, lane);
-                        (weight[0][lane], weight[1][lane], weight[2][lane]) = (exact[0], exact[1], exact[2]);
-                    }
-                }
-            }
-            weight
-        },
-    )
-}
-
-/// [`barycentrics_unclipped`] of one lane.
-#[cold]
-#[inline(never)]
-fn unclipped(object: &ObjectView, fragments: &Fragments, corners: &CornerLanes, lane: usize) -> [f32; 3] {
-    let positions = corners.position.map(|corner| corner.map(|axis| axis[lane]));
-    let pixel = [fragments.x[lane], fragments.y[lane]];
-    let at = |k: usize| f64::from(pixel[k] * SUBPIXELS + SAMPLE) - f64::from(object.offset[k]);
-    barycentrics_unclipped(object, positions, [at(0), at(1)])
-}
-
-/// [`tercio_mesh::OctNormal::decode`], lane by lane.
-#[inline(always)]
-fn decode_normal<S: Simd>(simd: S, packed: &[u32; LANES]) -> Vec3x16<S> {
-    part(
-        simd,
-        #[inline(always)]
-        || {
-            let bits: i32x16<S> = u32x16::load_array_ref(simd, packed).bitcast();
-            let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
-            let unit = splat(simd, 1.0 / 32767.0);
-            let u = ((bits << 16) >> 16).to_float::<f32x16<S>>() * unit;
-            let v = (bits >> 16).to_float::<f32x16<S>>() * unit;
-            let z = (one - u.abs()) - v.abs();
-            let fold = z.simd_lt(zero).select(-z, zero);
-            let x = u.simd_ge(zero).select(u - fold, u + fold);
-            let y = v.simd_ge(zero).select(v - fold, v + fold);
-            [x, y, z]
-        },
-    )
 }
 
 #[inline(always)]

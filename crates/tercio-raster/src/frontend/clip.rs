@@ -112,8 +112,13 @@ fn to_screen(view: &ObjectView, v: &ClipVertex) -> ScreenVertex {
 /// Perspective barycentric coordinates of a sample in a triangle of which a corner is not inside, from its
 /// unclipped corners (Olano and Greer 1997).
 ///
-/// `sample` is in sub-pixels from the middle of the picture. The result is not negative and adds up to 1.
-pub fn barycentrics_unclipped(view: &ObjectView, positions: [[f32; 3]; 3], sample: [f64; 2]) -> [f32; 3] {
+/// `sample` is in sub-pixels from the middle of the picture. The result is not negative and adds up to 1; beside
+/// it stands whether the triangle appears clockwise on the screen.
+pub fn barycentrics_unclipped(
+    view: &ObjectView,
+    positions: [[f32; 3]; 3],
+    sample: [f64; 2],
+) -> ([f32; 3], bool) {
     let v = positions.map(|p| to_clip(view, p));
     // Each corner as seen from the sample: the sample's own x and y become 0.
     let s = v.map(|v| [v.x - sample[0] * v.w, v.y - sample[1] * v.w]);
@@ -122,5 +127,6 @@ pub fn barycentrics_unclipped(view: &ObjectView, positions: [[f32; 3]; 3], sampl
     let sum = (e[0] + e[1]) + e[2];
     let l = e.map(|e| (e / sum).max(0.0));
     let total = (l[0] + l[1]) + l[2];
-    if total > 0.0 && total.is_finite() { l.map(|l| (l / total) as f32) } else { [1.0, 0.0, 0.0] }
+    let l = if total > 0.0 && total.is_finite() { l.map(|l| (l / total) as f32) } else { [1.0, 0.0, 0.0] };
+    (l, sum > 0.0)
 }

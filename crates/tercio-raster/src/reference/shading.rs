@@ -57,14 +57,13 @@ pub fn shade(
 ) -> Pixel {
     let corners = Mesh::canonical(mesh.triangles[triangle]).map(|v| v as usize);
     let p = corners.map(|v| mesh.positions[v]);
-    let weight = barycentrics(object, p, pixel.map(|c| c as i32));
+    let (weight, clockwise) = barycentrics(object, p, pixel.map(|c| c as i32));
     let mix = |v: [f32; 3]| (weight[0] * v[0] + weight[1] * v[1]) + weight[2] * v[2];
     let mix3 = |v: [Vec3; 3]| each(|k| mix(v.map(|v| v[k])));
 
     let edge = |k: usize| each(|a| (p[k][a] - p[0][a]) * object.inverse_size);
     let plane = cross(edge(1), edge(2));
-    let sight = if object.perspective { each(|a| object.viewer[a] - p[0][a]) } else { object.viewer };
-    let seen_from_back = dot(plane, sight) < 0.0;
+    let seen_from_back = clockwise != object.mirrored;
 
     let to_viewer_from = |position: Vec3| {
         if object.perspective { normalize(position.map(|c| -c), lights.to_viewer) } else { lights.to_viewer }
@@ -75,17 +74,17 @@ pub fn shade(
             ((q[0] * r[0] + q[1] * r[1]) + q[2] * r[2]) + object.eye_from_local[k]
         })
     };
-    let facing = |n: Vec3, to_viewer: Vec3| {
+    let facing = |n: Vec3| {
         let against = dot(n, plane) < 0.0;
         let n = if against != seen_from_back { n.map(|c| -c) } else { n };
-        normalize(each(|k| dot(n, object.normal_matrix[k])), to_viewer)
+        normalize(each(|k| dot(n, object.normal_matrix[k])), lights.to_viewer)
     };
     let corner_normal = |k: usize| mesh.normals.as_ref().map_or(plane, |n| n[corners[k]].decode());
 
     let position = position_of(mix3(p));
     let to_viewer = to_viewer_from(position);
     let smooth = || mix3([0, 1, 2].map(corner_normal));
-    let normal = facing(if shading == Shading::Flat { plane } else { smooth() }, to_viewer);
+    let normal = facing(if shading == Shading::Flat { plane } else { smooth() });
     let albedo = match corner_colors(mesh, triangle, surface) {
         Some(colors) => mix3(colors),
         None => surface.base_color,
@@ -100,7 +99,7 @@ pub fn shade(
             let light = [0, 1, 2].map(|k| {
                 let position = position_of(p[k]);
                 let to_viewer = to_viewer_from(position);
-                reflect(lights, surface, facing(corner_normal(k), to_viewer), to_viewer, position)
+                reflect(lights, surface, facing(corner_normal(k)), to_viewer, position)
             });
             let (diffuse, specular) = (mix3(light.map(|l| l.0)), mix3(light.map(|l| l.1)));
             each(|k| albedo[k] * diffuse[k] + specular[k])
@@ -135,8 +134,9 @@ fn corner_colors(mesh: &Mesh, triangle: usize, surface: &Surface) -> Option<[Vec
     }
 }
 
-/// Perspective barycentric coordinates of a pixel's sample: not negative, adding up to 1.
-fn barycentrics(object: &ObjectView, p: [Vec3; 3], pixel: [i32; 2]) -> [f32; 3] {
+/// Perspective barycentric coordinates of a pixel's sample, not negative and adding up to 1, and whether the
+/// triangle appears clockwise on the screen.
+fn barycentrics(object: &ObjectView, p: [Vec3; 3], pixel: [i32; 2]) -> ([f32; 3], bool) {
     let v = p.map(|p| object.project(p));
     let sample = pixel.map(|c| c * SUBPIXELS + SAMPLE);
     if v.iter().any(|v| !v.inside) {
@@ -150,11 +150,11 @@ fn barycentrics(object: &ObjectView, p: [Vec3; 3], pixel: [i32; 2]) -> [f32; 3] 
         let area = x[i] * y[j] - y[i] * x[j];
         if object.perspective { area * v[k].d } else { area }
     });
-    let negative = (b[0] + b[1]) + b[2] < 0.0;
-    let b = b.map(|b| if negative { -b } else { b }).map(|b| if b > 0.0 { b } else { 0.0 });
+    let area = (b[0] + b[1]) + b[2];
+    let b = b.map(|b| if area < 0.0 { -b } else { b }).map(|b| if b > 0.0 { b } else { 0.0 });
     let sum = (b[0] + b[1]) + b[2];
     let inverse = 1.0 / sum;
-    if sum > 0.0 { b.map(|b| b * inverse) } else { [1.0, 0.0, 0.0] }
+    (if sum > 0.0 { b.map(|b| b * inverse) } else { [1.0, 0.0, 0.0] }, area > 0.0)
 }
 
 /// Diffuse light and highlights of all lights.
@@ -168,7 +168,7 @@ fn reflect(
     let (mut diffuse, mut specular) = (lights.ambient, [0.0; 3]);
     let distant = lights.distant.iter().map(|l| (l.to_light, l.color));
     let near = lights.near.iter().map(|l| {
-        let to_light = normalize(each(|k| l.position[k] - position[k]), to_viewer);
+        let to_light = normalize(each(|k| l.position[k] - position[k]), lights.to_viewer);
         (to_light, l.color)
     });
     for (to_light, color) in distant.chain(near) {
@@ -177,7 +177,7 @@ fn reflect(
         let cosine = if lit { cosine } else { 0.0 };
         diffuse = each(|k| diffuse[k] + cosine * color[k]);
         if surface.specular > 0.0 {
-            let half = normalize(each(|k| to_light[k] + to_viewer[k]), to_viewer);
+            let half = normalize(each(|k| to_light[k] + to_viewer[k]), lights.to_viewer);
             let mut power = dot(normal, half);
             power = if lit && power > 0.0 { power } else { 0.0 };
             (0..surface.shininess_log2).for_each(|_| power *= power);

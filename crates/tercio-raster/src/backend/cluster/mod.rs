@@ -31,7 +31,8 @@ use super::visibility::TileMemory;
 /// What is kept from cluster to cluster.
 #[derive(Debug, Default)]
 pub struct ClusterPass {
-    vertices: ClusterVertices,
+    /// The cluster's vertices on the screen.
+    pub vertices: ClusterVertices,
     /// The corners of the cluster's triangles.
     pub corners: CornerTable,
     sieve: Sieve,

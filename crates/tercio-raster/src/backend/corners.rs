@@ -1,16 +1,17 @@
-//! What 16 visible pixels need to know of their triangles.
+//! What 16 visible pixels need to know of their triangles, and its way there from the mesh.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, i32x16, u32x16};
-use tercio_mesh::cluster::{Cluster, MAX_VERTICES};
 use tercio_mesh::{ClusteredMesh, Mesh};
 use tercio_scene::Surface;
 
+use super::light::Vec3x16;
 use super::visibility::TileMemory;
 use crate::color::DECODE;
 use crate::context::FrameContext;
-use crate::frontend::transform::CornerTable;
-use crate::simd::{LANES, load, lookup};
+use crate::frontend::transform::project;
+use crate::simd::{LANES, each3, load, part, splat};
+use crate::view::ObjectView;
 
 /// 16 pixels of one instance on their way through the shading kernel.
 #[derive(Debug, Default)]
@@ -112,102 +113,33 @@ pub fn linear(color: [u8; 4]) -> [f32; 3] {
     [0, 1, 2].map(|k| DECODE[usize::from(color[k])])
 }
 
-/// What shading needs of one cluster, as tables that fit into vector registers.
-#[derive(Debug)]
-pub struct ClusterTable {
-    /// Positions, as the bits of `f32`: axis, vertex.
-    position: [[i32; MAX_VERTICES]; 3],
-    /// Packed normals; of no use where the mesh has none.
-    normal: [i32; MAX_VERTICES],
-    first_vertex: usize,
-    first_triangle: usize,
-}
-
-impl Default for ClusterTable {
-    fn default() -> Self {
-        let zero = [0; MAX_VERTICES];
-        Self { position: [zero; 3], normal: zero, first_vertex: 0, first_triangle: 0 }
-    }
-}
-
-impl ClusterTable {
-    /// Copies a cluster.
-    #[inline(always)]
-    pub fn load<S: Simd>(&mut self, simd: S, mesh: &ClusteredMesh, cluster: &Cluster) {
-        self.first_vertex = cluster.first_vertex as usize;
-        self.first_triangle = cluster.first_triangle as usize;
-        let mut first = 0;
-        while first < usize::from(cluster.vertices) {
-            let from = self.first_vertex + first;
-            let to = first..first + LANES;
-            for (axis, values) in [&mesh.x, &mesh.y, &mesh.z].into_iter().enumerate() {
-                load(simd, &values[from..from + LANES])
-                    .bitcast::<i32x16<S>>()
-                    .store_slice(&mut self.position[axis][to.clone()]);
-            }
-            if let Some(normals) = &mesh.normals {
-                for (to, from) in self.normal[to].iter_mut().zip(&normals[from..from + LANES]) {
-                    *to = from.0 as i32;
-                }
-            }
-            first += LANES;
-        }
-    }
-}
-
 /// The corners of the triangles of 16 pixels, lane by lane.
 #[derive(Debug, Default)]
 pub struct CornerLanes {
-    /// Position: corner, axis, lane.
+    /// Screen coordinate: corner, lane.
+    pub x: [[i32; LANES]; 3],
+    /// Screen coordinate: corner, lane.
+    pub y: [[i32; LANES]; 3],
+    /// Depth: corner, lane.
+    pub d: [[f32; LANES]; 3],
+    /// Bit i tells that a corner of lane i lies before the near plane or outside the guard band.
+    pub beyond: u32,
+    /// The triangles' normals point to the same side as those of their corners, in all lanes and surely.
+    pub normals_agree: bool,
+    /// Position: corner, axis, lane; only where it is needed.
     pub position: [[[f32; LANES]; 3]; 3],
-    /// Packed normal: corner, lane.
-    pub normal: [[u32; LANES]; 3],
+    /// Normal, of any length: corner, axis, lane; only where the mesh has normals.
+    pub normal: [[[f32; LANES]; 3]; 3],
     /// Linear colour: corner, component, lane; only where the mesh has colours.
     pub color: [[[f32; LANES]; 3]; 3],
 }
 
 impl CornerLanes {
-    /// Looks up the corners of 16 triangles of one cluster, given by their numbers in it.
+    /// Fetches the corners of all lanes; all slots belong to `instance`.
     #[inline(always)]
-    pub fn look_up<S: Simd>(
+    pub fn fetch<S: Simd>(
         &mut self,
         simd: S,
-        mesh: &ClusteredMesh,
-        surface: &Surface,
-        table: &ClusterTable,
-        corners: &CornerTable,
-        triangles: &[u8; LANES],
-        colors: ColorSource,
-    ) {
-        let numbers = corners.look_up(simd, triangles);
-        for k in 0..3 {
-            for axis in 0..3 {
-                let p = lookup(simd, &table.position[axis], &numbers[k]);
-                p.bitcast::<f32x16<S>>().store_slice(&mut self.position[k][axis]);
-            }
-            lookup(simd, &table.normal, &numbers[k]).bitcast::<u32x16<S>>().store_slice(&mut self.normal[k]);
-        }
-        match (colors, &mesh.vertex_colors) {
-            (ColorSource::Base, _) => {}
-            (ColorSource::Vertex, Some(of_vertices)) => {
-                for (k, lane) in (0..3).flat_map(|k| (0..LANES).map(move |lane| (k, lane))) {
-                    let vertex = table.first_vertex + usize::from(numbers[k][lane] & 63);
-                    self.set_color(k, lane, linear(of_vertices[vertex]));
-                }
-            }
-            _ => {
-                for lane in 0..LANES {
-                    let triangle = table.first_triangle + usize::from(triangles[lane]);
-                    let color = triangle_color(mesh, surface, triangle);
-                    (0..3).for_each(|k| self.set_color(k, lane, color));
-                }
-            }
-        }
-    }
-
-    /// Fetches the corners of all lanes; all slots belong to `instance`.
-    pub fn fetch(
-        &mut self,
         context: &FrameContext,
         instance: usize,
         slots: &[u32; LANES],
@@ -215,11 +147,13 @@ impl CornerLanes {
     ) {
         let scene_instance = &context.scene.instances[instance];
         let mesh = &*scene_instance.mesh;
+        let mut packed = [[0; LANES]; 3];
         let mut before = None;
         for lane in 0..LANES {
             let slot = slots[lane];
             if before == Some(slot) {
                 self.repeat(lane, colors);
+                (0..3).for_each(|k| packed[k][lane] = packed[k][lane - 1]);
                 continue;
             }
             before = Some(slot);
@@ -231,7 +165,7 @@ impl CornerLanes {
                 self.position[k][1][lane] = mesh.y[v];
                 self.position[k][2][lane] = mesh.z[v];
                 if let Some(normals) = &mesh.normals {
-                    self.normal[k][lane] = normals[v].0;
+                    packed[k][lane] = normals[v].0 as i32;
                 }
                 if let (ColorSource::Vertex, Some(c)) = (colors, &mesh.vertex_colors) {
                     self.set_color(k, lane, linear(c[v]));
@@ -242,9 +176,39 @@ impl CornerLanes {
                 (0..3).for_each(|k| self.set_color(k, lane, color));
             }
         }
+        self.project(simd, &context.objects[instance]);
+        for k in 0..3 {
+            let normal = decode_normal(simd, i32x16::load_array(simd, packed[k]));
+            self.set_normal(k, normal);
+        }
+        self.normals_agree = false;
     }
 
-    fn set_color(&mut self, corner: usize, lane: usize, color: [f32; 3]) {
+    /// Projects the positions.
+    #[inline(always)]
+    fn project<S: Simd>(&mut self, simd: S, object: &ObjectView) {
+        let mut inside = 0xffff;
+        for k in 0..3 {
+            let p = each3!(A => load(simd, &self.position[k][A]));
+            let v = project(simd, object, p);
+            v.x.store_slice(&mut self.x[k]);
+            v.y.store_slice(&mut self.y[k]);
+            v.d.store_slice(&mut self.d[k]);
+            inside &= v.inside.to_bitmask() as u32;
+        }
+        self.beyond = !inside & 0xffff;
+    }
+
+    /// Sets the normals of one corner.
+    #[inline(always)]
+    pub fn set_normal<S: Simd>(&mut self, corner: usize, normal: Vec3x16<S>) {
+        for axis in 0..3 {
+            normal[axis].store_slice(&mut self.normal[corner][axis]);
+        }
+    }
+
+    /// Sets the colour of one corner.
+    pub fn set_color(&mut self, corner: usize, lane: usize, color: [f32; 3]) {
         (0..3).for_each(|c| self.color[corner][c][lane] = color[c]);
     }
 
@@ -253,10 +217,29 @@ impl CornerLanes {
     fn repeat(&mut self, lane: usize, colors: ColorSource) {
         for k in 0..3 {
             (0..3).for_each(|axis| self.position[k][axis][lane] = self.position[k][axis][lane - 1]);
-            self.normal[k][lane] = self.normal[k][lane - 1];
             if colors != ColorSource::Base {
                 (0..3).for_each(|c| self.color[k][c][lane] = self.color[k][c][lane - 1]);
             }
         }
     }
+}
+
+/// [`tercio_mesh::OctNormal::decode`], lane by lane.
+#[inline(always)]
+pub fn decode_normal<S: Simd>(simd: S, packed: i32x16<S>) -> Vec3x16<S> {
+    part(
+        simd,
+        #[inline(always)]
+        || {
+            let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
+            let unit = splat(simd, 1.0 / 32767.0);
+            let u = ((packed << 16) >> 16).to_float::<f32x16<S>>() * unit;
+            let v = (packed >> 16).to_float::<f32x16<S>>() * unit;
+            let z = (one - u.abs()) - v.abs();
+            let fold = z.simd_lt(zero).select(-z, zero);
+            let x = u.simd_ge(zero).select(u - fold, u + fold);
+            let y = v.simd_ge(zero).select(v - fold, v + fold);
+            [x, y, z]
+        },
+    )
 }
