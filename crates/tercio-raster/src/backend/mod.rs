@@ -11,6 +11,7 @@ pub mod corners;
 pub mod edges;
 pub mod interpolate;
 pub mod light;
+mod order;
 pub mod output;
 pub mod shade;
 pub mod table;
@@ -18,11 +19,11 @@ pub mod visibility;
 
 use fearless_simd::Simd;
 
-use crate::binning::BinnedCluster;
 use crate::context::FrameContext;
 use crate::frontend::Batch;
 use crate::stats::BackEndCounts;
 use cluster::ClusterPass;
+use order::DepthOrder;
 use output::Planes;
 use shade::WinnerScratch;
 use visibility::TileMemory;
@@ -33,7 +34,7 @@ pub struct Scratch {
     /// What is seen where.
     pub tile: TileMemory,
     pixels: output::TilePixels,
-    clusters: Vec<BinnedCluster>,
+    order: DepthOrder,
     pass: ClusterPass,
     winners: WinnerScratch,
 }
@@ -48,7 +49,7 @@ pub struct Share {
 }
 
 /// So many clusters before its turn a cluster is asked of the memory.
-const AHEAD: usize = 1;
+const AHEAD: usize = 2;
 
 /// When the pixels that clusters win are shaded.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -154,7 +155,7 @@ fn draw_inline<S: Simd>(
     planes: &Planes,
     counts: &mut BackEndCounts,
 ) {
-    let Scratch { tile: memory, pixels, clusters, pass, winners } = scratch;
+    let Scratch { tile: memory, pixels, order, pass, winners } = scratch;
     memory.clear(context, tile);
     let triangles = batches.iter().flat_map(|b| b.bins.triangles_in(tile));
     let mut mixed = false;
@@ -162,11 +163,9 @@ fn draw_inline<S: Simd>(
         memory.draw(simd, context, triangle, counts);
         mixed = true;
     }
-    clusters.clear();
     let entries = batches.iter().flat_map(|b| b.bins.clusters_in(tile));
-    clusters.extend(entries.skip(share.part).step_by(share.of));
-    // Front to back; numbers make the order, and so the counts, the same from run to run.
-    clusters.sort_unstable_by_key(|c| (!c.nearest.to_bits(), c.number));
+    order.front_to_back(entries.skip(share.part).step_by(share.of));
+    let clusters = order.clusters();
     for (i, binned) in clusters.iter().enumerate() {
         if let Some(later) = clusters.get(i + 2 * AHEAD) {
             cluster::prefetch_head(context, later);
