@@ -46,8 +46,8 @@ impl Fragments {
 
     /// Takes pixels and places of 16 samples of a tile, given by their places in the tile memory.
     #[inline(always)]
-    pub fn of_winners<S: Simd>(&mut self, simd: S, memory: &TileMemory, places: &[i32], width: usize) {
-        let [x, y] = memory.column_and_row(i32x16::from_slice(simd, &places[..LANES]));
+    pub fn of_winners<S: Simd>(&mut self, simd: S, memory: &TileMemory, places: [i32; LANES], width: usize) {
+        let [x, y] = memory.column_and_row(i32x16::load_array(simd, places));
         (x + memory.corner[0]).store_slice(&mut self.x);
         (y + memory.corner[1]).store_slice(&mut self.y);
         (y * width as i32 + x).bitcast::<u32x16<S>>().store_slice(&mut self.place);

@@ -166,15 +166,20 @@ fn draw_inline<S: Simd>(
     let entries = batches.iter().flat_map(|b| b.bins.clusters_in(tile));
     order.front_to_back(entries.skip(share.part).step_by(share.of));
     let clusters = order.clusters();
+    // What was hidden when it was looked at ahead stays hidden.
+    let mut hidden = [false; AHEAD];
     for (i, binned) in clusters.iter().enumerate() {
         if let Some(later) = clusters.get(i + 2 * AHEAD) {
             cluster::prefetch_head(context, later);
         }
-        if let Some(later) = clusters.get(i + AHEAD).filter(|later| !cluster::is_hidden(simd, later, memory))
-        {
-            cluster::prefetch_body(context, later);
+        let was_hidden = hidden[i % AHEAD];
+        if let Some(later) = clusters.get(i + AHEAD) {
+            hidden[i % AHEAD] = cluster::is_hidden(simd, later, memory);
+            if !hidden[i % AHEAD] {
+                cluster::prefetch_body(context, later);
+            }
         }
-        if cluster::is_hidden(simd, binned, memory) {
+        if was_hidden || cluster::is_hidden(simd, binned, memory) {
             counts.clusters_hidden += 1;
             continue;
         }
@@ -182,7 +187,7 @@ fn draw_inline<S: Simd>(
         pass.draw(simd, context, binned, memory, counts);
         if shade == Shade::AtOnce {
             if mixed {
-                memory.mark_shaded(&pass.winners.place);
+                memory.mark_shaded(pass.winners.places());
             }
             shade::winners(simd, context, binned.number, pass, memory, winners, pixels, planes, counts);
         }

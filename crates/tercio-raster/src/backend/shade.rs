@@ -4,7 +4,7 @@
 //! projects them again as the front end did, and interpolates between them.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, i32x16, mask32x16};
+use fearless_simd::{Simd, i32x16, mask32x16, u32x16};
 use tercio_mesh::cluster::MAX_TRIANGLES;
 use tercio_scene::Instance;
 
@@ -36,13 +36,18 @@ pub fn tile<S: Simd>(
     let mut corners = CornerLanes::default();
     let mut instance = 0;
     for (block, slots) in memory.slot.chunks_exact(LANES).enumerate() {
+        let slots = u32x16::from_slice(simd, slots);
+        let empty = slots.simd_eq(u32x16::splat(simd, NO_SLOT)).to_bitmask() as u32;
+        let mut left = !(empty | u32::from(memory.shaded[block])) & 0xffff;
         let (bx, by) = (block % memory.blocks, block / memory.blocks);
-        for (lane, &slot) in slots.iter().enumerate() {
+        while left != 0 {
+            let lane = left.trailing_zeros() as usize;
+            left &= left - 1;
+            let slot = slots[lane];
             let x = ((bx << BLOCK_BITS) as i32) + LANE_X[lane];
             let y = ((by << BLOCK_BITS) as i32) + LANE_Y[lane];
             // Blocks at the border of the picture hold samples beyond it.
-            let beyond = memory.corner[0] + x > memory.last[0] || memory.corner[1] + y > memory.last[1];
-            if slot == NO_SLOT || beyond || memory.shaded[block] >> lane & 1 == 1 {
+            if memory.corner[0] + x > memory.last[0] || memory.corner[1] + y > memory.last[1] {
                 continue;
             }
             counts.pixels_shaded += 1;
@@ -77,13 +82,12 @@ fn flush<S: Simd>(
         return;
     }
     fragments.fill_up();
-    let scene_instance = &context.scene.instances[instance];
-    let source = ColorSource::of(&scene_instance.mesh, &scene_instance.surface);
+    let look = Look::of(context, instance);
     simd.vectorize(
         #[inline(always)]
-        || corners.fetch(simd, context, instance, &fragments.slot, source),
+        || corners.fetch(simd, context, instance, &fragments.slot, look.colors),
     );
-    shade(simd, context, instance, fragments, corners, pixels, planes);
+    shade(simd, context, instance, look, fragments, corners, pixels, planes);
     fragments.count = 0;
 }
 
@@ -109,7 +113,7 @@ pub fn winners<S: Simd>(
     planes: &Planes,
     counts: &mut BackEndCounts,
 ) {
-    if pass.winners.place.is_empty() {
+    if pass.winners.is_empty() {
         return;
     }
     simd.vectorize(
@@ -118,24 +122,23 @@ pub fn winners<S: Simd>(
             let (instance, index) = context.locate(number);
             let Instance { mesh, surface, .. } = &context.scene.instances[instance];
             let cluster = &mesh.clusters[index];
-            let source = ColorSource::of(mesh, surface);
+            let look = Look::of(context, instance);
             let WinnerScratch { table, fragments, corners } = scratch;
             table.load_normals(simd, mesh, cluster);
-            let positions = !table.normals_agree || Needs::of(context, instance).position;
+            let positions = !table.normals_agree || look.position;
             if positions {
                 table.load_positions(simd, mesh, cluster);
             }
-            let winners = &mut pass.winners;
-            let count = winners.fill_up();
+            let count = pass.winners.len();
             counts.pixels_shaded += count as u64;
             for first in (0..count).step_by(LANES) {
-                let Some(triangles) = winners.triangle[first..].first_chunk() else { break };
+                let (places, triangles) = pass.winners.sixteen(first);
                 fragments.count = (count - first).min(LANES);
-                fragments.of_winners(simd, memory, &winners.place[first..], pixels.width);
+                fragments.of_winners(simd, memory, places, pixels.width);
                 if planes.depth.is_wanted() || planes.ids.is_wanted() {
                     for lane in 0..LANES {
                         fragments.slot[lane] = number * MAX_TRIANGLES as u32 + u32::from(triangles[lane]);
-                        fragments.depth[lane] = memory.depth[winners.place[first + lane] as usize];
+                        fragments.depth[lane] = memory.depth[places[lane] as usize];
                     }
                 }
                 table.look_up(
@@ -143,23 +146,25 @@ pub fn winners<S: Simd>(
                     (mesh, surface),
                     &pass.vertices,
                     &pass.corners,
-                    triangles,
-                    source,
+                    &triangles,
+                    look.colors,
                     positions,
                     corners,
                 );
-                shade(simd, context, instance, fragments, corners, pixels, planes);
+                shade(simd, context, instance, look, fragments, corners, pixels, planes);
             }
         },
     );
 }
 
 /// Shades 16 pixels. Not inlined, so that the kernel is compiled once a level.
+#[expect(clippy::too_many_arguments, reason = "a struct would only rename them")]
 #[inline(never)]
 fn shade<S: Simd>(
     simd: S,
     context: &FrameContext,
     instance: usize,
+    look: Look,
     fragments: &Fragments,
     corners: &CornerLanes,
     pixels: &mut TilePixels,
@@ -167,38 +172,36 @@ fn shade<S: Simd>(
 ) {
     simd.vectorize(
         #[inline(always)]
-        || shade_16(simd, context, instance, fragments, corners, pixels, planes),
+        || shade_16(simd, context, instance, look, fragments, corners, pixels, planes),
     );
 }
 
+#[expect(clippy::too_many_arguments, reason = "a struct would only rename them")]
 #[inline(always)]
 fn shade_16<S: Simd>(
     simd: S,
     context: &FrameContext,
     instance: usize,
+    look: Look,
     fragments: &Fragments,
     corners: &CornerLanes,
     pixels: &mut TilePixels,
     planes: &Planes,
 ) {
-    let scene_instance = &context.scene.instances[instance];
-    let (object, surface) = (&context.objects[instance], &scene_instance.surface);
-    let mesh = &*scene_instance.mesh;
-    let source = ColorSource::of(mesh, surface);
-
-    let needs = Needs::of(context, instance);
+    let Instance { mesh, surface, .. } = &context.scene.instances[instance];
+    let object = &context.objects[instance];
     let at = Barycentric::new(simd, object, fragments, corners);
     let zero = [splat(simd, 0.0); 3];
 
     let mut p: Corners16<S> = [zero; 3];
-    if needs.position || !corners.normals_agree {
+    if look.position || !corners.normals_agree {
         p = each3!(K => load3(simd, &corners.position[K]));
     }
     let mut side = Side { plane: None, from_back: at.clockwise };
     if object.mirrored {
         side.from_back = !side.from_back;
     }
-    if needs.plane || !corners.normals_agree {
+    if look.plane || !corners.normals_agree {
         side.plane = Some(plane_of(object, p));
     }
     let plane = side.plane.unwrap_or(zero);
@@ -206,14 +209,14 @@ fn shade_16<S: Simd>(
         if mesh.normals.is_some() { each3!(K => load3(simd, &corners.normal[K])) } else { [plane; 3] };
 
     let (mut position, mut to_viewer) = (zero, beside(simd, &context.lights));
-    if needs.lit_from_position {
+    if look.lit_from_position {
         position = to_eye(simd, object, at.mix(p));
         to_viewer = towards_viewer(simd, context, object, position);
     }
     let flat = context.settings.shading == Shading::Flat;
     let normal = side.turn(simd, context, object, if flat { plane } else { at.mix(normals) });
 
-    let albedo: Vec3x16<S> = match source {
+    let albedo: Vec3x16<S> = match look.colors {
         ColorSource::Base => each3!(C => splat(simd, surface.base_color[C])),
         _ => at.mix(each3!(K => load3(simd, &corners.color[K]))),
     };
@@ -226,7 +229,7 @@ fn shade_16<S: Simd>(
         Shading::Gouraud => {
             let at_corner = each3!(K => {
                 let (mut position, mut to_viewer) = (zero, to_viewer);
-                if needs.lit_from_position {
+                if look.lit_from_position {
                     position = to_eye(simd, object, p[K]);
                     to_viewer = towards_viewer(simd, context, object, position);
                 }
@@ -242,25 +245,28 @@ fn shade_16<S: Simd>(
     write_geometry(context, fragments, normal, pixels, planes);
 }
 
-/// What the shading of an instance asks of its triangles' corners.
+/// What decides how the pixels of an instance are shaded.
 #[derive(Clone, Copy, Debug)]
-struct Needs {
-    /// Their positions.
+struct Look {
+    /// Where its colour comes from.
+    colors: ColorSource,
+    /// Positions of corners are needed.
     position: bool,
-    /// The triangle's plane.
+    /// The triangles' planes are needed.
     plane: bool,
     /// Light depends on where a point is.
     lit_from_position: bool,
 }
 
-impl Needs {
+impl Look {
     #[inline(always)]
     fn of(context: &FrameContext, instance: usize) -> Self {
         let Instance { mesh, surface, .. } = &context.scene.instances[instance];
         let plane = context.settings.shading == Shading::Flat || mesh.normals.is_none();
         let highlights = surface.specular > 0.0 && context.view.perspective;
         let lit_from_position = highlights || !context.lights.near.is_empty();
-        Self { position: plane || lit_from_position, plane, lit_from_position }
+        let colors = ColorSource::of(mesh, surface);
+        Self { colors, position: plane || lit_from_position, plane, lit_from_position }
     }
 }
 

@@ -122,11 +122,11 @@ impl TileMemory {
         let lane_dx = (lane_x * SUBPIXELS).to_float::<f32x16<S>>();
         let lane_dy = (lane_y * SUBPIXELS).to_float::<f32x16<S>>();
 
-        for by in by0..=by1 {
+        for by in by0..by1 + 1 {
             let py = self.corner[1] + (by << BLOCK_BITS);
             let dy = lane_dy + (py * SUBPIXELS + SAMPLE - plane.anchor[1]) as f32;
             let along_y = dy * plane.dy;
-            for bx in bx0..=bx1 {
+            for bx in bx0..bx1 + 1 {
                 let px = self.corner[0] + (bx << BLOCK_BITS);
                 let e = each3!(K => step[K] + edges.at(K, px, py).clamp(-EDGE_LIMIT, EDGE_LIMIT) as i32);
                 let covered = ((e[0] | e[1]) | e[2]).simd_ge(splat_i(simd, 0));
@@ -184,7 +184,7 @@ impl TileMemory {
         let (bx0, bx1) = (block(rect.x0, self.corner[0]), block(rect.x1, self.corner[0]));
         let (by0, by1) = (block(rect.y0, self.corner[1]), block(rect.y1, self.corner[1]));
         let depth = splat(simd, depth);
-        for by in by0..=by1 {
+        for by in by0..by1 + 1 {
             let row = by * self.blocks * LANES;
             for block in self.depth[row + bx0 * LANES..row + (bx1 + 1) * LANES].chunks_exact(LANES) {
                 if f32x16::from_slice(simd, block).simd_le(depth).any_true() {

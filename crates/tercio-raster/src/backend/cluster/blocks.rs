@@ -70,11 +70,11 @@ pub fn draw<S: Simd>(
         let (by0, by1) = (y0 >> BLOCK_BITS, (y0 + t.extent[1][i]) >> BLOCK_BITS);
         let step: [i32x16<S>; 3] = each3!(K => lane_x * t.a[K][i] + lane_y * t.b[K][i]);
         let (base, nearest) = (splat(simd, t.base[i]), splat(simd, t.nearest[i]));
-        for by in by0..=by1 {
+        for by in by0..by1 + 1 {
             let down = (by << BLOCK_BITS) - y0;
             let dy = lane_dy + (down * SUBPIXELS + t.from_anchor[1][i]) as f32;
             let along_y = dy * t.slope[1][i];
-            for bx in bx0..=bx1 {
+            for bx in bx0..bx1 + 1 {
                 let right = (bx << BLOCK_BITS) - x0;
                 let e = each3!(K => step[K] + (t.c[K][i] + t.a[K][i] * right + t.b[K][i] * down));
                 let mut covered = ((e[0] | e[1]) | e[2]).simd_ge(splat_i(simd, 0));

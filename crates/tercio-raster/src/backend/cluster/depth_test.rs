@@ -40,38 +40,70 @@ impl Default for Covered {
 /// once the last counts.
 #[derive(Debug, Default)]
 pub struct Winners {
-    /// Places in the tile memory.
-    pub place: Vec<i32>,
-    /// Numbers of the triangles in their cluster.
-    pub triangle: Vec<u8>,
+    /// Places in the tile memory; only the first [`Winners::len`] count.
+    place: Vec<i32>,
+    /// Numbers of the triangles in their cluster, likewise.
+    triangle: Vec<u8>,
+    count: usize,
 }
 
 impl Winners {
     /// Forgets all.
     pub fn clear(&mut self) {
-        self.place.clear();
-        self.triangle.clear();
+        self.count = 0;
     }
 
-    /// Repeats the last sample so that 16 may be read at a time; returns how many there were.
-    pub fn fill_up(&mut self) -> usize {
-        let count = self.place.len();
-        let (place, triangle) =
-            (self.place.last().copied().unwrap_or(0), self.triangle.last().copied().unwrap_or(0));
-        self.place.resize(count.next_multiple_of(LANES), place);
-        self.triangle.resize(count.next_multiple_of(LANES), triangle);
-        count
+    /// How many there are.
+    pub fn len(&self) -> usize {
+        self.count
+    }
+
+    /// There are none.
+    pub fn is_empty(&self) -> bool {
+        self.count == 0
+    }
+
+    /// Their places in the tile memory.
+    pub fn places(&self) -> &[i32] {
+        &self.place[..self.count]
+    }
+
+    /// 16 of them from number `first` on, a multiple of 16: places and triangles. The last is repeated where
+    /// there are fewer.
+    #[inline(always)]
+    pub fn sixteen(&mut self, first: usize) -> ([i32; LANES], [u8; LANES]) {
+        for i in self.count..first + LANES {
+            self.place[i] = self.place[self.count - 1];
+            self.triangle[i] = self.triangle[self.count - 1];
+        }
+        let place = self.place[first..].first_chunk().unwrap_or(&[0; LANES]);
+        (*place, *self.triangle[first..].first_chunk().unwrap_or(&[0; LANES]))
+    }
+
+    /// Makes room for some more, and for reading and writing 16 at a time.
+    #[inline(always)]
+    fn reserve(&mut self, more: usize) {
+        let room = self.count + more + LANES;
+        if self.place.len() < room {
+            self.grow(room);
+        }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn grow(&mut self, room: usize) {
+        self.place.resize(2 * room, 0);
+        self.triangle.resize(2 * room, 0);
     }
 
     /// Adds some of the 16 samples of the block that begins at a place.
     #[inline(always)]
     pub fn push_block<S: Simd>(&mut self, simd: S, block: usize, lanes: u32, triangle: u8) {
-        let (count, all) = (self.place.len(), self.place.len() + LANES);
-        let won = count + lanes.count_ones() as usize;
-        self.place.resize(all, 0);
-        append(simd, &mut self.place, count, lanes, i32x16::load_array(simd, LANE) + block as i32);
-        self.place.truncate(won);
-        self.triangle.resize(won, triangle);
+        self.reserve(LANES);
+        let places = i32x16::load_array(simd, LANE) + block as i32;
+        append(simd, &mut self.place, self.count, lanes, places);
+        self.triangle[self.count..self.count + LANES].fill(triangle);
+        self.count += lanes.count_ones() as usize;
     }
 }
 
@@ -105,9 +137,8 @@ impl Covered {
     ) {
         let count = std::mem::take(&mut self.count).min(CAPACITY);
         counts.samples_covered += count as u64;
-        let mut won = winners.place.len();
-        winners.place.resize(won + count, 0);
-        winners.triangle.resize(won + count, 0);
+        winners.reserve(count);
+        let mut won = winners.count;
         let depths = &mut tile.depth[..];
         let slots = &mut tile.slot[..depths.len()];
         for (&place, &depth) in self.place[..count].iter().zip(&self.depth[..count]) {
@@ -125,7 +156,6 @@ impl Covered {
             winners.triangle[won] = triangle as u8;
             won += usize::from(wins);
         }
-        winners.place.truncate(won);
-        winners.triangle.truncate(won);
+        winners.count = won;
     }
 }
