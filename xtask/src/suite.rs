@@ -41,7 +41,7 @@ enum Step {
 /// Runs the steps, all of them even after one fails, and closes with how many checks passed and failed: a
 /// test is one, a fuzz target is one, and so is each other step.
 pub fn run(arguments: &Arguments) -> ExitCode {
-    packages::provide();
+    packages::provide(packages::TESTS);
     let mut total = Counts::default();
     let mut rows = Vec::new();
     for step in Step::value_variants().iter().copied() {
