@@ -21,6 +21,11 @@ pub const TESTS: &[Need] = &[
     Need { package: "g++", purpose: "libFuzzer", is_there: || find_program("c++").is_some() },
     Need { package: "libc6-dev", purpose: "the static binary", is_there: has_static_libc },
     Need { package: "coreutils", purpose: "chroot", is_there: || find_program("chroot").is_some() },
+    Need {
+        package: "valgrind",
+        purpose: "counting instructions",
+        is_there: || find_program("valgrind").is_some(),
+    },
 ];
 
 /// What `cargo xtask bench` needs to measure others.
