@@ -4,11 +4,13 @@
 
 mod bench;
 mod bless;
+mod counts;
 mod dist;
 mod elf;
 mod figures;
 mod fuzz;
 mod libtest;
+mod models;
 mod packages;
 mod process;
 mod suite;
@@ -34,6 +36,10 @@ enum Command {
     Dist(dist::Arguments),
     /// Draw the golden pictures again and show what changed
     Bless(bless::Arguments),
+    /// Count the instructions of fixed frames, and compare them with tests/counts.toml
+    Counts(counts::Arguments),
+    /// Write the models and scenes that the bench draws, as files for any program
+    Models(models::Arguments),
     /// Measure speed and print a table
     Bench(bench::Arguments),
     /// Draw the pictures of the README into docs/images/
@@ -46,6 +52,8 @@ fn main() -> ExitCode {
         Command::Fuzz(arguments) => fuzz::run(&arguments),
         Command::Dist(arguments) => dist::run(&arguments),
         Command::Bless(arguments) => bless::run(&arguments),
+        Command::Counts(arguments) => counts::run(&arguments),
+        Command::Models(arguments) => models::run(&arguments),
         Command::Bench(arguments) => bench::run(&arguments),
         Command::Figures => figures::run(),
     };

@@ -10,7 +10,7 @@ use clap::ValueEnum;
 use crate::dist::{self, Outcome};
 use crate::libtest::Counts;
 use crate::process::{cargo, run as run_command, show};
-use crate::{fuzz, packages};
+use crate::{counts, fuzz, packages};
 
 /// Arguments of `cargo xtask test`.
 #[derive(clap::Args)]
@@ -36,12 +36,14 @@ enum Step {
     Fuzz,
     /// The static binary in an empty root directory
     Dist,
+    /// Instructions of that binary, beside those of tests/counts.toml
+    Counts,
 }
 
 /// Runs the steps, all of them even after one fails, and closes with how many checks passed and failed: a
 /// test is one, a fuzz target is one, and so is each other step.
 pub fn run(arguments: &Arguments) -> ExitCode {
-    packages::provide();
+    packages::provide(packages::TESTS);
     let mut total = Counts::default();
     let mut rows = Vec::new();
     for step in Step::value_variants().iter().copied() {
@@ -56,6 +58,7 @@ pub fn run(arguments: &Arguments) -> ExitCode {
             Step::Unit => tests(),
             Step::Fuzz => fuzz::short_runs(Duration::from_secs(arguments.fuzz_seconds)),
             Step::Dist => static_binary(),
+            Step::Counts => counts::compare().unwrap_or_else(|error| one(Err(error))),
         };
         total += counts;
         rows.push((step, counts, begin.elapsed()));

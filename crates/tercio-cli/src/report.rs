@@ -4,6 +4,7 @@ use serde_json::{Value, json};
 use tercio::LoadReport;
 use tercio::glam::DVec3;
 use tercio::mesh::Aabb;
+use tercio::scene::{Camera, Projection};
 
 /// Everything about the loading of a model.
 pub fn load_json(model: &str, report: &LoadReport) -> Value {
@@ -110,6 +111,21 @@ pub fn size(bytes: u64) -> String {
     let unit = (bytes.max(1).ilog10() / 3) as usize;
     let value = bytes as f64 / 1000f64.powi(unit as i32);
     if unit == 0 { format!("{bytes} B") } else { format!("{value:.1} {}", units[unit]) }
+}
+
+/// The camera as it can be given back with `--eye --target --up`.
+pub fn camera_json(camera: &Camera) -> Value {
+    let projection = match camera.projection {
+        Projection::Perspective { fov_y } => json!({ "fov_degrees": fov_y.to_degrees() }),
+        Projection::Orthographic { height } => json!({ "height": height }),
+    };
+    json!({
+        "eye": camera.eye.to_array(),
+        "target": camera.target.to_array(),
+        "up": camera.up.to_array(),
+        "projection": projection,
+        "near": camera.near,
+    })
 }
 
 #[cfg(test)]

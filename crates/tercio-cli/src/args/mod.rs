@@ -1,5 +1,6 @@
 //! Options that commands share, and how their values are written.
 
+pub mod bench;
 pub mod camera;
 pub mod drawing;
 pub mod light;

@@ -16,11 +16,12 @@ use tercio::raster::{Frame, FrameStats, Renderer, Settings};
 use tercio::scene::{Camera, Light, Projection, Scene};
 use tercio::{LoadOptions, Normals};
 
+use crate::args::bench::{Copies, StillArgs};
 use crate::args::drawing::{CullName, TuningArgs};
 use crate::args::{ModelArgs, RunningArgs, values};
 use crate::output::write_text;
 use crate::progress::Display;
-use crate::report::grouped;
+use crate::report::{camera_json, grouped};
 use crate::{memory, threads};
 
 /// Measures how fast a model is drawn: loads it once, then draws views evenly round its vertical axis.
@@ -47,6 +48,11 @@ pub struct Bench {
     /// Which triangles to leave out by their facing.
     #[arg(long, value_name = "SIDE", value_enum, default_value_t = CullName::Auto)]
     cull: CullName,
+    #[command(flatten)]
+    still: StillArgs,
+    /// Draws this many copies of the model, in a cube with room between them.
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    copies: u32,
     /// Writes JSON with stable keys.
     #[arg(long)]
     json: bool,
@@ -101,24 +107,33 @@ impl Bench {
         for _ in 0..self.subdivide {
             mesh = tercio::mesh::subdivide::subdivide(&mesh);
         }
-        let (triangles, bounds) = (mesh.triangles.len() as u64, mesh.bounds());
+        let copies = Copies::new(self.copies, &mesh.bounds());
         let begin = Instant::now();
-        let scene = scene(mesh, &display);
+        let mut scene = scene(mesh, &display);
         let partition_ms = begin.elapsed().as_secs_f64() * 1e3;
+        copies.place(&mut scene);
+        let cameras = self.cameras(&scene.bounds());
         display.stage("drawing");
 
         let settings = Settings { cull: self.cull.into(), ..self.tuning.settings(self.size) };
         let mut renderer = Renderer::new();
         let mut frame = Frame::default();
         // The first frame takes the memory that the others keep.
-        renderer.render_into(&scene, &self.camera(&bounds, 0), &settings, &mut frame)?;
+        renderer.render_into(&scene, &cameras[0], &settings, &mut frame)?;
         let mut frames = Vec::new();
-        for view in 0..self.frames {
-            renderer.render_into(&scene, &self.camera(&bounds, view), &settings, &mut frame)?;
+        for camera in &cameras {
+            renderer.render_into(&scene, camera, &settings, &mut frame)?;
             frames.push(frame.stats.clone());
         }
         drop(display);
-        Ok(self.report(triangles, load_ms, partition_ms, &frames))
+        let loaded = Loaded { scene: &scene, copies: &copies, load_ms, partition_ms };
+        Ok(self.report(&loaded, &cameras, &frames))
+    }
+
+    /// One camera a frame.
+    fn cameras(&self, bounds: &Aabb) -> Vec<Camera> {
+        let still = self.still.camera(bounds, self.size);
+        (0..self.frames).map(|view| still.unwrap_or_else(|| self.camera(bounds, view))).collect()
     }
 
     /// View number `view` of `frames`, from a fifth of the distance above the middle.
@@ -136,7 +151,10 @@ impl Bench {
         Camera { eye, target, up: DVec3::Y, projection: Projection::Perspective { fov_y }, near: None }
     }
 
-    fn report(&self, triangles: u64, load_ms: f64, partition_ms: f64, frames: &[FrameStats]) -> String {
+    fn report(&self, loaded: &Loaded, cameras: &[Camera], frames: &[FrameStats]) -> String {
+        let &Loaded { scene, copies, load_ms, partition_ms } = loaded;
+        let mesh = &scene.instances[0].mesh;
+        let triangles = mesh.triangle_count() as u64 * scene.instances.len() as u64;
         let total = Spread::of(frames, |f| f.milliseconds.total);
         let front = Spread::of(frames, |f| f.milliseconds.frontend);
         let back = Spread::of(frames, |f| f.milliseconds.backend);
@@ -156,6 +174,9 @@ impl Bench {
                 "stages": { "frontend": front.json(), "backend": back.json() },
                 "load_ms": load_ms,
                 "partition_ms": partition_ms,
+                "core_bytes_per_triangle": mesh.core_memory_bytes() as f64 / mesh.triangle_count().max(1) as f64,
+                "copies": copies.json(),
+                "views": cameras.iter().zip(frames).map(|(c, f)| view_json(c, f)).collect::<Vec<_>>(),
                 "peak_memory_bytes": memory::peak_bytes(),
                 "last_frame": last,
             });
@@ -184,6 +205,23 @@ impl Bench {
         let _ = writeln!(text, "{rate:.1} million triangles/s");
         text
     }
+}
+
+/// What is drawn, and how long it took to get there.
+struct Loaded<'a> {
+    scene: &'a Scene,
+    copies: &'a Copies,
+    load_ms: f64,
+    partition_ms: f64,
+}
+
+/// One frame: where the camera stood, how long it took, and how many pixels show the model.
+fn view_json(camera: &Camera, frame: &FrameStats) -> Value {
+    json!({
+        "camera": camera_json(camera),
+        "milliseconds": frame.milliseconds.total,
+        "pixels": frame.backend.pixels_shaded,
+    })
 }
 
 /// The mesh under one light, without highlights.

@@ -7,7 +7,7 @@ use anyhow::{Context, Result, bail};
 use clap::Args;
 use serde_json::{Value, json};
 use tercio::raster::{Frame, Renderer, Settings};
-use tercio::scene::{Camera, Projection, Scene};
+use tercio::scene::{Camera, Scene};
 use tercio::{LoadOptions, LoadReport};
 
 use crate::args::camera::CameraArgs;
@@ -135,7 +135,7 @@ impl Render {
         Ok(json!({
             "tercio_version": env!("CARGO_PKG_VERSION"),
             "load": report::load_json(&self.model.name(), &done.report),
-            "camera": camera_json(&done.camera),
+            "camera": report::camera_json(&done.camera),
             "picture": { "width": done.frame.width, "height": done.frame.height },
             "frame": serde_json::to_value(&done.frame.stats)?,
             "threads": threads,
@@ -173,19 +173,4 @@ fn tell_details(done: &Done) {
         report::grouped(stats.backend.pixels_shaded),
         stats.backend.overdraw,
     ));
-}
-
-/// The camera as it can be given back with `--eye --target --up`.
-fn camera_json(camera: &Camera) -> Value {
-    let projection = match camera.projection {
-        Projection::Perspective { fov_y } => json!({ "fov_degrees": fov_y.to_degrees() }),
-        Projection::Orthographic { height } => json!({ "height": height }),
-    };
-    json!({
-        "eye": camera.eye.to_array(),
-        "target": camera.target.to_array(),
-        "up": camera.up.to_array(),
-        "projection": projection,
-        "near": camera.near,
-    })
 }

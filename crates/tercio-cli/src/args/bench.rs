@@ -1,0 +1,84 @@
+//! Options of `tercio bench` that make scenes of other kinds than one model that turns.
+
+use clap::Args;
+use serde_json::{Value, json};
+use tercio::glam::{DAffine3, DVec3};
+use tercio::mesh::Aabb;
+use tercio::scene::{Camera, Framing, Scene};
+
+use super::values;
+
+/// A camera that stays where it is: every frame shows the same view.
+#[derive(Debug, Args)]
+pub struct StillArgs {
+    /// Where the camera stands in every frame, instead of walking round the model.
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = values::vector)]
+    eye: Option<DVec3>,
+    /// What the camera at --eye looks at [default: the middle of the model].
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = values::vector)]
+    #[arg(requires = "eye")]
+    target: Option<DVec3>,
+    /// Vertical angle of view of the camera at --eye, degrees [default: 30].
+    #[arg(long, value_name = "DEG", allow_negative_numbers = true, value_parser = values::field_of_view)]
+    #[arg(requires = "eye")]
+    fov: Option<f64>,
+}
+
+impl StillArgs {
+    /// The camera for something with these bounds; `None` if the camera shall walk.
+    pub fn camera(&self, bounds: &Aabb, (width, height): (u32, u32)) -> Option<Camera> {
+        let mut framing = Framing::for_size(width, height);
+        framing.fov_y = Some(self.fov.unwrap_or(Framing::FOV_Y));
+        Some(framing.camera_at(self.eye?, self.target.unwrap_or_else(|| bounds.center()), None))
+    }
+}
+
+/// Where copies of a model stand: in a cube, row by row, the model's own place in its middle.
+pub struct Copies {
+    offsets: Vec<DVec3>,
+}
+
+impl Copies {
+    /// Middle to middle, in longest edges of the model's box.
+    const SPACING: f64 = 1.5;
+
+    /// Places for `count` copies of a model with these bounds.
+    pub fn new(count: u32, bounds: &Aabb) -> Self {
+        let edge = (1u32..).find(|&e| u64::from(e).pow(3) >= u64::from(count)).unwrap_or(1);
+        let step = bounds.size().max_element() * Self::SPACING;
+        let at = |i: u32| (f64::from(i) - f64::from(edge - 1) * 0.5) * step;
+        let offset = |i: u32| DVec3::new(at(i % edge), at(i / edge % edge), at(i / (edge * edge)));
+        Self { offsets: if count == 1 { vec![DVec3::ZERO] } else { (0..count).map(offset).collect() } }
+    }
+
+    /// Puts the scene's one instance into all the places.
+    pub fn place(&self, scene: &mut Scene) {
+        let first = scene.instances[0].clone();
+        scene.instances.clear();
+        scene.instances.extend(self.offsets.iter().map(|&offset| {
+            let mut copy = first.clone();
+            copy.world_from_object = DAffine3::from_translation(offset);
+            copy
+        }));
+    }
+
+    /// By how much each copy is moved, x, y, z.
+    pub fn json(&self) -> Value {
+        json!(self.offsets.iter().map(|o| o.to_array()).collect::<Vec<_>>())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn copies_fill_a_cube_round_the_model() {
+        let bounds = Aabb { min: DVec3::new(3.0, 0.0, 0.0), max: DVec3::new(5.0, 1.0, 1.0) };
+        assert_eq!(Copies::new(1, &bounds).offsets, [DVec3::ZERO]);
+        let eight = Copies::new(8, &bounds).offsets;
+        assert_eq!((eight[0], eight[7]), (DVec3::splat(-1.5), DVec3::splat(1.5)));
+        assert_eq!(Copies::new(1000, &bounds).offsets.len(), 1000);
+        assert_eq!(eight.iter().sum::<DVec3>(), DVec3::ZERO);
+    }
+}

@@ -1,0 +1,103 @@
+//! `cargo xtask bench`: how fast tercio is on this machine, beside others.
+//!
+//! Three tables: frames of a model that turns ([`turning`]), whole runs from a file to a picture
+//! ([`first_picture`]), and scenes on which renderers are known to break down ([`cliffs`]). All programs draw the
+//! same files from the same cameras, in turns, so that what else the machine does meets all of them alike, and
+//! every ratio is taken inside one turn.
+
+mod cliffs;
+mod first_picture;
+mod machine;
+mod programs;
+mod report;
+mod run;
+mod turning;
+
+use std::collections::BTreeSet;
+use std::path::PathBuf;
+
+use anyhow::Result;
+use clap::ValueEnum;
+use tercio_testkit::workspace_root;
+
+use crate::{models, packages};
+use programs::Programs;
+use report::Report;
+
+/// Arguments of `cargo xtask bench`.
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// Measures these tables only, and writes nothing unless --output is given
+    #[arg(long, value_enum, value_delimiter = ',')]
+    only: Vec<Table>,
+    /// Turns that every program has
+    #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    rounds: u32,
+    /// Views in a turn
+    #[arg(long, default_value_t = 36, value_parser = clap::value_parser!(u32).range(1..=36))]
+    frames: u32,
+    /// Folder of measured.md and runs.jsonl [default: docs/performance]
+    #[arg(long, value_name = "FOLDER")]
+    output: Option<PathBuf>,
+}
+
+/// A part of what is measured.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Table {
+    /// Frames of a model that turns
+    Turning,
+    /// Whole runs from a file to a picture
+    FirstPicture,
+    /// Scenes on which renderers break down
+    Cliffs,
+}
+
+impl Table {
+    /// The files that the table needs.
+    fn files(self) -> Vec<&'static str> {
+        match self {
+            Self::Turning => turning::SUBJECTS.iter().map(|s| s.file).collect(),
+            Self::FirstPicture => first_picture::SUBJECTS.iter().map(|s| s.file).collect(),
+            Self::Cliffs => cliffs::SCENES.iter().map(|s| s.file).collect(),
+        }
+    }
+}
+
+/// How long is measured.
+#[derive(Clone, Copy)]
+struct Effort {
+    rounds: u32,
+    frames: u32,
+}
+
+/// Measures the tables and writes them.
+///
+/// # Errors
+/// Something does not build or does not run, or two programs draw different pictures.
+pub fn run(arguments: &Arguments) -> Result<()> {
+    packages::provide(packages::RIVALS);
+    let wanted = |table: &Table| arguments.only.is_empty() || arguments.only.contains(table);
+    let tables: Vec<_> = Table::value_variants().iter().copied().filter(wanted).collect();
+    let folder = tempfile::tempdir()?;
+    let programs = Programs::build(folder.path(), &tables)?;
+    // Each once, in the order of their names: tables share files.
+    let files: BTreeSet<_> = tables.iter().flat_map(|table| table.files()).collect();
+    let models = models::prepare(folder.path(), &Vec::from_iter(files))?;
+
+    let mut report = Report::new(machine::describe(&programs)?);
+    let effort = Effort { rounds: arguments.rounds, frames: arguments.frames };
+    for table in &tables {
+        match table {
+            Table::Turning => turning::measure(&programs, &models, effort, &mut report)?,
+            Table::FirstPicture => first_picture::measure(&programs, &models, effort, &mut report)?,
+            Table::Cliffs => cliffs::measure(&programs, &models, effort, &mut report)?,
+        }
+    }
+    report.note_load();
+    println!("{}", report.markdown());
+    let whole = arguments.only.is_empty().then(|| workspace_root().join("docs/performance"));
+    if let Some(output) = arguments.output.clone().or(whole) {
+        report.write(&output)?;
+    }
+    Ok(())
+}

@@ -1,0 +1,232 @@
+//! The programs that are compared: how they are built and run, and what they tell.
+
+mod build;
+
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use anyhow::{Context as _, Result, bail, ensure};
+use serde_json::{Value, json};
+use tercio_scene::{Camera, Projection};
+
+use super::Table;
+use super::run::{Run, Task};
+use crate::process;
+
+/// A program in a column of a table.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Program {
+    /// `tercio bench`.
+    Tercio { threads: u32, cull_back: bool },
+    /// The speed floor: one core, visibility only, back faces culled.
+    Floor,
+    /// Mesa's llvmpipe.
+    Llvmpipe { cull_back: bool },
+    /// Embree.
+    Embree,
+}
+
+/// Threads of the rivals, and of tercio beside them.
+pub const THREADS: u32 = 2;
+
+impl Program {
+    /// How tables and raw runs call it.
+    pub fn name(self) -> String {
+        match self {
+            Self::Tercio { threads: 1, cull_back } => format!("tercio, 1 thread{}", culled(cull_back)),
+            Self::Tercio { threads, cull_back } => format!("tercio, {threads} threads{}", culled(cull_back)),
+            Self::Floor => "floor, 1 thread".into(),
+            Self::Llvmpipe { cull_back } => format!("llvmpipe, {THREADS} threads{}", culled(cull_back)),
+            Self::Embree => format!("Embree, {THREADS} threads"),
+        }
+    }
+
+    /// Whether it leaves out back faces, which shows where a model has holes.
+    fn culls(self) -> bool {
+        match self {
+            Self::Tercio { cull_back, .. } | Self::Llvmpipe { cull_back } => cull_back,
+            Self::Floor => true,
+            Self::Embree => false,
+        }
+    }
+}
+
+fn culled(cull_back: bool) -> &'static str {
+    if cull_back { ", back faces culled" } else { "" }
+}
+
+/// The programs of this machine. A rival that cannot be had is a reason, which the report tells.
+pub struct Programs {
+    pub tercio: PathBuf,
+    floor: Result<PathBuf>,
+    llvmpipe: Result<PathBuf>,
+    embree: Result<PathBuf>,
+}
+
+impl Programs {
+    /// Builds those that the tables need, the rivals into `folder`.
+    ///
+    /// # Errors
+    /// tercio does not build.
+    pub fn build(folder: &Path, tables: &[Table]) -> Result<Self> {
+        let needed = |by: &[Table]| {
+            let needed = tables.iter().any(|table| by.contains(table));
+            ensure!(needed, "no table that was asked for has it");
+            Ok(())
+        };
+        let turning = &[Table::Turning];
+        Ok(Self {
+            tercio: build::tercio()?,
+            floor: needed(turning).and_then(|()| build::floor(folder)),
+            llvmpipe: needed(&[Table::Turning, Table::Cliffs])
+                .and_then(|()| build::rival(folder, "llvmpipe", &["OSMesa"])),
+            embree: needed(turning).and_then(|()| build::rival(folder, "embree", &["embree3", "pthread"])),
+        })
+    }
+
+    /// Those of `programs` that this machine has.
+    pub fn available(&self, programs: &[Program]) -> Vec<Program> {
+        let is_there = |program: &Program| match program {
+            Program::Tercio { .. } => true,
+            Program::Floor => self.floor.is_ok(),
+            Program::Llvmpipe { .. } => self.llvmpipe.is_ok(),
+            Program::Embree => self.embree.is_ok(),
+        };
+        programs.iter().copied().filter(is_there).collect()
+    }
+
+    /// The SIMD level that tercio chooses.
+    pub fn simd(&self) -> Result<String> {
+        let run = ["bench", "builtin:sphere@1k", "--frames", "1", "--size", "8x8", "--json", "-q"];
+        let told: Value = serde_json::from_str(&process::output(Command::new(&self.tercio).args(run))?)?;
+        Ok(told["simd"].as_str().context("tercio bench names no SIMD level")?.to_owned())
+    }
+
+    /// Which rivals are measured, and why others are not.
+    pub fn describe_rivals(&self) -> String {
+        let mut text = String::new();
+        let rivals = [("floor", &self.floor), ("llvmpipe", &self.llvmpipe), ("Embree", &self.embree)];
+        for (name, rival) in rivals {
+            let _ = match rival {
+                Ok(_) => continue,
+                Err(reason) => write!(text, "{name} was not measured: {reason:#}. "),
+            };
+        }
+        text
+    }
+
+    /// Runs each program once on a task, and compares what they draw.
+    ///
+    /// # Errors
+    /// A program fails, or draws something else than tercio does.
+    pub fn take_turns(&self, programs: &[Program], task: &Task) -> Result<Vec<Run>> {
+        let views = tempfile::NamedTempFile::new()?;
+        let mut runs: Vec<Run> = Vec::new();
+        for &program in programs {
+            let run = self.run(program, task, views.path());
+            let run = run.with_context(|| format!("{}: {}", task.title, program.name()))?;
+            let ours = programs
+                .iter()
+                .zip(&runs)
+                .find(|(p, _)| matches!(p, Program::Tercio { .. }) && p.culls() == program.culls());
+            match ours {
+                Some((_, ours)) => run
+                    .check_same_picture(ours)
+                    .with_context(|| format!("{}: {} draws another picture", task.title, program.name()))?,
+                None if !matches!(program, Program::Tercio { .. }) => bail!("tercio has to draw first"),
+                None => std::fs::write(views.path(), views_file(&run.told)?)?,
+            }
+            runs.push(run);
+        }
+        Ok(runs)
+    }
+
+    fn run(&self, program: Program, task: &Task, views: &Path) -> Result<Run> {
+        let path = |rival: &Result<PathBuf>| rival.as_ref().ok().cloned().context("it was not built");
+        let size = format!("{}x{}", task.size.0, task.size.1);
+        let threads = THREADS.to_string();
+        let mut command = match program {
+            Program::Tercio { threads, cull_back } => {
+                let mut command = Command::new(&self.tercio);
+                command.arg("bench").arg(&task.model).args(["--json", "--quiet"]).args(&task.arguments);
+                command.args(["--frames", &task.frames.to_string(), "--threads", &threads.to_string()]);
+                command.args(["--cull", if cull_back { "back" } else { "auto" }]);
+                command
+            }
+            Program::Floor => return floor(&path(&self.floor)?, task),
+            Program::Llvmpipe { cull_back } => {
+                let mut command = Command::new(path(&self.llvmpipe)?);
+                command.arg(&task.model).arg(views).args(["--threads", &threads]);
+                command.args(cull_back.then_some("--cull"));
+                command
+            }
+            Program::Embree => {
+                let mut command = Command::new(path(&self.embree)?);
+                command.arg(&task.model).arg(views).args(["--threads", &threads]);
+                command
+            }
+        };
+        let text = process::output(command.args(["--size", &size]))?;
+        Run::of_views(serde_json::from_str(&text).context("reading what it told")?)
+    }
+}
+
+/// Runs the floor, which has 36 views of 1024x1024 built in: those of `tercio bench`.
+fn floor(program: &Path, task: &Task) -> Result<Run> {
+    const VIEWS: usize = 36;
+    let output = Command::new(program).arg(&task.model).output()?;
+    let text = String::from_utf8_lossy(&output.stderr);
+    let after =
+        |word: &str| -> Option<f64> { text.split_once(word)?.1.split_whitespace().next()?.parse().ok() };
+    let times = [after("median "), after(" min "), after(" max ")];
+    let ([Some(median_ms), Some(min_ms), Some(max_ms)], Some(covered)) = (times, after("} covered ")) else {
+        bail!("it ended with {} and told {}", output.status, text.trim());
+    };
+    let told = json!({ "median_ms": median_ms, "min_ms": min_ms, "max_ms": max_ms, "pixels": covered });
+    let pixels = if task.frames as usize == VIEWS { vec![(VIEWS - 1, covered as u64)] } else { Vec::new() };
+    Ok(Run { median_ms, pixels, told })
+}
+
+/// The cameras and copies that `tercio bench` told, as the rivals read them.
+fn views_file(told: &Value) -> Result<String> {
+    let mut text = String::new();
+    let vector = |value: &Value| -> Result<glam::DVec3> {
+        let numbers: [f64; 3] = serde_json::from_value(value.clone()).context("a vector of three numbers")?;
+        Ok(numbers.into())
+    };
+    for copy in told["copies"].as_array().context("no \"copies\"")? {
+        let offset = vector(copy)?;
+        let _ = writeln!(text, "copy {} {} {}", offset.x, offset.y, offset.z);
+    }
+    for view in told["views"].as_array().context("no \"views\"")? {
+        let camera = &view["camera"];
+        let degrees = camera["projection"]["fov_degrees"].as_f64().context("no field of view")?;
+        let projection = Projection::Perspective { fov_y: degrees.to_radians() };
+        let (eye, target, up) = (vector(&camera["eye"])?, vector(&camera["target"])?, vector(&camera["up"])?);
+        let basis = Camera { eye, target, up, projection, near: None }.basis()?;
+        text += "view";
+        for v in [eye, basis.right, basis.up, basis.forward] {
+            let _ = write!(text, " {} {} {}", v.x, v.y, v.z);
+        }
+        let _ = writeln!(text, " {}", (degrees.to_radians() * 0.5).tan());
+    }
+    Ok(text)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cameras_become_axes() {
+        let camera = json!({ "eye": [0, 0, 5], "target": [0, 0, 0], "up": [0, 1, 0],
+            "projection": { "fov_degrees": 90 } });
+        let told = json!({ "copies": [[1, 2, 3]], "views": [{ "camera": camera }] });
+        let text = views_file(&told).unwrap();
+        let numbers: Vec<f64> = text.split_whitespace().filter_map(|word| word.parse().ok()).collect();
+        assert_eq!(numbers[..15], [1., 2., 3., 0., 0., 5., 1., 0., 0., 0., 1., 0., 0., 0., -1.]);
+        assert!((numbers[15] - 1.0).abs() < 1e-12);
+        assert!(views_file(&json!({ "copies": [], "views": [{}] })).is_err());
+    }
+}

@@ -1,0 +1,85 @@
+//! What is counted. All of it runs in one thread and at the AVX2 level, the widest that valgrind knows.
+
+use std::path::Path;
+
+use anyhow::{Context as _, Result};
+
+use super::callgrind;
+use crate::models::formats::{self, Writer};
+
+/// A model and what is done with it.
+pub enum Case {
+    /// A frame of `tercio bench` of a built-in model, in a square picture.
+    Frame { model: &'static str, size: u32 },
+    /// From a file of a built-in model, without normals, to a picture so small that only the file counts.
+    File { model: &'static str, file: &'static str, write: Writer },
+    /// From a small built-in model to a PNG.
+    Png { model: &'static str, size: &'static str },
+}
+
+/// Small triangles, large ones, many layers of them; each reader; the writer.
+pub const CASES: [Case; 8] = [
+    Case::Frame { model: "builtin:sphere@100k", size: 256 },
+    Case::Frame { model: "builtin:teapot@2k", size: 512 },
+    Case::Frame { model: "builtin:gyroid@100k", size: 256 },
+    Case::File { model: "builtin:gyroid@50k", file: "binary.ply", write: formats::write_ply },
+    Case::File { model: "builtin:gyroid@50k", file: "ascii.ply", write: formats::write_ascii_ply },
+    Case::File { model: "builtin:gyroid@50k", file: "text.obj", write: formats::write_obj },
+    Case::File { model: "builtin:gyroid@50k", file: "binary.stl", write: formats::write_stl },
+    Case::Png { model: "builtin:sphere@1k", size: "1280x720" },
+];
+
+/// Everything that makes a run the same each time.
+const FIXED: [&str; 5] = ["--threads", "1", "--simd", "avx2", "--quiet"];
+
+impl Case {
+    /// Names and instructions.
+    ///
+    /// # Errors
+    /// The program does not run.
+    pub fn count(&self, tercio: &Path, folder: &Path) -> Result<Vec<(String, u64)>> {
+        match *self {
+            Self::Frame { model, size } => {
+                let name = format!("{size}x{size} of {model}");
+                let counts = frame(tercio, folder, model, size).with_context(|| name.clone())?;
+                Ok(vec![(format!("making {name}"), counts.making), (format!("frame {name}"), counts.frame)])
+            }
+            Self::File { model, file, write } => {
+                let name = format!("reading {file} of {model}");
+                let mut mesh = tercio_mesh::builtin::make(model)?;
+                mesh.normals = None;
+                write(&mesh, &folder.join(file))?;
+                let arguments =
+                    [&["render", file, "-o", "picture.ppm", "--size", "8x8"], &FIXED[..]].concat();
+                Ok(vec![(name.clone(), callgrind::count(tercio, &arguments, folder).context(name)?)])
+            }
+            Self::Png { model, size } => {
+                let name = format!("PNG of {size} of {model}");
+                let arguments =
+                    [&["render", model, "-o", "picture.png", "--size", size], &FIXED[..]].concat();
+                Ok(vec![(name.clone(), callgrind::count(tercio, &arguments, folder).context(name)?)])
+            }
+        }
+    }
+}
+
+struct FrameCounts {
+    /// All before the views: the model, its clusters, the first two frames.
+    making: u64,
+    /// One frame, the mean of some views.
+    frame: u64,
+}
+
+/// Two runs that differ only in their number of views: what they differ in is the views. The shorter run draws the
+/// first view alone, the longer one draws it too.
+fn frame(tercio: &Path, folder: &Path, model: &str, size: u32) -> Result<FrameCounts> {
+    const VIEWS: u64 = 5;
+    let size = format!("{size}x{size}");
+    let run = |views: u64| {
+        let views = views.to_string();
+        let arguments = ["bench", model, "--size", &size, "--frames", &views];
+        callgrind::count(tercio, &[&arguments, &FIXED[..]].concat(), folder)
+    };
+    let (making, all) = (run(1)?, run(VIEWS)?);
+    Ok(FrameCounts { making, frame: all.saturating_sub(making) / (VIEWS - 1) })
+}
