@@ -6,7 +6,7 @@ use tercio::scene::Camera;
 
 /// The reason in one sentence, or `None` if something was drawn.
 pub fn reason(bounds: &Aabb, camera: &Camera, cull: Cull, stats: &FrameStats) -> Option<String> {
-    if stats.backend.pixels_shaded > 0 {
+    if stats.backend.pixels_visible > 0 {
         return None;
     }
     let counts = &stats.frontend;
@@ -82,7 +82,7 @@ mod tests {
 
     #[test]
     fn a_drawn_picture_has_no_reason() {
-        let backend = BackEndCounts { pixels_shaded: 1, ..BackEndCounts::default() };
+        let backend = BackEndCounts { pixels_visible: 1, ..BackEndCounts::default() };
         let stats = FrameStats { backend, ..FrameStats::default() };
         let projection = Projection::Orthographic { height: 1.0 };
         let camera = Camera { eye: DVec3::Z, target: DVec3::ZERO, up: DVec3::Y, projection, near: None };

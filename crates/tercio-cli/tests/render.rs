@@ -127,6 +127,7 @@ fn stats_have_their_keys() {
         "/frame/frontend/triangles_in",
         "/frame/frontend/triangles_outside",
         "/frame/binning/overlap",
+        "/frame/binning/cluster_overlap",
         "/frame/backend/pixels_shaded",
         "/frame/backend/overdraw",
         "/frame/milliseconds/total",

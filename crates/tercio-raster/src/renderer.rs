@@ -14,7 +14,7 @@ use crate::binning::TileGrid;
 use crate::context::FrameContext;
 use crate::frame::Frame;
 use crate::frontend::{self, Batch};
-use crate::settings::{Settings, SimdLevel};
+use crate::settings::{LastStage, Settings, SimdLevel};
 use crate::stats::{BackEndCounts, BinningCounts, FrameStats, FrontEndCounts, StageTimes};
 use crate::view::View;
 
@@ -166,7 +166,7 @@ impl Tiles<'_> {
         let fill = |tile: u32| self.batches.iter().map(|b| b.bins.fill(tile)).sum::<u64>();
         let mut alone: Vec<u32> = (0..tiles).collect();
         let mut shared = Vec::new();
-        if threads > 1 {
+        if threads > 1 && self.context.settings.last_stage > LastStage::Bin {
             let work: u64 = (0..tiles).map(fill).sum();
             let heavy = |tile: &u32| fill(*tile) > LEAST_SHARED.max(work / (2 * threads as u64));
             (shared, alone) = alone.into_iter().partition(heavy);

@@ -31,6 +31,22 @@ pub enum Sorting {
     Triangles,
 }
 
+/// Where the work on a frame ends: for measuring, what is drawn then is no picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Default)]
+pub enum LastStage {
+    /// Clusters are tested, then tossed.
+    Cull,
+    /// Clusters and triangles are sorted into tiles, then tossed.
+    Bin,
+    /// Triangles that reach a sample are found in each tile, then tossed.
+    Sieve,
+    /// What is seen at each sample is known, and tossed.
+    Visibility,
+    /// Nothing is tossed.
+    #[default]
+    Output,
+}
+
 /// Which triangles are left out by their facing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Cull {
@@ -207,6 +223,8 @@ pub struct Settings {
     pub binning: Binning,
     /// Whole clusters are tested before their triangles are.
     pub cluster_culling: bool,
+    /// Where the work ends; anything but [`LastStage::Output`] makes no picture.
+    pub last_stage: LastStage,
     /// `None` takes the best of this processor.
     pub simd: Option<SimdLevel>,
 }
@@ -224,6 +242,7 @@ impl Settings {
             sorting: Sorting::default(),
             binning: Binning::default(),
             cluster_culling: true,
+            last_stage: LastStage::default(),
             simd: None,
         }
     }

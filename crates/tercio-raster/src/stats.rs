@@ -65,9 +65,9 @@ pub struct BinningCounts {
     /// Triangles binned one by one.
     pub triangles: u64,
     /// Their entries in all tiles.
-    pub triangle_entries: u64,
+    pub entries: u64,
     /// Entries a triangle.
-    pub triangle_overlap: f64,
+    pub overlap: f64,
     /// Clusters binned as a whole.
     pub clusters: u64,
     /// Their entries in all tiles.
@@ -161,8 +161,8 @@ impl BinningCounts {
         }
         Self {
             triangles,
-            triangle_entries,
-            triangle_overlap: ratio(triangle_entries, triangles),
+            entries: triangle_entries,
+            overlap: ratio(triangle_entries, triangles),
             clusters,
             cluster_entries,
             cluster_overlap: ratio(cluster_entries, clusters),

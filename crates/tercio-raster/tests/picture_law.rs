@@ -75,6 +75,50 @@ fn every_shading_and_every_culling() {
     }
 }
 
+/// Spheres inside one another: all but the outermost are hidden.
+fn onion(layers: u32) -> Mesh {
+    let sphere = sphere(24);
+    let mut mesh = Mesh { normals: Some(Vec::new()), ..Mesh::default() };
+    for layer in 0..layers {
+        let radius = 1.0 - 0.05 * layer as f32;
+        let first = mesh.positions.len() as u32;
+        mesh.positions.extend(sphere.positions.iter().map(|p| p.map(|c| c * radius)));
+        mesh.normals.as_mut().expect("normals").extend(sphere.normals.iter().flatten());
+        mesh.triangles.extend(sphere.triangles.iter().map(|t| t.map(|v| v + first)));
+    }
+    mesh
+}
+
+#[test]
+fn hidden_clusters_change_nothing() {
+    let mesh = onion(8);
+    let plain = scene(&mesh);
+    for camera in [
+        perspective([1.0, 2.0, 3.0], [0.0; 3], 35.0),
+        perspective([0.2, 0.1, 0.3], [1.0, 0.0, 0.0], 80.0),
+        orthographic([1.0, 2.0, 3.0], [0.0; 3], 2.5),
+    ] {
+        let settings = everything(400, 300);
+        let expected = draw_reference(&mesh, &plain, &camera, &settings);
+        let found = draw(&plain, &camera, &settings);
+        assert_same(&expected, &found, "onion");
+        assert!(found.stats.backend.clusters_hidden > 50, "{:?}", found.stats.backend);
+    }
+}
+
+#[test]
+fn a_tile_shared_by_threads() {
+    let mesh = onion(12);
+    let plain = scene(&mesh);
+    let camera = perspective([10.0, 20.0, 300.0], [0.0; 3], 20.0);
+    let settings = everything(150, 150);
+    let expected = draw_reference(&mesh, &plain, &camera, &settings);
+    for threads in [1, 2, 3, 7] {
+        let found = with_threads(threads, || draw(&plain, &camera, &settings));
+        assert_same(&expected, &found, &format!("{threads} threads"));
+    }
+}
+
 #[test]
 fn two_instances() {
     let mesh = soup(2_000, 5);

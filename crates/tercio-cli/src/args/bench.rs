@@ -1,9 +1,10 @@
 //! Options of `tercio bench` that make scenes of other kinds than one model that turns.
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 use serde_json::{Value, json};
 use tercio::glam::{DAffine3, DVec3};
 use tercio::mesh::Aabb;
+use tercio::raster::LastStage;
 use tercio::scene::{Camera, Framing, Scene};
 
 use super::values;
@@ -80,5 +81,40 @@ mod tests {
         assert_eq!((eight[0], eight[7]), (DVec3::splat(-1.5), DVec3::splat(1.5)));
         assert_eq!(Copies::new(1000, &bounds).offsets.len(), 1000);
         assert_eq!(eight.iter().sum::<DVec3>(), DVec3::ZERO);
+    }
+}
+
+/// A stage of the pipeline after which the work may end.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub enum StageName {
+    /// Clusters are tested.
+    Cull,
+    /// Clusters and triangles are sorted into tiles.
+    Bin,
+    /// Triangles that reach a sample are found in each tile.
+    Sieve,
+    /// What is seen at each sample is known.
+    Visibility,
+}
+
+impl StageName {
+    /// For the renderer.
+    pub fn stage(self) -> LastStage {
+        match self {
+            Self::Cull => LastStage::Cull,
+            Self::Bin => LastStage::Bin,
+            Self::Sieve => LastStage::Sieve,
+            Self::Visibility => LastStage::Visibility,
+        }
+    }
+
+    /// As on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Cull => "cull",
+            Self::Bin => "bin",
+            Self::Sieve => "sieve",
+            Self::Visibility => "visibility",
+        }
     }
 }

@@ -2,7 +2,7 @@
 
 use clap::{Args, ValueEnum};
 use tercio::Normals;
-use tercio::raster::{Binning, Cull, Outputs, Settings, Shading, SimdLevel};
+use tercio::raster::{Binning, Cull, Outputs, Settings, Shading, SimdLevel, Sorting};
 use tercio::scene::{Background, Scene};
 
 use super::light::{self, LightSpec};
@@ -54,6 +54,15 @@ pub enum BinningName {
     Exact,
 }
 
+/// What is sorted into tiles.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub enum SortingName {
+    /// Clusters that are small on the screen as a whole, of the others every triangle.
+    Clusters,
+    /// Every triangle.
+    Triangles,
+}
+
 /// How the model looks.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Drawing")]
@@ -98,6 +107,9 @@ pub struct TuningArgs {
     /// Pixels along the edge of a tile: 8, 16, 32, 64 or 128 [default: chosen by the renderer].
     #[arg(long, value_name = "N")]
     tile_size: Option<u32>,
+    /// What is sorted into tiles.
+    #[arg(long, value_name = "WHAT", value_enum, default_value_t = SortingName::Clusters)]
+    sorting: SortingName,
     /// How triangles are sorted into tiles.
     #[arg(long, value_name = "HOW", value_enum, default_value_t = BinningName::Exact)]
     binning: BinningName,
@@ -111,6 +123,10 @@ impl TuningArgs {
     pub fn settings(&self, (width, height): (u32, u32)) -> Settings {
         Settings {
             tile_size: self.tile_size,
+            sorting: match self.sorting {
+                SortingName::Clusters => Sorting::Clusters,
+                SortingName::Triangles => Sorting::Triangles,
+            },
             binning: match self.binning {
                 BinningName::Bbox => Binning::BoundingBox,
                 BinningName::Exact => Binning::Exact,

@@ -12,11 +12,11 @@ use tercio::glam::DVec3;
 use tercio::image::Destination;
 use tercio::mesh::cluster::{PartitionOptions, partition};
 use tercio::mesh::{Aabb, Mesh};
-use tercio::raster::{Frame, FrameStats, Renderer, Settings};
+use tercio::raster::{Frame, FrameStats, LastStage, Renderer, Settings};
 use tercio::scene::{Camera, Light, Projection, Scene};
 use tercio::{LoadOptions, Normals};
 
-use crate::args::bench::{Copies, StillArgs};
+use crate::args::bench::{Copies, StageName, StillArgs};
 use crate::args::drawing::{CullName, TuningArgs};
 use crate::args::{ModelArgs, RunningArgs, values};
 use crate::output::write_text;
@@ -48,6 +48,9 @@ pub struct Bench {
     /// Which triangles to leave out by their facing.
     #[arg(long, value_name = "SIDE", value_enum, default_value_t = CullName::Auto)]
     cull: CullName,
+    /// Tosses everything after a stage, to tell what the stages before it cost.
+    #[arg(long, value_name = "STAGE", value_enum)]
+    toss: Option<StageName>,
     #[command(flatten)]
     still: StillArgs,
     /// Draws this many copies of the model, in a cube with room between them.
@@ -115,7 +118,8 @@ impl Bench {
         let cameras = self.cameras(&scene.bounds());
         display.stage("drawing");
 
-        let settings = Settings { cull: self.cull.into(), ..self.tuning.settings(self.size) };
+        let last_stage = self.toss.map_or(LastStage::Output, StageName::stage);
+        let settings = Settings { cull: self.cull.into(), last_stage, ..self.tuning.settings(self.size) };
         let mut renderer = Renderer::new();
         let mut frame = Frame::default();
         // The first frame takes the memory that the others keep.
@@ -169,6 +173,7 @@ impl Bench {
                 "frames": frames.len(),
                 "threads": last.threads,
                 "simd": last.simd,
+                "toss": self.toss.map(StageName::name),
                 "tile_size": last.tile_size,
                 "million_triangles_per_second": rate,
                 "stages": { "frontend": front.json(), "backend": back.json() },
@@ -220,7 +225,7 @@ fn view_json(camera: &Camera, frame: &FrameStats) -> Value {
     json!({
         "camera": camera_json(camera),
         "milliseconds": frame.milliseconds.total,
-        "pixels": frame.backend.pixels_shaded,
+        "pixels": frame.backend.pixels_visible,
     })
 }
 

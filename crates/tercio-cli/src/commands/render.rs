@@ -164,13 +164,13 @@ fn tell_details(done: &Done) {
     report::repairs(report).iter().for_each(|r| messages::note(r));
     let stats = &frame.stats;
     messages::note(&format!(
-        "drawn in {:.1} ms ({} threads, {}): {} triangles binned, {} pixels shaded, overdraw {:.2}; \
+        "drawn in {:.1} ms ({} threads, {}): {} triangles drawn, {} pixels covered, overdraw {:.2}; \
          written in {output_milliseconds:.1} ms",
         stats.milliseconds.total,
         stats.threads,
         stats.simd,
-        report::grouped(stats.frontend.triangles_out),
-        report::grouped(stats.backend.pixels_shaded),
+        report::grouped(stats.frontend.triangles_out + stats.backend.triangles_drawn),
+        report::grouped(stats.backend.pixels_visible),
         stats.backend.overdraw,
     ));
 }

@@ -21,6 +21,7 @@ use fearless_simd::Simd;
 
 use crate::context::FrameContext;
 use crate::frontend::Batch;
+use crate::settings::LastStage;
 use crate::stats::BackEndCounts;
 use cluster::ClusterPass;
 use order::DepthOrder;
@@ -75,10 +76,11 @@ pub fn run<S: Simd>(
     scratch.pixels.clear(rect, planes);
     let triangles: usize = batches.iter().map(|b| b.bins.triangles_in(tile).len()).sum();
     let clusters: usize = batches.iter().map(|b| b.bins.clusters_in(tile).len()).sum();
-    if triangles + clusters > 0 {
+    let last = context.settings.last_stage;
+    if triangles + clusters > 0 && last > LastStage::Bin {
         let all = Share { part: 0, of: 1 };
         draw(simd, context, batches, tile, all, Shade::AtOnce, scratch, planes, &mut counts);
-        if triangles > 0 {
+        if triangles > 0 && last > LastStage::Visibility {
             shade::tile(simd, context, &scratch.tile, &mut scratch.pixels, planes, &mut counts);
         }
         counts.pixels_visible += scratch.tile.visible();
@@ -115,6 +117,9 @@ pub fn finish<S: Simd>(
     let mut counts = BackEndCounts::default();
     let rect = output::tile_rect(context, tile);
     scratch.pixels.clear(rect, planes);
+    if context.settings.last_stage <= LastStage::Visibility {
+        return counts;
+    }
     shade::tile(simd, context, &scratch.tile, &mut scratch.pixels, planes, &mut counts);
     counts.pixels_visible += scratch.tile.visible();
     scratch.pixels.write(rect, planes);
@@ -159,7 +164,11 @@ fn draw_inline<S: Simd>(
     memory.clear(context, tile);
     let triangles = batches.iter().flat_map(|b| b.bins.triangles_in(tile));
     let mut mixed = false;
+    let last = context.settings.last_stage;
     for triangle in triangles.skip(share.part).step_by(share.of) {
+        if last <= LastStage::Sieve {
+            break;
+        }
         memory.draw(simd, context, triangle, counts);
         mixed = true;
     }
@@ -185,7 +194,7 @@ fn draw_inline<S: Simd>(
         }
         counts.clusters_drawn += 1;
         pass.draw(simd, context, binned, memory, counts);
-        if shade == Shade::AtOnce {
+        if shade == Shade::AtOnce && last > LastStage::Visibility {
             if mixed {
                 memory.mark_shaded(pass.winners.places());
             }

@@ -94,7 +94,7 @@ impl<T: Copy + Default> TileLists<T> {
     }
 
     /// Entries in all tiles.
-    pub fn len(&self) -> u64 {
+    pub fn count(&self) -> u64 {
         self.entries.len() as u64
     }
 

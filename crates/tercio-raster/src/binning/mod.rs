@@ -215,7 +215,7 @@ impl Bins {
 
     /// Entries of triangles in all tiles.
     pub fn triangle_entries(&self) -> u64 {
-        self.triangle_lists.len()
+        self.triangle_lists.count()
     }
 
     /// Clusters that were sorted as a whole.
@@ -225,7 +225,7 @@ impl Bins {
 
     /// Entries of clusters in all tiles.
     pub fn cluster_entries(&self) -> u64 {
-        self.cluster_lists.len()
+        self.cluster_lists.count()
     }
 
     /// Bytes of memory held.

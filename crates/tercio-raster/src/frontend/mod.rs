@@ -17,7 +17,7 @@ use tercio_mesh::cluster::{Cluster, MAX_TRIANGLES};
 
 use crate::binning::{BinnedCluster, Bins};
 use crate::context::FrameContext;
-use crate::settings::Sorting;
+use crate::settings::{LastStage, Sorting};
 use crate::simd::LANES;
 use crate::stats::FrontEndCounts;
 use cull::{ClusterLanes, ClusterTests, Placement};
@@ -101,6 +101,9 @@ fn sort_16<S: Simd>(
         if is(tests.no_sample) {
             counts.clusters_no_sample += 1;
             counts.triangles_no_sample += triangles;
+            continue;
+        }
+        if settings.last_stage == LastStage::Cull {
             continue;
         }
         let number = number + lane as u32;

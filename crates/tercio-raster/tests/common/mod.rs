@@ -9,7 +9,7 @@ use tercio_mesh::{Mesh, OctNormal};
 use tercio_raster::frame::NO_PRIMITIVE;
 use tercio_raster::frontend::clip::clip_triangle;
 use tercio_raster::view::{ScreenVertex, View};
-use tercio_raster::{Binning, Cull, Frame, Outputs, Renderer, Settings, SimdLevel, reference};
+use tercio_raster::{Binning, Cull, Frame, Outputs, Renderer, Settings, SimdLevel, Sorting, reference};
 use tercio_scene::{Camera, Instance, Projection, Scene};
 
 /// A small generator of numbers from 0 to 1, the same everywhere (Steele, Lea and Flood's SplitMix64).
@@ -190,8 +190,10 @@ pub fn check_paths(
     };
     for simd in SimdLevel::available() {
         for binning in [Binning::BoundingBox, Binning::Exact] {
-            let s = Settings { simd: Some(simd), binning, ..settings.clone() };
-            check(s, format!("{simd}, {binning:?}"));
+            for sorting in [Sorting::Clusters, Sorting::Triangles] {
+                let s = Settings { simd: Some(simd), binning, sorting, ..settings.clone() };
+                check(s, format!("{simd}, {binning:?}, {sorting:?}"));
+            }
         }
     }
     for tile_size in [8, 16, 32, 64, 128] {

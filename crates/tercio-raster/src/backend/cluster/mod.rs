@@ -19,6 +19,7 @@ use tercio_mesh::cluster::MAX_TRIANGLES;
 use crate::binning::{BinnedCluster, PixelRect};
 use crate::context::FrameContext;
 use crate::frontend::transform::{ClusterVertices, CornerTable};
+use crate::settings::LastStage;
 use crate::simd::{part, prefetch};
 use crate::stats::BackEndCounts;
 use depth_test::Covered;
@@ -66,6 +67,9 @@ impl ClusterPass {
         counts.vertices_transformed += u64::from(cluster.vertices);
         counts.triangles_in += u64::from(cluster.triangles);
         counts.triangles_drawn += sieve.len();
+        if context.settings.last_stage == LastStage::Sieve {
+            return;
+        }
 
         for size in Size::ALL {
             for (numbers, lanes) in sieve.of_size(size) {

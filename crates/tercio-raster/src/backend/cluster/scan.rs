@@ -98,13 +98,13 @@ pub fn scan<S: Simd>(
                         covered.push(simd, bits, row_place + tile.place_in_row(x) + number, depth);
                     }
                     e = each3!(K => e[K] + t.a[K]);
-                    x = x + 1;
-                    right = right + SUBPIXELS;
+                    x += 1;
+                    right += SUBPIXELS;
                     column += 1;
                 }
                 at_row = each3!(K => at_row[K] + t.b[K]);
-                y = y + 1;
-                down = down + SUBPIXELS;
+                y += 1;
+                down += SUBPIXELS;
                 row += 1;
             }
         },
