@@ -46,7 +46,7 @@ impl Fragments {
 
     /// Takes pixels and places of 16 samples of a tile, given by their places in the tile memory.
     #[inline(always)]
-    pub fn of_winners<S: Simd>(&mut self, simd: S, memory: &TileMemory, places: [i32; LANES], width: usize) {
+    pub fn at_places<S: Simd>(&mut self, simd: S, memory: &TileMemory, places: [i32; LANES], width: usize) {
         let [x, y] = memory.column_and_row(i32x16::load_array(simd, places));
         (x + memory.corner[0]).store_slice(&mut self.x);
         (y + memory.corner[1]).store_slice(&mut self.y);

@@ -35,11 +35,20 @@ pub fn tile<S: Simd>(
     let mut fragments = Fragments::default();
     let mut corners = CornerLanes::default();
     let mut instance = 0;
+    let mut whole = WholeBlocks::default();
     for (block, slots) in memory.slot.chunks_exact(LANES).enumerate() {
         let slots = u32x16::from_slice(simd, slots);
         let empty = slots.simd_eq(u32x16::splat(simd, NO_SLOT)).to_bitmask() as u32;
         let mut left = !(empty | u32::from(memory.shaded[block])) & 0xffff;
         let (bx, by) = (block % memory.blocks, block / memory.blocks);
+        if left == 0xffff && !memory.is_cut {
+            let slot = slots[0];
+            if slots.simd_eq(u32x16::splat(simd, slot)).all_true() {
+                whole.shade(simd, context, memory, block, slot, pixels, planes);
+                counts.pixels_shaded += LANES as u64;
+                continue;
+            }
+        }
         while left != 0 {
             let lane = left.trailing_zeros() as usize;
             left &= left - 1;
@@ -66,6 +75,62 @@ pub fn tile<S: Simd>(
     flush(simd, context, instance, &mut fragments, &mut corners, pixels, planes);
 }
 
+/// Places of a block's samples, counted from its first.
+const BLOCK_PLACES: [i32; LANES] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15];
+
+/// Blocks that show one triangle: of a large one there are many in a row, and its corners are fetched once.
+#[derive(Default)]
+struct WholeBlocks {
+    slot: Option<u32>,
+    instance: usize,
+    corners: CornerLanes,
+}
+
+impl WholeBlocks {
+    /// Shades a block of the tile.
+    #[expect(clippy::too_many_arguments, reason = "one call site; a struct would only rename them")]
+    #[inline(always)]
+    fn shade<S: Simd>(
+        &mut self,
+        simd: S,
+        context: &FrameContext,
+        memory: &TileMemory,
+        block: usize,
+        slot: u32,
+        pixels: &mut TilePixels,
+        planes: &Planes,
+    ) {
+        let first = block * LANES;
+        let mut fragments = Fragments { count: LANES, slot: [slot; LANES], ..Fragments::default() };
+        fragments.depth.copy_from_slice(&memory.depth[first..first + LANES]);
+        let places = i32x16::load_array(simd, BLOCK_PLACES) + first as i32;
+        fragments.at_places(simd, memory, places.to_array(), pixels.width);
+        if self.slot != Some(slot) {
+            self.slot = Some(slot);
+            (self.instance, ..) = context.locate_slot(slot);
+            fetch(simd, context, self.instance, &fragments, &mut self.corners);
+        }
+        let look = Look::of(context, self.instance);
+        shade(simd, context, self.instance, look, &fragments, &self.corners, pixels, planes);
+    }
+}
+
+/// Fetches the corners of 16 pixels of one instance. Not inlined, so that it is compiled once a level.
+#[inline(never)]
+fn fetch<S: Simd>(
+    simd: S,
+    context: &FrameContext,
+    instance: usize,
+    fragments: &Fragments,
+    corners: &mut CornerLanes,
+) {
+    let colors = Look::of(context, instance).colors;
+    simd.vectorize(
+        #[inline(always)]
+        || corners.fetch(simd, context, instance, &fragments.slot, colors),
+    );
+}
+
 /// Shades the pixels gathered so far. Not inlined, so that the kernel is compiled once a level, not three
 /// times.
 #[inline(never)]
@@ -83,10 +148,7 @@ fn flush<S: Simd>(
     }
     fragments.fill_up();
     let look = Look::of(context, instance);
-    simd.vectorize(
-        #[inline(always)]
-        || corners.fetch(simd, context, instance, &fragments.slot, look.colors),
-    );
+    fetch(simd, context, instance, fragments, corners);
     shade(simd, context, instance, look, fragments, corners, pixels, planes);
     fragments.count = 0;
 }
@@ -134,7 +196,7 @@ pub fn winners<S: Simd>(
             for first in (0..count).step_by(LANES) {
                 let (places, triangles) = pass.winners.sixteen(first);
                 fragments.count = (count - first).min(LANES);
-                fragments.of_winners(simd, memory, places, pixels.width);
+                fragments.at_places(simd, memory, places, pixels.width);
                 if planes.depth.is_wanted() || planes.ids.is_wanted() {
                     for lane in 0..LANES {
                         fragments.slot[lane] = number * MAX_TRIANGLES as u32 + u32::from(triangles[lane]);

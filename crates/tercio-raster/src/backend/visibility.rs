@@ -24,6 +24,9 @@ pub const LANE_Y: [i32; LANES] = [0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3
 /// of 32 bits.
 const EDGE_LIMIT: i64 = 1 << 30;
 
+/// In rows of fewer blocks every block is tested.
+const LEAST_SPAN: i32 = 4;
+
 /// Depth and triangle of every sample of a tile.
 #[derive(Debug, Default)]
 pub struct TileMemory {
@@ -126,6 +129,13 @@ impl TileMemory {
             let py = self.corner[1] + (by << BLOCK_BITS);
             let dy = lane_dy + (py * SUBPIXELS + SAMPLE - plane.anchor[1]) as f32;
             let along_y = dy * plane.dy;
+            // Long thin triangles touch few blocks of their bounding box.
+            let (bx0, bx1) = if bx1 - bx0 >= LEAST_SPAN {
+                let [first, last] = edges.blocks_in_row(self.corner[0], py);
+                (bx0.max(first), bx1.min(last))
+            } else {
+                (bx0, bx1)
+            };
             for bx in bx0..bx1 + 1 {
                 let px = self.corner[0] + (bx << BLOCK_BITS);
                 let e = each3!(K => step[K] + edges.at(K, px, py).clamp(-EDGE_LIMIT, EDGE_LIMIT) as i32);
