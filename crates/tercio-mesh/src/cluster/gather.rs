@@ -22,10 +22,11 @@ pub(super) fn split<T>(mut data: &mut [T], lengths: impl Iterator<Item = usize>)
 pub(super) fn vertices<T: Copy + Default + Send + Sync>(cuts: &[Cut], source: &[T]) -> Vec<T> {
     let total: usize = cuts.iter().map(|c| c.vertices.len()).sum();
     let mut out = vec![T::default(); total + PADDING];
-    split(&mut out, cuts.iter().map(|c| c.vertices.len()))
-        .into_par_iter()
-        .zip(cuts)
-        .for_each(|(out, cut)| out.iter_mut().zip(&cut.vertices).for_each(|(o, &v)| *o = source[v as usize]));
+    split(&mut out, cuts.iter().map(|c| c.vertices.len())).into_par_iter().zip(cuts).for_each(
+        |(out, cut)| {
+            out.iter_mut().zip(cut.mesh_vertices()).for_each(|(o, v)| *o = source[v as usize]);
+        },
+    );
     out
 }
 
@@ -73,7 +74,7 @@ pub(super) fn positions(mesh: &mut ClusteredMesh, cuts: &[Cut], source: &[[f32; 
     let jobs: Vec<_> = x.into_iter().zip(y).zip(z).zip(clusters).zip(cuts).zip(firsts).collect();
     let corners = &mesh.corners;
     jobs.into_par_iter().for_each(|(((((x, y), z), clusters), cut), first)| {
-        for (i, &v) in cut.vertices.iter().enumerate() {
+        for (i, v) in cut.mesh_vertices().enumerate() {
             [x[i], y[i], z[i]] = source[v as usize];
         }
         let mut next = first;

@@ -1,0 +1,47 @@
+//! A cube of cells round a mesh.
+
+use super::hilbert;
+use crate::Mesh;
+
+/// A cube of cells round a mesh.
+pub(super) struct Grid {
+    min: [f32; 3],
+    /// Cells per unit of length.
+    scale: f32,
+    bits: u32,
+}
+
+impl Grid {
+    pub fn new(mesh: &Mesh, bits: u32) -> Self {
+        let bounds = mesh.bounds();
+        let min = (bounds.min - mesh.origin).as_vec3().to_array();
+        Self::cube(min, bounds.size().max_element() as f32, bits)
+    }
+
+    pub fn cube(min: [f32; 3], edge: f32, bits: u32) -> Self {
+        let scale = (1u32 << bits) as f32 / edge;
+        Self { min, scale: if scale.is_finite() { scale } else { 0.0 }, bits }
+    }
+
+    /// Cell coordinates of a point; points outside go to the nearest cell.
+    #[inline]
+    pub fn coordinates(&self, p: [f32; 3]) -> [u32; 3] {
+        let last = (1u32 << self.bits) - 1;
+        std::array::from_fn(|k| (((p[k] - self.min[k]) * self.scale) as u32).min(last))
+    }
+
+    /// Cell number of a point, x fastest.
+    #[inline]
+    pub fn cell(&self, p: [f32; 3]) -> usize {
+        let [x, y, z] = self.coordinates(p);
+        (x | y << self.bits | z << (2 * self.bits)) as usize
+    }
+
+    /// Place along the Hilbert curve of each cell; at most 5 bits.
+    pub fn rank_table(&self) -> Vec<u16> {
+        let low = (1u32 << self.bits) - 1;
+        (0..1u32 << (3 * self.bits))
+            .map(|i| hilbert::rank([i & low, i >> self.bits & low, i >> (2 * self.bits)], self.bits) as u16)
+            .collect()
+    }
+}

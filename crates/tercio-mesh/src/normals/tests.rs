@@ -1,0 +1,113 @@
+//! What made normals promise.
+
+use super::*;
+
+fn cube(quads_by_long_fans: bool) -> Mesh {
+    let positions = (0..8).map(|i| [0, 1, 2].map(|k| (i >> k & 1) as f32)).collect();
+    let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    let triangles = quads
+        .iter()
+        .enumerate()
+        .flat_map(|(i, &[a, b, c, d])| {
+            if quads_by_long_fans && i % 2 == 0 { [[a, b, d], [b, c, d]] } else { [[a, b, c], [a, c, d]] }
+        })
+        .collect();
+    Mesh { positions, triangles, ..Mesh::default() }
+}
+
+fn direction(n: OctNormal) -> DVec3 {
+    let [x, y, z] = n.decode();
+    DVec3::new(x.into(), y.into(), z.into()).normalize()
+}
+
+#[test]
+fn a_cube_is_round_without_crease_and_sharp_with_one() {
+    for cut in [false, true] {
+        let mut m = cube(cut);
+        make_normals(&mut m, None);
+        assert_eq!(m.positions.len(), 8);
+        for (p, &n) in m.positions.iter().zip(m.normals.as_ref().unwrap()) {
+            let out = (DVec3::new(p[0].into(), p[1].into(), p[2].into()) - 0.5).normalize();
+            assert!((direction(n) - out).length() < 1e-3, "{cut} {p:?}");
+        }
+        m.vertex_colors = Some((0..8).map(|i| [i; 4]).collect());
+        let before = m.clone();
+        make_normals(&mut m, Some(1.0));
+        assert_eq!(m.positions.len(), 24);
+        assert_eq!(m.normals.as_ref().unwrap().len(), 24);
+        let (colors, old) = (m.vertex_colors.as_ref().unwrap(), before.vertex_colors.as_ref().unwrap());
+        for (t, b) in m.triangles.iter().zip(&before.triangles) {
+            let [p, q, r] = t.map(|v| DVec3::from(m.positions[v as usize].map(f64::from)));
+            let face = (q - p).cross(r - p).normalize();
+            for (&v, &w) in t.iter().zip(b) {
+                assert_eq!(m.positions[v as usize], before.positions[w as usize]);
+                assert_eq!(colors[v as usize], old[w as usize]);
+                assert!((direction(m.normals.as_ref().unwrap()[v as usize]) - face).length() < 1e-4);
+            }
+        }
+        // Nothing is left to split, and the vertices that were split do not grow together.
+        make_normals(&mut m, Some(1.0));
+        assert_eq!(m.positions.len(), 24);
+    }
+}
+
+#[test]
+fn a_right_angle_is_no_crease_at_a_larger_angle() {
+    let mut m = cube(true);
+    make_normals(&mut m, Some(1.6));
+    assert_eq!(m.positions.len(), 8);
+}
+
+#[test]
+fn split_vertices_share_their_normal() {
+    let whole = cube(false);
+    let mut soup = Mesh {
+        positions: whole.triangles.iter().flatten().map(|&v| whole.positions[v as usize]).collect(),
+        triangles: (0..12).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect(),
+        ..Mesh::default()
+    };
+    let mut joined = whole.clone();
+    make_normals(&mut joined, None);
+    make_normals(&mut soup, None);
+    let (a, b) = (soup.normals.unwrap(), joined.normals.unwrap());
+    for (i, &v) in whole.triangles.as_flattened().iter().enumerate() {
+        assert_eq!(a[i], b[v as usize]);
+    }
+}
+
+#[test]
+fn spheres_point_outwards_for_any_number_of_threads() {
+    let mesh = crate::builtin::make("builtin:sphere@200k").unwrap();
+    let results: Vec<_> = [1, 2, 3, 7]
+        .map(|threads| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            let (mut smooth, mut creased) = (mesh.clone(), mesh.clone());
+            pool.install(|| {
+                make_normals(&mut smooth, None);
+                make_normals(&mut creased, Some(0.5));
+            });
+            assert_eq!(creased.positions.len(), mesh.positions.len());
+            assert_eq!(creased.normals, smooth.normals);
+            smooth.normals.unwrap()
+        })
+        .into();
+    assert!(results.iter().all(|r| *r == results[0]));
+    let error = |(p, &n): (&[f32; 3], &OctNormal)| {
+        (direction(n) - DVec3::from(p.map(f64::from)).normalize()).length()
+    };
+    let mut fine = crate::builtin::make("builtin:sphere@1.5M").unwrap();
+    make_normals(&mut fine, None);
+    let normals = fine.normals.as_ref().unwrap();
+    let worst = fine.positions.iter().zip(normals).map(error).fold(0.0, f64::max);
+    assert!(worst < 1e-3, "{worst}");
+}
+
+#[test]
+fn tiny_and_huge_models_have_normals() {
+    for scale in [1e-30f32, 1e30] {
+        let mut m = cube(false);
+        m.positions.iter_mut().for_each(|p| *p = p.map(|x| x * scale));
+        make_normals(&mut m, None);
+        assert!((direction(m.normals.unwrap()[7]) - DVec3::ONE.normalize()).length() < 1e-3);
+    }
+}
