@@ -1,5 +1,7 @@
 //! A cube of cells round a mesh.
 
+use rayon::prelude::*;
+
 use super::hilbert;
 use crate::Mesh;
 
@@ -25,9 +27,14 @@ impl Grid {
 
     /// Cell coordinates of a point; points outside go to the nearest cell.
     #[inline]
-    pub fn coordinates(&self, p: [f32; 3]) -> [u32; 3] {
+    pub fn coordinates(&self, [x, y, z]: [f32; 3]) -> [u32; 3] {
         let last = (1u32 << self.bits) - 1;
-        std::array::from_fn(|k| (((p[k] - self.min[k]) * self.scale) as u32).min(last))
+        let [min_x, min_y, min_z] = self.min;
+        [
+            (((x - min_x) * self.scale) as u32).min(last),
+            (((y - min_y) * self.scale) as u32).min(last),
+            (((z - min_z) * self.scale) as u32).min(last),
+        ]
     }
 
     /// Cell number of a point, x fastest.
@@ -41,6 +48,8 @@ impl Grid {
     pub fn rank_table(&self) -> Vec<u16> {
         let low = (1u32 << self.bits) - 1;
         (0..1u32 << (3 * self.bits))
+            .into_par_iter()
+            .with_min_len(1 << 10)
             .map(|i| hilbert::rank([i & low, i >> self.bits & low, i >> (2 * self.bits)], self.bits) as u16)
             .collect()
     }

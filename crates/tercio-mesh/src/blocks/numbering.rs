@@ -12,18 +12,25 @@ pub(crate) struct Numbering {
 
 impl Numbering {
     /// Numbers the vertices of a block from 0 on, and writes the corners of each triangle turned by
-    /// [`Mesh::canonical`]. The block has at most 2^16 / 3 triangles.
+    /// [`crate::Mesh::canonical`]. The block has at most 2^16 / 3 triangles.
     pub fn number(&mut self, triangles: impl Iterator<Item = [u32; 3]>, corners: &mut [[u16; 3]]) {
-        self.vertices.clear();
-        self.table.clear();
         // First all loads from far memory, so that they overlap; then the search, which stops and goes.
         self.corners.clear();
         self.corners.extend(triangles);
+        self.table.clear();
         let Self { corners: from, vertices, table } = self;
+        // One more, because every corner is written behind the last vertex, new or not.
+        vertices.resize(from.len() * 3 + 1, 0);
+        let mut count = 0;
         for (to, &[a, b, c]) in corners.iter_mut().zip(&*from) {
-            let numbers = [table.number(a, vertices), table.number(b, vertices), table.number(c, vertices)];
+            if (count + 3) * 2 > table.slots.len() {
+                table.grow(&vertices[..count]);
+            }
+            let mut number = |v| table.number(v, vertices, &mut count);
+            let numbers = [number(a), number(b), number(c)];
             *to = turn([a, b, c], numbers);
         }
+        vertices.truncate(count);
     }
 }
 
@@ -47,7 +54,7 @@ impl Table {
     }
 
     /// The slot where a vertex stands or would stand.
-    #[inline]
+    #[inline(always)]
     fn slot(&self, vertex: u32) -> usize {
         let mask = self.slots.len() - 1;
         let line = u64::from(vertex / LINE).wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 40;
@@ -61,20 +68,18 @@ impl Table {
         }
     }
 
-    /// The vertex's number; a new vertex is added to `vertices`.
-    #[inline]
-    fn number(&mut self, vertex: u32, vertices: &mut Vec<u32>) -> u16 {
+    /// The vertex's number; a new vertex is added to the `count` first ones of `vertices`. Without branches
+    /// on whether it is new, which cannot be predicted.
+    #[inline(always)]
+    fn number(&mut self, vertex: u32, vertices: &mut [u32], count: &mut usize) -> u16 {
         let place = self.slot(vertex);
         let slot = self.slots[place];
-        if slot != 0 {
-            return (slot as u32 - 1) as u16;
-        }
-        vertices.push(vertex);
-        self.slots[place] = u64::from(vertex) << 32 | vertices.len() as u64;
-        if vertices.len() * 2 > self.slots.len() {
-            self.grow(vertices);
-        }
-        (vertices.len() - 1) as u16
+        let is_new = slot == 0;
+        vertices[*count] = vertex;
+        *count += usize::from(is_new);
+        let next = if is_new { *count as u32 } else { slot as u32 };
+        self.slots[place] = u64::from(vertex) << 32 | u64::from(next);
+        (next - 1) as u16
     }
 
     #[cold]
@@ -91,11 +96,11 @@ impl Table {
 
 /// Numbers of a triangle's corners turned as [`Mesh::canonical`] turns the corners, without branches: which
 /// one is the lowest cannot be predicted.
-#[inline]
-fn turn([a, b, c]: [u32; 3], numbers: [u16; 3]) -> [u16; 3] {
-    let first = u32::from(b < a && b <= c) + 2 * u32::from(c < a && c < b);
-    let [x, y, z] = numbers.map(u128::from);
-    let turned = (x | y << 16 | z << 32 | x << 48 | y << 64) >> (16 * first);
+#[inline(always)]
+fn turn([a, b, c]: [u32; 3], [x, y, z]: [u16; 3]) -> [u16; 3] {
+    let first = u32::from((b < a) & (b <= c)) + 2 * u32::from((c < a) & (c < b));
+    let all = u64::from(x) | u64::from(y) << 16 | u64::from(z) << 32;
+    let turned = all >> (16 * first) | all << (48 - 16 * first);
     [turned as u16, (turned >> 16) as u16, (turned >> 32) as u16]
 }
 

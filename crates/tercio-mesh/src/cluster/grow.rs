@@ -12,14 +12,10 @@ use super::rim::Rim;
 use crate::blocks::Around;
 
 /// The working memory of one thread.
-#[derive(Default)]
 pub(super) struct Grower {
     around: Around,
-    /// Of each triangle: number of the last cluster that touched it, times 4, plus its corners in there;
-    /// [`DONE`] once a cluster has it.
-    state: Vec<u32>,
-    /// Of each vertex.
-    vertices: Vec<Vertex>,
+    triangles: Table<Triangle>,
+    vertices: Table<Vertex>,
     rim: Rim,
     /// Vertices of the open cluster.
     inside: Vec<u16>,
@@ -29,13 +25,27 @@ pub(super) struct Grower {
     pub taken: Vec<u16>,
 }
 
-const DONE: u32 = u32::MAX;
+/// One entry for each number of 16 bits, so that looking one up needs no check.
+type Table<T> = Box<[T; 1 << 16]>;
 
 /// Vertices of the frontier that a search looks at.
 const RECENT: usize = 64;
 
 /// A cluster with room leaps over a gap this many times its own radius, not further.
 const FAR: f32 = 8.0;
+
+#[derive(Clone, Copy, Default)]
+struct Triangle {
+    /// Number of the last cluster that touched it, times 4, plus its corners in there; [`DONE`] once a cluster
+    /// has it.
+    state: u32,
+    /// These corners, combined by exclusive or.
+    inside: u16,
+    /// All three corners, combined so: with two of them, that gives the third.
+    all: u16,
+}
+
+const DONE: u32 = u32::MAX;
 
 #[derive(Clone, Copy, Default)]
 struct Vertex {
@@ -45,6 +55,24 @@ struct Vertex {
     at_rim: u32,
     /// Triangles that no cluster has.
     live: u32,
+}
+
+impl Default for Grower {
+    fn default() -> Self {
+        fn table<T: Copy + Default>() -> Table<T> {
+            let entries = vec![T::default(); 1 << 16].into_boxed_slice();
+            entries.try_into().unwrap_or_else(|_| unreachable!("the table was made with this length"))
+        }
+        Self {
+            around: Around::default(),
+            triangles: table(),
+            vertices: table(),
+            rim: Rim::default(),
+            inside: Vec::new(),
+            frontier: Vec::new(),
+            taken: Vec::new(),
+        }
+    }
 }
 
 /// A block of triangles, and where its vertices stand.
@@ -84,7 +112,9 @@ impl Grower {
             self.rim.clear();
             self.inside.clear();
             while let Some(triangle) = seed {
-                self.grow(ground, triangle, &mut open, limits, corners);
+                let first = self.taken.len();
+                self.grow(ground, triangle, &mut open, limits);
+                self.finish(ground, first, corners);
                 seed = self.seed_nearby(ground, &open, limits);
             }
             cut.vertices.extend_from_slice(&self.inside);
@@ -97,72 +127,70 @@ impl Grower {
 
     fn reset(&mut self, ground: &Ground) {
         self.around.fill(ground.triangles, ground.vertices.len());
-        self.state.clear();
-        self.state.resize(ground.triangles.len(), 0);
-        self.vertices.clear();
-        self.vertices.extend((0..ground.vertices.len()).map(|v| {
+        for (triangle, &[a, b, c]) in self.triangles.iter_mut().zip(ground.triangles) {
+            *triangle = Triangle { all: a ^ b ^ c, ..Triangle::default() };
+        }
+        for v in 0..ground.vertices.len() {
             let live = self.around.at(v as u16).len() as u32;
-            Vertex { live, ..Vertex::default() }
-        }));
+            self.vertices[v] = Vertex { live, ..Vertex::default() };
+        }
         self.frontier.clear();
         self.taken.clear();
     }
 
     /// Takes a triangle, which must find room, and all that comes after it until the cluster is full or its
     /// rim is empty.
-    fn grow(
-        &mut self,
-        ground: &Ground,
-        seed: u16,
-        open: &mut Open,
-        limits: Limits,
-        corners: &mut [&mut [u8]; 3],
-    ) {
+    fn grow(&mut self, ground: &Ground, seed: u16, open: &mut Open, limits: Limits) {
         for v in ground.triangles[usize::from(seed)] {
             if self.vertices[usize::from(v)].member >> 8 != open.number {
-                self.take(ground, v, open, limits, corners);
+                self.take(v, open, limits);
             }
         }
         while self.inside.len() < limits.vertices as usize && open.triangles < limits.triangles {
             let Some(vertex) = self.rim.pop() else { return };
             if self.vertices[usize::from(vertex)].member >> 8 != open.number {
-                self.take(ground, vertex, open, limits, corners);
+                self.take(vertex, open, limits);
             }
         }
     }
 
     /// Takes a vertex and every triangle that it completes.
-    fn take(
-        &mut self,
-        ground: &Ground,
-        vertex: u16,
-        open: &mut Open,
-        limits: Limits,
-        corners: &mut [&mut [u8]; 3],
-    ) {
+    #[inline]
+    fn take(&mut self, vertex: u16, open: &mut Open, limits: Limits) {
         self.vertices[usize::from(vertex)].member = open.number << 8 | self.inside.len() as u32;
         self.inside.push(vertex);
         for &t in self.around.at(vertex) {
             // Arithmetic instead of branches that go either way: a done triangle stays [`DONE`], all ones,
             // and counts nothing.
-            let state = &mut self.state[usize::from(t)];
-            let done = u32::from(*state == DONE).wrapping_neg();
-            let before = (*state & 3) * u32::from(*state >> 2 == open.number);
-            *state = (open.number << 2 | (before + 1)) | done;
-            match (before + 1) & !done {
-                2 => reach(&mut self.rim, &mut self.vertices, ground.triangles[usize::from(t)], open.number),
+            let triangle = &mut self.triangles[usize::from(t)];
+            let done = u32::from(triangle.state == DONE).wrapping_neg();
+            let known = u32::from(triangle.state >> 2 == open.number);
+            let count = (triangle.state & 3) * known + 1;
+            let inside = (triangle.inside * known as u16) ^ vertex;
+            triangle.state = (open.number << 2 | count) | done;
+            triangle.inside = inside;
+            match count & !done {
+                2 => reach(&mut self.rim, &mut self.vertices, inside ^ triangle.all, open.number),
                 3 if open.triangles < limits.triangles => {
-                    *state = DONE;
-                    let place = self.taken.len();
+                    triangle.state = DONE;
                     self.taken.push(t);
                     open.triangles += 1;
-                    for (v, corners) in ground.triangles[usize::from(t)].into_iter().zip(&mut *corners) {
-                        let v = &mut self.vertices[usize::from(v)];
-                        v.live -= 1;
-                        corners[place] = v.member as u8;
-                    }
                 }
                 _ => {}
+            }
+        }
+    }
+
+    /// Writes the corners of the open cluster's triangles from the `first` on.
+    fn finish(&mut self, ground: &Ground, first: usize, [a, b, c]: &mut [&mut [u8]; 3]) {
+        let taken = &self.taken[first..];
+        let corners = a[first..].iter_mut().zip(&mut b[first..]).zip(&mut c[first..]);
+        for (&t, ((a, b), c)) in taken.iter().zip(corners) {
+            let triangle = ground.triangles[usize::from(t)];
+            for (v, corner) in triangle.into_iter().zip([a, b, c]) {
+                let v = &mut self.vertices[usize::from(v)];
+                v.live -= 1;
+                *corner = v.member as u8;
             }
         }
     }
@@ -175,7 +203,7 @@ impl Grower {
         {
             return t;
         }
-        while self.state[*untouched] == DONE {
+        while self.triangles[*untouched].state == DONE {
             *untouched += 1;
         }
         *untouched as u16
@@ -201,7 +229,7 @@ impl Grower {
     /// The triangle at a vertex whose corners have the fewest triangles left.
     fn seed_at(&self, ground: &Ground, vertex: u16) -> Option<u16> {
         let around = self.around.at(vertex).iter().copied();
-        around.filter(|&t| self.state[usize::from(t)] != DONE).min_by_key(|&t| {
+        around.filter(|&t| self.triangles[usize::from(t)].state != DONE).min_by_key(|&t| {
             let corners = ground.triangles[usize::from(t)];
             corners.iter().map(|&v| self.vertices[usize::from(v)].live).sum::<u32>()
         })
@@ -234,18 +262,15 @@ impl Grower {
 
 /// Notes at the rim the vertex that a triangle with two corners inside still lacks.
 #[inline]
-fn reach(rim: &mut Rim, vertices: &mut [Vertex], corners: [u16; 3], number: u32) {
-    let inside = |k: usize| usize::from(vertices[usize::from(corners[k])].member >> 8 == number);
-    // Arithmetic, because the place of the missing corner cannot be predicted.
-    let v = corners[inside(0) * (1 + inside(1))];
-    let vertex = &mut vertices[usize::from(v)];
+fn reach(rim: &mut Rim, vertices: &mut Table<Vertex>, lacks: u16, number: u32) {
+    let vertex = &mut vertices[usize::from(lacks)];
     if vertex.member >> 8 == number {
         // None is missing: the triangle has a corner twice.
         return;
     }
-    let before = if vertex.at_rim >> 8 == number { vertex.at_rim & 0xff } else { 0 };
+    let before = (vertex.at_rim & 0xff) * u32::from(vertex.at_rim >> 8 == number);
     // More than a cluster has triangles are never completed at once.
     let completes = (before + 1).min(0xff);
     vertex.at_rim = number << 8 | completes;
-    rim.push(v, completes, completes == vertex.live);
+    rim.push(lacks, completes, completes == vertex.live);
 }
