@@ -48,9 +48,10 @@ fn run(file: &str, clock: fn() -> f64) -> Result<(Vec<(&'static str, f64)>, usiz
     };
     let mut mesh = read(file.as_ref(), &ReadOptions::default())?.mesh;
     lap("read");
+    let is_soup = weld::is_soup(&mesh);
     clean::clean(&mut mesh);
     lap("clean");
-    if weld::is_soup(&mesh) {
+    if is_soup {
         weld::weld(&mut mesh);
     }
     lap("weld");

@@ -201,13 +201,15 @@ fn read_and_repair(model: &Path, options: &LoadOptions) -> Result<LoadedMesh, Lo
     check_size(model, &mesh)?;
     check_memory(model, options, "the model and its making ready", preparation_bytes(&mesh))?;
 
+    // Asked before cleaning, which may leave vertices that no triangle uses.
+    let is_soup = weld::is_soup(&mesh);
     begin(options, "cleaning", 0);
     let start = Instant::now();
     report.cleaned = clean::clean(&mut mesh);
     report.times.clean = milliseconds(start);
 
     let start = Instant::now();
-    if weld::is_soup(&mesh) {
+    if is_soup {
         begin(options, "joining vertices", 0);
         report.welded = Some(weld::weld(&mut mesh));
         report.times.weld = milliseconds(start);
@@ -268,4 +270,31 @@ fn begin_stage(progress: Option<&Progress>, stage: &'static str, total: u64) {
 
 fn milliseconds(since: Instant) -> f64 {
     since.elapsed().as_secs_f64() * 1e3
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io::Write;
+
+    use super::*;
+
+    #[test]
+    fn a_soup_with_an_empty_triangle_is_joined_too() {
+        let points = [[0.0f32, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        let facets = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3], [0, 1, 1]];
+        let mut stl = vec![b' '; 80];
+        stl.extend((facets.len() as u32).to_le_bytes());
+        for facet in facets {
+            stl.extend([0; 12]);
+            stl.extend(facet.iter().flat_map(|&v| points[v]).flat_map(f32::to_le_bytes));
+            stl.extend([0; 2]);
+        }
+        let mut file = tempfile::NamedTempFile::new().expect("a temporary file");
+        file.write_all(&stl).expect("room for it");
+        let loaded = load_mesh(file.path(), &LoadOptions { normals: Normals::File, ..Default::default() });
+        let loaded = loaded.expect("a model");
+        assert_eq!(loaded.report.cleaned.duplicate_corner, 1);
+        assert_eq!(loaded.report.welded, Some(11));
+        assert_eq!((loaded.mesh.positions.len(), loaded.mesh.triangles.len()), (4, 4));
+    }
 }

@@ -5,6 +5,9 @@ use rayon::prelude::*;
 use super::hilbert;
 use crate::Mesh;
 
+/// Bits of a grid whose cells can still be numbered in 16 bits.
+pub(super) const FINEST: u32 = 5;
+
 /// A cube of cells round a mesh.
 pub(super) struct Grid {
     min: [f32; 3],
@@ -44,13 +47,17 @@ impl Grid {
         (x | y << self.bits | z << (2 * self.bits)) as usize
     }
 
-    /// Place along the Hilbert curve of each cell; at most 5 bits.
-    pub fn rank_table(&self) -> Vec<u16> {
-        let low = (1u32 << self.bits) - 1;
-        (0..1u32 << (3 * self.bits))
-            .into_par_iter()
-            .with_min_len(1 << 10)
-            .map(|i| hilbert::rank([i & low, i >> self.bits & low, i >> (2 * self.bits)], self.bits) as u16)
-            .collect()
+    pub fn bits(&self) -> u32 {
+        self.bits
     }
+}
+
+/// Place along the Hilbert curve of each cell of a grid of at most [`FINEST`] bits.
+pub(super) fn rank_table(bits: u32) -> Vec<u16> {
+    let low = (1u32 << bits) - 1;
+    (0..1u32 << (3 * bits))
+        .into_par_iter()
+        .with_min_len(1 << 10)
+        .map(|i| hilbert::rank([i & low, i >> bits & low, i >> (2 * bits)], bits) as u16)
+        .collect()
 }

@@ -45,7 +45,7 @@ struct Table {
 /// Slots that share a cache line.
 const LINE: u32 = 8;
 /// Slots at first: few enough for the L2 cache, many enough that vertices seldom meet.
-const SLOTS: usize = 1 << 15;
+const SLOTS: usize = 1 << 16;
 
 impl Table {
     fn clear(&mut self) {

@@ -3,7 +3,8 @@
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
-use super::{coherence, grid::Grid, hilbert};
+use super::coherence;
+use super::grid::{FINEST, Grid, rank_table};
 use crate::Mesh;
 use crate::cluster::PADDING;
 
@@ -57,7 +58,7 @@ fn spatial(mesh: &Mesh) -> Sequence {
         return Sequence { order: Some(order), lengths: cut_evenly(n).collect() };
     }
     let grid = Grid::new(mesh, grid_bits(n));
-    let ranks = grid.rank_table();
+    let ranks = rank_table(grid.bits());
     let cells: Vec<u16> = mesh.positions.par_iter().map(|&p| ranks[grid.cell(p)]).collect();
     let (order, counts) = counting_sort(mesh, &cells, ranks.len());
     let mut blocks = Sequence { order: Some(order), lengths: Vec::new() };
@@ -86,8 +87,9 @@ impl Sequence {
         if open > 0 {
             self.lengths.push(open);
         }
-        for range in crowded {
-            sort_finely(mesh, &mut order[range]);
+        if !crowded.is_empty() {
+            let ranks = rank_table(FINEST);
+            crowded.into_iter().for_each(|range| sort_finely(mesh, &mut order[range], &ranks));
         }
     }
 }
@@ -101,7 +103,7 @@ fn cut_evenly(n: usize) -> impl Iterator<Item = usize> {
 /// Bits of a grid whose cells hold a tenth of a block where a surface crosses the grid once.
 fn grid_bits(triangles: usize) -> u32 {
     let cells = (triangles / (BLOCK / 10)).max(1);
-    (cells.ilog2().div_ceil(2)).clamp(2, 5)
+    (cells.ilog2().div_ceil(2)).clamp(2, FINEST)
 }
 
 /// Triangle numbers by the cell of the first corner, and how many triangles each cell has.
@@ -140,7 +142,7 @@ fn counting_sort(mesh: &Mesh, cells: &[u16], cell_count: usize) -> (Vec<u32>, Ve
 }
 
 /// Sorts the triangles of a crowded cell along a finer curve of their own.
-fn sort_finely(mesh: &Mesh, order: &mut [u32]) {
+fn sort_finely(mesh: &Mesh, order: &mut [u32], ranks: &[u16]) {
     let point = |t: u32| mesh.positions[mesh.triangles[t as usize][0] as usize];
     let mut min = [f32::INFINITY; 3];
     let mut max = [f32::NEG_INFINITY; 3];
@@ -149,6 +151,6 @@ fn sort_finely(mesh: &Mesh, order: &mut [u32]) {
         max = std::array::from_fn(|k| max[k].max(p[k]));
     }
     let edge = (0..3).map(|k| max[k] - min[k]).fold(0.0, f32::max);
-    let grid = Grid::cube(min, edge, 10);
-    order.par_sort_by_cached_key(|&t| hilbert::rank(grid.coordinates(point(t)), 10));
+    let grid = Grid::cube(min, edge, FINEST);
+    order.par_sort_by_cached_key(|&t| ranks[grid.cell(point(t))]);
 }

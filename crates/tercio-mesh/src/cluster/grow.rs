@@ -217,10 +217,11 @@ impl Grower {
         self.sweep();
         let sum: Vec3 = self.inside.iter().map(|&v| ground.position(v)).sum();
         let center = sum / self.inside.len() as f32;
-        let distance = |v: u16| ground.position(v).distance_squared(center);
-        let nearest = self.recent().min_by(|&a, &b| distance(a).total_cmp(&distance(b)))?;
-        let reach = self.inside.iter().map(|&v| distance(v)).fold(0.0, f32::max);
-        if distance(nearest) > FAR * FAR * reach {
+        let distance2 = |v: u16| ground.position(v).distance_squared(center);
+        let reach2 = self.inside.iter().map(|&v| distance2(v)).fold(0.0, f32::max);
+        let (nearest2, nearest) =
+            self.recent().map(|v| (distance2(v), v)).min_by(|a, b| a.0.total_cmp(&b.0))?;
+        if nearest2 > FAR * FAR * reach2 {
             return None;
         }
         self.seed_at(ground, nearest)

@@ -45,7 +45,7 @@ pub(super) fn settle(mesh: &Mesh, blocks: &Blocks, crease_angle: f64) -> (Vec<Oc
     // A vertex at the border of a block has a part of its ring in each of several.
     let (mut doubtful, mut parts) = (Vec::new(), Vec::new());
     for left in left {
-        doubtful.extend(left.met_again);
+        doubtful.extend(left.doubtful);
         parts.extend(left.open);
     }
     parts.par_sort_by_key(|part| part.0);
@@ -72,11 +72,12 @@ pub(super) fn settle(mesh: &Mesh, blocks: &Blocks, crease_angle: f64) -> (Vec<Oc
 const UNUSED: u32 = 0x8000_0000;
 
 /// What a block leaves unsettled.
+#[derive(Default)]
 struct Left {
     /// Vertices whose triangles in the block make no smooth closed ring.
     open: Vec<(u32, Ring)>,
-    /// Vertices that another block took for settled too.
-    met_again: Vec<u32>,
+    /// Vertices that another block took for settled too, or that are not worth more look here.
+    doubtful: Vec<u32>,
 }
 
 /// What the triangles round a vertex add up to.
@@ -198,14 +199,19 @@ impl Rings {
 
     /// Stores the normals of the vertices that are settled.
     fn settle(&self, block: &Block, widest: f32, normals: &[AtomicU32]) -> Left {
-        let mut left = Left { open: Vec::new(), met_again: Vec::new() };
+        let mut left = Left::default();
         for (&vertex, ring) in block.vertices.iter().zip(&self.rings) {
             match ring.normal(widest) {
                 // Rings in several blocks: whoever comes second tells, whatever the order.
                 Some(normal) if normals[vertex as usize].swap(normal.0, Relaxed) == UNUSED => {}
-                Some(_) => left.met_again.push(vertex),
+                Some(_) => left.doubtful.push(vertex),
                 None => left.open.push((vertex, *ring)),
             }
+        }
+        // Where triangles share few vertices, hardly a ring would be closed by parts from other blocks.
+        if left.open.len() > block.vertices.len() / 2 {
+            left.doubtful.extend(left.open.iter().map(|part| part.0));
+            left.open = Vec::new();
         }
         left
     }

@@ -111,3 +111,76 @@ fn tiny_and_huge_models_have_normals() {
         assert!((direction(m.normals.unwrap()[7]) - DVec3::ONE.normalize()).length() < 1e-3);
     }
 }
+
+/// Normals and moves by the careful way for every vertex.
+fn make_all_carefully(mesh: &Mesh, crease_angle: f64) -> (Vec<OctNormal>, Splits) {
+    let blocks = Blocks::new(mesh, Order::Auto);
+    let mut used = vec![false; mesh.positions.len()];
+    mesh.triangles.as_flattened().iter().for_each(|&v| used[v as usize] = true);
+    let doubtful: Vec<u32> = (0..).zip(&used).filter(|u| *u.1).map(|u| u.0).collect();
+    let unsettled = OctNormal(smooth::UNSETTLED);
+    let mut normals = used.iter().map(|&u| if u { unsettled } else { OctNormal::default() }).collect();
+    let splits = creased::settle(mesh, &blocks, &mut normals, &doubtful, crease_angle);
+    (normals, splits)
+}
+
+#[test]
+fn the_quick_way_and_the_careful_way_agree() {
+    for model in ["gyroid@60k", "teapot@20k", "terrain@50k", "soup@2k", "sphere@3k"] {
+        let whole = crate::builtin::make(&format!("builtin:{model}")).unwrap();
+        for angle in [0.02, 0.5, std::f64::consts::FRAC_PI_3, 3.0] {
+            let mut mesh = whole.clone();
+            mesh.normals = None;
+            let (normals, careful) = make_all_carefully(&mesh, angle);
+            let quick = make_creased(&mut mesh, &Blocks::new(&whole, Order::Spatial), angle);
+            assert_eq!(mesh.normals.unwrap(), normals, "{model}, {angle}");
+            assert_eq!(quick.sources, careful.sources, "{model}, {angle}");
+            let moves = |s: &Splits| s.moves.iter().map(|m| (m.triangle, m.from, m.to)).collect::<Vec<_>>();
+            assert_eq!(moves(&quick), moves(&careful), "{model}, {angle}");
+        }
+    }
+}
+
+#[test]
+fn most_vertices_of_a_closed_surface_are_settled_quickly() {
+    let mesh = crate::builtin::make("builtin:gyroid@60k").unwrap();
+    let (_, doubtful) = smooth::settle(&mesh, &Blocks::new(&mesh, Order::Spatial), 1.0);
+    assert!(doubtful.len() * 5 < mesh.positions.len(), "{} of {}", doubtful.len(), mesh.positions.len());
+}
+
+#[test]
+fn two_closed_rings_at_a_vertex_are_two_surfaces() {
+    // Two shallow cones over hexagons with one tip, turned against each other.
+    let mut mesh = Mesh { positions: vec![[0.0; 3]], ..Mesh::default() };
+    for (first, slope) in [(1u32, -0.1), (7, -0.3)] {
+        for i in 0..6 {
+            let turn = (f64::from(i) + slope) * std::f64::consts::FRAC_PI_3;
+            mesh.positions.push([turn.cos() as f32, turn.sin() as f32, slope as f32]);
+            mesh.triangles.push([0, first + i, first + (i + 1) % 6]);
+        }
+    }
+    make_normals(&mut mesh, Some(1.0));
+    assert_eq!(mesh.positions.len(), 14);
+    assert!(mesh.triangles[..6].iter().all(|t| t[0] == 0));
+    assert!(mesh.triangles[6..].iter().all(|t| t[0] == 13));
+    assert_eq!(mesh.positions[13], [0.0; 3]);
+}
+
+#[test]
+fn blocks_get_the_normals_of_the_mesh() {
+    for model in ["gyroid@60k", "teapot@60k"] {
+        let mut mesh = crate::builtin::make(&format!("builtin:{model}")).unwrap();
+        mesh.normals = None;
+        let mut blocks = BlockedMesh::new(mesh.clone(), Order::Spatial);
+        blocks.make_normals(0.3);
+        make_normals(&mut mesh, Some(0.3));
+        assert_eq!(blocks.mesh.normals, mesh.normals);
+        assert_eq!(blocks.mesh.positions, mesh.positions);
+        for block in &blocks.blocks.list {
+            for (t, &corners) in blocks.blocks.corners[block.range()].iter().enumerate() {
+                let expected = mesh.triangles[blocks.blocks.number(block, t) as usize];
+                assert_eq!(block.name(corners), Mesh::canonical(expected));
+            }
+        }
+    }
+}
