@@ -8,6 +8,7 @@ use tercio_mesh::cluster::{Order, PartitionOptions, partition_blocks};
 use tercio_mesh::io::{ReadOptions, read};
 use tercio_mesh::{BlockedMesh, clean, weld};
 
+type Times = Vec<(&'static str, f64)>;
 type Anything = Box<dyn std::error::Error + Send + Sync>;
 
 fn main() -> Result<(), Anything> {
@@ -16,7 +17,7 @@ fn main() -> Result<(), Anything> {
     let threads = args.get(1).map_or(Ok(1), |s| s.parse())?;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).use_current_thread().build()?;
     let clock = if threads == 1 { processor_seconds } else { wall_seconds };
-    let mut best: Vec<(&str, f64)> = Vec::new();
+    let mut best = Times::new();
     let mut triangles = 0;
     for _ in 0..5 {
         let (times, count) = pool.install(|| run(file, clock))?;
@@ -38,8 +39,9 @@ fn main() -> Result<(), Anything> {
     Ok(())
 }
 
-fn run(file: &str, clock: fn() -> f64) -> Result<(Vec<(&'static str, f64)>, usize), Anything> {
-    let mut times = Vec::new();
+/// Seconds of each stage, and the number of triangles.
+fn run(file: &str, clock: fn() -> f64) -> Result<(Times, usize), Anything> {
+    let mut times = Times::new();
     let mut last = clock();
     let mut lap = |stage| {
         let now = clock();

@@ -42,8 +42,9 @@ pub(super) fn settle(mesh: &Mesh, blocks: &Blocks, crease_angle: f64) -> (Vec<Oc
         })
         .collect();
 
+    let mut doubtful = settled_twice(blocks, &left, &normals);
     // A vertex at the border of a block has a part of its ring in each of several.
-    let (mut doubtful, mut parts) = (Vec::new(), Vec::new());
+    let mut parts = Vec::new();
     for left in left {
         doubtful.extend(left.doubtful);
         parts.extend(left.open);
@@ -71,12 +72,33 @@ pub(super) fn settle(mesh: &Mesh, blocks: &Blocks, crease_angle: f64) -> (Vec<Oc
 /// Not a normal either: the vertex was not met yet.
 const UNUSED: u32 = 0x8000_0000;
 
+/// Vertices that several blocks took for settled: each of them has a closed ring there.
+fn settled_twice(blocks: &Blocks, left: &[Left], normals: &[AtomicU32]) -> Vec<u32> {
+    // Hardly any mesh has such vertices, and counting tells.
+    let settled: usize = left.iter().map(|l| l.settled).sum();
+    if settled == normals.par_iter().filter(|n| n.load(Relaxed) != UNUSED).count() {
+        return Vec::new();
+    }
+    let mut times = vec![0u8; normals.len()];
+    for (block, left) in blocks.list.iter().zip(left) {
+        let mut others: Vec<u32> =
+            left.open.iter().map(|part| part.0).chain(left.doubtful.iter().copied()).collect();
+        others.sort_unstable();
+        for &v in block.vertices.iter().filter(|v| others.binary_search(v).is_err()) {
+            times[v as usize] = times[v as usize].saturating_add(1);
+        }
+    }
+    (0..).zip(times).filter(|(_, times)| *times > 1).map(|(v, _)| v).collect()
+}
+
 /// What a block leaves unsettled.
 #[derive(Default)]
 struct Left {
+    /// Number of vertices that it settled.
+    settled: usize,
     /// Vertices whose triangles in the block make no smooth closed ring.
     open: Vec<(u32, Ring)>,
-    /// Vertices that another block took for settled too, or that are not worth more look here.
+    /// Vertices that are not worth another look here.
     doubtful: Vec<u32>,
 }
 
@@ -202,9 +224,11 @@ impl Rings {
         let mut left = Left::default();
         for (&vertex, ring) in block.vertices.iter().zip(&self.rings) {
             match ring.normal(widest) {
-                // Rings in several blocks: whoever comes second tells, whatever the order.
-                Some(normal) if normals[vertex as usize].swap(normal.0, Relaxed) == UNUSED => {}
-                Some(_) => left.doubtful.push(vertex),
+                // Should another block settle it too, it will be settled anew (`settled_twice`).
+                Some(normal) => {
+                    normals[vertex as usize].store(normal.0, Relaxed);
+                    left.settled += 1;
+                }
                 None => left.open.push((vertex, *ring)),
             }
         }

@@ -148,9 +148,9 @@ fn most_vertices_of_a_closed_surface_are_settled_quickly() {
     assert!(doubtful.len() * 5 < mesh.positions.len(), "{} of {}", doubtful.len(), mesh.positions.len());
 }
 
-#[test]
-fn two_closed_rings_at_a_vertex_are_two_surfaces() {
-    // Two shallow cones over hexagons with one tip, turned against each other.
+/// Two shallow cones over hexagons with one tip, turned against each other, and `between` triangles apart in
+/// the order of the mesh.
+fn two_rings(between: u32) -> Mesh {
     let mut mesh = Mesh { positions: vec![[0.0; 3]], ..Mesh::default() };
     for (first, slope) in [(1u32, -0.1), (7, -0.3)] {
         for i in 0..6 {
@@ -159,11 +159,26 @@ fn two_closed_rings_at_a_vertex_are_two_surfaces() {
             mesh.triangles.push([0, first + i, first + (i + 1) % 6]);
         }
     }
-    make_normals(&mut mesh, Some(1.0));
-    assert_eq!(mesh.positions.len(), 14);
-    assert!(mesh.triangles[..6].iter().all(|t| t[0] == 0));
-    assert!(mesh.triangles[6..].iter().all(|t| t[0] == 13));
-    assert_eq!(mesh.positions[13], [0.0; 3]);
+    for i in 0..between {
+        mesh.positions.extend([[i as f32, 5.0, 0.0], [i as f32, 6.0, 0.0], [i as f32 + 0.5, 5.0, 0.0]]);
+    }
+    mesh.triangles.splice(6..6, (0..between).map(|i| [13 + 3 * i, 14 + 3 * i, 15 + 3 * i]));
+    mesh
+}
+
+#[test]
+fn two_closed_rings_at_a_vertex_are_two_surfaces() {
+    // In one block, and in two.
+    for between in [0, 2 * crate::blocks::order::BLOCK as u32] {
+        let mut mesh = two_rings(between);
+        let vertices = mesh.positions.len();
+        let splits = make_creased(&mut mesh, &Blocks::new(&two_rings(between), Order::File), 1.0);
+        assert_eq!(splits.sources, [0]);
+        let moved: Vec<u32> = splits.moves.iter().map(|m| m.triangle).collect();
+        assert_eq!(moved, Vec::from_iter(6 + between..12 + between));
+        assert!(splits.moves.iter().all(|m| (m.from, m.to) == (0, vertices as u32)));
+        assert_eq!(mesh.positions[vertices], [0.0; 3]);
+    }
 }
 
 #[test]
