@@ -43,22 +43,12 @@ pub(super) fn settle(mesh: &Mesh, blocks: &Blocks, crease_angle: f64) -> (Vec<Oc
         .collect();
 
     let mut doubtful = settled_twice(blocks, &left, &normals);
-    // A vertex at the border of a block has a part of its ring in each of several.
     let mut parts = Vec::new();
     for left in left {
         doubtful.extend(left.doubtful);
         parts.extend(left.open);
     }
-    parts.par_sort_by_key(|part| part.0);
-    for parts in parts.chunk_by(|a, b| a.0 == b.0) {
-        let vertex = parts[0].0;
-        let ring = parts[1..].iter().fold(parts[0].1, |ring, part| ring.joined(&part.1));
-        let normal = &normals[vertex as usize];
-        match ring.normal(widest) {
-            Some(n) if normal.load(Relaxed) == UNUSED => normal.store(n.0, Relaxed),
-            _ => doubtful.push(vertex),
-        }
-    }
+    doubtful.extend(settle_parts(&parts, widest, &normals));
     for &vertex in &doubtful {
         normals[vertex as usize].store(UNSETTLED, Relaxed);
     }
@@ -67,6 +57,27 @@ pub(super) fn settle(mesh: &Mesh, blocks: &Blocks, crease_angle: f64) -> (Vec<Oc
         n => OctNormal(n),
     };
     (normals.into_iter().map(settled).collect(), doubtful)
+}
+
+/// Settles vertices at the borders of blocks, which have a part of their ring in each of several. Returns those
+/// that are not settled.
+fn settle_parts(parts: &[(u32, Ring)], widest: f32, normals: &[AtomicU32]) -> Vec<u32> {
+    // Vertex and place in `parts`: parts of one vertex are joined in the order of the blocks.
+    let mut order: Vec<(u32, u32)> = parts.iter().zip(0..).map(|(part, i)| (part.0, i)).collect();
+    order.par_sort_unstable();
+    let unsettled = |group: &[(u32, u32)]| {
+        let ring = group.iter().fold(Ring::EMPTY, |ring, &(_, i)| ring.joined(&parts[i as usize].1));
+        let vertex = group[0].0;
+        let normal = &normals[vertex as usize];
+        match ring.normal(widest) {
+            Some(n) if normal.load(Relaxed) == UNUSED => {
+                normal.store(n.0, Relaxed);
+                None
+            }
+            _ => Some(vertex),
+        }
+    };
+    order.par_chunk_by(|a, b| a.0 == b.0).filter_map(unsettled).collect()
 }
 
 /// Not a normal either: the vertex was not met yet.
