@@ -1,5 +1,6 @@
 //! Drops what cannot be drawn.
 
+mod drops;
 mod quick;
 
 use std::collections::HashMap;
@@ -7,8 +8,8 @@ use std::collections::HashMap;
 use fearless_simd::{Level, dispatch};
 use rayon::prelude::*;
 
+use crate::Mesh;
 use crate::weld::{hash_bits, position_bits};
-use crate::{AttributeDomain, Mesh};
 
 const CHUNK: usize = 1 << 15;
 
@@ -94,7 +95,7 @@ pub fn clean(mesh: &mut Mesh) -> Cleaned {
     found.non_finite_vertices = mend_positions(&mut mesh.positions);
     if !faults.is_empty() {
         let drops: Vec<u32> = faults.iter().map(|f| f.0).collect();
-        drop_triangles(mesh, &drops);
+        drops::drop_triangles(mesh, &drops);
     }
     found
 }
@@ -211,36 +212,10 @@ fn mend_positions(positions: &mut [[f32; 3]]) -> u64 {
     bad
 }
 
-fn drop_triangles(mesh: &mut Mesh, drops: &[u32]) {
-    if mesh.face_of_triangle.is_none() {
-        mesh.face_of_triangle = Some((0..mesh.triangles.len() as u32).collect());
-    }
-    drop_elements(&mut mesh.triangles, drops);
-    mesh.face_colors.iter_mut().for_each(|a| drop_elements(a, drops));
-    mesh.triangle_materials.iter_mut().for_each(|a| drop_elements(a, drops));
-    mesh.face_of_triangle.iter_mut().for_each(|a| drop_elements(a, drops));
-    for a in &mut mesh.attributes {
-        if a.domain == AttributeDomain::Triangle {
-            drop_elements(&mut a.values, drops);
-        }
-    }
-}
-
-/// Removes the elements with the given numbers, which are in order.
-fn drop_elements<T: Copy>(array: &mut Vec<T>, drops: &[u32]) {
-    let mut to = drops[0] as usize;
-    for (i, &d) in drops.iter().enumerate() {
-        let end = drops.get(i + 1).map_or(array.len(), |&n| n as usize);
-        array.copy_within(d as usize + 1..end, to);
-        to += end - (d as usize + 1);
-    }
-    array.truncate(to);
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Attribute;
+    use crate::{Attribute, AttributeDomain};
     use proptest::prelude::*;
 
     fn mesh(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Mesh {
