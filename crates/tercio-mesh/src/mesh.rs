@@ -78,20 +78,10 @@ impl Mesh {
 
     /// World-space bounds of all vertices, used by a triangle or not.
     pub fn bounds(&self) -> Aabb {
-        let (min, max) = self
-            .positions
-            .par_chunks(1 << 16)
-            .map(|chunk| {
-                chunk.iter().fold(([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]), |(lo, hi), p| {
-                    (std::array::from_fn(|k| lo[k].min(p[k])), std::array::from_fn(|k| hi[k].max(p[k])))
-                })
-            })
-            .reduce(
-                || ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]),
-                |a, b| {
-                    (std::array::from_fn(|k| a.0[k].min(b.0[k])), std::array::from_fn(|k| a.1[k].max(b.1[k])))
-                },
-            );
+        let (min, max) = self.positions.par_chunks(1 << 16).map(ranges).reduce(
+            || ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]),
+            |a, b| (lower(a.0, b.0), upper(a.1, b.1)),
+        );
         if self.positions.is_empty() {
             return Aabb::EMPTY;
         }
@@ -113,6 +103,34 @@ impl Mesh {
             [c, a, b]
         }
     }
+}
+
+/// The least and the largest coordinates; NaN is left out.
+fn ranges(points: &[[f32; 3]]) -> ([f32; 3], [f32; 3]) {
+    // Four points at a time, so that the compiler finds vectors of whole coordinates.
+    let (mut min, mut max) = ([[f32::INFINITY; 3]; 4], [[f32::NEG_INFINITY; 3]; 4]);
+    let (whole, rest) = points.as_chunks::<4>();
+    for points in whole {
+        for i in 0..4 {
+            (min[i], max[i]) = (lower(min[i], points[i]), upper(max[i], points[i]));
+        }
+    }
+    for &p in rest {
+        (min[0], max[0]) = (lower(min[0], p), upper(max[0], p));
+    }
+    (min.into_iter().fold(min[0], lower), max.into_iter().fold(max[0], upper))
+}
+
+/// The lower one of each two coordinates; the first where the second is NaN.
+#[inline]
+fn lower([a, b, c]: [f32; 3], [x, y, z]: [f32; 3]) -> [f32; 3] {
+    [if x < a { x } else { a }, if y < b { y } else { b }, if z < c { z } else { c }]
+}
+
+/// The upper one of each two coordinates; the first where the second is NaN.
+#[inline]
+fn upper([a, b, c]: [f32; 3], [x, y, z]: [f32; 3]) -> [f32; 3] {
+    [if x > a { x } else { a }, if y > b { y } else { b }, if z > c { z } else { c }]
 }
 
 /// The origin that keeps a model's detail when its positions become `f32`: zero where `f32` is fine enough
@@ -149,4 +167,28 @@ pub fn localize(points: &[[f64; 3]]) -> (DVec3, Vec<[f32; 3]>) {
         })
         .collect();
     (origin, local)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bounds_hold_every_finite_coordinate() {
+        let mut random = 1u32;
+        let mut next = || {
+            random = random.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (random >> 8) as f32 / 1e5 - 80.0
+        };
+        for n in [1, 3, 4, 7, 70_000] {
+            let mut positions: Vec<[f32; 3]> = (0..n).map(|_| [next(), next(), next()]).collect();
+            let origin = DVec3::new(1.0, -2.0, 3.0);
+            let mut expected = Aabb::EMPTY;
+            positions.iter().for_each(|&p| expected.add(origin + glam::Vec3::from(p).as_dvec3()));
+            positions.push([f32::NAN; 3]);
+            let mesh = Mesh { origin, positions, ..Mesh::default() };
+            assert_eq!(mesh.bounds(), expected, "{n}");
+        }
+        assert!(Mesh::default().bounds().is_empty());
+    }
 }

@@ -15,9 +15,13 @@ const HALF_PI: [f64; 3] = [
 ];
 
 /// Horner's scheme, the coefficient of the highest power first.
-#[inline]
-fn polynomial(x: f64, coefficients: &[f64]) -> f64 {
-    coefficients.iter().fold(0.0, |sum, &c| sum * x + c)
+#[inline(always)]
+fn polynomial<const N: usize>(x: f64, coefficients: &[f64; N]) -> f64 {
+    let mut sum = 0.0;
+    for &c in coefficients {
+        sum = sum * x + c;
+    }
+    sum
 }
 
 /// 1 / n!
@@ -102,7 +106,7 @@ fn atan_unit(t: f64) -> f64 {
 }
 
 /// The arc cosine to 2e-8 absolute, for weights: Abramowitz and Stegun (1964), 4.4.46.
-#[inline]
+#[inline(always)]
 pub fn acos_coarse(x: f64) -> f64 {
     let a = x.abs().min(1.0);
     let p = polynomial(

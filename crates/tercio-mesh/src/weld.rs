@@ -79,7 +79,12 @@ pub fn weld(mesh: &mut Mesh) -> u64 {
 
 /// For each vertex the lowest vertex number with the same position (-0 counts as 0).
 pub fn position_representatives(mesh: &Mesh) -> Vec<u32> {
-    first_equals(&mesh.positions, |_| 0, |_, _| true)
+    first_at_position(&mesh.positions)
+}
+
+/// For each position the place of the first equal one (-0 counts as 0).
+pub(crate) fn first_at_position(positions: &[[f32; 3]]) -> Vec<u32> {
+    first_equals(positions, |_| 0, |_, _| true)
 }
 
 /// True if no vertex number is used twice and none is unused: a heap of triangles that know nothing of each

@@ -7,11 +7,11 @@ use std::time::Instant;
 use serde::Serialize;
 use tercio_mesh::builtin::{self, BuiltinError};
 use tercio_mesh::clean::{self, Cleaned};
-use tercio_mesh::cluster::{self, ClusteredMesh, PartitionOptions};
+use tercio_mesh::cluster::{self, ClusteredMesh, Order, PartitionOptions};
 use tercio_mesh::io::{self, ReadOptions, ReadReport};
 use tercio_mesh::mesh::MAX_ELEMENTS;
 use tercio_mesh::topology::{self, Topology};
-use tercio_mesh::{Mesh, Progress, ReadError, normals, weld};
+use tercio_mesh::{BlockedMesh, Mesh, Progress, ReadError, normals, weld};
 
 use crate::MeshSummary;
 
@@ -125,15 +125,31 @@ pub enum LoadError {
 /// # Errors
 /// [`LoadError`], which names the file and the place in it.
 pub fn load(model: &Path, options: &LoadOptions) -> Result<Loaded, LoadError> {
-    let LoadedMesh { mesh, mut report } = load_mesh(model, options)?;
-    let needed = partition_bytes(&report.mesh);
-    check_memory(model, options, "the model and its clusters", needed)?;
-    begin(options, "making clusters", mesh.triangles.len());
+    let all = Instant::now();
+    let LoadedMesh { mut mesh, mut report } = read_and_repair(model, options)?;
+    let wanted = wanted_normals(&mesh, options);
+    if let Some(crease_angle @ None) = wanted {
+        make_normals(&mut mesh, crease_angle, options, &mut report);
+    }
+    begin(options, "sorting triangles", 0);
+    let start = Instant::now();
+    let mut blocks = BlockedMesh::new(mesh, Order::Auto);
+    report.times.partition = milliseconds(start);
+    if let Some(Some(crease_angle)) = wanted {
+        begin(options, "making normals", 0);
+        let start = Instant::now();
+        blocks.make_normals(crease_angle);
+        report.made_normals = true;
+        report.times.normals = milliseconds(start);
+    }
+    report.mesh = MeshSummary::of_blocks(&blocks);
+    check_memory(model, options, "the model and its clusters", partition_bytes(&report.mesh))?;
+    begin(options, "making clusters", blocks.triangle_count());
     let partition = PartitionOptions { progress: options.progress, ..PartitionOptions::default() };
     let start = Instant::now();
-    let mesh = cluster::partition(mesh, &partition);
-    report.times.partition = milliseconds(start);
-    report.times.total += report.times.partition;
+    let mesh = cluster::partition_blocks(blocks, &partition);
+    report.times.partition += milliseconds(start);
+    report.times.total = milliseconds(all);
     Ok(Loaded { mesh: Arc::new(mesh), report })
 }
 
@@ -143,6 +159,34 @@ pub fn load(model: &Path, options: &LoadOptions) -> Result<Loaded, LoadError> {
 /// [`LoadError`], which names the file and the place in it.
 pub fn load_mesh(model: &Path, options: &LoadOptions) -> Result<LoadedMesh, LoadError> {
     let all = Instant::now();
+    let LoadedMesh { mut mesh, mut report } = read_and_repair(model, options)?;
+    if let Some(crease_angle) = wanted_normals(&mesh, options) {
+        make_normals(&mut mesh, crease_angle, options, &mut report);
+    }
+    report.mesh = MeshSummary::of(&mesh);
+    report.times.total = milliseconds(all);
+    Ok(LoadedMesh { mesh, report })
+}
+
+/// The crease angle for the normals that are to be made, if any are.
+fn wanted_normals(mesh: &Mesh, options: &LoadOptions) -> Option<Option<f64>> {
+    match options.normals {
+        Normals::FileOrMade { crease_angle } if mesh.normals.is_none() => Some(crease_angle),
+        _ => None,
+    }
+}
+
+fn make_normals(mesh: &mut Mesh, crease_angle: Option<f64>, options: &LoadOptions, report: &mut LoadReport) {
+    begin(options, "making normals", 0);
+    let start = Instant::now();
+    normals::make_normals(mesh, crease_angle);
+    report.made_normals = true;
+    report.times.normals = milliseconds(start);
+}
+
+/// Everything up to the normals.
+fn read_and_repair(model: &Path, options: &LoadOptions) -> Result<LoadedMesh, LoadError> {
+    let start = Instant::now();
     let (mut mesh, read) = match model.to_str().filter(|m| m.starts_with("builtin:")) {
         Some(name) => make_builtin(name, options)?,
         None => {
@@ -153,17 +197,19 @@ pub fn load_mesh(model: &Path, options: &LoadOptions) -> Result<LoadedMesh, Load
         }
     };
     let mut report = LoadReport { read, file_normals: mesh.normals.is_some(), ..LoadReport::default() };
-    report.times.read = milliseconds(all);
+    report.times.read = milliseconds(start);
     check_size(model, &mesh)?;
     check_memory(model, options, "the model and its making ready", preparation_bytes(&mesh))?;
 
+    // Asked before cleaning, which may leave vertices that no triangle uses.
+    let is_soup = weld::is_soup(&mesh);
     begin(options, "cleaning", 0);
     let start = Instant::now();
     report.cleaned = clean::clean(&mut mesh);
     report.times.clean = milliseconds(start);
 
     let start = Instant::now();
-    if weld::is_soup(&mesh) {
+    if is_soup {
         begin(options, "joining vertices", 0);
         report.welded = Some(weld::weld(&mut mesh));
         report.times.weld = milliseconds(start);
@@ -175,16 +221,6 @@ pub fn load_mesh(model: &Path, options: &LoadOptions) -> Result<LoadedMesh, Load
         report.topology = Some(topology::analyze(&mesh));
         report.times.topology = milliseconds(start);
     }
-
-    if let (None, Normals::FileOrMade { crease_angle }) = (&mesh.normals, options.normals) {
-        begin(options, "making normals", 0);
-        let start = Instant::now();
-        normals::make_normals(&mut mesh, crease_angle);
-        report.made_normals = true;
-        report.times.normals = milliseconds(start);
-    }
-    report.mesh = MeshSummary::of(&mesh);
-    report.times.total = milliseconds(all);
     Ok(LoadedMesh { mesh, report })
 }
 
@@ -205,8 +241,8 @@ fn check_size(model: &Path, mesh: &Mesh) -> Result<(), ReadError> {
     }
 }
 
-/// Positions and numbers, and as much again with 12 bytes more an element for welding, or for the triangles at
-/// each vertex.
+/// Positions and numbers, and as much again with 12 bytes more an element for welding, for the triangles in
+/// blocks or for those at each vertex.
 fn preparation_bytes(mesh: &Mesh) -> u64 {
     (mesh.positions.len() as u64 + mesh.triangles.len() as u64) * (12 + 12 + 12)
 }
@@ -234,4 +270,31 @@ fn begin_stage(progress: Option<&Progress>, stage: &'static str, total: u64) {
 
 fn milliseconds(since: Instant) -> f64 {
     since.elapsed().as_secs_f64() * 1e3
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io::Write;
+
+    use super::*;
+
+    #[test]
+    fn a_soup_with_an_empty_triangle_is_joined_too() {
+        let points = [[0.0f32, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        let facets = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3], [0, 1, 1]];
+        let mut stl = vec![b' '; 80];
+        stl.extend((facets.len() as u32).to_le_bytes());
+        for facet in facets {
+            stl.extend([0; 12]);
+            stl.extend(facet.iter().flat_map(|&v| points[v]).flat_map(f32::to_le_bytes));
+            stl.extend([0; 2]);
+        }
+        let mut file = tempfile::NamedTempFile::new().expect("a temporary file");
+        file.write_all(&stl).expect("room for it");
+        let loaded = load_mesh(file.path(), &LoadOptions { normals: Normals::File, ..Default::default() });
+        let loaded = loaded.expect("a model");
+        assert_eq!(loaded.report.cleaned.duplicate_corner, 1);
+        assert_eq!(loaded.report.welded, Some(11));
+        assert_eq!((loaded.mesh.positions.len(), loaded.mesh.triangles.len()), (4, 4));
+    }
 }

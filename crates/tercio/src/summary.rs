@@ -1,7 +1,7 @@
 //! What a mesh holds, in numbers.
 
 use rayon::prelude::*;
-use tercio_mesh::{Aabb, Attribute, AttributeDomain, Mesh};
+use tercio_mesh::{Aabb, Attribute, AttributeDomain, BlockedMesh, Mesh};
 
 /// What a mesh holds.
 #[derive(Clone, Debug, PartialEq)]
@@ -49,6 +49,13 @@ impl MeshSummary {
             attributes: mesh.attributes.len() as u64,
             bytes: bytes(mesh),
         }
+    }
+
+    /// Looks at a mesh that stands in blocks, as if it stood in one piece.
+    pub(crate) fn of_blocks(blocks: &BlockedMesh) -> Self {
+        let triangles = blocks.triangle_count() as u64;
+        let rest = Self::of(blocks.mesh());
+        Self { triangles, bytes: rest.bytes + triangles * size_of::<[u32; 3]>() as u64, ..rest }
     }
 }
 

@@ -93,7 +93,9 @@ impl Render {
         let frame = Renderer::new().render(&scene, &camera, settings).with_context(|| self.model.name())?;
         display.stage("writing");
         let writing = Instant::now();
-        plan.write(&frame)?;
+        // A large model takes longer to free than a picture to write.
+        let (written, ()) = rayon::join(|| plan.write(&frame), || drop(scene));
+        written?;
         let output_milliseconds = writing.elapsed().as_secs_f64() * 1e3;
         Ok(Done { report, camera, frame, output_milliseconds })
     }

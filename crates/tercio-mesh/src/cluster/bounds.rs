@@ -1,43 +1,130 @@
 //! Box, sphere, normal cone and smallest height of a cluster.
 
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 
-use super::{Cluster, MAX_TRIANGLES, cone::middle};
+use super::{Cluster, MAX_TRIANGLES, MAX_VERTICES, cone::middle};
 
 /// Below this sine between two edges a normal cannot be trusted, even in `f64`.
 const SINE_LIMIT: f64 = 1e-10;
 
+/// Vertices or triangles that are looked at side by side.
+const LANES: usize = 16;
+
 /// Fills in all that bounds a cluster. `x`, `y`, `z` hold its vertices, `corners` its triangles.
-pub(super) fn bound(cluster: &mut Cluster, [x, y, z]: [&[f32]; 3], corners: [&[u8]; 3]) {
-    let point = |i: u8| DVec3::new(x[i as usize].into(), y[i as usize].into(), z[i as usize].into());
-    (cluster.min, cluster.max) =
-        (std::array::from_fn(|k| least([x, y, z][k])), std::array::from_fn(|k| most([x, y, z][k])));
-    let center: [f32; 3] = std::array::from_fn(|k| middle(cluster.min[k], cluster.max[k]));
-    let center = Vec3::from(center).as_dvec3();
-    let far = (0..x.len()).map(|i| point(i as u8).distance_squared(center)).fold(0.0, f64::max);
-    cluster.radius = round_up(far.sqrt());
+#[inline(always)]
+pub(super) fn bound(cluster: &mut Cluster, axes: [&[f32]; 3], corners: [&[u8]; 3]) {
+    for k in 0..3 {
+        (cluster.min[k], cluster.max[k]) = range(axes[k]);
+    }
+    cluster.radius = round_up(farthest2(cluster, axes).sqrt());
 
     let mut normals = [DVec3::ZERO; MAX_TRIANGLES];
-    let (mut count, mut sum, mut height, mut trusted) = (0, DVec3::ZERO, f64::INFINITY, true);
-    for ((&a, &b), &c) in corners[0].iter().zip(corners[1]).zip(corners[2]) {
-        let (a, b, c) = (point(a), point(b), point(c));
-        let (u, v) = (b - a, c - a);
-        let normal = u.cross(v);
-        let square = normal.length_squared();
-        let (uu, vv, ww) = (u.length_squared(), v.length_squared(), (v - u).length_squared());
-        if square > 0.0 {
-            height = height.min(square / uu.max(vv).max(ww));
-            trusted &= square > SINE_LIMIT * SINE_LIMIT * (uu * vv);
-            normals[count] = normal * (1.0 / square.sqrt());
-            sum += normals[count];
-            count += 1;
-        } else {
-            height = 0.0;
+    let (mut count, mut sum, mut height2, mut trusted) = (0, DVec3::ZERO, f64::INFINITY, true);
+    let mut faces = Faces::default();
+    let n = corners[0].len();
+    for first in (0..n).step_by(LANES) {
+        let here = LANES.min(n - first);
+        for lane in 0..here {
+            for k in 0..3 {
+                let v = usize::from(corners[k][first + lane]);
+                for axis in 0..3 {
+                    faces.points[k][axis][lane] = f64::from(axes[axis][v]);
+                }
+            }
+        }
+        faces.find();
+        for lane in 0..here {
+            if faces.has_area[lane] {
+                let normal = DVec3::new(faces.normal[0][lane], faces.normal[1][lane], faces.normal[2][lane]);
+                normals[count] = normal;
+                sum += normal;
+                count += 1;
+                height2 = height2.min(faces.height2[lane]);
+                trusted &= faces.trusted[lane];
+            } else {
+                height2 = 0.0;
+            }
         }
     }
-    cluster.min_height = round_down(height.sqrt());
+    cluster.min_height = round_down(height2.sqrt());
     (cluster.cone_axis, cluster.cone_cutoff) =
         if trusted { cone(&normals[..count], sum) } else { ([0; 3], Cluster::NO_CONE) };
+}
+
+/// The least and the largest of some numbers.
+#[inline(always)]
+fn range(values: &[f32]) -> (f32, f32) {
+    let (mut low, mut high) = ([f32::INFINITY; LANES], [f32::NEG_INFINITY; LANES]);
+    let (whole, rest) = values.as_chunks::<LANES>();
+    for values in whole {
+        for i in 0..LANES {
+            low[i] = if values[i] < low[i] { values[i] } else { low[i] };
+            high[i] = if values[i] > high[i] { values[i] } else { high[i] };
+        }
+    }
+    let (mut least, mut most) = (f32::INFINITY, f32::NEG_INFINITY);
+    for &v in low.iter().chain(rest) {
+        least = least.min(v);
+    }
+    for &v in high.iter().chain(rest) {
+        most = most.max(v);
+    }
+    (least, most)
+}
+
+/// Square of the largest distance of a vertex from the middle of the cluster's box.
+#[inline(always)]
+fn farthest2(cluster: &Cluster, [x, y, z]: [&[f32]; 3]) -> f64 {
+    let center = [0, 1, 2].map(|k| f64::from(middle(cluster.min[k], cluster.max[k])));
+    let mut squares = [0.0; MAX_VERTICES];
+    for i in 0..x.len() {
+        let (dx, dy, dz) =
+            (f64::from(x[i]) - center[0], f64::from(y[i]) - center[1], f64::from(z[i]) - center[2]);
+        squares[i] = dx * dx + dy * dy + dz * dz;
+    }
+    squares.into_iter().fold(0.0, f64::max)
+}
+
+/// Normals and heights of some triangles side by side.
+#[derive(Default)]
+struct Faces {
+    /// Coordinates: corner, axis, triangle.
+    points: [[[f64; LANES]; 3]; 3],
+    /// Unit normals.
+    normal: [[f64; LANES]; 3],
+    /// Squares of the least heights.
+    height2: [f64; LANES],
+    has_area: [bool; LANES],
+    /// Can the normal be trusted?
+    trusted: [bool; LANES],
+}
+
+impl Faces {
+    /// Finds the rest from the points. Without closures, which would not be compiled at the SIMD level of the
+    /// caller.
+    #[inline(always)]
+    fn find(&mut self) {
+        let [a, b, c] = &self.points;
+        for i in 0..LANES {
+            let u = [b[0][i] - a[0][i], b[1][i] - a[1][i], b[2][i] - a[2][i]];
+            let v = [c[0][i] - a[0][i], c[1][i] - a[1][i], c[2][i] - a[2][i]];
+            let w = [v[0] - u[0], v[1] - u[1], v[2] - u[2]];
+            let n = [u[1] * v[2] - v[1] * u[2], u[2] * v[0] - v[2] * u[0], u[0] * v[1] - v[0] * u[1]];
+            let square = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
+            let uu = u[0] * u[0] + u[1] * u[1] + u[2] * u[2];
+            let vv = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+            let ww = w[0] * w[0] + w[1] * w[1] + w[2] * w[2];
+            let longest = if uu > vv { uu } else { vv };
+            let longest = if ww > longest { ww } else { longest };
+            self.height2[i] = square / longest;
+            self.trusted[i] = square > SINE_LIMIT * SINE_LIMIT * (uu * vv);
+            self.has_area[i] = square > 0.0;
+            let scale = 1.0 / square.sqrt();
+            for k in 0..3 {
+                self.normal[k][i] = n[k] * scale;
+            }
+        }
+    }
 }
 
 /// Axis and cut-off, in 1/127, of a cone about `direction` that holds all unit normals.
@@ -56,14 +143,6 @@ fn cone(normals: &[DVec3], direction: DVec3) -> ([i8; 3], i8) {
     let sine = (1.0 - cosine * cosine).max(0.0).sqrt();
     let cutoff = (length * sine + 1e-4).ceil();
     if cutoff >= f64::from(Cluster::NO_CONE) { NONE } else { (axis, cutoff as i8) }
-}
-
-fn least(values: &[f32]) -> f32 {
-    values.iter().copied().fold(f32::INFINITY, f32::min)
-}
-
-fn most(values: &[f32]) -> f32 {
-    values.iter().copied().fold(f32::NEG_INFINITY, f32::max)
 }
 
 /// The nearest `f32` that is surely not smaller, whatever a few roundings did to `v`.

@@ -1,5 +1,6 @@
 //! Copies vertices and attributes to the places that the partition gives them.
 
+use fearless_simd::{Level, dispatch};
 use rayon::prelude::*;
 
 use super::partition::Cut;
@@ -22,10 +23,11 @@ pub(super) fn split<T>(mut data: &mut [T], lengths: impl Iterator<Item = usize>)
 pub(super) fn vertices<T: Copy + Default + Send + Sync>(cuts: &[Cut], source: &[T]) -> Vec<T> {
     let total: usize = cuts.iter().map(|c| c.vertices.len()).sum();
     let mut out = vec![T::default(); total + PADDING];
-    split(&mut out, cuts.iter().map(|c| c.vertices.len()))
-        .into_par_iter()
-        .zip(cuts)
-        .for_each(|(out, cut)| out.iter_mut().zip(&cut.vertices).for_each(|(o, &v)| *o = source[v as usize]));
+    split(&mut out, cuts.iter().map(|c| c.vertices.len())).into_par_iter().zip(cuts).for_each(
+        |(out, cut)| {
+            out.iter_mut().zip(cut.mesh_vertices()).for_each(|(o, v)| *o = source[v as usize]);
+        },
+    );
     out
 }
 
@@ -72,8 +74,9 @@ pub(super) fn positions(mesh: &mut ClusteredMesh, cuts: &[Cut], source: &[[f32; 
     });
     let jobs: Vec<_> = x.into_iter().zip(y).zip(z).zip(clusters).zip(cuts).zip(firsts).collect();
     let corners = &mesh.corners;
+    let level = Level::new();
     jobs.into_par_iter().for_each(|(((((x, y), z), clusters), cut), first)| {
-        for (i, &v) in cut.vertices.iter().enumerate() {
+        for (i, v) in cut.mesh_vertices().enumerate() {
             [x[i], y[i], z[i]] = source[v as usize];
         }
         let mut next = first;
@@ -88,7 +91,7 @@ pub(super) fn positions(mesh: &mut ClusteredMesh, cuts: &[Cut], source: &[[f32; 
             let range = begin..begin + usize::from(span.vertices);
             let points = [&x[range.clone()], &y[range.clone()], &z[range]];
             let corners = std::array::from_fn(|k| &corners[k][cluster.triangle_range()]);
-            bounds::bound(cluster, points, corners);
+            dispatch!(level, _ => bounds::bound(cluster, points, corners));
         }
     });
     [mesh.x, mesh.y, mesh.z] = xyz;

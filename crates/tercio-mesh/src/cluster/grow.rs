@@ -1,23 +1,21 @@
 //! Grows clusters over neighbouring triangles.
 //!
-//! A cluster begins with a seed triangle and takes one vertex at a time: the one of its rim that lies
-//! nearest to its middle, those first that close a notch of the outline. Every triangle whose three corners
-//! are inside is taken for nothing. The next seed is the most cornered triangle left at the outlines of the
-//! last clusters, so that few islands stay behind.
+//! A cluster begins with a seed triangle and takes one vertex at a time: the one that waits longest at its
+//! rim, those first that close a notch of the outline. Every triangle whose three corners are inside is
+//! taken for nothing. The next seed is the most cornered triangle left at the outlines of the last clusters,
+//! so that few islands stay behind.
 
-use super::local::LocalMesh;
+use glam::Vec3;
+
 use super::partition::{Cut, Limits, Span};
 use super::rim::Rim;
+use crate::blocks::Around;
 
 /// The working memory of one thread.
-#[derive(Default)]
 pub(super) struct Grower {
-    pub mesh: LocalMesh,
-    /// Of each triangle: number of the last cluster that touched it, times 4, plus its corners in there;
-    /// [`DONE`] once a cluster has it.
-    state: Vec<u32>,
-    /// Of each vertex.
-    vertices: Vec<Vertex>,
+    around: Around,
+    triangles: Table<Triangle>,
+    vertices: Table<Vertex>,
     rim: Rim,
     /// Vertices of the open cluster.
     inside: Vec<u16>,
@@ -27,7 +25,8 @@ pub(super) struct Grower {
     pub taken: Vec<u16>,
 }
 
-const DONE: u32 = u32::MAX;
+/// One entry for each number of 16 bits, so that looking one up needs no check.
+type Table<T> = Box<[T; 1 << 16]>;
 
 /// Vertices of the frontier that a search looks at.
 const RECENT: usize = 64;
@@ -36,47 +35,89 @@ const RECENT: usize = 64;
 const FAR: f32 = 8.0;
 
 #[derive(Clone, Copy, Default)]
+struct Triangle {
+    /// Number of the last cluster that touched it, times 4, plus its corners in there; [`DONE`] once a cluster
+    /// has it.
+    state: u32,
+    /// These corners, combined by exclusive or.
+    inside: u16,
+    /// All three corners, combined so: with two of them, that gives the third.
+    all: u16,
+}
+
+const DONE: u32 = u32::MAX;
+
+#[derive(Clone, Copy, Default)]
 struct Vertex {
     /// Number of the last cluster that has it, times 256, plus its number in there.
     member: u32,
-    /// Number of the last cluster at whose rim it was, times 256, plus its place there.
+    /// Number of the last cluster at whose rim it was, times 256, plus the triangles that it completes there.
     at_rim: u32,
     /// Triangles that no cluster has.
     live: u32,
-    /// Triangles that it would complete for the cluster in `at_rim`.
-    completes: u32,
+}
+
+impl Default for Grower {
+    fn default() -> Self {
+        fn table<T: Copy + Default>() -> Table<T> {
+            let entries = vec![T::default(); 1 << 16].into_boxed_slice();
+            entries.try_into().unwrap_or_else(|_| unreachable!("the table was made with this length"))
+        }
+        Self {
+            around: Around::default(),
+            triangles: table(),
+            vertices: table(),
+            rim: Rim::default(),
+            inside: Vec::new(),
+            frontier: Vec::new(),
+            taken: Vec::new(),
+        }
+    }
+}
+
+/// A block of triangles, and where its vertices stand.
+pub(super) struct Ground<'a> {
+    /// Corners of the triangles.
+    pub triangles: &'a [[u16; 3]],
+    /// Mesh vertex of each vertex.
+    pub vertices: &'a [u32],
+    /// Positions of the vertices of the mesh.
+    pub positions: &'a [[f32; 3]],
+}
+
+impl Ground<'_> {
+    fn position(&self, vertex: u16) -> Vec3 {
+        Vec3::from(self.positions[self.vertices[usize::from(vertex)] as usize])
+    }
 }
 
 /// The cluster that grows.
-#[derive(Default)]
 struct Open {
     /// Counts from 1.
     number: u32,
     triangles: u32,
-    /// Sum of the vertices' positions.
-    sum: [f32; 3],
-    /// Sum of the triangles' unit normals.
-    normal: [f32; 3],
 }
 
 impl Grower {
-    /// Cuts the block that stands in `mesh`; `taken` and `corners` get its triangles in their new order.
-    pub fn cut(&mut self, corners: &mut [&mut [u8]; 3], limits: Limits) -> Cut {
-        let n = self.mesh.triangles.len();
+    /// Cuts a block; `taken` and `corners` get its triangles in their new order.
+    pub fn cut(&mut self, ground: &Ground, corners: &mut [&mut [u8]; 3], limits: Limits) -> Cut {
+        let n = ground.triangles.len();
         let mut cut = Cut::with_capacity(n);
-        self.reset();
+        self.reset(ground);
         let (mut number, mut untouched) = (0, 0);
         while self.taken.len() < n {
-            let mut seed = Some(self.seed(&mut untouched));
+            let mut seed = Some(self.seed(ground, &mut untouched));
             number += 1;
-            let mut open = Open { number, ..Open::default() };
+            let mut open = Open { number, triangles: 0 };
             self.rim.clear();
             self.inside.clear();
             while let Some(triangle) = seed {
-                self.grow(triangle, &mut open, limits, corners);
-                seed = self.seed_nearby(&open, limits);
+                let first = self.taken.len();
+                self.grow(ground, triangle, &mut open, limits);
+                self.finish(ground, first, corners);
+                seed = self.seed_nearby(ground, &open, limits);
             }
-            cut.vertices.extend(self.inside.iter().map(|&v| self.mesh.vertices[usize::from(v)]));
+            cut.vertices.extend_from_slice(&self.inside);
             cut.clusters.push(Span { vertices: self.inside.len() as u8, triangles: open.triangles as u8 });
             let Self { frontier, inside, vertices, .. } = self;
             frontier.extend(inside.iter().filter(|&&v| vertices[usize::from(v)].live > 0));
@@ -84,119 +125,113 @@ impl Grower {
         cut
     }
 
-    fn reset(&mut self) {
-        self.state.clear();
-        self.state.resize(self.mesh.triangles.len(), 0);
-        self.vertices.clear();
-        self.vertices.extend((0..self.mesh.vertices.len()).map(|v| {
-            let live = self.mesh.around(v as u16).len() as u32;
-            Vertex { live, ..Vertex::default() }
-        }));
+    fn reset(&mut self, ground: &Ground) {
+        self.around.fill(ground.triangles, ground.vertices.len());
+        for (triangle, &[a, b, c]) in self.triangles.iter_mut().zip(ground.triangles) {
+            *triangle = Triangle { all: a ^ b ^ c, ..Triangle::default() };
+        }
+        for v in 0..ground.vertices.len() {
+            let live = self.around.at(v as u16).len() as u32;
+            self.vertices[v] = Vertex { live, ..Vertex::default() };
+        }
         self.frontier.clear();
         self.taken.clear();
     }
 
     /// Takes a triangle, which must find room, and all that comes after it until the cluster is full or its
     /// rim is empty.
-    fn grow(&mut self, seed: u16, open: &mut Open, limits: Limits, corners: &mut [&mut [u8]; 3]) {
-        for v in self.mesh.triangles[usize::from(seed)] {
+    fn grow(&mut self, ground: &Ground, seed: u16, open: &mut Open, limits: Limits) {
+        for v in ground.triangles[usize::from(seed)] {
             if self.vertices[usize::from(v)].member >> 8 != open.number {
-                self.take(v, open, limits, corners);
+                self.take(v, open, limits);
             }
         }
         while self.inside.len() < limits.vertices as usize && open.triangles < limits.triangles {
-            let scale = 1.0 / self.inside.len() as f32;
-            // As much as the square of the radius that so many triangles fill.
-            let square = self.mesh.area * open.triangles as f32;
-            let center = open.sum.map(|s| s * scale);
-            let Some(place) = self.rim.best(center, direction(open.normal), square) else { return };
-            self.take(self.rim.vertex(place), open, limits, corners);
+            let Some(vertex) = self.rim.pop() else { return };
+            if self.vertices[usize::from(vertex)].member >> 8 != open.number {
+                self.take(vertex, open, limits);
+            }
         }
     }
 
     /// Takes a vertex and every triangle that it completes.
-    fn take(&mut self, vertex: u16, open: &mut Open, limits: Limits, corners: &mut [&mut [u8]; 3]) {
-        let v = &mut self.vertices[usize::from(vertex)];
-        v.member = open.number << 8 | self.inside.len() as u32;
+    #[inline]
+    fn take(&mut self, vertex: u16, open: &mut Open, limits: Limits) {
+        self.vertices[usize::from(vertex)].member = open.number << 8 | self.inside.len() as u32;
         self.inside.push(vertex);
-        let p = self.mesh.positions[usize::from(vertex)];
-        open.sum.iter_mut().zip(p).for_each(|(s, p)| *s += p);
-        if v.at_rim >> 8 == open.number {
-            let place = v.at_rim & 0xff;
-            if let Some(moved) = self.rim.remove(place as usize) {
-                self.vertices[usize::from(moved)].at_rim = open.number << 8 | place;
-            }
-            self.vertices[usize::from(vertex)].at_rim = 0;
-        }
-        for &t in self.mesh.around(vertex) {
+        for &t in self.around.at(vertex) {
             // Arithmetic instead of branches that go either way: a done triangle stays [`DONE`], all ones,
             // and counts nothing.
-            let state = &mut self.state[usize::from(t)];
-            let done = u32::from(*state == DONE).wrapping_neg();
-            let before = (*state & 3) * u32::from(*state >> 2 == open.number);
-            *state = (open.number << 2 | (before + 1)) | done;
-            let c = match (before + 1) & !done {
-                2 | 3 => self.mesh.triangles[usize::from(t)],
-                _ => continue,
-            };
-            match before + 1 {
-                2 => reach(&mut self.rim, &mut self.vertices, &self.mesh, t, open.number),
+            let triangle = &mut self.triangles[usize::from(t)];
+            let done = u32::from(triangle.state == DONE).wrapping_neg();
+            let known = u32::from(triangle.state >> 2 == open.number);
+            let count = (triangle.state & 3) * known + 1;
+            let inside = (triangle.inside * known as u16) ^ vertex;
+            triangle.state = (open.number << 2 | count) | done;
+            triangle.inside = inside;
+            match count & !done {
+                2 => reach(&mut self.rim, &mut self.vertices, inside ^ triangle.all, open.number),
                 3 if open.triangles < limits.triangles => {
-                    *state = DONE;
-                    let place = self.taken.len();
+                    triangle.state = DONE;
                     self.taken.push(t);
                     open.triangles += 1;
-                    let normal = self.mesh.normals[usize::from(t)];
-                    for k in 0..3 {
-                        open.normal[k] += normal[k];
-                        let v = &mut self.vertices[usize::from(c[k])];
-                        v.live -= 1;
-                        corners[k][place] = v.member as u8;
-                    }
                 }
                 _ => {}
             }
         }
     }
 
+    /// Writes the corners of the open cluster's triangles from the `first` on.
+    fn finish(&mut self, ground: &Ground, first: usize, [a, b, c]: &mut [&mut [u8]; 3]) {
+        let taken = &self.taken[first..];
+        let corners = a[first..].iter_mut().zip(&mut b[first..]).zip(&mut c[first..]);
+        for (&t, ((a, b), c)) in taken.iter().zip(corners) {
+            let triangle = ground.triangles[usize::from(t)];
+            for (v, corner) in triangle.into_iter().zip([a, b, c]) {
+                let v = &mut self.vertices[usize::from(v)];
+                v.live -= 1;
+                *corner = v.member as u8;
+            }
+        }
+    }
+
     /// A triangle to begin with.
-    fn seed(&mut self, untouched: &mut usize) -> u16 {
+    fn seed(&mut self, ground: &Ground, untouched: &mut usize) -> u16 {
         self.sweep();
         if let Some(v) = self.recent().min_by_key(|&v| self.vertices[usize::from(v)].live)
-            && let Some(t) = self.seed_at(v)
+            && let Some(t) = self.seed_at(ground, v)
         {
             return t;
         }
-        while self.state[*untouched] == DONE {
+        while self.triangles[*untouched].state == DONE {
             *untouched += 1;
         }
         *untouched as u16
     }
 
     /// A triangle to go on with, near a cluster that has room but nothing at its rim.
-    fn seed_nearby(&mut self, open: &Open, limits: Limits) -> Option<u16> {
+    fn seed_nearby(&mut self, ground: &Ground, open: &Open, limits: Limits) -> Option<u16> {
         if self.inside.len() + 3 > limits.vertices as usize || open.triangles >= limits.triangles {
             return None;
         }
         self.sweep();
-        let center = open.sum.map(|s| s / self.inside.len() as f32);
-        let distance = |v: u16| {
-            let p = self.mesh.positions[usize::from(v)];
-            (0..3).map(|k| (p[k] - center[k]) * (p[k] - center[k])).sum::<f32>()
-        };
-        let nearest = self.recent().min_by(|&a, &b| distance(a).total_cmp(&distance(b)))?;
-        let reach = self.inside.iter().map(|&v| distance(v)).fold(0.0, f32::max);
-        if distance(nearest) > FAR * FAR * reach {
+        let sum: Vec3 = self.inside.iter().map(|&v| ground.position(v)).sum();
+        let center = sum / self.inside.len() as f32;
+        let distance2 = |v: u16| ground.position(v).distance_squared(center);
+        let reach2 = self.inside.iter().map(|&v| distance2(v)).fold(0.0, f32::max);
+        let (nearest2, nearest) =
+            self.recent().map(|v| (distance2(v), v)).min_by(|a, b| a.0.total_cmp(&b.0))?;
+        if nearest2 > FAR * FAR * reach2 {
             return None;
         }
-        self.seed_at(nearest)
+        self.seed_at(ground, nearest)
     }
 
     /// The triangle at a vertex whose corners have the fewest triangles left.
-    fn seed_at(&self, vertex: u16) -> Option<u16> {
-        let around = self.mesh.around(vertex).iter().copied();
-        around.filter(|&t| self.state[usize::from(t)] != DONE).min_by_key(|&t| {
-            let corners = self.mesh.triangles[usize::from(t)];
+    fn seed_at(&self, ground: &Ground, vertex: u16) -> Option<u16> {
+        let around = self.around.at(vertex).iter().copied();
+        around.filter(|&t| self.triangles[usize::from(t)].state != DONE).min_by_key(|&t| {
+            let corners = ground.triangles[usize::from(t)];
             corners.iter().map(|&v| self.vertices[usize::from(v)].live).sum::<u32>()
         })
     }
@@ -228,32 +263,15 @@ impl Grower {
 
 /// Notes at the rim the vertex that a triangle with two corners inside still lacks.
 #[inline]
-fn reach(rim: &mut Rim, vertices: &mut [Vertex], mesh: &LocalMesh, triangle: u16, number: u32) {
-    let corners = mesh.triangles[usize::from(triangle)];
-    let inside = |k: usize| usize::from(vertices[usize::from(corners[k])].member >> 8 == number);
-    // Arithmetic, because the place of the missing corner cannot be predicted.
-    let v = corners[inside(0) * (1 + inside(1))];
-    let vertex = &mut vertices[usize::from(v)];
+fn reach(rim: &mut Rim, vertices: &mut Table<Vertex>, lacks: u16, number: u32) {
+    let vertex = &mut vertices[usize::from(lacks)];
     if vertex.member >> 8 == number {
         // None is missing: the triangle has a corner twice.
         return;
     }
-    if vertex.at_rim >> 8 != number {
-        if rim.is_full() {
-            return;
-        }
-        let place = rim.push(v, mesh.positions[usize::from(v)], mesh.normals[usize::from(triangle)]);
-        vertex.at_rim = number << 8 | place as u32;
-        vertex.completes = 0;
-    }
-    vertex.completes += 1;
-    rim.weigh((vertex.at_rim & 0xff) as usize, vertex.completes, vertex.completes == vertex.live);
-}
-
-/// The vector at unit length; zero stays zero.
-#[inline]
-fn direction(v: [f32; 3]) -> [f32; 3] {
-    let square = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
-    let scale = 1.0 / square.sqrt().max(1e-30);
-    v.map(|x| x * scale)
+    let before = (vertex.at_rim & 0xff) * u32::from(vertex.at_rim >> 8 == number);
+    // More than a cluster has triangles are never completed at once.
+    let completes = (before + 1).min(0xff);
+    vertex.at_rim = number << 8 | completes;
+    rim.push(lacks, completes, completes == vertex.live);
 }

@@ -4,26 +4,23 @@
 //! memory. Arrays are structures of arrays: a kernel loads 16 vertices or triangles at a time, and may load
 //! past a cluster's end into its neighbour (the last cluster is followed by padding).
 //!
-//! The work walks through the modules in this order: [`partition`] is the entrance, `order` decides which
-//! triangles come together into a block, `runs` or `grow` (over the `local` mesh of a block, with the `rim` of
-//! the open cluster) cuts a block into clusters, `gather` copies vertices and attributes to their new places,
-//! `bounds` finds each cluster's box and cone. [`cone`] holds the
-//! tests that a renderer makes with them.
+//! The work walks through the modules in this order: [`partition`] is the entrance, [`crate::blocks`] bring
+//! neighbouring triangles together, `runs` or `grow` (with the `rim` of the open cluster) cuts a block into
+//! clusters, `gather` copies vertices and attributes to their new places, `bounds` finds each cluster's box
+//! and cone. [`cone`] holds the tests that a renderer makes with them.
 
 mod access;
 mod bounds;
 mod cone;
 mod gather;
 mod grow;
-mod hilbert;
-mod local;
-mod order;
 mod partition;
 mod rim;
 mod runs;
 mod shuffle;
 
-pub use partition::{Order, PartitionOptions, partition};
+pub use crate::blocks::Order;
+pub use partition::{PartitionOptions, partition, partition_blocks};
 
 use glam::DVec3;
 

@@ -1,26 +1,12 @@
 //! From a mesh to clusters.
 
-use std::sync::Mutex;
-
+use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
-use super::{
-    ClusteredMesh, MAX_TRIANGLES, MAX_VERTICES, PADDING, gather, grow::Grower, order, runs, shuffle,
-};
+use super::grow::{Ground, Grower};
+use super::{ClusteredMesh, MAX_TRIANGLES, MAX_VERTICES, PADDING, gather, runs, shuffle};
+use crate::blocks::{Block, BlockedMesh, Order, Pool};
 use crate::{Aabb, Mesh, Progress};
-use glam::{DVec3, Vec3};
-
-/// In which order triangles are taken into clusters.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Order {
-    /// The order of the mesh where it makes good clusters, else by space.
-    #[default]
-    Auto,
-    /// The order of the mesh, cut where a cluster is full. The cheapest; as good as the order of the file.
-    File,
-    /// Sorted by place, and grown over neighbours into compact clusters with narrow cones.
-    Spatial,
-}
 
 /// How to cut a mesh into clusters.
 #[derive(Clone, Copy, Debug)]
@@ -68,8 +54,10 @@ pub(super) struct Span {
 pub(super) struct Cut {
     /// The clusters, in order.
     pub clusters: Vec<Span>,
-    /// Mesh vertices of the clusters, one cluster after the other.
-    pub vertices: Vec<u32>,
+    /// Vertices of the clusters, one cluster after the other, as the block numbers them.
+    pub vertices: Vec<u16>,
+    /// Mesh vertex of each vertex of the block.
+    pub names: Vec<u32>,
 }
 
 impl Cut {
@@ -78,7 +66,13 @@ impl Cut {
         Self {
             clusters: Vec::with_capacity(triangles / 64 + 1),
             vertices: Vec::with_capacity(triangles * 3 / 4 + 3),
+            names: Vec::new(),
         }
+    }
+
+    /// Mesh vertices of the clusters, one cluster after the other.
+    pub fn mesh_vertices(&self) -> impl Iterator<Item = u32> {
+        self.vertices.iter().map(|&v| self.names[usize::from(v)])
     }
 
     /// Triangles of all clusters.
@@ -87,10 +81,9 @@ impl Cut {
     }
 }
 
-/// A block before it is cut: its part of the result's arrays.
-struct Block<'a> {
-    /// Number of the first triangle in the new order.
-    first: usize,
+/// A block before it is cut, and its part of the result's arrays.
+struct Job<'a> {
+    block: Block,
     /// Corners, to be written.
     corners: [&'a mut [u8]; 3],
     /// Triangle numbers, to be put into the order of the clusters.
@@ -99,41 +92,48 @@ struct Block<'a> {
 
 /// Cuts a mesh into clusters. The result does not depend on the number of threads.
 ///
-/// The mesh is consumed, and its arrays are freed as soon as they are copied: beside mesh and result about
-/// 4 bytes a triangle are taken. Vertices that no triangle uses are dropped.
+/// The mesh is consumed, and its arrays are freed as soon as they are copied. Vertices that no triangle uses
+/// are dropped.
 ///
 /// # Panics
 /// If a triangle names a vertex that is not there, an attribute's length is not the number of its elements,
 /// or the clusters need 2^32 vertices or more.
-pub fn partition(mut mesh: Mesh, options: &PartitionOptions) -> ClusteredMesh {
-    let n = mesh.triangles.len();
+pub fn partition(mesh: Mesh, options: &PartitionOptions) -> ClusteredMesh {
+    partition_blocks(BlockedMesh::new(mesh, options.order), options)
+}
+
+/// As [`partition`], for a mesh that stands in blocks already; their order wins over
+/// [`PartitionOptions::order`].
+///
+/// # Panics
+/// As [`partition`].
+pub fn partition_blocks(mesh: BlockedMesh, options: &PartitionOptions) -> ClusteredMesh {
+    let BlockedMesh { mut mesh, blocks } = mesh;
     let limits = Limits {
         vertices: options.max_vertices.clamp(3, MAX_VERTICES) as u32,
         triangles: options.max_triangles.clamp(1, MAX_TRIANGLES) as u32,
     };
+    let n = blocks.corners.len();
     if let Some(progress) = options.progress {
         progress.begin("clusters", n as u64);
     }
-    let blocks = match options.order {
-        Order::File => order::file(&mesh),
-        Order::Auto if order::is_coherent(&mesh, limits) => order::file(&mesh),
-        Order::Auto | Order::Spatial => order::spatial(&mesh),
-    };
     let mut out = ClusteredMesh { origin: mesh.origin, ..ClusteredMesh::default() };
     out.corners = std::array::from_fn(|_| vec![0; n + PADDING]);
     out.primitives = blocks.order;
-    let pool = Mutex::new(Vec::new());
-    let cuts: Vec<Cut> = jobs(&mut out, &blocks.lengths)
+    let pool = Pool::default();
+    let cuts: Vec<Cut> = jobs(&mut out, blocks.list)
         .into_par_iter()
-        .map(|mut block| {
-            let cut = cut(&mesh, &mut block, limits, &pool);
+        .map(|mut job| {
+            let triangles = &blocks.corners[job.block.range()];
+            let mut cut = cut(&mesh, triangles, &mut job, limits, &pool);
+            cut.names = job.block.vertices;
             if let Some(progress) = options.progress {
-                progress.advance(block.corners[0].len() as u64);
+                progress.advance(triangles.len() as u64);
             }
             cut
         })
         .collect();
-    mesh.triangles = Vec::new();
+    drop(blocks.corners);
     gather::positions(&mut out, &cuts, &std::mem::take(&mut mesh.positions));
     gather::attributes(&mut out, &cuts, mesh);
     out.bounds = bounds(&out);
@@ -144,32 +144,33 @@ pub fn partition(mut mesh: Mesh, options: &PartitionOptions) -> ClusteredMesh {
 }
 
 /// The result's arrays cut into blocks.
-fn jobs<'a>(out: &'a mut ClusteredMesh, lengths: &[usize]) -> Vec<Block<'a>> {
-    let [a, b, c] = out.corners.each_mut().map(|v| gather::split(v, lengths.iter().copied()));
+fn jobs(out: &mut ClusteredMesh, blocks: Vec<Block>) -> Vec<Job<'_>> {
+    let lengths = || blocks.iter().map(|b| b.triangles);
+    let [a, b, c] = out.corners.each_mut().map(|v| gather::split(v, lengths()));
     let order: Vec<Option<&mut [u32]>> = match &mut out.primitives {
-        Some(order) => gather::split(order, lengths.iter().copied()).into_iter().map(Some).collect(),
-        None => lengths.iter().map(|_| None).collect(),
+        Some(order) => gather::split(order, lengths()).into_iter().map(Some).collect(),
+        None => blocks.iter().map(|_| None).collect(),
     };
-    let firsts = lengths.iter().scan(0, |next, &n| Some(std::mem::replace(next, *next + n)));
     let corners = a.into_iter().zip(b).zip(c).map(|((a, b), c)| [a, b, c]);
-    firsts.zip(corners).zip(order).map(|((first, corners), order)| Block { first, corners, order }).collect()
+    blocks
+        .into_iter()
+        .zip(corners)
+        .zip(order)
+        .map(|((block, corners), order)| Job { block, corners, order })
+        .collect()
 }
 
 /// Cuts one block: a given order into runs, else by growing.
-fn cut(mesh: &Mesh, block: &mut Block, limits: Limits, pool: &Mutex<Vec<Grower>>) -> Cut {
-    let Some(order) = &mut block.order else {
-        let range = block.first..block.first + block.corners[0].len();
-        return runs::cut(mesh.triangles[range].iter().copied(), &mut block.corners, limits);
+fn cut(mesh: &Mesh, triangles: &[[u16; 3]], job: &mut Job, limits: Limits, pool: &Pool<Grower>) -> Cut {
+    let Some(order) = &mut job.order else {
+        return runs::cut(triangles, job.block.vertices.len(), &mut job.corners, limits);
     };
-    // Working memory goes from block to block; as many exist as threads run at a time.
-    let mut grower = pool.lock().ok().and_then(|mut p| p.pop()).unwrap_or_default();
-    grower.mesh.fill(mesh, order.iter().map(|&t| mesh.triangles[t as usize]));
-    let cut = grower.cut(&mut block.corners, limits);
+    let mut grower = pool.take();
+    let ground = Ground { triangles, vertices: &job.block.vertices, positions: &mesh.positions };
+    let cut = grower.cut(&ground, &mut job.corners, limits);
     let old = order.to_vec();
     order.iter_mut().zip(&grower.taken).for_each(|(o, &t)| *o = old[usize::from(t)]);
-    if let Ok(mut pool) = pool.lock() {
-        pool.push(grower);
-    }
+    pool.give(grower);
     cut
 }
 

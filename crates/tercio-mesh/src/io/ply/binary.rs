@@ -4,9 +4,10 @@ use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
 use rayon::prelude::*;
 
+use super::direct;
 use super::header::{Element, Header, Scalar, Shape};
 use super::layout::{self, BLOCK, Layout, list_length};
-use super::plan::{Plan, Role};
+use super::plan::{Field, Plan, Role};
 use super::table::{Lists, Slots, Table, put_row};
 use super::{Job, malformed};
 use crate::error::{Place, ReadError};
@@ -185,6 +186,11 @@ impl Uniform<'_> {
         columns: &mut [[f64; STEP]; 4],
     ) {
         for (field, slots) in self.plan.fields.iter().zip(slots) {
+            if let (Slots::Points32(points), Some(offset)) = (&mut *slots, self.offset_of_floats(field)) {
+                let points = points.get_mut(first..first + rows).unwrap_or_default();
+                direct::points(bytes, self.stride, offset, self.binary.big, points);
+                continue;
+            }
             let blank = field.blank();
             for (k, column) in columns.iter_mut().enumerate() {
                 match field.properties.get(k) {
@@ -195,6 +201,17 @@ impl Uniform<'_> {
             let [a, b, c, d] = &*columns;
             slots.fill(first, rows, field.scale, |i| [a[i], b[i], c[i], d[i]]);
         }
+    }
+
+    /// Where the three properties of a field stand together as `f32`, if they do.
+    fn offset_of_floats(&self, field: &Field) -> Option<usize> {
+        let [x, y, z] = *field.properties.as_slice() else { return None };
+        let float =
+            |i: usize| matches!(self.element.properties.get(i)?.shape, Shape::One(Scalar::F32)).then_some(());
+        [x, y, z].into_iter().try_for_each(float)?;
+        let offset = |i: usize| self.offsets.get(i).copied();
+        let first = offset(x)?;
+        (offset(y)? == first + 4 && offset(z)? == first + 8).then_some(first)
     }
 
     /// Decodes one property, or item `item` of its lists.
@@ -213,6 +230,14 @@ impl Uniform<'_> {
     /// Reads a list of three vertex numbers from each row; false if one is out of range.
     fn triangles(&self, triangles: &mut [[u32; 3]], bytes: &[u8], columns: &mut [[f64; STEP]; 4]) -> bool {
         let Some(property) = self.plan.corners else { return true };
+        if let (Some(&offset), Some(Shape::List { count, item: item @ (Scalar::I32 | Scalar::U32) })) =
+            (self.offsets.get(property), self.element.properties.get(property).map(|p| p.shape))
+        {
+            // A negative number is a large one without its sign.
+            let most = if item == Scalar::I32 { 1 << 31 } else { u32::MAX };
+            let (offset, vertices) = (offset + count.size(), self.plan.vertices.min(most));
+            return direct::triangles(bytes, self.stride, offset, self.binary.big, vertices, triangles);
+        }
         let [a, b, c, _] = columns;
         for (k, column) in [&mut *a, &mut *b, &mut *c].into_iter().enumerate() {
             self.column(property, k, bytes, &mut column[..triangles.len()]);

@@ -10,6 +10,7 @@
 mod ascii;
 mod assemble;
 mod binary;
+mod direct;
 mod faces;
 mod header;
 mod layout;

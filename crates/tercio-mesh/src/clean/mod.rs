@@ -1,11 +1,15 @@
 //! Drops what cannot be drawn.
 
+mod drops;
+mod quick;
+
 use std::collections::HashMap;
 
+use fearless_simd::{Level, dispatch};
 use rayon::prelude::*;
 
+use crate::Mesh;
 use crate::weld::{hash_bits, position_bits};
-use crate::{AttributeDomain, Mesh};
 
 const CHUNK: usize = 1 << 15;
 
@@ -55,22 +59,19 @@ enum Fault {
 /// If a triangle's vertex does not exist, or an array of the mesh is too short.
 pub fn clean(mesh: &mut Mesh) -> Cleaned {
     let mut found = Cleaned::default();
+    let level = Level::new();
     let positions = &mesh.positions;
     let mut faults: Vec<(u32, Fault)> = mesh
         .triangles
         .par_chunks(CHUNK)
         .enumerate()
         .flat_map_iter(|(n, chunk)| {
-            let mut list = Vec::new();
-            for (k, t) in chunk.iter().enumerate() {
-                let corners = t.map(|v| positions[v as usize]);
-                if !surely_good(corners)
-                    && let Some(fault) = fault_of(corners)
-                {
-                    list.push(((n * CHUNK + k) as u32, fault));
-                }
-            }
-            list
+            let mut suspects = Vec::new();
+            dispatch!(level, _ => quick::find_suspects(positions, chunk, &mut suspects));
+            suspects.into_iter().filter_map(move |k| {
+                let fault = fault_of(chunk[k as usize].map(|v| positions[v as usize]))?;
+                Some(((n * CHUNK) as u32 + k, fault))
+            })
         })
         .collect();
 
@@ -94,25 +95,9 @@ pub fn clean(mesh: &mut Mesh) -> Cleaned {
     found.non_finite_vertices = mend_positions(&mut mesh.positions);
     if !faults.is_empty() {
         let drops: Vec<u32> = faults.iter().map(|f| f.0).collect();
-        drop_triangles(mesh, &drops);
+        drops::drop_triangles(mesh, &drops);
     }
     found
-}
-
-/// A quick proof, for nearly all triangles, that the cross product is finite and not zero.
-#[inline]
-fn surely_good([a, b, c]: [[f32; 3]; 3]) -> bool {
-    let (e, f) = ([b[0] - a[0], b[1] - a[1], b[2] - a[2]], [c[0] - a[0], c[1] - a[1], c[2] - a[2]]);
-    let clear = |i: usize, j: usize| {
-        let (p, q) = (e[i] * f[j], e[j] * f[i]);
-        // Well above the rounding of the products, well above what underflows, false for NaN; and below
-        // infinity, for which the right side would be infinite too.
-        (p - q).abs() > 1e-5 * (p.abs() + q.abs()) + 1e-30
-    };
-    // A component says nothing about the other coordinate: it is finite if its product with 0 is 0.
-    (clear(0, 1) && (e[2] + f[2] + a[2]) * 0.0 == 0.0)
-        || (clear(1, 2) && (e[0] + f[0] + a[0]) * 0.0 == 0.0)
-        || (clear(2, 0) && (e[1] + f[1] + a[1]) * 0.0 == 0.0)
 }
 
 #[cold]
@@ -227,36 +212,10 @@ fn mend_positions(positions: &mut [[f32; 3]]) -> u64 {
     bad
 }
 
-fn drop_triangles(mesh: &mut Mesh, drops: &[u32]) {
-    if mesh.face_of_triangle.is_none() {
-        mesh.face_of_triangle = Some((0..mesh.triangles.len() as u32).collect());
-    }
-    drop_elements(&mut mesh.triangles, drops);
-    mesh.face_colors.iter_mut().for_each(|a| drop_elements(a, drops));
-    mesh.triangle_materials.iter_mut().for_each(|a| drop_elements(a, drops));
-    mesh.face_of_triangle.iter_mut().for_each(|a| drop_elements(a, drops));
-    for a in &mut mesh.attributes {
-        if a.domain == AttributeDomain::Triangle {
-            drop_elements(&mut a.values, drops);
-        }
-    }
-}
-
-/// Removes the elements with the given numbers, which are in order.
-fn drop_elements<T: Copy>(array: &mut Vec<T>, drops: &[u32]) {
-    let mut to = drops[0] as usize;
-    for (i, &d) in drops.iter().enumerate() {
-        let end = drops.get(i + 1).map_or(array.len(), |&n| n as usize);
-        array.copy_within(d as usize + 1..end, to);
-        to += end - (d as usize + 1);
-    }
-    array.truncate(to);
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Attribute;
+    use crate::{Attribute, AttributeDomain};
     use proptest::prelude::*;
 
     fn mesh(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Mesh {

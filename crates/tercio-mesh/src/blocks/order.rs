@@ -1,0 +1,156 @@
+//! Which triangles come together: blocks of the file's order, or blocks of space.
+
+use rayon::prelude::*;
+use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
+
+use super::coherence;
+use super::grid::{FINEST, Grid, rank_table};
+use crate::Mesh;
+use crate::cluster::PADDING;
+
+/// In which order triangles are taken into blocks.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Order {
+    /// The order of the mesh where it makes good clusters, else by space.
+    #[default]
+    Auto,
+    /// The order of the mesh, cut where a cluster is full. The cheapest; as good as the order of the file.
+    File,
+    /// Sorted by place, and grown over neighbours into compact clusters with narrow cones.
+    Spatial,
+}
+
+/// Triangles a block has at most. Blocks are worked on independently, one thread each; their size is fixed,
+/// so that the result does not depend on the number of threads. A block's working set stays in the L2 cache,
+/// and its vertices can be numbered in 16 bits.
+pub(crate) const BLOCK: usize = 20_000;
+
+/// An order of the triangles and the lengths of the blocks it is cut into.
+pub(super) struct Sequence {
+    /// Triangle numbers, then [`PADDING`]; `None` for the order of the mesh.
+    pub order: Option<Vec<u32>>,
+    /// Triangles of each block, one block after the other.
+    pub lengths: Vec<usize>,
+}
+
+impl Sequence {
+    pub fn new(mesh: &Mesh, order: Order) -> Self {
+        match order {
+            Order::File => file(mesh),
+            Order::Auto if coherence::is_coherent(mesh) => file(mesh),
+            Order::Auto | Order::Spatial => spatial(mesh),
+        }
+    }
+}
+
+/// The order of the mesh, cut every [`BLOCK`] triangles.
+fn file(mesh: &Mesh) -> Sequence {
+    Sequence { order: None, lengths: cut_evenly(mesh.triangles.len()).collect() }
+}
+
+/// Triangles sorted into the cells of a grid along the Hilbert curve, cut between cells.
+///
+/// A triangle lies in the cell of its first corner. Inside a cell the file's order stays.
+fn spatial(mesh: &Mesh) -> Sequence {
+    let n = mesh.triangles.len();
+    if n <= BLOCK {
+        let order = (0..n as u32).chain([0; PADDING]).collect();
+        return Sequence { order: Some(order), lengths: cut_evenly(n).collect() };
+    }
+    let grid = Grid::new(mesh, grid_bits(n));
+    let ranks = rank_table(grid.bits());
+    let cells: Vec<u16> = mesh.positions.par_iter().map(|&p| ranks[grid.cell(p)]).collect();
+    let (order, counts) = counting_sort(mesh, &cells, ranks.len());
+    let mut blocks = Sequence { order: Some(order), lengths: Vec::new() };
+    blocks.gather_cells(mesh, &counts);
+    blocks
+}
+
+impl Sequence {
+    /// Joins neighbouring cells into blocks, and cuts cells that are too full.
+    fn gather_cells(&mut self, mesh: &Mesh, counts: &[usize]) {
+        let order = self.order.as_mut().map_or(&mut [][..], |o| &mut o[..]);
+        let (mut open, mut begin, mut crowded) = (0, 0, Vec::new());
+        for &count in counts {
+            if open + count > BLOCK && open > 0 {
+                self.lengths.push(open);
+                open = 0;
+            }
+            if count > BLOCK {
+                crowded.push(begin..begin + count);
+                self.lengths.extend(cut_evenly(count));
+            } else {
+                open += count;
+            }
+            begin += count;
+        }
+        if open > 0 {
+            self.lengths.push(open);
+        }
+        if !crowded.is_empty() {
+            let ranks = rank_table(FINEST);
+            crowded.into_iter().for_each(|range| sort_finely(mesh, &mut order[range], &ranks));
+        }
+    }
+}
+
+/// Lengths of the fewest blocks that hold `n` triangles, as even as can be.
+fn cut_evenly(n: usize) -> impl Iterator<Item = usize> {
+    let blocks = n.div_ceil(BLOCK);
+    (0..blocks).map(move |i| (i + 1) * n / blocks - i * n / blocks)
+}
+
+/// Bits of a grid whose cells hold a tenth of a block where a surface crosses the grid once.
+fn grid_bits(triangles: usize) -> u32 {
+    let cells = (triangles / (BLOCK / 10)).max(1);
+    (cells.ilog2().div_ceil(2)).clamp(2, FINEST)
+}
+
+/// Triangle numbers by the cell of the first corner, and how many triangles each cell has.
+fn counting_sort(mesh: &Mesh, cells: &[u16], cell_count: usize) -> (Vec<u32>, Vec<usize>) {
+    let n = mesh.triangles.len();
+    // At most 64 chunks bound the memory of their histograms.
+    let chunk = (n / 64).max(1 << 17);
+    let key = |t: &[u32; 3]| usize::from(cells[t[0] as usize]);
+    let mut places: Vec<Vec<u32>> = mesh
+        .triangles
+        .par_chunks(chunk)
+        .map(|triangles| {
+            let mut histogram = vec![0u32; cell_count];
+            triangles.iter().for_each(|t| histogram[key(t)] += 1);
+            histogram
+        })
+        .collect();
+    let (mut place, mut counts) = (0u32, vec![0usize; cell_count]);
+    for (cell, total) in counts.iter_mut().enumerate() {
+        let begin = place;
+        for histogram in &mut places {
+            place += std::mem::replace(&mut histogram[cell], place);
+        }
+        *total = (place - begin) as usize;
+    }
+    // Every place is written once; atomics only tell the compiler that threads may share the array.
+    let order: Vec<AtomicU32> = (0..n + PADDING).into_par_iter().map(|_| AtomicU32::new(0)).collect();
+    mesh.triangles.par_chunks(chunk).zip(places).enumerate().for_each(|(i, (triangles, mut places))| {
+        for (j, t) in triangles.iter().enumerate() {
+            let place = &mut places[key(t)];
+            order[*place as usize].store((i * chunk + j) as u32, Relaxed);
+            *place += 1;
+        }
+    });
+    (order.into_iter().map(AtomicU32::into_inner).collect(), counts)
+}
+
+/// Sorts the triangles of a crowded cell along a finer curve of their own.
+fn sort_finely(mesh: &Mesh, order: &mut [u32], ranks: &[u16]) {
+    let point = |t: u32| mesh.positions[mesh.triangles[t as usize][0] as usize];
+    let mut min = [f32::INFINITY; 3];
+    let mut max = [f32::NEG_INFINITY; 3];
+    for p in order.iter().map(|&t| point(t)) {
+        min = std::array::from_fn(|k| min[k].min(p[k]));
+        max = std::array::from_fn(|k| max[k].max(p[k]));
+    }
+    let edge = (0..3).map(|k| max[k] - min[k]).fold(0.0, f32::max);
+    let grid = Grid::cube(min, edge, FINEST);
+    order.par_sort_by_cached_key(|&t| ranks[grid.cell(point(t))]);
+}
