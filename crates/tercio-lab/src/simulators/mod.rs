@@ -1,0 +1,1 @@
+//! Exact simulators of the published machines.
