@@ -1,1 +1,4 @@
 //! Exact simulators of the published machines.
+
+pub mod hybris;
+pub mod sorting;
