@@ -40,7 +40,7 @@ impl Domain {
 }
 
 /// A number with a unit.
-pub trait Quantity: Copy + fmt::Debug + fmt::Display {
+pub trait Quantity: Copy + fmt::Debug + fmt::Display + FromStr<Err = UnitError> {
     /// What is measured, as messages name it: "clock rate".
     const NAME: &'static str;
     /// The base unit's symbol; empty for a plain ratio.
