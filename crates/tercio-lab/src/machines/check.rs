@@ -2,7 +2,7 @@
 
 use super::description::Machine;
 use super::error::MachineError;
-use super::quantity::{Cost, Sourced};
+use super::sourced::{Cost, Sourced};
 
 /// A number that does not fit, by the section and key where it stands.
 pub(super) struct Wrong {
@@ -95,12 +95,12 @@ fn tile_engine(m: &Machine) -> Result<(), Wrong> {
         ("engines", &e.engines),
         ("fifo", &e.fifo),
         ("fifo-after-broadcast", &e.fifo_after_broadcast),
-        ("set-up-triangle", &e.set_up_triangle),
         ("output", &e.output),
     ];
     for (key, number) in numbers {
         positive("tile-engine", key, Some(number))?;
     }
+    positive("tile-engine", "set-up-triangle", Some(&e.set_up_triangle))?;
     if !e.tile.whole().is_power_of_two() || e.tile.whole() > 1024 {
         let what = format!("expected a power of two, at most 1024, found {}", e.tile);
         return Err(Wrong::new("tile-engine", "tile", what));

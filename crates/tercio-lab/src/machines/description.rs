@@ -10,9 +10,10 @@ use super::check::check;
 use super::error::MachineError;
 use super::kinds::{ScreenDivision, SortingClass, Topology};
 use super::operations::Operation;
-use super::quantity::{Bytes, BytesPerSecond, Cost, Count, Hertz, PerSecond, Seconds, Share, Sourced};
 use super::sections::{Heap, Sdram, TileEngine, Transfer};
+use super::sourced::{Cost, Sourced};
 use super::{NAMES, builtin};
+use crate::units::{Bytes, BytesPerSecond, Count, Hertz, PolygonRate, Ratio, Seconds};
 
 /// A machine.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -50,9 +51,9 @@ pub struct Machine {
     /// Bus from the host.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub transfer: Option<Transfer>,
-    /// Rates that its makers or a document claim, by name.
+    /// Polygon rates that its makers or a document claim or measured, by name.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
-    pub claims: BTreeMap<String, Sourced<PerSecond>>,
+    pub claims: BTreeMap<String, Sourced<PolygonRate>>,
 }
 
 /// Where a machine sorts and how it divides the screen.
@@ -92,7 +93,7 @@ pub struct Processors {
     pub per_node: Option<Sourced<Count>>,
     /// Share of a frame's work that runs on one processor only.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub serial: Option<Sourced<Share>>,
+    pub serial: Option<Sourced<Ratio>>,
 }
 
 /// The picture.
@@ -146,8 +147,8 @@ impl Machine {
     /// Seconds that an operation costs, if the description says so.
     pub fn seconds(&self, operation: Operation) -> Option<f64> {
         match self.costs.get(&operation)?.cost() {
-            Cost::Seconds(s) => Some(s),
-            Cost::Cycles(cycles) => Some(cycles / self.processors.clock.as_ref()?.value),
+            Cost::Time(time) => Some(time.get()),
+            Cost::Cycles(cycles) => Some((cycles / self.processors.clock.as_ref()?.get()).get()),
         }
     }
 

@@ -12,8 +12,8 @@ mod description;
 mod error;
 mod kinds;
 mod operations;
-mod quantity;
 mod sections;
+mod sourced;
 #[cfg(test)]
 mod tests;
 
@@ -22,5 +22,5 @@ pub use description::{DataKind, Machine, Network, Processors, Screen, Sorting, l
 pub use error::MachineError;
 pub use kinds::{ScreenDivision, SortingClass, Topology};
 pub use operations::Operation;
-pub use quantity::{Bytes, BytesPerSecond, Count, Cost, Hertz, PerSecond, Quantity, Seconds, Share, Sourced};
 pub use sections::{Heap, Sdram, TileEngine, Transfer};
+pub use sourced::{Cost, Sourced};

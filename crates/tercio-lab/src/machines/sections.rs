@@ -2,7 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::quantity::{Bytes, BytesPerSecond, Count, Seconds, Sourced};
+use super::sourced::Sourced;
+use crate::units::{Bytes, BytesPerSecond, Count, Cycles, Seconds};
 
 /// The bucket sorted triangle heap of document 001, 3.5.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -27,7 +28,7 @@ pub struct Sdram {
     /// Banks, each with one open page.
     pub banks: Sourced<Count>,
     /// Cycles to close a page and open another.
-    pub page_miss: Sourced<Count>,
+    pub page_miss: Sourced<Cycles>,
     /// Bytes moved in a cycle.
     pub width: Sourced<Bytes>,
 }
@@ -47,7 +48,7 @@ pub struct TileEngine {
     /// Entries of the FIFOs after a broadcast.
     pub fifo_after_broadcast: Sourced<Count>,
     /// Cycles of the set-up of a triangle in a tile.
-    pub set_up_triangle: Sourced<Count>,
+    pub set_up_triangle: Sourced<Cycles>,
     /// Pixels read from a finished tile, and cleared, in a cycle.
     pub output: Sourced<Count>,
 }

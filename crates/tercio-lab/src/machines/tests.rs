@@ -1,4 +1,5 @@
 use super::*;
+use crate::units::BytesPerSecond;
 
 const SMALL: &str = r#"
 name = "A machine"
@@ -46,7 +47,7 @@ fn costs_become_seconds() {
 #[test]
 fn mistakes_are_told_with_file_and_line() {
     let unit = error("\"100 MHz\"", "\"100 MB\"");
-    assert!(unit.starts_with("m.toml:13:") && unit.contains("a frequency"), "{unit}");
+    assert!(unit.starts_with("m.toml:13:") && unit.contains("clock rate: expected Hz"), "{unit}");
     let source = error("clock = { value = \"100 MHz\", source = \"000, 1\" }", "clock = { value = \"100 MHz\" }");
     assert!(source.starts_with("m.toml:13:") && source.contains("source"), "{source}");
     let empty = error("value = 4, source = \"000, 1\"", "value = 4, source = \" \"");
@@ -77,7 +78,7 @@ fn numbers_of_the_documents_stand_in_the_descriptions() {
     let princeton = machine("princeton-engine");
     assert_eq!(princeton.processors.memory.unwrap().value, 640.0 * 1024.0);
     // 16 bits a cycle of 14 MHz.
-    assert_eq!(princeton.network.unwrap().bandwidth.value, 2.0 * 14e6);
+    assert_eq!(princeton.network.unwrap().bandwidth.get(), BytesPerSecond::new(2.0 * 14e6));
     // The time of document 002's uniprocessor for 248 polygons: 5.77 million cycles of 300 ns.
     let parks = machine("parks-uniprocessor");
     let cost = |o| parks.seconds(o).unwrap();

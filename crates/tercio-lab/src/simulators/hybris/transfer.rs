@@ -34,17 +34,6 @@ impl Bus {
         Self { overhead: transfer.overhead.value, bandwidth: transfer.bandwidth.value }
     }
 
-    /// The bus that moves `block` bytes at one rate and boundless blocks at another, in bytes a second. The first
-    /// must be the smaller.
-    pub fn from_rates(block: f64, block_rate: f64, large_rate: f64) -> Self {
-        Self { overhead: block / block_rate - block / large_rate, bandwidth: large_rate }
-    }
-
-    /// Bytes a second in blocks of a size.
-    pub fn rate(&self, block: f64) -> f64 {
-        block / (self.overhead + block / self.bandwidth)
-    }
-
     /// Moves the heaps of a frame. With blocks no larger than a buffer every buffer is a transfer of its own;
     /// otherwise the buffers' contents are gathered into blocks first.
     pub fn heaps(&self, front_ends: &[FrontEnd], buckets: usize, buffer: u64, block: u64) -> Transferred {
@@ -59,13 +48,36 @@ impl Bus {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::machines::builtin;
+    use crate::models::hybris::rates::transfer_overhead;
+    use crate::simulators::hybris::front_end::Tiles;
+    use crate::simulators::hybris::heap::HeapLayout;
+    use crate::simulators::hybris::{Partition, Triangle};
+    use crate::units::{Bytes, BytesPerSecond};
+
+    /// A front end with `count` triangles in one tile.
+    fn one_tile(count: usize) -> Vec<FrontEnd> {
+        let triangle = Triangle::new([(0, 0), (0, 1024), (1024, 0)]);
+        let partition = Partition { vertices: 3, outside: 0, triangles: vec![triangle; count] };
+        vec![FrontEnd::run(&[partition], Tiles { width: 64, height: 64, edge: 32 }, HeapLayout::DOCUMENT)]
+    }
 
     #[test]
-    fn the_documents_rates_imply_the_fixed_cost() {
-        let bus = Bus::from_rates(4096.0, 10e6, 100e6);
-        assert!((bus.overhead * 1e6 - 368.64).abs() < 1e-9, "{}", bus.overhead);
-        assert!((bus.rate(4096.0) - 10e6).abs() < 1e-3);
-        // Blocks of 2 MB come within two per cent of the bus.
-        assert!(bus.rate(2e6) > 0.98 * 100e6 && bus.rate(2e6) < 100e6);
+    fn the_board_of_the_document_moves_buffers_at_10_megabytes_a_second() {
+        let bus = Bus::of(&builtin("hybris-fpga").unwrap().unwrap().transfer.unwrap());
+        let implied = transfer_overhead(Bytes::new(4096.0), BytesPerSecond::new(10e6), BytesPerSecond::new(100e6));
+        assert!((bus.overhead - implied.unwrap().get()).abs() < 1e-12);
+        let full = bus.heaps(&one_tile(63 * 100), 4, 4096, 4096);
+        assert_eq!((full.bytes, full.transfers), (4096 * 100, 100));
+        assert!((full.bytes as f64 / full.seconds - 10e6).abs() < 1.0);
+    }
+
+    #[test]
+    fn large_blocks_gather_what_buffers_hold() {
+        let bus = Bus { overhead: 1.0, bandwidth: 1e6 };
+        // 63 nodes fill a buffer; the second one holds the header and one node.
+        let t = bus.heaps(&one_tile(64), 4, 4096, 2_000_000);
+        assert_eq!((t.bytes, t.transfers), (4096 + 128, 1));
+        assert_eq!(bus.heaps(&one_tile(64), 4, 4096, 4096).transfers, 2);
     }
 }
