@@ -7,10 +7,12 @@
 //! | [`machines`] | descriptions of machines, each number with its source |
 //! | [`workloads`] | what a machine is given: boxes, screen polygons, synthetic scenes |
 //! | [`simulators`] | the machines, exactly: the ring, raster processors, data-parallel passes, Hybris, networks |
+//! | [`predict`] | the real renderer: predicted, measured, compared; the best organisation for a machine |
 //! | [`published`] | every machine-checkable published number, recomputed from the model it belongs to |
 
 pub mod machines;
 pub mod models;
+pub mod predict;
 pub mod published;
 pub mod simulators;
 pub mod units;

@@ -26,8 +26,10 @@ pub enum Operation {
     Segment,
     /// One pixel of one polygon, seen or not.
     Pixel,
-    /// One pixel of the picture shaded.
+    /// One pixel that shows a polygon shaded.
     ShadedPixel,
+    /// One pixel of the picture cleared and written, whatever it shows.
+    PicturePixel,
     /// One pixel of two partial pictures merged.
     CompositePixel,
 }
@@ -47,6 +49,7 @@ impl Operation {
             Self::Segment => "segment",
             Self::Pixel => "pixel",
             Self::ShadedPixel => "shaded-pixel",
+            Self::PicturePixel => "picture-pixel",
             Self::CompositePixel => "composite-pixel",
         }
     }

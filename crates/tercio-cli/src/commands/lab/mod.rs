@@ -1,0 +1,35 @@
+//! `tercio lab`: the laboratory, one file a subcommand.
+
+mod check;
+mod eval;
+
+use std::process::ExitCode;
+
+use anyhow::Result;
+use clap::{Args, Subcommand};
+
+/// Rebuilds published graphics machines as formulas, descriptions and simulators.
+#[derive(Debug, Args)]
+pub struct Lab {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    Eval(eval::Eval),
+    Check(check::Check),
+}
+
+impl Lab {
+    /// Runs the subcommand.
+    ///
+    /// # Errors
+    /// What went wrong.
+    pub fn run(&self) -> Result<ExitCode> {
+        match &self.command {
+            Command::Eval(command) => command.run(),
+            Command::Check(command) => command.run(),
+        }
+    }
+}
