@@ -7,8 +7,10 @@
 //! | [`machines`] | descriptions of machines, each number with its source |
 //! | [`workloads`] | what a machine is given: boxes, screen polygons, synthetic scenes |
 //! | [`simulators`] | the machines, exactly: the ring, raster processors, data-parallel passes, Hybris, networks |
+//! | [`experiments`] | one per published figure or table: data, plot, verdict; the report |
 //! | [`published`] | every machine-checkable published number, recomputed from the model it belongs to |
 
+pub mod experiments;
 pub mod machines;
 pub mod models;
 pub mod published;
