@@ -8,8 +8,10 @@
 //! | [`workloads`] | what a machine is given: boxes, screen polygons, synthetic scenes |
 //! | [`simulators`] | the machines, exactly: the ring, raster processors, data-parallel passes, Hybris, networks |
 //! | [`predict`] | the real renderer: predicted, measured, compared; the best organisation for a machine |
+//! | [`experiments`] | one per published figure or table: data, plot, verdict; the report |
 //! | [`published`] | every machine-checkable published number, recomputed from the model it belongs to |
 
+pub mod experiments;
 pub mod machines;
 pub mod models;
 pub mod predict;

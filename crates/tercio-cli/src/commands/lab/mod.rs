@@ -2,6 +2,8 @@
 
 mod check;
 mod eval;
+mod simulate;
+mod workload;
 
 use std::process::ExitCode;
 
@@ -19,6 +21,8 @@ pub struct Lab {
 enum Command {
     Eval(eval::Eval),
     Check(check::Check),
+    Workload(Box<workload::Workload>),
+    Simulate(simulate::Simulate),
 }
 
 impl Lab {
@@ -30,6 +34,8 @@ impl Lab {
         match &self.command {
             Command::Eval(command) => command.run(),
             Command::Check(command) => command.run(),
+            Command::Workload(command) => command.run(),
+            Command::Simulate(command) => command.run(),
         }
     }
 }

@@ -14,11 +14,11 @@ use crate::models::registry::Model;
 use crate::units::{Count, Cycles, Length, Pixels, PolygonRate, Polygons, Ratio, Seconds, SquareInches};
 
 /// Area of one pixel processor, square inches (equation 1).
-pub(super) const PIXEL_PROCESSOR: f64 = 0.000_871;
+pub(crate) const PIXEL_PROCESSOR: f64 = 0.000_871;
 /// Area of the geometry engine per polygon a second, square inches (equation 1).
-pub(super) const GEOMETRY_SLOPE: f64 = 7.4645e-7;
+pub(crate) const GEOMETRY_SLOPE: f64 = 7.4645e-7;
 /// Area of the geometry engine without performance, square inches (equation 1).
-pub(super) const GEOMETRY_BASE: f64 = 1.3673;
+pub(crate) const GEOMETRY_BASE: f64 = 1.3673;
 /// Raster cycles a second of the tables.
 pub(super) const CYCLES: f64 = 1e6;
 

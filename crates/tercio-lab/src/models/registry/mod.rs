@@ -145,7 +145,12 @@ impl Model {
             let takes = if names.is_empty() { "none".into() } else { names.join(", ") };
             return Err(ModelError::UnknownParameter { id: self.id, name: name.clone(), takes });
         }
-        (self.compute)(&Reader { model: self, arguments })
+        let outcome = (self.compute)(&Reader { model: self, arguments })?;
+        if outcome.is_undefined() {
+            let reason = "the formula has no finite value for these arguments".into();
+            return Err(ModelError::Undefined { id: self.id, reason });
+        }
+        Ok(outcome)
     }
 }
 
@@ -154,7 +159,7 @@ impl Model {
 /// ```text
 /// models! {
 ///     "eldridge.5.6", "eq 5.6", "stride of the first stage that costs least":
-///         optimal_stride("n": Processors = 1024.0, "a": Words = 42.0, "b": Instructions = 30.0) -> Processors;
+///         optimal_stride["n": Processors = 1024.0, "a": Words = 42.0, "b": Instructions = 30.0] -> Processors;
 /// }
 /// ```
 ///

@@ -42,12 +42,18 @@ impl Value {
         }
     }
 
-    /// Whether all numbers are finite.
-    pub fn is_finite(&self) -> bool {
+    /// The number, if it is one.
+    pub fn as_number(&self) -> Option<f64> {
+        if let Self::Number(number) = self { Some(*number) } else { None }
+    }
+
+    /// Whether a number is infinite, or not a number where it stands alone; in a list, NaN is a cell that cannot be
+    /// read.
+    pub(super) fn is_undefined(&self) -> bool {
         match self {
-            Self::Number(number) => number.is_finite(),
-            Self::Text(_) => true,
-            Self::List(items) => items.iter().all(Self::is_finite),
+            Self::Number(number) => !number.is_finite(),
+            Self::Text(_) => false,
+            Self::List(items) => items.iter().any(|i| i.as_number().map_or(i.is_undefined(), f64::is_infinite)),
         }
     }
 

@@ -1,9 +1,11 @@
 //! Raster cycles by size of region (document 003, section 3, table 1).
 
+use serde::Serialize;
+
 use crate::workloads::{BoxScene, PixelBox};
 
 /// The raster cycles of a workload for one size of region.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct RasterCycles {
     /// A: pixels along a side of a region.
     pub side: u32,

@@ -1,6 +1,7 @@
 //! Performance against silicon (document 003, sections 5 and 6).
 
 use super::RasterCycles;
+use crate::models::mcmanus;
 
 /// The area of a renderer: an array of pixel processors with a geometry engine that feeds it (equation 1). Areas are
 /// in square inches.
@@ -16,8 +17,11 @@ pub struct AreaModel {
 
 impl AreaModel {
     /// Equation 1, fitted by the document to microprocessors of 1995 with their memory and a controller.
-    pub const PUBLISHED: Self =
-        Self { pixel_processor: 0.000871, geometry_per_rate: 7.4645e-7, fixed: 1.3673 };
+    pub const PUBLISHED: Self = Self {
+        pixel_processor: mcmanus::PIXEL_PROCESSOR,
+        geometry_per_rate: mcmanus::GEOMETRY_SLOPE,
+        fixed: mcmanus::GEOMETRY_BASE,
+    };
 }
 
 /// A renderer for one size of region.

@@ -1,5 +1,7 @@
 //! The two loops.
 
+use serde::Serialize;
+
 use super::scan::{Segment, lines, segments};
 use crate::workloads::PolygonScene;
 
@@ -14,7 +16,7 @@ pub struct Machine {
 }
 
 /// What the loops took.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Run {
     /// Polygons.
     pub polygons: u64,

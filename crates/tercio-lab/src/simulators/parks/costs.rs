@@ -1,6 +1,7 @@
 //! The price of scan conversion on a PDP-11 (document 002, section 2.2).
 
 use super::ProcessorRun;
+use crate::models::parks::costs;
 
 /// Memory cycles of one processor; multiplications and divisions count as ten.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,10 +21,10 @@ impl Costs {
     /// S_t = 85 + 15 + 58, P_t = 21.
     pub fn pdp11() -> Self {
         Self {
-            polygon: 42.0 + 97.0,
-            vertex: 24.6 + 25.0 + 257.2 + 12.5,
-            segment: 85.0 + 15.0 + 58.0,
-            pixel: 21.0,
+            polygon: costs::POLYGON.get(),
+            vertex: costs::VERTEX.get(),
+            segment: costs::SEGMENT.get(),
+            pixel: costs::PIXEL.get(),
         }
     }
 

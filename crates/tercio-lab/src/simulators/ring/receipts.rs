@@ -1,9 +1,11 @@
 //! The three checks of document 000, appendix A.3.
 
+use serde::Serialize;
+
 use super::destinations::Destinations;
 
 /// What went wrong; all zero if the communication did its work.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Checks {
     /// Processors that did not get a polygon whose pixels are theirs.
     pub missing: u64,

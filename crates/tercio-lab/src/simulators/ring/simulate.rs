@@ -1,5 +1,7 @@
 //! One frame on a ring machine: geometry, communication, rasterization, compositing.
 
+use serde::Serialize;
+
 use super::destinations::{Destinations, Route};
 use super::receipts::Receipts;
 use super::stage::{Descriptor, Stage};
@@ -7,7 +9,7 @@ use super::{Algorithm, AlgorithmError, Checks, Machine};
 use crate::workloads::{BoxScene, ScreenMap};
 
 /// The geometry stage, which its busiest processor decides (A.2.1).
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct GeometryRun {
     /// Polygons that the busiest processor examines: ceil(p m / n).
     pub examined: u64,
@@ -18,7 +20,7 @@ pub struct GeometryRun {
 }
 
 /// The passes of one stride.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct StageRun {
     /// Processors that a pass moves over.
     pub stride: u32,
@@ -33,7 +35,7 @@ pub struct StageRun {
 }
 
 /// The rasterization stage, which its busiest processor decides (A.2.3).
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct RasterRun {
     /// Pixels of bounding boxes that the busiest processor rasterizes.
     pub pixels: u64,
@@ -42,7 +44,7 @@ pub struct RasterRun {
 }
 
 /// One frame.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct RingRun {
     /// Polygons of the model.
     pub polygons: u64,
