@@ -2,6 +2,7 @@
 
 mod check;
 mod eval;
+mod reproduce;
 
 use std::process::ExitCode;
 
@@ -19,6 +20,7 @@ pub struct Lab {
 enum Command {
     Eval(eval::Eval),
     Check(check::Check),
+    Reproduce(reproduce::Reproduce),
 }
 
 impl Lab {
@@ -30,6 +32,7 @@ impl Lab {
         match &self.command {
             Command::Eval(command) => command.run(),
             Command::Check(command) => command.run(),
+            Command::Reproduce(command) => command.run(),
         }
     }
 }
