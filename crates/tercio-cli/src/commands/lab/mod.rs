@@ -1,8 +1,15 @@
 //! `tercio lab`: the laboratory, one file a subcommand.
 
+mod advise;
+mod calibrate;
 mod check;
 mod eval;
+mod machines;
+mod plan;
+mod predict;
+mod reproduce;
 mod simulate;
+mod validate;
 mod workload;
 
 use std::process::ExitCode;
@@ -21,8 +28,14 @@ pub struct Lab {
 enum Command {
     Eval(eval::Eval),
     Check(check::Check),
+    Reproduce(reproduce::Reproduce),
+    Machines(machines::Machines),
     Workload(Box<workload::Workload>),
     Simulate(simulate::Simulate),
+    Predict(predict::Predict),
+    Advise(advise::Advise),
+    Calibrate(calibrate::Calibrate),
+    Validate(validate::Validate),
 }
 
 impl Lab {
@@ -34,8 +47,14 @@ impl Lab {
         match &self.command {
             Command::Eval(command) => command.run(),
             Command::Check(command) => command.run(),
+            Command::Reproduce(command) => command.run(),
+            Command::Machines(command) => command.run(),
             Command::Workload(command) => command.run(),
             Command::Simulate(command) => command.run(),
+            Command::Predict(command) => command.run(),
+            Command::Advise(command) => command.run(),
+            Command::Calibrate(command) => command.run(),
+            Command::Validate(command) => command.run(),
         }
     }
 }
