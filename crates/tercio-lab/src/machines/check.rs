@@ -83,7 +83,11 @@ fn heap(m: &Machine) -> Result<(), Wrong> {
     positive("heap", "node", Some(&h.node))?;
     positive("heap", "heaps", Some(&h.heaps))?;
     if h.node.value + h.header.value > h.buffer.value {
-        return Err(Wrong::new("heap", "buffer", format!("expected room for header and node, found {}", h.buffer)));
+        return Err(Wrong::new(
+            "heap",
+            "buffer",
+            format!("expected room for header and node, found {}", h.buffer),
+        ));
     }
     Ok(())
 }
@@ -106,7 +110,11 @@ fn tile_engine(m: &Machine) -> Result<(), Wrong> {
         return Err(Wrong::new("tile-engine", "tile", what));
     }
     if ![1, 2].contains(&e.interleave.whole()) {
-        return Err(Wrong::new("tile-engine", "interleave", format!("expected 1 or 2, found {}", e.interleave)));
+        return Err(Wrong::new(
+            "tile-engine",
+            "interleave",
+            format!("expected 1 or 2, found {}", e.interleave),
+        ));
     }
     Ok(())
 }

@@ -147,7 +147,8 @@ struct ReadCost(f64, String);
 impl<'de> Deserialize<'de> for ReadCost {
     fn deserialize<D: Deserializer<'de>>(d: D) -> Result<Self, D::Error> {
         let NumberText(text) = NumberText::deserialize(d)?;
-        let value = if is_in_cycles(&text) { with_unit::<Cycles>(&text) } else { with_unit::<Seconds>(&text) };
+        let value =
+            if is_in_cycles(&text) { with_unit::<Cycles>(&text) } else { with_unit::<Seconds>(&text) };
         Ok(Self(value.map_err(de::Error::custom)?, text))
     }
 }

@@ -48,7 +48,8 @@ fn costs_become_seconds() {
 fn mistakes_are_told_with_file_and_line() {
     let unit = error("\"100 MHz\"", "\"100 MB\"");
     assert!(unit.starts_with("m.toml:13:") && unit.contains("clock rate: expected Hz"), "{unit}");
-    let source = error("clock = { value = \"100 MHz\", source = \"000, 1\" }", "clock = { value = \"100 MHz\" }");
+    let source =
+        error("clock = { value = \"100 MHz\", source = \"000, 1\" }", "clock = { value = \"100 MHz\" }");
     assert!(source.starts_with("m.toml:13:") && source.contains("source"), "{source}");
     let empty = error("value = 4, source = \"000, 1\"", "value = 4, source = \" \"");
     assert!(empty.starts_with("m.toml:12:") && empty.contains("where the number comes from"), "{empty}");

@@ -152,7 +152,10 @@ mod tests {
         let lines = advice.explanation();
         assert_eq!(lines.len(), 4, "one line a class: {lines:?}");
         // 3,000 polygons travel faster than megabytes of pixels round a ring.
-        assert!(matches!(advice.plans[0].plan.organisation, Organisation::SortMiddle | Organisation::SortFirst));
+        assert!(matches!(
+            advice.plans[0].plan.organisation,
+            Organisation::SortMiddle | Organisation::SortFirst
+        ));
         assert!(lines.iter().any(|l| l.starts_with("sort-last") && l.contains("composition")), "{lines:?}");
     }
 

@@ -16,7 +16,8 @@ use super::frame::charges;
 use super::measure::{Clock, measure};
 use super::{PredictError, fit, views};
 use crate::machines::{
-    DataKind, Machine, Network, Operation, Processors, ScreenDivision, Sorting, SortingClass, Sourced, Topology,
+    DataKind, Machine, Network, Operation, Processors, ScreenDivision, Sorting, SortingClass, Sourced,
+    Topology,
 };
 
 /// Models that costs are fitted to, from few large triangles to many small ones.
@@ -91,7 +92,13 @@ pub fn calibrate(o: Options, mut tell: impl FnMut(&str)) -> Result<Calibration, 
             let tile = one.stats.tile_size;
             let picture = Picture { width: size.0, height: size.1, tile, exact_binning: true };
             let (counters, _) = count(&scene, &camera, picture)?;
-            samples.push(Sample { model: model.into(), picture, counters, seconds: one.seconds, fitted: 0.0 });
+            samples.push(Sample {
+                model: model.into(),
+                picture,
+                counters,
+                seconds: one.seconds,
+                fitted: 0.0,
+            });
         }
     }
     tell("memory and messages");

@@ -161,7 +161,8 @@ impl Part {
         let hidden = BoundingBox { visible: false, pixels: PixelBox { x0: 0, y0: 0, x1: 0, y1: 0 } };
         let triangle = Halfplanes::new(corners.map(|c| (i64::from(c.x), i64::from(c.y))));
         let screen = PixelBox::screen(p.width, p.height);
-        let Some((triangle, pixels)) = triangle.and_then(|t| Some((t, t.samples()?.intersection(&screen)?))) else {
+        let Some((triangle, pixels)) = triangle.and_then(|t| Some((t, t.samples()?.intersection(&screen)?)))
+        else {
             self.boxes.push(hidden);
             return;
         };

@@ -13,8 +13,9 @@ pub fn costs(counts: &[Vec<f64>], times: &[f64]) -> Vec<f64> {
     let rows: Vec<Vec<f64>> =
         counts.iter().zip(times).map(|(row, t)| row.iter().map(|c| c / t).collect()).collect();
     let column = |k: usize| rows.iter().map(move |r| r[k]);
-    let gram: Vec<Vec<f64>> =
-        (0..n).map(|a| (0..n).map(|b| column(a).zip(column(b)).map(|(x, y)| x * y).sum()).collect()).collect();
+    let gram: Vec<Vec<f64>> = (0..n)
+        .map(|a| (0..n).map(|b| column(a).zip(column(b)).map(|(x, y)| x * y).sum()).collect())
+        .collect();
     let mut costs = vec![0.0f64; n];
     // The gradient at all costs zero; every target is 1.
     let mut gradient: Vec<f64> = (0..n).map(|k| -column(k).sum::<f64>()).collect();

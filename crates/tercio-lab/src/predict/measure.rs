@@ -67,11 +67,13 @@ pub fn measure(
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
     let pool = pool.map_err(|e| PredictError::Threads(threads, e))?;
     let start = Instant::now();
-    let now = || match clock {
-        Clock::Processor => processor_time().map(|t| t / threads as f64),
-        Clock::Wall => None,
-    }
-    .unwrap_or_else(|| start.elapsed().as_secs_f64());
+    let now = || {
+        match clock {
+            Clock::Processor => processor_time().map(|t| t / threads as f64),
+            Clock::Wall => None,
+        }
+        .unwrap_or_else(|| start.elapsed().as_secs_f64())
+    };
     pool.install(|| {
         let (mut renderer, mut frame) = (Renderer::new(), Frame::default());
         renderer.render_into(scene, camera, settings, &mut frame)?;

@@ -92,7 +92,8 @@ pub fn compare(
                 row.differing.push((name, ours, theirs));
             }
         }
-        row.predicted += FrameTime::on_threads(machine, &counters, threads).total() / f64::from(o.views.max(1));
+        row.predicted +=
+            FrameTime::on_threads(machine, &counters, threads).total() / f64::from(o.views.max(1));
         row.measured += real.seconds / f64::from(o.views.max(1));
     }
     Ok(row)

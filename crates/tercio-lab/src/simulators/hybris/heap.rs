@@ -52,6 +52,17 @@ pub struct PageCounts {
     pub cycles: u64,
 }
 
+impl PageCounts {
+    /// Sums.
+    pub fn plus(self, o: Self) -> Self {
+        Self {
+            accesses: self.accesses + o.accesses,
+            misses: self.misses + o.misses,
+            cycles: self.cycles + o.cycles,
+        }
+    }
+}
+
 /// A heap: for each bucket its nodes, in the order in which they came.
 #[derive(Clone, Debug)]
 pub struct Heap {
@@ -78,7 +89,7 @@ impl Heap {
 
     /// Writes a node into a bucket; takes a new buffer if the last one is full.
     pub fn push(&mut self, bucket: usize, node: u32) {
-        let full = self.buckets[bucket].len() as u64 % self.layout.nodes_per_buffer() == 0;
+        let full = (self.buckets[bucket].len() as u64).is_multiple_of(self.layout.nodes_per_buffer());
         if full {
             self.buffers[bucket].push(self.taken);
             self.taken += 1;

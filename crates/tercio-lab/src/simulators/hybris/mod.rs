@@ -10,19 +10,25 @@
 //! | [`back_end`] | tiles on one or two engines, image composition | 3.6.3, 3.6.4 |
 //! | [`transfer`] | the bus to the board | 4.5.1 |
 //! | [`software`] | one and two processors with their barrier | 4.3.1, 4.3.2 |
+//! | [`scene`] | a model under a camera | |
+//! | [`frame`] | a whole frame on one of the machines | 4.3 to 4.6 |
 //!
 //! All of it is a pure function of a [`Scene`] and of a machine's description. Screen coordinates are whole
 //! sub-pixels, 256 to a pixel, y downwards; nothing is rounded twice.
 
 pub mod back_end;
+pub mod frame;
 pub mod front_end;
 pub mod heap;
 pub mod partition;
+pub mod scene;
 pub mod software;
 pub mod tile_engine;
 pub mod transfer;
 pub mod triangle;
 
+pub use back_end::Sharing;
+pub use frame::{HybrisFrame, simulate};
 pub use front_end::{FrontEnd, FrontEndCounts};
 pub use triangle::Triangle;
 

@@ -63,8 +63,7 @@ mod tests {
     /// A sheet of squares, two triangles each.
     fn sheet(side: u32) -> Mesh {
         let at = |x: u32, y: u32| y * (side + 1) + x;
-        let positions =
-            (0..=side).flat_map(|y| (0..=side).map(move |x| [x as f32, y as f32, 0.0])).collect();
+        let positions = (0..=side).flat_map(|y| (0..=side).map(move |x| [x as f32, y as f32, 0.0])).collect();
         let square = |x, y| {
             let (a, b, c, d) = (at(x, y), at(x + 1, y), at(x + 1, y + 1), at(x, y + 1));
             [[a, b, c], [a, c, d]]

@@ -14,8 +14,9 @@ use std::collections::VecDeque;
 
 use serde::Serialize;
 
-use super::Triangle;
-use super::triangle::PixelBox;
+use work::Span;
+pub use work::TileWork;
+
 use crate::machines;
 
 /// What an engine is built like.
@@ -40,52 +41,6 @@ impl EngineSettings {
             fifo_after_broadcast: engine.fifo_after_broadcast.whole() as usize,
             interleave: engine.interleave.whole() as usize,
         }
-    }
-}
-
-/// A span of pixels, the end left out, before and behind the cut at the tile's border.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Span {
-    first: i32,
-    behind: i32,
-}
-
-impl Span {
-    /// Pixels at every `step`-th column, those with remainder `lane`.
-    fn pixels(self, lane: usize, step: usize) -> u32 {
-        let (lane, step) = (lane as i32, step as i32);
-        let up_to = |x: i32| (x - lane + step - 1).div_euclid(step);
-        (up_to(self.behind) - up_to(self.first)).max(0) as u32
-    }
-}
-
-/// A triangle's rows in one tile.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct TileWork {
-    first_row: i32,
-    spans: Vec<Span>,
-}
-
-impl TileWork {
-    /// The part of a triangle in a tile.
-    pub fn new(triangle: &Triangle, tile: PixelBox) -> Self {
-        let Some(rows) = triangle.rounded_box() else { return Self::default() };
-        let (y0, y1) = (rows.y0.max(tile.y0), rows.y1.min(tile.y1));
-        let span = |row| {
-            let (first, behind) = triangle.span(row);
-            Span { first: first.max(tile.x0), behind: behind.min(tile.x1) }
-        };
-        Self { first_row: y0, spans: (y0..y1).map(span).collect() }
-    }
-
-    /// Pixels drawn.
-    pub fn pixels(&self) -> u64 {
-        self.spans.iter().map(|s| u64::from(s.pixels(0, 1))).sum()
-    }
-
-    /// Rows met.
-    pub fn rows(&self) -> u64 {
-        self.spans.len() as u64
     }
 }
 
@@ -118,7 +73,11 @@ impl StageCounts {
     }
 
     fn plus(self, o: Self) -> Self {
-        Self { busy: self.busy + o.busy, stalled: self.stalled + o.stalled, starved: self.starved + o.starved }
+        Self {
+            busy: self.busy + o.busy,
+            stalled: self.stalled + o.stalled,
+            starved: self.starved + o.starved,
+        }
     }
 }
 
@@ -262,26 +221,29 @@ impl Pipeline<'_> {
                 let queue = if step == 1 { &mut lane.spans } else { &mut stage.queue };
                 self.counts.stages[3].count(draw_span(queue, &mut stage.left, column, step));
             }
-            if step > 1 && lane.draw_spans.iter().all(|d| d.queue.has_room()) {
-                if let Some(span) = lane.spans.entries.pop_front() {
-                    lane.draw_spans.iter_mut().for_each(|d| d.queue.push(span));
-                }
+            if step > 1
+                && lane.draw_spans.iter().all(|d| d.queue.has_room())
+                && let Some(span) = lane.spans.entries.pop_front()
+            {
+                lane.draw_spans.iter_mut().for_each(|d| d.queue.push(span));
             }
             self.counts.stages[2].count(set_up_span(&mut lane.register, &mut lane.spans));
             let queue = if step == 1 { &mut self.triangles } else { &mut lane.queue };
             let made = draw_triangle(self.work, queue, &mut lane.current, &mut lane.register, number, step);
             self.counts.stages[1].count(made);
         }
-        if step > 1 && self.lanes.iter().all(|l| l.queue.has_room()) {
-            if let Some(triangle) = self.triangles.entries.pop_front() {
-                self.lanes.iter_mut().for_each(|l| l.queue.push(triangle));
-            }
+        if step > 1
+            && self.lanes.iter().all(|l| l.queue.has_room())
+            && let Some(triangle) = self.triangles.entries.pop_front()
+        {
+            self.lanes.iter_mut().for_each(|l| l.queue.push(triangle));
         }
         let made = self.set_up_triangle();
         self.counts.stages[0].count(made);
         self.counts.cycles += 1;
         self.counts.fifo_entry_cycles[0] += self.triangles.entries.len() as u64;
-        self.counts.fifo_entry_cycles[1] += self.lanes.iter().map(|l| l.spans.entries.len() as u64).sum::<u64>();
+        self.counts.fifo_entry_cycles[1] +=
+            self.lanes.iter().map(|l| l.spans.entries.len() as u64).sum::<u64>();
     }
 
     fn set_up_triangle(&mut self) -> Step {
@@ -372,3 +334,4 @@ fn draw_triangle(
 
 #[cfg(test)]
 mod tests;
+mod work;

@@ -65,7 +65,8 @@ mod tests {
     #[test]
     fn the_board_of_the_document_moves_buffers_at_10_megabytes_a_second() {
         let bus = Bus::of(&builtin("hybris-fpga").unwrap().unwrap().transfer.unwrap());
-        let implied = transfer_overhead(Bytes::new(4096.0), BytesPerSecond::new(10e6), BytesPerSecond::new(100e6));
+        let implied =
+            transfer_overhead(Bytes::new(4096.0), BytesPerSecond::new(10e6), BytesPerSecond::new(100e6));
         assert!((bus.overhead - implied.unwrap().get()).abs() < 1e-12);
         let full = bus.heaps(&one_tile(63 * 100), 4, 4096, 4096);
         assert_eq!((full.bytes, full.transfers), (4096 * 100, 100));

@@ -33,8 +33,12 @@ pub struct PixelBox {
 impl PixelBox {
     /// The part of both; `None` if it is empty.
     pub fn and(self, o: Self) -> Option<Self> {
-        let both =
-            Self { x0: self.x0.max(o.x0), x1: self.x1.min(o.x1), y0: self.y0.max(o.y0), y1: self.y1.min(o.y1) };
+        let both = Self {
+            x0: self.x0.max(o.x0),
+            x1: self.x1.min(o.x1),
+            y0: self.y0.max(o.y0),
+            y1: self.y1.min(o.y1),
+        };
         (both.x0 < both.x1 && both.y0 < both.y1).then_some(both)
     }
 }

@@ -220,12 +220,13 @@ fn add_between(lines: &mut [Vec<i64>; 2], start: usize, from: usize, to: usize, 
 
 /// The largest sum of differences.
 fn busiest(line: &[i64]) -> i64 {
-    line.iter().scan(0, |sum, d| {
-        *sum += d;
-        Some(*sum)
-    })
-    .max()
-    .unwrap_or(0)
+    line.iter()
+        .scan(0, |sum, d| {
+            *sum += d;
+            Some(*sum)
+        })
+        .max()
+        .unwrap_or(0)
 }
 
 /// The same for a line that goes round twice: link k and link k + n are one.
@@ -293,7 +294,9 @@ mod tests {
         assert_eq!((tree.busiest_link, crossbar.busiest_link), (45.0, 45.0));
         assert_eq!((tree.most_hops, crossbar.most_hops, tree.most_messages), (8, 2, 15));
         assert!(traffic(Topology::Mesh, 16, &all).busiest_link > 45.0);
-        assert!(traffic(Topology::Ring, 16, &all).busiest_link > traffic(Topology::Mesh, 16, &all).busiest_link);
+        assert!(
+            traffic(Topology::Ring, 16, &all).busiest_link > traffic(Topology::Mesh, 16, &all).busiest_link
+        );
     }
 
     proptest! {

@@ -67,8 +67,7 @@ impl Regions {
                 .map(move |k| (k as u64, (last.min(k * edge + edge - 1) - first.max(k * edge) + 1) as u64))
         };
         parts(pixels.y0, pixels.y1).flat_map(move |(row, height)| {
-            parts(pixels.x0, pixels.x1)
-                .map(move |(column, width)| (row * columns + column, width * height))
+            parts(pixels.x0, pixels.x1).map(move |(column, width)| (row * columns + column, width * height))
         })
     }
 }

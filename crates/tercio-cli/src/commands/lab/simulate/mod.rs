@@ -1,5 +1,6 @@
 //! `tercio lab simulate`: a workload on a published machine, one file a machine.
 
+mod hybris;
 mod mcmanus;
 mod ortega;
 mod parks;
@@ -25,6 +26,7 @@ pub struct Simulate {
 #[derive(Debug, Subcommand)]
 enum Machine {
     Ring(ring::Ring),
+    Hybris(hybris::Hybris),
     Parks(parks::Parks),
     Mcmanus(mcmanus::McManus),
     Ortega(ortega::Ortega),
@@ -38,6 +40,7 @@ impl Simulate {
     pub fn run(&self) -> Result<ExitCode> {
         let text = match &self.machine {
             Machine::Ring(machine) => machine.run()?,
+            Machine::Hybris(machine) => machine.run()?,
             Machine::Parks(machine) => machine.run()?,
             Machine::Mcmanus(machine) => machine.run()?,
             Machine::Ortega(machine) => machine.run()?,

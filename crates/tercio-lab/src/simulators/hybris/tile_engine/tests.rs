@@ -1,6 +1,8 @@
 use proptest::prelude::*;
 
 use super::*;
+use crate::simulators::hybris::Triangle;
+use crate::simulators::hybris::triangle::PixelBox;
 
 const PLAIN: EngineSettings =
     EngineSettings { set_up_triangle: 1, fifo: 4, fifo_after_broadcast: 2, interleave: 1 };
@@ -70,9 +72,13 @@ fn a_triangle_is_cut_at_the_tile() {
 }
 
 fn any_work() -> impl Strategy<Value = Vec<TileWork>> {
-    let one = (0..32i32, 0..32i32, prop::collection::vec((0..32i32, 0..9i32), 0..12)).prop_map(|(_, y, rows)| {
-        TileWork { first_row: y, spans: rows.iter().map(|&(x, w)| Span { first: x, behind: x + w }).collect() }
-    });
+    let one =
+        (0..32i32, 0..32i32, prop::collection::vec((0..32i32, 0..9i32), 0..12)).prop_map(|(_, y, rows)| {
+            TileWork {
+                first_row: y,
+                spans: rows.iter().map(|&(x, w)| Span { first: x, behind: x + w }).collect(),
+            }
+        });
     prop::collection::vec(one, 0..40)
 }
 

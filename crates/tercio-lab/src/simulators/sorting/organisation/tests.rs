@@ -70,7 +70,8 @@ fn sort_first_repeats_the_geometry_work() {
 
 #[test]
 fn a_million_processors() {
-    let boxes: Vec<_> = (0..20_000).map(|k| (k * 7 % 1000, k * 13 % 1000, k * 7 % 1000 + 5, k * 13 % 1000 + 4)).collect();
+    let boxes: Vec<_> =
+        (0..20_000).map(|k| (k * 7 % 1000, k * 13 % 1000, k * 7 % 1000 + 5, k * 13 % 1000 + 4)).collect();
     let s = Setting { width: 1024, height: 1024, ..setting(1 << 20, Topology::Mesh) };
     let r = simulate(&scene(&boxes), Organisation::SortTwice(1024), &s);
     assert_eq!(r.raster.mean * (1 << 20) as f64, r.overlap * 20_000.0 + 0.5 * 30.0 * 20_000.0);
