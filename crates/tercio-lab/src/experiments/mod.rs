@@ -8,6 +8,7 @@
 mod files;
 mod plot;
 pub mod report;
+mod simulated;
 mod table;
 mod verdict;
 
@@ -76,12 +77,16 @@ impl Document {
             Self::Hybris => {
                 "H. Holten-Lund, Design for Scalability in 3D Computer Graphics Architectures, DTU, 2001"
             }
-            Self::Parks => "J. K. Parks, A Comparison of Two Multiprocessor Graphics Machine Designs, UNC, 1982",
+            Self::Parks => {
+                "J. K. Parks, A Comparison of Two Multiprocessor Graphics Machine Designs, UNC, 1982"
+            }
             Self::McManus => {
                 "D. McManus, C. Beckmann, Optimal Static 2-Dimensional Screen Subdivision for Parallel Rasterization \
                  Architectures"
             }
-            Self::Ortega => "F. A. Ortega, C. D. Hansen, Fast Data Parallel Polygon Rendering, Supercomputing 1993",
+            Self::Ortega => {
+                "F. A. Ortega, C. D. Hansen, Fast Data Parallel Polygon Rendering, Supercomputing 1993"
+            }
         }
     }
 }
@@ -109,11 +114,11 @@ pub struct Outcome {
 }
 
 /// The rooms of the experiments, in the order of the documents.
-const ROOMS: &[&[Experiment]] = &[];
+const ROOMS: &[&[&[Experiment]]] = &[&simulated::ROOMS];
 
 /// All experiments, in the order of the documents.
 pub fn all() -> impl Iterator<Item = Experiment> {
-    ROOMS.iter().flat_map(|room| room.iter().copied())
+    ROOMS.iter().copied().flatten().flat_map(|room| room.iter().copied())
 }
 
 /// Runs `experiments` on the cores of the current pool and writes each into its folder under `directory`: one CSV

@@ -199,7 +199,8 @@ impl ValueFormatter<f64> for Division {
 
 /// A number with at most six digits, thousands parted.
 fn grouped(number: f64) -> String {
-    let digits = if number == 0.0 { 0 } else { (5 - number.abs().log10().floor() as i32).clamp(0, 9) as usize };
+    let digits =
+        if number == 0.0 { 0 } else { (5 - number.abs().log10().floor() as i32).clamp(0, 9) as usize };
     let text = format!("{number:.digits$}");
     let text = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
     let (sign, text) = text.strip_prefix('-').map_or(("", text), |rest| ("-", rest));
@@ -338,7 +339,10 @@ mod tests {
 
     #[test]
     fn ticks_are_round_and_hold_the_values() {
-        assert_eq!(Scale::Linear.ticks(0.0, 7.3), (0.0, 8.0, vec![0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0]));
+        assert_eq!(
+            Scale::Linear.ticks(0.0, 7.3),
+            (0.0, 8.0, vec![0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0])
+        );
         assert_eq!(Scale::Log2.ticks(0.0, 10.0).2, [0.0, 2.0, 4.0, 6.0, 8.0, 10.0]);
         let (low, high, _) = Scale::Log10.ticks(1.5, 1.6);
         assert!(low <= 1.5 && high >= 1.6);

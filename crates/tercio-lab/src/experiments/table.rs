@@ -69,15 +69,21 @@ impl Table {
     /// # Panics
     /// As [`Table::push`].
     pub fn push_row(&mut self, row: Vec<Cell>) {
-        assert_eq!(row.len(), self.columns.len(), "table {}: a row has as many cells as there are columns", self.name);
+        assert_eq!(
+            row.len(),
+            self.columns.len(),
+            "table {}: a row has as many cells as there are columns",
+            self.name
+        );
         self.rows.push(row);
     }
 
     /// The table as CSV (RFC 4180): a header with `name (unit)`, then the rows.
     pub fn to_csv(&self) -> String {
-        let header = self.columns.iter().map(|c| {
-            if c.unit.is_empty() { c.name.clone() } else { format!("{} ({})", c.name, c.unit) }
-        });
+        let header = self
+            .columns
+            .iter()
+            .map(|c| if c.unit.is_empty() { c.name.clone() } else { format!("{} ({})", c.name, c.unit) });
         let text = |cell: &Cell| match cell {
             Cell::Number(number) => number.to_string(),
             Cell::Text(text) => text.clone(),

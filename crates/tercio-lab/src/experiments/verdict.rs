@@ -99,13 +99,23 @@ impl Comparison {
         if failed.is_empty() {
             return format!("the stated tolerance of each of {} numbers{worst}", self.pairs.len());
         }
-        let said = |p: &&Pair| format!("{}: ours {}, published {} ± {}", p.name, p.ours, p.published, p.tolerance);
-        format!("{} of {} numbers miss: {}", failed.len(), self.pairs.len(), failed.iter().map(said).collect::<Vec<_>>().join("; "))
+        let said =
+            |p: &&Pair| format!("{}: ours {}, published {} ± {}", p.name, p.ours, p.published, p.tolerance);
+        format!(
+            "{} of {} numbers miss: {}",
+            failed.len(),
+            self.pairs.len(),
+            failed.iter().map(said).collect::<Vec<_>>().join("; ")
+        )
     }
 
     /// Reproduced if all agree, contradicted if one does not.
     pub fn verdict(&self) -> Verdict {
-        if self.agrees() { Verdict::Reproduced { within: self.words() } } else { Verdict::Contradicted { why: self.words() } }
+        if self.agrees() {
+            Verdict::Reproduced { within: self.words() }
+        } else {
+            Verdict::Contradicted { why: self.words() }
+        }
     }
 
     /// Reproduced after `correction` if all agree, contradicted if one does not.
@@ -156,7 +166,8 @@ impl Comparison {
     pub fn verdict_of_published(prefixes: &[&str], correction: &str) -> Result<Verdict, TableError> {
         let comparison = Self::of_published(prefixes)?;
         let corrected = published::numbers()?.into_iter().any(|n| {
-            prefixes.iter().any(|p| n.id.starts_with(p)) && matches!(n.standing, Standing::Restored | Standing::Contradicted)
+            prefixes.iter().any(|p| n.id.starts_with(p))
+                && matches!(n.standing, Standing::Restored | Standing::Contradicted)
         });
         Ok(if corrected { comparison.verdict_after(correction) } else { comparison.verdict() })
     }
@@ -177,7 +188,10 @@ mod tests {
     #[test]
     fn verdicts_follow_from_the_pairs() {
         let mut comparison = Comparison::new();
-        assert!(matches!(comparison.verdict(), Verdict::Contradicted { .. }), "nothing compared is nothing shown");
+        assert!(
+            matches!(comparison.verdict(), Verdict::Contradicted { .. }),
+            "nothing compared is nothing shown"
+        );
         comparison.add("a", 1.0, 1.01, 0.02);
         assert!(matches!(comparison.verdict(), Verdict::Reproduced { .. }));
         comparison.add("b", 1.0, 1.1, 0.02);

@@ -53,7 +53,9 @@ impl Value {
         match self {
             Self::Number(number) => !number.is_finite(),
             Self::Text(_) => false,
-            Self::List(items) => items.iter().any(|i| i.as_number().map_or(i.is_undefined(), f64::is_infinite)),
+            Self::List(items) => {
+                items.iter().any(|i| i.as_number().map_or(i.is_undefined(), f64::is_infinite))
+            }
         }
     }
 
