@@ -5,7 +5,13 @@
 //! function in the room of its document and list it there; [`all`] chains the rooms. [`reproduce`] runs experiments
 //! on all cores and writes them; [`report`] joins them to a page that can be read from figure to figure.
 
+pub mod eldridge;
+mod facts;
 mod files;
+pub mod hybris;
+pub mod mcmanus;
+pub mod ortega;
+pub mod parks;
 mod plot;
 pub mod report;
 mod simulated;
@@ -17,6 +23,7 @@ use std::path::Path;
 use rayon::prelude::*;
 use serde::Serialize;
 
+pub use facts::Facts;
 pub use files::WriteError;
 pub use plot::{Axis, Mark, Plot, Role, Scale, Series};
 pub use table::{Cell, Column, Table};
@@ -114,11 +121,26 @@ pub struct Outcome {
 }
 
 /// The rooms of the experiments, in the order of the documents.
-const ROOMS: &[&[&[Experiment]]] = &[&simulated::ROOMS];
+const ROOMS: &[&[Experiment]] = &[
+    eldridge::communication::EXPERIMENTS,
+    eldridge::composition::EXPERIMENTS,
+    eldridge::accounting::EXPERIMENTS,
+    simulated::ring::EXPERIMENTS,
+    hybris::overlap::EXPERIMENTS,
+    hybris::performance::EXPERIMENTS,
+    parks::costs::EXPERIMENTS,
+    parks::tables::EXPERIMENTS,
+    simulated::parks::EXPERIMENTS,
+    mcmanus::overlap::EXPERIMENTS,
+    mcmanus::sizing::EXPERIMENTS,
+    simulated::mcmanus::EXPERIMENTS,
+    ortega::speed::EXPERIMENTS,
+    simulated::ortega::EXPERIMENTS,
+];
 
 /// All experiments, in the order of the documents.
 pub fn all() -> impl Iterator<Item = Experiment> {
-    ROOMS.iter().copied().flatten().flat_map(|room| room.iter().copied())
+    ROOMS.iter().flat_map(|room| room.iter().copied())
 }
 
 /// Runs `experiments` on the cores of the current pool and writes each into its folder under `directory`: one CSV
@@ -144,4 +166,43 @@ pub fn reproduce(
             Ok(outcome)
         })
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use super::*;
+    use crate::published;
+
+    #[test]
+    fn every_experiment_runs_and_none_is_contradicted() {
+        let directory = tempfile::tempdir().unwrap();
+        let experiments: Vec<_> = all().collect();
+        let ids: BTreeSet<_> = experiments.iter().map(|e| e.id).collect();
+        assert_eq!(ids.len(), experiments.len(), "names are folders");
+        let outcomes = reproduce(&experiments, directory.path(), |_| {}).unwrap();
+        for outcome in &outcomes {
+            let id = outcome.experiment.id;
+            let findings = outcome.findings.as_ref().unwrap_or_else(|e| panic!("{id}: {e}"));
+            let contradicted = matches!(findings.verdict, Verdict::Contradicted { .. });
+            assert!(!contradicted, "{id}: {}", findings.verdict.text());
+            assert!(findings.tables.iter().all(|t| !t.rows.is_empty()), "{id} has an empty table");
+            for plot in &findings.plots {
+                assert!(directory.path().join(id).join(format!("{}.svg", plot.name)).is_file());
+            }
+        }
+        report::write(&outcomes, &published::check_all().unwrap(), directory.path()).unwrap();
+        let page = std::fs::read_to_string(directory.path().join("index.html")).unwrap();
+        let markdown = std::fs::read_to_string(directory.path().join("report.md")).unwrap();
+        assert!(ids.iter().all(|id| page.contains(id) && markdown.contains(id)));
+    }
+
+    #[test]
+    fn what_is_found_is_the_same_from_run_to_run() {
+        for experiment in all() {
+            let run = || format!("{:?}", (experiment.run)().map_err(|e| e.to_string()));
+            assert_eq!(run(), run(), "{}", experiment.id);
+        }
+    }
 }

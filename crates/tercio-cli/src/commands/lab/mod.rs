@@ -2,6 +2,7 @@
 
 mod check;
 mod eval;
+mod reproduce;
 mod simulate;
 mod workload;
 
@@ -21,6 +22,7 @@ pub struct Lab {
 enum Command {
     Eval(eval::Eval),
     Check(check::Check),
+    Reproduce(reproduce::Reproduce),
     Workload(Box<workload::Workload>),
     Simulate(simulate::Simulate),
 }
@@ -34,6 +36,7 @@ impl Lab {
         match &self.command {
             Command::Eval(command) => command.run(),
             Command::Check(command) => command.run(),
+            Command::Reproduce(command) => command.run(),
             Command::Workload(command) => command.run(),
             Command::Simulate(command) => command.run(),
         }

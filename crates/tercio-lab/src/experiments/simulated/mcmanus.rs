@@ -12,7 +12,7 @@ const SIZE: (u32, u32) = (512, 512);
 /// Raster cycles a second (section 5.1).
 const RATE: f64 = 1e6;
 
-pub(super) const EXPERIMENTS: &[Experiment] = &[
+pub(in crate::experiments) const EXPERIMENTS: &[Experiment] = &[
     Experiment {
         id: "mcmanus-table-1-scenes",
         document: Document::McManus,

@@ -5,7 +5,7 @@ use crate::simulators::ortega::{Machine, simulate};
 use crate::workloads::synthetic::{Distribution, Spread};
 use crate::workloads::{PolygonScene, ScreenPolygon};
 
-pub(super) const EXPERIMENTS: &[Experiment] = &[
+pub(in crate::experiments) const EXPERIMENTS: &[Experiment] = &[
     Experiment {
         id: "ortega-fig-3-steps",
         document: Document::Ortega,

@@ -9,7 +9,7 @@ use crate::simulators::parks::{Costs, Machine, Polygon, SceneRun, simulate};
 
 const SIZE: (u32, u32) = (SCREEN, SCREEN);
 
-pub(super) const EXPERIMENTS: &[Experiment] = &[
+pub(in crate::experiments) const EXPERIMENTS: &[Experiment] = &[
     Experiment {
         id: "parks-app-c-scene",
         document: Document::Parks,

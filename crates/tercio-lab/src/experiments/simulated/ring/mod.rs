@@ -22,7 +22,7 @@ const fn experiment(
     Experiment { id, document: Document::Eldridge, place, title, run }
 }
 
-pub(super) const EXPERIMENTS: &[Experiment] = &[
+pub(in crate::experiments) const EXPERIMENTS: &[Experiment] = &[
     experiment("eldridge-fig-4-1", "figure 4-1", "Sort-first: polygons on each processor", load::sort_first),
     experiment("eldridge-fig-4-2", "figure 4-2", "Sort-middle: shifts for each polygon", load::shifts),
     experiment(
