@@ -14,6 +14,7 @@ pub mod ortega;
 pub mod parks;
 mod plot;
 pub mod report;
+mod simulated;
 mod table;
 mod verdict;
 
@@ -124,6 +125,7 @@ const ROOMS: &[&[Experiment]] = &[
     eldridge::communication::EXPERIMENTS,
     eldridge::composition::EXPERIMENTS,
     eldridge::accounting::EXPERIMENTS,
+    simulated::ring::EXPERIMENTS,
     hybris::overlap::EXPERIMENTS,
     hybris::performance::EXPERIMENTS,
     hybris::sorting::EXPERIMENTS,
@@ -131,9 +133,12 @@ const ROOMS: &[&[Experiment]] = &[
     hybris::engines::EXPERIMENTS,
     parks::costs::EXPERIMENTS,
     parks::tables::EXPERIMENTS,
+    simulated::parks::EXPERIMENTS,
     mcmanus::overlap::EXPERIMENTS,
     mcmanus::sizing::EXPERIMENTS,
+    simulated::mcmanus::EXPERIMENTS,
     ortega::speed::EXPERIMENTS,
+    simulated::ortega::EXPERIMENTS,
 ];
 
 /// All experiments, in the order of the documents.

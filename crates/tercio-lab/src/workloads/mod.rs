@@ -25,3 +25,6 @@ pub use error::{ReadError, SyntaxError};
 pub use pixel_box::PixelBox;
 pub use polygons::{PolygonScene, ScreenPoint, ScreenPolygon};
 pub use screen_map::ScreenMap;
+
+/// Pixels of a screen, at most: what the simulators keep for each pixel has to fit into memory.
+pub const MAX_SCREEN_PIXELS: u64 = 1 << 26;

@@ -16,7 +16,7 @@ use std::fmt::Write;
 use std::path::Path;
 
 use super::text::{lines, missing};
-use super::{BoundingBox, BoxScene, PixelBox, ReadError, SyntaxError, error};
+use super::{BoundingBox, BoxScene, MAX_SCREEN_PIXELS, PixelBox, ReadError, SyntaxError, error};
 
 /// Sub-pixels along a pixel's side.
 pub const SUBPIXELS: i32 = 256;
@@ -124,6 +124,9 @@ impl PolygonScene {
         let side = |s: &str| s.parse::<u32>().ok().filter(|s| (1..=MAX_PIXELS as u32).contains(s));
         let sides = screen.split_once('x').and_then(|(w, h)| Some((side(w)?, side(h)?)));
         let (width, height) = sides.ok_or_else(|| head.wrong("a size WIDTHxHEIGHT in pixels", &screen))?;
+        if u64::from(width) * u64::from(height) > MAX_SCREEN_PIXELS {
+            return Err(head.wrong(format!("a screen of at most {MAX_SCREEN_PIXELS} pixels"), &screen));
+        }
         head.literal("NumPolygons")?;
         head.literal("=")?;
         let count: u64 = head.number("the number of polygons")?;
@@ -218,6 +221,10 @@ mod tests {
     #[test]
     fn mistakes_are_told_with_their_line() {
         let cases = [
+            (
+                "Screen=65536x65536 NumPolygons=1",
+                "line 1: expected a screen of at most 67108864 pixels, found 65536x65536",
+            ),
             ("Screen=8x0 NumPolygons=1", "line 1: expected a size WIDTHxHEIGHT in pixels, found 8x0"),
             (
                 "Screen=8x8 NumPolygons=1\n1 \n",

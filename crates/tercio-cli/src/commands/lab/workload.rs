@@ -10,7 +10,7 @@ use tercio::image::Destination;
 use tercio_lab::simulators::parks::figure_15;
 use tercio_lab::workloads::projection::Model;
 use tercio_lab::workloads::synthetic::{Distribution, Spread};
-use tercio_lab::workloads::{BoxScene, PolygonScene};
+use tercio_lab::workloads::{BoxScene, MAX_SCREEN_PIXELS, PolygonScene};
 
 use crate::args::camera::CameraArgs;
 use crate::args::{RunningArgs, values};
@@ -94,6 +94,9 @@ impl Workload {
     /// What went wrong.
     pub fn run(&self) -> Result<ExitCode> {
         let format = self.format()?;
+        if u64::from(self.size.0) * u64::from(self.size.1) > MAX_SCREEN_PIXELS {
+            return Err(UsageError(format!("--size: expected at most {MAX_SCREEN_PIXELS} pixels")).into());
+        }
         let destination = Destination::parse(&self.output);
         destination.check()?;
         let pool = threads::pool(self.running.threads)?;

@@ -3,11 +3,11 @@
 use std::fmt::Write;
 use std::path::PathBuf;
 
-use anyhow::Result;
+use anyhow::{Result, bail};
 use clap::Args;
 use serde_json::{Value, json};
 use tercio_lab::simulators::mcmanus::{AreaModel, raster_cycles, renderers, silicon};
-use tercio_lab::workloads::PolygonScene;
+use tercio_lab::workloads::{MAX_SCREEN_PIXELS, PolygonScene};
 
 use super::{boxes, is_polygons};
 use crate::args::values;
@@ -51,6 +51,9 @@ impl McManus {
             (boxes(&self.scene)?, (512, 512))
         };
         let size = self.size.unwrap_or(own);
+        if u64::from(size.0) * u64::from(size.1) > MAX_SCREEN_PIXELS {
+            bail!("expected a screen of at most {MAX_SCREEN_PIXELS} pixels, found {}x{}", size.0, size.1);
+        }
         let cycles: Vec<_> = self.regions.iter().map(|&side| raster_cycles(&scene, size, side)).collect();
         let renderers = renderers(&cycles, &AreaModel::PUBLISHED, self.rate);
         let best = silicon::best(&renderers).map(|r| r.side);
