@@ -28,6 +28,7 @@ enum Command {
     Info(commands::info::Info),
     Compare(commands::compare::Compare),
     Bench(commands::bench::Bench),
+    Lab(commands::lab::Lab),
 }
 
 fn main() -> ExitCode {
@@ -35,6 +36,7 @@ fn main() -> ExitCode {
         Command::Render(command) => (command.run(), 1),
         Command::Info(command) => (command.run(), 1),
         Command::Bench(command) => (command.run(), 1),
+        Command::Lab(command) => (command.run(), 1),
         // As with cmp and diff, 1 says that the pictures differ.
         Command::Compare(command) => (command.run(), 2),
     };

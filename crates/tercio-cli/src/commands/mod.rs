@@ -3,4 +3,5 @@
 pub mod bench;
 pub mod compare;
 pub mod info;
+pub mod lab;
 pub mod render;

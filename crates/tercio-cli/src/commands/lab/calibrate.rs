@@ -1,0 +1,93 @@
+//! `tercio lab calibrate`: this machine's description, measured.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use anyhow::Result;
+use clap::{Args, ValueEnum};
+use tercio::image::Destination;
+use tercio_lab::predict::calibrate::{Options, calibrate};
+use tercio_lab::predict::measure::Clock;
+
+use crate::args::RunningArgs;
+use crate::messages;
+use crate::output::write_text;
+use crate::threads;
+
+/// Measures this machine, costs of the renderer's work, memory and messages between threads, and writes its
+/// description.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Costs are fitted to frames of built-in models on one thread; the share that is not divided follows from the
+same frames on all threads. Messages are those between threads of one process.
+
+Examples:
+  tercio lab calibrate -o mine.toml
+  tercio lab calibrate --clock processor -o mine.toml   (others use the machine at the same time)
+
+Exit code: 0 success, 1 error, 2 wrong usage.")]
+pub struct Calibrate {
+    /// The file to write, - for standard output.
+    #[arg(short, long, value_name = "FILE", default_value = "-")]
+    output: PathBuf,
+    /// Frames of each picture, of which the fastest counts.
+    #[arg(long, value_name = "N", default_value_t = 7, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    frames: u32,
+    /// Which clock times frames on one thread.
+    #[arg(long, value_name = "CLOCK", value_enum, default_value_t = ClockName::Wall)]
+    clock: ClockName,
+    #[command(flatten)]
+    running: RunningArgs,
+}
+
+/// Clocks.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub enum ClockName {
+    /// Time that passes.
+    Wall,
+    /// Processor time of the process, divided by its threads.
+    Processor,
+}
+
+impl From<ClockName> for Clock {
+    fn from(name: ClockName) -> Self {
+        match name {
+            ClockName::Wall => Self::Wall,
+            ClockName::Processor => Self::Processor,
+        }
+    }
+}
+
+impl Calibrate {
+    /// Runs the command.
+    ///
+    /// # Errors
+    /// What went wrong.
+    pub fn run(&self) -> Result<ExitCode> {
+        let destination = Destination::parse(&self.output);
+        destination.check()?;
+        let pool = threads::pool(self.running.threads)?;
+        let options =
+            Options { threads: pool.current_num_threads(), frames: self.frames, clock: self.clock.into() };
+        let tell = |what: &str| {
+            if self.running.verbose {
+                messages::note(what);
+            }
+        };
+        let calibration = pool.install(|| calibrate(options, tell))?;
+        if self.running.verbose {
+            for s in &calibration.samples {
+                messages::note(&format!(
+                    "{} {}x{}: measured {:.3} ms, fitted {:.3} ms",
+                    s.model,
+                    s.picture.width,
+                    s.picture.height,
+                    s.seconds * 1e3,
+                    s.fitted * 1e3
+                ));
+            }
+        }
+        write_text(&destination, &calibration.machine.to_toml()?)?;
+        Ok(ExitCode::SUCCESS)
+    }
+}

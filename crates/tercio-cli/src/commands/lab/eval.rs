@@ -1,0 +1,120 @@
+//! `tercio lab eval`: any formula of the documents, by its name.
+
+use std::fmt::Write;
+use std::process::ExitCode;
+
+use anyhow::{Result, anyhow};
+use clap::Args;
+use serde_json::{Value as Json, json};
+use tercio::image::Destination;
+use tercio_lab::models::registry::{self, Arguments, Model, Parameter, Value};
+
+use crate::output::{UsageError, write_text};
+
+/// Evaluates a formula of the documents.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Values are numbers in the unit that --list tells, numbers with a unit of their own ('14 MHz'),
+or lists ('[[1, 31], [2, 95]]').
+
+Examples:
+  tercio lab eval --list
+  tercio lab eval eldridge.5.6
+  tercio lab eval eldridge.5.6 n=4096 a=42 b=30
+  tercio lab eval overlap.2.10 S=32 w=40 h=55 a=1041.5 --json
+
+Exit code: 0 success, 1 error, 2 wrong usage.")]
+pub struct Eval {
+    /// The formula's name, as --list tells it.
+    #[arg(value_name = "ID", required_unless_present = "list")]
+    id: Option<String>,
+    /// Values of its parameters.
+    #[arg(value_name = "NAME=VALUE")]
+    values: Vec<String>,
+    /// Lists the formulas with their parameters, units, defaults and places; with ID, those whose name begins so.
+    #[arg(long)]
+    list: bool,
+    /// Writes JSON with stable keys.
+    #[arg(long)]
+    json: bool,
+}
+
+impl Eval {
+    /// Runs the command.
+    ///
+    /// # Errors
+    /// Unknown names, missing and impossible values.
+    pub fn run(&self) -> Result<ExitCode> {
+        let text = if self.list { self.list()? } else { self.evaluate()? };
+        write_text(&Destination::Stdout, &text)?;
+        Ok(ExitCode::SUCCESS)
+    }
+
+    fn evaluate(&self) -> Result<String> {
+        let model = registry::find(self.id.as_deref().unwrap_or_default())?;
+        let given = arguments(&self.values)?;
+        let outcome = model.evaluate(&given)?;
+        if self.json {
+            let mut value = model_json(model);
+            value["given"] = serde_json::to_value(&given)?;
+            value["value"] = serde_json::to_value(&outcome)?;
+            return Ok(format!("{value:#}\n"));
+        }
+        let unit = if model.unit.is_empty() { String::new() } else { format!(" {}", model.unit) };
+        Ok(format!("{outcome}{unit}\n"))
+    }
+
+    fn list(&self) -> Result<String> {
+        let prefix = self.id.as_deref().unwrap_or_default();
+        let models: Vec<_> = registry::all().filter(|m| m.id.starts_with(prefix)).collect();
+        if models.is_empty() {
+            registry::find(prefix)?;
+        }
+        if self.json {
+            let all: Json = models.iter().map(|m| model_json(m)).collect();
+            return Ok(format!("{all:#}\n"));
+        }
+        Ok(models.iter().fold(String::new(), |mut text, model| {
+            let unit = if model.unit.is_empty() { String::new() } else { format!(" [{}]", model.unit) };
+            // Writing into a string cannot fail.
+            let _ = writeln!(text, "{}{unit}  ({})\n    {}", model.id, model.place, model.what);
+            if !model.parameters.is_empty() {
+                let all: Vec<_> = model.parameters.iter().map(parameter_text).collect();
+                let _ = writeln!(text, "    {}", all.join(", "));
+            }
+            text
+        }))
+    }
+}
+
+/// Reads `name=value` pairs.
+fn arguments(values: &[String]) -> Result<Arguments> {
+    let mut all = Arguments::new();
+    for pair in values {
+        let usage = |what: String| UsageError(what);
+        let (name, value) =
+            pair.split_once('=').ok_or_else(|| usage(format!("expected NAME=VALUE, found '{pair}'")))?;
+        let value = Value::from_argument(value).map_err(|e| anyhow!("{name}: {e}"))?;
+        if all.insert(name.trim().to_owned(), value).is_some() {
+            return Err(usage(format!("'{name}' is given twice")).into());
+        }
+    }
+    Ok(all)
+}
+
+fn parameter_text(parameter: &Parameter) -> String {
+    let unit = if parameter.unit.is_empty() { String::new() } else { format!(" [{}]", parameter.unit) };
+    let default = parameter.default.map_or(String::new(), |d| format!(" = {}", Value::Number(d)));
+    format!("{}{unit}{default}", parameter.name)
+}
+
+fn model_json(model: &Model) -> Json {
+    let parameter = |p: &Parameter| json!({ "name": p.name, "unit": p.unit, "default": p.default });
+    json!({
+        "id": model.id,
+        "place": model.place,
+        "what": model.what,
+        "unit": model.unit,
+        "parameters": model.parameters.iter().map(parameter).collect::<Json>(),
+    })
+}

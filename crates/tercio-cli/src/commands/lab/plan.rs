@@ -1,0 +1,118 @@
+//! What prediction and advice share: the model, its picture, the machine.
+
+use anyhow::Result;
+use clap::{Args, ValueEnum};
+use tercio::LoadOptions;
+use tercio::mesh::Aabb;
+use tercio::scene::Scene;
+use tercio_lab::machines::{Machine, Topology, load};
+use tercio_lab::predict::calibrate::prepare;
+use tercio_lab::predict::counters::{Counters, Picture, count};
+use tercio_lab::predict::views;
+use tercio_lab::workloads::BoxScene;
+
+use crate::args::{ModelArgs, RunningArgs, values};
+use crate::progress::Display;
+
+/// The picture that is predicted.
+#[derive(Debug, Args)]
+pub struct PictureArgs {
+    #[command(flatten)]
+    pub model: ModelArgs,
+    /// Size of the picture in pixels.
+    #[arg(short, long, value_name = "WxH", default_value = "1024x1024", value_parser = values::size)]
+    pub size: (u32, u32),
+    /// The view, of those that 'tercio bench' draws.
+    #[arg(long, value_name = "K", default_value_t = 0)]
+    view: u32,
+    /// How many views there are round the model.
+    #[arg(long, value_name = "N", default_value_t = 36, value_parser = clap::value_parser!(u32).range(1..))]
+    views: u32,
+    /// Pixels along the edge of a tile.
+    #[arg(long, value_name = "PIXELS", default_value = "64", value_parser = tile)]
+    tile_size: u32,
+}
+
+/// The machine that is predicted.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Machine")]
+pub struct MachineArgs {
+    /// A machine that comes with the program ('tercio lab machines'), or a file, such as 'tercio lab calibrate'
+    /// writes.
+    #[arg(short, long, value_name = "MACHINE", default_value = "two-core-2026")]
+    pub machine: String,
+    /// Another network than the machine's, with its bandwidth and latency.
+    #[arg(long, value_name = "SHAPE", value_enum)]
+    network: Option<NetworkName>,
+}
+
+/// Shapes of networks.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum NetworkName {
+    /// Neighbour to neighbour in a circle.
+    Ring,
+    /// A square grid.
+    Mesh,
+    /// A tree whose links double towards the root.
+    FatTree,
+    /// Everyone to everyone.
+    Crossbar,
+}
+
+impl MachineArgs {
+    /// The machine.
+    ///
+    /// # Errors
+    /// It does not exist, or its description has mistakes.
+    pub fn machine(&self) -> Result<Machine> {
+        Ok(load(&self.machine)?)
+    }
+
+    /// The shape of network that was asked for.
+    pub fn topology(&self) -> Option<Topology> {
+        self.network.map(|n| match n {
+            NetworkName::Ring => Topology::Ring,
+            NetworkName::Mesh => Topology::Mesh,
+            NetworkName::FatTree => Topology::FatTree,
+            NetworkName::Crossbar => Topology::Crossbar,
+        })
+    }
+}
+
+/// A model's counts.
+pub struct Counted {
+    pub picture: Picture,
+    pub counters: Counters,
+    pub boxes: BoxScene,
+}
+
+impl PictureArgs {
+    /// Loads the model and counts the picture.
+    ///
+    /// # Errors
+    /// What went wrong.
+    pub fn count(&self, running: &RunningArgs) -> Result<Counted> {
+        let (scene, bounds) = load_scene(&self.model, running)?;
+        let camera = views::camera(&bounds, self.size, self.view % self.views, self.views);
+        let picture =
+            Picture { width: self.size.0, height: self.size.1, tile: self.tile_size, exact_binning: true };
+        let (counters, boxes) = count(&scene, &camera, picture)?;
+        Ok(Counted { picture, counters, boxes })
+    }
+}
+
+/// A model under one light.
+pub fn load_scene(model: &ModelArgs, running: &RunningArgs) -> Result<(Scene, Aabb)> {
+    let display = Display::new(running.progress_mode());
+    let options = LoadOptions {
+        memory_limit: running.memory_limit(),
+        progress: Some(&display.progress),
+        ..LoadOptions::default()
+    };
+    Ok(prepare(tercio::load_mesh(&model.model, &options)?.mesh))
+}
+
+fn tile(text: &str) -> Result<u32, String> {
+    let known = [8, 16, 32, 64, 128];
+    text.parse().ok().filter(|t| known.contains(t)).ok_or_else(|| "expected 8, 16, 32, 64 or 128".into())
+}

@@ -1,0 +1,68 @@
+//! `tercio lab simulate`: a workload on a published machine, one file a machine.
+
+mod hybris;
+mod mcmanus;
+mod ortega;
+mod parks;
+mod ring;
+
+use std::path::Path;
+use std::process::ExitCode;
+
+use anyhow::{Result, bail};
+use clap::{Args, Subcommand};
+use tercio::image::Destination;
+use tercio_lab::workloads::{BoxScene, PolygonScene};
+
+use crate::output::write_text;
+
+/// Runs a workload on a published machine, exactly.
+#[derive(Debug, Args)]
+pub struct Simulate {
+    #[command(subcommand)]
+    machine: Machine,
+}
+
+#[derive(Debug, Subcommand)]
+enum Machine {
+    Ring(ring::Ring),
+    Hybris(hybris::Hybris),
+    Parks(parks::Parks),
+    Mcmanus(mcmanus::McManus),
+    Ortega(ortega::Ortega),
+}
+
+impl Simulate {
+    /// Runs the subcommand.
+    ///
+    /// # Errors
+    /// What went wrong.
+    pub fn run(&self) -> Result<ExitCode> {
+        let text = match &self.machine {
+            Machine::Ring(machine) => machine.run()?,
+            Machine::Hybris(machine) => machine.run()?,
+            Machine::Parks(machine) => machine.run()?,
+            Machine::Mcmanus(machine) => machine.run()?,
+            Machine::Ortega(machine) => machine.run()?,
+        };
+        write_text(&Destination::Stdout, &text)?;
+        Ok(ExitCode::SUCCESS)
+    }
+}
+
+fn is_polygons(file: &Path) -> bool {
+    file.extension().is_some_and(|e| e == "polygons")
+}
+
+/// Reads boxes; of a polygon file, the polygons' boxes.
+fn boxes(file: &Path) -> Result<BoxScene> {
+    if is_polygons(file) { Ok(PolygonScene::read(file)?.boxes()) } else { Ok(BoxScene::read(file)?) }
+}
+
+/// Reads polygons.
+fn polygons(file: &Path) -> Result<PolygonScene> {
+    if file.extension().is_some_and(|e| e == "boxes") {
+        bail!("{}: this machine needs whole polygons, not boxes (a file .polygons)", file.display());
+    }
+    Ok(PolygonScene::read(file)?)
+}

@@ -1,0 +1,123 @@
+//! `tercio lab validate`: predicted against measured.
+
+use std::fmt::Write;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use anyhow::Result;
+use clap::Args;
+use serde_json::{Value, json};
+use tercio::image::Destination;
+use tercio_lab::machines::load;
+use tercio_lab::predict::validate::{Options, Row, TOLERANCE, compare};
+
+use super::calibrate::ClockName;
+use super::plan::load_scene;
+use crate::args::{ModelArgs, RunningArgs, values};
+use crate::output::write_text;
+use crate::progress::Display;
+use crate::threads;
+
+/// Draws models and compares counters and times with what is predicted for this machine.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Counters have to be equal, times to lie within 25 %. Models that costs were fitted to prove little: choose others.
+
+Examples:
+  tercio lab calibrate -o mine.toml
+  tercio lab validate builtin:teapot@500k dragon.ply --machine mine.toml --sizes 800x600,1920x1080
+
+Exit code: 0 all hold, 1 some do not or an error, 2 wrong usage.")]
+pub struct Validate {
+    /// Models as 'tercio render' takes them.
+    #[arg(value_name = "MODEL", required = true)]
+    models: Vec<PathBuf>,
+    /// This machine's description, as 'tercio lab calibrate' writes it.
+    #[arg(short, long, value_name = "MACHINE")]
+    machine: String,
+    /// Sizes of the pictures.
+    #[arg(long, value_name = "WxH,...", default_value = "800x600,1920x1080", value_delimiter = ',')]
+    #[arg(value_parser = values::size)]
+    sizes: Vec<(u32, u32)>,
+    /// Views round each model.
+    #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    views: u32,
+    /// Frames of each view, of which the fastest counts.
+    #[arg(long, value_name = "N", default_value_t = 7, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    frames: u32,
+    /// Which clock times frames.
+    #[arg(long, value_name = "CLOCK", value_enum, default_value_t = ClockName::Wall)]
+    clock: ClockName,
+    /// Writes JSON with stable keys.
+    #[arg(long)]
+    json: bool,
+    #[command(flatten)]
+    running: RunningArgs,
+}
+
+impl Validate {
+    /// Runs the command.
+    ///
+    /// # Errors
+    /// What went wrong.
+    pub fn run(&self) -> Result<ExitCode> {
+        let machine = load(&self.machine)?;
+        let pool = threads::pool(self.running.threads)?;
+        let most = pool.current_num_threads();
+        let options = Options { views: self.views, frames: self.frames, clock: self.clock.into() };
+        let display = Display::new(self.running.progress_mode());
+        let counts: Vec<usize> = if most > 1 { vec![1, most] } else { vec![1] };
+        display.progress.begin("frames", (self.models.len() * self.sizes.len() * counts.len()) as u64);
+        let mut rows = Vec::new();
+        for model in &self.models {
+            let model = ModelArgs { model: model.clone() };
+            let (scene, bounds) = pool.install(|| load_scene(&model, &self.running))?;
+            for &size in &self.sizes {
+                for &threads in &counts {
+                    rows.push(compare(&machine, (&model.name(), &scene, &bounds), size, threads, options)?);
+                    display.progress.advance(1);
+                }
+            }
+        }
+        drop(display);
+        let text =
+            if self.json { format!("{:#}\n", rows.iter().map(json).collect::<Value>()) } else { text(&rows) };
+        write_text(&Destination::Stdout, &text)?;
+        Ok(ExitCode::from(u8::from(!rows.iter().all(Row::holds))))
+    }
+}
+
+fn json(row: &Row) -> Value {
+    json!({ "row": row, "error": row.error(), "tolerance": TOLERANCE, "holds": row.holds() })
+}
+
+/// A table in Markdown.
+fn text(rows: &[Row]) -> String {
+    let mut text = String::from(
+        "| model | size | threads | counters equal | predicted ms | measured ms | error | |\n|---|---|---|---|---|---|---|---|\n",
+    );
+    for row in rows {
+        // Writing into a string cannot fail.
+        let _ = writeln!(
+            text,
+            "| {} | {}x{} | {} | {} of {} | {:.3} | {:.3} | {:+.1} % | {} |",
+            row.model,
+            row.size.0,
+            row.size.1,
+            row.threads,
+            row.compared - row.differing.len(),
+            row.compared,
+            row.predicted * 1e3,
+            row.measured * 1e3,
+            row.error() * 100.0,
+            if row.holds() { "holds" } else { "misses" },
+        );
+    }
+    for row in rows.iter().filter(|r| !r.differing.is_empty()) {
+        for (name, ours, theirs) in &row.differing {
+            let _ =
+                writeln!(text, "\n{} {:?}: {name} predicted {ours}, counted {theirs}", row.model, row.size);
+        }
+    }
+    text
+}

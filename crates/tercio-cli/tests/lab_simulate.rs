@@ -1,0 +1,79 @@
+//! `tercio lab workload` and `tercio lab simulate`.
+
+mod common;
+
+use common::Place;
+
+#[test]
+fn a_model_becomes_a_workload_that_every_machine_takes() {
+    let place = Place::new();
+    place.run("lab workload model.off --size 64x64 -o model.boxes").quietly_well();
+    place.run("lab workload model.off --size 64x64 -o model.polygons").quietly_well();
+    let boxes = String::from_utf8(place.read("model.boxes")).unwrap();
+    assert!(boxes.starts_with("NumPolygons=8\n"), "{boxes}");
+    // Half of an octahedron's triangles show their front.
+    assert_eq!(boxes.lines().filter(|l| l.starts_with("1 ")).count(), 4, "{boxes}");
+
+    let ring = place.run("lab simulate ring model.boxes --size 64x64 --processors 64").quietly_well();
+    assert!(
+        ring.text().contains("8 polygons, 4 visible")
+            && ring.text().contains("checks: 0 missing, 0 unneeded, 0 repeated")
+    );
+    let parks = place.run("lab simulate parks model.polygons").quietly_well();
+    assert!(
+        parks.text().contains("4 polygons, 64x64 pixels") && parks.text().contains("hybrid-16"),
+        "{}",
+        parks.text()
+    );
+    let mcmanus = place.run("lab simulate mcmanus model.polygons --regions 1,64").quietly_well();
+    assert!(mcmanus.text().contains("64x64            4     1.00"), "{}", mcmanus.text());
+    let ortega = place.run("lab simulate ortega model.polygons --processors 4").quietly_well();
+    assert!(ortega.text().contains("4 processors"), "{}", ortega.text());
+}
+
+#[test]
+fn the_runway_of_document_002() {
+    let place = Place::new();
+    place.run("lab workload parks:figure-15 -o runway.polygons").quietly_well();
+    let all = place.run("lab simulate parks runway.polygons").quietly_well();
+    assert!(
+        all.text().contains("248 polygons, 731 vertices, 1411 segments (1411 charged), 251224 pixels"),
+        "{}",
+        all.text()
+    );
+    let one = place.run("lab simulate parks runway.polygons --chunks 4 --processor 1").quietly_well();
+    assert!(one.text().contains("total scene time 731408.4"), "{}", one.text());
+}
+
+#[test]
+fn random_scenes_are_the_same_again() {
+    let place = Place::new();
+    let command = "lab workload random:500 --size 768x512 --box 3.8x12 --deviation 30 --visible 0.67";
+    for name in ["a.boxes", "b.boxes"] {
+        place.run(&format!("{command} -o {name}")).quietly_well();
+    }
+    assert_eq!(place.read("a.boxes"), place.read("b.boxes"));
+    let json = place.run("lab simulate ring a.boxes --strides 16,1 --json").quietly_well();
+    assert!(json.text().contains("\"communication_instructions\""), "{}", json.text());
+}
+
+#[test]
+fn mistakes_are_told() {
+    let place = Place::new();
+    let write = |name, text| std::fs::write(place.path(name), text).unwrap();
+    write("bad.boxes", "NumPolygons=1\n1 (3,4) (2,9)\n");
+    write("bad.map", "0 (0, 0) (9, 9)\n1 (5, 0) (19, 9)\n");
+    write("good.boxes", "NumPolygons=1\n1 (3,4) (3,9)\n");
+    place.run("lab simulate ring bad.boxes").failed(1, &["bad.boxes: line 2: expected a last pixel"]);
+    place
+        .run("lab simulate ring good.boxes --map bad.map")
+        .failed(1, &["bad.map: line 2: expected every pixel"]);
+    place.run("lab simulate ring good.boxes --strides 4").failed(1, &["expected strides that fall"]);
+    place
+        .run("lab simulate ring good.boxes --duplication 3")
+        .failed(1, &["duplication that divides the 1024 processors"]);
+    place.run("lab simulate parks good.boxes").failed(1, &["needs whole polygons, not boxes"]);
+    place.run("lab simulate ring none.boxes").failed(1, &["none.boxes"]);
+    place.run("lab workload model.off -o model.txt").failed(2, &["extension must be .boxes or .polygons"]);
+    place.run("lab workload random:x -o a.boxes").failed(2, &["random:COUNT"]);
+}

@@ -1,0 +1,67 @@
+//! Writing what an experiment found.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use serde_json::json;
+
+use super::{Experiment, Findings};
+
+/// A file that could not be written.
+#[derive(Debug, thiserror::Error)]
+pub enum WriteError {
+    /// The system refused.
+    #[error("{path}: {source}")]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        #[source]
+        source: std::io::Error,
+    },
+    /// A plot could not be drawn.
+    #[error("{0}")]
+    Plot(String),
+}
+
+/// Writes `text`, whole or not at all: into a file beside it that then takes its name.
+pub(super) fn write(path: &Path, text: &str) -> Result<(), WriteError> {
+    let io = |source| WriteError::Io { path: path.into(), source };
+    if let Some(parent) = path.parent() {
+        fs::create_dir_all(parent).map_err(io)?;
+    }
+    let mut part = path.as_os_str().to_owned();
+    part.push(".part");
+    fs::write(&part, text).and_then(|()| fs::rename(&part, path)).map_err(|source| {
+        // What is left of a failed write is of no use; that it cannot be removed changes nothing.
+        let _ = fs::remove_file(&part);
+        io(source)
+    })
+}
+
+/// Writes tables, plots and the verdict into the experiment's folder under `directory`.
+pub(super) fn write_findings(
+    experiment: &Experiment,
+    findings: &Findings,
+    directory: &Path,
+) -> Result<(), WriteError> {
+    let folder = directory.join(experiment.id);
+    for table in &findings.tables {
+        write(&folder.join(format!("{}.csv", table.name)), &table.to_csv())?;
+    }
+    for plot in &findings.plots {
+        write(&folder.join(format!("{}.svg", plot.name)), &plot.to_svg().map_err(WriteError::Plot)?)?;
+    }
+    let verdict = json!({
+        "id": experiment.id,
+        "document": experiment.document.number(),
+        "place": experiment.place,
+        "title": experiment.title,
+        "verdict": findings.verdict.name(),
+        "text": findings.verdict.text(),
+        "remarks": findings.remarks,
+        "tables": findings.tables.iter().map(|t| format!("{}.csv", t.name)).collect::<Vec<_>>(),
+        "plots": findings.plots.iter().map(|p| format!("{}.svg", p.name)).collect::<Vec<_>>(),
+    });
+    write(&folder.join("verdict.json"), &format!("{verdict:#}\n"))
+}

@@ -1,0 +1,116 @@
+//! Overlap of triangles and tiles: figures 2.15 and 2.16.
+
+use crate::experiments::facts::Facts;
+use crate::experiments::{
+    Axis, Comparison, Document, Experiment, ExperimentError, Findings, Plot, Series, Table,
+};
+use crate::models::overlap;
+use crate::units::{Length, Pixels, Ratio};
+
+pub(crate) const EXPERIMENTS: &[Experiment] = &[
+    Experiment {
+        id: "hybris-fig-2-15",
+        document: Document::Hybris,
+        place: "figure 2.15",
+        title: "Overlap by bounding boxes and exact, by tile and triangle size",
+        run: by_tile_and_area,
+    },
+    Experiment {
+        id: "hybris-fig-2-16",
+        document: Document::Hybris,
+        place: "figure 2.16",
+        title: "Overlap for tiles of 32 by 32 pixels",
+        run: for_one_tile,
+    },
+];
+
+const TILES: [u32; 6] = [8, 16, 32, 64, 128, 256];
+const AREAS: [u32; 6] = [1, 4, 16, 64, 256, 1024];
+const RHO: Ratio = Ratio::new(3.0);
+
+fn by_tile_and_area() -> Result<Findings, ExperimentError> {
+    let facts = Facts::load()?;
+    let mut table = Table::new(
+        "overlap",
+        &[
+            ("tile", "px"),
+            ("area", "pixel"),
+            ("bounding box", ""),
+            ("bounding box printed", ""),
+            ("exact", ""),
+            ("exact printed", ""),
+        ],
+    );
+    let mut plot = Plot::new(
+        "overlap",
+        "Tiles that a triangle meets",
+        Axis::log2("triangle area (pixels)"),
+        Axis::log2("overlap factor"),
+    );
+    for tile in TILES {
+        let side = Length::new(tile.into());
+        let mut boxes = Vec::new();
+        for area in AREAS {
+            let a = Pixels::new(area.into());
+            let (by_box, exact) =
+                (overlap::bounding_boxes(side, a, RHO).get(), overlap::exact(side, a, RHO).get());
+            let in_print = facts.printed(&format!("H2.15-bb-{tile}-{area}"))?;
+            let exact_in_print = facts.printed(&format!("H2.15-ex-{tile}-{area}"))?;
+            table.push([
+                side.get().into(),
+                a.get().into(),
+                by_box.into(),
+                in_print.into(),
+                exact.into(),
+                exact_in_print.into(),
+            ]);
+            boxes.push((a.get(), by_box));
+        }
+        plot = plot.with(Series::line_points(format!("boxes, tile {tile}"), boxes));
+    }
+    Ok(Findings {
+        tables: vec![table],
+        plots: vec![plot],
+        remarks: vec!["Boxes are taken to be square and three times as large as their triangles.".into()],
+        verdict: Comparison::of_published(&["H2.15"])?.verdict(),
+    })
+}
+
+fn for_one_tile() -> Result<Findings, ExperimentError> {
+    let side = Length::new(32.0);
+    let mut table = Table::new("overlap-32", &[("area", "pixel"), ("bounding box", ""), ("exact", "")]);
+    let (mut boxes, mut exacts) = (Vec::new(), Vec::new());
+    for step in 0..=64 {
+        let area = f64::from(step) * 16.0;
+        let a = Pixels::new(area);
+        let (by_box, exact) =
+            (overlap::bounding_boxes(side, a, RHO).get(), overlap::exact(side, a, RHO).get());
+        table.push([area.into(), by_box.into(), exact.into()]);
+        boxes.push((area, by_box));
+        exacts.push((area, exact));
+    }
+    let facts = Facts::load()?;
+    let printed = |kind: &str| -> Result<Vec<_>, ExperimentError> {
+        AREAS.iter().map(|&a| Ok((f64::from(a), facts.printed(&format!("H2.15-{kind}-32-{a}"))?))).collect()
+    };
+    let plot = Plot::new(
+        "overlap-32",
+        "Tiles of 32 by 32 pixels that a triangle meets",
+        Axis::linear("triangle area (pixels)"),
+        Axis::linear("overlap factor"),
+    )
+    .with(Series::line("bounding boxes (2.4)", boxes))
+    .with(Series::line("exact (2.9)", exacts))
+    .with(Series::points("figure 2.15, bounding boxes", printed("bb")?).published())
+    .with(Series::points("figure 2.15, exact", printed("ex")?).published());
+    Ok(Findings {
+        tables: vec![table],
+        plots: vec![plot],
+        remarks: vec![
+            "Equation 2.10 holds for convex shapes of any size with 1 + (w + h)/S + a/S^2, the area of the shape's \
+             Minkowski sum with a tile; the document derives it for boxes within a tile."
+                .into(),
+        ],
+        verdict: Comparison::of_published(&["H2.15-bb-32", "H2.15-ex-32", "H2.1", "H2.7"])?.verdict(),
+    })
+}

@@ -1,0 +1,117 @@
+//! The sorting classes of section 2.3 on networks, from one processor to a million.
+
+use tercio_mesh::builtin;
+
+use crate::experiments::{
+    Axis, Comparison, Document, Experiment, ExperimentError, Findings, Plot, Series, Table,
+};
+use crate::machines::{Topology, load};
+use crate::predict::views;
+use crate::simulators::sorting::organisation::{Setting, simulate};
+use crate::simulators::sorting::{Assignment, Costs, NetworkModel, Organisation};
+use crate::workloads::projection::Model;
+
+pub(crate) const EXPERIMENTS: &[Experiment] = &[Experiment {
+    id: "hybris-sec-2-3-classes",
+    document: Document::Hybris,
+    place: "section 2.3",
+    title: "Where to sort: time of a frame by the number of processors, on four networks",
+    run: classes,
+}];
+
+const MODEL: &str = "builtin:teapot@300k";
+const SIZE: (u32, u32) = (1024, 1024);
+/// Groups of sort-twice.
+const GROUP: usize = 64;
+
+fn classes() -> Result<Findings, ExperimentError> {
+    let machine = load("cluster-64")?;
+    let network = machine.need(machine.network.as_ref(), "network")?;
+    let costs = Costs::of(&machine)?;
+    let mesh = builtin::make(MODEL)?;
+    let camera = views::camera(&mesh.bounds(), SIZE, 0, 1);
+    let boxes = Model::new(mesh).boxes(&camera, SIZE)?;
+    let mut table = Table::new(
+        "classes",
+        &[
+            ("network", ""),
+            ("class", ""),
+            ("processors", ""),
+            ("geometry", "ms"),
+            ("redistribution", "ms"),
+            ("rasterization", "ms"),
+            ("composition", "ms"),
+            ("frame", "ms"),
+            ("overlap", ""),
+            ("bytes", "B"),
+        ],
+    );
+    let mut plots = Vec::new();
+    let mut comparison = Comparison::new();
+    for topology in [Topology::Ring, Topology::Mesh, Topology::FatTree, Topology::Crossbar] {
+        let mut plot = Plot::new(
+            topology.name(),
+            format!("Time of a frame: {}", topology.name()),
+            Axis::log2("processors"),
+            Axis::log10("milliseconds"),
+        );
+        for (name, organisation) in [
+            ("sort-first", Organisation::SortFirst),
+            ("sort-middle", Organisation::SortMiddle),
+            ("sort-last", Organisation::SortLast),
+            ("sort-twice, groups of 64", Organisation::SortTwice(GROUP)),
+        ] {
+            let mut points = Vec::new();
+            for power in (0..=20).step_by(4) {
+                let setting = Setting {
+                    width: SIZE.0,
+                    height: SIZE.1,
+                    processors: 1 << power,
+                    region: None,
+                    assignment: Assignment::Interleaved,
+                    network: NetworkModel::of(network, Some(topology)),
+                    costs,
+                };
+                let r = simulate(&boxes, organisation, &setting);
+                table.push([
+                    topology.name().into(),
+                    name.into(),
+                    (setting.processors as f64).into(),
+                    (r.geometry.seconds * 1e3).into(),
+                    (r.redistribution_seconds * 1e3).into(),
+                    (r.raster.seconds * 1e3).into(),
+                    (r.composition_seconds * 1e3).into(),
+                    (r.seconds() * 1e3).into(),
+                    r.overlap.into(),
+                    ((r.redistribution.bytes + r.composition.bytes) as f64).into(),
+                ]);
+                points.push((setting.processors as f64, r.seconds() * 1e3));
+                if organisation == Organisation::SortLast {
+                    comparison.add(
+                        format!("sort-last: every triangle in one place, {} processors", setting.processors),
+                        r.overlap,
+                        1.0,
+                        0.0,
+                    );
+                }
+            }
+            plot = plot.with(Series::line_points(name, points));
+        }
+        plots.push(plot);
+    }
+    Ok(Findings {
+        tables: vec![table],
+        plots,
+        remarks: vec![
+            format!(
+                "{MODEL} at 1024x1024, costs and network of the machine cluster-64 in other shapes. Sort-middle \
+                 divides the screen ever finer and meets ever more overlap and messages; sort-last sends pictures, \
+                 whose cost does not depend on the triangles."
+            ),
+            "Times are lower bounds: congestion of the busiest link, hops of the longest way, messages of the busiest \
+             processor."
+                .into(),
+        ],
+        verdict: comparison.qualitative("The section argues in words and prints no numbers."),
+    })
+}

@@ -1,0 +1,3 @@
+//! Tables and figures of document 004.
+
+pub mod speed;

@@ -1,0 +1,158 @@
+//! Rates and speed-ups on the CM-200 and the CM-5: tables 1 to 4, figures 3 and 4.
+
+use crate::experiments::facts::Facts;
+use crate::experiments::{
+    Axis, Comparison, Document, Experiment, ExperimentError, Findings, Plot, Series, Table,
+};
+use crate::models::ortega;
+use crate::units::{Polygons, Seconds};
+
+pub(crate) const EXPERIMENTS: &[Experiment] = &[
+    Experiment {
+        id: "ortega-tables",
+        document: Document::Ortega,
+        place: "tables 1 to 4",
+        title: "Polygon rates, from times and the implied numbers of polygons",
+        run: rates,
+    },
+    Experiment {
+        id: "ortega-fig-3",
+        document: Document::Ortega,
+        place: "figure 3",
+        title: "Speed-up on the CM-5",
+        run: cm5,
+    },
+    Experiment {
+        id: "ortega-fig-4",
+        document: Document::Ortega,
+        place: "figure 4",
+        title: "Speed-up on the CM-200",
+        run: cm200,
+    },
+];
+
+/// Partitions as the tables name them, with their processors.
+const CM200: [(&str, f64); 3] = [("16K", 16_384.0), ("32K", 32_768.0), ("64K", 65_536.0)];
+const CM5: [(&str, f64); 5] = [("32", 32.0), ("64", 64.0), ("128", 128.0), ("256", 256.0), ("512", 512.0)];
+/// The tables: number, polygons, partitions. The text has 3 and 4 the wrong way round, the captions are right.
+const TABLES: [(u32, &str, &[(&str, f64)]); 4] = [
+    (1, "small polygons on the CM-200", &CM200),
+    (2, "large polygons on the CM-200", &CM200),
+    (3, "small polygons on the CM-5", &CM5),
+    (4, "large polygons on the CM-5", &CM5),
+];
+/// Rows have lost their labels; slowest first.
+const ROWS: [u32; 3] = [1, 2, 3];
+
+/// The time in a cell.
+fn time(facts: &Facts, table: u32, row: u32, partition: &str) -> Result<Seconds, ExperimentError> {
+    Ok(Seconds::new(facts.given(&format!("O-T{table}-r{row}-{partition}"), "t")?))
+}
+
+fn rates() -> Result<Findings, ExperimentError> {
+    let facts = Facts::load()?;
+    let mut table = Table::new(
+        "rates",
+        &[
+            ("table", ""),
+            ("polygons", ""),
+            ("row", ""),
+            ("partition", ""),
+            ("time", "s"),
+            ("ours", "polygon/s"),
+            ("printed", "polygon/s"),
+        ],
+    );
+    let mut plot = Plot::new(
+        "rates",
+        "Fastest row of each table",
+        Axis::log2("processors"),
+        Axis::log10("polygons a second"),
+    );
+    for (number, name, partitions) in TABLES {
+        for row in ROWS {
+            let mut points = Vec::new();
+            for &(partition, processors) in partitions {
+                let id = format!("O-T{number}-r{row}-{partition}");
+                let polygons = Polygons::new(facts.given(&id, "N")?);
+                let time = time(&facts, number, row, partition)?;
+                let rate = ortega::rate(polygons, time).get();
+                table.push([
+                    f64::from(number).into(),
+                    polygons.get().into(),
+                    f64::from(row).into(),
+                    partition.into(),
+                    time.get().into(),
+                    rate.into(),
+                    facts.printed(&id)?.into(),
+                ]);
+                points.push((processors, rate));
+            }
+            if row == ROWS[2] {
+                plot = plot.with(Series::line_points(name, points));
+            }
+        }
+    }
+    let correction = "Two cells of table 4 are misprinted (5,939 for 5,839; 25,746 for 25,748); the timed set of small \
+                      polygons has 228,288, not the 355,948 of figure 2.";
+    Ok(Findings {
+        tables: vec![table],
+        plots: vec![plot],
+        remarks: vec!["Rates are cut off, not rounded. Times are the document's measurements.".into()],
+        verdict: Comparison::verdict_of_published(
+            &["O-T1-r", "O-T2-r", "O-T3-r", "O-T4-r", "O-N", "O-10x", "O-600k", "O-1M"],
+            correction,
+        )?,
+    })
+}
+
+fn cm5() -> Result<Findings, ExperimentError> {
+    speed_ups("cm5", "CM-5, over 32 processors", [3, 4], &CM5)
+}
+
+fn cm200() -> Result<Findings, ExperimentError> {
+    speed_ups("cm200", "CM-200, over 16,384 processors", [1, 2], &CM200)
+}
+
+fn speed_ups(
+    name: &str,
+    title: &str,
+    tables: [u32; 2],
+    partitions: &[(&str, f64)],
+) -> Result<Findings, ExperimentError> {
+    let facts = Facts::load()?;
+    let (first, least) = partitions[0];
+    let mut table = Table::new(name, &[("table", ""), ("row", ""), ("processors", ""), ("speed-up", "")]);
+    let mut plot = Plot::new(name, title, Axis::log2("processors"), Axis::log2("speed-up"));
+    plot = plot.with(Series::line("linear", partitions.iter().map(|p| (p.1, p.1 / least)).collect()));
+    for number in tables {
+        let kind = if number % 2 == 1 { "small" } else { "large" };
+        for row in ROWS {
+            let smallest = time(&facts, number, row, first)?;
+            let mut points = Vec::new();
+            for &(partition, processors) in partitions {
+                let speed_up = ortega::speed_up(smallest, time(&facts, number, row, partition)?).get();
+                table.push([
+                    f64::from(number).into(),
+                    f64::from(row).into(),
+                    processors.into(),
+                    speed_up.into(),
+                ]);
+                points.push((processors, speed_up));
+            }
+            plot = plot.with(Series::line_points(format!("{kind} polygons, row {row}"), points));
+        }
+    }
+    let prefixes = tables.map(|t| format!("O-T{t}-su"));
+    let prefixes: Vec<_> = prefixes.iter().map(String::as_str).collect();
+    Ok(Findings {
+        tables: vec![table],
+        plots: vec![plot],
+        remarks: vec![
+            "Small polygons scale nearly linearly; large ones lengthen the loops that run serially. The plotted curves \
+             are lost; they follow from the tables' times."
+                .into(),
+        ],
+        verdict: Comparison::of_published(&prefixes)?.verdict(),
+    })
+}

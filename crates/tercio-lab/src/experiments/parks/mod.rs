@@ -1,0 +1,4 @@
+//! Figures and tables of document 002.
+
+pub mod costs;
+pub mod tables;

@@ -1,0 +1,107 @@
+//! Document 000, chapters 4 to 6: the figures that its simulator made.
+
+mod distribution;
+mod duplication;
+mod load;
+mod sort_twice;
+
+use super::super::{Document, Experiment, ExperimentError};
+use crate::simulators::ring::{Algorithm, Machine, RingRun, simulate};
+use crate::workloads::synthetic::{Distribution, Spread};
+use crate::workloads::{BoxScene, ScreenMap};
+
+/// The document's screen.
+const SCREEN: (u32, u32) = (768, 512);
+
+const fn experiment(
+    id: &'static str,
+    place: &'static str,
+    title: &'static str,
+    run: fn() -> Result<super::super::Findings, ExperimentError>,
+) -> Experiment {
+    Experiment { id, document: Document::Eldridge, place, title, run }
+}
+
+pub(in crate::experiments) const EXPERIMENTS: &[Experiment] = &[
+    experiment("eldridge-fig-4-1", "figure 4-1", "Sort-first: polygons on each processor", load::sort_first),
+    experiment("eldridge-fig-4-2", "figure 4-2", "Sort-middle: shifts for each polygon", load::shifts),
+    experiment(
+        "eldridge-fig-5-3",
+        "figure 5-3",
+        "Sparse against dense network",
+        distribution::sparse_and_dense,
+    ),
+    experiment("eldridge-fig-5-5", "figure 5-5", "Distribution by strides", distribution::strides),
+    experiment("eldridge-fig-5-6", "figure 5-6", "Polygons kept by several processors", duplication::copies),
+    experiment("eldridge-fig-5-7", "figure 5-7", "Duplication unbalances geometry", duplication::imbalance),
+    experiment("eldridge-fig-5-8", "figure 5-8", "Duplication and strides together", duplication::surface),
+    experiment(
+        "eldridge-fig-5-9",
+        "figure 5-9",
+        "Temporal locality: visible polygons by column",
+        load::locality,
+    ),
+    experiment(
+        "eldridge-fig-6-6",
+        "figure 6-6",
+        "Sort-twice against sort-middle: communication",
+        sort_twice::communication,
+    ),
+    experiment(
+        "eldridge-fig-6-7",
+        "figure 6-7",
+        "Sort-twice against sort-middle: whole frames",
+        sort_twice::frames,
+    ),
+];
+
+/// What is said of every scene here.
+const SCENES: &str = "The document's scenes are lost. The teapot is tercio's, drawn as large as the screen allows; \
+    the other three have the document's numbers of polygons, its share of visible ones and its mean width of 3.8 \
+    columns (figure 4-1), with columns normally distributed round the middle. Deviations of 25 and 30 columns give \
+    the clumping of figure 4-1, where the busiest processor has 16.9 times the mean.";
+
+/// The scenes, with the document's numbers of polygons (figures 3-2 to 3-4).
+fn scenes() -> Result<Vec<(&'static str, BoxScene)>, ExperimentError> {
+    Ok(vec![
+        ("teapot", super::model_boxes("builtin:teapot@9408", SCREEN)?),
+        ("like the teapot", clumped(9_408, 6_294, 25.0).boxes()),
+        ("like the crocodile", clumped(34_404, 25_270, 30.0).boxes()),
+        ("like Beethoven", clumped(5_030, 4_021, 30.0).boxes()),
+    ])
+}
+
+fn clumped(polygons: u32, visible: u32, deviation: f64) -> Distribution {
+    Distribution {
+        width: SCREEN.0,
+        height: SCREEN.1,
+        polygons,
+        visible: f64::from(visible) / f64::from(polygons),
+        size: [3.8, 12.0],
+        spread: [Spread::Normal { deviation }, Spread::Uniform],
+        seed: 1995,
+    }
+}
+
+/// A frame of the Princeton Engine with `processors` processors and a column each.
+fn frame(
+    scene: &BoxScene,
+    processors: u32,
+    change: impl FnOnce(&mut Algorithm),
+) -> Result<RingRun, ExperimentError> {
+    let machine = Machine { processors, ..Machine::princeton_engine() };
+    let mut algorithm = Algorithm::sort_middle(&machine);
+    change(&mut algorithm);
+    let map = ScreenMap::columns(SCREEN.0, SCREEN.1, algorithm.group);
+    let run = simulate(&machine, &algorithm, &map, scene)?;
+    if run.checks.passed() {
+        Ok(run)
+    } else {
+        Err(format!("the checks of appendix A.3 fail: {:?}", run.checks).into())
+    }
+}
+
+/// Instructions of communication for each visible polygon.
+fn communication(run: &RingRun) -> f64 {
+    run.communication() as f64 / run.visible.max(1) as f64
+}

@@ -1,0 +1,21 @@
+//! The laboratory: published graphics architectures rebuilt as formulas, machine descriptions and exact simulators.
+//!
+//! | room | what |
+//! |---|---|
+//! | [`units`] | quantities as types: cycles, seconds, pixels, bytes, polygons |
+//! | [`models`] | the closed formulas of the documents, and the registry that evaluates any of them by name |
+//! | [`machines`] | descriptions of machines, each number with its source |
+//! | [`workloads`] | what a machine is given: boxes, screen polygons, synthetic scenes |
+//! | [`simulators`] | the machines, exactly: the ring, raster processors, data-parallel passes, Hybris, networks |
+//! | [`predict`] | the real renderer: predicted, measured, compared; the best organisation for a machine |
+//! | [`experiments`] | one per published figure or table: data, plot, verdict; the report |
+//! | [`published`] | every machine-checkable published number, recomputed from the model it belongs to |
+
+pub mod experiments;
+pub mod machines;
+pub mod models;
+pub mod predict;
+pub mod published;
+pub mod simulators;
+pub mod units;
+pub mod workloads;

@@ -1,0 +1,120 @@
+//! What no unit can say about a description: numbers that must not be 0, or that depend on others.
+
+use super::description::Machine;
+use super::error::MachineError;
+use super::sourced::{Cost, Sourced};
+
+/// A number that does not fit, by the section and key where it stands.
+pub(super) struct Wrong {
+    section: &'static str,
+    key: String,
+    what: String,
+}
+
+impl Wrong {
+    fn new(section: &'static str, key: &str, what: String) -> Self {
+        Self { section, key: key.into(), what }
+    }
+
+    /// The message with the line of the key; of the section where the key stands in no line of its own.
+    pub fn in_file(self, file: &str, text: &str) -> MachineError {
+        let (line, column) = self.place(text);
+        let what = format!("{}.{}: {}", self.section, self.key, self.what);
+        MachineError::Text { file: file.into(), line, column, what }
+    }
+
+    fn place(&self, text: &str) -> (usize, usize) {
+        let (mut inside, mut section) = (false, 1);
+        for (number, line) in text.lines().enumerate() {
+            let trimmed = line.trim_start();
+            if let Some(header) = trimmed.strip_prefix('[') {
+                inside = header.split(']').next() == Some(self.section);
+                section = if inside { number + 1 } else { section };
+            } else if inside && trimmed.split('=').next().is_some_and(|k| k.trim() == self.key) {
+                return (number + 1, line.len() - trimmed.len() + 1);
+            }
+        }
+        (section, 1)
+    }
+}
+
+fn positive<Q>(section: &'static str, key: &str, number: Option<&Sourced<Q>>) -> Result<(), Wrong> {
+    match number {
+        Some(n) if n.value <= 0.0 => {
+            Err(Wrong::new(section, key, format!("expected more than 0, found {}", n.text)))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Finds the first number that does not fit.
+pub(super) fn check(m: &Machine) -> Result<(), Wrong> {
+    let p = &m.processors;
+    positive("processors", "count", Some(&p.count))?;
+    positive("processors", "clock", p.clock.as_ref())?;
+    positive("processors", "per-node", p.per_node.as_ref())?;
+    positive("processors", "memory-bandwidth", p.memory_bandwidth.as_ref())?;
+    if let Some(s) = p.serial.as_ref().filter(|s| s.value > 1.0) {
+        return Err(Wrong::new("processors", "serial", format!("expected at most 100 %, found {s}")));
+    }
+    if let Some(screen) = &m.screen {
+        positive("screen", "width", Some(&screen.width))?;
+        positive("screen", "height", Some(&screen.height))?;
+    }
+    positive("network", "bandwidth", m.network.as_ref().map(|n| &n.bandwidth))?;
+    positive("transfer", "bandwidth", m.transfer.as_ref().map(|t| &t.bandwidth))?;
+    positive("transfer", "block", m.transfer.as_ref().map(|t| &t.block))?;
+    positive("sdram", "page", m.sdram.as_ref().map(|s| &s.page))?;
+    positive("sdram", "banks", m.sdram.as_ref().map(|s| &s.banks))?;
+    positive("sdram", "width", m.sdram.as_ref().map(|s| &s.width))?;
+    heap(m)?;
+    tile_engine(m)?;
+    let cycles = m.costs.iter().find(|c| matches!(c.1.cost(), Cost::Cycles(_)));
+    match cycles {
+        Some((o, c)) if p.clock.is_none() => {
+            Err(Wrong::new("costs", o.name(), format!("\"{c}\" needs processors.clock, which is missing")))
+        }
+        _ => Ok(()),
+    }
+}
+
+fn heap(m: &Machine) -> Result<(), Wrong> {
+    let Some(h) = &m.heap else { return Ok(()) };
+    positive("heap", "node", Some(&h.node))?;
+    positive("heap", "heaps", Some(&h.heaps))?;
+    if h.node.value + h.header.value > h.buffer.value {
+        return Err(Wrong::new(
+            "heap",
+            "buffer",
+            format!("expected room for header and node, found {}", h.buffer),
+        ));
+    }
+    Ok(())
+}
+
+fn tile_engine(m: &Machine) -> Result<(), Wrong> {
+    let Some(e) = &m.tile_engine else { return Ok(()) };
+    let numbers = [
+        ("tile", &e.tile),
+        ("engines", &e.engines),
+        ("fifo", &e.fifo),
+        ("fifo-after-broadcast", &e.fifo_after_broadcast),
+        ("output", &e.output),
+    ];
+    for (key, number) in numbers {
+        positive("tile-engine", key, Some(number))?;
+    }
+    positive("tile-engine", "set-up-triangle", Some(&e.set_up_triangle))?;
+    if !e.tile.whole().is_power_of_two() || e.tile.whole() > 1024 {
+        let what = format!("expected a power of two, at most 1024, found {}", e.tile);
+        return Err(Wrong::new("tile-engine", "tile", what));
+    }
+    if ![1, 2].contains(&e.interleave.whole()) {
+        return Err(Wrong::new(
+            "tile-engine",
+            "interleave",
+            format!("expected 1 or 2, found {}", e.interleave),
+        ));
+    }
+    Ok(())
+}

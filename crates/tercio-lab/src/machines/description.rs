@@ -1,0 +1,209 @@
+//! A machine as its TOML file describes it.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+use super::check::check;
+use super::error::MachineError;
+use super::kinds::{ScreenDivision, SortingClass, Topology};
+use super::operations::Operation;
+use super::sections::{Heap, Sdram, TileEngine, Transfer};
+use super::sourced::{Cost, Sourced};
+use super::{NAMES, builtin};
+use crate::units::{Bytes, BytesPerSecond, Count, Hertz, PolygonRate, Ratio, Seconds};
+
+/// A machine.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+pub struct Machine {
+    /// Its name.
+    pub name: String,
+    /// What it is, in a sentence or two.
+    pub summary: String,
+    /// Where it sorts and how it divides the screen.
+    pub sorting: Sorting,
+    /// Its processors.
+    pub processors: Processors,
+    /// Its picture, where a document gives it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub screen: Option<Screen>,
+    /// How the processors are wired.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub network: Option<Network>,
+    /// Bytes of what travels and is kept.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub bytes: BTreeMap<DataKind, Sourced<Bytes>>,
+    /// What work costs on one processor.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub costs: BTreeMap<Operation, Sourced<Cost>>,
+    /// Triangle heap.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub heap: Option<Heap>,
+    /// Memory below the heap.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sdram: Option<Sdram>,
+    /// Tile engines.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tile_engine: Option<TileEngine>,
+    /// Bus from the host.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub transfer: Option<Transfer>,
+    /// Polygon rates that its makers or a document claim or measured, by name.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub claims: BTreeMap<String, Sourced<PolygonRate>>,
+}
+
+/// Where a machine sorts and how it divides the screen.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+pub struct Sorting {
+    /// Where work is handed over.
+    pub class: SortingClass,
+    /// How the screen is dealt out.
+    pub screen: ScreenDivision,
+    /// In words.
+    pub how: String,
+    /// Where this is said.
+    pub source: String,
+}
+
+/// The processors of a machine.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+pub struct Processors {
+    /// How many.
+    pub count: Sourced<Count>,
+    /// The most that a document or its makers consider.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub at_most: Option<Sourced<Count>>,
+    /// Their clock.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub clock: Option<Sourced<Hertz>>,
+    /// Memory of each.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub memory: Option<Sourced<Bytes>>,
+    /// Bandwidth of memory that all processors of a node share.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub memory_bandwidth: Option<Sourced<BytesPerSecond>>,
+    /// Processors that share one memory; all of them where it is not given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub per_node: Option<Sourced<Count>>,
+    /// Share of a frame's work that runs on one processor only.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub serial: Option<Sourced<Ratio>>,
+}
+
+/// The picture.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+pub struct Screen {
+    /// Pixels across.
+    pub width: Sourced<Count>,
+    /// Pixels down.
+    pub height: Sourced<Count>,
+}
+
+/// The wires.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+pub struct Network {
+    /// Their shape.
+    pub topology: Topology,
+    /// Bandwidth of one link in one direction.
+    pub bandwidth: Sourced<BytesPerSecond>,
+    /// Time of one hop.
+    pub hop: Sourced<Seconds>,
+    /// Time that a processor spends on every message.
+    pub message: Sourced<Seconds>,
+}
+
+/// What travels or is kept.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum DataKind {
+    /// A polygon before the geometry work.
+    Primitive,
+    /// A polygon after it, ready for rasterization.
+    Descriptor,
+    /// A pixel of a partial picture with its depth.
+    Sample,
+}
+
+impl DataKind {
+    /// The name in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Primitive => "primitive",
+            Self::Descriptor => "descriptor",
+            Self::Sample => "sample",
+        }
+    }
+}
+
+impl Machine {
+    /// Seconds that an operation costs, if the description says so.
+    pub fn seconds(&self, operation: Operation) -> Option<f64> {
+        match self.costs.get(&operation)?.cost() {
+            Cost::Time(time) => Some(time.get()),
+            Cost::Cycles(cycles) => Some((cycles / self.processors.clock.as_ref()?.get()).get()),
+        }
+    }
+
+    /// Seconds that an operation costs; 0 where the machine is not charged for it.
+    pub fn seconds_or_0(&self, operation: Operation) -> f64 {
+        self.seconds(operation).unwrap_or(0.0)
+    }
+
+    /// The clock in Hz.
+    ///
+    /// # Errors
+    /// [`MachineError::Missing`].
+    pub fn clock(&self) -> Result<f64, MachineError> {
+        self.need(self.processors.clock.as_ref(), "processors.clock").map(|c| c.value)
+    }
+
+    /// A part of the description that the caller cannot do without.
+    ///
+    /// # Errors
+    /// [`MachineError::Missing`] with the name of the part.
+    pub fn need<'a, T>(&self, part: Option<&'a T>, what: &str) -> Result<&'a T, MachineError> {
+        part.ok_or_else(|| MachineError::Missing { machine: self.name.clone(), what: what.into() })
+    }
+
+    /// The description as TOML.
+    ///
+    /// # Errors
+    /// What the writer refuses.
+    pub fn to_toml(&self) -> Result<String, toml::ser::Error> {
+        toml::to_string(self)
+    }
+}
+
+/// Reads a description; `file` names it in messages.
+///
+/// # Errors
+/// [`MachineError::Text`] with line and column.
+pub fn parse(file: &str, text: &str) -> Result<Machine, MachineError> {
+    let machine: Machine = toml::from_str(text).map_err(|e| MachineError::of_toml(file, text, &e))?;
+    check(&machine).map_err(|wrong| wrong.in_file(file, text))?;
+    Ok(machine)
+}
+
+/// A machine by the name of one of ours, or from a file.
+///
+/// # Errors
+/// [`MachineError`].
+pub fn load(name_or_file: &str) -> Result<Machine, MachineError> {
+    if let Some(machine) = builtin(name_or_file) {
+        return machine;
+    }
+    let path = Path::new(name_or_file);
+    if !path.exists() {
+        return Err(MachineError::Unknown { name: name_or_file.into(), known: NAMES.join(", ") });
+    }
+    let text = fs::read_to_string(path).map_err(|source| MachineError::Io { path: path.into(), source })?;
+    parse(name_or_file, &text)
+}

@@ -1,0 +1,110 @@
+//! The words of the field: where a machine sorts, how it divides the screen, how its processors are wired.
+
+use serde::{Deserialize, Serialize};
+
+/// Where work is handed from one processor to another.
+///
+/// Source: document 001, 2.3, after Molnar and others; sort-twice: document 000, chapter 6.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum SortingClass {
+    /// Nowhere: one processor does it all, or whole frames are dealt out.
+    None,
+    /// Before the geometry work.
+    SortFirst,
+    /// Between geometry work and rasterization.
+    SortMiddle,
+    /// After rasterization: pixels.
+    SortLast,
+    /// Triangles inside groups, pixels between them.
+    SortTwice,
+    /// In several places, each sort completing what the others leave.
+    Hybrid,
+}
+
+impl SortingClass {
+    /// The name in files and on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::None => "none",
+            Self::SortFirst => "sort-first",
+            Self::SortMiddle => "sort-middle",
+            Self::SortLast => "sort-last",
+            Self::SortTwice => "sort-twice",
+            Self::Hybrid => "hybrid",
+        }
+    }
+}
+
+/// How the screen is dealt out to the processors that rasterize.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ScreenDivision {
+    /// Every rasterizer has the whole screen.
+    Whole,
+    /// Whole frames in turn.
+    AlternateFrames,
+    /// One contiguous part a rasterizer, such as an upper and a lower half.
+    Contiguous,
+    /// Rectangular chunks, one a rasterizer.
+    Chunks,
+    /// Small square tiles, many a rasterizer.
+    Tiles,
+    /// Columns of pixels.
+    Columns,
+    /// Scan lines in turn.
+    InterleavedLines,
+    /// Strips of several scan lines in turn.
+    InterleavedStrips,
+    /// Pixels in turn, in both directions.
+    InterleavedPixels,
+}
+
+impl ScreenDivision {
+    /// The name in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Whole => "whole",
+            Self::AlternateFrames => "alternate-frames",
+            Self::Contiguous => "contiguous",
+            Self::Chunks => "chunks",
+            Self::Tiles => "tiles",
+            Self::Columns => "columns",
+            Self::InterleavedLines => "interleaved-lines",
+            Self::InterleavedStrips => "interleaved-strips",
+            Self::InterleavedPixels => "interleaved-pixels",
+        }
+    }
+}
+
+/// How processors are wired.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Topology {
+    /// Neighbour to neighbour in a circle, both ways.
+    Ring,
+    /// Neighbour to neighbour on a square grid without wrap-around.
+    Mesh,
+    /// A binary tree whose links double towards the root, so that every half can talk to the other at full speed.
+    FatTree,
+    /// Everyone to everyone; each port carries one link's bandwidth.
+    Crossbar,
+    /// One shared medium.
+    Bus,
+    /// Shared memory.
+    Memory,
+}
+
+impl Topology {
+    /// The name in files and on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Ring => "ring",
+            Self::Mesh => "mesh",
+            Self::FatTree => "fat-tree",
+            Self::Crossbar => "crossbar",
+            Self::Bus => "bus",
+            Self::Memory => "memory",
+        }
+    }
+}

@@ -1,0 +1,26 @@
+//! Descriptions of machines, each number with its unit and its source.
+//!
+//! A description is a TOML file. Every number in it is a table `{ value = "14 MHz", source = "000, 2.3" }`: a number
+//! without a source is an error, as is one whose unit does not fit its place. Sources are `000` to `004`, the five
+//! documents, with chapter, equation, table or figure; a data sheet; or `fitted:` and to what.
+//!
+//! [`builtin`] lists the machines that come with the program, [`load`] takes one of their names or a file.
+
+mod builtin;
+mod check;
+mod description;
+mod error;
+mod kinds;
+mod operations;
+mod sections;
+mod sourced;
+#[cfg(test)]
+mod tests;
+
+pub use builtin::{NAMES, builtin};
+pub use description::{DataKind, Machine, Network, Processors, Screen, Sorting, load, parse};
+pub use error::MachineError;
+pub use kinds::{ScreenDivision, SortingClass, Topology};
+pub use operations::Operation;
+pub use sections::{Heap, Sdram, TileEngine, Transfer};
+pub use sourced::{Cost, Sourced};

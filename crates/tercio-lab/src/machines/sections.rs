@@ -1,0 +1,66 @@
+//! Sections that only some machines have: the parts of Hybris, and buses.
+
+use serde::{Deserialize, Serialize};
+
+use super::sourced::Sourced;
+use crate::units::{Bytes, BytesPerSecond, Count, Cycles, Seconds};
+
+/// The bucket sorted triangle heap of document 001, 3.5.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+pub struct Heap {
+    /// Bytes of a triangle node.
+    pub node: Sourced<Bytes>,
+    /// Bytes of a buffer, header and nodes.
+    pub buffer: Sourced<Bytes>,
+    /// Bytes of a buffer's header.
+    pub header: Sourced<Bytes>,
+    /// Heaps that are filled independently, one a front end.
+    pub heaps: Sourced<Count>,
+}
+
+/// The memory below the heap.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+pub struct Sdram {
+    /// Bytes of a page (row).
+    pub page: Sourced<Bytes>,
+    /// Banks, each with one open page.
+    pub banks: Sourced<Count>,
+    /// Cycles to close a page and open another.
+    pub page_miss: Sourced<Cycles>,
+    /// Bytes moved in a cycle.
+    pub width: Sourced<Bytes>,
+}
+
+/// The tile engines of document 001, 3.6.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+pub struct TileEngine {
+    /// Pixels along the edge of a tile.
+    pub tile: Sourced<Count>,
+    /// Engines that work at the same time.
+    pub engines: Sourced<Count>,
+    /// Spans (and pixels of a span) drawn at the same time: 1, or 2 for the 2x2 interleaved engine.
+    pub interleave: Sourced<Count>,
+    /// Entries of the FIFOs between stages, before a broadcast.
+    pub fifo: Sourced<Count>,
+    /// Entries of the FIFOs after a broadcast.
+    pub fifo_after_broadcast: Sourced<Count>,
+    /// Cycles of the set-up of a triangle in a tile.
+    pub set_up_triangle: Sourced<Cycles>,
+    /// Pixels read from a finished tile, and cleared, in a cycle.
+    pub output: Sourced<Count>,
+}
+
+/// The way of triangle nodes from the host to the tile engines.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+pub struct Transfer {
+    /// What every transfer costs, whatever its size.
+    pub overhead: Sourced<Seconds>,
+    /// What runs after that.
+    pub bandwidth: Sourced<BytesPerSecond>,
+    /// Bytes moved by one transfer.
+    pub block: Sourced<Bytes>,
+}

@@ -1,0 +1,91 @@
+use super::*;
+use crate::units::BytesPerSecond;
+
+const SMALL: &str = r#"
+name = "A machine"
+summary = "For tests."
+
+[sorting]
+class = "sort-middle"
+screen = "tiles"
+how = "In words."
+source = "000, 1"
+
+[processors]
+count = { value = 4, source = "000, 1" }
+clock = { value = "100 MHz", source = "000, 1" }
+
+[costs]
+pixel = { value = "21 cycles", source = "002, 4" }
+vertex = { value = "300 ns", source = "002, 4" }
+"#;
+
+/// The message about `SMALL` with one line replaced.
+fn error(from: &str, to: &str) -> String {
+    assert!(SMALL.contains(from));
+    parse("m.toml", &SMALL.replacen(from, to, 1)).unwrap_err().to_string()
+}
+
+#[test]
+fn every_builtin_machine_is_readable_and_survives_being_written() {
+    for name in NAMES {
+        let machine = builtin(name).unwrap().unwrap_or_else(|e| panic!("{e}"));
+        assert!(!machine.name.is_empty() && !machine.summary.is_empty(), "{name}");
+        let again = parse(name, &machine.to_toml().unwrap()).unwrap_or_else(|e| panic!("{e}"));
+        assert_eq!(machine, again, "{name}");
+    }
+}
+
+#[test]
+fn costs_become_seconds() {
+    let machine = parse("m.toml", SMALL).unwrap();
+    assert_eq!(machine.seconds(Operation::Pixel), Some(21.0 / 100e6));
+    assert_eq!(machine.seconds(Operation::Vertex), Some(300.0 * 1e-9));
+    assert_eq!(machine.seconds(Operation::Segment), None);
+}
+
+#[test]
+fn mistakes_are_told_with_file_and_line() {
+    let unit = error("\"100 MHz\"", "\"100 MB\"");
+    assert!(unit.starts_with("m.toml:13:") && unit.contains("clock rate: expected Hz"), "{unit}");
+    let source =
+        error("clock = { value = \"100 MHz\", source = \"000, 1\" }", "clock = { value = \"100 MHz\" }");
+    assert!(source.starts_with("m.toml:13:") && source.contains("source"), "{source}");
+    let empty = error("value = 4, source = \"000, 1\"", "value = 4, source = \" \"");
+    assert!(empty.starts_with("m.toml:12:") && empty.contains("where the number comes from"), "{empty}");
+    let key = error("pixel = ", "pixle = ");
+    assert!(key.starts_with("m.toml:16:") && key.contains("pixle"), "{key}");
+    let class = error("\"sort-middle\"", "\"sort-centre\"");
+    assert!(class.starts_with("m.toml:6:") && class.contains("sort-middle"), "{class}");
+    let zero = error("value = 4", "value = 0");
+    assert!(zero.starts_with("m.toml:12:1: processors.count") && zero.contains("found 0"), "{zero}");
+    let whole = error("value = 4", "value = 4.5");
+    assert!(whole.starts_with("m.toml:12:") && whole.contains("whole number"), "{whole}");
+    let clock = error("clock = { value = \"100 MHz\", source = \"000, 1\" }\n", "");
+    assert!(clock.starts_with("m.toml:15:1: costs.pixel"), "{clock}");
+    let broken = error("[costs]", "[costs");
+    assert!(broken.starts_with("m.toml:15:"), "{broken}");
+}
+
+#[test]
+fn an_unknown_name_lists_the_known_ones() {
+    let error = load("no-such-machine").unwrap_err().to_string();
+    assert!(error.contains("no-such-machine") && error.contains("princeton-engine"), "{error}");
+}
+
+#[test]
+fn numbers_of_the_documents_stand_in_the_descriptions() {
+    let machine = |name| builtin(name).unwrap().unwrap();
+    let princeton = machine("princeton-engine");
+    assert_eq!(princeton.processors.memory.unwrap().value, 640.0 * 1024.0);
+    // 16 bits a cycle of 14 MHz.
+    assert_eq!(princeton.network.unwrap().bandwidth.get(), BytesPerSecond::new(2.0 * 14e6));
+    // The time of document 002's uniprocessor for 248 polygons: 5.77 million cycles of 300 ns.
+    let parks = machine("parks-uniprocessor");
+    let cost = |o| parks.seconds(o).unwrap();
+    let seconds = 248.0 * cost(Operation::Polygon)
+        + 731.0 * cost(Operation::Vertex)
+        + 1411.0 * cost(Operation::Segment)
+        + 251_224.0 * cost(Operation::Pixel);
+    assert!((seconds - 5_766_526.5 * 300e-9).abs() < 1e-5, "{seconds}");
+}

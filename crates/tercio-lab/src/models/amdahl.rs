@@ -1,0 +1,89 @@
+//! Speed-up with a part that stays serial: equations 4.2 to 4.7 of document 001, and what follows from them.
+
+use crate::models;
+use crate::models::registry::Model;
+use crate::units::{FrameRate, PolygonRate, Ratio, Seconds};
+
+/// Equation 4.2: time where the part `parallel` is `speed_up` times as fast and `serial` stays.
+pub fn time(parallel: Seconds, speed_up: Ratio, serial: Seconds) -> Seconds {
+    parallel / speed_up.get() + serial
+}
+
+/// Equation 4.5: the speed-up that is seen. The document prints the fraction upside down.
+pub fn observed(single: FrameRate, dual: FrameRate) -> Ratio {
+    Ratio::new(dual / single)
+}
+
+/// Equation 4.6: the speed-up of the parallel part from its own time on one processor.
+///
+/// # Errors
+/// A time on two processors that is not longer than the serial part.
+pub fn parallel_part(parallel: Seconds, dual: Seconds, serial: Seconds) -> Result<Ratio, String> {
+    if dual.get() <= serial.get() {
+        return Err(format!("expected more than the serial time {serial} on two processors, found {dual}"));
+    }
+    Ok(Ratio::new(parallel / (dual - serial)))
+}
+
+/// Equation 4.7: the speed-up of the parallel part from frame rates; `idle` is the rate if only the serial part runs.
+///
+/// # Errors
+/// As [`parallel_part`].
+pub fn parallel_speed_up(single: FrameRate, dual: FrameRate, idle: FrameRate) -> Result<Ratio, String> {
+    let [single, dual, serial] = [single, dual, idle].map(Seconds::from);
+    parallel_part(single - serial, dual, serial)
+}
+
+/// Amdahl's law: speed-up of the whole where the share `share` becomes `speed_up` times as fast.
+///
+/// # Errors
+/// A share above 1.
+pub fn whole(share: Ratio, speed_up: Ratio) -> Result<Ratio, String> {
+    if share.get() > 1.0 {
+        return Err(format!("share: expected at most 1, found {share}"));
+    }
+    Ok(Ratio::new(1.0 / (1.0 - share.get() + share.get() / speed_up.get())))
+}
+
+/// The polygon rate after a stage with the share `share` of the time has become `speed_up` times as fast
+/// (document 000, 9.1).
+///
+/// # Errors
+/// As [`whole`].
+pub fn rate_after(rate: PolygonRate, share: Ratio, speed_up: Ratio) -> Result<PolygonRate, String> {
+    Ok(rate * whole(share, speed_up)?.get())
+}
+
+pub(crate) const MODELS: &[Model] = models! {
+    "amdahl.4.2", "001 eq 4.2", "time with a serial part":
+        time["parallel": Seconds, "speed_up": Ratio, "serial": Seconds] -> Seconds;
+    "amdahl.4.5", "001 eq 4.5", "speed-up that is seen, from frame rates; printed upside down":
+        observed["single": FrameRate, "dual": FrameRate] -> Ratio;
+    "amdahl.4.6", "001 eq 4.6", "speed-up of the parallel part, from times":
+        parallel_part["parallel": Seconds, "dual": Seconds, "serial": Seconds] -> Result<Ratio, String>;
+    "amdahl.4.7", "001 eq 4.7", "speed-up of the parallel part, from frame rates":
+        parallel_speed_up["single": FrameRate, "dual": FrameRate, "idle": FrameRate = 120.0] -> Result<Ratio, String>;
+    "amdahl.whole", "Amdahl 1967", "speed-up of the whole where a share of it becomes faster":
+        whole["share": Ratio, "speed_up": Ratio] -> Result<Ratio, String>;
+    "amdahl.rate-after", "000 9.1", "polygon rate after a share of the time has become faster":
+        rate_after["rate": PolygonRate, "share": Ratio, "speed_up": Ratio] -> Result<PolygonRate, String>;
+};
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    proptest! {
+        /// 4.7 finds the speed-up that 4.2 was given.
+        #[test]
+        fn there_and_back(parallel in 1e-3f64..10.0, serial in 1e-4f64..1.0, speed_up in 1.0f64..100.0) {
+            let at = |s: f64| time(Seconds::new(parallel), Ratio::new(s), Seconds::new(serial));
+            let rate = |t: Seconds| FrameRate::new(1.0 / t.get());
+            let idle = rate(Seconds::new(serial));
+            let found = parallel_speed_up(rate(at(1.0)), rate(at(speed_up)), idle).unwrap().get();
+            prop_assert!((found / speed_up - 1.0).abs() < 1e-6);
+        }
+    }
+}

@@ -1,0 +1,159 @@
+//! Arithmetic that several documents share.
+
+use crate::models;
+use crate::models::registry::Model;
+use crate::units::{
+    Amperes, Bits, Bytes, BytesPerSecond, Count, FrameRate, Hertz, Length, PixelRate, Pixels, PolygonRate,
+    Polygons, Ratio, Seconds, SquareMetres, Volts, Watts,
+};
+
+/// Bandwidth of a bus or memory `width` bits wide that transfers `transfers` times a clock.
+pub fn bandwidth(width: Bits, clock: Hertz, transfers: Count) -> BytesPerSecond {
+    BytesPerSecond::new(Bytes::from(width).get() * clock.get() * transfers.get())
+}
+
+/// Triangles a second through a bus of [`bandwidth`], `item` bytes each.
+pub fn bus_polygon_rate(width: Bits, clock: Hertz, transfers: Count, item: Bytes) -> PolygonRate {
+    bandwidth(width, clock, transfers) / item
+}
+
+/// Triangles a second at a `bandwidth`, `item` bytes each.
+pub fn polygons_by_bandwidth(bandwidth: BytesPerSecond, item: Bytes) -> PolygonRate {
+    bandwidth / item
+}
+
+/// Bandwidth that `rate` triangles a second take, `item` bytes each.
+pub fn traffic(rate: PolygonRate, item: Bytes) -> BytesPerSecond {
+    rate * item
+}
+
+/// Clock at which a bus of `width` bits carries `rate` triangles a second, `item` bytes each.
+pub fn bus_clock(rate: PolygonRate, item: Bytes, width: Bits) -> Hertz {
+    Hertz::new((rate * item).get() / Bytes::from(width).get())
+}
+
+/// Clock rate of a period.
+pub fn clock_of_period(period: Seconds) -> Hertz {
+    Hertz::new(1.0 / period.get())
+}
+
+/// Time of `clocks` periods of a clock.
+pub fn time_of_clocks(clocks: Count, clock: Hertz) -> Seconds {
+    Seconds::new(clocks.get() / clock.get())
+}
+
+/// Time to send `size` at a `bandwidth`.
+pub fn transfer_time(size: Bytes, bandwidth: BytesPerSecond) -> Seconds {
+    size / bandwidth
+}
+
+/// Polygons a second at a frame rate.
+pub fn polygon_rate(polygons: Polygons, fps: FrameRate) -> PolygonRate {
+    polygons * fps
+}
+
+/// Pixels a second of a screen at a frame rate.
+pub fn pixel_rate(width: Length, height: Length, fps: FrameRate) -> PixelRate {
+    Pixels::new(width.get() * height.get()) * fps
+}
+
+/// A part over the whole, or any quantity over another of its kind.
+pub fn share(part: Ratio, whole: Ratio) -> Ratio {
+    Ratio::new(part / whole)
+}
+
+/// What is saved of `before` where `after` is left.
+pub fn saving(before: Ratio, after: Ratio) -> Ratio {
+    Ratio::new(1.0 - after / before)
+}
+
+/// What `after` is above `before`, as a part of `before`.
+pub fn increase(before: Ratio, after: Ratio) -> Ratio {
+    Ratio::new(after / before - 1.0)
+}
+
+/// `before` over `after`.
+pub fn speed_up(before: Ratio, after: Ratio) -> Ratio {
+    Ratio::new(before / after)
+}
+
+/// `part` of `whole` in percent, cut off as chip tools print it.
+pub fn percent_cut_off(part: Ratio, whole: Ratio) -> Ratio {
+    Ratio::new((100.0 * part.get() / whole.get()).floor() / 100.0)
+}
+
+fn dot(times: &[Count], each: &[f64]) -> Result<f64, String> {
+    if times.len() != each.len() {
+        return Err(format!("expected as many sizes as counts, found {} and {}", each.len(), times.len()));
+    }
+    Ok(times.iter().zip(each).map(|(t, e)| t.get() * e).sum())
+}
+
+/// Size of a record with `times[i]` fields of `each[i]` bytes.
+///
+/// # Errors
+/// Lists of different lengths.
+pub fn record_bytes(times: Vec<Count>, each: Vec<Bytes>) -> Result<Bytes, String> {
+    dot(&times, &each.into_iter().map(Bytes::get).collect::<Vec<_>>()).map(Bytes::new)
+}
+
+/// Width of a record with `times[i]` fields of `each[i]` bits.
+///
+/// # Errors
+/// Lists of different lengths.
+pub fn record_bits(times: Vec<Count>, each: Vec<Bits>) -> Result<Bits, String> {
+    dot(&times, &each.into_iter().map(Bits::get).collect::<Vec<_>>()).map(Bits::new)
+}
+
+/// Electric power.
+pub fn power(current: Amperes, tension: Volts) -> Watts {
+    current * tension
+}
+
+/// Thousandths of a millionth of an acre, an area for chips.
+pub fn nanoacres(number: Ratio) -> SquareMetres {
+    /// Square metres of the international acre.
+    const ACRE: f64 = 4_046.856_422_4;
+    SquareMetres::new(number.get() * 1e-9 * ACRE)
+}
+
+pub(crate) const MODELS: &[Model] = models! {
+    "common.bandwidth", "all", "bandwidth of a bus":
+        bandwidth["width": Bits, "clock": Hertz, "transfers": Count = 1.0] -> BytesPerSecond;
+    "common.bus-polygon-rate", "001 4.6", "triangles a second through a bus":
+        bus_polygon_rate["width": Bits, "clock": Hertz, "transfers": Count = 1.0, "item": Bytes = 64.0] -> PolygonRate;
+    "common.polygons-by-bandwidth", "001 6.2", "triangles a second at a bandwidth":
+        polygons_by_bandwidth["bandwidth": BytesPerSecond, "item": Bytes = 64.0] -> PolygonRate;
+    "common.traffic", "001 3.2.11", "bandwidth that triangles a second take":
+        traffic["rate": PolygonRate, "item": Bytes] -> BytesPerSecond;
+    "common.bus-clock", "001 4.6", "clock at which a bus carries so many triangles a second":
+        bus_clock["rate": PolygonRate, "item": Bytes = 64.0, "width": Bits = 64.0] -> Hertz;
+    "common.clock-of-period", "001 fig 4.11", "clock rate of a period":
+        clock_of_period["period": Seconds] -> Hertz;
+    "common.time-of-clocks", "001 4.5.2", "time of so many clocks":
+        time_of_clocks["clocks": Count, "clock": Hertz] -> Seconds;
+    "common.transfer-time", "004 1", "time to send so much":
+        transfer_time["size": Bytes, "bandwidth": BytesPerSecond] -> Seconds;
+    "common.polygon-rate", "all", "polygons a second":
+        polygon_rate["polygons": Polygons, "fps": FrameRate] -> PolygonRate;
+    "common.pixel-rate", "002 1.1", "pixels a second of a screen":
+        pixel_rate["width": Length, "height": Length, "fps": FrameRate] -> PixelRate;
+    "common.share", "all", "a part over the whole":
+        share["part": Ratio, "whole": Ratio] -> Ratio;
+    "common.saving", "all", "share that is saved":
+        saving["before": Ratio, "after": Ratio] -> Ratio;
+    "common.increase", "all", "share that is added":
+        increase["before": Ratio, "after": Ratio] -> Ratio;
+    "common.speed-up", "all", "before over after":
+        speed_up["before": Ratio, "after": Ratio] -> Ratio;
+    "common.percent-cut-off", "001 fig 4.11", "share in whole percents, cut off":
+        percent_cut_off["part": Ratio, "whole": Ratio] -> Ratio;
+    "common.record-bytes", "all", "bytes of a record with so many fields of each size":
+        record_bytes["times": Vec<Count>, "each": Vec<Bytes>] -> Result<Bytes, String>;
+    "common.record-bits", "all", "bits of a record with so many fields of each width":
+        record_bits["times": Vec<Count>, "each": Vec<Bits>] -> Result<Bits, String>;
+    "common.power", "001 4.2.1", "electric power":
+        power["current": Amperes, "tension": Volts] -> Watts;
+    "common.nanoacres", "001 1.1", "area of so many nanoacres":
+        nanoacres["number": Ratio = 1.0] -> SquareMetres;
+};

@@ -1,0 +1,104 @@
+//! Fixed point, spans, edges and planes (section 3.2).
+
+use crate::models;
+use crate::models::registry::Model;
+use crate::units::Count;
+
+/// A float turned to fixed point with `n` fractional bits by adding 2^(23-n) in single precision, which brings the
+/// wanted bits to the end of the mantissa, and masking with 0x007FFFFF (3.2.3). The document prints the mask with
+/// nine digits; 0x007FFFFFF would keep four bits of the exponent.
+///
+/// # Errors
+/// More than 23 fractional bits, or a value outside of 0 <= v < 2^(23-n).
+pub fn float_to_fixed(v: f64, n: Count) -> Result<f64, String> {
+    if n.get() > 23.0 {
+        return Err(format!("n: expected at most 23 fractional bits, found {n}"));
+    }
+    let one = (23.0 - n.get()).exp2();
+    if !(0.0..one).contains(&v) {
+        return Err(format!("v: expected a number from 0 to below {one}, found {v}"));
+    }
+    let sum = v as f32 + one as f32;
+    Ok(f64::from(sum.to_bits() & 0x007F_FFFF))
+}
+
+/// Pixels of a span from the rounded `start` to the rounded `end`: with the last one (first number) and without
+/// (second). The document prints both with start and end exchanged (3.2.6).
+///
+/// # Errors
+/// An end before the start.
+pub fn span_pixels(start: Count, end: Count) -> Result<[Count; 2], String> {
+    if end.get() < start.get() {
+        return Err(format!("end: expected at least {start}, found {end}"));
+    }
+    Ok([end - start + Count::new(1.0), end - start])
+}
+
+/// Equation 3.4: the edge function, positive to the right of the edge from `v0` to `v1`.
+pub fn edge_function(v0: [f64; 2], v1: [f64; 2], at: [f64; 2]) -> f64 {
+    (at[0] - v0[0]) * (v1[1] - v0[1]) - (at[1] - v0[1]) * (v1[0] - v0[0])
+}
+
+/// Equations 3.8, 3.11 and 3.12: dp/dx and dp/dy of a parameter over a triangle of vertices (x, y, p).
+///
+/// # Errors
+/// A triangle without area.
+pub fn gradient(v0: [f64; 3], v1: [f64; 3], v2: [f64; 3]) -> Result<[f64; 2], String> {
+    let (u, w) =
+        ([v1[0] - v0[0], v1[1] - v0[1], v1[2] - v0[2]], [v2[0] - v1[0], v2[1] - v1[1], v2[2] - v1[2]]);
+    let normal = [u[1] * w[2] - u[2] * w[1], u[2] * w[0] - u[0] * w[2], u[0] * w[1] - u[1] * w[0]];
+    if normal[2] == 0.0 {
+        return Err("the three points lie in line on the screen".into());
+    }
+    Ok([-normal[0] / normal[2], -normal[1] / normal[2]])
+}
+
+pub(crate) const MODELS: &[Model] = models! {
+    "hybris.float-to-fixed", "3.2.3", "fixed point with n fractional bits, by adding in single precision":
+        float_to_fixed["v": f64, "n": Count = 12.0] -> Result<f64, String>;
+    "hybris.span-pixels", "3.2.6", "pixels of a span with its last pixel, and without":
+        span_pixels["start": Count, "end": Count] -> Result<[Count; 2], String>;
+    "hybris.3.4", "eq 3.4", "edge function of v0 to v1 at a point":
+        edge_function["v0": [f64; 2], "v1": [f64; 2], "at": [f64; 2]] -> f64;
+    "hybris.3.11", "eq 3.8, 3.11, 3.12", "dp/dx and dp/dy over a triangle":
+        gradient["v0": [f64; 3], "v1": [f64; 3], "v2": [f64; 3]] -> Result<[f64; 2], String>;
+};
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::models::eldridge::planes;
+
+    proptest! {
+        /// Documents 000 (with its signs repaired) and 001 describe the same plane.
+        #[test]
+        fn the_documents_agree_on_planes(c in prop::array::uniform9(-100i32..100)) {
+            let v = [0, 3, 6].map(|i| [0, 1, 2].map(|k| f64::from(c[i + k])));
+            let (a, b) = (gradient(v[0], v[1], v[2]), planes::plane(v[0], v[1], v[2]));
+            prop_assert_eq!(a.is_ok(), b.is_ok());
+            if let (Ok([dx, dy]), Ok([a, b, c])) = (a, b) {
+                prop_assert!((dx - a).abs() < 1e-9 && (dy - b).abs() < 1e-9);
+                for p in v {
+                    prop_assert!((a * p[0] + b * p[1] + c - p[2]).abs() < 1e-6);
+                }
+            }
+        }
+
+        /// Adding in single precision rounds to the nearest fixed-point number.
+        #[test]
+        fn fixed_point_is_rounding(v in 0.0f64..2000.0) {
+            let fixed = float_to_fixed(v, Count::new(12.0)).unwrap();
+            // One rounding to single precision, one by the addition: half a step each.
+            prop_assert!((fixed / 4096.0 - v).abs() <= 1.0 / 4096.0);
+        }
+    }
+
+    #[test]
+    fn out_of_range_is_refused() {
+        assert!(float_to_fixed(2048.0, Count::new(12.0)).is_err());
+        assert!(float_to_fixed(-1.0, Count::new(12.0)).is_err());
+        assert!(span_pixels(Count::new(4.0), Count::new(3.0)).is_err());
+    }
+}

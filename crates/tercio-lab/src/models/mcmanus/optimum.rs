@@ -1,0 +1,184 @@
+//! The array that gives most polygons a second for its area (sections 5.2 and 6, equations 8 to 13).
+
+use super::{CYCLES, GEOMETRY_BASE, GEOMETRY_SLOPE, PIXEL_PROCESSOR, measured_rate, rate, renderer_area};
+use crate::models;
+use crate::models::registry::Model;
+use crate::units::{Count, Cycles, Length, Pixels, Polygons};
+
+/// The largest array of the tables.
+const LARGEST: u32 = 512;
+
+/// Polygons a second more per pixel of side: P'(A) = 2 T A (s - 1) / (A + s - 1)^3 with s = sqrt N. This is the true
+/// derivative of equation 7 that equation 11 was to be.
+pub fn rate_slope(side: Length, area: Pixels, per_second: Count) -> f64 {
+    let (a, s) = (side.get(), area.get().sqrt());
+    2.0 * per_second.get() * a * (s - 1.0) / (a + s - 1.0).powi(3)
+}
+
+/// Equation 12: R'(A), square inches more per pixel of side, with the true P'.
+pub fn area_slope(side: Length, area: Pixels, per_second: Count) -> f64 {
+    area_slope_with(side, rate_slope(side, area, per_second))
+}
+
+fn area_slope_with(side: Length, rate_slope: f64) -> f64 {
+    2.0 * PIXEL_PROCESSOR * side.get() + GEOMETRY_SLOPE * rate_slope
+}
+
+/// The solution of equation 13, P/R = P'/R', in closed form: A^3 = (sqrt N - 1) 1.3673 / 0.000871. Neither T nor the
+/// slope of the geometry engine's area matters. Zero for boxes of a single pixel.
+pub fn optimal_side(area: Pixels) -> Length {
+    Length::new(((area.get().sqrt() - 1.0).max(0.0) * GEOMETRY_BASE / PIXEL_PROCESSOR).cbrt())
+}
+
+/// The solution of equation 13 by search, as the document finds it, for checking [`optimal_side`].
+///
+/// # Errors
+/// Boxes so small or so large that the optimum does not lie between 1 and 4096.
+pub fn optimal_side_by_search(area: Pixels, per_second: Count) -> Result<Length, String> {
+    bisect(|a| {
+        let side = Length::new(a);
+        let p = rate(side, area, per_second);
+        p.get() / renderer_area(side, p).get()
+            - rate_slope(side, area, per_second) / area_slope(side, area, per_second)
+    })
+}
+
+/// The side in powers of two from 1 to 512 that takes least area per polygon a second, by equation 7 (table 3).
+pub fn optimal_power_of_two(area: Pixels, per_second: Count) -> Length {
+    cheapest(powers_of_two().map(|side| (side, rate(side, area, per_second).get())))
+}
+
+/// The same from measured raster cycles of the sides 1, 2, 4, ... (5.1).
+///
+/// # Errors
+/// Not as many cycles as sides.
+pub fn optimal_measured(
+    cycles: Vec<Cycles>,
+    polygons: Polygons,
+    per_second: Count,
+) -> Result<Length, String> {
+    let sides: Vec<_> = powers_of_two().collect();
+    if sides.len() != cycles.len() {
+        return Err(format!("R_A: expected {} raster cycles, found {}", sides.len(), cycles.len()));
+    }
+    let rates = cycles.into_iter().map(|c| measured_rate(c, polygons, per_second).get());
+    Ok(cheapest(sides.into_iter().zip(rates)))
+}
+
+fn powers_of_two() -> impl Iterator<Item = Length> {
+    (0..=LARGEST.ilog2()).map(|power| Length::new(f64::from(1u32 << power)))
+}
+
+/// The side with the least renderer area per polygon a second; the smaller one of two equals.
+fn cheapest(sides: impl Iterator<Item = (Length, f64)>) -> Length {
+    let cost = |(side, rate): (Length, f64)| {
+        (side, renderer_area(side, crate::units::PolygonRate::new(rate)).get() / rate)
+    };
+    sides.map(cost).min_by(|a, b| a.1.total_cmp(&b.1)).map_or(Length::default(), |best| best.0)
+}
+
+/// The overlap that equation 11 was derived from: equation 6 with i^2 + 1 regions in sub-region II instead of
+/// i^2 + i, and i = s / A + 0.5. A cubic over A^3 instead of the square that equations 2 to 6 give.
+pub fn misread_overlap(side: Length, area: Pixels) -> f64 {
+    let a = side.get();
+    misread_cubic(a, area)[0] / (a * a * a)
+}
+
+/// D(A) = 1.25 A^3 + (1.5 s - 2) A^2 + (N - 2 s) A + 2 s, and D'(A).
+fn misread_cubic(a: f64, area: Pixels) -> [f64; 2] {
+    let (n, s) = (area.get(), area.get().sqrt());
+    let value = 1.25 * a.powi(3) + (1.5 * s - 2.0) * a * a + (n - 2.0 * s) * a + 2.0 * s;
+    [value, 3.75 * a * a + 2.0 * (1.5 * s - 2.0) * a + n - 2.0 * s]
+}
+
+/// Equation 11 with its coefficients restored: T times a quotient whose denominator is the square of [`misread_overlap`]'s
+/// cubic. The document prints a = 1.5575 (1.5625), b without - 5, the tail of e as that of f, "2N = 4 sqrt N" for j,
+/// and 2 sqrt N (6 sqrt N) for k. It is not the derivative of equation 7: see [`rate_slope`].
+pub fn misread_rate_slope(side: Length, area: Pixels, per_second: Count) -> f64 {
+    let (x, n, s) = (side.get(), area.get(), area.get().sqrt());
+    let (a, b, c) = (1.5625, 3.75 * s - 5.0, 4.75 * n - 11.0 * s + 4.0);
+    let (d, e) = (3.0 * n * s - 10.0 * n + 13.0 * s, n * n - 4.0 * n * s - 8.0 * s + 10.0 * n);
+    let (f, g) = (4.0 * n * s - 8.0 * n, 4.0 * n);
+    let (h, j, k) = (1.5 * s - 2.0, 2.0 * n - 4.0 * s, 6.0 * s);
+    let denominator = [a, b, c, d, e, f, g].into_iter().fold(0.0, |sum, coefficient| sum * x + coefficient);
+    per_second.get() * x * x * (h * x * x + j * x + k) / denominator
+}
+
+/// The optimum of figure 7: equation 13 with equation 11 and its own overlap.
+///
+/// # Errors
+/// As [`optimal_side_by_search`].
+pub fn misread_optimal_side(area: Pixels, per_second: Count) -> Result<Length, String> {
+    bisect(|a| {
+        let side = Length::new(a);
+        let p = crate::units::PolygonRate::new(per_second.get() / misread_overlap(side, area));
+        let slope = misread_rate_slope(side, area, per_second);
+        p.get() / renderer_area(side, p).get() - slope / area_slope_with(side, slope)
+    })
+}
+
+/// The place between 1 and 4096 where `of` rises through zero.
+fn bisect(of: impl Fn(f64) -> f64) -> Result<Length, String> {
+    let (mut low, mut high) = (1.0, 4096.0);
+    if !(of(low) < 0.0 && of(high) > 0.0) {
+        return Err("the optimum does not lie between 1 and 4096".into());
+    }
+    // Halved until neighbouring numbers are left.
+    loop {
+        let middle = 0.5 * (low + high);
+        if middle <= low || middle >= high {
+            return Ok(Length::new(middle));
+        }
+        if of(middle) < 0.0 { low = middle } else { high = middle }
+    }
+}
+
+pub(crate) const MODELS: &[Model] = models! {
+    "mcmanus.rate-slope", "eq 11", "P'(A), the true derivative of equation 7":
+        rate_slope["A": Length, "N": Pixels, "T": Count = CYCLES] -> f64;
+    "mcmanus.11", "eq 11", "equation 11 with its coefficients restored; not the derivative of equation 7":
+        misread_rate_slope["A": Length, "N": Pixels, "T": Count = CYCLES] -> f64;
+    "mcmanus.11-overlap", "eq 11", "the overlap that equation 11 is derived from":
+        misread_overlap["A": Length, "N": Pixels] -> f64;
+    "mcmanus.12", "eq 12", "R'(A) with the true derivative":
+        area_slope["A": Length, "N": Pixels, "T": Count = CYCLES] -> f64;
+    "mcmanus.13", "eq 13", "optimal side of an array, closed form":
+        optimal_side["N": Pixels] -> Length;
+    "mcmanus.13-by-search", "eq 13", "optimal side of an array, by search":
+        optimal_side_by_search["N": Pixels, "T": Count = CYCLES] -> Result<Length, String>;
+    "mcmanus.13-of-11", "fig 7", "optimal side by equation 11 and its own overlap":
+        misread_optimal_side["N": Pixels, "T": Count = CYCLES] -> Result<Length, String>;
+    "mcmanus.optimal-power-of-two", "table 3", "best side in powers of two, by equation 7":
+        optimal_power_of_two["N": Pixels, "T": Count = CYCLES] -> Length;
+    "mcmanus.optimal-measured", "5.1", "best side in powers of two, by measured raster cycles":
+        optimal_measured["R_A": Vec<Cycles>, "polygons": Polygons, "T": Count = CYCLES] -> Result<Length, String>;
+};
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    const T: Count = Count::new(1e6);
+
+    proptest! {
+        #[test]
+        fn closed_form_and_search_agree(n in 2.0f64..1e5) {
+            let (closed, found) = (optimal_side(Pixels::new(n)), optimal_side_by_search(Pixels::new(n), T).unwrap());
+            prop_assert!((closed / found - 1.0).abs() < 1e-9);
+        }
+
+        /// Both slopes are the derivatives of what they belong to.
+        #[test]
+        fn slopes_are_derivatives(a in 2.0f64..400.0, n in 2.0f64..1e4) {
+            let (side, area, step) = (Length::new(a), Pixels::new(n), 1e-5 * a);
+            let of = |f: &dyn Fn(Length) -> f64| (f(Length::new(a + step)) - f(Length::new(a - step))) / (2.0 * step);
+            let p = of(&|s| rate(s, area, T).get());
+            let near = |a: f64, b: f64| (a - b).abs() <= 1e-4 * b.abs().max(1.0);
+            prop_assert!(near(p, rate_slope(side, area, T)));
+            let misread = of(&|s| T.get() / misread_overlap(s, area));
+            prop_assert!(near(misread, misread_rate_slope(side, area, T)));
+        }
+    }
+}

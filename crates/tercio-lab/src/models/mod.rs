@@ -1,0 +1,51 @@
+//! The closed formulas of the documents: plain functions of quantities, and the [`registry`] that evaluates any of
+//! them by name.
+//!
+//! | room | document |
+//! |---|---|
+//! | [`eldridge`] | 000, polygon rendering on the Princeton Engine: where to sort on a ring |
+//! | [`hybris`] | 001, the Hybris renderer: sizes, rates, fixed point, plane equations |
+//! | [`overlap`] | how many tiles a triangle meets, by documents 001 (Molnar and Eyles) and 003 |
+//! | [`amdahl`] | speed-up with a serial part, as document 001 uses it |
+//! | [`parks`] | 002, cycle costs of the splitter, interlace and hybrid machines |
+//! | [`mcmanus`] | 003, area and performance of arrays of pixel processors |
+//! | [`ortega`] | 004, rates and speed-ups of data-parallel rendering |
+//! | [`common`] | arithmetic that several documents share: bandwidths, shares, record layouts |
+//!
+//! Where a document's formula is damaged or wrong, the function is the corrected one, its page says what was corrected
+//! and why, and the printed form stays beside it with `as_printed` in its name where both matter.
+
+pub mod amdahl;
+pub mod common;
+pub mod eldridge;
+pub mod hybris;
+pub mod mcmanus;
+pub mod ortega;
+pub mod overlap;
+pub mod parks;
+pub mod registry;
+
+use registry::Model;
+
+/// The rooms that the registry knows, in the order of the documents; simulators stand beside formulas.
+const ROOMS: &[&[Model]] = &[
+    eldridge::comparison::MODELS,
+    eldridge::ring::MODELS,
+    eldridge::distribution::MODELS,
+    eldridge::sort_twice::MODELS,
+    eldridge::placement::MODELS,
+    eldridge::planes::MODELS,
+    eldridge::throughput::MODELS,
+    overlap::MODELS,
+    hybris::rates::MODELS,
+    hybris::records::MODELS,
+    hybris::rasterization::MODELS,
+    amdahl::MODELS,
+    parks::costs::MODELS,
+    parks::distributions::MODELS,
+    parks::scenes::MODELS,
+    mcmanus::MODELS,
+    mcmanus::optimum::MODELS,
+    ortega::MODELS,
+    common::MODELS,
+];

@@ -1,0 +1,225 @@
+//! How many tiles a triangle or a box meets on the mean, at a random place.
+//!
+//! Two ways of counting: documents 001 and 000 take a box as a region of the plane, document 003 as a number of whole
+//! pixels, of which a box w pixels wide reaches w - 1 beyond its first.
+
+use crate::models;
+use crate::models::registry::Model;
+use crate::units::{Count, Length, Pixels, Ratio};
+
+/// Area of the bounding box over that of the triangle: the mean that document 001 takes (2.3.2).
+const BOX_TO_TRIANGLE: f64 = 3.0;
+
+/// Document 001, equation 2.1 (Molnar and Eyles): tiles of `width` by `height` that a box of `w` by `h` meets. Exact
+/// for boxes of any size.
+pub fn boxes(width: Length, height: Length, w: Length, h: Length) -> Ratio {
+    Ratio::new((1.0 + w / width) * (1.0 + h / height))
+}
+
+/// Document 001, equation 2.3: the same for square tiles of side `tile`.
+pub fn boxes_in_squares(tile: Length, w: Length, h: Length) -> Ratio {
+    boxes(tile, tile, w, h)
+}
+
+/// Document 001, equation 2.2: tiles of `area` and aspect ratio `aspect` (width over height) that a square box of
+/// side `s` meets. Least for square tiles.
+pub fn boxes_by_aspect(area: Pixels, aspect: Ratio, s: Length) -> Ratio {
+    let [width, height] = tile_sides(area, aspect);
+    boxes(width, height, s, s)
+}
+
+/// Width and height of a tile of `area` and `aspect` = width over height. The text beside equation 2.2 prints
+/// W = R sqrt(A), H = R^-1 sqrt(A) with the -1 lost; even so W/H would be R squared. Consistent is
+/// W = sqrt(R A), H = sqrt(A / R).
+pub fn tile_sides(area: Pixels, aspect: Ratio) -> [Length; 2] {
+    [Length::new((aspect.get() * area.get()).sqrt()), Length::new((area.get() / aspect.get()).sqrt())]
+}
+
+/// The aspect ratio that [`tile_sides`] gives back.
+pub fn tile_aspect(area: Pixels, aspect: Ratio) -> Ratio {
+    let [width, height] = tile_sides(area, aspect);
+    Ratio::new(width / height)
+}
+
+/// Document 001, equation 2.4: tiles of side `tile` that the bounding box of a triangle of `area` meets, where boxes
+/// are square and `rho` times as large as their triangles.
+pub fn bounding_boxes(tile: Length, area: Pixels, rho: Ratio) -> Ratio {
+    let s = Length::new((rho.get() * area.get()).sqrt());
+    boxes_in_squares(tile, s, s)
+}
+
+/// Document 001, equation 2.7: tiles that a triangle meets whose box has a corner of four tiles inside.
+pub fn corner(rho: Ratio) -> Ratio {
+    Ratio::new(3.0 + 1.0 / rho.get())
+}
+
+/// Document 001, equation 2.8: tiles that the triangle itself meets, by the side `s` of its square box.
+pub fn exact_by_side(tile: Length, s: Length, rho: Ratio) -> Ratio {
+    exact_by_box(tile, s, s, Pixels::new(s.get() * s.get() / rho.get()))
+}
+
+/// The factor of s^2/S^2 in equation 2.8: what [`corner`] is above 3.
+pub fn corner_excess(rho: Ratio) -> Ratio {
+    corner(rho) - Ratio::new(3.0)
+}
+
+/// Document 001, equation 2.9: tiles that a triangle of `area` meets, `rho` as in [`bounding_boxes`].
+pub fn exact(tile: Length, area: Pixels, rho: Ratio) -> Ratio {
+    let s = Length::new((rho.get() * area.get()).sqrt());
+    exact_by_box(tile, s, s, area)
+}
+
+/// Document 001, equation 2.10, in general: tiles that a convex shape with box `w` by `h` and `area` meets. Exact for
+/// any convex shape of any size, since it is the area of the shape's Minkowski sum with a tile over the tile's; the
+/// document derives it for boxes within a tile only.
+pub fn exact_by_box(tile: Length, w: Length, h: Length, area: Pixels) -> Ratio {
+    let s = tile.get();
+    Ratio::new(1.0 + (w.get() + h.get()) / s + area.get() / (s * s))
+}
+
+/// Document 001, equation 2.11: bounding boxes less exact, 2.4 - 2.9.
+pub fn difference(tile: Length, area: Pixels, rho: Ratio) -> Ratio {
+    Ratio::new(area.get() * (rho.get() - 1.0) / (tile.get() * tile.get()))
+}
+
+/// Document 003, equations 2 to 6: regions of side `region` that a square box of `side` whole pixels meets. The
+/// equations with 4 corrected collapse to this square, whether `side` is a multiple of `region` or not.
+pub fn pixel_boxes(region: Length, side: Length) -> Ratio {
+    let regions = (side.get() + region.get() - 1.0) / region.get();
+    Ratio::new(regions * regions)
+}
+
+/// Document 000: columns of a column-parallel machine that polygons `width` pixels wide meet; [`pixel_boxes`] in one
+/// dimension.
+pub fn columns(column: Length, width: Length) -> Ratio {
+    Ratio::new((width.get() + column.get() - 1.0) / column.get())
+}
+
+/// The mean of [`pixel_boxes`] counted out: a box of `side` pixels at each of the `region` squared places.
+///
+/// # Errors
+/// A region without a pixel.
+pub fn pixel_boxes_counted(region: Count, side: Count) -> Result<Ratio, String> {
+    let (a, w) = (region.get() as u64, side.get() as u64);
+    if a == 0 || w == 0 {
+        return Err("A, w: expected at least one pixel, found 0".into());
+    }
+    let met = |offset: u64| (offset + w - 1) / a + 1;
+    let sum: u64 = (0..a).flat_map(|y| (0..a).map(move |x| met(x) * met(y))).sum();
+    Ok(Ratio::new(sum as f64 / (a * a) as f64))
+}
+
+pub(crate) const MODELS: &[Model] = models! {
+    "overlap.2.1", "001 eq 2.1", "tiles W by H that a box w by h meets":
+        boxes["W": Length, "H": Length, "w": Length, "h": Length] -> Ratio;
+    "overlap.2.2", "001 eq 2.2", "tiles of area A_r and aspect R that a square box of side s meets":
+        boxes_by_aspect["A_r": Pixels, "R": Ratio = 1.0, "s": Length] -> Ratio;
+    "overlap.tile-sides", "001 eq 2.2", "width and height of a tile of area A_r and aspect R":
+        tile_sides["A_r": Pixels, "R": Ratio] -> [Length; 2];
+    "overlap.tile-aspect", "001 eq 2.2", "aspect ratio of these sides":
+        tile_aspect["A_r": Pixels, "R": Ratio] -> Ratio;
+    "overlap.2.3", "001 eq 2.3", "square tiles of side S that a box w by h meets":
+        boxes_in_squares["S": Length, "w": Length, "h": Length] -> Ratio;
+    "overlap.2.4", "001 eq 2.4", "square tiles that the bounding box of a triangle of area a meets":
+        bounding_boxes["S": Length, "a": Pixels, "rho": Ratio = BOX_TO_TRIANGLE] -> Ratio;
+    "overlap.2.7", "001 eq 2.7", "tiles that a triangle meets whose box holds a corner":
+        corner["rho": Ratio = BOX_TO_TRIANGLE] -> Ratio;
+    "overlap.2.7-excess", "001 eq 2.7, 2.8", "the same, less 3":
+        corner_excess["rho": Ratio = BOX_TO_TRIANGLE] -> Ratio;
+    "overlap.2.8", "001 eq 2.8", "square tiles that a triangle with a square box of side s meets":
+        exact_by_side["S": Length, "s": Length, "rho": Ratio = BOX_TO_TRIANGLE] -> Ratio;
+    "overlap.2.9", "001 eq 2.9", "square tiles that a triangle of area a meets":
+        exact["S": Length, "a": Pixels, "rho": Ratio = BOX_TO_TRIANGLE] -> Ratio;
+    "overlap.2.10", "001 eq 2.10", "square tiles that a convex shape with box w by h and area a meets":
+        exact_by_box["S": Length, "w": Length, "h": Length, "a": Pixels] -> Ratio;
+    "overlap.2.11", "001 eq 2.11", "2.4 less 2.9":
+        difference["S": Length, "a": Pixels, "rho": Ratio = BOX_TO_TRIANGLE] -> Ratio;
+    "overlap.pixel-boxes", "003 eq 2 to 6", "regions of side A that a square box of w whole pixels meets":
+        pixel_boxes["A": Length, "w": Length] -> Ratio;
+    "overlap.pixel-boxes-counted", "003 eq 6", "the same, counted at every place":
+        pixel_boxes_counted["A": Count, "w": Count] -> Result<Ratio, String>;
+    "overlap.columns", "000 4.3.1", "columns of width A that a polygon w pixels wide meets":
+        columns["A": Length = 1.0, "w": Length] -> Ratio;
+};
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    proptest! {
+        /// The closed form is the exact mean over all places, for any sizes.
+        #[test]
+        fn pixel_boxes_are_exact(a in 1u32..24, w in 1u32..80) {
+            let counted = pixel_boxes_counted(Count::new(a.into()), Count::new(w.into())).unwrap().get();
+            let closed = pixel_boxes(Length::new(a.into()), Length::new(w.into())).get();
+            prop_assert!((counted - closed).abs() < 1e-9 * closed);
+        }
+
+        /// A rectangle fills its box, so the general form is equation 2.3.
+        #[test]
+        fn a_rectangle_is_its_own_box(s in 1.0f64..300.0, w in 0.0f64..500.0, h in 0.0f64..500.0) {
+            let (s, wl, hl) = (Length::new(s), Length::new(w), Length::new(h));
+            let general = exact_by_box(s, wl, hl, Pixels::new(w * h)).get();
+            prop_assert!((general / boxes_in_squares(s, wl, hl).get() - 1.0).abs() < 1e-12);
+        }
+
+        /// Pixel counting is the continuous formula for a box one pixel smaller.
+        #[test]
+        fn the_documents_agree(a in 1.0f64..300.0, w in 1.0f64..500.0) {
+            let pixels = pixel_boxes(Length::new(a), Length::new(w)).get();
+            let plane = boxes_in_squares(Length::new(a), Length::new(w - 1.0), Length::new(w - 1.0)).get();
+            prop_assert!((pixels / plane - 1.0).abs() < 1e-12);
+        }
+
+        #[test]
+        fn square_tiles_meet_least(area in 1.0f64..1e5, aspect in 0.01f64..100.0, s in 0.0f64..500.0) {
+            let at = |r: f64| boxes_by_aspect(Pixels::new(area), Ratio::new(r), Length::new(s)).get();
+            prop_assert!(at(aspect) >= at(1.0) * (1.0 - 1e-12));
+        }
+    }
+
+    /// The general form, counted: a triangle larger than a tile at a lattice of offsets, tiles met by clipping.
+    #[test]
+    fn exact_by_box_is_the_mean_over_places() {
+        let triangle = [[0.0, 0.0], [40.0, 13.0], [9.0, 55.0]];
+        let (tile, steps) = (8.0, 64);
+        let mut met = 0u64;
+        for iy in 0..steps {
+            for ix in 0..steps {
+                let offset = [ix, iy].map(|i| (f64::from(i) + 0.5) * tile / f64::from(steps));
+                let moved = triangle.map(|v| [v[0] + offset[0], v[1] + offset[1]]);
+                for ty in 0..8 {
+                    for tx in 0..7 {
+                        let low = [f64::from(tx) * tile, f64::from(ty) * tile];
+                        met += u64::from(meets(&moved, low, tile));
+                    }
+                }
+            }
+        }
+        let mean = met as f64 / f64::from(steps * steps);
+        let closed =
+            exact_by_box(Length::new(8.0), Length::new(40.0), Length::new(55.0), Pixels::new(1041.5)).get();
+        assert!((mean / closed - 1.0).abs() < 2e-3, "{mean} {closed}");
+    }
+
+    /// Separating axes of a triangle and a square.
+    fn meets(triangle: &[[f64; 2]; 3], low: [f64; 2], side: f64) -> bool {
+        let square =
+            [[0.0, 0.0], [side, 0.0], [0.0, side], [side, side]].map(|c| [low[0] + c[0], low[1] + c[1]]);
+        let edges = [0, 1, 2].map(|i| {
+            let (a, b) = (triangle[i], triangle[(i + 1) % 3]);
+            [b[1] - a[1], a[0] - b[0]]
+        });
+        let axes = [[1.0, 0.0], [0.0, 1.0]].into_iter().chain(edges);
+        axes.into_iter().all(|axis| {
+            let on = |points: &[[f64; 2]]| {
+                let along = points.iter().map(|p| p[0] * axis[0] + p[1] * axis[1]);
+                along.fold((f64::MAX, f64::MIN), |(lo, hi), v| (lo.min(v), hi.max(v)))
+            };
+            let (t, s) = (on(triangle), on(&square));
+            t.0 < s.1 && s.0 < t.1
+        })
+    }
+}

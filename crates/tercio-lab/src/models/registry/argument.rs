@@ -1,0 +1,123 @@
+//! From a [`Value`] to what a formula takes, and back.
+
+use super::Value;
+use crate::units::Quantity;
+
+/// A type that a formula can take.
+pub trait Argument: Sized {
+    /// The base unit's symbol, or the shape of a list.
+    const UNIT: &'static str;
+
+    /// Reads the value.
+    ///
+    /// # Errors
+    /// What was expected and what was found.
+    fn from_value(value: &Value) -> Result<Self, String>;
+}
+
+/// A type that a formula can give.
+pub trait Outcome {
+    /// The base unit's symbol; empty for ratios, counts and lists.
+    const UNIT: &'static str = "";
+
+    /// The value in base units.
+    ///
+    /// # Errors
+    /// Why the formula has no result for these arguments.
+    fn into_value(self) -> Result<Value, String>;
+}
+
+impl<Q: Quantity> Argument for Q {
+    const UNIT: &'static str = Q::UNIT;
+
+    fn from_value(value: &Value) -> Result<Self, String> {
+        match value {
+            Value::Number(number) => Q::checked(*number).map_err(|e| e.to_string()),
+            Value::Text(text) => text.parse::<Q>().map_err(|e| e.to_string()),
+            Value::List(_) => Err(format!("{}: expected one number, found a list", Q::NAME)),
+        }
+    }
+}
+
+/// A coordinate or another number that may be negative.
+impl Argument for f64 {
+    const UNIT: &'static str = "";
+
+    fn from_value(value: &Value) -> Result<Self, String> {
+        match value {
+            Value::Number(number) if number.is_finite() => Ok(*number),
+            other => Err(format!("expected a number, found {other}")),
+        }
+    }
+}
+
+impl<T: Argument> Argument for Vec<T> {
+    const UNIT: &'static str = "list";
+
+    fn from_value(value: &Value) -> Result<Self, String> {
+        match value {
+            Value::List(items) => items.iter().map(T::from_value).collect(),
+            other => Err(format!("expected a list, found {other}")),
+        }
+    }
+}
+
+impl<T: Argument, const N: usize> Argument for [T; N] {
+    const UNIT: &'static str = "list";
+
+    fn from_value(value: &Value) -> Result<Self, String> {
+        let items = Vec::<T>::from_value(value)?;
+        let found = items.len();
+        items.try_into().map_err(|_| format!("expected a list of {N}, found {found}"))
+    }
+}
+
+impl Argument for String {
+    const UNIT: &'static str = "text";
+
+    fn from_value(value: &Value) -> Result<Self, String> {
+        match value {
+            Value::Text(text) => Ok(text.clone()),
+            other => Ok(other.to_string()),
+        }
+    }
+}
+
+impl<Q: Quantity> Outcome for Q {
+    const UNIT: &'static str = Q::UNIT;
+
+    fn into_value(self) -> Result<Value, String> {
+        Ok(Value::Number(self.get()))
+    }
+}
+
+impl Outcome for f64 {
+    fn into_value(self) -> Result<Value, String> {
+        Ok(Value::Number(self))
+    }
+}
+
+impl<T: Outcome> Outcome for Vec<T> {
+    const UNIT: &'static str = T::UNIT;
+
+    fn into_value(self) -> Result<Value, String> {
+        Ok(Value::List(self.into_iter().map(T::into_value).collect::<Result<_, _>>()?))
+    }
+}
+
+impl<T: Outcome, const N: usize> Outcome for [T; N] {
+    const UNIT: &'static str = T::UNIT;
+
+    fn into_value(self) -> Result<Value, String> {
+        Vec::from(self).into_value()
+    }
+}
+
+/// A formula that is not defined everywhere.
+impl<T: Outcome> Outcome for Result<T, String> {
+    const UNIT: &'static str = T::UNIT;
+
+    fn into_value(self) -> Result<Value, String> {
+        self?.into_value()
+    }
+}

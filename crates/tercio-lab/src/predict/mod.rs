@@ -1,0 +1,42 @@
+//! What the real renderer will do: predicted from a machine's description, measured, and compared.
+//!
+//! | module | what |
+//! |---|---|
+//! | [`views`] | the scenes and cameras of `tercio bench` |
+//! | [`counters`] | what a frame amounts to, counted by rules of its own, without the renderer |
+//! | [`frame`] | counts and costs become times: one process on some threads |
+//! | [`ranks`] | the same for an organisation of ranks on a network |
+//! | [`advise`] | the best organisation for a machine and a model, and why |
+//! | [`measure`] | the real renderer's counters and times |
+//! | [`fit`] | costs from measured frames |
+//! | [`calibrate`] | the description of this machine |
+//! | [`validate`] | predicted against measured |
+
+pub mod advise;
+pub mod calibrate;
+pub mod counters;
+pub mod fit;
+pub mod frame;
+pub mod measure;
+pub mod ranks;
+pub mod validate;
+pub mod views;
+
+use thiserror::Error;
+
+/// Why there is no prediction.
+#[derive(Debug, Error)]
+pub enum PredictError {
+    /// The machine's description lacks something.
+    #[error(transparent)]
+    Machine(#[from] crate::machines::MachineError),
+    /// The picture cannot be drawn.
+    #[error(transparent)]
+    Render(#[from] tercio_raster::RenderError),
+    /// The camera makes no view.
+    #[error(transparent)]
+    Camera(#[from] tercio_scene::camera::CameraError),
+    /// The pool of threads could not be had.
+    #[error("{0} threads: {1}")]
+    Threads(usize, rayon::ThreadPoolBuildError),
+}

@@ -1,0 +1,75 @@
+//! Ours against the expected.
+
+use super::{Basis, Number};
+use crate::models::registry::{self, ModelError, Value};
+use crate::units::scale;
+
+/// A published number beside ours.
+#[derive(Debug)]
+pub struct Check {
+    /// The row of the table.
+    pub number: Number,
+    /// What the formula or simulation gives, in the row's unit.
+    pub ours: Result<Value, ModelError>,
+    /// Whether ours lies within the tolerance.
+    pub holds: bool,
+}
+
+/// Computes one number and compares.
+pub fn check(number: Number) -> Check {
+    let ours = compute(&number);
+    let holds = ours.as_ref().is_ok_and(|ours| ours.agrees_with(&number.expected, number.tolerance));
+    Check { number, ours, holds }
+}
+
+/// Computes all of them.
+///
+/// # Errors
+/// A mistake in the table.
+pub fn check_all() -> Result<Vec<Check>, super::TableError> {
+    Ok(super::numbers()?.into_iter().map(check).collect())
+}
+
+fn compute(number: &Number) -> Result<Value, ModelError> {
+    let model = registry::find(&number.model)?;
+    let ours = model.evaluate(&number.given)?;
+    let Some(unit) = &number.unit else { return Ok(ours) };
+    let reason = || format!("the table asks for '{unit}', the formula gives '{}'", model.unit);
+    let factor =
+        scale(unit, model.unit).ok_or_else(|| ModelError::Undefined { id: model.id, reason: reason() })?;
+    Ok(ours.divided_by(factor))
+}
+
+impl Check {
+    /// Whether ours is computed, not read from the scan.
+    pub fn is_computed(&self) -> bool {
+        self.number.basis == Basis::Computed
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_published_number_holds() {
+        let failed: Vec<_> = check_all().unwrap().into_iter().filter(|c| !c.holds).collect();
+        let said = |c: &Check| format!("{}: expected {}, ours {:?}", c.number.id, c.number.expected, c.ours);
+        assert!(failed.is_empty(), "{:#?}", failed.iter().map(said).collect::<Vec<_>>());
+    }
+
+    #[test]
+    fn a_wrong_expectation_does_not_hold() {
+        let mut number = super::super::numbers().unwrap().remove(0);
+        number.expected = Value::Number(29.0);
+        assert!(!check(number).holds);
+    }
+
+    #[test]
+    fn a_wrong_unit_is_an_error() {
+        let mut number = super::super::numbers().unwrap().remove(0);
+        number.unit = Some("Mpixel/s".into());
+        let check = check(number);
+        assert!(!check.holds && check.ours.is_err());
+    }
+}

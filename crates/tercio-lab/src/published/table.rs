@@ -1,0 +1,121 @@
+//! The table of published numbers, and how it is read.
+
+use serde::{Deserialize, Serialize};
+
+use crate::models::registry::{Arguments, Value};
+
+/// A row: one published number.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Number {
+    /// Its name, the same as in the list of all numbers of the five documents.
+    pub id: String,
+    /// The number of the document, as `000`.
+    #[serde(skip)]
+    pub document: String,
+    /// Chapter, equation, table or figure.
+    pub place: String,
+    /// What a correct computation gives, in `unit`; a cell that cannot be read is NaN.
+    pub expected: Value,
+    /// The unit of `expected`, `tolerance` and `printed`; without it, the base unit of the formula.
+    #[serde(default)]
+    pub unit: Option<String>,
+    /// How far ours may be from `expected`.
+    pub tolerance: f64,
+    /// What the document prints, if it prints something legible.
+    #[serde(default)]
+    pub printed: Option<Value>,
+    /// How the printed number stands to the expected one.
+    pub standing: Standing,
+    /// Where ours comes from.
+    #[serde(default)]
+    pub basis: Basis,
+    /// The entry of the registry that computes it.
+    pub model: String,
+    /// What that entry is asked with; everything else has its default.
+    #[serde(default)]
+    pub given: Arguments,
+}
+
+/// How a printed number stands to the formula that it belongs to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Standing {
+    /// It is the formula's value in the digits printed, or the formula is sound and nothing is printed.
+    Exact,
+    /// It is rounded in words, or off by a small amount that is stated.
+    Rounded,
+    /// Formula or cell is damaged in the scan and was restored.
+    Restored,
+    /// It contradicts the author's own formula or another of his numbers.
+    Contradicted,
+}
+
+/// Where our number comes from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Basis {
+    /// A formula or a simulation computes it.
+    #[default]
+    Computed,
+    /// It was measured on a scene that is lost; we read the scan and check the reading against the cost model.
+    Read,
+}
+
+/// A mistake in the table.
+#[derive(Debug, thiserror::Error)]
+#[error("published numbers of document {document}: {source}")]
+pub struct TableError {
+    /// The document's number.
+    pub document: &'static str,
+    /// Line, and what was expected.
+    #[source]
+    pub source: toml::de::Error,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct File {
+    document: String,
+    number: Vec<Number>,
+}
+
+const FILES: [(&str, &str); 5] = [
+    ("000", include_str!("../../data/published/eldridge.toml")),
+    ("001", include_str!("../../data/published/hybris.toml")),
+    ("002", include_str!("../../data/published/parks.toml")),
+    ("003", include_str!("../../data/published/mcmanus.toml")),
+    ("004", include_str!("../../data/published/ortega.toml")),
+];
+
+/// All published numbers, in the order of the documents.
+///
+/// # Errors
+/// A mistake in the table, with its line.
+pub fn numbers() -> Result<Vec<Number>, TableError> {
+    let mut all = Vec::new();
+    for (document, text) in FILES {
+        let file: File = toml::from_str(text).map_err(|source| TableError { document, source })?;
+        all.extend(file.number.into_iter().map(|n| Number { document: file.document.clone(), ..n }));
+    }
+    Ok(all)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use super::*;
+    use crate::models::registry;
+
+    #[test]
+    fn every_row_names_a_formula_and_no_row_is_there_twice() {
+        let all = numbers().unwrap();
+        assert_eq!(all.len(), 539);
+        let ids: BTreeSet<_> = all.iter().map(|n| &n.id).collect();
+        assert_eq!(ids.len(), all.len());
+        for number in &all {
+            registry::find(&number.model).unwrap_or_else(|e| panic!("{}: {e}", number.id));
+        }
+    }
+}

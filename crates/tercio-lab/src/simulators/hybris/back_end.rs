@@ -1,0 +1,178 @@
+//! The back end: all tiles of a frame on one tile engine or two.
+
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::FrontEnd;
+use super::front_end::Tiles;
+use super::tile_engine::{EngineCounts, EngineSettings, TileWork, run_tile};
+
+/// How two or more engines share a frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Sharing {
+    /// Each has tiles of its own, in the colours of a checkerboard (document 001, 3.6.3).
+    Tiles,
+    /// All work at the same tile, each at every n-th triangle; their pictures are composed (3.6.4).
+    Composition,
+}
+
+/// A frame's back end.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct BackEnd {
+    /// Cycles from the first triangle to the last pixel in the frame buffer.
+    pub cycles: u64,
+    /// Tiles with at least one triangle; the others are not drawn.
+    pub tiles_used: u64,
+    /// What each engine did.
+    pub engines: Vec<EngineCounts>,
+    /// Cycles in which a finished tile was copied out.
+    pub output_cycles: u64,
+}
+
+impl BackEnd {
+    /// The busiest engine's drawing over the mean's, 1 if they are even.
+    pub fn imbalance(&self) -> f64 {
+        let most = self.engines.iter().map(|e| e.cycles).max().unwrap_or(0);
+        let sum: u64 = self.engines.iter().map(|e| e.cycles).sum();
+        if sum == 0 { 1.0 } else { most as f64 * self.engines.len() as f64 / sum as f64 }
+    }
+
+    /// What all engines did together.
+    pub fn total(&self) -> EngineCounts {
+        self.engines.iter().fold(EngineCounts::default(), |sum, e| sum.plus(*e))
+    }
+}
+
+/// What the engines are given and how.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BackEndSettings {
+    /// An engine.
+    pub engine: EngineSettings,
+    /// How many.
+    pub engines: usize,
+    /// How they share a frame.
+    pub sharing: Sharing,
+    /// Pixels copied from a finished tile in a cycle.
+    pub output: u64,
+}
+
+/// Draws the heaps of some front ends: every tile reads all of them, in their order.
+pub fn run(front_ends: &[FrontEnd], tiles: Tiles, settings: BackEndSettings) -> BackEnd {
+    let engines = settings.engines.max(1);
+    // Which engine draws which of a tile's triangles how long: a list of (engine, counts) for each used tile.
+    let drawn: Vec<(usize, Vec<(usize, EngineCounts)>)> = (0..tiles.count())
+        .into_par_iter()
+        .filter_map(|tile| {
+            let work = tile_work(front_ends, tiles, tile);
+            (!work.is_empty()).then(|| (tile, draw(tile, &work, tiles, settings)))
+        })
+        .collect();
+    let mut sums = vec![EngineCounts::default(); engines];
+    let mut clock = Clock::new(engines);
+    for (tile, parts) in &drawn {
+        let pixels = tiles.pixels(*tile);
+        let area = (pixels.x1 - pixels.x0) as u64 * (pixels.y1 - pixels.y0) as u64;
+        let output = area.div_ceil(settings.output.max(1));
+        let engines: Vec<_> = parts.iter().map(|p| (p.0, p.1.cycles)).collect();
+        clock.tile(&engines, output);
+        for (engine, counts) in parts {
+            sums[*engine] = sums[*engine].plus(*counts);
+        }
+    }
+    BackEnd {
+        cycles: clock.now(),
+        tiles_used: drawn.len() as u64,
+        engines: sums,
+        output_cycles: clock.output_cycles,
+    }
+}
+
+/// The triangles of one tile.
+pub fn tile_work(front_ends: &[FrontEnd], tiles: Tiles, tile: usize) -> Vec<TileWork> {
+    let pixels = tiles.pixels(tile);
+    let of = |f: &FrontEnd| -> Vec<_> {
+        f.heap.bucket(tile).iter().map(|&n| TileWork::new(&f.nodes[n as usize], pixels)).collect()
+    };
+    front_ends.iter().flat_map(of).collect()
+}
+
+fn draw(tile: usize, work: &[TileWork], tiles: Tiles, s: BackEndSettings) -> Vec<(usize, EngineCounts)> {
+    match s.sharing {
+        Sharing::Tiles => {
+            let (column, row) = tiles.place(tile);
+            vec![((column + row) as usize % s.engines, run_tile(s.engine, work))]
+        }
+        Sharing::Composition => (0..s.engines)
+            .map(|engine| {
+                let own: Vec<_> = work.iter().skip(engine).step_by(s.engines).cloned().collect();
+                (engine, run_tile(s.engine, &own))
+            })
+            .collect(),
+    }
+}
+
+/// When engines and the way to the frame buffer are free.
+struct Clock {
+    /// End of each engine's last drawing.
+    drawn: Vec<u64>,
+    /// End of the copying of each engine's last tile but one, and of its last: two tile buffers each.
+    copied: Vec<[u64; 2]>,
+    /// End of the last copying of all.
+    bus: u64,
+    output_cycles: u64,
+}
+
+impl Clock {
+    fn new(engines: usize) -> Self {
+        Self { drawn: vec![0; engines], copied: vec![[0; 2]; engines], bus: 0, output_cycles: 0 }
+    }
+
+    /// A tile that takes each of these engines so many cycles; it is copied out once, when all are done. Tiles are
+    /// copied in their order.
+    fn tile(&mut self, engines: &[(usize, u64)], output: u64) {
+        let start = |&(e, _): &(usize, u64)| self.drawn[e].max(self.copied[e][0]);
+        let ends: Vec<u64> = engines.iter().map(|part| start(part) + part.1).collect();
+        let ready = ends.iter().copied().max().unwrap_or(0);
+        let done = ready.max(self.bus) + output;
+        for (&(e, _), end) in engines.iter().zip(ends) {
+            self.drawn[e] = end;
+            self.copied[e] = [self.copied[e][1], done];
+        }
+        self.bus = done;
+        self.output_cycles += output;
+    }
+
+    fn now(&self) -> u64 {
+        self.drawn.iter().copied().max().unwrap_or(0).max(self.bus)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn copying_overlaps_drawing_of_the_next_tile() {
+        let mut clock = Clock::new(1);
+        clock.tile(&[(0, 100)], 40);
+        assert_eq!(clock.now(), 140);
+        clock.tile(&[(0, 100)], 40);
+        assert_eq!(clock.now(), 240);
+        // Drawn faster than copied: the third tile waits for the first one's buffer.
+        let mut clock = Clock::new(1);
+        (0..3).for_each(|_| clock.tile(&[(0, 10)], 100));
+        assert_eq!(clock.now(), 10 + 3 * 100);
+    }
+
+    #[test]
+    fn two_engines_draw_at_the_same_time_and_copy_in_turn() {
+        let mut clock = Clock::new(2);
+        clock.tile(&[(0, 100)], 10);
+        clock.tile(&[(1, 100)], 10);
+        assert_eq!(clock.now(), 120);
+        let mut composed = Clock::new(2);
+        composed.tile(&[(0, 60), (1, 40)], 10);
+        assert_eq!(composed.now(), 70);
+    }
+}

@@ -1,0 +1,178 @@
+//! A whole frame on one of the Hybris machines.
+
+use serde::Serialize;
+
+use super::back_end::{self, BackEnd, BackEndSettings, Sharing};
+use super::front_end::{FrontEndCounts, Tiles};
+use super::heap::{BankMapping, HeapLayout, PageCounts};
+use super::software::{self, BackCounts, SoftwareFrame};
+use super::tile_engine::EngineSettings;
+use super::transfer::{Bus, Transferred};
+use super::{FrontEnd, Scene};
+use crate::machines::{Machine, MachineError};
+
+/// How the pages of the SDRAM fared, by what is mapped how.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct Pages {
+    /// Written with buffers in the banks in the order in which they are taken.
+    pub written_in_order: PageCounts,
+    /// Written with neighbouring tiles in different banks.
+    pub written_by_tile: PageCounts,
+    /// Read, bucket after bucket.
+    pub read: PageCounts,
+}
+
+/// A frame.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct HybrisFrame {
+    /// Front ends together.
+    pub front_end: FrontEndCounts,
+    /// Buckets a triangle.
+    pub overlap: f64,
+    /// Buffers of all heaps.
+    pub buffers: u64,
+    /// Their bytes.
+    pub heap_bytes: u64,
+    /// Tile engines; of machines that have a clock of their own for them.
+    pub back_end: BackEnd,
+    /// Seconds of the tile engines at the machine's clock.
+    pub back_end_seconds: f64,
+    /// Memory pages, if the machine has SDRAM of its own.
+    pub pages: Option<Pages>,
+    /// The bus, if there is one.
+    pub transfer: Option<Transferred>,
+    /// What each processor's back end met.
+    pub back_counts: Vec<BackCounts>,
+    /// Processors, if the machine is charged for software.
+    pub software: Option<SoftwareFrame>,
+}
+
+impl HybrisFrame {
+    /// Seconds of a frame: of software the front end, the barrier and the back end; of a board whatever of bus and
+    /// tile engine takes longer, because they overlap (document 001, 4.5.1).
+    pub fn seconds(&self) -> f64 {
+        match (&self.software, &self.transfer) {
+            (Some(software), _) => software.seconds(),
+            (None, Some(bus)) => self.back_end_seconds.max(bus.seconds),
+            (None, None) => self.back_end_seconds,
+        }
+    }
+}
+
+/// Runs a frame.
+///
+/// # Errors
+/// A machine without heap, tile engine or clock.
+pub fn simulate(machine: &Machine, scene: &Scene, sharing: Sharing) -> Result<HybrisFrame, MachineError> {
+    let heap = machine.need(machine.heap.as_ref(), "heap")?;
+    let engine = machine.need(machine.tile_engine.as_ref(), "tile-engine")?;
+    let clock = machine.clock()?;
+    let tiles = Tiles { width: scene.width, height: scene.height, edge: engine.tile.whole() as u32 };
+    let layout = HeapLayout::of(heap);
+    let fronts = FrontEnd::run_parallel(scene, tiles, layout, heap.heaps.whole() as usize);
+    let counts = fronts.iter().fold(FrontEndCounts::default(), |sum, f| sum.plus(f.counts));
+    let settings = BackEndSettings {
+        engine: EngineSettings::of(engine),
+        engines: engine.engines.whole() as usize,
+        sharing,
+        output: engine.output.whole(),
+    };
+    let back_end = back_end::run(&fronts, tiles, settings);
+    let pages = machine.sdram.as_ref().map(|sdram| {
+        let sum = |of: &dyn Fn(&FrontEnd) -> PageCounts| {
+            fronts.iter().map(of).fold(PageCounts::default(), PageCounts::plus)
+        };
+        let columns = tiles.columns();
+        Pages {
+            written_in_order: sum(&|f| f.heap.write_pages(sdram, BankMapping::InOrder, columns)),
+            written_by_tile: sum(&|f| f.heap.write_pages(sdram, BankMapping::ByTile, columns)),
+            read: sum(&|f| f.heap.read_pages(sdram, BankMapping::ByTile, columns)),
+        }
+    });
+    let transfer = machine
+        .transfer
+        .as_ref()
+        .map(|t| Bus::of(t).heaps(&fronts, tiles.count(), layout.buffer, t.block.whole()));
+    let back_counts = software::back_counts(&fronts, tiles, settings.engines);
+    let fronts_counts: Vec<_> = fronts.iter().map(|f| f.counts).collect();
+    let software =
+        (!machine.costs.is_empty()).then(|| software::frame(machine, &fronts_counts, &back_counts));
+    Ok(HybrisFrame {
+        front_end: counts,
+        overlap: counts.overlap(),
+        buffers: fronts.iter().map(|f| f.heap.buffers()).sum(),
+        heap_bytes: fronts.iter().map(|f| f.heap.bytes()).sum(),
+        back_end_seconds: back_end.cycles as f64 / clock,
+        back_end,
+        pages,
+        transfer,
+        back_counts,
+        software,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use tercio_mesh::builtin;
+
+    use super::*;
+    use crate::machines::builtin as machine;
+    use crate::predict::views;
+    use crate::simulators::hybris::scene::project;
+
+    fn scene() -> Scene {
+        let mesh = builtin::make("builtin:teapot@5k").unwrap();
+        let camera = views::camera(&mesh.bounds(), (320, 256), 0, 1);
+        project(&mesh, &camera, (320, 256)).unwrap()
+    }
+
+    fn frame(name: &str, sharing: Sharing) -> HybrisFrame {
+        simulate(&machine(name).unwrap().unwrap(), &scene(), sharing).unwrap()
+    }
+
+    #[test]
+    fn all_machines_draw_the_same() {
+        let one = frame("hybris-asic", Sharing::Tiles);
+        let c = one.front_end;
+        assert_eq!(c.triangles, c.nodes + c.back_facing + c.sub_pixel + c.outside);
+        assert_eq!(one.back_end.total().triangles, c.entries);
+        for (name, sharing) in [
+            ("hybris-asic-2x2", Sharing::Tiles),
+            ("hybris-asic-two-engines", Sharing::Tiles),
+            ("hybris-asic-two-engines", Sharing::Composition),
+            ("hybris-fpga", Sharing::Tiles),
+            ("hybris-dual-cpu", Sharing::Tiles),
+        ] {
+            let other = frame(name, sharing);
+            assert_eq!(other.front_end.nodes, c.nodes, "{name}");
+            assert_eq!(other.back_end.total().pixels, one.back_end.total().pixels, "{name}");
+            assert_eq!(other.back_counts.iter().map(|b| b.entries).sum::<u64>(), c.entries, "{name}");
+        }
+    }
+
+    #[test]
+    fn parallel_engines_are_faster_but_not_more_than_as_many_times() {
+        let one = frame("hybris-asic", Sharing::Tiles).back_end.cycles;
+        for (name, sharing, engines) in [
+            ("hybris-asic-2x2", Sharing::Tiles, 4),
+            ("hybris-asic-two-engines", Sharing::Tiles, 2),
+            ("hybris-asic-two-engines", Sharing::Composition, 2),
+        ] {
+            let more = frame(name, sharing).back_end.cycles;
+            assert!(more < one && more * engines >= one, "{name}: {more} against {one}");
+        }
+    }
+
+    #[test]
+    fn two_processors_halve_all_but_the_serial_part() {
+        let (one, two) =
+            (frame("hybris-single-cpu", Sharing::Tiles), frame("hybris-dual-cpu", Sharing::Tiles));
+        let (one, two) = (one.software.unwrap(), two.software.unwrap());
+        assert_eq!(one.serial, two.serial);
+        assert_eq!((one.front.len(), two.front.len()), (1, 2));
+        let work = |f: &SoftwareFrame| f.front.iter().chain(&f.back).sum::<f64>();
+        assert!((work(&one) - work(&two)).abs() < 1e-12 * work(&one));
+        // What the barrier costs is what is missing to half the time.
+        assert!((two.seconds() - two.serial - (work(&two) + two.waiting()) / 2.0).abs() < 1e-12);
+    }
+}

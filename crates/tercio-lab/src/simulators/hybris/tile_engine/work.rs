@@ -1,0 +1,52 @@
+//! What an engine is given: the rows of triangles in a tile.
+
+use super::super::Triangle;
+use super::super::triangle::PixelBox;
+
+/// A span of pixels, the end left out, before and behind the cut at the tile's border.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Span {
+    /// First column.
+    pub(super) first: i32,
+    /// Column behind the last.
+    pub(super) behind: i32,
+}
+
+impl Span {
+    /// Pixels at every `step`-th column, those with remainder `lane`.
+    pub(super) fn pixels(self, lane: usize, step: usize) -> u32 {
+        let (lane, step) = (lane as i32, step as i32);
+        let up_to = |x: i32| (x - lane + step - 1).div_euclid(step);
+        (up_to(self.behind) - up_to(self.first)).max(0) as u32
+    }
+}
+
+/// A triangle's rows in one tile.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct TileWork {
+    pub(super) first_row: i32,
+    pub(super) spans: Vec<Span>,
+}
+
+impl TileWork {
+    /// The part of a triangle in a tile.
+    pub fn new(triangle: &Triangle, tile: PixelBox) -> Self {
+        let Some(rows) = triangle.rounded_box() else { return Self::default() };
+        let (y0, y1) = (rows.y0.max(tile.y0), rows.y1.min(tile.y1));
+        let span = |row| {
+            let (first, behind) = triangle.span(row);
+            Span { first: first.max(tile.x0), behind: behind.min(tile.x1) }
+        };
+        Self { first_row: y0, spans: (y0..y1).map(span).collect() }
+    }
+
+    /// Pixels drawn.
+    pub fn pixels(&self) -> u64 {
+        self.spans.iter().map(|s| u64::from(s.pixels(0, 1))).sum()
+    }
+
+    /// Rows met.
+    pub fn rows(&self) -> u64 {
+        self.spans.len() as u64
+    }
+}

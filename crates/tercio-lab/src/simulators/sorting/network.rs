@@ -1,0 +1,315 @@
+//! What messages do to the links of a network.
+//!
+//! A path's links are counted in constant time by remembering only where it begins and ends on each line of links
+//! (differences, summed up in the end); in the tree by walking up to the common ancestor.
+
+use serde::Serialize;
+
+use crate::machines::{self, Topology};
+
+/// A network of some processors.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct NetworkModel {
+    /// Its shape.
+    pub topology: Topology,
+    /// Bytes a second of one link in one direction.
+    pub bandwidth: f64,
+    /// Seconds of a hop.
+    pub hop: f64,
+    /// Seconds that a processor spends on every message it sends or takes.
+    pub message: f64,
+}
+
+impl NetworkModel {
+    /// The network of a description, in another shape if one is given.
+    pub fn of(network: &machines::Network, topology: Option<Topology>) -> Self {
+        Self {
+            topology: topology.unwrap_or(network.topology),
+            bandwidth: network.bandwidth.value,
+            hop: network.hop.value,
+            message: network.message.value,
+        }
+    }
+
+    /// Seconds of a phase of communication.
+    pub fn seconds(&self, traffic: &Traffic) -> f64 {
+        traffic.busiest_link / self.bandwidth
+            + f64::from(traffic.most_hops) * self.hop
+            + traffic.most_messages as f64 * self.message
+    }
+}
+
+/// What a phase of communication came to.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Traffic {
+    /// Messages between different processors.
+    pub messages: u64,
+    /// Their bytes.
+    pub bytes: u64,
+    /// Bytes on the busiest link, divided by how many times a plain link it can carry.
+    pub busiest_link: f64,
+    /// Links of the longest way.
+    pub most_hops: u32,
+    /// Messages that one processor sends or takes, whichever are more, at most.
+    pub most_messages: u64,
+}
+
+impl Traffic {
+    /// One phase behind the other.
+    pub fn then(self, o: Self) -> Self {
+        Self {
+            messages: self.messages + o.messages,
+            bytes: self.bytes + o.bytes,
+            busiest_link: self.busiest_link + o.busiest_link,
+            most_hops: self.most_hops + o.most_hops,
+            most_messages: self.most_messages + o.most_messages,
+        }
+    }
+}
+
+/// The links of a network while messages are put on them.
+#[derive(Clone, Debug)]
+pub struct Links {
+    loads: Loads,
+    sent: Vec<u32>,
+    taken: Vec<u32>,
+    messages: u64,
+    bytes: u64,
+    most_hops: u32,
+}
+
+/// Bytes, or their differences along a line of links. The two directions of a link are apart.
+#[derive(Clone, Debug)]
+enum Loads {
+    /// One line round all processors, upwards and downwards.
+    Ring([Vec<i64>; 2]),
+    /// Rows of `side` links, right and left; columns, down and up.
+    Mesh { side: usize, rows: [Vec<i64>; 2], columns: [Vec<i64>; 2] },
+    /// Links above the nodes of each level, leaves first: up and down.
+    FatTree(Vec<[Vec<u64>; 2]>),
+    /// Into the switch and out of it.
+    Crossbar([Vec<u64>; 2]),
+    /// All bytes.
+    Shared(u64),
+}
+
+impl Links {
+    /// Idle links between `processors`, which are numbered along the ring, row by row through the mesh, and from
+    /// left to right below the tree.
+    pub fn new(topology: Topology, processors: usize) -> Self {
+        let n = processors.max(1);
+        let loads = match topology {
+            // A path may go past the number 0: the line is unrolled to twice its length.
+            Topology::Ring => Loads::Ring([vec![0; 2 * n + 1], vec![0; 2 * n + 1]]),
+            Topology::Mesh => {
+                let side = (1..).find(|s| s * s >= n).unwrap_or(1);
+                let lines = || [vec![0; side * (side + 1)], vec![0; side * (side + 1)]];
+                Loads::Mesh { side, rows: lines(), columns: lines() }
+            }
+            Topology::FatTree => {
+                let levels = n.next_power_of_two().trailing_zeros();
+                Loads::FatTree((0..levels).map(|l| [vec![0; (n >> l) + 1], vec![0; (n >> l) + 1]]).collect())
+            }
+            Topology::Crossbar => Loads::Crossbar([vec![0; n], vec![0; n]]),
+            Topology::Bus | Topology::Memory => Loads::Shared(0),
+        };
+        Self { loads, sent: vec![0; n], taken: vec![0; n], messages: 0, bytes: 0, most_hops: 0 }
+    }
+
+    /// Puts a message on its way; one to the sender itself costs nothing.
+    ///
+    /// # Panics
+    /// If there is no such processor.
+    pub fn send(&mut self, from: usize, to: usize, bytes: u64) {
+        if from == to {
+            return;
+        }
+        self.sent[from] += 1;
+        self.taken[to] += 1;
+        self.messages += 1;
+        self.bytes += bytes;
+        let n = self.sent.len();
+        let hops = match &mut self.loads {
+            Loads::Ring(lines) => {
+                let up = (to + n - from) % n;
+                let down = n - up;
+                // The shorter way; upwards if both are as long.
+                if up <= down {
+                    add(&mut lines[0], from, from + up, bytes);
+                    up
+                } else {
+                    add(&mut lines[1], to, to + down, bytes);
+                    down
+                }
+            }
+            Loads::Mesh { side, rows, columns } => {
+                let ((x0, y0), (x1, y1)) = ((from % *side, from / *side), (to % *side, to / *side));
+                // Along the row first, then along the column.
+                let line = *side + 1;
+                add_between(rows, y0 * line, x0, x1, bytes);
+                add_between(columns, x1 * line, y0, y1, bytes);
+                x0.abs_diff(x1) + y0.abs_diff(y1)
+            }
+            Loads::FatTree(levels) => {
+                let (mut a, mut b, mut height) = (from, to, 0);
+                while a != b {
+                    levels[height][0][a] += bytes;
+                    levels[height][1][b] += bytes;
+                    (a, b, height) = (a / 2, b / 2, height + 1);
+                }
+                2 * height
+            }
+            Loads::Crossbar([into, out]) => {
+                into[from] += bytes;
+                out[to] += bytes;
+                2
+            }
+            Loads::Shared(all) => {
+                *all += bytes;
+                1
+            }
+        };
+        self.most_hops = self.most_hops.max(hops as u32);
+    }
+
+    /// Sums up.
+    pub fn traffic(&self) -> Traffic {
+        let busiest_link = match &self.loads {
+            Loads::Ring(lines) => {
+                let n = self.sent.len();
+                lines.iter().map(|l| busiest_of_ring(l, n)).max().unwrap_or(0) as f64
+            }
+            Loads::Mesh { side, rows, columns } => {
+                let lines = rows.iter().chain(columns);
+                lines.flat_map(|l| l.chunks(*side + 1)).map(busiest).max().unwrap_or(0) as f64
+            }
+            Loads::FatTree(levels) => {
+                let of_level = |(height, links): (usize, &[Vec<u64>; 2])| {
+                    let most = links.iter().flatten().copied().max().unwrap_or(0);
+                    most as f64 / (1u64 << height) as f64
+                };
+                levels.iter().enumerate().map(of_level).fold(0.0, f64::max)
+            }
+            Loads::Crossbar(ports) => ports.iter().flatten().copied().max().unwrap_or(0) as f64,
+            Loads::Shared(all) => *all as f64,
+        };
+        Traffic {
+            messages: self.messages,
+            bytes: self.bytes,
+            busiest_link,
+            most_hops: self.most_hops,
+            most_messages: self.sent.iter().chain(&self.taken).copied().max().unwrap_or(0).into(),
+        }
+    }
+}
+
+/// Links `first` to `behind` - 1 of a line carry more.
+fn add(line: &mut [i64], first: usize, behind: usize, bytes: u64) {
+    line[first] += bytes as i64;
+    line[behind] -= bytes as i64;
+}
+
+/// The links between two places of the line that begins at `start`; one line for each direction.
+fn add_between(lines: &mut [Vec<i64>; 2], start: usize, from: usize, to: usize, bytes: u64) {
+    match from.cmp(&to) {
+        std::cmp::Ordering::Less => add(&mut lines[0], start + from, start + to, bytes),
+        std::cmp::Ordering::Greater => add(&mut lines[1], start + to, start + from, bytes),
+        std::cmp::Ordering::Equal => {}
+    }
+}
+
+/// The largest sum of differences.
+fn busiest(line: &[i64]) -> i64 {
+    line.iter()
+        .scan(0, |sum, d| {
+            *sum += d;
+            Some(*sum)
+        })
+        .max()
+        .unwrap_or(0)
+}
+
+/// The same for a line that goes round twice: link k and link k + n are one.
+fn busiest_of_ring(line: &[i64], n: usize) -> i64 {
+    let mut loads = vec![0; n];
+    let mut sum = 0;
+    for (k, d) in line.iter().enumerate() {
+        sum += d;
+        loads[k % n] += sum;
+    }
+    loads.into_iter().max().unwrap_or(0)
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    /// Every message on every link of its way, counted one by one.
+    fn plainly(topology: Topology, n: usize, messages: &[(usize, usize, u64)]) -> u64 {
+        let mut loads = std::collections::BTreeMap::new();
+        for &(from, to, bytes) in messages {
+            let mut at = from;
+            while at != to {
+                let next = match topology {
+                    Topology::Ring if (to + n - at) % n <= n - (to + n - at) % n => (at + 1) % n,
+                    Topology::Ring => (at + n - 1) % n,
+                    _ => {
+                        let side = (1..).find(|s| s * s >= n).unwrap();
+                        match (at % side).cmp(&(to % side)) {
+                            std::cmp::Ordering::Less => at + 1,
+                            std::cmp::Ordering::Greater => at - 1,
+                            std::cmp::Ordering::Equal if at < to => at + side,
+                            std::cmp::Ordering::Equal => at - side,
+                        }
+                    }
+                };
+                *loads.entry((at, next)).or_insert(0) += bytes;
+                at = next;
+            }
+        }
+        loads.into_values().max().unwrap_or(0)
+    }
+
+    fn traffic(topology: Topology, n: usize, messages: &[(usize, usize, u64)]) -> Traffic {
+        let mut links = Links::new(topology, n);
+        messages.iter().for_each(|&(from, to, bytes)| links.send(from, to, bytes));
+        links.traffic()
+    }
+
+    #[test]
+    fn a_ring_by_hand() {
+        // 0 to 2 upwards over links 0-1 and 1-2; 5 to 1 upwards round the corner over 5-0 and 0-1.
+        let t = traffic(Topology::Ring, 6, &[(0, 2, 10), (5, 1, 7), (4, 4, 99)]);
+        assert_eq!((t.busiest_link, t.most_hops, t.bytes, t.messages), (17.0, 2, 17, 2));
+    }
+
+    #[test]
+    fn a_tree_carries_all_to_all_as_well_as_a_crossbar() {
+        let all: Vec<_> = (0..16).flat_map(|a| (0..16).map(move |b| (a, b, 3))).collect();
+        let tree = traffic(Topology::FatTree, 16, &all);
+        let crossbar = traffic(Topology::Crossbar, 16, &all);
+        // A leaf's link is the narrowest place of both.
+        assert_eq!((tree.busiest_link, crossbar.busiest_link), (45.0, 45.0));
+        assert_eq!((tree.most_hops, crossbar.most_hops, tree.most_messages), (8, 2, 15));
+        assert!(traffic(Topology::Mesh, 16, &all).busiest_link > 45.0);
+        assert!(
+            traffic(Topology::Ring, 16, &all).busiest_link > traffic(Topology::Mesh, 16, &all).busiest_link
+        );
+    }
+
+    proptest! {
+        #[test]
+        fn links_are_loaded_as_by_walking(
+            n in 1usize..40,
+            messages in prop::collection::vec((0usize..40, 0usize..40, 1u64..9), 0..60),
+        ) {
+            let messages: Vec<_> = messages.into_iter().map(|(a, b, w)| (a % n, b % n, w)).collect();
+            for topology in [Topology::Ring, Topology::Mesh] {
+                let walked = plainly(topology, n, &messages);
+                prop_assert_eq!(traffic(topology, n, &messages).busiest_link, walked as f64);
+            }
+        }
+    }
+}

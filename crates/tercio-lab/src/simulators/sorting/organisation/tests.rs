@@ -1,0 +1,114 @@
+use proptest::prelude::*;
+
+use super::*;
+use crate::machines::Topology;
+use crate::workloads::BoundingBox;
+
+const COSTS: Costs = Costs {
+    polygon: 2.0,
+    set_up: 3.0,
+    entry: 1.0,
+    pixel: 0.5,
+    composite: 0.25,
+    primitive: 48,
+    descriptor: 84,
+    sample: 8,
+};
+
+fn setting(processors: usize, topology: Topology) -> Setting {
+    Setting {
+        width: 64,
+        height: 64,
+        processors,
+        region: None,
+        assignment: Assignment::Interleaved,
+        network: NetworkModel { topology, bandwidth: 1.0, hop: 0.0, message: 0.0 },
+        costs: COSTS,
+    }
+}
+
+fn scene(boxes: &[(i32, i32, i32, i32)]) -> BoxScene {
+    let of = |&(x0, y0, x1, y1)| BoundingBox { visible: true, pixels: PixelBox { x0, y0, x1, y1 } };
+    BoxScene { boxes: boxes.iter().map(of).collect() }
+}
+
+#[test]
+fn sort_middle_by_hand() {
+    // Four owners of 32x32 pixels. Polygon 0 lies in all four, polygon 1 in the last one.
+    let s = setting(4, Topology::Crossbar);
+    let r = simulate(&scene(&[(30, 30, 33, 33), (40, 40, 40, 40)]), Organisation::SortMiddle, &s);
+    assert_eq!(r.overlap, 2.5);
+    assert_eq!(r.geometry, Computing { seconds: 5.0, mean: 2.5 });
+    // The last owner: two polygons, four pixels and one.
+    assert_eq!(r.raster.seconds, 2.0 + 0.5 * 5.0);
+    // Processor 0 sends three descriptors, 1 sends one to processor 3.
+    assert_eq!((r.redistribution.messages, r.redistribution.bytes), (4, 4 * 84));
+    assert_eq!(r.redistribution_seconds, 3.0 * 84.0);
+    assert_eq!(r.composition_seconds, 0.0);
+}
+
+#[test]
+fn sort_last_swaps_halves() {
+    let r = simulate(&scene(&[(0, 0, 1, 1)]), Organisation::SortLast, &setting(4, Topology::Crossbar));
+    // Half the picture, then a quarter, from everyone to everyone's partner.
+    assert_eq!(r.composition.bytes, 4 * (2048 + 1024) * 8);
+    assert_eq!(r.composition_seconds, (2048.0 + 1024.0) * 8.0 + (2048.0 + 1024.0) * 0.25);
+    assert_eq!(r.redistribution, Traffic::default());
+    // Three: the third first hands its picture over.
+    let r = simulate(&scene(&[(0, 0, 1, 1)]), Organisation::SortLast, &setting(3, Topology::Crossbar));
+    assert_eq!(r.composition.bytes, (4096 + 2 * 2048) * 8);
+}
+
+#[test]
+fn sort_first_repeats_the_geometry_work() {
+    let s = setting(4, Topology::Crossbar);
+    let r = simulate(&scene(&[(30, 30, 33, 33)]), Organisation::SortFirst, &s);
+    // Each of four owners transforms and sets it up.
+    assert_eq!(r.geometry, Computing { seconds: 5.0, mean: 5.0 });
+    assert_eq!(r.redistribution.bytes, 3 * 48);
+}
+
+#[test]
+fn a_million_processors() {
+    let boxes: Vec<_> =
+        (0..20_000).map(|k| (k * 7 % 1000, k * 13 % 1000, k * 7 % 1000 + 5, k * 13 % 1000 + 4)).collect();
+    let s = Setting { width: 1024, height: 1024, ..setting(1 << 20, Topology::Mesh) };
+    let r = simulate(&scene(&boxes), Organisation::SortTwice(1024), &s);
+    assert_eq!(r.raster.mean * (1 << 20) as f64, r.overlap * 20_000.0 + 0.5 * 30.0 * 20_000.0);
+    assert!(r.composition.bytes > 0 && r.seconds().is_finite());
+}
+
+proptest! {
+    /// The ends of sort-twice are the plain classes.
+    #[test]
+    fn one_group_is_sort_middle_and_groups_of_one_are_sort_last(
+        boxes in prop::collection::vec((0i32..60, 0i32..60, 0i32..20, 0i32..20), 1..50),
+        n in 1usize..33,
+    ) {
+        let boxes: Vec<_> = boxes.into_iter().map(|(x, y, w, h)| (x, y, x + w, y + h)).collect();
+        let scene = scene(&boxes);
+        let s = setting(n, Topology::Mesh);
+        let run = |o| SortReport { organisation: Organisation::SortLast, ..simulate(&scene, o, &s) };
+        prop_assert_eq!(run(Organisation::SortTwice(n)), run(Organisation::SortMiddle));
+        prop_assert_eq!(run(Organisation::SortTwice(1)), run(Organisation::SortLast));
+    }
+
+    /// No pixel is lost, whoever owns it, and one processor has neither traffic nor imbalance.
+    #[test]
+    fn all_pixels_are_drawn(
+        boxes in prop::collection::vec((-9i32..70, -9i32..70, 0i32..20, 0i32..20), 1..50),
+        n in 1usize..33,
+        g in 1usize..33,
+    ) {
+        let boxes: Vec<_> = boxes.into_iter().map(|(x, y, w, h)| (x, y, x + w, y + h)).collect();
+        let scene = scene(&boxes);
+        let screen = PixelBox::screen(64, 64);
+        let pixels: u64 = scene.boxes.iter().filter_map(|b| b.pixels.intersection(&screen)).map(|b| b.area()).sum();
+        let only_pixels = Costs { entry: 0.0, ..COSTS };
+        for o in [Organisation::SortFirst, Organisation::SortTwice(g)] {
+            let r = simulate(&scene, o, &Setting { costs: only_pixels, ..setting(n, Topology::FatTree) });
+            prop_assert!((r.raster.mean * n as f64 - 0.5 * pixels as f64).abs() < 1e-6);
+            prop_assert!(n > 1 || (r.redistribution.bytes == 0 && r.composition.bytes == 0));
+        }
+    }
+}
