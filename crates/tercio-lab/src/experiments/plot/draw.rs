@@ -45,7 +45,7 @@ impl Plot {
         let x = Division::new(self.x.scale, false, placed.iter().flatten().map(|p| p.0));
         // Quantities are compared by their height above zero.
         let y = Division::new(self.y.scale, true, placed.iter().flatten().map(|p| p.1));
-        let middle = (0.5 * (x.low + x.high), 0.5 * (y.low + y.high));
+        let (x_ends, y_ends) = ((x.low, x.high), (y.low, y.high));
         let root = SVGBackend::with_string(svg, SIZE).into_drawing_area();
         root.fill(&WHITE)?;
         let mut chart = ChartBuilder::on(&root)
@@ -92,10 +92,10 @@ impl Plot {
         if self.series.len() > 1 {
             chart
                 .configure_series_labels()
-                .position(self.empty_corner(middle))
+                .position(self.empty_corner(x_ends, y_ends))
                 .legend_area_size(44)
                 .label_font(("sans-serif", LABEL_SIZE - 4))
-                .background_style(WHITE.mix(0.85))
+                .background_style(WHITE.mix(0.7))
                 .border_style(BLACK.mix(0.3))
                 .draw()?;
         }
@@ -103,17 +103,28 @@ impl Plot {
         Ok(())
     }
 
-    /// The corner with fewest points, for the legend.
-    fn empty_corner(&self, (x_half, y_half): (f64, f64)) -> SeriesLabelPosition {
+    /// The corner in which the legend hides fewest points.
+    fn empty_corner(&self, x: (f64, f64), y: (f64, f64)) -> SeriesLabelPosition {
+        /// The legend's share of the width, and of the height for each series.
+        const WIDTH: f64 = 0.4;
+        const HEIGHT: f64 = 0.05;
+        let height = HEIGHT * (self.series.len() + 1) as f64;
         let points: Vec<_> = self.series.iter().flat_map(|s| self.placed(s)).collect();
-        let within = |right: bool, upper: bool| {
-            points.iter().filter(|p| (p.0 > x_half) == right && (p.1 > y_half) == upper).count()
+        let share = |place: f64, (low, high): (f64, f64)| (place - low) / (high - low);
+        let hidden = |right: bool, upper: bool| {
+            let within = |p: &&(f64, f64)| {
+                let (across, up) = (share(p.0, x), share(p.1, y));
+                let across = if right { 1.0 - across } else { across };
+                let up = if upper { 1.0 - up } else { up };
+                across < WIDTH && up < height
+            };
+            points.iter().filter(within).count()
         };
         let corners = [
-            (within(true, true), SeriesLabelPosition::UpperRight),
-            (within(false, true), SeriesLabelPosition::UpperLeft),
-            (within(true, false), SeriesLabelPosition::LowerRight),
-            (within(false, false), SeriesLabelPosition::LowerLeft),
+            (hidden(true, true), SeriesLabelPosition::UpperRight),
+            (hidden(false, true), SeriesLabelPosition::UpperLeft),
+            (hidden(true, false), SeriesLabelPosition::LowerRight),
+            (hidden(false, false), SeriesLabelPosition::LowerLeft),
         ];
         let best = corners.into_iter().min_by_key(|c| c.0);
         best.map_or(SeriesLabelPosition::UpperRight, |c| c.1)
