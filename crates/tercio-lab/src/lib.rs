@@ -3,7 +3,7 @@
 //! | room | what |
 //! |---|---|
 //! | [`units`] | quantities as types: cycles, seconds, pixels, bytes, polygons |
-//! | [`models`] | the closed formulas of the documents, and the registry that evaluates any of them by name |
+//! | [`mod@models`] | the closed formulas of the documents, and the registry that evaluates any of them by name |
 //! | [`machines`] | descriptions of machines, each number with its source |
 //! | [`workloads`] | what a machine is given: boxes, screen polygons, synthetic scenes |
 //! | [`simulators`] | the machines, exactly: the ring, raster processors, data-parallel passes, Hybris, networks |

@@ -2,7 +2,7 @@
 //!
 //! The table (`data/published/*.toml`, one file a document) has the facts: what is expected, what the document prints,
 //! where, and which entry of the [registry](crate::models::registry) computes it from which arguments. The code that
-//! computes stands in [`crate::models`] and [`crate::simulators`] and knows nothing of the table, so no number can be
+//! computes stands in [`mod@crate::models`] and [`crate::simulators`] and knows nothing of the table, so no number can be
 //! printed back: [`check`] evaluates the entry and compares.
 //!
 //! To have a number computed by a simulator, declare the simulator with [`models!`](crate::models!) in its own room,

@@ -209,9 +209,8 @@ fn slopes() -> Result<Findings, ExperimentError> {
     let (mut replication, mut growth, mut printed) = (Vec::new(), Vec::new(), Vec::new());
     for step in 2..=64u32 {
         let side = Length::new(step.into());
-        let rate = mcmanus::rate(side, area, PER_SECOND);
-        let linear = rate.get() / mcmanus::renderer_area(side, rate).get();
-        let slope = optimum::rate_slope(side, area, PER_SECOND) / optimum::area_slope(side, area, PER_SECOND);
+        let linear = optimum::replication_slope(side, area, PER_SECOND);
+        let slope = optimum::growth_slope(side, area, PER_SECOND);
         let of_eleven =
             optimum::misread_rate_slope(side, area, PER_SECOND) / optimum::area_slope(side, area, PER_SECOND);
         table.push([side.get().into(), linear.into(), slope.into(), of_eleven.into()]);

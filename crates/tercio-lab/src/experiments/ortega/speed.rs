@@ -31,11 +31,13 @@ pub(crate) const EXPERIMENTS: &[Experiment] = &[
     },
 ];
 
-/// Partitions as the tables name them, with their processors.
-const CM200: [(&str, f64); 3] = [("16K", 16_384.0), ("32K", 32_768.0), ("64K", 65_536.0)];
-const CM5: [(&str, f64); 5] = [("32", 32.0), ("64", 64.0), ("128", 128.0), ("256", 256.0), ("512", 512.0)];
+/// A partition as the tables name it, with its processors.
+type Partition = (&'static str, f64);
+
+const CM200: [Partition; 3] = [("16K", 16_384.0), ("32K", 32_768.0), ("64K", 65_536.0)];
+const CM5: [Partition; 5] = [("32", 32.0), ("64", 64.0), ("128", 128.0), ("256", 256.0), ("512", 512.0)];
 /// The tables: number, polygons, partitions. The text has 3 and 4 the wrong way round, the captions are right.
-const TABLES: [(u32, &str, &[(&str, f64)]); 4] = [
+const TABLES: [(u32, &str, &[Partition]); 4] = [
     (1, "small polygons on the CM-200", &CM200),
     (2, "large polygons on the CM-200", &CM200),
     (3, "small polygons on the CM-5", &CM5),
@@ -118,7 +120,7 @@ fn speed_ups(
     name: &str,
     title: &str,
     tables: [u32; 2],
-    partitions: &[(&str, f64)],
+    partitions: &[Partition],
 ) -> Result<Findings, ExperimentError> {
     let facts = Facts::load()?;
     let (first, least) = partitions[0];

@@ -102,7 +102,9 @@ fn table_1() -> Result<Findings, ExperimentError> {
                 formula.into(),
                 (run.fullest as f64).into(),
             ]);
-            if name.starts_with("squares") {
+            // The formula knows no border: where box and region together are half a screen, boxes that stay inside meet
+            // fewer regions than it says.
+            if name.starts_with("squares") && area.sqrt() + side <= 0.5 * f64::from(SIZE.0) {
                 // 7.8 % is what the document finds for Frame20.
                 comparison.add(format!("{name}, A = {}", run.side), run.overlap() / formula, 1.0, 0.078);
             }
@@ -128,7 +130,8 @@ fn table_1() -> Result<Findings, ExperimentError> {
         plots: vec![plot],
         remarks: vec![
             "The scenes of figure 8 are lost; these are ours. Equation 6 knows the mean area of the boxes only: for squares of \
-             one size it agrees with counting, for models with boxes of many sizes and shapes it does not have to."
+             one size it agrees with counting as long as box and region together are at most half as wide as the screen, whose \
+             border it does not know; for models with boxes of many sizes and shapes it does not have to."
                 .into(),
         ],
         verdict: comparison.qualitative("The scenes are lost."),

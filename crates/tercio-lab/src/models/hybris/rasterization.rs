@@ -34,6 +34,13 @@ pub fn span_pixels(start: Count, end: Count) -> Result<[Count; 2], String> {
     Ok([end - start + Count::new(1.0), end - start])
 }
 
+/// Equations 3.1 and 3.2: a parameter at the first pixel of a span, from its value `left` where the edge is, `dpdx` per
+/// pixel; `x_left` is the edge and `rx_left` that, rounded down.
+pub fn span_start(left: f64, dpdx: f64, x_left: f64, rx_left: f64) -> f64 {
+    let k = 1.0 - (x_left - rx_left);
+    left + k * dpdx
+}
+
 /// Equation 3.4: the edge function, positive to the right of the edge from `v0` to `v1`.
 pub fn edge_function(v0: [f64; 2], v1: [f64; 2], at: [f64; 2]) -> f64 {
     (at[0] - v0[0]) * (v1[1] - v0[1]) - (at[1] - v0[1]) * (v1[0] - v0[0])
@@ -58,6 +65,8 @@ pub(crate) const MODELS: &[Model] = models! {
         float_to_fixed["v": f64, "n": Count = 12.0] -> Result<f64, String>;
     "hybris.span-pixels", "3.2.6", "pixels of a span with its last pixel, and without":
         span_pixels["start": Count, "end": Count] -> Result<[Count; 2], String>;
+    "hybris.3.1", "eq 3.1, 3.2", "parameter at the first pixel of a span":
+        span_start["left": f64, "dpdx": f64, "x_left": f64, "rx_left": f64] -> f64;
     "hybris.3.4", "eq 3.4", "edge function of v0 to v1 at a point":
         edge_function["v0": [f64; 2], "v1": [f64; 2], "at": [f64; 2]] -> f64;
     "hybris.3.11", "eq 3.8, 3.11, 3.12", "dp/dx and dp/dy over a triangle":

@@ -3,7 +3,7 @@
 use super::{CYCLES, GEOMETRY_BASE, GEOMETRY_SLOPE, PIXEL_PROCESSOR, measured_rate, rate, renderer_area};
 use crate::models;
 use crate::models::registry::Model;
-use crate::units::{Count, Cycles, Length, Pixels, Polygons};
+use crate::units::{Count, Cycles, Length, Pixels, PolygonRate, Polygons};
 
 /// The largest array of the tables.
 const LARGEST: u32 = 512;
@@ -18,6 +18,17 @@ pub fn rate_slope(side: Length, area: Pixels, per_second: Count) -> f64 {
 /// Equation 12: R'(A), square inches more per pixel of side, with the true P'.
 pub fn area_slope(side: Length, area: Pixels, per_second: Count) -> f64 {
     area_slope_with(side, rate_slope(side, area, per_second))
+}
+
+/// Equation 8: L, polygons a second per square inch if renderers of this size are replicated.
+pub fn replication_slope(side: Length, area: Pixels, per_second: Count) -> f64 {
+    let p = rate(side, area, per_second);
+    p.get() / renderer_area(side, p).get()
+}
+
+/// Equation 10: P'(A)/R'(A), polygons a second more per square inch more of one renderer, with the true P'.
+pub fn growth_slope(side: Length, area: Pixels, per_second: Count) -> f64 {
+    rate_slope(side, area, per_second) / area_slope(side, area, per_second)
 }
 
 fn area_slope_with(side: Length, rate_slope: f64) -> f64 {
@@ -37,9 +48,7 @@ pub fn optimal_side(area: Pixels) -> Length {
 pub fn optimal_side_by_search(area: Pixels, per_second: Count) -> Result<Length, String> {
     bisect(|a| {
         let side = Length::new(a);
-        let p = rate(side, area, per_second);
-        p.get() / renderer_area(side, p).get()
-            - rate_slope(side, area, per_second) / area_slope(side, area, per_second)
+        replication_slope(side, area, per_second) - growth_slope(side, area, per_second)
     })
 }
 
@@ -71,9 +80,7 @@ fn powers_of_two() -> impl Iterator<Item = Length> {
 
 /// The side with the least renderer area per polygon a second; the smaller one of two equals.
 fn cheapest(sides: impl Iterator<Item = (Length, f64)>) -> Length {
-    let cost = |(side, rate): (Length, f64)| {
-        (side, renderer_area(side, crate::units::PolygonRate::new(rate)).get() / rate)
-    };
+    let cost = |(side, rate): (Length, f64)| (side, renderer_area(side, PolygonRate::new(rate)).get() / rate);
     sides.map(cost).min_by(|a, b| a.1.total_cmp(&b.1)).map_or(Length::default(), |best| best.0)
 }
 
@@ -111,7 +118,7 @@ pub fn misread_rate_slope(side: Length, area: Pixels, per_second: Count) -> f64 
 pub fn misread_optimal_side(area: Pixels, per_second: Count) -> Result<Length, String> {
     bisect(|a| {
         let side = Length::new(a);
-        let p = crate::units::PolygonRate::new(per_second.get() / misread_overlap(side, area));
+        let p = PolygonRate::new(per_second.get() / misread_overlap(side, area));
         let slope = misread_rate_slope(side, area, per_second);
         p.get() / renderer_area(side, p).get() - slope / area_slope_with(side, slope)
     })
@@ -136,6 +143,10 @@ fn bisect(of: impl Fn(f64) -> f64) -> Result<Length, String> {
 pub(crate) const MODELS: &[Model] = models! {
     "mcmanus.rate-slope", "eq 11", "P'(A), the true derivative of equation 7":
         rate_slope["A": Length, "N": Pixels, "T": Count = CYCLES] -> f64;
+    "mcmanus.8", "eq 8", "L, polygons a second per square inch of replicated renderers":
+        replication_slope["A": Length, "N": Pixels, "T": Count = CYCLES] -> f64;
+    "mcmanus.10", "eq 10", "P'/R', polygons a second more per square inch more of one renderer":
+        growth_slope["A": Length, "N": Pixels, "T": Count = CYCLES] -> f64;
     "mcmanus.11", "eq 11", "equation 11 with its coefficients restored; not the derivative of equation 7":
         misread_rate_slope["A": Length, "N": Pixels, "T": Count = CYCLES] -> f64;
     "mcmanus.11-overlap", "eq 11", "the overlap that equation 11 is derived from":

@@ -74,6 +74,12 @@ pub fn point() -> Cycles {
     polygon(Vertices::new(1.0), Segments::new(1.0), Pixels::new(1.0))
 }
 
+/// The time that a splitter never falls below, however many processors it has: a point for every layer of the deepest
+/// pixel (4.1).
+pub fn splitter_floor(depth: Ratio) -> Cycles {
+    point() * depth.get()
+}
+
 /// Cycles of one of the k by k processors of an interlace machine by the rule of section 4.5: all polygons and
 /// vertices, 1/k of the segments, 1/k^2 of the pixels.
 pub fn interlace(
@@ -139,6 +145,11 @@ pub fn depth_complexity(pixels: Pixels, screen: Pixels) -> Ratio {
     Ratio::new(pixels / screen)
 }
 
+/// The same from the mean area of polygons (footnote 5, whose formula the scan has lost).
+pub fn depth_complexity_by_area(polygons: Polygons, area: Pixels, screen: Pixels) -> Ratio {
+    depth_complexity(area * polygons.get(), screen)
+}
+
 /// Time of so many memory cycles (4.4).
 pub fn time(cycles: Cycles, cycle: Seconds) -> Seconds {
     cycle * cycles.get()
@@ -155,6 +166,8 @@ pub(crate) const MODELS: &[Model] = models! {
         polygon["V": Vertices, "height": Segments, "area": Pixels] -> Cycles;
     "parks.point", "4.1", "cycles of a point; the splitter's floor per unit of depth complexity":
         point[] -> Cycles;
+    "parks.splitter-floor", "4.1", "cycles that a splitter never falls below":
+        splitter_floor["Dc": Ratio] -> Cycles;
     "parks.points-per-square", "4.3", "whole points in the time of a square":
         points_per_square["side": Length = 128.0] -> Count;
     "parks.points-per-squares", "4.3", "points in the time of squares":
@@ -179,6 +192,8 @@ pub(crate) const MODELS: &[Model] = models! {
         fixed_share["N": Polygons, "V": Vertices, "S": Segments, "P": Pixels] -> Ratio;
     "parks.depth-complexity", "app. C", "pixels drawn over pixels of the part of the screen":
         depth_complexity["P": Pixels, "screen": Pixels = 512.0 * 512.0] -> Ratio;
+    "parks.depth-complexity-by-area", "4.3, footnote 5", "the same from the mean area of polygons":
+        depth_complexity_by_area["N": Polygons, "area": Pixels, "screen": Pixels = 512.0 * 512.0] -> Ratio;
     "parks.time", "4.4", "time of so many memory cycles":
         time["cycles": Cycles, "cycle": Seconds = 300e-9] -> Seconds;
 };

@@ -213,3 +213,46 @@ pub fn find(id: &str) -> Result<&'static Model, ModelError> {
 pub fn evaluate(id: &str, arguments: &Arguments) -> Result<Value, ModelError> {
     find(id)?.evaluate(arguments)
 }
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use super::*;
+
+    fn given(values: &[(&str, f64)]) -> Arguments {
+        values.iter().map(|(name, value)| ((*name).to_owned(), Value::Number(*value))).collect()
+    }
+
+    #[test]
+    fn names_are_unique_and_defaults_are_possible() {
+        let ids: BTreeSet<_> = all().map(|m| m.id).collect();
+        assert_eq!(ids.len(), all().count());
+        for model in all() {
+            let names: BTreeSet<_> = model.parameters.iter().map(|p| p.name).collect();
+            assert_eq!(names.len(), model.parameters.len(), "{}", model.id);
+            // Asked for nothing, a formula computes or says what it needs.
+            match model.evaluate(&Arguments::new()) {
+                Ok(_) | Err(ModelError::Missing { .. }) => {}
+                Err(other) => panic!("{other}"),
+            }
+        }
+    }
+
+    #[test]
+    fn every_mistake_has_its_own_error() {
+        let error = |id: &str, values: &[(&str, f64)]| evaluate(id, &given(values)).unwrap_err();
+        assert!(matches!(error("eldridge.9.9", &[]), ModelError::UnknownModel { .. }));
+        assert!(matches!(error("eldridge.5.6", &[("x", 1.0)]), ModelError::UnknownParameter { .. }));
+        assert!(matches!(error("eldridge.5.3", &[]), ModelError::Missing { name: "d", .. }));
+        assert!(matches!(error("eldridge.5.6", &[("n", -1.0)]), ModelError::Argument { name: "n", .. }));
+        assert!(matches!(error("eldridge.5.6", &[("n", f64::NAN)]), ModelError::Argument { name: "n", .. }));
+        assert!(matches!(error("ortega.rate", &[("N", 1.0), ("t", 0.0)]), ModelError::Undefined { .. }));
+    }
+
+    #[test]
+    fn texts_with_units_are_arguments() {
+        let clock = Arguments::from([("clock".to_owned(), Value::Text("28 MHz".into()))]);
+        assert_eq!(evaluate("eldridge.aggregate-rate", &clock), Ok(Value::Number(1024.0 * 28e6)));
+    }
+}

@@ -3,6 +3,7 @@ use proptest::prelude::*;
 use super::destinations::{Destinations, Route, copies};
 use super::stage::{Descriptor, Stage};
 use super::*;
+use crate::workloads::synthetic::{Distribution, Spread};
 use crate::workloads::{BoundingBox, BoxScene, PixelBox, ScreenMap};
 
 fn machine(processors: u32) -> Machine {
@@ -167,6 +168,26 @@ fn what_does_not_fit_is_refused() {
     ] {
         assert_eq!(check(&change).as_deref(), Some(error));
     }
+}
+
+#[test]
+fn a_million_polygons_on_1024_processors() {
+    let machine = Machine::princeton_engine();
+    let distribution = Distribution {
+        width: 768,
+        height: 512,
+        polygons: 1_000_000,
+        visible: 1.0,
+        size: [3.8, 12.0],
+        spread: [Spread::Normal { deviation: 60.0 }, Spread::Uniform],
+        seed: 1,
+    };
+    let map = ScreenMap::columns(768, 512, 1024);
+    let run = simulate(&machine, &Algorithm::sort_middle(&machine), &map, &distribution.boxes()).unwrap();
+    assert_eq!((run.visible, run.checks), (1_000_000, Checks::default()));
+    // Figure 4-2: about one shift a polygon.
+    let shifts = run.passes() as f64 / run.visible as f64;
+    assert!((0.8..1.1).contains(&shifts), "{shifts}");
 }
 
 /// Copies as one of the two ways to run a stage tells them: each processor's own list.

@@ -1,0 +1,92 @@
+//! `tercio lab`: formulas, published numbers, experiments.
+
+mod common;
+
+use common::Place;
+use serde_json::Value;
+
+fn json(text: &str) -> Value {
+    serde_json::from_str(text).expect("JSON")
+}
+
+#[test]
+fn a_formula_is_evaluated_with_defaults_and_values() {
+    let place = Place::new();
+    assert_eq!(place.run("lab eval eldridge.5.6").quietly_well().text(), "27.35521326 processor\n");
+    assert_eq!(place.run("lab eval eldridge.5.6 n=4096").quietly_well().text(), "54.71042651 processor\n");
+    let said = place.run("lab eval common.bandwidth width=16 clock=14MHz --json").quietly_well();
+    let value = json(said.text());
+    assert_eq!((value["value"].as_f64(), value["unit"].as_str()), (Some(28e6), Some("B/s")));
+    let said = place.run("lab eval parks.variance of=[[128,2]]").quietly_well();
+    assert_eq!(said.text(), "0\n");
+}
+
+#[test]
+fn every_formula_is_listed_with_parameters_units_and_place() {
+    let place = Place::new();
+    let said = place.run("lab eval --list --json").quietly_well();
+    let all = json(said.text());
+    let all = all.as_array().expect("a list");
+    assert!(all.len() > 200, "{}", all.len());
+    for model in all {
+        for key in ["id", "place", "what"] {
+            assert!(model[key].as_str().is_some_and(|t| !t.is_empty()), "{model}");
+        }
+        // A formula whose parameters all have defaults can be asked without any.
+        let parameters = model["parameters"].as_array().expect("parameters");
+        assert!(parameters.iter().all(|p| p["name"].is_string() && p["unit"].is_string()), "{model}");
+    }
+    let some = place.run("lab eval --list mcmanus.1").quietly_well();
+    assert!(some.text().contains("P [polygon/s]") && some.text().contains("eq 1"));
+}
+
+#[test]
+fn mistakes_in_names_and_values_are_told() {
+    let place = Place::new();
+    place.run("lab eval eldridge.5.66").failed(1, &["no formula is called 'eldridge.5.66'", "eldridge.5.6"]);
+    place.run("lab eval eldridge.5.6 q=1").failed(1, &["eldridge.5.6 has no parameter 'q'", "n, a, b"]);
+    place.run("lab eval eldridge.5.3 n=8").failed(1, &["needs a value for 'd' (processor)"]);
+    place.run("lab eval eldridge.5.6 n=0").failed(1, &["n: number of processors", "above zero", "found 0"]);
+    place.run("lab eval eldridge.5.6 n=3MHz").failed(1, &["expected processor", "'MHz'"]);
+    place
+        .run("lab eval mcmanus.14 X=16 A=5 N=9")
+        .failed(1, &["mcmanus.14: A: expected at most the root of X"]);
+    place.run("lab eval ortega.rate N=5 t=0").failed(1, &["no finite value"]);
+    place.run("lab eval eldridge.5.6 n").failed(2, &["expected NAME=VALUE, found 'n'"]);
+    place.run("lab eval eldridge.5.6 n=1 n=2").failed(2, &["'n' is given twice"]);
+    place.run("lab eval parks.variance of=[[1,").failed(1, &["of: expected a list"]);
+    assert_eq!(place.run("lab eval").code, Some(2));
+}
+
+#[test]
+fn all_published_numbers_hold() {
+    let place = Place::new();
+    let said = place.run("lab check --json").quietly_well();
+    let all = json(said.text());
+    let all = all.as_array().expect("a list");
+    assert_eq!(all.len(), 539);
+    for number in all {
+        assert_eq!(number["status"], "holds", "{number}");
+        for key in ["id", "expected", "ours", "tolerance", "by"] {
+            assert!(!number[key].is_null(), "{key} of {number}");
+        }
+    }
+    let some = place.run("lab check E5.6 E4.2-").quietly_well();
+    assert!(some.text().ends_with("6 of 6 hold\n"), "{}", some.text());
+    place.run("lab check Z9").failed(1, &["'Z9'"]);
+}
+
+#[test]
+fn an_experiment_leaves_data_plot_and_verdict() {
+    let place = Place::new();
+    let said = place.run("lab reproduce eldridge-fig-5-4 -o out").quietly_well();
+    assert!(said.text().contains("eldridge-fig-5-4") && said.text().contains("reproduced"));
+    let read = |name: &str| {
+        std::fs::read_to_string(place.path("out").join("eldridge-fig-5-4").join(name))
+            .expect("a file of the experiment")
+    };
+    assert!(read("pass-by-distance.csv").starts_with("distance (processor),"));
+    assert!(read("pass-by-distance.svg").starts_with("<svg"));
+    assert_eq!(json(&read("verdict.json"))["verdict"], "reproduced after correction");
+    place.run("lab reproduce nothing -o out").failed(1, &["no experiment's name begins with 'nothing'"]);
+}

@@ -1,0 +1,161 @@
+//! Axes: where values lie, and where ticks stand.
+
+use std::ops::Range;
+
+use plotters::coord::ranged1d::{KeyPointHint, NoDefaultFormatting, Ranged, ValueFormatter};
+
+use super::Scale;
+
+/// Ticks on an axis, about.
+const TICKS: f64 = 8.0;
+/// Up to so many powers of ten, an axis has ticks between them.
+const FEW_DECADES: f64 = 2.5;
+
+impl Scale {
+    /// Where a value lies on the axis, evenly divided.
+    pub(super) fn place(self, value: f64) -> f64 {
+        match self {
+            Self::Linear => value,
+            Self::Log2 => value.log2(),
+            Self::Log10 => value.log10(),
+        }
+    }
+
+    /// The ends of the axis and its ticks, for values between `low` and `high` as placed.
+    fn ticks(self, low: f64, high: f64) -> (f64, f64, Vec<f64>) {
+        if self == Self::Log10 && high - low <= FEW_DECADES {
+            return few_decades(low, high);
+        }
+        let step = match self {
+            Self::Linear => {
+                let rough = ((high - low) / TICKS).max(f64::MIN_POSITIVE);
+                let power = 10f64.powf(rough.log10().floor());
+                [1.0, 2.0, 5.0, 10.0].into_iter().map(|s| s * power).find(|s| *s >= rough).unwrap_or(rough)
+            }
+            Self::Log2 | Self::Log10 => ((high - low) / TICKS).ceil().max(1.0),
+        };
+        let (first, last) = ((low / step).floor(), (high / step).ceil().max((low / step).floor() + 1.0));
+        let count = (last - first) as u32;
+        (first * step, last * step, (0..=count).map(|i| (first + f64::from(i)) * step).collect())
+    }
+
+    fn tick_label(self, place: f64) -> String {
+        match self {
+            Self::Linear => grouped(place),
+            Self::Log2 => grouped(place.exp2()),
+            Self::Log10 if place >= 6.0 && place.fract() == 0.0 => format!("10{}", superscript(place)),
+            Self::Log10 => grouped(10f64.powf(place)),
+        }
+    }
+}
+
+/// Ends and ticks at 1, 2, 5, 10, 20, 50, ... for an axis with few powers of ten.
+fn few_decades(low: f64, high: f64) -> (f64, f64, Vec<f64>) {
+    let decades = low.floor() as i32 - 1..=high.ceil() as i32 + 1;
+    let steps: Vec<f64> =
+        decades.flat_map(|d| [1.0f64, 2.0, 5.0].map(|s| f64::from(d) + s.log10())).collect();
+    let first = steps.iter().rposition(|&s| s <= low).unwrap_or(0);
+    let last = steps.iter().position(|&s| s >= high && s > steps[first]).unwrap_or(steps.len() - 1);
+    (steps[first], steps[last], steps[first..=last].to_vec())
+}
+
+/// A whole number in raised digits.
+fn superscript(number: f64) -> String {
+    format!("{number:.0}")
+        .chars()
+        .map(|c| "⁰¹²³⁴⁵⁶⁷⁸⁹".chars().nth(c as usize - '0' as usize).unwrap_or(c))
+        .collect()
+}
+
+/// An axis as the plotting library wants it: values as placed, ticks where we put them.
+pub(super) struct Division {
+    /// The ends, as placed.
+    pub low: f64,
+    pub high: f64,
+    ticks: Vec<f64>,
+    scale: Scale,
+}
+
+impl Division {
+    /// The axis for `places`. One divided evenly begins at zero, if `from_zero` or if that is not far from them.
+    pub fn new(scale: Scale, from_zero: bool, places: impl Iterator<Item = f64>) -> Self {
+        let (low, high) = places.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), p| (l.min(p), h.max(p)));
+        let (low, high) = if low > high { (0.0, 1.0) } else { (low, high) };
+        let to_zero = scale == Scale::Linear && (from_zero || low < 0.5 * high);
+        let (low, high, ticks) = scale.ticks(if to_zero { low.min(0.0) } else { low }, high);
+        Self { low, high, ticks, scale }
+    }
+}
+
+impl Ranged for Division {
+    type FormatOption = NoDefaultFormatting;
+    type ValueType = f64;
+
+    fn map(&self, value: &f64, limit: (i32, i32)) -> i32 {
+        let share = (value - self.low) / (self.high - self.low);
+        limit.0 + (share * f64::from(limit.1 - limit.0)).round() as i32
+    }
+
+    fn key_points<Hint: KeyPointHint>(&self, _hint: Hint) -> Vec<f64> {
+        self.ticks.clone()
+    }
+
+    fn range(&self) -> Range<f64> {
+        self.low..self.high
+    }
+}
+
+impl ValueFormatter<f64> for Division {
+    fn format_ext(&self, place: &f64) -> String {
+        self.scale.tick_label(*place)
+    }
+}
+
+/// A number with at most six digits, thousands parted.
+fn grouped(number: f64) -> String {
+    let digits =
+        if number == 0.0 { 0 } else { (5 - number.abs().log10().floor() as i32).clamp(0, 9) as usize };
+    let text = format!("{number:.digits$}");
+    let text = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
+    let (sign, text) = text.strip_prefix('-').map_or(("", text), |rest| ("-", rest));
+    let (whole, fraction) = text.split_once('.').map_or((text, String::new()), |(w, f)| (w, format!(".{f}")));
+    let mut parted = String::new();
+    for (i, digit) in whole.chars().enumerate() {
+        if i > 0 && (whole.len() - i).is_multiple_of(3) {
+            parted.push(',');
+        }
+        parted.push(digit);
+    }
+    format!("{sign}{parted}{fraction}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ticks_are_round_and_hold_the_values() {
+        assert_eq!(
+            Scale::Linear.ticks(0.0, 7.3),
+            (0.0, 8.0, vec![0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0])
+        );
+        assert_eq!(Scale::Log2.ticks(0.0, 10.0).2, [0.0, 2.0, 4.0, 6.0, 8.0, 10.0]);
+        let (low, high, _) = Scale::Log10.ticks(1.5, 1.6);
+        assert!(low <= 1.5 && high >= 1.6);
+        let (low, high, ticks) = Scale::Log10.ticks(0.1, 0.9);
+        assert_eq!((low, high, ticks.len()), (0.0, 1.0, 4));
+        assert_eq!(Scale::Log10.tick_label(5.0), "100,000");
+        assert_eq!(Scale::Log10.tick_label(12.0), "10¹²");
+        assert_eq!(grouped(-1234.5), "-1,234.5");
+        assert_eq!(grouped(0.0025), "0.0025");
+    }
+
+    #[test]
+    fn an_axis_begins_at_zero_where_that_is_near() {
+        let low =
+            |from_zero, places: [f64; 2]| Division::new(Scale::Linear, from_zero, places.into_iter()).low;
+        assert_eq!(low(false, [16.0, 25.0]), 16.0);
+        assert_eq!(low(true, [16.0, 25.0]), 0.0);
+        assert_eq!(low(false, [2.0, 25.0]), 0.0);
+    }
+}
