@@ -39,7 +39,7 @@ pub struct Options {
     pub threads: usize,
     /// Frames of which the fastest counts.
     pub frames: u32,
-    /// Which clock times frames on one thread. More threads are always timed by the wall.
+    /// Which clock times frames. Processor time does not see threads that wait: the serial share is then too small.
     pub clock: Clock,
 }
 
@@ -85,9 +85,8 @@ pub fn calibrate(o: Options, mut tell: impl FnMut(&str)) -> Result<Calibration, 
             let settings = Settings::new(size.0, size.1);
             let one = measure(&scene, &camera, &settings, 1, o.frames, o.clock)?;
             if o.threads > 1 {
-                let wall = |threads| measure(&scene, &camera, &settings, threads, o.frames, Clock::Wall);
-                alone += wall(1)?.seconds;
-                together += wall(o.threads)?.seconds;
+                alone += one.seconds;
+                together += measure(&scene, &camera, &settings, o.threads, o.frames, o.clock)?.seconds;
             }
             let tile = one.stats.tile_size;
             let picture = Picture { width: size.0, height: size.1, tile, exact_binning: true };
@@ -130,12 +129,12 @@ fn description(o: Options, costs: &[(Operation, f64)], serial: f64) -> Machine {
     let rate = |value: f64| Sourced::new(value, format!("{:.4} GB/s", value / 1e9), measured.to_string());
     let count = |n: usize| Sourced::new(n as f64, n.to_string(), measured.to_string());
     let fitted = format!("fitted by tercio lab calibrate to {} frames", MODELS.len() * SIZES.len());
-    // Four significant digits of a nanosecond or picosecond.
-    let cost = |seconds: f64| Sourced::new(seconds, format!("{:.3} ps", seconds * 1e12), fitted.clone());
+    // Tenths of a picosecond.
+    let cost = |seconds: f64| Sourced::new(seconds, format!("{:.4} ns", seconds * 1e9), fitted.clone());
     let mut all: BTreeMap<_, _> = costs.iter().map(|&(o, s)| (o, cost(s))).collect();
     all.insert(Operation::CompositePixel, {
         let seconds = composite_seconds();
-        Sourced::new(seconds, format!("{:.3} ps", seconds * 1e12), measured.into())
+        Sourced::new(seconds, format!("{:.4} ns", seconds * 1e9), measured.into())
     });
     let (latency, bandwidth) = messages();
     let bytes = |n: f64, source: &str| Sourced::new(n, format!("{n} B"), source.to_string());

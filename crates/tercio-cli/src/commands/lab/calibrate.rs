@@ -33,7 +33,7 @@ pub struct Calibrate {
     /// Frames of each picture, of which the fastest counts.
     #[arg(long, value_name = "N", default_value_t = 7, value_parser = clap::value_parser!(u32).range(1..=1000))]
     frames: u32,
-    /// Which clock times frames on one thread.
+    /// Which clock times frames; processor time does not see threads that wait.
     #[arg(long, value_name = "CLOCK", value_enum, default_value_t = ClockName::Wall)]
     clock: ClockName,
     #[command(flatten)]
