@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use serde::Serialize;
-use tercio_raster::{Frame, FrameStats, Renderer, Settings};
+use tercio_raster::{Frame, FrameStats, Renderer, Settings, Sorting};
 use tercio_scene::{Camera, Scene};
 
 use super::PredictError;
@@ -54,6 +54,8 @@ fn processor_time() -> Option<f64> {
 
 /// Draws a frame some times on a pool of `threads` threads; the first, which takes memory, is not timed.
 ///
+/// Every triangle is sorted by itself: that is the sort-middle pipeline of the documents, and what the model counts.
+///
 /// # Errors
 /// [`PredictError`].
 pub fn measure(
@@ -67,6 +69,7 @@ pub fn measure(
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
     let pool = pool.map_err(|e| PredictError::Threads(threads, e))?;
     let start = Instant::now();
+    let settings = &Settings { sorting: Sorting::Triangles, ..settings.clone() };
     let now = || {
         match clock {
             Clock::Processor => processor_time().map(|t| t / threads as f64),

@@ -132,7 +132,7 @@ mod tests {
     use super::*;
     use crate::simulators::ortega;
     use tercio_mesh::builtin;
-    use tercio_raster::{Cull, FrameStats, Renderer, Settings};
+    use tercio_raster::{Cull, FrameStats, Renderer, Settings, Sorting};
     use tercio_scene::{Framing, Projection};
 
     const SIZE: (u32, u32) = (160, 120);
@@ -154,7 +154,8 @@ mod tests {
     }
 
     fn render(model: &Model, camera: &Camera, cull: Cull) -> FrameStats {
-        let settings = Settings { cull, ..Settings::new(SIZE.0, SIZE.1) };
+        // Whole clusters that are hidden would not be counted.
+        let settings = Settings { cull, sorting: Sorting::Triangles, ..Settings::new(SIZE.0, SIZE.1) };
         Renderer::new().render(model.scene(), camera, &settings).unwrap().stats
     }
 
