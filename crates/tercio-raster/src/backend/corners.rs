@@ -147,40 +147,42 @@ impl CornerLanes {
     ) {
         let scene_instance = &context.scene.instances[instance];
         let mesh = &*scene_instance.mesh;
-        let mut packed = [[0; LANES]; 3];
-        let mut before = None;
-        for lane in 0..LANES {
-            let slot = slots[lane];
-            if before == Some(slot) {
-                self.repeat(lane, colors);
-                (0..3).for_each(|k| packed[k][lane] = packed[k][lane - 1]);
-                continue;
-            }
-            before = Some(slot);
+        let slots = u32x16::load_array_ref(simd, slots);
+        let zero = splat(simd, 0.0);
+        let mut position = [[zero; 3]; 3];
+        let mut packed = [i32x16::splat(simd, 0); 3];
+        let mut left = 0xffff_u32;
+        // Neighbouring pixels mostly show the same triangle: each is fetched once.
+        while left != 0 {
+            let slot = slots[left.trailing_zeros() as usize % LANES];
+            let same = slots.simd_eq(u32x16::splat(simd, slot));
+            let lanes = same.to_bitmask() as u32 & left;
+            left &= !lanes;
             let (_, cluster, triangle) = context.locate_slot(slot);
             let first = mesh.clusters[cluster].first_vertex as usize;
             for k in 0..3 {
                 let v = first + usize::from(mesh.corners[k][triangle]);
-                self.position[k][0][lane] = mesh.x[v];
-                self.position[k][1][lane] = mesh.y[v];
-                self.position[k][2][lane] = mesh.z[v];
+                let p = [mesh.x[v], mesh.y[v], mesh.z[v]];
+                position[k] = each3!(A => same.select(splat(simd, p[A]), position[k][A]));
                 if let Some(normals) = &mesh.normals {
-                    packed[k][lane] = normals[v].0 as i32;
+                    packed[k] = same.select(i32x16::splat(simd, normals[v].0 as i32), packed[k]);
                 }
                 if let (ColorSource::Vertex, Some(c)) = (colors, &mesh.vertex_colors) {
-                    self.set_color(k, lane, linear(c[v]));
+                    self.set_colors(k, lanes, linear(c[v]));
                 }
             }
             if colors == ColorSource::Triangle {
                 let color = triangle_color(mesh, &scene_instance.surface, triangle);
-                (0..3).for_each(|k| self.set_color(k, lane, color));
+                (0..3).for_each(|k| self.set_colors(k, lanes, color));
             }
         }
-        self.project(simd, &context.objects[instance]);
         for k in 0..3 {
-            let normal = decode_normal(simd, i32x16::load_array(simd, packed[k]));
-            self.set_normal(k, normal);
+            for axis in 0..3 {
+                position[k][axis].store_slice(&mut self.position[k][axis]);
+            }
+            self.set_normal(k, decode_normal(simd, packed[k]));
         }
+        self.project(simd, &context.objects[instance]);
         self.normals_agree = false;
     }
 
@@ -212,15 +214,9 @@ impl CornerLanes {
         (0..3).for_each(|c| self.color[corner][c][lane] = color[c]);
     }
 
-    /// Copies the lane before: neighbouring pixels mostly show the same triangle.
-    #[inline(always)]
-    fn repeat(&mut self, lane: usize, colors: ColorSource) {
-        for k in 0..3 {
-            (0..3).for_each(|axis| self.position[k][axis][lane] = self.position[k][axis][lane - 1]);
-            if colors != ColorSource::Base {
-                (0..3).for_each(|c| self.color[k][c][lane] = self.color[k][c][lane - 1]);
-            }
-        }
+    /// Sets the colour of one corner in some lanes.
+    fn set_colors(&mut self, corner: usize, lanes: u32, color: [f32; 3]) {
+        (0..LANES).filter(|lane| lanes >> lane & 1 == 1).for_each(|lane| self.set_color(corner, lane, color));
     }
 }
 

@@ -60,7 +60,7 @@ pub fn tile<S: Simd>(
                 continue;
             }
             counts.pixels_shaded += 1;
-            let (own, _, _) = context.locate_slot(slot);
+            let (own, _) = context.locate(slot / MAX_TRIANGLES as u32);
             if own != instance {
                 flush(simd, context, instance, &mut fragments, &mut corners, pixels, planes);
                 instance = own;
@@ -107,7 +107,7 @@ impl WholeBlocks {
         fragments.at_places(simd, memory, places.to_array(), pixels.width);
         if self.slot != Some(slot) {
             self.slot = Some(slot);
-            (self.instance, ..) = context.locate_slot(slot);
+            (self.instance, _) = context.locate(slot / MAX_TRIANGLES as u32);
             fetch(simd, context, self.instance, &fragments, &mut self.corners);
         }
         let look = Look::of(context, self.instance);
