@@ -278,7 +278,7 @@ mod tests {
     use std::sync::Arc;
 
     use tercio_mesh::cluster::{PartitionOptions, partition};
-    use tercio_raster::{Binning, Renderer, Settings};
+    use tercio_raster::{Binning, Renderer, Settings, Sorting};
 
     use super::*;
     use crate::predict::{measure, views};
@@ -301,6 +301,7 @@ mod tests {
             }
             let mut settings = Settings::new(size.0, size.1);
             (settings.tile_size, settings.binning) = (Some(tile), binning);
+            settings.sorting = Sorting::Triangles;
             let stats = Renderer::new().render(&scene, &camera, &settings).unwrap().stats;
             let exact_binning = binning == Binning::Exact;
             let picture = Picture { width: size.0, height: size.1, tile, exact_binning };
