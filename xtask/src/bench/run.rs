@@ -49,7 +49,8 @@ impl Run {
     pub fn kept(&self) -> Value {
         let facts = self.told.as_object().into_iter().flatten();
         let mut kept: Map<_, _> = facts
-            .filter(|(_, v)| !v.is_array() && !v.is_object())
+            // The model's place is this run's own folder; the subject of the run names it.
+            .filter(|(k, v)| *k != "model" && !v.is_array() && !v.is_object())
             .map(|(k, v)| (k.clone(), short(v)))
             .collect();
         if let Some(views) = self.told["views"].as_array() {
