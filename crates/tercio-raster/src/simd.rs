@@ -10,6 +10,15 @@ use fearless_simd::{Level, Simd, f32x16, i32x16, u8x16};
 /// Lanes of every kernel: one 4x4 block of samples, or 16 vertices, triangles or pixels.
 pub const LANES: usize = 16;
 
+/// Number of each lane.
+pub const LANE_NUMBERS: [i32; LANES] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15];
+
+/// One bit for each of the lanes that hold something, where `left` elements are left.
+#[inline(always)]
+pub fn live_lanes(left: usize) -> u32 {
+    if left >= LANES { 0xffff } else { (1 << left) - 1 }
+}
+
 /// `[f(0), f(1), f(2)]`, written out: a closure would not be compiled at the kernel's SIMD level.
 macro_rules! each3 {
     ($k:ident => $value:expr) => {
@@ -177,13 +186,7 @@ pub fn append<S: Simd>(simd: S, to: &mut [i32], at: usize, lanes: u32, from: i32
         together.store_slice(to);
         return;
     }
-    let from = from.to_array();
-    let (mut left, mut count) = (lanes & 0xffff, 0);
-    while left != 0 {
-        to[count] = from[left.trailing_zeros() as usize];
-        count += 1;
-        left &= left - 1;
-    }
+    move_to_front(to, lanes, &from.to_array());
 }
 
 #[cfg(target_arch = "x86_64")]
@@ -210,7 +213,12 @@ pub fn append_bytes<S: Simd>(simd: S, to: &mut [u8], at: usize, lanes: u32, from
         together.store_slice(to);
         return;
     }
-    let from = from.to_array();
+    move_to_front(to, lanes, &from.to_array());
+}
+
+/// The chosen lanes, one after another.
+#[inline(always)]
+fn move_to_front<T: Copy>(to: &mut [T], lanes: u32, from: &[T; LANES]) {
     let (mut left, mut count) = (lanes & 0xffff, 0);
     while left != 0 {
         to[count] = from[left.trailing_zeros() as usize];

@@ -18,7 +18,7 @@ use super::visibility::{BLOCK_BITS, LANE_X, LANE_Y, TileMemory};
 use crate::color::{ENCODE, ENCODE_STEPS, encode16};
 use crate::context::{FrameContext, NO_SLOT};
 use crate::settings::Shading;
-use crate::simd::{LANES, cross, dot, each3, load, part, row, splat};
+use crate::simd::{LANE_NUMBERS, LANES, cross, dot, each3, load, part, row, splat};
 use crate::stats::BackEndCounts;
 use crate::view::ObjectView;
 
@@ -75,9 +75,6 @@ pub fn tile<S: Simd>(
     flush(simd, context, instance, &mut fragments, &mut corners, pixels, planes);
 }
 
-/// Places of a block's samples, counted from its first.
-const BLOCK_PLACES: [i32; LANES] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15];
-
 /// Blocks that show one triangle: of a large one there are many in a row, and its corners are fetched once.
 #[derive(Default)]
 struct WholeBlocks {
@@ -103,7 +100,7 @@ impl WholeBlocks {
         let first = block * LANES;
         let mut fragments = Fragments { count: LANES, slot: [slot; LANES], ..Fragments::default() };
         fragments.depth.copy_from_slice(&memory.depth[first..first + LANES]);
-        let places = i32x16::load_array(simd, BLOCK_PLACES) + first as i32;
+        let places = i32x16::load_array(simd, LANE_NUMBERS) + first as i32;
         fragments.at_places(simd, memory, places.to_array(), pixels.width);
         if self.slot != Some(slot) {
             self.slot = Some(slot);

@@ -8,7 +8,7 @@ use tercio_scene::Surface;
 
 use super::corners::{ColorSource, CornerLanes, decode_normal, linear, triangle_color};
 use crate::frontend::transform::{ClusterVertices, CornerTable};
-use crate::simd::{LANES, dot, each3, load, lookup, part, splat};
+use crate::simd::{LANES, dot, each3, live_lanes, load, lookup, part, splat};
 
 /// Positions and normals of a cluster, as the bits of `f32`.
 #[derive(Debug)]
@@ -58,7 +58,7 @@ impl ClusterTable {
             for k in 0..3 {
                 normal[k].bitcast::<i32x16<S>>().store_slice(&mut self.normal[k][first..first + LANES]);
             }
-            let live = if count - first >= LANES { 0xffff } else { (1u32 << (count - first)) - 1 };
+            let live = live_lanes(count - first);
             let within = part(
                 simd,
                 #[inline(always)]

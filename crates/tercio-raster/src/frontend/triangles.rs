@@ -16,7 +16,7 @@ use super::transform::{Anchored, ClusterVertices, CornerNumbers, ScreenTriangles
 use crate::binning::{PixelRect, ScreenTriangle};
 use crate::context::FrameContext;
 use crate::conventions::SMALL_EXTENT;
-use crate::simd::{LANES, each3, part, splat_i};
+use crate::simd::{LANES, each3, live_lanes, part, splat_i};
 use crate::view::ObjectView;
 
 /// Bins the triangles of one cluster after another.
@@ -49,7 +49,7 @@ impl TrianglePass {
         let mut first = 0;
         while first < count {
             let corners = corner_numbers(mesh, cluster.first_triangle as usize + first);
-            let live = if count - first >= LANES { 0xffff } else { (1u32 << (count - first)) - 1 };
+            let live = live_lanes(count - first);
             let slot = first_slot + first as u32;
             let whole = if self.vertices.beyond == 0 {
                 live

@@ -6,7 +6,7 @@ use fearless_simd::{Simd, f32x16, i32x16};
 use super::sieve::Size;
 use crate::backend::visibility::{TileMemory, lower_primitive};
 use crate::context::FrameContext;
-use crate::simd::{LANES, append};
+use crate::simd::{LANE_NUMBERS, LANES, append};
 use crate::stats::BackEndCounts;
 
 /// The most samples that one scan of 16 triangles finds.
@@ -100,15 +100,12 @@ impl Winners {
     #[inline(always)]
     pub fn push_block<S: Simd>(&mut self, simd: S, block: usize, lanes: u32, triangle: u8) {
         self.reserve(LANES);
-        let places = i32x16::load_array(simd, LANE) + block as i32;
+        let places = i32x16::load_array(simd, LANE_NUMBERS) + block as i32;
         append(simd, &mut self.place, self.count, lanes, places);
         self.triangle[self.count..self.count + LANES].fill(triangle);
         self.count += lanes.count_ones() as usize;
     }
 }
-
-/// Number of each lane.
-const LANE: [i32; LANES] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15];
 
 impl Covered {
     /// Adds the samples of some lanes; `place` holds the triangles' numbers too.

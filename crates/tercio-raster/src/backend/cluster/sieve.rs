@@ -7,7 +7,7 @@ use tercio_mesh::cluster::MAX_TRIANGLES;
 use crate::binning::PixelRect;
 use crate::frontend::transform::{ClusterVertices, CornerTable, ScreenTriangles};
 use crate::settings::Cull;
-use crate::simd::{LANES, append_bytes, part, splat_i};
+use crate::simd::{LANES, append_bytes, live_lanes, part, splat_i};
 
 /// Number of each lane.
 const NUMBERS: [u8; LANES] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15];
@@ -78,7 +78,7 @@ impl Sieve {
         self.counts = [0; Size::ALL.len()];
         let mut first = 0;
         while first < count.min(MAX_TRIANGLES) {
-            let live = if count - first >= LANES { 0xffff } else { (1u32 << (count - first)) - 1 };
+            let live = live_lanes(count - first);
             let t = ScreenTriangles::new(simd, vertices, &corners.of_16(first), keep.rect);
             part(
                 simd,
@@ -120,7 +120,7 @@ impl Sieve {
         let count = self.counts[size as usize];
         let (chunks, _) = self.numbers[size as usize].as_chunks::<LANES>();
         chunks.iter().zip((0..count).step_by(LANES)).map(move |(chunk, first)| {
-            let lanes = if count - first >= LANES { 0xffff } else { (1u32 << (count - first)) - 1 };
+            let lanes = live_lanes(count - first);
             (chunk, lanes)
         })
     }
