@@ -3,18 +3,53 @@
 
 use std::sync::LazyLock;
 
-/// Steps of the table from linear light to 8-bit sRGB. At the dark end, where sRGB is steepest, one step is
-/// 0.4 of a level.
-pub const ENCODE_STEPS: usize = 8192;
+/// Linear light below this is black in 8 bits: 0.4 of a level.
+pub const ENCODE_LEAST: f32 = 1.0 / 8192.0;
+/// The largest number below 1.
+pub const ENCODE_MOST: f32 = 1.0 - f32::EPSILON / 2.0;
+/// The leading bits of a number pick the segment,
+pub const ENCODE_SEGMENT_SHIFT: u32 = 20;
+/// and these bits tell where in the segment it lies.
+pub const ENCODE_STEP_SHIFT: u32 = 12;
+/// Steps of a segment.
+pub const ENCODE_STEPS: u32 = 1 << (ENCODE_SEGMENT_SHIFT - ENCODE_STEP_SHIFT);
+/// Fraction bits of a level.
+pub const ENCODE_FRACTION: u32 = 16;
+/// What the upper half of a segment's entry is shifted by.
+pub const ENCODE_BASE_SHIFT: u32 = 9;
 
-/// 8-bit sRGB of linear light `i / (ENCODE_STEPS - 1)`.
-pub static ENCODE: LazyLock<Box<[u8; ENCODE_STEPS]>> = LazyLock::new(|| {
-    let mut table = Box::new([0; ENCODE_STEPS]);
-    for (i, entry) in table.iter_mut().enumerate() {
-        *entry = (encode(i as f64 / (ENCODE_STEPS - 1) as f64) * 255.0 + 0.5) as u8;
+/// 8-bit sRGB from linear light, in eight straight segments an octave, so that a table of registers holds them:
+/// in the upper half of an entry the level where the segment begins, in the lower what a step adds. A level is
+/// never more than 0.56 from the exact one.
+pub static ENCODE: LazyLock<Box<[i32; 128]>> = LazyLock::new(|| {
+    let first = ENCODE_LEAST.to_bits() >> ENCODE_SEGMENT_SHIFT;
+    let segments = (ENCODE_MOST.to_bits() >> ENCODE_SEGMENT_SHIFT) - first + 1;
+    let mut table = Box::new([0; 128]);
+    for (entry, segment) in table.iter_mut().zip(first..first + segments) {
+        let at = |step: f64| {
+            let edge = |s: u32| f64::from(f32::from_bits(s << ENCODE_SEGMENT_SHIFT));
+            let part = (step + 0.5) / f64::from(ENCODE_STEPS);
+            encode(edge(segment) + (edge(segment + 1) - edge(segment)) * part) * 255.0
+        };
+        let last = f64::from(ENCODE_STEPS - 1);
+        let growth = (at(last) - at(0.0)) / last;
+        // The curve lies above the chord, farthest about the middle; half of that on each side.
+        let bulge = (at(0.5 * last) - (at(0.0) + at(last)) * 0.5) * 0.5;
+        let base = (at(0.0) + bulge + 0.5) * f64::from(1 << (ENCODE_FRACTION - ENCODE_BASE_SHIFT));
+        let growth = growth * f64::from(1 << ENCODE_FRACTION);
+        *entry = ((base + 0.5) as i32) << 16 | (growth + 0.5) as i32;
     }
     table
 });
+
+/// 8-bit sRGB of linear light, clamped to 0 to 1; no number is black.
+pub fn encode8(linear: f32) -> u8 {
+    let above = if linear > ENCODE_LEAST { linear } else { ENCODE_LEAST };
+    let bits = if above < ENCODE_MOST { above } else { ENCODE_MOST }.to_bits();
+    let entry = ENCODE[((bits - ENCODE_LEAST.to_bits()) >> ENCODE_SEGMENT_SHIFT) as usize] as u32;
+    let step = (bits >> ENCODE_STEP_SHIFT) & (ENCODE_STEPS - 1);
+    ((((entry >> 16) << ENCODE_BASE_SHIFT) + (entry & 0xffff) * step) >> ENCODE_FRACTION) as u8
+}
 
 /// Linear light of each 8-bit sRGB level.
 pub static DECODE: LazyLock<Box<[f32; 256]>> =
@@ -78,9 +113,23 @@ mod tests {
     fn every_level_survives_the_round_trip() {
         for level in 0..=255u8 {
             let linear = DECODE[usize::from(level)];
-            let index = (linear * (ENCODE_STEPS - 1) as f32 + 0.5) as usize;
-            assert_eq!(ENCODE[index], level);
+            assert_eq!(encode8(linear), level);
             assert_eq!(encode16(linear), u16::from(level) * 257);
         }
+    }
+
+    #[test]
+    fn levels_are_close_and_never_fall() {
+        let mut before = 0;
+        let most = 1.1f32.to_bits();
+        for bits in (1e-6f32.to_bits()..most).step_by(37) {
+            let linear = f32::from_bits(bits);
+            let level = encode8(linear);
+            assert!(level >= before, "{linear}");
+            let exact = encode(f64::from(linear).min(1.0)) * 255.0;
+            assert!((f64::from(level) - exact).abs() <= 0.56, "{linear}: {level}, {exact}");
+            before = level;
+        }
+        assert_eq!([f32::NAN, f32::NEG_INFINITY, -0.0, 2.0, f32::INFINITY].map(encode8), [0, 0, 0, 255, 255]);
     }
 }

@@ -164,6 +164,40 @@ pub fn lookup<S: Simd>(simd: S, table: &[i32; 64], index: &[u8; 16]) -> i32x16<S
 
 #[cfg(target_arch = "x86_64")]
 fearless_simd::kernel!(
+    /// 16 entries of a table of 128 that stays in eight registers.
+    #[inline]
+    fn lookup_128_avx512(
+        avx512: Avx512,
+        table: &[i32; 128],
+        index: std::arch::x86_64::__m512i,
+    ) -> std::arch::x86_64::__m512i {
+        use std::arch::x86_64::*;
+        let part = |k: usize| -> __m512i { i32x16::from_slice(avx512, &table[16 * k..16 * k + 16]).into() };
+        let pair = |k: usize| -> __m512i { _mm512_permutex2var_epi32(part(2 * k), index, part(2 * k + 1)) };
+        let odd = _mm512_test_epi32_mask(index, _mm512_set1_epi32(32));
+        let upper = _mm512_test_epi32_mask(index, _mm512_set1_epi32(64));
+        let low = _mm512_mask_blend_epi32(odd, pair(0), pair(1));
+        let high = _mm512_mask_blend_epi32(odd, pair(2), pair(3));
+        _mm512_mask_blend_epi32(upper, low, high)
+    }
+);
+
+/// 16 entries of a table of 128; indices are taken modulo 128.
+#[inline(always)]
+pub fn lookup_128<S: Simd>(simd: S, table: &[i32; 128], index: i32x16<S>) -> i32x16<S> {
+    #[cfg(target_arch = "x86_64")]
+    if let Level::Avx512(token) = simd.level() {
+        return lookup_128_avx512(token, table, index.into()).simd_into(simd);
+    }
+    part(
+        simd,
+        #[inline(always)]
+        || i32x16::from_fn(simd, |lane| table[(index[lane] & 127) as usize]),
+    )
+}
+
+#[cfg(target_arch = "x86_64")]
+fearless_simd::kernel!(
     /// The chosen lanes, moved together to the front.
     #[inline]
     fn compress_avx512(

@@ -9,6 +9,7 @@
 pub mod cluster;
 pub mod corners;
 pub mod edges;
+mod encode;
 pub mod interpolate;
 pub mod light;
 mod order;

@@ -10,12 +10,13 @@ use tercio_scene::Instance;
 
 use super::cluster::ClusterPass;
 use super::corners::{ColorSource, CornerLanes, Fragments};
+use super::encode::opaque;
 use super::interpolate::Barycentric;
 use super::light::{Vec3x16, beside, normalize, reflect};
 use super::output::{Planes, TilePixels};
 use super::table::ClusterTable;
 use super::visibility::{BLOCK_BITS, LANE_X, LANE_Y, TileMemory};
-use crate::color::{ENCODE, ENCODE_STEPS, encode16};
+use crate::color::encode16;
 use crate::context::{FrameContext, NO_SLOT};
 use crate::settings::Shading;
 use crate::simd::{LANE_NUMBERS, LANES, cross, dot, each3, load, part, row, splat};
@@ -409,15 +410,10 @@ fn write_color<S: Simd>(
         simd,
         #[inline(always)]
         || {
-            let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
-            let linear = each3!(C => linear[C].simd_gt(zero).select(linear[C], zero));
-            let linear = each3!(C => linear[C].simd_lt(one).select(linear[C], one));
             if planes.color.is_wanted() {
-                let table = &**ENCODE;
-                let index = each3!(C => (linear[C] * (ENCODE_STEPS - 1) as f32 + 0.5).to_int::<i32x16<S>>().to_array());
+                let levels = opaque(simd, linear).to_array();
                 for lane in 0..fragments.count {
-                    let [r, g, b] = each3!(C => table[index[C][lane] as usize % ENCODE_STEPS]);
-                    pixels.color[fragments.place[lane] as usize] = [r, g, b, 255];
+                    pixels.color[fragments.place[lane] as usize] = (levels[lane] as u32).to_le_bytes();
                 }
             }
             if planes.color16.is_wanted() {

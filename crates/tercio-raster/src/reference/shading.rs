@@ -3,7 +3,7 @@
 use tercio_mesh::Mesh;
 use tercio_scene::Surface;
 
-use crate::color::{DECODE, ENCODE, ENCODE_STEPS, encode16};
+use crate::color::{DECODE, encode8, encode16};
 use crate::conventions::{SAMPLE, SUBPIXELS};
 use crate::frontend::clip::barycentrics_unclipped;
 use crate::lighting::LightRig;
@@ -105,10 +105,8 @@ pub fn shade(
             each(|k| albedo[k] * diffuse[k] + specular[k])
         }
     };
-    let linear = linear.map(|c| if c > 0.0 { c } else { 0.0 }).map(|c| if c < 1.0 { c } else { 1.0 });
-    let level = |c: f32| ENCODE[(c * (ENCODE_STEPS - 1) as f32 + 0.5) as usize];
     Pixel {
-        color: [level(linear[0]), level(linear[1]), level(linear[2]), 255],
+        color: [encode8(linear[0]), encode8(linear[1]), encode8(linear[2]), 255],
         color16: [encode16(linear[0]), encode16(linear[1]), encode16(linear[2]), 65535],
         normal,
     }

@@ -1,0 +1,77 @@
+//! Linear light to 8-bit sRGB, 16 pixels at a time: [`color::encode8`](crate::color::encode8), lane by lane.
+
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x16, i32x16};
+
+use super::light::Vec3x16;
+use crate::color::{
+    ENCODE, ENCODE_BASE_SHIFT, ENCODE_FRACTION, ENCODE_LEAST, ENCODE_MOST, ENCODE_SEGMENT_SHIFT,
+    ENCODE_STEP_SHIFT, ENCODE_STEPS,
+};
+use crate::simd::{each3, lookup_128, part, splat};
+
+/// Opaque pixels: red in the lowest byte, as they stand in memory.
+#[inline(always)]
+pub fn opaque<S: Simd>(simd: S, linear: Vec3x16<S>) -> i32x16<S> {
+    let table = &**ENCODE;
+    let [r, g, b] = each3!(C => level(simd, table, linear[C]));
+    part(
+        simd,
+        #[inline(always)]
+        || ((r | (g << 8)) | (b << 16)) | (255 << 24),
+    )
+}
+
+/// Levels of one component.
+#[inline(always)]
+fn level<S: Simd>(simd: S, table: &[i32; 128], linear: f32x16<S>) -> i32x16<S> {
+    let bits: i32x16<S> = part(
+        simd,
+        #[inline(always)]
+        || {
+            let (least, most) = (splat(simd, ENCODE_LEAST), splat(simd, ENCODE_MOST));
+            let above = linear.simd_gt(least).select(linear, least);
+            above.simd_lt(most).select(above, most).bitcast()
+        },
+    );
+    let entry = lookup_128(simd, table, (bits - ENCODE_LEAST.to_bits() as i32) >> ENCODE_SEGMENT_SHIFT);
+    part(
+        simd,
+        #[inline(always)]
+        || {
+            let step = (bits >> ENCODE_STEP_SHIFT) & (ENCODE_STEPS as i32 - 1);
+            // Entries are not negative: their upper half is less than 2^15.
+            (((entry >> 16) << ENCODE_BASE_SHIFT) + (entry & 0xffff) * step) >> ENCODE_FRACTION
+        },
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use fearless_simd::dispatch;
+
+    use super::*;
+    use crate::color::encode8;
+    use crate::settings::SimdLevel;
+    use crate::simd::LANES;
+
+    #[test]
+    fn every_level_encodes_as_one_number_alone() {
+        for level in SimdLevel::available() {
+            let level = level.level().unwrap();
+            for bits in (0..u32::MAX - 16).step_by(1_000_003) {
+                let red: [f32; LANES] = std::array::from_fn(|i| f32::from_bits(bits + i as u32));
+                let green = red.map(|v| -v);
+                let blue: [f32; LANES] = std::array::from_fn(|i| (bits >> 16) as f32 / 65536.0 + i as f32 * 1e-5);
+                let found = dispatch!(level, simd => {
+                    let linear = [red, green, blue].map(|c| f32x16::load_array(simd, c));
+                    opaque(simd, linear).to_array()
+                });
+                for i in 0..LANES {
+                    let expected = [encode8(red[i]), encode8(green[i]), encode8(blue[i]), 255];
+                    assert_eq!((found[i] as u32).to_le_bytes(), expected, "{} {}", red[i], blue[i]);
+                }
+            }
+        }
+    }
+}
