@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use super::partition::Cut;
 use super::{Cluster, ClusteredMesh};
-use super::{PADDING, bounds};
+use super::{PADDING, agree, bounds};
 use crate::AttributeDomain;
 
 /// Cuts `data` into consecutive pieces of the given lengths; what is left over is dropped.
@@ -99,8 +99,9 @@ pub(super) fn positions(mesh: &mut ClusteredMesh, cuts: &[Cut], source: &[[f32; 
 
 /// Moves the attributes over, one at a time.
 pub(super) fn attributes(mesh: &mut ClusteredMesh, cuts: &[Cut], source: crate::Mesh) {
-    let primitives = mesh.primitives.as_deref();
     mesh.normals = source.normals.map(|v| vertices(cuts, &v));
+    agree::note(mesh);
+    let primitives = mesh.primitives.as_deref();
     mesh.vertex_colors = source.vertex_colors.map(|v| vertices(cuts, &v));
     mesh.texcoords = source.texcoords.map(|v| vertices(cuts, &v));
     mesh.face_colors = source.face_colors.map(|v| triangles(primitives, v));

@@ -10,6 +10,7 @@
 //! and cone. [`cone`] holds the tests that a renderer makes with them.
 
 mod access;
+mod agree;
 mod bounds;
 mod cone;
 mod gather;
@@ -30,8 +31,8 @@ use crate::{Aabb, Attribute, FileMaterial, OctNormal};
 pub const MAX_VERTICES: usize = 64;
 /// The most triangles a cluster holds; a triangle's slot is `cluster * MAX_TRIANGLES + local number`.
 pub const MAX_TRIANGLES: usize = 128;
-/// Elements that may be read behind the end of every array that kernels load 16 at a time.
-pub const PADDING: usize = 16;
+/// Elements that may be read behind the end of every array that kernels load many at a time.
+pub const PADDING: usize = MAX_VERTICES;
 
 /// Where a cluster stands in the arrays of its mesh, and what bounds it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -62,8 +63,9 @@ pub struct Cluster {
     /// Axis of the cone that holds all triangle normals, in 1/127; shorter than 1. Triangles without any area
     /// are not in the cone: no facing can be told from them.
     pub cone_axis: [i8; 3],
-    /// Unused.
-    pub reserved2: u8,
+    /// True only if the vertex normals surely lie on the same side of the planes of the cluster's triangles as
+    /// the triangles' own normals: then no pixel needs to ask. False without vertex normals.
+    pub normals_agree: bool,
     /// Radius of a sphere round the middle of the box that holds all vertices, rounded up.
     pub radius: f32,
     /// Lower bound of the smallest triangle height (twice the area over the longest edge), in object units;

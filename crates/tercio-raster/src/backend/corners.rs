@@ -1,7 +1,7 @@
 //! What 16 visible pixels need to know of their triangles, and its way there from the mesh.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x16, i32x16, u32x16};
+use fearless_simd::{Simd, f32x16, i32x16, mask32x16, u32x16};
 use tercio_mesh::{ClusteredMesh, Mesh};
 use tercio_scene::Surface;
 
@@ -9,8 +9,9 @@ use super::light::Vec3x16;
 use super::visibility::TileMemory;
 use crate::color::DECODE;
 use crate::context::FrameContext;
+use crate::conventions::{SAMPLE, SUBPIXELS};
 use crate::frontend::transform::project;
-use crate::simd::{LANES, each3, load, part, splat};
+use crate::simd::{LANES, each3, part, splat, splat_i};
 use crate::view::ObjectView;
 
 /// 16 pixels of one instance on their way through the shading kernel.
@@ -46,11 +47,20 @@ impl Fragments {
 
     /// Takes pixels and places of 16 samples of a tile, given by their places in the tile memory.
     #[inline(always)]
-    pub fn at_places<S: Simd>(&mut self, simd: S, memory: &TileMemory, places: [i32; LANES], width: usize) {
-        let [x, y] = memory.column_and_row(i32x16::load_array(simd, places));
+    pub fn at_places<S: Simd>(&mut self, memory: &TileMemory, places: i32x16<S>, width: usize) {
+        let [x, y] = memory.column_and_row(places);
         (x + memory.corner[0]).store_slice(&mut self.x);
         (y + memory.corner[1]).store_slice(&mut self.y);
         (y * width as i32 + x).bitcast::<u32x16<S>>().store_slice(&mut self.place);
+    }
+
+    /// Screen coordinates of the samples.
+    #[inline(always)]
+    pub fn samples<S: Simd>(&self, simd: S) -> [i32x16<S>; 2] {
+        [
+            i32x16::load_array_ref(simd, &self.x) * SUBPIXELS + SAMPLE,
+            i32x16::load_array_ref(simd, &self.y) * SUBPIXELS + SAMPLE,
+        ]
     }
 
     /// Repeats the first pixel in the lanes that hold none.
@@ -113,110 +123,102 @@ pub fn linear(color: [u8; 4]) -> [f32; 3] {
     [0, 1, 2].map(|k| DECODE[usize::from(color[k])])
 }
 
-/// The corners of the triangles of 16 pixels, lane by lane.
-#[derive(Debug, Default)]
-pub struct CornerLanes {
-    /// Screen coordinate: corner, lane.
-    pub x: [[i32; LANES]; 3],
-    /// Screen coordinate: corner, lane.
-    pub y: [[i32; LANES]; 3],
-    /// Depth: corner, lane.
-    pub d: [[f32; LANES]; 3],
+/// The corners of the triangles of 16 pixels.
+pub struct Corners<S: Simd> {
+    /// Screen coordinates, counted from where the pixels' are counted.
+    pub x: [i32x16<S>; 3],
+    /// Screen coordinates.
+    pub y: [i32x16<S>; 3],
+    /// Depths.
+    pub d: [f32x16<S>; 3],
     /// Bit i tells that a corner of lane i lies before the near plane or outside the guard band.
     pub beyond: u32,
-    /// The triangles' normals point to the same side as those of their corners, in all lanes and surely.
-    pub normals_agree: bool,
-    /// Position: corner, axis, lane; only where it is needed.
-    pub position: [[[f32; LANES]; 3]; 3],
-    /// Normal, of any length: corner, axis, lane; only where the mesh has normals.
-    pub normal: [[[f32; LANES]; 3]; 3],
-    /// Linear colour: corner, component, lane; only where the mesh has colours.
-    pub color: [[[f32; LANES]; 3]; 3],
+    /// Positions; only where they are needed.
+    pub position: [Vec3x16<S>; 3],
+    /// Normals, packed; only where the mesh has normals.
+    pub normal: [i32x16<S>; 3],
+    /// Linear colours; only where the mesh has colours.
+    pub color: [Vec3x16<S>; 3],
 }
 
-impl CornerLanes {
+impl<S: Simd> Corners<S> {
+    /// Nothing yet.
+    #[inline(always)]
+    pub fn new(simd: S) -> Self {
+        let (zero, zero_i) = (splat(simd, 0.0), splat_i(simd, 0));
+        Self {
+            x: [zero_i; 3],
+            y: [zero_i; 3],
+            d: [zero; 3],
+            beyond: 0,
+            position: [[zero; 3]; 3],
+            normal: [zero_i; 3],
+            color: [[zero; 3]; 3],
+        }
+    }
+
     /// Fetches the corners of all lanes; all slots belong to `instance`.
     #[inline(always)]
-    pub fn fetch<S: Simd>(
-        &mut self,
+    pub fn fetch(
         simd: S,
         context: &FrameContext,
         instance: usize,
         slots: &[u32; LANES],
         colors: ColorSource,
-    ) {
+    ) -> Self {
         let scene_instance = &context.scene.instances[instance];
         let mesh = &*scene_instance.mesh;
         let slots = u32x16::load_array_ref(simd, slots);
-        let zero = splat(simd, 0.0);
-        let mut position = [[zero; 3]; 3];
-        let mut packed = [i32x16::splat(simd, 0); 3];
+        let mut corners = Self::new(simd);
         let mut left = 0xffff_u32;
         // Neighbouring pixels mostly show the same triangle: each is fetched once.
         while left != 0 {
             let slot = slots[left.trailing_zeros() as usize % LANES];
             let same = slots.simd_eq(u32x16::splat(simd, slot));
-            let lanes = same.to_bitmask() as u32 & left;
-            left &= !lanes;
+            left &= !(same.to_bitmask() as u32);
             let (_, cluster, triangle) = context.locate_slot(slot);
             let first = mesh.clusters[cluster].first_vertex as usize;
             for k in 0..3 {
                 let v = first + usize::from(mesh.corners[k][triangle]);
                 let p = [mesh.x[v], mesh.y[v], mesh.z[v]];
-                position[k] = each3!(A => same.select(splat(simd, p[A]), position[k][A]));
+                let position = &mut corners.position[k];
+                *position = each3!(A => same.select(splat(simd, p[A]), position[A]));
                 if let Some(normals) = &mesh.normals {
-                    packed[k] = same.select(i32x16::splat(simd, normals[v].0 as i32), packed[k]);
+                    let normal = splat_i(simd, normals[v].0 as i32);
+                    corners.normal[k] = same.select(normal, corners.normal[k]);
                 }
                 if let (ColorSource::Vertex, Some(c)) = (colors, &mesh.vertex_colors) {
-                    self.set_colors(k, lanes, linear(c[v]));
+                    corners.set_color(k, same, linear(c[v]));
                 }
             }
             if colors == ColorSource::Triangle {
                 let color = triangle_color(mesh, &scene_instance.surface, triangle);
-                (0..3).for_each(|k| self.set_colors(k, lanes, color));
+                (0..3).for_each(|k| corners.set_color(k, same, color));
             }
         }
-        for k in 0..3 {
-            for axis in 0..3 {
-                position[k][axis].store_slice(&mut self.position[k][axis]);
-            }
-            self.set_normal(k, decode_normal(simd, packed[k]));
-        }
-        self.project(simd, &context.objects[instance]);
-        self.normals_agree = false;
+        corners.project(simd, &context.objects[instance]);
+        corners
     }
 
     /// Projects the positions.
     #[inline(always)]
-    fn project<S: Simd>(&mut self, simd: S, object: &ObjectView) {
+    fn project(&mut self, simd: S, object: &ObjectView) {
         let mut inside = 0xffff;
         for k in 0..3 {
-            let p = each3!(A => load(simd, &self.position[k][A]));
-            let v = project(simd, object, p);
-            v.x.store_slice(&mut self.x[k]);
-            v.y.store_slice(&mut self.y[k]);
-            v.d.store_slice(&mut self.d[k]);
+            let v = project(simd, object, self.position[k]);
+            (self.x[k], self.y[k], self.d[k]) = (v.x, v.y, v.d);
             inside &= v.inside.to_bitmask() as u32;
         }
         self.beyond = !inside & 0xffff;
     }
 
-    /// Sets the normals of one corner.
-    #[inline(always)]
-    pub fn set_normal<S: Simd>(&mut self, corner: usize, normal: Vec3x16<S>) {
-        for axis in 0..3 {
-            normal[axis].store_slice(&mut self.normal[corner][axis]);
-        }
-    }
-
-    /// Sets the colour of one corner.
-    pub fn set_color(&mut self, corner: usize, lane: usize, color: [f32; 3]) {
-        (0..3).for_each(|c| self.color[corner][c][lane] = color[c]);
-    }
-
     /// Sets the colour of one corner in some lanes.
-    fn set_colors(&mut self, corner: usize, lanes: u32, color: [f32; 3]) {
-        (0..LANES).filter(|lane| lanes >> lane & 1 == 1).for_each(|lane| self.set_color(corner, lane, color));
+    #[inline(always)]
+    pub fn set_color(&mut self, corner: usize, lanes: mask32x16<S>, color: [f32; 3]) {
+        let simd = self.d[0].simd;
+        for c in 0..3 {
+            self.color[corner][c] = lanes.select(splat(simd, color[c]), self.color[corner][c]);
+        }
     }
 }
 

@@ -62,7 +62,8 @@ mod tests {
             for bits in (0..u32::MAX - 16).step_by(1_000_003) {
                 let red: [f32; LANES] = std::array::from_fn(|i| f32::from_bits(bits + i as u32));
                 let green = red.map(|v| -v);
-                let blue: [f32; LANES] = std::array::from_fn(|i| (bits >> 16) as f32 / 65536.0 + i as f32 * 1e-5);
+                let blue: [f32; LANES] =
+                    std::array::from_fn(|i| (bits >> 16) as f32 / 65536.0 + i as f32 * 1e-5);
                 let found = dispatch!(level, simd => {
                     let linear = [red, green, blue].map(|c| f32x16::load_array(simd, c));
                     opaque(simd, linear).to_array()

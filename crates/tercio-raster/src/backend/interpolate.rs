@@ -3,11 +3,10 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, i32x16, mask32x16};
 
-use super::corners::{CornerLanes, Fragments};
+use super::corners::Corners;
 use super::light::Vec3x16;
-use crate::conventions::{SAMPLE, SUBPIXELS};
 use crate::frontend::clip::barycentrics_unclipped;
-use crate::simd::{LANES, each3, load, part, splat};
+use crate::simd::{LANES, each3, part, splat};
 use crate::view::ObjectView;
 
 /// 16 pixels in their triangles.
@@ -19,27 +18,23 @@ pub struct Barycentric<S: Simd> {
 }
 
 impl<S: Simd> Barycentric<S> {
-    /// Of the samples of 16 pixels.
+    /// Of 16 samples; their coordinates are counted from where those of the corners are.
     #[inline(always)]
-    pub fn new(simd: S, object: &ObjectView, fragments: &Fragments, corners: &CornerLanes) -> Self {
+    pub fn new(simd: S, object: &ObjectView, sample: [i32x16<S>; 2], corners: &Corners<S>) -> Self {
         let mut found = part(
             simd,
             #[inline(always)]
             || {
                 let zero = splat(simd, 0.0);
-                let sample_x = i32x16::load_array_ref(simd, &fragments.x) * SUBPIXELS + SAMPLE;
-                let sample_y = i32x16::load_array_ref(simd, &fragments.y) * SUBPIXELS + SAMPLE;
                 // Corners as seen from the sample: whole numbers of at most 2^24, exact in `f32`.
-                let x: [f32x16<S>; 3] =
-                    each3!(K => (i32x16::load_array_ref(simd, &corners.x[K]) - sample_x).to_float());
-                let y: [f32x16<S>; 3] =
-                    each3!(K => (i32x16::load_array_ref(simd, &corners.y[K]) - sample_y).to_float());
+                let x: [f32x16<S>; 3] = each3!(K => (corners.x[K] - sample[0]).to_float());
+                let y: [f32x16<S>; 3] = each3!(K => (corners.y[K] - sample[1]).to_float());
                 let mut b = each3!(K => {
                     let (i, j) = ((K + 1) % 3, (K + 2) % 3);
                     x[i] * y[j] - y[i] * x[j]
                 });
                 if object.perspective {
-                    b = each3!(K => b[K] * load(simd, &corners.d[K]));
+                    b = each3!(K => b[K] * corners.d[K]);
                 }
                 let area = (b[0] + b[1]) + b[2];
                 let negative = area.simd_lt(zero);
@@ -54,20 +49,20 @@ impl<S: Simd> Barycentric<S> {
             },
         );
         if corners.beyond != 0 {
-            found.recompute(simd, object, fragments, corners);
+            found.recompute(simd, object, sample, corners);
         }
         found
     }
 
-    /// From unclipped corners, where one of them is not on the screen.
+    /// From unclipped corners, where one of them is not on the screen. Samples are counted from the picture's
+    /// corner then.
     #[cold]
     #[inline(never)]
-    fn recompute(&mut self, simd: S, object: &ObjectView, fragments: &Fragments, corners: &CornerLanes) {
+    fn recompute(&mut self, simd: S, object: &ObjectView, sample: [i32x16<S>; 2], corners: &Corners<S>) {
         let mut clockwise = self.clockwise.to_bitmask();
         for lane in (0..LANES).filter(|lane| corners.beyond >> lane & 1 == 1) {
-            let positions = corners.position.map(|corner| corner.map(|axis| axis[lane]));
-            let pixel = [fragments.x[lane], fragments.y[lane]];
-            let at = |k: usize| f64::from(pixel[k] * SUBPIXELS + SAMPLE) - f64::from(object.offset[k]);
+            let positions = corners.position.map(|corner| corner.map(|axis: f32x16<S>| axis[lane]));
+            let at = |k: usize| f64::from(sample[k][lane]) - f64::from(object.offset[k]);
             let (weight, is_clockwise) = barycentrics_unclipped(object, positions, [at(0), at(1)]);
             for k in 0..3 {
                 self.weight[k][lane] = weight[k];

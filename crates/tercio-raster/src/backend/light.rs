@@ -1,7 +1,7 @@
 //! How much light 16 points of a surface send to the viewer.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x16};
+use fearless_simd::{Simd, f32x16, mask32x16};
 use tercio_scene::Surface;
 
 use crate::lighting::LightRig;
@@ -58,6 +58,33 @@ pub fn beside<S: Simd>(simd: S, rig: &LightRig) -> Vec3x16<S> {
     each3!(K => splat(simd, rig.to_viewer[K]))
 }
 
+/// Lambert's diffuse light of the distant lights alone: what [`reflect`] finds where there are no others.
+#[inline(always)]
+pub fn diffuse<S: Simd>(simd: S, rig: &LightRig, normal: Vec3x16<S>) -> Vec3x16<S> {
+    let mut sum = each3!(K => splat(simd, rig.ambient[K]));
+    for light in &rig.distant {
+        let to_light = each3!(K => splat(simd, light.to_light[K]));
+        let (cosine, _) = facing(simd, normal, to_light);
+        sum = each3!(K => sum[K] + cosine * light.color[K]);
+    }
+    sum
+}
+
+/// The cosine of the angle between normal and light, and where it is above 0; 0 elsewhere.
+#[inline(always)]
+fn facing<S: Simd>(simd: S, normal: Vec3x16<S>, to_light: Vec3x16<S>) -> (f32x16<S>, mask32x16<S>) {
+    part(
+        simd,
+        #[inline(always)]
+        || {
+            let zero = splat(simd, 0.0);
+            let cosine = dot(normal, to_light);
+            let lit = cosine.simd_gt(zero);
+            (lit.select(cosine, zero), lit)
+        },
+    )
+}
+
 #[inline(always)]
 fn sum_lights<S: Simd>(
     simd: S,
@@ -98,9 +125,7 @@ fn add_light<S: Simd>(
         #[inline(always)]
         || {
             let zero = splat(simd, 0.0);
-            let cosine = dot(normal, to_light);
-            let lit = cosine.simd_gt(zero);
-            let cosine = lit.select(cosine, zero);
+            let (cosine, lit) = facing(simd, normal, to_light);
             for k in 0..3 {
                 sum.diffuse[k] += cosine * color[k];
             }

@@ -9,17 +9,18 @@ use tercio_mesh::cluster::MAX_TRIANGLES;
 use tercio_scene::Instance;
 
 use super::cluster::ClusterPass;
-use super::corners::{ColorSource, CornerLanes, Fragments};
+use super::corners::{ColorSource, Corners, Fragments, decode_normal};
 use super::encode::opaque;
 use super::interpolate::Barycentric;
-use super::light::{Vec3x16, beside, normalize, reflect};
+use super::light::{Vec3x16, beside, diffuse, normalize, reflect};
 use super::output::{Planes, TilePixels};
-use super::table::ClusterTable;
+use super::table::{ClusterTable, look_up_colors};
 use super::visibility::{BLOCK_BITS, LANE_X, LANE_Y, TileMemory};
 use crate::color::encode16;
 use crate::context::{FrameContext, NO_SLOT};
+use crate::conventions::SUBPIXELS;
 use crate::settings::Shading;
-use crate::simd::{LANE_NUMBERS, LANES, cross, dot, each3, load, part, row, splat};
+use crate::simd::{LANE_NUMBERS, LANES, cross, dot, each3, part, row, splat};
 use crate::stats::BackEndCounts;
 use crate::view::ObjectView;
 
@@ -34,9 +35,8 @@ pub fn tile<S: Simd>(
     counts: &mut BackEndCounts,
 ) {
     let mut fragments = Fragments::default();
-    let mut corners = CornerLanes::default();
     let mut instance = 0;
-    let mut whole = WholeBlocks::default();
+    let mut whole = WholeBlocks::new(simd);
     for (block, slots) in memory.slot.chunks_exact(LANES).enumerate() {
         let slots = u32x16::from_slice(simd, slots);
         let empty = slots.simd_eq(u32x16::splat(simd, NO_SLOT)).to_bitmask() as u32;
@@ -63,32 +63,36 @@ pub fn tile<S: Simd>(
             counts.pixels_shaded += 1;
             let (own, _) = context.locate(slot / MAX_TRIANGLES as u32);
             if own != instance {
-                flush(simd, context, instance, &mut fragments, &mut corners, pixels, planes);
+                flush(simd, context, instance, &mut fragments, pixels, planes);
                 instance = own;
             }
             let place = (y as usize * pixels.width + x as usize) as u32;
             let depth = memory.depth[block * LANES + lane];
             if fragments.push(memory.corner[0] + x, memory.corner[1] + y, place, slot, depth) {
-                flush(simd, context, instance, &mut fragments, &mut corners, pixels, planes);
+                flush(simd, context, instance, &mut fragments, pixels, planes);
             }
         }
     }
-    flush(simd, context, instance, &mut fragments, &mut corners, pixels, planes);
+    flush(simd, context, instance, &mut fragments, pixels, planes);
 }
 
 /// Blocks that show one triangle: of a large one there are many in a row, and its corners are fetched once.
-#[derive(Default)]
-struct WholeBlocks {
+struct WholeBlocks<S: Simd> {
     slot: Option<u32>,
     instance: usize,
-    corners: CornerLanes,
+    corners: Corners<S>,
 }
 
-impl WholeBlocks {
+impl<S: Simd> WholeBlocks<S> {
+    #[inline(always)]
+    fn new(simd: S) -> Self {
+        Self { slot: None, instance: 0, corners: Corners::new(simd) }
+    }
+
     /// Shades a block of the tile.
     #[expect(clippy::too_many_arguments, reason = "one call site; a struct would only rename them")]
     #[inline(always)]
-    fn shade<S: Simd>(
+    fn shade(
         &mut self,
         simd: S,
         context: &FrameContext,
@@ -102,31 +106,26 @@ impl WholeBlocks {
         let mut fragments = Fragments { count: LANES, slot: [slot; LANES], ..Fragments::default() };
         fragments.depth.copy_from_slice(&memory.depth[first..first + LANES]);
         let places = i32x16::load_array(simd, LANE_NUMBERS) + first as i32;
-        fragments.at_places(simd, memory, places.to_array(), pixels.width);
+        fragments.at_places(memory, places, pixels.width);
         if self.slot != Some(slot) {
             self.slot = Some(slot);
             (self.instance, _) = context.locate(slot / MAX_TRIANGLES as u32);
-            fetch(simd, context, self.instance, &fragments, &mut self.corners);
+            self.corners = fetch(simd, context, self.instance, &fragments);
         }
-        let look = Look::of(context, self.instance);
+        let look = Look::of(context, self.instance, false, planes);
         shade(simd, context, self.instance, look, &fragments, &self.corners, pixels, planes);
     }
 }
 
 /// Fetches the corners of 16 pixels of one instance. Not inlined, so that it is compiled once a level.
 #[inline(never)]
-fn fetch<S: Simd>(
-    simd: S,
-    context: &FrameContext,
-    instance: usize,
-    fragments: &Fragments,
-    corners: &mut CornerLanes,
-) {
-    let colors = Look::of(context, instance).colors;
+fn fetch<S: Simd>(simd: S, context: &FrameContext, instance: usize, fragments: &Fragments) -> Corners<S> {
+    let Instance { mesh, surface, .. } = &context.scene.instances[instance];
+    let colors = ColorSource::of(mesh, surface);
     simd.vectorize(
         #[inline(always)]
-        || corners.fetch(simd, context, instance, &fragments.slot, colors),
-    );
+        || Corners::fetch(simd, context, instance, &fragments.slot, colors),
+    )
 }
 
 /// Shades the pixels gathered so far. Not inlined, so that the kernel is compiled once a level, not three
@@ -137,7 +136,6 @@ fn flush<S: Simd>(
     context: &FrameContext,
     instance: usize,
     fragments: &mut Fragments,
-    corners: &mut CornerLanes,
     pixels: &mut TilePixels,
     planes: &Planes,
 ) {
@@ -145,9 +143,9 @@ fn flush<S: Simd>(
         return;
     }
     fragments.fill_up();
-    let look = Look::of(context, instance);
-    fetch(simd, context, instance, fragments, corners);
-    shade(simd, context, instance, look, fragments, corners, pixels, planes);
+    let look = Look::of(context, instance, false, planes);
+    let corners = fetch(simd, context, instance, fragments);
+    shade(simd, context, instance, look, fragments, &corners, pixels, planes);
     fragments.count = 0;
 }
 
@@ -156,7 +154,6 @@ fn flush<S: Simd>(
 pub struct WinnerScratch {
     table: ClusterTable,
     fragments: Fragments,
-    corners: CornerLanes,
 }
 
 /// Shades the samples that cluster `number` of the frame won.
@@ -182,57 +179,79 @@ pub fn winners<S: Simd>(
             let (instance, index) = context.locate(number);
             let Instance { mesh, surface, .. } = &context.scene.instances[instance];
             let cluster = &mesh.clusters[index];
-            let look = Look::of(context, instance);
-            let WinnerScratch { table, fragments, corners } = scratch;
-            table.load_normals(simd, mesh, cluster);
-            let positions = !table.normals_agree || look.position;
-            if positions {
+            let look = Look::of(context, instance, cluster.normals_agree, planes);
+            let WinnerScratch { table, fragments } = scratch;
+            table.load_normals(mesh, cluster);
+            if look.position {
                 table.load_positions(simd, mesh, cluster);
             }
             let count = pass.winners.len();
             counts.pixels_shaded += count as u64;
+            let plain = look == Look::PLAIN;
+            let first_sample = pass.vertices.sample_of(memory.corner);
             for first in (0..count).step_by(LANES) {
                 let (places, triangles) = pass.winners.sixteen(first);
                 fragments.count = (count - first).min(LANES);
-                fragments.at_places(simd, memory, places, pixels.width);
-                if planes.depth.is_wanted() || planes.ids.is_wanted() {
-                    for lane in 0..LANES {
-                        fragments.slot[lane] = number * MAX_TRIANGLES as u32 + u32::from(triangles[lane]);
-                        fragments.depth[lane] = memory.depth[places[lane] as usize];
-                    }
+                let places = i32x16::load_array(simd, places);
+                let [x, y] = memory.column_and_row(places);
+                (y * pixels.width as i32 + x).bitcast::<u32x16<S>>().store_slice(&mut fragments.place);
+                let sample = [x * SUBPIXELS + first_sample[0], y * SUBPIXELS + first_sample[1]];
+                let (numbers, mut corners) = table.look_up(simd, &pass.vertices, &pass.corners, &triangles);
+                if plain {
+                    // All that it asks for is known here, so that the kernel becomes short.
+                    let look = Look::PLAIN;
+                    shade_16(simd, context, instance, look, fragments, sample, &corners, pixels, planes);
+                    continue;
                 }
-                table.look_up(
-                    simd,
-                    (mesh, surface),
-                    &pass.vertices,
-                    &pass.corners,
-                    &triangles,
-                    look.colors,
-                    positions,
-                    corners,
-                );
-                shade(simd, context, instance, look, fragments, corners, pixels, planes);
+                if look.position {
+                    table.look_up_positions(simd, &numbers, &mut corners);
+                }
+                let of = (&**mesh, cluster, surface);
+                look_up_colors(of, &triangles, &numbers, look.colors, &mut corners);
+                for lane in 0..LANES {
+                    fragments.slot[lane] = number * MAX_TRIANGLES as u32 + u32::from(triangles[lane]);
+                    fragments.depth[lane] = memory.depth[places[lane] as usize];
+                }
+                shade_at(simd, context, instance, look, fragments, sample, &corners, pixels, planes);
             }
         },
     );
 }
 
-/// Shades 16 pixels. Not inlined, so that the kernel is compiled once a level.
+/// Shades 16 pixels whose corners are counted from the picture's.
 #[expect(clippy::too_many_arguments, reason = "a struct would only rename them")]
-#[inline(never)]
+#[inline(always)]
 fn shade<S: Simd>(
     simd: S,
     context: &FrameContext,
     instance: usize,
     look: Look,
     fragments: &Fragments,
-    corners: &CornerLanes,
+    corners: &Corners<S>,
+    pixels: &mut TilePixels,
+    planes: &Planes,
+) {
+    let sample = fragments.samples(simd);
+    shade_at(simd, context, instance, look, fragments, sample, corners, pixels, planes);
+}
+
+/// Shades 16 pixels of any look. Not inlined, so that the kernel is compiled once a level.
+#[expect(clippy::too_many_arguments, reason = "a struct would only rename them")]
+#[inline(never)]
+fn shade_at<S: Simd>(
+    simd: S,
+    context: &FrameContext,
+    instance: usize,
+    look: Look,
+    fragments: &Fragments,
+    sample: [i32x16<S>; 2],
+    corners: &Corners<S>,
     pixels: &mut TilePixels,
     planes: &Planes,
 ) {
     simd.vectorize(
         #[inline(always)]
-        || shade_16(simd, context, instance, look, fragments, corners, pixels, planes),
+        || shade_16(simd, context, instance, look, fragments, sample, corners, pixels, planes),
     );
 }
 
@@ -244,44 +263,45 @@ fn shade_16<S: Simd>(
     instance: usize,
     look: Look,
     fragments: &Fragments,
-    corners: &CornerLanes,
+    sample: [i32x16<S>; 2],
+    corners: &Corners<S>,
     pixels: &mut TilePixels,
     planes: &Planes,
 ) {
-    let Instance { mesh, surface, .. } = &context.scene.instances[instance];
+    let surface = &context.scene.instances[instance].surface;
     let object = &context.objects[instance];
-    let at = Barycentric::new(simd, object, fragments, corners);
+    let at = Barycentric::new(simd, object, sample, corners);
     let zero = [splat(simd, 0.0); 3];
 
-    let mut p: Corners16<S> = [zero; 3];
-    if look.position || !corners.normals_agree {
-        p = each3!(K => load3(simd, &corners.position[K]));
-    }
     let mut side = Side { plane: None, from_back: at.clockwise };
     if object.mirrored {
         side.from_back = !side.from_back;
     }
-    if look.plane || !corners.normals_agree {
-        side.plane = Some(plane_of(object, p));
+    if look.plane {
+        side.plane = Some(plane_of(object, corners.position));
     }
     let plane = side.plane.unwrap_or(zero);
     let normals: Corners16<S> =
-        if mesh.normals.is_some() { each3!(K => load3(simd, &corners.normal[K])) } else { [plane; 3] };
+        if look.normals { each3!(K => decode_normal(simd, corners.normal[K])) } else { [plane; 3] };
 
     let (mut position, mut to_viewer) = (zero, beside(simd, &context.lights));
     if look.lit_from_position {
-        position = to_eye(simd, object, at.mix(p));
+        position = to_eye(simd, object, at.mix(corners.position));
         to_viewer = towards_viewer(simd, context, object, position);
     }
-    let flat = context.settings.shading == Shading::Flat;
+    let flat = look.shading == Shading::Flat;
     let normal = side.turn(simd, context, object, if flat { plane } else { at.mix(normals) });
 
     let albedo: Vec3x16<S> = match look.colors {
         ColorSource::Base => each3!(C => splat(simd, surface.base_color[C])),
-        _ => at.mix(each3!(K => load3(simd, &corners.color[K]))),
+        _ => at.mix(corners.color),
     };
-    let lit: Vec3x16<S> = match context.settings.shading {
+    let lit: Vec3x16<S> = match look.shading {
         Shading::Unlit => albedo,
+        Shading::Flat | Shading::Phong if look.diffuse => {
+            let light = diffuse(simd, &context.lights, normal);
+            each3!(C => albedo[C] * light[C])
+        }
         Shading::Flat | Shading::Phong => {
             let light = reflect(simd, &context.lights, surface, &normal, &to_viewer, &position);
             each3!(C => albedo[C] * light.diffuse[C] + light.specular[C])
@@ -290,7 +310,7 @@ fn shade_16<S: Simd>(
             let at_corner = each3!(K => {
                 let (mut position, mut to_viewer) = (zero, to_viewer);
                 if look.lit_from_position {
-                    position = to_eye(simd, object, p[K]);
+                    position = to_eye(simd, object, corners.position[K]);
                     to_viewer = towards_viewer(simd, context, object, position);
                 }
                 let normal = side.turn(simd, context, object, normals[K]);
@@ -301,32 +321,74 @@ fn shade_16<S: Simd>(
             each3!(C => albedo[C] * diffuse[C] + specular[C])
         }
     };
-    write_color(simd, fragments, lit, pixels, planes);
-    write_geometry(context, fragments, normal, pixels, planes);
+    if look.color {
+        write_color(simd, fragments, lit, pixels);
+    }
+    if look.more {
+        write_color16(fragments, lit, pixels, planes);
+        write_geometry(context, fragments, normal, pixels, planes);
+    }
 }
 
-/// What decides how the pixels of an instance are shaded.
-#[derive(Clone, Copy, Debug)]
+/// What decides how pixels are shaded.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Look {
-    /// Where its colour comes from.
+    shading: Shading,
+    /// Where the colour comes from.
     colors: ColorSource,
+    /// The vertices have normals.
+    normals: bool,
     /// Positions of corners are needed.
     position: bool,
     /// The triangles' planes are needed.
     plane: bool,
     /// Light depends on where a point is.
     lit_from_position: bool,
+    /// Lights are distant and leave no highlights.
+    diffuse: bool,
+    /// 8-bit colours are asked for.
+    color: bool,
+    /// Something else is asked for.
+    more: bool,
 }
 
 impl Look {
+    /// The look of most pictures, whose kernel is compiled by itself.
+    const PLAIN: Self = Self {
+        shading: Shading::Phong,
+        colors: ColorSource::Base,
+        normals: true,
+        position: false,
+        plane: false,
+        lit_from_position: false,
+        diffuse: true,
+        color: true,
+        more: false,
+    };
+
+    /// Of pixels of an instance; `normals_agree` as in [`tercio_mesh::cluster::Cluster::normals_agree`].
     #[inline(always)]
-    fn of(context: &FrameContext, instance: usize) -> Self {
+    fn of(context: &FrameContext, instance: usize, normals_agree: bool, planes: &Planes) -> Self {
         let Instance { mesh, surface, .. } = &context.scene.instances[instance];
-        let plane = context.settings.shading == Shading::Flat || mesh.normals.is_none();
-        let highlights = surface.specular > 0.0 && context.view.perspective;
-        let lit_from_position = highlights || !context.lights.near.is_empty();
-        let colors = ColorSource::of(mesh, surface);
-        Self { colors, position: plane || lit_from_position, plane, lit_from_position }
+        let (shading, lights) = (context.settings.shading, &context.lights);
+        let normals = mesh.normals.is_some();
+        let plane = shading == Shading::Flat || !normals || !normals_agree;
+        let highlights = surface.specular > 0.0;
+        let lit_from_position = (highlights && context.view.perspective) || !lights.near.is_empty();
+        Self {
+            shading,
+            colors: ColorSource::of(mesh, surface),
+            normals,
+            position: plane || lit_from_position,
+            plane,
+            lit_from_position,
+            diffuse: !highlights && lights.near.is_empty(),
+            color: planes.color.is_wanted(),
+            more: planes.color16.is_wanted()
+                || planes.depth.is_wanted()
+                || planes.ids.is_wanted()
+                || planes.normals.is_wanted(),
+        }
     }
 }
 
@@ -340,12 +402,6 @@ fn plane_of<S: Simd>(object: &ObjectView, p: Corners16<S>) -> Vec3x16<S> {
 
 /// A vector at each of the three corners.
 type Corners16<S> = [Vec3x16<S>; 3];
-
-/// Loads three components.
-#[inline(always)]
-fn load3<S: Simd>(simd: S, from: &[[f32; LANES]; 3]) -> Vec3x16<S> {
-    each3!(A => load(simd, &from[A]))
-}
 
 /// From local coordinates to world axes relative to the eye.
 #[inline(always)]
@@ -399,32 +455,25 @@ impl<S: Simd> Side<S> {
 }
 
 #[inline(always)]
-fn write_color<S: Simd>(
-    simd: S,
+fn write_color<S: Simd>(simd: S, fragments: &Fragments, linear: Vec3x16<S>, pixels: &mut TilePixels) {
+    let levels = opaque(simd, linear).to_array();
+    for lane in 0..fragments.count {
+        pixels.color[fragments.place[lane] as usize] = (levels[lane] as u32).to_le_bytes();
+    }
+}
+
+fn write_color16<S: Simd>(
     fragments: &Fragments,
     linear: Vec3x16<S>,
     pixels: &mut TilePixels,
     planes: &Planes,
 ) {
-    part(
-        simd,
-        #[inline(always)]
-        || {
-            if planes.color.is_wanted() {
-                let levels = opaque(simd, linear).to_array();
-                for lane in 0..fragments.count {
-                    pixels.color[fragments.place[lane] as usize] = (levels[lane] as u32).to_le_bytes();
-                }
-            }
-            if planes.color16.is_wanted() {
-                let linear = each3!(C => linear[C].to_array());
-                for lane in 0..fragments.count {
-                    let [r, g, b] = [0, 1, 2].map(|k| encode16(linear[k][lane]));
-                    pixels.color16[fragments.place[lane] as usize] = [r, g, b, 65535];
-                }
-            }
-        },
-    )
+    if planes.color16.is_wanted() {
+        for lane in 0..fragments.count {
+            let [r, g, b] = each3!(C => encode16(linear[C][lane]));
+            pixels.color16[fragments.place[lane] as usize] = [r, g, b, 65535];
+        }
+    }
 }
 
 #[inline(always)]

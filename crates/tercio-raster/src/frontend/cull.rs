@@ -8,7 +8,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, i32x16, mask32x16};
 use tercio_mesh::cluster::Cluster;
 
-use crate::conventions::{GUARD, SAMPLE, SMALL_EXTENT, SUBPIXEL_BITS, SUBPIXELS};
+use crate::conventions::{GUARD, SAMPLE, SMALL_CLUSTER, SUBPIXEL_BITS, SUBPIXELS};
 use crate::simd::{LANES, dot, each3, load, part, row, splat, splat_i};
 use crate::view::{ObjectView, View};
 
@@ -117,7 +117,7 @@ pub struct ClusterTests {
     pub no_sample: u32,
     /// All triangles show the side that was asked about, and still do after snapping. Only inside.
     pub one_side: u32,
-    /// Less than [`SMALL_EXTENT`] across and down on the screen. Only inside.
+    /// Less than [`SMALL_CLUSTER`] across and down on the screen. Only inside.
     pub small: u32,
     /// First and last column, first and last row of pixels that a cluster may reach. Only inside.
     pub rect: [[i32; LANES]; 4],
@@ -154,7 +154,7 @@ impl ClusterTests {
                 let (columns, beside) = pixels(simd, x, object.offset[0], view.width);
                 let (rows, above) = pixels(simd, y, object.offset[1], view.height);
                 let between = columns[0].simd_gt(columns[1]) | rows[0].simd_gt(rows[1]);
-                let extent = splat(simd, SMALL_EXTENT as f32);
+                let extent = splat(simd, SMALL_CLUSTER as f32);
                 let small = (x[1] - x[0]).simd_lt(extent) & (y[1] - y[0]).simd_lt(extent);
                 let outside = depth.behind | (inside & (beside | above));
                 let inside = inside & !outside;

@@ -1,14 +1,14 @@
 //! Vertices to the screen, and the triangles between them, 16 at a time.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x16, i32x16, mask32x16};
+use fearless_simd::{Simd, f32x16, i32x16, mask32x16, u32x16};
 use tercio_mesh::ClusteredMesh;
 use tercio_mesh::cluster::{Cluster, MAX_TRIANGLES, MAX_VERTICES};
 
 use crate::binning::PixelRect;
 #[cfg(doc)]
 use crate::binning::ScreenTriangle;
-use crate::conventions::{GUARD, SAMPLE, SUBPIXEL_BITS};
+use crate::conventions::{GUARD, SAMPLE, SMALL_EXTENT, SUBPIXEL_BITS, SUBPIXELS};
 use crate::simd::{LANES, each3, load, lookup, lookup_bytes, part, row, splat, splat_i};
 use crate::view::{ObjectView, ScreenVertex};
 
@@ -116,6 +116,18 @@ impl ClusterVertices {
         }
     }
 
+    /// Depths of the corners of 16 triangles.
+    #[inline(always)]
+    pub fn depths<S: Simd>(&self, simd: S, corners: &CornerNumbers) -> [f32x16<S>; 3] {
+        each3!(K => lookup(simd, &self.d, &corners[K]).bitcast())
+    }
+
+    /// Screen coordinates of the corners of 16 triangles: x, y.
+    #[inline(always)]
+    pub fn coordinates<S: Simd>(&self, simd: S, corners: &CornerNumbers) -> [[i32x16<S>; 3]; 2] {
+        [each3!(K => lookup(simd, &self.x, &corners[K])), each3!(K => lookup(simd, &self.y, &corners[K]))]
+    }
+
     /// One vertex.
     #[inline(always)]
     pub fn vertex(&self, corner: u8) -> ScreenVertex {
@@ -126,6 +138,92 @@ impl ClusterVertices {
             d: f32::from_bits(self.d[v] as u32),
             inside: self.beyond >> v & 1 == 0,
         }
+    }
+}
+
+/// The projected vertices of a small cluster that lies inside the near plane and the guard band, as seen from
+/// a pixel beside it, so that both coordinates fit into one register.
+#[derive(Debug)]
+pub struct LocalVertices {
+    /// Sub-pixels to the right of [`LocalVertices::pixel`]'s corner in the lower half, below it in the upper.
+    xy: [i32; MAX_VERTICES],
+    /// Depths, as the bits of an `f32`.
+    d: [i32; MAX_VERTICES],
+    /// Column and row of the pixel.
+    pub pixel: [i32; 2],
+}
+
+impl Default for LocalVertices {
+    fn default() -> Self {
+        Self { xy: [0; MAX_VERTICES], d: [0; MAX_VERTICES], pixel: [0; 2] }
+    }
+}
+
+impl LocalVertices {
+    /// Projects all vertices of a cluster of less than [`SMALL_CLUSTER`](crate::conventions::SMALL_CLUSTER)
+    /// sub-pixels.
+    #[inline(always)]
+    pub fn project<S: Simd>(
+        &mut self,
+        simd: S,
+        object: &ObjectView,
+        mesh: &ClusteredMesh,
+        cluster: &Cluster,
+    ) {
+        let mut first = 0;
+        while first < usize::from(cluster.vertices) {
+            let from = cluster.first_vertex as usize + first;
+            let p = [
+                load(simd, &mesh.x[from..from + LANES]),
+                load(simd, &mesh.y[from..from + LANES]),
+                load(simd, &mesh.z[from..from + LANES]),
+            ];
+            let v = project(simd, object, p);
+            if first == 0 {
+                let beside = |coordinate: i32| (coordinate - SMALL_EXTENT) >> SUBPIXEL_BITS;
+                self.pixel = [beside(v.x[0]), beside(v.y[0])];
+            }
+            let [x, y] = self.pixel.map(|p| p << SUBPIXEL_BITS);
+            let to = first..first + LANES;
+            let xy = part(
+                simd,
+                #[inline(always)]
+                || ((v.x - x) & 0xffff) | ((v.y - y) << 16),
+            );
+            xy.store_slice(&mut self.xy[to.clone()]);
+            v.d.bitcast::<i32x16<S>>().store_slice(&mut self.d[to]);
+            first += LANES;
+        }
+    }
+
+    /// Depths of the corners of 16 triangles.
+    #[inline(always)]
+    pub fn depths<S: Simd>(&self, simd: S, corners: &CornerNumbers) -> [f32x16<S>; 3] {
+        each3!(K => lookup(simd, &self.d, &corners[K]).bitcast())
+    }
+
+    /// Coordinates of the corners of 16 triangles as seen from [`LocalVertices::pixel`]: x, y.
+    #[inline(always)]
+    pub fn coordinates<S: Simd>(&self, simd: S, corners: &CornerNumbers) -> [[i32x16<S>; 3]; 2] {
+        let xy: [u32x16<S>; 3] = each3!(K => lookup(simd, &self.xy, &corners[K]).bitcast());
+        part(
+            simd,
+            #[inline(always)]
+            || [each3!(K => (xy[K] & 0xffff).bitcast()), each3!(K => (xy[K] >> 16).bitcast())],
+        )
+    }
+
+    /// The sample of a pixel of the picture, in sub-pixels, as seen from [`LocalVertices::pixel`].
+    #[inline(always)]
+    pub fn sample_of(&self, pixel: [i32; 2]) -> [i32; 2] {
+        [0, 1].map(|k| (pixel[k] - self.pixel[k]) * SUBPIXELS + SAMPLE)
+    }
+
+    /// A rectangle of pixels as seen from [`LocalVertices::pixel`].
+    #[inline(always)]
+    pub fn see(&self, rect: PixelRect) -> PixelRect {
+        let [x, y] = self.pixel;
+        PixelRect { x0: rect.x0 - x, x1: rect.x1 - x, y0: rect.y0 - y, y1: rect.y1 - y }
     }
 }
 
@@ -189,11 +287,9 @@ pub struct ScreenTriangles<S: Simd> {
 }
 
 impl<S: Simd> ScreenTriangles<S> {
-    /// Looks the corners up; samples outside `rect` do not count.
+    /// From the coordinates of the corners; samples outside `rect` do not count.
     #[inline(always)]
-    pub fn new(simd: S, vertices: &ClusterVertices, corners: &CornerNumbers, rect: PixelRect) -> Self {
-        let x = each3!(K => lookup(simd, &vertices.x, &corners[K]));
-        let y = each3!(K => lookup(simd, &vertices.y, &corners[K]));
+    pub fn new(simd: S, [x, y]: [[i32x16<S>; 3]; 2], rect: PixelRect) -> Self {
         part(
             simd,
             #[inline(always)]
@@ -246,8 +342,7 @@ pub struct Anchored<S: Simd> {
 impl<S: Simd> Anchored<S> {
     /// Turns the farthest corner, the first among equals, to the front.
     #[inline(always)]
-    pub fn new(simd: S, vertices: &ClusterVertices, corners: &CornerNumbers, t: &ScreenTriangles<S>) -> Self {
-        let d: [f32x16<S>; 3] = each3!(K => lookup(simd, &vertices.d, &corners[K]).bitcast());
+    pub fn new(simd: S, d: [f32x16<S>; 3], t: &ScreenTriangles<S>) -> Self {
         part(
             simd,
             #[inline(always)]

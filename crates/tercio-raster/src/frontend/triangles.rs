@@ -75,7 +75,7 @@ impl TrianglePass {
         batch: &mut Batch,
     ) {
         let counts = &mut batch.counts;
-        let t = ScreenTriangles::new(simd, &self.vertices, corners, context.picture());
+        let t = ScreenTriangles::new(simd, self.vertices.coordinates(simd, corners), context.picture());
         let hits = t.hits() & live;
         counts.triangles_no_sample += u64::from((live & !hits).count_ones());
         if hits == 0 {
@@ -103,7 +103,7 @@ impl TrianglePass {
         }
         counts.triangles_out += u64::from(keep.count_ones());
 
-        let anchored = Anchored::new(simd, &self.vertices, corners, &t);
+        let anchored = Anchored::new(simd, self.vertices.depths(simd, corners), &t);
         bin(context, &anchored, &t, keep, first_slot, batch);
     }
 

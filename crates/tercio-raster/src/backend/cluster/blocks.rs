@@ -65,7 +65,7 @@ pub fn draw<S: Simd>(
         let i = lanes.trailing_zeros() as usize % LANES;
         lanes &= lanes - 1;
         let slot = first_slot + u32::from(numbers[i]);
-        let (x0, y0) = (t.first[0][i] - tile.corner[0], t.first[1][i] - tile.corner[1]);
+        let (x0, y0) = (t.first[0][i], t.first[1][i]);
         let (bx0, bx1) = (x0 >> BLOCK_BITS, (x0 + t.extent[0][i]) >> BLOCK_BITS);
         let (by0, by1) = (y0 >> BLOCK_BITS, (y0 + t.extent[1][i]) >> BLOCK_BITS);
         let step: [i32x16<S>; 3] = each3!(K => lane_x * t.a[K][i] + lane_y * t.b[K][i]);

@@ -18,7 +18,7 @@ use tercio_mesh::cluster::MAX_TRIANGLES;
 
 use crate::binning::{BinnedCluster, PixelRect};
 use crate::context::FrameContext;
-use crate::frontend::transform::{ClusterVertices, CornerTable};
+use crate::frontend::transform::{CornerTable, LocalVertices};
 use crate::settings::LastStage;
 use crate::simd::{part, prefetch};
 use crate::stats::BackEndCounts;
@@ -33,7 +33,7 @@ use super::visibility::TileMemory;
 #[derive(Debug, Default)]
 pub struct ClusterPass {
     /// The cluster's vertices on the screen.
-    pub vertices: ClusterVertices,
+    pub vertices: LocalVertices,
     /// The corners of the cluster's triangles.
     pub corners: CornerTable,
     sieve: Sieve,

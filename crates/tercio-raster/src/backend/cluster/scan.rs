@@ -28,7 +28,7 @@ pub fn scan_tiny<S: Simd>(
                 let lanes = mask32x16::from_bitmask(simd, u64::from(lanes));
                 let number = number_bits(simd, numbers);
                 let in_row = lanes & t.extent[1].simd_ge(splat_i(simd, row));
-                let row_place = tile.place_of_row(t.first[1] - tile.corner[1] + row);
+                let row_place = tile.place_of_row(t.first[1] + row);
                 let along_y = (t.from_anchor[1] + row * SUBPIXELS).to_float::<f32x16<S>>() * t.slope[1];
                 for column in 0..2 {
                     let in_box = in_row & t.extent[0].simd_ge(splat_i(simd, column));
@@ -36,7 +36,7 @@ pub fn scan_tiny<S: Simd>(
                     let hits = in_box & ((e[0] | e[1]) | e[2]).simd_ge(splat_i(simd, 0));
                     let right = (t.from_anchor[0] + column * SUBPIXELS).to_float::<f32x16<S>>();
                     let depth = ((right * t.slope[0] + along_y) + t.base).max(t.base).min(t.nearest);
-                    let place = row_place + tile.place_in_row(t.first[0] - tile.corner[0] + column);
+                    let place = row_place + tile.place_in_row(t.first[0] + column);
                     covered.push(simd, hits.to_bitmask() as u32 & 0xffff, place + number, depth);
                 }
             },
@@ -70,7 +70,7 @@ pub fn scan<S: Simd>(
         || {
             let lanes = mask32x16::from_bitmask(simd, u64::from(lanes));
             let number = number_bits(simd, numbers);
-            let mut y = t.first[1] - tile.corner[1];
+            let mut y = t.first[1];
             let mut down = t.from_anchor[1];
             let mut at_row = t.c;
             let mut row = 0;
@@ -81,7 +81,7 @@ pub fn scan<S: Simd>(
                 }
                 let along_y = down.to_float::<f32x16<S>>() * t.slope[1];
                 let row_place = tile.place_of_row(y);
-                let mut x = t.first[0] - tile.corner[0];
+                let mut x = t.first[0];
                 let mut right = t.from_anchor[0];
                 let mut e = at_row;
                 let mut column = 0;

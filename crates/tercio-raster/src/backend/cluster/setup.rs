@@ -9,13 +9,13 @@ use fearless_simd::{Simd, f32x16, i32x16};
 
 use crate::binning::PixelRect;
 use crate::conventions::{SAMPLE, SUBPIXEL_BITS};
-use crate::frontend::transform::{Anchored, ClusterVertices, CornerNumbers, ScreenTriangles};
+use crate::frontend::transform::{Anchored, CornerNumbers, LocalVertices, ScreenTriangles};
 use crate::simd::{each3, part, splat, splat_i};
 
 /// 16 triangles of less than [`crate::conventions::SMALL_EXTENT`] sub-pixels across and down. Lanes whose
 /// bounding box holds no sample hold nothing of use.
 pub struct SmallTriangles<S: Simd> {
-    /// Column and row of the first sample in the picture.
+    /// Column and row of the first sample in the tile.
     pub first: [i32x16<S>; 2],
     /// How many samples further the last column and row are.
     pub extent: [i32x16<S>; 2],
@@ -36,11 +36,12 @@ pub struct SmallTriangles<S: Simd> {
 }
 
 impl<S: Simd> SmallTriangles<S> {
-    /// Sets 16 triangles up; only samples inside `rect` count.
+    /// Sets 16 triangles up; only samples inside `rect` count, the part of the tile that lies in the picture.
     #[inline(always)]
-    pub fn new(simd: S, vertices: &ClusterVertices, corners: &CornerNumbers, rect: PixelRect) -> Self {
-        let t = ScreenTriangles::new(simd, vertices, corners, rect);
-        let Anchored { x, y, d } = Anchored::new(simd, vertices, corners, &t);
+    pub fn new(simd: S, vertices: &LocalVertices, corners: &CornerNumbers, rect: PixelRect) -> Self {
+        let seen = vertices.see(rect);
+        let t = ScreenTriangles::new(simd, vertices.coordinates(simd, corners), seen);
+        let Anchored { x, y, d } = Anchored::new(simd, vertices.depths(simd, corners), &t);
         let area = part(
             simd,
             #[inline(always)]
@@ -56,7 +57,7 @@ impl<S: Simd> SmallTriangles<S> {
                 let sample_x = (first[0] << SUBPIXEL_BITS) + SAMPLE;
                 let sample_y = (first[1] << SUBPIXEL_BITS) + SAMPLE;
                 Self {
-                    first,
+                    first: [first[0] - seen.x0, first[1] - seen.y0],
                     extent: [t.columns[1] - first[0], t.rows[1] - first[1]],
                     c: edge_values(simd, x, y, a, b, [sample_x, sample_y]),
                     a,

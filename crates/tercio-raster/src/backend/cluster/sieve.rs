@@ -5,7 +5,7 @@ use fearless_simd::{Simd, u8x16};
 use tercio_mesh::cluster::MAX_TRIANGLES;
 
 use crate::binning::PixelRect;
-use crate::frontend::transform::{ClusterVertices, CornerTable, ScreenTriangles};
+use crate::frontend::transform::{CornerTable, LocalVertices, ScreenTriangles};
 use crate::settings::Cull;
 use crate::simd::{LANES, append_bytes, live_lanes, part, splat_i};
 
@@ -70,16 +70,17 @@ impl Sieve {
     pub fn sort<S: Simd>(
         &mut self,
         simd: S,
-        vertices: &ClusterVertices,
+        vertices: &LocalVertices,
         corners: &CornerTable,
         count: usize,
         keep: &Keep,
     ) {
         self.counts = [0; Size::ALL.len()];
+        let rect = vertices.see(keep.rect);
         let mut first = 0;
         while first < count.min(MAX_TRIANGLES) {
             let live = live_lanes(count - first);
-            let t = ScreenTriangles::new(simd, vertices, &corners.of_16(first), keep.rect);
+            let t = ScreenTriangles::new(simd, vertices.coordinates(simd, &corners.of_16(first)), rect);
             part(
                 simd,
                 #[inline(always)]
