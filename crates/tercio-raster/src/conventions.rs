@@ -31,9 +31,9 @@ pub const GUARD: f32 = 8_388_608.0;
 /// products of coordinate differences.
 pub const SMALL_EXTENT: i32 = 1 << 15;
 
-/// Below this extent in sub-pixels a cluster is small: its triangles are, too, and from a whole pixel beside it
-/// every vertex is at most 16 bits away.
-pub const SMALL_CLUSTER: i32 = SMALL_EXTENT - SUBPIXELS;
+/// Below this extent in sub-pixels a cluster is small: from a whole pixel beside it every vertex is at most 16
+/// bits away.
+pub const SMALL_CLUSTER: i32 = (1 << 16) - SUBPIXELS;
 
 /// First pixel whose sample is at or right of (below) a screen coordinate.
 #[inline(always)]

@@ -3,7 +3,7 @@
 mod common;
 
 use common::*;
-use tercio_mesh::Mesh;
+use tercio_mesh::{Mesh, OctNormal};
 use tercio_raster::{Cull, Settings, Shading, SimdLevel};
 use tercio_scene::Camera;
 
@@ -158,4 +158,51 @@ fn clusters_culled_by_their_cone_change_nothing() {
         }
     }
     assert!(culled > 100, "only {culled} clusters were culled by their cone");
+}
+
+/// The look that has a kernel of its own: colours alone, vertex normals, distant lights, no highlights.
+#[test]
+fn plain_pictures() {
+    let mut bumpy = sphere(30);
+    let mut random = Random(7);
+    for (p, normal) in bumpy.positions.iter_mut().zip(bumpy.normals.iter_mut().flatten()) {
+        *p = p.map(|c| c * random.between(0.9, 1.1) as f32);
+        if random.next() < 0.1 {
+            *normal = OctNormal::encode(random.point(1.0).as_vec3().to_array());
+        }
+    }
+    for (mesh, what) in [(sphere(40), "smooth"), (bumpy, "bumpy")] {
+        for camera in
+            [perspective([1.0, 2.0, 3.0], [0.0; 3], 35.0), orthographic([1.0, 2.0, 3.0], [0.0; 3], 2.5)]
+        {
+            let mut plain = scene(&mesh);
+            plain.instances[0].surface.specular = 0.0;
+            let settings = Settings::new(300, 200);
+            let expected = draw_reference(&mesh, &plain, &camera, &settings);
+            for simd in SimdLevel::available() {
+                let s = Settings { simd: Some(simd), ..settings.clone() };
+                assert_same(&expected, &draw(&plain, &camera, &s), &format!("{what}, {simd}"));
+            }
+        }
+    }
+}
+
+/// Clusters about as large as a small cluster may be, some of whose triangles are too large for 32 bits.
+#[test]
+fn wide_clusters() {
+    for (n, height) in [(1, 2.1), (1, 2.5), (2, 2.1), (4, 2.05)] {
+        let mesh = sphere(n);
+        let camera = Camera { up: glam::DVec3::Y, ..orthographic([0.0, 0.0, 3.0], [0.0; 3], height) };
+        let settings = Settings { tile_size: Some(128), ..everything(280, 256) };
+        let stats = draw(&scene(&mesh), &camera, &settings).stats;
+        assert!(stats.frontend.clusters_out > 0, "no cluster was binned as a whole");
+        for cull in [Cull::None, Cull::Back, Cull::Front] {
+            check_every_path(
+                &mesh,
+                &camera,
+                &Settings { cull, ..settings.clone() },
+                &format!("{n}, {cull:?}"),
+            );
+        }
+    }
 }

@@ -170,7 +170,7 @@ fn draw_inline<S: Simd>(
         if last <= LastStage::Sieve {
             break;
         }
-        memory.draw(simd, context, triangle, counts);
+        memory.draw(simd, context, triangle, None, counts);
         mixed = true;
     }
     let entries = batches.iter().flat_map(|b| b.bins.clusters_in(tile));

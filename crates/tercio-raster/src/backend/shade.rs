@@ -42,7 +42,7 @@ pub fn tile<S: Simd>(
         let empty = slots.simd_eq(u32x16::splat(simd, NO_SLOT)).to_bitmask() as u32;
         let mut left = !(empty | u32::from(memory.shaded[block])) & 0xffff;
         let (bx, by) = (block % memory.blocks, block / memory.blocks);
-        if left == 0xffff && !memory.is_cut {
+        if left == 0xffff {
             let slot = slots[0];
             if slots.simd_eq(u32x16::splat(simd, slot)).all_true() {
                 whole.shade(simd, context, memory, block, slot, pixels, planes);
@@ -56,10 +56,6 @@ pub fn tile<S: Simd>(
             let slot = slots[lane];
             let x = ((bx << BLOCK_BITS) as i32) + LANE_X[lane];
             let y = ((by << BLOCK_BITS) as i32) + LANE_Y[lane];
-            // Blocks at the border of the picture hold samples beyond it.
-            if memory.corner[0] + x > memory.last[0] || memory.corner[1] + y > memory.last[1] {
-                continue;
-            }
             counts.pixels_shaded += 1;
             let (own, _) = context.locate(slot / MAX_TRIANGLES as u32);
             if own != instance {

@@ -6,6 +6,7 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, i32x16, mask32x16};
 
+use super::cluster::Winners;
 use super::edges::Edges;
 use crate::binning::{PixelRect, ScreenTriangle};
 use crate::context::{FrameContext, NO_SLOT};
@@ -99,13 +100,30 @@ impl TileMemory {
         self.shaded.resize(edge * edge / LANES, 0);
     }
 
-    /// Draws one triangle.
-    #[inline(always)]
+    /// Draws one triangle, and lists the samples that it wins if it is told its number in its cluster. Not
+    /// inlined, so that it is compiled once a level.
+    #[inline(never)]
     pub fn draw<S: Simd>(
         &mut self,
         simd: S,
         context: &FrameContext,
         triangle: &ScreenTriangle,
+        winners: Option<(&mut Winners, u8)>,
+        counts: &mut BackEndCounts,
+    ) {
+        simd.vectorize(
+            #[inline(always)]
+            || self.draw_blocks(simd, context, triangle, winners, counts),
+        );
+    }
+
+    #[inline(always)]
+    fn draw_blocks<S: Simd>(
+        &mut self,
+        simd: S,
+        context: &FrameContext,
+        triangle: &ScreenTriangle,
+        mut winners: Option<(&mut Winners, u8)>,
         counts: &mut BackEndCounts,
     ) {
         let Some(rect) = triangle.samples(context.view.width, context.view.height) else { return };
@@ -139,7 +157,10 @@ impl TileMemory {
             for bx in bx0..bx1 + 1 {
                 let px = self.corner[0] + (bx << BLOCK_BITS);
                 let e = each3!(K => step[K] + edges.at(K, px, py).clamp(-EDGE_LIMIT, EDGE_LIMIT) as i32);
-                let covered = ((e[0] | e[1]) | e[2]).simd_ge(splat_i(simd, 0));
+                let mut covered = ((e[0] | e[1]) | e[2]).simd_ge(splat_i(simd, 0));
+                if self.is_cut {
+                    covered &= self.inside(simd, bx, by);
+                }
                 counts.blocks += 1;
                 if !covered.any_true() {
                     continue;
@@ -149,9 +170,21 @@ impl TileMemory {
                 let depth = depth.max(splat(simd, plane.range[0])).min(splat(simd, plane.range[1]));
                 counts.samples_covered += u64::from(covered.to_bitmask().count_ones());
                 let at = (by as usize * self.blocks + bx as usize) * LANES;
-                self.write(simd, context, at, covered, depth, triangle.slot);
+                let won = self.write(simd, context, at, covered, depth, triangle.slot);
+                if let Some((winners, number)) = &mut winners {
+                    winners.push_block(simd, at, won, *number);
+                }
             }
         }
+    }
+
+    /// Samples of a block that lie inside the picture.
+    #[inline(always)]
+    pub fn inside<S: Simd>(&self, simd: S, bx: i32, by: i32) -> mask32x16<S> {
+        let left = [0, 1].map(|k| self.last[k] - self.corner[k]);
+        let (across, below) = (left[0] - (bx << BLOCK_BITS), left[1] - (by << BLOCK_BITS));
+        i32x16::load_array(simd, LANE_X).simd_le(splat_i(simd, across))
+            & i32x16::load_array(simd, LANE_Y).simd_le(splat_i(simd, below))
     }
 
     /// Keeps the nearer of old and new at the covered samples of a block, and tells where the new one won.
@@ -228,18 +261,7 @@ impl TileMemory {
 
     /// Pixels of the picture that show something.
     pub fn visible(&self) -> u64 {
-        let shown = |slots: &[u32]| slots.iter().map(|&slot| u32::from(slot != NO_SLOT)).sum::<u32>();
-        if !self.is_cut {
-            return u64::from(shown(&self.slot));
-        }
-        let rect = self.rect();
-        let inside = |place: usize| {
-            let (block, lane) = (place / LANES, place % LANES);
-            let (bx, by) = ((block % self.blocks) << BLOCK_BITS, (block / self.blocks) << BLOCK_BITS);
-            self.corner[0] + bx as i32 + LANE_X[lane] <= rect.x1
-                && self.corner[1] + by as i32 + LANE_Y[lane] <= rect.y1
-        };
-        self.slot.iter().enumerate().filter(|&(place, &slot)| slot != NO_SLOT && inside(place)).count() as u64
+        u64::from(self.slot.iter().map(|&slot| u32::from(slot != NO_SLOT)).sum::<u32>())
     }
 
     /// The pixels of the tile that lie inside the picture.

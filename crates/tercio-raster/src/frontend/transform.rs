@@ -9,7 +9,7 @@ use crate::binning::PixelRect;
 #[cfg(doc)]
 use crate::binning::ScreenTriangle;
 use crate::conventions::{GUARD, SAMPLE, SMALL_EXTENT, SUBPIXEL_BITS, SUBPIXELS};
-use crate::simd::{LANES, each3, load, lookup, lookup_bytes, part, row, splat, splat_i};
+use crate::simd::{LANES, each3, live_lanes, load, lookup, lookup_bytes, part, row, splat, splat_i};
 use crate::view::{ObjectView, ScreenVertex};
 
 /// 16 projected vertices.
@@ -50,6 +50,14 @@ pub fn project<S: Simd>(simd: S, view: &ObjectView, p: [f32x16<S>; 3]) -> Projec
             }
         },
     )
+}
+
+/// Loads 16 vertices of a cluster, from number `first` on.
+#[inline(always)]
+fn positions<S: Simd>(simd: S, mesh: &ClusteredMesh, cluster: &Cluster, first: usize) -> [f32x16<S>; 3] {
+    let from = cluster.first_vertex as usize + first;
+    let range = from..from + LANES;
+    [load(simd, &mesh.x[range.clone()]), load(simd, &mesh.y[range.clone()]), load(simd, &mesh.z[range])]
 }
 
 /// To whole sub-pixels, ties to even.
@@ -96,13 +104,7 @@ impl ClusterVertices {
         let count = usize::from(cluster.vertices);
         let mut first = 0;
         while first < count {
-            let from = cluster.first_vertex as usize + first;
-            let p = [
-                load(simd, &mesh.x[from..from + LANES]),
-                load(simd, &mesh.y[from..from + LANES]),
-                load(simd, &mesh.z[from..from + LANES]),
-            ];
-            let v = project(simd, object, p);
+            let v = project(simd, object, positions(simd, mesh, cluster, first));
             let to = first..first + LANES;
             v.x.store_slice(&mut self.x[to.clone()]);
             v.y.store_slice(&mut self.y[to.clone()]);
@@ -151,11 +153,13 @@ pub struct LocalVertices {
     d: [i32; MAX_VERTICES],
     /// Column and row of the pixel.
     pub pixel: [i32; 2],
+    /// The cluster reaches over [`SMALL_EXTENT`] sub-pixels or more, so that triangles of it may, too.
+    pub is_wide: bool,
 }
 
 impl Default for LocalVertices {
     fn default() -> Self {
-        Self { xy: [0; MAX_VERTICES], d: [0; MAX_VERTICES], pixel: [0; 2] }
+        Self { xy: [0; MAX_VERTICES], d: [0; MAX_VERTICES], pixel: [0; 2], is_wide: false }
     }
 }
 
@@ -170,29 +174,87 @@ impl LocalVertices {
         mesh: &ClusteredMesh,
         cluster: &Cluster,
     ) {
+        let count = usize::from(cluster.vertices);
+        let mut astray = 0;
         let mut first = 0;
-        while first < usize::from(cluster.vertices) {
-            let from = cluster.first_vertex as usize + first;
-            let p = [
-                load(simd, &mesh.x[from..from + LANES]),
-                load(simd, &mesh.y[from..from + LANES]),
-                load(simd, &mesh.z[from..from + LANES]),
-            ];
-            let v = project(simd, object, p);
+        while first < count {
+            let v = project(simd, object, positions(simd, mesh, cluster, first));
             if first == 0 {
-                let beside = |coordinate: i32| (coordinate - SMALL_EXTENT) >> SUBPIXEL_BITS;
+                let beside = |coordinate: i32| (coordinate - SMALL_EXTENT / 2) >> SUBPIXEL_BITS;
                 self.pixel = [beside(v.x[0]), beside(v.y[0])];
             }
-            let [x, y] = self.pixel.map(|p| p << SUBPIXEL_BITS);
-            let to = first..first + LANES;
-            let xy = part(
-                simd,
-                #[inline(always)]
-                || ((v.x - x) & 0xffff) | ((v.y - y) << 16),
-            );
-            xy.store_slice(&mut self.xy[to.clone()]);
-            v.d.bitcast::<i32x16<S>>().store_slice(&mut self.d[to]);
+            astray |= self.keep(simd, first, &v) & live_lanes(count - first);
             first += LANES;
+        }
+        self.is_wide = false;
+        if astray != 0 {
+            self.project_wide(simd, object, mesh, cluster);
+        }
+    }
+
+    /// Stores 16 vertices; tells which lie [`SMALL_EXTENT`] or more from the pixel, or left of it or above.
+    #[inline(always)]
+    fn keep<S: Simd>(&mut self, simd: S, first: usize, v: &Projected<S>) -> u32 {
+        let [x, y] = self.pixel.map(|p| p << SUBPIXEL_BITS);
+        let to = first..first + LANES;
+        v.d.bitcast::<i32x16<S>>().store_slice(&mut self.d[to.clone()]);
+        part(
+            simd,
+            #[inline(always)]
+            || {
+                let (x, y) = (v.x - x, v.y - y);
+                ((x & 0xffff) | (y << 16)).store_slice(&mut self.xy[to]);
+                let near = ((x | y) & !(SMALL_EXTENT - 1)).simd_eq(splat_i(simd, 0));
+                !near.to_bitmask() as u32
+            },
+        )
+    }
+
+    /// The same for a cluster that may be wide, or whose first vertex does not lie about its middle.
+    #[cold]
+    #[inline(never)]
+    fn project_wide<S: Simd>(
+        &mut self,
+        simd: S,
+        object: &ObjectView,
+        mesh: &ClusteredMesh,
+        cluster: &Cluster,
+    ) {
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                let count = usize::from(cluster.vertices);
+                let (mut least, mut most) = ([i32::MAX; 2], [i32::MIN; 2]);
+                for first in (0..count).step_by(LANES) {
+                    let v = project(simd, object, positions(simd, mesh, cluster, first));
+                    for lane in 0..LANES.min(count - first) {
+                        for (k, coordinate) in [v.x[lane], v.y[lane]].into_iter().enumerate() {
+                            least[k] = least[k].min(coordinate);
+                            most[k] = most[k].max(coordinate);
+                        }
+                    }
+                }
+                self.pixel = [least[0] >> SUBPIXEL_BITS, least[1] >> SUBPIXEL_BITS];
+                for k in 0..2 {
+                    self.is_wide |= most[k] - least[k] >= SMALL_EXTENT;
+                }
+                for first in (0..count).step_by(LANES) {
+                    let v = project(simd, object, positions(simd, mesh, cluster, first));
+                    self.keep(simd, first, &v);
+                }
+            },
+        );
+    }
+
+    /// One vertex in the coordinates of the screen.
+    pub fn vertex(&self, corner: u8) -> ScreenVertex {
+        let v = usize::from(corner) % MAX_VERTICES;
+        let xy = self.xy[v] as u32;
+        ScreenVertex {
+            x: (self.pixel[0] << SUBPIXEL_BITS) + (xy & 0xffff) as i32,
+            y: (self.pixel[1] << SUBPIXEL_BITS) + (xy >> 16) as i32,
+            d: f32::from_bits(self.d[v] as u32),
+            inside: true,
         }
     }
 
@@ -266,6 +328,11 @@ impl CornerTable {
         each3!(K => *self.0[K][first % MAX_TRIANGLES..].first_chunk().unwrap_or(&[0; LANES]))
     }
 
+    /// Of one triangle.
+    pub fn of(&self, triangle: u8) -> [u8; 3] {
+        self.0.map(|corner| corner[usize::from(triangle) % MAX_TRIANGLES])
+    }
+
     /// Of any 16 triangles.
     #[inline(always)]
     pub fn look_up<S: Simd>(&self, simd: S, triangles: &[u8; LANES]) -> CornerNumbers {
@@ -309,12 +376,32 @@ impl<S: Simd> ScreenTriangles<S> {
         hits.to_bitmask() as u32
     }
 
+    /// Lanes of triangles that reach over [`SMALL_EXTENT`] sub-pixels or more, across or down.
+    #[inline(always)]
+    pub fn large(&self, simd: S) -> u32 {
+        part(
+            simd,
+            #[inline(always)]
+            || {
+                let limit = splat_i(simd, SMALL_EXTENT);
+                let large = extent(self.x).simd_ge(limit) | extent(self.y).simd_ge(limit);
+                large.to_bitmask() as u32
+            },
+        )
+    }
+
     /// Twice the signed area, in square sub-pixels; of use where the triangle is small enough for 32 bits.
     #[inline(always)]
     pub fn area(&self) -> i32x16<S> {
         let (x, y) = (&self.x, &self.y);
         (x[1] - x[0]) * (y[2] - y[0]) - (x[2] - x[0]) * (y[1] - y[0])
     }
+}
+
+/// Greatest difference of three coordinates.
+#[inline(always)]
+fn extent<S: Simd>(v: [i32x16<S>; 3]) -> i32x16<S> {
+    v[0].max(v[1]).max(v[2]) - v[0].min(v[1]).min(v[2])
 }
 
 /// First and last sample between the least and the greatest of three coordinates, and inside `range`.

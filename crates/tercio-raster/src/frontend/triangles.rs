@@ -15,7 +15,6 @@ use super::cull::Placement;
 use super::transform::{Anchored, ClusterVertices, CornerNumbers, ScreenTriangles, corner_numbers};
 use crate::binning::{PixelRect, ScreenTriangle};
 use crate::context::FrameContext;
-use crate::conventions::SMALL_EXTENT;
 use crate::simd::{LANES, each3, live_lanes, part, splat_i};
 use crate::view::ObjectView;
 
@@ -196,19 +195,11 @@ fn small_triangles<S: Simd>(simd: S, t: &ScreenTriangles<S>) -> [u32; 3] {
         simd,
         #[inline(always)]
         || {
-            let limit = splat_i(simd, SMALL_EXTENT);
-            let small = extent(t.x).simd_lt(limit) & extent(t.y).simd_lt(limit);
             let (area, zero) = (t.area(), splat_i(simd, 0));
-            let bits = [small, area.simd_gt(zero), area.simd_lt(zero)];
-            [bits[0].to_bitmask() as u32, bits[1].to_bitmask() as u32, bits[2].to_bitmask() as u32]
+            let bits = [area.simd_gt(zero), area.simd_lt(zero)];
+            [!t.large(simd), bits[0].to_bitmask() as u32, bits[1].to_bitmask() as u32]
         },
     )
-}
-
-/// Greatest difference of three coordinates.
-#[inline(always)]
-fn extent<S: Simd>(v: [fearless_simd::i32x16<S>; 3]) -> fearless_simd::i32x16<S> {
-    v[0].max(v[1]).max(v[2]) - v[0].min(v[1]).min(v[2])
 }
 
 /// Bins one piece of a clipped triangle.

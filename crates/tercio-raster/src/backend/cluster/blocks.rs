@@ -79,9 +79,7 @@ pub fn draw<S: Simd>(
                 let e = each3!(K => step[K] + (t.c[K][i] + t.a[K][i] * right + t.b[K][i] * down));
                 let mut covered = ((e[0] | e[1]) | e[2]).simd_ge(splat_i(simd, 0));
                 if tile.is_cut {
-                    let (across, below) =
-                        (tile.last[0] - tile.corner[0] - 4 * bx, tile.last[1] - tile.corner[1] - 4 * by);
-                    covered &= lane_x.simd_le(splat_i(simd, across)) & lane_y.simd_le(splat_i(simd, below));
+                    covered &= tile.inside(simd, bx, by);
                 }
                 counts.blocks += 1;
                 if !covered.any_true() {

@@ -16,7 +16,7 @@ mod sieve;
 use fearless_simd::Simd;
 use tercio_mesh::cluster::MAX_TRIANGLES;
 
-use crate::binning::{BinnedCluster, PixelRect};
+use crate::binning::{BinnedCluster, PixelRect, ScreenTriangle};
 use crate::context::FrameContext;
 use crate::frontend::transform::{CornerTable, LocalVertices};
 use crate::settings::LastStage;
@@ -73,13 +73,18 @@ impl ClusterPass {
 
         for size in Size::ALL {
             for (numbers, lanes) in sieve.of_size(size) {
+                if size == Size::Huge {
+                    let numbers = &numbers[..lanes.count_ones() as usize];
+                    draw_huge(simd, context, vertices, corners, numbers, first_slot, tile, winners, counts);
+                    continue;
+                }
                 let triangles = SmallTriangles::new(simd, vertices, &corners.look_up(simd, numbers), rect);
                 match size {
                     Size::Tiny => scan::scan_tiny(simd, &triangles, lanes, numbers, tile, covered),
                     Size::Small | Size::Medium => {
                         scan::scan(simd, &triangles, lanes, numbers, tile, covered);
                     }
-                    Size::Large => {
+                    Size::Large | Size::Huge => {
                         let read = blocks::Lanes::new(&triangles);
                         blocks::draw(simd, context, &read, lanes, first_slot, numbers, tile, winners, counts);
                     }
@@ -90,6 +95,28 @@ impl ClusterPass {
             }
         }
         covered.test(context, first_slot, tile, winners, counts);
+    }
+}
+
+/// Draws triangles that 32 bits do not serve, one by one.
+#[expect(clippy::too_many_arguments, reason = "one call site; a struct would only rename them")]
+#[cold]
+#[inline(never)]
+fn draw_huge<S: Simd>(
+    simd: S,
+    context: &FrameContext,
+    vertices: &LocalVertices,
+    corners: &CornerTable,
+    numbers: &[u8],
+    first_slot: u32,
+    tile: &mut TileMemory,
+    winners: &mut Winners,
+    counts: &mut BackEndCounts,
+) {
+    for &number in numbers {
+        let v = corners.of(number).map(|corner| vertices.vertex(corner));
+        let triangle = ScreenTriangle::new(v, first_slot + u32::from(number));
+        tile.draw(simd, context, &triangle, Some((winners, number)), counts);
     }
 }
 

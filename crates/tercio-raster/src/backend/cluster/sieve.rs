@@ -1,7 +1,7 @@
 //! Which triangles of a cluster reach a sample of a tile, and how many.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, u8x16};
+use fearless_simd::{Simd, i32x16, u8x16};
 use tercio_mesh::cluster::MAX_TRIANGLES;
 
 use crate::binning::PixelRect;
@@ -34,19 +34,23 @@ pub enum Size {
     Medium,
     /// More.
     Large,
+    /// More than edge functions of 32 bits serve, whatever samples of it the tile holds.
+    Huge,
 }
 
 impl Size {
     /// All, smallest first.
-    pub const ALL: [Self; 4] = [Self::Tiny, Self::Small, Self::Medium, Self::Large];
+    pub const ALL: [Self; 5] = [Self::Tiny, Self::Small, Self::Medium, Self::Large, Self::Huge];
+    /// All but the last.
+    const SMALL: [Self; 4] = [Self::Tiny, Self::Small, Self::Medium, Self::Large];
 
-    /// The most samples across or down; none for the last.
+    /// The most samples across or down; none for the last two.
     pub const fn most_samples_along(self) -> Option<i32> {
         match self {
             Self::Tiny => Some(2),
             Self::Small => Some(4),
             Self::Medium => Some(8),
-            Self::Large => None,
+            Self::Large | Self::Huge => None,
         }
     }
 }
@@ -87,27 +91,42 @@ impl Sieve {
                 || {
                     let (area, zero) = (t.area(), splat_i(simd, 0));
                     let hits = t.hits() & live;
-                    let clockwise = area.simd_gt(zero).to_bitmask() as u32 & hits;
-                    let counter = area.simd_lt(zero).to_bitmask() as u32 & hits;
+                    let mut clockwise = area.simd_gt(zero).to_bitmask() as u32 & hits;
+                    let mut counter = area.simd_lt(zero).to_bitmask() as u32 & hits;
+                    let mut huge = 0;
+                    if vertices.is_wide {
+                        huge = t.large(simd) & hits;
+                        let sides = sides_of(&t, huge);
+                        clockwise = clockwise & !huge | sides[0];
+                        counter = counter & !huge | sides[1];
+                    }
                     let (kept, _) = keep.cull.split(keep.mirrored, clockwise, counter);
                     let numbers = u8x16::load_array(simd, NUMBERS) + first as u8;
                     let extent = (t.columns[1] - t.columns[0]).max(t.rows[1] - t.rows[0]);
-                    let mut left = kept;
-                    for size in Size::ALL {
-                        let (list, count) =
-                            (&mut self.numbers[size as usize], &mut self.counts[size as usize]);
+                    let mut left = kept & !huge;
+                    for size in Size::SMALL {
                         let of_size = match size.most_samples_along() {
                             Some(most) => left & extent.simd_lt(splat_i(simd, most)).to_bitmask() as u32,
                             None => left,
                         };
-                        append_bytes(simd, list, *count, of_size, numbers);
-                        *count += of_size.count_ones() as usize;
+                        self.add(simd, size, of_size, numbers);
                         left &= !of_size;
+                    }
+                    if vertices.is_wide {
+                        self.add(simd, Size::Huge, kept & huge, numbers);
                     }
                 },
             );
             first += LANES;
         }
+    }
+
+    /// Adds the triangles of some lanes to a list.
+    #[inline(always)]
+    fn add<S: Simd>(&mut self, simd: S, size: Size, lanes: u32, numbers: u8x16<S>) {
+        let count = &mut self.counts[size as usize];
+        append_bytes(simd, &mut self.numbers[size as usize], *count, lanes, numbers);
+        *count += lanes.count_ones() as usize;
     }
 
     /// Triangles that are drawn.
@@ -125,4 +144,19 @@ impl Sieve {
             (chunk, lanes)
         })
     }
+}
+
+/// Of some lanes, those whose triangle appears clockwise and those where it appears counter-clockwise, from areas of
+/// 64 bits.
+#[cold]
+#[inline(never)]
+fn sides_of<S: Simd>(t: &ScreenTriangles<S>, lanes: u32) -> [u32; 2] {
+    let mut sides = [0; 2];
+    for lane in (0..LANES).filter(|lane| lanes >> lane & 1 == 1) {
+        let along = |v: &[i32x16<S>; 3], k: usize| i64::from(v[k][lane] - v[0][lane]);
+        let area = along(&t.x, 1) * along(&t.y, 2) - along(&t.x, 2) * along(&t.y, 1);
+        sides[0] |= u32::from(area > 0) << lane;
+        sides[1] |= u32::from(area < 0) << lane;
+    }
+    sides
 }
