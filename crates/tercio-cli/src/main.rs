@@ -2,6 +2,7 @@
 
 mod args;
 mod commands;
+mod huge_pages;
 mod memory;
 mod messages;
 mod nothing_drawn;
@@ -13,6 +14,9 @@ mod threads;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
+
+#[global_allocator]
+static ALLOCATOR: huge_pages::HugePages = huge_pages::HugePages;
 
 /// Draws very large polygon models without a GPU.
 #[derive(Debug, Parser)]

@@ -23,9 +23,6 @@ impl Numbering {
         vertices.resize(from.len() * 3 + 1, 0);
         let mut count = 0;
         for (to, &[a, b, c]) in corners.iter_mut().zip(&*from) {
-            if (count + 3) * 2 > table.slots.len() {
-                table.grow(&vertices[..count]);
-            }
             let mut number = |v| table.number(v, vertices, &mut count);
             let numbers = [number(a), number(b), number(c)];
             *to = turn([a, b, c], numbers);
@@ -34,63 +31,61 @@ impl Numbering {
     }
 }
 
-/// From mesh vertices to numbers: open addressing, with lines of slots for vertices that follow each other,
-/// because those usually come together.
-#[derive(Default)]
+/// From mesh vertices to numbers. Vertices that follow each other in the mesh usually come together, so that the
+/// table has lines for the vertices near those that were met and for no others.
 struct Table {
-    /// Mesh vertex in the high half, its number plus one in the low half; 0 for a free slot.
-    slots: Vec<u64>,
+    /// Which line of the table holds the vertices `i * LINE` and on; 0 if none does yet.
+    lines: Vec<u32>,
+    /// Numbers plus one, 0 for vertices that were not met; the first line belongs to no vertices.
+    numbers: Vec<u16>,
+    /// Which of `lines` are not 0.
+    used: Vec<u32>,
 }
 
-/// Slots that share a cache line.
-const LINE: u32 = 8;
-/// Slots at first: few enough for the L2 cache, many enough that vertices seldom meet.
-const SLOTS: usize = 1 << 16;
+/// Vertices that share a line: as many as a cache line has numbers.
+const LINE: usize = 32;
+
+impl Default for Table {
+    fn default() -> Self {
+        Self { lines: Vec::new(), numbers: vec![0; LINE], used: Vec::new() }
+    }
+}
 
 impl Table {
     fn clear(&mut self) {
-        self.slots.clear();
-        self.slots.resize(SLOTS, 0);
-    }
-
-    /// The slot where a vertex stands or would stand.
-    #[inline(always)]
-    fn slot(&self, vertex: u32) -> usize {
-        let mask = self.slots.len() - 1;
-        let line = u64::from(vertex / LINE).wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 40;
-        let mut i = (line as usize * LINE as usize + (vertex % LINE) as usize) & mask;
-        loop {
-            let slot = self.slots[i];
-            if slot == 0 || (slot >> 32) as u32 == vertex {
-                return i;
-            }
-            i = (i + 1) & mask;
-        }
+        self.used.drain(..).for_each(|i| self.lines[i as usize] = 0);
+        self.numbers.truncate(LINE);
     }
 
     /// The vertex's number; a new vertex is added to the `count` first ones of `vertices`. Without branches
     /// on whether it is new, which cannot be predicted.
     #[inline(always)]
     fn number(&mut self, vertex: u32, vertices: &mut [u32], count: &mut usize) -> u16 {
-        let place = self.slot(vertex);
-        let slot = self.slots[place];
-        let is_new = slot == 0;
+        let (line, place) = (vertex as usize / LINE, vertex as usize % LINE);
+        let line = match self.lines.get(line) {
+            Some(&number) if number != 0 => number,
+            _ => self.open(line),
+        };
+        let entry = &mut self.numbers[line as usize * LINE + place];
+        let is_new = *entry == 0;
         vertices[*count] = vertex;
         *count += usize::from(is_new);
-        let next = if is_new { *count as u32 } else { slot as u32 };
-        self.slots[place] = u64::from(vertex) << 32 | u64::from(next);
-        (next - 1) as u16
+        *entry = if is_new { *count as u16 } else { *entry };
+        *entry - 1
     }
 
+    /// A new line.
     #[cold]
-    fn grow(&mut self, vertices: &[u32]) {
-        let size = self.slots.len() * 2;
-        self.slots.clear();
-        self.slots.resize(size, 0);
-        for (i, &v) in vertices.iter().enumerate() {
-            let place = self.slot(v);
-            self.slots[place] = u64::from(v) << 32 | (i as u64 + 1);
+    #[inline(never)]
+    fn open(&mut self, line: usize) -> u32 {
+        if line >= self.lines.len() {
+            self.lines.resize((line + 1).next_power_of_two(), 0);
         }
+        let number = (self.numbers.len() / LINE) as u32;
+        self.numbers.resize(self.numbers.len() + LINE, 0);
+        self.lines[line] = number;
+        self.used.push(line as u32);
+        number
     }
 }
 
@@ -119,7 +114,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_name_the_corners_of_a_block_with_more_vertices_than_slots() {
+    fn numbers_name_the_corners_of_a_block_with_scattered_vertices() {
         let triangles: Vec<[u32; 3]> =
             (0..20_000u32).map(|i| [i * 7 % 50_021, i * 31 % 50_021 * 65_537, i]).collect();
         let mut numbering = Numbering::default();
@@ -131,6 +126,6 @@ mod tests {
                 assert_eq!(named, Mesh::canonical(triangle));
             }
         }
-        assert!(numbering.vertices.len() > SLOTS / 2);
+        assert!(numbering.vertices.len() > 40_000);
     }
 }

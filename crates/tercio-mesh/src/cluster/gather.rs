@@ -19,13 +19,23 @@ pub(super) fn split<T>(mut data: &mut [T], lengths: impl Iterator<Item = usize>)
         .collect()
 }
 
+/// The values of a block's vertices. Clusters take them in an order that memory cannot foresee; here they come
+/// about as they stand in the mesh.
+fn of_block<'a, T: Copy>(memory: &'a mut Vec<T>, cut: &Cut, source: &[T]) -> &'a [T] {
+    memory.clear();
+    memory.extend(cut.names.iter().map(|&v| source[v as usize]));
+    memory
+}
+
 /// Per-vertex values in cluster order, padded.
 pub(super) fn vertices<T: Copy + Default + Send + Sync>(cuts: &[Cut], source: &[T]) -> Vec<T> {
     let total: usize = cuts.iter().map(|c| c.vertices.len()).sum();
     let mut out = vec![T::default(); total + PADDING];
-    split(&mut out, cuts.iter().map(|c| c.vertices.len())).into_par_iter().zip(cuts).for_each(
-        |(out, cut)| {
-            out.iter_mut().zip(cut.mesh_vertices()).for_each(|(o, v)| *o = source[v as usize]);
+    split(&mut out, cuts.iter().map(|c| c.vertices.len())).into_par_iter().zip(cuts).for_each_init(
+        Vec::new,
+        |memory, (out, cut)| {
+            let near = of_block(memory, cut, source);
+            out.iter_mut().zip(&cut.vertices).for_each(|(o, &v)| *o = near[usize::from(v)]);
         },
     );
     out
@@ -75,9 +85,10 @@ pub(super) fn positions(mesh: &mut ClusteredMesh, cuts: &[Cut], source: &[[f32; 
     let jobs: Vec<_> = x.into_iter().zip(y).zip(z).zip(clusters).zip(cuts).zip(firsts).collect();
     let corners = &mesh.corners;
     let level = Level::new();
-    jobs.into_par_iter().for_each(|(((((x, y), z), clusters), cut), first)| {
-        for (i, v) in cut.mesh_vertices().enumerate() {
-            [x[i], y[i], z[i]] = source[v as usize];
+    jobs.into_par_iter().for_each_init(Vec::new, |memory, (((((x, y), z), clusters), cut), first)| {
+        let near = of_block(memory, cut, source);
+        for (i, &v) in cut.vertices.iter().enumerate() {
+            [x[i], y[i], z[i]] = near[usize::from(v)];
         }
         let mut next = first;
         for (cluster, span) in clusters.iter_mut().zip(&cut.clusters) {

@@ -70,11 +70,6 @@ impl Cut {
         }
     }
 
-    /// Mesh vertices of the clusters, one cluster after the other.
-    pub fn mesh_vertices(&self) -> impl Iterator<Item = u32> {
-        self.vertices.iter().map(|&v| self.names[usize::from(v)])
-    }
-
     /// Triangles of all clusters.
     pub fn triangles(&self) -> usize {
         self.clusters.iter().map(|s| usize::from(s.triangles)).sum()

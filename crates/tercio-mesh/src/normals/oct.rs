@@ -20,7 +20,11 @@ impl OctNormal {
         if z < 0.0 {
             (u, v) = ((1.0 - v.abs()).copysign(u), (1.0 - u.abs()).copysign(v));
         }
-        let q = |t: f32| (t * 32767.0).round() as i32 as i16 as u16 as u32;
+        // Rounded half away from zero; in `f64` the half is added without rounding.
+        let q = |t: f32| {
+            let t = f64::from(t * 32767.0);
+            (t + 0.5f64.copysign(t)) as i32 as i16 as u16 as u32
+        };
         Self(q(u) | q(v) << 16)
     }
 

@@ -190,6 +190,8 @@ fn widest_chord(crease_angle: f64) -> f32 {
 #[derive(Default)]
 struct Rings {
     positions: Vec<[f32; 3]>,
+    /// Hashes of the vertices' numbers.
+    hashes: Vec<u64>,
     rings: Vec<Ring>,
 }
 
@@ -198,6 +200,8 @@ impl Rings {
     fn fill(&mut self, mesh: &Mesh, block: &Block, corners: &[[u16; 3]]) {
         self.positions.clear();
         self.positions.extend(block.vertices.iter().map(|&v| mesh.positions[v as usize]));
+        self.hashes.clear();
+        self.hashes.extend(block.vertices.iter().map(|&v| hash(v)));
         self.rings.clear();
         self.rings.resize(block.vertices.len(), Ring::EMPTY);
         let mut terms = Terms::default();
@@ -212,15 +216,15 @@ impl Rings {
             }
             terms.find();
             for (lane, corners) in corners.iter().enumerate() {
-                self.add(block, *corners, &terms, lane);
+                self.add(*corners, &terms, lane);
             }
         }
     }
 
     #[inline(always)]
-    fn add(&mut self, block: &Block, corners: [u16; 3], terms: &Terms, lane: usize) {
+    fn add(&mut self, corners: [u16; 3], terms: &Terms, lane: usize) {
         let [a, b, c] = [usize::from(corners[0]), usize::from(corners[1]), usize::from(corners[2])];
-        let [x, y, z] = [hash(block.vertices[a]), hash(block.vertices[b]), hash(block.vertices[c])];
+        let [x, y, z] = [self.hashes[a], self.hashes[b], self.hashes[c]];
         let normal = [terms.normal[0][lane], terms.normal[1][lane], terms.normal[2][lane], 1.0];
         self.rings[a].add(normal, terms.angles[0][lane], y, z);
         self.rings[b].add(normal, terms.angles[1][lane], z, x);
