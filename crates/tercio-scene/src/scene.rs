@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use glam::{DAffine3, DVec3};
+use rayon::prelude::*;
 use tercio_mesh::cluster::Cluster;
 use tercio_mesh::{Aabb, ClusteredMesh};
 
@@ -65,12 +66,12 @@ impl Instance {
             })
         };
         // Begin with the farthest box: then few others are worth a look inside.
-        let first = mesh.clusters.iter().max_by(|a, b| of_box(a).total_cmp(&of_box(b)));
+        let clusters = || mesh.clusters.par_iter().with_min_len(1 << 12);
+        let first = clusters().max_by(|a, b| of_box(a).total_cmp(&of_box(b)));
         let start = first.map_or(f64::NEG_INFINITY, of_vertices);
-        let best = mesh
-            .clusters
-            .iter()
-            .fold(start, |best, c| if of_box(c) > best { best.max(of_vertices(c)) } else { best });
+        let best = clusters()
+            .fold(|| start, |best, c| if of_box(c) > best { best.max(of_vertices(c)) } else { best })
+            .reduce(|| start, f64::max);
         let origin = self.world_from_object.transform_point3(mesh.origin) - from;
         direction.dot(origin) + best
     }

@@ -43,12 +43,8 @@ pub(super) fn settle(mesh: &Mesh, blocks: &Blocks, crease_angle: f64) -> (Vec<Oc
         .collect();
 
     let mut doubtful = settled_twice(blocks, &left, &normals);
-    let mut parts = Vec::new();
-    for left in left {
-        doubtful.extend(left.doubtful);
-        parts.extend(left.open);
-    }
-    doubtful.extend(settle_parts(&parts, widest, &normals));
+    left.iter().for_each(|left| doubtful.extend(&left.doubtful));
+    doubtful.extend(settle_parts(&left, widest, &normals));
     for &vertex in &doubtful {
         normals[vertex as usize].store(UNSETTLED, Relaxed);
     }
@@ -56,17 +52,21 @@ pub(super) fn settle(mesh: &Mesh, blocks: &Blocks, crease_angle: f64) -> (Vec<Oc
         UNUSED => OctNormal::default(),
         n => OctNormal(n),
     };
-    (normals.into_iter().map(settled).collect(), doubtful)
+    (normals.into_par_iter().map(settled).collect(), doubtful)
 }
 
 /// Settles vertices at the borders of blocks, which have a part of their ring in each of several. Returns those
 /// that are not settled.
-fn settle_parts(parts: &[(u32, Ring)], widest: f32, normals: &[AtomicU32]) -> Vec<u32> {
-    // Vertex and place in `parts`: parts of one vertex are joined in the order of the blocks.
-    let mut order: Vec<(u32, u32)> = parts.iter().zip(0..).map(|(part, i)| (part.0, i)).collect();
+fn settle_parts(left: &[Left], widest: f32, normals: &[AtomicU32]) -> Vec<u32> {
+    // Vertex, block and place there: parts of one vertex are joined in the order of the blocks.
+    let parts = left.par_iter().zip(0u32..left.len() as u32);
+    let parts =
+        parts.flat_map_iter(|(left, block)| (0u32..).zip(&left.open).map(move |(i, p)| (p.0, block, i)));
+    let mut order: Vec<(u32, u32, u32)> = parts.collect();
     order.par_sort_unstable();
-    let unsettled = |group: &[(u32, u32)]| {
-        let ring = group.iter().fold(Ring::EMPTY, |ring, &(_, i)| ring.joined(&parts[i as usize].1));
+    let unsettled = |group: &[(u32, u32, u32)]| {
+        let part = |&(_, block, i): &(u32, u32, u32)| &left[block as usize].open[i as usize].1;
+        let ring = group.iter().fold(Ring::EMPTY, |ring, at| ring.joined(part(at)));
         let vertex = group[0].0;
         let normal = &normals[vertex as usize];
         match ring.normal(widest) {
