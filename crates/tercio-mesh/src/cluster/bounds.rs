@@ -3,16 +3,30 @@
 use glam::DVec3;
 
 use super::{Cluster, MAX_TRIANGLES, MAX_VERTICES, cone::middle};
+use crate::OctNormal;
 
 /// Below this sine between two edges a normal cannot be trusted, even in `f64`.
 const SINE_LIMIT: f64 = 1e-10;
 
+/// What a vertex normal's angle to the planes of its triangles must keep from zero, as a sine, so that rounding
+/// anywhere between here and a pixel does not change on which side it stands.
+const MARGIN: f64 = 0.02;
+
+/// Two edges of a triangle that meet at a smaller angle, as a sine, span no plane that rounding could not turn that
+/// far.
+const LEAST_SINE: f64 = 1e-3;
+
 /// Vertices or triangles that are looked at side by side.
 const LANES: usize = 16;
 
-/// Fills in all that bounds a cluster. `x`, `y`, `z` hold its vertices, `corners` its triangles.
+/// Fills in all that bounds a cluster. `axes` and `normals` hold its vertices, `corners` its triangles.
 #[inline(always)]
-pub(super) fn bound(cluster: &mut Cluster, axes: [&[f32]; 3], corners: [&[u8]; 3]) {
+pub(super) fn bound(
+    cluster: &mut Cluster,
+    axes: [&[f32]; 3],
+    normals_of_vertices: Option<&[OctNormal]>,
+    corners: [&[u8]; 3],
+) {
     for k in 0..3 {
         (cluster.min[k], cluster.max[k]) = range(axes[k]);
     }
@@ -21,6 +35,8 @@ pub(super) fn bound(cluster: &mut Cluster, axes: [&[f32]; 3], corners: [&[u8]; 3
     let mut normals = [DVec3::ZERO; MAX_TRIANGLES];
     let (mut count, mut sum, mut height2, mut trusted) = (0, DVec3::ZERO, f64::INFINITY, true);
     let mut faces = Faces::default();
+    let directions = Directions::new(normals_of_vertices.unwrap_or_default());
+    let mut agree = normals_of_vertices.is_some();
     let n = corners[0].len();
     for first in (0..n).step_by(LANES) {
         let here = LANES.min(n - first);
@@ -34,6 +50,8 @@ pub(super) fn bound(cluster: &mut Cluster, axes: [&[f32]; 3], corners: [&[u8]; 3
         }
         faces.find();
         for lane in 0..here {
+            let corners = [corners[0][first + lane], corners[1][first + lane], corners[2][first + lane]];
+            agree &= faces.spans_plane[lane] & directions.stand_above(&faces.normal, lane, corners);
             if faces.has_area[lane] {
                 let normal = DVec3::new(faces.normal[0][lane], faces.normal[1][lane], faces.normal[2][lane]);
                 normals[count] = normal;
@@ -46,9 +64,42 @@ pub(super) fn bound(cluster: &mut Cluster, axes: [&[f32]; 3], corners: [&[u8]; 3
             }
         }
     }
+    cluster.normals_agree = agree;
     cluster.min_height = round_down(height2.sqrt());
     (cluster.cone_axis, cluster.cone_cutoff) =
         if trusted { cone(&normals[..count], sum) } else { ([0; 3], Cluster::NO_CONE) };
+}
+
+/// Vertex normals of a cluster, of length 1: axis, vertex.
+struct Directions([[f64; MAX_VERTICES]; 3]);
+
+impl Directions {
+    #[inline(always)]
+    fn new(normals: &[OctNormal]) -> Self {
+        let mut unit = [[0.0; MAX_VERTICES]; 3];
+        for (i, normal) in normals.iter().enumerate() {
+            let [x, y, z] = normal.decode();
+            let (x, y, z) = (f64::from(x), f64::from(y), f64::from(z));
+            let scale = 1.0 / (x * x + y * y + z * z).sqrt();
+            unit[0][i] = x * scale;
+            unit[1][i] = y * scale;
+            unit[2][i] = z * scale;
+        }
+        Self(unit)
+    }
+
+    /// Those of a triangle's corners stand surely on the side of its own normal.
+    #[inline(always)]
+    fn stand_above(&self, normals: &[[f64; LANES]; 3], lane: usize, corners: [u8; 3]) -> bool {
+        let [x, y, z] = &self.0;
+        let mut all = true;
+        for corner in corners {
+            let v = usize::from(corner) % MAX_VERTICES;
+            let sine = x[v] * normals[0][lane] + y[v] * normals[1][lane] + z[v] * normals[2][lane];
+            all &= sine > MARGIN;
+        }
+        all
+    }
 }
 
 /// The least and the largest of some numbers.
@@ -97,6 +148,8 @@ struct Faces {
     has_area: [bool; LANES],
     /// Can the normal be trusted?
     trusted: [bool; LANES],
+    /// Can the normal even be trusted in `f32`?
+    spans_plane: [bool; LANES],
 }
 
 impl Faces {
@@ -118,6 +171,7 @@ impl Faces {
             let longest = if ww > longest { ww } else { longest };
             self.height2[i] = square / longest;
             self.trusted[i] = square > SINE_LIMIT * SINE_LIMIT * (uu * vv);
+            self.spans_plane[i] = square > LEAST_SINE * LEAST_SINE * (uu * vv);
             self.has_area[i] = square > 0.0;
             let scale = 1.0 / square.sqrt();
             for k in 0..3 {

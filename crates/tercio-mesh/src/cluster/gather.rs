@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use super::partition::Cut;
 use super::{Cluster, ClusteredMesh};
-use super::{PADDING, agree, bounds};
+use super::{PADDING, bounds};
 use crate::AttributeDomain;
 
 /// Cuts `data` into consecutive pieces of the given lengths; what is left over is dropped.
@@ -66,7 +66,7 @@ pub(super) fn triangles<T: Copy + Default + Send + Sync>(
     }
 }
 
-/// Fills `x`, `y`, `z`, `clusters` and their bounds. `mesh.corners` stand already.
+/// Fills `x`, `y`, `z`, `clusters` and their bounds. `mesh.corners` and `mesh.normals` stand already.
 pub(super) fn positions(mesh: &mut ClusteredMesh, cuts: &[Cut], source: &[[f32; 3]]) {
     let lengths = || cuts.iter().map(|c| c.vertices.len());
     let total: usize = lengths().sum();
@@ -83,7 +83,7 @@ pub(super) fn positions(mesh: &mut ClusteredMesh, cuts: &[Cut], source: &[[f32; 
         Some(first)
     });
     let jobs: Vec<_> = x.into_iter().zip(y).zip(z).zip(clusters).zip(cuts).zip(firsts).collect();
-    let corners = &mesh.corners;
+    let (corners, normals) = (&mesh.corners, mesh.normals.as_deref());
     let level = Level::new();
     jobs.into_par_iter().for_each_init(Vec::new, |memory, (((((x, y), z), clusters), cut), first)| {
         let near = of_block(memory, cut, source);
@@ -102,7 +102,8 @@ pub(super) fn positions(mesh: &mut ClusteredMesh, cuts: &[Cut], source: &[[f32; 
             let range = begin..begin + usize::from(span.vertices);
             let points = [&x[range.clone()], &y[range.clone()], &z[range]];
             let corners = std::array::from_fn(|k| &corners[k][cluster.triangle_range()]);
-            dispatch!(level, _ => bounds::bound(cluster, points, corners));
+            let normals = normals.map(|n| &n[cluster.vertex_range()]);
+            dispatch!(level, _ => bounds::bound(cluster, points, normals, corners));
         }
     });
     [mesh.x, mesh.y, mesh.z] = xyz;
@@ -110,8 +111,6 @@ pub(super) fn positions(mesh: &mut ClusteredMesh, cuts: &[Cut], source: &[[f32; 
 
 /// Moves the attributes over, one at a time.
 pub(super) fn attributes(mesh: &mut ClusteredMesh, cuts: &[Cut], source: crate::Mesh) {
-    mesh.normals = source.normals.map(|v| vertices(cuts, &v));
-    agree::note(mesh);
     let primitives = mesh.primitives.as_deref();
     mesh.vertex_colors = source.vertex_colors.map(|v| vertices(cuts, &v));
     mesh.texcoords = source.texcoords.map(|v| vertices(cuts, &v));

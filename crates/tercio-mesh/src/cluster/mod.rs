@@ -10,7 +10,6 @@
 //! and cone. [`cone`] holds the tests that a renderer makes with them.
 
 mod access;
-mod agree;
 mod bounds;
 mod cone;
 mod gather;

@@ -129,6 +129,7 @@ pub fn partition_blocks(mesh: BlockedMesh, options: &PartitionOptions) -> Cluste
         })
         .collect();
     drop(blocks.corners);
+    out.normals = mesh.normals.take().map(|n| gather::vertices(&cuts, &n));
     gather::positions(&mut out, &cuts, &std::mem::take(&mut mesh.positions));
     gather::attributes(&mut out, &cuts, mesh);
     out.bounds = bounds(&out);
