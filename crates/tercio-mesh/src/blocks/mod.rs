@@ -105,6 +105,7 @@ impl Blocks {
         let pool = Pool::default();
         let list = jobs
             .into_par_iter()
+            .with_max_len(1)
             .map(|(mut block, corners)| {
                 let mut numbering: Numbering = pool.take();
                 match &order {

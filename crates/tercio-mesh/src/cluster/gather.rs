@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use super::partition::Cut;
 use super::{Cluster, ClusteredMesh};
 use super::{PADDING, bounds};
-use crate::AttributeDomain;
+use crate::{AttributeDomain, OctNormal};
 
 /// Cuts `data` into consecutive pieces of the given lengths; what is left over is dropped.
 pub(super) fn split<T>(mut data: &mut [T], lengths: impl Iterator<Item = usize>) -> Vec<&mut [T]> {
@@ -29,16 +29,29 @@ fn of_block<'a, T: Copy>(memory: &'a mut Vec<T>, cut: &Cut, source: &[T]) -> &'a
 
 /// Per-vertex values in cluster order, padded.
 pub(super) fn vertices<T: Copy + Default + Send + Sync>(cuts: &[Cut], source: &[T]) -> Vec<T> {
+    vertices_as(cuts, source, |value| value)
+}
+
+fn vertices_as<T: Copy + Send + Sync, U: Copy + Default + Send + Sync>(
+    cuts: &[Cut],
+    source: &[T],
+    convert: impl Fn(T) -> U + Sync,
+) -> Vec<U> {
     let total: usize = cuts.iter().map(|c| c.vertices.len()).sum();
-    let mut out = vec![T::default(); total + PADDING];
+    let mut out = vec![U::default(); total + PADDING];
     split(&mut out, cuts.iter().map(|c| c.vertices.len())).into_par_iter().zip(cuts).for_each_init(
         Vec::new,
         |memory, (out, cut)| {
             let near = of_block(memory, cut, source);
-            out.iter_mut().zip(&cut.vertices).for_each(|(o, &v)| *o = near[usize::from(v)]);
+            out.iter_mut().zip(&cut.vertices).for_each(|(o, &v)| *o = convert(near[usize::from(v)]));
         },
     );
     out
+}
+
+/// [`vertices`] of normals. Theirs is no type that new memory is known to be zero for, and filling it takes long.
+pub(super) fn normals(cuts: &[Cut], source: &[OctNormal]) -> Vec<OctNormal> {
+    vertices_as(cuts, source, |normal| normal.0).into_iter().map(OctNormal).collect()
 }
 
 /// Per-triangle values in cluster order, padded.

@@ -118,6 +118,8 @@ pub fn partition_blocks(mesh: BlockedMesh, options: &PartitionOptions) -> Cluste
     let pool = Pool::default();
     let cuts: Vec<Cut> = jobs(&mut out, blocks.list)
         .into_par_iter()
+        // So that threads finish together.
+        .with_max_len(1)
         .map(|mut job| {
             let triangles = &blocks.corners[job.block.range()];
             let mut cut = cut(&mesh, triangles, &mut job, limits, &pool);
@@ -129,7 +131,7 @@ pub fn partition_blocks(mesh: BlockedMesh, options: &PartitionOptions) -> Cluste
         })
         .collect();
     drop(blocks.corners);
-    out.normals = mesh.normals.take().map(|n| gather::vertices(&cuts, &n));
+    out.normals = mesh.normals.take().map(|n| gather::normals(&cuts, &n));
     gather::positions(&mut out, &cuts, &std::mem::take(&mut mesh.positions));
     gather::attributes(&mut out, &cuts, mesh);
     out.bounds = bounds(&out);

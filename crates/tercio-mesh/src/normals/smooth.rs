@@ -33,6 +33,7 @@ pub(super) fn settle(mesh: &Mesh, blocks: &Blocks, crease_angle: f64) -> (Vec<Oc
     let left: Vec<Left> = blocks
         .list
         .par_iter()
+        .with_max_len(1)
         .map(|block| {
             let mut rings: Rings = pool.take();
             dispatch!(level, _ => rings.fill(mesh, block, &blocks.corners[block.range()]));
