@@ -21,9 +21,13 @@ pub(super) struct Grower {
     inside: Vec<u16>,
     /// Vertices on the outlines of finished clusters: where seeds are looked for.
     frontier: Vec<u16>,
-    /// All triangles, cluster after cluster.
-    pub taken: Vec<u16>,
+    /// All triangles, cluster after cluster, and room for one more; only the first count.
+    taken: Vec<u16>,
+    taken_count: usize,
 }
+
+/// Triangles round a vertex that are looked at together; few vertices have more.
+const AT_ONCE: usize = 16;
 
 /// One entry for each number of 16 bits, so that looking one up needs no check.
 type Table<T> = Box<[T; 1 << 16]>;
@@ -71,6 +75,7 @@ impl Default for Grower {
             inside: Vec::new(),
             frontier: Vec::new(),
             taken: Vec::new(),
+            taken_count: 0,
         }
     }
 }
@@ -99,20 +104,25 @@ struct Open {
 }
 
 impl Grower {
-    /// Cuts a block; `taken` and `corners` get its triangles in their new order.
+    /// All triangles of the block that was cut last, cluster after cluster.
+    pub fn taken(&self) -> &[u16] {
+        &self.taken[..self.taken_count]
+    }
+
+    /// Cuts a block; [`Grower::taken`] and `corners` get its triangles in their new order.
     pub fn cut(&mut self, ground: &Ground, corners: &mut [&mut [u8]; 3], limits: Limits) -> Cut {
         let n = ground.triangles.len();
         let mut cut = Cut::with_capacity(n);
         self.reset(ground);
         let (mut number, mut untouched) = (0, 0);
-        while self.taken.len() < n {
+        while self.taken_count < n {
             let mut seed = Some(self.seed(ground, &mut untouched));
             number += 1;
             let mut open = Open { number, triangles: 0 };
             self.rim.clear();
             self.inside.clear();
             while let Some(triangle) = seed {
-                let first = self.taken.len();
+                let first = self.taken_count;
                 self.grow(ground, triangle, &mut open, limits);
                 self.finish(ground, first, corners);
                 seed = self.seed_nearby(ground, &open, limits);
@@ -136,6 +146,8 @@ impl Grower {
         }
         self.frontier.clear();
         self.taken.clear();
+        self.taken.resize(ground.triangles.len() + 1, 0);
+        self.taken_count = 0;
     }
 
     /// Takes a triangle, which must find room, and all that comes after it until the cluster is full or its
@@ -157,33 +169,38 @@ impl Grower {
     /// Takes a vertex and every triangle that it completes.
     #[inline]
     fn take(&mut self, vertex: u16, open: &mut Open, limits: Limits) {
-        self.vertices[usize::from(vertex)].member = open.number << 8 | self.inside.len() as u32;
-        self.inside.push(vertex);
-        for &t in self.around.at(vertex) {
-            // Arithmetic instead of branches that go either way: a done triangle stays [`DONE`], all ones,
-            // and counts nothing.
-            let triangle = &mut self.triangles[usize::from(t)];
-            let done = u32::from(triangle.state == DONE).wrapping_neg();
-            let known = u32::from(triangle.state >> 2 == open.number);
-            let count = (triangle.state & 3) * known + 1;
-            let inside = (triangle.inside * known as u16) ^ vertex;
-            triangle.state = (open.number << 2 | count) | done;
-            triangle.inside = inside;
-            match count & !done {
-                2 => reach(&mut self.rim, &mut self.vertices, inside ^ triangle.all, open.number),
-                3 if open.triangles < limits.triangles => {
-                    triangle.state = DONE;
-                    self.taken.push(t);
-                    open.triangles += 1;
-                }
-                _ => {}
+        let Self { around, triangles, vertices, rim, inside, taken, taken_count, .. } = self;
+        vertices[usize::from(vertex)].member = open.number << 8 | inside.len() as u32;
+        inside.push(vertex);
+        for around in around.at(vertex).chunks(AT_ONCE) {
+            // Arithmetic instead of branches, because how many corners are inside cannot be predicted: what comes
+            // to a list is written behind it, and the list grows by it or by nothing.
+            let (mut lacking, mut lacking_count) = ([0; AT_ONCE], 0);
+            for &t in around {
+                let triangle = &mut triangles[usize::from(t)];
+                // A done triangle stays [`DONE`], all ones, and counts nothing.
+                let is_done = triangle.state == DONE;
+                let known = u32::from(triangle.state >> 2 == open.number);
+                let count = (triangle.state & 3) * known + 1;
+                let corners = (triangle.inside * known as u16) ^ vertex;
+                let is_taken = (count == 3) & !is_done & (open.triangles < limits.triangles);
+                triangle.state = (open.number << 2 | count) | u32::from(is_done | is_taken).wrapping_neg();
+                triangle.inside = corners;
+                lacking[lacking_count % AT_ONCE] = corners ^ triangle.all;
+                lacking_count += usize::from((count == 2) & !is_done);
+                taken[*taken_count] = t;
+                *taken_count += usize::from(is_taken);
+                open.triangles += u32::from(is_taken);
+            }
+            for &lacks in &lacking[..lacking_count] {
+                reach(rim, vertices, lacks, open.number);
             }
         }
     }
 
     /// Writes the corners of the open cluster's triangles from the `first` on.
     fn finish(&mut self, ground: &Ground, first: usize, [a, b, c]: &mut [&mut [u8]; 3]) {
-        let taken = &self.taken[first..];
+        let taken = &self.taken[first..self.taken_count];
         let corners = a[first..].iter_mut().zip(&mut b[first..]).zip(&mut c[first..]);
         for (&t, ((a, b), c)) in taken.iter().zip(corners) {
             let triangle = ground.triangles[usize::from(t)];

@@ -167,7 +167,7 @@ fn cut(mesh: &Mesh, triangles: &[[u16; 3]], job: &mut Job, limits: Limits, pool:
     let ground = Ground { triangles, vertices: &job.block.vertices, positions: &mesh.positions };
     let cut = grower.cut(&ground, &mut job.corners, limits);
     let old = order.to_vec();
-    order.iter_mut().zip(&grower.taken).for_each(|(o, &t)| *o = old[usize::from(t)]);
+    order.iter_mut().zip(grower.taken()).for_each(|(o, &t)| *o = old[usize::from(t)]);
     pool.give(grower);
     cut
 }
