@@ -3,7 +3,7 @@
 //! Its rates are polygons over time cut off to whole numbers.
 
 use crate::models;
-use crate::models::registry::Model;
+use crate::models::registry::{Glossary, Model};
 use crate::units::{Bytes, Count, Polygons, Ratio, Seconds};
 
 /// Polygons a second as the tables print them, cut off to a whole number.
@@ -130,6 +130,39 @@ pub(crate) const MODELS: &[Model] = models! {
     "ortega.loop-steps", "4", "steps of the loops over heights and segments":
         loop_steps["tallest": Count, "N": Polygons, "processors": Count, "longest": Vec<Count>, "buffer": Count]
             -> Count;
+};
+
+pub(crate) const GLOSSARY: Glossary = Glossary {
+    group: "ortega",
+    document: Some("004"),
+    symbols: &[
+        ("N", "polygons"),
+        ("buffer", "segments that are gathered before they are broken into pixels"),
+        ("cell", "bytes of a cell"),
+        ("fast", "times of the faster table, cell by cell"),
+        ("first", "first entry of the colour table that is free"),
+        ("last", "last entry"),
+        ("longest", "pixels of the longest segment of each full buffer"),
+        ("memory", "memory of the machine"),
+        ("polygons", "polygons of a time step"),
+        ("processors", "processors"),
+        ("rates", "polygons a second as printed"),
+        ("side", "cells, or colours, along an edge"),
+        ("slow", "times of the slower table, cell by cell"),
+        ("t", "time of the picture, or times of several"),
+        ("t0", "time on the smallest partition"),
+        ("tallest", "scan lines of the tallest polygon"),
+        ("vertex", "bytes of a vertex"),
+        ("vertices", "vertices of a polygon"),
+    ],
+    assumptions: &[
+        (&["ortega.rate", "ortega.best-rate", "ortega.implied-polygons"], "rates are cut off, not rounded"),
+        (&["ortega.speed-up"], "the smallest partition counts as 1"),
+        (
+            &["ortega.loop-steps"],
+            "every pass takes all layers of virtual processors, whether they have work or not",
+        ),
+    ],
 };
 
 #[cfg(test)]

@@ -8,6 +8,10 @@ pub trait Argument: Sized {
     /// The base unit's symbol, or the shape of a list.
     const UNIT: &'static str;
 
+    /// What a value looks like: a unit, the name of a number without one, `[px, ...]` for a list of any length,
+    /// `[number, number]` for one of a given length.
+    fn form() -> String;
+
     /// Reads the value.
     ///
     /// # Errors
@@ -30,6 +34,10 @@ pub trait Outcome {
 impl<Q: Quantity> Argument for Q {
     const UNIT: &'static str = Q::UNIT;
 
+    fn form() -> String {
+        if Q::UNIT.is_empty() { Q::NAME.into() } else { Q::UNIT.into() }
+    }
+
     fn from_value(value: &Value) -> Result<Self, String> {
         match value {
             Value::Number(number) => Q::checked(*number).map_err(|e| e.to_string()),
@@ -43,6 +51,10 @@ impl<Q: Quantity> Argument for Q {
 impl Argument for f64 {
     const UNIT: &'static str = "";
 
+    fn form() -> String {
+        "number".into()
+    }
+
     fn from_value(value: &Value) -> Result<Self, String> {
         match value {
             Value::Number(number) if number.is_finite() => Ok(*number),
@@ -53,6 +65,10 @@ impl Argument for f64 {
 
 impl<T: Argument> Argument for Vec<T> {
     const UNIT: &'static str = "list";
+
+    fn form() -> String {
+        format!("[{}, ...]", T::form())
+    }
 
     fn from_value(value: &Value) -> Result<Self, String> {
         match value {
@@ -65,6 +81,10 @@ impl<T: Argument> Argument for Vec<T> {
 impl<T: Argument, const N: usize> Argument for [T; N] {
     const UNIT: &'static str = "list";
 
+    fn form() -> String {
+        format!("[{}]", vec![T::form(); N].join(", "))
+    }
+
     fn from_value(value: &Value) -> Result<Self, String> {
         let items = Vec::<T>::from_value(value)?;
         let found = items.len();
@@ -74,6 +94,10 @@ impl<T: Argument, const N: usize> Argument for [T; N] {
 
 impl Argument for String {
     const UNIT: &'static str = "text";
+
+    fn form() -> String {
+        "text".into()
+    }
 
     fn from_value(value: &Value) -> Result<Self, String> {
         match value {

@@ -5,11 +5,13 @@
 //! table comes out of the same code as the user's.
 
 mod argument;
+mod glossary;
 mod value;
 
 use std::collections::BTreeMap;
 
 pub use argument::{Argument, Outcome};
+pub use glossary::Glossary;
 pub use value::Value;
 
 /// What a formula is asked with: values by parameter name.
@@ -33,12 +35,14 @@ pub struct Model {
 }
 
 /// What a formula takes.
-#[derive(Debug, PartialEq)]
+#[derive(Debug)]
 pub struct Parameter {
     /// The symbol of the document.
     pub name: &'static str,
     /// The base unit.
     pub unit: &'static str,
+    /// What a value looks like, as [`Argument::form`] tells it.
+    pub form: fn() -> String,
     /// The value in base units that counts if none is given.
     pub default: Option<f64>,
 }
@@ -65,14 +69,16 @@ pub enum ModelError {
         takes: String,
     },
     /// A value that has no default was not given.
-    #[error("{id} needs a value for '{name}'{}", unit_words(.unit))]
+    #[error("{id} needs a value for '{name}', {meaning} ({form})")]
     Missing {
         /// The formula.
         id: &'static str,
         /// The parameter.
         name: &'static str,
-        /// Its base unit.
-        unit: &'static str,
+        /// What it means.
+        meaning: &'static str,
+        /// What a value looks like.
+        form: String,
     },
     /// A value that the parameter cannot have.
     #[error("{id}: {name}: {reason}")]
@@ -98,10 +104,6 @@ fn nearest(near: &[&str]) -> String {
     if near.is_empty() { String::new() } else { format!("; near it: {}", near.join(", ")) }
 }
 
-fn unit_words(unit: &str) -> String {
-    if unit.is_empty() { String::new() } else { format!(" ({unit})") }
-}
-
 /// Hands the arguments out by name and type.
 #[derive(Debug)]
 pub struct Reader<'a> {
@@ -120,7 +122,10 @@ impl Reader<'_> {
         let value = match (self.arguments.get(name), parameter.and_then(|p| p.default)) {
             (Some(value), _) => value.clone(),
             (None, Some(default)) => Value::Number(default),
-            (None, None) => return Err(ModelError::Missing { id, name, unit: T::UNIT }),
+            (None, None) => {
+                let meaning = self.model.meaning(name);
+                return Err(ModelError::Missing { id, name, meaning, form: T::form() });
+            }
         };
         T::from_value(&value).map_err(|reason| ModelError::Argument { id, name, reason })
     }
@@ -135,6 +140,29 @@ impl Reader<'_> {
 }
 
 impl Model {
+    fn glossary(&self) -> Option<&'static Glossary> {
+        super::GLOSSARIES.iter().find(|g| self.id.split('.').next() == Some(g.group)).copied()
+    }
+
+    /// What a parameter means, in words.
+    pub fn meaning(&self, parameter: &str) -> &'static str {
+        self.glossary().and_then(|g| g.meaning(self.id, parameter)).unwrap_or_default()
+    }
+
+    /// What is taken for granted.
+    pub fn assumptions(&self) -> impl Iterator<Item = &'static str> {
+        let id = self.id;
+        self.glossary().into_iter().flat_map(move |g| g.assumptions(id))
+    }
+
+    /// Document and place in it: `000 eq 5.6`.
+    pub fn source(&self) -> String {
+        match self.glossary().and_then(|g| g.document) {
+            Some(document) => format!("{document} {}", self.place),
+            None => self.place.into(),
+        }
+    }
+
     /// Computes the outcome, in base units.
     ///
     /// # Errors
@@ -175,6 +203,7 @@ macro_rules! models {
             parameters: &[$($crate::models::registry::Parameter {
                 name: $name,
                 unit: <$type as $crate::models::registry::Argument>::UNIT,
+                form: <$type as $crate::models::registry::Argument>::form,
                 default: $crate::models!(@default $($default)?),
             }),*],
             unit: $crate::models!(@unit $outcome),
@@ -215,44 +244,4 @@ pub fn evaluate(id: &str, arguments: &Arguments) -> Result<Value, ModelError> {
 }
 
 #[cfg(test)]
-mod tests {
-    use std::collections::BTreeSet;
-
-    use super::*;
-
-    fn given(values: &[(&str, f64)]) -> Arguments {
-        values.iter().map(|(name, value)| ((*name).to_owned(), Value::Number(*value))).collect()
-    }
-
-    #[test]
-    fn names_are_unique_and_defaults_are_possible() {
-        let ids: BTreeSet<_> = all().map(|m| m.id).collect();
-        assert_eq!(ids.len(), all().count());
-        for model in all() {
-            let names: BTreeSet<_> = model.parameters.iter().map(|p| p.name).collect();
-            assert_eq!(names.len(), model.parameters.len(), "{}", model.id);
-            // Asked for nothing, a formula computes or says what it needs.
-            match model.evaluate(&Arguments::new()) {
-                Ok(_) | Err(ModelError::Missing { .. }) => {}
-                Err(other) => panic!("{other}"),
-            }
-        }
-    }
-
-    #[test]
-    fn every_mistake_has_its_own_error() {
-        let error = |id: &str, values: &[(&str, f64)]| evaluate(id, &given(values)).unwrap_err();
-        assert!(matches!(error("eldridge.9.9", &[]), ModelError::UnknownModel { .. }));
-        assert!(matches!(error("eldridge.5.6", &[("x", 1.0)]), ModelError::UnknownParameter { .. }));
-        assert!(matches!(error("eldridge.5.3", &[]), ModelError::Missing { name: "d", .. }));
-        assert!(matches!(error("eldridge.5.6", &[("n", -1.0)]), ModelError::Argument { name: "n", .. }));
-        assert!(matches!(error("eldridge.5.6", &[("n", f64::NAN)]), ModelError::Argument { name: "n", .. }));
-        assert!(matches!(error("ortega.rate", &[("N", 1.0), ("t", 0.0)]), ModelError::Undefined { .. }));
-    }
-
-    #[test]
-    fn texts_with_units_are_arguments() {
-        let clock = Arguments::from([("clock".to_owned(), Value::Text("28 MHz".into()))]);
-        assert_eq!(evaluate("eldridge.aggregate-rate", &clock), Ok(Value::Number(1024.0 * 28e6)));
-    }
-}
+mod tests;
