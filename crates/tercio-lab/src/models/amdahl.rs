@@ -47,10 +47,13 @@ pub fn parallel_speed_up(single: FrameRate, dual: FrameRate, idle: FrameRate) ->
 /// Amdahl's law: speed-up of the whole where the share `share` becomes `speed_up` times as fast.
 ///
 /// # Errors
-/// A share above 1.
+/// A share above 1, a speed-up of zero.
 pub fn whole(share: Ratio, speed_up: Ratio) -> Result<Ratio, String> {
     if share.get() > 1.0 {
         return Err(format!("share: expected at most 1, found {share}"));
+    }
+    if speed_up.get() <= 0.0 {
+        return Err("speed_up: expected a number above zero, found 0".into());
     }
     Ok(Ratio::new(1.0 / (1.0 - share.get() + share.get() / speed_up.get())))
 }

@@ -25,11 +25,14 @@ pub fn speed_up(smallest: Seconds, time: Seconds) -> Ratio {
     Ratio::new(smallest / time)
 }
 
+/// Numbers of polygons that are tried.
+const MOST_CANDIDATES: u64 = 100_000_000;
+
 /// The number of polygons that explains most of the printed rates: a rate `r` cut off from `N / t` allows the whole
 /// numbers r t <= N < (r + 1) t.
 ///
 /// # Errors
-/// Lists of different lengths, or several numbers that explain equally many rates.
+/// Lists of different lengths, several numbers that explain equally many rates, or more than 10^8 that may.
 pub fn implied_polygons(times: Vec<Seconds>, rates: Vec<Count>) -> Result<Polygons, String> {
     if times.len() != rates.len() || times.is_empty() {
         return Err(format!("expected as many rates as times, found {} and {}", rates.len(), times.len()));
@@ -42,6 +45,11 @@ pub fn implied_polygons(times: Vec<Seconds>, rates: Vec<Count>) -> Result<Polygo
         .zip(&rates)
         .map(|(t, r)| ((r.get() * t.get()).floor() as u64, ((r.get() + 1.0) * t.get()).ceil() as u64));
     let (first, last) = ranges.fold((u64::MAX, 0), |(low, high), (l, h)| (low.min(l), high.max(h)));
+    if last.saturating_sub(first) > MOST_CANDIDATES {
+        return Err(format!(
+            "t, rates: expected at most {MOST_CANDIDATES} numbers to try, found {first} to {last}"
+        ));
+    }
     let mut best = (0, Vec::new());
     for n in first..=last {
         let explained = explains(n as f64);

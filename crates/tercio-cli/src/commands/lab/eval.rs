@@ -33,7 +33,7 @@ pub struct Eval {
     #[arg(value_name = "NAME=VALUE")]
     values: Vec<String>,
     /// Lists the formulas: place in the document, parameters with units, defaults and meanings, and what is assumed;
-    /// with ID, those whose name begins so.
+    /// with ID, those whose name begins so, or else those that speak of it.
     #[arg(long)]
     list: bool,
     /// Writes JSON with stable keys.
@@ -67,10 +67,10 @@ impl Eval {
     }
 
     fn list(&self) -> Result<String> {
-        let prefix = self.id.as_deref().unwrap_or_default();
-        let models: Vec<_> = registry::all().filter(|m| m.id.starts_with(prefix)).collect();
+        let asked = self.id.as_deref().unwrap_or_default();
+        let models = registry::search(asked);
         if models.is_empty() {
-            registry::find(prefix)?;
+            registry::find(asked)?;
         }
         if self.json {
             let all: Json = models.iter().map(|m| model_json(m)).collect();
@@ -113,6 +113,9 @@ fn parameter_text(parameter: &Parameter) -> String {
     let form = (parameter.form)();
     // Lists have their brackets already.
     let form = if form.starts_with('[') { form } else { format!("[{form}]") };
+    let form = parameter
+        .at_least
+        .map_or_else(|| form.clone(), |least| form.replace(']', &format!(", at least {least}]")));
     let default = parameter.default.map_or(String::new(), |d| format!(" = {}", Value::Number(d)));
     format!("{} {form}{default}", parameter.name)
 }
@@ -120,7 +123,10 @@ fn parameter_text(parameter: &Parameter) -> String {
 fn model_json(model: &Model) -> Json {
     let parameter = |p: &Parameter| {
         let meaning = model.meaning(p.name);
-        json!({ "name": p.name, "unit": p.unit, "form": (p.form)(), "default": p.default, "meaning": meaning })
+        json!({
+            "name": p.name, "unit": p.unit, "form": (p.form)(), "at_least": p.at_least, "default": p.default,
+            "meaning": meaning,
+        })
     };
     json!({
         "id": model.id,

@@ -244,18 +244,18 @@ pub(crate) const MODELS: &[Model] = models! {
         optimal["p": Polygons, "n": Processors = PROCESSORS, "G": Instructions = GEOMETRY, "A": Pixels = AREA,
             "R": Instructions = RASTER] -> Instructions;
     "eldridge.4.2", "eq 4.2", "instructions of sort-first, raster term f A R":
-        sort_first["p": Polygons, "n": Processors = PROCESSORS, "f": Ratio = ASYMMETRY, "o": Ratio = OVERLAP,
+        sort_first["p": Polygons, "n": Processors = PROCESSORS, "f": Ratio where 1.0 = ASYMMETRY, "o": Ratio where 1.0 = OVERLAP,
             "G": Instructions = GEOMETRY, "A": Pixels = AREA, "R": Instructions = RASTER] -> Instructions;
     "eldridge.4.2-as-printed", "eq 4.2", "the same as printed, raster term f A R / o":
-        sort_first_as_printed["p": Polygons, "n": Processors = PROCESSORS, "f": Ratio = ASYMMETRY,
-            "o": Ratio = OVERLAP, "G": Instructions = GEOMETRY, "A": Pixels = AREA,
+        sort_first_as_printed["p": Polygons, "n": Processors = PROCESSORS, "f": Ratio where 1.0 = ASYMMETRY,
+            "o": Ratio where 1.0 = OVERLAP, "G": Instructions = GEOMETRY, "A": Pixels = AREA,
             "R": Instructions = RASTER] -> Instructions;
     "eldridge.4.3", "eq 4.3", "instructions of sort-middle, raster term f A R":
-        sort_middle["p": Polygons, "n": Processors = PROCESSORS, "f": Ratio = ASYMMETRY, "G": Instructions = GEOMETRY,
+        sort_middle["p": Polygons, "n": Processors = PROCESSORS, "f": Ratio where 1.0 = ASYMMETRY, "G": Instructions = GEOMETRY,
             "A": Pixels = AREA, "R": Instructions = RASTER, "C": Instructions = DESCRIPTOR_PASS] -> Instructions;
     "eldridge.4.3-as-printed", "eq 4.3", "the same as printed, raster term f A R / o":
-        sort_middle_as_printed["p": Polygons, "n": Processors = PROCESSORS, "f": Ratio = ASYMMETRY,
-            "o": Ratio = OVERLAP, "G": Instructions = GEOMETRY, "A": Pixels = AREA, "R": Instructions = RASTER,
+        sort_middle_as_printed["p": Polygons, "n": Processors = PROCESSORS, "f": Ratio where 1.0 = ASYMMETRY,
+            "o": Ratio where 1.0 = OVERLAP, "G": Instructions = GEOMETRY, "A": Pixels = AREA, "R": Instructions = RASTER,
             "C": Instructions = DESCRIPTOR_PASS] -> Instructions;
     "eldridge.4.4", "eq 4.4", "instructions of dense sort-last":
         sort_last_dense["p": Polygons, "n": Processors = PROCESSORS, "G": Instructions = GEOMETRY, "A": Pixels = AREA,
@@ -271,41 +271,41 @@ pub(crate) const MODELS: &[Model] = models! {
         sort_first_threshold["n": Processors = PROCESSORS, "C": Instructions = DESCRIPTOR_PASS,
             "G": Instructions = GEOMETRY] -> Ratio;
     "eldridge.fo", "4.4.1", "f o of a scene":
-        sort_first_penalty["f": Ratio = ASYMMETRY, "o": Ratio = OVERLAP] -> Ratio;
+        sort_first_penalty["f": Ratio where 1.0 = ASYMMETRY, "o": Ratio where 1.0 = OVERLAP] -> Ratio;
     "eldridge.4.7", "eq 4.7", "time of sort-middle over that of sort-first, raster terms f A R":
-        sort_middle_to_first["n": Processors = PROCESSORS, "f": Ratio = ASYMMETRY, "o": Ratio = OVERLAP,
+        sort_middle_to_first["n": Processors = PROCESSORS, "f": Ratio where 1.0 = ASYMMETRY, "o": Ratio where 1.0 = OVERLAP,
             "G": Instructions = GEOMETRY, "A": Pixels = AREA, "R": Instructions = RASTER,
             "C": Instructions = DESCRIPTOR_PASS] -> Ratio;
     "eldridge.4.8-as-printed", "eq 4.8", "time of sort-middle over that of sort-first, raster terms f A R / o":
-        sort_middle_to_first_as_printed["n": Processors = PROCESSORS, "f": Ratio = ASYMMETRY, "o": Ratio = OVERLAP,
+        sort_middle_to_first_as_printed["n": Processors = PROCESSORS, "f": Ratio where 1.0 = ASYMMETRY, "o": Ratio where 1.0 = OVERLAP,
             "G": Instructions = GEOMETRY, "A": Pixels = AREA, "R": Instructions = RASTER,
             "C": Instructions = DESCRIPTOR_PASS] -> Ratio;
     "eldridge.4.9", "eq 4.9", "4.8 without its equal raster terms":
-        geometry_to_first["n": Processors = PROCESSORS, "f": Ratio = ASYMMETRY, "o": Ratio = OVERLAP,
+        geometry_to_first["n": Processors = PROCESSORS, "f": Ratio where 1.0 = ASYMMETRY, "o": Ratio where 1.0 = OVERLAP,
             "G": Instructions = GEOMETRY, "C": Instructions = DESCRIPTOR_PASS] -> Ratio;
     "eldridge.4.11", "eq 4.11", "polygons above which dense sort-last beats sparse":
         dense_crossover["Q": Pixels = SCREEN, "C_dense": Instructions = 24.0, "A": Pixels = AREA,
             "C_sparse": Instructions = 45.0] -> Polygons;
     "eldridge.4.12", "eq 4.12", "polygons above which dense sort-last beats sort-middle, raster term f A R":
         sort_last_crossover["Q": Pixels = SCREEN, "C_dense": Instructions = 24.0,
-            "C_sm": Instructions = DESCRIPTOR_PASS, "f": Ratio = ASYMMETRY, "A": Pixels = AREA,
+            "C_sm": Instructions = DESCRIPTOR_PASS, "f": Ratio where 1.0 = ASYMMETRY, "A": Pixels = AREA,
             "R": Instructions = RASTER, "n": Processors = PROCESSORS] -> Polygons;
     "eldridge.4.12-as-printed", "eq 4.12", "the same as printed, f / o in place of f":
         sort_last_crossover_as_printed["Q": Pixels = SCREEN, "C_dense": Instructions = 29.0,
-            "C_sm": Instructions = DESCRIPTOR_PASS, "f": Ratio = ASYMMETRY, "o": Ratio = OVERLAP, "A": Pixels = AREA,
+            "C_sm": Instructions = DESCRIPTOR_PASS, "f": Ratio where 1.0 = ASYMMETRY, "o": Ratio where 1.0 = OVERLAP, "A": Pixels = AREA,
             "R": Instructions = RASTER, "n": Processors = PROCESSORS] -> Polygons;
     "eldridge.5.1", "eq 5.1", "share of communication in sort-middle, raster term f A R":
         communication_share["n": Processors = PROCESSORS, "C": Instructions = DESCRIPTOR_PASS,
-            "G": Instructions = GEOMETRY, "f": Ratio = ASYMMETRY, "A": Pixels = AREA,
+            "G": Instructions = GEOMETRY, "f": Ratio where 1.0 = ASYMMETRY, "A": Pixels = AREA,
             "R": Instructions = RASTER] -> Ratio;
     "eldridge.5.1-as-printed", "eq 5.1", "the same as printed, raster term f A R / o":
         communication_share_as_printed["n": Processors = PROCESSORS, "C": Instructions = DESCRIPTOR_PASS,
-            "G": Instructions = GEOMETRY, "f": Ratio = ASYMMETRY, "o": Ratio = OVERLAP, "A": Pixels = AREA,
+            "G": Instructions = GEOMETRY, "f": Ratio where 1.0 = ASYMMETRY, "o": Ratio where 1.0 = OVERLAP, "A": Pixels = AREA,
             "R": Instructions = RASTER] -> Ratio;
     "eldridge.asymmetry", "table 4.1", "f: polygons of the fullest region over the mean":
         asymmetry["max": Polygons, "mean": Polygons] -> Ratio;
     "eldridge.mean-per-region", "fig 4-1", "mean polygons per region, overlap included":
-        mean_per_region["visible": Polygons, "o": Ratio = OVERLAP, "n": Processors = PROCESSORS] -> Polygons;
+        mean_per_region["visible": Polygons, "o": Ratio where 1.0 = OVERLAP, "n": Processors = PROCESSORS] -> Polygons;
 };
 
 #[cfg(test)]

@@ -193,33 +193,33 @@ pub(crate) const MODELS: &[Model] = models! {
     "mcmanus.geometry-area", "eq 1", "area of a geometry engine":
         geometry_area["P": PolygonRate] -> SquareInches;
     "mcmanus.array-area", "eq 1", "area of an array of pixel processors":
-        array_area["A": Length] -> SquareInches;
+        array_area["A": Length where 1.0] -> SquareInches;
     "mcmanus.1", "eq 1", "area of a renderer":
-        renderer_area["A": Length, "P": PolygonRate] -> SquareInches;
+        renderer_area["A": Length where 1.0, "P": PolygonRate] -> SquareInches;
     "mcmanus.6", "eq 2 to 6", "C(A), regions per polygon; printed with a wrong sign in 4":
-        overlap_of_area["A": Length, "N": Pixels] -> Ratio;
+        overlap_of_area["A": Length where 1.0, "N": Pixels where 1.0] -> Ratio;
     "mcmanus.places", "eq 2 to 5", "[i, alpha, beta, gamma] for a box of so many pixels":
-        places["A": Length, "w": Length] -> [f64; 4];
+        places["A": Length where 1.0, "w": Length where 1.0] -> [f64; 4];
     "mcmanus.placements", "fig 5", "[alpha, beta, gamma] of these":
-        placements["A": Length, "w": Length] -> [f64; 3];
+        placements["A": Length where 1.0, "w": Length where 1.0] -> [f64; 3];
     "mcmanus.4-as-printed", "eq 4", "the same with equation 4 as printed; contradicts figure 5":
-        placements_as_printed["A": Length, "w": Length] -> [f64; 3];
+        placements_as_printed["A": Length where 1.0, "w": Length where 1.0] -> [f64; 3];
     "mcmanus.6-of-places", "eq 6", "regions per polygon from these":
-        overlap_of_places["A": Length, "w": Length] -> Ratio;
+        overlap_of_places["A": Length where 1.0, "w": Length where 1.0] -> Ratio;
     "mcmanus.7", "eq 7", "P(A), polygons a second of an array":
-        rate["A": Length, "N": Pixels, "T": Count = CYCLES] -> PolygonRate;
+        rate["A": Length where 1.0, "N": Pixels where 1.0, "T": Count = CYCLES] -> PolygonRate;
     "mcmanus.14", "eq 14", "polygons a second of X processors as arrays of side A; printed with X / A, divided":
-        general_purpose_rate["X": Count, "A": Length, "N": Pixels, "T": Count = CYCLES]
+        general_purpose_rate["X": Count, "A": Length where 1.0, "N": Pixels where 1.0, "T": Count = CYCLES]
             -> Result<PolygonRate, String>;
     "mcmanus.14-as-printed", "eq 14", "the same as printed, divided by X / A":
-        general_purpose_rate_as_printed["X": Count, "A": Length, "N": Pixels, "T": Count = CYCLES]
+        general_purpose_rate_as_printed["X": Count, "A": Length where 1.0, "N": Pixels where 1.0, "T": Count = CYCLES]
             -> Result<PolygonRate, String>;
     "mcmanus.frame-time", "3", "time of a frame":
         frame_time["R_A": Cycles, "renderers": Count, "cycle": Seconds = 1e-6] -> Seconds;
     "mcmanus.processors-for-one-cycle", "3", "pixel processors with an array for every raster cycle":
-        processors_for_one_cycle["R_A": Cycles, "A": Length] -> Pixels;
+        processors_for_one_cycle["R_A": Cycles, "A": Length where 1.0] -> Pixels;
     "mcmanus.largest-deviation", "6", "largest deviation of equation 7 from measured cycles":
-        largest_deviation["A": Vec<Length>, "R_A": Vec<Cycles>, "polygons": Polygons, "N": Pixels]
+        largest_deviation["A": Vec<Length>, "R_A": Vec<Cycles>, "polygons": Polygons, "N": Pixels where 1.0]
             -> Result<Ratio, String>;
     "mcmanus.implied-areas", "5.1", "areas of memory and controller implied by equation 1, from [rate, die, number]":
         implied_areas["points": Vec<[f64; 3]>] -> Result<[SquareInches; 2], String>;

@@ -182,29 +182,29 @@ fn bisect(of: impl Fn(f64) -> f64) -> Result<Length, String> {
 
 pub(crate) const MODELS: &[Model] = models! {
     "mcmanus.rate-slope", "eq 11", "P'(A), the true derivative of equation 7":
-        rate_slope["A": Length, "N": Pixels, "T": Count = CYCLES] -> f64;
+        rate_slope["A": Length where 1.0, "N": Pixels where 1.0, "T": Count = CYCLES] -> f64;
     "mcmanus.8", "eq 8", "L, polygons a second per square inch of replicated renderers":
-        replication_slope["A": Length, "N": Pixels, "T": Count = CYCLES] -> f64;
+        replication_slope["A": Length where 1.0, "N": Pixels where 1.0, "T": Count = CYCLES] -> f64;
     "mcmanus.9", "eq 9", "P(R), polygons a second of one renderer of so much silicon":
-        rate_of_silicon["R": SquareInches, "N": Pixels, "T": Count = CYCLES] -> Result<PolygonRate, String>;
+        rate_of_silicon["R": SquareInches, "N": Pixels where 1.0, "T": Count = CYCLES] -> Result<PolygonRate, String>;
     "mcmanus.10", "eq 10", "P'/R', polygons a second more per square inch more of one renderer":
-        growth_slope["A": Length, "N": Pixels, "T": Count = CYCLES] -> f64;
+        growth_slope["A": Length where 1.0, "N": Pixels where 1.0, "T": Count = CYCLES] -> f64;
     "mcmanus.11", "eq 11", "equation 11 with its coefficients restored; not the derivative of equation 7":
-        misread_rate_slope["A": Length, "N": Pixels, "T": Count = CYCLES] -> f64;
+        misread_rate_slope["A": Length where 1.0, "N": Pixels where 1.0, "T": Count = CYCLES] -> f64;
     "mcmanus.11-as-printed", "eq 11", "equation 11 with the coefficients as printed":
-        misread_rate_slope_as_printed["A": Length, "N": Pixels, "T": Count = CYCLES] -> f64;
+        misread_rate_slope_as_printed["A": Length where 1.0, "N": Pixels where 1.0, "T": Count = CYCLES] -> f64;
     "mcmanus.11-overlap", "eq 11", "the overlap that equation 11 is derived from":
-        misread_overlap["A": Length, "N": Pixels] -> f64;
+        misread_overlap["A": Length where 1.0, "N": Pixels where 1.0] -> f64;
     "mcmanus.12", "eq 12", "R'(A) with the true derivative":
-        area_slope["A": Length, "N": Pixels, "T": Count = CYCLES] -> f64;
+        area_slope["A": Length where 1.0, "N": Pixels where 1.0, "T": Count = CYCLES] -> f64;
     "mcmanus.13", "eq 13", "optimal side of an array, closed form":
-        optimal_side["N": Pixels] -> Length;
+        optimal_side["N": Pixels where 1.0] -> Length;
     "mcmanus.13-by-search", "eq 13", "optimal side of an array, by search":
-        optimal_side_by_search["N": Pixels, "T": Count = CYCLES] -> Result<Length, String>;
+        optimal_side_by_search["N": Pixels where 1.0, "T": Count = CYCLES] -> Result<Length, String>;
     "mcmanus.13-of-11", "fig 7", "optimal side by equation 11 and its own overlap":
-        misread_optimal_side["N": Pixels, "T": Count = CYCLES] -> Result<Length, String>;
+        misread_optimal_side["N": Pixels where 1.0, "T": Count = CYCLES] -> Result<Length, String>;
     "mcmanus.optimal-power-of-two", "table 3", "best side in powers of two, by equation 7":
-        optimal_power_of_two["N": Pixels, "T": Count = CYCLES] -> Length;
+        optimal_power_of_two["N": Pixels where 1.0, "T": Count = CYCLES] -> Length;
     "mcmanus.optimal-measured", "5.1", "best side in powers of two, by measured raster cycles":
         optimal_measured["R_A": Vec<Cycles>, "polygons": Polygons, "T": Count = CYCLES] -> Result<Length, String>;
 };

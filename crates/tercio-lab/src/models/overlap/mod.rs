@@ -12,6 +12,9 @@ use crate::units::{Count, Length, Pixels, Ratio};
 /// Area of the bounding box over that of the triangle: the mean that document 001 takes (2.3.2).
 const BOX_TO_TRIANGLE: f64 = 3.0;
 
+/// Pixels a side of the largest region that is counted out.
+const MOST_COUNTED: u64 = 4096;
+
 /// Document 001, equation 2.1 (Molnar and Eyles): tiles of `width` by `height` that a box of `w` by `h` meets. Exact
 /// for boxes of any size.
 pub fn boxes(width: Length, height: Length, w: Length, h: Length) -> Ratio {
@@ -111,11 +114,14 @@ pub fn columns(column: Length, width: Length) -> Ratio {
 /// The mean of [`pixel_boxes`] counted out: a box of `side` pixels at each of the `region` squared places.
 ///
 /// # Errors
-/// A region without a pixel.
+/// A region or a box without a pixel, a region of more than 4096 on a side.
 pub fn pixel_boxes_counted(region: Count, side: Count) -> Result<Ratio, String> {
     let (a, w) = (region.get() as u64, side.get() as u64);
     if a == 0 || w == 0 {
         return Err("A, w: expected at least one pixel, found 0".into());
+    }
+    if a > MOST_COUNTED {
+        return Err(format!("A: expected at most {MOST_COUNTED} pixels to count at, found {region}"));
     }
     let met = |offset: u64| (offset + w - 1) / a + 1;
     let sum: u64 = (0..a).flat_map(|y| (0..a).map(move |x| met(x) * met(y))).sum();
@@ -138,25 +144,25 @@ pub(crate) const MODELS: &[Model] = models! {
     "overlap.2.3", "001 eq 2.3", "square tiles of side S that a box w by h meets":
         boxes_in_squares["S": Length, "w": Length, "h": Length] -> Ratio;
     "overlap.2.4", "001 eq 2.4", "square tiles that the bounding box of a triangle of area a meets":
-        bounding_boxes["S": Length, "a": Pixels, "rho": Ratio = BOX_TO_TRIANGLE] -> Ratio;
+        bounding_boxes["S": Length, "a": Pixels, "rho": Ratio where 1.0 = BOX_TO_TRIANGLE] -> Ratio;
     "overlap.2.7", "001 eq 2.7", "tiles that a triangle meets whose box holds a corner":
-        corner["rho": Ratio = BOX_TO_TRIANGLE] -> Ratio;
+        corner["rho": Ratio where 1.0 = BOX_TO_TRIANGLE] -> Ratio;
     "overlap.2.7-excess", "001 eq 2.7, 2.8", "the same, less 3":
-        corner_excess["rho": Ratio = BOX_TO_TRIANGLE] -> Ratio;
+        corner_excess["rho": Ratio where 1.0 = BOX_TO_TRIANGLE] -> Ratio;
     "overlap.2.8", "001 eq 2.8", "square tiles that a triangle with a square box of side s meets":
-        exact_by_side["S": Length, "s": Length, "rho": Ratio = BOX_TO_TRIANGLE] -> Ratio;
+        exact_by_side["S": Length, "s": Length, "rho": Ratio where 1.0 = BOX_TO_TRIANGLE] -> Ratio;
     "overlap.2.9", "001 eq 2.9", "square tiles that a triangle of area a meets":
-        exact["S": Length, "a": Pixels, "rho": Ratio = BOX_TO_TRIANGLE] -> Ratio;
+        exact["S": Length, "a": Pixels, "rho": Ratio where 1.0 = BOX_TO_TRIANGLE] -> Ratio;
     "overlap.2.10", "001 eq 2.10", "square tiles that a convex shape with box w by h and area a meets":
         exact_by_box["S": Length, "w": Length, "h": Length, "a": Pixels] -> Ratio;
     "overlap.2.11", "001 eq 2.11", "2.4 less 2.9":
-        difference["S": Length, "a": Pixels, "rho": Ratio = BOX_TO_TRIANGLE] -> Ratio;
+        difference["S": Length, "a": Pixels, "rho": Ratio where 1.0 = BOX_TO_TRIANGLE] -> Ratio;
     "overlap.pixel-boxes", "003 eq 2 to 6", "regions of side A that a square box of w whole pixels meets":
-        pixel_boxes["A": Length, "w": Length] -> Ratio;
+        pixel_boxes["A": Length where 1.0, "w": Length where 1.0] -> Ratio;
     "overlap.pixel-boxes-counted", "003 eq 6", "the same, counted at every place":
-        pixel_boxes_counted["A": Count, "w": Count] -> Result<Ratio, String>;
+        pixel_boxes_counted["A": Count where 1.0, "w": Count where 1.0] -> Result<Ratio, String>;
     "overlap.columns", "000 4.3.1", "columns of width A that a polygon w pixels wide meets":
-        columns["A": Length = 1.0, "w": Length] -> Ratio;
+        columns["A": Length where 1.0 = 1.0, "w": Length where 1.0] -> Ratio;
 };
 
 pub(crate) const GLOSSARY: Glossary = Glossary {

@@ -165,9 +165,9 @@ pub(crate) const MODELS: &[Model] = models! {
     "parks.triangles-per-square", "4.3", "whole triangles in the time of a square":
         triangles_per_square["side": Length = 128.0, "height": Length = 12.8] -> Count;
     "parks.interlace", "4.5", "cycles of one of k by k interlaced processors":
-        interlace["N": Polygons, "V": Vertices, "S": Segments, "P": Pixels, "k": Count] -> Cycles;
+        interlace["N": Polygons, "V": Vertices, "S": Segments, "P": Pixels, "k": Count where 1.0] -> Cycles;
     "parks.interlace-fixed-share", "4.5", "share of polygons and vertices in them":
-        interlace_fixed_share["N": Polygons, "V": Vertices, "S": Segments, "P": Pixels, "k": Count] -> Ratio;
+        interlace_fixed_share["N": Polygons, "V": Vertices, "S": Segments, "P": Pixels, "k": Count where 1.0] -> Ratio;
     "parks.shares", "app. C", "shares of polygons, vertices, segments, pixels":
         shares["N": Polygons, "V": Vertices, "S": Segments, "P": Pixels] -> [Ratio; 4];
     "parks.polygon-share", "app. C", "share of polygons":

@@ -17,7 +17,15 @@ pub trait Argument: Sized {
     /// # Errors
     /// What was expected and what was found.
     fn from_value(value: &Value) -> Result<Self, String>;
+
+    /// The number in base units, if it is one.
+    fn number(&self) -> Option<f64> {
+        None
+    }
 }
+
+/// What is said of results that are infinite or not a number.
+const NO_VALUE: &str = "the formula has no finite value for these arguments";
 
 /// A type that a formula can give.
 pub trait Outcome {
@@ -27,7 +35,7 @@ pub trait Outcome {
     /// The value in base units.
     ///
     /// # Errors
-    /// Why the formula has no result for these arguments.
+    /// Why the formula has no result for these arguments: not finite, below zero where that cannot be.
     fn into_value(self) -> Result<Value, String>;
 }
 
@@ -45,6 +53,10 @@ impl<Q: Quantity> Argument for Q {
             Value::List(_) => Err(format!("{}: expected one number, found a list", Q::NAME)),
         }
     }
+
+    fn number(&self) -> Option<f64> {
+        Some(self.get())
+    }
 }
 
 /// A coordinate or another number that may be negative.
@@ -60,6 +72,10 @@ impl Argument for f64 {
             Value::Number(number) if number.is_finite() => Ok(*number),
             other => Err(format!("expected a number, found {other}")),
         }
+    }
+
+    fn number(&self) -> Option<f64> {
+        Some(*self)
     }
 }
 
@@ -111,13 +127,18 @@ impl<Q: Quantity> Outcome for Q {
     const UNIT: &'static str = Q::UNIT;
 
     fn into_value(self) -> Result<Value, String> {
-        Ok(Value::Number(self.get()))
+        let value = self.get().into_value()?;
+        // Means of whole things need not be whole, but no quantity is below zero.
+        if self.get() < 0.0 {
+            return Err(format!("these arguments give {value}, and a {} cannot be below zero", Q::NAME));
+        }
+        Ok(value)
     }
 }
 
 impl Outcome for f64 {
     fn into_value(self) -> Result<Value, String> {
-        Ok(Value::Number(self))
+        if self.is_finite() { Ok(Value::Number(self)) } else { Err(NO_VALUE.into()) }
     }
 }
 

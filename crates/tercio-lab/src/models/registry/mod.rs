@@ -43,6 +43,8 @@ pub struct Parameter {
     pub unit: &'static str,
     /// What a value looks like, as [`Argument::form`] tells it.
     pub form: fn() -> String,
+    /// The least value in base units, where it is more than what the unit allows.
+    pub at_least: Option<f64>,
     /// The value in base units that counts if none is given.
     pub default: Option<f64>,
 }
@@ -127,7 +129,15 @@ impl Reader<'_> {
                 return Err(ModelError::Missing { id, name, meaning, form: T::form() });
             }
         };
-        T::from_value(&value).map_err(|reason| ModelError::Argument { id, name, reason })
+        let impossible = |reason| ModelError::Argument { id, name, reason };
+        let argument = T::from_value(&value).map_err(impossible)?;
+        match (argument.number(), parameter.and_then(|p| p.at_least)) {
+            (Some(number), Some(least)) if number < least => Err(impossible(format!(
+                "{}: expected at least {least}, found {number}",
+                self.model.meaning(name)
+            ))),
+            _ => Ok(argument),
+        }
     }
 
     /// The outcome of the formula, in base units.
@@ -135,7 +145,14 @@ impl Reader<'_> {
     /// # Errors
     /// [`ModelError::Undefined`] if the formula refuses.
     pub fn outcome(&self, outcome: impl Outcome) -> Result<Value, ModelError> {
-        outcome.into_value().map_err(|reason| ModelError::Undefined { id: self.model.id, reason })
+        let zeros = self.arguments.iter().filter(|a| *a.1 == Value::Number(0.0)).map(|a| a.0.as_str());
+        let zeros: Vec<_> = zeros.collect();
+        outcome.into_value().map_err(|mut reason| {
+            if !zeros.is_empty() {
+                reason += &format!("; note that 0 is given for {}", zeros.join(", "));
+            }
+            ModelError::Undefined { id: self.model.id, reason }
+        })
     }
 }
 
@@ -173,12 +190,7 @@ impl Model {
             let takes = if names.is_empty() { "none".into() } else { names.join(", ") };
             return Err(ModelError::UnknownParameter { id: self.id, name: name.clone(), takes });
         }
-        let outcome = (self.compute)(&Reader { model: self, arguments })?;
-        if outcome.is_undefined() {
-            let reason = "the formula has no finite value for these arguments".into();
-            return Err(ModelError::Undefined { id: self.id, reason });
-        }
-        Ok(outcome)
+        (self.compute)(&Reader { model: self, arguments })
     }
 }
 
@@ -191,11 +203,12 @@ impl Model {
 /// }
 /// ```
 ///
-/// The names are the documents' symbols, in the order of the function's parameters; a default is in base units.
+/// The names are the documents' symbols, in the order of the function's parameters; a default is in base units, and so
+/// is the least value that `"m": Ratio where 1.0` allows.
 #[macro_export]
 macro_rules! models {
     ($($id:literal, $place:literal, $what:literal:
-        $function:path[$($name:literal: $type:ty $(= $default:expr)?),* $(,)?] -> $outcome:ty;)*) => {
+        $function:path[$($name:literal: $type:ty $(where $least:literal)? $(= $default:expr)?),* $(,)?] -> $outcome:ty;)*) => {
         &[$($crate::models::registry::Model {
             id: $id,
             place: $place,
@@ -204,6 +217,7 @@ macro_rules! models {
                 name: $name,
                 unit: <$type as $crate::models::registry::Argument>::UNIT,
                 form: <$type as $crate::models::registry::Argument>::form,
+                at_least: $crate::models!(@default $($least)?),
                 default: $crate::models!(@default $($default)?),
             }),*],
             unit: $crate::models!(@unit $outcome),
@@ -226,13 +240,35 @@ pub fn all() -> impl Iterator<Item = &'static Model> {
 /// The entry called `id`.
 ///
 /// # Errors
-/// [`ModelError::UnknownModel`], with names that contain `id` or share its document and begin alike.
+/// [`ModelError::UnknownModel`], with names like it.
 pub fn find(id: &str) -> Result<&'static Model, ModelError> {
-    all().find(|m| m.id == id).ok_or_else(|| {
-        let beginning: String = id.chars().take(id.find('.').map_or(4, |dot| dot + 2)).collect();
-        let like = |m: &&Model| m.id.contains(id) || m.id.starts_with(&beginning);
-        ModelError::UnknownModel { id: id.into(), near: all().filter(like).map(|m| m.id).take(8).collect() }
-    })
+    all().find(|m| m.id == id).ok_or_else(|| ModelError::UnknownModel { id: id.into(), near: near(id) })
+}
+
+/// Names that a user may have meant, the likeliest first.
+fn near(id: &str) -> Vec<&'static str> {
+    /// Below this likeness names have nothing to do with each other.
+    const LIKE: f64 = 0.75;
+    let likeness = |m: &'static Model| {
+        let contained = if !id.is_empty() && m.id.contains(id) { 1.0 } else { 0.0 };
+        (contained + strsim::jaro_winkler(id, m.id), m.id)
+    };
+    let mut all: Vec<_> = all().map(likeness).filter(|(like, _)| *like >= LIKE).collect();
+    // Equally like names stay in the order of the documents.
+    all.sort_by(|a, b| b.0.total_cmp(&a.0));
+    all.into_iter().map(|(_, id)| id).take(8).collect()
+}
+
+/// The entries whose name begins with `text` or, if there are none, whose name, place or description contains it in
+/// any spelling of capitals.
+pub fn search(text: &str) -> Vec<&'static Model> {
+    let by_name: Vec<_> = all().filter(|m| m.id.starts_with(text)).collect();
+    if !by_name.is_empty() {
+        return by_name;
+    }
+    let text = text.to_lowercase();
+    let parts = |m: &Model| [m.id.to_lowercase(), m.source().to_lowercase(), m.what.to_lowercase()];
+    all().filter(|m| parts(m).iter().any(|part| part.contains(&text))).collect()
 }
 
 /// Computes the outcome of the entry called `id`, in base units.

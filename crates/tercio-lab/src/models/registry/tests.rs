@@ -76,7 +76,8 @@ fn every_equation_has_its_formula_on_the_page_and_every_formula_its_line() {
     let lost: Vec<_> = ids.difference(&named).collect();
     assert!(lost.is_empty(), "not on the page: {lost:?}");
     for (heading, chapters) in NUMBERED {
-        let numbers = chapters.iter().flat_map(|(chapter, last)| (1..=*last).map(move |k| format!("{chapter}{k}")));
+        let numbers =
+            chapters.iter().flat_map(|(chapter, last)| (1..=*last).map(move |k| format!("{chapter}{k}")));
         let found: Vec<_> = rows(&page, heading).into_iter().map(|row| row[0].clone()).collect();
         assert_eq!(found, numbers.collect::<Vec<_>>(), "{heading}");
     }
@@ -90,4 +91,44 @@ fn a_line_of_the_page_says_what_its_first_formula_says() {
         let what = line.split('|').nth(2).unwrap().trim();
         assert_eq!(what, find(id).unwrap().what, "{id}");
     }
+}
+
+fn said(id: &str, values: &[(&str, f64)]) -> String {
+    evaluate(id, &given(values)).map_or_else(|e| e.to_string(), |value| value.to_string())
+}
+
+#[test]
+fn what_cannot_be_is_refused() {
+    assert_eq!(
+        said("mcmanus.6", &[("A", 2.0), ("N", 0.5)]),
+        "mcmanus.6: N: mean area of the polygons' bounding boxes: expected at least 1, found 0.5"
+    );
+    assert_eq!(
+        said("eldridge.excess", &[("worst", 1.0), ("p", 1e6)]),
+        "eldridge.excess: these arguments give -976, and a count cannot be below zero"
+    );
+    assert_eq!(
+        said("overlap.2.1", &[("W", 0.0), ("H", 3.0), ("w", 1.0), ("h", 1.0)]),
+        "overlap.2.1: the formula has no finite value for these arguments; note that 0 is given for W"
+    );
+    // Lists of numbers, too, have no holes unless a table of the scan is read.
+    assert!(said("eldridge.stage-destinations", &[("n", 0.0), ("d", 1.0)]).contains("at least 1"));
+    // What would take for ever is said to be too much.
+    assert!(said("overlap.pixel-boxes-counted", &[("A", 1e9), ("w", 5.0)]).contains("at most 4096"));
+    assert!(said("eldridge.copies", &[("b", 1.0), ("n", 1e12), ("m", 1e12)]).contains("at most 1048576"));
+}
+
+#[test]
+fn names_that_were_meant_are_offered() {
+    let near = |id: &str| match find(id) {
+        Err(ModelError::UnknownModel { near, .. }) => near,
+        other => panic!("{other:?}"),
+    };
+    assert_eq!(near("eldrige.5.6")[0], "eldridge.5.6");
+    assert_eq!(near("5.6")[0], "eldridge.5.6");
+    assert_eq!(near("mcmanus.optimum")[0], "mcmanus.optimal-measured");
+    assert!(near("").is_empty() && near("quaternion").is_empty());
+    assert!(search("eldridge.8.").iter().all(|m| m.id.starts_with("eldridge.8.")));
+    assert!(search("Sort-Twice").iter().any(|m| m.id == "eldridge.6.8"));
+    assert!(search("quaternion").is_empty());
 }
