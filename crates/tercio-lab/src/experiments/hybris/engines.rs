@@ -2,6 +2,7 @@
 
 use super::scenes::{LARGE, REMARK, SMALL, scene};
 use crate::experiments::facts::Facts;
+use crate::experiments::sweep::sweep;
 use crate::experiments::{
     Axis, Comparison, Document, Experiment, ExperimentError, Findings, Plot, Series, Table,
 };
@@ -81,9 +82,9 @@ fn fifos() -> Result<Findings, ExperimentError> {
     for (name, machine, sharing) in engines {
         let machine = load(machine)?;
         let mut points = Vec::new();
-        for power in 0..8 {
-            let depth = 1u32 << power;
-            let frame = simulate(&with_fifos(machine.clone(), depth), &scene, sharing)?;
+        let depths: Vec<_> = (0..8).map(|power| 1u32 << power).collect();
+        let frames = sweep(&depths, |&d| Ok(simulate(&with_fifos(machine.clone(), d), &scene, sharing)?))?;
+        for (depth, frame) in depths.into_iter().zip(frames) {
             let total = frame.back_end.total();
             let share = |stage: usize, of: u64| {
                 let s = total.stages[stage];
@@ -143,8 +144,10 @@ fn asic() -> Result<Findings, ExperimentError> {
         ],
     );
     let (mut points, mut share) = (Vec::new(), 0.0);
-    for cycles in 1..=8 {
-        let frame = simulate(&with_set_up(machine.clone(), cycles), &scene, Sharing::Tiles)?;
+    let set_ups: Vec<_> = (1..=8).collect();
+    let frames =
+        sweep(&set_ups, |&n| Ok(simulate(&with_set_up(machine.clone(), n), &scene, Sharing::Tiles)?))?;
+    for (cycles, frame) in set_ups.into_iter().zip(frames) {
         let c = frame.front_end;
         share = c.nodes as f64 / c.triangles as f64;
         let a_triangle = frame.back_end.cycles as f64 / c.nodes.max(1) as f64;

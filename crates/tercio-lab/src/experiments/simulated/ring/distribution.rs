@@ -2,7 +2,7 @@
 
 use super::super::super::{Axis, Comparison, ExperimentError, Findings, Plot, Series, Table};
 use super::super::truth;
-use super::{SCENES, communication, frame, scenes};
+use super::{SCENES, communication, curves, frame, least, scenes};
 use crate::models::eldridge::distribution::two_stages;
 use crate::units::{Instructions, Polygons, Processors, Words};
 
@@ -54,15 +54,13 @@ pub fn strides() -> Result<Findings, ExperimentError> {
     let mut best =
         Table::new("best", &[("scene", ""), ("best stride", "processors"), ("speed-up over stride 1", "")]);
     let (mut series, mut comparison) = (Vec::new(), Comparison::new());
-    for (name, scene) in scenes()? {
-        let mut points: Vec<(f64, f64)> = Vec::new();
-        for stride in (0..10).map(|k| 1u32 << k) {
-            let strides = if stride == 1 { vec![1] } else { vec![stride, 1] };
-            let cost = communication(&frame(&scene, 1024, |a| a.strides = strides)?);
-            table.push([name.into(), f64::from(stride).into(), cost.into()]);
-            points.push((f64::from(stride), cost));
-        }
-        let least = points.iter().copied().fold((1.0, f64::MAX), |a, b| if b.1 < a.1 { b } else { a });
+    let first_strides: Vec<_> = (0..10).map(|k| 1u32 << k).collect();
+    let by_stride = curves(&scenes()?, &first_strides, |scene, stride| {
+        Ok(communication(&frame(scene, 1024, |a| a.strides = super::strides(stride))?))
+    })?;
+    for (name, points) in by_stride {
+        points.iter().for_each(|p| table.push([name.into(), p.0.into(), p.1.into()]));
+        let least = least(&points);
         let gain = points[0].1 / least.1;
         best.push([name.into(), least.0.into(), gain.into()]);
         comparison.add(

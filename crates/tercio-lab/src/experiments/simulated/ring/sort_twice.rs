@@ -1,5 +1,8 @@
 //! Sort-twice against sort-middle: figures 6-6 and 6-7.
 
+use rayon::prelude::*;
+
+use super::super::super::sweep::sweep;
 use super::super::super::{Axis, Comparison, ExperimentError, Findings, Plot, Series, Table};
 use super::super::truth;
 use super::SCREEN;
@@ -15,11 +18,12 @@ const SIZES: [u32; 8] = [10_000, 20_000, 40_000, 80_000, 160_000, 320_000, 640_0
 const TEXTURED: u64 = 202;
 const DEFERRED: u64 = 98;
 
+/// A scene on both organisations.
 struct Pair {
     visible: f64,
+    group: u32,
     middle: RingRun,
     twice: RingRun,
-    group: u32,
 }
 
 /// Random polygons all over the screen, half of them visible; 10 x 10 pixels, the document does not say how large.
@@ -43,22 +47,28 @@ fn group(visible: f64) -> u32 {
 }
 
 fn pairs() -> Result<Vec<Pair>, ExperimentError> {
-    let pair = |&polygons: &u32| {
-        let scene = scene(polygons);
+    let scenes: Vec<_> = SIZES.par_iter().map(|&polygons| scene(polygons)).collect();
+    // The largest scenes take longest: each run is a task of its own, and they begin first.
+    let tasks: Vec<_> = scenes.iter().rev().flat_map(|scene| [(scene, false), (scene, true)]).collect();
+    let mut runs = sweep(&tasks, |&(scene, twice)| {
+        let raster_pixel = if twice { DEFERRED } else { TEXTURED };
+        let machine = Machine { raster_pixel, ..Machine::princeton_engine() };
+        let mut algorithm = Algorithm::sort_middle(&machine);
+        if twice {
+            algorithm.group = group(scene.visible() as f64);
+        } else {
+            algorithm.strides = vec![16, 1];
+        }
+        let map = ScreenMap::columns(SCREEN.0, SCREEN.1, algorithm.group);
+        Ok(simulate(&machine, &algorithm, &map, scene)?)
+    })?;
+    let pair = |scene: &BoxScene| {
         let visible = scene.visible() as f64;
-        let group = group(visible);
-        let run = |raster_pixel, change: &dyn Fn(&mut Algorithm)| {
-            let machine = Machine { raster_pixel, ..Machine::princeton_engine() };
-            let mut algorithm = Algorithm::sort_middle(&machine);
-            change(&mut algorithm);
-            let map = ScreenMap::columns(SCREEN.0, SCREEN.1, algorithm.group);
-            simulate(&machine, &algorithm, &map, &scene)
-        };
-        let middle = run(TEXTURED, &|a| a.strides = vec![16, 1])?;
-        let twice = run(DEFERRED, &|a| a.group = group)?;
-        Ok(Pair { visible, middle, twice, group })
+        // From behind: the smallest scene's, and of these sort-twice before sort-middle.
+        let (twice, middle) = (runs.pop()?, runs.pop()?);
+        Some(Pair { visible, group: group(visible), middle, twice })
     };
-    SIZES.iter().map(pair).collect()
+    Ok(scenes.iter().map_while(pair).collect())
 }
 
 /// Where the second curve falls below the first, interpolated between scenes.
