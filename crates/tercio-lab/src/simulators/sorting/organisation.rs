@@ -68,6 +68,18 @@ impl Costs {
             sample: bytes(DataKind::Sample)?,
         })
     }
+
+    /// Work that costs nothing, because the description does not charge for it: its times are too short.
+    pub fn uncharged(&self) -> Vec<Operation> {
+        let all = [
+            (self.polygon, Operation::Polygon),
+            (self.set_up, Operation::PolygonSetUp),
+            (self.entry, Operation::Entry),
+            (self.pixel, Operation::Pixel),
+            (self.composite, Operation::CompositePixel),
+        ];
+        all.into_iter().filter(|(seconds, _)| *seconds == 0.0).map(|(_, operation)| operation).collect()
+    }
 }
 
 /// A phase in which every processor works for itself.

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 use serde_json::{Value, json};
-use tercio_lab::machines::{Machine, load};
+use tercio_lab::machines::{Machine, Operation, load};
 use tercio_lab::simulators::sorting::{
     Assignment, Costs, NetworkModel, Organisation, Setting, SortReport, sweep,
 };
@@ -157,9 +157,17 @@ impl Sorting {
 
     fn as_json(&self, machine: &Machine, runs: &[((Organisation, Setting), SortReport)]) -> String {
         let row = |((_, setting), report): &((Organisation, Setting), SortReport)| json!({ "setting": setting, "report": report, "total_seconds": report.seconds() });
-        let value = json!({ "machine": machine.name, "runs": runs.iter().map(row).collect::<Value>() });
+        let value = json!({
+            "machine": machine.name, "uncharged": uncharged(runs), "runs": runs.iter().map(row).collect::<Value>(),
+        });
         format!("{value:#}\n")
     }
+}
+
+/// Work that the machine's description does not charge for, so that times lack it.
+fn uncharged(runs: &[((Organisation, Setting), SortReport)]) -> Vec<&'static str> {
+    let work = runs.first().map(|((_, setting), _)| setting.costs.uncharged()).unwrap_or_default();
+    work.into_iter().map(Operation::name).collect()
 }
 
 /// The screen of a description.
@@ -214,6 +222,10 @@ fn table(machine: &Machine, size: (u32, u32), runs: &[((Organisation, Setting), 
             report.redistribution.bytes + report.composition.bytes,
             report.redistribution.busiest_link + report.composition.busiest_link,
         );
+    }
+    let missing = uncharged(runs);
+    if !missing.is_empty() {
+        let _ = writeln!(text, "the description charges nothing for {}", missing.join(", "));
     }
     text
 }

@@ -1,7 +1,6 @@
 //! Sparse and dense networks, and strides: figures 5-3 and 5-5.
 
 use super::super::super::{Axis, Comparison, ExperimentError, Findings, Plot, Series, Table};
-use super::super::truth;
 use super::{SCENES, communication, curves, frame, least, scenes};
 use crate::models::eldridge::distribution::two_stages;
 use crate::units::{Instructions, Polygons, Processors, Words};
@@ -22,12 +21,8 @@ pub fn sparse_and_dense() -> Result<Findings, ExperimentError> {
         table.push([name.into(), sparse.into(), dense.into(), (sparse / dense).into()]);
         sparse_points.push((number as f64 + 1.0, sparse));
         dense_points.push((number as f64 + 1.0, dense));
-        comparison.add(
-            format!("{name}: sparse over dense is 1 to 2"),
-            truth((1.0..=2.0).contains(&(sparse / dense))),
-            1.0,
-            0.0,
-        );
+        comparison
+            .claim(format!("{name}: sparse over dense is 1 to 2"), (1.0..=2.0).contains(&(sparse / dense)));
     }
     let plot = Plot {
         name: "networks".into(),
@@ -63,12 +58,7 @@ pub fn strides() -> Result<Findings, ExperimentError> {
         let least = least(&points);
         let gain = points[0].1 / least.1;
         best.push([name.into(), least.0.into(), gain.into()]);
-        comparison.add(
-            format!("{name}: best stride is 8, 16 or 32"),
-            truth((8.0..=32.0).contains(&least.0)),
-            1.0,
-            0.0,
-        );
+        comparison.claim(format!("{name}: best stride is 8, 16 or 32"), (8.0..=32.0).contains(&least.0));
         // Published: 1.96, 2.40 and 1.96 for three scenes, 3.10 by the formula.
         comparison.add(format!("{name}: speed-up"), gain, 2.2, 0.6);
         series.push(Series::line_points(name, points));

@@ -2,7 +2,6 @@
 
 use super::super::super::sweep::{pairs, sweep};
 use super::super::super::{Axis, Cell, Comparison, ExperimentError, Findings, Plot, Series, Table};
-use super::super::truth;
 use super::{SCENES, clumped, curves, frame, least, profile, scenes, strides};
 use crate::simulators::ring::RingRun;
 
@@ -25,13 +24,9 @@ pub fn copies() -> Result<Findings, ExperimentError> {
         points.iter().for_each(|p| table.push([name.into(), p.0.into(), p.1.into()]));
         if name == "teapot" || name == "less clumped" {
             let least = least(&points);
-            comparison.add(
-                format!("{name}: best number of copies is 4 to 16"),
-                truth((4.0..=16.0).contains(&least.0)),
-                1.0,
-                0.0,
-            );
-            comparison.add(format!("{name}: cheaper than one copy"), truth(least.1 < points[0].1), 1.0, 0.0);
+            comparison
+                .claim(format!("{name}: best number of copies is 4 to 16"), (4.0..=16.0).contains(&least.0));
+            comparison.claim(format!("{name}: cheaper than one copy"), least.1 < points[0].1);
         }
         series.push(Series::line_points(name, points));
     }
@@ -71,7 +66,7 @@ pub fn imbalance() -> Result<Findings, ExperimentError> {
     }
     let mut comparison = Comparison::new();
     let rising = most.windows(2).all(|w| w[0] < w[1]);
-    comparison.add("the busiest processor's polygons grow with every step", truth(rising), 1.0, 0.0);
+    comparison.claim("the busiest processor's polygons grow with every step", rising);
     let plot = Plot {
         name: "sent".into(),
         title: "Visible polygons whose geometry a processor computes".into(),
@@ -116,7 +111,7 @@ pub fn surface() -> Result<Findings, ExperimentError> {
     }
     let mut comparison = Comparison::new();
     comparison.add("copies at the least cost", f64::from(least.0), 1.0, 0.0);
-    comparison.add("best stride is 8 or 16", truth([8, 16].contains(&least.1)), 1.0, 0.0);
+    comparison.claim("best stride is 8 or 16", [8, 16].contains(&least.1));
     let plot = Plot {
         name: "surface".into(),
         title: "Instructions of geometry and communication".into(),

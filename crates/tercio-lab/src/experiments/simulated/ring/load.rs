@@ -97,12 +97,7 @@ pub fn locality() -> Result<Findings, ExperimentError> {
         let mean = scene.visible() as f64 / 1024.0;
         summary.push([name.into(), most.into(), mean.into(), (most / mean).into()]);
         series.push(Series::line(name, profile(&mut table, name, columns.into_iter())));
-        comparison.add(
-            format!("{name}: at least 3 times the mean"),
-            super::super::truth(most >= 3.0 * mean),
-            1.0,
-            0.0,
-        );
+        comparison.claim(format!("{name}: at least 3 times the mean"), most >= 3.0 * mean);
     }
     let plot = Plot {
         name: "locality".into(),
