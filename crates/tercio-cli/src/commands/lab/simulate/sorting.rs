@@ -71,6 +71,7 @@ pub struct Sorting {
 
 /// The sorting classes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[expect(clippy::enum_variant_names, reason = "the names of the field, as the command line takes them")]
 enum Class {
     /// Polygons travel before the geometry work.
     SortFirst,

@@ -107,12 +107,15 @@ fn communication(run: &RingRun) -> f64 {
     run.communication() as f64 / run.visible.max(1) as f64
 }
 
+/// A scene's name and its points.
+type Curve = (&'static str, Vec<(f64, f64)>);
+
 /// A quantity of each scene by a parameter that takes `values`.
 fn curves(
     scenes: &[(&'static str, BoxScene)],
     values: &[u32],
     quantity: impl Fn(&BoxScene, u32) -> Result<f64, ExperimentError> + Sync,
-) -> Result<Vec<(&'static str, Vec<(f64, f64)>)>, ExperimentError> {
+) -> Result<Vec<Curve>, ExperimentError> {
     let points = sweep(&pairs(scenes, values), |((_, scene), value)| {
         Ok((f64::from(*value), quantity(scene, *value)?))
     })?;
