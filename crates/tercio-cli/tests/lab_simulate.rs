@@ -91,7 +91,7 @@ fn boxes_are_sorted_on_any_machine_in_sweeps() {
     let four = place.run(&format!("{sweep} --threads 4")).quietly_well();
     assert_eq!(one.text(), four.text());
     assert!(one.text().ends_with("charges nothing for polygon, polygon-set-up, pixel\n"), "{}", one.text());
-    // A line for the machine, one for the columns, one for what is not charged; four settings of the regions but for sort-last.
+    // Lines for machine, columns and what is not charged; four settings of the regions but for sort-last.
     assert_eq!(one.text().lines().count(), 3 + 2 * (4 * (1 + 1 + 2) + 1), "{}", one.text());
 }
 
