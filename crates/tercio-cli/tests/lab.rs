@@ -34,10 +34,18 @@ fn every_formula_is_listed_with_parameters_units_and_place() {
         }
         // A formula whose parameters all have defaults can be asked without any.
         let parameters = model["parameters"].as_array().expect("parameters");
-        assert!(parameters.iter().all(|p| p["name"].is_string() && p["unit"].is_string()), "{model}");
+        for parameter in parameters {
+            assert!(parameter["name"].is_string() && parameter["unit"].is_string(), "{model}");
+            for key in ["meaning", "form"] {
+                assert!(parameter[key].as_str().is_some_and(|t| !t.is_empty()), "{key} of {model}");
+            }
+        }
     }
     let some = place.run("lab eval --list mcmanus.1").quietly_well();
-    assert!(some.text().contains("P [polygon/s]") && some.text().contains("eq 1"));
+    assert!(some.text().contains("P [polygon/s]       polygons a second of the renderer"), "{}", some.text());
+    assert!(some.text().contains("(003 eq 1)") && some.text().contains("assumes: 0.000871 in2"));
+    let one = place.run("lab eval --list eldridge.5.6").quietly_well();
+    assert!(one.text().contains("n [processor] = 1024  processors\n"), "{}", one.text());
 }
 
 #[test]
@@ -45,13 +53,20 @@ fn mistakes_in_names_and_values_are_told() {
     let place = Place::new();
     place.run("lab eval eldridge.5.66").failed(1, &["no formula is called 'eldridge.5.66'", "eldridge.5.6"]);
     place.run("lab eval eldridge.5.6 q=1").failed(1, &["eldridge.5.6 has no parameter 'q'", "n, a, b"]);
-    place.run("lab eval eldridge.5.3 n=8").failed(1, &["needs a value for 'd' (processor)"]);
+    place
+        .run("lab eval eldridge.5.3 n=8")
+        .failed(1, &["needs a value for 'd', distance of a pass, the stride (processor)"]);
     place.run("lab eval eldridge.5.6 n=0").failed(1, &["n: number of processors", "above zero", "found 0"]);
     place.run("lab eval eldridge.5.6 n=3MHz").failed(1, &["expected processor", "'MHz'"]);
     place
         .run("lab eval mcmanus.14 X=16 A=5 N=9")
         .failed(1, &["mcmanus.14: A: expected at most the root of X"]);
     place.run("lab eval ortega.rate N=5 t=0").failed(1, &["no finite value"]);
+    place
+        .run("lab eval eldrige.5.6")
+        .failed(1, &["no formula is called 'eldrige.5.6'; near it: eldridge.5.6"]);
+    place.run("lab eval --list quaternion").failed(1, &["no formula is called 'quaternion'"]);
+    place.run("lab eval eldridge.5.8 m=0.5").failed(1, &["m: copies of the database: expected at least 1"]);
     place.run("lab eval eldridge.5.6 n").failed(2, &["expected NAME=VALUE, found 'n'"]);
     place.run("lab eval eldridge.5.6 n=1 n=2").failed(2, &["'n' is given twice"]);
     place.run("lab eval parks.variance of=[[1,").failed(1, &["of: expected a list"]);

@@ -19,6 +19,8 @@ fn mistakes_in_a_description_are_told_with_line_and_column() {
     let text = place.run("lab machines hybris-asic").quietly_well().text().to_string();
     std::fs::write(place.path("mine.toml"), text.replace("27 MHz", "27 MB")).unwrap();
     place.run("lab machines mine.toml").failed(1, &["mine.toml:", "clock rate", "MB"]);
+    std::fs::write(place.path("bytes.toml"), b"name = \"a\"\nsummary = \"\xff\"\n").unwrap();
+    place.run("lab machines bytes.toml").failed(1, &["bytes.toml:2:12: expected text"]);
     place.run("lab machines no-such").failed(1, &["no-such", "princeton-engine"]);
 }
 

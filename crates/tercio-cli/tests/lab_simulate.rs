@@ -58,6 +58,44 @@ fn random_scenes_are_the_same_again() {
 }
 
 #[test]
+fn boxes_are_sorted_on_any_machine_in_sweeps() {
+    let place = Place::new();
+    // Four regions of 8x8 pixels on four processors: polygon 0 lies in all of them, polygon 1 in the last.
+    let boxes = "NumPolygons=3\n1 (6,6) (9,9)\n1 (12,12) (12,12)\n0 (1,1) (2,2)\n";
+    std::fs::write(place.path("two.boxes"), boxes).unwrap();
+    let command =
+        "lab simulate sorting two.boxes --size 16x16 --processors 4 -O sort-middle,sort-last --json";
+    let value: serde_json::Value = serde_json::from_str(place.run(command).quietly_well().text()).unwrap();
+    let runs = value["runs"].as_array().unwrap();
+    assert_eq!((value["machine"].as_str(), runs.len()), (Some("Princeton Engine"), 2));
+    let (middle, last) = (&runs[0], &runs[1]);
+    assert_eq!(middle["report"]["overlap"], 2.5);
+    assert_eq!(middle["report"]["redistribution"]["messages"], 4);
+    assert_eq!(
+        (last["report"]["overlap"].as_f64(), last["setting"]["processors"].as_u64()),
+        (Some(1.0), Some(4))
+    );
+    assert_eq!(last["report"]["redistribution"]["messages"], 0);
+    for run in runs {
+        let phases = ["geometry", "raster"].map(|p| run["report"][p]["seconds"].as_f64().unwrap());
+        let sent =
+            ["redistribution_seconds", "composition_seconds"].map(|p| run["report"][p].as_f64().unwrap());
+        let sum = phases.iter().chain(&sent).sum::<f64>();
+        assert!((run["total_seconds"].as_f64().unwrap() / sum - 1.0).abs() < 1e-12, "{run}");
+    }
+
+    place.run("lab workload random:2000 --size 256x256 --box 9x9 -o made.boxes").quietly_well();
+    let sweep = "lab simulate sorting made.boxes --size 256x256 --machine cluster-64 --network mesh \
+        --processors 16,64 --group 2,8 --region 8,32 --assignment interleaved,blocks";
+    let one = place.run(&format!("{sweep} --threads 1")).quietly_well();
+    let four = place.run(&format!("{sweep} --threads 4")).quietly_well();
+    assert_eq!(one.text(), four.text());
+    assert!(one.text().ends_with("charges nothing for polygon, polygon-set-up, pixel\n"), "{}", one.text());
+    // Lines for machine, columns and what is not charged; four settings of the regions but for sort-last.
+    assert_eq!(one.text().lines().count(), 3 + 2 * (4 * (1 + 1 + 2) + 1), "{}", one.text());
+}
+
+#[test]
 fn mistakes_are_told() {
     let place = Place::new();
     let write = |name, text| std::fs::write(place.path(name), text).unwrap();
@@ -72,6 +110,14 @@ fn mistakes_are_told() {
     place
         .run("lab simulate ring good.boxes --duplication 3")
         .failed(1, &["duplication that divides the 1024 processors"]);
+    let sorting = |more: &str| place.run(&format!("lab simulate sorting {more}"));
+    sorting("bad.boxes").failed(1, &["bad.boxes: line 2: expected a last pixel"]);
+    sorting("good.boxes --machine sgi-gtx")
+        .failed(1, &["machine \"Silicon Graphics GTX\": network is needed"]);
+    sorting("good.boxes --machine nothing").failed(1, &["no machine \"nothing\""]);
+    sorting("good.boxes --size 30000x30000").failed(1, &["expected a screen of at most"]);
+    assert_eq!(sorting("good.boxes --processors 0").code, Some(2));
+    assert_eq!(sorting("good.boxes -O sort-sometimes").code, Some(2));
     place.run("lab simulate parks good.boxes").failed(1, &["needs whole polygons, not boxes"]);
     place.run("lab simulate ring none.boxes").failed(1, &["none.boxes"]);
     place.run("lab workload model.off -o model.txt").failed(2, &["extension must be .boxes or .polygons"]);

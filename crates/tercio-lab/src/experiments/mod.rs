@@ -15,6 +15,7 @@ pub mod parks;
 mod plot;
 pub mod report;
 mod simulated;
+mod sweep;
 mod table;
 mod verdict;
 
@@ -202,10 +203,11 @@ mod tests {
     }
 
     #[test]
-    fn what_is_found_is_the_same_from_run_to_run() {
+    fn what_is_found_is_the_same_from_run_to_run_on_any_number_of_threads() {
+        let [one, four] = [1, 4].map(|n| rayon::ThreadPoolBuilder::new().num_threads(n).build().unwrap());
         for experiment in all() {
             let run = || format!("{:?}", (experiment.run)().map_err(|e| e.to_string()));
-            assert_eq!(run(), run(), "{}", experiment.id);
+            assert_eq!(one.install(run), four.install(run), "{}", experiment.id);
         }
     }
 }

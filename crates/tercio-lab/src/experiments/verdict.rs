@@ -58,10 +58,11 @@ impl Verdict {
     }
 }
 
-/// Pairs of ours and published numbers, from which a verdict follows.
+/// Pairs of ours and published numbers, and claims about shapes, from which a verdict follows.
 #[derive(Clone, Debug, Default)]
 pub struct Comparison {
     pairs: Vec<Pair>,
+    claims: Vec<(String, bool)>,
 }
 
 #[derive(Clone, Debug)]
@@ -83,13 +84,39 @@ impl Comparison {
         self.pairs.push(Pair { name: name.into(), ours, published, tolerance });
     }
 
-    /// Whether all are within their tolerances; false if there is nothing to compare.
+    /// Adds something of the shape that the document says or draws, and whether it is so with us.
+    pub fn claim(&mut self, what: impl Into<String>, holds: bool) {
+        self.claims.push((what.into(), holds));
+    }
+
+    /// Whether all numbers are within their tolerances and all claims hold; false if there is nothing to compare.
     pub fn agrees(&self) -> bool {
-        !self.pairs.is_empty() && self.pairs.iter().all(Pair::agrees)
+        let some = !(self.pairs.is_empty() && self.claims.is_empty());
+        some && self.pairs.iter().all(Pair::agrees) && self.claims.iter().all(|c| c.1)
+    }
+
+    /// What holds and what does not.
+    fn words(&self) -> String {
+        let of = |holding: bool| {
+            let names: Vec<_> = self.claims.iter().filter(|c| c.1 == holding).map(|c| c.0.as_str()).collect();
+            names.join("; ")
+        };
+        let (held, failed) = (of(true), of(false));
+        let mut parts = Vec::new();
+        if !failed.is_empty() {
+            parts.push(format!("not so: {failed}"));
+        }
+        if !self.pairs.is_empty() {
+            parts.push(self.words_of_numbers());
+        }
+        if !held.is_empty() {
+            parts.push(held);
+        }
+        parts.join("; ")
     }
 
     /// The pairs, their largest deviation, and the places that fail.
-    fn words(&self) -> String {
+    fn words_of_numbers(&self) -> String {
         let failed: Vec<_> = self.pairs.iter().filter(|p| !p.agrees()).collect();
         let relative = |p: &&Pair| if p.published == 0.0 { 0.0 } else { (p.ours / p.published - 1.0).abs() };
         let worst = self.pairs.iter().max_by(|a, b| relative(a).total_cmp(&relative(b)));
@@ -149,7 +176,7 @@ impl Comparison {
             let name = check.number.id.clone();
             let Some(expected) = check.number.expected.as_number() else {
                 // Lists agree as a whole or not at all.
-                comparison.add(name, f64::from(u8::from(check.holds)), 1.0, 0.0);
+                comparison.claim(name, check.holds);
                 continue;
             };
             let ours = check.ours.as_ref().ok().and_then(|v| v.as_number()).unwrap_or(f64::NAN);
@@ -194,6 +221,13 @@ mod tests {
         );
         comparison.add("a", 1.0, 1.01, 0.02);
         assert!(matches!(comparison.verdict(), Verdict::Reproduced { .. }));
+        comparison.claim("the curve falls", true);
+        let text = comparison.qualitative("No scene.").text();
+        assert!(text.starts_with("No scene.") && text.ends_with("; the curve falls."), "{text}");
+        let mut false_claim = comparison.clone();
+        false_claim.claim("the curve ends", false);
+        assert!(matches!(false_claim.qualitative(""), Verdict::Contradicted { .. }));
+        assert!(false_claim.verdict().text().contains("not so: the curve ends"));
         comparison.add("b", 1.0, 1.1, 0.02);
         assert!(comparison.verdict_after("sign").text().contains("b: ours 1, published 1.1"));
     }

@@ -204,6 +204,9 @@ pub fn load(name_or_file: &str) -> Result<Machine, MachineError> {
     if !path.exists() {
         return Err(MachineError::Unknown { name: name_or_file.into(), known: NAMES.join(", ") });
     }
-    let text = fs::read_to_string(path).map_err(|source| MachineError::Io { path: path.into(), source })?;
-    parse(name_or_file, &text)
+    let bytes = fs::read(path).map_err(|source| MachineError::Io { path: path.into(), source })?;
+    match std::str::from_utf8(&bytes) {
+        Ok(text) => parse(name_or_file, text),
+        Err(error) => Err(MachineError::of_bytes(name_or_file, &bytes[..error.valid_up_to()])),
+    }
 }

@@ -50,9 +50,19 @@ impl MachineError {
     /// An error of the TOML reader, its place counted in lines.
     pub(super) fn of_toml(file: &str, text: &str, error: &toml::de::Error) -> Self {
         let start = error.span().map_or(0, |s| s.start.min(text.len()));
-        let before = &text[..start];
+        Self::behind(file, &text[..start], error.message())
+    }
+
+    /// The error that behind `before` a file holds no text.
+    pub(super) fn of_bytes(file: &str, before: &[u8]) -> Self {
+        let before = String::from_utf8_lossy(before);
+        Self::behind(file, &before, "expected text, found bytes that are not UTF-8")
+    }
+
+    /// An error at the place behind `before`.
+    fn behind(file: &str, before: &str, what: &str) -> Self {
         let line = before.matches('\n').count() + 1;
         let column = before.rsplit('\n').next().unwrap_or("").chars().count() + 1;
-        Self::Text { file: file.into(), line, column, what: error.message().into() }
+        Self::Text { file: file.into(), line, column, what: what.into() }
     }
 }

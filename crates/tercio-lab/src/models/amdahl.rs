@@ -1,7 +1,7 @@
 //! Speed-up with a part that stays serial: equations 4.2 to 4.7 of document 001, and what follows from them.
 
 use crate::models;
-use crate::models::registry::Model;
+use crate::models::registry::{Glossary, Model};
 use crate::units::{FrameRate, PolygonRate, Ratio, Seconds};
 
 /// Equation 4.2: time where the part `parallel` is `speed_up` times as fast and `serial` stays.
@@ -9,9 +9,19 @@ pub fn time(parallel: Seconds, speed_up: Ratio, serial: Seconds) -> Seconds {
     parallel / speed_up.get() + serial
 }
 
+/// Equation 4.3: time on one processor.
+pub fn single(parallel: Seconds, serial: Seconds) -> Seconds {
+    time(parallel, Ratio::new(1.0), serial)
+}
+
 /// Equation 4.5: the speed-up that is seen. The document prints the fraction upside down.
 pub fn observed(single: FrameRate, dual: FrameRate) -> Ratio {
     Ratio::new(dual / single)
+}
+
+/// Equation 4.5 as it is printed, upside down: the time on two processors over the time on one.
+pub fn observed_as_printed(single: FrameRate, dual: FrameRate) -> Ratio {
+    observed(dual, single)
 }
 
 /// Equation 4.6: the speed-up of the parallel part from its own time on one processor.
@@ -37,10 +47,13 @@ pub fn parallel_speed_up(single: FrameRate, dual: FrameRate, idle: FrameRate) ->
 /// Amdahl's law: speed-up of the whole where the share `share` becomes `speed_up` times as fast.
 ///
 /// # Errors
-/// A share above 1.
+/// A share above 1, a speed-up of zero.
 pub fn whole(share: Ratio, speed_up: Ratio) -> Result<Ratio, String> {
     if share.get() > 1.0 {
         return Err(format!("share: expected at most 1, found {share}"));
+    }
+    if speed_up.get() <= 0.0 {
+        return Err("speed_up: expected a number above zero, found 0".into());
     }
     Ok(Ratio::new(1.0 / (1.0 - share.get() + share.get() / speed_up.get())))
 }
@@ -55,10 +68,14 @@ pub fn rate_after(rate: PolygonRate, share: Ratio, speed_up: Ratio) -> Result<Po
 }
 
 pub(crate) const MODELS: &[Model] = models! {
-    "amdahl.4.2", "001 eq 4.2", "time with a serial part":
+    "amdahl.4.2", "001 eq 4.2, 4.4", "time where all but a serial part is faster":
         time["parallel": Seconds, "speed_up": Ratio, "serial": Seconds] -> Seconds;
+    "amdahl.4.3", "001 eq 4.3", "time on one processor":
+        single["parallel": Seconds, "serial": Seconds] -> Seconds;
     "amdahl.4.5", "001 eq 4.5", "speed-up that is seen, from frame rates; printed upside down":
         observed["single": FrameRate, "dual": FrameRate] -> Ratio;
+    "amdahl.4.5-as-printed", "001 eq 4.5", "the same as printed, upside down":
+        observed_as_printed["single": FrameRate, "dual": FrameRate] -> Ratio;
     "amdahl.4.6", "001 eq 4.6", "speed-up of the parallel part, from times":
         parallel_part["parallel": Seconds, "dual": Seconds, "serial": Seconds] -> Result<Ratio, String>;
     "amdahl.4.7", "001 eq 4.7", "speed-up of the parallel part, from frame rates":
@@ -67,6 +84,26 @@ pub(crate) const MODELS: &[Model] = models! {
         whole["share": Ratio, "speed_up": Ratio] -> Result<Ratio, String>;
     "amdahl.rate-after", "000 9.1", "polygon rate after a share of the time has become faster":
         rate_after["rate": PolygonRate, "share": Ratio, "speed_up": Ratio] -> Result<PolygonRate, String>;
+};
+
+pub(crate) const GLOSSARY: Glossary = Glossary {
+    group: "amdahl",
+    document: None,
+    symbols: &[
+        ("dual", "pictures a second on two processors"),
+        ("amdahl.4.6/dual", "time on two processors"),
+        ("idle", "pictures a second if only the serial part runs"),
+        ("parallel", "time of the part that is divided, on one processor"),
+        ("rate", "polygons a second before"),
+        ("serial", "time of the part that is not divided"),
+        ("share", "share of the time that becomes faster"),
+        ("single", "pictures a second on one processor"),
+        ("speed_up", "how many times as fast that part becomes"),
+    ],
+    assumptions: &[(
+        &["amdahl.*"],
+        "the serial part takes the same time on any number of processors, and nothing overlaps it",
+    )],
 };
 
 #[cfg(test)]
@@ -84,6 +121,9 @@ mod tests {
             let idle = rate(Seconds::new(serial));
             let found = parallel_speed_up(rate(at(1.0)), rate(at(speed_up)), idle).unwrap().get();
             prop_assert!((found / speed_up - 1.0).abs() < 1e-6);
+            let (one, two) = (rate(at(1.0)), rate(at(speed_up)));
+            prop_assert!((single(Seconds::new(parallel), Seconds::new(serial)).get() * one.get() - 1.0).abs() < 1e-12);
+            prop_assert!((observed(one, two).get() * observed_as_printed(one, two).get() - 1.0).abs() < 1e-12);
         }
     }
 }

@@ -1,10 +1,13 @@
 //! Arithmetic that several documents share.
 
+use std::iter::Sum;
+use std::ops::Mul;
+
 use crate::models;
-use crate::models::registry::Model;
+use crate::models::registry::{Glossary, Model};
 use crate::units::{
     Amperes, Bits, Bytes, BytesPerSecond, Count, FrameRate, Hertz, Length, PixelRate, Pixels, PolygonRate,
-    Polygons, Ratio, Seconds, SquareMetres, Volts, Watts,
+    Polygons, Quantity, Ratio, Seconds, SquareMetres, Volts, Watts,
 };
 
 /// Bandwidth of a bus or memory `width` bits wide that transfers `transfers` times a clock.
@@ -82,27 +85,24 @@ pub fn percent_cut_off(part: Ratio, whole: Ratio) -> Ratio {
     Ratio::new((100.0 * part.get() / whole.get()).floor() / 100.0)
 }
 
-fn dot(times: &[Count], each: &[f64]) -> Result<f64, String> {
+/// A linear function A x + B y + C of the screen.
+pub fn linear([a, b, c]: [f64; 3], at: [f64; 2]) -> f64 {
+    a * at[0] + b * at[1] + c
+}
+
+/// The sum of `times[i]` things of `each[i]`: fields of a record, instructions of a listing.
+///
+/// # Errors
+/// Lists of different lengths.
+pub fn total<Q: Quantity + Sum + Mul<f64, Output = Q>>(times: Vec<Count>, each: Vec<Q>) -> Result<Q, String> {
     if times.len() != each.len() {
-        return Err(format!("expected as many sizes as counts, found {} and {}", each.len(), times.len()));
+        return Err(format!(
+            "times, each: expected lists of the same length, found {} and {}",
+            times.len(),
+            each.len()
+        ));
     }
-    Ok(times.iter().zip(each).map(|(t, e)| t.get() * e).sum())
-}
-
-/// Size of a record with `times[i]` fields of `each[i]` bytes.
-///
-/// # Errors
-/// Lists of different lengths.
-pub fn record_bytes(times: Vec<Count>, each: Vec<Bytes>) -> Result<Bytes, String> {
-    dot(&times, &each.into_iter().map(Bytes::get).collect::<Vec<_>>()).map(Bytes::new)
-}
-
-/// Width of a record with `times[i]` fields of `each[i]` bits.
-///
-/// # Errors
-/// Lists of different lengths.
-pub fn record_bits(times: Vec<Count>, each: Vec<Bits>) -> Result<Bits, String> {
-    dot(&times, &each.into_iter().map(Bits::get).collect::<Vec<_>>()).map(Bits::new)
+    Ok(times.into_iter().zip(each).map(|(t, e)| e * t.get()).sum())
 }
 
 /// Electric power.
@@ -116,6 +116,36 @@ pub fn nanoacres(number: Ratio) -> SquareMetres {
     const ACRE: f64 = 4_046.856_422_4;
     SquareMetres::new(number.get() * 1e-9 * ACRE)
 }
+
+pub(crate) const GLOSSARY: Glossary = Glossary {
+    group: "common",
+    document: None,
+    symbols: &[
+        ("after", "what is left, or the time afterwards"),
+        ("bandwidth", "bandwidth"),
+        ("before", "what there was, or the time before"),
+        ("clock", "clock rate"),
+        ("clocks", "periods of the clock"),
+        ("current", "electric current"),
+        ("each", "size of a field of each kind"),
+        ("fps", "pictures a second"),
+        ("height", "height of the screen"),
+        ("item", "bytes of a triangle"),
+        ("number", "nanoacres"),
+        ("part", "the part"),
+        ("period", "time of one period"),
+        ("polygons", "polygons of a picture"),
+        ("rate", "triangles a second"),
+        ("size", "bytes to send"),
+        ("tension", "electric tension"),
+        ("times", "fields of each kind"),
+        ("transfers", "transfers in a clock"),
+        ("whole", "the whole"),
+        ("width", "width of the bus"),
+        ("common.pixel-rate/width", "width of the screen"),
+    ],
+    assumptions: &[],
+};
 
 pub(crate) const MODELS: &[Model] = models! {
     "common.bandwidth", "all", "bandwidth of a bus":
@@ -149,9 +179,9 @@ pub(crate) const MODELS: &[Model] = models! {
     "common.percent-cut-off", "001 fig 4.11", "share in whole percents, cut off":
         percent_cut_off["part": Ratio, "whole": Ratio] -> Ratio;
     "common.record-bytes", "all", "bytes of a record with so many fields of each size":
-        record_bytes["times": Vec<Count>, "each": Vec<Bytes>] -> Result<Bytes, String>;
+        total["times": Vec<Count>, "each": Vec<Bytes>] -> Result<Bytes, String>;
     "common.record-bits", "all", "bits of a record with so many fields of each width":
-        record_bits["times": Vec<Count>, "each": Vec<Bits>] -> Result<Bits, String>;
+        total["times": Vec<Count>, "each": Vec<Bits>] -> Result<Bits, String>;
     "common.power", "001 4.2.1", "electric power":
         power["current": Amperes, "tension": Volts] -> Watts;
     "common.nanoacres", "001 1.1", "area of so many nanoacres":

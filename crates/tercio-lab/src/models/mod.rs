@@ -25,18 +25,20 @@ pub mod overlap;
 pub mod parks;
 pub mod registry;
 
-use registry::Model;
+use registry::{Glossary, Model};
 
 /// The rooms that the registry knows, in the order of the documents; simulators stand beside formulas.
 const ROOMS: &[&[Model]] = &[
+    eldridge::geometry::MODELS,
+    eldridge::planes::MODELS,
     eldridge::comparison::MODELS,
     eldridge::ring::MODELS,
     eldridge::distribution::MODELS,
     eldridge::sort_twice::MODELS,
     eldridge::placement::MODELS,
-    eldridge::planes::MODELS,
     eldridge::throughput::MODELS,
     overlap::MODELS,
+    overlap::integral::MODELS,
     hybris::rates::MODELS,
     hybris::records::MODELS,
     hybris::rasterization::MODELS,
@@ -48,4 +50,16 @@ const ROOMS: &[&[Model]] = &[
     mcmanus::optimum::MODELS,
     ortega::MODELS,
     common::MODELS,
+];
+
+/// What the symbols of the rooms mean, one glossary a group of names.
+const GLOSSARIES: &[&Glossary] = &[
+    &eldridge::glossary::GLOSSARY,
+    &overlap::GLOSSARY,
+    &hybris::glossary::GLOSSARY,
+    &amdahl::GLOSSARY,
+    &parks::glossary::GLOSSARY,
+    &mcmanus::glossary::GLOSSARY,
+    &ortega::GLOSSARY,
+    &common::GLOSSARY,
 ];

@@ -3,7 +3,7 @@
 //! Its rates are polygons over time cut off to whole numbers.
 
 use crate::models;
-use crate::models::registry::Model;
+use crate::models::registry::{Glossary, Model};
 use crate::units::{Bytes, Count, Polygons, Ratio, Seconds};
 
 /// Polygons a second as the tables print them, cut off to a whole number.
@@ -25,11 +25,14 @@ pub fn speed_up(smallest: Seconds, time: Seconds) -> Ratio {
     Ratio::new(smallest / time)
 }
 
+/// Numbers of polygons that are tried.
+const MOST_CANDIDATES: u64 = 100_000_000;
+
 /// The number of polygons that explains most of the printed rates: a rate `r` cut off from `N / t` allows the whole
 /// numbers r t <= N < (r + 1) t.
 ///
 /// # Errors
-/// Lists of different lengths, or several numbers that explain equally many rates.
+/// Lists of different lengths, several numbers that explain equally many rates, or more than 10^8 that may.
 pub fn implied_polygons(times: Vec<Seconds>, rates: Vec<Count>) -> Result<Polygons, String> {
     if times.len() != rates.len() || times.is_empty() {
         return Err(format!("expected as many rates as times, found {} and {}", rates.len(), times.len()));
@@ -42,6 +45,11 @@ pub fn implied_polygons(times: Vec<Seconds>, rates: Vec<Count>) -> Result<Polygo
         .zip(&rates)
         .map(|(t, r)| ((r.get() * t.get()).floor() as u64, ((r.get() + 1.0) * t.get()).ceil() as u64));
     let (first, last) = ranges.fold((u64::MAX, 0), |(low, high), (l, h)| (low.min(l), high.max(h)));
+    if last.saturating_sub(first) > MOST_CANDIDATES {
+        return Err(format!(
+            "t, rates: expected at most {MOST_CANDIDATES} numbers to try, found {first} to {last}"
+        ));
+    }
     let mut best = (0, Vec::new());
     for n in first..=last {
         let explained = explains(n as f64);
@@ -130,6 +138,39 @@ pub(crate) const MODELS: &[Model] = models! {
     "ortega.loop-steps", "4", "steps of the loops over heights and segments":
         loop_steps["tallest": Count, "N": Polygons, "processors": Count, "longest": Vec<Count>, "buffer": Count]
             -> Count;
+};
+
+pub(crate) const GLOSSARY: Glossary = Glossary {
+    group: "ortega",
+    document: Some("004"),
+    symbols: &[
+        ("N", "polygons"),
+        ("buffer", "segments that are gathered before they are broken into pixels"),
+        ("cell", "bytes of a cell"),
+        ("fast", "times of the faster table, cell by cell"),
+        ("first", "first entry of the colour table that is free"),
+        ("last", "last entry"),
+        ("longest", "pixels of the longest segment of each full buffer"),
+        ("memory", "memory of the machine"),
+        ("polygons", "polygons of a time step"),
+        ("processors", "processors"),
+        ("rates", "polygons a second as printed"),
+        ("side", "cells, or colours, along an edge"),
+        ("slow", "times of the slower table, cell by cell"),
+        ("t", "time of the picture, or times of several"),
+        ("t0", "time on the smallest partition"),
+        ("tallest", "scan lines of the tallest polygon"),
+        ("vertex", "bytes of a vertex"),
+        ("vertices", "vertices of a polygon"),
+    ],
+    assumptions: &[
+        (&["ortega.rate", "ortega.best-rate", "ortega.implied-polygons"], "rates are cut off, not rounded"),
+        (&["ortega.speed-up"], "the smallest partition counts as 1"),
+        (
+            &["ortega.loop-steps"],
+            "every pass takes all layers of virtual processors, whether they have work or not",
+        ),
+    ],
 };
 
 #[cfg(test)]

@@ -19,6 +19,7 @@ or lists ('[[1, 31], [2, 95]]').
 
 Examples:
   tercio lab eval --list
+  tercio lab eval --list eldridge.5.6
   tercio lab eval eldridge.5.6
   tercio lab eval eldridge.5.6 n=4096 a=42 b=30
   tercio lab eval overlap.2.10 S=32 w=40 h=55 a=1041.5 --json
@@ -31,7 +32,8 @@ pub struct Eval {
     /// Values of its parameters.
     #[arg(value_name = "NAME=VALUE")]
     values: Vec<String>,
-    /// Lists the formulas with their parameters, units, defaults and places; with ID, those whose name begins so.
+    /// Lists the formulas: place in the document, parameters with units, defaults and meanings, and what is assumed;
+    /// with ID, those whose name begins so, or else those that speak of it.
     #[arg(long)]
     list: bool,
     /// Writes JSON with stable keys.
@@ -65,26 +67,31 @@ impl Eval {
     }
 
     fn list(&self) -> Result<String> {
-        let prefix = self.id.as_deref().unwrap_or_default();
-        let models: Vec<_> = registry::all().filter(|m| m.id.starts_with(prefix)).collect();
+        let asked = self.id.as_deref().unwrap_or_default();
+        let models = registry::search(asked);
         if models.is_empty() {
-            registry::find(prefix)?;
+            registry::find(asked)?;
         }
         if self.json {
             let all: Json = models.iter().map(|m| model_json(m)).collect();
             return Ok(format!("{all:#}\n"));
         }
-        Ok(models.iter().fold(String::new(), |mut text, model| {
-            let unit = if model.unit.is_empty() { String::new() } else { format!(" [{}]", model.unit) };
-            // Writing into a string cannot fail.
-            let _ = writeln!(text, "{}{unit}  ({})\n    {}", model.id, model.place, model.what);
-            if !model.parameters.is_empty() {
-                let all: Vec<_> = model.parameters.iter().map(parameter_text).collect();
-                let _ = writeln!(text, "    {}", all.join(", "));
-            }
-            text
-        }))
+        Ok(models.iter().map(|model| model_text(model)).collect())
     }
+}
+
+/// A formula's place, parameters and assumptions.
+fn model_text(model: &Model) -> String {
+    let unit = if model.unit.is_empty() { String::new() } else { format!(" [{}]", model.unit) };
+    let mut text = format!("{}{unit}  ({})\n    {}\n", model.id, model.source(), model.what);
+    let heads: Vec<_> = model.parameters.iter().map(parameter_text).collect();
+    let width = heads.iter().map(|h| h.chars().count()).max().unwrap_or(0);
+    for (parameter, head) in model.parameters.iter().zip(&heads) {
+        // Writing into a string cannot fail.
+        let _ = writeln!(text, "    {head:width$}  {}", model.meaning(parameter.name));
+    }
+    model.assumptions().for_each(|a| text += &format!("    assumes: {a}\n"));
+    text
 }
 
 /// Reads `name=value` pairs.
@@ -103,18 +110,30 @@ fn arguments(values: &[String]) -> Result<Arguments> {
 }
 
 fn parameter_text(parameter: &Parameter) -> String {
-    let unit = if parameter.unit.is_empty() { String::new() } else { format!(" [{}]", parameter.unit) };
+    let form = (parameter.form)();
+    // Lists have their brackets already.
+    let form = if form.starts_with('[') { form } else { format!("[{form}]") };
+    let form = parameter
+        .at_least
+        .map_or_else(|| form.clone(), |least| form.replace(']', &format!(", at least {least}]")));
     let default = parameter.default.map_or(String::new(), |d| format!(" = {}", Value::Number(d)));
-    format!("{}{unit}{default}", parameter.name)
+    format!("{} {form}{default}", parameter.name)
 }
 
 fn model_json(model: &Model) -> Json {
-    let parameter = |p: &Parameter| json!({ "name": p.name, "unit": p.unit, "default": p.default });
+    let parameter = |p: &Parameter| {
+        let meaning = model.meaning(p.name);
+        json!({
+            "name": p.name, "unit": p.unit, "form": (p.form)(), "at_least": p.at_least, "default": p.default,
+            "meaning": meaning,
+        })
+    };
     json!({
         "id": model.id,
-        "place": model.place,
+        "place": model.source(),
         "what": model.what,
         "unit": model.unit,
         "parameters": model.parameters.iter().map(parameter).collect::<Json>(),
+        "assumptions": model.assumptions().collect::<Json>(),
     })
 }

@@ -48,7 +48,7 @@ pub struct MachineArgs {
 
 /// Shapes of networks.
 #[derive(Clone, Copy, Debug, ValueEnum)]
-enum NetworkName {
+pub enum NetworkName {
     /// Neighbour to neighbour in a circle.
     Ring,
     /// A square grid.
@@ -70,12 +70,18 @@ impl MachineArgs {
 
     /// The shape of network that was asked for.
     pub fn topology(&self) -> Option<Topology> {
-        self.network.map(|n| match n {
-            NetworkName::Ring => Topology::Ring,
-            NetworkName::Mesh => Topology::Mesh,
-            NetworkName::FatTree => Topology::FatTree,
-            NetworkName::Crossbar => Topology::Crossbar,
-        })
+        self.network.map(Into::into)
+    }
+}
+
+impl From<NetworkName> for Topology {
+    fn from(name: NetworkName) -> Self {
+        match name {
+            NetworkName::Ring => Self::Ring,
+            NetworkName::Mesh => Self::Mesh,
+            NetworkName::FatTree => Self::FatTree,
+            NetworkName::Crossbar => Self::Crossbar,
+        }
     }
 }
 

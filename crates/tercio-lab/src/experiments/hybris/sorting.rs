@@ -7,8 +7,7 @@ use crate::experiments::{
 };
 use crate::machines::{Topology, load};
 use crate::predict::views;
-use crate::simulators::sorting::organisation::{Setting, simulate};
-use crate::simulators::sorting::{Assignment, Costs, NetworkModel, Organisation};
+use crate::simulators::sorting::{Assignment, Costs, NetworkModel, Organisation, Setting, sweep};
 use crate::workloads::projection::Model;
 
 pub(crate) const EXPERIMENTS: &[Experiment] = &[Experiment {
@@ -21,8 +20,13 @@ pub(crate) const EXPERIMENTS: &[Experiment] = &[Experiment {
 
 const MODEL: &str = "builtin:teapot@300k";
 const SIZE: (u32, u32) = (1024, 1024);
-/// Groups of sort-twice.
-const GROUP: usize = 64;
+const NETWORKS: [Topology; 4] = [Topology::Ring, Topology::Mesh, Topology::FatTree, Topology::Crossbar];
+const CLASSES: [(&str, Organisation); 4] = [
+    ("sort-first", Organisation::SortFirst),
+    ("sort-middle", Organisation::SortMiddle),
+    ("sort-last", Organisation::SortLast),
+    ("sort-twice, groups of 64", Organisation::SortTwice(64)),
+];
 
 fn classes() -> Result<Findings, ExperimentError> {
     let machine = load("cluster-64")?;
@@ -48,21 +52,10 @@ fn classes() -> Result<Findings, ExperimentError> {
     );
     let mut plots = Vec::new();
     let mut comparison = Comparison::new();
-    for topology in [Topology::Ring, Topology::Mesh, Topology::FatTree, Topology::Crossbar] {
-        let mut plot = Plot::new(
-            topology.name(),
-            format!("Time of a frame: {}", topology.name()),
-            Axis::log2("processors"),
-            Axis::log10("milliseconds"),
-        );
-        for (name, organisation) in [
-            ("sort-first", Organisation::SortFirst),
-            ("sort-middle", Organisation::SortMiddle),
-            ("sort-last", Organisation::SortLast),
-            ("sort-twice, groups of 64", Organisation::SortTwice(GROUP)),
-        ] {
-            let mut points = Vec::new();
-            for power in (0..=20).step_by(4) {
+    let mut plans = Vec::new();
+    for topology in NETWORKS {
+        for (_, organisation) in CLASSES {
+            plans.extend((0..=20).step_by(4).map(|power| {
                 let setting = Setting {
                     width: SIZE.0,
                     height: SIZE.1,
@@ -72,11 +65,28 @@ fn classes() -> Result<Findings, ExperimentError> {
                     network: NetworkModel::of(network, Some(topology)),
                     costs,
                 };
-                let r = simulate(&boxes, organisation, &setting);
+                (organisation, setting)
+            }));
+        }
+    }
+    let reports = sweep(&boxes, &plans, || ());
+    for (topology, of_network) in NETWORKS.into_iter().zip(reports.chunks(reports.len() / NETWORKS.len())) {
+        let mut plot = Plot::new(
+            topology.name(),
+            format!("Time of a frame: {}", topology.name()),
+            Axis::log2("processors"),
+            Axis::log10("milliseconds"),
+        );
+        for ((name, organisation), of_class) in
+            CLASSES.into_iter().zip(of_network.chunks(of_network.len() / CLASSES.len()))
+        {
+            let mut points = Vec::new();
+            for r in of_class {
+                let processors = r.processors as f64;
                 table.push([
                     topology.name().into(),
                     name.into(),
-                    (setting.processors as f64).into(),
+                    processors.into(),
                     (r.geometry.seconds * 1e3).into(),
                     (r.redistribution_seconds * 1e3).into(),
                     (r.raster.seconds * 1e3).into(),
@@ -85,10 +95,10 @@ fn classes() -> Result<Findings, ExperimentError> {
                     r.overlap.into(),
                     ((r.redistribution.bytes + r.composition.bytes) as f64).into(),
                 ]);
-                points.push((setting.processors as f64, r.seconds() * 1e3));
+                points.push((processors, r.seconds() * 1e3));
                 if organisation == Organisation::SortLast {
                     comparison.add(
-                        format!("sort-last: every triangle in one place, {} processors", setting.processors),
+                        format!("sort-last: every triangle in one place, {processors} processors"),
                         r.overlap,
                         1.0,
                         0.0,

@@ -136,12 +136,7 @@ fn without_overhead() -> Result<Findings, ExperimentError> {
         .map(|(side, c)| mcmanus::array_area(side).get() * c.get())
         .collect();
     for (pair, side) in costs.windows(2).zip(super::SIDES.iter().skip(1)) {
-        comparison.add(
-            format!("{side} lies right of its half"),
-            f64::from(u8::from(pair[0] < pair[1])),
-            1.0,
-            0.0,
-        );
+        comparison.claim(format!("{side} lies right of its half"), pair[0] < pair[1]);
     }
     Ok(Findings {
         tables: vec![table],

@@ -195,12 +195,7 @@ fn approach() -> Result<Findings, ExperimentError> {
         let change = |machine: usize| (after[machine] / before[machine] - 1.0).abs();
         if change(INTERLACE_16).is_finite() {
             let steadier = change(INTERLACE_16) < change(SPLITTER_16);
-            comparison.add(
-                format!("interlace steadier from {from} to {to}"),
-                f64::from(u8::from(steadier)),
-                1.0,
-                0.0,
-            );
+            comparison.claim(format!("interlace steadier from {from} to {to}"), steadier);
         }
     }
     Ok(Findings {

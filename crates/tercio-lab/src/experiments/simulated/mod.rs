@@ -27,8 +27,3 @@ fn model_polygons(spec: &str, size: (u32, u32)) -> Result<PolygonScene, Experime
     let camera = Framing::for_size(size.0, size.1).camera_for_scene(model.scene());
     Ok(model.polygons(&camera, size)?)
 }
-
-/// 1 for true: a comparison of shapes.
-fn truth(claim: bool) -> f64 {
-    f64::from(u8::from(claim))
-}

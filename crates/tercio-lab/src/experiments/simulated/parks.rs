@@ -3,7 +3,7 @@
 use super::super::{
     Axis, Cell, Comparison, Document, Experiment, ExperimentError, Findings, Plot, Series, Table,
 };
-use super::{model_polygons, truth};
+use super::model_polygons;
 use crate::simulators::parks::figure_15::{SCREEN, polygons};
 use crate::simulators::parks::{Costs, Machine, Polygon, SceneRun, simulate};
 
@@ -192,16 +192,11 @@ fn processors() -> Result<Findings, ExperimentError> {
     }
     let mut comparison = Comparison::new();
     let [splitter, interlace] = [&times[0], &times[1]];
-    comparison.add("4 processors: interlace is faster", truth(interlace[1].1 < splitter[1].1), 1.0, 0.0);
-    comparison.add("256 processors: splitter is faster", truth(splitter[4].1 < interlace[4].1), 1.0, 0.0);
+    comparison.claim("4 processors: interlace is faster", interlace[1].1 < splitter[1].1);
+    comparison.claim("256 processors: splitter is faster", splitter[4].1 < interlace[4].1);
     // Polygons and vertices alone: N G_t + V V_t.
     let floor = Costs::pdp11().cycles(248, 731, 0, 0) / 1e6;
-    comparison.add(
-        "interlace stays above its fixed cost",
-        truth(interlace.iter().all(|p| p.1 > floor)),
-        1.0,
-        0.0,
-    );
+    comparison.claim("interlace stays above its fixed cost", interlace.iter().all(|p| p.1 > floor));
     // Section 4.5 extrapolates that polygon overhead takes 75 % at 256 processors; its own rule gives 89 %.
     comparison.add("fixed share of interlace at 256 processors", floor / interlace[4].1, 0.8, 0.1);
     let plot = Plot {
@@ -253,16 +248,9 @@ fn objects() -> Result<Findings, ExperimentError> {
         }
         let [interlace, splitter] = [times[1], times[2]];
         match name {
-            "object at one side" => {
-                comparison.add("uneven: interlace-4 is faster", truth(interlace < splitter), 1.0, 0.0)
-            }
+            "object at one side" => comparison.claim("uneven: interlace-4 is faster", interlace < splitter),
             "cargo bay" => {
-                comparison.add(
-                    "even: splitter-4 is at most 5 % slower",
-                    truth(splitter < 1.05 * interlace),
-                    1.0,
-                    0.0,
-                );
+                comparison.claim("even: splitter-4 is at most 5 % slower", splitter < 1.05 * interlace);
             }
             _ => (),
         }

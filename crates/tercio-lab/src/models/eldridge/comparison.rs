@@ -4,6 +4,7 @@
 //! prints A/o for that term in equations 4.2, 4.3, 4.8, 4.12, 5.1 and 6.1, yet its numbers 60,123 (4.12) and 75 %
 //! (5.1) come out without the division only. The functions here use f A R; the printed forms stand beside them.
 
+use super::sort_twice::grouped_sort_middle;
 use super::{AREA, ASYMMETRY, DESCRIPTOR_PASS, GEOMETRY, OVERLAP, PROCESSORS, RASTER, SCREEN};
 use crate::models;
 use crate::models::registry::Model;
@@ -52,7 +53,8 @@ pub fn sort_first_as_printed(
     sort_first(p, n, f, o, geometry, area / o.get(), raster)
 }
 
-/// Equation 4.3 with the raster term f A R: sort-middle; every descriptor visits all processors.
+/// Equation 4.3 with the raster term f A R: sort-middle; every descriptor visits all processors. It is equation 6.1
+/// with one group.
 pub fn sort_middle(
     p: Polygons,
     n: Processors,
@@ -62,7 +64,7 @@ pub fn sort_middle(
     raster: Instructions,
     pass: Instructions,
 ) -> Instructions {
-    per_polygon(geometry, area * f.get(), raster) * (p.get() / n.get()) + pass * p.get()
+    grouped_sort_middle(p, n, n, f, geometry, area, raster, pass)
 }
 
 /// Equation 4.3 as it was printed, with the raster term f A R / o; the scan has lost G and A, equation 4.8 has them.
@@ -125,8 +127,9 @@ pub fn sort_first_penalty(f: Ratio, o: Ratio) -> Ratio {
     f * o.get()
 }
 
-/// Time of sort-middle over that of sort-first (4.4.1), both as printed.
-pub fn sort_middle_to_first_as_printed(
+/// Equation 4.7: time of sort-middle over that of sort-first (4.4.1); below 1 sort-middle wins. The number of polygons
+/// does not matter.
+pub fn sort_middle_to_first(
     n: Processors,
     f: Ratio,
     o: Ratio,
@@ -136,8 +139,33 @@ pub fn sort_middle_to_first_as_printed(
     pass: Instructions,
 ) -> Ratio {
     let p = Polygons::new(n.get());
-    let middle = sort_middle_as_printed(p, n, f, o, geometry, area, raster, pass);
-    Ratio::new(middle / sort_first_as_printed(p, n, f, o, geometry, area, raster))
+    let middle = sort_middle(p, n, f, geometry, area, raster, pass);
+    Ratio::new(middle / sort_first(p, n, f, o, geometry, area, raster))
+}
+
+/// Equation 4.8: [`sort_middle_to_first`] with both raster terms as printed, f A R / o.
+pub fn sort_middle_to_first_as_printed(
+    n: Processors,
+    f: Ratio,
+    o: Ratio,
+    geometry: Instructions,
+    area: Pixels,
+    raster: Instructions,
+    pass: Instructions,
+) -> Ratio {
+    sort_middle_to_first(n, f, o, geometry, area / o.get(), raster, pass)
+}
+
+/// Equation 4.9: geometry and communication of sort-middle over the geometry of sort-first, what is left of 4.8 where
+/// the raster terms cancel; below 1 sort-middle wins.
+pub fn geometry_to_first(
+    n: Processors,
+    f: Ratio,
+    o: Ratio,
+    geometry: Instructions,
+    pass: Instructions,
+) -> Ratio {
+    Ratio::new((geometry + pass * n.get()) / (geometry * sort_first_penalty(f, o).get()))
 }
 
 /// Equation 4.11: dense sort-last beats sparse above this many polygons.
@@ -216,18 +244,18 @@ pub(crate) const MODELS: &[Model] = models! {
         optimal["p": Polygons, "n": Processors = PROCESSORS, "G": Instructions = GEOMETRY, "A": Pixels = AREA,
             "R": Instructions = RASTER] -> Instructions;
     "eldridge.4.2", "eq 4.2", "instructions of sort-first, raster term f A R":
-        sort_first["p": Polygons, "n": Processors = PROCESSORS, "f": Ratio = ASYMMETRY, "o": Ratio = OVERLAP,
+        sort_first["p": Polygons, "n": Processors = PROCESSORS, "f": Ratio where 1.0 = ASYMMETRY, "o": Ratio where 1.0 = OVERLAP,
             "G": Instructions = GEOMETRY, "A": Pixels = AREA, "R": Instructions = RASTER] -> Instructions;
     "eldridge.4.2-as-printed", "eq 4.2", "the same as printed, raster term f A R / o":
-        sort_first_as_printed["p": Polygons, "n": Processors = PROCESSORS, "f": Ratio = ASYMMETRY,
-            "o": Ratio = OVERLAP, "G": Instructions = GEOMETRY, "A": Pixels = AREA,
+        sort_first_as_printed["p": Polygons, "n": Processors = PROCESSORS, "f": Ratio where 1.0 = ASYMMETRY,
+            "o": Ratio where 1.0 = OVERLAP, "G": Instructions = GEOMETRY, "A": Pixels = AREA,
             "R": Instructions = RASTER] -> Instructions;
     "eldridge.4.3", "eq 4.3", "instructions of sort-middle, raster term f A R":
-        sort_middle["p": Polygons, "n": Processors = PROCESSORS, "f": Ratio = ASYMMETRY, "G": Instructions = GEOMETRY,
+        sort_middle["p": Polygons, "n": Processors = PROCESSORS, "f": Ratio where 1.0 = ASYMMETRY, "G": Instructions = GEOMETRY,
             "A": Pixels = AREA, "R": Instructions = RASTER, "C": Instructions = DESCRIPTOR_PASS] -> Instructions;
     "eldridge.4.3-as-printed", "eq 4.3", "the same as printed, raster term f A R / o":
-        sort_middle_as_printed["p": Polygons, "n": Processors = PROCESSORS, "f": Ratio = ASYMMETRY,
-            "o": Ratio = OVERLAP, "G": Instructions = GEOMETRY, "A": Pixels = AREA, "R": Instructions = RASTER,
+        sort_middle_as_printed["p": Polygons, "n": Processors = PROCESSORS, "f": Ratio where 1.0 = ASYMMETRY,
+            "o": Ratio where 1.0 = OVERLAP, "G": Instructions = GEOMETRY, "A": Pixels = AREA, "R": Instructions = RASTER,
             "C": Instructions = DESCRIPTOR_PASS] -> Instructions;
     "eldridge.4.4", "eq 4.4", "instructions of dense sort-last":
         sort_last_dense["p": Polygons, "n": Processors = PROCESSORS, "G": Instructions = GEOMETRY, "A": Pixels = AREA,
@@ -243,34 +271,41 @@ pub(crate) const MODELS: &[Model] = models! {
         sort_first_threshold["n": Processors = PROCESSORS, "C": Instructions = DESCRIPTOR_PASS,
             "G": Instructions = GEOMETRY] -> Ratio;
     "eldridge.fo", "4.4.1", "f o of a scene":
-        sort_first_penalty["f": Ratio = ASYMMETRY, "o": Ratio = OVERLAP] -> Ratio;
-    "eldridge.4.8-as-printed", "eq 4.8", "time of sort-middle over that of sort-first, raster terms f A R / o":
-        sort_middle_to_first_as_printed["n": Processors = PROCESSORS, "f": Ratio = ASYMMETRY, "o": Ratio = OVERLAP,
+        sort_first_penalty["f": Ratio where 1.0 = ASYMMETRY, "o": Ratio where 1.0 = OVERLAP] -> Ratio;
+    "eldridge.4.7", "eq 4.7", "time of sort-middle over that of sort-first, raster terms f A R":
+        sort_middle_to_first["n": Processors = PROCESSORS, "f": Ratio where 1.0 = ASYMMETRY, "o": Ratio where 1.0 = OVERLAP,
             "G": Instructions = GEOMETRY, "A": Pixels = AREA, "R": Instructions = RASTER,
             "C": Instructions = DESCRIPTOR_PASS] -> Ratio;
+    "eldridge.4.8-as-printed", "eq 4.8", "time of sort-middle over that of sort-first, raster terms f A R / o":
+        sort_middle_to_first_as_printed["n": Processors = PROCESSORS, "f": Ratio where 1.0 = ASYMMETRY, "o": Ratio where 1.0 = OVERLAP,
+            "G": Instructions = GEOMETRY, "A": Pixels = AREA, "R": Instructions = RASTER,
+            "C": Instructions = DESCRIPTOR_PASS] -> Ratio;
+    "eldridge.4.9", "eq 4.9", "4.8 without its equal raster terms":
+        geometry_to_first["n": Processors = PROCESSORS, "f": Ratio where 1.0 = ASYMMETRY, "o": Ratio where 1.0 = OVERLAP,
+            "G": Instructions = GEOMETRY, "C": Instructions = DESCRIPTOR_PASS] -> Ratio;
     "eldridge.4.11", "eq 4.11", "polygons above which dense sort-last beats sparse":
         dense_crossover["Q": Pixels = SCREEN, "C_dense": Instructions = 24.0, "A": Pixels = AREA,
             "C_sparse": Instructions = 45.0] -> Polygons;
     "eldridge.4.12", "eq 4.12", "polygons above which dense sort-last beats sort-middle, raster term f A R":
         sort_last_crossover["Q": Pixels = SCREEN, "C_dense": Instructions = 24.0,
-            "C_sm": Instructions = DESCRIPTOR_PASS, "f": Ratio = ASYMMETRY, "A": Pixels = AREA,
+            "C_sm": Instructions = DESCRIPTOR_PASS, "f": Ratio where 1.0 = ASYMMETRY, "A": Pixels = AREA,
             "R": Instructions = RASTER, "n": Processors = PROCESSORS] -> Polygons;
     "eldridge.4.12-as-printed", "eq 4.12", "the same as printed, f / o in place of f":
         sort_last_crossover_as_printed["Q": Pixels = SCREEN, "C_dense": Instructions = 29.0,
-            "C_sm": Instructions = DESCRIPTOR_PASS, "f": Ratio = ASYMMETRY, "o": Ratio = OVERLAP, "A": Pixels = AREA,
+            "C_sm": Instructions = DESCRIPTOR_PASS, "f": Ratio where 1.0 = ASYMMETRY, "o": Ratio where 1.0 = OVERLAP, "A": Pixels = AREA,
             "R": Instructions = RASTER, "n": Processors = PROCESSORS] -> Polygons;
     "eldridge.5.1", "eq 5.1", "share of communication in sort-middle, raster term f A R":
         communication_share["n": Processors = PROCESSORS, "C": Instructions = DESCRIPTOR_PASS,
-            "G": Instructions = GEOMETRY, "f": Ratio = ASYMMETRY, "A": Pixels = AREA,
+            "G": Instructions = GEOMETRY, "f": Ratio where 1.0 = ASYMMETRY, "A": Pixels = AREA,
             "R": Instructions = RASTER] -> Ratio;
     "eldridge.5.1-as-printed", "eq 5.1", "the same as printed, raster term f A R / o":
         communication_share_as_printed["n": Processors = PROCESSORS, "C": Instructions = DESCRIPTOR_PASS,
-            "G": Instructions = GEOMETRY, "f": Ratio = ASYMMETRY, "o": Ratio = OVERLAP, "A": Pixels = AREA,
+            "G": Instructions = GEOMETRY, "f": Ratio where 1.0 = ASYMMETRY, "o": Ratio where 1.0 = OVERLAP, "A": Pixels = AREA,
             "R": Instructions = RASTER] -> Ratio;
     "eldridge.asymmetry", "table 4.1", "f: polygons of the fullest region over the mean":
         asymmetry["max": Polygons, "mean": Polygons] -> Ratio;
     "eldridge.mean-per-region", "fig 4-1", "mean polygons per region, overlap included":
-        mean_per_region["visible": Polygons, "o": Ratio = OVERLAP, "n": Processors = PROCESSORS] -> Polygons;
+        mean_per_region["visible": Polygons, "o": Ratio where 1.0 = OVERLAP, "n": Processors = PROCESSORS] -> Polygons;
 };
 
 #[cfg(test)]
@@ -301,5 +336,9 @@ mod tests {
         let f = Ratio::new(sort_first_threshold(n, c, g).get() / o.get());
         let ratio = sort_middle(p, n, f, g, a, r, c) / sort_first(p, n, f, o, g, a, r);
         assert!((ratio - 1.0).abs() < 1e-12);
+        // The raster terms are the same on both sides, so neither they nor p move the threshold.
+        assert!((sort_middle_to_first(n, f, o, g, a, r, c).get() - 1.0).abs() < 1e-12);
+        assert!((geometry_to_first(n, f, o, g, c).get() - 1.0).abs() < 1e-12);
+        assert!((sort_middle_to_first_as_printed(n, f, o, g, a, r, c).get() - 1.0).abs() < 1e-12);
     }
 }

@@ -94,6 +94,19 @@ pub fn fullest_source(p: Polygons, n: Processors, m: Ratio) -> Count {
     Count::new((p.get() * m.get() / n.get()).ceil())
 }
 
+/// Instructions of the geometry stage on the processor that has most to do: all its polygons are transformed and
+/// tested, the visible ones finished (A.2.1).
+pub fn geometry_stage(
+    p: Polygons,
+    n: Processors,
+    m: Ratio,
+    visible: Polygons,
+    test: Instructions,
+    finish: Instructions,
+) -> Instructions {
+    test * fullest_source(p, n, m).get() + finish * visible.get()
+}
+
 /// Polygons that the worst processor has beyond its even share, where polygons stay with their screen region (5.5).
 pub fn excess(worst: Polygons, p: Polygons, n: Processors) -> Count {
     Count::new(worst.get() - fullest_source(p, n, Ratio::new(1.0)).get())
@@ -137,7 +150,7 @@ pub(crate) const MODELS: &[Model] = models! {
         distribution_gain["n": Processors = PROCESSORS, "a": Words = DESCRIPTOR.0, "b": Instructions = DESCRIPTOR.1]
             -> Ratio;
     "eldridge.5.8", "eq 5.8", "instructions with m copies of the database, half of p visible":
-        duplicated["p": Polygons = 1.0, "m": Ratio, "n": Processors = PROCESSORS, "Gi": Instructions = TEST,
+        duplicated["p": Polygons = 1.0, "m": Ratio where 1.0, "n": Processors = PROCESSORS, "Gi": Instructions = TEST,
             "Gf": Instructions = FINISH, "a": Words = DESCRIPTOR.0, "b": Instructions = DESCRIPTOR.1] -> Instructions;
     "eldridge.5.9", "eq 5.9", "number of copies that costs least":
         optimal_copies["n": Processors = PROCESSORS, "Gi": Instructions = TEST, "a": Words = DESCRIPTOR.0,
@@ -146,7 +159,10 @@ pub(crate) const MODELS: &[Model] = models! {
         duplicated_at_optimum["p": Polygons = 1.0, "n": Processors = PROCESSORS, "Gi": Instructions = TEST,
             "Gf": Instructions = FINISH, "a": Words = DESCRIPTOR.0, "b": Instructions = DESCRIPTOR.1] -> Instructions;
     "eldridge.fullest-source", "A.2.1", "polygons on the fullest processor of the geometry stage":
-        fullest_source["p": Polygons, "n": Processors = PROCESSORS, "m": Ratio = 1.0] -> Count;
+        fullest_source["p": Polygons, "n": Processors = PROCESSORS, "m": Ratio where 1.0 = 1.0] -> Count;
+    "eldridge.geometry-stage", "A.2.1", "instructions of the geometry stage on the fullest processor":
+        geometry_stage["p": Polygons, "n": Processors = PROCESSORS, "m": Ratio where 1.0 = 1.0, "most_visible": Polygons,
+            "Gi": Instructions = TEST, "Gf": Instructions = FINISH] -> Instructions;
     "eldridge.excess", "5.5", "polygons of the worst processor beyond an even share":
         excess["worst": Polygons, "p": Polygons, "n": Processors = PROCESSORS] -> Count;
     "eldridge.waiting", "5.5", "instructions per visible polygon that polygons on one processor cost":

@@ -11,6 +11,8 @@
 
 pub mod comparison;
 pub mod distribution;
+pub mod geometry;
+pub(crate) mod glossary;
 pub mod placement;
 pub mod planes;
 pub mod ring;

@@ -5,6 +5,9 @@ use crate::models;
 use crate::models::registry::Model;
 use crate::units::{Count, Length, Processors};
 
+/// Entries of the longest list that is made.
+const LONGEST_LIST: f64 = (1u64 << 20) as f64;
+
 /// Remainder for processor numbers, which are whole and not negative.
 fn modulo(number: f64, n: f64) -> f64 {
     number.rem_euclid(n)
@@ -14,11 +17,14 @@ fn modulo(number: f64, n: f64) -> f64 {
 /// The document prints the distance of the copies as m; section 5.4 has n/m.
 ///
 /// # Errors
-/// `m` that does not divide `n`.
+/// `m` that does not divide `n`, more than 2^20 copies.
 pub fn copies(b: Count, n: Count, m: Count) -> Result<Vec<Count>, String> {
     let distance = n.get() / m.get();
     if !(distance >= 1.0 && distance.fract() == 0.0) {
         return Err(format!("m: expected a divisor of n = {n}, found {m}"));
+    }
+    if m.get() > LONGEST_LIST {
+        return Err(format!("m: expected at most {LONGEST_LIST} copies, found {m}"));
     }
     let first = modulo(b.get(), distance);
     Ok((0..m.get() as u64).map(|k| Count::new(first + k as f64 * distance)).collect())
@@ -61,7 +67,7 @@ pub fn composite_path(n: Count, g: Count, r: Count, j: Count) -> [Count; 2] {
 /// The owners of the first `pixels` pixels of region `r`, in rows of `width` (figure 6-3).
 ///
 /// # Errors
-/// A width of zero.
+/// A width of zero, more than 2^20 pixels.
 pub fn composite_map(
     n: Count,
     g: Count,
@@ -71,6 +77,9 @@ pub fn composite_map(
 ) -> Result<Vec<Vec<Count>>, String> {
     if width.get() < 1.0 {
         return Err("width: expected at least 1, found 0".into());
+    }
+    if pixels.get() > LONGEST_LIST {
+        return Err(format!("pixels: expected at most {LONGEST_LIST}, found {pixels}"));
     }
     let owners: Vec<_> =
         (0..pixels.get() as u64).map(|j| composite_owner(n, g, r, Count::new(j as f64))).collect();
@@ -88,15 +97,15 @@ pub fn owners_of_pixel(map: Vec<[f64; 5]>, x: Length, y: Length) -> Count {
 
 pub(crate) const MODELS: &[Model] = models! {
     "eldridge.copies", "A.2.1", "processors with a copy of polygon b, m copies; printed with distance m":
-        copies["b": Count, "n": Count, "m": Count] -> Result<Vec<Count>, String>;
+        copies["b": Count, "n": Count where 1.0, "m": Count where 1.0] -> Result<Vec<Count>, String>;
     "eldridge.stage-destinations", "fig A-6", "destinations of a descriptor in the stage of stride d":
-        stage_destinations["n": Count, "d": Processors, "source": Count, "targets": Vec<Count>] -> Vec<Count>;
+        stage_destinations["n": Count where 1.0, "d": Processors, "source": Count, "targets": Vec<Count>] -> Vec<Count>;
     "eldridge.stage-targets", "fig A-6", "targets that each of these destinations has to serve":
-        stage_targets["n": Count, "d": Processors, "source": Count, "targets": Vec<Count>] -> Vec<Vec<Count>>;
+        stage_targets["n": Count where 1.0, "d": Processors, "source": Count, "targets": Vec<Count>] -> Vec<Vec<Count>>;
     "eldridge.composite-path", "fig 6-2", "processors where a pixel's composition starts and ends":
-        composite_path["n": Count, "g": Count, "r": Count = 0.0, "j": Count] -> [Count; 2];
+        composite_path["n": Count where 1.0, "g": Count where 1.0, "r": Count = 0.0, "j": Count] -> [Count; 2];
     "eldridge.composite-map", "fig 6-3", "owners of the composited pixels of a region, in rows":
-        composite_map["n": Count, "g": Count, "r": Count = 0.0, "width": Count, "pixels": Count]
+        composite_map["n": Count where 1.0, "g": Count where 1.0, "r": Count = 0.0, "width": Count, "pixels": Count]
             -> Result<Vec<Vec<Count>>, String>;
     "eldridge.owners-of-pixel", "fig A-2", "regions of a screen map [processor, left, top, right, bottom] at a pixel":
         owners_of_pixel["map": Vec<[f64; 5]>, "x": Length, "y": Length] -> Count;

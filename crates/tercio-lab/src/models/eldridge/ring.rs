@@ -30,6 +30,19 @@ pub fn stride_saving_limit(a: Words, b: Instructions) -> Ratio {
     Ratio::new(3.0 + b.get() / a.get())
 }
 
+/// Equation 5.2 as it is printed, upside down: the limit of one pass of distance d over d passes to the neighbour.
+///
+/// # Errors
+/// A datum of no words and no overhead.
+pub fn stride_saving_limit_as_printed(a: Words, b: Instructions) -> Result<Ratio, String> {
+    let neighbour = neighbour_pass(a, b).get();
+    if neighbour > 0.0 {
+        Ok(Ratio::new(a.get() / neighbour))
+    } else {
+        Err("a, b: expected a pass that costs something, found 0 and 0".into())
+    }
+}
+
 /// Instructions per datum if every processor tells every other by passing on around the ring (2.2): one word in,
 /// `2n` to pass on and read, shared by n data.
 pub fn all_to_all(n: Processors) -> Instructions {
@@ -75,6 +88,9 @@ pub(crate) const MODELS: &[Model] = models! {
         stride_saving["a": Words = DESCRIPTOR.0, "b": Instructions = DESCRIPTOR.1, "d": Processors] -> Ratio;
     "eldridge.5.2", "eq 5.2", "best saving by long passes; printed upside down":
         stride_saving_limit["a": Words = DESCRIPTOR.0, "b": Instructions = DESCRIPTOR.1] -> Ratio;
+    "eldridge.5.2-as-printed", "eq 5.2", "the same as printed, upside down: a / (3a + b)":
+        stride_saving_limit_as_printed["a": Words = DESCRIPTOR.0, "b": Instructions = DESCRIPTOR.1]
+            -> Result<Ratio, String>;
     "eldridge.all-to-all", "2.2", "instructions per datum, everybody to everybody by neighbour passes":
         all_to_all["n": Processors = PROCESSORS] -> Instructions;
     "eldridge.broadcast-to-neighbour", "2.2", "cost of a broadcast over that of neighbour passes":

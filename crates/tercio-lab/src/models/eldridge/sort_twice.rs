@@ -160,24 +160,24 @@ pub fn sort_last_traffic(width: Length, height: Length, fps: FrameRate, sample: 
 
 pub(crate) const MODELS: &[Model] = models! {
     "eldridge.6.1", "eq 6.1", "instructions of sort-middle in groups, raster term f A R":
-        grouped_sort_middle["p": Polygons, "n": Processors = PROCESSORS, "g": Processors, "f": Ratio = ASYMMETRY,
+        grouped_sort_middle["p": Polygons, "n": Processors = PROCESSORS, "g": Processors where 1.0, "f": Ratio where 1.0 = ASYMMETRY,
             "G": Instructions = GEOMETRY, "A": Pixels = AREA, "R": Instructions = RASTER,
             "C": Instructions = DESCRIPTOR_PASS] -> Instructions;
     "eldridge.6.1-as-printed", "eq 6.1", "the same as printed, raster term f A R / o":
-        grouped_sort_middle_as_printed["p": Polygons, "n": Processors = PROCESSORS, "g": Processors,
-            "f": Ratio = ASYMMETRY, "o": Ratio = OVERLAP, "G": Instructions = GEOMETRY, "A": Pixels = AREA,
+        grouped_sort_middle_as_printed["p": Polygons, "n": Processors = PROCESSORS, "g": Processors where 1.0,
+            "f": Ratio where 1.0 = ASYMMETRY, "o": Ratio where 1.0 = OVERLAP, "G": Instructions = GEOMETRY, "A": Pixels = AREA,
             "R": Instructions = RASTER, "C": Instructions = DESCRIPTOR_PASS] -> Instructions;
     "eldridge.6.2", "eq 6.2", "passes of the composition":
-        composite_passes["P": Pixels = SCREEN, "g": Processors, "n": Processors = PROCESSORS] -> Count;
+        composite_passes["P": Pixels = SCREEN, "g": Processors where 1.0, "n": Processors = PROCESSORS] -> Count;
     "eldridge.6.3", "eq 6.3", "instructions of the composition":
-        composite["P": Pixels = SCREEN, "g": Processors, "n": Processors = PROCESSORS, "a": Words = PIXEL.0,
+        composite["P": Pixels = SCREEN, "g": Processors where 1.0, "n": Processors = PROCESSORS, "a": Words = PIXEL.0,
             "b": Instructions = PIXEL.1] -> Instructions;
     "eldridge.6.4", "eq 6.4", "instructions of the composition per pixel, n much larger than g":
-        composite_per_pixel["g": Processors, "a": Words = PIXEL.0, "b": Instructions = PIXEL.1] -> Instructions;
+        composite_per_pixel["g": Processors where 1.0, "a": Words = PIXEL.0, "b": Instructions = PIXEL.1] -> Instructions;
     "eldridge.composite-gain", "6.4", "dearest over cheapest composited pixel":
         composite_gain["a": Words = PIXEL.0, "b": Instructions = PIXEL.1] -> Ratio;
     "eldridge.idle-in-transit", "6.5", "instructions per pixel in which a datum only travels":
-        idle_in_transit["g": Processors, "a": Words = PIXEL.0] -> Instructions;
+        idle_in_transit["g": Processors where 1.0, "a": Words = PIXEL.0] -> Instructions;
     "eldridge.texture-premium", "6.5", "instructions that textures add to a pixel":
         texture_premium["textured": Instructions = 202.0, "shaded": Instructions = 80.0] -> Instructions;
     "eldridge.composite-limit", "6.6", "instructions of the composition for very large groups":
@@ -193,10 +193,10 @@ pub(crate) const MODELS: &[Model] = models! {
         grouped_pass["a": Words = DESCRIPTOR.0, "b": Instructions = DESCRIPTOR.1, "d": Processors = 1.0]
             -> Instructions;
     "eldridge.6.5", "eq 6.5", "instructions of the sort-middle stage":
-        sort_middle_stage["p": Polygons, "n": Processors = PROCESSORS, "g": Processors, "K": Instructions = 78.0]
+        sort_middle_stage["p": Polygons, "n": Processors = PROCESSORS, "g": Processors where 1.0, "K": Instructions = 78.0]
             -> Instructions;
     "eldridge.6.6", "eq 6.6", "instructions of the sort-last stage":
-        sort_last_stage["P": Pixels = SCREEN, "g": Processors, "a": Words = PIXEL.0, "b": Instructions = PIXEL.1]
+        sort_last_stage["P": Pixels = SCREEN, "g": Processors where 1.0, "a": Words = PIXEL.0, "b": Instructions = PIXEL.1]
             -> Instructions;
     "eldridge.6.7", "eq 6.7", "size of groups that costs least":
         optimal_group["p": Polygons, "P": Pixels = SCREEN, "n": Processors = PROCESSORS, "K": Instructions = 78.0,

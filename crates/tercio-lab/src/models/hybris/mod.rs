@@ -2,6 +2,7 @@
 //!
 //! Its overlap factors stand in [`super::overlap`], its speed-ups with a serial part in [`super::amdahl`].
 
+pub(crate) mod glossary;
 pub mod rasterization;
 pub mod rates;
 pub mod records;

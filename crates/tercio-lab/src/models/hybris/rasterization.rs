@@ -1,6 +1,7 @@
 //! Fixed point, spans, edges and planes (section 3.2).
 
 use crate::models;
+use crate::models::common::linear;
 use crate::models::registry::Model;
 use crate::units::Count;
 
@@ -34,11 +35,16 @@ pub fn span_pixels(start: Count, end: Count) -> Result<[Count; 2], String> {
     Ok([end - start + Count::new(1.0), end - start])
 }
 
-/// Equations 3.1 and 3.2: a parameter at the first pixel of a span, from its value `left` where the edge is, `dpdx` per
-/// pixel; `x_left` is the edge and `rx_left` that, rounded down.
+/// Equation 3.2: how far the first sample of a span, at the right side of its pixel, lies to the right of the edge at
+/// `x_left`; `rx_left` is that, rounded down.
+pub fn sub_pixel_correction(x_left: f64, rx_left: f64) -> f64 {
+    1.0 - (x_left - rx_left)
+}
+
+/// Equation 3.1: a parameter at the first pixel of a span, from its value `left` where the edge is, `dpdx` per pixel,
+/// by [`sub_pixel_correction`].
 pub fn span_start(left: f64, dpdx: f64, x_left: f64, rx_left: f64) -> f64 {
-    let k = 1.0 - (x_left - rx_left);
-    left + k * dpdx
+    left + sub_pixel_correction(x_left, rx_left) * dpdx
 }
 
 /// Equation 3.4: the edge function, positive to the right of the edge from `v0` to `v1`.
@@ -46,18 +52,63 @@ pub fn edge_function(v0: [f64; 2], v1: [f64; 2], at: [f64; 2]) -> f64 {
     (at[0] - v0[0]) * (v1[1] - v0[1]) - (at[1] - v0[1]) * (v1[0] - v0[0])
 }
 
-/// Equations 3.8, 3.11 and 3.12: dp/dx and dp/dy of a parameter over a triangle of vertices (x, y, p).
+/// Equation 3.5: the edge function `steps` pixels to the right and below a point where it is `value`, for the edge
+/// from `v0` to `v1`; the document writes the four steps of one pixel.
+pub fn edge_step(value: f64, v0: [f64; 2], v1: [f64; 2], steps: [f64; 2]) -> f64 {
+    value + steps[0] * (v1[1] - v0[1]) - steps[1] * (v1[0] - v0[0])
+}
+
+/// Equation 3.8: the normal [N_x, N_y, N_p] of the plane of a parameter over a triangle of vertices (x, y, p).
+pub fn normal(v0: [f64; 3], v1: [f64; 3], v2: [f64; 3]) -> [f64; 3] {
+    let (u, w) =
+        ([v1[0] - v0[0], v1[1] - v0[1], v1[2] - v0[2]], [v2[0] - v1[0], v2[1] - v1[1], v2[2] - v1[2]]);
+    [u[1] * w[2] - u[2] * w[1], u[2] * w[0] - u[0] * w[2], u[0] * w[1] - u[1] * w[0]]
+}
+
+/// Equations 3.11 and 3.12: dp/dx and dp/dy of a parameter over a triangle of vertices (x, y, p).
 ///
 /// # Errors
 /// A triangle without area.
 pub fn gradient(v0: [f64; 3], v1: [f64; 3], v2: [f64; 3]) -> Result<[f64; 2], String> {
-    let (u, w) =
-        ([v1[0] - v0[0], v1[1] - v0[1], v1[2] - v0[2]], [v2[0] - v1[0], v2[1] - v1[1], v2[2] - v1[2]]);
-    let normal = [u[1] * w[2] - u[2] * w[1], u[2] * w[0] - u[0] * w[2], u[0] * w[1] - u[1] * w[0]];
-    if normal[2] == 0.0 {
+    let [x, y, p] = normal(v0, v1, v2);
+    if p == 0.0 {
         return Err("the three points lie in line on the screen".into());
     }
-    Ok([-normal[0] / normal[2], -normal[1] / normal[2]])
+    Ok([-x / p, -y / p])
+}
+
+/// Equation 3.7: the coefficients [A, B, C] of p = A x + B y + C through three points, solved by Cramer's rule.
+///
+/// # Errors
+/// As [`gradient`].
+pub fn coefficients(v0: [f64; 3], v1: [f64; 3], v2: [f64; 3]) -> Result<[f64; 3], String> {
+    let minor = |a: [f64; 3], b: [f64; 3]| a[0] * b[1] - a[1] * b[0];
+    let minors = [minor(v1, v2), minor(v2, v0), minor(v0, v1)];
+    let determinant: f64 = minors.iter().sum();
+    if determinant == 0.0 {
+        return Err("the three points lie in line on the screen".into());
+    }
+    let (v, next) = ([v0, v1, v2], |i: usize| (i + 1) % 3);
+    let sum = |of: &dyn Fn(usize) -> f64| (0..3).map(of).sum::<f64>() / determinant;
+    let opposite = |i: usize| (v[next(i)], v[next(next(i))]);
+    let a = sum(&|i| v[i][2] * (opposite(i).0[1] - opposite(i).1[1]));
+    let b = sum(&|i| v[i][2] * (opposite(i).1[0] - opposite(i).0[0]));
+    Ok([a, b, sum(&|i| v[i][2] * minors[i])])
+}
+
+/// Equation 3.9: N . (v - v0), zero where the point (x, y, p) lies in the plane of the triangle.
+pub fn plane_distance(v0: [f64; 3], v1: [f64; 3], v2: [f64; 3], at: [f64; 3]) -> f64 {
+    let n = normal(v0, v1, v2);
+    (0..3).map(|k| n[k] * (at[k] - v0[k])).sum()
+}
+
+/// Equation 3.10: the parameter at a point of the screen.
+///
+/// # Errors
+/// As [`gradient`].
+pub fn interpolate(v0: [f64; 3], v1: [f64; 3], v2: [f64; 3], at: [f64; 2]) -> Result<f64, String> {
+    let [dx, dy] = gradient(v0, v1, v2)?;
+    Ok(v0[2] + dx * (at[0] - v0[0]) + dy * (at[1] - v0[1]))
 }
 
 pub(crate) const MODELS: &[Model] = models! {
@@ -65,11 +116,25 @@ pub(crate) const MODELS: &[Model] = models! {
         float_to_fixed["v": f64, "n": Count = 12.0] -> Result<f64, String>;
     "hybris.span-pixels", "3.2.6", "pixels of a span with its last pixel, and without":
         span_pixels["start": Count, "end": Count] -> Result<[Count; 2], String>;
-    "hybris.3.1", "eq 3.1, 3.2", "parameter at the first pixel of a span":
+    "hybris.3.1", "eq 3.1", "parameter at the first pixel of a span":
         span_start["left": f64, "dpdx": f64, "x_left": f64, "rx_left": f64] -> f64;
+    "hybris.3.2", "eq 3.2", "k, from the edge to the first sample of a span":
+        sub_pixel_correction["x_left": f64, "rx_left": f64] -> f64;
+    "hybris.3.3", "eq 3.3, 3.6", "a linear function A x + B y + C at a point":
+        linear["coefficients": [f64; 3], "at": [f64; 2]] -> f64;
     "hybris.3.4", "eq 3.4", "edge function of v0 to v1 at a point":
         edge_function["v0": [f64; 2], "v1": [f64; 2], "at": [f64; 2]] -> f64;
-    "hybris.3.11", "eq 3.8, 3.11, 3.12", "dp/dx and dp/dy over a triangle":
+    "hybris.3.5", "eq 3.5", "edge function of v0 to v1 so many pixels to the right and below":
+        edge_step["value": f64, "v0": [f64; 2], "v1": [f64; 2], "steps": [f64; 2]] -> f64;
+    "hybris.3.7", "eq 3.7", "coefficients [A, B, C] of a parameter through three points":
+        coefficients["v0": [f64; 3], "v1": [f64; 3], "v2": [f64; 3]] -> Result<[f64; 3], String>;
+    "hybris.3.8", "eq 3.8", "normal [N_x, N_y, N_p] of a parameter's plane":
+        normal["v0": [f64; 3], "v1": [f64; 3], "v2": [f64; 3]] -> [f64; 3];
+    "hybris.3.9", "eq 3.9", "N . (at - v0), zero in the plane of the triangle":
+        plane_distance["v0": [f64; 3], "v1": [f64; 3], "v2": [f64; 3], "at": [f64; 3]] -> f64;
+    "hybris.3.10", "eq 3.10", "parameter at a point of the screen":
+        interpolate["v0": [f64; 3], "v1": [f64; 3], "v2": [f64; 3], "at": [f64; 2]] -> Result<f64, String>;
+    "hybris.3.11", "eq 3.11, 3.12", "dp/dx and dp/dy over a triangle":
         gradient["v0": [f64; 3], "v1": [f64; 3], "v2": [f64; 3]] -> Result<[f64; 2], String>;
 };
 
@@ -89,10 +154,25 @@ mod tests {
             prop_assert_eq!(a.is_ok(), b.is_ok());
             if let (Ok([dx, dy]), Ok([a, b, c])) = (a, b) {
                 prop_assert!((dx - a).abs() < 1e-9 && (dy - b).abs() < 1e-9);
+                let solved = coefficients(v[0], v[1], v[2]).unwrap();
+                prop_assert!([a, b, c].iter().zip(solved).all(|(x, y)| (x - y).abs() < 1e-6));
                 for p in v {
-                    prop_assert!((a * p[0] + b * p[1] + c - p[2]).abs() < 1e-6);
+                    prop_assert!((linear([a, b, c], [p[0], p[1]]) - p[2]).abs() < 1e-6);
+                    prop_assert!((interpolate(v[0], v[1], v[2], [p[0], p[1]]).unwrap() - p[2]).abs() < 1e-6);
+                    prop_assert_eq!(plane_distance(v[0], v[1], v[2], p), 0.0);
                 }
             }
+        }
+
+        /// Stepping comes to the same as evaluating; the edge function is that of document 000 with the other sign.
+        #[test]
+        fn edges_step(c in prop::array::uniform4(-100i32..100), p in prop::array::uniform4(-50i32..50)) {
+            let [v0, v1] = [0, 2].map(|i| [0, 1].map(|k| f64::from(c[i + k])));
+            let [at, steps] = [0, 2].map(|i| [0, 1].map(|k| f64::from(p[i + k])));
+            let stepped = edge_step(edge_function(v0, v1, at), v0, v1, steps);
+            let there = [at[0] + steps[0], at[1] + steps[1]];
+            prop_assert_eq!(stepped, edge_function(v0, v1, there));
+            prop_assert_eq!(stepped, -planes::edge_function(v0, v1, there));
         }
 
         /// Adding in single precision rounds to the nearest fixed-point number.

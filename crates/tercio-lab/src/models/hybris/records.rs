@@ -67,7 +67,7 @@ pub(crate) const MODELS: &[Model] = models! {
     "hybris.sharing-gain", "1", "unshared over shared vertices":
         sharing_gain["triangles": Polygons, "vertices": Vertices] -> Ratio;
     "hybris.3.13", "eq 3.13", "vertices per triangle of a strip of n":
-        strip_vertices["n": Count] -> Ratio;
+        strip_vertices["n": Count where 1.0] -> Ratio;
     "hybris.partition-vertices", "3.3.3", "vertex buffer of a partition":
         partition_vertices["triangles": Polygons = 500.0, "vertex": Bytes = 32.0] -> Bytes;
     "hybris.node-buffer", "3.5", "bytes of a buffer of nodes with header":

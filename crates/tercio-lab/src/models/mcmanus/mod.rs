@@ -6,6 +6,7 @@
 //! rasterizing one polygon in one region. The overlap formula itself stands in
 //! [`super::overlap::pixel_boxes`].
 
+pub(crate) mod glossary;
 pub mod optimum;
 
 use crate::models;
@@ -70,6 +71,15 @@ pub fn placements(side: Length, width: Length) -> [f64; 3] {
     [alpha, beta, gamma]
 }
 
+/// [`placements`] with equation 4 as it is printed: gamma is (sqrt N - ((i - 1) A - 1))^2, and beta what is left of A^2,
+/// which may be less than nothing.
+pub fn placements_as_printed(side: Length, width: Length) -> [f64; 3] {
+    let (a, w) = (side.get(), width.get());
+    let [i, alpha, ..] = places(side, width);
+    let gamma = (w - ((i - 1.0) * a - 1.0)).powi(2);
+    [alpha, a * a - alpha - gamma, gamma]
+}
+
 /// Equation 6 from [`places`].
 pub fn overlap_of_places(side: Length, width: Length) -> Ratio {
     let [i, alpha, beta, gamma] = places(side, width);
@@ -98,6 +108,22 @@ pub fn general_purpose_rate(
         return Err(format!("A: expected at most the root of X = {processors}, found {side}"));
     }
     Ok(rate(side, area, per_second) * arrays)
+}
+
+/// Equation 14 as it is printed: equation 7 over X / A, for A <= X.
+///
+/// # Errors
+/// An array of more than `processors` on a side.
+pub fn general_purpose_rate_as_printed(
+    processors: Count,
+    side: Length,
+    area: Pixels,
+    per_second: Count,
+) -> Result<PolygonRate, String> {
+    if side.get() > processors.get() {
+        return Err(format!("A: expected at most X = {processors}, found {side}"));
+    }
+    Ok(rate(side, area, per_second) / (processors.get() / side.get()))
 }
 
 /// Time of a frame of `cycles` on `renderers` perfectly balanced arrays (3).
@@ -167,28 +193,33 @@ pub(crate) const MODELS: &[Model] = models! {
     "mcmanus.geometry-area", "eq 1", "area of a geometry engine":
         geometry_area["P": PolygonRate] -> SquareInches;
     "mcmanus.array-area", "eq 1", "area of an array of pixel processors":
-        array_area["A": Length] -> SquareInches;
+        array_area["A": Length where 1.0] -> SquareInches;
     "mcmanus.1", "eq 1", "area of a renderer":
-        renderer_area["A": Length, "P": PolygonRate] -> SquareInches;
+        renderer_area["A": Length where 1.0, "P": PolygonRate] -> SquareInches;
     "mcmanus.6", "eq 2 to 6", "C(A), regions per polygon; printed with a wrong sign in 4":
-        overlap_of_area["A": Length, "N": Pixels] -> Ratio;
+        overlap_of_area["A": Length where 1.0, "N": Pixels where 1.0] -> Ratio;
     "mcmanus.places", "eq 2 to 5", "[i, alpha, beta, gamma] for a box of so many pixels":
-        places["A": Length, "w": Length] -> [f64; 4];
+        places["A": Length where 1.0, "w": Length where 1.0] -> [f64; 4];
     "mcmanus.placements", "fig 5", "[alpha, beta, gamma] of these":
-        placements["A": Length, "w": Length] -> [f64; 3];
+        placements["A": Length where 1.0, "w": Length where 1.0] -> [f64; 3];
+    "mcmanus.4-as-printed", "eq 4", "the same with equation 4 as printed; contradicts figure 5":
+        placements_as_printed["A": Length where 1.0, "w": Length where 1.0] -> [f64; 3];
     "mcmanus.6-of-places", "eq 6", "regions per polygon from these":
-        overlap_of_places["A": Length, "w": Length] -> Ratio;
+        overlap_of_places["A": Length where 1.0, "w": Length where 1.0] -> Ratio;
     "mcmanus.7", "eq 7", "P(A), polygons a second of an array":
-        rate["A": Length, "N": Pixels, "T": Count = CYCLES] -> PolygonRate;
+        rate["A": Length where 1.0, "N": Pixels where 1.0, "T": Count = CYCLES] -> PolygonRate;
     "mcmanus.14", "eq 14", "polygons a second of X processors as arrays of side A; printed with X / A, divided":
-        general_purpose_rate["X": Count, "A": Length, "N": Pixels, "T": Count = CYCLES]
+        general_purpose_rate["X": Count, "A": Length where 1.0, "N": Pixels where 1.0, "T": Count = CYCLES]
+            -> Result<PolygonRate, String>;
+    "mcmanus.14-as-printed", "eq 14", "the same as printed, divided by X / A":
+        general_purpose_rate_as_printed["X": Count, "A": Length where 1.0, "N": Pixels where 1.0, "T": Count = CYCLES]
             -> Result<PolygonRate, String>;
     "mcmanus.frame-time", "3", "time of a frame":
         frame_time["R_A": Cycles, "renderers": Count, "cycle": Seconds = 1e-6] -> Seconds;
     "mcmanus.processors-for-one-cycle", "3", "pixel processors with an array for every raster cycle":
-        processors_for_one_cycle["R_A": Cycles, "A": Length] -> Pixels;
+        processors_for_one_cycle["R_A": Cycles, "A": Length where 1.0] -> Pixels;
     "mcmanus.largest-deviation", "6", "largest deviation of equation 7 from measured cycles":
-        largest_deviation["A": Vec<Length>, "R_A": Vec<Cycles>, "polygons": Polygons, "N": Pixels]
+        largest_deviation["A": Vec<Length>, "R_A": Vec<Cycles>, "polygons": Polygons, "N": Pixels where 1.0]
             -> Result<Ratio, String>;
     "mcmanus.implied-areas", "5.1", "areas of memory and controller implied by equation 1, from [rate, die, number]":
         implied_areas["points": Vec<[f64; 3]>] -> Result<[SquareInches; 2], String>;
@@ -208,6 +239,32 @@ mod tests {
             let closed = overlap::pixel_boxes(side, width).get();
             prop_assert!((overlap_of_places(side, width).get() / closed - 1.0).abs() < 1e-9);
         }
+    }
+
+    /// Figure 5 has one place with 16 regions, two with 20 and one with 25; the corrected equation 4 gives that, the
+    /// printed one a negative number of places.
+    #[test]
+    fn figure_5_decides_equation_4() {
+        let (two, eight) = (Length::new(2.0), Length::new(8.0));
+        assert_eq!(placements(two, eight), [1.0, 2.0, 1.0]);
+        assert_eq!(placements_as_printed(two, eight), [1.0, -6.0, 9.0]);
+    }
+
+    #[test]
+    fn small_arrays_win_without_overhead() {
+        let of = |a: f64| {
+            general_purpose_rate(Count::new(65536.0), Length::new(a), Pixels::new(23.91), Count::new(1e6))
+        };
+        let rates: Vec<_> = [1.0, 4.0, 16.0, 256.0].iter().map(|a| of(*a).unwrap().get()).collect();
+        assert!(rates.windows(2).all(|w| w[0] > w[1]), "{rates:?}");
+        assert!(of(257.0).is_err());
+        let printed = general_purpose_rate_as_printed(
+            Count::new(16.0),
+            Length::new(17.0),
+            Pixels::new(23.91),
+            Count::new(1e6),
+        );
+        assert!(printed.is_err());
     }
 
     #[test]

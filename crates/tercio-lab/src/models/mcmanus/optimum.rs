@@ -3,10 +3,14 @@
 use super::{CYCLES, GEOMETRY_BASE, GEOMETRY_SLOPE, PIXEL_PROCESSOR, measured_rate, rate, renderer_area};
 use crate::models;
 use crate::models::registry::Model;
-use crate::units::{Count, Cycles, Length, Pixels, PolygonRate, Polygons};
+use crate::units::{Count, Cycles, Length, Pixels, PolygonRate, Polygons, SquareInches};
 
 /// The largest array of the tables.
 const LARGEST: u32 = 512;
+
+/// Where a search for a side begins and ends.
+const SMALLEST_SIDE: f64 = 1.0;
+const LARGEST_SIDE: f64 = 4096.0;
 
 /// Polygons a second more per pixel of side: P'(A) = 2 T A (s - 1) / (A + s - 1)^3 with s = sqrt N. This is the true
 /// derivative of equation 7 that equation 11 was to be.
@@ -18,6 +22,27 @@ pub fn rate_slope(side: Length, area: Pixels, per_second: Count) -> f64 {
 /// Equation 12: R'(A), square inches more per pixel of side, with the true P'.
 pub fn area_slope(side: Length, area: Pixels, per_second: Count) -> f64 {
     area_slope_with(side, rate_slope(side, area, per_second))
+}
+
+/// Equation 9: P(R) = P(A(R)), polygons a second of one renderer of so much silicon. A(R) is found by search; R(A)
+/// rises with A, so there is one.
+///
+/// # Errors
+/// Less silicon than an array of side 1 takes, or more than one of side 4096.
+pub fn rate_of_silicon(
+    silicon: SquareInches,
+    area: Pixels,
+    per_second: Count,
+) -> Result<PolygonRate, String> {
+    let taken = |a: f64| {
+        let side = Length::new(a);
+        renderer_area(side, rate(side, area, per_second)).get()
+    };
+    let side = bisect(|a| taken(a) - silicon.get()).map_err(|_| {
+        let (least, most) = (taken(SMALLEST_SIDE), taken(LARGEST_SIDE));
+        format!("R: expected an area between {least:.4} and {most:.1} in2, found {silicon}")
+    })?;
+    Ok(rate(side, area, per_second))
 }
 
 /// Equation 8: L, polygons a second per square inch if renderers of this size are replicated.
@@ -102,11 +127,26 @@ fn misread_cubic(a: f64, area: Pixels) -> [f64; 2] {
 /// cubic. The document prints a = 1.5575 (1.5625), b without - 5, the tail of e as that of f, "2N = 4 sqrt N" for j,
 /// and 2 sqrt N (6 sqrt N) for k. It is not the derivative of equation 7: see [`rate_slope`].
 pub fn misread_rate_slope(side: Length, area: Pixels, per_second: Count) -> f64 {
+    let (n, s) = (area.get(), area.get().sqrt());
+    let (a, b, f) = (1.5625, 3.75 * s - 5.0, 4.0 * n * s - 8.0 * n);
+    let (j, k) = (2.0 * n - 4.0 * s, 6.0 * s);
+    quotient(side, area, per_second, [a, b, f], [j, k])
+}
+
+/// Equation 11 with the coefficients as they are printed; the second sign of j, a minus that became "=", is read as one.
+pub fn misread_rate_slope_as_printed(side: Length, area: Pixels, per_second: Count) -> f64 {
+    let (n, s) = (area.get(), area.get().sqrt());
+    let (a, b, f) = (1.5575, 3.75 * s, 4.0 * n * s - 8.0 * s + 10.0 * n);
+    let (j, k) = (2.0 * n - 4.0 * s, 2.0 * s);
+    quotient(side, area, per_second, [a, b, f], [j, k])
+}
+
+/// Equation 11 with the coefficients that need no doubt, and those that do.
+fn quotient(side: Length, area: Pixels, per_second: Count, [a, b, f]: [f64; 3], [j, k]: [f64; 2]) -> f64 {
     let (x, n, s) = (side.get(), area.get(), area.get().sqrt());
-    let (a, b, c) = (1.5625, 3.75 * s - 5.0, 4.75 * n - 11.0 * s + 4.0);
+    let c = 4.75 * n - 11.0 * s + 4.0;
     let (d, e) = (3.0 * n * s - 10.0 * n + 13.0 * s, n * n - 4.0 * n * s - 8.0 * s + 10.0 * n);
-    let (f, g) = (4.0 * n * s - 8.0 * n, 4.0 * n);
-    let (h, j, k) = (1.5 * s - 2.0, 2.0 * n - 4.0 * s, 6.0 * s);
+    let (g, h) = (4.0 * n, 1.5 * s - 2.0);
     let denominator = [a, b, c, d, e, f, g].into_iter().fold(0.0, |sum, coefficient| sum * x + coefficient);
     per_second.get() * x * x * (h * x * x + j * x + k) / denominator
 }
@@ -126,7 +166,7 @@ pub fn misread_optimal_side(area: Pixels, per_second: Count) -> Result<Length, S
 
 /// The place between 1 and 4096 where `of` rises through zero.
 fn bisect(of: impl Fn(f64) -> f64) -> Result<Length, String> {
-    let (mut low, mut high) = (1.0, 4096.0);
+    let (mut low, mut high) = (SMALLEST_SIDE, LARGEST_SIDE);
     if !(of(low) < 0.0 && of(high) > 0.0) {
         return Err("the optimum does not lie between 1 and 4096".into());
     }
@@ -142,25 +182,29 @@ fn bisect(of: impl Fn(f64) -> f64) -> Result<Length, String> {
 
 pub(crate) const MODELS: &[Model] = models! {
     "mcmanus.rate-slope", "eq 11", "P'(A), the true derivative of equation 7":
-        rate_slope["A": Length, "N": Pixels, "T": Count = CYCLES] -> f64;
+        rate_slope["A": Length where 1.0, "N": Pixels where 1.0, "T": Count = CYCLES] -> f64;
     "mcmanus.8", "eq 8", "L, polygons a second per square inch of replicated renderers":
-        replication_slope["A": Length, "N": Pixels, "T": Count = CYCLES] -> f64;
+        replication_slope["A": Length where 1.0, "N": Pixels where 1.0, "T": Count = CYCLES] -> f64;
+    "mcmanus.9", "eq 9", "P(R), polygons a second of one renderer of so much silicon":
+        rate_of_silicon["R": SquareInches, "N": Pixels where 1.0, "T": Count = CYCLES] -> Result<PolygonRate, String>;
     "mcmanus.10", "eq 10", "P'/R', polygons a second more per square inch more of one renderer":
-        growth_slope["A": Length, "N": Pixels, "T": Count = CYCLES] -> f64;
+        growth_slope["A": Length where 1.0, "N": Pixels where 1.0, "T": Count = CYCLES] -> f64;
     "mcmanus.11", "eq 11", "equation 11 with its coefficients restored; not the derivative of equation 7":
-        misread_rate_slope["A": Length, "N": Pixels, "T": Count = CYCLES] -> f64;
+        misread_rate_slope["A": Length where 1.0, "N": Pixels where 1.0, "T": Count = CYCLES] -> f64;
+    "mcmanus.11-as-printed", "eq 11", "equation 11 with the coefficients as printed":
+        misread_rate_slope_as_printed["A": Length where 1.0, "N": Pixels where 1.0, "T": Count = CYCLES] -> f64;
     "mcmanus.11-overlap", "eq 11", "the overlap that equation 11 is derived from":
-        misread_overlap["A": Length, "N": Pixels] -> f64;
+        misread_overlap["A": Length where 1.0, "N": Pixels where 1.0] -> f64;
     "mcmanus.12", "eq 12", "R'(A) with the true derivative":
-        area_slope["A": Length, "N": Pixels, "T": Count = CYCLES] -> f64;
+        area_slope["A": Length where 1.0, "N": Pixels where 1.0, "T": Count = CYCLES] -> f64;
     "mcmanus.13", "eq 13", "optimal side of an array, closed form":
-        optimal_side["N": Pixels] -> Length;
+        optimal_side["N": Pixels where 1.0] -> Length;
     "mcmanus.13-by-search", "eq 13", "optimal side of an array, by search":
-        optimal_side_by_search["N": Pixels, "T": Count = CYCLES] -> Result<Length, String>;
+        optimal_side_by_search["N": Pixels where 1.0, "T": Count = CYCLES] -> Result<Length, String>;
     "mcmanus.13-of-11", "fig 7", "optimal side by equation 11 and its own overlap":
-        misread_optimal_side["N": Pixels, "T": Count = CYCLES] -> Result<Length, String>;
+        misread_optimal_side["N": Pixels where 1.0, "T": Count = CYCLES] -> Result<Length, String>;
     "mcmanus.optimal-power-of-two", "table 3", "best side in powers of two, by equation 7":
-        optimal_power_of_two["N": Pixels, "T": Count = CYCLES] -> Length;
+        optimal_power_of_two["N": Pixels where 1.0, "T": Count = CYCLES] -> Length;
     "mcmanus.optimal-measured", "5.1", "best side in powers of two, by measured raster cycles":
         optimal_measured["R_A": Vec<Cycles>, "polygons": Polygons, "T": Count = CYCLES] -> Result<Length, String>;
 };
@@ -178,6 +222,16 @@ mod tests {
         fn closed_form_and_search_agree(n in 2.0f64..1e5) {
             let (closed, found) = (optimal_side(Pixels::new(n)), optimal_side_by_search(Pixels::new(n), T).unwrap());
             prop_assert!((closed / found - 1.0).abs() < 1e-9);
+        }
+
+        /// The rate by silicon is the rate of the array that takes it.
+        #[test]
+        fn silicon_and_back(a in 1.5f64..2000.0, n in 2.0f64..1e5) {
+            let (side, area) = (Length::new(a), Pixels::new(n));
+            let p = rate(side, area, T);
+            let found = rate_of_silicon(renderer_area(side, p), area, T).unwrap();
+            prop_assert!((found / p - 1.0).abs() < 1e-6, "{} {}", found, p);
+            prop_assert!(rate_of_silicon(SquareInches::new(0.5), area, T).unwrap_err().contains("found 0.5"));
         }
 
         /// Both slopes are the derivatives of what they belong to.

@@ -2,6 +2,7 @@
 
 use super::distributions::Distribution;
 use crate::models;
+use crate::models::common::total;
 use crate::models::registry::Model;
 use crate::units::{Count, Cycles, Length, Pixels, Polygons, Ratio, Seconds, Segments, Vertices};
 
@@ -14,17 +15,6 @@ pub const VERTEX: Cycles = Cycles::new(24.6 + 25.0 + 257.2 + 12.5);
 pub const SEGMENT: Cycles = Cycles::new(85.0 + 15.0 + 58.0);
 /// Cycles per pixel (2.2).
 pub const PIXEL: Cycles = Cycles::new(21.0);
-
-/// Cycles of a loop body or a routine with `times[i]` instructions of `each[i]` memory accesses.
-///
-/// # Errors
-/// Lists of different lengths.
-pub fn listing(times: Vec<Count>, each: Vec<Cycles>) -> Result<Cycles, String> {
-    if times.len() != each.len() {
-        return Err(format!("expected as many costs as counts, found {} and {}", each.len(), times.len()));
-    }
-    Ok(times.into_iter().zip(each).map(|(t, e)| e * t.get()).sum())
-}
 
 /// Cycles of a scene: what one processor has to do. `segments` are the charged ones, see
 /// [`super::distributions::charged_segments`].
@@ -157,7 +147,7 @@ pub fn time(cycles: Cycles, cycle: Seconds) -> Seconds {
 
 pub(crate) const MODELS: &[Model] = models! {
     "parks.listing", "app. B", "cycles of a listing with so many instructions of each cost":
-        listing["times": Vec<Count>, "each": Vec<Cycles>] -> Result<Cycles, String>;
+        total["times": Vec<Count>, "each": Vec<Cycles>] -> Result<Cycles, String>;
     "parks.scene", "2.2", "cycles of a scene by charged segments":
         scene["N": Polygons, "V": Vertices, "S": Segments, "P": Pixels] -> Cycles;
     "parks.scene-of-heights", "app. C", "cycles of a scene by the heights of its polygons, [[height, polygons], ...]":
@@ -175,9 +165,9 @@ pub(crate) const MODELS: &[Model] = models! {
     "parks.triangles-per-square", "4.3", "whole triangles in the time of a square":
         triangles_per_square["side": Length = 128.0, "height": Length = 12.8] -> Count;
     "parks.interlace", "4.5", "cycles of one of k by k interlaced processors":
-        interlace["N": Polygons, "V": Vertices, "S": Segments, "P": Pixels, "k": Count] -> Cycles;
+        interlace["N": Polygons, "V": Vertices, "S": Segments, "P": Pixels, "k": Count where 1.0] -> Cycles;
     "parks.interlace-fixed-share", "4.5", "share of polygons and vertices in them":
-        interlace_fixed_share["N": Polygons, "V": Vertices, "S": Segments, "P": Pixels, "k": Count] -> Ratio;
+        interlace_fixed_share["N": Polygons, "V": Vertices, "S": Segments, "P": Pixels, "k": Count where 1.0] -> Ratio;
     "parks.shares", "app. C", "shares of polygons, vertices, segments, pixels":
         shares["N": Polygons, "V": Vertices, "S": Segments, "P": Pixels] -> [Ratio; 4];
     "parks.polygon-share", "app. C", "share of polygons":

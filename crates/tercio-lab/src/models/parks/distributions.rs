@@ -49,6 +49,10 @@ impl Distribution {
 impl Argument for Distribution {
     const UNIT: &'static str = "list";
 
+    fn form() -> String {
+        Vec::<[f64; 2]>::form()
+    }
+
     fn from_value(value: &Value) -> Result<Self, String> {
         let pairs = Vec::<[f64; 2]>::from_value(value)?;
         Self::new(pairs.into_iter().map(|[value, times]| (value, times)).collect())

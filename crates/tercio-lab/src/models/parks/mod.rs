@@ -6,4 +6,5 @@
 
 pub mod costs;
 pub mod distributions;
+pub(crate) mod glossary;
 pub mod scenes;

@@ -6,7 +6,7 @@
 
 use super::costs::{self, PIXEL, POLYGON, SEGMENT, VERTEX};
 use crate::models;
-use crate::models::registry::Model;
+use crate::models::registry::{Model, Outcome, Value};
 use crate::units::{Count, Cycles, Pixels, Polygons, Segments, Vertices};
 
 /// Columns of a table.
@@ -26,6 +26,8 @@ const LARGEST_CHANGE: f64 = 0.0455;
 const LARGEST_SPLITTER_CHANGE: f64 = 0.69;
 /// Vertices per polygon on the mean, at least; all distributions of appendix C have more.
 const LEAST_VERTICES: f64 = 2.0;
+/// Characters of a cell; more have more readings than can be tried.
+const LONGEST_CELL: usize = 6;
 /// Half of the last printed digit, in millions of cycles.
 const HALF_DIGIT: f64 = 0.005;
 
@@ -37,6 +39,19 @@ pub fn table_of_counts(counts: Vec<[f64; 4]>) -> Vec<Cycles> {
     };
     let three_digits = |c: f64| format!("{c:.2e}").parse().unwrap_or(c);
     counts.into_iter().map(cycles).map(three_digits).map(Cycles::new).collect()
+}
+
+/// Cycles read from a table; a cell that cannot be read is NaN.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Readings(pub Vec<Cycles>);
+
+impl Outcome for Readings {
+    const UNIT: &'static str = Cycles::UNIT;
+
+    /// Unlike a formula's, a reading may be missing.
+    fn into_value(self) -> Result<Value, String> {
+        Ok(Value::List(self.0.into_iter().map(|c| Value::Number(c.get())).collect()))
+    }
 }
 
 /// A table in cycles from what stands in the scan, in millions: `cells` in the order of the columns, `polygons` of
@@ -52,9 +67,12 @@ pub fn restored_table(
     polygons: Count,
     similar: f64,
     similar_splitter: f64,
-) -> Result<Vec<Cycles>, String> {
+) -> Result<Readings, String> {
     let cells: [String; MACHINES] =
         cells.try_into().map_err(|c: Vec<_>| format!("expected {MACHINES} cells, found {}", c.len()))?;
+    if let Some(cell) = cells.iter().find(|c| c.chars().count() > LONGEST_CELL) {
+        return Err(format!("cells: expected at most {LONGEST_CELL} characters, found '{cell}'"));
+    }
     let readings = cells.map(|cell| readings(&cell));
     let mut fewest = (usize::MAX, Vec::<[f64; MACHINES]>::new());
     let mut walk = vec![(0, 0, [f64::NAN; MACHINES])];
@@ -83,7 +101,7 @@ pub fn restored_table(
         // Cells print thousandths of a million at most, so whole cycles lose nothing.
         Cycles::new(if same { (first[column] * 1e6).round() } else { f64::NAN })
     };
-    Ok((0..MACHINES).map(agreed).collect())
+    Ok(Readings((0..MACHINES).map(agreed).collect()))
 }
 
 /// What a cell can say, in millions, with the number of mistaken characters: as it stands, with one character taken
@@ -202,7 +220,7 @@ pub(crate) const MODELS: &[Model] = models! {
         table_of_counts["counts": Vec<[f64; 4]>] -> Vec<Cycles>;
     "parks.restored-table", "fig 16 to 25", "cycles of six machines as read from the damaged scan by the cost model":
         restored_table["cells": Vec<String>, "polygons": Count, "similar": f64 = 0.0,
-            "similar_splitter": f64 = 0.0] -> Result<Vec<Cycles>, String>;
+            "similar_splitter": f64 = 0.0] -> Result<Readings, String>;
     "parks.splitter-wins", "4.3", "figures in which the splitter with 4 is faster than the interlace":
         splitter_wins["figures": Vec<Count>, "interlace": Vec<f64>, "splitter": Vec<f64>]
             -> Result<Vec<Count>, String>;
@@ -218,6 +236,7 @@ mod tests {
         let cells = cells.map(str::to_owned).to_vec();
         restored_table(cells, Count::new(polygons), uni, splitter)
             .unwrap()
+            .0
             .iter()
             .map(|c| c.get() / 1e6)
             .collect()

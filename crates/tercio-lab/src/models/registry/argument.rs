@@ -8,12 +8,24 @@ pub trait Argument: Sized {
     /// The base unit's symbol, or the shape of a list.
     const UNIT: &'static str;
 
+    /// What a value looks like: a unit, the name of a number without one, `[px, ...]` for a list of any length,
+    /// `[number, number]` for one of a given length.
+    fn form() -> String;
+
     /// Reads the value.
     ///
     /// # Errors
     /// What was expected and what was found.
     fn from_value(value: &Value) -> Result<Self, String>;
+
+    /// The number in base units, if it is one.
+    fn number(&self) -> Option<f64> {
+        None
+    }
 }
+
+/// What is said of results that are infinite or not a number.
+const NO_VALUE: &str = "the formula has no finite value for these arguments";
 
 /// A type that a formula can give.
 pub trait Outcome {
@@ -23,12 +35,16 @@ pub trait Outcome {
     /// The value in base units.
     ///
     /// # Errors
-    /// Why the formula has no result for these arguments.
+    /// Why the formula has no result for these arguments: not finite, below zero where that cannot be.
     fn into_value(self) -> Result<Value, String>;
 }
 
 impl<Q: Quantity> Argument for Q {
     const UNIT: &'static str = Q::UNIT;
+
+    fn form() -> String {
+        if Q::UNIT.is_empty() { Q::NAME.into() } else { Q::UNIT.into() }
+    }
 
     fn from_value(value: &Value) -> Result<Self, String> {
         match value {
@@ -37,11 +53,19 @@ impl<Q: Quantity> Argument for Q {
             Value::List(_) => Err(format!("{}: expected one number, found a list", Q::NAME)),
         }
     }
+
+    fn number(&self) -> Option<f64> {
+        Some(self.get())
+    }
 }
 
 /// A coordinate or another number that may be negative.
 impl Argument for f64 {
     const UNIT: &'static str = "";
+
+    fn form() -> String {
+        "number".into()
+    }
 
     fn from_value(value: &Value) -> Result<Self, String> {
         match value {
@@ -49,10 +73,18 @@ impl Argument for f64 {
             other => Err(format!("expected a number, found {other}")),
         }
     }
+
+    fn number(&self) -> Option<f64> {
+        Some(*self)
+    }
 }
 
 impl<T: Argument> Argument for Vec<T> {
     const UNIT: &'static str = "list";
+
+    fn form() -> String {
+        format!("[{}, ...]", T::form())
+    }
 
     fn from_value(value: &Value) -> Result<Self, String> {
         match value {
@@ -65,6 +97,10 @@ impl<T: Argument> Argument for Vec<T> {
 impl<T: Argument, const N: usize> Argument for [T; N] {
     const UNIT: &'static str = "list";
 
+    fn form() -> String {
+        format!("[{}]", vec![T::form(); N].join(", "))
+    }
+
     fn from_value(value: &Value) -> Result<Self, String> {
         let items = Vec::<T>::from_value(value)?;
         let found = items.len();
@@ -74,6 +110,10 @@ impl<T: Argument, const N: usize> Argument for [T; N] {
 
 impl Argument for String {
     const UNIT: &'static str = "text";
+
+    fn form() -> String {
+        "text".into()
+    }
 
     fn from_value(value: &Value) -> Result<Self, String> {
         match value {
@@ -87,13 +127,18 @@ impl<Q: Quantity> Outcome for Q {
     const UNIT: &'static str = Q::UNIT;
 
     fn into_value(self) -> Result<Value, String> {
-        Ok(Value::Number(self.get()))
+        let value = self.get().into_value()?;
+        // Means of whole things need not be whole, but no quantity is below zero.
+        if self.get() < 0.0 {
+            return Err(format!("these arguments give {value}, and a {} cannot be below zero", Q::NAME));
+        }
+        Ok(value)
     }
 }
 
 impl Outcome for f64 {
     fn into_value(self) -> Result<Value, String> {
-        Ok(Value::Number(self))
+        if self.is_finite() { Ok(Value::Number(self)) } else { Err(NO_VALUE.into()) }
     }
 }
 

@@ -5,11 +5,13 @@
 //! table comes out of the same code as the user's.
 
 mod argument;
+mod glossary;
 mod value;
 
 use std::collections::BTreeMap;
 
 pub use argument::{Argument, Outcome};
+pub use glossary::Glossary;
 pub use value::Value;
 
 /// What a formula is asked with: values by parameter name.
@@ -33,12 +35,16 @@ pub struct Model {
 }
 
 /// What a formula takes.
-#[derive(Debug, PartialEq)]
+#[derive(Debug)]
 pub struct Parameter {
     /// The symbol of the document.
     pub name: &'static str,
     /// The base unit.
     pub unit: &'static str,
+    /// What a value looks like, as [`Argument::form`] tells it.
+    pub form: fn() -> String,
+    /// The least value in base units, where it is more than what the unit allows.
+    pub at_least: Option<f64>,
     /// The value in base units that counts if none is given.
     pub default: Option<f64>,
 }
@@ -65,14 +71,16 @@ pub enum ModelError {
         takes: String,
     },
     /// A value that has no default was not given.
-    #[error("{id} needs a value for '{name}'{}", unit_words(.unit))]
+    #[error("{id} needs a value for '{name}', {meaning} ({form})")]
     Missing {
         /// The formula.
         id: &'static str,
         /// The parameter.
         name: &'static str,
-        /// Its base unit.
-        unit: &'static str,
+        /// What it means.
+        meaning: &'static str,
+        /// What a value looks like.
+        form: String,
     },
     /// A value that the parameter cannot have.
     #[error("{id}: {name}: {reason}")]
@@ -98,10 +106,6 @@ fn nearest(near: &[&str]) -> String {
     if near.is_empty() { String::new() } else { format!("; near it: {}", near.join(", ")) }
 }
 
-fn unit_words(unit: &str) -> String {
-    if unit.is_empty() { String::new() } else { format!(" ({unit})") }
-}
-
 /// Hands the arguments out by name and type.
 #[derive(Debug)]
 pub struct Reader<'a> {
@@ -120,9 +124,20 @@ impl Reader<'_> {
         let value = match (self.arguments.get(name), parameter.and_then(|p| p.default)) {
             (Some(value), _) => value.clone(),
             (None, Some(default)) => Value::Number(default),
-            (None, None) => return Err(ModelError::Missing { id, name, unit: T::UNIT }),
+            (None, None) => {
+                let meaning = self.model.meaning(name);
+                return Err(ModelError::Missing { id, name, meaning, form: T::form() });
+            }
         };
-        T::from_value(&value).map_err(|reason| ModelError::Argument { id, name, reason })
+        let impossible = |reason| ModelError::Argument { id, name, reason };
+        let argument = T::from_value(&value).map_err(impossible)?;
+        match (argument.number(), parameter.and_then(|p| p.at_least)) {
+            (Some(number), Some(least)) if number < least => Err(impossible(format!(
+                "{}: expected at least {least}, found {number}",
+                self.model.meaning(name)
+            ))),
+            _ => Ok(argument),
+        }
     }
 
     /// The outcome of the formula, in base units.
@@ -130,11 +145,41 @@ impl Reader<'_> {
     /// # Errors
     /// [`ModelError::Undefined`] if the formula refuses.
     pub fn outcome(&self, outcome: impl Outcome) -> Result<Value, ModelError> {
-        outcome.into_value().map_err(|reason| ModelError::Undefined { id: self.model.id, reason })
+        let zeros = self.arguments.iter().filter(|a| *a.1 == Value::Number(0.0)).map(|a| a.0.as_str());
+        let zeros: Vec<_> = zeros.collect();
+        outcome.into_value().map_err(|mut reason| {
+            if !zeros.is_empty() {
+                reason += &format!("; note that 0 is given for {}", zeros.join(", "));
+            }
+            ModelError::Undefined { id: self.model.id, reason }
+        })
     }
 }
 
 impl Model {
+    fn glossary(&self) -> Option<&'static Glossary> {
+        super::GLOSSARIES.iter().find(|g| self.id.split('.').next() == Some(g.group)).copied()
+    }
+
+    /// What a parameter means, in words.
+    pub fn meaning(&self, parameter: &str) -> &'static str {
+        self.glossary().and_then(|g| g.meaning(self.id, parameter)).unwrap_or_default()
+    }
+
+    /// What is taken for granted.
+    pub fn assumptions(&self) -> impl Iterator<Item = &'static str> {
+        let id = self.id;
+        self.glossary().into_iter().flat_map(move |g| g.assumptions(id))
+    }
+
+    /// Document and place in it: `000 eq 5.6`.
+    pub fn source(&self) -> String {
+        match self.glossary().and_then(|g| g.document) {
+            Some(document) => format!("{document} {}", self.place),
+            None => self.place.into(),
+        }
+    }
+
     /// Computes the outcome, in base units.
     ///
     /// # Errors
@@ -145,12 +190,7 @@ impl Model {
             let takes = if names.is_empty() { "none".into() } else { names.join(", ") };
             return Err(ModelError::UnknownParameter { id: self.id, name: name.clone(), takes });
         }
-        let outcome = (self.compute)(&Reader { model: self, arguments })?;
-        if outcome.is_undefined() {
-            let reason = "the formula has no finite value for these arguments".into();
-            return Err(ModelError::Undefined { id: self.id, reason });
-        }
-        Ok(outcome)
+        (self.compute)(&Reader { model: self, arguments })
     }
 }
 
@@ -163,11 +203,12 @@ impl Model {
 /// }
 /// ```
 ///
-/// The names are the documents' symbols, in the order of the function's parameters; a default is in base units.
+/// The names are the documents' symbols, in the order of the function's parameters; a default is in base units, and so
+/// is the least value that `"m": Ratio where 1.0` allows.
 #[macro_export]
 macro_rules! models {
     ($($id:literal, $place:literal, $what:literal:
-        $function:path[$($name:literal: $type:ty $(= $default:expr)?),* $(,)?] -> $outcome:ty;)*) => {
+        $function:path[$($name:literal: $type:ty $(where $least:literal)? $(= $default:expr)?),* $(,)?] -> $outcome:ty;)*) => {
         &[$($crate::models::registry::Model {
             id: $id,
             place: $place,
@@ -175,6 +216,8 @@ macro_rules! models {
             parameters: &[$($crate::models::registry::Parameter {
                 name: $name,
                 unit: <$type as $crate::models::registry::Argument>::UNIT,
+                form: <$type as $crate::models::registry::Argument>::form,
+                at_least: $crate::models!(@default $($least)?),
                 default: $crate::models!(@default $($default)?),
             }),*],
             unit: $crate::models!(@unit $outcome),
@@ -197,13 +240,35 @@ pub fn all() -> impl Iterator<Item = &'static Model> {
 /// The entry called `id`.
 ///
 /// # Errors
-/// [`ModelError::UnknownModel`], with names that contain `id` or share its document and begin alike.
+/// [`ModelError::UnknownModel`], with names like it.
 pub fn find(id: &str) -> Result<&'static Model, ModelError> {
-    all().find(|m| m.id == id).ok_or_else(|| {
-        let beginning: String = id.chars().take(id.find('.').map_or(4, |dot| dot + 2)).collect();
-        let like = |m: &&Model| m.id.contains(id) || m.id.starts_with(&beginning);
-        ModelError::UnknownModel { id: id.into(), near: all().filter(like).map(|m| m.id).take(8).collect() }
-    })
+    all().find(|m| m.id == id).ok_or_else(|| ModelError::UnknownModel { id: id.into(), near: near(id) })
+}
+
+/// Names that a user may have meant, the likeliest first.
+fn near(id: &str) -> Vec<&'static str> {
+    /// Below this likeness names have nothing to do with each other.
+    const LIKE: f64 = 0.75;
+    let likeness = |m: &'static Model| {
+        let contained = if !id.is_empty() && m.id.contains(id) { 1.0 } else { 0.0 };
+        (contained + strsim::jaro_winkler(id, m.id), m.id)
+    };
+    let mut all: Vec<_> = all().map(likeness).filter(|(like, _)| *like >= LIKE).collect();
+    // Equally like names stay in the order of the documents.
+    all.sort_by(|a, b| b.0.total_cmp(&a.0));
+    all.into_iter().map(|(_, id)| id).take(8).collect()
+}
+
+/// The entries whose name begins with `text` or, if there are none, whose name, place or description contains it in
+/// any spelling of capitals.
+pub fn search(text: &str) -> Vec<&'static Model> {
+    let by_name: Vec<_> = all().filter(|m| m.id.starts_with(text)).collect();
+    if !by_name.is_empty() {
+        return by_name;
+    }
+    let text = text.to_lowercase();
+    let parts = |m: &Model| [m.id.to_lowercase(), m.source().to_lowercase(), m.what.to_lowercase()];
+    all().filter(|m| parts(m).iter().any(|part| part.contains(&text))).collect()
 }
 
 /// Computes the outcome of the entry called `id`, in base units.
@@ -215,44 +280,4 @@ pub fn evaluate(id: &str, arguments: &Arguments) -> Result<Value, ModelError> {
 }
 
 #[cfg(test)]
-mod tests {
-    use std::collections::BTreeSet;
-
-    use super::*;
-
-    fn given(values: &[(&str, f64)]) -> Arguments {
-        values.iter().map(|(name, value)| ((*name).to_owned(), Value::Number(*value))).collect()
-    }
-
-    #[test]
-    fn names_are_unique_and_defaults_are_possible() {
-        let ids: BTreeSet<_> = all().map(|m| m.id).collect();
-        assert_eq!(ids.len(), all().count());
-        for model in all() {
-            let names: BTreeSet<_> = model.parameters.iter().map(|p| p.name).collect();
-            assert_eq!(names.len(), model.parameters.len(), "{}", model.id);
-            // Asked for nothing, a formula computes or says what it needs.
-            match model.evaluate(&Arguments::new()) {
-                Ok(_) | Err(ModelError::Missing { .. }) => {}
-                Err(other) => panic!("{other}"),
-            }
-        }
-    }
-
-    #[test]
-    fn every_mistake_has_its_own_error() {
-        let error = |id: &str, values: &[(&str, f64)]| evaluate(id, &given(values)).unwrap_err();
-        assert!(matches!(error("eldridge.9.9", &[]), ModelError::UnknownModel { .. }));
-        assert!(matches!(error("eldridge.5.6", &[("x", 1.0)]), ModelError::UnknownParameter { .. }));
-        assert!(matches!(error("eldridge.5.3", &[]), ModelError::Missing { name: "d", .. }));
-        assert!(matches!(error("eldridge.5.6", &[("n", -1.0)]), ModelError::Argument { name: "n", .. }));
-        assert!(matches!(error("eldridge.5.6", &[("n", f64::NAN)]), ModelError::Argument { name: "n", .. }));
-        assert!(matches!(error("ortega.rate", &[("N", 1.0), ("t", 0.0)]), ModelError::Undefined { .. }));
-    }
-
-    #[test]
-    fn texts_with_units_are_arguments() {
-        let clock = Arguments::from([("clock".to_owned(), Value::Text("28 MHz".into()))]);
-        assert_eq!(evaluate("eldridge.aggregate-rate", &clock), Ok(Value::Number(1024.0 * 28e6)));
-    }
-}
+mod tests;

@@ -47,18 +47,6 @@ impl Value {
         if let Self::Number(number) = self { Some(*number) } else { None }
     }
 
-    /// Whether a number is infinite, or not a number where it stands alone; in a list, NaN is a cell that cannot be
-    /// read.
-    pub(super) fn is_undefined(&self) -> bool {
-        match self {
-            Self::Number(number) => !number.is_finite(),
-            Self::Text(_) => false,
-            Self::List(items) => {
-                items.iter().any(|i| i.as_number().map_or(i.is_undefined(), f64::is_infinite))
-            }
-        }
-    }
-
     /// Whether both have the same shape and no number is further than `tolerance` from its counterpart.
     /// A cell that cannot be read (NaN) agrees with such a cell only.
     pub fn agrees_with(&self, other: &Self, tolerance: f64) -> bool {

@@ -19,5 +19,5 @@ pub mod organisation;
 pub mod regions;
 
 pub use network::{Links, NetworkModel, Traffic};
-pub use organisation::{Computing, Costs, Organisation, SortReport, simulate};
+pub use organisation::{Computing, Costs, Organisation, Setting, SortReport, simulate, sweep};
 pub use regions::{Assignment, Regions};

@@ -3,6 +3,7 @@
 //! Sort-middle is sort-twice with one group, sort-last is sort-twice with groups of one processor, so one function
 //! does the three. Sources: document 000, chapters 4 and 6 and appendix A; document 001, 2.3.
 
+use rayon::prelude::*;
 use serde::Serialize;
 
 use super::network::{Links, NetworkModel, Traffic};
@@ -67,6 +68,18 @@ impl Costs {
             sample: bytes(DataKind::Sample)?,
         })
     }
+
+    /// Work that costs nothing, because the description does not charge for it: its times are too short.
+    pub fn uncharged(&self) -> Vec<Operation> {
+        let all = [
+            (self.polygon, Operation::Polygon),
+            (self.set_up, Operation::PolygonSetUp),
+            (self.entry, Operation::Entry),
+            (self.pixel, Operation::Pixel),
+            (self.composite, Operation::CompositePixel),
+        ];
+        all.into_iter().filter(|(seconds, _)| *seconds == 0.0).map(|(_, operation)| operation).collect()
+    }
 }
 
 /// A phase in which every processor works for itself.
@@ -127,7 +140,7 @@ impl SortReport {
 }
 
 /// What a frame is simulated with.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize)]
 pub struct Setting {
     /// Pixels across.
     pub width: u32,
@@ -208,6 +221,24 @@ pub fn simulate(scene: &BoxScene, organisation: Organisation, s: &Setting) -> So
         overlap: if visible == 0 { 0.0 } else { entries as f64 / visible as f64 },
         most_bytes_kept: most_entries * s.costs.descriptor + picture,
     }
+}
+
+/// Runs a frame in each of many settings, on the cores of the current pool; the reports come in the order of the
+/// settings. `finished` is called after each, in any order.
+///
+/// # Panics
+/// As [`simulate`].
+pub fn sweep(
+    scene: &BoxScene,
+    settings: &[(Organisation, Setting)],
+    finished: impl Fn() + Sync,
+) -> Vec<SortReport> {
+    let run = |(organisation, setting): &(Organisation, Setting)| {
+        let report = simulate(scene, *organisation, setting);
+        finished();
+        report
+    };
+    settings.par_iter().map(run).collect()
 }
 
 /// Deals polygons out and hands them to the owners of what they touch.

@@ -5,6 +5,7 @@ mod mcmanus;
 mod ortega;
 mod parks;
 mod ring;
+mod sorting;
 
 use std::path::Path;
 use std::process::ExitCode;
@@ -26,6 +27,7 @@ pub struct Simulate {
 #[derive(Debug, Subcommand)]
 enum Machine {
     Ring(ring::Ring),
+    Sorting(sorting::Sorting),
     Hybris(hybris::Hybris),
     Parks(parks::Parks),
     Mcmanus(mcmanus::McManus),
@@ -40,6 +42,7 @@ impl Simulate {
     pub fn run(&self) -> Result<ExitCode> {
         let text = match &self.machine {
             Machine::Ring(machine) => machine.run()?,
+            Machine::Sorting(machine) => machine.run()?,
             Machine::Hybris(machine) => machine.run()?,
             Machine::Parks(machine) => machine.run()?,
             Machine::Mcmanus(machine) => machine.run()?,

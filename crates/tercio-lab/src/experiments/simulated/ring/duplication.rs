@@ -1,8 +1,8 @@
 //! Polygons kept by several processors: figures 5-6, 5-7, 5-8.
 
+use super::super::super::sweep::{pairs, sweep};
 use super::super::super::{Axis, Cell, Comparison, ExperimentError, Findings, Plot, Series, Table};
-use super::super::truth;
-use super::{SCENES, clumped, frame, scenes};
+use super::{SCENES, clumped, curves, frame, least, profile, scenes, strides};
 use crate::simulators::ring::RingRun;
 
 /// Instructions of geometry and communication for each visible polygon.
@@ -10,9 +10,8 @@ fn cost(run: &RingRun) -> f64 {
     (run.geometry.instructions + run.communication()) as f64 / run.visible.max(1) as f64
 }
 
-fn copies_of(limit: u32) -> impl Iterator<Item = u32> {
-    (0..=limit).map(|k| 1 << k)
-}
+/// Numbers of copies.
+const COPIES: [u32; 7] = [1, 2, 4, 8, 16, 32, 64];
 
 /// Figure 5-6.
 pub fn copies() -> Result<Findings, ExperimentError> {
@@ -20,22 +19,14 @@ pub fn copies() -> Result<Findings, ExperimentError> {
     let (mut series, mut comparison) = (Vec::new(), Comparison::new());
     let mut all = scenes()?;
     all.push(("less clumped", clumped(9_408, 6_294, 50.0).boxes()));
-    for (name, scene) in all {
-        let mut points = Vec::new();
-        for m in copies_of(6) {
-            let cost = cost(&frame(&scene, 1024, |a| a.duplication = m)?);
-            table.push([name.into(), f64::from(m).into(), cost.into()]);
-            points.push((f64::from(m), cost));
-        }
+    let by_copies = curves(&all, &COPIES, |scene, m| Ok(cost(&frame(scene, 1024, |a| a.duplication = m)?)))?;
+    for (name, points) in by_copies {
+        points.iter().for_each(|p| table.push([name.into(), p.0.into(), p.1.into()]));
         if name == "teapot" || name == "less clumped" {
-            let least = points.iter().copied().fold((1.0, f64::MAX), |a, b| if b.1 < a.1 { b } else { a });
-            comparison.add(
-                format!("{name}: best number of copies is 4 to 16"),
-                truth((4.0..=16.0).contains(&least.0)),
-                1.0,
-                0.0,
-            );
-            comparison.add(format!("{name}: cheaper than one copy"), truth(least.1 < points[0].1), 1.0, 0.0);
+            let least = least(&points);
+            comparison
+                .claim(format!("{name}: best number of copies is 4 to 16"), (4.0..=16.0).contains(&least.0));
+            comparison.claim(format!("{name}: cheaper than one copy"), least.1 < points[0].1);
         }
         series.push(Series::line_points(name, points));
     }
@@ -68,18 +59,14 @@ pub fn imbalance() -> Result<Findings, ExperimentError> {
     for m in [1u32, 4, 16, 64] {
         let run = frame(&scene, 1024, |a| a.duplication = m)?;
         most.push(f64::from(run.sent.iter().copied().max().unwrap_or(0)));
-        for (processor, &sent) in run.sent.iter().enumerate() {
-            table.push([f64::from(m).into(), (processor as f64).into(), f64::from(sent).into()]);
-        }
+        let sent = profile(&mut table, f64::from(m), run.sent.iter().copied());
         // As in the document: the greatest of eight neighbours.
-        let groups = run.sent.chunks(8).enumerate();
-        let points =
-            groups.map(|(g, sent)| (8.0 * g as f64, f64::from(sent.iter().copied().max().unwrap_or(0))));
-        series.push(Series::line(format!("{m} copies"), points.collect()));
+        let groups = sent.chunks(8).map(|group| (group[0].0, group.iter().map(|p| p.1).fold(0.0, f64::max)));
+        series.push(Series::line(format!("{m} copies"), groups.collect()));
     }
     let mut comparison = Comparison::new();
     let rising = most.windows(2).all(|w| w[0] < w[1]);
-    comparison.add("the busiest processor's polygons grow with every step", truth(rising), 1.0, 0.0);
+    comparison.claim("the busiest processor's polygons grow with every step", rising);
     let plot = Plot {
         name: "sent".into(),
         title: "Visible polygons whose geometry a processor computes".into(),
@@ -97,23 +84,24 @@ pub fn imbalance() -> Result<Findings, ExperimentError> {
     })
 }
 
+/// First strides of figure 5-8.
+const STRIDES: [u32; 6] = [1, 4, 8, 16, 32, 64];
+
 /// Figure 5-8.
 pub fn surface() -> Result<Findings, ExperimentError> {
     let scene = clumped(34_404, 25_270, 30.0).boxes();
     let mut columns = vec![("copies", "")];
-    let names: Vec<String> = [1, 4, 8, 16, 32, 64].iter().map(|d| format!("stride {d}")).collect();
+    let names: Vec<String> = STRIDES.iter().map(|d| format!("stride {d}")).collect();
     columns.extend(names.iter().map(|n| (n.as_str(), "instructions per polygon")));
     let mut table = Table::new("surface", &columns);
     let mut series = Vec::new();
     let mut least = (0, 0, f64::MAX);
-    for m in copies_of(6) {
+    let costs = sweep(&pairs(&COPIES, &STRIDES), |&(&m, stride)| {
+        Ok(cost(&frame(&scene, 1024, |a| (a.duplication, a.strides) = (m, strides(stride)))?))
+    })?;
+    for (m, costs) in COPIES.into_iter().zip(costs.chunks(STRIDES.len())) {
         let (mut points, mut row) = (Vec::new(), vec![Cell::from(f64::from(m))]);
-        for stride in [1u32, 4, 8, 16, 32, 64] {
-            let run = frame(&scene, 1024, |a| {
-                a.duplication = m;
-                a.strides = if stride == 1 { vec![1] } else { vec![stride, 1] };
-            })?;
-            let cost = cost(&run);
+        for (stride, &cost) in STRIDES.into_iter().zip(costs) {
             least = if cost < least.2 { (m, stride, cost) } else { least };
             points.push((f64::from(stride), cost));
             row.push(cost.into());
@@ -123,7 +111,7 @@ pub fn surface() -> Result<Findings, ExperimentError> {
     }
     let mut comparison = Comparison::new();
     comparison.add("copies at the least cost", f64::from(least.0), 1.0, 0.0);
-    comparison.add("best stride is 8 or 16", truth([8, 16].contains(&least.1)), 1.0, 0.0);
+    comparison.claim("best stride is 8 or 16", [8, 16].contains(&least.1));
     let plot = Plot {
         name: "surface".into(),
         title: "Instructions of geometry and communication".into(),

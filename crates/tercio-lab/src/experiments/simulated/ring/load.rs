@@ -1,7 +1,7 @@
 //! How polygons lie on processors: figures 4-1, 4-2, 5-9.
 
 use super::super::super::{Axis, Comparison, ExperimentError, Findings, Plot, Series, Table};
-use super::{SCENES, SCREEN, frame, scenes};
+use super::{SCENES, SCREEN, curves, frame, profile, scenes};
 
 /// Figure 4-1.
 pub fn sort_first() -> Result<Findings, ExperimentError> {
@@ -14,9 +14,7 @@ pub fn sort_first() -> Result<Findings, ExperimentError> {
         let most = run.received.iter().copied().max().unwrap_or(0);
         let mean = run.copies as f64 / run.received.len() as f64;
         summary.push([name.into(), f64::from(most).into(), mean.into(), run.asymmetry().into()]);
-        let loads = || run.received.iter().enumerate().map(|(p, &r)| (p as f64, f64::from(r)));
-        loads().for_each(|(p, r)| table.push([name.into(), p.into(), r.into()]));
-        series.push(Series::line(name, loads().collect()));
+        series.push(Series::line(name, profile(&mut table, name, run.received.iter().copied())));
         if name == "like the teapot" {
             // The scene has the document's number of polygons and width; its clumping is fitted, so only the mean is
             // a test, and the maximum shows that one deviation explains it.
@@ -51,18 +49,14 @@ pub fn shifts() -> Result<Findings, ExperimentError> {
         &[("scene", ""), ("processors", ""), ("passes", ""), ("shifts per polygon", "")],
     );
     let (mut series, mut comparison) = (Vec::new(), Comparison::new());
-    for (name, scene) in scenes()? {
-        let mut points = Vec::new();
-        for processors in [768u32, 1024, 1536, 2048] {
-            let run = frame(&scene, processors, |_| ())?;
-            let shifts = run.passes() as f64 / run.visible as f64;
-            table.push([
-                name.into(),
-                f64::from(processors).into(),
-                (run.passes() as f64).into(),
-                shifts.into(),
-            ]);
-            points.push((f64::from(processors), shifts));
+    let scenes = scenes()?;
+    let passes =
+        curves(&scenes, &[768, 1024, 1536, 2048], |scene, n| Ok(frame(scene, n, |_| ())?.passes() as f64))?;
+    for ((name, passes), (_, scene)) in passes.into_iter().zip(&scenes) {
+        let per_polygon = passes.iter().map(|p| (p.0, p.1 / scene.visible() as f64));
+        let points: Vec<_> = per_polygon.collect();
+        for (p, shifts) in passes.iter().zip(&points) {
+            table.push([name.into(), p.0.into(), p.1.into(), shifts.1.into()]);
         }
         let (least, most) = points.iter().fold((f64::MAX, 0f64), |(l, m), p| (l.min(p.1), m.max(p.1)));
         comparison.add(format!("{name}: shifts at 1,024 processors"), points[1].1, 1.0, 0.25);
@@ -102,15 +96,8 @@ pub fn locality() -> Result<Findings, ExperimentError> {
         let most = f64::from(columns.iter().copied().max().unwrap_or(0));
         let mean = scene.visible() as f64 / 1024.0;
         summary.push([name.into(), most.into(), mean.into(), (most / mean).into()]);
-        let points: Vec<_> = columns.iter().enumerate().map(|(c, &n)| (c as f64, f64::from(n))).collect();
-        points.iter().for_each(|&(c, n)| table.push([name.into(), c.into(), n.into()]));
-        series.push(Series::line(name, points));
-        comparison.add(
-            format!("{name}: at least 3 times the mean"),
-            super::super::truth(most >= 3.0 * mean),
-            1.0,
-            0.0,
-        );
+        series.push(Series::line(name, profile(&mut table, name, columns.into_iter())));
+        comparison.claim(format!("{name}: at least 3 times the mean"), most >= 3.0 * mean);
     }
     let plot = Plot {
         name: "locality".into(),

@@ -5,7 +5,8 @@ mod duplication;
 mod load;
 mod sort_twice;
 
-use super::super::{Document, Experiment, ExperimentError};
+use super::super::sweep::{pairs, sweep};
+use super::super::{Cell, Document, Experiment, ExperimentError, Table};
 use crate::simulators::ring::{Algorithm, Machine, RingRun, simulate};
 use crate::workloads::synthetic::{Distribution, Spread};
 use crate::workloads::{BoxScene, ScreenMap};
@@ -104,4 +105,41 @@ fn frame(
 /// Instructions of communication for each visible polygon.
 fn communication(run: &RingRun) -> f64 {
     run.communication() as f64 / run.visible.max(1) as f64
+}
+
+/// A scene's name and its points.
+type Curve = (&'static str, Vec<(f64, f64)>);
+
+/// A quantity of each scene by a parameter that takes `values`.
+fn curves(
+    scenes: &[(&'static str, BoxScene)],
+    values: &[u32],
+    quantity: impl Fn(&BoxScene, u32) -> Result<f64, ExperimentError> + Sync,
+) -> Result<Vec<Curve>, ExperimentError> {
+    let points = sweep(&pairs(scenes, values), |((_, scene), value)| {
+        Ok((f64::from(*value), quantity(scene, *value)?))
+    })?;
+    let names = scenes.iter().map(|s| s.0);
+    Ok(names.zip(points.chunks(values.len().max(1)).map(<[_]>::to_vec)).collect())
+}
+
+/// The point with the least quantity, the first of equals.
+fn least(points: &[(f64, f64)]) -> (f64, f64) {
+    points.iter().copied().fold((1.0, f64::MAX), |a, b| if b.1 < a.1 { b } else { a })
+}
+
+/// A number for each processor or column: rows of a table that begin with `name`, and the points of a curve.
+fn profile(
+    table: &mut Table,
+    name: impl Into<Cell> + Copy,
+    numbers: impl Iterator<Item = u32>,
+) -> Vec<(f64, f64)> {
+    let points: Vec<_> = numbers.enumerate().map(|(place, n)| (place as f64, f64::from(n))).collect();
+    points.iter().for_each(|&(place, n)| table.push([name.into(), place.into(), n.into()]));
+    points
+}
+
+/// The first stage's stride, with the stage of stride 1 behind it that every distribution ends with.
+fn strides(first: u32) -> Vec<u32> {
+    if first == 1 { vec![1] } else { vec![first, 1] }
 }

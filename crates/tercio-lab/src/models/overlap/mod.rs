@@ -3,12 +3,17 @@
 //! Two ways of counting: documents 001 and 000 take a box as a region of the plane, document 003 as a number of whole
 //! pixels, of which a box w pixels wide reaches w - 1 beyond its first.
 
+pub mod integral;
+
 use crate::models;
-use crate::models::registry::Model;
+use crate::models::registry::{Glossary, Model};
 use crate::units::{Count, Length, Pixels, Ratio};
 
 /// Area of the bounding box over that of the triangle: the mean that document 001 takes (2.3.2).
 const BOX_TO_TRIANGLE: f64 = 3.0;
+
+/// Pixels a side of the largest region that is counted out.
+const MOST_COUNTED: u64 = 4096;
 
 /// Document 001, equation 2.1 (Molnar and Eyles): tiles of `width` by `height` that a box of `w` by `h` meets. Exact
 /// for boxes of any size.
@@ -33,6 +38,17 @@ pub fn boxes_by_aspect(area: Pixels, aspect: Ratio, s: Length) -> Ratio {
 /// W = sqrt(R A), H = sqrt(A / R).
 pub fn tile_sides(area: Pixels, aspect: Ratio) -> [Length; 2] {
     [Length::new((aspect.get() * area.get()).sqrt()), Length::new((area.get() / aspect.get()).sqrt())]
+}
+
+/// The sides as the text prints them with the lost -1 restored, W = R sqrt(A) and H = sqrt(A) / R; equation 2.2 uses
+/// them so. Their aspect ratio is R squared.
+pub fn tile_sides_as_printed(area: Pixels, aspect: Ratio) -> [Length; 2] {
+    tile_sides(area, aspect * aspect.get())
+}
+
+/// Equation 2.2 with the sides as printed. The least overlap is at R = 1 here as there.
+pub fn boxes_by_aspect_as_printed(area: Pixels, aspect: Ratio, s: Length) -> Ratio {
+    boxes_by_aspect(area, aspect * aspect.get(), s)
 }
 
 /// The aspect ratio that [`tile_sides`] gives back.
@@ -98,11 +114,14 @@ pub fn columns(column: Length, width: Length) -> Ratio {
 /// The mean of [`pixel_boxes`] counted out: a box of `side` pixels at each of the `region` squared places.
 ///
 /// # Errors
-/// A region without a pixel.
+/// A region or a box without a pixel, a region of more than 4096 on a side.
 pub fn pixel_boxes_counted(region: Count, side: Count) -> Result<Ratio, String> {
     let (a, w) = (region.get() as u64, side.get() as u64);
     if a == 0 || w == 0 {
         return Err("A, w: expected at least one pixel, found 0".into());
+    }
+    if a > MOST_COUNTED {
+        return Err(format!("A: expected at most {MOST_COUNTED} pixels to count at, found {region}"));
     }
     let met = |offset: u64| (offset + w - 1) / a + 1;
     let sum: u64 = (0..a).flat_map(|y| (0..a).map(move |x| met(x) * met(y))).sum();
@@ -114,6 +133,10 @@ pub(crate) const MODELS: &[Model] = models! {
         boxes["W": Length, "H": Length, "w": Length, "h": Length] -> Ratio;
     "overlap.2.2", "001 eq 2.2", "tiles of area A_r and aspect R that a square box of side s meets":
         boxes_by_aspect["A_r": Pixels, "R": Ratio = 1.0, "s": Length] -> Ratio;
+    "overlap.2.2-as-printed", "001 eq 2.2", "the same with the sides as printed, whose aspect is R squared":
+        boxes_by_aspect_as_printed["A_r": Pixels, "R": Ratio = 1.0, "s": Length] -> Ratio;
+    "overlap.tile-sides-as-printed", "001 eq 2.2", "width and height of a tile as printed":
+        tile_sides_as_printed["A_r": Pixels, "R": Ratio] -> [Length; 2];
     "overlap.tile-sides", "001 eq 2.2", "width and height of a tile of area A_r and aspect R":
         tile_sides["A_r": Pixels, "R": Ratio] -> [Length; 2];
     "overlap.tile-aspect", "001 eq 2.2", "aspect ratio of these sides":
@@ -121,25 +144,72 @@ pub(crate) const MODELS: &[Model] = models! {
     "overlap.2.3", "001 eq 2.3", "square tiles of side S that a box w by h meets":
         boxes_in_squares["S": Length, "w": Length, "h": Length] -> Ratio;
     "overlap.2.4", "001 eq 2.4", "square tiles that the bounding box of a triangle of area a meets":
-        bounding_boxes["S": Length, "a": Pixels, "rho": Ratio = BOX_TO_TRIANGLE] -> Ratio;
+        bounding_boxes["S": Length, "a": Pixels, "rho": Ratio where 1.0 = BOX_TO_TRIANGLE] -> Ratio;
     "overlap.2.7", "001 eq 2.7", "tiles that a triangle meets whose box holds a corner":
-        corner["rho": Ratio = BOX_TO_TRIANGLE] -> Ratio;
+        corner["rho": Ratio where 1.0 = BOX_TO_TRIANGLE] -> Ratio;
     "overlap.2.7-excess", "001 eq 2.7, 2.8", "the same, less 3":
-        corner_excess["rho": Ratio = BOX_TO_TRIANGLE] -> Ratio;
+        corner_excess["rho": Ratio where 1.0 = BOX_TO_TRIANGLE] -> Ratio;
     "overlap.2.8", "001 eq 2.8", "square tiles that a triangle with a square box of side s meets":
-        exact_by_side["S": Length, "s": Length, "rho": Ratio = BOX_TO_TRIANGLE] -> Ratio;
+        exact_by_side["S": Length, "s": Length, "rho": Ratio where 1.0 = BOX_TO_TRIANGLE] -> Ratio;
     "overlap.2.9", "001 eq 2.9", "square tiles that a triangle of area a meets":
-        exact["S": Length, "a": Pixels, "rho": Ratio = BOX_TO_TRIANGLE] -> Ratio;
+        exact["S": Length, "a": Pixels, "rho": Ratio where 1.0 = BOX_TO_TRIANGLE] -> Ratio;
     "overlap.2.10", "001 eq 2.10", "square tiles that a convex shape with box w by h and area a meets":
         exact_by_box["S": Length, "w": Length, "h": Length, "a": Pixels] -> Ratio;
     "overlap.2.11", "001 eq 2.11", "2.4 less 2.9":
-        difference["S": Length, "a": Pixels, "rho": Ratio = BOX_TO_TRIANGLE] -> Ratio;
+        difference["S": Length, "a": Pixels, "rho": Ratio where 1.0 = BOX_TO_TRIANGLE] -> Ratio;
     "overlap.pixel-boxes", "003 eq 2 to 6", "regions of side A that a square box of w whole pixels meets":
-        pixel_boxes["A": Length, "w": Length] -> Ratio;
+        pixel_boxes["A": Length where 1.0, "w": Length where 1.0] -> Ratio;
     "overlap.pixel-boxes-counted", "003 eq 6", "the same, counted at every place":
-        pixel_boxes_counted["A": Count, "w": Count] -> Result<Ratio, String>;
+        pixel_boxes_counted["A": Count where 1.0, "w": Count where 1.0] -> Result<Ratio, String>;
     "overlap.columns", "000 4.3.1", "columns of width A that a polygon w pixels wide meets":
-        columns["A": Length = 1.0, "w": Length] -> Ratio;
+        columns["A": Length where 1.0 = 1.0, "w": Length where 1.0] -> Ratio;
+};
+
+pub(crate) const GLOSSARY: Glossary = Glossary {
+    group: "overlap",
+    document: None,
+    symbols: &[
+        ("A", "side of a region in whole pixels"),
+        ("overlap.columns/A", "width of a column of the screen"),
+        ("A_r", "area of a tile"),
+        ("H", "height of a tile"),
+        ("R", "aspect ratio of a tile, width over height"),
+        ("S", "side of a square tile"),
+        ("W", "width of a tile"),
+        ("a", "area of the triangle or shape"),
+        ("h", "height of the bounding box"),
+        ("p", "weights of the places of the box's centre: rows of equal cells of a tile"),
+        ("rho", "area of the bounding box over that of the triangle"),
+        ("s", "side of a square bounding box"),
+        ("shape", "corners [x, y] of a convex polygon"),
+        ("steps", "places tried across a tile and down"),
+        ("w", "width of the bounding box"),
+    ],
+    assumptions: &[
+        (
+            &[
+                "overlap.2.1",
+                "overlap.2.2*",
+                "overlap.2.3",
+                "overlap.2.4",
+                "overlap.2.6",
+                "overlap.2.7*",
+                "overlap.2.8",
+                "overlap.2.9",
+                "overlap.2.10",
+                "overlap.2.11",
+                "overlap.pixel-boxes*",
+                "overlap.columns",
+            ],
+            "every place of the box relative to the tiles is equally likely",
+        ),
+        (&["overlap.2.4", "overlap.2.8", "overlap.2.9", "overlap.2.11"], "square bounding boxes"),
+        (&["overlap.2.7*"], "a box smaller than a tile"),
+        (
+            &["overlap.pixel-boxes*", "overlap.columns"],
+            "boxes of whole pixels: one w pixels wide reaches w - 1 beyond its first",
+        ),
+    ],
 };
 
 #[cfg(test)]
@@ -180,46 +250,13 @@ mod tests {
         }
     }
 
-    /// The general form, counted: a triangle larger than a tile at a lattice of offsets, tiles met by clipping.
     #[test]
-    fn exact_by_box_is_the_mean_over_places() {
-        let triangle = [[0.0, 0.0], [40.0, 13.0], [9.0, 55.0]];
-        let (tile, steps) = (8.0, 64);
-        let mut met = 0u64;
-        for iy in 0..steps {
-            for ix in 0..steps {
-                let offset = [ix, iy].map(|i| (f64::from(i) + 0.5) * tile / f64::from(steps));
-                let moved = triangle.map(|v| [v[0] + offset[0], v[1] + offset[1]]);
-                for ty in 0..8 {
-                    for tx in 0..7 {
-                        let low = [f64::from(tx) * tile, f64::from(ty) * tile];
-                        met += u64::from(meets(&moved, low, tile));
-                    }
-                }
-            }
-        }
-        let mean = met as f64 / f64::from(steps * steps);
-        let closed =
-            exact_by_box(Length::new(8.0), Length::new(40.0), Length::new(55.0), Pixels::new(1041.5)).get();
-        assert!((mean / closed - 1.0).abs() < 2e-3, "{mean} {closed}");
-    }
-
-    /// Separating axes of a triangle and a square.
-    fn meets(triangle: &[[f64; 2]; 3], low: [f64; 2], side: f64) -> bool {
-        let square =
-            [[0.0, 0.0], [side, 0.0], [0.0, side], [side, side]].map(|c| [low[0] + c[0], low[1] + c[1]]);
-        let edges = [0, 1, 2].map(|i| {
-            let (a, b) = (triangle[i], triangle[(i + 1) % 3]);
-            [b[1] - a[1], a[0] - b[0]]
-        });
-        let axes = [[1.0, 0.0], [0.0, 1.0]].into_iter().chain(edges);
-        axes.into_iter().all(|axis| {
-            let on = |points: &[[f64; 2]]| {
-                let along = points.iter().map(|p| p[0] * axis[0] + p[1] * axis[1]);
-                along.fold((f64::MAX, f64::MIN), |(lo, hi), v| (lo.min(v), hi.max(v)))
-            };
-            let (t, s) = (on(triangle), on(&square));
-            t.0 < s.1 && s.0 < t.1
-        })
+    fn printed_sides_have_another_aspect() {
+        let (area, aspect) = (Pixels::new(1024.0), Ratio::new(2.0));
+        assert_eq!(tile_aspect(area, aspect).get(), 2.0);
+        assert_eq!(tile_sides_as_printed(area, aspect), [Length::new(64.0), Length::new(16.0)]);
+        let box_side = Length::new(16.0);
+        // (64 + 16) / 64 * (16 + 16) / 16
+        assert_eq!(boxes_by_aspect_as_printed(area, aspect, box_side).get(), 2.5);
     }
 }

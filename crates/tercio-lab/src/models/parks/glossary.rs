@@ -1,0 +1,62 @@
+//! The symbols of document 002, and what its formulas assume.
+
+use crate::models::registry::Glossary;
+
+pub(crate) const GLOSSARY: Glossary = Glossary {
+    group: "parks",
+    document: Some("002"),
+    symbols: &[
+        ("Dc", "depth complexity of the deepest pixel"),
+        ("N", "polygons"),
+        ("P", "pixels drawn"),
+        ("S", "segments charged: runs of pixels on a scan line, at least one a polygon"),
+        ("V", "vertices"),
+        ("area", "pixels of a polygon"),
+        ("cells", "cells of the table as they stand in the scan, millions of cycles"),
+        ("counts", "[polygons, vertices, charged segments, pixels] of each machine's slowest processor"),
+        ("cycle", "time of a memory cycle"),
+        ("cycles", "memory cycles"),
+        ("each", "memory accesses of an instruction of each kind"),
+        ("figures", "numbers of the figures"),
+        ("height", "scan lines of the polygon"),
+        ("heights", "[height, polygons] of each height on this processor"),
+        ("interlace", "times of the interlace machine"),
+        ("k", "processors across and down"),
+        ("machines", "processors of each machine"),
+        ("of", "[value, times] of each value"),
+        ("polygons", "polygons of the scene"),
+        ("screen", "pixels of the part of the screen"),
+        ("side", "side of the square in pixels"),
+        ("similar", "millions of cycles of the uniprocessor for the similar scene, 0 for none"),
+        ("similar_splitter", "the same of the splitter with 16 processors"),
+        ("splitter", "times of the splitter"),
+        ("squares", "squares"),
+        ("times", "instructions of each kind"),
+    ],
+    assumptions: &[
+        (
+            &[
+                "parks.scene*",
+                "parks.polygon",
+                "parks.point*",
+                "parks.interlace*",
+                "parks.splitter-floor",
+                "parks.triangles-per-square",
+                "parks.shares",
+                "parks.polygon-share",
+                "parks.vertex-share",
+                "parks.segment-share",
+                "parks.pixel-share",
+                "parks.fixed-share",
+            ],
+            "Gt = 139, Vt = 319.3, St = 158, Pt = 21 memory cycles for polygon, vertex, segment, pixel",
+        ),
+        (
+            &["parks.charged-segments", "parks.scene-of-heights"],
+            "a polygon without a scan line on the processor is charged one segment: a rule the document does not state",
+        ),
+        (&["parks.interlace*"], "segments and pixels divide evenly among the processors"),
+        (&["parks.variance", "parks.deviation"], "the values are the whole population"),
+        (&["parks.restored-table"], "at most three mistaken characters; cells that stay open are ?"),
+    ],
+};
