@@ -60,8 +60,8 @@ impl Plan {
 
     /// Bytes that the planes of a frame take.
     pub fn frame_bytes(&self, (width, height): (u32, u32)) -> u64 {
-        let Outputs { color, color16, depth, ids, normals } = self.outputs;
-        let planes = [(color, 4), (color16, 8), (depth, 4), (ids, 4), (normals, 12)];
+        let Outputs { color, color16, depth, ids, normals, keys } = self.outputs;
+        let planes = [(color, 4), (color16, 8), (depth, 4), (ids, 4), (normals, 12), (keys, 8)];
         let pixel: u64 = planes.into_iter().filter(|p| p.0).map(|p| p.1).sum();
         u64::from(width) * u64::from(height) * pixel
     }

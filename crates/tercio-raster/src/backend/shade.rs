@@ -17,6 +17,7 @@ use super::table::ClusterTable;
 use super::visibility::{BLOCK_BITS, LANE_X, LANE_Y, TileMemory};
 use crate::color::{ENCODE, ENCODE_STEPS, encode16};
 use crate::context::{FrameContext, NO_SLOT};
+use crate::frame::visibility_key;
 use crate::settings::Shading;
 use crate::simd::{LANE_NUMBERS, LANES, cross, dot, each3, load, part, row, splat};
 use crate::stats::BackEndCounts;
@@ -194,7 +195,7 @@ pub fn winners<S: Simd>(
                 let (places, triangles) = pass.winners.sixteen(first);
                 fragments.count = (count - first).min(LANES);
                 fragments.at_places(simd, memory, places, pixels.width);
-                if planes.depth.is_wanted() || planes.ids.is_wanted() {
+                if planes.depth.is_wanted() || planes.ids.is_wanted() || planes.keys.is_wanted() {
                     for lane in 0..LANES {
                         fragments.slot[lane] = number * MAX_TRIANGLES as u32 + u32::from(triangles[lane]);
                         fragments.depth[lane] = memory.depth[places[lane] as usize];
@@ -448,6 +449,12 @@ fn write_geometry<S: Simd>(
     if planes.ids.is_wanted() {
         for lane in lanes.clone() {
             pixels.ids[fragments.place[lane] as usize] = context.face(fragments.slot[lane]);
+        }
+    }
+    if planes.keys.is_wanted() {
+        for lane in lanes.clone() {
+            let primitive = context.primitive(fragments.slot[lane]) as u32;
+            pixels.keys[fragments.place[lane] as usize] = visibility_key(fragments.depth[lane], primitive);
         }
     }
     if planes.normals.is_wanted() {
