@@ -20,6 +20,7 @@ use tercio_raster::view::{ObjectView, ScreenVertex, View};
 use tercio_raster::{Settings, Sorting};
 use tercio_scene::{Camera, Scene};
 
+use super::measure::Clock;
 use super::validate::TOLERANCE;
 use super::{PredictError, views};
 use crate::machines::Machine;
@@ -241,7 +242,7 @@ pub struct Row {
     pub ranks: usize,
     /// How they share a frame.
     pub organisation: Organisation,
-    /// Messages of all frames.
+    /// Messages of a frame, summed over the views.
     pub messages: u64,
     /// Their bytes.
     pub bytes: u64,
@@ -276,6 +277,9 @@ pub struct Options {
     pub frames: u32,
     /// Processors that the ranks share.
     pub processors: usize,
+    /// Which clock times whole frames. By processor time a frame is put together from the stages of its ranks, which
+    /// then never wait for a processor that other programs have; stages are timed by it always.
+    pub clock: Clock,
 }
 
 /// The settings that frames are drawn with: every triangle is sorted by itself, as in [`super::measure`].
@@ -329,9 +333,11 @@ pub fn compare(
         let reports = measure(scene, &camera, size, ranks, organisation, o.frames)?;
         let edge = settings(size).tile_edge();
         let ours = predict_counts(scene, &camera, size, edge, ranks, organisation)?;
-        for report in &reports {
+        if let Some(report) = reports.first() {
             row.messages += report.messages;
             row.bytes += report.bytes;
+        }
+        for report in &reports {
             for (rank, (ours, theirs)) in ours.iter().zip(&report.ranks).enumerate() {
                 let theirs = RankCounts::measured(theirs).by_name();
                 for ((name, ours), (_, theirs)) in ours.by_name().into_iter().zip(theirs) {
@@ -346,7 +352,7 @@ pub fn compare(
         let predicted =
             times::predict(machine, costs, &ours, &drawing, size, edge, organisation, o.processors);
         row.predicted.add(predicted, f64::from(views));
-        row.measured.add(StageSeconds::measured(&reports), f64::from(views));
+        row.measured.add(StageSeconds::measured(&reports, o.clock, o.processors), f64::from(views));
     }
     Ok(row)
 }

@@ -28,6 +28,8 @@ pub enum Organisation {
 pub struct Rank {
     pool: ThreadPool,
     renderer: Renderer,
+    /// Memory of the keys of a picture that is not asked for them.
+    keys: Vec<u64>,
 }
 
 /// What a frame is drawn from, the same on all ranks.
@@ -51,7 +53,7 @@ impl Rank {
     pub fn new(threads: usize) -> Result<Self, ParallelError> {
         let pool = ThreadPoolBuilder::new().num_threads(threads.max(1)).build();
         let pool = pool.map_err(|error| ParallelError::Threads { threads, error })?;
-        Ok(Self { pool, renderer: Renderer::new() })
+        Ok(Self { pool, renderer: Renderer::new(), keys: Vec::new() })
     }
 
     /// Does this rank's part of a frame; all ranks of the communicator have to do theirs. On rank 0 `frame` then is the
@@ -78,9 +80,8 @@ impl Rank {
             Organisation::SortFirst => sort_first::draw(self, comm, task, &regions, frame, &mut report)?,
             Organisation::SortLast => sort_last::draw(self, comm, task, &regions, frame, &mut report)?,
         }
-        // Others keep their memory.
         if comm.rank() == 0 && !task.settings.outputs.keys {
-            frame.keys.clear();
+            self.keys = std::mem::take(&mut frame.keys);
         }
         report.traffic = comm.traffic().since(before);
         Ok(report)
@@ -94,9 +95,12 @@ impl Rank {
         frame: &mut Frame,
         report: &mut RankReport,
     ) -> Result<(), ParallelError> {
+        if frame.keys.is_empty() {
+            frame.keys = std::mem::take(&mut self.keys);
+        }
         let outputs = Outputs { keys: true, ..task.settings.outputs };
         let settings = Settings { clusters, tiles, outputs, ..task.settings.clone() };
-        let Self { pool, renderer } = self;
+        let Self { pool, renderer, .. } = self;
         report.clusters = clusters.range(clusters_of(task.scene)).len() as u64;
         let (stage, drawn) = pool.install(|| {
             let mut stage = Stage::default();

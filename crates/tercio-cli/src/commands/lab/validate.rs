@@ -113,7 +113,12 @@ impl Validate {
             sizes: &self.sizes,
             ranks: &self.ranks,
             organisations: &organisations,
-            options: validate_ranks::Options { views: self.views, frames: self.frames, processors },
+            options: validate_ranks::Options {
+                views: self.views,
+                frames: self.frames,
+                processors,
+                clock: self.clock.into(),
+            },
         };
         let display = Display::new(self.running.progress_mode());
         let rows = super::validate_ranks::rows(&plan, &self.running, &display)?;

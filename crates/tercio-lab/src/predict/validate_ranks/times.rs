@@ -44,18 +44,34 @@ impl StageSeconds {
         self.frame += o.frame / of;
     }
 
-    /// By processor time, the fastest of some frames; the whole frame by the clock on the wall.
-    pub(super) fn measured(reports: &[FrameReport]) -> Self {
-        let busiest = |of: fn(&RankStages) -> Stage| {
-            let ranks = reports.first().map_or(0, |r| r.ranks.len());
-            (0..ranks).map(|rank| busy(reports, rank, of)).fold(0.0, f64::max)
+    /// The fastest of some frames. Stages by processor time; the whole frame by the clock that was asked for.
+    pub(super) fn measured(reports: &[FrameReport], clock: Clock, processors: usize) -> Self {
+        let ranks = reports.first().map_or(0, |r| r.ranks.len());
+        let stage = |of: fn(&RankStages) -> Stage| -> Vec<f64> {
+            (0..ranks).map(|rank| busy(reports, rank, of)).collect()
         };
-        let frame = reports.iter().map(|r| r.milliseconds * 1e-3).fold(f64::INFINITY, f64::min);
+        let stages =
+            Self::of_ranks(&stage(|s| s.draw), &stage(|s| s.compose), &stage(|s| s.collect), processors);
+        match clock {
+            Clock::Processor => stages,
+            Clock::Wall => {
+                let wall = reports.iter().map(|r| r.milliseconds * 1e-3);
+                Self { frame: wall.fold(f64::INFINITY, f64::min), ..stages }
+            }
+        }
+    }
+
+    /// From the stages of all ranks. A stage ends with its busiest rank, and not before the processors have done
+    /// everybody's; rank 0 unpacks what the others have packed before.
+    fn of_ranks(draw: &[f64], compose: &[f64], collect: &[f64], processors: usize) -> Self {
+        let busiest = |times: &[f64]| times.iter().copied().fold(0.0, f64::max);
+        let stage = |times: &[f64]| busiest(times).max(times.iter().sum::<f64>() / processors.max(1) as f64);
+        let (first, others) = collect.split_at(collect.len().min(1));
         Self {
-            draw: busiest(|s| s.draw),
-            compose: busiest(|s| s.compose),
-            collect: busiest(|s| s.collect),
-            frame,
+            draw: busiest(draw),
+            compose: busiest(compose),
+            collect: busiest(collect),
+            frame: stage(draw) + stage(compose) + stage(others) + busiest(first),
         }
     }
 }
@@ -79,7 +95,7 @@ pub struct RankCosts {
 
 /// Models, sizes of pictures and ranks that the costs are fitted to.
 const MODELS: [&str; 3] = ["builtin:sphere@20k", "builtin:gyroid@100k", "builtin:terrain@50k"];
-const SIZES: [(u32, u32); 2] = [(400, 300), (1200, 900)];
+const SIZES: [(u32, u32); 2] = [(800, 500), (1900, 1100)];
 const RANKS: [usize; 2] = [2, 3];
 
 impl RankCosts {
@@ -299,18 +315,9 @@ pub(super) fn predict(
     let side_by_side = ranks.min(processors.max(1)) as f64;
     let serial = machine.processors.serial.as_ref().map_or(0.0, |s| s.value);
     let slower = 1.0 + serial * (side_by_side - 1.0);
-    let busiest = |times: &[f64]| times.iter().copied().fold(0.0, f64::max) * slower;
-    // A stage ends with its busiest rank, and not before the processors have done everybody's.
-    let stage = |times: &[f64]| {
-        let all = times.iter().sum::<f64>() / processors.max(1) as f64;
-        busiest(times).max(all * slower)
-    };
-    // Rank 0 unpacks what the others have packed.
-    let last = collect[0] * slower + stage(&collect[1..]);
-    StageSeconds {
-        draw: busiest(&draw),
-        compose: busiest(&compose),
-        collect: busiest(&collect),
-        frame: stage(&draw) + stage(&compose) + last,
-    }
+    let [draw, compose, collect] = [draw, compose, collect].map(|times| {
+        let slowed = times.into_iter().map(|t| t * slower);
+        slowed.collect::<Vec<_>>()
+    });
+    StageSeconds::of_ranks(&draw, &compose, &collect, processors)
 }
