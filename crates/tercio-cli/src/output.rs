@@ -30,6 +30,14 @@ pub enum Array {
     Normals,
 }
 
+/// Bytes that the planes of a frame take.
+pub fn frame_bytes(outputs: Outputs, (width, height): (u32, u32)) -> u64 {
+    let Outputs { color, color16, depth, ids, normals, keys } = outputs;
+    let planes = [(color, 4), (color16, 8), (depth, 4), (ids, 4), (normals, 12), (keys, 8)];
+    let pixel: u64 = planes.into_iter().filter(|p| p.0).map(|p| p.1).sum();
+    u64::from(width) * u64::from(height) * pixel
+}
+
 /// What is written where.
 #[derive(Debug)]
 pub struct Plan {
@@ -56,14 +64,6 @@ impl Plan {
     /// The first output whose folder is missing.
     pub fn check(&self) -> Result<()> {
         self.destinations().try_for_each(|d| d.check().with_context(|| name(d)))
-    }
-
-    /// Bytes that the planes of a frame take.
-    pub fn frame_bytes(&self, (width, height): (u32, u32)) -> u64 {
-        let Outputs { color, color16, depth, ids, normals } = self.outputs;
-        let planes = [(color, 4), (color16, 8), (depth, 4), (ids, 4), (normals, 12)];
-        let pixel: u64 = planes.into_iter().filter(|p| p.0).map(|p| p.1).sum();
-        u64::from(width) * u64::from(height) * pixel
     }
 
     /// Writes picture and arrays. Nothing is seen of them before all are whole.

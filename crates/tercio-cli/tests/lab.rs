@@ -105,3 +105,29 @@ fn an_experiment_leaves_data_plot_and_verdict() {
     assert_eq!(json(&read("verdict.json"))["verdict"], "reproduced after correction");
     place.run("lab reproduce nothing -o out").failed(1, &["no experiment's name begins with 'nothing'"]);
 }
+
+#[test]
+fn ranks_send_what_is_predicted() {
+    let place = Place::new();
+    // Times are of another machine, so that the command may say that they miss; messages and bytes may not.
+    let said = place.run(
+        "lab validate builtin:teapot@2k --machine princeton-engine --sizes 90x70 --ranks 1,3 --views 2 --frames 1 \
+         --json --progress never",
+    );
+    let rows = json(said.text());
+    let rows = rows.as_array().expect("a list");
+    assert_eq!(rows.len(), 4);
+    for row in rows.iter().map(|r| &r["row"]) {
+        assert_eq!(row["differing"], Value::Array(vec![]), "{row}");
+        let (ranks, organisation) = (row["ranks"].as_u64().unwrap(), row["organisation"].as_str().unwrap());
+        assert_eq!(row["compared"], 2 * 7 * ranks);
+        // 3x3 tiles: every rank owns some.
+        let composing = if organisation == "sort-last" { ranks * (ranks - 1) } else { 0 };
+        assert_eq!(row["messages"], 2 * (composing + ranks - 1), "{row}");
+        assert_eq!(row["bytes"].as_u64().unwrap() > 0, ranks > 1);
+        assert!(row["measured"]["frame"].as_f64().unwrap() > 0.0);
+    }
+    place
+        .run("lab validate builtin:teapot@2k --machine princeton-engine --organisation sort-last")
+        .failed(2, &["--ranks"]);
+}

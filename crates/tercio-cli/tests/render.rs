@@ -240,3 +240,38 @@ fn the_picture_does_not_depend_on_threads_tiles_and_levels() {
         assert!(place.read("a.png") == place.read("b.png"), "{tuning}");
     }
 }
+
+#[test]
+fn the_picture_does_not_depend_on_ranks() {
+    let place = Place::new();
+    let arrays = |k: u32| format!("-o {k}.png --output-depth d{k}.npy --output-ids i{k}.npy");
+    let model = "render builtin:teapot@5k --size 200x150 --quiet";
+    place.run(&format!("{model} {}", arrays(0))).quietly_well();
+    for ranks in ["--ranks 1", "--ranks 5", "--ranks 3 --organisation sort-first --threads 4"] {
+        let said = place.run(&format!("{model} {} {ranks} --stats -", arrays(1))).quietly_well();
+        for [plain, ranked] in [["0.png", "1.png"], ["d0.npy", "d1.npy"], ["i0.npy", "i1.npy"]] {
+            assert!(place.read(plain) == place.read(ranked), "{ranks}: {plain}");
+        }
+        let stats: serde_json::Value = serde_json::from_str(said.text()).unwrap();
+        let parallel = &stats["parallel"];
+        let count = parallel["ranks"].as_array().unwrap().len() as u64;
+        let messages = match parallel["organisation"].as_str() {
+            Some("sort-last") => count * (count - 1) + count - 1,
+            _ => count - 1,
+        };
+        assert_eq!(parallel["messages"], messages);
+        assert_eq!(parallel["bytes"].as_u64().unwrap() > 0, count > 1);
+        assert_eq!(stats["frame"]["backend"]["pixels_visible"], visible(parallel));
+    }
+    place.run(&format!("{model} -o a.png --organisation sort-last")).failed(2, &["--ranks"]);
+    for ranks in ["--ranks 0", "--ranks 257", "--ranks many"] {
+        place.run(&format!("{model} -o a.png {ranks}")).failed(2, &["expected 1 to 256"]);
+    }
+    place.run(&format!("{model} -o a.png --ranks 99 --memory-limit 20M")).failed(1, &["--memory-limit"]);
+}
+
+/// Pixels that the owners have in the end.
+fn visible(parallel: &serde_json::Value) -> u64 {
+    let ranks = parallel["ranks"].as_array().unwrap();
+    ranks.iter().map(|rank| rank["pixels"]["visible"].as_u64().unwrap()).sum()
+}

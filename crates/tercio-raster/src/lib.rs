@@ -24,5 +24,5 @@ pub mod view;
 
 pub use frame::Frame;
 pub use renderer::{RenderError, Renderer};
-pub use settings::{Binning, Cull, LastStage, Outputs, Settings, Shading, SimdLevel, Sorting};
+pub use settings::{Binning, Cull, LastStage, Outputs, Part, Settings, Shading, SimdLevel, Sorting};
 pub use stats::FrameStats;

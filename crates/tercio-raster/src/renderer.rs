@@ -99,13 +99,14 @@ impl Renderer {
         let simd = settings.simd.unwrap_or_else(SimdLevel::best);
         let Some(level) = simd.level() else { unreachable!("checked above") };
         let view = View::new(camera, &scene.bounds(), settings.width, settings.height)?;
-        let tile_size = settings.tile_size.unwrap_or_else(|| default_tile_size(settings));
-        let grid = TileGrid::new(settings.width, settings.height, tile_size);
+        let tile_size = settings.tile_edge();
+        let grid = TileGrid::new(settings.width, settings.height, tile_size, settings.tiles);
         let context = FrameContext::new(scene, settings, view, grid)?;
         frame.resize(settings);
 
         let threads = rayon::current_num_threads();
-        let clusters = context.clusters() as usize;
+        let drawn = settings.clusters.range(context.clusters());
+        let clusters = drawn.len();
         let batches = clusters.div_ceil(LEAST_CLUSTERS).min(threads * BATCHES_A_THREAD);
         self.batches.resize_with(batches, Batch::default);
         if self.scratch.len() < threads {
@@ -114,7 +115,7 @@ impl Renderer {
         let prepared = Instant::now();
 
         self.batches.par_iter_mut().enumerate().with_max_len(1).for_each(|(i, batch)| {
-            let share = |i: usize| (clusters * i / batches) as u32;
+            let share = |i: usize| drawn.start + (clusters * i / batches) as u32;
             let range = share(i)..share(i + 1);
             dispatch!(level, simd => frontend::run(simd, &context, range.clone(), batch));
         });
@@ -164,7 +165,7 @@ impl Tiles<'_> {
         let threads = rayon::current_num_threads();
         let tiles = self.context.grid.count() as u32;
         let fill = |tile: u32| self.batches.iter().map(|b| b.bins.fill(tile)).sum::<u64>();
-        let mut alone: Vec<u32> = (0..tiles).collect();
+        let mut alone: Vec<u32> = (0..tiles).filter(|&tile| self.context.grid.draws(tile)).collect();
         let mut shared = Vec::new();
         if threads > 1 && self.context.settings.last_stage > LastStage::Bin {
             let work: u64 = (0..tiles).map(fill).sum();
@@ -210,15 +211,5 @@ impl Tiles<'_> {
         let shaded =
             dispatch!(self.level, simd => backend::finish(simd, self.context, tile, first, self.planes));
         counts.plus(shaded)
-    }
-}
-
-/// Small tiles share the work of small pictures better; in large ones clusters reach into fewer tiles.
-fn default_tile_size(settings: &Settings) -> u32 {
-    let pixels = u64::from(settings.width) * u64::from(settings.height);
-    match pixels {
-        0..=0x4_0000 => 32,
-        0x4_0001..=0x8_0000 => 64,
-        _ => 128,
     }
 }

@@ -2,6 +2,7 @@
 //! only how fast it is there.
 
 use std::fmt;
+use std::ops::Range;
 use std::str::FromStr;
 
 use fearless_simd::Level;
@@ -97,6 +98,32 @@ pub enum Shading {
     Unlit,
 }
 
+/// A share of a frame's work: number `number` of `of` shares.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Part {
+    /// Which share, below `of`.
+    pub number: u32,
+    /// How many there are, at least 1.
+    pub of: u32,
+}
+
+impl Part {
+    /// All of it.
+    pub const WHOLE: Self = Self { number: 0, of: 1 };
+
+    /// The consecutive ones of `count` things that the share holds; the shares differ by one at most.
+    pub fn range(self, count: u32) -> Range<u32> {
+        let begin = |number: u32| (u64::from(count) * u64::from(number) / u64::from(self.of)) as u32;
+        begin(self.number)..begin(self.number + 1)
+    }
+}
+
+impl Default for Part {
+    fn default() -> Self {
+        Self::WHOLE
+    }
+}
+
 /// Which pictures a frame holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Outputs {
@@ -110,11 +137,13 @@ pub struct Outputs {
     pub ids: bool,
     /// World-space normals.
     pub normals: bool,
+    /// Visibility keys, by which pictures of parts are composed.
+    pub keys: bool,
 }
 
 impl Default for Outputs {
     fn default() -> Self {
-        Self { color: true, color16: false, depth: false, ids: false, normals: false }
+        Self { color: true, color16: false, depth: false, ids: false, normals: false, keys: false }
     }
 }
 
@@ -223,6 +252,11 @@ pub struct Settings {
     pub binning: Binning,
     /// Whole clusters are tested before their triangles are.
     pub cluster_culling: bool,
+    /// Which clusters are drawn: a share of consecutive ones. All but the whole makes a part of the picture.
+    pub clusters: Part,
+    /// Which tiles are drawn: of `of` tiles, counted row by row, number `number`. The pixels of the others stay as
+    /// they are in the frame.
+    pub tiles: Part,
     /// Where the work ends; anything but [`LastStage::Output`] makes no picture.
     pub last_stage: LastStage,
     /// `None` takes the best of this processor.
@@ -242,9 +276,21 @@ impl Settings {
             sorting: Sorting::default(),
             binning: Binning::default(),
             cluster_culling: true,
+            clusters: Part::WHOLE,
+            tiles: Part::WHOLE,
             last_stage: LastStage::default(),
             simd: None,
         }
+    }
+
+    /// Pixels along the edge of a tile: what was asked for, or by the size of the picture. Small tiles share the work
+    /// of small pictures better; in large ones clusters reach into fewer tiles.
+    pub fn tile_edge(&self) -> u32 {
+        self.tile_size.unwrap_or(match u64::from(self.width) * u64::from(self.height) {
+            0..=0x4_0000 => 32,
+            0x4_0001..=0x8_0000 => 64,
+            _ => 128,
+        })
     }
 
     /// Tells whether these settings make a picture on this processor.
@@ -260,6 +306,11 @@ impl Settings {
         }
         if let Some(t) = self.tile_size.filter(|t| ![8, 16, 32, 64, 128].contains(t)) {
             return setting("tile size", "8, 16, 32, 64 or 128 pixels".into(), t.to_string());
+        }
+        for (what, part) in [("part of the clusters", self.clusters), ("part of the tiles", self.tiles)] {
+            if part.number >= part.of {
+                return setting(what, format!("below {}", part.of), part.number.to_string());
+            }
         }
         if let Some(level) = self.simd.filter(|l| l.level().is_none()) {
             let names: Vec<_> = SimdLevel::available().iter().map(|l| l.name()).collect();

@@ -35,6 +35,8 @@ pub struct FrontEndCounts {
     pub clusters_facing: u64,
     /// Clusters between the samples of the picture.
     pub clusters_no_sample: u64,
+    /// Clusters that reach only tiles that are not drawn.
+    pub clusters_elsewhere: u64,
     /// Clusters handed to the bins as a whole.
     pub clusters_out: u64,
     /// Triangles of all instances.
@@ -43,6 +45,8 @@ pub struct FrontEndCounts {
     pub triangles_in_outside_clusters: u64,
     /// Triangles in clusters that show only the side that is culled.
     pub triangles_in_facing_clusters: u64,
+    /// Triangles in clusters that reach only tiles that are not drawn.
+    pub triangles_elsewhere: u64,
     /// Triangles wholly outside one plane of the view volume, met one by one.
     pub triangles_outside: u64,
     /// Triangles without area after snapping.
@@ -125,17 +129,19 @@ pub struct StageTimes {
 
 impl FrontEndCounts {
     /// Sums.
-    pub(crate) fn plus(self, o: Self) -> Self {
+    pub fn plus(self, o: Self) -> Self {
         Self {
             clusters_in: self.clusters_in + o.clusters_in,
             clusters_outside: self.clusters_outside + o.clusters_outside,
             clusters_facing: self.clusters_facing + o.clusters_facing,
             clusters_no_sample: self.clusters_no_sample + o.clusters_no_sample,
+            clusters_elsewhere: self.clusters_elsewhere + o.clusters_elsewhere,
             clusters_out: self.clusters_out + o.clusters_out,
             triangles_in: self.triangles_in + o.triangles_in,
             triangles_in_outside_clusters: self.triangles_in_outside_clusters
                 + o.triangles_in_outside_clusters,
             triangles_in_facing_clusters: self.triangles_in_facing_clusters + o.triangles_in_facing_clusters,
+            triangles_elsewhere: self.triangles_elsewhere + o.triangles_elsewhere,
             triangles_outside: self.triangles_outside + o.triangles_outside,
             triangles_no_area: self.triangles_no_area + o.triangles_no_area,
             triangles_facing: self.triangles_facing + o.triangles_facing,
@@ -176,7 +182,7 @@ impl BinningCounts {
 
 impl BackEndCounts {
     /// Sums.
-    pub(crate) fn plus(self, o: Self) -> Self {
+    pub fn plus(self, o: Self) -> Self {
         Self {
             clusters_hidden: self.clusters_hidden + o.clusters_hidden,
             clusters_drawn: self.clusters_drawn + o.clusters_drawn,
@@ -192,7 +198,7 @@ impl BackEndCounts {
     }
 
     /// Fills in what follows from the sums.
-    pub(crate) fn finish(self) -> Self {
+    pub fn finish(self) -> Self {
         Self { overdraw: ratio(self.samples_covered, self.pixels_visible), ..self }
     }
 }

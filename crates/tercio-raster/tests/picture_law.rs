@@ -4,7 +4,7 @@ mod common;
 
 use common::*;
 use tercio_mesh::{Mesh, OctNormal};
-use tercio_raster::{Cull, Settings, Shading, SimdLevel};
+use tercio_raster::{Cull, Frame, Part, Renderer, Settings, Shading, SimdLevel};
 use tercio_scene::Camera;
 
 fn check_every_path(mesh: &Mesh, camera: &Camera, settings: &Settings, what: &str) {
@@ -203,6 +203,51 @@ fn wide_clusters() {
         assert_eq!(stats.frontend.clusters_out, stats.frontend.clusters_in);
         for cull in [Cull::None, Cull::Back, Cull::Front] {
             check_every_path(&mesh, &camera, &Settings { cull, ..settings.clone() }, &format!("{cull:?}"));
+        }
+    }
+}
+
+#[test]
+fn parts_of_the_clusters_make_up_the_picture() {
+    let mesh = soup(6_000, 6);
+    let both = with_second_instance(scene(&mesh));
+    let camera = perspective([0.1, 0.2, 0.3], [1.0, 0.0, -1.0], 75.0);
+    let settings = everything(211, 157);
+    let expected = draw(&both, &camera, &settings);
+    let mut composed = expected.clone();
+    composed.keys.fill(0);
+    for number in 0..5 {
+        let part = draw(&both, &camera, &Settings { clusters: Part { number, of: 5 }, ..settings.clone() });
+        for (place, &key) in part.keys.iter().enumerate() {
+            if key > composed.keys[place] {
+                composed.keys[place] = key;
+                composed.color[place] = part.color[place];
+                composed.ids[place] = part.ids[place];
+            }
+        }
+    }
+    assert_same(&expected, &composed, "5 parts");
+}
+
+#[test]
+fn parts_of_the_tiles_make_up_the_picture() {
+    let mesh = soup(6_000, 7);
+    let both = with_second_instance(scene(&mesh));
+    for camera in
+        [perspective([0.1, 0.2, 0.3], [1.0, 0.0, -1.0], 75.0), perspective([1.0, 2.0, 9.0], [0.0; 3], 35.0)]
+    {
+        for tile_size in [8, 64] {
+            let settings = Settings { tile_size: Some(tile_size), ..everything(211, 157) };
+            let expected = draw(&both, &camera, &settings);
+            let (mut frame, mut renderer) = (Frame::default(), Renderer::new());
+            let mut elsewhere = 0;
+            for number in 0..5 {
+                let settings = Settings { tiles: Part { number, of: 5 }, ..settings.clone() };
+                renderer.render_into(&both, &camera, &settings, &mut frame).expect("a picture");
+                elsewhere += frame.stats.frontend.clusters_elsewhere;
+            }
+            assert_same(&expected, &frame, "5 parts");
+            assert!(elsewhere > 0, "every rank drew every cluster");
         }
     }
 }

@@ -84,6 +84,11 @@ fn shuffled_triangles_draw_the_same_surface() {
             for id in b.ids.iter_mut().filter(|id| **id != NO_PRIMITIVE) {
                 *id = order[*id as usize];
             }
+            // A key is the depth and, from the end, the number of the triangle.
+            for key in b.keys.iter_mut().filter(|key| **key != 0) {
+                let number = NO_PRIMITIVE - *key as u32;
+                *key = *key >> 32 << 32 | u64::from(NO_PRIMITIVE - order[number as usize]);
+            }
             assert_same(&a, &b, &format!("{name}, {view}"));
         }
     }

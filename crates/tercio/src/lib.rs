@@ -26,6 +26,7 @@
 //!   stops before the cutting, for programs that want the [`mesh::Mesh`] itself.
 //! - [`scene`] places meshes in the world, lights them and frames them with a camera.
 //! - [`raster`] draws. A [`raster::Renderer`] keeps its memory from frame to frame.
+//! - [`parallel`] draws with several ranks, which share a frame and send each other messages.
 //! - [`image`] writes pictures (PNG, PPM, WebP) and arrays (NPY), reads and compares pictures.
 //!
 //! Everything runs in the rayon pool of its caller: wrap the calls in `ThreadPool::install` to choose the
@@ -39,6 +40,7 @@ pub use load::{LoadError, LoadOptions, LoadReport, LoadTimes, Loaded, LoadedMesh
 pub use summary::{AttributeSummary, MeshSummary};
 
 pub use tercio_mesh as mesh;
+pub use tercio_parallel as parallel;
 pub use tercio_raster as raster;
 pub use tercio_scene as scene;
 

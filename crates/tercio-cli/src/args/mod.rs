@@ -4,6 +4,7 @@ pub mod bench;
 pub mod camera;
 pub mod drawing;
 pub mod light;
+pub mod ranks;
 pub mod values;
 pub mod writing;
 

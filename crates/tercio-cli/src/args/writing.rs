@@ -72,6 +72,7 @@ impl WritingArgs {
                 depth: self.output_depth.is_some(),
                 ids: self.output_ids.is_some(),
                 normals: self.output_normals.is_some(),
+                keys: false,
             },
             picture,
             arrays: arrays.collect(),

@@ -6,15 +6,17 @@ use std::time::Instant;
 use anyhow::{Context, Result, bail};
 use clap::Args;
 use serde_json::{Value, json};
-use tercio::raster::{Frame, Renderer, Settings};
+use tercio::parallel::{FrameReport, in_process};
+use tercio::raster::{Frame, Outputs, Renderer, Settings};
 use tercio::scene::{Camera, Scene};
 use tercio::{LoadOptions, LoadReport};
 
 use crate::args::camera::CameraArgs;
 use crate::args::drawing::{DrawingArgs, TuningArgs};
+use crate::args::ranks::RanksArgs;
 use crate::args::writing::WritingArgs;
 use crate::args::{ModelArgs, RunningArgs};
-use crate::output::{Plan, UsageError, write_text};
+use crate::output::{Plan, UsageError, frame_bytes, write_text};
 use crate::progress::Display;
 use crate::{memory, messages, nothing_drawn, report, threads};
 
@@ -26,6 +28,7 @@ Examples:
   tercio render scan.ply.gz -o scan.png --size 1920x1080 --view front
   tercio render part.stl -o part.webp --up-axis z --crease-angle 40 --background transparent
   tercio render scan.ply --output-depth depth.npy --output-ids ids.npy --stats -
+  tercio render scan.ply -o scan.png --ranks 4 --organisation sort-last --stats -
   zcat scan.obj.gz | tercio render - -o - | display
 
 Colours are #rrggbb, #rgb or #rrggbbaa; the # may be left out. Files are replaced only when the new
@@ -42,6 +45,8 @@ pub struct Render {
     #[command(flatten)]
     tuning: TuningArgs,
     #[command(flatten)]
+    ranks: RanksArgs,
+    #[command(flatten)]
     running: RunningArgs,
 }
 
@@ -50,6 +55,8 @@ struct Done {
     report: LoadReport,
     camera: Camera,
     frame: Frame,
+    /// What every rank did, where there are any.
+    parallel: Option<FrameReport>,
     output_milliseconds: f64,
 }
 
@@ -85,19 +92,41 @@ impl Render {
         };
         let loaded = tercio::load(&self.model.model, &options)?;
         let report = loaded.report;
-        self.check_memory(plan.frame_bytes(self.drawing.size), report.mesh.bytes)?;
+        self.check_memory(self.frame_bytes(plan), report.mesh.bytes)?;
         let mut scene = Scene::of_mesh(loaded.mesh);
         self.drawing.dress(&mut scene);
         let camera = self.camera.camera(&scene, self.drawing.size);
         display.stage("drawing");
-        let frame = Renderer::new().render(&scene, &camera, settings).with_context(|| self.model.name())?;
+        let (frame, parallel) = self.frame(&scene, &camera, settings).with_context(|| self.model.name())?;
         display.stage("writing");
         let writing = Instant::now();
         // A large model takes longer to free than a picture to write.
         let (written, ()) = rayon::join(|| plan.write(&frame), || drop(scene));
         written?;
         let output_milliseconds = writing.elapsed().as_secs_f64() * 1e3;
-        Ok(Done { report, camera, frame, output_milliseconds })
+        Ok(Done { report, camera, frame, parallel, output_milliseconds })
+    }
+
+    fn frame(
+        &self,
+        scene: &Scene,
+        camera: &Camera,
+        settings: &Settings,
+    ) -> Result<(Frame, Option<FrameReport>)> {
+        Ok(match self.ranks.ranks(rayon::current_num_threads()) {
+            None => (Renderer::new().render(scene, camera, settings)?, None),
+            Some(ranks) => {
+                let (frame, report) = in_process::draw(ranks, scene, camera, settings)?;
+                (frame, Some(report))
+            }
+        })
+    }
+
+    /// Bytes of the picture; of every rank's, with its keys, where there are ranks.
+    fn frame_bytes(&self, plan: &Plan) -> u64 {
+        let keys = self.ranks.ranks.is_some();
+        let bytes = frame_bytes(Outputs { keys, ..plan.outputs }, self.drawing.size);
+        bytes.saturating_mul(self.ranks.ranks.unwrap_or(1) as u64)
     }
 
     fn check_memory(&self, picture: u64, model: u64) -> Result<()> {
@@ -140,6 +169,7 @@ impl Render {
             "camera": report::camera_json(&done.camera),
             "picture": { "width": done.frame.width, "height": done.frame.height },
             "frame": serde_json::to_value(&done.frame.stats)?,
+            "parallel": done.parallel,
             "threads": threads,
             "simd": done.frame.stats.simd,
             "output_milliseconds": done.output_milliseconds,
@@ -150,7 +180,7 @@ impl Render {
 }
 
 fn tell_details(done: &Done) {
-    let Done { report, frame, output_milliseconds, .. } = done;
+    let Done { report, frame, parallel, output_milliseconds, .. } = done;
     let times = &report.times;
     messages::note(&format!(
         "{}: {} triangles, {} vertices; read {:.1} ms, clean {:.1}, weld {:.1}, normals {:.1}, clusters {:.1}",
@@ -164,6 +194,14 @@ fn tell_details(done: &Done) {
         times.partition,
     ));
     report::repairs(report).iter().for_each(|r| messages::note(r));
+    if let Some(FrameReport { messages: sent, bytes, ranks, .. }) = parallel {
+        messages::note(&format!(
+            "{} ranks sent {} messages with {} bytes",
+            ranks.len(),
+            report::grouped(*sent),
+            report::grouped(*bytes)
+        ));
+    }
     let stats = &frame.stats;
     messages::note(&format!(
         "drawn in {:.1} ms ({} threads, {}): {} triangles drawn, {} pixels covered, overdraw {:.2}; \

@@ -11,6 +11,7 @@
 //! | [`fit`] | costs from measured frames |
 //! | [`calibrate`] | the description of this machine |
 //! | [`validate`] | predicted against measured |
+//! | [`validate_ranks`] | the same for ranks in one process |
 
 pub mod advise;
 pub mod calibrate;
@@ -20,6 +21,7 @@ pub mod frame;
 pub mod measure;
 pub mod ranks;
 pub mod validate;
+pub mod validate_ranks;
 pub mod views;
 
 use thiserror::Error;

@@ -20,6 +20,8 @@ pub struct Planes<'a> {
     pub ids: SharedPlane<'a, u32>,
     /// World-space normals.
     pub normals: SharedPlane<'a, [f32; 3]>,
+    /// Visibility keys.
+    pub keys: SharedPlane<'a, u64>,
     /// Background of each row: 8 bits, 16 bits.
     background: Vec<([u8; 4], [u16; 4])>,
 }
@@ -34,6 +36,7 @@ impl<'a> Planes<'a> {
             depth: SharedPlane::new(&mut frame.depth, w, h),
             ids: SharedPlane::new(&mut frame.ids, w, h),
             normals: SharedPlane::new(&mut frame.normals, w, h),
+            keys: SharedPlane::new(&mut frame.keys, w, h),
             background: (0..frame.height).map(|y| background_row(background, y, frame.height)).collect(),
         }
     }
@@ -79,6 +82,8 @@ pub struct TilePixels {
     pub ids: Vec<u32>,
     /// World-space normals.
     pub normals: Vec<[f32; 3]>,
+    /// Visibility keys.
+    pub keys: Vec<u64>,
 }
 
 impl TilePixels {
@@ -104,6 +109,7 @@ impl TilePixels {
         fill(&mut self.depth, &planes.depth, pixels, f32::INFINITY);
         fill(&mut self.ids, &planes.ids, pixels, NO_PRIMITIVE);
         fill(&mut self.normals, &planes.normals, pixels, [0.0; 3]);
+        fill(&mut self.keys, &planes.keys, pixels, 0);
     }
 
     /// Copies the tile to its place in the picture.
@@ -113,6 +119,7 @@ impl TilePixels {
         copy(&self.depth, self.width, rect, &planes.depth);
         copy(&self.ids, self.width, rect, &planes.ids);
         copy(&self.normals, self.width, rect, &planes.normals);
+        copy(&self.keys, self.width, rect, &planes.keys);
     }
 }
 

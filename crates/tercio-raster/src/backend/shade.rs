@@ -19,6 +19,7 @@ use super::visibility::{BLOCK_BITS, LANE_X, LANE_Y, TileMemory};
 use crate::color::encode16;
 use crate::context::{FrameContext, NO_SLOT};
 use crate::conventions::SUBPIXELS;
+use crate::frame::visibility_key;
 use crate::settings::Shading;
 use crate::simd::{LANE_NUMBERS, LANES, cross, dot, each3, part, row, splat};
 use crate::stats::BackEndCounts;
@@ -383,6 +384,7 @@ impl Look {
             more: planes.color16.is_wanted()
                 || planes.depth.is_wanted()
                 || planes.ids.is_wanted()
+                || planes.keys.is_wanted()
                 || planes.normals.is_wanted(),
         }
     }
@@ -489,6 +491,12 @@ fn write_geometry<S: Simd>(
     if planes.ids.is_wanted() {
         for lane in lanes.clone() {
             pixels.ids[fragments.place[lane] as usize] = context.face(fragments.slot[lane]);
+        }
+    }
+    if planes.keys.is_wanted() {
+        for lane in lanes.clone() {
+            let primitive = context.primitive(fragments.slot[lane]) as u32;
+            pixels.keys[fragments.place[lane] as usize] = visibility_key(fragments.depth[lane], primitive);
         }
     }
     if planes.normals.is_wanted() {

@@ -27,13 +27,15 @@ impl<T: Copy + Default> TileLists<T> {
         self.entries.clear();
     }
 
-    /// Adds an entry to one tile.
+    /// Adds an entry to one tile, if it is drawn.
     #[inline(always)]
-    pub fn push(&mut self, tile: u32, entry: T) {
-        self.pairs.push((tile, entry));
+    pub fn push(&mut self, grid: &TileGrid, tile: u32, entry: T) {
+        if grid.draws(tile) {
+            self.pairs.push((tile, entry));
+        }
     }
 
-    /// Adds an entry to every tile that `rect` touches and of which it `covers` its part.
+    /// Adds an entry to every tile that is drawn, that `rect` touches and of which it `covers` its part.
     #[inline(always)]
     pub fn push_rect(
         &mut self,
@@ -53,7 +55,7 @@ impl<T: Copy + Default> TileLists<T> {
                     y1: rect.y1.min(y + edge - 1),
                 };
                 if covers(part) {
-                    self.push(ty * grid.columns + tx, entry);
+                    self.push(grid, ty * grid.columns + tx, entry);
                 }
             }
         }

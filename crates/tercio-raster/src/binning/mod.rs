@@ -15,7 +15,7 @@ pub use overlap::covers_tile;
 
 use crate::backend::edges::Edges;
 use crate::conventions::{first_sample, last_sample};
-use crate::settings::Binning;
+use crate::settings::{Binning, Part};
 use crate::view::ScreenVertex;
 
 /// A triangle on the screen, ready for the back end. Its farthest corner comes first: depth is interpolated
@@ -102,12 +102,27 @@ pub struct TileGrid {
     pub columns: u32,
     /// Tiles down.
     pub rows: u32,
+    /// Which of them are drawn: every `of`-th from number `number` on.
+    pub drawn: Part,
 }
 
 impl TileGrid {
     /// Divides a picture; `size` is a power of two.
-    pub fn new(width: u32, height: u32, size: u32) -> Self {
-        Self { shift: size.trailing_zeros(), columns: width.div_ceil(size), rows: height.div_ceil(size) }
+    pub fn new(width: u32, height: u32, size: u32, drawn: Part) -> Self {
+        let [columns, rows] = [width, height].map(|n| n.div_ceil(size));
+        Self { shift: size.trailing_zeros(), columns, rows, drawn }
+    }
+
+    /// Is the tile drawn?
+    #[inline(always)]
+    pub fn draws(&self, tile: u32) -> bool {
+        self.drawn.of == 1 || tile % self.drawn.of == self.drawn.number
+    }
+
+    /// Is one of the tiles that a rectangle of pixels touches drawn? Columns, then rows, first and last.
+    pub fn draws_some_of(&self, rect: [u16; 4]) -> bool {
+        let [x0, x1, y0, y1] = rect.map(|pixel| u32::from(pixel) >> self.shift);
+        self.drawn.of == 1 || (y0..=y1).any(|y| (x0..=x1).any(|x| self.draws(y * self.columns + x)))
     }
 
     /// Tiles of the picture.
@@ -160,15 +175,18 @@ impl Bins {
         self.clusters = 0;
     }
 
-    /// Adds a triangle to the tiles that it may touch; `rect` are its samples.
+    /// Adds a triangle to the tiles that are drawn and that it may touch; `rect` are its samples.
     #[inline(never)]
     pub fn push(&mut self, grid: &TileGrid, binning: Binning, triangle: ScreenTriangle, rect: PixelRect) {
+        if !grid.draws_some_of([rect.x0, rect.x1, rect.y0, rect.y1].map(|pixel| pixel as u16)) {
+            return;
+        }
         let number = self.triangles.len() as u32;
         self.triangles.push(triangle);
         let s = grid.shift;
         let (tx, ty) = (rect.x0 as u32 >> s, rect.y0 as u32 >> s);
         if tx == rect.x1 as u32 >> s && ty == rect.y1 as u32 >> s {
-            self.triangle_lists.push(ty * grid.columns + tx, number);
+            self.triangle_lists.push(grid, ty * grid.columns + tx, number);
         } else if binning == Binning::BoundingBox {
             self.triangle_lists.push_rect(grid, number, rect, |_| true);
         } else {

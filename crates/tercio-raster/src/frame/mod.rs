@@ -7,6 +7,14 @@ use crate::{FrameStats, Settings};
 /// The id of a pixel where nothing was drawn.
 pub const NO_PRIMITIVE: u32 = u32::MAX;
 
+/// The rule of visibility as a number: what has the larger key is seen. A larger depth (it is above 0, so that its bits
+/// are in order) comes before a lower primitive number, which is below [`NO_PRIMITIVE`] and counts through the
+/// instances. Keys are above 0.
+#[inline(always)]
+pub fn visibility_key(depth: f32, primitive: u32) -> u64 {
+    u64::from(depth.to_bits()) << 32 | u64::from(NO_PRIMITIVE - primitive)
+}
+
 /// A finished picture. Every plane is row-major, the upper left pixel first, and empty if it was not asked
 /// for.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -24,6 +32,8 @@ pub struct Frame {
     /// Number of the input face (polygon) that is seen, counted through the instances in order;
     /// [`NO_PRIMITIVE`] where nothing was drawn.
     pub ids: Vec<u32>,
+    /// What is seen, as [`visibility_key`]s; 0 where nothing was drawn.
+    pub keys: Vec<u64>,
     /// Unit normals in world space, turned to the viewer; zero where nothing was drawn.
     pub normals: Vec<[f32; 3]>,
     /// What was counted and timed.
@@ -45,5 +55,6 @@ impl Frame {
         fit(&mut self.depth, outputs.depth, pixels);
         fit(&mut self.ids, outputs.ids, pixels);
         fit(&mut self.normals, outputs.normals, pixels);
+        fit(&mut self.keys, outputs.keys, pixels);
     }
 }

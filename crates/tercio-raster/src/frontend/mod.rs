@@ -103,20 +103,22 @@ fn sort_16<S: Simd>(
             counts.triangles_no_sample += triangles;
             continue;
         }
+        let rect = [0, 1, 2, 3].map(|k| tests.rect[k][lane] as u16);
+        if is(tests.inside) && !context.grid.draws_some_of(rect) {
+            counts.clusters_elsewhere += 1;
+            counts.triangles_elsewhere += triangles;
+            continue;
+        }
         if settings.last_stage == LastStage::Cull {
             continue;
         }
         let number = number + lane as u32;
-        if is(tests.small) && settings.sorting == Sorting::Clusters {
-            let rect = [0, 1, 2, 3].map(|k| tests.rect[k][lane] as u16);
-            if context.grid.tiles_of(rect) <= MOST_TILES {
-                counts.clusters_out += 1;
-                batch.bins.push_cluster(
-                    &context.grid,
-                    BinnedCluster { number, nearest: tests.nearest[lane], rect },
-                );
-                continue;
-            }
+        let small = is(tests.small) && settings.sorting == Sorting::Clusters;
+        if small && context.grid.tiles_of(rect) <= MOST_TILES {
+            counts.clusters_out += 1;
+            let nearest = tests.nearest[lane];
+            batch.bins.push_cluster(&context.grid, BinnedCluster { number, nearest, rect });
+            continue;
         }
         let slot = number * MAX_TRIANGLES as u32;
         // Compiled on its own at this SIMD level; inlining it into the loop gains nothing.

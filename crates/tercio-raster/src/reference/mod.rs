@@ -12,7 +12,7 @@ use tercio_scene::{Camera, Scene};
 
 use crate::backend::output::background_row;
 use crate::conventions::{SAMPLE, SUBPIXELS};
-use crate::frame::{Frame, NO_PRIMITIVE};
+use crate::frame::{Frame, NO_PRIMITIVE, visibility_key};
 use crate::frontend::clip::clip_triangle;
 use crate::lighting::LightRig;
 use crate::settings::{Cull, Settings};
@@ -76,11 +76,12 @@ pub fn render(
     frame.resize(settings);
     frame.stats = FrameStats::default();
     let first_faces = first_faces(meshes);
+    let first_primitives = first_primitives(meshes);
     for (place, sample) in samples.iter().enumerate() {
         let (x, y) = (place % width, place / width);
         let background = background_row(&scene.background, y as u32, settings.height);
         let mut pixel = Pixel::of_background(background);
-        let (mut distance, mut id) = (f32::INFINITY, NO_PRIMITIVE);
+        let (mut distance, mut id, mut key) = (f32::INFINITY, NO_PRIMITIVE, 0);
         if sample.triangle != usize::MAX {
             let (mesh, object) = (meshes[sample.instance], &objects[sample.instance]);
             let surface = &scene.instances[sample.instance].surface;
@@ -88,12 +89,15 @@ pub fn render(
             distance = view.distance(sample.depth);
             let face = mesh.face_of_triangle.as_ref().map_or(sample.triangle as u32, |f| f[sample.triangle]);
             id = first_faces[sample.instance] + face;
+            let primitive = first_primitives[sample.instance] + sample.triangle as u32;
+            key = visibility_key(sample.depth, primitive);
         }
         put(&mut frame.color, place, pixel.color);
         put(&mut frame.color16, place, pixel.color16);
         put(&mut frame.depth, place, distance);
         put(&mut frame.ids, place, id);
         put(&mut frame.normals, place, pixel.normal);
+        put(&mut frame.keys, place, key);
     }
     Ok(frame)
 }
@@ -120,6 +124,12 @@ fn first_faces(meshes: &[&Mesh]) -> Vec<u32> {
             first
         })
         .collect()
+}
+
+/// Number of each mesh's first triangle.
+fn first_primitives(meshes: &[&Mesh]) -> Vec<u32> {
+    let count = |meshes: &[&Mesh]| meshes.iter().map(|m| m.triangles.len() as u32).sum();
+    (0..meshes.len()).map(|k| count(&meshes[..k])).collect()
 }
 
 /// Calls `emit(x, y, depth)` for every sample that a triangle covers.

@@ -112,7 +112,7 @@ pub fn orthographic(eye: [f64; 3], target: [f64; 3], height: f64) -> Camera {
 
 /// Settings that ask for every plane.
 pub fn everything(width: u32, height: u32) -> Settings {
-    let outputs = Outputs { color: true, color16: true, depth: true, ids: true, normals: true };
+    let outputs = Outputs { color: true, color16: true, depth: true, ids: true, normals: true, keys: true };
     Settings { outputs, ..Settings::new(width, height) }
 }
 
@@ -138,6 +138,7 @@ pub fn assert_same(expected: &Frame, found: &Frame, what: &str) {
                 f.color.get(p).copied(),
                 f.color16.get(p).copied(),
                 normals.get(p).copied(),
+                f.keys.get(p).copied(),
             )
         };
         (0..pixels).map(get).collect()
@@ -231,7 +232,7 @@ pub fn covered(frame: &Frame) -> Vec<bool> {
 
 /// Settings that ask for primitive numbers only.
 pub fn ids_only(width: u32, height: u32) -> Settings {
-    let outputs = Outputs { color: false, color16: false, depth: false, ids: true, normals: false };
+    let outputs = Outputs { color: false, ids: true, ..Outputs::default() };
     Settings { outputs, ..Settings::new(width, height) }
 }
 

@@ -10,6 +10,7 @@ mod predict;
 mod reproduce;
 mod simulate;
 mod validate;
+mod validate_ranks;
 mod workload;
 
 use std::process::ExitCode;

@@ -8,11 +8,15 @@ use anyhow::Result;
 use clap::Args;
 use serde_json::{Value, json};
 use tercio::image::Destination;
-use tercio_lab::machines::load;
+use tercio::parallel::Organisation;
+use tercio_lab::machines::{Machine, load};
 use tercio_lab::predict::validate::{Options, Row, TOLERANCE, compare};
+use tercio_lab::predict::validate_ranks;
 
 use super::calibrate::ClockName;
 use super::plan::load_scene;
+use super::validate_ranks::RanksPlan;
+use crate::args::ranks::{OrganisationName, parse_ranks};
 use crate::args::{ModelArgs, RunningArgs, values};
 use crate::output::write_text;
 use crate::progress::Display;
@@ -26,6 +30,7 @@ Counters have to be equal, times to lie within 25 %. Models that costs were fitt
 Examples:
   tercio lab calibrate -o mine.toml
   tercio lab validate builtin:teapot@500k dragon.ply --machine mine.toml --sizes 800x600,1920x1080
+  tercio lab validate builtin:teapot@500k --machine mine.toml --ranks 1,2,4 --organisation sort-last
 
 Exit code: 0 all hold, 1 some do not or an error, 2 wrong usage.")]
 pub struct Validate {
@@ -48,6 +53,12 @@ pub struct Validate {
     /// Which clock times frames.
     #[arg(long, value_name = "CLOCK", value_enum, default_value_t = ClockName::Wall)]
     clock: ClockName,
+    /// Compares ranks of one thread each instead: messages, bytes and counters of every rank, and times.
+    #[arg(long, value_name = "N,...", value_delimiter = ',', value_parser = parse_ranks)]
+    ranks: Vec<usize>,
+    /// How ranks share a frame [default: both].
+    #[arg(long, value_name = "HOW", value_enum, requires = "ranks")]
+    organisation: Option<OrganisationName>,
     /// Writes JSON with stable keys.
     #[arg(long)]
     json: bool,
@@ -64,6 +75,9 @@ impl Validate {
         let machine = load(&self.machine)?;
         let pool = threads::pool(self.running.threads)?;
         let most = pool.current_num_threads();
+        if !self.ranks.is_empty() {
+            return self.run_ranks(&machine, most);
+        }
         let options = Options { views: self.views, frames: self.frames, clock: self.clock.into() };
         let display = Display::new(self.running.progress_mode());
         let counts: Vec<usize> = if most > 1 { vec![1, most] } else { vec![1] };
@@ -84,6 +98,35 @@ impl Validate {
             if self.json { format!("{:#}\n", rows.iter().map(json).collect::<Value>()) } else { text(&rows) };
         write_text(&Destination::Stdout, &text)?;
         Ok(ExitCode::from(u8::from(!rows.iter().all(Row::holds))))
+    }
+}
+
+impl Validate {
+    fn run_ranks(&self, machine: &Machine, processors: usize) -> Result<ExitCode> {
+        let organisations: Vec<Organisation> = match self.organisation {
+            Some(one) => vec![one.into()],
+            None => vec![Organisation::SortFirst, Organisation::SortLast],
+        };
+        let plan = RanksPlan {
+            machine,
+            models: &self.models,
+            sizes: &self.sizes,
+            ranks: &self.ranks,
+            organisations: &organisations,
+            options: validate_ranks::Options {
+                views: self.views,
+                frames: self.frames,
+                processors,
+                clock: self.clock.into(),
+            },
+        };
+        let display = Display::new(self.running.progress_mode());
+        let rows = super::validate_ranks::rows(&plan, &self.running, &display)?;
+        drop(display);
+        let json = || rows.iter().map(super::validate_ranks::json).collect::<Value>();
+        let text = if self.json { format!("{:#}\n", json()) } else { super::validate_ranks::text(&rows) };
+        write_text(&Destination::Stdout, &text)?;
+        Ok(ExitCode::from(u8::from(!rows.iter().all(validate_ranks::Row::holds))))
     }
 }
 

@@ -1,0 +1,120 @@
+//! How ranks talk: messages of bytes from one to another.
+//!
+//! Messages between two ranks arrive in the order in which they were sent; sending does not wait for the receiver.
+//! Everything else, the collectives too, is made of that, so that a backend has little to do and all traffic is
+//! counted in one place.
+
+pub mod threads;
+
+use serde::Serialize;
+
+/// Messages that a rank sent and took, those of [`Communicator::barrier`] left out.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Traffic {
+    /// Messages sent to other ranks.
+    pub sent_messages: u64,
+    /// Their bytes.
+    pub sent_bytes: u64,
+    /// Messages taken from other ranks.
+    pub taken_messages: u64,
+    /// Their bytes.
+    pub taken_bytes: u64,
+}
+
+impl Traffic {
+    /// What came after an earlier count.
+    pub fn since(self, earlier: Self) -> Self {
+        Self {
+            sent_messages: self.sent_messages - earlier.sent_messages,
+            sent_bytes: self.sent_bytes - earlier.sent_bytes,
+            taken_messages: self.taken_messages - earlier.taken_messages,
+            taken_bytes: self.taken_bytes - earlier.taken_bytes,
+        }
+    }
+}
+
+/// Why a message could not be sent or taken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum CommError {
+    /// The other rank ended, by itself or by a panic.
+    #[error("rank {rank} is gone")]
+    Gone {
+        /// Which.
+        rank: usize,
+    },
+    /// There is no such rank, or it is the own one.
+    #[error("rank {rank} is no partner of a message: there are {size} ranks, the own one left out")]
+    NoPartner {
+        /// Which.
+        rank: usize,
+        /// How many there are.
+        size: usize,
+    },
+}
+
+/// A rank's access to the others.
+pub trait Communicator {
+    /// The own number, below [`Communicator::size`].
+    fn rank(&self) -> usize;
+
+    /// How many ranks there are, at least 1.
+    fn size(&self) -> usize;
+
+    /// Sends a message, which may be empty. Does not wait until it is taken.
+    ///
+    /// # Errors
+    /// [`CommError`].
+    fn send(&mut self, to: usize, message: Vec<u8>) -> Result<(), CommError>;
+
+    /// Waits for the next message of a rank.
+    ///
+    /// # Errors
+    /// [`CommError`]; never waits for a rank that is gone.
+    fn receive(&mut self, from: usize) -> Result<Vec<u8>, CommError>;
+
+    /// What was sent and taken up to now.
+    fn traffic(&self) -> Traffic;
+
+    /// Sends a message that is not counted: the communicator's own.
+    ///
+    /// # Errors
+    /// [`CommError`].
+    fn signal(&mut self, to: usize) -> Result<(), CommError>;
+
+    /// Waits for a message that is not counted.
+    ///
+    /// # Errors
+    /// [`CommError`].
+    fn await_signal(&mut self, from: usize) -> Result<(), CommError>;
+
+    /// Waits until all ranks are here. In round k every rank tells the one 2^k further, so that after log2 of the
+    /// ranks all know of all (dissemination barrier, Hensgen, Finkel and Manber 1988).
+    ///
+    /// # Errors
+    /// [`CommError`].
+    fn barrier(&mut self) -> Result<(), CommError> {
+        let (rank, size) = (self.rank(), self.size());
+        let mut step = 1;
+        while step < size {
+            self.signal((rank + step) % size)?;
+            self.await_signal((rank + size - step) % size)?;
+            step *= 2;
+        }
+        Ok(())
+    }
+
+    /// Brings a message of each of the ranks below `senders` to rank 0, which gets them in the order of the ranks,
+    /// its own left out; the others get nothing. A rank that is not below `senders` may call it or not.
+    ///
+    /// # Errors
+    /// [`CommError`].
+    fn gather(&mut self, senders: usize, message: Vec<u8>) -> Result<Vec<Vec<u8>>, CommError> {
+        if self.rank() == 0 {
+            return (1..senders).map(|from| self.receive(from)).collect();
+        }
+        if self.rank() < senders {
+            self.send(0, message)?;
+        }
+        Ok(Vec::new())
+    }
+}

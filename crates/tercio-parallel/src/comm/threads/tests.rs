@@ -1,0 +1,81 @@
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use super::*;
+
+#[test]
+fn messages_arrive_in_order_and_are_counted() {
+    let traffic = run(3, |comm| {
+        if comm.rank() == 0 {
+            for n in 0..10u8 {
+                comm.send(2, vec![n; usize::from(n)])?;
+            }
+        }
+        if comm.rank() == 2 {
+            for n in 0..10u8 {
+                assert_eq!(comm.receive(0)?, vec![n; usize::from(n)]);
+            }
+        }
+        comm.barrier()?;
+        Ok(comm.traffic())
+    });
+    let traffic = traffic.unwrap();
+    assert_eq!(traffic[0], Traffic { sent_messages: 10, sent_bytes: 45, ..Traffic::default() });
+    assert_eq!(traffic[1], Traffic::default());
+    assert_eq!(traffic[2], Traffic { taken_messages: 10, taken_bytes: 45, ..Traffic::default() });
+}
+
+#[test]
+fn a_barrier_waits_for_all() {
+    for ranks in [1, 2, 3, 5, 8, 9] {
+        let arrived = AtomicUsize::new(0);
+        run(ranks, |comm| {
+            for round in 1..5 {
+                arrived.fetch_add(1, Ordering::SeqCst);
+                comm.barrier()?;
+                let seen = arrived.load(Ordering::SeqCst);
+                assert!(seen >= round * ranks, "{seen} of {ranks} in round {round}");
+                comm.barrier()?;
+            }
+            Ok(())
+        })
+        .unwrap();
+    }
+}
+
+#[test]
+fn rank_0_gathers_in_order() {
+    for senders in 1..=4 {
+        let gathered = run(4, |comm| Ok(comm.gather(senders, vec![comm.rank() as u8])?)).unwrap();
+        assert_eq!(gathered[0], (1..senders as u8).map(|r| vec![r]).collect::<Vec<_>>());
+        assert!(gathered[1..].iter().all(Vec::is_empty));
+    }
+}
+
+#[test]
+fn a_panic_hangs_nobody_and_is_told() {
+    let error = run(5, |comm| {
+        assert!(comm.rank() != 3, "no paper");
+        let from = (comm.rank() + 1) % 5;
+        comm.receive(from)?;
+        Ok(())
+    });
+    let ParallelError::Panicked { rank: 3, message } = error.unwrap_err() else { panic!("rank 3 panicked") };
+    assert_eq!(message, "no paper");
+}
+
+#[test]
+fn a_rank_that_ends_early_is_missed() {
+    let error = run(2, |comm| if comm.rank() == 0 { Ok(vec![]) } else { Ok(comm.receive(0)?) });
+    assert!(matches!(error, Err(ParallelError::Comm(CommError::Gone { rank: 0 }))), "{error:?}");
+}
+
+#[test]
+fn nobody_talks_to_strangers_or_to_himself() {
+    let mut comms = ThreadComm::of_ranks(2);
+    let comm = &mut comms[0];
+    for rank in [0, 2] {
+        assert_eq!(comm.send(rank, vec![]), Err(CommError::NoPartner { rank, size: 2 }));
+        assert_eq!(comm.receive(rank), Err(CommError::NoPartner { rank, size: 2 }));
+    }
+    assert_eq!(comm.traffic(), Traffic::default());
+}

@@ -1,0 +1,73 @@
+//! The owners' finished pixels to rank 0.
+
+use tercio_raster::backend::output::background_row;
+use tercio_raster::frame::NO_PRIMITIVE;
+use tercio_raster::{Frame, Outputs};
+use tercio_scene::Background;
+
+use super::packet::{pack, unpack};
+use crate::comm::Communicator;
+use crate::regions::{Region, Regions};
+use crate::{ParallelError, RankReport};
+
+/// Brings the pixels that show something to rank 0, whose frame has the background wherever nobody drew. Every frame
+/// has keys in the regions of its rank; `planes` travel.
+///
+/// # Errors
+/// [`ParallelError::Comm`], [`ParallelError::Packet`].
+pub fn collect(
+    comm: &mut impl Communicator,
+    regions: &Regions,
+    planes: &Outputs,
+    frame: &mut Frame,
+    report: &mut RankReport,
+) -> Result<(), ParallelError> {
+    let rank = comm.rank();
+    let stages = &mut report.stages;
+    if rank > 0 {
+        let mut message = Vec::new();
+        report.pixels.visible += stages
+            .collect
+            .time(|| regions.of(rank).map(|region| pack(frame, &region, planes, &mut message)).sum::<u64>());
+        comm.gather(regions.owners(), message)?;
+        return Ok(());
+    }
+    report.pixels.visible +=
+        stages.collect.time(|| regions.of(0).map(|region| shown(frame, &region)).sum::<u64>());
+    let messages = stages.wait.time(|| comm.gather(regions.owners(), Vec::new()))?;
+    for (from, message) in (1..).zip(messages) {
+        let done = stages.collect.time(|| unpack(&message, planes, false, frame));
+        done.map_err(|error| ParallelError::Packet { from, error })?;
+    }
+    Ok(())
+}
+
+/// Pixels of a region that show something.
+fn shown(frame: &Frame, region: &Region) -> u64 {
+    let row = |y: u32| {
+        let first = y as usize * frame.width as usize;
+        let keys = &frame.keys[first + region.x.start as usize..first + region.x.end as usize];
+        keys.iter().map(|&key| u64::from(key != 0)).sum::<u64>()
+    };
+    region.y.clone().map(row).sum()
+}
+
+/// Gives a region the background.
+pub fn clear(frame: &mut Frame, region: &Region, background: &Background) {
+    fn fill<T: Clone>(plane: &mut [T], first: usize, count: usize, value: T) {
+        if let Some(row) = plane.get_mut(first..first + count) {
+            row.fill(value);
+        }
+    }
+    let count = region.x.len();
+    for y in region.y.clone() {
+        let first = y as usize * frame.width as usize + region.x.start as usize;
+        let (color, color16) = background_row(background, y, frame.height);
+        fill(&mut frame.color, first, count, color);
+        fill(&mut frame.color16, first, count, color16);
+        fill(&mut frame.depth, first, count, f32::INFINITY);
+        fill(&mut frame.ids, first, count, NO_PRIMITIVE);
+        fill(&mut frame.normals, first, count, [0.0; 3]);
+        fill(&mut frame.keys, first, count, 0);
+    }
+}

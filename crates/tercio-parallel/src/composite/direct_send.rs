@@ -1,0 +1,51 @@
+//! Direct send: every rank sends what it sees of a region straight to the region's owner, which keeps what is seen.
+
+use tercio_raster::{Frame, Outputs};
+
+use super::packet::{pack, unpack};
+use crate::comm::Communicator;
+use crate::regions::Regions;
+use crate::report::{RankPixels, RankStages};
+use crate::{ParallelError, RankReport};
+
+/// Composes the ranks' frames: afterwards every owner has the picture in its regions, what was drawn there by anybody.
+///
+/// `sees(rank)` tells which ranks drew anything at all: the others send nothing and nobody waits for them. All ranks
+/// have to agree on it. Every frame has keys; `planes`, keys among them, travel.
+///
+/// # Errors
+/// [`ParallelError::Comm`], [`ParallelError::Packet`].
+pub fn compose(
+    comm: &mut impl Communicator,
+    regions: &Regions,
+    planes: &Outputs,
+    sees: impl Fn(usize) -> bool,
+    frame: &mut Frame,
+    report: &mut RankReport,
+) -> Result<(), ParallelError> {
+    let (rank, size) = (comm.rank(), comm.size());
+    let RankReport { pixels: RankPixels { sent, compared, won, .. }, stages, .. } = report;
+    let RankStages { compose, wait, .. } = stages;
+    // Everybody begins with the next rank, so that nobody gets all messages at once.
+    let others = |step: usize| (rank + step) % size;
+    if sees(rank) {
+        for to in (1..size).map(others).filter(|&to| to < regions.owners()) {
+            let message = compose.time(|| {
+                let mut message = Vec::new();
+                *sent += regions.of(to).map(|region| pack(frame, &region, planes, &mut message)).sum::<u64>();
+                message
+            });
+            comm.send(to, message)?;
+        }
+    }
+    if rank < regions.owners() {
+        for from in (1..size).map(|step| others(size - step)).filter(|&from| sees(from)) {
+            let message = wait.time(|| comm.receive(from))?;
+            let done = compose.time(|| unpack(&message, planes, true, frame));
+            let done = done.map_err(|error| ParallelError::Packet { from, error })?;
+            *compared += done.pixels;
+            *won += done.written;
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,48 @@
+//! Why ranks could not draw a picture.
+
+use tercio_raster::RenderError;
+
+use crate::comm::CommError;
+use crate::composite::packet::PacketError;
+
+/// Why ranks could not draw a picture.
+#[derive(Debug, thiserror::Error)]
+pub enum ParallelError {
+    /// A rank cannot draw.
+    #[error(transparent)]
+    Render(#[from] RenderError),
+    /// A message did not arrive.
+    #[error(transparent)]
+    Comm(#[from] CommError),
+    /// A message does not hold pixels.
+    #[error("pixels from rank {from}: {error}")]
+    Packet {
+        /// Who sent them.
+        from: usize,
+        /// What is wrong.
+        error: PacketError,
+    },
+    /// A rank panicked.
+    #[error("rank {rank} panicked: {message}")]
+    Panicked {
+        /// Which.
+        rank: usize,
+        /// What it said.
+        message: String,
+    },
+    /// A rank's threads could not be had.
+    #[error("a rank's {threads} threads: {error}")]
+    Threads {
+        /// How many were asked for.
+        threads: usize,
+        /// Why not.
+        error: rayon::ThreadPoolBuildError,
+    },
+}
+
+impl ParallelError {
+    /// True if it only tells that another rank failed, which then has the reason.
+    pub(crate) fn is_consequence(&self) -> bool {
+        matches!(self, Self::Comm(_))
+    }
+}

@@ -1,0 +1,87 @@
+//! Ranks of one process: a thread each, messages through channels.
+
+use std::sync::Mutex;
+use std::time::Instant;
+
+use tercio_raster::{Frame, Settings};
+use tercio_scene::{Camera, Scene};
+
+use crate::comm::{Communicator, threads};
+use crate::organisation::{Rank, Task};
+use crate::report::FrameReport;
+use crate::{Organisation, ParallelError};
+
+/// Ranks of this process.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Ranks {
+    /// How many, at least 1.
+    pub count: usize,
+    /// Threads that each draws with, at least 1.
+    pub threads: usize,
+    /// How they share a frame.
+    pub organisation: Organisation,
+}
+
+/// Draws one frame a camera and tells what every rank did. `picture` gets each picture, with the number of its camera,
+/// and may take it.
+///
+/// # Errors
+/// [`ParallelError`]: what the first rank that failed tells.
+///
+/// # Panics
+/// If there are no ranks.
+pub fn draw_frames(
+    ranks: Ranks,
+    scene: &Scene,
+    cameras: &[Camera],
+    settings: &Settings,
+    picture: impl Fn(usize, &mut Frame) + Sync,
+) -> Result<Vec<FrameReport>, ParallelError> {
+    let reports = threads::run(ranks.count, |comm| {
+        let (mut own, mut frame) = (Rank::new(ranks.threads)?, Frame::default());
+        let mut reports = Vec::new();
+        for (number, camera) in cameras.iter().enumerate() {
+            comm.barrier()?;
+            let begin = Instant::now();
+            let task = Task { organisation: ranks.organisation, scene, camera, settings };
+            let report = own.draw_into(comm, &task, &mut frame)?;
+            reports.push((report, begin.elapsed().as_secs_f64() * 1e3));
+            if comm.rank() == 0 {
+                picture(number, &mut frame);
+            }
+        }
+        Ok(reports)
+    })?;
+    // From a list a rank to a list a frame.
+    let mut of_ranks: Vec<_> = reports.into_iter().map(Vec::into_iter).collect();
+    let frame = |_| {
+        let all: Vec<_> = of_ranks.iter_mut().filter_map(Iterator::next).collect();
+        let milliseconds = all.first().map_or(0.0, |first| first.1);
+        let ranks_of_frame = all.into_iter().map(|rank| rank.0).collect();
+        FrameReport::new(ranks.organisation, settings.tile_edge(), milliseconds, ranks_of_frame)
+    };
+    Ok(cameras.iter().map(frame).collect())
+}
+
+/// Draws one picture; its stats are [`FrameReport::stats`].
+///
+/// # Errors
+/// As [`draw_frames`].
+///
+/// # Panics
+/// If there are no ranks.
+pub fn draw(
+    ranks: Ranks,
+    scene: &Scene,
+    camera: &Camera,
+    settings: &Settings,
+) -> Result<(Frame, FrameReport), ParallelError> {
+    let drawn = Mutex::new(Frame::default());
+    let reports = draw_frames(ranks, scene, &[*camera], settings, |_, frame| {
+        *drawn.lock().unwrap_or_else(|e| e.into_inner()) = std::mem::take(frame);
+    })?;
+    let mut frame = drawn.into_inner().unwrap_or_else(|e| e.into_inner());
+    let Some(report) = reports.into_iter().next() else { unreachable!("one camera makes one frame") };
+    frame.stats = report.stats();
+    Ok((frame, report))
+}

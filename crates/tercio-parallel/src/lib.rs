@@ -1,0 +1,28 @@
+//! Several ranks draw one picture, with the bytes that one renderer gives.
+//!
+//! | module | what |
+//! |---|---|
+//! | [`comm`] | how ranks talk: the [`Communicator`] and its backend in one process |
+//! | [`regions`] | who owns which part of the picture |
+//! | [`composite`] | pixels on their way: [packed](composite::packet), [composed](composite::direct_send), [collected](composite::collect) |
+//! | [`organisation`] | who draws what, and when it changes hands: sort-first and sort-last |
+//! | [`report`] | what every rank did, counted and timed |
+//! | [`in_process`] | all of it in one process, a rank a thread |
+//!
+//! A rank draws with a [`tercio_raster::Renderer`] of its own. Clusters and tiles keep their numbers whoever draws
+//! them ([`tercio_raster::Part`]), and what is seen is decided by [`tercio_raster::frame::visibility_key`] within a
+//! rank as between ranks; so the picture is that of one process.
+
+pub mod comm;
+pub mod composite;
+mod error;
+pub mod in_process;
+pub mod organisation;
+pub mod regions;
+pub mod report;
+
+pub use comm::Communicator;
+pub use error::ParallelError;
+pub use in_process::{Ranks, draw_frames};
+pub use organisation::Organisation;
+pub use report::{FrameReport, RankReport};

@@ -1,0 +1,126 @@
+//! Who draws what, and when it changes hands.
+
+mod sort_first;
+mod sort_last;
+
+use rayon::{ThreadPool, ThreadPoolBuilder};
+use serde::Serialize;
+use tercio_raster::{Frame, Outputs, Part, Renderer, Settings};
+use tercio_scene::{Camera, Scene};
+
+use crate::comm::Communicator;
+use crate::regions::Regions;
+use crate::report::RankReport;
+use crate::{ParallelError, report::Stage};
+
+/// Where work changes hands.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Organisation {
+    /// Before the front end: every rank draws the clusters that reach its regions, and only there.
+    SortFirst,
+    /// After the back end: every rank draws a share of the clusters, and the pictures are composed.
+    SortLast,
+}
+
+/// A rank's renderer and threads, kept from frame to frame.
+#[derive(Debug)]
+pub struct Rank {
+    pool: ThreadPool,
+    renderer: Renderer,
+    /// Memory of the keys of a picture that is not asked for them.
+    keys: Vec<u64>,
+}
+
+/// What a frame is drawn from, the same on all ranks.
+#[derive(Clone, Copy, Debug)]
+pub struct Task<'a> {
+    /// How ranks share it.
+    pub organisation: Organisation,
+    /// All of the scene. Its meshes are shared memory here; what a rank reads of them is only what it draws.
+    pub scene: &'a Scene,
+    /// From where.
+    pub camera: &'a Camera,
+    /// How. Parts are the organisation's business: those that are asked for are ignored.
+    pub settings: &'a Settings,
+}
+
+impl Rank {
+    /// A rank that draws with some threads, at least 1.
+    ///
+    /// # Errors
+    /// [`ParallelError::Threads`].
+    pub fn new(threads: usize) -> Result<Self, ParallelError> {
+        let pool = ThreadPoolBuilder::new().num_threads(threads.max(1)).build();
+        let pool = pool.map_err(|error| ParallelError::Threads { threads, error })?;
+        Ok(Self { pool, renderer: Renderer::new(), keys: Vec::new() })
+    }
+
+    /// Does this rank's part of a frame; all ranks of the communicator have to do theirs. On rank 0 `frame` then is the
+    /// picture, with the bytes that one renderer gives; elsewhere it is memory for the next frame.
+    ///
+    /// # Errors
+    /// [`ParallelError`]: what this rank cannot do, or that another one is gone.
+    pub fn draw_into(
+        &mut self,
+        comm: &mut impl Communicator,
+        task: &Task,
+        frame: &mut Frame,
+    ) -> Result<RankReport, ParallelError> {
+        let before = comm.traffic();
+        let mut report = RankReport { rank: comm.rank(), ..RankReport::default() };
+        task.settings.check()?;
+        let regions = Regions {
+            width: task.settings.width,
+            height: task.settings.height,
+            edge: task.settings.tile_edge(),
+            ranks: comm.size(),
+        };
+        match task.organisation {
+            Organisation::SortFirst => sort_first::draw(self, comm, task, &regions, frame, &mut report)?,
+            Organisation::SortLast => sort_last::draw(self, comm, task, &regions, frame, &mut report)?,
+        }
+        if comm.rank() == 0 && !task.settings.outputs.keys {
+            self.keys = std::mem::take(&mut frame.keys);
+        }
+        report.traffic = comm.traffic().since(before);
+        Ok(report)
+    }
+
+    /// Draws a part, with keys.
+    fn draw_part(
+        &mut self,
+        task: &Task,
+        (clusters, tiles): (Part, Part),
+        frame: &mut Frame,
+        report: &mut RankReport,
+    ) -> Result<(), ParallelError> {
+        if frame.keys.is_empty() {
+            frame.keys = std::mem::take(&mut self.keys);
+        }
+        let outputs = Outputs { keys: true, ..task.settings.outputs };
+        let settings = Settings { clusters, tiles, outputs, ..task.settings.clone() };
+        let Self { pool, renderer, .. } = self;
+        report.clusters = clusters.range(clusters_of(task.scene)).len() as u64;
+        let (stage, drawn) = pool.install(|| {
+            let mut stage = Stage::default();
+            let drawn = stage.time(|| renderer.render_into(task.scene, task.camera, &settings, frame));
+            (stage, drawn)
+        });
+        drawn?;
+        report.stages.draw = stage;
+        report.frame = frame.stats.clone();
+        Ok(())
+    }
+}
+
+/// This rank's share of something.
+fn share(comm: &impl Communicator) -> Part {
+    Part { number: comm.rank() as u32, of: comm.size() as u32 }
+}
+
+/// Clusters of all instances; where they are too many to be numbered the renderer says so.
+fn clusters_of(scene: &Scene) -> u32 {
+    let clusters = scene.instances.iter().map(|i| i.mesh.clusters.len()).sum::<usize>();
+    u32::try_from(clusters).unwrap_or(u32::MAX)
+}

@@ -1,0 +1,36 @@
+//! Sort-first: ranks share the picture.
+//!
+//! Every rank looks at all clusters, drops those that reach none of its regions by their bounds, and draws the others,
+//! there only. Finished pixels travel to rank 0.
+
+use tercio_raster::{Frame, Part};
+
+use super::{Rank, Task, share};
+use crate::comm::Communicator;
+use crate::composite::collect::{clear, collect};
+use crate::regions::Regions;
+use crate::{ParallelError, RankReport};
+
+/// A rank's part of a frame.
+pub(super) fn draw(
+    own: &mut Rank,
+    comm: &mut impl Communicator,
+    task: &Task,
+    regions: &Regions,
+    frame: &mut Frame,
+    report: &mut RankReport,
+) -> Result<(), ParallelError> {
+    // Who owns nothing has nothing to do.
+    if comm.rank() >= regions.owners() {
+        return Ok(());
+    }
+    own.draw_part(task, (Part::WHOLE, share(comm)), frame, report)?;
+    if comm.rank() == 0 {
+        report.stages.collect.time(|| {
+            for region in (1..regions.owners()).flat_map(|rank| regions.of(rank)) {
+                clear(frame, &region, &task.scene.background);
+            }
+        });
+    }
+    collect(comm, regions, &task.settings.outputs, frame, report)
+}

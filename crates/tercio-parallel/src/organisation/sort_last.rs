@@ -1,0 +1,35 @@
+//! Sort-last: ranks share the clusters, pixels are composed by direct send.
+//!
+//! Rank r of n draws consecutive clusters, the r-th of n shares: neighbours in space, so that it sees a small part of
+//! the picture. What it sees travels to the owners of regions with its keys, and from there to rank 0.
+
+use tercio_raster::{Frame, Outputs, Part};
+
+use super::{Rank, Task, clusters_of, share};
+use crate::comm::Communicator;
+use crate::composite::collect::collect;
+use crate::composite::direct_send::compose;
+use crate::regions::Regions;
+use crate::{ParallelError, RankReport};
+
+/// A rank's part of a frame.
+pub(super) fn draw(
+    own: &mut Rank,
+    comm: &mut impl Communicator,
+    task: &Task,
+    regions: &Regions,
+    frame: &mut Frame,
+    report: &mut RankReport,
+) -> Result<(), ParallelError> {
+    let part = share(comm);
+    let clusters = clusters_of(task.scene);
+    let sees = |rank: usize| !Part { number: rank as u32, ..part }.range(clusters).is_empty();
+    // Who neither draws nor owns anything has nothing to do.
+    if !sees(comm.rank()) && comm.rank() >= regions.owners() {
+        return Ok(());
+    }
+    own.draw_part(task, (part, Part::WHOLE), frame, report)?;
+    let planes = Outputs { keys: true, ..task.settings.outputs };
+    compose(comm, regions, &planes, sees, frame, report)?;
+    collect(comm, regions, &task.settings.outputs, frame, report)
+}

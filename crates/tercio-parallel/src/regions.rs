@@ -1,0 +1,87 @@
+//! Who owns which part of the picture.
+
+use std::ops::Range;
+
+/// The picture in square regions, which are the renderer's tiles: region k, counted row by row, belongs to rank k modulo
+/// the ranks. Neighbours have different owners, so that a small model still is everybody's work.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Regions {
+    /// Pixels across the picture.
+    pub width: u32,
+    /// Pixels down.
+    pub height: u32,
+    /// Pixels along the edge of a region, at least 1. Regions at the right and lower border may be smaller.
+    pub edge: u32,
+    /// Ranks, at least 1.
+    pub ranks: usize,
+}
+
+/// A region's columns and rows of pixels.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Region {
+    /// Columns.
+    pub x: Range<u32>,
+    /// Rows.
+    pub y: Range<u32>,
+}
+
+impl Regions {
+    fn columns(&self) -> u64 {
+        u64::from(self.width.div_ceil(self.edge))
+    }
+
+    /// All regions.
+    pub fn count(&self) -> u64 {
+        self.columns() * u64::from(self.height.div_ceil(self.edge))
+    }
+
+    /// Ranks that own a region: the first ones.
+    pub fn owners(&self) -> usize {
+        usize::try_from(self.count()).map_or(self.ranks, |count| count.min(self.ranks))
+    }
+
+    /// The regions of a rank, in their order.
+    pub fn of(&self, rank: usize) -> impl Iterator<Item = Region> + use<> {
+        let regions = *self;
+        (rank as u64..self.count()).step_by(self.ranks).map(move |k| {
+            let along = |place: u64, size: u32| {
+                let first = place as u32 * regions.edge;
+                first..first.saturating_add(regions.edge).min(size)
+            };
+            Region {
+                x: along(k % regions.columns(), regions.width),
+                y: along(k / regions.columns(), regions.height),
+            }
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    proptest! {
+        #[test]
+        fn every_pixel_has_one_owner(
+            width in 1u32..70, height in 1u32..70, edge in 1u32..40, ranks in 1usize..12,
+        ) {
+            let regions = Regions { width, height, edge, ranks };
+            let mut owned = vec![0; (width * height) as usize];
+            for rank in 0..ranks {
+                let mut pixels = 0;
+                for Region { x, y } in regions.of(rank) {
+                    for y in y {
+                        for x in x.clone() {
+                            owned[(y * width + x) as usize] += 1;
+                            pixels += 1;
+                        }
+                    }
+                }
+                prop_assert_eq!(pixels > 0, rank < regions.owners());
+            }
+            prop_assert!(owned.iter().all(|&o| o == 1));
+        }
+    }
+}

@@ -1,0 +1,236 @@
+//! One picture: any number of ranks gives the bytes of one renderer.
+
+use std::sync::Arc;
+
+use glam::{DAffine3, DQuat, DVec3};
+use proptest::prelude::*;
+use tercio_mesh::builtin;
+use tercio_mesh::cluster::{PartitionOptions, partition};
+use tercio_parallel::in_process::draw;
+use tercio_parallel::{FrameReport, Organisation, Ranks};
+use tercio_raster::{Cull, Frame, Outputs, Renderer, Settings, Shading, Sorting};
+use tercio_scene::{Camera, Instance, Projection, Scene};
+
+const EVERYTHING: Outputs =
+    Outputs { color: true, color16: true, depth: true, ids: true, normals: true, keys: true };
+const BOTH: [Organisation; 2] = [Organisation::SortFirst, Organisation::SortLast];
+
+fn scene(model: &str, most_triangles: usize) -> Scene {
+    let mesh = builtin::make(model).expect("a model");
+    let options = PartitionOptions { max_triangles: most_triangles, ..PartitionOptions::default() };
+    Scene::of_mesh(Arc::new(partition(mesh, &options)))
+}
+
+/// The same scene with a second instance, turned, mirrored, smaller, in the middle of the first.
+fn with_second_instance(mut scene: Scene) -> Scene {
+    let place = scene.bounds().center();
+    let (scale, turn) = (DVec3::new(0.5, -0.4, 0.6), DQuat::from_rotation_y(1.0));
+    let turned = DAffine3::from_scale_rotation_translation(scale, turn, place * 0.7);
+    let second = Instance { world_from_object: turned, ..scene.instances[0].clone() };
+    scene.instances.push(second);
+    scene
+}
+
+/// Stands so many radii from the middle; below 1 the near plane cuts the model.
+fn camera(scene: &Scene, radii: f64, orthographic: bool) -> Camera {
+    let bounds = scene.bounds();
+    let eye = bounds.center() + DVec3::new(0.3, 0.4, 0.9).normalize() * bounds.radius() * radii;
+    let projection = if orthographic {
+        Projection::Orthographic { height: bounds.radius() * 1.4 }
+    } else {
+        Projection::Perspective { fov_y: 0.8 }
+    };
+    Camera { eye, target: bounds.center() + DVec3::X * 1e-3, up: DVec3::Y, projection, near: None }
+}
+
+#[track_caller]
+fn assert_same(expected: &Frame, found: &Frame, what: &str) {
+    let bits = |f: &Frame| -> Vec<u32> {
+        f.depth.iter().chain(f.normals.iter().flatten()).map(|v| v.to_bits()).collect()
+    };
+    assert_eq!((expected.width, expected.height), (found.width, found.height), "{what}");
+    assert!(expected.keys == found.keys, "{what}: keys");
+    assert!(expected.ids == found.ids, "{what}: ids");
+    assert!(expected.color == found.color, "{what}: colour");
+    assert!(expected.color16 == found.color16, "{what}: 16-bit colour");
+    assert!(bits(expected) == bits(found), "{what}: depth or normals");
+}
+
+/// Draws with ranks and expects one renderer's bytes.
+fn check(scene: &Scene, camera: &Camera, settings: &Settings, ranks: Ranks, what: &str) -> FrameReport {
+    let expected = Renderer::new().render(scene, camera, settings).expect("a picture");
+    let (found, report) = draw(ranks, scene, camera, settings).expect("a picture");
+    let what = format!("{what}, {ranks:?}, {}x{}", settings.width, settings.height);
+    assert_same(&expected, &found, &what);
+    let counted = |s: &Settings, k: &Frame| if s.outputs.keys { shown(k) } else { report.pixels_visible() };
+    assert_eq!(report.pixels_visible(), counted(settings, &expected), "{what}");
+    assert_eq!(found.stats.backend.pixels_visible, report.pixels_visible());
+    let taken = |of: fn(&tercio_parallel::comm::Traffic) -> u64| -> u64 {
+        report.ranks.iter().map(|r| of(&r.traffic)).sum()
+    };
+    assert_eq!((taken(|t| t.taken_messages), taken(|t| t.taken_bytes)), (report.messages, report.bytes));
+    assert!(ranks.count > 1 || report.messages == 0, "{what}: one rank talks to itself");
+    report
+}
+
+fn shown(frame: &Frame) -> u64 {
+    frame.keys.iter().filter(|&&key| key != 0).count() as u64
+}
+
+#[test]
+fn every_number_of_ranks() {
+    for model in ["builtin:teapot@6k", "builtin:soup@2k", "builtin:gyroid@4k"] {
+        let scene = with_second_instance(scene(model, 128));
+        for (radii, orthographic) in [(2.6, false), (0.4, false), (2.0, true)] {
+            let camera = camera(&scene, radii, orthographic);
+            for organisation in BOTH {
+                for count in 1..=9 {
+                    let settings = Settings { outputs: EVERYTHING, ..Settings::new(131, 93) };
+                    let ranks = Ranks { count, threads: 1 + count % 2, organisation };
+                    check(&scene, &camera, &settings, ranks, model);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn among_equal_depths_the_lower_primitive_is_seen() {
+    // The same model twice at the same place, in another colour: every sample is a tie between ranks.
+    let mut twice = scene("builtin:teapot@2k", 16);
+    let mut second = twice.instances[0].clone();
+    second.surface.base_color = [1.0, 0.0, 0.0];
+    let first = twice.clone();
+    twice.instances.push(second);
+    let camera = camera(&first, 2.6, false);
+    let settings = Settings { outputs: EVERYTHING, ..Settings::new(100, 80) };
+    let expected = Renderer::new().render(&first, &camera, &settings).expect("a picture");
+    for organisation in BOTH {
+        for count in [2, 3, 8] {
+            let ranks = Ranks { count, threads: 1, organisation };
+            let (found, _) = draw(ranks, &twice, &camera, &settings).expect("a picture");
+            assert_same(&expected, &found, &format!("{ranks:?}"));
+        }
+    }
+}
+
+#[test]
+fn more_ranks_than_clusters_or_regions() {
+    let few = scene("builtin:teapot@100", 128);
+    let clusters = few.instances[0].mesh.clusters.len();
+    assert!(clusters < 9, "{clusters}");
+    let camera = camera(&few, 2.6, false);
+    for organisation in BOTH {
+        for (width, height) in [(1, 1), (9, 3), (64, 48), (33, 100)] {
+            for count in [2, 5, 9] {
+                let settings = Settings { outputs: EVERYTHING, ..Settings::new(width, height) };
+                let ranks = Ranks { count, threads: 1, organisation };
+                check(&few, &camera, &settings, ranks, "few clusters");
+            }
+        }
+    }
+}
+
+#[test]
+fn nothing_at_all() {
+    let mut empty = scene("builtin:teapot@1k", 128);
+    empty.instances.clear();
+    let camera = Camera { eye: DVec3::Z, ..camera(&scene("builtin:teapot@1k", 128), 2.0, false) };
+    for organisation in BOTH {
+        for count in [1, 3] {
+            let settings = Settings { outputs: EVERYTHING, ..Settings::new(40, 30) };
+            let report =
+                check(&empty, &camera, &settings, Ranks { count, threads: 1, organisation }, "nothing");
+            assert_eq!((report.bytes, report.pixels_visible()), (0, 0));
+        }
+    }
+}
+
+#[test]
+fn frames_in_a_row_leave_nothing_behind() {
+    let scene = with_second_instance(scene("builtin:teapot@6k", 128));
+    let cameras: Vec<_> = [2.6, 5.0, 0.4, 30.0].map(|radii| camera(&scene, radii, false)).to_vec();
+    let settings = Settings { tile_size: Some(8), ..Settings::new(90, 70) };
+    for organisation in BOTH {
+        let ranks = Ranks { count: 4, threads: 1, organisation };
+        let reports = tercio_parallel::draw_frames(ranks, &scene, &cameras, &settings, |number, frame| {
+            let expected = Renderer::new().render(&scene, &cameras[number], &settings).expect("a picture");
+            assert_same(&expected, frame, &format!("{organisation:?}, frame {number}"));
+        });
+        assert_eq!(reports.expect("pictures").len(), cameras.len());
+    }
+}
+
+#[test]
+fn sort_last_shares_the_clusters_and_sort_first_the_picture() {
+    let scene = scene("builtin:gyroid@40k", 128);
+    let camera = camera(&scene, 2.6, false);
+    let settings = Settings { outputs: EVERYTHING, tile_size: Some(32), ..Settings::new(256, 192) };
+    let clusters = scene.instances[0].mesh.clusters.len() as u64;
+    let ranks = |organisation| Ranks { count: 4, threads: 1, organisation };
+    let last = check(&scene, &camera, &settings, ranks(Organisation::SortLast), "gyroid");
+    assert_eq!(last.ranks.iter().map(|r| r.clusters).sum::<u64>(), clusters);
+    assert_eq!((last.messages, last.region), (4 * 3 + 3, 32));
+    let (sent, compared): (u64, u64) =
+        last.ranks.iter().fold((0, 0), |sum, r| (sum.0 + r.pixels.sent, sum.1 + r.pixels.compared));
+    assert!(sent == compared && sent > 0);
+    let first = check(&scene, &camera, &settings, ranks(Organisation::SortFirst), "gyroid");
+    assert_eq!(first.messages, 3);
+    assert!(first.bytes < last.bytes, "{} bytes of finished pixels, {} with keys", first.bytes, last.bytes);
+    for rank in &first.ranks {
+        assert_eq!(rank.clusters, clusters);
+        assert!(rank.frame.frontend.clusters_elsewhere > 0, "rank {} drew everything", rank.rank);
+    }
+}
+
+#[test]
+fn errors_are_told_by_whoever_meets_them() {
+    let scene = scene("builtin:teapot@1k", 128);
+    let camera = camera(&scene, 2.6, false);
+    for organisation in BOTH {
+        let ranks = Ranks { count: 3, threads: 1, organisation };
+        let wide = Settings { width: 0, ..Settings::new(8, 8) };
+        let error = draw(ranks, &scene, &camera, &wide).unwrap_err().to_string();
+        assert!(error.contains("width must be 1 to"), "{error}");
+        let nowhere = Camera { target: camera.eye, ..camera };
+        let error = draw(ranks, &scene, &nowhere, &Settings::new(8, 8)).unwrap_err().to_string();
+        assert!(error.contains("eye and target"), "{error}");
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 60, ..ProptestConfig::default() })]
+
+    #[test]
+    fn any_setting(
+        (model, most_triangles, second) in (0usize..4, 1usize..129, any::<bool>()),
+        (width, height) in (1u32..150, 1u32..150),
+        (count, threads, last) in (1usize..10, 1usize..4, any::<bool>()),
+        (radii, orthographic) in (0.05f64..4.0, any::<bool>()),
+        (tile, cull, shading, sorting) in (0usize..6, 0usize..4, 0usize..4, any::<bool>()),
+        planes in 0u32..64,
+    ) {
+        let model = ["builtin:sphere@500", "builtin:teapot@2k", "builtin:soup@300", "builtin:terrain@1k"][model];
+        let scene = scene(model, most_triangles);
+        let scene = if second { with_second_instance(scene) } else { scene };
+        let wants = |bit: u32| planes >> bit & 1 == 1;
+        let settings = Settings {
+            tile_size: [None, Some(8), Some(16), Some(32), Some(64), Some(128)][tile],
+            cull: [Cull::Auto, Cull::None, Cull::Back, Cull::Front][cull],
+            shading: [Shading::Flat, Shading::Gouraud, Shading::Phong, Shading::Unlit][shading],
+            sorting: if sorting { Sorting::Clusters } else { Sorting::Triangles },
+            outputs: Outputs {
+                color: wants(0),
+                color16: wants(1),
+                depth: wants(2),
+                ids: wants(3),
+                normals: wants(4),
+                keys: wants(5),
+            },
+            ..Settings::new(width, height)
+        };
+        let organisation = if last { Organisation::SortLast } else { Organisation::SortFirst };
+        let camera = camera(&scene, radii, orthographic);
+        check(&scene, &camera, &settings, Ranks { count, threads, organisation }, model);
+    }
+}
