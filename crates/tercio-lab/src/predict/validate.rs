@@ -2,12 +2,12 @@
 
 use serde::Serialize;
 use tercio_mesh::Aabb;
-use tercio_raster::Settings;
+use tercio_raster::{Settings, Sorting};
 use tercio_scene::Scene;
 
-use super::counters::{Picture, count};
+use super::counters::{Counters, count};
 use super::frame::FrameTime;
-use super::measure::{Clock, counted, measure};
+use super::measure::{Clock, measure};
 use super::{PredictError, views};
 use crate::machines::Machine;
 
@@ -56,6 +56,8 @@ pub struct Options {
     pub frames: u32,
     /// Which clock.
     pub clock: Clock,
+    /// What is sorted into tiles.
+    pub sorting: Sorting,
 }
 
 /// Compares one model at one size on some threads.
@@ -81,11 +83,10 @@ pub fn compare(
     };
     for view in 0..o.views.max(1) {
         let camera = views::camera(bounds, size, view, o.views);
-        let real = measure(scene, &camera, &Settings::new(size.0, size.1), threads, o.frames, o.clock)?;
-        let picture =
-            Picture { width: size.0, height: size.1, tile: real.stats.tile_size, exact_binning: true };
-        let (counters, _) = count(scene, &camera, picture)?;
-        let pairs = counters.comparable().into_iter().zip(counted(&real.stats));
+        let settings = Settings { sorting: o.sorting, ..Settings::new(size.0, size.1) };
+        let real = measure(scene, &camera, &settings, threads, o.frames, o.clock)?;
+        let counted = count(scene, &camera, &settings, threads)?;
+        let pairs = counted.frame.comparable().into_iter().zip(Counters::counted(&real.stats));
         for ((name, ours), (_, theirs)) in pairs {
             row.compared += 1;
             if ours != theirs {
@@ -93,7 +94,7 @@ pub fn compare(
             }
         }
         row.predicted +=
-            FrameTime::on_threads(machine, &counters, threads).total() / f64::from(o.views.max(1));
+            FrameTime::on_threads(machine, &counted, threads).total() / f64::from(o.views.max(1));
         row.measured += real.seconds / f64::from(o.views.max(1));
     }
     Ok(row)

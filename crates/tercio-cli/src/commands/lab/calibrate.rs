@@ -18,8 +18,9 @@ use crate::threads;
 /// description.
 #[derive(Debug, Args)]
 #[command(after_help = "\
-Costs are fitted to frames of built-in models on one thread; the share that is not divided follows from the
-same frames on all threads. Messages are those between threads of one process.
+Costs are fitted to frames of built-in models on one thread, whole ones and such that end at earlier stages; the
+share that is not divided follows from the whole frames on all threads. Messages are those between threads of
+one process, as ranks in one process send them; MPI is not measured.
 
 Examples:
   tercio lab calibrate -o mine.toml
@@ -78,10 +79,12 @@ impl Calibrate {
         if self.running.verbose {
             for s in &calibration.samples {
                 messages::note(&format!(
-                    "{} {}x{}: measured {:.3} ms, fitted {:.3} ms",
+                    "{} {}x{} {:?} {:?}: measured {:.3} ms, fitted {:.3} ms",
                     s.model,
-                    s.picture.width,
-                    s.picture.height,
+                    s.settings.width,
+                    s.settings.height,
+                    s.settings.sorting,
+                    s.settings.last_stage,
                     s.seconds * 1e3,
                     s.fitted * 1e3
                 ));

@@ -13,6 +13,7 @@ use tercio_lab::predict::validate::{Options, Row, TOLERANCE, compare};
 
 use super::calibrate::ClockName;
 use super::plan::load_scene;
+use crate::args::drawing::SortingName;
 use crate::args::{ModelArgs, RunningArgs, values};
 use crate::output::write_text;
 use crate::progress::Display;
@@ -48,6 +49,9 @@ pub struct Validate {
     /// Which clock times frames.
     #[arg(long, value_name = "CLOCK", value_enum, default_value_t = ClockName::Wall)]
     clock: ClockName,
+    /// What is sorted into tiles.
+    #[arg(long, value_name = "WHAT", value_enum, default_value_t = SortingName::Clusters)]
+    sorting: SortingName,
     /// Writes JSON with stable keys.
     #[arg(long)]
     json: bool,
@@ -64,7 +68,12 @@ impl Validate {
         let machine = load(&self.machine)?;
         let pool = threads::pool(self.running.threads)?;
         let most = pool.current_num_threads();
-        let options = Options { views: self.views, frames: self.frames, clock: self.clock.into() };
+        let options = Options {
+            views: self.views,
+            frames: self.frames,
+            clock: self.clock.into(),
+            sorting: self.sorting.into(),
+        };
         let display = Display::new(self.running.progress_mode());
         let counts: Vec<usize> = if most > 1 { vec![1, most] } else { vec![1] };
         display.progress.begin("frames", (self.models.len() * self.sizes.len() * counts.len()) as u64);
