@@ -32,8 +32,11 @@ pub struct Calibrate {
     #[arg(short, long, value_name = "FILE", default_value = "-")]
     output: PathBuf,
     /// Frames of each picture, of which the fastest counts.
-    #[arg(long, value_name = "N", default_value_t = 7, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=1000))]
     frames: u32,
+    /// Rounds through all pictures.
+    #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    rounds: u32,
     /// Which clock times frames; processor time does not see threads that wait.
     #[arg(long, value_name = "CLOCK", value_enum, default_value_t = ClockName::Wall)]
     clock: ClockName,
@@ -68,8 +71,12 @@ impl Calibrate {
         let destination = Destination::parse(&self.output);
         destination.check()?;
         let pool = threads::pool(self.running.threads)?;
-        let options =
-            Options { threads: pool.current_num_threads(), frames: self.frames, clock: self.clock.into() };
+        let options = Options {
+            threads: pool.current_num_threads(),
+            frames: self.frames,
+            rounds: self.rounds,
+            clock: self.clock.into(),
+        };
         let tell = |what: &str| {
             if self.running.verbose {
                 messages::note(what);

@@ -9,7 +9,7 @@ use clap::Args;
 use serde_json::{Value, json};
 use tercio::image::Destination;
 use tercio_lab::machines::load;
-use tercio_lab::predict::validate::{Options, Row, TOLERANCE, compare};
+use tercio_lab::predict::validate::{Model, Options, Row, TOLERANCE, compare};
 
 use super::calibrate::ClockName;
 use super::plan::load_scene;
@@ -44,8 +44,11 @@ pub struct Validate {
     #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u32).range(1..=1000))]
     views: u32,
     /// Frames of each view, of which the fastest counts.
-    #[arg(long, value_name = "N", default_value_t = 7, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=1000))]
     frames: u32,
+    /// Rounds through all pictures.
+    #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    rounds: u32,
     /// Which clock times frames.
     #[arg(long, value_name = "CLOCK", value_enum, default_value_t = ClockName::Wall)]
     clock: ClockName,
@@ -71,23 +74,22 @@ impl Validate {
         let options = Options {
             views: self.views,
             frames: self.frames,
+            rounds: self.rounds,
             clock: self.clock.into(),
             sorting: self.sorting.into(),
         };
         let display = Display::new(self.running.progress_mode());
         let counts: Vec<usize> = if most > 1 { vec![1, most] } else { vec![1] };
-        display.progress.begin("frames", (self.models.len() * self.sizes.len() * counts.len()) as u64);
-        let mut rows = Vec::new();
-        for model in &self.models {
-            let model = ModelArgs { model: model.clone() };
+        let mut models = Vec::new();
+        for path in &self.models {
+            let model = ModelArgs { model: path.clone() };
             let (scene, bounds) = pool.install(|| load_scene(&model, &self.running))?;
-            for &size in &self.sizes {
-                for &threads in &counts {
-                    rows.push(compare(&machine, (&model.name(), &scene, &bounds), size, threads, options)?);
-                    display.progress.advance(1);
-                }
-            }
+            models.push(Model { name: model.name(), scene, bounds });
         }
+        let pictures = models.len() * self.sizes.len() * counts.len() * self.rounds as usize;
+        display.progress.begin("pictures", pictures as u64);
+        let tell = || display.progress.advance(1);
+        let rows = compare(&machine, &models, &self.sizes, &counts, options, tell)?;
         drop(display);
         let text =
             if self.json { format!("{:#}\n", rows.iter().map(json).collect::<Value>()) } else { text(&rows) };
