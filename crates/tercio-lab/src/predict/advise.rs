@@ -174,8 +174,7 @@ mod tests {
     #[test]
     fn a_machine_without_a_network_is_told() {
         let machine = builtin("voodoo-sli").unwrap().unwrap();
-        let picture = Picture { width: 64, height: 64, tile: 32, exact_binning: true };
-        let error = advise(&machine, &counters(1), &scene(1), picture, &plans(2, None)).unwrap_err();
+        let error = advise(&machine, &counters(1), &scene(1), (64, 64), &plans(2, None)).unwrap_err();
         assert!(error.to_string().contains("network is needed"), "{error}");
     }
 }

@@ -153,7 +153,7 @@ fn pictures_of(model: &str, mesh: Mesh) -> Result<Vec<Picture>, PredictError> {
             let seconds = f64::INFINITY;
             let sample =
                 Sample { model: model.into(), settings, counted, seconds, fitted: 0.0, together: None };
-            pictures.push(Picture { scene: scene.clone(), camera: camera.clone(), sample });
+            pictures.push(Picture { scene: scene.clone(), camera, sample });
         }
     }
     Ok(pictures)
@@ -254,14 +254,14 @@ pub fn prepare(mesh: Mesh) -> (Scene, tercio_mesh::Aabb) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::machines::{builtin, parse};
+    use crate::machines::parse;
 
     #[test]
     fn a_serial_share_follows_from_two_times() {
         let machine =
             Machine { processors: Processors { serial: None, ..machine().processors }, ..machine() };
         let frame = Counters { clusters_drawn: 2000, clusters: 4096, ..Counters::default() };
-        let tile = super::super::counters::TileWork {
+        let tile = crate::predict::counters::TileWork {
             counters: Counters { clusters_drawn: 1000, ..Counters::default() },
             is_shared: false,
         };
@@ -291,7 +291,7 @@ mod tests {
     }
 
     fn machine() -> Machine {
-        builtin("two-core-2026").unwrap().unwrap()
+        crate::machines::builtin("two-core-2026").unwrap().unwrap()
     }
 
     #[test]
@@ -307,7 +307,7 @@ mod tests {
     #[test]
     fn frames_of_a_model_are_drawn_and_counted_in_all_variants() {
         let options = Options { threads: 2, frames: 1, rounds: 1, clock: Clock::Wall };
-        let mesh = tercio_mesh::builtin::make("builtin:teapot@2k").unwrap();
+        let mesh = builtin::make("builtin:teapot@2k").unwrap();
         let mut pictures = pictures_of("builtin:teapot@2k", mesh).unwrap();
         assert_eq!(pictures.len(), VARIANTS.len() * SIZES.len());
         pictures.iter_mut().for_each(|p| p.draw(options).unwrap());

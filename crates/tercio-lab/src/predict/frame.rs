@@ -154,9 +154,14 @@ impl FrameTime {
         let serial = machine.processors.serial.as_ref().map_or(0.0, |s| s.value);
         let scale = |divided: f64| serial + (1.0 - serial) * divided;
 
-        let batches =
-            c.clusters.div_ceil(LEAST_CLUSTERS).clamp(1, (threads * BATCHES_A_THREAD) as u64) as usize;
-        let front = scale(batches.div_ceil(threads) as f64 / batches as f64);
+        let front = scale(if knows_clusters(machine) {
+            let most = (threads * BATCHES_A_THREAD) as u64;
+            let batches = c.clusters.div_ceil(LEAST_CLUSTERS).clamp(1, most) as usize;
+            batches.div_ceil(threads) as f64 / batches as f64
+        } else {
+            // Its own way of dealing polygons out is not told.
+            1.0 / threads as f64
+        });
         let busiest = busiest_thread(machine, &one, counted, threads);
         let back = scale(busiest);
         let missed = missed_lines(c.bytes_touched, Caches::of(machine, threads).shared) * LINE;

@@ -12,6 +12,7 @@
 //! | [`fit`] | costs from measured frames |
 //! | [`calibrate`] | the description of this machine |
 //! | [`validate`] | predicted against measured |
+//! | [`quoted`] | the table of it that stands in the repository |
 
 pub mod advise;
 pub mod calibrate;
@@ -20,6 +21,7 @@ pub mod fit;
 pub mod frame;
 pub mod hardware;
 pub mod measure;
+pub mod quoted;
 pub mod ranks;
 pub mod validate;
 pub mod views;

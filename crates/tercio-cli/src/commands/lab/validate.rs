@@ -105,7 +105,7 @@ fn json(row: &Row) -> Value {
 /// A table in Markdown.
 fn text(rows: &[Row]) -> String {
     let mut text = String::from(
-        "| model | size | threads | counters equal | predicted ms | measured ms | error | |\n|---|---|---|---|---|---|---|---|\n",
+        "| model | size | threads | counters equal | predicted ms | measured ms | error | verdict |\n|---|---|---|---|---|---|---|---|\n",
     );
     for row in rows {
         // Writing into a string cannot fail.

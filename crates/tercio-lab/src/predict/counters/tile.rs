@@ -194,7 +194,7 @@ impl Tile {
         if frame.settings.last_stage > LastStage::Sieve {
             for &t in triangles.iter().skip(share.part).step_by(share.of) {
                 counters.entries_drawn += 1;
-                self.triangle(&bins.triangles[t as usize], counters);
+                self.triangle(&bins.triangles[t as usize], counters, |_| ());
             }
         }
         // The renderer's order: triangles and clusters are dealt out each by itself.
@@ -211,23 +211,26 @@ impl Tile {
         }
     }
 
-    /// Draws a triangle that was sorted by itself, in blocks of samples. At the picture's border these reach beyond it.
-    fn triangle(&mut self, triangle: &Triangle, counters: &mut Counters) {
-        let Some(pixels) = triangle.samples().and_then(|s| s.intersection(&self.pixels)) else { return };
+    /// Draws a triangle by itself, in blocks of samples, and tells what it wins. At the picture's border blocks reach
+    /// beyond it.
+    pub fn triangle(&mut self, t: &Triangle, counters: &mut Counters, mut won: impl FnMut((i32, i32))) {
+        let Some(pixels) = t.samples().and_then(|s| s.intersection(&self.pixels)) else { return };
         let b = self.blocks_round(pixels);
         let skips = (b.x1 - b.x0 + 1) / BLOCK >= LEAST_SKIPPED;
         for y in (b.y0..=b.y1).step_by(BLOCK as usize) {
             for x in (b.x0..=b.x1).step_by(BLOCK as usize) {
                 let block = PixelBox { x0: x, y0: y, x1: x + BLOCK - 1, y1: y + BLOCK - 1 };
-                if skips && !triangle.may_cover(&block) {
+                if skips && !t.may_cover(&block) {
                     continue;
                 }
                 counters.blocks += 1;
                 counters.blocks_alone += 1;
                 for (x, y) in (y..y + BLOCK).flat_map(|y| (x..x + BLOCK).map(move |x| (x, y))) {
-                    if triangle.covers(x, y) {
+                    if t.covers(x, y) {
                         counters.samples_covered += 1;
-                        self.test(x, y, triangle.depth(x, y), triangle.primitive);
+                        if self.test(x, y, t.depth(x, y), t.primitive) {
+                            won((x, y));
+                        }
                     }
                 }
             }

@@ -67,6 +67,15 @@ impl Triangle {
         PixelBox::new([x0, y0], [x1, y1])
     }
 
+    /// Does it reach so far that edge functions of 32 bits do not serve it?
+    pub fn is_wide(&self) -> bool {
+        let extent = |of: fn(&(i64, i64)) -> i64| {
+            let v = self.corners.map(|c| of(&c));
+            v[0].max(v[1]).max(v[2]) - v[0].min(v[1]).min(v[2])
+        };
+        extent(|c| c.0).max(extent(|c| c.1)) >= i64::from(conventions::SMALL_EXTENT)
+    }
+
     fn inside(&self, edge: usize, x: i32, y: i32) -> bool {
         let ((right, down, outside), from) = (self.edges[edge], self.corners[edge]);
         let (dx, dy) = (i64::from(x) * PIXEL + SAMPLE - from.0, i64::from(y) * PIXEL + SAMPLE - from.1);

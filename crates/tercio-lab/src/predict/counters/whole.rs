@@ -16,6 +16,9 @@ use crate::workloads::PixelBox;
 
 /// Triangles of fewer samples along their box than this are drawn 16 at a time, those of a size together.
 const SIZES: [i32; 3] = [2, 4, 8];
+/// Place among the sizes of triangles that reach too far for 32 bits, whatever samples of them the tile holds; those of
+/// more samples than `SIZES` come before.
+const HUGE: usize = SIZES.len() + 1;
 /// So many samples wait for their depth test, at most, when the next 16 triangles are begun.
 const MOST_WAITING: usize = 1024;
 
@@ -43,7 +46,7 @@ pub fn draw(frame: &Frame, whole: &WholeCluster, tile: &mut Tile, shade: bool, c
     counters.triangles_in += u64::from(cluster.triangles);
     counters.bytes_read += bytes(mesh, whole.cluster);
     let first = cluster.first_triangle as usize;
-    let mut by_size: [Vec<(Triangle, PixelBox)>; SIZES.len() + 1] = Default::default();
+    let mut by_size: [Vec<(Triangle, PixelBox)>; SIZES.len() + 2] = Default::default();
     for t in first..first + usize::from(cluster.triangles) {
         let corners = [0, 1, 2].map(|k| vertices[usize::from(mesh.corners[k][t])]);
         let primitive = frame.first_primitive[whole.instance] + u64::from(mesh.primitive(t));
@@ -51,7 +54,8 @@ pub fn draw(frame: &Frame, whole: &WholeCluster, tile: &mut Tile, shade: bool, c
         let Some(pixels) = triangle.samples().and_then(|s| s.intersection(&tile.pixels)) else { continue };
         if !frame.culls(whole.instance, &triangle) {
             let along = (pixels.x1 - pixels.x0).max(pixels.y1 - pixels.y0) + 1;
-            by_size[SIZES.iter().filter(|&&most| along > most).count()].push((triangle, pixels));
+            let size = SIZES.iter().filter(|&&most| along > most).count();
+            by_size[if triangle.is_wide() { HUGE } else { size }].push((triangle, pixels));
         }
     }
     counters.triangles_drawn += by_size.iter().map(|list| list.len() as u64).sum::<u64>();
@@ -60,6 +64,10 @@ pub fn draw(frame: &Frame, whole: &WholeCluster, tile: &mut Tile, shade: bool, c
     }
     let mut pass = Pass { tile, waiting: Vec::new(), won: Vec::new() };
     for (size, list) in by_size.iter().enumerate() {
+        if size == HUGE {
+            list.iter().for_each(|(t, _)| pass.tile.triangle(t, counters, |pixel| pass.won.push(pixel)));
+            continue;
+        }
         for sixteen in list.chunks(LANES) {
             counters.set_ups += 1;
             match SIZES.get(size) {
