@@ -63,6 +63,15 @@ pub enum SortingName {
     Triangles,
 }
 
+impl From<SortingName> for Sorting {
+    fn from(name: SortingName) -> Self {
+        match name {
+            SortingName::Clusters => Self::Clusters,
+            SortingName::Triangles => Self::Triangles,
+        }
+    }
+}
+
 /// How the model looks.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Drawing")]
@@ -123,10 +132,7 @@ impl TuningArgs {
     pub fn settings(&self, (width, height): (u32, u32)) -> Settings {
         Settings {
             tile_size: self.tile_size,
-            sorting: match self.sorting {
-                SortingName::Clusters => Sorting::Clusters,
-                SortingName::Triangles => Sorting::Triangles,
-            },
+            sorting: self.sorting.into(),
             binning: match self.binning {
                 BinningName::Bbox => Binning::BoundingBox,
                 BinningName::Exact => Binning::Exact,

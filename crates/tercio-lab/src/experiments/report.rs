@@ -5,6 +5,7 @@ use std::path::Path;
 
 use super::files::{self, WriteError};
 use super::{Document, Outcome};
+use crate::predict::quoted;
 use crate::published::Check;
 
 /// Writes `report.md` and `index.html` into `directory`, beside the experiments' folders.
@@ -58,6 +59,7 @@ fn page(outcomes: &[Outcome], checks: &[Check], to: &mut impl Format) -> String 
             experiment(outcome, to);
         }
     }
+    predicted_frames(to);
     published_numbers(checks, to);
     to.end()
 }
@@ -91,6 +93,28 @@ fn experiment(outcome: &Outcome, to: &mut impl Format) {
     }
     let file = |name: &String| (format!("{name}.csv"), format!("{}/{name}.csv", of.id));
     to.links("Data", &findings.tables.iter().map(|t| file(&t.name)).collect::<Vec<_>>());
+}
+
+/// The renderer against its model: a table from the repository, because a report is the same wherever it is made.
+fn predicted_frames(to: &mut impl Format) {
+    to.heading(2, "The renderer, predicted and measured", Some("prediction"));
+    let table = match quoted::table() {
+        Ok(table) => table,
+        Err(error) => return to.labelled("failed", &error.to_string()),
+    };
+    let holds = table.rows.iter().filter(|r| r.holds()).count();
+    to.labelled(
+        "Measured, not made with this report",
+        &format!(
+            "{}, {}. Counters have to be equal, times to lie within 25 %: {holds} of {} rows hold.",
+            table.machine,
+            table.date,
+            table.rows.len()
+        ),
+    );
+    to.paragraph(&format!("Commands: {}.", table.commands.join("; ")));
+    let rows: Vec<Vec<Text>> = table.rows.iter().map(|r| r.cells().map(Text::from).into()).collect();
+    to.table(&quoted::HEADER, &rows);
 }
 
 fn published_numbers(checks: &[Check], to: &mut impl Format) {

@@ -88,6 +88,12 @@ pub struct Processors {
     /// Bandwidth of memory that all processors of a node share.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub memory_bandwidth: Option<Sourced<BytesPerSecond>>,
+    /// Cache of each.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub own_cache: Option<Sourced<Bytes>>,
+    /// Cache that the processors share.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub shared_cache: Option<Sourced<Bytes>>,
     /// Processors that share one memory; all of them where it is not given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub per_node: Option<Sourced<Count>>,

@@ -20,7 +20,7 @@ pub enum Operation {
     Entry,
     /// One tile begun, finished and written.
     Tile,
-    /// One block of 4x4 samples tested against a triangle.
+    /// One block of 4x4 samples tested against a polygon that is drawn by itself.
     Block,
     /// One scan line of one polygon.
     Segment,
@@ -30,6 +30,38 @@ pub enum Operation {
     ShadedPixel,
     /// One pixel of the picture cleared and written, whatever it shows.
     PicturePixel,
+    /// One cluster put into one tile.
+    ClusterEntry,
+    /// One cluster in one tile found to lie behind what is drawn there.
+    ClusterHidden,
+    /// One cluster drawn into one tile.
+    ClusterDrawn,
+    /// One triangle of a cluster looked at in one tile.
+    ClusterTriangle,
+    /// Up to 16 small triangles of a cluster set up side by side.
+    SetUp,
+    /// One sample of each of up to 16 small triangles looked at.
+    SampleStep,
+    /// One block of 4x4 samples tested against a larger triangle of a cluster.
+    ClusterBlock,
+    /// One polygon drawn into one tile by itself.
+    DrawnEntry,
+    /// One sample of a tile that is not empty, cleared and looked through.
+    TileSample,
+    /// One cluster that is seen in one tile made ready for shading.
+    ClusterShaded,
+    /// Up to 16 pixels of a cluster shaded side by side.
+    Shading,
+    /// What that costs more where pixels ask the planes of their triangles.
+    PlaneShading,
+    /// One colour of a pixel fetched from vertices or triangles.
+    ColoredPixel,
+    /// A block of 4x4 pixels of one polygon shaded.
+    WholeBlock,
+    /// One line of memory that a processor's own cache does not hold.
+    CacheLine,
+    /// What it costs more if no cache holds it.
+    MemoryLine,
     /// One pixel of two partial pictures merged.
     CompositePixel,
 }
@@ -50,6 +82,22 @@ impl Operation {
             Self::Pixel => "pixel",
             Self::ShadedPixel => "shaded-pixel",
             Self::PicturePixel => "picture-pixel",
+            Self::ClusterEntry => "cluster-entry",
+            Self::ClusterHidden => "cluster-hidden",
+            Self::ClusterDrawn => "cluster-drawn",
+            Self::ClusterTriangle => "cluster-triangle",
+            Self::SetUp => "set-up",
+            Self::SampleStep => "sample-step",
+            Self::ClusterBlock => "cluster-block",
+            Self::DrawnEntry => "drawn-entry",
+            Self::TileSample => "tile-sample",
+            Self::ClusterShaded => "cluster-shaded",
+            Self::Shading => "shading",
+            Self::PlaneShading => "plane-shading",
+            Self::ColoredPixel => "colored-pixel",
+            Self::WholeBlock => "whole-block",
+            Self::CacheLine => "cache-line",
+            Self::MemoryLine => "memory-line",
             Self::CompositePixel => "composite-pixel",
         }
     }

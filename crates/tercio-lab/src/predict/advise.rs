@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::counters::{Counters, Picture};
+use super::counters::Counters;
 use super::ranks::{Plan, RanksTime, predict};
 use crate::machines::{Machine, MachineError, Topology};
 use crate::simulators::sorting::{Assignment, Organisation};
@@ -45,11 +45,11 @@ pub fn advise(
     machine: &Machine,
     counters: &Counters,
     boxes: &BoxScene,
-    picture: Picture,
+    size: (u32, u32),
     plans: &[Plan],
 ) -> Result<Advice, MachineError> {
     let predicted: Result<Vec<RanksTime>, _> =
-        plans.par_iter().map(|&plan| predict(machine, counters, boxes, picture, plan)).collect();
+        plans.par_iter().map(|&plan| predict(machine, counters, boxes, size, plan)).collect();
     let mut plans = predicted?;
     // Equal times stay in the order of the list, simple plans first.
     plans.sort_by(|a, b| a.total().total_cmp(&b.total()));
@@ -129,7 +129,20 @@ mod tests {
     use crate::workloads::{BoundingBox, PixelBox};
 
     fn counters(boxes: u64) -> Counters {
-        Counters { triangles: boxes, drawn: boxes, box_blocks: boxes, pixels: 1 << 20, ..Counters::default() }
+        let binned = Counters {
+            triangles: boxes,
+            triangles_apart: boxes,
+            triangles_binned: boxes,
+            ..Counters::default()
+        };
+        Counters {
+            entries: boxes,
+            entries_drawn: boxes,
+            blocks: boxes,
+            blocks_alone: boxes,
+            pixels: 1 << 20,
+            ..binned
+        }
     }
 
     fn scene(boxes: u64) -> BoxScene {
@@ -144,9 +157,8 @@ mod tests {
     #[test]
     fn the_first_plan_is_the_fastest_and_the_others_are_told_why() {
         let machine = builtin("princeton-engine").unwrap().unwrap();
-        let picture = Picture { width: 1024, height: 1024, tile: 32, exact_binning: true };
         let plans = plans(64, None);
-        let advice = advise(&machine, &counters(3000), &scene(3000), picture, &plans).unwrap();
+        let advice = advise(&machine, &counters(3000), &scene(3000), (1024, 1024), &plans).unwrap();
         assert_eq!(advice.plans.len(), plans.len());
         assert!(advice.plans.windows(2).all(|w| w[0].total() <= w[1].total()));
         let lines = advice.explanation();
@@ -162,8 +174,7 @@ mod tests {
     #[test]
     fn a_machine_without_a_network_is_told() {
         let machine = builtin("voodoo-sli").unwrap().unwrap();
-        let picture = Picture { width: 64, height: 64, tile: 32, exact_binning: true };
-        let error = advise(&machine, &counters(1), &scene(1), picture, &plans(2, None)).unwrap_err();
+        let error = advise(&machine, &counters(1), &scene(1), (64, 64), &plans(2, None)).unwrap_err();
         assert!(error.to_string().contains("network is needed"), "{error}");
     }
 }

@@ -1,18 +1,21 @@
-//! The description of this machine: memory, costs of the renderer's work, messages between its threads.
+//! The description of this machine: caches, memory, costs of the renderer's work, messages between its threads.
+//!
+//! Costs are fitted to frames that end at different stages ([`LastStage`]), of models and views that differ in what
+//! they are made of: few large triangles and many small ones, one layer and many, closed surfaces and loose triangles,
+//! in caches and beyond them, whole clusters and single triangles sorted. So each cost has frames that it dominates.
 
 use std::collections::BTreeMap;
-use std::hint::black_box;
 use std::sync::Arc;
-use std::sync::mpsc::channel;
-use std::time::Instant;
 
 use serde::Serialize;
 use tercio_mesh::cluster::{PartitionOptions, partition};
 use tercio_mesh::{Mesh, builtin};
-use tercio_raster::Settings;
+use tercio_raster::{LastStage, Settings, Sorting as RasterSorting};
+use tercio_scene::{Camera, Scene};
 
-use super::counters::{Counters, Picture, count};
-use super::frame::charges;
+use super::counters::{Counted, Counters, count};
+use super::frame::{Caches, FrameTime, charges};
+use super::hardware::{cache_bytes, composite_seconds, memory_bandwidth, messages};
 use super::measure::{Clock, measure};
 use super::{PredictError, fit, views};
 use crate::machines::{
@@ -20,17 +23,32 @@ use crate::machines::{
     Topology,
 };
 
-/// Models that costs are fitted to, from few large triangles to many small ones.
-pub const MODELS: [&str; 6] = [
+/// Models that costs are fitted to.
+pub const MODELS: [&str; 8] = [
     "builtin:sphere@2k",
     "builtin:sphere@200k",
     "builtin:teapot@30k",
+    "builtin:soup@10k",
     "builtin:gyroid@100k",
     "builtin:terrain@150k",
     "builtin:gyroid@400k",
+    "builtin:gyroid@4M",
 ];
-/// Sizes of their pictures.
+/// Sizes of their pictures, one for each tile size that the renderer chooses.
 pub const SIZES: [(u32, u32); 3] = [(256, 256), (640, 480), (1200, 1000)];
+/// What is drawn of each picture: what is sorted, and where the work ends.
+const VARIANTS: [(RasterSorting, LastStage); 8] = [
+    (RasterSorting::Clusters, LastStage::Output),
+    (RasterSorting::Clusters, LastStage::Visibility),
+    (RasterSorting::Clusters, LastStage::Sieve),
+    (RasterSorting::Clusters, LastStage::Bin),
+    (RasterSorting::Clusters, LastStage::Cull),
+    (RasterSorting::Triangles, LastStage::Output),
+    (RasterSorting::Triangles, LastStage::Visibility),
+    (RasterSorting::Triangles, LastStage::Bin),
+];
+/// Models of more triangles are not sorted triangle by triangle: it would only take long.
+const MOST_SORTED: usize = 1_000_000;
 
 /// What is measured and how.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -39,23 +57,27 @@ pub struct Options {
     pub threads: usize,
     /// Frames of which the fastest counts.
     pub frames: u32,
+    /// Rounds through all pictures: who else uses the machine does not do so in every one.
+    pub rounds: u32,
     /// Which clock times frames. Processor time does not see threads that wait: the serial share is then too small.
     pub clock: Clock,
 }
 
 /// A measured frame and what it amounts to.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Sample {
     /// Model.
     pub model: String,
-    /// Picture.
-    pub picture: Picture,
-    /// Its counts.
-    pub counters: Counters,
+    /// How it was drawn.
+    pub settings: Settings,
+    /// Its counts on one thread.
+    pub counted: Counted,
     /// Seconds on one thread.
     pub seconds: f64,
     /// Seconds by the costs that were fitted.
     pub fitted: f64,
+    /// Whole frames on all threads: their seconds.
+    pub together: Option<f64>,
 }
 
 /// The machine, and what its costs were fitted to.
@@ -72,80 +94,120 @@ pub struct Calibration {
 /// # Errors
 /// [`PredictError`].
 pub fn calibrate(o: Options, mut tell: impl FnMut(&str)) -> Result<Calibration, PredictError> {
-    let mut samples = Vec::new();
-    let (mut alone, mut together) = (0.0, 0.0);
+    let mut pictures = Vec::new();
     for model in MODELS {
         tell(model);
         // The names are ours; a model that cannot be made takes no part.
         let Ok(mesh) = builtin::make(model) else { continue };
-        let bounds = mesh.bounds();
-        let scene = views::scene(Arc::new(partition(mesh, &PartitionOptions::default())));
-        for size in SIZES {
-            let camera = views::camera(&bounds, size, 1, 7);
-            let settings = Settings::new(size.0, size.1);
-            let one = measure(&scene, &camera, &settings, 1, o.frames, o.clock)?;
-            if o.threads > 1 {
-                alone += one.seconds;
-                together += measure(&scene, &camera, &settings, o.threads, o.frames, o.clock)?.seconds;
-            }
-            let tile = one.stats.tile_size;
-            let picture = Picture { width: size.0, height: size.1, tile, exact_binning: true };
-            let (counters, _) = count(&scene, &camera, picture)?;
-            samples.push(Sample {
-                model: model.into(),
-                picture,
-                counters,
-                seconds: one.seconds,
-                fitted: 0.0,
-            });
-        }
+        pictures.extend(pictures_of(model, mesh)?);
     }
+    for round in 0..o.rounds.max(1) {
+        tell(&format!("round {} of {}", round + 1, o.rounds.max(1)));
+        pictures.iter_mut().try_for_each(|p| p.draw(o))?;
+    }
+    let mut samples: Vec<Sample> = pictures.into_iter().map(|p| p.sample).collect();
     tell("memory and messages");
+    let mut machine = description(o);
+    let caches = Caches::of(&machine, 1);
     let rows: Vec<Vec<f64>> =
-        samples.iter().map(|s| charges(&s.counters).map(|c| c.1 as f64).to_vec()).collect();
+        samples.iter().map(|s| charges(&s.counted.frame, caches).map(|c| c.2).to_vec()).collect();
     let times: Vec<f64> = samples.iter().map(|s| s.seconds).collect();
     let fitted = fit::costs(&rows, &times);
     for (sample, row) in samples.iter_mut().zip(&rows) {
         sample.fitted = row.iter().zip(&fitted).map(|(count, cost)| count * cost).sum();
     }
-    let operations = charges(&Counters::default()).map(|c| c.0);
-    let costs: Vec<_> = operations.into_iter().zip(fitted).filter(|c| c.1 > 0.0).collect();
-    let serial = serial_share(alone, together, o.threads);
-    Ok(Calibration { machine: description(o, &costs, serial), samples })
-}
-
-/// The share of the work that is not divided, by Amdahl's law from the times of one thread and of several; 0 where
-/// there is only one, or where the speed-up is more than linear.
-fn serial_share(alone: f64, together: f64, threads: usize) -> f64 {
-    if threads < 2 || alone <= 0.0 {
-        return 0.0;
+    let operations = charges(&Counters::default(), caches).map(|c| c.1);
+    let source = format!("fitted by tercio lab calibrate to {} frames", samples.len());
+    for (operation, seconds) in operations.into_iter().zip(fitted).filter(|c| c.1 > 0.0) {
+        // Tenths of a picosecond.
+        let text = format!("{:.4} ns", seconds * 1e9);
+        machine.costs.insert(operation, Sourced::new(seconds, text, source.clone()));
     }
-    let n = threads as f64;
-    ((together / alone - 1.0 / n) / (1.0 - 1.0 / n)).clamp(0.0, 1.0)
+    let serial = serial_share(&machine, &samples, o.threads);
+    let measured = "measured by tercio lab calibrate".to_string();
+    machine.processors.serial = Some(Sourced::new(serial, format!("{:.2} %", serial * 100.0), measured));
+    Ok(Calibration { machine, samples })
 }
 
-fn description(o: Options, costs: &[(Operation, f64)], serial: f64) -> Machine {
+/// What is drawn for a sample.
+struct Picture {
+    scene: Arc<Scene>,
+    camera: Camera,
+    sample: Sample,
+}
+
+/// One model in all sizes and variants, counted and not drawn yet.
+fn pictures_of(model: &str, mesh: Mesh) -> Result<Vec<Picture>, PredictError> {
+    let triangles = mesh.triangles.len();
+    let (scene, bounds) = prepare(mesh);
+    let scene = Arc::new(scene);
+    let mut pictures = Vec::new();
+    for size in SIZES {
+        let camera = views::camera(&bounds, size, 1, 7);
+        for (sorting, last_stage) in VARIANTS {
+            if sorting == RasterSorting::Triangles && triangles > MOST_SORTED {
+                continue;
+            }
+            let settings = Settings { sorting, last_stage, ..Settings::new(size.0, size.1) };
+            let counted = count(&scene, &camera, &settings, 1)?;
+            let seconds = f64::INFINITY;
+            let sample =
+                Sample { model: model.into(), settings, counted, seconds, fitted: 0.0, together: None };
+            pictures.push(Picture { scene: scene.clone(), camera, sample });
+        }
+    }
+    Ok(pictures)
+}
+
+impl Picture {
+    /// Draws it some times; the fastest frame of all times counts.
+    fn draw(&mut self, o: Options) -> Result<(), PredictError> {
+        let seconds = |threads| {
+            let s = &self.sample.settings;
+            measure(&self.scene, &self.camera, s, threads, o.frames, o.clock).map(|m| m.seconds)
+        };
+        let whole = self.sample.settings.last_stage == LastStage::Output
+            && self.sample.settings.sorting == RasterSorting::Clusters;
+        let together = if whole && o.threads > 1 { Some(seconds(o.threads)?) } else { None };
+        let alone = seconds(1)?;
+        self.sample.seconds = self.sample.seconds.min(alone);
+        self.sample.together = together.map(|t| self.sample.together.map_or(t, |before| before.min(t)));
+        Ok(())
+    }
+}
+
+/// The share of the work that is not divided, by Amdahl's law, from frames of one thread and of all: what is left of
+/// the time of all when the tiles of each frame, as predicted, are dealt out. 0 where there is only one thread, or
+/// where the speed-up is more than linear.
+fn serial_share(machine: &Machine, samples: &[Sample], threads: usize) -> f64 {
+    let (mut over, mut most) = (0.0, 0.0);
+    for sample in samples {
+        let Some(together) = sample.together else { continue };
+        let one = FrameTime::on_one_thread(machine, &sample.counted.frame).total();
+        let divided = sample.seconds * FrameTime::on_threads(machine, &sample.counted, threads).total() / one;
+        over += together - divided;
+        most += sample.seconds - divided;
+    }
+    if most > 0.0 { (over / most).clamp(0.0, 1.0) } else { 0.0 }
+}
+
+/// This machine without the costs of drawing.
+fn description(o: Options) -> Machine {
     let measured = "measured by tercio lab calibrate";
     let rate = |value: f64| Sourced::new(value, format!("{:.4} GB/s", value / 1e9), measured.to_string());
     let count = |n: usize| Sourced::new(n as f64, n.to_string(), measured.to_string());
-    let fitted = format!("fitted by tercio lab calibrate to {} frames", MODELS.len() * SIZES.len());
-    // Tenths of a picosecond.
-    let cost = |seconds: f64| Sourced::new(seconds, format!("{:.4} ns", seconds * 1e9), fitted.clone());
-    let mut all: BTreeMap<_, _> = costs.iter().map(|&(o, s)| (o, cost(s))).collect();
-    all.insert(Operation::CompositePixel, {
-        let seconds = composite_seconds();
-        Sourced::new(seconds, format!("{:.4} ns", seconds * 1e9), measured.into())
-    });
+    let composite = composite_seconds();
+    let composite = Sourced::new(composite, format!("{:.4} ns", composite * 1e9), measured.into());
     let (latency, bandwidth) = messages();
     let bytes = |n: f64, source: &str| Sourced::new(n, format!("{n} B"), source.to_string());
+    let cache = |level| cache_bytes(level).map(|n| bytes(n as f64, "told by the operating system"));
     Machine {
         name: "This machine".into(),
         summary: "Measured by tercio lab calibrate; clusters to tiles on all processors.".into(),
         sorting: Sorting {
             class: SortingClass::SortMiddle,
             screen: ScreenDivision::Tiles,
-            how: "Clusters are transformed on any thread, triangles sorted into tiles, tiles drawn on any thread."
-                .into(),
+            how: "Clusters are sorted into tiles on any thread, tiles drawn on any thread.".into(),
             source: "ARCHITECTURE.md".into(),
         },
         processors: Processors {
@@ -154,8 +216,10 @@ fn description(o: Options, costs: &[(Operation, f64)], serial: f64) -> Machine {
             clock: None,
             memory: None,
             memory_bandwidth: Some(rate(memory_bandwidth(o.threads))),
+            own_cache: cache(2),
+            shared_cache: cache(3),
             per_node: None,
-            serial: Some(Sourced::new(serial, format!("{:.2} %", serial * 100.0), measured.into())),
+            serial: None,
         },
         screen: None,
         network: Some(Network {
@@ -165,11 +229,14 @@ fn description(o: Options, costs: &[(Operation, f64)], serial: f64) -> Machine {
             message: Sourced::new(latency, format!("{:.3} us", latency * 1e6), measured.into()),
         }),
         bytes: BTreeMap::from([
-            (DataKind::Primitive, bytes(13.0, "ARCHITECTURE.md: 12 B a cluster vertex, about 0.5 of them and 7 B a triangle")),
+            (
+                DataKind::Primitive,
+                bytes(13.0, "ARCHITECTURE.md: 12 B a cluster vertex, about 0.5 of them and 7 B a triangle"),
+            ),
             (DataKind::Descriptor, bytes(64.0, "ARCHITECTURE.md: edges and depth plane of a small triangle")),
             (DataKind::Sample, bytes(8.0, "colour and depth, 4 B each")),
         ]),
-        costs: all,
+        costs: BTreeMap::from([(Operation::CompositePixel, composite)]),
         heap: None,
         sdram: None,
         tile_engine: None,
@@ -178,77 +245,8 @@ fn description(o: Options, costs: &[(Operation, f64)], serial: f64) -> Machine {
     }
 }
 
-/// The fastest of some runs, in seconds.
-fn fastest(runs: usize, mut run: impl FnMut()) -> f64 {
-    let time = |()| {
-        let begin = Instant::now();
-        run();
-        begin.elapsed().as_secs_f64()
-    };
-    std::iter::repeat_n((), runs).map(time).fold(f64::INFINITY, f64::min)
-}
-
-/// Bytes a second that all threads read from memory together.
-fn memory_bandwidth(threads: usize) -> f64 {
-    // Larger than caches are.
-    const WORDS: usize = 1 << 24;
-    let data: Vec<u64> = (0..WORDS as u64).collect();
-    let share = WORDS.div_ceil(threads);
-    let seconds = fastest(5, || {
-        std::thread::scope(|scope| {
-            for part in data.chunks(share) {
-                scope.spawn(move || black_box(part.iter().fold(0u64, |sum, w| sum.wrapping_add(*w))));
-            }
-        });
-    });
-    (WORDS * 8) as f64 / seconds
-}
-
-/// Seconds of merging one pixel of two pictures by depth.
-fn composite_seconds() -> f64 {
-    const PIXELS: usize = 1 << 20;
-    let other: Vec<(f32, u32)> = (0..PIXELS).map(|k| ((k % 7) as f32, k as u32)).collect();
-    let mut own: Vec<(f32, u32)> = (0..PIXELS).map(|k| ((k % 5) as f32, k as u32)).collect();
-    let seconds = fastest(5, || {
-        own.iter_mut().zip(&other).for_each(|(a, b)| {
-            if b.0 > a.0 {
-                *a = *b;
-            }
-        });
-        black_box(&own);
-    });
-    seconds / PIXELS as f64
-}
-
-/// Seconds of a small message between two threads, and bytes a second of large ones, both by sending to and fro.
-fn messages() -> (f64, f64) {
-    const LARGE: usize = 16 << 20;
-    let round_trips = |bytes: usize, trips: usize| {
-        let ((there, arrived), (back, returned)) = (channel::<Vec<u8>>(), channel::<Vec<u8>>());
-        std::thread::scope(|scope| {
-            scope.spawn(move || {
-                // A message is copied where it arrives, as between processes.
-                arrived.iter().try_for_each(|m| back.send(m.clone())).ok();
-            });
-            let message = vec![1u8; bytes];
-            let seconds = fastest(5, || {
-                for _ in 0..trips {
-                    if there.send(message.clone()).is_ok() {
-                        black_box(returned.recv().ok());
-                    }
-                }
-            });
-            drop(there);
-            seconds / (2 * trips) as f64
-        })
-    };
-    let latency = round_trips(8, 200);
-    let large = round_trips(LARGE, 4);
-    (latency, LARGE as f64 / (large - latency).max(f64::MIN_POSITIVE))
-}
-
 /// A scene that is drawn as `tercio bench` draws it.
-pub fn prepare(mesh: Mesh) -> (tercio_scene::Scene, tercio_mesh::Aabb) {
+pub fn prepare(mesh: Mesh) -> (Scene, tercio_mesh::Aabb) {
     let bounds = mesh.bounds();
     (views::scene(Arc::new(partition(mesh, &PartitionOptions::default()))), bounds)
 }
@@ -260,21 +258,63 @@ mod tests {
 
     #[test]
     fn a_serial_share_follows_from_two_times() {
-        assert_eq!(serial_share(2.0, 1.0, 2), 0.0);
-        assert_eq!(serial_share(2.0, 2.0, 2), 1.0);
-        assert!((serial_share(1.0, 0.55, 2) - 0.1).abs() < 1e-12);
-        assert_eq!(serial_share(2.0, 0.9, 2), 0.0);
+        let machine =
+            Machine { processors: Processors { serial: None, ..machine().processors }, ..machine() };
+        let frame = Counters { clusters_drawn: 2000, clusters: 4096, ..Counters::default() };
+        let tile = crate::predict::counters::TileWork {
+            counters: Counters { clusters_drawn: 1000, ..Counters::default() },
+            is_shared: false,
+        };
+        let share = |seconds: f64, together: f64| {
+            let sample = Sample {
+                model: "x".into(),
+                settings: Settings::new(8, 8),
+                counted: Counted { frame, tiles: vec![tile; 2] },
+                seconds,
+                fitted: 0.0,
+                together: Some(together),
+            };
+            serial_share(&machine, &[sample], 2)
+        };
+        // What every frame costs is serial already and takes a little of it.
+        let frame = machine.seconds_or_0(Operation::Frame);
+        let one = FrameTime::on_one_thread(&machine, &frame_of(2000, 4096)).total();
+        let divided = (1.0 + frame / one) / 2.0;
+        assert!(share(1.0, divided).abs() < 1e-9, "{}", share(1.0, divided));
+        assert!((share(1.0, 1.0) - 1.0).abs() < 1e-9);
+        assert!((share(1.0, divided + 0.1 * (1.0 - divided)) - 0.1).abs() < 1e-9);
+        assert_eq!(share(1.0, 0.4), 0.0, "faster than linear");
+    }
+
+    fn frame_of(clusters_drawn: u64, clusters: u64) -> Counters {
+        Counters { clusters_drawn, clusters, ..Counters::default() }
+    }
+
+    fn machine() -> Machine {
+        crate::machines::builtin("two-core-2026").unwrap().unwrap()
     }
 
     #[test]
     fn what_is_measured_is_a_description() {
-        let costs = [(Operation::Frame, 1e-5), (Operation::Polygon, 3e-9)];
-        let options = Options { threads: 2, frames: 1, clock: Clock::Wall };
-        let machine = description(options, &costs, 0.05);
+        let machine = description(Options { threads: 2, frames: 1, rounds: 1, clock: Clock::Wall });
         let text = machine.to_toml().unwrap();
         let again = parse("this.toml", &text).unwrap_or_else(|e| panic!("{e}\n{text}"));
-        assert!((again.seconds(Operation::Polygon).unwrap() - 3e-9).abs() < 1e-12);
+        assert!(again.seconds(Operation::CompositePixel).unwrap() > 0.0);
         assert!(again.processors.memory_bandwidth.unwrap().value > 1e8);
         assert!(again.network.unwrap().bandwidth.value > 1e6);
+    }
+
+    #[test]
+    fn frames_of_a_model_are_drawn_and_counted_in_all_variants() {
+        let options = Options { threads: 2, frames: 1, rounds: 1, clock: Clock::Wall };
+        let mesh = builtin::make("builtin:teapot@2k").unwrap();
+        let mut pictures = pictures_of("builtin:teapot@2k", mesh).unwrap();
+        assert_eq!(pictures.len(), VARIANTS.len() * SIZES.len());
+        pictures.iter_mut().for_each(|p| p.draw(options).unwrap());
+        let first: Vec<f64> = pictures.iter().map(|p| p.sample.seconds).collect();
+        pictures.iter_mut().for_each(|p| p.draw(options).unwrap());
+        assert!(pictures.iter().zip(first).all(|(p, first)| p.sample.seconds <= first && first.is_finite()));
+        assert!(pictures.iter().all(|p| p.sample.counted.frame.clusters > 0));
+        assert_eq!(pictures.iter().filter(|p| p.sample.together.is_some()).count(), SIZES.len());
     }
 }

@@ -2,69 +2,247 @@
 
 use serde::Serialize;
 
-use super::counters::Counters;
+use super::counters::{Counted, Counters, TileWork};
 use crate::machines::{Machine, Operation};
 
-/// What a frame is charged for, with how often it happens.
-pub fn charges(c: &Counters) -> [(Operation, u64); 7] {
+/// Which part of a frame a cost belongs to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Phase {
+    /// What every frame costs, whatever is drawn.
+    Frame,
+    /// Clusters tested and sorted into tiles, or taken apart.
+    FrontEnd,
+    /// Clusters of the tiles: hidden ones found, vertices transformed, triangles looked at.
+    Geometry,
+    /// Set-up, samples and depths.
+    Raster,
+    /// Shading.
+    Shading,
+    /// Waiting for lines of memory that the caches do not hold.
+    Memory,
+    /// Tiles and pixels cleared and written.
+    Picture,
+}
+
+/// Bytes of the caches that a frame may use.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Caches {
+    /// Of all threads together, each its own.
+    pub own: f64,
+    /// Shared by all.
+    pub shared: f64,
+}
+
+impl Caches {
+    /// Of a machine of which some processors draw. Where the description gives none, everything fits.
+    pub fn of(machine: &Machine, threads: usize) -> Self {
+        let p = &machine.processors;
+        let bytes = |cache: &Option<_>| cache.as_ref().map(|c: &crate::machines::Sourced<_>| c.value);
+        Self {
+            own: bytes(&p.own_cache).map_or(f64::INFINITY, |b| b * threads as f64),
+            shared: bytes(&p.shared_cache).map_or(f64::INFINITY, |b| b),
+        }
+    }
+}
+
+/// Bytes of a line of memory.
+const LINE: f64 = 64.0;
+
+/// Lines of a frame's memory that a cache of some bytes does not hold when the frame is drawn again and again.
+fn missed_lines(touched: u64, cache: f64) -> f64 {
+    ((touched as f64 - cache) / LINE).max(0.0)
+}
+
+/// What a frame is charged for, and how often.
+pub fn charges(c: &Counters, caches: Caches) -> [(Phase, Operation, f64); 26] {
+    use Operation as O;
+    use Phase as P;
+    let whole = (16 * c.whole_blocks) as f64;
+    let n = |count: u64| count as f64;
     [
-        (Operation::Frame, 1),
-        (Operation::Polygon, c.triangles),
-        (Operation::PolygonSetUp, c.drawn),
-        (Operation::Entry, c.entries),
-        (Operation::Block, c.box_blocks),
-        (Operation::ShadedPixel, c.pixels_shaded),
-        (Operation::PicturePixel, c.pixels),
+        (P::Frame, O::Frame, 1.0),
+        (P::FrontEnd, O::Cluster, n(c.clusters)),
+        (P::FrontEnd, O::ClusterEntry, n(c.cluster_entries)),
+        (P::FrontEnd, O::Polygon, n(c.triangles_apart)),
+        (P::FrontEnd, O::PolygonSetUp, n(c.triangles_binned)),
+        (P::FrontEnd, O::Entry, n(c.entries)),
+        (P::Geometry, O::ClusterHidden, n(c.clusters_hidden)),
+        (P::Geometry, O::ClusterDrawn, n(c.clusters_drawn)),
+        (P::Geometry, O::Vertex, n(c.vertices)),
+        (P::Geometry, O::ClusterTriangle, n(c.triangles_in)),
+        (P::Raster, O::SetUp, n(c.set_ups)),
+        (P::Raster, O::SampleStep, n(c.steps)),
+        (P::Raster, O::ClusterBlock, n(c.blocks - c.blocks_alone)),
+        (P::Raster, O::DrawnEntry, n(c.entries_drawn)),
+        (P::Raster, O::Block, n(c.blocks_alone)),
+        (P::Raster, O::Pixel, n(c.samples_covered)),
+        (P::Shading, O::ClusterShaded, n(c.clusters_won)),
+        (P::Shading, O::Shading, n(c.shadings)),
+        (P::Shading, O::PlaneShading, n(c.shadings_by_plane)),
+        (P::Shading, O::ColoredPixel, n(c.pixels_colored)),
+        (P::Shading, O::WholeBlock, n(c.whole_blocks)),
+        (P::Shading, O::ShadedPixel, n(c.pixels_shaded_late) - whole),
+        (P::Memory, O::CacheLine, missed_lines(c.bytes_touched, caches.own)),
+        (P::Memory, O::MemoryLine, missed_lines(c.bytes_touched, caches.shared)),
+        (P::Picture, O::TileSample, n(c.tile_samples)),
+        (P::Picture, O::PicturePixel, n(c.pixels)),
     ]
+}
+
+/// Are clusters charged for? The documents' machines know only polygons.
+pub fn knows_clusters(machine: &Machine) -> bool {
+    machine.seconds(Operation::ClusterDrawn).is_some()
 }
 
 /// A predicted frame in seconds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct FrameTime {
-    /// Triangles met, and set up.
+    /// Clusters tested and sorted into tiles, or taken apart.
     pub front_end: f64,
-    /// Entries, coverage and depth.
+    /// Clusters of the tiles up to their triangles.
+    pub geometry: f64,
+    /// Set-up, samples and depths.
     pub raster: f64,
     /// Shading.
     pub shading: f64,
+    /// Waiting for memory.
+    pub memory: f64,
     /// What every frame costs, and clearing and writing the picture.
     pub picture: f64,
+    /// Busiest over mean thread while tiles are drawn.
+    pub imbalance: f64,
 }
+
+/// Batches of clusters a thread, at most, and clusters of a batch, at least: only so many threads find work.
+const BATCHES_A_THREAD: usize = 8;
+const LEAST_CLUSTERS: u64 = 16;
 
 impl FrameTime {
     /// On one thread.
     pub fn on_one_thread(machine: &Machine, c: &Counters) -> Self {
-        let mut time = Self::default();
-        for (operation, count) in charges(c) {
-            let seconds = machine.seconds_or_0(operation) * count as f64;
-            *match operation {
-                Operation::Polygon | Operation::PolygonSetUp => &mut time.front_end,
-                Operation::ShadedPixel => &mut time.shading,
-                Operation::Frame | Operation::PicturePixel => &mut time.picture,
-                _ => &mut time.raster,
+        Self::charged(machine, c, Caches::of(machine, 1))
+    }
+
+    fn charged(machine: &Machine, c: &Counters, caches: Caches) -> Self {
+        let mut time = Self { imbalance: 1.0, ..Self::default() };
+        for (phase, operation, count) in charges(c, caches) {
+            let seconds = machine.seconds_or_0(operation) * count;
+            *match phase {
+                Phase::FrontEnd => &mut time.front_end,
+                Phase::Geometry => &mut time.geometry,
+                Phase::Raster => &mut time.raster,
+                Phase::Shading => &mut time.shading,
+                Phase::Memory => &mut time.memory,
+                Phase::Frame | Phase::Picture => &mut time.picture,
             } += seconds;
+        }
+        if machine.seconds(Operation::WholeBlock).is_none() {
+            // A machine that does not know blocks of one polygon shades their pixels one by one.
+            time.shading += machine.seconds_or_0(Operation::ShadedPixel) * (16 * c.whole_blocks) as f64;
         }
         time
     }
 
-    /// On several threads: the serial share of the description stays, the rest is divided; the back end cannot be
-    /// faster than its fullest tile, of which every other thread waits for the half on average.
-    pub fn on_threads(machine: &Machine, c: &Counters, threads: usize) -> Self {
-        let one = Self::on_one_thread(machine, c);
+    /// On several threads: the front end is divided into batches, the back end into tiles, which threads take one
+    /// after another; the serial share of the description is not divided, and memory is read no faster than all
+    /// threads together can.
+    pub fn on_threads(machine: &Machine, counted: &Counted, threads: usize) -> Self {
+        let threads = threads.max(1);
+        let c = &counted.frame;
+        let one = Self::charged(machine, c, Caches::of(machine, threads));
+        let frame = machine.seconds_or_0(Operation::Frame);
         let serial = machine.processors.serial.as_ref().map_or(0.0, |s| s.value);
-        let scale = serial + (1.0 - serial) / threads.max(1) as f64;
-        let share = if c.entries == 0 { 0.0 } else { c.largest_tile as f64 / c.entries as f64 };
-        let waiting = one.raster * share * (1.0 - 1.0 / threads.max(1) as f64) / 2.0;
+        let scale = |divided: f64| serial + (1.0 - serial) * divided;
+
+        let front = scale(if knows_clusters(machine) {
+            let most = (threads * BATCHES_A_THREAD) as u64;
+            let batches = c.clusters.div_ceil(LEAST_CLUSTERS).clamp(1, most) as usize;
+            batches.div_ceil(threads) as f64 / batches as f64
+        } else {
+            // Its own way of dealing polygons out is not told.
+            1.0 / threads as f64
+        });
+        let busiest = busiest_thread(machine, &one, counted, threads);
+        let back = scale(busiest);
+        let missed = missed_lines(c.bytes_touched, Caches::of(machine, threads).shared) * LINE;
+        let bandwidth = machine.processors.memory_bandwidth.as_ref().map_or(f64::INFINITY, |b| b.value);
         Self {
-            front_end: one.front_end * scale,
-            raster: one.raster * scale + waiting,
-            shading: one.shading * scale,
-            picture: one.picture * scale,
+            front_end: one.front_end * front,
+            geometry: one.geometry * back,
+            raster: one.raster * back,
+            shading: one.shading * back,
+            memory: (one.memory * back).max(missed / bandwidth),
+            picture: frame + (one.picture - frame) * back,
+            imbalance: busiest * threads as f64,
         }
     }
 
     /// The whole frame.
     pub fn total(&self) -> f64 {
-        self.front_end + self.raster + self.shading + self.picture
+        self.front_end + self.geometry + self.raster + self.shading + self.memory + self.picture
+    }
+}
+
+/// The busiest thread's share of the work on the tiles: a thread that is free takes the next tile, and tiles that all
+/// draw together come first.
+fn busiest_thread(machine: &Machine, one: &FrameTime, counted: &Counted, threads: usize) -> f64 {
+    let read = counted.frame.bytes_read.max(1) as f64;
+    let fits = Caches { own: f64::INFINITY, shared: f64::INFINITY };
+    let frame = machine.seconds_or_0(Operation::Frame);
+    let seconds = |tile: &TileWork| {
+        let memory = one.memory * tile.counters.bytes_read as f64 / read;
+        FrameTime::charged(machine, &tile.counters, fits).total() - frame + memory
+    };
+    let (mut all, mut busy) = (0.0, vec![0.0f64; threads]);
+    for tile in &counted.tiles {
+        let seconds = seconds(tile);
+        all += seconds;
+        if tile.is_shared {
+            busy.iter_mut().for_each(|b| *b += seconds / threads as f64);
+        }
+    }
+    for tile in counted.tiles.iter().filter(|t| !t.is_shared) {
+        if let Some(free) = busy.iter_mut().min_by(|a, b| a.total_cmp(b)) {
+            *free += seconds(tile);
+        }
+    }
+    let busiest = busy.iter().copied().fold(0.0, f64::max);
+    if all > 0.0 { busiest / all } else { 1.0 / threads as f64 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::machines::builtin;
+
+    fn tile(clusters_drawn: u64, is_shared: bool) -> TileWork {
+        TileWork { counters: Counters { clusters_drawn, ..Counters::default() }, is_shared }
+    }
+
+    #[test]
+    fn threads_wait_for_the_fullest_tile() {
+        let machine = builtin("two-core-2026").unwrap().unwrap();
+        let one = FrameTime::default();
+        let share = |tiles: &[TileWork], threads| {
+            let frame = Counters { clusters_drawn: 12, ..Counters::default() };
+            busiest_thread(&machine, &one, &Counted { frame, tiles: tiles.to_vec() }, threads)
+        };
+        let near = |a: f64, b: f64| assert!((a - b).abs() < 1e-9, "{a} {b}");
+        near(share(&[tile(4, false), tile(4, false), tile(4, false)], 1), 1.0);
+        near(share(&[tile(4, false), tile(4, false), tile(4, false)], 2), 8.0 / 12.0);
+        near(share(&[tile(2, false), tile(8, false), tile(2, false)], 4), 8.0 / 12.0);
+        near(share(&[tile(2, false), tile(8, true), tile(2, false)], 4), 4.0 / 12.0);
+    }
+
+    #[test]
+    fn memory_is_waited_for_only_where_the_caches_are_too_small() {
+        let c = Counters { bytes_touched: 10_000, ..Counters::default() };
+        let lines = |own: f64, shared: f64| {
+            let of = |o| move |c: &(Phase, Operation, f64)| c.1 == o;
+            let all = charges(&c, Caches { own, shared });
+            [Operation::CacheLine, Operation::MemoryLine].map(|o| all.iter().find(|c| of(o)(c)).unwrap().2)
+        };
+        assert_eq!(lines(10_000.0, 20_000.0), [0.0, 0.0]);
+        assert_eq!(lines(3_600.0, 6_800.0), [100.0, 50.0]);
     }
 }

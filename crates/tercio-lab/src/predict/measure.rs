@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use serde::Serialize;
-use tercio_raster::{Frame, FrameStats, Renderer, Settings, Sorting};
+use tercio_raster::{Frame, FrameStats, Renderer, Settings};
 use tercio_scene::{Camera, Scene};
 
 use super::PredictError;
@@ -28,19 +28,6 @@ pub struct Measured {
     pub seconds: f64,
 }
 
-/// The renderer's counters under the names of [`super::counters::Counters::comparable`].
-pub fn counted(stats: &FrameStats) -> [(&'static str, u64); 7] {
-    [
-        ("triangles", stats.frontend.triangles_in),
-        ("triangles drawn", stats.binning.triangles),
-        ("entries", stats.binning.entries),
-        ("tiles used", stats.binning.tiles_used),
-        ("largest tile", stats.binning.largest_tile),
-        ("samples covered", stats.backend.samples_covered),
-        ("pixels shown", stats.backend.pixels_shaded),
-    ]
-}
-
 /// Seconds of processor time of this process; `None` where the system does not tell.
 fn processor_time() -> Option<f64> {
     #[cfg(unix)]
@@ -53,8 +40,6 @@ fn processor_time() -> Option<f64> {
 }
 
 /// Draws a frame some times on a pool of `threads` threads; the first, which takes memory, is not timed.
-///
-/// Every triangle is sorted by itself: that is the sort-middle pipeline of the documents, and what the model counts.
 ///
 /// # Errors
 /// [`PredictError`].
@@ -69,7 +54,6 @@ pub fn measure(
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
     let pool = pool.map_err(|e| PredictError::Threads(threads, e))?;
     let start = Instant::now();
-    let settings = &Settings { sorting: Sorting::Triangles, ..settings.clone() };
     let now = || {
         match clock {
             Clock::Processor => processor_time().map(|t| t / threads as f64),

@@ -3,22 +3,26 @@
 //! | module | what |
 //! |---|---|
 //! | [`views`] | the scenes and cameras of `tercio bench` |
-//! | [`counters`] | what a frame amounts to, counted by rules of its own, without the renderer |
+//! | [`counters`] | what a frame amounts to, counted without the renderer |
 //! | [`frame`] | counts and costs become times: one process on some threads |
 //! | [`ranks`] | the same for an organisation of ranks on a network |
 //! | [`advise`] | the best organisation for a machine and a model, and why |
 //! | [`measure`] | the real renderer's counters and times |
+//! | [`hardware`] | caches, memory and messages of this machine |
 //! | [`fit`] | costs from measured frames |
 //! | [`calibrate`] | the description of this machine |
 //! | [`validate`] | predicted against measured |
 //! | [`validate_ranks`] | the same for ranks in one process |
+//! | [`quoted`] | the table of it that stands in the repository |
 
 pub mod advise;
 pub mod calibrate;
 pub mod counters;
 pub mod fit;
 pub mod frame;
+pub mod hardware;
 pub mod measure;
+pub mod quoted;
 pub mod ranks;
 pub mod validate;
 pub mod validate_ranks;

@@ -1,11 +1,14 @@
 //! The renderer as ranks on a network, by the simulator of the sorting classes.
 //!
 //! The triangles that hold a sample stand as boxes of samples, in the order of the clusters. A rank is one processor of
-//! the machine. What the simulator does not know is added: shading of what is shown, and the cost of the picture.
+//! the machine. The simulator deals out polygons; where a machine is charged for clusters, a polygon costs what it comes
+//! to in this very frame on one processor. What the simulator does not know is added: shading of what is shown, and the
+//! cost of the picture.
 
 use serde::Serialize;
 
-use super::counters::{Counters, Picture};
+use super::counters::Counters;
+use super::frame::{FrameTime, knows_clusters};
 use crate::machines::{Machine, MachineError, Operation, Topology};
 use crate::simulators::sorting::organisation::{Setting, simulate};
 use crate::simulators::sorting::{Assignment, Costs, NetworkModel, Organisation, SortReport};
@@ -65,6 +68,34 @@ impl RanksTime {
     }
 }
 
+/// What polygons cost in this frame, and the seconds of shading and of the picture on one processor.
+struct Work {
+    costs: Costs,
+    shading: f64,
+    /// Without what every frame costs.
+    picture: f64,
+}
+
+impl Work {
+    fn of(machine: &Machine, c: &Counters, boxes: &BoxScene) -> Result<Self, MachineError> {
+        let costs = Costs::of(machine)?;
+        let visible = boxes.boxes.iter().filter(|b| b.visible);
+        let box_pixels = visible.map(|b| b.pixels.area()).sum::<u64>().max(1) as f64;
+        let one = FrameTime::on_one_thread(machine, c);
+        let costs = if knows_clusters(machine) {
+            let geometry = one.front_end + one.geometry + one.memory;
+            let polygon = geometry / c.triangles.max(1) as f64;
+            Costs { polygon, set_up: 0.0, entry: 0.0, pixel: one.raster / box_pixels, ..costs }
+        } else {
+            // Such a machine may test blocks of samples; the simulator counts the samples of boxes.
+            let blocks = c.blocks_alone as f64 * machine.seconds_or_0(Operation::Block);
+            Costs { pixel: costs.pixel + blocks / box_pixels, ..costs }
+        };
+        let picture = one.picture - machine.seconds_or_0(Operation::Frame);
+        Ok(Self { costs, shading: one.shading, picture })
+    }
+}
+
 /// Predicts a frame.
 ///
 /// # Errors
@@ -73,24 +104,19 @@ pub fn predict(
     machine: &Machine,
     counters: &Counters,
     boxes: &BoxScene,
-    picture: Picture,
+    (width, height): (u32, u32),
     plan: Plan,
 ) -> Result<RanksTime, MachineError> {
     let network = machine.need(machine.network.as_ref(), "network")?;
-    let seconds = |o| machine.seconds_or_0(o);
-    let box_pixels: u64 = boxes.boxes.iter().filter(|b| b.visible).map(|b| b.pixels.area()).sum();
-    // The renderer tests blocks of samples; the simulator counts the samples of boxes.
-    let blocks_a_pixel = counters.box_blocks as f64 / box_pixels.max(1) as f64;
-    let costs = Costs::of(machine)?;
-    let costs = Costs { pixel: costs.pixel + blocks_a_pixel * seconds(Operation::Block), ..costs };
+    let work = Work::of(machine, counters, boxes)?;
     let setting = Setting {
-        width: picture.width,
-        height: picture.height,
+        width,
+        height,
         processors: plan.ranks,
         region: plan.region,
         assignment: plan.assignment,
         network: NetworkModel::of(network, plan.topology),
-        costs,
+        costs: work.costs,
     };
     let sorting = simulate(boxes, plan.organisation, &setting);
     let ranks = plan.ranks as f64;
@@ -102,10 +128,49 @@ pub fn predict(
     // With whole pictures composed, each rank shades what it sees itself: between what is shown in the end and all
     // that is covered. A group sees about as much of what its polygons cover as the groups are few.
     let groups = ranks / parts;
-    let (shown, covered) = (counters.pixels_shaded as f64, counters.samples_covered as f64);
-    let shaded = (shown * groups).min(covered.max(shown));
-    let shading = shaded / ranks * sorting.raster.imbalance() * seconds(Operation::ShadedPixel);
-    let own_pixels = counters.pixels as f64 / parts;
-    let picture = seconds(Operation::Frame) + own_pixels * seconds(Operation::PicturePixel);
+    let (shown, covered) = (counters.pixels_visible as f64, counters.samples_covered as f64);
+    let shaded = if shown > 0.0 { (shown * groups).min(covered.max(shown)) / shown } else { 0.0 };
+    let shading = work.shading * shaded / ranks * sorting.raster.imbalance();
+    let picture = machine.seconds_or_0(Operation::Frame) + work.picture / parts;
     Ok(RanksTime { plan, sorting, shading, picture })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::machines::builtin;
+    use crate::workloads::{BoundingBox, PixelBox};
+
+    #[test]
+    fn one_rank_costs_what_one_thread_costs() {
+        let machine = builtin("cluster-64").unwrap().unwrap();
+        let c = Counters {
+            clusters: 100,
+            clusters_drawn: 90,
+            vertices: 5000,
+            triangles: 9000,
+            set_ups: 700,
+            steps: 5000,
+            shadings: 300,
+            pixels_visible: 4000,
+            samples_covered: 8000,
+            pixels: 1 << 16,
+            ..Counters::default()
+        };
+        let of = |k: i32| BoundingBox {
+            visible: true,
+            pixels: PixelBox { x0: k % 250, y0: 9, x1: k % 250 + 3, y1: 12 },
+        };
+        let boxes = BoxScene { boxes: (0..9000).map(of).collect() };
+        let plan = Plan {
+            organisation: Organisation::SortMiddle,
+            ranks: 1,
+            region: None,
+            assignment: Assignment::Interleaved,
+            topology: None,
+        };
+        let ranks = predict(&machine, &c, &boxes, (256, 256), plan).unwrap().total();
+        let thread = FrameTime::on_one_thread(&machine, &c).total();
+        assert!((ranks / thread - 1.0).abs() < 1e-6, "{ranks} {thread}");
+    }
 }

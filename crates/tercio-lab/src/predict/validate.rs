@@ -2,12 +2,12 @@
 
 use serde::Serialize;
 use tercio_mesh::Aabb;
-use tercio_raster::Settings;
-use tercio_scene::Scene;
+use tercio_raster::{Settings, Sorting};
+use tercio_scene::{Camera, Scene};
 
-use super::counters::{Picture, count};
+use super::counters::{Counters, count};
 use super::frame::FrameTime;
-use super::measure::{Clock, counted, measure};
+use super::measure::{Clock, measure};
 use super::{PredictError, views};
 use crate::machines::Machine;
 
@@ -54,47 +54,148 @@ pub struct Options {
     pub views: u32,
     /// Frames of a view, of which the fastest counts.
     pub frames: u32,
+    /// Rounds through everything: who else uses the machine does not do so in every one.
+    pub rounds: u32,
     /// Which clock.
     pub clock: Clock,
+    /// What is sorted into tiles.
+    pub sorting: Sorting,
 }
 
-/// Compares one model at one size on some threads.
+/// A model to be drawn.
+#[derive(Clone, Debug)]
+pub struct Model {
+    /// What it is called in the table.
+    pub name: String,
+    /// The model under a light.
+    pub scene: Scene,
+    /// Where it is.
+    pub bounds: Aabb,
+}
+
+/// One view of a row.
+struct View<'a> {
+    scene: &'a Scene,
+    camera: Camera,
+    settings: Settings,
+    threads: usize,
+    counters: Counters,
+    predicted: f64,
+    measured: f64,
+    differing: Vec<(&'static str, u64, u64)>,
+}
+
+impl View<'_> {
+    fn measure(&mut self, o: Options) -> Result<(), PredictError> {
+        let real = measure(self.scene, &self.camera, &self.settings, self.threads, o.frames, o.clock)?;
+        self.measured = self.measured.min(real.seconds);
+        let pairs = self.counters.comparable().into_iter().zip(Counters::counted(&real.stats));
+        let differing = pairs.filter(|(ours, theirs)| ours != theirs);
+        self.differing = differing.map(|((name, ours), (_, theirs))| (name, ours, theirs)).collect();
+        Ok(())
+    }
+}
+
+/// Predicts models at some sizes on some numbers of threads, then draws all of them, round after round. `tell` is told
+/// after each picture.
 ///
 /// # Errors
 /// [`PredictError`].
 pub fn compare(
     machine: &Machine,
-    (name, scene, bounds): (&str, &Scene, &Aabb),
-    size: (u32, u32),
-    threads: usize,
+    models: &[Model],
+    sizes: &[(u32, u32)],
+    threads: &[usize],
     o: Options,
-) -> Result<Row, PredictError> {
-    let mut row = Row {
-        model: name.into(),
-        size,
-        threads,
-        clock: o.clock,
-        differing: Vec::new(),
-        compared: 0,
-        predicted: 0.0,
-        measured: 0.0,
-    };
-    for view in 0..o.views.max(1) {
-        let camera = views::camera(bounds, size, view, o.views);
-        let real = measure(scene, &camera, &Settings::new(size.0, size.1), threads, o.frames, o.clock)?;
-        let picture =
-            Picture { width: size.0, height: size.1, tile: real.stats.tile_size, exact_binning: true };
-        let (counters, _) = count(scene, &camera, picture)?;
-        let pairs = counters.comparable().into_iter().zip(counted(&real.stats));
-        for ((name, ours), (_, theirs)) in pairs {
-            row.compared += 1;
-            if ours != theirs {
-                row.differing.push((name, ours, theirs));
+    mut tell: impl FnMut(),
+) -> Result<Vec<Row>, PredictError> {
+    let mut rows: Vec<(&Model, Vec<View>)> = Vec::new();
+    for model in models {
+        for &size in sizes {
+            for &threads in threads {
+                let views = (0..o.views.max(1)).map(|view| {
+                    let camera = views::camera(&model.bounds, size, view, o.views);
+                    let settings = Settings { sorting: o.sorting, ..Settings::new(size.0, size.1) };
+                    let counted = count(&model.scene, &camera, &settings, threads)?;
+                    Ok(View {
+                        scene: &model.scene,
+                        camera,
+                        settings,
+                        threads,
+                        counters: counted.frame,
+                        predicted: FrameTime::on_threads(machine, &counted, threads).total(),
+                        measured: f64::INFINITY,
+                        differing: Vec::new(),
+                    })
+                });
+                rows.push((model, views.collect::<Result<_, PredictError>>()?));
             }
         }
-        row.predicted +=
-            FrameTime::on_threads(machine, &counters, threads).total() / f64::from(o.views.max(1));
-        row.measured += real.seconds / f64::from(o.views.max(1));
     }
-    Ok(row)
+    for _ in 0..o.rounds.max(1) {
+        for (_, views) in &mut rows {
+            views.iter_mut().try_for_each(|v| v.measure(o))?;
+            tell();
+        }
+    }
+    Ok(rows.into_iter().map(|(model, views)| row(&model.name, &views, o.clock)).collect())
+}
+
+fn row(model: &str, views: &[View], clock: Clock) -> Row {
+    let first = &views[0];
+    let mean = |of: fn(&View) -> f64| views.iter().map(of).sum::<f64>() / views.len() as f64;
+    Row {
+        model: model.into(),
+        size: (first.settings.width, first.settings.height),
+        threads: first.threads,
+        clock,
+        differing: views.iter().flat_map(|v| v.differing.iter().copied()).collect(),
+        compared: views.iter().map(|v| v.counters.comparable().len()).sum(),
+        predicted: mean(|v| v.predicted),
+        measured: mean(|v| v.measured),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::machines::builtin;
+    use crate::predict::calibrate::prepare;
+
+    #[test]
+    fn rows_compare_all_counters_of_all_views() {
+        let machine = builtin("two-core-2026").unwrap().unwrap();
+        let (scene, bounds) = prepare(tercio_mesh::builtin::make("builtin:gyroid@20k").unwrap());
+        let models = [Model { name: "gyroid".into(), scene, bounds }];
+        for sorting in [Sorting::Clusters, Sorting::Triangles] {
+            let o = Options { views: 2, frames: 1, rounds: 2, clock: Clock::Wall, sorting };
+            let mut told = 0;
+            let rows = compare(&machine, &models, &[(64, 48), (99, 77)], &[1, 2], o, || told += 1).unwrap();
+            assert_eq!((rows.len(), told), (4, 8));
+            for row in rows {
+                assert_eq!((row.differing.len(), row.compared), (0, 44), "{row:?}");
+                assert!(row.measured.is_finite() && row.predicted > 0.0);
+            }
+        }
+    }
+
+    #[test]
+    fn a_row_holds_where_counters_are_equal_and_times_near() {
+        let mut row = Row {
+            model: "m".into(),
+            size: (1, 1),
+            threads: 1,
+            clock: Clock::Wall,
+            differing: vec![],
+            compared: 1,
+            predicted: 1.2,
+            measured: 1.0,
+        };
+        assert!(row.holds());
+        row.differing.push(("triangles", 1, 2));
+        assert!(!row.holds());
+        row.differing.clear();
+        row.measured = 2.0;
+        assert!(!row.holds());
+    }
 }

@@ -7,6 +7,7 @@
 //! * region k of the picture, row by row, belongs to rank k modulo the ranks;
 //! * a row of neighbouring pixels of one region that show something travels as 6 bytes and 4 for every pixel's colour,
 //!   and 8 for its key where it is yet to be composed;
+//! * what a rank's renderer counts follows from its part of the clusters or tiles ([`super::counters`]);
 //! * ranks without clusters send nothing to be composed, ranks without regions take nothing and have nothing to collect.
 //!
 //! Times are of ranks with one thread each. A stage is charged by what it does; its costs are fitted to other models
@@ -15,11 +16,12 @@
 use serde::Serialize;
 use tercio_mesh::Aabb;
 use tercio_parallel::{FrameReport, Organisation, ParallelError, RankReport, Ranks, draw_frames};
+use tercio_raster::Settings;
 use tercio_raster::frontend::clip::clip_triangle;
 use tercio_raster::view::{ObjectView, ScreenVertex, View};
-use tercio_raster::{Settings, Sorting};
 use tercio_scene::{Camera, Scene};
 
+use super::counters::Counters;
 use super::measure::Clock;
 use super::validate::TOLERANCE;
 use super::{PredictError, views};
@@ -51,8 +53,6 @@ pub enum RanksError {
 pub struct RankCounts {
     /// Triangles that it meets.
     pub triangles: u64,
-    /// Samples that they cover, hidden or not, in the tiles that it draws.
-    pub samples_covered: u64,
     /// Pixels that it sends to be composed.
     pub sent: u64,
     /// Pixels that it composes.
@@ -70,7 +70,6 @@ impl RankCounts {
     pub fn measured(report: &RankReport) -> Self {
         Self {
             triangles: report.frame.frontend.triangles_in,
-            samples_covered: report.frame.backend.samples_covered,
             sent: report.pixels.sent,
             compared: report.pixels.compared,
             visible: report.pixels.visible,
@@ -79,10 +78,9 @@ impl RankCounts {
         }
     }
 
-    fn by_name(&self) -> [(&'static str, u64); 7] {
+    fn by_name(&self) -> [(&'static str, u64); 6] {
         [
             ("triangles", self.triangles),
-            ("samples covered", self.samples_covered),
             ("pixels sent", self.sent),
             ("pixels compared", self.compared),
             ("pixels visible", self.visible),
@@ -129,7 +127,6 @@ pub fn predict_counts(
     match organisation {
         Organisation::SortFirst => {
             let triangles = each_sample(scene, &view, 0..clusters, |x, y| {
-                counts[owner_of(x, y)].samples_covered += 1;
                 shown_by_any[place(x, y)] = true;
             });
             counts[..owners].iter_mut().for_each(|c| c.triangles = triangles);
@@ -139,12 +136,9 @@ pub fn predict_counts(
                 let own = clusters * rank / ranks..clusters * (rank + 1) / ranks;
                 let has_clusters = !own.is_empty();
                 let mut shown = vec![false; shown_by_any.len()];
-                let mut covered = 0;
                 counts[rank].triangles = each_sample(scene, &view, own, |x, y| {
-                    covered += 1;
                     shown[place(x, y)] = true;
                 });
-                counts[rank].samples_covered = covered;
                 shown_by_any.iter_mut().zip(&shown).for_each(|(any, own)| *any |= own);
                 for (to, (rows, pixels)) in rows_of(&shown).into_iter().enumerate().take(owners) {
                     if has_clusters && to != rank {
@@ -282,9 +276,9 @@ pub struct Options {
     pub clock: Clock,
 }
 
-/// The settings that frames are drawn with: every triangle is sorted by itself, as in [`super::measure`].
+/// The settings that frames are drawn with.
 fn settings((width, height): (u32, u32)) -> Settings {
-    Settings { sorting: Sorting::Triangles, ..Settings::new(width, height) }
+    Settings::new(width, height)
 }
 
 /// Draws one view some times; the first, which takes memory, is left out.
@@ -337,10 +331,12 @@ pub fn compare(
             row.messages += report.messages;
             row.bytes += report.bytes;
         }
+        let drawing = times::drawing(scene, &camera, size, ranks, organisation)?;
         for report in &reports {
-            for (rank, (ours, theirs)) in ours.iter().zip(&report.ranks).enumerate() {
-                let theirs = RankCounts::measured(theirs).by_name();
-                for ((name, ours), (_, theirs)) in ours.by_name().into_iter().zip(theirs) {
+            for (rank, ((ours, drawn), theirs)) in ours.iter().zip(&drawing).zip(&report.ranks).enumerate() {
+                let sent = ours.by_name().into_iter().zip(RankCounts::measured(theirs).by_name());
+                let drawn = drawn.comparable().into_iter().zip(Counters::counted(&theirs.frame));
+                for ((name, ours), (_, theirs)) in sent.chain(drawn) {
                     row.compared += 1;
                     if ours != theirs {
                         row.differing.push((rank, name, ours, theirs));
@@ -348,7 +344,6 @@ pub fn compare(
                 }
             }
         }
-        let drawing = times::drawing(scene, &camera, size, edge, ranks, organisation)?;
         let predicted =
             times::predict(machine, costs, &ours, &drawing, size, edge, organisation, o.processors);
         row.predicted.add(predicted, f64::from(views));

@@ -51,9 +51,9 @@ impl Advise {
         let ranks = self.ranks.unwrap_or(machine.processors.count.whole() as usize);
         let pool = threads::pool(self.running.threads)?;
         let advice = pool.install(|| -> Result<_> {
-            let c = self.picture.count(&self.running)?;
+            let c = self.picture.count(&self.running, &machine, None)?;
             let plans = plans(ranks, self.machine.topology());
-            Ok(advise(&machine, &c.counters, &c.boxes, c.picture, &plans)?)
+            Ok(advise(&machine, &c.counted.frame, &c.boxes, c.size, &plans)?)
         })?;
         let best = advice.plans.iter().take(self.top.max(1));
         let text = if self.json {

@@ -18,8 +18,9 @@ use crate::threads;
 /// description.
 #[derive(Debug, Args)]
 #[command(after_help = "\
-Costs are fitted to frames of built-in models on one thread; the share that is not divided follows from the
-same frames on all threads. Messages are those between threads of one process.
+Costs are fitted to frames of built-in models on one thread, whole ones and such that end at earlier stages; the
+share that is not divided follows from the whole frames on all threads. Messages are those between threads of
+one process, as ranks in one process send them; MPI is not measured.
 
 Examples:
   tercio lab calibrate -o mine.toml
@@ -31,8 +32,11 @@ pub struct Calibrate {
     #[arg(short, long, value_name = "FILE", default_value = "-")]
     output: PathBuf,
     /// Frames of each picture, of which the fastest counts.
-    #[arg(long, value_name = "N", default_value_t = 7, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=1000))]
     frames: u32,
+    /// Rounds through all pictures.
+    #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    rounds: u32,
     /// Which clock times frames; processor time does not see threads that wait.
     #[arg(long, value_name = "CLOCK", value_enum, default_value_t = ClockName::Wall)]
     clock: ClockName,
@@ -67,8 +71,12 @@ impl Calibrate {
         let destination = Destination::parse(&self.output);
         destination.check()?;
         let pool = threads::pool(self.running.threads)?;
-        let options =
-            Options { threads: pool.current_num_threads(), frames: self.frames, clock: self.clock.into() };
+        let options = Options {
+            threads: pool.current_num_threads(),
+            frames: self.frames,
+            rounds: self.rounds,
+            clock: self.clock.into(),
+        };
         let tell = |what: &str| {
             if self.running.verbose {
                 messages::note(what);
@@ -78,10 +86,12 @@ impl Calibrate {
         if self.running.verbose {
             for s in &calibration.samples {
                 messages::note(&format!(
-                    "{} {}x{}: measured {:.3} ms, fitted {:.3} ms",
+                    "{} {}x{} {:?} {:?}: measured {:.3} ms, fitted {:.3} ms",
                     s.model,
-                    s.picture.width,
-                    s.picture.height,
+                    s.settings.width,
+                    s.settings.height,
+                    s.settings.sorting,
+                    s.settings.last_stage,
                     s.seconds * 1e3,
                     s.fitted * 1e3
                 ));

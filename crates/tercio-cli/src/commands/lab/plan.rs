@@ -4,13 +4,16 @@ use anyhow::Result;
 use clap::{Args, ValueEnum};
 use tercio::LoadOptions;
 use tercio::mesh::Aabb;
+use tercio::raster::{Settings, Sorting};
 use tercio::scene::Scene;
 use tercio_lab::machines::{Machine, Topology, load};
 use tercio_lab::predict::calibrate::prepare;
-use tercio_lab::predict::counters::{Counters, Picture, count};
+use tercio_lab::predict::counters::{self, boxes::boxes, count};
+use tercio_lab::predict::frame::knows_clusters;
 use tercio_lab::predict::views;
 use tercio_lab::workloads::BoxScene;
 
+use crate::args::drawing::SortingName;
 use crate::args::{ModelArgs, RunningArgs, values};
 use crate::progress::Display;
 
@@ -28,9 +31,12 @@ pub struct PictureArgs {
     /// How many views there are round the model.
     #[arg(long, value_name = "N", default_value_t = 36, value_parser = clap::value_parser!(u32).range(1..))]
     views: u32,
-    /// Pixels along the edge of a tile.
-    #[arg(long, value_name = "PIXELS", default_value = "64", value_parser = tile)]
-    tile_size: u32,
+    /// Pixels along the edge of a tile [default: what the renderer takes].
+    #[arg(long, value_name = "PIXELS", value_parser = tile)]
+    tile_size: Option<u32>,
+    /// What is sorted into tiles [default: clusters, triangles if the machine's costs do not know clusters].
+    #[arg(long, value_name = "WHAT", value_enum)]
+    sorting: Option<SortingName>,
 }
 
 /// The machine that is predicted.
@@ -87,23 +93,34 @@ impl From<NetworkName> for Topology {
 
 /// A model's counts.
 pub struct Counted {
-    pub picture: Picture,
-    pub counters: Counters,
+    pub size: (u32, u32),
+    pub tile_size: u32,
+    pub counted: counters::Counted,
+    /// Only where organisations of ranks ask for it.
     pub boxes: BoxScene,
 }
 
 impl PictureArgs {
-    /// Loads the model and counts the picture.
+    /// Loads the model and counts the picture, drawn by threads of one process or, without their number, by ranks.
     ///
     /// # Errors
     /// What went wrong.
-    pub fn count(&self, running: &RunningArgs) -> Result<Counted> {
+    pub fn count(&self, running: &RunningArgs, machine: &Machine, threads: Option<usize>) -> Result<Counted> {
         let (scene, bounds) = load_scene(&self.model, running)?;
         let camera = views::camera(&bounds, self.size, self.view % self.views, self.views);
-        let picture =
-            Picture { width: self.size.0, height: self.size.1, tile: self.tile_size, exact_binning: true };
-        let (counters, boxes) = count(&scene, &camera, picture)?;
-        Ok(Counted { picture, counters, boxes })
+        let sorting = match self.sorting {
+            Some(name) => name.into(),
+            None if knows_clusters(machine) => Sorting::Clusters,
+            None => Sorting::Triangles,
+        };
+        let settings =
+            Settings { sorting, tile_size: self.tile_size, ..Settings::new(self.size.0, self.size.1) };
+        let counted = count(&scene, &camera, &settings, threads.unwrap_or(1))?;
+        let boxes = match threads {
+            Some(_) => BoxScene::default(),
+            None => boxes(&scene, &camera, self.size)?,
+        };
+        Ok(Counted { size: self.size, tile_size: counters::tile_size(&settings), counted, boxes })
     }
 }
 

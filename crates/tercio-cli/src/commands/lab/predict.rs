@@ -77,10 +77,11 @@ impl Predict {
         let machine = self.machine.machine()?;
         let ranks = self.ranks.unwrap_or(machine.processors.count.whole() as usize);
         let pool = threads::pool(self.running.threads)?;
-        let counted = pool.install(|| self.picture.count(&self.running))?;
+        let threads = (self.organisation == OrganisationName::Threads).then_some(ranks);
+        let counted = pool.install(|| self.picture.count(&self.running, &machine, threads))?;
         let organisation = match self.organisation {
             OrganisationName::Threads => {
-                let time = FrameTime::on_threads(&machine, &counted.counters, ranks);
+                let time = FrameTime::on_threads(&machine, &counted.counted, ranks);
                 write_text(&Destination::Stdout, &self.threads_text(&counted, ranks, time))?;
                 return Ok(ExitCode::SUCCESS);
             }
@@ -92,7 +93,7 @@ impl Predict {
         let assignment = if self.blocks { Assignment::Blocks } else { Assignment::Interleaved };
         let topology = self.machine.topology();
         let plan = Plan { organisation, ranks, region: self.region, assignment, topology };
-        let time = predict(&machine, &counted.counters, &counted.boxes, counted.picture, plan)?;
+        let time = predict(&machine, &counted.counted.frame, &counted.boxes, counted.size, plan)?;
         write_text(&Destination::Stdout, &self.ranks_text(&counted, &time))?;
         Ok(ExitCode::SUCCESS)
     }
@@ -100,25 +101,43 @@ impl Predict {
     fn threads_text(&self, counted: &Counted, threads: usize, time: FrameTime) -> String {
         if self.json {
             let value = json!({
-                "organisation": "threads", "ranks": threads, "counters": counted.counters,
+                "organisation": "threads", "ranks": threads, "counters": counted.counted.frame,
                 "seconds": time, "total_seconds": time.total(),
             });
             return format!("{value:#}\n");
         }
         let phases = [
             ("front end", time.front_end),
+            ("geometry", time.geometry),
             ("rasterization", time.raster),
             ("shading", time.shading),
+            ("memory", time.memory),
             ("picture", time.picture),
         ];
-        table(&format!("{threads} threads"), &phases, time.total())
+        let mut text = table(&format!("{threads} threads"), &phases, time.total());
+        let c = &counted.counted.frame;
+        // Writing into a string cannot fail.
+        let _ = writeln!(text, "busiest over mean thread in the tiles: {:.2}", time.imbalance);
+        let _ = writeln!(
+            text,
+            "clusters: {} tested, {} hidden and {} drawn in {} tiles of {} pixels",
+            c.clusters, c.clusters_hidden, c.clusters_drawn, c.tiles_used, counted.tile_size
+        );
+        let _ = writeln!(
+            text,
+            "memory: {} bytes of model and bins touched, {} read for clusters, {} of picture",
+            c.bytes_touched,
+            c.bytes_read,
+            4 * c.pixels
+        );
+        text
     }
 
     fn ranks_text(&self, counted: &Counted, time: &RanksTime) -> String {
         let s = &time.sorting;
         if self.json {
             let value = json!({
-                "organisation": describe(&time.plan), "ranks": time.plan.ranks, "counters": counted.counters,
+                "organisation": describe(&time.plan), "ranks": time.plan.ranks, "counters": counted.counted.frame,
                 "prediction": time, "total_seconds": time.total(),
             });
             return format!("{value:#}\n");

@@ -10,12 +10,13 @@ use serde_json::{Value, json};
 use tercio::image::Destination;
 use tercio::parallel::Organisation;
 use tercio_lab::machines::{Machine, load};
-use tercio_lab::predict::validate::{Options, Row, TOLERANCE, compare};
+use tercio_lab::predict::validate::{Model, Options, Row, TOLERANCE, compare};
 use tercio_lab::predict::validate_ranks;
 
 use super::calibrate::ClockName;
 use super::plan::load_scene;
 use super::validate_ranks::RanksPlan;
+use crate::args::drawing::SortingName;
 use crate::args::ranks::{OrganisationName, parse_ranks};
 use crate::args::{ModelArgs, RunningArgs, values};
 use crate::output::write_text;
@@ -48,8 +49,11 @@ pub struct Validate {
     #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u32).range(1..=1000))]
     views: u32,
     /// Frames of each view, of which the fastest counts.
-    #[arg(long, value_name = "N", default_value_t = 7, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=1000))]
     frames: u32,
+    /// Rounds through all pictures.
+    #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    rounds: u32,
     /// Which clock times frames.
     #[arg(long, value_name = "CLOCK", value_enum, default_value_t = ClockName::Wall)]
     clock: ClockName,
@@ -59,6 +63,9 @@ pub struct Validate {
     /// How ranks share a frame [default: both].
     #[arg(long, value_name = "HOW", value_enum, requires = "ranks")]
     organisation: Option<OrganisationName>,
+    /// What is sorted into tiles.
+    #[arg(long, value_name = "WHAT", value_enum, default_value_t = SortingName::Clusters)]
+    sorting: SortingName,
     /// Writes JSON with stable keys.
     #[arg(long)]
     json: bool,
@@ -78,21 +85,25 @@ impl Validate {
         if !self.ranks.is_empty() {
             return self.run_ranks(&machine, most);
         }
-        let options = Options { views: self.views, frames: self.frames, clock: self.clock.into() };
+        let options = Options {
+            views: self.views,
+            frames: self.frames,
+            rounds: self.rounds,
+            clock: self.clock.into(),
+            sorting: self.sorting.into(),
+        };
         let display = Display::new(self.running.progress_mode());
         let counts: Vec<usize> = if most > 1 { vec![1, most] } else { vec![1] };
-        display.progress.begin("frames", (self.models.len() * self.sizes.len() * counts.len()) as u64);
-        let mut rows = Vec::new();
-        for model in &self.models {
-            let model = ModelArgs { model: model.clone() };
+        let mut models = Vec::new();
+        for path in &self.models {
+            let model = ModelArgs { model: path.clone() };
             let (scene, bounds) = pool.install(|| load_scene(&model, &self.running))?;
-            for &size in &self.sizes {
-                for &threads in &counts {
-                    rows.push(compare(&machine, (&model.name(), &scene, &bounds), size, threads, options)?);
-                    display.progress.advance(1);
-                }
-            }
+            models.push(Model { name: model.name(), scene, bounds });
         }
+        let pictures = models.len() * self.sizes.len() * counts.len() * self.rounds as usize;
+        display.progress.begin("pictures", pictures as u64);
+        let tell = || display.progress.advance(1);
+        let rows = compare(&machine, &models, &self.sizes, &counts, options, tell)?;
         drop(display);
         let text =
             if self.json { format!("{:#}\n", rows.iter().map(json).collect::<Value>()) } else { text(&rows) };
@@ -137,7 +148,7 @@ fn json(row: &Row) -> Value {
 /// A table in Markdown.
 fn text(rows: &[Row]) -> String {
     let mut text = String::from(
-        "| model | size | threads | counters equal | predicted ms | measured ms | error | |\n|---|---|---|---|---|---|---|---|\n",
+        "| model | size | threads | counters equal | predicted ms | measured ms | error | verdict |\n|---|---|---|---|---|---|---|---|\n",
     );
     for row in rows {
         // Writing into a string cannot fail.

@@ -30,6 +30,11 @@ fn counts_are_those_of_the_ranks() {
                 let edge = settings(size).tile_edge();
                 let ours = predict_counts(&scene, &camera, size, edge, ranks, organisation).unwrap();
                 assert_eq!(ours, theirs, "{model}, {ranks} ranks, {organisation:?}");
+                let drawing = times::drawing(&scene, &camera, size, ranks, organisation).unwrap();
+                for (ours, theirs) in drawing.iter().zip(&report.ranks) {
+                    let theirs = Counters::counted(&theirs.frame);
+                    assert_eq!(ours.comparable(), theirs, "{model}, {ranks} ranks, {organisation:?}");
+                }
                 assert_eq!(ours.iter().map(|c| c.bytes).sum::<u64>(), report.bytes);
                 assert_eq!(ours.iter().map(|c| c.messages).sum::<u64>(), report.messages);
             }

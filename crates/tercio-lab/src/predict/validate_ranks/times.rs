@@ -1,21 +1,18 @@
 //! How long ranks take: what they do, charged with costs that were fitted to other models.
 
-use std::ops::Range;
 use std::sync::Arc;
 
 use serde::Serialize;
-use tercio_mesh::ClusteredMesh;
 use tercio_mesh::builtin;
 use tercio_mesh::cluster::{PartitionOptions, partition};
 use tercio_parallel::report::{RankStages, Stage};
 use tercio_parallel::{FrameReport, Organisation};
-use tercio_raster::Outputs;
-use tercio_raster::view::View;
+use tercio_raster::{Outputs, Part, Settings};
 use tercio_scene::{Camera, Scene};
 
 use super::{RankCounts, RanksError, measure, predict_counts, settings};
 use crate::machines::Machine;
-use crate::predict::counters::{Counters, Picture, count};
+use crate::predict::counters::{Counters, count};
 use crate::predict::frame::FrameTime;
 use crate::predict::measure::{Clock, measure as measure_alone};
 use crate::predict::{PredictError, fit, views};
@@ -122,7 +119,7 @@ impl RankCosts {
                 let without = measure_alone(&scene, &camera, &plain, 1, frames, Clock::Processor)?;
                 let with = measure_alone(&scene, &camera, &keyed, 1, frames, Clock::Processor)?;
                 more += with.seconds - without.seconds;
-                shown += with.stats.backend.pixels_visible as f64;
+                shown += with.stats.backend.pixels_shaded as f64;
                 let edge = plain.tile_edge();
                 for ranks in RANKS {
                     for organisation in [Organisation::SortFirst, Organisation::SortLast] {
@@ -198,83 +195,26 @@ impl Work<'_> {
     }
 }
 
-/// What every rank's renderer does, all of it by [`count`].
+/// What every rank's renderer does, all of it by [`count`]; nothing where a rank has no regions.
 pub(super) fn drawing(
     scene: &Scene,
     camera: &Camera,
-    (width, height): (u32, u32),
-    edge: u32,
+    size: (u32, u32),
     ranks: usize,
     organisation: Organisation,
 ) -> Result<Vec<Counters>, PredictError> {
-    let picture = Picture { width, height, tile: edge, exact_binning: true };
-    let clusters: usize = scene.instances.iter().map(|i| i.mesh.clusters.len()).sum();
-    let own = |rank: usize| clusters * rank / ranks..clusters * (rank + 1) / ranks;
-    if organisation == Organisation::SortLast {
-        let of_rank =
-            |rank| Ok(count(&part(scene, |number| own(rank).contains(&number)), camera, picture)?.0);
-        return (0..ranks).map(of_rank).collect();
-    }
-    let view = View::new(camera, &scene.bounds(), width, height)?;
-    let regions = Regions { width, height, edge, owners: ranks, assignment: Assignment::Interleaved };
-    let boxes = cluster_boxes(scene, &view);
+    let whole = settings(size);
+    let regions = size.0.div_ceil(whole.tile_edge()) as usize * size.1.div_ceil(whole.tile_edge()) as usize;
     let of_rank = |rank: usize| {
-        let owns = |pixels: PixelBox| regions.touched(pixels).any(|r| regions.owner(r.0) == rank);
-        let reaches = |number: usize| boxes[number].is_some_and(owns);
-        let (all, boxes) = count(&part(scene, reaches), camera, picture)?;
-        // Of what is drawn in the clusters' tiles, the share in those of this rank.
-        let (mut touched, mut area, mut own_touched, mut own_area) = (0u64, 0u64, 0u64, 0u64);
-        for (region, pixels) in
-            boxes.boxes.iter().filter(|b| b.visible).flat_map(|b| regions.touched(b.pixels))
-        {
-            let own = u64::from(regions.owner(region) == rank);
-            (touched, area) = (touched + 1, area + pixels);
-            (own_touched, own_area) = (own_touched + own, own_area + own * pixels);
-        }
-        let share = |n: u64, own: u64, of: u64| (n as f64 * own as f64 / (of as f64).max(1.0)).round() as u64;
-        Ok(Counters {
-            entries: share(all.entries, own_touched, touched),
-            box_blocks: share(all.box_blocks, own_area, area),
-            ..all
-        })
+        let part = Part { number: rank as u32, of: ranks as u32 };
+        let settings = match organisation {
+            Organisation::SortLast => Settings { clusters: part, ..whole.clone() },
+            Organisation::SortFirst if rank >= regions => return Ok(Counters::default()),
+            Organisation::SortFirst => Settings { tiles: part, ..whole.clone() },
+        };
+        Ok(count(scene, camera, &settings, 1)?.frame)
     };
     (0..ranks).map(of_rank).collect()
-}
-
-/// The scene with some of its clusters, numbered through the instances.
-fn part(scene: &Scene, keep: impl Fn(usize) -> bool) -> Scene {
-    let mut part = scene.clone();
-    let mut first = 0;
-    for instance in &mut part.instances {
-        let all = &instance.mesh.clusters;
-        let clusters = (first..).zip(all).filter(|c| keep(c.0)).map(|c| *c.1).collect();
-        first += all.len();
-        instance.mesh = Arc::new(ClusteredMesh { clusters, ..(*instance.mesh).clone() });
-    }
-    part
-}
-
-/// Pixels between the corners of each cluster's vertices; everything where one of them is not inside.
-fn cluster_boxes(scene: &Scene, view: &View) -> Vec<Option<PixelBox>> {
-    let screen = PixelBox::screen(view.width, view.height);
-    let mut boxes = Vec::new();
-    for instance in &scene.instances {
-        let (object, mesh) = (view.object(instance), &*instance.mesh);
-        for cluster in &mesh.clusters {
-            let range: Range<usize> = cluster.vertex_range();
-            let vertices: Vec<_> = range.map(|v| object.project(mesh.position(v))).collect();
-            let pixels = |of: fn(&tercio_raster::view::ScreenVertex) -> i32| {
-                let pixel = |v| of(v).div_euclid(tercio_raster::conventions::SUBPIXELS);
-                let (least, most) = (vertices.iter().map(pixel).min(), vertices.iter().map(pixel).max());
-                (least.unwrap_or(0), most.unwrap_or(0))
-            };
-            let ((x0, x1), (y0, y1)) = (pixels(|v| v.x), pixels(|v| v.y));
-            let inside = vertices.iter().all(|v| v.inside);
-            let all = PixelBox { x0, y0, x1, y1 };
-            boxes.push(if inside { all.intersection(&screen) } else { Some(screen) });
-        }
-    }
-    boxes
 }
 
 /// Predicts a frame of ranks with one thread each on some processors.
@@ -293,18 +233,9 @@ pub(super) fn predict(
     let work = Work { size, edge, ranks, organisation, counts };
     let draw: Vec<f64> = drawing
         .iter()
-        .enumerate()
-        .map(|(rank, all)| {
-            let own = match organisation {
-                Organisation::SortLast => *all,
-                Organisation::SortFirst => {
-                    let shown = counts[rank].visible;
-                    Counters { pixels_shaded: shown, pixels: work.own(rank) as u64, ..*all }
-                }
-            };
-            let draws = own.pixels > 0;
-            let alone = FrameTime::on_one_thread(machine, &own).total();
-            if draws { alone + costs.key * own.pixels_shaded as f64 } else { 0.0 }
+        .map(|own| {
+            let alone = FrameTime::on_one_thread(machine, own).total();
+            if own.pixels > 0 { alone + costs.key * own.pixels_shaded as f64 } else { 0.0 }
         })
         .collect();
     let charge = |counts: &[f64], costs: &[f64]| counts.iter().zip(costs).map(|(n, c)| n * c).sum::<f64>();

@@ -60,7 +60,7 @@ impl Costs {
         Ok(Self {
             polygon: machine.seconds_or_0(Operation::Polygon),
             set_up: machine.seconds_or_0(Operation::PolygonSetUp),
-            entry: machine.seconds_or_0(Operation::Entry),
+            entry: machine.seconds_or_0(Operation::Entry) + machine.seconds_or_0(Operation::DrawnEntry),
             pixel: machine.seconds_or_0(Operation::Pixel),
             composite: machine.seconds_or_0(Operation::CompositePixel),
             primitive: bytes(DataKind::Primitive)?,

@@ -1,0 +1,52 @@
+//! The triangles of a scene as boxes of samples, in the order of the clusters: what organisations of ranks deal out.
+
+use rayon::prelude::*;
+use tercio_mesh::ClusteredMesh;
+use tercio_raster::frontend::clip::clip_triangle;
+use tercio_raster::view::{ObjectView, ScreenVertex, View};
+use tercio_scene::{Camera, Scene};
+
+use super::PredictError;
+use super::triangle::Triangle;
+use crate::workloads::{BoundingBox, BoxScene, PixelBox};
+
+/// The boxes of all triangles, or of the pieces that clipping leaves of them.
+///
+/// # Errors
+/// A camera that makes no view.
+pub fn boxes(scene: &Scene, camera: &Camera, (width, height): (u32, u32)) -> Result<BoxScene, PredictError> {
+    let view = View::new(camera, &scene.bounds(), width, height)?;
+    let screen = PixelBox::screen(width, height);
+    let mut boxes = Vec::new();
+    for instance in &scene.instances {
+        let (object, mesh) = (view.object(instance), &*instance.mesh);
+        let of_clusters = (0..mesh.clusters.len()).into_par_iter();
+        boxes.par_extend(of_clusters.flat_map_iter(|cluster| of_cluster(mesh, cluster, &object, &screen)));
+    }
+    Ok(BoxScene { boxes })
+}
+
+fn of_cluster(mesh: &ClusteredMesh, number: usize, view: &ObjectView, screen: &PixelBox) -> Vec<BoundingBox> {
+    let cluster = &mesh.clusters[number];
+    let at = |n: usize| mesh.position(cluster.first_vertex as usize + n);
+    let vertices: Vec<ScreenVertex> =
+        (0..usize::from(cluster.vertices)).map(|n| view.project(at(n))).collect();
+    let first = cluster.first_triangle as usize;
+    let mut boxes = Vec::new();
+    for t in first..first + usize::from(cluster.triangles) {
+        let numbers = [0, 1, 2].map(|k| usize::from(mesh.corners[k][t]));
+        let corners = numbers.map(|n| vertices[n]);
+        if corners.iter().all(|c| c.inside) {
+            boxes.push(of_triangle(corners, screen));
+        } else {
+            clip_triangle(view, numbers.map(at), corners, |piece| boxes.push(of_triangle(piece, screen)));
+        }
+    }
+    boxes
+}
+
+fn of_triangle(corners: [ScreenVertex; 3], screen: &PixelBox) -> BoundingBox {
+    let samples = Triangle::new(corners, 0).and_then(|t| t.samples()?.intersection(screen));
+    let nowhere = PixelBox { x0: 0, y0: 0, x1: 0, y1: 0 };
+    BoundingBox { visible: samples.is_some(), pixels: samples.unwrap_or(nowhere) }
+}

@@ -1,0 +1,159 @@
+//! A whole cluster into a tile.
+//!
+//! What a sample shows in the end does not depend on the order in which a cluster's triangles are drawn; how often a
+//! cluster wins one does, and every win is shaded. The order is the renderer's: small triangles before large ones, 16
+//! of a size at a time, one sample of each after another.
+
+use tercio_mesh::ClusteredMesh;
+use tercio_raster::LastStage;
+use tercio_raster::simd::LANES;
+
+use super::Counters;
+use super::front_end::{Frame, WholeCluster};
+use super::tile::{BLOCK, Tile};
+use super::triangle::Triangle;
+use crate::workloads::PixelBox;
+
+/// Triangles of fewer samples along their box than this are drawn 16 at a time, those of a size together.
+const SIZES: [i32; 3] = [2, 4, 8];
+/// Place among the sizes of triangles that reach too far for 32 bits, whatever samples of them the tile holds; those of
+/// more samples than `SIZES` come before.
+const HUGE: usize = SIZES.len() + 1;
+/// So many samples wait for their depth test, at most, when the next 16 triangles are begun.
+const MOST_WAITING: usize = 1024;
+
+/// A covered sample that waits for its depth test.
+struct Covered {
+    x: i32,
+    y: i32,
+    depth: f32,
+    primitive: u64,
+}
+
+/// A cluster on its way into a tile.
+struct Pass<'a> {
+    tile: &'a mut Tile,
+    waiting: Vec<Covered>,
+    won: Vec<(i32, i32)>,
+}
+
+/// Draws a cluster; what it wins is shaded at once if `shade` says so.
+pub fn draw(frame: &Frame, whole: &WholeCluster, tile: &mut Tile, shade: bool, counters: &mut Counters) {
+    let mesh = &*frame.scene.instances[whole.instance].mesh;
+    let cluster = &mesh.clusters[whole.cluster];
+    let vertices = frame.project(whole.instance, whole.cluster);
+    counters.vertices += u64::from(cluster.vertices);
+    counters.triangles_in += u64::from(cluster.triangles);
+    counters.bytes_read += bytes(mesh, whole.cluster);
+    let first = cluster.first_triangle as usize;
+    let mut by_size: [Vec<(Triangle, PixelBox)>; SIZES.len() + 2] = Default::default();
+    for t in first..first + usize::from(cluster.triangles) {
+        let corners = [0, 1, 2].map(|k| vertices[usize::from(mesh.corners[k][t])]);
+        let primitive = frame.first_primitive[whole.instance] + u64::from(mesh.primitive(t));
+        let Some(triangle) = Triangle::new(corners, primitive) else { continue };
+        let Some(pixels) = triangle.samples().and_then(|s| s.intersection(&tile.pixels)) else { continue };
+        if !frame.culls(whole.instance, &triangle) {
+            let along = (pixels.x1 - pixels.x0).max(pixels.y1 - pixels.y0) + 1;
+            let size = SIZES.iter().filter(|&&most| along > most).count();
+            by_size[if triangle.is_wide() { HUGE } else { size }].push((triangle, pixels));
+        }
+    }
+    counters.triangles_drawn += by_size.iter().map(|list| list.len() as u64).sum::<u64>();
+    if frame.settings.last_stage == LastStage::Sieve {
+        return;
+    }
+    let mut pass = Pass { tile, waiting: Vec::new(), won: Vec::new() };
+    for (size, list) in by_size.iter().enumerate() {
+        if size == HUGE {
+            list.iter().for_each(|(t, _)| pass.tile.triangle(t, counters, |pixel| pass.won.push(pixel)));
+            continue;
+        }
+        for sixteen in list.chunks(LANES) {
+            counters.set_ups += 1;
+            match SIZES.get(size) {
+                Some(_) => counters.steps += pass.scan(sixteen),
+                None => sixteen.iter().for_each(|t| pass.large(t, counters)),
+            }
+            if pass.waiting.len() > MOST_WAITING {
+                pass.test(counters);
+            }
+        }
+    }
+    pass.test(counters);
+    let Pass { won, tile, .. } = pass;
+    if shade && frame.settings.last_stage > LastStage::Visibility {
+        counters.pixels_shaded += won.len() as u64;
+        let shadings = won.len().div_ceil(LANES) as u64;
+        counters.shadings += shadings;
+        if shadings > 0 && !cluster.normals_agree {
+            counters.shadings_by_plane += shadings;
+        }
+        counters.clusters_won += u64::from(!won.is_empty());
+        if frame.is_instance_colored(whole.instance) {
+            counters.pixels_colored += won.len() as u64;
+        }
+        won.into_iter().for_each(|(x, y)| tile.shade(x, y));
+    }
+}
+
+impl Pass<'_> {
+    /// Finds the samples of 16 triangles side by side; tells the steps that it takes.
+    fn scan(&mut self, sixteen: &[(Triangle, PixelBox)]) -> u64 {
+        let mut steps = 0;
+        let most = |size: fn(&PixelBox) -> i32| sixteen.iter().map(|(_, p)| size(p)).max().unwrap_or(0);
+        for row in 0..most(|p| p.y1 - p.y0 + 1) {
+            let in_row = |p: &PixelBox| p.y0 + row <= p.y1;
+            let columns = sixteen.iter().filter(|(_, p)| in_row(p)).map(|(_, p)| p.x1 - p.x0 + 1).max();
+            for column in 0..columns.unwrap_or(0) {
+                steps += 1;
+                for (t, p) in sixteen.iter().filter(|(_, p)| in_row(p) && p.x0 + column <= p.x1) {
+                    let (x, y) = (p.x0 + column, p.y0 + row);
+                    if t.covers(x, y) {
+                        let (depth, primitive) = (t.depth(x, y), t.primitive);
+                        self.waiting.push(Covered { x, y, depth, primitive });
+                    }
+                }
+            }
+        }
+        steps
+    }
+
+    /// Draws one triangle at once.
+    fn large(&mut self, (t, p): &(Triangle, PixelBox), counters: &mut Counters) {
+        let corner = [self.tile.pixels.x0, self.tile.pixels.y0];
+        let blocks =
+            |from: i32, to: i32, k: usize| ((to - corner[k]) / BLOCK - (from - corner[k]) / BLOCK + 1) as u64;
+        counters.blocks += blocks(p.x0, p.x1, 0) * blocks(p.y0, p.y1, 1);
+        for (x, y) in (p.y0..=p.y1).flat_map(|y| (p.x0..=p.x1).map(move |x| (x, y))) {
+            if t.covers(x, y) {
+                counters.samples_covered += 1;
+                if self.tile.test(x, y, t.depth(x, y), t.primitive) {
+                    self.won.push((x, y));
+                }
+            }
+        }
+    }
+
+    /// Tests the samples that wait.
+    fn test(&mut self, counters: &mut Counters) {
+        counters.samples_covered += self.waiting.len() as u64;
+        for c in self.waiting.drain(..) {
+            if self.tile.test(c.x, c.y, c.depth, c.primitive) {
+                self.won.push((c.x, c.y));
+            }
+        }
+    }
+}
+
+/// Bytes of the cache lines that drawing a cluster touches: positions, normals and corners, each array by itself.
+pub fn bytes(mesh: &ClusteredMesh, number: usize) -> u64 {
+    const LINE: usize = 64;
+    let cluster = &mesh.clusters[number];
+    let lines = |first: u32, count: u8, size: usize| {
+        let (from, to) = (first as usize * size, (first as usize + usize::from(count)) * size);
+        (to.div_ceil(LINE) - from / LINE) as u64
+    };
+    let of_vertices = 3 + u64::from(mesh.normals.is_some());
+    let vertices = of_vertices * lines(cluster.first_vertex, cluster.vertices, size_of::<f32>());
+    (vertices + 3 * lines(cluster.first_triangle, cluster.triangles, 1)) * LINE as u64
+}

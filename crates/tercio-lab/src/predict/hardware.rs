@@ -1,0 +1,110 @@
+//! Caches, memory and messages of this machine.
+
+use std::fs;
+use std::hint::black_box;
+use std::sync::mpsc::channel;
+use std::time::Instant;
+
+/// Bytes of the first processor's cache of one level, where Linux tells them.
+pub fn cache_bytes(level: u32) -> Option<u64> {
+    let of = |index: u32, what: &str| {
+        let path = format!("/sys/devices/system/cpu/cpu0/cache/index{index}/{what}");
+        Some(fs::read_to_string(path).ok()?.trim().to_string())
+    };
+    let is_it = |&index: &u32| {
+        of(index, "level").is_some_and(|l| l == level.to_string())
+            && of(index, "type").is_some_and(|t| t != "Instruction")
+    };
+    let index = (0..8).find(is_it)?;
+    cache_size(&of(index, "size")?)
+}
+
+/// A size as Linux writes it: 48K, 32768K, 2M.
+fn cache_size(text: &str) -> Option<u64> {
+    let (number, unit) = match text.strip_suffix('K') {
+        Some(number) => (number, 1 << 10),
+        None => (text.strip_suffix('M')?, 1 << 20),
+    };
+    number.parse::<u64>().ok()?.checked_mul(unit)
+}
+
+/// The fastest of some runs, in seconds.
+fn fastest(runs: usize, mut run: impl FnMut()) -> f64 {
+    let time = |()| {
+        let begin = Instant::now();
+        run();
+        begin.elapsed().as_secs_f64()
+    };
+    std::iter::repeat_n((), runs).map(time).fold(f64::INFINITY, f64::min)
+}
+
+/// Bytes a second that all threads read from memory together.
+pub fn memory_bandwidth(threads: usize) -> f64 {
+    // Larger than caches are.
+    const WORDS: usize = 1 << 24;
+    let data: Vec<u64> = (0..WORDS as u64).collect();
+    let share = WORDS.div_ceil(threads);
+    let seconds = fastest(5, || {
+        std::thread::scope(|scope| {
+            for part in data.chunks(share) {
+                scope.spawn(move || black_box(part.iter().fold(0u64, |sum, w| sum.wrapping_add(*w))));
+            }
+        });
+    });
+    (WORDS * 8) as f64 / seconds
+}
+
+/// Seconds of merging one pixel of two pictures by depth.
+pub fn composite_seconds() -> f64 {
+    const PIXELS: usize = 1 << 20;
+    let other: Vec<(f32, u32)> = (0..PIXELS).map(|k| ((k % 7) as f32, k as u32)).collect();
+    let mut own: Vec<(f32, u32)> = (0..PIXELS).map(|k| ((k % 5) as f32, k as u32)).collect();
+    let seconds = fastest(5, || {
+        own.iter_mut().zip(&other).for_each(|(a, b)| {
+            if b.0 > a.0 {
+                *a = *b;
+            }
+        });
+        black_box(&own);
+    });
+    seconds / PIXELS as f64
+}
+
+/// Seconds of a small message between two threads, and bytes a second of large ones, both by sending to and fro.
+pub fn messages() -> (f64, f64) {
+    const LARGE: usize = 16 << 20;
+    let round_trips = |bytes: usize, trips: usize| {
+        let ((there, arrived), (back, returned)) = (channel::<Vec<u8>>(), channel::<Vec<u8>>());
+        std::thread::scope(|scope| {
+            scope.spawn(move || {
+                // A message is copied where it arrives, as between processes.
+                arrived.iter().try_for_each(|m| back.send(m.clone())).ok();
+            });
+            let message = vec![1u8; bytes];
+            let seconds = fastest(5, || {
+                for _ in 0..trips {
+                    if there.send(message.clone()).is_ok() {
+                        black_box(returned.recv().ok());
+                    }
+                }
+            });
+            drop(there);
+            seconds / (2 * trips) as f64
+        })
+    };
+    let latency = round_trips(8, 200);
+    let large = round_trips(LARGE, 4);
+    (latency, LARGE as f64 / (large - latency).max(f64::MIN_POSITIVE))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_of_caches_are_read() {
+        assert_eq!(cache_size("32768K"), Some(32 << 20));
+        assert_eq!(cache_size("2M"), Some(2 << 20));
+        assert_eq!(cache_size("big"), None);
+    }
+}
