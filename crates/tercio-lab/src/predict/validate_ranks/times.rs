@@ -195,7 +195,8 @@ impl Work<'_> {
     }
 }
 
-/// What every rank's renderer does, all of it by [`count`]; nothing where a rank has no regions.
+/// What every rank's renderer does, all of it by [`count`]; nothing where a rank has neither
+/// clusters to draw nor regions to own.
 pub(super) fn drawing(
     scene: &Scene,
     camera: &Camera,
@@ -205,9 +206,13 @@ pub(super) fn drawing(
 ) -> Result<Vec<Counters>, PredictError> {
     let whole = settings(size);
     let regions = size.0.div_ceil(whole.tile_edge()) as usize * size.1.div_ceil(whole.tile_edge()) as usize;
+    let clusters = scene.instances.iter().map(|i| i.mesh.clusters.len() as u32).sum();
     let of_rank = |rank: usize| {
         let part = Part { number: rank as u32, of: ranks as u32 };
         let settings = match organisation {
+            Organisation::SortLast if part.range(clusters).is_empty() && rank >= regions => {
+                return Ok(Counters::default());
+            }
             Organisation::SortLast => Settings { clusters: part, ..whole.clone() },
             Organisation::SortFirst if rank >= regions => return Ok(Counters::default()),
             Organisation::SortFirst => Settings { tiles: part, ..whole.clone() },
