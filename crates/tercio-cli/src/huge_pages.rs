@@ -71,7 +71,7 @@ mod tests {
         // SAFETY: every pointer comes from this allocator and is used inside its size.
         unsafe {
             let memory = HugePages.alloc_zeroed(layout);
-            assert!(!memory.is_null() && memory.addr() % 64 == 0);
+            assert!(!memory.is_null() && memory.addr().is_multiple_of(64));
             assert!((0..layout.size()).step_by(4096).all(|i| *memory.add(i) == 0));
             (0..layout.size()).step_by(4096).for_each(|i| *memory.add(i) = (i >> 12) as u8);
             let larger = HugePages.realloc(memory, layout, 30 << 20);

@@ -275,12 +275,11 @@ impl Part {
         if frame.settings.last_stage == LastStage::Cull {
             return;
         }
-        if is(tests.small) && frame.settings.sorting == Sorting::Clusters {
-            if frame.tiles_of(&pixels).count() <= MOST_TILES {
-                let nearest = tests.nearest[lane];
-                self.clusters.push(WholeCluster { instance, cluster: number, nearest, pixels });
-                return;
-            }
+        let small = is(tests.small) && frame.settings.sorting == Sorting::Clusters;
+        if small && frame.tiles_of(&pixels).count() <= MOST_TILES {
+            let nearest = tests.nearest[lane];
+            self.clusters.push(WholeCluster { instance, cluster: number, nearest, pixels });
+            return;
         }
         c.vertices_apart += u64::from(cluster.vertices);
         c.triangles_apart += u64::from(cluster.triangles);
