@@ -120,7 +120,7 @@ impl PictureArgs {
             Some(_) => BoxScene::default(),
             None => boxes(&scene, &camera, self.size)?,
         };
-        Ok(Counted { size: self.size, tile_size: counters::tile_size(&settings), counted, boxes })
+        Ok(Counted { size: self.size, tile_size: settings.tile_edge(), counted, boxes })
     }
 }
 

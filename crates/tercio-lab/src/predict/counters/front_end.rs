@@ -13,7 +13,7 @@ use tercio_scene::{Camera, Instance, Scene};
 
 use super::Counters;
 use super::triangle::Triangle;
-use super::{PredictError, tile_size, whole};
+use super::{PredictError, whole};
 use crate::workloads::PixelBox;
 
 /// Clusters in more tiles than this are taken apart.
@@ -139,7 +139,7 @@ impl<'a> Frame<'a> {
     /// A camera that makes no view.
     pub fn new(scene: &'a Scene, camera: &Camera, settings: &'a Settings) -> Result<Self, PredictError> {
         let view = View::new(camera, &scene.bounds(), settings.width, settings.height)?;
-        let tile = tile_size(settings);
+        let tile = settings.tile_edge();
         let mut primitives = 0;
         let mut first_primitive = Vec::new();
         for instance in &scene.instances {

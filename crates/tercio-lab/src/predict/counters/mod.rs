@@ -281,14 +281,5 @@ fn is_shared(frame: &Frame, bins: &Bins, tile: usize, threads: usize) -> bool {
         && bins.fill(tile) > work() / (2 * threads)
 }
 
-/// Pixels along the edge of a tile: small ones in small pictures.
-pub fn tile_size(settings: &Settings) -> u32 {
-    settings.tile_size.unwrap_or(match u64::from(settings.width) * u64::from(settings.height) {
-        0..=0x4_0000 => 32,
-        0x4_0001..=0x8_0000 => 64,
-        _ => 128,
-    })
-}
-
 #[cfg(test)]
 mod tests;

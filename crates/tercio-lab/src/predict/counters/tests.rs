@@ -21,7 +21,7 @@ fn compare(
     change(&mut settings, &mut camera);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
     let stats = pool.install(|| Renderer::new().render(&scene, &camera, &settings)).unwrap().stats;
-    assert_eq!(tile_size(&settings), stats.tile_size, "{model}");
+    assert_eq!(settings.tile_edge(), stats.tile_size, "{model}");
     let ours = count(&scene, &camera, &settings, threads).unwrap().frame;
     assert_eq!(ours.comparable(), Counters::counted(&stats), "{model} {size:?} {settings:?}");
     let drawn = boxes::boxes(&scene, &camera, size).unwrap();
