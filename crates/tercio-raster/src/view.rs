@@ -88,8 +88,13 @@ impl View {
             ([0.0, 0.0, 0.0, 1.0], row(b.forward, -k, self.far * k))
         };
         let inverse = linear.inverse();
-        // It keeps the side of a plane on which a normal stands, of mirror images too.
+        let mirrored = linear.determinant() < 0.0;
+        // It keeps the side of a plane on which a normal stands, of mirror images too. Its scale is taken out, so that
+        // normals times areas neither vanish nor overflow.
         let normal_matrix = inverse.transpose();
+        let largest = normal_matrix.to_cols_array().into_iter().fold(0.0, |m: f64, v| m.max(v.abs()));
+        let scale = if largest > 0.0 && largest.is_finite() { 1.0 / largest } else { 1.0 };
+        let normal_matrix = normal_matrix * if mirrored { -scale } else { scale };
         // Towards the viewer in object space: the eye itself, or the direction of all rays.
         let viewer = if self.perspective { inverse * -shift } else { inverse * -b.forward };
         let f = |v: DVec3| [v.x as f32, v.y as f32, v.z as f32];
@@ -109,7 +114,7 @@ impl View {
             world_from_local: rows(linear),
             eye_from_local: f(shift),
             normal_matrix: rows(normal_matrix),
-            mirrored: linear.determinant() < 0.0,
+            mirrored,
             similarity: similarity(linear),
             inverse_size: if size > 0.0 { (1.0 / size) as f32 } else { 1.0 },
         }
@@ -162,7 +167,9 @@ pub struct ObjectView {
     pub world_from_local: [[f32; 3]; 3],
     /// What is added to it to be relative to the eye, in world axes.
     pub eye_from_local: [f32; 3],
-    /// Normals from object space to world space, length not kept.
+    /// Normals from object space to world space, length not kept. Negated in a mirror image, whose fronts appear
+    /// clockwise: times an area that is positive where a triangle appears counter-clockwise, a normal points to the side
+    /// that is seen.
     pub normal_matrix: [[f32; 3]; 3],
     /// The instance is a mirror image: its fronts are clockwise.
     pub mirrored: bool,

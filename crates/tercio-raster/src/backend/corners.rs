@@ -135,8 +135,10 @@ pub struct Corners<S: Simd> {
     pub beyond: u32,
     /// Positions; only where they are needed.
     pub position: [Vec3x16<S>; 3],
-    /// Normals, packed; only where the mesh has normals.
-    pub normal: [i32x16<S>; 3],
+    /// No corner is [`SMALL_EXTENT`](crate::conventions::SMALL_EXTENT) sub-pixels or more from its sample.
+    pub are_near: bool,
+    /// Normals as [`corner_normal`] has them; only where the mesh has normals.
+    pub normal: [Vec3x16<S>; 3],
     /// Linear colours; only where the mesh has colours.
     pub color: [Vec3x16<S>; 3],
 }
@@ -152,7 +154,8 @@ impl<S: Simd> Corners<S> {
             d: [zero; 3],
             beyond: 0,
             position: [[zero; 3]; 3],
-            normal: [zero_i; 3],
+            are_near: false,
+            normal: [[zero; 3]; 3],
             color: [[zero; 3]; 3],
         }
     }
@@ -170,6 +173,7 @@ impl<S: Simd> Corners<S> {
         let mesh = &*scene_instance.mesh;
         let slots = u32x16::load_array_ref(simd, slots);
         let mut corners = Self::new(simd);
+        let mut packed = [splat_i(simd, 0); 3];
         let mut left = 0xffff_u32;
         // Neighbouring pixels mostly show the same triangle: each is fetched once.
         while left != 0 {
@@ -185,7 +189,7 @@ impl<S: Simd> Corners<S> {
                 *position = each3!(A => same.select(splat(simd, p[A]), position[A]));
                 if let Some(normals) = &mesh.normals {
                     let normal = splat_i(simd, normals[v].0 as i32);
-                    corners.normal[k] = same.select(normal, corners.normal[k]);
+                    packed[k] = same.select(normal, packed[k]);
                 }
                 if let (ColorSource::Vertex, Some(c)) = (colors, &mesh.vertex_colors) {
                     corners.set_color(k, same, linear(c[v]));
@@ -196,7 +200,14 @@ impl<S: Simd> Corners<S> {
                 (0..3).for_each(|k| corners.set_color(k, same, color));
             }
         }
-        corners.project(simd, &context.objects[instance]);
+        let object = &context.objects[instance];
+        corners.project(simd, object);
+        let one = splat(simd, 1.0);
+        let beyond = mask32x16::from_bitmask(simd, u64::from(corners.beyond));
+        corners.normal = each3!(K => {
+            let scale = if object.perspective { beyond.select(one, corners.d[K]) } else { one };
+            corner_normal(simd, object, packed[K], scale)
+        });
         corners
     }
 
@@ -222,9 +233,37 @@ impl<S: Simd> Corners<S> {
     }
 }
 
+/// A packed normal in world space, of any length, times the depth of its corner in a perspective: so it can be
+/// interpolated by areas on the screen. Negated in a mirror image; see [`ObjectView::normal_matrix`].
+#[inline(always)]
+pub fn corner_normal<S: Simd>(
+    simd: S,
+    object: &ObjectView,
+    packed: i32x16<S>,
+    scale: f32x16<S>,
+) -> Vec3x16<S> {
+    let n = to_world(simd, object, decode_normal(simd, packed));
+    part(
+        simd,
+        #[inline(always)]
+        || each3!(A => n[A] * scale),
+    )
+}
+
+/// A normal from object space to world space.
+#[inline(always)]
+pub fn to_world<S: Simd>(simd: S, object: &ObjectView, n: Vec3x16<S>) -> Vec3x16<S> {
+    let m = &object.normal_matrix;
+    part(
+        simd,
+        #[inline(always)]
+        || each3!(K => (n[0] * m[K][0] + n[1] * m[K][1]) + n[2] * m[K][2]),
+    )
+}
+
 /// [`tercio_mesh::OctNormal::decode`], lane by lane.
 #[inline(always)]
-pub fn decode_normal<S: Simd>(simd: S, packed: i32x16<S>) -> Vec3x16<S> {
+fn decode_normal<S: Simd>(simd: S, packed: i32x16<S>) -> Vec3x16<S> {
     part(
         simd,
         #[inline(always)]

@@ -5,47 +5,38 @@ use fearless_simd::{Simd, f32x16, i32x16, mask32x16};
 
 use super::corners::Corners;
 use super::light::Vec3x16;
+use crate::conventions::SMALL_EXTENT;
 use crate::frontend::clip::barycentrics_unclipped;
-use crate::simd::{LANES, each3, part, splat};
+use crate::simd::{LANES, each3, part, splat, splat_i};
 use crate::view::ObjectView;
 
 /// 16 pixels in their triangles.
-pub struct Barycentric<S: Simd> {
+pub struct Interpolation<S: Simd> {
+    /// Twice the areas of the triangles between the sample and two corners, in square sub-pixels, exact and then
+    /// rounded: positive where the triangle appears counter-clockwise.
+    pub area: [f32x16<S>; 3],
     /// Perspective barycentric coordinates of the samples: not negative, adding up to 1.
     pub weight: [f32x16<S>; 3],
     /// The triangle appears clockwise on the screen.
     pub clockwise: mask32x16<S>,
 }
 
-impl<S: Simd> Barycentric<S> {
+impl<S: Simd> Interpolation<S> {
     /// Of 16 samples; their coordinates are counted from where those of the corners are.
     #[inline(always)]
     pub fn new(simd: S, object: &ObjectView, sample: [i32x16<S>; 2], corners: &Corners<S>) -> Self {
+        let area = areas(simd, sample, corners);
         let mut found = part(
             simd,
             #[inline(always)]
             || {
-                let zero = splat(simd, 0.0);
-                // Corners as seen from the sample: whole numbers of at most 2^24, exact in `f32`.
-                let x: [f32x16<S>; 3] = each3!(K => (corners.x[K] - sample[0]).to_float());
-                let y: [f32x16<S>; 3] = each3!(K => (corners.y[K] - sample[1]).to_float());
-                let mut b = each3!(K => {
-                    let (i, j) = ((K + 1) % 3, (K + 2) % 3);
-                    x[i] * y[j] - y[i] * x[j]
-                });
+                let mut b = each3!(K => area[K].abs());
                 if object.perspective {
                     b = each3!(K => b[K] * corners.d[K]);
                 }
-                let area = (b[0] + b[1]) + b[2];
-                let negative = area.simd_lt(zero);
-                let b = each3!(K => negative.select(-b[K], b[K]));
-                let b = each3!(K => b[K].simd_gt(zero).select(b[K], zero));
-                let sum = (b[0] + b[1]) + b[2];
-                let good = sum.simd_gt(zero);
-                let inverse = splat(simd, 1.0) / sum;
-                let one_corner = [splat(simd, 1.0), zero, zero];
-                let weight = each3!(K => good.select(b[K] * inverse, one_corner[K]));
-                Self { weight, clockwise: area.simd_gt(zero) }
+                let inverse = splat(simd, 1.0) / ((b[0] + b[1]) + b[2]);
+                let clockwise = (area[0] + area[1] + area[2]).simd_lt(splat(simd, 0.0));
+                Self { area, weight: each3!(K => b[K] * inverse), clockwise }
             },
         );
         if corners.beyond != 0 {
@@ -66,6 +57,7 @@ impl<S: Simd> Barycentric<S> {
             let (weight, is_clockwise) = barycentrics_unclipped(object, positions, [at(0), at(1)]);
             for k in 0..3 {
                 self.weight[k][lane] = weight[k];
+                self.area[k][lane] = if is_clockwise { -weight[k] } else { weight[k] };
             }
             clockwise = clockwise & !(1 << lane) | u64::from(is_clockwise) << lane;
         }
@@ -75,11 +67,70 @@ impl<S: Simd> Barycentric<S> {
     /// Interpolates a vector between the corners.
     #[inline(always)]
     pub fn mix(&self, v: [Vec3x16<S>; 3]) -> Vec3x16<S> {
-        let w = &self.weight;
-        part(
-            w[0].simd,
-            #[inline(always)]
-            || each3!(A => (w[0] * v[0][A] + w[1] * v[1][A]) + w[2] * v[2][A]),
-        )
+        weighted(&self.weight, v)
     }
+
+    /// The normal, of any length, on the side of the triangle that is seen, from those of [`Corners::normal`].
+    #[inline(always)]
+    pub fn normal(&self, normals: [Vec3x16<S>; 3]) -> Vec3x16<S> {
+        weighted(&self.area, normals)
+    }
+}
+
+/// `(w0 * v0 + w1 * v1) + w2 * v2`.
+#[inline(always)]
+fn weighted<S: Simd>(w: &[f32x16<S>; 3], v: [Vec3x16<S>; 3]) -> Vec3x16<S> {
+    part(
+        w[0].simd,
+        #[inline(always)]
+        || each3!(A => (w[0] * v[0][A] + w[1] * v[1][A]) + w[2] * v[2][A]),
+    )
+}
+
+/// [`Interpolation::area`].
+#[inline(always)]
+fn areas<S: Simd>(simd: S, sample: [i32x16<S>; 2], corners: &Corners<S>) -> [f32x16<S>; 3] {
+    // Corners as seen from the sample.
+    let x = each3!(K => corners.x[K] - sample[0]);
+    let y = each3!(K => corners.y[K] - sample[1]);
+    if !corners.are_near && are_far(simd, x, y) {
+        return far_areas(simd, x, y);
+    }
+    part(
+        simd,
+        #[inline(always)]
+        || {
+            each3!(K => {
+                let (i, j) = ((K + 1) % 3, (K + 2) % 3);
+                (y[i] * x[j] - x[i] * y[j]).to_float()
+            })
+        },
+    )
+}
+
+/// Is a corner so far from its sample that 32 bits do not hold the areas?
+#[inline(always)]
+fn are_far<S: Simd>(simd: S, x: [i32x16<S>; 3], y: [i32x16<S>; 3]) -> bool {
+    part(
+        simd,
+        #[inline(always)]
+        || {
+            let shifted = each3!(K => (x[K] + SMALL_EXTENT) | (y[K] + SMALL_EXTENT));
+            let beyond = (shifted[0] | shifted[1] | shifted[2]) & !(2 * SMALL_EXTENT - 1);
+            !beyond.simd_eq(splat_i(simd, 0)).all_true()
+        },
+    )
+}
+
+/// The same in 64 bits.
+#[cold]
+#[inline(never)]
+fn far_areas<S: Simd>(simd: S, x: [i32x16<S>; 3], y: [i32x16<S>; 3]) -> [f32x16<S>; 3] {
+    let wide = |v: &i32x16<S>, lane: usize| i64::from(v[lane]);
+    [0, 1, 2].map(|k| {
+        let (i, j) = ((k + 1) % 3, (k + 2) % 3);
+        f32x16::from_fn(simd, |lane| {
+            (wide(&y[i], lane) * wide(&x[j], lane) - wide(&x[i], lane) * wide(&y[j], lane)) as f32
+        })
+    })
 }

@@ -9,9 +9,9 @@ use tercio_mesh::cluster::MAX_TRIANGLES;
 use tercio_scene::Instance;
 
 use super::cluster::ClusterPass;
-use super::corners::{ColorSource, Corners, Fragments, decode_normal};
+use super::corners::{ColorSource, Corners, Fragments, to_world};
 use super::encode::opaque;
-use super::interpolate::Barycentric;
+use super::interpolate::Interpolation;
 use super::light::{Vec3x16, beside, diffuse, normalize, reflect};
 use super::output::{Planes, TilePixels};
 use super::table::{ClusterTable, look_up_colors};
@@ -178,13 +178,13 @@ pub fn winners<S: Simd>(
             let cluster = &mesh.clusters[index];
             let look = Look::of(context, instance, cluster.normals_agree, planes);
             let WinnerScratch { table, fragments } = scratch;
-            table.load_normals(mesh, cluster);
+            table.load_normals(simd, &context.objects[instance], mesh, cluster, &pass.vertices);
             if look.position {
                 table.load_positions(simd, mesh, cluster);
             }
             let count = pass.winners.len();
             counts.pixels_shaded += count as u64;
-            let plain = look == Look::PLAIN;
+            let plain = look == Look::PLAIN && !pass.vertices.is_wide;
             let first_sample = pass.vertices.sample_of(memory.corner);
             for first in (0..count).step_by(LANES) {
                 let (places, triangles) = pass.winners.sixteen(first);
@@ -197,6 +197,7 @@ pub fn winners<S: Simd>(
                 if plain {
                     // All that it asks for is known here, so that the kernel becomes short.
                     let look = Look::PLAIN;
+                    corners.are_near = true;
                     shade_16(simd, context, instance, look, fragments, sample, &corners, pixels, planes);
                     continue;
                 }
@@ -267,27 +268,20 @@ fn shade_16<S: Simd>(
 ) {
     let surface = &context.scene.instances[instance].surface;
     let object = &context.objects[instance];
-    let at = Barycentric::new(simd, object, sample, corners);
+    let at = Interpolation::new(simd, object, sample, corners);
     let zero = [splat(simd, 0.0); 3];
 
-    let mut side = Side { plane: None, from_back: at.clockwise };
-    if object.mirrored {
-        side.from_back = !side.from_back;
-    }
-    if look.plane {
-        side.plane = Some(plane_of(object, corners.position));
-    }
-    let plane = side.plane.unwrap_or(zero);
-    let normals: Corners16<S> =
-        if look.normals { each3!(K => decode_normal(simd, corners.normal[K])) } else { [plane; 3] };
-
+    let side = Side { plane: look.plane.then(|| seen_plane(simd, object, corners.position, at.clockwise)) };
     let (mut position, mut to_viewer) = (zero, beside(simd, &context.lights));
     if look.lit_from_position {
         position = to_eye(simd, object, at.mix(corners.position));
         to_viewer = towards_viewer(simd, context, object, position);
     }
-    let flat = look.shading == Shading::Flat;
-    let normal = side.turn(simd, context, object, if flat { plane } else { at.mix(normals) });
+    let normal = match side.plane {
+        Some(plane) if look.shading == Shading::Flat || !look.normals => plane,
+        _ => at.normal(corners.normal),
+    };
+    let normal = side.unit_normal(simd, context, normal);
 
     let albedo: Vec3x16<S> = match look.colors {
         ColorSource::Base => each3!(C => splat(simd, surface.base_color[C])),
@@ -310,7 +304,11 @@ fn shade_16<S: Simd>(
                     position = to_eye(simd, object, corners.position[K]);
                     to_viewer = towards_viewer(simd, context, object, position);
                 }
-                let normal = side.turn(simd, context, object, normals[K]);
+                let normal = match side.plane {
+                    Some(plane) if !look.normals => plane,
+                    _ => as_seen(simd, corners.normal[K], at.clockwise),
+                };
+                let normal = side.unit_normal(simd, context, normal);
                 reflect(simd, &context.lights, surface, &normal, &to_viewer, &position)
             });
             let diffuse = at.mix(each3!(K => at_corner[K].diffuse));
@@ -390,12 +388,27 @@ impl Look {
     }
 }
 
-/// The normals of 16 triangles by their winding, in object space, of any length.
+/// The normals of 16 triangles by their winding, in world space, of any length, on the side that is seen.
 #[inline(always)]
-fn plane_of<S: Simd>(object: &ObjectView, p: Corners16<S>) -> Vec3x16<S> {
+fn seen_plane<S: Simd>(
+    simd: S,
+    object: &ObjectView,
+    p: Corners16<S>,
+    clockwise: mask32x16<S>,
+) -> Vec3x16<S> {
     let edge_1 = each3!(A => (p[1][A] - p[0][A]) * object.inverse_size);
     let edge_2 = each3!(A => (p[2][A] - p[0][A]) * object.inverse_size);
-    cross(edge_1, edge_2)
+    as_seen(simd, to_world(simd, object, cross(edge_1, edge_2)), clockwise)
+}
+
+/// Negates what belongs to triangles that appear clockwise.
+#[inline(always)]
+fn as_seen<S: Simd>(simd: S, n: Vec3x16<S>, clockwise: mask32x16<S>) -> Vec3x16<S> {
+    part(
+        simd,
+        #[inline(always)]
+        || each3!(A => clockwise.select(-n[A], n[A])),
+    )
 }
 
 /// A vector at each of the three corners.
@@ -423,39 +436,26 @@ fn towards_viewer<S: Simd>(
 /// Which side of its triangle a pixel shows.
 #[derive(Clone, Copy)]
 struct Side<S: Simd> {
-    /// The triangle's normal by its winding, in object space, any length; `None` if the corners' normals are
-    /// known to point to the same side.
+    /// [`seen_plane`]; `None` if the corners' normals are known to point to the same side as the triangle's winding.
     plane: Option<Vec3x16<S>>,
-    /// It is seen from behind.
-    from_back: mask32x16<S>,
 }
 
 impl<S: Simd> Side<S> {
-    /// A unit normal in world space, turned to the side of the triangle that is seen, whatever its winding.
+    /// A unit normal, turned to the side of the triangle that is seen, whatever its winding.
     #[inline(always)]
-    fn turn(&self, simd: S, context: &FrameContext, object: &ObjectView, n: Vec3x16<S>) -> Vec3x16<S> {
-        part(
-            simd,
-            #[inline(always)]
-            || {
-                let mut turn = self.from_back;
-                if let Some(plane) = self.plane {
-                    let against = dot(n, plane).simd_lt(splat(simd, 0.0));
-                    turn = (against & !self.from_back) | (self.from_back & !against);
-                }
-                let n = each3!(A => turn.select(-n[A], n[A]));
-                let m = &object.normal_matrix;
-                let world = each3!(K => (n[0] * m[K][0] + n[1] * m[K][1]) + n[2] * m[K][2]);
-                normalize(simd, world, beside(simd, &context.lights))
-            },
-        )
+    fn unit_normal(&self, simd: S, context: &FrameContext, mut n: Vec3x16<S>) -> Vec3x16<S> {
+        if let Some(plane) = self.plane {
+            n = as_seen(simd, n, dot(n, plane).simd_lt(splat(simd, 0.0)));
+        }
+        normalize(simd, n, beside(simd, &context.lights))
     }
 }
 
 #[inline(always)]
 fn write_color<S: Simd>(simd: S, fragments: &Fragments, linear: Vec3x16<S>, pixels: &mut TilePixels) {
     let levels = opaque(simd, linear).to_array();
-    for lane in 0..fragments.count {
+    // Lanes without a pixel repeat another.
+    for lane in 0..LANES {
         pixels.color[fragments.place[lane] as usize] = (levels[lane] as u32).to_le_bytes();
     }
 }

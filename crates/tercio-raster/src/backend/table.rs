@@ -6,34 +6,52 @@ use tercio_mesh::ClusteredMesh;
 use tercio_mesh::cluster::{Cluster, MAX_VERTICES};
 use tercio_scene::Surface;
 
-use super::corners::{ColorSource, Corners, linear, triangle_color};
+use super::corners::{ColorSource, Corners, corner_normal, linear, triangle_color};
 use crate::frontend::transform::{CornerNumbers, CornerTable, LocalVertices};
-use crate::simd::{LANES, each3, load, lookup};
+use crate::simd::{LANES, each3, load, lookup, splat};
+use crate::view::ObjectView;
 
 /// Positions and normals of a cluster.
 #[derive(Debug)]
 pub struct ClusterTable {
     /// The bits of an `f32`: axis, vertex; only where positions are needed.
     position: [[i32; MAX_VERTICES]; 3],
-    /// Packed; only where the mesh has normals.
-    normal: [i32; MAX_VERTICES],
+    /// Normals as [`corner_normal`] has them, likewise; only where the mesh has normals.
+    normal: [[i32; MAX_VERTICES]; 3],
 }
 
 impl Default for ClusterTable {
     fn default() -> Self {
-        Self { position: [[0; MAX_VERTICES]; 3], normal: [0; MAX_VERTICES] }
+        Self { position: [[0; MAX_VERTICES]; 3], normal: [[0; MAX_VERTICES]; 3] }
     }
 }
 
 impl ClusterTable {
-    /// Copies the normals of a cluster, if there are any.
+    /// Prepares the normals of a cluster whose vertices were projected, if there are any.
     #[inline(always)]
-    pub fn load_normals(&mut self, mesh: &ClusteredMesh, cluster: &Cluster) {
+    pub fn load_normals<S: Simd>(
+        &mut self,
+        simd: S,
+        object: &ObjectView,
+        mesh: &ClusteredMesh,
+        cluster: &Cluster,
+        vertices: &LocalVertices,
+    ) {
         let Some(normals) = &mesh.normals else { return };
-        if let Some(normals) = normals[cluster.first_vertex as usize..].first_chunk::<MAX_VERTICES>() {
-            for (to, from) in self.normal.iter_mut().zip(normals) {
+        let mut first = 0;
+        while first < usize::from(cluster.vertices) {
+            let from = cluster.first_vertex as usize + first;
+            let mut packed = [0; LANES];
+            for (to, from) in packed.iter_mut().zip(&normals[from..from + LANES]) {
                 *to = from.0 as i32;
             }
+            let scale =
+                if object.perspective { vertices.depths_of_16(simd, first) } else { splat(simd, 1.0) };
+            let n = corner_normal(simd, object, i32x16::load_array(simd, packed), scale);
+            for (to, axis) in self.normal.iter_mut().zip(n) {
+                axis.bitcast::<i32x16<S>>().store_slice(&mut to[first..first + LANES]);
+            }
+            first += LANES;
         }
     }
 
@@ -66,7 +84,8 @@ impl ClusterTable {
         let mut found = Corners::new(simd);
         [found.x, found.y] = vertices.coordinates(simd, &numbers);
         found.d = vertices.depths(simd, &numbers);
-        found.normal = each3!(K => lookup(simd, &self.normal, &numbers[K]));
+        found.normal = each3!(K => each3!(A => lookup(simd, &self.normal[A], &numbers[K]).bitcast()));
+        found.are_near = !vertices.is_wide;
         (numbers, found)
     }
 

@@ -264,6 +264,12 @@ impl LocalVertices {
         each3!(K => lookup(simd, &self.d, &corners[K]).bitcast())
     }
 
+    /// Depths of 16 vertices, from number `first` on, a multiple of 16.
+    #[inline(always)]
+    pub fn depths_of_16<S: Simd>(&self, simd: S, first: usize) -> f32x16<S> {
+        i32x16::from_slice(simd, &self.d[first..first + LANES]).bitcast()
+    }
+
     /// Coordinates of the corners of 16 triangles as seen from [`LocalVertices::pixel`]: x, y.
     #[inline(always)]
     pub fn coordinates<S: Simd>(&self, simd: S, corners: &CornerNumbers) -> [[i32x16<S>; 3]; 2] {

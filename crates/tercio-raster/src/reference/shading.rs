@@ -1,6 +1,6 @@
 //! The colour of one pixel, formula by formula.
 
-use tercio_mesh::Mesh;
+use tercio_mesh::{Mesh, OctNormal};
 use tercio_scene::Surface;
 
 use crate::color::{DECODE, encode8, encode16};
@@ -57,13 +57,15 @@ pub fn shade(
 ) -> Pixel {
     let corners = Mesh::canonical(mesh.triangles[triangle]).map(|v| v as usize);
     let p = corners.map(|v| mesh.positions[v]);
-    let (weight, clockwise) = barycentrics(object, p, pixel.map(|c| c as i32));
+    let Interpolation { area, scale, weight } = interpolation(object, p, pixel.map(|c| c as i32));
     let mix = |v: [f32; 3]| (weight[0] * v[0] + weight[1] * v[1]) + weight[2] * v[2];
     let mix3 = |v: [Vec3; 3]| each(|k| mix(v.map(|v| v[k])));
 
     let edge = |k: usize| each(|a| (p[k][a] - p[0][a]) * object.inverse_size);
-    let plane = cross(edge(1), edge(2));
-    let seen_from_back = clockwise != object.mirrored;
+    let clockwise = area.iter().any(|&a| a < 0.0);
+    let to_world = |n: Vec3| each(|k| dot(n, object.normal_matrix[k]));
+    let as_seen = |n: Vec3| if clockwise { n.map(|c| -c) } else { n };
+    let plane = as_seen(to_world(cross(edge(1), edge(2))));
 
     let to_viewer_from = |position: Vec3| {
         if object.perspective { normalize(position.map(|c| -c), lights.to_viewer) } else { lights.to_viewer }
@@ -74,17 +76,24 @@ pub fn shade(
             ((q[0] * r[0] + q[1] * r[1]) + q[2] * r[2]) + object.eye_from_local[k]
         })
     };
-    let facing = |n: Vec3| {
-        let against = dot(n, plane) < 0.0;
-        let n = if against != seen_from_back { n.map(|c| -c) } else { n };
-        normalize(each(|k| dot(n, object.normal_matrix[k])), lights.to_viewer)
+    // Unit normals stand on the side of the plane that is seen.
+    let unit = |n: Vec3| {
+        let n = if dot(n, plane) < 0.0 { n.map(|c| -c) } else { n };
+        normalize(n, lights.to_viewer)
     };
-    let corner_normal = |k: usize| mesh.normals.as_ref().map_or(plane, |n| n[corners[k]].decode());
+    // Of a corner, times how much nearer it is than others.
+    let normals = mesh.normals.as_ref();
+    let corner_normal = |n: &[OctNormal], k: usize| to_world(n[corners[k]].decode()).map(|c| c * scale[k]);
 
     let position = position_of(mix3(p));
     let to_viewer = to_viewer_from(position);
-    let smooth = || mix3([0, 1, 2].map(corner_normal));
-    let normal = facing(if shading == Shading::Flat { plane } else { smooth() });
+    let normal = unit(match normals {
+        Some(normals) if shading != Shading::Flat => {
+            let m = [0, 1, 2].map(|k| corner_normal(normals, k));
+            each(|c| (area[0] * m[0][c] + area[1] * m[1][c]) + area[2] * m[2][c])
+        }
+        _ => plane,
+    });
     let albedo = match corner_colors(mesh, triangle, surface) {
         Some(colors) => mix3(colors),
         None => surface.base_color,
@@ -99,7 +108,8 @@ pub fn shade(
             let light = [0, 1, 2].map(|k| {
                 let position = position_of(p[k]);
                 let to_viewer = to_viewer_from(position);
-                reflect(lights, surface, facing(corner_normal(k)), to_viewer, position)
+                let normal = normals.map_or(plane, |n| as_seen(corner_normal(n, k)));
+                reflect(lights, surface, unit(normal), to_viewer, position)
             });
             let (diffuse, specular) = (mix3(light.map(|l| l.0)), mix3(light.map(|l| l.1)));
             each(|k| albedo[k] * diffuse[k] + specular[k])
@@ -132,27 +142,34 @@ fn corner_colors(mesh: &Mesh, triangle: usize, surface: &Surface) -> Option<[Vec
     }
 }
 
-/// Perspective barycentric coordinates of a pixel's sample, not negative and adding up to 1, and whether the
-/// triangle appears clockwise on the screen.
-fn barycentrics(object: &ObjectView, p: [Vec3; 3], pixel: [i32; 2]) -> ([f32; 3], bool) {
+/// Where in its triangle a pixel's sample lies.
+struct Interpolation {
+    /// Twice the areas of the triangles between the sample and two corners, exact and then rounded: positive where the
+    /// triangle appears counter-clockwise.
+    area: [f32; 3],
+    /// By which an area is multiplied to allow for the perspective: the corner's depth.
+    scale: [f32; 3],
+    /// The products, made to add up to 1.
+    weight: [f32; 3],
+}
+
+fn interpolation(object: &ObjectView, p: [Vec3; 3], pixel: [i32; 2]) -> Interpolation {
     let v = p.map(|p| object.project(p));
     let sample = pixel.map(|c| c * SUBPIXELS + SAMPLE);
     if v.iter().any(|v| !v.inside) {
         let from_middle = [0, 1].map(|k| f64::from(sample[k]) - f64::from(object.offset[k]));
-        return barycentrics_unclipped(object, p, from_middle);
+        let (weight, clockwise) = barycentrics_unclipped(object, p, from_middle);
+        return Interpolation { area: weight.map(|w| if clockwise { -w } else { w }), scale: [1.0; 3], weight };
     }
-    let x = v.map(|v| (v.x - sample[0]) as f32);
-    let y = v.map(|v| (v.y - sample[1]) as f32);
-    let b = [0, 1, 2].map(|k| {
+    let [x, y] = [v.map(|v| i64::from(v.x - sample[0])), v.map(|v| i64::from(v.y - sample[1]))];
+    let area = [0, 1, 2].map(|k| {
         let (i, j) = ((k + 1) % 3, (k + 2) % 3);
-        let area = x[i] * y[j] - y[i] * x[j];
-        if object.perspective { area * v[k].d } else { area }
+        (y[i] * x[j] - x[i] * y[j]) as f32
     });
-    let area = (b[0] + b[1]) + b[2];
-    let b = b.map(|b| if area < 0.0 { -b } else { b }).map(|b| if b > 0.0 { b } else { 0.0 });
-    let sum = (b[0] + b[1]) + b[2];
-    let inverse = 1.0 / sum;
-    (if sum > 0.0 { b.map(|b| b * inverse) } else { [1.0, 0.0, 0.0] }, area > 0.0)
+    let scale = v.map(|v| if object.perspective { v.d } else { 1.0 });
+    let part = [0, 1, 2].map(|k| area[k].abs() * scale[k]);
+    let inverse = 1.0 / ((part[0] + part[1]) + part[2]);
+    Interpolation { area, scale, weight: part.map(|p| p * inverse) }
 }
 
 /// Diffuse light and highlights of all lights.
