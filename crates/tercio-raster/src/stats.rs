@@ -102,8 +102,8 @@ pub struct BackEndCounts {
     pub triangles_in: u64,
     /// Those of them that hold a sample in their bounding box and face the right way.
     pub triangles_drawn: u64,
-    /// Blocks of 4x4 samples tested against a triangle; triangles of a few samples need none.
-    pub blocks: u64,
+    /// Stamps of 16 samples tested against a triangle; triangles of a few samples need none.
+    pub stamps: u64,
     /// Samples covered by a triangle, hidden or not.
     pub samples_covered: u64,
     /// Pixels shaded. Pixels of clusters are shaded when they are won, and again if a nearer cluster wins them.
@@ -189,7 +189,7 @@ impl BackEndCounts {
             vertices_transformed: self.vertices_transformed + o.vertices_transformed,
             triangles_in: self.triangles_in + o.triangles_in,
             triangles_drawn: self.triangles_drawn + o.triangles_drawn,
-            blocks: self.blocks + o.blocks,
+            stamps: self.stamps + o.stamps,
             samples_covered: self.samples_covered + o.samples_covered,
             pixels_shaded: self.pixels_shaded + o.pixels_shaded,
             pixels_visible: self.pixels_visible + o.pixels_visible,

@@ -138,8 +138,8 @@ mod tests {
         Counters {
             entries: boxes,
             entries_drawn: boxes,
-            blocks: boxes,
-            blocks_alone: boxes,
+            stamps: boxes,
+            stamps_alone: boxes,
             pixels: 1 << 20,
             ..binned
         }

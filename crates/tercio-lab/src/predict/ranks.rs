@@ -88,7 +88,7 @@ impl Work {
             Costs { polygon, set_up: 0.0, entry: 0.0, pixel: one.raster / box_pixels, ..costs }
         } else {
             // Such a machine may test blocks of samples; the simulator counts the samples of boxes.
-            let blocks = c.blocks_alone as f64 * machine.seconds_or_0(Operation::Block);
+            let blocks = c.stamps_alone as f64 * machine.seconds_or_0(Operation::Block);
             Costs { pixel: costs.pixel + blocks / box_pixels, ..costs }
         };
         let picture = one.picture - machine.seconds_or_0(Operation::Frame);

@@ -6,7 +6,7 @@ use tercio_mesh::{ClusteredMesh, Mesh};
 use tercio_scene::Surface;
 
 use super::light::Vec3x16;
-use super::visibility::TileMemory;
+use super::memory::TileMemory;
 use crate::color::DECODE;
 use crate::context::FrameContext;
 use crate::conventions::{SAMPLE, SUBPIXELS};
@@ -23,7 +23,7 @@ pub struct Fragments {
     pub x: [i32; LANES],
     /// Pixel rows in the picture.
     pub y: [i32; LANES],
-    /// Places in the tile's planes.
+    /// Places in the tile.
     pub place: [u32; LANES],
     /// Triangles.
     pub slot: [u32; LANES],
@@ -45,13 +45,13 @@ impl Fragments {
         self.count == LANES
     }
 
-    /// Takes pixels and places of 16 samples of a tile, given by their places in the tile memory.
+    /// Takes pixels and places of 16 samples of a tile, given by their places.
     #[inline(always)]
-    pub fn at_places<S: Simd>(&mut self, memory: &TileMemory, places: i32x16<S>, width: usize) {
+    pub fn at_places<S: Simd>(&mut self, memory: &TileMemory, places: i32x16<S>) {
         let [x, y] = memory.column_and_row(places);
         (x + memory.corner[0]).store_slice(&mut self.x);
         (y + memory.corner[1]).store_slice(&mut self.y);
-        (y * width as i32 + x).bitcast::<u32x16<S>>().store_slice(&mut self.place);
+        places.bitcast::<u32x16<S>>().store_slice(&mut self.place);
     }
 
     /// Screen coordinates of the samples.

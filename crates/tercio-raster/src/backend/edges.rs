@@ -1,7 +1,6 @@
 //! Exact coverage by integer edge functions.
 
-use super::visibility::BLOCK_BITS;
-use crate::binning::ScreenTriangle;
+use crate::binning::{PixelRect, ScreenTriangle};
 use crate::conventions::{SAMPLE, SUBPIXEL_BITS};
 
 /// The three edge functions of a triangle at samples: pixel (i, j) is covered exactly if
@@ -41,28 +40,23 @@ impl Edges {
         edges
     }
 
-    /// First and last block of the row of 4x4 blocks that begins at pixel (x, y) which an edge does not leave
-    /// outside; the first is greater if there is none.
+    /// Does an edge leave all pixels of a rectangle outside?
     #[inline(always)]
-    pub fn blocks_in_row(&self, x: i32, y: i32) -> [i32; 2] {
-        const EDGE: i32 = 1 << BLOCK_BITS;
-        let (mut first, mut last) = (i64::from(i32::MIN), i64::from(i32::MAX));
-        for k in 0..3 {
-            // At the sample of block 0 that lies farthest inside.
-            let dx = if self.a[k] > 0 { EDGE - 1 } else { 0 };
-            let dy = if self.b[k] > 0 { EDGE - 1 } else { 0 };
-            let value = self.at(k, x + dx, y + dy);
-            let step = i64::from(self.a[k]) * i64::from(EDGE);
-            match step {
-                1.. => first = first.max(-value.div_euclid(step)),
-                0 if value < 0 => return [1, 0],
-                0 => {}
-                // Rounded down, as the step is negative.
-                _ => last = last.min(value.div_euclid(-step)),
-            }
-        }
-        let whole = |block: i64| block.clamp(i64::from(i32::MIN), i64::from(i32::MAX)) as i32;
-        [whole(first), whole(last)]
+    pub fn leave_out(&self, r: PixelRect) -> bool {
+        // At the corner that lies farthest inside.
+        let farthest = |k: usize| {
+            self.at(k, if self.a[k] > 0 { r.x1 } else { r.x0 }, if self.b[k] > 0 { r.y1 } else { r.y0 })
+        };
+        farthest(0).min(farthest(1)).min(farthest(2)) < 0
+    }
+
+    /// Are all pixels of a rectangle inside all edges?
+    #[inline(always)]
+    pub fn enclose(&self, r: PixelRect) -> bool {
+        let nearest = |k: usize| {
+            self.at(k, if self.a[k] > 0 { r.x0 } else { r.x1 }, if self.b[k] > 0 { r.y0 } else { r.y1 })
+        };
+        nearest(0).min(nearest(1)).min(nearest(2)) >= 0
     }
 
     /// Value of edge `k` at a pixel.
@@ -79,22 +73,22 @@ mod tests {
 
     proptest! {
         #[test]
-        fn blocks_in_a_row_are_those_that_no_edge_leaves_outside(
+        fn rectangles_are_left_out_and_enclosed_by_their_pixels(
             x in prop::array::uniform3(-40_000i32..40_000),
             y in prop::array::uniform3(-40_000i32..40_000),
-            corner in prop::array::uniform2(-30i32..30),
+            corner in prop::array::uniform2(-100i32..100),
+            size in prop::array::uniform2(0i32..16),
         ) {
             let t = ScreenTriangle { x, y, d: [1.0; 3], slot: 0 };
             prop_assume!(t.area() != 0);
             let edges = Edges::new(&t);
-            let [first, last] = edges.blocks_in_row(4 * corner[0], 4 * corner[1]);
-            for block in -60..60 {
-                let inside = (0..3).all(|k| {
-                    let samples = (0..16).map(|i| edges.at(k, 4 * (corner[0] + block) + i % 4, 4 * corner[1] + i / 4));
-                    samples.max() >= Some(0)
-                });
-                prop_assert_eq!(inside, (first..=last).contains(&block), "block {}", block);
-            }
+            let [x0, y0] = corner;
+            let rect = PixelRect { x0, x1: x0 + size[0], y0, y1: y0 + size[1] };
+            let pixels = || (y0..=rect.y1).flat_map(|y| (x0..=rect.x1).map(move |x| (x, y)));
+            let left_out = (0..3).any(|k| pixels().all(|(x, y)| edges.at(k, x, y) < 0));
+            let enclosed = pixels().all(|(x, y)| (0..3).all(|k| edges.at(k, x, y) >= 0));
+            prop_assert_eq!(edges.leave_out(rect), left_out);
+            prop_assert_eq!(edges.enclose(rect), enclosed);
         }
     }
 }

@@ -12,6 +12,7 @@ pub mod edges;
 mod encode;
 pub mod interpolate;
 pub mod light;
+pub mod memory;
 mod order;
 pub mod output;
 pub mod shade;
@@ -28,7 +29,7 @@ use cluster::ClusterPass;
 use order::DepthOrder;
 use output::Planes;
 use shade::WinnerScratch;
-use visibility::TileMemory;
+use memory::TileMemory;
 
 /// The memory that one thread needs to draw a tile.
 #[derive(Debug, Default)]
@@ -74,7 +75,7 @@ pub fn run<S: Simd>(
 ) -> BackEndCounts {
     let mut counts = BackEndCounts::default();
     let rect = output::tile_rect(context, tile);
-    scratch.pixels.clear(rect, planes);
+    scratch.pixels.clear(rect, 1 << memory::stride_bits(context), planes);
     let triangles: usize = batches.iter().map(|b| b.bins.triangles_in(tile).len()).sum();
     let clusters: usize = batches.iter().map(|b| b.bins.clusters_in(tile).len()).sum();
     let last = context.settings.last_stage;
@@ -117,7 +118,7 @@ pub fn finish<S: Simd>(
 ) -> BackEndCounts {
     let mut counts = BackEndCounts::default();
     let rect = output::tile_rect(context, tile);
-    scratch.pixels.clear(rect, planes);
+    scratch.pixels.clear(rect, 1 << memory::stride_bits(context), planes);
     if context.settings.last_stage <= LastStage::Visibility {
         return counts;
     }
@@ -170,7 +171,7 @@ fn draw_inline<S: Simd>(
         if last <= LastStage::Sieve {
             break;
         }
-        memory.draw(simd, context, triangle, None, counts);
+        visibility::draw(simd, context, triangle, memory, None, counts);
         mixed = true;
     }
     let entries = batches.iter().flat_map(|b| b.bins.clusters_in(tile));

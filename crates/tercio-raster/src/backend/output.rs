@@ -67,11 +67,12 @@ pub fn tile_rect(context: &FrameContext, tile: u32) -> PixelRect {
     }
 }
 
-/// The pixels of one tile, row-major with `width` columns; planes that nobody asked for stay empty.
+/// The pixels of one tile, at the places that their samples have in the [`TileMemory`](super::memory::TileMemory);
+/// planes that nobody asked for stay empty.
 #[derive(Debug, Default)]
 pub struct TilePixels {
-    /// Columns.
-    pub width: usize,
+    /// Places from a row to the next.
+    stride: usize,
     /// sRGB, 8 bits.
     pub color: Vec<[u8; 4]>,
     /// sRGB, 16 bits.
@@ -88,17 +89,17 @@ pub struct TilePixels {
 
 impl TilePixels {
     /// Fills the tile with the background.
-    pub fn clear(&mut self, rect: PixelRect, planes: &Planes) {
-        self.width = (rect.x1 - rect.x0 + 1) as usize;
+    pub fn clear(&mut self, rect: PixelRect, stride: usize, planes: &Planes) {
+        self.stride = stride;
         let rows = &planes.background[rect.y0 as usize..=rect.y1 as usize];
-        let pixels = self.width * rows.len();
+        let pixels = stride * rows.len();
         if planes.color.is_wanted() {
             self.color.clear();
-            rows.iter().for_each(|row| self.color.extend(std::iter::repeat_n(row.0, self.width)));
+            rows.iter().for_each(|row| self.color.extend(std::iter::repeat_n(row.0, stride)));
         }
         if planes.color16.is_wanted() {
             self.color16.clear();
-            rows.iter().for_each(|row| self.color16.extend(std::iter::repeat_n(row.1, self.width)));
+            rows.iter().for_each(|row| self.color16.extend(std::iter::repeat_n(row.1, stride)));
         }
         fn fill<T: Clone, P>(plane: &mut Vec<T>, wanted: &SharedPlane<P>, pixels: usize, value: T) {
             plane.clear();
@@ -114,21 +115,22 @@ impl TilePixels {
 
     /// Copies the tile to its place in the picture.
     pub fn write(&self, rect: PixelRect, planes: &Planes) {
-        copy(&self.color, self.width, rect, &planes.color);
-        copy(&self.color16, self.width, rect, &planes.color16);
-        copy(&self.depth, self.width, rect, &planes.depth);
-        copy(&self.ids, self.width, rect, &planes.ids);
-        copy(&self.normals, self.width, rect, &planes.normals);
-        copy(&self.keys, self.width, rect, &planes.keys);
+        copy(&self.color, self.stride, rect, &planes.color);
+        copy(&self.color16, self.stride, rect, &planes.color16);
+        copy(&self.depth, self.stride, rect, &planes.depth);
+        copy(&self.ids, self.stride, rect, &planes.ids);
+        copy(&self.normals, self.stride, rect, &planes.normals);
+        copy(&self.keys, self.stride, rect, &planes.keys);
     }
 }
 
-fn copy<T: Copy>(tile: &[T], width: usize, rect: PixelRect, plane: &SharedPlane<T>) {
+fn copy<T: Copy>(tile: &[T], stride: usize, rect: PixelRect, plane: &SharedPlane<T>) {
     if !plane.is_wanted() {
         return;
     }
-    for (row, y) in tile.chunks_exact(width).zip(rect.y0..) {
+    let width = (rect.x1 - rect.x0 + 1) as usize;
+    for (row, y) in tile.chunks_exact(stride).zip(rect.y0..) {
         // SAFETY: tiles do not overlap, each is drawn by one thread, and the row is let go at once.
-        unsafe { plane.row(rect.x0 as usize, y as usize, width) }.copy_from_slice(row);
+        unsafe { plane.row(rect.x0 as usize, y as usize, width) }.copy_from_slice(&row[..width]);
     }
 }

@@ -15,7 +15,7 @@ use super::interpolate::Interpolation;
 use super::light::{Vec3x16, beside, diffuse, normalize, reflect};
 use super::output::{Planes, TilePixels};
 use super::table::{ClusterTable, look_up_colors};
-use super::visibility::{BLOCK_BITS, LANE_X, LANE_Y, TileMemory};
+use super::memory::TileMemory;
 use crate::color::encode16;
 use crate::context::{FrameContext, NO_SLOT};
 use crate::conventions::SUBPIXELS;
@@ -37,16 +37,15 @@ pub fn tile<S: Simd>(
 ) {
     let mut fragments = Fragments::default();
     let mut instance = 0;
-    let mut whole = WholeBlocks::new(simd);
-    for (block, slots) in memory.slot.chunks_exact(LANES).enumerate() {
+    let mut whole = WholeStamps::new(simd);
+    for (stamp, slots) in memory.slot.chunks_exact(LANES).enumerate() {
         let slots = u32x16::from_slice(simd, slots);
         let empty = slots.simd_eq(u32x16::splat(simd, NO_SLOT)).to_bitmask() as u32;
-        let mut left = !(empty | u32::from(memory.shaded[block])) & 0xffff;
-        let (bx, by) = (block % memory.blocks, block / memory.blocks);
+        let mut left = !(empty | u32::from(memory.shaded[stamp])) & 0xffff;
         if left == 0xffff {
             let slot = slots[0];
             if slots.simd_eq(u32x16::splat(simd, slot)).all_true() {
-                whole.shade(simd, context, memory, block, slot, pixels, planes);
+                whole.shade(simd, context, memory, stamp, slot, pixels, planes);
                 counts.pixels_shaded += LANES as u64;
                 continue;
             }
@@ -55,17 +54,15 @@ pub fn tile<S: Simd>(
             let lane = left.trailing_zeros() as usize;
             left &= left - 1;
             let slot = slots[lane];
-            let x = ((bx << BLOCK_BITS) as i32) + LANE_X[lane];
-            let y = ((by << BLOCK_BITS) as i32) + LANE_Y[lane];
+            let place = stamp * LANES + lane;
+            let [x, y] = memory.pixel(place);
             counts.pixels_shaded += 1;
             let (own, _) = context.locate(slot / MAX_TRIANGLES as u32);
             if own != instance {
                 flush(simd, context, instance, &mut fragments, pixels, planes);
                 instance = own;
             }
-            let place = (y as usize * pixels.width + x as usize) as u32;
-            let depth = memory.depth[block * LANES + lane];
-            if fragments.push(memory.corner[0] + x, memory.corner[1] + y, place, slot, depth) {
+            if fragments.push(x, y, place as u32, slot, memory.depth[place]) {
                 flush(simd, context, instance, &mut fragments, pixels, planes);
             }
         }
@@ -73,20 +70,20 @@ pub fn tile<S: Simd>(
     flush(simd, context, instance, &mut fragments, pixels, planes);
 }
 
-/// Blocks that show one triangle: of a large one there are many in a row, and its corners are fetched once.
-struct WholeBlocks<S: Simd> {
+/// Stamps that show one triangle: of a large one there are many in a row, and its corners are fetched once.
+struct WholeStamps<S: Simd> {
     slot: Option<u32>,
     instance: usize,
     corners: Corners<S>,
 }
 
-impl<S: Simd> WholeBlocks<S> {
+impl<S: Simd> WholeStamps<S> {
     #[inline(always)]
     fn new(simd: S) -> Self {
         Self { slot: None, instance: 0, corners: Corners::new(simd) }
     }
 
-    /// Shades a block of the tile.
+    /// Shades 16 samples of a row of the tile.
     #[expect(clippy::too_many_arguments, reason = "one call site; a struct would only rename them")]
     #[inline(always)]
     fn shade(
@@ -94,16 +91,16 @@ impl<S: Simd> WholeBlocks<S> {
         simd: S,
         context: &FrameContext,
         memory: &TileMemory,
-        block: usize,
+        stamp: usize,
         slot: u32,
         pixels: &mut TilePixels,
         planes: &Planes,
     ) {
-        let first = block * LANES;
+        let first = stamp * LANES;
         let mut fragments = Fragments { count: LANES, slot: [slot; LANES], ..Fragments::default() };
         fragments.depth.copy_from_slice(&memory.depth[first..first + LANES]);
         let places = i32x16::load_array(simd, LANE_NUMBERS) + first as i32;
-        fragments.at_places(memory, places, pixels.width);
+        fragments.at_places(memory, places);
         if self.slot != Some(slot) {
             self.slot = Some(slot);
             (self.instance, _) = context.locate(slot / MAX_TRIANGLES as u32);
@@ -189,9 +186,9 @@ pub fn winners<S: Simd>(
             for first in (0..count).step_by(LANES) {
                 let (places, triangles) = pass.winners.sixteen(first);
                 fragments.count = (count - first).min(LANES);
+                fragments.place = places.map(|place| place as u32);
                 let places = i32x16::load_array(simd, places);
                 let [x, y] = memory.column_and_row(places);
-                (y * pixels.width as i32 + x).bitcast::<u32x16<S>>().store_slice(&mut fragments.place);
                 let sample = [x * SUBPIXELS + first_sample[0], y * SUBPIXELS + first_sample[1]];
                 let (numbers, mut corners) = table.look_up(simd, &pass.vertices, &pass.corners, &triangles);
                 if plain {

@@ -91,6 +91,12 @@ impl PixelRect {
     pub fn intersect(self, o: Self) -> Self {
         Self { x0: self.x0.max(o.x0), x1: self.x1.min(o.x1), y0: self.y0.max(o.y0), y1: self.y1.min(o.y1) }
     }
+
+    /// It holds no pixel.
+    #[inline(always)]
+    pub fn is_empty(self) -> bool {
+        self.x0 > self.x1 || self.y0 > self.y1
+    }
 }
 
 /// How the picture is divided into tiles.

@@ -71,8 +71,8 @@ pub struct Counters {
     pub triangles_in: u64,
     /// Those of them that hold a sample of the tile in their box.
     pub triangles_drawn: u64,
-    /// Blocks of 4x4 samples tested against a large triangle.
-    pub blocks: u64,
+    /// Stamps of 16 samples tested against triangles that are not drawn 16 at a time.
+    pub stamps: u64,
     /// Samples covered, hidden or not.
     pub samples_covered: u64,
     /// Pixels shaded, some more than once.
@@ -85,10 +85,10 @@ pub struct Counters {
     pub tile_samples: u64,
     /// Of the shaded pixels those that are shaded when a tile is finished.
     pub pixels_shaded_late: u64,
-    /// Of these the blocks of 4x4 that show one triangle, which is fetched once.
-    pub whole_blocks: u64,
-    /// Of `blocks` those of triangles sorted by themselves.
-    pub blocks_alone: u64,
+    /// Of these the rows of 16 that show one triangle, which is fetched once.
+    pub whole_stamps: u64,
+    /// Of `stamps` those of triangles drawn by themselves.
+    pub stamps_alone: u64,
     /// Sixteens of small triangles set up.
     pub set_ups: u64,
     /// Samples looked at, of 16 small triangles side by side.
@@ -159,7 +159,7 @@ impl Counters {
             ("vertices", self.vertices),
             ("triangles in", self.triangles_in),
             ("triangles drawn", self.triangles_drawn),
-            ("blocks", self.blocks),
+            ("stamps", self.stamps),
             ("samples covered", self.samples_covered),
             ("pixels shaded", self.pixels_shaded),
             ("pixels visible", self.pixels_visible),
@@ -188,7 +188,7 @@ impl Counters {
             vertices: b.vertices_transformed,
             triangles_in: b.triangles_in,
             triangles_drawn: b.triangles_drawn,
-            blocks: b.blocks,
+            stamps: b.stamps,
             samples_covered: b.samples_covered,
             pixels_shaded: b.pixels_shaded,
             pixels_visible: b.pixels_visible,
@@ -204,8 +204,8 @@ impl Counters {
         self.tiles_used += o.tiles_used;
         self.pixels += o.pixels;
         self.tile_samples += o.tile_samples;
-        self.whole_blocks += o.whole_blocks;
-        self.blocks_alone += o.blocks_alone;
+        self.whole_stamps += o.whole_stamps;
+        self.stamps_alone += o.stamps_alone;
         self.shadings_by_plane += o.shadings_by_plane;
         self.pixels_colored += o.pixels_colored;
         self.entries_drawn += o.entries_drawn;
@@ -221,7 +221,7 @@ impl Counters {
         self.vertices += o.vertices;
         self.triangles_in += o.triangles_in;
         self.triangles_drawn += o.triangles_drawn;
-        self.blocks += o.blocks;
+        self.stamps += o.stamps;
         self.samples_covered += o.samples_covered;
         self.pixels_shaded += o.pixels_shaded;
         self.pixels_visible += o.pixels_visible;

@@ -10,12 +10,10 @@ use super::triangle::Triangle;
 use super::whole;
 use crate::workloads::PixelBox;
 
-/// Edge of a block of samples.
-pub const BLOCK: i32 = 4;
+/// Samples of a stamp, which are tested together, and edge of the blocks in which wide triangles are looked for.
+pub const STAMP: i32 = 16;
 /// Steps of depth in which clusters are drawn.
 const STEPS: usize = 16;
-/// In rows of fewer blocks none is skipped.
-const LEAST_SKIPPED: i32 = 5;
 /// Nothing was drawn here.
 const NOBODY: u64 = u64::MAX;
 
@@ -111,18 +109,16 @@ impl Tile {
     fn shade_late(&self, frame: &Frame, counters: &mut Counters) {
         counters.pixels_shaded_late = self.count(|tile, place| !tile.shaded[place]);
         counters.pixels_shaded += counters.pixels_shaded_late;
-        let p = self.pixels;
-        let corners = (p.y0..=p.y1 + 1 - BLOCK)
-            .step_by(BLOCK as usize)
-            .flat_map(|y| (p.x0..=p.x1 + 1 - BLOCK).step_by(BLOCK as usize).map(move |x| (x, y)));
+        let (p, stamp) = (self.pixels, STAMP as usize);
+        let stamps = (p.y0..=p.y1).flat_map(|y| (p.x0..=p.x1 + 1 - STAMP).step_by(stamp).map(move |x| (x, y)));
         let is_whole = |&(x, y): &(i32, i32)| {
             let owner = self.owner[self.place(x, y)];
-            let mut places = (0..BLOCK * BLOCK).map(|k| self.place(x + k % BLOCK, y + k / BLOCK));
+            let mut places = (x..x + STAMP).map(|x| self.place(x, y));
             owner != NOBODY && places.all(|place| self.owner[place] == owner && !self.shaded[place])
         };
-        counters.whole_blocks = corners.filter(is_whole).count() as u64;
+        counters.whole_stamps = stamps.filter(is_whole).count() as u64;
         let colored = self.count(|tile, place| !tile.shaded[place] && frame.is_colored(tile.owner[place]));
-        counters.pixels_colored += colored.saturating_sub((BLOCK * BLOCK) as u64 * counters.whole_blocks);
+        counters.pixels_colored += colored.saturating_sub(STAMP as u64 * counters.whole_stamps);
     }
 
     fn place(&self, x: i32, y: i32) -> usize {
@@ -162,23 +158,11 @@ impl Tile {
         places.filter(|&place| self.owner[place] != NOBODY && test(self, place)).count() as u64
     }
 
-    /// The box of whole blocks round a box of pixels of the tile.
-    fn blocks_round(&self, p: PixelBox) -> PixelBox {
-        let down = |v: i32, k: usize| self.corner[k] + (v - self.corner[k]) / BLOCK * BLOCK;
-        PixelBox {
-            x0: down(p.x0, 0),
-            y0: down(p.y0, 1),
-            x1: down(p.x1, 0) + BLOCK - 1,
-            y1: down(p.y1, 1) + BLOCK - 1,
-        }
-    }
-
-    /// Lies all that is drawn, in the blocks that a cluster may reach, before it?
+    /// Lies all that is drawn, where a cluster may appear, before it?
     fn hides(&self, cluster: &WholeCluster) -> bool {
-        let Some(pixels) = cluster.pixels.intersection(&self.pixels) else { return true };
-        let b = self.blocks_round(pixels);
+        let Some(p) = cluster.pixels.intersection(&self.pixels) else { return true };
         let nearer = |x: i32, y: i32| self.depth[self.place(x, y)] > cluster.nearest;
-        (b.y0..=b.y1).all(|y| (b.x0..=b.x1).all(|x| nearer(x, y)))
+        (p.y0..=p.y1).all(|y| (p.x0..=p.x1).all(|x| nearer(x, y)))
     }
 
     fn draw_share(
@@ -211,29 +195,41 @@ impl Tile {
         }
     }
 
-    /// Draws a triangle by itself, in blocks of samples, and tells what it wins. At the picture's border blocks reach
-    /// beyond it.
+    /// Draws a triangle by itself and tells what it wins. One of more columns than a stamp has is looked for in blocks.
     pub fn triangle(&mut self, t: &Triangle, counters: &mut Counters, mut won: impl FnMut((i32, i32))) {
-        let Some(pixels) = t.samples().and_then(|s| s.intersection(&self.pixels)) else { return };
-        let b = self.blocks_round(pixels);
-        let skips = (b.x1 - b.x0 + 1) / BLOCK >= LEAST_SKIPPED;
-        for y in (b.y0..=b.y1).step_by(BLOCK as usize) {
-            for x in (b.x0..=b.x1).step_by(BLOCK as usize) {
-                let block = PixelBox { x0: x, y0: y, x1: x + BLOCK - 1, y1: y + BLOCK - 1 };
-                if skips && !t.may_cover(&block) {
-                    continue;
-                }
-                counters.blocks += 1;
-                counters.blocks_alone += 1;
-                for (x, y) in (y..y + BLOCK).flat_map(|y| (x..x + BLOCK).map(move |x| (x, y))) {
-                    // The picture's border may cut the block.
-                    let inside = x <= self.pixels.x1 && y <= self.pixels.y1;
-                    if inside && t.covers(x, y) {
-                        counters.samples_covered += 1;
-                        if self.test(x, y, t.depth(x, y), t.primitive) {
-                            won((x, y));
-                        }
-                    }
+        let Some(p) = t.samples().and_then(|s| s.intersection(&self.pixels)) else { return };
+        let is_wide = p.x1 - p.x0 >= STAMP;
+        let first = if is_wide { p.x0 - (p.x0 - self.corner[0]) % STAMP } else { p.x0 };
+        let corners = (first..=p.x1)
+            .step_by(STAMP as usize)
+            .flat_map(|x| (p.y0..=p.y1).step_by(STAMP as usize).map(move |y| (x, y)));
+        for (x0, y0) in corners {
+            let block = PixelBox { x0, y0, x1: x0 + STAMP - 1, y1: (y0 + STAMP - 1).min(p.y1) };
+            if is_wide && !t.may_cover(&block) {
+                continue;
+            }
+            let rows = (block.y1 - block.y0 + 1) as u64;
+            counters.stamps += rows;
+            counters.stamps_alone += rows;
+            if let Some(inside) = block.intersection(&p) {
+                self.cover(t, &inside, counters, &mut won);
+            }
+        }
+    }
+
+    /// Draws the samples of a triangle that lie in a box.
+    pub fn cover(
+        &mut self,
+        t: &Triangle,
+        p: &PixelBox,
+        counters: &mut Counters,
+        mut won: impl FnMut((i32, i32)),
+    ) {
+        for (x, y) in (p.y0..=p.y1).flat_map(|y| (p.x0..=p.x1).map(move |x| (x, y))) {
+            if t.covers(x, y) {
+                counters.samples_covered += 1;
+                if self.test(x, y, t.depth(x, y), t.primitive) {
+                    won((x, y));
                 }
             }
         }

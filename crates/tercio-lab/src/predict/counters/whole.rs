@@ -10,17 +10,32 @@ use tercio_raster::simd::LANES;
 
 use super::Counters;
 use super::front_end::{Frame, WholeCluster};
-use super::tile::{BLOCK, Tile};
+use super::tile::{STAMP, Tile};
 use super::triangle::Triangle;
 use crate::workloads::PixelBox;
 
-/// Triangles of fewer samples along their box than this are drawn 16 at a time, those of a size together.
-const SIZES: [i32; 3] = [2, 4, 8];
-/// Place among the sizes of triangles that reach too far for 32 bits, whatever samples of them the tile holds; those of
-/// more samples than `SIZES` come before.
-const HUGE: usize = SIZES.len() + 1;
+/// How a triangle is drawn, by the samples of its box.
+#[derive(Clone, Copy)]
+enum Way {
+    /// 16 at a time, one sample of each after another.
+    SideBySide,
+    /// In stamps of rows of so many samples.
+    Stamps(i32),
+    /// By itself.
+    Alone,
+}
+
+/// In the order in which they are drawn: the most samples across and down, and the way. What fits nowhere else, or
+/// reaches too far for 32 bits, comes last.
+const SIZES: [(i32, i32, Way); 5] = [
+    (2, 2, Way::SideBySide),
+    (4, 4, Way::SideBySide),
+    (8, i32::MAX, Way::Stamps(8)),
+    (STAMP, i32::MAX, Way::Stamps(STAMP)),
+    (i32::MAX, i32::MAX, Way::Alone),
+];
 /// So many samples wait for their depth test, at most, when the next 16 triangles are begun.
-const MOST_WAITING: usize = 1024;
+const MOST_WAITING: usize = 256;
 
 /// A covered sample that waits for its depth test.
 struct Covered {
@@ -46,16 +61,20 @@ pub fn draw(frame: &Frame, whole: &WholeCluster, tile: &mut Tile, shade: bool, c
     counters.triangles_in += u64::from(cluster.triangles);
     counters.bytes_read += bytes(mesh, whole.cluster);
     let first = cluster.first_triangle as usize;
-    let mut by_size: [Vec<(Triangle, PixelBox)>; SIZES.len() + 2] = Default::default();
+    let mut by_size: [Vec<(Triangle, PixelBox)>; SIZES.len()] = Default::default();
     for t in first..first + usize::from(cluster.triangles) {
         let corners = [0, 1, 2].map(|k| vertices[usize::from(mesh.corners[k][t])]);
         let primitive = frame.first_primitive[whole.instance] + u64::from(mesh.primitive(t));
         let Some(triangle) = Triangle::new(corners, primitive) else { continue };
         let Some(pixels) = triangle.samples().and_then(|s| s.intersection(&tile.pixels)) else { continue };
         if !frame.culls(whole.instance, &triangle) {
-            let along = (pixels.x1 - pixels.x0).max(pixels.y1 - pixels.y0) + 1;
-            let size = SIZES.iter().filter(|&&most| along > most).count();
-            by_size[if triangle.is_wide() { HUGE } else { size }].push((triangle, pixels));
+            let (across, down) = (pixels.x1 - pixels.x0 + 1, pixels.y1 - pixels.y0 + 1);
+            let fits = |&(most_across, most_down, way): &(i32, i32, Way)| match way {
+                Way::Alone => true,
+                _ => !triangle.is_wide() && across <= most_across && down <= most_down,
+            };
+            let size = SIZES.iter().position(fits).unwrap_or(SIZES.len() - 1);
+            by_size[size].push((triangle, pixels));
         }
     }
     counters.triangles_drawn += by_size.iter().map(|list| list.len() as u64).sum::<u64>();
@@ -63,16 +82,16 @@ pub fn draw(frame: &Frame, whole: &WholeCluster, tile: &mut Tile, shade: bool, c
         return;
     }
     let mut pass = Pass { tile, waiting: Vec::new(), won: Vec::new() };
-    for (size, list) in by_size.iter().enumerate() {
-        if size == HUGE {
+    for ((_, _, way), list) in SIZES.into_iter().zip(&by_size) {
+        if let Way::Alone = way {
             list.iter().for_each(|(t, _)| pass.tile.triangle(t, counters, |pixel| pass.won.push(pixel)));
             continue;
         }
         for sixteen in list.chunks(LANES) {
             counters.set_ups += 1;
-            match SIZES.get(size) {
-                Some(_) => counters.steps += pass.scan(sixteen),
-                None => sixteen.iter().for_each(|t| pass.large(t, counters)),
+            match way {
+                Way::Stamps(width) => sixteen.iter().for_each(|t| pass.stamps(t, width, counters)),
+                _ => counters.steps += pass.scan(sixteen),
             }
             if pass.waiting.len() > MOST_WAITING {
                 pass.test(counters);
@@ -118,20 +137,12 @@ impl Pass<'_> {
         steps
     }
 
-    /// Draws one triangle at once.
-    fn large(&mut self, (t, p): &(Triangle, PixelBox), counters: &mut Counters) {
-        let corner = [self.tile.pixels.x0, self.tile.pixels.y0];
-        let blocks =
-            |from: i32, to: i32, k: usize| ((to - corner[k]) / BLOCK - (from - corner[k]) / BLOCK + 1) as u64;
-        counters.blocks += blocks(p.x0, p.x1, 0) * blocks(p.y0, p.y1, 1);
-        for (x, y) in (p.y0..=p.y1).flat_map(|y| (p.x0..=p.x1).map(move |x| (x, y))) {
-            if t.covers(x, y) {
-                counters.samples_covered += 1;
-                if self.tile.test(x, y, t.depth(x, y), t.primitive) {
-                    self.won.push((x, y));
-                }
-            }
-        }
+    /// Draws one triangle in stamps of rows of some width.
+    fn stamps(&mut self, (t, p): &(Triangle, PixelBox), width: i32, counters: &mut Counters) {
+        let rows_a_stamp = STAMP / width;
+        counters.stamps += ((p.y1 - p.y0) / rows_a_stamp + 1) as u64;
+        let won = &mut self.won;
+        self.tile.cover(t, p, counters, |pixel| won.push(pixel));
     }
 
     /// Tests the samples that wait.

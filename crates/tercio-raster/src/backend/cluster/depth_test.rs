@@ -4,13 +4,13 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, i32x16};
 
 use super::sieve::Size;
-use crate::backend::visibility::{TileMemory, lower_primitive};
+use crate::backend::memory::{TileMemory, lower_primitive};
 use crate::context::FrameContext;
-use crate::simd::{LANE_NUMBERS, LANES, append};
+use crate::simd::{LANES, append};
 use crate::stats::BackEndCounts;
 
 /// The most samples that one scan of 16 triangles finds.
-const MOST_AT_ONCE: usize = match Size::Medium.most_samples_along() {
+const MOST_AT_ONCE: usize = match Size::Small.most_across() {
     Some(most) => LANES * (most * most) as usize,
     None => 0,
 };
@@ -96,14 +96,13 @@ impl Winners {
         self.triangle.resize(2 * room, 0);
     }
 
-    /// Adds some of the 16 samples of the block that begins at a place.
+    /// Adds those of 16 samples, given by their places, that a triangle won.
     #[inline(always)]
-    pub fn push_block<S: Simd>(&mut self, simd: S, block: usize, lanes: u32, triangle: u8) {
+    pub fn push<S: Simd>(&mut self, simd: S, places: i32x16<S>, won: u32, triangle: u8) {
         self.reserve(LANES);
-        let places = i32x16::load_array(simd, LANE_NUMBERS) + block as i32;
-        append(simd, &mut self.place, self.count, lanes, places);
+        append(simd, &mut self.place, self.count, won, places);
         self.triangle[self.count..self.count + LANES].fill(triangle);
-        self.count += lanes.count_ones() as usize;
+        self.count += won.count_ones() as usize;
     }
 }
 
@@ -140,7 +139,7 @@ impl Covered {
         let slots = &mut tile.slot[..depths.len()];
         for (&place, &depth) in self.place[..count].iter().zip(&self.depth[..count]) {
             let triangle = (place as u32) >> NUMBER_SHIFT;
-            let place = place as usize & (depths.len() - 1);
+            let place = place as usize & ((1 << NUMBER_SHIFT) - 1);
             let (depth, slot) = (f32::from_bits(depth as u32), first_slot + triangle);
             let before = depths[place];
             let mut wins = depth > before;

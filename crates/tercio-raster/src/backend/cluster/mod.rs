@@ -4,14 +4,14 @@
 //! [`sieve`] drops the triangles that reach no sample and sorts the others by size, so that every lane is used
 //! from there on and branches go one way. [`setup`] makes edge functions and depth planes of 16 triangles, [`scan`]
 //! finds the samples that triangles of a few pixels cover, all 16 at once, and [`depth_test`] keeps those that are
-//! nearer than what was drawn. Larger triangles are drawn one by one, block after block ([`blocks`]). What won is shaded at once, 16 pixels
-//! at a time ([`shade_winners`](super::shade::shade_winners)), from the vertices that lie ready.
+//! nearer than what was drawn. Larger triangles are drawn one by one, stamp after stamp ([`stamps`]). What won is shaded
+//! at once, 16 pixels at a time ([`shade::winners`](super::shade::winners)), from the vertices that lie ready.
 
-mod blocks;
 mod depth_test;
 mod scan;
 mod setup;
 mod sieve;
+mod stamps;
 
 use fearless_simd::Simd;
 use tercio_mesh::cluster::MAX_TRIANGLES;
@@ -20,14 +20,16 @@ use crate::binning::{BinnedCluster, PixelRect, ScreenTriangle};
 use crate::context::FrameContext;
 use crate::frontend::transform::{CornerTable, LocalVertices};
 use crate::settings::LastStage;
-use crate::simd::{part, prefetch};
+use crate::simd::{LANES, part, prefetch};
 use crate::stats::BackEndCounts;
 use depth_test::Covered;
 pub use depth_test::Winners;
 use setup::SmallTriangles;
 use sieve::{Keep, Sieve, Size};
+use stamps::Lanes;
 
-use super::visibility::TileMemory;
+use super::memory::TileMemory;
+use super::visibility;
 
 /// What is kept from cluster to cluster.
 #[derive(Debug, Default)]
@@ -81,12 +83,18 @@ impl ClusterPass {
                 let triangles = SmallTriangles::new(simd, vertices, &corners.look_up(simd, numbers), rect);
                 match size {
                     Size::Tiny => scan::scan_tiny(simd, &triangles, lanes, numbers, tile, covered),
-                    Size::Small | Size::Medium => {
-                        scan::scan(simd, &triangles, lanes, numbers, tile, covered);
+                    Size::Small => scan::scan(simd, &triangles, lanes, numbers, tile, covered),
+                    Size::Medium => {
+                        let read = Lanes::new(&triangles);
+                        stamps::draw::<S, 8>(
+                            simd, context, &read, lanes, first_slot, numbers, tile, winners, counts,
+                        );
                     }
                     Size::Large | Size::Huge => {
-                        let read = blocks::Lanes::new(&triangles);
-                        blocks::draw(simd, context, &read, lanes, first_slot, numbers, tile, winners, counts);
+                        let read = Lanes::new(&triangles);
+                        stamps::draw::<S, LANES>(
+                            simd, context, &read, lanes, first_slot, numbers, tile, winners, counts,
+                        );
                     }
                 }
                 if covered.is_nearly_full() {
@@ -98,9 +106,8 @@ impl ClusterPass {
     }
 }
 
-/// Draws triangles that 32 bits do not serve, one by one.
+/// Draws triangles for which stamps of one row do not suffice, one by one.
 #[expect(clippy::too_many_arguments, reason = "one call site; a struct would only rename them")]
-#[cold]
 #[inline(never)]
 fn draw_huge<S: Simd>(
     simd: S,
@@ -116,7 +123,7 @@ fn draw_huge<S: Simd>(
     for &number in numbers {
         let v = corners.of(number).map(|corner| vertices.vertex(corner));
         let triangle = ScreenTriangle::new(v, first_slot + u32::from(number));
-        tile.draw(simd, context, &triangle, Some((winners, number)), counts);
+        visibility::draw(simd, context, &triangle, tile, Some((winners, number)), counts);
     }
 }
 

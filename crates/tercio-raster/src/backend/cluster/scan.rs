@@ -5,7 +5,7 @@ use fearless_simd::{Simd, f32x16, i32x16, mask32x16};
 
 use super::depth_test::{Covered, NUMBER_SHIFT};
 use super::setup::SmallTriangles;
-use crate::backend::visibility::TileMemory;
+use crate::backend::memory::TileMemory;
 use crate::conventions::SUBPIXELS;
 use crate::simd::{LANES, each3, part, splat_i};
 
@@ -28,7 +28,7 @@ pub fn scan_tiny<S: Simd>(
                 let lanes = mask32x16::from_bitmask(simd, u64::from(lanes));
                 let number = number_bits(simd, numbers);
                 let in_row = lanes & t.extent[1].simd_ge(splat_i(simd, row));
-                let row_place = tile.place_of_row(t.first[1] + row);
+                let row_place = tile.places(t.first[0], t.first[1] + row) + number;
                 let along_y = (t.from_anchor[1] + row * SUBPIXELS).to_float::<f32x16<S>>() * t.slope[1];
                 for column in 0..2 {
                     let in_box = in_row & t.extent[0].simd_ge(splat_i(simd, column));
@@ -36,8 +36,7 @@ pub fn scan_tiny<S: Simd>(
                     let hits = in_box & ((e[0] | e[1]) | e[2]).simd_ge(splat_i(simd, 0));
                     let right = (t.from_anchor[0] + column * SUBPIXELS).to_float::<f32x16<S>>();
                     let depth = ((right * t.slope[0] + along_y) + t.base).max(t.base).min(t.nearest);
-                    let place = row_place + tile.place_in_row(t.first[0] + column);
-                    covered.push(simd, hits.to_bitmask() as u32 & 0xffff, place + number, depth);
+                    covered.push(simd, hits.to_bitmask() as u32 & 0xffff, row_place + column, depth);
                 }
             },
         );
@@ -69,8 +68,7 @@ pub fn scan<S: Simd>(
         #[inline(always)]
         || {
             let lanes = mask32x16::from_bitmask(simd, u64::from(lanes));
-            let number = number_bits(simd, numbers);
-            let mut y = t.first[1];
+            let mut row_place = tile.places(t.first[0], t.first[1]) + number_bits(simd, numbers);
             let mut down = t.from_anchor[1];
             let mut at_row = t.c;
             let mut row = 0;
@@ -80,8 +78,7 @@ pub fn scan<S: Simd>(
                     break;
                 }
                 let along_y = down.to_float::<f32x16<S>>() * t.slope[1];
-                let row_place = tile.place_of_row(y);
-                let mut x = t.first[0];
+                let mut place = row_place;
                 let mut right = t.from_anchor[0];
                 let mut e = at_row;
                 let mut column = 0;
@@ -95,15 +92,15 @@ pub fn scan<S: Simd>(
                     if bits != 0 {
                         let depth = (right.to_float::<f32x16<S>>() * t.slope[0] + along_y) + t.base;
                         let depth = depth.max(t.base).min(t.nearest);
-                        covered.push(simd, bits, row_place + tile.place_in_row(x) + number, depth);
+                        covered.push(simd, bits, place, depth);
                     }
                     e = each3!(K => e[K] + t.a[K]);
-                    x += 1;
+                    place += 1;
                     right += SUBPIXELS;
                     column += 1;
                 }
                 at_row = each3!(K => at_row[K] + t.b[K]);
-                y += 1;
+                row_place += tile.stride() as i32;
                 down += SUBPIXELS;
                 row += 1;
             }

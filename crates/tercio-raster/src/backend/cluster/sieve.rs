@@ -30,27 +30,34 @@ pub enum Size {
     Tiny,
     /// At most 4 across and down.
     Small,
-    /// At most 8 across and down.
+    /// At most 8 across.
     Medium,
-    /// More.
+    /// At most 16 across.
     Large,
-    /// More than edge functions of 32 bits serve, whatever samples of it the tile holds.
+    /// More, or more than edge functions of 32 bits serve, whatever samples of it the tile holds.
     Huge,
 }
 
 impl Size {
     /// All, smallest first.
     pub const ALL: [Self; 5] = [Self::Tiny, Self::Small, Self::Medium, Self::Large, Self::Huge];
-    /// All but the last.
-    const SMALL: [Self; 4] = [Self::Tiny, Self::Small, Self::Medium, Self::Large];
 
-    /// The most samples across or down; none for the last two.
-    pub const fn most_samples_along(self) -> Option<i32> {
+    /// The most samples across; none for the last.
+    pub const fn most_across(self) -> Option<i32> {
         match self {
             Self::Tiny => Some(2),
             Self::Small => Some(4),
             Self::Medium => Some(8),
-            Self::Large | Self::Huge => None,
+            Self::Large => Some(16),
+            Self::Huge => None,
+        }
+    }
+
+    /// The most samples down, where it matters.
+    pub const fn most_down(self) -> Option<i32> {
+        match self {
+            Self::Tiny | Self::Small => self.most_across(),
+            Self::Medium | Self::Large | Self::Huge => None,
         }
     }
 }
@@ -102,18 +109,21 @@ impl Sieve {
                     }
                     let (kept, _) = keep.cull.split(keep.mirrored, clockwise, counter);
                     let numbers = u8x16::load_array(simd, NUMBERS) + first as u8;
-                    let extent = (t.columns[1] - t.columns[0]).max(t.rows[1] - t.rows[0]);
+                    let (across, down) = (t.columns[1] - t.columns[0], t.rows[1] - t.rows[0]);
                     let mut left = kept & !huge;
-                    for size in Size::SMALL {
-                        let of_size = match size.most_samples_along() {
-                            Some(most) => left & extent.simd_lt(splat_i(simd, most)).to_bitmask() as u32,
-                            None => left,
-                        };
+                    for size in Size::ALL {
+                        let mut of_size = left;
+                        if let Some(most) = size.most_across() {
+                            of_size &= across.simd_lt(splat_i(simd, most)).to_bitmask() as u32;
+                        }
+                        if let Some(most) = size.most_down() {
+                            of_size &= down.simd_lt(splat_i(simd, most)).to_bitmask() as u32;
+                        }
+                        if size == Size::Huge {
+                            of_size |= kept & huge;
+                        }
                         self.add(simd, size, of_size, numbers);
                         left &= !of_size;
-                    }
-                    if vertices.is_wide {
-                        self.add(simd, Size::Huge, kept & huge, numbers);
                     }
                 },
             );

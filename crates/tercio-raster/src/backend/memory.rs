@@ -1,0 +1,261 @@
+//! What is seen at the samples of a tile while it is drawn.
+//!
+//! Samples stand row by row. Triangles are tested in stamps of 16 samples, one vector operation each: one row of 16 or
+//! two rows of 8, wherever they begin.
+
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x8, f32x16, i32x16, mask32x16, u32x8, u32x16};
+
+use crate::binning::PixelRect;
+use crate::context::{FrameContext, NO_SLOT};
+use crate::simd::{LANE_NUMBERS, LANES, part, splat, splat_i};
+
+/// Depth and triangle of every sample of a tile.
+///
+/// A sample's place is its row times [`TileMemory::stride`] plus its column. There is a row more than the tile has, so
+/// that a stamp of two rows may begin in the last one.
+#[derive(Debug, Default)]
+pub struct TileMemory {
+    /// Depth, 0 where nothing was drawn.
+    pub depth: Vec<f32>,
+    /// Slot, [`NO_SLOT`] where nothing was drawn.
+    pub slot: Vec<u32>,
+    /// Samples whose pixels are shaded already, one bit each, 16 places an entry.
+    pub shaded: Vec<u16>,
+    /// First column and row of pixels.
+    pub corner: [i32; 2],
+    /// Last column and row of pixels inside the picture.
+    pub last: [i32; 2],
+    /// [`stride_bits`].
+    stride_bits: u32,
+}
+
+/// log2 of the places from a row of a tile to the next: its edge, but not less than a stamp.
+pub fn stride_bits(context: &FrameContext) -> u32 {
+    context.grid.shift.max(LANES.trailing_zeros())
+}
+
+/// Column of each lane in a stamp of rows of some width.
+#[inline(always)]
+pub fn lane_columns<S: Simd, const WIDTH: usize>(simd: S) -> i32x16<S> {
+    i32x16::load_array(simd, LANE_NUMBERS) & (WIDTH as i32 - 1)
+}
+
+/// Row of each lane in a stamp of rows of some width.
+#[inline(always)]
+pub fn lane_rows<S: Simd, const WIDTH: usize>(simd: S) -> i32x16<S> {
+    i32x16::load_array(simd, LANE_NUMBERS) >> WIDTH.trailing_zeros()
+}
+
+impl TileMemory {
+    /// Makes the memory ready for a tile.
+    pub fn clear(&mut self, context: &FrameContext, tile: u32) {
+        let (x, y) = context.grid.corner(tile);
+        let edge = 1usize << context.grid.shift;
+        self.corner = [x as i32, y as i32];
+        self.last = [
+            (x as i32 + edge as i32).min(context.view.width as i32) - 1,
+            (y as i32 + edge as i32).min(context.view.height as i32) - 1,
+        ];
+        self.stride_bits = stride_bits(context);
+        let places = (edge + 1) << self.stride_bits;
+        self.depth.clear();
+        self.depth.resize(places, 0.0);
+        self.slot.clear();
+        self.slot.resize(places, NO_SLOT);
+        self.shaded.clear();
+        self.shaded.resize(places / LANES, 0);
+    }
+
+    /// Places from a row to the next.
+    #[inline(always)]
+    pub fn stride(&self) -> usize {
+        1 << self.stride_bits
+    }
+
+    /// The pixels of the tile that lie inside the picture.
+    #[inline(always)]
+    pub fn rect(&self) -> PixelRect {
+        PixelRect { x0: self.corner[0], x1: self.last[0], y0: self.corner[1], y1: self.last[1] }
+    }
+
+    /// The place of a sample of the tile, from its column and row.
+    #[inline(always)]
+    pub fn place(&self, column: i32, row: i32) -> usize {
+        ((row as usize) << self.stride_bits) + column as usize
+    }
+
+    /// The places of 16 samples.
+    #[inline(always)]
+    pub fn places<S: Simd>(&self, column: i32x16<S>, row: i32x16<S>) -> i32x16<S> {
+        (row << self.stride_bits) + column
+    }
+
+    /// Columns and rows of samples in the tile, from their places.
+    #[inline(always)]
+    pub fn column_and_row<S: Simd>(&self, place: i32x16<S>) -> [i32x16<S>; 2] {
+        [place & ((1 << self.stride_bits) - 1), place >> self.stride_bits]
+    }
+
+    /// The pixel of the picture whose sample has a place.
+    #[inline(always)]
+    pub fn pixel(&self, place: usize) -> [i32; 2] {
+        let [column, row] = [place & (self.stride() - 1), place >> self.stride_bits];
+        [self.corner[0] + column as i32, self.corner[1] + row as i32]
+    }
+
+    /// The first column of a stamp that holds some columns of a row, from `column` on.
+    #[inline(always)]
+    pub fn stamp_column<const WIDTH: usize>(&self, column: i32) -> i32 {
+        column.min((self.stride() - WIDTH) as i32)
+    }
+
+    /// Keeps the nearer of old and new at the covered samples of a stamp, and tells where the new one won.
+    #[inline(always)]
+    pub fn write<S: Simd, const WIDTH: usize>(
+        &mut self,
+        simd: S,
+        context: &FrameContext,
+        place: usize,
+        covered: mask32x16<S>,
+        depth: f32x16<S>,
+        slot: u32,
+    ) -> u32 {
+        part(
+            simd,
+            #[inline(always)]
+            || {
+                let (stride, end) = (self.stride(), place + self.reach::<WIDTH>());
+                let old_depth = &mut self.depth[place..end];
+                let old_slot = &mut self.slot[place..end];
+                let before = load_depths::<S, WIDTH>(simd, old_depth, stride);
+                let mut wins = covered & depth.simd_gt(before);
+                let tie = covered & depth.simd_eq(before);
+                if tie.any_true() {
+                    let at = |lane: usize| (lane / WIDTH) * stride + lane % WIDTH;
+                    let old: [u32; LANES] = std::array::from_fn(|lane| old_slot[at(lane)]);
+                    let more = lower_primitives(context, tie.to_bitmask() as u32, slot, &old);
+                    wins |= mask32x16::from_bitmask(simd, u64::from(more));
+                }
+                store_depths::<S, WIDTH>(wins.select(depth, before), old_depth, stride);
+                let before = load_slots::<S, WIDTH>(simd, old_slot, stride);
+                let slots = wins.select(splat_i(simd, slot as i32), before);
+                store_slots::<S, WIDTH>(slots, old_slot, stride);
+                wins.to_bitmask() as u32 & 0xffff
+            },
+        )
+    }
+
+    /// Places from a stamp's first to behind its last.
+    #[inline(always)]
+    fn reach<const WIDTH: usize>(&self) -> usize {
+        if WIDTH == LANES { LANES } else { self.stride() + WIDTH }
+    }
+
+    /// Is every sample of a part of the tile nearer than this depth?
+    #[inline(always)]
+    pub fn all_nearer<S: Simd>(&self, simd: S, rect: PixelRect, depth: f32) -> bool {
+        let (x0, x1) = (rect.x0 - self.corner[0], rect.x1 - self.corner[0]);
+        let (y0, y1) = (rect.y0 - self.corner[1], rect.y1 - self.corner[1]);
+        let depth = splat(simd, depth);
+        let mut column = x0;
+        while column <= x1 {
+            let first = self.stamp_column::<LANES>(column);
+            let columns = i32x16::load_array(simd, LANE_NUMBERS) + first;
+            let inside = columns.simd_ge(splat_i(simd, column)) & columns.simd_le(splat_i(simd, x1));
+            for row in y0..y1 + 1 {
+                let place = self.place(first, row);
+                let stamp = f32x16::from_slice(simd, &self.depth[place..place + LANES]);
+                if (stamp.simd_le(depth) & inside).any_true() {
+                    return false;
+                }
+            }
+            column += LANES as i32;
+        }
+        true
+    }
+
+    /// Takes over what another memory of the same tile holds nearer.
+    pub fn merge(&mut self, context: &FrameContext, other: &Self) {
+        for (place, (&depth, &slot)) in other.depth.iter().zip(&other.slot).enumerate() {
+            let before = self.depth[place];
+            let wins = depth > before
+                || (slot != NO_SLOT && depth == before && lower_primitive(context, slot, self.slot[place]));
+            if wins {
+                self.depth[place] = depth;
+                self.slot[place] = slot;
+            }
+        }
+    }
+
+    /// Notes that the pixels of some samples are shaded.
+    #[inline(always)]
+    pub fn mark_shaded(&mut self, places: &[i32]) {
+        for &place in places {
+            self.shaded[place as usize / LANES] |= 1 << (place as usize % LANES);
+        }
+    }
+
+    /// Pixels of the picture that show something.
+    pub fn visible(&self) -> u64 {
+        u64::from(self.slot.iter().map(|&slot| u32::from(slot != NO_SLOT)).sum::<u32>())
+    }
+}
+
+#[inline(always)]
+fn load_depths<S: Simd, const WIDTH: usize>(simd: S, from: &[f32], stride: usize) -> f32x16<S> {
+    if WIDTH == LANES {
+        return f32x16::from_slice(simd, &from[..LANES]);
+    }
+    f32x8::from_slice(simd, &from[..8]).combine(f32x8::from_slice(simd, &from[stride..stride + 8]))
+}
+
+#[inline(always)]
+fn store_depths<S: Simd, const WIDTH: usize>(depths: f32x16<S>, to: &mut [f32], stride: usize) {
+    if WIDTH == LANES {
+        return depths.store_slice(&mut to[..LANES]);
+    }
+    let (upper, lower) = depths.split();
+    upper.store_slice(&mut to[..8]);
+    lower.store_slice(&mut to[stride..stride + 8]);
+}
+
+#[inline(always)]
+fn load_slots<S: Simd, const WIDTH: usize>(simd: S, from: &[u32], stride: usize) -> i32x16<S> {
+    if WIDTH == LANES {
+        return u32x16::from_slice(simd, &from[..LANES]).bitcast();
+    }
+    let both = u32x8::from_slice(simd, &from[..8]).combine(u32x8::from_slice(simd, &from[stride..stride + 8]));
+    both.bitcast()
+}
+
+#[inline(always)]
+fn store_slots<S: Simd, const WIDTH: usize>(slots: i32x16<S>, to: &mut [u32], stride: usize) {
+    let slots: u32x16<S> = slots.bitcast();
+    if WIDTH == LANES {
+        return slots.store_slice(&mut to[..LANES]);
+    }
+    let (upper, lower) = slots.split();
+    upper.store_slice(&mut to[..8]);
+    lower.store_slice(&mut to[stride..stride + 8]);
+}
+
+/// Which of the lanes of equal depth belong to `slot` because its primitive number is lower.
+#[cold]
+#[inline(never)]
+fn lower_primitives(context: &FrameContext, ties: u32, slot: u32, old: &[u32; LANES]) -> u32 {
+    let mut wins = 0;
+    for (lane, &old) in old.iter().enumerate() {
+        if ties >> lane & 1 == 1 && lower_primitive(context, slot, old) {
+            wins |= 1 << lane;
+        }
+    }
+    wins
+}
+
+/// Does a sample belong to `slot` because its primitive number is lower than that of `old`?
+#[cold]
+#[inline(never)]
+pub fn lower_primitive(context: &FrameContext, slot: u32, old: u32) -> bool {
+    old == NO_SLOT || context.primitive(slot) < context.primitive(old)
+}
