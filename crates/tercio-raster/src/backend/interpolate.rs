@@ -79,7 +79,7 @@ impl<S: Simd> Interpolation<S> {
 
 /// `(w0 * v0 + w1 * v1) + w2 * v2`.
 #[inline(always)]
-fn weighted<S: Simd>(w: &[f32x16<S>; 3], v: [Vec3x16<S>; 3]) -> Vec3x16<S> {
+pub fn weighted<S: Simd>(w: &[f32x16<S>; 3], v: [Vec3x16<S>; 3]) -> Vec3x16<S> {
     part(
         w[0].simd,
         #[inline(always)]
@@ -90,16 +90,31 @@ fn weighted<S: Simd>(w: &[f32x16<S>; 3], v: [Vec3x16<S>; 3]) -> Vec3x16<S> {
 /// [`Interpolation::area`].
 #[inline(always)]
 fn areas<S: Simd>(simd: S, sample: [i32x16<S>; 2], corners: &Corners<S>) -> [f32x16<S>; 3] {
-    // Corners as seen from the sample.
-    let x = each3!(K => corners.x[K] - sample[0]);
-    let y = each3!(K => corners.y[K] - sample[1]);
-    if !corners.are_near && are_far(simd, x, y) {
-        return far_areas(simd, x, y);
+    if !corners.are_near {
+        // Corners as seen from the sample.
+        let x = each3!(K => corners.x[K] - sample[0]);
+        let y = each3!(K => corners.y[K] - sample[1]);
+        if are_far(simd, x, y) {
+            return far_areas(simd, x, y);
+        }
     }
+    near_areas(simd, sample, corners.x, corners.y)
+}
+
+/// [`Interpolation::area`] of triangles whose corners, given by their coordinates, lie so near that 32 bits hold it.
+#[inline(always)]
+pub fn near_areas<S: Simd>(
+    simd: S,
+    sample: [i32x16<S>; 2],
+    x: [i32x16<S>; 3],
+    y: [i32x16<S>; 3],
+) -> [f32x16<S>; 3] {
     part(
         simd,
         #[inline(always)]
         || {
+            let x = each3!(K => x[K] - sample[0]);
+            let y = each3!(K => y[K] - sample[1]);
             each3!(K => {
                 let (i, j) = ((K + 1) % 3, (K + 2) % 3);
                 (y[i] * x[j] - x[i] * y[j]).to_float()

@@ -8,6 +8,7 @@ use fearless_simd::{Simd, f32x8, f32x16, i32x16, mask32x16, u32x8, u32x16};
 
 use crate::binning::PixelRect;
 use crate::context::{FrameContext, NO_SLOT};
+use crate::conventions::SUBPIXELS;
 use crate::simd::{LANE_NUMBERS, LANES, part, splat, splat_i};
 
 /// Depth and triangle of every sample of a tile.
@@ -95,6 +96,13 @@ impl TileMemory {
     #[inline(always)]
     pub fn column_and_row<S: Simd>(&self, place: i32x16<S>) -> [i32x16<S>; 2] {
         [place & ((1 << self.stride_bits) - 1), place >> self.stride_bits]
+    }
+
+    /// Samples on the screen in sub-pixels, from their places; `first` is the tile's first sample.
+    #[inline(always)]
+    pub fn samples<S: Simd>(&self, simd: S, places: &[i32; LANES], first: [i32; 2]) -> [i32x16<S>; 2] {
+        let [x, y] = self.column_and_row(i32x16::load_array_ref(simd, places));
+        [x * SUBPIXELS + first[0], y * SUBPIXELS + first[1]]
     }
 
     /// The pixel of the picture whose sample has a place.
@@ -225,7 +233,8 @@ fn load_slots<S: Simd, const WIDTH: usize>(simd: S, from: &[u32], stride: usize)
     if WIDTH == LANES {
         return u32x16::from_slice(simd, &from[..LANES]).bitcast();
     }
-    let both = u32x8::from_slice(simd, &from[..8]).combine(u32x8::from_slice(simd, &from[stride..stride + 8]));
+    let both =
+        u32x8::from_slice(simd, &from[..8]).combine(u32x8::from_slice(simd, &from[stride..stride + 8]));
     both.bitcast()
 }
 

@@ -15,6 +15,7 @@ pub mod light;
 pub mod memory;
 mod order;
 pub mod output;
+mod plain;
 pub mod shade;
 pub mod table;
 pub mod visibility;
@@ -26,10 +27,10 @@ use crate::frontend::Batch;
 use crate::settings::LastStage;
 use crate::stats::BackEndCounts;
 use cluster::ClusterPass;
+use memory::TileMemory;
 use order::DepthOrder;
 use output::Planes;
 use shade::WinnerScratch;
-use memory::TileMemory;
 
 /// The memory that one thread needs to draw a tile.
 #[derive(Debug, Default)]

@@ -13,12 +13,12 @@ use super::corners::{ColorSource, Corners, Fragments, to_world};
 use super::encode::opaque;
 use super::interpolate::Interpolation;
 use super::light::{Vec3x16, beside, diffuse, normalize, reflect};
-use super::output::{Planes, TilePixels};
-use super::table::{ClusterTable, look_up_colors};
 use super::memory::TileMemory;
+use super::output::{Planes, TilePixels};
+use super::plain;
+use super::table::{ClusterTable, look_up_colors};
 use crate::color::encode16;
 use crate::context::{FrameContext, NO_SLOT};
-use crate::conventions::SUBPIXELS;
 use crate::frame::visibility_key;
 use crate::settings::Shading;
 use crate::simd::{LANE_NUMBERS, LANES, cross, dot, each3, part, row, splat};
@@ -181,28 +181,21 @@ pub fn winners<S: Simd>(
             }
             let count = pass.winners.len();
             counts.pixels_shaded += count as u64;
-            let plain = look == Look::PLAIN && !pass.vertices.is_wide;
+            if look == Look::PLAIN && !pass.vertices.is_wide {
+                return plain::winners(simd, context, instance, pass, memory, table, pixels);
+            }
             let first_sample = pass.vertices.sample_of(memory.corner);
             for first in (0..count).step_by(LANES) {
                 let (places, triangles) = pass.winners.sixteen(first);
                 fragments.count = (count - first).min(LANES);
                 fragments.place = places.map(|place| place as u32);
-                let places = i32x16::load_array(simd, places);
-                let [x, y] = memory.column_and_row(places);
-                let sample = [x * SUBPIXELS + first_sample[0], y * SUBPIXELS + first_sample[1]];
-                let (numbers, mut corners) = table.look_up(simd, &pass.vertices, &pass.corners, &triangles);
-                if plain {
-                    // All that it asks for is known here, so that the kernel becomes short.
-                    let look = Look::PLAIN;
-                    corners.are_near = true;
-                    shade_16(simd, context, instance, look, fragments, sample, &corners, pixels, planes);
-                    continue;
-                }
+                let sample = memory.samples(simd, places, first_sample);
+                let (numbers, mut corners) = table.look_up(simd, &pass.vertices, &pass.corners, triangles);
                 if look.position {
                     table.look_up_positions(simd, &numbers, &mut corners);
                 }
                 let of = (&**mesh, cluster, surface);
-                look_up_colors(of, &triangles, &numbers, look.colors, &mut corners);
+                look_up_colors(of, triangles, &numbers, look.colors, &mut corners);
                 for lane in 0..LANES {
                     fragments.slot[lane] = number * MAX_TRIANGLES as u32 + u32::from(triangles[lane]);
                     fragments.depth[lane] = memory.depth[places[lane] as usize];
@@ -246,80 +239,67 @@ fn shade_at<S: Simd>(
 ) {
     simd.vectorize(
         #[inline(always)]
-        || shade_16(simd, context, instance, look, fragments, sample, corners, pixels, planes),
-    );
-}
+        || {
+            let surface = &context.scene.instances[instance].surface;
+            let object = &context.objects[instance];
+            let at = Interpolation::new(simd, object, sample, corners);
+            let zero = [splat(simd, 0.0); 3];
 
-#[expect(clippy::too_many_arguments, reason = "a struct would only rename them")]
-#[inline(always)]
-fn shade_16<S: Simd>(
-    simd: S,
-    context: &FrameContext,
-    instance: usize,
-    look: Look,
-    fragments: &Fragments,
-    sample: [i32x16<S>; 2],
-    corners: &Corners<S>,
-    pixels: &mut TilePixels,
-    planes: &Planes,
-) {
-    let surface = &context.scene.instances[instance].surface;
-    let object = &context.objects[instance];
-    let at = Interpolation::new(simd, object, sample, corners);
-    let zero = [splat(simd, 0.0); 3];
+            let side =
+                Side { plane: look.plane.then(|| seen_plane(simd, object, corners.position, at.clockwise)) };
+            let (mut position, mut to_viewer) = (zero, beside(simd, &context.lights));
+            if look.lit_from_position {
+                position = to_eye(simd, object, at.mix(corners.position));
+                to_viewer = towards_viewer(simd, context, object, position);
+            }
+            let normal = match side.plane {
+                Some(plane) if look.shading == Shading::Flat || !look.normals => plane,
+                _ => at.normal(corners.normal),
+            };
+            let normal = side.unit_normal(simd, context, normal);
 
-    let side = Side { plane: look.plane.then(|| seen_plane(simd, object, corners.position, at.clockwise)) };
-    let (mut position, mut to_viewer) = (zero, beside(simd, &context.lights));
-    if look.lit_from_position {
-        position = to_eye(simd, object, at.mix(corners.position));
-        to_viewer = towards_viewer(simd, context, object, position);
-    }
-    let normal = match side.plane {
-        Some(plane) if look.shading == Shading::Flat || !look.normals => plane,
-        _ => at.normal(corners.normal),
-    };
-    let normal = side.unit_normal(simd, context, normal);
-
-    let albedo: Vec3x16<S> = match look.colors {
-        ColorSource::Base => each3!(C => splat(simd, surface.base_color[C])),
-        _ => at.mix(corners.color),
-    };
-    let lit: Vec3x16<S> = match look.shading {
-        Shading::Unlit => albedo,
-        Shading::Flat | Shading::Phong if look.diffuse => {
-            let light = diffuse(simd, &context.lights, normal);
-            each3!(C => albedo[C] * light[C])
-        }
-        Shading::Flat | Shading::Phong => {
-            let light = reflect(simd, &context.lights, surface, &normal, &to_viewer, &position);
-            each3!(C => albedo[C] * light.diffuse[C] + light.specular[C])
-        }
-        Shading::Gouraud => {
-            let at_corner = each3!(K => {
-                let (mut position, mut to_viewer) = (zero, to_viewer);
-                if look.lit_from_position {
-                    position = to_eye(simd, object, corners.position[K]);
-                    to_viewer = towards_viewer(simd, context, object, position);
+            let albedo: Vec3x16<S> = match look.colors {
+                ColorSource::Base => each3!(C => splat(simd, surface.base_color[C])),
+                _ => at.mix(corners.color),
+            };
+            let lit: Vec3x16<S> = match look.shading {
+                Shading::Unlit => albedo,
+                Shading::Flat | Shading::Phong if look.diffuse => {
+                    let light = diffuse(simd, &context.lights, normal);
+                    each3!(C => albedo[C] * light[C])
                 }
-                let normal = match side.plane {
-                    Some(plane) if !look.normals => plane,
-                    _ => as_seen(simd, corners.normal[K], at.clockwise),
-                };
-                let normal = side.unit_normal(simd, context, normal);
-                reflect(simd, &context.lights, surface, &normal, &to_viewer, &position)
-            });
-            let diffuse = at.mix(each3!(K => at_corner[K].diffuse));
-            let specular = at.mix(each3!(K => at_corner[K].specular));
-            each3!(C => albedo[C] * diffuse[C] + specular[C])
-        }
-    };
-    if look.color {
-        write_color(simd, fragments, lit, pixels);
-    }
-    if look.more {
-        write_color16(fragments, lit, pixels, planes);
-        write_geometry(context, fragments, normal, pixels, planes);
-    }
+                Shading::Flat | Shading::Phong => {
+                    let light = reflect(simd, &context.lights, surface, &normal, &to_viewer, &position);
+                    each3!(C => albedo[C] * light.diffuse[C] + light.specular[C])
+                }
+                Shading::Gouraud => {
+                    let at_corner = each3!(K => {
+                        let (mut position, mut to_viewer) = (zero, to_viewer);
+                        if look.lit_from_position {
+                            position = to_eye(simd, object, corners.position[K]);
+                            to_viewer = towards_viewer(simd, context, object, position);
+                        }
+                        let normal = match side.plane {
+                            Some(plane) if !look.normals => plane,
+                            _ => as_seen(simd, corners.normal[K], at.clockwise),
+                        };
+                        let normal = side.unit_normal(simd, context, normal);
+                        reflect(simd, &context.lights, surface, &normal, &to_viewer, &position)
+                    });
+                    let diffuse = at.mix(each3!(K => at_corner[K].diffuse));
+                    let specular = at.mix(each3!(K => at_corner[K].specular));
+                    each3!(C => albedo[C] * diffuse[C] + specular[C])
+                }
+            };
+            if look.color {
+                write_color(simd, fragments, lit, pixels);
+            }
+            if look.more {
+                write_color16(fragments, lit, pixels, planes);
+                write_geometry(context, fragments, normal, pixels, planes);
+            }
+        },
+    );
 }
 
 /// What decides how pixels are shaded.
@@ -345,7 +325,7 @@ struct Look {
 }
 
 impl Look {
-    /// The look of most pictures, whose kernel is compiled by itself.
+    /// The look of most pictures, which has a kernel of its own: [`plain`].
     const PLAIN: Self = Self {
         shading: Shading::Phong,
         colors: ColorSource::Base,
@@ -387,12 +367,7 @@ impl Look {
 
 /// The normals of 16 triangles by their winding, in world space, of any length, on the side that is seen.
 #[inline(always)]
-fn seen_plane<S: Simd>(
-    simd: S,
-    object: &ObjectView,
-    p: Corners16<S>,
-    clockwise: mask32x16<S>,
-) -> Vec3x16<S> {
+fn seen_plane<S: Simd>(simd: S, object: &ObjectView, p: Corners16<S>, clockwise: mask32x16<S>) -> Vec3x16<S> {
     let edge_1 = each3!(A => (p[1][A] - p[0][A]) * object.inverse_size);
     let edge_2 = each3!(A => (p[2][A] - p[0][A]) * object.inverse_size);
     as_seen(simd, to_world(simd, object, cross(edge_1, edge_2)), clockwise)

@@ -7,6 +7,7 @@ use tercio_mesh::cluster::{Cluster, MAX_VERTICES};
 use tercio_scene::Surface;
 
 use super::corners::{ColorSource, Corners, corner_normal, linear, triangle_color};
+use super::light::Vec3x16;
 use crate::frontend::transform::{CornerNumbers, CornerTable, LocalVertices};
 use crate::simd::{LANES, each3, load, lookup, splat};
 use crate::view::ObjectView;
@@ -84,9 +85,15 @@ impl ClusterTable {
         let mut found = Corners::new(simd);
         [found.x, found.y] = vertices.coordinates(simd, &numbers);
         found.d = vertices.depths(simd, &numbers);
-        found.normal = each3!(K => each3!(A => lookup(simd, &self.normal[A], &numbers[K]).bitcast()));
+        found.normal = self.look_up_normals(simd, &numbers);
         found.are_near = !vertices.is_wide;
         (numbers, found)
+    }
+
+    /// Looks up the normals of the corners of 16 triangles.
+    #[inline(always)]
+    pub fn look_up_normals<S: Simd>(&self, simd: S, numbers: &CornerNumbers) -> [Vec3x16<S>; 3] {
+        each3!(K => each3!(A => lookup(simd, &self.normal[A], &numbers[K]).bitcast()))
     }
 
     /// Looks up the positions, which must have been loaded.

@@ -109,8 +109,10 @@ fn draw_stamps<S: Simd>(
                 continue;
             }
             let is_inside = is_wide && edges.enclose(block);
-            let mut e =
-                each3!(K => step[K] + edges.at(K, x, y).clamp(-EDGE_LIMIT, EDGE_LIMIT) as i32);
+            let mut e = each3!(K => step[K] + edges.at(K, x, y).clamp(-EDGE_LIMIT, EDGE_LIMIT) as i32);
+            if let Some((winners, _)) = &mut winners {
+                winners.reserve(LANES * LANES);
+            }
             for row in y..block.y1 + 1 {
                 let mut covered = in_columns;
                 if !is_inside {

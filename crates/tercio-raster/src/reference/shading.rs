@@ -159,7 +159,11 @@ fn interpolation(object: &ObjectView, p: [Vec3; 3], pixel: [i32; 2]) -> Interpol
     if v.iter().any(|v| !v.inside) {
         let from_middle = [0, 1].map(|k| f64::from(sample[k]) - f64::from(object.offset[k]));
         let (weight, clockwise) = barycentrics_unclipped(object, p, from_middle);
-        return Interpolation { area: weight.map(|w| if clockwise { -w } else { w }), scale: [1.0; 3], weight };
+        return Interpolation {
+            area: weight.map(|w| if clockwise { -w } else { w }),
+            scale: [1.0; 3],
+            weight,
+        };
     }
     let [x, y] = [v.map(|v| i64::from(v.x - sample[0])), v.map(|v| i64::from(v.y - sample[1]))];
     let area = [0, 1, 2].map(|k| {

@@ -110,7 +110,8 @@ impl Tile {
         counters.pixels_shaded_late = self.count(|tile, place| !tile.shaded[place]);
         counters.pixels_shaded += counters.pixels_shaded_late;
         let (p, stamp) = (self.pixels, STAMP as usize);
-        let stamps = (p.y0..=p.y1).flat_map(|y| (p.x0..=p.x1 + 1 - STAMP).step_by(stamp).map(move |x| (x, y)));
+        let stamps =
+            (p.y0..=p.y1).flat_map(|y| (p.x0..=p.x1 + 1 - STAMP).step_by(stamp).map(move |x| (x, y)));
         let is_whole = |&(x, y): &(i32, i32)| {
             let owner = self.owner[self.place(x, y)];
             let mut places = (x..x + STAMP).map(|x| self.place(x, y));

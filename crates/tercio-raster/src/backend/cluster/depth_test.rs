@@ -71,18 +71,18 @@ impl Winners {
     /// 16 of them from number `first` on, a multiple of 16: places and triangles. The last is repeated where
     /// there are fewer.
     #[inline(always)]
-    pub fn sixteen(&mut self, first: usize) -> ([i32; LANES], [u8; LANES]) {
+    pub fn sixteen(&mut self, first: usize) -> (&[i32; LANES], &[u8; LANES]) {
         for i in self.count..first + LANES {
             self.place[i] = self.place[self.count - 1];
             self.triangle[i] = self.triangle[self.count - 1];
         }
         let place = self.place[first..].first_chunk().unwrap_or(&[0; LANES]);
-        (*place, *self.triangle[first..].first_chunk().unwrap_or(&[0; LANES]))
+        (place, self.triangle[first..].first_chunk().unwrap_or(&[0; LANES]))
     }
 
     /// Makes room for some more, and for reading and writing 16 at a time.
     #[inline(always)]
-    fn reserve(&mut self, more: usize) {
+    pub fn reserve(&mut self, more: usize) {
         let room = self.count + more + LANES;
         if self.place.len() < room {
             self.grow(room);
@@ -96,10 +96,9 @@ impl Winners {
         self.triangle.resize(2 * room, 0);
     }
 
-    /// Adds those of 16 samples, given by their places, that a triangle won.
+    /// Adds those of 16 samples, given by their places, that a triangle won; there must be room for all 16.
     #[inline(always)]
     pub fn push<S: Simd>(&mut self, simd: S, places: i32x16<S>, won: u32, triangle: u8) {
-        self.reserve(LANES);
         append(simd, &mut self.place, self.count, won, places);
         self.triangle[self.count..self.count + LANES].fill(triangle);
         self.count += won.count_ones() as usize;

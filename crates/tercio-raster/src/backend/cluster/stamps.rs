@@ -79,6 +79,7 @@ pub fn draw<S: Simd, const WIDTH: usize>(
         let mut dy = lane_dy + t.from_anchor[1][i] as f32;
         let mut place = tile.place(first, row);
         let mut below = t.extent[1][i];
+        winners.reserve((below / rows + 1) as usize * LANES);
         while below >= 0 {
             let mut covered = in_columns & ((e[0] | e[1]) | e[2]).simd_ge(splat_i(simd, 0));
             if rows > 1 {
