@@ -80,7 +80,7 @@ impl TileMemory {
         PixelRect { x0: self.corner[0], x1: self.last[0], y0: self.corner[1], y1: self.last[1] }
     }
 
-    /// The place of a sample of the tile, from its column and row.
+    /// The place of a sample, from its column and row.
     #[inline(always)]
     pub fn place(&self, column: i32, row: i32) -> usize {
         ((row as usize) << self.stride_bits) + column as usize
@@ -112,52 +112,16 @@ impl TileMemory {
         [self.corner[0] + column as i32, self.corner[1] + row as i32]
     }
 
-    /// The first column of a stamp that holds some columns of a row, from `column` on.
+    /// The last column in which a stamp may begin.
     #[inline(always)]
-    pub fn stamp_column<const WIDTH: usize>(&self, column: i32) -> i32 {
-        column.min((self.stride() - WIDTH) as i32)
+    pub fn last_column_of_stamps<const WIDTH: usize>(&self) -> i32 {
+        (self.stride() - WIDTH) as i32
     }
 
-    /// Keeps the nearer of old and new at the covered samples of a stamp, and tells where the new one won.
+    /// The samples, to be written to.
     #[inline(always)]
-    pub fn write<S: Simd, const WIDTH: usize>(
-        &mut self,
-        simd: S,
-        context: &FrameContext,
-        place: usize,
-        covered: mask32x16<S>,
-        depth: f32x16<S>,
-        slot: u32,
-    ) -> u32 {
-        part(
-            simd,
-            #[inline(always)]
-            || {
-                let (stride, end) = (self.stride(), place + self.reach::<WIDTH>());
-                let old_depth = &mut self.depth[place..end];
-                let old_slot = &mut self.slot[place..end];
-                let before = load_depths::<S, WIDTH>(simd, old_depth, stride);
-                let mut wins = covered & depth.simd_gt(before);
-                let tie = covered & depth.simd_eq(before);
-                if tie.any_true() {
-                    let at = |lane: usize| (lane / WIDTH) * stride + lane % WIDTH;
-                    let old: [u32; LANES] = std::array::from_fn(|lane| old_slot[at(lane)]);
-                    let more = lower_primitives(context, tie.to_bitmask() as u32, slot, &old);
-                    wins |= mask32x16::from_bitmask(simd, u64::from(more));
-                }
-                store_depths::<S, WIDTH>(wins.select(depth, before), old_depth, stride);
-                let before = load_slots::<S, WIDTH>(simd, old_slot, stride);
-                let slots = wins.select(splat_i(simd, slot as i32), before);
-                store_slots::<S, WIDTH>(slots, old_slot, stride);
-                wins.to_bitmask() as u32 & 0xffff
-            },
-        )
-    }
-
-    /// Places from a stamp's first to behind its last.
-    #[inline(always)]
-    fn reach<const WIDTH: usize>(&self) -> usize {
-        if WIDTH == LANES { LANES } else { self.stride() + WIDTH }
+    pub fn samples_mut(&mut self) -> Samples<'_> {
+        Samples { stride: self.stride(), depth: &mut self.depth, slot: &mut self.slot }
     }
 
     /// Is every sample of a part of the tile nearer than this depth?
@@ -168,7 +132,7 @@ impl TileMemory {
         let depth = splat(simd, depth);
         let mut column = x0;
         while column <= x1 {
-            let first = self.stamp_column::<LANES>(column);
+            let first = column.min(self.last_column_of_stamps::<LANES>());
             let columns = i32x16::load_array(simd, LANE_NUMBERS) + first;
             let inside = columns.simd_ge(splat_i(simd, column)) & columns.simd_le(splat_i(simd, x1));
             for row in y0..y1 + 1 {
@@ -207,6 +171,52 @@ impl TileMemory {
     /// Pixels of the picture that show something.
     pub fn visible(&self) -> u64 {
         u64::from(self.slot.iter().map(|&slot| u32::from(slot != NO_SLOT)).sum::<u32>())
+    }
+}
+
+/// The samples of a [`TileMemory`].
+pub struct Samples<'a> {
+    stride: usize,
+    depth: &'a mut [f32],
+    slot: &'a mut [u32],
+}
+
+impl Samples<'_> {
+    /// Keeps the nearer of old and new at the covered samples of a stamp, and tells where the new one won.
+    #[inline(always)]
+    pub fn write<S: Simd, const WIDTH: usize>(
+        &mut self,
+        simd: S,
+        context: &FrameContext,
+        place: usize,
+        covered: mask32x16<S>,
+        depth: f32x16<S>,
+        slot: u32,
+    ) -> u32 {
+        part(
+            simd,
+            #[inline(always)]
+            || {
+                let stride = self.stride;
+                // From its first place to behind its last.
+                let stamp = place..place + (LANES / WIDTH - 1) * stride + WIDTH;
+                let old_depth = &mut self.depth[stamp.clone()];
+                let old_slot = &mut self.slot[stamp];
+                let before = load_depths::<S, WIDTH>(simd, old_depth, stride);
+                let mut wins = covered & depth.simd_gt(before);
+                let tie = covered & depth.simd_eq(before);
+                if tie.any_true() {
+                    let old = load_slots::<S, WIDTH>(simd, old_slot, stride);
+                    let more = lower_primitives(context, tie.to_bitmask() as u32, slot, old.to_array());
+                    wins |= mask32x16::from_bitmask(simd, u64::from(more));
+                }
+                store_depths::<S, WIDTH>(wins.select(depth, before), old_depth, stride);
+                let before = load_slots::<S, WIDTH>(simd, old_slot, stride);
+                let slots = wins.select(splat_i(simd, slot as i32), before);
+                store_slots::<S, WIDTH>(slots, old_slot, stride);
+                wins.to_bitmask() as u32 & 0xffff
+            },
+        )
     }
 }
 
@@ -252,10 +262,10 @@ fn store_slots<S: Simd, const WIDTH: usize>(slots: i32x16<S>, to: &mut [u32], st
 /// Which of the lanes of equal depth belong to `slot` because its primitive number is lower.
 #[cold]
 #[inline(never)]
-fn lower_primitives(context: &FrameContext, ties: u32, slot: u32, old: &[u32; LANES]) -> u32 {
+fn lower_primitives(context: &FrameContext, ties: u32, slot: u32, old: [i32; LANES]) -> u32 {
     let mut wins = 0;
-    for (lane, &old) in old.iter().enumerate() {
-        if ties >> lane & 1 == 1 && lower_primitive(context, slot, old) {
+    for (lane, old) in old.into_iter().enumerate() {
+        if ties >> lane & 1 == 1 && lower_primitive(context, slot, old as u32) {
             wins |= 1 << lane;
         }
     }

@@ -96,7 +96,7 @@ fn draw_stamps<S: Simd>(
     let first = if is_wide {
         left + (rect.x0 - left) / BLOCK * BLOCK
     } else {
-        left + tile.stamp_column::<LANES>(rect.x0 - left)
+        rect.x0.min(left + tile.last_column_of_stamps::<LANES>())
     };
     for x in (first..rect.x1 + 1).step_by(BLOCK as usize) {
         let in_columns = lane.simd_le(splat_i(simd, rect.x1 - x));
@@ -110,9 +110,8 @@ fn draw_stamps<S: Simd>(
             }
             let is_inside = is_wide && edges.enclose(block);
             let mut e = each3!(K => step[K] + edges.at(K, x, y).clamp(-EDGE_LIMIT, EDGE_LIMIT) as i32);
-            if let Some((winners, _)) = &mut winners {
-                winners.reserve(LANES * LANES);
-            }
+            let mut won =
+                winners.as_mut().map(|(winners, number)| winners.of_triangle(*number, LANES * LANES));
             for row in y..block.y1 + 1 {
                 let mut covered = in_columns;
                 if !is_inside {
@@ -124,10 +123,14 @@ fn draw_stamps<S: Simd>(
                 counts.stamps += 1;
                 counts.samples_covered += u64::from(covered.to_bitmask().count_ones());
                 let place = tile.place(x - left, row - top);
-                let won = tile.write::<S, LANES>(simd, context, place, covered, depth, triangle.slot);
-                if let Some((winners, number)) = &mut winners {
-                    winners.push(simd, lane + place as i32, won, *number);
+                let mut samples = tile.samples_mut();
+                let wins = samples.write::<S, LANES>(simd, context, place, covered, depth, triangle.slot);
+                if let Some(won) = &mut won {
+                    won.push(simd, lane + place as i32, wins);
                 }
+            }
+            if let Some(won) = won {
+                won.end();
             }
         }
     }

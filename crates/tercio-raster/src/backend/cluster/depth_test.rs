@@ -82,7 +82,7 @@ impl Winners {
 
     /// Makes room for some more, and for reading and writing 16 at a time.
     #[inline(always)]
-    pub fn reserve(&mut self, more: usize) {
+    fn reserve(&mut self, more: usize) {
         let room = self.count + more + LANES;
         if self.place.len() < room {
             self.grow(room);
@@ -96,12 +96,44 @@ impl Winners {
         self.triangle.resize(2 * room, 0);
     }
 
-    /// Adds those of 16 samples, given by their places, that a triangle won; there must be room for all 16.
+    /// To list what a triangle wins, at most `most` samples.
     #[inline(always)]
-    pub fn push<S: Simd>(&mut self, simd: S, places: i32x16<S>, won: u32, triangle: u8) {
-        append(simd, &mut self.place, self.count, won, places);
-        self.triangle[self.count..self.count + LANES].fill(triangle);
+    pub fn of_triangle(&mut self, triangle: u8, most: usize) -> TriangleWinners<'_> {
+        self.reserve(most);
+        let count = self.count;
+        TriangleWinners {
+            place: &mut self.place[count..],
+            numbers: &mut self.triangle[count..],
+            triangle,
+            total: &mut self.count,
+            count: 0,
+        }
+    }
+}
+
+/// What one triangle wins, on its way into [`Winners`].
+pub struct TriangleWinners<'a> {
+    place: &'a mut [i32],
+    numbers: &'a mut [u8],
+    triangle: u8,
+    /// Of all triangles up to this one.
+    total: &'a mut usize,
+    count: usize,
+}
+
+impl TriangleWinners<'_> {
+    /// Adds those of 16 samples, given by their places, that it won.
+    #[inline(always)]
+    pub fn push<S: Simd>(&mut self, simd: S, places: i32x16<S>, won: u32) {
+        append(simd, self.place, self.count, won, places);
+        self.numbers[self.count..self.count + LANES].fill(self.triangle);
         self.count += won.count_ones() as usize;
+    }
+
+    /// That was all.
+    #[inline(always)]
+    pub fn end(self) {
+        *self.total += self.count;
     }
 }
 

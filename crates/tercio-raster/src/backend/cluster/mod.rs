@@ -85,16 +85,12 @@ impl ClusterPass {
                     Size::Tiny => scan::scan_tiny(simd, &triangles, lanes, numbers, tile, covered),
                     Size::Small => scan::scan(simd, &triangles, lanes, numbers, tile, covered),
                     Size::Medium => {
-                        let read = Lanes::new(&triangles);
-                        stamps::draw::<S, 8>(
-                            simd, context, &read, lanes, first_slot, numbers, tile, winners, counts,
-                        );
+                        let read = Lanes::<8>::new(simd, &triangles, tile);
+                        stamps::draw(simd, context, &read, lanes, first_slot, numbers, tile, winners, counts);
                     }
                     Size::Large | Size::Huge => {
-                        let read = Lanes::new(&triangles);
-                        stamps::draw::<S, LANES>(
-                            simd, context, &read, lanes, first_slot, numbers, tile, winners, counts,
-                        );
+                        let read = Lanes::<LANES>::new(simd, &triangles, tile);
+                        stamps::draw(simd, context, &read, lanes, first_slot, numbers, tile, winners, counts);
                     }
                 }
                 if covered.is_nearly_full() {
