@@ -57,7 +57,7 @@ fn missed_lines(touched: u64, cache: f64) -> f64 {
 pub fn charges(c: &Counters, caches: Caches) -> [(Phase, Operation, f64); 26] {
     use Operation as O;
     use Phase as P;
-    let whole = (16 * c.whole_stamps) as f64;
+    let whole = (16 * c.whole_blocks) as f64;
     let n = |count: u64| count as f64;
     [
         (P::Frame, O::Frame, 1.0),
@@ -80,7 +80,7 @@ pub fn charges(c: &Counters, caches: Caches) -> [(Phase, Operation, f64); 26] {
         (P::Shading, O::Shading, n(c.shadings)),
         (P::Shading, O::PlaneShading, n(c.shadings_by_plane)),
         (P::Shading, O::ColoredPixel, n(c.pixels_colored)),
-        (P::Shading, O::WholeBlock, n(c.whole_stamps)),
+        (P::Shading, O::WholeBlock, n(c.whole_blocks)),
         (P::Shading, O::ShadedPixel, n(c.pixels_shaded_late) - whole),
         (P::Memory, O::CacheLine, missed_lines(c.bytes_touched, caches.own)),
         (P::Memory, O::MemoryLine, missed_lines(c.bytes_touched, caches.shared)),
@@ -138,7 +138,7 @@ impl FrameTime {
         }
         if machine.seconds(Operation::WholeBlock).is_none() {
             // A machine that does not know blocks of one polygon shades their pixels one by one.
-            time.shading += machine.seconds_or_0(Operation::ShadedPixel) * (16 * c.whole_stamps) as f64;
+            time.shading += machine.seconds_or_0(Operation::ShadedPixel) * (16 * c.whole_blocks) as f64;
         }
         time
     }

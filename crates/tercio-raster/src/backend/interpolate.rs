@@ -12,8 +12,9 @@ use crate::view::ObjectView;
 
 /// 16 pixels in their triangles.
 pub struct Interpolation<S: Simd> {
-    /// Twice the areas of the triangles between the sample and two corners, in square sub-pixels, exact and then
-    /// rounded: positive where the triangle appears counter-clockwise.
+    /// Twice the areas of the triangles between the sample and two corners, in square sub-pixels: none is negative
+    /// where the triangle appears counter-clockwise, none positive where it appears clockwise. Exact but for the last
+    /// rounding if all corners are nearer than [`SMALL_EXTENT`].
     pub area: [f32x16<S>; 3],
     /// Perspective barycentric coordinates of the samples: not negative, adding up to 1.
     pub weight: [f32x16<S>; 3],
@@ -34,9 +35,13 @@ impl<S: Simd> Interpolation<S> {
                 if object.perspective {
                     b = each3!(K => b[K] * corners.d[K]);
                 }
-                let inverse = splat(simd, 1.0) / ((b[0] + b[1]) + b[2]);
-                let clockwise = (area[0] + area[1] + area[2]).simd_lt(splat(simd, 0.0));
-                Self { area, weight: each3!(K => b[K] * inverse), clockwise }
+                let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
+                let sum = (b[0] + b[1]) + b[2];
+                let (inverse, has_area) = (one / sum, sum.simd_gt(zero));
+                let one_corner = [one, zero, zero];
+                let weight = each3!(K => has_area.select(b[K] * inverse, one_corner[K]));
+                let clockwise = ((area[0] + area[1]) + area[2]).simd_lt(zero);
+                Self { area, weight, clockwise }
             },
         );
         if corners.beyond != 0 {
@@ -90,15 +95,19 @@ pub fn weighted<S: Simd>(w: &[f32x16<S>; 3], v: [Vec3x16<S>; 3]) -> Vec3x16<S> {
 /// [`Interpolation::area`].
 #[inline(always)]
 fn areas<S: Simd>(simd: S, sample: [i32x16<S>; 2], corners: &Corners<S>) -> [f32x16<S>; 3] {
-    if !corners.are_near {
-        // Corners as seen from the sample.
-        let x = each3!(K => corners.x[K] - sample[0]);
-        let y = each3!(K => corners.y[K] - sample[1]);
-        if are_far(simd, x, y) {
-            return far_areas(simd, x, y);
-        }
+    let near = near_areas(simd, sample, corners.x, corners.y);
+    if corners.are_near {
+        return near;
     }
-    near_areas(simd, sample, corners.x, corners.y)
+    // Corners as seen from the sample.
+    let x = each3!(K => corners.x[K] - sample[0]);
+    let y = each3!(K => corners.y[K] - sample[1]);
+    let are_near = are_near(simd, x, y);
+    if are_near.all_true() {
+        return near;
+    }
+    let far = far_areas(simd, x, y);
+    each3!(K => are_near.select(near[K], far[K]))
 }
 
 /// [`Interpolation::area`] of triangles whose corners, given by their coordinates, lie so near that 32 bits hold it.
@@ -123,29 +132,40 @@ pub fn near_areas<S: Simd>(
     )
 }
 
-/// Is a corner so far from its sample that 32 bits do not hold the areas?
+/// Lanes whose corners are all nearer than [`SMALL_EXTENT`], across and down.
 #[inline(always)]
-fn are_far<S: Simd>(simd: S, x: [i32x16<S>; 3], y: [i32x16<S>; 3]) -> bool {
+fn are_near<S: Simd>(simd: S, x: [i32x16<S>; 3], y: [i32x16<S>; 3]) -> mask32x16<S> {
     part(
         simd,
         #[inline(always)]
         || {
             let shifted = each3!(K => (x[K] + SMALL_EXTENT) | (y[K] + SMALL_EXTENT));
             let beyond = (shifted[0] | shifted[1] | shifted[2]) & !(2 * SMALL_EXTENT - 1);
-            !beyond.simd_eq(splat_i(simd, 0)).all_true()
+            beyond.simd_eq(splat_i(simd, 0))
         },
     )
 }
 
-/// The same in 64 bits.
-#[cold]
-#[inline(never)]
+/// Areas of any size; what rounding gives the wrong sign becomes 0.
+#[inline(always)]
 fn far_areas<S: Simd>(simd: S, x: [i32x16<S>; 3], y: [i32x16<S>; 3]) -> [f32x16<S>; 3] {
-    let wide = |v: &i32x16<S>, lane: usize| i64::from(v[lane]);
-    [0, 1, 2].map(|k| {
-        let (i, j) = ((k + 1) % 3, (k + 2) % 3);
-        f32x16::from_fn(simd, |lane| {
-            (wide(&y[i], lane) * wide(&x[j], lane) - wide(&x[i], lane) * wide(&y[j], lane)) as f32
-        })
-    })
+    part(
+        simd,
+        #[inline(always)]
+        || {
+            // Whole numbers of at most 2^24, exact in `f32`.
+            let x: [f32x16<S>; 3] = each3!(K => x[K].to_float());
+            let y: [f32x16<S>; 3] = each3!(K => y[K].to_float());
+            let area = each3!(K => {
+                let (i, j) = ((K + 1) % 3, (K + 2) % 3);
+                y[i] * x[j] - x[i] * y[j]
+            });
+            let zero = splat(simd, 0.0);
+            let clockwise = ((area[0] + area[1]) + area[2]).simd_lt(zero);
+            each3!(K => {
+                let wrong = (area[K].simd_lt(zero) & !clockwise) | (area[K].simd_gt(zero) & clockwise);
+                wrong.select(zero, area[K])
+            })
+        },
+    )
 }

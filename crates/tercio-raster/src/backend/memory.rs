@@ -4,7 +4,7 @@
 //! two rows of 8, wherever they begin.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x8, f32x16, i32x16, mask32x16, u32x8, u32x16};
+use fearless_simd::{Simd, f32x8, f32x16, i32x16, mask32x16, u32x4, u32x8, u32x16};
 
 use crate::binning::PixelRect;
 use crate::context::{FrameContext, NO_SLOT};
@@ -13,8 +13,8 @@ use crate::simd::{LANE_NUMBERS, LANES, part, splat, splat_i};
 
 /// Depth and triangle of every sample of a tile.
 ///
-/// A sample's place is its row times [`TileMemory::stride`] plus its column. There is a row more than the tile has, so
-/// that a stamp of two rows may begin in the last one.
+/// A sample's place is its row times [`TileMemory::stride`] plus its column. There are a few rows more than the tile
+/// has: stamps of two rows begin in the last one, too.
 #[derive(Debug, Default)]
 pub struct TileMemory {
     /// Depth, 0 where nothing was drawn.
@@ -59,7 +59,7 @@ impl TileMemory {
             (y as i32 + edge as i32).min(context.view.height as i32) - 1,
         ];
         self.stride_bits = stride_bits(context);
-        let places = (edge + 1) << self.stride_bits;
+        let places = (edge + 4) << self.stride_bits;
         self.depth.clear();
         self.depth.resize(places, 0.0);
         self.slot.clear();
@@ -103,6 +103,39 @@ impl TileMemory {
     pub fn samples<S: Simd>(&self, simd: S, places: &[i32; LANES], first: [i32; 2]) -> [i32x16<S>; 2] {
         let [x, y] = self.column_and_row(i32x16::load_array_ref(simd, places));
         [x * SUBPIXELS + first[0], y * SUBPIXELS + first[1]]
+    }
+
+    /// The places of the samples of each block of 4x4 that begins inside the picture, row by row.
+    #[inline(always)]
+    pub fn blocks<S: Simd>(&self, simd: S) -> impl Iterator<Item = [i32; LANES]> {
+        let lanes = self.places(lane_columns::<S, 4>(simd), lane_rows::<S, 4>(simd));
+        let last = [0, 1].map(|k| (self.last[k] - self.corner[k]) / 4);
+        let corners = (0..last[1] + 1).flat_map(move |y| (0..last[0] + 1).map(move |x| (4 * x, 4 * y)));
+        corners.map(
+            #[inline(always)]
+            move |(column, row)| (lanes + self.place(column, row) as i32).to_array(),
+        )
+    }
+
+    /// Slots of the block of 4x4 that begins at a place.
+    #[inline(always)]
+    pub fn slots_of_block<S: Simd>(&self, simd: S, corner: i32) -> u32x16<S> {
+        let row = |k: usize| {
+            let place = corner as usize + k * self.stride();
+            u32x4::from_slice(simd, &self.slot[place..place + 4])
+        };
+        row(0).combine(row(1)).combine(row(2).combine(row(3)))
+    }
+
+    /// Which samples of the block of 4x4 that begins at a place are shaded already.
+    #[inline(always)]
+    pub fn shaded_of_block(&self, corner: i32) -> u32 {
+        let mut lanes = 0;
+        for row in 0..4 {
+            let place = corner as usize + row * self.stride();
+            lanes |= (u32::from(self.shaded[place / LANES] >> (place % LANES)) & 15) << (4 * row);
+        }
+        lanes
     }
 
     /// The pixel of the picture whose sample has a place.

@@ -21,7 +21,7 @@ use crate::color::encode16;
 use crate::context::{FrameContext, NO_SLOT};
 use crate::frame::visibility_key;
 use crate::settings::Shading;
-use crate::simd::{LANE_NUMBERS, LANES, cross, dot, each3, part, row, splat};
+use crate::simd::{LANES, cross, dot, each3, part, row, splat};
 use crate::stats::BackEndCounts;
 use crate::view::ObjectView;
 
@@ -37,24 +37,22 @@ pub fn tile<S: Simd>(
 ) {
     let mut fragments = Fragments::default();
     let mut instance = 0;
-    let mut whole = WholeStamps::new(simd);
-    for (stamp, slots) in memory.slot.chunks_exact(LANES).enumerate() {
-        let slots = u32x16::from_slice(simd, slots);
+    let mut whole = WholeBlocks::new(simd);
+    for places in memory.blocks(simd) {
+        let corner = places[0];
+        let slots = memory.slots_of_block(simd, corner);
         let empty = slots.simd_eq(u32x16::splat(simd, NO_SLOT)).to_bitmask() as u32;
-        let mut left = !(empty | u32::from(memory.shaded[stamp])) & 0xffff;
-        if left == 0xffff {
-            let slot = slots[0];
-            if slots.simd_eq(u32x16::splat(simd, slot)).all_true() {
-                whole.shade(simd, context, memory, stamp, slot, pixels, planes);
-                counts.pixels_shaded += LANES as u64;
-                continue;
-            }
+        let mut left = !(empty | memory.shaded_of_block(corner)) & 0xffff;
+        let slots = slots.to_array();
+        if left == 0xffff && slots == [slots[0]; LANES] {
+            whole.shade(simd, context, memory, places, slots[0], pixels, planes);
+            counts.pixels_shaded += LANES as u64;
+            continue;
         }
         while left != 0 {
-            let lane = left.trailing_zeros() as usize;
+            let lane = left.trailing_zeros() as usize % LANES;
             left &= left - 1;
-            let slot = slots[lane];
-            let place = stamp * LANES + lane;
+            let (slot, place) = (slots[lane], places[lane] as usize);
             let [x, y] = memory.pixel(place);
             counts.pixels_shaded += 1;
             let (own, _) = context.locate(slot / MAX_TRIANGLES as u32);
@@ -70,20 +68,20 @@ pub fn tile<S: Simd>(
     flush(simd, context, instance, &mut fragments, pixels, planes);
 }
 
-/// Stamps that show one triangle: of a large one there are many in a row, and its corners are fetched once.
-struct WholeStamps<S: Simd> {
+/// Blocks of 4x4 samples that show one triangle: of a large one there are many in a row, and its corners are fetched once.
+struct WholeBlocks<S: Simd> {
     slot: Option<u32>,
     instance: usize,
     corners: Corners<S>,
 }
 
-impl<S: Simd> WholeStamps<S> {
+impl<S: Simd> WholeBlocks<S> {
     #[inline(always)]
     fn new(simd: S) -> Self {
         Self { slot: None, instance: 0, corners: Corners::new(simd) }
     }
 
-    /// Shades 16 samples of a row of the tile.
+    /// Shades a block, given by the places of its samples.
     #[expect(clippy::too_many_arguments, reason = "one call site; a struct would only rename them")]
     #[inline(always)]
     fn shade(
@@ -91,16 +89,16 @@ impl<S: Simd> WholeStamps<S> {
         simd: S,
         context: &FrameContext,
         memory: &TileMemory,
-        stamp: usize,
+        places: [i32; LANES],
         slot: u32,
         pixels: &mut TilePixels,
         planes: &Planes,
     ) {
-        let first = stamp * LANES;
         let mut fragments = Fragments { count: LANES, slot: [slot; LANES], ..Fragments::default() };
-        fragments.depth.copy_from_slice(&memory.depth[first..first + LANES]);
-        let places = i32x16::load_array(simd, LANE_NUMBERS) + first as i32;
-        fragments.at_places(memory, places);
+        for lane in 0..LANES {
+            fragments.depth[lane] = memory.depth[places[lane] as usize];
+        }
+        fragments.at_places(memory, i32x16::load_array(simd, places));
         if self.slot != Some(slot) {
             self.slot = Some(slot);
             (self.instance, _) = context.locate(slot / MAX_TRIANGLES as u32);
@@ -344,7 +342,9 @@ impl Look {
         let Instance { mesh, surface, .. } = &context.scene.instances[instance];
         let (shading, lights) = (context.settings.shading, &context.lights);
         let normals = mesh.normals.is_some();
-        let plane = shading == Shading::Flat || !normals || !normals_agree;
+        // Where not all directions are scaled alike, normals may change sides on the way to world space.
+        let agree = normals_agree && context.objects[instance].similarity.is_some();
+        let plane = shading == Shading::Flat || !normals || !agree;
         let highlights = surface.specular > 0.0;
         let lit_from_position = (highlights && context.view.perspective) || !lights.near.is_empty();
         Self {

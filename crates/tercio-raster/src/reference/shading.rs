@@ -4,7 +4,7 @@ use tercio_mesh::{Mesh, OctNormal};
 use tercio_scene::Surface;
 
 use crate::color::{DECODE, encode8, encode16};
-use crate::conventions::{SAMPLE, SUBPIXELS};
+use crate::conventions::{SAMPLE, SMALL_EXTENT, SUBPIXELS};
 use crate::frontend::clip::barycentrics_unclipped;
 use crate::lighting::LightRig;
 use crate::settings::Shading;
@@ -144,8 +144,8 @@ fn corner_colors(mesh: &Mesh, triangle: usize, surface: &Surface) -> Option<[Vec
 
 /// Where in its triangle a pixel's sample lies.
 struct Interpolation {
-    /// Twice the areas of the triangles between the sample and two corners, exact and then rounded: positive where the
-    /// triangle appears counter-clockwise.
+    /// Twice the areas of the triangles between the sample and two corners: positive where the triangle appears
+    /// counter-clockwise.
     area: [f32; 3],
     /// By which an area is multiplied to allow for the perspective: the corner's depth.
     scale: [f32; 3],
@@ -165,15 +165,32 @@ fn interpolation(object: &ObjectView, p: [Vec3; 3], pixel: [i32; 2]) -> Interpol
             weight,
         };
     }
-    let [x, y] = [v.map(|v| i64::from(v.x - sample[0])), v.map(|v| i64::from(v.y - sample[1]))];
-    let area = [0, 1, 2].map(|k| {
-        let (i, j) = ((k + 1) % 3, (k + 2) % 3);
-        (y[i] * x[j] - x[i] * y[j]) as f32
-    });
+    let area = areas(v.map(|v| v.x - sample[0]), v.map(|v| v.y - sample[1]));
     let scale = v.map(|v| if object.perspective { v.d } else { 1.0 });
     let part = [0, 1, 2].map(|k| area[k].abs() * scale[k]);
-    let inverse = 1.0 / ((part[0] + part[1]) + part[2]);
-    Interpolation { area, scale, weight: part.map(|p| p * inverse) }
+    let sum = (part[0] + part[1]) + part[2];
+    let inverse = 1.0 / sum;
+    let weight = if sum > 0.0 { part.map(|p| p * inverse) } else { [1.0, 0.0, 0.0] };
+    Interpolation { area, scale, weight }
+}
+
+/// Twice the areas of the triangles between the sample and two corners, which are given as seen from the sample.
+fn areas(x: [i32; 3], y: [i32; 3]) -> [f32; 3] {
+    let is_near = |v: &i32| (-SMALL_EXTENT..SMALL_EXTENT).contains(v);
+    if x.iter().chain(&y).all(is_near) {
+        return [0, 1, 2].map(|k| {
+            let (i, j) = ((k + 1) % 3, (k + 2) % 3);
+            (y[i] * x[j] - x[i] * y[j]) as f32
+        });
+    }
+    let (x, y) = (x.map(|v| v as f32), y.map(|v| v as f32));
+    let area = [0, 1, 2].map(|k| {
+        let (i, j) = ((k + 1) % 3, (k + 2) % 3);
+        y[i] * x[j] - x[i] * y[j]
+    });
+    // Rounding may give one of them the wrong sign.
+    let clockwise = (area[0] + area[1]) + area[2] < 0.0;
+    area.map(|a| if (a < 0.0 && !clockwise) || (a > 0.0 && clockwise) { 0.0 } else { a })
 }
 
 /// Diffuse light and highlights of all lights.

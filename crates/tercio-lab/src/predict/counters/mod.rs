@@ -85,8 +85,8 @@ pub struct Counters {
     pub tile_samples: u64,
     /// Of the shaded pixels those that are shaded when a tile is finished.
     pub pixels_shaded_late: u64,
-    /// Of these the rows of 16 that show one triangle, which is fetched once.
-    pub whole_stamps: u64,
+    /// Of these the blocks of 4x4 that show one triangle, which is fetched once.
+    pub whole_blocks: u64,
     /// Of `stamps` those of triangles drawn by themselves.
     pub stamps_alone: u64,
     /// Sixteens of small triangles set up.
@@ -204,7 +204,7 @@ impl Counters {
         self.tiles_used += o.tiles_used;
         self.pixels += o.pixels;
         self.tile_samples += o.tile_samples;
-        self.whole_stamps += o.whole_stamps;
+        self.whole_blocks += o.whole_blocks;
         self.stamps_alone += o.stamps_alone;
         self.shadings_by_plane += o.shadings_by_plane;
         self.pixels_colored += o.pixels_colored;

@@ -10,6 +10,8 @@ use super::triangle::Triangle;
 use super::whole;
 use crate::workloads::PixelBox;
 
+/// Edge of a block of pixels that are shaded together when a tile is finished.
+const BLOCK: i32 = 4;
 /// Samples of a stamp, which are tested together, and edge of the blocks in which wide triangles are looked for.
 pub const STAMP: i32 = 16;
 /// Steps of depth in which clusters are drawn.
@@ -109,17 +111,18 @@ impl Tile {
     fn shade_late(&self, frame: &Frame, counters: &mut Counters) {
         counters.pixels_shaded_late = self.count(|tile, place| !tile.shaded[place]);
         counters.pixels_shaded += counters.pixels_shaded_late;
-        let (p, stamp) = (self.pixels, STAMP as usize);
-        let stamps =
-            (p.y0..=p.y1).flat_map(|y| (p.x0..=p.x1 + 1 - STAMP).step_by(stamp).map(move |x| (x, y)));
+        let p = self.pixels;
+        let corners = (p.y0..=p.y1 + 1 - BLOCK)
+            .step_by(BLOCK as usize)
+            .flat_map(|y| (p.x0..=p.x1 + 1 - BLOCK).step_by(BLOCK as usize).map(move |x| (x, y)));
         let is_whole = |&(x, y): &(i32, i32)| {
             let owner = self.owner[self.place(x, y)];
-            let mut places = (x..x + STAMP).map(|x| self.place(x, y));
+            let mut places = (0..BLOCK * BLOCK).map(|k| self.place(x + k % BLOCK, y + k / BLOCK));
             owner != NOBODY && places.all(|place| self.owner[place] == owner && !self.shaded[place])
         };
-        counters.whole_stamps = stamps.filter(is_whole).count() as u64;
+        counters.whole_blocks = corners.filter(is_whole).count() as u64;
         let colored = self.count(|tile, place| !tile.shaded[place] && frame.is_colored(tile.owner[place]));
-        counters.pixels_colored += colored.saturating_sub(STAMP as u64 * counters.whole_stamps);
+        counters.pixels_colored += colored.saturating_sub((BLOCK * BLOCK) as u64 * counters.whole_blocks);
     }
 
     fn place(&self, x: i32, y: i32) -> usize {

@@ -104,7 +104,8 @@ pub fn draw(frame: &Frame, whole: &WholeCluster, tile: &mut Tile, shade: bool, c
         counters.pixels_shaded += won.len() as u64;
         let shadings = won.len().div_ceil(LANES) as u64;
         counters.shadings += shadings;
-        if shadings > 0 && !cluster.normals_agree {
+        let keeps_sides = frame.objects[whole.instance].similarity.is_some();
+        if shadings > 0 && !(cluster.normals_agree && keeps_sides) {
             counters.shadings_by_plane += shadings;
         }
         counters.clusters_won += u64::from(!won.is_empty());
