@@ -5,7 +5,7 @@
 //! ([`crate::Renderer`] does it) and nowhere else.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Level, Simd, f32x16, i32x16, u8x16};
+use fearless_simd::{Level, Simd, f32x16, i32x8, i32x16, u8x16};
 
 /// Lanes of every kernel: one 4x4 block of samples, or 16 vertices, triangles or pixels.
 pub const LANES: usize = 16;
@@ -210,6 +210,52 @@ fearless_simd::kernel!(
     }
 );
 
+/// Numbers of the bits that are set in a number, lowest first.
+#[cfg(target_arch = "x86_64")]
+static SET_BITS: [[u8; 8]; 256] = set_bits();
+
+#[cfg(target_arch = "x86_64")]
+const fn set_bits() -> [[u8; 8]; 256] {
+    let mut all = [[0; 8]; 256];
+    let mut number = 0;
+    while number < 256 {
+        let (mut bit, mut count) = (0, 0);
+        while bit < 8 {
+            if number >> bit & 1 == 1 {
+                all[number][count] = bit as u8;
+                count += 1;
+            }
+            bit += 1;
+        }
+        number += 1;
+    }
+    all
+}
+
+#[cfg(target_arch = "x86_64")]
+fearless_simd::kernel!(
+    /// The chosen lanes, moved together to the front.
+    #[inline]
+    fn compress_avx2(avx2: Avx2, lanes: u8, from: std::arch::x86_64::__m256i) -> std::arch::x86_64::__m256i {
+        use std::arch::x86_64::*;
+        let _ = avx2;
+        let order = _mm_cvtsi64_si128(i64::from_le_bytes(SET_BITS[lanes as usize]));
+        _mm256_permutevar8x32_epi32(from, _mm256_cvtepu8_epi32(order))
+    }
+);
+
+#[cfg(target_arch = "x86_64")]
+fearless_simd::kernel!(
+    /// Of eight bytes the chosen ones, moved together to the front.
+    #[inline]
+    fn compress_bytes_avx2(avx2: Avx2, lanes: u8, from: u64) -> u64 {
+        use std::arch::x86_64::*;
+        let _ = avx2;
+        let order = _mm_cvtsi64_si128(i64::from_le_bytes(SET_BITS[lanes as usize]));
+        _mm_cvtsi128_si64(_mm_shuffle_epi8(_mm_cvtsi64_si128(from as i64), order)) as u64
+    }
+);
+
 /// Writes the chosen lanes to `to`, one after another from place `at` on; there must be room for all 16.
 #[inline(always)]
 pub fn append<S: Simd>(simd: S, to: &mut [i32], at: usize, lanes: u32, from: i32x16<S>) {
@@ -218,6 +264,16 @@ pub fn append<S: Simd>(simd: S, to: &mut [i32], at: usize, lanes: u32, from: i32
     if let Level::Avx512(token) = simd.level() {
         let together: i32x16<S> = compress_avx512(token, lanes as u16, from.into()).simd_into(simd);
         together.store_slice(to);
+        return;
+    }
+    #[cfg(target_arch = "x86_64")]
+    if let Level::Avx2(token) = simd.level() {
+        let (low, high) = from.split();
+        let low: i32x8<S> = compress_avx2(token, lanes as u8, low.into()).simd_into(simd);
+        let high: i32x8<S> = compress_avx2(token, (lanes >> 8) as u8, high.into()).simd_into(simd);
+        let middle = (lanes & 0xff).count_ones() as usize;
+        low.store_slice(&mut to[..8]);
+        high.store_slice(&mut to[middle..middle + 8]);
         return;
     }
     move_to_front(to, lanes, &from.to_array());
@@ -245,6 +301,16 @@ pub fn append_bytes<S: Simd>(simd: S, to: &mut [u8], at: usize, lanes: u32, from
     if let Level::Avx512(token) = simd.level() {
         let together: u8x16<S> = compress_bytes_avx512(token, lanes as u16, from.into()).simd_into(simd);
         together.store_slice(to);
+        return;
+    }
+    #[cfg(target_arch = "x86_64")]
+    if let Level::Avx2(token) = simd.level() {
+        let both = u128::from_le_bytes(from.to_array());
+        let low = compress_bytes_avx2(token, lanes as u8, both as u64);
+        let high = compress_bytes_avx2(token, (lanes >> 8) as u8, (both >> 64) as u64);
+        let middle = (lanes & 0xff).count_ones() as usize;
+        to[..8].copy_from_slice(&low.to_le_bytes());
+        to[middle..middle + 8].copy_from_slice(&high.to_le_bytes());
         return;
     }
     move_to_front(to, lanes, &from.to_array());
