@@ -12,8 +12,54 @@ pub const MAX_THREADS: usize = 256;
 /// If the system refuses so many threads.
 pub fn pool(asked: Option<usize>) -> Result<ThreadPool> {
     let threads = asked.unwrap_or_else(allowed);
-    let pool = ThreadPoolBuilder::new().num_threads(threads).thread_name(|n| format!("tercio-{n}")).build();
+    let first = processor::current();
+    let pool = ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .thread_name(|n| format!("tercio-{n}"))
+        .start_handler(move |n| processor::move_to(first + n))
+        .build();
     pool.with_context(|| format!("cannot start {threads} threads"))
+}
+
+/// Where threads begin.
+///
+/// New threads begin on the processor of the thread that starts them, and a run of a second may be over before some
+/// schedulers have moved one: those that pack threads onto few processors to save energy never do. So each is moved to
+/// a processor of its own, where it stays until the system sees a reason to move it. The first stays with the thread
+/// that starts it, because processes of one machine have been given different processors to begin with.
+#[cfg(target_os = "linux")]
+mod processor {
+    use rustix::thread::{CpuSet, sched_getaffinity, sched_getcpu, sched_setaffinity};
+
+    /// The processor of this thread, among those that it may use.
+    pub fn current() -> usize {
+        let Ok(allowed) = sched_getaffinity(None) else { return 0 };
+        (0..sched_getcpu()).filter(|&i| allowed.is_set(i)).count()
+    }
+
+    /// Moves this thread to one of the processors that it may use; they are counted round.
+    pub fn move_to(number: usize) {
+        let Ok(allowed) = sched_getaffinity(None) else { return };
+        let count = allowed.count() as usize;
+        let processor = (0..CpuSet::MAX_CPU).filter(|&i| allowed.is_set(i)).nth(number % count.max(1));
+        if let Some(processor) = processor {
+            let mut own = CpuSet::new();
+            own.set(processor);
+            // A thread that could not be moved works where it is.
+            if sched_setaffinity(None, &own).is_ok() {
+                let _ = sched_setaffinity(None, &allowed);
+            }
+        }
+    }
+}
+
+#[cfg(not(target_os = "linux"))]
+mod processor {
+    pub fn current() -> usize {
+        0
+    }
+
+    pub fn move_to(_: usize) {}
 }
 
 /// As many as affinity mask, cgroup quota and the batch system allow.
