@@ -1,32 +1,53 @@
 //! Which triangles of a block meet at a vertex.
 
 /// The triangles round each vertex of a block.
-#[derive(Default)]
 pub(crate) struct Around {
-    /// Where each vertex's triangles begin, and one more.
-    starts: Vec<u32>,
-    triangles: Vec<u16>,
+    /// Where each vertex's triangles begin, and one more. One entry for each number of 16 bits, so that looking
+    /// one up needs no check.
+    starts: Box<[u32; (1 << 16) + 2]>,
+    corners: Vec<Corner>,
+}
+
+/// A triangle as one of its corners sees it.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct Corner {
+    /// The corner behind it.
+    pub next: u16,
+    /// The corner before it.
+    pub previous: u16,
+    pub triangle: u16,
+}
+
+impl Default for Around {
+    fn default() -> Self {
+        let starts = vec![0; (1 << 16) + 2].into_boxed_slice();
+        let starts =
+            starts.try_into().unwrap_or_else(|_| unreachable!("the table was made with this length"));
+        Self { starts, corners: Vec::new() }
+    }
 }
 
 impl Around {
-    /// Takes a new block of so many vertices. It has at most 2^16 triangles.
-    pub fn fill(&mut self, corners: &[[u16; 3]], vertices: usize) {
-        self.starts.clear();
-        self.starts.resize(vertices + 2, 0);
+    /// Takes a new block of so many vertices. It has at most 2^16 / 3 triangles.
+    pub fn fill(&mut self, triangles: &[[u16; 3]], vertices: usize) {
+        let starts = &mut *self.starts;
+        starts[..vertices + 2].fill(0);
         // Two places ahead, so that filling leaves every start where it belongs.
-        for &v in corners.as_flattened() {
-            self.starts[usize::from(v) + 2] += 1;
+        for &v in triangles.as_flattened() {
+            starts[usize::from(v) + 2] += 1;
         }
         let mut sum = 0;
-        for start in &mut self.starts {
+        for start in &mut starts[..vertices + 2] {
             sum += *start;
             *start = sum;
         }
-        self.triangles.resize(corners.len() * 3, 0);
-        for (t, corners) in corners.iter().enumerate() {
-            for &v in corners {
-                let place = &mut self.starts[usize::from(v) + 1];
-                self.triangles[*place as usize] = t as u16;
+        self.corners.resize(triangles.len() * 3, Corner::default());
+        let corners = self.corners.as_mut_slice();
+        for (t, &[a, b, c]) in triangles.iter().enumerate() {
+            let triangle = t as u16;
+            for [corner, next, previous] in [[a, b, c], [b, c, a], [c, a, b]] {
+                let place = &mut starts[usize::from(corner) + 1];
+                corners[*place as usize] = Corner { next, previous, triangle };
                 *place += 1;
             }
         }
@@ -34,8 +55,8 @@ impl Around {
 
     /// Triangles that have the vertex as a corner; twice or more where it is two corners of one.
     #[inline]
-    pub fn at(&self, vertex: u16) -> &[u16] {
+    pub fn at(&self, vertex: u16) -> &[Corner] {
         let v = usize::from(vertex);
-        &self.triangles[self.starts[v] as usize..self.starts[v + 1] as usize]
+        &self.corners[self.starts[v] as usize..self.starts[v + 1] as usize]
     }
 }

@@ -12,7 +12,7 @@ mod hilbert;
 mod numbering;
 pub(crate) mod order;
 
-pub(crate) use around::Around;
+pub(crate) use around::{Around, Corner};
 pub(crate) use numbering::Numbering;
 pub use order::Order;
 
