@@ -37,14 +37,19 @@ pub(super) fn bound(
     let mut faces = Faces::default();
     let directions = Directions::new(normals_of_vertices.unwrap_or_default());
     let mut agree = normals_of_vertices.is_some();
+    // With as many entries as a corner can name, so that looking one up needs no check.
+    let mut points = [[0.0; MAX_VERTICES]; 3];
+    for axis in 0..3 {
+        points[axis][..axes[axis].len()].copy_from_slice(axes[axis]);
+    }
     let n = corners[0].len();
     for first in (0..n).step_by(LANES) {
         let here = LANES.min(n - first);
         for lane in 0..here {
             for k in 0..3 {
-                let v = usize::from(corners[k][first + lane]);
+                let v = usize::from(corners[k][first + lane]) % MAX_VERTICES;
                 for axis in 0..3 {
-                    faces.points[k][axis][lane] = f64::from(axes[axis][v]);
+                    faces.points[k][axis][lane] = points[axis][v];
                 }
             }
         }
@@ -140,7 +145,7 @@ fn farthest2(cluster: &Cluster, [x, y, z]: [&[f32]; 3]) -> f64 {
 #[derive(Default)]
 struct Faces {
     /// Coordinates: corner, axis, triangle.
-    points: [[[f64; LANES]; 3]; 3],
+    points: [[[f32; LANES]; 3]; 3],
     /// Unit normals.
     normal: [[f64; LANES]; 3],
     /// Squares of the least heights.
@@ -159,8 +164,11 @@ impl Faces {
     fn find(&mut self) {
         let [a, b, c] = &self.points;
         for i in 0..LANES {
-            let u = [b[0][i] - a[0][i], b[1][i] - a[1][i], b[2][i] - a[2][i]];
-            let v = [c[0][i] - a[0][i], c[1][i] - a[1][i], c[2][i] - a[2][i]];
+            let a = [f64::from(a[0][i]), f64::from(a[1][i]), f64::from(a[2][i])];
+            let b = [f64::from(b[0][i]), f64::from(b[1][i]), f64::from(b[2][i])];
+            let c = [f64::from(c[0][i]), f64::from(c[1][i]), f64::from(c[2][i])];
+            let u = [b[0] - a[0], b[1] - a[1], b[2] - a[2]];
+            let v = [c[0] - a[0], c[1] - a[1], c[2] - a[2]];
             let w = [v[0] - u[0], v[1] - u[1], v[2] - u[2]];
             let n = [u[1] * v[2] - v[1] * u[2], u[2] * v[0] - v[2] * u[0], u[0] * v[1] - v[0] * u[1]];
             let square = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];

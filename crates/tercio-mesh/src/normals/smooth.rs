@@ -211,7 +211,7 @@ impl Rings {
                 for k in 0..3 {
                     let p = self.positions[usize::from(corners[k])];
                     for axis in 0..3 {
-                        terms.points[k][axis][lane] = f64::from(p[axis]);
+                        terms.points[k][axis][lane] = p[axis];
                     }
                 }
             }
@@ -261,7 +261,7 @@ impl Rings {
 #[derive(Default)]
 struct Terms {
     /// Coordinates: corner, axis, triangle.
-    points: [[[f64; LANES]; 3]; 3],
+    points: [[[f32; LANES]; 3]; 3],
     /// Unit normals; zero without area.
     normal: [[f64; LANES]; 3],
     /// Angles at the three corners; zero without area.
@@ -276,9 +276,12 @@ impl Terms {
     fn find(&mut self) {
         let [a, b, c] = &self.points;
         for i in 0..LANES {
-            let e = [b[0][i] - a[0][i], b[1][i] - a[1][i], b[2][i] - a[2][i]];
-            let f = [c[0][i] - a[0][i], c[1][i] - a[1][i], c[2][i] - a[2][i]];
-            let g = [c[0][i] - b[0][i], c[1][i] - b[1][i], c[2][i] - b[2][i]];
+            let a = [f64::from(a[0][i]), f64::from(a[1][i]), f64::from(a[2][i])];
+            let b = [f64::from(b[0][i]), f64::from(b[1][i]), f64::from(b[2][i])];
+            let c = [f64::from(c[0][i]), f64::from(c[1][i]), f64::from(c[2][i])];
+            let e = [b[0] - a[0], b[1] - a[1], b[2] - a[2]];
+            let f = [c[0] - a[0], c[1] - a[1], c[2] - a[2]];
+            let g = [c[0] - b[0], c[1] - b[1], c[2] - b[2]];
             let n = [e[1] * f[2] - f[1] * e[2], e[2] * f[0] - f[2] * e[0], e[0] * f[1] - f[0] * e[1]];
             // `f32` squared fits an `f64`, and so does the square of the square (1e-45 to 1e38).
             let (ee, ff, gg) = (dot(e, e), dot(f, f), dot(g, g));
