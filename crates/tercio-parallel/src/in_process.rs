@@ -6,7 +6,8 @@ use std::time::Instant;
 use tercio_raster::{Frame, Settings};
 use tercio_scene::{Camera, Scene};
 
-use crate::comm::{Communicator, threads};
+use crate::comm::Communicator;
+use crate::comm::threads::{self, ThreadComm};
 use crate::organisation::{Rank, Task};
 use crate::report::FrameReport;
 use crate::{Organisation, ParallelError};
@@ -37,26 +38,34 @@ pub fn draw_frames(
     settings: &Settings,
     picture: impl Fn(usize, &mut Frame) + Sync,
 ) -> Result<Vec<FrameReport>, ParallelError> {
-    let reports = threads::run(ranks.count, |comm| {
-        let (mut own, mut frame) = (Rank::new(ranks.threads)?, Frame::default());
+    let draw = |comm: &mut ThreadComm, own: &mut Rank| {
+        let mut frame = Frame::default();
         let mut reports = Vec::new();
         for (number, camera) in cameras.iter().enumerate() {
             comm.barrier()?;
             let begin = Instant::now();
             let task = Task { organisation: ranks.organisation, scene, camera, settings };
             let report = own.draw_into(comm, &task, &mut frame)?;
-            reports.push((report, begin.elapsed().as_secs_f64() * 1e3));
+            reports.push((report, begin, Instant::now()));
             if comm.rank() == 0 {
                 picture(number, &mut frame);
             }
         }
         Ok(reports)
+    };
+    let reports = threads::run(ranks.count, |comm| {
+        let mut own = Rank::new(ranks.threads)?;
+        // All of a rank's work on its own threads: it is not handed to and fro, and none of them looks for more.
+        own.pool().install(|| draw(comm, &mut own))
     })?;
     // From a list a rank to a list a frame.
     let mut of_ranks: Vec<_> = reports.into_iter().map(Vec::into_iter).collect();
     let frame = |_| {
         let all: Vec<_> = of_ranks.iter_mut().filter_map(Iterator::next).collect();
-        let milliseconds = all.first().map_or(0.0, |first| first.1);
+        // Where ranks share processors, rank 0 may be the last to begin.
+        let begin = all.iter().map(|rank| rank.1).min();
+        let whole = all.first().map(|first| first.2).zip(begin).map(|(end, begin)| end - begin);
+        let milliseconds = whole.map_or(0.0, |whole| whole.as_secs_f64() * 1e3);
         let ranks_of_frame = all.into_iter().map(|rank| rank.0).collect();
         FrameReport::new(ranks.organisation, settings.tile_edge(), milliseconds, ranks_of_frame)
     };

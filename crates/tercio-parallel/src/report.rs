@@ -95,7 +95,7 @@ pub struct FrameReport {
     pub organisation: Organisation,
     /// Pixels along the edge of a region.
     pub region: u32,
-    /// Milliseconds until the picture was whole, on rank 0.
+    /// Milliseconds from when the first rank began until the picture was whole, on rank 0.
     pub milliseconds: f64,
     /// Messages between ranks.
     pub messages: u64,

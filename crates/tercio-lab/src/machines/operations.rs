@@ -64,6 +64,26 @@ pub enum Operation {
     MemoryLine,
     /// One pixel of two partial pictures merged.
     CompositePixel,
+    /// One visibility key of a picture cleared and written, whatever it shows.
+    PictureKey,
+    /// One visibility key made for a shaded pixel.
+    ShadedKey,
+    /// One line of memory of keys written that no cache holds.
+    KeyLine,
+    /// One pixel of a rank's picture looked at before it travels.
+    ScannedPixel,
+    /// One row of neighbouring pixels put into a message.
+    PackedSpan,
+    /// One key or colour of these pixels put into a message.
+    PackedSample,
+    /// One row of neighbouring pixels taken out of a message.
+    UnpackedSpan,
+    /// One key or colour of these pixels taken out of a message, and compared where it is a key.
+    UnpackedSample,
+    /// One pixel of another rank's region given the background.
+    ClearedPixel,
+    /// One line of memory of pictures and messages that no cache holds.
+    ExchangeLine,
 }
 
 impl Operation {
@@ -99,6 +119,16 @@ impl Operation {
             Self::CacheLine => "cache-line",
             Self::MemoryLine => "memory-line",
             Self::CompositePixel => "composite-pixel",
+            Self::PictureKey => "picture-key",
+            Self::ShadedKey => "shaded-key",
+            Self::KeyLine => "key-line",
+            Self::ScannedPixel => "scanned-pixel",
+            Self::PackedSpan => "packed-span",
+            Self::PackedSample => "packed-sample",
+            Self::UnpackedSpan => "unpacked-span",
+            Self::UnpackedSample => "unpacked-sample",
+            Self::ClearedPixel => "cleared-pixel",
+            Self::ExchangeLine => "exchange-line",
         }
     }
 }

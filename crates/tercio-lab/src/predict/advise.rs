@@ -1,19 +1,44 @@
 //! The best organisation for a machine and a model: all of a list are predicted, the fastest is explained.
+//!
+//! Where the model of the renderer's ranks speaks ([`Plan::by_renderer`]), the advice is about the renderer and comes from
+//! it. The simulator of the sorting classes then tells what the others would be worth, compared only with its own figures.
+//! Where it does not speak, the advice is the simulator's.
 
 use rayon::prelude::*;
 use serde::Serialize;
 
+use super::PredictError;
 use super::counters::Counters;
-use super::ranks::{Plan, RanksTime, predict};
-use crate::machines::{Machine, MachineError, Topology};
+use super::ranks::renderer::{RankSeconds, RanksFrame};
+use super::ranks::simulated::SimulatedFrame;
+use super::ranks::{Picture, Plan, TILE_EDGES, predict, simulate};
+use crate::machines::{Machine, Topology};
 use crate::simulators::sorting::{Assignment, Organisation};
 use crate::workloads::BoxScene;
+
+/// A frame by the model of the renderer's ranks.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Rendered {
+    /// How they share it.
+    pub plan: Plan,
+    /// What they do.
+    pub frame: RanksFrame,
+}
+
+impl Rendered {
+    /// The plan in words.
+    pub fn describe(&self) -> String {
+        format!("{}, regions of {} pixels", class(self.plan.organisation), self.frame.region)
+    }
+}
 
 /// Predictions, the fastest first.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Advice {
-    /// All plans that were looked at.
-    pub plans: Vec<RanksTime>,
+    /// Plans that the renderer has, by the model that is compared with it.
+    pub renderer: Vec<Rendered>,
+    /// All plans by the simulator of the sorting classes.
+    pub simulated: Vec<SimulatedFrame>,
 }
 
 /// The plans that are looked at: the four classes, groups of every power of two, regions of 16 to 128 pixels and the
@@ -37,63 +62,129 @@ pub fn plans(ranks: usize, topology: Option<Topology>) -> Vec<Plan> {
     plans
 }
 
-/// Predicts all plans.
+/// The plans that the renderer has: both organisations, with tiles of every size.
+pub fn renderer_plans(ranks: usize) -> Vec<Plan> {
+    let of_region = |region| {
+        [Organisation::SortFirst, Organisation::SortLast].map(|organisation| {
+            let assignment = Assignment::Interleaved;
+            Plan { organisation, ranks, region: Some(region), assignment, topology: None }
+        })
+    };
+    TILE_EDGES.into_iter().flat_map(of_region).collect()
+}
+
+/// Predicts plans: each that the renderer has by its model, all by the simulator.
 ///
 /// # Errors
-/// As [`predict`].
+/// As [`predict`] and [`simulate`].
 pub fn advise(
     machine: &Machine,
+    picture: &Picture,
     counters: &Counters,
     boxes: &BoxScene,
-    size: (u32, u32),
-    plans: &[Plan],
-) -> Result<Advice, MachineError> {
-    let predicted: Result<Vec<RanksTime>, _> =
-        plans.par_iter().map(|&plan| predict(machine, counters, boxes, size, plan)).collect();
-    let mut plans = predicted?;
-    // Equal times stay in the order of the list, simple plans first.
-    plans.sort_by(|a, b| a.total().total_cmp(&b.total()));
-    Ok(Advice { plans })
+    (rendered, simulated): (&[Plan], &[Plan]),
+) -> Result<Advice, PredictError> {
+    let mut renderer = Vec::new();
+    for plan in rendered {
+        // Its ranks are counted on all threads.
+        if let Ok(frame) = predict(machine, picture, plan)? {
+            renderer.push(Rendered { plan: *plan, frame });
+        }
+    }
+    let size = (picture.settings.width, picture.settings.height);
+    let simulated: Result<Vec<SimulatedFrame>, _> =
+        simulated.par_iter().map(|plan| simulate(machine, counters, boxes, size, plan)).collect();
+    let mut simulated = simulated?;
+    // Equal times stay in the order of the lists, simple plans first.
+    renderer.sort_by(|a, b| a.frame.total().total_cmp(&b.frame.total()));
+    simulated.sort_by(|a, b| a.total().total_cmp(&b.total()));
+    Ok(Advice { renderer, simulated })
 }
 
 impl Advice {
-    /// Why the first one: its longest phase, and what holds the best of each other class back.
+    /// Why the first one, and what holds the best of each other class back.
     pub fn explanation(&self) -> Vec<String> {
-        let Some(best) = self.plans.first() else { return Vec::new() };
-        let milliseconds = |s: f64| format!("{:.3} ms", s * 1e3);
-        let (phase, seconds) = best.longest_phase();
-        let mut lines = vec![format!(
-            "{} is fastest, {} a frame: its longest phase is {phase} with {}; busiest over mean rank {:.2} in geometry \
-             and {:.2} in rasterization",
-            describe(&best.plan),
-            milliseconds(best.total()),
-            milliseconds(seconds),
-            best.sorting.geometry.imbalance(),
-            best.sorting.raster.imbalance(),
-        )];
-        let mut seen = vec![class(best.plan.organisation)];
-        for other in &self.plans {
-            let class = class(other.plan.organisation);
-            if seen.contains(&class) {
-                continue;
-            }
-            seen.push(class);
-            // The phase in which it loses most against the best.
-            let phases = other.phases().into_iter().zip(best.phases());
-            let (name, theirs, ours) = phases
-                .map(|(o, b)| (o.0, o.1, b.1))
-                .fold(("", 0.0, 0.0), |worst, p| if p.1 - p.2 > worst.1 - worst.2 { p } else { worst });
-            lines.push(format!(
-                "{} takes {:.2} times as long, {}: {name} takes {} instead of {}",
-                describe(&other.plan),
-                other.total() / best.total(),
-                milliseconds(other.total()),
-                milliseconds(theirs),
-                milliseconds(ours),
-            ));
+        let mut lines = Vec::new();
+        if let Some(best) = self.renderer.first() {
+            lines.push(why_rendered(best));
+            let of_class = |r: &Rendered| (class(r.plan.organisation), r.frame.total(), r.describe());
+            let phases = |k: usize| self.renderer[k].frame.phases().to_vec();
+            lines.extend(others(&self.renderer.iter().map(of_class).collect::<Vec<_>>(), phases));
+            lines.push("what follows is of the simulator of the sorting classes, another model".into());
+        }
+        if let Some(best) = self.simulated.first() {
+            lines.push(why_simulated(best));
+            let of_class = |s: &SimulatedFrame| (class(s.plan.organisation), s.total(), describe(&s.plan));
+            let phases = |k: usize| self.simulated[k].phases().to_vec();
+            lines.extend(others(&self.simulated.iter().map(of_class).collect::<Vec<_>>(), phases));
         }
         lines
     }
+}
+
+fn milliseconds(seconds: f64) -> String {
+    format!("{:.3} ms", seconds * 1e3)
+}
+
+fn why_rendered(best: &Rendered) -> String {
+    let f = &best.frame;
+    let (name, seconds) = longest(&f.phases());
+    format!(
+        "{} is fastest of what the renderer has, {} a frame: rank 0 spends most on {name}, {}; busiest over mean rank \
+         {:.2} in drawing and {:.2} in all; {} bytes in {} messages; {} bytes in the rank that needs most",
+        best.describe(),
+        milliseconds(f.total()),
+        milliseconds(seconds),
+        f.imbalance(|r| r.draw),
+        f.imbalance(RankSeconds::busy),
+        f.bytes,
+        f.messages,
+        f.memory.total(),
+    )
+}
+
+fn why_simulated(best: &SimulatedFrame) -> String {
+    let (name, seconds) = longest(&best.phases());
+    format!(
+        "{} is fastest, {} a frame: its longest phase is {name} with {}; busiest over mean rank {:.2} in geometry and \
+         {:.2} in rasterization",
+        describe(&best.plan),
+        milliseconds(best.total()),
+        milliseconds(seconds),
+        best.sorting.geometry.imbalance(),
+        best.sorting.raster.imbalance(),
+    )
+}
+
+fn longest(phases: &[(&'static str, f64)]) -> (&'static str, f64) {
+    phases.iter().copied().fold(phases[0], |best, p| if p.1 > best.1 { p } else { best })
+}
+
+/// Of the best of each class but the first one's: the phase in which it loses most.
+fn others(
+    plans: &[(&'static str, f64, String)],
+    phases: impl Fn(usize) -> Vec<(&'static str, f64)>,
+) -> Vec<String> {
+    let (mut lines, mut seen, ours) = (Vec::new(), vec![plans[0].0], phases(0));
+    for (k, (class, total, description)) in plans.iter().enumerate() {
+        if seen.contains(class) {
+            continue;
+        }
+        seen.push(*class);
+        let (name, theirs, ours) = phases(k)
+            .into_iter()
+            .zip(&ours)
+            .map(|(o, b)| (o.0, o.1, b.1))
+            .fold(("", 0.0, 0.0), |worst, p| if p.1 - p.2 > worst.1 - worst.2 { p } else { worst });
+        lines.push(format!(
+            "{description} takes {:.2} times as long, {}: {name} takes {} instead of {}",
+            total / plans[0].1,
+            milliseconds(*total),
+            milliseconds(theirs),
+            milliseconds(ours),
+        ));
+    }
+    lines
 }
 
 fn class(organisation: Organisation) -> &'static str {
@@ -105,7 +196,7 @@ fn class(organisation: Organisation) -> &'static str {
     }
 }
 
-/// A plan in words.
+/// A plan of the simulator in words.
 pub fn describe(plan: &Plan) -> String {
     let mut text = class(plan.organisation).to_string();
     if let Organisation::SortTwice(group) = plan.organisation {
@@ -154,27 +245,72 @@ mod tests {
         BoxScene { boxes: (0..boxes).map(of).collect() }
     }
 
+    /// No model: the simulator asks for boxes only.
+    fn picture<R>(size: (u32, u32), work: impl FnOnce(&Picture) -> R) -> R {
+        let scene = tercio_scene::Scene::default();
+        let camera = crate::predict::views::camera(
+            &tercio_mesh::Aabb { min: glam::DVec3::ZERO, max: glam::DVec3::ONE },
+            size,
+            0,
+            1,
+        );
+        let settings = tercio_raster::Settings::new(size.0, size.1);
+        work(&Picture { scene: &scene, camera: &camera, settings: &settings })
+    }
+
     #[test]
     fn the_first_plan_is_the_fastest_and_the_others_are_told_why() {
         let machine = builtin("princeton-engine").unwrap().unwrap();
-        let plans = plans(64, None);
-        let advice = advise(&machine, &counters(3000), &scene(3000), (1024, 1024), &plans).unwrap();
-        assert_eq!(advice.plans.len(), plans.len());
-        assert!(advice.plans.windows(2).all(|w| w[0].total() <= w[1].total()));
+        let plans = (renderer_plans(64), plans(64, None));
+        let advice = picture((1024, 1024), |picture| {
+            advise(&machine, picture, &counters(3000), &scene(3000), (&plans.0, &plans.1)).unwrap()
+        });
+        assert!(advice.renderer.is_empty(), "no costs of the renderer's ranks");
+        let simulated = &advice.simulated;
+        assert_eq!(simulated.len(), plans.1.len());
+        assert!(simulated.windows(2).all(|w| w[0].total() <= w[1].total()));
         let lines = advice.explanation();
         assert_eq!(lines.len(), 4, "one line a class: {lines:?}");
         // 3,000 polygons travel faster than megabytes of pixels round a ring.
-        assert!(matches!(
-            advice.plans[0].plan.organisation,
-            Organisation::SortMiddle | Organisation::SortFirst
-        ));
+        let first = simulated[0].plan.organisation;
+        assert!(matches!(first, Organisation::SortMiddle | Organisation::SortFirst));
         assert!(lines.iter().any(|l| l.starts_with("sort-last") && l.contains("composition")), "{lines:?}");
+    }
+
+    #[test]
+    fn what_the_renderer_has_is_explained_by_its_own_model() {
+        let machine = builtin("two-core-2026").unwrap().unwrap();
+        let (scene, bounds) =
+            crate::predict::calibrate::prepare(tercio_mesh::builtin::make("builtin:gyroid@5k").unwrap());
+        let (camera, settings) = (
+            crate::predict::views::camera(&bounds, (160, 120), 0, 1),
+            tercio_raster::Settings::new(160, 120),
+        );
+        let picture = Picture { scene: &scene, camera: &camera, settings: &settings };
+        let plans = (renderer_plans(4), plans(4, None));
+        let advice =
+            advise(&machine, &picture, &counters(100), &self::scene(100), (&plans.0, &plans.1)).unwrap();
+        assert_eq!(advice.renderer.len(), plans.0.len());
+        assert!(advice.renderer.windows(2).all(|w| w[0].frame.total() <= w[1].frame.total()));
+        for Rendered { plan, frame } in &advice.renderer {
+            assert_eq!(predict(&machine, &picture, plan).unwrap().as_ref(), Ok(frame), "{plan:?}");
+        }
+        let lines = advice.explanation();
+        let best = &advice.renderer[0];
+        assert!(lines[0].starts_with(&best.describe()), "{lines:?}");
+        assert!(lines[0].contains(&milliseconds(best.frame.total())), "{lines:?}");
+        assert!(lines[0].contains(&format!("{} bytes in {}", best.frame.bytes, best.frame.messages)));
+        // The other class of the renderer, the line between the models, four classes of the simulator.
+        assert_eq!(lines.len(), 2 + 1 + 4, "{lines:?}");
     }
 
     #[test]
     fn a_machine_without_a_network_is_told() {
         let machine = builtin("voodoo-sli").unwrap().unwrap();
-        let error = advise(&machine, &counters(1), &scene(1), (64, 64), &plans(2, None)).unwrap_err();
+        let error = picture((64, 64), |picture| {
+            let plans = plans(2, None);
+            advise(&machine, picture, &counters(1), &scene(1), (&[], &plans)).unwrap_err()
+        });
         assert!(error.to_string().contains("network is needed"), "{error}");
     }
 }

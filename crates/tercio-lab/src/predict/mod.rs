@@ -5,9 +5,10 @@
 //! | [`views`] | the scenes and cameras of `tercio bench` |
 //! | [`counters`] | what a frame amounts to, counted without the renderer |
 //! | [`frame`] | counts and costs become times: one process on some threads |
-//! | [`ranks`] | the same for an organisation of ranks on a network |
+//! | [`ranks`] | the same for ranks that share a frame |
 //! | [`advise`] | the best organisation for a machine and a model, and why |
 //! | [`measure`] | the real renderer's counters and times |
+//! | [`usage`] | page faults and switches of threads |
 //! | [`hardware`] | caches, memory and messages of this machine |
 //! | [`fit`] | costs from measured frames |
 //! | [`calibrate`] | the description of this machine |
@@ -24,6 +25,7 @@ pub mod hardware;
 pub mod measure;
 pub mod quoted;
 pub mod ranks;
+pub mod usage;
 pub mod validate;
 pub mod validate_ranks;
 pub mod views;

@@ -1,226 +1,75 @@
 //! Ranks in one process, predicted against measured: [`tercio_parallel`] draws, and what its ranks count and send has to
-//! be what is reckoned here from coverage alone.
-//!
-//! What is reckoned, and by which rules:
-//!
-//! * sort-last deals out consecutive clusters, rank r of n those from `C * r / n` on; sort-first gives every rank all;
-//! * region k of the picture, row by row, belongs to rank k modulo the ranks;
-//! * a row of neighbouring pixels of one region that show something travels as 6 bytes and 4 for every pixel's colour,
-//!   and 8 for its key where it is yet to be composed;
-//! * what a rank's renderer counts follows from its part of the clusters or tiles ([`super::counters`]);
-//! * ranks without clusters send nothing to be composed, ranks without regions take nothing and have nothing to collect.
-//!
-//! Times are of ranks with one thread each. A stage is charged by what it does; its costs are fitted to other models
-//! ([`RankCosts`]), those of drawing come from the machine's description.
+//! be what [`ranks`](super::ranks) reckons. Times are of ranks with one thread each, by the model of
+//! [`renderer`](super::ranks::renderer) that `tercio lab predict` and `advise` use.
 
 use serde::Serialize;
-use tercio_mesh::Aabb;
-use tercio_parallel::{FrameReport, Organisation, ParallelError, RankReport, Ranks, draw_frames};
+use tercio_parallel::Organisation;
 use tercio_raster::Settings;
-use tercio_raster::frontend::clip::clip_triangle;
-use tercio_raster::view::{ObjectView, ScreenVertex, View};
-use tercio_scene::{Camera, Scene};
 
 use super::counters::Counters;
 use super::measure::Clock;
-use super::validate::TOLERANCE;
+use super::ranks::RanksError;
+use super::ranks::exchange::ExchangeCosts;
+use super::ranks::measure::MeasuredRanks;
+use super::ranks::renderer::{RankSeconds, RanksFrame, RanksWork, predict};
+use super::ranks::traffic::RankCounts;
+use super::validate::{Model, TOLERANCE};
 use super::{PredictError, views};
 use crate::machines::Machine;
-use crate::simulators::sorting::{Assignment, Regions};
 
-mod times;
-
-pub use times::{RankCosts, StageSeconds};
-
-/// Bytes before the pixels of a row, of a pixel's key and of its colour.
-const ROW_BYTES: u64 = 6;
-const KEY_BYTES: u64 = 8;
-const COLOR_BYTES: u64 = 4;
-
-/// Why ranks could not be compared.
-#[derive(Debug, thiserror::Error)]
-pub enum RanksError {
-    /// There is no prediction.
-    #[error(transparent)]
-    Predict(#[from] PredictError),
-    /// The ranks could not draw.
-    #[error(transparent)]
-    Parallel(#[from] ParallelError),
+/// Seconds of a frame. A stage is that of its busiest rank.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct StageSeconds {
+    /// Drawing.
+    pub draw: f64,
+    /// Packing for other owners and composing.
+    pub compose: f64,
+    /// Packing for rank 0, unpacking there.
+    pub collect: f64,
+    /// Rank 0 waiting for messages.
+    pub wait: f64,
+    /// The whole frame, until rank 0 has the picture.
+    pub frame: f64,
 }
 
-/// What is counted of a rank.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
-pub struct RankCounts {
-    /// Triangles that it meets.
-    pub triangles: u64,
-    /// Pixels that it sends to be composed.
-    pub sent: u64,
-    /// Pixels that it composes.
-    pub compared: u64,
-    /// Pixels of its regions that show something in the end.
-    pub visible: u64,
-    /// Messages that it sends.
-    pub messages: u64,
-    /// Their bytes.
-    pub bytes: u64,
-}
+impl StageSeconds {
+    /// Adds one of `of` views.
+    fn add(&mut self, o: Self, of: f64) {
+        self.draw += o.draw / of;
+        self.compose += o.compose / of;
+        self.collect += o.collect / of;
+        self.wait += o.wait / of;
+        self.frame += o.frame / of;
+    }
 
-impl RankCounts {
-    /// What a rank counted itself.
-    pub fn measured(report: &RankReport) -> Self {
+    fn predicted(frame: &RanksFrame, clock: Clock) -> Self {
+        let busiest = |of: fn(&RankSeconds) -> f64| frame.busiest_and_mean(of).0;
         Self {
-            triangles: report.frame.frontend.triangles_in,
-            sent: report.pixels.sent,
-            compared: report.pixels.compared,
-            visible: report.pixels.visible,
-            messages: report.traffic.sent_messages,
-            bytes: report.traffic.sent_bytes,
+            draw: busiest(|r| r.draw),
+            compose: busiest(|r| r.compose),
+            collect: busiest(|r| r.collect),
+            wait: frame.ranks.first().map_or(0.0, |first| first.wait),
+            frame: match clock {
+                Clock::Wall => frame.total(),
+                Clock::Processor => frame.ranks.iter().map(|r| r.draw + r.compose + r.collect).sum(),
+            },
         }
     }
 
-    fn by_name(&self) -> [(&'static str, u64); 6] {
-        [
-            ("triangles", self.triangles),
-            ("pixels sent", self.sent),
-            ("pixels compared", self.compared),
-            ("pixels visible", self.visible),
-            ("messages", self.messages),
-            ("bytes", self.bytes),
-        ]
-    }
-}
-
-/// Counts every rank's part of a frame without drawing it.
-///
-/// # Errors
-/// A camera that makes no view.
-pub fn predict_counts(
-    scene: &Scene,
-    camera: &Camera,
-    (width, height): (u32, u32),
-    edge: u32,
-    ranks: usize,
-    organisation: Organisation,
-) -> Result<Vec<RankCounts>, PredictError> {
-    let view = View::new(camera, &scene.bounds(), width, height)?;
-    let regions = Regions { width, height, edge, owners: ranks, assignment: Assignment::Interleaved };
-    let owners = usize::try_from(regions.count()).unwrap_or(usize::MAX).min(ranks);
-    let columns = u64::from(width.div_ceil(edge));
-    let owner_of = |x: u32, y: u32| regions.owner(u64::from(y / edge) * columns + u64::from(x / edge));
-    let place = |x: u32, y: u32| y as usize * width as usize + x as usize;
-    // Rows of pixels to each owner, and pixels.
-    let rows_of = |shown: &[bool]| {
-        let mut found = vec![(0u64, 0u64); ranks];
-        for y in 0..height {
-            for x in (0..width).filter(|&x| shown[place(x, y)]) {
-                let owner = owner_of(x, y);
-                found[owner].0 += u64::from(x % edge == 0 || !shown[place(x - 1, y)]);
-                found[owner].1 += 1;
-            }
-        }
-        found
-    };
-
-    let clusters: usize = scene.instances.iter().map(|i| i.mesh.clusters.len()).sum();
-    let mut counts = vec![RankCounts::default(); ranks];
-    let mut shown_by_any = vec![false; width as usize * height as usize];
-    match organisation {
-        Organisation::SortFirst => {
-            let triangles = each_sample(scene, &view, 0..clusters, |x, y| {
-                shown_by_any[place(x, y)] = true;
-            });
-            counts[..owners].iter_mut().for_each(|c| c.triangles = triangles);
-        }
-        Organisation::SortLast => {
-            for rank in 0..ranks {
-                let own = clusters * rank / ranks..clusters * (rank + 1) / ranks;
-                let has_clusters = !own.is_empty();
-                let mut shown = vec![false; shown_by_any.len()];
-                counts[rank].triangles = each_sample(scene, &view, own, |x, y| {
-                    shown[place(x, y)] = true;
-                });
-                shown_by_any.iter_mut().zip(&shown).for_each(|(any, own)| *any |= own);
-                for (to, (rows, pixels)) in rows_of(&shown).into_iter().enumerate().take(owners) {
-                    if has_clusters && to != rank {
-                        counts[rank].sent += pixels;
-                        counts[rank].messages += 1;
-                        counts[rank].bytes += rows * ROW_BYTES + pixels * (KEY_BYTES + COLOR_BYTES);
-                        counts[to].compared += pixels;
-                    }
-                }
-            }
-        }
-    }
-    for (rank, (rows, pixels)) in rows_of(&shown_by_any).into_iter().enumerate().take(owners) {
-        counts[rank].visible = pixels;
-        if rank > 0 {
-            counts[rank].messages += 1;
-            counts[rank].bytes += rows * ROW_BYTES + pixels * COLOR_BYTES;
-        }
-    }
-    Ok(counts)
-}
-
-/// Calls `emit` for every sample of the picture that a triangle of some clusters covers, counted through the instances,
-/// and returns how many triangles there are.
-fn each_sample(
-    scene: &Scene,
-    view: &View,
-    clusters: std::ops::Range<usize>,
-    mut emit: impl FnMut(u32, u32),
-) -> u64 {
-    let (mut triangles, mut first) = (0, 0);
-    for instance in &scene.instances {
-        let (object, mesh): (ObjectView, _) = (view.object(instance), &*instance.mesh);
-        for (_, cluster) in (first..).zip(&mesh.clusters).filter(|(number, _)| clusters.contains(number)) {
-            let corner = |k: usize, t: usize| mesh.position(mesh.corner_places(cluster, t)[k]);
-            for t in cluster.triangle_range() {
-                triangles += 1;
-                let positions = [corner(0, t), corner(1, t), corner(2, t)];
-                let projected = positions.map(|p| object.project(p));
-                if projected.iter().all(|v| v.inside) {
-                    fill(projected, view, &mut emit);
-                } else {
-                    clip_triangle(&object, positions, projected, |piece| fill(piece, view, &mut emit));
-                }
-            }
-        }
-        first += mesh.clusters.len();
-    }
-    triangles
-}
-
-/// The samples of one triangle: right of all edges that run clockwise round it, on an edge only if that runs upwards or
-/// level to the right.
-fn fill(corners: [ScreenVertex; 3], view: &View, emit: &mut impl FnMut(u32, u32)) {
-    use tercio_raster::conventions::{SAMPLE, SUBPIXELS};
-    let mut p = corners.map(|v| [i64::from(v.x), i64::from(v.y)]);
-    let side =
-        |a: [i64; 2], b: [i64; 2], s: [i64; 2]| (b[0] - a[0]) * (s[1] - a[1]) - (b[1] - a[1]) * (s[0] - a[0]);
-    let area = side(p[0], p[1], p[2]);
-    if area == 0 {
-        return;
-    }
-    if area < 0 {
-        p.swap(1, 2);
-    }
-    // Pixels, a few more than needed, whose samples may lie between the least and the greatest coordinate.
-    let pixels = |k: usize, size: u32| {
-        let (a, b, c) = (p[0][k], p[1][k], p[2][k]);
-        let pixel = |coordinate: i64| coordinate.div_euclid(i64::from(SUBPIXELS));
-        pixel(a.min(b).min(c)).max(0)..=pixel(a.max(b).max(c)).min(i64::from(size) - 1)
-    };
-    for y in pixels(1, view.height) {
-        for x in pixels(0, view.width) {
-            let sample = [x, y].map(|c| c * i64::from(SUBPIXELS) + i64::from(SAMPLE));
-            let covered = (0..3).all(|k| {
-                let (a, b) = (p[k], p[(k + 1) % 3]);
-                let owns_edge = b[1] < a[1] || b[1] == a[1] && b[0] > a[0];
-                side(a, b, sample) >= i64::from(!owns_edge)
-            });
-            if covered {
-                emit(x as u32, y as u32);
-            }
+    fn measured(ranks: usize, measured: &MeasuredRanks, clock: Clock) -> Self {
+        let draw = |rank| measured.busy(rank, |s| s.draw);
+        let compose = |rank| measured.busy(rank, |s| s.compose);
+        let collect = |rank| measured.busy(rank, |s| s.collect);
+        let busiest = |of: &dyn Fn(usize) -> f64| (0..ranks).map(of).fold(0.0, f64::max);
+        Self {
+            draw: busiest(&draw),
+            compose: busiest(&compose),
+            collect: busiest(&collect),
+            wait: measured.waited(),
+            frame: match clock {
+                Clock::Wall => measured.fastest(),
+                Clock::Processor => (0..ranks).map(|r| draw(r) + compose(r) + collect(r)).sum(),
+            },
         }
     }
 }
@@ -248,6 +97,10 @@ pub struct Row {
     pub predicted: StageSeconds,
     /// Measured ones.
     pub measured: StageSeconds,
+    /// Page faults of a frame, the mean of the views.
+    pub page_faults: f64,
+    /// Switches of threads in a frame, likewise.
+    pub switches: f64,
 }
 
 impl Row {
@@ -267,89 +120,119 @@ impl Row {
 pub struct Options {
     /// Views round the model.
     pub views: u32,
-    /// Frames of a view, of which the fastest counts.
+    /// Frames of a view in a round, of which the fastest counts.
     pub frames: u32,
+    /// Rounds through everything: who else uses the machine does not do so in every one.
+    pub rounds: u32,
     /// Processors that the ranks share.
     pub processors: usize,
-    /// Which clock times whole frames. By processor time a frame is put together from the stages of its ranks, which
-    /// then never wait for a processor that other programs have; stages are timed by it always.
+    /// Which clock times whole frames. By processor time a frame is the work of all its ranks together, which then never
+    /// wait for a processor that other programs have; stages are timed by it always.
     pub clock: Clock,
 }
 
-/// The settings that frames are drawn with.
-fn settings((width, height): (u32, u32)) -> Settings {
-    Settings::new(width, height)
+/// One view of a row.
+struct View<'a> {
+    model: &'a Model,
+    camera: tercio_scene::Camera,
+    work: RanksWork,
+    predicted: RanksFrame,
+    measured: MeasuredRanks,
+    differing: Vec<(usize, &'static str, u64, u64)>,
+    compared: usize,
 }
 
-/// Draws one view some times; the first, which takes memory, is left out.
-fn measure(
-    scene: &Scene,
-    camera: &Camera,
-    size: (u32, u32),
-    ranks: usize,
-    organisation: Organisation,
-    frames: u32,
-) -> Result<Vec<FrameReport>, ParallelError> {
-    let cameras = vec![*camera; frames.max(1) as usize + 1];
-    let ranks = Ranks { count: ranks, threads: 1, organisation };
-    let mut reports = draw_frames(ranks, scene, &cameras, &settings(size), |_, _| {})?;
-    reports.remove(0);
-    Ok(reports)
+impl View<'_> {
+    fn measure(&mut self, o: Options) -> Result<(), RanksError> {
+        let sharing = &self.work.sharing;
+        let measured = MeasuredRanks::draw(&self.model.scene, &self.camera, sharing, o.frames)?;
+        for report in &measured.reports {
+            for (rank, theirs) in report.ranks.iter().enumerate() {
+                let ours = self.work.messages.counts(rank).by_name();
+                let sent = ours.into_iter().zip(RankCounts::measured(theirs).by_name());
+                let ours = self.work.drawing[rank].comparable();
+                let drawn = ours.into_iter().zip(Counters::counted(&theirs.frame));
+                for ((name, ours), (_, theirs)) in sent.chain(drawn) {
+                    self.compared += 1;
+                    if ours != theirs {
+                        self.differing.push((rank, name, ours, theirs));
+                    }
+                }
+            }
+        }
+        self.measured.add(measured);
+        Ok(())
+    }
 }
 
-/// Compares one model at one size on some ranks.
+/// Predicts models at some sizes on some ranks, then draws all of them, round after round. `tell` is told after each
+/// picture.
 ///
 /// # Errors
 /// [`RanksError`].
 pub fn compare(
     machine: &Machine,
-    costs: &RankCosts,
-    (name, scene, bounds): (&str, &Scene, &Aabb),
-    size: (u32, u32),
-    (ranks, organisation): (usize, Organisation),
+    costs: &ExchangeCosts,
+    models: &[Model],
+    sizes: &[(u32, u32)],
+    how: &[(usize, Organisation)],
     o: Options,
-) -> Result<Row, RanksError> {
-    let mut row = Row {
-        model: name.into(),
-        size,
-        ranks,
-        organisation,
-        messages: 0,
-        bytes: 0,
-        differing: Vec::new(),
-        compared: 0,
-        predicted: StageSeconds::default(),
-        measured: StageSeconds::default(),
-    };
-    let views = o.views.max(1);
-    for view in 0..views {
-        let camera = views::camera(bounds, size, view, views);
-        let reports = measure(scene, &camera, size, ranks, organisation, o.frames)?;
-        let edge = settings(size).tile_edge();
-        let ours = predict_counts(scene, &camera, size, edge, ranks, organisation)?;
-        if let Some(report) = reports.first() {
-            row.messages += report.messages;
-            row.bytes += report.bytes;
-        }
-        let drawing = times::drawing(scene, &camera, size, ranks, organisation)?;
-        for report in &reports {
-            for (rank, ((ours, drawn), theirs)) in ours.iter().zip(&drawing).zip(&report.ranks).enumerate() {
-                let sent = ours.by_name().into_iter().zip(RankCounts::measured(theirs).by_name());
-                let drawn = drawn.comparable().into_iter().zip(Counters::counted(&theirs.frame));
-                for ((name, ours), (_, theirs)) in sent.chain(drawn) {
-                    row.compared += 1;
-                    if ours != theirs {
-                        row.differing.push((rank, name, ours, theirs));
-                    }
-                }
+    mut tell: impl FnMut(),
+) -> Result<Vec<Row>, RanksError> {
+    let mut rows = Vec::new();
+    for model in models {
+        for &size in sizes {
+            for &how in how {
+                let views = (0..o.views.max(1)).map(|view| {
+                    let camera = views::camera(&model.bounds, size, view, o.views);
+                    let work = RanksWork::count(&model.scene, &camera, &Settings::new(size.0, size.1), how)?;
+                    let predicted =
+                        predict(machine, costs, &work, o.processors).map_err(PredictError::from)?;
+                    let measured = MeasuredRanks::default();
+                    Ok(View { model, camera, work, predicted, measured, differing: Vec::new(), compared: 0 })
+                });
+                rows.push(views.collect::<Result<Vec<_>, RanksError>>()?);
             }
         }
-        let predicted =
-            times::predict(machine, costs, &ours, &drawing, size, edge, organisation, o.processors);
-        row.predicted.add(predicted, f64::from(views));
-        row.measured.add(StageSeconds::measured(&reports, o.clock, o.processors), f64::from(views));
     }
-    Ok(row)
+    for _ in 0..o.rounds.max(1) {
+        for row in &mut rows {
+            row.iter_mut().try_for_each(|view| view.measure(o))?;
+            tell();
+        }
+    }
+    Ok(rows.iter().map(|views| row(views, o.clock)).collect())
+}
+
+fn row(views: &[View], clock: Clock) -> Row {
+    let first = &views[0];
+    let sharing = first.work.sharing;
+    let of = views.len() as f64;
+    let (mut predicted, mut measured) = (StageSeconds::default(), StageSeconds::default());
+    let (mut messages, mut bytes, mut usage) = (0, 0, [0.0; 2]);
+    for view in views {
+        predicted.add(StageSeconds::predicted(&view.predicted, clock), of);
+        measured.add(StageSeconds::measured(sharing.ranks, &view.measured, clock), of);
+        if let Some(report) = view.measured.reports.first() {
+            messages += report.messages;
+            bytes += report.bytes;
+        }
+        usage.iter_mut().zip(view.measured.usage()).for_each(|(sum, u)| *sum += u / of);
+    }
+    Row {
+        model: first.model.name.clone(),
+        size: sharing.size,
+        ranks: sharing.ranks,
+        organisation: sharing.organisation,
+        messages,
+        bytes,
+        differing: views.iter().flat_map(|v| v.differing.iter().copied()).collect(),
+        compared: views.iter().map(|v| v.compared).sum(),
+        predicted,
+        measured,
+        page_faults: usage[0],
+        switches: usage[1],
+    }
 }
 
 #[cfg(test)]

@@ -72,6 +72,20 @@ pub trait Communicator {
     /// [`CommError`]; never waits for a rank that is gone.
     fn receive(&mut self, from: usize) -> Result<Vec<u8>, CommError>;
 
+    /// An empty buffer for a message to a rank: memory of an earlier message to it, where one has come back.
+    fn buffer(&mut self, to: usize) -> Vec<u8> {
+        let _ = to;
+        Vec::new()
+    }
+
+    /// Gives a message that was read back to whoever may fill it again; in the end that is [`Communicator::buffer`]. A
+    /// frame like the one before then takes no memory for messages, whose pages the system would have to hand out and
+    /// clear again and again.
+    fn give_back(&mut self, from: usize, message: Vec<u8>) {
+        let _ = from;
+        drop(message);
+    }
+
     /// What was sent and taken up to now.
     fn traffic(&self) -> Traffic;
 

@@ -15,6 +15,10 @@ pub struct ThreadComm {
     to: Vec<Sender<Vec<u8>>>,
     /// From each rank.
     from: Vec<Receiver<Vec<u8>>>,
+    /// To each rank: its messages, read.
+    read: Vec<Sender<Vec<u8>>>,
+    /// From each rank: the own messages to it, read. No more than were ever on their way at once.
+    spare: Vec<Receiver<Vec<u8>>>,
     traffic: Traffic,
 }
 
@@ -22,13 +26,23 @@ impl ThreadComm {
     /// Communicators of some ranks, in their order.
     pub fn of_ranks(ranks: usize) -> Vec<Self> {
         let mut comms: Vec<Self> = (0..ranks)
-            .map(|rank| Self { rank, to: Vec::new(), from: Vec::new(), traffic: Traffic::default() })
+            .map(|rank| Self {
+                rank,
+                to: Vec::new(),
+                from: Vec::new(),
+                read: Vec::new(),
+                spare: Vec::new(),
+                traffic: Traffic::default(),
+            })
             .collect();
         for from in 0..ranks {
             for to in 0..ranks {
                 let (sender, receiver) = channel();
                 comms[from].to.push(sender);
                 comms[to].from.push(receiver);
+                let (sender, receiver) = channel();
+                comms[from].read.push(sender);
+                comms[to].spare.push(receiver);
             }
         }
         comms
@@ -64,6 +78,19 @@ impl Communicator for ThreadComm {
         self.traffic.taken_messages += 1;
         self.traffic.taken_bytes += message.len() as u64;
         Ok(message)
+    }
+
+    fn buffer(&mut self, to: usize) -> Vec<u8> {
+        let mut buffer = self.spare.get(to).and_then(|spare| spare.try_recv().ok()).unwrap_or_default();
+        buffer.clear();
+        buffer
+    }
+
+    fn give_back(&mut self, from: usize, message: Vec<u8>) {
+        // A rank that is gone needs no memory.
+        if let Some(read) = self.read.get(from) {
+            read.send(message).ok();
+        }
     }
 
     fn traffic(&self) -> Traffic {

@@ -25,7 +25,7 @@ pub fn collect(
     let rank = comm.rank();
     let stages = &mut report.stages;
     if rank > 0 {
-        let mut message = Vec::new();
+        let mut message = comm.buffer(0);
         report.pixels.visible += stages
             .collect
             .time(|| regions.of(rank).map(|region| pack(frame, &region, planes, &mut message)).sum::<u64>());
@@ -38,6 +38,7 @@ pub fn collect(
     for (from, message) in (1..).zip(messages) {
         let done = stages.collect.time(|| unpack(&message, planes, false, frame));
         done.map_err(|error| ParallelError::Packet { from, error })?;
+        comm.give_back(from, message);
     }
     Ok(())
 }

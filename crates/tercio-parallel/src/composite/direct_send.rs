@@ -30,10 +30,9 @@ pub fn compose(
     let others = |step: usize| (rank + step) % size;
     if sees(rank) {
         for to in (1..size).map(others).filter(|&to| to < regions.owners()) {
-            let message = compose.time(|| {
-                let mut message = Vec::new();
-                *sent += regions.of(to).map(|region| pack(frame, &region, planes, &mut message)).sum::<u64>();
-                message
+            let mut message = comm.buffer(to);
+            *sent += compose.time(|| {
+                regions.of(to).map(|region| pack(frame, &region, planes, &mut message)).sum::<u64>()
             });
             comm.send(to, message)?;
         }
@@ -45,6 +44,7 @@ pub fn compose(
             let done = done.map_err(|error| ParallelError::Packet { from, error })?;
             *compared += done.pixels;
             *won += done.written;
+            comm.give_back(from, message);
         }
     }
     Ok(())

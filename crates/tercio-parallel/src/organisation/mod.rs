@@ -3,6 +3,8 @@
 mod sort_first;
 mod sort_last;
 
+use std::sync::Arc;
+
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use serde::Serialize;
 use tercio_raster::{Frame, Outputs, Part, Renderer, Settings};
@@ -26,7 +28,7 @@ pub enum Organisation {
 /// A rank's renderer and threads, kept from frame to frame.
 #[derive(Debug)]
 pub struct Rank {
-    pool: ThreadPool,
+    pool: Arc<ThreadPool>,
     renderer: Renderer,
     /// Memory of the keys of a picture that is not asked for them.
     keys: Vec<u64>,
@@ -53,7 +55,12 @@ impl Rank {
     pub fn new(threads: usize) -> Result<Self, ParallelError> {
         let pool = ThreadPoolBuilder::new().num_threads(threads.max(1)).build();
         let pool = pool.map_err(|error| ParallelError::Threads { threads, error })?;
-        Ok(Self { pool, renderer: Renderer::new(), keys: Vec::new() })
+        Ok(Self { pool: Arc::new(pool), renderer: Renderer::new(), keys: Vec::new() })
+    }
+
+    /// Its threads. What runs on one of them draws without waking another.
+    pub fn pool(&self) -> Arc<ThreadPool> {
+        self.pool.clone()
     }
 
     /// Does this rank's part of a frame; all ranks of the communicator have to do theirs. On rank 0 `frame` then is the

@@ -7,7 +7,8 @@ use anyhow::Result;
 use clap::Args;
 use serde_json::{Value, json};
 use tercio::image::Destination;
-use tercio_lab::predict::advise::{advise, describe, plans};
+use tercio_lab::predict::advise::{Advice, advise, describe, plans, renderer_plans};
+use tercio_lab::predict::ranks::{Plan, Simulated};
 
 use super::plan::{MachineArgs, PictureArgs};
 use super::predict::ranks;
@@ -16,6 +17,9 @@ use crate::output::write_text;
 use crate::threads;
 
 /// Searches organisation, group size, region size and assignment for a machine and a model, and says why.
+///
+/// What the renderer has is advised by the model that 'tercio lab validate --ranks' compares with it. The simulator of the
+/// sorting classes tells about all classes; its figures are compared with each other only.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -51,31 +55,65 @@ impl Advise {
         let ranks = self.ranks.unwrap_or(machine.processors.count.whole() as usize);
         let pool = threads::pool(self.running.threads)?;
         let advice = pool.install(|| -> Result<_> {
-            let c = self.picture.count(&self.running, &machine, None)?;
-            let plans = plans(ranks, self.machine.topology());
-            Ok(advise(&machine, &c.counted.frame, &c.boxes, c.size, &plans)?)
+            let c = self.picture.count(&self.running, &machine, 1)?;
+            let topology = self.machine.topology();
+            // With another network than the machine's only the simulator can tell.
+            let rendered = if topology.is_none() { renderer_plans(ranks) } else { Vec::new() };
+            let simulated = plans(ranks, topology);
+            let counters = &c.counted.frame;
+            Ok(advise(&machine, &c.picture(), counters, &c.boxes()?, (&rendered, &simulated))?)
         })?;
-        let best = advice.plans.iter().take(self.top.max(1));
-        let text = if self.json {
-            let listed: Value = best
-                .map(|p| json!({ "plan": describe(&p.plan), "total_seconds": p.total(), "prediction": p }))
-                .collect();
-            let value = json!({
-                "machine": machine.name, "ranks": ranks, "plans_compared": advice.plans.len(),
-                "best": listed, "explanation": advice.explanation(),
-            });
-            format!("{value:#}\n")
-        } else {
-            let mut text =
-                format!("{}, {ranks} ranks, {} plans compared\n", machine.name, advice.plans.len());
-            for p in best {
-                // Writing into a string cannot fail.
-                let _ = writeln!(text, "{:12.4} ms  {}", p.total() * 1e3, describe(&p.plan));
-            }
-            advice.explanation().iter().for_each(|line| text += &format!("{line}.\n"));
-            text
+        let why_not = renderer_plans(ranks)
+            .iter()
+            .map(|plan| Plan { topology: self.machine.topology(), ..*plan })
+            .find_map(|plan| plan.by_renderer(&machine).err());
+        let text = match self.json {
+            true => self.json_text(&machine.name, ranks, &advice, why_not),
+            false => self.text(&machine.name, ranks, &advice, why_not),
         };
         write_text(&Destination::Stdout, &text)?;
         Ok(ExitCode::SUCCESS)
+    }
+
+    fn json_text(&self, machine: &str, ranks: usize, advice: &Advice, why_not: Option<Simulated>) -> String {
+        let top = self.top.max(1);
+        let rendered = advice.renderer.iter().take(top).map(
+            |r| json!({ "plan": r.describe(), "total_seconds": r.frame.total(), "prediction": r.frame }),
+        );
+        let simulated = advice
+            .simulated
+            .iter()
+            .take(top)
+            .map(|p| json!({ "plan": describe(&p.plan), "total_seconds": p.total(), "prediction": p }));
+        let value = json!({
+            "machine": machine, "ranks": ranks,
+            "renderer": {
+                "plans_compared": advice.renderer.len(), "best": rendered.collect::<Value>(), "why_not": why_not,
+            },
+            "simulator": {
+                "plans_compared": advice.simulated.len(), "best": simulated.collect::<Value>(),
+            },
+            "explanation": advice.explanation(),
+        });
+        format!("{value:#}\n")
+    }
+
+    fn text(&self, machine: &str, ranks: usize, advice: &Advice, why_not: Option<Simulated>) -> String {
+        let top = self.top.max(1);
+        let mut text = format!("{machine}, {ranks} ranks\n");
+        // Writing into a string cannot fail.
+        let _ = match why_not {
+            Some(reason) => writeln!(text, "the renderer's own model does not speak: {reason}"),
+            None => writeln!(text, "the renderer, {} plans compared", advice.renderer.len()),
+        };
+        for r in advice.renderer.iter().take(top) {
+            let _ = writeln!(text, "{:12.4} ms  {}", r.frame.total() * 1e3, r.describe());
+        }
+        let _ = writeln!(text, "simulator of the sorting classes, {} plans compared", advice.simulated.len());
+        for p in advice.simulated.iter().take(top) {
+            let _ = writeln!(text, "{:12.4} ms  {}", p.total() * 1e3, describe(&p.plan));
+        }
+        advice.explanation().iter().for_each(|line| text += &format!("{line}.\n"));
+        text
     }
 }

@@ -8,6 +8,7 @@ use clap::{Args, ValueEnum};
 use tercio::image::Destination;
 use tercio_lab::predict::calibrate::{Options, calibrate};
 use tercio_lab::predict::measure::Clock;
+use tercio_lab::predict::ranks;
 
 use crate::args::RunningArgs;
 use crate::messages;
@@ -19,7 +20,8 @@ use crate::threads;
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Costs are fitted to frames of built-in models on one thread, whole ones and such that end at earlier stages; the
-share that is not divided follows from the whole frames on all threads. Messages are those between threads of
+share that is not divided follows from the whole frames on all threads. Ranks are
+fitted to frames of one, two and three of them. Messages are those between threads of
 one process, as ranks in one process send them; MPI is not measured.
 
 Examples:
@@ -82,7 +84,14 @@ impl Calibrate {
                 messages::note(what);
             }
         };
-        let calibration = pool.install(|| calibrate(options, tell))?;
+        let mut calibration = pool.install(|| calibrate(options, tell))?;
+        tell("ranks");
+        let costs = ranks::calibrate::measure(self.frames, self.rounds)?;
+        ranks::calibrate::describe(
+            &costs,
+            "fitted by tercio lab calibrate to ranks",
+            &mut calibration.machine,
+        );
         if self.running.verbose {
             for s in &calibration.samples {
                 messages::note(&format!(

@@ -5,11 +5,12 @@ use clap::{Args, ValueEnum};
 use tercio::LoadOptions;
 use tercio::mesh::Aabb;
 use tercio::raster::{Settings, Sorting};
-use tercio::scene::Scene;
+use tercio::scene::{Camera, Scene};
 use tercio_lab::machines::{Machine, Topology, load};
 use tercio_lab::predict::calibrate::prepare;
 use tercio_lab::predict::counters::{self, boxes::boxes, count};
 use tercio_lab::predict::frame::knows_clusters;
+use tercio_lab::predict::ranks::Picture;
 use tercio_lab::predict::views;
 use tercio_lab::workloads::BoxScene;
 
@@ -91,21 +92,37 @@ impl From<NetworkName> for Topology {
     }
 }
 
-/// A model's counts.
+/// A model's picture and its counts.
 pub struct Counted {
     pub size: (u32, u32),
     pub tile_size: u32,
     pub counted: counters::Counted,
-    /// Only where organisations of ranks ask for it.
-    pub boxes: BoxScene,
+    scene: Scene,
+    camera: Camera,
+    settings: Settings,
+}
+
+impl Counted {
+    /// What is drawn.
+    pub fn picture(&self) -> Picture<'_> {
+        Picture { scene: &self.scene, camera: &self.camera, settings: &self.settings }
+    }
+
+    /// Its triangles as the simulator takes them.
+    ///
+    /// # Errors
+    /// The camera makes no view.
+    pub fn boxes(&self) -> Result<BoxScene> {
+        Ok(boxes(&self.scene, &self.camera, self.size)?)
+    }
 }
 
 impl PictureArgs {
-    /// Loads the model and counts the picture, drawn by threads of one process or, without their number, by ranks.
+    /// Loads the model and counts the picture, drawn by one process on some threads.
     ///
     /// # Errors
     /// What went wrong.
-    pub fn count(&self, running: &RunningArgs, machine: &Machine, threads: Option<usize>) -> Result<Counted> {
+    pub fn count(&self, running: &RunningArgs, machine: &Machine, threads: usize) -> Result<Counted> {
         let (scene, bounds) = load_scene(&self.model, running)?;
         let camera = views::camera(&bounds, self.size, self.view % self.views, self.views);
         let sorting = match self.sorting {
@@ -115,12 +132,8 @@ impl PictureArgs {
         };
         let settings =
             Settings { sorting, tile_size: self.tile_size, ..Settings::new(self.size.0, self.size.1) };
-        let counted = count(&scene, &camera, &settings, threads.unwrap_or(1))?;
-        let boxes = match threads {
-            Some(_) => BoxScene::default(),
-            None => boxes(&scene, &camera, self.size)?,
-        };
-        Ok(Counted { size: self.size, tile_size: settings.tile_edge(), counted, boxes })
+        let counted = count(&scene, &camera, &settings, threads)?;
+        Ok(Counted { size: self.size, tile_size: settings.tile_edge(), counted, scene, camera, settings })
     }
 }
 

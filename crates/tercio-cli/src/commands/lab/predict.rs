@@ -9,7 +9,9 @@ use serde_json::json;
 use tercio::image::Destination;
 use tercio_lab::predict::advise::describe;
 use tercio_lab::predict::frame::FrameTime;
-use tercio_lab::predict::ranks::{Plan, RanksTime, predict};
+use tercio_lab::predict::ranks::renderer::{RankSeconds, RanksFrame};
+use tercio_lab::predict::ranks::simulated::SimulatedFrame;
+use tercio_lab::predict::ranks::{Plan, Simulated, predict, simulate};
 use tercio_lab::simulators::sorting::{Assignment, Organisation};
 
 use super::plan::{Counted, MachineArgs, PictureArgs};
@@ -18,6 +20,9 @@ use crate::output::write_text;
 use crate::threads;
 
 /// Predicts a frame of the renderer: time of each phase, bytes, imbalance, memory.
+///
+/// Threads, and ranks as the renderer has them, come from the models that 'tercio lab validate' compares with it. What it
+/// does not have comes from the simulator of the sorting classes; the output says which of the two it is.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -40,12 +45,16 @@ pub struct Predict {
     /// Ranks of a group of sort-twice.
     #[arg(short, long, value_name = "G", default_value = "16", value_parser = ranks)]
     group: usize,
-    /// Pixels along the edge of a region [default: the largest of which there is one a rank].
+    /// Pixels along the edge of a region [default: the renderer's tile; in the simulator the largest of which there is
+    /// one a rank].
     #[arg(long, value_name = "PIXELS", value_parser = clap::value_parser!(u32).range(1..=32768))]
     region: Option<u32>,
     /// Neighbouring regions go to one rank rather than to different ones.
     #[arg(long)]
     blocks: bool,
+    /// Asks the simulator of the sorting classes, also where the renderer has the organisation.
+    #[arg(long)]
+    simulate: bool,
     /// Writes JSON with stable keys.
     #[arg(long)]
     json: bool,
@@ -77,7 +86,7 @@ impl Predict {
         let machine = self.machine.machine()?;
         let ranks = self.ranks.unwrap_or(machine.processors.count.whole() as usize);
         let pool = threads::pool(self.running.threads)?;
-        let threads = (self.organisation == OrganisationName::Threads).then_some(ranks);
+        let threads = if self.organisation == OrganisationName::Threads { ranks } else { 1 };
         let counted = pool.install(|| self.picture.count(&self.running, &machine, threads))?;
         let organisation = match self.organisation {
             OrganisationName::Threads => {
@@ -93,8 +102,19 @@ impl Predict {
         let assignment = if self.blocks { Assignment::Blocks } else { Assignment::Interleaved };
         let topology = self.machine.topology();
         let plan = Plan { organisation, ranks, region: self.region, assignment, topology };
-        let time = predict(&machine, &counted.counted.frame, &counted.boxes, counted.size, plan)?;
-        write_text(&Destination::Stdout, &self.ranks_text(&counted, &time))?;
+        let rendered = match self.simulate {
+            true => Err(Simulated::Asked),
+            false => pool.install(|| predict(&machine, &counted.picture(), &plan))?,
+        };
+        let text = match rendered {
+            Ok(frame) => self.renderer_text(&counted, &plan, &frame),
+            Err(reason) => {
+                let time =
+                    simulate(&machine, &counted.counted.frame, &counted.boxes()?, counted.size, &plan)?;
+                self.simulated_text(&counted, reason, &time)
+            }
+        };
+        write_text(&Destination::Stdout, &text)?;
         Ok(ExitCode::SUCCESS)
     }
 
@@ -133,16 +153,75 @@ impl Predict {
         text
     }
 
-    fn ranks_text(&self, counted: &Counted, time: &RanksTime) -> String {
+    fn renderer_text(&self, counted: &Counted, plan: &Plan, frame: &RanksFrame) -> String {
+        if self.json {
+            let value = json!({
+                "model": "renderer", "organisation": frame.organisation, "ranks": plan.ranks,
+                "counters": counted.counted.frame, "prediction": frame, "total_seconds": frame.total(),
+            });
+            return format!("{value:#}\n");
+        }
+        let how = match plan.organisation {
+            Organisation::SortFirst => "sort-first",
+            _ => "sort-last with direct send",
+        };
+        let place = if frame.by_network { "messages by network" } else { "threads of one process" };
+        let head = format!(
+            "{} ranks, {how}, regions of {} pixels, {place}\n\
+             by the model of the renderer's ranks, which 'tercio lab validate --ranks' compares with it; rank 0:",
+            plan.ranks, frame.region
+        );
+        let mut text = table(&head, &frame.phases(), frame.total());
+        let _ = writeln!(text, "{:16} {:>12}    {:>12}    busiest over mean", "all ranks", "busiest", "mean");
+        let stages: [(&str, fn(&RankSeconds) -> f64); 5] = [
+            ("drawing", |r| r.draw),
+            ("composing", |r| r.compose),
+            ("collecting", |r| r.collect),
+            ("waiting", |r| r.wait),
+            ("all but waiting", RankSeconds::busy),
+        ];
+        for (name, of) in stages {
+            let (busiest, mean) = frame.busiest_and_mean(of);
+            // Writing into a string cannot fail.
+            let _ = writeln!(
+                text,
+                "{name:16} {:12.4} ms {:12.4} ms {:8.2}",
+                busiest * 1e3,
+                mean * 1e3,
+                frame.imbalance(of)
+            );
+        }
+        let _ = writeln!(
+            text,
+            "{} bytes in {} messages, at most {} bytes from one rank",
+            frame.bytes, frame.messages, frame.most_bytes_sent
+        );
+        let m = frame.memory;
+        let _ = writeln!(
+            text,
+            "memory of the rank that needs most: {} bytes, {} of them its picture, {} messages, {} model and bins touched",
+            m.total(),
+            m.picture,
+            m.messages,
+            m.model
+        );
+        text
+    }
+
+    fn simulated_text(&self, counted: &Counted, reason: Simulated, time: &SimulatedFrame) -> String {
         let s = &time.sorting;
         if self.json {
             let value = json!({
-                "organisation": describe(&time.plan), "ranks": time.plan.ranks, "counters": counted.counted.frame,
+                "model": "simulator", "why": reason, "organisation": describe(&time.plan), "ranks": time.plan.ranks, "counters": counted.counted.frame,
                 "prediction": time, "total_seconds": time.total(),
             });
             return format!("{value:#}\n");
         }
-        let head = format!("{} ranks, {}", time.plan.ranks, describe(&time.plan));
+        let head = format!(
+            "{} ranks, {}\nby the simulator of the sorting classes: {reason}",
+            time.plan.ranks,
+            describe(&time.plan)
+        );
         let mut text = table(&head, &time.phases(), time.total());
         // Writing into a string cannot fail.
         let _ = writeln!(text, "overlap {:.3}", s.overlap);

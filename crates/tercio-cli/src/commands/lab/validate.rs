@@ -82,9 +82,6 @@ impl Validate {
         let machine = load(&self.machine)?;
         let pool = threads::pool(self.running.threads)?;
         let most = pool.current_num_threads();
-        if !self.ranks.is_empty() {
-            return self.run_ranks(&machine, most);
-        }
         let options = Options {
             views: self.views,
             frames: self.frames,
@@ -100,6 +97,9 @@ impl Validate {
             let (scene, bounds) = pool.install(|| load_scene(&model, &self.running))?;
             models.push(Model { name: model.name(), scene, bounds });
         }
+        if !self.ranks.is_empty() {
+            return self.run_ranks(&machine, &models, most, display);
+        }
         let pictures = models.len() * self.sizes.len() * counts.len() * self.rounds as usize;
         display.progress.begin("pictures", pictures as u64);
         let tell = || display.progress.advance(1);
@@ -113,26 +113,32 @@ impl Validate {
 }
 
 impl Validate {
-    fn run_ranks(&self, machine: &Machine, processors: usize) -> Result<ExitCode> {
+    fn run_ranks(
+        &self,
+        machine: &Machine,
+        models: &[Model],
+        processors: usize,
+        display: Display,
+    ) -> Result<ExitCode> {
         let organisations: Vec<Organisation> = match self.organisation {
             Some(one) => vec![one.into()],
             None => vec![Organisation::SortFirst, Organisation::SortLast],
         };
         let plan = RanksPlan {
             machine,
-            models: &self.models,
+            models,
             sizes: &self.sizes,
             ranks: &self.ranks,
             organisations: &organisations,
             options: validate_ranks::Options {
                 views: self.views,
                 frames: self.frames,
+                rounds: self.rounds,
                 processors,
                 clock: self.clock.into(),
             },
         };
-        let display = Display::new(self.running.progress_mode());
-        let rows = super::validate_ranks::rows(&plan, &self.running, &display)?;
+        let rows = super::validate_ranks::rows(&plan, &display)?;
         drop(display);
         let json = || rows.iter().map(super::validate_ranks::json).collect::<Value>();
         let text = if self.json { format!("{:#}\n", json()) } else { super::validate_ranks::text(&rows) };

@@ -3,6 +3,7 @@ use std::sync::Arc;
 use tercio_mesh::cluster::{PartitionOptions, partition};
 
 use super::*;
+use crate::predict::ranks::exchange::KINDS;
 
 /// Counters and bytes equal those of the ranks, whatever they share.
 #[test]
@@ -25,18 +26,47 @@ fn counts_are_those_of_the_ranks() {
         camera.eye = bounds.center() + (camera.eye - bounds.center()) * distance;
         for organisation in [Organisation::SortFirst, Organisation::SortLast] {
             for ranks in [1, 2, 3, 7] {
-                let report = &measure(&scene, &camera, size, ranks, organisation, 1).unwrap()[0];
-                let theirs: Vec<_> = report.ranks.iter().map(RankCounts::measured).collect();
-                let edge = settings(size).tile_edge();
-                let ours = predict_counts(&scene, &camera, size, edge, ranks, organisation).unwrap();
-                assert_eq!(ours, theirs, "{model}, {ranks} ranks, {organisation:?}");
-                let drawing = times::drawing(&scene, &camera, size, ranks, organisation).unwrap();
-                for (ours, theirs) in drawing.iter().zip(&report.ranks) {
-                    let theirs = Counters::counted(&theirs.frame);
-                    assert_eq!(ours.comparable(), theirs, "{model}, {ranks} ranks, {organisation:?}");
+                let settings = Settings::new(size.0, size.1);
+                let work = RanksWork::count(&scene, &camera, &settings, (ranks, organisation)).unwrap();
+                let measured = MeasuredRanks::draw(&scene, &camera, &work.sharing, 1).unwrap();
+                let report = &measured.reports[0];
+                for (rank, theirs) in report.ranks.iter().enumerate() {
+                    let what = format!("{model}, {ranks} ranks, {organisation:?}");
+                    assert_eq!(work.messages.counts(rank), RankCounts::measured(theirs), "{what}");
+                    assert_eq!(work.drawing[rank].comparable(), Counters::counted(&theirs.frame), "{what}");
                 }
-                assert_eq!(ours.iter().map(|c| c.bytes).sum::<u64>(), report.bytes);
-                assert_eq!(ours.iter().map(|c| c.messages).sum::<u64>(), report.messages);
+                assert_eq!(work.messages.total(), (report.messages, report.bytes));
+            }
+        }
+    }
+}
+
+#[test]
+fn rows_are_what_is_predicted_and_compare_every_frame() {
+    let machine = crate::machines::builtin("two-core-2026").unwrap().unwrap();
+    let (scene, bounds) =
+        crate::predict::calibrate::prepare(tercio_mesh::builtin::make("builtin:gyroid@5k").unwrap());
+    let models = [Model { name: "gyroid".into(), scene, bounds }];
+    let (costs, size) = (ExchangeCosts([1e-9; KINDS]), (99, 77));
+    let how = [(1, Organisation::SortFirst), (3, Organisation::SortLast)];
+    for clock in [Clock::Wall, Clock::Processor] {
+        let o = Options { views: 2, frames: 2, rounds: 2, processors: 2, clock };
+        let mut told = 0;
+        let rows = compare(&machine, &costs, &models, &[size], &how, o, || told += 1).unwrap();
+        assert_eq!((rows.len(), told), (2, 4));
+        for (row, how) in rows.iter().zip(how) {
+            // 6 counters of what travels and 22 of the renderer, 4 frames of each view.
+            assert_eq!((row.differing.len(), row.compared), (0, 2 * 4 * 28 * how.0), "{row:?}");
+            assert!(row.measured.frame.is_finite() && row.measured.frame > 0.0);
+            if clock == Clock::Wall {
+                let of_view = |view| {
+                    let camera = views::camera(&models[0].bounds, size, view, 2);
+                    let settings = Settings::new(size.0, size.1);
+                    let work = RanksWork::count(&models[0].scene, &camera, &settings, how).unwrap();
+                    predict(&machine, &costs, &work, 2).unwrap().total()
+                };
+                let mean = (of_view(0) + of_view(1)) / 2.0;
+                assert!((row.predicted.frame / mean - 1.0).abs() < 1e-9);
             }
         }
     }

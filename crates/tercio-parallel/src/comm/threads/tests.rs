@@ -79,3 +79,22 @@ fn nobody_talks_to_strangers_or_to_himself() {
     }
     assert_eq!(comm.traffic(), Traffic::default());
 }
+
+#[test]
+fn memory_of_messages_comes_back_to_whoever_sent_them() {
+    let mut comms = ThreadComm::of_ranks(3);
+    let mut message = comms[0].buffer(2);
+    assert_eq!(message.capacity(), 0, "nothing was sent yet");
+    message.extend([7; 1000]);
+    let memory = message.as_ptr();
+    comms[0].send(2, message).unwrap();
+    let message = comms[2].receive(0).unwrap();
+    assert_eq!(comms[0].buffer(2).capacity(), 0, "nothing was read yet");
+    comms[2].give_back(0, message);
+    assert_eq!(comms[0].buffer(1).capacity(), 0, "the next message to rank 1 may be of another size");
+    let again = comms[0].buffer(2);
+    assert_eq!((again.as_ptr(), again.len()), (memory, 0));
+    assert!(again.capacity() >= 1000);
+    assert_eq!(comms[0].buffer(2).capacity(), 0, "only once");
+    assert_eq!(comms[0].traffic(), Traffic { sent_messages: 1, sent_bytes: 1000, ..Traffic::default() });
+}

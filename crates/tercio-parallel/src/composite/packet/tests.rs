@@ -50,6 +50,12 @@ fn regions_cut_spans() {
 
 proptest! {
     #[test]
+    fn the_first_key_is_found(nothing in 0usize..70, rest in prop::collection::vec(0u64..3, 0..40)) {
+        let keys: Vec<u64> = [vec![0; nothing], rest].concat();
+        prop_assert_eq!(first_shown(&keys), keys.iter().position(|&key| key != 0));
+    }
+
+    #[test]
     fn the_larger_key_is_seen(
         keys in prop::collection::vec((0u64..4, 0u64..4), 1..60), width in 1u32..9,
     ) {

@@ -1,4 +1,4 @@
-//! The renderer as ranks on a network, by the simulator of the sorting classes.
+//! Ranks on a network, by the simulator of the sorting classes: what the renderer does not have (yet), at any scale.
 //!
 //! The triangles that hold a sample stand as boxes of samples, in the order of the clusters. A rank is one processor of
 //! the machine. The simulator deals out polygons; where a machine is charged for clusters, a polygon costs what it comes
@@ -7,31 +7,17 @@
 
 use serde::Serialize;
 
-use super::counters::Counters;
-use super::frame::{FrameTime, knows_clusters};
-use crate::machines::{Machine, MachineError, Operation, Topology};
+use super::Plan;
+use crate::machines::{Machine, MachineError, Operation};
+use crate::predict::counters::Counters;
+use crate::predict::frame::{FrameTime, knows_clusters};
 use crate::simulators::sorting::organisation::{Setting, simulate};
-use crate::simulators::sorting::{Assignment, Costs, NetworkModel, Organisation, SortReport};
+use crate::simulators::sorting::{Costs, NetworkModel, Organisation, SortReport};
 use crate::workloads::BoxScene;
 
-/// How ranks share a frame.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Plan {
-    /// Where work changes hands.
-    pub organisation: Organisation,
-    /// Ranks.
-    pub ranks: usize,
-    /// Pixels along the edge of a region; `None` takes the largest of which there is one a rank.
-    pub region: Option<u32>,
-    /// Who gets which region.
-    pub assignment: Assignment,
-    /// Another shape of the network than the machine's.
-    pub topology: Option<Topology>,
-}
-
-/// A predicted frame of some ranks; seconds.
+/// A simulated frame of some ranks; seconds.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct RanksTime {
+pub struct SimulatedFrame {
     /// How they share it.
     pub plan: Plan,
     /// The simulator's phases, with loads, bytes and messages.
@@ -42,7 +28,7 @@ pub struct RanksTime {
     pub picture: f64,
 }
 
-impl RanksTime {
+impl SimulatedFrame {
     /// The whole frame.
     pub fn total(&self) -> f64 {
         self.sorting.seconds() + self.shading + self.picture
@@ -59,12 +45,6 @@ impl RanksTime {
             ("picture", self.picture),
             ("composition", s.composition_seconds),
         ]
-    }
-
-    /// The phase that takes longest.
-    pub fn longest_phase(&self) -> (&'static str, f64) {
-        let phases = self.phases();
-        phases.into_iter().fold(phases[0], |best, p| if p.1 > best.1 { p } else { best })
     }
 }
 
@@ -106,7 +86,7 @@ pub fn predict(
     boxes: &BoxScene,
     (width, height): (u32, u32),
     plan: Plan,
-) -> Result<RanksTime, MachineError> {
+) -> Result<SimulatedFrame, MachineError> {
     let network = machine.need(machine.network.as_ref(), "network")?;
     let work = Work::of(machine, counters, boxes)?;
     let setting = Setting {
@@ -132,13 +112,14 @@ pub fn predict(
     let shaded = if shown > 0.0 { (shown * groups).min(covered.max(shown)) / shown } else { 0.0 };
     let shading = work.shading * shaded / ranks * sorting.raster.imbalance();
     let picture = machine.seconds_or_0(Operation::Frame) + work.picture / parts;
-    Ok(RanksTime { plan, sorting, shading, picture })
+    Ok(SimulatedFrame { plan, sorting, shading, picture })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::machines::builtin;
+    use crate::simulators::sorting::Assignment;
     use crate::workloads::{BoundingBox, PixelBox};
 
     #[test]

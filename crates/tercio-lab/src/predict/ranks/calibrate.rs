@@ -1,0 +1,169 @@
+//! What ranks cost on this machine: fitted to frames of models that no table shows.
+
+use std::sync::Arc;
+
+use tercio_mesh::builtin;
+use tercio_mesh::cluster::{PartitionOptions, partition};
+use tercio_parallel::Organisation;
+use tercio_raster::{Outputs, Settings};
+use tercio_scene::{Camera, Scene};
+
+use super::RanksError;
+use super::exchange::{Charges, Exchange, ExchangeCosts, KINDS, OPERATIONS, keys, missed};
+use super::measure::MeasuredRanks;
+use super::renderer::RanksWork;
+use crate::machines::{Machine, Sourced};
+use crate::predict::counters::{Counters, count};
+use crate::predict::hardware::cache_bytes;
+use crate::predict::measure::{Clock, measure as measure_alone};
+use crate::predict::{fit, views};
+
+/// Models, sizes of pictures and ranks that the costs are fitted to.
+const MODELS: [&str; 3] = ["builtin:sphere@20k", "builtin:gyroid@100k", "builtin:terrain@50k"];
+const SIZES: [(u32, u32); 2] = [(800, 500), (1900, 1100)];
+const RANKS: [usize; 3] = [1, 2, 3];
+/// The kinds of work of keys, and the others.
+const OF_KEYS: usize = 3;
+
+/// Frames of one picture by ranks.
+struct Shared {
+    work: RanksWork,
+    measured: MeasuredRanks,
+}
+
+/// One picture.
+struct Picture {
+    scene: Arc<Scene>,
+    camera: Camera,
+    settings: Settings,
+    counters: Counters,
+    /// Seconds on one thread without and with keys.
+    alone: [f64; 2],
+    shared: Vec<Shared>,
+}
+
+impl Picture {
+    fn new(scene: Arc<Scene>, camera: Camera, size: (u32, u32)) -> Result<Self, RanksError> {
+        let settings = Settings::new(size.0, size.1);
+        let counters = count(&scene, &camera, &settings, 1)?.frame;
+        let mut shared = Vec::new();
+        for ranks in RANKS {
+            for organisation in [Organisation::SortFirst, Organisation::SortLast] {
+                let work = RanksWork::count(&scene, &camera, &settings, (ranks, organisation))?;
+                shared.push(Shared { work, measured: MeasuredRanks::default() });
+            }
+        }
+        Ok(Self { scene, camera, settings, counters, alone: [f64::INFINITY; 2], shared })
+    }
+
+    fn draw(&mut self, frames: u32) -> Result<(), RanksError> {
+        for (keys, alone) in [false, true].into_iter().zip(&mut self.alone) {
+            let outputs = Outputs { keys, ..self.settings.outputs };
+            let settings = Settings { outputs, ..self.settings.clone() };
+            let measured = measure_alone(&self.scene, &self.camera, &settings, 1, frames, Clock::Processor)?;
+            *alone = alone.min(measured.seconds);
+        }
+        for shared in &mut self.shared {
+            let sharing = &shared.work.sharing;
+            shared.measured.add(MeasuredRanks::draw(&self.scene, &self.camera, sharing, frames)?);
+        }
+        Ok(())
+    }
+
+    /// What its keys come to, and the seconds that they take.
+    fn keys(&self, cache: f64) -> (Charges, f64) {
+        let bytes = self.counters.bytes_touched + 12 * self.counters.pixels;
+        let [without, with] = self.alone;
+        (keys(&self.counters, missed(bytes as f64, cache)), with - without)
+    }
+}
+
+impl Shared {
+    /// What the stages of its ranks come to, and the seconds that they take.
+    fn stages(&self, cache: f64) -> Vec<(Charges, f64)> {
+        let ranks = self.work.sharing.ranks;
+        let work = &self.work;
+        let exchange = Exchange::new(&work.sharing, &work.messages, &work.drawing, (ranks, cache));
+        let sum = |all: &mut dyn Iterator<Item = Charges>| {
+            all.fold([0.0; KINDS], |sum, c| std::array::from_fn(|k| sum[k] + c[k]))
+        };
+        let mut stages = Vec::new();
+        for rank in 0..ranks {
+            let packing = (0..ranks).filter_map(|to| exchange.packing(rank, to));
+            let composing = (0..ranks).filter_map(|from| exchange.composing(from, rank));
+            stages.push((sum(&mut packing.chain(composing)), self.measured.busy(rank, |s| s.compose)));
+            if rank < work.sharing.owners() {
+                let others = if rank == 0 { 1..work.sharing.owners() } else { 0..0 };
+                let collecting = others.map(|from| exchange.collecting(from));
+                let all = sum(&mut std::iter::once(exchange.finishing(rank)).chain(collecting));
+                stages.push((all, self.measured.busy(rank, |s| s.collect)));
+            }
+        }
+        stages
+    }
+}
+
+/// Measures this machine: some frames of each picture, of which the fastest counts, in some rounds through all.
+///
+/// # Errors
+/// [`RanksError`].
+pub fn measure(frames: u32, rounds: u32) -> Result<ExchangeCosts, RanksError> {
+    let mut pictures = Vec::new();
+    for model in MODELS {
+        // The names are ours; a model that cannot be made takes no part.
+        let Ok(mesh) = builtin::make(model) else { continue };
+        let bounds = mesh.bounds();
+        let scene = Arc::new(views::scene(Arc::new(partition(mesh, &PartitionOptions::default()))));
+        for size in SIZES {
+            pictures.push(Picture::new(scene.clone(), views::camera(&bounds, size, 1, 7), size)?);
+        }
+    }
+    for _ in 0..rounds.max(1) {
+        pictures.iter_mut().try_for_each(|p| p.draw(frames))?;
+    }
+    let cache = cache_bytes(3).map_or(f64::INFINITY, |bytes| bytes as f64);
+    let mut costs = [0.0; KINDS];
+    // Where something else disturbed the machine keys may seem to take no time.
+    let of_keys = pictures.iter().map(|p| p.keys(cache)).filter(|k| k.1 > 1e-6);
+    let (rows, times): (Vec<_>, Vec<_>) = of_keys.map(|k| (k.0[..OF_KEYS].to_vec(), k.1)).unzip();
+    place(&mut costs[..OF_KEYS], &rows, &times);
+    let stages = pictures.iter().flat_map(|p| &p.shared).flat_map(|s| s.stages(cache));
+    // Stages that did nothing tell nothing.
+    let stages = stages.filter(|s| s.1 > 1e-6);
+    let (rows, times): (Vec<_>, Vec<_>) = stages.map(|s| (s.0[OF_KEYS..].to_vec(), s.1)).unzip();
+    place(&mut costs[OF_KEYS..], &rows, &times);
+    Ok(ExchangeCosts(costs))
+}
+
+fn place(costs: &mut [f64], rows: &[Vec<f64>], times: &[f64]) {
+    if !times.is_empty() {
+        costs.copy_from_slice(&fit::costs(rows, times));
+    }
+}
+
+/// Writes costs into a description. Those that are zero are left out.
+pub fn describe(costs: &ExchangeCosts, source: &str, machine: &mut Machine) {
+    for (operation, &seconds) in OPERATIONS.into_iter().zip(&costs.0).filter(|c| *c.1 > 0.0) {
+        // Tenths of a picosecond.
+        let text = format!("{:.4} ns", seconds * 1e9);
+        machine.costs.insert(operation, Sourced::new(seconds, text, source.into()));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::machines::{builtin, parse};
+
+    #[test]
+    fn costs_survive_a_description() {
+        let mut machine = builtin("two-core-2026").unwrap().unwrap();
+        OPERATIONS.iter().for_each(|o| drop(machine.costs.remove(o)));
+        assert!(ExchangeCosts::of(&machine).unwrap_err().to_string().contains("costs.scanned-pixel"));
+        let mut costs = ExchangeCosts(std::array::from_fn(|k| k as f64 * 1e-9));
+        costs.0[9] = 1.5e-9;
+        describe(&costs, "a test", &mut machine);
+        let again = parse("this.toml", &machine.to_toml().unwrap()).unwrap();
+        assert_eq!(ExchangeCosts::of(&again).unwrap(), costs);
+    }
+}

@@ -1,0 +1,94 @@
+//! Ranks of this process, drawing: their times, counters, and what the operating system did meanwhile.
+
+use std::sync::Mutex;
+
+use tercio_parallel::report::{RankStages, Stage};
+use tercio_parallel::{FrameReport, ParallelError, Ranks, draw_frames};
+use tercio_raster::Settings;
+use tercio_scene::{Camera, Scene};
+
+use super::traffic::Sharing;
+use crate::predict::usage::Usage;
+
+/// Frames that take memory and fill caches, and are not looked at.
+const WARM_UP: usize = 2;
+
+/// Some frames of one picture.
+#[derive(Clone, Debug, Default)]
+pub struct MeasuredRanks {
+    /// The frames' reports.
+    pub reports: Vec<FrameReport>,
+    /// What the system did for each.
+    pub usage: Vec<Usage>,
+}
+
+impl MeasuredRanks {
+    /// Draws a picture some times.
+    ///
+    /// # Errors
+    /// [`ParallelError`].
+    pub fn draw(
+        scene: &Scene,
+        camera: &Camera,
+        sharing: &Sharing,
+        frames: u32,
+    ) -> Result<Self, ParallelError> {
+        let settings =
+            Settings { tile_size: Some(sharing.edge), ..Settings::new(sharing.size.0, sharing.size.1) };
+        let cameras = vec![*camera; frames.max(1) as usize + WARM_UP];
+        let ranks = Ranks { count: sharing.ranks, threads: 1, organisation: sharing.organisation };
+        // Rank 0 looks while the others wait for the next frame.
+        let seen = Mutex::new(Vec::new());
+        let look = || seen.lock().unwrap_or_else(|e| e.into_inner()).push(Usage::now());
+        let mut reports = draw_frames(ranks, scene, &cameras, &settings, |_, _| look())?;
+        reports.drain(..WARM_UP.min(reports.len()));
+        let seen = seen.into_inner().unwrap_or_else(|e| e.into_inner());
+        let usage = seen.windows(2).skip(WARM_UP - 1).map(|w| w[1].since(w[0])).collect();
+        Ok(Self { reports, usage })
+    }
+
+    /// Adds frames of the same picture.
+    pub fn add(&mut self, o: Self) {
+        self.reports.extend(o.reports);
+        self.usage.extend(o.usage);
+    }
+
+    /// Seconds of processor time of a rank's stage, in the frame in which they were fewest.
+    pub fn busy(&self, rank: usize, of: impl Fn(&RankStages) -> Stage) -> f64 {
+        let of_frame = |r: &FrameReport| of(&r.ranks[rank].stages).busy_milliseconds * 1e-3;
+        self.reports.iter().map(of_frame).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Seconds that rank 0 waited for messages, in the frame in the middle.
+    pub fn waited(&self) -> f64 {
+        median(self.reports.iter().filter_map(|r| Some(r.ranks.first()?.stages.wait.milliseconds * 1e-3)))
+    }
+
+    /// Seconds of the fastest frame, by wall time.
+    pub fn fastest(&self) -> f64 {
+        self.reports.iter().map(|r| r.milliseconds * 1e-3).fold(f64::INFINITY, f64::min)
+    }
+
+    /// What the system did for the frame in the middle: page faults; switches of threads.
+    pub fn usage(&self) -> [f64; 2] {
+        let of = |of: fn(&Usage) -> u64| median(self.usage.iter().map(|u| of(u) as f64));
+        [of(|u| u.page_faults), of(|u| u.waits + u.preemptions)]
+    }
+}
+
+fn median(values: impl Iterator<Item = f64>) -> f64 {
+    let mut values: Vec<f64> = values.collect();
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or(0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::median;
+
+    #[test]
+    fn the_middle() {
+        assert_eq!(median([5.0, 1.0, 3.0].into_iter()), 3.0);
+        assert_eq!(median(std::iter::empty()), 0.0);
+    }
+}

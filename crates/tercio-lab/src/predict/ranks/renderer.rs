@@ -1,0 +1,247 @@
+//! A frame of the real renderer's ranks: what they draw, pack, send and compose, charged and played through.
+
+use serde::Serialize;
+use tercio_parallel::Organisation;
+use tercio_raster::Settings;
+use tercio_scene::{Camera, Scene};
+
+use super::drawing::drawing;
+use super::exchange::{Exchange, ExchangeCosts, RankMemory};
+use super::schedule::{Played, Processors, Stage, Step, Wires, play};
+use super::traffic::{Messages, Sharing};
+use crate::machines::{Machine, MachineError};
+use crate::predict::PredictError;
+use crate::predict::counters::Counters;
+use crate::predict::frame::{Caches, FrameTime};
+use crate::simulators::sorting::network::{Links, NetworkModel};
+
+/// What all ranks do for a frame, counted without drawing it.
+#[derive(Clone, Debug)]
+pub struct RanksWork {
+    /// How they share it.
+    pub sharing: Sharing,
+    /// What they send.
+    pub messages: Messages,
+    /// What each one's renderer does.
+    pub drawing: Vec<Counters>,
+}
+
+impl RanksWork {
+    /// Counts a frame. `settings` say how the whole of it is drawn.
+    ///
+    /// # Errors
+    /// A camera that makes no view.
+    pub fn count(
+        scene: &Scene,
+        camera: &Camera,
+        settings: &Settings,
+        (ranks, organisation): (usize, Organisation),
+    ) -> Result<Self, PredictError> {
+        let size = (settings.width, settings.height);
+        let sharing = Sharing { organisation, ranks, size, edge: settings.tile_edge() };
+        let messages = Messages::of(scene, camera, &sharing)?;
+        let drawing = drawing(scene, camera, settings, &sharing)?;
+        Ok(Self { sharing, messages, drawing })
+    }
+}
+
+/// Seconds of a rank.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct RankSeconds {
+    /// Drawing, keys included.
+    pub draw: f64,
+    /// Packing for other owners and composing.
+    pub compose: f64,
+    /// Packing for rank 0, unpacking there.
+    pub collect: f64,
+    /// Sending and taking messages.
+    pub message: f64,
+    /// Waiting for messages.
+    pub wait: f64,
+    /// Standing in line for a processor.
+    pub queue: f64,
+    /// From the beginning of the frame to its end on this rank.
+    pub end: f64,
+}
+
+impl RankSeconds {
+    fn of(played: &Played) -> Self {
+        let [draw, compose, collect, message] = played.busy;
+        let Played { waited: wait, queued: queue, end, .. } = *played;
+        Self { draw, compose, collect, message, wait, queue, end }
+    }
+
+    /// Work, without waiting.
+    pub fn busy(&self) -> f64 {
+        self.draw + self.compose + self.collect + self.message
+    }
+}
+
+/// A predicted frame.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct RanksFrame {
+    /// How the ranks share it.
+    pub organisation: Organisation,
+    /// Pixels along the edge of a region.
+    pub region: u32,
+    /// True if messages pass a network, false if they change hands in one memory.
+    pub by_network: bool,
+    /// Every rank, in order.
+    pub ranks: Vec<RankSeconds>,
+    /// Messages of all ranks.
+    pub messages: u64,
+    /// Their bytes.
+    pub bytes: u64,
+    /// Most bytes that one rank sends.
+    pub most_bytes_sent: u64,
+    /// Memory of the rank that needs most.
+    pub memory: RankMemory,
+}
+
+impl RanksFrame {
+    /// Seconds until rank 0 has the picture.
+    pub fn total(&self) -> f64 {
+        self.ranks.first().map_or(0.0, |first| first.end)
+    }
+
+    /// The busiest and the mean rank's seconds of something.
+    pub fn busiest_and_mean(&self, of: impl Fn(&RankSeconds) -> f64) -> (f64, f64) {
+        let times = self.ranks.iter().map(of);
+        let (most, sum) = times.fold((0.0f64, 0.0), |(most, sum), t| (most.max(t), sum + t));
+        (most, sum / self.ranks.len().max(1) as f64)
+    }
+
+    /// Busiest over mean rank, 1 where nothing is done.
+    pub fn imbalance(&self, of: impl Fn(&RankSeconds) -> f64) -> f64 {
+        let (busiest, mean) = self.busiest_and_mean(of);
+        if mean > 0.0 { busiest / mean } else { 1.0 }
+    }
+
+    /// What the frame's time went to on rank 0, by name, in the order in which it is met; together [`Self::total`].
+    pub fn phases(&self) -> [(&'static str, f64); 6] {
+        let first = self.ranks.first().copied().unwrap_or_default();
+        [
+            ("drawing", first.draw),
+            ("composing", first.compose),
+            ("collecting", first.collect),
+            ("messages", first.message),
+            ("waiting", first.wait),
+            ("queueing", first.queue),
+        ]
+    }
+}
+
+/// Predicts a frame of ranks of one thread each.
+///
+/// Where the description says how many processors share a memory, ranks are taken to be alone in theirs: messages take
+/// the network's time, and only a rank's own memory has to fit into the cache. Everywhere else ranks are threads of one
+/// process: messages change hands, caches are shared, and there may be fewer `processors` than ranks.
+///
+/// # Errors
+/// [`MachineError::Missing`] without a network.
+pub fn predict(
+    machine: &Machine,
+    costs: &ExchangeCosts,
+    work: &RanksWork,
+    processors: usize,
+) -> Result<RanksFrame, MachineError> {
+    let (sharing, ranks) = (&work.sharing, work.sharing.ranks);
+    let by_network = machine.processors.per_node.is_some();
+    let together = if by_network { 1 } else { ranks };
+    let caches = Caches::of(machine, 1);
+    let exchange = Exchange::new(sharing, &work.messages, &work.drawing, (together, caches.shared));
+    let network = machine.need(machine.network.as_ref(), "network")?;
+    let network = NetworkModel::of(network, None);
+    let wires = if by_network {
+        on_network(&network, work)
+    } else {
+        Wires { latency: 0.0, bandwidth: f64::INFINITY }
+    };
+    let serial = machine.processors.serial.as_ref().map_or(0.0, |s| s.value);
+    let programs: Vec<Vec<Step>> =
+        (0..ranks).map(|rank| program(machine, costs, work, &exchange, network.message, rank)).collect();
+    let played = play(&programs, Processors { count: processors, slower: serial }, wires);
+    let (messages, bytes) = work.messages.total();
+    let memory = (0..ranks).map(|rank| exchange.memory(rank)).max_by_key(RankMemory::total);
+    Ok(RanksFrame {
+        organisation: sharing.organisation,
+        region: sharing.edge,
+        by_network,
+        ranks: played.iter().map(RankSeconds::of).collect(),
+        messages,
+        bytes,
+        most_bytes_sent: (0..ranks).map(|rank| work.messages.counts(rank).bytes).max().unwrap_or(0),
+        memory: memory.unwrap_or_default(),
+    })
+}
+
+/// The steps of a rank, as the renderer takes them.
+fn program(
+    machine: &Machine,
+    costs: &ExchangeCosts,
+    work: &RanksWork,
+    exchange: &Exchange,
+    message: f64,
+    rank: usize,
+) -> Vec<Step> {
+    let (ranks, owners) = (work.sharing.ranks, work.sharing.owners());
+    let messages = &work.messages;
+    let mut steps = Vec::new();
+    let send = |steps: &mut Vec<Step>, to: usize, bytes: u64| {
+        steps.extend([Step::Work(Stage::Message, message), Step::Send { to, bytes }]);
+    };
+    let take = |steps: &mut Vec<Step>, from: usize| {
+        steps.extend([Step::Take { from }, Step::Work(Stage::Message, message)]);
+    };
+    let drawn = &work.drawing[rank];
+    if drawn.pixels > 0 {
+        let seconds = FrameTime::on_one_thread(machine, drawn).total() + costs.seconds(&exchange.keys(rank));
+        steps.push(Step::Work(Stage::Draw, seconds));
+    }
+    for to in (1..ranks).map(|step| (rank + step) % ranks) {
+        let Some(packing) = exchange.packing(rank, to) else { continue };
+        steps.push(Step::Work(Stage::Compose, costs.seconds(&packing)));
+        send(&mut steps, to, messages.between(rank, to).map_or(0, |p| p.bytes(true)));
+    }
+    for from in (1..ranks).map(|step| (rank + ranks - step) % ranks) {
+        let Some(composing) = exchange.composing(from, rank) else { continue };
+        take(&mut steps, from);
+        steps.push(Step::Work(Stage::Compose, costs.seconds(&composing)));
+    }
+    if rank >= owners {
+        return steps;
+    }
+    steps.push(Step::Work(Stage::Collect, costs.seconds(&exchange.finishing(rank))));
+    if rank > 0 {
+        send(&mut steps, 0, messages.finished[rank].bytes(false));
+        return steps;
+    }
+    // All are there before the first is unpacked.
+    (1..owners).for_each(|from| take(&mut steps, from));
+    let unpacking = (1..owners).map(|from| costs.seconds(&exchange.collecting(from)));
+    steps.extend(unpacking.map(|seconds| Step::Work(Stage::Collect, seconds)));
+    steps
+}
+
+/// The wires of a network that all messages of a frame share: as fast as its links where those are busiest, seen from
+/// the ports, and as long as its longest way.
+fn on_network(network: &NetworkModel, work: &RanksWork) -> Wires {
+    let ranks = work.sharing.ranks;
+    let mut links = Links::new(network.topology, ranks);
+    let mut ports = Links::new(crate::machines::Topology::Crossbar, ranks);
+    for from in 0..ranks {
+        let composed = (0..ranks).filter_map(|to| Some((to, work.messages.between(from, to)?.bytes(true))));
+        let finished = work.messages.finished.get(from).filter(|_| from > 0).map(|p| (0, p.bytes(false)));
+        for (to, bytes) in composed.chain(finished) {
+            links.send(from, to, bytes);
+            ports.send(from, to, bytes);
+        }
+    }
+    let (links, ports) = (links.traffic(), ports.traffic());
+    let crowded =
+        if ports.busiest_link > 0.0 { (links.busiest_link / ports.busiest_link).max(1.0) } else { 1.0 };
+    Wires { latency: f64::from(links.most_hops) * network.hop, bandwidth: network.bandwidth / crowded }
+}
+
+#[cfg(test)]
+mod tests;

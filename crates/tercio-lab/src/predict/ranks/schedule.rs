@@ -1,0 +1,307 @@
+//! When ranks work, wait and end: their steps played through on processors and wires.
+//!
+//! A rank runs until it has to wait for a message. Where there are more ranks than processors, those that are ready
+//! stand in line, and a rank whose time slice is over goes to its end: so do the threads of an operating system, as long
+//! as they matter equally. Ranks that run side by side may slow each other down. A message leaves when its sender's port
+//! is free, passes the wires and enters when its taker's port is free.
+
+use std::collections::VecDeque;
+
+/// Seconds after which a rank that others stand in line for gives its processor up: about what Linux grants.
+const SLICE: f64 = 3e-3;
+
+/// Stages of a rank that are told apart.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stage {
+    /// Drawing its share.
+    Draw,
+    /// Packing for owners of regions, composing what they take.
+    Compose,
+    /// Packing for rank 0, unpacking there.
+    Collect,
+    /// Sending and taking messages, whatever is in them.
+    Message,
+}
+
+/// What a rank does next.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Step {
+    /// Works for some seconds.
+    Work(Stage, f64),
+    /// Hands over a message of some bytes.
+    Send {
+        /// To which rank.
+        to: usize,
+        /// Its bytes.
+        bytes: u64,
+    },
+    /// Waits for the next message of a rank.
+    Take {
+        /// Of which.
+        from: usize,
+    },
+}
+
+/// Where ranks work.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Processors {
+    /// How many, at least 1.
+    pub count: usize,
+    /// What each rank that works side by side with a rank adds to its time, as a share of it.
+    pub slower: f64,
+}
+
+/// What messages pass.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Wires {
+    /// Seconds on the way, whatever its size.
+    pub latency: f64,
+    /// Bytes a second through a rank's port; infinite where messages change hands in one memory.
+    pub bandwidth: f64,
+}
+
+/// What became of a rank.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Played {
+    /// Seconds of its work, by [`Stage`], as long as it really took.
+    pub busy: [f64; 4],
+    /// Seconds it waited for messages.
+    pub waited: f64,
+    /// Seconds it stood in line for a processor.
+    pub queued: f64,
+    /// When it had done all.
+    pub end: f64,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum State {
+    Ready { since: f64 },
+    Running { slice: f64 },
+    Waiting { since: f64, from: usize },
+    Done,
+}
+
+struct Play<'a> {
+    programs: &'a [Vec<Step>],
+    wires: Wires,
+    now: f64,
+    /// Number of each rank's step, and what is left of it.
+    at: Vec<(usize, f64)>,
+    states: Vec<State>,
+    line: VecDeque<usize>,
+    /// Arrivals of messages, from each rank to each.
+    arrivals: Vec<VecDeque<f64>>,
+    leaving: Vec<f64>,
+    entering: Vec<f64>,
+    played: Vec<Played>,
+}
+
+/// Plays the programs of all ranks through. A rank that waits for a message that nobody sends stays where it is.
+pub fn play(programs: &[Vec<Step>], processors: Processors, wires: Wires) -> Vec<Played> {
+    let n = programs.len();
+    let mut play = Play {
+        programs,
+        wires,
+        now: 0.0,
+        at: vec![(0, 0.0); n],
+        states: vec![State::Ready { since: 0.0 }; n],
+        line: (0..n).collect(),
+        arrivals: vec![VecDeque::new(); n * n],
+        leaving: vec![0.0; n],
+        entering: vec![0.0; n],
+        played: vec![Played::default(); n],
+    };
+    (0..n).for_each(|rank| play.begin_step(rank));
+    while play.turn(processors) {}
+    play.played
+}
+
+impl Play<'_> {
+    /// Makes the step at which a rank stands its next.
+    fn begin_step(&mut self, rank: usize) {
+        self.at[rank].1 = match self.programs[rank].get(self.at[rank].0) {
+            Some(Step::Work(_, seconds)) => *seconds,
+            _ => 0.0,
+        };
+    }
+
+    /// Lets time pass until something happens. False when nothing will any more.
+    fn turn(&mut self, processors: Processors) -> bool {
+        let mut running = self.running();
+        while running.len() < processors.count.max(1) {
+            let Some(rank) = self.line.pop_front() else { break };
+            if let State::Ready { since } = self.states[rank] {
+                self.played[rank].queued += self.now - since;
+            }
+            self.states[rank] = State::Running { slice: SLICE };
+            self.go_on(rank);
+            running = self.running();
+        }
+        let slower = 1.0 + processors.slower * running.len().saturating_sub(1) as f64;
+        let mut next = f64::INFINITY;
+        for &rank in &running {
+            next = next.min(self.at[rank].1 * slower);
+            if let (State::Running { slice }, false) = (self.states[rank], self.line.is_empty()) {
+                next = next.min(slice);
+            }
+        }
+        for rank in 0..self.states.len() {
+            if let Some(arrival) = self.awaited(rank) {
+                next = next.min((arrival - self.now).max(0.0));
+            }
+        }
+        if next.is_infinite() {
+            return false;
+        }
+        self.now += next;
+        for &rank in &running {
+            self.pass(rank, next, slower);
+        }
+        for rank in 0..self.states.len() {
+            let State::Waiting { since, .. } = self.states[rank] else { continue };
+            if self.awaited(rank).is_some_and(|arrival| arrival <= self.now) {
+                self.played[rank].waited += self.now - since;
+                self.states[rank] = State::Ready { since: self.now };
+                self.line.push_back(rank);
+            }
+        }
+        true
+    }
+
+    fn running(&self) -> Vec<usize> {
+        let is_running = |&rank: &usize| matches!(self.states[rank], State::Running { .. });
+        (0..self.states.len()).filter(is_running).collect()
+    }
+
+    /// When the message that a rank waits for arrives, if it is on its way.
+    fn awaited(&self, rank: usize) -> Option<f64> {
+        let State::Waiting { from, .. } = self.states[rank] else { return None };
+        self.arrivals[from * self.states.len() + rank].front().copied()
+    }
+
+    /// A running rank works for some seconds.
+    fn pass(&mut self, rank: usize, seconds: f64, slower: f64) {
+        let State::Running { slice } = self.states[rank] else { return };
+        let (step, left) = self.at[rank];
+        if let Some(Step::Work(stage, _)) = self.programs[rank].get(step) {
+            self.played[rank].busy[*stage as usize] += seconds;
+        }
+        let left = left - seconds / slower;
+        // What is lost by rounding is no work.
+        if left <= 1e-15 {
+            self.at[rank].0 += 1;
+            self.begin_step(rank);
+            self.states[rank] = State::Running { slice: slice - seconds };
+            self.go_on(rank);
+        } else {
+            self.at[rank].1 = left;
+            self.states[rank] = State::Running { slice: slice - seconds };
+        }
+        if let State::Running { slice } = self.states[rank]
+            && slice <= 1e-12
+        {
+            self.states[rank] = State::Ready { since: self.now };
+            self.line.push_back(rank);
+        }
+    }
+
+    /// Does all that takes a running rank no time.
+    fn go_on(&mut self, rank: usize) {
+        let n = self.states.len();
+        loop {
+            let (step, left) = self.at[rank];
+            match self.programs[rank].get(step).copied() {
+                None => {
+                    self.states[rank] = State::Done;
+                    self.played[rank].end = self.now;
+                    return;
+                }
+                Some(Step::Work(..)) if left > 0.0 => return,
+                Some(Step::Work(..)) => {}
+                Some(Step::Send { to, bytes }) => {
+                    let seconds = bytes as f64 / self.wires.bandwidth;
+                    let leaves = self.now.max(self.leaving[rank]);
+                    self.leaving[rank] = leaves + seconds;
+                    let arrives = (leaves + self.wires.latency).max(self.entering[to]) + seconds;
+                    self.entering[to] = arrives;
+                    self.arrivals[rank * n + to].push_back(arrives);
+                }
+                Some(Step::Take { from }) => {
+                    let arrivals = &mut self.arrivals[from * n + rank];
+                    if arrivals.front().is_none_or(|&arrival| arrival > self.now) {
+                        self.states[rank] = State::Waiting { since: self.now, from };
+                        return;
+                    }
+                    arrivals.pop_front();
+                }
+            }
+            self.at[rank].0 += 1;
+            self.begin_step(rank);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const APART: Processors = Processors { count: 99, slower: 0.0 };
+    const AT_ONCE: Wires = Wires { latency: 0.0, bandwidth: f64::INFINITY };
+
+    fn ends(programs: &[Vec<Step>], processors: Processors, wires: Wires) -> Vec<f64> {
+        play(programs, processors, wires).iter().map(|p| (p.end * 1e9).round() / 1e9).collect()
+    }
+
+    fn work(seconds: f64) -> Step {
+        Step::Work(Stage::Draw, seconds)
+    }
+
+    #[test]
+    fn ranks_share_processors_in_turn() {
+        // Shorter than a slice: one behind the other.
+        let short = vec![vec![work(1e-3)], vec![work(2e-3)], vec![work(1e-3)]];
+        assert_eq!(ends(&short, APART, AT_ONCE), [1e-3, 2e-3, 1e-3]);
+        assert_eq!(ends(&short, Processors { count: 1, ..APART }, AT_ONCE), [1e-3, 3e-3, 4e-3]);
+        assert_eq!(ends(&short, Processors { count: 2, ..APART }, AT_ONCE), [1e-3, 2e-3, 2e-3]);
+        // Longer: 3 ms each in turn.
+        let long = vec![vec![work(7e-3)], vec![work(4e-3)]];
+        let played = play(&long, Processors { count: 1, ..APART }, AT_ONCE);
+        assert_eq!(ends(&long, Processors { count: 1, ..APART }, AT_ONCE), [11e-3, 10e-3]);
+        assert!((played[0].queued - 4e-3).abs() < 1e-12, "{played:?}");
+        assert!((played[0].busy[0] - 7e-3).abs() < 1e-12, "{played:?}");
+    }
+
+    #[test]
+    fn side_by_side_is_slower_than_alone() {
+        let programs = vec![vec![work(1.0)], vec![work(3.0)]];
+        // Together both need half as much again; the rest is done alone.
+        let both = Processors { count: 2, slower: 0.5 };
+        assert_eq!(ends(&programs, both, AT_ONCE), [1.5, 3.5]);
+    }
+
+    #[test]
+    fn messages_are_waited_for() {
+        let send = Step::Send { to: 0, bytes: 100 };
+        let programs = vec![vec![work(1.0), Step::Take { from: 1 }, work(1.0)], vec![work(3.0), send]];
+        assert_eq!(ends(&programs, APART, AT_ONCE), [4.0, 3.0]);
+        let slow = Wires { latency: 0.5, bandwidth: 50.0 };
+        assert_eq!(ends(&programs, APART, slow), [3.0 + 0.5 + 2.0 + 1.0, 3.0]);
+        assert!((play(&programs, APART, slow)[0].waited - 4.5).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_port_takes_one_message_after_another() {
+        let send = Step::Send { to: 0, bytes: 100 };
+        let takes = vec![Step::Take { from: 1 }, Step::Take { from: 2 }];
+        let wires = Wires { latency: 0.0, bandwidth: 100.0 };
+        assert_eq!(ends(&[takes, vec![send], vec![send]], APART, wires), [2.0, 0.0, 0.0]);
+        let both = vec![send, Step::Send { to: 2, bytes: 100 }];
+        let programs = [vec![Step::Take { from: 1 }], both, vec![Step::Take { from: 1 }]];
+        assert_eq!(ends(&programs, APART, wires), [1.0, 0.0, 2.0]);
+    }
+
+    #[test]
+    fn a_message_that_nobody_sends_ends_the_play() {
+        assert_eq!(ends(&[vec![Step::Take { from: 1 }], vec![work(1.0)]], APART, AT_ONCE), [0.0, 1.0]);
+    }
+}

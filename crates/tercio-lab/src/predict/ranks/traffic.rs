@@ -1,0 +1,270 @@
+//! What ranks send each other, reckoned from coverage alone.
+//!
+//! * Sort-last deals out consecutive clusters, rank r of n those from `C * r / n` on; sort-first gives every rank all.
+//! * Region k of the picture, row by row, belongs to rank k modulo the ranks.
+//! * A span, a row of neighbouring pixels of one region that show something, travels as 6 bytes and 4 for every pixel's
+//!   colour, and 8 for its key where it is yet to be composed.
+//! * Ranks without clusters send nothing to be composed, ranks without regions take nothing and have nothing to collect.
+
+use std::sync::Mutex;
+
+use rayon::prelude::*;
+use serde::Serialize;
+use tercio_parallel::{Organisation, RankReport};
+use tercio_raster::view::View;
+use tercio_scene::{Camera, Scene};
+
+use super::coverage::each_sample;
+use crate::predict::PredictError;
+use crate::simulators::sorting::{Assignment, Regions};
+use crate::workloads::PixelBox;
+
+/// Bytes before the pixels of a span, of a pixel's key and of its colour.
+const SPAN_BYTES: u64 = 6;
+const KEY_BYTES: u64 = 8;
+const COLOR_BYTES: u64 = 4;
+
+/// How ranks share a picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Sharing {
+    /// Where work changes hands.
+    pub organisation: Organisation,
+    /// Ranks, at least 1.
+    pub ranks: usize,
+    /// Pixels across and down.
+    pub size: (u32, u32),
+    /// Pixels along the edge of a region, which is a tile of the renderer.
+    pub edge: u32,
+}
+
+impl Sharing {
+    /// The regions.
+    pub fn regions(&self) -> Regions {
+        let ((width, height), edge) = (self.size, self.edge);
+        Regions { width, height, edge, owners: self.ranks, assignment: Assignment::Interleaved }
+    }
+
+    /// Ranks that own a region: the first ones.
+    pub fn owners(&self) -> usize {
+        usize::try_from(self.regions().count()).map_or(self.ranks, |count| count.min(self.ranks))
+    }
+
+    /// Pixels of the picture.
+    pub fn pixels(&self) -> u64 {
+        u64::from(self.size.0) * u64::from(self.size.1)
+    }
+
+    /// Pixels that each rank owns.
+    pub fn owned(&self) -> Vec<u64> {
+        let regions = self.regions();
+        let mut owned = vec![0; self.ranks];
+        for (region, pixels) in regions.touched(PixelBox::screen(self.size.0, self.size.1)) {
+            owned[regions.owner(region)] += pixels;
+        }
+        owned
+    }
+}
+
+/// Pixels that show something, and the spans that they travel in.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Pixels {
+    /// Rows of neighbours.
+    pub spans: u64,
+    /// Pixels.
+    pub pixels: u64,
+}
+
+impl Pixels {
+    /// Bytes with or without keys.
+    pub fn bytes(&self, keys: bool) -> u64 {
+        self.spans * SPAN_BYTES + self.pixels * (COLOR_BYTES + if keys { KEY_BYTES } else { 0 })
+    }
+}
+
+/// What is counted of a rank.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct RankCounts {
+    /// Triangles that it meets.
+    pub triangles: u64,
+    /// Pixels that it sends to be composed.
+    pub sent: u64,
+    /// Pixels that it composes.
+    pub compared: u64,
+    /// Pixels of its regions that show something in the end.
+    pub visible: u64,
+    /// Messages that it sends.
+    pub messages: u64,
+    /// Their bytes.
+    pub bytes: u64,
+}
+
+impl RankCounts {
+    /// What a rank counted itself.
+    pub fn measured(report: &RankReport) -> Self {
+        Self {
+            triangles: report.frame.frontend.triangles_in,
+            sent: report.pixels.sent,
+            compared: report.pixels.compared,
+            visible: report.pixels.visible,
+            messages: report.traffic.sent_messages,
+            bytes: report.traffic.sent_bytes,
+        }
+    }
+
+    /// By name.
+    pub fn by_name(&self) -> [(&'static str, u64); 6] {
+        [
+            ("triangles", self.triangles),
+            ("pixels sent", self.sent),
+            ("pixels compared", self.compared),
+            ("pixels visible", self.visible),
+            ("messages", self.messages),
+            ("bytes", self.bytes),
+        ]
+    }
+}
+
+/// The messages of a frame.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Messages {
+    /// Triangles that each rank meets.
+    pub triangles: Vec<u64>,
+    /// What each rank sends to each, to be composed; `None` where no message goes.
+    pub composed: Vec<Vec<Option<Pixels>>>,
+    /// What each owner of regions has in the end; of all but rank 0 a message to it.
+    pub finished: Vec<Pixels>,
+}
+
+impl Messages {
+    /// Reckons a frame's, without drawing it.
+    ///
+    /// # Errors
+    /// A camera that makes no view.
+    pub fn of(scene: &Scene, camera: &Camera, sharing: &Sharing) -> Result<Self, PredictError> {
+        let (ranks, (width, height)) = (sharing.ranks, sharing.size);
+        let view = View::new(camera, &scene.bounds(), width, height)?;
+        let clusters: usize = scene.instances.iter().map(|i| i.mesh.clusters.len()).sum();
+        let owners = sharing.owners();
+        let by_any = Mutex::new(Shown::none(sharing.size));
+        let mut composed = vec![Vec::new(); ranks];
+        let mut triangles = vec![0; ranks];
+        match sharing.organisation {
+            Organisation::SortFirst => {
+                let mut shown = by_any.lock().unwrap_or_else(|e| e.into_inner());
+                let met = each_sample(scene, &view, 0..clusters, |x, y| shown.set(x, y));
+                triangles[..owners].fill(met);
+            }
+            Organisation::SortLast => {
+                let of_rank = |rank: usize| {
+                    let own = clusters * rank / ranks..clusters * (rank + 1) / ranks;
+                    let sees = !own.is_empty();
+                    let mut shown = Shown::none(sharing.size);
+                    let triangles = each_sample(scene, &view, own, |x, y| shown.set(x, y));
+                    by_any.lock().unwrap_or_else(|e| e.into_inner()).add(&shown);
+                    let to = shown.by_owner(sharing).into_iter().enumerate();
+                    let to = to.map(|(to, p)| (sees && to != rank && to < owners).then_some(p)).collect();
+                    (triangles, to)
+                };
+                let all: Vec<(u64, _)> = (0..ranks).into_par_iter().map(of_rank).collect();
+                (triangles, composed) = all.into_iter().unzip();
+            }
+        }
+        let by_any = by_any.into_inner().unwrap_or_else(|e| e.into_inner());
+        let mut finished = by_any.by_owner(sharing);
+        finished.truncate(owners);
+        Ok(Self { triangles, composed, finished })
+    }
+
+    /// What a rank sends to another to be composed.
+    pub fn between(&self, from: usize, to: usize) -> Option<Pixels> {
+        self.composed[from].get(to).copied().flatten()
+    }
+
+    /// What is counted of a rank.
+    pub fn counts(&self, rank: usize) -> RankCounts {
+        let mut counts = RankCounts { triangles: self.triangles[rank], ..RankCounts::default() };
+        for sent in self.composed[rank].iter().flatten() {
+            counts.sent += sent.pixels;
+            counts.messages += 1;
+            counts.bytes += sent.bytes(true);
+        }
+        let taken = (0..self.composed.len()).filter_map(|from| self.between(from, rank));
+        counts.compared = taken.map(|p| p.pixels).sum();
+        if let Some(own) = self.finished.get(rank) {
+            counts.visible = own.pixels;
+            if rank > 0 {
+                counts.messages += 1;
+                counts.bytes += own.bytes(false);
+            }
+        }
+        counts
+    }
+
+    /// Messages and bytes of all ranks.
+    pub fn total(&self) -> (u64, u64) {
+        let counts = (0..self.triangles.len()).map(|rank| self.counts(rank));
+        counts.fold((0, 0), |sum, c| (sum.0 + c.messages, sum.1 + c.bytes))
+    }
+}
+
+/// Which pixels show something.
+struct Shown {
+    width: u32,
+    pixels: Vec<bool>,
+    /// Rows in which there are any.
+    rows: std::ops::Range<u32>,
+}
+
+impl Shown {
+    fn none((width, height): (u32, u32)) -> Self {
+        Self { width, pixels: vec![false; width as usize * height as usize], rows: 0..0 }
+    }
+
+    #[inline]
+    fn set(&mut self, x: u32, y: u32) {
+        self.pixels[y as usize * self.width as usize + x as usize] = true;
+        self.include(y..y + 1);
+    }
+
+    fn include(&mut self, rows: std::ops::Range<u32>) {
+        self.rows = match self.rows.is_empty() {
+            true => rows,
+            false => self.rows.start.min(rows.start)..self.rows.end.max(rows.end),
+        };
+    }
+
+    fn row(&self, y: u32) -> std::ops::Range<usize> {
+        let first = y as usize * self.width as usize;
+        first..first + self.width as usize
+    }
+
+    fn add(&mut self, o: &Self) {
+        for y in o.rows.clone() {
+            let row = self.row(y);
+            self.pixels[row.clone()].iter_mut().zip(&o.pixels[row]).for_each(|(any, own)| *any |= own);
+        }
+        if !o.rows.is_empty() {
+            self.include(o.rows.clone());
+        }
+    }
+
+    /// Divided among the owners of regions.
+    fn by_owner(&self, sharing: &Sharing) -> Vec<Pixels> {
+        let (regions, edge) = (sharing.regions(), sharing.edge);
+        let columns = self.width.div_ceil(edge);
+        let mut found = vec![Pixels::default(); sharing.ranks];
+        for y in self.rows.clone() {
+            let row = &self.pixels[self.row(y)];
+            for (column, part) in (0..).zip(row.chunks(edge as usize)) {
+                let own = &mut found[regions.owner(u64::from(y / edge) * u64::from(columns) + column)];
+                let mut before = false;
+                for &shown in part {
+                    own.spans += u64::from(shown && !before);
+                    own.pixels += u64::from(shown);
+                    before = shown;
+                }
+            }
+        }
+        found
+    }
+}

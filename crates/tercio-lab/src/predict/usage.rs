@@ -1,0 +1,76 @@
+//! What the operating system did for this process: pages given, threads switched.
+
+use std::fs;
+
+/// Counts since the process began; all zero where the system does not tell (it does on Linux).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Usage {
+    /// Pages that were touched for the first time, of those that no file holds.
+    pub page_faults: u64,
+    /// Switches because a thread had to wait, of the threads that live.
+    pub waits: u64,
+    /// Switches because another thread was to have the processor, of the threads that live.
+    pub preemptions: u64,
+}
+
+impl Usage {
+    /// Up to now.
+    pub fn now() -> Self {
+        let mut usage = Self::default();
+        if let Ok(stat) = fs::read_to_string("/proc/self/stat") {
+            usage.page_faults = minor_faults(&stat).unwrap_or(0);
+        }
+        let Ok(threads) = fs::read_dir("/proc/self/task") else { return usage };
+        for thread in threads.flatten() {
+            if let Ok(status) = fs::read_to_string(thread.path().join("status")) {
+                usage.waits += number(&status, "voluntary_ctxt_switches:").unwrap_or(0);
+                usage.preemptions += number(&status, "nonvoluntary_ctxt_switches:").unwrap_or(0);
+            }
+        }
+        usage
+    }
+
+    /// What came after an earlier count.
+    pub fn since(self, earlier: Self) -> Self {
+        Self {
+            page_faults: self.page_faults.saturating_sub(earlier.page_faults),
+            waits: self.waits.saturating_sub(earlier.waits),
+            preemptions: self.preemptions.saturating_sub(earlier.preemptions),
+        }
+    }
+}
+
+/// The tenth field. The second one is the program's name in parentheses and may hold anything.
+fn minor_faults(stat: &str) -> Option<u64> {
+    stat[stat.rfind(')')? + 1..].split_whitespace().nth(7)?.parse().ok()
+}
+
+fn number(status: &str, name: &str) -> Option<u64> {
+    status.lines().find_map(|line| line.strip_prefix(name)?.trim().parse().ok())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn fields_are_found() {
+        assert_eq!(minor_faults("7 (a) b) S 1 2 3 4 5 6 77 0 9"), Some(77));
+        assert_eq!(minor_faults("7 (a"), None);
+        let status = "Name:\tx\nvoluntary_ctxt_switches:\t12\nnonvoluntary_ctxt_switches:\t3\n";
+        assert_eq!(number(status, "voluntary_ctxt_switches:"), Some(12));
+        assert_eq!(number(status, "nonvoluntary_ctxt_switches:"), Some(3));
+    }
+
+    #[test]
+    #[cfg(target_os = "linux")]
+    fn memory_that_is_touched_is_counted() {
+        let before = Usage::now();
+        // Larger than what an allocator keeps.
+        let mut memory = vec![0u8; 64 << 20];
+        memory.iter_mut().step_by(4096).for_each(|byte| *byte = 1);
+        assert!(std::hint::black_box(memory).len() > 1);
+        // Pages have 2 MiB at most.
+        assert!(Usage::now().since(before).page_faults >= 32);
+    }
+}
