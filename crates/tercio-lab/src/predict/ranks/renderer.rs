@@ -7,7 +7,7 @@ use tercio_scene::{Camera, Scene};
 
 use super::drawing::drawing;
 use super::exchange::{Exchange, ExchangeCosts, RankMemory};
-use super::schedule::{Played, Processors, Stage, Step, Wires, play};
+use super::schedule::{Played, Stage, Step, Wires, play};
 use super::traffic::{Messages, Sharing};
 use crate::machines::{Machine, MachineError};
 use crate::predict::PredictError;
@@ -135,7 +135,8 @@ impl RanksFrame {
 ///
 /// Where the description says how many processors share a memory, ranks are taken to be alone in theirs: messages take
 /// the network's time, and only a rank's own memory has to fit into the cache. Everywhere else ranks are threads of one
-/// process: messages change hands, caches are shared, and there may be fewer `processors` than ranks.
+/// process: messages change hands, caches are shared, and there may be fewer `processors` than ranks. The serial
+/// share of a description is that of threads that divide one frame; ranks have nothing to divide.
 ///
 /// # Errors
 /// [`MachineError::Missing`] without a network.
@@ -157,10 +158,9 @@ pub fn predict(
     } else {
         Wires { latency: 0.0, bandwidth: f64::INFINITY }
     };
-    let serial = machine.processors.serial.as_ref().map_or(0.0, |s| s.value);
     let programs: Vec<Vec<Step>> =
         (0..ranks).map(|rank| program(machine, costs, work, &exchange, network.message, rank)).collect();
-    let played = play(&programs, Processors { count: processors, slower: serial }, wires);
+    let played = play(&programs, processors, wires);
     let (messages, bytes) = work.messages.total();
     let memory = (0..ranks).map(|rank| exchange.memory(rank)).max_by_key(RankMemory::total);
     Ok(RanksFrame {

@@ -2,8 +2,8 @@
 //!
 //! A rank runs until it has to wait for a message. Where there are more ranks than processors, those that are ready
 //! stand in line, and a rank whose time slice is over goes to its end: so do the threads of an operating system, as long
-//! as they matter equally. Ranks that run side by side may slow each other down. A message leaves when its sender's port
-//! is free, passes the wires and enters when its taker's port is free.
+//! as they matter equally. A message leaves when its sender's port is free, passes the wires and enters when its taker's
+//! port is free.
 
 use std::collections::VecDeque;
 
@@ -40,15 +40,6 @@ pub enum Step {
         /// Of which.
         from: usize,
     },
-}
-
-/// Where ranks work.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Processors {
-    /// How many, at least 1.
-    pub count: usize,
-    /// What each rank that works side by side with a rank adds to its time, as a share of it.
-    pub slower: f64,
 }
 
 /// What messages pass.
@@ -96,8 +87,9 @@ struct Play<'a> {
     played: Vec<Played>,
 }
 
-/// Plays the programs of all ranks through. A rank that waits for a message that nobody sends stays where it is.
-pub fn play(programs: &[Vec<Step>], processors: Processors, wires: Wires) -> Vec<Played> {
+/// Plays the programs of all ranks through on some processors, at least 1. A rank that waits for a message that nobody
+/// sends stays where it is.
+pub fn play(programs: &[Vec<Step>], processors: usize, wires: Wires) -> Vec<Played> {
     let n = programs.len();
     let mut play = Play {
         programs,
@@ -126,9 +118,9 @@ impl Play<'_> {
     }
 
     /// Lets time pass until something happens. False when nothing will any more.
-    fn turn(&mut self, processors: Processors) -> bool {
+    fn turn(&mut self, processors: usize) -> bool {
         let mut running = self.running();
-        while running.len() < processors.count.max(1) {
+        while running.len() < processors.max(1) {
             let Some(rank) = self.line.pop_front() else { break };
             if let State::Ready { since } = self.states[rank] {
                 self.played[rank].queued += self.now - since;
@@ -137,10 +129,9 @@ impl Play<'_> {
             self.go_on(rank);
             running = self.running();
         }
-        let slower = 1.0 + processors.slower * running.len().saturating_sub(1) as f64;
         let mut next = f64::INFINITY;
         for &rank in &running {
-            next = next.min(self.at[rank].1 * slower);
+            next = next.min(self.at[rank].1);
             if let (State::Running { slice }, false) = (self.states[rank], self.line.is_empty()) {
                 next = next.min(slice);
             }
@@ -155,7 +146,7 @@ impl Play<'_> {
         }
         self.now += next;
         for &rank in &running {
-            self.pass(rank, next, slower);
+            self.pass(rank, next);
         }
         for rank in 0..self.states.len() {
             let State::Waiting { since, .. } = self.states[rank] else { continue };
@@ -180,13 +171,13 @@ impl Play<'_> {
     }
 
     /// A running rank works for some seconds.
-    fn pass(&mut self, rank: usize, seconds: f64, slower: f64) {
+    fn pass(&mut self, rank: usize, seconds: f64) {
         let State::Running { slice } = self.states[rank] else { return };
         let (step, left) = self.at[rank];
         if let Some(Step::Work(stage, _)) = self.programs[rank].get(step) {
             self.played[rank].busy[*stage as usize] += seconds;
         }
-        let left = left - seconds / slower;
+        let left = left - seconds;
         // What is lost by rounding is no work.
         if left <= 1e-15 {
             self.at[rank].0 += 1;
@@ -245,10 +236,10 @@ impl Play<'_> {
 mod tests {
     use super::*;
 
-    const APART: Processors = Processors { count: 99, slower: 0.0 };
+    const APART: usize = 99;
     const AT_ONCE: Wires = Wires { latency: 0.0, bandwidth: f64::INFINITY };
 
-    fn ends(programs: &[Vec<Step>], processors: Processors, wires: Wires) -> Vec<f64> {
+    fn ends(programs: &[Vec<Step>], processors: usize, wires: Wires) -> Vec<f64> {
         play(programs, processors, wires).iter().map(|p| (p.end * 1e9).round() / 1e9).collect()
     }
 
@@ -261,22 +252,14 @@ mod tests {
         // Shorter than a slice: one behind the other.
         let short = vec![vec![work(1e-3)], vec![work(2e-3)], vec![work(1e-3)]];
         assert_eq!(ends(&short, APART, AT_ONCE), [1e-3, 2e-3, 1e-3]);
-        assert_eq!(ends(&short, Processors { count: 1, ..APART }, AT_ONCE), [1e-3, 3e-3, 4e-3]);
-        assert_eq!(ends(&short, Processors { count: 2, ..APART }, AT_ONCE), [1e-3, 2e-3, 2e-3]);
+        assert_eq!(ends(&short, 1, AT_ONCE), [1e-3, 3e-3, 4e-3]);
+        assert_eq!(ends(&short, 2, AT_ONCE), [1e-3, 2e-3, 2e-3]);
         // Longer: 3 ms each in turn.
         let long = vec![vec![work(7e-3)], vec![work(4e-3)]];
-        let played = play(&long, Processors { count: 1, ..APART }, AT_ONCE);
-        assert_eq!(ends(&long, Processors { count: 1, ..APART }, AT_ONCE), [11e-3, 10e-3]);
+        let played = play(&long, 1, AT_ONCE);
+        assert_eq!(ends(&long, 1, AT_ONCE), [11e-3, 10e-3]);
         assert!((played[0].queued - 4e-3).abs() < 1e-12, "{played:?}");
         assert!((played[0].busy[0] - 7e-3).abs() < 1e-12, "{played:?}");
-    }
-
-    #[test]
-    fn side_by_side_is_slower_than_alone() {
-        let programs = vec![vec![work(1.0)], vec![work(3.0)]];
-        // Together both need half as much again; the rest is done alone.
-        let both = Processors { count: 2, slower: 0.5 };
-        assert_eq!(ends(&programs, both, AT_ONCE), [1.5, 3.5]);
     }
 
     #[test]
