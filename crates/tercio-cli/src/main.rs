@@ -5,6 +5,7 @@ mod commands;
 mod huge_pages;
 mod memory;
 mod messages;
+mod mpi;
 mod nothing_drawn;
 mod output;
 mod progress;

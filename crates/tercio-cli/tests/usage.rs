@@ -74,3 +74,20 @@ fn commands_that_are_not_there_are_refused() {
     place.run("compare a.png b.png --threshold -1").failed(2, &[]);
     place.run("compare a.png b.png --diff d.jpg").failed(2, &["d.jpg"]);
 }
+
+#[cfg(not(feature = "mpi"))]
+#[test]
+fn a_program_without_mpi_tells_mpirun_how_to_build_one() {
+    let place = Place::new();
+    let run = |arguments: &str, processes: &str| -> common::Said {
+        let mut command = place.command(arguments);
+        command.env("OMPI_COMM_WORLD_SIZE", processes).output().expect("the program starts").into()
+    };
+    for command in ["render model.off -o a.png", "lab calibrate -o a.toml"] {
+        run(command, "4").failed(1, &["mpirun started 4", "--features mpi"]);
+    }
+    run("render model.off -o a.png --organisation sort-first", "1").failed(1, &["--features mpi"]);
+    assert_eq!(place.names(), ["model.off"]);
+    // One process is as good as none.
+    run("render model.off -o a.png", "1").quietly_well();
+}

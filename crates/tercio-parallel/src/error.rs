@@ -22,6 +22,14 @@ pub enum ParallelError {
         /// What is wrong.
         error: PacketError,
     },
+    /// What a rank did for a frame cannot be written, or was not understood by rank 0.
+    #[error("the report of rank {rank}: {error}")]
+    Report {
+        /// Whose it is.
+        rank: usize,
+        /// What is wrong.
+        error: serde_json::Error,
+    },
     /// A rank panicked.
     #[error("rank {rank} panicked: {message}")]
     Panicked {
@@ -43,6 +51,6 @@ pub enum ParallelError {
 impl ParallelError {
     /// True if it only tells that another rank failed, which then has the reason.
     pub(crate) fn is_consequence(&self) -> bool {
-        matches!(self, Self::Comm(_))
+        matches!(self, Self::Comm(CommError::Gone { .. }))
     }
 }

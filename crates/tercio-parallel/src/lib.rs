@@ -8,11 +8,13 @@
 //! | [`organisation`] | who draws what, and when it changes hands: sort-first and sort-last |
 //! | [`report`] | what every rank did, counted and timed |
 //! | [`in_process`] | all of it in one process, a rank a thread |
+//! | [`between_processes`] | the same where every rank is a process of its own |
 //!
 //! A rank draws with a [`tercio_raster::Renderer`] of its own. Clusters and tiles keep their numbers whoever draws
 //! them ([`tercio_raster::Part`]), and what is seen is decided by [`tercio_raster::frame::visibility_key`] within a
 //! rank as between ranks; so the picture is that of one process.
 
+pub mod between_processes;
 pub mod comm;
 pub mod composite;
 mod error;

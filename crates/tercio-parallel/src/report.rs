@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use tercio_raster::FrameStats;
 use tercio_raster::stats::{BackEndCounts, FrontEndCounts};
 
@@ -10,7 +10,7 @@ use crate::comm::Traffic;
 use crate::organisation::Organisation;
 
 /// A stage of a rank's work.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Stage {
     /// Milliseconds from its beginning to its end.
     pub milliseconds: f64,
@@ -46,7 +46,7 @@ fn busy_milliseconds() -> Option<f64> {
 }
 
 /// The stages of a rank, in their order.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct RankStages {
     /// Drawing its share.
     pub draw: Stage,
@@ -59,7 +59,7 @@ pub struct RankStages {
 }
 
 /// Pixels of a rank, by what happened to them.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct RankPixels {
     /// Sent to other owners with their keys.
     pub sent: u64,
@@ -72,7 +72,7 @@ pub struct RankPixels {
 }
 
 /// What one rank did for a frame.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct RankReport {
     /// Which.
     pub rank: usize,

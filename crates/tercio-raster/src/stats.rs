@@ -1,12 +1,16 @@
 //! Work, counted where it is done.
 
-use serde::Serialize;
+use serde::{Deserialize, Deserializer, Serialize, de};
 
 use crate::binning::{Bins, TileGrid};
 use crate::frontend::Batch;
+use crate::settings::SimdLevel;
+
+/// Name of a SIMD level. Under a name of its own, because `serde` would borrow a `&str` from what it reads.
+pub type LevelName = &'static str;
 
 /// What one frame did. Counts are the same from run to run unless said otherwise; times are not.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct FrameStats {
     /// What the front end met and dropped.
     pub frontend: FrontEndCounts,
@@ -18,14 +22,15 @@ pub struct FrameStats {
     pub milliseconds: StageTimes,
     /// Threads of the pool.
     pub threads: usize,
-    /// Name of the SIMD level.
-    pub simd: &'static str,
+    /// Name of the SIMD level; empty where nothing was drawn.
+    #[serde(deserialize_with = "level_name")]
+    pub simd: LevelName,
     /// Pixels along the edge of a tile.
     pub tile_size: u32,
 }
 
 /// Front end: clusters and triangles in, what was dropped by which rule, triangles out.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct FrontEndCounts {
     /// Clusters of all instances.
     pub clusters_in: u64,
@@ -64,7 +69,7 @@ pub struct FrontEndCounts {
 }
 
 /// Binning: clusters and triangles in, entries out.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct BinningCounts {
     /// Triangles binned one by one.
     pub triangles: u64,
@@ -90,7 +95,7 @@ pub struct BinningCounts {
 
 /// Back end: what the clusters of the tiles became, samples and pixels. What a cluster does is counted in each
 /// tile that draws it.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct BackEndCounts {
     /// Clusters that lay behind what was drawn before them.
     pub clusters_hidden: u64,
@@ -115,7 +120,7 @@ pub struct BackEndCounts {
 }
 
 /// Milliseconds of wall time a stage.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct StageTimes {
     /// Set-up of the frame: matrices, lists, memory.
     pub prepare: f64,
@@ -125,6 +130,12 @@ pub struct StageTimes {
     pub backend: f64,
     /// The whole frame.
     pub total: f64,
+}
+
+/// The name of a level as [`SimdLevel::name`] has it, from one that another process wrote.
+fn level_name<'de, D: Deserializer<'de>>(from: D) -> Result<LevelName, D::Error> {
+    let name = String::deserialize(from)?;
+    if name.is_empty() { Ok("") } else { name.parse().map(SimdLevel::name).map_err(de::Error::custom) }
 }
 
 impl FrontEndCounts {

@@ -3,6 +3,8 @@
 use clap::{Args, ValueEnum};
 use tercio::parallel::{Organisation, Ranks};
 
+use crate::output::UsageError;
+
 /// The largest number of ranks that can be asked for.
 pub const MAX_RANKS: usize = 256;
 
@@ -29,23 +31,94 @@ impl From<OrganisationName> for Organisation {
 #[command(next_help_heading = "Ranks (the picture stays the same)")]
 pub struct RanksArgs {
     /// Draws with so many ranks, 1 to 256: threads of this process that share nothing but the model and send each
-    /// other messages, as the processes of a cluster do. They share the threads of --threads.
+    /// other messages, as the processes of a cluster do. They share the threads of --threads. Processes that
+    /// mpirun started are ranks without this option.
     #[arg(long, value_name = "N", value_parser = parse_ranks)]
-    pub ranks: Option<usize>,
+    ranks: Option<usize>,
     /// How ranks share a frame [default: sort-last].
-    #[arg(long, value_name = "HOW", value_enum, requires = "ranks")]
+    #[arg(long, value_name = "HOW", value_enum)]
     organisation: Option<OrganisationName>,
 }
 
+/// Who draws a frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Drawers {
+    /// This process, without ranks.
+    Alone,
+    /// So many ranks of this process.
+    InProcess(usize, Organisation),
+    /// The processes that mpirun started.
+    Mpi(Organisation),
+}
+
 impl RanksArgs {
-    /// The ranks, if any were asked for, that share so many threads.
-    pub fn ranks(&self, threads: usize) -> Option<Ranks> {
+    /// Who draws, in a job of `processes`, if it is one of MPI.
+    ///
+    /// # Errors
+    /// [`UsageError`] if the options ask for other ranks than there are.
+    pub fn drawers(&self, processes: Option<usize>) -> Result<Drawers, UsageError> {
         let organisation = self.organisation.unwrap_or(OrganisationName::SortLast).into();
-        self.ranks.map(|count| Ranks { count, threads: (threads / count).max(1), organisation })
+        let has_others = processes.is_some_and(|p| p > 1);
+        match (self.ranks, processes) {
+            (Some(ranks), Some(processes)) if has_others && ranks != processes => Err(UsageError(format!(
+                "--ranks {ranks}: mpirun started {processes} processes, which are the ranks"
+            ))),
+            (Some(ranks), _) if !has_others => Ok(Drawers::InProcess(ranks, organisation)),
+            (_, Some(_)) if has_others || self.organisation.is_some() => Ok(Drawers::Mpi(organisation)),
+            (None, None) if self.organisation.is_some() => Err(UsageError(
+                "--organisation says how ranks share a frame: it needs --ranks N, or mpirun -n N".into(),
+            )),
+            _ => Ok(Drawers::Alone),
+        }
+    }
+}
+
+impl Drawers {
+    /// Ranks of this process that share so many threads, if there are any.
+    pub fn in_process(self, threads: usize) -> Option<Ranks> {
+        let Self::InProcess(count, organisation) = self else { return None };
+        Some(Ranks { count, threads: (threads / count).max(1), organisation })
+    }
+
+    /// Frames that this process keeps at the same time, and whether with their keys.
+    pub fn frames(self) -> (usize, bool) {
+        match self {
+            Self::Alone => (1, false),
+            Self::InProcess(count, _) => (count, true),
+            Self::Mpi(_) => (1, true),
+        }
     }
 }
 
 pub fn parse_ranks(text: &str) -> Result<usize, String> {
     let n = text.parse().ok().filter(|n| (1..=MAX_RANKS).contains(n));
     n.ok_or_else(|| format!("expected 1 to {MAX_RANKS}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn drawers(
+        ranks: Option<usize>,
+        organisation: Option<OrganisationName>,
+        processes: Option<usize>,
+    ) -> Result<Drawers, String> {
+        RanksArgs { ranks, organisation }.drawers(processes).map_err(|e| e.0)
+    }
+
+    #[test]
+    fn processes_of_mpirun_are_the_ranks() {
+        use Organisation::{SortFirst, SortLast};
+        let first = Some(OrganisationName::SortFirst);
+        assert_eq!(drawers(None, None, None), Ok(Drawers::Alone));
+        assert_eq!(drawers(None, None, Some(1)), Ok(Drawers::Alone));
+        assert_eq!(drawers(None, None, Some(4)), Ok(Drawers::Mpi(SortLast)));
+        assert_eq!(drawers(Some(4), None, Some(4)), Ok(Drawers::Mpi(SortLast)));
+        assert_eq!(drawers(None, first, Some(1)), Ok(Drawers::Mpi(SortFirst)));
+        assert_eq!(drawers(Some(3), first, None), Ok(Drawers::InProcess(3, SortFirst)));
+        assert_eq!(drawers(Some(3), None, Some(1)), Ok(Drawers::InProcess(3, SortLast)));
+        assert!(drawers(Some(3), None, Some(4)).unwrap_err().contains("mpirun started 4"));
+        assert!(drawers(None, first, None).unwrap_err().contains("--ranks"));
+    }
 }

@@ -5,20 +5,22 @@ use std::time::Instant;
 
 use anyhow::{Context, Result, bail};
 use clap::Args;
+use rayon::ThreadPool;
 use serde_json::{Value, json};
-use tercio::parallel::{FrameReport, in_process};
+use tercio::parallel::organisation::{Rank, Task};
+use tercio::parallel::{Communicator as _, FrameReport, Organisation, between_processes, in_process};
 use tercio::raster::{Frame, Outputs, Renderer, Settings};
 use tercio::scene::{Camera, Scene};
 use tercio::{LoadOptions, LoadReport};
 
 use crate::args::camera::CameraArgs;
 use crate::args::drawing::{DrawingArgs, TuningArgs};
-use crate::args::ranks::RanksArgs;
+use crate::args::ranks::{Drawers, RanksArgs};
 use crate::args::writing::WritingArgs;
-use crate::args::{ModelArgs, RunningArgs};
+use crate::args::{ModelArgs, ProgressMode, RunningArgs};
 use crate::output::{Plan, UsageError, frame_bytes, write_text};
 use crate::progress::Display;
-use crate::{memory, messages, nothing_drawn, report, threads};
+use crate::{memory, messages, mpi, nothing_drawn, report, threads};
 
 /// Draws a model into a picture file.
 #[derive(Debug, Args)]
@@ -29,6 +31,7 @@ Examples:
   tercio render part.stl -o part.webp --up-axis z --crease-angle 40 --background transparent
   tercio render scan.ply --output-depth depth.npy --output-ids ids.npy --stats -
   tercio render scan.ply -o scan.png --ranks 4 --organisation sort-last --stats -
+  mpirun -n 4 tercio render scan.ply -o scan.png --organisation sort-last   (built with --features mpi)
   zcat scan.obj.gz | tercio render - -o - | display
 
 Colours are #rrggbb, #rgb or #rrggbbaa; the # may be left out. Files are replaced only when the new
@@ -48,6 +51,13 @@ pub struct Render {
     ranks: RanksArgs,
     #[command(flatten)]
     running: RunningArgs,
+}
+
+/// A loaded model and how it is seen.
+struct Loaded {
+    report: LoadReport,
+    scene: Scene,
+    camera: Camera,
 }
 
 /// What the parts of the work left behind for `--stats`.
@@ -71,9 +81,23 @@ impl Render {
         self.drawing.check().map_err(|e| UsageError(e.into()))?;
         let settings = self.drawing.settings(&self.tuning, plan.outputs);
         settings.check().map_err(|e| UsageError(e.to_string()))?;
-        plan.check()?;
+        let processes = mpi::processes();
+        let drawers = self.ranks.drawers(processes)?;
         let pool = threads::pool(self.running.threads)?;
-        let done = pool.install(|| self.draw(&plan, &settings))?;
+        let done = match drawers {
+            Drawers::Mpi(organisation) => {
+                if processes.is_some_and(|p| p > 1) && self.model.model.as_os_str() == "-" {
+                    return Err(UsageError("standard input reaches one rank only: name a file".into()).into());
+                }
+                mpi::run(|comm| self.draw_as_rank(comm, &pool, &plan, &settings, organisation))?
+            }
+            _ => {
+                plan.check()?;
+                Some(pool.install(|| self.draw(&plan, &settings, drawers))?)
+            }
+        };
+        // Ranks from 1 on have nothing to tell.
+        let Some(done) = done else { return Ok(ExitCode::SUCCESS) };
         self.tell(&done);
         if let Some(destination) = &plan.stats {
             let stats = self.stats(&done, pool.current_num_threads(), start)?;
@@ -82,8 +106,46 @@ impl Render {
         Ok(ExitCode::SUCCESS)
     }
 
-    fn draw(&self, plan: &Plan, settings: &Settings) -> Result<Done> {
+    fn draw(&self, plan: &Plan, settings: &Settings, drawers: Drawers) -> Result<Done> {
         let display = Display::new(self.running.progress_mode());
+        let loaded = self.load(plan, &display, drawers)?;
+        display.stage("drawing");
+        let (frame, parallel) = self
+            .frame(&loaded.scene, &loaded.camera, settings, drawers)
+            .with_context(|| self.model.name())?;
+        display.stage("writing");
+        write(plan, loaded, frame, parallel)
+    }
+
+    /// What each process of a job does. Calls of MPI stay on this thread, everything else is done by the pool. Rank 0
+    /// has something to show in the end.
+    fn draw_as_rank(
+        &self,
+        comm: &mut mpi::Comm,
+        pool: &ThreadPool,
+        plan: &Plan,
+        settings: &Settings,
+        organisation: Organisation,
+    ) -> Result<Option<Done>> {
+        let writes = comm.rank() == 0;
+        if writes {
+            plan.check()?;
+        }
+        let display = Display::new(if writes { self.running.progress_mode() } else { ProgressMode::Never });
+        let loaded = pool.install(|| self.load(plan, &display, Drawers::Mpi(organisation)))?;
+        display.stage("drawing");
+        let task = Task { organisation, scene: &loaded.scene, camera: &loaded.camera, settings };
+        let (mut own, mut frame) = (Rank::new(pool.current_num_threads())?, Frame::default());
+        let parallel = between_processes::draw_frame(&mut own, comm, &task, &mut frame)
+            .with_context(|| self.model.name())?;
+        if !writes {
+            return Ok(None);
+        }
+        display.stage("writing");
+        pool.install(|| write(plan, loaded, frame, parallel)).map(Some)
+    }
+
+    fn load(&self, plan: &Plan, display: &Display, drawers: Drawers) -> Result<Loaded> {
         let options = LoadOptions {
             memory_limit: self.running.memory_limit(),
             progress: Some(&display.progress),
@@ -92,19 +154,11 @@ impl Render {
         };
         let loaded = tercio::load(&self.model.model, &options)?;
         let report = loaded.report;
-        self.check_memory(self.frame_bytes(plan), report.mesh.bytes)?;
+        self.check_memory(self.frame_bytes(plan, drawers), report.mesh.bytes)?;
         let mut scene = Scene::of_mesh(loaded.mesh);
         self.drawing.dress(&mut scene);
         let camera = self.camera.camera(&scene, self.drawing.size);
-        display.stage("drawing");
-        let (frame, parallel) = self.frame(&scene, &camera, settings).with_context(|| self.model.name())?;
-        display.stage("writing");
-        let writing = Instant::now();
-        // A large model takes longer to free than a picture to write.
-        let (written, ()) = rayon::join(|| plan.write(&frame), || drop(scene));
-        written?;
-        let output_milliseconds = writing.elapsed().as_secs_f64() * 1e3;
-        Ok(Done { report, camera, frame, parallel, output_milliseconds })
+        Ok(Loaded { report, scene, camera })
     }
 
     fn frame(
@@ -112,8 +166,9 @@ impl Render {
         scene: &Scene,
         camera: &Camera,
         settings: &Settings,
+        drawers: Drawers,
     ) -> Result<(Frame, Option<FrameReport>)> {
-        Ok(match self.ranks.ranks(rayon::current_num_threads()) {
+        Ok(match drawers.in_process(rayon::current_num_threads()) {
             None => (Renderer::new().render(scene, camera, settings)?, None),
             Some(ranks) => {
                 let (frame, report) = in_process::draw(ranks, scene, camera, settings)?;
@@ -122,11 +177,11 @@ impl Render {
         })
     }
 
-    /// Bytes of the picture; of every rank's, with its keys, where there are ranks.
-    fn frame_bytes(&self, plan: &Plan) -> u64 {
-        let keys = self.ranks.ranks.is_some();
+    /// Bytes of the pictures of this process; with their keys where there are ranks.
+    fn frame_bytes(&self, plan: &Plan, drawers: Drawers) -> u64 {
+        let (frames, keys) = drawers.frames();
         let bytes = frame_bytes(Outputs { keys, ..plan.outputs }, self.drawing.size);
-        bytes.saturating_mul(self.ranks.ranks.unwrap_or(1) as u64)
+        bytes.saturating_mul(frames as u64)
     }
 
     fn check_memory(&self, picture: u64, model: u64) -> Result<()> {
@@ -177,6 +232,16 @@ impl Render {
             "peak_memory_bytes": memory::peak_bytes(),
         }))
     }
+}
+
+fn write(plan: &Plan, loaded: Loaded, frame: Frame, parallel: Option<FrameReport>) -> Result<Done> {
+    let Loaded { report, scene, camera } = loaded;
+    let writing = Instant::now();
+    // A large model takes longer to free than a picture to write.
+    let (written, ()) = rayon::join(|| plan.write(&frame), || drop(scene));
+    written?;
+    let output_milliseconds = writing.elapsed().as_secs_f64() * 1e3;
+    Ok(Done { report, camera, frame, parallel, output_milliseconds })
 }
 
 fn tell_details(done: &Done) {

@@ -62,6 +62,7 @@ pub(super) fn check(m: &Machine) -> Result<(), Wrong> {
         positive("screen", "height", Some(&screen.height))?;
     }
     positive("network", "bandwidth", m.network.as_ref().map(|n| &n.bandwidth))?;
+    positive("mpi", "bandwidth", m.mpi.as_ref().map(|n| &n.bandwidth))?;
     positive("transfer", "bandwidth", m.transfer.as_ref().map(|t| &t.bandwidth))?;
     positive("transfer", "block", m.transfer.as_ref().map(|t| &t.block))?;
     positive("sdram", "page", m.sdram.as_ref().map(|s| &s.page))?;

@@ -33,6 +33,10 @@ pub struct Machine {
     /// How the processors are wired.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub network: Option<Network>,
+    /// The same as messages of MPI take it, where that was measured beside messages between threads, which then are
+    /// `network`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mpi: Option<Network>,
     /// Bytes of what travels and is kept.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub bytes: BTreeMap<DataKind, Sourced<Bytes>>,
@@ -177,6 +181,15 @@ impl Machine {
     /// [`MachineError::Missing`] with the name of the part.
     pub fn need<'a, T>(&self, part: Option<&'a T>, what: &str) -> Result<&'a T, MachineError> {
         part.ok_or_else(|| MachineError::Missing { machine: self.name.clone(), what: what.into() })
+    }
+
+    /// The machine whose ranks send their messages over MPI: `mpi` is its network.
+    ///
+    /// # Errors
+    /// [`MachineError::Missing`] if the description does not have it.
+    pub fn over_mpi(self) -> Result<Self, MachineError> {
+        self.need(self.mpi.as_ref(), "mpi")?;
+        Ok(Self { network: self.mpi.clone(), ..self })
     }
 
     /// The description as TOML.

@@ -89,3 +89,21 @@ fn numbers_of_the_documents_stand_in_the_descriptions() {
         + 251_224.0 * cost(Operation::Pixel);
     assert!((seconds - 5_766_526.5 * 300e-9).abs() < 1e-5, "{seconds}");
 }
+
+#[test]
+fn a_machine_may_have_a_network_of_mpi_beside_that_of_its_threads() {
+    let machine = builtin("two-core-2026").unwrap().unwrap();
+    let missing = machine.clone().over_mpi().unwrap_err().to_string();
+    assert!(missing.contains("mpi"), "{missing}");
+    let section = "\n[mpi]\ntopology = \"crossbar\"\nbandwidth = { value = \"3 GB/s\", source = \"measured\" }\n\
+        hop = { value = \"0 s\", source = \"measured\" }\nmessage = { value = \"2 us\", source = \"measured\" }\n";
+    let text = machine.to_toml().unwrap() + section;
+    let with = parse("m.toml", &text).unwrap();
+    assert_eq!(with.network, machine.network);
+    assert_eq!(with.over_mpi().unwrap().network.unwrap().bandwidth.get(), BytesPerSecond::new(3e9));
+    let line = text.lines().position(|l| l == "[mpi]").unwrap() + 3;
+    let error = parse("m.toml", &text.replace("3 GB/s", "0 GB/s")).unwrap_err().to_string();
+    assert!(error.starts_with(&format!("m.toml:{line}:1: mpi.bandwidth")), "{error}");
+    let error = parse("m.toml", &text.replace("3 GB/s", "3 s")).unwrap_err().to_string();
+    assert!(error.starts_with(&format!("m.toml:{line}:")), "{error}");
+}

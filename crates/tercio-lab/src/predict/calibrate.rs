@@ -1,4 +1,5 @@
-//! The description of this machine: caches, memory, costs of the renderer's work, messages between its threads.
+//! The description of this machine: caches, memory, costs of the renderer's work, messages between its threads and,
+//! where they were measured before, over MPI.
 //!
 //! Costs are fitted to frames that end at different stages ([`LastStage`]), of models and views that differ in what
 //! they are made of: few large triangles and many small ones, one layer and many, closed surfaces and loose triangles,
@@ -15,12 +16,11 @@ use tercio_scene::{Camera, Scene};
 
 use super::counters::{Counted, Counters, count};
 use super::frame::{Caches, FrameTime, charges};
-use super::hardware::{cache_bytes, composite_seconds, memory_bandwidth, messages};
+use super::hardware::{cache_bytes, composite_seconds, memory_bandwidth};
 use super::measure::{Clock, measure};
-use super::{PredictError, fit, views};
+use super::{PredictError, fit, messages, views};
 use crate::machines::{
     DataKind, Machine, Network, Operation, Processors, ScreenDivision, Sorting, SortingClass, Sourced,
-    Topology,
 };
 
 /// Models that costs are fitted to.
@@ -89,11 +89,16 @@ pub struct Calibration {
     pub samples: Vec<Sample>,
 }
 
-/// Measures this machine. `tell` is told what is measured next.
+/// Measures this machine. `mpi` is what messages over MPI take, if the caller has [measured](messages::measure) them
+/// with its ranks. `tell` is told what is measured next.
 ///
 /// # Errors
 /// [`PredictError`].
-pub fn calibrate(o: Options, mut tell: impl FnMut(&str)) -> Result<Calibration, PredictError> {
+pub fn calibrate(
+    o: Options,
+    mpi: Option<Network>,
+    mut tell: impl FnMut(&str),
+) -> Result<Calibration, PredictError> {
     let mut pictures = Vec::new();
     for model in MODELS {
         tell(model);
@@ -107,7 +112,7 @@ pub fn calibrate(o: Options, mut tell: impl FnMut(&str)) -> Result<Calibration, 
     }
     let mut samples: Vec<Sample> = pictures.into_iter().map(|p| p.sample).collect();
     tell("memory and messages");
-    let mut machine = description(o);
+    let mut machine = description(o, mpi)?;
     let caches = Caches::of(&machine, 1);
     let rows: Vec<Vec<f64>> =
         samples.iter().map(|s| charges(&s.counted.frame, caches).map(|c| c.2).to_vec()).collect();
@@ -192,16 +197,15 @@ fn serial_share(machine: &Machine, samples: &[Sample], threads: usize) -> f64 {
 }
 
 /// This machine without the costs of drawing.
-fn description(o: Options) -> Machine {
+fn description(o: Options, mpi: Option<Network>) -> Result<Machine, PredictError> {
     let measured = "measured by tercio lab calibrate";
     let rate = |value: f64| Sourced::new(value, format!("{:.4} GB/s", value / 1e9), measured.to_string());
     let count = |n: usize| Sourced::new(n as f64, n.to_string(), measured.to_string());
     let composite = composite_seconds();
     let composite = Sourced::new(composite, format!("{:.4} ns", composite * 1e9), measured.into());
-    let (latency, bandwidth) = messages();
     let bytes = |n: f64, source: &str| Sourced::new(n, format!("{n} B"), source.to_string());
     let cache = |level| cache_bytes(level).map(|n| bytes(n as f64, "told by the operating system"));
-    Machine {
+    Ok(Machine {
         name: "This machine".into(),
         summary: "Measured by tercio lab calibrate; clusters to tiles on all processors.".into(),
         sorting: Sorting {
@@ -222,12 +226,8 @@ fn description(o: Options) -> Machine {
             serial: None,
         },
         screen: None,
-        network: Some(Network {
-            topology: Topology::Crossbar,
-            bandwidth: rate(bandwidth),
-            hop: Sourced::new(0.0, "0 s".into(), "threads of one process: no switch between them".into()),
-            message: Sourced::new(latency, format!("{:.3} us", latency * 1e6), measured.into()),
-        }),
+        network: Some(messages::between_threads()?),
+        mpi,
         bytes: BTreeMap::from([
             (
                 DataKind::Primitive,
@@ -242,7 +242,7 @@ fn description(o: Options) -> Machine {
         tile_engine: None,
         transfer: None,
         claims: BTreeMap::new(),
-    }
+    })
 }
 
 /// A scene that is drawn as `tercio bench` draws it.
@@ -296,12 +296,21 @@ mod tests {
 
     #[test]
     fn what_is_measured_is_a_description() {
-        let machine = description(Options { threads: 2, frames: 1, rounds: 1, clock: Clock::Wall });
-        let text = machine.to_toml().unwrap();
-        let again = parse("this.toml", &text).unwrap_or_else(|e| panic!("{e}\n{text}"));
-        assert!(again.seconds(Operation::CompositePixel).unwrap() > 0.0);
-        assert!(again.processors.memory_bandwidth.unwrap().value > 1e8);
-        assert!(again.network.unwrap().bandwidth.value > 1e6);
+        let options = Options { threads: 2, frames: 1, rounds: 1, clock: Clock::Wall };
+        let measured = messages::Measured { latency: 1.5e-6, bandwidth: 4.25e9 };
+        let mpi = messages::network(measured, "over MPI", "one machine");
+        for mpi in [None, Some(mpi)] {
+            let machine = description(options, mpi.clone()).unwrap();
+            let text = machine.to_toml().unwrap();
+            let again = parse("this.toml", &text).unwrap_or_else(|e| panic!("{e}\n{text}"));
+            assert!(again.seconds(Operation::CompositePixel).unwrap() > 0.0);
+            assert!(again.processors.memory_bandwidth.unwrap().value > 1e8);
+            assert!(again.network.unwrap().bandwidth.value > 1e6);
+            assert_eq!(again.mpi.is_some(), mpi.is_some());
+            let numbers =
+                |n: Network| [n.message.value * 1e6, n.bandwidth.value / 1e9].map(|v| (v * 1e3).round());
+            assert!(again.mpi.is_none_or(|n| numbers(n) == [1500.0, 4250.0]), "{text}");
+        }
     }
 
     #[test]

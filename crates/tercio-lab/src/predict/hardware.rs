@@ -1,8 +1,7 @@
-//! Caches, memory and messages of this machine.
+//! Caches and memory of this machine.
 
 use std::fs;
 use std::hint::black_box;
-use std::sync::mpsc::channel;
 use std::time::Instant;
 
 /// Bytes of the first processor's cache of one level, where Linux tells them.
@@ -68,33 +67,6 @@ pub fn composite_seconds() -> f64 {
         black_box(&own);
     });
     seconds / PIXELS as f64
-}
-
-/// Seconds of a small message between two threads, and bytes a second of large ones, both by sending to and fro.
-pub fn messages() -> (f64, f64) {
-    const LARGE: usize = 16 << 20;
-    let round_trips = |bytes: usize, trips: usize| {
-        let ((there, arrived), (back, returned)) = (channel::<Vec<u8>>(), channel::<Vec<u8>>());
-        std::thread::scope(|scope| {
-            scope.spawn(move || {
-                // A message is copied where it arrives, as between processes.
-                arrived.iter().try_for_each(|m| back.send(m.clone())).ok();
-            });
-            let message = vec![1u8; bytes];
-            let seconds = fastest(5, || {
-                for _ in 0..trips {
-                    if there.send(message.clone()).is_ok() {
-                        black_box(returned.recv().ok());
-                    }
-                }
-            });
-            drop(there);
-            seconds / (2 * trips) as f64
-        })
-    };
-    let latency = round_trips(8, 200);
-    let large = round_trips(LARGE, 4);
-    (latency, LARGE as f64 / (large - latency).max(f64::MIN_POSITIVE))
 }
 
 #[cfg(test)]

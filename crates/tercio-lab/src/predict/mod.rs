@@ -9,7 +9,8 @@
 //! | [`advise`] | the best organisation for a machine and a model, and why |
 //! | [`measure`] | the real renderer's counters and times |
 //! | [`usage`] | page faults and switches of threads |
-//! | [`hardware`] | caches, memory and messages of this machine |
+//! | [`hardware`] | caches and memory of this machine |
+//! | [`messages`] | latency and bandwidth of messages, between threads or over MPI |
 //! | [`fit`] | costs from measured frames |
 //! | [`calibrate`] | the description of this machine |
 //! | [`validate`] | predicted against measured |
@@ -23,6 +24,7 @@ pub mod fit;
 pub mod frame;
 pub mod hardware;
 pub mod measure;
+pub mod messages;
 pub mod quoted;
 pub mod ranks;
 pub mod usage;
@@ -44,6 +46,9 @@ pub enum PredictError {
     /// The camera makes no view.
     #[error(transparent)]
     Camera(#[from] tercio_scene::camera::CameraError),
+    /// Messages could not be measured.
+    #[error(transparent)]
+    Messages(#[from] tercio_parallel::ParallelError),
     /// The pool of threads could not be had.
     #[error("{0} threads: {1}")]
     Threads(usize, rayon::ThreadPoolBuildError),

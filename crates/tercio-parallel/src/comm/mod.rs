@@ -6,10 +6,10 @@
 
 pub mod threads;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Messages that a rank sent and took, those of [`Communicator::barrier`] left out.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Traffic {
     /// Messages sent to other ranks.
     pub sent_messages: u64,
@@ -34,7 +34,7 @@ impl Traffic {
 }
 
 /// Why a message could not be sent or taken.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum CommError {
     /// The other rank ended, by itself or by a panic.
     #[error("rank {rank} is gone")]
@@ -49,6 +49,14 @@ pub enum CommError {
         rank: usize,
         /// How many there are.
         size: usize,
+    },
+    /// What carries the messages failed.
+    #[error("a message to or from rank {rank}: {reason}")]
+    Transport {
+        /// The other rank.
+        rank: usize,
+        /// What the backend says about it.
+        reason: String,
     },
 }
 

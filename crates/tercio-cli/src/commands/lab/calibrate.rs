@@ -6,27 +6,34 @@ use std::process::ExitCode;
 use anyhow::Result;
 use clap::{Args, ValueEnum};
 use tercio::image::Destination;
+use tercio::parallel::Communicator as _;
+use tercio_lab::machines::Network;
 use tercio_lab::predict::calibrate::{Options, calibrate};
 use tercio_lab::predict::measure::Clock;
+use tercio_lab::predict::messages::{Way, measure, network};
 use tercio_lab::predict::ranks;
 
 use crate::args::RunningArgs;
-use crate::messages;
 use crate::output::write_text;
-use crate::threads;
+use crate::{messages, mpi, threads};
 
-/// Measures this machine, costs of the renderer's work, memory and messages between threads, and writes its
-/// description.
+/// Measures this machine, costs of the renderer's work, memory, messages between threads and, started by mpirun, over
+/// MPI, and writes its description.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Costs are fitted to frames of built-in models on one thread, whole ones and such that end at earlier stages; the
 share that is not divided follows from the whole frames on all threads. Ranks are
-fitted to frames of one, two and three of them. Messages are those between threads of
-one process, as ranks in one process send them; MPI is not measured.
+fitted to frames of one, two and three of them. Messages are sent to and fro: half the
+median round trip of small ones is the latency, that of large ones gives the bandwidth. Those between threads of
+one process are the section network. mpirun with two processes or more measures the section mpi first, between
+ranks 0 and 1; then all ranks but 0, which writes, are done. mpirun may bind a process to one processor:
+--bind-to none leaves rank 0 all of its machine.
 
 Examples:
   tercio lab calibrate -o mine.toml
   tercio lab calibrate --clock processor -o mine.toml   (others use the machine at the same time)
+  mpirun -n 2 --bind-to none tercio lab calibrate -o mine.toml   (built with --features mpi)
+  mpirun -n 2 --map-by node --bind-to none tercio lab calibrate -o cluster.toml   (between two machines)
 
 Exit code: 0 success, 1 error, 2 wrong usage.")]
 pub struct Calibrate {
@@ -71,7 +78,16 @@ impl Calibrate {
     /// What went wrong.
     pub fn run(&self) -> Result<ExitCode> {
         let destination = Destination::parse(&self.output);
-        destination.check()?;
+        let mpi = match mpi::processes() {
+            Some(processes) if processes > 1 => match mpi::run(|comm| over_mpi(comm, &destination))? {
+                Some(measured) => Some(measured),
+                None => return Ok(ExitCode::SUCCESS),
+            },
+            _ => {
+                destination.check()?;
+                None
+            }
+        };
         let pool = threads::pool(self.running.threads)?;
         let options = Options {
             threads: pool.current_num_threads(),
@@ -84,7 +100,7 @@ impl Calibrate {
                 messages::note(what);
             }
         };
-        let mut calibration = pool.install(|| calibrate(options, tell))?;
+        let mut calibration = pool.install(|| calibrate(options, mpi, tell))?;
         tell("ranks");
         let costs = ranks::calibrate::measure(self.frames, self.rounds)?;
         ranks::calibrate::describe(
@@ -109,4 +125,23 @@ impl Calibrate {
         write_text(&destination, &calibration.machine.to_toml()?)?;
         Ok(ExitCode::SUCCESS)
     }
+}
+
+/// Measures messages over MPI with all ranks of the job; rank 0 gets them.
+fn over_mpi(comm: &mut mpi::Comm, destination: &Destination) -> Result<Option<Network>> {
+    if comm.rank() == 0 {
+        destination.check()?;
+    }
+    let measured = measure(comm, Way::Copied)?;
+    let own = mpi::machine(comm).into_bytes();
+    let other = comm.gather(2, own.clone())?.into_iter().next();
+    Ok(measured.map(|measured| {
+        let (machines, hop) = if other.is_some_and(|name| name == own) {
+            ("one machine", "one machine: no switch between ranks 0 and 1")
+        } else {
+            ("two machines", "what is between ranks 0 and 1 is part of message")
+        };
+        let between = format!("over {}, between ranks 0 and 1 on {machines}", mpi::library(comm));
+        network(measured, &between, hop)
+    }))
 }

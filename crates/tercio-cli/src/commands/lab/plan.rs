@@ -51,6 +51,9 @@ pub struct MachineArgs {
     /// Another network than the machine's, with its bandwidth and latency.
     #[arg(long, value_name = "SHAPE", value_enum)]
     network: Option<NetworkName>,
+    /// Messages go over MPI, as the machine's section mpi has them, not as between threads of one process.
+    #[arg(long)]
+    mpi: bool,
 }
 
 /// Shapes of networks.
@@ -70,9 +73,10 @@ impl MachineArgs {
     /// The machine.
     ///
     /// # Errors
-    /// It does not exist, or its description has mistakes.
+    /// It does not exist, its description has mistakes, or does not know MPI where that was asked for.
     pub fn machine(&self) -> Result<Machine> {
-        Ok(load(&self.machine)?)
+        let machine = load(&self.machine)?;
+        Ok(if self.mpi { machine.over_mpi()? } else { machine })
     }
 
     /// The shape of network that was asked for.

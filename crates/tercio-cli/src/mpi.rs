@@ -1,0 +1,102 @@
+//! Processes that `mpirun` started: whether there are any, and what they do together.
+
+use anyhow::Result;
+
+pub use ranks::{Comm, library, machine, run};
+pub use tercio_mpi::processes;
+
+/// With the feature `mpi`.
+#[cfg(feature = "mpi")]
+mod ranks {
+    use anyhow::Error;
+    pub use tercio_mpi::MpiComm as Comm;
+
+    use super::Result;
+    use crate::messages;
+
+    /// Name of the machine that a rank runs on.
+    pub fn machine(comm: &Comm) -> String {
+        comm.machine()
+    }
+
+    /// Name and version of the MPI library.
+    pub fn library(comm: &Comm) -> String {
+        comm.library()
+    }
+
+    /// Does this rank's part of what all processes of the job do together, once. If it fails, the rank says why and
+    /// ends the job.
+    ///
+    /// # Errors
+    /// MPI does not begin.
+    pub fn run<T>(work: impl FnOnce(&mut Comm) -> Result<T>) -> Result<T> {
+        let tell = |rank: usize, error: Error| messages::error(&error.context(format!("rank {rank}")));
+        Ok(tercio_mpi::run(work, tell)?)
+    }
+}
+
+/// Without.
+#[cfg(not(feature = "mpi"))]
+mod ranks {
+    use anyhow::bail;
+    use tercio::parallel::Communicator;
+    use tercio::parallel::comm::{CommError, Traffic};
+
+    use super::Result;
+
+    /// A communicator that nobody has.
+    #[derive(Clone, Copy, Debug)]
+    pub enum Comm {}
+
+    impl Communicator for Comm {
+        fn rank(&self) -> usize {
+            match *self {}
+        }
+
+        fn size(&self) -> usize {
+            match *self {}
+        }
+
+        fn send(&mut self, _: usize, _: Vec<u8>) -> Result<(), CommError> {
+            match *self {}
+        }
+
+        fn receive(&mut self, _: usize) -> Result<Vec<u8>, CommError> {
+            match *self {}
+        }
+
+        fn traffic(&self) -> Traffic {
+            match *self {}
+        }
+
+        fn signal(&mut self, _: usize) -> Result<(), CommError> {
+            match *self {}
+        }
+
+        fn await_signal(&mut self, _: usize) -> Result<(), CommError> {
+            match *self {}
+        }
+    }
+
+    /// Name of the machine that a rank runs on.
+    pub fn machine(comm: &Comm) -> String {
+        match *comm {}
+    }
+
+    /// Name and version of the MPI library.
+    pub fn library(comm: &Comm) -> String {
+        match *comm {}
+    }
+
+    /// Tells how to build a program that can do it.
+    ///
+    /// # Errors
+    /// Always.
+    pub fn run<T>(_: impl FnOnce(&mut Comm) -> Result<T>) -> Result<T> {
+        let count = super::processes().unwrap_or(1);
+        bail!(
+            "mpirun started {count} of this program, which was built without MPI: build it with 'cargo build --release \
+             --features mpi' (that needs an MPI installation, such as Debian's libopenmpi-dev, and libclang-dev)"
+        )
+    }
+}

@@ -1,0 +1,75 @@
+//! Processes that mpirun started draw one picture. Ranks share the processors of the machine, however few it has.
+
+mod common;
+
+use std::process::{Command, Stdio};
+
+use common::{Place, Said};
+
+/// Seconds after which a job is taken to hang.
+const HANGS: &str = "400";
+
+/// Runs a job of one or more `N ARGUMENTS`, as a user who may be root.
+fn mpirun(place: &Place, processes: &[(usize, &str)]) -> Said {
+    let mut command = Command::new("timeout");
+    command.current_dir(place.path("")).stdin(Stdio::null());
+    command.args(["--kill-after=10", HANGS, "mpirun", "--oversubscribe"]);
+    for (number, (count, arguments)) in processes.iter().enumerate() {
+        command.args((number > 0).then_some(":")).arg("-n").arg(count.to_string());
+        command.arg(env!("CARGO_BIN_EXE_tercio")).args(arguments.split_whitespace());
+    }
+    command.env("OMPI_ALLOW_RUN_AS_ROOT", "1").env("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1");
+    command.output().expect("timeout and mpirun start").into()
+}
+
+#[test]
+fn the_picture_does_not_depend_on_processes() {
+    let place = Place::new();
+    let model = "render builtin:teapot@5k --size 200x150 --threads 1";
+    let outputs = |name: &str| format!("-o {name}.png --output-depth {name}.depth.npy --output-ids {name}.ids.npy");
+    place.run(&format!("{model} {}", outputs("alone"))).quietly_well();
+    for organisation in ["sort-first", "sort-last"] {
+        for count in [1, 2, 4] {
+            let arguments = format!("{model} {} --organisation {organisation} --stats -", outputs("ranks"));
+            let said = mpirun(&place, &[(count, &arguments)]).quietly_well();
+            for file in ["png", "depth.npy", "ids.npy"] {
+                let [alone, ranks] = ["alone", "ranks"].map(|name| place.read(&format!("{name}.{file}")));
+                assert!(alone == ranks, "{organisation}, {count} processes: {file}");
+                std::fs::remove_file(place.path(&format!("ranks.{file}"))).unwrap();
+            }
+            // Rank 0 alone wrote, with the counts of all.
+            let stats: serde_json::Value = serde_json::from_str(said.text()).unwrap();
+            let (parallel, n) = (&stats["parallel"], count as u64);
+            let ranks = parallel["ranks"].as_array().unwrap();
+            assert_eq!((parallel["organisation"].as_str(), ranks.len()), (Some(organisation), count));
+            assert_eq!(parallel["messages"], if organisation == "sort-last" { n * n - 1 } else { n - 1 });
+            let visible: u64 = ranks.iter().map(|r| r["pixels"]["visible"].as_u64().unwrap()).sum();
+            assert_eq!(stats["frame"]["backend"]["pixels_visible"], visible);
+            assert_eq!(stats["frame"]["threads"], n);
+        }
+    }
+}
+
+#[test]
+fn a_process_that_fails_ends_the_job() {
+    let place = Place::new();
+    let draws = |model: &str| format!("render {model} -o a.png --quiet");
+    let said = mpirun(&place, &[(2, &draws("model.off")), (1, &draws("missing.off"))]);
+    assert_eq!(said.code, Some(1), "{}", said.stderr);
+    let line = said.stderr.lines().find(|l| l.starts_with("error: ")).unwrap_or_default();
+    assert!(line.contains("rank 2: ") && line.contains("missing.off"), "{}", said.stderr);
+    assert_eq!(place.names(), ["model.off"], "a picture is there though a part of it is missing");
+}
+
+#[test]
+fn what_cannot_be_drawn_by_these_processes_is_wrong_usage() {
+    let place = Place::new();
+    for (arguments, says) in [
+        ("render model.off -o a.png --ranks 3", "mpirun started 2 processes"),
+        ("render - -o a.png", "standard input"),
+    ] {
+        let said = mpirun(&place, &[(2, arguments)]);
+        assert_eq!(said.code, Some(2), "{}", said.stderr);
+        assert!(said.stderr.contains(says), "{}", said.stderr);
+    }
+}

@@ -1,0 +1,213 @@
+//! Latency and bandwidth of messages, by sending them to and fro: between threads as between processes.
+
+use std::time::Instant;
+
+use tercio_parallel::ParallelError;
+use tercio_parallel::comm::{CommError, Communicator, threads};
+
+use crate::machines::{Network, Sourced, Topology};
+
+/// Bytes of a small message, whose time is the latency.
+pub const SMALL: usize = 8;
+/// Bytes of a large message.
+pub const LARGE: usize = 16 << 20;
+/// Round trips of small messages.
+const SMALL_TRIPS: usize = 2000;
+/// Round trips of large messages.
+const LARGE_TRIPS: usize = 15;
+/// The first of them are not counted: connections are made, memory is had.
+const FIRST: usize = 3;
+
+/// What becomes of a message's bytes on the way.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Way {
+    /// The communicator copies them into the memory of the rank that takes the message.
+    Copied,
+    /// The memory itself is handed over, as threads do; then who takes a message copies it, so that bytes do travel.
+    HandedOver,
+}
+
+/// What messages take.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Measured {
+    /// Seconds of a message of [`SMALL`] bytes: half the median round trip.
+    pub latency: f64,
+    /// Bytes a second of messages of [`LARGE`] bytes: by half the median round trip without the latency.
+    pub bandwidth: f64,
+}
+
+/// Measures messages between ranks 0 and 1. All ranks may call it; rank 0 gets what was measured, the others `None`,
+/// those from 2 on at once.
+///
+/// # Errors
+/// [`CommError`]; [`CommError::NoPartner`] for rank 0 if it is alone.
+pub fn measure(comm: &mut impl Communicator, way: Way) -> Result<Option<Measured>, CommError> {
+    let partner = match comm.rank() {
+        0 => 1,
+        1 => 0,
+        _ => return Ok(None),
+    };
+    let small = half_trip(comm, partner, way, SMALL, SMALL_TRIPS)?;
+    let large = half_trip(comm, partner, way, LARGE, LARGE_TRIPS)?;
+    let bandwidth = LARGE as f64 / (large - small).max(f64::MIN_POSITIVE);
+    Ok((partner == 1).then_some(Measured { latency: small, bandwidth }))
+}
+
+/// Half the median round trip in seconds; only rank 0 has one to return.
+fn half_trip<C: Communicator>(
+    comm: &mut C,
+    partner: usize,
+    way: Way,
+    bytes: usize,
+    trips: usize,
+) -> Result<f64, CommError> {
+    let take = |comm: &mut C| {
+        let message = comm.receive(partner)?;
+        Ok::<_, CommError>(if way == Way::HandedOver { message.clone() } else { message })
+    };
+    if partner == 0 {
+        for _ in 0..FIRST + trips {
+            let message = take(comm)?;
+            comm.send(partner, message)?;
+        }
+        return Ok(0.0);
+    }
+    let mut message = vec![1u8; bytes];
+    let mut seconds = Vec::with_capacity(FIRST + trips);
+    for _ in 0..FIRST + trips {
+        let begin = Instant::now();
+        comm.send(partner, message)?;
+        message = take(comm)?;
+        seconds.push(begin.elapsed().as_secs_f64());
+    }
+    let counted = &mut seconds[FIRST..];
+    counted.sort_by(f64::total_cmp);
+    Ok(counted[counted.len() / 2] / 2.0)
+}
+
+/// Messages between two threads of this process.
+///
+/// # Errors
+/// [`ParallelError`].
+pub fn between_threads() -> Result<Network, ParallelError> {
+    let measured = threads::run(2, |comm| Ok(measure(comm, Way::HandedOver)?))?;
+    let Some(measured) = measured.into_iter().flatten().next() else { unreachable!("rank 0 has measured") };
+    let hop = "threads of one process: no switch between them";
+    Ok(network(measured, "between two threads of one process", hop))
+}
+
+/// What was measured as a section of a description. `between` says whose messages these were, `hop` why a hop costs
+/// nothing.
+pub fn network(measured: Measured, between: &str, hop: &str) -> Network {
+    let source = |what: &str, trips: usize, bytes: usize| {
+        format!(
+            "measured by tercio lab calibrate {between}: {what} half the median round trip of {bytes} B, {trips} of them"
+        )
+    };
+    let Measured { latency, bandwidth } = measured;
+    Network {
+        topology: Topology::Crossbar,
+        bandwidth: Sourced::new(
+            bandwidth,
+            format!("{:.4} GB/s", bandwidth / 1e9),
+            source("by", LARGE_TRIPS, LARGE),
+        ),
+        hop: Sourced::new(0.0, "0 s".into(), hop.into()),
+        message: Sourced::new(
+            latency,
+            format!("{:.3} us", latency * 1e6),
+            source("which is", SMALL_TRIPS, SMALL),
+        ),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::Duration;
+
+    use tercio_parallel::comm::Traffic;
+
+    use super::*;
+
+    /// A rank 0 whose messages take a known time each.
+    #[derive(Default)]
+    struct Slow {
+        message: Vec<u8>,
+        traffic: Traffic,
+    }
+
+    /// Microseconds of a message.
+    const SLOW: u64 = 50;
+    /// Bytes a microsecond.
+    const RATE: u64 = 2000;
+
+    impl Communicator for Slow {
+        fn rank(&self) -> usize {
+            0
+        }
+
+        fn size(&self) -> usize {
+            2
+        }
+
+        fn send(&mut self, _: usize, message: Vec<u8>) -> Result<(), CommError> {
+            self.traffic.sent_messages += 1;
+            self.message = message;
+            Ok(())
+        }
+
+        fn receive(&mut self, _: usize) -> Result<Vec<u8>, CommError> {
+            let there_and_back = 2 * Duration::from_micros(SLOW + self.message.len() as u64 / RATE);
+            let begin = Instant::now();
+            while begin.elapsed() < there_and_back {
+                std::hint::spin_loop();
+            }
+            Ok(std::mem::take(&mut self.message))
+        }
+
+        fn traffic(&self) -> Traffic {
+            self.traffic
+        }
+
+        fn signal(&mut self, _: usize) -> Result<(), CommError> {
+            Ok(())
+        }
+
+        fn await_signal(&mut self, _: usize) -> Result<(), CommError> {
+            Ok(())
+        }
+    }
+
+    #[test]
+    fn a_known_latency_and_bandwidth_are_found() {
+        let mut comm = Slow::default();
+        let measured = measure(&mut comm, Way::Copied).unwrap().expect("rank 0 measures");
+        assert_eq!(comm.traffic().sent_messages as usize, 2 * FIRST + SMALL_TRIPS + LARGE_TRIPS);
+        // Never too fast; too slow only as far as the machine interrupts more than half of the trips.
+        assert!((50e-6..100e-6).contains(&measured.latency), "{measured:?}");
+        assert!((1.2e9..=2.02e9).contains(&measured.bandwidth), "{measured:?}");
+    }
+
+    #[test]
+    fn threads_are_measured_by_ranks_0_and_1() {
+        let all = threads::run(3, |comm| {
+            let measured = measure(comm, Way::HandedOver)?;
+            Ok((measured, comm.traffic()))
+        });
+        let all = all.unwrap();
+        let measured = all[0].0.expect("rank 0 measures");
+        assert!(measured.latency > 1e-9 && measured.bandwidth > 1e6, "{measured:?}");
+        let trips = (2 * FIRST + SMALL_TRIPS + LARGE_TRIPS) as u64;
+        let bytes = ((FIRST + SMALL_TRIPS) * SMALL + (FIRST + LARGE_TRIPS) * LARGE) as u64;
+        let both =
+            Traffic { sent_messages: trips, sent_bytes: bytes, taken_messages: trips, taken_bytes: bytes };
+        assert_eq!([all[0].1, all[1].1, all[2].1], [both, both, Traffic::default()]);
+        assert_eq!([all[1].0, all[2].0], [None, None]);
+    }
+
+    #[test]
+    fn a_rank_alone_has_nobody_to_talk_to() {
+        let error = threads::run(1, |comm| Ok(measure(comm, Way::Copied)?)).unwrap_err();
+        assert!(matches!(error, ParallelError::Comm(CommError::NoPartner { rank: 1, size: 1 })), "{error}");
+    }
+}

@@ -1,0 +1,220 @@
+//! Messages between the processes of an MPI job.
+
+use std::collections::VecDeque;
+use std::fmt;
+
+use tercio_parallel::comm::{CommError, Communicator, Traffic};
+
+use crate::raw::{Envelope, Failed, Link, Outgoing};
+use crate::waiting::until;
+
+/// A message, or its last part.
+const MESSAGE: i32 = 1;
+/// A part of a message that goes on.
+const PART: i32 = 2;
+/// A message that is not counted.
+const SIGNAL: i32 = 3;
+/// The last one of a rank.
+const FAREWELL: i32 = 4;
+
+/// Bytes that travel in one piece. MPI counts in C ints, below 2^31; larger messages travel in parts.
+const PART_BYTES: usize = 1 << 30;
+
+/// A process's access to the others of its job. [`run`](crate::run) makes it.
+///
+/// Messages are taken in the order in which they were sent, whatever they are, and put aside until somebody asks for
+/// their kind; so signals and messages never wait for each other. A message that is sent stays here until MPI has moved
+/// it; MPI does so while this rank sends or waits, and at the end.
+pub struct MpiComm {
+    link: Link,
+    outgoing: Vec<Outgoing>,
+    /// From each rank.
+    arrived: Vec<Arrived>,
+    traffic: Traffic,
+    part_bytes: usize,
+}
+
+/// What came from a rank and nobody asked for yet.
+#[derive(Debug, Default)]
+struct Arrived {
+    messages: VecDeque<Vec<u8>>,
+    /// A message of which parts are missing.
+    unfinished: Vec<u8>,
+    signals: u64,
+    has_left: bool,
+}
+
+impl MpiComm {
+    pub(crate) fn new(link: Link) -> Self {
+        let arrived = (0..link.size()).map(|_| Arrived::default()).collect();
+        Self { link, outgoing: Vec::new(), arrived, traffic: Traffic::default(), part_bytes: PART_BYTES }
+    }
+
+    /// Sends messages in parts of so many bytes, 1 to 2^31 - 1, instead of 2^30. Ranks need not agree.
+    pub fn set_part_bytes(&mut self, bytes: usize) {
+        self.part_bytes = bytes;
+    }
+
+    /// Name of the machine that this rank runs on, as MPI has it.
+    pub fn machine(&self) -> String {
+        mpi::environment::processor_name().unwrap_or_else(|_| "unknown".into())
+    }
+
+    /// Name and version of the MPI library.
+    pub fn library(&self) -> String {
+        let text = mpi::environment::library_version().unwrap_or_else(|_| "unknown".into());
+        // What follows the first comma, or line, tells how it was built.
+        text.split([',', '\n']).next().unwrap_or_default().trim().to_owned()
+    }
+
+    /// Ends all processes of the job with an exit code.
+    pub(crate) fn abort(&self, code: i32) -> ! {
+        self.link.abort(code)
+    }
+
+    fn check(&self, rank: usize) -> Result<(), CommError> {
+        let size = self.size();
+        if rank < size && rank != self.rank() { Ok(()) } else { Err(CommError::NoPartner { rank, size }) }
+    }
+
+    fn begin(&mut self, to: usize, tag: i32, bytes: Vec<u8>) -> Result<(), CommError> {
+        self.check(to)?;
+        if self.arrived[to].has_left {
+            return Err(CommError::Gone { rank: to });
+        }
+        self.forget_sent()?;
+        let outgoing = self.link.send(to, (PART, tag), bytes, self.part_bytes);
+        self.outgoing.push(outgoing.map_err(transport(to))?);
+        Ok(())
+    }
+
+    /// Frees messages that MPI has moved.
+    fn forget_sent(&mut self) -> Result<(), CommError> {
+        let mut at = 0;
+        while at < self.outgoing.len() {
+            let to = self.outgoing[at].to;
+            if self.outgoing[at].is_done().map_err(transport(to))? {
+                self.outgoing.swap_remove(at);
+            } else {
+                at += 1;
+            }
+        }
+        Ok(())
+    }
+
+    /// Takes one message from a rank, or from any, if one is here, and puts it aside.
+    fn take(&mut self, from: Option<usize>) -> Result<Option<Envelope>, CommError> {
+        // Errors of a message of any rank are told as those of this one.
+        let rank = from.unwrap_or(self.rank());
+        let arrived = &mut self.arrived;
+        let taken = self.link.take(from, |e: Envelope| &mut arrived[e.from].unfinished);
+        let taken = taken.map_err(transport(rank))?;
+        if let Some(Envelope { from, tag }) = taken {
+            let arrived = &mut self.arrived[from];
+            match tag {
+                MESSAGE => arrived.messages.push_back(std::mem::take(&mut arrived.unfinished)),
+                SIGNAL => arrived.signals += 1,
+                FAREWELL => arrived.has_left = true,
+                _ => {}
+            }
+        }
+        Ok(taken)
+    }
+
+    /// Waits until `is_it` finds what it looks for among what came from a rank.
+    fn wait<T>(
+        &mut self,
+        from: usize,
+        mut is_it: impl FnMut(&mut Arrived) -> Option<T>,
+    ) -> Result<T, CommError> {
+        self.check(from)?;
+        until(|| {
+            loop {
+                if let Some(it) = is_it(&mut self.arrived[from]) {
+                    return Ok(Some(it));
+                }
+                if self.arrived[from].has_left {
+                    return Err(CommError::Gone { rank: from });
+                }
+                if self.take(Some(from))?.is_none() {
+                    return Ok(None);
+                }
+            }
+        })
+    }
+
+    /// Tells the others that nothing comes any more, and waits until they have told the same and all messages are
+    /// moved; messages that nobody asked for are dropped. So no rank waits for one that has ended.
+    pub(crate) fn leave(&mut self) -> Result<(), CommError> {
+        let (rank, size) = (self.rank(), self.size());
+        for step in 1..size {
+            let to = (rank + step) % size;
+            let outgoing = self.link.send(to, (PART, FAREWELL), Vec::new(), PART_BYTES);
+            self.outgoing.push(outgoing.map_err(transport(to))?);
+        }
+        self.arrived[rank].has_left = true;
+        until(|| {
+            while let Some(Envelope { from, .. }) = self.take(None)? {
+                self.arrived[from].messages.clear();
+            }
+            self.forget_sent()?;
+            let all = self.outgoing.is_empty() && self.arrived.iter().all(|a| a.has_left);
+            Ok(all.then_some(()))
+        })
+    }
+}
+
+fn transport(rank: usize) -> impl Fn(Failed) -> CommError {
+    move |Failed(reason)| CommError::Transport { rank, reason }
+}
+
+impl Communicator for MpiComm {
+    fn rank(&self) -> usize {
+        self.link.rank()
+    }
+
+    fn size(&self) -> usize {
+        self.arrived.len()
+    }
+
+    fn send(&mut self, to: usize, message: Vec<u8>) -> Result<(), CommError> {
+        let bytes = message.len() as u64;
+        self.begin(to, MESSAGE, message)?;
+        self.traffic.sent_messages += 1;
+        self.traffic.sent_bytes += bytes;
+        Ok(())
+    }
+
+    fn receive(&mut self, from: usize) -> Result<Vec<u8>, CommError> {
+        let message = self.wait(from, |arrived| arrived.messages.pop_front())?;
+        self.traffic.taken_messages += 1;
+        self.traffic.taken_bytes += message.len() as u64;
+        Ok(message)
+    }
+
+    fn traffic(&self) -> Traffic {
+        self.traffic
+    }
+
+    fn signal(&mut self, to: usize) -> Result<(), CommError> {
+        self.begin(to, SIGNAL, Vec::new())
+    }
+
+    fn await_signal(&mut self, from: usize) -> Result<(), CommError> {
+        self.wait(from, |arrived| {
+            arrived.signals = arrived.signals.checked_sub(1)?;
+            Some(())
+        })
+    }
+}
+
+impl fmt::Debug for MpiComm {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (rank, size, outgoing) = (self.rank(), self.size(), self.outgoing.len());
+        f.debug_struct("MpiComm")
+            .field("rank", &rank)
+            .field("size", &size)
+            .field("outgoing", &outgoing)
+            .finish_non_exhaustive()
+    }
+}

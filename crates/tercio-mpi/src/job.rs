@@ -1,0 +1,64 @@
+//! Begins and ends MPI. A rank that fails ends the whole job: the others would wait for it without end.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use mpi::Threading;
+use tercio_parallel::Communicator as _;
+use tercio_parallel::comm::CommError;
+
+use crate::MpiComm;
+use crate::raw::{Failed, Link};
+
+/// Exit code of a job of which a rank failed.
+pub const FAILURE: i32 = 1;
+
+/// Why MPI could not begin. Where the library cannot find the other processes it says so itself and ends the job.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum StartError {
+    /// A process can do so once only.
+    #[error("MPI was begun in this process before")]
+    Twice,
+    /// The library was built without threads.
+    #[error("the MPI library does not allow threads beside the one that calls it")]
+    Threads,
+    /// A call failed.
+    #[error("{0}")]
+    Failed(String),
+}
+
+/// Does one rank's work of an MPI job, all of whose processes have to call this, once. Returns when all ranks are done.
+///
+/// If the work fails on this rank, `tell` is told why, with the rank's number, and all processes of the job end with
+/// exit code 1; so they do after a panic. Nothing is unwound then, so that files that are not whole should not have their
+/// names yet.
+///
+/// # Errors
+/// [`StartError`], before any work is done.
+pub fn run<T, E: From<CommError>>(
+    work: impl FnOnce(&mut MpiComm) -> Result<T, E>,
+    tell: impl FnOnce(usize, E),
+) -> Result<T, StartError> {
+    // Calls come from this thread, which may have others draw.
+    let (universe, threads) = mpi::initialize_with_threading(Threading::Funneled).ok_or(StartError::Twice)?;
+    if threads < Threading::Funneled {
+        return Err(StartError::Threads);
+    }
+    let link = Link::new(&universe.world()).map_err(|Failed(reason)| StartError::Failed(reason))?;
+    let mut comm = MpiComm::new(link);
+    let rank = comm.rank();
+    let done = match catch_unwind(AssertUnwindSafe(|| work(&mut comm))) {
+        Ok(Ok(done)) => done,
+        Ok(Err(error)) => {
+            tell(rank, error);
+            comm.abort(FAILURE);
+        }
+        Err(_) => {
+            // The panic has told its message and place.
+            eprintln!("error: rank {rank} panicked");
+            comm.abort(FAILURE);
+        }
+    };
+    let Err(error) = comm.leave() else { return Ok(done) };
+    tell(rank, error.into());
+    comm.abort(FAILURE)
+}

@@ -1,0 +1,200 @@
+//! The calls of the MPI library that messages need, with their errors: `mpi` (rsmpi) has safe ones, but these drop the
+//! library's error codes and cannot send memory that they are to keep.
+
+use std::ffi::{c_char, c_int, c_void};
+use std::marker::PhantomData;
+use std::mem::MaybeUninit;
+
+use mpi::ffi;
+use mpi::topology::SimpleCommunicator;
+use mpi::traits::{AsRaw as _, Communicator as _};
+
+/// A communicator of our own: no message of another library reaches it, and its errors are returned.
+pub struct Link {
+    comm: SimpleCommunicator,
+    /// MPI is begun with [`mpi::Threading::Funneled`]: its calls stay on the thread that began it.
+    on_this_thread: PhantomData<*const ()>,
+}
+
+/// What is known of a message before it is taken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Envelope {
+    /// Who sent it.
+    pub from: usize,
+    /// What it is.
+    pub tag: i32,
+}
+
+/// What the library says about a call that failed.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Failed(pub String);
+
+fn check(call: &str, code: c_int) -> Result<(), Failed> {
+    if code == ffi::MPI_SUCCESS as c_int {
+        return Ok(());
+    }
+    let mut text = [0u8; ffi::MPI_MAX_ERROR_STRING as usize];
+    let mut length: c_int = 0;
+    // SAFETY: the text has room for the longest string that the library writes, and both places are ours.
+    let told = unsafe { ffi::MPI_Error_string(code, text.as_mut_ptr().cast::<c_char>(), &mut length) };
+    let length = if told == ffi::MPI_SUCCESS as c_int { usize::try_from(length).unwrap_or(0) } else { 0 };
+    let text = String::from_utf8_lossy(&text[..length.min(text.len())]);
+    Err(Failed(format!("{call}: {} (code {code})", text.trim_end_matches('\0'))))
+}
+
+impl Link {
+    /// A copy of a communicator; all its ranks have to make one.
+    pub fn new(of: &SimpleCommunicator) -> Result<Self, Failed> {
+        let comm = of.duplicate();
+        // SAFETY: the communicator was just made, and the handler is one of the library's own.
+        let code = unsafe { ffi::MPI_Comm_set_errhandler(comm.as_raw(), ffi::RSMPI_ERRORS_RETURN) };
+        check("MPI_Comm_set_errhandler", code)?;
+        Ok(Self { comm, on_this_thread: PhantomData })
+    }
+
+    /// The own number.
+    pub fn rank(&self) -> usize {
+        usize::try_from(self.comm.rank()).unwrap_or(0)
+    }
+
+    /// How many ranks there are.
+    pub fn size(&self) -> usize {
+        usize::try_from(self.comm.size()).unwrap_or(1)
+    }
+
+    /// Ends all processes of the job with an exit code.
+    pub fn abort(&self, code: i32) -> ! {
+        self.comm.abort(code)
+    }
+
+    /// Begins to send a message in parts of at most `part` bytes, the last one with the tag `last`, those before it
+    /// with the tag `before`. An empty message is one empty part.
+    pub fn send(
+        &self,
+        to: usize,
+        (before, last): (i32, i32),
+        bytes: Vec<u8>,
+        part: usize,
+    ) -> Result<Outgoing, Failed> {
+        let to_rank = c_int::try_from(to).map_err(|e| Failed(e.to_string()))?;
+        let part = part.clamp(1, c_int::MAX as usize);
+        let parts = bytes.len().div_ceil(part).max(1);
+        let mut outgoing = Outgoing { requests: Vec::with_capacity(parts), bytes, to };
+        for number in 0..parts {
+            let first = number * part;
+            let count = part.min(outgoing.bytes.len() - first);
+            let tag = if number + 1 == parts { last } else { before };
+            // SAFETY: the handle is a constant of the library.
+            let mut request = unsafe { ffi::RSMPI_REQUEST_NULL };
+            // SAFETY: `count` bytes from `first` on lie inside the message, whose memory does not move with its `Vec`,
+            // is not written to, and is kept by `Outgoing` until the library is done with it. `count` fits a C int.
+            let code = unsafe {
+                ffi::MPI_Isend(
+                    outgoing.bytes.as_ptr().add(first).cast::<c_void>(),
+                    count as c_int,
+                    ffi::RSMPI_UINT8_T,
+                    to_rank,
+                    tag,
+                    self.comm.as_raw(),
+                    &mut request,
+                )
+            };
+            check("MPI_Isend", code)?;
+            outgoing.requests.push(request);
+        }
+        Ok(outgoing)
+    }
+
+    /// Takes the next message of a rank, or of any, if one is here: its bytes are put behind those of the `Vec` that
+    /// `place` gives for it.
+    pub fn take<'a>(
+        &self,
+        from: Option<usize>,
+        place: impl FnOnce(Envelope) -> &'a mut Vec<u8>,
+    ) -> Result<Option<Envelope>, Failed> {
+        let Some((envelope, count, mut message)) = self.probe(from)? else { return Ok(None) };
+        let bytes = place(envelope);
+        bytes.reserve_exact(count);
+        // SAFETY: there is room for `count` bytes, which is what the matched message holds; the message is taken once.
+        let code = unsafe {
+            ffi::MPI_Mrecv(
+                bytes.spare_capacity_mut().as_mut_ptr().cast::<c_void>(),
+                count as c_int,
+                ffi::RSMPI_UINT8_T,
+                &mut message,
+                ffi::RSMPI_STATUS_IGNORE,
+            )
+        };
+        check("MPI_Mrecv", code)?;
+        // SAFETY: the library wrote `count` bytes behind those that were there.
+        unsafe { bytes.set_len(bytes.len() + count) };
+        Ok(Some(envelope))
+    }
+
+    /// Matches the next message, if one is here: nobody else can take it then.
+    fn probe(&self, from: Option<usize>) -> Result<Option<(Envelope, usize, ffi::MPI_Message)>, Failed> {
+        // SAFETY: the handles are constants of the library.
+        let (any_rank, any_tag, mut message) =
+            unsafe { (ffi::RSMPI_ANY_SOURCE, ffi::RSMPI_ANY_TAG, ffi::RSMPI_MESSAGE_NULL) };
+        let from = match from {
+            Some(from) => c_int::try_from(from).map_err(|e| Failed(e.to_string()))?,
+            None => any_rank,
+        };
+        let (mut found, mut count): (c_int, c_int) = (0, 0);
+        let mut status = MaybeUninit::<ffi::MPI_Status>::zeroed();
+        // SAFETY: all places that are written to are ours and live as long as the call.
+        let code = unsafe {
+            ffi::MPI_Improbe(from, any_tag, self.comm.as_raw(), &mut found, &mut message, status.as_mut_ptr())
+        };
+        check("MPI_Improbe", code)?;
+        if found == 0 {
+            return Ok(None);
+        }
+        // SAFETY: a status is numbers only, for which zeros are values; the library has filled it in.
+        let status = unsafe { status.assume_init() };
+        // SAFETY: as above.
+        let code = unsafe { ffi::MPI_Get_count(&status, ffi::RSMPI_UINT8_T, &mut count) };
+        check("MPI_Get_count", code)?;
+        let wrong = |_| Failed(format!("a message of {count} bytes from rank {}", status.MPI_SOURCE));
+        let from = usize::try_from(status.MPI_SOURCE).map_err(wrong)?;
+        Ok(Some((Envelope { from, tag: status.MPI_TAG }, usize::try_from(count).map_err(wrong)?, message)))
+    }
+}
+
+/// A message on its way: its bytes are the library's until it is done.
+pub struct Outgoing {
+    requests: Vec<ffi::MPI_Request>,
+    bytes: Vec<u8>,
+    /// To whom.
+    pub to: usize,
+}
+
+impl Outgoing {
+    /// Whether the library needs the bytes no more; also gives it the time to move them.
+    pub fn is_done(&mut self) -> Result<bool, Failed> {
+        let mut done: c_int = 0;
+        // SAFETY: the requests are those that the library gave us and keeps up to date, as many as we say.
+        let code = unsafe {
+            ffi::MPI_Testall(
+                c_int::try_from(self.requests.len()).map_err(|e| Failed(e.to_string()))?,
+                self.requests.as_mut_ptr(),
+                &mut done,
+                ffi::RSMPI_STATUSES_IGNORE,
+            )
+        };
+        check("MPI_Testall", code)?;
+        if done != 0 {
+            self.requests.clear();
+        }
+        Ok(done != 0)
+    }
+}
+
+impl Drop for Outgoing {
+    fn drop(&mut self) {
+        // The library may still read what it was not done with: rather lose the memory than give it to others.
+        if !self.requests.is_empty() {
+            std::mem::forget(std::mem::take(&mut self.bytes));
+        }
+    }
+}

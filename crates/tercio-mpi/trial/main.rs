@@ -1,0 +1,43 @@
+//! What the tests of this crate start by `mpirun`: `tercio-mpi-trial NAME` runs one trial on every rank. A trial that
+//! does not hold panics, which ends the job with exit code 1; rank 0 says `held` if all ranks came to the end.
+
+mod trials;
+
+use std::process::ExitCode;
+
+use tercio_mpi::{MpiComm, run};
+use tercio_parallel::{Communicator as _, ParallelError};
+
+/// A trial and its name.
+type Trial = (&'static str, fn(&mut MpiComm) -> Result<(), ParallelError>);
+
+const TRIALS: [Trial; 9] = [
+    ("order", trials::order),
+    ("everybody-sends-first", trials::everybody_sends_first),
+    ("parts", trials::parts),
+    ("barrier", trials::barrier),
+    ("gather", trials::gather),
+    ("not-taken", trials::not_taken),
+    ("error", trials::error),
+    ("panic", trials::panic),
+    ("early-end", trials::early_end),
+];
+
+fn main() -> ExitCode {
+    let name = std::env::args().nth(1).unwrap_or_default();
+    let Some((_, trial)) = TRIALS.iter().find(|t| t.0 == name) else {
+        eprintln!("expected one of {}", TRIALS.map(|t| t.0).join(", "));
+        return ExitCode::from(2);
+    };
+    let tell = |rank, error| eprintln!("error: rank {rank}: {error}");
+    let work = |comm: &mut MpiComm| trial(comm).map(|()| comm.rank());
+    match run(work, tell) {
+        Ok(0) => println!("held"),
+        Ok(_) => {}
+        Err(error) => {
+            eprintln!("error: {error}");
+            return ExitCode::FAILURE;
+        }
+    }
+    ExitCode::SUCCESS
+}

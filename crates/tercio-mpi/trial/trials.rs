@@ -1,0 +1,152 @@
+//! The trials, each run by all ranks of a job.
+
+use tercio_mpi::MpiComm;
+use tercio_parallel::ParallelError;
+use tercio_parallel::comm::{CommError, Communicator, Traffic};
+
+type Held = Result<(), ParallelError>;
+
+/// Bytes that tell where they come from.
+fn bytes(seed: usize, count: usize) -> Vec<u8> {
+    (0..count).map(|k| (seed * 31 + k * 7 + k / 251) as u8).collect()
+}
+
+/// Messages of all sizes arrive as they were sent, in their order, signals between them; messages alone are counted.
+pub fn order(comm: &mut MpiComm) -> Held {
+    const SIZES: [usize; 8] = [0, 1, 17, 0, 5000, 100_000, 3, 2_000_000];
+    let (rank, size) = (comm.rank(), comm.size());
+    for to in (0..size).filter(|&to| to != rank) {
+        for (number, count) in SIZES.into_iter().enumerate() {
+            comm.send(to, bytes(rank + number, count))?;
+            comm.signal(to)?;
+        }
+    }
+    for from in (0..size).filter(|&from| from != rank) {
+        // Signals first: the messages before them wait aside.
+        SIZES.iter().try_for_each(|_| comm.await_signal(from))?;
+        for (number, count) in SIZES.into_iter().enumerate() {
+            assert!(
+                comm.receive(from)? == bytes(from + number, count),
+                "message {number} of {from} to {rank}"
+            );
+        }
+    }
+    let (messages, bytes) = ((size - 1) * SIZES.len(), (size - 1) * SIZES.iter().sum::<usize>());
+    let (messages, bytes) = (messages as u64, bytes as u64);
+    let expected =
+        Traffic { sent_messages: messages, sent_bytes: bytes, taken_messages: messages, taken_bytes: bytes };
+    assert_eq!(comm.traffic(), expected);
+    for stranger in [rank, size, size + 7] {
+        assert_eq!(comm.send(stranger, vec![]), Err(CommError::NoPartner { rank: stranger, size }));
+        assert_eq!(comm.receive(stranger), Err(CommError::NoPartner { rank: stranger, size }));
+    }
+    Ok(())
+}
+
+/// Sending does not wait: all ranks send messages that MPI does not buffer before anybody takes one.
+pub fn everybody_sends_first(comm: &mut MpiComm) -> Held {
+    const BYTES: usize = 8 << 20;
+    let (rank, size) = (comm.rank(), comm.size());
+    for round in 0..3 {
+        for to in (1..size).map(|step| (rank + step) % size) {
+            comm.send(to, bytes(rank + round, BYTES))?;
+        }
+    }
+    for round in 0..3 {
+        for from in (1..size).map(|step| (rank + step) % size) {
+            assert!(comm.receive(from)? == bytes(from + round, BYTES), "round {round}, {from} to {rank}");
+        }
+    }
+    Ok(())
+}
+
+/// Messages that travel in parts arrive whole, also those whose last part is full, and empty ones.
+pub fn parts(comm: &mut MpiComm) -> Held {
+    let (rank, size) = (comm.rank(), comm.size());
+    // Ranks need not agree.
+    comm.set_part_bytes(1000 + rank);
+    let count =
+        |rank: usize, number: usize| [0, 1, 999, 1000 + rank, 1001 + rank, 3 * (1000 + rank), 50_001][number];
+    let (to, from) = ((rank + 1) % size, (rank + size - 1) % size);
+    for number in 0..7 {
+        comm.send(to, bytes(number, count(rank, number)))?;
+        comm.signal(to)?;
+    }
+    for number in 0..7 {
+        comm.await_signal(from)?;
+        let message = comm.receive(from)?;
+        assert!(
+            message == bytes(number, count(from, number)),
+            "message {number} of {from}: {}",
+            message.len()
+        );
+    }
+    Ok(assert_eq!(comm.traffic().taken_messages, 7))
+}
+
+/// Nobody leaves a barrier before all have come, told by messages: what was sent before the barrier has been sent by the
+/// time others have passed it.
+pub fn barrier(comm: &mut MpiComm) -> Held {
+    let (rank, size) = (comm.rank(), comm.size());
+    for late in 0..size {
+        let begin = std::time::Instant::now();
+        if rank == late {
+            std::thread::sleep(std::time::Duration::from_millis(100));
+        }
+        comm.barrier()?;
+        // All came out of the barrier before, so that nobody began much later than the late one.
+        assert!(begin.elapsed().as_millis() >= 50, "rank {rank} did not wait for {late}");
+        comm.barrier()?;
+    }
+    Ok(assert_eq!(comm.traffic(), Traffic::default()))
+}
+
+/// Rank 0 gathers in the order of the ranks.
+pub fn gather(comm: &mut MpiComm) -> Held {
+    let (rank, size) = (comm.rank(), comm.size());
+    for senders in 1..=size {
+        let gathered = comm.gather(senders, bytes(rank, 10 * rank))?;
+        let expected: Vec<_> = (1..senders).map(|r| bytes(r, 10 * r)).collect();
+        assert_eq!(gathered, if rank == 0 { expected } else { Vec::new() });
+    }
+    Ok(())
+}
+
+/// Messages that nobody takes hold nobody up at the end.
+pub fn not_taken(comm: &mut MpiComm) -> Held {
+    let (rank, size) = (comm.rank(), comm.size());
+    for to in (1..size).map(|step| (rank + step) % size) {
+        comm.send(to, bytes(rank, 4 << 20))?;
+        comm.signal(to)?;
+    }
+    Ok(())
+}
+
+/// The last rank fails while the others wait for it.
+pub fn error(comm: &mut MpiComm) -> Held {
+    let last = comm.size() - 1;
+    if comm.rank() == last {
+        return Ok(comm.send(last, Vec::new())?);
+    }
+    comm.receive(last).map(drop)?;
+    unreachable!("the last rank sends nothing")
+}
+
+/// The last rank panics while the others wait for it.
+pub fn panic(comm: &mut MpiComm) -> Held {
+    let last = comm.size() - 1;
+    assert!(comm.rank() != last, "no paper");
+    comm.receive(last).map(drop)?;
+    unreachable!("the last rank sends nothing")
+}
+
+/// Rank 0 ends well without sending what the others wait for.
+pub fn early_end(comm: &mut MpiComm) -> Held {
+    if comm.rank() == 0 {
+        return Ok(());
+    }
+    let error = comm.receive(0).map(drop);
+    assert_eq!(error, Err(CommError::Gone { rank: 0 }));
+    assert_eq!(comm.send(0, vec![1]), Err(CommError::Gone { rank: 0 }));
+    Ok(error?)
+}
