@@ -1,7 +1,8 @@
 //! What the checks need beside a Rust toolchain, and how a Debian machine gets it.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::{env, fs};
 
 use anyhow::{Result, ensure};
 
@@ -26,7 +27,25 @@ pub const TESTS: &[Need] = &[
         purpose: "counting instructions",
         is_there: || find_program("valgrind").is_some(),
     },
+    Need { package: "openmpi-bin", purpose: "ranks over MPI", is_there: || find_program("mpirun").is_some() },
+    Need {
+        package: "libopenmpi-dev",
+        purpose: "ranks over MPI",
+        is_there: || find_program("mpicc").is_some(),
+    },
+    Need { package: "libclang-dev", purpose: "the bindings of MPI", is_there: has_libclang },
 ];
+
+/// Whether ranks over MPI can be built and started.
+///
+/// # Errors
+/// Names what is missing.
+pub fn check_mpi() -> Result<()> {
+    let missing: Vec<_> = TESTS.iter().filter(|n| n.purpose.contains("MPI") && !(n.is_there)()).collect();
+    let names: Vec<_> = missing.iter().map(|n| n.package).collect();
+    ensure!(missing.is_empty(), "MPI is missing (Debian's packages {})", names.join(", "));
+    Ok(())
+}
 
 /// What `cargo xtask bench` needs to measure others.
 pub const RIVALS: &[Need] = &[
@@ -72,6 +91,25 @@ pub fn has_static_libc() -> bool {
     let path = output(Command::new("cc").arg("-print-file-name=libc.a"));
     // Without one, the compiler gives back the bare name.
     path.is_ok_and(|path| Path::new(path.trim()).is_absolute())
+}
+
+/// The library that reads C headers, where its Debian package or `llvm-config` say it is, or the environment.
+fn has_libclang() -> bool {
+    let is_it = |name: &str| {
+        let library = name.starts_with("libclang.so") || name.starts_with("libclang-");
+        library && name.contains(".so") && !name.starts_with("libclang-cpp")
+    };
+    let has = |folder: &Path| {
+        let entries = fs::read_dir(folder).into_iter().flatten().flatten();
+        entries.into_iter().any(|e| e.file_name().to_str().is_some_and(is_it))
+    };
+    let mut folders: Vec<PathBuf> = ["/usr/lib", "/usr/lib64", "/usr/local/lib"].map(PathBuf::from).to_vec();
+    folders.extend(env::var_os("LIBCLANG_PATH").map(PathBuf::from));
+    folders.extend(output(Command::new("llvm-config").arg("--libdir")).map(|f| f.trim().into()));
+    // Debian has a folder a version and one a machine.
+    let inside = fs::read_dir("/usr/lib").into_iter().flatten().flatten().map(|e| e.path());
+    folders.extend(inside.flat_map(|folder| [folder.join("lib"), folder]));
+    folders.iter().any(|folder| has(folder))
 }
 
 /// Whether the C compiler would find a header of a library.

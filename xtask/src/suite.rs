@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context as _, Result};
 use clap::ValueEnum;
+use tercio_testkit::data::on_ci;
 
 use crate::dist::{self, Outcome};
 use crate::libtest::Counts;
@@ -32,6 +33,8 @@ enum Step {
     Clippy,
     /// All unit, integration, golden and documentation tests
     Unit,
+    /// Lints and tests of ranks over MPI
+    Mpi,
     /// Each fuzz target for a short time
     Fuzz,
     /// The static binary in an empty root directory
@@ -56,6 +59,7 @@ pub fn run(arguments: &Arguments) -> ExitCode {
             Step::Fmt => one(format()),
             Step::Clippy => one(lint()),
             Step::Unit => tests(),
+            Step::Mpi => mpi(),
             Step::Fuzz => fuzz::short_runs(Duration::from_secs(arguments.fuzz_seconds)),
             Step::Dist => static_binary(),
             Step::Counts => counts::compare().unwrap_or_else(|error| one(Err(error))),
@@ -98,6 +102,28 @@ fn tests() -> Counts {
     let mut command = cargo();
     command.args(["test", "--workspace", "--no-fail-fast"]);
     count_tests(&mut command, &mut io::stdout()).unwrap_or_else(|error| one(Err(error)))
+}
+
+/// What needs the feature `mpi`. All packages are selected, so that those that do not know it are the ones of the steps
+/// before, built already.
+fn mpi() -> Counts {
+    const FEATURES: [&str; 2] = ["--features", "tercio-mpi/mpi,tercio-cli/mpi"];
+    if let Err(missing) = packages::check_mpi() {
+        if on_ci() {
+            return one(Err(missing.context("on CI ranks over MPI may not be skipped")));
+        }
+        println!("skipped: ranks over MPI: {missing:#}");
+        return Counts { ignored: 1, ..Counts::default() };
+    }
+    let mut lints = cargo();
+    lints
+        .args(["clippy", "--package", "tercio-mpi", "--package", "tercio-cli", "--all-targets"])
+        .args(FEATURES);
+    let mut counts = one(run_command(lints.args(["--", "-D", "warnings"])));
+    let mut tests = cargo();
+    tests.args(["test", "--workspace", "--no-fail-fast", "--test", "mpi"]).args(FEATURES);
+    counts += count_tests(&mut tests, &mut io::stdout()).unwrap_or_else(|error| one(Err(error)));
+    counts
 }
 
 /// Passes on what the tests print, and adds up their closing lines.

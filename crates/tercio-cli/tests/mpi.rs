@@ -26,7 +26,8 @@ fn mpirun(place: &Place, processes: &[(usize, &str)]) -> Said {
 fn the_picture_does_not_depend_on_processes() {
     let place = Place::new();
     let model = "render builtin:teapot@5k --size 200x150 --threads 1";
-    let outputs = |name: &str| format!("-o {name}.png --output-depth {name}.depth.npy --output-ids {name}.ids.npy");
+    let outputs =
+        |name: &str| format!("-o {name}.png --output-depth {name}.depth.npy --output-ids {name}.ids.npy");
     place.run(&format!("{model} {}", outputs("alone"))).quietly_well();
     for organisation in ["sort-first", "sort-last"] {
         for count in [1, 2, 4] {
@@ -72,4 +73,32 @@ fn what_cannot_be_drawn_by_these_processes_is_wrong_usage() {
         assert_eq!(said.code, Some(2), "{}", said.stderr);
         assert!(said.stderr.contains(says), "{}", said.stderr);
     }
+}
+
+#[test]
+fn messages_over_mpi_are_measured_and_predicted_with() {
+    let place = Place::new();
+    // The third process has nothing to measure, and only the first writes.
+    let said = mpirun(&place, &[(3, "lab calibrate --frames 1 --rounds 1 -o m.toml")]).quietly_well();
+    assert_eq!(said.text(), "");
+    let described = |what: &str| -> serde_json::Value {
+        serde_json::from_str(place.run(&format!("lab {what} --json")).quietly_well().text()).unwrap()
+    };
+    let machine = described("machines m.toml");
+    for (section, says) in [("network", "two threads"), ("mpi", "ranks 0 and 1 on one machine")] {
+        for (key, unit) in [("message", " us"), ("bandwidth", " GB/s")] {
+            let number = &machine[section][key];
+            let (value, source) = (number["value"].as_str().unwrap(), number["source"].as_str().unwrap());
+            let value: f64 = value.strip_suffix(unit).unwrap_or_else(|| panic!("{value}")).parse().unwrap();
+            assert!(value > 0.0 && source.contains(says), "{section}.{key}: {number}");
+        }
+    }
+    // Composing is predicted with the network that was asked for: what differs is the messages' share of it.
+    let composing = |options: &str| {
+        let of = format!("predict model.off --size 512x512 -n 4 -O sort-last --machine m.toml {options}");
+        described(&of)["prediction"]["sorting"]["composition_seconds"].as_f64().unwrap()
+    };
+    assert!(composing("") > 0.0 && composing("--mpi") > 0.0);
+    assert_ne!(composing(""), composing("--mpi"));
+    place.run("lab predict model.off --mpi").failed(1, &["mpi"]);
 }

@@ -99,25 +99,16 @@ pub fn between_threads() -> Result<Network, ParallelError> {
 /// What was measured as a section of a description. `between` says whose messages these were, `hop` why a hop costs
 /// nothing.
 pub fn network(measured: Measured, between: &str, hop: &str) -> Network {
-    let source = |what: &str, trips: usize, bytes: usize| {
-        format!(
-            "measured by tercio lab calibrate {between}: {what} half the median round trip of {bytes} B, {trips} of them"
-        )
-    };
-    let Measured { latency, bandwidth } = measured;
+    let measured_by = format!("measured by tercio lab calibrate {between}: half the median round trip of");
+    let latency = (measured.latency, format!("{:.3} us", measured.latency * 1e6));
+    let bandwidth = (measured.bandwidth, format!("{:.4} GB/s", measured.bandwidth / 1e9));
+    let of_latency = format!("{measured_by} {SMALL} B, {SMALL_TRIPS} of them");
+    let of_bandwidth = format!("{measured_by} {LARGE} B, {LARGE_TRIPS} of them, less that of {SMALL} B");
     Network {
         topology: Topology::Crossbar,
-        bandwidth: Sourced::new(
-            bandwidth,
-            format!("{:.4} GB/s", bandwidth / 1e9),
-            source("by", LARGE_TRIPS, LARGE),
-        ),
+        bandwidth: Sourced::new(bandwidth.0, bandwidth.1, of_bandwidth),
         hop: Sourced::new(0.0, "0 s".into(), hop.into()),
-        message: Sourced::new(
-            latency,
-            format!("{:.3} us", latency * 1e6),
-            source("which is", SMALL_TRIPS, SMALL),
-        ),
+        message: Sourced::new(latency.0, latency.1, of_latency),
     }
 }
 
