@@ -69,6 +69,21 @@ fn allowed() -> usize {
     limit(system, std::env::var("SLURM_CPUS_PER_TASK").ok().as_deref())
 }
 
+/// Processors of the machine, whether this process may use them or not, where Linux tells.
+pub fn of_machine() -> Option<usize> {
+    processors(&std::fs::read_to_string("/sys/devices/system/cpu/online").ok()?)
+}
+
+/// How many are in a list as Linux writes it: 0-3,8,10-11.
+fn processors(list: &str) -> Option<usize> {
+    let count = |part: &str| {
+        let (first, last) = part.split_once('-').unwrap_or((part, part));
+        let (first, last): (usize, usize) = (first.parse().ok()?, last.parse().ok()?);
+        last.checked_sub(first)?.checked_add(1)
+    };
+    list.trim().split(',').map(count).sum()
+}
+
 /// A job step may see more processors than it was given, where Slurm does not bind its tasks.
 fn limit(system: usize, slurm: Option<&str>) -> usize {
     let slurm = slurm.and_then(|s| s.trim().parse().ok()).filter(|&n: &usize| n > 0);
@@ -77,7 +92,13 @@ fn limit(system: usize, slurm: Option<&str>) -> usize {
 
 #[cfg(test)]
 mod tests {
-    use super::limit;
+    use super::{limit, processors};
+
+    #[test]
+    fn lists_of_processors_are_counted() {
+        assert_eq!(["0\n", "0-3", "0-3,8,10-11\n"].map(processors), [Some(1), Some(4), Some(7)]);
+        assert_eq!(["", "a-b", "3-1"].map(processors), [None; 3]);
+    }
 
     #[test]
     fn the_smaller_limit_holds() {

@@ -79,7 +79,7 @@ fn what_cannot_be_drawn_by_these_processes_is_wrong_usage() {
 fn messages_over_mpi_are_measured_and_predicted_with() {
     let place = Place::new();
     // The third process has nothing to measure, and only the first writes.
-    let said = mpirun(&place, &[(3, "lab calibrate --frames 1 --rounds 1 -o m.toml")]).quietly_well();
+    let said = mpirun(&place, &[(3, "lab calibrate --frames 1 --rounds 1 -o m.toml --quiet")]).quietly_well();
     assert_eq!(said.text(), "");
     let described = |what: &str| -> serde_json::Value {
         serde_json::from_str(place.run(&format!("lab {what} --json")).quietly_well().text()).unwrap()

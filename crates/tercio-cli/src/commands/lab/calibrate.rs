@@ -95,6 +95,13 @@ impl Calibrate {
             rounds: self.rounds,
             clock: self.clock.into(),
         };
+        let bound = threads::of_machine().filter(|&all| mpi.is_some() && all > options.threads);
+        if let Some(all) = bound.filter(|_| self.running.threads.is_none() && !self.running.quiet) {
+            messages::warning(&format!(
+                "this process may use {} of {all} processors; if mpirun bound it, --bind-to none leaves it all of them",
+                options.threads
+            ));
+        }
         let tell = |what: &str| {
             if self.running.verbose {
                 messages::note(what);
