@@ -93,26 +93,48 @@ pub fn has_static_libc() -> bool {
     path.is_ok_and(|path| Path::new(path.trim()).is_absolute())
 }
 
-/// The library that reads C headers, where its Debian package or `llvm-config` say it is, or the environment.
+/// The library that reads C headers, where its Debian package, `llvm-config` or the environment say it is.
 fn has_libclang() -> bool {
+    let mut folders: Vec<PathBuf> = ["/usr/lib", "/usr/lib64", "/usr/local/lib"].map(PathBuf::from).to_vec();
+    folders.extend(env::var_os("LIBCLANG_PATH").map(PathBuf::from));
+    folders.extend(output(Command::new("llvm-config").arg("--libdir")).map(|f| PathBuf::from(f.trim())));
+    // Debian has a folder a version and one a machine.
+    let inside = fs::read_dir("/usr/lib").into_iter().flatten().flatten().map(|e| e.path());
+    folders.extend(inside.flat_map(|folder| [folder.join("lib"), folder]));
+    folders.iter().any(|folder| holds_libclang(folder))
+}
+
+fn holds_libclang(folder: &Path) -> bool {
     let is_it = |name: &str| {
         let library = name.starts_with("libclang.so") || name.starts_with("libclang-");
         library && name.contains(".so") && !name.starts_with("libclang-cpp")
     };
-    let has = |folder: &Path| {
-        let entries = fs::read_dir(folder).into_iter().flatten().flatten();
-        entries.into_iter().any(|e| e.file_name().to_str().is_some_and(is_it))
-    };
-    let mut folders: Vec<PathBuf> = ["/usr/lib", "/usr/lib64", "/usr/local/lib"].map(PathBuf::from).to_vec();
-    folders.extend(env::var_os("LIBCLANG_PATH").map(PathBuf::from));
-    folders.extend(output(Command::new("llvm-config").arg("--libdir")).map(|f| f.trim().into()));
-    // Debian has a folder a version and one a machine.
-    let inside = fs::read_dir("/usr/lib").into_iter().flatten().flatten().map(|e| e.path());
-    folders.extend(inside.flat_map(|folder| [folder.join("lib"), folder]));
-    folders.iter().any(|folder| has(folder))
+    let mut entries = fs::read_dir(folder).into_iter().flatten().flatten();
+    entries.any(|e| e.file_name().to_str().is_some_and(is_it))
 }
 
 /// Whether the C compiler would find a header of a library.
 fn has_header(header: &str) -> bool {
     Path::new("/usr/include").join(header).is_file()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn libclang_is_known_by_its_file() {
+        let folder = tempfile::tempdir().expect("a folder");
+        for name in ["libclang-cpp.so.14", "libclangAST.a", "libclang.a", "libLLVM.so"] {
+            fs::write(folder.path().join(name), "").expect("a file");
+        }
+        assert!(!holds_libclang(folder.path()));
+        for name in ["libclang.so", "libclang.so.1", "libclang-14.so.14.0.6"] {
+            let file = folder.path().join(name);
+            fs::write(&file, "").expect("a file");
+            assert!(holds_libclang(folder.path()), "{name}");
+            fs::remove_file(file).expect("it is there");
+        }
+        assert!(!holds_libclang(&folder.path().join("missing")));
+    }
 }

@@ -7,7 +7,7 @@ use std::process::{Command, Stdio};
 use common::{Place, Said};
 
 /// Seconds after which a job is taken to hang.
-const HANGS: &str = "400";
+const HANGS: &str = "600";
 
 /// Runs a job of one or more `N ARGUMENTS`, as a user who may be root.
 fn mpirun(place: &Place, processes: &[(usize, &str)]) -> Said {

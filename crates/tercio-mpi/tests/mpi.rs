@@ -3,7 +3,7 @@
 use std::process::{Command, Output};
 
 /// Seconds after which a job is taken to hang.
-const HANGS: &str = "300";
+const HANGS: &str = "600";
 
 /// Runs a trial with some ranks, by a user who may be root.
 fn mpirun(ranks: usize, trial: &str) -> Output {
