@@ -2,6 +2,7 @@
 
 #![forbid(unsafe_code)]
 
+mod aarch64;
 mod bench;
 mod bless;
 mod counts;
@@ -42,6 +43,8 @@ enum Command {
     Models(models::Arguments),
     /// Measure speed and print a table
     Bench(bench::Arguments),
+    /// Test the renderer as a program of AArch64
+    Aarch64(aarch64::Arguments),
     /// Draw the pictures of the README into docs/images/
     Figures,
 }
@@ -55,6 +58,7 @@ fn main() -> ExitCode {
         Command::Counts(arguments) => counts::run(&arguments),
         Command::Models(arguments) => models::run(&arguments),
         Command::Bench(arguments) => bench::run(&arguments),
+        Command::Aarch64(arguments) => aarch64::run_tests(&arguments),
         Command::Figures => figures::run(),
     };
     match result {

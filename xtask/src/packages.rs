@@ -54,6 +54,25 @@ pub const RIVALS: &[Need] = &[
     Need { package: "libembree-dev", purpose: "Embree", is_there: || has_header("embree3/rtcore.h") },
 ];
 
+/// What `cargo xtask aarch64` needs.
+pub const AARCH64: &[Need] = &[
+    Need {
+        package: "gcc-aarch64-linux-gnu",
+        purpose: "linking for AArch64",
+        is_there: || find_program("aarch64-linux-gnu-gcc").is_some(),
+    },
+    Need {
+        package: "libc6-dev-arm64-cross",
+        purpose: "the C library of AArch64",
+        is_there: || Path::new("/usr/aarch64-linux-gnu/lib").is_dir(),
+    },
+    Need {
+        package: "qemu-user",
+        purpose: "running programs of AArch64",
+        is_there: || find_program("qemu-aarch64").is_some(),
+    },
+];
+
 /// Installs what is missing if this is Debian and the user is root; says what is missing otherwise. A
 /// missing package is no error here: what needs it fails and tells why.
 pub fn provide(needs: &[Need]) {

@@ -44,8 +44,10 @@ pub static ENCODE: LazyLock<Box<[i32; 128]>> = LazyLock::new(|| {
 
 /// 8-bit sRGB of linear light, clamped to 0 to 1; no number is black.
 pub fn encode8(linear: f32) -> u8 {
-    let above = if linear > ENCODE_LEAST { linear } else { ENCODE_LEAST };
-    let bits = if above < ENCODE_MOST { above } else { ENCODE_MOST }.to_bits();
+    // Asked of the bits: AArch64 has an instruction for the larger of two numbers, which compilers take instead of a
+    // comparison, and for which a signalling NaN is the larger.
+    let is_number = linear.to_bits() << 1 <= f32::INFINITY.to_bits() << 1;
+    let bits = if is_number { linear.clamp(ENCODE_LEAST, ENCODE_MOST) } else { ENCODE_LEAST }.to_bits();
     let entry = ENCODE[((bits - ENCODE_LEAST.to_bits()) >> ENCODE_SEGMENT_SHIFT) as usize] as u32;
     let step = (bits >> ENCODE_STEP_SHIFT) & (ENCODE_STEPS - 1);
     ((((entry >> 16) << ENCODE_BASE_SHIFT) + (entry & 0xffff) * step) >> ENCODE_FRACTION) as u8

@@ -1,0 +1,232 @@
+//! What the kernels need beyond `fearless_simd`: 16 lanes everywhere, chosen once a batch.
+//!
+//! Every kernel is generic over the level and works on 16 lanes at each of them, so that all levels compute
+//! the same lanes in the same order. The level is picked by `dispatch!` where a batch of work begins
+//! ([`crate::Renderer`] does it) and nowhere else.
+
+#[cfg(target_arch = "x86_64")]
+mod x86_64;
+
+#[cfg(target_arch = "x86_64")]
+use fearless_simd::i32x8;
+use fearless_simd::prelude::*;
+use fearless_simd::{Level, Simd, f32x16, i32x16, u8x16};
+
+/// Lanes of every kernel: one 4x4 block of samples, or 16 vertices, triangles or pixels.
+pub const LANES: usize = 16;
+
+/// Number of each lane.
+pub const LANE_NUMBERS: [i32; LANES] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15];
+
+/// One bit for each of the lanes that hold something, where `left` elements are left.
+#[inline(always)]
+pub fn live_lanes(left: usize) -> u32 {
+    if left >= LANES { 0xffff } else { (1 << left) - 1 }
+}
+
+/// `[f(0), f(1), f(2)]`, written out: a closure would not be compiled at the kernel's SIMD level.
+macro_rules! each3 {
+    ($k:ident => $value:expr) => {
+        [
+            {
+                const $k: usize = 0;
+                $value
+            },
+            {
+                const $k: usize = 1;
+                $value
+            },
+            {
+                const $k: usize = 2;
+                $value
+            },
+        ]
+    };
+}
+pub(crate) use each3;
+
+/// Runs a part of a kernel. At the scalar level it is a function of its own: 16 lanes written out one by one
+/// make code so long that compiling it in one piece takes minutes.
+#[inline(always)]
+pub fn part<S: Simd, R>(simd: S, work: impl FnOnce() -> R) -> R {
+    #[inline(never)]
+    fn on_its_own<R>(work: impl FnOnce() -> R) -> R {
+        work()
+    }
+    if matches!(simd.level(), Level::Fallback(_)) { on_its_own(work) } else { work() }
+}
+
+/// Loads 16 numbers.
+#[inline(always)]
+pub fn load<S: Simd>(simd: S, from: &[f32]) -> f32x16<S> {
+    f32x16::from_slice(simd, &from[..LANES])
+}
+
+/// The same number 16 times.
+#[inline(always)]
+pub fn splat<S: Simd>(simd: S, value: f32) -> f32x16<S> {
+    f32x16::splat(simd, value)
+}
+
+/// The same whole number 16 times.
+#[inline(always)]
+pub fn splat_i<S: Simd>(simd: S, value: i32) -> i32x16<S> {
+    i32x16::splat(simd, value)
+}
+
+/// `((x * r0 + y * r1) + z * r2) + r3`, each product and sum rounded.
+#[inline(always)]
+pub fn row<S: Simd>(simd: S, r: &[f32; 4], p: [f32x16<S>; 3]) -> f32x16<S> {
+    part(
+        simd,
+        #[inline(always)]
+        || ((p[0] * r[0] + p[1] * r[1]) + p[2] * r[2]) + splat(simd, r[3]),
+    )
+}
+
+/// `(a0 * b0 + a1 * b1) + a2 * b2`.
+#[inline(always)]
+pub fn dot<S: Simd>(a: [f32x16<S>; 3], b: [f32x16<S>; 3]) -> f32x16<S> {
+    part(
+        a[0].simd,
+        #[inline(always)]
+        || (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2],
+    )
+}
+
+/// `a x b`.
+#[inline(always)]
+pub fn cross<S: Simd>(a: [f32x16<S>; 3], b: [f32x16<S>; 3]) -> [f32x16<S>; 3] {
+    part(
+        a[0].simd,
+        #[inline(always)]
+        || [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]],
+    )
+}
+
+/// 16 entries of a table of 128 bytes; indices are taken modulo 128.
+#[inline(always)]
+pub fn lookup_bytes<S: Simd>(simd: S, table: &[u8; 128], index: &[u8; 16]) -> [u8; 16] {
+    match simd.level() {
+        #[cfg(target_arch = "x86_64")]
+        Level::Avx512(token) => {
+            let found: u8x16<S> = x86_64::lookup_bytes_avx512(token, table, index).simd_into(simd);
+            found.to_array()
+        }
+        _ => {
+            let mut found = [0; 16];
+            for lane in 0..LANES {
+                found[lane] = table[usize::from(index[lane] & 127)];
+            }
+            found
+        }
+    }
+}
+
+/// 16 entries of a table of 64; indices are taken modulo 64.
+#[inline(always)]
+pub fn lookup<S: Simd>(simd: S, table: &[i32; 64], index: &[u8; 16]) -> i32x16<S> {
+    match simd.level() {
+        #[cfg(target_arch = "x86_64")]
+        Level::Avx512(token) => x86_64::lookup_avx512(token, table, index).simd_into(simd),
+        _ => part(
+            simd,
+            #[inline(always)]
+            || i32x16::from_fn(simd, |lane| table[usize::from(index[lane] & 63)]),
+        ),
+    }
+}
+
+/// 16 entries of a table of 128; indices are taken modulo 128.
+#[inline(always)]
+pub fn lookup_128<S: Simd>(simd: S, table: &[i32; 128], index: i32x16<S>) -> i32x16<S> {
+    match simd.level() {
+        #[cfg(target_arch = "x86_64")]
+        Level::Avx512(token) => x86_64::lookup_128_avx512(token, table, index.into()).simd_into(simd),
+        _ => part(
+            simd,
+            #[inline(always)]
+            || i32x16::from_fn(simd, |lane| table[(index[lane] & 127) as usize]),
+        ),
+    }
+}
+
+/// Writes the chosen lanes to `to`, one after another from place `at` on; there must be room for all 16.
+#[inline(always)]
+pub fn append<S: Simd>(simd: S, to: &mut [i32], at: usize, lanes: u32, from: i32x16<S>) {
+    let to = &mut to[at..at + LANES];
+    match simd.level() {
+        #[cfg(target_arch = "x86_64")]
+        Level::Avx512(token) => {
+            let together: i32x16<S> =
+                x86_64::compress_avx512(token, lanes as u16, from.into()).simd_into(simd);
+            together.store_slice(to);
+        }
+        #[cfg(target_arch = "x86_64")]
+        Level::Avx2(token) => {
+            let (low, high) = from.split();
+            let low: i32x8<S> = x86_64::compress_avx2(token, lanes as u8, low.into()).simd_into(simd);
+            let high: i32x8<S> =
+                x86_64::compress_avx2(token, (lanes >> 8) as u8, high.into()).simd_into(simd);
+            let middle = (lanes & 0xff).count_ones() as usize;
+            low.store_slice(&mut to[..8]);
+            high.store_slice(&mut to[middle..middle + 8]);
+        }
+        _ => move_to_front(to, lanes, &from.to_array()),
+    }
+}
+
+/// Writes the chosen bytes to `to`, one after another from place `at` on; there must be room for all 16.
+#[inline(always)]
+pub fn append_bytes<S: Simd>(simd: S, to: &mut [u8], at: usize, lanes: u32, from: u8x16<S>) {
+    let to = &mut to[at..at + LANES];
+    match simd.level() {
+        #[cfg(target_arch = "x86_64")]
+        Level::Avx512(token) => {
+            let together: u8x16<S> =
+                x86_64::compress_bytes_avx512(token, lanes as u16, from.into()).simd_into(simd);
+            together.store_slice(to);
+        }
+        #[cfg(target_arch = "x86_64")]
+        Level::Avx2(token) => {
+            let both = u128::from_le_bytes(from.to_array());
+            let low = x86_64::compress_bytes_avx2(token, lanes as u8, both as u64);
+            let high = x86_64::compress_bytes_avx2(token, (lanes >> 8) as u8, (both >> 64) as u64);
+            let middle = (lanes & 0xff).count_ones() as usize;
+            to[..8].copy_from_slice(&low.to_le_bytes());
+            to[middle..middle + 8].copy_from_slice(&high.to_le_bytes());
+        }
+        _ => move_to_front(to, lanes, &from.to_array()),
+    }
+}
+
+/// The chosen lanes, one after another.
+#[inline(always)]
+fn move_to_front<T: Copy>(to: &mut [T], lanes: u32, from: &[T; LANES]) {
+    let (mut left, mut count) = (lanes & 0xffff, 0);
+    while left != 0 {
+        to[count] = from[left.trailing_zeros() as usize];
+        count += 1;
+        left &= left - 1;
+    }
+}
+
+/// Asks the memory for some elements that will be read soon; those outside the slice are left out.
+#[inline(always)]
+pub fn prefetch<T>(from: &[T], first: usize, count: usize) {
+    let Some(from) = from.get(first..(first + count).min(from.len())) else { return };
+    let bytes = size_of_val(from);
+    let mut at = 0;
+    while at < bytes {
+        #[cfg(target_arch = "x86_64")]
+        // SAFETY: a prefetch reads nothing that the program could see, and never faults.
+        unsafe {
+            use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
+            _mm_prefetch::<_MM_HINT_T0>(from.as_ptr().cast::<i8>().wrapping_add(at));
+        }
+        at += CACHE_LINE;
+    }
+}
+
+/// Bytes that come from memory together.
+const CACHE_LINE: usize = 64;

@@ -1,0 +1,125 @@
+//! Kernels of x86-64 that `fearless_simd` has no words for: tables in registers, lanes moved together.
+
+use fearless_simd::prelude::*;
+use fearless_simd::{i32x16, u8x16, u8x64};
+
+fearless_simd::kernel!(
+    /// 16 entries of a table of 64 that stays in four registers.
+    #[inline]
+    pub fn lookup_avx512(avx512: Avx512, table: &[i32; 64], index: &[u8; 16]) -> std::arch::x86_64::__m512i {
+        use std::arch::x86_64::*;
+        let part = |k: usize| -> __m512i { i32x16::from_slice(avx512, &table[16 * k..16 * k + 16]).into() };
+        let packed: __m128i = u8x16::from_slice(avx512, index).into();
+        let wide = _mm512_cvtepu8_epi32(packed);
+        let low = _mm512_permutex2var_epi32(part(0), wide, part(1));
+        let high = _mm512_permutex2var_epi32(part(2), wide, part(3));
+        let upper = _mm512_test_epi32_mask(wide, _mm512_set1_epi32(32));
+        _mm512_mask_blend_epi32(upper, low, high)
+    }
+);
+
+fearless_simd::kernel!(
+    /// 16 entries of a table of 128 bytes that stays in two registers.
+    #[inline]
+    pub fn lookup_bytes_avx512(
+        avx512: Avx512,
+        table: &[u8; 128],
+        index: &[u8; 16],
+    ) -> std::arch::x86_64::__m128i {
+        use std::arch::x86_64::*;
+        let part = |k: usize| -> __m512i { u8x64::from_slice(avx512, &table[64 * k..64 * k + 64]).into() };
+        let index: __m128i = u8x16::from_slice(avx512, index).into();
+        _mm512_castsi512_si128(_mm512_permutex2var_epi8(part(0), _mm512_castsi128_si512(index), part(1)))
+    }
+);
+
+fearless_simd::kernel!(
+    /// 16 entries of a table of 128 that stays in eight registers.
+    #[inline]
+    pub fn lookup_128_avx512(
+        avx512: Avx512,
+        table: &[i32; 128],
+        index: std::arch::x86_64::__m512i,
+    ) -> std::arch::x86_64::__m512i {
+        use std::arch::x86_64::*;
+        let part = |k: usize| -> __m512i { i32x16::from_slice(avx512, &table[16 * k..16 * k + 16]).into() };
+        let pair = |k: usize| -> __m512i { _mm512_permutex2var_epi32(part(2 * k), index, part(2 * k + 1)) };
+        let odd = _mm512_test_epi32_mask(index, _mm512_set1_epi32(32));
+        let upper = _mm512_test_epi32_mask(index, _mm512_set1_epi32(64));
+        let low = _mm512_mask_blend_epi32(odd, pair(0), pair(1));
+        let high = _mm512_mask_blend_epi32(odd, pair(2), pair(3));
+        _mm512_mask_blend_epi32(upper, low, high)
+    }
+);
+
+fearless_simd::kernel!(
+    /// The chosen lanes, moved together to the front.
+    #[inline]
+    pub fn compress_avx512(
+        avx512: Avx512,
+        lanes: u16,
+        from: std::arch::x86_64::__m512i,
+    ) -> std::arch::x86_64::__m512i {
+        let _ = avx512;
+        std::arch::x86_64::_mm512_maskz_compress_epi32(lanes, from)
+    }
+);
+
+/// Numbers of the bits that are set in a number, lowest first.
+static SET_BITS: [[u8; 8]; 256] = set_bits();
+
+const fn set_bits() -> [[u8; 8]; 256] {
+    let mut all = [[0; 8]; 256];
+    let mut number = 0;
+    while number < 256 {
+        let (mut bit, mut count) = (0, 0);
+        while bit < 8 {
+            if number >> bit & 1 == 1 {
+                all[number][count] = bit as u8;
+                count += 1;
+            }
+            bit += 1;
+        }
+        number += 1;
+    }
+    all
+}
+
+fearless_simd::kernel!(
+    /// The chosen lanes, moved together to the front.
+    #[inline]
+    pub fn compress_avx2(
+        avx2: Avx2,
+        lanes: u8,
+        from: std::arch::x86_64::__m256i,
+    ) -> std::arch::x86_64::__m256i {
+        use std::arch::x86_64::*;
+        let _ = avx2;
+        let order = _mm_cvtsi64_si128(i64::from_le_bytes(SET_BITS[lanes as usize]));
+        _mm256_permutevar8x32_epi32(from, _mm256_cvtepu8_epi32(order))
+    }
+);
+
+fearless_simd::kernel!(
+    /// Of eight bytes the chosen ones, moved together to the front.
+    #[inline]
+    pub fn compress_bytes_avx2(avx2: Avx2, lanes: u8, from: u64) -> u64 {
+        use std::arch::x86_64::*;
+        let _ = avx2;
+        let order = _mm_cvtsi64_si128(i64::from_le_bytes(SET_BITS[lanes as usize]));
+        _mm_cvtsi128_si64(_mm_shuffle_epi8(_mm_cvtsi64_si128(from as i64), order)) as u64
+    }
+);
+
+fearless_simd::kernel!(
+    /// The chosen bytes, moved together to the front.
+    #[inline]
+    pub fn compress_bytes_avx512(
+        avx512: Avx512,
+        lanes: u16,
+        from: std::arch::x86_64::__m128i,
+    ) -> std::arch::x86_64::__m128i {
+        let _ = avx512;
+        std::arch::x86_64::_mm_maskz_compress_epi8(lanes, from)
+    }
+);
