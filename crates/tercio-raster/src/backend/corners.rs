@@ -6,10 +6,8 @@ use tercio_mesh::{ClusteredMesh, Mesh};
 use tercio_scene::Surface;
 
 use super::light::Vec3x16;
-use super::memory::TileMemory;
 use crate::color::DECODE;
 use crate::context::FrameContext;
-use crate::conventions::{SAMPLE, SUBPIXELS};
 use crate::frontend::transform::project;
 use crate::simd::{LANES, each3, part, splat, splat_i};
 use crate::view::ObjectView;
@@ -19,12 +17,8 @@ use crate::view::ObjectView;
 pub struct Fragments {
     /// Lanes that hold a pixel; the others repeat the first.
     pub count: usize,
-    /// Pixel columns in the picture.
-    pub x: [i32; LANES],
-    /// Pixel rows in the picture.
-    pub y: [i32; LANES],
     /// Places in the tile.
-    pub place: [u32; LANES],
+    pub place: [i32; LANES],
     /// Triangles.
     pub slot: [u32; LANES],
     /// Depths.
@@ -34,10 +28,8 @@ pub struct Fragments {
 impl Fragments {
     /// Adds a pixel; tells whether all lanes are taken.
     #[inline(always)]
-    pub fn push(&mut self, x: i32, y: i32, place: u32, slot: u32, depth: f32) -> bool {
+    pub fn push(&mut self, place: i32, slot: u32, depth: f32) -> bool {
         let lane = self.count % LANES;
-        self.x[lane] = x;
-        self.y[lane] = y;
         self.place[lane] = place;
         self.slot[lane] = slot;
         self.depth[lane] = depth;
@@ -45,29 +37,9 @@ impl Fragments {
         self.count == LANES
     }
 
-    /// Takes pixels and places of 16 samples of a tile, given by their places.
-    #[inline(always)]
-    pub fn at_places<S: Simd>(&mut self, memory: &TileMemory, places: i32x16<S>) {
-        let [x, y] = memory.column_and_row(places);
-        (x + memory.corner[0]).store_slice(&mut self.x);
-        (y + memory.corner[1]).store_slice(&mut self.y);
-        places.bitcast::<u32x16<S>>().store_slice(&mut self.place);
-    }
-
-    /// Screen coordinates of the samples.
-    #[inline(always)]
-    pub fn samples<S: Simd>(&self, simd: S) -> [i32x16<S>; 2] {
-        [
-            i32x16::load_array_ref(simd, &self.x) * SUBPIXELS + SAMPLE,
-            i32x16::load_array_ref(simd, &self.y) * SUBPIXELS + SAMPLE,
-        ]
-    }
-
     /// Repeats the first pixel in the lanes that hold none.
     pub fn fill_up(&mut self) {
         for lane in self.count..LANES {
-            self.x[lane] = self.x[0];
-            self.y[lane] = self.y[0];
             self.place[lane] = self.place[0];
             self.slot[lane] = self.slot[0];
             self.depth[lane] = self.depth[0];

@@ -138,13 +138,6 @@ impl TileMemory {
         lanes
     }
 
-    /// The pixel of the picture whose sample has a place.
-    #[inline(always)]
-    pub fn pixel(&self, place: usize) -> [i32; 2] {
-        let [column, row] = [place & (self.stride() - 1), place >> self.stride_bits];
-        [self.corner[0] + column as i32, self.corner[1] + row as i32]
-    }
-
     /// The last column in which a stamp may begin.
     #[inline(always)]
     pub fn last_column_of_stamps<const WIDTH: usize>(&self) -> i32 {

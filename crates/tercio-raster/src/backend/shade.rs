@@ -4,7 +4,7 @@
 //! projects them again as the front end did, and interpolates between them.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, i32x16, mask32x16, u32x16};
+use fearless_simd::{Simd, mask32x16, u32x16};
 use tercio_mesh::cluster::MAX_TRIANGLES;
 use tercio_scene::Instance;
 
@@ -19,6 +19,7 @@ use super::plain;
 use super::table::{ClusterTable, look_up_colors};
 use crate::color::encode16;
 use crate::context::{FrameContext, NO_SLOT};
+use crate::conventions::{SAMPLE, SUBPIXELS};
 use crate::frame::visibility_key;
 use crate::settings::Shading;
 use crate::simd::{LANES, cross, dot, each3, part, row, splat};
@@ -52,20 +53,19 @@ pub fn tile<S: Simd>(
         while left != 0 {
             let lane = left.trailing_zeros() as usize % LANES;
             left &= left - 1;
-            let (slot, place) = (slots[lane], places[lane] as usize);
-            let [x, y] = memory.pixel(place);
+            let (slot, place) = (slots[lane], places[lane]);
             counts.pixels_shaded += 1;
             let (own, _) = context.locate(slot / MAX_TRIANGLES as u32);
             if own != instance {
-                flush(simd, context, instance, &mut fragments, pixels, planes);
+                flush(simd, context, instance, &mut fragments, memory, pixels, planes);
                 instance = own;
             }
-            if fragments.push(x, y, place as u32, slot, memory.depth[place]) {
-                flush(simd, context, instance, &mut fragments, pixels, planes);
+            if fragments.push(place, slot, memory.depth[place as usize]) {
+                flush(simd, context, instance, &mut fragments, memory, pixels, planes);
             }
         }
     }
-    flush(simd, context, instance, &mut fragments, pixels, planes);
+    flush(simd, context, instance, &mut fragments, memory, pixels, planes);
 }
 
 /// Blocks of 4x4 samples that show one triangle: of a large one there are many in a row, and its corners are fetched once.
@@ -94,18 +94,21 @@ impl<S: Simd> WholeBlocks<S> {
         pixels: &mut TilePixels,
         planes: &Planes,
     ) {
-        let mut fragments = Fragments { count: LANES, slot: [slot; LANES], ..Fragments::default() };
-        for lane in 0..LANES {
-            fragments.depth[lane] = memory.depth[places[lane] as usize];
-        }
-        fragments.at_places(memory, i32x16::load_array(simd, places));
+        let mut fragments =
+            Fragments { count: LANES, place: places, slot: [slot; LANES], ..Fragments::default() };
         if self.slot != Some(slot) {
             self.slot = Some(slot);
             (self.instance, _) = context.locate(slot / MAX_TRIANGLES as u32);
             self.corners = fetch(simd, context, self.instance, &fragments);
         }
         let look = Look::of(context, self.instance, false, planes);
-        shade(simd, context, self.instance, look, &fragments, &self.corners, pixels, planes);
+        if look.more {
+            for lane in 0..LANES {
+                fragments.depth[lane] = memory.depth[places[lane] as usize];
+            }
+        }
+        let at = At { memory, first_sample: first_sample(memory) };
+        shade(simd, context, self.instance, look, &fragments, at, &self.corners, pixels, planes);
     }
 }
 
@@ -128,6 +131,7 @@ fn flush<S: Simd>(
     context: &FrameContext,
     instance: usize,
     fragments: &mut Fragments,
+    memory: &TileMemory,
     pixels: &mut TilePixels,
     planes: &Planes,
 ) {
@@ -137,7 +141,8 @@ fn flush<S: Simd>(
     fragments.fill_up();
     let look = Look::of(context, instance, false, planes);
     let corners = fetch(simd, context, instance, fragments);
-    shade(simd, context, instance, look, fragments, &corners, pixels, planes);
+    let at = At { memory, first_sample: first_sample(memory) };
+    shade(simd, context, instance, look, fragments, at, &corners, pixels, planes);
     fragments.count = 0;
 }
 
@@ -182,12 +187,11 @@ pub fn winners<S: Simd>(
             if look == Look::PLAIN && !pass.vertices.is_wide {
                 return plain::winners(simd, context, instance, pass, memory, table, pixels);
             }
-            let first_sample = pass.vertices.sample_of(memory.corner);
+            let at = At { memory, first_sample: pass.vertices.sample_of(memory.corner) };
             for first in (0..count).step_by(LANES) {
                 let (places, triangles) = pass.winners.sixteen(first);
                 fragments.count = (count - first).min(LANES);
-                fragments.place = places.map(|place| place as u32);
-                let sample = memory.samples(simd, places, first_sample);
+                fragments.place = *places;
                 let (numbers, mut corners) = table.look_up(simd, &pass.vertices, &pass.corners, triangles);
                 if look.position {
                     table.look_up_positions(simd, &numbers, &mut corners);
@@ -198,39 +202,35 @@ pub fn winners<S: Simd>(
                     fragments.slot[lane] = number * MAX_TRIANGLES as u32 + u32::from(triangles[lane]);
                     fragments.depth[lane] = memory.depth[places[lane] as usize];
                 }
-                shade_at(simd, context, instance, look, fragments, sample, &corners, pixels, planes);
+                shade(simd, context, instance, look, fragments, at, &corners, pixels, planes);
             }
         },
     );
 }
 
-/// Shades 16 pixels whose corners are counted from the picture's.
+/// Where 16 pixels are.
+#[derive(Clone, Copy)]
+struct At<'a> {
+    memory: &'a TileMemory,
+    /// The tile's first sample, in the coordinates of the corners.
+    first_sample: [i32; 2],
+}
+
+/// The first sample of a tile, counted from the picture's corner.
+fn first_sample(memory: &TileMemory) -> [i32; 2] {
+    memory.corner.map(|c| c * SUBPIXELS + SAMPLE)
+}
+
+/// Shades 16 pixels of any look. Not inlined, so that the kernel is compiled once a level.
 #[expect(clippy::too_many_arguments, reason = "a struct would only rename them")]
-#[inline(always)]
+#[inline(never)]
 fn shade<S: Simd>(
     simd: S,
     context: &FrameContext,
     instance: usize,
     look: Look,
     fragments: &Fragments,
-    corners: &Corners<S>,
-    pixels: &mut TilePixels,
-    planes: &Planes,
-) {
-    let sample = fragments.samples(simd);
-    shade_at(simd, context, instance, look, fragments, sample, corners, pixels, planes);
-}
-
-/// Shades 16 pixels of any look. Not inlined, so that the kernel is compiled once a level.
-#[expect(clippy::too_many_arguments, reason = "a struct would only rename them")]
-#[inline(never)]
-fn shade_at<S: Simd>(
-    simd: S,
-    context: &FrameContext,
-    instance: usize,
-    look: Look,
-    fragments: &Fragments,
-    sample: [i32x16<S>; 2],
+    at: At,
     corners: &Corners<S>,
     pixels: &mut TilePixels,
     planes: &Planes,
@@ -240,6 +240,7 @@ fn shade_at<S: Simd>(
         || {
             let surface = &context.scene.instances[instance].surface;
             let object = &context.objects[instance];
+            let sample = at.memory.samples(simd, &fragments.place, at.first_sample);
             let at = Interpolation::new(simd, object, sample, corners);
             let zero = [splat(simd, 0.0); 3];
 

@@ -173,7 +173,8 @@ impl Predict {
         );
         let mut text = table(&head, &frame.phases(), frame.total());
         let _ = writeln!(text, "{:16} {:>12}    {:>12}    busiest over mean", "all ranks", "busiest", "mean");
-        let stages: [(&str, fn(&RankSeconds) -> f64); 5] = [
+        type Stage = (&'static str, fn(&RankSeconds) -> f64);
+        let stages: [Stage; 5] = [
             ("drawing", |r| r.draw),
             ("composing", |r| r.compose),
             ("collecting", |r| r.collect),
