@@ -99,12 +99,12 @@ impl Renderer {
         let simd = settings.simd.unwrap_or_else(SimdLevel::best);
         let Some(level) = simd.level() else { unreachable!("checked above") };
         let view = View::new(camera, &scene.bounds(), settings.width, settings.height)?;
-        let tile_size = settings.tile_edge();
+        let threads = rayon::current_num_threads();
+        let tile_size = settings.tile_edge_for(threads);
         let grid = TileGrid::new(settings.width, settings.height, tile_size, settings.tiles);
         let context = FrameContext::new(scene, settings, view, grid)?;
         frame.resize(settings);
 
-        let threads = rayon::current_num_threads();
         let drawn = settings.clusters.range(context.clusters());
         let clusters = drawn.len();
         let batches = clusters.div_ceil(LEAST_CLUSTERS).min(threads * BATCHES_A_THREAD);

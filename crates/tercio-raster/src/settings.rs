@@ -263,6 +263,11 @@ pub struct Settings {
     pub simd: Option<SimdLevel>,
 }
 
+/// Pixels along the edge of the smallest tile that is not asked for.
+const SMALLEST_TILE: u32 = 16;
+/// Tiles of which there should be so many for each thread.
+const TILES_A_THREAD: u64 = 8;
+
 impl Settings {
     /// A picture of this size, everything else by default.
     pub fn new(width: u32, height: u32) -> Self {
@@ -287,10 +292,25 @@ impl Settings {
     /// of small pictures better; in large ones clusters reach into fewer tiles.
     pub fn tile_edge(&self) -> u32 {
         self.tile_size.unwrap_or(match u64::from(self.width) * u64::from(self.height) {
-            0..=0x4_0000 => 32,
-            0x4_0001..=0x8_0000 => 64,
+            0..=0x4000 => SMALLEST_TILE,
+            0x4001..=0x1_0000 => 32,
+            0x1_0001..=0x8_0000 => 64,
             _ => 128,
         })
+    }
+
+    /// The same where some threads share the tiles: small enough for each to get several, because no two tiles are
+    /// the same work.
+    pub fn tile_edge_for(&self, threads: usize) -> u32 {
+        let mut edge = self.tile_edge();
+        let tiles = |edge| u64::from(self.width.div_ceil(edge)) * u64::from(self.height.div_ceil(edge));
+        while self.tile_size.is_none()
+            && edge > SMALLEST_TILE
+            && tiles(edge) < TILES_A_THREAD * threads as u64
+        {
+            edge /= 2;
+        }
+        edge
     }
 
     /// Tells whether these settings make a picture on this processor.
@@ -318,5 +338,22 @@ impl Settings {
             return setting("SIMD level", range, level.to_string());
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tiles_get_smaller_with_the_picture_and_with_more_threads() {
+        let edge = |width, height, threads| Settings::new(width, height).tile_edge_for(threads);
+        assert_eq!([64, 256, 512, 1024].map(|size| edge(size, size, 2)), [16, 32, 64, 128]);
+        // 64, 256, 1024 and 4096 tiles.
+        assert_eq!([8, 9, 128, 1000].map(|threads| edge(1024, 1024, threads)), [128, 64, 32, 16]);
+        assert_eq!(edge(16384, 16384, 1000), 128);
+        assert_eq!(edge(1, 1, 1000), 16);
+        let asked = Settings { tile_size: Some(64), ..Settings::new(64, 64) };
+        assert_eq!(asked.tile_edge_for(1000), 64);
     }
 }

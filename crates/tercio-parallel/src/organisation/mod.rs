@@ -106,7 +106,9 @@ impl Rank {
             frame.keys = std::mem::take(&mut self.keys);
         }
         let outputs = Outputs { keys: true, ..task.settings.outputs };
-        let settings = Settings { clusters, tiles, outputs, ..task.settings.clone() };
+        // Tiles are the regions: the same for every rank, however many threads it has.
+        let tile_size = Some(task.settings.tile_edge());
+        let settings = Settings { clusters, tiles, outputs, tile_size, ..task.settings.clone() };
         let Self { pool, renderer, .. } = self;
         report.clusters = clusters.range(clusters_of(task.scene)).len() as u64;
         let (stage, drawn) = pool.install(|| {

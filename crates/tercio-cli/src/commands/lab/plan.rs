@@ -137,7 +137,14 @@ impl PictureArgs {
         let settings =
             Settings { sorting, tile_size: self.tile_size, ..Settings::new(self.size.0, self.size.1) };
         let counted = count(&scene, &camera, &settings, threads)?;
-        Ok(Counted { size: self.size, tile_size: settings.tile_edge(), counted, scene, camera, settings })
+        Ok(Counted {
+            size: self.size,
+            tile_size: settings.tile_edge_for(threads),
+            counted,
+            scene,
+            camera,
+            settings,
+        })
     }
 }
 

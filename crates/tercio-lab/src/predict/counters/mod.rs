@@ -245,6 +245,7 @@ pub fn count(
     settings: &Settings,
     threads: usize,
 ) -> Result<Counted, PredictError> {
+    let settings = &Settings { tile_size: Some(settings.tile_edge_for(threads)), ..settings.clone() };
     let frame = Frame::new(scene, camera, settings)?;
     let mut sum = Counters::default();
     let bins = front_end::sort(&frame, &mut sum);
