@@ -29,12 +29,20 @@ pub fn pool(asked: Option<usize>) -> Result<ThreadPool> {
 /// that starts it, because processes of one machine have been given different processors to begin with.
 #[cfg(target_os = "linux")]
 mod processor {
-    use rustix::thread::{CpuSet, sched_getaffinity, sched_getcpu, sched_setaffinity};
+    use rustix::thread::{CpuSet, sched_getaffinity, sched_setaffinity};
 
-    /// The processor of this thread, among those that it may use.
+    /// The processor of this thread, counted among those that it may use; 0 where the system does not tell.
     pub fn current() -> usize {
-        let Ok(allowed) = sched_getaffinity(None) else { return 0 };
-        (0..sched_getcpu()).filter(|&i| allowed.is_set(i)).count()
+        let stat = std::fs::read_to_string("/proc/thread-self/stat").unwrap_or_default();
+        let processor = in_stat(&stat).unwrap_or(0);
+        sched_getaffinity(None).map_or(0, |allowed| (0..processor).filter(|&i| allowed.is_set(i)).count())
+    }
+
+    /// The processor in a thread's status: field 39, while the second, a name in brackets, may have spaces.
+    pub(super) fn in_stat(stat: &str) -> Option<usize> {
+        let (_, fields) = stat.rsplit_once(')')?;
+        let processor = fields.split_whitespace().nth(36)?.parse().ok()?;
+        Some(processor).filter(|&p| p < CpuSet::MAX_CPU)
     }
 
     /// Moves this thread to one of the processors that it may use; they are counted round.
@@ -93,6 +101,17 @@ fn limit(system: usize, slurm: Option<&str>) -> usize {
 #[cfg(test)]
 mod tests {
     use super::{limit, processors};
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn the_processor_of_a_thread_is_told() {
+        use super::processor::in_stat;
+        let fields: Vec<_> = (3..=52).map(|field| field.to_string()).collect();
+        assert_eq!(in_stat(&format!("7 (a (b) c) {}", fields.join(" "))), Some(39));
+        assert_eq!(["", "7 (a) 1 2 3", &format!("7 (a) {}", "x ".repeat(50))].map(in_stat), [None; 3]);
+        let own = std::fs::read_to_string("/proc/thread-self/stat").expect("Linux tells");
+        assert!(in_stat(&own).is_some(), "{own}");
+    }
 
     #[test]
     fn lists_of_processors_are_counted() {
