@@ -20,8 +20,8 @@ pub enum Operation {
     Entry,
     /// One tile begun, finished and written.
     Tile,
-    /// One block of 4x4 samples tested against a polygon that is drawn by itself.
-    Block,
+    /// One stamp of 16 samples (rows of 8 or 16) tested against a polygon that is drawn by itself.
+    Stamp,
     /// One scan line of one polygon.
     Segment,
     /// One pixel of one polygon, seen or not.
@@ -42,8 +42,8 @@ pub enum Operation {
     SetUp,
     /// One sample of each of up to 16 small triangles looked at.
     SampleStep,
-    /// One block of 4x4 samples tested against a larger triangle of a cluster.
-    ClusterBlock,
+    /// One stamp of 16 samples (rows of 8 or 16) tested against a larger triangle of a cluster.
+    ClusterStamp,
     /// One polygon drawn into one tile by itself.
     DrawnEntry,
     /// One sample of a tile that is not empty, cleared and looked through.
@@ -97,7 +97,7 @@ impl Operation {
             Self::PolygonSetUp => "polygon-set-up",
             Self::Entry => "entry",
             Self::Tile => "tile",
-            Self::Block => "block",
+            Self::Stamp => "stamp",
             Self::Segment => "segment",
             Self::Pixel => "pixel",
             Self::ShadedPixel => "shaded-pixel",
@@ -108,7 +108,7 @@ impl Operation {
             Self::ClusterTriangle => "cluster-triangle",
             Self::SetUp => "set-up",
             Self::SampleStep => "sample-step",
-            Self::ClusterBlock => "cluster-block",
+            Self::ClusterStamp => "cluster-stamp",
             Self::DrawnEntry => "drawn-entry",
             Self::TileSample => "tile-sample",
             Self::ClusterShaded => "cluster-shaded",

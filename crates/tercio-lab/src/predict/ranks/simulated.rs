@@ -67,9 +67,9 @@ impl Work {
             let polygon = geometry / c.triangles.max(1) as f64;
             Costs { polygon, set_up: 0.0, entry: 0.0, pixel: one.raster / box_pixels, ..costs }
         } else {
-            // Such a machine may test blocks of samples; the simulator counts the samples of boxes.
-            let blocks = c.stamps_alone as f64 * machine.seconds_or_0(Operation::Block);
-            Costs { pixel: costs.pixel + blocks / box_pixels, ..costs }
+            // Such a machine may test stamps of samples; the simulator counts the samples of boxes.
+            let stamps = c.stamps_alone as f64 * machine.seconds_or_0(Operation::Stamp);
+            Costs { pixel: costs.pixel + stamps / box_pixels, ..costs }
         };
         let picture = one.picture - machine.seconds_or_0(Operation::Frame);
         Ok(Self { costs, shading: one.shading, picture })
