@@ -2,6 +2,7 @@
 
 use std::time::Instant;
 
+use serde::{Deserialize, Serialize};
 use tercio_raster::Frame;
 
 use crate::comm::Communicator;
@@ -9,10 +10,19 @@ use crate::organisation::{Rank, Task};
 use crate::report::FrameReport;
 use crate::{ParallelError, RankReport};
 
+/// What a rank tells rank 0.
+#[derive(Serialize, Deserialize)]
+struct Told {
+    /// When it began, by the [clock of its machine](machine_clock).
+    began: Option<u64>,
+    report: RankReport,
+}
+
 /// Draws a frame together with the other ranks, which have to call this with the same task. On rank 0 `frame` then is
 /// the picture, with the bytes that one renderer gives, and what all ranks did is returned; the others get `None`.
 ///
-/// The ranks' reports travel after the frame, as JSON: neither their messages nor their time count.
+/// The ranks' reports travel after the frame, as JSON: neither their messages nor their time count. The frame's time
+/// begins with the first rank of rank 0's machine.
 ///
 /// # Errors
 /// [`ParallelError`]: what this rank cannot do, or that another one is gone.
@@ -22,12 +32,14 @@ pub fn draw_frame(
     task: &Task,
     frame: &mut Frame,
 ) -> Result<Option<FrameReport>, ParallelError> {
+    let came = machine_clock();
     comm.barrier()?;
-    let begin = Instant::now();
+    let (begin, began) = (Instant::now(), machine_clock());
     let report = own.draw_into(comm, task, frame)?;
-    let milliseconds = begin.elapsed().as_secs_f64() * 1e3;
+    let since_own = begin.elapsed().as_secs_f64() * 1e3;
     let rank = comm.rank();
-    let written = if rank == 0 { Ok(Vec::new()) } else { serde_json::to_vec(&report) };
+    let told = Told { began, report };
+    let written = if rank == 0 { Ok(Vec::new()) } else { serde_json::to_vec(&told) };
     let messages =
         comm.gather(comm.size(), written.map_err(|error| ParallelError::Report { rank, error })?)?;
     if rank > 0 {
@@ -37,8 +49,55 @@ pub fn draw_frame(
         serde_json::from_slice(&message).map_err(|error| ParallelError::Report { rank, error })
     };
     let others = (1..).zip(messages).map(read);
-    let ranks = std::iter::once(Ok(report)).chain(others).collect::<Result<Vec<RankReport>, _>>()?;
+    let all = std::iter::once(Ok(told)).chain(others).collect::<Result<Vec<Told>, _>>()?;
+    let earlier = match came.zip(began) {
+        Some((came, began)) => began - first(came, began, all.iter().filter_map(|told| told.began)),
+        None => 0,
+    };
+    let milliseconds = since_own + earlier as f64 * 1e-6;
+    let ranks = all.into_iter().map(|told| told.report).collect();
     let report = FrameReport::new(task.organisation, task.settings.tile_edge(), milliseconds, ranks);
     frame.stats = report.stats();
     Ok(Some(report))
+}
+
+/// Nanoseconds of a clock that all processes of a machine read alike, where there is one.
+fn machine_clock() -> Option<u64> {
+    #[cfg(unix)]
+    {
+        let t = rustix::time::clock_gettime(rustix::time::ClockId::Monotonic);
+        Some(u64::try_from(t.tv_sec).ok()? * 1_000_000_000 + u64::try_from(t.tv_nsec).ok()?)
+    }
+    #[cfg(not(unix))]
+    None
+}
+
+/// When the first rank began. Where ranks share processors rank 0 may be the last, but nobody begins before rank 0
+/// has come to where they wait for each other: another time is told by the clock of another machine.
+fn first(came: u64, began: u64, others: impl Iterator<Item = u64>) -> u64 {
+    others.filter(|other| (came..began).contains(other)).min().unwrap_or(began)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_frame_begins_with_the_first_rank_of_the_machine() {
+        let first = |others: &[u64]| first(100, 200, others.iter().copied());
+        assert_eq!(first(&[]), 200);
+        assert_eq!(first(&[300, 180, 150]), 150);
+        // Clocks of other machines.
+        assert_eq!(first(&[7, 190]), 190);
+        assert_eq!(first(&[99, 1 << 60]), 200);
+    }
+
+    #[test]
+    #[cfg(unix)]
+    fn the_clock_of_the_machine_runs_as_fast_as_others() {
+        let (begin, began) = (Instant::now(), machine_clock().unwrap());
+        std::thread::sleep(std::time::Duration::from_millis(20));
+        let passed = machine_clock().unwrap() - began;
+        assert!((20_000_000..=begin.elapsed().as_nanos() as u64).contains(&passed), "{passed}");
+    }
 }
