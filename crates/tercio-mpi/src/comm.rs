@@ -6,6 +6,7 @@ use std::fmt;
 use tercio_parallel::comm::{CommError, Communicator, Traffic};
 
 use crate::raw::{Envelope, Failed, Link, Outgoing};
+use crate::spare::Spare;
 use crate::waiting::until;
 
 /// A message, or its last part.
@@ -30,6 +31,8 @@ pub struct MpiComm {
     outgoing: Vec<Outgoing>,
     /// From each rank.
     arrived: Vec<Arrived>,
+    /// Memory of messages that were sent or read.
+    spare: Spare,
     traffic: Traffic,
     part_bytes: usize,
 }
@@ -47,7 +50,10 @@ struct Arrived {
 impl MpiComm {
     pub(crate) fn new(link: Link) -> Self {
         let arrived = (0..link.size()).map(|_| Arrived::default()).collect();
-        Self { link, outgoing: Vec::new(), arrived, traffic: Traffic::default(), part_bytes: PART_BYTES }
+        // A frame sends and takes one message a rank, or two.
+        let spare = Spare::new(4 * link.size());
+        let traffic = Traffic::default();
+        Self { link, outgoing: Vec::new(), arrived, spare, traffic, part_bytes: PART_BYTES }
     }
 
     /// Sends messages in parts of so many bytes, 1 to 2^31 - 1, instead of 2^30. Ranks need not agree.
@@ -88,13 +94,13 @@ impl MpiComm {
         Ok(())
     }
 
-    /// Frees messages that MPI has moved.
+    /// Puts the memory of messages that MPI has moved aside.
     fn forget_sent(&mut self) -> Result<(), CommError> {
         let mut at = 0;
         while at < self.outgoing.len() {
             let to = self.outgoing[at].to;
             if self.outgoing[at].is_done().map_err(transport(to))? {
-                self.outgoing.swap_remove(at);
+                self.spare.put(self.outgoing.swap_remove(at).into_bytes());
             } else {
                 at += 1;
             }
@@ -106,8 +112,14 @@ impl MpiComm {
     fn take(&mut self, from: Option<usize>) -> Result<Option<Envelope>, CommError> {
         // Errors of a message of any rank are told as those of this one.
         let rank = from.unwrap_or(self.rank());
-        let arrived = &mut self.arrived;
-        let taken = self.link.take(from, |e: Envelope| &mut arrived[e.from].unfinished);
+        let (arrived, spare) = (&mut self.arrived, &mut self.spare);
+        let taken = self.link.take(from, |e: Envelope, bytes| {
+            let place = &mut arrived[e.from].unfinished;
+            if bytes > 0 && place.capacity() == 0 {
+                *place = spare.take(bytes);
+            }
+            place
+        });
         let taken = taken.map_err(transport(rank))?;
         if let Some(Envelope { from, tag }) = taken {
             let arrived = &mut self.arrived[from];
@@ -190,6 +202,19 @@ impl Communicator for MpiComm {
         self.traffic.taken_messages += 1;
         self.traffic.taken_bytes += message.len() as u64;
         Ok(message)
+    }
+
+    fn buffer(&mut self, _: usize) -> Vec<u8> {
+        // What was sent for the frame before has arrived by now.
+        if self.spare.is_empty() {
+            // The message itself tells what fails.
+            self.forget_sent().ok();
+        }
+        self.spare.take(0)
+    }
+
+    fn give_back(&mut self, _: usize, message: Vec<u8>) {
+        self.spare.put(message);
     }
 
     fn traffic(&self) -> Traffic {

@@ -17,6 +17,8 @@ pub mod launch;
 #[cfg(feature = "mpi")]
 mod raw;
 #[cfg(feature = "mpi")]
+mod spare;
+#[cfg(feature = "mpi")]
 mod waiting;
 
 #[cfg(feature = "mpi")]

@@ -106,14 +106,14 @@ impl Link {
     }
 
     /// Takes the next message of a rank, or of any, if one is here: its bytes are put behind those of the `Vec` that
-    /// `place` gives for it.
+    /// `place` gives for it and their number.
     pub fn take<'a>(
         &self,
         from: Option<usize>,
-        place: impl FnOnce(Envelope) -> &'a mut Vec<u8>,
+        place: impl FnOnce(Envelope, usize) -> &'a mut Vec<u8>,
     ) -> Result<Option<Envelope>, Failed> {
         let Some((envelope, count, mut message)) = self.probe(from)? else { return Ok(None) };
-        let bytes = place(envelope);
+        let bytes = place(envelope, count);
         bytes.reserve_exact(count);
         // SAFETY: there is room for `count` bytes, which is what the matched message holds; the message is taken once.
         let code = unsafe {
@@ -187,6 +187,11 @@ impl Outgoing {
             self.requests.clear();
         }
         Ok(done != 0)
+    }
+
+    /// The memory of the message, once the library is done with it.
+    pub fn into_bytes(mut self) -> Vec<u8> {
+        if self.requests.is_empty() { std::mem::take(&mut self.bytes) } else { Vec::new() }
     }
 }
 
