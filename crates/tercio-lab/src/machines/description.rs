@@ -192,6 +192,11 @@ impl Machine {
         Ok(Self { network: self.mpi.clone(), ..self })
     }
 
+    /// Whether messages between ranks go over MPI: true of what [`Machine::over_mpi`] gives.
+    pub fn is_over_mpi(&self) -> bool {
+        self.mpi.is_some() && self.network == self.mpi
+    }
+
     /// The description as TOML.
     ///
     /// # Errors

@@ -9,7 +9,7 @@ use serde_json::json;
 use tercio::image::Destination;
 use tercio_lab::predict::advise::describe;
 use tercio_lab::predict::frame::FrameTime;
-use tercio_lab::predict::ranks::renderer::{RankSeconds, RanksFrame};
+use tercio_lab::predict::ranks::renderer::{Carrier, RankSeconds, RanksFrame};
 use tercio_lab::predict::ranks::simulated::SimulatedFrame;
 use tercio_lab::predict::ranks::{Plan, Simulated, predict, simulate};
 use tercio_lab::simulators::sorting::{Assignment, Organisation};
@@ -165,7 +165,11 @@ impl Predict {
             Organisation::SortFirst => "sort-first",
             _ => "sort-last with direct send",
         };
-        let place = if frame.by_network { "messages by network" } else { "threads of one process" };
+        let place = match frame.carrier {
+            Carrier::Threads => "threads of one process",
+            Carrier::Processes => "processes of one machine",
+            Carrier::Network => "messages by network",
+        };
         let head = format!(
             "{} ranks, {how}, regions of {} pixels, {place}\n\
              by the model of the renderer's ranks, which 'tercio lab validate --ranks' compares with it; rank 0:",

@@ -83,7 +83,7 @@ impl Shared {
     fn stages(&self, cache: f64) -> Vec<(Charges, f64)> {
         let ranks = self.work.sharing.ranks;
         let work = &self.work;
-        let exchange = Exchange::new(&work.sharing, &work.messages, &work.drawing, (ranks, cache));
+        let exchange = Exchange::new(&work.sharing, &work.messages, &work.drawing, (ranks, cache), false);
         let sum = |all: &mut dyn Iterator<Item = Charges>| {
             all.fold([0.0; KINDS], |sum, c| std::array::from_fn(|k| sum[k] + c[k]))
         };
@@ -161,7 +161,7 @@ mod tests {
         OPERATIONS.iter().for_each(|o| drop(machine.costs.remove(o)));
         assert!(ExchangeCosts::of(&machine).unwrap_err().to_string().contains("costs.scanned-pixel"));
         let mut costs = ExchangeCosts(std::array::from_fn(|k| k as f64 * 1e-9));
-        costs.0[9] = 1.5e-9;
+        costs.0[9] = 1.5 * 1e-9;
         describe(&costs, "a test", &mut machine);
         let again = parse("this.toml", &machine.to_toml().unwrap()).unwrap();
         assert_eq!(ExchangeCosts::of(&again).unwrap(), costs);

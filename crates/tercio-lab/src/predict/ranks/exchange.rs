@@ -68,7 +68,7 @@ impl ExchangeCosts {
 pub struct RankMemory {
     /// Its picture with keys.
     pub picture: u64,
-    /// Messages that it makes; their memory is kept for the next frame.
+    /// Messages that it makes, and those that it takes where they are copied; their memory is kept for the next frame.
     pub messages: u64,
     /// What it touches of model and bins.
     pub model: u64,
@@ -88,19 +88,24 @@ pub struct Exchange<'a> {
     messages: &'a Messages,
     drawing: &'a [Counters],
     owned: Vec<u64>,
+    /// Who takes a message has it in memory of its own.
+    copied: bool,
     /// The share of the lines of pictures and messages that no cache holds.
     missed: f64,
 }
 
 impl<'a> Exchange<'a> {
-    /// Of ranks of which so many share a memory, and its cache of some bytes.
+    /// Of ranks of which so many share a memory, and its cache of some bytes. Messages are `copied`, or their memory is
+    /// handed over.
     pub fn new(
         sharing: &'a Sharing,
         messages: &'a Messages,
         drawing: &'a [Counters],
         (together, cache): (usize, f64),
+        copied: bool,
     ) -> Self {
-        let mut exchange = Self { sharing, messages, drawing, owned: sharing.owned(), missed: 0.0 };
+        let owned = sharing.owned();
+        let mut exchange = Self { sharing, messages, drawing, owned, copied, missed: 0.0 };
         let bytes: u64 = (0..sharing.ranks).map(|rank| exchange.memory(rank).total()).sum();
         let share = together.clamp(1, sharing.ranks) as f64 / sharing.ranks as f64;
         exchange.missed = missed(bytes as f64 * share, cache);
@@ -118,7 +123,8 @@ impl<'a> Exchange<'a> {
         };
         RankMemory {
             picture: pixels * (KEY + COLOR) as u64,
-            messages: self.messages.counts(rank).bytes,
+            messages: self.messages.counts(rank).bytes
+                + if self.copied { self.messages.bytes_taken(rank) } else { 0 },
             model: drawn.bytes_touched,
         }
     }
@@ -224,7 +230,7 @@ mod tests {
         };
         let drawn = Counters { pixels: 512, pixels_shaded: 40, bytes_touched: 1000, ..Counters::default() };
         let drawing = [drawn; 2];
-        let exchange = Exchange::new(&sharing, &messages, &drawing, (2, 0.0));
+        let exchange = Exchange::new(&sharing, &messages, &drawing, (2, 0.0), false);
         assert_eq!(exchange.missed, 1.0);
         let lines = |bytes: f64| bytes / 64.0;
         // 256 pixels of the other are looked at, 30 of them travel with key and colour.
@@ -241,5 +247,8 @@ mod tests {
         assert_eq!(exchange.keys(0)[..3], [512.0, 40.0, 64.0]);
         let memory = exchange.memory(0);
         assert_eq!(memory, RankMemory { picture: 512 * 12, messages: 18 + 360, model: 1000 });
+        // Where messages are copied rank 0 also holds what it is sent: 10 pixels with keys, 50 finished ones.
+        let copied = Exchange::new(&sharing, &messages, &drawing, (2, 0.0), true).memory(0);
+        assert_eq!(copied, RankMemory { messages: memory.messages + 6 + 120 + 30 + 200, ..memory });
     }
 }

@@ -77,6 +77,31 @@ impl RankSeconds {
     }
 }
 
+/// How messages reach other ranks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Carrier {
+    /// Ranks are threads of one process: memory changes hands.
+    Threads,
+    /// Ranks are processes of one machine: who takes a message copies it.
+    Processes,
+    /// Ranks are machines.
+    Network,
+}
+
+impl Carrier {
+    /// What a description says. Where it tells how many processors share a memory, ranks are machines.
+    pub fn of(machine: &Machine) -> Self {
+        if machine.processors.per_node.is_some() {
+            Self::Network
+        } else if machine.is_over_mpi() {
+            Self::Processes
+        } else {
+            Self::Threads
+        }
+    }
+}
+
 /// A predicted frame.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RanksFrame {
@@ -84,8 +109,8 @@ pub struct RanksFrame {
     pub organisation: Organisation,
     /// Pixels along the edge of a region.
     pub region: u32,
-    /// True if messages pass a network, false if they change hands in one memory.
-    pub by_network: bool,
+    /// How messages reach other ranks.
+    pub carrier: Carrier,
     /// Every rank, in order.
     pub ranks: Vec<RankSeconds>,
     /// Messages of all ranks.
@@ -134,9 +159,10 @@ impl RanksFrame {
 /// Predicts a frame of ranks of one thread each.
 ///
 /// Where the description says how many processors share a memory, ranks are taken to be alone in theirs: messages take
-/// the network's time, and only a rank's own memory has to fit into the cache. Everywhere else ranks are threads of one
-/// process: messages change hands, caches are shared, and there may be fewer `processors` than ranks. The serial
-/// share of a description is that of threads that divide one frame; ranks have nothing to divide.
+/// the network's time, and only a rank's own memory has to fit into the cache. Everywhere else ranks share caches, there
+/// may be fewer `processors` than ranks, and messages change hands: threads of one process give their memory away, over
+/// MPI ([`Machine::over_mpi`]) who takes a message copies it, as fast as the network says. The serial share of a
+/// description is that of threads that divide one frame; ranks have nothing to divide.
 ///
 /// # Errors
 /// [`MachineError::Missing`] without a network.
@@ -147,26 +173,27 @@ pub fn predict(
     processors: usize,
 ) -> Result<RanksFrame, MachineError> {
     let (sharing, ranks) = (&work.sharing, work.sharing.ranks);
-    let by_network = machine.processors.per_node.is_some();
-    let together = if by_network { 1 } else { ranks };
-    let caches = Caches::of(machine, 1);
-    let exchange = Exchange::new(sharing, &work.messages, &work.drawing, (together, caches.shared));
+    let carrier = Carrier::of(machine);
+    let together = if carrier == Carrier::Network { 1 } else { ranks };
+    let cache = (together, Caches::of(machine, 1).shared);
+    let copied = carrier != Carrier::Threads;
+    let exchange = Exchange::new(sharing, &work.messages, &work.drawing, cache, copied);
     let network = machine.need(machine.network.as_ref(), "network")?;
     let network = NetworkModel::of(network, None);
-    let wires = if by_network {
-        on_network(&network, work)
-    } else {
-        Wires { latency: 0.0, bandwidth: f64::INFINITY }
+    let wires = match carrier {
+        Carrier::Network => on_network(&network, work),
+        Carrier::Threads | Carrier::Processes => Wires { latency: 0.0, bandwidth: f64::INFINITY },
     };
-    let programs: Vec<Vec<Step>> =
-        (0..ranks).map(|rank| program(machine, costs, work, &exchange, network.message, rank)).collect();
+    let byte = if carrier == Carrier::Processes { 1.0 / network.bandwidth } else { 0.0 };
+    let costs = Costs { machine, exchange: costs, message: network.message, byte };
+    let programs: Vec<Vec<Step>> = (0..ranks).map(|rank| program(&costs, work, &exchange, rank)).collect();
     let played = play(&programs, processors, wires);
     let (messages, bytes) = work.messages.total();
     let memory = (0..ranks).map(|rank| exchange.memory(rank)).max_by_key(RankMemory::total);
     Ok(RanksFrame {
         organisation: sharing.organisation,
         region: sharing.edge,
-        by_network,
+        carrier,
         ranks: played.iter().map(RankSeconds::of).collect(),
         messages,
         bytes,
@@ -175,23 +202,29 @@ pub fn predict(
     })
 }
 
-/// The steps of a rank, as the renderer takes them.
-fn program(
-    machine: &Machine,
-    costs: &ExchangeCosts,
-    work: &RanksWork,
-    exchange: &Exchange,
+/// What a rank's steps cost.
+struct Costs<'a> {
+    machine: &'a Machine,
+    exchange: &'a ExchangeCosts,
+    /// Seconds of sending or taking a message.
     message: f64,
-    rank: usize,
-) -> Vec<Step> {
+    /// Seconds more for each byte that is taken.
+    byte: f64,
+}
+
+/// The steps of a rank, as the renderer takes them.
+fn program(costs: &Costs, work: &RanksWork, exchange: &Exchange, rank: usize) -> Vec<Step> {
+    let Costs { machine, exchange: costs, message, byte } = *costs;
     let (ranks, owners) = (work.sharing.ranks, work.sharing.owners());
     let messages = &work.messages;
+    let bytes = |from, to| messages.between(from, to).map_or(0, |p| p.bytes(true));
     let mut steps = Vec::new();
     let send = |steps: &mut Vec<Step>, to: usize, bytes: u64| {
         steps.extend([Step::Work(Stage::Message, message), Step::Send { to, bytes }]);
     };
-    let take = |steps: &mut Vec<Step>, from: usize| {
-        steps.extend([Step::Take { from }, Step::Work(Stage::Message, message)]);
+    let take = |steps: &mut Vec<Step>, from: usize, bytes: u64| {
+        let seconds = message + byte * bytes as f64;
+        steps.extend([Step::Take { from }, Step::Work(Stage::Message, seconds)]);
     };
     let drawn = &work.drawing[rank];
     if drawn.pixels > 0 {
@@ -201,11 +234,11 @@ fn program(
     for to in (1..ranks).map(|step| (rank + step) % ranks) {
         let Some(packing) = exchange.packing(rank, to) else { continue };
         steps.push(Step::Work(Stage::Compose, costs.seconds(&packing)));
-        send(&mut steps, to, messages.between(rank, to).map_or(0, |p| p.bytes(true)));
+        send(&mut steps, to, bytes(rank, to));
     }
     for from in (1..ranks).map(|step| (rank + ranks - step) % ranks) {
         let Some(composing) = exchange.composing(from, rank) else { continue };
-        take(&mut steps, from);
+        take(&mut steps, from, bytes(from, rank));
         steps.push(Step::Work(Stage::Compose, costs.seconds(&composing)));
     }
     if rank >= owners {
@@ -217,7 +250,7 @@ fn program(
         return steps;
     }
     // All are there before the first is unpacked.
-    (1..owners).for_each(|from| take(&mut steps, from));
+    (1..owners).for_each(|from| take(&mut steps, from, messages.finished[from].bytes(false)));
     let unpacking = (1..owners).map(|from| costs.seconds(&exchange.collecting(from)));
     steps.extend(unpacking.map(|seconds| Step::Work(Stage::Collect, seconds)));
     steps

@@ -200,6 +200,13 @@ impl Messages {
         counts
     }
 
+    /// Bytes of the messages that a rank takes.
+    pub fn bytes_taken(&self, rank: usize) -> u64 {
+        let composed = (0..self.composed.len()).filter_map(|from| self.between(from, rank));
+        let finished = self.finished.iter().skip(1).filter(|_| rank == 0);
+        composed.map(|p| p.bytes(true)).chain(finished.map(|p| p.bytes(false))).sum()
+    }
+
     /// Messages and bytes of all ranks.
     pub fn total(&self) -> (u64, u64) {
         let counts = (0..self.triangles.len()).map(|rank| self.counts(rank));

@@ -25,7 +25,7 @@ fn one_rank_draws_as_one_thread_and_makes_keys() {
     for organisation in [Organisation::SortFirst, Organisation::SortLast] {
         let work = work(1, organisation);
         let frame = predict(&machine, &COSTS, &work, 2).unwrap();
-        let exchange = Exchange::new(&work.sharing, &work.messages, &work.drawing, (1, f64::INFINITY));
+        let exchange = Exchange::new(&work.sharing, &work.messages, &work.drawing, (1, f64::INFINITY), false);
         let more = COSTS.seconds(&exchange.keys(0)) + COSTS.seconds(&exchange.finishing(0));
         let alone = FrameTime::on_one_thread(&machine, &work.drawing[0]).total();
         assert!((frame.total() - alone - more).abs() < 1e-9, "{} {alone} {more}", frame.total());
@@ -66,7 +66,7 @@ fn a_network_takes_time_and_one_memory_takes_none() {
         network.hop.value = latency;
         network.bandwidth.value = bandwidth;
         let frame = predict(&machine, &COSTS, &work, 4).unwrap();
-        assert!(frame.by_network);
+        assert_eq!(frame.carrier, Carrier::Network);
         frame.total()
     };
     let fast = seconds(0.0, 1e15);
@@ -81,18 +81,52 @@ fn a_network_takes_time_and_one_memory_takes_none() {
     let mut shared = builtin("two-core-2026").unwrap().unwrap();
     let before = predict(&shared, &COSTS, &work, 4).unwrap();
     shared.network.as_mut().unwrap().bandwidth.value = 1.0;
-    assert!(!before.by_network);
+    assert_eq!(before.carrier, Carrier::Threads);
     assert_eq!(predict(&shared, &COSTS, &work, 4).unwrap(), before);
 }
 
 #[test]
+fn processes_copy_what_they_take() {
+    let mut machine = builtin("two-core-2026").unwrap().unwrap();
+    let work = work(4, Organisation::SortLast);
+    let threads = predict(&machine, &COSTS, &work, 4).unwrap();
+    machine.mpi = machine.network.clone();
+    let mut over_mpi = |bandwidth: f64| {
+        machine.mpi.as_mut().unwrap().bandwidth.value = bandwidth;
+        let frame = predict(&machine.clone().over_mpi().unwrap(), &COSTS, &work, 4).unwrap();
+        assert_eq!(frame.carrier, Carrier::Processes);
+        frame
+    };
+    let slow = over_mpi(1e9);
+    for (rank, (slow, threads)) in slow.ranks.iter().zip(&threads.ranks).enumerate() {
+        let copying = work.messages.bytes_taken(rank) as f64 / 1e9;
+        assert!((slow.message - threads.message - copying).abs() < 1e-12, "{rank}: {slow:?} {threads:?}");
+    }
+    let taken: u64 = (0..4).map(|rank| work.messages.bytes_taken(rank)).sum();
+    assert_eq!(taken, work.messages.total().1);
+    assert!(slow.total() > threads.total() && slow.memory.messages > threads.memory.messages);
+    // Where it costs nothing it makes no difference.
+    assert!((over_mpi(1e18).total() / threads.total() - 1.0).abs() < 1e-6);
+}
+
+#[test]
 fn a_ring_is_as_slow_as_its_busiest_link() {
+    const RANKS: usize = 24;
     let mut machine = builtin("cluster-64").unwrap().unwrap();
-    let work = work(7, Organisation::SortLast);
-    let network = machine.network.as_mut().unwrap();
-    network.bandwidth.value = 1e6;
-    let tree = predict(&machine, &COSTS, &work, 7).unwrap().total();
-    machine.network.as_mut().unwrap().topology = crate::machines::Topology::Ring;
-    let ring = predict(&machine, &COSTS, &work, 7).unwrap().total();
-    assert!(ring > tree, "{ring} {tree}");
+    let mut work = work(RANKS, Organisation::SortLast);
+    // Everybody sends everybody else the same.
+    let pixels = |from, to| (from != to).then_some(super::super::traffic::Pixels { spans: 0, pixels: 1000 });
+    work.messages.composed =
+        (0..RANKS).map(|from| (0..RANKS).map(|to| pixels(from, to)).collect()).collect();
+    work.messages.finished.fill(super::super::traffic::Pixels::default());
+    let mut seconds_of_a_byte = |topology| {
+        let network = machine.network.as_mut().unwrap();
+        network.topology = topology;
+        1.0 / on_network(&NetworkModel::of(network, None), &work).bandwidth
+    };
+    let crossbar = seconds_of_a_byte(crate::machines::Topology::Crossbar);
+    let ring = seconds_of_a_byte(crate::machines::Topology::Ring);
+    // A port passes 23 messages. Ways of 1 to 12 links, 144 together a rank, go over two links a rank: 72 messages each,
+    // or up to 78 if all messages to the opposite rank go the same way round.
+    assert!((72.0 / 23.0 - 1e-9..=78.0 / 23.0 + 1e-9).contains(&(ring / crossbar)), "{ring} {crossbar}");
 }
