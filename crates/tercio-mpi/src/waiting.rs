@@ -7,7 +7,8 @@ const AWAKE: Duration = Duration::from_micros(200);
 /// The longest sleep. Who waits this long has nothing to do with the speed of a frame.
 const LONGEST: Duration = Duration::from_millis(2);
 
-/// Asks until there is an answer: without a pause at first, then with sleeps of a sixteenth of the time waited so far,
+/// Asks until there is an answer: without a pause at first, unless another thread is ready to have the processor, as
+/// where there are more ranks than processors; then with sleeps of a sixteenth of the time waited so far,
 /// so that no answer is found much later than it came, and a rank that waits for long takes little of its processor.
 pub fn until<T, E>(mut ask: impl FnMut() -> Result<Option<T>, E>) -> Result<T, E> {
     let mut begin = None;
@@ -17,7 +18,7 @@ pub fn until<T, E>(mut ask: impl FnMut() -> Result<Option<T>, E>) -> Result<T, E
         }
         let waited = begin.get_or_insert_with(Instant::now).elapsed();
         if waited < AWAKE {
-            std::hint::spin_loop();
+            std::thread::yield_now();
         } else {
             std::thread::sleep((waited / 16).min(LONGEST));
         }

@@ -1,6 +1,7 @@
 //! `tercio render`: from a model file to a picture.
 
 use std::process::ExitCode;
+use std::sync::Arc;
 use std::time::Instant;
 
 use anyhow::{Context, Result, bail};
@@ -83,13 +84,14 @@ impl Render {
         settings.check().map_err(|e| UsageError(e.to_string()))?;
         let processes = mpi::processes();
         let drawers = self.ranks.drawers(processes)?;
-        let pool = threads::pool(self.running.threads)?;
+        let pool = Arc::new(threads::pool(self.running.threads)?);
         let done = match drawers {
             Drawers::Mpi(organisation) => {
                 if processes.is_some_and(|p| p > 1) && self.model.model.as_os_str() == "-" {
                     return Err(UsageError("standard input reaches one rank only: name a file".into()).into());
                 }
-                mpi::run(|comm| self.draw_as_rank(comm, &pool, &plan, &settings, organisation))?
+                let work = |comm: &mut _| self.draw_as_rank(comm, &pool, &plan, &settings, organisation);
+                pool.install(|| mpi::run(work))?
             }
             _ => {
                 plan.check()?;
@@ -117,12 +119,12 @@ impl Render {
         write(plan, loaded, frame, parallel)
     }
 
-    /// What each process of a job does. Calls of MPI stay on this thread, everything else is done by the pool. Rank 0
-    /// has something to show in the end.
+    /// What each process of a job does, on one thread of the pool, where all calls of MPI stay. Rank 0 has something to
+    /// show in the end.
     fn draw_as_rank(
         &self,
         comm: &mut mpi::Comm,
-        pool: &ThreadPool,
+        pool: &Arc<ThreadPool>,
         plan: &Plan,
         settings: &Settings,
         organisation: Organisation,
@@ -132,17 +134,17 @@ impl Render {
             plan.check()?;
         }
         let display = Display::new(if writes { self.running.progress_mode() } else { ProgressMode::Never });
-        let loaded = pool.install(|| self.load(plan, &display, Drawers::Mpi(organisation)))?;
+        let loaded = self.load(plan, &display, Drawers::Mpi(organisation))?;
         display.stage("drawing");
         let task = Task { organisation, scene: &loaded.scene, camera: &loaded.camera, settings };
-        let (mut own, mut frame) = (Rank::new(pool.current_num_threads())?, Frame::default());
+        let (mut own, mut frame) = (Rank::of_pool(pool.clone()), Frame::default());
         let parallel = between_processes::draw_frame(&mut own, comm, &task, &mut frame)
             .with_context(|| self.model.name())?;
         if !writes {
             return Ok(None);
         }
         display.stage("writing");
-        pool.install(|| write(plan, loaded, frame, parallel)).map(Some)
+        write(plan, loaded, frame, parallel).map(Some)
     }
 
     fn load(&self, plan: &Plan, display: &Display, drawers: Drawers) -> Result<Loaded> {

@@ -55,7 +55,12 @@ impl Rank {
     pub fn new(threads: usize) -> Result<Self, ParallelError> {
         let pool = ThreadPoolBuilder::new().num_threads(threads.max(1)).build();
         let pool = pool.map_err(|error| ParallelError::Threads { threads, error })?;
-        Ok(Self { pool: Arc::new(pool), renderer: Renderer::new(), keys: Vec::new() })
+        Ok(Self::of_pool(Arc::new(pool)))
+    }
+
+    /// A rank that draws with the threads of a pool. What runs on one of them draws without waking another.
+    pub fn of_pool(pool: Arc<ThreadPool>) -> Self {
+        Self { pool, renderer: Renderer::new(), keys: Vec::new() }
     }
 
     /// Its threads. What runs on one of them draws without waking another.
