@@ -5,15 +5,14 @@ use std::sync::Arc;
 use tercio_mesh::builtin;
 use tercio_mesh::cluster::{PartitionOptions, partition};
 use tercio_parallel::Organisation;
-use tercio_raster::{Outputs, Settings};
+use tercio_raster::Settings;
 use tercio_scene::{Camera, Scene};
 
 use super::RanksError;
-use super::exchange::{Charges, Exchange, ExchangeCosts, KINDS, OPERATIONS, keys, missed};
+use super::exchange::{Charges, Exchange, ExchangeCosts, KINDS, OPERATIONS};
 use super::measure::MeasuredRanks;
 use super::renderer::RanksWork;
 use crate::machines::{Machine, Sourced};
-use crate::predict::counters::{Counters, count};
 use crate::predict::hardware::cache_bytes;
 use crate::predict::measure::{Clock, measure as measure_alone};
 use crate::predict::{fit, views};
@@ -36,16 +35,14 @@ struct Picture {
     scene: Arc<Scene>,
     camera: Camera,
     settings: Settings,
-    counters: Counters,
-    /// Seconds on one thread without and with keys.
-    alone: [f64; 2],
+    /// Seconds on one thread, without keys.
+    alone: f64,
     shared: Vec<Shared>,
 }
 
 impl Picture {
     fn new(scene: Arc<Scene>, camera: Camera, size: (u32, u32)) -> Result<Self, RanksError> {
         let settings = Settings::new(size.0, size.1);
-        let counters = count(&scene, &camera, &settings, 1)?.frame;
         let mut shared = Vec::new();
         for ranks in RANKS {
             for organisation in [Organisation::SortFirst, Organisation::SortLast] {
@@ -53,16 +50,12 @@ impl Picture {
                 shared.push(Shared { work, measured: MeasuredRanks::default() });
             }
         }
-        Ok(Self { scene, camera, settings, counters, alone: [f64::INFINITY; 2], shared })
+        Ok(Self { scene, camera, settings, alone: f64::INFINITY, shared })
     }
 
     fn draw(&mut self, frames: u32) -> Result<(), RanksError> {
-        for (keys, alone) in [false, true].into_iter().zip(&mut self.alone) {
-            let outputs = Outputs { keys, ..self.settings.outputs };
-            let settings = Settings { outputs, ..self.settings.clone() };
-            let measured = measure_alone(&self.scene, &self.camera, &settings, 1, frames, Clock::Processor)?;
-            *alone = alone.min(measured.seconds);
-        }
+        let alone = measure_alone(&self.scene, &self.camera, &self.settings, 1, frames, Clock::Processor)?;
+        self.alone = self.alone.min(alone.seconds);
         for shared in &mut self.shared {
             let sharing = &shared.work.sharing;
             shared.measured.add(MeasuredRanks::draw(&self.scene, &self.camera, sharing, frames)?);
@@ -70,11 +63,14 @@ impl Picture {
         Ok(())
     }
 
-    /// What its keys come to, and the seconds that they take.
-    fn keys(&self, cache: f64) -> (Charges, f64) {
-        let bytes = self.counters.bytes_touched + 12 * self.counters.pixels;
-        let [without, with] = self.alone;
-        (keys(&self.counters, missed(bytes as f64, cache)), with - without)
+    /// What the keys of one rank come to, and the seconds that drawing takes longer with them, between the other stages
+    /// of a frame: collecting goes over all keys and leaves other lines in the caches than drawing would.
+    fn keys(&self, cache: f64) -> impl Iterator<Item = (Charges, f64)> {
+        let alone = self.shared.iter().filter(|shared| shared.work.sharing.ranks == 1);
+        alone.map(move |Shared { work, measured }| {
+            let exchange = Exchange::new(&work.sharing, &work.messages, &work.drawing, (1, cache), false);
+            (exchange.keys(0), measured.busy(0, |stages| stages.draw) - self.alone)
+        })
     }
 }
 
@@ -124,7 +120,7 @@ pub fn measure(frames: u32, rounds: u32) -> Result<ExchangeCosts, RanksError> {
     let cache = cache_bytes(3).map_or(f64::INFINITY, |bytes| bytes as f64);
     let mut costs = [0.0; KINDS];
     // Where something else disturbed the machine keys may seem to take no time.
-    let of_keys = pictures.iter().map(|p| p.keys(cache)).filter(|k| k.1 > 1e-6);
+    let of_keys = pictures.iter().flat_map(|p| p.keys(cache)).filter(|k| k.1 > 1e-6);
     let (rows, times): (Vec<_>, Vec<_>) = of_keys.map(|k| (k.0[..OF_KEYS].to_vec(), k.1)).unzip();
     place(&mut costs[..OF_KEYS], &rows, &times);
     let stages = pictures.iter().flat_map(|p| &p.shared).flat_map(|s| s.stages(cache));

@@ -182,7 +182,8 @@ pub fn predict(
     let network = NetworkModel::of(network, None);
     let wires = match carrier {
         Carrier::Network => on_network(&network, work),
-        Carrier::Threads | Carrier::Processes => Wires { latency: 0.0, bandwidth: f64::INFINITY },
+        Carrier::Threads => Wires { latency: 0.0, bandwidth: f64::INFINITY, sleeps: false },
+        Carrier::Processes => Wires { latency: 0.0, bandwidth: f64::INFINITY, sleeps: true },
     };
     let byte = if carrier == Carrier::Processes { 1.0 / network.bandwidth } else { 0.0 };
     let costs = Costs { machine, exchange: costs, message: network.message, byte };
@@ -273,7 +274,11 @@ fn on_network(network: &NetworkModel, work: &RanksWork) -> Wires {
     let (links, ports) = (links.traffic(), ports.traffic());
     let crowded =
         if ports.busiest_link > 0.0 { (links.busiest_link / ports.busiest_link).max(1.0) } else { 1.0 };
-    Wires { latency: f64::from(links.most_hops) * network.hop, bandwidth: network.bandwidth / crowded }
+    Wires {
+        latency: f64::from(links.most_hops) * network.hop,
+        bandwidth: network.bandwidth / crowded,
+        sleeps: true,
+    }
 }
 
 #[cfg(test)]

@@ -49,6 +49,28 @@ pub struct Wires {
     pub latency: f64,
     /// Bytes a second through a rank's port; infinite where messages change hands in one memory.
     pub bandwidth: f64,
+    /// Who waits for long sleeps, and finds a message when it wakes; otherwise its arrival wakes who waits.
+    pub sleeps: bool,
+}
+
+/// How a process waits (`tercio-mpi`): it asks for so many seconds without a pause, then sleeps, each time this share
+/// of what it has waited, at most so many seconds; and the system lets it sleep about so much longer.
+const AWAKE: f64 = 200e-6;
+const SLEEPS: f64 = 1.0 / 16.0;
+const LONGEST: f64 = 2e-3;
+const LONGER: f64 = 50e-6;
+
+/// When a process that sleeps finds a message, counted from when it began to wait.
+fn found(arrives: f64) -> f64 {
+    if arrives <= AWAKE {
+        return arrives;
+    }
+    let mut wakes = AWAKE;
+    while wakes < arrives && wakes * SLEEPS < LONGEST {
+        wakes += wakes * SLEEPS + LONGER;
+    }
+    // From then on all sleeps are of one length.
+    wakes + ((arrives - wakes) / (LONGEST + LONGER)).ceil().max(0.0) * (LONGEST + LONGER)
 }
 
 /// What became of a rank.
@@ -82,6 +104,8 @@ struct Play<'a> {
     line: VecDeque<usize>,
     /// Arrivals of messages, from each rank to each.
     arrivals: Vec<VecDeque<f64>>,
+    /// When each rank learns of the message that it waits for; infinite where none is on its way.
+    learns: Vec<f64>,
     leaving: Vec<f64>,
     entering: Vec<f64>,
     played: Vec<Played>,
@@ -99,6 +123,7 @@ pub fn play(programs: &[Vec<Step>], processors: usize, wires: Wires) -> Vec<Play
         states: vec![State::Ready { since: 0.0 }; n],
         line: (0..n).collect(),
         arrivals: vec![VecDeque::new(); n * n],
+        learns: vec![f64::INFINITY; n],
         leaving: vec![0.0; n],
         entering: vec![0.0; n],
         played: vec![Played::default(); n],
@@ -136,11 +161,8 @@ impl Play<'_> {
                 next = next.min(slice);
             }
         }
-        for rank in 0..self.states.len() {
-            if let Some(arrival) = self.awaited(rank) {
-                next = next.min((arrival - self.now).max(0.0));
-            }
-        }
+        let learns = self.learns.iter().copied().fold(f64::INFINITY, f64::min);
+        next = next.min((learns - self.now).max(0.0));
         if next.is_infinite() {
             return false;
         }
@@ -149,8 +171,11 @@ impl Play<'_> {
             self.pass(rank, next);
         }
         for rank in 0..self.states.len() {
-            let State::Waiting { since, .. } = self.states[rank] else { continue };
-            if self.awaited(rank).is_some_and(|arrival| arrival <= self.now) {
+            if self.learns[rank] > self.now {
+                continue;
+            }
+            if let State::Waiting { since, .. } = self.states[rank] {
+                self.learns[rank] = f64::INFINITY;
                 self.played[rank].waited += self.now - since;
                 self.states[rank] = State::Ready { since: self.now };
                 self.line.push_back(rank);
@@ -164,10 +189,12 @@ impl Play<'_> {
         (0..self.states.len()).filter(is_running).collect()
     }
 
-    /// When the message that a rank waits for arrives, if it is on its way.
-    fn awaited(&self, rank: usize) -> Option<f64> {
-        let State::Waiting { from, .. } = self.states[rank] else { return None };
-        self.arrivals[from * self.states.len() + rank].front().copied()
+    /// Finds out when a rank learns of the message that it waits for, if that is on its way.
+    fn expect(&mut self, rank: usize) {
+        let State::Waiting { since, from } = self.states[rank] else { return };
+        if let Some(&arrival) = self.arrivals[from * self.states.len() + rank].front() {
+            self.learns[rank] = if self.wires.sleeps { since + found(arrival - since) } else { arrival };
+        }
     }
 
     /// A running rank works for some seconds.
@@ -216,11 +243,13 @@ impl Play<'_> {
                     let arrives = (leaves + self.wires.latency).max(self.entering[to]) + seconds;
                     self.entering[to] = arrives;
                     self.arrivals[rank * n + to].push_back(arrives);
+                    self.expect(to);
                 }
                 Some(Step::Take { from }) => {
                     let arrivals = &mut self.arrivals[from * n + rank];
                     if arrivals.front().is_none_or(|&arrival| arrival > self.now) {
                         self.states[rank] = State::Waiting { since: self.now, from };
+                        self.expect(rank);
                         return;
                     }
                     arrivals.pop_front();
@@ -237,7 +266,7 @@ mod tests {
     use super::*;
 
     const APART: usize = 99;
-    const AT_ONCE: Wires = Wires { latency: 0.0, bandwidth: f64::INFINITY };
+    const AT_ONCE: Wires = Wires { latency: 0.0, bandwidth: f64::INFINITY, sleeps: false };
 
     fn ends(programs: &[Vec<Step>], processors: usize, wires: Wires) -> Vec<f64> {
         play(programs, processors, wires).iter().map(|p| (p.end * 1e9).round() / 1e9).collect()
@@ -267,16 +296,29 @@ mod tests {
         let send = Step::Send { to: 0, bytes: 100 };
         let programs = vec![vec![work(1.0), Step::Take { from: 1 }, work(1.0)], vec![work(3.0), send]];
         assert_eq!(ends(&programs, APART, AT_ONCE), [4.0, 3.0]);
-        let slow = Wires { latency: 0.5, bandwidth: 50.0 };
+        let slow = Wires { latency: 0.5, bandwidth: 50.0, sleeps: false };
         assert_eq!(ends(&programs, APART, slow), [3.0 + 0.5 + 2.0 + 1.0, 3.0]);
         assert!((play(&programs, APART, slow)[0].waited - 4.5).abs() < 1e-12);
+    }
+
+    #[test]
+    fn who_sleeps_finds_a_message_later() {
+        let send = Step::Send { to: 0, bytes: 100 };
+        let waits = |seconds: f64| {
+            let programs = [vec![Step::Take { from: 1 }, work(1e-3)], vec![work(seconds), send]];
+            ends(&programs, APART, Wires { sleeps: true, ..AT_ONCE })[0]
+        };
+        assert_eq!(waits(150e-6), 1150e-6);
+        // It wakes after 200, 262.5 and 328.906 us.
+        assert_eq!([waits(210e-6), waits(262e-6), waits(263e-6)], [1262.5e-6, 1262.5e-6, 1_328_906e-9]);
+        assert!((0.3..0.3021).contains(&(waits(0.3) - 1e-3)));
     }
 
     #[test]
     fn a_port_takes_one_message_after_another() {
         let send = Step::Send { to: 0, bytes: 100 };
         let takes = vec![Step::Take { from: 1 }, Step::Take { from: 2 }];
-        let wires = Wires { latency: 0.0, bandwidth: 100.0 };
+        let wires = Wires { latency: 0.0, bandwidth: 100.0, sleeps: false };
         assert_eq!(ends(&[takes, vec![send], vec![send]], APART, wires), [2.0, 0.0, 0.0]);
         let both = vec![send, Step::Send { to: 2, bytes: 100 }];
         let programs = [vec![Step::Take { from: 1 }], both, vec![Step::Take { from: 1 }]];
