@@ -93,12 +93,54 @@ fn messages_over_mpi_are_measured_and_predicted_with() {
             assert!(value > 0.0 && source.contains(says), "{section}.{key}: {number}");
         }
     }
-    // Composing is predicted with the network that was asked for: what differs is the messages' share of it.
-    let composing = |options: &str| {
+    // Ranks are predicted with the messages that were asked for, which is all that differs.
+    let predicted = |options: &str| {
         let of = format!("predict model.off --size 512x512 -n 4 -O sort-last --machine m.toml {options}");
-        described(&of)["prediction"]["sorting"]["composition_seconds"].as_f64().unwrap()
+        let frame = described(&of);
+        let of_rank = |what: &str| frame["prediction"]["ranks"][0][what].as_f64().unwrap();
+        (frame["prediction"]["carrier"].clone(), of_rank("message"), of_rank("draw"))
     };
-    assert!(composing("") > 0.0 && composing("--mpi") > 0.0);
-    assert_ne!(composing(""), composing("--mpi"));
+    let [threads, processes] = ["", "--mpi"].map(predicted);
+    assert_eq!([&threads.0, &processes.0], ["threads", "processes"]);
+    assert!(threads.1 > 0.0 && processes.1 > 0.0 && threads.1 != processes.1, "{threads:?} {processes:?}");
+    assert_eq!(threads.2, processes.2);
     place.run("lab predict model.off --mpi").failed(1, &["mpi"]);
+}
+
+#[test]
+fn processes_count_and_send_what_is_predicted() {
+    let place = Place::new();
+    mpirun(&place, &[(2, "lab calibrate --frames 1 --rounds 1 -o m.toml --quiet")]).quietly_well();
+    let validate = "lab validate builtin:gyroid@3k model.off --machine m.toml --sizes 120x90,64x64 --views 2 \
+                    --frames 2 --rounds 2 -o rows.toml --json --threads 1";
+    for count in [2, 3] {
+        let said = mpirun(&place, &[(count, validate)]);
+        // Times of so small frames need not hold; everything else does.
+        assert!(matches!(said.code, Some(0 | 1)), "{}", said.stderr);
+        let rows: serde_json::Value = serde_json::from_str(said.text()).unwrap();
+        let rows = rows.as_array().unwrap();
+        assert_eq!(rows.len(), 2 * 2 * 2, "models, sizes, organisations");
+        for row in rows.iter().map(|r| &r["row"]) {
+            assert_eq!(row["ranks"], count as u64);
+            assert_eq!(row["differing"], serde_json::json!([]), "{row}");
+            // 6 counters of what travels and 22 of the renderer, 4 frames of each view, every rank.
+            assert_eq!(row["compared"], 2 * 4 * 28 * count as u64);
+            let frame = row["measured"]["frame"].as_f64().unwrap();
+            assert!(frame > 0.0 && frame.is_finite(), "{row}");
+        }
+        let last = rows.iter().map(|r| &r["row"]).filter(|row| row["organisation"] == "sort-last");
+        assert!(last.clone().all(|row| row["bytes"].as_u64() > Some(0)));
+        // Rank 0 alone kept the rows, and those of both jobs.
+        let kept = String::from_utf8(place.read("rows.toml")).unwrap();
+        assert_eq!(kept.matches("[[rows]]").count(), 8 * (count - 1), "{kept}");
+        assert!(
+            kept.contains(&format!("mpirun -n {count} --bind-to none tercio lab validate builtin:gyroid@3k"))
+        );
+    }
+    let said = mpirun(&place, &[(2, "lab validate model.off --machine m.toml --ranks 1,2")]);
+    assert_eq!(said.code, Some(2), "{}", said.stderr);
+    assert!(said.stderr.contains("mpirun started 2 processes"), "{}", said.stderr);
+    place
+        .run("lab validate model.off --machine two-core-2026 --organisation sort-last")
+        .failed(2, &["--ranks"]);
 }

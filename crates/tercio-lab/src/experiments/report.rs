@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::files::{self, WriteError};
 use super::{Document, Outcome};
-use crate::predict::quoted;
+use crate::predict::quoted::{self, Quoted, QuotedRow};
 use crate::published::Check;
 
 /// Writes `report.md` and `index.html` into `directory`, beside the experiments' folders.
@@ -95,26 +95,37 @@ fn experiment(outcome: &Outcome, to: &mut impl Format) {
     to.links("Data", &findings.tables.iter().map(|t| file(&t.name)).collect::<Vec<_>>());
 }
 
-/// The renderer against its model: a table from the repository, because a report is the same wherever it is made.
+/// The renderer against its model: tables from the repository, because a report is the same wherever it is made.
 fn predicted_frames(to: &mut impl Format) {
     to.heading(2, "The renderer, predicted and measured", Some("prediction"));
-    let table = match quoted::table() {
+    to.paragraph(
+        "Measured before, not with this report. Counters have to be equal, times to lie within 25 %. Where two times \
+         stand side by side the first is predicted; the time of a stage is that of its busiest rank, waiting is that \
+         of rank 0, faults of pages and switches of threads are those of all ranks.",
+    );
+    quoted_frames("Threads", quoted::of_threads(), to);
+    quoted_frames("Ranks of one process", quoted::of_ranks(), to);
+    quoted_frames("Ranks over MPI", quoted::of_mpi(), to);
+}
+
+fn quoted_frames<R: QuotedRow>(title: &str, table: Result<Quoted<R>, toml::de::Error>, to: &mut impl Format) {
+    let anchor = format!("prediction-{}", title.to_lowercase().replace(' ', "-"));
+    to.heading(3, title, Some(&anchor));
+    let table = match table {
         Ok(table) => table,
         Err(error) => return to.labelled("failed", &error.to_string()),
     };
-    let holds = table.rows.iter().filter(|r| r.holds()).count();
     to.labelled(
-        "Measured, not made with this report",
-        &format!(
-            "{}, {}. Counters have to be equal, times to lie within 25 %: {holds} of {} rows hold.",
-            table.machine,
-            table.date,
-            table.rows.len()
-        ),
+        &format!("{} of {} rows hold", table.holding(), table.rows.len()),
+        &format!("{}, {}.", table.machine, table.date),
     );
     to.paragraph(&format!("Commands: {}.", table.commands.join("; ")));
-    let rows: Vec<Vec<Text>> = table.rows.iter().map(|r| r.cells().map(Text::from).into()).collect();
-    to.table(&quoted::HEADER, &rows);
+    for why in &table.why {
+        to.labelled("Misses", why);
+    }
+    let rows: Vec<Vec<Text>> =
+        table.rows.iter().map(|r| r.cells().into_iter().map(Text::from).collect()).collect();
+    to.table(R::HEADER, &rows);
 }
 
 fn published_numbers(checks: &[Check], to: &mut impl Format) {

@@ -103,7 +103,7 @@ fn a_machine_may_have_a_network_of_mpi_beside_that_of_its_threads() {
     assert_eq!(with.over_mpi().unwrap().network.unwrap().bandwidth.get(), BytesPerSecond::new(3e9));
     let line = text.lines().position(|l| l == "[mpi]").unwrap() + 3;
     let error = parse("m.toml", &text.replace("3 GB/s", "0 GB/s")).unwrap_err().to_string();
-    assert!(error.starts_with(&format!("m.toml:{line}:1: mpi.bandwidth")), "{error}");
+    assert!(error.starts_with(&format!("m.toml:{line}:")) && error.contains("bandwidth"), "{error}");
     let error = parse("m.toml", &text.replace("3 GB/s", "3 s")).unwrap_err().to_string();
     assert!(error.starts_with(&format!("m.toml:{line}:")), "{error}");
 }

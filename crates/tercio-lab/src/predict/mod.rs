@@ -14,8 +14,8 @@
 //! | [`fit`] | costs from measured frames |
 //! | [`calibrate`] | the description of this machine |
 //! | [`validate`] | predicted against measured |
-//! | [`validate_ranks`] | the same for ranks in one process |
-//! | [`quoted`] | the table of it that stands in the repository |
+//! | [`validate_ranks`] | the same for ranks, of one process or processes |
+//! | [`quoted`] | the tables of it that stand in the repository |
 
 pub mod advise;
 pub mod calibrate;

@@ -2,8 +2,10 @@
 
 use std::fs;
 
+use serde::{Deserialize, Serialize};
+
 /// Counts since the process began; all zero where the system does not tell (it does on Linux).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Usage {
     /// Pages that were touched for the first time, of those that no file holds.
     pub page_faults: u64,
@@ -28,6 +30,15 @@ impl Usage {
             }
         }
         usage
+    }
+
+    /// With what the system did for another process.
+    pub fn plus(self, other: Self) -> Self {
+        Self {
+            page_faults: self.page_faults + other.page_faults,
+            waits: self.waits + other.waits,
+            preemptions: self.preemptions + other.preemptions,
+        }
     }
 
     /// What came after an earlier count.

@@ -1,10 +1,14 @@
-//! Ranks in one process, predicted against measured: [`tercio_parallel`] draws, and what its ranks count and send has to
-//! be what [`ranks`](super::ranks) reckons. Times are of ranks with one thread each, by the model of
-//! [`renderer`](super::ranks::renderer) that `tercio lab predict` and `advise` use.
+//! Ranks, predicted against measured: [`tercio_parallel`] draws, in one process or between processes, and what its ranks
+//! count and send has to be what [`ranks`](super::ranks) reckons. Times are of ranks with one thread each, by the model
+//! of [`renderer`](super::ranks::renderer) that `tercio lab predict` and `advise` use.
 
+use std::sync::Arc;
+
+use rayon::ThreadPool;
 use serde::Serialize;
-use tercio_parallel::Organisation;
+use tercio_parallel::{Communicator, Organisation, ParallelError};
 use tercio_raster::Settings;
+use tercio_scene::{Camera, Scene};
 
 use super::counters::Counters;
 use super::measure::Clock;
@@ -12,7 +16,7 @@ use super::ranks::RanksError;
 use super::ranks::exchange::ExchangeCosts;
 use super::ranks::measure::MeasuredRanks;
 use super::ranks::renderer::{RankSeconds, RanksFrame, RanksWork, predict};
-use super::ranks::traffic::RankCounts;
+use super::ranks::traffic::{RankCounts, Sharing};
 use super::validate::{Model, TOLERANCE};
 use super::{PredictError, views};
 use crate::machines::Machine;
@@ -26,7 +30,7 @@ pub struct StageSeconds {
     pub compose: f64,
     /// Packing for rank 0, unpacking there.
     pub collect: f64,
-    /// Rank 0 waiting for messages.
+    /// Rank 0 waiting for messages and taking them.
     pub wait: f64,
     /// The whole frame, until rank 0 has the picture.
     pub frame: f64,
@@ -48,7 +52,7 @@ impl StageSeconds {
             draw: busiest(|r| r.draw),
             compose: busiest(|r| r.compose),
             collect: busiest(|r| r.collect),
-            wait: frame.ranks.first().map_or(0.0, |first| first.wait),
+            wait: frame.ranks.first().map_or(0.0, |first| first.wait + first.message),
             frame: match clock {
                 Clock::Wall => frame.total(),
                 Clock::Processor => frame.ranks.iter().map(|r| r.draw + r.compose + r.collect).sum(),
@@ -131,10 +135,69 @@ pub struct Options {
     pub clock: Clock,
 }
 
+/// What is compared: every model at every size, shared in every way.
+#[derive(Clone, Copy, Debug)]
+pub struct Table<'a> {
+    /// Models.
+    pub models: &'a [Model],
+    /// Pixels across and down.
+    pub sizes: &'a [(u32, u32)],
+    /// Ranks, and how they share a frame.
+    pub how: &'a [(usize, Organisation)],
+    /// How much is measured.
+    pub options: Options,
+}
+
+/// Where a row of a table comes from.
+#[derive(Clone, Copy)]
+struct Place<'a> {
+    model: &'a Model,
+    size: (u32, u32),
+    how: (usize, Organisation),
+    views: u32,
+}
+
+impl<'a> Table<'a> {
+    /// The rows in their order.
+    fn places(self) -> impl Iterator<Item = Place<'a>> {
+        let Self { models, sizes, how, options } = self;
+        let views = options.views.max(1);
+        let of_size = move |model, size| how.iter().map(move |&how| Place { model, size, how, views });
+        models.iter().flat_map(move |model| sizes.iter().flat_map(move |&size| of_size(model, size)))
+    }
+}
+
+impl<'a> Place<'a> {
+    /// Predicts every view.
+    fn views(
+        &self,
+        machine: &Machine,
+        costs: &ExchangeCosts,
+        processors: usize,
+    ) -> Result<Vec<View<'a>>, RanksError> {
+        let model = self.model;
+        let view = |camera| {
+            let work = RanksWork::count(&model.scene, &camera, &self.settings(), self.how)?;
+            let predicted = predict(machine, costs, &work, processors).map_err(PredictError::from)?;
+            let measured = MeasuredRanks::default();
+            Ok(View { model, camera, work, predicted, measured, differing: Vec::new(), compared: 0 })
+        };
+        self.cameras().map(view).collect()
+    }
+
+    fn cameras(&self) -> impl Iterator<Item = Camera> {
+        (0..self.views).map(|view| views::camera(&self.model.bounds, self.size, view, self.views))
+    }
+
+    fn settings(&self) -> Settings {
+        Settings::new(self.size.0, self.size.1)
+    }
+}
+
 /// One view of a row.
 struct View<'a> {
     model: &'a Model,
-    camera: tercio_scene::Camera,
+    camera: Camera,
     work: RanksWork,
     predicted: RanksFrame,
     measured: MeasuredRanks,
@@ -143,9 +206,8 @@ struct View<'a> {
 }
 
 impl View<'_> {
-    fn measure(&mut self, o: Options) -> Result<(), RanksError> {
-        let sharing = &self.work.sharing;
-        let measured = MeasuredRanks::draw(&self.model.scene, &self.camera, sharing, o.frames)?;
+    /// Compares every frame that was drawn.
+    fn add(&mut self, measured: MeasuredRanks) {
         for report in &measured.reports {
             for (rank, theirs) in report.ranks.iter().enumerate() {
                 let ours = self.work.messages.counts(rank).by_name();
@@ -161,47 +223,62 @@ impl View<'_> {
             }
         }
         self.measured.add(measured);
-        Ok(())
     }
 }
 
-/// Predicts models at some sizes on some ranks, then draws all of them, round after round. `tell` is told after each
-/// picture.
+/// Predicts all rows, then draws all of them, round after round, by `draw`: [`MeasuredRanks::draw`] for ranks of this
+/// process, [`MeasuredRanks::draw_between`] for rank 0 of a job whose other ranks [follow](follow). The description is
+/// that of a machine [over MPI](Machine::over_mpi) then. `tell` is told after each picture.
 ///
 /// # Errors
 /// [`RanksError`].
 pub fn compare(
     machine: &Machine,
     costs: &ExchangeCosts,
-    models: &[Model],
-    sizes: &[(u32, u32)],
-    how: &[(usize, Organisation)],
-    o: Options,
+    table: Table,
+    mut draw: impl FnMut(&Scene, &Camera, &Sharing, u32) -> Result<MeasuredRanks, ParallelError>,
     mut tell: impl FnMut(),
 ) -> Result<Vec<Row>, RanksError> {
-    let mut rows = Vec::new();
-    for model in models {
-        for &size in sizes {
-            for &how in how {
-                let views = (0..o.views.max(1)).map(|view| {
-                    let camera = views::camera(&model.bounds, size, view, o.views);
-                    let work = RanksWork::count(&model.scene, &camera, &Settings::new(size.0, size.1), how)?;
-                    let predicted =
-                        predict(machine, costs, &work, o.processors).map_err(PredictError::from)?;
-                    let measured = MeasuredRanks::default();
-                    Ok(View { model, camera, work, predicted, measured, differing: Vec::new(), compared: 0 })
-                });
-                rows.push(views.collect::<Result<Vec<_>, RanksError>>()?);
-            }
-        }
-    }
+    let o = table.options;
+    let predicted = table.places().map(|place| place.views(machine, costs, o.processors));
+    let mut rows = predicted.collect::<Result<Vec<_>, _>>()?;
     for _ in 0..o.rounds.max(1) {
         for row in &mut rows {
-            row.iter_mut().try_for_each(|view| view.measure(o))?;
+            for view in row {
+                view.add(draw(&view.model.scene, &view.camera, &view.work.sharing, o.frames)?);
+            }
             tell();
         }
     }
     Ok(rows.iter().map(|views| row(views, o.clock)).collect())
+}
+
+/// What the other ranks of a job do while rank 0 compares a table: they draw the same pictures in the same order.
+///
+/// # Errors
+/// [`ParallelError`].
+pub fn follow(
+    comm: &mut impl Communicator,
+    pool: &Arc<ThreadPool>,
+    table: Table,
+) -> Result<(), ParallelError> {
+    let o = table.options;
+    for _ in 0..o.rounds.max(1) {
+        for place in table.places() {
+            let ((ranks, organisation), size) = (place.how, place.size);
+            let sharing = Sharing { organisation, ranks, size, edge: place.settings().tile_edge() };
+            for camera in place.cameras() {
+                MeasuredRanks::draw_between(
+                    (&mut *comm, pool),
+                    &place.model.scene,
+                    &camera,
+                    &sharing,
+                    o.frames,
+                )?;
+            }
+        }
+    }
+    Ok(())
 }
 
 fn row(views: &[View], clock: Clock) -> Row {

@@ -5,6 +5,7 @@ mod calibrate;
 mod check;
 mod eval;
 mod machines;
+mod measured;
 mod plan;
 mod predict;
 mod reproduce;

@@ -15,7 +15,7 @@ use tercio_lab::predict::views;
 use tercio_lab::workloads::BoxScene;
 
 use crate::args::drawing::SortingName;
-use crate::args::{ModelArgs, RunningArgs, values};
+use crate::args::{ModelArgs, ProgressMode, RunningArgs, values};
 use crate::progress::Display;
 
 /// The picture that is predicted.
@@ -127,7 +127,7 @@ impl PictureArgs {
     /// # Errors
     /// What went wrong.
     pub fn count(&self, running: &RunningArgs, machine: &Machine, threads: usize) -> Result<Counted> {
-        let (scene, bounds) = load_scene(&self.model, running)?;
+        let (scene, bounds) = load_scene(&self.model, running, running.progress_mode())?;
         let camera = views::camera(&bounds, self.size, self.view % self.views, self.views);
         let sorting = match self.sorting {
             Some(name) => name.into(),
@@ -149,8 +149,8 @@ impl PictureArgs {
 }
 
 /// A model under one light.
-pub fn load_scene(model: &ModelArgs, running: &RunningArgs) -> Result<(Scene, Aabb)> {
-    let display = Display::new(running.progress_mode());
+pub fn load_scene(model: &ModelArgs, running: &RunningArgs, progress: ProgressMode) -> Result<(Scene, Aabb)> {
+    let display = Display::new(progress);
     let options = LoadOptions {
         memory_limit: running.memory_limit(),
         progress: Some(&display.progress),

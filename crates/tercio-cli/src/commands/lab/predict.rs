@@ -77,6 +77,9 @@ enum OrganisationName {
     SortTwice,
 }
 
+/// One of a rank's times.
+type Seconds = fn(&RankSeconds) -> f64;
+
 impl Predict {
     /// Runs the command.
     ///
@@ -177,8 +180,7 @@ impl Predict {
         );
         let mut text = table(&head, &frame.phases(), frame.total());
         let _ = writeln!(text, "{:16} {:>12}    {:>12}    busiest over mean", "all ranks", "busiest", "mean");
-        type Stage = (&'static str, fn(&RankSeconds) -> f64);
-        let stages: [Stage; 5] = [
+        let stages: [(&str, Seconds); 5] = [
             ("drawing", |r| r.draw),
             ("composing", |r| r.compose),
             ("collecting", |r| r.collect),

@@ -1,37 +1,43 @@
 //! `tercio lab validate`: predicted against measured.
 
 use std::fmt::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::sync::Arc;
 
 use anyhow::Result;
-use clap::Args;
+use clap::{Args, ValueEnum};
+use rayon::ThreadPool;
 use serde_json::{Value, json};
-use tercio::image::Destination;
-use tercio::parallel::Organisation;
-use tercio_lab::machines::{Machine, load};
+use tercio::parallel::{Communicator as _, Organisation};
+use tercio_lab::machines::load;
+use tercio_lab::predict::quoted::{self, ThreadsRow};
 use tercio_lab::predict::validate::{Model, Options, Row, TOLERANCE, compare};
-use tercio_lab::predict::validate_ranks;
+use tercio_lab::predict::validate_ranks as ranks;
 
 use super::calibrate::ClockName;
+use super::measured::Measured;
 use super::plan::load_scene;
-use super::validate_ranks::RanksPlan;
+use super::validate_ranks::{self, Who};
 use crate::args::drawing::SortingName;
 use crate::args::ranks::{OrganisationName, parse_ranks};
-use crate::args::{ModelArgs, RunningArgs, values};
-use crate::output::write_text;
+use crate::args::{ModelArgs, ProgressMode, RunningArgs, values};
+use crate::output::UsageError;
 use crate::progress::Display;
-use crate::threads;
+use crate::{mpi, threads};
 
 /// Draws models and compares counters and times with what is predicted for this machine.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Counters have to be equal, times to lie within 25 %. Models that costs were fitted to prove little: choose others.
+Processes that mpirun started are ranks: all of them draw, rank 0 predicts and writes. The description needs the
+section mpi then, which calibrate writes if mpirun starts it.
 
 Examples:
   tercio lab calibrate -o mine.toml
   tercio lab validate builtin:teapot@500k dragon.ply --machine mine.toml --sizes 800x600,1920x1080
   tercio lab validate builtin:teapot@500k --machine mine.toml --ranks 1,2,4 --organisation sort-last
+  mpirun -n 2 --bind-to none tercio lab validate builtin:teapot@500k --machine mine.toml   (built with --features mpi)
 
 Exit code: 0 all hold, 1 some do not or an error, 2 wrong usage.")]
 pub struct Validate {
@@ -57,11 +63,12 @@ pub struct Validate {
     /// Which clock times frames.
     #[arg(long, value_name = "CLOCK", value_enum, default_value_t = ClockName::Wall)]
     clock: ClockName,
-    /// Compares ranks of one thread each instead: messages, bytes and counters of every rank, and times.
+    /// Compares ranks of one thread each instead: messages, bytes and counters of every rank, and times. Processes that
+    /// mpirun started are ranks without this option.
     #[arg(long, value_name = "N,...", value_delimiter = ',', value_parser = parse_ranks)]
     ranks: Vec<usize>,
     /// How ranks share a frame [default: both].
-    #[arg(long, value_name = "HOW", value_enum, requires = "ranks")]
+    #[arg(long, value_name = "HOW", value_enum)]
     organisation: Option<OrganisationName>,
     /// What is sorted into tiles.
     #[arg(long, value_name = "WHAT", value_enum, default_value_t = SortingName::Clusters)]
@@ -69,6 +76,10 @@ pub struct Validate {
     /// Writes JSON with stable keys.
     #[arg(long)]
     json: bool,
+    /// Also puts the rows into a table (TOML) such as 'tercio lab reproduce' quotes: new, or in place of rows of the
+    /// same pictures.
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
     #[command(flatten)]
     running: RunningArgs,
 }
@@ -77,11 +88,31 @@ impl Validate {
     /// Runs the command.
     ///
     /// # Errors
-    /// What went wrong.
+    /// [`UsageError`] for options that contradict each other, else what went wrong.
     pub fn run(&self) -> Result<ExitCode> {
-        let machine = load(&self.machine)?;
+        let who = Who::of(&self.ranks, self.organisation.is_some(), mpi::processes()).map_err(UsageError)?;
         let pool = threads::pool(self.running.threads)?;
-        let most = pool.current_num_threads();
+        let holds = match who {
+            Who::Threads => self.threads(&pool)?,
+            Who::Ranks => self.ranks(&pool)?,
+            Who::Processes(count) => {
+                if self.models.iter().any(|m| count > 1 && m.as_os_str() == "-") {
+                    return Err(UsageError("standard input reaches one rank only: name a file".into()).into());
+                }
+                // A rank draws with one thread, the one that MPI knows.
+                let own = Arc::new(threads::pool(Some(1))?);
+                own.install(|| mpi::run(|comm| self.processes(&pool, &own, comm)))?
+            }
+        };
+        Ok(ExitCode::from(u8::from(!holds)))
+    }
+
+    /// Compares threads; tells whether all rows hold.
+    fn threads(&self, pool: &ThreadPool) -> Result<bool> {
+        let machine = load(&self.machine)?;
+        let output = self.measured(None, &machine.summary)?;
+        let models = self.load_models(pool, self.running.progress_mode())?;
+        let display = Display::new(self.running.progress_mode());
         let options = Options {
             views: self.views,
             frames: self.frames,
@@ -89,92 +120,135 @@ impl Validate {
             clock: self.clock.into(),
             sorting: self.sorting.into(),
         };
-        let display = Display::new(self.running.progress_mode());
+        let most = pool.current_num_threads();
         let counts: Vec<usize> = if most > 1 { vec![1, most] } else { vec![1] };
-        let mut models = Vec::new();
-        for path in &self.models {
-            let model = ModelArgs { model: path.clone() };
-            let (scene, bounds) = pool.install(|| load_scene(&model, &self.running))?;
-            models.push(Model { name: model.name(), scene, bounds });
-        }
-        if !self.ranks.is_empty() {
-            return self.run_ranks(&machine, &models, most, display);
-        }
         let pictures = models.len() * self.sizes.len() * counts.len() * self.rounds as usize;
         display.progress.begin("pictures", pictures as u64);
         let tell = || display.progress.advance(1);
         let rows = compare(&machine, &models, &self.sizes, &counts, options, tell)?;
         drop(display);
-        let text =
-            if self.json { format!("{:#}\n", rows.iter().map(json).collect::<Value>()) } else { text(&rows) };
-        write_text(&Destination::Stdout, &text)?;
-        Ok(ExitCode::from(u8::from(!rows.iter().all(Row::holds))))
+        let quoted: Vec<ThreadsRow> = rows.iter().map(ThreadsRow::from).collect();
+        output.write(self.json, || rows.iter().map(json).collect(), || text(&rows, &quoted), &quoted)?;
+        Ok(rows.iter().all(Row::holds))
     }
-}
 
-impl Validate {
-    fn run_ranks(
-        &self,
-        machine: &Machine,
-        models: &[Model],
-        processors: usize,
-        display: Display,
-    ) -> Result<ExitCode> {
+    /// Compares ranks of this process.
+    fn ranks(&self, pool: &ThreadPool) -> Result<bool> {
+        let machine = load(&self.machine)?;
+        let output = self.measured(None, &machine.summary)?;
+        let models = self.load_models(pool, self.running.progress_mode())?;
+        let how = self.how(&self.ranks);
+        let display = Display::new(self.running.progress_mode());
+        let rows = validate_ranks::of_this_process(
+            &machine,
+            self.table(&models, &how, pool.current_num_threads()),
+            &display,
+        )?;
+        drop(display);
+        validate_ranks::write(&rows, self.json, &output)
+    }
+
+    /// Compares the processes of a job, each of which draws with its `own` thread. All but rank 0, which tells, only draw.
+    fn processes(&self, pool: &ThreadPool, own: &Arc<ThreadPool>, comm: &mut mpi::Comm) -> Result<bool> {
+        let tells = comm.rank() == 0;
+        let machine = load(&self.machine)?.over_mpi()?;
+        let mode = if tells { self.running.progress_mode() } else { ProgressMode::Never };
+        let processors = validate_ranks::processors(comm, pool.current_num_threads())?;
+        let how = self.how(&[comm.size()]);
+        if !tells {
+            let models = self.load_models(pool, mode)?;
+            ranks::follow(comm, own, self.table(&models, &how, processors))?;
+            return Ok(true);
+        }
+        let output = self.measured(Some(comm.size()), &machine.summary)?;
+        let models = self.load_models(pool, mode)?;
+        let display = Display::new(mode);
+        let table = self.table(&models, &how, processors);
+        let rows = validate_ranks::of_processes(&machine, table, (comm, own), &display)?;
+        drop(display);
+        validate_ranks::write(&rows, self.json, &output)
+    }
+
+    fn load_models(&self, pool: &ThreadPool, progress: ProgressMode) -> Result<Vec<Model>> {
+        let load = |path: &PathBuf| {
+            let model = ModelArgs { model: path.clone() };
+            let (scene, bounds) = pool.install(|| load_scene(&model, &self.running, progress))?;
+            Ok(Model { name: file_name(path), scene, bounds })
+        };
+        self.models.iter().map(load).collect()
+    }
+
+    fn how(&self, ranks: &[usize]) -> Vec<(usize, Organisation)> {
         let organisations: Vec<Organisation> = match self.organisation {
             Some(one) => vec![one.into()],
             None => vec![Organisation::SortFirst, Organisation::SortLast],
         };
-        let plan = RanksPlan {
-            machine,
-            models,
-            sizes: &self.sizes,
-            ranks: &self.ranks,
-            organisations: &organisations,
-            options: validate_ranks::Options {
-                views: self.views,
-                frames: self.frames,
-                rounds: self.rounds,
-                processors,
-                clock: self.clock.into(),
-            },
-        };
-        let rows = super::validate_ranks::rows(&plan, &display)?;
-        drop(display);
-        let json = || rows.iter().map(super::validate_ranks::json).collect::<Value>();
-        let text = if self.json { format!("{:#}\n", json()) } else { super::validate_ranks::text(&rows) };
-        write_text(&Destination::Stdout, &text)?;
-        Ok(ExitCode::from(u8::from(!rows.iter().all(validate_ranks::Row::holds))))
+        ranks.iter().flat_map(|&ranks| organisations.iter().map(move |&o| (ranks, o))).collect()
     }
+
+    fn table<'a>(
+        &'a self,
+        models: &'a [Model],
+        how: &'a [(usize, Organisation)],
+        processors: usize,
+    ) -> ranks::Table<'a> {
+        let (views, frames, rounds) = (self.views, self.frames, self.rounds);
+        let options = ranks::Options { views, frames, rounds, processors, clock: self.clock.into() };
+        ranks::Table { models, sizes: &self.sizes, how, options }
+    }
+
+    /// Where rows go; checked before the work begins.
+    fn measured(&self, processes: Option<usize>, machine: &str) -> Result<Measured> {
+        let started = processes.map_or(String::new(), |n| format!("mpirun -n {n} --bind-to none "));
+        Measured::new(self.output.clone(), format!("{started}{}", self.command()), machine.into())
+    }
+
+    /// The command, without names of folders, and without what does not change the rows.
+    fn command(&self) -> String {
+        let models: Vec<String> = self.models.iter().map(|m| file_name(m)).collect();
+        let sizes: Vec<String> = self.sizes.iter().map(|(w, h)| format!("{w}x{h}")).collect();
+        let mut text = format!(
+            "tercio lab validate {} --machine {} --sizes {} --views {} --frames {} --rounds {}",
+            models.join(" "),
+            file_name(Path::new(&self.machine)),
+            sizes.join(","),
+            self.views,
+            self.frames,
+            self.rounds
+        );
+        // Writing into a string cannot fail.
+        if !self.ranks.is_empty() {
+            let ranks: Vec<String> = self.ranks.iter().map(ToString::to_string).collect();
+            let _ = write!(text, " --ranks {}", ranks.join(","));
+        }
+        if let Some(name) = self.organisation.as_ref().and_then(ValueEnum::to_possible_value) {
+            let _ = write!(text, " --organisation {}", name.get_name());
+        }
+        if matches!(self.sorting, SortingName::Triangles) {
+            text.push_str(" --sorting triangles");
+        }
+        if matches!(self.clock, ClockName::Processor) {
+            text.push_str(" --clock processor");
+        }
+        text
+    }
+}
+
+/// A model's or description's name without its folder; builtin:NAME@COUNT has none.
+fn file_name(path: &Path) -> String {
+    path.file_name().map_or_else(|| path.display().to_string(), |name| name.to_string_lossy().into_owned())
 }
 
 fn json(row: &Row) -> Value {
     json!({ "row": row, "error": row.error(), "tolerance": TOLERANCE, "holds": row.holds() })
 }
 
-/// A table in Markdown.
-fn text(rows: &[Row]) -> String {
-    let mut text = String::from(
-        "| model | size | threads | counters equal | predicted ms | measured ms | error | verdict |\n|---|---|---|---|---|---|---|---|\n",
-    );
+/// A table in Markdown, and counters that differ.
+fn text(rows: &[Row], quoted: &[ThreadsRow]) -> String {
+    let mut text = quoted::markdown(quoted);
     for row in rows {
-        // Writing into a string cannot fail.
-        let _ = writeln!(
-            text,
-            "| {} | {}x{} | {} | {} of {} | {:.3} | {:.3} | {:+.1} % | {} |",
-            row.model,
-            row.size.0,
-            row.size.1,
-            row.threads,
-            row.compared - row.differing.len(),
-            row.compared,
-            row.predicted * 1e3,
-            row.measured * 1e3,
-            row.error() * 100.0,
-            if row.holds() { "holds" } else { "misses" },
-        );
-    }
-    for row in rows.iter().filter(|r| !r.differing.is_empty()) {
         for (name, ours, theirs) in &row.differing {
+            // Writing into a string cannot fail.
             let _ =
                 writeln!(text, "\n{} {:?}: {name} predicted {ours}, counted {theirs}", row.model, row.size);
         }

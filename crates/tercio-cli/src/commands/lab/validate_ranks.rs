@@ -1,97 +1,138 @@
-//! `tercio lab validate --ranks`: what ranks count, send and take, predicted against measured.
+//! `tercio lab validate` with ranks: what they count, send and take, predicted against measured.
 
+use std::collections::BTreeSet;
 use std::fmt::Write;
+use std::sync::Arc;
 
 use anyhow::Result;
+use rayon::ThreadPool;
 use serde_json::{Value, json};
-use tercio::parallel::Organisation;
+use tercio::parallel::Communicator as _;
 use tercio_lab::machines::Machine;
-use tercio_lab::predict::ranks::calibrate::measure;
+use tercio_lab::predict::quoted::{self, RanksRow};
+use tercio_lab::predict::ranks::calibrate;
 use tercio_lab::predict::ranks::exchange::ExchangeCosts;
-use tercio_lab::predict::validate::{Model, TOLERANCE};
-use tercio_lab::predict::validate_ranks::{Options, Row, StageSeconds, compare};
+use tercio_lab::predict::ranks::measure::MeasuredRanks;
+use tercio_lab::predict::validate::TOLERANCE;
+use tercio_lab::predict::validate_ranks::{Row, Table, compare};
 
+use super::measured::Measured;
 use crate::progress::Display;
+use crate::{mpi, threads};
 
-/// What is compared.
-pub struct RanksPlan<'a> {
-    pub machine: &'a Machine,
-    pub models: &'a [Model],
-    pub sizes: &'a [(u32, u32)],
-    pub ranks: &'a [usize],
-    pub organisations: &'a [Organisation],
-    pub options: Options,
+/// Who draws what is compared.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Who {
+    /// Threads of this process.
+    Threads,
+    /// Ranks of this process, as many as asked for.
+    Ranks,
+    /// So many processes that mpirun started.
+    Processes(usize),
 }
 
-/// Compares all of it. What the description does not know about ranks is measured first.
+impl Who {
+    /// What options ask for, in a job of `processes`, if it is one of MPI.
+    ///
+    /// # Errors
+    /// What contradicts what.
+    pub fn of(ranks: &[usize], has_organisation: bool, processes: Option<usize>) -> Result<Self, String> {
+        match processes {
+            Some(count) if count > 1 && !(ranks.is_empty() || ranks == [count]) => {
+                let asked: Vec<String> = ranks.iter().map(ToString::to_string).collect();
+                let asked = asked.join(",");
+                Err(format!("--ranks {asked}: mpirun started {count} processes, which are the ranks"))
+            }
+            Some(count) if count > 1 || ranks == [1] => Ok(Self::Processes(count)),
+            _ if !ranks.is_empty() => Ok(Self::Ranks),
+            _ if has_organisation => {
+                Err("--organisation says how ranks share a frame: it needs --ranks N,..., or mpirun -n N"
+                    .into())
+            }
+            _ => Ok(Self::Threads),
+        }
+    }
+}
+
+/// Processors that the processes of a job share, where each may use so many: no more than their machines have, unless
+/// mpirun gave each its own.
+///
+/// # Errors
+/// A rank is gone.
+pub fn processors(comm: &mut mpi::Comm, own: usize) -> Result<usize> {
+    let name = mpi::machine(comm).into_bytes();
+    let others = comm.gather(comm.size(), name.clone())?;
+    let machines = others.into_iter().chain([name]).collect::<BTreeSet<_>>().len();
+    let all = comm.size() * own;
+    Ok(threads::of_machine().map_or(all, |most| all.min(most * machines)))
+}
+
+/// Compares ranks of this process.
 ///
 /// # Errors
 /// What went wrong.
-pub fn rows(plan: &RanksPlan, display: &Display) -> Result<Vec<Row>> {
-    let costs = match ExchangeCosts::are_known(plan.machine) {
-        true => ExchangeCosts::of(plan.machine)?,
-        false => {
-            display.stage("measuring this machine");
-            measure(plan.options.frames, plan.options.rounds)?
-        }
+pub fn of_this_process(machine: &Machine, table: Table, display: &Display) -> Result<Vec<Row>> {
+    let costs = costs(machine, table, display)?;
+    Ok(compare(machine, &costs, table, MeasuredRanks::draw, begin(table, display))?)
+}
+
+/// Compares the processes of a job; the other ranks follow.
+///
+/// # Errors
+/// What went wrong.
+pub fn of_processes(
+    machine: &Machine,
+    table: Table,
+    (comm, pool): (&mut mpi::Comm, &Arc<ThreadPool>),
+    display: &Display,
+) -> Result<Vec<Row>> {
+    let costs = costs(machine, table, display)?;
+    let draw = |scene: &_, camera: &_, sharing: &_, frames| {
+        MeasuredRanks::draw_between((&mut *comm, pool), scene, camera, sharing, frames)
     };
-    let how = plan.ranks.iter().flat_map(|&ranks| plan.organisations.iter().map(move |&o| (ranks, o)));
-    let how: Vec<(usize, Organisation)> = how.collect();
-    let pictures = plan.models.len() * plan.sizes.len() * how.len() * plan.options.rounds as usize;
-    display.progress.begin("pictures", pictures as u64);
-    let tell = || display.progress.advance(1);
-    Ok(compare(plan.machine, &costs, plan.models, plan.sizes, &how, plan.options, tell)?)
+    Ok(compare(machine, &costs, table, draw, begin(table, display))?)
+}
+
+/// What the description does not know about ranks is measured first.
+fn costs(machine: &Machine, table: Table, display: &Display) -> Result<ExchangeCosts> {
+    if ExchangeCosts::are_known(machine) {
+        return Ok(ExchangeCosts::of(machine)?);
+    }
+    display.stage("measuring this machine");
+    Ok(calibrate::measure(table.options.frames, table.options.rounds)?)
+}
+
+fn begin(table: Table, display: &Display) -> impl FnMut() {
+    let rows = table.models.len() * table.sizes.len() * table.how.len();
+    display.progress.begin("pictures", rows as u64 * u64::from(table.options.rounds));
+    || display.progress.advance(1)
+}
+
+/// Tells the rows; returns whether all hold.
+///
+/// # Errors
+/// What cannot be written.
+pub fn write(rows: &[Row], as_json: bool, output: &Measured) -> Result<bool> {
+    let quoted: Vec<RanksRow> = rows.iter().map(RanksRow::from).collect();
+    output.write(as_json, || rows.iter().map(json).collect(), || text(rows, &quoted), &quoted)?;
+    Ok(rows.iter().all(Row::holds))
 }
 
 /// With stable keys.
-pub fn json(row: &Row) -> Value {
+fn json(row: &Row) -> Value {
     json!({ "row": row, "error": row.error(), "tolerance": TOLERANCE, "holds": row.holds() })
 }
 
-/// A table in Markdown.
-pub fn text(rows: &[Row]) -> String {
-    let mut text = String::from(
-        "| model | size | ranks | organisation | messages | bytes | counters equal | draw ms | compose ms | \
-         collect ms | wait ms | frame ms | faults | switches | error | |\n\
-         |---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n",
-    );
-    for row in rows {
-        let organisation = match row.organisation {
-            Organisation::SortFirst => "sort-first",
-            Organisation::SortLast => "sort-last",
-        };
-        let stage = |of: fn(&StageSeconds) -> f64| {
-            format!("{:.2} / {:.2}", of(&row.predicted) * 1e3, of(&row.measured) * 1e3)
-        };
-        // Writing into a string cannot fail.
-        let _ = writeln!(
-            text,
-            "| {} | {}x{} | {} | {organisation} | {} | {} | {} of {} | {} | {} | {} | {} | {} | {:.0} | {:.0} | {:+.1} % | {} |",
-            row.model,
-            row.size.0,
-            row.size.1,
-            row.ranks,
-            row.messages,
-            row.bytes,
-            row.compared - row.differing.len(),
-            row.compared,
-            stage(|s| s.draw),
-            stage(|s| s.compose),
-            stage(|s| s.collect),
-            stage(|s| s.wait),
-            stage(|s| s.frame),
-            row.page_faults,
-            row.switches,
-            row.error() * 100.0,
-            if row.holds() { "holds" } else { "misses" },
-        );
-    }
+/// A table in Markdown, and counters that differ.
+fn text(rows: &[Row], quoted: &[RanksRow]) -> String {
+    let mut text = quoted::markdown(quoted);
     text.push_str(
         "\nTimes: predicted / measured; a stage's is that of its busiest rank, waiting that of rank 0. Faults of pages and \
          switches of threads: of the frame in the middle, all ranks.\n",
     );
     for row in rows {
         for (rank, name, ours, theirs) in &row.differing {
+            // Writing into a string cannot fail.
             let _ = writeln!(
                 text,
                 "\n{} {:?}, {} ranks, rank {rank}: {name} predicted {ours}, counted {theirs}",
@@ -100,4 +141,31 @@ pub fn text(rows: &[Row]) -> String {
         }
     }
     text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Who;
+
+    #[test]
+    fn processes_of_mpirun_are_the_ranks() {
+        use Who::{Processes, Ranks, Threads};
+        for (ranks, processes, who) in [
+            (&[][..], None, Threads),
+            (&[], Some(1), Threads),
+            (&[1, 2], None, Ranks),
+            (&[1, 2], Some(1), Ranks),
+            (&[1], None, Ranks),
+            (&[1], Some(1), Processes(1)),
+            (&[], Some(4), Processes(4)),
+            (&[4], Some(4), Processes(4)),
+        ] {
+            assert_eq!(Who::of(ranks, false, processes), Ok(who));
+        }
+        assert_eq!(Who::of(&[], true, Some(2)), Ok(Processes(2)));
+        assert!(Who::of(&[], true, None).unwrap_err().contains("--ranks"));
+        for ranks in [&[2][..], &[4, 2]] {
+            assert!(Who::of(ranks, false, Some(4)).unwrap_err().contains("mpirun started 4"));
+        }
+    }
 }

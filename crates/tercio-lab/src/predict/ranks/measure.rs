@@ -1,10 +1,13 @@
-//! Ranks of this process, drawing: their times, counters, and what the operating system did meanwhile.
+//! Ranks, threads of this process or processes, drawing: their times, counters, and what the operating system did
+//! meanwhile.
 
-use std::sync::Mutex;
+use std::sync::{Arc, Mutex};
 
+use rayon::ThreadPool;
+use tercio_parallel::organisation::{Rank, Task};
 use tercio_parallel::report::{RankStages, Stage};
-use tercio_parallel::{FrameReport, ParallelError, Ranks, draw_frames};
-use tercio_raster::Settings;
+use tercio_parallel::{Communicator, FrameReport, ParallelError, Ranks, between_processes, draw_frames};
+use tercio_raster::{Frame, Settings};
 use tercio_scene::{Camera, Scene};
 
 use super::traffic::Sharing;
@@ -23,7 +26,7 @@ pub struct MeasuredRanks {
 }
 
 impl MeasuredRanks {
-    /// Draws a picture some times.
+    /// Draws a picture some times with threads of this process.
     ///
     /// # Errors
     /// [`ParallelError`].
@@ -33,8 +36,7 @@ impl MeasuredRanks {
         sharing: &Sharing,
         frames: u32,
     ) -> Result<Self, ParallelError> {
-        let settings =
-            Settings { tile_size: Some(sharing.edge), ..Settings::new(sharing.size.0, sharing.size.1) };
+        let settings = settings(sharing);
         let cameras = vec![*camera; frames.max(1) as usize + WARM_UP];
         let ranks = Ranks { count: sharing.ranks, threads: 1, organisation: sharing.organisation };
         // Rank 0 looks while the others wait for the next frame.
@@ -43,8 +45,31 @@ impl MeasuredRanks {
         let mut reports = draw_frames(ranks, scene, &cameras, &settings, |_, _| look())?;
         reports.drain(..WARM_UP.min(reports.len()));
         let seen = seen.into_inner().unwrap_or_else(|e| e.into_inner());
-        let usage = seen.windows(2).skip(WARM_UP - 1).map(|w| w[1].since(w[0])).collect();
-        Ok(Self { reports, usage })
+        Ok(Self { reports, usage: of_frames(&seen) })
+    }
+
+    /// The same with processes: all of them call this with the same picture, and rank 0 gets the frames. Each of them
+    /// draws with the threads of its pool, as a rule one of them, which is the one that calls this.
+    ///
+    /// # Errors
+    /// [`ParallelError`].
+    pub fn draw_between(
+        (comm, pool): (&mut impl Communicator, &Arc<ThreadPool>),
+        scene: &Scene,
+        camera: &Camera,
+        sharing: &Sharing,
+        frames: u32,
+    ) -> Result<Self, ParallelError> {
+        let settings = settings(sharing);
+        let task = Task { organisation: sharing.organisation, scene, camera, settings: &settings };
+        let (mut own, mut frame) = (Rank::of_pool(pool.clone()), Frame::default());
+        let (mut reports, mut seen) = (Vec::new(), Vec::new());
+        for _ in 0..frames.max(1) as usize + WARM_UP {
+            reports.extend(between_processes::draw_frame(&mut own, comm, &task, &mut frame)?);
+            seen.extend(usage_of_all(comm)?);
+        }
+        reports.drain(..WARM_UP.min(reports.len()));
+        Ok(Self { reports, usage: of_frames(&seen) })
     }
 
     /// Adds frames of the same picture.
@@ -74,6 +99,27 @@ impl MeasuredRanks {
         let of = |of: fn(&Usage) -> u64| median(self.usage.iter().map(|u| of(u) as f64));
         [of(|u| u.page_faults), of(|u| u.waits + u.preemptions)]
     }
+}
+
+fn settings(sharing: &Sharing) -> Settings {
+    Settings { tile_size: Some(sharing.edge), ..Settings::new(sharing.size.0, sharing.size.1) }
+}
+
+/// What came between looks after one frame and the next.
+fn of_frames(seen: &[Usage]) -> Vec<Usage> {
+    seen.windows(2).skip(WARM_UP - 1).map(|w| w[1].since(w[0])).collect()
+}
+
+/// What the system did for all processes up to now, for rank 0.
+fn usage_of_all(comm: &mut impl Communicator) -> Result<Option<Usage>, ParallelError> {
+    let (rank, own) = (comm.rank(), Usage::now());
+    let told = if rank == 0 { Ok(Vec::new()) } else { serde_json::to_vec(&own) };
+    let told = comm.gather(comm.size(), told.map_err(|error| ParallelError::Report { rank, error })?)?;
+    let add = |sum: Usage, (rank, told): (usize, Vec<u8>)| {
+        let other = serde_json::from_slice(&told).map_err(|error| ParallelError::Report { rank, error })?;
+        Ok(sum.plus(other))
+    };
+    (rank == 0).then(|| (1..).zip(told).try_fold(own, add)).transpose()
 }
 
 fn median(values: impl Iterator<Item = f64>) -> f64 {

@@ -41,18 +41,24 @@ fn counts_are_those_of_the_ranks() {
     }
 }
 
-#[test]
-fn rows_are_what_is_predicted_and_compare_every_frame() {
+/// A small model, and costs that do not matter.
+fn small() -> (Machine, ExchangeCosts, [Model; 1]) {
     let machine = crate::machines::builtin("two-core-2026").unwrap().unwrap();
     let (scene, bounds) =
         crate::predict::calibrate::prepare(tercio_mesh::builtin::make("builtin:gyroid@5k").unwrap());
-    let models = [Model { name: "gyroid".into(), scene, bounds }];
-    let (costs, size) = (ExchangeCosts([1e-9; KINDS]), (99, 77));
+    (machine, ExchangeCosts([1e-9; KINDS]), [Model { name: "gyroid".into(), scene, bounds }])
+}
+
+#[test]
+fn rows_are_what_is_predicted_and_compare_every_frame() {
+    let (machine, costs, models) = small();
+    let size = (99, 77);
     let how = [(1, Organisation::SortFirst), (3, Organisation::SortLast)];
     for clock in [Clock::Wall, Clock::Processor] {
-        let o = Options { views: 2, frames: 2, rounds: 2, processors: 2, clock };
+        let options = Options { views: 2, frames: 2, rounds: 2, processors: 2, clock };
+        let table = Table { models: &models, sizes: &[size], how: &how, options };
         let mut told = 0;
-        let rows = compare(&machine, &costs, &models, &[size], &how, o, || told += 1).unwrap();
+        let rows = compare(&machine, &costs, table, MeasuredRanks::draw, || told += 1).unwrap();
         assert_eq!((rows.len(), told), (2, 4));
         for (row, how) in rows.iter().zip(how) {
             // 6 counters of what travels and 22 of the renderer, 4 frames of each view.
@@ -69,5 +75,42 @@ fn rows_are_what_is_predicted_and_compare_every_frame() {
                 assert!((row.predicted.frame / mean - 1.0).abs() < 1e-9);
             }
         }
+    }
+}
+
+/// What goes over MPI elsewhere goes between threads here: the ranks have nothing in common but messages.
+#[test]
+fn the_ranks_of_a_job_follow_rank_0() {
+    use tercio_parallel::comm::threads;
+    use tercio_parallel::organisation::Rank;
+
+    const RANKS: usize = 3;
+    let (mut machine, costs, models) = small();
+    machine.mpi = machine.network.clone();
+    let machine = machine.over_mpi().unwrap();
+    let how = [(RANKS, Organisation::SortFirst), (RANKS, Organisation::SortLast)];
+    let options = Options { views: 2, frames: 2, rounds: 2, processors: 2, clock: Clock::Wall };
+    let table = Table { models: &models, sizes: &[(99, 77), (64, 80)], how: &how, options };
+    let all = threads::run(RANKS, |comm| {
+        let own = Rank::new(1)?.pool();
+        if comm.rank() > 0 {
+            return follow(comm, &own, table).map(|()| Vec::new());
+        }
+        let draw = |scene: &Scene, camera: &Camera, sharing: &Sharing, frames| {
+            MeasuredRanks::draw_between((&mut *comm, &own), scene, camera, sharing, frames)
+        };
+        compare(&machine, &costs, table, draw, || ()).map_err(|e| match e {
+            RanksError::Parallel(error) => error,
+            RanksError::Predict(error) => panic!("{error}"),
+        })
+    });
+    let mut all = all.unwrap();
+    let rows = all.remove(0);
+    assert!(rows.len() == 4 && all.iter().all(Vec::is_empty));
+    let alone = compare(&machine, &costs, table, MeasuredRanks::draw, || ()).unwrap();
+    for (row, alone) in rows.iter().zip(&alone) {
+        assert_eq!((row.differing.len(), row.compared), (0, 2 * 4 * 28 * RANKS), "{row:?}");
+        assert!(row.measured.frame.is_finite() && row.measured.frame > 0.0);
+        assert_eq!((row.messages, row.bytes, row.predicted), (alone.messages, alone.bytes, alone.predicted));
     }
 }

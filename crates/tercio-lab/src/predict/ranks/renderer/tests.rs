@@ -116,8 +116,7 @@ fn a_ring_is_as_slow_as_its_busiest_link() {
     let mut work = work(RANKS, Organisation::SortLast);
     // Everybody sends everybody else the same.
     let pixels = |from, to| (from != to).then_some(super::super::traffic::Pixels { spans: 0, pixels: 1000 });
-    work.messages.composed =
-        (0..RANKS).map(|from| (0..RANKS).map(|to| pixels(from, to)).collect()).collect();
+    work.messages.composed = (0..RANKS).map(|from| (0..RANKS).map(|to| pixels(from, to)).collect()).collect();
     work.messages.finished.fill(super::super::traffic::Pixels::default());
     let mut seconds_of_a_byte = |topology| {
         let network = machine.network.as_mut().unwrap();

@@ -1,0 +1,57 @@
+//! Where rows of predicted and measured frames go.
+
+use std::fs;
+use std::io;
+use std::path::PathBuf;
+
+use anyhow::{Context, Result};
+use serde_json::Value;
+use tercio::image::Destination;
+use tercio_lab::predict::quoted::{Quoted, QuotedRow, date};
+
+use crate::output::write_text;
+
+/// Standard output, and a table that is kept.
+pub struct Measured {
+    file: Option<PathBuf>,
+    command: String,
+    machine: String,
+}
+
+impl Measured {
+    /// `command` measures the rows on `machine`, by which a new table names it.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn new(file: Option<PathBuf>, command: String, machine: String) -> Result<Self> {
+        if let Some(path) = &file {
+            Destination::parse(path).check().with_context(|| path.display().to_string())?;
+        }
+        Ok(Self { file, command, machine })
+    }
+
+    /// Tells the rows, as JSON or text, and adds them to the table.
+    ///
+    /// # Errors
+    /// What cannot be written, or a file that is no such table.
+    pub fn write<R: QuotedRow>(
+        &self,
+        as_json: bool,
+        json: impl FnOnce() -> Value,
+        text: impl FnOnce() -> String,
+        rows: &[R],
+    ) -> Result<()> {
+        if let Some(path) = &self.file {
+            let name = || path.display().to_string();
+            let mut table = match fs::read_to_string(path) {
+                Ok(text) => Quoted::<R>::parse(&text).with_context(name)?,
+                Err(error) if error.kind() == io::ErrorKind::NotFound => Quoted::new(self.machine.clone()),
+                Err(error) => return Err(error).with_context(name),
+            };
+            table.add(rows.to_vec(), self.command.clone(), date::today());
+            write_text(&Destination::parse(path), &table.to_toml()?)?;
+        }
+        let text = if as_json { format!("{:#}\n", json()) } else { text() };
+        write_text(&Destination::Stdout, &text)
+    }
+}

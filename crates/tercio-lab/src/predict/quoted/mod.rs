@@ -1,0 +1,142 @@
+//! Tables of predicted and measured frames that stand in the repository.
+//!
+//! They were measured once, on the machine and day that they name; the report quotes them and measures nothing.
+//! `tercio lab validate -o` writes them.
+//!
+//! | module | what |
+//! |---|---|
+//! | [`threads`] | rows of threads |
+//! | [`ranks`] | rows of ranks |
+//! | [`date`] | the day |
+
+pub mod date;
+pub mod ranks;
+pub mod threads;
+
+use std::fmt::Write;
+
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
+
+pub use ranks::RanksRow;
+pub use threads::ThreadsRow;
+
+/// A table.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+pub struct Quoted<R> {
+    /// Machine on which it was measured.
+    pub machine: String,
+    /// Day, year first.
+    pub date: String,
+    /// The commands that measured it.
+    pub commands: Vec<String>,
+    /// Why rows miss, as far as that was measured.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub why: Vec<String>,
+    /// Its rows.
+    pub rows: Vec<R>,
+}
+
+/// A row of a table.
+pub trait QuotedRow: Clone + Serialize + DeserializeOwned {
+    /// Titles of [`QuotedRow::cells`].
+    const HEADER: &'static [&'static str];
+
+    /// The cells, error and verdict last.
+    fn cells(&self) -> Vec<String>;
+
+    /// All counters equal, and the time within the tolerance.
+    fn holds(&self) -> bool;
+
+    /// Whether both rows are of the same picture, shared in the same way.
+    fn is_of_the_same(&self, other: &Self) -> bool;
+}
+
+impl<R: QuotedRow> Quoted<R> {
+    /// A table without rows.
+    pub fn new(machine: String) -> Self {
+        Self { machine, date: String::new(), commands: Vec::new(), why: Vec::new(), rows: Vec::new() }
+    }
+
+    /// Reads a table.
+    ///
+    /// # Errors
+    /// The text has a mistake.
+    pub fn parse(text: &str) -> Result<Self, toml::de::Error> {
+        toml::from_str(text)
+    }
+
+    /// The table as TOML.
+    ///
+    /// # Errors
+    /// What the writer refuses.
+    pub fn to_toml(&self) -> Result<String, toml::ser::Error> {
+        toml::to_string(self)
+    }
+
+    /// Adds rows that a command measured on a day, in place of those of the same pictures. Commands of which no row is
+    /// left go, too, where all rows are replaced.
+    pub fn add(&mut self, rows: Vec<R>, command: String, date: String) {
+        if self.rows.iter().all(|old| rows.iter().any(|new| new.is_of_the_same(old))) {
+            self.commands.clear();
+        }
+        for new in rows {
+            match self.rows.iter_mut().find(|old| old.is_of_the_same(&new)) {
+                Some(old) => *old = new,
+                None => self.rows.push(new),
+            }
+        }
+        if !self.commands.contains(&command) {
+            self.commands.push(command);
+        }
+        self.date = date;
+    }
+
+    /// Rows that hold.
+    pub fn holding(&self) -> usize {
+        self.rows.iter().filter(|r| r.holds()).count()
+    }
+}
+
+/// Rows as a table in Markdown.
+pub fn markdown<R: QuotedRow>(rows: &[R]) -> String {
+    let mut text = format!("| {} |\n|{}\n", R::HEADER.join(" | "), "---|".repeat(R::HEADER.len()));
+    for row in rows {
+        // Writing into a string cannot fail.
+        let _ = writeln!(text, "| {} |", row.cells().join(" | "));
+    }
+    text
+}
+
+/// Frames of threads, in this version.
+///
+/// # Errors
+/// The file has a mistake.
+pub fn of_threads() -> Result<Quoted<ThreadsRow>, toml::de::Error> {
+    Quoted::parse(include_str!("../../../data/measured/prediction.toml"))
+}
+
+/// Frames of ranks of one process, in this version.
+///
+/// # Errors
+/// The file has a mistake.
+pub fn of_ranks() -> Result<Quoted<RanksRow>, toml::de::Error> {
+    Quoted::parse(include_str!("../../../data/measured/ranks.toml"))
+}
+
+/// Frames of processes, in this version.
+///
+/// # Errors
+/// The file has a mistake.
+pub fn of_mpi() -> Result<Quoted<RanksRow>, toml::de::Error> {
+    Quoted::parse(include_str!("../../../data/measured/mpi.toml"))
+}
+
+/// Milliseconds, to a thousandth, of seconds.
+fn milliseconds(seconds: f64) -> f64 {
+    (seconds * 1e6).round() / 1e3
+}
+
+#[cfg(test)]
+mod tests;
