@@ -111,7 +111,7 @@ fn ranks_send_what_is_predicted() {
     let place = Place::new();
     // Times are of another machine, so that the command may say that they miss; messages and bytes may not.
     let said = place.run(
-        "lab validate builtin:teapot@2k --machine princeton-engine --sizes 90x70 --ranks 1,3 --views 2 --frames 1 \
+        "lab validate builtin:teapot@2k --machine princeton-engine --sizes 90x70 --ranks 1,3 --views 2 --frames 1 --rounds 1 \
          --json --progress never",
     );
     let rows = json(said.text());
