@@ -56,6 +56,8 @@ pub enum Operation {
     PlaneShading,
     /// One colour of a pixel fetched from vertices or triangles.
     ColoredPixel,
+    /// One colour of a vertex made ready for the pixels of its cluster.
+    ColoredVertex,
     /// A block of 4x4 pixels of one polygon shaded.
     WholeBlock,
     /// One line of memory that a processor's own cache does not hold.
@@ -115,6 +117,7 @@ impl Operation {
             Self::Shading => "shading",
             Self::PlaneShading => "plane-shading",
             Self::ColoredPixel => "colored-pixel",
+            Self::ColoredVertex => "colored-vertex",
             Self::WholeBlock => "whole-block",
             Self::CacheLine => "cache-line",
             Self::MemoryLine => "memory-line",

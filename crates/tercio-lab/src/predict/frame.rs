@@ -54,7 +54,7 @@ fn missed_lines(touched: u64, cache: f64) -> f64 {
 }
 
 /// What a frame is charged for, and how often.
-pub fn charges(c: &Counters, caches: Caches) -> [(Phase, Operation, f64); 26] {
+pub fn charges(c: &Counters, caches: Caches) -> [(Phase, Operation, f64); 27] {
     use Operation as O;
     use Phase as P;
     let whole = (16 * c.whole_blocks) as f64;
@@ -80,6 +80,7 @@ pub fn charges(c: &Counters, caches: Caches) -> [(Phase, Operation, f64); 26] {
         (P::Shading, O::Shading, n(c.shadings)),
         (P::Shading, O::PlaneShading, n(c.shadings_by_plane)),
         (P::Shading, O::ColoredPixel, n(c.pixels_colored)),
+        (P::Shading, O::ColoredVertex, n(c.vertices_colored)),
         (P::Shading, O::WholeBlock, n(c.whole_blocks)),
         (P::Shading, O::ShadedPixel, n(c.pixels_shaded_late) - whole),
         (P::Memory, O::CacheLine, missed_lines(c.bytes_touched, caches.own)),

@@ -16,7 +16,7 @@ use super::light::{Vec3x16, beside, diffuse, normalize, reflect};
 use super::memory::TileMemory;
 use super::output::{Planes, TilePixels};
 use super::plain;
-use super::table::{ClusterTable, look_up_colors};
+use super::table::ClusterTable;
 use crate::color::encode16;
 use crate::context::{FrameContext, NO_SLOT};
 use crate::conventions::{SAMPLE, SUBPIXELS};
@@ -182,6 +182,9 @@ pub fn winners<S: Simd>(
             if look.position {
                 table.load_positions(simd, mesh, cluster);
             }
+            if look.colors == ColorSource::Vertex {
+                table.load_colors(mesh, cluster);
+            }
             let count = pass.winners.len();
             counts.pixels_shaded += count as u64;
             if look == Look::PLAIN && !pass.vertices.is_wide {
@@ -197,7 +200,7 @@ pub fn winners<S: Simd>(
                     table.look_up_positions(simd, &numbers, &mut corners);
                 }
                 let of = (&**mesh, cluster, surface);
-                look_up_colors(of, triangles, &numbers, look.colors, &mut corners);
+                table.look_up_colors(simd, of, triangles, &numbers, look.colors, &mut corners);
                 for lane in 0..LANES {
                     fragments.slot[lane] = number * MAX_TRIANGLES as u32 + u32::from(triangles[lane]);
                     fragments.depth[lane] = memory.depth[places[lane] as usize];

@@ -6,24 +6,28 @@ use tercio_mesh::ClusteredMesh;
 use tercio_mesh::cluster::{Cluster, MAX_VERTICES};
 use tercio_scene::Surface;
 
-use super::corners::{ColorSource, Corners, corner_normal, linear, triangle_color};
+use super::corners::{ColorSource, Corners, corner_normal, triangle_color};
 use super::light::Vec3x16;
+use crate::color::DECODE;
 use crate::frontend::transform::{CornerNumbers, CornerTable, LocalVertices};
 use crate::simd::{LANES, each3, load, lookup, splat};
 use crate::view::ObjectView;
 
-/// Positions and normals of a cluster.
+/// Positions, normals and colours of a cluster.
 #[derive(Debug)]
 pub struct ClusterTable {
     /// The bits of an `f32`: axis, vertex; only where positions are needed.
     position: [[i32; MAX_VERTICES]; 3],
     /// Normals as [`corner_normal`] has them, likewise; only where the mesh has normals.
     normal: [[i32; MAX_VERTICES]; 3],
+    /// Linear colours, likewise; only where the mesh has them at its vertices.
+    color: [[i32; MAX_VERTICES]; 3],
 }
 
 impl Default for ClusterTable {
     fn default() -> Self {
-        Self { position: [[0; MAX_VERTICES]; 3], normal: [[0; MAX_VERTICES]; 3] }
+        let zero = [[0; MAX_VERTICES]; 3];
+        Self { position: zero, normal: zero, color: zero }
     }
 }
 
@@ -104,34 +108,47 @@ impl ClusterTable {
             p
         }));
     }
-}
 
-/// Looks up the colours of 16 triangles of a cluster, given by their numbers in it and those of their corners.
-pub fn look_up_colors<S: Simd>(
-    (mesh, cluster, surface): (&ClusteredMesh, &Cluster, &Surface),
-    triangles: &[u8; LANES],
-    numbers: &CornerNumbers,
-    colors: ColorSource,
-    found: &mut Corners<S>,
-) {
-    let mut set = |k: usize, lane: usize, color: [f32; 3]| {
-        (0..3).for_each(|c| found.color[k][c][lane] = color[c]);
-    };
-    match (colors, &mesh.vertex_colors) {
-        (ColorSource::Base, _) => {}
-        (ColorSource::Vertex, Some(of_vertices)) => {
+    /// Prepares the colours of a cluster's vertices, if there are any.
+    #[inline(always)]
+    pub fn load_colors(&mut self, mesh: &ClusteredMesh, cluster: &Cluster) {
+        let Some(colors) = &mesh.vertex_colors else { return };
+        let decode = &**DECODE;
+        let first = cluster.first_vertex as usize;
+        for (v, color) in colors[first..first + usize::from(cluster.vertices)].iter().enumerate() {
             for k in 0..3 {
-                for lane in 0..LANES {
-                    let vertex = cluster.first_vertex as usize + usize::from(numbers[k][lane]) % MAX_VERTICES;
-                    set(k, lane, linear(of_vertices[vertex]));
-                }
+                self.color[k][v % MAX_VERTICES] = decode[usize::from(color[k])].to_bits() as i32;
             }
         }
-        _ => {
-            for lane in 0..LANES {
-                let triangle = cluster.first_triangle as usize + usize::from(triangles[lane]);
-                let color = triangle_color(mesh, surface, triangle);
-                (0..3).for_each(|k| set(k, lane, color));
+    }
+
+    /// Looks up the colours of 16 triangles of a cluster, given by their numbers in it and those of their corners;
+    /// those of vertices must have been loaded.
+    #[inline(always)]
+    pub fn look_up_colors<S: Simd>(
+        &self,
+        simd: S,
+        (mesh, cluster, surface): (&ClusteredMesh, &Cluster, &Surface),
+        triangles: &[u8; LANES],
+        numbers: &CornerNumbers,
+        colors: ColorSource,
+        found: &mut Corners<S>,
+    ) {
+        match colors {
+            ColorSource::Base => {}
+            ColorSource::Vertex => {
+                found.color = each3!(K => each3!(C => lookup(simd, &self.color[C], &numbers[K]).bitcast()));
+            }
+            ColorSource::Triangle => {
+                let mut colors = [[0.0; LANES]; 3];
+                for lane in 0..LANES {
+                    let triangle = cluster.first_triangle as usize + usize::from(triangles[lane]);
+                    let color = triangle_color(mesh, surface, triangle);
+                    for k in 0..3 {
+                        colors[k][lane] = color[k];
+                    }
+                }
+                found.color = [each3!(C => load(simd, &colors[C])); 3];
             }
         }
     }

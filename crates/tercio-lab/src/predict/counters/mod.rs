@@ -101,6 +101,8 @@ pub struct Counters {
     pub shadings_by_plane: u64,
     /// Pixels shaded, each fetched by itself, whose colour stands at vertices or triangles.
     pub pixels_colored: u64,
+    /// Vertices with a colour, of clusters that won a pixel, in each tile.
+    pub vertices_colored: u64,
     /// Entries of triangles drawn.
     pub entries_drawn: u64,
     /// Bytes of cache lines of the clusters drawn, in each tile.
@@ -208,6 +210,7 @@ impl Counters {
         self.stamps_alone += o.stamps_alone;
         self.shadings_by_plane += o.shadings_by_plane;
         self.pixels_colored += o.pixels_colored;
+        self.vertices_colored += o.vertices_colored;
         self.entries_drawn += o.entries_drawn;
         self.clusters += o.clusters;
         self.clusters_outside += o.clusters_outside;

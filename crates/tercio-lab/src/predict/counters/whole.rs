@@ -109,8 +109,8 @@ pub fn draw(frame: &Frame, whole: &WholeCluster, tile: &mut Tile, shade: bool, c
             counters.shadings_by_plane += shadings;
         }
         counters.clusters_won += u64::from(!won.is_empty());
-        if frame.is_instance_colored(whole.instance) {
-            counters.pixels_colored += won.len() as u64;
+        if frame.is_instance_colored(whole.instance) && !won.is_empty() {
+            counters.vertices_colored += u64::from(cluster.vertices);
         }
         won.into_iter().for_each(|(x, y)| tile.shade(x, y));
     }
@@ -157,7 +157,8 @@ impl Pass<'_> {
     }
 }
 
-/// Bytes of the cache lines that drawing a cluster touches: positions, normals and corners, each array by itself.
+/// Bytes of the cache lines that drawing a cluster touches: positions, normals, colours and corners, each array by
+/// itself.
 pub fn bytes(mesh: &ClusteredMesh, number: usize) -> u64 {
     const LINE: usize = 64;
     let cluster = &mesh.clusters[number];
@@ -165,7 +166,7 @@ pub fn bytes(mesh: &ClusteredMesh, number: usize) -> u64 {
         let (from, to) = (first as usize * size, (first as usize + usize::from(count)) * size);
         (to.div_ceil(LINE) - from / LINE) as u64
     };
-    let of_vertices = 3 + u64::from(mesh.normals.is_some());
+    let of_vertices = 3 + u64::from(mesh.normals.is_some()) + u64::from(mesh.vertex_colors.is_some());
     let vertices = of_vertices * lines(cluster.first_vertex, cluster.vertices, size_of::<f32>());
     (vertices + 3 * lines(cluster.first_triangle, cluster.triangles, 1)) * LINE as u64
 }
