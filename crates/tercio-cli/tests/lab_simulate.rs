@@ -90,7 +90,9 @@ fn boxes_are_sorted_on_any_machine_in_sweeps() {
     let one = place.run(&format!("{sweep} --threads 1")).quietly_well();
     let four = place.run(&format!("{sweep} --threads 4")).quietly_well();
     assert_eq!(one.text(), four.text());
-    assert!(one.text().ends_with("charges nothing for polygon, polygon-set-up, pixel\n"), "{}", one.text());
+    // Which costs a fit leaves out may change with the description; of polygons tercio's machines know none.
+    let last = one.text().lines().last().unwrap_or_default();
+    assert!(last.contains("charges nothing for polygon, polygon-set-up"), "{last}");
     // Lines for machine, columns and what is not charged; four settings of the regions but for sort-last.
     assert_eq!(one.text().lines().count(), 3 + 2 * (4 * (1 + 1 + 2) + 1), "{}", one.text());
 }
