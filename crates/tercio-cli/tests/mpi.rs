@@ -103,7 +103,8 @@ fn messages_over_mpi_are_measured_and_predicted_with() {
     let [threads, processes] = ["", "--mpi"].map(predicted);
     assert_eq!([&threads.0, &processes.0], ["threads", "processes"]);
     assert!(threads.1 > 0.0 && processes.1 > 0.0 && threads.1 != processes.1, "{threads:?} {processes:?}");
-    assert_eq!(threads.2, processes.2);
+    // Drawn in other slices of time, which are added up.
+    assert!((threads.2 / processes.2 - 1.0).abs() < 1e-9, "{threads:?} {processes:?}");
     place.run("lab predict model.off --mpi").failed(1, &["mpi"]);
 }
 
@@ -117,7 +118,8 @@ fn processes_count_and_send_what_is_predicted() {
         let said = mpirun(&place, &[(count, validate)]);
         // Times of so small frames need not hold; everything else does.
         assert!(matches!(said.code, Some(0 | 1)), "{}", said.stderr);
-        let rows: serde_json::Value = serde_json::from_str(said.text()).unwrap();
+        let rows: serde_json::Value =
+            serde_json::from_str(said.text()).unwrap_or_else(|e| panic!("{e}: {}", said.stderr));
         let rows = rows.as_array().unwrap();
         assert_eq!(rows.len(), 2 * 2 * 2, "models, sizes, organisations");
         for row in rows.iter().map(|r| &r["row"]) {
