@@ -2,6 +2,7 @@
 
 use std::time::Instant;
 
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use tercio_raster::Frame;
 
@@ -37,19 +38,7 @@ pub fn draw_frame(
     let (begin, began) = (Instant::now(), machine_clock());
     let report = own.draw_into(comm, task, frame)?;
     let since_own = begin.elapsed().as_secs_f64() * 1e3;
-    let rank = comm.rank();
-    let told = Told { began, report };
-    let written = if rank == 0 { Ok(Vec::new()) } else { serde_json::to_vec(&told) };
-    let messages =
-        comm.gather(comm.size(), written.map_err(|error| ParallelError::Report { rank, error })?)?;
-    if rank > 0 {
-        return Ok(None);
-    }
-    let read = |(rank, message): (usize, Vec<u8>)| {
-        serde_json::from_slice(&message).map_err(|error| ParallelError::Report { rank, error })
-    };
-    let others = (1..).zip(messages).map(read);
-    let all = std::iter::once(Ok(told)).chain(others).collect::<Result<Vec<Told>, _>>()?;
+    let Some(all) = tell(comm, Told { began, report })? else { return Ok(None) };
     let earlier = match came.zip(began) {
         Some((came, began)) => began - first(came, began, all.iter().filter_map(|told| told.began)),
         None => 0,
@@ -59,6 +48,28 @@ pub fn draw_frame(
     let report = FrameReport::new(task.organisation, task.settings.tile_edge(), milliseconds, ranks);
     frame.stats = report.stats();
     Ok(Some(report))
+}
+
+/// What all ranks tell, in their order, for rank 0; the others get `None`. It travels as JSON, and all have to call this.
+///
+/// # Errors
+/// [`ParallelError::Report`] if it is not understood, and that a rank is gone.
+pub fn tell<T: Serialize + DeserializeOwned>(
+    comm: &mut impl Communicator,
+    own: T,
+) -> Result<Option<Vec<T>>, ParallelError> {
+    let rank = comm.rank();
+    let written = if rank == 0 { Ok(Vec::new()) } else { serde_json::to_vec(&own) };
+    let messages =
+        comm.gather(comm.size(), written.map_err(|error| ParallelError::Report { rank, error })?)?;
+    if rank > 0 {
+        return Ok(None);
+    }
+    let read = |(rank, message): (usize, Vec<u8>)| {
+        serde_json::from_slice(&message).map_err(|error| ParallelError::Report { rank, error })
+    };
+    let others = (1..).zip(messages).map(read);
+    std::iter::once(Ok(own)).chain(others).collect::<Result<Vec<T>, _>>().map(Some)
 }
 
 /// Nanoseconds of a clock that all processes of a machine read alike, where there is one.

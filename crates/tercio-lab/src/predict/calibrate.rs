@@ -34,7 +34,7 @@ pub const MODELS: [&str; 8] = [
     "builtin:gyroid@400k",
     "builtin:gyroid@4M",
 ];
-/// Sizes of their pictures, one for each tile size that the renderer chooses.
+/// Sizes of their pictures, one for each tile size that the renderer chooses, but for the smallest pictures.
 pub const SIZES: [(u32, u32); 3] = [(256, 256), (640, 480), (1200, 1000)];
 /// What is drawn of each picture: what is sorted, and where the work ends.
 const VARIANTS: [(RasterSorting, LastStage); 8] = [

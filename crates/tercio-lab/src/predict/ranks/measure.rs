@@ -112,14 +112,8 @@ fn of_frames(seen: &[Usage]) -> Vec<Usage> {
 
 /// What the system did for all processes up to now, for rank 0.
 fn usage_of_all(comm: &mut impl Communicator) -> Result<Option<Usage>, ParallelError> {
-    let (rank, own) = (comm.rank(), Usage::now());
-    let told = if rank == 0 { Ok(Vec::new()) } else { serde_json::to_vec(&own) };
-    let told = comm.gather(comm.size(), told.map_err(|error| ParallelError::Report { rank, error })?)?;
-    let add = |sum: Usage, (rank, told): (usize, Vec<u8>)| {
-        let other = serde_json::from_slice(&told).map_err(|error| ParallelError::Report { rank, error })?;
-        Ok(sum.plus(other))
-    };
-    (rank == 0).then(|| (1..).zip(told).try_fold(own, add)).transpose()
+    let all = between_processes::tell(comm, Usage::now())?;
+    Ok(all.map(|all| all.into_iter().fold(Usage::default(), Usage::plus)))
 }
 
 fn median(values: impl Iterator<Item = f64>) -> f64 {
