@@ -1,7 +1,8 @@
 //! What the tests share; never part of a release.
 //!
 //! [`data`] finds the models beside the checkout, [`picture`] reads, writes and compares pictures, and
-//! [`golden`] holds a test's picture against the one that was blessed. Pictures are plain RGBA8 slices, so
+//! [`golden`] holds a test's picture against the one that was blessed. [`ray_caster`] tells what a picture should show,
+//! without any code of the renderer. Pictures are plain RGBA8 slices, so
 //! that every crate, the renderer itself too, can depend on this one in its tests.
 
 #![forbid(unsafe_code)]
@@ -9,6 +10,7 @@
 pub mod data;
 pub mod golden;
 pub mod picture;
+pub mod ray_caster;
 
 pub use data::{require_shared, shared_data, workspace_root};
 pub use picture::{Difference, Picture, compare};
