@@ -15,9 +15,12 @@ pub const MAX_ELEMENTS: u64 = u32::MAX as u64 - 1;
 /// must not depend on how the mesh is later cut into clusters.
 #[derive(Clone, Debug, Default)]
 pub struct Mesh {
-    /// World position of the point that [`Mesh::positions`] are relative to.
+    /// Position in object space of the point that [`Mesh::positions`] are relative to.
     pub origin: DVec3,
-    /// Vertex positions relative to `origin`. All finite.
+    /// log2 of the length of a unit of [`Mesh::positions`]: 0 but for models so large or so small that their `f32`
+    /// coordinates leave no room to calculate with; see [`Mesh::bring_into_range`].
+    pub exponent: i32,
+    /// Vertex positions relative to `origin`, in units of 2^`exponent`. All finite.
     pub positions: Vec<[f32; 3]>,
     /// Three vertex numbers a triangle, counter-clockwise seen from outside.
     pub triangles: Vec<[u32; 3]>,
@@ -76,6 +79,30 @@ impl Mesh {
     /// The entry of `triangle_materials` for a triangle without material.
     pub const NO_MATERIAL: u32 = u32::MAX;
 
+    /// Length of a unit of [`Mesh::positions`].
+    pub fn unit(&self) -> f64 {
+        power_of_two(self.exponent)
+    }
+
+    /// Chooses another unit for the positions if the largest of their coordinates is 2^40 or more, or less than 2^-40:
+    /// then it becomes at least 1 and less than 2. Exact, because a unit is a power of two.
+    ///
+    /// Squares, products with the size of a picture and sums of coordinates then stay inside `f32`.
+    pub fn bring_into_range(&mut self, largest: f32) {
+        const COMFORTABLE: std::ops::Range<f32> = (1.0 / (1u64 << 40) as f32)..(1u64 << 40) as f32;
+        if COMFORTABLE.contains(&largest) || !(largest > 0.0 && largest.is_finite()) {
+            return;
+        }
+        // `f64` holds every `f32` as a normal number.
+        let shift = ((f64::from(largest).to_bits() >> 52) & 0x7ff) as i32 - 1023;
+        let scale = power_of_two(-shift);
+        self.positions
+            .par_iter_mut()
+            .with_min_len(1 << 14)
+            .for_each(|p| *p = p.map(|c| (f64::from(c) * scale) as f32));
+        self.exponent += shift;
+    }
+
     /// World-space bounds of all vertices, used by a triangle or not.
     pub fn bounds(&self) -> Aabb {
         let (min, max) = self.positions.par_chunks(1 << 16).map(ranges).reduce(
@@ -85,7 +112,8 @@ impl Mesh {
         if self.positions.is_empty() {
             return Aabb::EMPTY;
         }
-        let world = |p: [f32; 3]| self.origin + DVec3::new(p[0].into(), p[1].into(), p[2].into());
+        let unit = self.unit();
+        let world = |p: [f32; 3]| self.origin + DVec3::new(p[0].into(), p[1].into(), p[2].into()) * unit;
         Aabb { min: world(min), max: world(max) }
     }
 
@@ -103,6 +131,11 @@ impl Mesh {
             [c, a, b]
         }
     }
+}
+
+/// 2^`exponent`, exact.
+pub(crate) fn power_of_two(exponent: i32) -> f64 {
+    f64::from_bits(((exponent + 1023) as u64) << 52)
 }
 
 /// The least and the largest coordinates; NaN is left out.

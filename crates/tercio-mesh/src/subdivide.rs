@@ -34,6 +34,7 @@ pub fn subdivide(mesh: &Mesh) -> Mesh {
     let four_times = |v: &Vec<_>| v.iter().flat_map(|&v| [v; 4]).collect();
     Mesh {
         origin: mesh.origin,
+        exponent: mesh.exponent,
         positions,
         normals,
         triangles,

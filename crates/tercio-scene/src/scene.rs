@@ -73,7 +73,7 @@ impl Instance {
             .fold(|| start, |best, c| if of_box(c) > best { best.max(of_vertices(c)) } else { best })
             .reduce(|| start, f64::max);
         let origin = self.world_from_object.transform_point3(mesh.origin) - from;
-        direction.dot(origin) + best
+        direction.dot(origin) + best * mesh.unit()
     }
 }
 

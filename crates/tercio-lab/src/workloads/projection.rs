@@ -51,6 +51,7 @@ impl Model {
     pub fn new(mesh: Mesh) -> Self {
         let plain = Mesh {
             origin: mesh.origin,
+            exponent: mesh.exponent,
             positions: mesh.positions.clone(),
             triangles: mesh.triangles.clone(),
             ..Mesh::default()

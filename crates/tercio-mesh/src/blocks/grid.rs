@@ -19,8 +19,9 @@ pub(super) struct Grid {
 impl Grid {
     pub fn new(mesh: &Mesh, bits: u32) -> Self {
         let bounds = mesh.bounds();
-        let min = (bounds.min - mesh.origin).as_vec3().to_array();
-        Self::cube(min, bounds.size().max_element() as f32, bits)
+        let unit = mesh.unit();
+        let min = ((bounds.min - mesh.origin) / unit).as_vec3().to_array();
+        Self::cube(min, (bounds.size().max_element() / unit) as f32, bits)
     }
 
     pub fn cube(min: [f32; 3], edge: f32, bits: u32) -> Self {

@@ -52,7 +52,8 @@ enum Fault {
 /// They cover no pixel of their own, but without them the mesh would not be closed, and what simplifies or
 /// smooths it would tear it there.
 ///
-/// Non-finite positions become that of the first finite vertex, or zero, so that bounds stay finite.
+/// Non-finite positions become that of the first finite vertex, or zero, so that bounds stay finite. Positions so large
+/// or so small that `f32` leaves no room to calculate with them get another unit ([`Mesh::bring_into_range`]).
 ///
 /// # Panics
 ///
@@ -92,7 +93,9 @@ pub fn clean(mesh: &mut Mesh) -> Cleaned {
         }
     }
     found.stitching_kept = flat.len() as u64 - found.degenerate;
-    found.non_finite_vertices = mend_positions(&mut mesh.positions);
+    let largest;
+    (found.non_finite_vertices, largest) = mend_positions(&mut mesh.positions);
+    mesh.bring_into_range(largest);
     if !faults.is_empty() {
         let drops: Vec<u32> = faults.iter().map(|f| f.0).collect();
         drops::drop_triangles(mesh, &drops);
@@ -201,15 +204,23 @@ fn stitching(mesh: &Mesh, flat: &[(u32, u8)], faulty: &[u32]) -> Vec<bool> {
     kept
 }
 
-/// Replaces non-finite positions; returns how many there were.
-fn mend_positions(positions: &mut [[f32; 3]]) -> u64 {
+/// Replaces non-finite positions; returns how many there were, and the largest absolute value of a finite coordinate.
+fn mend_positions(positions: &mut [[f32; 3]]) -> (u64, f32) {
     let finite = |p: &[f32; 3]| p.iter().all(|x| x.is_finite());
-    let bad: u64 = positions.par_chunks(CHUNK).map(|c| c.iter().filter(|p| !finite(p)).count() as u64).sum();
+    let (bad, largest) = positions
+        .par_chunks(CHUNK)
+        .map(|chunk| {
+            let bad = chunk.iter().filter(|p| !finite(p)).count() as u64;
+            // Infinity and NaN are left out: they compare as not below infinity.
+            let magnitudes = chunk.as_flattened().iter().map(|c| c.abs());
+            (bad, magnitudes.fold(0.0f32, |most, c| if c > most && c < f32::INFINITY { c } else { most }))
+        })
+        .reduce(|| (0, 0.0), |a, b| (a.0 + b.0, a.1.max(b.1)));
     if bad > 0 {
         let substitute = positions.iter().copied().find(finite).unwrap_or_default();
         positions.par_iter_mut().filter(|p| !finite(p)).for_each(|p| *p = substitute);
     }
-    bad
+    (bad, largest)
 }
 
 #[cfg(test)]

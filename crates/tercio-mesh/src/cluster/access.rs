@@ -4,11 +4,13 @@ use glam::DVec3;
 
 use super::{Cluster, ClusteredMesh, MAX_TRIANGLES};
 use crate::Aabb;
+use crate::mesh::power_of_two;
 
 impl Default for ClusteredMesh {
     fn default() -> Self {
         Self {
             origin: DVec3::ZERO,
+            exponent: 0,
             bounds: Aabb::EMPTY,
             clusters: Vec::new(),
             x: Vec::new(),
@@ -45,6 +47,11 @@ impl Cluster {
 }
 
 impl ClusteredMesh {
+    /// Length of a unit of `x`, `y`, `z` and of the clusters' bounds.
+    pub fn unit(&self) -> f64 {
+        power_of_two(self.exponent)
+    }
+
     /// Number of triangles, padding not counted.
     pub fn triangle_count(&self) -> usize {
         self.clusters.last().map_or(0, |c| c.triangle_range().end)

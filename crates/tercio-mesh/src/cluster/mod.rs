@@ -78,8 +78,10 @@ pub struct Cluster {
 /// triangle.
 #[derive(Clone, Debug)]
 pub struct ClusteredMesh {
-    /// World position of the point that `x`, `y`, `z` are relative to.
+    /// Position in object space of the point that `x`, `y`, `z` are relative to.
     pub origin: DVec3,
+    /// log2 of the length of a unit of `x`, `y`, `z`; see [`crate::Mesh::exponent`].
+    pub exponent: i32,
     /// World-space bounds of the vertices that triangles use.
     pub bounds: Aabb,
     /// The clusters.

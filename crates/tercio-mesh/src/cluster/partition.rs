@@ -112,7 +112,7 @@ pub fn partition_blocks(mesh: BlockedMesh, options: &PartitionOptions) -> Cluste
     if let Some(progress) = options.progress {
         progress.begin("clusters", n as u64);
     }
-    let mut out = ClusteredMesh { origin: mesh.origin, ..ClusteredMesh::default() };
+    let mut out = ClusteredMesh { origin: mesh.origin, exponent: mesh.exponent, ..ClusteredMesh::default() };
     out.corners = std::array::from_fn(|_| vec![0; n + PADDING]);
     out.primitives = blocks.order;
     let pool = Pool::default();
@@ -174,6 +174,7 @@ fn cut(mesh: &Mesh, triangles: &[[u16; 3]], job: &mut Job, limits: Limits, pool:
 
 /// World-space bounds of all clusters.
 fn bounds(mesh: &ClusteredMesh) -> Aabb {
-    let world = |p: [f32; 3]| -> DVec3 { mesh.origin + Vec3::from(p).as_dvec3() };
+    let unit = mesh.unit();
+    let world = |p: [f32; 3]| -> DVec3 { mesh.origin + Vec3::from(p).as_dvec3() * unit };
     mesh.clusters.iter().fold(Aabb::EMPTY, |all, c| all.union(Aabb { min: world(c.min), max: world(c.max) }))
 }

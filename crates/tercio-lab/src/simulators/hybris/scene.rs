@@ -20,6 +20,7 @@ use super::{Partition, Scene, Triangle};
 pub fn project(mesh: &Mesh, camera: &Camera, (width, height): (u32, u32)) -> Result<Scene, CameraError> {
     let plain = Mesh {
         origin: mesh.origin,
+        exponent: mesh.exponent,
         positions: mesh.positions.clone(),
         triangles: mesh.triangles.clone(),
         ..Mesh::default()
