@@ -41,7 +41,7 @@ impl<'a> FrameContext<'a> {
     /// Numbers the clusters and primitives of a scene.
     ///
     /// # Errors
-    /// [`RenderError::TooLarge`] if 32 bits do not suffice.
+    /// [`RenderError::TooLarge`] if 32 bits do not suffice, and what [`check_range`] finds.
     pub fn new(
         scene: &'a Scene,
         settings: &'a Settings,
@@ -63,6 +63,7 @@ impl<'a> FrameContext<'a> {
         if clusters >= numbered || triangles >= u64::from(u32::MAX) || faces >= u64::from(u32::MAX) {
             return Err(RenderError::TooLarge { triangles, clusters });
         }
+        check_range(scene, settings, &view)?;
         let objects = scene.instances.iter().map(|i| view.object(i)).collect();
         let lights = LightRig::new(&scene.lights, &view);
         Ok(Self { scene, settings, view, objects, lights, grid, first_cluster, first_primitive, first_face })
@@ -127,6 +128,29 @@ impl<'a> FrameContext<'a> {
         let face = mesh.face_of_triangle.as_ref().map_or(primitive, |faces| faces[primitive as usize]);
         (self.first_face[instance] + u64::from(face)) as u32
     }
+}
+
+/// Fails if `f32` does not suffice for the coordinates of a mesh, or for the distances that are asked for.
+///
+/// # Errors
+/// [`RenderError::OutOfRange`], [`RenderError::Distances`].
+pub fn check_range(scene: &Scene, settings: &Settings, view: &View) -> Result<(), RenderError> {
+    const RANGE: Range<f64> = 1.0 / (1u64 << 60) as f64..(1u64 << 60) as f64;
+    for (instance, Instance { mesh, .. }) in scene.instances.iter().enumerate() {
+        if mesh.bounds.is_empty() {
+            continue;
+        }
+        let local = [mesh.bounds.min, mesh.bounds.max].map(|p| ((p - mesh.origin) / mesh.unit()).abs());
+        let largest = local[0].max(local[1]).max_element();
+        if largest > 0.0 && !RANGE.contains(&largest) {
+            return Err(RenderError::OutOfRange { instance, largest });
+        }
+    }
+    let fits = (f64::from(f32::MIN_POSITIVE)..f64::from(f32::MAX)).contains(&view.far);
+    if settings.outputs.depth && !fits {
+        return Err(RenderError::Distances { farthest: view.far });
+    }
+    Ok(())
 }
 
 /// Faces that a mesh's triangles came from.

@@ -3,16 +3,24 @@
 //! * **World and object space**: right-handed. A triangle's front is the side from which its corners run
 //!   counter-clockwise.
 //! * **Clip space**: `x`, `y` in sub-pixels times `w`, origin in the middle of the picture, y downwards; `w` is
-//!   the distance along the line of sight (1 for an orthographic camera).
+//!   the distance along the line of sight in [`View::unit`](crate::view::View::unit) (1 for an orthographic camera).
 //! * **Screen space**: whole sub-pixels, origin at the upper left corner of the picture, y downwards. One pixel
 //!   is [`SUBPIXELS`] sub-pixels; the sample of pixel (i, j) is its centre, at (i, j) * 256 + 128.
 //! * **Depth**: `near / w` for a perspective camera, `(far - z) / (far - near)` for an orthographic one: above 0,
-//!   at most 1, larger is nearer, 0 where nothing was drawn. It is linear in screen space.
+//!   at most 1, larger is nearer, 0 where nothing was drawn. It is linear in screen space. As a
+//!   floating-point number it is as exact at any distance from the near plane, which may therefore stand as near as it
+//!   likes; between corners its error is no larger than what snapping does to it, because a triangle reaches over at
+//!   most 2^24 sub-pixels, as many as `f32` tells apart.
 //! * **Coverage**: exact integer edge functions; a sample on an edge belongs to the triangle whose top or left
 //!   edge it is.
 //! * **Visibility**: the larger depth; among equals the lower primitive number.
 //! * **Interpolation**: from the farthest corner (the first among equals) for depth, from all three corners for
-//!   attributes; never from where a tile or a block happens to begin.
+//!   attributes; never from where a tile or a block happens to begin. Normals of corners have length 1 in world space
+//!   before they are interpolated.
+//! * **Shading normal** of a pixel, in the picture as in the normals of a frame: the interpolated normal of length 1
+//!   (the triangle's own in flat shading and without vertex normals), negated where it stands on the other side of its
+//!   triangle than the one that is seen; where it still points away from the viewer, as it may at the rim of a coarse
+//!   mesh, bent towards the viewer until it is perpendicular to the line of sight.
 //!
 //! No operation here is fused: a product is rounded before it is added to, on every machine.
 

@@ -1,9 +1,9 @@
-//! Lights as the shading formulas want them: in world axes, relative to the eye, in `f32`.
+//! Lights as the shading formulas want them: in world axes, relative to the eye, in `f32` and in [`View::unit`].
 
 use glam::DVec3;
 use tercio_scene::{Light, LightSpace};
 
-use crate::view::View;
+use crate::view::{Sight, View};
 
 /// A light from infinitely far away.
 #[derive(Clone, Copy, Debug)]
@@ -17,7 +17,7 @@ pub struct DistantLight {
 /// A light at a place.
 #[derive(Clone, Copy, Debug)]
 pub struct NearLight {
-    /// Where it stands, relative to the eye, world axes.
+    /// Where it stands, relative to the eye, world axes, in [`View::unit`].
     pub position: [f32; 3],
     /// Linear RGB.
     pub color: [f32; 3],
@@ -32,8 +32,8 @@ pub struct LightRig {
     pub distant: Vec<DistantLight>,
     /// In the order of the scene.
     pub near: Vec<NearLight>,
-    /// Towards the viewer along the middle of the view; for an orthographic camera from everywhere.
-    pub to_viewer: [f32; 3],
+    /// Towards the viewer.
+    pub sight: Sight,
 }
 
 impl LightRig {
@@ -42,7 +42,7 @@ impl LightRig {
         let basis = &view.basis;
         let from_camera = |v: DVec3| basis.right * v.x + basis.up * v.y - basis.forward * v.z;
         let f = |v: DVec3| [v.x as f32, v.y as f32, v.z as f32];
-        let mut rig = Self { to_viewer: f(-basis.forward), ..Self::default() };
+        let mut rig = Self { sight: view.sight(), ..Self::default() };
         for light in lights {
             match *light {
                 Light::Ambient { color } => {
@@ -60,7 +60,7 @@ impl LightRig {
                         LightSpace::World => position - view.eye,
                         LightSpace::Camera => from_camera(position),
                     };
-                    rig.near.push(NearLight { position: f(relative), color });
+                    rig.near.push(NearLight { position: f(relative / view.unit), color });
                 }
             }
         }

@@ -44,6 +44,25 @@ pub enum RenderError {
         /// Clusters of all instances.
         clusters: u64,
     },
+    /// A mesh whose coordinates leave `f32` no room to calculate with.
+    #[error(
+        "the coordinates of instance {instance} reach {largest:e} units of its mesh, which has to be between 2^-60 and \
+         2^60: Mesh::bring_into_range chooses a unit"
+    )]
+    OutOfRange {
+        /// Number of the instance.
+        instance: usize,
+        /// Largest absolute value of a coordinate, in units of the mesh.
+        largest: f64,
+    },
+    /// Distances were asked for that `f32` does not hold.
+    #[error(
+        "distances up to {farthest:e} do not fit into 32-bit floating-point numbers: scale the model, or ask for no depth"
+    )]
+    Distances {
+        /// The largest distance, world units.
+        farthest: f64,
+    },
 }
 
 /// Batches of clusters a thread: enough that threads finish together, few enough that bins stay large.

@@ -2,9 +2,14 @@
 //!
 //! Matrices are made in `f64` and rounded to `f32` once; a vertex then passes through [`ObjectView::project`],
 //! the one sequence of operations by which every path of the renderer reaches the screen.
+//!
+//! Two things keep `f32` exact enough at any size and from anywhere. Lengths are measured in [`View::unit`], a power of
+//! two of about the size of the scene, so that the picture of a model does not depend on its units. And positions are
+//! taken relative to [`ObjectView::pivot`], the point of the mesh's box next to the eye: what is near the eye then has
+//! errors relative to its distance, not to the size of the scene.
 
 use glam::{DMat3, DVec3};
-use tercio_mesh::Aabb;
+use tercio_mesh::{Aabb, ClusteredMesh};
 use tercio_scene::camera::{CameraBasis, CameraError};
 use tercio_scene::{Camera, Instance, Projection};
 
@@ -25,10 +30,32 @@ pub struct View {
     pub perspective: bool,
     /// Sub-pixels a world unit, at distance 1 for a perspective camera.
     pub scale: f64,
-    /// Distance of the near plane along the line of sight.
+    /// Distance of the near plane along the line of sight, world units.
     pub near: f64,
-    /// A distance beyond everything (orthographic depth only).
+    /// A distance beyond everything (orthographic depth only), world units.
     pub far: f64,
+    /// World units a unit of length of the `f32` numbers of a frame: a power of two, such that no distance of the
+    /// scene is above 1.
+    pub unit: f64,
+}
+
+/// Automatic near planes of perspective cameras inside the scene stand at this part of the scene's radius, 1e-12: far
+/// nearer than `f32` tells positions apart, but for those next to the mesh's origin. It costs nothing, because depths
+/// are relative to the near plane.
+const NEAREST: f64 = 1.0 / (1u64 << 40) as f64;
+
+/// No near plane stands nearer than this, in [`View::unit`].
+const LEAST_NEAR: f64 = 1.0 / (1u64 << 60) as f64;
+
+/// The largest factor by which depths are multiplied to be weights of corners: with areas, and squared, they then stay
+/// inside `f32`.
+const MOST_WEIGHT: f64 = (1u64 << 24) as f64;
+
+/// The least power of two that is above a length; 1 for a length of 0.
+fn unit_above(length: f64) -> f64 {
+    const EXPONENT: u64 = 0x7ff << 52;
+    let power = f64::from_bits(length.to_bits() & EXPONENT);
+    if power > 0.0 && power.is_finite() { 2.0 * power } else { 1.0 }
 }
 
 impl View {
@@ -52,14 +79,17 @@ impl View {
             nearest = along.iter().copied().fold(f64::INFINITY, f64::min);
             farthest = along.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         }
-        // A perspective camera may stand inside the model: the plane is then as near as the precision of
-        // positions allows. In front of the model its place does not matter, depth being relative to it.
+        // A perspective camera may stand inside the model. In front of the model the plane's place does not matter,
+        // because depth is relative to it; half way to the model it cuts nothing.
         let size = bounds.radius().max(f64::MIN_POSITIVE.sqrt());
         let automatic =
-            if perspective { (1e-4 * size).max(0.5 * nearest) } else { nearest.max(0.0) - 1e-3 * size };
+            if perspective { (NEAREST * size).max(0.5 * nearest) } else { nearest.max(0.0) - 1e-3 * size };
         let near = camera.near.unwrap_or(if perspective { automatic } else { automatic.max(0.0) });
         let far = farthest.max(near) + 1e-2 * size;
-        Ok(Self { width, height, eye: camera.eye, basis, perspective, scale, near, far })
+        let unit = unit_above(size.max(farthest.abs()).max(nearest.abs()).max(near));
+        // As the kernels have it, so that distances follow from depths without a bias.
+        let near = if perspective { f64::from((near / unit).max(LEAST_NEAR) as f32) * unit } else { near };
+        Ok(Self { width, height, eye: camera.eye, basis, perspective, scale, near, far, unit })
     }
 
     /// Distance along the line of sight, in world units, of a depth above 0.
@@ -71,21 +101,25 @@ impl View {
 
     /// The view of one instance.
     pub fn object(&self, instance: &Instance) -> ObjectView {
-        let linear = instance.world_from_object.matrix3;
-        let shift = instance.world_from_object.transform_point3(instance.mesh.origin) - self.eye;
+        let mesh = &*instance.mesh;
+        // From the mesh's numbers to world axes relative to the eye.
+        let linear = instance.world_from_object.matrix3 * mesh.unit();
+        let shift = instance.world_from_object.transform_point3(mesh.origin) - self.eye;
+        let b = &self.basis;
         // A row of the combined matrix: `axis . (linear * p + shift) * scale + add`.
         let row = |axis: DVec3, scale: f64, add: f64| {
             let r = linear.transpose() * axis * scale;
             [r.x, r.y, r.z, axis.dot(shift) * scale + add]
         };
-        let b = &self.basis;
-        let x = row(b.right, self.scale, 0.0);
-        let y = row(b.up, -self.scale, 0.0);
-        let (w, d) = if self.perspective {
-            (row(b.forward, 1.0, 0.0), [0.0, 0.0, 0.0, self.near])
+        let inverse_unit = 1.0 / self.unit;
+        let (x, y, w, d) = if self.perspective {
+            let scale = self.scale * inverse_unit;
+            let w = row(b.forward, inverse_unit, 0.0);
+            (row(b.right, scale, 0.0), row(b.up, -scale, 0.0), w, [0.0, 0.0, 0.0, self.near * inverse_unit])
         } else {
             let k = 1.0 / (self.far - self.near);
-            ([0.0, 0.0, 0.0, 1.0], row(b.forward, -k, self.far * k))
+            let d = row(b.forward, -k, self.far * k);
+            (row(b.right, self.scale, 0.0), row(b.up, -self.scale, 0.0), [0.0, 0.0, 0.0, 1.0], d)
         };
         let inverse = linear.inverse();
         let mirrored = linear.determinant() < 0.0;
@@ -95,30 +129,75 @@ impl View {
         let largest = normal_matrix.to_cols_array().into_iter().fold(0.0, |m: f64, v| m.max(v.abs()));
         let scale = if largest > 0.0 && largest.is_finite() { 1.0 / largest } else { 1.0 };
         let normal_matrix = normal_matrix * if mirrored { -scale } else { scale };
-        // Towards the viewer in object space: the eye itself, or the direction of all rays.
-        let viewer = if self.perspective { inverse * -shift } else { inverse * -b.forward };
         let f = |v: DVec3| [v.x as f32, v.y as f32, v.z as f32];
         let rows = |m: DMat3| [f(m.row(0)), f(m.row(1)), f(m.row(2))];
-        let single = |r: [f64; 4]| r.map(|v| v as f32);
-        let size = instance.mesh.bounds.size().max_element();
+        let eye = inverse * -shift;
+        let pivot = self.pivot(mesh, eye);
+        let at_pivot = DVec3::from(pivot.map(f64::from));
+        let single = |r: [f64; 4]| {
+            let [x, y, z, add] = r;
+            [x as f32, y as f32, z as f32, (DVec3::new(x, y, z).dot(at_pivot) + add) as f32]
+        };
+        // Towards the viewer in local coordinates: the eye itself, or the direction of all rays.
+        let viewer = if self.perspective { eye - at_pivot } else { inverse * -b.forward };
+        let size = mesh.bounds.size().max_element() / mesh.unit();
         ObjectView {
             perspective: self.perspective,
+            pivot,
             x: single(x),
             y: single(y),
             w: single(w),
             d: single(d),
-            near: self.near as f32,
+            near: (self.near * inverse_unit) as f32,
+            weight: if self.perspective { (self.unit / self.near).min(MOST_WEIGHT) as f32 } else { 1.0 },
             offset: [self.width as i32 * SUBPIXELS / 2, self.height as i32 * SUBPIXELS / 2],
             exact: ClipRows { x, y, w, d },
             viewer: f(viewer),
-            world_from_local: rows(linear),
-            eye_from_local: f(shift),
+            eye_from_local: rows(linear * inverse_unit),
+            eye_from_pivot: f((linear * at_pivot + shift) * inverse_unit),
             normal_matrix: rows(normal_matrix),
             mirrored,
             similarity: similarity(linear),
-            inverse_size: if size > 0.0 { (1.0 / size) as f32 } else { 1.0 },
+            edge_scale: if size > 0.0 { (f64::from(1 << 20) / size) as f32 } else { 1.0 },
         }
     }
+
+    /// The point of a mesh's box next to the eye, both in the mesh's numbers.
+    fn pivot(&self, mesh: &ClusteredMesh, eye: DVec3) -> [f32; 3] {
+        let local = |p: DVec3| (p - mesh.origin) / mesh.unit();
+        if mesh.bounds.is_empty() || !eye.is_finite() {
+            return [0.0; 3];
+        }
+        let p = eye.max(local(mesh.bounds.min)).min(local(mesh.bounds.max));
+        [p.x as f32, p.y as f32, p.z as f32]
+    }
+
+    /// The directions towards the viewer, see [`Sight`].
+    pub fn sight(&self) -> Sight {
+        let b = &self.basis;
+        let f = |v: DVec3| [v.x as f32, v.y as f32, v.z as f32];
+        let along = if self.perspective { 1.0 / self.scale } else { 0.0 };
+        Sight {
+            base: f(-b.forward),
+            right: f(b.right * -along),
+            down: f(b.up * along),
+            middle: [self.width as i32 * SUBPIXELS / 2, self.height as i32 * SUBPIXELS / 2],
+        }
+    }
+}
+
+/// The directions from a point of the picture towards the viewer, in world axes, of any length:
+/// `(base + right * x) + down * y` with x and y in sub-pixels from the middle of the picture.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Sight {
+    /// In the middle of the picture, length 1.
+    pub base: [f32; 3],
+    /// Growth a sub-pixel to the right; zero for an orthographic camera.
+    pub right: [f32; 3],
+    /// Growth a sub-pixel downwards.
+    pub down: [f32; 3],
+    /// Screen coordinates of the middle of the picture.
+    pub middle: [i32; 2],
 }
 
 /// The factor by which a map scales, if it scales all directions alike.
@@ -136,7 +215,7 @@ pub struct ClipRows {
     pub x: [f64; 4],
     /// Sub-pixels below the middle, times w.
     pub y: [f64; 4],
-    /// Distance along the line of sight; 1 for an orthographic camera.
+    /// Distance along the line of sight in [`View::unit`]; 1 for an orthographic camera.
     pub w: [f64; 4],
     /// Depth times w.
     pub d: [f64; 4],
@@ -147,36 +226,41 @@ pub struct ClipRows {
 pub struct ObjectView {
     /// False for an orthographic camera.
     pub perspective: bool,
-    /// Row of the matrix that gives x times w.
+    /// What positions are taken relative to, in the mesh's numbers.
+    pub pivot: [f32; 3],
+    /// Row of the matrix that gives x times w, from positions relative to the pivot, as all rows.
     pub x: [f32; 4],
     /// Row that gives y times w.
     pub y: [f32; 4],
-    /// Row that gives w (perspective).
+    /// Row that gives w (perspective), in [`View::unit`].
     pub w: [f32; 4],
     /// Row that gives the depth (orthographic).
     pub d: [f32; 4],
-    /// Distance of the near plane.
+    /// Distance of the near plane, in [`View::unit`].
     pub near: f32,
+    /// By which the depth of a corner is multiplied to be its weight: 1 / w, or less for all corners where the near plane
+    /// is very near; 1 for an orthographic camera.
+    pub weight: f32,
     /// Screen coordinates of the middle of the picture.
     pub offset: [i32; 2],
-    /// The same rows in `f64`, for clipping and for cluster tests.
+    /// The same rows in `f64` and from positions as the mesh has them, for clipping and for cluster tests.
     pub exact: ClipRows,
-    /// The eye in local coordinates; for an orthographic camera the direction towards the viewer.
+    /// The eye in local coordinates relative to the pivot; for an orthographic camera the direction towards the viewer.
     pub viewer: [f32; 3],
-    /// Linear part of the map from local coordinates to world space.
-    pub world_from_local: [[f32; 3]; 3],
-    /// What is added to it to be relative to the eye, in world axes.
-    pub eye_from_local: [f32; 3],
+    /// Linear part of the map from local coordinates to world axes, in [`View::unit`].
+    pub eye_from_local: [[f32; 3]; 3],
+    /// Where the pivot is relative to the eye, in world axes and [`View::unit`].
+    pub eye_from_pivot: [f32; 3],
     /// Normals from object space to world space, length not kept. Negated in a mirror image, whose fronts appear
     /// clockwise: times an area that is positive where a triangle appears counter-clockwise, a normal points to the side
     /// that is seen.
     pub normal_matrix: [[f32; 3]; 3],
     /// The instance is a mirror image: its fronts are clockwise.
     pub mirrored: bool,
-    /// World units an object unit, if it is the same in all directions.
+    /// World units a unit of the mesh's numbers, if it is the same in all directions.
     pub similarity: Option<f64>,
-    /// Brings edges to a size at which their products neither vanish nor overflow.
-    pub inverse_size: f32,
+    /// Brings edges to a size at which their products neither vanish nor overflow: to at most 2^20.
+    pub edge_scale: f32,
 }
 
 /// A vertex on its way to the screen.
@@ -193,9 +277,16 @@ pub struct ScreenVertex {
 }
 
 impl ObjectView {
+    /// A position relative to the pivot. The kernels repeat this lane by lane.
+    #[inline]
+    pub fn relative(&self, p: [f32; 3]) -> [f32; 3] {
+        [p[0] - self.pivot[0], p[1] - self.pivot[1], p[2] - self.pivot[2]]
+    }
+
     /// Projects one position. The kernels repeat this sequence lane by lane.
     #[inline]
     pub fn project(&self, p: [f32; 3]) -> ScreenVertex {
+        let p = self.relative(p);
         let row = |r: &[f32; 4]| ((p[0] * r[0] + p[1] * r[1]) + p[2] * r[2]) + r[3];
         let (cx, cy) = (row(&self.x), row(&self.y));
         let (x, y, d, behind) = if self.perspective {

@@ -28,8 +28,8 @@ pub struct Camera {
     pub up: DVec3,
     /// How it projects.
     pub projection: Projection,
-    /// Distance of the near plane along the line of sight, world units; `None` lets the renderer choose one
-    /// that cuts off nothing that could be seen.
+    /// Distance of the near plane along the line of sight, world units; `None` lets the renderer choose one that cuts off
+    /// nothing that could be seen: at a million-millionth of the scene's radius if the camera stands inside the scene.
     pub near: Option<f64>,
 }
 

@@ -41,7 +41,8 @@ pub struct WritingArgs {
     /// Numbers of the faces that are seen, NPY uint32 (H, W), 4294967295 where nothing was drawn.
     #[arg(long, value_name = "FILE")]
     output_ids: Option<PathBuf>,
-    /// World-space normals, turned to the viewer, NPY float32 (H, W, 3), zero where nothing was drawn.
+    /// World-space unit normals that the picture is lit by, on the side that is seen and never pointing away from the
+    /// viewer, NPY float32 (H, W, 3), zero where nothing was drawn.
     #[arg(long, value_name = "FILE")]
     output_normals: Option<PathBuf>,
     /// What was counted and timed, as JSON; `-` for standard output.

@@ -5,7 +5,7 @@ use fearless_simd::{Simd, f32x16, i32x16, mask32x16, u32x16};
 use tercio_mesh::{ClusteredMesh, Mesh};
 use tercio_scene::Surface;
 
-use super::light::Vec3x16;
+use super::light::{Vec3x16, beside, normalize};
 use crate::color::DECODE;
 use crate::context::FrameContext;
 use crate::frontend::transform::project;
@@ -105,7 +105,7 @@ pub struct Corners<S: Simd> {
     pub d: [f32x16<S>; 3],
     /// Bit i tells that a corner of lane i lies before the near plane or outside the guard band.
     pub beyond: u32,
-    /// Positions; only where they are needed.
+    /// Positions as the mesh has them; only where they are needed.
     pub position: [Vec3x16<S>; 3],
     /// No corner is [`SMALL_EXTENT`](crate::conventions::SMALL_EXTENT) sub-pixels or more from its sample.
     pub are_near: bool,
@@ -177,8 +177,8 @@ impl<S: Simd> Corners<S> {
         let one = splat(simd, 1.0);
         let beyond = mask32x16::from_bitmask(simd, u64::from(corners.beyond));
         corners.normal = each3!(K => {
-            let scale = if object.perspective { beyond.select(one, corners.d[K]) } else { one };
-            corner_normal(simd, object, packed[K], scale)
+            let scale = if object.perspective { beyond.select(one, corners.d[K] * object.weight) } else { one };
+            corner_normal(simd, context, object, packed[K], scale)
         });
         corners
     }
@@ -205,16 +205,18 @@ impl<S: Simd> Corners<S> {
     }
 }
 
-/// A packed normal in world space, of any length, times the depth of its corner in a perspective: so it can be
-/// interpolated by areas on the screen. Negated in a mirror image; see [`ObjectView::normal_matrix`].
+/// A packed normal in world space, of length 1, times the weight of its corner in a perspective: so it can be interpolated
+/// by areas on the screen. Negated in a mirror image; see [`ObjectView::normal_matrix`].
 #[inline(always)]
 pub fn corner_normal<S: Simd>(
     simd: S,
+    context: &FrameContext,
     object: &ObjectView,
     packed: i32x16<S>,
     scale: f32x16<S>,
 ) -> Vec3x16<S> {
     let n = to_world(simd, object, decode_normal(simd, packed));
+    let n = normalize(simd, n, beside(simd, &context.lights));
     part(
         simd,
         #[inline(always)]

@@ -33,7 +33,7 @@ impl<S: Simd> Interpolation<S> {
             || {
                 let mut b = each3!(K => area[K].abs());
                 if object.perspective {
-                    b = each3!(K => b[K] * corners.d[K]);
+                    b = each3!(K => b[K] * (corners.d[K] * object.weight));
                 }
                 let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
                 let sum = (b[0] + b[1]) + b[2];

@@ -55,7 +55,33 @@ pub fn reflect<S: Simd>(
 /// What stands in for the direction of a vector without length: towards the viewer, along the middle of the view.
 #[inline(always)]
 pub fn beside<S: Simd>(simd: S, rig: &LightRig) -> Vec3x16<S> {
-    each3!(K => splat(simd, rig.to_viewer[K]))
+    each3!(K => splat(simd, rig.sight.base[K]))
+}
+
+/// Directions towards the viewer, of any length, from samples in sub-pixels from the picture's middle.
+#[inline(always)]
+pub fn towards_viewer<S: Simd>(simd: S, rig: &LightRig, [x, y]: [f32x16<S>; 2]) -> Vec3x16<S> {
+    let sight = &rig.sight;
+    part(
+        simd,
+        #[inline(always)]
+        || each3!(K => (splat(simd, sight.base[K]) + x * sight.right[K]) + y * sight.down[K]),
+    )
+}
+
+/// Unit normals that point away from the viewer, bent until they are perpendicular to the line of sight; the others
+/// as they are. `to_viewer` is of any length.
+#[inline(always)]
+pub fn bend<S: Simd>(simd: S, normal: Vec3x16<S>, to_viewer: Vec3x16<S>) -> Vec3x16<S> {
+    let away = dot(normal, to_viewer);
+    let is_away = away.simd_lt(splat(simd, 0.0));
+    if !is_away.any_true() {
+        return normal;
+    }
+    let square = dot(to_viewer, to_viewer);
+    let bent = each3!(K => normal[K] * square - to_viewer[K] * away);
+    let bent = normalize(simd, bent, normal);
+    each3!(K => is_away.select(bent[K], normal[K]))
 }
 
 /// Lambert's diffuse light of the distant lights alone: what [`reflect`] finds where there are no others.

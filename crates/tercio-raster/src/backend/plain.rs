@@ -1,13 +1,13 @@
 //! The look of most pictures in a kernel of its own: normals at the vertices, one colour a surface, distant lights
 //! without highlights, 8-bit colours and nothing else. It asks for so little that all of it stays in registers.
 
-use fearless_simd::Simd;
 use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x16};
 
 use super::cluster::ClusterPass;
 use super::encode::opaque;
 use super::interpolate::{near_areas, weighted};
-use super::light::{beside, diffuse, normalize};
+use super::light::{bend, beside, diffuse, normalize, towards_viewer};
 use super::memory::TileMemory;
 use super::output::TilePixels;
 use super::table::ClusterTable;
@@ -28,13 +28,17 @@ pub fn winners<S: Simd>(
     let ClusterPass { vertices, corners, winners, .. } = pass;
     let color = context.scene.instances[instance].surface.base_color;
     let first_sample = vertices.sample_of(memory.corner);
+    let from_middle = vertices.from_middle(&context.lights.sight);
     for first in (0..winners.len()).step_by(LANES) {
         let (places, triangles) = winners.sixteen(first);
         let numbers = corners.look_up(simd, triangles);
         let [x, y] = vertices.coordinates(simd, &numbers);
-        let area = near_areas(simd, memory.samples(simd, places, first_sample), x, y);
+        let sample = memory.samples(simd, places, first_sample);
+        let area = near_areas(simd, sample, x, y);
         let normal = weighted(&area, table.look_up_normals(simd, &numbers));
         let normal = normalize(simd, normal, beside(simd, &context.lights));
+        let sample: [f32x16<S>; 2] = [0, 1].map(|k| (sample[k] + from_middle[k]).to_float());
+        let normal = bend(simd, normal, towards_viewer(simd, &context.lights, sample));
         let light = diffuse(simd, &context.lights, normal);
         let levels = opaque(simd, each3!(C => light[C] * color[C])).to_array();
         for lane in 0..LANES {

@@ -4,7 +4,7 @@
 //! projects them again as the front end did, and interpolates between them.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, mask32x16, u32x16};
+use fearless_simd::{Simd, f32x16, mask32x16, u32x16};
 use tercio_mesh::cluster::MAX_TRIANGLES;
 use tercio_scene::Instance;
 
@@ -12,7 +12,7 @@ use super::cluster::ClusterPass;
 use super::corners::{ColorSource, Corners, Fragments, to_world};
 use super::encode::opaque;
 use super::interpolate::Interpolation;
-use super::light::{Vec3x16, beside, diffuse, normalize, reflect};
+use super::light::{Vec3x16, bend, beside, diffuse, normalize, reflect, towards_viewer};
 use super::memory::TileMemory;
 use super::output::{Planes, TilePixels};
 use super::plain;
@@ -21,6 +21,7 @@ use crate::color::encode16;
 use crate::context::{FrameContext, NO_SLOT};
 use crate::conventions::{SAMPLE, SUBPIXELS};
 use crate::frame::visibility_key;
+use crate::frontend::transform::relative;
 use crate::settings::Shading;
 use crate::simd::{LANES, cross, dot, each3, part, row, splat};
 use crate::stats::BackEndCounts;
@@ -107,7 +108,7 @@ impl<S: Simd> WholeBlocks<S> {
                 fragments.depth[lane] = memory.depth[places[lane] as usize];
             }
         }
-        let at = At { memory, first_sample: first_sample(memory) };
+        let at = At::in_picture(context, memory);
         shade(simd, context, self.instance, look, &fragments, at, &self.corners, pixels, planes);
     }
 }
@@ -141,7 +142,7 @@ fn flush<S: Simd>(
     fragments.fill_up();
     let look = Look::of(context, instance, false, planes);
     let corners = fetch(simd, context, instance, fragments);
-    let at = At { memory, first_sample: first_sample(memory) };
+    let at = At::in_picture(context, memory);
     shade(simd, context, instance, look, fragments, at, &corners, pixels, planes);
     fragments.count = 0;
 }
@@ -178,7 +179,7 @@ pub fn winners<S: Simd>(
             let cluster = &mesh.clusters[index];
             let look = Look::of(context, instance, cluster.normals_agree, planes);
             let WinnerScratch { table, fragments } = scratch;
-            table.load_normals(simd, &context.objects[instance], mesh, cluster, &pass.vertices);
+            table.load_normals(simd, context, &context.objects[instance], mesh, cluster, &pass.vertices);
             if look.position {
                 table.load_positions(simd, mesh, cluster);
             }
@@ -190,7 +191,11 @@ pub fn winners<S: Simd>(
             if look == Look::PLAIN && !pass.vertices.is_wide {
                 return plain::winners(simd, context, instance, pass, memory, table, pixels);
             }
-            let at = At { memory, first_sample: pass.vertices.sample_of(memory.corner) };
+            let at = At {
+                memory,
+                first_sample: pass.vertices.sample_of(memory.corner),
+                from_middle: pass.vertices.from_middle(&context.lights.sight),
+            };
             for first in (0..count).step_by(LANES) {
                 let (places, triangles) = pass.winners.sixteen(first);
                 fragments.count = (count - first).min(LANES);
@@ -217,11 +222,16 @@ struct At<'a> {
     memory: &'a TileMemory,
     /// The tile's first sample, in the coordinates of the corners.
     first_sample: [i32; 2],
+    /// What is added to these coordinates to count them from the middle of the picture.
+    from_middle: [i32; 2],
 }
 
-/// The first sample of a tile, counted from the picture's corner.
-fn first_sample(memory: &TileMemory) -> [i32; 2] {
-    memory.corner.map(|c| c * SUBPIXELS + SAMPLE)
+impl<'a> At<'a> {
+    /// With coordinates that are counted from the picture's corner.
+    fn in_picture(context: &FrameContext, memory: &'a TileMemory) -> Self {
+        let first_sample = memory.corner.map(|c| c * SUBPIXELS + SAMPLE);
+        Self { memory, first_sample, from_middle: context.lights.sight.middle.map(|c| -c) }
+    }
 }
 
 /// Shades 16 pixels of any look. Not inlined, so that the kernel is compiled once a level.
@@ -244,21 +254,18 @@ fn shade<S: Simd>(
             let surface = &context.scene.instances[instance].surface;
             let object = &context.objects[instance];
             let sample = at.memory.samples(simd, &fragments.place, at.first_sample);
+            let from_middle: [f32x16<S>; 2] = [0, 1].map(|k| (sample[k] + at.from_middle[k]).to_float());
             let at = Interpolation::new(simd, object, sample, corners);
             let zero = [splat(simd, 0.0); 3];
 
             let side =
                 Side { plane: look.plane.then(|| seen_plane(simd, object, corners.position, at.clockwise)) };
-            let (mut position, mut to_viewer) = (zero, beside(simd, &context.lights));
-            if look.lit_from_position {
-                position = to_eye(simd, object, at.mix(corners.position));
-                to_viewer = towards_viewer(simd, context, object, position);
-            }
+            let to_viewer = towards_viewer(simd, &context.lights, from_middle);
             let normal = match side.plane {
                 Some(plane) if look.shading == Shading::Flat || !look.normals => plane,
                 _ => at.normal(corners.normal),
             };
-            let normal = side.unit_normal(simd, context, normal);
+            let normal = side.unit_normal(simd, context, normal, to_viewer);
 
             let albedo: Vec3x16<S> = match look.colors {
                 ColorSource::Base => each3!(C => splat(simd, surface.base_color[C])),
@@ -271,21 +278,27 @@ fn shade<S: Simd>(
                     each3!(C => albedo[C] * light[C])
                 }
                 Shading::Flat | Shading::Phong => {
+                    let mut position = zero;
+                    if look.near_lights {
+                        let relative = each3!(K => relative(simd, object, corners.position[K]));
+                        position = to_eye(simd, object, at.mix(relative));
+                    }
+                    let to_viewer = normalize(simd, to_viewer, beside(simd, &context.lights));
                     let light = reflect(simd, &context.lights, surface, &normal, &to_viewer, &position);
                     each3!(C => albedo[C] * light.diffuse[C] + light.specular[C])
                 }
                 Shading::Gouraud => {
                     let at_corner = each3!(K => {
-                        let (mut position, mut to_viewer) = (zero, to_viewer);
-                        if look.lit_from_position {
-                            position = to_eye(simd, object, corners.position[K]);
-                            to_viewer = towards_viewer(simd, context, object, position);
+                        let position = to_eye(simd, object, relative(simd, object, corners.position[K]));
+                        let mut to_viewer = beside(simd, &context.lights);
+                        if object.perspective {
+                            to_viewer = normalize(simd, each3!(A => -position[A]), to_viewer);
                         }
                         let normal = match side.plane {
                             Some(plane) if !look.normals => plane,
                             _ => as_seen(simd, corners.normal[K], at.clockwise),
                         };
-                        let normal = side.unit_normal(simd, context, normal);
+                        let normal = side.unit_normal(simd, context, normal, to_viewer);
                         reflect(simd, &context.lights, surface, &normal, &to_viewer, &position)
                     });
                     let diffuse = at.mix(each3!(K => at_corner[K].diffuse));
@@ -317,7 +330,7 @@ struct Look {
     /// The triangles' planes are needed.
     plane: bool,
     /// Light depends on where a point is.
-    lit_from_position: bool,
+    near_lights: bool,
     /// Lights are distant and leave no highlights.
     diffuse: bool,
     /// 8-bit colours are asked for.
@@ -334,7 +347,7 @@ impl Look {
         normals: true,
         position: false,
         plane: false,
-        lit_from_position: false,
+        near_lights: false,
         diffuse: true,
         color: true,
         more: false,
@@ -350,15 +363,15 @@ impl Look {
         let agree = normals_agree && context.objects[instance].similarity.is_some();
         let plane = shading == Shading::Flat || !normals || !agree;
         let highlights = surface.specular > 0.0;
-        let lit_from_position = (highlights && context.view.perspective) || !lights.near.is_empty();
+        let near_lights = !lights.near.is_empty();
         Self {
             shading,
             colors: ColorSource::of(mesh, surface),
             normals,
-            position: plane || lit_from_position,
+            position: plane || near_lights || shading == Shading::Gouraud,
             plane,
-            lit_from_position,
-            diffuse: !highlights && lights.near.is_empty(),
+            near_lights,
+            diffuse: !highlights && !near_lights,
             color: planes.color.is_wanted(),
             more: planes.color16.is_wanted()
                 || planes.depth.is_wanted()
@@ -372,8 +385,8 @@ impl Look {
 /// The normals of 16 triangles by their winding, in world space, of any length, on the side that is seen.
 #[inline(always)]
 fn seen_plane<S: Simd>(simd: S, object: &ObjectView, p: Corners16<S>, clockwise: mask32x16<S>) -> Vec3x16<S> {
-    let edge_1 = each3!(A => (p[1][A] - p[0][A]) * object.inverse_size);
-    let edge_2 = each3!(A => (p[2][A] - p[0][A]) * object.inverse_size);
+    let edge_1 = each3!(A => (p[1][A] - p[0][A]) * object.edge_scale);
+    let edge_2 = each3!(A => (p[2][A] - p[0][A]) * object.edge_scale);
     as_seen(simd, to_world(simd, object, cross(edge_1, edge_2)), clockwise)
 }
 
@@ -390,23 +403,11 @@ fn as_seen<S: Simd>(simd: S, n: Vec3x16<S>, clockwise: mask32x16<S>) -> Vec3x16<
 /// A vector at each of the three corners.
 type Corners16<S> = [Vec3x16<S>; 3];
 
-/// From local coordinates to world axes relative to the eye.
+/// From positions relative to the pivot to world axes relative to the eye.
 #[inline(always)]
 fn to_eye<S: Simd>(simd: S, object: &ObjectView, q: Vec3x16<S>) -> Vec3x16<S> {
-    let r = &object.world_from_local;
-    each3!(K => row(simd, &[r[K][0], r[K][1], r[K][2], object.eye_from_local[K]], q))
-}
-
-/// Unit vectors towards the viewer from positions relative to the eye.
-#[inline(always)]
-fn towards_viewer<S: Simd>(
-    simd: S,
-    context: &FrameContext,
-    object: &ObjectView,
-    position: Vec3x16<S>,
-) -> Vec3x16<S> {
-    let distant = each3!(A => splat(simd, context.lights.to_viewer[A]));
-    if object.perspective { normalize(simd, each3!(A => -position[A]), distant) } else { distant }
+    let r = &object.eye_from_local;
+    each3!(K => row(simd, &[r[K][0], r[K][1], r[K][2], object.eye_from_pivot[K]], q))
 }
 
 /// Which side of its triangle a pixel shows.
@@ -417,13 +418,20 @@ struct Side<S: Simd> {
 }
 
 impl<S: Simd> Side<S> {
-    /// A unit normal, turned to the side of the triangle that is seen, whatever its winding.
+    /// A unit normal, turned to the side of the triangle that is seen, whatever its winding, and bent where it still
+    /// points away from the viewer.
     #[inline(always)]
-    fn unit_normal(&self, simd: S, context: &FrameContext, mut n: Vec3x16<S>) -> Vec3x16<S> {
+    fn unit_normal(
+        &self,
+        simd: S,
+        context: &FrameContext,
+        mut n: Vec3x16<S>,
+        to_viewer: Vec3x16<S>,
+    ) -> Vec3x16<S> {
         if let Some(plane) = self.plane {
             n = as_seen(simd, n, dot(n, plane).simd_lt(splat(simd, 0.0)));
         }
-        normalize(simd, n, beside(simd, &context.lights))
+        bend(simd, normalize(simd, n, beside(simd, &context.lights)), to_viewer)
     }
 }
 

@@ -9,6 +9,7 @@ use tercio_scene::Surface;
 use super::corners::{ColorSource, Corners, corner_normal, triangle_color};
 use super::light::Vec3x16;
 use crate::color::DECODE;
+use crate::context::FrameContext;
 use crate::frontend::transform::{CornerNumbers, CornerTable, LocalVertices};
 use crate::simd::{LANES, each3, load, lookup, splat};
 use crate::view::ObjectView;
@@ -37,6 +38,7 @@ impl ClusterTable {
     pub fn load_normals<S: Simd>(
         &mut self,
         simd: S,
+        context: &FrameContext,
         object: &ObjectView,
         mesh: &ClusteredMesh,
         cluster: &Cluster,
@@ -50,9 +52,12 @@ impl ClusterTable {
             for (to, from) in packed.iter_mut().zip(&normals[from..from + LANES]) {
                 *to = from.0 as i32;
             }
-            let scale =
-                if object.perspective { vertices.depths_of_16(simd, first) } else { splat(simd, 1.0) };
-            let n = corner_normal(simd, object, i32x16::load_array(simd, packed), scale);
+            let scale = if object.perspective {
+                vertices.depths_of_16(simd, first) * object.weight
+            } else {
+                splat(simd, 1.0)
+            };
+            let n = corner_normal(simd, context, object, i32x16::load_array(simd, packed), scale);
             for (to, axis) in self.normal.iter_mut().zip(n) {
                 axis.bitcast::<i32x16<S>>().store_slice(&mut to[first..first + LANES]);
             }

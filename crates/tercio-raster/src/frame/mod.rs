@@ -34,7 +34,8 @@ pub struct Frame {
     pub ids: Vec<u32>,
     /// What is seen, as [`visibility_key`]s; 0 where nothing was drawn.
     pub keys: Vec<u64>,
-    /// Unit normals in world space, turned to the viewer; zero where nothing was drawn.
+    /// Unit normals in world space, those that the picture is lit by: see [`crate::conventions`]. None points away from the
+    /// viewer but for rounding; zero where nothing was drawn.
     pub normals: Vec<[f32; 3]>,
     /// What was counted and timed.
     pub stats: FrameStats,

@@ -8,6 +8,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, i32x16, mask32x16};
 use tercio_mesh::cluster::Cluster;
 
+use super::transform::relative;
 use crate::conventions::{GUARD, SAMPLE, SMALL_CLUSTER, SUBPIXEL_BITS, SUBPIXELS};
 use crate::simd::{LANES, dot, each3, load, part, row, splat, splat_i};
 use crate::view::{ObjectView, View};
@@ -137,8 +138,8 @@ impl ClusterTests {
     ) -> Self {
         {
             {
-                let min = each3!(K => load(simd, &lanes.min[K]));
-                let max = each3!(K => load(simd, &lanes.max[K]));
+                let min = relative(simd, object, each3!(K => load(simd, &lanes.min[K])));
+                let max = relative(simd, object, each3!(K => load(simd, &lanes.max[K])));
                 let middle = each3!(K => (min[K] + max[K]) * 0.5);
                 let half = each3!(K => (max[K] - min[K]) * 0.5);
                 let depth = DepthRange::new(simd, object, middle, half);
@@ -327,6 +328,8 @@ fn one_side<S: Simd>(
         || {
             let zero = splat(simd, 0.0);
             let Some(similarity) = object.similarity else { return zero.simd_gt(zero) };
+            // Distances along the line of sight are in that unit.
+            let per_unit = if object.perspective { 1.0 / view.unit } else { 1.0 };
             let axis = each3!(K => load(simd, &lanes.axis[K]) * (1.0 / 127.0));
             let cutoff = load(simd, &lanes.cutoff) * (1.0 / 127.0);
             let radius = load(simd, &lanes.radius) * 1.0001;
@@ -340,7 +343,7 @@ fn one_side<S: Simd>(
             let reach = if object.perspective { radius } else { zero };
             let margin = (along - reach) / (length + reach) - cutoff - 1e-4;
             let height = load(simd, &lanes.min_height)
-                * ((similarity * view.scale * std::f64::consts::FRAC_2_PI) as f32);
+                * ((similarity * view.scale * std::f64::consts::FRAC_2_PI * per_unit) as f32);
             let height = height * margin;
             let on_screen = if object.perspective {
                 let [least, most] = depth.w;

@@ -10,7 +10,7 @@ use crate::binning::PixelRect;
 use crate::binning::ScreenTriangle;
 use crate::conventions::{GUARD, SAMPLE, SMALL_EXTENT, SUBPIXEL_BITS, SUBPIXELS};
 use crate::simd::{LANES, each3, live_lanes, load, lookup, lookup_bytes, part, row, splat, splat_i};
-use crate::view::{ObjectView, ScreenVertex};
+use crate::view::{ObjectView, ScreenVertex, Sight};
 
 /// 16 projected vertices.
 pub struct Projected<S: Simd> {
@@ -31,6 +31,7 @@ pub fn project<S: Simd>(simd: S, view: &ObjectView, p: [f32x16<S>; 3]) -> Projec
         simd,
         #[inline(always)]
         || {
+            let p = relative(simd, view, p);
             let (cx, cy) = (row(simd, &view.x, p), row(simd, &view.y, p));
             let (x, y, d, in_front) = if view.perspective {
                 let w = row(simd, &view.w, p);
@@ -50,6 +51,12 @@ pub fn project<S: Simd>(simd: S, view: &ObjectView, p: [f32x16<S>; 3]) -> Projec
             }
         },
     )
+}
+
+/// [`ObjectView::relative`], lane by lane.
+#[inline(always)]
+pub fn relative<S: Simd>(simd: S, view: &ObjectView, p: [f32x16<S>; 3]) -> [f32x16<S>; 3] {
+    each3!(K => p[K] - splat(simd, view.pivot[K]))
 }
 
 /// Loads 16 vertices of a cluster, from number `first` on.
@@ -285,6 +292,12 @@ impl LocalVertices {
     #[inline(always)]
     pub fn sample_of(&self, pixel: [i32; 2]) -> [i32; 2] {
         [0, 1].map(|k| (pixel[k] - self.pixel[k]) * SUBPIXELS + SAMPLE)
+    }
+
+    /// What is added to coordinates as seen from [`LocalVertices::pixel`] to count them from the middle of the picture.
+    #[inline(always)]
+    pub fn from_middle(&self, sight: &Sight) -> [i32; 2] {
+        [0, 1].map(|k| (self.pixel[k] << SUBPIXEL_BITS) - sight.middle[k])
     }
 
     /// A rectangle of pixels as seen from [`LocalVertices::pixel`].

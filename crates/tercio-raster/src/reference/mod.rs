@@ -11,6 +11,7 @@ use tercio_mesh::Mesh;
 use tercio_scene::{Camera, Scene};
 
 use crate::backend::output::background_row;
+use crate::context::check_range;
 use crate::conventions::{SAMPLE, SUBPIXELS};
 use crate::frame::{Frame, NO_PRIMITIVE, visibility_key};
 use crate::frontend::clip::clip_triangle;
@@ -45,6 +46,7 @@ pub fn render(
     settings.check()?;
     let (width, height) = (settings.width as usize, settings.height as usize);
     let view = View::new(camera, &scene.bounds(), settings.width, settings.height)?;
+    check_range(scene, settings, &view)?;
     let objects: Vec<ObjectView> = scene.instances.iter().map(|i| view.object(i)).collect();
     let nothing = Sample { depth: 0.0, instance: 0, triangle: usize::MAX };
     let mut samples = vec![nothing; width * height];

@@ -45,6 +45,18 @@ fn normalize(v: Vec3, instead: Vec3) -> Vec3 {
     if square > 1e-30 { v.map(|c| c * inverse) } else { instead }
 }
 
+/// A unit normal that points away from the viewer, bent until it is perpendicular to the line of sight; any other as
+/// it is. `to_viewer` is of any length.
+fn bend(n: Vec3, to_viewer: Vec3) -> Vec3 {
+    let away = dot(n, to_viewer);
+    if away < 0.0 {
+        let square = dot(to_viewer, to_viewer);
+        normalize(each(|k| n[k] * square - to_viewer[k] * away), n)
+    } else {
+        n
+    }
+}
+
 /// Shades the sample of pixel `[x, y]`, which shows triangle number `triangle`.
 pub fn shade(
     mesh: &Mesh,
@@ -61,39 +73,45 @@ pub fn shade(
     let mix = |v: [f32; 3]| (weight[0] * v[0] + weight[1] * v[1]) + weight[2] * v[2];
     let mix3 = |v: [Vec3; 3]| each(|k| mix(v.map(|v| v[k])));
 
-    let edge = |k: usize| each(|a| (p[k][a] - p[0][a]) * object.inverse_size);
+    let edge = |k: usize| each(|a| (p[k][a] - p[0][a]) * object.edge_scale);
     let clockwise = area.iter().any(|&a| a < 0.0);
     let to_world = |n: Vec3| each(|k| dot(n, object.normal_matrix[k]));
     let as_seen = |n: Vec3| if clockwise { n.map(|c| -c) } else { n };
     let plane = as_seen(to_world(cross(edge(1), edge(2))));
 
-    let to_viewer_from = |position: Vec3| {
-        if object.perspective { normalize(position.map(|c| -c), lights.to_viewer) } else { lights.to_viewer }
-    };
+    let sight = &lights.sight;
     let position_of = |q: Vec3| {
         each(|k| {
-            let r = object.world_from_local[k];
-            ((q[0] * r[0] + q[1] * r[1]) + q[2] * r[2]) + object.eye_from_local[k]
+            let r = object.eye_from_local[k];
+            ((q[0] * r[0] + q[1] * r[1]) + q[2] * r[2]) + object.eye_from_pivot[k]
         })
     };
-    // Unit normals stand on the side of the plane that is seen.
-    let unit = |n: Vec3| {
+    // Unit normals stand on the side of the plane that is seen, and do not point away from the viewer.
+    let unit = |n: Vec3, to_viewer: Vec3| {
         let n = if dot(n, plane) < 0.0 { n.map(|c| -c) } else { n };
-        normalize(n, lights.to_viewer)
+        bend(normalize(n, sight.base), to_viewer)
     };
-    // Of a corner, times how much nearer it is than others.
     let normals = mesh.normals.as_ref();
-    let corner_normal = |n: &[OctNormal], k: usize| to_world(n[corners[k]].decode()).map(|c| c * scale[k]);
+    // Of a corner, of length 1, times how much nearer it is than others.
+    let corner_normal = |n: &[OctNormal], k: usize| {
+        normalize(to_world(n[corners[k]].decode()), sight.base).map(|c| c * scale[k])
+    };
 
-    let position = position_of(mix3(p));
-    let to_viewer = to_viewer_from(position);
-    let normal = unit(match normals {
+    // Relative to the pivot, as everything that is measured from the eye.
+    let relative = p.map(|p| object.relative(p));
+    let position = position_of(mix3(relative));
+    let to_viewer = {
+        let [x, y] = [0, 1].map(|k| (pixel[k] as i32 * SUBPIXELS + SAMPLE - sight.middle[k]) as f32);
+        each(|k| (sight.base[k] + sight.right[k] * x) + sight.down[k] * y)
+    };
+    let normal = match normals {
         Some(normals) if shading != Shading::Flat => {
             let m = [0, 1, 2].map(|k| corner_normal(normals, k));
             each(|c| (area[0] * m[0][c] + area[1] * m[1][c]) + area[2] * m[2][c])
         }
         _ => plane,
-    });
+    };
+    let normal = unit(normal, to_viewer);
     let albedo = match corner_colors(mesh, triangle, surface) {
         Some(colors) => mix3(colors),
         None => surface.base_color,
@@ -101,15 +119,17 @@ pub fn shade(
     let linear = match shading {
         Shading::Unlit => albedo,
         Shading::Flat | Shading::Phong => {
+            let to_viewer = normalize(to_viewer, sight.base);
             let (diffuse, specular) = reflect(lights, surface, normal, to_viewer, position);
             each(|k| albedo[k] * diffuse[k] + specular[k])
         }
         Shading::Gouraud => {
             let light = [0, 1, 2].map(|k| {
-                let position = position_of(p[k]);
-                let to_viewer = to_viewer_from(position);
+                let position = position_of(relative[k]);
+                let to_viewer =
+                    if object.perspective { normalize(position.map(|c| -c), sight.base) } else { sight.base };
                 let normal = normals.map_or(plane, |n| as_seen(corner_normal(n, k)));
-                reflect(lights, surface, unit(normal), to_viewer, position)
+                reflect(lights, surface, unit(normal, to_viewer), to_viewer, position)
             });
             let (diffuse, specular) = (mix3(light.map(|l| l.0)), mix3(light.map(|l| l.1)));
             each(|k| albedo[k] * diffuse[k] + specular[k])
@@ -147,7 +167,7 @@ struct Interpolation {
     /// Twice the areas of the triangles between the sample and two corners: positive where the triangle appears
     /// counter-clockwise.
     area: [f32; 3],
-    /// By which an area is multiplied to allow for the perspective: the corner's depth.
+    /// By which an area is multiplied to allow for the perspective: the weight of the corner.
     scale: [f32; 3],
     /// The products, made to add up to 1.
     weight: [f32; 3],
@@ -166,7 +186,7 @@ fn interpolation(object: &ObjectView, p: [Vec3; 3], pixel: [i32; 2]) -> Interpol
         };
     }
     let area = areas(v.map(|v| v.x - sample[0]), v.map(|v| v.y - sample[1]));
-    let scale = v.map(|v| if object.perspective { v.d } else { 1.0 });
+    let scale = v.map(|v| if object.perspective { v.d * object.weight } else { 1.0 });
     let part = [0, 1, 2].map(|k| area[k].abs() * scale[k]);
     let sum = (part[0] + part[1]) + part[2];
     let inverse = 1.0 / sum;
@@ -204,7 +224,7 @@ fn reflect(
     let (mut diffuse, mut specular) = (lights.ambient, [0.0; 3]);
     let distant = lights.distant.iter().map(|l| (l.to_light, l.color));
     let near = lights.near.iter().map(|l| {
-        let to_light = normalize(each(|k| l.position[k] - position[k]), lights.to_viewer);
+        let to_light = normalize(each(|k| l.position[k] - position[k]), lights.sight.base);
         (to_light, l.color)
     });
     for (to_light, color) in distant.chain(near) {
@@ -213,7 +233,7 @@ fn reflect(
         let cosine = if lit { cosine } else { 0.0 };
         diffuse = each(|k| diffuse[k] + cosine * color[k]);
         if surface.specular > 0.0 {
-            let half = normalize(each(|k| to_light[k] + to_viewer[k]), lights.to_viewer);
+            let half = normalize(each(|k| to_light[k] + to_viewer[k]), lights.sight.base);
             let mut power = dot(normal, half);
             power = if lit && power > 0.0 { power } else { 0.0 };
             (0..surface.shininess_log2).for_each(|_| power *= power);

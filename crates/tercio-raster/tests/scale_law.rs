@@ -1,0 +1,139 @@
+//! The scale law: a model times any power of two that `f32` holds gives the same picture, byte for byte, and distances
+//! times that power.
+
+mod common;
+
+use common::*;
+use glam::DVec3;
+use tercio_mesh::{Mesh, clean, normals};
+use tercio_raster::{Frame, Outputs, RenderError, Renderer, Settings, Shading};
+use tercio_scene::{Camera, Framing, Light, LightSpace, Projection};
+
+const SIZE: [u32; 2] = [160, 120];
+
+/// Coordinates are whole numbers below 2^12: times 2^-149, the least number of `f32`, they still are exact.
+fn whole_numbers(mesh: &Mesh) -> Mesh {
+    let positions = mesh.positions.iter().map(|p| p.map(|c| (c * 2000.0).round())).collect();
+    Mesh { positions, normals: None, vertex_colors: None, ..mesh.clone() }
+}
+
+fn power(exponent: i32) -> f64 {
+    f64::from_bits(((exponent + 1023) as u64) << 52)
+}
+
+fn scaled(mesh: &Mesh, exponent: i32) -> Mesh {
+    let mut scaled = mesh.clone();
+    scaled.positions =
+        mesh.positions.iter().map(|p| p.map(|c| (f64::from(c) * power(exponent)) as f32)).collect();
+    let cleaned = clean::clean(&mut scaled);
+    assert_eq!(cleaned.total(), 0, "times 2^{exponent}: {cleaned:?}");
+    scaled
+}
+
+/// 8-bit and 16-bit colour, triangle, bits of the normal.
+type Pixel = ([u8; 4], [u16; 4], u32, [u32; 3]);
+
+fn pixels(frame: &Frame) -> Vec<Pixel> {
+    (0..frame.ids.len())
+        .map(|p| (frame.color[p], frame.color16[p], frame.ids[p], frame.normals[p].map(f32::to_bits)))
+        .collect()
+}
+
+#[track_caller]
+fn check(mesh: &Mesh, exponents: &[i32], what: &str) {
+    let mut refused = 0;
+    let mut picture = |exponent: i32, view: usize, shading: Shading| {
+        let mut mesh = scaled(mesh, exponent);
+        normals::make_normals(&mut mesh, Some(0.8));
+        let mut scene = scene(&mesh);
+        scene.lights.push(Light::Point {
+            position: DVec3::new(3000.0, 1000.0, 5000.0) * power(exponent),
+            space: LightSpace::World,
+            color: [0.2, 0.3, 0.1],
+        });
+        let framing = Framing::for_size(SIZE[0], SIZE[1]);
+        let camera = match view {
+            0 => framing.camera_for_scene(&scene),
+            1 => Framing { fov_y: None, ..framing }.camera_for_scene(&scene),
+            // From within.
+            _ => Camera {
+                eye: DVec3::new(100.0, 50.0, 20.0) * power(exponent),
+                target: DVec3::new(-500.0, 150.0, 900.0) * power(exponent),
+                up: DVec3::Y,
+                projection: Projection::Perspective { fov_y: 1.2 },
+                near: None,
+            },
+        };
+        let mut outputs = Outputs { keys: false, ..everything(1, 1).outputs };
+        let mut settings = Settings { outputs, shading, ..Settings::new(SIZE[0], SIZE[1]) };
+        if let Err(error) = Renderer::new().render(&scene, &camera, &settings) {
+            let RenderError::Distances { farthest } = error else {
+                panic!("{what} times 2^{exponent}: {error}")
+            };
+            assert!(!(farthest as f32).is_normal(), "{what} times 2^{exponent}: {error}");
+            refused += 1;
+            outputs.depth = false;
+            settings.outputs = outputs;
+        }
+        let reference = draw_reference(&mesh, &scene, &camera, &settings);
+        let frame = draw(&scene, &camera, &settings);
+        assert_same(&reference, &frame, &format!("{what} times 2^{exponent}"));
+        frame
+    };
+    for view in 0..3 {
+        for shading in [Shading::Phong, Shading::Flat] {
+            let plain = picture(0, view, shading);
+            let shown = plain.ids.iter().filter(|&&id| id != u32::MAX).count();
+            assert!(shown * 8 > plain.ids.len(), "{what}: {shown} pixels show something");
+            for &exponent in exponents {
+                let frame = picture(exponent, view, shading);
+                let what = format!("{what} times 2^{exponent}, view {view}, {shading:?}");
+                let (a, b) = (pixels(&plain), pixels(&frame));
+                let different = a.iter().zip(&b).filter(|(a, b)| a != b).count();
+                assert_eq!(different, 0, "{what}: pixels differ");
+                for (a, b) in plain.depth.iter().zip(&frame.depth) {
+                    // The nearest ones may be no normal numbers.
+                    let expected = (f64::from(*a) * power(exponent)) as f32;
+                    assert!(*b == expected || !expected.is_normal(), "{what}: distances {b}, not {expected}");
+                }
+            }
+        }
+    }
+    assert!(refused > 0, "{what}: the largest and the smallest have distances that `f32` does not hold");
+}
+
+/// A mesh that did not pass through `clean` is refused where `f32` does not suffice, and says how to go on.
+#[test]
+fn coordinates_out_of_range_are_refused() {
+    for exponent in [-120, -61, 61, 100] {
+        let mut mesh = sphere(2);
+        for p in &mut mesh.positions {
+            *p = p.map(|c| (f64::from(c) * power(exponent)) as f32);
+        }
+        let scene = scene(&mesh);
+        let camera = Framing::default().camera_for_scene(&scene);
+        let error =
+            Renderer::new().render(&scene, &camera, &Settings::new(64, 64)).expect_err("out of range");
+        assert!(error.to_string().contains("Mesh::bring_into_range"), "{error}");
+        let largest = mesh.positions.iter().flatten().fold(0.0f32, |most, c| most.max(c.abs()));
+        mesh.bring_into_range(largest);
+        let scene = common::scene(&mesh);
+        Renderer::new().render(&scene, &camera, &Settings::new(64, 64)).expect("a picture");
+    }
+}
+
+#[test]
+fn dense_meshes() {
+    // 2^-149 to 2^116: the largest coordinate is 2^11.
+    check(&whole_numbers(&sphere(40)), &[-149, -140, -120, -80, -41, -3, 5, 41, 80, 105, 116], "sphere");
+}
+
+#[test]
+fn a_few_large_triangles() {
+    check(&whole_numbers(&sphere(1)), &[-149, -125, -60, 60, 110, 116], "octahedron");
+}
+
+#[test]
+fn soups() {
+    check(&whole_numbers(&soup(900, 8)), &[-149, -100, 100, 114], "soup");
+}

@@ -1,0 +1,313 @@
+//! What a picture should show, by a ray caster in `f64` and shading formulas of its own, and how far a frame is from it.
+//!
+//! The renderer snaps corners to 1/256 pixel, and rounds them to `f32` before: a point of a triangle appears at most
+//! [`SHIFT`] sub-pixels from where it should. So a pixel is *decided* if rays through it and round it, so far away, all
+//! meet the same triangle (or none): there the frame has to show that triangle, and depth, normal and colour have to be
+//! those of one of these rays, or between them.
+#![allow(dead_code, reason = "every test binary takes what it needs")]
+
+use glam::{DAffine3, DVec3};
+use tercio_mesh::Mesh;
+use tercio_raster::frame::NO_PRIMITIVE;
+use tercio_raster::{Frame, Shading};
+use tercio_scene::{Camera, Light, LightSpace, Projection, Scene, Surface};
+use tercio_testkit::ray_caster::{Hit, RayCaster};
+
+/// How far, in pixels, snapping and rounding may move a point: half a sub-pixel in x and in y, and a quarter more for
+/// what `f32` rounds before.
+const SHIFT: f64 = 0.75 / 256.0;
+/// Relative error of a depth beyond what a shift explains: twelve bits fewer than an `f32` has would be 2.4e-4.
+const DEPTH_ERROR: f64 = 1e-5;
+/// Degrees that a normal may be off beyond what a shift explains. Stored normals are exact to 0.004 degrees.
+const NORMAL_ERROR: f64 = 0.02;
+/// 8-bit levels by which a colour may be off beyond what a shift explains: half a level is rounding.
+const LEVEL_ERROR: f64 = 1.0;
+
+/// A scene in `f64`.
+pub struct Truth<'a> {
+    scene: &'a Scene,
+    shading: Shading,
+    caster: RayCaster,
+    corners: Vec<[DVec3; 3]>,
+    /// Unit normals of corners in world space.
+    normals: Option<Vec<[DVec3; 3]>>,
+    /// sRGB levels of corners.
+    colors: Option<Vec<[[f64; 3]; 3]>>,
+    eye: DVec3,
+    right: DVec3,
+    up: DVec3,
+    forward: DVec3,
+    /// Pixels a world unit (orthographic), or a unit of distance and of tangent (perspective).
+    scale: f64,
+    perspective: bool,
+    size: [usize; 2],
+    near: f64,
+}
+
+/// What a ray sees.
+#[derive(Clone, Copy)]
+struct Seen {
+    triangle: usize,
+    distance: f64,
+    normal: DVec3,
+    /// 8-bit levels, not rounded.
+    levels: [f64; 3],
+}
+
+/// What a comparison found.
+#[derive(Debug, Default)]
+pub struct Found {
+    pub pixels: usize,
+    pub decided: usize,
+    pub shown: usize,
+    /// Pixels that show another triangle, as near as the right one.
+    pub ties: usize,
+    /// The first pixels that are wrong, and how.
+    pub wrong: Vec<String>,
+    pub wrong_pixels: usize,
+    /// The least cosine between a normal and the direction to the viewer.
+    pub least_cosine: f64,
+}
+
+impl<'a> Truth<'a> {
+    /// `meshes` are those of the scene's instances.
+    pub fn new(
+        meshes: &[&Mesh],
+        scene: &'a Scene,
+        camera: &Camera,
+        shading: Shading,
+        size: [u32; 2],
+    ) -> Self {
+        let (mut corners, mut normals, mut colors) = (Vec::new(), Vec::new(), Vec::new());
+        for (mesh, instance) in meshes.iter().zip(&scene.instances) {
+            let DAffine3 { matrix3, translation } = instance.world_from_object;
+            let normal_matrix = matrix3.inverse().transpose() * matrix3.determinant().signum();
+            for t in &mesh.triangles {
+                let t = t.map(|v| v as usize);
+                let local =
+                    |v: usize| DVec3::from(mesh.positions[v].map(f64::from)) * mesh.unit() + mesh.origin;
+                corners.push(t.map(|v| matrix3 * local(v) + translation));
+                if let Some(n) = &mesh.normals {
+                    let unit = |v: usize| DVec3::from(n[v].decode().map(f64::from)).normalize();
+                    normals.push(t.map(|v| (normal_matrix * unit(v)).normalize()));
+                }
+                if let Some(c) = &mesh.vertex_colors {
+                    colors.push(t.map(|v| [0, 1, 2].map(|k| f64::from(c[v][k]))));
+                }
+            }
+        }
+        let forward = (camera.target - camera.eye).normalize();
+        let right = forward.cross(camera.up).normalize();
+        let half = f64::from(size[1]) * 0.5;
+        let (perspective, scale) = match camera.projection {
+            Projection::Perspective { fov_y } => (true, half / (fov_y * 0.5).tan()),
+            Projection::Orthographic { height } => (false, half * 2.0 / height),
+        };
+        Self {
+            scene,
+            shading,
+            caster: RayCaster::new(corners.iter().map(|t| t.map(|p| p.to_array())).collect()),
+            normals: (!normals.is_empty()).then_some(normals),
+            colors: (!colors.is_empty()).then_some(colors),
+            corners,
+            eye: camera.eye,
+            right,
+            up: right.cross(forward),
+            forward,
+            scale,
+            perspective,
+            size: size.map(|n| n as usize),
+            near: camera.near.unwrap_or(0.0),
+        }
+    }
+
+    /// The ray through a point of the picture, in pixels. Its direction is as long as to make distances those along the
+    /// line of sight.
+    fn ray(&self, x: f64, y: f64) -> (DVec3, DVec3) {
+        let x = (x - self.size[0] as f64 * 0.5) / self.scale;
+        let y = (self.size[1] as f64 * 0.5 - y) / self.scale;
+        let across = self.right * x + self.up * y;
+        if self.perspective { (self.eye, self.forward + across) } else { (self.eye + across, self.forward) }
+    }
+
+    fn look(&self, x: f64, y: f64) -> Option<Seen> {
+        let (origin, direction) = self.ray(x, y);
+        let hit = self.caster.first_hit(origin.to_array(), direction.to_array(), self.near)?;
+        Some(self.shade(hit, origin, direction))
+    }
+
+    fn shade(&self, hit: Hit, origin: DVec3, direction: DVec3) -> Seen {
+        let Hit { triangle, distance, weight } = hit;
+        let [a, b, c] = self.corners[triangle];
+        let mix = |v: [DVec3; 3]| v[0] * weight[0] + v[1] * weight[1] + v[2] * weight[2];
+        let to_viewer = -direction.normalize();
+        let plane = (b - a).cross(c - a).normalize();
+        let plane = if plane.dot(to_viewer) < 0.0 { -plane } else { plane };
+        let normal_of = |n: DVec3, to_viewer: DVec3| {
+            let n = n.normalize();
+            let n = if n.dot(plane) < 0.0 { -n } else { n };
+            let away = n.dot(to_viewer);
+            if away < 0.0 { (n - to_viewer * away).normalize() } else { n }
+        };
+        let smooth = self.normals.as_ref().filter(|_| self.shading != Shading::Flat);
+        let normal = normal_of(smooth.map_or(plane, |n| mix(n[triangle])), to_viewer);
+        let surface = &self.scene.instances[0].surface;
+        let albedo = match self.colors.as_ref().filter(|_| surface.use_mesh_colors) {
+            Some(colors) => {
+                let linear = colors[triangle].map(|c| DVec3::from(c.map(|level| decode(level / 255.0))));
+                mix(linear)
+            }
+            None => DVec3::from(surface.base_color.map(f64::from)),
+        };
+        let lit = match self.shading {
+            Shading::Unlit => albedo,
+            Shading::Flat | Shading::Phong => {
+                let (diffuse, specular) =
+                    self.light(surface, normal, to_viewer, origin + direction * distance);
+                albedo * diffuse + specular
+            }
+            Shading::Gouraud => {
+                let at = [0, 1, 2].map(|k| {
+                    let p = [a, b, c][k];
+                    let to_viewer = if self.perspective { (self.eye - p).normalize() } else { -self.forward };
+                    let n = normal_of(smooth.map_or(plane, |n| n[triangle][k]), to_viewer);
+                    self.light(surface, n, to_viewer, p)
+                });
+                albedo * mix(at.map(|l| l.0)) + mix(at.map(|l| l.1))
+            }
+        };
+        Seen { triangle, distance, normal, levels: lit.to_array().map(|c| encode(c.clamp(0.0, 1.0)) * 255.0) }
+    }
+
+    /// Lambert's diffuse light and Blinn's highlights.
+    fn light(&self, surface: &Surface, normal: DVec3, to_viewer: DVec3, at: DVec3) -> (DVec3, DVec3) {
+        let (mut diffuse, mut specular) = (DVec3::ZERO, DVec3::ZERO);
+        let from_camera = |v: DVec3| self.right * v.x + self.up * v.y - self.forward * v.z;
+        for light in &self.scene.lights {
+            let (to_light, color) = match *light {
+                Light::Ambient { color } => {
+                    diffuse += DVec3::from(color.map(f64::from));
+                    continue;
+                }
+                Light::Directional { to_light, space, color } => match space {
+                    LightSpace::World => (to_light, color),
+                    LightSpace::Camera => (from_camera(to_light), color),
+                },
+                Light::Point { position, space, color } => match space {
+                    LightSpace::World => (position - at, color),
+                    LightSpace::Camera => (self.eye + from_camera(position) - at, color),
+                },
+            };
+            let (to_light, color) = (to_light.normalize(), DVec3::from(color.map(f64::from)));
+            let cosine = normal.dot(to_light);
+            if cosine > 0.0 {
+                diffuse += color * cosine;
+                let half = normal.dot((to_light + to_viewer).normalize()).max(0.0);
+                let power = half.powi(1 << surface.shininess_log2);
+                specular += color * power * f64::from(surface.specular);
+            }
+        }
+        (diffuse, specular)
+    }
+
+    /// Compares all planes that the frame has.
+    pub fn compare(&self, frame: &Frame) -> Found {
+        let mut found = Found { least_cosine: 1.0, ..Found::default() };
+        let [width, height] = self.size;
+        for place in 0..width * height {
+            let (x, y) = (place % width, place / width);
+            found.pixels += 1;
+            let (cx, cy) = (x as f64 + 0.5, y as f64 + 0.5);
+            let middle = self.look(cx, cy);
+            let triangle = middle.map(|seen| seen.triangle);
+            let around: Vec<Option<Seen>> = [-1.0, 0.0, 1.0]
+                .iter()
+                .flat_map(|dy| [-1.0, 0.0, 1.0].map(|dx| self.look(cx + dx * SHIFT, cy + dy * SHIFT)))
+                .collect();
+            let shown = Some(frame.ids[place]).filter(|&id| id != NO_PRIMITIVE).map(|id| id as usize);
+            if shown.is_some() {
+                let (_, direction) = self.ray(cx, cy);
+                let normal = DVec3::from(frame.normals[place].map(f64::from));
+                found.least_cosine = found.least_cosine.min(-direction.normalize().dot(normal));
+            }
+            if around.iter().any(|seen| seen.map(|seen| seen.triangle) != triangle) {
+                continue;
+            }
+            found.decided += 1;
+            found.shown += usize::from(triangle.is_some());
+            let around: Vec<Seen> = around.into_iter().flatten().collect();
+            let wrong = match (middle, shown) {
+                (None, None) => None,
+                (Some(seen), Some(shown)) if shown == seen.triangle => {
+                    self.differs(frame, place, seen, &around)
+                }
+                (Some(seen), Some(other)) if self.is_tie(other, [cx, cy], seen) => {
+                    found.ties += 1;
+                    None
+                }
+                (seen, shown) => Some(format!("shows {shown:?}, not {:?}", seen.map(|seen| seen.triangle))),
+            };
+            if let Some(wrong) = wrong {
+                found.wrong_pixels += 1;
+                if found.wrong.len() < 8 {
+                    found.wrong.push(format!("pixel ({x}, {y}) {wrong}"));
+                }
+            }
+        }
+        found
+    }
+
+    /// Is another triangle as near as the one that is seen, as far as depths are exact?
+    fn is_tie(&self, other: usize, [x, y]: [f64; 2], seen: Seen) -> bool {
+        let distances = [(0.0, 0.0), (-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)].map(|(dx, dy)| {
+            let (origin, direction) = self.ray(x + dx * SHIFT, y + dy * SHIFT);
+            let hit = self.caster.meet(other, origin.to_array(), direction.to_array());
+            hit.map_or(f64::INFINITY, |hit| hit.distance)
+        });
+        let nearest = distances.into_iter().fold(f64::INFINITY, f64::min);
+        let farthest = distances.into_iter().fold(f64::NEG_INFINITY, f64::max);
+        let error = self.depth_error(seen.distance);
+        nearest - error <= seen.distance && seen.distance <= farthest + error
+    }
+
+    /// Of a perspective camera errors are relative to the depth; of an orthographic one to the depth of the scene.
+    fn depth_error(&self, distance: f64) -> f64 {
+        let scale = if self.perspective { distance.abs() } else { self.scene.bounds().radius() };
+        scale * DEPTH_ERROR
+    }
+
+    fn differs(&self, frame: &Frame, place: usize, seen: Seen, around: &[Seen]) -> Option<String> {
+        let range = |of: &dyn Fn(&Seen) -> f64| {
+            let values = around.iter().map(of);
+            values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)))
+        };
+        let (nearest, farthest) = range(&|s| s.distance);
+        let (error, depth) = (self.depth_error(seen.distance), f64::from(frame.depth[place]));
+        if !(nearest - error <= depth && depth <= farthest + error) {
+            return Some(format!("depth {depth}, not {} ({nearest} to {farthest})", seen.distance));
+        }
+        let normal = DVec3::from(frame.normals[place].map(f64::from));
+        let degrees = |a: DVec3, b: DVec3| a.cross(b).length().atan2(a.dot(b)).to_degrees();
+        let spread = around.iter().map(|s| degrees(s.normal, seen.normal)).fold(0.0, f64::max);
+        let off = degrees(normal, seen.normal);
+        if !(off <= spread + NORMAL_ERROR) || (normal.length() - 1.0).abs() > 1e-5 {
+            return Some(format!("normal {normal}, not {}: {off} degrees, {spread} allowed", seen.normal));
+        }
+        for k in 0..3 {
+            let (low, high) = range(&|s| s.levels[k]);
+            let level = f64::from(frame.color[place][k]);
+            if !(low - LEVEL_ERROR <= level && level <= high + LEVEL_ERROR) {
+                return Some(format!("colour {:?}, not {:?}", frame.color[place], seen.levels));
+            }
+        }
+        None
+    }
+}
+
+fn encode(linear: f64) -> f64 {
+    if linear <= 0.003_130_8 { linear * 12.92 } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }
+}
+
+fn decode(srgb: f64) -> f64 {
+    if srgb <= 0.040_45 { srgb / 12.92 } else { ((srgb + 0.055) / 1.055).powf(2.4) }
+}

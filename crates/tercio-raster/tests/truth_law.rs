@@ -1,0 +1,243 @@
+//! The truth law: pictures equal what a ray caster in `f64` sees that shares no code with the renderer: which triangle,
+//! how far, which normal, which colour.
+
+mod common;
+mod truth;
+
+use common::*;
+use glam::{DAffine3, DMat3, DQuat, DVec3};
+use tercio_mesh::io::{self, ReadOptions};
+use tercio_mesh::{Mesh, OctNormal, builtin, clean, normals};
+use tercio_raster::{Cull, Outputs, Settings, Shading};
+use tercio_scene::{Camera, Light, LightSpace, Projection, Scene};
+use tercio_testkit::require_shared;
+use truth::{Found, Truth};
+
+const SIZE: [u32; 2] = [96, 72];
+
+fn settings(shading: Shading) -> Settings {
+    let outputs = Outputs { color: true, depth: true, ids: true, normals: true, ..Outputs::default() };
+    Settings { outputs, shading, cull: Cull::None, ..Settings::new(SIZE[0], SIZE[1]) }
+}
+
+/// Draws a scene and holds it against the truth; at least a part of the pixels has to be decided, and to show something.
+#[track_caller]
+fn check(meshes: &[&Mesh], scene: &Scene, camera: &Camera, shading: Shading, what: &str) -> Found {
+    let frame = draw(scene, camera, &settings(shading));
+    let found = Truth::new(meshes, scene, camera, shading, SIZE).compare(&frame);
+    let what = format!("{what}, {shading:?}");
+    assert_eq!(
+        found.wrong_pixels, 0,
+        "{what}: {} of {} decided pixels: {:#?}",
+        found.wrong_pixels, found.decided, found.wrong
+    );
+    assert!(found.ties * 100 <= found.decided, "{what}: {} ties of {}", found.ties, found.decided);
+    assert!(found.decided * 2 >= found.pixels, "{what}: only {} of {} decided", found.decided, found.pixels);
+    assert!(found.shown * 20 >= found.pixels, "{what}: only {} pixels show something", found.shown);
+    assert!(
+        found.least_cosine >= -1e-6,
+        "{what}: a normal points away from the viewer: {}",
+        found.least_cosine
+    );
+    found
+}
+
+/// Lights of all kinds.
+fn all_lights(reach: f64) -> Vec<Light> {
+    let point = |position, space, color| Light::Point { position, space, color };
+    vec![
+        Light::Ambient { color: [0.05, 0.06, 0.07] },
+        Light::Directional {
+            to_light: DVec3::new(0.3, 1.0, 0.4),
+            space: LightSpace::World,
+            color: [0.3, 0.2, 0.1],
+        },
+        Light::headlight([0.1, 0.2, 0.1]),
+        point(DVec3::new(1.0, 2.0, 1.5) * reach, LightSpace::World, [0.3, 0.3, 0.2]),
+        point(DVec3::new(-1.0, 0.5, -0.2) * reach, LightSpace::Camera, [0.1, 0.1, 0.3]),
+    ]
+}
+
+#[test]
+fn random_triangles() {
+    for seed in 0..3 {
+        let mesh = soup(200, 70 + seed);
+        let mut scene = scene(&mesh);
+        scene.lights = all_lights(1.0);
+        for shading in [Shading::Flat, Shading::Gouraud, Shading::Phong, Shading::Unlit] {
+            let outside = perspective([0.5, 1.0, 3.0], [0.0; 3], 40.0);
+            check(&[&mesh], &scene, &outside, shading, &format!("soup {seed}"));
+            let inside = perspective([0.1, 0.2, 0.3], [0.7, -0.4, 0.1], 80.0);
+            check(&[&mesh], &scene, &inside, shading, &format!("soup {seed} from within"));
+            let parallel = orthographic([0.5, 1.0, 3.0], [0.0; 3], 2.5);
+            check(&[&mesh], &scene, &parallel, shading, &format!("soup {seed}, parallel"));
+        }
+    }
+}
+
+/// Normals of very different directions show whether unit vectors are interpolated, or vectors of some other length.
+#[test]
+fn one_triangle_with_normals_all_over() {
+    let mut random = Random(5);
+    for n in 0..20 {
+        let positions = vec![[-1.0, -1.0, 0.0], [1.0, -0.9, 0.3], [-0.1, 1.0, -0.2]];
+        let outwards =
+            |random: &mut Random| (random.point(1.0).normalize() + DVec3::Z * 1.1).as_vec3().to_array();
+        let normals = (0..3).map(|_| OctNormal::encode(outwards(&mut random))).collect();
+        let mesh = Mesh { positions, triangles: vec![[0, 1, 2]], normals: Some(normals), ..Mesh::default() };
+        let camera = perspective([0.2, 0.1, 3.0], [0.0; 3], 40.0);
+        check(&[&mesh], &scene(&mesh), &camera, Shading::Phong, &format!("triangle {n}"));
+    }
+}
+
+/// Stretched, turned and mirrored instances.
+#[test]
+fn instances() {
+    let mesh = sphere(8);
+    let mut scene = scene(&mesh);
+    let stretched = DMat3::from_diagonal(DVec3::new(1.0, 0.4, -0.7)) * DMat3::from_rotation_x(0.6);
+    scene.instances[0].world_from_object =
+        DAffine3 { matrix3: stretched, translation: DVec3::new(-0.5, 0.2, 0.0) };
+    let mut second = scene.instances[0].clone();
+    second.world_from_object = DAffine3::from_scale_rotation_translation(
+        DVec3::splat(0.6),
+        DQuat::from_rotation_y(1.0),
+        DVec3::new(0.6, -0.1, 0.3),
+    );
+    scene.instances.push(second);
+    for shading in [Shading::Flat, Shading::Gouraud, Shading::Phong] {
+        let camera = perspective([0.5, 1.0, 3.0], [0.0; 3], 45.0);
+        check(&[&mesh, &mesh], &scene, &camera, shading, "two instances");
+    }
+}
+
+/// Coarse meshes have smooth normals that point away from the viewer at the rim.
+#[test]
+fn no_normal_points_away_from_the_viewer() {
+    for n in [1, 2, 4] {
+        let mesh = sphere(n);
+        for camera in
+            [perspective([0.5, 1.0, 3.0], [0.0; 3], 45.0), orthographic([1.0, 0.3, 2.0], [0.0; 3], 2.4)]
+        {
+            check(&[&mesh], &scene(&mesh), &camera, Shading::Phong, &format!("sphere of {n}"));
+        }
+    }
+    // Normals as wrong as a file may have them.
+    let mut random = Random(9);
+    let mut mesh = sphere(4);
+    let wrong = |random: &mut Random| OctNormal::encode(random.point(1.0).as_vec3().to_array());
+    mesh.normals = Some(mesh.positions.iter().map(|_| wrong(&mut random)).collect());
+    let camera = perspective([0.5, 1.0, 3.0], [0.0; 3], 45.0);
+    check(&[&mesh], &scene(&mesh), &camera, Shading::Phong, "random normals");
+}
+
+#[test]
+fn built_in_models() {
+    for (spec, eye) in [("builtin:teapot@6k", [0.3, 0.5, 0.9]), ("builtin:gyroid@5k", [0.6, 0.3, 0.7])] {
+        let mut mesh = builtin::make(spec).expect("a model");
+        if mesh.normals.is_none() {
+            normals::make_normals(&mut mesh, None);
+        }
+        let (center, radius) = (mesh.bounds().center(), mesh.bounds().radius());
+        let at = |far: f64| (center + DVec3::from(eye).normalize() * radius * far).to_array();
+        for shading in [Shading::Flat, Shading::Phong] {
+            let outside = perspective(at(2.5), center.to_array(), 45.0);
+            check(&[&mesh], &scene(&mesh), &outside, shading, spec);
+        }
+        let inside = perspective(at(0.3), center.to_array(), 90.0);
+        check(&[&mesh], &scene(&mesh), &inside, Shading::Phong, &format!("{spec} from within"));
+    }
+}
+
+/// Things at a ten-millionth of the scene's size and less are seen, and as exactly as things far away: the scene is
+/// 20 km wide, with the eye in its middle or at its border.
+#[test]
+fn near_things_in_a_large_scene() {
+    for (place, eye) in [("middle", DVec3::ZERO), ("border", DVec3::new(9_000.0, -3_000.0, 5_000.0))] {
+        let mut random = Random(3);
+        let mut mesh = Mesh::default();
+        let add = |corners: [DVec3; 3], mesh: &mut Mesh| {
+            let first = mesh.positions.len() as u32;
+            mesh.positions.extend(corners.map(|p| p.as_vec3().to_array()));
+            mesh.triangles.push([first, first + 1, first + 2]);
+        };
+        // A floor and a back wall as large as the scene, of two triangles each.
+        let [low, high] = [-10_000.0, 10_000.0];
+        let floor =
+            [[low, low], [high, low], [high, high], [low, high]].map(|[x, z]| DVec3::new(x, eye.y - 1.7, z));
+        let wall = [[low, low], [high, low], [high, high], [low, high]].map(|[x, y]| DVec3::new(x, y, low));
+        for [a, b, c, d] in [floor, wall] {
+            add([a, b, c], &mut mesh);
+            add([a, c, d], &mut mesh);
+        }
+        // Small triangles at distances from a hundredth of a millimetre, or what `f32` can tell apart there, to 5 km.
+        let nearest: f64 = if place == "middle" { 1e-5 } else { 0.05 };
+        for n in 0..80 {
+            let distance = nearest * (5_000.0 / nearest).powf(f64::from(n) / 80.0);
+            let direction = DVec3::new(random.between(-0.7, 0.7), random.between(-0.5, 0.5), -1.0);
+            let center = eye + direction * distance;
+            let corners = [0; 3].map(|_| center + random.point(1.0) * distance * 0.15);
+            add(corners, &mut mesh);
+        }
+        let camera = Camera {
+            eye,
+            target: eye - DVec3::Z,
+            up: DVec3::Y,
+            projection: Projection::Perspective { fov_y: 1.0 },
+            near: None,
+        };
+        for shading in [Shading::Flat, Shading::Unlit] {
+            let found =
+                check(&[&mesh], &scene(&mesh), &camera, shading, &format!("large scene from its {place}"));
+            assert!(found.shown * 2 > found.pixels, "{found:?}");
+        }
+    }
+}
+
+/// A floor as large as the scene, seen from a ten-millionth of its size above it: the depths of its two triangles reach
+/// from the eye to the horizon.
+#[test]
+fn depths_from_the_eye_to_the_horizon() {
+    let mut random = Random(4);
+    for height in [2e-6, 0.002, 0.02, 0.2, 2.0, 20.0] {
+        let corners =
+            [[-10_000.0f32, -9_000.0], [10_000.0, -10_000.0], [9_000.0, 10_000.0], [-10_000.0, 8_000.0]];
+        let positions = corners.map(|[x, z]| [x, 0.0, z]).to_vec();
+        let mesh = Mesh { positions, triangles: vec![[0, 1, 2], [0, 2, 3]], ..Mesh::default() };
+        for _ in 0..4 {
+            let eye = DVec3::new(random.between(-1.0, 1.0), height, random.between(-1.0, 1.0));
+            let target = eye + DVec3::new(random.between(-0.2, 0.2), random.between(-0.4, 0.2), -1.0);
+            let up = DVec3::new(random.between(-1.0, 1.0), 1.0, 0.0);
+            let projection = Projection::Perspective { fov_y: 1.0 };
+            let camera = Camera { eye, target, up, projection, near: None };
+            check(&[&mesh], &scene(&mesh), &camera, Shading::Flat, &format!("floor {height} below"));
+        }
+    }
+}
+
+#[test]
+fn real_models() {
+    for path in ["obj/stanford-bunny.obj", "stl/featuretype.STL", "obj/cow.obj", "ply/stratocaster.ply"] {
+        let Some(data) = require_shared("real_models") else { return };
+        let mut mesh =
+            io::read(&data.join("meshes").join(path), &ReadOptions::default()).expect("a model").mesh;
+        clean::clean(&mut mesh);
+        // Ids are then numbers of triangles.
+        mesh.face_of_triangle = None;
+        mesh.vertex_colors = None;
+        mesh.materials.clear();
+        if mesh.normals.is_none() {
+            normals::make_normals(&mut mesh, Some(1.0));
+        }
+        let (center, radius) = (mesh.bounds().center(), mesh.bounds().radius());
+        let eye = center + DVec3::new(0.4, 0.3, 0.9).normalize() * radius * 1.6;
+        let camera = perspective(eye.to_array(), center.to_array(), 45.0);
+        let mut scene = scene(&mesh);
+        scene.instances[0].surface.use_mesh_colors = false;
+        let frame = draw(&scene, &camera, &settings(Shading::Phong));
+        let found = Truth::new(&[&mesh], &scene, &camera, Shading::Phong, SIZE).compare(&frame);
+        assert_eq!(found.wrong_pixels, 0, "{path}: {:#?}", found.wrong);
+        assert!(found.shown * 20 >= found.pixels, "{path}: {found:?}");
+        assert!(found.least_cosine >= -1e-6, "{path}: {}", found.least_cosine);
+    }
+}

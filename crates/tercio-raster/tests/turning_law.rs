@@ -1,0 +1,195 @@
+//! The turning law: model, camera and lights turned, moved or scaled together give the same picture within one level,
+//! and normals turned with them within 0.05 degrees.
+//!
+//! Turned positions are rounded to `f32` anew, so that a corner may snap to the next sub-pixel and a sample at an edge
+//! may change sides: such pixels, which show another triangle, are few, and counted. Where triangles are only a few
+//! sub-pixels high, as at the rim of a model, a sub-pixel changes a normal, too: pictures of turned models are held, turned
+//! back, against what a ray caster sees of the model that is not turned.
+
+mod common;
+mod truth;
+
+use common::*;
+use glam::{DAffine3, DMat3, DQuat, DVec3};
+use tercio_mesh::{Mesh, OctNormal, builtin, normals};
+use tercio_raster::{Cull, Outputs, Settings, Shading};
+use tercio_scene::{Camera, Light, LightSpace, Scene};
+use truth::Truth;
+
+/// Most degrees by which a turned normal may be off.
+const DEGREES: f64 = 0.05;
+
+fn turn(random: &mut Random) -> DQuat {
+    let axis = loop {
+        let p = random.point(1.0);
+        if (0.1..=1.0).contains(&p.length()) {
+            break p.normalize();
+        }
+    };
+    DQuat::from_axis_angle(axis, random.between(0.1, 6.2))
+}
+
+fn turned_mesh(mesh: &Mesh, by: DQuat) -> Mesh {
+    let vector = |v: [f32; 3]| (by * DVec3::from(v.map(f64::from))).as_vec3().to_array();
+    let mut turned = mesh.clone();
+    turned.positions = mesh.positions.iter().map(|&p| vector(p)).collect();
+    turned.normals =
+        mesh.normals.as_ref().map(|n| n.iter().map(|n| OctNormal::encode(vector(n.decode()))).collect());
+    turned
+}
+
+fn turned_camera(camera: &Camera, by: DQuat) -> Camera {
+    Camera { eye: by * camera.eye, target: by * camera.target, up: by * camera.up, ..*camera }
+}
+
+fn turned_lights(lights: &[Light], by: DQuat) -> Vec<Light> {
+    let turn = |v: DVec3, space: LightSpace| if space == LightSpace::World { by * v } else { v };
+    lights
+        .iter()
+        .map(|light| match *light {
+            Light::Ambient { .. } => *light,
+            Light::Directional { to_light, space, color } => {
+                Light::Directional { to_light: turn(to_light, space), space, color }
+            }
+            Light::Point { position, space, color } => {
+                Light::Point { position: turn(position, space), space, color }
+            }
+        })
+        .collect()
+}
+
+fn settings(shading: Shading) -> Settings {
+    let outputs = Outputs { color: true, depth: true, ids: true, normals: true, ..Outputs::default() };
+    Settings { outputs, shading, cull: Cull::None, ..Settings::new(240, 180) }
+}
+
+/// Compares the pictures of two scenes of which the second is the first one turned. At most one pixel in `others` may
+/// show another triangle.
+#[track_caller]
+fn check(
+    first: (&Scene, &Camera),
+    second: (&Scene, &Camera),
+    by: DQuat,
+    shading: Shading,
+    others: usize,
+    what: &str,
+) {
+    let settings = settings(shading);
+    let (a, b) = (draw(first.0, first.1, &settings), draw(second.0, second.1, &settings));
+    let (mut shown, mut other) = (0, 0);
+    for p in 0..a.ids.len() {
+        shown += usize::from(a.ids[p] != u32::MAX);
+        if a.ids[p] != b.ids[p] {
+            other += 1;
+            continue;
+        }
+        let at = format!("{what}, {shading:?}, pixel ({}, {}), triangle {}", p % 240, p / 240, a.ids[p]);
+        let step = (0..4).map(|k| a.color[p][k].abs_diff(b.color[p][k])).max();
+        assert!(step <= Some(1), "{at}: {:?} and {:?}", a.color[p], b.color[p]);
+        let (m, n) =
+            (by * DVec3::from(a.normals[p].map(f64::from)), DVec3::from(b.normals[p].map(f64::from)));
+        let degrees = m.cross(n).length().atan2(m.dot(n)).to_degrees();
+        assert!(m == n || degrees <= DEGREES, "{at}: normals {m} and {n}, {degrees} degrees");
+    }
+    assert!(shown * 10 >= a.ids.len(), "{what}: only {shown} pixels show something");
+    assert!(other * others <= shown, "{what}: {other} of {shown} pixels show another triangle");
+}
+
+fn lights() -> Vec<Light> {
+    let mut lights = Light::studio();
+    lights.push(Light::Directional {
+        to_light: DVec3::new(0.3, 1.0, 0.4),
+        space: LightSpace::World,
+        color: [0.3, 0.2, 0.1],
+    });
+    lights.push(Light::Point {
+        position: DVec3::new(1.0, 2.0, 1.5),
+        space: LightSpace::World,
+        color: [0.3, 0.3, 0.2],
+    });
+    lights
+}
+
+#[test]
+fn one_triangle() {
+    let mut random = Random(1);
+    let positions = vec![[-1.0, -1.0, 0.0], [1.0, -0.9, 0.3], [-0.1, 1.0, -0.2]];
+    let camera = perspective([0.2, 0.1, 3.0], [0.0; 3], 40.0);
+    for n in 0..40 {
+        let outwards =
+            |random: &mut Random| (random.point(1.0).normalize() + DVec3::Z * 1.1).as_vec3().to_array();
+        let normals = (0..3).map(|_| OctNormal::encode(outwards(&mut random))).collect();
+        let mesh = Mesh {
+            positions: positions.clone(),
+            triangles: vec![[0, 1, 2]],
+            normals: Some(normals),
+            ..Mesh::default()
+        };
+        let by = turn(&mut random);
+        let (mut plain, mut turned) = (scene(&mesh), scene(&turned_mesh(&mesh, by)));
+        (plain.lights, turned.lights) = (lights(), turned_lights(&lights(), by));
+        for shading in [Shading::Phong, Shading::Gouraud, Shading::Flat] {
+            let turned_camera = turned_camera(&camera, by);
+            check((&plain, &camera), (&turned, &turned_camera), by, shading, 100, &format!("turn {n}"));
+        }
+    }
+}
+
+#[test]
+fn models() {
+    let mut random = Random(2);
+    let teapot = builtin::make("builtin:teapot@2k").expect("a teapot");
+    let mut gyroid = builtin::make("builtin:gyroid@5k").expect("a gyroid");
+    normals::make_normals(&mut gyroid, None);
+    for (mesh, name) in [(sphere(12), "sphere"), (teapot, "teapot"), (gyroid, "gyroid")] {
+        let (center, radius) = (mesh.bounds().center(), mesh.bounds().radius());
+        let eye = center + DVec3::new(0.3, 0.5, 0.9).normalize() * radius * 2.5;
+        let camera = perspective(eye.to_array(), center.to_array(), 45.0);
+        for n in 0..4 {
+            let by = turn(&mut random);
+            let (mut plain, mut turned) = (scene(&mesh), scene(&turned_mesh(&mesh, by)));
+            (plain.lights, turned.lights) = (lights(), turned_lights(&lights(), by));
+            let turned_camera = turned_camera(&camera, by);
+            for shading in [Shading::Phong, Shading::Flat] {
+                let settings = settings(shading);
+                let mut frame = draw(&turned, &turned_camera, &settings);
+                for n in &mut frame.normals {
+                    *n = (by.inverse() * DVec3::from(n.map(f64::from))).as_vec3().to_array();
+                }
+                let size = [settings.width, settings.height];
+                let found = Truth::new(&[&mesh], &plain, &camera, shading, size).compare(&frame);
+                assert_eq!(found.wrong_pixels, 0, "{name}, turn {n}, {shading:?}: {:#?}", found.wrong);
+                assert!(found.shown * 10 >= found.pixels, "{name}: {found:?}");
+            }
+        }
+    }
+}
+
+/// An instance that is turned, moved and scaled looks as the mesh does to a camera that is not.
+#[test]
+fn instances() {
+    let mut random = Random(3);
+    let mesh = sphere(12);
+    let plain = scene(&mesh);
+    let camera = perspective([0.5, 1.0, 3.0], [0.0; 3], 45.0);
+    for n in 0..10 {
+        let by = turn(&mut random);
+        let (scale, shift) = (10f64.powf(random.between(-6.0, 6.0)), random.point(1e3));
+        let mut moved = scene(&mesh);
+        moved.instances[0].world_from_object =
+            DAffine3 { matrix3: DMat3::from_quat(by) * scale, translation: shift };
+        let place = |p: DVec3| by * p * scale + shift;
+        let seen =
+            Camera { eye: place(camera.eye), target: place(camera.target), up: by * camera.up, ..camera };
+        for shading in [Shading::Phong, Shading::Gouraud, Shading::Flat] {
+            check(
+                (&plain, &camera),
+                (&moved, &seen),
+                by,
+                shading,
+                50,
+                &format!("instance {n}, scale {scale}"),
+            );
+        }
+    }
+}
