@@ -160,29 +160,22 @@ fn an_explicit_camera_finds_an_up_vector() {
 
 #[test]
 fn a_scene_is_framed_by_its_vertices_not_its_box() {
-    // One triangle: its box has corners that no vertex stands in.
-    let cluster = Cluster { vertices: 3, triangles: 1, max: [2.0, 1.0, 1.0], ..Cluster::default() };
+    // One triangle: its box has corners that no vertex stands in. Its unit is 2.
+    let cluster = Cluster { vertices: 3, triangles: 1, max: [1.0, 0.5, 0.5], ..Cluster::default() };
     let pad = |mut v: Vec<f32>| {
         v.resize(3 + PADDING, 99.0);
         v
     };
     let mesh = ClusteredMesh {
         origin: DVec3::X * 1e6,
+        exponent: 1,
         bounds: Aabb { min: DVec3::X * 1e6, max: DVec3::new(1e6 + 2.0, 1.0, 1.0) },
         clusters: vec![cluster],
-        x: pad(vec![0.0, 2.0, 0.0]),
-        y: pad(vec![0.0, 0.0, 1.0]),
-        z: pad(vec![0.0, 1.0, 0.0]),
+        x: pad(vec![0.0, 1.0, 0.0]),
+        y: pad(vec![0.0, 0.0, 0.5]),
+        z: pad(vec![0.0, 0.5, 0.0]),
         corners: [vec![0; 1 + PADDING], vec![1; 1 + PADDING], vec![2; 1 + PADDING]],
-        primitives: None,
-        normals: None,
-        vertex_colors: None,
-        face_colors: None,
-        texcoords: None,
-        triangle_materials: None,
-        materials: Vec::new(),
-        face_of_triangle: None,
-        attributes: Vec::new(),
+        ..ClusteredMesh::default()
     };
     let vertices = [DVec3::ZERO, DVec3::new(2.0, 0.0, 1.0), DVec3::Y].map(|v| v + mesh.origin);
     let scene = Scene::of_mesh(Arc::new(mesh));
