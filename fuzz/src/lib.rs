@@ -1,4 +1,7 @@
-//! What the fuzz targets share: reading bytes as a model, and what must hold of every model that is read.
+//! What the fuzz targets share: reading bytes as a model, and what must hold of every model that is read and of every
+//! [`picture`] of it.
+
+pub mod picture;
 
 use tercio_mesh::io::input::Input;
 use tercio_mesh::io::{ReadModel, ReadOptions};

@@ -90,7 +90,7 @@ fn files_of_any_scale_give_the_same_picture() {
         let mesh = builtin::make(spec).expect("a model");
         for (format, write) in formats {
             let path = folder.path().join(format!("model.{format}"));
-            let mut at = |exponent: i32| {
+            let at = |exponent: i32| {
                 std::fs::write(&path, write(&mesh, exponent)).expect("a file");
                 picture(&path, crease_angle)
             };

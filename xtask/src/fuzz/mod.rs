@@ -1,4 +1,4 @@
-//! `cargo xtask fuzz`: coverage-guided fuzzing of the readers with the stable toolchain.
+//! `cargo xtask fuzz`: coverage-guided fuzzing from the bytes of a file to the pixels, with the stable toolchain.
 //!
 //! The targets in `fuzz/` have the layout of cargo-fuzz and run under it, too. cargo-fuzz asks for a
 //! nightly compiler because of its sanitizers; the coverage instrumentation that libFuzzer steers by needs
@@ -47,6 +47,8 @@ enum Target {
     Off,
     /// Decompression, the choice of the reader, and the reader
     SniffRead,
+    /// All of loading, and a small picture by three renderers that must agree
+    Picture,
 }
 
 impl Target {
@@ -57,6 +59,7 @@ impl Target {
             Self::Stl => "stl",
             Self::Off => "off",
             Self::SniffRead => "sniff_read",
+            Self::Picture => "picture",
         }
     }
 }
@@ -72,7 +75,14 @@ pub struct Arguments {
     /// Run this file once instead, such as one that was found to fail
     #[arg(long, value_name = "FILE", requires = "target")]
     input: Option<PathBuf>,
+    /// Merge the corpora first, even small ones
+    #[arg(long)]
+    merge: bool,
 }
+
+/// A corpus of more files than this is merged before it is used: of the files that reach the same code only the smallest
+/// stay.
+const MOST_FILES: usize = 2_000;
 
 /// Fuzzes one target or all.
 ///
@@ -88,7 +98,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         if arguments.target.is_some_and(|chosen| chosen != target) {
             continue;
         }
-        if let Err(error) = fuzz(target, &programs, Duration::from_secs(arguments.seconds), true) {
+        let merged = if arguments.merge { merge(target, &programs) } else { Ok(()) };
+        let time = Duration::from_secs(arguments.seconds);
+        if let Err(error) = merged.and_then(|()| fuzz(target, &programs, time, true)) {
             eprintln!("error: {error:#}");
             failed.push(target.name());
         }
@@ -140,10 +152,41 @@ fn build() -> Result<PathBuf> {
 /// One input may take ten seconds and two gigabytes, as any malformed file may.
 const LIMITS: [&str; 2] = ["-timeout=10", "-rss_limit_mb=2048"];
 
+/// Where the inputs of a target lie that reached something new.
+fn corpus_of(target: Target) -> PathBuf {
+    workspace_root().join("fuzz/corpus").join(target.name())
+}
+
+/// Keeps of a target's corpus the smallest files that reach the same code together.
+fn merge(target: Target, programs: &Path) -> Result<()> {
+    let corpus = corpus_of(target);
+    if !corpus.is_dir() {
+        return Ok(());
+    }
+    let merged = corpus.with_extension("merged");
+    if merged.exists() {
+        fs::remove_dir_all(&merged)?;
+    }
+    fs::create_dir_all(&merged)?;
+    let before = fs::read_dir(&corpus)?.count();
+    let mut command = Command::new(programs.join(target.name()));
+    command.args(LIMITS).arg("-merge=1").args([&merged, &corpus]).stdout(Stdio::null()).stderr(Stdio::null());
+    process::run(&mut command)?;
+    let after = fs::read_dir(&merged)?.count();
+    ensure!(after > 0 || before == 0, "merging left nothing of {}", corpus.display());
+    fs::remove_dir_all(&corpus)?;
+    fs::rename(&merged, &corpus)?;
+    println!("fuzz target {}: {before} files merged into {after}", target.name());
+    Ok(())
+}
+
 fn fuzz(target: Target, programs: &Path, time: Duration, verbose: bool) -> Result<()> {
     let name = target.name();
     let folder = workspace_root().join("fuzz");
-    let corpus = folder.join("corpus").join(name);
+    let corpus = corpus_of(target);
+    if corpus.is_dir() && fs::read_dir(&corpus)?.count() > MOST_FILES {
+        merge(target, programs)?;
+    }
     let artifacts = folder.join("artifacts").join(name);
     fs::create_dir_all(&corpus)?;
     fs::create_dir_all(&artifacts)?;

@@ -34,6 +34,7 @@ fn extensions(target: Target) -> &'static [&'static str] {
         Target::Stl => &["stl"],
         Target::Off => &["off"],
         Target::SniffRead => &["ply", "obj", "stl", "off", "gz"],
+        Target::Picture => &["ply", "obj", "stl", "off"],
     }
 }
 
@@ -65,6 +66,7 @@ fn made(target: Target) -> Vec<Vec<u8>> {
         Target::Obj => obj(),
         Target::Stl => stl(),
         Target::Off => off(),
+        Target::Picture => [ply(), obj(), stl(), off()].concat(),
         Target::SniffRead => {
             let plain = [ply(), obj(), stl(), off()].concat();
             let packed: Vec<_> = plain.iter().map(|bytes| gzip(bytes)).collect();

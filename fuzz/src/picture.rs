@@ -1,0 +1,131 @@
+//! From the bytes of a file to pixels: read, repair, join, make normals, cut into clusters, draw in different ways, and
+//! compare.
+
+use tercio::glam::DVec3;
+use tercio::mesh::cluster::{PartitionOptions, partition};
+use tercio::mesh::io::ReadOptions;
+use tercio::mesh::io::input::Input;
+use tercio::mesh::{Mesh, OctNormal};
+use tercio::raster::{
+    Binning, Cull, Frame, Outputs, Renderer, Settings, Shading, SimdLevel, Sorting, reference,
+};
+use tercio::scene::{Camera, Framing, Projection, Scene};
+use tercio::{LoadOptions, Normals};
+
+use crate::MEMORY_LIMIT;
+
+/// Larger models are loaded and not drawn: the reference renderer is slow.
+const MOST_TRIANGLES: usize = 2_000;
+
+/// Draws the bytes as three renderers draw them: the reference renderer, the renderer with its own choices, and the
+/// renderer at the scalar level with a partition, tiles and sorting of another kind. All planes must be the same.
+///
+/// # Panics
+/// If loading or drawing does, if a loaded mesh is not sound, or if pictures differ.
+pub fn draw_bytes(bytes: &[u8]) {
+    // The view follows from the number of bytes, so that a file is a file and every view is met.
+    let number = bytes.len();
+    let crease_angle = [Some(1.0), None, Some(0.2)][number % 3];
+    let options = LoadOptions {
+        memory_limit: Some(MEMORY_LIMIT),
+        normals: if number % 5 == 4 { Normals::File } else { Normals::FileOrMade { crease_angle } },
+        topology: number % 7 == 0,
+        ..LoadOptions::default()
+    };
+    let read = ReadOptions { memory_limit: options.memory_limit, progress: None };
+    let input = || Input::from_bytes("fuzz", bytes.to_vec(), &read);
+    let loaded = input().and_then(|input| Ok(tercio::load_input(&input, &options)));
+    let plain = input().and_then(|input| Ok(tercio::load_mesh_input(&input, &options)));
+    let (Ok(loaded), Ok(plain)) = (loaded, plain) else { return };
+    let (loaded, plain) = match (loaded, plain) {
+        (Ok(loaded), Ok(plain)) => (loaded, plain.mesh),
+        // Clusters take memory that the plain mesh does not need.
+        (Err(error), _) => return assert!(!error.to_string().is_empty()),
+        (Ok(_), Err(error)) => panic!("loads with clusters, but not without: {error}"),
+    };
+    check(&plain);
+    if plain.triangles.len() > MOST_TRIANGLES {
+        return;
+    }
+    let scene = Scene::of_mesh(loaded.mesh);
+    let odd = PartitionOptions {
+        max_vertices: 9,
+        max_triangles: 5,
+        shuffle_seed: Some(number as u64),
+        ..PartitionOptions::default()
+    };
+    let cut_otherwise = Scene::of_mesh(partition(plain.clone(), &odd).into());
+    let camera = camera(&scene, number / 3);
+    let settings = settings(number);
+    let drawn = Renderer::new().render(&scene, &camera, &settings);
+    let scalar = Settings {
+        simd: Some(SimdLevel::Scalar),
+        sorting: Sorting::Triangles,
+        binning: Binning::BoundingBox,
+        cluster_culling: false,
+        tile_size: Some(8),
+        ..settings.clone()
+    };
+    let otherwise = Renderer::new().render(&cut_otherwise, &camera, &scalar);
+    let expected = reference::render(&[&plain], &scene, &camera, &settings);
+    match (drawn, otherwise, expected) {
+        (Ok(drawn), Ok(otherwise), Ok(expected)) => {
+            assert_same(&drawn, &expected, "the reference");
+            assert_same(&otherwise, &expected, "another partition, scalar");
+        }
+        (Err(a), Err(b), Err(c)) => assert!(a == b && b == c, "{a}\n{b}\n{c}"),
+        (a, b, c) => panic!("{:?}, {:?}, {:?}", a.err(), b.err(), c.err()),
+    }
+}
+
+/// What must hold of a mesh that is ready for drawing.
+fn check(mesh: &Mesh) {
+    assert!(mesh.positions.as_flattened().iter().all(|c| c.is_finite()), "a position is not finite");
+    assert!(
+        mesh.triangles.as_flattened().iter().all(|&v| (v as usize) < mesh.positions.len()),
+        "a corner is none"
+    );
+    let whole = |n: &OctNormal| *n != OctNormal::NONE;
+    assert!(mesh.normals.iter().flatten().all(whole), "a broken normal was not replaced");
+}
+
+/// From outside, from within, in parallel, or as near as a hair.
+fn camera(scene: &Scene, view: usize) -> Camera {
+    let framing = Framing { azimuth: (view * 37 % 360) as f64, ..Framing::for_size(48, 36) };
+    let framed = framing.camera_for_scene(scene);
+    let bounds = scene.bounds();
+    match view % 4 {
+        0 => framed,
+        1 => Framing { fov_y: None, elevation: -30.0, ..framing }.camera_for_scene(scene),
+        2 => Camera {
+            eye: bounds.center(),
+            target: bounds.center() + DVec3::new(0.3, -0.2, 1.0) * bounds.radius().max(1e-300),
+            projection: Projection::Perspective { fov_y: 1.5 },
+            ..framed
+        },
+        _ => Camera { eye: bounds.min + (bounds.max - bounds.min) * 1e-7, ..framed },
+    }
+}
+
+fn settings(number: usize) -> Settings {
+    let outputs = Outputs { color: true, color16: true, depth: true, ids: true, normals: true, keys: true };
+    Settings {
+        outputs,
+        shading: [Shading::Phong, Shading::Flat, Shading::Gouraud, Shading::Unlit][number / 2 % 4],
+        cull: [Cull::Auto, Cull::None, Cull::Back, Cull::Front][number / 8 % 4],
+        ..Settings::new(48, 36)
+    }
+}
+
+fn assert_same(found: &Frame, expected: &Frame, what: &str) {
+    let bits = |plane: &[f32]| plane.iter().map(|v| v.to_bits()).collect::<Vec<_>>();
+    assert!(found.ids == expected.ids, "ids differ from {what}");
+    assert!(bits(&found.depth) == bits(&expected.depth), "depths differ from {what}");
+    assert!(found.keys == expected.keys, "keys differ from {what}");
+    assert!(
+        bits(found.normals.as_flattened()) == bits(expected.normals.as_flattened()),
+        "normals differ from {what}"
+    );
+    assert!(found.color == expected.color, "colours differ from {what}");
+    assert!(found.color16 == expected.color16, "16-bit colours differ from {what}");
+}
