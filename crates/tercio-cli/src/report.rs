@@ -62,7 +62,12 @@ pub fn warnings(report: &LoadReport) -> Vec<String> {
     let mut all = report.read.warnings.clone();
     let (vertices, triangles) = (report.cleaned.non_finite_vertices, report.cleaned.non_finite_triangles);
     if vertices + triangles > 0 {
-        all.push(format!("{vertices} vertices are not finite, {triangles} triangles at them were left out"));
+        let (vertex, has) = if vertices == 1 { ("vertex", "has") } else { ("vertices", "have") };
+        let (triangle, was) = if triangles == 1 { ("triangle", "was") } else { ("triangles", "were") };
+        all.push(format!(
+            "{vertices} {vertex} {has} coordinates that are not finite or too large for 32-bit floats; \
+             {triangles} {triangle} there {was} left out"
+        ));
     }
     all
 }
@@ -73,7 +78,7 @@ pub fn repairs(report: &LoadReport) -> Vec<String> {
     let counts = [
         (cleaned.duplicate_corner, "triangles with a corner twice dropped"),
         (cleaned.degenerate, "triangles without area dropped"),
-        (cleaned.non_finite_triangles, "triangles at vertices that are not finite dropped"),
+        (cleaned.non_finite_triangles, "triangles at vertices that are not finite or too far out dropped"),
         (report.welded.unwrap_or(0), "vertices joined with others at the same place"),
         (report.read.ignored_points_and_lines, "points and lines left out"),
     ];

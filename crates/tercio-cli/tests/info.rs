@@ -44,3 +44,29 @@ fn a_model_is_described_for_programs() {
 fn a_missing_model_is_an_error() {
     Place::new().run("info missing.ply").failed(1, &["missing.ply: "]);
 }
+
+#[test]
+fn what_is_broken_in_a_model_is_counted_in_the_right_number() {
+    let place = Place::new();
+    let warnings = |text: &str| {
+        std::fs::write(place.path("odd.obj"), text).expect("a model");
+        let said = place.run("info odd.obj");
+        assert_eq!(said.code, Some(0), "{}", said.stderr);
+        said.stderr
+    };
+    let square = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n";
+    assert_eq!(warnings(square), "");
+    let too_large = "that are not finite or too large for 32-bit floats";
+    let one = warnings(&square.replace("v 0 1 0", "v 0 1e39 0"));
+    assert!(
+        one.contains(&format!("1 vertex has coordinates {too_large}; 1 triangle there was left out")),
+        "{one}"
+    );
+    let two = warnings(&square.replace("v 1 0 0\nv 1 1 0", "v 1 0 nan\nv 1 1e39 0"));
+    assert!(
+        two.contains(&format!("2 vertices have coordinates {too_large}; 2 triangles there were left out")),
+        "{two}"
+    );
+    let normals = warnings("v 0 0 0\nv 1 0 0\nv 1 1 0\nvn 0 0 1\nvn 0 0 0\nf 1//1 2//1 3//2\n");
+    assert!(normals.contains("1 of 3 normals is missing, zero or not finite"), "{normals}");
+}

@@ -56,6 +56,40 @@ pub enum ReadError {
         /// The first bytes, made printable.
         begins: String,
     },
+    /// The content is of a format that is known and not read.
+    #[error(
+        "{file}: this is {what}, which tercio does not read (it reads PLY, OBJ, STL, OFF, each also gzip-compressed)"
+    )]
+    Unread {
+        /// File name as the user gave it.
+        file: String,
+        /// The format.
+        what: String,
+    },
+    /// There is no content.
+    #[error("{file}: the file is empty{what}")]
+    Empty {
+        /// File name as the user gave it.
+        file: String,
+        /// More about it, or nothing.
+        what: &'static str,
+    },
+    /// There is content, but none that means anything.
+    #[error("{file}: holds nothing but {but}")]
+    HoldsNothing {
+        /// File name as the user gave it.
+        file: String,
+        /// What it does hold.
+        but: &'static str,
+    },
+    /// Compressed data that cannot be decompressed to their end.
+    #[error("{file}: {what}")]
+    Compressed {
+        /// File name as the user gave it.
+        file: String,
+        /// What is wrong with them.
+        what: String,
+    },
     /// The file is right but holds something that is not drawn.
     #[error("{file}: {place}{what} is not supported")]
     Unsupported {
@@ -90,6 +124,32 @@ pub enum ReadError {
     },
 }
 
+impl ReadError {
+    /// The error of a reader that began so many lines and bytes behind the front of the file.
+    #[must_use]
+    pub(crate) fn behind(self, lines: u64, bytes: u64) -> Self {
+        match self {
+            Self::Malformed { file, place, expected, found } => {
+                Self::Malformed { file, place: place.behind(lines, bytes), expected, found }
+            }
+            Self::Unsupported { file, place, what } => {
+                Self::Unsupported { file, place: place.behind(lines, bytes), what }
+            }
+            other => other,
+        }
+    }
+}
+
+impl Place {
+    fn behind(self, lines: u64, bytes: u64) -> Self {
+        match self {
+            Self::Line(n) => Self::Line(n + lines),
+            Self::Byte(n) => Self::Byte(n + bytes),
+            Self::File => Self::File,
+        }
+    }
+}
+
 /// Makes bytes of a broken file printable for an error message: at most 40 of them, quoted.
 pub fn printable(bytes: &[u8]) -> String {
     if bytes.is_empty() {
@@ -98,4 +158,9 @@ pub fn printable(bytes: &[u8]) -> String {
     let shown = &bytes[..bytes.len().min(40)];
     let dots = if shown.len() < bytes.len() { "…" } else { "" };
     format!("\"{}{dots}\"", shown.escape_ascii())
+}
+
+/// "1 face", "2 faces".
+pub(crate) fn counted(n: u64, what: &str) -> String {
+    format!("{n} {what}{}", if n == 1 { "" } else { "s" })
 }

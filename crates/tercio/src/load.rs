@@ -18,12 +18,14 @@ use crate::MeshSummary;
 /// Which normals a loaded mesh has.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Normals {
-    /// Those of the file; where it has none, they are made.
+    /// Those of the file; where it has none, they are made. Where only some of them are missing, zero or not
+    /// finite, those are replaced one by one by the normals that would be made there, with the same crease angle.
     FileOrMade {
         /// Edges sharper than this many radians stay sharp; `None` smooths over all of them.
         crease_angle: Option<f64>,
     },
-    /// Those of the file; where it has none, the mesh has none and is drawn in facets.
+    /// Those of the file; where it has none, the mesh has none and is drawn in facets. Single ones that are
+    /// missing, zero or not finite are replaced by smooth ones, so that no vertex is split.
     File,
 }
 
@@ -79,6 +81,8 @@ pub struct LoadReport {
     pub file_normals: bool,
     /// Whether normals were made.
     pub made_normals: bool,
+    /// Normals of the file that are missing, zero or not finite and were replaced.
+    pub mended_normals: u64,
     /// Closed, consistently wound? If it was asked for.
     pub topology: Option<Topology>,
     /// The mesh after repair, before it was cut into clusters.
@@ -131,6 +135,10 @@ pub fn load(model: &Path, options: &LoadOptions) -> Result<Loaded, LoadError> {
     if let Some(crease_angle @ None) = wanted {
         make_normals(&mut mesh, crease_angle, options, &mut report);
     }
+    let mending = crease_angle(options);
+    if mending.is_none() {
+        report.mended_normals = normals::mend_normals(&mut mesh, None);
+    }
     begin(options, "sorting triangles", 0);
     let start = Instant::now();
     let mut blocks = BlockedMesh::new(mesh, Order::Auto);
@@ -140,6 +148,10 @@ pub fn load(model: &Path, options: &LoadOptions) -> Result<Loaded, LoadError> {
         let start = Instant::now();
         blocks.make_normals(crease_angle);
         report.made_normals = true;
+        report.times.normals = milliseconds(start);
+    } else if let Some(crease_angle) = mending {
+        let start = Instant::now();
+        report.mended_normals = blocks.mend_normals(crease_angle);
         report.times.normals = milliseconds(start);
     }
     report.mesh = MeshSummary::of_blocks(&blocks);
@@ -163,6 +175,7 @@ pub fn load_mesh(model: &Path, options: &LoadOptions) -> Result<LoadedMesh, Load
     if let Some(crease_angle) = wanted_normals(&mesh, options) {
         make_normals(&mut mesh, crease_angle, options, &mut report);
     }
+    report.mended_normals = normals::mend_normals(&mut mesh, crease_angle(options));
     report.mesh = MeshSummary::of(&mesh);
     report.times.total = milliseconds(all);
     Ok(LoadedMesh { mesh, report })
@@ -173,6 +186,14 @@ fn wanted_normals(mesh: &Mesh, options: &LoadOptions) -> Option<Option<f64>> {
     match options.normals {
         Normals::FileOrMade { crease_angle } if mesh.normals.is_none() => Some(crease_angle),
         _ => None,
+    }
+}
+
+/// The crease angle for normals of the file that have to be replaced.
+fn crease_angle(options: &LoadOptions) -> Option<f64> {
+    match options.normals {
+        Normals::FileOrMade { crease_angle } => crease_angle,
+        Normals::File => None,
     }
 }
 
@@ -296,5 +317,52 @@ mod tests {
         assert_eq!(loaded.report.cleaned.duplicate_corner, 1);
         assert_eq!(loaded.report.welded, Some(11));
         assert_eq!((loaded.mesh.positions.len(), loaded.mesh.triangles.len()), (4, 4));
+    }
+
+    /// A pyramid with the corners of its faces apart, of which some have a normal that points nowhere.
+    fn pyramid(broken: &[usize], normal: &str) -> tempfile::NamedTempFile {
+        let points = ["0 0 0", "1 0 0", "0 1 0", "0 0 1"];
+        let mut obj = points.map(|p| format!("v {p}\n")).concat();
+        for corner in 0..12 {
+            let normal = if broken.contains(&corner) { normal } else { "0.6 0 0.8" };
+            obj += &format!("vn {normal}\n");
+        }
+        for (face, [a, b, c]) in [[1, 3, 2], [1, 2, 4], [2, 3, 4], [3, 1, 4]].iter().enumerate() {
+            let n = 3 * face + 1;
+            obj += &format!("f {a}//{n} {b}//{} {c}//{}\n", n + 1, n + 2);
+        }
+        let mut file = tempfile::NamedTempFile::new().expect("a temporary file");
+        file.write_all(obj.as_bytes()).expect("room for it");
+        file
+    }
+
+    #[test]
+    fn one_broken_normal_does_not_take_the_others_along() {
+        let of_file = tercio_mesh::OctNormal::of_file([0.6, 0.0, 0.8]);
+        let count = |mesh: &Mesh, n| mesh.normals.iter().flatten().filter(|m| **m == n).count();
+        for normal in ["0 0 0", "nan 0 0", "0 inf 0"] {
+            let file = pyramid(&[4, 7], normal);
+            for normals in [Normals::default(), Normals::FileOrMade { crease_angle: None }, Normals::File] {
+                let options = LoadOptions { normals, ..LoadOptions::default() };
+                let loaded = load_mesh(file.path(), &options).expect("a model");
+                assert_eq!((loaded.report.mended_normals, loaded.report.made_normals), (2, false));
+                assert!(loaded.report.file_normals);
+                assert_eq!(loaded.report.read.warnings.len(), 1, "{:?}", loaded.report.read.warnings);
+                assert_eq!(count(&loaded.mesh, of_file), loaded.mesh.positions.len() - 2);
+                assert_eq!(count(&loaded.mesh, tercio_mesh::OctNormal::NONE), 0);
+                let drawn = load(file.path(), &options).expect("a model");
+                assert_eq!(drawn.report.mended_normals, 2);
+            }
+            // Corners 4 and 7 stand at the ends of edges of faces y = 0 and x + y + z = 1.
+            let loaded = load_mesh(file.path(), &LoadOptions::default()).expect("a model");
+            let normals = loaded.mesh.normals.as_deref().unwrap_or_default();
+            let [back, front] =
+                [(1, 1), (2, 1)].map(|(face, k)| normals[loaded.mesh.triangles[face][k] as usize]);
+            assert_eq!(back, tercio_mesh::OctNormal::of_file([0.0, -1.0, 0.0]));
+            assert_eq!(front, tercio_mesh::OctNormal::of_file([1.0, 1.0, 1.0]));
+        }
+        let all: Vec<usize> = (0..12).collect();
+        let loaded = load_mesh(pyramid(&all, "0 0 0").path(), &LoadOptions::default()).expect("a model");
+        assert_eq!((loaded.report.made_normals, loaded.report.file_normals), (true, false));
     }
 }

@@ -277,16 +277,33 @@ fn off() -> Vec<Vec<u8>> {
     }
     files.push(b"OFF 5 1 0 0 0 0 2 0 0 2 2 0 1 0.5 0 0 2 0 5 0 1 2 3 4\n".to_vec());
     files.push(b"nOFF\n2\n3 1 0\n0 0\n1 0\n0 1\n3 0 1 2\n".to_vec());
-    let mut binary = b"OFF BINARY\n".to_vec();
-    [4u32, 4, 6].iter().for_each(|count| binary.extend(count.to_be_bytes()));
-    CORNERS.as_flattened().iter().for_each(|coordinate| binary.extend(coordinate.to_be_bytes()));
-    for face in FACES {
-        binary.extend(3u32.to_be_bytes());
-        face.iter().for_each(|corner| binary.extend(u32::from(*corner).to_be_bytes()));
-        binary.extend(0u32.to_be_bytes());
+    for (big_endian, with_colors) in [(true, true), (false, true), (true, false)] {
+        files.push(binary_off("OFF", &[], big_endian, with_colors));
     }
-    files.push(binary);
+    let normal_and_color = [0.0, 0.0, 2.0, 1.0, 0.5, 0.25, 1.0];
+    files.push(binary_off("CNOFF", &normal_and_color, true, true));
+    files.push(binary_off("ST4OFF", &[1.0, 0.5, 0.25], true, true));
+    files.push(binary_off("nOFF 5", &[1.0, 2.0], true, true));
     files
+}
+
+/// A tetrahedron in binary: the keyword, and what stands behind a vertex's coordinates. The colours of the faces
+/// have 0, 1, 3 and 4 components.
+fn binary_off(keyword: &str, tail: &[f32], big_endian: bool, with_colors: bool) -> Vec<u8> {
+    let mut words = vec![4u32, 4, 6];
+    for corner in CORNERS {
+        words.extend(corner.iter().chain(tail).map(|number| number.to_bits()));
+    }
+    for (face, components) in FACES.iter().zip([0, 1, 3, 4]) {
+        words.push(3);
+        words.extend(face.map(u32::from));
+        if with_colors {
+            words.push(components);
+            words.extend((0..components).map(|_| 0.5f32.to_bits()));
+        }
+    }
+    let bytes = words.into_iter().flat_map(|w| if big_endian { w.to_be_bytes() } else { w.to_le_bytes() });
+    format!("{keyword} BINARY\n").into_bytes().into_iter().chain(bytes).collect()
 }
 
 #[cfg(test)]

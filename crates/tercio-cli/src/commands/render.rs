@@ -204,7 +204,8 @@ impl Render {
         for warning in report::warnings(&done.report) {
             messages::warning(&format!("{model}: {warning}"));
         }
-        if self.drawing.crease_angle.is_some() && !done.report.made_normals {
+        let made = done.report.made_normals || done.report.mended_normals > 0;
+        if self.drawing.crease_angle.is_some() && !made {
             messages::warning(&format!(
                 "{model}: --crease-angle has no effect: {}",
                 if done.report.file_normals { "the file has normals" } else { "no normals are needed" }

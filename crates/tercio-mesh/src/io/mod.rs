@@ -4,14 +4,17 @@ pub mod input;
 pub mod obj;
 pub mod off;
 pub mod ply;
+mod sniff;
 pub mod stl;
 pub mod text;
 
 use std::path::Path;
 
-use crate::error::printable;
-use crate::{Mesh, Progress, ReadError};
+use rayon::prelude::*;
+
+use crate::{Mesh, OctNormal, Progress, ReadError};
 use input::Input;
+pub use sniff::sniff;
 
 /// How a model is read.
 #[derive(Clone, Copy, Debug, Default)]
@@ -66,7 +69,9 @@ pub struct ReadReport {
 }
 
 /// A mesh and what was found while it was read. The mesh is as the file holds it: not cleaned, not welded,
-/// without made normals. Positions may be non-finite; indices are inside the vertices.
+/// without made normals. Positions may be non-finite; indices are inside the vertices. A normal that the file
+/// leaves out, or gives as zero or not finite, is [`OctNormal::NONE`]; [`crate::normals::mend_normals`] replaces
+/// it.
 #[derive(Clone, Debug, Default)]
 pub struct ReadModel {
     /// The mesh.
@@ -94,28 +99,26 @@ pub fn read_input(input: &Input, options: &ReadOptions) -> Result<ReadModel, Rea
         Some(Format::Obj) => obj::read(input, options),
         Some(Format::Stl) => stl::read(input, options),
         Some(Format::Off) => off::read(input, options),
-        None => {
-            return Err(ReadError::UnknownFormat {
-                file: input.name.clone(),
-                begins: printable(&input.bytes()[..input.bytes().len().min(24)]),
-            });
-        }
+        None => return Err(sniff::refusal(input)),
     }?;
     model.report.file_bytes = input.file_bytes;
+    model.report.warnings.splice(0..0, input.warnings.iter().cloned());
+    warn_of_normals(&mut model);
     Ok(model)
 }
 
-/// Finds the format by content; `None` for one that is not read.
-pub fn sniff(bytes: &[u8]) -> Option<Format> {
-    if ply::looks_like(bytes) {
-        Some(Format::Ply)
-    } else if off::looks_like(bytes) {
-        Some(Format::Off)
-    } else if stl::looks_like(bytes) {
-        Some(Format::Stl)
-    } else if obj::looks_like(bytes) {
-        Some(Format::Obj)
-    } else {
-        None
+/// Counts the normals that are missing or point nowhere. If none is left, there is none in the file.
+fn warn_of_normals(model: &mut ReadModel) {
+    let Some(normals) = &model.mesh.normals else { return };
+    let broken = normals.par_iter().filter(|n| **n == OctNormal::NONE).count();
+    let (all, are) = (normals.len(), if broken == 1 { "is" } else { "are" });
+    if broken == 0 {
+        return;
+    }
+    model.report.warnings.push(format!(
+        "{broken} of {all} normals {are} missing, zero or not finite; made from the triangles instead"
+    ));
+    if broken == all {
+        model.mesh.normals = None;
     }
 }

@@ -5,18 +5,20 @@
 //! angle at the vertex, the normal does not depend on how a flat face happens to be cut into triangles.
 //!
 //! `smooth` makes the normals of nearly all vertices at the speed of looking at each triangle once; what it
-//! leaves, `creased` settles with care. Sums are formed in an order that does not depend on the number of
+//! leaves, `creased` settles with care. `mend` does the same for single vertices whose normal is broken. Sums are formed in an order that does not depend on the number of
 //! threads.
 
 mod creased;
 mod faces;
 mod fan;
 mod members;
+mod mend;
 mod oct;
 mod smooth;
 #[cfg(test)]
 mod tests;
 
+pub use mend::mend_normals;
 pub use oct::OctNormal;
 
 use glam::DVec3;
@@ -48,12 +50,13 @@ use members::Members;
 ///
 /// If a triangle's vertex does not exist, or a vertex array is too short.
 pub fn make_normals(mesh: &mut Mesh, crease_angle: Option<f64>) {
-    let Some(angle) = crease_angle else { return make_uncreased(mesh) };
+    let Some(angle) = crease_angle else {
+        mesh.normals = Some(uncreased(mesh));
+        return;
+    };
     let blocks = Blocks::new(mesh, Order::Auto);
     let splits = make_creased(mesh, &blocks, angle);
-    for m in &splits.moves {
-        m.apply(&mut mesh.triangles[m.triangle as usize]);
-    }
+    splits.apply(&mut mesh.triangles);
 }
 
 impl BlockedMesh {
@@ -63,13 +66,18 @@ impl BlockedMesh {
     /// If a vertex array is too short.
     pub fn make_normals(&mut self, crease_angle: f64) {
         let splits = make_creased(&mut self.mesh, &self.blocks, crease_angle);
-        if !splits.moves.is_empty() {
-            let left = Members::new(self.mesh.positions.len(), splits.moves.iter().map(|m| m.from));
-            self.blocks.rename(&|v| left.has(v), &|t, corners| {
-                let first = splits.moves.partition_point(|m| m.triangle < t);
-                splits.moves[first..].iter().take_while(|m| m.triangle == t).for_each(|m| m.apply(corners));
-            });
+        self.apply(&splits);
+    }
+
+    fn apply(&mut self, splits: &Splits) {
+        if splits.moves.is_empty() {
+            return;
         }
+        let left = Members::new(self.mesh.positions.len(), splits.moves.iter().map(|m| m.from));
+        self.blocks.rename(&|v| left.has(v), &|t, corners| {
+            let first = splits.moves.partition_point(|m| m.triangle < t);
+            splits.moves[first..].iter().take_while(|m| m.triangle == t).for_each(|m| m.apply(corners));
+        });
     }
 }
 
@@ -80,6 +88,30 @@ struct Splits {
     sources: Vec<u32>,
     /// In the order of triangles.
     moves: Vec<Move>,
+}
+
+impl Splits {
+    fn apply(&self, triangles: &mut [[u32; 3]]) {
+        self.moves.iter().for_each(|m| m.apply(&mut triangles[m.triangle as usize]));
+    }
+
+    /// Appends the new vertices to every vertex array but the normals.
+    fn append_vertices(&self, mesh: &mut Mesh) {
+        fn append<T: Copy>(array: &mut Vec<T>, sources: &[u32]) {
+            array.reserve_exact(sources.len());
+            for &s in sources {
+                array.push(array[s as usize]);
+            }
+        }
+        append(&mut mesh.positions, &self.sources);
+        mesh.vertex_colors.iter_mut().for_each(|a| append(a, &self.sources));
+        mesh.texcoords.iter_mut().for_each(|a| append(a, &self.sources));
+        for a in &mut mesh.attributes {
+            if a.domain == AttributeDomain::Vertex {
+                append(&mut a.values, &self.sources);
+            }
+        }
+    }
 }
 
 /// One corner of a triangle goes from an old vertex to a new one.
@@ -99,26 +131,13 @@ impl Move {
 fn make_creased(mesh: &mut Mesh, blocks: &Blocks, crease_angle: f64) -> Splits {
     let (mut normals, doubtful) = smooth::settle(mesh, blocks, crease_angle);
     let splits = creased::settle(mesh, blocks, &mut normals, &doubtful, crease_angle);
-    fn append<T: Copy>(array: &mut Vec<T>, sources: &[u32]) {
-        array.reserve_exact(sources.len());
-        for &s in sources {
-            array.push(array[s as usize]);
-        }
-    }
-    append(&mut mesh.positions, &splits.sources);
-    mesh.vertex_colors.iter_mut().for_each(|a| append(a, &splits.sources));
-    mesh.texcoords.iter_mut().for_each(|a| append(a, &splits.sources));
-    for a in &mut mesh.attributes {
-        if a.domain == AttributeDomain::Vertex {
-            append(&mut a.values, &splits.sources);
-        }
-    }
+    splits.append_vertices(mesh);
     mesh.normals = Some(normals);
     splits
 }
 
 /// One normal a position, smooth over every edge.
-fn make_uncreased(mesh: &mut Mesh) {
+fn uncreased(mesh: &Mesh) -> Vec<OctNormal> {
     let same = position_representatives(mesh);
     let around = Adjacency::new(&mesh.triangles, mesh.positions.len(), |v| same[v as usize]);
     let faces = Faces { positions: &mesh.positions, triangles: &mesh.triangles, same: &same };
@@ -127,7 +146,7 @@ fn make_uncreased(mesh: &mut Mesh) {
         .with_min_len(1 << 14)
         .map(|v| encode(faces.sum(v as u32, around.at(v))))
         .collect();
-    mesh.normals = Some(same.par_iter().map(|&s| normals[s as usize]).collect());
+    same.par_iter().map(|&s| normals[s as usize]).collect()
 }
 
 /// A sum of normals, at unit length.

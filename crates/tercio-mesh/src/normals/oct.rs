@@ -9,6 +9,29 @@
 pub struct OctNormal(pub u32);
 
 impl OctNormal {
+    /// No normal: what readers leave where the normal of a file points nowhere, until
+    /// [`mend_normals`](super::mend_normals) replaces it. No encoded normal has these bits.
+    pub const NONE: Self = Self(0x8000_8000);
+
+    /// Encodes the normal of a file, which may have any length; a zero or non-finite one becomes
+    /// [`OctNormal::NONE`].
+    #[inline]
+    pub fn of_file(normal: [f64; 3]) -> Self {
+        let narrow = normal.map(|x| x as f32);
+        let sum = narrow[0].abs() + narrow[1].abs() + narrow[2].abs();
+        if (1e-30..1e30).contains(&sum) { Self::encode(narrow) } else { Self::of_odd_length(normal) }
+    }
+
+    /// As [`OctNormal::of_file`], for lengths that `f32` does not hold or hardly holds.
+    #[cold]
+    fn of_odd_length(normal: [f64; 3]) -> Self {
+        let largest = normal.iter().fold(0.0f64, |a, x| a.max(x.abs()));
+        if !normal.iter().all(|x| x.is_finite()) || largest == 0.0 {
+            return Self::NONE;
+        }
+        Self::encode(normal.map(|x| (x / largest) as f32))
+    }
+
     /// Encodes a vector of any length; a zero or non-finite one becomes +z.
     #[inline]
     pub fn encode([x, y, z]: [f32; 3]) -> Self {
@@ -56,6 +79,21 @@ mod tests {
             let d = OctNormal::encode([x, y, z]).decode();
             let d = glam::DVec3::new(d[0].into(), d[1].into(), d[2].into()).normalize();
             prop_assert!(d.angle_between(v) < 8e-5, "{v} {d}");
+        }
+    }
+
+    #[test]
+    fn a_normal_of_a_file_may_have_any_length_but_none() {
+        let plain = OctNormal::of_file([1.0, -2.0, 3.0]);
+        assert_eq!(plain, OctNormal::encode([1.0, -2.0, 3.0]));
+        for length in [1e-300, 1e-46, 1e-38, 1e-30, 1e-10, 1e10, 1e30, 3e38, 1e39, 1e300] {
+            assert_eq!(OctNormal::of_file([length, -2.0 * length, 3.0 * length]), plain, "{length}");
+        }
+        let (nan, infinite) = (f64::NAN, f64::INFINITY);
+        for broken in
+            [[0.0, -0.0, 0.0], [nan, 0.0, 1.0], [1.0, nan, 0.0], [0.0, 0.0, -infinite], [infinite; 3]]
+        {
+            assert_eq!(OctNormal::of_file(broken), OctNormal::NONE, "{broken:?}");
         }
     }
 

@@ -16,8 +16,8 @@ use crate::blocks::{Block, Blocks, Pool};
 use crate::trig::acos_coarse;
 use glam::DVec3;
 
-/// Not a normal: no half of one is -32768.
-pub(super) const UNSETTLED: u32 = 0x8000_8000;
+/// Not a normal.
+pub(super) const UNSETTLED: u32 = OctNormal::NONE.0;
 
 /// Triangles that are looked at side by side.
 const LANES: usize = 16;

@@ -199,3 +199,69 @@ fn blocks_get_the_normals_of_the_mesh() {
         }
     }
 }
+
+/// The cube as a soup, so that every corner has a normal of its own.
+fn soup() -> Mesh {
+    let whole = cube(false);
+    Mesh {
+        positions: whole.triangles.as_flattened().iter().map(|&v| whole.positions[v as usize]).collect(),
+        triangles: (0..12).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect(),
+        ..Mesh::default()
+    }
+}
+
+#[test]
+fn a_broken_normal_becomes_the_one_that_would_be_made_there() {
+    for angle in [None, Some(0.5), Some(1.6)] {
+        for broken in [&[5][..], &[0, 1, 2, 30], &(0..36).collect::<Vec<_>>()] {
+            let mut made = soup();
+            make_normals(&mut made, angle);
+            // The normals of the file are others than would be made.
+            let of_file = OctNormal::encode([1.0, 2.0, -3.0]);
+            let mut mesh = soup();
+            let mut normals = vec![of_file; 36];
+            broken.iter().for_each(|&v| normals[v as usize] = OctNormal::NONE);
+            mesh.normals = Some(normals);
+            assert_eq!(mend_normals(&mut mesh, angle), broken.len() as u64);
+            for (v, &n) in (0u32..).zip(mesh.normals.as_ref().unwrap()) {
+                let expected =
+                    if broken.contains(&v) { made.normals.as_ref().unwrap()[v as usize] } else { of_file };
+                assert_eq!(n, expected, "{angle:?} {broken:?} {v}");
+            }
+            assert_eq!(mend_normals(&mut mesh, angle), 0, "mended once");
+        }
+    }
+}
+
+#[test]
+fn only_vertices_with_broken_normals_are_split() {
+    let file = OctNormal::encode([1.0, 2.0, -3.0]);
+    let mut mesh = cube(false);
+    mesh.normals = Some(vec![file; 8]);
+    mesh.normals.as_mut().unwrap()[3] = OctNormal::NONE;
+    mesh.vertex_colors = Some((0..8).map(|i| [i; 4]).collect());
+    let before = mesh.clone();
+    let mut blocked = BlockedMesh::new(mesh.clone(), Order::Auto);
+    assert_eq!(mend_normals(&mut mesh, Some(0.5)), 1);
+    assert_eq!(
+        (mesh.positions.len(), mesh.vertex_colors.as_ref().unwrap()[8..].to_vec()),
+        (10, vec![[3; 4]; 2])
+    );
+    for (t, b) in mesh.triangles.iter().zip(&before.triangles) {
+        let [p, q, r] = t.map(|v| DVec3::from(mesh.positions[v as usize].map(f64::from)));
+        let face = (q - p).cross(r - p).normalize();
+        for (&v, &w) in t.iter().zip(b) {
+            let normal = mesh.normals.as_ref().unwrap()[v as usize];
+            match w {
+                3 => assert!((direction(normal) - face).length() < 1e-4),
+                _ => assert_eq!((v, normal), (w, file)),
+            }
+        }
+    }
+    assert_eq!(blocked.mend_normals(0.5), 1);
+    assert_eq!(blocked.mesh().normals, mesh.normals);
+    let mut smooth = before;
+    assert_eq!(mend_normals(&mut smooth, None), 1);
+    assert_eq!(smooth.positions.len(), 8);
+    assert!((direction(smooth.normals.unwrap()[3]) - DVec3::new(1.0, 1.0, -1.0).normalize()).length() < 1e-3);
+}

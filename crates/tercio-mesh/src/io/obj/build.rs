@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use crate::error::printable;
+use crate::error::{Place, counted, printable};
 use crate::io::{ReadModel, ReadOptions, ReadReport, input::Input};
 use crate::mesh::{Attribute, AttributeDomain, FileMaterial, MAX_ELEMENTS, localize};
 use crate::polygon::Triangulator;
@@ -21,7 +21,7 @@ pub struct Parsed<'a> {
     /// Of `vt`.
     pub texcoords: Vec<[f32; 2]>,
     /// Of `vn`.
-    pub normals: Vec<[f32; 3]>,
+    pub normals: Vec<OctNormal>,
     /// Everything else.
     pub chunks: Vec<Chunk<'a>>,
 }
@@ -31,7 +31,15 @@ pub struct Parsed<'a> {
 /// # Errors
 /// Too many vertices or triangles, or too little memory for them.
 pub fn build(input: &Input, options: &ReadOptions, parsed: Parsed) -> Result<ReadModel, ReadError> {
-    let Parsed { mut positions, texcoords, normals, mut chunks } = parsed;
+    let Parsed { mut positions, texcoords, mut normals, mut chunks } = parsed;
+    if positions.is_empty() {
+        return Err(ReadError::Malformed {
+            file: input.name.clone(),
+            place: Place::File,
+            expected: "at least one vertex (v)".into(),
+            found: "none in the whole file".into(),
+        });
+    }
     let mut warnings = Vec::new();
     let faces: u64 = chunks.iter().map(|c| u64::from(c.corners.faces())).sum();
     let triangle_count: u64 = chunks.iter().map(|c| c.corners.triangles()).sum();
@@ -41,7 +49,7 @@ pub fn build(input: &Input, options: &ReadOptions, parsed: Parsed) -> Result<Rea
     }
 
     let with_vt = uses(&chunks, |c| &c.corners.vt);
-    let with_vn = uses(&chunks, |c| &c.corners.vn) && normals_serve(&chunks, &normals, &mut warnings);
+    let with_vn = uses(&chunks, |c| &c.corners.vn);
     if with_vt {
         warn_of_missing_texcoords(&chunks, &mut warnings);
     }
@@ -68,17 +76,20 @@ pub fn build(input: &Input, options: &ReadOptions, parsed: Parsed) -> Result<Rea
             if let Some(colors) = &mut mesh.vertex_colors {
                 v.extend(colors);
             }
-            let at = |values: &[[f32; 3]], i: u32| values.get(i as usize).copied().unwrap_or_default();
-            mesh.normals = with_vn.then(|| v.normals().map(|i| OctNormal::encode(at(&normals, i))).collect());
+            // A vertex that no corner uses has no number at all, and needs no normal.
+            let at = |i: u32| match i {
+                NONE => OctNormal::NONE,
+                i => normals.get(i as usize).copied().unwrap_or_default(),
+            };
+            mesh.normals = with_vn.then(|| v.normals().map(at).collect());
             let at = |i: u32| texcoords.get(i as usize).copied().unwrap_or_default();
             mesh.texcoords = with_vt.then(|| v.texcoords().map(at).collect());
         }
         None => {
             let count = positions.len();
             mesh.normals = with_vn.then(|| {
-                let mut n: Vec<_> = normals.par_iter().take(count).map(|&n| OctNormal::encode(n)).collect();
-                n.resize(count, OctNormal::default());
-                n
+                normals.resize(count, OctNormal::default());
+                std::mem::take(&mut normals)
             });
             mesh.texcoords = with_vt.then(|| {
                 let mut t = texcoords;
@@ -110,33 +121,6 @@ fn uses(chunks: &[Chunk], of: impl for<'c> Fn(&'c Chunk) -> &'c Vec<u32> + Sync)
     chunks.par_iter().any(|c| of(c).iter().any(|&i| i != NONE))
 }
 
-/// Normals are used only if every corner has one that points somewhere: a vertex cannot be without.
-fn normals_serve(chunks: &[Chunk], normals: &[[f32; 3]], warnings: &mut Vec<String>) -> bool {
-    let missing: u64 = chunks
-        .par_iter()
-        .map(|c| {
-            let without = if c.corners.vn.is_empty() { c.corners.v.len() } else { 0 };
-            (without + c.corners.vn.iter().filter(|&&i| i == NONE).count()) as u64
-        })
-        .sum();
-    if missing > 0 {
-        warnings
-            .push(format!("left out the file's normals, because {} had none", counted(missing, "corner")));
-        return false;
-    }
-    let points_nowhere = |n: &[f32; 3]| {
-        let sum: f32 = n.iter().map(|x| x.abs()).sum();
-        !(sum > 0.0 && sum.is_finite())
-    };
-    let bad: Vec<bool> = normals.par_iter().map(points_nowhere).collect();
-    let is_bad = |i: u32| bad.get(i as usize).copied().unwrap_or(true);
-    let used = bad.contains(&true) && chunks.par_iter().any(|c| c.corners.vn.iter().any(|&i| is_bad(i)));
-    if used {
-        warnings.push("left out the file's normals, because some are zero or not finite".into());
-    }
-    !used
-}
-
 fn warn_of_missing_texcoords(chunks: &[Chunk], warnings: &mut Vec<String>) {
     let missing: u64 = chunks
         .par_iter()
@@ -158,7 +142,9 @@ fn vertex_colors(chunks: &[Chunk], count: usize, warnings: &mut Vec<String>) -> 
     let largest = chunks
         .par_iter()
         .filter(|c| !c.colors.is_empty())
-        .map(|c| c.colors.iter().flat_map(|c| &c[..3]).fold(0.0f32, |a, &b| a.max(b)))
+        .map(|c| {
+            c.colors.iter().flat_map(|c| &c[..3]).filter(|x| x.is_finite()).fold(0.0f32, |a, &b| a.max(b))
+        })
         .reduce_with(f32::max)?;
     // Colours computed in floating point may pass 1 by a little.
     let is_bytes = largest > 2.0;
@@ -171,12 +157,12 @@ fn vertex_colors(chunks: &[Chunk], count: usize, warnings: &mut Vec<String>) -> 
     let mut without = 0;
     for chunk in chunks {
         colors.extend(chunk.colors.iter().map(|&[r, g, b, a]| {
-            if r.is_nan() || g.is_nan() || b.is_nan() {
+            if !(r.is_finite() && g.is_finite() && b.is_finite()) {
                 without += 1;
                 return [255; 4];
             }
             // An alpha that was not there is 1 in either way of counting.
-            let alpha = if a == 1.0 || a.is_nan() { 255 } else { byte(a) };
+            let alpha = if a == 1.0 || !a.is_finite() { 255 } else { byte(a) };
             [byte(r), byte(g), byte(b), alpha]
         }));
         let held = chunk.vertices as usize - chunk.colors.len();
@@ -184,7 +170,8 @@ fn vertex_colors(chunks: &[Chunk], count: usize, warnings: &mut Vec<String>) -> 
         colors.resize(colors.len() + held, [255; 4]);
     }
     if without > 0 {
-        warnings.push(format!("set the colour of vertices without one to white: {without} of {count}"));
+        warnings
+            .push(format!("set the colour of vertices without a finite one to white: {without} of {count}"));
     }
     Some(colors)
 }
@@ -338,8 +325,9 @@ fn warn_of_ignored(chunks: &[Chunk], warnings: &mut Vec<String>) {
     }
     let pointless: u64 = chunks.iter().map(|c| c.corners.pointless).sum();
     if pointless > 0 {
+        let indices = if pointless == 1 { "index" } else { "indices" };
         warnings.push(format!(
-            "ignored {pointless} indices of texture coordinates or normals that the file does not hold"
+            "ignored {pointless} {indices} of texture coordinates or normals that the file does not hold"
         ));
     }
     let odd: u64 = chunks.iter().map(|c| c.odd_numbers).sum();
@@ -355,11 +343,8 @@ fn warn_of_ignored(chunks: &[Chunk], warnings: &mut Vec<String>) {
             }
         }
         let shown = unknown.iter().map(|k| printable(k)).collect::<Vec<_>>().join(", ");
-        warnings.push(format!("ignored {} that begin with an unknown word: {shown}", counted(lines, "line")));
+        let begin = if lines == 1 { "begins" } else { "begin" };
+        warnings
+            .push(format!("ignored {} that {begin} with an unknown word: {shown}", counted(lines, "line")));
     }
-}
-
-/// "1 face", "2 faces".
-fn counted(n: u64, what: &str) -> String {
-    format!("{n} {what}{}", if n == 1 { "" } else { "s" })
 }

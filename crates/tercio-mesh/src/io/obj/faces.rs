@@ -157,7 +157,7 @@ fn resolve(index: i64, seen: u64, total: u64) -> Option<u32> {
 #[cold]
 fn outside(words: &Words, what: &str, total: u64) -> ReadError {
     words.expected(match total {
-        0 => format!("no {what} index, because the file holds none"),
+        0 => format!("a {what} that an index could name (the file holds none)"),
         _ => format!("a {what} index from 1 to {total}, or below 0 to count from the last one back"),
     })
 }

@@ -8,6 +8,7 @@
 //! surfaces are not drawn.
 
 mod build;
+mod evidence;
 mod faces;
 mod lines;
 mod mtl;
@@ -18,66 +19,26 @@ mod unify;
 
 use rayon::prelude::*;
 
-use crate::ReadError;
 use crate::mesh::MAX_ELEMENTS;
 
 use super::{ReadModel, ReadOptions, input::Input};
-use lines::{Counts, Lines};
+use crate::{OctNormal, ReadError};
+pub use evidence::{holds_nothing_but, looks_like};
+use lines::Counts;
 use parse::{Chunk, Context, Slots};
-
-/// How much of a file is looked at to find out what it is.
-const FRONT: usize = 1 << 18;
-
-/// Keywords that an OBJ file may begin with.
-const KEYWORDS: [&[u8]; 27] = [
-    b"v",
-    b"vt",
-    b"vn",
-    b"vp",
-    b"f",
-    b"fo",
-    b"l",
-    b"p",
-    b"o",
-    b"g",
-    b"s",
-    b"mg",
-    b"mtllib",
-    b"usemtl",
-    b"maplib",
-    b"usemap",
-    b"cstype",
-    b"deg",
-    b"bmat",
-    b"step",
-    b"curv",
-    b"curv2",
-    b"surf",
-    b"bevel",
-    b"lod",
-    b"c_interp",
-    b"d_interp",
-];
-
-/// Does the content look like OBJ? Decided by the first word that is no comment.
-pub fn looks_like(bytes: &[u8]) -> bool {
-    let text = transcode::front(bytes, FRONT);
-    Lines::new(&text, 1)
-        .map(|line| line.text.trim_ascii())
-        .find(|line| !line.is_empty() && !line.starts_with(b"#"))
-        .and_then(|line| line.split(u8::is_ascii_whitespace).next())
-        .is_some_and(|word| KEYWORDS.contains(&word))
-}
 
 /// Reads OBJ.
 ///
 /// # Errors
 /// Any [`ReadError`].
 pub fn read(input: &Input, options: &ReadOptions) -> Result<ReadModel, ReadError> {
-    let text = transcode::text(input, options)?;
+    let mut odd = Vec::new();
+    let text = transcode::text(input, options, &mut odd)?;
     // Small enough to share the work evenly, large enough that the arrays of a stretch are worth having.
     let step = (text.len() / (8 * rayon::current_num_threads())).clamp(1 << 16, 1 << 22);
-    read_stretches(input, options, &lines::split(&text, step))
+    let mut model = read_stretches(input, options, &lines::split(&text, step))?;
+    model.report.warnings.splice(0..0, odd);
+    Ok(model)
 }
 
 fn read_stretches(input: &Input, options: &ReadOptions, parts: &[&[u8]]) -> Result<ReadModel, ReadError> {
@@ -91,7 +52,7 @@ fn read_stretches(input: &Input, options: &ReadOptions, parts: &[&[u8]]) -> Resu
 
     let mut positions = vec![[0.0f64; 3]; total.vertices as usize];
     let mut texcoords = vec![[0.0f32; 2]; total.texcoords as usize];
-    let mut normals = vec![[0.0f32; 3]; total.normals as usize];
+    let mut normals = vec![OctNormal::NONE; total.normals as usize];
     let mut jobs = Vec::with_capacity(parts.len());
     let mut before = Counts::default();
     let (mut p, mut t, mut n) = (&mut positions[..], &mut texcoords[..], &mut normals[..]);

@@ -1,5 +1,6 @@
 //! Parses one stretch of an OBJ file into arrays of its own.
 
+use crate::OctNormal;
 use crate::error::{Place, ReadError, printable};
 
 use super::faces::Corners;
@@ -42,7 +43,7 @@ pub struct Slots<'s> {
     /// Of `vt`.
     pub texcoords: &'s mut [[f32; 2]],
     /// Of `vn`.
-    pub normals: &'s mut [[f32; 3]],
+    pub normals: &'s mut [OctNormal],
 }
 
 /// A name that holds from a face on.
@@ -123,10 +124,10 @@ pub fn parse<'a>(bytes: &'a [u8], context: &Context, slots: Slots) -> Result<Chu
             Kind::Normal => {
                 let mut normal = [0.0; 3];
                 for n in &mut normal {
-                    *n = words.number("three coordinates of a normal")? as f32;
+                    *n = words.number("three coordinates of a normal")?;
                 }
                 if let Some(slot) = normals.next() {
-                    *slot = normal;
+                    *slot = OctNormal::of_file(normal);
                 }
                 seen.normals += 1;
             }

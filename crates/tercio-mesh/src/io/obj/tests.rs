@@ -94,16 +94,20 @@ fn many_normals_at_one_vertex_become_as_many_vertices() {
 }
 
 #[test]
-fn normals_are_kept_only_if_all_corners_have_one() {
-    let vn = "vn 0 0 2\nvn 0 0 0\n";
-    let whole = model(&format!("{SQUARE}{vn}f 1//1 2//1 3//1\n"));
-    assert_eq!(whole.mesh.normals.unwrap()[0].decode(), [0., 0., 1.]);
-    for faces in ["f 1//1 2//1 3//1\nf 1 3 4\n", "f 1//1 2//2 3//1\n"] {
-        let part = model(&format!("{SQUARE}{vn}{faces}"));
-        assert_eq!(part.mesh.normals, None);
-        assert_eq!(part.mesh.positions.len(), 4);
-        assert!(part.report.warnings[0].contains("left out the file's normals"));
-    }
+fn corners_without_a_normal_do_not_take_those_of_others() {
+    let vn = "vn 0 0 2\nvn 0 0 0\nvn nan 1 0\nvn 1e39 0 0\nvn 0 -1e-50 0\n";
+    let normals = |faces: &str| model(&format!("{SQUARE}{vn}{faces}")).mesh.normals;
+    let (up, none) = (OctNormal::of_file([0.0, 0.0, 1.0]), OctNormal::NONE);
+    // The fourth vertex has no corner, so it needs no normal.
+    assert_eq!(normals("f 1//1 2//1 3//1\n"), Some(vec![up, up, up, OctNormal::default()]));
+    // One normal that is missing, and then broken ones.
+    assert_eq!(normals("f 1//1 2//1 3//1\nf 1 3 4\n"), Some(vec![up, up, up, none, none, none]));
+    assert_eq!(normals("f 1//1 2//2 3//3\nf 1//1 3//3 4//1\n"), Some(vec![up, none, none, up]));
+    // Any length will do, even one that 32 bits do not hold.
+    let (right, down) = (OctNormal::of_file([1.0, 0.0, 0.0]), OctNormal::of_file([0.0, -1.0, 0.0]));
+    assert_eq!(normals("f 1//4 2//5 3//1\nf 1//4 3//1 4//1\n"), Some(vec![right, down, up, up]));
+    // The same where every corner uses one number for all that it has.
+    assert_eq!(normals("f 1//1 2//2 3//3\n").unwrap()[..3], [up, none, none]);
 }
 
 #[test]
@@ -113,6 +117,9 @@ fn colours_behind_positions() {
     assert!(m.report.warnings[0].contains("1 of 3"), "{:?}", m.report.warnings);
     let bytes = model("v 0 0 0 255 128 0\nv 1 0 0 0 1 0\nv 0 1 0 0 0 0\nf 1 2 3\n");
     assert_eq!(bytes.mesh.vertex_colors.unwrap()[..2], [[255, 128, 0, 255], [0, 1, 0, 255]]);
+    let broken = model("v 0 0 0 1 0.5 inf\nv 1 0 0 nan 1 0\nv 0 1 0 1 0.5 0\nf 1 2 3\n");
+    assert_eq!(broken.mesh.vertex_colors.unwrap(), [[255; 4], [255; 4], [255, 128, 0, 255]]);
+    assert!(broken.report.warnings[0].contains("2 of 3"), "{:?}", broken.report.warnings);
 }
 
 #[test]
@@ -188,13 +195,62 @@ fn numbers_of_old_programs_are_understood() {
 }
 
 #[test]
-fn the_first_word_decides_what_looks_like_obj() {
-    for yes in ["v 1 2 3", "\n# c\n\t mtllib a", "g\n", "o"] {
-        assert!(looks_like(yes.as_bytes()), "{yes}");
+fn statements_decide_what_looks_like_obj() {
+    let many_comments = "# nothing yet\n".repeat(30_000) + "v 1 2 3\n";
+    for yes in [
+        "v 1 2 3",
+        "\n# c\n\t mtllib a\no b\nv 1 2 3 # c\n",
+        "Exported by a program that forgets the hash\nv 1 2 3\nv 1 2 \\\n3\nf 1/1 2//2 -1/-1/-1\n",
+        "v nan -nan 1.#INF\nv 1 2 3\nf x\n",
+        "vt 0 0\nvn 0 0 1\nv 1 2 3\n",
+        &many_comments,
+    ] {
+        assert!(looks_like(yes.as_bytes()), "{}", &yes[..yes.len().min(80)]);
     }
-    for no in ["", "# only a comment\n\n", "ply\n", "solid\n", "hello", "<svg>"] {
+    for no in [
+        "",
+        "# only a comment\n\n",
+        "ply\n",
+        "solid\n",
+        "hello",
+        "<svg>",
+        "g\n",
+        "o",
+        "mtllib a\nusemtl b\n",
+        "v = 3\n",
+        "v 1 2\n",
+        "v one two three\n",
+        "f\n",
+        "f x y z\n",
+        "f(1, 2)\n",
+        "p\n",
+        "vt\n",
+    ] {
         assert!(!looks_like(no.as_bytes()), "{no}");
     }
+}
+
+#[test]
+fn a_file_without_a_vertex_is_no_model() {
+    for text in ["vt 0 0\nvn 0 0 1\n", "g a\n", "p 1\nl 1 2\n"] {
+        let error = read(&input(text.as_bytes()), &ReadOptions::default()).unwrap_err().to_string();
+        assert_eq!(error, "a.obj: expected at least one vertex (v), found none in the whole file");
+    }
+    let (line, expected, found) = error("# no vertices\nf 1 2 3\n");
+    assert_eq!((line, found.as_str()), (2, "\"1\""));
+    assert_eq!(expected, "a vertex that an index could name (the file holds none)");
+}
+
+#[test]
+fn one_is_told_in_the_singular() {
+    let m = model(&format!("{SQUARE}foo 1\nf 1/1 2 3\n"));
+    assert_eq!(
+        m.report.warnings,
+        [
+            "ignored 1 index of texture coordinates or normals that the file does not hold",
+            "ignored 1 line that begins with an unknown word: \"foo\"",
+        ]
+    );
 }
 
 #[test]

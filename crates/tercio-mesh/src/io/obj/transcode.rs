@@ -7,6 +7,7 @@
 use std::borrow::Cow;
 
 use crate::ReadError;
+use crate::error::counted;
 use crate::io::{ReadOptions, input::Input};
 
 /// How far line ends are looked for before a file counts as one with carriage returns alone.
@@ -34,17 +35,51 @@ fn encoding(bytes: &[u8]) -> Encoding {
     }
 }
 
-/// The text of a whole file.
+/// The mark in front of UTF-8 that Windows programs write.
+const MARK: &[u8] = b"\xef\xbb\xbf";
+
+/// The text of a whole file. What stands round it and does not belong to it is left out with a warning.
 ///
 /// # Errors
 /// [`ReadError::MemoryLimit`] where a copy is needed that would be too large.
-pub fn text<'a>(input: &'a Input, options: &ReadOptions) -> Result<Cow<'a, [u8]>, ReadError> {
+pub fn text<'a>(
+    input: &'a Input,
+    options: &ReadOptions,
+    warnings: &mut Vec<String>,
+) -> Result<Cow<'a, [u8]>, ReadError> {
     let bytes = input.bytes();
     if needs_copy(bytes) {
         let copy = bytes.len() as u64 / 2 * 3;
         options.check_memory(&input.name, "the decoded text", input.held_bytes() + copy)?;
     }
-    Ok(convert(bytes))
+    if without_mark(bytes).is_some() {
+        warnings.push(MARK_WARNING.into());
+    }
+    let mut text = convert(bytes);
+    let length = unpadded(&text).len();
+    if length < text.len() {
+        let padding = counted((text.len() - length) as u64, "zero byte");
+        warnings.push(format!("ignored {padding} at the end"));
+        match &mut text {
+            Cow::Borrowed(bytes) => *bytes = bytes.get(..length).unwrap_or_default(),
+            Cow::Owned(bytes) => bytes.truncate(length),
+        }
+    }
+    Ok(text)
+}
+
+/// What is said of a byte order mark in front of UTF-8.
+pub const MARK_WARNING: &str = "ignored the byte order mark at the front";
+
+/// What stands behind a byte order mark of UTF-8, if there is one.
+pub fn without_mark(bytes: &[u8]) -> Option<&[u8]> {
+    bytes.strip_prefix(MARK)
+}
+
+/// The bytes without the zeros at the end, which what fills blocks leaves there.
+pub fn unpadded(bytes: &[u8]) -> &[u8] {
+    let length = bytes.iter().rposition(|&b| b != 0).map_or(0, |last| last + 1);
+    bytes.get(..length).unwrap_or_default()
 }
 
 /// The text of the first `limit` bytes, to find out what it is.

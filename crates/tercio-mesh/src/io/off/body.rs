@@ -1,23 +1,26 @@
-//! Vertices and faces.
+//! Vertices and faces of ASCII files, and the mesh that becomes of them.
 
+use crate::error::counted;
 use crate::io::text::Cursor;
 use crate::io::{ReadModel, ReadOptions, ReadReport, input::Input};
 use crate::mesh::{MAX_ELEMENTS, localize};
 use crate::polygon::Triangulator;
 use crate::{Mesh, OctNormal, ReadError};
 
-use super::header::{Header, float, integer, line_is_over, skip_to_word};
+use super::header::{Header, expected_vertex, float, integer, line_is_over, skip_to_word};
 
 /// Lines between two reports of progress.
 const STEP: u64 = 1 << 14;
 
 /// Colours as they stand in the file, and how large their numbers become.
 #[derive(Default)]
-struct Colors {
+pub struct Colors {
     /// One an element; NaN where it has none.
     values: Vec<[f32; 4]>,
     largest: f32,
     given: usize,
+    /// Colours that are not finite.
+    broken: u64,
 }
 
 /// Tells how far the cursor has come, from time to time.
@@ -37,15 +40,17 @@ impl Reporter<'_> {
     }
 }
 
-struct Vertices {
-    positions: Vec<[f64; 3]>,
-    normals: Vec<[f32; 3]>,
-    texcoords: Vec<[f32; 2]>,
-    colors: Colors,
+/// All vertices of a file.
+pub struct Vertices {
+    pub positions: Vec<[f64; 3]>,
+    pub normals: Vec<OctNormal>,
+    pub texcoords: Vec<[f32; 2]>,
+    pub colors: Colors,
 }
 
+/// All faces of a file.
 #[derive(Default)]
-struct Faces {
+pub struct Faces {
     triangles: Vec<[u32; 3]>,
     /// Face of each triangle.
     faces: Vec<u32>,
@@ -62,9 +67,31 @@ struct Faces {
 pub fn read(
     input: &Input,
     options: &ReadOptions,
-    header: &Header,
+    mut header: Header,
     mut cursor: Cursor,
 ) -> Result<ReadModel, ReadError> {
+    check_counts(input, options, &header)?;
+    if let Some(p) = options.progress {
+        p.begin("parsing", (cursor.offset() + cursor.rest().len()) as u64);
+    }
+    let mut reporter = Reporter { options, told: 0 };
+    let file = input.name.as_str();
+    let vertices = read_vertices(file, &header, &mut cursor, &mut reporter)?;
+    let faces = read_faces(input, &header, &mut cursor, &vertices.positions, &mut reporter)?;
+    skip_to_word(&mut cursor);
+    if !cursor.is_at_end() {
+        let warning = format!("ignored what stands behind the last face, from line {}", cursor.line());
+        header.warnings.push(warning);
+    }
+    let format = if header.dialect() == "OFF" { String::new() } else { format!(", {}", header.dialect()) };
+    Ok(model(input, header, vertices, faces, format!("OFF{format}")))
+}
+
+/// Checks the counts, before memory is taken.
+///
+/// # Errors
+/// Too many elements, or too little memory for them.
+pub fn check_counts(input: &Input, options: &ReadOptions, header: &Header) -> Result<(), ReadError> {
     for (what, count) in [("vertices", header.vertices), ("faces", header.faces)] {
         if count > MAX_ELEMENTS {
             return Err(ReadError::TooMany { file: input.name.clone(), what, count });
@@ -74,27 +101,21 @@ pub fn read(
     let vertex =
         36 + 20 * u64::from(header.colors) + 16 * u64::from(header.normals) + 8 * u64::from(header.texcoords);
     let needed = header.vertices * vertex + header.faces * 36;
-    options.check_memory(&input.name, "vertices and faces", input.held_bytes() + needed)?;
-    if let Some(p) = options.progress {
-        p.begin("parsing", (cursor.offset() + cursor.rest().len()) as u64);
-    }
-    let mut reporter = Reporter { options, told: 0 };
-    let file = input.name.as_str();
-    let vertices = read_vertices(file, header, &mut cursor, &mut reporter)?;
-    let faces = read_faces(input, header, &mut cursor, &vertices.positions, &mut reporter)?;
+    options.check_memory(&input.name, "vertices and faces", input.held_bytes() + needed)
+}
 
-    let mut warnings = Vec::new();
-    if !header.has_keyword {
-        warnings.push("the keyword OFF is missing".into());
-    }
-    skip_to_word(&mut cursor);
-    if !cursor.is_at_end() {
-        warnings.push(format!("ignored what stands behind the last face, from line {}", cursor.line()));
-    }
+/// Makes the mesh.
+pub fn model(input: &Input, header: Header, vertices: Vertices, faces: Faces, format: String) -> ReadModel {
+    let mut warnings = header.warnings;
     if faces.ignored > 0 {
         warnings.push(format!("ignored {} of the faces, which have fewer than three corners", faces.ignored));
     }
-    let normals = header.normals.then(|| usable_normals(&vertices.normals, &mut warnings)).flatten();
+    for (colors, whose) in [(&vertices.colors, "vertices"), (&faces.colors, "faces")] {
+        if colors.broken > 0 {
+            let broken = counted(colors.broken, "colour");
+            warnings.push(format!("set {broken} of {whose} that were not finite to white"));
+        }
+    }
     let is_split =
         faces.triangles.len() as u64 != faces.kept || faces.faces.iter().zip(0..).any(|(&f, i)| f != i);
     let face_colors = faces.colors.bytes().map(|colors| {
@@ -105,36 +126,21 @@ pub fn read(
         origin,
         positions,
         triangles: faces.triangles,
-        normals,
+        normals: header.normals.then_some(vertices.normals),
         vertex_colors: vertices.colors.bytes(),
         face_colors,
         texcoords: header.texcoords.then_some(vertices.texcoords),
         face_of_triangle: is_split.then_some(faces.faces),
         ..Mesh::default()
     };
-    let letters = [(header.texcoords, "ST"), (header.colors, "C"), (header.normals, "N")];
-    let letters: String = letters.iter().filter(|l| l.0).map(|l| l.1).collect();
     let report = ReadReport {
-        format: if letters.is_empty() { "OFF".into() } else { format!("OFF, {letters}OFF") },
+        format,
         file_bytes: input.file_bytes,
         faces: faces.kept,
         ignored_points_and_lines: faces.ignored,
         warnings,
     };
-    Ok(ReadModel { mesh, report })
-}
-
-/// A vertex cannot be without a normal, so one that points nowhere makes all of them useless.
-fn usable_normals(normals: &[[f32; 3]], warnings: &mut Vec<String>) -> Option<Vec<OctNormal>> {
-    let points = |n: &[f32; 3]| {
-        let sum: f32 = n.iter().map(|x| x.abs()).sum();
-        sum > 0.0 && sum.is_finite()
-    };
-    if normals.iter().all(points) {
-        return Some(normals.iter().map(|&n| OctNormal::encode(n)).collect());
-    }
-    warnings.push("left out the file's normals, because some are zero or not finite".into());
-    None
+    ReadModel { mesh, report }
 }
 
 fn read_vertices(
@@ -143,30 +149,27 @@ fn read_vertices(
     cursor: &mut Cursor,
     reporter: &mut Reporter,
 ) -> Result<Vertices, ReadError> {
-    let room = |wanted: bool| if wanted { header.vertices as usize } else { 0 };
-    let mut vertices = Vertices {
-        positions: Vec::with_capacity(room(true)),
-        normals: Vec::with_capacity(room(header.normals)),
-        texcoords: Vec::with_capacity(room(header.texcoords)),
-        colors: Colors { values: Vec::with_capacity(room(header.colors)), ..Colors::default() },
-    };
+    let mut vertices = Vertices::with_room(header);
     for i in 0..header.vertices {
         let mut number = |what: &str| {
             skip_to_word(cursor);
             float(cursor)
                 .ok_or_else(|| cursor.expected(file, format!("{what} of vertex {i} of {}", header.vertices)))
         };
-        let mut position = [0.0; 3];
-        for x in &mut position {
-            *x = number("a coordinate")?;
+        let (mut position, mut last) = ([0.0; 3], 1.0);
+        for k in 0..header.coordinates {
+            last = number("a coordinate")?;
+            if let Some(x) = position.get_mut(k as usize) {
+                *x = last;
+            }
         }
-        vertices.positions.push(position);
+        vertices.positions.push(header.position(position, last));
         if header.normals {
             let mut normal = [0.0; 3];
             for x in &mut normal {
-                *x = number("a normal's coordinate")? as f32;
+                *x = number("a normal's coordinate")?;
             }
-            vertices.normals.push(normal);
+            vertices.normals.push(OctNormal::of_file(normal));
         }
         if header.colors {
             // Three or four numbers, so their end shows only at the end of the line.
@@ -217,11 +220,9 @@ fn read_faces(
     reporter: &mut Reporter,
 ) -> Result<Faces, ReadError> {
     let file = input.name.as_str();
-    let mut faces = Faces::default();
-    faces.triangles.reserve(header.faces as usize);
-    faces.faces.reserve(header.faces as usize);
-    let mut triangulator = Triangulator::default();
-    let (mut polygon, mut points) = (Vec::new(), Vec::new());
+    let mut faces = Faces::with_room(header);
+    let mut work = Work::default();
+    let mut polygon = Vec::new();
     for i in 0..header.faces {
         skip_to_word(cursor);
         let before = cursor.clone();
@@ -242,45 +243,91 @@ fn read_faces(
             match integer(cursor).and_then(|v| u32::try_from(v).ok()) {
                 Some(v) if u64::from(v) < header.vertices => polygon.push(v),
                 _ => {
-                    let last = header.vertices.saturating_sub(1);
-                    return Err(before.expected(file, format!("a vertex number from 0 to {last}")));
+                    return Err(before.expected(file, expected_vertex(header.vertices)));
                 }
             }
         }
         let (numbers, count) = rest_of_line(file, cursor, "a colour of a face")?;
-        if corners < 3 {
-            faces.ignored += 1;
-            continue;
-        }
-        // One number is the place in a colour map that nobody has.
-        let numbers = numbers.get(..if count == 1 { 0 } else { count }).unwrap_or_default();
-        if !faces.colors.push(numbers) {
+        let numbers = numbers.get(..count).unwrap_or_default();
+        if !faces.push(file, &polygon, numbers, positions, &mut work)? {
             return Err(
                 cursor.expected(file, format!("a colour of three or four numbers instead of {count}"))
             );
         }
-        if let &[a, b, c] = &polygon[..] {
-            faces.triangles.push([a, b, c]);
-        } else {
-            points.clear();
-            points.extend(polygon.iter().map(|&v| positions[v as usize]));
-            triangulator.triangulate(&points, |t| faces.triangles.push(t.map(|k| polygon[k])));
-        }
-        let count = faces.triangles.len() as u64;
-        if count > MAX_ELEMENTS {
-            return Err(ReadError::TooMany { file: file.into(), what: "triangles", count });
-        }
-        faces.faces.resize(faces.triangles.len(), faces.kept as u32);
-        faces.kept += 1;
         reporter.tell(i, cursor);
     }
     Ok(faces)
 }
 
+impl Vertices {
+    /// None yet, with room for all that the header counts.
+    pub fn with_room(header: &Header) -> Self {
+        let room = |wanted: bool| if wanted { header.vertices as usize } else { 0 };
+        Self {
+            positions: Vec::with_capacity(room(true)),
+            normals: Vec::with_capacity(room(header.normals)),
+            texcoords: Vec::with_capacity(room(header.texcoords)),
+            colors: Colors { values: Vec::with_capacity(room(header.colors)), ..Colors::default() },
+        }
+    }
+}
+
+/// What cutting polygons needs.
+#[derive(Default)]
+pub struct Work {
+    triangulator: Triangulator,
+    points: Vec<[f64; 3]>,
+}
+
+impl Faces {
+    /// None yet, with room for all that the header counts.
+    pub fn with_room(header: &Header) -> Self {
+        let room = header.faces as usize;
+        Self { triangles: Vec::with_capacity(room), faces: Vec::with_capacity(room), ..Self::default() }
+    }
+
+    /// Appends a face with the numbers of its colour, if it has three corners or more. False if they make no
+    /// colour.
+    ///
+    /// # Errors
+    /// More triangles than can be numbered.
+    pub fn push(
+        &mut self,
+        file: &str,
+        polygon: &[u32],
+        color: &[f32],
+        positions: &[[f64; 3]],
+        work: &mut Work,
+    ) -> Result<bool, ReadError> {
+        if polygon.len() < 3 {
+            self.ignored += 1;
+            return Ok(true);
+        }
+        // One number is the place in a colour map that nobody has.
+        if !self.colors.push(if color.len() == 1 { &[] } else { color }) {
+            return Ok(false);
+        }
+        if let &[a, b, c] = polygon {
+            self.triangles.push([a, b, c]);
+        } else {
+            work.points.clear();
+            work.points.extend(polygon.iter().map(|&v| positions[v as usize]));
+            work.triangulator.triangulate(&work.points, |t| self.triangles.push(t.map(|k| polygon[k])));
+        }
+        let count = self.triangles.len() as u64;
+        if count > MAX_ELEMENTS {
+            return Err(ReadError::TooMany { file: file.into(), what: "triangles", count });
+        }
+        self.faces.resize(self.triangles.len(), self.kept as u32);
+        self.kept += 1;
+        Ok(true)
+    }
+}
+
 impl Colors {
     /// Appends the numbers of a colour, or none; false for any other count of them.
-    fn push(&mut self, numbers: &[f32]) -> bool {
-        let color = match *numbers {
+    pub fn push(&mut self, numbers: &[f32]) -> bool {
+        let mut color = match *numbers {
             [] => [f32::NAN; 4],
             [r, g, b] => [r, g, b, f32::INFINITY],
             [r, g, b, a] => [r, g, b, a],
@@ -288,7 +335,12 @@ impl Colors {
         };
         if !numbers.is_empty() {
             self.given += 1;
-            self.largest = numbers.iter().fold(self.largest, |a, &b| a.max(b));
+            if numbers.iter().all(|x| x.is_finite()) {
+                self.largest = numbers.iter().fold(self.largest, |a, &b| a.max(b));
+            } else {
+                self.broken += 1;
+                color = [f32::NAN; 4];
+            }
         }
         self.values.push(color);
         true

@@ -1,30 +1,60 @@
 //! The keyword, the counts, and what may stand before them.
 
 use crate::ReadError;
-use crate::error::Place;
+use crate::error::{Place, printable};
 use crate::io::text::{Cursor, parse_integer};
 
 /// What the file says it holds.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Header {
-    /// Whether the keyword stood in the file.
-    pub has_keyword: bool,
     /// `C`: vertices have colours.
     pub colors: bool,
     /// `N`: vertices have normals.
     pub normals: bool,
     /// `ST`: vertices have texture coordinates.
     pub texcoords: bool,
+    /// Numbers of a position.
+    pub coordinates: u64,
+    /// `4`: the last number of a position divides the others.
+    pub homogeneous: bool,
     /// Number of vertices.
     pub vertices: u64,
     /// Number of faces.
     pub faces: u64,
+    /// What was odd.
+    pub warnings: Vec<String>,
+}
+
+impl Header {
+    /// The keyword, without what says how the numbers are written.
+    pub fn dialect(&self) -> String {
+        let n = self.coordinates != 3 && !self.homogeneous;
+        let letters = [
+            (self.texcoords, "ST"),
+            (self.colors, "C"),
+            (self.normals, "N"),
+            (self.homogeneous, "4"),
+            (n, "n"),
+        ];
+        letters.iter().filter(|l| l.0).map(|l| l.1).chain(["OFF"]).collect()
+    }
+
+    /// A position from its first three numbers and its last one.
+    ///
+    /// Homogeneous coordinates are divided; of more than three dimensions the first three are drawn, as Geomview
+    /// does until told otherwise.
+    #[inline]
+    pub fn position(&self, first: [f64; 3], last: f64) -> [f64; 3] {
+        if self.homogeneous { first.map(|x| x / last) } else { first }
+    }
 }
 
 /// The letters before `OFF` and what follows behind it in the same word.
 struct Keyword<'a> {
     letters: &'a [u8],
     behind: &'a [u8],
+    /// A line before it that does not belong here.
+    stray: Option<&'a [u8]>,
 }
 
 /// Splits a word into keyword and rest; the rest may begin with the counts.
@@ -35,7 +65,11 @@ fn keyword(word: &[u8]) -> Option<Keyword<'_>> {
     while !rest.is_empty() {
         rest = [&b"ST"[..], b"C", b"N", b"4", b"n"].iter().find_map(|p| rest.strip_prefix(*p))?;
     }
-    (behind.first().is_none_or(|b| b.is_ascii_digit() || *b == b'#')).then_some(Keyword { letters, behind })
+    (behind.first().is_none_or(|b| b.is_ascii_digit() || *b == b'#')).then_some(Keyword {
+        letters,
+        behind,
+        stray: None,
+    })
 }
 
 /// Skips white space and comments, over line ends.
@@ -103,6 +137,28 @@ fn skip_appearance(cursor: &mut Cursor) {
     }
 }
 
+/// Steps behind the keyword, which is the first word behind an appearance, or the first of the line after that if
+/// counts follow it. Without a keyword the cursor stays where the counts should be.
+fn find_keyword<'a>(cursor: &mut Cursor<'a>) -> Option<Keyword<'a>> {
+    skip_appearance(cursor);
+    let mut ahead = cursor.clone();
+    if let Some(keyword) = keyword(ahead.word()) {
+        *cursor = ahead;
+        return Some(keyword);
+    }
+    let mut ahead = cursor.clone();
+    let stray = ahead.rest_of_line();
+    skip_to_word(&mut ahead);
+    let keyword = keyword(ahead.word()).filter(|k| k.behind.is_empty())?;
+    let mut behind = ahead.clone();
+    skip_to_word(&mut behind);
+    if behind.clone().word() != b"BINARY" && counts(&mut behind).is_none() {
+        return None;
+    }
+    *cursor = ahead;
+    Some(Keyword { stray: Some(stray), ..keyword })
+}
+
 /// Counts as they stand on one line: vertices, faces, and edges, which many files leave out.
 fn counts(cursor: &mut Cursor) -> Option<[u64; 2]> {
     let mut next = || integer(cursor).and_then(|n| u64::try_from(n).ok());
@@ -112,9 +168,7 @@ fn counts(cursor: &mut Cursor) -> Option<[u64; 2]> {
 /// See [`super::looks_like`].
 pub fn looks_like(front: &[u8], file_len: usize) -> bool {
     let mut cursor = Cursor::new(front, 1);
-    skip_appearance(&mut cursor);
-    let mut ahead = cursor.clone();
-    if keyword(ahead.word()).is_some() {
+    if find_keyword(&mut cursor).is_some() {
         return true;
     }
     // Without the keyword: two or three counts alone on a line that the file has room for, then a position.
@@ -132,61 +186,85 @@ pub fn looks_like(front: &[u8], file_len: usize) -> bool {
 /// The fewest bytes that so many vertices of so many numbers and so many faces can take: a digit and a blank
 /// each.
 pub fn least_bytes(vertices: u64, faces: u64, numbers: u64) -> Option<u64> {
-    let vertices = vertices.checked_mul(2 * numbers)?;
+    let vertices = vertices.checked_mul(numbers.checked_mul(2)?)?;
     vertices.checked_add(faces.checked_mul(2)?)
 }
 
-/// Reads up to the first vertex.
+/// How the numbers behind the keyword are written.
+pub enum Encoding<'t> {
+    /// As text, from here on.
+    Ascii(Cursor<'t>),
+    /// In binary, from this byte on.
+    Binary(usize),
+}
+
+/// Reads what stands before the counts.
 ///
 /// # Errors
-/// No counts, more of them than the file has room for, or a dialect that is not drawn.
-pub fn parse<'t>(file: &str, text: &'t [u8]) -> Result<(Header, Cursor<'t>), ReadError> {
+/// A dialect that is not drawn.
+pub fn parse_keyword<'t>(file: &str, text: &'t [u8]) -> Result<(Header, Encoding<'t>), ReadError> {
     let mut cursor = Cursor::new(text, 1);
-    skip_appearance(&mut cursor);
-    let mut header = Header::default();
-    let start = cursor.clone();
-    let word = cursor.word();
-    let unsupported = |line: u64, what: &str| ReadError::Unsupported {
-        file: file.into(),
-        place: Place::Line(line),
-        what: what.into(),
+    let mut header = Header { coordinates: 3, ..Header::default() };
+    let Some(Keyword { letters, behind, stray }) = find_keyword(&mut cursor) else {
+        header.warnings.push("the keyword OFF is missing".into());
+        return Ok((header, Encoding::Ascii(cursor)));
     };
-    match keyword(word) {
-        Some(Keyword { letters, behind }) => {
-            header.has_keyword = true;
-            if letters.iter().any(|b| matches!(b, b'4' | b'n')) {
-                return Err(unsupported(start.line(), "OFF of more than three dimensions"));
-            }
-            header.colors = letters.contains(&b'C');
-            header.normals = letters.contains(&b'N');
-            header.texcoords = letters.contains(&b'S');
-            if !behind.is_empty() {
-                // "OFF8 6 12": step back to what belongs to the counts.
-                let at = cursor.offset() - behind.len();
-                cursor = Cursor::new(text.get(at..).unwrap_or_default(), start.line());
-            }
-            let mut ahead = cursor.clone();
-            if ahead.word() == b"BINARY" {
-                return Err(unsupported(start.line(), "binary OFF"));
-            }
-        }
-        None => cursor = start,
+    if let Some(line) = stray {
+        header.warnings.push(format!("ignored the line before the keyword: {}", printable(line)));
     }
-    skip_to_word(&mut cursor);
+    let line = cursor.line();
+    header.colors = letters.contains(&b'C');
+    header.normals = letters.contains(&b'N');
+    header.texcoords = letters.contains(&b'S');
+    header.homogeneous = letters.contains(&b'4');
+    if !behind.is_empty() {
+        // "OFF8 6 12": step back to what belongs to the counts.
+        let at = text.len() - cursor.rest().len() - behind.len();
+        cursor = Cursor::new(text.get(at..).unwrap_or_default(), line);
+    }
+    if letters.contains(&b'n') {
+        if header.homogeneous {
+            let what = "OFF of any number of homogeneous coordinates (4nOFF)".into();
+            return Err(ReadError::Unsupported { file: file.into(), place: Place::Line(line), what });
+        }
+        skip_to_word(&mut cursor);
+        let dimensions = integer(&mut cursor).and_then(|n| u64::try_from(n).ok()).filter(|&n| n > 0);
+        header.coordinates =
+            dimensions.ok_or_else(|| cursor.expected(file, "the number of coordinates of a vertex"))?;
+        if header.coordinates > 3 {
+            header.warnings.push(format!("drew the first 3 of {} dimensions", header.coordinates));
+        }
+    } else if header.homogeneous {
+        header.coordinates = 4;
+    }
+    let mut ahead = cursor.clone();
+    if ahead.word() == b"BINARY" && ahead.line_is_over() {
+        ahead.skip_line();
+        return Ok((header, Encoding::Binary(text.len() - ahead.rest().len())));
+    }
+    Ok((header, Encoding::Ascii(cursor)))
+}
+
+/// Reads the counts.
+///
+/// # Errors
+/// No counts, or more of them than the file has room for.
+pub fn parse_counts(file: &str, header: &mut Header, cursor: &mut Cursor) -> Result<(), ReadError> {
+    skip_to_word(cursor);
     let at_counts = cursor.clone();
-    let Some([vertices, faces]) = counts(&mut cursor) else {
+    let Some([vertices, faces]) = counts(cursor) else {
         return Err(cursor.expected(file, "the numbers of vertices and faces"));
     };
     // The number of edges is not used and may be missing; so may the line end behind the counts.
-    if !line_is_over(&mut cursor) && integer(&mut cursor).is_none() {
+    if !line_is_over(cursor) && integer(cursor).is_none() {
         return Err(cursor.expected(file, "the number of edges"));
     }
     header.vertices = vertices;
     header.faces = faces;
-    let numbers = 3 + 3 * u64::from(header.normals) + 2 * u64::from(header.texcoords);
+    let others = 3 * u64::from(header.normals) + 2 * u64::from(header.texcoords);
     let left = cursor.rest().len() as u64;
     // The last number needs no blank behind it.
-    if least_bytes(vertices, faces, numbers).is_none_or(|least| least > left + 1) {
+    if least_bytes(vertices, faces, header.coordinates.saturating_add(others)).is_none_or(|n| n > left + 1) {
         return Err(ReadError::Malformed {
             file: file.into(),
             place: Place::Line(at_counts.line()),
@@ -194,5 +272,13 @@ pub fn parse<'t>(file: &str, text: &'t [u8]) -> Result<(Header, Cursor<'t>), Rea
             found: format!("only {left} bytes behind the counts"),
         });
     }
-    Ok((header, cursor))
+    Ok(())
+}
+
+/// Names the vertex numbers that there are, for errors.
+pub fn expected_vertex(vertices: u64) -> String {
+    match vertices {
+        0 => "a vertex that a number could name (the file holds none)".into(),
+        n => format!("a vertex number from 0 to {}", n - 1),
+    }
 }

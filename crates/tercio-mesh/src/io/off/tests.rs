@@ -1,6 +1,7 @@
 use proptest::prelude::*;
 
 use super::*;
+use crate::OctNormal;
 use crate::error::Place;
 
 fn input(bytes: &[u8]) -> Input {
@@ -42,13 +43,23 @@ fn headers_of_all_kinds() {
 }
 
 #[test]
-fn more_dimensions_and_binary_are_not_supported() {
-    for header in ["4OFF\n", "C4nOFF\n", "nOFF 5\n", "OFF BINARY\n"] {
-        let text = format!("{header}4 2 0\n{BODY}");
-        assert!(looks_like(text.as_bytes()));
-        let result = read(&input(text.as_bytes()), &ReadOptions::default());
-        assert!(matches!(result, Err(ReadError::Unsupported { .. })), "{header}: {result:?}");
-    }
+fn other_dimensions_become_three() {
+    let points = |text: &str| model(text).mesh.positions;
+    let four = "4OFF\n3 1 0\n0 0 0 2\n2 0 -4 2\n0 2 0 0.5\n3 0 1 2\n";
+    assert_eq!(points(four), [[0., 0., 0.], [1., 0., -2.], [0., 4., 0.]]);
+    assert_eq!(model(four).report.format, "OFF, 4OFF");
+    assert!(points(&four.replace("-4 2", "-4 0"))[1][0].is_infinite(), "a point at infinity");
+    let three = "nOFF 3\n3 1 0\n0 0 0\n2 0 -4\n0 2 0\n3 0 1 2\n";
+    assert_eq!(points(three), [[0., 0., 0.], [2., 0., -4.], [0., 2., 0.]]);
+    assert_eq!((model(three).report.format.as_str(), model(three).report.warnings.len()), ("OFF", 0));
+    assert_eq!(points("nOFF\n2\n3 1 0\n0 0\n2 1\n0 2\n3 0 1 2\n")[1], [2., 1., 0.]);
+    let five = model("nOFF 5 3 1 0\n0 0 0 7 7\n2 0 -4 7 7\n0 2 0 7 7\n3 0 1 2\n");
+    assert_eq!(five.mesh.positions[1], [2., 0., -4.]);
+    assert_eq!(five.report.warnings, ["drew the first 3 of 5 dimensions"]);
+    assert_eq!(error_line("nOFF\n0\n3 1 0\n"), 2);
+    assert_eq!(error_line("nOFF 9223372036854775807\n3 1 0\n0 0 0\n"), 2);
+    let both = read(&input(b"C4nOFF 5\n4 2 0\n"), &ReadOptions::default()).unwrap_err().to_string();
+    assert_eq!(both, "a.off: line 1: OFF of any number of homogeneous coordinates (4nOFF) is not supported");
 }
 
 #[test]
@@ -60,9 +71,24 @@ fn vertices_hold_what_the_letters_say() {
     assert_eq!(m.mesh.normals.unwrap()[0].decode(), [0., 0., 1.]);
     assert_eq!(m.mesh.vertex_colors.unwrap(), [[255, 128, 0, 255], [0, 0, 255, 128], [0, 0, 0, 255]]);
     assert_eq!(m.mesh.texcoords.unwrap(), [[0.25, 0.75], [1., 0.], [1., 1.]]);
-    let plain = model("NOFF 3 1\n0 0 0 0 0 1\n1 0 0\n0 0 0\n0 1 0 0 0 1\n3 0 1 2\n");
-    assert_eq!(plain.mesh.normals, None);
-    assert_eq!(plain.report.warnings, ["left out the file's normals, because some are zero or not finite"]);
+    let plain = model("NOFF 3 1\n0 0 0 0 0 1\n1 0 0\n0 0 0\n0 1 0 0 1e200 0\n3 0 1 2\n");
+    let (up, along) = (OctNormal::of_file([0.0, 0.0, 1.0]), OctNormal::of_file([0.0, 1.0, 0.0]));
+    assert_eq!(plain.mesh.normals, Some(vec![up, OctNormal::NONE, along]));
+}
+
+#[test]
+fn colours_that_are_not_finite_become_white() {
+    let text = "COFF\n3 1 0\n0 0 0 1 nan 0\n1 0 0 0.5 0.5 inf 1\n0 1 0 1 0 0\n3 0 1 2 0 0 nan\n";
+    let m = model(text);
+    assert_eq!(m.mesh.vertex_colors.unwrap(), [[255; 4], [255; 4], [255, 0, 0, 255]]);
+    assert_eq!(m.mesh.face_colors.unwrap(), [[255; 4]]);
+    assert_eq!(
+        m.report.warnings,
+        [
+            "set 2 colours of vertices that were not finite to white",
+            "set 1 colour of faces that were not finite to white"
+        ]
+    );
 }
 
 #[test]
@@ -102,6 +128,26 @@ fn other_files_do_not_look_like_off() {
     for no in ["", "# OFF\n", "OFFSET 1", "1 2 3\n4 5 6\n", "3 1 0\n", "solid\n", "0 0 0\n1 0 0\n0 1 0\n"] {
         assert!(!looks_like(no.as_bytes()), "{no}");
     }
+}
+
+#[test]
+fn a_stray_line_before_the_keyword_is_read_over() {
+    let m = model(&format!("made by hand\n# c\nOFF\n4 2 0\n{BODY}"));
+    assert_eq!(m.report.faces, 2);
+    assert_eq!(m.report.warnings, ["ignored the line before the keyword: \"made by hand\""]);
+    assert_eq!(error_line("made by hand\nOFF\n4 2 0\n0 0 0\nx 0 0\n1 1 1 1 1 1\n1 1 1 1\n"), 5);
+    for no in ["a\nb\nOFF\n4 2 0\n", "a\nOFF we go\n", "a\nOFF\n"] {
+        assert!(!looks_like(no.as_bytes()), "{no}");
+    }
+}
+
+#[test]
+fn a_face_in_a_file_without_vertices_is_told_so() {
+    let error = read(&input(b"OFF\n0 1 0\n3 0 1 2\n"), &ReadOptions::default()).unwrap_err().to_string();
+    assert_eq!(
+        error,
+        "a.off: line 3: expected a vertex that a number could name (the file holds none), found \"0\""
+    );
 }
 
 #[test]

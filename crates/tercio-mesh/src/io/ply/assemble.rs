@@ -1,5 +1,7 @@
 //! Tables to mesh.
 
+use std::sync::atomic::AtomicU64;
+
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -9,7 +11,7 @@ use super::header::Header;
 use super::plan::{Plan, Role};
 use super::table::{Column, Table};
 use super::wedges;
-use crate::error::ReadError;
+use crate::error::{ReadError, counted};
 use crate::io::{ReadModel, ReadReport};
 use crate::mesh::{MAX_ELEMENTS, choose_origin, localize};
 use crate::{Aabb, Attribute, AttributeDomain, FileMaterial, Mesh};
@@ -84,7 +86,10 @@ fn vertices(job: &Job, mesh: &mut Mesh, plan: &Plan, table: Table) -> Result<(),
                 (mesh.origin, mesh.positions) = localize(&points);
             }
             Column::Normals(normals) => mesh.normals = Some(normals),
-            Column::Colors(colors) => mesh.vertex_colors = Some(colors),
+            Column::Colors(colors, broken) => {
+                warn_of_colors(job, broken, "vertices");
+                mesh.vertex_colors = Some(colors);
+            }
             Column::Texcoords(texcoords) => mesh.texcoords = Some(texcoords),
             Column::Attribute(values) => {
                 let name = field.name.clone();
@@ -93,6 +98,13 @@ fn vertices(job: &Job, mesh: &mut Mesh, plan: &Plan, table: Table) -> Result<(),
         }
     }
     Ok(())
+}
+
+fn warn_of_colors(job: &Job, broken: AtomicU64, whose: &str) {
+    let broken = broken.into_inner();
+    if broken > 0 {
+        job.warn(format!("set {} of {whose} that were not finite to white", counted(broken, "colour")));
+    }
 }
 
 /// As [`localize`], in place.
@@ -157,7 +169,10 @@ fn face_columns(
     }
     for (field, column) in plan.fields.iter().zip(columns) {
         match column {
-            Column::Colors(colors) => mesh.face_colors = Some(spread(colors, triangles)),
+            Column::Colors(colors, broken) => {
+                warn_of_colors(job, broken, "faces");
+                mesh.face_colors = Some(spread(colors, triangles));
+            }
             Column::Attribute(values) => mesh.attributes.push(Attribute {
                 name: field.name.clone(),
                 domain: AttributeDomain::Triangle,

@@ -24,16 +24,45 @@ mod wedges;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
-use super::{ReadModel, ReadOptions, input::Input};
+use super::{ReadModel, ReadOptions, input::Input, obj::transcode};
 use crate::ReadError;
-use crate::error::Place;
+use crate::error::{Place, counted, printable};
 use header::Encoding;
 use plan::Role;
 
 /// Does the content look like this format?
 pub fn looks_like(bytes: &[u8]) -> bool {
-    let start = bytes.trim_ascii_start();
-    start.starts_with(b"ply") && start.get(3).is_none_or(u8::is_ascii_whitespace)
+    start(bytes).is_some()
+}
+
+/// Where the line "ply" begins, and what stands before it. Nothing should; a byte order mark, blank lines and one
+/// other line are read over.
+struct Start {
+    at: usize,
+    lines: u64,
+    warning: Option<String>,
+}
+
+fn start(bytes: &[u8]) -> Option<Start> {
+    let marked = transcode::without_mark(bytes);
+    let mut warning = marked.map(|_| transcode::MARK_WARNING.to_owned());
+    let mut text = marked.unwrap_or(bytes).trim_ascii_start();
+    let is_magic = |text: &[u8]| text.starts_with(b"ply") && text.get(3).is_none_or(u8::is_ascii_whitespace);
+    if !is_magic(text) {
+        let length = text.iter().take(1 << 12).position(|b| matches!(b, b'\n' | b'\r'))?;
+        let (line, rest) = text.split_at(length);
+        text = rest.trim_ascii_start();
+        // Without the line of the format, another text may well tell of PLY.
+        let second = text.get(3..).unwrap_or_default().trim_ascii_start();
+        if !is_magic(text) || !second.starts_with(b"format ") {
+            return None;
+        }
+        warning = Some(format!("ignored the line before \"ply\": {}", printable(line.trim_ascii_end())));
+    }
+    let at = bytes.len() - text.len();
+    let before = bytes.get(..at).unwrap_or_default();
+    let ends = |end: u8| before.iter().filter(|&&b| b == end).count() as u64;
+    Some(Start { at, lines: if before.contains(&b'\n') { ends(b'\n') } else { ends(b'\r') }, warning })
 }
 
 /// Reads it.
@@ -46,8 +75,27 @@ pub fn looks_like(bytes: &[u8]) -> bool {
 /// # Errors
 /// Any [`ReadError`].
 pub fn read(input: &Input, options: &ReadOptions) -> Result<ReadModel, ReadError> {
-    let bytes = input.bytes();
+    let Start { at, lines, warning } =
+        start(input.bytes()).unwrap_or(Start { at: 0, lines: 0, warning: None });
+    let bytes = input.bytes().get(at..).unwrap_or_default();
+    read_from(input, bytes, options, warning).map_err(|error| error.behind(lines, at as u64))
+}
+
+/// Reads what begins with the line "ply".
+fn read_from(
+    input: &Input,
+    mut bytes: &[u8],
+    options: &ReadOptions,
+    warning: Option<String>,
+) -> Result<ReadModel, ReadError> {
     let mut header = header::parse(&input.name, bytes)?;
+    header.warnings.splice(0..0, warning);
+    let text = transcode::unpadded(bytes);
+    if header.encoding == Encoding::Ascii && text.len() < bytes.len() {
+        let padding = counted((bytes.len() - text.len()) as u64, "zero byte");
+        header.warnings.push(format!("ignored {padding} at the end"));
+        bytes = text;
+    }
     let job = Job {
         file: &input.name,
         bytes,

@@ -91,7 +91,7 @@ impl Plan {
     /// Names what [`Plan::vertex`] takes, for errors.
     pub(super) fn expected_vertex(&self) -> String {
         match self.vertices {
-            0 => "no vertex number, there are no vertices".into(),
+            0 => "a vertex that a number could name (the file holds none)".into(),
             n => format!("a vertex number from 0 to {}", n - 1),
         }
     }

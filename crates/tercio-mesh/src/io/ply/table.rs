@@ -1,5 +1,7 @@
 //! Where the kept values of an element go: arrays in the mesh's own types, filled in pieces by many threads.
 
+use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
+
 use super::plan::{Kind, Plan};
 use crate::OctNormal;
 
@@ -9,7 +11,8 @@ pub(super) enum Column {
     Points32(Vec<[f32; 3]>),
     Points64(Vec<[f64; 3]>),
     Normals(Vec<OctNormal>),
-    Colors(Vec<[u8; 4]>),
+    /// And how many of them are not finite in the file.
+    Colors(Vec<[u8; 4]>, AtomicU64),
     Texcoords(Vec<[f32; 2]>),
     Attribute(Vec<f32>),
 }
@@ -20,7 +23,7 @@ pub(super) enum Slots<'a> {
     Points32(&'a mut [[f32; 3]]),
     Points64(&'a mut [[f64; 3]]),
     Normals(&'a mut [OctNormal]),
-    Colors(&'a mut [[u8; 4]]),
+    Colors(&'a mut [[u8; 4]], &'a AtomicU64),
     Texcoords(&'a mut [[f32; 2]]),
     Attribute(&'a mut [f32]),
 }
@@ -30,8 +33,8 @@ impl Column {
         match kind {
             Kind::Points32 => Self::Points32(vec![[0.0; 3]; rows]),
             Kind::Points64 => Self::Points64(vec![[0.0; 3]; rows]),
-            Kind::Normals => Self::Normals(vec![OctNormal(0); rows]),
-            Kind::Colors => Self::Colors(vec![[0; 4]; rows]),
+            Kind::Normals => Self::Normals(vec![OctNormal::NONE; rows]),
+            Kind::Colors => Self::Colors(vec![[0; 4]; rows], AtomicU64::new(0)),
             Kind::Texcoords => Self::Texcoords(vec![[0.0; 2]; rows]),
             Kind::Attribute => Self::Attribute(vec![0.0; rows]),
         }
@@ -42,7 +45,7 @@ impl Column {
             Self::Points32(v) => Slots::Points32(v),
             Self::Points64(v) => Slots::Points64(v),
             Self::Normals(v) => Slots::Normals(v),
-            Self::Colors(v) => Slots::Colors(v),
+            Self::Colors(v, broken) => Slots::Colors(v, broken),
             Self::Texcoords(v) => Slots::Texcoords(v),
             Self::Attribute(v) => Slots::Attribute(v),
         }
@@ -64,7 +67,7 @@ impl<'a> Slots<'a> {
             Self::Points32(s) => Slots::Points32(front(s, rows)),
             Self::Points64(s) => Slots::Points64(front(s, rows)),
             Self::Normals(s) => Slots::Normals(front(s, rows)),
-            Self::Colors(s) => Slots::Colors(front(s, rows)),
+            Self::Colors(s, broken) => Slots::Colors(front(s, rows), broken),
             Self::Texcoords(s) => Slots::Texcoords(front(s, rows)),
             Self::Attribute(s) => Slots::Attribute(front(s, rows)),
         }
@@ -83,9 +86,22 @@ impl<'a> Slots<'a> {
                 let [x, y, z, _] = values(i);
                 [x, y, z]
             }),
-            Self::Normals(s) => each(s, first, rows, |i| OctNormal::encode(narrow(values(i)))),
-            // The cast saturates and makes NaN zero.
-            Self::Colors(s) => each(s, first, rows, |i| values(i).map(|v| (v * scale + 0.5) as u8)),
+            Self::Normals(s) => each(s, first, rows, |i| {
+                let [x, y, z, _] = values(i);
+                OctNormal::of_file([x, y, z])
+            }),
+            // The cast saturates. Only floats are scaled up, and only they can be other than finite.
+            Self::Colors(s, broken) if scale > 1.0 => each(s, first, rows, |i| {
+                let color = values(i);
+                match color.iter().all(|v| v.is_finite()) {
+                    true => color.map(|v| (v * scale + 0.5) as u8),
+                    false => {
+                        broken.fetch_add(1, Relaxed);
+                        mended(color, scale)
+                    }
+                }
+            }),
+            Self::Colors(s, _) => each(s, first, rows, |i| values(i).map(|v| (v * scale + 0.5) as u8)),
             Self::Texcoords(s) => each(s, first, rows, |i| {
                 let [u, v, ..] = values(i);
                 [u as f32, v as f32]
@@ -93,6 +109,15 @@ impl<'a> Slots<'a> {
             Self::Attribute(s) => each(s, first, rows, |i| values(i)[0] as f32),
         }
     }
+}
+
+/// A colour with a channel that is not finite: white, but with its alpha; and opaque, if it is the alpha.
+#[cold]
+fn mended([r, g, b, a]: [f64; 4], scale: f64) -> [u8; 4] {
+    let byte = |v: f64| (v * scale + 0.5) as u8;
+    let color = if [r, g, b].iter().all(|v| v.is_finite()) { [r, g, b].map(byte) } else { [255; 3] };
+    let alpha = if a.is_finite() { byte(a) } else { 255 };
+    [color[0], color[1], color[2], alpha]
 }
 
 #[inline]

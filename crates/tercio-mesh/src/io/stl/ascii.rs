@@ -5,7 +5,7 @@
 
 use rayon::prelude::*;
 
-use crate::error::Place;
+use crate::error::{Place, counted};
 use crate::io::obj::transcode;
 use crate::io::text::Cursor;
 use crate::io::{ReadModel, ReadOptions, ReadReport, input::Input};
@@ -31,9 +31,12 @@ struct Part {
 /// # Errors
 /// A statement that is not as it should be, too many facets, or too little memory.
 pub fn read(input: &Input, options: &ReadOptions) -> Result<ReadModel, ReadError> {
-    let text = transcode::text(input, options)?;
+    let mut odd = Vec::new();
+    let text = transcode::text(input, options, &mut odd)?;
     let step = (text.len() / (8 * rayon::current_num_threads())).clamp(1 << 16, 1 << 22);
-    read_parts(input, options, &split(&text, step))
+    let mut model = read_parts(input, options, &split(&text, step))?;
+    model.report.warnings.splice(0..0, odd);
+    Ok(model)
 }
 
 /// Cuts before lines that begin with `facet`.
@@ -105,7 +108,7 @@ fn read_parts(input: &Input, options: &ReadOptions, texts: &[&[u8]]) -> Result<R
         warnings.push("the end of the last solid is missing".into());
     }
     if skipped > 0 {
-        warnings.push(format!("skipped {skipped} unknown words between the statements"));
+        warnings.push(format!("skipped {} between the statements", counted(skipped, "unknown word")));
     }
     let mut points = Vec::with_capacity(facets as usize * 3);
     for part in parts {

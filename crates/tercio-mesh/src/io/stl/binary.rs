@@ -1,61 +1,38 @@
 //! Binary STL: 80 bytes of header, the number of facets, then 50 bytes a facet: normal, three vertices and
 //! two bytes that were meant for the length of attributes and today hold a colour or nothing.
 //!
-//! What was decided where files disagree with their size: bytes behind the last facet are ignored with a
-//! warning; fewer facets than the header says are an error; a count of 0 before whole facets is taken as one
-//! that was never filled in, and all facets are read, with a warning.
+//! What was decided where files disagree with their size: zeros and bytes that are no facets behind the last one
+//! are ignored with a warning; fewer facets than the header counts are an error, and so are more, because
+//! nobody can know what the file was meant to hold. The error tells both numbers.
 
 use glam::DVec3;
 use rayon::prelude::*;
 
-use crate::error::Place;
+use crate::error::{Place, counted};
+use crate::io::obj::transcode;
 use crate::io::{ReadModel, ReadOptions, ReadReport, input::Input};
 use crate::mesh::choose_origin;
 use crate::{Aabb, Mesh, ReadError};
 
-use super::{check_facets, soup};
+use super::{check_facets, evidence, soup};
 
-const HEADER: usize = 84;
-const RECORD: usize = 50;
+pub(super) const HEADER: usize = 84;
+pub(super) const RECORD: usize = 50;
+
+/// A facet as it stands in the file.
+pub(super) type Record = [u8; RECORD];
 
 /// Facets that one task reads: about a megabyte.
 const BATCH: usize = 1 << 14;
 
-fn count(bytes: &[u8]) -> Option<u64> {
+/// The number of facets that the header tells.
+pub(super) fn count(bytes: &[u8]) -> Option<u64> {
     let field = bytes.get(80..HEADER)?;
     Some(u64::from(u32::from_le_bytes(field.try_into().ok()?)))
 }
 
-/// True if the size is that of the number of facets in the header.
-pub fn has_exact_size(bytes: &[u8]) -> bool {
-    count(bytes).is_some_and(|n| bytes.len() as u64 == HEADER as u64 + n * RECORD as u64)
-}
-
-/// True if the file is long enough for a header.
-pub fn has_header(bytes: &[u8]) -> bool {
-    bytes.len() >= HEADER
-}
-
-/// For files whose size is wrong: true if the count and the first facet look like those of a binary STL file,
-/// so that a damaged file is told to be one, and no other file is taken for one.
-pub fn is_plausible(bytes: &[u8]) -> bool {
-    let (Some(n), Some(&first)) = (count(bytes), records(bytes).first()) else { return false };
-    let facets_held = (bytes.len() - HEADER) / RECORD;
-    // A truncated file holds no less than a thousandth of what it should, a count never filled in is 0.
-    let sensible = match n {
-        0 => (bytes.len() - HEADER).is_multiple_of(RECORD),
-        _ => n / 1000 <= facets_held as u64,
-    };
-    let usual = |x: f32| x == 0.0 || (1e-20..1e20).contains(&x.abs());
-    let floats = first.as_chunks::<4>().0.iter().map(|&f| f32::from_le_bytes(f));
-    // The first bytes of some other binary formats; their content could look like floats.
-    let is_other = [&b"\x89PNG"[..], b"PK\x03\x04", b"glTF", b"\x7fELF", b"Kaydara", b"%PDF"]
-        .iter()
-        .any(|magic| bytes.starts_with(magic));
-    sensible && !is_other && floats.clone().all(usual) && floats.skip(3).any(|x| x != 0.0)
-}
-
-fn records(bytes: &[u8]) -> &[[u8; RECORD]] {
+/// All whole facets that the file has room for.
+pub(super) fn records(bytes: &[u8]) -> &[Record] {
     bytes.get(HEADER..).unwrap_or_default().as_chunks::<RECORD>().0
 }
 
@@ -65,36 +42,37 @@ fn records(bytes: &[u8]) -> &[[u8; RECORD]] {
 /// Fewer facets than the header says, too many of them, or too little memory.
 pub fn read(input: &Input, options: &ReadOptions) -> Result<ReadModel, ReadError> {
     let bytes = input.bytes();
-    let malformed = |expected: String, found: String| ReadError::Malformed {
+    let malformed = |place: usize, expected: String, found: String| ReadError::Malformed {
         file: input.name.clone(),
-        place: Place::Byte(bytes.len() as u64),
+        place: Place::Byte(place as u64),
         expected,
         found,
     };
     let Some(stated) = count(bytes) else {
-        return Err(malformed(format!("a header of {HEADER} bytes"), format!("{} bytes", bytes.len())));
+        let found = counted(bytes.len() as u64, "byte");
+        return Err(malformed(bytes.len(), format!("a header of {HEADER} bytes"), found));
     };
     let held = records(bytes);
-    let extra = bytes.len() as i128 - HEADER as i128 - i128::from(stated) * RECORD as i128;
-    let mut warnings = Vec::new();
-    let records = match held.get(..usize::try_from(stated).unwrap_or(usize::MAX)) {
-        _ if stated == 0 && extra > 0 && extra as usize == held.len() * RECORD => {
-            warnings.push(format!("read {} triangles, although the header says 0", held.len()));
-            held
-        }
-        Some(records) => {
-            if extra > 0 {
-                warnings.push(format!("ignored {extra} bytes behind the last triangle"));
-            }
-            records
-        }
-        None => {
-            return Err(malformed(
-                format!("{stated} triangles ({} bytes)", HEADER as u64 + stated * RECORD as u64),
-                format!("{} triangles ({} bytes)", held.len(), bytes.len()),
-            ));
-        }
+    let triangles = |n: u64| counted(n, "triangle");
+    let Some(records) = held.get(..usize::try_from(stated).unwrap_or(usize::MAX)) else {
+        let needed = HEADER as u64 + stated * RECORD as u64;
+        let expected = format!("the {} that the header counts ({needed} bytes)", triangles(stated));
+        let found = format!("only {} ({} bytes)", triangles(held.len() as u64), bytes.len());
+        return Err(malformed(bytes.len(), expected, found));
     };
+    let rest = bytes.get(HEADER + records.len() * RECORD..).unwrap_or_default();
+    let further = transcode::unpadded(rest).len().div_ceil(RECORD);
+    if evidence::are_facets(held.get(records.len()..records.len() + further).unwrap_or_default()) {
+        let fit = (records.len() + further) as u64;
+        let expected =
+            format!("a count of {}, as many as stand in the {} bytes", triangles(fit), bytes.len());
+        return Err(malformed(80, expected, stated.to_string()));
+    }
+    let mut warnings = Vec::new();
+    if !rest.is_empty() {
+        let what = if rest.iter().all(|&b| b == 0) { "zero byte" } else { "byte" };
+        warnings.push(format!("ignored {} behind the last triangle", counted(rest.len() as u64, what)));
+    }
     check_facets(input, records.len() as u64)?;
     options.check_memory(&input.name, "triangles", input.held_bytes() + records.len() as u64 * 52)?;
     if let Some(p) = options.progress {
@@ -131,14 +109,19 @@ pub fn read(input: &Input, options: &ReadOptions) -> Result<ReadModel, ReadError
     Ok(ReadModel { mesh, report })
 }
 
-/// The three vertices of a record.
+/// The number at an offset of a record.
 #[inline]
-fn vertices(record: &[u8; RECORD]) -> [[f32; 3]; 3] {
-    let float = |i: usize| f32::from_le_bytes([record[i], record[i + 1], record[i + 2], record[i + 3]]);
-    std::array::from_fn(|corner| std::array::from_fn(|k| float(12 + 12 * corner + 4 * k)))
+pub(super) fn float(record: &Record, at: usize) -> f32 {
+    f32::from_le_bytes([record[at], record[at + 1], record[at + 2], record[at + 3]])
 }
 
-fn bounds(records: &[[u8; RECORD]]) -> Aabb {
+/// The three vertices of a record.
+#[inline]
+pub(super) fn vertices(record: &Record) -> [[f32; 3]; 3] {
+    std::array::from_fn(|corner| std::array::from_fn(|k| float(record, 12 + 12 * corner + 4 * k)))
+}
+
+fn bounds(records: &[Record]) -> Aabb {
     records
         .par_chunks(BATCH)
         .map(|records| {
@@ -159,8 +142,8 @@ fn bounds(records: &[[u8; RECORD]]) -> Aabb {
 /// Two incompatible ways exist. VisCAM and SolidView set bit 15 where a facet has a colour and store blue in
 /// the lowest bits. Materialise Magics states a default colour behind `COLOR=` in the header, *clears* bit 15
 /// where a facet has its own, and stores red in the lowest bits. Other programs leave anything here.
-fn colors(header: &[u8], records: &[[u8; RECORD]]) -> Option<Vec<[u8; 4]>> {
-    let attribute = |r: &[u8; RECORD]| u16::from_le_bytes([r[RECORD - 2], r[RECORD - 1]]);
+fn colors(header: &[u8], records: &[Record]) -> Option<Vec<[u8; 4]>> {
+    let attribute = |r: &Record| u16::from_le_bytes([r[RECORD - 2], r[RECORD - 1]]);
     if records.par_iter().all(|r| attribute(r) == 0) {
         return None;
     }

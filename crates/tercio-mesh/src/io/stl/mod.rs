@@ -7,6 +7,7 @@
 
 mod ascii;
 mod binary;
+mod evidence;
 
 use crate::ReadError;
 use crate::mesh::MAX_ELEMENTS;
@@ -28,23 +29,33 @@ pub fn looks_like(bytes: &[u8]) -> bool {
     dialect(bytes).is_some()
 }
 
-/// The word `solid` means little: binary files begin with it too, so the size is asked first.
+/// The word `solid` means little: binary files begin with it too, so the facets are asked first.
 fn dialect(bytes: &[u8]) -> Option<Dialect> {
-    if binary::has_exact_size(bytes) {
+    if evidence::is_binary(bytes) {
         return Some(Dialect::Binary);
     }
     let text = transcode::front(bytes, FRONT);
-    let mut words = text.split(u8::is_ascii_whitespace).filter(|w| !w.is_empty());
-    if words.next().is_some_and(|w| w.eq_ignore_ascii_case(b"solid")) {
-        let has_structure =
-            words.any(|w| [&b"facet"[..], b"endsolid"].iter().any(|k| w.eq_ignore_ascii_case(k)));
-        // Names may be in any 8-bit code; zeros are in no text but in the header of nearly every binary file.
-        return match has_structure {
-            true => Some(Dialect::Ascii),
-            false => (binary::has_header(bytes) && text.contains(&0)).then_some(Dialect::Binary),
-        };
+    is_ascii(&text).then_some(Dialect::Ascii)
+}
+
+/// The word `solid` stands first, or first in the second line; and then come facets or the end of the solid.
+fn is_ascii(text: &[u8]) -> bool {
+    fn words(text: &[u8]) -> impl Iterator<Item = &[u8]> {
+        text.split(u8::is_ascii_whitespace).filter(|w| !w.is_empty())
     }
-    binary::is_plausible(bytes).then_some(Dialect::Binary)
+    let is_solid = |text: &[u8]| words(text).next().is_some_and(|w| w.eq_ignore_ascii_case(b"solid"));
+    let mut text = text.trim_ascii_start();
+    if !is_solid(text) {
+        let line = text.iter().position(|&b| b == b'\n').unwrap_or(text.len());
+        text = text.get(line..).unwrap_or_default();
+    }
+    let mut before: &[u8] = b"";
+    is_solid(text)
+        && words(text).any(|word| {
+            let facet = before.eq_ignore_ascii_case(b"facet") && word.eq_ignore_ascii_case(b"normal");
+            before = word;
+            facet || word.eq_ignore_ascii_case(b"endsolid")
+        })
 }
 
 /// Reads STL.

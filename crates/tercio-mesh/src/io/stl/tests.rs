@@ -89,20 +89,75 @@ fn a_header_that_begins_with_solid_may_be_binary() {
     let longer = [&exact[..], b"!"].concat();
     let m = model(&longer);
     assert_eq!((m.report.format.as_str(), m.report.faces), ("STL, binary", 2));
-    assert_eq!(m.report.warnings, ["ignored 1 bytes behind the last triangle"]);
+    assert_eq!(m.report.warnings, ["ignored 1 byte behind the last triangle"]);
 }
 
 #[test]
-fn the_header_s_count_is_checked() {
+fn a_wrong_count_is_told_with_what_is_there() {
+    let message = |bytes: &[u8]| {
+        assert!(looks_like(bytes));
+        read(&input(bytes), &ReadOptions::default()).unwrap_err().to_string()
+    };
     let mut bytes = binary("x", &FACETS, |_| 0);
-    assert!(looks_like(&bytes[..bytes.len() - 1]));
-    let (place, expected) = error(&bytes[..bytes.len() - 1]);
-    assert_eq!((place, expected.as_str()), (Place::Byte(183), "2 triangles (184 bytes)"));
-    bytes[80] = 0;
-    let m = model(&bytes);
-    assert_eq!(m.report.faces, 2);
-    assert_eq!(m.report.warnings, ["read 2 triangles, although the header says 0"]);
-    assert_eq!(model(&binary("x", &[], |_| 0)).report.faces, 0);
+    let cut = &bytes[..bytes.len() - 1];
+    let expected = "the 2 triangles that the header counts (184 bytes)";
+    assert_eq!(
+        message(cut),
+        format!("a.stl: byte 183: expected {expected}, found only 1 triangle (183 bytes)")
+    );
+    for count in [0, 1] {
+        bytes[80] = count;
+        let expected = "a count of 2 triangles, as many as stand in the 184 bytes";
+        assert_eq!(message(&bytes), format!("a.stl: byte 80: expected {expected}, found {count}"));
+        // Padding does not hide that.
+        let padded = [&bytes[..], &[0; 300]].concat();
+        if count > 0 {
+            let expected = "a count of 2 triangles, as many as stand in the 484 bytes";
+            assert_eq!(message(&padded), format!("a.stl: byte 80: expected {expected}, found {count}"));
+        }
+    }
+    bytes[80] = 200;
+    assert!(message(&bytes).contains("200 triangles") && message(&bytes).contains("only 2 triangles"));
+}
+
+#[test]
+fn what_follows_the_last_facet_is_ignored_unless_it_is_one() {
+    let bytes = binary("x", &FACETS, |_| 0);
+    for (rest, what) in
+        [(&[0; 12][..], "12 zero bytes"), (&[0; 150], "150 zero bytes"), (&[0xab; 50], "50 bytes")]
+    {
+        let m = model(&[&bytes[..], rest].concat());
+        assert_eq!(m.report.faces, 2);
+        assert_eq!(m.report.warnings, [format!("ignored {what} behind the last triangle")]);
+    }
+}
+
+#[test]
+fn a_file_without_facets_needs_a_header_of_text() {
+    assert_eq!(model(&binary("made by a test", &[], |_| 0)).report.faces, 0);
+    for header in ["", "a\nb", "\u{1}", "   "] {
+        assert!(!looks_like(&binary(header, &[], |_| 0)), "{header:?}");
+    }
+    let zeros = binary("x", &[[[0.0; 3]; 3]; 3], |_| 0);
+    assert!(looks_like(&zeros));
+    assert!(!looks_like(&[&[0; 80][..], &zeros[80..]].concat()));
+    for length in [84, 134, 184, 1084, 5000] {
+        assert!(!looks_like(&vec![0; length]), "{length}");
+    }
+    assert!(!looks_like(&[&binary("x", &[], |_| 0)[..], &[0; 500]].concat()));
+}
+
+#[test]
+fn facets_of_any_size_are_facets() {
+    for scale in [1e-44, 1e-38, 1e-36, 1e-30, 1e30, 1e38] {
+        let facets = FACETS.map(|f| f.map(|p| p.map(|x| x * scale)));
+        assert_eq!(model(&binary("x", &facets, |_| 0)).report.faces, 2, "{scale}");
+    }
+    // Normals are only looked at where the coordinates could be anything.
+    let mut odd = binary("x", &FACETS, |_| 0);
+    odd[84..88].copy_from_slice(&7e22f32.to_le_bytes());
+    odd[134..138].copy_from_slice(&7e22f32.to_le_bytes());
+    assert_eq!(model(&odd).report.faces, 2);
 }
 
 #[test]
@@ -179,4 +234,23 @@ proptest! {
         let b = model(&binary("", &facets, |_| 0)).mesh;
         prop_assert_eq!((a.positions, a.triangles, a.origin), (b.positions, b.triangles, b.origin));
     }
+}
+
+proptest! {
+    #[test]
+    fn random_bytes_are_no_stl(mut bytes in random_file(), is_counted: bool) {
+        if is_counted && bytes.len() >= 84 {
+            let count = ((bytes.len() - 84) / 50) as u32;
+            bytes[80..84].copy_from_slice(&count.to_le_bytes());
+        }
+        prop_assert!(!looks_like(&bytes));
+    }
+}
+
+/// Of any length, and of those that whole facets take.
+fn random_file() -> impl Strategy<Value = Vec<u8>> {
+    prop_oneof![
+        prop::collection::vec(any::<u8>(), 0..4000),
+        (1usize..60).prop_flat_map(|n| prop::collection::vec(any::<u8>(), 84 + 50 * n)),
+    ]
 }

@@ -149,7 +149,7 @@ fn colours_of_every_type() {
         ("uchar", ["red", "green", "blue"], [255.0, 0.0, 128.0], [255, 0, 128, 255]),
         ("float", ["diffuse_red", "diffuse_green", "diffuse_blue"], [1.0, -1.0, 0.5], [255, 0, 128, 255]),
         ("ushort", ["r", "g", "b"], [65535.0, 0.0, 32768.0], [255, 0, 128, 255]),
-        ("double", ["red", "green", "blue"], [7.0, f64::NAN, 0.2], [255, 0, 51, 255]),
+        ("double", ["red", "green", "blue"], [7.0, -3.0, 0.2], [255, 0, 51, 255]),
     ] {
         for encoding in ENCODINGS {
             let (mut v, mut f) = (square(), faces(&[vec![0, 1, 2, 3]]));
@@ -165,6 +165,49 @@ fn colours_of_every_type() {
             assert_eq!(model.mesh.face_colors, Some(vec![expected; 2]));
             assert!(model.mesh.attributes.is_empty());
         }
+    }
+}
+
+#[test]
+fn colours_that_are_not_finite_become_white() {
+    let (nan, infinite) = (f64::NAN, f64::INFINITY);
+    let colors =
+        [[0.2, nan, 0.4, 0.6], [infinite, 0.0, 0.0, 1.0], [0.2, 0.4, 0.6, nan], [0.2, 0.4, 0.6, 0.8]];
+    let expected = [[255, 255, 255, 153], [255; 4], [51, 102, 153, 255], [51, 102, 153, 204]];
+    for ty in ["float", "double"] {
+        for encoding in ENCODINGS {
+            let (mut v, mut f) = (square(), faces(&[vec![0, 1, 2]]));
+            for name in ["red", "green", "blue", "alpha"] {
+                let property: &'static str = format!("{ty} {name}").leak();
+                v.properties.push(property);
+                f.properties.push(property);
+            }
+            v.rows.iter_mut().zip(&colors).for_each(|(row, color)| row.extend(one(color)));
+            f.rows[0].extend(one(&colors[0]));
+            let model = read_ok(encode(encoding, &[v, f]));
+            assert_eq!(model.mesh.vertex_colors.as_deref(), Some(&expected[..]), "{encoding}");
+            assert_eq!(model.mesh.face_colors.as_deref(), Some(&expected[..1]), "{encoding}");
+            assert_eq!(
+                model.report.warnings,
+                [
+                    "set 3 colours of vertices that were not finite to white",
+                    "set 1 colour of faces that were not finite to white"
+                ]
+            );
+        }
+    }
+}
+
+#[test]
+fn normals_may_have_any_length_but_none() {
+    let lengths = [1e-300, 1e-30, 1e30, 0.0];
+    let mut v = square();
+    v.properties.extend(["double nx", "double ny", "double nz"]);
+    v.rows.iter_mut().zip(lengths).for_each(|(row, l)| row.extend(one(&[0.0, -l, l])));
+    let (slanted, none) = (OctNormal::encode([0.0, -1.0, 1.0]), OctNormal::NONE);
+    for encoding in ENCODINGS {
+        let mesh = read_ok(encode(encoding, &[v.clone(), faces(&[vec![0, 1, 2, 3]])])).mesh;
+        assert_eq!(mesh.normals, Some(vec![slanted, slanted, slanted, none]), "{encoding}");
     }
 }
 

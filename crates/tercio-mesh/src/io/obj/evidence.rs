@@ -1,0 +1,165 @@
+//! Is it OBJ? The format has no magic bytes, and its keywords are so short that other texts begin with them.
+//!
+//! What was decided: the first thousand lines that are no comment are looked at. Statements about geometry that
+//! make sense (a `v` with three numbers, an `f` with indices, and so on) must be there and must be no fewer
+//! than the lines that OBJ does not know. Those lines may begin with one word, and with one more for every eight
+//! statements: programs with keywords of their own repeat them, prose round an example does not. Names and
+//! groups count for neither side, because what stands behind them may be anything. That a file has a vertex
+//! at all is found out when it is read.
+
+use std::collections::HashSet;
+
+use super::lines::Lines;
+use super::transcode;
+
+/// How much of a file is looked at.
+const FRONT: usize = 1 << 18;
+
+/// Lines that decide.
+const ENOUGH: u64 = 1000;
+
+/// Keywords that [`is_statement`] looks behind.
+const GEOMETRY: [&[u8]; 8] = [b"v", b"vt", b"vn", b"vp", b"f", b"fo", b"l", b"p"];
+
+/// Keywords with a name, a number or nothing behind them.
+const OTHERS: [&[u8]; 30] = [
+    b"o",
+    b"g",
+    b"s",
+    b"mg",
+    b"mtllib",
+    b"usemtl",
+    b"maplib",
+    b"usemap",
+    b"cstype",
+    b"deg",
+    b"bmat",
+    b"step",
+    b"curv",
+    b"curv2",
+    b"surf",
+    b"parm",
+    b"trim",
+    b"hole",
+    b"scrv",
+    b"sp",
+    b"end",
+    b"con",
+    b"bevel",
+    b"lod",
+    b"c_interp",
+    b"d_interp",
+    b"ctech",
+    b"stech",
+    b"shadow_obj",
+    b"trace_obj",
+];
+
+/// What the lines of a text are.
+#[derive(Debug, Default, PartialEq)]
+struct Votes {
+    comments: u64,
+    /// Statements about geometry that make sense.
+    statements: u64,
+    /// Other lines that OBJ knows.
+    others: u64,
+    /// Lines that OBJ does not know or that make no sense, and the number of words that it does not know.
+    unknown: u64,
+    unknown_words: u64,
+}
+
+/// Does the content look like OBJ?
+pub fn looks_like(bytes: &[u8]) -> bool {
+    let votes = votes(bytes);
+    votes.statements > 0
+        && votes.unknown <= votes.statements
+        && votes.unknown_words <= 1 + votes.statements / 8
+}
+
+/// What a text holds that has neither statements nor anything else, if it is one.
+pub fn holds_nothing_but(bytes: &[u8]) -> Option<&'static str> {
+    match votes(bytes) {
+        Votes { statements: 0, unknown: 0, others: 0, comments: 1.., .. } => Some("comments"),
+        Votes { statements: 0, unknown: 0, others: 1.., .. } => Some("names of OBJ, without any geometry"),
+        _ => None,
+    }
+}
+
+/// Looks at more of the file where its front holds nothing but comments.
+fn votes(bytes: &[u8]) -> Votes {
+    let bytes = transcode::unpadded(bytes);
+    let mut length = FRONT;
+    loop {
+        let votes = votes_of_front(bytes, length);
+        if votes.statements + votes.unknown > 0 || votes.comments == 0 || length >= bytes.len() {
+            return votes;
+        }
+        length *= 64;
+    }
+}
+
+fn votes_of_front(bytes: &[u8], length: usize) -> Votes {
+    let text = transcode::front(bytes, length);
+    let mut votes = Votes::default();
+    // No text holds zeros; the front is enough to tell.
+    if text.iter().take(4096).any(|&b| b == 0) {
+        return votes;
+    }
+    let mut unknown = HashSet::new();
+    for line in Lines::new(&text, 1) {
+        let line = line.text.trim_ascii();
+        let word = words(line).next().unwrap_or_default();
+        let votes_for = match line.first() {
+            None => continue,
+            Some(b'#') => &mut votes.comments,
+            _ if is_statement(line) => &mut votes.statements,
+            _ if OTHERS.contains(&word) => &mut votes.others,
+            _ => {
+                if !GEOMETRY.contains(&word) {
+                    unknown.insert(word);
+                }
+                &mut votes.unknown
+            }
+        };
+        *votes_for += 1;
+        if votes.statements + votes.unknown == ENOUGH {
+            break;
+        }
+    }
+    votes.unknown_words = unknown.len() as u64;
+    votes
+}
+
+/// The words of a line up to a comment; a backslash that joins lines is none.
+fn words(line: &[u8]) -> impl Iterator<Item = &[u8]> {
+    let line = line.split(|&b| b == b'#').next().unwrap_or_default();
+    line.split(u8::is_ascii_whitespace).filter(|w| !w.is_empty() && *w != b"\\")
+}
+
+fn is_statement(line: &[u8]) -> bool {
+    let mut words = words(line);
+    let keyword = words.next().unwrap_or_default();
+    let mut numbers = |n: usize| words.by_ref().take(n).filter(|w| is_number(w)).count() == n;
+    match keyword {
+        b"v" | b"vn" => numbers(3),
+        b"vt" | b"vp" => numbers(1),
+        b"f" | b"fo" | b"l" | b"p" => {
+            let mut corners = words.peekable();
+            corners.peek().is_some() && corners.all(is_corner)
+        }
+        _ => false,
+    }
+}
+
+/// Old programs write numbers in ways of their own (`1.#IND`, `3.1+e2`), but never without a digit or a name.
+fn is_number(word: &[u8]) -> bool {
+    let known = |b: &u8| b.is_ascii_alphanumeric() || b"+-.#()".contains(b);
+    fast_float2::parse::<f64, _>(word).is_ok()
+        || (word.iter().any(u8::is_ascii_digit) && word.iter().all(known))
+}
+
+/// `1`, `1/2`, `1//3`, `-1/-2/-3`
+fn is_corner(word: &[u8]) -> bool {
+    word.first().is_some_and(|b| b.is_ascii_digit() || *b == b'-' || *b == b'+')
+        && word.iter().all(|b| b.is_ascii_digit() || b"/+-".contains(b))
+}

@@ -1,0 +1,66 @@
+//! What a file is, found by content alone.
+//!
+//! The law: a file of another kind is never taken for a model, and a model is not refused for what somebody put
+//! round it. So each format asks for evidence over more than its first bytes ([`super::stl`] looks at facets,
+//! [`super::obj`] at statements), and a byte order mark, blank lines, one line too many in front, and zeros at
+//! the end are read over with a warning.
+//!
+//! Formats that are known but not read are told by name. `magic` knows them by bytes that no model can hold
+//! at that place, so it is asked before the readers; `words` knows them by what could as well be the name in
+//! the header of a binary STL file, so it is asked last.
+
+mod magic;
+#[cfg(test)]
+mod tests;
+mod words;
+
+use super::input::Input;
+use super::{Format, obj, off, ply, stl};
+use crate::ReadError;
+use crate::error::printable;
+
+/// Finds the format; `None` for a file that is not read.
+pub fn sniff(bytes: &[u8]) -> Option<Format> {
+    if magic::name(bytes).is_some() || words::comment_name(bytes).is_some() {
+        None
+    } else if ply::looks_like(bytes) {
+        Some(Format::Ply)
+    } else if off::looks_like(bytes) {
+        Some(Format::Off)
+    } else if stl::looks_like(bytes) {
+        Some(Format::Stl)
+    } else if obj::looks_like(bytes) {
+        Some(Format::Obj)
+    } else {
+        None
+    }
+}
+
+/// Says of a file that is not read what it is.
+pub(super) fn refusal(input: &Input) -> ReadError {
+    let bytes = input.bytes();
+    let file = input.name.clone();
+    if bytes.is_empty() {
+        let what = if input.file_bytes == 0 { "" } else { ": nothing stands in the gzip data" };
+        return ReadError::Empty { file, what };
+    }
+    let known = magic::name(bytes).or_else(|| words::comment_name(bytes)).or_else(|| words::name(bytes));
+    if let Some(what) = known {
+        return ReadError::Unread { file, what };
+    }
+    if let Some(but) = nothing_but(bytes) {
+        return ReadError::HoldsNothing { file, but };
+    }
+    ReadError::UnknownFormat { file, begins: printable(&bytes[..bytes.len().min(24)]) }
+}
+
+/// What a file holds that says nothing.
+fn nothing_but(bytes: &[u8]) -> Option<&'static str> {
+    if bytes.iter().all(|&b| b == 0) {
+        Some("zeros")
+    } else if bytes.iter().all(|b| b.is_ascii_whitespace() || *b == 0) {
+        Some("white space")
+    } else {
+        obj::holds_nothing_but(bytes)
+    }
+}
