@@ -1,7 +1,7 @@
 //! Vertices and faces.
 
 use crate::io::text::Cursor;
-use crate::io::{ReadModel, ReadOptions, ReadReport, input::Input};
+use crate::io::{NotDrawn, ReadModel, ReadOptions, ReadReport, input::Input};
 use crate::mesh::{MAX_ELEMENTS, localize};
 use crate::polygon::Triangulator;
 use crate::{Mesh, OctNormal, ReadError};
@@ -52,7 +52,11 @@ struct Faces {
     /// One a face.
     colors: Colors,
     kept: u64,
-    ignored: u64,
+    /// Faces of one corner and of two.
+    points: u64,
+    lines: u64,
+    /// Faces of none.
+    empty: u64,
 }
 
 /// Reads everything behind the counts.
@@ -91,8 +95,8 @@ pub fn read(
     if !cursor.is_at_end() {
         warnings.push(format!("ignored what stands behind the last face, from line {}", cursor.line()));
     }
-    if faces.ignored > 0 {
-        warnings.push(format!("ignored {} of the faces, which have fewer than three corners", faces.ignored));
+    if faces.empty > 0 {
+        warnings.push(format!("ignored {} of the faces, which have no corners", faces.empty));
     }
     let normals = header.normals.then(|| usable_normals(&vertices.normals, &mut warnings)).flatten();
     let is_split =
@@ -118,7 +122,8 @@ pub fn read(
         format: if letters.is_empty() { "OFF".into() } else { format!("OFF, {letters}OFF") },
         file_bytes: input.file_bytes,
         faces: faces.kept,
-        ignored_points_and_lines: faces.ignored,
+        not_drawn: NotDrawn { points: faces.points, lines: faces.lines, ..NotDrawn::default() },
+        companions: Vec::new(),
         warnings,
     };
     Ok(ReadModel { mesh, report })
@@ -248,8 +253,13 @@ fn read_faces(
             }
         }
         let (numbers, count) = rest_of_line(file, cursor, "a colour of a face")?;
+        match corners {
+            0 => faces.empty += 1,
+            1 => faces.points += 1,
+            2 => faces.lines += 1,
+            _ => {}
+        }
         if corners < 3 {
-            faces.ignored += 1;
             continue;
         }
         // One number is the place in a colour map that nobody has.

@@ -63,7 +63,7 @@ pub fn read(input: &Input, options: &ReadOptions) -> Result<ReadModel, ReadError
         Encoding::LittleEndian => binary::read(&job, &header, &plans, false)?,
         Encoding::BigEndian => binary::read(&job, &header, &plans, true)?,
     };
-    let mut model = assemble::model(&job, &header, plans, tables)?;
+    let mut model = assemble::model(&job, &header, plans, tables, input.base.as_deref())?;
     model.report.format = match header.encoding {
         Encoding::Ascii => "PLY, ASCII",
         Encoding::LittleEndian => "PLY, binary little-endian",
