@@ -39,9 +39,17 @@ impl NamedFiles {
         if is_builtin { self } else { self.reads("the model", path) }
     }
 
+    /// Adds a description of a machine; those that come with the program are no files.
+    pub fn reads_machine(self, name: &str) -> Self {
+        if tercio_lab::machines::NAMES.contains(&name) { self } else { self.reads("the machine", name.as_ref()) }
+    }
+
     /// Adds an output with the option that names it.
     pub fn writes(mut self, option: &str, destination: &Destination) -> Self {
-        let words = format!("{option} {}", output::name(destination));
+        let words = match destination {
+            Destination::Stdout => format!("{option} -"),
+            Destination::File(path) => format!("{option} {}", path.display()),
+        };
         let identity = FileIdentity::of_destination(destination);
         self.written.push((Named { words, identity }, destination.clone()));
         self
@@ -105,6 +113,15 @@ impl NamedFiles {
             ))),
             None => Ok(()),
         }
+    }
+
+    /// [`NamedFiles::check`] and [`NamedFiles::check_places`].
+    ///
+    /// # Errors
+    /// Those of both.
+    pub fn ready(&self) -> Result<()> {
+        self.check()?;
+        self.check_places()
     }
 
     /// Tells before the work begins what cannot be written after it.

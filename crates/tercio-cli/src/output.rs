@@ -79,6 +79,17 @@ impl Plan {
         all.fold(NamedFiles::default(), |files, (option, destination)| files.writes(option, destination))
     }
 
+    /// What it means for the files that nothing was written.
+    pub fn left_out(&self) -> String {
+        let named: Vec<_> = self.frame_outputs().map(|(_, destination)| destination).collect();
+        let is_there = |d: &&Destination| matches!(d, Destination::File(path) if path.is_file());
+        match named.iter().copied().find(is_there) {
+            Some(old) if named.len() == 1 => format!("{} was left as it is", name(old)),
+            Some(_) => "old files were left as they are".into(),
+            None => "no picture was written".into(),
+        }
+    }
+
     /// Writes picture and arrays. Nothing is seen of them before all are whole.
     ///
     /// # Errors
@@ -135,8 +146,7 @@ fn write_array(frame: &Frame, array: Array, out: &mut dyn Write) -> std::io::Res
     }
 }
 
-/// The name of a place in messages.
-pub fn name(destination: &Destination) -> String {
+fn name(destination: &Destination) -> String {
     match destination {
         Destination::Stdout => "standard output".into(),
         Destination::File(path) => path.display().to_string(),

@@ -19,7 +19,7 @@ use crate::threads::MAX_THREADS;
 pub enum ProgressMode {
     /// On a terminal, for work of more than half a second.
     Auto,
-    /// For work of more than half a second.
+    /// For work of more than half a second; a line a second where standard error is no terminal.
     Always,
     /// Not at all.
     Never,

@@ -3,6 +3,10 @@
 use tercio::glam::DVec3;
 use tercio::scene::{Background, srgb_to_linear};
 
+/// The least and the largest zoom: with less an angle of view of 179 degrees would reach 180, with more pixels would be
+/// finer than positions are.
+const ZOOM: (f64, f64) = (0.001, 1e6);
+
 /// `WxH`, pixels.
 pub fn size(text: &str) -> Result<(u32, u32), String> {
     let part = |s: &str| s.parse().ok().filter(|n| (1..=tercio::raster::settings::MAX_SIZE).contains(n));
@@ -34,6 +38,18 @@ pub fn positive(text: &str) -> Result<f64, String> {
 /// A finite number, 0 or more.
 pub fn not_negative(text: &str) -> Result<f64, String> {
     number(text).ok().filter(|&v| v >= 0.0).ok_or_else(|| "expected a number, 0 or more".into())
+}
+
+/// A difference in steps of 8-bit components, or in parts of one.
+pub fn steps(text: &str) -> Result<f64, String> {
+    let steps = number(text).ok().filter(|v| (0.0..=255.0).contains(v));
+    steps.ok_or_else(|| "expected a number of 0 to 255, the largest difference that there is".into())
+}
+
+/// A factor by which a model is shown larger or smaller.
+pub fn zoom(text: &str) -> Result<f64, String> {
+    let zoom = number(text).ok().filter(|v| (ZOOM.0..=ZOOM.1).contains(v));
+    zoom.ok_or_else(|| format!("expected a factor of {} to {}", ZOOM.0, ZOOM.1))
 }
 
 /// An angle of view in degrees.

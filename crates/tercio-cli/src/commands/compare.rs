@@ -9,6 +9,7 @@ use clap::Args;
 use tercio::image::{Destination, Difference, Picture, PictureFormat, compare};
 
 use crate::args::values;
+use crate::named_files::NamedFiles;
 use crate::output::{UsageError, write_text};
 use crate::report::grouped;
 
@@ -29,8 +30,8 @@ pub struct Compare {
     a: PathBuf,
     /// Another one of the same size.
     b: PathBuf,
-    /// Largest difference of a component that still counts as the same.
-    #[arg(long, value_name = "STEPS", allow_negative_numbers = true, value_parser = values::not_negative, default_value = "0")]
+    /// Largest difference of a component that still counts as the same, 0 to 255; 0.5 is half a step.
+    #[arg(long, value_name = "STEPS", allow_negative_numbers = true, value_parser = values::steps, default_value = "0")]
     threshold: f64,
     /// Writes a picture of the differences: black where there is none, white where it is largest.
     #[arg(long, value_name = "FILE")]
@@ -46,14 +47,16 @@ impl Compare {
     /// # Errors
     /// Pictures that cannot be read or compared.
     pub fn run(&self) -> Result<ExitCode> {
+        let mut files = NamedFiles::default().reads("the picture", &self.a).reads("the picture", &self.b);
         if let Some(path) = &self.diff {
-            let name = || path.display().to_string();
             if PictureFormat::of_path(path).is_none() {
-                let text = format!("{}: the extension must be .png, .ppm or .webp", name());
+                let text = format!("{}: the extension must be .png, .ppm or .webp", path.display());
                 return Err(UsageError(text).into());
             }
-            Destination::File(path.clone()).check().with_context(name)?;
+            files = files.writes("--diff", &Destination::File(path.clone()));
         }
+        let files = if self.quiet { files } else { files.prints() };
+        files.ready()?;
         let (a, b) = (read(&self.a)?, read(&self.b)?);
         let names = || format!("{}, {}", self.a.display(), self.b.display());
         let (difference, picture) = compare(&a, &b).with_context(names)?;
