@@ -25,7 +25,10 @@ impl NamedFiles {
     /// Adds a file that is read, `-` for standard input. `what` says what it is: "the model".
     pub fn reads(mut self, what: &str, path: &Path) -> Self {
         let named = if path.as_os_str() == "-" {
-            Named { words: format!("{what} from standard input"), identity: FileIdentity::of_standard_input() }
+            Named {
+                words: format!("{what} from standard input"),
+                identity: FileIdentity::of_standard_input(),
+            }
         } else {
             Named { words: format!("{what} {}", path.display()), identity: FileIdentity::of_path(path) }
         };
@@ -41,7 +44,11 @@ impl NamedFiles {
 
     /// Adds a description of a machine; those that come with the program are no files.
     pub fn reads_machine(self, name: &str) -> Self {
-        if tercio_lab::machines::NAMES.contains(&name) { self } else { self.reads("the machine", name.as_ref()) }
+        if tercio_lab::machines::NAMES.contains(&name) {
+            self
+        } else {
+            self.reads("the machine", name.as_ref())
+        }
     }
 
     /// Adds an output with the option that names it.

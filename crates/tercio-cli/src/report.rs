@@ -78,9 +78,6 @@ pub fn warnings(report: &LoadReport) -> Vec<String> {
     if vertices + triangles > 0 {
         all.push(format!("{vertices} vertices are not finite, {triangles} triangles at them were left out"));
     }
-    if let Some(list) = not_drawn(&report.read.not_drawn) {
-        all.push(format!("not drawn: {list} (tercio draws opaque triangles without textures)"));
-    }
     all
 }
 
@@ -91,7 +88,8 @@ pub fn not_drawn(n: &NotDrawn) -> Option<String> {
         (n.translucent_vertices, "vertex"),
         (n.translucent_faces, "face"),
     ];
-    let opacity = opacity.iter().filter(|o| o.0 > 0).map(|&(n, what)| format!("opacity of {}", counted(n, what)));
+    let opacity =
+        opacity.iter().filter(|o| o.0 > 0).map(|&(n, what)| format!("opacity of {}", counted(n, what)));
     let textures = (n.textures > 0).then(|| counted(n.textures, "texture"));
     let list: Vec<_> = shapes(n).chain(textures).chain(opacity).collect();
     (!list.is_empty()).then(|| list.join(", "))
@@ -104,7 +102,12 @@ pub fn only(n: &NotDrawn) -> Option<String> {
 }
 
 fn shapes(n: &NotDrawn) -> impl Iterator<Item = String> {
-    let all = [(n.points, "point"), (n.lines, "line"), (n.curves, "free-form curve"), (n.surfaces, "free-form surface")];
+    let all = [
+        (n.points, "point"),
+        (n.lines, "line"),
+        (n.curves, "free-form curve"),
+        (n.surfaces, "free-form surface"),
+    ];
     all.into_iter().filter(|s| s.0 > 0).map(|(n, what)| counted(n, what))
 }
 
@@ -192,7 +195,8 @@ mod tests {
     #[test]
     fn what_is_not_drawn_is_told_with_counts() {
         assert_eq!(not_drawn(&NotDrawn::default()), None);
-        let n = NotDrawn { points: 1200, lines: 1, textures: 3, translucent_vertices: 2, ..NotDrawn::default() };
+        let n =
+            NotDrawn { points: 1200, lines: 1, textures: 3, translucent_vertices: 2, ..NotDrawn::default() };
         assert_eq!(not_drawn(&n).as_deref(), Some("1,200 points, 1 line, 3 textures, opacity of 2 vertices"));
         assert_eq!(only(&n).as_deref(), Some("1,200 points, 1 line"));
         assert_eq!(only(&NotDrawn { textures: 3, ..NotDrawn::default() }), None);

@@ -24,7 +24,8 @@ mod on_unix {
         let (ready, is_ready) = mpsc::channel::<()>();
         let wait = move || {
             let ignored = ignored_signals();
-            let watched = [SIGINT, SIGTERM, SIGHUP].into_iter().filter(|signal| ignored >> (signal - 1) & 1 == 0);
+            let watched =
+                [SIGINT, SIGTERM, SIGHUP].into_iter().filter(|signal| ignored >> (signal - 1) & 1 == 0);
             // Without handlers signals end the program as ever.
             let Ok(mut signals) = Signals::new(watched) else { return };
             drop(ready);

@@ -37,6 +37,7 @@ fn the_exit_code_tells_equal_different_and_wrong() {
     assert_eq!(code("a.png b.png"), Some(1));
     assert_eq!(code("a.png b.png --threshold 2.5"), Some(1));
     assert_eq!(code("a.png b.png --threshold 3"), Some(0));
+    assert_eq!(code("a.png b.png --threshold 255"), Some(0));
     place.run("compare a.png missing.png").failed(2, &["missing.png: "]);
     place.run("compare a.png model.off").failed(2, &["model.off: not a picture"]);
     place.run("compare a.png small.png").failed(2, &["differ in size: 2x1 and 1x1"]);

@@ -41,6 +41,8 @@ fn wrong_usage_is_told_before_any_work() {
         ("-o a.png --fov 30 --orthographic", "--orthographic"),
         ("-o a.png --fov 180", "--fov"),
         ("-o a.png --zoom 0", "--zoom"),
+        ("-o a.png --zoom 1e-30", "'--zoom <FACTOR>': expected a factor of 0.001 to 1000000"),
+        ("-o a.png --zoom 1e30", "'--zoom <FACTOR>': expected a factor of 0.001 to 1000000"),
         ("-o a.png --near -1", "--near"),
         ("-o a.png --light sun", "--light"),
         ("-o a.png --shading unlit --light head", "--light"),
@@ -71,7 +73,11 @@ fn commands_that_are_not_there_are_refused() {
     let place = Place::new();
     place.run("bench").failed(2, &["bench"]);
     place.run("compare a.png").failed(2, &["<B>"]);
-    place.run("compare a.png b.png --threshold -1").failed(2, &[]);
+    for threshold in ["-1", "300", "255.001", "nan"] {
+        place
+            .run(&format!("compare a.png b.png --threshold {threshold}"))
+            .failed(2, &["--threshold", "0 to 255"]);
+    }
     place.run("compare a.png b.png --diff d.jpg").failed(2, &["d.jpg"]);
 }
 

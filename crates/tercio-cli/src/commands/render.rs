@@ -250,6 +250,14 @@ impl Render {
         for warning in report::warnings(&done.report) {
             messages::warning(&format!("{model}: {warning}"));
         }
+        // A model without any triangle says in the error what it holds instead.
+        if let Some(list) = report::not_drawn(&done.report.read.not_drawn)
+            && done.report.mesh.triangles > 0
+        {
+            messages::warning(&format!(
+                "{model}: not drawn: {list} (tercio draws opaque triangles without textures)"
+            ));
+        }
         if self.drawing.crease_angle.is_some() && !done.report.made_normals {
             messages::warning(&format!(
                 "{model}: --crease-angle has no effect: {}",

@@ -60,7 +60,8 @@ fn is_translucent(color: &[u8; 4]) -> bool {
 
 /// Faces of which a triangle is translucent; the triangles of a face stand one behind the other.
 fn faces_of(colors: &[[u8; 4]], face_of_triangle: Option<&[u32]>) -> u64 {
-    let face = |triangle: usize| face_of_triangle.and_then(|f| f.get(triangle)).map_or(triangle, |&f| f as usize);
+    let face =
+        |triangle: usize| face_of_triangle.and_then(|f| f.get(triangle)).map_or(triangle, |&f| f as usize);
     let counts = |triangle: usize| {
         is_translucent(&colors[triangle]) && (triangle == 0 || face(triangle) != face(triangle - 1))
     };

@@ -23,7 +23,11 @@ impl Destination {
     pub fn parse(path: &Path) -> Self {
         let names = ["-", "/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"];
         let known = if cfg!(unix) { &names[..] } else { &names[..1] };
-        if known.iter().any(|name| path.as_os_str() == *name) { Self::Stdout } else { Self::File(path.into()) }
+        if known.iter().any(|name| path.as_os_str() == *name) {
+            Self::Stdout
+        } else {
+            Self::File(path.into())
+        }
     }
 
     /// Tells early, before work is done, what will certainly fail later.
@@ -147,7 +151,9 @@ fn standard_output() -> io::Result<Direct> {
 /// shell does with `2>>log`: it must not be replaced.
 fn is_open_already(path: &Path) -> bool {
     cfg!(unix)
-        && (path == Path::new("/dev/stderr") || path.starts_with("/dev/fd") || path.starts_with("/proc/self/fd"))
+        && (path == Path::new("/dev/stderr")
+            || path.starts_with("/dev/fd")
+            || path.starts_with("/proc/self/fd"))
 }
 
 /// Where a file lies or would be made that this name stands for: symbolic links are followed, also to a place where no

@@ -16,8 +16,22 @@ const MAX_BYTES: u64 = 1 << 28;
 
 /// Statements that name a texture beside `map_Kd`: those of the manual, and those that programs have added.
 const OTHER_TEXTURES: [&[u8]; 16] = [
-    b"map_Ka", b"map_Ks", b"map_Ke", b"map_Ns", b"map_d", b"map_Tr", b"map_Bump", b"bump", b"disp", b"decal", b"refl",
-    b"norm", b"map_Pr", b"map_Pm", b"map_Ps", b"map_RMA",
+    b"map_Ka",
+    b"map_Ks",
+    b"map_Ke",
+    b"map_Ns",
+    b"map_d",
+    b"map_Tr",
+    b"map_Bump",
+    b"bump",
+    b"disp",
+    b"decal",
+    b"refl",
+    b"norm",
+    b"map_Pr",
+    b"map_Pm",
+    b"map_Ps",
+    b"map_RMA",
 ];
 
 /// Diffuse colour of a material that states none.
@@ -236,7 +250,9 @@ mod tests {
 
     #[test]
     fn all_textures_are_noted() {
-        let (m, w) = parsed("newmtl a\nmap_Kd a.png\nmap_Bump -bm 0.5 b b.png\nrefl -type sphere c.png\nmap_d\nnorm d.png\n");
+        let (m, w) = parsed(
+            "newmtl a\nmap_Kd a.png\nmap_Bump -bm 0.5 b b.png\nrefl -type sphere c.png\nmap_d\nnorm d.png\n",
+        );
         assert_eq!((m[0].diffuse_texture.as_deref(), w.len()), (Some("a.png"), 0));
         assert_eq!(m[0].other_textures, ["b b.png", "c.png", "d.png"]);
     }

@@ -149,7 +149,8 @@ fn groups_become_an_attribute_where_they_differ() {
 
 #[test]
 fn what_is_not_drawn_is_counted_and_told() {
-    let curve = "cstype bspline\ndeg 2\ncurv 0 1 1 2 3\nparm u 0 0 1 1\nend\nsurf 0 1 0 1 1 2 3 4\ntrim 0 1 1\n";
+    let curve =
+        "cstype bspline\ndeg 2\ncurv 0 1 1 2 3\nparm u 0 0 1 1\nend\nsurf 0 1 0 1 1 2 3 4\ntrim 0 1 1\n";
     let m = model(&format!("{SQUARE}p 1 2 3\nl 1 2 3\n{curve}f 1 2\ns off\nfoo 1\nbar\nfoo\nf 1 2 3\n"));
     let expected = NotDrawn { points: 3, lines: 1, curves: 1, surfaces: 1, ..NotDrawn::default() };
     assert_eq!((m.report.faces, m.report.not_drawn), (1, expected));
