@@ -197,7 +197,7 @@ fn cameras_and_looks_are_accepted() {
     let cases = [
         "--view iso --up-axis z --orthographic",
         "--azimuth -30 --elevation -90 --roll 45 --zoom 2",
-        "--fov 179 --zoom 0.1",
+        "--fov 100 --zoom 0.5",
         "--eye -3,2,1 --target 0,0,0 --up 0,0,1 --fov 60 --near 0.5",
         "--shading flat --cull none --color 808080 --no-mesh-colors --background #fff,#000",
         "--light head --light ambient:#fff*0.2 --specular 0 --crease-angle 30",

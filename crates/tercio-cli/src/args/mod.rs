@@ -34,6 +34,13 @@ pub struct ModelArgs {
 }
 
 impl ModelArgs {
+    /// True if the model comes from standard input, which reaches one process only.
+    pub fn is_standard_input(&self) -> bool {
+        let names: &[&str] =
+            if cfg!(unix) { &["-", "/dev/stdin", "/dev/fd/0", "/proc/self/fd/0"] } else { &["-"] };
+        names.iter().any(|name| self.model.as_os_str() == *name)
+    }
+
     /// The model's name in messages, the same as in those of the reader.
     pub fn name(&self) -> String {
         if self.model.as_os_str() == "-" { "standard input".into() } else { self.model.display().to_string() }

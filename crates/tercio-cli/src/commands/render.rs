@@ -101,7 +101,7 @@ impl Render {
         let pool = Arc::new(threads::pool(self.running.threads)?);
         let done = match drawers {
             Drawers::Mpi(organisation) => {
-                if processes.is_some_and(|p| p > 1) && self.model.model.as_os_str() == "-" {
+                if processes.is_some_and(|p| p > 1) && self.model.is_standard_input() {
                     return Err(UsageError("standard input reaches one rank only: name a file".into()).into());
                 }
                 let work = |comm: &mut _| self.draw_as_rank(comm, &pool, &writing, &settings, organisation);

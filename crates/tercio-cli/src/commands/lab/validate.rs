@@ -100,7 +100,7 @@ impl Validate {
             Who::Threads => self.threads(&pool)?,
             Who::Ranks => self.ranks(&pool)?,
             Who::Processes(count) => {
-                if self.models.iter().any(|m| count > 1 && m.as_os_str() == "-") {
+                if count > 1 && self.models.iter().any(|m| ModelArgs { model: m.clone() }.is_standard_input()) {
                     return Err(UsageError("standard input reaches one rank only: name a file".into()).into());
                 }
                 // A rank draws with one thread, the one that MPI knows.
