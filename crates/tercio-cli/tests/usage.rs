@@ -36,6 +36,7 @@ fn wrong_usage_is_told_before_any_work() {
         ("-o a.png --view top --azimuth 3", "--azimuth"),
         ("-o a.png --view top --eye 1,2,3", "--eye"),
         ("-o a.png --eye 1,2", "--eye"),
+        ("-o a.png --eye 1e300,0,0", "'--eye <X,Y,Z>': expected numbers of at most 1e100"),
         ("-o a.png --target 1,2,3", "--eye"),
         ("-o a.png --up 0,0,1", "--eye"),
         ("-o a.png --fov 30 --orthographic", "--orthographic"),

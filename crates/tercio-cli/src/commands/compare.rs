@@ -1,6 +1,7 @@
 //! `tercio compare`: how much two pictures differ.
 
 use std::fs;
+use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -26,7 +27,7 @@ Examples:
 Exit code: 0 if no component differs by more than the threshold, 1 if one does, 2 on errors (also for
 pictures of different sizes).")]
 pub struct Compare {
-    /// A picture: PNG, PPM or WebP.
+    /// A picture: PNG, PPM or WebP; `-` for standard input.
     a: PathBuf,
     /// Another one of the same size.
     b: PathBuf,
@@ -47,6 +48,10 @@ impl Compare {
     /// # Errors
     /// Pictures that cannot be read or compared.
     pub fn run(&self) -> Result<ExitCode> {
+        let stdin = Path::new("-");
+        if self.a == stdin && self.b == stdin {
+            return Err(UsageError("standard input holds one picture only: name a file".into()).into());
+        }
         let mut files = NamedFiles::default().reads("the picture", &self.a).reads("the picture", &self.b);
         if let Some(path) = &self.diff {
             if PictureFormat::of_path(path).is_none() {
@@ -72,9 +77,15 @@ impl Compare {
 }
 
 fn read(path: &Path) -> Result<Picture<'static>> {
-    let name = || path.display().to_string();
-    let bytes = fs::read(path).with_context(name)?;
-    Picture::read(&bytes).with_context(name)
+    let stdin = path == Path::new("-");
+    let name = || if stdin { "standard input".into() } else { path.display().to_string() };
+    let bytes = if stdin {
+        let mut bytes = Vec::new();
+        io::stdin().lock().read_to_end(&mut bytes).map(|_| bytes)
+    } else {
+        fs::read(path)
+    };
+    Picture::read(&bytes.with_context(name)?).with_context(name)
 }
 
 fn text(d: &Difference) -> String {

@@ -261,7 +261,11 @@ impl Render {
         if self.drawing.crease_angle.is_some() && !done.report.made_normals {
             messages::warning(&format!(
                 "{model}: --crease-angle has no effect: {}",
-                if done.report.file_normals { "the file has normals" } else { "no normals are needed" }
+                if done.report.file_normals {
+                    "the model has normals of its own"
+                } else {
+                    "no normals are needed"
+                }
             ));
         }
         if let Some(reason) = done.empty.as_ref().filter(|_| self.writing.allow_empty) {

@@ -100,7 +100,8 @@ impl Validate {
             Who::Threads => self.threads(&pool)?,
             Who::Ranks => self.ranks(&pool)?,
             Who::Processes(count) => {
-                if count > 1 && self.models.iter().any(|m| ModelArgs { model: m.clone() }.is_standard_input()) {
+                if count > 1 && self.models.iter().any(|m| ModelArgs { model: m.clone() }.is_standard_input())
+                {
                     return Err(UsageError("standard input reaches one rank only: name a file".into()).into());
                 }
                 // A rank draws with one thread, the one that MPI knows.
