@@ -176,7 +176,8 @@ fn statement(draft: &mut Draft, keyword: &[u8], value: &[u8]) -> bool {
                 material.opacity = unit(x);
                 draft.has_d = true;
             } else if !draft.has_d {
-                material.opacity = unit(1.0 - x);
+                // A material that cannot be seen makes no sense: who writes 1, as MeshLab does, means opaque.
+                material.opacity = if x >= 1.0 { 1.0 } else { unit(1.0 - x) };
             }
         }
         _ => match texture_name(&String::from_utf8_lossy(value)) {
@@ -246,6 +247,13 @@ mod tests {
         assert_eq!(m[0].diffuse_texture.as_deref(), Some("my tex.png"));
         assert_eq!((m[1].opacity, m[1].diffuse), (0.75, [0.5; 3]));
         assert_eq!(m[1].diffuse_texture.as_deref(), Some("a.jpg"));
+    }
+
+    #[test]
+    fn a_transparency_of_one_is_opacity() {
+        let (m, _) =
+            parsed("newmtl a\nTr 1.000000\nnewmtl b\nTr 0\nnewmtl c\nTr 0.75\nnewmtl d\nd 0\nTr 1\n");
+        assert_eq!(m.iter().map(|m| m.opacity).collect::<Vec<_>>(), [1.0, 1.0, 0.25, 0.0]);
     }
 
     #[test]
