@@ -1,29 +1,34 @@
-//! `cargo xtask figures`: the pictures of the README, drawn by the program itself.
+//! `cargo xtask figures`: the pictures of the README, drawn by its own commands.
 
-use anyhow::Result;
+use anyhow::{Context as _, Result};
 
 use crate::process;
 
-/// Model, file name below `docs/images`, and further arguments of `tercio render`.
-const FIGURES: [(&str, &str, &[&str]); 1] = [("builtin:teapot@1M", "teapot.png", &["--size", "1280x720"])];
+/// What the commands of the README begin with that draw its pictures.
+const COMMAND: &str = "cargo run --release -- ";
 
 /// Draws all of them.
 ///
 /// # Errors
 /// The program does not build, or it does not draw.
 pub fn run() -> Result<()> {
-    let images = tercio_testkit::workspace_root().join("docs/images");
+    let root = tercio_testkit::workspace_root();
+    let images = root.join("docs/images");
     std::fs::create_dir_all(&images)?;
-    for (model, file, arguments) in FIGURES {
-        let path = images.join(file);
+    let readme = std::fs::read_to_string(root.join("README.md"))?;
+    for command in readme.lines().filter_map(|line| line.strip_prefix(COMMAND)) {
+        let arguments: Vec<_> = command.split_whitespace().collect();
+        let file = images.join(arguments.last().context("a command of the README draws nothing")?);
+        let manifest = root.join("Cargo.toml");
         process::run(
             process::cargo()
-                .args(["run", "--release", "--package", "tercio-cli", "--bin", "tercio", "--"])
-                .args(["render", model, "-o"])
-                .arg(&path)
-                .args(arguments),
+                .args(["run", "--release", "--package", "tercio-cli", "--bin", "tercio", "--manifest-path"])
+                .arg(manifest)
+                .arg("--")
+                .args(&arguments)
+                .current_dir(&images),
         )?;
-        println!("{}: {} bytes", path.display(), std::fs::metadata(&path)?.len());
+        println!("{}: {} bytes", file.display(), std::fs::metadata(&file)?.len());
     }
     Ok(())
 }

@@ -6,15 +6,20 @@ mod huge_pages;
 mod memory;
 mod messages;
 mod mpi;
+mod named_files;
 mod nothing_drawn;
 mod output;
 mod progress;
 mod report;
+mod signals;
+mod stdio;
 mod threads;
 
 use std::process::ExitCode;
 
+use anstream::{AutoStream, ColorChoice};
 use clap::{Parser, Subcommand};
+use tercio::image::{Destination, remove_partial_files};
 
 #[global_allocator]
 static ALLOCATOR: huge_pages::HugePages = huge_pages::HugePages;
@@ -37,7 +42,20 @@ enum Command {
 }
 
 fn main() -> ExitCode {
-    let (result, failure) = match Cli::parse().command {
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(answer) => return tell(&answer),
+    };
+    signals::watch();
+    if cfg!(panic = "abort") {
+        // Nothing is dropped then.
+        let hook = std::panic::take_hook();
+        std::panic::set_hook(Box::new(move |panic| {
+            hook(panic);
+            remove_partial_files();
+        }));
+    }
+    let (result, failure) = match cli.command {
         Command::Render(command) => (command.run(), 1),
         Command::Info(command) => (command.run(), 1),
         Command::Bench(command) => (command.run(), 1),
@@ -45,18 +63,37 @@ fn main() -> ExitCode {
         // As with cmp and diff, 1 says that the pictures differ.
         Command::Compare(command) => (command.run(), 2),
     };
-    match result {
-        Ok(code) => code,
-        Err(error) if error.is::<output::UsageError>() => {
-            messages::error(&error);
-            messages::note("\nFor more information, try '--help'.");
-            ExitCode::from(2)
-        }
-        // Whoever read our output has enough; that is no error.
-        Err(error) if messages::is_broken_pipe(&error) => ExitCode::SUCCESS,
-        Err(error) => {
-            messages::error(&error);
-            ExitCode::from(failure)
-        }
+    result.unwrap_or_else(|error| fail(&error, failure))
+}
+
+/// Says what went wrong.
+fn fail(error: &anyhow::Error, code: u8) -> ExitCode {
+    if error.is::<output::UsageError>() {
+        messages::error(error);
+        messages::note("\nFor more information, try '--help'.");
+        return ExitCode::from(2);
+    }
+    // Whoever read our output has enough; that is no error.
+    if messages::is_broken_pipe(error) {
+        return ExitCode::SUCCESS;
+    }
+    messages::error(error);
+    ExitCode::from(code)
+}
+
+/// Says what the command line itself is answered with: help and version, which have to arrive like all output, or wrong
+/// usage.
+fn tell(answer: &clap::Error) -> ExitCode {
+    if answer.use_stderr() {
+        // A closed standard error changes nothing.
+        let _ = answer.print();
+        return ExitCode::from(2);
+    }
+    let text = answer.render();
+    let styled = AutoStream::choice(&std::io::stdout()) != ColorChoice::Never;
+    let text = if styled { text.ansi().to_string() } else { text.to_string() };
+    match output::write_text(&Destination::Stdout, &text) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => fail(&error, 1),
     }
 }

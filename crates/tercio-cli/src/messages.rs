@@ -2,7 +2,12 @@
 
 use std::io::{self, Write};
 
+use anstyle::{AnsiColor, Style};
 use anyhow::Error;
+
+/// As usage errors are shown.
+const ERROR: Style = AnsiColor::Red.on_default().bold();
+const WARNING: Style = AnsiColor::Yellow.on_default().bold();
 
 /// `error: ...`, with every cause behind it that the text does not tell already.
 pub fn error(error: &Error) {
@@ -11,12 +16,12 @@ pub fn error(error: &Error) {
         cause if text.ends_with(&cause) => text,
         cause => format!("{text}: {cause}"),
     });
-    say("error", &text);
+    say(ERROR, "error", &text);
 }
 
 /// `warning: ...`
 pub fn warning(text: &str) {
-    say("warning", text);
+    say(WARNING, "warning", text);
 }
 
 /// A line for the curious (`-v`).
@@ -25,10 +30,11 @@ pub fn note(text: &str) {
     let _ = writeln!(io::stderr().lock(), "{text}");
 }
 
-fn say(kind: &str, text: &str) {
+/// Coloured as usage errors are: on terminals that can, unless NO_COLOR is set; everywhere if CLICOLOR_FORCE is.
+fn say(style: Style, kind: &str, text: &str) {
     // File names may hold line breaks, and a message is one line.
     let text: Vec<_> = text.lines().map(str::trim).filter(|l| !l.is_empty()).collect();
-    let _ = writeln!(io::stderr().lock(), "{kind}: {}", text.join(" "));
+    let _ = writeln!(anstream::stderr().lock(), "{style}{kind}:{style:#} {}", text.join(" "));
 }
 
 /// True if the reader of our standard output went away.

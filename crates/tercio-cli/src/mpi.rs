@@ -9,6 +9,7 @@ pub use tercio_mpi::processes;
 #[cfg(feature = "mpi")]
 mod ranks {
     use anyhow::Error;
+    use tercio::image::remove_partial_files;
     pub use tercio_mpi::MpiComm as Comm;
 
     use super::Result;
@@ -30,7 +31,11 @@ mod ranks {
     /// # Errors
     /// MPI does not begin.
     pub fn run<T>(work: impl FnOnce(&mut Comm) -> Result<T>) -> Result<T> {
-        let tell = |rank: usize, error: Error| messages::error(&error.context(format!("rank {rank}")));
+        let tell = |rank: usize, error: Error| {
+            messages::error(&error.context(format!("rank {rank}")));
+            // The job is ended next, without dropping anything.
+            remove_partial_files();
+        };
         Ok(tercio_mpi::run(work, tell)?)
     }
 }

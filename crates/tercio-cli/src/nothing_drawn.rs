@@ -46,6 +46,7 @@ fn outside_reason(bounds: &Aabb, camera: &Camera) -> String {
     match camera.near {
         _ if farthest <= 0.0 => format!("are behind the camera, which stands at {}", camera.eye),
         Some(near) if farthest <= near => {
+            let [farthest, near] = [farthest, near].map(readable);
             format!("are nearer than the near plane: at most {farthest} from the camera, --near is {near}")
         }
         _ => format!(
@@ -53,6 +54,11 @@ fn outside_reason(bounds: &Aabb, camera: &Camera) -> String {
             camera.eye, camera.target, bounds.min, bounds.max
         ),
     }
+}
+
+/// A distance without rows of digits that nobody reads.
+fn readable(distance: f64) -> String {
+    if (1e-4..1e9).contains(&distance) { distance.to_string() } else { format!("{distance:e}") }
 }
 
 #[cfg(test)]
@@ -103,6 +109,8 @@ mod tests {
         assert!(beside.contains("outside the picture"), "{beside}");
         let near = why(DVec3::Z * 5.0, DVec3::ZERO, Some(100.0), Cull::Auto, outside());
         assert!(near.contains("--near is 100"), "{near}");
+        let far = why(DVec3::Z * 5.0, DVec3::ZERO, Some(1e300), Cull::Auto, outside());
+        assert!(far.ends_with("--near is 1e300"), "{far}");
     }
 
     #[test]

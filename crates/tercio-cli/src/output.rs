@@ -3,9 +3,12 @@
 use std::fmt;
 use std::io::Write;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use tercio::image::{Destination, ImageError, OutputFile, Picture, PictureFormat, npy};
 use tercio::raster::{Frame, Outputs};
+
+use crate::named_files::NamedFiles;
+use crate::stdio;
 
 /// The options contradict each other; told as clap tells it.
 #[derive(Debug)]
@@ -30,6 +33,17 @@ pub enum Array {
     Normals,
 }
 
+impl Array {
+    /// The option that asks for it.
+    pub fn option(self) -> &'static str {
+        match self {
+            Self::Depth => "--output-depth",
+            Self::Ids => "--output-ids",
+            Self::Normals => "--output-normals",
+        }
+    }
+}
+
 /// Bytes that the planes of a frame take.
 pub fn frame_bytes(outputs: Outputs, (width, height): (u32, u32)) -> u64 {
     let Outputs { color, color16, depth, ids, normals, keys } = outputs;
@@ -52,18 +66,28 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// Every place that is written to.
-    pub fn destinations(&self) -> impl Iterator<Item = &Destination> {
-        let picture = self.picture.iter().map(|p| &p.0);
-        picture.chain(self.arrays.iter().map(|a| &a.0)).chain(&self.stats)
+    /// Every place that a picture or an array is written to, with its option.
+    pub fn frame_outputs(&self) -> impl Iterator<Item = (&'static str, &Destination)> {
+        let picture = self.picture.iter().map(|p| ("--output", &p.0));
+        picture.chain(self.arrays.iter().map(|(destination, array)| (array.option(), destination)))
     }
 
-    /// Tells before the work begins what cannot be written after it.
-    ///
-    /// # Errors
-    /// The first output whose folder is missing.
-    pub fn check(&self) -> Result<()> {
-        self.destinations().try_for_each(|d| d.check().with_context(|| name(d)))
+    /// Every place that is written to, for the rule that holds for all commands.
+    pub fn named_files(&self) -> NamedFiles {
+        let stats = self.stats.iter().map(|destination| ("--stats", destination));
+        let all = self.frame_outputs().chain(stats);
+        all.fold(NamedFiles::default(), |files, (option, destination)| files.writes(option, destination))
+    }
+
+    /// What it means for the files that nothing was written.
+    pub fn left_out(&self) -> String {
+        let named: Vec<_> = self.frame_outputs().map(|(_, destination)| destination).collect();
+        let is_there = |d: &&Destination| matches!(d, Destination::File(path) if path.is_file());
+        match named.iter().copied().find(is_there) {
+            Some(old) if named.len() == 1 => format!("{} was left as it is", name(old)),
+            Some(_) => "old files were left as they are".into(),
+            None => "no picture was written".into(),
+        }
     }
 
     /// Writes picture and arrays. Nothing is seen of them before all are whole.
@@ -78,7 +102,7 @@ impl Plan {
         for (destination, array) in &self.arrays {
             files.push(begin(destination, |out| Ok(write_array(frame, *array, out)?))?);
         }
-        let destinations = self.destinations();
+        let destinations = self.frame_outputs().map(|(_, destination)| destination);
         files.into_iter().zip(destinations).try_for_each(|(file, d)| file.commit().with_context(|| name(d)))
     }
 }
@@ -92,10 +116,22 @@ pub fn write_text(destination: &Destination, text: &str) -> Result<()> {
     file.commit().with_context(|| name(destination))
 }
 
+/// Tells before the work begins that something cannot be written after it.
+///
+/// # Errors
+/// A folder that is missing; standard output that is closed.
+pub fn check(destination: &Destination) -> Result<()> {
+    if *destination == Destination::Stdout && stdio::output_was_closed() {
+        bail!("standard output: is closed");
+    }
+    destination.check().with_context(|| name(destination))
+}
+
 fn begin(
     destination: &Destination,
     fill: impl FnOnce(&mut dyn Write) -> Result<(), ImageError>,
 ) -> Result<OutputFile> {
+    check(destination)?;
     let mut file = OutputFile::create(destination).with_context(|| name(destination))?;
     fill(&mut file).with_context(|| name(destination))?;
     Ok(file)

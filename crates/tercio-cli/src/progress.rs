@@ -1,8 +1,8 @@
-//! A progress bar for work that takes its time.
+//! How far work has come that takes its time: a bar on a terminal, lines elsewhere.
 
 use std::io::{self, IsTerminal};
 use std::sync::Arc;
-use std::sync::mpsc::{self, RecvTimeoutError, Sender};
+use std::sync::mpsc::{self, Receiver, RecvTimeoutError, Sender};
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
@@ -10,10 +10,13 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use tercio::mesh::Progress;
 
 use crate::args::ProgressMode;
+use crate::messages;
 
 /// Work that ends sooner shows nothing.
 const PATIENCE: Duration = Duration::from_millis(500);
 const REDRAW: Duration = Duration::from_millis(100);
+/// From one line to the next.
+const NEXT_LINE: Duration = Duration::from_secs(1);
 
 /// Shows how far the work is until it is dropped. Quiet where nobody looks.
 #[derive(Debug)]
@@ -27,29 +30,24 @@ impl Display {
     /// Begins to watch.
     pub fn new(mode: ProgressMode) -> Self {
         let progress = Arc::new(Progress::default());
-        let shown = match mode {
-            ProgressMode::Auto => io::stderr().is_terminal(),
-            ProgressMode::Always => true,
-            ProgressMode::Never => false,
+        // A terminal that knows no control characters cannot draw a bar over the last one.
+        let is_dumb = std::env::var_os("TERM").is_some_and(|term| term == "dumb");
+        let can_draw = io::stderr().is_terminal() && !is_dumb;
+        let show = match mode {
+            ProgressMode::Never => None,
+            _ if can_draw => Some(draw as fn(&Progress, &Receiver<()>)),
+            ProgressMode::Always => Some(write_lines as fn(&Progress, &Receiver<()>)),
+            ProgressMode::Auto => None,
         };
-        let shower = shown.then(|| {
+        let shower = show.map(|show| {
             let (stop, stopped) = mpsc::channel();
             let watched = Arc::clone(&progress);
-            let show = move || {
-                let waits = |time| stopped.recv_timeout(time) == Err(RecvTimeoutError::Timeout);
-                if !waits(PATIENCE) {
-                    return;
+            let work = move || {
+                if waits(&stopped, PATIENCE) {
+                    show(&watched, &stopped);
                 }
-                let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr());
-                loop {
-                    draw(&bar, watched.state());
-                    if !waits(REDRAW) {
-                        break;
-                    }
-                }
-                bar.finish_and_clear();
             };
-            (stop, thread::spawn(show))
+            (stop, thread::spawn(work))
         });
         Self { progress, shower }
     }
@@ -60,7 +58,24 @@ impl Display {
     }
 }
 
-fn draw(bar: &ProgressBar, (stage, done, total): (&'static str, u64, u64)) {
+/// Waits for a while; false if the work is done.
+fn waits(stopped: &Receiver<()>, time: Duration) -> bool {
+    stopped.recv_timeout(time) == Err(RecvTimeoutError::Timeout)
+}
+
+/// A bar that is drawn again and again in the same place.
+fn draw(progress: &Progress, stopped: &Receiver<()>) {
+    let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr());
+    loop {
+        draw_once(&bar, progress.state());
+        if !waits(stopped, REDRAW) {
+            break;
+        }
+    }
+    bar.finish_and_clear();
+}
+
+fn draw_once(bar: &ProgressBar, (stage, done, total): (&'static str, u64, u64)) {
     let template = if total > 0 { "{msg} {bar:40} {percent:>3}% {eta}" } else { "{msg} {spinner}" };
     if let Ok(style) = ProgressStyle::with_template(template) {
         bar.set_style(style);
@@ -74,6 +89,23 @@ fn draw(bar: &ProgressBar, (stage, done, total): (&'static str, u64, u64)) {
     bar.tick();
 }
 
+/// One line a second, for files and pipes.
+fn write_lines(progress: &Progress, stopped: &Receiver<()>) {
+    loop {
+        messages::note(&line(progress.state()));
+        if !waits(stopped, NEXT_LINE) {
+            break;
+        }
+    }
+}
+
+fn line((stage, done, total): (&'static str, u64, u64)) -> String {
+    match total {
+        0 => format!("progress: {stage}"),
+        _ => format!("progress: {stage}, {} %", u128::from(done.min(total)) * 100 / u128::from(total)),
+    }
+}
+
 impl Drop for Display {
     fn drop(&mut self) {
         if let Some((stop, shower)) = self.shower.take() {
@@ -81,5 +113,17 @@ impl Drop for Display {
             // A bar that could not be drawn must not end the work.
             let _ = shower.join();
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::line;
+
+    #[test]
+    fn lines_tell_the_part_that_is_done_where_it_is_known() {
+        assert_eq!(line(("reading", 7, 0)), "progress: reading");
+        assert_eq!(line(("parsing", 2, 3)), "progress: parsing, 66 %");
+        assert_eq!(line(("parsing", u64::MAX, 3)), "progress: parsing, 100 %");
     }
 }

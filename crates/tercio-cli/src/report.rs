@@ -4,6 +4,7 @@ use serde_json::{Value, json};
 use tercio::LoadReport;
 use tercio::glam::DVec3;
 use tercio::mesh::Aabb;
+use tercio::mesh::io::NotDrawn;
 use tercio::scene::{Camera, Projection};
 
 /// Everything about the loading of a model.
@@ -29,10 +30,23 @@ pub fn load_json(model: &str, report: &LoadReport) -> Value {
             "non_finite_vertices": report.cleaned.non_finite_vertices,
             "non_finite_triangles": report.cleaned.non_finite_triangles,
             "welded_vertices": report.welded.unwrap_or(0),
-            "ignored_points_and_lines": report.read.ignored_points_and_lines,
         },
+        "not_drawn": not_drawn_json(&report.read.not_drawn),
         "warnings": report.read.warnings,
         "milliseconds": report.times,
+    })
+}
+
+fn not_drawn_json(n: &NotDrawn) -> Value {
+    json!({
+        "points": n.points,
+        "lines": n.lines,
+        "curves": n.curves,
+        "surfaces": n.surfaces,
+        "textures": n.textures,
+        "translucent_materials": n.translucent_materials,
+        "translucent_vertices": n.translucent_vertices,
+        "translucent_faces": n.translucent_faces,
     })
 }
 
@@ -72,6 +86,45 @@ pub fn warnings(report: &LoadReport) -> Vec<String> {
     all
 }
 
+/// What of the file is not drawn, in words.
+pub fn not_drawn(n: &NotDrawn) -> Option<String> {
+    let opacity = [
+        (n.translucent_materials, "material"),
+        (n.translucent_vertices, "vertex"),
+        (n.translucent_faces, "face"),
+    ];
+    let opacity =
+        opacity.iter().filter(|o| o.0 > 0).map(|&(n, what)| format!("opacity of {}", counted(n, what)));
+    let textures = (n.textures > 0).then(|| counted(n.textures, "texture"));
+    let list: Vec<_> = shapes(n).chain(textures).chain(opacity).collect();
+    (!list.is_empty()).then(|| list.join(", "))
+}
+
+/// What a model without triangles holds instead, in words.
+pub fn only(n: &NotDrawn) -> Option<String> {
+    let list: Vec<_> = shapes(n).collect();
+    (!list.is_empty()).then(|| list.join(", "))
+}
+
+fn shapes(n: &NotDrawn) -> impl Iterator<Item = String> {
+    let all = [
+        (n.points, "point"),
+        (n.lines, "line"),
+        (n.curves, "free-form curve"),
+        (n.surfaces, "free-form surface"),
+    ];
+    all.into_iter().filter(|s| s.0 > 0).map(|(n, what)| counted(n, what))
+}
+
+/// "1 face", "2,000 faces".
+fn counted(n: u64, what: &str) -> String {
+    match (n, what) {
+        (1, _) => format!("1 {what}"),
+        (_, "vertex") => format!("{} vertices", grouped(n)),
+        _ => format!("{} {what}s", grouped(n)),
+    }
+}
+
 /// What was repaired, in words; empty if nothing was.
 pub fn repairs(report: &LoadReport) -> Vec<String> {
     let cleaned = &report.cleaned;
@@ -80,7 +133,6 @@ pub fn repairs(report: &LoadReport) -> Vec<String> {
         (cleaned.degenerate, "triangles without area dropped"),
         (cleaned.non_finite_triangles, "triangles at vertices that are not finite or too far out dropped"),
         (report.welded.unwrap_or(0), "vertices joined with others at the same place"),
-        (report.read.ignored_points_and_lines, "points and lines left out"),
     ];
     counts.iter().filter(|c| c.0 > 0).map(|(n, what)| format!("{} {what}", grouped(*n))).collect()
 }
@@ -143,6 +195,16 @@ mod tests {
         assert_eq!(point(DVec3::new(4_500_000.25, 100.0, 0.0), 1000.0), "4500000.25 100 0");
         assert_eq!(point(DVec3::new(1e9, 0.0, 3.0), 1e9), "1000000000 0 3");
         assert_eq!(point(DVec3::ZERO, 0.0), "0 0 0");
+    }
+
+    #[test]
+    fn what_is_not_drawn_is_told_with_counts() {
+        assert_eq!(not_drawn(&NotDrawn::default()), None);
+        let n =
+            NotDrawn { points: 1200, lines: 1, textures: 3, translucent_vertices: 2, ..NotDrawn::default() };
+        assert_eq!(not_drawn(&n).as_deref(), Some("1,200 points, 1 line, 3 textures, opacity of 2 vertices"));
+        assert_eq!(only(&n).as_deref(), Some("1,200 points, 1 line"));
+        assert_eq!(only(&NotDrawn { textures: 3, ..NotDrawn::default() }), None);
     }
 
     #[test]

@@ -31,12 +31,22 @@ fn equal_pictures_in_different_formats_are_equal() {
 }
 
 #[test]
+fn a_picture_may_come_from_standard_input() {
+    let place = place();
+    let said = place.run_with_input("compare - b.png", &place.read("b.png")).quietly_well();
+    assert!(said.text().contains("0 of 2 (0 %)"), "{}", said.text());
+    place.run_with_input("compare b.png -", b"no picture").failed(2, &["standard input: not a picture"]);
+    place.run("compare - -").failed(2, &["one picture only"]);
+}
+
+#[test]
 fn the_exit_code_tells_equal_different_and_wrong() {
     let place = place();
     let code = |arguments: &str| place.run(&format!("compare {arguments}")).code;
     assert_eq!(code("a.png b.png"), Some(1));
     assert_eq!(code("a.png b.png --threshold 2.5"), Some(1));
     assert_eq!(code("a.png b.png --threshold 3"), Some(0));
+    assert_eq!(code("a.png b.png --threshold 255"), Some(0));
     place.run("compare a.png missing.png").failed(2, &["missing.png: "]);
     place.run("compare a.png model.off").failed(2, &["model.off: not a picture"]);
     place.run("compare a.png small.png").failed(2, &["differ in size: 2x1 and 1x1"]);

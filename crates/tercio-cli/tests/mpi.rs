@@ -68,6 +68,8 @@ fn what_cannot_be_drawn_by_these_processes_is_wrong_usage() {
     for (arguments, says) in [
         ("render model.off -o a.png --ranks 3", "mpirun started 2 processes"),
         ("render - -o a.png", "standard input"),
+        ("render model.off -o ./model.off --format png", "an output must not be an input"),
+        ("render model.off --output-ids a.npy --output-depth ./a.npy", "the same file"),
     ] {
         let said = mpirun(&place, &[(2, arguments)]);
         assert_eq!(said.code, Some(2), "{}", said.stderr);

@@ -38,7 +38,7 @@ fn render(file: &Path, picture: &Path) -> (i32, String) {
     let mut child = Command::new("sh")
         .arg("-c")
         .arg(format!(
-            "ulimit -v {ADDRESS_SPACE} && exec \"$0\" render \"$1\" -o \"$2\" --size 64x48 --threads 2"
+            "ulimit -v {ADDRESS_SPACE} && exec \"$0\" render \"$1\" -o \"$2\" --size 64x48 --threads 2 --allow-empty"
         ))
         .args([Path::new(env!("CARGO_BIN_EXE_tercio")), file, picture])
         .stdin(Stdio::null())

@@ -36,11 +36,14 @@ fn wrong_usage_is_told_before_any_work() {
         ("-o a.png --view top --azimuth 3", "--azimuth"),
         ("-o a.png --view top --eye 1,2,3", "--eye"),
         ("-o a.png --eye 1,2", "--eye"),
+        ("-o a.png --eye 1e300,0,0", "'--eye <X,Y,Z>': expected numbers of at most 1e100"),
         ("-o a.png --target 1,2,3", "--eye"),
         ("-o a.png --up 0,0,1", "--eye"),
         ("-o a.png --fov 30 --orthographic", "--orthographic"),
         ("-o a.png --fov 180", "--fov"),
         ("-o a.png --zoom 0", "--zoom"),
+        ("-o a.png --zoom 1e-30", "'--zoom <FACTOR>': expected a factor of 0.001 to 1000000"),
+        ("-o a.png --zoom 1e30", "'--zoom <FACTOR>': expected a factor of 0.001 to 1000000"),
         ("-o a.png --near -1", "--near"),
         ("-o a.png --light sun", "--light"),
         ("-o a.png --shading unlit --light head", "--light"),
@@ -71,7 +74,11 @@ fn commands_that_are_not_there_are_refused() {
     let place = Place::new();
     place.run("bench").failed(2, &["bench"]);
     place.run("compare a.png").failed(2, &["<B>"]);
-    place.run("compare a.png b.png --threshold -1").failed(2, &[]);
+    for threshold in ["-1", "300", "255.001", "nan"] {
+        place
+            .run(&format!("compare a.png b.png --threshold {threshold}"))
+            .failed(2, &["--threshold", "0 to 255"]);
+    }
     place.run("compare a.png b.png --diff d.jpg").failed(2, &["d.jpg"]);
 }
 

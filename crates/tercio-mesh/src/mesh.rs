@@ -73,6 +73,8 @@ pub struct FileMaterial {
     pub opacity: f32,
     /// File name of the diffuse texture, as it stands in the file.
     pub diffuse_texture: Option<String>,
+    /// File names of all other textures (bumps, highlights, opacity and so on), as they stand in the file.
+    pub other_textures: Vec<String>,
 }
 
 impl Mesh {

@@ -139,9 +139,9 @@ fn what_stands_in_the_files_arrives() {
     let fuze = model("trimesh/fuze.ply").mesh;
     assert_eq!(fuze.materials[0].diffuse_texture.as_deref(), Some("fuze uv.jpg"));
     assert!(fuze.texcoords.is_some() && fuze.face_colors.is_some());
-    assert_eq!(model("assimp/points.ply").report.ignored_points_and_lines, 4);
+    assert_eq!(model("assimp/points.ply").report.not_drawn.points, 4);
     // Five edges.
-    assert_eq!(model("ply-rs/greg_turk_example2_ok_ascii.ply").report.ignored_points_and_lines, 5);
+    assert_eq!(model("ply-rs/greg_turk_example2_ok_ascii.ply").report.not_drawn.lines, 5);
 }
 
 /// File and what its error says; nothing where it is read.

@@ -79,8 +79,8 @@ pub struct CameraArgs {
     #[arg(long, value_name = "DEG", allow_negative_numbers = true, value_parser = values::number)]
     #[arg(default_value = "0", hide_default_value = true)]
     roll: f64,
-    /// Shows the model larger (above 1) or smaller, by narrowing the angle of view.
-    #[arg(long, value_name = "FACTOR", allow_negative_numbers = true, value_parser = values::positive)]
+    /// Shows the model larger (above 1, up to 1000000) or smaller (down to 0.001), by narrowing the angle of view.
+    #[arg(long, value_name = "FACTOR", allow_negative_numbers = true, value_parser = values::zoom)]
     #[arg(default_value = "1", hide_default_value = true)]
     zoom: f64,
     /// The axis that points upwards.

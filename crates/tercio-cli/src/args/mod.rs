@@ -19,7 +19,7 @@ use crate::threads::MAX_THREADS;
 pub enum ProgressMode {
     /// On a terminal, for work of more than half a second.
     Auto,
-    /// For work of more than half a second.
+    /// For work of more than half a second; a line a second where standard error is no terminal.
     Always,
     /// Not at all.
     Never,
@@ -34,6 +34,13 @@ pub struct ModelArgs {
 }
 
 impl ModelArgs {
+    /// True if the model comes from standard input, which reaches one process only.
+    pub fn is_standard_input(&self) -> bool {
+        let names: &[&str] =
+            if cfg!(unix) { &["-", "/dev/stdin", "/dev/fd/0", "/proc/self/fd/0"] } else { &["-"] };
+        names.iter().any(|name| self.model.as_os_str() == *name)
+    }
+
     /// The model's name in messages, the same as in those of the reader.
     pub fn name(&self) -> String {
         if self.model.as_os_str() == "-" { "standard input".into() } else { self.model.display().to_string() }

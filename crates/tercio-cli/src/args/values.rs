@@ -3,6 +3,13 @@
 use tercio::glam::DVec3;
 use tercio::scene::{Background, srgb_to_linear};
 
+/// The least and the largest zoom: with less an angle of view of 179 degrees would reach 180, with more pixels would be
+/// finer than positions are.
+const ZOOM: (f64, f64) = (0.001, 1e6);
+
+/// Squares of coordinates have to stay far from the largest number.
+const FARTHEST: f64 = 1e100;
+
 /// `WxH`, pixels.
 pub fn size(text: &str) -> Result<(u32, u32), String> {
     let part = |s: &str| s.parse().ok().filter(|n| (1..=tercio::raster::settings::MAX_SIZE).contains(n));
@@ -15,8 +22,9 @@ pub fn size(text: &str) -> Result<(u32, u32), String> {
 pub fn vector(text: &str) -> Result<DVec3, String> {
     let numbers: Vec<f64> =
         text.split(',').map_while(|s| s.trim().parse().ok()).filter(|v: &f64| v.is_finite()).collect();
-    match (numbers[..].try_into(), text.split(',').count()) {
-        (Ok(v), 3) => Ok(DVec3::from_array(v)),
+    match (numbers[..].try_into().map(DVec3::from_array), text.split(',').count()) {
+        (Ok(v), 3) if v.abs().max_element() <= FARTHEST => Ok(v),
+        (Ok(_), 3) => Err(format!("expected numbers of at most {FARTHEST:e}")),
         _ => Err("expected three numbers: x,y,z".into()),
     }
 }
@@ -34,6 +42,18 @@ pub fn positive(text: &str) -> Result<f64, String> {
 /// A finite number, 0 or more.
 pub fn not_negative(text: &str) -> Result<f64, String> {
     number(text).ok().filter(|&v| v >= 0.0).ok_or_else(|| "expected a number, 0 or more".into())
+}
+
+/// A difference in steps of 8-bit components, or in parts of one.
+pub fn steps(text: &str) -> Result<f64, String> {
+    let steps = number(text).ok().filter(|v| (0.0..=255.0).contains(v));
+    steps.ok_or_else(|| "expected a number of 0 to 255, the largest difference that there is".into())
+}
+
+/// A factor by which a model is shown larger or smaller.
+pub fn zoom(text: &str) -> Result<f64, String> {
+    let zoom = number(text).ok().filter(|v| (ZOOM.0..=ZOOM.1).contains(v));
+    zoom.ok_or_else(|| format!("expected a factor of {} to {}", ZOOM.0, ZOOM.1))
 }
 
 /// An angle of view in degrees.
@@ -120,7 +140,7 @@ mod tests {
     #[test]
     fn vectors() {
         assert_eq!(vector("1,-2.5,3e2"), Ok(DVec3::new(1.0, -2.5, 300.0)));
-        for bad in ["", "1,2", "1,2,3,4", "1,2,x", "1,2,nan", "1,2,inf", "1,2,3,x"] {
+        for bad in ["", "1,2", "1,2,3,4", "1,2,x", "1,2,nan", "1,2,inf", "1,2,3,x", "-1e101,0,0"] {
             assert!(vector(bad).is_err(), "{bad}");
         }
     }

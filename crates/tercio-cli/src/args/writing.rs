@@ -48,6 +48,9 @@ pub struct WritingArgs {
     /// What was counted and timed, as JSON; `-` for standard output.
     #[arg(long, value_name = "FILE")]
     stats: Option<PathBuf>,
+    /// Writes pictures and arrays in which nothing of the model is seen; else that is an error, and old files stay.
+    #[arg(long)]
+    pub allow_empty: bool,
 }
 
 impl WritingArgs {
@@ -57,7 +60,11 @@ impl WritingArgs {
     /// One sentence, if the options contradict each other.
     pub fn plan(&self, drawing: &DrawingArgs) -> Result<Plan, String> {
         let picture = match &self.output {
-            Some(path) => Some((Destination::parse(path), self.picture_format(path, drawing)?)),
+            Some(path) => {
+                let destination = Destination::parse(path);
+                let format = self.picture_format(path, &destination, drawing)?;
+                Some((destination, format))
+            }
             None => None,
         };
         let arrays = [
@@ -79,13 +86,20 @@ impl WritingArgs {
             arrays: arrays.collect(),
             stats: self.stats.as_deref().map(Destination::parse),
         };
-        check_destinations(&plan)?;
+        check_terminal(&plan)?;
         Ok(plan)
     }
 
-    fn picture_format(&self, path: &Path, drawing: &DrawingArgs) -> Result<PictureFormat, String> {
-        let stdout = path.as_os_str() == "-";
-        let by_name = || if stdout { Some(PictureFormat::Png) } else { PictureFormat::of_path(path) };
+    fn picture_format(
+        &self,
+        path: &Path,
+        destination: &Destination,
+        drawing: &DrawingArgs,
+    ) -> Result<PictureFormat, String> {
+        let by_name = || match destination {
+            Destination::Stdout => Some(PictureFormat::Png),
+            Destination::File(path) => PictureFormat::of_path(path),
+        };
         let format = self.format.or_else(by_name).ok_or_else(|| {
             format!("{}: the extension must be .png, .ppm or .webp (or give --format)", path.display())
         })?;
@@ -103,18 +117,8 @@ impl WritingArgs {
     }
 }
 
-fn check_destinations(plan: &Plan) -> Result<(), String> {
-    let all: Vec<_> = plan.destinations().collect();
-    for (n, destination) in all.iter().enumerate() {
-        if all[..n].contains(destination) {
-            return Err(match destination {
-                Destination::Stdout => "only one output can go to standard output".into(),
-                Destination::File(path) => format!("{}: two outputs have this name", path.display()),
-            });
-        }
-    }
-    let binary =
-        plan.destinations().any(|d| *d == Destination::Stdout) && plan.stats != Some(Destination::Stdout);
+fn check_terminal(plan: &Plan) -> Result<(), String> {
+    let binary = plan.frame_outputs().any(|(_, destination)| *destination == Destination::Stdout);
     if binary && io::stdout().is_terminal() {
         return Err("a picture makes no sense on a terminal; send standard output elsewhere".into());
     }

@@ -19,6 +19,7 @@ use tercio::{LoadOptions, Normals};
 use crate::args::bench::{Copies, StageName, StillArgs};
 use crate::args::drawing::{CullName, TuningArgs};
 use crate::args::{ModelArgs, RunningArgs, values};
+use crate::named_files::NamedFiles;
 use crate::output::write_text;
 use crate::progress::Display;
 use crate::report::{camera_json, grouped};
@@ -90,6 +91,7 @@ impl Bench {
     /// # Errors
     /// What went wrong.
     pub fn run(&self) -> Result<ExitCode> {
+        NamedFiles::default().reads_model(&self.model.model).prints().ready()?;
         let pool = threads::pool(self.running.threads)?;
         let text = pool.install(|| self.measure())?;
         write_text(&Destination::Stdout, &text)?;

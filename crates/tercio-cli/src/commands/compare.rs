@@ -1,6 +1,7 @@
 //! `tercio compare`: how much two pictures differ.
 
 use std::fs;
+use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -9,6 +10,7 @@ use clap::Args;
 use tercio::image::{Destination, Difference, Picture, PictureFormat, compare};
 
 use crate::args::values;
+use crate::named_files::NamedFiles;
 use crate::output::{UsageError, write_text};
 use crate::report::grouped;
 
@@ -25,12 +27,12 @@ Examples:
 Exit code: 0 if no component differs by more than the threshold, 1 if one does, 2 on errors (also for
 pictures of different sizes).")]
 pub struct Compare {
-    /// A picture: PNG, PPM or WebP.
+    /// A picture: PNG, PPM or WebP; `-` for standard input.
     a: PathBuf,
     /// Another one of the same size.
     b: PathBuf,
-    /// Largest difference of a component that still counts as the same.
-    #[arg(long, value_name = "STEPS", allow_negative_numbers = true, value_parser = values::not_negative, default_value = "0")]
+    /// Largest difference of a component that still counts as the same, 0 to 255; 0.5 is half a step.
+    #[arg(long, value_name = "STEPS", allow_negative_numbers = true, value_parser = values::steps, default_value = "0")]
     threshold: f64,
     /// Writes a picture of the differences: black where there is none, white where it is largest.
     #[arg(long, value_name = "FILE")]
@@ -46,14 +48,20 @@ impl Compare {
     /// # Errors
     /// Pictures that cannot be read or compared.
     pub fn run(&self) -> Result<ExitCode> {
+        let stdin = Path::new("-");
+        if self.a == stdin && self.b == stdin {
+            return Err(UsageError("standard input holds one picture only: name a file".into()).into());
+        }
+        let mut files = NamedFiles::default().reads("the picture", &self.a).reads("the picture", &self.b);
         if let Some(path) = &self.diff {
-            let name = || path.display().to_string();
             if PictureFormat::of_path(path).is_none() {
-                let text = format!("{}: the extension must be .png, .ppm or .webp", name());
+                let text = format!("{}: the extension must be .png, .ppm or .webp", path.display());
                 return Err(UsageError(text).into());
             }
-            Destination::File(path.clone()).check().with_context(name)?;
+            files = files.writes("--diff", &Destination::File(path.clone()));
         }
+        let files = if self.quiet { files } else { files.prints() };
+        files.ready()?;
         let (a, b) = (read(&self.a)?, read(&self.b)?);
         let names = || format!("{}, {}", self.a.display(), self.b.display());
         let (difference, picture) = compare(&a, &b).with_context(names)?;
@@ -69,9 +77,15 @@ impl Compare {
 }
 
 fn read(path: &Path) -> Result<Picture<'static>> {
-    let name = || path.display().to_string();
-    let bytes = fs::read(path).with_context(name)?;
-    Picture::read(&bytes).with_context(name)
+    let stdin = path == Path::new("-");
+    let name = || if stdin { "standard input".into() } else { path.display().to_string() };
+    let bytes = if stdin {
+        let mut bytes = Vec::new();
+        io::stdin().lock().read_to_end(&mut bytes).map(|_| bytes)
+    } else {
+        fs::read(path)
+    };
+    Picture::read(&bytes.with_context(name)?).with_context(name)
 }
 
 fn text(d: &Difference) -> String {

@@ -9,9 +9,11 @@ use serde_json::{Value, json};
 use tercio::glam::DVec3;
 use tercio::image::Destination;
 use tercio::mesh::AttributeDomain;
-use tercio::{AttributeSummary, LoadOptions, LoadedMesh, Normals};
+use tercio::mesh::topology::Topology;
+use tercio::{AttributeSummary, LoadOptions, LoadReport, LoadedMesh, Normals};
 
 use crate::args::{ModelArgs, RunningArgs};
+use crate::named_files::NamedFiles;
 use crate::output::write_text;
 use crate::progress::Display;
 use crate::report::{self, grouped};
@@ -41,6 +43,7 @@ impl Info {
     /// # Errors
     /// What went wrong.
     pub fn run(&self) -> Result<ExitCode> {
+        NamedFiles::default().reads_model(&self.model.model).prints().ready()?;
         let pool = threads::pool(self.running.threads)?;
         let (loaded, attributes) = pool.install(|| self.load())?;
         let model = self.model.name();
@@ -101,7 +104,7 @@ fn json(model: &str, loaded: &LoadedMesh, attributes: &[AttributeSummary]) -> Va
     value["tercio_version"] = env!("CARGO_PKG_VERSION").into();
     value["attributes"] = attributes.iter().map(attribute).collect();
     value["materials"] = loaded.mesh.materials.iter().map(material).collect();
-    value["topology"] = loaded.report.topology.as_ref().map_or(Value::Null, |t| {
+    value["topology"] = topology(&loaded.report).map_or(Value::Null, |t| {
         json!({
             "closed": t.closed,
             "consistently_wound": t.consistently_wound,
@@ -113,6 +116,11 @@ fn json(model: &str, loaded: &LoadedMesh, attributes: &[AttributeSummary]) -> Va
     });
     value["peak_memory_bytes"] = memory::peak_bytes().into();
     value
+}
+
+/// What is known about edges. A model without triangles has none, so nothing can be said of them.
+fn topology(report: &LoadReport) -> Option<&Topology> {
+    report.topology.as_ref().filter(|_| report.mesh.triangles > 0)
 }
 
 fn text(model: &str, loaded: &LoadedMesh, attributes: &[AttributeSummary]) -> String {
@@ -153,7 +161,13 @@ fn text(model: &str, loaded: &LoadedMesh, attributes: &[AttributeSummary]) -> St
         let nans = if a.nans > 0 { format!(", {} NaN", grouped(a.nans)) } else { String::new() };
         rows.push(("attribute", format!("{} ({}): {range}{nans}", a.name, domain(a.domain))));
     }
-    if let Some(t) = &report.topology {
+    if let Some(list) = report::not_drawn(&report.read.not_drawn) {
+        rows.push(("not drawn", list));
+    }
+    if mesh.triangles == 0 {
+        rows.push(("topology", "none, there are no triangles".into()));
+    }
+    if let Some(t) = topology(report) {
         let branching = format!("no, {} non-manifold edges", grouped(t.non_manifold_edges));
         let open = match t.boundary_edges {
             0 => branching.clone(),

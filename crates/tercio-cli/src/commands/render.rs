@@ -19,6 +19,7 @@ use crate::args::drawing::{DrawingArgs, TuningArgs};
 use crate::args::ranks::{Drawers, RanksArgs};
 use crate::args::writing::WritingArgs;
 use crate::args::{ModelArgs, ProgressMode, RunningArgs};
+use crate::named_files::NamedFiles;
 use crate::output::{Plan, UsageError, frame_bytes, write_text};
 use crate::progress::Display;
 use crate::{memory, messages, mpi, nothing_drawn, report, threads};
@@ -36,7 +37,8 @@ Examples:
   zcat scan.obj.gz | tercio render - -o - | display
 
 Colours are #rrggbb, #rgb or #rrggbbaa; the # may be left out. Files are replaced only when the new
-one is whole. Exit code: 0 success, 1 error, 2 wrong usage.")]
+one is whole, also if the run is interrupted; an output must not be an input. Exit code: 0 success,
+1 error or nothing drawn (see --allow-empty), 2 wrong usage.")]
 pub struct Render {
     #[command(flatten)]
     model: ModelArgs,
@@ -54,6 +56,13 @@ pub struct Render {
     running: RunningArgs,
 }
 
+/// What is written, and all files that the command line names.
+struct Writing {
+    plan: Plan,
+    files: NamedFiles,
+    allow_empty: bool,
+}
+
 /// A loaded model and how it is seen.
 struct Loaded {
     report: LoadReport,
@@ -69,6 +78,8 @@ struct Done {
     /// What every rank did, where there are any.
     parallel: Option<FrameReport>,
     output_milliseconds: f64,
+    /// Why nothing was drawn, if that is so.
+    empty: Option<String>,
 }
 
 impl Render {
@@ -80,43 +91,53 @@ impl Render {
         let start = Instant::now();
         let plan = self.writing.plan(&self.drawing).map_err(UsageError)?;
         self.drawing.check().map_err(|e| UsageError(e.into()))?;
-        let settings = self.drawing.settings(&self.tuning, plan.outputs);
+        let files = plan.named_files().reads_model(&self.model.model);
+        files.check()?;
+        let writing = Writing { plan, files, allow_empty: self.writing.allow_empty };
+        let settings = self.drawing.settings(&self.tuning, writing.plan.outputs);
         settings.check().map_err(|e| UsageError(e.to_string()))?;
         let processes = mpi::processes();
         let drawers = self.ranks.drawers(processes)?;
         let pool = Arc::new(threads::pool(self.running.threads)?);
         let done = match drawers {
             Drawers::Mpi(organisation) => {
-                if processes.is_some_and(|p| p > 1) && self.model.model.as_os_str() == "-" {
+                if processes.is_some_and(|p| p > 1) && self.model.is_standard_input() {
                     return Err(UsageError("standard input reaches one rank only: name a file".into()).into());
                 }
-                let work = |comm: &mut _| self.draw_as_rank(comm, &pool, &plan, &settings, organisation);
+                let work = |comm: &mut _| self.draw_as_rank(comm, &pool, &writing, &settings, organisation);
                 pool.install(|| mpi::run(work))?
             }
             _ => {
-                plan.check()?;
-                Some(pool.install(|| self.draw(&plan, &settings, drawers))?)
+                writing.files.check_places()?;
+                Some(pool.install(|| self.draw(&writing, &settings, drawers))?)
             }
         };
         // Ranks from 1 on have nothing to tell.
         let Some(done) = done else { return Ok(ExitCode::SUCCESS) };
         self.tell(&done);
-        if let Some(destination) = &plan.stats {
+        // They tell why nothing was drawn, too.
+        if let Some(destination) = &writing.plan.stats {
             let stats = self.stats(&done, pool.current_num_threads(), start)?;
             write_text(destination, &format!("{stats:#}\n"))?;
         }
-        Ok(ExitCode::SUCCESS)
+        match &done.empty {
+            Some(reason) if !writing.allow_empty => {
+                let model = self.model.name();
+                bail!("{model}: {reason}; {} (--allow-empty writes that)", writing.plan.left_out())
+            }
+            _ => Ok(ExitCode::SUCCESS),
+        }
     }
 
-    fn draw(&self, plan: &Plan, settings: &Settings, drawers: Drawers) -> Result<Done> {
+    fn draw(&self, writing: &Writing, settings: &Settings, drawers: Drawers) -> Result<Done> {
         let display = Display::new(self.running.progress_mode());
-        let loaded = self.load(plan, &display, drawers)?;
+        let loaded = self.load(writing, &display, drawers)?;
         display.stage("drawing");
         let (frame, parallel) = self
             .frame(&loaded.scene, &loaded.camera, settings, drawers)
             .with_context(|| self.model.name())?;
         display.stage("writing");
-        write(plan, loaded, frame, parallel)
+        self.write(writing, loaded, frame, parallel)
     }
 
     /// What each process of a job does, on one thread of the pool, where all calls of MPI stay. Rank 0 has something to
@@ -125,16 +146,16 @@ impl Render {
         &self,
         comm: &mut mpi::Comm,
         pool: &Arc<ThreadPool>,
-        plan: &Plan,
+        writing: &Writing,
         settings: &Settings,
         organisation: Organisation,
     ) -> Result<Option<Done>> {
         let writes = comm.rank() == 0;
         if writes {
-            plan.check()?;
+            writing.files.check_places()?;
         }
         let display = Display::new(if writes { self.running.progress_mode() } else { ProgressMode::Never });
-        let loaded = self.load(plan, &display, Drawers::Mpi(organisation))?;
+        let loaded = self.load(writing, &display, Drawers::Mpi(organisation))?;
         display.stage("drawing");
         let task = Task { organisation, scene: &loaded.scene, camera: &loaded.camera, settings };
         let (mut own, mut frame) = (Rank::of_pool(pool.clone()), Frame::default());
@@ -144,19 +165,20 @@ impl Render {
             return Ok(None);
         }
         display.stage("writing");
-        write(plan, loaded, frame, parallel).map(Some)
+        self.write(writing, loaded, frame, parallel).map(Some)
     }
 
-    fn load(&self, plan: &Plan, display: &Display, drawers: Drawers) -> Result<Loaded> {
+    fn load(&self, writing: &Writing, display: &Display, drawers: Drawers) -> Result<Loaded> {
         let options = LoadOptions {
             memory_limit: self.running.memory_limit(),
             progress: Some(&display.progress),
-            normals: self.drawing.normals(plan.outputs),
+            normals: self.drawing.normals(writing.plan.outputs),
             topology: false,
         };
         let loaded = tercio::load(&self.model.model, &options)?;
         let report = loaded.report;
-        self.check_memory(self.frame_bytes(plan, drawers), report.mesh.bytes)?;
+        writing.files.check_companions(&self.model.name(), &report.read.companions)?;
+        self.check_memory(self.frame_bytes(&writing.plan, drawers), report.mesh.bytes)?;
         let mut scene = Scene::of_mesh(loaded.mesh);
         self.drawing.dress(&mut scene);
         let camera = self.camera.camera(&scene, self.drawing.size);
@@ -196,6 +218,30 @@ impl Render {
         }
     }
 
+    /// Writes what was drawn, if anything was.
+    fn write(
+        &self,
+        writing: &Writing,
+        loaded: Loaded,
+        frame: Frame,
+        parallel: Option<FrameReport>,
+    ) -> Result<Done> {
+        let Loaded { report, scene, camera } = loaded;
+        let empty = nothing_drawn::reason(&report.mesh.bounds, &camera, self.drawing.cull(), &frame.stats);
+        let empty = empty.map(|reason| match report::only(&report.read.not_drawn) {
+            Some(only) if report.mesh.triangles == 0 => format!("{reason}, only {only}"),
+            _ => reason,
+        });
+        let begin = Instant::now();
+        // A large model takes longer to free than a picture to write.
+        let is_written = empty.is_none() || writing.allow_empty;
+        let write = || if is_written { writing.plan.write(&frame) } else { Ok(()) };
+        let (written, ()) = rayon::join(write, || drop(scene));
+        written?;
+        let output_milliseconds = begin.elapsed().as_secs_f64() * 1e3;
+        Ok(Done { report, camera, frame, parallel, output_milliseconds, empty })
+    }
+
     fn tell(&self, done: &Done) {
         if self.running.quiet {
             return;
@@ -204,15 +250,26 @@ impl Render {
         for warning in report::warnings(&done.report) {
             messages::warning(&format!("{model}: {warning}"));
         }
+        // A model without any triangle says in the error what it holds instead.
+        if let Some(list) = report::not_drawn(&done.report.read.not_drawn)
+            && done.report.mesh.triangles > 0
+        {
+            messages::warning(&format!(
+                "{model}: not drawn: {list} (tercio draws opaque triangles without textures)"
+            ));
+        }
         let made = done.report.made_normals || done.report.mended_normals > 0;
         if self.drawing.crease_angle.is_some() && !made {
             messages::warning(&format!(
                 "{model}: --crease-angle has no effect: {}",
-                if done.report.file_normals { "the file has normals" } else { "no normals are needed" }
+                if done.report.file_normals {
+                    "the model has normals of its own"
+                } else {
+                    "no normals are needed"
+                }
             ));
         }
-        let (bounds, cull) = (&done.report.mesh.bounds, self.drawing.cull());
-        if let Some(reason) = nothing_drawn::reason(bounds, &done.camera, cull, &done.frame.stats) {
+        if let Some(reason) = done.empty.as_ref().filter(|_| self.writing.allow_empty) {
             messages::warning(&format!("{model}: {reason}"));
         }
         if self.running.verbose {
@@ -235,16 +292,6 @@ impl Render {
             "peak_memory_bytes": memory::peak_bytes(),
         }))
     }
-}
-
-fn write(plan: &Plan, loaded: Loaded, frame: Frame, parallel: Option<FrameReport>) -> Result<Done> {
-    let Loaded { report, scene, camera } = loaded;
-    let writing = Instant::now();
-    // A large model takes longer to free than a picture to write.
-    let (written, ()) = rayon::join(|| plan.write(&frame), || drop(scene));
-    written?;
-    let output_milliseconds = writing.elapsed().as_secs_f64() * 1e3;
-    Ok(Done { report, camera, frame, parallel, output_milliseconds })
 }
 
 fn tell_details(done: &Done) {
@@ -272,8 +319,8 @@ fn tell_details(done: &Done) {
     }
     let stats = &frame.stats;
     messages::note(&format!(
-        "drawn in {:.1} ms ({} threads, {}): {} triangles drawn, {} pixels covered, overdraw {:.2}; \
-         written in {output_milliseconds:.1} ms",
+        "drawn in {:.1} ms ({} threads, {}): {} triangles set up (counted once a tile and once a clipped \
+         piece), {} pixels covered, overdraw {:.2}; written in {output_milliseconds:.1} ms",
         stats.milliseconds.total,
         stats.threads,
         stats.simd,

@@ -1,9 +1,11 @@
 //! Writing what an experiment found.
 
 use std::fs;
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use serde_json::json;
+use tercio::image::{Destination, OutputFile};
 
 use super::{Experiment, Findings};
 
@@ -24,19 +26,14 @@ pub enum WriteError {
     Plot(String),
 }
 
-/// Writes `text`, whole or not at all: into a file beside it that then takes its name.
+/// Writes `text`, whole or not at all.
 pub(super) fn write(path: &Path, text: &str) -> Result<(), WriteError> {
     let io = |source| WriteError::Io { path: path.into(), source };
     if let Some(parent) = path.parent() {
         fs::create_dir_all(parent).map_err(io)?;
     }
-    let mut part = path.as_os_str().to_owned();
-    part.push(".part");
-    fs::write(&part, text).and_then(|()| fs::rename(&part, path)).map_err(|source| {
-        // What is left of a failed write is of no use; that it cannot be removed changes nothing.
-        let _ = fs::remove_file(&part);
-        io(source)
-    })
+    let mut file = OutputFile::create(&Destination::File(path.into())).map_err(io)?;
+    file.write_all(text.as_bytes()).and_then(|()| file.commit()).map_err(io)
 }
 
 /// Writes tables, plots and the verdict into the experiment's folder under `directory`.

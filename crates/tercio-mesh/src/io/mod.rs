@@ -1,6 +1,8 @@
 //! Model files. One module a format; the format is found by content, never by file name.
 
+mod companions;
 pub mod input;
+mod not_drawn;
 pub mod obj;
 pub mod off;
 pub mod ply;
@@ -8,12 +10,13 @@ mod sniff;
 pub mod stl;
 pub mod text;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
 
 use crate::{Mesh, OctNormal, Progress, ReadError};
 use input::Input;
+pub use not_drawn::NotDrawn;
 pub use sniff::sniff;
 
 /// How a model is read.
@@ -62,8 +65,11 @@ pub struct ReadReport {
     pub file_bytes: u64,
     /// Faces of any number of corners that the file holds.
     pub faces: u64,
-    /// Points and lines that the file holds and that are not drawn.
-    pub ignored_points_and_lines: u64,
+    /// What the file holds or asks for that is not drawn.
+    pub not_drawn: NotDrawn,
+    /// Other files that belong to the model: material libraries that were read, and where the textures that it
+    /// names would lie. An output must be none of them.
+    pub companions: Vec<PathBuf>,
     /// What was odd, one sentence each, ready to be shown behind "warning: FILE: ".
     pub warnings: Vec<String>,
 }
@@ -104,6 +110,7 @@ pub fn read_input(input: &Input, options: &ReadOptions) -> Result<ReadModel, Rea
     model.report.file_bytes = input.file_bytes;
     model.report.warnings.splice(0..0, input.warnings.iter().cloned());
     warn_of_normals(&mut model);
+    model.report.not_drawn.count_mesh(&model.mesh, model.report.faces);
     Ok(model)
 }
 

@@ -4,8 +4,10 @@
 //! primitive numbers, normals) for programs. [`OutputFile`] replaces a file only when the new one is whole.
 
 mod compare;
+mod identity;
 pub mod npy;
 mod output;
+mod partial;
 mod png;
 mod ppm;
 mod webp;
@@ -20,7 +22,9 @@ use rayon::prelude::*;
 use tercio_raster::Frame;
 
 pub use compare::{Difference, compare};
+pub use identity::FileIdentity;
 pub use output::{Destination, OutputFile};
+pub use partial::remove_partial_files;
 
 /// The largest width and height of a WebP picture.
 pub const WEBP_MAX_SIZE: u32 = 16384;

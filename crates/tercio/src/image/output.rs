@@ -1,10 +1,12 @@
 //! Output that replaces a good file only by a whole one.
 
 use std::fs::{self, File};
-use std::io::{self, BufWriter, Stdout, Write};
+use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 use tempfile::NamedTempFile;
+
+use super::partial::{self, Listed};
 
 /// Where something is written.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -16,9 +18,16 @@ pub enum Destination {
 }
 
 impl Destination {
-    /// `-` is standard output, everything else a file.
+    /// `-` is standard output, and so are its names on Unix (`/dev/stdout`, `/dev/fd/1`, `/proc/self/fd/1`); everything
+    /// else is a file.
     pub fn parse(path: &Path) -> Self {
-        if path.as_os_str() == "-" { Self::Stdout } else { Self::File(path.into()) }
+        let names = ["-", "/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"];
+        let known = if cfg!(unix) { &names[..] } else { &names[..1] };
+        if known.iter().any(|name| path.as_os_str() == *name) {
+            Self::Stdout
+        } else {
+            Self::File(path.into())
+        }
     }
 
     /// Tells early, before work is done, what will certainly fail later.
@@ -30,7 +39,8 @@ impl Destination {
         if path.is_dir() {
             return Err(io::Error::new(io::ErrorKind::IsADirectory, "is a folder"));
         }
-        let folder = folder_of(path);
+        let path = resolve(path);
+        let folder = folder_of(&path);
         match fs::metadata(folder) {
             Ok(m) if m.is_dir() => Ok(()),
             Ok(_) => Err(io::Error::new(
@@ -45,21 +55,26 @@ impl Destination {
 /// A file being written, or standard output.
 ///
 /// The bytes go to a temporary file in the same folder, which [`OutputFile::commit`] gives its final name.
-/// Without `commit` the temporary file goes and a file of that name stays as it was. Devices and pipes are
-/// written directly; a symbolic link stays, and the file that it points to is replaced.
+/// Without `commit` the temporary file goes and a file of that name stays as it was. Where the process ends without
+/// dropping this, [`remove_partial_files`](super::remove_partial_files) removes it. Devices, pipes and files that are
+/// open already (`/dev/stderr`, `/dev/fd/3`) are written directly; a symbolic link stays, and the file that it points to
+/// is replaced or made.
 #[derive(Debug)]
 pub struct OutputFile(Target);
 
 #[derive(Debug)]
 enum Target {
     Direct(BufWriter<Direct>),
-    Temporary { file: BufWriter<NamedTempFile>, path: PathBuf },
+    // The file goes before its place in the list.
+    Temporary { file: BufWriter<NamedTempFile>, path: PathBuf, _listed: Listed },
 }
 
 #[derive(Debug)]
 enum Direct {
-    Stdout(Stdout),
-    Device(File),
+    /// Where standard output cannot be had as a file.
+    #[cfg(not(unix))]
+    Stdout(io::Stdout),
+    File(File),
 }
 
 impl OutputFile {
@@ -70,14 +85,15 @@ impl OutputFile {
     pub fn create(destination: &Destination) -> io::Result<Self> {
         destination.check()?;
         let path = match destination {
-            Destination::Stdout => return Ok(Self::direct(Direct::Stdout(io::stdout()))),
+            Destination::Stdout => return Ok(Self::direct(standard_output()?)),
             Destination::File(path) => path,
         };
         let existing = fs::metadata(path).ok();
-        if existing.as_ref().is_some_and(|m| !m.is_file()) {
-            return Ok(Self::direct(Direct::Device(File::options().write(true).open(path)?)));
+        if let Some(there) = existing.as_ref().filter(|m| !m.is_file() || is_open_already(path)) {
+            let file = File::options().write(true).append(there.is_file()).open(path)?;
+            return Ok(Self::direct(Direct::File(file)));
         }
-        let path = if existing.is_some() { fs::canonicalize(path)? } else { path.clone() };
+        let path = if existing.is_some() { fs::canonicalize(path)? } else { resolve(path) };
         let mut builder = tempfile::Builder::new();
         builder.prefix(".tercio-").suffix(".part");
         // Temporary files are private by default; this one becomes the user's file.
@@ -86,14 +102,14 @@ impl OutputFile {
             use std::os::unix::fs::PermissionsExt;
             builder.permissions(fs::Permissions::from_mode(0o666));
         }
-        let file = builder.tempfile_in(folder_of(&path))?;
+        let (file, listed) = partial::create(|| builder.tempfile_in(folder_of(&path)))?;
         if let Some(existing) = existing {
             if existing.permissions().readonly() {
                 return Err(io::Error::new(io::ErrorKind::PermissionDenied, "is read-only"));
             }
             file.as_file().set_permissions(existing.permissions())?;
         }
-        Ok(Self(Target::Temporary { file: BufWriter::new(file), path }))
+        Ok(Self(Target::Temporary { file: BufWriter::new(file), path, _listed: listed }))
     }
 
     fn direct(target: Direct) -> Self {
@@ -107,7 +123,7 @@ impl OutputFile {
     pub fn commit(self) -> io::Result<()> {
         match self.0 {
             Target::Direct(mut out) => out.flush(),
-            Target::Temporary { file, path } => {
+            Target::Temporary { file, path, _listed } => {
                 let file = file.into_inner().map_err(|e| e.into_error())?;
                 file.persist(path).map_err(|e| e.error)?;
                 Ok(())
@@ -116,8 +132,47 @@ impl OutputFile {
     }
 }
 
+/// Standard output as a file of its own: the standard library takes a write for done that failed because standard
+/// output was opened for reading only.
+#[cfg(unix)]
+fn standard_output() -> io::Result<Direct> {
+    use std::os::fd::AsFd;
+    let mut shared = io::stdout();
+    shared.flush()?;
+    Ok(Direct::File(File::from(shared.as_fd().try_clone_to_owned()?)))
+}
+
+#[cfg(not(unix))]
+fn standard_output() -> io::Result<Direct> {
+    Ok(Direct::Stdout(io::stdout()))
+}
+
+/// True for the names of files that this process has open already. Whoever opened one may have written to it, as a
+/// shell does with `2>>log`: it must not be replaced.
+fn is_open_already(path: &Path) -> bool {
+    cfg!(unix)
+        && (path == Path::new("/dev/stderr")
+            || path.starts_with("/dev/fd")
+            || path.starts_with("/proc/self/fd"))
+}
+
+/// Where a file lies or would be made that this name stands for: symbolic links are followed, also to a place where no
+/// file is yet.
+pub(super) fn resolve(path: &Path) -> PathBuf {
+    // As many links as Linux follows.
+    const MOST_LINKS: usize = 40;
+    let mut path = path.to_path_buf();
+    for _ in 0..MOST_LINKS {
+        match fs::read_link(&path) {
+            Ok(target) => path = folder_of(&path).join(target),
+            Err(_) => break,
+        }
+    }
+    path
+}
+
 /// The folder that a file stands in; `path.parent()` of a bare name is empty, not the current folder.
-fn folder_of(path: &Path) -> &Path {
+pub(super) fn folder_of(path: &Path) -> &Path {
     path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
@@ -140,15 +195,17 @@ impl Write for OutputFile {
 impl Write for Direct {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         match self {
+            #[cfg(not(unix))]
             Self::Stdout(out) => out.write(bytes),
-            Self::Device(out) => out.write(bytes),
+            Self::File(out) => out.write(bytes),
         }
     }
 
     fn flush(&mut self) -> io::Result<()> {
         match self {
+            #[cfg(not(unix))]
             Self::Stdout(out) => out.flush(),
-            Self::Device(out) => out.flush(),
+            Self::File(out) => out.flush(),
         }
     }
 }

@@ -51,6 +51,7 @@ impl Advise {
     /// # Errors
     /// What went wrong.
     pub fn run(&self) -> Result<ExitCode> {
+        self.picture.ready(&self.machine)?;
         let machine = self.machine.machine()?;
         let ranks = self.ranks.unwrap_or(machine.processors.count.whole() as usize);
         let pool = threads::pool(self.running.threads)?;

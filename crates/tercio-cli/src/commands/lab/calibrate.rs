@@ -14,7 +14,8 @@ use tercio_lab::predict::messages::{Way, measure, network};
 use tercio_lab::predict::ranks;
 
 use crate::args::RunningArgs;
-use crate::output::write_text;
+use crate::named_files::NamedFiles;
+use crate::output::{check, write_text};
 use crate::{messages, mpi, threads};
 
 /// Measures this machine, costs of the renderer's work, memory, messages between threads and, started by mpirun, over
@@ -78,13 +79,14 @@ impl Calibrate {
     /// What went wrong.
     pub fn run(&self) -> Result<ExitCode> {
         let destination = Destination::parse(&self.output);
+        NamedFiles::default().writes("--output", &destination).check()?;
         let mpi = match mpi::processes() {
             Some(processes) if processes > 1 => match mpi::run(|comm| over_mpi(comm, &destination))? {
                 Some(measured) => Some(measured),
                 None => return Ok(ExitCode::SUCCESS),
             },
             _ => {
-                destination.check()?;
+                check(&destination)?;
                 None
             }
         };
@@ -137,7 +139,7 @@ impl Calibrate {
 /// Measures messages over MPI with all ranks of the job; rank 0 gets them.
 fn over_mpi(comm: &mut mpi::Comm, destination: &Destination) -> Result<Option<Network>> {
     if comm.rank() == 0 {
-        destination.check()?;
+        check(destination)?;
     }
     let measured = measure(comm, Way::Copied)?;
     let own = mpi::machine(comm).into_bytes();

@@ -9,6 +9,7 @@ use serde_json::{Value, json};
 use tercio::image::Destination;
 use tercio_lab::machines::{Machine, NAMES, load};
 
+use crate::named_files::NamedFiles;
 use crate::output::write_text;
 
 /// Lists machines, or shows the description of one with the source of each number.
@@ -35,6 +36,8 @@ impl Machines {
     /// # Errors
     /// A machine that does not exist, or mistakes in its description.
     pub fn run(&self) -> Result<ExitCode> {
+        let files = self.machine.iter().fold(NamedFiles::default(), |files, name| files.reads_machine(name));
+        files.prints().ready()?;
         let text = match &self.machine {
             Some(name) => {
                 let machine = load(name)?;

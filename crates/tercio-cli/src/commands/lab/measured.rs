@@ -9,7 +9,7 @@ use serde_json::Value;
 use tercio::image::Destination;
 use tercio_lab::predict::quoted::{Quoted, QuotedRow, date};
 
-use crate::output::write_text;
+use crate::output::{check, write_text};
 
 /// Standard output, and a table that is kept.
 pub struct Measured {
@@ -25,7 +25,7 @@ impl Measured {
     /// The file cannot be written.
     pub fn new(file: Option<PathBuf>, command: String, machine: String) -> Result<Self> {
         if let Some(path) = &file {
-            Destination::parse(path).check().with_context(|| path.display().to_string())?;
+            check(&Destination::parse(path))?;
         }
         Ok(Self { file, command, machine })
     }

@@ -16,6 +16,7 @@ use tercio_lab::workloads::BoxScene;
 
 use crate::args::drawing::SortingName;
 use crate::args::{ModelArgs, ProgressMode, RunningArgs, values};
+use crate::named_files::NamedFiles;
 use crate::progress::Display;
 
 /// The picture that is predicted.
@@ -122,12 +123,21 @@ impl Counted {
 }
 
 impl PictureArgs {
+    /// Makes sure that what is read can be read while it is told what was found.
+    ///
+    /// # Errors
+    /// Standard output is closed, or one of the files.
+    pub fn ready(&self, machine: &MachineArgs) -> Result<()> {
+        NamedFiles::default().reads_model(&self.model.model).reads_machine(&machine.machine).prints().ready()
+    }
+
     /// Loads the model and counts the picture, drawn by one process on some threads.
     ///
     /// # Errors
     /// What went wrong.
     pub fn count(&self, running: &RunningArgs, machine: &Machine, threads: usize) -> Result<Counted> {
-        let (scene, bounds) = load_scene(&self.model, running, running.progress_mode())?;
+        let printed = NamedFiles::default().prints();
+        let (scene, bounds) = load_scene(&self.model, running, running.progress_mode(), &printed)?;
         let camera = views::camera(&bounds, self.size, self.view % self.views, self.views);
         let sorting = match self.sorting {
             Some(name) => name.into(),
@@ -148,15 +158,22 @@ impl PictureArgs {
     }
 }
 
-/// A model under one light.
-pub fn load_scene(model: &ModelArgs, running: &RunningArgs, progress: ProgressMode) -> Result<(Scene, Aabb)> {
+/// A model under one light, none of whose files is one of those that are written.
+pub fn load_scene(
+    model: &ModelArgs,
+    running: &RunningArgs,
+    progress: ProgressMode,
+    files: &NamedFiles,
+) -> Result<(Scene, Aabb)> {
     let display = Display::new(progress);
     let options = LoadOptions {
         memory_limit: running.memory_limit(),
         progress: Some(&display.progress),
         ..LoadOptions::default()
     };
-    Ok(prepare(tercio::load_mesh(&model.model, &options)?.mesh))
+    let loaded = tercio::load_mesh(&model.model, &options)?;
+    files.check_companions(&model.name(), &loaded.report.read.companions)?;
+    Ok(prepare(loaded.mesh))
 }
 
 fn tile(text: &str) -> Result<u32, String> {

@@ -10,7 +10,7 @@ use tercio_lab::experiments::{self, Experiment, Outcome, report};
 use tercio_lab::published;
 
 use crate::args::RunningArgs;
-use crate::output::write_text;
+use crate::output::{check, write_text};
 use crate::progress::Display;
 use crate::threads;
 
@@ -51,6 +51,9 @@ impl Reproduce {
             write_text(&Destination::Stdout, &list(&chosen))?;
             return Ok(ExitCode::SUCCESS);
         };
+        if !self.running.quiet {
+            check(&Destination::Stdout)?;
+        }
         let pool = threads::pool(self.running.threads)?;
         let display = Display::new(self.running.progress_mode());
         display.progress.begin("experiments", chosen.len() as u64);

@@ -9,6 +9,7 @@ use anyhow::Result;
 use clap::{Args, ValueEnum};
 use rayon::ThreadPool;
 use serde_json::{Value, json};
+use tercio::image::Destination;
 use tercio::parallel::{Communicator as _, Organisation};
 use tercio_lab::machines::load;
 use tercio_lab::predict::quoted::{self, ThreadsRow};
@@ -22,6 +23,7 @@ use super::validate_ranks::{self, Who};
 use crate::args::drawing::SortingName;
 use crate::args::ranks::{OrganisationName, parse_ranks};
 use crate::args::{ModelArgs, ProgressMode, RunningArgs, values};
+use crate::named_files::NamedFiles;
 use crate::output::UsageError;
 use crate::progress::Display;
 use crate::{mpi, threads};
@@ -91,12 +93,15 @@ impl Validate {
     /// [`UsageError`] for options that contradict each other, else what went wrong.
     pub fn run(&self) -> Result<ExitCode> {
         let who = Who::of(&self.ranks, self.organisation.is_some(), mpi::processes()).map_err(UsageError)?;
+        let files = self.files();
+        files.check()?;
         let pool = threads::pool(self.running.threads)?;
         let holds = match who {
             Who::Threads => self.threads(&pool)?,
             Who::Ranks => self.ranks(&pool)?,
             Who::Processes(count) => {
-                if self.models.iter().any(|m| count > 1 && m.as_os_str() == "-") {
+                if count > 1 && self.models.iter().any(|m| ModelArgs { model: m.clone() }.is_standard_input())
+                {
                     return Err(UsageError("standard input reaches one rank only: name a file".into()).into());
                 }
                 // A rank draws with one thread, the one that MPI knows.
@@ -105,6 +110,14 @@ impl Validate {
             }
         };
         Ok(ExitCode::from(u8::from(!holds)))
+    }
+
+    fn files(&self) -> NamedFiles {
+        // A table that is there is added to, so that it is read as well, but not replaced by something else.
+        let table = self.output.iter().map(|path| Destination::parse(path));
+        let files =
+            table.fold(NamedFiles::default().prints(), |files, table| files.writes("--output", &table));
+        self.models.iter().fold(files.reads_machine(&self.machine), |files, model| files.reads_model(model))
     }
 
     /// Compares threads; tells whether all rows hold.
@@ -170,9 +183,10 @@ impl Validate {
     }
 
     fn load_models(&self, pool: &ThreadPool, progress: ProgressMode) -> Result<Vec<Model>> {
+        let files = self.files();
         let load = |path: &PathBuf| {
             let model = ModelArgs { model: path.clone() };
-            let (scene, bounds) = pool.install(|| load_scene(&model, &self.running, progress))?;
+            let (scene, bounds) = pool.install(|| load_scene(&model, &self.running, progress, &files))?;
             Ok(Model { name: file_name(path), scene, bounds })
         };
         self.models.iter().map(load).collect()

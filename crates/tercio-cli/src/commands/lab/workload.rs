@@ -14,6 +14,7 @@ use tercio_lab::workloads::{BoxScene, MAX_SCREEN_PIXELS, PolygonScene};
 
 use crate::args::camera::CameraArgs;
 use crate::args::{RunningArgs, values};
+use crate::named_files::NamedFiles;
 use crate::output::{UsageError, write_text};
 use crate::progress::Display;
 use crate::{messages, threads};
@@ -72,6 +73,11 @@ struct RandomArgs {
     seed: u64,
 }
 
+/// The scene of document 002.
+const PARKS: &str = "parks:figure-15";
+/// What a random scene's name begins with.
+const RANDOM: &str = "random:";
+
 /// The two kinds of workloads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Format {
@@ -98,9 +104,11 @@ impl Workload {
             return Err(UsageError(format!("--size: expected at most {MAX_SCREEN_PIXELS} pixels")).into());
         }
         let destination = Destination::parse(&self.output);
-        destination.check()?;
+        let files = NamedFiles::default().writes("--output", &destination);
+        let files = if self.is_model() { files.reads_model(&self.source) } else { files };
+        files.ready()?;
         let pool = threads::pool(self.running.threads)?;
-        let scene = pool.install(|| self.scene(format))?;
+        let scene = pool.install(|| self.scene(format, &files))?;
         let (text, said) = match &scene {
             Scene::Boxes(scene) => {
                 (scene.to_text(), format!("{} boxes, {} visible", scene.boxes.len(), scene.visible()))
@@ -129,16 +137,22 @@ impl Workload {
         }
     }
 
-    fn scene(&self, format: Format) -> Result<Scene> {
+    /// False for scenes that are made by rule.
+    fn is_model(&self) -> bool {
+        let made = |name: &str| name == PARKS || name.starts_with(RANDOM);
+        !self.source.to_str().is_some_and(made)
+    }
+
+    fn scene(&self, format: Format, files: &NamedFiles) -> Result<Scene> {
         let name = self.source.to_str().unwrap_or_default();
-        if name == "parks:figure-15" {
+        if name == PARKS {
             let scene = figure_15::scene();
             return Ok(match format {
                 Format::Boxes => Scene::Boxes(scene.boxes()),
                 Format::Polygons => Scene::Polygons(scene),
             });
         }
-        if let Some(count) = name.strip_prefix("random:") {
+        if let Some(count) = name.strip_prefix(RANDOM) {
             let polygons = count.parse().map_err(|_| {
                 UsageError(format!("expected random:COUNT with a whole number below 2^32, found '{name}'"))
             })?;
@@ -148,7 +162,7 @@ impl Workload {
                 Format::Polygons => Scene::Polygons(distribution.triangles()),
             });
         }
-        let model = self.load(&self.source)?;
+        let model = self.load(&self.source, files)?;
         let camera = self.camera.camera(model.scene(), self.size);
         Ok(match format {
             Format::Boxes => Scene::Boxes(model.boxes(&camera, self.size)?),
@@ -156,14 +170,16 @@ impl Workload {
         })
     }
 
-    fn load(&self, source: &Path) -> Result<Model> {
+    fn load(&self, source: &Path, files: &NamedFiles) -> Result<Model> {
         let display = Display::new(self.running.progress_mode());
         let options = LoadOptions {
             memory_limit: self.running.memory_limit(),
             progress: Some(&display.progress),
             ..LoadOptions::default()
         };
-        Ok(Model::new(tercio::load_mesh(source, &options)?.mesh))
+        let loaded = tercio::load_mesh(source, &options)?;
+        files.check_companions(&source.display().to_string(), &loaded.report.read.companions)?;
+        Ok(Model::new(loaded.mesh))
     }
 }
 

@@ -1,9 +1,11 @@
 //! From parsed stretches to the mesh.
 
+use std::path::PathBuf;
+
 use rayon::prelude::*;
 
 use crate::error::{Place, counted, printable};
-use crate::io::{ReadModel, ReadOptions, ReadReport, input::Input};
+use crate::io::{NotDrawn, ReadModel, ReadOptions, ReadReport, input::Input};
 use crate::mesh::{Attribute, AttributeDomain, FileMaterial, MAX_ELEMENTS, localize};
 use crate::polygon::Triangulator;
 use crate::{Mesh, OctNormal, ReadError};
@@ -105,16 +107,29 @@ pub fn build(input: &Input, options: &ReadOptions, parsed: Parsed) -> Result<Rea
     drop(positions);
 
     add_names(&chunks, &mut mesh);
-    add_materials(input, &chunks, &mut mesh, &mut warnings);
+    let mut companions = Vec::new();
+    add_materials(input, &chunks, &mut mesh, &mut companions, &mut warnings);
     warn_of_ignored(&chunks, &mut warnings);
     let report = ReadReport {
         format: "OBJ".into(),
         file_bytes: input.file_bytes,
         faces,
-        ignored_points_and_lines: chunks.iter().map(|c| c.points_and_lines + c.small_faces).sum(),
+        not_drawn: not_drawn(&chunks),
+        companions,
         warnings,
     };
     Ok(ReadModel { mesh, report })
+}
+
+fn not_drawn(chunks: &[Chunk]) -> NotDrawn {
+    let sum = |of: fn(&Chunk) -> u64| chunks.iter().map(of).sum();
+    NotDrawn {
+        points: sum(|c| c.points),
+        lines: sum(|c| c.lines),
+        curves: sum(|c| c.curves),
+        surfaces: sum(|c| c.surfaces),
+        ..NotDrawn::default()
+    }
 }
 
 fn uses(chunks: &[Chunk], of: impl for<'c> Fn(&'c Chunk) -> &'c Vec<u32> + Sync) -> bool {
@@ -250,7 +265,13 @@ fn add_names(chunks: &[Chunk], mesh: &mut Mesh) {
 
 /// Looks up the materials that faces use. One that no library defines is warned of and stays without number,
 /// because a made-up colour would pass for one of the file.
-fn add_materials(input: &Input, chunks: &[Chunk], mesh: &mut Mesh, warnings: &mut Vec<String>) {
+fn add_materials(
+    input: &Input,
+    chunks: &[Chunk],
+    mesh: &mut Mesh,
+    companions: &mut Vec<PathBuf>,
+    warnings: &mut Vec<String>,
+) {
     let used = Names::join(chunks, |c| &c.materials);
     if used.names.is_empty() {
         return;
@@ -263,7 +284,7 @@ fn add_materials(input: &Input, chunks: &[Chunk], mesh: &mut Mesh, warnings: &mu
         }
         asked.push(names);
         match &input.base {
-            Some(base) => mtl::load(base, names, &mut library, warnings),
+            Some(base) => mtl::load(base, names, &mut library, companions, warnings),
             None => {
                 warnings.push("did not look for material libraries: the model comes without a folder".into())
             }

@@ -3,8 +3,9 @@
 //! Nothing in a material library keeps a model from being drawn, so what is broken becomes a warning.
 
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
+use crate::io::companions::{self, relative};
 use crate::mesh::FileMaterial;
 
 use super::lines::{Lines, join};
@@ -13,6 +14,26 @@ use super::transcode;
 /// A larger material library is not read: it is no material library.
 const MAX_BYTES: u64 = 1 << 28;
 
+/// Statements that name a texture beside `map_Kd`: those of the manual, and those that programs have added.
+const OTHER_TEXTURES: [&[u8]; 16] = [
+    b"map_Ka",
+    b"map_Ks",
+    b"map_Ke",
+    b"map_Ns",
+    b"map_d",
+    b"map_Tr",
+    b"map_Bump",
+    b"bump",
+    b"disp",
+    b"decal",
+    b"refl",
+    b"norm",
+    b"map_Pr",
+    b"map_Pm",
+    b"map_Ps",
+    b"map_RMA",
+];
+
 /// Diffuse colour of a material that states none.
 const DIFFUSE: [f32; 3] = [0.8; 3];
 
@@ -20,7 +41,15 @@ const DIFFUSE: [f32; 3] = [0.8; 3];
 ///
 /// Several names are separated by blanks, but names may hold blanks too, so the longest run of words that is
 /// a file wins. Only files in `base` or reached from it by a relative path are opened.
-pub fn load(base: &Path, names: &[u8], materials: &mut Vec<FileMaterial>, warnings: &mut Vec<String>) {
+///
+/// The libraries and the textures that they name are noted among the `companions`.
+pub fn load(
+    base: &Path,
+    names: &[u8],
+    materials: &mut Vec<FileMaterial>,
+    companions: &mut Vec<PathBuf>,
+    warnings: &mut Vec<String>,
+) {
     // Each run of words is asked of the file system; the limit keeps a hostile line from asking millions.
     const MOST_WORDS: usize = 64;
     let names = String::from_utf8_lossy(names);
@@ -33,7 +62,13 @@ pub fn load(base: &Path, names: &[u8], materials: &mut Vec<FileMaterial>, warnin
         });
         match run {
             Some((name, end)) => {
-                load_one(base, &name, materials, warnings);
+                let path = base.join(relative(&name));
+                let before = materials.len();
+                load_one(&path, &name, materials, warnings);
+                let textures = materials[before..].iter();
+                let textures = textures.flat_map(|m| m.diffuse_texture.iter().chain(&m.other_textures));
+                companions::note(companions, path.parent().unwrap_or(base), textures);
+                companions.push(path);
                 first = end;
             }
             None => {
@@ -46,31 +81,19 @@ pub fn load(base: &Path, names: &[u8], materials: &mut Vec<FileMaterial>, warnin
     }
 }
 
-/// The path as seen from the model, with the separators of this system. An absolute path comes from another
-/// machine: only its last part means something here.
-fn relative(name: &str) -> String {
-    let name = name.trim_matches('"').replace('\\', "/");
-    let absolute = name.starts_with('/') || name.get(1..2) == Some(":");
-    match name.rsplit_once('/') {
-        Some((_, last)) if absolute => last.into(),
-        _ => name,
-    }
-}
-
 fn is_file(base: &Path, name: &str) -> bool {
     fs::metadata(base.join(relative(name))).is_ok_and(|m| m.is_file())
 }
 
-fn load_one(base: &Path, name: &str, materials: &mut Vec<FileMaterial>, warnings: &mut Vec<String>) {
-    let path = base.join(relative(name));
-    match fs::metadata(&path) {
+fn load_one(path: &Path, name: &str, materials: &mut Vec<FileMaterial>, warnings: &mut Vec<String>) {
+    match fs::metadata(path) {
         Ok(m) if m.len() > MAX_BYTES => {
             warnings.push(format!("did not read the material library \"{name}\": it is too large"));
             return;
         }
         _ => {}
     }
-    match fs::read(&path) {
+    match fs::read(path) {
         Ok(bytes) => parse(name, &transcode::convert(&bytes), materials, warnings),
         Err(e) => warnings.push(format!("did not read the material library \"{name}\": {e}")),
     }
@@ -100,9 +123,16 @@ pub fn parse(library: &str, text: &[u8], materials: &mut Vec<FileMaterial>, warn
                     diffuse: DIFFUSE,
                     opacity: 1.0,
                     diffuse_texture: None,
+                    other_textures: Vec::new(),
                 },
                 has_d: false,
             });
+            continue;
+        }
+        if let Some(draft) = draft.as_mut().filter(|d| d.material.other_textures.len() < companions::MOST)
+            && OTHER_TEXTURES.iter().any(|k| keyword.eq_ignore_ascii_case(k))
+        {
+            draft.material.other_textures.extend(texture_name(&String::from_utf8_lossy(value)));
             continue;
         }
         let understood = match (keyword, &mut draft) {
@@ -146,7 +176,8 @@ fn statement(draft: &mut Draft, keyword: &[u8], value: &[u8]) -> bool {
                 material.opacity = unit(x);
                 draft.has_d = true;
             } else if !draft.has_d {
-                material.opacity = unit(1.0 - x);
+                // A material that cannot be seen makes no sense: who writes 1, as MeshLab does, means opaque.
+                material.opacity = if x >= 1.0 { 1.0 } else { unit(1.0 - x) };
             }
         }
         _ => match texture_name(&String::from_utf8_lossy(value)) {
@@ -219,17 +250,26 @@ mod tests {
     }
 
     #[test]
+    fn a_transparency_of_one_is_opacity() {
+        let (m, _) =
+            parsed("newmtl a\nTr 1.000000\nnewmtl b\nTr 0\nnewmtl c\nTr 0.75\nnewmtl d\nd 0\nTr 1\n");
+        assert_eq!(m.iter().map(|m| m.opacity).collect::<Vec<_>>(), [1.0, 1.0, 0.25, 0.0]);
+    }
+
+    #[test]
+    fn all_textures_are_noted() {
+        let (m, w) = parsed(
+            "newmtl a\nmap_Kd a.png\nmap_Bump -bm 0.5 b b.png\nrefl -type sphere c.png\nmap_d\nnorm d.png\n",
+        );
+        assert_eq!((m[0].diffuse_texture.as_deref(), w.len()), (Some("a.png"), 0));
+        assert_eq!(m[0].other_textures, ["b b.png", "c.png", "d.png"]);
+    }
+
+    #[test]
     fn broken_values_are_told_once_and_change_nothing() {
         let (m, w) = parsed("Kd 1 1 1\nnewmtl a\nKd x 0 0\nKd nan 0 0\nd\nmap_Kd\n");
         assert_eq!(m[0].diffuse, DIFFUSE);
         assert_eq!(w.len(), 1);
         assert!(w[0].contains("line 1 of") && w[0].contains("4 more"), "{w:?}");
-    }
-
-    #[test]
-    fn paths_of_other_machines_lead_to_their_last_part() {
-        assert_eq!(relative("C:\\models\\a b.mtl"), "a b.mtl");
-        assert_eq!(relative("/etc/passwd"), "passwd");
-        assert_eq!(relative("..\\m\\a.mtl"), "../m/a.mtl");
     }
 }

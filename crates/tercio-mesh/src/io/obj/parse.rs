@@ -6,8 +6,8 @@ use crate::error::{Place, ReadError, printable};
 use super::faces::Corners;
 use super::lines::{Counts, Kind, Line, Lines, join, kind};
 
-/// Keywords that say nothing about what is drawn.
-const SILENT: [&[u8]; 13] = [
+/// Keywords that say nothing about what is drawn; among them all that say more about a curve or a surface.
+const SILENT: [&[u8]; 23] = [
     b"s",
     b"mg",
     b"lod",
@@ -20,6 +20,16 @@ const SILENT: [&[u8]; 13] = [
     b"maplib",
     b"vp",
     b"deg",
+    b"cstype",
+    b"bmat",
+    b"step",
+    b"parm",
+    b"trim",
+    b"hole",
+    b"scrv",
+    b"sp",
+    b"con",
+    b"ctech",
     b"end",
 ];
 
@@ -67,8 +77,14 @@ pub struct Chunk<'a> {
     pub vertices: u64,
     /// The words behind `mtllib`.
     pub libraries: Vec<&'a [u8]>,
-    /// `p` (one a point) and `l` (one a line).
-    pub points_and_lines: u64,
+    /// Of `p`.
+    pub points: u64,
+    /// `l`
+    pub lines: u64,
+    /// `curv` and `curv2`
+    pub curves: u64,
+    /// `surf`
+    pub surfaces: u64,
     /// Faces with fewer than three corners.
     pub small_faces: u64,
     /// Line of the first one.
@@ -184,12 +200,14 @@ fn other<'a>(chunk: &mut Chunk<'a>, line: Line<'a>, words: &mut Words) {
         b"g" => chunk.groups.push((next_face, name)),
         b"o" => chunk.objects.push((next_face, name)),
         b"mtllib" => chunk.libraries.push(name),
-        b"l" => chunk.points_and_lines += 1,
+        b"l" => chunk.lines += 1,
+        b"curv" | b"curv2" => chunk.curves += 1,
+        b"surf" => chunk.surfaces += 1,
         b"p" => {
             words.word();
             while !words.is_over() {
                 words.word();
-                chunk.points_and_lines += 1;
+                chunk.points += 1;
             }
         }
         _ if SILENT.contains(&keyword) => {}

@@ -2,6 +2,7 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::error::Place;
+use crate::io::NotDrawn;
 use crate::{AttributeDomain, Mesh};
 
 fn input(text: &[u8]) -> Input {
@@ -155,12 +156,15 @@ fn groups_become_an_attribute_where_they_differ() {
 
 #[test]
 fn what_is_not_drawn_is_counted_and_told() {
-    let m = model(&format!("{SQUARE}p 1 2 3\nl 1 2 3\nf 1 2\ns off\nfoo 1\nbar\nfoo\nf 1 2 3\n"));
-    assert_eq!((m.report.faces, m.report.ignored_points_and_lines), (1, 5));
+    let curve =
+        "cstype bspline\ndeg 2\ncurv 0 1 1 2 3\nparm u 0 0 1 1\nend\nsurf 0 1 0 1 1 2 3 4\ntrim 0 1 1\n";
+    let m = model(&format!("{SQUARE}p 1 2 3\nl 1 2 3\n{curve}f 1 2\ns off\nfoo 1\nbar\nfoo\nf 1 2 3\n"));
+    let expected = NotDrawn { points: 3, lines: 1, curves: 1, surfaces: 1, ..NotDrawn::default() };
+    assert_eq!((m.report.faces, m.report.not_drawn), (1, expected));
     assert_eq!(
         m.report.warnings,
         [
-            "ignored 1 face with fewer than three corners, the first in line 7",
+            "ignored 1 face with fewer than three corners, the first in line 14",
             "ignored 3 lines that begin with an unknown word: \"foo\", \"bar\"",
         ]
     );

@@ -2,7 +2,7 @@
 
 use crate::error::counted;
 use crate::io::text::Cursor;
-use crate::io::{ReadModel, ReadOptions, ReadReport, input::Input};
+use crate::io::{NotDrawn, ReadModel, ReadOptions, ReadReport, input::Input};
 use crate::mesh::{MAX_ELEMENTS, localize};
 use crate::polygon::Triangulator;
 use crate::{Mesh, OctNormal, ReadError};
@@ -57,7 +57,11 @@ pub struct Faces {
     /// One a face.
     colors: Colors,
     kept: u64,
-    ignored: u64,
+    /// Faces of one corner and of two.
+    points: u64,
+    lines: u64,
+    /// Faces of none.
+    empty: u64,
 }
 
 /// Reads everything behind the counts.
@@ -107,8 +111,8 @@ pub fn check_counts(input: &Input, options: &ReadOptions, header: &Header) -> Re
 /// Makes the mesh.
 pub fn model(input: &Input, header: Header, vertices: Vertices, faces: Faces, format: String) -> ReadModel {
     let mut warnings = header.warnings;
-    if faces.ignored > 0 {
-        warnings.push(format!("ignored {} of the faces, which have fewer than three corners", faces.ignored));
+    if faces.empty > 0 {
+        warnings.push(format!("ignored {} of the faces, which have no corners", faces.empty));
     }
     for (colors, whose) in [(&vertices.colors, "vertices"), (&faces.colors, "faces")] {
         if colors.broken > 0 {
@@ -137,7 +141,8 @@ pub fn model(input: &Input, header: Header, vertices: Vertices, faces: Faces, fo
         format,
         file_bytes: input.file_bytes,
         faces: faces.kept,
-        ignored_points_and_lines: faces.ignored,
+        not_drawn: NotDrawn { points: faces.points, lines: faces.lines, ..NotDrawn::default() },
+        companions: Vec::new(),
         warnings,
     };
     ReadModel { mesh, report }
@@ -300,7 +305,11 @@ impl Faces {
         work: &mut Work,
     ) -> Result<bool, ReadError> {
         if polygon.len() < 3 {
-            self.ignored += 1;
+            match polygon.len() {
+                0 => self.empty += 1,
+                1 => self.points += 1,
+                _ => self.lines += 1,
+            }
             return Ok(true);
         }
         // One number is the place in a colour map that nobody has.

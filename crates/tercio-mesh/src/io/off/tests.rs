@@ -3,6 +3,7 @@ use proptest::prelude::*;
 use super::*;
 use crate::OctNormal;
 use crate::error::Place;
+use crate::io::NotDrawn;
 
 fn input(bytes: &[u8]) -> Input {
     Input::from_bytes("a.off", bytes.to_vec(), &ReadOptions::default()).unwrap()
@@ -104,10 +105,12 @@ fn colours_from_0_to_1_and_from_0_to_255() {
 
 #[test]
 fn small_faces_are_ignored_and_the_rest_is_told() {
-    let m = model("OFF\n3 3 0\n0 0 0\n1 0 0\n0 1 0\n2 0 1\n3 0 1 2\n1 0\n\nmore\n");
-    assert_eq!((m.report.faces, m.report.ignored_points_and_lines, m.mesh.face_of_triangle), (1, 2, None));
+    let m = model("OFF\n3 5 0\n0 0 0\n1 0 0\n0 1 0\n2 0 1\n3 0 1 2\n1 0\n2 1 2\n0\n\nmore\n");
+    let not_drawn = NotDrawn { points: 1, lines: 2, ..NotDrawn::default() };
+    assert_eq!((m.report.faces, m.report.not_drawn, m.mesh.face_of_triangle), (1, not_drawn, None));
     assert_eq!(m.report.warnings.len(), 2);
-    assert!(m.report.warnings[0].contains("line 10"), "{:?}", m.report.warnings);
+    assert!(m.report.warnings[0].contains("line 12"), "{:?}", m.report.warnings);
+    assert!(m.report.warnings[1].contains("no corners"), "{:?}", m.report.warnings);
 }
 
 #[test]

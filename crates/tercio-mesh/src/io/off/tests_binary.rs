@@ -72,7 +72,7 @@ fn read_ok(bytes: Vec<u8>) -> ReadModel {
 /// Everything that was read but the name of the format and the warnings.
 fn content(model: &ReadModel) -> String {
     let mesh = &model.mesh;
-    format!("{mesh:?} {} {}", model.report.faces, model.report.ignored_points_and_lines)
+    format!("{mesh:?} {} {:?}", model.report.faces, model.report.not_drawn)
 }
 
 fn square() -> Model {

@@ -1,5 +1,7 @@
 //! Tables to mesh.
 
+use std::collections::HashSet;
+use std::path::Path;
 use std::sync::atomic::AtomicU64;
 
 use glam::DVec3;
@@ -12,7 +14,7 @@ use super::plan::{Plan, Role};
 use super::table::{Column, Table};
 use super::wedges;
 use crate::error::{ReadError, counted};
-use crate::io::{ReadModel, ReadReport};
+use crate::io::{ReadModel, ReadReport, companions};
 use crate::mesh::{MAX_ELEMENTS, choose_origin, localize};
 use crate::{Aabb, Attribute, AttributeDomain, FileMaterial, Mesh};
 
@@ -22,6 +24,7 @@ pub(super) fn model(
     header: &Header,
     plans: Vec<Plan>,
     tables: Vec<Table>,
+    folder: Option<&Path>,
 ) -> Result<ReadModel, ReadError> {
     let (mut mesh, mut report) = (Mesh::default(), ReadReport::default());
     let of_role = |wanted: Role, tables: &mut Vec<(Plan, Table)>| {
@@ -29,7 +32,11 @@ pub(super) fn model(
     };
     let mut tables: Vec<(Plan, Table)> = plans.into_iter().zip(tables).collect();
     let edges = header.elements.iter().filter(|e| e.name == "edge").map(|e| e.count);
-    report.ignored_points_and_lines = edges.fold(0, u64::saturating_add);
+    report.not_drawn.lines = edges.fold(0, u64::saturating_add);
+    report.not_drawn.textures = header.textures.iter().collect::<HashSet<_>>().len() as u64;
+    if let Some(folder) = folder {
+        companions::note(&mut report.companions, folder, header.textures.iter());
+    }
 
     if let Some((plan, table)) = of_role(Role::Vertices, &mut tables) {
         vertices(job, &mut mesh, &plan, table)?;
@@ -45,8 +52,13 @@ pub(super) fn model(
         triangles = from_faces(job, &mesh.positions, &mut table)?;
         let columns = std::mem::take(&mut table.columns);
         face_columns(job, &mut mesh, &plan, columns, &triangles)?;
-        report.ignored_points_and_lines += triangles.ignored;
-        report.faces -= triangles.ignored;
+        let [empty, points, lines] = triangles.small;
+        report.not_drawn.points += points;
+        report.not_drawn.lines += lines;
+        report.faces -= empty + points + lines;
+        if empty > 0 {
+            job.warn(format!("ignored {empty} of the faces, which have no corners"));
+        }
     }
     if let Some((_, table)) = of_role(Role::Strips, &mut tables) {
         let before = triangles.list.len();
@@ -67,9 +79,6 @@ pub(super) fn model(
     if triangles.list.len() as u64 > MAX_ELEMENTS {
         let count = triangles.list.len() as u64;
         return Err(ReadError::TooMany { file: job.file.into(), what: "triangles", count });
-    }
-    if triangles.list.is_empty() {
-        report.ignored_points_and_lines += mesh.positions.len() as u64;
     }
     mesh.triangles = triangles.list;
     mesh.face_of_triangle = triangles.face_of_triangle;
@@ -195,6 +204,7 @@ fn materials(job: &Job, header: &Header, mesh: &mut Mesh) -> Result<(), ReadErro
         diffuse: [1.0; 3],
         opacity: 1.0,
         diffuse_texture: Some(file.clone()),
+        other_textures: Vec::new(),
     };
     mesh.materials = header.textures.iter().map(material).collect();
     let numbers = mesh

@@ -14,8 +14,8 @@ pub(super) struct Triangles {
     pub(super) list: Vec<[u32; 3]>,
     /// `None` where face i is triangle i.
     pub(super) face_of_triangle: Option<Vec<u32>>,
-    /// Faces of fewer than three corners.
-    pub(super) ignored: u64,
+    /// Faces of no corner, of one and of two.
+    pub(super) small: [u64; 3],
 }
 
 /// Makes triangles of all faces; `table.lists` and `table.triangles` are empty afterwards.
@@ -51,33 +51,33 @@ pub(super) fn from_faces(
         .collect();
     let pieces: Vec<Piece> =
         lists.into_par_iter().zip(firsts).map(|(l, first)| triangulate(positions, &l, first)).collect();
-    let ignored = pieces.iter().map(|p| p.ignored).sum();
+    let small = pieces.iter().fold([0; 3], |sum, p| [0, 1, 2].map(|corners| sum[corners] + p.small[corners]));
     let (lists, faces): (Vec<_>, Vec<_>) = pieces.into_iter().map(|p| (p.triangles, p.faces)).unzip();
     Ok(Triangles {
         list: joined(lists, Vec::as_slice),
         face_of_triangle: Some(joined(faces, Vec::as_slice)),
-        ignored,
+        small,
     })
 }
 
 struct Piece {
     triangles: Vec<[u32; 3]>,
     faces: Vec<u32>,
-    ignored: u64,
+    small: [u64; 3],
 }
 
 fn triangulate(positions: &[[f32; 3]], lists: &Lists, first: u32) -> Piece {
     let mut triangulator = Triangulator::default();
     let made = lists.counts.iter().map(|&count| count.saturating_sub(2) as usize).sum();
     let mut piece =
-        Piece { triangles: Vec::with_capacity(made), faces: Vec::with_capacity(made), ignored: 0 };
+        Piece { triangles: Vec::with_capacity(made), faces: Vec::with_capacity(made), small: [0; 3] };
     let mut points = Vec::new();
     let mut rest = lists.corners.as_slice();
     for (&count, face) in lists.counts.iter().zip(first..) {
         let (corners, behind) = rest.split_at(rest.len().min(count as usize));
         rest = behind;
         match *corners {
-            [_, _] | [_] | [] => piece.ignored += 1,
+            [] | [_] | [_, _] => piece.small[corners.len()] += 1,
             [a, b, c] => piece.triangles.push([a, b, c]),
             _ => {
                 points.clear();

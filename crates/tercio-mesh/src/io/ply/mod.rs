@@ -111,7 +111,7 @@ fn read_from(
         Encoding::LittleEndian => binary::read(&job, &header, &plans, false)?,
         Encoding::BigEndian => binary::read(&job, &header, &plans, true)?,
     };
-    let mut model = assemble::model(&job, &header, plans, tables)?;
+    let mut model = assemble::model(&job, &header, plans, tables, input.base.as_deref())?;
     model.report.format = match header.encoding {
         Encoding::Ascii => "PLY, ASCII",
         Encoding::LittleEndian => "PLY, binary little-endian",

@@ -120,8 +120,8 @@ fn read_parts(input: &Input, options: &ReadOptions, texts: &[&[u8]]) -> Result<R
         format: "STL, ASCII".into(),
         file_bytes: input.file_bytes,
         faces: facets,
-        ignored_points_and_lines: 0,
         warnings,
+        ..ReadReport::default()
     };
     Ok(ReadModel { mesh, report })
 }

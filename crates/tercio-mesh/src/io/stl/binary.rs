@@ -103,8 +103,8 @@ pub fn read(input: &Input, options: &ReadOptions) -> Result<ReadModel, ReadError
         format: "STL, binary".into(),
         file_bytes: input.file_bytes,
         faces: records.len() as u64,
-        ignored_points_and_lines: 0,
         warnings,
+        ..ReadReport::default()
     };
     Ok(ReadModel { mesh, report })
 }

@@ -25,10 +25,10 @@ Examples:
 Exit code: 0 success, 1 error, 2 wrong usage.")]
 pub struct Hybris {
     #[command(flatten)]
-    model: ModelArgs,
+    pub(super) model: ModelArgs,
     /// A machine with a heap and tile engines ('tercio lab machines'), or a file.
     #[arg(short, long, value_name = "MACHINE", default_value = "hybris-asic")]
-    machine: String,
+    pub(super) machine: String,
     /// Size of the picture in pixels.
     #[arg(short, long, value_name = "WxH", default_value = "1280x1024", value_parser = values::size)]
     size: (u32, u32),

@@ -26,7 +26,7 @@ Exit code: 0 success, 1 error, 2 wrong usage.")]
 pub struct McManus {
     /// The workload: boxes, or polygons whose boxes are taken.
     #[arg(value_name = "SCENE")]
-    scene: PathBuf,
+    pub(super) scene: PathBuf,
     /// Size of the screen in pixels [default: that of the polygons; 512x512 for boxes].
     #[arg(long, value_name = "WxH", value_parser = values::size)]
     size: Option<(u32, u32)>,

@@ -15,6 +15,7 @@ use clap::{Args, Subcommand};
 use tercio::image::Destination;
 use tercio_lab::workloads::{BoxScene, PolygonScene};
 
+use crate::named_files::NamedFiles;
 use crate::output::write_text;
 
 /// Runs a workload on a published machine, exactly.
@@ -34,12 +35,32 @@ enum Machine {
     Ortega(ortega::Ortega),
 }
 
+impl Machine {
+    /// What is read.
+    fn files(&self) -> NamedFiles {
+        let scene = |scene: &Path| NamedFiles::default().reads("the scene", scene);
+        match self {
+            Self::Ring(ring) => {
+                ring.map.iter().fold(scene(&ring.scene), |files, map| files.reads("--map", map))
+            }
+            Self::Sorting(sorting) => scene(&sorting.scene).reads_machine(&sorting.machine),
+            Self::Hybris(hybris) => {
+                NamedFiles::default().reads_model(&hybris.model.model).reads_machine(&hybris.machine)
+            }
+            Self::Parks(parks) => scene(&parks.scene),
+            Self::Mcmanus(mcmanus) => scene(&mcmanus.scene),
+            Self::Ortega(ortega) => scene(&ortega.scene),
+        }
+    }
+}
+
 impl Simulate {
     /// Runs the subcommand.
     ///
     /// # Errors
     /// What went wrong.
     pub fn run(&self) -> Result<ExitCode> {
+        self.machine.files().prints().ready()?;
         let text = match &self.machine {
             Machine::Ring(machine) => machine.run()?,
             Machine::Sorting(machine) => machine.run()?,

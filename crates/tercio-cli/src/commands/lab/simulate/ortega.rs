@@ -23,7 +23,7 @@ Exit code: 0 success, 1 error, 2 wrong usage.")]
 pub struct Ortega {
     /// The workload.
     #[arg(value_name = "SCENE")]
-    scene: PathBuf,
+    pub(super) scene: PathBuf,
     /// Numbers of processors.
     #[arg(long, value_name = "N,...", default_value = "16384,32768,65536", value_delimiter = ',')]
     #[arg(value_parser = clap::value_parser!(u64).range(1..))]

@@ -27,7 +27,7 @@ Exit code: 0 success, 1 error, 2 wrong usage.")]
 pub struct Parks {
     /// The workload.
     #[arg(value_name = "SCENE")]
-    scene: PathBuf,
+    pub(super) scene: PathBuf,
     /// Parts into which the splitter cuts each side of the screen.
     #[arg(long, value_name = "N")]
     chunks: Option<u32>,

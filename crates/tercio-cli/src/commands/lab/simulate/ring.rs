@@ -28,7 +28,7 @@ Exit code: 0 success, 1 error, 2 wrong usage.")]
 pub struct Ring {
     /// The workload: boxes, or polygons whose boxes are taken.
     #[arg(value_name = "SCENE")]
-    scene: PathBuf,
+    pub(super) scene: PathBuf,
     /// n: processors of the ring.
     #[arg(long, value_name = "N", default_value_t = 1024)]
     processors: u32,
@@ -37,7 +37,7 @@ pub struct Ring {
     size: (u32, u32),
     /// A file that says which processor has which pixels [default: columns from left to right].
     #[arg(long, value_name = "FILE")]
-    map: Option<PathBuf>,
+    pub(super) map: Option<PathBuf>,
     /// m: processors that hold each polygon.
     #[arg(long, value_name = "M", default_value_t = 1)]
     duplication: u32,

@@ -35,7 +35,7 @@ Exit code: 0 success, 1 error (in a file, with its line), 2 wrong usage.")]
 pub struct Sorting {
     /// The workload: boxes, or polygons whose boxes are taken.
     #[arg(value_name = "SCENE")]
-    scene: PathBuf,
+    pub(super) scene: PathBuf,
     /// Size of the screen in pixels [default: that of the polygons, or of the machine; 768x512 for boxes].
     #[arg(short, long, value_name = "WxH", value_parser = values::size)]
     size: Option<(u32, u32)>,
@@ -58,7 +58,7 @@ pub struct Sorting {
     assignment: Vec<AssignmentName>,
     /// A machine with a network and the bytes of what travels ('tercio lab machines'), or a file.
     #[arg(short, long, value_name = "MACHINE", default_value = "princeton-engine")]
-    machine: String,
+    pub(super) machine: String,
     /// Another network than the machine's, with its bandwidth and latency.
     #[arg(long, value_name = "SHAPE", value_enum)]
     network: Option<NetworkName>,

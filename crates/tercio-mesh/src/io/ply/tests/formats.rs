@@ -46,7 +46,8 @@ fn mixed_polygons_know_their_face() {
         assert_eq!(model.mesh.triangles[0], [0, 1, 2]);
         assert_eq!(model.mesh.triangles[3], [3, 2, 1]);
         assert_eq!(model.mesh.face_of_triangle, Some(vec![0, 1, 1, 4]));
-        assert_eq!((model.report.faces, model.report.ignored_points_and_lines), (3, 2));
+        assert_eq!((model.report.faces, model.report.not_drawn.lines), (3, 1));
+        assert!(model.report.warnings[0].contains("no corners"), "{:?}", model.report.warnings);
     }
 }
 
@@ -288,9 +289,14 @@ fn point_clouds_are_counted() {
         rows: vec![one(&[0.0, 1.0]); 2],
     };
     for encoding in ENCODINGS {
-        assert_eq!(read_ok(encode(encoding, &[square()])).report.ignored_points_and_lines, 4);
-        let model = read_ok(encode(encoding, &[square(), edges.clone(), faces(&[])]));
-        assert_eq!(model.report.ignored_points_and_lines, 6);
+        let whole = |sheets: &[Sheet]| {
+            let options = ReadOptions::default();
+            let input = Input::from_bytes("test.ply", encode(encoding, sheets), &options).unwrap();
+            crate::io::read_input(&input, &options).unwrap()
+        };
+        assert_eq!(whole(&[square()]).report.not_drawn.points, 4);
+        let model = whole(&[square(), edges.clone(), faces(&[])]);
+        assert_eq!((model.report.not_drawn.points, model.report.not_drawn.lines), (0, 2));
         assert!(model.mesh.triangles.is_empty() && model.mesh.positions.len() == 4);
         assert_eq!(read_ok(encode(encoding, &[])).mesh.positions.len(), 0);
     }

@@ -132,5 +132,5 @@ fn assert_same(a: &ReadModel, b: &ReadModel) {
     assert_eq!(a.mesh.attributes, b.mesh.attributes);
     assert_eq!(a.mesh.face_of_triangle, b.mesh.face_of_triangle);
     assert_eq!(a.report.faces, b.report.faces);
-    assert_eq!(a.report.ignored_points_and_lines, b.report.ignored_points_and_lines);
+    assert_eq!(a.report.not_drawn, b.report.not_drawn);
 }

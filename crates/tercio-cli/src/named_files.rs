@@ -1,0 +1,145 @@
+//! The files that a command line names. The rule for all commands: no output is an input or another output.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::Result;
+use tercio::image::{Destination, FileIdentity};
+
+use crate::output::{self, UsageError};
+
+/// What a command reads and writes. Names are gathered first, then [`NamedFiles::check`]ed, before anything is read.
+#[derive(Debug, Default)]
+pub struct NamedFiles {
+    read: Vec<Named>,
+    written: Vec<(Named, Destination)>,
+}
+
+#[derive(Debug)]
+struct Named {
+    /// As the command line has it: the option, or what the file is, and its name.
+    words: String,
+    identity: Option<FileIdentity>,
+}
+
+impl NamedFiles {
+    /// Adds a file that is read, `-` for standard input. `what` says what it is: "the model".
+    pub fn reads(mut self, what: &str, path: &Path) -> Self {
+        let named = if path.as_os_str() == "-" {
+            Named {
+                words: format!("{what} from standard input"),
+                identity: FileIdentity::of_standard_input(),
+            }
+        } else {
+            Named { words: format!("{what} {}", path.display()), identity: FileIdentity::of_path(path) }
+        };
+        self.read.push(named);
+        self
+    }
+
+    /// Adds a model; one that is built in is no file.
+    pub fn reads_model(self, path: &Path) -> Self {
+        let is_builtin = path.to_str().is_some_and(|name| name.starts_with("builtin:"));
+        if is_builtin { self } else { self.reads("the model", path) }
+    }
+
+    /// Adds a description of a machine; those that come with the program are no files.
+    pub fn reads_machine(self, name: &str) -> Self {
+        if tercio_lab::machines::NAMES.contains(&name) {
+            self
+        } else {
+            self.reads("the machine", name.as_ref())
+        }
+    }
+
+    /// Adds an output with the option that names it.
+    pub fn writes(mut self, option: &str, destination: &Destination) -> Self {
+        let words = match destination {
+            Destination::Stdout => format!("{option} -"),
+            Destination::File(path) => format!("{option} {}", path.display()),
+        };
+        let identity = FileIdentity::of_destination(destination);
+        self.written.push((Named { words, identity }, destination.clone()));
+        self
+    }
+
+    /// Adds standard output, for commands that print what they found.
+    pub fn prints(mut self) -> Self {
+        let identity = FileIdentity::of_destination(&Destination::Stdout);
+        self.written.push((Named { words: "standard output".into(), identity }, Destination::Stdout));
+        self
+    }
+
+    /// Makes sure that no output is an input or another output.
+    ///
+    /// # Errors
+    /// [`UsageError`] with both names.
+    pub fn check(&self) -> Result<(), UsageError> {
+        for (number, (output, destination)) in self.written.iter().enumerate() {
+            for (other, other_destination) in &self.written[..number] {
+                if (destination, other_destination) == (&Destination::Stdout, &Destination::Stdout) {
+                    let words = [&other.words, &output.words];
+                    return Err(UsageError(format!(
+                        "{} and {}: only one output can go to standard output",
+                        words[0], words[1]
+                    )));
+                }
+                if same(output, other) {
+                    return Err(UsageError(format!(
+                        "{} and {} are the same file: each output needs a file of its own",
+                        other.words, output.words
+                    )));
+                }
+            }
+        }
+        self.check_against(&self.read)
+    }
+
+    /// Makes sure that no output is one of the other files that a model turned out to have.
+    ///
+    /// # Errors
+    /// [`UsageError`] with both names.
+    pub fn check_companions(&self, model: &str, companions: &[PathBuf]) -> Result<(), UsageError> {
+        if self.written.iter().all(|(output, _)| output.identity.is_none()) {
+            return Ok(());
+        }
+        // One that is not there cannot be lost.
+        let there = companions.iter().filter(|path| path.is_file());
+        let named = |path: &PathBuf| Named {
+            words: format!("a material library or texture of {model}"),
+            identity: FileIdentity::of_path(path),
+        };
+        self.check_against(&there.map(named).collect::<Vec<_>>())
+    }
+
+    fn check_against(&self, read: &[Named]) -> Result<(), UsageError> {
+        let pairs = self.written.iter().flat_map(|(output, _)| read.iter().map(move |input| (output, input)));
+        match pairs.into_iter().find(|(output, input)| same(output, input)) {
+            Some((output, input)) => Err(UsageError(format!(
+                "{} and {} are the same file: an output must not be an input",
+                output.words, input.words
+            ))),
+            None => Ok(()),
+        }
+    }
+
+    /// [`NamedFiles::check`] and [`NamedFiles::check_places`].
+    ///
+    /// # Errors
+    /// Those of both.
+    pub fn ready(&self) -> Result<()> {
+        self.check()?;
+        self.check_places()
+    }
+
+    /// Tells before the work begins what cannot be written after it.
+    ///
+    /// # Errors
+    /// The first output whose folder is missing; standard output if it is closed.
+    pub fn check_places(&self) -> Result<()> {
+        self.written.iter().try_for_each(|(_, destination)| output::check(destination))
+    }
+}
+
+fn same(a: &Named, b: &Named) -> bool {
+    a.identity.is_some() && a.identity == b.identity
+}

@@ -1,0 +1,61 @@
+//! What happens when a user or a batch system interrupts the program.
+
+/// From now on a signal that ends the program (INT, TERM, HUP) first removes the partial files, and then ends it as the
+/// signal by itself does, so that a shell sees the status 130, 143 or 129. Signals that the program was started to ignore,
+/// as `nohup` does with HUP, stay ignored.
+pub fn watch() {
+    #[cfg(unix)]
+    on_unix::watch();
+}
+
+#[cfg(unix)]
+mod on_unix {
+    use std::sync::mpsc;
+    use std::thread;
+
+    use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+    use signal_hook::iterator::Signals;
+    use signal_hook::low_level::emulate_default_handler;
+    use tercio::image::remove_partial_files;
+
+    const STACK_BYTES: usize = 128 << 10;
+
+    pub fn watch() {
+        let (ready, is_ready) = mpsc::channel::<()>();
+        let wait = move || {
+            let ignored = ignored_signals();
+            let watched =
+                [SIGINT, SIGTERM, SIGHUP].into_iter().filter(|signal| ignored >> (signal - 1) & 1 == 0);
+            // Without handlers signals end the program as ever.
+            let Ok(mut signals) = Signals::new(watched) else { return };
+            drop(ready);
+            if let Some(signal) = signals.forever().next() {
+                remove_partial_files();
+                let _ = emulate_default_handler(signal);
+            }
+        };
+        // Handlers without a thread that waits for them would swallow the signals: so the thread sets them up.
+        if thread::Builder::new().name("tercio-signals".into()).stack_size(STACK_BYTES).spawn(wait).is_ok() {
+            let _ = is_ready.recv();
+        }
+    }
+
+    /// One bit a signal, the lowest for signal 1; none where the system does not tell.
+    fn ignored_signals() -> u64 {
+        in_status(&std::fs::read_to_string("/proc/self/status").unwrap_or_default()).unwrap_or(0)
+    }
+
+    fn in_status(status: &str) -> Option<u64> {
+        let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"))?;
+        u64::from_str_radix(mask.trim(), 16).ok()
+    }
+
+    #[cfg(test)]
+    mod tests {
+        #[test]
+        fn ignored_signals_are_found() {
+            assert_eq!(super::in_status("SigBlk:\t3\nSigIgn:\t0000000000001001\n"), Some(0x1001));
+            assert_eq!(super::in_status("SigIgn:\tmany"), None);
+        }
+    }
+}

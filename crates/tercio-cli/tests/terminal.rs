@@ -1,0 +1,134 @@
+//! What a terminal is shown, and what a file or a pipe gets instead.
+#![cfg(target_os = "linux")]
+
+mod common;
+
+use std::fs::File;
+use std::io::{BufRead, BufReader, Read, Write};
+use std::process::{Child, Command, Stdio};
+
+use common::{OCTAHEDRON, Place};
+use rustix::fs::{Mode, OFlags, open};
+use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
+
+/// Runs a command whose standard error is a terminal; returns what the terminal was sent. `look` sees what it was sent so
+/// far.
+fn on_terminal(mut command: Command, mut look: impl FnMut(&[u8])) -> String {
+    let controller = openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY).unwrap();
+    grantpt(&controller).unwrap();
+    unlockpt(&controller).unwrap();
+    let name = ptsname(&controller, Vec::new()).unwrap();
+    let terminal = open(name, OFlags::RDWR | OFlags::NOCTTY, Mode::empty()).unwrap();
+    for variable in ["NO_COLOR", "CLICOLOR", "CLICOLOR_FORCE"] {
+        if command.get_envs().all(|(name, _)| name != variable) {
+            command.env_remove(variable);
+        }
+    }
+    let mut child = command.stdout(Stdio::null()).stderr(terminal).spawn().expect("the program starts");
+    // The terminal is open in the child only, so that its end ends the reading.
+    drop(command);
+    let mut shown = Vec::new();
+    let mut part = [0; 4096];
+    // Linux tells the end of a terminal as an error.
+    let mut controller = File::from(controller);
+    while let Ok(n @ 1..) = controller.read(&mut part) {
+        shown.extend_from_slice(&part[..n]);
+        look(&shown);
+    }
+    child.wait().unwrap();
+    String::from_utf8(shown).unwrap()
+}
+
+fn shown(place: &Place, arguments: &str, variables: &[(&str, &str)]) -> String {
+    let mut command = place.command(arguments);
+    command.env("TERM", "xterm").envs(variables.iter().copied());
+    on_terminal(command, |_| {})
+}
+
+/// The word with the control characters round it.
+fn word<'s>(shown: &'s str, word: &str) -> &'s str {
+    let from = shown.find('\u{1b}').unwrap_or(0);
+    let to = shown.find(word).unwrap_or_else(|| panic!("{word} is not in {shown:?}")) + word.len();
+    &shown[from..to]
+}
+
+#[test]
+fn errors_and_warnings_are_coloured_as_usage_errors_are() {
+    let place = Place::new();
+    std::fs::write(place.path("odd.off"), "3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n").unwrap();
+    let usage = shown(&place, "render --no-such-option", &[]);
+    let error = shown(&place, "info missing.ply", &[]);
+    assert!(usage.starts_with('\u{1b}'), "{usage:?}");
+    assert_eq!(word(&error, "error:"), word(&usage, "error:"));
+    let own_usage = shown(&place, "render model.off -o a", &[]);
+    assert_eq!(word(&own_usage, "error:"), word(&usage, "error:"));
+    let warning = shown(&place, "info odd.off", &[]);
+    assert!(warning.contains("\u{1b}[33m") && warning.contains("warning:"), "{warning:?}");
+
+    for variables in [("NO_COLOR", "1"), ("TERM", "dumb")] {
+        for arguments in ["info missing.ply", "info odd.off", "render --no-such-option"] {
+            let plain = shown(&place, arguments, &[variables]);
+            assert!(!plain.contains('\u{1b}') && plain.contains(": "), "{variables:?}: {plain:?}");
+        }
+    }
+    // Elsewhere only whoever asks gets colours.
+    assert!(place.run("info missing.ply").stderr.starts_with("error: "));
+    let forced = place.command("info missing.ply").env("CLICOLOR_FORCE", "1").output().unwrap();
+    assert!(forced.stderr.starts_with(b"\x1b["), "{:?}", String::from_utf8_lossy(&forced.stderr));
+}
+
+/// A run that waits for its model.
+fn waiting(place: &Place, mode: &str) -> Child {
+    let arguments = format!("render - -o a.png --size 32x24 --progress {mode}");
+    let mut command = place.command(&arguments);
+    command.stdin(Stdio::piped()).stdout(Stdio::null()).stderr(Stdio::piped());
+    command.spawn().expect("the program starts")
+}
+
+#[test]
+fn progress_is_told_in_lines_where_there_is_no_terminal() {
+    let place = Place::new();
+    let mut child = waiting(&place, "always");
+    let mut lines = BufReader::new(child.stderr.take().unwrap()).lines();
+    // The model comes when two lines have; if none do, it comes at last, so that the test fails instead of waiting.
+    let mut stdin = child.stdin.take().unwrap();
+    let (told, are_told) = std::sync::mpsc::channel::<()>();
+    let feeder = std::thread::spawn(move || {
+        let _ = are_told.recv_timeout(std::time::Duration::from_secs(30));
+        stdin.write_all(OCTAHEDRON.as_bytes()).unwrap();
+    });
+    let two = [(); 2].map(|()| lines.next().map(Result::unwrap));
+    drop(told);
+    assert_eq!(two, [Some("progress: reading".to_owned()), Some("progress: reading".to_owned())]);
+    feeder.join().unwrap();
+    assert!(child.wait().unwrap().success());
+    for line in lines.map(Result::unwrap) {
+        assert!(line.starts_with("progress: ") && !line.contains(char::is_control), "{line:?}");
+    }
+}
+
+#[test]
+fn progress_is_told_on_terminals_only_unless_asked_for() {
+    let place = Place::new();
+    for mode in ["auto", "never"] {
+        let mut child = waiting(&place, mode);
+        std::thread::sleep(std::time::Duration::from_millis(800));
+        child.stdin.take().unwrap().write_all(OCTAHEDRON.as_bytes()).unwrap();
+        let ended = child.wait_with_output().unwrap();
+        assert_eq!((ended.status.code(), ended.stderr), (Some(0), vec![]), "{mode}");
+    }
+    // A terminal is drawn to, with the control characters that take back what was drawn.
+    let (reader, writer) = std::io::pipe().unwrap();
+    let mut command = place.command("render - -o a.png --size 32x24");
+    command.stdin(reader).env("TERM", "xterm");
+    // The model comes only when the terminal shows that it is waited for.
+    let mut writer = Some(writer);
+    let shown = on_terminal(command, |shown| {
+        if shown.windows(7).any(|part| part == b"reading")
+            && let Some(mut writer) = writer.take()
+        {
+            writer.write_all(OCTAHEDRON.as_bytes()).unwrap();
+        }
+    });
+    assert!(shown.contains('\u{1b}') && !shown.contains("progress:"), "{shown:?}");
+}
