@@ -1,6 +1,6 @@
 //! Is it OBJ? The format has no magic bytes, and its keywords are so short that other texts begin with them.
 //!
-//! What was decided: the first thousand lines that are no comment are looked at. Statements about geometry that
+//! What was decided: the first 250 lines that are no comment and no name are looked at. Statements about geometry that
 //! make sense (a `v` with three numbers, an `f` with indices, and so on) must be there and must be no fewer
 //! than the lines that OBJ does not know. Those lines may begin with one word, and with one more for every eight
 //! statements: programs with keywords of their own repeat them, prose round an example does not. Names and
@@ -16,7 +16,7 @@ use super::transcode;
 const FRONT: usize = 1 << 18;
 
 /// Lines that decide.
-const ENOUGH: u64 = 1000;
+const ENOUGH: u64 = 250;
 
 /// Keywords that [`is_statement`] looks behind.
 const GEOMETRY: [&[u8]; 8] = [b"v", b"vt", b"vn", b"vp", b"f", b"fo", b"l", b"p"];

@@ -161,14 +161,22 @@ fn read_vertices(
             float(cursor)
                 .ok_or_else(|| cursor.expected(file, format!("{what} of vertex {i} of {}", header.vertices)))
         };
-        let (mut position, mut last) = ([0.0; 3], 1.0);
-        for k in 0..header.coordinates {
-            last = number("a coordinate")?;
-            if let Some(x) = position.get_mut(k as usize) {
-                *x = last;
+        let mut position = [0.0; 3];
+        if header.is_plain() {
+            for x in &mut position {
+                *x = number("a coordinate")?;
             }
+        } else {
+            let mut last = 1.0;
+            for k in 0..header.coordinates {
+                last = number("a coordinate")?;
+                if let Some(x) = position.get_mut(k as usize) {
+                    *x = last;
+                }
+            }
+            position = header.position(position, last);
         }
-        vertices.positions.push(header.position(position, last));
+        vertices.positions.push(position);
         if header.normals {
             let mut normal = [0.0; 3];
             for x in &mut normal {
@@ -296,6 +304,7 @@ impl Faces {
     ///
     /// # Errors
     /// More triangles than can be numbered.
+    #[inline]
     pub fn push(
         &mut self,
         file: &str,

@@ -39,6 +39,12 @@ impl Header {
         letters.iter().filter(|l| l.0).map(|l| l.1).chain(["OFF"]).collect()
     }
 
+    /// Are positions three numbers that need no further look?
+    #[inline]
+    pub fn is_plain(&self) -> bool {
+        self.coordinates == 3 && !self.homogeneous
+    }
+
     /// A position from its first three numbers and its last one.
     ///
     /// Homogeneous coordinates are divided; of more than three dimensions the first three are drawn, as Geomview
