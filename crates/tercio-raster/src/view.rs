@@ -13,7 +13,7 @@ use tercio_mesh::{Aabb, ClusteredMesh};
 use tercio_scene::camera::{CameraBasis, CameraError};
 use tercio_scene::{Camera, Instance, Projection};
 
-use crate::conventions::{GUARD, SUBPIXELS};
+use crate::conventions::{GUARD, SMALL_EXTENT, SUBPIXELS};
 
 /// The camera of one frame.
 #[derive(Clone, Debug)]
@@ -182,6 +182,8 @@ impl View {
             right: f(b.right * -along),
             down: f(b.up * along),
             middle: [self.width as i32 * SUBPIXELS / 2, self.height as i32 * SUBPIXELS / 2],
+            // Half of the square's diagonal, and room for rounding.
+            spread: (f64::from(SMALL_EXTENT) * std::f64::consts::FRAC_1_SQRT_2 * along * 1.01 + 1e-3) as f32,
         }
     }
 }
@@ -198,6 +200,16 @@ pub struct Sight {
     pub down: [f32; 3],
     /// Screen coordinates of the middle of the picture.
     pub middle: [i32; 2],
+    /// No direction in a square of [`SMALL_EXTENT`] differs by more from that in the middle of the square.
+    pub spread: f32,
+}
+
+impl Sight {
+    /// The direction at a point, in sub-pixels from the middle of the picture.
+    pub fn at(&self, [x, y]: [i32; 2]) -> [f32; 3] {
+        let [x, y] = [x as f32, y as f32];
+        [0, 1, 2].map(|k| (self.base[k] + self.right[k] * x) + self.down[k] * y)
+    }
 }
 
 /// The factor by which a map scales, if it scales all directions alike.

@@ -109,7 +109,7 @@ pub struct Corners<S: Simd> {
     pub position: [Vec3x16<S>; 3],
     /// No corner is [`SMALL_EXTENT`](crate::conventions::SMALL_EXTENT) sub-pixels or more from its sample.
     pub are_near: bool,
-    /// Normals as [`corner_normal`] has them; only where the mesh has normals.
+    /// Normals as [`unit_normal`] and [`scaled`] have them; only where the mesh has normals.
     pub normal: [Vec3x16<S>; 3],
     /// Linear colours; only where the mesh has colours.
     pub color: [Vec3x16<S>; 3],
@@ -178,7 +178,7 @@ impl<S: Simd> Corners<S> {
         let beyond = mask32x16::from_bitmask(simd, u64::from(corners.beyond));
         corners.normal = each3!(K => {
             let scale = if object.perspective { beyond.select(one, corners.d[K] * object.weight) } else { one };
-            corner_normal(simd, context, object, packed[K], scale)
+            scaled(simd, unit_normal(simd, context, object, packed[K]), scale)
         });
         corners
     }
@@ -205,18 +205,21 @@ impl<S: Simd> Corners<S> {
     }
 }
 
-/// A packed normal in world space, of length 1, times the weight of its corner in a perspective: so it can be interpolated
-/// by areas on the screen. Negated in a mirror image; see [`ObjectView::normal_matrix`].
+/// A packed normal in world space, of length 1. Negated in a mirror image; see [`ObjectView::normal_matrix`].
 #[inline(always)]
-pub fn corner_normal<S: Simd>(
+pub fn unit_normal<S: Simd>(
     simd: S,
     context: &FrameContext,
     object: &ObjectView,
     packed: i32x16<S>,
-    scale: f32x16<S>,
 ) -> Vec3x16<S> {
     let n = to_world(simd, object, decode_normal(simd, packed));
-    let n = normalize(simd, n, beside(simd, &context.lights));
+    normalize(simd, n, beside(simd, &context.lights))
+}
+
+/// A vector times the weight of its corner in a perspective: so it can be interpolated by areas on the screen.
+#[inline(always)]
+pub fn scaled<S: Simd>(simd: S, n: Vec3x16<S>, scale: f32x16<S>) -> Vec3x16<S> {
     part(
         simd,
         #[inline(always)]

@@ -12,7 +12,7 @@ use super::memory::TileMemory;
 use super::output::TilePixels;
 use super::table::ClusterTable;
 use crate::context::FrameContext;
-use crate::simd::{LANES, each3};
+use crate::simd::{LANES, each3, splat};
 
 /// Shades the samples that a cluster of an instance won; none of its triangles is wide.
 #[inline(always)]
@@ -36,9 +36,15 @@ pub fn winners<S: Simd>(
         let sample = memory.samples(simd, places, first_sample);
         let area = near_areas(simd, sample, x, y);
         let normal = weighted(&area, table.look_up_normals(simd, &numbers));
-        let normal = normalize(simd, normal, beside(simd, &context.lights));
-        let sample: [f32x16<S>; 2] = [0, 1].map(|k| (sample[k] + from_middle[k]).to_float());
-        let normal = bend(simd, normal, towards_viewer(simd, &context.lights, sample));
+        let mut normal = normalize(simd, normal, beside(simd, &context.lights));
+        // Normals of triangles that appear clockwise are turned over, because their areas are negative.
+        let (whole, zero) = ((area[0] + area[1]) + area[2], splat(simd, 0.0));
+        let face_viewer = table.face_viewer && !whole.simd_lt(zero).any_true()
+            || table.face_away && !whole.simd_gt(zero).any_true();
+        if !face_viewer {
+            let sample: [f32x16<S>; 2] = [0, 1].map(|k| (sample[k] + from_middle[k]).to_float());
+            normal = bend(simd, normal, towards_viewer(simd, &context.lights, sample));
+        }
         let light = diffuse(simd, &context.lights, normal);
         let levels = opaque(simd, each3!(C => light[C] * color[C])).to_array();
         for lane in 0..LANES {

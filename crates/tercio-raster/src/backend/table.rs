@@ -6,12 +6,13 @@ use tercio_mesh::ClusteredMesh;
 use tercio_mesh::cluster::{Cluster, MAX_VERTICES};
 use tercio_scene::Surface;
 
-use super::corners::{ColorSource, Corners, corner_normal, triangle_color};
+use super::corners::{ColorSource, Corners, scaled, triangle_color, unit_normal};
 use super::light::Vec3x16;
 use crate::color::DECODE;
 use crate::context::FrameContext;
+use crate::conventions::SMALL_EXTENT;
 use crate::frontend::transform::{CornerNumbers, CornerTable, LocalVertices};
-use crate::simd::{LANES, each3, load, lookup, splat};
+use crate::simd::{LANES, dot, each3, live_lanes, load, lookup, splat};
 use crate::view::ObjectView;
 
 /// Positions, normals and colours of a cluster.
@@ -19,8 +20,13 @@ use crate::view::ObjectView;
 pub struct ClusterTable {
     /// The bits of an `f32`: axis, vertex; only where positions are needed.
     position: [[i32; MAX_VERTICES]; 3],
-    /// Normals as [`corner_normal`] has them, likewise; only where the mesh has normals.
+    /// Normals as [`unit_normal`] and [`scaled`] have them, likewise; only where the mesh has normals.
     normal: [[i32; MAX_VERTICES]; 3],
+    /// True only if the normals, and all that are interpolated between them, point to the viewer rather than away,
+    /// wherever in the cluster; of use where the cluster is not wide.
+    pub face_viewer: bool,
+    /// Likewise, that they point away.
+    pub face_away: bool,
     /// Linear colours, likewise; only where the mesh has them at its vertices.
     color: [[i32; MAX_VERTICES]; 3],
 }
@@ -28,7 +34,7 @@ pub struct ClusterTable {
 impl Default for ClusterTable {
     fn default() -> Self {
         let zero = [[0; MAX_VERTICES]; 3];
-        Self { position: zero, normal: zero, color: zero }
+        Self { position: zero, normal: zero, face_viewer: false, face_away: false, color: zero }
     }
 }
 
@@ -45,6 +51,11 @@ impl ClusterTable {
         vertices: &LocalVertices,
     ) {
         let Some(normals) = &mesh.normals else { return };
+        let sight = &context.lights.sight;
+        let from_middle = vertices.from_middle(sight).map(|c| c + SMALL_EXTENT / 2);
+        let to_viewer = sight.at(from_middle);
+        let to_viewer = each3!(K => splat(simd, to_viewer[K]));
+        let (mut not_towards, mut not_away) = (0, 0);
         let mut first = 0;
         while first < usize::from(cluster.vertices) {
             let from = cluster.first_vertex as usize + first;
@@ -57,12 +68,17 @@ impl ClusterTable {
             } else {
                 splat(simd, 1.0)
             };
-            let n = corner_normal(simd, context, object, i32x16::load_array(simd, packed), scale);
+            let n = unit_normal(simd, context, object, i32x16::load_array(simd, packed));
+            let (towards, live) = (dot(n, to_viewer), live_lanes(usize::from(cluster.vertices) - first));
+            not_towards |= !towards.simd_gt(splat(simd, sight.spread)).to_bitmask() as u32 & live;
+            not_away |= !towards.simd_lt(splat(simd, -sight.spread)).to_bitmask() as u32 & live;
+            let n = scaled(simd, n, scale);
             for (to, axis) in self.normal.iter_mut().zip(n) {
                 axis.bitcast::<i32x16<S>>().store_slice(&mut to[first..first + LANES]);
             }
             first += LANES;
         }
+        (self.face_viewer, self.face_away) = (not_towards == 0, not_away == 0);
     }
 
     /// Copies the positions of a cluster.

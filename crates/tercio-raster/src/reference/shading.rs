@@ -100,10 +100,7 @@ pub fn shade(
     // Relative to the pivot, as everything that is measured from the eye.
     let relative = p.map(|p| object.relative(p));
     let position = position_of(mix3(relative));
-    let to_viewer = {
-        let [x, y] = [0, 1].map(|k| (pixel[k] as i32 * SUBPIXELS + SAMPLE - sight.middle[k]) as f32);
-        each(|k| (sight.base[k] + sight.right[k] * x) + sight.down[k] * y)
-    };
+    let to_viewer = sight.at([0, 1].map(|k| pixel[k] as i32 * SUBPIXELS + SAMPLE - sight.middle[k]));
     let normal = match normals {
         Some(normals) if shading != Shading::Flat => {
             let m = [0, 1, 2].map(|k| corner_normal(normals, k));
