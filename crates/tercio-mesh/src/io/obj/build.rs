@@ -1,5 +1,7 @@
 //! From parsed stretches to the mesh.
 
+use std::collections::{HashMap, HashSet};
+
 use rayon::prelude::*;
 
 use crate::error::printable;
@@ -268,26 +270,9 @@ fn add_materials(input: &Input, chunks: &[Chunk], mesh: &mut Mesh, warnings: &mu
     if used.names.is_empty() {
         return;
     }
-    let mut library = Vec::new();
-    let mut asked: Vec<&[u8]> = Vec::new();
-    for &names in chunks.iter().flat_map(|c| &c.libraries) {
-        if asked.contains(&names) {
-            continue;
-        }
-        asked.push(names);
-        match &input.base {
-            Some(base) => mtl::load(base, names, &mut library, warnings),
-            None => {
-                warnings.push("did not look for material libraries: the model comes without a folder".into())
-            }
-        }
-        if asked.len() == MOST_LIBRARIES {
-            warnings.push(format!("did not read more than {MOST_LIBRARIES} material libraries"));
-            break;
-        }
-    }
+    let library = load_libraries(input, chunks, warnings);
     warnings.dedup();
-    let mut by_name = std::collections::HashMap::new();
+    let mut by_name = HashMap::new();
     for (i, material) in library.iter().enumerate().rev() {
         by_name.insert(material.name.as_str(), i);
     }
@@ -323,6 +308,29 @@ fn add_materials(input: &Input, chunks: &[Chunk], mesh: &mut Mesh, warnings: &mu
         mesh.triangle_materials =
             Some(used.spread(mesh.triangles.len(), mesh.face_of_triangle.as_deref(), number));
     }
+}
+
+fn load_libraries(input: &Input, chunks: &[Chunk], warnings: &mut Vec<String>) -> Vec<FileMaterial> {
+    let lines = chunks.iter().flat_map(|c| &c.libraries);
+    let Some(base) = &input.base else {
+        if lines.count() > 0 {
+            warnings.push("did not look for material libraries: the model comes without a folder".into());
+        }
+        return Vec::new();
+    };
+    let mut libraries = mtl::Libraries::new(base);
+    let mut asked = HashSet::new();
+    for &names in lines {
+        if !asked.insert(names) {
+            continue;
+        }
+        libraries.load(names, warnings);
+        if asked.len() == MOST_LIBRARIES {
+            warnings.push(format!("did not read more than {MOST_LIBRARIES} material libraries"));
+            break;
+        }
+    }
+    libraries.materials
 }
 
 /// Each asks the file system several times.

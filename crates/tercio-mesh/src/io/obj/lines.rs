@@ -40,7 +40,8 @@ impl<'a> Iterator for Lines<'a> {
         let mut len = line_length(rest);
         self.number += 1;
         let mut continued = false;
-        while ends_with_backslash(&rest[..len]) && !is_comment(rest) {
+        // Asked once a line: a comment is told by its first ink, which may stand far behind its front.
+        while ends_with_backslash(&rest[..len]) && (continued || !is_comment(rest)) {
             continued = true;
             if len == rest.len() {
                 break;
