@@ -22,7 +22,11 @@ impl Key {
 
     #[cfg(test)]
     pub(crate) fn fixed(seed: u64) -> Self {
-        Self([seed.wrapping_mul(0x9e37_79b9_7f4a_7c15), !seed, seed | 1])
+        let word = |i: u64| {
+            let z = (seed + i).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+            (z ^ z >> 31).wrapping_mul(0xbf58_476d_1ce4_e5b9) ^ z << 17
+        };
+        Self([word(1), word(1 << 20), word(1 << 40) | 1])
     }
 
     /// The hash of three words.
