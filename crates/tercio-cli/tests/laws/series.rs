@@ -223,6 +223,12 @@ fn off(n: usize) -> Vec<u8> {
     format!("OFF\n{} {n} 0\n{vertices}{faces}", n + 2).into_bytes()
 }
 
+/// A large file with a small mesh: numbers of many digits.
+fn digits(n: usize) -> Vec<u8> {
+    let vertices = lines!(n, i => "v {:.600} {:.600} 0.5\n", i as f64 / 7.0, (i * i) as f64 / 3.0);
+    (vertices + &lines!(n - 2, i => "f {} {} {}\n", i + 1, i + 2, i + 3)).into_bytes()
+}
+
 /// A gzip file of many members, most of them empty.
 fn members(n: usize) -> Vec<u8> {
     let compressed = |text: &str| {
@@ -241,7 +247,7 @@ fn bomb(n: usize) -> Vec<u8> {
 }
 
 /// A name, how many of its parts take a moment, and how it is made.
-pub const SERIES: [(&str, usize, Maker); 31] = [
+pub const SERIES: [(&str, usize, Maker); 32] = [
     ("fan.ply", 12_000, fan),
     ("book.ply", 12_000, book),
     ("duplicate_triangles.ply", 12_000, duplicate_triangles),
@@ -267,6 +273,7 @@ pub const SERIES: [(&str, usize, Maker); 31] = [
     ("crossing_star.obj", 6_000, crossing_star),
     ("spiral.obj", 12_000, spiral),
     ("tall.off", 12_000, off),
+    ("digits.obj", 1_000, digits),
     ("members.obj.gz", 2_000, members),
     ("bomb.obj.gz", 20, bomb),
     ("quoted_comments.ply", 3_000, |n| [comments(n), vec![b'\n'; n]].concat()),
