@@ -2,7 +2,7 @@
 
 mod args;
 mod commands;
-mod huge_pages;
+mod ending;
 mod memory;
 mod messages;
 mod mpi;
@@ -22,11 +22,18 @@ use clap::{Parser, Subcommand};
 use tercio::image::{Destination, remove_partial_files};
 
 #[global_allocator]
-static ALLOCATOR: huge_pages::HugePages = huge_pages::HugePages;
+static ALLOCATOR: memory::Allocator = memory::Allocator;
 
 /// Draws very large polygon models without a GPU.
 #[derive(Debug, Parser)]
-#[command(name = "tercio", version, propagate_version = true, max_term_width = 100)]
+#[command(
+    name = "tercio",
+    version,
+    propagate_version = true,
+    max_term_width = 100,
+    after_help = "\
+Exit code: 0 success, 1 error, 2 wrong usage; of compare, as of cmp: 0 the same, 1 different, 2 error or wrong usage."
+)]
 struct Cli {
     #[command(subcommand)]
     command: Command,
@@ -42,26 +49,23 @@ enum Command {
 }
 
 fn main() -> ExitCode {
+    ending::prepare();
+    ending::at_end(remove_partial_files);
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
         Err(answer) => return tell(&answer),
     };
     signals::watch();
-    if cfg!(panic = "abort") {
-        // Nothing is dropped then.
-        let hook = std::panic::take_hook();
-        std::panic::set_hook(Box::new(move |panic| {
-            hook(panic);
-            remove_partial_files();
-        }));
-    }
     let (result, failure) = match cli.command {
         Command::Render(command) => (command.run(), 1),
         Command::Info(command) => (command.run(), 1),
         Command::Bench(command) => (command.run(), 1),
         Command::Lab(command) => (command.run(), 1),
         // As with cmp and diff, 1 says that the pictures differ.
-        Command::Compare(command) => (command.run(), 2),
+        Command::Compare(command) => {
+            ending::set_code(2);
+            (command.run(), 2)
+        }
     };
     result.unwrap_or_else(|error| fail(&error, failure))
 }

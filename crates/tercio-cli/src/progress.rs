@@ -30,6 +30,7 @@ impl Display {
     /// Begins to watch.
     pub fn new(mode: ProgressMode) -> Self {
         let progress = Arc::new(Progress::default());
+        crate::ending::watch(&progress);
         // A terminal that knows no control characters cannot draw a bar over the last one.
         let is_dumb = std::env::var_os("TERM").is_some_and(|term| term == "dumb");
         let can_draw = io::stderr().is_terminal() && !is_dumb;
@@ -39,7 +40,7 @@ impl Display {
             ProgressMode::Always => Some(write_lines as fn(&Progress, &Receiver<()>)),
             ProgressMode::Auto => None,
         };
-        let shower = show.map(|show| {
+        let shower = show.and_then(|show| {
             let (stop, stopped) = mpsc::channel();
             let watched = Arc::clone(&progress);
             let work = move || {
@@ -47,7 +48,8 @@ impl Display {
                     show(&watched, &stopped);
                 }
             };
-            (stop, thread::spawn(work))
+            // Where there is no room for a thread, there is for the work.
+            Some((stop, thread::Builder::new().spawn(work).ok()?))
         });
         Self { progress, shower }
     }

@@ -16,6 +16,7 @@ pub mod builtin;
 pub mod clean;
 pub mod cluster;
 pub mod error;
+mod hash;
 pub mod io;
 pub mod mesh;
 pub mod normals;

@@ -2,12 +2,13 @@
 //!
 //! Vertices are dealt out by the hash of their content into shards small enough for the cache, each shard is
 //! searched for equals by one task, in the order of vertex numbers. So the result does not depend on the
-//! number of threads.
+//! number of threads, nor on the key of the hash.
 
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
 use rayon::prelude::*;
 
+use crate::hash::Key;
 use crate::{AttributeDomain, Mesh};
 
 /// Vertices that one task deals out at a time.
@@ -31,9 +32,10 @@ pub fn weld(mesh: &mut Mesh) -> u64 {
         let mesh = &*mesh;
         let data = VertexData::of(mesh);
         if data.is_empty() {
-            first_equals(&mesh.positions, |_| 0, |_, _| true)
+            first_at_position(&mesh.positions)
         } else {
-            first_equals(&mesh.positions, |v| data.hash(v), |a, b| data.equal(a, b))
+            let key = Key::of_this_run();
+            first_equals(&mesh.positions, key, |v| data.hash(key, v), |a, b| data.equal(a, b))
         }
     };
 
@@ -84,7 +86,7 @@ pub fn position_representatives(mesh: &Mesh) -> Vec<u32> {
 
 /// For each position the place of the first equal one (-0 counts as 0).
 pub(crate) fn first_at_position(positions: &[[f32; 3]]) -> Vec<u32> {
-    first_equals(positions, |_| 0, |_, _| true)
+    first_equals(positions, Key::of_this_run(), |_| 0, |_, _| true)
 }
 
 /// True if no vertex number is used twice and none is unused: a heap of triangles that know nothing of each
@@ -125,18 +127,6 @@ pub(crate) fn position_bits(p: [f32; 3]) -> [u32; 3] {
     p.map(|x| if x == 0.0 { 0 } else { x.to_bits() })
 }
 
-#[inline]
-fn mix(mut h: u64) -> u64 {
-    h = (h ^ (h >> 32)).wrapping_mul(0xD6E8_FEB8_6659_FD93);
-    h = (h ^ (h >> 29)).wrapping_mul(0x9E37_79B9_7F4A_7C15);
-    h ^ (h >> 32)
-}
-
-#[inline]
-pub(crate) fn hash_bits([x, y, z]: [u32; 3]) -> u64 {
-    mix((u64::from(x) | u64::from(y) << 32) ^ u64::from(z).wrapping_mul(0xA24B_AED4_963E_E407))
-}
-
 /// What vertices hold besides their position.
 struct VertexData<'a> {
     normals: &'a [crate::OctNormal],
@@ -167,18 +157,18 @@ impl<'a> VertexData<'a> {
             && self.attributes.is_empty()
     }
 
-    fn hash(&self, v: usize) -> u64 {
+    fn hash(&self, key: Key, v: usize) -> u64 {
         let mut h = 0;
         if let Some(n) = self.normals.get(v) {
-            h = mix(h ^ u64::from(n.0));
+            h = key.add(h, u64::from(n.0));
         }
         if let Some(&c) = self.colors.get(v) {
-            h = mix(h ^ u64::from(u32::from_le_bytes(c)));
+            h = key.add(h, u64::from(u32::from_le_bytes(c)));
         }
         if let Some(t) = self.texcoords.get(v) {
-            h = mix(h ^ (u64::from(t[0].to_bits()) | u64::from(t[1].to_bits()) << 32));
+            h = key.add(h, u64::from(t[0].to_bits()) | u64::from(t[1].to_bits()) << 32);
         }
-        self.attributes.iter().fold(h, |h, a| mix(h ^ u64::from(a[v].to_bits())))
+        self.attributes.iter().fold(h, |h, a| key.add(h, u64::from(a[v].to_bits())))
     }
 
     fn equal(&self, a: usize, b: usize) -> bool {
@@ -202,13 +192,14 @@ struct Dealt {
 /// gives.
 fn first_equals(
     positions: &[[f32; 3]],
+    key: Key,
     data_hash: impl Fn(usize) -> u64 + Sync,
     equal: impl Fn(usize, usize) -> bool + Sync,
 ) -> Vec<u32> {
     let n = positions.len();
     let rounds = n.div_ceil(ROUND).clamp(1, 8);
     let shards = (n / rounds / SHARD).next_power_of_two();
-    let hash = |v: usize| hash_bits(position_bits(positions[v])) ^ data_hash(v);
+    let hash = |v: usize| key.of_three(position_bits(positions[v])) ^ data_hash(v);
     // The hash as a fraction picks the round and the shard; its low half is left for the table.
     let bucket = |h: u64| (((h >> 32) * (rounds * shards) as u64) >> 32) as usize;
 
@@ -362,8 +353,9 @@ mod tests {
 
     #[test]
     fn representatives_are_the_lowest_and_do_not_depend_on_threads() {
-        let positions: Vec<[f32; 3]> =
-            (0..700_000u32).map(|i| [(hash_bits([i, 1, 2]) % 1000) as f32, (i % 97) as f32, 0.5]).collect();
+        let positions: Vec<[f32; 3]> = (0..700_000u32)
+            .map(|i| [(i.wrapping_mul(2_654_435_761) >> 7) as f32 % 1000.0, (i % 97) as f32, 0.5])
+            .collect();
         let mut firsts = std::collections::HashMap::new();
         let expected: Vec<u32> =
             positions.iter().zip(0..).map(|(p, i)| *firsts.entry(p.map(f32::to_bits)).or_insert(i)).collect();
@@ -372,6 +364,16 @@ mod tests {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             assert_eq!(pool.install(|| position_representatives(&mesh)), expected);
         }
+    }
+
+    #[test]
+    fn the_key_changes_nothing_but_the_hash() {
+        let positions: Vec<[f32; 3]> =
+            (0..60_000u32).map(|i| [(i * 7 % 101) as f32, (i % 89) as f32, (i % 3) as f32]).collect();
+        let firsts = |seed| first_equals(&positions, Key::fixed(seed), |_| 0, |_, _| true);
+        let expected = firsts(1);
+        assert!((2..8).all(|seed| firsts(seed) == expected));
+        assert_eq!(first_at_position(&positions), expected);
     }
 
     #[test]

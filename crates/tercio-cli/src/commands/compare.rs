@@ -13,6 +13,7 @@ use crate::args::values;
 use crate::named_files::NamedFiles;
 use crate::output::{UsageError, write_text};
 use crate::report::grouped;
+use crate::{memory, threads};
 
 /// Tells how much two pictures differ.
 #[derive(Debug, Args)]
@@ -52,6 +53,13 @@ impl Compare {
         if self.a == stdin && self.b == stdin {
             return Err(UsageError("standard input holds one picture only: name a file".into()).into());
         }
+        memory::prepare(None);
+        let pool = threads::pool(None)?;
+        memory::limit(None, pool.current_num_threads());
+        pool.install(|| self.compare())
+    }
+
+    fn compare(&self) -> Result<ExitCode> {
         let mut files = NamedFiles::default().reads("the picture", &self.a).reads("the picture", &self.b);
         if let Some(path) = &self.diff {
             if PictureFormat::of_path(path).is_none() {

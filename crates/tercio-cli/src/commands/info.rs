@@ -17,7 +17,7 @@ use crate::named_files::NamedFiles;
 use crate::output::write_text;
 use crate::progress::Display;
 use crate::report::{self, grouped};
-use crate::{memory, messages, threads};
+use crate::{ending, memory, messages};
 
 /// Tells what stands in a model file.
 #[derive(Debug, Args)]
@@ -44,7 +44,8 @@ impl Info {
     /// What went wrong.
     pub fn run(&self) -> Result<ExitCode> {
         NamedFiles::default().reads_model(&self.model.model).prints().ready()?;
-        let pool = threads::pool(self.running.threads)?;
+        ending::name_model(self.model.name());
+        let pool = self.running.pool()?;
         let (loaded, attributes) = pool.install(|| self.load())?;
         let model = self.model.name();
         if !self.running.quiet {

@@ -22,7 +22,7 @@ use crate::args::{ModelArgs, ProgressMode, RunningArgs};
 use crate::named_files::NamedFiles;
 use crate::output::{Plan, UsageError, frame_bytes, write_text};
 use crate::progress::Display;
-use crate::{memory, messages, mpi, nothing_drawn, report, threads};
+use crate::{ending, memory, messages, mpi, nothing_drawn, report};
 
 /// Draws a model into a picture file.
 #[derive(Debug, Args)]
@@ -98,7 +98,8 @@ impl Render {
         settings.check().map_err(|e| UsageError(e.to_string()))?;
         let processes = mpi::processes();
         let drawers = self.ranks.drawers(processes)?;
-        let pool = Arc::new(threads::pool(self.running.threads)?);
+        ending::name_model(self.model.name());
+        let pool = Arc::new(self.running.pool()?);
         let done = match drawers {
             Drawers::Mpi(organisation) => {
                 if processes.is_some_and(|p| p > 1) && self.model.is_standard_input() {

@@ -9,7 +9,8 @@ use fearless_simd::{Level, dispatch};
 use rayon::prelude::*;
 
 use crate::Mesh;
-use crate::weld::{hash_bits, position_bits};
+use crate::hash::Key;
+use crate::weld::position_bits;
 
 const CHUNK: usize = 1 << 15;
 
@@ -153,7 +154,8 @@ fn stitching(mesh: &Mesh, flat: &[(u32, u8)], faulty: &[u32]) -> Vec<bool> {
     // Count their uses by good triangles. A bit per hash of a position spares most look-ups.
     let bits = (flat.len() * 64).next_power_of_two().max(1 << 12);
     let mut met = vec![0u64; bits / 64];
-    let bit = |c: [u32; 3]| hash_bits(c) as usize & (bits - 1);
+    let key = Key::of_this_run();
+    let bit = |c: [u32; 3]| key.of_three(c) as usize & (bits - 1);
     for &(t, _) in flat {
         for c in corners(t) {
             met[bit(c) / 64] |= 1 << (bit(c) % 64);

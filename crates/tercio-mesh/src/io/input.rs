@@ -1,8 +1,9 @@
 //! The bytes of a model file: mapped, read, or decompressed.
 
 use std::fs::File;
-use std::io::{self, Read};
+use std::io::{self, BufRead, Read};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
 use flate2::bufread::GzDecoder;
 use memmap2::Mmap;
@@ -27,8 +28,77 @@ pub struct Input {
 
 #[derive(Debug)]
 enum Content {
-    Mapped(Mmap),
+    Mapped(Mapping),
     Owned(Vec<u8>),
+}
+
+/// Bytes of all [`Mapping`]s that count as memory.
+static MAPPED: AtomicU64 = AtomicU64::new(0);
+
+/// Bytes of model files that stand in the memory of this process as pages that the system could take back, but that
+/// count as its memory. For programs that keep account of what they take.
+pub fn mapped_bytes() -> u64 {
+    MAPPED.load(Relaxed)
+}
+
+/// A mapped file.
+///
+/// A file that is small beside the memory limit counts as memory, whole. Of a larger one the pages are given back while
+/// it is read, so that a file larger than the limit can be read if its mesh is not.
+#[derive(Debug)]
+struct Mapping {
+    map: Mmap,
+    counts: AtomicU64,
+    /// Bytes that were read since pages were given back; `None` where the file counts.
+    read: Option<AtomicU64>,
+}
+
+/// Pages are given back when so many bytes were read.
+const WINDOW: u64 = 2 << 20;
+
+/// The most that a thread should read before it says so.
+const STRETCH: usize = 256 << 10;
+
+impl Mapping {
+    fn new(map: Mmap, options: &ReadOptions) -> Self {
+        let size = map.len() as u64;
+        let is_small = options.memory_limit.is_none_or(|limit| size <= (limit / 16).max(WINDOW));
+        let window = WINDOW + (STRETCH * (rayon::current_num_threads() + 1)) as u64;
+        let counts = if is_small { size } else { window };
+        MAPPED.fetch_add(counts, Relaxed);
+        let counts = AtomicU64::new(counts);
+        Self { map, counts, read: (!is_small).then(|| AtomicU64::new(0)) }
+    }
+
+    /// All of it counts as memory from now on.
+    fn count_all(&self) {
+        let size = self.map.len() as u64;
+        let more = size.saturating_sub(self.counts.swap(size, Relaxed));
+        MAPPED.fetch_add(more, Relaxed);
+    }
+
+    fn was_read(&self, bytes: u64) {
+        let Some(read) = &self.read else { return };
+        let before = read.fetch_add(bytes, Relaxed);
+        if before / WINDOW != (before + bytes) / WINDOW {
+            self.give_back();
+        }
+    }
+
+    #[cfg(unix)]
+    fn give_back(&self) {
+        // SAFETY: the map is of a file and only read, so what other threads read meanwhile comes from the file again.
+        let _ = unsafe { self.map.unchecked_advise(memmap2::UncheckedAdvice::DontNeed) };
+    }
+
+    #[cfg(not(unix))]
+    fn give_back(&self) {}
+}
+
+impl Drop for Mapping {
+    fn drop(&mut self) {
+        MAPPED.fetch_sub(self.counts.load(Relaxed), Relaxed);
+    }
 }
 
 impl Input {
@@ -39,26 +109,70 @@ impl Input {
     pub fn from_bytes(name: &str, bytes: Vec<u8>, options: &ReadOptions) -> Result<Self, ReadError> {
         let file_bytes = bytes.len() as u64;
         let mut warnings = Vec::new();
-        let bytes = if is_gzip(&bytes) { inflate(name, &bytes, options, &mut warnings)? } else { bytes };
+        let bytes = if is_gzip(&bytes) {
+            inflate(name, Compressed { rest: &bytes, mapping: None }, options, &mut warnings)?
+        } else {
+            bytes
+        };
         Ok(Self { name: name.into(), base: None, file_bytes, warnings, content: Content::Owned(bytes) })
     }
 
     /// The content.
     pub fn bytes(&self) -> &[u8] {
         match &self.content {
-            Content::Mapped(map) => map,
+            Content::Mapped(mapping) => &mapping.map,
             Content::Owned(bytes) => bytes,
         }
     }
 
-    /// Bytes of memory that the content holds; a mapped file holds none that the system could not take back.
+    /// Bytes of memory that the content holds; of a mapped file that is large beside the memory limit, those that it
+    /// holds at a time.
     pub fn held_bytes(&self) -> u64 {
         match &self.content {
-            Content::Mapped(_) => 0,
+            Content::Mapped(mapping) => mapping.counts.load(Relaxed),
             Content::Owned(bytes) => bytes.len() as u64,
         }
     }
+
+    /// Tells that so many bytes were gone through, anywhere in the content: their memory may be given back. Readers say
+    /// so about every [`Input::stretch`] bytes, in every pass.
+    pub fn was_read(&self, bytes: usize) {
+        if let Content::Mapped(mapping) = &self.content {
+            mapping.was_read(bytes as u64);
+        }
+    }
+
+    /// All of the content will be in memory at once: it counts so from now on.
+    pub fn count_all(&self) {
+        if let Content::Mapped(mapping) = &self.content {
+            mapping.count_all();
+        }
+    }
+
+    /// Makes sure that a task goes through no more than it should at a time; where a part is longer, all of the content
+    /// counts.
+    ///
+    /// # Errors
+    /// [`ReadError::MemoryLimit`] if that is too much.
+    pub fn check_parts(&self, parts: &[&[u8]], options: &ReadOptions) -> Result<(), ReadError> {
+        if parts.iter().any(|part| part.len() > self.stretch(part.len()).saturating_mul(4)) {
+            self.count_all();
+            options.check_memory(&self.name, "its long lines", self.held_bytes())?;
+        }
+        Ok(())
+    }
+
+    /// The most bytes that a task should go through at a time, of `wanted`.
+    pub fn stretch(&self, wanted: usize) -> usize {
+        match &self.content {
+            Content::Mapped(Mapping { read: Some(_), .. }) => wanted.min(STRETCH),
+            _ => wanted,
+        }
+    }
 }
+
+/// The system's number for it, the same on all of them.
+const OUT_OF_MEMORY: i32 = 12;
 
 fn is_gzip(bytes: &[u8]) -> bool {
     bytes.starts_with(&[0x1f, 0x8b])
@@ -93,13 +207,54 @@ pub fn open(path: &Path, options: &ReadOptions) -> Result<Input, ReadError> {
     }
     // SAFETY: the map is only read. Another process that shortens the file meanwhile ends this one with
     // SIGBUS, as for every program that maps files; no other memory is touched.
-    let map = unsafe { Mmap::map(&file) }.map_err(io_error)?;
+    let map = unsafe { Mmap::map(&file) }.map_err(|error| {
+        io_error(if error.raw_os_error() == Some(OUT_OF_MEMORY) {
+            let reason =
+                format!("the file needs {file_bytes} bytes of the address space, which has fewer left");
+            io::Error::new(io::ErrorKind::OutOfMemory, reason + " (see ulimit -v)")
+        } else {
+            error
+        })
+    })?;
     let mut warnings = Vec::new();
-    let content = match is_gzip(&map) {
-        true => Content::Owned(inflate(&name, &map, options, &mut warnings)?),
-        false => Content::Mapped(map),
+    let mapping = Mapping::new(map, options);
+    let content = if is_gzip(&mapping.map) {
+        let compressed = Compressed { rest: &mapping.map, mapping: Some(&mapping) };
+        Content::Owned(inflate(&name, compressed, options, &mut warnings)?)
+    } else {
+        Content::Mapped(mapping)
     };
     Ok(Input { name, base, file_bytes, warnings, content })
+}
+
+/// Compressed bytes as a stream.
+struct Compressed<'a> {
+    rest: &'a [u8],
+    /// Told what was read.
+    mapping: Option<&'a Mapping>,
+}
+
+impl BufRead for Compressed<'_> {
+    fn fill_buf(&mut self) -> io::Result<&[u8]> {
+        Ok(&self.rest[..self.rest.len().min(STRETCH)])
+    }
+
+    fn consume(&mut self, count: usize) {
+        self.rest = &self.rest[count..];
+        if let Some(mapping) = self.mapping {
+            mapping.was_read(count as u64);
+        }
+    }
+}
+
+impl Read for Compressed<'_> {
+    fn read(&mut self, to: &mut [u8]) -> io::Result<usize> {
+        let count = self.rest.read(to)?;
+        if let Some(mapping) = self.mapping {
+            mapping.was_read(count as u64);
+        }
+        Ok(count)
+    }
 }
 
 /// Reads a stream to its end in steps, so that the memory limit holds for streams of unknown length.
@@ -118,8 +273,12 @@ fn read_on(
     fail: impl Fn(io::Error, usize) -> ReadError,
 ) -> Result<(), ReadError> {
     loop {
+        // In steps of a quarter, because all that a vector could hold counts as taken.
+        let step = (bytes.len() / 4).clamp(1 << 16, 1 << 26);
+        // A little more than is read, so that finding the end needs no room.
+        bytes.reserve_exact(step + 64);
         let got =
-            stream.by_ref().take(1 << 24).read_to_end(bytes).map_err(|error| fail(error, bytes.len()))?;
+            stream.by_ref().take(step as u64).read_to_end(bytes).map_err(|error| fail(error, bytes.len()))?;
         if got == 0 {
             return Ok(());
         }
@@ -134,19 +293,20 @@ fn read_on(
 /// tapes and block devices put zeros behind a file.
 fn inflate(
     name: &str,
-    compressed: &[u8],
+    compressed: Compressed,
     options: &ReadOptions,
     warnings: &mut Vec<String>,
 ) -> Result<Vec<u8>, ReadError> {
     if let Some(p) = options.progress {
         p.begin("decompressing", 0);
     }
-    let (mut bytes, mut rest) = (Vec::new(), compressed);
-    while is_gzip(rest) {
-        let mut member = GzDecoder::new(rest);
+    let (mut bytes, mut left) = (Vec::new(), compressed);
+    while is_gzip(left.rest) {
+        let mut member = GzDecoder::new(left);
         read_on(name, &mut member, options, &mut bytes, |error, held| broken_gzip(name, &error, held))?;
-        rest = member.into_inner();
+        left = member.into_inner();
     }
+    let rest = left.rest;
     if !rest.is_empty() {
         let what = if rest.iter().all(|&b| b == 0) { "zero byte" } else { "byte" };
         warnings.push(format!("ignored {} behind the gzip data", counted(rest.len() as u64, what)));

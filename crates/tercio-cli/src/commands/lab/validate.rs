@@ -95,7 +95,7 @@ impl Validate {
         let who = Who::of(&self.ranks, self.organisation.is_some(), mpi::processes()).map_err(UsageError)?;
         let files = self.files();
         files.check()?;
-        let pool = threads::pool(self.running.threads)?;
+        let pool = self.running.pool()?;
         let holds = match who {
             Who::Threads => self.threads(&pool)?,
             Who::Ranks => self.ranks(&pool)?,

@@ -14,10 +14,10 @@ use tercio_lab::workloads::{BoxScene, MAX_SCREEN_PIXELS, PolygonScene};
 
 use crate::args::camera::CameraArgs;
 use crate::args::{RunningArgs, values};
+use crate::messages;
 use crate::named_files::NamedFiles;
 use crate::output::{UsageError, write_text};
 use crate::progress::Display;
-use crate::{messages, threads};
 
 /// Writes what a machine is given to draw: the boxes or the polygons that a camera sees of a model.
 #[derive(Debug, Args)]
@@ -107,7 +107,7 @@ impl Workload {
         let files = NamedFiles::default().writes("--output", &destination);
         let files = if self.is_model() { files.reads_model(&self.source) } else { files };
         files.ready()?;
-        let pool = threads::pool(self.running.threads)?;
+        let pool = self.running.pool()?;
         let scene = pool.install(|| self.scene(format, &files))?;
         let (text, said) = match &scene {
             Scene::Boxes(scene) => {

@@ -1,5 +1,6 @@
 //! From parsed stretches to the mesh.
 
+use std::collections::{HashMap, HashSet};
 use std::path::PathBuf;
 
 use rayon::prelude::*;
@@ -106,7 +107,7 @@ pub fn build(input: &Input, options: &ReadOptions, parsed: Parsed) -> Result<Rea
     (mesh.origin, mesh.positions) = localize(&positions);
     drop(positions);
 
-    add_names(&chunks, &mut mesh);
+    add_names(input, &chunks, &mut mesh);
     let mut companions = Vec::new();
     add_materials(input, &chunks, &mut mesh, &mut companions, &mut warnings);
     warn_of_ignored(&chunks, &mut warnings);
@@ -249,9 +250,9 @@ fn triangulate(corners: &[u32], sizes: &[u32], positions: &[[f64; 3]]) -> Cut {
 }
 
 /// Groups and objects become attributes where there is more than one.
-fn add_names(chunks: &[Chunk], mesh: &mut Mesh) {
-    let groups = Names::join(chunks, |c| &c.groups);
-    let objects = Names::join(chunks, |c| &c.objects);
+fn add_names(input: &Input, chunks: &[Chunk], mesh: &mut Mesh) {
+    let groups = Names::join(input, chunks, |c| &c.groups);
+    let objects = Names::join(input, chunks, |c| &c.objects);
     for (name, names) in [("group", groups), ("object", objects)] {
         if names.differ() {
             // Faces before the first name count as a group of their own, 0.
@@ -272,30 +273,13 @@ fn add_materials(
     companions: &mut Vec<PathBuf>,
     warnings: &mut Vec<String>,
 ) {
-    let used = Names::join(chunks, |c| &c.materials);
+    let used = Names::join(input, chunks, |c| &c.materials);
     if used.names.is_empty() {
         return;
     }
-    let mut library = Vec::new();
-    let mut asked: Vec<&[u8]> = Vec::new();
-    for &names in chunks.iter().flat_map(|c| &c.libraries) {
-        if asked.contains(&names) {
-            continue;
-        }
-        asked.push(names);
-        match &input.base {
-            Some(base) => mtl::load(base, names, &mut library, companions, warnings),
-            None => {
-                warnings.push("did not look for material libraries: the model comes without a folder".into())
-            }
-        }
-        if asked.len() == MOST_LIBRARIES {
-            warnings.push(format!("did not read more than {MOST_LIBRARIES} material libraries"));
-            break;
-        }
-    }
+    let library = load_libraries(input, chunks, companions, warnings);
     warnings.dedup();
-    let mut by_name = std::collections::HashMap::new();
+    let mut by_name = HashMap::new();
     for (i, material) in library.iter().enumerate().rev() {
         by_name.insert(material.name.as_str(), i);
     }
@@ -331,6 +315,34 @@ fn add_materials(
         mesh.triangle_materials =
             Some(used.spread(mesh.triangles.len(), mesh.face_of_triangle.as_deref(), number));
     }
+}
+
+fn load_libraries(
+    input: &Input,
+    chunks: &[Chunk],
+    companions: &mut Vec<PathBuf>,
+    warnings: &mut Vec<String>,
+) -> Vec<FileMaterial> {
+    let lines = chunks.iter().flat_map(|c| &c.libraries);
+    let Some(base) = &input.base else {
+        if lines.count() > 0 {
+            warnings.push("did not look for material libraries: the model comes without a folder".into());
+        }
+        return Vec::new();
+    };
+    let mut libraries = mtl::Libraries::new(base);
+    let mut asked = HashSet::new();
+    for &names in lines {
+        if !asked.insert(names) {
+            continue;
+        }
+        libraries.load(names, companions, warnings);
+        if asked.len() == MOST_LIBRARIES {
+            warnings.push(format!("did not read more than {MOST_LIBRARIES} material libraries"));
+            break;
+        }
+    }
+    libraries.materials
 }
 
 /// Each asks the file system several times.

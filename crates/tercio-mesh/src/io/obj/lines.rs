@@ -1,5 +1,7 @@
 //! Logical lines: what stands between two line ends, where a backslash at the end goes on with the next line.
 
+use crate::io::text::find;
+
 /// Walks through the logical lines of a stretch of text.
 pub struct Lines<'a> {
     bytes: &'a [u8],
@@ -40,7 +42,8 @@ impl<'a> Iterator for Lines<'a> {
         let mut len = line_length(rest);
         self.number += 1;
         let mut continued = false;
-        while ends_with_backslash(&rest[..len]) && !is_comment(rest) {
+        // Asked once a line: a comment is told by its first ink, which may stand far behind its front.
+        while ends_with_backslash(&rest[..len]) && (continued || !is_comment(rest)) {
             continued = true;
             if len == rest.len() {
                 break;
@@ -103,8 +106,10 @@ pub fn join<'s>(line: &[u8], scratch: &'s mut Vec<u8>) -> &'s [u8] {
     scratch
 }
 
-/// Cuts a text into stretches of about `step` bytes that end where a logical line ends.
-pub fn split(bytes: &[u8], step: usize) -> Vec<&[u8]> {
+/// Cuts a text into stretches of about `step` bytes that end where a logical line ends. `was_read` is told of what is
+/// looked at, as far as it is more than a little.
+pub fn split(bytes: &[u8], step: usize, was_read: impl Fn(usize)) -> Vec<&[u8]> {
+    let line_length = |bytes: &[u8]| find(b'\n', bytes, &was_read).map_or(bytes.len(), |n| n + 1);
     let step = step.max(1);
     let mut parts = Vec::new();
     let mut rest = bytes;
@@ -219,7 +224,7 @@ mod tests {
         let text = b"v 1 2 3\nf 1 \\\n 2 \\\n 3\nv 4 5 6\n";
         let whole: Vec<_> = Lines::new(text, 1).map(|l| l.text).collect();
         for step in 1..text.len() + 1 {
-            let parts = split(text, step);
+            let parts = split(text, step, |_| ());
             assert_eq!(parts.concat(), text);
             let cut: Vec<_> = parts.iter().flat_map(|p| Lines::new(p, 1)).map(|l| l.text).collect();
             assert_eq!(cut, whole, "step {step}");

@@ -2,6 +2,7 @@
 //!
 //! Nothing in a material library keeps a model from being drawn, so what is broken becomes a warning.
 
+use std::collections::HashSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -37,65 +38,110 @@ const OTHER_TEXTURES: [&[u8]; 16] = [
 /// Diffuse colour of a material that states none.
 const DIFFUSE: [f32; 3] = [0.8; 3];
 
-/// Loads the libraries that one `mtllib` line names.
-///
-/// Several names are separated by blanks, but names may hold blanks too, so the longest run of words that is
-/// a file wins. Only files in `base` or reached from it by a relative path are opened.
-///
-/// The libraries and the textures that they name are noted among the `companions`.
-pub fn load(
-    base: &Path,
-    names: &[u8],
-    materials: &mut Vec<FileMaterial>,
-    companions: &mut Vec<PathBuf>,
-    warnings: &mut Vec<String>,
-) {
-    // Each run of words is asked of the file system; the limit keeps a hostile line from asking millions.
-    const MOST_WORDS: usize = 64;
-    let names = String::from_utf8_lossy(names);
-    let words: Vec<&str> = names.split_whitespace().take(MOST_WORDS).collect();
-    let mut first = 0;
-    while first < words.len() {
-        let run = (first + 1..=words.len()).rev().find_map(|end| {
-            let name = words[first..end].join(" ");
-            is_file(base, &name).then_some((name, end))
-        });
-        match run {
-            Some((name, end)) => {
-                let path = base.join(relative(&name));
-                let before = materials.len();
-                load_one(&path, &name, materials, warnings);
-                let textures = materials[before..].iter();
-                let textures = textures.flat_map(|m| m.diffuse_texture.iter().chain(&m.other_textures));
-                companions::note(companions, path.parent().unwrap_or(base), textures);
-                companions.push(path);
-                first = end;
-            }
-            None => {
-                let len = words[first..].iter().position(|w| w.to_ascii_lowercase().ends_with(".mtl"));
-                let end = len.map_or(words.len(), |n| first + n + 1);
-                warnings.push(format!("found no material library \"{}\"", words[first..end].join(" ")));
-                first = end;
+/// A longer name is that of no file on any system.
+const LONGEST_NAME: usize = 4096;
+
+/// Questions about files that one model may ask; each takes as long as reading a hundred lines.
+const MOST_QUESTIONS: usize = 8192;
+
+/// The libraries of one model.
+pub struct Libraries<'a> {
+    base: &'a Path,
+    /// What is loaded already, whatever names lead there.
+    loaded: HashSet<PathBuf>,
+    questions_left: usize,
+    /// What they hold.
+    pub materials: Vec<FileMaterial>,
+}
+
+impl<'a> Libraries<'a> {
+    /// None yet; names count from the folder `base`.
+    pub fn new(base: &'a Path) -> Self {
+        Self { base, loaded: HashSet::new(), questions_left: MOST_QUESTIONS, materials: Vec::new() }
+    }
+
+    /// Loads the libraries that one `mtllib` line names.
+    ///
+    /// Several names are separated by blanks, but names may hold blanks too, so the longest run of words that is
+    /// a file wins. Only files in `base` or reached from it by a relative path are opened.
+    ///
+    /// The libraries and the textures that they name are noted among the `companions`.
+    pub fn load(&mut self, names: &[u8], companions: &mut Vec<PathBuf>, warnings: &mut Vec<String>) {
+        // Each run of words is asked of the file system; the limit keeps a hostile line from asking millions.
+        const MOST_WORDS: usize = 64;
+        let names = String::from_utf8_lossy(names);
+        let words: Vec<&str> = names.split_whitespace().take(MOST_WORDS).collect();
+        let mut first = 0;
+        while first < words.len() {
+            let mut length = 0;
+            let ends = (first + 1..=words.len()).take_while(|&end| {
+                length += words[end - 1].len() + 1;
+                length <= LONGEST_NAME
+            });
+            let ends: Vec<usize> = ends.collect();
+            let run = ends.into_iter().rev().find_map(|end| {
+                let name = words[first..end].join(" ");
+                self.is_file(&name).then_some((name, end))
+            });
+            match run {
+                Some((name, end)) => {
+                    self.load_one(&name, companions, warnings);
+                    first = end;
+                }
+                None => {
+                    let len = words[first..].iter().position(|w| w.to_ascii_lowercase().ends_with(".mtl"));
+                    let end = len.map_or(words.len(), |n| first + n + 1);
+                    let name = shortened(words[first..end].join(" "));
+                    warnings.push(format!("found no material library \"{name}\""));
+                    first = end;
+                }
             }
         }
     }
-}
 
-fn is_file(base: &Path, name: &str) -> bool {
-    fs::metadata(base.join(relative(name))).is_ok_and(|m| m.is_file())
-}
+    fn is_file(&mut self, name: &str) -> bool {
+        if self.questions_left == 0 {
+            return false;
+        }
+        self.questions_left -= 1;
+        fs::metadata(self.base.join(relative(name))).is_ok_and(|m| m.is_file())
+    }
 
-fn load_one(path: &Path, name: &str, materials: &mut Vec<FileMaterial>, warnings: &mut Vec<String>) {
-    match fs::metadata(path) {
-        Ok(m) if m.len() > MAX_BYTES => {
-            warnings.push(format!("did not read the material library \"{name}\": it is too large"));
+    fn load_one(&mut self, name: &str, companions: &mut Vec<PathBuf>, warnings: &mut Vec<String>) {
+        let path = self.base.join(relative(name));
+        // A library that is named again, in whatever way, says nothing new.
+        if let Ok(place) = fs::canonicalize(&path)
+            && !self.loaded.insert(place)
+        {
             return;
         }
-        _ => {}
+        match fs::metadata(&path) {
+            Ok(m) if m.len() > MAX_BYTES => {
+                warnings.push(format!("did not read the material library \"{name}\": it is too large"));
+                return;
+            }
+            _ => {}
+        }
+        match fs::read(&path) {
+            Ok(bytes) => {
+                let before = self.materials.len();
+                parse(name, &transcode::convert(&bytes), &mut self.materials, warnings);
+                let textures = self.materials[before..].iter();
+                let textures = textures.flat_map(|m| m.diffuse_texture.iter().chain(&m.other_textures));
+                companions::note(companions, path.parent().unwrap_or(self.base), textures);
+                companions.push(path);
+            }
+            Err(e) => warnings.push(format!("did not read the material library \"{name}\": {e}")),
+        }
     }
-    match fs::read(path) {
-        Ok(bytes) => parse(name, &transcode::convert(&bytes), materials, warnings),
-        Err(e) => warnings.push(format!("did not read the material library \"{name}\": {e}")),
+}
+
+/// A name for a message.
+fn shortened(name: String) -> String {
+    const MOST: usize = 200;
+    match name.char_indices().nth(MOST) {
+        Some((at, _)) => format!("{}…", &name[..at]),
+        None => name,
     }
 }
 
@@ -271,5 +317,27 @@ mod tests {
         assert_eq!(m[0].diffuse, DIFFUSE);
         assert_eq!(w.len(), 1);
         assert!(w[0].contains("line 1 of") && w[0].contains("4 more"), "{w:?}");
+    }
+
+    #[test]
+    fn a_library_is_read_once_whatever_it_is_called() {
+        let folder = tempfile::tempdir().unwrap();
+        fs::write(folder.path().join("a b.mtl"), "newmtl red\n").unwrap();
+        let mut libraries = Libraries::new(folder.path());
+        let mut warnings = Vec::new();
+        for names in ["a b.mtl", "./a b.mtl ././a b.mtl", "a b.mtl a b.mtl", &"./a b.mtl ".repeat(2000)] {
+            libraries.load(names.as_bytes(), &mut Vec::new(), &mut warnings);
+        }
+        assert_eq!((libraries.materials.len(), warnings.len()), (1, 0));
+        let asked = MOST_QUESTIONS - libraries.questions_left;
+        assert!(asked < 3000, "{asked} questions");
+        // Words of a megabyte are no names; asking for their runs would copy gigabytes.
+        libraries.load(&vec![b'a'; 1 << 20], &mut Vec::new(), &mut warnings);
+        assert!(warnings[0].len() < 300, "{} bytes", warnings[0].len());
+        assert_eq!(MOST_QUESTIONS - libraries.questions_left, asked);
+        for _ in 0..MOST_QUESTIONS {
+            libraries.load(b"missing.mtl", &mut Vec::new(), &mut warnings);
+        }
+        assert_eq!(libraries.questions_left, 0);
     }
 }

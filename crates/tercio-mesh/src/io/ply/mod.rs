@@ -88,7 +88,7 @@ fn read_from(
     options: &ReadOptions,
     warning: Option<String>,
 ) -> Result<ReadModel, ReadError> {
-    let mut header = header::parse(&input.name, bytes)?;
+    let mut header = header::parse(input, bytes)?;
     header.warnings.splice(0..0, warning);
     let text = transcode::unpadded(bytes);
     if header.encoding == Encoding::Ascii && text.len() < bytes.len() {
@@ -97,6 +97,7 @@ fn read_from(
         bytes = text;
     }
     let job = Job {
+        input,
         file: &input.name,
         bytes,
         options,
@@ -126,6 +127,7 @@ fn read_from(
 /// One reading: what is read, and what it has cost and met so far.
 #[derive(Debug)]
 struct Job<'a> {
+    input: &'a Input,
     file: &'a str,
     bytes: &'a [u8],
     options: &'a ReadOptions<'a>,

@@ -125,6 +125,7 @@ pub(super) fn make(
         left += 1;
     }
     let mut plans: Vec<Plan> = Vec::new();
+    let (mut elements, mut lists) = (Ignored::default(), Ignored::default());
     for element in &header.elements {
         let role = match element.name.as_str() {
             "vertex" => Role::Vertices,
@@ -175,7 +176,9 @@ pub(super) fn make(
             Role::Strips => plan.corners = element.list(&INDEX_LISTS),
             // Edges are counted as ignored lines.
             Role::Skipped if element.name != "edge" && element.count > 0 => {
-                warnings.push(format!("{} instances of element {} are ignored", element.count, element.name));
+                elements.tell(warnings, || {
+                    format!("{} instances of element {} are ignored", element.count, element.name)
+                });
             }
             Role::Skipped => {}
         }
@@ -187,13 +190,16 @@ pub(super) fn make(
             for (i, property) in element.properties.iter().enumerate() {
                 let kept = plan.corners == Some(i) || plan.wedges == Some(i);
                 if matches!(property.shape, Shape::List { .. }) && !kept {
-                    warnings
-                        .push(format!("the list property {} of {} is ignored", property.name, element.name));
+                    lists.tell(warnings, || {
+                        format!("the list property {} of {} is ignored", property.name, element.name)
+                    });
                 }
             }
         }
         plans.push(plan);
     }
+    elements.finish(warnings, "elements");
+    lists.finish(warnings, "list properties");
     Ok(plans)
 }
 
@@ -248,11 +254,41 @@ fn colors(element: &Element) -> Option<Field> {
 
 /// Keeps every scalar that has no meaning of its own as an attribute.
 fn add_attributes(element: &Element, fields: &mut Vec<Field>) {
-    for (i, property) in element.properties.iter().enumerate() {
-        let used = fields.iter().any(|f| f.properties.contains(&i));
+    let mut used = vec![false; element.properties.len()];
+    for &i in fields.iter().flat_map(|f| &f.properties) {
+        if let Some(used) = used.get_mut(i) {
+            *used = true;
+        }
+    }
+    for ((i, property), used) in element.properties.iter().enumerate().zip(used) {
         if matches!(property.shape, Shape::One(_)) && !used {
             let name = property.name.clone();
             fields.push(Field { kind: Kind::Attribute, name, properties: vec![i], scale: 1.0 });
+        }
+    }
+}
+
+/// What is left out and told of: the first few by name, the others as a number.
+#[derive(Default)]
+struct Ignored {
+    told: usize,
+    more: u64,
+}
+
+impl Ignored {
+    fn tell(&mut self, warnings: &mut Vec<String>, text: impl FnOnce() -> String) {
+        const MOST: usize = 8;
+        if self.told < MOST {
+            self.told += 1;
+            warnings.push(text());
+        } else {
+            self.more += 1;
+        }
+    }
+
+    fn finish(self, warnings: &mut Vec<String>, what: &str) {
+        if self.more > 0 {
+            warnings.push(format!("{} more {what} are ignored", self.more));
         }
     }
 }

@@ -1,0 +1,333 @@
+//! Polygons to triangles.
+//!
+//! Ear clipping (Meisters, "Polygons have ears", 1975) with a work list: when an ear is cut off, only its
+//! two neighbours can become ears, because what is left lies inside what there was; so every corner is
+//! tested a constant number of times. The corners that can spoil an ear stand in a uniform grid, and in a tree, which
+//! finds the same, where a polygon shows that a grid is not for it.
+//!
+//! Collinear corners are kept as corners of triangles that have an area wherever the polygon allows it:
+//! leaving them out, as many triangulators do, would open T-junctions to the neighbours in the mesh.
+
+mod grid;
+mod plane;
+mod tree;
+
+use grid::Grid;
+use plane::{newell_normal, orient, projection_axes, quad};
+use tree::Tree;
+
+/// Polygons of so many corners may have a tree in place of the grid.
+const MANY: usize = 512;
+
+/// They have one from this many looks into the grid a corner on.
+const LOOKS_INTO_GRID: u64 = 24;
+
+/// How many looks at possible spoilers a corner of a polygon may cost on average before validity is given
+/// up for an end in sight. Polygons of up to twice as many corners are never cut short.
+const LOOKS_PER_CORNER: u64 = 4096;
+
+/// The same for the search of imperfect ears in polygons that have a tree.
+const STEPS_PER_CORNER: u64 = 64;
+
+/// Turns polygons into triangles; keeps its working memory from one polygon to the next.
+#[derive(Default)]
+pub struct Triangulator {
+    /// The corners in the plane, turned to be counter-clockwise.
+    points: Vec<[f64; 2]>,
+    /// The corners not yet cut off, as a ring.
+    prev: Vec<u32>,
+    next: Vec<u32>,
+    role: Vec<Role>,
+    /// Corners to test, each once: an entry counts only if it is the corner's `latest`.
+    queue: Vec<u32>,
+    latest: Vec<u32>,
+    grid: Grid,
+    tree: Tree,
+    has_tree: bool,
+    /// Points and rows of cells that are looked at before there is a tree.
+    grid_looks_left: u64,
+    /// What the grid is made of; kept for its memory.
+    members: Vec<u32>,
+    /// Corners that turned reflex after the grid was made; only in polygons that cross themselves.
+    late: Vec<u32>,
+    /// Number of corners with [`Role::Blocker`].
+    blockers: usize,
+    looks_left: u64,
+    steps_left: u64,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Role {
+    Convex,
+    /// Flat or reflex: may lie inside another corner's ear.
+    Blocker,
+    Gone,
+}
+
+/// What is asked of an ear; each step asks less, for polygons that cross or touch themselves.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd)]
+enum Demand {
+    /// A positive area and no other corner inside or on the edge.
+    Clear,
+    /// A positive area and no other corner inside.
+    Touching,
+    /// A positive area.
+    Convex,
+    Nothing,
+}
+
+impl Demand {
+    fn less(self) -> Self {
+        match self {
+            Self::Clear => Self::Touching,
+            Self::Touching => Self::Convex,
+            _ => Self::Nothing,
+        }
+    }
+
+    /// Does a point at such a distance from an edge (positive to the left) stand on the triangle's side of it?
+    #[inline]
+    fn is_inside(self, side: f64) -> bool {
+        if self == Self::Clear { side >= 0.0 } else { side > 0.0 }
+    }
+
+    /// Does a blocker at this position spoil the ear? Another corner at the very position of one of these three
+    /// touches; it does not spoil.
+    #[inline]
+    fn is_spoilt(self, [a, b, c]: [[f64; 2]; 3], q: [f64; 2]) -> bool {
+        let sides = [orient(a, b, q), orient(b, c, q), orient(c, a, q)];
+        match self {
+            Self::Clear => sides.iter().all(|&s| s >= 0.0) && q != a && q != b && q != c,
+            _ => sides.iter().all(|&s| s > 0.0),
+        }
+    }
+}
+
+impl Triangulator {
+    /// Hands the triangles of a polygon to `emit`, as numbers of its corners, wound like the polygon.
+    ///
+    /// There are always exactly `corners.len() - 2` of them (none for fewer than three corners), and each
+    /// keeps the cyclic order of its corners. If the polygon is simple and planar, they cover it exactly and
+    /// all have a positive area. Corners that repeat their neighbour's position yield triangles without
+    /// area; so may polygons that touch themselves. The triangles of polygons that cross themselves overlap.
+    ///
+    /// Quadrilaterals are cut along the shorter of the diagonals that lie inside. Larger polygons are
+    /// projected along the coordinate axis closest to their Newell normal, which, unlike the projection along
+    /// the normal itself, keeps coordinates exact and so collinear corners collinear.
+    ///
+    /// Time is linear in the number of corners but for a logarithm. Of the polygons that cross themselves some would
+    /// take longer; of these some triangles are cut without asking what lies inside. Non-finite coordinates give some
+    /// triangles.
+    pub fn triangulate(&mut self, corners: &[[f64; 3]], mut emit: impl FnMut([usize; 3])) {
+        match corners {
+            [] | [_] | [_, _] => {}
+            [_, _, _] => emit([0, 1, 2]),
+            &[a, b, c, d] => quad([a, b, c, d]).into_iter().for_each(emit),
+            _ => {
+                self.begin(corners, MANY);
+                self.cut(corners.len(), &mut emit);
+            }
+        }
+    }
+
+    /// Cuts `left` corners into triangles.
+    fn cut(&mut self, mut left: usize, emit: &mut impl FnMut([usize; 3])) {
+        let mut read = 0;
+        // Where the search for imperfect ears stands, and how far it has come since the last one.
+        let (mut cursor, mut fruitless) = (0u32, 0);
+        let mut demand = Demand::Clear;
+
+        while left > 2 {
+            let ear = if let Some(&i) = self.queue.get(read) {
+                read += 1;
+                if self.latest[i as usize] as usize != read - 1 || !self.is_ear(i, Demand::Clear) {
+                    continue;
+                }
+                i
+            } else {
+                // No perfect ear is left, so the polygon is not simple (or rounding made it so).
+                if demand < Demand::Convex && self.looks_left == 0 {
+                    demand = Demand::Convex;
+                }
+                if fruitless > left {
+                    demand = demand.less();
+                    fruitless = 0;
+                }
+                if self.has_tree {
+                    self.steps_left = self.steps_left.saturating_sub(1);
+                    if self.steps_left == 0 {
+                        demand = Demand::Nothing;
+                    }
+                }
+                let i = cursor;
+                cursor = self.next[i as usize];
+                fruitless += 1;
+                if !self.is_ear(i, demand) {
+                    continue;
+                }
+                fruitless = 0;
+                i
+            };
+
+            let (p, n) = (self.prev[ear as usize], self.next[ear as usize]);
+            emit([p as usize, ear as usize, n as usize]);
+            left -= 1;
+            self.remove(ear);
+            if cursor == ear {
+                cursor = n;
+            }
+            if self.has_tree && demand > Demand::Clear {
+                // Not the whole way round to the corner that has just changed.
+                cursor = p;
+            }
+            for i in [p, n] {
+                self.update_role(i);
+                self.latest[i as usize] = self.queue.len() as u32;
+                self.queue.push(i);
+            }
+        }
+    }
+
+    /// Projects the corners and fills the work list.
+    fn begin(&mut self, corners: &[[f64; 3]], many: usize) {
+        let n = corners.len();
+        let count = u32::try_from(n).expect("a polygon's corners are numbered in 32 bits");
+        let normal = newell_normal(corners);
+        let [x, y] = projection_axes(corners, normal);
+        let first = corners[0];
+        self.points.clear();
+        self.points.extend(corners.iter().map(|c| [c[x] - first[x], c[y] - first[y]]));
+
+        self.prev.clear();
+        self.prev.extend((0..count).map(|i| if i == 0 { count - 1 } else { i - 1 }));
+        self.next.clear();
+        self.next.extend((0..count).map(|i| if i + 1 == count { 0 } else { i + 1 }));
+        self.queue.clear();
+        self.queue.extend(0..count);
+        self.latest.clear();
+        self.latest.extend(0..count);
+        self.late.clear();
+        self.looks_left = LOOKS_PER_CORNER * n as u64;
+        self.steps_left = STEPS_PER_CORNER * n as u64;
+        self.role.clear();
+        self.role.resize(n, Role::Convex);
+        self.blockers = 0;
+        for i in 0..n {
+            if !self.turns_left(i) {
+                self.role[i] = Role::Blocker;
+                self.blockers += 1;
+            }
+        }
+        self.grid.clear();
+        self.has_tree = false;
+        self.grid_looks_left = if n < many { u64::MAX } else { LOOKS_INTO_GRID * n as u64 };
+        if self.blockers > 0 {
+            self.rebuild_grid(0);
+        }
+    }
+
+    fn turns_left(&self, i: usize) -> bool {
+        let (p, n) = (self.prev[i] as usize, self.next[i] as usize);
+        orient(self.points[p], self.points[i], self.points[n]) > 0.0
+    }
+
+    fn update_role(&mut self, i: u32) {
+        let now = if self.turns_left(i as usize) { Role::Convex } else { Role::Blocker };
+        let role = &mut self.role[i as usize];
+        let before = std::mem::replace(role, now);
+        match (before, now) {
+            (Role::Blocker, Role::Convex) => self.blockers -= 1,
+            (Role::Convex, Role::Blocker) => {
+                self.blockers += 1;
+                if !self.has_tree {
+                    self.late.push(i);
+                }
+            }
+            _ => return,
+        }
+        if self.has_tree {
+            self.tree.set(i, now == Role::Blocker);
+        }
+    }
+
+    fn remove(&mut self, i: u32) {
+        let (p, n) = (self.prev[i as usize], self.next[i as usize]);
+        self.next[p as usize] = n;
+        self.prev[n as usize] = p;
+        if self.role[i as usize] == Role::Blocker {
+            self.blockers -= 1;
+            if self.has_tree {
+                self.tree.set(i, false);
+            }
+        }
+        self.role[i as usize] = Role::Gone;
+    }
+
+    /// The grid gets coarser as the polygon gets simpler: late ears are large and would meet many cells.
+    fn rebuild_grid(&mut self, any_left: u32) {
+        self.late.clear();
+        self.members.clear();
+        let mut i = any_left;
+        loop {
+            if self.role[i as usize] == Role::Blocker {
+                self.members.push(i);
+            }
+            i = self.next[i as usize];
+            if i == any_left {
+                break;
+            }
+        }
+        self.grid.fill(&self.points, &self.members);
+        self.grid_looks_left = self.grid_looks_left.saturating_sub(self.members.len() as u64);
+    }
+
+    fn plant_tree(&mut self) {
+        self.tree.fill(&self.points);
+        for (i, _) in (0..).zip(&self.role).filter(|(_, role)| **role == Role::Blocker) {
+            self.tree.set(i, true);
+        }
+        self.has_tree = true;
+        self.late.clear();
+    }
+
+    fn is_ear(&mut self, i: u32, demand: Demand) -> bool {
+        let (p, n) = (self.prev[i as usize], self.next[i as usize]);
+        let [a, b, c] = [p, i, n].map(|k| self.points[k as usize]);
+        // A repeated corner or a spike without width is best got rid of before it stands in anyone's way.
+        if a == b || b == c || a == c || demand == Demand::Nothing {
+            return true;
+        }
+        if self.role[i as usize] != Role::Convex {
+            return false;
+        }
+        if self.blockers == 0 || demand == Demand::Convex {
+            return true;
+        }
+        if self.looks_left == 0 {
+            return false;
+        }
+        if !self.has_tree && self.grid_looks_left == 0 {
+            self.plant_tree();
+        }
+        let (mut looks, mut rows) = (0, 0);
+        let blocked = if self.has_tree {
+            self.tree.spoils([a, b, c], demand, &mut looks)
+        } else {
+            if self.blockers * 2 < self.grid.filled || self.late.len() > 32 {
+                self.rebuild_grid(i);
+            }
+            let (points, role) = (&self.points, &self.role);
+            let mut blocks = |w: u32| {
+                looks += 1;
+                role[w as usize] == Role::Blocker && demand.is_spoilt([a, b, c], points[w as usize])
+            };
+            self.late.iter().any(|&w| blocks(w)) || self.grid.any_near([a, b, c], &mut rows, &mut blocks)
+        };
+        self.grid_looks_left = self.grid_looks_left.saturating_sub(looks + rows);
+        self.looks_left = self.looks_left.saturating_sub(looks);
+        !blocked
+    }
+}
+
+#[cfg(test)]
+mod tests;
