@@ -23,7 +23,7 @@
 //!
 //! - [`load`] reads a model (PLY, OBJ, STL, OFF, each also gzip-compressed, or a built-in one), repairs it,
 //!   makes the normals it lacks and cuts it into clusters, which is what a renderer draws. [`load_mesh`]
-//!   stops before the cutting, for programs that want the [`mesh::Mesh`] itself.
+//!   stops before the cutting, for programs that want the [`mesh::Mesh`] itself. [`load_input`] reads from memory.
 //! - [`scene`] places meshes in the world, lights them and frames them with a camera.
 //! - [`raster`] draws. A [`raster::Renderer`] keeps its memory from frame to frame.
 //! - [`parallel`] draws with several ranks, which share a frame and send each other messages.
@@ -36,7 +36,10 @@ pub mod image;
 mod load;
 mod summary;
 
-pub use load::{LoadError, LoadOptions, LoadReport, LoadTimes, Loaded, LoadedMesh, Normals, load, load_mesh};
+pub use load::{
+    LoadError, LoadOptions, LoadReport, LoadTimes, Loaded, LoadedMesh, Normals, load, load_input, load_mesh,
+    load_mesh_input,
+};
 pub use summary::{AttributeSummary, MeshSummary};
 
 pub use tercio_mesh as mesh;

@@ -8,6 +8,7 @@ use serde::Serialize;
 use tercio_mesh::builtin::{self, BuiltinError};
 use tercio_mesh::clean::{self, Cleaned};
 use tercio_mesh::cluster::{self, ClusteredMesh, Order, PartitionOptions};
+use tercio_mesh::io::input::Input;
 use tercio_mesh::io::{self, ReadOptions, ReadReport};
 use tercio_mesh::mesh::MAX_ELEMENTS;
 use tercio_mesh::topology::{self, Topology};
@@ -129,8 +130,25 @@ pub enum LoadError {
 /// # Errors
 /// [`LoadError`], which names the file and the place in it.
 pub fn load(model: &Path, options: &LoadOptions) -> Result<Loaded, LoadError> {
+    cut(model, options, || read(model, options))
+}
+
+/// Loads a model as [`load`] does, from a file that is open already or from bytes in memory.
+///
+/// # Errors
+/// [`LoadError`], which names the input and the place in it.
+pub fn load_input(input: &Input, options: &LoadOptions) -> Result<Loaded, LoadError> {
+    cut(input.name.as_ref(), options, || read_input(input, options))
+}
+
+/// Everything from reading to clusters.
+fn cut(
+    model: &Path,
+    options: &LoadOptions,
+    read: impl FnOnce() -> Result<(Mesh, ReadReport), LoadError>,
+) -> Result<Loaded, LoadError> {
     let all = Instant::now();
-    let LoadedMesh { mut mesh, mut report } = read_and_repair(model, options)?;
+    let LoadedMesh { mut mesh, mut report } = read_and_repair(model, options, read)?;
     let wanted = wanted_normals(&mesh, options);
     if let Some(crease_angle @ None) = wanted {
         make_normals(&mut mesh, crease_angle, options, &mut report);
@@ -170,8 +188,25 @@ pub fn load(model: &Path, options: &LoadOptions) -> Result<Loaded, LoadError> {
 /// # Errors
 /// [`LoadError`], which names the file and the place in it.
 pub fn load_mesh(model: &Path, options: &LoadOptions) -> Result<LoadedMesh, LoadError> {
+    uncut(model, options, || read(model, options))
+}
+
+/// Loads a model as [`load_input`] does, but does not cut it into clusters.
+///
+/// # Errors
+/// [`LoadError`], which names the input and the place in it.
+pub fn load_mesh_input(input: &Input, options: &LoadOptions) -> Result<LoadedMesh, LoadError> {
+    uncut(input.name.as_ref(), options, || read_input(input, options))
+}
+
+/// Everything from reading to normals.
+fn uncut(
+    model: &Path,
+    options: &LoadOptions,
+    read: impl FnOnce() -> Result<(Mesh, ReadReport), LoadError>,
+) -> Result<LoadedMesh, LoadError> {
     let all = Instant::now();
-    let LoadedMesh { mut mesh, mut report } = read_and_repair(model, options)?;
+    let LoadedMesh { mut mesh, mut report } = read_and_repair(model, options, read)?;
     if let Some(crease_angle) = wanted_normals(&mesh, options) {
         make_normals(&mut mesh, crease_angle, options, &mut report);
     }
@@ -205,18 +240,31 @@ fn make_normals(mesh: &mut Mesh, crease_angle: Option<f64>, options: &LoadOption
     report.times.normals = milliseconds(start);
 }
 
+fn read(model: &Path, options: &LoadOptions) -> Result<(Mesh, ReadReport), LoadError> {
+    if let Some(name) = model.to_str().filter(|m| m.starts_with("builtin:")) {
+        return make_builtin(name, options);
+    }
+    let options = ReadOptions { memory_limit: options.memory_limit, progress: options.progress };
+    begin_stage(options.progress, "reading", 0);
+    let model = io::read(model, &options)?;
+    Ok((model.mesh, model.report))
+}
+
+fn read_input(input: &Input, options: &LoadOptions) -> Result<(Mesh, ReadReport), LoadError> {
+    let options = ReadOptions { memory_limit: options.memory_limit, progress: options.progress };
+    begin_stage(options.progress, "reading", 0);
+    let model = io::read_input(input, &options)?;
+    Ok((model.mesh, model.report))
+}
+
 /// Everything up to the normals.
-fn read_and_repair(model: &Path, options: &LoadOptions) -> Result<LoadedMesh, LoadError> {
+fn read_and_repair(
+    model: &Path,
+    options: &LoadOptions,
+    read: impl FnOnce() -> Result<(Mesh, ReadReport), LoadError>,
+) -> Result<LoadedMesh, LoadError> {
     let start = Instant::now();
-    let (mut mesh, read) = match model.to_str().filter(|m| m.starts_with("builtin:")) {
-        Some(name) => make_builtin(name, options)?,
-        None => {
-            let options = ReadOptions { memory_limit: options.memory_limit, progress: options.progress };
-            begin_stage(options.progress, "reading", 0);
-            let model = io::read(model, &options)?;
-            (model.mesh, model.report)
-        }
-    };
+    let (mut mesh, read) = read()?;
     let mut report = LoadReport { read, file_normals: mesh.normals.is_some(), ..LoadReport::default() };
     report.times.read = milliseconds(start);
     check_size(model, &mesh)?;
