@@ -73,7 +73,10 @@ pub fn draw_bytes(bytes: &[u8]) {
             assert_same(&drawn, &expected, "the reference");
             assert_same(&otherwise, &expected, "another partition, scalar");
         }
-        (Err(a), Err(b), Err(c)) => assert!(a == b && b == c, "{a}\n{b}\n{c}"),
+        (Err(a), Err(b), Err(c)) => {
+            let [a, b, c] = [a, b, c].map(|error| error.to_string());
+            assert!(a == b && b == c, "{a}\n{b}\n{c}");
+        }
         (a, b, c) => panic!("{:?}, {:?}, {:?}", a.err(), b.err(), c.err()),
     }
 }
@@ -96,6 +99,7 @@ fn camera(scene: &Scene, view: usize) -> Camera {
     let bounds = scene.bounds();
     match view % 4 {
         0 => framed,
+        _ if bounds.is_empty() => framed,
         1 => Framing { fov_y: None, elevation: -30.0, ..framing }.camera_for_scene(scene),
         2 => Camera {
             eye: bounds.center(),
