@@ -137,7 +137,10 @@ impl Line {
 
     fn mistake(&mut self, panic: &PanicHookInfo) {
         self.put(format_args!("this is a mistake of tercio, please report it: "));
-        self.put(format_args!("{}", panic.payload_as_str().unwrap_or("a panic")));
+        let payload = panic.payload();
+        let text = payload.downcast_ref::<&str>().copied();
+        let text = text.or_else(|| payload.downcast_ref::<String>().map(String::as_str));
+        self.put(format_args!("{}", text.unwrap_or("a panic")));
         if let Some(place) = panic.location() {
             self.put(format_args!(" ({place})"));
         }

@@ -49,7 +49,7 @@ macro_rules! lines {
 const TRIANGLE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
 
 fn round(i: usize, n: usize) -> [f32; 3] {
-    let angle = i as f32 / n as f32 * 6.28;
+    let angle = i as f32 / n as f32 * 6.25;
     [angle.cos(), angle.sin(), (i % 3) as f32 * 0.1]
 }
 

@@ -53,18 +53,18 @@ struct Mapping {
     read: Option<AtomicU64>,
 }
 
-/// Pages are given back when so many bytes were read.
-const WINDOW: u64 = 2 << 20;
-
-/// The most that a thread should read before it says so.
+/// The most that a thread should read before it says so; pages are given back each time.
 const STRETCH: usize = 256 << 10;
+
+/// Reading one byte of a file may bring in so many: file systems keep files in large pieces.
+const PIECE: u64 = 2 << 20;
 
 impl Mapping {
     fn new(map: Mmap, options: &ReadOptions) -> Self {
         let size = map.len() as u64;
-        let is_small = options.memory_limit.is_none_or(|limit| size <= (limit / 16).max(WINDOW));
-        let window = WINDOW + (STRETCH * (rayon::current_num_threads() + 1)) as u64;
-        let counts = if is_small { size } else { window };
+        let is_small = options.memory_limit.is_none_or(|limit| size <= (limit / 16).max(PIECE));
+        let at_a_time = PIECE * (rayon::current_num_threads() as u64 + 1);
+        let counts = if is_small { size } else { size.min(at_a_time) };
         MAPPED.fetch_add(counts, Relaxed);
         let counts = AtomicU64::new(counts);
         Self { map, counts, read: (!is_small).then(|| AtomicU64::new(0)) }
@@ -80,7 +80,8 @@ impl Mapping {
     fn was_read(&self, bytes: u64) {
         let Some(read) = &self.read else { return };
         let before = read.fetch_add(bytes, Relaxed);
-        if before / WINDOW != (before + bytes) / WINDOW {
+        let stretch = STRETCH as u64;
+        if before / stretch != (before + bytes) / stretch {
             self.give_back();
         }
     }

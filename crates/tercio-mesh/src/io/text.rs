@@ -176,7 +176,7 @@ pub fn find(byte: u8, bytes: &[u8], was_read: impl Fn(usize)) -> Option<usize> {
 }
 
 /// Cuts a text into about `pieces` stretches that end at line ends, for parsing on several cores. `was_read` is told of
-/// what is looked at, as far as it is more than a little.
+/// all that one went over.
 pub fn split_lines(bytes: &[u8], pieces: usize, was_read: impl Fn(usize)) -> Vec<&[u8]> {
     let step = (bytes.len() / pieces.max(1)).max(1 << 16);
     let mut parts = Vec::new();
@@ -184,6 +184,7 @@ pub fn split_lines(bytes: &[u8], pieces: usize, was_read: impl Fn(usize)) -> Vec
     while rest.len() > step {
         let Some(n) = find(b'\n', &rest[step..], &was_read) else { break };
         let (part, tail) = rest.split_at(step + n + 1);
+        was_read(part.len());
         parts.push(part);
         rest = tail;
     }

@@ -106,8 +106,8 @@ pub fn join<'s>(line: &[u8], scratch: &'s mut Vec<u8>) -> &'s [u8] {
     scratch
 }
 
-/// Cuts a text into stretches of about `step` bytes that end where a logical line ends. `was_read` is told of what is
-/// looked at, as far as it is more than a little.
+/// Cuts a text into stretches of about `step` bytes that end where a logical line ends. `was_read` is told of all
+/// that one went over.
 pub fn split(bytes: &[u8], step: usize, was_read: impl Fn(usize)) -> Vec<&[u8]> {
     let line_length = |bytes: &[u8]| find(b'\n', bytes, &was_read).map_or(bytes.len(), |n| n + 1);
     let step = step.max(1);
@@ -120,6 +120,7 @@ pub fn split(bytes: &[u8], step: usize, was_read: impl Fn(usize)) -> Vec<&[u8]> 
             cut += line_length(&rest[cut..]);
         }
         let (part, tail) = rest.split_at(cut);
+        was_read(part.len());
         parts.push(part);
         rest = tail;
     }

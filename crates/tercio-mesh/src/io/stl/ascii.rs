@@ -58,6 +58,7 @@ fn split(text: &[u8], step: usize, was_read: impl Fn(usize)) -> Vec<&[u8]> {
             }
         }
         let (part, tail) = rest.split_at(cut);
+        was_read(part.len());
         parts.push(part);
         rest = tail;
     }
