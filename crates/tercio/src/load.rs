@@ -199,10 +199,10 @@ fn read_and_repair(model: &Path, options: &LoadOptions) -> Result<LoadedMesh, Lo
     let mut report = LoadReport { read, file_normals: mesh.normals.is_some(), ..LoadReport::default() };
     report.times.read = milliseconds(start);
     check_size(model, &mesh)?;
-    check_memory(model, options, "the model and its making ready", preparation_bytes(&mesh))?;
-
     // Asked before cleaning, which may leave vertices that no triangle uses.
     let is_soup = weld::is_soup(&mesh);
+    let needed = preparation_bytes(&mesh, is_soup, options);
+    check_memory(model, options, "the model and its making ready", needed)?;
     begin(options, "cleaning", 0);
     let start = Instant::now();
     report.cleaned = clean::clean(&mut mesh);
@@ -241,10 +241,15 @@ fn check_size(model: &Path, mesh: &Mesh) -> Result<(), ReadError> {
     }
 }
 
-/// Positions and numbers, and as much again with 12 bytes more an element for welding, for the triangles in
-/// blocks or for those at each vertex.
-fn preparation_bytes(mesh: &Mesh) -> u64 {
-    (mesh.positions.len() as u64 + mesh.triangles.len() as u64) * (12 + 12 + 12)
+/// The mesh, and the most that one of the next steps takes beside it: joining vertices, which deals them out with their
+/// hashes; the triangles at each vertex; or the triangles in blocks, with their order and a normal a vertex. What
+/// creases and seams take more depends on the model.
+fn preparation_bytes(mesh: &Mesh, is_soup: bool, options: &LoadOptions) -> u64 {
+    let (vertices, triangles) = (mesh.positions.len() as u64, mesh.triangles.len() as u64);
+    let joining = if is_soup { 24 * vertices } else { 0 };
+    let edges = if options.topology { 16 * vertices + 12 * triangles } else { 0 };
+    let blocks = 8 * vertices + 10 * triangles;
+    MeshSummary::bytes_of(mesh) + joining.max(edges).max(blocks)
 }
 
 /// Mesh and clusters stand in memory side by side while one is made from the other. Vertices that clusters

@@ -51,6 +51,11 @@ impl MeshSummary {
         }
     }
 
+    /// Bytes of memory that the arrays of a mesh hold.
+    pub(crate) fn bytes_of(mesh: &Mesh) -> u64 {
+        bytes(mesh)
+    }
+
     /// Looks at a mesh that stands in blocks, as if it stood in one piece.
     pub(crate) fn of_blocks(blocks: &BlockedMesh) -> Self {
         let triangles = blocks.triangle_count() as u64;

@@ -3,6 +3,7 @@
 use std::fs::File;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
 use flate2::read::MultiGzDecoder;
 use memmap2::Mmap;
@@ -24,8 +25,78 @@ pub struct Input {
 
 #[derive(Debug)]
 enum Content {
-    Mapped(Mmap),
+    Mapped(Mapping),
     Owned(Vec<u8>),
+}
+
+/// Bytes of all [`Mapping`]s that count as memory.
+static MAPPED: AtomicU64 = AtomicU64::new(0);
+
+/// Bytes of model files that stand in the memory of this process as pages that the system could take back, but that
+/// count as its memory. For programs that keep account of what they take.
+pub fn mapped_bytes() -> u64 {
+    MAPPED.load(Relaxed)
+}
+
+/// A mapped file.
+///
+/// A file that is small beside the memory limit counts as memory, whole. Of a larger one the pages are given back while
+/// it is read, so that a file larger than the limit can be read if its mesh is not.
+#[derive(Debug)]
+struct Mapping {
+    map: Mmap,
+    counts: AtomicU64,
+    /// Bytes that were read since pages were given back; `None` where the file counts.
+    read: Option<AtomicU64>,
+}
+
+/// The most that a thread should read before it says so; pages are given back each time.
+const STRETCH: usize = 256 << 10;
+
+/// Reading one byte of a file may bring in so many: file systems keep files in large pieces.
+const PIECE: u64 = 2 << 20;
+
+impl Mapping {
+    fn new(map: Mmap, options: &ReadOptions) -> Self {
+        let size = map.len() as u64;
+        let is_small = options.memory_limit.is_none_or(|limit| size <= (limit / 16).max(PIECE));
+        let at_a_time = PIECE * (rayon::current_num_threads() as u64 + 1);
+        let counts = if is_small { size } else { size.min(at_a_time) };
+        MAPPED.fetch_add(counts, Relaxed);
+        let counts = AtomicU64::new(counts);
+        Self { map, counts, read: (!is_small).then(|| AtomicU64::new(0)) }
+    }
+
+    /// All of it counts as memory from now on.
+    fn count_all(&self) {
+        let size = self.map.len() as u64;
+        let more = size.saturating_sub(self.counts.swap(size, Relaxed));
+        MAPPED.fetch_add(more, Relaxed);
+    }
+
+    fn was_read(&self, bytes: u64) {
+        let Some(read) = &self.read else { return };
+        let before = read.fetch_add(bytes, Relaxed);
+        let stretch = STRETCH as u64;
+        if before / stretch != (before + bytes) / stretch {
+            self.give_back();
+        }
+    }
+
+    #[cfg(unix)]
+    fn give_back(&self) {
+        // SAFETY: the map is of a file and only read, so what other threads read meanwhile comes from the file again.
+        let _ = unsafe { self.map.unchecked_advise(memmap2::UncheckedAdvice::DontNeed) };
+    }
+
+    #[cfg(not(unix))]
+    fn give_back(&self) {}
+}
+
+impl Drop for Mapping {
+    fn drop(&mut self) {
+        MAPPED.fetch_sub(self.counts.load(Relaxed), Relaxed);
+    }
 }
 
 impl Input {
@@ -42,19 +113,59 @@ impl Input {
     /// The content.
     pub fn bytes(&self) -> &[u8] {
         match &self.content {
-            Content::Mapped(map) => map,
+            Content::Mapped(mapping) => &mapping.map,
             Content::Owned(bytes) => bytes,
         }
     }
 
-    /// Bytes of memory that the content holds; a mapped file holds none that the system could not take back.
+    /// Bytes of memory that the content holds; of a mapped file that is large beside the memory limit, those that it
+    /// holds at a time.
     pub fn held_bytes(&self) -> u64 {
         match &self.content {
-            Content::Mapped(_) => 0,
+            Content::Mapped(mapping) => mapping.counts.load(Relaxed),
             Content::Owned(bytes) => bytes.len() as u64,
         }
     }
+
+    /// Tells that so many bytes were gone through, anywhere in the content: their memory may be given back. Readers say
+    /// so about every [`Input::stretch`] bytes, in every pass.
+    pub fn was_read(&self, bytes: usize) {
+        if let Content::Mapped(mapping) = &self.content {
+            mapping.was_read(bytes as u64);
+        }
+    }
+
+    /// All of the content will be in memory at once: it counts so from now on.
+    pub fn count_all(&self) {
+        if let Content::Mapped(mapping) = &self.content {
+            mapping.count_all();
+        }
+    }
+
+    /// Makes sure that a task goes through no more than it should at a time; where a part is longer, all of the content
+    /// counts.
+    ///
+    /// # Errors
+    /// [`ReadError::MemoryLimit`] if that is too much.
+    pub fn check_parts(&self, parts: &[&[u8]], options: &ReadOptions) -> Result<(), ReadError> {
+        if parts.iter().any(|part| part.len() > self.stretch(part.len()).saturating_mul(4)) {
+            self.count_all();
+            options.check_memory(&self.name, "its long lines", self.held_bytes())?;
+        }
+        Ok(())
+    }
+
+    /// The most bytes that a task should go through at a time, of `wanted`.
+    pub fn stretch(&self, wanted: usize) -> usize {
+        match &self.content {
+            Content::Mapped(Mapping { read: Some(_), .. }) => wanted.min(STRETCH),
+            _ => wanted,
+        }
+    }
 }
+
+/// The system's number for it, the same on all of them.
+const OUT_OF_MEMORY: i32 = 12;
 
 fn is_gzip(bytes: &[u8]) -> bool {
     bytes.starts_with(&[0x1f, 0x8b])
@@ -88,19 +199,51 @@ pub fn open(path: &Path, options: &ReadOptions) -> Result<Input, ReadError> {
     }
     // SAFETY: the map is only read. Another process that shortens the file meanwhile ends this one with
     // SIGBUS, as for every program that maps files; no other memory is touched.
-    let map = unsafe { Mmap::map(&file) }.map_err(io_error)?;
-    let content =
-        if is_gzip(&map) { Content::Owned(inflate(&name, &map[..], options)?) } else { Content::Mapped(map) };
+    let map = unsafe { Mmap::map(&file) }.map_err(|error| {
+        io_error(if error.raw_os_error() == Some(OUT_OF_MEMORY) {
+            let reason =
+                format!("the file needs {file_bytes} bytes of the address space, which has fewer left");
+            io::Error::new(io::ErrorKind::OutOfMemory, reason + " (see ulimit -v)")
+        } else {
+            error
+        })
+    })?;
+    let mapping = Mapping::new(map, options);
+    let content = if is_gzip(&mapping.map) {
+        Content::Owned(inflate(&name, Pages { mapping: &mapping, at: 0 }, options)?)
+    } else {
+        Content::Mapped(mapping)
+    };
     Ok(Input { name, base, file_bytes, content })
+}
+
+/// A mapped file as a stream.
+struct Pages<'a> {
+    mapping: &'a Mapping,
+    at: usize,
+}
+
+impl Read for Pages<'_> {
+    fn read(&mut self, to: &mut [u8]) -> io::Result<usize> {
+        let mut rest = self.mapping.map.get(self.at..).unwrap_or_default();
+        let count = rest.read(to)?;
+        self.at += count;
+        self.mapping.was_read(count as u64);
+        Ok(count)
+    }
 }
 
 /// Reads a stream to its end in steps, so that the memory limit holds for streams of unknown length.
 fn read_all(name: &str, mut stream: impl Read, options: &ReadOptions) -> Result<Vec<u8>, ReadError> {
     let mut bytes = Vec::new();
     loop {
+        // In steps of a quarter, because all that a vector could hold counts as taken.
+        let step = (bytes.len() / 4).clamp(1 << 16, 1 << 26);
+        // A little more than is read, so that finding the end needs no room.
+        bytes.reserve_exact(step + 64);
         let got = stream
             .by_ref()
-            .take(1 << 24)
+            .take(step as u64)
             .read_to_end(&mut bytes)
             .map_err(|source| ReadError::Io { file: name.into(), source })?;
         if got == 0 {
@@ -113,7 +256,7 @@ fn read_all(name: &str, mut stream: impl Read, options: &ReadOptions) -> Result<
     }
 }
 
-fn inflate(name: &str, compressed: &[u8], options: &ReadOptions) -> Result<Vec<u8>, ReadError> {
+fn inflate(name: &str, compressed: impl Read, options: &ReadOptions) -> Result<Vec<u8>, ReadError> {
     if let Some(p) = options.progress {
         p.begin("decompressing", 0);
     }

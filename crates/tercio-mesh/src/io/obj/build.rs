@@ -95,7 +95,7 @@ pub fn build(input: &Input, options: &ReadOptions, parsed: Parsed) -> Result<Rea
     (mesh.origin, mesh.positions) = localize(&positions);
     drop(positions);
 
-    add_names(&chunks, &mut mesh);
+    add_names(input, &chunks, &mut mesh);
     add_materials(input, &chunks, &mut mesh, &mut warnings);
     warn_of_ignored(&chunks, &mut warnings);
     let report = ReadReport {
@@ -249,9 +249,9 @@ fn triangulate(corners: &[u32], sizes: &[u32], positions: &[[f64; 3]]) -> Cut {
 }
 
 /// Groups and objects become attributes where there is more than one.
-fn add_names(chunks: &[Chunk], mesh: &mut Mesh) {
-    let groups = Names::join(chunks, |c| &c.groups);
-    let objects = Names::join(chunks, |c| &c.objects);
+fn add_names(input: &Input, chunks: &[Chunk], mesh: &mut Mesh) {
+    let groups = Names::join(input, chunks, |c| &c.groups);
+    let objects = Names::join(input, chunks, |c| &c.objects);
     for (name, names) in [("group", groups), ("object", objects)] {
         if names.differ() {
             // Faces before the first name count as a group of their own, 0.
@@ -266,7 +266,7 @@ fn add_names(chunks: &[Chunk], mesh: &mut Mesh) {
 /// Looks up the materials that faces use. One that no library defines is warned of and stays without number,
 /// because a made-up colour would pass for one of the file.
 fn add_materials(input: &Input, chunks: &[Chunk], mesh: &mut Mesh, warnings: &mut Vec<String>) {
-    let used = Names::join(chunks, |c| &c.materials);
+    let used = Names::join(input, chunks, |c| &c.materials);
     if used.names.is_empty() {
         return;
     }

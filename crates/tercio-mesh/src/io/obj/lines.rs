@@ -1,5 +1,7 @@
 //! Logical lines: what stands between two line ends, where a backslash at the end goes on with the next line.
 
+use crate::io::text::find;
+
 /// Walks through the logical lines of a stretch of text.
 pub struct Lines<'a> {
     bytes: &'a [u8],
@@ -104,8 +106,10 @@ pub fn join<'s>(line: &[u8], scratch: &'s mut Vec<u8>) -> &'s [u8] {
     scratch
 }
 
-/// Cuts a text into stretches of about `step` bytes that end where a logical line ends.
-pub fn split(bytes: &[u8], step: usize) -> Vec<&[u8]> {
+/// Cuts a text into stretches of about `step` bytes that end where a logical line ends. `was_read` is told of all
+/// that one went over.
+pub fn split(bytes: &[u8], step: usize, was_read: impl Fn(usize)) -> Vec<&[u8]> {
+    let line_length = |bytes: &[u8]| find(b'\n', bytes, &was_read).map_or(bytes.len(), |n| n + 1);
     let step = step.max(1);
     let mut parts = Vec::new();
     let mut rest = bytes;
@@ -116,6 +120,7 @@ pub fn split(bytes: &[u8], step: usize) -> Vec<&[u8]> {
             cut += line_length(&rest[cut..]);
         }
         let (part, tail) = rest.split_at(cut);
+        was_read(part.len());
         parts.push(part);
         rest = tail;
     }
@@ -220,7 +225,7 @@ mod tests {
         let text = b"v 1 2 3\nf 1 \\\n 2 \\\n 3\nv 4 5 6\n";
         let whole: Vec<_> = Lines::new(text, 1).map(|l| l.text).collect();
         for step in 1..text.len() + 1 {
-            let parts = split(text, step);
+            let parts = split(text, step, |_| ());
             assert_eq!(parts.concat(), text);
             let cut: Vec<_> = parts.iter().flat_map(|p| Lines::new(p, 1)).map(|l| l.text).collect();
             assert_eq!(cut, whole, "step {step}");

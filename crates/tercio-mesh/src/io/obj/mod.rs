@@ -77,7 +77,10 @@ pub fn read(input: &Input, options: &ReadOptions) -> Result<ReadModel, ReadError
     let text = transcode::text(input, options)?;
     // Small enough to share the work evenly, large enough that the arrays of a stretch are worth having.
     let step = (text.len() / (8 * rayon::current_num_threads())).clamp(1 << 16, 1 << 22);
-    read_stretches(input, options, &lines::split(&text, step))
+    let step = input.stretch(step);
+    let parts = lines::split(&text, step, |bytes| input.was_read(bytes));
+    input.check_parts(&parts, options)?;
+    read_stretches(input, options, &parts)
 }
 
 fn read_stretches(input: &Input, options: &ReadOptions, parts: &[&[u8]]) -> Result<ReadModel, ReadError> {
@@ -85,7 +88,14 @@ fn read_stretches(input: &Input, options: &ReadOptions, parts: &[&[u8]]) -> Resu
     if let Some(p) = options.progress {
         p.begin("parsing", bytes);
     }
-    let counts: Vec<Counts> = parts.par_iter().map(|part| Counts::of(part)).collect();
+    let counts: Vec<Counts> = parts
+        .par_iter()
+        .map(|part| {
+            let counts = Counts::of(part);
+            input.was_read(part.len());
+            counts
+        })
+        .collect();
     let total = counts.iter().fold(Counts::default(), |sum, &c| sum.plus(c));
     check_counts(input, options, &total)?;
 
@@ -108,6 +118,7 @@ fn read_stretches(input: &Input, options: &ReadOptions, parts: &[&[u8]]) -> Resu
         .into_par_iter()
         .map(|(part, context, slots)| {
             let chunk = parse::parse(part, &context, slots);
+            input.was_read(part.len());
             if let Some(p) = options.progress {
                 p.advance(part.len() as u64);
             }

@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 
 use super::parse::{Chunk, NameFrom};
+use crate::io::input::Input;
 
 /// Names over all faces of the file.
 #[derive(Debug, Default)]
@@ -16,7 +17,11 @@ pub struct Names<'a> {
 
 impl<'a> Names<'a> {
     /// Joins what the stretches hold. Names that no face uses are left out.
-    pub fn join<'c>(chunks: &'c [Chunk<'a>], of: impl Fn(&'c Chunk<'a>) -> &'c [NameFrom<'a>]) -> Self
+    pub fn join<'c>(
+        input: &Input,
+        chunks: &'c [Chunk<'a>],
+        of: impl Fn(&'c Chunk<'a>) -> &'c [NameFrom<'a>],
+    ) -> Self
     where
         'a: 'c,
     {
@@ -34,6 +39,10 @@ impl<'a> Names<'a> {
                 }
             }
             faces += u64::from(chunk.corners.faces());
+            // Names stand in the file, wherever they are asked for.
+            if !of(chunk).is_empty() {
+                input.was_read(input.stretch(usize::MAX).min(1 << 20));
+            }
         }
         all.retain(|&(face, _)| face < faces);
         let mut numbers = HashMap::new();

@@ -247,7 +247,7 @@ proptest! {
         let input = input(text.as_bytes());
         let options = ReadOptions::default();
         let whole = read_stretches(&input, &options, &[text.as_bytes()]);
-        let apart = read_stretches(&input, &options, &lines::split(text.as_bytes(), step));
+        let apart = read_stretches(&input, &options, &lines::split(text.as_bytes(), step, |_| ()));
         prop_assert_eq!(format!("{whole:?}"), format!("{apart:?}"));
     }
 

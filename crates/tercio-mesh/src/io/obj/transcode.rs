@@ -41,6 +41,7 @@ fn encoding(bytes: &[u8]) -> Encoding {
 pub fn text<'a>(input: &'a Input, options: &ReadOptions) -> Result<Cow<'a, [u8]>, ReadError> {
     let bytes = input.bytes();
     if needs_copy(bytes) {
+        input.count_all();
         let copy = bytes.len() as u64 / 2 * 3;
         options.check_memory(&input.name, "the decoded text", input.held_bytes() + copy)?;
     }

@@ -8,8 +8,8 @@ use crate::{Mesh, OctNormal, ReadError};
 
 use super::header::{Header, float, integer, line_is_over, skip_to_word};
 
-/// Lines between two reports of progress.
-const STEP: u64 = 1 << 14;
+/// Bytes between two reports of progress.
+const STEP: usize = 1 << 16;
 
 /// Colours as they stand in the file, and how large their numbers become.
 #[derive(Default)]
@@ -22,17 +22,21 @@ struct Colors {
 
 /// Tells how far the cursor has come, from time to time.
 struct Reporter<'a> {
+    input: &'a Input,
     options: &'a ReadOptions<'a>,
     told: usize,
 }
 
 impl Reporter<'_> {
-    fn tell(&mut self, element: u64, cursor: &Cursor) {
-        if element.is_multiple_of(STEP)
-            && let Some(p) = self.options.progress
-        {
-            p.advance((cursor.offset() - self.told) as u64);
+    #[inline]
+    fn tell(&mut self, cursor: &Cursor) {
+        if cursor.offset() - self.told >= STEP {
+            let read = cursor.offset() - self.told;
             self.told = cursor.offset();
+            self.input.was_read(read);
+            if let Some(p) = self.options.progress {
+                p.advance(read as u64);
+            }
         }
     }
 }
@@ -78,7 +82,7 @@ pub fn read(
     if let Some(p) = options.progress {
         p.begin("parsing", (cursor.offset() + cursor.rest().len()) as u64);
     }
-    let mut reporter = Reporter { options, told: 0 };
+    let mut reporter = Reporter { input, options, told: 0 };
     let file = input.name.as_str();
     let vertices = read_vertices(file, header, &mut cursor, &mut reporter)?;
     let faces = read_faces(input, header, &mut cursor, &vertices.positions, &mut reporter)?;
@@ -189,7 +193,7 @@ fn read_vertices(
             let v = number("a texture coordinate")? as f32;
             vertices.texcoords.push([u, v]);
         }
-        reporter.tell(i, cursor);
+        reporter.tell(cursor);
     }
     Ok(vertices)
 }
@@ -237,6 +241,7 @@ fn read_faces(
         };
         polygon.clear();
         for _ in 0..corners {
+            reporter.tell(cursor);
             skip_to_word(cursor);
             let before = cursor.clone();
             match integer(cursor).and_then(|v| u32::try_from(v).ok()) {
@@ -272,7 +277,7 @@ fn read_faces(
         }
         faces.faces.resize(faces.triangles.len(), faces.kept as u32);
         faces.kept += 1;
-        reporter.tell(i, cursor);
+        reporter.tell(cursor);
     }
     Ok(faces)
 }

@@ -7,11 +7,13 @@
 //! their header declares, line by line with the surplus left out.
 
 use std::borrow::Cow;
+use std::sync::atomic::Ordering::Relaxed;
 
 use rayon::prelude::*;
 
 use super::Job;
 use super::header::{Element, Header};
+use super::layout::TELL;
 use super::plan::{Plan, Role};
 use super::row::{Row, Spacing, Trouble};
 use super::table::{Lists, Slots, Table, put_row};
@@ -22,6 +24,8 @@ use crate::io::text::{Cursor, split_lines};
 pub(super) fn read(job: &Job, header: &Header, plans: &[Plan]) -> Result<Vec<Table>, ReadError> {
     let mut body = Cow::Borrowed(job.bytes.get(header.body..).unwrap_or_default());
     if header.carriage_returns {
+        job.input.count_all();
+        job.held.store(job.input.held_bytes(), Relaxed);
         job.reserve("the content", body.len() as u64)?;
         body.to_mut().iter_mut().filter(|b| **b == b'\r').for_each(|b| *b = b'\n');
     }
@@ -139,9 +143,15 @@ struct Stretch {
 
 /// One instance a line, all threads.
 fn in_parallel(text: &Text) -> Result<Reading, Trouble> {
-    let chunks = split_lines(text.body, rayon::current_num_threads() * 8);
-    let lines: Vec<usize> =
-        chunks.par_iter().map(|chunk| chunk.iter().filter(|&&b| b == b'\n').count()).collect();
+    let step = (text.body.len() / (rayon::current_num_threads() * 8)).max(1);
+    let pieces = text.body.len() / text.job.input.stretch(step);
+    let chunks = split_lines(text.body, pieces, |bytes| text.job.input.was_read(bytes));
+    text.job.input.check_parts(&chunks, text.job.options).map_err(Trouble::Wrong)?;
+    let lines = |chunk: &&[u8]| {
+        text.job.input.was_read(chunk.len());
+        chunk.iter().filter(|&&b| b == b'\n').count()
+    };
+    let lines: Vec<usize> = chunks.par_iter().map(lines).collect();
 
     let mut tables = text.tables();
     let mut slots: Vec<Vec<Slots>> = tables.iter_mut().map(Table::slots).collect();
@@ -175,6 +185,7 @@ fn in_parallel(text: &Text) -> Result<Reading, Trouble> {
                 lists.push((segment.element, read_segment(text, segment, &mut cursor)?));
             }
             text.job.advance(chunk.len() as u64);
+            text.job.input.was_read(chunk.len());
             cursor.skip_space();
             Ok(Stretch { lists, trailing: !cursor.is_at_end() })
         })
@@ -219,7 +230,12 @@ fn in_sequence(text: &Text, spacing: Spacing) -> Result<Reading, Trouble> {
         let mut lists = Lists::default();
         let mut slots = table.slots();
         let mut values = vec![0.0; parser.width()];
+        let mut told = cursor.offset();
         for row in 0..plan.rows {
+            if cursor.offset() - told >= TELL {
+                text.job.input.was_read(cursor.offset() - told);
+                told = cursor.offset();
+            }
             cursor.skip_space();
             parser.parse(&mut cursor, row, &mut values, &mut lists)?;
             put_row(plan, &mut slots, row, &values);

@@ -6,11 +6,15 @@ use rayon::prelude::*;
 
 use super::direct;
 use super::header::{Element, Header, Scalar, Shape};
-use super::layout::{self, BLOCK, Layout, list_length};
+use super::layout::{self, BLOCK, Layout, TELL, list_length};
 use super::plan::{Field, Plan, Role};
 use super::table::{Lists, Slots, Table, put_row};
 use super::{Job, malformed};
 use crate::error::{Place, ReadError};
+use crate::io::input::Input;
+
+/// Items of a list that are read before it is told.
+const LONG: usize = 1 << 14;
 
 /// Instances decoded at once: their columns stay in the first-level cache.
 const STEP: usize = 512;
@@ -18,6 +22,7 @@ const STEP: usize = 512;
 /// A binary file.
 #[derive(Debug)]
 pub(super) struct Binary<'a> {
+    pub(super) input: &'a Input,
     pub(super) file: &'a str,
     pub(super) bytes: &'a [u8],
     pub(super) big: bool,
@@ -85,7 +90,7 @@ fn decode_column(ty: Scalar, big: bool, rows: &[u8], stride: usize, offset: usiz
 
 /// Reads all elements.
 pub(super) fn read(job: &Job, header: &Header, plans: &[Plan], big: bool) -> Result<Vec<Table>, ReadError> {
-    let binary = Binary { file: job.file, bytes: job.bytes, big };
+    let binary = Binary { input: job.input, file: job.file, bytes: job.bytes, big };
     let mut at = header.body;
     let mut tables = Vec::with_capacity(plans.len());
     for (element, plan) in header.elements.iter().zip(plans) {
@@ -158,14 +163,18 @@ impl Uniform<'_> {
             let from = self.at + first * self.stride;
             let bytes = self.binary.bytes.get(from..from + here * self.stride).unwrap_or_default();
             let mut columns = [[0.0; STEP]; 4];
-            for step in (0..here).step_by(STEP) {
-                let bytes = bytes.get(step * self.stride..).unwrap_or_default();
-                self.fields(&mut slots, step, STEP.min(here - step), bytes, &mut columns);
-            }
-            for (triangles, bytes) in triangles.chunks_mut(STEP).zip(bytes.chunks(STEP * self.stride)) {
-                if !self.triangles(triangles, bytes, &mut columns) {
-                    good.store(false, Relaxed);
+            let step = (job.input.stretch(STEP * self.stride) / self.stride).max(1);
+            for first in (0..here).step_by(step) {
+                let bytes = bytes.get(first * self.stride..).unwrap_or_default();
+                let rows = step.min(here - first);
+                self.fields(&mut slots, first, rows, bytes, &mut columns);
+                if let Some(triangles) = triangles.get_mut(first..first + rows) {
+                    let bytes = bytes.get(..rows * self.stride).unwrap_or_default();
+                    if !self.triangles(triangles, bytes, &mut columns) {
+                        good.store(false, Relaxed);
+                    }
                 }
+                job.input.was_read(rows * self.stride);
             }
             job.advance(here as u64);
         });
@@ -266,6 +275,7 @@ impl Uniform<'_> {
                 return error;
             }
             lists = Lists::default();
+            self.binary.input.was_read(self.stride);
         }
         malformed(self.binary.file, Place::File, self.plan.expected_vertex(), "something else")
     }
@@ -297,11 +307,16 @@ fn read_ragged(
                 lists.corners.reserve(4 * here);
             }
             let mut values = vec![0.0; element.properties.len()];
-            let mut at = at;
+            let (mut at, mut told) = (at, at);
             for row in 0..here {
                 walk_row(binary, element, plan, first + row, &mut at, &mut values, &mut lists)?;
                 put_row(plan, &mut slots, row, &values);
+                if at - told >= TELL {
+                    job.input.was_read(at - told);
+                    told = at;
+                }
             }
+            job.input.was_read(at - told);
             job.advance(here as u64);
             Ok(lists)
         })
@@ -350,10 +365,20 @@ fn walk_row(
             let end = at.saturating_add(length.saturating_mul(item.size()));
             // One look at the bounds for the whole list; a list that is cut off goes on number by number.
             if let Some(items) = binary.bytes.get(*at..end) {
-                let vertices =
-                    items.chunks_exact(item.size()).map(|b| plan.vertex(number(item, binary.big, b)?));
                 let before = lists.corners.len();
-                lists.corners.extend(vertices.map_while(|v| v));
+                // Nearly every list is a single part.
+                for items in items.chunks(item.size() * LONG) {
+                    let vertices =
+                        items.chunks_exact(item.size()).map(|b| plan.vertex(number(item, binary.big, b)?));
+                    let here = lists.corners.len();
+                    lists.corners.extend(vertices.map_while(|v| v));
+                    if lists.corners.len() - here < items.len() / item.size() {
+                        break;
+                    }
+                    if length > LONG {
+                        binary.input.was_read(items.len());
+                    }
+                }
                 if lists.corners.len() - before == length {
                     *at = end;
                     continue;
@@ -368,8 +393,11 @@ fn walk_row(
             }
         } else if plan.wedges == Some(i) {
             lists.wedge_counts.push(length as u32);
-            for _ in 0..length {
+            for i in 1..=length {
                 lists.wedges.push(take(at, item)? as f32);
+                if i % LONG == 0 {
+                    binary.input.was_read(LONG * item.size());
+                }
             }
         } else {
             *at = at.saturating_add(length.saturating_mul(item.size()));

@@ -2,6 +2,7 @@
 
 use super::malformed;
 use crate::error::{Place, ReadError, printable};
+use crate::io::input::Input;
 use crate::io::text::parse_integer;
 
 /// How the values behind the header are written.
@@ -132,7 +133,8 @@ fn cut_line(bytes: &[u8], at: usize, line_end: u8) -> (&[u8], usize) {
 }
 
 /// Reads the header.
-pub(super) fn parse(file: &str, bytes: &[u8]) -> Result<Header, ReadError> {
+pub(super) fn parse(input: &Input) -> Result<Header, ReadError> {
+    let (file, bytes) = (input.name.as_str(), input.bytes());
     // The first line tells how lines end: the body of a binary file may begin with a byte that looks like
     // the second half of CR LF.
     let magic = bytes.iter().position(|b| !b.is_ascii_whitespace()).unwrap_or(bytes.len());
@@ -164,6 +166,7 @@ pub(super) fn parse(file: &str, bytes: &[u8]) -> Result<Header, ReadError> {
             return Err(malformed(file, place, "\"end_header\"", "the end of the file"));
         }
         let (text, next) = cut_line(bytes, at, line_end);
+        input.was_read(next - at);
         at = next;
         let mut words = text.split(u8::is_ascii_whitespace).filter(|w| !w.is_empty());
         let mut word = || words.next().unwrap_or_default();

@@ -10,6 +10,9 @@ use crate::error::{Place, ReadError};
 /// Instances in one piece of work.
 pub(super) const BLOCK: usize = 8192;
 
+/// How far one goes before it is told that the file was read so far.
+pub(super) const TELL: usize = 1 << 16;
+
 /// Where the instances stand.
 #[derive(Debug)]
 pub(super) enum Layout {
@@ -67,11 +70,14 @@ fn uniform(binary: &Binary, element: &Element, rows: usize, at: usize) -> Option
     if !lists.is_empty() {
         let body = body.get(..stride.checked_mul(rows)?)?;
         let agrees = |block: &[u8]| {
-            lists.iter().all(|&(count, offset, length)| {
+            let agrees = lists.iter().all(|&(count, offset, length)| {
                 all_counts_are(count, binary.big, block, stride, offset, length as f64)
-            })
+            });
+            binary.input.was_read(block.len());
+            agrees
         };
-        if stride == 0 || !body.par_chunks(stride.checked_mul(BLOCK)?).all(agrees) {
+        let rows = binary.input.stretch(stride.checked_mul(BLOCK)?).checked_div(stride)?.max(1);
+        if !body.par_chunks(stride * rows).all(agrees) {
             return None;
         }
     }
@@ -108,11 +114,15 @@ fn scan(binary: &Binary, element: &Element, rows: usize, at: usize) -> Result<(L
             (Shape::List { count, item }, _) => steps.push(Step::List { count, item: item.size() }),
         }
     }
-    let mut at = at;
+    let (mut at, mut told) = (at, at);
     let mut starts = Vec::with_capacity(rows / BLOCK + 1);
     for row in 0..rows {
         if row % BLOCK == 0 {
             starts.push(at);
+        }
+        if at - told >= TELL {
+            binary.input.was_read(at - told);
+            told = at;
         }
         let cut = |at, what: String| {
             let expected = format!("{what} of element {} {row}", element.name);

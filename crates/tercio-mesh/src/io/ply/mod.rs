@@ -47,8 +47,9 @@ pub fn looks_like(bytes: &[u8]) -> bool {
 /// Any [`ReadError`].
 pub fn read(input: &Input, options: &ReadOptions) -> Result<ReadModel, ReadError> {
     let bytes = input.bytes();
-    let mut header = header::parse(&input.name, bytes)?;
+    let mut header = header::parse(input)?;
     let job = Job {
+        input,
         file: &input.name,
         bytes,
         options,
@@ -78,6 +79,7 @@ pub fn read(input: &Input, options: &ReadOptions) -> Result<ReadModel, ReadError
 /// One reading: what is read, and what it has cost and met so far.
 #[derive(Debug)]
 struct Job<'a> {
+    input: &'a Input,
     file: &'a str,
     bytes: &'a [u8],
     options: &'a ReadOptions<'a>,

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use crate::error::Place;
 use crate::io::obj::transcode;
-use crate::io::text::Cursor;
+use crate::io::text::{Cursor, find};
 use crate::io::{ReadModel, ReadOptions, ReadReport, input::Input};
 use crate::mesh::localize;
 use crate::{Mesh, ReadError};
@@ -33,17 +33,19 @@ struct Part {
 pub fn read(input: &Input, options: &ReadOptions) -> Result<ReadModel, ReadError> {
     let text = transcode::text(input, options)?;
     let step = (text.len() / (8 * rayon::current_num_threads())).clamp(1 << 16, 1 << 22);
-    read_parts(input, options, &split(&text, step))
+    let parts = split(&text, input.stretch(step), |bytes| input.was_read(bytes));
+    input.check_parts(&parts, options)?;
+    read_parts(input, options, &parts)
 }
 
 /// Cuts before lines that begin with `facet`.
-fn split(text: &[u8], step: usize) -> Vec<&[u8]> {
+fn split(text: &[u8], step: usize, was_read: impl Fn(usize)) -> Vec<&[u8]> {
     let mut parts = Vec::new();
     let mut rest = text;
     while rest.len() > step {
         let mut cut = step;
         loop {
-            match rest.get(cut..).and_then(|tail| tail.iter().position(|&b| b == b'\n')) {
+            match rest.get(cut..).and_then(|tail| find(b'\n', tail, &was_read)) {
                 Some(n) => cut += n + 1,
                 None => cut = rest.len(),
             }
@@ -53,6 +55,7 @@ fn split(text: &[u8], step: usize) -> Vec<&[u8]> {
             }
         }
         let (part, tail) = rest.split_at(cut);
+        was_read(part.len());
         parts.push(part);
         rest = tail;
     }
@@ -72,7 +75,7 @@ fn read_parts(input: &Input, options: &ReadOptions, texts: &[&[u8]]) -> Result<R
     }
     // A facet takes at least 61 bytes of text, mostly 200 and more.
     let facets_at_most = bytes / 61;
-    let expected = if options.memory_limit.is_some() { count_facets(texts) } else { 0 };
+    let expected = if options.memory_limit.is_some() { count_facets(input, texts) } else { 0 };
     options.check_memory(
         &input.name,
         "triangles",
@@ -82,6 +85,7 @@ fn read_parts(input: &Input, options: &ReadOptions, texts: &[&[u8]]) -> Result<R
         .par_iter()
         .map(|text| {
             let part = parse(&input.name, text);
+            input.was_read(text.len());
             if let Some(p) = options.progress {
                 p.advance(text.len() as u64);
             }
@@ -124,8 +128,9 @@ fn read_parts(input: &Input, options: &ReadOptions, texts: &[&[u8]]) -> Result<R
 }
 
 /// Counts without parsing; only worth its time where memory is limited.
-fn count_facets(texts: &[&[u8]]) -> u64 {
+fn count_facets(input: &Input, texts: &[&[u8]]) -> u64 {
     let ends = |text: &&[u8]| {
+        input.was_read(text.len());
         text.split(|b| b.is_ascii_whitespace()).filter(|w| is_word(w, b"endfacet")).count() as u64
     };
     texts.par_iter().map(ends).sum()
@@ -251,6 +256,6 @@ pub mod for_tests {
     use super::*;
 
     pub fn read_in_steps(input: &Input, step: usize) -> Result<ReadModel, ReadError> {
-        read_parts(input, &ReadOptions::default(), &split(input.bytes(), step))
+        read_parts(input, &ReadOptions::default(), &split(input.bytes(), step, |_| ()))
     }
 }

@@ -18,8 +18,8 @@ use super::{check_facets, soup};
 const HEADER: usize = 84;
 const RECORD: usize = 50;
 
-/// Facets that one task reads: about a megabyte.
-const BATCH: usize = 1 << 14;
+/// Facets that one task reads: about 200 kilobytes.
+const BATCH: usize = 1 << 12;
 
 fn count(bytes: &[u8]) -> Option<u64> {
     let field = bytes.get(80..HEADER)?;
@@ -101,7 +101,7 @@ pub fn read(input: &Input, options: &ReadOptions) -> Result<ReadModel, ReadError
         p.begin("parsing", records.len() as u64 * RECORD as u64);
     }
 
-    let origin = choose_origin(&bounds(records));
+    let origin = choose_origin(&bounds(input, records));
     let mut positions = vec![[0.0f32; 3]; records.len() * 3];
     positions.par_chunks_mut(BATCH * 3).zip(records.par_chunks(BATCH)).for_each(|(positions, records)| {
         for (slots, record) in positions.as_chunks_mut::<3>().0.iter_mut().zip(records) {
@@ -110,6 +110,7 @@ pub fn read(input: &Input, options: &ReadOptions) -> Result<ReadModel, ReadError
                 *slots = slots.map(|p| std::array::from_fn(|k| (f64::from(p[k]) - origin[k]) as f32));
             }
         }
+        input.was_read(records.len() * RECORD);
         if let Some(p) = options.progress {
             p.advance((records.len() * RECORD) as u64);
         }
@@ -118,7 +119,7 @@ pub fn read(input: &Input, options: &ReadOptions) -> Result<ReadModel, ReadError
         origin,
         positions,
         triangles: soup(records.len()),
-        face_colors: colors(bytes.get(..80).unwrap_or_default(), records),
+        face_colors: colors(input, bytes.get(..80).unwrap_or_default(), records),
         ..Mesh::default()
     };
     let report = ReadReport {
@@ -138,7 +139,7 @@ fn vertices(record: &[u8; RECORD]) -> [[f32; 3]; 3] {
     std::array::from_fn(|corner| std::array::from_fn(|k| float(12 + 12 * corner + 4 * k)))
 }
 
-fn bounds(records: &[[u8; RECORD]]) -> Aabb {
+fn bounds(input: &Input, records: &[[u8; RECORD]]) -> Aabb {
     records
         .par_chunks(BATCH)
         .map(|records| {
@@ -149,6 +150,7 @@ fn bounds(records: &[[u8; RECORD]]) -> Aabb {
                     bounds.add(p);
                 }
             }
+            input.was_read(records.len() * RECORD);
             bounds
         })
         .reduce(|| Aabb::EMPTY, Aabb::union)
@@ -159,9 +161,24 @@ fn bounds(records: &[[u8; RECORD]]) -> Aabb {
 /// Two incompatible ways exist. VisCAM and SolidView set bit 15 where a facet has a colour and store blue in
 /// the lowest bits. Materialise Magics states a default colour behind `COLOR=` in the header, *clears* bit 15
 /// where a facet has its own, and stores red in the lowest bits. Other programs leave anything here.
-fn colors(header: &[u8], records: &[[u8; RECORD]]) -> Option<Vec<[u8; 4]>> {
+fn colors(input: &Input, header: &[u8], records: &[[u8; RECORD]]) -> Option<Vec<[u8; 4]>> {
     let attribute = |r: &[u8; RECORD]| u16::from_le_bytes([r[RECORD - 2], r[RECORD - 1]]);
-    if records.par_iter().all(|r| attribute(r) == 0) {
+    let all = |holds: fn(u16) -> bool| {
+        records.par_chunks(BATCH).all(|records| {
+            let all = records.iter().all(|r| holds(attribute(r)));
+            input.was_read(records.len() * RECORD);
+            all
+        })
+    };
+    let spread = |color: &(dyn Fn(u16) -> [u8; 4] + Sync)| {
+        let mut colors = vec![[0; 4]; records.len()];
+        colors.par_chunks_mut(BATCH).zip(records.par_chunks(BATCH)).for_each(|(colors, records)| {
+            colors.iter_mut().zip(records).for_each(|(c, r)| *c = color(attribute(r)));
+            input.was_read(records.len() * RECORD);
+        });
+        colors
+    };
+    if all(|a| a == 0) {
         return None;
     }
     let five = |a: u16, shift: u32| ((u32::from(a >> shift & 31) * 255 + 15) / 31) as u8;
@@ -170,17 +187,11 @@ fn colors(header: &[u8], records: &[[u8; RECORD]]) -> Option<Vec<[u8; 4]>> {
             Some(&[r, g, b, a]) => [r, g, b, a],
             _ => [255; 4],
         };
-        let color = |r| match attribute(r) {
-            a if a & 0x8000 != 0 => default,
-            a => [five(a, 0), five(a, 5), five(a, 10), 255],
-        };
-        return Some(records.par_iter().map(color).collect());
+        let color = |a| if a & 0x8000 != 0 { default } else { [five(a, 0), five(a, 5), five(a, 10), 255] };
+        return Some(spread(&color));
     }
     // A value that is neither empty nor marked as a colour shows that the bytes mean something else.
-    let has_meaning = records.par_iter().all(|r| attribute(r) == 0 || attribute(r) & 0x8000 != 0);
-    let color = |r| match attribute(r) {
-        0 => [255; 4],
-        a => [five(a, 10), five(a, 5), five(a, 0), 255],
-    };
-    has_meaning.then(|| records.par_iter().map(color).collect())
+    let has_meaning = all(|a| a == 0 || a & 0x8000 != 0);
+    let color = |a| if a == 0 { [255; 4] } else { [five(a, 10), five(a, 5), five(a, 0), 255] };
+    has_meaning.then(|| spread(&color))
 }
