@@ -2,7 +2,7 @@
 
 mod args;
 mod commands;
-mod huge_pages;
+mod ending;
 mod memory;
 mod messages;
 mod mpi;
@@ -17,11 +17,18 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand};
 
 #[global_allocator]
-static ALLOCATOR: huge_pages::HugePages = huge_pages::HugePages;
+static ALLOCATOR: memory::Allocator = memory::Allocator;
 
 /// Draws very large polygon models without a GPU.
 #[derive(Debug, Parser)]
-#[command(name = "tercio", version, propagate_version = true, max_term_width = 100)]
+#[command(
+    name = "tercio",
+    version,
+    propagate_version = true,
+    max_term_width = 100,
+    after_help = "\
+Exit code: 0 success, 1 error, 2 wrong usage; of compare, as of cmp: 0 the same, 1 different, 2 error or wrong usage."
+)]
 struct Cli {
     #[command(subcommand)]
     command: Command,
@@ -37,13 +44,17 @@ enum Command {
 }
 
 fn main() -> ExitCode {
+    ending::prepare();
     let (result, failure) = match Cli::parse().command {
         Command::Render(command) => (command.run(), 1),
         Command::Info(command) => (command.run(), 1),
         Command::Bench(command) => (command.run(), 1),
         Command::Lab(command) => (command.run(), 1),
         // As with cmp and diff, 1 says that the pictures differ.
-        Command::Compare(command) => (command.run(), 2),
+        Command::Compare(command) => {
+            ending::set_code(2);
+            (command.run(), 2)
+        }
     };
     match result {
         Ok(code) => code,

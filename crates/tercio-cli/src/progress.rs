@@ -27,12 +27,13 @@ impl Display {
     /// Begins to watch.
     pub fn new(mode: ProgressMode) -> Self {
         let progress = Arc::new(Progress::default());
+        crate::ending::watch(&progress);
         let shown = match mode {
             ProgressMode::Auto => io::stderr().is_terminal(),
             ProgressMode::Always => true,
             ProgressMode::Never => false,
         };
-        let shower = shown.then(|| {
+        let shower = shown.then_some(()).and_then(|()| {
             let (stop, stopped) = mpsc::channel();
             let watched = Arc::clone(&progress);
             let show = move || {
@@ -49,7 +50,8 @@ impl Display {
                 }
                 bar.finish_and_clear();
             };
-            (stop, thread::spawn(show))
+            // Where there is no room for a thread, there is for the work.
+            Some((stop, thread::Builder::new().spawn(show).ok()?))
         });
         Self { progress, shower }
     }

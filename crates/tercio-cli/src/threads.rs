@@ -11,7 +11,7 @@ pub const MAX_THREADS: usize = 256;
 /// # Errors
 /// If the system refuses so many threads.
 pub fn pool(asked: Option<usize>) -> Result<ThreadPool> {
-    let threads = asked.unwrap_or_else(allowed);
+    let threads = wanted(asked);
     let first = processor::current();
     let pool = ThreadPoolBuilder::new()
         .num_threads(threads)
@@ -19,6 +19,11 @@ pub fn pool(asked: Option<usize>) -> Result<ThreadPool> {
         .start_handler(move |n| processor::move_to(first + n))
         .build();
     pool.with_context(|| format!("cannot start {threads} threads"))
+}
+
+/// How many threads the pool will have.
+pub fn wanted(asked: Option<usize>) -> usize {
+    asked.unwrap_or_else(allowed)
 }
 
 /// Where threads begin.

@@ -38,6 +38,14 @@ pub enum ParallelError {
         /// What it said.
         message: String,
     },
+    /// The system gave no thread for a rank.
+    #[error("rank {rank} has no thread: {error}")]
+    Thread {
+        /// Which.
+        rank: usize,
+        /// Why not.
+        error: std::io::Error,
+    },
     /// A rank's threads could not be had.
     #[error("a rank's {threads} threads: {error}")]
     Threads {

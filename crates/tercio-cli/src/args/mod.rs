@@ -10,9 +10,12 @@ pub mod writing;
 
 use std::path::PathBuf;
 
+use anyhow::Result;
 use clap::{Args, ValueEnum};
+use rayon::ThreadPool;
 
 use crate::threads::MAX_THREADS;
+use crate::{memory, threads};
 
 /// When progress is shown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -48,8 +51,9 @@ pub struct RunningArgs {
     /// SLURM_CPUS_PER_TASK].
     #[arg(long, value_name = "N", value_parser = parse_threads)]
     pub threads: Option<usize>,
-    /// Most memory that models and pictures may take, such as 500M, 2G or 2Gi; larger ones are refused
-    /// before the memory is taken [default: what the machine and the control group have free].
+    /// Most memory that models and pictures may take, such as 500M, 2G or 2Gi; what needs more is refused. The
+    /// program itself comes on top, with 16 MB at most [default: what the machine, the control groups and
+    /// 'ulimit' leave].
     #[arg(long, value_name = "SIZE", value_parser = values::bytes)]
     memory_limit: Option<u64>,
     /// When to show progress on standard error.
@@ -64,9 +68,20 @@ pub struct RunningArgs {
 }
 
 impl RunningArgs {
-    /// Most memory that models and pictures may take.
+    /// Most memory that models and pictures may take; from the first call on it holds for all that is taken.
     pub fn memory_limit(&self) -> Option<u64> {
-        self.memory_limit.or_else(crate::memory::available_bytes)
+        memory::limit(self.memory_limit, threads::wanted(self.threads))
+    }
+
+    /// The pool in which everything runs. Sets the limit.
+    ///
+    /// # Errors
+    /// If the system refuses so many threads.
+    pub fn pool(&self) -> Result<ThreadPool> {
+        memory::prepare(self.memory_limit);
+        let pool = threads::pool(self.threads)?;
+        self.memory_limit();
+        Ok(pool)
     }
 
     /// Warnings and progress are for users who did not ask for quiet.
@@ -75,7 +90,7 @@ impl RunningArgs {
     }
 }
 
-fn parse_threads(text: &str) -> Result<usize, String> {
+fn parse_threads(text: &str) -> std::result::Result<usize, String> {
     let n = text.parse().ok().filter(|n| (1..=MAX_THREADS).contains(n));
     n.ok_or_else(|| format!("expected 1 to {MAX_THREADS}"))
 }

@@ -22,7 +22,7 @@ use crate::args::{ModelArgs, RunningArgs, values};
 use crate::output::write_text;
 use crate::progress::Display;
 use crate::report::{camera_json, grouped};
-use crate::{memory, threads};
+use crate::{ending, memory};
 
 /// Measures how fast a model is drawn: loads it once, then draws views evenly round its vertical axis.
 ///
@@ -32,7 +32,9 @@ use crate::{memory, threads};
 #[command(after_help = "\
 Examples:
   tercio bench builtin:gyroid@5.4M
-  tercio bench dragon.ply --subdivide 2 --threads 2 --json")]
+  tercio bench dragon.ply --subdivide 2 --threads 2 --json
+
+Exit code: 0 success, 1 error, 2 wrong usage.")]
 pub struct Bench {
     #[command(flatten)]
     model: ModelArgs,
@@ -90,7 +92,8 @@ impl Bench {
     /// # Errors
     /// What went wrong.
     pub fn run(&self) -> Result<ExitCode> {
-        let pool = threads::pool(self.running.threads)?;
+        ending::name_model(self.model.name());
+        let pool = self.running.pool()?;
         let text = pool.install(|| self.measure())?;
         write_text(&Destination::Stdout, &text)?;
         Ok(ExitCode::SUCCESS)

@@ -11,6 +11,7 @@ use tercio::image::{Destination, Difference, Picture, PictureFormat, compare};
 use crate::args::values;
 use crate::output::{UsageError, write_text};
 use crate::report::grouped;
+use crate::{memory, threads};
 
 /// Tells how much two pictures differ.
 #[derive(Debug, Args)]
@@ -46,6 +47,13 @@ impl Compare {
     /// # Errors
     /// Pictures that cannot be read or compared.
     pub fn run(&self) -> Result<ExitCode> {
+        memory::prepare(None);
+        let pool = threads::pool(None)?;
+        memory::limit(None, pool.current_num_threads());
+        pool.install(|| self.compare())
+    }
+
+    fn compare(&self) -> Result<ExitCode> {
         if let Some(path) = &self.diff {
             let name = || path.display().to_string();
             if PictureFormat::of_path(path).is_none() {

@@ -15,7 +15,7 @@ use crate::args::{ModelArgs, RunningArgs};
 use crate::output::write_text;
 use crate::progress::Display;
 use crate::report::{self, grouped};
-use crate::{memory, messages, threads};
+use crate::{ending, memory, messages};
 
 /// Tells what stands in a model file.
 #[derive(Debug, Args)]
@@ -41,7 +41,8 @@ impl Info {
     /// # Errors
     /// What went wrong.
     pub fn run(&self) -> Result<ExitCode> {
-        let pool = threads::pool(self.running.threads)?;
+        ending::name_model(self.model.name());
+        let pool = self.running.pool()?;
         let (loaded, attributes) = pool.install(|| self.load())?;
         let model = self.model.name();
         if !self.running.quiet {

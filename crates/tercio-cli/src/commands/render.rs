@@ -21,7 +21,7 @@ use crate::args::writing::WritingArgs;
 use crate::args::{ModelArgs, ProgressMode, RunningArgs};
 use crate::output::{Plan, UsageError, frame_bytes, write_text};
 use crate::progress::Display;
-use crate::{memory, messages, mpi, nothing_drawn, report, threads};
+use crate::{ending, memory, messages, mpi, nothing_drawn, report};
 
 /// Draws a model into a picture file.
 #[derive(Debug, Args)]
@@ -84,7 +84,8 @@ impl Render {
         settings.check().map_err(|e| UsageError(e.to_string()))?;
         let processes = mpi::processes();
         let drawers = self.ranks.drawers(processes)?;
-        let pool = Arc::new(threads::pool(self.running.threads)?);
+        ending::name_model(self.model.name());
+        let pool = Arc::new(self.running.pool()?);
         let done = match drawers {
             Drawers::Mpi(organisation) => {
                 if processes.is_some_and(|p| p > 1) && self.model.model.as_os_str() == "-" {

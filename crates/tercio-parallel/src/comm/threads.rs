@@ -124,16 +124,17 @@ pub fn run<T: Send>(
     let work = &work;
     let results: Vec<Result<T, ParallelError>> = std::thread::scope(|scope| {
         let start = |mut comm: ThreadComm| {
-            scope.spawn(move || {
-                let rank = comm.rank;
+            let rank = comm.rank;
+            let thread = std::thread::Builder::new().spawn_scoped(scope, move || {
                 // The communicator is dropped in here, before the thread ends.
                 catch_unwind(AssertUnwindSafe(move || work(&mut comm)))
                     .unwrap_or_else(|panic| Err(panicked(rank, &*panic)))
-            })
+            });
+            thread.map_err(|error| ParallelError::Thread { rank, error })
         };
         let threads: Vec<_> = ThreadComm::of_ranks(ranks).into_iter().map(start).collect();
-        let join = |(rank, thread): (usize, std::thread::ScopedJoinHandle<_>)| {
-            thread.join().unwrap_or_else(|panic| Err(panicked(rank, &*panic)))
+        let join = |(rank, thread): (usize, Result<std::thread::ScopedJoinHandle<_>, _>)| {
+            thread?.join().unwrap_or_else(|panic| Err(panicked(rank, &*panic)))
         };
         threads.into_iter().enumerate().map(join).collect()
     });

@@ -14,7 +14,6 @@ use super::plan::{MachineArgs, PictureArgs};
 use super::predict::ranks;
 use crate::args::RunningArgs;
 use crate::output::write_text;
-use crate::threads;
 
 /// Searches organisation, group size, region size and assignment for a machine and a model, and says why.
 ///
@@ -53,7 +52,7 @@ impl Advise {
     pub fn run(&self) -> Result<ExitCode> {
         let machine = self.machine.machine()?;
         let ranks = self.ranks.unwrap_or(machine.processors.count.whole() as usize);
-        let pool = threads::pool(self.running.threads)?;
+        let pool = self.running.pool()?;
         let advice = pool.install(|| -> Result<_> {
             let c = self.picture.count(&self.running, &machine, 1)?;
             let topology = self.machine.topology();

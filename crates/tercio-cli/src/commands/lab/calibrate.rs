@@ -88,7 +88,7 @@ impl Calibrate {
                 None
             }
         };
-        let pool = threads::pool(self.running.threads)?;
+        let pool = self.running.pool()?;
         let options = Options {
             threads: pool.current_num_threads(),
             frames: self.frames,

@@ -17,7 +17,6 @@ use tercio_lab::simulators::sorting::{Assignment, Organisation};
 use super::plan::{Counted, MachineArgs, PictureArgs};
 use crate::args::RunningArgs;
 use crate::output::write_text;
-use crate::threads;
 
 /// Predicts a frame of the renderer: time of each phase, bytes, imbalance, memory.
 ///
@@ -88,7 +87,7 @@ impl Predict {
     pub fn run(&self) -> Result<ExitCode> {
         let machine = self.machine.machine()?;
         let ranks = self.ranks.unwrap_or(machine.processors.count.whole() as usize);
-        let pool = threads::pool(self.running.threads)?;
+        let pool = self.running.pool()?;
         let threads = if self.organisation == OrganisationName::Threads { ranks } else { 1 };
         let counted = pool.install(|| self.picture.count(&self.running, &machine, threads))?;
         let organisation = match self.organisation {

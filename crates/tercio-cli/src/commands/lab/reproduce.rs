@@ -12,7 +12,6 @@ use tercio_lab::published;
 use crate::args::RunningArgs;
 use crate::output::write_text;
 use crate::progress::Display;
-use crate::threads;
 
 /// Makes published figures and tables again: data, plot and verdict of each.
 #[derive(Debug, Args)]
@@ -51,7 +50,7 @@ impl Reproduce {
             write_text(&Destination::Stdout, &list(&chosen))?;
             return Ok(ExitCode::SUCCESS);
         };
-        let pool = threads::pool(self.running.threads)?;
+        let pool = self.running.pool()?;
         let display = Display::new(self.running.progress_mode());
         display.progress.begin("experiments", chosen.len() as u64);
         let outcomes =

@@ -91,7 +91,7 @@ impl Validate {
     /// [`UsageError`] for options that contradict each other, else what went wrong.
     pub fn run(&self) -> Result<ExitCode> {
         let who = Who::of(&self.ranks, self.organisation.is_some(), mpi::processes()).map_err(UsageError)?;
-        let pool = threads::pool(self.running.threads)?;
+        let pool = self.running.pool()?;
         let holds = match who {
             Who::Threads => self.threads(&pool)?,
             Who::Ranks => self.ranks(&pool)?,

@@ -14,9 +14,9 @@ use tercio_lab::workloads::{BoxScene, MAX_SCREEN_PIXELS, PolygonScene};
 
 use crate::args::camera::CameraArgs;
 use crate::args::{RunningArgs, values};
+use crate::messages;
 use crate::output::{UsageError, write_text};
 use crate::progress::Display;
-use crate::{messages, threads};
 
 /// Writes what a machine is given to draw: the boxes or the polygons that a camera sees of a model.
 #[derive(Debug, Args)]
@@ -99,7 +99,7 @@ impl Workload {
         }
         let destination = Destination::parse(&self.output);
         destination.check()?;
-        let pool = threads::pool(self.running.threads)?;
+        let pool = self.running.pool()?;
         let scene = pool.install(|| self.scene(format))?;
         let (text, said) = match &scene {
             Scene::Boxes(scene) => {

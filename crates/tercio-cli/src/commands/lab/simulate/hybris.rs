@@ -12,7 +12,6 @@ use tercio_lab::simulators::hybris::{HybrisFrame, Sharing, simulate};
 
 use crate::args::{ModelArgs, RunningArgs, values};
 use crate::progress::Display;
-use crate::threads;
 
 /// Partitions, triangle heap, tile engines cycle by cycle, bus and processors of Hybris (document 001).
 #[derive(Debug, Args)]
@@ -58,7 +57,7 @@ impl Hybris {
     pub fn run(&self) -> Result<String> {
         const VIEWS: u32 = 36;
         let machine = load(&self.machine)?;
-        let pool = threads::pool(self.running.threads)?;
+        let pool = self.running.pool()?;
         let sharing = match self.sharing {
             SharingName::Tiles => Sharing::Tiles,
             SharingName::Composition => Sharing::Composition,

@@ -17,7 +17,6 @@ use super::super::predict::ranks;
 use super::{boxes, is_polygons};
 use crate::args::{RunningArgs, values};
 use crate::progress::Display;
-use crate::threads;
 
 /// Sort-first, -middle, -last and -twice on a described machine and network, message by message.
 #[derive(Debug, Args)]
@@ -106,7 +105,7 @@ impl Sorting {
             bail!("expected a screen of at most {MAX_SCREEN_PIXELS} pixels, found {}x{}", size.0, size.1);
         }
         let plans = self.plans(&machine, size)?;
-        let pool = threads::pool(self.running.threads)?;
+        let pool = self.running.pool()?;
         let display = Display::new(self.running.progress_mode());
         display.progress.begin("settings", plans.len() as u64);
         let reports = pool.install(|| sweep(&scene, &plans, || display.progress.advance(1)));

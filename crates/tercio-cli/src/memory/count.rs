@@ -1,0 +1,179 @@
+//! Counts what is taken of the heap, and holds it against the limit.
+//!
+//! Large blocks are counted exactly and at once. Small ones are counted by the thread that takes them and told now and
+//! then, so that threads do not wait for each other. Free memory of small blocks stays with the C library, so they count
+//! with the most that they ever were, until it is asked to give back what is free.
+
+use std::cell::Cell;
+use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicIsize, AtomicUsize, Ordering::Relaxed};
+
+use crate::ending;
+
+/// From this size on a block has pages of its own, where the C library is told so.
+pub const LARGE: usize = 128 << 10;
+
+/// A thread tells what it took of small blocks in steps of so many bytes.
+const STEP: isize = 16 << 10;
+
+/// Free memory that may stay with the C library beside the limit.
+const IDLE: usize = 2 << 20;
+
+static LIMIT: AtomicUsize = AtomicUsize::new(usize::MAX);
+static LARGE_BLOCKS: AtomicUsize = AtomicUsize::new(0);
+static SMALL_BLOCKS: AtomicIsize = AtomicIsize::new(0);
+/// The most of [`SMALL_BLOCKS`] since free memory was given back.
+static MOST_SMALL: AtomicIsize = AtomicIsize::new(0);
+/// Large blocks that were freed since then, where they may not have had pages of their own.
+static FREED: AtomicUsize = AtomicUsize::new(0);
+static OWN_PAGES: AtomicBool = AtomicBool::new(false);
+
+thread_local! {
+    /// Not told yet. Without a destructor, so that it may be used while a thread begins and ends.
+    static UNTOLD: Cell<isize> = const { Cell::new(0) };
+}
+
+/// Sets the limit; `besides` are bytes that count and are not of the heap.
+pub fn set_limit(limit: Option<u64>, besides: usize) {
+    let limit = limit.map_or(usize::MAX, |l| usize::try_from(l).unwrap_or(usize::MAX));
+    LIMIT.store(limit, Relaxed);
+    LARGE_BLOCKS.fetch_add(besides, Relaxed);
+}
+
+/// There is no limit any longer: the program ends and says why.
+pub fn lift_limit() {
+    LIMIT.store(usize::MAX, Relaxed);
+}
+
+/// From now on large blocks have pages of their own.
+pub fn large_blocks_have_own_pages() {
+    OWN_PAGES.store(true, Relaxed);
+}
+
+/// A block of so many bytes is asked for. Does not return if that is too much.
+#[inline]
+pub fn take(size: usize) {
+    if size < LARGE {
+        tell_now_and_then(small(size));
+    } else {
+        take_large(size);
+    }
+}
+
+/// A block of so many bytes was given back.
+#[inline]
+pub fn give(size: usize) {
+    if size < LARGE {
+        tell_now_and_then(-small(size));
+    } else {
+        LARGE_BLOCKS.fetch_sub(pages(size), Relaxed);
+        if !OWN_PAGES.load(Relaxed) {
+            FREED.fetch_add(pages(size), Relaxed);
+        }
+    }
+}
+
+/// A block changes its size.
+#[inline]
+pub fn change(old: usize, new: usize) {
+    if old < LARGE && new < LARGE {
+        return tell_now_and_then(small(new) - small(old));
+    }
+    // A large block grows where it is: its pages are moved, not copied. So old and new do not count side by side.
+    match (old < LARGE, new < LARGE) {
+        (true, _) => tell_now_and_then(-small(old)),
+        (false, _) => _ = LARGE_BLOCKS.fetch_sub(pages(old), Relaxed),
+    }
+    take(new);
+}
+
+/// What the C library takes for a small block.
+#[inline]
+fn small(size: usize) -> isize {
+    // Below 128 KiB.
+    (((size + 23) & !15).max(32)) as isize
+}
+
+#[inline]
+fn pages(size: usize) -> usize {
+    size.saturating_add(4096 + 31) & !4095
+}
+
+#[inline]
+fn tell_now_and_then(bytes: isize) {
+    // Where a thread's memory is gone already, what it does no longer counts.
+    let _ = UNTOLD.try_with(|untold| {
+        let all = untold.get() + bytes;
+        if all.unsigned_abs() < STEP as usize {
+            untold.set(all);
+        } else {
+            untold.set(0);
+            tell(all);
+        }
+    });
+}
+
+#[cold]
+fn tell(bytes: isize) {
+    let now = SMALL_BLOCKS.fetch_add(bytes, Relaxed) + bytes;
+    if bytes > 0 {
+        MOST_SMALL.fetch_max(now, Relaxed);
+        hold_against_limit(0);
+    }
+}
+
+#[cold]
+fn take_large(size: usize) {
+    LARGE_BLOCKS.fetch_add(pages(size), Relaxed);
+    hold_against_limit(size);
+}
+
+fn positive(bytes: isize) -> usize {
+    bytes.max(0).unsigned_abs()
+}
+
+/// Bytes that are in use: blocks of the heap and mapped files.
+pub fn in_use() -> usize {
+    let mapped = usize::try_from(tercio::mesh::io::input::mapped_bytes()).unwrap_or(usize::MAX);
+    (LARGE_BLOCKS.load(Relaxed)).saturating_add(positive(SMALL_BLOCKS.load(Relaxed))).saturating_add(mapped)
+}
+
+fn hold_against_limit(size: usize) {
+    let limit = LIMIT.load(Relaxed);
+    let used = in_use();
+    let idle = || {
+        let small = positive(MOST_SMALL.load(Relaxed).saturating_sub(SMALL_BLOCKS.load(Relaxed)));
+        small.saturating_add(FREED.load(Relaxed))
+    };
+    if used > limit {
+        ending::no_room(used, size, Some(limit));
+    }
+    if limit < usize::MAX && used.saturating_add(idle()) > limit.saturating_add(IDLE) {
+        FREED.store(0, Relaxed);
+        MOST_SMALL.store(SMALL_BLOCKS.load(Relaxed), Relaxed);
+        super::allocator::give_back();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_given_back_no_longer_counts() {
+        // Other tests of this process take memory, too; of such sizes they do not.
+        let (mib, most) = (1 << 20, 300 << 20);
+        let before = in_use();
+        take(most);
+        assert!(in_use() >= before + most - 50 * mib);
+        change(most, 2 * most);
+        assert!(in_use() >= before + 2 * most - 50 * mib);
+        change(2 * most, 100);
+        assert!(in_use() <= before + 50 * mib);
+        (0..10_000).for_each(|_| take(100_000));
+        assert!(in_use() >= before + 950 * mib);
+        (0..10_000).for_each(|_| give(100_000));
+        give(100);
+        assert!(in_use() <= before + 50 * mib);
+    }
+}

@@ -1,0 +1,42 @@
+//! How much memory this process takes, and how much it may take.
+//!
+//! [`Allocator`] is the program's global allocator. It counts what is taken, and what passes the limit ends the program
+//! with one line and an exit code ([`crate::ending`]), as memory does that the system refuses. What a stage needs is
+//! known before in most cases, and then the library says so in better words; this is for all other cases.
+//!
+//! The limit is kept to within 16 MB: of them about 10 are the program itself. Counted are the blocks of the heap as
+//! they are taken, mapped model files, and the stacks of threads.
+
+mod allocator;
+mod count;
+mod system;
+
+use std::sync::OnceLock;
+
+pub use allocator::Allocator;
+pub use count::lift_limit;
+pub use system::peak_bytes;
+
+/// What a thread takes by being there: the touched part of its stack, and what the C library keeps for it.
+const A_THREAD: usize = 64 << 10;
+
+/// Makes the allocator ready for a limit: to be called before there are threads. Where the limit is `asked` for, or one
+/// of the system's holds for this process, free memory goes back to the system at once.
+pub fn prepare(asked: Option<u64>) {
+    let own = system::own_limits();
+    if asked.is_some() || own.is_some() {
+        allocator::return_what_is_free(own.is_some());
+    }
+}
+
+/// Most bytes that models and pictures may take: as many as `asked` for, else what the system leaves, with its limits
+/// for this process. The first call, once the threads are there, decides; from then on it holds for all that is taken.
+pub fn limit(asked: Option<u64>, threads: usize) -> Option<u64> {
+    static LIMIT: OnceLock<Option<u64>> = OnceLock::new();
+    *LIMIT.get_or_init(|| {
+        let left = || system::available_bytes().into_iter().chain(system::own_limits()).min();
+        let limit = asked.or_else(left);
+        count::set_limit(limit, threads * A_THREAD);
+        limit
+    })
+}
