@@ -1,0 +1,265 @@
+//! The laws of time and memory, held against the program as a user runs it.
+#![cfg(target_os = "linux")]
+
+mod series;
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::Duration;
+
+use series::SERIES;
+use tempfile::TempDir;
+use tercio_testkit::require_shared;
+use wait4::Wait4 as _;
+
+const MIB: u64 = 1 << 20;
+
+/// What a run took and said.
+struct Run {
+    code: Option<i32>,
+    said: String,
+    user: Duration,
+    peak: u64,
+}
+
+fn run(folder: &Path, command: &mut Command) -> Run {
+    let errors = tempfile::NamedTempFile::new_in(folder).expect("a file");
+    command.current_dir(folder).stdin(Stdio::null()).stdout(Stdio::null());
+    command.stderr(errors.reopen().expect("the file"));
+    let end = command.spawn().and_then(|mut child| child.wait4()).expect("the program runs");
+    let said = String::from_utf8_lossy(&fs::read(errors.path()).expect("the file")).into_owned();
+    Run { code: end.status.code(), said, user: end.rusage.utime, peak: end.rusage.maxrss }
+}
+
+fn tercio(arguments: &str, model: &str) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_tercio"));
+    let (name, rest) = arguments.split_once(' ').unwrap_or((arguments, ""));
+    command.args([name, model]).args(rest.split_whitespace());
+    command
+}
+
+fn place() -> TempDir {
+    let folder = tempfile::tempdir().expect("a folder");
+    fs::write(folder.path().join("a.mtl"), "newmtl m1\nKd 1 0 0\n".repeat(2000)).expect("a library");
+    folder
+}
+
+/// Makes a file of a series in a process of its own: what this one has taken at most would count for those that it
+/// starts.
+fn make(folder: &Path, name: &str, n: usize) {
+    let own = std::env::current_exe().expect("this program");
+    let mut command = Command::new(own);
+    command
+        .args(["a_file_is_made_where_it_is_asked_for", "--exact"])
+        .env("TERCIO_TEST_MAKES", format!("{n} {name}"));
+    assert_eq!(run(folder, &mut command).code, Some(0), "{name} is not made");
+}
+
+#[test]
+fn a_file_is_made_where_it_is_asked_for() {
+    let Ok(asked) = std::env::var("TERCIO_TEST_MAKES") else { return };
+    let (n, name) = asked.split_once(' ').expect("a number and a name");
+    let (.., make) = SERIES.iter().find(|s| s.0 == name).expect("a series");
+    fs::write(name, make(n.parse().expect("a number"))).expect("room for it");
+}
+
+/// Eight times the file may take eight times the time, three times over for logarithms, caches and noise. A time that
+/// grows with the square is 64 times as long.
+#[test]
+fn time_grows_with_the_file_and_not_faster() {
+    const FACTOR: u32 = 24;
+    // Less than this is no time.
+    const FLOOR: Duration = Duration::from_millis(200);
+    let folder = place();
+    let time = |name: &str, arguments: &str, n: usize, times: usize| {
+        make(folder.path(), name, n);
+        let runs = (0..times).map(|_| run(folder.path(), &mut tercio(arguments, name)));
+        let user = |run: Run| {
+            assert!(run.code.is_some_and(|c| c < 2) && run.said.lines().count() < 2, "{name}: {}", run.said);
+            run.user
+        };
+        runs.map(user).min().unwrap_or_default()
+    };
+    for (name, n, _) in SERIES {
+        for arguments in ["info --quiet", "render --quiet -o a.png --size 8x8"] {
+            let most = |short: Duration| (short * FACTOR).max(FLOOR);
+            let short = time(name, arguments, n, 2);
+            let long = time(name, arguments, 8 * n, 1);
+            // A busy machine can make one run slow, not several.
+            let long = if long <= most(short) { long } else { long.min(time(name, arguments, 8 * n, 2)) };
+            assert!(
+                long <= most(short),
+                "{name}, {arguments}: {short:?}, and {long:?} for eight times as much"
+            );
+        }
+    }
+}
+
+/// The most that this process took so far. The system counts it for the programs that it starts.
+fn own_peak() -> u64 {
+    let status = fs::read_to_string("/proc/self/status").expect("Linux tells");
+    let line = status.lines().find_map(|l| l.strip_prefix("VmHWM:")).expect("a peak");
+    line.trim().trim_end_matches("kB").trim().parse::<u64>().expect("a number") * 1024
+}
+
+/// A run stays inside the limit and 16 MB, or says in one line that it cannot.
+#[track_caller]
+fn check_memory(folder: &Path, arguments: &str, model: &str, limit: u64) {
+    let mut command = tercio(arguments, model);
+    command.args(["--quiet", "--threads", "2", "--memory-limit", &limit.to_string()]);
+    let run = run(folder, &mut command);
+    let what = format!("{arguments} {model} in {limit} bytes: {}", run.said);
+    assert!(own_peak() <= limit + 16 * MIB, "this test itself took too much to see: {} bytes", own_peak());
+    assert!(run.peak <= limit + 16 * MIB, "took {} bytes: {what}", run.peak);
+    match run.code {
+        Some(0) => assert_eq!(run.said, "", "{what}"),
+        Some(1) => {
+            assert_eq!(run.said.lines().count(), 1, "{what}");
+            let is_told = run.said.starts_with("error: ") && run.said.contains(&format!("{limit} bytes"));
+            let is_other =
+                ["no triangle", "nothing to draw", "no vertices"].iter().any(|t| run.said.contains(t));
+            assert!(is_told || is_other, "{what}");
+        }
+        code => panic!("{code:?}: {what}"),
+    }
+}
+
+#[test]
+fn memory_stays_inside_the_limit_whatever_is_read() {
+    let folder = place();
+    for (name, n, _) in SERIES {
+        make(folder.path(), name, 8 * n);
+        for limit in [6 * MIB, 20 * MIB, 48 * MIB] {
+            check_memory(folder.path(), "info", name, limit);
+            check_memory(folder.path(), "render -o a.png --size 16x16", name, limit);
+        }
+    }
+}
+
+#[test]
+fn memory_stays_inside_the_limit_for_real_models() {
+    let Some(data) = require_shared("memory_stays_inside_the_limit_for_real_models") else { return };
+    let folder = place();
+    let mut models = Vec::new();
+    let mut folders = vec![data];
+    while let Some(next) = folders.pop() {
+        for entry in fs::read_dir(next).expect("a folder").flatten() {
+            let (path, size) = (entry.path(), entry.metadata().map_or(0, |m| m.len()));
+            let name = entry.file_name().to_string_lossy().to_lowercase();
+            let is_model =
+                ["ply", "obj", "stl", "off", "gz"].iter().any(|e| name.ends_with(&format!(".{e}")));
+            if path.is_dir() {
+                folders.push(path);
+            } else if is_model && (2 * MIB..64 * MIB).contains(&size) {
+                models.push((size, path));
+            }
+        }
+    }
+    models.sort();
+    // The largest ones, and some of all sizes.
+    let step = models.len().div_ceil(8).max(1);
+    for (size, path) in models.iter().rev().step_by(step) {
+        let model = path.to_str().expect("a name of text");
+        for limit in [size / 2, 2 * size] {
+            check_memory(folder.path(), "info", model, limit.max(6 * MIB));
+            check_memory(folder.path(), "render -o a.png --size 64x64", model, limit.max(6 * MIB));
+        }
+    }
+}
+
+#[test]
+fn pictures_and_ranks_count_too() {
+    let folder = place();
+    let model = "builtin:sphere@50k";
+    for arguments in [
+        "render -o a.png --size 1500x1500",
+        "render -o a.ppm --size 1500x1500 --output-depth d.npy --output-ids i.npy --output-normals n.npy",
+        "render -o a.png --size 600x600 --ranks 4 --organisation sort-last",
+        "bench --frames 2 --size 600x600",
+    ] {
+        for limit in [12, 24, 40, 64, 120] {
+            check_memory(folder.path(), arguments, model, limit * MIB);
+        }
+    }
+}
+
+#[test]
+fn a_limit_of_the_system_gives_a_picture_or_one_line() {
+    let folder = place();
+    make(folder.path(), "fan.ply", 150_000);
+    let program = env!("CARGO_BIN_EXE_tercio");
+    let (mut pictures, mut errors) = (0, 0);
+    // In KiB. With less the program itself cannot be loaded.
+    for (ulimit, first) in [("-v", 48_000), ("-d", 6_000)] {
+        for step in 0..16 {
+            let limit = first + (step * step) * 1200;
+            let arguments = "render fan.ply -o a.png --size 300x300 --quiet --threads 2 --progress always";
+            let mut shell = Command::new("sh");
+            shell.args(["-c", &format!("ulimit {ulimit} {limit}; exec {program} {arguments}")]);
+            let run = run(folder.path(), &mut shell);
+            let what = format!("ulimit {ulimit} {limit}: {:?} {}", run.code, run.said);
+            match run.code {
+                Some(0) => pictures += 1,
+                Some(1) => {
+                    errors += 1;
+                    assert!(run.said.starts_with("error: ") && run.said.lines().count() == 1, "{what}");
+                }
+                _ => panic!("{what}"),
+            }
+        }
+    }
+    assert!(pictures > 4 && errors > 4, "{pictures} pictures, {errors} errors");
+}
+
+#[test]
+fn a_file_larger_than_the_limit_is_read_if_its_mesh_is_not() {
+    let folder = place();
+    make(folder.path(), "digits.obj", 30_000);
+    assert!(fs::metadata(folder.path().join("digits.obj")).is_ok_and(|m| m.len() > 30 * MIB));
+    let mut command = tercio("info --quiet --threads 2 --memory-limit 9M", "digits.obj");
+    let run = run(folder.path(), &mut command);
+    assert_eq!((run.code, run.said.as_str()), (Some(0), ""));
+    assert!(run.peak <= 9_000_000 + 16 * MIB, "{} bytes", run.peak);
+}
+
+#[test]
+fn every_command_says_its_exit_codes() {
+    let folder = place();
+    let help = |words: &[&str]| {
+        let output = Command::new(env!("CARGO_BIN_EXE_tercio")).args(words).arg("--help").output();
+        String::from_utf8(output.expect("the program runs").stdout).expect("text")
+    };
+    let mut commands: Vec<Vec<String>> = vec![Vec::new()];
+    while let Some(words) = commands.pop() {
+        let words: Vec<&str> = words.iter().map(String::as_str).collect();
+        let text = help(&words);
+        let below =
+            text.lines().skip_while(|l| *l != "Commands:").skip(1).take_while(|l| l.starts_with("  "));
+        let names: Vec<&str> = below
+            .filter(|l| !l.starts_with("    "))
+            .filter_map(|l| l.split_whitespace().next())
+            .filter(|n| *n != "help")
+            .collect();
+        if names.is_empty() || words.is_empty() {
+            assert!(text.contains("Exit code: 0 "), "{words:?} does not say its exit codes:\n{text}");
+        }
+        let deeper = |name: &&str| words.iter().chain([name]).map(ToString::to_string).collect();
+        commands.extend(names.iter().map(deeper));
+    }
+    for (arguments, code) in [
+        ("--version", 0),
+        ("", 2),
+        ("render", 2),
+        ("render a.mtl -o", 2),
+        ("info no.ply", 1),
+        ("info a.mtl", 1),
+        ("compare no.png no.png", 2),
+        ("compare", 2),
+        ("lab eval no-such-formula", 1),
+    ] {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_tercio"));
+        let run = run(folder.path(), command.args(arguments.split_whitespace()));
+        assert_eq!(run.code, Some(code), "tercio {arguments}: {}", run.said);
+    }
+}

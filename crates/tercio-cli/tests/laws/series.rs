@@ -1,0 +1,285 @@
+//! Files that are hard to read, in any size: what a law says of all files has to hold for them.
+
+use std::fmt::Write as _;
+use std::io::Write as _;
+
+/// Makes a file of about `n` of whatever it is made of.
+pub type Maker = fn(usize) -> Vec<u8>;
+
+/// Triangles of three vertices each as binary PLY.
+fn ply(
+    vertices: impl ExactSizeIterator<Item = [f32; 3]>,
+    triangles: impl ExactSizeIterator<Item = [usize; 3]>,
+) -> Vec<u8> {
+    let mut file = format!(
+        "ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty float x\nproperty float y\nproperty float z\n\
+         element face {}\nproperty list uchar int vertex_indices\nend_header\n",
+        vertices.len(),
+        triangles.len()
+    )
+    .into_bytes();
+    file.extend(vertices.flatten().flat_map(f32::to_le_bytes));
+    for t in triangles {
+        file.push(3);
+        file.extend(t.iter().flat_map(|&v| (v as u32).to_le_bytes()));
+    }
+    file
+}
+
+/// A header for ASCII PLY with three vertices and one face, with lines among the properties of each and behind them.
+fn ascii_ply(of_vertex: &str, of_face: &str, more: &str) -> String {
+    format!(
+        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n{of_vertex}\
+         element face 1\n{of_face}property list uchar int vertex_indices\n{more}end_header\n"
+    )
+}
+
+fn repeated(n: usize, line: impl Fn(&mut String, usize)) -> String {
+    let mut text = String::new();
+    (0..n).for_each(|i| line(&mut text, i));
+    text
+}
+
+macro_rules! lines {
+    ($n:expr, $i:ident => $($format:tt)*) => {
+        repeated($n, |text, $i| { let _ = write!(text, $($format)*); })
+    };
+}
+
+const TRIANGLE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+
+fn round(i: usize, n: usize) -> [f32; 3] {
+    let angle = i as f32 / n as f32 * 6.25;
+    [angle.cos(), angle.sin(), (i % 3) as f32 * 0.1]
+}
+
+/// All triangles share a vertex.
+fn fan(n: usize) -> Vec<u8> {
+    let rim = (0..n + 2).map(|i| if i == 0 { [0.0, 0.0, 1.0] } else { round(i, n) });
+    ply(rim, (0..n).map(|i| [0, i + 1, i + 2]))
+}
+
+/// All triangles share an edge.
+fn book(n: usize) -> Vec<u8> {
+    let edges = (0..n + 2).map(|i| if i < 2 { [0.0, 0.0, i as f32] } else { round(i, n) });
+    ply(edges, (0..n).map(|i| [0, 1, i + 2]))
+}
+
+fn duplicate_triangles(n: usize) -> Vec<u8> {
+    ply((0..3).map(|i| round(i, 3)), (0..n).map(|_| [0, 1, 2]))
+}
+
+fn duplicate_vertices(n: usize) -> Vec<u8> {
+    ply(
+        (0..n).map(|i| [i % 7, i % 5, i % 3].map(|x| x as f32)),
+        (0..n).map(|i| [i, (i + 1) % n, (i + 2) % n]),
+    )
+}
+
+fn one_point(n: usize) -> Vec<u8> {
+    ply((0..n).map(|_| [1.0; 3]), (0..n).map(|i| [i, (i + 1) % n, (i + 2) % n]))
+}
+
+/// Flat triangles that lean on one long edge.
+fn flat_triangles(n: usize) -> Vec<u8> {
+    let on_a_line = (0..n + 3).map(|i| [i as f32, if i == n + 2 { 1.0 } else { 0.0 }, 0.0]);
+    ply(on_a_line, (0..n).map(|i| if i == 0 { [0, n + 1, n + 2] } else { [0, n + 1, i] }))
+}
+
+fn binary_stl(n: usize, corner: impl Fn(usize) -> [u32; 3]) -> Vec<u8> {
+    let mut file = vec![0; 80];
+    file.extend((n as u32).to_le_bytes());
+    for i in 0..n {
+        file.extend([0; 12]);
+        file.extend((0..3).flat_map(|k| corner(3 * i + k)).flat_map(u32::to_le_bytes));
+        file.extend([0; 2]);
+    }
+    file
+}
+
+/// Vertices that a hash with a fixed multiplier, of x and y over a multiple of z, threw into one place.
+fn colliding_vertices(n: usize) -> Vec<u8> {
+    let mut crafted = Vec::with_capacity(3 * n);
+    let mut z = 0x3f80_0000u32;
+    while crafted.len() < 3 * n {
+        let xy = u64::from(z).wrapping_mul(0xa24b_aed4_963e_e407);
+        let point = [xy as u32, (xy >> 32) as u32, z];
+        if point.iter().all(|&x| f32::from_bits(x).is_normal()) {
+            crafted.push(point);
+        }
+        z += 1;
+    }
+    binary_stl(n, |i| crafted[i])
+}
+
+fn soup_with_nan(n: usize) -> Vec<u8> {
+    binary_stl(n, |i| [i % 9, i % 7, i % 5].map(|x| if i % 4 == 3 { f32::NAN } else { x as f32 }.to_bits()))
+}
+
+fn properties(n: usize) -> Vec<u8> {
+    let row = |k: usize| format!("{} {} 0{}\n", k & 1, k >> 1, " 1".repeat(n));
+    let header = ascii_ply(&lines!(n, i => "property float p{i}\n"), "", "");
+    (header + &row(0) + &row(1) + &row(2) + "3 0 1 2\n").into_bytes()
+}
+
+fn list_properties(n: usize) -> Vec<u8> {
+    let header = ascii_ply("", &lines!(n, i => "property list uchar int p{i}\n"), "");
+    (header + "0 0 0\n1 0 0\n0 1 0\n" + &"0 ".repeat(n) + "3 0 1 2\n").into_bytes()
+}
+
+fn elements(n: usize) -> Vec<u8> {
+    let header = ascii_ply("", "", &lines!(n, i => "element e{i} 1\nproperty float a\n"));
+    (header + "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n" + &"1\n".repeat(n)).into_bytes()
+}
+
+fn comments(n: usize) -> Vec<u8> {
+    let header = ascii_ply("", "", &"comment TextureFile a.png\ncomment hello\n".repeat(n));
+    (header + "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n").into_bytes()
+}
+
+/// All faces disagree about the texture coordinates of one vertex.
+fn texture_at_corners(n: usize) -> Vec<u8> {
+    let header = ascii_ply("", "", "").replace("face 1", &format!("face {n}"));
+    let header = header.replace("end_header", "property list uchar float texcoord\nend_header");
+    (header + "0 0 0\n1 0 0\n0 1 0\n" + &lines!(n, i => "3 0 1 2 6 {i} 0 0 0 0 0\n")).into_bytes()
+}
+
+fn texture_indices(n: usize) -> Vec<u8> {
+    let text =
+        TRIANGLE.to_owned() + &lines!(n, i => "vt {i} 0\n") + &lines!(n, i => "f 1/{} 2/1 3/1\n", i + 1);
+    text.into_bytes()
+}
+
+fn names(n: usize) -> Vec<u8> {
+    (TRIANGLE.to_owned() + &lines!(n, i => "usemtl m{i}\ng g{i}\no o{i}\nf 1 2 3\n")).into_bytes()
+}
+
+fn libraries(n: usize) -> Vec<u8> {
+    let text = TRIANGLE.to_owned()
+        + &lines!(n, i => "mtllib {}a.mtl b{i}.mtl\nusemtl m{i}\nf 1 2 3\n", "./".repeat(i % 50));
+    text.into_bytes()
+}
+
+fn continued_lines(n: usize) -> Vec<u8> {
+    (TRIANGLE.to_owned() + &" ".repeat(n) + &"\\\n".repeat(n) + "\n" + TRIANGLE).into_bytes()
+}
+
+fn long_lines(n: usize) -> Vec<u8> {
+    let text = format!("{TRIANGLE}# {}\ng{}\nl{}\n", "x".repeat(n), " y".repeat(n), " 1".repeat(n));
+    text.into_bytes()
+}
+
+fn indices_from_the_end(n: usize) -> Vec<u8> {
+    (TRIANGLE.to_owned() + &lines!(n, i => "v {i} {} 0\nf -1 -2 -3\n", i % 7)).into_bytes()
+}
+
+fn pentagons(n: usize) -> Vec<u8> {
+    ("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv .5 1.2 0\n".to_owned() + &"f 1 2 3 5 4\n".repeat(n)).into_bytes()
+}
+
+fn polygon(corners: impl Iterator<Item = [f64; 2]>) -> Vec<u8> {
+    let (mut text, mut count) = (String::new(), 0);
+    for [x, y] in corners {
+        let _ = writeln!(text, "v {x} {y} 0");
+        count += 1;
+    }
+    text += "f";
+    (1..=count).for_each(|i| _ = write!(text, " {i}"));
+    text.into_bytes()
+}
+
+fn comb(n: usize) -> Vec<u8> {
+    let teeth = n / 4;
+    let below = [[0.0, -1.0], [2.0 * teeth as f64, -1.0]];
+    let tooth = |i: f64| [[i + 1.0, 0.0], [i + 1.0, 100.0], [i, 100.0], [i, 0.0]];
+    polygon(below.into_iter().chain((0..teeth).rev().flat_map(|i| tooth(2.0 * i as f64))))
+}
+
+/// Teeth from both sides that nearly touch, so that nearly every ear is spoilt.
+fn interleaved_combs(n: usize) -> Vec<u8> {
+    let teeth = n / 6;
+    let there = |i: f64| [[i, 0.0], [i + 1.0, 1000.0], [i + 2.0, 1000.0], [i + 3.0, 0.0]];
+    let back = |i: f64| [[i + 2.4, 0.5], [i + 1.9, 999.0]];
+    let there = (0..teeth).flat_map(|i| there(4.0 * i as f64));
+    polygon(there.chain((0..teeth).rev().flat_map(|i| back(4.0 * i as f64))))
+}
+
+fn crossing_star(n: usize) -> Vec<u8> {
+    let turn = std::f64::consts::TAU * (n as f64 / (2 * n + 1) as f64);
+    polygon((0..2 * n + 1).map(|i| [(i as f64 * turn).cos(), (i as f64 * turn).sin()]))
+}
+
+fn spiral(n: usize) -> Vec<u8> {
+    let arm = |i: usize, r: f64| {
+        let t = i as f64 * 0.02;
+        [(t + r) * t.cos(), (t + r) * t.sin()]
+    };
+    polygon((0..n / 2).map(|i| arm(i, 0.05)).chain((0..n / 2).rev().map(|i| arm(i, 0.0))))
+}
+
+fn off(n: usize) -> Vec<u8> {
+    let vertices = lines!(n + 2, i => "{i} {} {}\n", i % 7, i % 3);
+    let faces = lines!(n, i => "3 {i} {} {} {} 0 0\n", i + 1, i + 2, i % 2);
+    format!("OFF\n{} {n} 0\n{vertices}{faces}", n + 2).into_bytes()
+}
+
+/// A large file with a small mesh: numbers of many digits.
+fn digits(n: usize) -> Vec<u8> {
+    let vertices = lines!(n, i => "v {:.600} {:.600} 0.5\n", i as f64 / 7.0, (i * i) as f64 / 3.0);
+    (vertices + &lines!(n - 2, i => "f {} {} {}\n", i + 1, i + 2, i + 3)).into_bytes()
+}
+
+/// A gzip file of many members, most of them empty.
+fn members(n: usize) -> Vec<u8> {
+    let compressed = |text: &str| {
+        let mut out = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
+        out.write_all(text.as_bytes()).expect("room");
+        out.finish().expect("room")
+    };
+    [compressed(TRIANGLE), compressed("").repeat(n)].concat()
+}
+
+/// A small gzip file of something large.
+fn bomb(n: usize) -> Vec<u8> {
+    let mut out = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
+    (0..n).for_each(|_| out.write_all(TRIANGLE.repeat(100).as_bytes()).expect("room"));
+    out.finish().expect("room")
+}
+
+/// A name, how many of its parts take a moment, and how it is made.
+pub const SERIES: [(&str, usize, Maker); 32] = [
+    ("fan.ply", 12_000, fan),
+    ("book.ply", 12_000, book),
+    ("duplicate_triangles.ply", 12_000, duplicate_triangles),
+    ("duplicate_vertices.ply", 12_000, duplicate_vertices),
+    ("one_point.ply", 12_000, one_point),
+    ("flat_triangles.ply", 12_000, flat_triangles),
+    ("colliding_vertices.stl", 3_000, colliding_vertices),
+    ("soup_with_nan.stl", 12_000, soup_with_nan),
+    ("properties.ply", 5_000, properties),
+    ("list_properties.ply", 5_000, list_properties),
+    ("elements.ply", 12_000, elements),
+    ("comments.ply", 12_000, comments),
+    ("texture_at_corners.ply", 12_000, texture_at_corners),
+    ("texture_indices.obj", 12_000, texture_indices),
+    ("names.obj", 12_000, names),
+    ("libraries.obj", 2_000, libraries),
+    ("continued_lines.obj", 10_000, continued_lines),
+    ("long_lines.obj", 400_000, long_lines),
+    ("indices_from_the_end.obj", 12_000, indices_from_the_end),
+    ("pentagons.obj", 12_000, pentagons),
+    ("comb.obj", 6_000, comb),
+    ("interleaved_combs.obj", 6_000, interleaved_combs),
+    ("crossing_star.obj", 6_000, crossing_star),
+    ("spiral.obj", 12_000, spiral),
+    ("tall.off", 12_000, off),
+    ("digits.obj", 1_000, digits),
+    ("members.obj.gz", 2_000, members),
+    ("bomb.obj.gz", 20, bomb),
+    ("quoted_comments.ply", 3_000, |n| [comments(n), vec![b'\n'; n]].concat()),
+    ("trailing.stl", 3_000, |n| [soup_with_nan(n), vec![7; n]].concat()),
+    ("lone_returns.obj", 12_000, |n| {
+        names(n).into_iter().map(|b| if b == b'\n' { b'\r' } else { b }).collect()
+    }),
+    ("wide.obj", 12_000, |n| names(n).into_iter().flat_map(|b| [b, 0]).collect()),
+];
