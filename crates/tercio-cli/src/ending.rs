@@ -42,7 +42,6 @@ pub fn set_code(code: u8) {
 }
 
 /// What is called before the program ends in one of these ways, once: removes unfinished files. It should not allocate.
-#[allow(dead_code, reason = "unfinished files will be known to it")]
 pub fn at_end(clean_up: fn()) {
     let _ = CLEAN_UP.set(clean_up);
 }
