@@ -47,14 +47,18 @@ pub fn draw_bytes(bytes: &[u8]) {
     if plain.triangles.len() > MOST_TRIANGLES {
         return;
     }
-    let scene = Scene::of_mesh(loaded.mesh);
+    let mut scene = Scene::of_mesh(loaded.mesh);
+    if number % 2 == 0 {
+        scene.instances[0].surface.specular = 0.0;
+    }
     let odd = PartitionOptions {
         max_vertices: 9,
         max_triangles: 5,
         shuffle_seed: Some(number as u64),
         ..PartitionOptions::default()
     };
-    let cut_otherwise = Scene::of_mesh(partition(plain.clone(), &odd).into());
+    let mut cut_otherwise = Scene::of_mesh(partition(plain.clone(), &odd).into());
+    cut_otherwise.instances[0].surface = scene.instances[0].surface;
     let camera = camera(&scene, number / 3);
     let settings = settings(number);
     let drawn = Renderer::new().render(&scene, &camera, &settings);
@@ -72,6 +76,10 @@ pub fn draw_bytes(bytes: &[u8]) {
         (Ok(drawn), Ok(otherwise), Ok(expected)) => {
             assert_same(&drawn, &expected, "the reference");
             assert_same(&otherwise, &expected, "another partition, scalar");
+            // Colours alone have kernels of their own.
+            let alone = Settings { outputs: Outputs::default(), ..settings };
+            let alone = Renderer::new().render(&scene, &camera, &alone).expect("drawn before");
+            assert!(alone.color == expected.color, "colours alone differ");
         }
         (Err(a), Err(b), Err(c)) => {
             let [a, b, c] = [a, b, c].map(|error| error.to_string());

@@ -1,7 +1,8 @@
 //! The ends of the program that no command returns from: memory that is not there, and mistakes of the program.
 //!
 //! Both say one line, clean up, and end with the exit code of an error, never by a signal. Nothing is allocated on the
-//! way, because there may be no memory, and no lock is waited for.
+//! way, because there may be no memory, and no lock is waited for but that of the name of a stage,
+//! under which nothing is allocated.
 
 use std::cell::Cell;
 use std::fmt::Write as _;
@@ -71,9 +72,14 @@ pub fn no_room(in_use: usize, size: usize, limit: Option<usize>) -> ! {
     }
     match limit {
         // As the errors of the reader; what is counted already is part of what is needed.
-        Some(limit) => line.put(format_args!(
-            "needs {in_use} bytes or more for {stage}, the limit is {limit} bytes (--memory-limit)"
-        )),
+        Some(limit) => {
+            // `compare` has no option for it.
+            let compares = CODE.load(Ordering::Relaxed) == 2;
+            let whose = if compares { "what the machine, a control group or ulimit leaves" } else { "--memory-limit" };
+            line.put(format_args!(
+                "needs {in_use} bytes or more for {stage}, the limit is {limit} bytes ({whose})"
+            ));
+        }
         None => line.put(format_args!(
             "needs {size} bytes more for {stage} besides the {in_use} in use, and the system gives no more (see ulimit -v)"
         )),

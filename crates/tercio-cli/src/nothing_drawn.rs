@@ -22,21 +22,45 @@ pub fn reason(bounds: &Aabb, camera: &Camera, cull: Cull, stats: &FrameStats) ->
     } else if facing == all {
         let side = if cull == Cull::Front { "front" } else { "back" };
         format!("show the camera their {side}, which --cull leaves out")
+    } else if rest == all && counts.triangles_clipped > 0 {
+        CUT_AWAY.into()
     } else if rest == all {
         "are too small or too thin to cover the centre of a pixel".into()
     } else {
         let parts = [
             (outside, "are outside the picture"),
             (facing, "show the side that --cull leaves out"),
-            (rest, "cover no centre of a pixel"),
+            (rest, if counts.triangles_clipped > 0 { CUT_AWAY } else { "cover no centre of a pixel" }),
         ];
-        let parts = parts.iter().filter(|p| p.0 > 0).map(|(n, what)| format!("{n} {what}"));
+        let parts = parts.iter().filter(|p| p.0 > 0).map(|&(n, what)| format!("{n} {}", numbered(n, what)));
         return Some(format!(
             "nothing was drawn: of {all} triangles {}",
             parts.collect::<Vec<_>>().join(", ")
         ));
     };
-    Some(format!("nothing was drawn: all {all} triangles {why}"))
+    Some(match all {
+        1 => format!("nothing was drawn: the only triangle {}", numbered(1, &why)),
+        _ => format!("nothing was drawn: all {all} triangles {why}"),
+    })
+}
+
+/// Said of triangles of which clipping left nothing that is seen.
+const CUT_AWAY: &str =
+    "are cut away: they lie beside the picture, or nearer to the camera than the near plane (--near)";
+
+/// What is said of several, said of `n`.
+fn numbered(n: u64, what: &str) -> String {
+    if n != 1 {
+        return what.into();
+    }
+    let pairs = [
+        ("are ", "is "),
+        ("show the camera their ", "shows the camera its "),
+        ("show ", "shows "),
+        ("cover ", "covers "),
+    ];
+    let found = pairs.iter().find_map(|(many, one)| Some(format!("{one}{}", what.strip_prefix(many)?)));
+    found.unwrap_or_else(|| what.into()).replace("they lie", "it lies")
 }
 
 fn outside_reason(bounds: &Aabb, camera: &Camera) -> String {
@@ -120,8 +144,14 @@ mod tests {
         assert!(why(DVec3::Z, DVec3::ZERO, None, Cull::Back, culled).contains("their back"));
         let tiny = FrontEndCounts { triangles_in: 4, triangles_no_sample: 4, ..FrontEndCounts::default() };
         assert!(why(DVec3::Z, DVec3::ZERO, None, Cull::Auto, tiny).contains("too small"));
+        let one = FrontEndCounts { triangles_in: 1, triangles_no_sample: 1, ..tiny };
+        let text = why(DVec3::Z, DVec3::ZERO, None, Cull::Auto, one);
+        assert!(text.contains("the only triangle is too small"), "{text}");
+        let clipped = FrontEndCounts { triangles_in: 4, triangles_clipped: 4, ..FrontEndCounts::default() };
+        let text = why(DVec3::Z, DVec3::ZERO, None, Cull::Auto, clipped);
+        assert!(text.contains("all 4 triangles are cut away: they lie beside"), "{text}");
         let mixed = FrontEndCounts { triangles_outside: 1, triangles_in: 4, ..tiny };
         let text = why(DVec3::Z, DVec3::ZERO, None, Cull::Auto, mixed);
-        assert!(text.ends_with("of 4 triangles 1 are outside the picture, 3 cover no centre of a pixel"));
+        assert!(text.ends_with("of 4 triangles 1 is outside the picture, 3 cover no centre of a pixel"));
     }
 }

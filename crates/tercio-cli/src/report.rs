@@ -129,12 +129,13 @@ fn counted(n: u64, what: &str) -> String {
 pub fn repairs(report: &LoadReport) -> Vec<String> {
     let cleaned = &report.cleaned;
     let counts = [
-        (cleaned.duplicate_corner, "triangles with a corner twice dropped"),
-        (cleaned.degenerate, "triangles without area dropped"),
-        (cleaned.non_finite_triangles, "triangles at vertices that are not finite or too far out dropped"),
-        (report.welded.unwrap_or(0), "vertices joined with others at the same place"),
+        (cleaned.duplicate_corner, "triangle", "with a corner twice dropped"),
+        (cleaned.degenerate, "triangle", "without area dropped"),
+        (cleaned.non_finite_triangles, "triangle", "at vertices that are not finite or too far out dropped"),
+        (report.welded.unwrap_or(0), "vertex", "joined with others at the same place"),
     ];
-    counts.iter().filter(|c| c.0 > 0).map(|(n, what)| format!("{} {what}", grouped(*n))).collect()
+    let found = counts.into_iter().filter(|c| c.0 > 0);
+    found.map(|(n, what, how)| format!("{} {how}", counted(n, what))).collect()
 }
 
 /// A number with its thousands apart: 1,234,567.

@@ -1,8 +1,9 @@
 //! What happens when a user or a batch system interrupts the program.
 
-/// From now on a signal that ends the program (INT, TERM, HUP) first removes the partial files, and then ends it as the
-/// signal by itself does, so that a shell sees the status 130, 143 or 129. Signals that the program was started to ignore,
-/// as `nohup` does with HUP, stay ignored.
+/// From now on a signal that ends the program (INT, TERM, HUP, and of the rarer ones QUIT, ALRM, USR1, USR2, XCPU) first
+/// removes the partial files, and then ends it as the signal by itself does, so that a shell sees the status 130, 143 or
+/// 129. Signals that the program was started to ignore, as `nohup` does with HUP, stay ignored. A file that passes
+/// `ulimit -f` is an error of writing and no signal.
 pub fn watch() {
     #[cfg(unix)]
     on_unix::watch();
@@ -10,22 +11,29 @@ pub fn watch() {
 
 #[cfg(unix)]
 mod on_unix {
-    use std::sync::mpsc;
+    use std::sync::atomic::AtomicBool;
+    use std::sync::{Arc, mpsc};
     use std::thread;
 
-    use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+    use signal_hook::consts::{
+        SIGALRM, SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGUSR1, SIGUSR2, SIGXCPU, SIGXFSZ,
+    };
     use signal_hook::iterator::Signals;
     use signal_hook::low_level::emulate_default_handler;
     use tercio::image::remove_partial_files;
 
+    const ENDING: [i32; 8] = [SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGALRM, SIGUSR1, SIGUSR2, SIGXCPU];
+
     const STACK_BYTES: usize = 128 << 10;
 
     pub fn watch() {
+        // With any handler the write that passes the limit fails; without one the program ends. Where the handler cannot
+        // be had, it ends.
+        let _ = signal_hook::flag::register(SIGXFSZ, Arc::new(AtomicBool::new(false)));
         let (ready, is_ready) = mpsc::channel::<()>();
         let wait = move || {
             let ignored = ignored_signals();
-            let watched =
-                [SIGINT, SIGTERM, SIGHUP].into_iter().filter(|signal| ignored >> (signal - 1) & 1 == 0);
+            let watched = ENDING.into_iter().filter(|signal| ignored >> (signal - 1) & 1 == 0);
             // Without handlers signals end the program as ever.
             let Ok(mut signals) = Signals::new(watched) else { return };
             drop(ready);

@@ -140,6 +140,11 @@ fn an_output_is_no_other_file_of_the_model() {
         said.failed(2, &["material library or texture of m.obj", "same file"]);
     }
     place.run("lab workload m.obj -o d/m.mtl --format boxes").failed(2, &["--output d/m.mtl", "m.obj"]);
+    for arguments in ["info m.obj", "bench m.obj --frames 1 --size 32x24"] {
+        let library = File::options().append(true).open(place.path("d/m.mtl")).unwrap();
+        let output = place.command(arguments).stdout(library).stderr(Stdio::piped()).output().unwrap();
+        Said::from(output).failed(2, &["standard output", "library or texture of m.obj"]);
+    }
     let kept = ["d/m.mtl", "d/skin.png", "bumps.png"].map(|name| place.read(name));
     assert_eq!(kept.map(|bytes| bytes.len()), [library.len(), 4, 5]);
     // A texture that is not there cannot be lost.

@@ -8,7 +8,7 @@ use std::io::Read;
 use std::os::unix::process::ExitStatusExt;
 use std::process::{Child, Command, Stdio};
 use std::thread;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use common::Place;
 use rustix::process::{Pid, Signal, kill_process};
@@ -23,8 +23,19 @@ fn partial_files(place: &Place) -> usize {
 /// A run that has a partial file and waits, and what was in its place before.
 fn stuck(place: &Place, mut command: Command) -> Child {
     fs::write(place.path("a.png"), "old").unwrap();
-    let child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("the program starts");
+    let mut child =
+        command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("the program starts");
+    let begin = Instant::now();
     while partial_files(place) == 0 {
+        // A run that never gets there must fail the test, not stop all tests.
+        let ended = child.try_wait().unwrap();
+        let is_late = begin.elapsed() > Duration::from_secs(30);
+        if ended.is_some() || is_late {
+            let _ = child.kill();
+            let output = child.wait_with_output().unwrap();
+            let words = String::from_utf8_lossy(&output.stderr);
+            panic!("no partial file after {:?}, {}: {words}", begin.elapsed(), output.status);
+        }
         thread::sleep(Duration::from_millis(2));
     }
     child

@@ -86,12 +86,13 @@ impl Mesh {
         power_of_two(self.exponent)
     }
 
-    /// Chooses another unit for the positions if the largest of their coordinates is 2^40 or more, or less than 2^-40:
-    /// then it becomes at least 1 and less than 2. Exact, because a unit is a power of two.
+    /// Chooses another unit for the positions if `largest`, the largest absolute value of a coordinate of a triangle, is
+    /// 2^40 or more, or less than 2^-40: then it becomes at least 1 and less than 2. Exact, because a unit is a power of
+    /// two, but for coordinates that are smaller than the largest by more than `f32` holds, which become 0. Vertices that no
+    /// triangle uses stay finite.
     ///
     /// Squares, products with the size of a picture and sums of coordinates then stay inside `f32`.
     pub fn bring_into_range(&mut self, largest: f32) {
-        const COMFORTABLE: std::ops::Range<f32> = (1.0 / (1u64 << 40) as f32)..(1u64 << 40) as f32;
         if COMFORTABLE.contains(&largest) || !(largest > 0.0 && largest.is_finite()) {
             return;
         }
@@ -101,7 +102,7 @@ impl Mesh {
         self.positions
             .par_iter_mut()
             .with_min_len(1 << 14)
-            .for_each(|p| *p = p.map(|c| (f64::from(c) * scale) as f32));
+            .for_each(|p| *p = p.map(|c| ((f64::from(c) * scale) as f32).clamp(-f32::MAX, f32::MAX)));
         self.exponent += shift;
     }
 
@@ -134,6 +135,9 @@ impl Mesh {
         }
     }
 }
+
+/// Largest coordinates with which `f32` can calculate at ease.
+pub(crate) const COMFORTABLE: std::ops::Range<f32> = (1.0 / (1u64 << 40) as f32)..(1u64 << 40) as f32;
 
 /// 2^`exponent`, exact.
 pub(crate) fn power_of_two(exponent: i32) -> f64 {

@@ -46,8 +46,8 @@ pub enum RenderError {
     },
     /// A mesh whose coordinates leave `f32` no room to calculate with.
     #[error(
-        "the coordinates of instance {instance} reach {largest:e} units of its mesh, which has to be between 2^-60 and \
-         2^60: Mesh::bring_into_range chooses a unit"
+        "the coordinates of instance {instance} reach {largest:e}, and 32-bit floating-point numbers can calculate with \
+         2^-60 to 2^60 only: choose another unit of the mesh (clean or Mesh::bring_into_range)"
     )]
     OutOfRange {
         /// Number of the instance.

@@ -47,9 +47,10 @@ const NEAREST: f64 = 1.0 / (1u64 << 40) as f64;
 /// No near plane stands nearer than this, in [`View::unit`].
 const LEAST_NEAR: f64 = 1.0 / (1u64 << 60) as f64;
 
-/// The largest factor by which depths are multiplied to be weights of corners: with areas, and squared, they then stay
-/// inside `f32`.
-const MOST_WEIGHT: f64 = (1u64 << 24) as f64;
+/// The largest factor by which depths, which are at most 1, are multiplied to be weights of corners: times areas, which
+/// are below 2^49 together, and squared, they then stay inside `f32`. The least weight, [`LEAST_NEAR`] times this, still
+/// is a vector's length and not nothing.
+const MOST_WEIGHT: f64 = (1u64 << 12) as f64;
 
 /// The least power of two that is above a length; 1 for a length of 0.
 fn unit_above(length: f64) -> f64 {

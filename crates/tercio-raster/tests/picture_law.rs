@@ -3,6 +3,7 @@
 mod common;
 
 use common::*;
+use glam::DVec3;
 use tercio_mesh::{Mesh, OctNormal};
 use tercio_raster::{Cull, Frame, Part, Renderer, Settings, Shading, SimdLevel};
 use tercio_scene::Camera;
@@ -70,6 +71,56 @@ fn every_shading_and_every_culling() {
                     let what = format!("{name}, {shading:?}, {cull:?}, {simd}");
                     assert_same(&expected, &draw(&plain, &camera, &s), &what);
                 }
+            }
+        }
+    }
+}
+
+/// Sheets whose normals lean, seen from all sides and along them: where normals point away from the viewer or triangles show
+/// their backs, the kernel of colours alone has to bend normals as the reference does.
+#[test]
+fn leaning_normals_in_colours_alone() {
+    let mut random = Random(21);
+    let n = 12u32;
+    for sheet in 0..60 {
+        let lean = random.point(1.0);
+        let spread = random.between(0.0, 0.6);
+        let mut mesh = Mesh::default();
+        let mut normals = Vec::new();
+        let front = if sheet % 2 == 0 { 1.0 } else { -1.0 };
+        for (i, j) in (0..=n).flat_map(|i| (0..=n).map(move |j| (i, j))) {
+            let [x, y] = [i, j].map(|k| k as f32 / n as f32 - 0.5);
+            mesh.positions.push([x, y, 0.05 * (x * y)]);
+            let normal = DVec3::new(lean.x, lean.y, 0.15) * 1.2 + random.point(1.0) * spread;
+            normals.push(OctNormal::encode(
+                (normal.with_z(normal.z.abs().max(0.1)) * front).as_vec3().to_array(),
+            ));
+        }
+        let at = |i: u32, j: u32| i * (n + 1) + j;
+        for (i, j) in (0..n).flat_map(|i| (0..n).map(move |j| (i, j))) {
+            let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
+            let two = [[a, b, c], [a, c, d]];
+            mesh.triangles.extend(two.map(|[a, b, c]| if front > 0.0 { [a, b, c] } else { [a, c, b] }));
+        }
+        mesh.normals = Some(normals);
+        let mut plain = scene(&mesh);
+        plain.instances[0].surface.specular = 0.0;
+        if sheet % 3 == 0 {
+            plain.instances[0].world_from_object = glam::DAffine3::from_scale(DVec3::new(-1.0, 1.0, 1.0));
+        }
+        for view in 0..6 {
+            // Mostly along the sheet, from above and below.
+            let away = random.point(1.0).with_z(random.between(-0.25, 0.25));
+            let far = random.between(0.7, 2.0);
+            let eye = away.normalize() * far;
+            let degrees = random.between(30.0, 120.0);
+            let camera = perspective(eye.to_array(), [0.0; 3], degrees);
+            let settings = Settings::new(160, 120);
+            let expected = draw_reference(&mesh, &plain, &camera, &settings);
+            for simd in SimdLevel::available() {
+                let s = Settings { simd: Some(simd), ..settings.clone() };
+                let what = format!("sheet {sheet}, view {view}, {simd}");
+                assert_same(&expected, &draw(&plain, &camera, &s), &what);
             }
         }
     }

@@ -122,6 +122,24 @@ fn coordinates_out_of_range_are_refused() {
     }
 }
 
+/// A vertex that no triangle uses, or only one that is dropped, does not choose the unit.
+#[test]
+fn unused_vertices_do_not_matter() {
+    for (size, far) in
+        [(1.0f32, 1e19f32), (1.0, 3e38), (1e-20, 1.0), (1e-30, 1e30), (1e30, 1e-30), (1.0, 1e-38)]
+    {
+        let positions = vec![[0.0; 3], [size, 0.0, 0.0], [0.0, size, 0.0], [far, 0.0, 0.0]];
+        let mut mesh = Mesh { positions, triangles: vec![[0, 1, 2], [3, 3, 1]], ..Mesh::default() };
+        assert_eq!(clean::clean(&mut mesh).total(), 1);
+        assert!(mesh.positions.iter().flatten().all(|c| c.is_finite()), "{:?}", mesh.positions);
+        let scene = scene(&mesh);
+        let camera = Framing::default().camera_for_scene(&scene);
+        let frame = draw(&scene, &camera, &ids_only(64, 64));
+        let shown = frame.ids.iter().filter(|&&id| id != u32::MAX).count();
+        assert!(shown > 500, "triangle of {size}, vertex at {far}: {shown} pixels");
+    }
+}
+
 #[test]
 fn dense_meshes() {
     // 2^-149 to 2^116: the largest coordinate is 2^11.

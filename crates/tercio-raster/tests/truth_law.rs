@@ -26,6 +26,14 @@ fn check(meshes: &[&Mesh], scene: &Scene, camera: &Camera, shading: Shading, wha
     let frame = draw(scene, camera, &settings(shading));
     let found = Truth::new(meshes, scene, camera, shading, SIZE).compare(&frame);
     let what = format!("{what}, {shading:?}");
+    // Colours alone have kernels of their own, without highlights yet another one.
+    for specular in [scene.instances[0].surface.specular, 0.0] {
+        let mut scene = scene.clone();
+        scene.instances.iter_mut().for_each(|instance| instance.surface.specular = specular);
+        let colors = Settings { outputs: Outputs::default(), ..settings(shading) };
+        let [all, alone] = [settings(shading), colors].map(|settings| draw(&scene, camera, &settings).color);
+        assert!(all == alone, "{what}, specular {specular}: colours alone differ");
+    }
     assert_eq!(
         found.wrong_pixels, 0,
         "{what}: {} of {} decided pixels: {:#?}",
@@ -186,10 +194,53 @@ fn near_things_in_a_large_scene() {
             projection: Projection::Perspective { fov_y: 1.0 },
             near: None,
         };
-        for shading in [Shading::Flat, Shading::Unlit] {
+        // Normals of corners stand on the side of their triangle, and differ.
+        let smooth = |t: &[u32; 3]| {
+            let [a, b, c] = t.map(|v| DVec3::from(mesh.positions[v as usize].map(f64::from)));
+            let plane = (b - a).cross(c - a).normalize();
+            [a, b, c].map(|p| OctNormal::encode((plane + (p - eye).normalize() * 0.3).as_vec3().to_array()))
+        };
+        mesh.normals = Some(mesh.triangles.iter().flat_map(smooth).collect());
+        for shading in [Shading::Flat, Shading::Unlit, Shading::Phong, Shading::Gouraud] {
             let found =
                 check(&[&mesh], &scene(&mesh), &camera, shading, &format!("large scene from its {place}"));
             assert!(found.shown * 2 > found.pixels, "{found:?}");
+        }
+    }
+}
+
+/// A wall right before the eye that is large beside its distance: areas on the screen and weights of corners are as large
+/// as they become.
+#[test]
+fn normals_of_a_large_wall_before_the_eye() {
+    for distance in [1e-8f32, 1e-7, 1e-6, 1e-4, 1e-2] {
+        for width in [1.0, 3.0, 30.0, 1000.0] {
+            let half = (distance * width).min(0.5);
+            let mut positions =
+                vec![[-half, -half, 0.0], [half, -half, 0.0], [half, half, 0.0], [-half, half, 0.0]];
+            // What makes the scene large stands behind the wall.
+            positions.extend([[-1.0, -1.0, -1.0], [1.0, -1.0, -1.0], [0.0, 1.0, -1.0]]);
+            let slanted = |x: f32, y: f32| OctNormal::encode([x, y, 1.0]);
+            let normals = [slanted(-0.5, -0.5), slanted(0.5, -0.5), slanted(0.5, 0.5), slanted(-0.5, 0.5)];
+            let mesh = Mesh {
+                triangles: vec![[0, 1, 2], [0, 2, 3], [4, 5, 6]],
+                normals: Some([&normals[..], &[slanted(0.0, 0.0); 3]].concat()),
+                positions,
+                ..Mesh::default()
+            };
+            for near in [None, Some(1e-3 * f64::from(distance)), Some(1e-30)] {
+                let camera = Camera {
+                    eye: DVec3::new(0.0, 0.0, distance.into()),
+                    target: DVec3::ZERO,
+                    up: DVec3::new(0.1, 1.0, 0.0),
+                    projection: Projection::Perspective { fov_y: 1.0 },
+                    near,
+                };
+                for shading in [Shading::Phong, Shading::Gouraud, Shading::Flat] {
+                    let what = format!("wall {distance} before the eye, {width} as wide, near {near:?}");
+                    check(&[&mesh], &scene(&mesh), &camera, shading, &what);
+                }
+            }
         }
     }
 }

@@ -93,15 +93,16 @@ impl Bench {
     /// # Errors
     /// What went wrong.
     pub fn run(&self) -> Result<ExitCode> {
-        NamedFiles::default().reads_model(&self.model.model).prints().ready()?;
+        let files = NamedFiles::default().reads_model(&self.model.model).prints();
+        files.ready()?;
         ending::name_model(self.model.name());
         let pool = self.running.pool()?;
-        let text = pool.install(|| self.measure())?;
+        let text = pool.install(|| self.measure(&files))?;
         write_text(&Destination::Stdout, &text)?;
         Ok(ExitCode::SUCCESS)
     }
 
-    fn measure(&self) -> Result<String> {
+    fn measure(&self, files: &NamedFiles) -> Result<String> {
         let display = Display::new(self.running.progress_mode());
         let options = LoadOptions {
             memory_limit: self.running.memory_limit(),
@@ -110,8 +111,10 @@ impl Bench {
             topology: false,
         };
         let begin = Instant::now();
-        let mut mesh = tercio::load_mesh(&self.model.model, &options)?.mesh;
+        let loaded = tercio::load_mesh(&self.model.model, &options)?;
         let load_ms = begin.elapsed().as_secs_f64() * 1e3;
+        files.check_companions(&self.model.name(), &loaded.report.read.companions)?;
+        let mut mesh = loaded.mesh;
         for _ in 0..self.subdivide {
             mesh = tercio::mesh::subdivide::subdivide(&mesh);
         }

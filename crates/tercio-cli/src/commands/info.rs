@@ -43,11 +43,13 @@ impl Info {
     /// # Errors
     /// What went wrong.
     pub fn run(&self) -> Result<ExitCode> {
-        NamedFiles::default().reads_model(&self.model.model).prints().ready()?;
+        let files = NamedFiles::default().reads_model(&self.model.model).prints();
+        files.ready()?;
         ending::name_model(self.model.name());
         let pool = self.running.pool()?;
         let (loaded, attributes) = pool.install(|| self.load())?;
         let model = self.model.name();
+        files.check_companions(&model, &loaded.report.read.companions)?;
         if !self.running.quiet {
             for warning in report::warnings(&loaded.report) {
                 messages::warning(&format!("{model}: {warning}"));

@@ -10,6 +10,7 @@ use rayon::prelude::*;
 
 use crate::Mesh;
 use crate::hash::Key;
+use crate::mesh::COMFORTABLE;
 use crate::weld::position_bits;
 
 const CHUNK: usize = 1 << 15;
@@ -96,12 +97,24 @@ pub fn clean(mesh: &mut Mesh) -> Cleaned {
     found.stitching_kept = flat.len() as u64 - found.degenerate;
     let largest;
     (found.non_finite_vertices, largest) = mend_positions(&mut mesh.positions);
-    mesh.bring_into_range(largest);
     if !faults.is_empty() {
         let drops: Vec<u32> = faults.iter().map(|f| f.0).collect();
         drops::drop_triangles(mesh, &drops);
     }
+    // Vertices that no triangle uses do not count. Nearly always a look at one triangle shows that there is nothing to do.
+    let first = mesh.triangles.first().map_or(0.0, |&t| largest_of(mesh, t));
+    if !COMFORTABLE.contains(&largest) || !COMFORTABLE.contains(&first) {
+        let used = mesh.triangles.par_iter().with_min_len(CHUNK).map(|&t| largest_of(mesh, t));
+        let largest = used.reduce(|| 0.0, f32::max);
+        mesh.bring_into_range(largest);
+    }
     found
+}
+
+/// The largest absolute value of a coordinate of a triangle.
+fn largest_of(mesh: &Mesh, triangle: [u32; 3]) -> f32 {
+    let coordinates = triangle.map(|v| mesh.positions[v as usize]);
+    coordinates.as_flattened().iter().fold(0.0, |most, c| most.max(c.abs()))
 }
 
 #[cold]

@@ -12,6 +12,7 @@ use crate::polygon::Triangulator;
 use crate::{Mesh, OctNormal, ReadError};
 
 use super::faces::NONE;
+use super::lines::join;
 use super::mtl;
 use super::names::{self, Names};
 use super::parse::{Chunk, UNKNOWN_KEPT};
@@ -275,6 +276,14 @@ fn add_materials(
 ) {
     let used = Names::join(input, chunks, |c| &c.materials);
     if used.names.is_empty() {
+        // Nothing is asked of the libraries, but they are files of the model nevertheless.
+        if let Some(base) = &input.base {
+            let lines: HashSet<&[u8]> = chunks.iter().flat_map(|c| &c.libraries).copied().collect();
+            let (libraries, mut scratch) = (mtl::Libraries::new(base), Vec::new());
+            for names in lines {
+                libraries.note_unread(join(names, &mut scratch), companions);
+            }
+        }
         return;
     }
     let library = load_libraries(input, chunks, companions, warnings);
@@ -332,14 +341,21 @@ fn load_libraries(
     };
     let mut libraries = mtl::Libraries::new(base);
     let mut asked = HashSet::new();
+    let mut scratch = Vec::new();
     for &names in lines {
         if !asked.insert(names) {
             continue;
         }
-        libraries.load(names, companions, warnings);
-        if asked.len() == MOST_LIBRARIES {
-            warnings.push(format!("did not read more than {MOST_LIBRARIES} material libraries"));
-            break;
+        // The line may be continued.
+        let names = join(names, &mut scratch);
+        match asked.len() {
+            ..=MOST_LIBRARIES => libraries.load(names, companions, warnings),
+            n => {
+                if n == MOST_LIBRARIES + 1 {
+                    warnings.push(format!("did not read more than {MOST_LIBRARIES} material libraries"));
+                }
+                libraries.note_unread(names, companions);
+            }
         }
     }
     libraries.materials

@@ -85,13 +85,15 @@ pub fn holds_nothing_but(bytes: &[u8]) -> Option<&'static str> {
     }
 }
 
-/// Looks at more of the file where its front holds nothing but comments.
+/// Looks at more of the file where its front holds nothing but comments and names, and one line of another kind
+/// at most: thousands of them may stand before the geometry.
 fn votes(bytes: &[u8]) -> Votes {
     let bytes = transcode::unpadded(bytes);
     let mut length = FRONT;
     loop {
         let votes = votes_of_front(bytes, length);
-        if votes.statements + votes.unknown > 0 || votes.comments == 0 || length >= bytes.len() {
+        let goes_on = votes.statements == 0 && votes.unknown <= 1 && votes.comments + votes.others > 0;
+        if !goes_on || length >= bytes.len() {
             return votes;
         }
         length *= 64;
@@ -106,7 +108,13 @@ fn votes_of_front(bytes: &[u8], length: usize) -> Votes {
         return votes;
     }
     let mut unknown = HashSet::new();
-    for line in Lines::new(&text, 1) {
+    let mut lines = Lines::new(&text, 1).peekable();
+    let is_cut = length < bytes.len();
+    while let Some(line) = lines.next() {
+        // The last line of a front may be cut in the middle of a word, so it says nothing if others do.
+        if is_cut && lines.peek().is_none() && votes != Votes::default() {
+            break;
+        }
         let line = line.text.trim_ascii();
         let word = words(line).next().unwrap_or_default();
         let votes_for = match line.first() {

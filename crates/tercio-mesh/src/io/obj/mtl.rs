@@ -99,6 +99,19 @@ impl<'a> Libraries<'a> {
         }
     }
 
+    /// Notes what one `mtllib` line names among the `companions` without reading it.
+    pub fn note_unread(&self, names: &[u8], companions: &mut Vec<PathBuf>) {
+        if names.len() > LONGEST_NAME {
+            return;
+        }
+        let names = String::from_utf8_lossy(names);
+        let words: Vec<String> = names.split_whitespace().map(str::to_owned).collect();
+        // Nobody asks which of them are files here, so the line may be one name or several.
+        let whole = words.join(" ");
+        let single = if words.len() > 1 { &words[..] } else { &[] };
+        companions::note(companions, self.base, std::iter::once(&whole).chain(single));
+    }
+
     fn is_file(&mut self, name: &str) -> bool {
         if self.questions_left == 0 {
             return false;
@@ -115,6 +128,8 @@ impl<'a> Libraries<'a> {
         {
             return;
         }
+        // Also one that is not read: an output must not replace it.
+        companions.push(path.clone());
         match fs::metadata(&path) {
             Ok(m) if m.len() > MAX_BYTES => {
                 warnings.push(format!("did not read the material library \"{name}\": it is too large"));
@@ -129,7 +144,6 @@ impl<'a> Libraries<'a> {
                 let textures = self.materials[before..].iter();
                 let textures = textures.flat_map(|m| m.diffuse_texture.iter().chain(&m.other_textures));
                 companions::note(companions, path.parent().unwrap_or(self.base), textures);
-                companions.push(path);
             }
             Err(e) => warnings.push(format!("did not read the material library \"{name}\": {e}")),
         }
@@ -317,6 +331,22 @@ mod tests {
         assert_eq!(m[0].diffuse, DIFFUSE);
         assert_eq!(w.len(), 1);
         assert!(w[0].contains("line 1 of") && w[0].contains("4 more"), "{w:?}");
+    }
+
+    #[test]
+    fn libraries_that_are_not_read_are_noted() {
+        let folder = tempfile::tempdir().unwrap();
+        let large = fs::File::create(folder.path().join("large.mtl")).unwrap();
+        // Takes no room on the disk.
+        large.set_len(MAX_BYTES + 1).unwrap();
+        let mut libraries = Libraries::new(folder.path());
+        let (mut companions, mut warnings) = (Vec::new(), Vec::new());
+        libraries.load(b"large.mtl", &mut companions, &mut warnings);
+        assert!(warnings[0].ends_with("it is too large"), "{warnings:?}");
+        assert_eq!(companions, [folder.path().join("large.mtl")]);
+        companions.clear();
+        libraries.note_unread(b"a.mtl  b.mtl", &mut companions);
+        assert_eq!(companions, ["a.mtl b.mtl", "a.mtl", "b.mtl"].map(|name| folder.path().join(name)));
     }
 
     #[test]

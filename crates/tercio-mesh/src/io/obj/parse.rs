@@ -192,6 +192,8 @@ fn other<'a>(chunk: &mut Chunk<'a>, line: Line<'a>, words: &mut Words) {
     let next_face = chunk.corners.faces();
     let text = line.text.trim_ascii();
     let keyword = text.split(u8::is_ascii_whitespace).next().unwrap_or_default();
+    // The backslash that continues the line may touch the keyword.
+    let keyword = keyword.strip_suffix(b"\\").filter(|_| line.continued).unwrap_or(keyword);
     let name = text.get(keyword.len()..).unwrap_or_default().trim_ascii();
     match keyword {
         b"" => {}

@@ -145,6 +145,34 @@ fn materials_come_from_the_library_beside_the_model() {
 }
 
 #[test]
+fn the_names_of_libraries_may_be_continued() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("m.mtl"), "newmtl a\n").unwrap();
+    for line in ["mtllib \\\n m.mtl", "mtllib \\\r\nm.mtl", "mtllib\\\n m.mtl", "mtllib m.mtl \\\n m.mtl"] {
+        let mut input = input(format!("{line}\n{SQUARE}usemtl a\nf 1 2 3\n").as_bytes());
+        input.base = Some(folder.path().into());
+        let m = read(&input, &ReadOptions::default()).unwrap();
+        assert_eq!((m.mesh.materials.len(), m.report.warnings), (1, vec![]), "{line}");
+        assert_eq!(m.report.companions, [folder.path().join("m.mtl")]);
+    }
+}
+
+#[test]
+fn libraries_that_nobody_asks_are_noted() {
+    let folder = tempfile::tempdir().unwrap();
+    let many: String = (0..300).map(|n| format!("mtllib {n}.mtl\n")).collect();
+    for (used, warnings) in [("", 0), ("usemtl a\n", 258)] {
+        for n in 0..300 {
+            std::fs::write(folder.path().join(format!("{n}.mtl")), "Kd\n").unwrap();
+        }
+        let mut input = input(format!("{many}{SQUARE}{used}f 1 2 3\n").as_bytes());
+        input.base = Some(folder.path().into());
+        let m = read(&input, &ReadOptions::default()).unwrap();
+        assert_eq!((m.report.companions.len(), m.report.warnings.len()), (300, warnings));
+    }
+}
+
+#[test]
 fn groups_become_an_attribute_where_they_differ() {
     let m = model(&format!("{SQUARE}g a\nf 1 2 3 4\ng b c\nf 1 2 3\ng a\nf 2 3 4\n"));
     assert_eq!(m.mesh.attributes.len(), 1);

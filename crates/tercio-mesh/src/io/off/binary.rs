@@ -147,7 +147,9 @@ impl Words<'_> {
         if needed > left {
             self.at = at;
             let expected = format!("{vertices} vertices and {faces} faces, at least {needed} bytes");
-            return Err(self.expected(&expected, &format!("only {left} bytes behind the counts")));
+            return Err(
+                self.expected(&expected, &format!("only {} behind the counts", counted(left as u64, "byte")))
+            );
         }
         Ok(())
     }

@@ -1,7 +1,7 @@
 //! The keyword, the counts, and what may stand before them.
 
 use crate::ReadError;
-use crate::error::{Place, printable};
+use crate::error::{Place, counted, printable};
 use crate::io::text::{Cursor, parse_integer};
 
 /// What the file says it holds.
@@ -275,7 +275,7 @@ pub fn parse_counts(file: &str, header: &mut Header, cursor: &mut Cursor) -> Res
             file: file.into(),
             place: Place::Line(at_counts.line()),
             expected: format!("{vertices} vertices and {faces} faces"),
-            found: format!("only {left} bytes behind the counts"),
+            found: format!("only {} behind the counts", counted(left, "byte")),
         });
     }
     Ok(())

@@ -10,7 +10,7 @@ use super::layout::{self, BLOCK, Layout, TELL, list_length};
 use super::plan::{Field, Plan, Role};
 use super::table::{Lists, Slots, Table, put_row};
 use super::{Job, malformed};
-use crate::error::{Place, ReadError};
+use crate::error::{Place, ReadError, counted};
 use crate::io::input::Input;
 
 /// Items of a list that are read before it is told.
@@ -127,8 +127,8 @@ pub(super) fn read(job: &Job, header: &Header, plans: &[Plan], big: bool) -> Res
         at = end;
     }
     if at < job.bytes.len() {
-        let left = job.bytes.len() - at;
-        job.warn(format!("{left} bytes behind the last element are ignored"));
+        let left = counted((job.bytes.len() - at) as u64, "byte");
+        job.warn(format!("ignored {left} behind the last element"));
     }
     Ok(tables)
 }

@@ -1,7 +1,7 @@
 //! The header: which elements follow, how many of each, and what one instance of each is made of.
 
 use super::malformed;
-use crate::error::{Place, ReadError, printable};
+use crate::error::{Place, ReadError, counted, printable};
 use crate::io::input::Input;
 use crate::io::text::parse_integer;
 
@@ -219,7 +219,9 @@ pub(super) fn parse(input: &Input, bytes: &[u8]) -> Result<Header, ReadError> {
         }
     }
     if unknown_lines > 0 {
-        header.warnings.push(format!("{unknown_lines} header lines are not PLY and were skipped"));
+        header
+            .warnings
+            .push(format!("skipped {} that PLY does not know", counted(unknown_lines, "header line")));
     }
     let Some(encoding) = encoding else {
         return Err(malformed(file, Place::Line(line), "a line \"format …\"", "\"end_header\""));

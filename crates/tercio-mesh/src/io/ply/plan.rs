@@ -2,7 +2,7 @@
 
 use super::header::{Element, Encoding, Header, Scalar, Shape};
 use super::malformed;
-use crate::error::{Place, ReadError};
+use crate::error::{Place, ReadError, counted};
 use crate::mesh::MAX_ELEMENTS;
 
 /// What an element is to the mesh.
@@ -177,7 +177,7 @@ pub(super) fn make(
             // Edges are counted as ignored lines.
             Role::Skipped if element.name != "edge" && element.count > 0 => {
                 elements.tell(warnings, || {
-                    format!("{} instances of element {} are ignored", element.count, element.name)
+                    format!("ignored {} of element {}", counted(element.count, "instance"), element.name)
                 });
             }
             Role::Skipped => {}

@@ -202,6 +202,23 @@ fn known_formats_are_told_by_name() {
 }
 
 #[test]
+fn geometry_may_stand_behind_thousands_of_names() {
+    for line in ["mtllib a-long-name-of-a-library.mtl\n", "usemtl abc\n", "o a\n# b\n", "made\n"] {
+        let many = match line {
+            "made\n" => format!("{line}{}", "g abcdef\n".repeat(40_000)),
+            _ => line.repeat(60_000),
+        };
+        assert!(many.len() > 1 << 18);
+        let text = [&many, OBJ].concat();
+        assert_eq!(try_read(text.as_bytes()).map(|m| m.mesh.triangles.len()).unwrap(), 1, "{line}");
+        refused([&many, "so much for that\nand no more\n"].concat().as_bytes());
+        if line != "made\n" {
+            assert!(refused(many.as_bytes()).ends_with("names of OBJ, without any geometry"), "{line}");
+        }
+    }
+}
+
+#[test]
 fn texts_of_other_kinds_are_refused() {
     let notes = "# Reading OBJ\n\nA file may look like this:\n\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n\nSo much for\n\
                  the basics. There is more,\nand it is harder.\n";

@@ -17,6 +17,9 @@ use super::binary::{HEADER, RECORD, Record, count, float, records, vertices};
 /// Facets that are looked at, all over the file.
 const SAMPLE: usize = 512;
 
+/// So many facets are beyond doubt whatever is counted.
+const ROW: usize = 16;
+
 /// 2^-80: a coordinate that is smaller than the largest of its facet by this, and not zero, is none.
 const LEAST: f64 = 1.0 / (1u128 << 80) as f64;
 
@@ -31,8 +34,10 @@ pub fn is_binary(bytes: &[u8]) -> bool {
             None => is_line(bytes.get(..80).unwrap_or_default()),
         };
     }
-    // A truncated file holds no less than a thousandth of what it should; a count never filled in is 0.
-    let sensible = stated / 1000 <= held.len() as u64 && (stated > 0 || body.len().is_multiple_of(RECORD));
+    // A truncated file holds no less than a thousandth of what it should, and where the count itself is broken,
+    // a row of facets is no chance; a count never filled in is 0.
+    let sensible = (stated / 1000 <= held.len() as u64 || held.len() >= ROW)
+        && (stated > 0 || body.len().is_multiple_of(RECORD));
     // Few facets before much else are only believed if nothing else is there than more of them, or zeros.
     let most = 2 * stated >= held.len() as u64;
     let facets = if most { held.len().min(stated as usize) } else { held.len() };

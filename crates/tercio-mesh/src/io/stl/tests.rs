@@ -121,6 +121,25 @@ fn a_wrong_count_is_told_with_what_is_there() {
 }
 
 #[test]
+fn a_count_that_is_far_too_large_is_told_too() {
+    let facets: Vec<Facet> = FACETS.iter().copied().cycle().take(40).collect();
+    for header in ["x", "solid x"] {
+        let mut bytes = binary(header, &facets, |_| 0);
+        bytes.push(0);
+        for count in [100_000_000, 1 << 31, u32::MAX] {
+            bytes[80..84].copy_from_slice(&count.to_le_bytes());
+            assert!(looks_like(&bytes), "{header} {count}");
+            let message = read(&input(&bytes), &ReadOptions::default()).unwrap_err().to_string();
+            assert!(message.contains(&format!("the {count} triangles that the header counts")), "{message}");
+            assert!(message.contains("only 40 triangles"), "{message}");
+        }
+        let noise: Vec<u8> =
+            (0..2000u32).map(|n| (n.wrapping_mul(n).wrapping_mul(7919) >> 5) as u8).collect();
+        assert!(!looks_like(&[&bytes[..84], &noise].concat()), "{header}");
+    }
+}
+
+#[test]
 fn what_follows_the_last_facet_is_ignored_unless_it_is_one() {
     let bytes = binary("x", &FACETS, |_| 0);
     for (rest, what) in
