@@ -19,7 +19,7 @@ fn on_terminal(mut command: Command, mut look: impl FnMut(&[u8])) -> String {
     unlockpt(&controller).unwrap();
     let name = ptsname(&controller, Vec::new()).unwrap();
     let terminal = open(name, OFlags::RDWR | OFlags::NOCTTY, Mode::empty()).unwrap();
-    for variable in ["NO_COLOR", "CLICOLOR", "CLICOLOR_FORCE"] {
+    for variable in ["NO_COLOR", "CLICOLOR", "CLICOLOR_FORCE", "CI"] {
         if command.get_envs().all(|(name, _)| name != variable) {
             command.env_remove(variable);
         }

@@ -82,7 +82,7 @@ fn time_grows_with_the_file_and_not_faster() {
         runs.map(user).min().unwrap_or_default()
     };
     for (name, n, _) in SERIES {
-        for arguments in ["info --quiet", "render --quiet -o a.png --size 8x8"] {
+        for arguments in ["info --quiet", "render --quiet -o picture.png --allow-empty --size 8x8"] {
             let most = |short: Duration| (short * FACTOR).max(FLOOR);
             let short = time(name, arguments, n, 2);
             let long = time(name, arguments, 8 * n, 1);
@@ -132,7 +132,7 @@ fn memory_stays_inside_the_limit_whatever_is_read() {
         make(folder.path(), name, 8 * n);
         for limit in [6 * MIB, 20 * MIB, 48 * MIB] {
             check_memory(folder.path(), "info", name, limit);
-            check_memory(folder.path(), "render -o a.png --size 16x16", name, limit);
+            check_memory(folder.path(), "render -o picture.png --allow-empty --size 16x16", name, limit);
         }
     }
 }
@@ -163,7 +163,12 @@ fn memory_stays_inside_the_limit_for_real_models() {
         let model = path.to_str().expect("a name of text");
         for limit in [size / 2, 2 * size] {
             check_memory(folder.path(), "info", model, limit.max(6 * MIB));
-            check_memory(folder.path(), "render -o a.png --size 64x64", model, limit.max(6 * MIB));
+            check_memory(
+                folder.path(),
+                "render -o picture.png --allow-empty --size 64x64",
+                model,
+                limit.max(6 * MIB),
+            );
         }
     }
 }
@@ -173,9 +178,9 @@ fn pictures_and_ranks_count_too() {
     let folder = place();
     let model = "builtin:sphere@50k";
     for arguments in [
-        "render -o a.png --size 1500x1500",
-        "render -o a.ppm --size 1500x1500 --output-depth d.npy --output-ids i.npy --output-normals n.npy",
-        "render -o a.png --size 600x600 --ranks 4 --organisation sort-last",
+        "render -o picture.png --allow-empty --size 1500x1500",
+        "render -o picture.ppm --allow-empty --size 1500x1500 --output-depth d.npy --output-ids i.npy --output-normals n.npy",
+        "render -o picture.png --allow-empty --size 600x600 --ranks 4 --organisation sort-last",
         "bench --frames 2 --size 600x600",
     ] {
         for limit in [12, 24, 40, 64, 120] {
@@ -194,7 +199,7 @@ fn a_limit_of_the_system_gives_a_picture_or_one_line() {
     for (ulimit, first) in [("-v", 48_000), ("-d", 6_000)] {
         for step in 0..16 {
             let limit = first + (step * step) * 1200;
-            let arguments = "render fan.ply -o a.png --size 300x300 --quiet --threads 2 --progress always";
+            let arguments = "render fan.ply -o picture.png --allow-empty --size 300x300 --quiet --threads 2 --progress always";
             let mut shell = Command::new("sh");
             shell.args(["-c", &format!("ulimit {ulimit} {limit}; exec {program} {arguments}")]);
             let run = run(folder.path(), &mut shell);
