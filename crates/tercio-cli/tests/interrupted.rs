@@ -49,8 +49,10 @@ fn send(child: &Child, signal: Signal) {
 fn a_signal_removes_partial_files_and_ends_the_run() {
     for (signal, number) in [(Signal::INT, 2), (Signal::TERM, 15), (Signal::HUP, 1)] {
         let place = Place::new();
-        let child = stuck(&place, place.command(STUCK));
+        let mut child = stuck(&place, place.command(STUCK));
         send(&child, signal);
+        // Its output is not read before it ended: else it could go on, and end by itself.
+        child.wait().unwrap();
         let ended = child.wait_with_output().unwrap();
         // As a shell sees it: 128 and the number.
         assert_eq!(ended.status.signal(), Some(number), "{:?}", ended.status);

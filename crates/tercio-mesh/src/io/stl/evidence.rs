@@ -17,7 +17,8 @@ use super::binary::{HEADER, RECORD, Record, count, float, records, vertices};
 /// Facets that are looked at, all over the file.
 const SAMPLE: usize = 512;
 
-/// So many facets are beyond doubt whatever is counted.
+/// If the file begins with so many facets, it is looked at further, whatever is counted. Of a file of another kind only
+/// this much is read.
 const ROW: usize = 16;
 
 /// 2^-80: a coordinate that is smaller than the largest of its facet by this, and not zero, is none.
@@ -36,7 +37,8 @@ pub fn is_binary(bytes: &[u8]) -> bool {
     }
     // A truncated file holds no less than a thousandth of what it should, and where the count itself is broken,
     // a row of facets is no chance; a count never filled in is 0.
-    let sensible = (stated / 1000 <= held.len() as u64 || held.len() >= ROW)
+    let begins_well = || held.get(..ROW).is_some_and(are_facets);
+    let sensible = (stated / 1000 <= held.len() as u64 || begins_well())
         && (stated > 0 || body.len().is_multiple_of(RECORD));
     // Few facets before much else are only believed if nothing else is there than more of them, or zeros.
     let most = 2 * stated >= held.len() as u64;
