@@ -109,11 +109,22 @@ fn colliding_vertices(n: usize) -> Vec<u8> {
         }
         z += 1;
     }
-    binary_stl(n, |i| crafted[i])
+    let mut bytes = format!(
+        "ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty float x\nproperty float y\nproperty float z\n\
+         element face {n}\nproperty list uchar int vertex_indices\nend_header\n",
+        3 * n
+    )
+    .into_bytes();
+    bytes.extend(crafted[..3 * n].iter().flatten().flat_map(|bits| bits.to_le_bytes()));
+    for face in 0..n as u32 {
+        bytes.push(3);
+        bytes.extend((3 * face..3 * face + 3).flat_map(u32::to_le_bytes));
+    }
+    bytes
 }
 
 fn soup_with_nan(n: usize) -> Vec<u8> {
-    binary_stl(n, |i| [i % 9, i % 7, i % 5].map(|x| if i % 4 == 3 { f32::NAN } else { x as f32 }.to_bits()))
+    binary_stl(n, |i| [i % 9, i % 7, i % 5].map(|x| if i % 16 == 3 { f32::NAN } else { x as f32 }.to_bits()))
 }
 
 fn properties(n: usize) -> Vec<u8> {
@@ -254,7 +265,7 @@ pub const SERIES: [(&str, usize, Maker); 32] = [
     ("duplicate_vertices.ply", 12_000, duplicate_vertices),
     ("one_point.ply", 12_000, one_point),
     ("flat_triangles.ply", 12_000, flat_triangles),
-    ("colliding_vertices.stl", 3_000, colliding_vertices),
+    ("colliding_vertices.ply", 3_000, colliding_vertices),
     ("soup_with_nan.stl", 12_000, soup_with_nan),
     ("properties.ply", 5_000, properties),
     ("list_properties.ply", 5_000, list_properties),
