@@ -288,7 +288,10 @@ pub const SERIES: [(&str, usize, Maker); 32] = [
     ("members.obj.gz", 2_000, members),
     ("bomb.obj.gz", 20, bomb),
     ("quoted_comments.ply", 3_000, |n| [comments(n), vec![b'\n'; n]].concat()),
-    ("trailing.stl", 3_000, |n| [soup_with_nan(n), vec![7; n]].concat()),
+    ("trailing.stl", 3_000, |n| {
+        let soup = binary_stl(n, |i| [i % 9, i % 7, i % 5].map(|x| (x as f32).to_bits()));
+        [soup, vec![7; n]].concat()
+    }),
     ("lone_returns.obj", 12_000, |n| {
         names(n).into_iter().map(|b| if b == b'\n' { b'\r' } else { b }).collect()
     }),
