@@ -80,12 +80,15 @@ fn picture(path: &Path, crease_angle: Option<f64>) -> (Vec<[u8; 4]>, Vec<u32>, V
     (frame.color, frame.ids, frame.normals.as_flattened().iter().map(|c| c.to_bits()).collect())
 }
 
+/// Makes a file of a mesh times a power of two.
+type Write = fn(&Mesh, i32) -> Vec<u8>;
+
 #[test]
 fn files_of_any_scale_give_the_same_picture() {
     let folder = tempfile::tempdir().expect("a folder");
     let models =
         [("builtin:teapot@2k", Some(1.0)), ("builtin:gyroid@3k", None), ("builtin:sphere@8", Some(0.5))];
-    let formats: [(&str, fn(&Mesh, i32) -> Vec<u8>); 3] = [("stl", stl), ("ply", ply), ("obj", obj)];
+    let formats: [(&str, Write); 3] = [("stl", stl), ("ply", ply), ("obj", obj)];
     for (spec, crease_angle) in models {
         let mesh = builtin::make(spec).expect("a model");
         for (format, write) in formats {

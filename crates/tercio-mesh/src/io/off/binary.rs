@@ -148,7 +148,7 @@ impl Words<'_> {
             self.at = at;
             let expected = format!("{vertices} vertices and {faces} faces, at least {needed} bytes");
             return Err(
-                self.expected(&expected, &format!("only {} behind the counts", counted(left as u64, "byte")))
+                self.expected(&expected, &format!("only {} behind the counts", counted(left, "byte")))
             );
         }
         Ok(())
