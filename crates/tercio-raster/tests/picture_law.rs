@@ -248,7 +248,7 @@ fn wide_clusters() {
         mesh.triangles.push([3 * t, 3 * t + 1, 3 * t + 2]);
     }
     for height in [2.1, 2.5, 4.0] {
-        let camera = Camera { up: glam::DVec3::Y, ..orthographic([0.0, 0.0, 3.0], [0.0; 3], height) };
+        let camera = Camera { up: DVec3::Y, ..orthographic([0.0, 0.0, 3.0], [0.0; 3], height) };
         let settings = Settings { tile_size: Some(128), ..everything(280, 256) };
         let stats = draw(&scene(&mesh), &camera, &settings).stats;
         assert_eq!(stats.frontend.clusters_out, stats.frontend.clusters_in);
