@@ -29,13 +29,13 @@ pub fn draw_bytes(bytes: &[u8]) {
     let options = LoadOptions {
         memory_limit: Some(MEMORY_LIMIT),
         normals: if number % 5 == 4 { Normals::File } else { Normals::FileOrMade { crease_angle } },
-        topology: number % 7 == 0,
+        topology: number.is_multiple_of(7),
         ..LoadOptions::default()
     };
     let read = ReadOptions { memory_limit: options.memory_limit, progress: None };
     let input = || Input::from_bytes("fuzz", bytes.to_vec(), &read);
-    let loaded = input().and_then(|input| Ok(tercio::load_input(&input, &options)));
-    let plain = input().and_then(|input| Ok(tercio::load_mesh_input(&input, &options)));
+    let loaded = input().map(|input| tercio::load_input(&input, &options));
+    let plain = input().map(|input| tercio::load_mesh_input(&input, &options));
     let (Ok(loaded), Ok(plain)) = (loaded, plain) else { return };
     let (loaded, plain) = match (loaded, plain) {
         (Ok(loaded), Ok(plain)) => (loaded, plain.mesh),
@@ -48,7 +48,7 @@ pub fn draw_bytes(bytes: &[u8]) {
         return;
     }
     let mut scene = Scene::of_mesh(loaded.mesh);
-    if number % 2 == 0 {
+    if number.is_multiple_of(2) {
         scene.instances[0].surface.specular = 0.0;
     }
     let odd = PartitionOptions {
