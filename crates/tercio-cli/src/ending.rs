@@ -21,7 +21,7 @@ static CLEAN_UP: OnceLock<fn()> = OnceLock::new();
 static MODEL: OnceLock<String> = OnceLock::new();
 static WATCHED: Mutex<Option<Arc<Progress>>> = Mutex::new(None);
 
-/// From now on a panic, in whatever thread, is told in one line and ends the program.
+/// From now on a panic, in whatever thread, is reported in one line and ends the program.
 pub fn prepare() {
     std::panic::set_hook(Box::new(|panic| {
         let mut line = Line::error();
@@ -122,15 +122,18 @@ fn exit() -> ! {
     std::process::exit(i32::from(CODE.load(Ordering::Relaxed)))
 }
 
+/// Room for the longest path that Linux knows, and for what is said of it.
+const LONGEST_LINE: usize = 6 << 10;
+
 /// One line of text that needs no memory; what does not fit is left out.
 struct Line {
-    text: [u8; 1024],
+    text: [u8; LONGEST_LINE],
     length: usize,
 }
 
 impl Line {
     fn error() -> Self {
-        let mut line = Self { text: [0; 1024], length: 0 };
+        let mut line = Self { text: [0; LONGEST_LINE], length: 0 };
         line.put(format_args!("error: "));
         line
     }

@@ -117,7 +117,7 @@ fn shapes(n: &NotDrawn) -> impl Iterator<Item = String> {
 }
 
 /// "1 face", "2,000 faces".
-fn counted(n: u64, what: &str) -> String {
+pub fn counted(n: u64, what: &str) -> String {
     match (n, what) {
         (1, _) => format!("1 {what}"),
         (_, "vertex") => format!("{} vertices", grouped(n)),
@@ -151,11 +151,19 @@ pub fn grouped(n: u64) -> String {
     text
 }
 
-/// A point with as many digits as positions in `f32` keep in a model of this size.
+/// A point with as many digits as positions in `f32` keep in a model of this size; with powers of ten where the digits
+/// would be many.
 pub fn point(p: DVec3, size: f64) -> String {
     let largest = size.max(f64::MIN_POSITIVE).log10().floor();
     let digits = (6.0 - largest).clamp(0.0, 12.0) as usize;
+    let is_readable = (-6.0..15.0).contains(&largest) || size == 0.0;
     let number = |v: f64| {
+        if !is_readable {
+            let text = format!("{v:.6e}");
+            let (digits, power) = text.split_once('e').unwrap_or((&text, "0"));
+            let digits = digits.trim_end_matches('0').trim_end_matches('.');
+            return if v == 0.0 { "0".to_owned() } else { format!("{digits}e{power}") };
+        }
         let text = format!("{v:.digits$}");
         let short = if digits > 0 { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
         if short == "-0" { "0".to_owned() } else { short.to_owned() }
@@ -196,6 +204,8 @@ mod tests {
         assert_eq!(point(DVec3::new(4_500_000.25, 100.0, 0.0), 1000.0), "4500000.25 100 0");
         assert_eq!(point(DVec3::new(1e9, 0.0, 3.0), 1e9), "1000000000 0 3");
         assert_eq!(point(DVec3::ZERO, 0.0), "0 0 0");
+        assert_eq!(point(DVec3::new(3.4e38f32.into(), -1.5, 0.0), 3.4e38), "3.4e38 -1.5e0 0");
+        assert_eq!(point(DVec3::new(2e-20, 0.0, -1.0 / 3e45), 2e-20), "2e-20 0 -3.333333e-46");
     }
 
     #[test]

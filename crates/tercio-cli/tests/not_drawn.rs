@@ -1,4 +1,4 @@
-//! What a model holds or asks for that is not drawn is told once, with counts; and so is a picture without anything.
+//! What a model holds or asks for that is not drawn is reported once, with counts; and so is an empty picture.
 
 mod common;
 

@@ -97,7 +97,7 @@ impl Mesh {
             return;
         }
         // `f64` holds every `f32` as a normal number.
-        let shift = ((f64::from(largest).to_bits() >> 52) & 0x7ff) as i32 - 1023;
+        let shift = exponent_of(f64::from(largest));
         let scale = power_of_two(-shift);
         self.positions
             .par_iter_mut()
@@ -139,9 +139,17 @@ impl Mesh {
 /// Largest coordinates with which `f32` can calculate at ease.
 pub(crate) const COMFORTABLE: std::ops::Range<f32> = (1.0 / (1u64 << 40) as f32)..(1u64 << 40) as f32;
 
-/// 2^`exponent`, exact.
-pub(crate) fn power_of_two(exponent: i32) -> f64 {
-    f64::from_bits(((exponent + 1023) as u64) << 52)
+/// Exponents of `f64` are stored with this added, above 52 bits of the fraction.
+const EXPONENT_BIAS: i32 = 1023;
+
+/// 2^`exponent`, exact, for exponents from -1022 to 1023.
+pub fn power_of_two(exponent: i32) -> f64 {
+    f64::from_bits(((exponent + EXPONENT_BIAS) as u64) << 52)
+}
+
+/// log2 of the largest power of two that is not above the absolute value of a normal number.
+pub fn exponent_of(number: f64) -> i32 {
+    ((number.to_bits() >> 52) & 0x7ff) as i32 - EXPONENT_BIAS
 }
 
 /// The least and the largest coordinates; NaN is left out.

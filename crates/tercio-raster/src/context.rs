@@ -140,8 +140,8 @@ pub fn check_range(scene: &Scene, settings: &Settings, view: &View) -> Result<()
         if mesh.bounds.is_empty() {
             continue;
         }
-        let local = [mesh.bounds.min, mesh.bounds.max].map(|p| ((p - mesh.origin) / mesh.unit()).abs());
-        let largest = local[0].max(local[1]).max_element();
+        let bounds = mesh.local_bounds();
+        let largest = bounds.min.abs().max(bounds.max.abs()).max_element();
         if largest > 0.0 && !RANGE.contains(&largest) {
             return Err(RenderError::OutOfRange { instance, largest });
         }

@@ -9,6 +9,7 @@
 //! errors relative to its distance, not to the size of the scene.
 
 use glam::{DMat3, DVec3};
+use tercio_mesh::mesh::{exponent_of, power_of_two};
 use tercio_mesh::{Aabb, ClusteredMesh};
 use tercio_scene::camera::{CameraBasis, CameraError};
 use tercio_scene::{Camera, Instance, Projection};
@@ -54,9 +55,7 @@ const MOST_WEIGHT: f64 = (1u64 << 12) as f64;
 
 /// The least power of two that is above a length; 1 for a length of 0.
 fn unit_above(length: f64) -> f64 {
-    const EXPONENT: u64 = 0x7ff << 52;
-    let power = f64::from_bits(length.to_bits() & EXPONENT);
-    if power > 0.0 && power.is_finite() { 2.0 * power } else { 1.0 }
+    if length.is_normal() { power_of_two(exponent_of(length) + 1) } else { 1.0 }
 }
 
 impl View {
@@ -98,6 +97,11 @@ impl View {
         let d = f64::from(depth);
         let distance = if self.perspective { self.near / d } else { self.far - d * (self.far - self.near) };
         distance as f32
+    }
+
+    /// Screen coordinates of the middle of the picture.
+    fn middle(&self) -> [i32; 2] {
+        [self.width as i32 * SUBPIXELS / 2, self.height as i32 * SUBPIXELS / 2]
     }
 
     /// The view of one instance.
@@ -151,7 +155,7 @@ impl View {
             d: single(d),
             near: (self.near * inverse_unit) as f32,
             weight: if self.perspective { (self.unit / self.near).min(MOST_WEIGHT) as f32 } else { 1.0 },
-            offset: [self.width as i32 * SUBPIXELS / 2, self.height as i32 * SUBPIXELS / 2],
+            offset: self.middle(),
             exact: ClipRows { x, y, w, d },
             viewer: f(viewer),
             eye_from_local: rows(linear * inverse_unit),
@@ -165,11 +169,11 @@ impl View {
 
     /// The point of a mesh's box next to the eye, both in the mesh's numbers.
     fn pivot(&self, mesh: &ClusteredMesh, eye: DVec3) -> [f32; 3] {
-        let local = |p: DVec3| (p - mesh.origin) / mesh.unit();
-        if mesh.bounds.is_empty() || !eye.is_finite() {
+        let bounds = mesh.local_bounds();
+        if bounds.is_empty() || !eye.is_finite() {
             return [0.0; 3];
         }
-        let p = eye.max(local(mesh.bounds.min)).min(local(mesh.bounds.max));
+        let p = eye.max(bounds.min).min(bounds.max);
         [p.x as f32, p.y as f32, p.z as f32]
     }
 
@@ -182,7 +186,7 @@ impl View {
             base: f(-b.forward),
             right: f(b.right * -along),
             down: f(b.up * along),
-            middle: [self.width as i32 * SUBPIXELS / 2, self.height as i32 * SUBPIXELS / 2],
+            middle: self.middle(),
             // Half of the square's diagonal, and room for rounding.
             spread: (f64::from(SMALL_EXTENT) * std::f64::consts::FRAC_1_SQRT_2 * along * 1.01 + 1e-3) as f32,
         }

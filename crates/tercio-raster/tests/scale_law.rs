@@ -5,6 +5,7 @@ mod common;
 
 use common::*;
 use glam::DVec3;
+use tercio_mesh::mesh::power_of_two;
 use tercio_mesh::{Mesh, clean, normals};
 use tercio_raster::{Frame, Outputs, RenderError, Renderer, Settings, Shading};
 use tercio_scene::{Camera, Framing, Light, LightSpace, Projection};
@@ -17,14 +18,10 @@ fn whole_numbers(mesh: &Mesh) -> Mesh {
     Mesh { positions, normals: None, vertex_colors: None, ..mesh.clone() }
 }
 
-fn power(exponent: i32) -> f64 {
-    f64::from_bits(((exponent + 1023) as u64) << 52)
-}
-
 fn scaled(mesh: &Mesh, exponent: i32) -> Mesh {
     let mut scaled = mesh.clone();
     scaled.positions =
-        mesh.positions.iter().map(|p| p.map(|c| (f64::from(c) * power(exponent)) as f32)).collect();
+        mesh.positions.iter().map(|p| p.map(|c| (f64::from(c) * power_of_two(exponent)) as f32)).collect();
     let cleaned = clean::clean(&mut scaled);
     assert_eq!(cleaned.total(), 0, "times 2^{exponent}: {cleaned:?}");
     scaled
@@ -47,7 +44,7 @@ fn check(mesh: &Mesh, exponents: &[i32], what: &str) {
         normals::make_normals(&mut mesh, Some(0.8));
         let mut scene = scene(&mesh);
         scene.lights.push(Light::Point {
-            position: DVec3::new(3000.0, 1000.0, 5000.0) * power(exponent),
+            position: DVec3::new(3000.0, 1000.0, 5000.0) * power_of_two(exponent),
             space: LightSpace::World,
             color: [0.2, 0.3, 0.1],
         });
@@ -57,8 +54,8 @@ fn check(mesh: &Mesh, exponents: &[i32], what: &str) {
             1 => Framing { fov_y: None, ..framing }.camera_for_scene(&scene),
             // From within.
             _ => Camera {
-                eye: DVec3::new(100.0, 50.0, 20.0) * power(exponent),
-                target: DVec3::new(-500.0, 150.0, 900.0) * power(exponent),
+                eye: DVec3::new(100.0, 50.0, 20.0) * power_of_two(exponent),
+                target: DVec3::new(-500.0, 150.0, 900.0) * power_of_two(exponent),
                 up: DVec3::Y,
                 projection: Projection::Perspective { fov_y: 1.2 },
                 near: None,
@@ -93,7 +90,7 @@ fn check(mesh: &Mesh, exponents: &[i32], what: &str) {
                 assert_eq!(different, 0, "{what}: pixels differ");
                 for (a, b) in plain.depth.iter().zip(&frame.depth) {
                     // The nearest ones may be no normal numbers.
-                    let expected = (f64::from(*a) * power(exponent)) as f32;
+                    let expected = (f64::from(*a) * power_of_two(exponent)) as f32;
                     assert!(*b == expected || !expected.is_normal(), "{what}: distances {b}, not {expected}");
                 }
             }
@@ -108,7 +105,7 @@ fn coordinates_out_of_range_are_refused() {
     for exponent in [-120, -61, 61, 100] {
         let mut mesh = sphere(2);
         for p in &mut mesh.positions {
-            *p = p.map(|c| (f64::from(c) * power(exponent)) as f32);
+            *p = p.map(|c| (f64::from(c) * power_of_two(exponent)) as f32);
         }
         let scene = scene(&mesh);
         let camera = Framing::default().camera_for_scene(&scene);

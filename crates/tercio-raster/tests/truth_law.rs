@@ -6,12 +6,11 @@ mod truth;
 
 use common::*;
 use glam::{DAffine3, DMat3, DQuat, DVec3};
-use tercio_mesh::io::{self, ReadOptions};
-use tercio_mesh::{Mesh, OctNormal, builtin, clean, normals};
+use tercio_mesh::{Mesh, OctNormal, builtin, normals};
 use tercio_raster::{Cull, Outputs, Settings, Shading};
 use tercio_scene::{Camera, Light, LightSpace, Projection, Scene};
 use tercio_testkit::require_shared;
-use truth::{Found, Truth};
+use truth::{Found, Truth, real_model};
 
 const SIZE: [u32; 2] = [96, 72];
 
@@ -270,16 +269,7 @@ fn depths_from_the_eye_to_the_horizon() {
 fn real_models() {
     for path in ["obj/stanford-bunny.obj", "stl/featuretype.STL", "obj/cow.obj", "ply/stratocaster.ply"] {
         let Some(data) = require_shared("real_models") else { return };
-        let mut mesh =
-            io::read(&data.join("meshes").join(path), &ReadOptions::default()).expect("a model").mesh;
-        clean::clean(&mut mesh);
-        // Ids are then numbers of triangles.
-        mesh.face_of_triangle = None;
-        mesh.vertex_colors = None;
-        mesh.materials.clear();
-        if mesh.normals.is_none() {
-            normals::make_normals(&mut mesh, Some(1.0));
-        }
+        let mesh = real_model(&data, path);
         let (center, radius) = (mesh.bounds().center(), mesh.bounds().radius());
         let eye = center + DVec3::new(0.4, 0.3, 0.9).normalize() * radius * 1.6;
         let camera = perspective(eye.to_array(), center.to_array(), 45.0);

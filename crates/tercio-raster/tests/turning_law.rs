@@ -14,7 +14,8 @@ use glam::{DAffine3, DMat3, DQuat, DVec3};
 use tercio_mesh::{Mesh, OctNormal, builtin, normals};
 use tercio_raster::{Cull, Outputs, Settings, Shading};
 use tercio_scene::{Camera, Light, LightSpace, Scene};
-use truth::Truth;
+use tercio_testkit::require_shared;
+use truth::{Truth, real_model};
 
 /// Most degrees by which a turned normal may be off.
 const DEGREES: f64 = 0.05;
@@ -135,6 +136,31 @@ fn one_triangle() {
     }
 }
 
+/// Turns a model in several ways and holds the pictures, turned back, against what a ray caster sees.
+#[track_caller]
+fn check_model(mesh: &Mesh, turns: usize, random: &mut Random, name: &str) {
+    let (center, radius) = (mesh.bounds().center(), mesh.bounds().radius());
+    let eye = center + DVec3::new(0.3, 0.5, 0.9).normalize() * radius * 2.5;
+    let camera = perspective(eye.to_array(), center.to_array(), 45.0);
+    for n in 0..turns {
+        let by = turn(random);
+        let (mut plain, mut turned) = (scene(mesh), scene(&turned_mesh(mesh, by)));
+        (plain.lights, turned.lights) = (lights(), turned_lights(&lights(), by));
+        let turned_camera = turned_camera(&camera, by);
+        for shading in [Shading::Phong, Shading::Flat] {
+            let settings = settings(shading);
+            let mut frame = draw(&turned, &turned_camera, &settings);
+            for n in &mut frame.normals {
+                *n = (by.inverse() * DVec3::from(n.map(f64::from))).as_vec3().to_array();
+            }
+            let size = [settings.width, settings.height];
+            let found = Truth::new(&[mesh], &plain, &camera, shading, size).compare(&frame);
+            assert_eq!(found.wrong_pixels, 0, "{name}, turn {n}, {shading:?}: {:#?}", found.wrong);
+            assert!(found.shown * 10 >= found.pixels, "{name}: {found:?}");
+        }
+    }
+}
+
 #[test]
 fn models() {
     let mut random = Random(2);
@@ -142,26 +168,16 @@ fn models() {
     let mut gyroid = builtin::make("builtin:gyroid@5k").expect("a gyroid");
     normals::make_normals(&mut gyroid, None);
     for (mesh, name) in [(sphere(12), "sphere"), (teapot, "teapot"), (gyroid, "gyroid")] {
-        let (center, radius) = (mesh.bounds().center(), mesh.bounds().radius());
-        let eye = center + DVec3::new(0.3, 0.5, 0.9).normalize() * radius * 2.5;
-        let camera = perspective(eye.to_array(), center.to_array(), 45.0);
-        for n in 0..4 {
-            let by = turn(&mut random);
-            let (mut plain, mut turned) = (scene(&mesh), scene(&turned_mesh(&mesh, by)));
-            (plain.lights, turned.lights) = (lights(), turned_lights(&lights(), by));
-            let turned_camera = turned_camera(&camera, by);
-            for shading in [Shading::Phong, Shading::Flat] {
-                let settings = settings(shading);
-                let mut frame = draw(&turned, &turned_camera, &settings);
-                for n in &mut frame.normals {
-                    *n = (by.inverse() * DVec3::from(n.map(f64::from))).as_vec3().to_array();
-                }
-                let size = [settings.width, settings.height];
-                let found = Truth::new(&[&mesh], &plain, &camera, shading, size).compare(&frame);
-                assert_eq!(found.wrong_pixels, 0, "{name}, turn {n}, {shading:?}: {:#?}", found.wrong);
-                assert!(found.shown * 10 >= found.pixels, "{name}: {found:?}");
-            }
-        }
+        check_model(&mesh, 4, &mut random, name);
+    }
+}
+
+#[test]
+fn real_models() {
+    let Some(data) = require_shared("real_models") else { return };
+    let mut random = Random(4);
+    for name in ["obj/cow.obj", "obj/stanford-bunny.obj"] {
+        check_model(&real_model(&data, name), 2, &mut random, name);
     }
 }
 

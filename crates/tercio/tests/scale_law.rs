@@ -4,20 +4,17 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
+use tercio::mesh::mesh::power_of_two;
 use tercio::mesh::{Mesh, builtin};
 use tercio::raster::{Outputs, RenderError, Renderer, Settings};
 use tercio::scene::{Framing, Scene};
 use tercio::{LoadOptions, Normals};
 
-fn power(exponent: i32) -> f64 {
-    f64::from_bits(((exponent + 1023) as u64) << 52)
-}
-
 /// Positions as whole numbers below 2^12 times a power of two, which `f32` holds down to 2^-149.
 fn positions(mesh: &Mesh, exponent: i32) -> Vec<[f32; 3]> {
     let largest = mesh.positions.as_flattened().iter().fold(0.0f32, |most, c| most.max(c.abs()));
     let whole = |c: f32| f64::from((c / largest * 2000.0).round());
-    mesh.positions.iter().map(|p| p.map(|c| (whole(c) * power(exponent)) as f32)).collect()
+    mesh.positions.iter().map(|p| p.map(|c| (whole(c) * power_of_two(exponent)) as f32)).collect()
 }
 
 fn stl(mesh: &Mesh, exponent: i32) -> Vec<u8> {

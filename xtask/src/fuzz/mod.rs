@@ -174,9 +174,20 @@ fn merge(target: Target, programs: &Path) -> Result<()> {
     process::run(&mut command)?;
     let after = fs::read_dir(&merged)?.count();
     ensure!(after > 0 || before == 0, "merging left nothing of {}", corpus.display());
-    fs::remove_dir_all(&corpus)?;
-    fs::rename(&merged, &corpus)?;
+    replace_folder(&corpus, &merged)?;
     println!("fuzz target {}: {before} files merged into {after}", target.name());
+    Ok(())
+}
+
+/// Puts a folder in the place of another one. The old one goes last: whenever this is interrupted, one of them is whole.
+fn replace_folder(old: &Path, new: &Path) -> Result<()> {
+    let aside = old.with_extension("replaced");
+    if aside.exists() {
+        fs::remove_dir_all(&aside)?;
+    }
+    fs::rename(old, &aside)?;
+    fs::rename(new, old)?;
+    fs::remove_dir_all(&aside)?;
     Ok(())
 }
 
@@ -278,6 +289,21 @@ impl Seen {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_merged_corpus_replaces_the_old_one() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        // What an interrupted run left is no obstacle.
+        for (path, text) in [("c/old", "a"), ("c.merged/new", "b"), ("c.replaced/older", "c")] {
+            fs::create_dir_all(at(path).parent().unwrap()).unwrap();
+            fs::write(at(path), text).unwrap();
+        }
+        replace_folder(&at("c"), &at("c.merged")).unwrap();
+        assert_eq!(fs::read_to_string(at("c/new")).unwrap(), "b");
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+        assert_eq!(fs::read_dir(at("c")).unwrap().count(), 1);
+    }
 
     #[test]
     fn the_log_of_a_good_run_is_understood() {

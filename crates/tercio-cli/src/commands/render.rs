@@ -299,10 +299,10 @@ fn tell_details(done: &Done) {
     let Done { report, frame, parallel, output_milliseconds, .. } = done;
     let times = &report.times;
     messages::note(&format!(
-        "{}: {} triangles, {} vertices; read {:.1} ms, clean {:.1}, weld {:.1}, normals {:.1}, clusters {:.1}",
+        "{}: {}, {}; read {:.1} ms, clean {:.1}, weld {:.1}, normals {:.1}, clusters {:.1}",
         report.read.format,
-        report::grouped(report.mesh.triangles),
-        report::grouped(report.mesh.vertices),
+        report::counted(report.mesh.triangles, "triangle"),
+        report::counted(report.mesh.vertices, "vertex"),
         times.read,
         times.clean,
         times.weld,
@@ -312,21 +312,21 @@ fn tell_details(done: &Done) {
     report::repairs(report).iter().for_each(|r| messages::note(r));
     if let Some(FrameReport { messages: sent, bytes, ranks, .. }) = parallel {
         messages::note(&format!(
-            "{} ranks sent {} messages with {} bytes",
+            "{} ranks sent {} with {} bytes",
             ranks.len(),
-            report::grouped(*sent),
+            report::counted(*sent, "message"),
             report::grouped(*bytes)
         ));
     }
     let stats = &frame.stats;
     messages::note(&format!(
-        "drawn in {:.1} ms ({} threads, {}): {} triangles set up (counted once a tile and once a clipped \
-         piece), {} pixels covered, overdraw {:.2}; written in {output_milliseconds:.1} ms",
+        "drawn in {:.1} ms ({}, {}): {} set up (counted once a tile and once a clipped \
+         piece), {} covered, overdraw {:.2}; written in {output_milliseconds:.1} ms",
         stats.milliseconds.total,
-        stats.threads,
+        report::counted(stats.threads as u64, "thread"),
         stats.simd,
-        report::grouped(stats.frontend.triangles_out + stats.backend.triangles_drawn),
-        report::grouped(stats.backend.pixels_visible),
+        report::counted(stats.frontend.triangles_out + stats.backend.triangles_drawn, "triangle"),
+        report::counted(stats.backend.pixels_visible, "pixel"),
         stats.backend.overdraw,
     ));
 }

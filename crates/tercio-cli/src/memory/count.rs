@@ -10,7 +10,7 @@ use std::sync::atomic::{AtomicIsize, AtomicUsize, Ordering::Relaxed};
 
 use crate::ending;
 
-/// From this size on a block has pages of its own, where the C library is told so.
+/// From this size on a block has pages of its own (`mallopt(M_MMAP_THRESHOLD)`, see `return_what_is_free`).
 pub const LARGE: usize = 128 << 10;
 
 /// A thread tells what it took of small blocks in steps of so many bytes.

@@ -95,8 +95,8 @@ pub fn clean(mesh: &mut Mesh) -> Cleaned {
         }
     }
     found.stitching_kept = flat.len() as u64 - found.degenerate;
-    let largest;
-    (found.non_finite_vertices, largest) = mend_positions(&mut mesh.positions);
+    let (non_finite, largest) = mend_positions(&mut mesh.positions);
+    found.non_finite_vertices = non_finite;
     if !faults.is_empty() {
         let drops: Vec<u32> = faults.iter().map(|f| f.0).collect();
         drops::drop_triangles(mesh, &drops);

@@ -52,6 +52,12 @@ impl ClusteredMesh {
         power_of_two(self.exponent)
     }
 
+    /// [`ClusteredMesh::bounds`] in the numbers of `x`, `y`, `z`: relative to `origin`, in units of 2^`exponent`.
+    pub fn local_bounds(&self) -> Aabb {
+        let local = |p: DVec3| (p - self.origin) / self.unit();
+        Aabb { min: local(self.bounds.min), max: local(self.bounds.max) }
+    }
+
     /// Number of triangles, padding not counted.
     pub fn triangle_count(&self) -> usize {
         self.clusters.last().map_or(0, |c| c.triangle_range().end)

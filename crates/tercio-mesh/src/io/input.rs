@@ -35,8 +35,8 @@ enum Content {
 /// Bytes of all [`Mapping`]s that count as memory.
 static MAPPED: AtomicU64 = AtomicU64::new(0);
 
-/// Bytes of model files that stand in the memory of this process as pages that the system could take back, but that
-/// count as its memory. For programs that keep account of what they take.
+/// Resident bytes of mapped model files: pages that the system could take back, but that count as memory of the
+/// process. For programs that keep account of what they take.
 pub fn mapped_bytes() -> u64 {
     MAPPED.load(Relaxed)
 }

@@ -1,7 +1,7 @@
 //! How much light 16 points of a surface send to the viewer.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x16, mask32x16};
+use fearless_simd::{Simd, f32x16, i32x16, mask32x16};
 use tercio_scene::Surface;
 
 use crate::lighting::LightRig;
@@ -58,9 +58,16 @@ pub fn beside<S: Simd>(simd: S, rig: &LightRig) -> Vec3x16<S> {
     each3!(K => splat(simd, rig.sight.base[K]))
 }
 
-/// Directions towards the viewer, of any length, from samples in sub-pixels from the picture's middle.
+/// Directions towards the viewer, of any length, from samples in sub-pixels; `from_middle` is what is added to count them
+/// from the picture's middle.
 #[inline(always)]
-pub fn towards_viewer<S: Simd>(simd: S, rig: &LightRig, [x, y]: [f32x16<S>; 2]) -> Vec3x16<S> {
+pub fn towards_viewer<S: Simd>(
+    simd: S,
+    rig: &LightRig,
+    sample: [i32x16<S>; 2],
+    from_middle: [i32; 2],
+) -> Vec3x16<S> {
+    let [x, y]: [f32x16<S>; 2] = [0, 1].map(|k| (sample[k] + from_middle[k]).to_float());
     let sight = &rig.sight;
     part(
         simd,

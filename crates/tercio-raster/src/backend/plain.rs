@@ -1,8 +1,8 @@
 //! The look of most pictures in a kernel of its own: normals at the vertices, one colour a surface, distant lights
 //! without highlights, 8-bit colours and nothing else. It asks for so little that all of it stays in registers.
 
+use fearless_simd::Simd;
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x16};
 
 use super::cluster::ClusterPass;
 use super::encode::opaque;
@@ -42,8 +42,7 @@ pub fn winners<S: Simd>(
         let face_viewer = table.face_viewer && !whole.simd_lt(zero).any_true()
             || table.face_away && !whole.simd_gt(zero).any_true();
         if !face_viewer {
-            let sample: [f32x16<S>; 2] = [0, 1].map(|k| (sample[k] + from_middle[k]).to_float());
-            normal = bend(simd, normal, towards_viewer(simd, &context.lights, sample));
+            normal = bend(simd, normal, towards_viewer(simd, &context.lights, sample, from_middle));
         }
         let light = diffuse(simd, &context.lights, normal);
         let levels = opaque(simd, each3!(C => light[C] * color[C])).to_array();

@@ -4,7 +4,7 @@
 //! projects them again as the front end did, and interpolates between them.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x16, mask32x16, u32x16};
+use fearless_simd::{Simd, mask32x16, u32x16};
 use tercio_mesh::cluster::MAX_TRIANGLES;
 use tercio_scene::Instance;
 
@@ -254,13 +254,12 @@ fn shade<S: Simd>(
             let surface = &context.scene.instances[instance].surface;
             let object = &context.objects[instance];
             let sample = at.memory.samples(simd, &fragments.place, at.first_sample);
-            let from_middle: [f32x16<S>; 2] = [0, 1].map(|k| (sample[k] + at.from_middle[k]).to_float());
+            let to_viewer = towards_viewer(simd, &context.lights, sample, at.from_middle);
             let at = Interpolation::new(simd, object, sample, corners);
             let zero = [splat(simd, 0.0); 3];
 
             let side =
                 Side { plane: look.plane.then(|| seen_plane(simd, object, corners.position, at.clockwise)) };
-            let to_viewer = towards_viewer(simd, &context.lights, from_middle);
             let normal = match side.plane {
                 Some(plane) if look.shading == Shading::Flat || !look.normals => plane,
                 _ => at.normal(corners.normal),

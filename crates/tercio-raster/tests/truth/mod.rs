@@ -6,8 +6,11 @@
 //! those of one of these rays, or between them.
 #![allow(dead_code, reason = "every test binary takes what it needs")]
 
+use std::path::Path;
+
 use glam::{DAffine3, DVec3};
-use tercio_mesh::Mesh;
+use tercio_mesh::io::{self, ReadOptions};
+use tercio_mesh::{Mesh, clean, normals};
 use tercio_raster::frame::NO_PRIMITIVE;
 use tercio_raster::{Frame, Shading};
 use tercio_scene::{Camera, Light, LightSpace, Projection, Scene, Surface};
@@ -22,6 +25,20 @@ const DEPTH_ERROR: f64 = 1e-5;
 const NORMAL_ERROR: f64 = 0.02;
 /// 8-bit levels by which a colour may be off beyond what a shift explains: half a level is rounding.
 const LEVEL_ERROR: f64 = 1.0;
+
+/// A model of the shared data with normals and without colours, whose faces are its triangles.
+pub fn real_model(data: &Path, name: &str) -> Mesh {
+    let path = data.join("meshes").join(name);
+    let mut mesh = io::read(&path, &ReadOptions::default()).expect("a model").mesh;
+    clean::clean(&mut mesh);
+    mesh.face_of_triangle = None;
+    mesh.vertex_colors = None;
+    mesh.materials.clear();
+    if mesh.normals.is_none() {
+        normals::make_normals(&mut mesh, Some(1.0));
+    }
+    mesh
+}
 
 /// A scene in `f64`.
 pub struct Truth<'a> {

@@ -123,7 +123,7 @@ impl Counted {
 }
 
 impl PictureArgs {
-    /// Makes sure that what is read can be read while it is told what was found.
+    /// Checks that standard output is open and is none of the files that are read.
     ///
     /// # Errors
     /// Standard output is closed, or one of the files.

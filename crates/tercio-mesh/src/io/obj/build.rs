@@ -276,7 +276,7 @@ fn add_materials(
 ) {
     let used = Names::join(input, chunks, |c| &c.materials);
     if used.names.is_empty() {
-        // Nothing is asked of the libraries, but they are files of the model nevertheless.
+        // The libraries are not read for this mesh, but they are files of the model nevertheless.
         if let Some(base) = &input.base {
             let lines: HashSet<&[u8]> = chunks.iter().flat_map(|c| &c.libraries).copied().collect();
             let (libraries, mut scratch) = (mtl::Libraries::new(base), Vec::new());

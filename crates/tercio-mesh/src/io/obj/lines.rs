@@ -42,7 +42,7 @@ impl<'a> Iterator for Lines<'a> {
         let mut len = line_length(rest);
         self.number += 1;
         let mut continued = false;
-        // Asked once a line: a comment is told by its first ink, which may stand far behind its front.
+        // Once a line: a comment begins with the first character that is not blank, which may come late in the line.
         while ends_with_backslash(&rest[..len]) && (continued || !is_comment(rest)) {
             continued = true;
             if len == rest.len() {
@@ -106,8 +106,8 @@ pub fn join<'s>(line: &[u8], scratch: &'s mut Vec<u8>) -> &'s [u8] {
     scratch
 }
 
-/// Cuts a text into stretches of about `step` bytes that end where a logical line ends. `was_read` is told of all
-/// that one went over.
+/// Cuts a text into stretches of about `step` bytes that end where a logical line ends. `was_read` is called with the
+/// number of bytes that were searched.
 pub fn split(bytes: &[u8], step: usize, was_read: impl Fn(usize)) -> Vec<&[u8]> {
     let line_length = |bytes: &[u8]| find(b'\n', bytes, &was_read).map_or(bytes.len(), |n| n + 1);
     let step = step.max(1);
