@@ -17,7 +17,9 @@ fn others(folder: &Path, found: &mut Vec<PathBuf>) {
     for entry in std::fs::read_dir(folder).unwrap_or_else(|e| panic!("{}: {e}", folder.display())) {
         let path = entry.unwrap().path();
         let name = path.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
-        if path.is_symlink() || name == "target" || name == ".git" {
+        // Fuzzing leaves models without an extension.
+        let is_made = ["target", ".git", "corpus", "artifacts"].contains(&&*name);
+        if path.is_symlink() || is_made {
             continue;
         } else if path.is_dir() {
             others(&path, found);
@@ -34,12 +36,7 @@ fn assert_refused(files: &[PathBuf]) -> usize {
     for file in files {
         match read(file, &ReadOptions::default()) {
             Ok(model) => taken.push(format!("{}: {:?}", file.display(), model.report)),
-            Err(error) => {
-                if std::env::var_os("SHOW").is_some() {
-                    println!("{error}");
-                }
-                named += usize::from(matches!(error, ReadError::Unread { .. }));
-            }
+            Err(error) => named += usize::from(matches!(error, ReadError::Unread { .. })),
         }
     }
     assert!(taken.is_empty(), "{}", taken.join("\n"));

@@ -157,21 +157,38 @@ fn corpus_of(target: Target) -> PathBuf {
     workspace_root().join("fuzz/corpus").join(target.name())
 }
 
+/// The option that says where failing inputs are put; the folder is there.
+fn artifacts_of(target: Target) -> Result<String> {
+    let folder = workspace_root().join("fuzz/artifacts").join(target.name());
+    fs::create_dir_all(&folder)?;
+    // The slash at the end makes it a folder.
+    Ok(format!("-artifact_prefix={}/", folder.display()))
+}
+
 /// Keeps of a target's corpus the smallest files that reach the same code together.
+///
+/// # Errors
+/// A file of the corpus fails: merging would leave it out, and nothing would show that it ever failed.
 fn merge(target: Target, programs: &Path) -> Result<()> {
     let corpus = corpus_of(target);
     if !corpus.is_dir() {
         return Ok(());
     }
+    let artifacts = artifacts_of(target)?;
+    let command = || {
+        let mut command = Command::new(programs.join(target.name()));
+        command.args(LIMITS).arg(&artifacts).stdout(Stdio::null());
+        command
+    };
+    process::run(command().arg("-runs=0").arg(&corpus))
+        .with_context(|| format!("a file of {} fails", corpus.display()))?;
     let merged = corpus.with_extension("merged");
     if merged.exists() {
         fs::remove_dir_all(&merged)?;
     }
     fs::create_dir_all(&merged)?;
     let before = fs::read_dir(&corpus)?.count();
-    let mut command = Command::new(programs.join(target.name()));
-    command.args(LIMITS).arg("-merge=1").args([&merged, &corpus]).stdout(Stdio::null()).stderr(Stdio::null());
-    process::run(&mut command)?;
+    process::run(command().arg("-merge=1").args([&merged, &corpus]))?;
     let after = fs::read_dir(&merged)?.count();
     ensure!(after > 0 || before == 0, "merging left nothing of {}", corpus.display());
     replace_folder(&corpus, &merged)?;
@@ -198,9 +215,7 @@ fn fuzz(target: Target, programs: &Path, time: Duration, verbose: bool) -> Resul
     if corpus.is_dir() && fs::read_dir(&corpus)?.count() > MOST_FILES {
         merge(target, programs)?;
     }
-    let artifacts = folder.join("artifacts").join(name);
     fs::create_dir_all(&corpus)?;
-    fs::create_dir_all(&artifacts)?;
     let seeds = seeds::write(target, &corpus, LARGEST_INPUT)?;
 
     let mut command = Command::new(programs.join(name));
@@ -210,8 +225,7 @@ fn fuzz(target: Target, programs: &Path, time: Duration, verbose: bool) -> Resul
         .arg(format!("-max_total_time={}", time.as_secs()))
         .arg(format!("-max_len={LARGEST_INPUT}"))
         .arg(format!("-dict=dict/{name}.dict"))
-        // The slash at the end makes it a folder.
-        .arg(format!("-artifact_prefix={}/", artifacts.display()))
+        .arg(artifacts_of(target)?)
         .arg("-print_final_stats=1")
         .arg(&corpus)
         .stdout(Stdio::null())

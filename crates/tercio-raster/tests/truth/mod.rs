@@ -227,8 +227,21 @@ impl<'a> Truth<'a> {
         (diffuse, specular)
     }
 
+    /// Compares all planes: none is wrong, at least half of the pixels is decided, and a part of them shows something.
+    #[track_caller]
+    pub fn check(&self, frame: &Frame, what: &str) -> Found {
+        let found = self.compare(frame);
+        let Found { pixels, decided, shown, ties, least_cosine, .. } = found;
+        assert_eq!(found.wrong_pixels, 0, "{what}: wrong of {decided} decided pixels: {:#?}", found.wrong);
+        assert!(decided * 2 >= pixels, "{what}: only {decided} of {pixels} decided");
+        assert!(ties * 100 <= decided, "{what}: {ties} ties of {decided}");
+        assert!(shown * 20 >= pixels, "{what}: only {shown} pixels show something");
+        assert!(least_cosine >= -1e-6, "{what}: a normal points away from the viewer: {least_cosine}");
+        found
+    }
+
     /// Compares all planes that the frame has.
-    pub fn compare(&self, frame: &Frame) -> Found {
+    fn compare(&self, frame: &Frame) -> Found {
         let mut found = Found { least_cosine: 1.0, ..Found::default() };
         let [width, height] = self.size;
         for place in 0..width * height {
@@ -274,13 +287,18 @@ impl<'a> Truth<'a> {
         found
     }
 
-    /// Is another triangle as near as the one that is seen, as far as depths are exact?
+    /// Is another triangle here, too, and as near as the one that is seen, as far as depths are exact?
     fn is_tie(&self, other: usize, [x, y]: [f64; 2], seen: Seen) -> bool {
+        let mut is_here = false;
         let distances = [(0.0, 0.0), (-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)].map(|(dx, dy)| {
             let (origin, direction) = self.ray(x + dx * SHIFT, y + dy * SHIFT);
             let hit = self.caster.meet(other, origin.to_array(), direction.to_array());
+            is_here |= hit.is_some_and(|hit| hit.weight.iter().all(|&w| w >= 0.0));
             hit.map_or(f64::INFINITY, |hit| hit.distance)
         });
+        if !is_here {
+            return false;
+        }
         let nearest = distances.into_iter().fold(f64::INFINITY, f64::min);
         let farthest = distances.into_iter().fold(f64::NEG_INFINITY, f64::max);
         let error = self.depth_error(seen.distance);
