@@ -77,10 +77,6 @@ fn fail(error: &anyhow::Error, code: u8) -> ExitCode {
         messages::note("\nFor more information, try '--help'.");
         return ExitCode::from(2);
     }
-    // Whoever read our output has enough; that is no error.
-    if messages::is_broken_pipe(error) {
-        return ExitCode::SUCCESS;
-    }
     messages::error(error);
     ExitCode::from(code)
 }

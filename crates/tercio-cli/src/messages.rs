@@ -36,13 +36,3 @@ fn say(style: Style, kind: &str, text: &str) {
     let text: Vec<_> = text.lines().map(str::trim).filter(|l| !l.is_empty()).collect();
     let _ = writeln!(anstream::stderr().lock(), "{style}{kind}:{style:#} {}", text.join(" "));
 }
-
-/// True if the reader of our standard output went away.
-pub fn is_broken_pipe(error: &Error) -> bool {
-    let is = |e: &io::Error| e.kind() == io::ErrorKind::BrokenPipe;
-    error.chain().any(|cause| {
-        let image = cause.downcast_ref::<tercio::image::ImageError>();
-        cause.downcast_ref::<io::Error>().is_some_and(is)
-            || matches!(image, Some(tercio::image::ImageError::Io(e)) if is(e))
-    })
-}
