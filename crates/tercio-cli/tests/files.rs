@@ -5,7 +5,7 @@ mod common;
 
 use std::fs::{self, File};
 use std::os::unix::fs::symlink;
-use std::process::Stdio;
+use std::process::{Command, Stdio};
 
 use common::{OCTAHEDRON, Place, Said};
 
@@ -124,6 +124,39 @@ fn standard_streams_that_are_files_count() {
     let stats = "render model.off -o c.png --size 32x24 --stats /dev/stdout";
     place.command(stats).stdout(append("log")).status().unwrap();
     assert_eq!(String::from_utf8(place.read("log")).unwrap().matches("tercio_version").count(), 2);
+}
+
+/// What the program and its neighbours in a shell leave in `log`, which is `$0` there.
+fn log_of(place: &Place, script: &str) -> String {
+    let _ = fs::remove_file(place.path("log"));
+    let render = format!("{} render model.off -o c.png --size 32x24 --stats", env!("CARGO_BIN_EXE_tercio"));
+    let mut shell = Command::new("sh");
+    shell.args(["-c", &script.replace("RENDER", &render)]);
+    assert!(shell.current_dir(place.path("")).stdin(Stdio::null()).status().unwrap().success(), "{script}");
+    String::from_utf8(place.read("log")).unwrap()
+}
+
+#[test]
+fn a_file_that_is_open_already_keeps_what_is_in_it() {
+    let place = place();
+    symlink("/dev/stdout", place.path("out")).unwrap();
+    symlink("out", place.path("to_out")).unwrap();
+    symlink("/dev/stderr", place.path("errors")).unwrap();
+    symlink("/proc/self/fd", place.path("open")).unwrap();
+    symlink("log", place.path("to_log")).unwrap();
+    for name in ["out", "to_out", "/proc/thread-self/fd/1", "open/1", "/dev/fd/1", "./log", "to_log"] {
+        let log = log_of(&place, &format!("(echo precious; RENDER {name}; echo more) > log"));
+        assert!(log.starts_with("precious\n{") && log.ends_with("}\nmore\n"), "{name}: {log}");
+    }
+    for name in ["errors", "/dev/stderr", "open/2", "log"] {
+        let log = log_of(&place, &format!("(echo precious >&2; RENDER {name}; echo more >&2) 2> log"));
+        assert!(log.starts_with("precious\n{") && log.ends_with("}\nmore\n"), "{name}: {log}");
+    }
+    let log = log_of(&place, "(echo precious >&3; RENDER open/3) 3>> log");
+    assert!(log.starts_with("precious\n{"), "{log}");
+    // Where standard output goes elsewhere, a file is replaced as ever.
+    let log = log_of(&place, "echo old > log; RENDER to_log");
+    assert!(log.starts_with('{'), "{log}");
 }
 
 #[test]

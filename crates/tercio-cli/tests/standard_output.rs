@@ -53,7 +53,13 @@ fn closed_and_full_standard_output_is_an_error() {
 fn unread(place: &Place, arguments: &str) -> Said {
     let (reader, writer) = std::io::pipe().expect("a pipe");
     drop(reader);
-    place.command(arguments).stdout(writer).stderr(Stdio::piped()).output().expect("the program starts").into()
+    place
+        .command(arguments)
+        .stdout(writer)
+        .stderr(Stdio::piped())
+        .output()
+        .expect("the program starts")
+        .into()
 }
 
 #[test]
@@ -71,11 +77,13 @@ fn a_reader_that_has_enough_changes_neither_the_answer_nor_other_outputs() {
         assert_eq!(unread(&place, arguments).code, Some(code), "{arguments}");
     }
     let size = "--size 256x256";
-    unread(&place, &format!("render model.off -o - --output-depth d.npy --stats s.json {size}")).quietly_well();
+    unread(&place, &format!("render model.off -o - --output-depth d.npy --stats s.json {size}"))
+        .quietly_well();
     place.run(&format!("render model.off -o e.ppm --output-depth e.npy {size}")).quietly_well();
     assert_eq!(place.read("d.npy"), place.read("e.npy"));
     assert!(place.read("s.json").ends_with(b"}\n"));
-    unread(&place, &format!("render model.off -o f.ppm --output-depth - --stats t.json {size}")).quietly_well();
+    unread(&place, &format!("render model.off -o f.ppm --output-depth - --stats t.json {size}"))
+        .quietly_well();
     assert_eq!(place.read("f.ppm"), place.read("e.ppm"));
     assert!(place.read("t.json").ends_with(b"}\n"));
 }

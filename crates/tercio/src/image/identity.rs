@@ -39,6 +39,11 @@ impl FileIdentity {
         }
     }
 
+    /// The file that standard error goes to.
+    pub(super) fn of_standard_error() -> Option<Self> {
+        system::of_standard_error().map(Which::There).map(Self)
+    }
+
     /// The file that standard input comes from.
     pub fn of_standard_input() -> Option<Self> {
         system::of_standard_input().map(Which::There).map(Self)
@@ -70,6 +75,10 @@ mod system {
         of_open(io::stdout().as_fd())
     }
 
+    pub fn of_standard_error() -> Option<Number> {
+        of_open(io::stderr().as_fd())
+    }
+
     pub fn of_standard_input() -> Option<Number> {
         of_open(io::stdin().as_fd())
     }
@@ -97,6 +106,10 @@ mod system {
     }
 
     pub fn of_standard_output() -> Option<Number> {
+        None
+    }
+
+    pub fn of_standard_error() -> Option<Number> {
         None
     }
 
