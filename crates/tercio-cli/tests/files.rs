@@ -173,7 +173,9 @@ fn an_output_is_no_other_file_of_the_model() {
         said.failed(2, &["material library or texture of m.obj", "same file"]);
     }
     place.run("lab workload m.obj -o d/m.mtl --format boxes").failed(2, &["--output d/m.mtl", "m.obj"]);
-    for arguments in ["info m.obj", "bench m.obj --frames 1 --size 32x24"] {
+    for arguments in
+        ["info m.obj", "bench m.obj --frames 1 --size 32x24", "lab simulate hybris m.obj --size 32x24"]
+    {
         let library = File::options().append(true).open(place.path("d/m.mtl")).unwrap();
         let output = place.command(arguments).stdout(library).stderr(Stdio::piped()).output().unwrap();
         Said::from(output).failed(2, &["standard output", "library or texture of m.obj"]);

@@ -11,6 +11,7 @@ use tercio_lab::simulators::hybris::scene::project;
 use tercio_lab::simulators::hybris::{HybrisFrame, Sharing, simulate};
 
 use crate::args::{ModelArgs, RunningArgs, values};
+use crate::named_files::NamedFiles;
 use crate::progress::Display;
 
 /// Partitions, triangle heap, tile engines cycle by cycle, bus and processors of Hybris (document 001).
@@ -54,7 +55,7 @@ enum SharingName {
 }
 
 impl Hybris {
-    pub fn run(&self) -> Result<String> {
+    pub fn run(&self, files: &NamedFiles) -> Result<String> {
         const VIEWS: u32 = 36;
         let machine = load(&self.machine)?;
         let pool = self.running.pool()?;
@@ -69,7 +70,9 @@ impl Hybris {
                 progress: Some(&display.progress),
                 ..LoadOptions::default()
             };
-            let mesh = tercio::load_mesh(&self.model.model, &options)?.mesh;
+            let loaded = tercio::load_mesh(&self.model.model, &options)?;
+            files.check_companions(&self.model.name(), &loaded.report.read.companions)?;
+            let mesh = loaded.mesh;
             let camera = views::camera(&mesh.bounds(), self.size, self.view % VIEWS, VIEWS);
             let scene = project(&mesh, &camera, self.size)?;
             Ok(simulate(&machine, &scene, sharing)?)
