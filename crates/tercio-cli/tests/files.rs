@@ -81,6 +81,14 @@ fn an_output_is_never_another_output() {
     for (outputs, names) in cases {
         is_refused(&place, &format!("render model.off {outputs}"), &names);
     }
+    // Where case does not count, one of them would be lost.
+    for outputs in ["--output-depth n.npy --output-ids N.npy", "-o d/n.png --stats d/../d/N.PNG"] {
+        is_refused(
+            &place,
+            &format!("render model.off {outputs}"),
+            &["upper and lower case", "choose other names"],
+        );
+    }
     let several =
         "-o /dev/null --format png --output-depth /dev/null --output-ids /dev/null --stats /dev/null";
     place.run(&format!("render model.off {several} --size 32x24")).quietly_well();
