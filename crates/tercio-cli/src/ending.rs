@@ -62,7 +62,7 @@ pub fn watch(progress: &Arc<Progress>) {
 /// Ends the program because there is no room for so many bytes besides those in use: by the `limit`, or because the
 /// system gives no more.
 #[cold]
-pub fn no_room(in_use: usize, size: usize, limit: Option<usize>) -> ! {
+pub fn out_of_memory(in_use: usize, size: usize, limit: Option<usize>) -> ! {
     memory::lift_limit();
     let stage = WATCHED.try_lock().ok().and_then(|w| w.as_ref().map(|p| p.state().0));
     let stage = stage.filter(|s| !s.is_empty()).unwrap_or("this command");
@@ -88,14 +88,14 @@ pub fn no_room(in_use: usize, size: usize, limit: Option<usize>) -> ! {
 }
 
 thread_local! {
-    static ENDS: Cell<bool> = const { Cell::new(false) };
+    static IS_ENDING_THREAD: Cell<bool> = const { Cell::new(false) };
 }
 
 /// Says it and ends the program. The first thread that comes here does so; others wait for the end.
 fn finish(mut line: Line) -> ! {
     static ENDING: AtomicBool = AtomicBool::new(false);
     if ENDING.swap(true, Ordering::SeqCst) {
-        if ENDS.get() {
+        if IS_ENDING_THREAD.get() {
             // The cleaning up failed.
             exit();
         }
@@ -103,7 +103,7 @@ fn finish(mut line: Line) -> ! {
             std::thread::sleep(Duration::from_secs(1));
         }
     }
-    ENDS.set(true);
+    IS_ENDING_THREAD.set(true);
     line.end();
     if let Some(clean_up) = CLEAN_UP.get() {
         clean_up();
@@ -144,7 +144,7 @@ impl Line {
     }
 
     fn mistake(&mut self, panic: &PanicHookInfo) {
-        self.put(format_args!("this is a mistake of tercio, please report it: "));
+        self.put(format_args!("internal error (a bug in tercio, please report it): "));
         let payload = panic.payload();
         let text = payload.downcast_ref::<&str>().copied();
         let text = text.or_else(|| payload.downcast_ref::<String>().map(String::as_str));
@@ -225,7 +225,7 @@ mod tests {
         }
         let (code, said) = run_alone(test);
         assert_eq!(code, Some(2), "{said}");
-        let expected = "error: this is a mistake of tercio, please report it: not foreseen (";
+        let expected = "error: internal error (a bug in tercio, please report it): not foreseen (";
         assert!(said.starts_with(expected) && said.contains("ending.rs:"), "{said}");
         assert!(said.ends_with(")\ncleaned up\n") && said.lines().count() == 2, "{said}");
     }
