@@ -56,6 +56,7 @@ fn main() -> ExitCode {
         Err(answer) => return tell(&answer),
     };
     signals::watch();
+    memory::begin();
     let (result, failure) = match cli.command {
         Command::Render(command) => (command.run(), 1),
         Command::Info(command) => (command.run(), 1),

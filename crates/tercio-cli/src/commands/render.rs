@@ -212,8 +212,9 @@ impl Render {
     fn check_memory(&self, picture: u64, model: u64) -> Result<()> {
         match self.running.memory_limit() {
             Some(limit) if picture.saturating_add(model) > limit => bail!(
-                "the picture needs {picture} bytes besides {model} for the model, the limit is {limit} bytes \
-                 (--memory-limit)"
+                "{}: the picture needs {picture} bytes besides {model} for the model, the limit is {limit} bytes ({})",
+                self.model.name(),
+                memory::limit_source()
             ),
             _ => Ok(()),
         }

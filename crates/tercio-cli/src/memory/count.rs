@@ -1,8 +1,8 @@
 //! Counts what is taken of the heap, and holds it against the limit.
 //!
 //! Large blocks are counted exactly and at once. Small ones are counted by the thread that takes them and added to the
-//! sum in steps, so that threads do not wait for each other. Free memory of small blocks stays with the C library, so they count
-//! with the most that they ever were, until it is asked to give back what is free.
+//! sum in steps, so that threads do not wait for each other. Free memory of small blocks stays with the C library, so
+//! they count with the most that they ever were, until it is asked to give back what is free.
 
 use std::cell::Cell;
 use std::sync::atomic::AtomicBool;
@@ -33,7 +33,7 @@ thread_local! {
     static PENDING: Cell<isize> = const { Cell::new(0) };
 }
 
-/// Sets the limit; `besides` are bytes that count and are not of the heap.
+/// Sets the limit, in place of the one before; `besides` are bytes that count and are not of the heap.
 pub fn set_limit(limit: Option<u64>, besides: usize) {
     let limit = limit.map_or(usize::MAX, |l| usize::try_from(l).unwrap_or(usize::MAX));
     LIMIT.store(limit, Relaxed);

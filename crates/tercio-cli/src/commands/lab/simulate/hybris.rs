@@ -11,6 +11,7 @@ use tercio_lab::simulators::hybris::scene::project;
 use tercio_lab::simulators::hybris::{HybrisFrame, Sharing, simulate};
 
 use crate::args::{ModelArgs, RunningArgs, values};
+use crate::ending;
 use crate::named_files::NamedFiles;
 use crate::progress::Display;
 
@@ -58,6 +59,7 @@ impl Hybris {
     pub fn run(&self, files: &NamedFiles) -> Result<String> {
         const VIEWS: u32 = 36;
         let machine = load(&self.machine)?;
+        ending::name_model(self.model.name());
         let pool = self.running.pool()?;
         let sharing = match self.sharing {
             SharingName::Tiles => Sharing::Tiles,
