@@ -162,6 +162,11 @@ fn a_file_that_is_open_already_keeps_what_is_in_it() {
     }
     let log = log_of(&place, "(echo precious >&3; RENDER open/3) 3>> log");
     assert!(log.starts_with("precious\n{"), "{log}");
+    // A name tells the format also where it is a link to standard output.
+    symlink("/dev/stdout", place.path("p.ppm")).unwrap();
+    let said = place.run("render model.off -o p.ppm --size 32x24").quietly_well();
+    assert!(said.stdout.starts_with(b"P6"));
+    assert!(fs::symlink_metadata(place.path("p.ppm")).unwrap().is_symlink());
     // Where standard output goes elsewhere, a file is replaced as ever.
     let log = log_of(&place, "echo old > log; RENDER to_log");
     assert!(log.starts_with('{'), "{log}");

@@ -13,6 +13,8 @@ fn limited(place: &Place, kibibytes: u32, arguments: &str) -> Said {
     let mut shell = Command::new("sh");
     let program = env!("CARGO_BIN_EXE_tercio");
     shell.args(["-c", &format!("ulimit -v {kibibytes}; exec {program} {arguments}")]);
+    // Many threads would have no room for their stacks.
+    shell.env("SLURM_CPUS_PER_TASK", "2");
     shell.current_dir(place.path("")).stdin(Stdio::null()).output().expect("a shell").into()
 }
 
