@@ -1,8 +1,8 @@
 //! The ends of the program that no command returns from: memory that is not there, and mistakes of the program.
 //!
 //! Both say one line, clean up, and end with the exit code of an error, never by a signal. Nothing is allocated on the
-//! way, because there may be no memory, and no lock is waited for but that of the name of a stage,
-//! under which nothing is allocated.
+//! way, because there may be no memory, and no lock is waited for but that of the name of a stage, under which nothing is
+//! allocated.
 
 use std::cell::Cell;
 use std::fmt::Write as _;
@@ -13,16 +13,19 @@ use std::time::Duration;
 
 use tercio::mesh::Progress;
 
-use crate::memory;
+use crate::{memory, messages};
 
 /// The exit code of errors: `compare` has another one.
 static CODE: AtomicU8 = AtomicU8::new(1);
 static CLEAN_UP: OnceLock<fn()> = OnceLock::new();
-static MODEL: OnceLock<String> = OnceLock::new();
+/// How an error begins: coloured on terminals.
+static PREFIX: OnceLock<String> = OnceLock::new();
+static MODEL: Mutex<Option<String>> = Mutex::new(None);
 static WATCHED: Mutex<Option<Arc<Progress>>> = Mutex::new(None);
 
 /// From now on a panic, in whatever thread, is reported in one line and ends the program.
 pub fn prepare() {
+    let _ = PREFIX.set(messages::error_prefix());
     std::panic::set_hook(Box::new(|panic| {
         let mut line = Line::error();
         line.mistake(panic);
@@ -47,9 +50,13 @@ pub fn at_end(clean_up: fn()) {
     let _ = CLEAN_UP.set(clean_up);
 }
 
-/// The model that messages name.
+/// The model that messages name from now on.
 pub fn name_model(name: String) {
-    let _ = MODEL.set(name);
+    if let Ok(mut model) = MODEL.lock() {
+        let before = model.replace(name);
+        drop(model);
+        drop(before);
+    }
 }
 
 /// Messages name the stage that this progress is in.
@@ -62,22 +69,20 @@ pub fn watch(progress: &Arc<Progress>) {
 /// Ends the program because there is no room for so many bytes besides those in use: by the `limit`, or because the
 /// system gives no more.
 #[cold]
-pub fn no_room(in_use: usize, size: usize, limit: Option<usize>) -> ! {
+pub fn out_of_memory(in_use: usize, size: usize, limit: Option<usize>) -> ! {
     memory::lift_limit();
     let stage = WATCHED.try_lock().ok().and_then(|w| w.as_ref().map(|p| p.state().0));
     let stage = stage.filter(|s| !s.is_empty()).unwrap_or("this command");
     let mut line = Line::error();
-    if let Some(model) = MODEL.get() {
+    if let Some(model) = MODEL.try_lock().ok().as_ref().and_then(|m| m.as_ref()) {
         line.put(format_args!("{model}: "));
     }
     match limit {
         // As the errors of the reader; what is counted already is part of what is needed.
         Some(limit) => {
-            // `compare` has no option for it.
-            let compares = CODE.load(Ordering::Relaxed) == 2;
-            let whose = if compares { "what the machine, a control group or ulimit leaves" } else { "--memory-limit" };
+            let source = memory::limit_source();
             line.put(format_args!(
-                "needs {in_use} bytes or more for {stage}, the limit is {limit} bytes ({whose})"
+                "needs {in_use} bytes or more for {stage}, the limit is {limit} bytes ({source})"
             ));
         }
         None => line.put(format_args!(
@@ -88,14 +93,14 @@ pub fn no_room(in_use: usize, size: usize, limit: Option<usize>) -> ! {
 }
 
 thread_local! {
-    static ENDS: Cell<bool> = const { Cell::new(false) };
+    static IS_ENDING_THREAD: Cell<bool> = const { Cell::new(false) };
 }
 
 /// Says it and ends the program. The first thread that comes here does so; others wait for the end.
 fn finish(mut line: Line) -> ! {
     static ENDING: AtomicBool = AtomicBool::new(false);
     if ENDING.swap(true, Ordering::SeqCst) {
-        if ENDS.get() {
+        if IS_ENDING_THREAD.get() {
             // The cleaning up failed.
             exit();
         }
@@ -103,7 +108,7 @@ fn finish(mut line: Line) -> ! {
             std::thread::sleep(Duration::from_secs(1));
         }
     }
-    ENDS.set(true);
+    IS_ENDING_THREAD.set(true);
     line.end();
     if let Some(clean_up) = CLEAN_UP.get() {
         clean_up();
@@ -134,8 +139,17 @@ struct Line {
 impl Line {
     fn error() -> Self {
         let mut line = Self { text: [0; LONGEST_LINE], length: 0 };
-        line.put(format_args!("error: "));
+        // With its control characters.
+        let prefix = PREFIX.get().map_or("error: ", String::as_str);
+        prefix.bytes().for_each(|byte| line.push(byte));
         line
+    }
+
+    fn push(&mut self, byte: u8) {
+        if let Some(place) = self.text.get_mut(self.length) {
+            *place = byte;
+            self.length += 1;
+        }
     }
 
     fn put(&mut self, text: std::fmt::Arguments) {
@@ -144,7 +158,7 @@ impl Line {
     }
 
     fn mistake(&mut self, panic: &PanicHookInfo) {
-        self.put(format_args!("this is a mistake of tercio, please report it: "));
+        self.put(format_args!("internal error (a bug in tercio, please report it): "));
         let payload = panic.payload();
         let text = payload.downcast_ref::<&str>().copied();
         let text = text.or_else(|| payload.downcast_ref::<String>().map(String::as_str));
@@ -168,12 +182,8 @@ impl Line {
 impl std::fmt::Write for Line {
     fn write_str(&mut self, text: &str) -> std::fmt::Result {
         // File names and messages may hold line breaks, and a message is one line.
-        for byte in text.bytes().map(|b| if b.is_ascii_control() { b' ' } else { b }) {
-            if let Some(place) = self.text.get_mut(self.length) {
-                *place = byte;
-                self.length += 1;
-            }
-        }
+        let bytes = text.bytes().map(|b| if b.is_ascii_control() { b' ' } else { b });
+        bytes.for_each(|byte| self.push(byte));
         Ok(())
     }
 }
@@ -225,7 +235,7 @@ mod tests {
         }
         let (code, said) = run_alone(test);
         assert_eq!(code, Some(2), "{said}");
-        let expected = "error: this is a mistake of tercio, please report it: not foreseen (";
+        let expected = "error: internal error (a bug in tercio, please report it): not foreseen (";
         assert!(said.starts_with(expected) && said.contains("ending.rs:"), "{said}");
         assert!(said.ends_with(")\ncleaned up\n") && said.lines().count() == 2, "{said}");
     }

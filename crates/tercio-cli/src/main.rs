@@ -56,6 +56,7 @@ fn main() -> ExitCode {
         Err(answer) => return tell(&answer),
     };
     signals::watch();
+    memory::begin();
     let (result, failure) = match cli.command {
         Command::Render(command) => (command.run(), 1),
         Command::Info(command) => (command.run(), 1),
@@ -76,10 +77,6 @@ fn fail(error: &anyhow::Error, code: u8) -> ExitCode {
         messages::error(error);
         messages::note("\nFor more information, try '--help'.");
         return ExitCode::from(2);
-    }
-    // Whoever read our output has enough; that is no error.
-    if messages::is_broken_pipe(error) {
-        return ExitCode::SUCCESS;
     }
     messages::error(error);
     ExitCode::from(code)

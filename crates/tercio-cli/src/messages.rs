@@ -2,8 +2,13 @@
 
 use std::io::{self, Write};
 
+use anstream::{AutoStream, ColorChoice};
 use anstyle::{AnsiColor, Style};
 use anyhow::Error;
+use tercio::LoadError;
+use tercio::mesh::ReadError;
+
+use crate::memory;
 
 /// As usage errors are shown.
 const ERROR: Style = AnsiColor::Red.on_default().bold();
@@ -11,12 +16,34 @@ const WARNING: Style = AnsiColor::Yellow.on_default().bold();
 
 /// `error: ...`, with every cause behind it that the text does not tell already.
 pub fn error(error: &Error) {
-    let text = error.chain().fold(String::new(), |text, cause| match cause.to_string() {
+    let text = error.chain().fold(String::new(), |text, cause| match words(cause) {
         cause if text.is_empty() => cause,
         cause if text.ends_with(&cause) => text,
         cause => format!("{text}: {cause}"),
     });
     say(ERROR, "error", &text);
+}
+
+/// What a cause says. The library does not know who set the limit that it was given.
+fn words(cause: &(dyn std::error::Error + 'static)) -> String {
+    let read = match cause.downcast_ref() {
+        Some(LoadError::Read(error)) => Some(error),
+        _ => cause.downcast_ref(),
+    };
+    match read {
+        Some(ReadError::MemoryLimit { file, what, needed, limit }) => {
+            let source = memory::limit_source();
+            format!("{file}: needs {needed} bytes for {what}, the limit is {limit} bytes ({source})")
+        }
+        _ => cause.to_string(),
+    }
+}
+
+/// How an error begins on the standard error of this run, for who has to write it without taking memory.
+pub fn error_prefix() -> String {
+    let coloured = cfg!(unix) && AutoStream::choice(&io::stderr()) != ColorChoice::Never;
+    let style = if coloured { ERROR } else { Style::new() };
+    format!("{style}error:{style:#} ")
 }
 
 /// `warning: ...`
@@ -35,14 +62,4 @@ fn say(style: Style, kind: &str, text: &str) {
     // File names may hold line breaks, and a message is one line.
     let text: Vec<_> = text.lines().map(str::trim).filter(|l| !l.is_empty()).collect();
     let _ = writeln!(anstream::stderr().lock(), "{style}{kind}:{style:#} {}", text.join(" "));
-}
-
-/// True if the reader of our standard output went away.
-pub fn is_broken_pipe(error: &Error) -> bool {
-    let is = |e: &io::Error| e.kind() == io::ErrorKind::BrokenPipe;
-    error.chain().any(|cause| {
-        let image = cause.downcast_ref::<tercio::image::ImageError>();
-        cause.downcast_ref::<io::Error>().is_some_and(is)
-            || matches!(image, Some(tercio::image::ImageError::Io(e)) if is(e))
-    })
 }

@@ -83,6 +83,14 @@ impl NamedFiles {
                         words[0], words[1]
                     )));
                 }
+                if let (Some(a), Some(b)) = (&output.identity, &other.identity)
+                    && a.differs_in_case_alone(b)
+                {
+                    return Err(UsageError(format!(
+                        "{} and {} differ by upper and lower case alone, and may be the same file: choose other names",
+                        other.words, output.words
+                    )));
+                }
                 if same(output, other) {
                     return Err(UsageError(format!(
                         "{} and {} are the same file: each output needs a file of its own",

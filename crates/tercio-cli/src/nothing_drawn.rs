@@ -1,5 +1,7 @@
 //! Why a picture is empty: the first thing to tell a user who sees one.
 
+use std::borrow::Cow;
+
 use tercio::mesh::Aabb;
 use tercio::raster::{Cull, FrameStats};
 use tercio::scene::Camera;
@@ -21,63 +23,74 @@ pub fn reason(bounds: &Aabb, camera: &Camera, cull: Cull, stats: &FrameStats) ->
         outside_reason(bounds, camera)
     } else if facing == all {
         let side = if cull == Cull::Front { "front" } else { "back" };
-        format!("show the camera their {side}, which --cull leaves out")
+        let rest = format!("{side}, which --cull leaves out");
+        Said { one: "shows the camera its", many: "show the camera their", rest: rest.into() }
     } else if rest == all && counts.triangles_clipped > 0 {
-        CUT_AWAY.into()
+        CUT_AWAY
     } else if rest == all {
-        "are too small or too thin to cover the centre of a pixel".into()
+        Said { rest: "too small or too thin to cover the centre of a pixel".into(), ..ARE }
     } else {
+        let culled = Said { one: "shows", many: "show", rest: "the side that --cull leaves out".into() };
+        let small = Said { one: "covers", many: "cover", rest: "no centre of a pixel".into() };
         let parts = [
-            (outside, "are outside the picture"),
-            (facing, "show the side that --cull leaves out"),
-            (rest, if counts.triangles_clipped > 0 { CUT_AWAY } else { "cover no centre of a pixel" }),
+            (outside, OUTSIDE),
+            (facing, culled),
+            (rest, if counts.triangles_clipped > 0 { CUT_AWAY } else { small }),
         ];
-        let parts = parts.iter().filter(|p| p.0 > 0).map(|&(n, what)| format!("{n} {}", numbered(n, what)));
+        let parts = parts.iter().filter(|p| p.0 > 0).map(|(n, said)| format!("{n} {}", said.of(*n)));
         return Some(format!(
             "nothing was drawn: of {all} triangles {}",
             parts.collect::<Vec<_>>().join(", ")
         ));
     };
+    let why = why.of(all);
     Some(match all {
-        1 => format!("nothing was drawn: the only triangle {}", numbered(1, &why)),
+        1 => format!("nothing was drawn: the only triangle {why}"),
         _ => format!("nothing was drawn: all {all} triangles {why}"),
     })
 }
 
-/// Said of triangles of which clipping left nothing that is seen.
-const CUT_AWAY: &str =
-    "are cut away: they lie beside the picture, or nearer to the camera than the near plane (--near)";
-
-/// What is said of several, said of `n`.
-fn numbered(n: u64, what: &str) -> String {
-    if n != 1 {
-        return what.into();
-    }
-    let pairs = [
-        ("are ", "is "),
-        ("show the camera their ", "shows the camera its "),
-        ("show ", "shows "),
-        ("cover ", "covers "),
-    ];
-    let found = pairs.iter().find_map(|(many, one)| Some(format!("{one}{}", what.strip_prefix(many)?)));
-    found.unwrap_or_else(|| what.into()).replace("they lie", "it lies")
+/// What is said of triangles: how it begins of one and of several, and what follows in both cases.
+struct Said {
+    one: &'static str,
+    many: &'static str,
+    rest: Cow<'static, str>,
 }
 
-fn outside_reason(bounds: &Aabb, camera: &Camera) -> String {
-    let Ok(basis) = camera.basis() else { return "are outside the picture".into() };
+const ARE: Said = Said { one: "is", many: "are", rest: Cow::Borrowed("") };
+
+const OUTSIDE: Said = Said { one: "is", many: "are", rest: Cow::Borrowed("outside the picture") };
+
+/// Of triangles of which clipping left nothing that is seen.
+const CUT_AWAY: Said = Said {
+    one: "is cut away: it lies",
+    many: "are cut away: they lie",
+    rest: Cow::Borrowed("beside the picture, or nearer to the camera than the near plane (--near)"),
+};
+
+impl Said {
+    /// Said of so many triangles.
+    fn of(&self, n: u64) -> String {
+        format!("{} {}", if n == 1 { self.one } else { self.many }, self.rest)
+    }
+}
+
+fn outside_reason(bounds: &Aabb, camera: &Camera) -> Said {
+    let Ok(basis) = camera.basis() else { return OUTSIDE };
     let distances = bounds.corners().map(|c| (c - camera.eye).dot(basis.forward));
     let farthest = distances.into_iter().fold(f64::NEG_INFINITY, f64::max);
-    match camera.near {
-        _ if farthest <= 0.0 => format!("are behind the camera, which stands at {}", camera.eye),
+    let rest = match camera.near {
+        _ if farthest <= 0.0 => format!("behind the camera, which stands at {}", camera.eye),
         Some(near) if farthest <= near => {
             let [farthest, near] = [farthest, near].map(readable);
-            format!("are nearer than the near plane: at most {farthest} from the camera, --near is {near}")
+            format!("nearer than the near plane: at most {farthest} from the camera, --near is {near}")
         }
         _ => format!(
-            "are outside the picture: the camera at {} looks towards {}, the model reaches from {} to {}",
+            "outside the picture: the camera at {} looks towards {}, the model reaches from {} to {}",
             camera.eye, camera.target, bounds.min, bounds.max
         ),
-    }
+    };
+    Said { rest: rest.into(), ..ARE }
 }
 
 /// A distance without rows of digits that nobody reads.
@@ -150,6 +163,22 @@ mod tests {
         let clipped = FrontEndCounts { triangles_in: 4, triangles_clipped: 4, ..FrontEndCounts::default() };
         let text = why(DVec3::Z, DVec3::ZERO, None, Cull::Auto, clipped);
         assert!(text.contains("all 4 triangles are cut away: they lie beside"), "{text}");
+        let of_one = |cull, counts: FrontEndCounts| {
+            why(DVec3::Z * 5.0, DVec3::ZERO, None, cull, FrontEndCounts { triangles_in: 1, ..counts })
+        };
+        let text = of_one(Cull::Auto, FrontEndCounts { triangles_clipped: 1, ..tiny });
+        assert!(text.contains("the only triangle is cut away: it lies beside"), "{text}");
+        let text = of_one(Cull::Back, FrontEndCounts { triangles_facing: 1, ..tiny });
+        assert!(text.contains("the only triangle shows the camera its back, which"), "{text}");
+        let text = of_one(Cull::Auto, FrontEndCounts { triangles_outside: 1, ..tiny });
+        assert!(text.contains("the only triangle is outside the picture: the camera"), "{text}");
+        let counts = FrontEndCounts { triangles_facing: 1, triangles_outside: 2, triangles_in: 4, ..tiny };
+        let text = why(DVec3::Z, DVec3::ZERO, None, Cull::Back, counts);
+        assert!(
+            text.contains("2 are outside the picture, 1 shows the side that --cull leaves out"),
+            "{text}"
+        );
+        assert!(text.ends_with("out, 1 covers no centre of a pixel"), "{text}");
         let mixed = FrontEndCounts { triangles_outside: 1, triangles_in: 4, ..tiny };
         let text = why(DVec3::Z, DVec3::ZERO, None, Cull::Auto, mixed);
         assert!(text.ends_with("of 4 triangles 1 is outside the picture, 3 cover no centre of a pixel"));

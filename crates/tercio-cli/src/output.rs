@@ -1,7 +1,7 @@
-//! Writes what was planned: all of it, or nothing.
+//! Writes what was planned: all files of it, or none.
 
 use std::fmt;
-use std::io::Write;
+use std::io::{self, Write};
 
 use anyhow::{Context, Result, bail};
 use tercio::image::{Destination, ImageError, OutputFile, Picture, PictureFormat, npy};
@@ -90,7 +90,8 @@ impl Plan {
         }
     }
 
-    /// Writes picture and arrays. Nothing is seen of them before all are whole.
+    /// Writes picture and arrays. Nothing is seen of the files before all are whole; standard output, pipes and devices
+    /// get theirs as it is made.
     ///
     /// # Errors
     /// The first output that could not be written.
@@ -103,7 +104,7 @@ impl Plan {
             files.push(begin(destination, |out| Ok(write_array(frame, *array, out)?))?);
         }
         let destinations = self.frame_outputs().map(|(_, destination)| destination);
-        files.into_iter().zip(destinations).try_for_each(|(file, d)| file.commit().with_context(|| name(d)))
+        files.into_iter().zip(destinations).try_for_each(|(file, destination)| finish(file, destination))
     }
 }
 
@@ -113,7 +114,16 @@ impl Plan {
 /// The system's reason why it could not be written.
 pub fn write_text(destination: &Destination, text: &str) -> Result<()> {
     let file = begin(destination, |out| Ok(out.write_all(text.as_bytes())?))?;
-    file.commit().with_context(|| name(destination))
+    finish(file, destination)
+}
+
+/// Writes a picture.
+///
+/// # Errors
+/// The system's reason why it could not be written; a format that cannot hold it.
+pub fn write_picture(destination: &Destination, picture: &Picture, format: PictureFormat) -> Result<()> {
+    let file = begin(destination, |out| picture.write(format, out))?;
+    finish(file, destination)
 }
 
 /// Tells before the work begins that something cannot be written after it.
@@ -127,17 +137,32 @@ pub fn check(destination: &Destination) -> Result<()> {
     destination.check().with_context(|| name(destination))
 }
 
+/// An output that is filled but not yet seen under its name; `None` where whoever reads it, at the other end of a pipe, has
+/// enough. That is no error, and not the end of the other outputs.
 fn begin(
     destination: &Destination,
     fill: impl FnOnce(&mut dyn Write) -> Result<(), ImageError>,
-) -> Result<OutputFile> {
+) -> Result<Option<OutputFile>> {
     check(destination)?;
     let mut file = OutputFile::create(destination).with_context(|| name(destination))?;
-    fill(&mut file).with_context(|| name(destination))?;
-    Ok(file)
+    match fill(&mut file) {
+        Err(ImageError::Io(error)) if is_broken_pipe(&error) => Ok(None),
+        filled => filled.map(|()| Some(file)).with_context(|| name(destination)),
+    }
 }
 
-fn write_array(frame: &Frame, array: Array, out: &mut dyn Write) -> std::io::Result<()> {
+fn finish(file: Option<OutputFile>, destination: &Destination) -> Result<()> {
+    match file.map_or(Ok(()), OutputFile::commit) {
+        Err(error) if is_broken_pipe(&error) => Ok(()),
+        ended => ended.with_context(|| name(destination)),
+    }
+}
+
+fn is_broken_pipe(error: &io::Error) -> bool {
+    error.kind() == io::ErrorKind::BrokenPipe
+}
+
+fn write_array(frame: &Frame, array: Array, out: &mut dyn Write) -> io::Result<()> {
     let shape = [frame.height as usize, frame.width as usize, 3];
     match array {
         Array::Depth => npy::write(out, &shape[..2], &frame.depth),

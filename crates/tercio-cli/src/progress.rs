@@ -13,7 +13,7 @@ use crate::args::ProgressMode;
 use crate::messages;
 
 /// Work that ends sooner shows nothing.
-const PATIENCE: Duration = Duration::from_millis(500);
+const SHOW_AFTER: Duration = Duration::from_millis(500);
 const REDRAW: Duration = Duration::from_millis(100);
 /// From one line to the next.
 const NEXT_LINE: Duration = Duration::from_secs(1);
@@ -44,7 +44,7 @@ impl Display {
             let (stop, stopped) = mpsc::channel();
             let watched = Arc::clone(&progress);
             let work = move || {
-                if waits(&stopped, PATIENCE) {
+                if waits(&stopped, SHOW_AFTER) {
                     show(&watched, &stopped);
                 }
             };

@@ -22,9 +22,9 @@ mod at_start {
     // registers. This one asks the kernel one thing and stores the answer; it needs nothing that is set up later.
     #[used]
     #[unsafe(link_section = ".init_array")]
-    static LOOK: extern "C" fn() = look;
+    static RECORD_STDOUT_STATE: extern "C" fn() = record_stdout_state;
 
-    extern "C" fn look() {
+    extern "C" fn record_stdout_state() {
         CLOSED.store(rustix::io::fcntl_getfd(rustix::stdio::stdout()).is_err(), Relaxed);
     }
 }

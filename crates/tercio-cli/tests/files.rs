@@ -5,7 +5,7 @@ mod common;
 
 use std::fs::{self, File};
 use std::os::unix::fs::symlink;
-use std::process::Stdio;
+use std::process::{Command, Stdio};
 
 use common::{OCTAHEDRON, Place, Said};
 
@@ -81,6 +81,14 @@ fn an_output_is_never_another_output() {
     for (outputs, names) in cases {
         is_refused(&place, &format!("render model.off {outputs}"), &names);
     }
+    // Where case does not count, one of them would be lost.
+    for outputs in ["--output-depth n.npy --output-ids N.npy", "-o d/n.png --stats d/../d/N.PNG"] {
+        is_refused(
+            &place,
+            &format!("render model.off {outputs}"),
+            &["upper and lower case", "choose other names"],
+        );
+    }
     let several =
         "-o /dev/null --format png --output-depth /dev/null --output-ids /dev/null --stats /dev/null";
     place.run(&format!("render model.off {several} --size 32x24")).quietly_well();
@@ -126,6 +134,44 @@ fn standard_streams_that_are_files_count() {
     assert_eq!(String::from_utf8(place.read("log")).unwrap().matches("tercio_version").count(), 2);
 }
 
+/// What the program and its neighbours in a shell leave in `log`, which is `$0` there.
+fn log_of(place: &Place, script: &str) -> String {
+    let _ = fs::remove_file(place.path("log"));
+    let render = format!("{} render model.off -o c.png --size 32x24 --stats", env!("CARGO_BIN_EXE_tercio"));
+    let mut shell = Command::new("sh");
+    shell.args(["-c", &script.replace("RENDER", &render)]);
+    assert!(shell.current_dir(place.path("")).stdin(Stdio::null()).status().unwrap().success(), "{script}");
+    String::from_utf8(place.read("log")).unwrap()
+}
+
+#[test]
+fn a_file_that_is_open_already_keeps_what_is_in_it() {
+    let place = place();
+    symlink("/dev/stdout", place.path("out")).unwrap();
+    symlink("out", place.path("to_out")).unwrap();
+    symlink("/dev/stderr", place.path("errors")).unwrap();
+    symlink("/proc/self/fd", place.path("open")).unwrap();
+    symlink("log", place.path("to_log")).unwrap();
+    for name in ["out", "to_out", "/proc/thread-self/fd/1", "open/1", "/dev/fd/1", "./log", "to_log"] {
+        let log = log_of(&place, &format!("(echo precious; RENDER {name}; echo more) > log"));
+        assert!(log.starts_with("precious\n{") && log.ends_with("}\nmore\n"), "{name}: {log}");
+    }
+    for name in ["errors", "/dev/stderr", "open/2", "log"] {
+        let log = log_of(&place, &format!("(echo precious >&2; RENDER {name}; echo more >&2) 2> log"));
+        assert!(log.starts_with("precious\n{") && log.ends_with("}\nmore\n"), "{name}: {log}");
+    }
+    let log = log_of(&place, "(echo precious >&3; RENDER open/3) 3>> log");
+    assert!(log.starts_with("precious\n{"), "{log}");
+    // A name tells the format also where it is a link to standard output.
+    symlink("/dev/stdout", place.path("p.ppm")).unwrap();
+    let said = place.run("render model.off -o p.ppm --size 32x24").quietly_well();
+    assert!(said.stdout.starts_with(b"P6"));
+    assert!(fs::symlink_metadata(place.path("p.ppm")).unwrap().is_symlink());
+    // Where standard output goes elsewhere, a file is replaced as ever.
+    let log = log_of(&place, "echo old > log; RENDER to_log");
+    assert!(log.starts_with('{'), "{log}");
+}
+
 #[test]
 fn an_output_is_no_other_file_of_the_model() {
     let place = place();
@@ -140,7 +186,9 @@ fn an_output_is_no_other_file_of_the_model() {
         said.failed(2, &["material library or texture of m.obj", "same file"]);
     }
     place.run("lab workload m.obj -o d/m.mtl --format boxes").failed(2, &["--output d/m.mtl", "m.obj"]);
-    for arguments in ["info m.obj", "bench m.obj --frames 1 --size 32x24"] {
+    for arguments in
+        ["info m.obj", "bench m.obj --frames 1 --size 32x24", "lab simulate hybris m.obj --size 32x24"]
+    {
         let library = File::options().append(true).open(place.path("d/m.mtl")).unwrap();
         let output = place.command(arguments).stdout(library).stderr(Stdio::piped()).output().unwrap();
         Said::from(output).failed(2, &["standard output", "library or texture of m.obj"]);

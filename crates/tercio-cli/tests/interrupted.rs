@@ -10,7 +10,7 @@ use std::process::{Child, Command, Stdio};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use common::Place;
+use common::{Place, Said};
 use rustix::process::{Pid, Signal, kill_process};
 
 /// The picture has its partial file, and the depths, which nobody takes, do not fit into the pipe.
@@ -47,28 +47,79 @@ fn send(child: &Child, signal: Signal) {
 
 #[test]
 fn a_signal_removes_partial_files_and_ends_the_run() {
-    for (signal, number) in [(Signal::INT, 2), (Signal::TERM, 15), (Signal::HUP, 1)] {
+    let signals = [
+        Signal::INT,
+        Signal::TERM,
+        Signal::HUP,
+        Signal::QUIT,
+        Signal::ALARM,
+        Signal::USR1,
+        Signal::USR2,
+        Signal::XCPU,
+    ];
+    for signal in signals {
         let place = Place::new();
-        let mut child = stuck(&place, place.command(STUCK));
+        // Some of them leave a picture of the memory, too, where that is allowed.
+        let mut child = stuck(&place, shell(&place, &format!("ulimit -c 0; exec \"$0\" {STUCK}")));
         send(&child, signal);
         // Its output is not read before it ended: else it could go on, and end by itself.
         child.wait().unwrap();
         let ended = child.wait_with_output().unwrap();
         // As a shell sees it: 128 and the number.
-        assert_eq!(ended.status.signal(), Some(number), "{:?}", ended.status);
+        assert_eq!(ended.status.signal(), Some(signal.as_raw()), "{:?}", ended.status);
         assert!(ended.stderr.is_empty());
         assert_eq!(place.names(), ["a.png", "model.off"]);
         assert_eq!(place.read("a.png"), b"old");
     }
 }
 
+/// A shell that runs a script, with the program as `$0`.
+fn shell(place: &Place, script: &str) -> Command {
+    let mut shell = Command::new("sh");
+    shell.current_dir(place.path("")).stdin(Stdio::null());
+    shell.args(["-c", script, env!("CARGO_BIN_EXE_tercio")]);
+    shell
+}
+
+#[test]
+fn a_file_that_grows_too_large_is_an_error_and_leaves_nothing() {
+    let place = Place::new();
+    fs::write(place.path("a.png"), "old").unwrap();
+    for outputs in ["-o a.png --output-depth d.npy", "--output-depth a.png", "-o a.png --format ppm"] {
+        let script = format!("ulimit -f 8; exec \"$0\" render model.off {outputs} --size 512x512 --quiet");
+        let said = Said::from(shell(&place, &script).output().unwrap());
+        said.failed(1, &["File too large"]);
+        assert_eq!(said.stderr.lines().count(), 1, "{}", said.stderr);
+        assert_eq!(place.names(), ["a.png", "model.off"], "{outputs}");
+        assert_eq!(place.read("a.png"), b"old", "{outputs}");
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_run_that_has_no_memory_for_writing_leaves_nothing() {
+    let place = Place::new();
+    fs::write(place.path("a.png"), "old").unwrap();
+    let mut while_writing = 0;
+    // The frame has 9 MB, and the picture is copied while its file is written.
+    for limit in (8..24).map(|mib| mib << 20) {
+        let render = "render model.off -o a.png --size 1500x1500 --quiet --threads 1 --memory-limit";
+        let said = place.run(&format!("{render} {limit}"));
+        if said.code == Some(0) {
+            break;
+        }
+        said.failed(1, &["model.off: ", "--memory-limit"]);
+        while_writing += u32::from(said.stderr.contains("for writing"));
+        assert_eq!(place.names(), ["a.png", "model.off"], "{limit}: {}", said.stderr);
+        assert_eq!(place.read("a.png"), b"old");
+    }
+    assert!(while_writing > 0, "no run came as far as writing");
+}
+
 #[test]
 fn a_signal_that_is_ignored_from_the_start_stays_ignored() {
     let place = Place::new();
-    let mut shell = Command::new("sh");
-    shell.current_dir(place.path("")).stdin(Stdio::null());
-    shell.args(["-c", &format!("trap '' HUP; exec \"$0\" {STUCK}"), env!("CARGO_BIN_EXE_tercio")]);
-    let mut child = stuck(&place, shell);
+    let mut child = stuck(&place, shell(&place, &format!("trap '' HUP; exec \"$0\" {STUCK}")));
     send(&child, Signal::HUP);
     let mut depths = Vec::new();
     child.stdout.take().unwrap().read_to_end(&mut depths).unwrap();

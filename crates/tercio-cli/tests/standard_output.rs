@@ -48,3 +48,42 @@ fn closed_and_full_standard_output_is_an_error() {
     assert_eq!((quiet.code, quiet.stderr.as_str()), (Some(0), ""));
     assert_eq!(shell(&place, "compare a.png a.png --quiet", ">&-").code, Some(0));
 }
+
+/// Runs the program with a standard output that nobody reads any longer.
+fn unread(place: &Place, arguments: &str) -> Said {
+    let (reader, writer) = std::io::pipe().expect("a pipe");
+    drop(reader);
+    place
+        .command(arguments)
+        .stdout(writer)
+        .stderr(Stdio::piped())
+        .output()
+        .expect("the program starts")
+        .into()
+}
+
+#[test]
+fn a_reader_that_has_enough_changes_neither_the_answer_nor_other_outputs() {
+    let place = Place::new();
+    place.run("render model.off -o a.png --size 32x24").quietly_well();
+    place.run("render model.off -o b.png --size 32x24 --view top").quietly_well();
+    for (arguments, code) in [
+        ("compare a.png a.png", 0),
+        ("compare a.png b.png", 1),
+        ("info model.off", 0),
+        ("--help", 0),
+        ("render model.off -o c.png --size 32x24 --eye 0,0,5 --target 0,0,9 --stats -", 1),
+    ] {
+        assert_eq!(unread(&place, arguments).code, Some(code), "{arguments}");
+    }
+    let size = "--size 256x256";
+    unread(&place, &format!("render model.off -o - --output-depth d.npy --stats s.json {size}"))
+        .quietly_well();
+    place.run(&format!("render model.off -o e.ppm --output-depth e.npy {size}")).quietly_well();
+    assert_eq!(place.read("d.npy"), place.read("e.npy"));
+    assert!(place.read("s.json").ends_with(b"}\n"));
+    unread(&place, &format!("render model.off -o f.ppm --output-depth - --stats t.json {size}"))
+        .quietly_well();
+    assert_eq!(place.read("f.ppm"), place.read("e.ppm"));
+    assert!(place.read("t.json").ends_with(b"}\n"));
+}

@@ -6,6 +6,7 @@ mod common;
 use std::fs::File;
 use std::io::{BufRead, BufReader, Read, Write};
 use std::process::{Child, Command, Stdio};
+use std::time::Instant;
 
 use common::{OCTAHEDRON, Place};
 use rustix::fs::{Mode, OFlags, open};
@@ -13,7 +14,7 @@ use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
 
 /// Runs a command whose standard error is a terminal; returns what the terminal was sent. `look` sees what it was sent so
 /// far.
-fn on_terminal(mut command: Command, mut look: impl FnMut(&[u8])) -> String {
+fn on_terminal(command: &mut Command, mut look: impl FnMut(&[u8])) -> String {
     let controller = openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY).unwrap();
     grantpt(&controller).unwrap();
     unlockpt(&controller).unwrap();
@@ -26,7 +27,7 @@ fn on_terminal(mut command: Command, mut look: impl FnMut(&[u8])) -> String {
     }
     let mut child = command.stdout(Stdio::null()).stderr(terminal).spawn().expect("the program starts");
     // The terminal is open in the child only, so that its end ends the reading.
-    drop(command);
+    command.stderr(Stdio::null());
     let mut shown = Vec::new();
     let mut part = [0; 4096];
     // Linux tells the end of a terminal as an error.
@@ -42,7 +43,7 @@ fn on_terminal(mut command: Command, mut look: impl FnMut(&[u8])) -> String {
 fn shown(place: &Place, arguments: &str, variables: &[(&str, &str)]) -> String {
     let mut command = place.command(arguments);
     command.env("TERM", "xterm").envs(variables.iter().copied());
-    on_terminal(command, |_| {})
+    on_terminal(&mut command, |_| {})
 }
 
 /// The word with the control characters round it.
@@ -65,7 +66,23 @@ fn errors_and_warnings_are_coloured_as_usage_errors_are() {
     let warning = shown(&place, "info odd.off", &[]);
     assert!(warning.contains("\u{1b}[33m") && warning.contains("warning:"), "{warning:?}");
 
+    // A line that is written without taking memory.
+    File::create(place.path("large.boxes")).unwrap().set_len(1 << 30).unwrap();
+    let short = |variables: &[(&str, &str)]| {
+        let mut shell = Command::new("sh");
+        let run = "ulimit -v 400000; exec \"$0\" lab simulate ring large.boxes";
+        shell
+            .args(["-c", run, env!("CARGO_BIN_EXE_tercio")])
+            .current_dir(place.path(""))
+            .env("TERM", "xterm");
+        on_terminal(shell.envs(variables.iter().copied()), |_| {})
+    };
+    let memory = short(&[]);
+    assert_eq!(word(&memory, "error:"), word(&usage, "error:"));
+    assert!(memory.contains(" needs ") && memory.trim_end().lines().count() == 1, "{memory:?}");
+
     for variables in [("NO_COLOR", "1"), ("TERM", "dumb")] {
+        assert!(short(&[variables]).starts_with("error: needs "), "{variables:?}");
         for arguments in ["info missing.ply", "info odd.off", "render --no-such-option"] {
             let plain = shown(&place, arguments, &[variables]);
             assert!(!plain.contains('\u{1b}') && plain.contains(": "), "{variables:?}: {plain:?}");
@@ -88,18 +105,27 @@ fn waiting(place: &Place, mode: &str) -> Child {
 #[test]
 fn progress_is_told_in_lines_where_there_is_no_terminal() {
     let place = Place::new();
+    let begin = Instant::now();
     let mut child = waiting(&place, "always");
     let mut lines = BufReader::new(child.stderr.take().unwrap()).lines();
-    // The model comes when two lines have; if none do, it comes at last, so that the test fails instead of waiting.
+    // The model comes when three lines have; if none do, it comes at last, so that the test fails instead of waiting.
     let mut stdin = child.stdin.take().unwrap();
     let (told, are_told) = std::sync::mpsc::channel::<()>();
     let feeder = std::thread::spawn(move || {
         let _ = are_told.recv_timeout(std::time::Duration::from_secs(30));
         stdin.write_all(OCTAHEDRON.as_bytes()).unwrap();
     });
-    let two = [(); 2].map(|()| lines.next().map(Result::unwrap));
+    let mut times = Vec::new();
+    for _ in 0..3 {
+        assert_eq!(lines.next().map(Result::unwrap).as_deref(), Some("progress: reading"));
+        times.push(begin.elapsed().as_secs_f64());
+    }
     drop(told);
-    assert_eq!(two, [Some("progress: reading".to_owned()), Some("progress: reading".to_owned())]);
+    // The first line comes after half a second, the others a second behind the one before. A line may be seen late, by
+    // which the way to the next looks shorter, but never too early, counted from the beginning.
+    for (time, least) in times.iter().zip([0.5, 1.3, 2.1]) {
+        assert!(*time >= least, "{times:?}");
+    }
     feeder.join().unwrap();
     assert!(child.wait().unwrap().success());
     for line in lines.map(Result::unwrap) {
@@ -123,7 +149,7 @@ fn progress_is_told_on_terminals_only_unless_asked_for() {
     command.stdin(reader).env("TERM", "xterm");
     // The model comes only when the terminal shows that it is waited for.
     let mut writer = Some(writer);
-    let shown = on_terminal(command, |shown| {
+    let shown = on_terminal(&mut command, |shown| {
         if shown.windows(7).any(|part| part == b"reading")
             && let Some(mut writer) = writer.take()
         {

@@ -37,8 +37,8 @@ mod load;
 mod summary;
 
 pub use load::{
-    LoadError, LoadOptions, LoadReport, LoadTimes, Loaded, LoadedMesh, Normals, load, load_input, load_mesh,
-    load_mesh_input,
+    LoadError, LoadOptions, LoadReport, LoadTimes, Loaded, LoadedMesh, Normals, load, load_if, load_input,
+    load_mesh, load_mesh_input,
 };
 pub use summary::{AttributeSummary, MeshSummary};
 

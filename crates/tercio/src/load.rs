@@ -133,6 +133,23 @@ pub fn load(model: &Path, options: &LoadOptions) -> Result<Loaded, LoadError> {
     cut(model, options, || read(model, options))
 }
 
+/// Loads a model as [`load`] does, if what was found in the file is accepted: asked once it is read, before the work on
+/// the mesh begins.
+///
+/// # Errors
+/// [`LoadError`], and what `accept` says.
+pub fn load_if<E: From<LoadError>>(
+    model: &Path,
+    options: &LoadOptions,
+    accept: impl FnOnce(&ReadReport) -> Result<(), E>,
+) -> Result<Loaded, E> {
+    cut(model, options, || {
+        let (mesh, report) = read(model, options)?;
+        accept(&report)?;
+        Ok((mesh, report))
+    })
+}
+
 /// Loads a model as [`load`] does, from a file that is open already or from bytes in memory.
 ///
 /// # Errors
@@ -142,11 +159,11 @@ pub fn load_input(input: &Input, options: &LoadOptions) -> Result<Loaded, LoadEr
 }
 
 /// Everything from reading to clusters.
-fn cut(
+fn cut<E: From<LoadError>>(
     model: &Path,
     options: &LoadOptions,
-    read: impl FnOnce() -> Result<(Mesh, ReadReport), LoadError>,
-) -> Result<Loaded, LoadError> {
+    read: impl FnOnce() -> Result<(Mesh, ReadReport), E>,
+) -> Result<Loaded, E> {
     let all = Instant::now();
     let LoadedMesh { mut mesh, mut report } = read_and_repair(model, options, read)?;
     let wanted = wanted_normals(&mesh, options);
@@ -258,11 +275,11 @@ fn read_input(input: &Input, options: &LoadOptions) -> Result<(Mesh, ReadReport)
 }
 
 /// Everything up to the normals.
-fn read_and_repair(
+fn read_and_repair<E: From<LoadError>>(
     model: &Path,
     options: &LoadOptions,
-    read: impl FnOnce() -> Result<(Mesh, ReadReport), LoadError>,
-) -> Result<LoadedMesh, LoadError> {
+    read: impl FnOnce() -> Result<(Mesh, ReadReport), E>,
+) -> Result<LoadedMesh, E> {
     let start = Instant::now();
     let (mut mesh, read) = read()?;
     let mut report = LoadReport { read, file_normals: mesh.normals.is_some(), ..LoadReport::default() };
@@ -302,10 +319,12 @@ fn make_builtin(name: &str, options: &LoadOptions) -> Result<(Mesh, ReadReport),
     Ok((mesh, report))
 }
 
-fn check_size(model: &Path, mesh: &Mesh) -> Result<(), ReadError> {
+fn check_size(model: &Path, mesh: &Mesh) -> Result<(), LoadError> {
     let counts = [("vertices", mesh.positions.len() as u64), ("triangles", mesh.triangles.len() as u64)];
     match counts.into_iter().find(|(_, count)| *count > MAX_ELEMENTS) {
-        Some((what, count)) => Err(ReadError::TooMany { file: model.display().to_string(), what, count }),
+        Some((what, count)) => {
+            Err(ReadError::TooMany { file: model.display().to_string(), what, count }.into())
+        }
         None => Ok(()),
     }
 }
@@ -327,9 +346,9 @@ fn partition_bytes(mesh: &MeshSummary) -> u64 {
     mesh.bytes + mesh.bytes / 2 + mesh.bytes
 }
 
-fn check_memory(model: &Path, options: &LoadOptions, what: &str, needed: u64) -> Result<(), ReadError> {
+fn check_memory(model: &Path, options: &LoadOptions, what: &str, needed: u64) -> Result<(), LoadError> {
     let limit = ReadOptions { memory_limit: options.memory_limit, progress: None };
-    limit.check_memory(&model.display().to_string(), what, needed)
+    Ok(limit.check_memory(&model.display().to_string(), what, needed)?)
 }
 
 fn begin(options: &LoadOptions, stage: &'static str, total: usize) {
@@ -370,6 +389,35 @@ mod tests {
         assert_eq!(loaded.report.cleaned.duplicate_corner, 1);
         assert_eq!(loaded.report.welded, Some(11));
         assert_eq!((loaded.mesh.positions.len(), loaded.mesh.triangles.len()), (4, 4));
+    }
+
+    #[test]
+    fn a_model_that_is_not_accepted_is_not_worked_on() {
+        #[derive(Debug)]
+        enum Error {
+            Load(LoadError),
+            NotAccepted,
+        }
+        impl From<LoadError> for Error {
+            fn from(error: LoadError) -> Self {
+                Self::Load(error)
+            }
+        }
+        let mut file = tempfile::NamedTempFile::new().expect("a temporary file");
+        file.write_all(b"mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").expect("room for it");
+        let progress = Progress::default();
+        let options = LoadOptions { progress: Some(&progress), ..LoadOptions::default() };
+        let refused = load_if(file.path(), &options, |read| {
+            assert!(read.companions.iter().any(|path| path.ends_with("a.mtl")), "{:?}", read.companions);
+            progress.begin("asked", 0);
+            Err(Error::NotAccepted)
+        });
+        assert!(matches!(refused, Err(Error::NotAccepted)), "{refused:?}");
+        assert_eq!(progress.state().0, "asked");
+        let loaded = load_if(file.path(), &options, |_| Ok::<_, Error>(())).expect("a model");
+        assert_eq!(loaded.report.mesh.triangles, 1);
+        let missing = load_if("no.obj".as_ref(), &options, |_| Err(Error::NotAccepted));
+        assert!(matches!(missing, Err(Error::Load(LoadError::Read(_)))), "{missing:?}");
     }
 
     /// A pyramid with the corners of its faces apart, of which some have a normal that points nowhere.

@@ -13,6 +13,7 @@ use std::path::PathBuf;
 use anyhow::Result;
 use clap::{Args, ValueEnum};
 use rayon::ThreadPool;
+use tercio::image::StandardStream;
 
 use crate::threads::MAX_THREADS;
 use crate::{memory, threads};
@@ -39,9 +40,7 @@ pub struct ModelArgs {
 impl ModelArgs {
     /// True if the model comes from standard input, which reaches one process only.
     pub fn is_standard_input(&self) -> bool {
-        let names: &[&str] =
-            if cfg!(unix) { &["-", "/dev/stdin", "/dev/fd/0", "/proc/self/fd/0"] } else { &["-"] };
-        names.iter().any(|name| self.model.as_os_str() == *name)
+        self.model.as_os_str() == "-" || StandardStream::of_path(&self.model) == Some(StandardStream::Input)
     }
 
     /// The model's name in messages, the same as in those of the reader.

@@ -96,8 +96,9 @@ impl WritingArgs {
         destination: &Destination,
         drawing: &DrawingArgs,
     ) -> Result<PictureFormat, String> {
+        // A link to standard output may have an extension, too.
         let by_name = || match destination {
-            Destination::Stdout => Some(PictureFormat::Png),
+            Destination::Stdout => Some(PictureFormat::of_path(path).unwrap_or(PictureFormat::Png)),
             Destination::File(path) => PictureFormat::of_path(path),
         };
         let format = self.format.or_else(by_name).ok_or_else(|| {

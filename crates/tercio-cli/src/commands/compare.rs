@@ -11,7 +11,7 @@ use tercio::image::{Destination, Difference, Picture, PictureFormat, compare};
 
 use crate::args::values;
 use crate::named_files::NamedFiles;
-use crate::output::{UsageError, write_text};
+use crate::output::{UsageError, write_picture, write_text};
 use crate::report::grouped;
 use crate::{memory, threads};
 
@@ -61,20 +61,22 @@ impl Compare {
 
     fn compare(&self) -> Result<ExitCode> {
         let mut files = NamedFiles::default().reads("the picture", &self.a).reads("the picture", &self.b);
+        let mut diff = None;
         if let Some(path) = &self.diff {
-            if PictureFormat::of_path(path).is_none() {
-                let text = format!("{}: the extension must be .png, .ppm or .webp", path.display());
-                return Err(UsageError(text).into());
-            }
-            files = files.writes("--diff", &Destination::File(path.clone()));
+            let format = PictureFormat::of_path(path).ok_or_else(|| {
+                UsageError(format!("{}: the extension must be .png, .ppm or .webp", path.display()))
+            })?;
+            let destination = Destination::File(path.clone());
+            files = files.writes("--diff", &destination);
+            diff = Some((destination, format));
         }
         let files = if self.quiet { files } else { files.prints() };
         files.ready()?;
         let (a, b) = (read(&self.a)?, read(&self.b)?);
         let names = || format!("{}, {}", self.a.display(), self.b.display());
         let (difference, picture) = compare(&a, &b).with_context(names)?;
-        if let Some(path) = &self.diff {
-            picture.save(path).with_context(|| path.display().to_string())?;
+        if let Some((destination, format)) = diff {
+            write_picture(&destination, &picture, format)?;
         }
         let same = difference.largest_of_all() <= self.threshold;
         if !self.quiet {

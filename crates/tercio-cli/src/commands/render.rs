@@ -176,9 +176,10 @@ impl Render {
             normals: self.drawing.normals(writing.plan.outputs),
             topology: false,
         };
-        let loaded = tercio::load(&self.model.model, &options)?;
+        let loaded = tercio::load_if(&self.model.model, &options, |read| -> Result<()> {
+            Ok(writing.files.check_companions(&self.model.name(), &read.companions)?)
+        })?;
         let report = loaded.report;
-        writing.files.check_companions(&self.model.name(), &report.read.companions)?;
         self.check_memory(self.frame_bytes(&writing.plan, drawers), report.mesh.bytes)?;
         let mut scene = Scene::of_mesh(loaded.mesh);
         self.drawing.dress(&mut scene);
@@ -212,8 +213,9 @@ impl Render {
     fn check_memory(&self, picture: u64, model: u64) -> Result<()> {
         match self.running.memory_limit() {
             Some(limit) if picture.saturating_add(model) > limit => bail!(
-                "the picture needs {picture} bytes besides {model} for the model, the limit is {limit} bytes \
-                 (--memory-limit)"
+                "{}: the picture needs {picture} bytes besides {model} for the model, the limit is {limit} bytes ({})",
+                self.model.name(),
+                memory::limit_source()
             ),
             _ => Ok(()),
         }

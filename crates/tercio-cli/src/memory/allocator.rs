@@ -48,7 +48,7 @@ unsafe impl GlobalAlloc for Allocator {
 #[inline]
 fn checked(memory: *mut u8, size: usize) -> *mut u8 {
     if memory.is_null() {
-        ending::no_room(count::in_use(), size, None);
+        ending::out_of_memory(count::in_use(), size, None);
     }
     ask_for_large_pages(memory, size);
     memory

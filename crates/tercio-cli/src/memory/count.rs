@@ -1,8 +1,8 @@
 //! Counts what is taken of the heap, and holds it against the limit.
 //!
-//! Large blocks are counted exactly and at once. Small ones are counted by the thread that takes them and told now and
-//! then, so that threads do not wait for each other. Free memory of small blocks stays with the C library, so they count
-//! with the most that they ever were, until it is asked to give back what is free.
+//! Large blocks are counted exactly and at once. Small ones are counted by the thread that takes them and added to the
+//! sum in steps, so that threads do not wait for each other. Free memory of small blocks stays with the C library, so
+//! they count with the most that they ever were, until it is asked to give back what is free.
 
 use std::cell::Cell;
 use std::sync::atomic::AtomicBool;
@@ -13,11 +13,11 @@ use crate::ending;
 /// From this size on a block has pages of its own (`mallopt(M_MMAP_THRESHOLD)`, see `return_what_is_free`).
 pub const LARGE: usize = 128 << 10;
 
-/// A thread tells what it took of small blocks in steps of so many bytes.
+/// A thread adds what it took of small blocks to the sum in steps of so many bytes.
 const STEP: isize = 16 << 10;
 
 /// Free memory that may stay with the C library beside the limit.
-const IDLE: usize = 2 << 20;
+const SLACK: usize = 2 << 20;
 
 static LIMIT: AtomicUsize = AtomicUsize::new(usize::MAX);
 static LARGE_BLOCKS: AtomicUsize = AtomicUsize::new(0);
@@ -29,11 +29,11 @@ static FREED: AtomicUsize = AtomicUsize::new(0);
 static OWN_PAGES: AtomicBool = AtomicBool::new(false);
 
 thread_local! {
-    /// Not told yet. Without a destructor, so that it may be used while a thread begins and ends.
-    static UNTOLD: Cell<isize> = const { Cell::new(0) };
+    /// Not in the sum yet. Without a destructor, so that it may be used while a thread begins and ends.
+    static PENDING: Cell<isize> = const { Cell::new(0) };
 }
 
-/// Sets the limit; `besides` are bytes that count and are not of the heap.
+/// Sets the limit, in place of the one before; `besides` are bytes that count and are not of the heap.
 pub fn set_limit(limit: Option<u64>, besides: usize) {
     let limit = limit.map_or(usize::MAX, |l| usize::try_from(l).unwrap_or(usize::MAX));
     LIMIT.store(limit, Relaxed);
@@ -54,7 +54,7 @@ pub fn large_blocks_have_own_pages() {
 #[inline]
 pub fn take(size: usize) {
     if size < LARGE {
-        tell_now_and_then(small(size));
+        flush_if_large(small(size));
     } else {
         take_large(size);
     }
@@ -64,7 +64,7 @@ pub fn take(size: usize) {
 #[inline]
 pub fn give(size: usize) {
     if size < LARGE {
-        tell_now_and_then(-small(size));
+        flush_if_large(-small(size));
     } else {
         LARGE_BLOCKS.fetch_sub(pages(size), Relaxed);
         if !OWN_PAGES.load(Relaxed) {
@@ -77,11 +77,11 @@ pub fn give(size: usize) {
 #[inline]
 pub fn change(old: usize, new: usize) {
     if old < LARGE && new < LARGE {
-        return tell_now_and_then(small(new) - small(old));
+        return flush_if_large(small(new) - small(old));
     }
     // A large block grows where it is: its pages are moved, not copied. So old and new do not count side by side.
     match (old < LARGE, new < LARGE) {
-        (true, _) => tell_now_and_then(-small(old)),
+        (true, _) => flush_if_large(-small(old)),
         (false, _) => _ = LARGE_BLOCKS.fetch_sub(pages(old), Relaxed),
     }
     take(new);
@@ -100,21 +100,21 @@ fn pages(size: usize) -> usize {
 }
 
 #[inline]
-fn tell_now_and_then(bytes: isize) {
+fn flush_if_large(bytes: isize) {
     // Where a thread's memory is gone already, what it does no longer counts.
-    let _ = UNTOLD.try_with(|untold| {
-        let all = untold.get() + bytes;
+    let _ = PENDING.try_with(|pending| {
+        let all = pending.get() + bytes;
         if all.unsigned_abs() < STEP as usize {
-            untold.set(all);
+            pending.set(all);
         } else {
-            untold.set(0);
-            tell(all);
+            pending.set(0);
+            flush(all);
         }
     });
 }
 
 #[cold]
-fn tell(bytes: isize) {
+fn flush(bytes: isize) {
     let now = SMALL_BLOCKS.fetch_add(bytes, Relaxed) + bytes;
     if bytes > 0 {
         MOST_SMALL.fetch_max(now, Relaxed);
@@ -146,9 +146,9 @@ fn hold_against_limit(size: usize) {
         small.saturating_add(FREED.load(Relaxed))
     };
     if used > limit {
-        ending::no_room(used, size, Some(limit));
+        ending::out_of_memory(used, size, Some(limit));
     }
-    if limit < usize::MAX && used.saturating_add(idle()) > limit.saturating_add(IDLE) {
+    if limit < usize::MAX && used.saturating_add(idle()) > limit.saturating_add(SLACK) {
         FREED.store(0, Relaxed);
         MOST_SMALL.store(SMALL_BLOCKS.load(Relaxed), Relaxed);
         super::allocator::give_back();

@@ -12,6 +12,7 @@ mod count;
 mod system;
 
 use std::sync::OnceLock;
+use std::sync::atomic::{AtomicU8, Ordering};
 
 pub use allocator::Allocator;
 pub use count::lift_limit;
@@ -19,6 +20,53 @@ pub use system::peak_bytes;
 
 /// What a thread takes by being there: the touched part of its stack, and what the C library keeps for it.
 const A_THREAD: usize = 64 << 10;
+
+/// Who set a limit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Source {
+    Option,
+    Machine,
+    ControlGroup,
+    AddressSpace,
+    Data,
+}
+
+/// A limit in bytes.
+type Limit = (u64, Source);
+
+impl Source {
+    const ALL: [Self; 5] = [Self::Option, Self::Machine, Self::ControlGroup, Self::AddressSpace, Self::Data];
+
+    fn words(self) -> &'static str {
+        match self {
+            Self::Option => "--memory-limit",
+            Self::Machine => "what the machine has available",
+            Self::ControlGroup => "what the control groups leave",
+            Self::AddressSpace => "what ulimit -v leaves",
+            Self::Data => "what ulimit -d leaves",
+        }
+    }
+}
+
+static SOURCE: AtomicU8 = AtomicU8::new(0);
+
+/// Who set the limit, as messages put it in brackets behind the limit. Takes no memory.
+pub fn limit_source() -> &'static str {
+    Source::ALL[usize::from(SOURCE.load(Ordering::Relaxed))].words()
+}
+
+fn set_limit(limit: Option<Limit>, besides: usize) {
+    if let Some((_, source)) = limit {
+        SOURCE.store(source as u8, Ordering::Relaxed);
+    }
+    count::set_limit(limit.map(|l| l.0), besides);
+}
+
+/// Sets the limit that holds for every command until it sets its own with [`limit`]: what the system leaves.
+pub fn begin() {
+    prepare(None);
+    set_limit(system::limit(), 0);
+}
 
 /// Makes the allocator ready for a limit: to be called before there are threads. Where the limit is `asked` for, or one
 /// of the system's holds for this process, free memory goes back to the system at once.
@@ -34,9 +82,18 @@ pub fn prepare(asked: Option<u64>) {
 pub fn limit(asked: Option<u64>, threads: usize) -> Option<u64> {
     static LIMIT: OnceLock<Option<u64>> = OnceLock::new();
     *LIMIT.get_or_init(|| {
-        let left = || system::available_bytes().into_iter().chain(system::own_limits()).min();
-        let limit = asked.or_else(left);
-        count::set_limit(limit, threads * A_THREAD);
-        limit
+        let limit = asked.map(|bytes| (bytes, Source::Option)).or_else(system::limit);
+        set_limit(limit, threads * A_THREAD);
+        limit.map(|l| l.0)
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Source;
+
+    #[test]
+    fn a_source_is_found_again_by_its_number() {
+        assert!(Source::ALL.into_iter().enumerate().all(|(number, source)| source as usize == number));
+    }
 }

@@ -3,34 +3,40 @@
 use std::fs;
 use std::path::Path;
 
+use super::{Limit, Source};
+
 /// The largest resident size so far in bytes; `None` where the system does not tell.
 pub fn peak_bytes() -> Option<u64> {
     // Elsewhere the file is not there.
     line(&fs::read_to_string("/proc/self/status").ok()?, "VmHWM:")
 }
 
-/// Bytes that this process could still take: what the system has available and its control groups allow; `None` where
-/// the system does not tell.
-pub fn available_bytes() -> Option<u64> {
-    let system = fs::read_to_string("/proc/meminfo").ok().and_then(|text| line(&text, "MemAvailable:"));
+/// Bytes that this process could still take: the least of what the system has available, its control groups allow and its
+/// own limits leave; `None` where the system does not tell.
+pub fn limit() -> Option<Limit> {
+    let machine = fs::read_to_string("/proc/meminfo").ok().and_then(|text| line(&text, "MemAvailable:"));
     let groups = fs::read_to_string("/proc/self/cgroup").unwrap_or_default();
-    system.into_iter().chain(left_in_groups(Path::new("/sys/fs/cgroup"), &groups)).min()
+    let groups = left_in_groups(Path::new("/sys/fs/cgroup"), &groups);
+    let limits = [(machine, Source::Machine), (groups, Source::ControlGroup)];
+    let limits = limits.into_iter().filter_map(|(bytes, source)| Some((bytes?, source)));
+    limits.chain(own_limits()).min()
 }
 
 /// Bytes that the limits of this process leave (`ulimit -v`, `ulimit -d`); `None` where there are none.
 #[cfg(target_os = "linux")]
-pub fn own_limits() -> Option<u64> {
+pub fn own_limits() -> Option<Limit> {
     use rustix::process::{Resource, getrlimit};
     let status = fs::read_to_string("/proc/self/status").unwrap_or_default();
-    let left = |resource, key| {
+    let left = |resource, key, source| {
         let limit = getrlimit(resource).current?;
-        Some(limit.saturating_sub(line(&status, key).unwrap_or(0)))
+        Some((limit.saturating_sub(line(&status, key).unwrap_or(0)), source))
     };
-    left(Resource::As, "VmSize:").into_iter().chain(left(Resource::Data, "VmData:")).min()
+    let space = left(Resource::As, "VmSize:", Source::AddressSpace);
+    space.into_iter().chain(left(Resource::Data, "VmData:", Source::Data)).min()
 }
 
 #[cfg(not(target_os = "linux"))]
-pub fn own_limits() -> Option<u64> {
+pub fn own_limits() -> Option<Limit> {
     None
 }
 

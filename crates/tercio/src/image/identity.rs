@@ -31,12 +31,31 @@ impl FileIdentity {
         }
     }
 
+    /// True for files of one folder that are not there yet and whose names differ by upper and lower case alone: some
+    /// systems would make one file of them, and which do is not known before.
+    pub fn differs_in_case_alone(&self, other: &Self) -> bool {
+        match (&self.0, &other.0) {
+            (Which::NotYet(folder, name), Which::NotYet(other_folder, other_name)) => {
+                let [name, other_name] = [name, other_name].map(|n| n.to_str());
+                folder == other_folder
+                    && name != other_name
+                    && name.map(str::to_lowercase) == other_name.map(str::to_lowercase)
+            }
+            _ => false,
+        }
+    }
+
     /// The file that something is written into.
     pub fn of_destination(destination: &Destination) -> Option<Self> {
         match destination {
             Destination::Stdout => system::of_standard_output().map(Which::There).map(Self),
             Destination::File(path) => Self::of_path(path),
         }
+    }
+
+    /// The file that standard error goes to.
+    pub(super) fn of_standard_error() -> Option<Self> {
+        system::of_standard_error().map(Which::There).map(Self)
     }
 
     /// The file that standard input comes from.
@@ -70,6 +89,10 @@ mod system {
         of_open(io::stdout().as_fd())
     }
 
+    pub fn of_standard_error() -> Option<Number> {
+        of_open(io::stderr().as_fd())
+    }
+
     pub fn of_standard_input() -> Option<Number> {
         of_open(io::stdin().as_fd())
     }
@@ -97,6 +120,10 @@ mod system {
     }
 
     pub fn of_standard_output() -> Option<Number> {
+        None
+    }
+
+    pub fn of_standard_error() -> Option<Number> {
         None
     }
 
@@ -135,6 +162,9 @@ mod tests {
         for same in ["d/./new", "to_new", "d/here/new", "d/../d/new"] {
             assert_eq!(id(same), new, "{same}");
         }
+        let differs = |a: &str, b: &str| id(a).unwrap().differs_in_case_alone(&id(b).unwrap());
+        assert!(differs("d/new", "d/NEW") && differs("d/\u{e4}", "d/here/\u{c4}"));
+        assert!(!differs("d/new", "New") && !differs("d/new", "to_new") && !differs("a", "A"));
         for none in ["d", "missing/new", "loop", "a/b"] {
             assert_eq!(id(none), None, "{none}");
         }

@@ -10,6 +10,7 @@ mod output;
 mod partial;
 mod png;
 mod ppm;
+mod stream;
 mod webp;
 
 use std::borrow::Cow;
@@ -25,6 +26,7 @@ pub use compare::{Difference, compare};
 pub use identity::FileIdentity;
 pub use output::{Destination, OutputFile};
 pub use partial::remove_partial_files;
+pub use stream::StandardStream;
 
 /// The largest width and height of a WebP picture.
 pub const WEBP_MAX_SIZE: u32 = 16384;

@@ -6,7 +6,9 @@ use std::path::{Path, PathBuf};
 
 use tempfile::NamedTempFile;
 
+use super::identity::FileIdentity;
 use super::partial::{self, Listed};
+use super::stream::{OpenFile, StandardStream};
 
 /// Where something is written.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -18,12 +20,9 @@ pub enum Destination {
 }
 
 impl Destination {
-    /// `-` is standard output, and so are its names on Unix (`/dev/stdout`, `/dev/fd/1`, `/proc/self/fd/1`); everything
-    /// else is a file.
+    /// `-` is standard output, and so are the names that a [`StandardStream`] has; everything else is a file.
     pub fn parse(path: &Path) -> Self {
-        let names = ["-", "/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"];
-        let known = if cfg!(unix) { &names[..] } else { &names[..1] };
-        if known.iter().any(|name| path.as_os_str() == *name) {
+        if path.as_os_str() == "-" || StandardStream::of_path(path) == Some(StandardStream::Output) {
             Self::Stdout
         } else {
             Self::File(path.into())
@@ -57,8 +56,8 @@ impl Destination {
 /// The bytes go to a temporary file in the same folder, which [`OutputFile::commit`] gives its final name.
 /// Without `commit` the temporary file goes and a file of that name stays as it was. Where the process ends without
 /// dropping this, [`remove_partial_files`](super::remove_partial_files) removes it. Devices, pipes and files that are
-/// open already (`/dev/stderr`, `/dev/fd/3`) are written directly; a symbolic link stays, and the file that it points to
-/// is replaced or made.
+/// open already (`/dev/fd/3`, and whatever standard output or standard error goes to) are written directly; a symbolic
+/// link stays, and the file that it points to is replaced or made.
 #[derive(Debug)]
 pub struct OutputFile(Target);
 
@@ -88,10 +87,12 @@ impl OutputFile {
             Destination::Stdout => return Ok(Self::direct(standard_output()?)),
             Destination::File(path) => path,
         };
+        if let Some(open) = open_already(path) {
+            return Ok(Self::direct(open?));
+        }
         let existing = fs::metadata(path).ok();
-        if let Some(there) = existing.as_ref().filter(|m| !m.is_file() || is_open_already(path)) {
-            let file = File::options().write(true).append(there.is_file()).open(path)?;
-            return Ok(Self::direct(Direct::File(file)));
+        if existing.as_ref().is_some_and(|m| !m.is_file()) {
+            return Ok(Self::direct(Direct::File(File::options().write(true).open(path)?)));
         }
         let path = if existing.is_some() { fs::canonicalize(path)? } else { resolve(path) };
         let mut builder = tempfile::Builder::new();
@@ -147,28 +148,50 @@ fn standard_output() -> io::Result<Direct> {
     Ok(Direct::Stdout(io::stdout()))
 }
 
-/// True for the names of files that this process has open already. Whoever opened one may have written to it, as a
-/// shell does with `2>>log`: it must not be replaced.
-fn is_open_already(path: &Path) -> bool {
-    cfg!(unix)
-        && (path == Path::new("/dev/stderr")
-            || path.starts_with("/dev/fd")
-            || path.starts_with("/proc/self/fd"))
+/// Standard error as a file of its own.
+#[cfg(unix)]
+fn standard_error() -> io::Result<Direct> {
+    use std::os::fd::AsFd;
+    Ok(Direct::File(File::from(io::stderr().as_fd().try_clone_to_owned()?)))
+}
+
+#[cfg(not(unix))]
+fn standard_error() -> io::Result<Direct> {
+    Err(io::ErrorKind::Unsupported.into())
+}
+
+/// A file that is open already, by its name or by what it is. Whoever opened it may have written to it, as a shell does
+/// with `2>>log`: it must not be replaced. Standard output and standard error are written where they stand, so that what
+/// comes from others goes on behind it. A file that standard input comes from is only read, and may be replaced.
+fn open_already(path: &Path) -> Option<io::Result<Direct>> {
+    match OpenFile::of_path(path) {
+        Some(OpenFile::Own(1)) => return Some(standard_output()),
+        Some(OpenFile::Own(2)) => return Some(standard_error()),
+        Some(_) => return Some(File::options().append(true).open(path).map(Direct::File)),
+        None => {}
+    }
+    let identity = FileIdentity::of_path(path)?;
+    if FileIdentity::of_destination(&Destination::Stdout).as_ref() == Some(&identity) {
+        Some(standard_output())
+    } else if FileIdentity::of_standard_error().as_ref() == Some(&identity) {
+        Some(standard_error())
+    } else {
+        None
+    }
 }
 
 /// Where a file lies or would be made that this name stands for: symbolic links are followed, also to a place where no
 /// file is yet.
 pub(super) fn resolve(path: &Path) -> PathBuf {
+    links(path).last().unwrap_or_else(|| path.to_path_buf())
+}
+
+/// A path, and those that its symbolic links lead over, one after the other.
+pub(super) fn links(path: &Path) -> impl Iterator<Item = PathBuf> {
     // As many links as Linux follows.
     const MOST_LINKS: usize = 40;
-    let mut path = path.to_path_buf();
-    for _ in 0..MOST_LINKS {
-        match fs::read_link(&path) {
-            Ok(target) => path = folder_of(&path).join(target),
-            Err(_) => break,
-        }
-    }
-    path
+    let next = |path: &PathBuf| fs::read_link(path).ok().map(|target| folder_of(path).join(target));
+    std::iter::successors(Some(path.to_path_buf()), next).take(1 + MOST_LINKS)
 }
 
 /// The folder that a file stands in; `path.parent()` of a bare name is empty, not the current folder.

@@ -16,6 +16,7 @@ use tercio_lab::workloads::BoxScene;
 
 use crate::args::drawing::SortingName;
 use crate::args::{ModelArgs, ProgressMode, RunningArgs, values};
+use crate::ending;
 use crate::named_files::NamedFiles;
 use crate::progress::Display;
 
@@ -165,6 +166,7 @@ pub fn load_scene(
     progress: ProgressMode,
     files: &NamedFiles,
 ) -> Result<(Scene, Aabb)> {
+    ending::name_model(model.name());
     let display = Display::new(progress);
     let options = LoadOptions {
         memory_limit: running.memory_limit(),

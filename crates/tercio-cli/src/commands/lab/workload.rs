@@ -14,10 +14,10 @@ use tercio_lab::workloads::{BoxScene, MAX_SCREEN_PIXELS, PolygonScene};
 
 use crate::args::camera::CameraArgs;
 use crate::args::{RunningArgs, values};
-use crate::messages;
 use crate::named_files::NamedFiles;
 use crate::output::{UsageError, write_text};
 use crate::progress::Display;
+use crate::{ending, messages};
 
 /// Writes what a machine is given to draw: the boxes or the polygons that a camera sees of a model.
 #[derive(Debug, Args)]
@@ -171,6 +171,7 @@ impl Workload {
     }
 
     fn load(&self, source: &Path, files: &NamedFiles) -> Result<Model> {
+        ending::name_model(source.display().to_string());
         let display = Display::new(self.running.progress_mode());
         let options = LoadOptions {
             memory_limit: self.running.memory_limit(),

@@ -60,11 +60,12 @@ impl Simulate {
     /// # Errors
     /// What went wrong.
     pub fn run(&self) -> Result<ExitCode> {
-        self.machine.files().prints().ready()?;
+        let files = self.machine.files().prints();
+        files.ready()?;
         let text = match &self.machine {
             Machine::Ring(machine) => machine.run()?,
             Machine::Sorting(machine) => machine.run()?,
-            Machine::Hybris(machine) => machine.run()?,
+            Machine::Hybris(machine) => machine.run(&files)?,
             Machine::Parks(machine) => machine.run()?,
             Machine::Mcmanus(machine) => machine.run()?,
             Machine::Ortega(machine) => machine.run()?,
