@@ -16,7 +16,7 @@ use grid::Grid;
 use plane::{newell_normal, orient, projection_axes, quad};
 use tree::Tree;
 
-/// Polygons of so many corners may have a tree in place of the grid.
+/// Polygons of so many corners may have a tree in place of the grid, and their work is counted step by step.
 const MANY: usize = 512;
 
 /// They have one from this many looks into the grid a corner on.
@@ -26,7 +26,8 @@ const LOOKS_INTO_GRID: u64 = 24;
 /// up for an end in sight. Polygons of up to twice as many corners are never cut short.
 const LOOKS_PER_CORNER: u64 = 4096;
 
-/// The same for the search of imperfect ears in polygons that have a tree.
+/// The same for steps from corner to corner in search of imperfect ears, in polygons of [`MANY`] corners or more. Steps
+/// over corners that are not convex cost no look.
 const STEPS_PER_CORNER: u64 = 64;
 
 /// Turns polygons into triangles; keeps its working memory from one polygon to the next.
@@ -53,6 +54,8 @@ pub struct Triangulator {
     /// Number of corners with [`Role::Blocker`].
     blockers: usize,
     looks_left: u64,
+    /// Has so many corners that steps round the ring are counted.
+    is_large: bool,
     steps_left: u64,
 }
 
@@ -153,7 +156,7 @@ impl Triangulator {
                     demand = demand.less();
                     fruitless = 0;
                 }
-                if self.has_tree {
+                if self.is_large {
                     self.steps_left = self.steps_left.saturating_sub(1);
                     if self.steps_left == 0 {
                         demand = Demand::Nothing;
@@ -176,7 +179,7 @@ impl Triangulator {
             if cursor == ear {
                 cursor = n;
             }
-            if self.has_tree && demand > Demand::Clear {
+            if self.is_large && demand > Demand::Clear {
                 // Not the whole way round to the corner that has just changed.
                 cursor = p;
             }
@@ -208,6 +211,7 @@ impl Triangulator {
         self.latest.extend(0..count);
         self.late.clear();
         self.looks_left = LOOKS_PER_CORNER * n as u64;
+        self.is_large = n >= many;
         self.steps_left = STEPS_PER_CORNER * n as u64;
         self.role.clear();
         self.role.resize(n, Role::Convex);

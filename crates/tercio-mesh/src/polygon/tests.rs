@@ -245,7 +245,32 @@ fn shapes(n: usize) -> Vec<Vec<[f64; 2]>> {
         cells,
         mess,
         (0..n).map(|i| [i as f64, 0.0]).collect(),
+        one_ear_behind(n),
     ]
+}
+
+/// Crosses itself so that it has one convex corner at a time, and that one beside the corner that has just gone, always
+/// on the side that a search in the order of the ring comes to last.
+fn one_ear_behind(n: usize) -> Vec<[f64; 2]> {
+    let (m, tip, height) = (n / 2, -4000.0, 50.0);
+    let bow = |y: f64| 10.0 + 0.001 * y * y;
+    let ys: Vec<f64> = (0..m).map(|k| -height + 2.0 * height * k as f64 / (m - 1) as f64).collect();
+    // Each ear from the tip to two corners of the bow has one of these inside.
+    let inside = ys.windows(2).rev().map(|y| {
+        let y = (y[0] + y[1]) / 2.0;
+        let x = 5.0 - 1e-5 * y * y;
+        [x, y * (x - tip) / (bow(y) - tip)]
+    });
+    let inside: Vec<[f64; 2]> = inside.collect();
+    let low = inside.last().map_or(0.0, |p| p[0]);
+    let mut shape =
+        vec![[tip, 0.0], [tip - 1.0, 1.0], [4.4, -60.0], [4.45, -61.5], [3.5, -61.6], [3.5, 60.0]];
+    shape.extend([[4.0, 60.5], [4.5, 60.4], [4.9, 59.0]]);
+    shape.extend(inside);
+    shape.extend([[low - 0.01, -55.0], [low - 1.0, -56.0], [low - 1.5, 61.0], [20.0, 62.0], [20.5, -56.0]]);
+    shape.extend([[19.0, -57.0], [13.4, -57.0]]);
+    shape.extend(ys.iter().map(|&y| [bow(y), y]));
+    shape
 }
 
 #[test]
