@@ -61,7 +61,8 @@ pub fn read(input: &Input, options: &ReadOptions) -> Result<ReadModel, ReadError
         return Err(malformed(bytes.len(), expected, found));
     };
     let rest = bytes.get(HEADER + records.len() * RECORD..).unwrap_or_default();
-    let further = transcode::unpadded(rest).len().div_ceil(RECORD);
+    // What follows the last whole facet, such as a line feed, changes nothing about those before it.
+    let further = transcode::unpadded(rest).len().div_ceil(RECORD).min(held.len() - records.len());
     if evidence::are_facets(held.get(records.len()..records.len() + further).unwrap_or_default()) {
         let fit = (records.len() + further) as u64;
         let expected =

@@ -121,6 +121,20 @@ fn a_wrong_count_is_told_with_what_is_there() {
 }
 
 #[test]
+fn a_count_of_half_the_facets_is_told_whatever_follows_them() {
+    let facets: Vec<Facet> = FACETS.iter().copied().cycle().take(200).collect();
+    let mut bytes = binary("x", &facets, |_| 0);
+    bytes[80] = 100;
+    for rest in [&b""[..], b"\n", b"\r\n", &[0; 49], &[7; 49]] {
+        let bytes = [&bytes[..], rest].concat();
+        let (place, expected) = error(&bytes);
+        let length = bytes.len();
+        assert_eq!(place, Place::Byte(80));
+        assert_eq!(expected, format!("a count of 200 triangles, as many as stand in the {length} bytes"));
+    }
+}
+
+#[test]
 fn a_count_that_is_far_too_large_is_told_too() {
     let facets: Vec<Facet> = FACETS.iter().copied().cycle().take(40).collect();
     for header in ["x", "solid x"] {
