@@ -270,7 +270,19 @@ fn a_file_without_a_vertex_is_no_model() {
     }
     let (line, expected, found) = error("# no vertices\nf 1 2 3\n");
     assert_eq!((line, found.as_str()), (2, "\"1\""));
-    assert_eq!(expected, "a vertex that an index could name (the file holds none)");
+    assert_eq!(expected, "no vertex indices (the file has no vertices)");
+}
+
+#[test]
+fn companions_stand_in_the_order_of_the_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let names: Vec<String> = (0..40).map(|i| format!("{}.mtl", i * 7 % 40)).collect();
+    let lines: String = names.iter().map(|name| format!("mtllib {name}\nmtllib {}\n", names[0])).collect();
+    let mut input = input(format!("{lines}{SQUARE}f 1 2 3\n").as_bytes());
+    input.base = Some(folder.path().into());
+    let model = read(&input, &ReadOptions::default()).unwrap();
+    let expected: Vec<_> = names.iter().map(|name| folder.path().join(name)).collect();
+    assert_eq!(model.report.companions, expected);
 }
 
 #[test]
