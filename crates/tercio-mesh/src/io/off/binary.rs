@@ -82,7 +82,8 @@ pub fn read(
     let mut faces = Faces::with_room(&header);
     let mut work = Work::default();
     words.faces(&header, |polygon, color| {
-        faces.push(&input.name, polygon, color, &vertices.positions, &mut work)
+        // Colours of two components were refused.
+        faces.push(&input.name, polygon, color, &vertices.positions, &mut work).map(drop)
     })?;
     if let Some(p) = options.progress {
         p.advance(input.bytes().len() as u64);
@@ -112,9 +113,9 @@ impl Words<'_> {
         self.counts(&mut header)?;
         self.at += self.vertex_bytes(&header) as usize;
         let mut triangles = 0;
-        self.faces(&header, |polygon, color| {
+        self.faces(&header, |polygon, _| {
             triangles += polygon.len().saturating_sub(2) as u64;
-            Ok(color.len() != 2)
+            Ok(())
         })?;
         Ok(Extent { end: self.at, triangles })
     }
@@ -183,7 +184,7 @@ impl Words<'_> {
     fn faces(
         &mut self,
         header: &Header,
-        mut take: impl FnMut(&[u32], &[f32]) -> Result<bool, ReadError>,
+        mut take: impl FnMut(&[u32], &[f32]) -> Result<(), ReadError>,
     ) -> Result<(), ReadError> {
         // What other programs write has no smaller ones; a 0 there is a colour's number of components.
         let least = if self.layout == LAYOUTS[0] { 0 } else { 3 };
