@@ -1,12 +1,12 @@
 //! Vertices and faces of binary files: three counts, then the vertices, then each face as its number of corners,
 //! their vertices, and the components of its colour with their number. All of 32 bits, integers and floats.
 
-use crate::error::{Place, counted};
+use crate::error::{Place, counted, expected_vertex};
 use crate::io::{ReadModel, ReadOptions, input::Input};
 use crate::{OctNormal, ReadError};
 
 use super::body::{self, Faces, Vertices, Work};
-use super::header::{Header, expected_vertex};
+use super::header::Header;
 
 /// What programs do differently.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -180,7 +180,7 @@ impl Words<'_> {
         Ok(vertices)
     }
 
-    /// Reads the faces and hands out their corners and colours; `take` says if it can use the colour.
+    /// Reads the faces and hands out their corners and colours, of 0, 1, 3 or 4 components.
     fn faces(
         &mut self,
         header: &Header,

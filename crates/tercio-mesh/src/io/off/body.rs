@@ -1,13 +1,13 @@
 //! Vertices and faces of ASCII files, and the mesh that becomes of them.
 
-use crate::error::counted;
+use crate::error::{counted, expected_vertex, ignored_empty_faces};
 use crate::io::text::Cursor;
 use crate::io::{NotDrawn, ReadModel, ReadOptions, ReadReport, input::Input};
 use crate::mesh::{MAX_ELEMENTS, localize};
 use crate::polygon::Triangulator;
 use crate::{Mesh, OctNormal, ReadError};
 
-use super::header::{Header, expected_vertex, float, integer, line_is_over, skip_to_word};
+use super::header::{Header, float, integer, line_is_over, skip_to_word};
 
 /// Bytes between two reports of progress.
 const STEP: usize = 1 << 16;
@@ -116,7 +116,7 @@ pub fn check_counts(input: &Input, options: &ReadOptions, header: &Header) -> Re
 pub fn model(input: &Input, header: Header, vertices: Vertices, faces: Faces, format: String) -> ReadModel {
     let mut warnings = header.warnings;
     if faces.empty > 0 {
-        warnings.push(format!("ignored {} of the faces, which have no corners", faces.empty));
+        warnings.push(ignored_empty_faces(faces.empty));
     }
     for (colors, whose) in [(&vertices.colors, "vertices"), (&faces.colors, "faces")] {
         if colors.broken > 0 {

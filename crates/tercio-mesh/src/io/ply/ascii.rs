@@ -17,7 +17,7 @@ use super::layout::TELL;
 use super::plan::{Plan, Role};
 use super::row::{Row, Spacing, Trouble};
 use super::table::{Lists, Slots, Table, put_row};
-use crate::error::{Place, ReadError};
+use crate::error::{Place, ReadError, counted};
 use crate::io::text::{Cursor, split_lines};
 
 /// Reads all elements.
@@ -97,8 +97,9 @@ impl Reading {
     fn finish(mut self, text: &Text) -> Vec<Table> {
         for (i, &lines) in self.surplus.iter().enumerate().filter(|&(_, &lines)| lines > 0) {
             let (Some(element), Some(plan)) = (text.elements.get(i), text.plans.get(i)) else { continue };
-            let mut warning =
-                format!("{lines} lines of element {} hold more than the header declares", element.name);
+            let hold = if lines == 1 { "holds" } else { "hold" };
+            let (lines, name) = (counted(lines, "line"), &element.name);
+            let mut warning = format!("{lines} of element {name} {hold} more than the header declares");
             // Behind a list that is not declared, scalars do not stand where the header says.
             if plan.role == Role::Faces && !plan.fields.is_empty() {
                 warning += "; colours and attributes of the faces are left out";
