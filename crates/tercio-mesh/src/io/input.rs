@@ -48,39 +48,39 @@ pub fn mapped_bytes() -> u64 {
 #[derive(Debug)]
 struct Mapping {
     map: Mmap,
-    counts: AtomicU64,
+    accounted_bytes: AtomicU64,
     /// Bytes that were read since pages were given back; `None` where the file counts.
     read: Option<AtomicU64>,
 }
 
 /// The most that a thread should read before it says so; pages are given back each time.
-const STRETCH: usize = 256 << 10;
+const RELEASE_STEP: usize = 256 << 10;
 
 /// Reading one byte of a file may bring in so many: file systems keep files in large pieces.
-const PIECE: u64 = 2 << 20;
+const READ_AHEAD: u64 = 2 << 20;
 
 impl Mapping {
     fn new(map: Mmap, options: &ReadOptions) -> Self {
         let size = map.len() as u64;
-        let is_small = options.memory_limit.is_none_or(|limit| size <= (limit / 16).max(PIECE));
-        let at_a_time = PIECE * (rayon::current_num_threads() as u64 + 1);
-        let counts = if is_small { size } else { size.min(at_a_time) };
-        MAPPED.fetch_add(counts, Relaxed);
-        let counts = AtomicU64::new(counts);
-        Self { map, counts, read: (!is_small).then(|| AtomicU64::new(0)) }
+        let is_small = options.memory_limit.is_none_or(|limit| size <= (limit / 16).max(READ_AHEAD));
+        let at_a_time = READ_AHEAD * (rayon::current_num_threads() as u64 + 1);
+        let accounted = if is_small { size } else { size.min(at_a_time) };
+        MAPPED.fetch_add(accounted, Relaxed);
+        let accounted_bytes = AtomicU64::new(accounted);
+        Self { map, accounted_bytes, read: (!is_small).then(|| AtomicU64::new(0)) }
     }
 
     /// All of it counts as memory from now on.
     fn count_all(&self) {
         let size = self.map.len() as u64;
-        let more = size.saturating_sub(self.counts.swap(size, Relaxed));
+        let more = size.saturating_sub(self.accounted_bytes.swap(size, Relaxed));
         MAPPED.fetch_add(more, Relaxed);
     }
 
-    fn was_read(&self, bytes: u64) {
+    fn consumed(&self, bytes: u64) {
         let Some(read) = &self.read else { return };
         let before = read.fetch_add(bytes, Relaxed);
-        let stretch = STRETCH as u64;
+        let stretch = RELEASE_STEP as u64;
         if before / stretch != (before + bytes) / stretch {
             self.give_back();
         }
@@ -98,7 +98,7 @@ impl Mapping {
 
 impl Drop for Mapping {
     fn drop(&mut self) {
-        MAPPED.fetch_sub(self.counts.load(Relaxed), Relaxed);
+        MAPPED.fetch_sub(self.accounted_bytes.load(Relaxed), Relaxed);
     }
 }
 
@@ -130,16 +130,16 @@ impl Input {
     /// holds at a time.
     pub fn held_bytes(&self) -> u64 {
         match &self.content {
-            Content::Mapped(mapping) => mapping.counts.load(Relaxed),
+            Content::Mapped(mapping) => mapping.accounted_bytes.load(Relaxed),
             Content::Owned(bytes) => bytes.len() as u64,
         }
     }
 
     /// Tells that so many bytes were gone through, anywhere in the content: their memory may be given back. Readers say
     /// so about every [`Input::stretch`] bytes, in every pass.
-    pub fn was_read(&self, bytes: usize) {
+    pub fn consumed(&self, bytes: usize) {
         if let Content::Mapped(mapping) = &self.content {
-            mapping.was_read(bytes as u64);
+            mapping.consumed(bytes as u64);
         }
     }
 
@@ -155,7 +155,7 @@ impl Input {
     ///
     /// # Errors
     /// [`ReadError::MemoryLimit`] if that is too much.
-    pub fn check_parts(&self, parts: &[&[u8]], options: &ReadOptions) -> Result<(), ReadError> {
+    pub fn check_chunk_lengths(&self, parts: &[&[u8]], options: &ReadOptions) -> Result<(), ReadError> {
         if parts.iter().any(|part| part.len() > self.stretch(part.len()).saturating_mul(4)) {
             self.count_all();
             options.check_memory(&self.name, "its long lines", self.held_bytes())?;
@@ -166,7 +166,7 @@ impl Input {
     /// The most bytes that a task should go through at a time, of `wanted`.
     pub fn stretch(&self, wanted: usize) -> usize {
         match &self.content {
-            Content::Mapped(Mapping { read: Some(_), .. }) => wanted.min(STRETCH),
+            Content::Mapped(Mapping { read: Some(_), .. }) => wanted.min(RELEASE_STEP),
             _ => wanted,
         }
     }
@@ -237,13 +237,13 @@ struct Compressed<'a> {
 
 impl BufRead for Compressed<'_> {
     fn fill_buf(&mut self) -> io::Result<&[u8]> {
-        Ok(&self.rest[..self.rest.len().min(STRETCH)])
+        Ok(&self.rest[..self.rest.len().min(RELEASE_STEP)])
     }
 
     fn consume(&mut self, count: usize) {
         self.rest = &self.rest[count..];
         if let Some(mapping) = self.mapping {
-            mapping.was_read(count as u64);
+            mapping.consumed(count as u64);
         }
     }
 }
@@ -252,7 +252,7 @@ impl Read for Compressed<'_> {
     fn read(&mut self, to: &mut [u8]) -> io::Result<usize> {
         let count = self.rest.read(to)?;
         if let Some(mapping) = self.mapping {
-            mapping.was_read(count as u64);
+            mapping.consumed(count as u64);
         }
         Ok(count)
     }

@@ -163,28 +163,28 @@ pub fn parse_integer(bytes: &[u8]) -> Option<(i64, usize)> {
     (n > sign).then_some((value, n))
 }
 
-/// The place of a byte; `was_read` is told of every stretch before it that is looked at.
-pub fn find(byte: u8, bytes: &[u8], was_read: impl Fn(usize)) -> Option<usize> {
+/// The place of a byte; `consumed` is told of every stretch before it that is looked at.
+pub fn find(byte: u8, bytes: &[u8], consumed: impl Fn(usize)) -> Option<usize> {
     const STRETCH: usize = 1 << 16;
     for (i, stretch) in bytes.chunks(STRETCH).enumerate() {
         if let Some(n) = stretch.iter().position(|&b| b == byte) {
             return Some(i * STRETCH + n);
         }
-        was_read(stretch.len());
+        consumed(stretch.len());
     }
     None
 }
 
-/// Cuts a text into about `pieces` stretches that end at line ends, for parsing on several cores. `was_read` is told of
+/// Cuts a text into about `pieces` stretches that end at line ends, for parsing on several cores. `consumed` is told of
 /// all that one went over.
-pub fn split_lines(bytes: &[u8], pieces: usize, was_read: impl Fn(usize)) -> Vec<&[u8]> {
+pub fn split_lines(bytes: &[u8], pieces: usize, consumed: impl Fn(usize)) -> Vec<&[u8]> {
     let step = (bytes.len() / pieces.max(1)).max(1 << 16);
     let mut parts = Vec::new();
     let mut rest = bytes;
     while rest.len() > step {
-        let Some(n) = find(b'\n', &rest[step..], &was_read) else { break };
+        let Some(n) = find(b'\n', &rest[step..], &consumed) else { break };
         let (part, tail) = rest.split_at(step + n + 1);
-        was_read(part.len());
+        consumed(part.len());
         parts.push(part);
         rest = tail;
     }

@@ -277,18 +277,18 @@ fn one_ear_behind(n: usize) -> Vec<[f64; 2]> {
 fn a_tree_finds_what_the_grid_finds() {
     for (k, shape) in shapes(700).into_iter().enumerate() {
         let corners = flat(&shape);
-        let cut = |many: usize, looks: u64| {
+        let cut = |many: usize, tests: u64| {
             let (mut t, mut out) = (Triangulator::default(), Vec::new());
             t.begin(&corners, many);
-            t.grid_looks_left = t.grid_looks_left.min(looks);
+            t.grid_tests_left = t.grid_tests_left.min(tests);
             t.cut(corners.len(), &mut |triangle| out.push(triangle));
             out
         };
         let by_grid = cut(usize::MAX, u64::MAX);
         // The search of imperfect ears goes another way: those are the shapes that cross or touch themselves.
         let is_simple = [0, 2, 3, 4].contains(&k);
-        for looks in [0, 300, 3000] {
-            let by_tree = cut(0, looks);
+        for tests in [0, 300, 3000] {
+            let by_tree = cut(0, tests);
             assert_eq!(by_tree.len(), by_grid.len(), "shape {k}");
             assert!(!is_simple || by_tree == by_grid, "shape {k} is cut in another way");
         }
@@ -312,7 +312,7 @@ fn a_look_into_the_tree_is_right_and_short() {
                 tree.set(i, false);
             }
         }
-        let mut looks = 0;
+        let mut point_tests = 0;
         for _ in 0..2000 {
             let thin = 0.02 * random();
             let a = [random() * spread, random() * spread].map(f64::floor);
@@ -323,11 +323,15 @@ fn a_look_into_the_tree_is_right_and_short() {
             ];
             for demand in [Demand::Clear, Demand::Touching] {
                 let expected =
-                    points.iter().zip(&live).any(|(&q, &live)| live && demand.is_spoilt([a, b, c], q));
-                assert_eq!(tree.spoils([a, b, c], demand, &mut looks), expected, "{a:?} {b:?} {c:?}");
+                    points.iter().zip(&live).any(|(&q, &live)| live && demand.contains_blocker([a, b, c], q));
+                assert_eq!(
+                    tree.contains_blocker([a, b, c], demand, &mut point_tests),
+                    expected,
+                    "{a:?} {b:?} {c:?}"
+                );
             }
         }
-        assert!(looks < 4000 * 200, "{looks} looks");
+        assert!(point_tests < 4000 * 200, "{point_tests} tests");
     }
 }
 
@@ -338,8 +342,9 @@ fn the_work_of_a_corner_does_not_grow_with_the_polygon() {
         let mut t = Triangulator::default();
         t.triangulate(&flat(&shape), |_| {});
         let corners = shape.len() as u64;
-        let looks = LOOKS_PER_CORNER * corners - t.looks_left;
+        let point_tests = POINT_TESTS_PER_CORNER * corners - t.point_tests_left;
         let steps = STEPS_PER_CORNER * corners - t.steps_left;
-        assert!(looks <= 200 * corners && steps <= 16 * corners, "shape {k}: {looks} looks, {steps} steps");
+        assert!(point_tests <= 200 * corners, "shape {k}: {point_tests} tests of points");
+        assert!(steps <= 16 * corners, "shape {k}: {steps} steps");
     }
 }

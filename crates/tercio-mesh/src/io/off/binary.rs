@@ -5,7 +5,7 @@ use crate::error::{Place, counted, expected_vertex};
 use crate::io::{ReadModel, ReadOptions, input::Input};
 use crate::{OctNormal, ReadError};
 
-use super::body::{self, Faces, Vertices, Work};
+use super::body::{self, Faces, Scratch, Vertices};
 use super::header::Header;
 
 /// What programs do differently.
@@ -80,10 +80,10 @@ pub fn read(
 
     let vertices = words.vertices(&header)?;
     let mut faces = Faces::with_room(&header);
-    let mut work = Work::default();
+    let mut scratch = Scratch::default();
     words.faces(&header, |polygon, color| {
         // Colours of two components were refused.
-        faces.push(&input.name, polygon, color, &vertices.positions, &mut work).map(drop)
+        faces.push(&input.name, polygon, color, &vertices.positions, &mut scratch).map(drop)
     })?;
     if let Some(p) = options.progress {
         p.advance(input.bytes().len() as u64);

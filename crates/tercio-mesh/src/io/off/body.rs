@@ -36,7 +36,7 @@ impl Reporter<'_> {
         if cursor.offset() - self.told >= STEP {
             let read = cursor.offset() - self.told;
             self.told = cursor.offset();
-            self.input.was_read(read);
+            self.input.consumed(read);
             if let Some(p) = self.options.progress {
                 p.advance(read as u64);
             }
@@ -238,7 +238,7 @@ fn read_faces(
 ) -> Result<Faces, ReadError> {
     let file = input.name.as_str();
     let mut faces = Faces::with_room(header);
-    let mut work = Work::default();
+    let mut scratch = Scratch::default();
     let mut polygon = Vec::new();
     for i in 0..header.faces {
         skip_to_word(cursor);
@@ -267,7 +267,7 @@ fn read_faces(
         }
         let (numbers, count) = rest_of_line(file, cursor, "a colour of a face")?;
         let numbers = numbers.get(..count).unwrap_or_default();
-        if !faces.push(file, &polygon, numbers, positions, &mut work)? {
+        if !faces.push(file, &polygon, numbers, positions, &mut scratch)? {
             return Err(
                 cursor.expected(file, format!("a colour of three or four numbers instead of {count}"))
             );
@@ -292,7 +292,7 @@ impl Vertices {
 
 /// What cutting polygons needs.
 #[derive(Default)]
-pub struct Work {
+pub struct Scratch {
     triangulator: Triangulator,
     points: Vec<[f64; 3]>,
 }
@@ -316,7 +316,7 @@ impl Faces {
         polygon: &[u32],
         color: &[f32],
         positions: &[[f64; 3]],
-        work: &mut Work,
+        scratch: &mut Scratch,
     ) -> Result<bool, ReadError> {
         if polygon.len() < 3 {
             match polygon.len() {
@@ -333,9 +333,9 @@ impl Faces {
         if let &[a, b, c] = polygon {
             self.triangles.push([a, b, c]);
         } else {
-            work.points.clear();
-            work.points.extend(polygon.iter().map(|&v| positions[v as usize]));
-            work.triangulator.triangulate(&work.points, |t| self.triangles.push(t.map(|k| polygon[k])));
+            scratch.points.clear();
+            scratch.points.extend(polygon.iter().map(|&v| positions[v as usize]));
+            scratch.triangulator.triangulate(&scratch.points, |t| self.triangles.push(t.map(|k| polygon[k])));
         }
         let count = self.triangles.len() as u64;
         if count > MAX_ELEMENTS {

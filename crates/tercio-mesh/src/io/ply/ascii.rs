@@ -146,10 +146,10 @@ struct Stretch {
 fn in_parallel(text: &Text) -> Result<Reading, Trouble> {
     let step = (text.body.len() / (rayon::current_num_threads() * 8)).max(1);
     let pieces = text.body.len() / text.job.input.stretch(step);
-    let chunks = split_lines(text.body, pieces, |bytes| text.job.input.was_read(bytes));
-    text.job.input.check_parts(&chunks, text.job.options).map_err(Trouble::Wrong)?;
+    let chunks = split_lines(text.body, pieces, |bytes| text.job.input.consumed(bytes));
+    text.job.input.check_chunk_lengths(&chunks, text.job.options).map_err(Trouble::Wrong)?;
     let lines = |chunk: &&[u8]| {
-        text.job.input.was_read(chunk.len());
+        text.job.input.consumed(chunk.len());
         chunk.iter().filter(|&&b| b == b'\n').count()
     };
     let lines: Vec<usize> = chunks.par_iter().map(lines).collect();
@@ -186,7 +186,7 @@ fn in_parallel(text: &Text) -> Result<Reading, Trouble> {
                 lists.push((segment.element, read_segment(text, segment, &mut cursor)?));
             }
             text.job.advance(chunk.len() as u64);
-            text.job.input.was_read(chunk.len());
+            text.job.input.consumed(chunk.len());
             cursor.skip_space();
             Ok(Stretch { lists, trailing: !cursor.is_at_end() })
         })
@@ -234,7 +234,7 @@ fn in_sequence(text: &Text, spacing: Spacing) -> Result<Reading, Trouble> {
         let mut told = cursor.offset();
         for row in 0..plan.rows {
             if cursor.offset() - told >= TELL {
-                text.job.input.was_read(cursor.offset() - told);
+                text.job.input.consumed(cursor.offset() - told);
                 told = cursor.offset();
             }
             cursor.skip_space();

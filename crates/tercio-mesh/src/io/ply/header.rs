@@ -166,7 +166,7 @@ pub(super) fn parse(input: &Input, bytes: &[u8]) -> Result<Header, ReadError> {
             return Err(malformed(file, place, "\"end_header\"", "the end of the file"));
         }
         let (text, next) = cut_line(bytes, at, line_end);
-        input.was_read(next - at);
+        input.consumed(next - at);
         at = next;
         let mut words = text.split(u8::is_ascii_whitespace).filter(|w| !w.is_empty());
         let mut word = || words.next().unwrap_or_default();

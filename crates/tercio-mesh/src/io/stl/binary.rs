@@ -89,7 +89,7 @@ pub fn read(input: &Input, options: &ReadOptions) -> Result<ReadModel, ReadError
                 *slots = slots.map(|p| std::array::from_fn(|k| (f64::from(p[k]) - origin[k]) as f32));
             }
         }
-        input.was_read(records.len() * RECORD);
+        input.consumed(records.len() * RECORD);
         if let Some(p) = options.progress {
             p.advance((records.len() * RECORD) as u64);
         }
@@ -134,7 +134,7 @@ fn bounds(input: &Input, records: &[Record]) -> Aabb {
                     bounds.add(p);
                 }
             }
-            input.was_read(records.len() * RECORD);
+            input.consumed(records.len() * RECORD);
             bounds
         })
         .reduce(|| Aabb::EMPTY, Aabb::union)
@@ -150,7 +150,7 @@ fn colors(input: &Input, header: &[u8], records: &[Record]) -> Option<Vec<[u8; 4
     let all = |holds: fn(u16) -> bool| {
         records.par_chunks(BATCH).all(|records| {
             let all = records.iter().all(|r| holds(attribute(r)));
-            input.was_read(records.len() * RECORD);
+            input.consumed(records.len() * RECORD);
             all
         })
     };
@@ -158,7 +158,7 @@ fn colors(input: &Input, header: &[u8], records: &[Record]) -> Option<Vec<[u8; 4
         let mut colors = vec![[0; 4]; records.len()];
         colors.par_chunks_mut(BATCH).zip(records.par_chunks(BATCH)).for_each(|(colors, records)| {
             colors.iter_mut().zip(records).for_each(|(c, r)| *c = color(attribute(r)));
-            input.was_read(records.len() * RECORD);
+            input.consumed(records.len() * RECORD);
         });
         colors
     };
