@@ -96,6 +96,15 @@ impl Mapping {
     fn give_back(&self) {}
 }
 
+/// Bytes of a file piece by piece, from either end; each piece is reported as consumed.
+fn pieces<'a>(bytes: &'a [u8], mapping: Option<&'a Mapping>) -> impl DoubleEndedIterator<Item = &'a [u8]> {
+    bytes.chunks(RELEASE_STEP).inspect(move |piece| {
+        if let Some(mapping) = mapping {
+            mapping.consumed(piece.len() as u64);
+        }
+    })
+}
+
 impl Drop for Mapping {
     fn drop(&mut self) {
         MAPPED.fetch_sub(self.accounted_bytes.load(Relaxed), Relaxed);
@@ -138,14 +147,63 @@ impl Input {
     /// Tells that so many bytes were gone through, anywhere in the content: their memory may be given back. Readers say
     /// so about every [`Input::stretch`] bytes, in every pass.
     pub fn consumed(&self, bytes: usize) {
-        if let Content::Mapped(mapping) = &self.content {
+        if let Some(mapping) = self.mapping() {
             mapping.consumed(bytes as u64);
         }
     }
 
+    fn mapping(&self) -> Option<&Mapping> {
+        match &self.content {
+            Content::Mapped(mapping) => Some(mapping),
+            Content::Owned(_) => None,
+        }
+    }
+
+    /// Does something hold for all of these bytes of the content? They are reported as consumed.
+    pub fn all(&self, bytes: &[u8], holds: impl Fn(u8) -> bool) -> bool {
+        pieces(bytes, self.mapping()).all(|piece| piece.iter().all(|&b| holds(b)))
+    }
+
+    /// The place of the first of these bytes of the content that `is` the one; those before it are reported as consumed.
+    pub fn position(&self, bytes: &[u8], is: impl Fn(u8) -> bool) -> Option<usize> {
+        let mut before = 0;
+        for piece in pieces(bytes, self.mapping()) {
+            if let Some(n) = piece.iter().position(|&b| is(b)) {
+                return Some(before + n);
+            }
+            before += piece.len();
+        }
+        None
+    }
+
+    /// How many of these bytes of the content are such; all are reported as consumed.
+    pub fn count(&self, bytes: &[u8], is: impl Fn(u8) -> bool) -> u64 {
+        pieces(bytes, self.mapping()).map(|piece| piece.iter().filter(|&&b| is(b)).count() as u64).sum()
+    }
+
+    /// The bytes without the zeros at the end, which what fills blocks leaves there; those are reported as consumed.
+    pub fn unpadded<'b>(&self, bytes: &'b [u8]) -> &'b [u8] {
+        let mut length = bytes.len();
+        // Pieces are cut from the front, so the first one from the end may be short.
+        for piece in pieces(bytes, self.mapping()).rev() {
+            length -= piece.len();
+            if let Some(last) = piece.iter().rposition(|&b| b != 0) {
+                length += last + 1;
+                break;
+            }
+        }
+        bytes.get(..length).unwrap_or_default()
+    }
+
+    /// Tells that a place was looked at that stands apart from others by so many bytes: what lies round it may have come
+    /// with it.
+    pub fn looked_at(&self, apart: usize) {
+        self.consumed(apart.min(READ_AHEAD as usize));
+    }
+
     /// All of the content will be in memory at once: it counts so from now on.
     pub fn count_all(&self) {
-        if let Content::Mapped(mapping) = &self.content {
+        if let Some(mapping) = self.mapping() {
             mapping.count_all();
         }
     }
@@ -309,7 +367,8 @@ fn inflate(
     }
     let rest = left.rest;
     if !rest.is_empty() {
-        let what = if rest.iter().all(|&b| b == 0) { "zero byte" } else { "byte" };
+        let is_zero = pieces(rest, left.mapping).all(|piece| piece.iter().all(|&b| b == 0));
+        let what = if is_zero { "zero byte" } else { "byte" };
         warnings.push(format!("ignored {} behind the gzip data", counted(rest.len() as u64, what)));
     }
     Ok(bytes)

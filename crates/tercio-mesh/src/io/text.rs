@@ -57,6 +57,20 @@ impl<'a> Cursor<'a> {
         }
     }
 
+    /// The same for no more than so many bytes; false if there may be more.
+    #[inline]
+    pub fn skip_space_up_to(&mut self, most: usize) -> bool {
+        let end = self.bytes.len().min(self.at.saturating_add(most));
+        while let Some(&b) = self.bytes[..end].get(self.at) {
+            if !is_space(b) {
+                return true;
+            }
+            self.line += u64::from(b == b'\n');
+            self.at += 1;
+        }
+        end == self.bytes.len()
+    }
+
     /// True if nothing but blanks is left on the line.
     #[inline]
     pub fn line_is_over(&mut self) -> bool {
@@ -142,6 +156,11 @@ impl<'a> Cursor<'a> {
             found,
         }
     }
+}
+
+/// A blank or a line end.
+pub fn is_space(b: u8) -> bool {
+    matches!(b, b'\n' | b' ' | b'\t' | b'\r' | 0x0b | 0x0c)
 }
 
 /// A decimal integer at the front of `bytes` with its length; `None` if there is none or it overflows.

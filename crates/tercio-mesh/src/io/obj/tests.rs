@@ -9,6 +9,10 @@ fn input(text: &[u8]) -> Input {
     Input::from_bytes("a.obj", text.to_vec(), &ReadOptions::default()).unwrap()
 }
 
+fn looks_like(bytes: &[u8]) -> bool {
+    super::looks_like(&input(bytes))
+}
+
 fn model(text: &str) -> ReadModel {
     read(&input(text.as_bytes()), &ReadOptions::default()).unwrap_or_else(|e| panic!("{e}"))
 }

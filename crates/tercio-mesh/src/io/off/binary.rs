@@ -25,12 +25,21 @@ const LAYOUTS: [Layout; 4] = [
     Layout { big_endian: false, colors: false },
 ];
 
+/// Bytes between two reports of what was consumed.
+const STEP: usize = 1 << 16;
+
+/// Corners of a face that is so large that there may be no room for it.
+const LARGE: usize = 1 << 16;
+
 /// The bytes of a file and how far they are read.
 #[derive(Clone, Copy)]
 struct Words<'a> {
-    file: &'a str,
+    input: &'a Input,
+    options: &'a ReadOptions<'a>,
     bytes: &'a [u8],
     at: usize,
+    /// Up to where they were reported as consumed.
+    told: usize,
     layout: Layout,
 }
 
@@ -51,7 +60,8 @@ pub fn read(
     mut header: Header,
     at: usize,
 ) -> Result<ReadModel, ReadError> {
-    let begin = |layout| Words { file: &input.name, bytes: input.bytes(), at, layout };
+    let begin = |layout| Words { input, options, bytes: input.bytes(), at, told: at, layout };
+    options.check_memory(&input.name, "the file", input.held_bytes())?;
     if let Some(p) = options.progress {
         p.begin("parsing", input.bytes().len() as u64);
     }
@@ -112,6 +122,7 @@ impl Words<'_> {
         let mut header = header.clone();
         self.counts(&mut header)?;
         self.at += self.vertex_bytes(&header) as usize;
+        self.told = self.at;
         let mut triangles = 0;
         self.faces(&header, |polygon, _| {
             triangles += polygon.len().saturating_sub(2) as u64;
@@ -121,7 +132,7 @@ impl Words<'_> {
     }
 
     fn is_rest_empty(&self, at: usize) -> bool {
-        self.bytes.get(at..).unwrap_or_default().iter().all(|&b| b == 0)
+        self.input.all(self.bytes.get(at..).unwrap_or_default(), |b| b == 0)
     }
 
     /// Bytes of all vertices; a number that no file reaches where they are too many.
@@ -198,6 +209,11 @@ impl Words<'_> {
                 return Err(self.expected(&expected, &corners.to_string()));
             }
             polygon.clear();
+            if corners as usize > LARGE {
+                // As a vector that grows takes it.
+                let needed = self.input.held_bytes() + 8 * corners as u64;
+                self.options.check_memory(&self.input.name, "a face", needed)?;
+            }
             for _ in 0..corners {
                 let vertex = self.word("a vertex of a face")?;
                 match u32::try_from(vertex) {
@@ -228,6 +244,10 @@ impl Words<'_> {
     fn next(&mut self) -> Option<[u8; 4]> {
         let word = *self.bytes.get(self.at..)?.first_chunk()?;
         self.at += 4;
+        if self.at >= self.told + STEP {
+            self.input.consumed(self.at - self.told);
+            self.told = self.at;
+        }
         Some(word)
     }
 
@@ -244,7 +264,7 @@ impl Words<'_> {
     #[cold]
     fn expected(&self, expected: &str, found: &str) -> ReadError {
         ReadError::Malformed {
-            file: self.file.into(),
+            file: self.input.name.clone(),
             place: Place::Byte(self.at as u64),
             expected: expected.into(),
             found: found.into(),

@@ -7,7 +7,7 @@ use crate::mesh::{MAX_ELEMENTS, localize};
 use crate::polygon::Triangulator;
 use crate::{Mesh, OctNormal, ReadError};
 
-use super::header::{Header, float, integer, line_is_over, skip_to_word};
+use super::header::{Header, float, integer, line_is_over};
 
 /// Bytes between two reports of progress.
 const STEP: usize = 1 << 16;
@@ -42,6 +42,27 @@ impl Reporter<'_> {
             }
         }
     }
+
+    /// Skips white space and comments, which may be longer than all else.
+    #[inline]
+    fn skip_to_word(&mut self, cursor: &mut Cursor) {
+        loop {
+            while !cursor.skip_space_up_to(STEP) {
+                self.tell(cursor);
+            }
+            if cursor.rest().first() != Some(&b'#') {
+                return;
+            }
+            cursor.skip_line();
+            self.tell(cursor);
+        }
+    }
+}
+
+/// Skips white space and comments in front of the counts.
+pub fn skip_to_word(input: &Input, cursor: &mut Cursor) {
+    let told = cursor.offset();
+    Reporter { input, options: &ReadOptions::default(), told }.skip_to_word(cursor);
 }
 
 /// All vertices of a file.
@@ -86,7 +107,7 @@ pub fn read(
     let file = input.name.as_str();
     let vertices = read_vertices(file, &header, &mut cursor, &mut reporter)?;
     let faces = read_faces(input, &header, &mut cursor, &vertices.positions, &mut reporter)?;
-    skip_to_word(&mut cursor);
+    reporter.skip_to_word(&mut cursor);
     if !cursor.is_at_end() {
         let warning = format!("ignored what stands behind the last face, from line {}", cursor.line());
         header.warnings.push(warning);
@@ -161,7 +182,7 @@ fn read_vertices(
     let mut vertices = Vertices::with_room(header);
     for i in 0..header.vertices {
         let mut number = |what: &str| {
-            skip_to_word(cursor);
+            reporter.skip_to_word(cursor);
             float(cursor)
                 .ok_or_else(|| cursor.expected(file, format!("{what} of vertex {i} of {}", header.vertices)))
         };
@@ -241,7 +262,7 @@ fn read_faces(
     let mut scratch = Scratch::default();
     let mut polygon = Vec::new();
     for i in 0..header.faces {
-        skip_to_word(cursor);
+        reporter.skip_to_word(cursor);
         let before = cursor.clone();
         let corners = match integer(cursor) {
             // Each corner takes at least a digit and a blank.
@@ -256,7 +277,7 @@ fn read_faces(
         polygon.clear();
         for _ in 0..corners {
             reporter.tell(cursor);
-            skip_to_word(cursor);
+            reporter.skip_to_word(cursor);
             let before = cursor.clone();
             match integer(cursor).and_then(|v| u32::try_from(v).ok()) {
                 Some(v) if u64::from(v) < header.vertices => polygon.push(v),

@@ -18,7 +18,7 @@ use super::plan::{Plan, Role};
 use super::row::{Row, Spacing, Trouble};
 use super::table::{Lists, Slots, Table, put_row};
 use crate::error::{Place, ReadError, counted};
-use crate::io::text::{Cursor, split_lines};
+use crate::io::text::{Cursor, is_space, split_lines};
 
 /// Reads all elements.
 pub(super) fn read(job: &Job, header: &Header, plans: &[Plan]) -> Result<Vec<Table>, ReadError> {
@@ -57,8 +57,8 @@ pub(super) fn read(job: &Job, header: &Header, plans: &[Plan]) -> Result<Vec<Tab
             // Tell of the reading that was the better guess: the one by line where the first line out of
             // step was too long, none was too short and there is one for every instance; else the one that
             // came farther.
-            let lines = body.iter().filter(|&&b| b == b'\n').count();
-            let rows: usize = plans.iter().map(|p| p.rows).sum();
+            let lines = job.input.count(&body, |b| b == b'\n');
+            let rows: u64 = plans.iter().map(|p| p.rows as u64).sum();
             let prefer_lines = too_long && matches!(by_line, Trouble::Wrong(_)) && lines >= rows;
             let (free, by_line) = (free.into_error(), by_line.into_error());
             Err(if prefer_lines || line_of(&by_line) > line_of(&free) { by_line } else { free })
@@ -248,6 +248,6 @@ fn in_sequence(text: &Text, spacing: Spacing) -> Result<Reading, Trouble> {
         drop(slots);
         table.lists.push(lists);
     }
-    cursor.skip_space();
-    Ok(Reading { tables, trailing: !cursor.is_at_end(), surplus })
+    let trailing = !text.job.input.all(cursor.rest(), is_space);
+    Ok(Reading { tables, trailing, surplus })
 }

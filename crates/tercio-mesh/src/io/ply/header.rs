@@ -137,13 +137,13 @@ pub(super) fn parse(input: &Input, bytes: &[u8]) -> Result<Header, ReadError> {
     let file = input.name.as_str();
     // The first line tells how lines end: the body of a binary file may begin with a byte that looks like
     // the second half of CR LF.
-    let magic = bytes.iter().position(|b| !b.is_ascii_whitespace()).unwrap_or(bytes.len());
+    let magic = input.position(bytes, |b| !b.is_ascii_whitespace()).unwrap_or(bytes.len());
     let first_end = bytes.iter().skip(magic).position(|&b| b == b'\r' || b == b'\n').map(|n| magic + n);
     let carriage_returns =
         first_end.is_some_and(|n| bytes.get(n) == Some(&b'\r') && bytes.get(n + 1) != Some(&b'\n'));
     let line_end = if carriage_returns { b'\r' } else { b'\n' };
 
-    let mut line = 1 + bytes.iter().take(magic).filter(|&&b| b == line_end).count() as u64;
+    let mut line = 1 + input.count(bytes.get(..magic).unwrap_or_default(), |b| b == line_end);
     let (word, mut at) = cut_line(bytes, magic, line_end);
     if word != b"ply" {
         return Err(malformed(file, Place::Line(line), "\"ply\"", printable(word)));

@@ -20,16 +20,17 @@ use crate::ReadError;
 use crate::error::printable;
 
 /// Finds the format; `None` for a file that is not read.
-pub fn sniff(bytes: &[u8]) -> Option<Format> {
+pub fn sniff(input: &Input) -> Option<Format> {
+    let bytes = input.bytes();
     if magic::name(bytes).is_some() || words::comment_name(bytes).is_some() {
         None
-    } else if ply::looks_like(bytes) {
+    } else if ply::looks_like(input) {
         Some(Format::Ply)
     } else if off::looks_like(bytes) {
         Some(Format::Off)
-    } else if stl::looks_like(bytes) {
+    } else if stl::looks_like(input) {
         Some(Format::Stl)
-    } else if obj::looks_like(bytes) {
+    } else if obj::looks_like(input) {
         Some(Format::Obj)
     } else {
         None
@@ -48,19 +49,19 @@ pub(super) fn refusal(input: &Input) -> ReadError {
     if let Some(what) = known {
         return ReadError::Unread { file, what };
     }
-    if let Some(but) = nothing_but(bytes) {
+    if let Some(but) = nothing_but(input) {
         return ReadError::HoldsNothing { file, but };
     }
     ReadError::UnknownFormat { file, begins: printable(&bytes[..bytes.len().min(24)]) }
 }
 
 /// What a file holds that says nothing.
-fn nothing_but(bytes: &[u8]) -> Option<&'static str> {
-    if bytes.iter().all(|&b| b == 0) {
+fn nothing_but(input: &Input) -> Option<&'static str> {
+    if input.all(input.bytes(), |b| b == 0) {
         Some("zeros")
-    } else if bytes.iter().all(|b| b.is_ascii_whitespace() || *b == 0) {
+    } else if input.all(input.bytes(), |b| b.is_ascii_whitespace() || b == 0) {
         Some("white space")
     } else {
-        obj::holds_nothing_but(bytes)
+        obj::holds_nothing_but(input)
     }
 }

@@ -197,7 +197,8 @@ fn known_formats_are_told_by_name() {
             "a: this is {name}, which tercio does not read (it reads PLY, OBJ, STL, OFF, each also gzip-compressed)"
         );
         assert_eq!(refused(bytes), expected);
-        assert_eq!(sniff(bytes), None, "{name}");
+        let input = Input::from_bytes("a", bytes.to_vec(), &ReadOptions::default()).unwrap();
+        assert_eq!(sniff(&input), None, "{name}");
     }
 }
 

@@ -57,7 +57,8 @@ const WORDS: &[(&str, &str)] = &[
 
 /// What begins with a comment that is a signature.
 pub(super) fn comment_name(bytes: &[u8]) -> Option<String> {
-    if bytes.iter().find(|b| !b.is_ascii_whitespace()).is_none_or(|b| !matches!(b, b'#' | 0xef | 0xff | 0xfe))
+    let front = bytes.get(..FRONT).unwrap_or(bytes);
+    if front.iter().find(|b| !b.is_ascii_whitespace()).is_none_or(|b| !matches!(b, b'#' | 0xef | 0xff | 0xfe))
     {
         return None;
     }

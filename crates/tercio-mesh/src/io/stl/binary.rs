@@ -9,7 +9,6 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::error::{Place, counted};
-use crate::io::obj::transcode;
 use crate::io::{ReadModel, ReadOptions, ReadReport, input::Input};
 use crate::mesh::choose_origin;
 use crate::{Aabb, Mesh, ReadError};
@@ -62,8 +61,8 @@ pub fn read(input: &Input, options: &ReadOptions) -> Result<ReadModel, ReadError
     };
     let rest = bytes.get(HEADER + records.len() * RECORD..).unwrap_or_default();
     // What follows the last whole facet, such as a line feed, changes nothing about those before it.
-    let further = transcode::unpadded(rest).len().div_ceil(RECORD).min(held.len() - records.len());
-    if evidence::are_facets(held.get(records.len()..records.len() + further).unwrap_or_default()) {
+    let further = input.unpadded(rest).len().div_ceil(RECORD).min(held.len() - records.len());
+    if evidence::are_facets(input, held.get(records.len()..records.len() + further).unwrap_or_default()) {
         let fit = (records.len() + further) as u64;
         let expected =
             format!("a count of {}, as many as stand in the {} bytes", triangles(fit), bytes.len());
@@ -71,7 +70,7 @@ pub fn read(input: &Input, options: &ReadOptions) -> Result<ReadModel, ReadError
     }
     let mut warnings = Vec::new();
     if !rest.is_empty() {
-        let what = if rest.iter().all(|&b| b == 0) { "zero byte" } else { "byte" };
+        let what = if input.all(rest, |b| b == 0) { "zero byte" } else { "byte" };
         warnings.push(format!("ignored {} behind the last triangle", counted(rest.len() as u64, what)));
     }
     check_facets(input, records.len() as u64)?;

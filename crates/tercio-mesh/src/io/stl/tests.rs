@@ -9,6 +9,10 @@ fn input(bytes: &[u8]) -> Input {
     Input::from_bytes("a.stl", bytes.to_vec(), &ReadOptions::default()).unwrap()
 }
 
+fn looks_like(bytes: &[u8]) -> bool {
+    super::looks_like(&input(bytes))
+}
+
 fn model(bytes: &[u8]) -> ReadModel {
     assert!(looks_like(bytes));
     read(&input(bytes), &ReadOptions::default()).unwrap_or_else(|e| panic!("{e}"))
