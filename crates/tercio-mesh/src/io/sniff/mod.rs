@@ -5,9 +5,12 @@
 //! [`super::obj`] at statements), and a byte order mark, blank lines, one line too many in front, and zeros at
 //! the end are read over with a warning.
 //!
-//! Formats that are known but not read are told by name. `magic` knows them by bytes that no model can hold
-//! at that place, so it is asked before the readers; `words` knows them by what could as well be the name in
-//! the header of a binary STL file, so it is asked last.
+//! The header of a binary STL file may hold anything, also what other formats begin with. So a file of exactly the
+//! facets that it counts is STL before anything else is asked.
+//!
+//! Formats that are known but not read are told by name. `magic` knows them by bytes that stand in no text, so it is
+//! asked before the readers; `words` knows them by what could as well be the name in the header of a binary STL file
+//! with a wrong count, so it is asked last.
 
 mod magic;
 #[cfg(test)]
@@ -22,7 +25,9 @@ use crate::error::printable;
 /// Finds the format; `None` for a file that is not read.
 pub fn sniff(input: &Input) -> Option<Format> {
     let bytes = input.bytes();
-    if magic::name(bytes).is_some() || words::comment_name(bytes).is_some() {
+    if stl::is_beyond_doubt(input) {
+        Some(Format::Stl)
+    } else if magic::name(bytes).is_some() || words::comment_name(bytes).is_some() {
         None
     } else if ply::looks_like(input) {
         Some(Format::Ply)

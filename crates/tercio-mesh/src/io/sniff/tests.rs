@@ -203,6 +203,51 @@ fn known_formats_are_told_by_name() {
 }
 
 #[test]
+fn a_good_binary_stl_is_read_whatever_its_header_begins_with() {
+    let dicom = [&[0; 76][..], b"DICM"].concat();
+    for front in [
+        &b"U3D\0"[..],
+        b"#VRML to STL",
+        b"#VRML V2.0 utf8",
+        b"ply \n",
+        b"ply\nformat binary_little_endian 1.0\n",
+        b"OFF ",
+        b"OFF BINARY\n",
+        b"OFF\n3 1 0\n",
+        b"solid a\nfacet normal 0 0 1\n",
+        b"v 0 0 0\nv 1 0 0\nv 0 1 0\n",
+        b"PK\x03\x04",
+        b"\x7fELF",
+        b"\xff\xfev\0 \0",
+        &dicom,
+    ] {
+        let mut bytes = binary_stl();
+        bytes[..80].fill(b' ');
+        bytes[..front.len()].copy_from_slice(front);
+        assert_eq!(triangle("STL, binary", &bytes), [""; 0], "{}", front.escape_ascii());
+        // The count alone is no evidence.
+        bytes[84..].fill(0xff);
+        assert!(try_read(&bytes).is_err(), "{}", front.escape_ascii());
+    }
+}
+
+#[test]
+fn comments_that_begin_like_signatures_are_comments() {
+    for comment in ["#VRML2OBJ", "#VRML to OBJ", "#X3D export", "#Inventory 7"] {
+        assert_eq!(triangle("OBJ", format!("{comment}\n{OBJ}").as_bytes()), [""; 0], "{comment}");
+    }
+    for (signature, name) in [
+        ("#VRML V1.0 ascii", "a VRML 1.0 world"),
+        ("#VRML V3", "a VRML world"),
+        ("#X3D V3.2 utf8", "an X3D world"),
+        ("#Inventor V2.1 ascii", "an Open Inventor scene"),
+    ] {
+        let message = refused(format!("{signature}\n{OBJ}").as_bytes());
+        assert!(message.contains(&format!("this is {name}, which")), "{message}");
+    }
+}
+
+#[test]
 fn geometry_may_stand_behind_thousands_of_names() {
     for line in ["mtllib a-long-name-of-a-library.mtl\n", "usemtl abc\n", "o a\n# b\n", "made\n"] {
         let many = match line {

@@ -10,9 +10,9 @@ const FRONT: usize = 1 << 14;
 const COMMENTS: &[(&str, &str)] = &[
     ("#VRML V1.0", "a VRML 1.0 world"),
     ("#VRML V2.0", "a VRML 2.0 world"),
-    ("#VRML", "a VRML world"),
-    ("#X3D", "an X3D world"),
-    ("#Inventor", "an Open Inventor scene"),
+    ("#VRML V", "a VRML world"),
+    ("#X3D V", "an X3D world"),
+    ("#Inventor V", "an Open Inventor scene"),
     ("# vtk DataFile", "a VTK file"),
     ("#usda", "a USD scene"),
     ("# .PCD", "a PCD point cloud"),

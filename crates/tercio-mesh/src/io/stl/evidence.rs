@@ -25,6 +25,16 @@ const ROW: usize = 16;
 /// 2^-80: a coordinate that is smaller than the largest of its facet by this, and not zero, is none.
 const LEAST: f64 = 1.0 / (1u128 << 80) as f64;
 
+/// Does the file hold exactly the facets that it counts, and are they facets? Whatever its header begins with, it is
+/// binary STL.
+pub fn is_beyond_doubt(input: &Input) -> bool {
+    let held = records(input.bytes());
+    let size = (HEADER + held.len() * RECORD) as u64;
+    size == input.bytes().len() as u64
+        && count(input.bytes()) == Some(held.len() as u64)
+        && are_facets(input, held)
+}
+
 /// Does the content look like binary STL, with a right count or a wrong one?
 pub fn is_binary(input: &Input) -> bool {
     let bytes = input.bytes();

@@ -9,6 +9,8 @@ mod ascii;
 mod binary;
 mod evidence;
 
+pub use evidence::is_beyond_doubt;
+
 use crate::ReadError;
 use crate::mesh::MAX_ELEMENTS;
 
