@@ -280,7 +280,7 @@ fn padded(model: &[u8], zeros: usize) -> Vec<u8> {
 }
 
 /// A name, how many of its parts take a moment, and how it is made.
-pub const SERIES: [(&str, usize, Maker); 44] = [
+pub const SERIES: [(&str, usize, Maker); 45] = [
     ("fan.ply", 62_500, fan),
     ("book.ply", 62_500, book),
     ("duplicate_triangles.ply", 12_000, duplicate_triangles),
@@ -334,5 +334,9 @@ pub const SERIES: [(&str, usize, Maker); 44] = [
         (front + &"# hello\n".repeat(n) + &"\n".repeat(8 * n) + "3 0 1 2\n").into_bytes()
     }),
     ("blanks_before.ply", 3_000_000, |n| [vec![b'\n'; n], fan(3)].concat()),
+    ("long_comment.ply", 3_000_000, |n| {
+        let header = ascii_ply("", "", &format!("comment {}\n", "x".repeat(n)));
+        (header + "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n").into_bytes()
+    }),
     ("long_comment.obj", 3_000_000, |n| format!("# {}\n{TRIANGLE}", "x".repeat(n)).into_bytes()),
 ];

@@ -167,11 +167,12 @@ impl Input {
     /// The place of the first of these bytes of the content that `is` the one; those before it are reported as consumed.
     pub fn position(&self, bytes: &[u8], is: impl Fn(u8) -> bool) -> Option<usize> {
         let mut before = 0;
-        for piece in pieces(bytes, self.mapping()) {
+        for piece in bytes.chunks(RELEASE_STEP) {
             if let Some(n) = piece.iter().position(|&b| is(b)) {
                 return Some(before + n);
             }
             before += piece.len();
+            self.consumed(piece.len());
         }
         None
     }
@@ -383,4 +384,29 @@ fn broken_gzip(file: &str, error: &io::Error, held: usize) -> ReadError {
         _ => format!("damaged gzip data ({error}) after {held} bytes of content"),
     };
     ReadError::Compressed { file: file.into(), what }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn walks_in_pieces_find_what_walks_of_all_find() {
+        let options = ReadOptions { memory_limit: Some(1), progress: None };
+        for length in [0, 1, RELEASE_STEP - 1, RELEASE_STEP, RELEASE_STEP + 1, 12 * RELEASE_STEP + 7] {
+            for marked in [None, Some(0), Some(length / 2), length.checked_sub(1)] {
+                let mut bytes = vec![0; length];
+                let marked = marked.filter(|&at| at < length);
+                marked.into_iter().for_each(|at| bytes[at] = 7);
+                let file = tempfile::NamedTempFile::new().unwrap();
+                std::fs::write(file.path(), &bytes).unwrap();
+                let input = open(file.path(), &options).unwrap();
+                let held = input.bytes();
+                assert_eq!(input.all(held, |b| b == 0), marked.is_none());
+                assert_eq!(input.position(held, |b| b == 7), marked);
+                assert_eq!(input.count(held, |b| b == 7), u64::from(marked.is_some()));
+                assert_eq!(input.unpadded(held).len(), marked.map_or(0, |at| at + 1));
+            }
+        }
+    }
 }
