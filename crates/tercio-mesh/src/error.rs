@@ -160,6 +160,24 @@ pub fn printable(bytes: &[u8]) -> String {
     format!("\"{}{dots}\"", shown.escape_ascii())
 }
 
+/// Names the indices that there are, for errors; `range` tells of them where there are any.
+pub(crate) fn expected_index(what: &str, plural: &str, count: u64, range: impl FnOnce() -> String) -> String {
+    match count {
+        0 => format!("no {what} indices (the file has no {plural})"),
+        _ => range(),
+    }
+}
+
+/// The same for vertices that are numbered from 0.
+pub(crate) fn expected_vertex(vertices: u64) -> String {
+    expected_index("vertex", "vertices", vertices, || format!("a vertex number from 0 to {}", vertices - 1))
+}
+
+/// What is said of faces without corners.
+pub(crate) fn ignored_empty_faces(n: u64) -> String {
+    format!("ignored {} that {} no corners", counted(n, "face"), if n == 1 { "has" } else { "have" })
+}
+
 /// "1 face", "2 faces".
 pub(crate) fn counted(n: u64, what: &str) -> String {
     format!("{n} {what}{}", if n == 1 { "" } else { "s" })

@@ -1,4 +1,4 @@
-//! Hashes that no file can foresee.
+//! Keyed hashes, against crafted collisions.
 //!
 //! A table with a fixed hash can be filled with keys that all fall into one place, and then takes a time that grows with
 //! the square of their number. These depend on a key drawn at random once a run. No result may depend on it: tables are

@@ -93,7 +93,7 @@ impl Mesh {
     ///
     /// Squares, products with the size of a picture and sums of coordinates then stay inside `f32`.
     pub fn bring_into_range(&mut self, largest: f32) {
-        if COMFORTABLE.contains(&largest) || !(largest > 0.0 && largest.is_finite()) {
+        if SAFE_MAGNITUDES.contains(&largest) || !(largest > 0.0 && largest.is_finite()) {
             return;
         }
         // `f64` holds every `f32` as a normal number.
@@ -136,8 +136,8 @@ impl Mesh {
     }
 }
 
-/// Largest coordinates with which `f32` can calculate at ease.
-pub(crate) const COMFORTABLE: std::ops::Range<f32> = (1.0 / (1u64 << 40) as f32)..(1u64 << 40) as f32;
+/// Sizes of the largest coordinate with which `f32` calculates without overflow or underflow.
+pub(crate) const SAFE_MAGNITUDES: std::ops::Range<f32> = (1.0 / (1u64 << 40) as f32)..(1u64 << 40) as f32;
 
 /// Exponents of `f64` are stored with this added, above 52 bits of the fraction.
 const EXPONENT_BIAS: i32 = 1023;

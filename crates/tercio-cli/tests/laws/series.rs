@@ -257,8 +257,30 @@ fn bomb(n: usize) -> Vec<u8> {
     out.finish().expect("room")
 }
 
+/// A small mesh in a large file: of its hundred coordinates three are drawn.
+fn wide_vertices(n: usize) -> Vec<u8> {
+    let words = [n as u32, 1, 0].map(u32::to_be_bytes);
+    let vertex = |i: usize| (0..100).flat_map(move |k| ((i % (k + 7)) as f32).to_be_bytes());
+    let mut file = b"nOFF 100 BINARY\n".to_vec();
+    file.extend(words.into_iter().flatten().chain((0..n).flat_map(vertex)));
+    file.extend([3u32, 0, 1, 2, 0].iter().flat_map(|word| word.to_be_bytes()));
+    file
+}
+
+/// Faces are gone through before it is known that there is no room for them.
+fn binary_faces(n: usize) -> Vec<u8> {
+    let mut words = vec![3, n as u32, 0];
+    words.extend([[0f32, 0., 0.], [1., 0., 0.], [0., 1., 0.]].iter().flatten().map(|x| x.to_bits()));
+    (0..n).for_each(|_| words.extend([3, 0, 1, 2, 0]));
+    b"OFF BINARY\n".iter().copied().chain(words.into_iter().flat_map(u32::to_be_bytes)).collect()
+}
+
+fn padded(model: &[u8], zeros: usize) -> Vec<u8> {
+    [model, &vec![0; zeros]].concat()
+}
+
 /// A name, how many of its parts take a moment, and how it is made.
-pub const SERIES: [(&str, usize, Maker); 32] = [
+pub const SERIES: [(&str, usize, Maker); 45] = [
     ("fan.ply", 62_500, fan),
     ("book.ply", 62_500, book),
     ("duplicate_triangles.ply", 12_000, duplicate_triangles),
@@ -296,4 +318,25 @@ pub const SERIES: [(&str, usize, Maker); 32] = [
         names(n).into_iter().map(|b| if b == b'\n' { b'\r' } else { b }).collect()
     }),
     ("wide.obj", 12_000, |n| names(n).into_iter().flat_map(|b| [b, 0]).collect()),
+    ("wide_vertices.off", 12_000, wide_vertices),
+    ("binary_faces.off", 150_000, binary_faces),
+    ("large.stl", 60_000, |n| binary_stl(n, |i| [i % 9, i % 7, i % 5].map(|x| (x as f32).to_bits()))),
+    ("padded.obj", 3_000_000, |n| padded(TRIANGLE.as_bytes(), n)),
+    ("padded.off", 3_000_000, |n| padded(b"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", n)),
+    ("padded.stl", 3_000_000, |n| {
+        padded(&binary_stl(9, |i| [i % 9, i % 7, i % 5].map(|x| (x as f32).to_bits())), n)
+    }),
+    ("padded.obj.gz", 5_000_000, |n| padded(&members(1), n)),
+    ("zeros.stl", 3_000_000, |n| vec![0; n]),
+    ("comments_before.obj", 400_000, |n| ("# hello\n".repeat(n) + TRIANGLE).into_bytes()),
+    ("comments_inside.off", 400_000, |n| {
+        let front = "OFF\n# hello\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n".to_owned();
+        (front + &"# hello\n".repeat(n) + &"\n".repeat(8 * n) + "3 0 1 2\n").into_bytes()
+    }),
+    ("blanks_before.ply", 3_000_000, |n| [vec![b'\n'; n], fan(3)].concat()),
+    ("long_comment.ply", 3_000_000, |n| {
+        let header = ascii_ply("", "", &format!("comment {}\n", "x".repeat(n)));
+        (header + "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n").into_bytes()
+    }),
+    ("long_comment.obj", 3_000_000, |n| format!("# {}\n{TRIANGLE}", "x".repeat(n)).into_bytes()),
 ];

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 
 use crate::Mesh;
 use crate::hash::Key;
-use crate::mesh::COMFORTABLE;
+use crate::mesh::SAFE_MAGNITUDES;
 use crate::weld::position_bits;
 
 const CHUNK: usize = 1 << 15;
@@ -103,7 +103,7 @@ pub fn clean(mesh: &mut Mesh) -> Cleaned {
     }
     // Vertices that no triangle uses do not count. Nearly always a look at one triangle shows that there is nothing to do.
     let first = mesh.triangles.first().map_or(0.0, |&t| largest_of(mesh, t));
-    if !COMFORTABLE.contains(&largest) || !COMFORTABLE.contains(&first) {
+    if !SAFE_MAGNITUDES.contains(&largest) || !SAFE_MAGNITUDES.contains(&first) {
         let used = mesh.triangles.par_iter().with_min_len(CHUNK).map(|&t| largest_of(mesh, t));
         let largest = used.reduce(|| 0.0, f32::max);
         mesh.bring_into_range(largest);

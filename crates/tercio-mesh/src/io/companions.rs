@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-/// Most texture files that are remembered by name.
+/// Most files that are remembered by name.
 pub const MOST: usize = 1 << 12;
 
 /// The path as seen from the model, with the separators of this system. An absolute path comes from another
@@ -16,15 +16,33 @@ pub fn relative(name: &str) -> String {
     }
 }
 
-/// Notes the textures that a file in `folder` names.
+/// The file of this machine that an absolute path names, if there is one. It is not read, but an output must not be it.
+pub fn absolute(name: &str) -> Option<PathBuf> {
+    let path = Path::new(name.trim_matches('"'));
+    (path.is_absolute() && path.is_file()).then(|| path.into())
+}
+
+/// Notes the files that a file in `folder` names: where they would be looked for, and those that an absolute path names.
 pub fn note<'n>(companions: &mut Vec<PathBuf>, folder: &Path, names: impl Iterator<Item = &'n String>) {
     let room = MOST.saturating_sub(companions.len());
-    companions.extend(names.take(room).map(|name| folder.join(relative(name))));
+    let places = |name: &String| [Some(folder.join(relative(name))), absolute(name)].into_iter().flatten();
+    companions.extend(names.take(room).flat_map(places).take(room));
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn absolute_paths_are_noted_where_they_exist_as_well() {
+        let (folder, elsewhere) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+        let there = elsewhere.path().join("t.png");
+        std::fs::write(&there, "").unwrap();
+        let names = [&there, &elsewhere.path().join("no.png")].map(|p| p.to_str().unwrap().to_owned());
+        let mut noted = Vec::new();
+        note(&mut noted, folder.path(), names.iter());
+        assert_eq!(noted, [folder.path().join("t.png"), there, folder.path().join("no.png")]);
+    }
 
     #[test]
     fn paths_of_other_machines_lead_to_their_last_part() {

@@ -48,39 +48,39 @@ pub fn mapped_bytes() -> u64 {
 #[derive(Debug)]
 struct Mapping {
     map: Mmap,
-    counts: AtomicU64,
+    accounted_bytes: AtomicU64,
     /// Bytes that were read since pages were given back; `None` where the file counts.
     read: Option<AtomicU64>,
 }
 
 /// The most that a thread should read before it says so; pages are given back each time.
-const STRETCH: usize = 256 << 10;
+const RELEASE_STEP: usize = 256 << 10;
 
 /// Reading one byte of a file may bring in so many: file systems keep files in large pieces.
-const PIECE: u64 = 2 << 20;
+const READ_AHEAD: u64 = 2 << 20;
 
 impl Mapping {
     fn new(map: Mmap, options: &ReadOptions) -> Self {
         let size = map.len() as u64;
-        let is_small = options.memory_limit.is_none_or(|limit| size <= (limit / 16).max(PIECE));
-        let at_a_time = PIECE * (rayon::current_num_threads() as u64 + 1);
-        let counts = if is_small { size } else { size.min(at_a_time) };
-        MAPPED.fetch_add(counts, Relaxed);
-        let counts = AtomicU64::new(counts);
-        Self { map, counts, read: (!is_small).then(|| AtomicU64::new(0)) }
+        let is_small = options.memory_limit.is_none_or(|limit| size <= (limit / 16).max(READ_AHEAD));
+        let at_a_time = READ_AHEAD * (rayon::current_num_threads() as u64 + 1);
+        let accounted = if is_small { size } else { size.min(at_a_time) };
+        MAPPED.fetch_add(accounted, Relaxed);
+        let accounted_bytes = AtomicU64::new(accounted);
+        Self { map, accounted_bytes, read: (!is_small).then(|| AtomicU64::new(0)) }
     }
 
     /// All of it counts as memory from now on.
     fn count_all(&self) {
         let size = self.map.len() as u64;
-        let more = size.saturating_sub(self.counts.swap(size, Relaxed));
+        let more = size.saturating_sub(self.accounted_bytes.swap(size, Relaxed));
         MAPPED.fetch_add(more, Relaxed);
     }
 
-    fn was_read(&self, bytes: u64) {
+    fn consumed(&self, bytes: u64) {
         let Some(read) = &self.read else { return };
         let before = read.fetch_add(bytes, Relaxed);
-        let stretch = STRETCH as u64;
+        let stretch = RELEASE_STEP as u64;
         if before / stretch != (before + bytes) / stretch {
             self.give_back();
         }
@@ -96,9 +96,18 @@ impl Mapping {
     fn give_back(&self) {}
 }
 
+/// Bytes of a file piece by piece, from either end; each piece is reported as consumed.
+fn pieces<'a>(bytes: &'a [u8], mapping: Option<&'a Mapping>) -> impl DoubleEndedIterator<Item = &'a [u8]> {
+    bytes.chunks(RELEASE_STEP).inspect(move |piece| {
+        if let Some(mapping) = mapping {
+            mapping.consumed(piece.len() as u64);
+        }
+    })
+}
+
 impl Drop for Mapping {
     fn drop(&mut self) {
-        MAPPED.fetch_sub(self.counts.load(Relaxed), Relaxed);
+        MAPPED.fetch_sub(self.accounted_bytes.load(Relaxed), Relaxed);
     }
 }
 
@@ -130,22 +139,72 @@ impl Input {
     /// holds at a time.
     pub fn held_bytes(&self) -> u64 {
         match &self.content {
-            Content::Mapped(mapping) => mapping.counts.load(Relaxed),
+            Content::Mapped(mapping) => mapping.accounted_bytes.load(Relaxed),
             Content::Owned(bytes) => bytes.len() as u64,
         }
     }
 
     /// Tells that so many bytes were gone through, anywhere in the content: their memory may be given back. Readers say
     /// so about every [`Input::stretch`] bytes, in every pass.
-    pub fn was_read(&self, bytes: usize) {
-        if let Content::Mapped(mapping) = &self.content {
-            mapping.was_read(bytes as u64);
+    pub fn consumed(&self, bytes: usize) {
+        if let Some(mapping) = self.mapping() {
+            mapping.consumed(bytes as u64);
         }
+    }
+
+    fn mapping(&self) -> Option<&Mapping> {
+        match &self.content {
+            Content::Mapped(mapping) => Some(mapping),
+            Content::Owned(_) => None,
+        }
+    }
+
+    /// Does something hold for all of these bytes of the content? They are reported as consumed.
+    pub fn all(&self, bytes: &[u8], holds: impl Fn(u8) -> bool) -> bool {
+        pieces(bytes, self.mapping()).all(|piece| piece.iter().all(|&b| holds(b)))
+    }
+
+    /// The place of the first of these bytes of the content that `is` the one; those before it are reported as consumed.
+    pub fn position(&self, bytes: &[u8], is: impl Fn(u8) -> bool) -> Option<usize> {
+        let mut before = 0;
+        for piece in bytes.chunks(RELEASE_STEP) {
+            if let Some(n) = piece.iter().position(|&b| is(b)) {
+                return Some(before + n);
+            }
+            before += piece.len();
+            self.consumed(piece.len());
+        }
+        None
+    }
+
+    /// How many of these bytes of the content are such; all are reported as consumed.
+    pub fn count(&self, bytes: &[u8], is: impl Fn(u8) -> bool) -> u64 {
+        pieces(bytes, self.mapping()).map(|piece| piece.iter().filter(|&&b| is(b)).count() as u64).sum()
+    }
+
+    /// The bytes without the zeros at the end, which what fills blocks leaves there; those are reported as consumed.
+    pub fn unpadded<'b>(&self, bytes: &'b [u8]) -> &'b [u8] {
+        let mut length = bytes.len();
+        // Pieces are cut from the front, so the first one from the end may be short.
+        for piece in pieces(bytes, self.mapping()).rev() {
+            length -= piece.len();
+            if let Some(last) = piece.iter().rposition(|&b| b != 0) {
+                length += last + 1;
+                break;
+            }
+        }
+        bytes.get(..length).unwrap_or_default()
+    }
+
+    /// Tells that a place was looked at that stands apart from others by so many bytes: what lies round it may have come
+    /// with it.
+    pub fn looked_at(&self, apart: usize) {
+        self.consumed(apart.min(READ_AHEAD as usize));
     }
 
     /// All of the content will be in memory at once: it counts so from now on.
     pub fn count_all(&self) {
-        if let Content::Mapped(mapping) = &self.content {
+        if let Some(mapping) = self.mapping() {
             mapping.count_all();
         }
     }
@@ -155,7 +214,7 @@ impl Input {
     ///
     /// # Errors
     /// [`ReadError::MemoryLimit`] if that is too much.
-    pub fn check_parts(&self, parts: &[&[u8]], options: &ReadOptions) -> Result<(), ReadError> {
+    pub fn check_chunk_lengths(&self, parts: &[&[u8]], options: &ReadOptions) -> Result<(), ReadError> {
         if parts.iter().any(|part| part.len() > self.stretch(part.len()).saturating_mul(4)) {
             self.count_all();
             options.check_memory(&self.name, "its long lines", self.held_bytes())?;
@@ -166,7 +225,7 @@ impl Input {
     /// The most bytes that a task should go through at a time, of `wanted`.
     pub fn stretch(&self, wanted: usize) -> usize {
         match &self.content {
-            Content::Mapped(Mapping { read: Some(_), .. }) => wanted.min(STRETCH),
+            Content::Mapped(Mapping { read: Some(_), .. }) => wanted.min(RELEASE_STEP),
             _ => wanted,
         }
     }
@@ -237,13 +296,13 @@ struct Compressed<'a> {
 
 impl BufRead for Compressed<'_> {
     fn fill_buf(&mut self) -> io::Result<&[u8]> {
-        Ok(&self.rest[..self.rest.len().min(STRETCH)])
+        Ok(&self.rest[..self.rest.len().min(RELEASE_STEP)])
     }
 
     fn consume(&mut self, count: usize) {
         self.rest = &self.rest[count..];
         if let Some(mapping) = self.mapping {
-            mapping.was_read(count as u64);
+            mapping.consumed(count as u64);
         }
     }
 }
@@ -252,7 +311,7 @@ impl Read for Compressed<'_> {
     fn read(&mut self, to: &mut [u8]) -> io::Result<usize> {
         let count = self.rest.read(to)?;
         if let Some(mapping) = self.mapping {
-            mapping.was_read(count as u64);
+            mapping.consumed(count as u64);
         }
         Ok(count)
     }
@@ -309,7 +368,8 @@ fn inflate(
     }
     let rest = left.rest;
     if !rest.is_empty() {
-        let what = if rest.iter().all(|&b| b == 0) { "zero byte" } else { "byte" };
+        let is_zero = pieces(rest, left.mapping).all(|piece| piece.iter().all(|&b| b == 0));
+        let what = if is_zero { "zero byte" } else { "byte" };
         warnings.push(format!("ignored {} behind the gzip data", counted(rest.len() as u64, what)));
     }
     Ok(bytes)
@@ -324,4 +384,29 @@ fn broken_gzip(file: &str, error: &io::Error, held: usize) -> ReadError {
         _ => format!("damaged gzip data ({error}) after {held} bytes of content"),
     };
     ReadError::Compressed { file: file.into(), what }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn walks_in_pieces_find_what_walks_of_all_find() {
+        let options = ReadOptions { memory_limit: Some(1), progress: None };
+        for length in [0, 1, RELEASE_STEP - 1, RELEASE_STEP, RELEASE_STEP + 1, 12 * RELEASE_STEP + 7] {
+            for marked in [None, Some(0), Some(length / 2), length.checked_sub(1)] {
+                let mut bytes = vec![0; length];
+                let marked = marked.filter(|&at| at < length);
+                marked.into_iter().for_each(|at| bytes[at] = 7);
+                let file = tempfile::NamedTempFile::new().unwrap();
+                std::fs::write(file.path(), &bytes).unwrap();
+                let input = open(file.path(), &options).unwrap();
+                let held = input.bytes();
+                assert_eq!(input.all(held, |b| b == 0), marked.is_none());
+                assert_eq!(input.position(held, |b| b == 7), marked);
+                assert_eq!(input.count(held, |b| b == 7), u64::from(marked.is_some()));
+                assert_eq!(input.unpadded(held).len(), marked.map_or(0, |at| at + 1));
+            }
+        }
+    }
 }

@@ -100,7 +100,7 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<ReadModel, ReadError> 
 /// # Errors
 /// Any [`ReadError`].
 pub fn read_input(input: &Input, options: &ReadOptions) -> Result<ReadModel, ReadError> {
-    let mut model = match sniff(input.bytes()) {
+    let mut model = match sniff(input) {
         Some(Format::Ply) => ply::read(input, options),
         Some(Format::Obj) => obj::read(input, options),
         Some(Format::Stl) => stl::read(input, options),

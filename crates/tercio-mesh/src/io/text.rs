@@ -57,6 +57,20 @@ impl<'a> Cursor<'a> {
         }
     }
 
+    /// The same for no more than so many bytes; false if there may be more.
+    #[inline]
+    pub fn skip_space_up_to(&mut self, most: usize) -> bool {
+        let end = self.bytes.len().min(self.at.saturating_add(most));
+        while let Some(&b) = self.bytes[..end].get(self.at) {
+            if !is_space(b) {
+                return true;
+            }
+            self.line += u64::from(b == b'\n');
+            self.at += 1;
+        }
+        end == self.bytes.len()
+    }
+
     /// True if nothing but blanks is left on the line.
     #[inline]
     pub fn line_is_over(&mut self) -> bool {
@@ -144,6 +158,11 @@ impl<'a> Cursor<'a> {
     }
 }
 
+/// A blank or a line end.
+pub fn is_space(b: u8) -> bool {
+    matches!(b, b'\n' | b' ' | b'\t' | b'\r' | 0x0b | 0x0c)
+}
+
 /// A decimal integer at the front of `bytes` with its length; `None` if there is none or it overflows.
 #[inline]
 pub fn parse_integer(bytes: &[u8]) -> Option<(i64, usize)> {
@@ -163,28 +182,28 @@ pub fn parse_integer(bytes: &[u8]) -> Option<(i64, usize)> {
     (n > sign).then_some((value, n))
 }
 
-/// The place of a byte; `was_read` is told of every stretch before it that is looked at.
-pub fn find(byte: u8, bytes: &[u8], was_read: impl Fn(usize)) -> Option<usize> {
+/// The place of a byte; `consumed` is told of every stretch before it that is looked at.
+pub fn find(byte: u8, bytes: &[u8], consumed: impl Fn(usize)) -> Option<usize> {
     const STRETCH: usize = 1 << 16;
     for (i, stretch) in bytes.chunks(STRETCH).enumerate() {
         if let Some(n) = stretch.iter().position(|&b| b == byte) {
             return Some(i * STRETCH + n);
         }
-        was_read(stretch.len());
+        consumed(stretch.len());
     }
     None
 }
 
-/// Cuts a text into about `pieces` stretches that end at line ends, for parsing on several cores. `was_read` is told of
+/// Cuts a text into about `pieces` stretches that end at line ends, for parsing on several cores. `consumed` is told of
 /// all that one went over.
-pub fn split_lines(bytes: &[u8], pieces: usize, was_read: impl Fn(usize)) -> Vec<&[u8]> {
+pub fn split_lines(bytes: &[u8], pieces: usize, consumed: impl Fn(usize)) -> Vec<&[u8]> {
     let step = (bytes.len() / pieces.max(1)).max(1 << 16);
     let mut parts = Vec::new();
     let mut rest = bytes;
     while rest.len() > step {
-        let Some(n) = find(b'\n', &rest[step..], &was_read) else { break };
+        let Some(n) = find(b'\n', &rest[step..], &consumed) else { break };
         let (part, tail) = rest.split_at(step + n + 1);
-        was_read(part.len());
+        consumed(part.len());
         parts.push(part);
         rest = tail;
     }

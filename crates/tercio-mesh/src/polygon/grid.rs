@@ -1,4 +1,4 @@
-//! The corners that can spoil an ear, in a uniform grid: for polygons of usual sizes.
+//! The corners that an ear must not contain, in a uniform grid: for polygons of usual sizes.
 
 /// Points in the cells of a uniform grid, about one a cell.
 #[derive(Default)]

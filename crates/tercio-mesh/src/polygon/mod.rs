@@ -2,8 +2,8 @@
 //!
 //! Ear clipping (Meisters, "Polygons have ears", 1975) with a work list: when an ear is cut off, only its
 //! two neighbours can become ears, because what is left lies inside what there was; so every corner is
-//! tested a constant number of times. The corners that can spoil an ear stand in a uniform grid, and in a tree, which
-//! finds the same, where a polygon shows that a grid is not for it.
+//! tested a constant number of times. The corners that an ear must not contain stand in a uniform grid, and
+//! in a tree, which finds the same, where a polygon shows that a grid is not for it.
 //!
 //! Collinear corners are kept as corners of triangles that have an area wherever the polygon allows it:
 //! leaving them out, as many triangulators do, would open T-junctions to the neighbours in the mesh.
@@ -16,17 +16,18 @@ use grid::Grid;
 use plane::{newell_normal, orient, projection_axes, quad};
 use tree::Tree;
 
-/// Polygons of so many corners may have a tree in place of the grid.
+/// Polygons of so many corners may have a tree in place of the grid, and their work is counted step by step.
 const MANY: usize = 512;
 
-/// They have one from this many looks into the grid a corner on.
-const LOOKS_INTO_GRID: u64 = 24;
+/// They get it once the tests of points and rows of the grid reach this many a corner.
+const GRID_TESTS_PER_CORNER: u64 = 24;
 
-/// How many looks at possible spoilers a corner of a polygon may cost on average before validity is given
-/// up for an end in sight. Polygons of up to twice as many corners are never cut short.
-const LOOKS_PER_CORNER: u64 = 4096;
+/// How many tests of points a corner of a polygon may cost on average before validity is given up for an end in sight.
+/// Polygons of up to twice as many corners are never cut short.
+const POINT_TESTS_PER_CORNER: u64 = 4096;
 
-/// The same for the search of imperfect ears in polygons that have a tree.
+/// The same for steps from corner to corner in search of imperfect ears, in polygons of [`MANY`] corners or more. Steps
+/// over corners that are not convex cost no test of a point.
 const STEPS_PER_CORNER: u64 = 64;
 
 /// Turns polygons into triangles; keeps its working memory from one polygon to the next.
@@ -44,15 +45,17 @@ pub struct Triangulator {
     grid: Grid,
     tree: Tree,
     has_tree: bool,
-    /// Points and rows of cells that are looked at before there is a tree.
-    grid_looks_left: u64,
+    /// Tests of points and rows of cells before there is a tree.
+    grid_tests_left: u64,
     /// What the grid is made of; kept for its memory.
     members: Vec<u32>,
     /// Corners that turned reflex after the grid was made; only in polygons that cross themselves.
-    late: Vec<u32>,
+    new_reflex: Vec<u32>,
     /// Number of corners with [`Role::Blocker`].
     blockers: usize,
-    looks_left: u64,
+    point_tests_left: u64,
+    /// Has so many corners that steps round the ring are counted.
+    is_large: bool,
     steps_left: u64,
 }
 
@@ -91,10 +94,10 @@ impl Demand {
         if self == Self::Clear { side >= 0.0 } else { side > 0.0 }
     }
 
-    /// Does a blocker at this position spoil the ear? Another corner at the very position of one of these three
-    /// touches; it does not spoil.
+    /// Does the ear contain a blocker at this position? Another corner at the very position of one of these three
+    /// touches; it is not inside.
     #[inline]
-    fn is_spoilt(self, [a, b, c]: [[f64; 2]; 3], q: [f64; 2]) -> bool {
+    fn contains_blocker(self, [a, b, c]: [[f64; 2]; 3], q: [f64; 2]) -> bool {
         let sides = [orient(a, b, q), orient(b, c, q), orient(c, a, q)];
         match self {
             Self::Clear => sides.iter().all(|&s| s >= 0.0) && q != a && q != b && q != c,
@@ -146,14 +149,14 @@ impl Triangulator {
                 i
             } else {
                 // No perfect ear is left, so the polygon is not simple (or rounding made it so).
-                if demand < Demand::Convex && self.looks_left == 0 {
+                if demand < Demand::Convex && self.point_tests_left == 0 {
                     demand = Demand::Convex;
                 }
                 if fruitless > left {
                     demand = demand.less();
                     fruitless = 0;
                 }
-                if self.has_tree {
+                if self.is_large {
                     self.steps_left = self.steps_left.saturating_sub(1);
                     if self.steps_left == 0 {
                         demand = Demand::Nothing;
@@ -176,7 +179,7 @@ impl Triangulator {
             if cursor == ear {
                 cursor = n;
             }
-            if self.has_tree && demand > Demand::Clear {
+            if self.is_large && demand > Demand::Clear {
                 // Not the whole way round to the corner that has just changed.
                 cursor = p;
             }
@@ -206,8 +209,9 @@ impl Triangulator {
         self.queue.extend(0..count);
         self.latest.clear();
         self.latest.extend(0..count);
-        self.late.clear();
-        self.looks_left = LOOKS_PER_CORNER * n as u64;
+        self.new_reflex.clear();
+        self.point_tests_left = POINT_TESTS_PER_CORNER * n as u64;
+        self.is_large = n >= many;
         self.steps_left = STEPS_PER_CORNER * n as u64;
         self.role.clear();
         self.role.resize(n, Role::Convex);
@@ -220,7 +224,7 @@ impl Triangulator {
         }
         self.grid.clear();
         self.has_tree = false;
-        self.grid_looks_left = if n < many { u64::MAX } else { LOOKS_INTO_GRID * n as u64 };
+        self.grid_tests_left = if n < many { u64::MAX } else { GRID_TESTS_PER_CORNER * n as u64 };
         if self.blockers > 0 {
             self.rebuild_grid(0);
         }
@@ -240,7 +244,7 @@ impl Triangulator {
             (Role::Convex, Role::Blocker) => {
                 self.blockers += 1;
                 if !self.has_tree {
-                    self.late.push(i);
+                    self.new_reflex.push(i);
                 }
             }
             _ => return,
@@ -265,7 +269,7 @@ impl Triangulator {
 
     /// The grid gets coarser as the polygon gets simpler: late ears are large and would meet many cells.
     fn rebuild_grid(&mut self, any_left: u32) {
-        self.late.clear();
+        self.new_reflex.clear();
         self.members.clear();
         let mut i = any_left;
         loop {
@@ -278,7 +282,7 @@ impl Triangulator {
             }
         }
         self.grid.fill(&self.points, &self.members);
-        self.grid_looks_left = self.grid_looks_left.saturating_sub(self.members.len() as u64);
+        self.grid_tests_left = self.grid_tests_left.saturating_sub(self.members.len() as u64);
     }
 
     fn plant_tree(&mut self) {
@@ -287,7 +291,7 @@ impl Triangulator {
             self.tree.set(i, true);
         }
         self.has_tree = true;
-        self.late.clear();
+        self.new_reflex.clear();
     }
 
     fn is_ear(&mut self, i: u32, demand: Demand) -> bool {
@@ -303,28 +307,29 @@ impl Triangulator {
         if self.blockers == 0 || demand == Demand::Convex {
             return true;
         }
-        if self.looks_left == 0 {
+        if self.point_tests_left == 0 {
             return false;
         }
-        if !self.has_tree && self.grid_looks_left == 0 {
+        if !self.has_tree && self.grid_tests_left == 0 {
             self.plant_tree();
         }
-        let (mut looks, mut rows) = (0, 0);
+        let (mut point_tests, mut rows) = (0, 0);
         let blocked = if self.has_tree {
-            self.tree.spoils([a, b, c], demand, &mut looks)
+            self.tree.contains_blocker([a, b, c], demand, &mut point_tests)
         } else {
-            if self.blockers * 2 < self.grid.filled || self.late.len() > 32 {
+            if self.blockers * 2 < self.grid.filled || self.new_reflex.len() > 32 {
                 self.rebuild_grid(i);
             }
             let (points, role) = (&self.points, &self.role);
             let mut blocks = |w: u32| {
-                looks += 1;
-                role[w as usize] == Role::Blocker && demand.is_spoilt([a, b, c], points[w as usize])
+                point_tests += 1;
+                role[w as usize] == Role::Blocker && demand.contains_blocker([a, b, c], points[w as usize])
             };
-            self.late.iter().any(|&w| blocks(w)) || self.grid.any_near([a, b, c], &mut rows, &mut blocks)
+            self.new_reflex.iter().any(|&w| blocks(w))
+                || self.grid.any_near([a, b, c], &mut rows, &mut blocks)
         };
-        self.grid_looks_left = self.grid_looks_left.saturating_sub(looks + rows);
-        self.looks_left = self.looks_left.saturating_sub(looks);
+        self.grid_tests_left = self.grid_tests_left.saturating_sub(point_tests + rows);
+        self.point_tests_left = self.point_tests_left.saturating_sub(point_tests);
         !blocked
     }
 }

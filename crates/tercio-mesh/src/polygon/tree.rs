@@ -1,4 +1,4 @@
-//! The corners that can spoil an ear, in a k-d tree: for polygons of many corners.
+//! The corners that an ear must not contain, in a k-d tree: for polygons of many corners.
 //!
 //! A grid is quick where corners lie evenly. Where they crowd in a few cells (combs with long teeth, many corners at
 //! one position) every look into such a cell costs as much as the polygon has corners. A look into the tree visits the
@@ -16,7 +16,7 @@ pub(super) struct Tree {
     /// The positions, leaf after leaf.
     points: Vec<[f64; 2]>,
     /// Blockers at each position.
-    live: Vec<u32>,
+    blocker_count: Vec<u32>,
     /// Place in `points` of each corner.
     places: Vec<u32>,
     /// The root, then the children of node `i` at `2 i + 1` and `2 i + 2`.
@@ -28,7 +28,7 @@ struct Node {
     min: [f64; 2],
     max: [f64; 2],
     /// Blockers in it.
-    live: u32,
+    blocker_count: u32,
     /// Its stretch of `points`.
     first: u32,
     end: u32,
@@ -47,7 +47,7 @@ impl Node {
 impl Tree {
     /// Takes the corners of a new polygon; none of them is a blocker yet.
     pub(super) fn fill(&mut self, corners: &[[f64; 2]]) {
-        let Self { points, live, places, nodes, order } = self;
+        let Self { points, blocker_count, places, nodes, order } = self;
         let at = |i: u32| corners[i as usize];
         order.clear();
         order.extend(0..corners.len() as u32);
@@ -65,8 +65,8 @@ impl Tree {
             }
             places[i as usize] = points.len() as u32 - 1;
         }
-        live.clear();
-        live.resize(points.len(), 0);
+        blocker_count.clear();
+        blocker_count.resize(points.len(), 0);
 
         let levels = points.len().div_ceil(LEAF).next_power_of_two().ilog2();
         order.clear();
@@ -85,7 +85,7 @@ impl Tree {
                 min = std::array::from_fn(|k| min[k].min(p[k]));
                 max = std::array::from_fn(|k| max[k].max(p[k]));
             }
-            let node = Node { min, max, live: 0, first, end };
+            let node = Node { min, max, blocker_count: 0, first, end };
             // Halves the children's stretches along the longer side.
             let along = usize::from(max[1] - min[1] > max[0] - min[0]);
             let half = (node.middle() - first) as usize;
@@ -108,16 +108,21 @@ impl Tree {
     pub(super) fn set(&mut self, corner: u32, blocks: bool) {
         let place = self.places[corner as usize];
         let change = |n: &mut u32| *n = if blocks { *n + 1 } else { n.saturating_sub(1) };
-        change(&mut self.live[place as usize]);
+        change(&mut self.blocker_count[place as usize]);
         let mut node = 0;
         while let Some(here) = self.nodes.get_mut(node) {
-            change(&mut here.live);
+            change(&mut here.blocker_count);
             node = 2 * node + if place < here.middle() { 1 } else { 2 };
         }
     }
 
-    /// Whether one of the blockers spoils a triangle; `looks` counts the parts of the tree that were visited.
-    pub(super) fn spoils(&self, triangle: [[f64; 2]; 3], demand: Demand, looks: &mut u64) -> bool {
+    /// Whether a triangle contains one of the blockers; `point_tests` counts the parts of the tree that were visited.
+    pub(super) fn contains_blocker(
+        &self,
+        triangle: [[f64; 2]; 3],
+        demand: Demand,
+        point_tests: &mut u64,
+    ) -> bool {
         let leaves = self.nodes.len() / 2;
         let look = Look::new(triangle, demand);
         // Each level leaves one sibling waiting.
@@ -127,10 +132,10 @@ impl Tree {
             count -= 1;
             let i = waiting[count] as usize;
             let node = &self.nodes[i];
-            if node.live == 0 {
+            if node.blocker_count == 0 {
                 continue;
             }
-            *looks += 1;
+            *point_tests += 1;
             match look.at(node) {
                 Overlap::None => {}
                 Overlap::Whole => return true,
@@ -141,8 +146,8 @@ impl Tree {
                 }
                 Overlap::Part => {
                     let stretch = node.first as usize..node.end as usize;
-                    let mut here = self.points[stretch.clone()].iter().zip(&self.live[stretch]);
-                    if here.any(|(&q, &live)| live > 0 && demand.is_spoilt(triangle, q)) {
+                    let mut here = self.points[stretch.clone()].iter().zip(&self.blocker_count[stretch]);
+                    if here.any(|(&q, &count)| count > 0 && demand.contains_blocker(triangle, q)) {
                         return true;
                     }
                 }
@@ -153,7 +158,7 @@ impl Tree {
 }
 
 enum Overlap {
-    /// No point of the box spoils the triangle.
+    /// The triangle contains no point of the box.
     None,
     Part,
     /// Every point of the box does.

@@ -278,9 +278,10 @@ fn add_materials(
     if used.names.is_empty() {
         // The libraries are not read for this mesh, but they are files of the model nevertheless.
         if let Some(base) = &input.base {
-            let lines: HashSet<&[u8]> = chunks.iter().flat_map(|c| &c.libraries).copied().collect();
             let (libraries, mut scratch) = (mtl::Libraries::new(base), Vec::new());
-            for names in lines {
+            // Each once, in the order of the file.
+            let mut noted: HashSet<&[u8]> = HashSet::new();
+            for names in chunks.iter().flat_map(|c| &c.libraries).filter(|names| noted.insert(names)) {
                 libraries.note_unread(join(names, &mut scratch), companions);
             }
         }

@@ -9,11 +9,15 @@
 
 use std::collections::HashSet;
 
-use super::lines::Lines;
+use super::lines::{Lines, split};
 use super::transcode;
+use crate::io::input::Input;
 
 /// How much of a file is looked at.
 const FRONT: usize = 1 << 18;
+
+/// About so much of it at a time.
+const PART: usize = 1 << 16;
 
 /// Lines that decide.
 const ENOUGH: u64 = 250;
@@ -69,16 +73,16 @@ struct Votes {
 }
 
 /// Does the content look like OBJ?
-pub fn looks_like(bytes: &[u8]) -> bool {
-    let votes = votes(bytes);
+pub fn looks_like(input: &Input) -> bool {
+    let votes = votes(input);
     votes.statements > 0
         && votes.unknown <= votes.statements
         && votes.unknown_words <= 1 + votes.statements / 8
 }
 
 /// What a text holds that has neither statements nor anything else, if it is one.
-pub fn holds_nothing_but(bytes: &[u8]) -> Option<&'static str> {
-    match votes(bytes) {
+pub fn holds_nothing_but(input: &Input) -> Option<&'static str> {
+    match votes(input) {
         Votes { statements: 0, unknown: 0, others: 0, comments: 1.., .. } => Some("comments"),
         Votes { statements: 0, unknown: 0, others: 1.., .. } => Some("names of OBJ, without any geometry"),
         _ => None,
@@ -87,11 +91,11 @@ pub fn holds_nothing_but(bytes: &[u8]) -> Option<&'static str> {
 
 /// Looks at more of the file where its front holds nothing but comments and names, and one line of another kind
 /// at most: thousands of them may stand before the geometry.
-fn votes(bytes: &[u8]) -> Votes {
-    let bytes = transcode::unpadded(bytes);
+fn votes(input: &Input) -> Votes {
+    let bytes = input.unpadded(input.bytes());
     let mut length = FRONT;
     loop {
-        let votes = votes_of_front(bytes, length);
+        let votes = votes_of_front(input, bytes, length);
         let goes_on = votes.statements == 0 && votes.unknown <= 1 && votes.comments + votes.others > 0;
         if !goes_on || length >= bytes.len() {
             return votes;
@@ -100,7 +104,7 @@ fn votes(bytes: &[u8]) -> Votes {
     }
 }
 
-fn votes_of_front(bytes: &[u8], length: usize) -> Votes {
+fn votes_of_front(input: &Input, bytes: &[u8], length: usize) -> Votes {
     let text = transcode::front(bytes, length);
     let mut votes = Votes::default();
     // No text holds zeros; the front is enough to tell.
@@ -108,31 +112,37 @@ fn votes_of_front(bytes: &[u8], length: usize) -> Votes {
         return votes;
     }
     let mut unknown = HashSet::new();
-    let mut lines = Lines::new(&text, 1).peekable();
     let is_cut = length < bytes.len();
-    while let Some(line) = lines.next() {
-        // The last line of a front may be cut in the middle of a word, so it says nothing if others do.
-        if is_cut && lines.peek().is_none() && votes != Votes::default() {
-            break;
-        }
-        let line = line.text.trim_ascii();
-        let word = words(line).next().unwrap_or_default();
-        let votes_for = match line.first() {
-            None => continue,
-            Some(b'#') => &mut votes.comments,
-            _ if is_statement(line) => &mut votes.statements,
-            _ if OTHERS.contains(&word) => &mut votes.others,
-            _ => {
-                if !GEOMETRY.contains(&word) {
-                    unknown.insert(word);
-                }
-                &mut votes.unknown
+    let parts = split(&text, PART, |bytes| input.consumed(bytes));
+    'parts: for (i, part) in parts.iter().enumerate() {
+        // Of lines that are longer than all parts should be, the front says what they are.
+        let mut lines = Lines::new(part.get(..4 * PART).unwrap_or(part), 1).peekable();
+        while let Some(line) = lines.next() {
+            // The last line of a front may be cut in the middle of a word, so it says nothing if others do.
+            let is_last = i + 1 == parts.len() && lines.peek().is_none();
+            if is_cut && is_last && votes != Votes::default() {
+                break;
             }
-        };
-        *votes_for += 1;
-        if votes.statements + votes.unknown == ENOUGH {
-            break;
+            let line = line.text.trim_ascii();
+            let word = words(line).next().unwrap_or_default();
+            let votes_for = match line.first() {
+                None => continue,
+                Some(b'#') => &mut votes.comments,
+                _ if is_statement(line) => &mut votes.statements,
+                _ if OTHERS.contains(&word) => &mut votes.others,
+                _ => {
+                    if !GEOMETRY.contains(&word) {
+                        unknown.insert(word);
+                    }
+                    &mut votes.unknown
+                }
+            };
+            *votes_for += 1;
+            if votes.statements + votes.unknown == ENOUGH {
+                break 'parts;
+            }
         }
+        input.consumed(part.len());
     }
     votes.unknown_words = unknown.len() as u64;
     votes

@@ -1,6 +1,7 @@
 //! The corners of faces: `v`, `v/vt`, `v//vn`, `v/vt/vn`, with indices from the front or from the back.
 
 use crate::ReadError;
+use crate::error::expected_index;
 use crate::io::text::parse_integer;
 
 use super::lines::Counts;
@@ -83,7 +84,7 @@ impl Corners {
         let Some((v, mut at)) = integer(line) else { return Err(words.expected("a vertex index")) };
         let v = match resolve(v, seen.vertices, total.vertices) {
             Some(v) => v,
-            None => return Err(outside(words, "vertex", total.vertices)),
+            None => return Err(outside(words, ["vertex", "vertices"], total.vertices)),
         };
         let (mut vt, mut vn) = (NONE, NONE);
         if line.get(at) == Some(&b'/') {
@@ -93,7 +94,13 @@ impl Corners {
                 match resolve(i, seen.texcoords, total.texcoords) {
                     Some(i) => vt = i,
                     None if total.texcoords == 0 => self.pointless += 1,
-                    None => return Err(outside(words, "texture coordinate", total.texcoords)),
+                    None => {
+                        return Err(outside(
+                            words,
+                            ["texture coordinate", "texture coordinates"],
+                            total.texcoords,
+                        ));
+                    }
                 }
             }
             if line.get(at) == Some(&b'/') {
@@ -103,7 +110,7 @@ impl Corners {
                     match resolve(i, seen.normals, total.normals) {
                         Some(i) => vn = i,
                         None if total.normals == 0 => self.pointless += 1,
-                        None => return Err(outside(words, "normal", total.normals)),
+                        None => return Err(outside(words, ["normal", "normals"], total.normals)),
                     }
                 }
             }
@@ -155,9 +162,7 @@ fn resolve(index: i64, seen: u64, total: u64) -> Option<u32> {
 }
 
 #[cold]
-fn outside(words: &Words, what: &str, total: u64) -> ReadError {
-    words.expected(match total {
-        0 => format!("a {what} that an index could name (the file holds none)"),
-        _ => format!("a {what} index from 1 to {total}, or below 0 to count from the last one back"),
-    })
+fn outside(words: &Words, [what, plural]: [&str; 2], total: u64) -> ReadError {
+    let range = || format!("a {what} index from 1 to {total}, or below 0 to count from the last one back");
+    words.expected(expected_index(what, plural, total, range))
 }

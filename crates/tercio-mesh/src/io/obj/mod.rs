@@ -37,8 +37,8 @@ pub fn read(input: &Input, options: &ReadOptions) -> Result<ReadModel, ReadError
     // Small enough to share the work evenly, large enough that the arrays of a stretch are worth having.
     let step = (text.len() / (8 * rayon::current_num_threads())).clamp(1 << 16, 1 << 22);
     let step = input.stretch(step);
-    let parts = lines::split(&text, step, |bytes| input.was_read(bytes));
-    input.check_parts(&parts, options)?;
+    let parts = lines::split(&text, step, |bytes| input.consumed(bytes));
+    input.check_chunk_lengths(&parts, options)?;
     let mut model = read_stretches(input, options, &parts)?;
     model.report.warnings.splice(0..0, odd);
     Ok(model)
@@ -53,7 +53,7 @@ fn read_stretches(input: &Input, options: &ReadOptions, parts: &[&[u8]]) -> Resu
         .par_iter()
         .map(|part| {
             let counts = Counts::of(part);
-            input.was_read(part.len());
+            input.consumed(part.len());
             counts
         })
         .collect();
@@ -79,7 +79,7 @@ fn read_stretches(input: &Input, options: &ReadOptions, parts: &[&[u8]]) -> Resu
         .into_par_iter()
         .map(|(part, context, slots)| {
             let chunk = parse::parse(part, &context, slots);
-            input.was_read(part.len());
+            input.consumed(part.len());
             if let Some(p) = options.progress {
                 p.advance(part.len() as u64);
             }

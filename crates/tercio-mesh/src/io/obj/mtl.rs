@@ -6,7 +6,7 @@ use std::collections::HashSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use crate::io::companions::{self, relative};
+use crate::io::companions::{self, absolute, relative};
 use crate::mesh::FileMaterial;
 
 use super::lines::{Lines, join};
@@ -91,8 +91,9 @@ impl<'a> Libraries<'a> {
                 None => {
                     let len = words[first..].iter().position(|w| w.to_ascii_lowercase().ends_with(".mtl"));
                     let end = len.map_or(words.len(), |n| first + n + 1);
-                    let name = shortened(words[first..end].join(" "));
-                    warnings.push(format!("found no material library \"{name}\""));
+                    let name = words[first..end].join(" ");
+                    companions.extend(absolute(&name));
+                    warnings.push(format!("found no material library \"{}\"", shortened(name)));
                     first = end;
                 }
             }
@@ -122,14 +123,17 @@ impl<'a> Libraries<'a> {
 
     fn load_one(&mut self, name: &str, companions: &mut Vec<PathBuf>, warnings: &mut Vec<String>) {
         let path = self.base.join(relative(name));
+        let elsewhere = absolute(name);
         // A library that is named again, in whatever way, says nothing new.
         if let Ok(place) = fs::canonicalize(&path)
             && !self.loaded.insert(place)
         {
+            companions.extend(elsewhere);
             return;
         }
         // Also one that is not read: an output must not replace it.
         companions.push(path.clone());
+        companions.extend(elsewhere);
         match fs::metadata(&path) {
             Ok(m) if m.len() > MAX_BYTES => {
                 warnings.push(format!("did not read the material library \"{name}\": it is too large"));
@@ -347,6 +351,25 @@ mod tests {
         companions.clear();
         libraries.note_unread(b"a.mtl  b.mtl", &mut companions);
         assert_eq!(companions, ["a.mtl b.mtl", "a.mtl", "b.mtl"].map(|name| folder.path().join(name)));
+    }
+
+    #[test]
+    fn textures_and_libraries_with_absolute_names_are_noted() {
+        let (folder, elsewhere) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+        let there = |name: &str| elsewhere.path().join(name);
+        for name in ["t.png", "a.mtl", "b.mtl"] {
+            fs::write(there(name), "").unwrap();
+        }
+        let library = format!("newmtl a\nmap_Kd {}\n", there("t.png").display());
+        fs::write(folder.path().join("a.mtl"), library).unwrap();
+        let mut libraries = Libraries::new(folder.path());
+        let mut companions = Vec::new();
+        for name in ["a.mtl", "b.mtl"] {
+            libraries.load(there(name).to_str().unwrap().as_bytes(), &mut companions, &mut Vec::new());
+        }
+        let here = |name: &str| folder.path().join(name);
+        let expected = [here("a.mtl"), there("a.mtl"), here("t.png"), there("t.png"), there("b.mtl")];
+        assert_eq!(companions, expected);
     }
 
     #[test]

@@ -41,7 +41,7 @@ impl<'a> Names<'a> {
             faces += u64::from(chunk.corners.faces());
             // Names stand in the file, wherever they are asked for.
             if !of(chunk).is_empty() {
-                input.was_read(input.stretch(usize::MAX).min(1 << 20));
+                input.consumed(input.stretch(usize::MAX).min(1 << 20));
             }
         }
         all.retain(|&(face, _)| face < faces);

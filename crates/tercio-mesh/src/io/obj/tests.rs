@@ -9,6 +9,10 @@ fn input(text: &[u8]) -> Input {
     Input::from_bytes("a.obj", text.to_vec(), &ReadOptions::default()).unwrap()
 }
 
+fn looks_like(bytes: &[u8]) -> bool {
+    super::looks_like(&input(bytes))
+}
+
 fn model(text: &str) -> ReadModel {
     read(&input(text.as_bytes()), &ReadOptions::default()).unwrap_or_else(|e| panic!("{e}"))
 }
@@ -270,7 +274,19 @@ fn a_file_without_a_vertex_is_no_model() {
     }
     let (line, expected, found) = error("# no vertices\nf 1 2 3\n");
     assert_eq!((line, found.as_str()), (2, "\"1\""));
-    assert_eq!(expected, "a vertex that an index could name (the file holds none)");
+    assert_eq!(expected, "no vertex indices (the file has no vertices)");
+}
+
+#[test]
+fn companions_stand_in_the_order_of_the_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let names: Vec<String> = (0..40).map(|i| format!("{}.mtl", i * 7 % 40)).collect();
+    let lines: String = names.iter().map(|name| format!("mtllib {name}\nmtllib {}\n", names[0])).collect();
+    let mut input = input(format!("{lines}{SQUARE}f 1 2 3\n").as_bytes());
+    input.base = Some(folder.path().into());
+    let model = read(&input, &ReadOptions::default()).unwrap();
+    let expected: Vec<_> = names.iter().map(|name| folder.path().join(name)).collect();
+    assert_eq!(model.report.companions, expected);
 }
 
 #[test]

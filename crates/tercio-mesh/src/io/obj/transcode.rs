@@ -57,7 +57,7 @@ pub fn text<'a>(
         warnings.push(MARK_WARNING.into());
     }
     let mut text = convert(bytes);
-    let length = unpadded(&text).len();
+    let length = input.unpadded(&text).len();
     if length < text.len() {
         let padding = counted((text.len() - length) as u64, "zero byte");
         warnings.push(format!("ignored {padding} at the end"));
@@ -75,12 +75,6 @@ pub const MARK_WARNING: &str = "ignored the byte order mark at the front";
 /// What stands behind a byte order mark of UTF-8, if there is one.
 pub fn without_mark(bytes: &[u8]) -> Option<&[u8]> {
     bytes.strip_prefix(MARK)
-}
-
-/// The bytes without the zeros at the end, which what fills blocks leaves there.
-pub fn unpadded(bytes: &[u8]) -> &[u8] {
-    let length = bytes.iter().rposition(|&b| b != 0).map_or(0, |last| last + 1);
-    bytes.get(..length).unwrap_or_default()
 }
 
 /// The text of the first `limit` bytes, to find out what it is.

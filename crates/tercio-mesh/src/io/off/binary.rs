@@ -1,12 +1,12 @@
 //! Vertices and faces of binary files: three counts, then the vertices, then each face as its number of corners,
 //! their vertices, and the components of its colour with their number. All of 32 bits, integers and floats.
 
-use crate::error::{Place, counted};
+use crate::error::{Place, counted, expected_vertex};
 use crate::io::{ReadModel, ReadOptions, input::Input};
 use crate::{OctNormal, ReadError};
 
-use super::body::{self, Faces, Vertices, Work};
-use super::header::{Header, expected_vertex};
+use super::body::{self, Faces, Scratch, Vertices};
+use super::header::Header;
 
 /// What programs do differently.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,12 +25,21 @@ const LAYOUTS: [Layout; 4] = [
     Layout { big_endian: false, colors: false },
 ];
 
+/// Bytes between two reports of what was consumed.
+const STEP: usize = 1 << 16;
+
+/// Corners of a face that is so large that there may be no room for it.
+const LARGE: usize = 1 << 16;
+
 /// The bytes of a file and how far they are read.
 #[derive(Clone, Copy)]
 struct Words<'a> {
-    file: &'a str,
+    input: &'a Input,
+    options: &'a ReadOptions<'a>,
     bytes: &'a [u8],
     at: usize,
+    /// Up to where they were reported as consumed.
+    told: usize,
     layout: Layout,
 }
 
@@ -51,7 +60,8 @@ pub fn read(
     mut header: Header,
     at: usize,
 ) -> Result<ReadModel, ReadError> {
-    let begin = |layout| Words { file: &input.name, bytes: input.bytes(), at, layout };
+    let begin = |layout| Words { input, options, bytes: input.bytes(), at, told: at, layout };
+    options.check_memory(&input.name, "the file", input.held_bytes())?;
     if let Some(p) = options.progress {
         p.begin("parsing", input.bytes().len() as u64);
     }
@@ -80,9 +90,10 @@ pub fn read(
 
     let vertices = words.vertices(&header)?;
     let mut faces = Faces::with_room(&header);
-    let mut work = Work::default();
+    let mut scratch = Scratch::default();
     words.faces(&header, |polygon, color| {
-        faces.push(&input.name, polygon, color, &vertices.positions, &mut work)
+        // Colours of two components were refused.
+        faces.push(&input.name, polygon, color, &vertices.positions, &mut scratch).map(drop)
     })?;
     if let Some(p) = options.progress {
         p.advance(input.bytes().len() as u64);
@@ -111,16 +122,17 @@ impl Words<'_> {
         let mut header = header.clone();
         self.counts(&mut header)?;
         self.at += self.vertex_bytes(&header) as usize;
+        self.told = self.at;
         let mut triangles = 0;
-        self.faces(&header, |polygon, color| {
+        self.faces(&header, |polygon, _| {
             triangles += polygon.len().saturating_sub(2) as u64;
-            Ok(color.len() != 2)
+            Ok(())
         })?;
         Ok(Extent { end: self.at, triangles })
     }
 
     fn is_rest_empty(&self, at: usize) -> bool {
-        self.bytes.get(at..).unwrap_or_default().iter().all(|&b| b == 0)
+        self.input.all(self.bytes.get(at..).unwrap_or_default(), |b| b == 0)
     }
 
     /// Bytes of all vertices; a number that no file reaches where they are too many.
@@ -179,11 +191,11 @@ impl Words<'_> {
         Ok(vertices)
     }
 
-    /// Reads the faces and hands out their corners and colours; `take` says if it can use the colour.
+    /// Reads the faces and hands out their corners and colours, of 0, 1, 3 or 4 components.
     fn faces(
         &mut self,
         header: &Header,
-        mut take: impl FnMut(&[u32], &[f32]) -> Result<bool, ReadError>,
+        mut take: impl FnMut(&[u32], &[f32]) -> Result<(), ReadError>,
     ) -> Result<(), ReadError> {
         // What other programs write has no smaller ones; a 0 there is a colour's number of components.
         let least = if self.layout == LAYOUTS[0] { 0 } else { 3 };
@@ -197,6 +209,11 @@ impl Words<'_> {
                 return Err(self.expected(&expected, &corners.to_string()));
             }
             polygon.clear();
+            if corners as usize > LARGE {
+                // As a vector that grows takes it.
+                let needed = self.input.held_bytes() + 8 * corners as u64;
+                self.options.check_memory(&self.input.name, "a face", needed)?;
+            }
             for _ in 0..corners {
                 let vertex = self.word("a vertex of a face")?;
                 match u32::try_from(vertex) {
@@ -227,6 +244,10 @@ impl Words<'_> {
     fn next(&mut self) -> Option<[u8; 4]> {
         let word = *self.bytes.get(self.at..)?.first_chunk()?;
         self.at += 4;
+        if self.at >= self.told + STEP {
+            self.input.consumed(self.at - self.told);
+            self.told = self.at;
+        }
         Some(word)
     }
 
@@ -243,7 +264,7 @@ impl Words<'_> {
     #[cold]
     fn expected(&self, expected: &str, found: &str) -> ReadError {
         ReadError::Malformed {
-            file: self.file.into(),
+            file: self.input.name.clone(),
             place: Place::Byte(self.at as u64),
             expected: expected.into(),
             found: found.into(),

@@ -1,13 +1,13 @@
 //! Vertices and faces of ASCII files, and the mesh that becomes of them.
 
-use crate::error::counted;
+use crate::error::{counted, expected_vertex, ignored_empty_faces};
 use crate::io::text::Cursor;
 use crate::io::{NotDrawn, ReadModel, ReadOptions, ReadReport, input::Input};
 use crate::mesh::{MAX_ELEMENTS, localize};
 use crate::polygon::Triangulator;
 use crate::{Mesh, OctNormal, ReadError};
 
-use super::header::{Header, expected_vertex, float, integer, line_is_over, skip_to_word};
+use super::header::{Header, float, integer, line_is_over};
 
 /// Bytes between two reports of progress.
 const STEP: usize = 1 << 16;
@@ -36,12 +36,33 @@ impl Reporter<'_> {
         if cursor.offset() - self.told >= STEP {
             let read = cursor.offset() - self.told;
             self.told = cursor.offset();
-            self.input.was_read(read);
+            self.input.consumed(read);
             if let Some(p) = self.options.progress {
                 p.advance(read as u64);
             }
         }
     }
+
+    /// Skips white space and comments, which may be longer than all else.
+    #[inline]
+    fn skip_to_word(&mut self, cursor: &mut Cursor) {
+        loop {
+            while !cursor.skip_space_up_to(STEP) {
+                self.tell(cursor);
+            }
+            if cursor.rest().first() != Some(&b'#') {
+                return;
+            }
+            cursor.skip_line();
+            self.tell(cursor);
+        }
+    }
+}
+
+/// Skips white space and comments in front of the counts.
+pub fn skip_to_word(input: &Input, cursor: &mut Cursor) {
+    let told = cursor.offset();
+    Reporter { input, options: &ReadOptions::default(), told }.skip_to_word(cursor);
 }
 
 /// All vertices of a file.
@@ -86,7 +107,7 @@ pub fn read(
     let file = input.name.as_str();
     let vertices = read_vertices(file, &header, &mut cursor, &mut reporter)?;
     let faces = read_faces(input, &header, &mut cursor, &vertices.positions, &mut reporter)?;
-    skip_to_word(&mut cursor);
+    reporter.skip_to_word(&mut cursor);
     if !cursor.is_at_end() {
         let warning = format!("ignored what stands behind the last face, from line {}", cursor.line());
         header.warnings.push(warning);
@@ -116,7 +137,7 @@ pub fn check_counts(input: &Input, options: &ReadOptions, header: &Header) -> Re
 pub fn model(input: &Input, header: Header, vertices: Vertices, faces: Faces, format: String) -> ReadModel {
     let mut warnings = header.warnings;
     if faces.empty > 0 {
-        warnings.push(format!("ignored {} of the faces, which have no corners", faces.empty));
+        warnings.push(ignored_empty_faces(faces.empty));
     }
     for (colors, whose) in [(&vertices.colors, "vertices"), (&faces.colors, "faces")] {
         if colors.broken > 0 {
@@ -161,7 +182,7 @@ fn read_vertices(
     let mut vertices = Vertices::with_room(header);
     for i in 0..header.vertices {
         let mut number = |what: &str| {
-            skip_to_word(cursor);
+            reporter.skip_to_word(cursor);
             float(cursor)
                 .ok_or_else(|| cursor.expected(file, format!("{what} of vertex {i} of {}", header.vertices)))
         };
@@ -238,10 +259,10 @@ fn read_faces(
 ) -> Result<Faces, ReadError> {
     let file = input.name.as_str();
     let mut faces = Faces::with_room(header);
-    let mut work = Work::default();
+    let mut scratch = Scratch::default();
     let mut polygon = Vec::new();
     for i in 0..header.faces {
-        skip_to_word(cursor);
+        reporter.skip_to_word(cursor);
         let before = cursor.clone();
         let corners = match integer(cursor) {
             // Each corner takes at least a digit and a blank.
@@ -256,7 +277,7 @@ fn read_faces(
         polygon.clear();
         for _ in 0..corners {
             reporter.tell(cursor);
-            skip_to_word(cursor);
+            reporter.skip_to_word(cursor);
             let before = cursor.clone();
             match integer(cursor).and_then(|v| u32::try_from(v).ok()) {
                 Some(v) if u64::from(v) < header.vertices => polygon.push(v),
@@ -267,7 +288,7 @@ fn read_faces(
         }
         let (numbers, count) = rest_of_line(file, cursor, "a colour of a face")?;
         let numbers = numbers.get(..count).unwrap_or_default();
-        if !faces.push(file, &polygon, numbers, positions, &mut work)? {
+        if !faces.push(file, &polygon, numbers, positions, &mut scratch)? {
             return Err(
                 cursor.expected(file, format!("a colour of three or four numbers instead of {count}"))
             );
@@ -292,7 +313,7 @@ impl Vertices {
 
 /// What cutting polygons needs.
 #[derive(Default)]
-pub struct Work {
+pub struct Scratch {
     triangulator: Triangulator,
     points: Vec<[f64; 3]>,
 }
@@ -316,7 +337,7 @@ impl Faces {
         polygon: &[u32],
         color: &[f32],
         positions: &[[f64; 3]],
-        work: &mut Work,
+        scratch: &mut Scratch,
     ) -> Result<bool, ReadError> {
         if polygon.len() < 3 {
             match polygon.len() {
@@ -333,9 +354,9 @@ impl Faces {
         if let &[a, b, c] = polygon {
             self.triangles.push([a, b, c]);
         } else {
-            work.points.clear();
-            work.points.extend(polygon.iter().map(|&v| positions[v as usize]));
-            work.triangulator.triangulate(&work.points, |t| self.triangles.push(t.map(|k| polygon[k])));
+            scratch.points.clear();
+            scratch.points.extend(polygon.iter().map(|&v| positions[v as usize]));
+            scratch.triangulator.triangulate(&scratch.points, |t| self.triangles.push(t.map(|k| polygon[k])));
         }
         let count = self.triangles.len() as u64;
         if count > MAX_ELEMENTS {

@@ -280,11 +280,3 @@ pub fn parse_counts(file: &str, header: &mut Header, cursor: &mut Cursor) -> Res
     }
     Ok(())
 }
-
-/// Names the vertex numbers that there are, for errors.
-pub fn expected_vertex(vertices: u64) -> String {
-    match vertices {
-        0 => "a vertex that a number could name (the file holds none)".into(),
-        n => format!("a vertex number from 0 to {}", n - 1),
-    }
-}

@@ -48,12 +48,17 @@ pub fn read(input: &Input, options: &ReadOptions) -> Result<ReadModel, ReadError
         }
         _ => {
             let text = transcode::text(input, options, &mut odd)?;
+            let pieces = text.len() / input.stretch(text.len().max(1));
+            let lines = text::split_lines(&text, pieces, |bytes| input.consumed(bytes));
             let (mut header, encoding) = header::parse_keyword(&input.name, &text)?;
             let mut cursor = match encoding {
                 Encoding::Ascii(cursor) => cursor,
                 // Only in UTF-16, of which the rest is no binary data.
                 Encoding::Binary(_) => text::Cursor::new(b"", 1),
             };
+            // One line is looked at at a time.
+            input.check_chunk_lengths(&lines, options)?;
+            body::skip_to_word(input, &mut cursor);
             header::parse_counts(&input.name, &mut header, &mut cursor)?;
             body::read(input, options, header, cursor)?
         }

@@ -147,10 +147,17 @@ fn a_stray_line_before_the_keyword_is_read_over() {
 #[test]
 fn a_face_in_a_file_without_vertices_is_told_so() {
     let error = read(&input(b"OFF\n0 1 0\n3 0 1 2\n"), &ReadOptions::default()).unwrap_err().to_string();
-    assert_eq!(
-        error,
-        "a.off: line 3: expected a vertex that a number could name (the file holds none), found \"0\""
-    );
+    assert_eq!(error, "a.off: line 3: expected no vertex indices (the file has no vertices), found \"0\"");
+}
+
+#[test]
+fn one_and_many_are_told_in_words_that_fit() {
+    for (faces, told) in
+        [("0\n", "ignored 1 face that has no corners"), ("0\n0\n", "ignored 2 faces that have no corners")]
+    {
+        let m = model(&format!("OFF\n4 {} 0\n{BODY}{faces}", 2 + faces.len() / 2));
+        assert_eq!(m.report.warnings, [told]);
+    }
 }
 
 #[test]

@@ -17,8 +17,8 @@ use super::layout::TELL;
 use super::plan::{Plan, Role};
 use super::row::{Row, Spacing, Trouble};
 use super::table::{Lists, Slots, Table, put_row};
-use crate::error::{Place, ReadError};
-use crate::io::text::{Cursor, split_lines};
+use crate::error::{Place, ReadError, counted};
+use crate::io::text::{Cursor, is_space, split_lines};
 
 /// Reads all elements.
 pub(super) fn read(job: &Job, header: &Header, plans: &[Plan]) -> Result<Vec<Table>, ReadError> {
@@ -57,8 +57,8 @@ pub(super) fn read(job: &Job, header: &Header, plans: &[Plan]) -> Result<Vec<Tab
             // Tell of the reading that was the better guess: the one by line where the first line out of
             // step was too long, none was too short and there is one for every instance; else the one that
             // came farther.
-            let lines = body.iter().filter(|&&b| b == b'\n').count();
-            let rows: usize = plans.iter().map(|p| p.rows).sum();
+            let lines = job.input.count(&body, |b| b == b'\n');
+            let rows: u64 = plans.iter().map(|p| p.rows as u64).sum();
             let prefer_lines = too_long && matches!(by_line, Trouble::Wrong(_)) && lines >= rows;
             let (free, by_line) = (free.into_error(), by_line.into_error());
             Err(if prefer_lines || line_of(&by_line) > line_of(&free) { by_line } else { free })
@@ -97,8 +97,9 @@ impl Reading {
     fn finish(mut self, text: &Text) -> Vec<Table> {
         for (i, &lines) in self.surplus.iter().enumerate().filter(|&(_, &lines)| lines > 0) {
             let (Some(element), Some(plan)) = (text.elements.get(i), text.plans.get(i)) else { continue };
-            let mut warning =
-                format!("{lines} lines of element {} hold more than the header declares", element.name);
+            let hold = if lines == 1 { "holds" } else { "hold" };
+            let (lines, name) = (counted(lines, "line"), &element.name);
+            let mut warning = format!("{lines} of element {name} {hold} more than the header declares");
             // Behind a list that is not declared, scalars do not stand where the header says.
             if plan.role == Role::Faces && !plan.fields.is_empty() {
                 warning += "; colours and attributes of the faces are left out";
@@ -145,10 +146,10 @@ struct Stretch {
 fn in_parallel(text: &Text) -> Result<Reading, Trouble> {
     let step = (text.body.len() / (rayon::current_num_threads() * 8)).max(1);
     let pieces = text.body.len() / text.job.input.stretch(step);
-    let chunks = split_lines(text.body, pieces, |bytes| text.job.input.was_read(bytes));
-    text.job.input.check_parts(&chunks, text.job.options).map_err(Trouble::Wrong)?;
+    let chunks = split_lines(text.body, pieces, |bytes| text.job.input.consumed(bytes));
+    text.job.input.check_chunk_lengths(&chunks, text.job.options).map_err(Trouble::Wrong)?;
     let lines = |chunk: &&[u8]| {
-        text.job.input.was_read(chunk.len());
+        text.job.input.consumed(chunk.len());
         chunk.iter().filter(|&&b| b == b'\n').count()
     };
     let lines: Vec<usize> = chunks.par_iter().map(lines).collect();
@@ -185,7 +186,7 @@ fn in_parallel(text: &Text) -> Result<Reading, Trouble> {
                 lists.push((segment.element, read_segment(text, segment, &mut cursor)?));
             }
             text.job.advance(chunk.len() as u64);
-            text.job.input.was_read(chunk.len());
+            text.job.input.consumed(chunk.len());
             cursor.skip_space();
             Ok(Stretch { lists, trailing: !cursor.is_at_end() })
         })
@@ -233,7 +234,7 @@ fn in_sequence(text: &Text, spacing: Spacing) -> Result<Reading, Trouble> {
         let mut told = cursor.offset();
         for row in 0..plan.rows {
             if cursor.offset() - told >= TELL {
-                text.job.input.was_read(cursor.offset() - told);
+                text.job.input.consumed(cursor.offset() - told);
                 told = cursor.offset();
             }
             cursor.skip_space();
@@ -247,6 +248,6 @@ fn in_sequence(text: &Text, spacing: Spacing) -> Result<Reading, Trouble> {
         drop(slots);
         table.lists.push(lists);
     }
-    cursor.skip_space();
-    Ok(Reading { tables, trailing: !cursor.is_at_end(), surplus })
+    let trailing = !text.job.input.all(cursor.rest(), is_space);
+    Ok(Reading { tables, trailing, surplus })
 }

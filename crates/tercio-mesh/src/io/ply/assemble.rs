@@ -13,7 +13,7 @@ use super::header::Header;
 use super::plan::{Plan, Role};
 use super::table::{Column, Table};
 use super::wedges;
-use crate::error::{ReadError, counted};
+use crate::error::{ReadError, counted, ignored_empty_faces};
 use crate::io::{ReadModel, ReadReport, companions};
 use crate::mesh::{MAX_ELEMENTS, choose_origin, localize};
 use crate::{Aabb, Attribute, AttributeDomain, FileMaterial, Mesh};
@@ -57,7 +57,7 @@ pub(super) fn model(
         report.not_drawn.lines += lines;
         report.faces -= empty + points + lines;
         if empty > 0 {
-            job.warn(format!("ignored {empty} of the faces, which have no corners"));
+            job.warn(ignored_empty_faces(empty));
         }
     }
     if let Some((_, table)) = of_role(Role::Strips, &mut tables) {
@@ -147,8 +147,11 @@ fn split_wedges(job: &Job, mesh: &mut Mesh, table: &mut Table) -> Result<(), Rea
         let count = vertices as u64 + corners;
         return Err(ReadError::TooMany { file: job.file.into(), what: "vertices", count });
     };
-    if split.faces_without > 0 {
-        job.warn(format!("{} faces have no texture coordinates at their corners", split.faces_without));
+    let without = split.faces_without;
+    if without > 0 {
+        let (have, their) = if without == 1 { ("has", "its") } else { ("have", "their") };
+        let faces = counted(without, "face");
+        job.warn(format!("{faces} {have} no texture coordinates at {their} corners"));
     }
     job.reserve("vertices copied at texture seams", 32 * split.copied.len() as u64)?;
     repeat(&mut mesh.positions, &split.copied);

@@ -174,7 +174,7 @@ impl Uniform<'_> {
                         good.store(false, Relaxed);
                     }
                 }
-                job.input.was_read(rows * self.stride);
+                job.input.consumed(rows * self.stride);
             }
             job.advance(here as u64);
         });
@@ -275,7 +275,7 @@ impl Uniform<'_> {
                 return error;
             }
             lists = Lists::default();
-            self.binary.input.was_read(self.stride);
+            self.binary.input.consumed(self.stride);
         }
         malformed(self.binary.file, Place::File, self.plan.expected_vertex(), "something else")
     }
@@ -312,11 +312,11 @@ fn read_ragged(
                 walk_row(binary, element, plan, first + row, &mut at, &mut values, &mut lists)?;
                 put_row(plan, &mut slots, row, &values);
                 if at - told >= TELL {
-                    job.input.was_read(at - told);
+                    job.input.consumed(at - told);
                     told = at;
                 }
             }
-            job.input.was_read(at - told);
+            job.input.consumed(at - told);
             job.advance(here as u64);
             Ok(lists)
         })
@@ -376,7 +376,7 @@ fn walk_row(
                         break;
                     }
                     if length > LONG {
-                        binary.input.was_read(items.len());
+                        binary.input.consumed(items.len());
                     }
                 }
                 if lists.corners.len() - before == length {
@@ -396,7 +396,7 @@ fn walk_row(
             for i in 1..=length {
                 lists.wedges.push(take(at, item)? as f32);
                 if i % LONG == 0 {
-                    binary.input.was_read(LONG * item.size());
+                    binary.input.consumed(LONG * item.size());
                 }
             }
         } else {

@@ -123,13 +123,16 @@ pub(super) struct Header {
     pub(super) warnings: Vec<String>,
 }
 
+/// No line says anything behind so many bytes.
+const LONGEST_LINE: usize = 1 << 16;
+
 /// Cuts off the line at the front of `bytes`; gives the line and where the next one begins.
-fn cut_line(bytes: &[u8], at: usize, line_end: u8) -> (&[u8], usize) {
+fn cut_line<'b>(input: &Input, bytes: &'b [u8], at: usize, line_end: u8) -> (&'b [u8], usize) {
     let rest = bytes.get(at..).unwrap_or_default();
-    match rest.iter().position(|&b| b == line_end) {
-        Some(n) => (rest.split_at(n).0.trim_ascii(), at + n + 1),
-        None => (rest.trim_ascii(), bytes.len()),
-    }
+    let end = input.position(rest, |b| b == line_end);
+    let length = end.unwrap_or(rest.len());
+    let line = rest.get(..length.min(LONGEST_LINE)).unwrap_or_default();
+    (line.trim_ascii(), end.map_or(bytes.len(), |n| at + n + 1))
 }
 
 /// Reads the header.
@@ -137,14 +140,14 @@ pub(super) fn parse(input: &Input, bytes: &[u8]) -> Result<Header, ReadError> {
     let file = input.name.as_str();
     // The first line tells how lines end: the body of a binary file may begin with a byte that looks like
     // the second half of CR LF.
-    let magic = bytes.iter().position(|b| !b.is_ascii_whitespace()).unwrap_or(bytes.len());
+    let magic = input.position(bytes, |b| !b.is_ascii_whitespace()).unwrap_or(bytes.len());
     let first_end = bytes.iter().skip(magic).position(|&b| b == b'\r' || b == b'\n').map(|n| magic + n);
     let carriage_returns =
         first_end.is_some_and(|n| bytes.get(n) == Some(&b'\r') && bytes.get(n + 1) != Some(&b'\n'));
     let line_end = if carriage_returns { b'\r' } else { b'\n' };
 
-    let mut line = 1 + bytes.iter().take(magic).filter(|&&b| b == line_end).count() as u64;
-    let (word, mut at) = cut_line(bytes, magic, line_end);
+    let mut line = 1 + input.count(bytes.get(..magic).unwrap_or_default(), |b| b == line_end);
+    let (word, mut at) = cut_line(input, bytes, magic, line_end);
     if word != b"ply" {
         return Err(malformed(file, Place::Line(line), "\"ply\"", printable(word)));
     }
@@ -165,8 +168,8 @@ pub(super) fn parse(input: &Input, bytes: &[u8]) -> Result<Header, ReadError> {
         if at >= bytes.len() {
             return Err(malformed(file, place, "\"end_header\"", "the end of the file"));
         }
-        let (text, next) = cut_line(bytes, at, line_end);
-        input.was_read(next - at);
+        let (text, next) = cut_line(input, bytes, at, line_end);
+        input.consumed(next - at);
         at = next;
         let mut words = text.split(u8::is_ascii_whitespace).filter(|w| !w.is_empty());
         let mut word = || words.next().unwrap_or_default();

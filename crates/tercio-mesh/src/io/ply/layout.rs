@@ -73,7 +73,7 @@ fn uniform(binary: &Binary, element: &Element, rows: usize, at: usize) -> Option
             let agrees = lists.iter().all(|&(count, offset, length)| {
                 all_counts_are(count, binary.big, block, stride, offset, length as f64)
             });
-            binary.input.was_read(block.len());
+            binary.input.consumed(block.len());
             agrees
         };
         let rows = binary.input.stretch(stride.checked_mul(BLOCK)?).checked_div(stride)?.max(1);
@@ -121,7 +121,7 @@ fn scan(binary: &Binary, element: &Element, rows: usize, at: usize) -> Result<(L
             starts.push(at);
         }
         if at - told >= TELL {
-            binary.input.was_read(at - told);
+            binary.input.consumed(at - told);
             told = at;
         }
         let cut = |at, what: String| {

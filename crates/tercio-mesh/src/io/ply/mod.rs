@@ -31,8 +31,8 @@ use header::Encoding;
 use plan::Role;
 
 /// Does the content look like this format?
-pub fn looks_like(bytes: &[u8]) -> bool {
-    start(bytes).is_some()
+pub fn looks_like(input: &Input) -> bool {
+    start(input).is_some()
 }
 
 /// Where the line "ply" begins, and what stands before it. Nothing should; a byte order mark, blank lines and one
@@ -43,17 +43,22 @@ struct Start {
     warning: Option<String>,
 }
 
-fn start(bytes: &[u8]) -> Option<Start> {
+fn start(input: &Input) -> Option<Start> {
+    let bytes = input.bytes();
+    let without_space = |text| {
+        let space = input.position(text, |b| !b.is_ascii_whitespace()).unwrap_or(text.len());
+        text.get(space..).unwrap_or_default()
+    };
     let marked = transcode::without_mark(bytes);
     let mut warning = marked.map(|_| transcode::MARK_WARNING.to_owned());
-    let mut text = marked.unwrap_or(bytes).trim_ascii_start();
+    let mut text = without_space(marked.unwrap_or(bytes));
     let is_magic = |text: &[u8]| text.starts_with(b"ply") && text.get(3).is_none_or(u8::is_ascii_whitespace);
     if !is_magic(text) {
         let length = text.iter().take(1 << 12).position(|b| matches!(b, b'\n' | b'\r'))?;
         let (line, rest) = text.split_at(length);
-        text = rest.trim_ascii_start();
+        text = without_space(rest);
         // Without the line of the format, another text may well tell of PLY.
-        let second = text.get(3..).unwrap_or_default().trim_ascii_start();
+        let second = without_space(text.get(3..).unwrap_or_default());
         if !is_magic(text) || !second.starts_with(b"format ") {
             return None;
         }
@@ -61,8 +66,12 @@ fn start(bytes: &[u8]) -> Option<Start> {
     }
     let at = bytes.len() - text.len();
     let before = bytes.get(..at).unwrap_or_default();
-    let ends = |end: u8| before.iter().filter(|&&b| b == end).count() as u64;
-    Some(Start { at, lines: if before.contains(&b'\n') { ends(b'\n') } else { ends(b'\r') }, warning })
+    let ends = |end: u8| input.count(before, |b| b == end);
+    let lines = match ends(b'\n') {
+        0 => ends(b'\r'),
+        n => n,
+    };
+    Some(Start { at, lines, warning })
 }
 
 /// Reads it.
@@ -75,8 +84,7 @@ fn start(bytes: &[u8]) -> Option<Start> {
 /// # Errors
 /// Any [`ReadError`].
 pub fn read(input: &Input, options: &ReadOptions) -> Result<ReadModel, ReadError> {
-    let Start { at, lines, warning } =
-        start(input.bytes()).unwrap_or(Start { at: 0, lines: 0, warning: None });
+    let Start { at, lines, warning } = start(input).unwrap_or(Start { at: 0, lines: 0, warning: None });
     let bytes = input.bytes().get(at..).unwrap_or_default();
     read_from(input, bytes, options, warning).map_err(|error| error.behind(lines, at as u64))
 }
@@ -90,11 +98,13 @@ fn read_from(
 ) -> Result<ReadModel, ReadError> {
     let mut header = header::parse(input, bytes)?;
     header.warnings.splice(0..0, warning);
-    let text = transcode::unpadded(bytes);
-    if header.encoding == Encoding::Ascii && text.len() < bytes.len() {
-        let padding = counted((bytes.len() - text.len()) as u64, "zero byte");
-        header.warnings.push(format!("ignored {padding} at the end"));
-        bytes = text;
+    if header.encoding == Encoding::Ascii {
+        let text = input.unpadded(bytes);
+        if text.len() < bytes.len() {
+            let padding = counted((bytes.len() - text.len()) as u64, "zero byte");
+            header.warnings.push(format!("ignored {padding} at the end"));
+            bytes = text;
+        }
     }
     let job = Job {
         input,

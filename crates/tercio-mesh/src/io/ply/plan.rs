@@ -2,7 +2,7 @@
 
 use super::header::{Element, Encoding, Header, Scalar, Shape};
 use super::malformed;
-use crate::error::{Place, ReadError, counted};
+use crate::error::{Place, ReadError, counted, expected_vertex};
 use crate::mesh::MAX_ELEMENTS;
 
 /// What an element is to the mesh.
@@ -90,10 +90,7 @@ impl Plan {
 
     /// Names what [`Plan::vertex`] takes, for errors.
     pub(super) fn expected_vertex(&self) -> String {
-        match self.vertices {
-            0 => "a vertex that a number could name (the file holds none)".into(),
-            n => format!("a vertex number from 0 to {}", n - 1),
-        }
+        expected_vertex(self.vertices.into())
     }
 
     /// Bytes of memory for the scalar properties.
@@ -198,8 +195,8 @@ pub(super) fn make(
         }
         plans.push(plan);
     }
-    elements.finish(warnings, "elements");
-    lists.finish(warnings, "list properties");
+    elements.finish(warnings, ["element", "elements"]);
+    lists.finish(warnings, ["list property", "list properties"]);
     Ok(plans)
 }
 
@@ -286,9 +283,10 @@ impl Ignored {
         }
     }
 
-    fn finish(self, warnings: &mut Vec<String>, what: &str) {
+    fn finish(self, warnings: &mut Vec<String>, [one, many]: [&str; 2]) {
         if self.more > 0 {
-            warnings.push(format!("{} more {what} are ignored", self.more));
+            let what = if self.more == 1 { one } else { many };
+            warnings.push(format!("ignored {} more {what}", self.more));
         }
     }
 }

@@ -5,9 +5,12 @@
 //! [`super::obj`] at statements), and a byte order mark, blank lines, one line too many in front, and zeros at
 //! the end are read over with a warning.
 //!
-//! Formats that are known but not read are told by name. `magic` knows them by bytes that no model can hold
-//! at that place, so it is asked before the readers; `words` knows them by what could as well be the name in
-//! the header of a binary STL file, so it is asked last.
+//! The header of a binary STL file may hold anything, also what other formats begin with. So a file of exactly the
+//! facets that it counts is STL before anything else is asked.
+//!
+//! Formats that are known but not read are told by name. `magic` knows them by bytes that stand in no text, so it is
+//! asked before the readers; `words` knows them by what could as well be the name in the header of a binary STL file
+//! with a wrong count, so it is asked last.
 
 mod magic;
 #[cfg(test)]
@@ -20,16 +23,19 @@ use crate::ReadError;
 use crate::error::printable;
 
 /// Finds the format; `None` for a file that is not read.
-pub fn sniff(bytes: &[u8]) -> Option<Format> {
-    if magic::name(bytes).is_some() || words::comment_name(bytes).is_some() {
+pub fn sniff(input: &Input) -> Option<Format> {
+    let bytes = input.bytes();
+    if stl::is_beyond_doubt(input) {
+        Some(Format::Stl)
+    } else if magic::name(bytes).is_some() || words::comment_name(bytes).is_some() {
         None
-    } else if ply::looks_like(bytes) {
+    } else if ply::looks_like(input) {
         Some(Format::Ply)
     } else if off::looks_like(bytes) {
         Some(Format::Off)
-    } else if stl::looks_like(bytes) {
+    } else if stl::looks_like(input) {
         Some(Format::Stl)
-    } else if obj::looks_like(bytes) {
+    } else if obj::looks_like(input) {
         Some(Format::Obj)
     } else {
         None
@@ -48,19 +54,19 @@ pub(super) fn refusal(input: &Input) -> ReadError {
     if let Some(what) = known {
         return ReadError::Unread { file, what };
     }
-    if let Some(but) = nothing_but(bytes) {
+    if let Some(but) = nothing_but(input) {
         return ReadError::HoldsNothing { file, but };
     }
     ReadError::UnknownFormat { file, begins: printable(&bytes[..bytes.len().min(24)]) }
 }
 
 /// What a file holds that says nothing.
-fn nothing_but(bytes: &[u8]) -> Option<&'static str> {
-    if bytes.iter().all(|&b| b == 0) {
+fn nothing_but(input: &Input) -> Option<&'static str> {
+    if input.all(input.bytes(), |b| b == 0) {
         Some("zeros")
-    } else if bytes.iter().all(|b| b.is_ascii_whitespace() || *b == 0) {
+    } else if input.all(input.bytes(), |b| b.is_ascii_whitespace() || b == 0) {
         Some("white space")
     } else {
-        obj::holds_nothing_but(bytes)
+        obj::holds_nothing_but(input)
     }
 }

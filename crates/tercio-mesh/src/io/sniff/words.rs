@@ -10,9 +10,9 @@ const FRONT: usize = 1 << 14;
 const COMMENTS: &[(&str, &str)] = &[
     ("#VRML V1.0", "a VRML 1.0 world"),
     ("#VRML V2.0", "a VRML 2.0 world"),
-    ("#VRML", "a VRML world"),
-    ("#X3D", "an X3D world"),
-    ("#Inventor", "an Open Inventor scene"),
+    ("#VRML V", "a VRML world"),
+    ("#X3D V", "an X3D world"),
+    ("#Inventor V", "an Open Inventor scene"),
     ("# vtk DataFile", "a VTK file"),
     ("#usda", "a USD scene"),
     ("# .PCD", "a PCD point cloud"),
@@ -57,7 +57,8 @@ const WORDS: &[(&str, &str)] = &[
 
 /// What begins with a comment that is a signature.
 pub(super) fn comment_name(bytes: &[u8]) -> Option<String> {
-    if bytes.iter().find(|b| !b.is_ascii_whitespace()).is_none_or(|b| !matches!(b, b'#' | 0xef | 0xff | 0xfe))
+    let front = bytes.get(..FRONT).unwrap_or(bytes);
+    if front.iter().find(|b| !b.is_ascii_whitespace()).is_none_or(|b| !matches!(b, b'#' | 0xef | 0xff | 0xfe))
     {
         return None;
     }

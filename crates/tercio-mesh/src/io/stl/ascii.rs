@@ -34,21 +34,21 @@ pub fn read(input: &Input, options: &ReadOptions) -> Result<ReadModel, ReadError
     let mut odd = Vec::new();
     let text = transcode::text(input, options, &mut odd)?;
     let step = (text.len() / (8 * rayon::current_num_threads())).clamp(1 << 16, 1 << 22);
-    let parts = split(&text, input.stretch(step), |bytes| input.was_read(bytes));
-    input.check_parts(&parts, options)?;
+    let parts = split(&text, input.stretch(step), |bytes| input.consumed(bytes));
+    input.check_chunk_lengths(&parts, options)?;
     let mut model = read_parts(input, options, &parts)?;
     model.report.warnings.splice(0..0, odd);
     Ok(model)
 }
 
 /// Cuts before lines that begin with `facet`.
-fn split(text: &[u8], step: usize, was_read: impl Fn(usize)) -> Vec<&[u8]> {
+fn split(text: &[u8], step: usize, consumed: impl Fn(usize)) -> Vec<&[u8]> {
     let mut parts = Vec::new();
     let mut rest = text;
     while rest.len() > step {
         let mut cut = step;
         loop {
-            match rest.get(cut..).and_then(|tail| find(b'\n', tail, &was_read)) {
+            match rest.get(cut..).and_then(|tail| find(b'\n', tail, &consumed)) {
                 Some(n) => cut += n + 1,
                 None => cut = rest.len(),
             }
@@ -58,7 +58,7 @@ fn split(text: &[u8], step: usize, was_read: impl Fn(usize)) -> Vec<&[u8]> {
             }
         }
         let (part, tail) = rest.split_at(cut);
-        was_read(part.len());
+        consumed(part.len());
         parts.push(part);
         rest = tail;
     }
@@ -88,7 +88,7 @@ fn read_parts(input: &Input, options: &ReadOptions, texts: &[&[u8]]) -> Result<R
         .par_iter()
         .map(|text| {
             let part = parse(&input.name, text);
-            input.was_read(text.len());
+            input.consumed(text.len());
             if let Some(p) = options.progress {
                 p.advance(text.len() as u64);
             }
@@ -133,7 +133,7 @@ fn read_parts(input: &Input, options: &ReadOptions, texts: &[&[u8]]) -> Result<R
 /// Counts without parsing; only worth its time where memory is limited.
 fn count_facets(input: &Input, texts: &[&[u8]]) -> u64 {
     let ends = |text: &&[u8]| {
-        input.was_read(text.len());
+        input.consumed(text.len());
         text.split(|b| b.is_ascii_whitespace()).filter(|w| is_word(w, b"endfacet")).count() as u64
     };
     texts.par_iter().map(ends).sum()

@@ -9,7 +9,6 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::error::{Place, counted};
-use crate::io::obj::transcode;
 use crate::io::{ReadModel, ReadOptions, ReadReport, input::Input};
 use crate::mesh::choose_origin;
 use crate::{Aabb, Mesh, ReadError};
@@ -61,8 +60,9 @@ pub fn read(input: &Input, options: &ReadOptions) -> Result<ReadModel, ReadError
         return Err(malformed(bytes.len(), expected, found));
     };
     let rest = bytes.get(HEADER + records.len() * RECORD..).unwrap_or_default();
-    let further = transcode::unpadded(rest).len().div_ceil(RECORD);
-    if evidence::are_facets(held.get(records.len()..records.len() + further).unwrap_or_default()) {
+    // What follows the last whole facet, such as a line feed, changes nothing about those before it.
+    let further = input.unpadded(rest).len().div_ceil(RECORD).min(held.len() - records.len());
+    if evidence::are_facets(input, held.get(records.len()..records.len() + further).unwrap_or_default()) {
         let fit = (records.len() + further) as u64;
         let expected =
             format!("a count of {}, as many as stand in the {} bytes", triangles(fit), bytes.len());
@@ -70,7 +70,7 @@ pub fn read(input: &Input, options: &ReadOptions) -> Result<ReadModel, ReadError
     }
     let mut warnings = Vec::new();
     if !rest.is_empty() {
-        let what = if rest.iter().all(|&b| b == 0) { "zero byte" } else { "byte" };
+        let what = if input.all(rest, |b| b == 0) { "zero byte" } else { "byte" };
         warnings.push(format!("ignored {} behind the last triangle", counted(rest.len() as u64, what)));
     }
     check_facets(input, records.len() as u64)?;
@@ -88,7 +88,7 @@ pub fn read(input: &Input, options: &ReadOptions) -> Result<ReadModel, ReadError
                 *slots = slots.map(|p| std::array::from_fn(|k| (f64::from(p[k]) - origin[k]) as f32));
             }
         }
-        input.was_read(records.len() * RECORD);
+        input.consumed(records.len() * RECORD);
         if let Some(p) = options.progress {
             p.advance((records.len() * RECORD) as u64);
         }
@@ -133,7 +133,7 @@ fn bounds(input: &Input, records: &[Record]) -> Aabb {
                     bounds.add(p);
                 }
             }
-            input.was_read(records.len() * RECORD);
+            input.consumed(records.len() * RECORD);
             bounds
         })
         .reduce(|| Aabb::EMPTY, Aabb::union)
@@ -149,7 +149,7 @@ fn colors(input: &Input, header: &[u8], records: &[Record]) -> Option<Vec<[u8; 4
     let all = |holds: fn(u16) -> bool| {
         records.par_chunks(BATCH).all(|records| {
             let all = records.iter().all(|r| holds(attribute(r)));
-            input.was_read(records.len() * RECORD);
+            input.consumed(records.len() * RECORD);
             all
         })
     };
@@ -157,7 +157,7 @@ fn colors(input: &Input, header: &[u8], records: &[Record]) -> Option<Vec<[u8; 4
         let mut colors = vec![[0; 4]; records.len()];
         colors.par_chunks_mut(BATCH).zip(records.par_chunks(BATCH)).for_each(|(colors, records)| {
             colors.iter_mut().zip(records).for_each(|(c, r)| *c = color(attribute(r)));
-            input.was_read(records.len() * RECORD);
+            input.consumed(records.len() * RECORD);
         });
         colors
     };

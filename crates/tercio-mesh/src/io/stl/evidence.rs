@@ -13,6 +13,7 @@
 use glam::DVec3;
 
 use super::binary::{HEADER, RECORD, Record, count, float, records, vertices};
+use crate::io::input::Input;
 
 /// Facets that are looked at, all over the file.
 const SAMPLE: usize = 512;
@@ -24,42 +25,59 @@ const ROW: usize = 16;
 /// 2^-80: a coordinate that is smaller than the largest of its facet by this, and not zero, is none.
 const LEAST: f64 = 1.0 / (1u128 << 80) as f64;
 
+/// Does the file hold exactly the facets that it counts, and are they facets? Whatever its header begins with, it is
+/// binary STL.
+pub fn is_beyond_doubt(input: &Input) -> bool {
+    let held = records(input.bytes());
+    let size = (HEADER + held.len() * RECORD) as u64;
+    size == input.bytes().len() as u64
+        && count(input.bytes()) == Some(held.len() as u64)
+        && are_facets(input, held)
+}
+
 /// Does the content look like binary STL, with a right count or a wrong one?
-pub fn is_binary(bytes: &[u8]) -> bool {
+pub fn is_binary(input: &Input) -> bool {
+    let bytes = input.bytes();
     let Some(stated) = count(bytes) else { return false };
     let body = bytes.get(HEADER..).unwrap_or_default();
     let held = records(bytes);
     if stated * RECORD as u64 == body.len() as u64 {
-        return match share(held, is_possible) {
+        return match share(input, held, is_possible) {
             Some(possible) => 2 * possible >= SCALE,
             None => is_line(bytes.get(..80).unwrap_or_default()),
         };
     }
     // A truncated file holds no less than a thousandth of what it should, and where the count itself is broken,
     // a row of facets is no chance; a count never filled in is 0.
-    let begins_well = || held.get(..ROW).is_some_and(are_facets);
+    let begins_well = || held.get(..ROW).is_some_and(|row| are_facets(input, row));
     let sensible = (stated / 1000 <= held.len() as u64 || begins_well())
         && (stated > 0 || body.len().is_multiple_of(RECORD));
     // Few facets before much else are only believed if nothing else is there than more of them, or zeros.
     let most = 2 * stated >= held.len() as u64;
     let facets = if most { held.len().min(stated as usize) } else { held.len() };
-    sensible && are_facets(held.get(..facets).unwrap_or_default())
+    sensible && are_facets(input, held.get(..facets).unwrap_or_default())
 }
 
 /// Are these facets beyond doubt, and at least one?
-pub fn are_facets(records: &[Record]) -> bool {
-    share(records, is_facet).is_some_and(|facets| 10 * facets >= 9 * SCALE)
+pub fn are_facets(input: &Input, records: &[Record]) -> bool {
+    share(input, records, is_facet).is_some_and(|facets| 10 * facets >= 9 * SCALE)
 }
 
 /// The whole of a [`share`].
 const SCALE: usize = 1000;
 
 /// In how many of a thousand records that are not all zeros something is true, found from some of them.
-fn share(records: &[Record], is_true: impl Fn(&Record) -> bool) -> Option<usize> {
+fn share(input: &Input, records: &[Record], is_true: impl Fn(&Record) -> bool) -> Option<usize> {
     let step = records.len().div_ceil(SAMPLE).max(1);
-    let sample = || records.iter().step_by(step).filter(|record| **record != [0; RECORD]);
-    let looked_at = sample().count();
-    (looked_at > 0).then(|| sample().filter(|record| is_true(record)).count() * SCALE / looked_at)
+    let (mut looked_at, mut found) = (0, 0);
+    for record in records.iter().step_by(step) {
+        if *record != [0; RECORD] {
+            looked_at += 1;
+            found += usize::from(is_true(record));
+        }
+        input.looked_at(step * RECORD);
+    }
+    (looked_at > 0).then(|| found * SCALE / looked_at)
 }
 
 /// A line of printable letters, and zeros up to the end.

@@ -9,6 +9,8 @@ mod ascii;
 mod binary;
 mod evidence;
 
+pub use evidence::is_beyond_doubt;
+
 use crate::ReadError;
 use crate::mesh::MAX_ELEMENTS;
 
@@ -25,16 +27,16 @@ enum Dialect {
 }
 
 /// Does the content look like STL?
-pub fn looks_like(bytes: &[u8]) -> bool {
-    dialect(bytes).is_some()
+pub fn looks_like(input: &Input) -> bool {
+    dialect(input).is_some()
 }
 
 /// The word `solid` means little: binary files begin with it too, so the facets are asked first.
-fn dialect(bytes: &[u8]) -> Option<Dialect> {
-    if evidence::is_binary(bytes) {
+fn dialect(input: &Input) -> Option<Dialect> {
+    if evidence::is_binary(input) {
         return Some(Dialect::Binary);
     }
-    let text = transcode::front(bytes, FRONT);
+    let text = transcode::front(input.bytes(), FRONT);
     is_ascii(&text).then_some(Dialect::Ascii)
 }
 
@@ -63,7 +65,7 @@ fn is_ascii(text: &[u8]) -> bool {
 /// # Errors
 /// Any [`ReadError`].
 pub fn read(input: &Input, options: &ReadOptions) -> Result<ReadModel, ReadError> {
-    match dialect(input.bytes()) {
+    match dialect(input) {
         Some(Dialect::Binary) => binary::read(input, options),
         _ => ascii::read(input, options),
     }

@@ -9,6 +9,10 @@ fn input(bytes: &[u8]) -> Input {
     Input::from_bytes("a.stl", bytes.to_vec(), &ReadOptions::default()).unwrap()
 }
 
+fn looks_like(bytes: &[u8]) -> bool {
+    super::looks_like(&input(bytes))
+}
+
 fn model(bytes: &[u8]) -> ReadModel {
     assert!(looks_like(bytes));
     read(&input(bytes), &ReadOptions::default()).unwrap_or_else(|e| panic!("{e}"))
@@ -118,6 +122,20 @@ fn a_wrong_count_is_told_with_what_is_there() {
     }
     bytes[80] = 200;
     assert!(message(&bytes).contains("200 triangles") && message(&bytes).contains("only 2 triangles"));
+}
+
+#[test]
+fn a_count_of_half_the_facets_is_told_whatever_follows_them() {
+    let facets: Vec<Facet> = FACETS.iter().copied().cycle().take(200).collect();
+    let mut bytes = binary("x", &facets, |_| 0);
+    bytes[80] = 100;
+    for rest in [&b""[..], b"\n", b"\r\n", &[0; 49], &[7; 49]] {
+        let bytes = [&bytes[..], rest].concat();
+        let (place, expected) = error(&bytes);
+        let length = bytes.len();
+        assert_eq!(place, Place::Byte(80));
+        assert_eq!(expected, format!("a count of 200 triangles, as many as stand in the {length} bytes"));
+    }
 }
 
 #[test]

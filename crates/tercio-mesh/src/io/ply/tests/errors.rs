@@ -178,3 +178,43 @@ fn every_byte_spoilt() {
         }
     }
 }
+
+#[test]
+fn one_and_many_are_told_in_words_that_fit() {
+    let vertices = "element vertex 3\nproperty float x\nproperty float y\nproperty float z\n";
+    let lists = "property list uchar int vertex_indices\nproperty list uchar float texcoord\n";
+    let points = "0 0 0\n1 0 0\n0 1 0\n";
+    let of = |faces: usize, face: &str, surplus: &str, elements: usize| {
+        let more: String = (0..elements).map(|i| format!("element e{i} 1\nproperty float a\n")).collect();
+        let points = points.replacen("0 0\n", &format!("0 0{surplus}\n"), faces);
+        let text = format!(
+            "ply\nformat ascii 1.0\n{vertices}element face {}\n{lists}{more}end_header\n{points}3 0 1 2 6 0 0 1 0 0 1\n{}{}",
+            faces + 1,
+            face.repeat(faces),
+            "1\n".repeat(elements)
+        );
+        let input = Input::from_bytes("a.ply", text.into_bytes(), &ReadOptions::default()).unwrap();
+        read(&input, &ReadOptions::default()).unwrap().report.warnings
+    };
+    let without = |n| of(n, "3 0 1 2 0\n", "", 0);
+    assert_eq!(without(1), ["1 face has no texture coordinates at its corners"]);
+    assert_eq!(without(2), ["2 faces have no texture coordinates at their corners"]);
+    let empty = |n| of(n, "0 0\n", "", 0);
+    assert_eq!(empty(1)[0], "ignored 1 face that has no corners");
+    assert_eq!(empty(2)[0], "ignored 2 faces that have no corners");
+    let longer = |n| of(n, "3 0 1 2 6 0 0 1 0 0 1\n", " 7", 0);
+    assert_eq!(longer(1), ["1 line of element vertex holds more than the header declares"]);
+    assert_eq!(longer(2), ["2 lines of element vertex hold more than the header declares"]);
+    let last = |n| of(0, "", "", n).pop();
+    assert_eq!(last(9).as_deref(), Some("ignored 1 more element"));
+    assert_eq!(last(10).as_deref(), Some("ignored 2 more elements"));
+}
+
+#[test]
+fn a_face_in_a_file_without_vertices_is_told_so() {
+    let text = "ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nproperty float y\nproperty float z\n\
+                element face 1\nproperty list uchar int vertex_indices\nend_header\n3 0 1 2\n";
+    let input = Input::from_bytes("a.ply", text.into(), &ReadOptions::default()).unwrap();
+    let error = read(&input, &ReadOptions::default()).unwrap_err().to_string();
+    assert!(error.contains("expected no vertex indices (the file has no vertices) for"), "{error}");
+}
