@@ -10,7 +10,7 @@ use tercio::raster::{
     Binning, Cull, Frame, Outputs, Renderer, Settings, Shading, SimdLevel, Sorting, reference,
 };
 use tercio::scene::{Camera, Framing, Projection, Scene};
-use tercio::{LoadOptions, Normals};
+use tercio::{LoadError, LoadOptions, Normals};
 
 use crate::MEMORY_LIMIT;
 
@@ -40,7 +40,7 @@ pub fn draw_bytes(bytes: &[u8]) {
     let (loaded, plain) = match (loaded, plain) {
         (Ok(loaded), Ok(plain)) => (loaded, plain.mesh),
         // Clusters take memory that the plain mesh does not need.
-        (Err(ReadError::MemoryLimit { .. }), _) => return,
+        (Err(LoadError::Read(ReadError::MemoryLimit { .. })), _) => return,
         (Err(error), Err(other)) => return assert_eq!(error.to_string(), other.to_string()),
         (Err(error), Ok(_)) => panic!("loads without clusters, but not with them: {error}"),
         (Ok(_), Err(error)) => panic!("loads with clusters, but not without: {error}"),
