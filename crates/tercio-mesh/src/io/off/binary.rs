@@ -39,7 +39,7 @@ struct Words<'a> {
     bytes: &'a [u8],
     at: usize,
     /// Up to where they were reported as consumed.
-    told: usize,
+    reported: usize,
     layout: Layout,
 }
 
@@ -60,12 +60,12 @@ pub fn read(
     mut header: Header,
     at: usize,
 ) -> Result<ReadModel, ReadError> {
-    let begin = |layout| Words { input, options, bytes: input.bytes(), at, told: at, layout };
+    let begin = |layout| Words { input, options, bytes: input.bytes(), at, reported: at, layout };
     options.check_memory(&input.name, "the file", input.held_bytes())?;
     if let Some(p) = options.progress {
         p.begin("parsing", input.bytes().len() as u64);
     }
-    // The error of the format as it is defined is the one that is told.
+    // The error of the format as it is defined is the one that is reported.
     let mut first_error = None;
     let mut found = None;
     for layout in LAYOUTS {
@@ -122,7 +122,7 @@ impl Words<'_> {
         let mut header = header.clone();
         self.counts(&mut header)?;
         self.at += self.vertex_bytes(&header) as usize;
-        self.told = self.at;
+        self.reported = self.at;
         let mut triangles = 0;
         self.faces(&header, |polygon, _| {
             triangles += polygon.len().saturating_sub(2) as u64;
@@ -244,9 +244,9 @@ impl Words<'_> {
     fn next(&mut self) -> Option<[u8; 4]> {
         let word = *self.bytes.get(self.at..)?.first_chunk()?;
         self.at += 4;
-        if self.at >= self.told + STEP {
-            self.input.consumed(self.at - self.told);
-            self.told = self.at;
+        if self.at >= self.reported + STEP {
+            self.input.consumed(self.at - self.reported);
+            self.reported = self.at;
         }
         Some(word)
     }
