@@ -67,7 +67,8 @@ pub fn towards_viewer<S: Simd>(
     sample: [i32x16<S>; 2],
     from_middle: [i32; 2],
 ) -> Vec3x16<S> {
-    let [x, y]: [f32x16<S>; 2] = [0, 1].map(|k| (sample[k] + from_middle[k]).to_float());
+    let x: f32x16<S> = (sample[0] + from_middle[0]).to_float();
+    let y: f32x16<S> = (sample[1] + from_middle[1]).to_float();
     let sight = &rig.sight;
     part(
         simd,
