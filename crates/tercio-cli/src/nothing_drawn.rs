@@ -3,6 +3,7 @@
 use std::borrow::Cow;
 
 use tercio::mesh::Aabb;
+use tercio::raster::view::View;
 use tercio::raster::{Cull, FrameStats};
 use tercio::scene::Camera;
 
@@ -86,11 +87,26 @@ fn outside_reason(bounds: &Aabb, camera: &Camera) -> Said {
             format!("nearer than the near plane: at most {farthest} from the camera, --near is {near}")
         }
         _ => format!(
-            "outside the picture: the camera at {} looks towards {}, the model reaches from {} to {}",
-            camera.eye, camera.target, bounds.min, bounds.max
+            "outside the picture: the camera at {} looks towards {}, the model reaches from {} to {}{}",
+            camera.eye,
+            camera.target,
+            bounds.min,
+            bounds.max,
+            automatic_near(bounds, camera)
         ),
     };
     Said { rest: rest.into(), ..ARE }
+}
+
+/// What is said of an automatic near plane inside the model's box: it may be what cuts the model.
+fn automatic_near(bounds: &Aabb, camera: &Camera) -> String {
+    let is_inside = camera.eye.cmpge(bounds.min).all() && camera.eye.cmple(bounds.max).all();
+    match View::new(camera, bounds, 1, 1) {
+        Ok(view) if is_inside && camera.near.is_none() && view.near > 0.0 => {
+            format!("; what is nearer than {} is cut (--near)", readable(view.near))
+        }
+        _ => String::new(),
+    }
 }
 
 /// A distance without rows of digits that nobody reads.
@@ -144,6 +160,11 @@ mod tests {
         assert!(behind.contains("all 10 triangles are behind the camera"), "{behind}");
         let beside = why(DVec3::Z * 5.0, DVec3::new(9.0, 0.0, 4.0), None, Cull::Auto, outside());
         assert!(beside.contains("outside the picture"), "{beside}");
+        let within = why(DVec3::ZERO, DVec3::Z, None, Cull::Auto, outside());
+        assert!(
+            within.contains("; what is nearer than 1.57") && within.ends_with("e-12 is cut (--near)"),
+            "{within}"
+        );
         let near = why(DVec3::Z * 5.0, DVec3::ZERO, Some(100.0), Cull::Auto, outside());
         assert!(near.contains("--near is 100"), "{near}");
         let far = why(DVec3::Z * 5.0, DVec3::ZERO, Some(1e300), Cull::Auto, outside());

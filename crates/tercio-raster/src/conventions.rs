@@ -7,10 +7,11 @@
 //! * **Screen space**: whole sub-pixels, origin at the upper left corner of the picture, y downwards. One pixel
 //!   is [`SUBPIXELS`] sub-pixels; the sample of pixel (i, j) is its centre, at (i, j) * 256 + 128.
 //! * **Depth**: `near / w` for a perspective camera, `(far - z) / (far - near)` for an orthographic one: above 0,
-//!   at most 1, larger is nearer, 0 where nothing was drawn. It is linear in screen space. As a
-//!   floating-point number it is as exact at any distance from the near plane, which may therefore stand as near as it
-//!   likes; between corners its error is no larger than what snapping does to it, because a triangle reaches over at
-//!   most 2^24 sub-pixels, as many as `f32` tells apart.
+//!   at most 1, larger is nearer, 0 where nothing was drawn. It is linear in screen space. As a floating-point number
+//!   that of a perspective camera is as exact at any distance from the near plane, which may therefore stand as near as
+//!   it likes; that of an orthographic camera is exact to 2^-24 of the distance from near to far plane, which for a
+//!   camera outside of the scene is about the scene's size. Between corners its error is no larger than what snapping
+//!   does to it, because a triangle reaches over at most 2^24 sub-pixels, as many as `f32` tells apart.
 //! * **Coverage**: exact integer edge functions; a sample on an edge belongs to the triangle whose top or left
 //!   edge it is.
 //! * **Visibility**: the larger depth; among equals the lower primitive number.

@@ -205,8 +205,10 @@ impl Words<'_> {
             let room = (self.bytes.len() - self.at) / 4;
             if usize::try_from(corners).map_or(true, |n| !(least..=room).contains(&n)) {
                 self.at -= 4;
-                let expected = format!("a number of corners of face {face} that the file has room for");
-                return Err(self.expected(&expected, &corners.to_string()));
+                let expected =
+                    format!("the number of corners of face {face}, and as many in the rest of the file");
+                let found = format!("{corners} and {} behind it", counted(4 * room as u64, "byte"));
+                return Err(self.expected(&expected, &found));
             }
             polygon.clear();
             if corners as usize > LARGE {

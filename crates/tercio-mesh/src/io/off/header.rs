@@ -234,9 +234,14 @@ pub fn parse_keyword<'t>(file: &str, text: &'t [u8]) -> Result<(Header, Encoding
             return Err(ReadError::Unsupported { file: file.into(), place: Place::Line(line), what });
         }
         skip_to_word(&mut cursor);
+        let before = cursor.clone();
+        if before.clone().word() == b"BINARY" {
+            let what = "binary OFF whose number of dimensions is binary, too (nOFF BINARY)".into();
+            return Err(ReadError::Unsupported { file: file.into(), place: Place::Line(line), what });
+        }
         let dimensions = integer(&mut cursor).and_then(|n| u64::try_from(n).ok()).filter(|&n| n > 0);
         header.coordinates =
-            dimensions.ok_or_else(|| cursor.expected(file, "the number of coordinates of a vertex"))?;
+            dimensions.ok_or_else(|| before.expected(file, "the number of coordinates of a vertex"))?;
         if header.coordinates > 3 {
             header.warnings.push(format!("drew the first 3 of {} dimensions", header.coordinates));
         }
@@ -244,7 +249,7 @@ pub fn parse_keyword<'t>(file: &str, text: &'t [u8]) -> Result<(Header, Encoding
         header.coordinates = 4;
     }
     let mut ahead = cursor.clone();
-    if ahead.word() == b"BINARY" && ahead.line_is_over() {
+    if ahead.word() == b"BINARY" && line_is_over(&mut ahead) {
         ahead.skip_line();
         return Ok((header, Encoding::Binary(text.len() - ahead.rest().len())));
     }

@@ -58,6 +58,11 @@ fn other_dimensions_become_three() {
     assert_eq!(five.mesh.positions[1], [2., 0., -4.]);
     assert_eq!(five.report.warnings, ["drew the first 3 of 5 dimensions"]);
     assert_eq!(error_line("nOFF\n0\n3 1 0\n"), 2);
+    let error = |text: &[u8]| read(&input(text), &ReadOptions::default()).unwrap_err().to_string();
+    let none = error(b"nOFF\n-1\n3 1 0\n");
+    assert!(none.ends_with("expected the number of coordinates of a vertex, found \"-1\""), "{none}");
+    let binary = error(b"nOFF BINARY\n\0\0\0\x03\0\0\0\x03\0\0\0\x01\0\0\0\0");
+    assert!(binary.contains("(nOFF BINARY) is not supported"), "{binary}");
     assert_eq!(error_line("nOFF 9223372036854775807\n3 1 0\n0 0 0\n"), 2);
     let both = read(&input(b"C4nOFF 5\n4 2 0\n"), &ReadOptions::default()).unwrap_err().to_string();
     assert_eq!(both, "a.off: line 1: OFF of any number of homogeneous coordinates (4nOFF) is not supported");

@@ -141,7 +141,7 @@ fn errors_tell_the_byte_and_come_before_memory_is_taken() {
     assert!(expected.starts_with("1879048192 vertices and 2 faces") && found.starts_with("only 104 bytes"));
     assert_eq!(change(16, 4), ("a vertex number from 0 to 3".into(), "4".into()));
     assert_eq!(change(16, u32::MAX), ("a vertex number from 0 to 3".into(), "-1".into()));
-    assert_eq!(change(15, 1000).1, "1000");
+    assert_eq!(change(15, 1000).1, "1000 and 52 bytes behind it");
     assert_eq!(change(19, 2), ("0, 1, 3 or 4 components of a face's colour".into(), "2".into()));
     assert_eq!(change(25, 5).1, "5");
     assert!(try_read(b"OFF BINARY\n".to_vec()).is_err());

@@ -62,7 +62,9 @@ pub(super) fn refusal(input: &Input) -> ReadError {
 
 /// What a file holds that says nothing.
 fn nothing_but(input: &Input) -> Option<&'static str> {
-    if input.all(input.bytes(), |b| b == 0) {
+    if obj::transcode::without_mark(input.bytes()).is_some_and(<[u8]>::is_empty) {
+        Some("a byte order mark")
+    } else if input.all(input.bytes(), |b| b == 0) {
         Some("zeros")
     } else if input.all(input.bytes(), |b| b.is_ascii_whitespace() || b == 0) {
         Some("white space")

@@ -140,6 +140,7 @@ fn empty_files_are_called_empty() {
     assert_eq!(refused(b""), "a: the file is empty");
     assert_eq!(refused(&gzip(b"")), "a: the file is empty: nothing stands in the gzip data");
     assert_eq!(refused(b" \n\t\r\n"), "a: holds nothing but white space");
+    assert_eq!(refused(b"\xef\xbb\xbf"), "a: holds nothing but a byte order mark");
     assert_eq!(refused(&[0; 84]), "a: holds nothing but zeros");
     assert_eq!(refused(b"# a\n\n# b\n"), "a: holds nothing but comments");
     assert_eq!(
@@ -238,6 +239,7 @@ fn comments_that_begin_like_signatures_are_comments() {
     }
     for (signature, name) in [
         ("#VRML V1.0 ascii", "a VRML 1.0 world"),
+        ("#VRML    V2.0 utf8", "a VRML 2.0 world"),
         ("#VRML V3", "a VRML world"),
         ("#X3D V3.2 utf8", "an X3D world"),
         ("#Inventor V2.1 ascii", "an Open Inventor scene"),

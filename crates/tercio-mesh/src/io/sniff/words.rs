@@ -62,7 +62,14 @@ pub(super) fn comment_name(bytes: &[u8]) -> Option<String> {
     {
         return None;
     }
-    find(COMMENTS, transcode::front(bytes, FRONT).trim_ascii_start())
+    let front = transcode::front(bytes, FRONT);
+    let text = front.trim_ascii_start();
+    // Some programs leave several blanks before the version.
+    let version = text.strip_prefix(b"#VRML ").map(<[u8]>::trim_ascii_start).unwrap_or_default();
+    match version {
+        [b'V', ..] => find(COMMENTS, &[b"#VRML ", version].concat()),
+        _ => find(COMMENTS, text),
+    }
 }
 
 /// What begins with a word, behind white space and comments.
