@@ -80,6 +80,7 @@ fn outside_reason(bounds: &Aabb, camera: &Camera) -> Said {
     let Ok(basis) = camera.basis() else { return OUTSIDE };
     let distances = bounds.corners().map(|c| (c - camera.eye).dot(basis.forward));
     let farthest = distances.into_iter().fold(f64::NEG_INFINITY, f64::max);
+    let nearest = distances.into_iter().fold(f64::INFINITY, f64::min);
     let rest = match camera.near {
         _ if farthest <= 0.0 => format!("behind the camera, which stands at {}", camera.eye),
         Some(near) if farthest <= near => {
@@ -92,17 +93,16 @@ fn outside_reason(bounds: &Aabb, camera: &Camera) -> Said {
             camera.target,
             bounds.min,
             bounds.max,
-            automatic_near(bounds, camera)
+            automatic_near(bounds, camera, nearest)
         ),
     };
     Said { rest: rest.into(), ..ARE }
 }
 
-/// What is said of an automatic near plane inside the model's box: it may be what cuts the model.
-fn automatic_near(bounds: &Aabb, camera: &Camera) -> String {
-    let is_inside = camera.eye.cmpge(bounds.min).all() && camera.eye.cmple(bounds.max).all();
+/// What is said of an automatic near plane that stands inside the model's box: it may be what cuts the model.
+fn automatic_near(bounds: &Aabb, camera: &Camera, nearest: f64) -> String {
     match View::new(camera, bounds, 1, 1) {
-        Ok(view) if is_inside && camera.near.is_none() && view.near > 0.0 => {
+        Ok(view) if camera.near.is_none() && view.near > nearest.max(0.0) => {
             format!("; what is nearer than {} is cut (--near)", readable(view.near))
         }
         _ => String::new(),
