@@ -155,7 +155,8 @@ fn check_model(mesh: &Mesh, turns: usize, random: &mut Random, name: &str) {
             }
             let size = [settings.width, settings.height];
             let what = format!("{name}, turn {n}, {shading:?}");
-            Truth::new(&[mesh], &plain, &camera, shading, size).check(&frame, &what);
+            let found = Truth::new(&[mesh], &plain, &camera, shading, size).check(&frame, &what);
+            assert!(found.shown * 10 >= found.pixels, "{what}: {found:?}");
         }
     }
 }
