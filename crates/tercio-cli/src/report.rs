@@ -158,15 +158,14 @@ pub fn point(p: DVec3, size: f64) -> String {
     let digits = (6.0 - largest).clamp(0.0, 12.0) as usize;
     let is_readable = (-6.0..15.0).contains(&largest) || size == 0.0;
     let number = |v: f64| {
-        if !is_readable {
-            let text = format!("{v:.6e}");
-            let (digits, power) = text.split_once('e').unwrap_or((&text, "0"));
-            let digits = digits.trim_end_matches('0').trim_end_matches('.');
-            return if v == 0.0 { "0".to_owned() } else { format!("{digits}e{power}") };
-        }
-        let text = format!("{v:.digits$}");
-        let short = if digits > 0 { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
-        if short == "-0" { "0".to_owned() } else { short.to_owned() }
+        let text = if is_readable { format!("{v:.digits$}") } else { format!("{v:.6e}") };
+        let (mantissa, power) = text.split_at(text.find('e').unwrap_or(text.len()));
+        let short = if mantissa.contains('.') {
+            mantissa.trim_end_matches('0').trim_end_matches('.')
+        } else {
+            mantissa
+        };
+        if matches!(short, "0" | "-0") { "0".to_owned() } else { format!("{short}{power}") }
     };
     format!("{} {} {}", number(p.x), number(p.y), number(p.z))
 }

@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use flate2::bufread::GzDecoder;
 use memmap2::Mmap;
 
-use super::ReadOptions;
+use super::{ReadOptions, text};
 use crate::ReadError;
 use crate::error::counted;
 
@@ -166,15 +166,7 @@ impl Input {
 
     /// The place of the first of these bytes of the content that `is` the one; those before it are reported as consumed.
     pub fn position(&self, bytes: &[u8], is: impl Fn(u8) -> bool) -> Option<usize> {
-        let mut before = 0;
-        for piece in bytes.chunks(RELEASE_STEP) {
-            if let Some(n) = piece.iter().position(|&b| is(b)) {
-                return Some(before + n);
-            }
-            before += piece.len();
-            self.consumed(piece.len());
-        }
-        None
+        text::find(is, bytes, |searched| self.consumed(searched))
     }
 
     /// How many of these bytes of the content are such; all are reported as consumed.

@@ -47,14 +47,7 @@ impl<'a> Cursor<'a> {
     /// Skips blanks and line ends.
     #[inline]
     pub fn skip_space(&mut self) {
-        loop {
-            match self.bytes.get(self.at) {
-                Some(b'\n') => self.line += 1,
-                Some(b' ' | b'\t' | b'\r' | 0x0b | 0x0c) => {}
-                _ => return,
-            }
-            self.at += 1;
-        }
+        self.skip_space_up_to(usize::MAX);
     }
 
     /// The same for no more than so many bytes; false if there may be more.
@@ -182,11 +175,12 @@ pub fn parse_integer(bytes: &[u8]) -> Option<(i64, usize)> {
     (n > sign).then_some((value, n))
 }
 
-/// The place of a byte; `consumed` is told of every stretch before it that is looked at.
-pub fn find(byte: u8, bytes: &[u8], consumed: impl Fn(usize)) -> Option<usize> {
+/// The place of the first byte that `is` the one; `consumed` is called with the length of each stretch before it that was
+/// searched.
+pub fn find(is: impl Fn(u8) -> bool, bytes: &[u8], consumed: impl Fn(usize)) -> Option<usize> {
     const STRETCH: usize = 1 << 16;
     for (i, stretch) in bytes.chunks(STRETCH).enumerate() {
-        if let Some(n) = stretch.iter().position(|&b| b == byte) {
+        if let Some(n) = stretch.iter().position(|&b| is(b)) {
             return Some(i * STRETCH + n);
         }
         consumed(stretch.len());
@@ -194,14 +188,14 @@ pub fn find(byte: u8, bytes: &[u8], consumed: impl Fn(usize)) -> Option<usize> {
     None
 }
 
-/// Cuts a text into about `pieces` stretches that end at line ends, for parsing on several cores. `consumed` is told of
-/// all that one went over.
+/// Cuts a text into about `pieces` stretches that end at line ends, for parsing on several cores. `consumed` is called
+/// with the number of bytes that were searched.
 pub fn split_lines(bytes: &[u8], pieces: usize, consumed: impl Fn(usize)) -> Vec<&[u8]> {
     let step = (bytes.len() / pieces.max(1)).max(1 << 16);
     let mut parts = Vec::new();
     let mut rest = bytes;
     while rest.len() > step {
-        let Some(n) = find(b'\n', &rest[step..], &consumed) else { break };
+        let Some(n) = find(|b| b == b'\n', &rest[step..], &consumed) else { break };
         let (part, tail) = rest.split_at(step + n + 1);
         consumed(part.len());
         parts.push(part);

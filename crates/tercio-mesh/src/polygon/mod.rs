@@ -2,8 +2,8 @@
 //!
 //! Ear clipping (Meisters, "Polygons have ears", 1975) with a work list: when an ear is cut off, only its
 //! two neighbours can become ears, because what is left lies inside what there was; so every corner is
-//! tested a constant number of times. The corners that an ear must not contain stand in a uniform grid, and
-//! in a tree, which finds the same, where a polygon shows that a grid is not for it.
+//! tested a constant number of times. The corners that an ear must not contain are kept in a uniform grid, or
+//! in a tree, which gives the same answers, for polygons whose corners crowd in few cells of the grid.
 //!
 //! Collinear corners are kept as corners of triangles that have an area wherever the polygon allows it:
 //! leaving them out, as many triangulators do, would open T-junctions to the neighbours in the mesh.

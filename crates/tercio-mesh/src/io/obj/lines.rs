@@ -109,7 +109,7 @@ pub fn join<'s>(line: &[u8], scratch: &'s mut Vec<u8>) -> &'s [u8] {
 /// Cuts a text into stretches of about `step` bytes that end where a logical line ends. `consumed` is called with the
 /// number of bytes that were searched.
 pub fn split(bytes: &[u8], step: usize, consumed: impl Fn(usize)) -> Vec<&[u8]> {
-    let line_length = |bytes: &[u8]| find(b'\n', bytes, &consumed).map_or(bytes.len(), |n| n + 1);
+    let line_length = |bytes: &[u8]| find(|b| b == b'\n', bytes, &consumed).map_or(bytes.len(), |n| n + 1);
     let step = step.max(1);
     let mut parts = Vec::new();
     let mut rest = bytes;

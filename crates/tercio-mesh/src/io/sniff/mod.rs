@@ -8,7 +8,7 @@
 //! The header of a binary STL file may hold anything, also what other formats begin with. So a file of exactly the
 //! facets that it counts is STL before anything else is asked.
 //!
-//! Formats that are known but not read are told by name. `magic` knows them by bytes that stand in no text, so it is
+//! Formats that are known but not read are named in the error. `magic` knows them by bytes that no text holds, so it is
 //! asked before the readers; `words` knows them by what could as well be the name in the header of a binary STL file
 //! with a wrong count, so it is asked last.
 

@@ -48,7 +48,7 @@ fn split(text: &[u8], step: usize, consumed: impl Fn(usize)) -> Vec<&[u8]> {
     while rest.len() > step {
         let mut cut = step;
         loop {
-            match rest.get(cut..).and_then(|tail| find(b'\n', tail, &consumed)) {
+            match rest.get(cut..).and_then(|tail| find(|b| b == b'\n', tail, &consumed)) {
                 Some(n) => cut += n + 1,
                 None => cut = rest.len(),
             }
