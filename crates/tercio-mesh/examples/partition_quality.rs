@@ -12,7 +12,7 @@ use std::collections::HashMap;
 use std::time::Instant;
 
 use glam::Vec3;
-use tercio_mesh::cluster::{Cluster, Order, PartitionOptions, partition};
+use tercio_mesh::cluster::{ClusterView, Order, PartitionOptions, partition};
 use tercio_mesh::{ClusteredMesh, Mesh};
 
 type Anything = Box<dyn std::error::Error>;
@@ -43,9 +43,9 @@ fn main() -> Result<(), Anything> {
                 out = pool.install(|| partition(copy, &options));
                 best = best.min(start.elapsed().as_secs_f64());
             }
-            let pieces: Vec<Piece> = out.clusters.iter().map(|c| Piece::ours(&out, c)).collect();
+            let pieces: Vec<Piece> = out.views().map(Piece::ours).collect();
             report(&format!("{order:?}, {threads} threads"), &pieces, &eyes, best);
-            let bytes = out.core_memory_bytes() as f64 / out.triangle_count() as f64;
+            let bytes = out.core_bytes() as f64 / out.triangle_count() as f64;
             println!("    {bytes:.2} bytes a triangle without attributes");
         }
     }
@@ -76,11 +76,11 @@ impl Piece {
         Self { vertices, triangles: triangles.len(), box_area, area, cutoff, cull }
     }
 
-    fn ours(mesh: &ClusteredMesh, c: &Cluster) -> Self {
-        let corners = |t| mesh.corner_places(c, t).map(|v| Vec3::from(mesh.position(v)));
-        let triangles: Vec<_> = c.triangle_range().map(corners).collect();
+    fn ours(cluster: ClusterView) -> Self {
+        let corners = |t| cluster.corner_positions(t).map(Vec3::from);
+        let triangles: Vec<_> = (0..cluster.triangles()).map(corners).collect();
+        let c = *cluster.head();
         let cutoff = f32::from(c.cone_cutoff) / 127.0;
-        let c = *c;
         let cull = move |eye: Vec3| c.faces_away(eye.to_array());
         Self::new(&triangles, usize::from(c.vertices), cutoff, Box::new(cull))
     }

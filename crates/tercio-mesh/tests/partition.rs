@@ -2,7 +2,7 @@
 
 use glam::{DVec3, Vec3};
 use proptest::prelude::*;
-use tercio_mesh::cluster::{Cluster, Order, PADDING, PartitionOptions, partition};
+use tercio_mesh::cluster::{Cluster, ClusterView, LANES, Layout, Line, Order, PartitionOptions, partition};
 use tercio_mesh::{Attribute, AttributeDomain, ClusteredMesh, Mesh, OctNormal};
 
 /// A mesh with every attribute, each value telling whose it is.
@@ -59,59 +59,77 @@ fn check(mesh: &Mesh, options: &PartitionOptions) {
     let n = mesh.triangles.len();
     assert_eq!(out.triangle_count(), n);
     assert_eq!(out.origin, mesh.origin);
-    assert_eq!(out.face_of_triangle, mesh.face_of_triangle);
-    assert_eq!(out.corners[0].len(), n + PADDING);
-    assert_eq!(out.x.len(), out.vertex_count() + PADDING);
+    assert_eq!(out.face_of_triangle.as_deref(), mesh.face_of_triangle.as_deref());
     assert_eq!(out.triangles().count(), n);
-    let (mut seen, mut vertex, mut triangle) = (vec![false; n], 0, 0);
-    for (i, c) in out.clusters.iter().enumerate() {
-        assert_eq!((c.vertex_range().start, c.triangle_range().start), (vertex, triangle));
-        (vertex, triangle) = (c.vertex_range().end, c.triangle_range().end);
-        assert!(c.triangles > 0 && usize::from(c.triangles) <= options.max_triangles);
-        assert!(c.vertices > 0 && usize::from(c.vertices) <= options.max_vertices.max(3));
-        check_vertices(&out, c, mesh);
-        for t in c.triangle_range() {
-            let p = out.primitive(t) as usize;
-            assert_eq!(out.primitive_of_slot((i * 128 + t - c.triangle_range().start) as u32) as usize, p);
+    let (mut seen, mut vertices) = (vec![false; n], 0);
+    for (i, c) in out.views().enumerate() {
+        assert_eq!(*c.head(), out.clusters()[i]);
+        assert!(c.triangles() > 0 && c.triangles() <= options.max_triangles);
+        assert!(c.vertices() > 0 && c.vertices() <= options.max_vertices.max(3));
+        vertices += c.vertices();
+        check_vertices(&out, &c, mesh);
+        assert!(c.corners().iter().all(|k| k.len() == c.triangles().next_multiple_of(LANES)));
+        assert!(c.corners().iter().all(|k| k[c.triangles()..].iter().all(|&corner| corner == 0)));
+        assert_eq!(c.corners(), [0, 1, 2].map(|k| &c.corner_tables()[k][..c.corners()[k].len()]));
+        for t in 0..c.triangles() {
+            let p = c.primitive(t) as usize;
+            assert_eq!(out.primitive_of_slot((i * 128 + t) as u32) as usize, p);
             assert!(!std::mem::replace(&mut seen[p], true), "primitive {p} twice");
             let original = Mesh::canonical(mesh.triangles[p]);
-            let names = out.attributes[0].values.as_slice();
-            assert_eq!(out.corner_places(c, t).map(|v| names[v] as u32), original);
-            assert_eq!(out.face_colors.as_ref().unwrap()[t], mesh.face_colors.as_ref().unwrap()[p]);
-            assert_eq!(out.triangle_materials.as_ref().unwrap()[t], p as u32 ^ 5);
-            assert_eq!(out.attributes[1].values[t], p as f32);
+            let names = c.attribute(0);
+            assert_eq!(c.corners_of(t).map(|v| names[usize::from(v)] as u32), original);
+            assert_eq!(c.face_colors().unwrap()[t], mesh.face_colors.as_ref().unwrap()[p]);
+            assert_eq!(c.triangle_materials().unwrap()[t], p as u32 ^ 5);
+            assert_eq!(c.attribute(1)[t], p as f32);
         }
-        check_bounds(&out, c);
+        check_bounds(&c);
+        check_moved(&out, i, &c);
     }
     assert!(seen.into_iter().all(|s| s));
+    assert_eq!(out.vertex_count(), vertices);
 }
 
-fn check_vertices(out: &ClusteredMesh, c: &Cluster, mesh: &Mesh) {
-    let mut names: Vec<u32> = out.attributes[0].values[c.vertex_range()].iter().map(|&v| v as u32).collect();
-    for (place, &v) in c.vertex_range().zip(&names) {
-        assert_eq!(out.position(place).map(f32::to_bits), mesh.positions[v as usize].map(f32::to_bits));
-        assert_eq!(out.normals.as_ref().unwrap()[place], OctNormal(v));
-        assert_eq!(out.vertex_colors.as_ref().unwrap()[place], v.to_le_bytes());
-        assert_eq!(out.texcoords.as_ref().unwrap()[place], [v as f32, -(v as f32)]);
-        let world = out.origin + Vec3::from(out.position(place)).as_dvec3();
+fn check_vertices(out: &ClusteredMesh, c: &ClusterView, mesh: &Mesh) {
+    let mut names: Vec<u32> = c.attribute(0).iter().map(|&v| v as u32).collect();
+    assert_eq!(names.len(), c.vertices().next_multiple_of(LANES));
+    for (place, &v) in names.iter().enumerate() {
+        assert_eq!(c.position(place).map(f32::to_bits), mesh.positions[v as usize].map(f32::to_bits));
+        assert_eq!(c.normals().unwrap()[place], OctNormal(v));
+        assert_eq!(c.vertex_colors().unwrap()[place], v.to_le_bytes());
+        assert_eq!(c.texcoords().unwrap().map(|values| values[place]), [v as f32, -(v as f32)]);
+        let world = out.origin + Vec3::from(c.position(place)).as_dvec3();
         assert!(world.cmpge(out.bounds.min).all() && world.cmple(out.bounds.max).all());
     }
+    let last = names[c.vertices() - 1];
+    assert!(names.split_off(c.vertices()).iter().all(|&name| name == last), "padding repeats the last vertex");
     names.sort_unstable();
     names.dedup();
-    assert_eq!(names.len(), usize::from(c.vertices), "a vertex stands twice in a cluster");
+    assert_eq!(names.len(), c.vertices(), "a vertex stands twice in a cluster");
+}
+
+/// A stretch says the same wherever it is.
+fn check_moved(out: &ClusteredMesh, number: usize, c: &ClusterView) {
+    let mut lines = out.stretch(number).to_vec();
+    lines.extend([Line([0xff; 64]); Layout::LINES_BEHIND]);
+    let moved = ClusterView::new(&lines, out.layout());
+    assert_eq!((moved.head(), moved.positions(), moved.corners()), (c.head(), c.positions(), c.corners()));
+    assert_eq!((moved.normals(), moved.texcoords()), (c.normals(), c.texcoords()));
+    let last = c.triangles() - 1;
+    assert_eq!((moved.primitive(last), moved.attribute(1)[last]), (c.primitive(last), c.attribute(1)[last]));
 }
 
 /// Box, sphere, heights, and the cone test seen from many eyes.
-fn check_bounds(out: &ClusteredMesh, c: &Cluster) {
+fn check_bounds(view: &ClusterView) {
+    let c = view.head();
     let (center, radius) = c.sphere();
     let center = Vec3::from(center).as_dvec3();
-    for v in c.vertex_range() {
-        let p = out.position(v);
+    for v in 0..view.vertices() {
+        let p = view.position(v);
         assert!((0..3).all(|k| c.min[k] <= p[k] && p[k] <= c.max[k]));
         assert!(center.distance(Vec3::from(p).as_dvec3()) <= radius.into());
     }
     let corners =
-        c.triangle_range().map(|t| out.corner_places(c, t).map(|v| Vec3::from(out.position(v)).as_dvec3()));
+        (0..view.triangles()).map(|t| view.corner_positions(t).map(|p| Vec3::from(p).as_dvec3()));
     let triangles: Vec<[DVec3; 3]> = corners.collect();
     for &[a, b, d] in &triangles {
         let longest = (b - a).length().max((d - b).length()).max((a - d).length());
@@ -152,18 +170,10 @@ fn check_eye(c: &Cluster, triangles: &[[DVec3; 3]], eye: DVec3) {
     }
 }
 
-/// Every array, bit for bit.
+/// Everything, bit for bit.
 fn print(m: &ClusteredMesh) -> impl PartialEq + std::fmt::Debug + use<> {
-    let bits = |v: &[f32]| v.iter().map(|f| f.to_bits()).collect::<Vec<_>>();
-    (
-        m.clusters.clone(),
-        [bits(&m.x), bits(&m.y), bits(&m.z)],
-        m.corners.clone(),
-        m.primitives.clone(),
-        m.normals.clone(),
-        m.face_colors.clone(),
-        m.attributes.clone(),
-    )
+    let stretches: Vec<Line> = (0..m.clusters().len()).flat_map(|i| m.stretch(i)).copied().collect();
+    (m.clusters().to_vec(), stretches)
 }
 
 fn options() -> impl Strategy<Value = (usize, usize, Order, Option<u64>)> {
@@ -236,10 +246,11 @@ fn a_good_order_is_kept_and_a_bad_one_is_not() {
     order.sort_by_key(|&i| tile(i));
     mesh.triangles = order.iter().map(|&i| mesh.triangles[i]).collect();
     let kept = partition(mesh, &PartitionOptions::default());
-    assert!(kept.primitives.is_none());
-    assert_eq!(kept.clusters.len(), 400);
-    assert!(partition(grid(140, true), &PartitionOptions::default()).primitives.is_some());
-    assert!(partition(grid(140, false), &PartitionOptions::default()).primitives.is_some());
+    let keeps_order = |mesh: &ClusteredMesh| mesh.triangles().map(|t| t.0).eq(0..mesh.triangle_count() as u32);
+    assert!(keeps_order(&kept));
+    assert_eq!(kept.clusters().len(), 400);
+    assert!(!keeps_order(&partition(grid(140, true), &PartitionOptions::default())));
+    assert!(!keeps_order(&partition(grid(140, false), &PartitionOptions::default())));
 }
 
 #[test]

@@ -117,7 +117,7 @@ fn among_equal_depths_the_lower_primitive_is_seen() {
 #[test]
 fn more_ranks_than_clusters_or_regions() {
     let few = scene("builtin:teapot@100", 128);
-    let clusters = few.instances[0].mesh.clusters.len();
+    let clusters = few.instances[0].mesh.clusters().len();
     assert!(clusters < 9, "{clusters}");
     let camera = camera(&few, 2.6, false);
     for organisation in BOTH {
@@ -166,7 +166,7 @@ fn sort_last_shares_the_clusters_and_sort_first_the_picture() {
     let scene = scene("builtin:gyroid@40k", 128);
     let camera = camera(&scene, 2.6, false);
     let settings = Settings { outputs: EVERYTHING, tile_size: Some(32), ..Settings::new(256, 192) };
-    let clusters = scene.instances[0].mesh.clusters.len() as u64;
+    let clusters = scene.instances[0].mesh.clusters().len() as u64;
     let ranks = |organisation| Ranks { count: 4, threads: 1, organisation };
     let last = check(&scene, &camera, &settings, ranks(Organisation::SortLast), "gyroid");
     assert_eq!(last.ranks.iter().map(|r| r.clusters).sum::<u64>(), clusters);

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use tercio_mesh::ClusteredMesh;
-use tercio_mesh::cluster::MAX_TRIANGLES;
+use tercio_mesh::cluster::{ClusterView, MAX_TRIANGLES};
 use tercio_scene::{Instance, Scene};
 
 use crate::RenderError;
@@ -54,7 +54,7 @@ impl<'a> FrameContext<'a> {
         for Instance { mesh, .. } in &scene.instances {
             first_primitive.push(triangles);
             first_face.push(faces);
-            clusters += mesh.clusters.len() as u64;
+            clusters += mesh.clusters().len() as u64;
             triangles += mesh.triangle_count() as u64;
             faces += faces_of(mesh);
             first_cluster.push(clusters.min(u64::from(u32::MAX)) as u32);
@@ -105,26 +105,32 @@ impl<'a> FrameContext<'a> {
         (instance, (cluster - self.first_cluster[instance]) as usize)
     }
 
-    /// Instance, cluster of its mesh, and place in the triangle arrays of its mesh.
+    /// The instance that a cluster belongs to, and the cluster.
+    #[inline(always)]
+    pub fn cluster(&self, number: u32) -> (usize, ClusterView<'a>) {
+        let (instance, index) = self.locate(number);
+        (instance, self.scene.instances[instance].mesh.cluster(index))
+    }
+
+    /// Instance, cluster and number in the cluster of the triangle in a slot.
     #[inline]
-    pub fn locate_slot(&self, slot: u32) -> (usize, usize, usize) {
-        let (instance, cluster) = self.locate(slot / MAX_TRIANGLES as u32);
-        let first = self.scene.instances[instance].mesh.clusters[cluster].first_triangle;
-        (instance, cluster, first as usize + slot as usize % MAX_TRIANGLES)
+    pub fn locate_slot(&self, slot: u32) -> (usize, ClusterView<'a>, usize) {
+        let (instance, cluster) = self.cluster(slot / MAX_TRIANGLES as u32);
+        (instance, cluster, slot as usize % MAX_TRIANGLES)
     }
 
     /// The primitive number, which decides among equal depths.
     #[cold]
     pub fn primitive(&self, slot: u32) -> u64 {
-        let (instance, _, triangle) = self.locate_slot(slot);
-        self.first_primitive[instance] + u64::from(self.scene.instances[instance].mesh.primitive(triangle))
+        let (instance, cluster, triangle) = self.locate_slot(slot);
+        self.first_primitive[instance] + u64::from(cluster.primitive(triangle))
     }
 
     /// The number of the input face, which is what the ids of a frame tell.
     pub fn face(&self, slot: u32) -> u32 {
-        let (instance, _, triangle) = self.locate_slot(slot);
+        let (instance, cluster, triangle) = self.locate_slot(slot);
         let mesh = &self.scene.instances[instance].mesh;
-        let primitive = mesh.primitive(triangle);
+        let primitive = cluster.primitive(triangle);
         let face = mesh.face_of_triangle.as_ref().map_or(primitive, |faces| faces[primitive as usize]);
         (self.first_face[instance] + u64::from(face)) as u32
     }

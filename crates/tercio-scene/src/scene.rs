@@ -58,19 +58,19 @@ impl Instance {
             let far = |k: usize| (d[k] * f64::from(c.min[k])).max(d[k] * f64::from(c.max[k]));
             far(0) + far(1) + far(2)
         };
-        let of_vertices = |c: &Cluster| {
-            let range = c.first_vertex as usize..c.first_vertex as usize + usize::from(c.vertices);
-            range.fold(f64::NEG_INFINITY, |best, i| {
-                let p = [mesh.x[i], mesh.y[i], mesh.z[i]].map(f64::from);
+        let of_vertices = |number: usize| {
+            let [x, y, z] = mesh.cluster(number).positions();
+            (0..x.len()).fold(f64::NEG_INFINITY, |best, i| {
+                let p = [x[i], y[i], z[i]].map(f64::from);
                 best.max(d[0] * p[0] + d[1] * p[1] + d[2] * p[2])
             })
         };
         // Begin with the farthest box: then few others are worth a look inside.
-        let clusters = || mesh.clusters.par_iter().with_min_len(1 << 12);
-        let first = clusters().max_by(|a, b| of_box(a).total_cmp(&of_box(b)));
-        let start = first.map_or(f64::NEG_INFINITY, of_vertices);
+        let clusters = || mesh.clusters().par_iter().enumerate().with_min_len(1 << 12);
+        let first = clusters().max_by(|a, b| of_box(a.1).total_cmp(&of_box(b.1)));
+        let start = first.map_or(f64::NEG_INFINITY, |(number, _)| of_vertices(number));
         let best = clusters()
-            .fold(|| start, |best, c| if of_box(c) > best { best.max(of_vertices(c)) } else { best })
+            .fold(|| start, |best, (i, c)| if of_box(c) > best { best.max(of_vertices(i)) } else { best })
             .reduce(|| start, f64::max);
         let origin = self.world_from_object.transform_point3(mesh.origin) - from;
         direction.dot(origin) + best * mesh.unit()

@@ -187,7 +187,7 @@ impl Bench {
                 "stages": { "frontend": front.json(), "backend": back.json() },
                 "load_ms": load_ms,
                 "partition_ms": partition_ms,
-                "core_bytes_per_triangle": mesh.core_memory_bytes() as f64 / mesh.triangle_count().max(1) as f64,
+                "core_bytes_per_triangle": mesh.core_bytes() as f64 / mesh.triangle_count().max(1) as f64,
                 "copies": copies.json(),
                 "views": cameras.iter().zip(frames).map(|(c, f)| view_json(c, f)).collect::<Vec<_>>(),
                 "peak_memory_bytes": memory::peak_bytes(),

@@ -36,7 +36,7 @@ pub struct BlockedMesh {
 /// Triangles in blocks.
 #[derive(Debug)]
 pub(crate) struct Blocks {
-    /// Mesh number of each triangle, then [`crate::cluster::PADDING`]; `None` where the blocks hold the order of the mesh.
+    /// Mesh number of each triangle; `None` where the blocks hold the order of the mesh.
     pub order: Option<Vec<u32>>,
     /// Corners of all triangles, block after block, as vertex numbers inside the block. The corner with the
     /// lowest number in the mesh comes first ([`Mesh::canonical`]).

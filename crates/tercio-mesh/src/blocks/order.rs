@@ -6,7 +6,6 @@ use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 use super::coherence;
 use super::grid::{FINEST, Grid, rank_table};
 use crate::Mesh;
-use crate::cluster::PADDING;
 
 /// In which order triangles are taken into blocks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -27,7 +26,7 @@ pub(crate) const BLOCK: usize = 20_000;
 
 /// An order of the triangles and the lengths of the blocks it is cut into.
 pub(super) struct Sequence {
-    /// Triangle numbers, then [`PADDING`]; `None` for the order of the mesh.
+    /// Triangle numbers; `None` for the order of the mesh.
     pub order: Option<Vec<u32>>,
     /// Triangles of each block, one block after the other.
     pub lengths: Vec<usize>,
@@ -54,7 +53,7 @@ fn file(mesh: &Mesh) -> Sequence {
 fn spatial(mesh: &Mesh) -> Sequence {
     let n = mesh.triangles.len();
     if n <= BLOCK {
-        let order = (0..n as u32).chain([0; PADDING]).collect();
+        let order = (0..n as u32).collect();
         return Sequence { order: Some(order), lengths: cut_evenly(n).collect() };
     }
     let grid = Grid::new(mesh, grid_bits(n));
@@ -130,7 +129,7 @@ fn counting_sort(mesh: &Mesh, cells: &[u16], cell_count: usize) -> (Vec<u32>, Ve
         *total = (place - begin) as usize;
     }
     // Every place is written once; atomics only tell the compiler that threads may share the array.
-    let order: Vec<AtomicU32> = (0..n + PADDING).into_par_iter().map(|_| AtomicU32::new(0)).collect();
+    let order: Vec<AtomicU32> = (0..n).into_par_iter().map(|_| AtomicU32::new(0)).collect();
     mesh.triangles.par_chunks(chunk).zip(places).enumerate().for_each(|(i, (triangles, mut places))| {
         for (j, t) in triangles.iter().enumerate() {
             let place = &mut places[key(t)];

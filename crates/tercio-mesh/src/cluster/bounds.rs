@@ -69,7 +69,7 @@ pub(super) fn bound(
             }
         }
     }
-    cluster.normals_agree = agree;
+    cluster.flags = if agree { Cluster::NORMALS_AGREE } else { 0 };
     cluster.min_height = round_down(height2.sqrt());
     (cluster.cone_axis, cluster.cone_cutoff) =
         if trusted { cone(&normals[..count], sum) } else { ([0; 3], Cluster::NO_CONE) };

@@ -1,12 +1,13 @@
-//! Copies vertices and attributes to the places that the partition gives them.
+//! Writes the stretches of the clusters.
 
+use bytemuck::{Zeroable, allocation::zeroed_vec};
 use fearless_simd::{Level, dispatch};
 use rayon::prelude::*;
 
+use super::layout::padded;
 use super::partition::Cut;
-use super::{Cluster, ClusteredMesh};
-use super::{PADDING, bounds};
-use crate::{AttributeDomain, OctNormal};
+use super::{Cluster, ClusteredMesh, Layout, Line, bounds};
+use crate::{AttributeDomain, Mesh};
 
 /// Cuts `data` into consecutive pieces of the given lengths; what is left over is dropped.
 pub(super) fn split<T>(mut data: &mut [T], lengths: impl Iterator<Item = usize>) -> Vec<&mut [T]> {
@@ -19,127 +20,261 @@ pub(super) fn split<T>(mut data: &mut [T], lengths: impl Iterator<Item = usize>)
         .collect()
 }
 
-/// The values of a block's vertices. Clusters take them in an order that memory cannot foresee; here they come
-/// about as they stand in the mesh.
-fn of_block<'a, T: Copy>(memory: &'a mut Vec<T>, cut: &Cut, source: &[T]) -> &'a [T] {
-    memory.clear();
-    memory.extend(cut.names.iter().map(|&v| source[v as usize]));
-    memory
+/// What the clusters of a mesh are going to hold.
+pub(super) fn layout(mesh: &Mesh) -> Layout {
+    Layout {
+        normals: mesh.normals.is_some(),
+        vertex_colors: mesh.vertex_colors.is_some(),
+        texcoords: mesh.texcoords.is_some(),
+        face_colors: mesh.face_colors.is_some(),
+        triangle_materials: mesh.triangle_materials.is_some(),
+        attributes: mesh.attributes.iter().map(|a| (a.name.clone(), a.domain)).collect(),
+    }
 }
 
-/// Per-vertex values in cluster order, padded.
-pub(super) fn vertices<T: Copy + Default + Send + Sync>(cuts: &[Cut], source: &[T]) -> Vec<T> {
-    vertices_as(cuts, source, |value| value)
+/// A block's part of the result.
+struct Job<'a> {
+    cut: &'a Cut,
+    /// Mesh numbers of its triangles; `None` where they are consecutive.
+    numbers: Option<&'a [u32]>,
+    heads: &'a mut [Cluster],
+    lines: &'a mut [Line],
 }
 
-fn vertices_as<T: Copy + Send + Sync, U: Copy + Default + Send + Sync>(
-    cuts: &[Cut],
-    source: &[T],
-    convert: impl Fn(T) -> U + Sync,
-) -> Vec<U> {
-    let total: usize = cuts.iter().map(|c| c.vertices.len()).sum();
-    let mut out = vec![U::default(); total + PADDING];
-    split(&mut out, cuts.iter().map(|c| c.vertices.len())).into_par_iter().zip(cuts).for_each_init(
-        Vec::new,
-        |memory, (out, cut)| {
-            let near = of_block(memory, cut, source);
-            out.iter_mut().zip(&cut.vertices).for_each(|(o, &v)| *o = convert(near[usize::from(v)]));
-        },
-    );
-    out
+/// Fills in the clusters. `order` holds the mesh numbers of all triangles, cluster after cluster.
+pub(super) fn clusters(out: &mut ClusteredMesh, cuts: &[Cut], order: Option<&[u32]>, source: &Mesh) {
+    let layout = layout(source);
+    let lengths: Vec<usize> =
+        cuts.iter().map(|cut| cut.clusters.iter().map(|head| layout.lines(head)).sum()).collect();
+    let total: usize = lengths.iter().sum();
+    assert!(u32::try_from(total).is_ok(), "clusters of more than 2^32 cache lines");
+    let mut starts = Vec::with_capacity(cuts.iter().map(|c| c.clusters.len()).sum::<usize>() + 1);
+    starts.push(0);
+    let mut heads = Vec::with_capacity(starts.capacity() - 1);
+    let mut end = 0;
+    for head in cuts.iter().flat_map(|cut| &cut.clusters) {
+        end += layout.lines(head) as u32;
+        starts.push(end);
+        heads.push(*head);
+    }
+    let mut lines: Vec<Line> = zeroed_vec(total + Layout::LINES_BEHIND);
+    let mut rest = order;
+    let numbers: Vec<Option<&[u32]>> = cuts
+        .iter()
+        .map(|cut| {
+            let (own, behind) = rest?.split_at(cut.triangles());
+            rest = Some(behind);
+            Some(own)
+        })
+        .collect();
+    let heads_of = split(&mut heads, cuts.iter().map(|c| c.clusters.len()));
+    let lines_of = split(&mut lines, lengths.into_iter());
+    let jobs = cuts.iter().zip(numbers).zip(heads_of).zip(lines_of);
+    let jobs: Vec<Job> =
+        jobs.map(|(((cut, numbers), heads), lines)| Job { cut, numbers, heads, lines }).collect();
+    let level = Level::new();
+    jobs.into_par_iter().with_max_len(1).for_each_init(Memory::default, |memory, job| {
+        write(job, &layout, source, memory, level);
+    });
+    out.vertices = heads.iter().map(|head| u64::from(head.vertices)).sum();
+    out.triangles = heads.iter().map(|head| u64::from(head.triangles)).sum();
+    (out.layout, out.clusters, out.starts, out.lines) = (layout, heads.into(), starts.into(), lines.into());
 }
 
-/// [`vertices`] of normals. Theirs is no type that new memory is known to be zero for, and filling it takes long.
-pub(super) fn normals(cuts: &[Cut], source: &[OctNormal]) -> Vec<OctNormal> {
-    vertices_as(cuts, source, |normal| normal.0).into_iter().map(OctNormal).collect()
+/// Values of a block's vertices, in the order of the block. Clusters take them in an order that memory cannot
+/// foresee; here they are read as they stand in the mesh.
+#[derive(Default)]
+struct Memory {
+    points: Vec<[f32; 3]>,
+    words: Vec<u32>,
 }
 
-/// Per-triangle values in cluster order, padded.
-pub(super) fn triangles<T: Copy + Default + Send + Sync>(
-    primitives: Option<&[u32]>,
-    mut source: Vec<T>,
-) -> Vec<T> {
-    let n = source.len();
-    match primitives {
-        None => {
-            source.reserve_exact(PADDING);
-            source.resize(n + PADDING, T::default());
-            source
+/// Writes the clusters of a block.
+fn write(job: Job, layout: &Layout, source: &Mesh, memory: &mut Memory, level: Level) {
+    let Job { cut, numbers, heads, lines } = job;
+    let mut stretches: Vec<Stretch> = Vec::with_capacity(heads.len());
+    let (mut rest, mut vertex, mut triangle) = (lines, 0, 0);
+    for head in heads.iter() {
+        let (lines, behind) = std::mem::take(&mut rest).split_at_mut(layout.lines(head));
+        rest = behind;
+        let vertices = vertex..vertex + usize::from(head.vertices);
+        let triangles = triangle..triangle + usize::from(head.triangles);
+        (vertex, triangle) = (vertices.end, triangles.end);
+        stretches.push(Stretch { lines, vertices, triangles });
+    }
+
+    // Positions, corners and normals first: bounds are found from them.
+    memory.points.clear();
+    memory.points.extend(cut.names.iter().map(|&v| source.positions[v as usize]));
+    if let Some(normals) = &source.normals {
+        memory.words.clear();
+        memory.words.extend(cut.names.iter().map(|&v| normals[v as usize].0));
+    }
+    for (head, stretch) in heads.iter_mut().zip(&mut stretches) {
+        let own = &cut.vertices[stretch.vertices.clone()];
+        let each = padded(head.vertices);
+        let floats: &mut [f32] = bytemuck::cast_slice_mut(stretch.lines);
+        let [x, y, z] = axes(&mut floats[Layout::axis(head, 0)..], each);
+        for (i, &v) in own.iter().enumerate() {
+            [x[i], y[i], z[i]] = memory.points[usize::from(v)];
         }
-        Some(primitives) => {
-            let mut out = vec![T::default(); n + PADDING];
-            let (places, _) = out.split_at_mut(n);
-            places
-                .par_iter_mut()
-                .zip(primitives)
-                .with_min_len(1 << 14)
-                .for_each(|(o, &p)| *o = source[p as usize]);
-            out
+        for axis in [x, y, z] {
+            pad(axis, own.len());
+        }
+        if source.normals.is_some() {
+            let first = Layout::normals(head);
+            put(&mut bytemuck::cast_slice_mut(stretch.lines)[first..first + each], own, &memory.words);
+        }
+        let (first, each) = (layout.corners(head), padded(head.triangles));
+        let bytes: &mut [u8] = bytemuck::cast_slice_mut(stretch.lines);
+        for (k, corner) in cut.corners.iter().enumerate() {
+            let own = &corner[stretch.triangles.clone()];
+            bytes[first + k * each..][..own.len()].copy_from_slice(own);
+        }
+        stretch.bound(head, layout, level);
+        stretch.lines[0].0[..size_of::<Cluster>()].copy_from_slice(bytemuck::bytes_of(head));
+        if let Some(numbers) = numbers {
+            let bytes = bytemuck::cast_slice_mut(stretch.lines);
+            write_numbers(bytes, head, layout, &numbers[stretch.triangles.clone()]);
+        }
+    }
+
+    let mut values = Values { layout, cut, numbers, stretches, heads, place: [0; 2] };
+    if let Some(colors) = &source.vertex_colors {
+        values.of_vertices(memory, |v| u32::from_ne_bytes(colors[v]));
+    }
+    if let Some(texcoords) = &source.texcoords {
+        values.of_vertices(memory, |v| texcoords[v][0].to_bits());
+        values.of_vertices(memory, |v| texcoords[v][1].to_bits());
+    }
+    if let Some(colors) = &source.face_colors {
+        values.of_triangles(|t| u32::from_ne_bytes(colors[t]));
+    }
+    if let Some(materials) = &source.triangle_materials {
+        values.of_triangles(|t| materials[t]);
+    }
+    for attribute in &source.attributes {
+        match attribute.domain {
+            AttributeDomain::Vertex => values.of_vertices(memory, |v| attribute.values[v].to_bits()),
+            AttributeDomain::Triangle => values.of_triangles(|t| attribute.values[t].to_bits()),
         }
     }
 }
 
-/// Fills `x`, `y`, `z`, `clusters` and their bounds. `mesh.corners` and `mesh.normals` stand already.
-pub(super) fn positions(mesh: &mut ClusteredMesh, cuts: &[Cut], source: &[[f32; 3]]) {
-    let lengths = || cuts.iter().map(|c| c.vertices.len());
-    let total: usize = lengths().sum();
-    assert!(u32::try_from(total).is_ok(), "more than 2^32 vertices in clusters");
-    let mut xyz: [Vec<f32>; 3] = std::array::from_fn(|_| vec![0.0; total + PADDING]);
-    mesh.clusters = vec![Cluster::default(); cuts.iter().map(|c| c.clusters.len()).sum()];
-    let [x, y, z] = &mut xyz;
-    let (x, y, z) = (split(x, lengths()), split(y, lengths()), split(z, lengths()));
-    let clusters = split(&mut mesh.clusters, cuts.iter().map(|c| c.clusters.len()));
-    let firsts = cuts.iter().scan((0u32, 0u32), |next, cut| {
-        let first = *next;
-        next.0 += cut.vertices.len() as u32;
-        next.1 += cut.triangles() as u32;
-        Some(first)
-    });
-    let jobs: Vec<_> = x.into_iter().zip(y).zip(z).zip(clusters).zip(cuts).zip(firsts).collect();
-    let (corners, normals) = (&mesh.corners, mesh.normals.as_deref());
-    let level = Level::new();
-    jobs.into_par_iter().for_each_init(Vec::new, |memory, (((((x, y), z), clusters), cut), first)| {
-        let near = of_block(memory, cut, source);
-        for (i, &v) in cut.vertices.iter().enumerate() {
-            [x[i], y[i], z[i]] = near[usize::from(v)];
-        }
-        let mut next = first;
-        for (cluster, span) in clusters.iter_mut().zip(&cut.clusters) {
-            cluster.first_vertex = next.0;
-            cluster.first_triangle = next.1;
-            cluster.vertices = span.vertices;
-            cluster.triangles = span.triangles;
-            next.0 += u32::from(span.vertices);
-            next.1 += u32::from(span.triangles);
-            let begin = (cluster.first_vertex - first.0) as usize;
-            let range = begin..begin + usize::from(span.vertices);
-            let points = [&x[range.clone()], &y[range.clone()], &z[range]];
-            let corners = std::array::from_fn(|k| &corners[k][cluster.triangle_range()]);
-            let normals = normals.map(|n| &n[cluster.vertex_range()]);
-            dispatch!(level, _ => bounds::bound(cluster, points, normals, corners));
-        }
-    });
-    [mesh.x, mesh.y, mesh.z] = xyz;
+/// The memory of a cluster.
+struct Stretch<'a> {
+    lines: &'a mut [Line],
+    /// Which of the block's vertices and triangles it holds.
+    vertices: std::ops::Range<usize>,
+    triangles: std::ops::Range<usize>,
 }
 
-/// Moves the attributes over, one at a time.
-pub(super) fn attributes(mesh: &mut ClusteredMesh, cuts: &[Cut], source: crate::Mesh) {
-    let primitives = mesh.primitives.as_deref();
-    mesh.vertex_colors = source.vertex_colors.map(|v| vertices(cuts, &v));
-    mesh.texcoords = source.texcoords.map(|v| vertices(cuts, &v));
-    mesh.face_colors = source.face_colors.map(|v| triangles(primitives, v));
-    mesh.triangle_materials = source.triangle_materials.map(|v| triangles(primitives, v));
-    mesh.materials = source.materials;
-    mesh.face_of_triangle = source.face_of_triangle;
-    mesh.attributes = source
-        .attributes
-        .into_iter()
-        .map(|mut a| {
-            a.values = match a.domain {
-                AttributeDomain::Vertex => vertices(cuts, &a.values),
-                AttributeDomain::Triangle => triangles(primitives, a.values),
-            };
-            a
-        })
-        .collect();
+impl Stretch<'_> {
+    /// Finds the bounds from positions, normals and corners.
+    fn bound(&self, head: &mut Cluster, layout: &Layout, level: Level) {
+        let (vertices, triangles) = (self.vertices.len(), self.triangles.len());
+        let floats: &[f32] = bytemuck::cast_slice(self.lines);
+        let points = [0, 1, 2].map(|axis| &floats[Layout::axis(head, axis)..][..vertices]);
+        let first = Layout::normals(head);
+        let normals = layout.normals.then(|| &bytemuck::cast_slice(self.lines)[first..first + vertices]);
+        let bytes: &[u8] = bytemuck::cast_slice(self.lines);
+        let (first, each) = (layout.corners(head), padded(head.triangles));
+        let corners = [0, 1, 2].map(|k| &bytes[first + k * each..][..triangles]);
+        dispatch!(level, _ => bounds::bound(head, points, normals, corners));
+    }
+}
+
+/// Writes the primitive numbers of a cluster into the bytes of its stretch.
+pub(super) fn write_numbers(stretch: &mut [u8], head: &Cluster, layout: &Layout, numbers: &[u32]) {
+    let each = usize::from(head.number_bytes);
+    if each == 0 {
+        return;
+    }
+    let first = layout.numbers(head);
+    for (to, number) in stretch[first..].chunks_exact_mut(each).zip(numbers) {
+        to.copy_from_slice(&(number - head.first_primitive).to_le_bytes()[..each]);
+    }
+}
+
+/// Three arrays that stand one after the other.
+fn axes(values: &mut [f32], each: usize) -> [&mut [f32]; 3] {
+    let (x, rest) = values.split_at_mut(each);
+    let (y, rest) = rest.split_at_mut(each);
+    [x, y, &mut rest[..each]]
+}
+
+/// Repeats the last of `count` values.
+fn pad<T: Copy>(values: &mut [T], count: usize) {
+    let last = values[count - 1];
+    values[count..].fill(last);
+}
+
+/// The values of some vertices, from those of their block.
+fn put(to: &mut [u32], vertices: &[u16], of_block: &[u32]) {
+    for (to, &v) in to.iter_mut().zip(vertices) {
+        *to = of_block[usize::from(v)];
+    }
+    pad(to, vertices.len());
+}
+
+/// Values behind the corners, on their way into the clusters of a block.
+struct Values<'a, 'b> {
+    layout: &'a Layout,
+    cut: &'a Cut,
+    numbers: Option<&'a [u32]>,
+    heads: &'b [Cluster],
+    stretches: Vec<Stretch<'b>>,
+    /// How many values of vertices and of triangles are written.
+    place: [usize; 2],
+}
+
+impl Values<'_, '_> {
+    /// Writes the next values of vertices, given by their numbers in the mesh.
+    fn of_vertices(&mut self, memory: &mut Memory, value: impl Fn(usize) -> u32) {
+        memory.words.clear();
+        memory.words.extend(self.cut.names.iter().map(|&v| value(v as usize)));
+        for (head, stretch) in self.heads.iter().zip(&mut self.stretches) {
+            let first = self.layout.vertex_values(head, self.place[0]);
+            let to = &mut bytemuck::cast_slice_mut(stretch.lines)[first..first + padded(head.vertices)];
+            put(to, &self.cut.vertices[stretch.vertices.clone()], &memory.words);
+        }
+        self.place[0] += 1;
+    }
+
+    /// Writes the next values of triangles, given by their numbers in the mesh.
+    fn of_triangles(&mut self, value: impl Fn(usize) -> u32) {
+        for (head, stretch) in self.heads.iter().zip(&mut self.stretches) {
+            let first = self.layout.triangle_values(head, self.place[1]);
+            let to: &mut [u32] = bytemuck::cast_slice_mut(stretch.lines);
+            for (i, to) in to[first..first + stretch.triangles.len()].iter_mut().enumerate() {
+                let number = match self.numbers {
+                    Some(numbers) => numbers[stretch.triangles.start + i],
+                    None => head.first_primitive + i as u32,
+                };
+                *to = value(number as usize);
+            }
+        }
+        self.place[1] += 1;
+    }
+}
+
+/// A head that holds the sizes of a cluster and the numbers of its triangles, and no bounds yet.
+pub(super) fn head(vertices: u8, numbers: impl Iterator<Item = u32> + Clone) -> Cluster {
+    let (mut least, mut most, mut count) = (u32::MAX, 0, 0u32);
+    let mut consecutive = true;
+    let first = numbers.clone().next().unwrap_or(0);
+    for number in numbers {
+        (least, most) = (least.min(number), most.max(number));
+        consecutive &= number == first.wrapping_add(count);
+        count += 1;
+    }
+    let bits = u32::BITS - (most - least).leading_zeros();
+    let number_bytes = if consecutive { 0 } else { bits.div_ceil(8).max(1) };
+    Cluster {
+        vertices,
+        triangles: count as u8,
+        first_primitive: least,
+        number_bytes: number_bytes as u8,
+        ..Cluster::zeroed()
+    }
 }

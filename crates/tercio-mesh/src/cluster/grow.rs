@@ -7,7 +7,8 @@
 
 use glam::Vec3;
 
-use super::partition::{Cut, Limits, Span};
+use super::gather;
+use super::partition::{Cut, Limits};
 use super::rim::Rim;
 use crate::blocks::{Around, Corner};
 
@@ -129,15 +130,11 @@ impl Found {
 }
 
 impl Grower {
-    /// All triangles of the block that was cut last, cluster after cluster.
-    pub fn taken(&self) -> &[u16] {
-        &self.taken[..self.taken_count]
-    }
-
-    /// Cuts a block; [`Grower::taken`] and `corners` get its triangles in their new order.
-    pub fn cut(&mut self, ground: &Ground, corners: &mut [&mut [u8]; 3], limits: Limits) -> Cut {
+    /// Cuts a block, and puts the mesh numbers of its triangles into the order of the clusters.
+    pub fn cut(&mut self, ground: &Ground, order: &mut [u32], limits: Limits) -> Cut {
         let n = ground.triangles.len();
-        let mut cut = Cut::with_capacity(n);
+        let mut cut = Cut::new(n);
+        let old = order.to_vec();
         self.reset(ground);
         let mut untouched = 0;
         while self.taken_count < n {
@@ -147,11 +144,15 @@ impl Grower {
             while let Some(triangle) = seed {
                 let first = self.taken_count;
                 self.grow(ground, triangle, &mut open, limits);
-                self.finish(ground, first, corners);
+                self.finish(ground, first, &mut cut.corners);
                 seed = self.seed_nearby(ground, &open, limits);
             }
             cut.vertices.extend_from_slice(&self.members);
-            cut.clusters.push(Span { vertices: self.members.len() as u8, triangles: open.triangles as u8 });
+            let own = self.taken_count - open.triangles as usize..self.taken_count;
+            for (number, &taken) in order[own.clone()].iter_mut().zip(&self.taken[own.clone()]) {
+                *number = old[usize::from(taken)];
+            }
+            cut.clusters.push(gather::head(self.members.len() as u8, order[own].iter().copied()));
             self.close();
         }
         cut
@@ -221,7 +222,7 @@ impl Grower {
     }
 
     /// Writes the corners of the open cluster's triangles from the `first` on.
-    fn finish(&mut self, ground: &Ground, first: usize, [a, b, c]: &mut [&mut [u8]; 3]) {
+    fn finish(&mut self, ground: &Ground, first: usize, [a, b, c]: &mut [Vec<u8>; 3]) {
         let taken = &self.taken[first..self.taken_count];
         let corners = a[first..].iter_mut().zip(&mut b[first..]).zip(&mut c[first..]);
         let (numbers, live) = (&*self.numbers, &mut *self.live);

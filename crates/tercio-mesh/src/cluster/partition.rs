@@ -4,7 +4,7 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use super::grow::{Ground, Grower};
-use super::{ClusteredMesh, MAX_TRIANGLES, MAX_VERTICES, PADDING, gather, runs, shuffle};
+use super::{Cluster, ClusteredMesh, MAX_TRIANGLES, MAX_VERTICES, gather, runs, shuffle};
 use crate::blocks::{Block, BlockedMesh, Order, Pool};
 use crate::{Aabb, Mesh, Progress};
 
@@ -42,45 +42,39 @@ pub(super) struct Limits {
     pub triangles: u32,
 }
 
-/// Sizes of a cluster.
-#[derive(Clone, Copy)]
-pub(super) struct Span {
-    pub vertices: u8,
-    pub triangles: u8,
-}
-
 /// A block cut into clusters.
 #[derive(Default)]
 pub(super) struct Cut {
-    /// The clusters, in order.
-    pub clusters: Vec<Span>,
+    /// Sizes of the clusters, in order, and which triangles they hold; no bounds yet.
+    pub clusters: Vec<Cluster>,
     /// Vertices of the clusters, one cluster after the other, as the block numbers them.
     pub vertices: Vec<u16>,
+    /// First, second and third corners of the triangles, cluster after cluster, as vertex numbers in the cluster.
+    pub corners: [Vec<u8>; 3],
     /// Mesh vertex of each vertex of the block.
     pub names: Vec<u32>,
 }
 
 impl Cut {
     /// Room for a block of so many triangles.
-    pub fn with_capacity(triangles: usize) -> Self {
+    pub fn new(triangles: usize) -> Self {
         Self {
             clusters: Vec::with_capacity(triangles / 64 + 1),
             vertices: Vec::with_capacity(triangles * 3 / 4 + 3),
+            corners: std::array::from_fn(|_| vec![0; triangles]),
             names: Vec::new(),
         }
     }
 
     /// Triangles of all clusters.
     pub fn triangles(&self) -> usize {
-        self.clusters.iter().map(|s| usize::from(s.triangles)).sum()
+        self.corners[0].len()
     }
 }
 
-/// A block before it is cut, and its part of the result's arrays.
+/// A block before it is cut.
 struct Job<'a> {
     block: Block,
-    /// Corners, to be written.
-    corners: [&'a mut [u8]; 3],
     /// Triangle numbers, to be put into the order of the clusters.
     order: Option<&'a mut [u32]>,
 }
@@ -92,7 +86,7 @@ struct Job<'a> {
 ///
 /// # Panics
 /// If a triangle names a vertex that is not there, an attribute's length is not the number of its elements,
-/// or the clusters need 2^32 vertices or more.
+/// or the clusters need 2^32 cache lines (256 GiB) or more.
 pub fn partition(mesh: Mesh, options: &PartitionOptions) -> ClusteredMesh {
     partition_blocks(BlockedMesh::new(mesh, options.order), options)
 }
@@ -112,18 +106,15 @@ pub fn partition_blocks(mesh: BlockedMesh, options: &PartitionOptions) -> Cluste
     if let Some(progress) = options.progress {
         progress.begin("clusters", n as u64);
     }
-    let mut out = ClusteredMesh { origin: mesh.origin, exponent: mesh.exponent, ..ClusteredMesh::default() };
-    out.corners = std::array::from_fn(|_| vec![0; n + PADDING]);
-    out.primitives = blocks.order;
+    let mut order = blocks.order;
     let pool = Pool::default();
-    let cuts: Vec<Cut> = jobs(&mut out, blocks.list)
+    let cuts: Vec<Cut> = jobs(order.as_deref_mut(), blocks.list)
         .into_par_iter()
         // So that threads finish together.
         .with_max_len(1)
-        .map(|mut job| {
+        .map(|job| {
             let triangles = &blocks.corners[job.block.range()];
-            let mut cut = cut(&mesh, triangles, &mut job, limits, &pool);
-            cut.names = job.block.vertices;
+            let cut = cut(&mesh, triangles, job, limits, &pool);
             if let Some(progress) = options.progress {
                 progress.advance(triangles.len() as u64);
             }
@@ -131,44 +122,42 @@ pub fn partition_blocks(mesh: BlockedMesh, options: &PartitionOptions) -> Cluste
         })
         .collect();
     drop(blocks.corners);
-    out.normals = mesh.normals.take().map(|n| gather::normals(&cuts, &n));
-    gather::positions(&mut out, &cuts, &std::mem::take(&mut mesh.positions));
-    gather::attributes(&mut out, &cuts, mesh);
+    let mut out = ClusteredMesh { origin: mesh.origin, exponent: mesh.exponent, ..ClusteredMesh::default() };
+    gather::clusters(&mut out, &cuts, order.as_deref(), &mesh);
+    out.materials = std::mem::take(&mut mesh.materials);
+    out.face_of_triangle = mesh.face_of_triangle.take().map(Into::into);
     out.bounds = bounds(&out);
-    if let Some(seed) = options.shuffle_seed {
-        shuffle::shuffle(&mut out, seed);
+    match options.shuffle_seed {
+        Some(seed) => shuffle::shuffle(&out, seed),
+        None => out,
     }
-    out
 }
 
-/// The result's arrays cut into blocks.
-fn jobs(out: &mut ClusteredMesh, blocks: Vec<Block>) -> Vec<Job<'_>> {
-    let lengths = || blocks.iter().map(|b| b.triangles);
-    let [a, b, c] = out.corners.each_mut().map(|v| gather::split(v, lengths()));
-    let order: Vec<Option<&mut [u32]>> = match &mut out.primitives {
-        Some(order) => gather::split(order, lengths()).into_iter().map(Some).collect(),
+/// The blocks with their parts of the order.
+fn jobs(order: Option<&mut [u32]>, blocks: Vec<Block>) -> Vec<Job<'_>> {
+    let parts: Vec<Option<&mut [u32]>> = match order {
+        Some(order) => {
+            gather::split(order, blocks.iter().map(|b| b.triangles)).into_iter().map(Some).collect()
+        }
         None => blocks.iter().map(|_| None).collect(),
     };
-    let corners = a.into_iter().zip(b).zip(c).map(|((a, b), c)| [a, b, c]);
-    blocks
-        .into_iter()
-        .zip(corners)
-        .zip(order)
-        .map(|((block, corners), order)| Job { block, corners, order })
-        .collect()
+    blocks.into_iter().zip(parts).map(|(block, order)| Job { block, order }).collect()
 }
 
 /// Cuts one block: a given order into runs, else by growing.
-fn cut(mesh: &Mesh, triangles: &[[u16; 3]], job: &mut Job, limits: Limits, pool: &Pool<Grower>) -> Cut {
-    let Some(order) = &mut job.order else {
-        return runs::cut(triangles, job.block.vertices.len(), &mut job.corners, limits);
+fn cut(mesh: &Mesh, triangles: &[[u16; 3]], job: Job, limits: Limits, pool: &Pool<Grower>) -> Cut {
+    let Job { block, order } = job;
+    let mut cut = match order {
+        None => runs::cut(triangles, block.first as u32, block.vertices.len(), limits),
+        Some(order) => {
+            let mut grower = pool.take();
+            let ground = Ground { triangles, vertices: &block.vertices, positions: &mesh.positions };
+            let cut = grower.cut(&ground, order, limits);
+            pool.give(grower);
+            cut
+        }
     };
-    let mut grower = pool.take();
-    let ground = Ground { triangles, vertices: &job.block.vertices, positions: &mesh.positions };
-    let cut = grower.cut(&ground, &mut job.corners, limits);
-    let old = order.to_vec();
-    order.iter_mut().zip(grower.taken()).for_each(|(o, &t)| *o = old[usize::from(t)]);
-    pool.give(grower);
+    cut.names = block.vertices;
     cut
 }
 

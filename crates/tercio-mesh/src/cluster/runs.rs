@@ -1,15 +1,12 @@
 //! Cuts consecutive triangles into clusters: a new one begins where the next triangle no longer fits.
 
-use super::partition::{Cut, Limits, Span};
+use super::gather;
+use super::partition::{Cut, Limits};
 
-/// Cuts the triangles of a block in their order, and writes the numbers of their corners.
-pub(super) fn cut(
-    triangles: &[[u16; 3]],
-    vertices: usize,
-    corners: &mut [&mut [u8]; 3],
-    limits: Limits,
-) -> Cut {
-    let mut cut = Cut::with_capacity(triangles.len());
+/// Cuts the triangles of a block in their order. `first` is the mesh number of the first of them, `vertices` the
+/// number of vertices in the block.
+pub(super) fn cut(triangles: &[[u16; 3]], first: u32, vertices: usize, limits: Limits) -> Cut {
+    let mut cut = Cut::new(triangles.len());
     // Of each vertex: number of the last cluster that has it, from 1, times 256, plus its number in there.
     let mut member = vec![0u32; vertices];
     let mut number = 1;
@@ -17,7 +14,8 @@ pub(super) fn cut(
     for (i, triangle) in triangles.iter().enumerate() {
         let missing = triangle.iter().filter(|&&v| member[usize::from(v)] >> 8 != number).count() as u32;
         if count == limits.triangles || used + missing > limits.vertices {
-            cut.clusters.push(Span { vertices: used as u8, triangles: count as u8 });
+            let end = first + i as u32;
+            cut.clusters.push(gather::head(used as u8, end - count..end));
             number += 1;
             (used, count) = (0, 0);
         }
@@ -28,12 +26,13 @@ pub(super) fn cut(
                 used += 1;
                 cut.vertices.push(v);
             }
-            corners[k][i] = *member as u8;
+            cut.corners[k][i] = *member as u8;
         }
         count += 1;
     }
     if count > 0 {
-        cut.clusters.push(Span { vertices: used as u8, triangles: count as u8 });
+        let end = first + triangles.len() as u32;
+        cut.clusters.push(gather::head(used as u8, end - count..end));
     }
     cut
 }

@@ -1,52 +1,58 @@
 //! Disorder for tests: a picture must not depend on how a mesh was cut.
 
-use super::{Cluster, ClusteredMesh, PADDING};
-use crate::AttributeDomain;
+use bytemuck::Zeroable;
 
-/// Puts the clusters, and the triangles inside each, into an order drawn from `seed`.
-pub(super) fn shuffle(mesh: &mut ClusteredMesh, seed: u64) {
+use super::layout::padded;
+use super::{Cluster, ClusterView, ClusteredMesh, Layout, Line, gather};
+
+/// The mesh with its clusters, and the triangles inside each, in an order drawn from `seed`.
+pub(super) fn shuffle(mesh: &ClusteredMesh, seed: u64) -> ClusteredMesh {
     let mut random = seed;
     let mut clusters: Vec<u32> = (0..mesh.clusters.len() as u32).collect();
     permute(&mut clusters, &mut random);
-    let (mut vertices, mut triangles) = (Vec::new(), Vec::new());
-    let mut shuffled = Vec::with_capacity(clusters.len());
-    for &i in &clusters {
-        let old = mesh.clusters[i as usize];
-        shuffled.push(Cluster {
-            first_vertex: vertices.len() as u32,
-            first_triangle: triangles.len() as u32,
-            ..old
-        });
-        vertices.extend(old.vertex_range().map(|v| v as u32));
-        let begin = triangles.len();
-        triangles.extend(old.triangle_range().map(|t| t as u32));
-        permute(&mut triangles[begin..], &mut random);
+    let (mut heads, mut starts, mut lines) = (Vec::new(), vec![0], Vec::new());
+    for number in clusters {
+        let old = mesh.cluster(number as usize);
+        let mut order: Vec<u32> = (0..old.triangles() as u32).collect();
+        permute(&mut order, &mut random);
+        heads.push(reorder(&old, &order, &mut lines));
+        starts.push(lines.len() as u32);
     }
-    let n = triangles.len() as u32;
-    mesh.clusters = shuffled;
-    let primitives = mesh.primitives.get_or_insert_with(|| (0..n + PADDING as u32).collect());
-    pick(primitives, &triangles);
-    mesh.corners.iter_mut().for_each(|v| pick(v, &triangles));
-    mesh.face_colors.iter_mut().for_each(|v| pick(v, &triangles));
-    mesh.triangle_materials.iter_mut().for_each(|v| pick(v, &triangles));
-    [&mut mesh.x, &mut mesh.y, &mut mesh.z].into_iter().for_each(|v| pick(v, &vertices));
-    mesh.normals.iter_mut().for_each(|v| pick(v, &vertices));
-    mesh.vertex_colors.iter_mut().for_each(|v| pick(v, &vertices));
-    mesh.texcoords.iter_mut().for_each(|v| pick(v, &vertices));
-    for a in &mut mesh.attributes {
-        let places = match a.domain {
-            AttributeDomain::Vertex => &vertices,
-            AttributeDomain::Triangle => &triangles,
-        };
-        pick(&mut a.values, places);
-    }
+    lines.extend([Line::zeroed(); Layout::LINES_BEHIND]);
+    ClusteredMesh { clusters: heads.into(), starts: starts.into(), lines: lines.into(), ..mesh.clone() }
 }
 
-/// The values at `places`, in their order, then padding.
-fn pick<T: Copy + Default>(values: &mut Vec<T>, places: &[u32]) {
-    let mut picked: Vec<T> = places.iter().map(|&i| values[i as usize]).collect();
-    picked.resize(places.len() + PADDING, T::default());
-    *values = picked;
+/// Appends the stretch of a cluster with its triangles in another order.
+fn reorder(old: &ClusterView, order: &[u32], lines: &mut Vec<Line>) -> Cluster {
+    let layout = old.layout();
+    let numbers: Vec<u32> = order.iter().map(|&t| old.primitive(t as usize)).collect();
+    let sizes = gather::head(old.head().vertices, numbers.iter().copied());
+    let head =
+        Cluster { first_primitive: sizes.first_primitive, number_bytes: sizes.number_bytes, ..*old.head() };
+    let first = lines.len();
+    lines.resize(first + layout.lines(&head), Line::zeroed());
+    let (to, behind) = (&mut lines[first..], layout.triangle_values(&head, 0));
+    to[0].0[..size_of::<Cluster>()].copy_from_slice(bytemuck::bytes_of(&head));
+
+    // Vertices stay.
+    let words: &mut [u32] = bytemuck::cast_slice_mut(to);
+    let from: &[u32] = bytemuck::cast_slice(old.lines());
+    words[Line::BYTES / 4..behind].copy_from_slice(&from[Line::BYTES / 4..behind]);
+    for place in 0..(layout.numbers(&head) / 4 - behind) / padded(head.triangles) {
+        let at = behind + place * padded(head.triangles);
+        for (i, &t) in order.iter().enumerate() {
+            words[at + i] = from[at + t as usize];
+        }
+    }
+    let bytes: &mut [u8] = bytemuck::cast_slice_mut(to);
+    let at = layout.corners(&head);
+    for (k, corner) in old.corners().into_iter().enumerate() {
+        for (i, &t) in order.iter().enumerate() {
+            bytes[at + k * padded(head.triangles) + i] = corner[t as usize];
+        }
+    }
+    gather::write_numbers(bytes, &head, layout, &numbers);
+    head
 }
 
 /// Fisher and Yates.

@@ -4,7 +4,7 @@
 //! The greatest error is 0.004 degrees, which no 8-bit picture can show.
 
 /// A unit normal, octahedral coordinates as two signed 16-bit numbers, u in the low half.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(transparent)]
 pub struct OctNormal(pub u32);
 

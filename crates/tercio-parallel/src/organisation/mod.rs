@@ -135,6 +135,6 @@ fn share(comm: &impl Communicator) -> Part {
 
 /// Clusters of all instances; where they are too many to be numbered the renderer says so.
 fn clusters_of(scene: &Scene) -> u32 {
-    let clusters = scene.instances.iter().map(|i| i.mesh.clusters.len()).sum::<usize>();
+    let clusters = scene.instances.iter().map(|i| i.mesh.clusters().len()).sum::<usize>();
     u32::try_from(clusters).unwrap_or(u32::MAX)
 }

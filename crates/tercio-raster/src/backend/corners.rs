@@ -2,6 +2,7 @@
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, i32x16, mask32x16, u32x16};
+use tercio_mesh::cluster::ClusterView;
 use tercio_mesh::{ClusteredMesh, Mesh};
 use tercio_scene::Surface;
 
@@ -61,13 +62,14 @@ pub enum ColorSource {
 impl ColorSource {
     /// What a mesh offers and its surface takes.
     pub fn of(mesh: &ClusteredMesh, surface: &Surface) -> Self {
+        let layout = mesh.layout();
         if !surface.use_mesh_colors {
             Self::Base
-        } else if mesh.face_colors.is_some() {
+        } else if layout.face_colors {
             Self::Triangle
-        } else if mesh.vertex_colors.is_some() {
+        } else if layout.vertex_colors {
             Self::Vertex
-        } else if mesh.triangle_materials.is_some() && !mesh.materials.is_empty() {
+        } else if layout.triangle_materials && !mesh.materials.is_empty() {
             Self::Triangle
         } else {
             Self::Base
@@ -75,12 +77,17 @@ impl ColorSource {
     }
 }
 
-/// Linear colour of a triangle that has one of its own, from its place in the mesh's triangle arrays.
-pub fn triangle_color(mesh: &ClusteredMesh, surface: &Surface, triangle: usize) -> [f32; 3] {
-    if let Some(colors) = &mesh.face_colors {
+/// Linear colour of a triangle that has one of its own, from its number in its cluster.
+pub fn triangle_color(
+    mesh: &ClusteredMesh,
+    cluster: &ClusterView,
+    surface: &Surface,
+    triangle: usize,
+) -> [f32; 3] {
+    if let Some(colors) = cluster.face_colors() {
         return linear(colors[triangle]);
     }
-    let material = mesh.triangle_materials.as_ref().map_or(Mesh::NO_MATERIAL, |m| m[triangle]);
+    let material = cluster.triangle_materials().map_or(Mesh::NO_MATERIAL, |m| m[triangle]);
     match mesh.materials.get(material as usize) {
         Some(m) => {
             let level = |k: usize| (m.diffuse[k].clamp(0.0, 1.0) * 255.0 + 0.5) as u8;
@@ -153,22 +160,22 @@ impl<S: Simd> Corners<S> {
             let same = slots.simd_eq(u32x16::splat(simd, slot));
             left &= !(same.to_bitmask() as u32);
             let (_, cluster, triangle) = context.locate_slot(slot);
-            let first = mesh.clusters[cluster].first_vertex as usize;
+            let numbers = cluster.corners_of(triangle);
             for k in 0..3 {
-                let v = first + usize::from(mesh.corners[k][triangle]);
-                let p = [mesh.x[v], mesh.y[v], mesh.z[v]];
+                let v = usize::from(numbers[k]);
+                let p = cluster.position(v);
                 let position = &mut corners.position[k];
                 *position = each3!(A => same.select(splat(simd, p[A]), position[A]));
-                if let Some(normals) = &mesh.normals {
+                if let Some(normals) = cluster.normals() {
                     let normal = splat_i(simd, normals[v].0 as i32);
                     packed[k] = same.select(normal, packed[k]);
                 }
-                if let (ColorSource::Vertex, Some(c)) = (colors, &mesh.vertex_colors) {
+                if let (ColorSource::Vertex, Some(c)) = (colors, cluster.vertex_colors()) {
                     corners.set_color(k, same, linear(c[v]));
                 }
             }
             if colors == ColorSource::Triangle {
-                let color = triangle_color(mesh, &scene_instance.surface, triangle);
+                let color = triangle_color(mesh, &cluster, &scene_instance.surface, triangle);
                 (0..3).for_each(|k| corners.set_color(k, same, color));
             }
         }

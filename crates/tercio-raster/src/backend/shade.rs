@@ -174,17 +174,16 @@ pub fn winners<S: Simd>(
     simd.vectorize(
         #[inline(always)]
         || {
-            let (instance, index) = context.locate(number);
+            let (instance, cluster) = context.cluster(number);
             let Instance { mesh, surface, .. } = &context.scene.instances[instance];
-            let cluster = &mesh.clusters[index];
-            let look = Look::of(context, instance, cluster.normals_agree, planes);
+            let look = Look::of(context, instance, cluster.head().normals_agree(), planes);
             let WinnerScratch { table, fragments } = scratch;
-            table.load_normals(simd, context, &context.objects[instance], mesh, cluster, &pass.vertices);
+            table.load_normals(simd, context, &context.objects[instance], &cluster, &pass.vertices);
             if look.position {
-                table.load_positions(simd, mesh, cluster);
+                table.load_positions(simd, &cluster);
             }
             if look.colors == ColorSource::Vertex {
-                table.load_colors(mesh, cluster);
+                table.load_colors(&cluster);
             }
             let count = pass.winners.len();
             counts.pixels_shaded += count as u64;
@@ -204,7 +203,7 @@ pub fn winners<S: Simd>(
                 if look.position {
                     table.look_up_positions(simd, &numbers, &mut corners);
                 }
-                let of = (&**mesh, cluster, surface);
+                let of = (&**mesh, &cluster, surface);
                 table.look_up_colors(simd, of, triangles, &numbers, look.colors, &mut corners);
                 for lane in 0..LANES {
                     fragments.slot[lane] = number * MAX_TRIANGLES as u32 + u32::from(triangles[lane]);
@@ -352,12 +351,12 @@ impl Look {
         more: false,
     };
 
-    /// Of pixels of an instance; `normals_agree` as in [`tercio_mesh::cluster::Cluster::normals_agree`].
+    /// Of pixels of an instance; `normals_agree` as in [`Cluster::NORMALS_AGREE`](tercio_mesh::cluster::Cluster::NORMALS_AGREE).
     #[inline(always)]
     fn of(context: &FrameContext, instance: usize, normals_agree: bool, planes: &Planes) -> Self {
         let Instance { mesh, surface, .. } = &context.scene.instances[instance];
         let (shading, lights) = (context.settings.shading, &context.lights);
-        let normals = mesh.normals.is_some();
+        let normals = mesh.layout().normals;
         // Where not all directions are scaled alike, normals may change sides on the way to world space.
         let agree = normals_agree && context.objects[instance].similarity.is_some();
         let plane = shading == Shading::Flat || !normals || !agree;

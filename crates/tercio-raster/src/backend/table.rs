@@ -3,7 +3,7 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, i32x16};
 use tercio_mesh::ClusteredMesh;
-use tercio_mesh::cluster::{Cluster, MAX_VERTICES};
+use tercio_mesh::cluster::{ClusterView, MAX_VERTICES};
 use tercio_scene::Surface;
 
 use super::corners::{ColorSource, Corners, scaled, triangle_color, unit_normal};
@@ -12,7 +12,7 @@ use crate::color::DECODE;
 use crate::context::FrameContext;
 use crate::conventions::SMALL_EXTENT;
 use crate::frontend::transform::{CornerNumbers, CornerTable, LocalVertices};
-use crate::simd::{LANES, dot, each3, live_lanes, load, lookup, splat};
+use crate::simd::{LANES, dot, each3, load, lookup, splat};
 use crate::view::ObjectView;
 
 /// Positions, normals and colours of a cluster.
@@ -46,21 +46,19 @@ impl ClusterTable {
         simd: S,
         context: &FrameContext,
         object: &ObjectView,
-        mesh: &ClusteredMesh,
-        cluster: &Cluster,
+        cluster: &ClusterView,
         vertices: &LocalVertices,
     ) {
-        let Some(normals) = &mesh.normals else { return };
+        let Some(normals) = cluster.normals() else { return };
         let sight = &context.lights.sight;
         let from_middle = vertices.from_middle(sight).map(|c| c + SMALL_EXTENT / 2);
         let to_viewer = sight.at(from_middle);
         let to_viewer = each3!(K => splat(simd, to_viewer[K]));
         let (mut not_towards, mut not_away) = (0, 0);
         let mut first = 0;
-        while first < usize::from(cluster.vertices) {
-            let from = cluster.first_vertex as usize + first;
+        while first < normals.len() {
             let mut packed = [0; LANES];
-            for (to, from) in packed.iter_mut().zip(&normals[from..from + LANES]) {
+            for (to, from) in packed.iter_mut().zip(&normals[first..first + LANES]) {
                 *to = from.0 as i32;
             }
             let scale = if object.perspective {
@@ -69,9 +67,9 @@ impl ClusterTable {
                 splat(simd, 1.0)
             };
             let n = unit_normal(simd, context, object, i32x16::load_array(simd, packed));
-            let (towards, live) = (dot(n, to_viewer), live_lanes(usize::from(cluster.vertices) - first));
-            not_towards |= !towards.simd_gt(splat(simd, sight.spread)).to_bitmask() as u32 & live;
-            not_away |= !towards.simd_lt(splat(simd, -sight.spread)).to_bitmask() as u32 & live;
+            let towards = dot(n, to_viewer);
+            not_towards |= !towards.simd_gt(splat(simd, sight.spread)).to_bitmask() as u32 & 0xffff;
+            not_away |= !towards.simd_lt(splat(simd, -sight.spread)).to_bitmask() as u32 & 0xffff;
             let n = scaled(simd, n, scale);
             for (to, axis) in self.normal.iter_mut().zip(n) {
                 axis.bitcast::<i32x16<S>>().store_slice(&mut to[first..first + LANES]);
@@ -83,16 +81,15 @@ impl ClusterTable {
 
     /// Copies the positions of a cluster.
     #[inline(always)]
-    pub fn load_positions<S: Simd>(&mut self, simd: S, mesh: &ClusteredMesh, cluster: &Cluster) {
-        let mut first = 0;
-        while first < usize::from(cluster.vertices) {
-            let from = cluster.first_vertex as usize + first;
-            for (axis, values) in [&mesh.x, &mesh.y, &mesh.z].into_iter().enumerate() {
-                load(simd, &values[from..from + LANES])
+    pub fn load_positions<S: Simd>(&mut self, simd: S, cluster: &ClusterView) {
+        for (axis, values) in cluster.positions().into_iter().enumerate() {
+            let mut first = 0;
+            while first < values.len() {
+                load(simd, &values[first..])
                     .bitcast::<i32x16<S>>()
                     .store_slice(&mut self.position[axis][first..first + LANES]);
+                first += LANES;
             }
-            first += LANES;
         }
     }
 
@@ -132,11 +129,10 @@ impl ClusterTable {
 
     /// Prepares the colours of a cluster's vertices, if there are any.
     #[inline(always)]
-    pub fn load_colors(&mut self, mesh: &ClusteredMesh, cluster: &Cluster) {
-        let Some(colors) = &mesh.vertex_colors else { return };
+    pub fn load_colors(&mut self, cluster: &ClusterView) {
+        let Some(colors) = cluster.vertex_colors() else { return };
         let decode = &**DECODE;
-        let first = cluster.first_vertex as usize;
-        for (v, color) in colors[first..first + usize::from(cluster.vertices)].iter().enumerate() {
+        for (v, color) in colors.iter().enumerate() {
             for k in 0..3 {
                 self.color[k][v % MAX_VERTICES] = decode[usize::from(color[k])].to_bits() as i32;
             }
@@ -149,7 +145,7 @@ impl ClusterTable {
     pub fn look_up_colors<S: Simd>(
         &self,
         simd: S,
-        (mesh, cluster, surface): (&ClusteredMesh, &Cluster, &Surface),
+        (mesh, cluster, surface): (&ClusteredMesh, &ClusterView, &Surface),
         triangles: &[u8; LANES],
         numbers: &CornerNumbers,
         colors: ColorSource,
@@ -163,8 +159,7 @@ impl ClusterTable {
             ColorSource::Triangle => {
                 let mut colors = [[0.0; LANES]; 3];
                 for lane in 0..LANES {
-                    let triangle = cluster.first_triangle as usize + usize::from(triangles[lane]);
-                    let color = triangle_color(mesh, surface, triangle);
+                    let color = triangle_color(mesh, cluster, surface, usize::from(triangles[lane]));
                     for k in 0..3 {
                         colors[k][lane] = color[k];
                     }

@@ -45,7 +45,7 @@ pub fn run<S: Simd>(simd: S, context: &FrameContext, clusters: Range<u32>, batch
     let mut lanes = ClusterLanes::default();
     for (instance, number, range) in context.by_instance(clusters) {
         let mesh = &*context.scene.instances[instance].mesh;
-        let sixteens = mesh.clusters[range].chunks(LANES).zip((number..).step_by(LANES));
+        let sixteens = mesh.clusters()[range].chunks(LANES).zip((number..).step_by(LANES));
         for (clusters, number) in sixteens {
             sort_16(simd, context, instance, clusters, number, &mut pass, &mut lanes, batch);
         }
@@ -66,7 +66,6 @@ fn sort_16<S: Simd>(
     lanes: &mut ClusterLanes,
     batch: &mut Batch,
 ) {
-    let mesh = &*context.scene.instances[instance].mesh;
     let object = &context.objects[instance];
     let (view, settings) = (&context.view, context.settings);
     let mut tests = ClusterTests::default();
@@ -121,10 +120,11 @@ fn sort_16<S: Simd>(
             continue;
         }
         let slot = number * MAX_TRIANGLES as u32;
+        let (_, cluster) = context.cluster(number);
         // Compiled on its own at this SIMD level; inlining it into the loop gains nothing.
         simd.vectorize(
             #[inline(always)]
-            || pass.draw(simd, context, object, mesh, cluster, slot, placement, batch),
+            || pass.draw(simd, context, object, &cluster, slot, placement, batch),
         );
     }
 }

@@ -2,14 +2,13 @@
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, i32x16, mask32x16, u32x16};
-use tercio_mesh::ClusteredMesh;
-use tercio_mesh::cluster::{Cluster, MAX_TRIANGLES, MAX_VERTICES};
+use tercio_mesh::cluster::{ClusterView, MAX_TRIANGLES, MAX_VERTICES};
 
 use crate::binning::PixelRect;
 #[cfg(doc)]
 use crate::binning::ScreenTriangle;
 use crate::conventions::{GUARD, SAMPLE, SMALL_EXTENT, SUBPIXEL_BITS, SUBPIXELS};
-use crate::simd::{LANES, each3, live_lanes, load, lookup, lookup_bytes, part, row, splat, splat_i};
+use crate::simd::{LANES, each3, load, lookup, lookup_bytes, part, row, splat, splat_i};
 use crate::view::{ObjectView, ScreenVertex, Sight};
 
 /// 16 projected vertices.
@@ -59,12 +58,10 @@ pub fn relative<S: Simd>(simd: S, view: &ObjectView, p: [f32x16<S>; 3]) -> [f32x
     each3!(K => p[K] - splat(simd, view.pivot[K]))
 }
 
-/// Loads 16 vertices of a cluster, from number `first` on.
+/// 16 vertices of a cluster, from number `first` on.
 #[inline(always)]
-fn positions<S: Simd>(simd: S, mesh: &ClusteredMesh, cluster: &Cluster, first: usize) -> [f32x16<S>; 3] {
-    let from = cluster.first_vertex as usize + first;
-    let range = from..from + LANES;
-    [load(simd, &mesh.x[range.clone()]), load(simd, &mesh.y[range.clone()]), load(simd, &mesh.z[range])]
+fn positions<S: Simd>(simd: S, axes: &[&[f32]; 3], first: usize) -> [f32x16<S>; 3] {
+    each3!(K => load(simd, &axes[K][first..]))
 }
 
 /// To whole sub-pixels, ties to even.
@@ -100,28 +97,18 @@ impl Default for ClusterVertices {
 impl ClusterVertices {
     /// Projects all vertices of a cluster.
     #[inline(always)]
-    pub fn project<S: Simd>(
-        &mut self,
-        simd: S,
-        object: &ObjectView,
-        mesh: &ClusteredMesh,
-        cluster: &Cluster,
-    ) {
+    pub fn project<S: Simd>(&mut self, simd: S, object: &ObjectView, cluster: &ClusterView) {
         self.beyond = 0;
-        let count = usize::from(cluster.vertices);
+        let axes = cluster.positions();
         let mut first = 0;
-        while first < count {
-            let v = project(simd, object, positions(simd, mesh, cluster, first));
+        while first < axes[0].len() {
+            let v = project(simd, object, positions(simd, &axes, first));
             let to = first..first + LANES;
             v.x.store_slice(&mut self.x[to.clone()]);
             v.y.store_slice(&mut self.y[to.clone()]);
             v.d.bitcast::<i32x16<S>>().store_slice(&mut self.d[to]);
             self.beyond |= (!v.inside.to_bitmask() & 0xffff) << first;
             first += LANES;
-        }
-        if count < MAX_VERTICES {
-            // Lanes behind the last vertex hold a neighbour's.
-            self.beyond &= (1 << count) - 1;
         }
     }
 
@@ -174,28 +161,22 @@ impl LocalVertices {
     /// Projects all vertices of a cluster of less than [`SMALL_CLUSTER`](crate::conventions::SMALL_CLUSTER)
     /// sub-pixels.
     #[inline(always)]
-    pub fn project<S: Simd>(
-        &mut self,
-        simd: S,
-        object: &ObjectView,
-        mesh: &ClusteredMesh,
-        cluster: &Cluster,
-    ) {
-        let count = usize::from(cluster.vertices);
-        let mut astray = 0;
+    pub fn project<S: Simd>(&mut self, simd: S, object: &ObjectView, cluster: &ClusterView) {
+        let axes = cluster.positions();
+        let mut out_of_range = 0;
         let mut first = 0;
-        while first < count {
-            let v = project(simd, object, positions(simd, mesh, cluster, first));
+        while first < axes[0].len() {
+            let v = project(simd, object, positions(simd, &axes, first));
             if first == 0 {
                 let beside = |coordinate: i32| (coordinate - SMALL_EXTENT / 2) >> SUBPIXEL_BITS;
                 self.pixel = [beside(v.x[0]), beside(v.y[0])];
             }
-            astray |= self.keep(simd, first, &v) & live_lanes(count - first);
+            out_of_range |= self.keep(simd, first, &v);
             first += LANES;
         }
         self.is_wide = false;
-        if astray != 0 {
-            self.project_wide(simd, object, mesh, cluster);
+        if out_of_range & 0xffff != 0 {
+            self.project_wide(simd, object, &axes);
         }
     }
 
@@ -220,21 +201,15 @@ impl LocalVertices {
     /// The same for a cluster that may be wide, or whose first vertex does not lie about its middle.
     #[cold]
     #[inline(never)]
-    fn project_wide<S: Simd>(
-        &mut self,
-        simd: S,
-        object: &ObjectView,
-        mesh: &ClusteredMesh,
-        cluster: &Cluster,
-    ) {
+    fn project_wide<S: Simd>(&mut self, simd: S, object: &ObjectView, axes: &[&[f32]; 3]) {
         simd.vectorize(
             #[inline(always)]
             || {
-                let count = usize::from(cluster.vertices);
+                let count = axes[0].len();
                 let (mut least, mut most) = ([i32::MAX; 2], [i32::MIN; 2]);
                 for first in (0..count).step_by(LANES) {
-                    let v = project(simd, object, positions(simd, mesh, cluster, first));
-                    for lane in 0..LANES.min(count - first) {
+                    let v = project(simd, object, positions(simd, axes, first));
+                    for lane in 0..LANES {
                         for (k, coordinate) in [v.x[lane], v.y[lane]].into_iter().enumerate() {
                             least[k] = least[k].min(coordinate);
                             most[k] = most[k].max(coordinate);
@@ -246,7 +221,7 @@ impl LocalVertices {
                     self.is_wide |= most[k] - least[k] >= SMALL_EXTENT;
                 }
                 for first in (0..count).step_by(LANES) {
-                    let v = project(simd, object, positions(simd, mesh, cluster, first));
+                    let v = project(simd, object, positions(simd, axes, first));
                     self.keep(simd, first, &v);
                 }
             },
@@ -311,10 +286,11 @@ impl LocalVertices {
 /// 16 triangles of a cluster: the numbers of their corners, first, second and third.
 pub type CornerNumbers = [[u8; LANES]; 3];
 
-/// Loads the corners of 16 triangles, from number `first` of the mesh's triangle arrays on.
+/// The corners of 16 triangles of a cluster, from number `first` on.
 #[inline(always)]
-pub fn corner_numbers(mesh: &ClusteredMesh, first: usize) -> CornerNumbers {
-    each3!(K => *mesh.corners[K][first..].first_chunk().unwrap_or(&[0; LANES]))
+pub fn corner_numbers(cluster: &ClusterView, first: usize) -> CornerNumbers {
+    let corners = cluster.corners();
+    each3!(K => *corners[K][first..].first_chunk().unwrap_or(&[0; LANES]))
 }
 
 /// The corners of all triangles of a cluster: first, second and third.
@@ -330,15 +306,9 @@ impl Default for CornerTable {
 impl CornerTable {
     /// Copies the corners of a cluster.
     #[inline(always)]
-    pub fn load(&mut self, mesh: &ClusteredMesh, cluster: &Cluster) {
-        let first = cluster.first_triangle as usize;
-        for (to, from) in self.0.iter_mut().zip(&mesh.corners) {
-            let from = &from[first..];
-            match from.first_chunk() {
-                Some(from) => *to = *from,
-                None => to[..from.len()].copy_from_slice(from),
-            }
-        }
+    pub fn load(&mut self, cluster: &ClusterView) {
+        let tables = cluster.corner_tables();
+        self.0 = each3!(K => *tables[K]);
     }
 
     /// Of 16 triangles that stand one after another, `first` a multiple of 16.

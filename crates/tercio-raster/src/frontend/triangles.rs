@@ -6,8 +6,7 @@
 
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
-use tercio_mesh::ClusteredMesh;
-use tercio_mesh::cluster::Cluster;
+use tercio_mesh::cluster::ClusterView;
 
 use super::Batch;
 use super::clip::clip_triangle;
@@ -33,27 +32,26 @@ impl TrianglePass {
         simd: S,
         context: &FrameContext,
         object: &ObjectView,
-        mesh: &ClusteredMesh,
-        cluster: &Cluster,
+        cluster: &ClusterView,
         first_slot: u32,
         placement: Placement,
         batch: &mut Batch,
     ) {
-        self.vertices.project(simd, object, mesh, cluster);
-        batch.counts.vertices_transformed += u64::from(cluster.vertices);
+        self.vertices.project(simd, object, cluster);
+        batch.counts.vertices_transformed += cluster.vertices() as u64;
         if placement == Placement::Inside {
             self.vertices.beyond = 0;
         }
-        let count = usize::from(cluster.triangles);
+        let count = cluster.triangles();
         let mut first = 0;
         while first < count {
-            let corners = corner_numbers(mesh, cluster.first_triangle as usize + first);
+            let corners = corner_numbers(cluster, first);
             let live = live_lanes(count - first);
             let slot = first_slot + first as u32;
             let whole = if self.vertices.beyond == 0 {
                 live
             } else {
-                self.clip_crossing(context, object, mesh, cluster, &corners, live, slot, batch)
+                self.clip_crossing(context, object, cluster, &corners, live, slot, batch)
             };
             self.draw_16(simd, context, object, &corners, whole, slot, batch);
             first += LANES;
@@ -113,8 +111,7 @@ impl TrianglePass {
         &self,
         context: &FrameContext,
         object: &ObjectView,
-        mesh: &ClusteredMesh,
-        cluster: &Cluster,
+        cluster: &ClusterView,
         corners: &CornerNumbers,
         live: u32,
         first_slot: u32,
@@ -128,10 +125,7 @@ impl TrianglePass {
                 continue;
             }
             whole &= !(1 << lane);
-            let positions = numbers.map(|n| {
-                let at = cluster.first_vertex as usize + usize::from(n);
-                [mesh.x[at], mesh.y[at], mesh.z[at]]
-            });
+            let positions = numbers.map(|n| cluster.position(usize::from(n)));
             let mut pieces = 0;
             clip_triangle(object, positions, v, |piece| {
                 pieces += 1;

@@ -11,6 +11,7 @@ mod x86_64;
 use fearless_simd::i32x8;
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd, f32x16, i32x16, u8x16};
+use tercio_mesh::cluster::Line;
 
 /// Lanes of every kernel: one 4x4 block of samples, or 16 vertices, triangles or pixels.
 pub const LANES: usize = 16;
@@ -211,22 +212,17 @@ fn move_to_front<T: Copy>(to: &mut [T], lanes: u32, from: &[T; LANES]) {
     }
 }
 
-/// Asks the memory for some elements that will be read soon; those outside the slice are left out.
+/// Prefetches cache lines that will be read soon.
 #[inline(always)]
-pub fn prefetch<T>(from: &[T], first: usize, count: usize) {
-    let Some(from) = from.get(first..(first + count).min(from.len())) else { return };
-    let bytes = size_of_val(from);
-    let mut at = 0;
-    while at < bytes {
+pub fn prefetch(lines: &[Line]) {
+    for line in lines {
         #[cfg(target_arch = "x86_64")]
         // SAFETY: a prefetch reads nothing that the program could see, and never faults.
         unsafe {
             use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
-            _mm_prefetch::<_MM_HINT_T0>(from.as_ptr().cast::<i8>().wrapping_add(at));
+            _mm_prefetch::<_MM_HINT_T0>(std::ptr::from_ref(line).cast());
         }
-        at += CACHE_LINE;
+        #[cfg(not(target_arch = "x86_64"))]
+        let _ = line;
     }
 }
-
-/// Bytes that come from memory together.
-const CACHE_LINE: usize = 64;

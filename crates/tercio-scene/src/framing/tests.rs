@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use glam::DVec3;
 use proptest::prelude::*;
-use tercio_mesh::cluster::{Cluster, PADDING};
-use tercio_mesh::{Aabb, ClusteredMesh};
+use tercio_mesh::cluster::{PartitionOptions, partition};
+use tercio_mesh::{Aabb, Mesh};
 
 use super::{Framing, UpAxis, View};
 use crate::{Camera, Projection, Scene};
@@ -161,22 +161,15 @@ fn an_explicit_camera_finds_an_up_vector() {
 #[test]
 fn a_scene_is_framed_by_its_vertices_not_its_box() {
     // One triangle: its box has corners that no vertex stands in. Its unit is 2.
-    let cluster = Cluster { vertices: 3, triangles: 1, max: [1.0, 0.5, 0.5], ..Cluster::default() };
-    let pad = |mut v: Vec<f32>| {
-        v.resize(3 + PADDING, 99.0);
-        v
-    };
-    let mesh = ClusteredMesh {
+    let mesh = Mesh {
         origin: DVec3::X * 1e6,
         exponent: 1,
-        bounds: Aabb { min: DVec3::X * 1e6, max: DVec3::new(1e6 + 2.0, 1.0, 1.0) },
-        clusters: vec![cluster],
-        x: pad(vec![0.0, 1.0, 0.0]),
-        y: pad(vec![0.0, 0.0, 0.5]),
-        z: pad(vec![0.0, 0.5, 0.0]),
-        corners: [vec![0; 1 + PADDING], vec![1; 1 + PADDING], vec![2; 1 + PADDING]],
-        ..ClusteredMesh::default()
+        positions: vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.5], [0.0, 0.5, 0.0]],
+        triangles: vec![[0, 1, 2]],
+        ..Mesh::default()
     };
+    let mesh = partition(mesh, &PartitionOptions::default());
+    assert_eq!(mesh.bounds, Aabb { min: DVec3::X * 1e6, max: DVec3::new(1e6 + 2.0, 1.0, 1.0) });
     let vertices = [DVec3::ZERO, DVec3::new(2.0, 0.0, 1.0), DVec3::Y].map(|v| v + mesh.origin);
     let scene = Scene::of_mesh(Arc::new(mesh));
     for fov_y in [Some(30.0), None] {

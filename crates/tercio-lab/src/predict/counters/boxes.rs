@@ -20,21 +20,19 @@ pub fn boxes(scene: &Scene, camera: &Camera, (width, height): (u32, u32)) -> Res
     let mut boxes = Vec::new();
     for instance in &scene.instances {
         let (object, mesh) = (view.object(instance), &*instance.mesh);
-        let of_clusters = (0..mesh.clusters.len()).into_par_iter();
+        let of_clusters = (0..mesh.clusters().len()).into_par_iter();
         boxes.par_extend(of_clusters.flat_map_iter(|cluster| of_cluster(mesh, cluster, &object, &screen)));
     }
     Ok(BoxScene { boxes })
 }
 
 fn of_cluster(mesh: &ClusteredMesh, number: usize, view: &ObjectView, screen: &PixelBox) -> Vec<BoundingBox> {
-    let cluster = &mesh.clusters[number];
-    let at = |n: usize| mesh.position(cluster.first_vertex as usize + n);
-    let vertices: Vec<ScreenVertex> =
-        (0..usize::from(cluster.vertices)).map(|n| view.project(at(n))).collect();
-    let first = cluster.first_triangle as usize;
+    let cluster = mesh.cluster(number);
+    let at = |n: usize| cluster.position(n);
+    let vertices: Vec<ScreenVertex> = (0..cluster.vertices()).map(|n| view.project(at(n))).collect();
     let mut boxes = Vec::new();
-    for t in first..first + usize::from(cluster.triangles) {
-        let numbers = [0, 1, 2].map(|k| usize::from(mesh.corners[k][t]));
+    for t in 0..cluster.triangles() {
+        let numbers = cluster.corners_of(t).map(usize::from);
         let corners = numbers.map(|n| vertices[n]);
         if corners.iter().all(|c| c.inside) {
             boxes.push(of_triangle(corners, screen));

@@ -90,11 +90,11 @@ struct Part {
 
 /// Sorts all clusters of a frame into its tiles.
 pub fn sort(frame: &Frame, counters: &mut Counters) -> Bins {
-    let all: usize = frame.scene.instances.iter().map(|i| i.mesh.clusters.len()).sum();
+    let all: usize = frame.scene.instances.iter().map(|i| i.mesh.clusters().len()).sum();
     let drawn = frame.settings.clusters.range(all as u32);
     let (mut shares, mut before) = (Vec::new(), 0);
     for (instance, i) in frame.scene.instances.iter().enumerate() {
-        let clusters = i.mesh.clusters.len();
+        let clusters = i.mesh.clusters().len();
         let own = |number: u32| (number as usize).saturating_sub(before).min(clusters);
         let (begin, end) = (own(drawn.start), own(drawn.end));
         shares.extend((begin..end).step_by(SHARE).map(|from| (instance, from, (from + SHARE).min(end))));
@@ -194,8 +194,9 @@ impl<'a> Frame<'a> {
     /// Do the colours of an instance stand at vertices or triangles?
     pub fn is_instance_colored(&self, instance: usize) -> bool {
         let Instance { mesh, surface, .. } = &self.scene.instances[instance];
-        let colors = mesh.vertex_colors.is_some() || mesh.face_colors.is_some();
-        surface.use_mesh_colors && (colors || mesh.triangle_materials.is_some() && !mesh.materials.is_empty())
+        let layout = mesh.layout();
+        let colors = layout.vertex_colors || layout.face_colors;
+        surface.use_mesh_colors && (colors || layout.triangle_materials && !mesh.materials.is_empty())
     }
 
     /// Is this triangle left out by its facing?
@@ -211,17 +212,15 @@ impl<'a> Frame<'a> {
     /// The vertices of a cluster on the screen.
     pub fn project(&self, instance: usize, cluster: usize) -> Vec<ScreenVertex> {
         let (mesh, object) = (&*self.scene.instances[instance].mesh, &self.objects[instance]);
-        let cluster = &mesh.clusters[cluster];
-        let first = cluster.first_vertex as usize;
-        let vertices = first..first + usize::from(cluster.vertices);
-        vertices.map(|v| object.project(mesh.position(v))).collect()
+        let cluster = mesh.cluster(cluster);
+        (0..cluster.vertices()).map(|v| object.project(cluster.position(v))).collect()
     }
 }
 
 impl Part {
     fn of(frame: &Frame, instance: usize, from: usize, to: usize) -> Self {
         let mut part = Self::default();
-        let clusters = &frame.scene.instances[instance].mesh.clusters;
+        let clusters = &frame.scene.instances[instance].mesh.clusters();
         let mut lanes = ClusterLanes::default();
         for first in (from..to).step_by(LANES) {
             let sixteen = first..(first + LANES).min(to);
@@ -246,7 +245,7 @@ impl Part {
 
     fn sort(&mut self, frame: &Frame, instance: usize, number: usize, tests: &ClusterTests, lane: usize) {
         let mesh = &*frame.scene.instances[instance].mesh;
-        let cluster = &mesh.clusters[number];
+        let cluster = &mesh.clusters()[number];
         let is = |mask: u32| mask >> lane & 1 == 1;
         let c = &mut self.counters;
         c.clusters += 1;
@@ -290,29 +289,28 @@ impl Part {
     /// where several threads share a tile, the order decides who draws what.
     fn take_apart(&mut self, frame: &Frame, instance: usize, number: usize) {
         let mesh: &ClusteredMesh = &frame.scene.instances[instance].mesh;
-        let cluster = &mesh.clusters[number];
+        let cluster = mesh.cluster(number);
         let vertices = frame.project(instance, number);
-        let first = cluster.first_triangle as usize;
-        let triangles: Vec<usize> = (first..first + usize::from(cluster.triangles)).collect();
+        let triangles: Vec<usize> = (0..cluster.triangles()).collect();
         for sixteen in triangles.chunks(LANES) {
-            let numbers = |t: usize| [0, 1, 2].map(|k| usize::from(mesh.corners[k][t]));
+            let numbers = |t: usize| cluster.corners_of(t).map(usize::from);
             let whole = |t: usize| numbers(t).iter().all(|&n| vertices[n].inside);
             for &t in sixteen.iter().filter(|&&t| !whole(t)) {
-                let at = |n: usize| mesh.position(cluster.first_vertex as usize + n);
+                let at = |n: usize| cluster.position(n);
                 let corners = numbers(t).map(|n| vertices[n]);
                 clip_triangle(&frame.objects[instance], numbers(t).map(at), corners, |piece| {
-                    self.triangle(frame, instance, t, piece);
+                    self.triangle(frame, instance, cluster.primitive(t), piece);
                 });
             }
             for &t in sixteen.iter().filter(|&&t| whole(t)) {
-                self.triangle(frame, instance, t, numbers(t).map(|n| vertices[n]));
+                self.triangle(frame, instance, cluster.primitive(t), numbers(t).map(|n| vertices[n]));
             }
         }
     }
 
-    fn triangle(&mut self, frame: &Frame, instance: usize, number: usize, corners: [ScreenVertex; 3]) {
-        let mesh = &frame.scene.instances[instance].mesh;
-        let primitive = frame.first_primitive[instance] + u64::from(mesh.primitive(number));
+    /// `primitive` is the number in its mesh.
+    fn triangle(&mut self, frame: &Frame, instance: usize, primitive: u32, corners: [ScreenVertex; 3]) {
+        let primitive = frame.first_primitive[instance] + u64::from(primitive);
         let Some(triangle) = Triangle::new(corners, primitive) else { return };
         let screen = PixelBox::screen(frame.settings.width, frame.settings.height);
         let Some(pixels) = triangle.samples().and_then(|s| s.intersection(&screen)) else { return };

@@ -55,16 +55,15 @@ struct Pass<'a> {
 /// Draws a cluster; what it wins is shaded at once if `shade` says so.
 pub fn draw(frame: &Frame, whole: &WholeCluster, tile: &mut Tile, shade: bool, counters: &mut Counters) {
     let mesh = &*frame.scene.instances[whole.instance].mesh;
-    let cluster = &mesh.clusters[whole.cluster];
+    let cluster = mesh.cluster(whole.cluster);
     let vertices = frame.project(whole.instance, whole.cluster);
-    counters.vertices += u64::from(cluster.vertices);
-    counters.triangles_in += u64::from(cluster.triangles);
+    counters.vertices += cluster.vertices() as u64;
+    counters.triangles_in += cluster.triangles() as u64;
     counters.bytes_read += bytes(mesh, whole.cluster);
-    let first = cluster.first_triangle as usize;
     let mut by_size: [Vec<(Triangle, PixelBox)>; SIZES.len()] = Default::default();
-    for t in first..first + usize::from(cluster.triangles) {
-        let corners = [0, 1, 2].map(|k| vertices[usize::from(mesh.corners[k][t])]);
-        let primitive = frame.first_primitive[whole.instance] + u64::from(mesh.primitive(t));
+    for t in 0..cluster.triangles() {
+        let corners = cluster.corners_of(t).map(|v| vertices[usize::from(v)]);
+        let primitive = frame.first_primitive[whole.instance] + u64::from(cluster.primitive(t));
         let Some(triangle) = Triangle::new(corners, primitive) else { continue };
         let Some(pixels) = triangle.samples().and_then(|s| s.intersection(&tile.pixels)) else { continue };
         if !frame.culls(whole.instance, &triangle) {
@@ -105,12 +104,12 @@ pub fn draw(frame: &Frame, whole: &WholeCluster, tile: &mut Tile, shade: bool, c
         let shadings = won.len().div_ceil(LANES) as u64;
         counters.shadings += shadings;
         let keeps_sides = frame.objects[whole.instance].similarity.is_some();
-        if shadings > 0 && !(cluster.normals_agree && keeps_sides) {
+        if shadings > 0 && !(cluster.head().normals_agree() && keeps_sides) {
             counters.shadings_by_plane += shadings;
         }
         counters.clusters_won += u64::from(!won.is_empty());
         if frame.is_instance_colored(whole.instance) && !won.is_empty() {
-            counters.vertices_colored += u64::from(cluster.vertices);
+            counters.vertices_colored += cluster.vertices() as u64;
         }
         won.into_iter().for_each(|(x, y)| tile.shade(x, y));
     }
@@ -157,16 +156,9 @@ impl Pass<'_> {
     }
 }
 
-/// Bytes of the cache lines that drawing a cluster touches: positions, normals, colours and corners, each array by
-/// itself.
+/// Bytes of the cache lines that drawing a cluster touches.
 pub fn bytes(mesh: &ClusteredMesh, number: usize) -> u64 {
-    const LINE: usize = 64;
-    let cluster = &mesh.clusters[number];
-    let lines = |first: u32, count: u8, size: usize| {
-        let (from, to) = (first as usize * size, (first as usize + usize::from(count)) * size);
-        (to.div_ceil(LINE) - from / LINE) as u64
-    };
-    let of_vertices = 3 + u64::from(mesh.normals.is_some()) + u64::from(mesh.vertex_colors.is_some());
-    let vertices = of_vertices * lines(cluster.first_vertex, cluster.vertices, size_of::<f32>());
-    (vertices + 3 * lines(cluster.first_triangle, cluster.triangles, 1)) * LINE as u64
+    let cluster = mesh.cluster(number);
+    let colors = cluster.vertex_colors().map_or(0, size_of_val);
+    (size_of_val(cluster.hot_lines()) + colors) as u64
 }

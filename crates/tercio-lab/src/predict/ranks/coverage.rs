@@ -15,11 +15,10 @@ pub(super) fn each_sample(
     let (mut triangles, mut first) = (0, 0);
     for instance in &scene.instances {
         let (object, mesh): (ObjectView, _) = (view.object(instance), &*instance.mesh);
-        for (_, cluster) in (first..).zip(&mesh.clusters).filter(|(number, _)| clusters.contains(number)) {
-            let corner = |k: usize, t: usize| mesh.position(mesh.corner_places(cluster, t)[k]);
-            for t in cluster.triangle_range() {
+        for (_, cluster) in (first..).zip(mesh.views()).filter(|(number, _)| clusters.contains(number)) {
+            for t in 0..cluster.triangles() {
                 triangles += 1;
-                let positions = [corner(0, t), corner(1, t), corner(2, t)];
+                let positions = cluster.corner_positions(t);
                 let projected = positions.map(|p| object.project(p));
                 if projected.iter().all(|v| v.inside) {
                     fill(projected, view, &mut emit);
@@ -28,7 +27,7 @@ pub(super) fn each_sample(
                 }
             }
         }
-        first += mesh.clusters.len();
+        first += mesh.clusters().len();
     }
     triangles
 }

@@ -20,7 +20,7 @@ pub fn drawing(
     sharing: &Sharing,
 ) -> Result<Vec<Counters>, PredictError> {
     let owners = sharing.owners();
-    let clusters = scene.instances.iter().map(|i| i.mesh.clusters.len() as u32).sum();
+    let clusters = scene.instances.iter().map(|i| i.mesh.clusters().len() as u32).sum();
     let of_rank = |rank: usize| {
         let part = Part { number: rank as u32, of: sharing.ranks as u32 };
         let settings = match sharing.organisation {

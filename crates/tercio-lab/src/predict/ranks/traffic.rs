@@ -143,7 +143,7 @@ impl Messages {
     pub fn of(scene: &Scene, camera: &Camera, sharing: &Sharing) -> Result<Self, PredictError> {
         let (ranks, (width, height)) = (sharing.ranks, sharing.size);
         let view = View::new(camera, &scene.bounds(), width, height)?;
-        let clusters: usize = scene.instances.iter().map(|i| i.mesh.clusters.len()).sum();
+        let clusters: usize = scene.instances.iter().map(|i| i.mesh.clusters().len()).sum();
         let owners = sharing.owners();
         let by_any = Mutex::new(Shown::none(sharing.size));
         let mut composed = vec![Vec::new(); ranks];

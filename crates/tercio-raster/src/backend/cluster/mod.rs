@@ -55,19 +55,18 @@ impl ClusterPass {
         tile: &mut TileMemory,
         counts: &mut BackEndCounts,
     ) {
-        let (instance, index) = context.locate(binned.number);
-        let (mesh, object) = (&*context.scene.instances[instance].mesh, &context.objects[instance]);
-        let cluster = &mesh.clusters[index];
+        let (instance, cluster) = context.cluster(binned.number);
+        let object = &context.objects[instance];
         let first_slot = binned.number * MAX_TRIANGLES as u32;
         let rect = tile.rect();
         let Self { vertices, corners, sieve, covered, winners } = self;
-        vertices.project(simd, object, mesh, cluster);
-        corners.load(mesh, cluster);
+        vertices.project(simd, object, &cluster);
+        corners.load(&cluster);
         let keep = Keep { rect, cull: context.settings.cull, mirrored: object.mirrored };
-        sieve.sort(simd, vertices, corners, usize::from(cluster.triangles), &keep);
+        sieve.sort(simd, vertices, corners, cluster.triangles(), &keep);
         winners.clear();
-        counts.vertices_transformed += u64::from(cluster.vertices);
-        counts.triangles_in += u64::from(cluster.triangles);
+        counts.vertices_transformed += cluster.vertices() as u64;
+        counts.triangles_in += cluster.triangles() as u64;
         counts.triangles_drawn += sieve.len();
         if context.settings.last_stage == LastStage::Sieve {
             return;
@@ -126,26 +125,15 @@ fn draw_huge<S: Simd>(
 /// Asks the memory for the head of a cluster that will be drawn soon.
 #[inline(always)]
 pub fn prefetch_head(context: &FrameContext, binned: &BinnedCluster) {
-    let (instance, index) = context.locate(binned.number);
-    prefetch(&context.scene.instances[instance].mesh.clusters, index, 1);
+    let (_, cluster) = context.cluster(binned.number);
+    prefetch(cluster.first_line());
 }
 
 /// Asks the memory for the vertices and triangles of a cluster that will be drawn soon.
 #[inline(always)]
 pub fn prefetch_body(context: &FrameContext, binned: &BinnedCluster) {
-    let (instance, index) = context.locate(binned.number);
-    let mesh = &*context.scene.instances[instance].mesh;
-    let cluster = &mesh.clusters[index];
-    let (first, vertices) = (cluster.first_vertex as usize, usize::from(cluster.vertices));
-    for axis in [&mesh.x, &mesh.y, &mesh.z] {
-        prefetch(axis, first, vertices);
-    }
-    if let Some(normals) = &mesh.normals {
-        prefetch(normals, first, vertices);
-    }
-    for corner in &mesh.corners {
-        prefetch(corner, cluster.first_triangle as usize, usize::from(cluster.triangles));
-    }
+    let (_, cluster) = context.cluster(binned.number);
+    prefetch(&cluster.hot_lines()[1..]);
 }
 
 /// True only if everything in a part of a tile is nearer than a cluster can be.

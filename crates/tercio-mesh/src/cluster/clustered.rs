@@ -1,0 +1,146 @@
+//! The mesh that a renderer draws.
+
+use bytemuck::Zeroable;
+use glam::DVec3;
+
+use super::{Buffer, Cluster, ClusterView, Layout, Line, MAX_TRIANGLES};
+use crate::mesh::power_of_two;
+use crate::{Aabb, FileMaterial};
+
+/// A mesh partitioned into clusters; what the renderer draws.
+///
+/// It keeps no indexed copy of the mesh: positions stand once in each cluster, connectivity is three bytes a
+/// triangle.
+#[derive(Clone, Debug)]
+pub struct ClusteredMesh {
+    /// Position in object space of the point that positions are relative to.
+    pub origin: DVec3,
+    /// log2 of the length of a unit of the positions; see [`crate::Mesh::exponent`].
+    pub exponent: i32,
+    /// World-space bounds of the vertices that triangles use.
+    pub bounds: Aabb,
+    /// Materials that the file names.
+    pub materials: Vec<FileMaterial>,
+    /// Input face of each primitive, in the order of the mesh (not of the clusters).
+    pub face_of_triangle: Option<Buffer<u32>>,
+    /// What the clusters hold.
+    pub(crate) layout: Layout,
+    /// The first bytes of every stretch: all that is needed to cull.
+    pub(crate) clusters: Buffer<Cluster>,
+    /// Number of each cluster's first line, and the end of the last one.
+    pub(crate) starts: Buffer<u32>,
+    /// The stretches of all clusters, then [`Layout::LINES_BEHIND`] lines of zeros.
+    pub(crate) lines: Buffer<Line>,
+    /// Vertices of all clusters.
+    pub(crate) vertices: u64,
+    /// Triangles of all clusters.
+    pub(crate) triangles: u64,
+}
+
+impl Default for ClusteredMesh {
+    fn default() -> Self {
+        Self {
+            origin: DVec3::ZERO,
+            exponent: 0,
+            bounds: Aabb::EMPTY,
+            materials: Vec::new(),
+            face_of_triangle: None,
+            layout: Layout::default(),
+            clusters: Buffer::default(),
+            starts: vec![0].into(),
+            lines: vec![Line::zeroed(); Layout::LINES_BEHIND].into(),
+            vertices: 0,
+            triangles: 0,
+        }
+    }
+}
+
+impl ClusteredMesh {
+    /// What the clusters hold beside positions and corners.
+    #[inline(always)]
+    pub fn layout(&self) -> &Layout {
+        &self.layout
+    }
+
+    /// Bounds and counts of all clusters.
+    #[inline(always)]
+    pub fn clusters(&self) -> &[Cluster] {
+        &self.clusters
+    }
+
+    /// A cluster by its number.
+    ///
+    /// # Panics
+    /// If there is no such cluster.
+    #[inline(always)]
+    pub fn cluster(&self, number: usize) -> ClusterView<'_> {
+        ClusterView::new(&self.lines[self.starts[number] as usize..], &self.layout)
+    }
+
+    /// The memory of a cluster, which can be moved anywhere.
+    ///
+    /// # Panics
+    /// If there is no such cluster.
+    pub fn stretch(&self, number: usize) -> &[Line] {
+        &self.lines[self.starts[number] as usize..self.starts[number + 1] as usize]
+    }
+
+    /// All clusters in order.
+    pub fn views(&self) -> impl ExactSizeIterator<Item = ClusterView<'_>> {
+        (0..self.clusters.len()).map(|number| self.cluster(number))
+    }
+
+    /// Length of a unit of the positions and of the clusters' bounds.
+    pub fn unit(&self) -> f64 {
+        power_of_two(self.exponent)
+    }
+
+    /// [`ClusteredMesh::bounds`] in the numbers of the positions: relative to `origin`, in units of 2^`exponent`.
+    pub fn local_bounds(&self) -> Aabb {
+        let local = |p: DVec3| (p - self.origin) / self.unit();
+        Aabb { min: local(self.bounds.min), max: local(self.bounds.max) }
+    }
+
+    /// Number of triangles.
+    pub fn triangle_count(&self) -> usize {
+        self.triangles as usize
+    }
+
+    /// Number of vertices, with their copies in several clusters.
+    pub fn vertex_count(&self) -> usize {
+        self.vertices as usize
+    }
+
+    /// Number in the [`crate::Mesh`] of the triangle in a slot (`cluster * MAX_TRIANGLES + local number`).
+    ///
+    /// # Panics
+    /// If there is no such triangle.
+    #[inline]
+    pub fn primitive_of_slot(&self, slot: u32) -> u32 {
+        let slot = slot as usize;
+        self.cluster(slot / MAX_TRIANGLES).primitive(slot % MAX_TRIANGLES)
+    }
+
+    /// Every triangle in the order of the clusters: its primitive number and its corners relative to
+    /// `origin`, the corner with the lowest mesh vertex number first.
+    pub fn triangles(&self) -> impl Iterator<Item = (u32, [[f32; 3]; 3])> + '_ {
+        self.views().flat_map(|c| (0..c.triangles()).map(move |t| (c.primitive(t), c.corner_positions(t))))
+    }
+
+    /// Bytes of positions, connectivity, primitive numbers and bounds: what the mesh would need without normals, colours
+    /// and other attributes.
+    pub fn core_bytes(&self) -> usize {
+        let bare = Layout::default();
+        let lines: usize = self.clusters.iter().map(|head| bare.lines(head)).sum();
+        size_of_val(&*self.clusters) + size_of_val(&*self.starts) + lines * Line::BYTES
+    }
+
+    /// Bytes of memory that the mesh holds; what lies in a mapped file is not counted.
+    pub fn memory_bytes(&self) -> usize {
+        self.clusters.owned_bytes()
+            + self.starts.owned_bytes()
+            + self.lines.owned_bytes()
+            + self.face_of_triangle.as_ref().map_or(0, Buffer::owned_bytes)
+            + self.materials.capacity() * size_of::<FileMaterial>()
+    }
+}

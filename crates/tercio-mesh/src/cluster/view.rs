@@ -1,0 +1,194 @@
+//! Reading a cluster.
+
+use super::layout::padded;
+use super::{Cluster, Layout, Line, MAX_TRIANGLES};
+use crate::{AttributeDomain, OctNormal};
+
+/// One cluster of a mesh, read from its stretch of memory.
+///
+/// Arrays of vertices and triangles are padded to a multiple of [`LANES`](super::LANES): vertices past the last repeat
+/// it, triangles past the last have the corners 0, 0, 0.
+#[derive(Clone, Copy, Debug)]
+pub struct ClusterView<'a> {
+    /// The stretch, and what lies behind it.
+    lines: &'a [Line],
+    layout: &'a Layout,
+}
+
+impl<'a> ClusterView<'a> {
+    /// The cluster whose stretch begins with the first of some lines. Behind it there must be at least
+    /// [`Layout::LINES_BEHIND`] lines more.
+    ///
+    /// # Panics
+    /// If there is no line. Methods panic where the lines are fewer than the stretch needs.
+    #[inline(always)]
+    pub fn new(lines: &'a [Line], layout: &'a Layout) -> Self {
+        assert!(!lines.is_empty(), "a stretch has a line");
+        Self { lines, layout }
+    }
+
+    /// Bounds and counts.
+    #[inline(always)]
+    pub fn head(&self) -> &'a Cluster {
+        bytemuck::from_bytes(&self.lines[0].0[..size_of::<Cluster>()])
+    }
+
+    /// The stretch, and what lies behind it.
+    pub(super) fn lines(&self) -> &'a [Line] {
+        self.lines
+    }
+
+    /// What the clusters of the mesh hold.
+    #[inline(always)]
+    pub fn layout(&self) -> &'a Layout {
+        self.layout
+    }
+
+    /// Number of vertices, not padded.
+    #[inline(always)]
+    pub fn vertices(&self) -> usize {
+        usize::from(self.head().vertices)
+    }
+
+    /// Number of triangles, not padded.
+    #[inline(always)]
+    pub fn triangles(&self) -> usize {
+        usize::from(self.head().triangles)
+    }
+
+    /// x, y and z of the vertices relative to the mesh's origin, in its unit; padded.
+    #[inline(always)]
+    pub fn positions(&self) -> [&'a [f32]; 3] {
+        let head = self.head();
+        let values: &[f32] = bytemuck::cast_slice(self.lines);
+        [0, 1, 2].map(|axis| &values[Layout::axis(head, axis)..Layout::axis(head, axis + 1)])
+    }
+
+    /// Position of a vertex relative to the mesh's origin, in its unit.
+    #[inline]
+    pub fn position(&self, vertex: usize) -> [f32; 3] {
+        self.positions().map(|axis| axis[vertex])
+    }
+
+    /// Normals of the vertices; padded.
+    #[inline(always)]
+    pub fn normals(&self) -> Option<&'a [OctNormal]> {
+        let head = self.head();
+        let first = Layout::normals(head);
+        self.layout.normals.then(
+            #[inline(always)]
+            || &bytemuck::cast_slice(self.lines)[first..first + padded(head.vertices)],
+        )
+    }
+
+    /// First, second and third corners of the triangles, as vertex numbers in the cluster; padded. The corner with the
+    /// lowest vertex number of the [`crate::Mesh`] comes first ([`crate::Mesh::canonical`]).
+    #[inline(always)]
+    pub fn corners(&self) -> [&'a [u8]; 3] {
+        let head = self.head();
+        let bytes: &[u8] = bytemuck::cast_slice(self.lines);
+        let (first, each) = (self.layout.corners(head), padded(head.triangles));
+        [0, 1, 2].map(|k| &bytes[first + k * each..first + (k + 1) * each])
+    }
+
+    /// As [`ClusterView::corners`], but of [`MAX_TRIANGLES`] triangles; what stands behind the last one is of no use.
+    #[inline(always)]
+    pub fn corner_tables(&self) -> [&'a [u8; MAX_TRIANGLES]; 3] {
+        let head = self.head();
+        let bytes: &[u8] = bytemuck::cast_slice(self.lines);
+        let (first, each) = (self.layout.corners(head), padded(head.triangles));
+        [0, 1, 2].map(|k| match bytes[first + k * each..].first_chunk() {
+            Some(table) => table,
+            None => unreachable!("lines behind the last stretch"),
+        })
+    }
+
+    /// Corners of one triangle.
+    #[inline]
+    pub fn corners_of(&self, triangle: usize) -> [u8; 3] {
+        self.corners().map(|corner| corner[triangle])
+    }
+
+    /// Positions of the corners of one triangle.
+    #[inline]
+    pub fn corner_positions(&self, triangle: usize) -> [[f32; 3]; 3] {
+        self.corners_of(triangle).map(|corner| self.position(usize::from(corner)))
+    }
+
+    /// sRGB colour and linear alpha of each vertex; padded.
+    #[inline]
+    pub fn vertex_colors(&self) -> Option<&'a [[u8; 4]]> {
+        self.layout.vertex_colors.then(|| bytemuck::cast_slice(self.vertex_values(0)))
+    }
+
+    /// Texture coordinates u and v of each vertex; padded.
+    pub fn texcoords(&self) -> Option<[&'a [f32]; 2]> {
+        let place = self.layout.texcoords_place();
+        self.layout.texcoords.then(|| [self.vertex_values(place), self.vertex_values(place + 1)])
+    }
+
+    /// sRGB colour and linear alpha of each triangle; padded.
+    #[inline]
+    pub fn face_colors(&self) -> Option<&'a [[u8; 4]]> {
+        self.layout.face_colors.then(|| bytemuck::cast_slice(self.triangle_values(0)))
+    }
+
+    /// Material of each triangle; padded.
+    #[inline]
+    pub fn triangle_materials(&self) -> Option<&'a [u32]> {
+        let place = self.layout.materials_place();
+        self.layout.triangle_materials.then(|| bytemuck::cast_slice(self.triangle_values(place)))
+    }
+
+    /// Values of one of [`Layout::attributes`], one for each vertex or triangle; padded.
+    ///
+    /// # Panics
+    /// If there is no such attribute.
+    pub fn attribute(&self, number: usize) -> &'a [f32] {
+        let place = self.layout.attribute_place(number);
+        match self.layout.attributes[number].1 {
+            AttributeDomain::Vertex => self.vertex_values(place),
+            AttributeDomain::Triangle => self.triangle_values(place),
+        }
+    }
+
+    /// Number in the [`crate::Mesh`] of a triangle.
+    #[inline]
+    pub fn primitive(&self, triangle: usize) -> u32 {
+        let head = self.head();
+        let each = usize::from(head.number_bytes);
+        if each == 0 {
+            return head.first_primitive + triangle as u32;
+        }
+        let first = self.layout.numbers(head) + triangle * each;
+        let bytes: &[u8] = bytemuck::cast_slice(self.lines);
+        let above = bytes[first..first + each].iter().rev().fold(0, |number, &b| number << 8 | u32::from(b));
+        head.first_primitive.wrapping_add(above)
+    }
+
+    /// The line that holds bounds and counts.
+    #[inline(always)]
+    pub fn first_line(&self) -> &'a [Line] {
+        &self.lines[..1]
+    }
+
+    /// The stretch up to its last line that a frame without colours and attributes reads.
+    #[inline(always)]
+    pub fn hot_lines(&self) -> &'a [Line] {
+        let head = self.head();
+        let end = self.layout.corners(head) + 3 * padded(head.triangles);
+        &self.lines[..end.div_ceil(Line::BYTES)]
+    }
+
+    fn vertex_values(&self, place: usize) -> &'a [f32] {
+        let head = self.head();
+        let first = self.layout.vertex_values(head, place);
+        &bytemuck::cast_slice(self.lines)[first..first + padded(head.vertices)]
+    }
+
+    fn triangle_values(&self, place: usize) -> &'a [f32] {
+        let head = self.head();
+        let first = self.layout.triangle_values(head, place);
+        &bytemuck::cast_slice(self.lines)[first..first + padded(head.triangles)]
+    }
+}
