@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use crate::{Aabb, OctNormal};
 
@@ -43,7 +44,7 @@ pub struct Mesh {
 }
 
 /// Whom an attribute's values belong to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum AttributeDomain {
     /// One value a vertex.
     Vertex,
@@ -63,7 +64,7 @@ pub struct Attribute {
 }
 
 /// A material as a model file states it.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FileMaterial {
     /// The name in the file.
     pub name: String,

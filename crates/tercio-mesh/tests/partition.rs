@@ -101,7 +101,10 @@ fn check_vertices(out: &ClusteredMesh, c: &ClusterView, mesh: &Mesh) {
         assert!(world.cmpge(out.bounds.min).all() && world.cmple(out.bounds.max).all());
     }
     let last = names[c.vertices() - 1];
-    assert!(names.split_off(c.vertices()).iter().all(|&name| name == last), "padding repeats the last vertex");
+    assert!(
+        names.split_off(c.vertices()).iter().all(|&name| name == last),
+        "padding repeats the last vertex"
+    );
     names.sort_unstable();
     names.dedup();
     assert_eq!(names.len(), c.vertices(), "a vertex stands twice in a cluster");
@@ -128,8 +131,7 @@ fn check_bounds(view: &ClusterView) {
         assert!((0..3).all(|k| c.min[k] <= p[k] && p[k] <= c.max[k]));
         assert!(center.distance(Vec3::from(p).as_dvec3()) <= radius.into());
     }
-    let corners =
-        (0..view.triangles()).map(|t| view.corner_positions(t).map(|p| Vec3::from(p).as_dvec3()));
+    let corners = (0..view.triangles()).map(|t| view.corner_positions(t).map(|p| Vec3::from(p).as_dvec3()));
     let triangles: Vec<[DVec3; 3]> = corners.collect();
     for &[a, b, d] in &triangles {
         let longest = (b - a).length().max((d - b).length()).max((a - d).length());
@@ -246,7 +248,8 @@ fn a_good_order_is_kept_and_a_bad_one_is_not() {
     order.sort_by_key(|&i| tile(i));
     mesh.triangles = order.iter().map(|&i| mesh.triangles[i]).collect();
     let kept = partition(mesh, &PartitionOptions::default());
-    let keeps_order = |mesh: &ClusteredMesh| mesh.triangles().map(|t| t.0).eq(0..mesh.triangle_count() as u32);
+    let keeps_order =
+        |mesh: &ClusteredMesh| mesh.triangles().map(|t| t.0).eq(0..mesh.triangle_count() as u32);
     assert!(keeps_order(&kept));
     assert_eq!(kept.clusters().len(), 400);
     assert!(!keeps_order(&partition(grid(140, true), &PartitionOptions::default())));

@@ -41,6 +41,14 @@ impl<T: AnyBitPattern> Buffer<T> {
             Self::Mapped(..) => 0,
         }
     }
+
+    /// Bytes that are in a file.
+    pub fn mapped_bytes(&self) -> usize {
+        match self {
+            Self::Owned(_) => 0,
+            Self::Mapped(_, range) => range.len(),
+        }
+    }
 }
 
 impl<T> Default for Buffer<T> {

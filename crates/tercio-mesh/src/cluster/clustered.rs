@@ -1,7 +1,7 @@
 //! The mesh that a renderer draws.
 
 use bytemuck::Zeroable;
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
 use super::{Buffer, Cluster, ClusterView, Layout, Line, MAX_TRIANGLES};
 use crate::mesh::power_of_two;
@@ -90,6 +90,16 @@ impl ClusteredMesh {
         (0..self.clusters.len()).map(|number| self.cluster(number))
     }
 
+    /// Fills in what follows from the heads of the clusters.
+    pub(crate) fn sum_up(&mut self) {
+        let (unit, origin) = (self.unit(), self.origin);
+        let world = |p: [f32; 3]| origin + Vec3::from(p).as_dvec3() * unit;
+        let add = |all: Aabb, c: &Cluster| all.union(Aabb { min: world(c.min), max: world(c.max) });
+        self.bounds = self.clusters.iter().fold(Aabb::EMPTY, add);
+        self.vertices = self.clusters.iter().map(|head| u64::from(head.vertices)).sum();
+        self.triangles = self.clusters.iter().map(|head| u64::from(head.triangles)).sum();
+    }
+
     /// Length of a unit of the positions and of the clusters' bounds.
     pub fn unit(&self) -> f64 {
         power_of_two(self.exponent)
@@ -133,6 +143,14 @@ impl ClusteredMesh {
         let bare = Layout::default();
         let lines: usize = self.clusters.iter().map(|head| bare.lines(head)).sum();
         size_of_val(&*self.clusters) + size_of_val(&*self.starts) + lines * Line::BYTES
+    }
+
+    /// Bytes of a file that the mesh lies in, if it is mapped.
+    pub fn mapped_bytes(&self) -> usize {
+        self.clusters.mapped_bytes()
+            + self.starts.mapped_bytes()
+            + self.lines.mapped_bytes()
+            + self.face_of_triangle.as_ref().map_or(0, Buffer::mapped_bytes)
     }
 
     /// Bytes of memory that the mesh holds; what lies in a mapped file is not counted.

@@ -76,8 +76,6 @@ pub(super) fn clusters(out: &mut ClusteredMesh, cuts: &[Cut], order: Option<&[u3
     jobs.into_par_iter().with_max_len(1).for_each_init(Memory::default, |memory, job| {
         write(job, &layout, source, memory, level);
     });
-    out.vertices = heads.iter().map(|head| u64::from(head.vertices)).sum();
-    out.triangles = heads.iter().map(|head| u64::from(head.triangles)).sum();
     (out.layout, out.clusters, out.starts, out.lines) = (layout, heads.into(), starts.into(), lines.into());
 }
 

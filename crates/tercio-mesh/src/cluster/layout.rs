@@ -16,11 +16,13 @@
 //! What a frame reads stands first. Vertices past the last repeat it; corners past the last triangle are 0, so
 //! that they span no area.
 
+use serde::{Deserialize, Serialize};
+
 use super::{Cluster, LANES, Line};
 use crate::AttributeDomain;
 
 /// What the clusters of a mesh hold beside positions and corners.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Layout {
     /// Unit normals at the vertices.
     pub normals: bool,

@@ -1,12 +1,11 @@
 //! From a mesh to clusters.
 
-use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use super::grow::{Ground, Grower};
 use super::{Cluster, ClusteredMesh, MAX_TRIANGLES, MAX_VERTICES, gather, runs, shuffle};
 use crate::blocks::{Block, BlockedMesh, Order, Pool};
-use crate::{Aabb, Mesh, Progress};
+use crate::{Mesh, Progress};
 
 /// How to cut a mesh into clusters.
 #[derive(Clone, Copy, Debug)]
@@ -126,7 +125,7 @@ pub fn partition_blocks(mesh: BlockedMesh, options: &PartitionOptions) -> Cluste
     gather::clusters(&mut out, &cuts, order.as_deref(), &mesh);
     out.materials = std::mem::take(&mut mesh.materials);
     out.face_of_triangle = mesh.face_of_triangle.take().map(Into::into);
-    out.bounds = bounds(&out);
+    out.sum_up();
     match options.shuffle_seed {
         Some(seed) => shuffle::shuffle(&out, seed),
         None => out,
@@ -159,11 +158,4 @@ fn cut(mesh: &Mesh, triangles: &[[u16; 3]], job: Job, limits: Limits, pool: &Poo
     };
     cut.names = block.vertices;
     cut
-}
-
-/// World-space bounds of all clusters.
-fn bounds(mesh: &ClusteredMesh) -> Aabb {
-    let unit = mesh.unit();
-    let world = |p: [f32; 3]| -> DVec3 { mesh.origin + Vec3::from(p).as_dvec3() * unit };
-    mesh.clusters.iter().fold(Aabb::EMPTY, |all, c| all.union(Aabb { min: world(c.min), max: world(c.max) }))
 }

@@ -166,6 +166,22 @@ impl<'a> ClusterView<'a> {
         head.first_primitive.wrapping_add(above)
     }
 
+    /// The greatest [`ClusterView::primitive`] of the cluster.
+    pub fn greatest_primitive(&self) -> u64 {
+        let head = self.head();
+        let (first, count) = (self.layout.numbers(head), self.triangles());
+        let bytes =
+            &bytemuck::cast_slice::<_, u8>(self.lines)[first..][..count * usize::from(head.number_bytes)];
+        let above = match head.number_bytes {
+            0 => Some(count as u32 - 1),
+            1 => bytes.iter().map(|&b| u32::from(b)).max(),
+            2 => bytes.as_chunks().0.iter().map(|&b| u32::from(u16::from_le_bytes(b))).max(),
+            3 => bytes.as_chunks().0.iter().map(|&[a, b, c]| u32::from_le_bytes([a, b, c, 0])).max(),
+            _ => bytes.as_chunks().0.iter().map(|&b| u32::from_le_bytes(b)).max(),
+        };
+        u64::from(head.first_primitive) + u64::from(above.unwrap_or(0))
+    }
+
     /// The line that holds bounds and counts.
     #[inline(always)]
     pub fn first_line(&self) -> &'a [Line] {

@@ -3,6 +3,7 @@
 use std::fs::File;
 use std::io::{self, BufRead, Read};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
 use flate2::bufread::GzDecoder;
@@ -47,7 +48,7 @@ pub fn mapped_bytes() -> u64 {
 /// it is read, so that a file larger than the limit can be read if its mesh is not.
 #[derive(Debug)]
 struct Mapping {
-    map: Mmap,
+    map: Arc<Mmap>,
     accounted_bytes: AtomicU64,
     /// Bytes that were read since pages were given back; `None` where the file counts.
     read: Option<AtomicU64>,
@@ -67,7 +68,7 @@ impl Mapping {
         let accounted = if is_small { size } else { size.min(at_a_time) };
         MAPPED.fetch_add(accounted, Relaxed);
         let accounted_bytes = AtomicU64::new(accounted);
-        Self { map, accounted_bytes, read: (!is_small).then(|| AtomicU64::new(0)) }
+        Self { map: Arc::new(map), accounted_bytes, read: (!is_small).then(|| AtomicU64::new(0)) }
     }
 
     /// All of it counts as memory from now on.
@@ -133,6 +134,11 @@ impl Input {
             Content::Mapped(mapping) => &mapping.map,
             Content::Owned(bytes) => bytes,
         }
+    }
+
+    /// The map, if the content is a mapped file. It may outlive this input.
+    pub(crate) fn map(&self) -> Option<&Arc<Mmap>> {
+        self.mapping().map(|mapping| &mapping.map)
     }
 
     /// Bytes of memory that the content holds; of a mapped file that is large beside the memory limit, those that it

@@ -6,6 +6,7 @@ mod not_drawn;
 pub mod obj;
 pub mod off;
 pub mod ply;
+pub mod prepared;
 mod sniff;
 pub mod stl;
 pub mod text;

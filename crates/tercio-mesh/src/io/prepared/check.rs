@@ -1,0 +1,94 @@
+//! Whether the clusters of a file are what a renderer relies on.
+
+use rayon::prelude::*;
+
+use super::format::Kind;
+use crate::cluster::{Cluster, ClusterView, ClusteredMesh, Layout, Line, MAX_TRIANGLES, MAX_VERTICES};
+
+/// The part that is wrong, what was expected in it, what stands there.
+pub type Wrong = (Kind, String, String);
+
+/// Exponents with which the unit of a mesh is a normal number with room to calculate.
+const EXPONENTS: std::ops::RangeInclusive<i32> = -300..=300;
+
+/// Are the arrays as long as the heads say, and do the stretches follow each other?
+pub fn sizes(mesh: &ClusteredMesh) -> Result<(), Wrong> {
+    let wrong = |kind, expected: String, found: String| Err((kind, expected, found));
+    if !mesh.origin.is_finite() || !EXPONENTS.contains(&mesh.exponent) {
+        let found = format!("the origin {} and the exponent {}", mesh.origin, mesh.exponent);
+        return wrong(Kind::Description, "a finite origin and a usable unit".into(), found);
+    }
+    let count = mesh.clusters.len();
+    if mesh.starts.len() != count + 1 {
+        return wrong(Kind::Starts, format!("{} numbers", count + 1), mesh.starts.len().to_string());
+    }
+    let mut end = 0;
+    let mut triangles = 0;
+    for (number, head) in mesh.clusters.iter().enumerate() {
+        let (vertices, own) = (usize::from(head.vertices), usize::from(head.triangles));
+        let fits = (1..=MAX_VERTICES).contains(&vertices) && (1..=MAX_TRIANGLES).contains(&own);
+        if !fits || head.number_bytes > 4 {
+            let expected = format!(
+                "1 to {MAX_VERTICES} vertices and 1 to {MAX_TRIANGLES} triangles in cluster {number}"
+            );
+            return wrong(Kind::Heads, expected, format!("{vertices} and {own}"));
+        }
+        if mesh.starts[number] as usize != end {
+            let found = mesh.starts[number].to_string();
+            return wrong(Kind::Starts, format!("cluster {number} at line {end}"), found);
+        }
+        end += mesh.layout.lines(head);
+        triangles += own;
+    }
+    if mesh.starts[count] as usize != end || mesh.lines.len() != end + Layout::LINES_BEHIND {
+        let expected = format!("{} lines", end + Layout::LINES_BEHIND);
+        return wrong(Kind::Lines, expected, mesh.lines.len().to_string());
+    }
+    if triangles > crate::mesh::MAX_ELEMENTS as usize {
+        let expected = format!("at most {} triangles", crate::mesh::MAX_ELEMENTS);
+        return wrong(Kind::Heads, expected, triangles.to_string());
+    }
+    match &mesh.face_of_triangle {
+        Some(faces) if faces.len() != triangles => {
+            wrong(Kind::Faces, format!("{triangles} face numbers"), faces.len().to_string())
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Does every stretch begin with its head, do the vertices lie in the box, do corners and primitives exist?
+pub fn clusters(mesh: &ClusteredMesh) -> Result<(), Wrong> {
+    let triangles = mesh.clusters.iter().map(|head| u64::from(head.triangles)).sum();
+    let wrong = |number: usize, expected: &str| {
+        (Kind::Lines, format!("{expected} of cluster {number}"), "others".to_owned())
+    };
+    mesh.clusters.par_iter().enumerate().with_min_len(64).try_for_each(|(number, head)| {
+        cluster(&mesh.cluster(number), head, triangles).map_err(|e| wrong(number, e))
+    })
+}
+
+/// Says what is wrong with a cluster, if anything is.
+fn cluster(view: &ClusterView, head: &Cluster, triangles: u64) -> Result<(), &'static str> {
+    let line = view.first_line()[0];
+    if line.0[..size_of::<Cluster>()] != *bytemuck::bytes_of(head)
+        || line.0[size_of::<Cluster>()..] != [0; Line::BYTES - size_of::<Cluster>()]
+    {
+        return Err("the head");
+    }
+    for (axis, values) in view.positions().into_iter().enumerate() {
+        let (least, most) = (head.min[axis], head.max[axis]);
+        // False for NaN, too.
+        let inside = values.iter().fold(true, |all, &v| all & (v >= least) & (v <= most));
+        if !inside || !least.is_finite() || !most.is_finite() {
+            return Err("vertices inside of the box");
+        }
+    }
+    let most = view.corners().into_iter().flatten().fold(0, |most, &corner| most.max(corner));
+    if most >= head.vertices {
+        return Err("corners that are vertices");
+    }
+    if view.greatest_primitive() >= triangles {
+        return Err("primitive numbers below the number of triangles");
+    }
+    Ok(())
+}

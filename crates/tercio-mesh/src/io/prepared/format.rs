@@ -1,0 +1,112 @@
+//! What stands where in a file.
+
+use bytemuck::{Pod, Zeroable};
+use serde::{Deserialize, Serialize};
+
+use crate::FileMaterial;
+use crate::cluster::{ClusteredMesh, Layout};
+
+/// The first bytes. As in PNG, they show when a transfer has changed bytes above 127 or line ends.
+pub const MAGIC: [u8; 12] = *b"\x89TERCIO\r\n\x1a\n\0";
+
+/// What the layout of the file and of the clusters in it is called. A reader reads its own version only: a file is made
+/// again in about the time that a conversion would take.
+pub const VERSION: u32 = 1;
+
+/// Parts begin at multiples of this, the size of a page.
+pub const ALIGNMENT: u64 = 4096;
+
+/// What a part holds, in the order in which the parts stand.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(usize)]
+pub enum Kind {
+    /// [`Description`] as JSON.
+    Description,
+    /// Whatever the program that made the file says about it.
+    About,
+    /// A [`Cluster`](crate::cluster::Cluster) for each cluster.
+    Heads,
+    /// The number of each cluster's first line, and the end of the last one: 32 bits each.
+    Starts,
+    /// The input face of each primitive, 32 bits each; empty where face i is primitive i.
+    Faces,
+    /// The stretches of the clusters.
+    Lines,
+}
+
+impl Kind {
+    /// All, in order.
+    pub const ALL: [Self; 6] =
+        [Self::Description, Self::About, Self::Heads, Self::Starts, Self::Faces, Self::Lines];
+
+    /// What messages call it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Description => "description",
+            Self::About => "origin",
+            Self::Heads => "cluster heads",
+            Self::Starts => "cluster starts",
+            Self::Faces => "face numbers",
+            Self::Lines => "clusters",
+        }
+    }
+}
+
+/// Where a part is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
+#[repr(C)]
+pub struct Part {
+    /// Its first byte.
+    pub offset: u64,
+    /// Its length in bytes.
+    pub bytes: u64,
+    /// [`super::checksum::of`] of its bytes.
+    pub checksum: u64,
+}
+
+/// The first bytes of a file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
+#[repr(C)]
+pub struct Header {
+    /// [`MAGIC`].
+    pub magic: [u8; 12],
+    /// [`VERSION`].
+    pub version: u32,
+    /// Bytes of the whole file.
+    pub file_bytes: u64,
+    /// The parts, in the order of [`Kind::ALL`].
+    pub parts: [Part; Kind::ALL.len()],
+    /// [`super::checksum::of`] of all bytes of the header before this.
+    pub checksum: u64,
+}
+
+impl Header {
+    /// Bytes of the header that its checksum is of.
+    pub const CHECKED: usize = size_of::<Self>() - size_of::<u64>();
+}
+
+/// What describes the mesh beside its arrays.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Description {
+    /// [`ClusteredMesh::origin`].
+    pub origin: [f64; 3],
+    /// [`ClusteredMesh::exponent`].
+    pub exponent: i32,
+    /// What the clusters hold.
+    pub layout: Layout,
+    /// [`ClusteredMesh::materials`].
+    pub materials: Vec<FileMaterial>,
+}
+
+impl Description {
+    /// Of a mesh.
+    pub fn of(mesh: &ClusteredMesh) -> Self {
+        Self {
+            origin: mesh.origin.to_array(),
+            exponent: mesh.exponent,
+            layout: mesh.layout().clone(),
+            materials: mesh.materials.clone(),
+        }
+    }
+}

@@ -1,0 +1,154 @@
+//! Reading: everything is verified before anything is used.
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use bytemuck::AnyBitPattern;
+use glam::DVec3;
+use memmap2::Mmap;
+
+use super::format::{ALIGNMENT, Description, Header, Kind, MAGIC, Part, VERSION};
+use super::{check, checksum};
+use crate::ReadError;
+use crate::cluster::{Buffer, ClusteredMesh};
+use crate::error::{Place, printable};
+use crate::io::ReadOptions;
+use crate::io::input::Input;
+
+/// A mesh from a file, and what the program that made the file said about it.
+#[derive(Clone, Debug)]
+pub struct Prepared {
+    /// The mesh.
+    pub mesh: ClusteredMesh,
+    /// What was given to [`super::write`].
+    pub about: Vec<u8>,
+}
+
+/// Does a file begin like a prepared model?
+pub fn is_prepared(bytes: &[u8]) -> bool {
+    // Also if line ends were changed, so that it can be said.
+    bytes.starts_with(&MAGIC[..7])
+}
+
+/// Reads a prepared model. From a mapped file nothing is copied: the mesh keeps the map, and its pages do not count as
+/// memory that is taken. Content from anywhere else is copied.
+///
+/// # Errors
+/// A file that is not a prepared model of this version, that was shortened or altered, or whose copy would be over the
+/// memory limit.
+pub fn read(input: &Input, options: &ReadOptions) -> Result<Prepared, ReadError> {
+    let file = File { name: &input.name, bytes: input.bytes(), map: input.map() };
+    if file.map.is_none() {
+        let copied = file.bytes.len() as u64;
+        options.check_memory(file.name, "the prepared model and its copy", 2 * copied)?;
+    }
+    let header = file.header()?;
+    let parts = file.parts(&header)?;
+    for (kind, part) in Kind::ALL.into_iter().zip(&header.parts) {
+        if checksum::of(&file.bytes[parts[kind as usize].clone()]) != part.checksum {
+            return Err(file.broken(
+                part.offset,
+                format!("{} as they were written", kind.name()),
+                "other bytes",
+            ));
+        }
+    }
+    let part = |kind: Kind| &parts[kind as usize];
+    let at = |kind: Kind| header.parts[kind as usize].offset;
+    let description: Description = serde_json::from_slice(&file.bytes[part(Kind::Description).clone()])
+        .map_err(|error| file.broken(at(Kind::Description), "a description of the mesh", error))?;
+    let faces: Buffer<u32> = file.array(part(Kind::Faces), Kind::Faces)?;
+    let mut mesh = ClusteredMesh {
+        origin: DVec3::from_array(description.origin),
+        exponent: description.exponent,
+        materials: description.materials,
+        layout: description.layout,
+        clusters: file.array(part(Kind::Heads), Kind::Heads)?,
+        starts: file.array(part(Kind::Starts), Kind::Starts)?,
+        face_of_triangle: (!faces.is_empty()).then_some(faces),
+        lines: file.array(part(Kind::Lines), Kind::Lines)?,
+        ..ClusteredMesh::default()
+    };
+    check::sizes(&mesh)
+        .and_then(|()| check::clusters(&mesh))
+        .map_err(|(kind, expected, found)| file.broken(at(kind), expected, found))?;
+    mesh.sum_up();
+    Ok(Prepared { mesh, about: file.bytes[part(Kind::About).clone()].to_vec() })
+}
+
+/// A file that is read.
+struct File<'a> {
+    name: &'a str,
+    bytes: &'a [u8],
+    map: Option<&'a Arc<Mmap>>,
+}
+
+impl File<'_> {
+    fn broken(&self, byte: u64, expected: impl ToString, found: impl ToString) -> ReadError {
+        ReadError::Malformed {
+            file: self.name.into(),
+            place: Place::Byte(byte),
+            expected: expected.to_string(),
+            found: found.to_string(),
+        }
+    }
+
+    /// The header, if it is one that was written by this version and says how long the file is.
+    fn header(&self) -> Result<Header, ReadError> {
+        if cfg!(target_endian = "big") {
+            let what = "a prepared model on a big-endian machine".into();
+            return Err(ReadError::Unsupported { file: self.name.into(), place: Place::File, what });
+        }
+        let Some(bytes) = self.bytes.get(..size_of::<Header>()) else {
+            let found = format!("{} bytes", self.bytes.len());
+            return Err(self.broken(0, format!("the {} bytes of a header", size_of::<Header>()), found));
+        };
+        let header: Header = bytemuck::pod_read_unaligned(bytes);
+        if header.magic != MAGIC {
+            let found = printable(&bytes[..MAGIC.len()]);
+            return Err(self.broken(0, format!("the bytes {}", printable(&MAGIC)), found));
+        }
+        if header.version != VERSION {
+            let what =
+                format!("version {} of prepared models (this program has version {VERSION})", header.version);
+            return Err(ReadError::Unsupported { file: self.name.into(), place: Place::Byte(12), what });
+        }
+        if checksum::of(&bytes[..Header::CHECKED]) != header.checksum {
+            return Err(self.broken(0, "the header as it was written", "other bytes"));
+        }
+        if header.file_bytes != self.bytes.len() as u64 {
+            let expected = format!("{} bytes in the file", header.file_bytes);
+            return Err(self.broken(
+                self.bytes.len() as u64,
+                expected,
+                format!("{} bytes", self.bytes.len()),
+            ));
+        }
+        Ok(header)
+    }
+
+    /// The bytes of all parts.
+    fn parts(&self, header: &Header) -> Result<Vec<Range<usize>>, ReadError> {
+        let range = |part: &Part| {
+            let end = part.offset.checked_add(part.bytes).filter(|&end| end <= header.file_bytes)?;
+            let aligned = part.offset.is_multiple_of(ALIGNMENT);
+            aligned.then_some(part.offset as usize..end as usize)
+        };
+        let all: Option<Vec<_>> = header.parts.iter().map(range).collect();
+        all.ok_or_else(|| self.broken(24, "parts inside of the file", "one that reaches out of it"))
+    }
+
+    /// The elements of a part.
+    fn array<T: AnyBitPattern>(&self, part: &Range<usize>, kind: Kind) -> Result<Buffer<T>, ReadError> {
+        let (bytes, size) = (part.len(), size_of::<T>());
+        if !bytes.is_multiple_of(size) {
+            let expected = format!("{} of {size} bytes each", kind.name());
+            return Err(self.broken(part.start as u64, expected, format!("{bytes} bytes")));
+        }
+        if let Some(mapped) = self.map.and_then(|map| Buffer::mapped(map, part.clone())) {
+            return Ok(mapped);
+        }
+        let elements = self.bytes[part.clone()].chunks_exact(size);
+        Ok(elements.map(bytemuck::pod_read_unaligned).collect::<Vec<T>>().into())
+    }
+}
