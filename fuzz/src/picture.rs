@@ -34,8 +34,8 @@ pub fn draw_bytes(bytes: &[u8]) {
     };
     let read = ReadOptions { memory_limit: options.memory_limit, progress: None };
     let input = || Input::from_bytes("fuzz", bytes.to_vec(), &read);
-    let loaded = input().map(|input| tercio::load_input(&input, &options));
-    let plain = input().map(|input| tercio::load_mesh_input(&input, &options));
+    let loaded = input().map(|input| options.load_input(&input));
+    let plain = input().map(|input| options.load_mesh_input(&input));
     let (Ok(loaded), Ok(plain)) = (loaded, plain) else { return };
     let (loaded, plain) = match (loaded, plain) {
         (Ok(loaded), Ok(plain)) => (loaded, plain.mesh),
@@ -49,7 +49,7 @@ pub fn draw_bytes(bytes: &[u8]) {
     if plain.triangles.len() > MOST_TRIANGLES {
         return;
     }
-    let mut scene = Scene::of_mesh(loaded.mesh);
+    let mut scene = Scene::from_mesh(loaded.mesh);
     if number.is_multiple_of(2) {
         scene.instances[0].surface.specular = 0.0;
     }
@@ -59,7 +59,7 @@ pub fn draw_bytes(bytes: &[u8]) {
         shuffle_seed: Some(number as u64),
         ..PartitionOptions::default()
     };
-    let mut cut_otherwise = Scene::of_mesh(partition(plain.clone(), &odd).into());
+    let mut cut_otherwise = Scene::from_mesh(partition(plain.clone(), &odd));
     cut_otherwise.instances[0].surface = scene.instances[0].surface;
     let camera = camera(&scene, number / 3);
     let settings = settings(number);
@@ -104,7 +104,7 @@ fn check(mesh: &Mesh) {
 
 /// From outside, from within, in parallel, or as near as a hair.
 fn camera(scene: &Scene, view: usize) -> Camera {
-    let framing = Framing { azimuth: (view * 37 % 360) as f64, ..Framing::for_size(48, 36) };
+    let framing = Framing { azimuth: (view * 37 % 360) as f64, ..Framing::new(48, 36) };
     let framed = framing.camera_for_scene(scene);
     let bounds = scene.bounds();
     match view % 4 {

@@ -25,12 +25,9 @@ impl NamedFiles {
     /// Adds a file that is read, `-` for standard input. `what` says what it is: "the model".
     pub fn reads(mut self, what: &str, path: &Path) -> Self {
         let named = if path.as_os_str() == "-" {
-            Named {
-                words: format!("{what} from standard input"),
-                identity: FileIdentity::of_standard_input(),
-            }
+            Named { words: format!("{what} from standard input"), identity: FileIdentity::standard_input() }
         } else {
-            Named { words: format!("{what} {}", path.display()), identity: FileIdentity::of_path(path) }
+            Named { words: format!("{what} {}", path.display()), identity: FileIdentity::from_path(path) }
         };
         self.read.push(named);
         self
@@ -57,14 +54,14 @@ impl NamedFiles {
             Destination::Stdout => format!("{option} -"),
             Destination::File(path) => format!("{option} {}", path.display()),
         };
-        let identity = FileIdentity::of_destination(destination);
+        let identity = FileIdentity::from_destination(destination);
         self.written.push((Named { words, identity }, destination.clone()));
         self
     }
 
     /// Adds standard output, for commands that print what they found.
     pub fn prints(mut self) -> Self {
-        let identity = FileIdentity::of_destination(&Destination::Stdout);
+        let identity = FileIdentity::from_destination(&Destination::Stdout);
         self.written.push((Named { words: "standard output".into(), identity }, Destination::Stdout));
         self
     }
@@ -114,7 +111,7 @@ impl NamedFiles {
         let there = companions.iter().filter(|path| path.is_file());
         let named = |path: &PathBuf| Named {
             words: format!("a material library or texture of {model}"),
-            identity: FileIdentity::of_path(path),
+            identity: FileIdentity::from_path(path),
         };
         self.check_against(&there.map(named).collect::<Vec<_>>())
     }

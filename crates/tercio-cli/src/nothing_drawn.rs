@@ -122,27 +122,30 @@ mod tests {
 
     use super::*;
 
+    /// Counts with some of them set.
+    fn set<T>(mut counts: T, some: impl FnOnce(&mut T)) -> T {
+        some(&mut counts);
+        counts
+    }
+
     fn why(eye: DVec3, target: DVec3, near: Option<f64>, cull: Cull, frontend: FrontEndCounts) -> String {
         let bounds = Aabb { min: DVec3::splat(-1.0), max: DVec3::splat(1.0) };
         let projection = Projection::Perspective { fov_y: 0.5 };
         let camera = Camera { eye, target, up: DVec3::Y, projection, near };
-        let stats = FrameStats { frontend, ..FrameStats::default() };
+        let stats = set(FrameStats::default(), |c| c.frontend = frontend);
         reason(&bounds, &camera, cull, &stats).unwrap()
     }
 
     fn outside() -> FrontEndCounts {
-        FrontEndCounts {
-            triangles_in: 10,
-            triangles_in_outside_clusters: 7,
-            triangles_outside: 3,
-            ..FrontEndCounts::default()
-        }
+        set(FrontEndCounts::default(), |c| {
+            (c.triangles_in, c.triangles_in_outside_clusters, c.triangles_outside) = (10, 7, 3)
+        })
     }
 
     #[test]
     fn a_drawn_picture_has_no_reason() {
-        let backend = BackEndCounts { pixels_visible: 1, ..BackEndCounts::default() };
-        let stats = FrameStats { backend, ..FrameStats::default() };
+        let backend = set(BackEndCounts::default(), |c| c.pixels_visible = 1);
+        let stats = set(FrameStats::default(), |c| c.backend = backend);
         let projection = Projection::Orthographic { height: 1.0 };
         let camera = Camera { eye: DVec3::Z, target: DVec3::ZERO, up: DVec3::Y, projection, near: None };
         assert_eq!(reason(&Aabb::EMPTY, &camera, Cull::Auto, &stats), None);
@@ -173,34 +176,34 @@ mod tests {
 
     #[test]
     fn culled_and_tiny_triangles_are_told_apart() {
-        let culled = FrontEndCounts { triangles_in: 4, triangles_facing: 4, ..FrontEndCounts::default() };
+        let culled = set(FrontEndCounts::default(), |c| (c.triangles_in, c.triangles_facing) = (4, 4));
         assert!(why(DVec3::Z, DVec3::ZERO, None, Cull::Front, culled).contains("their front"));
         assert!(why(DVec3::Z, DVec3::ZERO, None, Cull::Back, culled).contains("their back"));
-        let tiny = FrontEndCounts { triangles_in: 4, triangles_no_sample: 4, ..FrontEndCounts::default() };
+        let tiny = set(FrontEndCounts::default(), |c| (c.triangles_in, c.triangles_no_sample) = (4, 4));
         assert!(why(DVec3::Z, DVec3::ZERO, None, Cull::Auto, tiny).contains("too small"));
-        let one = FrontEndCounts { triangles_in: 1, triangles_no_sample: 1, ..tiny };
+        let one = set(tiny, |c| (c.triangles_in, c.triangles_no_sample) = (1, 1));
         let text = why(DVec3::Z, DVec3::ZERO, None, Cull::Auto, one);
         assert!(text.contains("the only triangle is too small"), "{text}");
-        let clipped = FrontEndCounts { triangles_in: 4, triangles_clipped: 4, ..FrontEndCounts::default() };
+        let clipped = set(FrontEndCounts::default(), |c| (c.triangles_in, c.triangles_clipped) = (4, 4));
         let text = why(DVec3::Z, DVec3::ZERO, None, Cull::Auto, clipped);
         assert!(text.contains("all 4 triangles are cut away: they lie beside"), "{text}");
         let of_one = |cull, counts: FrontEndCounts| {
-            why(DVec3::Z * 5.0, DVec3::ZERO, None, cull, FrontEndCounts { triangles_in: 1, ..counts })
+            why(DVec3::Z * 5.0, DVec3::ZERO, None, cull, set(counts, |c| c.triangles_in = 1))
         };
-        let text = of_one(Cull::Auto, FrontEndCounts { triangles_clipped: 1, ..tiny });
+        let text = of_one(Cull::Auto, set(tiny, |c| c.triangles_clipped = 1));
         assert!(text.contains("the only triangle is cut away: it lies beside"), "{text}");
-        let text = of_one(Cull::Back, FrontEndCounts { triangles_facing: 1, ..tiny });
+        let text = of_one(Cull::Back, set(tiny, |c| c.triangles_facing = 1));
         assert!(text.contains("the only triangle shows the camera its back, which"), "{text}");
-        let text = of_one(Cull::Auto, FrontEndCounts { triangles_outside: 1, ..tiny });
+        let text = of_one(Cull::Auto, set(tiny, |c| c.triangles_outside = 1));
         assert!(text.contains("the only triangle is outside the picture: the camera"), "{text}");
-        let counts = FrontEndCounts { triangles_facing: 1, triangles_outside: 2, triangles_in: 4, ..tiny };
+        let counts = set(tiny, |c| (c.triangles_facing, c.triangles_outside, c.triangles_in) = (1, 2, 4));
         let text = why(DVec3::Z, DVec3::ZERO, None, Cull::Back, counts);
         assert!(
             text.contains("2 are outside the picture, 1 shows the side that --cull leaves out"),
             "{text}"
         );
         assert!(text.ends_with("out, 1 covers no centre of a pixel"), "{text}");
-        let mixed = FrontEndCounts { triangles_outside: 1, triangles_in: 4, ..tiny };
+        let mixed = set(tiny, |c| (c.triangles_outside, c.triangles_in) = (1, 4));
         let text = why(DVec3::Z, DVec3::ZERO, None, Cull::Auto, mixed);
         assert!(text.ends_with("of 4 triangles 1 is outside the picture, 3 cover no centre of a pixel"));
     }

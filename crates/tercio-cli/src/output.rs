@@ -98,7 +98,7 @@ impl Plan {
     pub fn write(&self, frame: &Frame) -> Result<()> {
         let mut files = Vec::new();
         if let Some((destination, format)) = &self.picture {
-            files.push(begin(destination, |out| Picture::of_frame(frame).write(*format, out))?);
+            files.push(begin(destination, |out| Picture::from_frame(frame).write(*format, out))?);
         }
         for (destination, array) in &self.arrays {
             files.push(begin(destination, |out| Ok(write_array(frame, *array, out)?))?);

@@ -61,5 +61,5 @@ fn the_difference_is_a_picture() {
     let place = place();
     assert_eq!(place.run("compare a.png b.png --diff d.png").code, Some(1));
     let expected = vec![[0, 0, 0, 255], [255, 0, 85, 255]];
-    assert_eq!(Picture::read(&place.read("d.png")).unwrap().pixels, Pixels::Eight(expected.into()));
+    assert_eq!(Picture::from_bytes(&place.read("d.png")).unwrap().pixels, Pixels::Eight(expected.into()));
 }

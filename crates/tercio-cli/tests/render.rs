@@ -17,14 +17,15 @@ fn every_format_is_written_and_holds_the_same_picture() {
     for name in ["a.png", "a.ppm", "a.webp", "A.PNG"] {
         place.run(&format!("render model.off -o {name} {SMALL}")).quietly_well();
     }
-    let pictures = ["a.png", "a.ppm", "a.webp", "A.PNG"].map(|n| Picture::read(&place.read(n)).unwrap());
+    let pictures =
+        ["a.png", "a.ppm", "a.webp", "A.PNG"].map(|n| Picture::from_bytes(&place.read(n)).unwrap());
     assert_eq!((pictures[0].width, pictures[0].height), (64, 48));
     pictures.iter().for_each(|p| assert_eq!(p, &pictures[0]));
 
     place.run(&format!("render model.off -o deep.png --depth 16 {SMALL}")).quietly_well();
-    assert!(matches!(Picture::read(&place.read("deep.png")).unwrap().pixels, Pixels::Sixteen(_)));
+    assert!(matches!(Picture::from_bytes(&place.read("deep.png")).unwrap().pixels, Pixels::Sixteen(_)));
     place.run(&format!("render model.off -o clear.png --background transparent {SMALL}")).quietly_well();
-    assert!(!Picture::read(&place.read("clear.png")).unwrap().is_opaque());
+    assert!(!Picture::from_bytes(&place.read("clear.png")).unwrap().is_opaque());
 }
 
 #[test]
@@ -32,7 +33,7 @@ fn the_model_is_seen() {
     let place = Place::new();
     let said = place.run("render model.off -o a.png --size 64x48");
     assert_eq!((said.code, said.stderr.as_str()), (Some(0), ""), "no warning that nothing was drawn");
-    let picture = Picture::read(&place.read("a.png")).unwrap();
+    let picture = Picture::from_bytes(&place.read("a.png")).unwrap();
     let Pixels::Eight(pixels) = picture.pixels else { panic!("8 bits") };
     let (corner, middle) = (pixels[0], pixels[24 * 64 + 32]);
     assert_ne!(corner, middle);

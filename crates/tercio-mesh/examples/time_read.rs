@@ -10,7 +10,7 @@ fn main() {
         let mut shown = String::new();
         for _ in 0..5 {
             let begin = Instant::now();
-            match read(file.as_ref(), &ReadOptions::default()) {
+            match read(&file, &ReadOptions::default()) {
                 Ok(m) => {
                     shown = format!(
                         "{}: {} vertices, {} triangles, {:?}",

@@ -19,7 +19,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     };
     let mut mesh = match model.starts_with("builtin:") {
         true => builtin::make(model)?,
-        false => read(model.as_ref(), &ReadOptions::default())?.mesh,
+        false => read(model, &ReadOptions::default())?.mesh,
     };
     for _ in 0..subdivisions.parse()? {
         mesh = subdivide(&mesh);

@@ -25,6 +25,7 @@ impl fmt::Display for Place {
 
 /// Why a model could not be read.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum ReadError {
     /// The file could not be opened or read.
     #[error("{file}: {source}")]

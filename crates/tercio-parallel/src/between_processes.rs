@@ -61,12 +61,12 @@ pub fn tell<T: Serialize + DeserializeOwned>(
     let rank = comm.rank();
     let written = if rank == 0 { Ok(Vec::new()) } else { serde_json::to_vec(&own) };
     let messages =
-        comm.gather(comm.size(), written.map_err(|error| ParallelError::Report { rank, error })?)?;
+        comm.gather(comm.size(), written.map_err(|source| ParallelError::Report { rank, source })?)?;
     if rank > 0 {
         return Ok(None);
     }
     let read = |(rank, message): (usize, Vec<u8>)| {
-        serde_json::from_slice(&message).map_err(|error| ParallelError::Report { rank, error })
+        serde_json::from_slice(&message).map_err(|source| ParallelError::Report { rank, source })
     };
     let others = (1..).zip(messages).map(read);
     std::iter::once(Ok(own)).chain(others).collect::<Result<Vec<T>, _>>().map(Some)

@@ -7,6 +7,7 @@ use crate::composite::packet::PacketError;
 
 /// Why ranks could not draw a picture.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum ParallelError {
     /// A rank cannot draw.
     #[error(transparent)]
@@ -15,20 +16,20 @@ pub enum ParallelError {
     #[error(transparent)]
     Comm(#[from] CommError),
     /// A message does not hold pixels.
-    #[error("pixels from rank {from}: {error}")]
+    #[error("pixels from rank {from}: {source}")]
     Packet {
         /// Who sent them.
         from: usize,
         /// What is wrong.
-        error: PacketError,
+        source: PacketError,
     },
     /// What a rank did for a frame cannot be written, or was not understood by rank 0.
-    #[error("the report of rank {rank}: {error}")]
+    #[error("the report of rank {rank}: {source}")]
     Report {
         /// Whose it is.
         rank: usize,
         /// What is wrong.
-        error: serde_json::Error,
+        source: serde_json::Error,
     },
     /// A rank panicked.
     #[error("rank {rank} panicked: {message}")]
@@ -39,20 +40,20 @@ pub enum ParallelError {
         message: String,
     },
     /// The system gave no thread for a rank.
-    #[error("rank {rank} has no thread: {error}")]
+    #[error("rank {rank} has no thread: {source}")]
     Thread {
         /// Which.
         rank: usize,
         /// Why not.
-        error: std::io::Error,
+        source: std::io::Error,
     },
     /// A rank's threads could not be had.
-    #[error("a rank's {threads} threads: {error}")]
+    #[error("a rank's {threads} threads: {source}")]
     Threads {
         /// How many were asked for.
         threads: usize,
         /// Why not.
-        error: rayon::ThreadPoolBuildError,
+        source: rayon::ThreadPoolBuildError,
     },
 }
 

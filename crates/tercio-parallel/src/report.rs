@@ -11,6 +11,7 @@ use crate::organisation::Organisation;
 
 /// A stage of a rank's work.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
 pub struct Stage {
     /// Milliseconds from its beginning to its end.
     pub milliseconds: f64,
@@ -47,6 +48,7 @@ fn busy_milliseconds() -> Option<f64> {
 
 /// The stages of a rank, in their order.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
 pub struct RankStages {
     /// Drawing its share.
     pub draw: Stage,
@@ -60,6 +62,7 @@ pub struct RankStages {
 
 /// Pixels of a rank, by what happened to them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[non_exhaustive]
 pub struct RankPixels {
     /// Sent to other owners with their keys.
     pub sent: u64,
@@ -73,6 +76,7 @@ pub struct RankPixels {
 
 /// What one rank did for a frame.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
 pub struct RankReport {
     /// Which.
     pub rank: usize,
@@ -90,6 +94,7 @@ pub struct RankReport {
 
 /// What all ranks did for a frame.
 #[derive(Clone, Debug, PartialEq, Serialize)]
+#[non_exhaustive]
 pub struct FrameReport {
     /// How they shared it.
     pub organisation: Organisation,
@@ -129,8 +134,9 @@ impl FrameReport {
             stats.frontend = counts.fold(FrontEndCounts::default(), FrontEndCounts::plus);
         }
         let counts = self.ranks.iter().map(|r| r.frame.backend);
-        let sum = counts.fold(BackEndCounts::default(), BackEndCounts::plus);
-        stats.backend = BackEndCounts { pixels_visible: self.pixels_visible(), ..sum }.finish();
+        let mut sum = counts.fold(BackEndCounts::default(), BackEndCounts::plus);
+        sum.pixels_visible = self.pixels_visible();
+        stats.backend = sum.finish();
         stats.milliseconds.total = self.milliseconds;
         stats.threads = self.ranks.iter().map(|r| r.frame.threads).sum();
         stats

@@ -17,7 +17,7 @@ use tercio_scene::{Camera, Projection, Scene};
 /// A scene and a camera, made anew as every process makes them.
 fn made() -> (Scene, Camera) {
     let mesh = builtin::make("builtin:teapot@5k").expect("a model");
-    let scene = Scene::of_mesh(Arc::new(partition(mesh, &PartitionOptions::default())));
+    let scene = Scene::from_mesh(Arc::new(partition(mesh, &PartitionOptions::default())));
     let bounds = scene.bounds();
     let eye = bounds.center() + DVec3::new(0.3, 0.4, 0.9) * bounds.radius() * 2.5;
     let projection = Projection::Perspective { fov_y: 0.8 };

@@ -18,7 +18,7 @@ const BOTH: [Organisation; 2] = [Organisation::SortFirst, Organisation::SortLast
 fn scene(model: &str, most_triangles: usize) -> Scene {
     let mesh = builtin::make(model).expect("a model");
     let options = PartitionOptions { max_triangles: most_triangles, ..PartitionOptions::default() };
-    Scene::of_mesh(Arc::new(partition(mesh, &options)))
+    Scene::from_mesh(Arc::new(partition(mesh, &options)))
 }
 
 /// The same scene with a second instance, turned, mirrored, smaller, in the middle of the first.

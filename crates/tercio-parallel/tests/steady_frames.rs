@@ -54,7 +54,7 @@ impl Communicator for Watched<'_> {
 #[test]
 fn memory_is_taken_for_the_messages_of_one_frame_only() {
     let mesh = builtin::make("builtin:gyroid@4k").expect("a model");
-    let scene = Scene::of_mesh(Arc::new(partition(mesh, &PartitionOptions::default())));
+    let scene = Scene::from_mesh(Arc::new(partition(mesh, &PartitionOptions::default())));
     let bounds = scene.bounds();
     let camera = Camera {
         eye: bounds.center() + glam::DVec3::new(0.3, 0.4, 0.9) * bounds.radius() * 2.6,

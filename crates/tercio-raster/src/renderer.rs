@@ -20,6 +20,7 @@ use crate::view::View;
 
 /// Why a picture could not be drawn.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum RenderError {
     /// The camera is not one.
     #[error(transparent)]

@@ -6,6 +6,7 @@ use std::ops::Range;
 use std::str::FromStr;
 
 use fearless_simd::Level;
+use tercio_scene::Framing;
 
 use crate::RenderError;
 
@@ -14,6 +15,7 @@ pub const MAX_SIZE: u32 = 32768;
 
 /// How triangles are sorted into tiles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[non_exhaustive]
 pub enum Binning {
     /// Into every tile that the bounding box touches.
     BoundingBox,
@@ -24,6 +26,7 @@ pub enum Binning {
 
 /// What is sorted into tiles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[non_exhaustive]
 pub enum Sorting {
     /// Clusters that are small on the screen as a whole, of the others every triangle.
     #[default]
@@ -34,6 +37,7 @@ pub enum Sorting {
 
 /// Where the work on a frame ends: for measuring, what is drawn then is no picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Default)]
+#[non_exhaustive]
 pub enum LastStage {
     /// Clusters are tested, then tossed.
     Cull,
@@ -86,6 +90,7 @@ impl Cull {
 
 /// Where and how light is computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[non_exhaustive]
 pub enum Shading {
     /// Once a triangle's plane: facets show.
     Flat,
@@ -149,6 +154,7 @@ impl Default for Outputs {
 
 /// A SIMD level by name; the processor decides which of them exist.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum SimdLevel {
     /// One number at a time.
     Scalar,
@@ -286,6 +292,20 @@ impl Settings {
             last_stage: LastStage::default(),
             simd: None,
         }
+    }
+
+    /// The default framing for a picture of this size: makes the camera without the size being said again.
+    ///
+    /// ```
+    /// use tercio_raster::Settings;
+    /// use tercio_scene::Framing;
+    ///
+    /// let settings = Settings::new(1920, 1080);
+    /// let from_the_right = Framing { azimuth: 90.0, ..settings.framing() };
+    /// assert_eq!(from_the_right.aspect, 16.0 / 9.0);
+    /// ```
+    pub fn framing(&self) -> Framing {
+        Framing::new(self.width, self.height)
     }
 
     /// Pixels along the edge of a tile: what was asked for, or by the size of the picture. Small tiles share the work

@@ -11,6 +11,7 @@ pub type LevelName = &'static str;
 
 /// What one frame did. Counts are the same from run to run unless said otherwise; times are not.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
 pub struct FrameStats {
     /// What the front end met and dropped.
     pub frontend: FrontEndCounts,
@@ -31,6 +32,7 @@ pub struct FrameStats {
 
 /// Front end: clusters and triangles in, what was dropped by which rule, triangles out.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[non_exhaustive]
 pub struct FrontEndCounts {
     /// Clusters of all instances.
     pub clusters_in: u64,
@@ -70,6 +72,7 @@ pub struct FrontEndCounts {
 
 /// Binning: clusters and triangles in, entries out.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
 pub struct BinningCounts {
     /// Triangles binned one by one.
     pub triangles: u64,
@@ -96,6 +99,7 @@ pub struct BinningCounts {
 /// Back end: what the clusters of the tiles became, samples and pixels. What a cluster does is counted in each
 /// tile that draws it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
 pub struct BackEndCounts {
     /// Clusters that lay behind what was drawn before them.
     pub clusters_hidden: u64,
@@ -121,6 +125,7 @@ pub struct BackEndCounts {
 
 /// Milliseconds of wall time a stage.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
 pub struct StageTimes {
     /// Set-up of the frame: matrices, lists, memory.
     pub prepare: f64,

@@ -48,7 +48,7 @@ fn check(mesh: &Mesh, exponents: &[i32], what: &str) {
             space: LightSpace::World,
             color: [0.2, 0.3, 0.1],
         });
-        let framing = Framing::for_size(SIZE[0], SIZE[1]);
+        let framing = Framing::new(SIZE[0], SIZE[1]);
         let camera = match view {
             0 => framing.camera_for_scene(&scene),
             1 => Framing { fov_y: None, ..framing }.camera_for_scene(&scene),

@@ -46,6 +46,7 @@ pub struct CameraBasis {
 
 /// Why a camera cannot be used.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum CameraError {
     /// Eye and target are the same point, or a coordinate is not finite.
     #[error("the camera's eye and target must be two different finite points (eye {eye}, target {target})")]

@@ -36,6 +36,7 @@ impl UpAxis {
 
 /// Where the camera stands, seen from the model. Left and right are those of the picture in the front view.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum View {
     /// Looks at the side that faces the viewer.
     Front,
@@ -111,8 +112,9 @@ impl Framing {
     /// The default vertical angle of view, degrees.
     pub const FOV_Y: f64 = 30.0;
 
-    /// The default framing for a picture of this size in pixels.
-    pub fn for_size(width: u32, height: u32) -> Self {
+    /// The default framing for a picture of this size in pixels. Where the picture's settings stand already,
+    /// `Settings::framing` of `tercio-raster` takes the size from there.
+    pub fn new(width: u32, height: u32) -> Self {
         Self { aspect: f64::from(width.max(1)) / f64::from(height.max(1)), ..Self::default() }
     }
 

@@ -33,8 +33,8 @@ pub struct Instance {
 
 impl Instance {
     /// The mesh where its file puts it.
-    pub fn new(mesh: Arc<ClusteredMesh>) -> Self {
-        Self { mesh, world_from_object: DAffine3::IDENTITY, surface: Surface::default() }
+    pub fn new(mesh: impl Into<Arc<ClusteredMesh>>) -> Self {
+        Self { mesh: mesh.into(), world_from_object: DAffine3::IDENTITY, surface: Surface::default() }
     }
 
     /// World-space bounds.
@@ -118,8 +118,8 @@ impl Default for Background {
 }
 
 impl Scene {
-    /// One mesh under the default lights.
-    pub fn of_mesh(mesh: Arc<ClusteredMesh>) -> Self {
+    /// One mesh where its file puts it, under [`Light::studio`], on the default background.
+    pub fn from_mesh(mesh: impl Into<Arc<ClusteredMesh>>) -> Self {
         Self {
             instances: vec![Instance::new(mesh)],
             lights: Light::studio(),

@@ -132,7 +132,7 @@ mod tests {
     fn the_same_picture_passes_and_leaves_nothing_behind() {
         let folders = Folders::new();
         let picture = Picture::new(2, 1, vec![1, 2, 3, 4, 5, 6, 7, 8]);
-        picture.write(&folders.golden().join("topic/name.png")).unwrap();
+        picture.write(folders.golden().join("topic/name.png")).unwrap();
         folders.check(&picture).unwrap();
         assert!(!folders.differences().exists());
     }
@@ -141,21 +141,21 @@ mod tests {
     fn another_picture_fails_says_how_and_shows_it() {
         let folders = Folders::new();
         let expected = Picture::new(2, 1, vec![1, 2, 3, 4, 5, 6, 7, 8]);
-        expected.write(&folders.golden().join("topic/name.png")).unwrap();
+        expected.write(folders.golden().join("topic/name.png")).unwrap();
         let mut actual = expected.clone();
         actual.rgba[7] = 18;
         let message = folders.check(&actual).unwrap_err();
         assert!(message.contains("1 of 2 pixels differ, by at most 10"), "{message}");
         assert!(message.contains("cargo xtask bless --accept topic/name"), "{message}");
-        assert_eq!(Picture::read(&folders.differences().join("topic/name.actual.png")).unwrap(), actual);
+        assert_eq!(Picture::read(folders.differences().join("topic/name.actual.png")).unwrap(), actual);
         assert!(folders.differences().join("topic/name.diff.png").is_file());
-        assert_eq!(Picture::read(&folders.golden().join("topic/name.png")).unwrap(), expected);
+        assert_eq!(Picture::read(folders.golden().join("topic/name.png")).unwrap(), expected);
     }
 
     #[test]
     fn another_size_fails() {
         let folders = Folders::new();
-        Picture::new(2, 1, vec![0; 8]).write(&folders.golden().join("topic/name.png")).unwrap();
+        Picture::new(2, 1, vec![0; 8]).write(folders.golden().join("topic/name.png")).unwrap();
         let message = folders.check(&Picture::new(1, 2, vec![0; 8])).unwrap_err();
         assert!(message.contains("2x1 became 1x2; 2 of 4 pixels differ"), "{message}");
     }

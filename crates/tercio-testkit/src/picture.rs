@@ -43,7 +43,7 @@ impl Picture {
     ///
     /// # Errors
     /// The file cannot be read or is no PNG.
-    pub fn read(path: &Path) -> Result<Self, PictureError> {
+    pub fn read(path: impl AsRef<Path>) -> Result<Self, PictureError> {
         let mut decoder = png::Decoder::new(BufReader::new(File::open(path)?));
         decoder
             .set_transformations(png::Transformations::normalize_to_color8() | png::Transformations::ALPHA);
@@ -64,7 +64,8 @@ impl Picture {
     ///
     /// # Errors
     /// The file system's reason, or a picture without pixels.
-    pub fn write(&self, path: &Path) -> Result<(), PictureError> {
+    pub fn write(&self, path: impl AsRef<Path>) -> Result<(), PictureError> {
+        let path = path.as_ref();
         if let Some(folder) = path.parent() {
             fs::create_dir_all(folder)?;
         }

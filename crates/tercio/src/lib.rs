@@ -1,46 +1,63 @@
 //! Draws very large polygon models without a GPU: on one core or on all of them, from one static binary or
 //! from this library, with the same bytes everywhere.
 //!
-//! # A picture in ten lines
+//! # A picture in eight lines
 //!
 //! ```
-//! use tercio::image::Picture;
-//! use tercio::raster::{Renderer, Settings};
-//! use tercio::scene::{Framing, Scene};
-//!
-//! # let folder = tempfile::tempdir()?;
-//! # let png = folder.path().join("teapot.png");
-//! let model = tercio::load("builtin:teapot@10k".as_ref(), &tercio::LoadOptions::default())?;
-//! let scene = Scene::of_mesh(model.mesh);
-//! let camera = Framing::for_size(320, 240).camera_for_scene(&scene);
-//! let frame = Renderer::new().render(&scene, &camera, &Settings::new(320, 240))?;
-//! Picture::of_frame(&frame).save(&png)?;
-//! # assert_eq!(std::fs::read(&png)?[..4], *b"\x89PNG");
-//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! fn main() -> tercio::Result<()> {
+//! #   let folder = tempfile::tempdir()?;
+//! #   std::env::set_current_dir(&folder)?;
+//!     let scene = tercio::Scene::from_mesh(tercio::load("builtin:teapot@10k")?.mesh);
+//!     let settings = tercio::Settings::new(320, 240);
+//!     let camera = settings.framing().camera_for_scene(&scene);
+//!     let frame = tercio::Renderer::new().render(&scene, &camera, &settings)?;
+//!     tercio::Picture::from_frame(&frame).save("teapot.png")?;
+//! #   assert!(frame.stats.backend.pixels_visible > 5_000);
+//! #   assert_eq!(tercio::Picture::from_file("teapot.png")?, tercio::Picture::from_frame(&frame));
+//!     Ok(())
+//! }
 //! ```
+//!
+//! The size stands once, in the [`Settings`]; the camera frames the model for it. Paths are whatever is an
+//! `AsRef<Path>`, and `?` makes an [`Error`] of whatever goes wrong.
 //!
 //! # The way through the library
 //!
 //! - [`load`] reads a model (PLY, OBJ, STL, OFF, each also gzip-compressed, or a built-in one), repairs it,
-//!   makes the normals it lacks and cuts it into clusters, which is what a renderer draws. [`load_mesh`]
-//!   stops before the cutting, for programs that want the [`mesh::Mesh`] itself. [`load_input`] reads from memory.
+//!   makes the normals it lacks and cuts it into clusters, which is what a renderer draws. [`LoadOptions`] has the
+//!   limits, the progress and the choice of normals, and loads from memory or only up to the [`Mesh`] itself.
 //! - [`scene`] places meshes in the world, lights them and frames them with a camera.
-//! - [`raster`] draws. A [`raster::Renderer`] keeps its memory from frame to frame.
+//! - [`raster`] draws. A [`Renderer`] keeps its memory from frame to frame.
 //! - [`parallel`] draws with several ranks, which share a frame and send each other messages.
 //! - [`image`] writes pictures (PNG, PPM, WebP) and arrays (NPY), reads and compares pictures.
 //!
+//! The types that most programs name stand here at the root, too.
+//!
 //! Everything runs in the rayon pool of its caller: wrap the calls in `ThreadPool::install` to choose the
 //! number of threads. The picture does not depend on it.
+//!
+//! # What grows
+//!
+//! Error enums, and reports that only the library makes, are `#[non_exhaustive]`: match with a last arm `_`, and do not
+//! take them apart completely. Options and settings are built by their callers: take what is not said from their
+//! constructor or default (`..Settings::new(320, 240)`), and a new field changes nothing.
 
+#![forbid(unsafe_code)]
+
+mod error;
 pub mod image;
 mod load;
 mod summary;
 
-pub use load::{
-    LoadError, LoadOptions, LoadReport, LoadTimes, Loaded, LoadedMesh, Normals, load, load_if, load_input,
-    load_mesh, load_mesh_input,
-};
+pub use error::{Error, Result};
+pub use image::{ImageError, Picture};
+pub use load::{LoadError, LoadOptions, LoadReport, LoadTimes, Loaded, LoadedMesh, Normals, load};
 pub use summary::{AttributeSummary, MeshSummary};
+
+pub use tercio_mesh::{ClusteredMesh, Mesh};
+pub use tercio_parallel::ParallelError;
+pub use tercio_raster::{Frame, RenderError, Renderer, Settings};
+pub use tercio_scene::{Camera, Framing, Instance, Scene};
 
 pub use tercio_mesh as mesh;
 pub use tercio_parallel as parallel;

@@ -18,6 +18,7 @@ use crate::MeshSummary;
 
 /// Which normals a loaded mesh has.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum Normals {
     /// Those of the file; where it has none, they are made. Where only some of them are missing, zero or not
     /// finite, those are replaced one by one by the normals that would be made there, with the same crease angle.
@@ -52,6 +53,7 @@ pub struct LoadOptions<'a> {
 
 /// Wall time of each stage in milliseconds; 0 for one that was not needed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[non_exhaustive]
 pub struct LoadTimes {
     /// Reading the file, or making the built-in model.
     pub read: f64,
@@ -71,6 +73,7 @@ pub struct LoadTimes {
 
 /// What was found and done while a model was loaded.
 #[derive(Clone, Debug, Default)]
+#[non_exhaustive]
 pub struct LoadReport {
     /// What the reader found.
     pub read: ReadReport,
@@ -94,6 +97,7 @@ pub struct LoadReport {
 
 /// A mesh ready to be drawn.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct Loaded {
     /// The mesh.
     pub mesh: Arc<ClusteredMesh>,
@@ -103,6 +107,7 @@ pub struct Loaded {
 
 /// A mesh not yet cut into clusters.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct LoadedMesh {
     /// The mesh.
     pub mesh: Mesh,
@@ -112,6 +117,7 @@ pub struct LoadedMesh {
 
 /// Why a model could not be loaded.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum LoadError {
     /// A file could not be read.
     #[error(transparent)]
@@ -121,7 +127,8 @@ pub enum LoadError {
     Builtin(#[from] BuiltinError),
 }
 
-/// Loads a model for drawing: a file, `-` for standard input, or `builtin:NAME@COUNT`.
+/// Loads a model for drawing with the default [`LoadOptions`]: a file, `-` for standard input, or
+/// `builtin:NAME@COUNT`.
 ///
 /// Reads, drops what cannot be drawn, joins the corners of triangle soups, makes missing normals, and cuts
 /// the mesh into clusters. Files are never trusted: a broken one gives an error or a repaired model, and
@@ -129,33 +136,89 @@ pub enum LoadError {
 ///
 /// # Errors
 /// [`LoadError`], which names the file and the place in it.
-pub fn load(model: &Path, options: &LoadOptions) -> Result<Loaded, LoadError> {
+pub fn load(model: impl AsRef<Path>) -> Result<Loaded, LoadError> {
+    LoadOptions::default().load(model)
+}
+
+impl LoadOptions<'_> {
+    /// Loads a model as the function [`load`] does, with these options.
+    ///
+    /// ```
+    /// use tercio::{LoadOptions, Normals};
+    ///
+    /// let options = LoadOptions { normals: Normals::File, topology: true, ..LoadOptions::default() };
+    /// let model = options.load("builtin:sphere@1k")?;
+    /// assert!(model.report.topology.is_some_and(|t| t.closed));
+    /// # Ok::<(), tercio::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`LoadError`], which names the file and the place in it.
+    pub fn load(&self, model: impl AsRef<Path>) -> Result<Loaded, LoadError> {
+        load_path(model.as_ref(), self)
+    }
+
+    /// Loads a model as [`LoadOptions::load`] does, if what was found in the file is accepted: asked once it is read,
+    /// before the work on the mesh begins.
+    ///
+    /// # Errors
+    /// [`LoadError`], and what `accept` says.
+    pub fn load_if<E: From<LoadError>>(
+        &self,
+        model: impl AsRef<Path>,
+        accept: impl FnOnce(&ReadReport) -> Result<(), E>,
+    ) -> Result<Loaded, E> {
+        let model = model.as_ref();
+        cut(model, self, || {
+            let (mesh, report) = read(model, self)?;
+            accept(&report)?;
+            Ok((mesh, report))
+        })
+    }
+
+    /// Loads a model as [`LoadOptions::load`] does, from a file that is open already or from bytes in memory.
+    ///
+    /// ```
+    /// use tercio::mesh::io::ReadOptions;
+    /// use tercio::mesh::io::input::Input;
+    ///
+    /// let obj = b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n";
+    /// let input = Input::from_bytes("square.obj", obj.to_vec(), &ReadOptions::default())?;
+    /// let model = tercio::LoadOptions::default().load_input(&input)?;
+    /// assert_eq!(model.report.mesh.triangles, 2);
+    /// # Ok::<(), tercio::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`LoadError`], which names the input and the place in it.
+    pub fn load_input(&self, input: &Input) -> Result<Loaded, LoadError> {
+        cut(input.name.as_ref(), self, || read_input(input, self))
+    }
+
+    /// Loads a model as [`LoadOptions::load`] does, but does not cut it into clusters: for programs that want the
+    /// [`Mesh`] itself.
+    ///
+    /// # Errors
+    /// [`LoadError`], which names the file and the place in it.
+    pub fn load_mesh(&self, model: impl AsRef<Path>) -> Result<LoadedMesh, LoadError> {
+        load_mesh_path(model.as_ref(), self)
+    }
+
+    /// Loads a model as [`LoadOptions::load_input`] does, but does not cut it into clusters.
+    ///
+    /// # Errors
+    /// [`LoadError`], which names the input and the place in it.
+    pub fn load_mesh_input(&self, input: &Input) -> Result<LoadedMesh, LoadError> {
+        uncut(input.name.as_ref(), self, || read_input(input, self))
+    }
+}
+
+fn load_path(model: &Path, options: &LoadOptions) -> Result<Loaded, LoadError> {
     cut(model, options, || read(model, options))
 }
 
-/// Loads a model as [`load`] does, if what was found in the file is accepted: asked once it is read, before the work on
-/// the mesh begins.
-///
-/// # Errors
-/// [`LoadError`], and what `accept` says.
-pub fn load_if<E: From<LoadError>>(
-    model: &Path,
-    options: &LoadOptions,
-    accept: impl FnOnce(&ReadReport) -> Result<(), E>,
-) -> Result<Loaded, E> {
-    cut(model, options, || {
-        let (mesh, report) = read(model, options)?;
-        accept(&report)?;
-        Ok((mesh, report))
-    })
-}
-
-/// Loads a model as [`load`] does, from a file that is open already or from bytes in memory.
-///
-/// # Errors
-/// [`LoadError`], which names the input and the place in it.
-pub fn load_input(input: &Input, options: &LoadOptions) -> Result<Loaded, LoadError> {
-    cut(input.name.as_ref(), options, || read_input(input, options))
+fn load_mesh_path(model: &Path, options: &LoadOptions) -> Result<LoadedMesh, LoadError> {
+    uncut(model, options, || read(model, options))
 }
 
 /// Everything from reading to clusters.
@@ -189,7 +252,7 @@ fn cut<E: From<LoadError>>(
         report.mended_normals = blocks.mend_normals(crease_angle);
         report.times.normals = milliseconds(start);
     }
-    report.mesh = MeshSummary::of_blocks(&blocks);
+    report.mesh = MeshSummary::from_blocks(&blocks);
     check_memory(model, options, "the model and its clusters", partition_bytes(&report.mesh))?;
     begin(options, "making clusters", blocks.triangle_count());
     let partition = PartitionOptions { progress: options.progress, ..PartitionOptions::default() };
@@ -198,22 +261,6 @@ fn cut<E: From<LoadError>>(
     report.times.partition += milliseconds(start);
     report.times.total = milliseconds(all);
     Ok(Loaded { mesh: Arc::new(mesh), report })
-}
-
-/// Loads a model as [`load`] does, but does not cut it into clusters.
-///
-/// # Errors
-/// [`LoadError`], which names the file and the place in it.
-pub fn load_mesh(model: &Path, options: &LoadOptions) -> Result<LoadedMesh, LoadError> {
-    uncut(model, options, || read(model, options))
-}
-
-/// Loads a model as [`load_input`] does, but does not cut it into clusters.
-///
-/// # Errors
-/// [`LoadError`], which names the input and the place in it.
-pub fn load_mesh_input(input: &Input, options: &LoadOptions) -> Result<LoadedMesh, LoadError> {
-    uncut(input.name.as_ref(), options, || read_input(input, options))
 }
 
 /// Everything from reading to normals.
@@ -228,7 +275,7 @@ fn uncut(
         make_normals(&mut mesh, crease_angle, options, &mut report);
     }
     report.mended_normals = normals::mend_normals(&mut mesh, crease_angle(options));
-    report.mesh = MeshSummary::of(&mesh);
+    report.mesh = MeshSummary::from_mesh(&mesh);
     report.times.total = milliseconds(all);
     Ok(LoadedMesh { mesh, report })
 }
@@ -314,8 +361,9 @@ fn make_builtin(name: &str, options: &LoadOptions) -> Result<(Mesh, ReadReport),
     begin(options, "making the model", 0);
     check_memory(name.as_ref(), options, "the model", builtin::needed_bytes(name)?)?;
     let mesh = builtin::make(name)?;
-    let report =
-        ReadReport { format: "built-in".into(), faces: mesh.triangles.len() as u64, ..ReadReport::default() };
+    let mut report = ReadReport::default();
+    report.format = "built-in".into();
+    report.faces = mesh.triangles.len() as u64;
     Ok((mesh, report))
 }
 
@@ -384,7 +432,7 @@ mod tests {
         }
         let mut file = tempfile::NamedTempFile::new().expect("a temporary file");
         file.write_all(&stl).expect("room for it");
-        let loaded = load_mesh(file.path(), &LoadOptions { normals: Normals::File, ..Default::default() });
+        let loaded = LoadOptions { normals: Normals::File, ..Default::default() }.load_mesh(file.path());
         let loaded = loaded.expect("a model");
         assert_eq!(loaded.report.cleaned.duplicate_corner, 1);
         assert_eq!(loaded.report.welded, Some(11));
@@ -407,16 +455,16 @@ mod tests {
         file.write_all(b"mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").expect("room for it");
         let progress = Progress::default();
         let options = LoadOptions { progress: Some(&progress), ..LoadOptions::default() };
-        let refused = load_if(file.path(), &options, |read| {
+        let refused = options.load_if(file.path(), |read| {
             assert!(read.companions.iter().any(|path| path.ends_with("a.mtl")), "{:?}", read.companions);
             progress.begin("asked", 0);
             Err(Error::NotAccepted)
         });
         assert!(matches!(refused, Err(Error::NotAccepted)), "{refused:?}");
         assert_eq!(progress.state().0, "asked");
-        let loaded = load_if(file.path(), &options, |_| Ok::<_, Error>(())).expect("a model");
+        let loaded = options.load_if(file.path(), |_| Ok::<_, Error>(())).expect("a model");
         assert_eq!(loaded.report.mesh.triangles, 1);
-        let missing = load_if("no.obj".as_ref(), &options, |_| Err(Error::NotAccepted));
+        let missing = options.load_if("no.obj", |_| Err(Error::NotAccepted));
         assert!(matches!(missing, Err(Error::Load(LoadError::Read(_)))), "{missing:?}");
     }
 
@@ -439,31 +487,31 @@ mod tests {
 
     #[test]
     fn one_broken_normal_does_not_take_the_others_along() {
-        let of_file = tercio_mesh::OctNormal::of_file([0.6, 0.0, 0.8]);
+        let of_file = tercio_mesh::OctNormal::from_vector([0.6, 0.0, 0.8]);
         let count = |mesh: &Mesh, n| mesh.normals.iter().flatten().filter(|m| **m == n).count();
         for normal in ["0 0 0", "nan 0 0", "0 inf 0"] {
             let file = pyramid(&[4, 7], normal);
             for normals in [Normals::default(), Normals::FileOrMade { crease_angle: None }, Normals::File] {
                 let options = LoadOptions { normals, ..LoadOptions::default() };
-                let loaded = load_mesh(file.path(), &options).expect("a model");
+                let loaded = options.load_mesh(file.path()).expect("a model");
                 assert_eq!((loaded.report.mended_normals, loaded.report.made_normals), (2, false));
                 assert!(loaded.report.file_normals);
                 assert_eq!(loaded.report.read.warnings.len(), 1, "{:?}", loaded.report.read.warnings);
                 assert_eq!(count(&loaded.mesh, of_file), loaded.mesh.positions.len() - 2);
                 assert_eq!(count(&loaded.mesh, tercio_mesh::OctNormal::NONE), 0);
-                let drawn = load(file.path(), &options).expect("a model");
+                let drawn = options.load(file.path()).expect("a model");
                 assert_eq!(drawn.report.mended_normals, 2);
             }
             // Corners 4 and 7 stand at the ends of edges of faces y = 0 and x + y + z = 1.
-            let loaded = load_mesh(file.path(), &LoadOptions::default()).expect("a model");
+            let loaded = LoadOptions::default().load_mesh(file.path()).expect("a model");
             let normals = loaded.mesh.normals.as_deref().unwrap_or_default();
             let [back, front] =
                 [(1, 1), (2, 1)].map(|(face, k)| normals[loaded.mesh.triangles[face][k] as usize]);
-            assert_eq!(back, tercio_mesh::OctNormal::of_file([0.0, -1.0, 0.0]));
-            assert_eq!(front, tercio_mesh::OctNormal::of_file([1.0, 1.0, 1.0]));
+            assert_eq!(back, tercio_mesh::OctNormal::from_vector([0.0, -1.0, 0.0]));
+            assert_eq!(front, tercio_mesh::OctNormal::from_vector([1.0, 1.0, 1.0]));
         }
         let all: Vec<usize> = (0..12).collect();
-        let loaded = load_mesh(pyramid(&all, "0 0 0").path(), &LoadOptions::default()).expect("a model");
+        let loaded = LoadOptions::default().load_mesh(pyramid(&all, "0 0 0").path()).expect("a model");
         assert_eq!((loaded.report.made_normals, loaded.report.file_normals), (true, false));
     }
 }

@@ -5,6 +5,7 @@ use tercio_mesh::{Aabb, Attribute, AttributeDomain, BlockedMesh, Mesh};
 
 /// What a mesh holds.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct MeshSummary {
     /// Vertices, used by a triangle or not.
     pub vertices: u64,
@@ -30,13 +31,13 @@ pub struct MeshSummary {
 
 impl Default for MeshSummary {
     fn default() -> Self {
-        Self::of(&Mesh::default())
+        Self::from_mesh(&Mesh::default())
     }
 }
 
 impl MeshSummary {
     /// Looks at a mesh.
-    pub fn of(mesh: &Mesh) -> Self {
+    pub fn from_mesh(mesh: &Mesh) -> Self {
         Self {
             vertices: mesh.positions.len() as u64,
             triangles: mesh.triangles.len() as u64,
@@ -57,9 +58,9 @@ impl MeshSummary {
     }
 
     /// Looks at a mesh that stands in blocks, as if it stood in one piece.
-    pub(crate) fn of_blocks(blocks: &BlockedMesh) -> Self {
+    pub(crate) fn from_blocks(blocks: &BlockedMesh) -> Self {
         let triangles = blocks.triangle_count() as u64;
-        let rest = Self::of(blocks.mesh());
+        let rest = Self::from_mesh(blocks.mesh());
         Self { triangles, bytes: rest.bytes + triangles * size_of::<[u32; 3]>() as u64, ..rest }
     }
 }
@@ -84,6 +85,7 @@ fn bytes(mesh: &Mesh) -> u64 {
 
 /// The range of an attribute.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct AttributeSummary {
     /// The name in the file.
     pub name: String,
@@ -97,7 +99,7 @@ pub struct AttributeSummary {
 
 impl AttributeSummary {
     /// Looks at all values.
-    pub fn of(attribute: &Attribute) -> Self {
+    pub fn from_attribute(attribute: &Attribute) -> Self {
         let empty = (f32::INFINITY, f32::NEG_INFINITY, 0);
         let (min, max, nans) = attribute
             .values
@@ -125,7 +127,7 @@ mod tests {
     #[test]
     fn a_range_leaves_nan_out() {
         let summary = |values: Vec<f32>| {
-            let a = AttributeSummary::of(&Attribute {
+            let a = AttributeSummary::from_attribute(&Attribute {
                 name: "quality".into(),
                 domain: AttributeDomain::Vertex,
                 values,

@@ -59,10 +59,10 @@ fn obj(mesh: &Mesh, exponent: i32) -> Vec<u8> {
 /// Colours, ids and normals of the default view, as bits; distances where they fit.
 fn picture(path: &Path, crease_angle: Option<f64>) -> (Vec<[u8; 4]>, Vec<u32>, Vec<u32>) {
     let options = LoadOptions { normals: Normals::FileOrMade { crease_angle }, ..LoadOptions::default() };
-    let loaded = tercio::load(path, &options).expect("a model");
+    let loaded = options.load(path).expect("a model");
     assert_eq!(loaded.report.cleaned.total(), 0, "{:?}", loaded.report.cleaned);
-    let scene = Scene::of_mesh(loaded.mesh);
-    let camera = Framing::for_size(160, 120).camera_for_scene(&scene);
+    let scene = Scene::from_mesh(loaded.mesh);
+    let camera = Framing::new(160, 120).camera_for_scene(&scene);
     let outputs = Outputs { color: true, depth: true, ids: true, normals: true, ..Outputs::default() };
     let mut settings = Settings { outputs, ..Settings::new(160, 120) };
     let mut frame = Renderer::new().render(&scene, &camera, &settings);

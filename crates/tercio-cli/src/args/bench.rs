@@ -28,7 +28,7 @@ pub struct StillArgs {
 impl StillArgs {
     /// The camera for something with these bounds; `None` if the camera shall walk.
     pub fn camera(&self, bounds: &Aabb, (width, height): (u32, u32)) -> Option<Camera> {
-        let mut framing = Framing::for_size(width, height);
+        let mut framing = Framing::new(width, height);
         framing.fov_y = Some(self.fov.unwrap_or(Framing::FOV_Y));
         Some(framing.camera_at(self.eye?, self.target.unwrap_or_else(|| bounds.center()), None))
     }

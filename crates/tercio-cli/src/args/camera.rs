@@ -123,7 +123,7 @@ impl CameraArgs {
     }
 
     fn framing(&self, width: u32, height: u32) -> Framing {
-        let mut framing = Framing::for_size(width, height);
+        let mut framing = Framing::new(width, height);
         if let Some(view) = self.view {
             framing = framing.with_view(view.into());
         }

@@ -40,7 +40,7 @@ pub struct ModelArgs {
 impl ModelArgs {
     /// True if the model comes from standard input, which reaches one process only.
     pub fn is_standard_input(&self) -> bool {
-        self.model.as_os_str() == "-" || StandardStream::of_path(&self.model) == Some(StandardStream::Input)
+        self.model.as_os_str() == "-" || StandardStream::from_path(&self.model) == Some(StandardStream::Input)
     }
 
     /// The model's name in messages, the same as in those of the reader.

@@ -61,7 +61,7 @@ impl WritingArgs {
     pub fn plan(&self, drawing: &DrawingArgs) -> Result<Plan, String> {
         let picture = match &self.output {
             Some(path) => {
-                let destination = Destination::parse(path);
+                let destination = Destination::from_path(path);
                 let format = self.picture_format(path, &destination, drawing)?;
                 Some((destination, format))
             }
@@ -72,7 +72,7 @@ impl WritingArgs {
             (&self.output_ids, Array::Ids),
             (&self.output_normals, Array::Normals),
         ];
-        let arrays = arrays.into_iter().filter_map(|(p, a)| Some((Destination::parse(p.as_ref()?), a)));
+        let arrays = arrays.into_iter().filter_map(|(p, a)| Some((Destination::from_path(p.as_ref()?), a)));
         let plan = Plan {
             outputs: Outputs {
                 color: picture.is_some() && self.depth == Depth::Eight,
@@ -84,7 +84,7 @@ impl WritingArgs {
             },
             picture,
             arrays: arrays.collect(),
-            stats: self.stats.as_deref().map(Destination::parse),
+            stats: self.stats.as_deref().map(Destination::from_path),
         };
         check_terminal(&plan)?;
         Ok(plan)
@@ -98,8 +98,8 @@ impl WritingArgs {
     ) -> Result<PictureFormat, String> {
         // A link to standard output may have an extension, too.
         let by_name = || match destination {
-            Destination::Stdout => Some(PictureFormat::of_path(path).unwrap_or(PictureFormat::Png)),
-            Destination::File(path) => PictureFormat::of_path(path),
+            Destination::Stdout => Some(PictureFormat::from_path(path).unwrap_or(PictureFormat::Png)),
+            Destination::File(path) => PictureFormat::from_path(path),
         };
         let format = self.format.or_else(by_name).ok_or_else(|| {
             format!("{}: the extension must be .png, .ppm or .webp (or give --format)", path.display())

@@ -111,7 +111,7 @@ impl Bench {
             topology: false,
         };
         let begin = Instant::now();
-        let loaded = tercio::load_mesh(&self.model.model, &options)?;
+        let loaded = options.load_mesh(&self.model.model)?;
         let load_ms = begin.elapsed().as_secs_f64() * 1e3;
         files.check_companions(&self.model.name(), &loaded.report.read.companions)?;
         let mut mesh = loaded.mesh;
@@ -240,7 +240,7 @@ fn view_json(camera: &Camera, frame: &FrameStats) -> Value {
 /// The mesh under one light, without highlights.
 fn scene(mesh: Mesh, display: &Display) -> Scene {
     let options = PartitionOptions { progress: Some(&display.progress), ..Default::default() };
-    let mut scene = Scene::of_mesh(Arc::new(partition(mesh, &options)));
+    let mut scene = Scene::from_mesh(Arc::new(partition(mesh, &options)));
     scene.lights = vec![Light::Ambient { color: [0.1; 3] }, Light::headlight([0.9; 3])];
     scene.instances[0].surface.specular = 0.0;
     scene

@@ -63,7 +63,7 @@ impl Compare {
         let mut files = NamedFiles::default().reads("the picture", &self.a).reads("the picture", &self.b);
         let mut diff = None;
         if let Some(path) = &self.diff {
-            let format = PictureFormat::of_path(path).ok_or_else(|| {
+            let format = PictureFormat::from_path(path).ok_or_else(|| {
                 UsageError(format!("{}: the extension must be .png, .ppm or .webp", path.display()))
             })?;
             let destination = Destination::File(path.clone());
@@ -95,7 +95,7 @@ fn read(path: &Path) -> Result<Picture<'static>> {
     } else {
         fs::read(path)
     };
-    Picture::read(&bytes.with_context(name)?).with_context(name)
+    Picture::from_bytes(&bytes.with_context(name)?).with_context(name)
 }
 
 fn text(d: &Difference) -> String {

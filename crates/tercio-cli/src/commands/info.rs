@@ -72,8 +72,8 @@ impl Info {
             normals: Normals::File,
             topology: true,
         };
-        let loaded = tercio::load_mesh(&self.model.model, &options)?;
-        let attributes = loaded.mesh.attributes.iter().map(AttributeSummary::of).collect();
+        let loaded = options.load_mesh(&self.model.model)?;
+        let attributes = loaded.mesh.attributes.iter().map(AttributeSummary::from_attribute).collect();
         Ok((loaded, attributes))
     }
 }

@@ -159,7 +159,7 @@ impl Render {
         let loaded = self.load(writing, &display, Drawers::Mpi(organisation))?;
         display.stage("drawing");
         let task = Task { organisation, scene: &loaded.scene, camera: &loaded.camera, settings };
-        let (mut own, mut frame) = (Rank::of_pool(pool.clone()), Frame::default());
+        let (mut own, mut frame) = (Rank::from_pool(pool.clone()), Frame::default());
         let parallel = between_processes::draw_frame(&mut own, comm, &task, &mut frame)
             .with_context(|| self.model.name())?;
         if !writes {
@@ -176,12 +176,12 @@ impl Render {
             normals: self.drawing.normals(writing.plan.outputs),
             topology: false,
         };
-        let loaded = tercio::load_if(&self.model.model, &options, |read| -> Result<()> {
+        let loaded = options.load_if(&self.model.model, |read| -> Result<()> {
             Ok(writing.files.check_companions(&self.model.name(), &read.companions)?)
         })?;
         let report = loaded.report;
         self.check_memory(self.frame_bytes(&writing.plan, drawers), report.mesh.bytes)?;
-        let mut scene = Scene::of_mesh(loaded.mesh);
+        let mut scene = Scene::from_mesh(loaded.mesh);
         self.drawing.dress(&mut scene);
         let camera = self.camera.camera(&scene, self.drawing.size);
         Ok(Loaded { report, scene, camera })

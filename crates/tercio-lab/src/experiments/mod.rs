@@ -156,9 +156,10 @@ pub fn all() -> impl Iterator<Item = Experiment> {
 /// A file that cannot be written.
 pub fn reproduce(
     experiments: &[Experiment],
-    directory: &Path,
+    directory: impl AsRef<Path>,
     finished: impl Fn(&Outcome) + Sync,
 ) -> Result<Vec<Outcome>, WriteError> {
+    let directory = directory.as_ref();
     experiments
         .par_iter()
         .map(|&experiment| {

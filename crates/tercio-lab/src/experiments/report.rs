@@ -12,7 +12,8 @@ use crate::published::Check;
 ///
 /// # Errors
 /// A file that cannot be written.
-pub fn write(outcomes: &[Outcome], checks: &[Check], directory: &Path) -> Result<(), WriteError> {
+pub fn write(outcomes: &[Outcome], checks: &[Check], directory: impl AsRef<Path>) -> Result<(), WriteError> {
+    let directory = directory.as_ref();
     files::write(&directory.join("report.md"), &page(outcomes, checks, &mut Markdown::default()))?;
     files::write(&directory.join("index.html"), &page(outcomes, checks, &mut Html::default()))
 }

@@ -52,4 +52,7 @@ pub enum PredictError {
     /// The pool of threads could not be had.
     #[error("{0} threads: {1}")]
     Threads(usize, rayon::ThreadPoolBuildError),
+    /// The renderer's ranks share a frame in a way of which there is no model.
+    #[error("there is no model of {0} ranks of the renderer")]
+    Organisation(tercio_parallel::Organisation),
 }

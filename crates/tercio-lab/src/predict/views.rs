@@ -7,7 +7,7 @@ use tercio_scene::{Camera, Light, Projection, Scene};
 
 /// The mesh under one light, without highlights.
 pub fn scene(mesh: Arc<ClusteredMesh>) -> Scene {
-    let mut scene = Scene::of_mesh(mesh);
+    let mut scene = Scene::from_mesh(mesh);
     scene.lights = vec![Light::Ambient { color: [0.1; 3] }, Light::headlight([0.9; 3])];
     scene.instances[0].surface.specular = 0.0;
     scene

@@ -57,7 +57,7 @@ impl Model {
             ..Mesh::default()
         };
         let clusters = partition(mesh, &PartitionOptions::default());
-        Self { mesh: plain, scene: Scene::of_mesh(Arc::new(clusters)) }
+        Self { mesh: plain, scene: Scene::from_mesh(Arc::new(clusters)) }
     }
 
     /// The model as the renderer sees it, by which cameras are placed.
@@ -143,7 +143,7 @@ mod tests {
     }
 
     fn framed(model: &Model) -> Camera {
-        Framing::for_size(SIZE.0, SIZE.1).camera_for_scene(model.scene())
+        Framing::new(SIZE.0, SIZE.1).camera_for_scene(model.scene())
     }
 
     /// A camera inside the model: triangles cross the near plane.

@@ -27,6 +27,7 @@ const MAX_COUNT: u64 = crate::mesh::MAX_ELEMENTS / 3;
 
 /// Why there is no such built-in model.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum BuiltinError {
     /// The text is not of the form that is expected.
     #[error("{spec}: expected builtin:NAME[@COUNT[k|M|G]][?seed=N], found \"{found}\" for {part}")]

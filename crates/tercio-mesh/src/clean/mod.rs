@@ -17,6 +17,7 @@ const CHUNK: usize = 1 << 15;
 
 /// What [`clean`] found.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Cleaned {
     /// Triangles dropped because two corners stand at the same position.
     pub duplicate_corner: u64,

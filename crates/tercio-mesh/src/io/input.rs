@@ -240,7 +240,11 @@ fn is_gzip(bytes: &[u8]) -> bool {
 ///
 /// # Errors
 /// The system's reason, a damaged gzip stream, or content over the memory limit.
-pub fn open(path: &Path, options: &ReadOptions) -> Result<Input, ReadError> {
+pub fn open(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Input, ReadError> {
+    open_path(path.as_ref(), options)
+}
+
+fn open_path(path: &Path, options: &ReadOptions) -> Result<Input, ReadError> {
     let name = path.display().to_string();
     let io_error = |source| ReadError::Io { file: name.clone(), source };
     if path.as_os_str() == "-" {

@@ -46,6 +46,7 @@ impl ReadOptions<'_> {
 
 /// A file format.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Format {
     /// Stanford polygon format.
     Ply,
@@ -59,6 +60,7 @@ pub enum Format {
 
 /// What a reader found besides the mesh itself.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct ReadReport {
     /// Format and dialect, such as "PLY, binary little-endian".
     pub format: String,
@@ -80,6 +82,7 @@ pub struct ReadReport {
 /// leaves out, or gives as zero or not finite, is [`OctNormal::NONE`]; [`crate::normals::mend_normals`] replaces
 /// it.
 #[derive(Clone, Debug, Default)]
+#[non_exhaustive]
 pub struct ReadModel {
     /// The mesh.
     pub mesh: Mesh,
@@ -91,7 +94,7 @@ pub struct ReadModel {
 ///
 /// # Errors
 /// Any [`ReadError`]; a broken file never panics.
-pub fn read(path: &Path, options: &ReadOptions) -> Result<ReadModel, ReadError> {
+pub fn read(path: impl AsRef<Path>, options: &ReadOptions) -> Result<ReadModel, ReadError> {
     let input = input::open(path, options)?;
     read_input(&input, options)
 }

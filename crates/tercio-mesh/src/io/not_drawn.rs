@@ -8,6 +8,7 @@ use crate::Mesh;
 
 /// How much of a file is not drawn: tercio draws opaque triangles without textures.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct NotDrawn {
     /// Points; of a model without faces and lines, all vertices.
     pub points: u64,

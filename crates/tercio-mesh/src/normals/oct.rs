@@ -13,18 +13,18 @@ impl OctNormal {
     /// [`mend_normals`](super::mend_normals) replaces it. No encoded normal has these bits.
     pub const NONE: Self = Self(0x8000_8000);
 
-    /// Encodes the normal of a file, which may have any length; a zero or non-finite one becomes
+    /// Encodes a vector of any length, as files hold normals; a zero or non-finite one becomes
     /// [`OctNormal::NONE`].
     #[inline]
-    pub fn of_file(normal: [f64; 3]) -> Self {
+    pub fn from_vector(normal: [f64; 3]) -> Self {
         let narrow = normal.map(|x| x as f32);
         let sum = narrow[0].abs() + narrow[1].abs() + narrow[2].abs();
-        if (1e-30..1e30).contains(&sum) { Self::encode(narrow) } else { Self::of_odd_length(normal) }
+        if (1e-30..1e30).contains(&sum) { Self::encode(narrow) } else { Self::from_odd_length(normal) }
     }
 
-    /// As [`OctNormal::of_file`], for lengths that `f32` does not hold or hardly holds.
+    /// As [`OctNormal::from_vector`], for lengths that `f32` does not hold or hardly holds.
     #[cold]
-    fn of_odd_length(normal: [f64; 3]) -> Self {
+    fn from_odd_length(normal: [f64; 3]) -> Self {
         let largest = normal.iter().fold(0.0f64, |a, x| a.max(x.abs()));
         if !normal.iter().all(|x| x.is_finite()) || largest == 0.0 {
             return Self::NONE;
@@ -84,16 +84,16 @@ mod tests {
 
     #[test]
     fn a_normal_of_a_file_may_have_any_length_but_none() {
-        let plain = OctNormal::of_file([1.0, -2.0, 3.0]);
+        let plain = OctNormal::from_vector([1.0, -2.0, 3.0]);
         assert_eq!(plain, OctNormal::encode([1.0, -2.0, 3.0]));
         for length in [1e-300, 1e-46, 1e-38, 1e-30, 1e-10, 1e10, 1e30, 3e38, 1e39, 1e300] {
-            assert_eq!(OctNormal::of_file([length, -2.0 * length, 3.0 * length]), plain, "{length}");
+            assert_eq!(OctNormal::from_vector([length, -2.0 * length, 3.0 * length]), plain, "{length}");
         }
         let (nan, infinite) = (f64::NAN, f64::INFINITY);
         for broken in
             [[0.0, -0.0, 0.0], [nan, 0.0, 1.0], [1.0, nan, 0.0], [0.0, 0.0, -infinite], [infinite; 3]]
         {
-            assert_eq!(OctNormal::of_file(broken), OctNormal::NONE, "{broken:?}");
+            assert_eq!(OctNormal::from_vector(broken), OctNormal::NONE, "{broken:?}");
         }
     }
 

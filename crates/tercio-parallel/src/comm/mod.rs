@@ -35,6 +35,7 @@ impl Traffic {
 
 /// Why a message could not be sent or taken.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum CommError {
     /// The other rank ended, by itself or by a panic.
     #[error("rank {rank} is gone")]

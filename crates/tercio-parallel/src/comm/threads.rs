@@ -24,7 +24,7 @@ pub struct ThreadComm {
 
 impl ThreadComm {
     /// Communicators of some ranks, in their order.
-    pub fn of_ranks(ranks: usize) -> Vec<Self> {
+    pub fn for_ranks(ranks: usize) -> Vec<Self> {
         let mut comms: Vec<Self> = (0..ranks)
             .map(|rank| Self {
                 rank,
@@ -130,9 +130,9 @@ pub fn run<T: Send>(
                 catch_unwind(AssertUnwindSafe(move || work(&mut comm)))
                     .unwrap_or_else(|panic| Err(panicked(rank, &*panic)))
             });
-            thread.map_err(|error| ParallelError::Thread { rank, error })
+            thread.map_err(|source| ParallelError::Thread { rank, source })
         };
-        let threads: Vec<_> = ThreadComm::of_ranks(ranks).into_iter().map(start).collect();
+        let threads: Vec<_> = ThreadComm::for_ranks(ranks).into_iter().map(start).collect();
         let join = |(rank, thread): (usize, Result<std::thread::ScopedJoinHandle<_>, _>)| {
             thread?.join().unwrap_or_else(|panic| Err(panicked(rank, &*panic)))
         };

@@ -37,7 +37,7 @@ pub fn collect(
     let messages = stages.wait.time(|| comm.gather(regions.owners(), Vec::new()))?;
     for (from, message) in (1..).zip(messages) {
         let done = stages.collect.time(|| unpack(&message, planes, false, frame));
-        done.map_err(|error| ParallelError::Packet { from, error })?;
+        done.map_err(|source| ParallelError::Packet { from, source })?;
         comm.give_back(from, message);
     }
     Ok(())

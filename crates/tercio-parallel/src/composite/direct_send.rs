@@ -41,7 +41,7 @@ pub fn compose(
         for from in (1..size).map(|step| others(size - step)).filter(|&from| sees(from)) {
             let message = wait.time(|| comm.receive(from))?;
             let done = compose.time(|| unpack(&message, planes, true, frame));
-            let done = done.map_err(|error| ParallelError::Packet { from, error })?;
+            let done = done.map_err(|source| ParallelError::Packet { from, source })?;
             *compared += done.pixels;
             *won += done.written;
             comm.give_back(from, message);

@@ -14,6 +14,7 @@ pub const SPAN_HEAD: usize = 6;
 
 /// Why bytes are no packet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum PacketError {
     /// The bytes end inside a span.
     #[error("byte {at}: the packet ends inside a span")]
@@ -129,6 +130,7 @@ fn put_span(frame: &Frame, first: usize, count: usize, planes: &Outputs, out: &m
 
 /// What became of the pixels of a packet.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Unpacked {
     /// All.
     pub pixels: u64,

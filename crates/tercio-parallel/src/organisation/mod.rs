@@ -3,6 +3,7 @@
 mod sort_first;
 mod sort_last;
 
+use std::fmt;
 use std::sync::Arc;
 
 use rayon::{ThreadPool, ThreadPoolBuilder};
@@ -18,11 +19,28 @@ use crate::{ParallelError, report::Stage};
 /// Where work changes hands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
+#[non_exhaustive]
 pub enum Organisation {
     /// Before the front end: every rank draws the clusters that reach its regions, and only there.
     SortFirst,
     /// After the back end: every rank draws a share of the clusters, and the pictures are composed.
     SortLast,
+}
+
+impl Organisation {
+    /// The name on the command line and in reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::SortFirst => "sort-first",
+            Self::SortLast => "sort-last",
+        }
+    }
+}
+
+impl fmt::Display for Organisation {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
 }
 
 /// A rank's renderer and threads, kept from frame to frame.
@@ -54,12 +72,12 @@ impl Rank {
     /// [`ParallelError::Threads`].
     pub fn new(threads: usize) -> Result<Self, ParallelError> {
         let pool = ThreadPoolBuilder::new().num_threads(threads.max(1)).build();
-        let pool = pool.map_err(|error| ParallelError::Threads { threads, error })?;
-        Ok(Self::of_pool(Arc::new(pool)))
+        let pool = pool.map_err(|source| ParallelError::Threads { threads, source })?;
+        Ok(Self::from_pool(Arc::new(pool)))
     }
 
     /// A rank that draws with the threads of a pool. What runs on one of them draws without waking another.
-    pub fn of_pool(pool: Arc<ThreadPool>) -> Self {
+    pub fn from_pool(pool: Arc<ThreadPool>) -> Self {
         Self { pool, renderer: Renderer::new(), keys: Vec::new() }
     }
 

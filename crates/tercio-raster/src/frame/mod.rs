@@ -18,6 +18,7 @@ pub fn visibility_key(depth: f32, primitive: u32) -> u64 {
 /// A finished picture. Every plane is row-major, the upper left pixel first, and empty if it was not asked
 /// for.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
 pub struct Frame {
     /// Pixels across.
     pub width: u32,

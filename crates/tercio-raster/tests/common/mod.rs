@@ -89,7 +89,7 @@ pub fn sphere(n: u32) -> Mesh {
 
 /// One mesh under the default lights, clustered in this way.
 pub fn scene_with(mesh: &Mesh, options: &PartitionOptions) -> Scene {
-    Scene::of_mesh(Arc::new(partition(mesh.clone(), options)))
+    Scene::from_mesh(Arc::new(partition(mesh.clone(), options)))
 }
 
 pub fn scene(mesh: &Mesh) -> Scene {

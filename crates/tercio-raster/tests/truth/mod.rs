@@ -192,6 +192,7 @@ impl<'a> Truth<'a> {
                 });
                 albedo * mix(at.map(|l| l.0)) + mix(at.map(|l| l.1))
             }
+            other => unreachable!("no truth of {other:?} shading"),
         };
         Seen { triangle, distance, normal, levels: lit.to_array().map(|c| encode(c.clamp(0.0, 1.0)) * 255.0) }
     }

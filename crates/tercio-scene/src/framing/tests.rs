@@ -171,7 +171,7 @@ fn a_scene_is_framed_by_its_vertices_not_its_box() {
     let mesh = partition(mesh, &PartitionOptions::default());
     assert_eq!(mesh.bounds, Aabb { min: DVec3::X * 1e6, max: DVec3::new(1e6 + 2.0, 1.0, 1.0) });
     let vertices = [DVec3::ZERO, DVec3::new(2.0, 0.0, 1.0), DVec3::Y].map(|v| v + mesh.origin);
-    let scene = Scene::of_mesh(Arc::new(mesh));
+    let scene = Scene::from_mesh(Arc::new(mesh));
     for fov_y in [Some(30.0), None] {
         let framing = Framing { fov_y, ..Framing::default() };
         let camera = framing.camera_for_scene(&scene);

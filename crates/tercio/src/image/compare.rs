@@ -8,6 +8,7 @@ use super::{ImageError, Picture, Pixels};
 /// also between 16-bit pictures, where they may be fractions. Channels are red, green, blue, alpha; a
 /// picture without alpha is opaque.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Difference {
     /// Pixels in all.
     pub pixels: u64,

@@ -19,7 +19,11 @@ enum Which {
 
 impl FileIdentity {
     /// The file of this name; `None` for what is no file or cannot be looked at.
-    pub fn of_path(path: &Path) -> Option<Self> {
+    pub fn from_path(path: impl AsRef<Path>) -> Option<Self> {
+        Self::at(path.as_ref())
+    }
+
+    fn at(path: &Path) -> Option<Self> {
         match std::fs::metadata(path) {
             Ok(metadata) => Some(Self(Which::There(system::of_file(path, &metadata)?))),
             Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
@@ -46,20 +50,20 @@ impl FileIdentity {
     }
 
     /// The file that something is written into.
-    pub fn of_destination(destination: &Destination) -> Option<Self> {
+    pub fn from_destination(destination: &Destination) -> Option<Self> {
         match destination {
             Destination::Stdout => system::of_standard_output().map(Which::There).map(Self),
-            Destination::File(path) => Self::of_path(path),
+            Destination::File(path) => Self::at(path),
         }
     }
 
     /// The file that standard error goes to.
-    pub(super) fn of_standard_error() -> Option<Self> {
+    pub(super) fn standard_error() -> Option<Self> {
         system::of_standard_error().map(Which::There).map(Self)
     }
 
     /// The file that standard input comes from.
-    pub fn of_standard_input() -> Option<Self> {
+    pub fn standard_input() -> Option<Self> {
         system::of_standard_input().map(Which::There).map(Self)
     }
 }
@@ -151,7 +155,7 @@ mod tests {
         symlink(".", at("d/here")).unwrap();
         symlink("loop", at("loop")).unwrap();
         fs::hard_link(at("a"), at("also_a")).unwrap();
-        let id = |name: &str| FileIdentity::of_path(&at(name));
+        let id = |name: &str| FileIdentity::from_path(at(name));
         let a = id("a");
         assert!(a.is_some());
         for same in ["./a", "d/../a", "to_a", "to_to_a", "also_a"] {
@@ -169,7 +173,7 @@ mod tests {
             assert_eq!(id(none), None, "{none}");
         }
         for special in ["/dev/null", "/dev/full"] {
-            assert_eq!(FileIdentity::of_path(special.as_ref()), None, "{special}");
+            assert_eq!(FileIdentity::from_path(special), None, "{special}");
         }
     }
 }

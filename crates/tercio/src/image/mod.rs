@@ -14,10 +14,10 @@ mod stream;
 mod webp;
 
 use std::borrow::Cow;
-use std::fmt;
 use std::io::{self, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::str::FromStr;
+use std::{fmt, fs};
 
 use rayon::prelude::*;
 use tercio_raster::Frame;
@@ -33,6 +33,7 @@ pub const WEBP_MAX_SIZE: u32 = 16384;
 
 /// A format of picture files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum PictureFormat {
     /// 8 or 16 bits, with transparency.
     Png,
@@ -56,8 +57,8 @@ impl PictureFormat {
     }
 
     /// The format that a file name asks for, by its extension in any case.
-    pub fn of_path(path: &Path) -> Option<Self> {
-        path.extension()?.to_str()?.to_ascii_lowercase().parse().ok()
+    pub fn from_path(path: impl AsRef<Path>) -> Option<Self> {
+        path.as_ref().extension()?.to_str()?.to_ascii_lowercase().parse().ok()
     }
 }
 
@@ -80,6 +81,7 @@ impl FromStr for PictureFormat {
 
 /// Why a picture could not be written or read.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum ImageError {
     /// The system's reason.
     #[error(transparent)]
@@ -109,10 +111,25 @@ pub enum ImageError {
     /// Two pictures that are to be compared differ in size.
     #[error("the pictures differ in size: {}x{} and {}x{}", .0[0], .0[1], .1[0], .1[1])]
     SizesDiffer([u32; 2], [u32; 2]),
+    /// A picture file could not be written or read.
+    #[error("{}: {source}", path.display())]
+    File {
+        /// The file.
+        path: PathBuf,
+        /// Why not.
+        source: Box<ImageError>,
+    },
+}
+
+impl ImageError {
+    fn in_file(self, path: &Path) -> Self {
+        Self::File { path: path.into(), source: Box::new(self) }
+    }
 }
 
 /// sRGB colour and linear alpha that is not multiplied in, row-major, the upper left pixel first.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum Pixels<'a> {
     /// 8 bits a component.
     Eight(Cow<'a, [[u8; 4]]>),
@@ -133,7 +150,7 @@ pub struct Picture<'a> {
 
 impl<'a> Picture<'a> {
     /// The colour of a frame: 16 bits if the frame has them, else 8.
-    pub fn of_frame(frame: &'a Frame) -> Self {
+    pub fn from_frame(frame: &'a Frame) -> Self {
         let pixels = if frame.color16.is_empty() {
             Pixels::Eight(Cow::Borrowed(&frame.color))
         } else {
@@ -166,9 +183,15 @@ impl<'a> Picture<'a> {
     /// when the new one is whole.
     ///
     /// # Errors
-    /// [`ImageError::UnknownExtension`], and as [`Picture::write`].
-    pub fn save(&self, path: &Path) -> Result<(), ImageError> {
-        let format = PictureFormat::of_path(path).ok_or(ImageError::UnknownExtension)?;
+    /// [`ImageError::File`], which names the file; its source is [`ImageError::UnknownExtension`], or what
+    /// [`Picture::write`] says.
+    pub fn save(&self, path: impl AsRef<Path>) -> Result<(), ImageError> {
+        let path = path.as_ref();
+        self.save_at(path).map_err(|source| source.in_file(path))
+    }
+
+    fn save_at(&self, path: &Path) -> Result<(), ImageError> {
+        let format = PictureFormat::from_path(path).ok_or(ImageError::UnknownExtension)?;
         let mut file = OutputFile::create(&Destination::File(path.into()))?;
         self.write(format, &mut file)?;
         Ok(file.commit()?)
@@ -181,11 +204,22 @@ impl<'a> Picture<'a> {
 }
 
 impl Picture<'static> {
+    /// Reads a PNG, PPM or WebP picture from a file; the format is found by content.
+    ///
+    /// # Errors
+    /// [`ImageError::File`], which names the file; its source is the system's reason, or what
+    /// [`Picture::from_bytes`] says.
+    pub fn from_file(path: impl AsRef<Path>) -> Result<Self, ImageError> {
+        let path = path.as_ref();
+        let bytes = fs::read(path).map_err(ImageError::Io);
+        bytes.and_then(|bytes| Self::from_bytes(&bytes)).map_err(|source| source.in_file(path))
+    }
+
     /// Reads a PNG, PPM or WebP picture from memory; the format is found by content.
     ///
     /// # Errors
     /// [`ImageError::UnknownFormat`], [`ImageError::Malformed`].
-    pub fn read(bytes: &[u8]) -> Result<Self, ImageError> {
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, ImageError> {
         if bytes.starts_with(b"\x89PNG") {
             png::read(bytes)
         } else if bytes.starts_with(b"P6") {

@@ -21,8 +21,9 @@ pub enum Destination {
 
 impl Destination {
     /// `-` is standard output, and so are the names that a [`StandardStream`] has; everything else is a file.
-    pub fn parse(path: &Path) -> Self {
-        if path.as_os_str() == "-" || StandardStream::of_path(path) == Some(StandardStream::Output) {
+    pub fn from_path(path: impl AsRef<Path>) -> Self {
+        let path = path.as_ref();
+        if path.as_os_str() == "-" || StandardStream::from_path(path) == Some(StandardStream::Output) {
             Self::Stdout
         } else {
             Self::File(path.into())
@@ -164,16 +165,16 @@ fn standard_error() -> io::Result<Direct> {
 /// with `2>>log`: it must not be replaced. Standard output and standard error are written where they stand, so that what
 /// comes from others goes on behind it. A file that standard input comes from is only read, and may be replaced.
 fn open_already(path: &Path) -> Option<io::Result<Direct>> {
-    match OpenFile::of_path(path) {
+    match OpenFile::from_path(path) {
         Some(OpenFile::Own(1)) => return Some(standard_output()),
         Some(OpenFile::Own(2)) => return Some(standard_error()),
         Some(_) => return Some(File::options().append(true).open(path).map(Direct::File)),
         None => {}
     }
-    let identity = FileIdentity::of_path(path)?;
-    if FileIdentity::of_destination(&Destination::Stdout).as_ref() == Some(&identity) {
+    let identity = FileIdentity::from_path(path)?;
+    if FileIdentity::from_destination(&Destination::Stdout).as_ref() == Some(&identity) {
         Some(standard_output())
-    } else if FileIdentity::of_standard_error().as_ref() == Some(&identity) {
+    } else if FileIdentity::standard_error().as_ref() == Some(&identity) {
         Some(standard_error())
     } else {
         None

@@ -19,8 +19,8 @@ pub enum StandardStream {
 impl StandardStream {
     /// The stream that a file name stands for on Unix: `/dev/stdin`, `/dev/fd/1`, `/proc/self/fd/2`, other spellings of
     /// these, and symbolic links to them. What `-` means depends on what it is said for, so it is none of them.
-    pub fn of_path(path: &Path) -> Option<Self> {
-        match OpenFile::of_path(path)? {
+    pub fn from_path(path: impl AsRef<Path>) -> Option<Self> {
+        match OpenFile::from_path(path.as_ref())? {
             OpenFile::Own(0) => Some(Self::Input),
             OpenFile::Own(1) => Some(Self::Output),
             OpenFile::Own(2) => Some(Self::Error),
@@ -41,7 +41,7 @@ pub(super) enum OpenFile {
 impl OpenFile {
     /// What a name stands for, or one of the links that it leads over. The last of them, from `/proc/self/fd/1` to the
     /// file itself, would tell no longer that the file is open.
-    pub(super) fn of_path(path: &Path) -> Option<Self> {
+    pub(super) fn from_path(path: &Path) -> Option<Self> {
         if cfg!(unix) { links(path).find_map(|hop| Self::named(&hop)) } else { None }
     }
 
@@ -94,18 +94,18 @@ mod tests {
             "/dev/../dev/fd/./1",
             &own,
         ] {
-            assert_eq!(StandardStream::of_path(name.as_ref()), Some(StandardStream::Output), "{name}");
+            assert_eq!(StandardStream::from_path(name), Some(StandardStream::Output), "{name}");
         }
-        assert_eq!(StandardStream::of_path(&to_out), Some(StandardStream::Output));
-        assert_eq!(StandardStream::of_path(&at("open/2")), Some(StandardStream::Error));
-        assert_eq!(StandardStream::of_path("/dev/stdin".as_ref()), Some(StandardStream::Input));
-        assert_eq!(OpenFile::of_path("/dev/fd/7".as_ref()), Some(OpenFile::Own(7)));
-        assert_eq!(OpenFile::of_path("/proc/1/fd/1".as_ref()), Some(OpenFile::OfAnother));
+        assert_eq!(StandardStream::from_path(&to_out), Some(StandardStream::Output));
+        assert_eq!(StandardStream::from_path(&at("open/2")), Some(StandardStream::Error));
+        assert_eq!(StandardStream::from_path("/dev/stdin"), Some(StandardStream::Input));
+        assert_eq!(OpenFile::from_path("/dev/fd/7".as_ref()), Some(OpenFile::Own(7)));
+        assert_eq!(OpenFile::from_path("/proc/1/fd/1".as_ref()), Some(OpenFile::OfAnother));
         for name in ["1", "loop", "missing"] {
-            assert_eq!(OpenFile::of_path(&at(name)), None, "{name}");
+            assert_eq!(OpenFile::from_path(&at(name)), None, "{name}");
         }
         for name in ["-", "", "/", "/dev/null", "/dev/fd", "/dev/fd/x", "/proc/self/stat"] {
-            assert_eq!(OpenFile::of_path(name.as_ref()), None, "{name}");
+            assert_eq!(OpenFile::from_path(name.as_ref()), None, "{name}");
         }
     }
 }

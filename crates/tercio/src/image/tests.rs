@@ -1,7 +1,5 @@
 //! Pictures survive being written and read; damage gives errors.
 
-use std::fs;
-
 use proptest::prelude::*;
 
 use super::*;
@@ -42,7 +40,7 @@ proptest! {
                 PictureFormat::WebP => !sixteen,
             };
             if can {
-                prop_assert_eq!(&Picture::read(&written(&original, format)).unwrap(), &original, "{}", format);
+                prop_assert_eq!(&Picture::from_bytes(&written(&original, format)).unwrap(), &original, "{}", format);
             } else {
                 prop_assert!(original.write(format, &mut Vec::new()).is_err());
             }
@@ -55,11 +53,11 @@ proptest! {
     ) {
         let mut bytes = written(&picture(20, 10, false, true, 5), format);
         bytes.truncate((bytes.len() as f64 * cut) as usize);
-        prop_assert!(Picture::read(&bytes).is_err());
+        prop_assert!(Picture::from_bytes(&bytes).is_err());
         let mut bytes = written(&picture(20, 10, false, true, 5), format);
         let place = (bytes.len() as f64 * at) as usize;
         bytes[place] = value;
-        let _ = Picture::read(&bytes);
+        let _ = Picture::from_bytes(&bytes);
     }
 }
 
@@ -95,7 +93,7 @@ fn comparison_counts_and_shows_differences() {
 fn an_old_file_stays_until_the_new_one_is_whole() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.png");
-    let destination = Destination::parse(&path);
+    let destination = Destination::from_path(&path);
     let write = |text: &[u8]| {
         let mut file = OutputFile::create(&destination).unwrap();
         file.write_all(text).unwrap();
@@ -140,6 +138,28 @@ fn outputs_that_cannot_be_written_are_found_early() {
     assert!(Destination::File(folder.path().into()).check().is_err());
     assert!(Destination::File(folder.path().join("no/a.png")).check().is_err());
     assert!(Destination::File("a.png".into()).check().is_ok());
-    assert_eq!(PictureFormat::of_path(Path::new("a.PNG")), Some(PictureFormat::Png));
-    assert_eq!(PictureFormat::of_path(Path::new("a.jpg")), None);
+    assert_eq!(PictureFormat::from_path("a.PNG"), Some(PictureFormat::Png));
+    assert_eq!(PictureFormat::from_path("a.jpg"), None);
+}
+
+#[test]
+fn files_are_named_in_errors_and_read_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let original = picture(3, 2, false, true, 7);
+    let path = folder.path().join("a.webp");
+    original.save(&path).unwrap();
+    assert_eq!(Picture::from_file(&path).unwrap(), original);
+
+    for (name, is_right) in [
+        ("a.jpg", (|e| matches!(e, ImageError::UnknownExtension)) as fn(&ImageError) -> bool),
+        ("no/a.png", |e| matches!(e, ImageError::Io(_))),
+    ] {
+        let path = folder.path().join(name);
+        let error = original.save(&path).unwrap_err();
+        assert!(error.to_string().starts_with(&path.display().to_string()), "{error}");
+        assert!(matches!(&error, ImageError::File { source, .. } if is_right(source)), "{error:?}");
+    }
+    let missing = Picture::from_file(folder.path().join("missing.png")).unwrap_err();
+    let source = std::error::Error::source(&missing).expect("a reason");
+    assert!(source.to_string().contains("os error 2") || cfg!(not(unix)), "{source}");
 }

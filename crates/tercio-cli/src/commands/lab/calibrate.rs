@@ -78,7 +78,7 @@ impl Calibrate {
     /// # Errors
     /// What went wrong.
     pub fn run(&self) -> Result<ExitCode> {
-        let destination = Destination::parse(&self.output);
+        let destination = Destination::from_path(&self.output);
         NamedFiles::default().writes("--output", &destination).check()?;
         let mpi = match mpi::processes() {
             Some(processes) if processes > 1 => match mpi::run(|comm| over_mpi(comm, &destination))? {

@@ -25,7 +25,7 @@ impl Measured {
     /// The file cannot be written.
     pub fn new(file: Option<PathBuf>, command: String, machine: String) -> Result<Self> {
         if let Some(path) = &file {
-            check(&Destination::parse(path))?;
+            check(&Destination::from_path(path))?;
         }
         Ok(Self { file, command, machine })
     }
@@ -49,7 +49,7 @@ impl Measured {
                 Err(error) => return Err(error).with_context(name),
             };
             table.add(rows.to_vec(), self.command.clone(), date::today());
-            write_text(&Destination::parse(path), &table.to_toml()?)?;
+            write_text(&Destination::from_path(path), &table.to_toml()?)?;
         }
         let text = if as_json { format!("{:#}\n", json()) } else { text() };
         write_text(&Destination::Stdout, &text)

@@ -173,7 +173,7 @@ pub fn load_scene(
         progress: Some(&display.progress),
         ..LoadOptions::default()
     };
-    let loaded = tercio::load_mesh(&model.model, &options)?;
+    let loaded = options.load_mesh(&model.model)?;
     files.check_companions(&model.name(), &loaded.report.read.companions)?;
     Ok(prepare(loaded.mesh))
 }

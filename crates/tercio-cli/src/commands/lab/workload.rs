@@ -103,7 +103,7 @@ impl Workload {
         if u64::from(self.size.0) * u64::from(self.size.1) > MAX_SCREEN_PIXELS {
             return Err(UsageError(format!("--size: expected at most {MAX_SCREEN_PIXELS} pixels")).into());
         }
-        let destination = Destination::parse(&self.output);
+        let destination = Destination::from_path(&self.output);
         let files = NamedFiles::default().writes("--output", &destination);
         let files = if self.is_model() { files.reads_model(&self.source) } else { files };
         files.ready()?;
@@ -178,7 +178,7 @@ impl Workload {
             progress: Some(&display.progress),
             ..LoadOptions::default()
         };
-        let loaded = tercio::load_mesh(source, &options)?;
+        let loaded = options.load_mesh(source)?;
         files.check_companions(&source.display().to_string(), &loaded.report.read.companions)?;
         Ok(Model::new(loaded.mesh))
     }

@@ -17,13 +17,13 @@ use tercio_scene::Framing;
 /// Boxes of a built-in model that fills a screen.
 fn model_boxes(spec: &str, size: (u32, u32)) -> Result<BoxScene, ExperimentError> {
     let model = Model::new(builtin::make(spec)?);
-    let camera = Framing::for_size(size.0, size.1).camera_for_scene(model.scene());
+    let camera = Framing::new(size.0, size.1).camera_for_scene(model.scene());
     Ok(model.boxes(&camera, size)?)
 }
 
 /// Polygons of a built-in model that fills a screen.
 fn model_polygons(spec: &str, size: (u32, u32)) -> Result<PolygonScene, ExperimentError> {
     let model = Model::new(builtin::make(spec)?);
-    let camera = Framing::for_size(size.0, size.1).camera_for_scene(model.scene());
+    let camera = Framing::new(size.0, size.1).camera_for_scene(model.scene());
     Ok(model.polygons(&camera, size)?)
 }

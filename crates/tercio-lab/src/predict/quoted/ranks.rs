@@ -1,7 +1,6 @@
 //! Frames of ranks, of one process or processes.
 
 use serde::{Deserialize, Serialize};
-use tercio_parallel::Organisation;
 
 use super::{QuotedRow, milliseconds};
 use crate::predict::validate::TOLERANCE;
@@ -53,15 +52,11 @@ impl From<&Row> for RanksRow {
     fn from(row: &Row) -> Self {
         let both =
             |of: fn(&StageSeconds) -> f64| [&row.predicted, &row.measured].map(|s| milliseconds(of(s)));
-        let organisation = match row.organisation {
-            Organisation::SortFirst => "sort-first",
-            Organisation::SortLast => "sort-last",
-        };
         Self {
             model: row.model.clone(),
             size: row.size.into(),
             ranks: row.ranks,
-            organisation: organisation.into(),
+            organisation: row.organisation.name().into(),
             messages: row.messages,
             bytes: row.bytes,
             counters: [row.compared - row.differing.len(), row.compared],

@@ -30,6 +30,7 @@ pub fn drawing(
             Organisation::SortLast => Settings { clusters: part, ..settings.clone() },
             Organisation::SortFirst if rank >= owners => return Ok(Counters::default()),
             Organisation::SortFirst => Settings { tiles: part, ..settings.clone() },
+            other => return Err(PredictError::Organisation(other)),
         };
         Ok(count(scene, camera, &settings, 1)?.frame)
     };

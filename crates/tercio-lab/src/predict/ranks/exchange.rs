@@ -154,7 +154,7 @@ impl<'a> Exchange<'a> {
         let own = self.owned[0] as f64;
         let cleared = match self.sharing.organisation {
             Organisation::SortFirst => self.sharing.pixels() as f64 - own,
-            Organisation::SortLast => 0.0,
+            _ => 0.0,
         };
         let mut charges = [0.0; KINDS];
         charges[3] = own;

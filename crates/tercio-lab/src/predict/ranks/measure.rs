@@ -62,7 +62,7 @@ impl MeasuredRanks {
     ) -> Result<Self, ParallelError> {
         let settings = settings(sharing);
         let task = Task { organisation: sharing.organisation, scene, camera, settings: &settings };
-        let (mut own, mut frame) = (Rank::of_pool(pool.clone()), Frame::default());
+        let (mut own, mut frame) = (Rank::from_pool(pool.clone()), Frame::default());
         let (mut reports, mut seen) = (Vec::new(), Vec::new());
         for _ in 0..frames.max(1) as usize + WARM_UP {
             reports.extend(between_processes::draw_frame(&mut own, comm, &task, &mut frame)?);

@@ -168,6 +168,7 @@ impl Messages {
                 let all: Vec<(u64, _)> = (0..ranks).into_par_iter().map(of_rank).collect();
                 (triangles, composed) = all.into_iter().unzip();
             }
+            other => return Err(PredictError::Organisation(other)),
         }
         let by_any = by_any.into_inner().unwrap_or_else(|e| e.into_inner());
         let mut finished = by_any.by_owner(sharing);

@@ -12,8 +12,8 @@ impl ScreenMap {
     ///
     /// # Errors
     /// [`ReadError`].
-    pub fn read(file: &Path) -> Result<Self, ReadError> {
-        error::read(file, Self::parse)
+    pub fn read(file: impl AsRef<Path>) -> Result<Self, ReadError> {
+        error::read(file.as_ref(), Self::parse)
     }
 
     /// Reads the text of a file.

@@ -143,7 +143,7 @@ pub fn parse<'a>(bytes: &'a [u8], context: &Context, slots: Slots) -> Result<Chu
                     *n = words.number("three coordinates of a normal")?;
                 }
                 if let Some(slot) = normals.next() {
-                    *slot = OctNormal::of_file(normal);
+                    *slot = OctNormal::from_vector(normal);
                 }
                 seen.normals += 1;
             }

@@ -102,14 +102,14 @@ fn many_normals_at_one_vertex_become_as_many_vertices() {
 fn corners_without_a_normal_do_not_take_those_of_others() {
     let vn = "vn 0 0 2\nvn 0 0 0\nvn nan 1 0\nvn 1e39 0 0\nvn 0 -1e-50 0\n";
     let normals = |faces: &str| model(&format!("{SQUARE}{vn}{faces}")).mesh.normals;
-    let (up, none) = (OctNormal::of_file([0.0, 0.0, 1.0]), OctNormal::NONE);
+    let (up, none) = (OctNormal::from_vector([0.0, 0.0, 1.0]), OctNormal::NONE);
     // The fourth vertex has no corner, so it needs no normal.
     assert_eq!(normals("f 1//1 2//1 3//1\n"), Some(vec![up, up, up, OctNormal::default()]));
     // One normal that is missing, and then broken ones.
     assert_eq!(normals("f 1//1 2//1 3//1\nf 1 3 4\n"), Some(vec![up, up, up, none, none, none]));
     assert_eq!(normals("f 1//1 2//2 3//3\nf 1//1 3//3 4//1\n"), Some(vec![up, none, none, up]));
     // Any length will do, even one that 32 bits do not hold.
-    let (right, down) = (OctNormal::of_file([1.0, 0.0, 0.0]), OctNormal::of_file([0.0, -1.0, 0.0]));
+    let (right, down) = (OctNormal::from_vector([1.0, 0.0, 0.0]), OctNormal::from_vector([0.0, -1.0, 0.0]));
     assert_eq!(normals("f 1//4 2//5 3//1\nf 1//4 3//1 4//1\n"), Some(vec![right, down, up, up]));
     // The same where every corner uses one number for all that it has.
     assert_eq!(normals("f 1//1 2//2 3//3\n").unwrap()[..3], [up, none, none]);

@@ -179,7 +179,7 @@ impl Words<'_> {
             vertices.positions.push(header.position(position, last));
             if header.normals {
                 let normal = [self.float()?, self.float()?, self.float()?];
-                vertices.normals.push(OctNormal::of_file(normal.map(f64::from)));
+                vertices.normals.push(OctNormal::from_vector(normal.map(f64::from)));
             }
             if header.colors {
                 vertices.colors.push(&[self.float()?, self.float()?, self.float()?, self.float()?]);

@@ -207,7 +207,7 @@ fn read_vertices(
             for x in &mut normal {
                 *x = number("a normal's coordinate")?;
             }
-            vertices.normals.push(OctNormal::of_file(normal));
+            vertices.normals.push(OctNormal::from_vector(normal));
         }
         if header.colors {
             // Three or four numbers, so their end shows only at the end of the line.

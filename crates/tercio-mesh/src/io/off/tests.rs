@@ -78,7 +78,7 @@ fn vertices_hold_what_the_letters_say() {
     assert_eq!(m.mesh.vertex_colors.unwrap(), [[255, 128, 0, 255], [0, 0, 255, 128], [0, 0, 0, 255]]);
     assert_eq!(m.mesh.texcoords.unwrap(), [[0.25, 0.75], [1., 0.], [1., 1.]]);
     let plain = model("NOFF 3 1\n0 0 0 0 0 1\n1 0 0\n0 0 0\n0 1 0 0 1e200 0\n3 0 1 2\n");
-    let (up, along) = (OctNormal::of_file([0.0, 0.0, 1.0]), OctNormal::of_file([0.0, 1.0, 0.0]));
+    let (up, along) = (OctNormal::from_vector([0.0, 0.0, 1.0]), OctNormal::from_vector([0.0, 1.0, 0.0]));
     assert_eq!(plain.mesh.normals, Some(vec![up, OctNormal::NONE, along]));
 }
 

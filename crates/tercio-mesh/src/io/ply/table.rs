@@ -88,7 +88,7 @@ impl<'a> Slots<'a> {
             }),
             Self::Normals(s) => each(s, first, rows, |i| {
                 let [x, y, z, _] = values(i);
-                OctNormal::of_file([x, y, z])
+                OctNormal::from_vector([x, y, z])
             }),
             // The cast saturates. Only floats are scaled up, and only they can be other than finite.
             Self::Colors(s, broken) if scale > 1.0 => each(s, first, rows, |i| {

@@ -323,7 +323,7 @@ fn normals_that_point_nowhere_are_counted_in_every_format() {
     for bytes in [off.into_bytes(), obj.into_bytes(), ply.into_bytes(), binary] {
         let model = try_read(&bytes).unwrap_or_else(|e| panic!("{e}"));
         let format = &model.report.format;
-        let up = crate::OctNormal::of_file([0.0, 1.0, 0.0]);
+        let up = crate::OctNormal::from_vector([0.0, 1.0, 0.0]);
         let none = crate::OctNormal::NONE;
         assert_eq!(model.mesh.normals, Some(vec![none, none, up]), "{format}");
         assert_eq!(

@@ -71,7 +71,7 @@ fn a_rank_that_ends_early_is_missed() {
 
 #[test]
 fn nobody_talks_to_strangers_or_to_himself() {
-    let mut comms = ThreadComm::of_ranks(2);
+    let mut comms = ThreadComm::for_ranks(2);
     let comm = &mut comms[0];
     for rank in [0, 2] {
         assert_eq!(comm.send(rank, vec![]), Err(CommError::NoPartner { rank, size: 2 }));
@@ -82,7 +82,7 @@ fn nobody_talks_to_strangers_or_to_himself() {
 
 #[test]
 fn memory_of_messages_comes_back_to_whoever_sent_them() {
-    let mut comms = ThreadComm::of_ranks(3);
+    let mut comms = ThreadComm::for_ranks(3);
     let mut message = comms[0].buffer(2);
     assert_eq!(message.capacity(), 0, "nothing was sent yet");
     message.extend([7; 1000]);

@@ -7,17 +7,15 @@ const EVERYTHING: Outputs =
 
 fn frame(width: u32, keys: Vec<u64>) -> Frame {
     let of = |key: &u64| *key as u32;
-    Frame {
-        width,
-        height: keys.len() as u32 / width,
-        color: keys.iter().map(|k| of(k).to_le_bytes()).collect(),
-        color16: keys.iter().map(|k| [of(k) as u16; 4]).collect(),
-        depth: keys.iter().map(|k| of(k) as f32).collect(),
-        ids: keys.iter().map(of).collect(),
-        normals: keys.iter().map(|k| [of(k) as f32, 1.0, 2.0]).collect(),
-        keys,
-        ..Frame::default()
-    }
+    let mut frame = Frame::default();
+    (frame.width, frame.height) = (width, keys.len() as u32 / width);
+    frame.color = keys.iter().map(|k| of(k).to_le_bytes()).collect();
+    frame.color16 = keys.iter().map(|k| [of(k) as u16; 4]).collect();
+    frame.depth = keys.iter().map(|k| of(k) as f32).collect();
+    frame.ids = keys.iter().map(of).collect();
+    frame.normals = keys.iter().map(|k| [of(k) as f32, 1.0, 2.0]).collect();
+    frame.keys = keys;
+    frame
 }
 
 fn all(frame: &Frame) -> Region {

@@ -72,7 +72,7 @@ impl Hybris {
                 progress: Some(&display.progress),
                 ..LoadOptions::default()
             };
-            let loaded = tercio::load_mesh(&self.model.model, &options)?;
+            let loaded = options.load_mesh(&self.model.model)?;
             files.check_companions(&self.model.name(), &loaded.report.read.companions)?;
             let mesh = loaded.mesh;
             let camera = views::camera(&mesh.bounds(), self.size, self.view % VIEWS, VIEWS);
