@@ -10,6 +10,23 @@
 //! | [`predict`] | the real renderer: predicted, measured, compared; the best organisation for a machine |
 //! | [`experiments`] | one per published figure or table: data, plot, verdict; the report |
 //! | [`published`] | every machine-checkable published number, recomputed from the model it belongs to |
+//!
+//! # Example
+//!
+//! ```
+//! use tercio_lab::models::registry::{self, Arguments, ModelError, Value};
+//!
+//! // Work of 1024 polygons on 1024 processors: geometry, and 100 pixels each. The rest are the document's own numbers.
+//! let arguments = Arguments::from([("p".into(), Value::Number(1024.0)), ("R".into(), Value::Number(60.0))]);
+//! let instructions = registry::evaluate("eldridge.4.1", &arguments)?;
+//! assert_eq!(instructions.as_number(), Some(5000.0 + 100.0 * 60.0));
+//!
+//! let error = registry::evaluate("eldridge.4.1", &Arguments::new()).unwrap_err();
+//! assert!(matches!(error, ModelError::Missing { name: "p", .. }));
+//! # Ok::<(), ModelError>(())
+//! ```
+
+#![forbid(unsafe_code)]
 
 pub mod experiments;
 pub mod machines;

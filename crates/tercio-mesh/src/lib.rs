@@ -8,6 +8,28 @@
 //!
 //! Positions are in object space: `world = origin + position`, with the origin in `f64`, so that a model
 //! far from zero keeps its detail in `f32`.
+//!
+//! # Example
+//!
+//! ```
+//! use tercio_mesh::cluster::{PartitionOptions, partition};
+//! use tercio_mesh::io::{self, ReadOptions, input::Input};
+//! use tercio_mesh::{normals, topology};
+//!
+//! let obj = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
+//! let options = ReadOptions::default();
+//! let input = Input::from_bytes("pyramid.obj", obj.into(), &options)?;
+//! let mut mesh = io::read_input(&input, &options)?.mesh;
+//!
+//! let topology = topology::analyze(&mesh);
+//! assert!(topology.closed && topology.consistently_wound);
+//! assert_eq!((topology.edges, topology.euler_characteristic()), (6, 2));
+//!
+//! normals::make_normals(&mut mesh, None);
+//! let clustered = partition(mesh, &PartitionOptions::default());
+//! assert_eq!(clustered.triangle_count(), 4);
+//! # Ok::<(), tercio_mesh::ReadError>(())
+//! ```
 
 mod adjacency;
 pub mod blocks;

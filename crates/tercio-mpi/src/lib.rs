@@ -8,6 +8,33 @@
 //!
 //! `job` and `comm` need the feature `mpi`, which needs an MPI installation (Debian: libopenmpi-dev) and libclang; so a
 //! workspace without it builds on every machine. `unsafe` stands in the module `raw`, the calls of the C library.
+//!
+//! # Examples
+//!
+//! Every process of a job does its own rank's work:
+//!
+#![cfg_attr(feature = "mpi", doc = "```no_run")]
+#![cfg_attr(not(feature = "mpi"), doc = "```ignore")]
+//! use tercio_parallel::Communicator;
+//! use tercio_parallel::comm::CommError;
+//!
+//! let work = |comm: &mut tercio_mpi::MpiComm| {
+//!     comm.barrier()?;
+//!     Ok::<_, CommError>((comm.rank(), comm.size()))
+//! };
+//! let (rank, size) = tercio_mpi::run(work, |rank, error| eprintln!("rank {rank}: {error}"))?;
+//! assert!(rank < size && Some(size) == tercio_mpi::processes());
+//! # Ok::<(), tercio_mpi::StartError>(())
+//! ```
+//!
+//! Whether there is a job is known without MPI:
+//!
+//! ```
+//! match tercio_mpi::processes() {
+//!     Some(count) => assert!(count > 0),
+//!     None => println!("not started by mpirun: one process"),
+//! }
+//! ```
 
 #[cfg(feature = "mpi")]
 pub mod comm;

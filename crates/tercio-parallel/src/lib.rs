@@ -13,6 +13,32 @@
 //! A rank draws with a [`tercio_raster::Renderer`] of its own. Clusters and tiles keep their numbers whoever draws
 //! them ([`tercio_raster::Part`]), and what is seen is decided by [`tercio_raster::frame::visibility_key`] within a
 //! rank as between ranks; so the picture is that of one process.
+//!
+//! # Example
+//!
+//! ```
+//! use tercio_mesh::builtin;
+//! use tercio_mesh::cluster::{PartitionOptions, partition};
+//! use tercio_parallel::{Organisation, Ranks, in_process};
+//! use tercio_raster::{Renderer, Settings};
+//! use tercio_scene::Scene;
+//!
+//! let mesh = builtin::make("builtin:teapot@10k")?;
+//! let scene = Scene::from_mesh(partition(mesh, &PartitionOptions::default()));
+//! let settings = Settings::new(160, 120);
+//! let camera = settings.framing().camera_for_scene(&scene);
+//!
+//! let ranks = Ranks { count: 3, threads: 1, organisation: Organisation::SortLast };
+//! let (frame, report) = in_process::draw(ranks, &scene, &camera, &settings)?;
+//! assert_eq!(report.ranks.len(), 3);
+//! assert!(report.bytes > 0);
+//!
+//! let alone = Renderer::new().render(&scene, &camera, &settings)?;
+//! assert_eq!(frame.color, alone.color);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+#![forbid(unsafe_code)]
 
 pub mod between_processes;
 pub mod comm;

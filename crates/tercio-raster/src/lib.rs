@@ -6,6 +6,28 @@
 //! picture. [`mod@reference`] does all of this in one plain loop, and every other path must equal it, bit for bit.
 //!
 //! [`conventions`] holds the conventions of all of them. [`simd`] is the one place that knows of SIMD levels.
+//!
+//! # Example
+//!
+//! ```
+//! use tercio_mesh::builtin;
+//! use tercio_mesh::cluster::{PartitionOptions, partition};
+//! use tercio_raster::frame::NO_PRIMITIVE;
+//! use tercio_raster::{Outputs, Renderer, Settings};
+//! use tercio_scene::Scene;
+//!
+//! let mesh = builtin::make("builtin:teapot@1k")?;
+//! let scene = Scene::from_mesh(partition(mesh, &PartitionOptions::default()));
+//! let outputs = Outputs { depth: true, ids: true, ..Outputs::default() };
+//! let settings = Settings { outputs, ..Settings::new(64, 48) };
+//! let camera = settings.framing().camera_for_scene(&scene);
+//! let frame = Renderer::new().render(&scene, &camera, &settings)?;
+//!
+//! let seen = frame.ids.iter().filter(|id| **id != NO_PRIMITIVE).count();
+//! assert_eq!(seen as u64, frame.stats.backend.pixels_visible);
+//! assert!(frame.ids.iter().zip(&frame.depth).all(|(id, depth)| (*id == NO_PRIMITIVE) == depth.is_infinite()));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 pub mod backend;
 pub mod binning;

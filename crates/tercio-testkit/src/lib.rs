@@ -4,6 +4,18 @@
 //! [`golden`] holds a test's picture against the one that was blessed. [`ray_caster`] tells what a picture should show,
 //! without any code of the renderer. Pictures are plain RGBA8 slices, so
 //! that every crate, the renderer itself too, can depend on this one in its tests.
+//!
+//! # Example
+//!
+//! ```
+//! use tercio_testkit::Picture;
+//!
+//! let expected = Picture::new(2, 1, vec![10, 20, 30, 255, 40, 50, 60, 255]);
+//! let actual = Picture::new(2, 1, vec![10, 20, 30, 255, 40, 53, 60, 255]);
+//! let difference = expected.compare(&actual);
+//! assert_eq!((difference.differing, difference.largest), (1, 3));
+//! assert_eq!(difference.to_string(), "1 of 2 pixels differ, by at most 3, by 0.3750 in the mean");
+//! ```
 
 #![forbid(unsafe_code)]
 
