@@ -5,6 +5,7 @@ use tercio::glam::DVec3;
 use tercio::mesh::cluster::{PartitionOptions, partition};
 use tercio::mesh::io::ReadOptions;
 use tercio::mesh::io::input::Input;
+use tercio::mesh::io::prepared;
 use tercio::mesh::{Mesh, OctNormal, ReadError};
 use tercio::raster::{
     Binning, Cull, Frame, Outputs, Renderer, Settings, Shading, SimdLevel, Sorting, reference,
@@ -29,7 +30,7 @@ pub fn draw_bytes(bytes: &[u8]) {
     let options = LoadOptions {
         memory_limit: Some(MEMORY_LIMIT),
         normals: if number % 5 == 4 { Normals::File } else { Normals::FileOrMade { crease_angle } },
-        topology: number.is_multiple_of(7),
+        details: number.is_multiple_of(7),
         ..LoadOptions::default()
     };
     let read = ReadOptions { memory_limit: options.memory_limit, progress: None };
@@ -81,13 +82,36 @@ pub fn draw_bytes(bytes: &[u8]) {
             // Colours alone have kernels of their own.
             let alone = Settings { outputs: Outputs::default(), ..settings };
             let alone = Renderer::new().render(&scene, &camera, &alone).expect("drawn before");
-            assert!(alone.color == expected.color, "colours alone differ");
+            assert!(alone.planes.color == expected.planes.color, "colours alone differ");
         }
         (Err(a), Err(b), Err(c)) => {
             let [a, b, c] = [a, b, c].map(|error| error.to_string());
             assert!(a == b && b == c, "{a}\n{b}\n{c}");
         }
         (a, b, c) => panic!("{:?}, {:?}, {:?}", a.err(), b.err(), c.err()),
+    }
+}
+
+/// Draws the bytes as a prepared model. Bounds may be wrong, so that pictures may be: nothing but a panic, a hang or too
+/// much memory is a failure.
+///
+/// # Panics
+/// If reading or drawing does.
+pub fn draw_prepared(bytes: &[u8]) {
+    let options = ReadOptions { memory_limit: Some(MEMORY_LIMIT), progress: None };
+    let Ok(input) = Input::from_bytes("fuzz", bytes.to_vec(), &options) else { return };
+    let mesh = match prepared::read(&input, &options) {
+        Ok(prepared) => prepared.mesh,
+        Err(error) => return assert!(!error.to_string().is_empty()),
+    };
+    assert_eq!(mesh.triangles().count(), mesh.triangle_count());
+    let number = bytes.len();
+    let scene = Scene::from_mesh(mesh);
+    let camera = camera(&scene, number);
+    for sorting in [Sorting::Clusters, Sorting::Triangles] {
+        let settings = Settings { sorting, ..settings(number) };
+        // Coordinates may be out of range, which is an error.
+        let _ = Renderer::new().render(&scene, &camera, &settings);
     }
 }
 
@@ -122,7 +146,7 @@ fn camera(scene: &Scene, view: usize) -> Camera {
 }
 
 fn settings(number: usize) -> Settings {
-    let outputs = Outputs { color: true, color16: true, depth: true, ids: true, normals: true, keys: true };
+    let outputs = Outputs::ALL;
     Settings {
         outputs,
         shading: [Shading::Phong, Shading::Flat, Shading::Gouraud, Shading::Unlit][number / 2 % 4],
@@ -132,14 +156,7 @@ fn settings(number: usize) -> Settings {
 }
 
 fn assert_same(found: &Frame, expected: &Frame, what: &str) {
-    let bits = |plane: &[f32]| plane.iter().map(|v| v.to_bits()).collect::<Vec<_>>();
-    assert!(found.ids == expected.ids, "ids differ from {what}");
-    assert!(bits(&found.depth) == bits(&expected.depth), "depths differ from {what}");
-    assert!(found.keys == expected.keys, "keys differ from {what}");
-    assert!(
-        bits(found.normals.as_flattened()) == bits(expected.normals.as_flattened()),
-        "normals differ from {what}"
-    );
-    assert!(found.color == expected.color, "colours differ from {what}");
-    assert!(found.color16 == expected.color16, "16-bit colours differ from {what}");
+    if let Some(difference) = found.difference(expected) {
+        panic!("differs from {what}: {difference}");
+    }
 }

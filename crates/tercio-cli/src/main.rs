@@ -42,6 +42,7 @@ struct Cli {
 #[derive(Debug, Subcommand)]
 enum Command {
     Render(Box<commands::render::Render>),
+    Prepare(commands::prepare::Prepare),
     Info(commands::info::Info),
     Compare(commands::compare::Compare),
     Bench(commands::bench::Bench),
@@ -59,6 +60,7 @@ fn main() -> ExitCode {
     memory::begin();
     let (result, failure) = match cli.command {
         Command::Render(command) => (command.run(), 1),
+        Command::Prepare(command) => (command.run(), 1),
         Command::Info(command) => (command.run(), 1),
         Command::Bench(command) => (command.run(), 1),
         Command::Lab(command) => (command.run(), 1),

@@ -7,6 +7,19 @@ use tercio::mesh::Aabb;
 use tercio::mesh::io::NotDrawn;
 use tercio::scene::{Camera, Projection};
 
+/// Why an angle for normals that are made has no effect, if it has none.
+pub fn unused_crease_angle(angle: Option<f64>, report: &LoadReport) -> Option<String> {
+    let made = report.made_normals || report.mended_normals > 0;
+    let reason = match report {
+        _ if angle.is_none() => return None,
+        LoadReport { prepared: Some(_), .. } => "normals were made when the model was prepared",
+        _ if made => return None,
+        LoadReport { file_normals: true, .. } => "the model has normals of its own",
+        _ => "no normals are needed",
+    };
+    Some(format!("--crease-angle has no effect: {reason}"))
+}
+
 /// Everything about the loading of a model.
 pub fn load_json(model: &str, report: &LoadReport) -> Value {
     let mesh = &report.mesh;
@@ -14,6 +27,12 @@ pub fn load_json(model: &str, report: &LoadReport) -> Value {
         "model": model,
         "format": report.read.format,
         "file_bytes": report.read.file_bytes,
+        "prepared": report.prepared.as_ref().map(|origin| json!({
+            "from": origin.model,
+            "by": origin.program,
+            "file_bytes": origin.file_bytes,
+            "mapped_bytes": origin.mapped_bytes,
+        })),
         "faces": report.read.faces,
         "vertices": mesh.vertices,
         "triangles": mesh.triangles,

@@ -48,7 +48,7 @@ fn run(file: &str, clock: fn() -> f64) -> Result<(Times, usize), Anything> {
         times.push((stage, now - last));
         last = now;
     };
-    let mut mesh = read(&file, &ReadOptions::default())?.mesh;
+    let mut mesh = read(file, &ReadOptions::default())?.mesh;
     lap("read");
     let is_soup = weld::is_soup(&mesh);
     clean::clean(&mut mesh);

@@ -3,6 +3,7 @@
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use crate::Mesh;
 use crate::adjacency::Adjacency;
@@ -10,7 +11,7 @@ use crate::weld::position_representatives;
 
 /// How the triangles of a mesh hang together. Vertices count by position, so that a seam in the texture
 /// coordinates is no border. Triangles with two corners at one position are left out.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct Topology {
     /// Every edge is met by an even number of triangles, and there are triangles.

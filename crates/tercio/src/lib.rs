@@ -24,7 +24,8 @@
 //! # The way through the library
 //!
 //! - [`load`] reads a model (PLY, OBJ, STL, OFF, each also gzip-compressed, or a built-in one), repairs it,
-//!   makes the normals it lacks and cuts it into clusters, which is what a renderer draws. [`LoadOptions`] has the
+//!   makes the normals it lacks and cuts it into clusters, which is what a renderer draws. A model that was prepared by
+//!   [`Loaded::write_prepared`] is mapped instead. [`LoadOptions`] has the
 //!   limits, the progress and the choice of normals, and loads from memory or only up to the [`Mesh`] itself.
 //! - [`scene`] places meshes in the world, lights them and frames them with a camera.
 //! - [`raster`] draws. A [`Renderer`] keeps its memory from frame to frame.
@@ -47,11 +48,15 @@
 mod error;
 pub mod image;
 mod load;
+mod prepared;
 mod summary;
 
 pub use error::{Error, Result};
 pub use image::{ImageError, Picture};
-pub use load::{LoadError, LoadOptions, LoadReport, LoadTimes, Loaded, LoadedMesh, Normals, load};
+pub use load::{
+    Inspection, LoadError, LoadOptions, LoadReport, LoadTimes, Loaded, LoadedMesh, Model, Normals, load,
+};
+pub use prepared::Origin;
 pub use summary::{AttributeSummary, MeshSummary};
 
 pub use tercio_mesh::{ClusteredMesh, Mesh};

@@ -4,17 +4,18 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use tercio_mesh::builtin::{self, BuiltinError};
 use tercio_mesh::clean::{self, Cleaned};
 use tercio_mesh::cluster::{self, ClusteredMesh, Order, PartitionOptions};
 use tercio_mesh::io::input::Input;
+use tercio_mesh::io::prepared::is_prepared;
 use tercio_mesh::io::{self, ReadOptions, ReadReport};
 use tercio_mesh::mesh::MAX_ELEMENTS;
 use tercio_mesh::topology::{self, Topology};
-use tercio_mesh::{BlockedMesh, Mesh, Progress, ReadError, normals, weld};
+use tercio_mesh::{BlockedMesh, FileMaterial, Mesh, Progress, ReadError, normals, weld};
 
-use crate::MeshSummary;
+use crate::{AttributeSummary, MeshSummary, Origin, prepared};
 
 /// Which normals a loaded mesh has.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,12 +48,13 @@ pub struct LoadOptions<'a> {
     pub progress: Option<&'a Progress>,
     /// Which normals the mesh shall have.
     pub normals: Normals,
-    /// Whether [`LoadReport::topology`] is found out, which takes about as long as reading.
-    pub topology: bool,
+    /// Whether [`LoadReport::topology`] and [`LoadReport::attributes`] are found out, which takes about as long as
+    /// reading.
+    pub details: bool,
 }
 
 /// Wall time of each stage in milliseconds; 0 for one that was not needed.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct LoadTimes {
     /// Reading the file, or making the built-in model.
@@ -61,7 +63,7 @@ pub struct LoadTimes {
     pub clean: f64,
     /// Joining the corners of a triangle soup.
     pub weld: f64,
-    /// Finding out about the topology.
+    /// Finding out about the topology and attributes.
     pub topology: f64,
     /// Making normals.
     pub normals: f64,
@@ -72,7 +74,7 @@ pub struct LoadTimes {
 }
 
 /// What was found and done while a model was loaded.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct LoadReport {
     /// What the reader found.
@@ -89,8 +91,13 @@ pub struct LoadReport {
     pub mended_normals: u64,
     /// Closed, consistently wound? If it was asked for.
     pub topology: Option<Topology>,
+    /// Ranges of the attributes, if they were asked for.
+    pub attributes: Vec<AttributeSummary>,
     /// The mesh after repair, before it was cut into clusters.
     pub mesh: MeshSummary,
+    /// Where the model came from, if it was prepared; all else is what was found and done then.
+    #[serde(skip)]
+    pub prepared: Option<Origin>,
     /// Wall times.
     pub times: LoadTimes,
 }
@@ -113,6 +120,26 @@ pub struct LoadedMesh {
     pub mesh: Mesh,
     /// What was found and done.
     pub report: LoadReport,
+}
+
+/// A model as its file holds it.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub enum Model {
+    /// A mesh that is not cut into clusters yet.
+    Mesh(LoadedMesh),
+    /// A prepared model.
+    Prepared(Loaded),
+}
+
+/// What is known of a model.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct Inspection {
+    /// What was found and done.
+    pub report: LoadReport,
+    /// Materials that the file names.
+    pub materials: Vec<FileMaterial>,
 }
 
 /// Why a model could not be loaded.
@@ -146,7 +173,7 @@ impl LoadOptions<'_> {
     /// ```
     /// use tercio::{LoadOptions, Normals};
     ///
-    /// let options = LoadOptions { normals: Normals::File, topology: true, ..LoadOptions::default() };
+    /// let options = LoadOptions { normals: Normals::File, details: true, ..LoadOptions::default() };
     /// let model = options.load("builtin:sphere@1k")?;
     /// assert!(model.report.topology.is_some_and(|t| t.closed));
     /// # Ok::<(), tercio::Error>(())
@@ -168,9 +195,15 @@ impl LoadOptions<'_> {
         model: impl AsRef<Path>,
         accept: impl FnOnce(&ReadReport) -> Result<(), E>,
     ) -> Result<Loaded, E> {
-        let model = model.as_ref();
-        cut(model, self, || {
-            let (mesh, report) = read(model, self)?;
+        let (model, start) = (model.as_ref(), Instant::now());
+        let source = Source::open(model, self)?;
+        if let Some(input) = source.prepared() {
+            let loaded = prepared::load(input, self, start)?;
+            accept(&loaded.report.read)?;
+            return Ok(loaded);
+        }
+        cut(model, self, start, move || {
+            let (mesh, report) = source.read(self)?;
             accept(&report)?;
             Ok((mesh, report))
         })
@@ -192,14 +225,18 @@ impl LoadOptions<'_> {
     /// # Errors
     /// [`LoadError`], which names the input and the place in it.
     pub fn load_input(&self, input: &Input) -> Result<Loaded, LoadError> {
-        cut(input.name.as_ref(), self, || read_input(input, self))
+        let start = Instant::now();
+        if is_prepared(input.bytes()) {
+            return prepared::load(input, self, start);
+        }
+        cut(input.name.as_ref(), self, start, || read_input(input, self))
     }
 
     /// Loads a model as [`LoadOptions::load`] does, but does not cut it into clusters: for programs that want the
     /// [`Mesh`] itself.
     ///
     /// # Errors
-    /// [`LoadError`], which names the file and the place in it.
+    /// [`LoadError`], which names the file and the place in it; a prepared model has no such mesh.
     pub fn load_mesh(&self, model: impl AsRef<Path>) -> Result<LoadedMesh, LoadError> {
         load_mesh_path(model.as_ref(), self)
     }
@@ -209,26 +246,95 @@ impl LoadOptions<'_> {
     /// # Errors
     /// [`LoadError`], which names the input and the place in it.
     pub fn load_mesh_input(&self, input: &Input) -> Result<LoadedMesh, LoadError> {
-        uncut(input.name.as_ref(), self, || read_input(input, self))
+        if is_prepared(input.bytes()) {
+            return Err(prepared::no_mesh(&input.name));
+        }
+        uncut(input.name.as_ref(), self, Instant::now(), || read_input(input, self))
+    }
+
+    /// Loads a model as [`LoadOptions::load_mesh`] does, or a prepared one as it is.
+    ///
+    /// # Errors
+    /// [`LoadError`], which names the file and the place in it.
+    pub fn open(&self, model: impl AsRef<Path>) -> Result<Model, LoadError> {
+        open_path(model.as_ref(), self)
+    }
+
+    /// Finds out about a model as [`LoadOptions::load_mesh`] does, or from a prepared one, and keeps no mesh.
+    ///
+    /// # Errors
+    /// [`LoadError`], which names the file and the place in it.
+    pub fn inspect(&self, model: impl AsRef<Path>) -> Result<Inspection, LoadError> {
+        Ok(match open_path(model.as_ref(), self)? {
+            Model::Mesh(LoadedMesh { mesh, report }) => Inspection { report, materials: mesh.materials },
+            Model::Prepared(Loaded { mesh, report }) => {
+                Inspection { report, materials: mesh.materials.clone() }
+            }
+        })
     }
 }
 
 fn load_path(model: &Path, options: &LoadOptions) -> Result<Loaded, LoadError> {
-    cut(model, options, || read(model, options))
+    options.load_if(model, |_| Ok(()))
 }
 
 fn load_mesh_path(model: &Path, options: &LoadOptions) -> Result<LoadedMesh, LoadError> {
-    uncut(model, options, || read(model, options))
+    match open_path(model, options)? {
+        Model::Mesh(loaded) => Ok(loaded),
+        Model::Prepared(_) => Err(prepared::no_mesh(&model.display().to_string())),
+    }
+}
+
+fn open_path(model: &Path, options: &LoadOptions) -> Result<Model, LoadError> {
+    let start = Instant::now();
+    let source = Source::open(model, options)?;
+    Ok(match source.prepared() {
+        Some(input) => Model::Prepared(prepared::load(input, options, start)?),
+        None => Model::Mesh(uncut(model, options, start, move || source.read(options))?),
+    })
+}
+
+/// What a model is read from.
+enum Source<'a> {
+    Builtin(&'a str),
+    File(Input),
+}
+
+impl<'a> Source<'a> {
+    fn open(model: &'a Path, options: &LoadOptions) -> Result<Self, LoadError> {
+        if let Some(name) = model.to_str().filter(|m| m.starts_with("builtin:")) {
+            return Ok(Self::Builtin(name));
+        }
+        begin(options, "reading", 0);
+        let options = ReadOptions { memory_limit: options.memory_limit, progress: options.progress };
+        Ok(Self::File(io::input::open(model, &options)?))
+    }
+
+    /// The file, if it is a prepared model.
+    fn prepared(&self) -> Option<&Input> {
+        match self {
+            Self::File(input) if is_prepared(input.bytes()) => Some(input),
+            _ => None,
+        }
+    }
+
+    /// Reads the mesh; the file is let go.
+    fn read(self, options: &LoadOptions) -> Result<(Mesh, ReadReport), LoadError> {
+        match self {
+            Self::Builtin(name) => make_builtin(name, options),
+            Self::File(input) => read_input(&input, options),
+        }
+    }
 }
 
 /// Everything from reading to clusters.
 fn cut<E: From<LoadError>>(
     model: &Path,
     options: &LoadOptions,
+    all: Instant,
     read: impl FnOnce() -> Result<(Mesh, ReadReport), E>,
 ) -> Result<Loaded, E> {
-    let all = Instant::now();
-    let LoadedMesh { mut mesh, mut report } = read_and_repair(model, options, read)?;
+    let LoadedMesh { mut mesh, mut report } = read_and_repair(model, options, all, read)?;
     let wanted = wanted_normals(&mesh, options);
     if let Some(crease_angle @ None) = wanted {
         make_normals(&mut mesh, crease_angle, options, &mut report);
@@ -267,10 +373,10 @@ fn cut<E: From<LoadError>>(
 fn uncut(
     model: &Path,
     options: &LoadOptions,
+    all: Instant,
     read: impl FnOnce() -> Result<(Mesh, ReadReport), LoadError>,
 ) -> Result<LoadedMesh, LoadError> {
-    let all = Instant::now();
-    let LoadedMesh { mut mesh, mut report } = read_and_repair(model, options, read)?;
+    let LoadedMesh { mut mesh, mut report } = read_and_repair(model, options, all, read)?;
     if let Some(crease_angle) = wanted_normals(&mesh, options) {
         make_normals(&mut mesh, crease_angle, options, &mut report);
     }
@@ -304,16 +410,6 @@ fn make_normals(mesh: &mut Mesh, crease_angle: Option<f64>, options: &LoadOption
     report.times.normals = milliseconds(start);
 }
 
-fn read(model: &Path, options: &LoadOptions) -> Result<(Mesh, ReadReport), LoadError> {
-    if let Some(name) = model.to_str().filter(|m| m.starts_with("builtin:")) {
-        return make_builtin(name, options);
-    }
-    let options = ReadOptions { memory_limit: options.memory_limit, progress: options.progress };
-    begin_stage(options.progress, "reading", 0);
-    let model = io::read(model, &options)?;
-    Ok((model.mesh, model.report))
-}
-
 fn read_input(input: &Input, options: &LoadOptions) -> Result<(Mesh, ReadReport), LoadError> {
     let options = ReadOptions { memory_limit: options.memory_limit, progress: options.progress };
     begin_stage(options.progress, "reading", 0);
@@ -325,9 +421,9 @@ fn read_input(input: &Input, options: &LoadOptions) -> Result<(Mesh, ReadReport)
 fn read_and_repair<E: From<LoadError>>(
     model: &Path,
     options: &LoadOptions,
+    start: Instant,
     read: impl FnOnce() -> Result<(Mesh, ReadReport), E>,
 ) -> Result<LoadedMesh, E> {
-    let start = Instant::now();
     let (mut mesh, read) = read()?;
     let mut report = LoadReport { read, file_normals: mesh.normals.is_some(), ..LoadReport::default() };
     report.times.read = milliseconds(start);
@@ -348,10 +444,11 @@ fn read_and_repair<E: From<LoadError>>(
         report.times.weld = milliseconds(start);
     }
 
-    if options.topology {
+    if options.details {
         begin(options, "looking at edges", 0);
         let start = Instant::now();
         report.topology = Some(topology::analyze(&mesh));
+        report.attributes = mesh.attributes.iter().map(AttributeSummary::from_attribute).collect();
         report.times.topology = milliseconds(start);
     }
     Ok(LoadedMesh { mesh, report })
@@ -383,7 +480,7 @@ fn check_size(model: &Path, mesh: &Mesh) -> Result<(), LoadError> {
 fn preparation_bytes(mesh: &Mesh, is_soup: bool, options: &LoadOptions) -> u64 {
     let (vertices, triangles) = (mesh.positions.len() as u64, mesh.triangles.len() as u64);
     let joining = if is_soup { 24 * vertices } else { 0 };
-    let edges = if options.topology { 16 * vertices + 12 * triangles } else { 0 };
+    let edges = if options.details { 16 * vertices + 12 * triangles } else { 0 };
     let blocks = 8 * vertices + 10 * triangles;
     MeshSummary::bytes_of(mesh) + joining.max(edges).max(blocks)
 }

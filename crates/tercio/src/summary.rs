@@ -1,10 +1,11 @@
 //! What a mesh holds, in numbers.
 
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 use tercio_mesh::{Aabb, Attribute, AttributeDomain, BlockedMesh, Mesh};
 
 /// What a mesh holds.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct MeshSummary {
     /// Vertices, used by a triangle or not.
@@ -12,6 +13,7 @@ pub struct MeshSummary {
     /// Triangles.
     pub triangles: u64,
     /// World-space bounds of all vertices.
+    #[serde(skip, default = "nothing")]
     pub bounds: Aabb,
     /// One normal a vertex.
     pub normals: bool,
@@ -26,6 +28,7 @@ pub struct MeshSummary {
     /// Named scalar arrays.
     pub attributes: u64,
     /// Bytes of memory that the arrays hold.
+    #[serde(skip)]
     pub bytes: u64,
 }
 
@@ -83,8 +86,27 @@ fn bytes(mesh: &Mesh) -> u64 {
         + mesh.attributes.iter().map(|a| of(&a.values)).sum::<u64>()
 }
 
+/// The bounds of no vertices: JSON has no infinite numbers, so bounds are not written.
+fn nothing() -> Aabb {
+    Aabb::EMPTY
+}
+
+/// Numbers as their bits, because JSON has no infinite ones.
+mod bits {
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+    pub fn serialize<S: Serializer>(range: &Option<(f32, f32)>, to: S) -> Result<S::Ok, S::Error> {
+        range.map(|(min, max)| (min.to_bits(), max.to_bits())).serialize(to)
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Option<(f32, f32)>, D::Error> {
+        let range: Option<(u32, u32)> = Deserialize::deserialize(from)?;
+        Ok(range.map(|(min, max)| (f32::from_bits(min), f32::from_bits(max))))
+    }
+}
+
 /// The range of an attribute.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct AttributeSummary {
     /// The name in the file.
@@ -92,6 +114,7 @@ pub struct AttributeSummary {
     /// Whom the values belong to.
     pub domain: AttributeDomain,
     /// Smallest and largest value that is not NaN; `None` where there is none.
+    #[serde(with = "bits")]
     pub range: Option<(f32, f32)>,
     /// Values that are NaN.
     pub nans: u64,

@@ -49,6 +49,8 @@ enum Target {
     SniffRead,
     /// All of loading, and a small picture by three renderers that must agree
     Picture,
+    /// Prepared models, and a small picture of them
+    Prepared,
 }
 
 impl Target {
@@ -60,6 +62,7 @@ impl Target {
             Self::Off => "off",
             Self::SniffRead => "sniff_read",
             Self::Picture => "picture",
+            Self::Prepared => "prepared",
         }
     }
 }

@@ -8,6 +8,9 @@ use std::path::Path;
 use anyhow::Result;
 use flate2::Compression;
 use flate2::write::GzEncoder;
+use tercio_mesh::cluster::{PartitionOptions, partition};
+use tercio_mesh::io::prepared;
+use tercio_mesh::{Attribute, AttributeDomain, Mesh, OctNormal};
 
 use super::Target;
 
@@ -35,6 +38,7 @@ fn extensions(target: Target) -> &'static [&'static str] {
         Target::Off => &["off"],
         Target::SniffRead => &["ply", "obj", "stl", "off", "gz"],
         Target::Picture => &["ply", "obj", "stl", "off"],
+        Target::Prepared => &[],
     }
 }
 
@@ -67,6 +71,7 @@ fn made(target: Target) -> Vec<Vec<u8>> {
         Target::Stl => stl(),
         Target::Off => off(),
         Target::Picture => [ply(), obj(), stl(), off()].concat(),
+        Target::Prepared => prepared(),
         Target::SniffRead => {
             let plain = [ply(), obj(), stl(), off()].concat();
             let packed: Vec<_> = plain.iter().map(|bytes| gzip(bytes)).collect();
@@ -285,6 +290,33 @@ fn off() -> Vec<Vec<u8>> {
     files.push(binary_off("ST4OFF", &[1.0, 0.5, 0.25], true, true));
     files.push(binary_off("nOFF 5", &[1.0, 2.0], true, true));
     files
+}
+
+/// A tetrahedron with nothing, and one with everything.
+fn prepared() -> Vec<Vec<u8>> {
+    let plain = Mesh {
+        positions: CORNERS.to_vec(),
+        triangles: FACES.map(|face| face.map(u32::from)).to_vec(),
+        ..Mesh::default()
+    };
+    let attribute = |name: &str, domain| Attribute { name: name.into(), domain, values: vec![0.5; 4] };
+    let full = Mesh {
+        normals: Some(CORNERS.map(OctNormal::encode).to_vec()),
+        vertex_colors: Some(vec![[10, 20, 30, 255]; 4]),
+        texcoords: Some(vec![[0.5, 0.25]; 4]),
+        face_colors: Some(vec![[200, 100, 50, 128]; 4]),
+        triangle_materials: Some(vec![0, Mesh::NO_MATERIAL, 0, 7]),
+        face_of_triangle: Some(vec![0, 0, 1, 2]),
+        attributes: vec![attribute("v", AttributeDomain::Vertex), attribute("t", AttributeDomain::Triangle)],
+        ..plain.clone()
+    };
+    let write = |mesh| {
+        let mut bytes = Vec::new();
+        let written = prepared::write(&partition(mesh, &PartitionOptions::default()), b"a seed", &mut bytes);
+        // A vector takes everything that is written to it.
+        written.map(|()| bytes).unwrap_or_default()
+    };
+    [plain, full].map(write).into()
 }
 
 /// A tetrahedron in binary: the keyword, and what stands behind a vertex's coordinates. The colours of the faces

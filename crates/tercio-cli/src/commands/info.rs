@@ -10,7 +10,7 @@ use tercio::glam::DVec3;
 use tercio::image::Destination;
 use tercio::mesh::AttributeDomain;
 use tercio::mesh::topology::Topology;
-use tercio::{AttributeSummary, LoadOptions, LoadReport, LoadedMesh, Normals};
+use tercio::{AttributeSummary, Inspection, LoadOptions, LoadReport, Normals};
 
 use crate::args::{ModelArgs, RunningArgs};
 use crate::named_files::NamedFiles;
@@ -47,7 +47,7 @@ impl Info {
         files.ready()?;
         ending::name_model(self.model.name());
         let pool = self.running.pool()?;
-        let (loaded, attributes) = pool.install(|| self.load())?;
+        let loaded = pool.install(|| self.load())?;
         let model = self.model.name();
         files.check_companions(&model, &loaded.report.read.companions)?;
         if !self.running.quiet {
@@ -55,26 +55,20 @@ impl Info {
                 messages::warning(&format!("{model}: {warning}"));
             }
         }
-        let text = if self.json {
-            format!("{:#}\n", json(&model, &loaded, &attributes))
-        } else {
-            text(&model, &loaded, &attributes)
-        };
+        let text = if self.json { format!("{:#}\n", json(&model, &loaded)) } else { text(&model, &loaded) };
         write_text(&Destination::Stdout, &text)?;
         Ok(ExitCode::SUCCESS)
     }
 
-    fn load(&self) -> Result<(LoadedMesh, Vec<AttributeSummary>)> {
+    fn load(&self) -> Result<Inspection> {
         let display = Display::new(self.running.progress_mode());
         let options = LoadOptions {
             memory_limit: self.running.memory_limit(),
             progress: Some(&display.progress),
             normals: Normals::File,
-            topology: true,
+            details: true,
         };
-        let loaded = options.load_mesh(&self.model.model)?;
-        let attributes = loaded.mesh.attributes.iter().map(AttributeSummary::from_attribute).collect();
-        Ok((loaded, attributes))
+        Ok(options.inspect(&self.model.model)?)
     }
 }
 
@@ -85,7 +79,7 @@ fn domain(domain: AttributeDomain) -> &'static str {
     }
 }
 
-fn json(model: &str, loaded: &LoadedMesh, attributes: &[AttributeSummary]) -> Value {
+fn json(model: &str, loaded: &Inspection) -> Value {
     let mut value = report::load_json(model, &loaded.report);
     let attribute = |a: &AttributeSummary| {
         json!({
@@ -105,8 +99,8 @@ fn json(model: &str, loaded: &LoadedMesh, attributes: &[AttributeSummary]) -> Va
         })
     };
     value["tercio_version"] = env!("CARGO_PKG_VERSION").into();
-    value["attributes"] = attributes.iter().map(attribute).collect();
-    value["materials"] = loaded.mesh.materials.iter().map(material).collect();
+    value["attributes"] = loaded.report.attributes.iter().map(attribute).collect();
+    value["materials"] = loaded.materials.iter().map(material).collect();
     value["topology"] = topology(&loaded.report).map_or(Value::Null, |t| {
         json!({
             "closed": t.closed,
@@ -126,7 +120,7 @@ fn topology(report: &LoadReport) -> Option<&Topology> {
     report.topology.as_ref().filter(|_| report.mesh.triangles > 0)
 }
 
-fn text(model: &str, loaded: &LoadedMesh, attributes: &[AttributeSummary]) -> String {
+fn text(model: &str, loaded: &Inspection) -> String {
     let report = &loaded.report;
     let mesh = &report.mesh;
     let mut rows = vec![
@@ -138,6 +132,10 @@ fn text(model: &str, loaded: &LoadedMesh, attributes: &[AttributeSummary]) -> St
     ];
     if report.read.file_bytes > 0 {
         rows.insert(2, ("file size", report::size(report.read.file_bytes)));
+    }
+    if let Some(origin) = &report.prepared {
+        let size = report::size(origin.file_bytes);
+        rows.insert(1, ("prepared", format!("{size}, from {} by {}", origin.model, origin.program)));
     }
     if mesh.bounds.is_empty() {
         rows.push(("bounds", "none".into()));
@@ -155,11 +153,11 @@ fn text(model: &str, loaded: &LoadedMesh, attributes: &[AttributeSummary]) -> St
     ];
     let present: Vec<_> = present.iter().filter(|p| p.0).map(|p| p.1).collect();
     rows.push(("holds", if present.is_empty() { "positions only".into() } else { present.join(", ") }));
-    for material in &loaded.mesh.materials {
+    for material in &loaded.materials {
         let texture = material.diffuse_texture.iter().map(|t| format!(", texture {t}"));
         rows.push(("material", format!("{}{}", material.name, texture.collect::<String>())));
     }
-    for a in attributes {
+    for a in &report.attributes {
         let range = a.range.map_or("no numbers".into(), |(min, max)| format!("{min} to {max}"));
         let nans = if a.nans > 0 { format!(", {} NaN", grouped(a.nans)) } else { String::new() };
         rows.push(("attribute", format!("{} ({}): {range}{nans}", a.name, domain(a.domain))));

@@ -4,4 +4,5 @@ pub mod bench;
 pub mod compare;
 pub mod info;
 pub mod lab;
+pub mod prepare;
 pub mod render;

@@ -174,7 +174,7 @@ impl Render {
             memory_limit: self.running.memory_limit(),
             progress: Some(&display.progress),
             normals: self.drawing.normals(writing.plan.outputs),
-            topology: false,
+            details: false,
         };
         let loaded = options.load_if(&self.model.model, |read| -> Result<()> {
             Ok(writing.files.check_companions(&self.model.name(), &read.companions)?)
@@ -261,16 +261,8 @@ impl Render {
                 "{model}: not drawn: {list} (tercio draws opaque triangles without textures)"
             ));
         }
-        let made = done.report.made_normals || done.report.mended_normals > 0;
-        if self.drawing.crease_angle.is_some() && !made {
-            messages::warning(&format!(
-                "{model}: --crease-angle has no effect: {}",
-                if done.report.file_normals {
-                    "the model has normals of its own"
-                } else {
-                    "no normals are needed"
-                }
-            ));
+        if let Some(why) = report::unused_crease_angle(self.drawing.crease_angle, &done.report) {
+            messages::warning(&format!("{model}: {why}"));
         }
         if let Some(reason) = done.empty.as_ref().filter(|_| self.writing.allow_empty) {
             messages::warning(&format!("{model}: {reason}"));

@@ -7,6 +7,7 @@ use std::collections::HashMap;
 
 use fearless_simd::{Level, dispatch};
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use crate::Mesh;
 use crate::hash::Key;
@@ -16,7 +17,7 @@ use crate::weld::position_bits;
 const CHUNK: usize = 1 << 15;
 
 /// What [`clean`] found.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct Cleaned {
     /// Triangles dropped because two corners stand at the same position.

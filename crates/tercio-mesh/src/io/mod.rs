@@ -14,6 +14,7 @@ pub mod text;
 use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use crate::{Mesh, OctNormal, Progress, ReadError};
 use input::Input;
@@ -59,7 +60,7 @@ pub enum Format {
 }
 
 /// What a reader found besides the mesh itself.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct ReadReport {
     /// Format and dialect, such as "PLY, binary little-endian".

@@ -3,11 +3,12 @@
 use std::collections::HashSet;
 
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use crate::Mesh;
 
 /// How much of a file is not drawn: tercio draws opaque triangles without textures.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct NotDrawn {
     /// Points; of a model without faces and lines, all vertices.

@@ -4,7 +4,7 @@ use bytemuck::{Pod, Zeroable};
 use serde::{Deserialize, Serialize};
 
 use crate::FileMaterial;
-use crate::cluster::{ClusteredMesh, Layout};
+use crate::cluster::{ClusteredMesh, Layout, Line};
 
 /// The first bytes. As in PNG, they show when a transfer has changed bytes above 127 or line ends.
 pub const MAGIC: [u8; 12] = *b"\x89TERCIO\r\n\x1a\n\0";
@@ -13,8 +13,8 @@ pub const MAGIC: [u8; 12] = *b"\x89TERCIO\r\n\x1a\n\0";
 /// again in about the time that a conversion would take.
 pub const VERSION: u32 = 1;
 
-/// Parts begin at multiples of this, the size of a page.
-pub const ALIGNMENT: u64 = 4096;
+/// Parts begin at multiples of this: with the map of the file, which begins with a page, lines are aligned.
+pub const ALIGNMENT: u64 = Line::BYTES as u64;
 
 /// What a part holds, in the order in which the parts stand.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

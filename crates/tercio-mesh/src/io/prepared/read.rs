@@ -45,7 +45,7 @@ pub fn read(input: &Input, options: &ReadOptions) -> Result<Prepared, ReadError>
     let header = file.header()?;
     let parts = file.parts(&header)?;
     for (kind, part) in Kind::ALL.into_iter().zip(&header.parts) {
-        if checksum::of(&file.bytes[parts[kind as usize].clone()]) != part.checksum {
+        if !checksum::matches(&file.bytes[parts[kind as usize].clone()], part.checksum) {
             return Err(file.broken(
                 part.offset,
                 format!("{} as they were written", kind.name()),
@@ -113,7 +113,7 @@ impl File<'_> {
                 format!("version {} of prepared models (this program has version {VERSION})", header.version);
             return Err(ReadError::Unsupported { file: self.name.into(), place: Place::Byte(12), what });
         }
-        if checksum::of(&bytes[..Header::CHECKED]) != header.checksum {
+        if !checksum::matches(&bytes[..Header::CHECKED], header.checksum) {
             return Err(self.broken(0, "the header as it was written", "other bytes"));
         }
         if header.file_bytes != self.bytes.len() as u64 {

@@ -1,0 +1,8 @@
+//! Prepared models. Checksums are not compared in a fuzzed build, so that what lies behind them is reached.
+
+#![no_main]
+
+use libfuzzer_sys::fuzz_target;
+use tercio_fuzz::picture::draw_prepared;
+
+fuzz_target!(|bytes: &[u8]| draw_prepared(bytes));
