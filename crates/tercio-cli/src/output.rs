@@ -4,6 +4,7 @@ use std::fmt;
 use std::io::{self, Write};
 
 use anyhow::{Context, Result, bail};
+use tercio::Loaded;
 use tercio::image::{Destination, ImageError, OutputFile, Picture, PictureFormat, npy};
 use tercio::raster::{Frame, Outputs};
 
@@ -46,10 +47,7 @@ impl Array {
 
 /// Bytes that the planes of a frame take.
 pub fn frame_bytes(outputs: Outputs, (width, height): (u32, u32)) -> u64 {
-    let Outputs { color, color16, depth, ids, normals, keys } = outputs;
-    let planes = [(color, 4), (color16, 8), (depth, 4), (ids, 4), (normals, 12), (keys, 8)];
-    let pixel: u64 = planes.into_iter().filter(|p| p.0).map(|p| p.1).sum();
-    u64::from(width) * u64::from(height) * pixel
+    u64::from(width) * u64::from(height) * outputs.pixel_bytes() as u64
 }
 
 /// What is written where.
@@ -126,6 +124,15 @@ pub fn write_picture(destination: &Destination, picture: &Picture, format: Pictu
     finish(file, destination)
 }
 
+/// Writes a model that was prepared; `model` is what it was made from.
+///
+/// # Errors
+/// The system's reason why it could not be written.
+pub fn write_prepared(destination: &Destination, loaded: &Loaded, model: &str) -> Result<()> {
+    let file = begin(destination, |out| Ok(loaded.write_prepared(model, out)?))?;
+    finish(file, destination)
+}
+
 /// Tells before the work begins that something cannot be written after it.
 ///
 /// # Errors
@@ -165,9 +172,9 @@ fn is_broken_pipe(error: &io::Error) -> bool {
 fn write_array(frame: &Frame, array: Array, out: &mut dyn Write) -> io::Result<()> {
     let shape = [frame.height as usize, frame.width as usize, 3];
     match array {
-        Array::Depth => npy::write(out, &shape[..2], &frame.depth),
-        Array::Ids => npy::write(out, &shape[..2], &frame.ids),
-        Array::Normals => npy::write(out, &shape, frame.normals.as_flattened()),
+        Array::Depth => npy::write(out, &shape[..2], &frame.planes.depth),
+        Array::Ids => npy::write(out, &shape[..2], &frame.planes.ids),
+        Array::Normals => npy::write(out, &shape, frame.planes.normals.as_flattened()),
     }
 }
 

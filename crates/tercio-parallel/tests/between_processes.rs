@@ -54,7 +54,7 @@ fn picture_and_counts_are_those_of_ranks_in_one_process() {
             let (scene, camera) = made();
             let ranks = Ranks { count, threads: 1, organisation };
             let (expected, told) = in_process::draw(ranks, &scene, &camera, &settings).expect("a picture");
-            assert!(frame.color == expected.color, "{organisation:?}, {count} ranks");
+            assert!(frame.planes.color == expected.planes.color, "{organisation:?}, {count} ranks");
             assert_eq!(frame.stats.backend, expected.stats.backend);
             assert_eq!(counts(report), counts(told), "{organisation:?}, {count} ranks");
         }

@@ -11,8 +11,7 @@ use tercio_parallel::{FrameReport, Organisation, Ranks};
 use tercio_raster::{Cull, Frame, Outputs, Renderer, Settings, Shading, Sorting};
 use tercio_scene::{Camera, Instance, Projection, Scene};
 
-const EVERYTHING: Outputs =
-    Outputs { color: true, color16: true, depth: true, ids: true, normals: true, keys: true };
+const EVERYTHING: Outputs = Outputs::ALL;
 const BOTH: [Organisation; 2] = [Organisation::SortFirst, Organisation::SortLast];
 
 fn scene(model: &str, most_triangles: usize) -> Scene {
@@ -45,15 +44,9 @@ fn camera(scene: &Scene, radii: f64, orthographic: bool) -> Camera {
 
 #[track_caller]
 fn assert_same(expected: &Frame, found: &Frame, what: &str) {
-    let bits = |f: &Frame| -> Vec<u32> {
-        f.depth.iter().chain(f.normals.iter().flatten()).map(|v| v.to_bits()).collect()
-    };
-    assert_eq!((expected.width, expected.height), (found.width, found.height), "{what}");
-    assert!(expected.keys == found.keys, "{what}: keys");
-    assert!(expected.ids == found.ids, "{what}: ids");
-    assert!(expected.color == found.color, "{what}: colour");
-    assert!(expected.color16 == found.color16, "{what}: 16-bit colour");
-    assert!(bits(expected) == bits(found), "{what}: depth or normals");
+    if let Some(difference) = found.difference(expected) {
+        panic!("{what}: {difference}");
+    }
 }
 
 /// Draws with ranks and expects one renderer's bytes.
@@ -74,7 +67,7 @@ fn check(scene: &Scene, camera: &Camera, settings: &Settings, ranks: Ranks, what
 }
 
 fn shown(frame: &Frame) -> u64 {
-    frame.keys.iter().filter(|&&key| key != 0).count() as u64
+    frame.planes.keys.iter().filter(|&&key| key != 0).count() as u64
 }
 
 #[test]

@@ -4,10 +4,10 @@ use std::ops::Range;
 
 use tercio_mesh::ClusteredMesh;
 use tercio_mesh::cluster::{ClusterView, MAX_TRIANGLES};
-use tercio_scene::{Instance, Scene};
+use tercio_scene::{Camera, Instance, Scene};
 
-use crate::RenderError;
 use crate::binning::{PixelRect, TileGrid};
+use crate::error::RenderError;
 use crate::lighting::LightRig;
 use crate::settings::Settings;
 use crate::view::{ObjectView, View};
@@ -15,7 +15,7 @@ use crate::view::{ObjectView, View};
 /// The slot of a sample where nothing was drawn.
 pub const NO_SLOT: u32 = u32::MAX;
 
-/// Read by every stage, written by none.
+/// The immutable state of a frame.
 pub struct FrameContext<'a> {
     /// What is drawn.
     pub scene: &'a Scene,
@@ -38,16 +38,22 @@ pub struct FrameContext<'a> {
 }
 
 impl<'a> FrameContext<'a> {
-    /// Numbers the clusters and primitives of a scene.
+    /// Numbers the clusters and primitives of a scene, and divides the picture into tiles that are small enough for some
+    /// threads to share them.
     ///
     /// # Errors
-    /// [`RenderError::TooLarge`] if 32 bits do not suffice, and what [`check_range`] finds.
+    /// A camera or setting that makes no picture, a scene that 32 bits do not suffice to number, and what
+    /// [`check_range`] finds.
     pub fn new(
         scene: &'a Scene,
+        camera: &Camera,
         settings: &'a Settings,
-        view: View,
-        grid: TileGrid,
+        threads: usize,
     ) -> Result<Self, RenderError> {
+        settings.check()?;
+        let (width, height) = (settings.width, settings.height);
+        let view = View::new(camera, &scene.bounds(), width, height)?;
+        let grid = TileGrid::new(width, height, settings.tile_edge_for(threads), settings.tiles.clone());
         let mut first_cluster = vec![0];
         let (mut first_primitive, mut first_face) = (Vec::new(), Vec::new());
         let (mut clusters, mut triangles, mut faces) = (0u64, 0u64, 0u64);
@@ -103,6 +109,12 @@ impl<'a> FrameContext<'a> {
             self.first_cluster.partition_point(|&first| first <= cluster) - 1
         };
         (instance, (cluster - self.first_cluster[instance]) as usize)
+    }
+
+    /// Does a triangle have this slot?
+    pub fn has_slot(&self, slot: u32) -> bool {
+        let number = slot / MAX_TRIANGLES as u32;
+        number < self.clusters() && (slot as usize % MAX_TRIANGLES) < self.cluster(number).1.triangles()
     }
 
     /// The instance that a cluster belongs to, and the cluster.

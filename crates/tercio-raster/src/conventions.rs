@@ -23,6 +23,19 @@
 //!   triangle than the one that is seen; where it still points away from the viewer, as it may at the rim of a coarse
 //!   mesh, bent towards the viewer until it is perpendicular to the line of sight.
 //!
+//! # Glossary
+//!
+//! The few terms that are this project's own:
+//!
+//! * **Slot**: the number of a triangle in a frame by its place in memory: cluster number times
+//!   [`MAX_TRIANGLES`](tercio_mesh::cluster::MAX_TRIANGLES) plus its number in the cluster. Tile memory stores slots; it says
+//!   nothing about visibility.
+//! * **Stamp**: 16 samples that are tested against a triangle at once, one row of 16 or two rows of 8, beginning at any
+//!   column.
+//! * **Sieve**: the step that drops the triangles of a cluster that reach no sample of a tile and groups the others by
+//!   size.
+//! * **Key**: the rule of visibility as one number of 64 bits ([`visibility_key`](crate::frame::visibility_key)).
+//!
 //! No operation here is fused: a product is rounded before it is added to, on every machine.
 
 /// Sub-pixel positions along a pixel's edge.

@@ -5,66 +5,16 @@ use std::time::Instant;
 
 use fearless_simd::{Level, dispatch};
 use rayon::prelude::*;
-use tercio_scene::camera::CameraError;
 use tercio_scene::{Camera, Scene};
 
-use crate::backend::output::Planes;
 use crate::backend::{self, Scratch, Share};
-use crate::binning::TileGrid;
+use crate::binning::{Bins, Sorted, TileSet};
 use crate::context::FrameContext;
-use crate::frame::Frame;
-use crate::frontend::{self, Batch};
+use crate::error::RenderError;
+use crate::frame::{Canvas, Frame};
+use crate::frontend;
 use crate::settings::{LastStage, Settings, SimdLevel};
-use crate::stats::{BackEndCounts, BinningCounts, FrameStats, FrontEndCounts, StageTimes};
-use crate::view::View;
-
-/// Why a picture could not be drawn.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum RenderError {
-    /// The camera is not one.
-    #[error(transparent)]
-    Camera(#[from] CameraError),
-    /// A setting is out of its range.
-    #[error("{what} must be {range}, is {value}")]
-    Setting {
-        /// Which setting.
-        what: &'static str,
-        /// What it may be.
-        range: String,
-        /// What it is.
-        value: String,
-    },
-    /// More triangles than can be numbered.
-    #[error(
-        "the scene holds {triangles} triangles in {clusters} clusters; 32 bits do not suffice to number them"
-    )]
-    TooLarge {
-        /// Triangles of all instances.
-        triangles: u64,
-        /// Clusters of all instances.
-        clusters: u64,
-    },
-    /// A mesh whose coordinates leave `f32` no room to calculate with.
-    #[error(
-        "the coordinates of instance {instance} reach {largest:e}, and 32-bit floating-point numbers can calculate with \
-         2^-60 to 2^60 only: choose another unit of the mesh (clean or Mesh::bring_into_range)"
-    )]
-    OutOfRange {
-        /// Number of the instance.
-        instance: usize,
-        /// Largest absolute value of a coordinate, in units of the mesh.
-        largest: f64,
-    },
-    /// Distances were asked for that `f32` does not hold.
-    #[error(
-        "distances up to {farthest:e} do not fit into 32-bit floating-point numbers: scale the model, or ask for no depth"
-    )]
-    Distances {
-        /// The largest distance, world units.
-        farthest: f64,
-    },
-}
+use crate::stats::{BackEndCounts, FrameStats, FrontEndCounts, StageTimes};
 
 /// Batches of clusters a thread: enough that threads finish together, few enough that bins stay large.
 const BATCHES_A_THREAD: usize = 8;
@@ -75,10 +25,13 @@ const LEAST_CLUSTERS: usize = 16;
 const LEAST_SHARED: u64 = 64;
 
 /// Draws scenes; keeps its memory from frame to frame. Runs in the rayon pool it is called in.
+///
+/// A frame is drawn in two halves: [`Renderer::sort`] takes clusters to the tiles that they may touch,
+/// [`Renderer::draw`] draws any set of tiles from what was sorted, here or elsewhere. [`Renderer::render`] is both.
 #[derive(Debug, Default)]
 pub struct Renderer {
-    batches: Vec<Batch>,
-    /// One a thread of the pool.
+    sorted: Sorted,
+    /// One for each thread of the pool.
     scratch: Vec<Mutex<Scratch>>,
 }
 
@@ -115,77 +68,113 @@ impl Renderer {
         frame: &mut Frame,
     ) -> Result<(), RenderError> {
         let begin = Instant::now();
-        settings.check()?;
-        let simd = settings.simd.unwrap_or_else(SimdLevel::best);
-        let Some(level) = simd.level() else { unreachable!("checked above") };
-        let view = View::new(camera, &scene.bounds(), settings.width, settings.height)?;
-        let threads = rayon::current_num_threads();
-        let tile_size = settings.tile_edge_for(threads);
-        let grid = TileGrid::new(settings.width, settings.height, tile_size, settings.tiles);
-        let context = FrameContext::new(scene, settings, view, grid)?;
+        let context = FrameContext::new(scene, camera, settings, rayon::current_num_threads())?;
         frame.resize(settings);
+        let prepared = Instant::now();
+        let mut sorted = std::mem::take(&mut self.sorted);
+        self.sort(&context, &mut sorted);
+        let binned = Instant::now();
+        self.draw(&context, &sorted, &TileSet::ALL, frame);
+        self.sorted = sorted;
+        let milliseconds = |from: Instant, to: Instant| (to - from).as_secs_f64() * 1e3;
+        let times = &mut frame.stats.milliseconds;
+        times.prepare = milliseconds(begin, prepared);
+        times.frontend = milliseconds(prepared, binned);
+        times.total = milliseconds(begin, Instant::now());
+        Ok(())
+    }
 
-        let drawn = settings.clusters.range(context.clusters());
+    /// The front end: sorts the clusters that the frame's settings ask for into its tiles.
+    pub fn sort(&mut self, context: &FrameContext, sorted: &mut Sorted) {
+        let (level, threads) = (level(context), rayon::current_num_threads());
+        let drawn = context.settings.clusters.range(context.clusters());
         let clusters = drawn.len();
         let batches = clusters.div_ceil(LEAST_CLUSTERS).min(threads * BATCHES_A_THREAD);
-        self.batches.resize_with(batches, Batch::default);
+        sorted.bins.resize_with(batches, Bins::default);
+        let counts = sorted.bins.par_iter_mut().enumerate().with_max_len(1).map(|(i, bins)| {
+            let share = |i: usize| drawn.start + (clusters * i / batches) as u32;
+            let range = share(i)..share(i + 1);
+            dispatch!(level, simd => frontend::run(simd, context, range.clone(), bins))
+        });
+        sorted.counts = counts.reduce(FrontEndCounts::default, FrontEndCounts::plus);
+    }
+
+    /// The back end: draws those of the frame's tiles that are in a set, from what was sorted into them. Pixels of other
+    /// tiles stay as they are.
+    ///
+    /// ```
+    /// use tercio_mesh::cluster::{PartitionOptions, partition};
+    /// use tercio_raster::context::FrameContext;
+    /// use tercio_raster::{Frame, Renderer, Settings, TileSet, binning::Sorted};
+    /// use tercio_scene::Scene;
+    ///
+    /// let mesh = tercio_mesh::builtin::make("builtin:sphere@1k")?;
+    /// let scene = Scene::from_mesh(partition(mesh, &PartitionOptions::default()));
+    /// let settings = Settings { tile_size: Some(32), ..Settings::new(64, 64) };
+    /// let camera = settings.framing().camera_for_scene(&scene);
+    /// let expected = Renderer::new().render(&scene, &camera, &settings)?;
+    ///
+    /// // Four tiles, two of them at a time.
+    /// let context = FrameContext::new(&scene, &camera, &settings, 1)?;
+    /// let (mut renderer, mut sorted, mut frame) = (Renderer::new(), Sorted::default(), Frame::default());
+    /// frame.resize(&settings);
+    /// renderer.sort(&context, &mut sorted);
+    /// for first in 0..2 {
+    ///     renderer.draw(&context, &sorted, &TileSet::every(2, first, 4), &mut frame);
+    /// }
+    /// assert_eq!(frame.difference(&expected), None);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Panics
+    /// If the frame does not have the size and the planes of the settings ([`Frame::resize`]).
+    pub fn draw(&mut self, context: &FrameContext, sorted: &Sorted, tiles: &TileSet, frame: &mut Frame) {
+        let begin = Instant::now();
+        let (level, threads) = (level(context), rayon::current_num_threads());
         if self.scratch.len() < threads {
             self.scratch.resize_with(threads, Mutex::default);
         }
-        let prepared = Instant::now();
-
-        self.batches.par_iter_mut().enumerate().with_max_len(1).for_each(|(i, batch)| {
-            let share = |i: usize| drawn.start + (clusters * i / batches) as u32;
-            let range = share(i)..share(i + 1);
-            dispatch!(level, simd => frontend::run(simd, &context, range.clone(), batch));
-        });
-        let binned = Instant::now();
-
-        let planes = Planes::new(frame, &scene.background);
-        let tiles = Tiles { context: &context, batches: &self.batches, planes: &planes, level };
-        let backend = tiles.draw(&mut self.scratch);
-        drop(planes);
-        let drawn = Instant::now();
-
-        let milliseconds = |from: Instant, to: Instant| (to - from).as_secs_f64() * 1e3;
+        let settings = context.settings;
+        let canvas = Canvas::new(frame, &settings.outputs, &context.scene.background, &context.grid);
+        let work = Tiles { context, sorted, canvas: &canvas, level };
+        let backend = work.draw(tiles, &mut self.scratch);
+        drop(canvas);
+        let milliseconds = begin.elapsed().as_secs_f64() * 1e3;
         frame.stats = FrameStats {
-            frontend: self
-                .batches
-                .iter()
-                .map(|b| b.counts)
-                .fold(FrontEndCounts::default(), FrontEndCounts::plus),
-            binning: BinningCounts::of(&self.batches, &grid),
+            frontend: sorted.counts,
+            binning: sorted.counts(&context.grid),
             backend: backend.finish(),
-            milliseconds: StageTimes {
-                prepare: milliseconds(begin, prepared),
-                frontend: milliseconds(prepared, binned),
-                backend: milliseconds(binned, drawn),
-                total: milliseconds(begin, drawn),
-            },
+            milliseconds: StageTimes { backend: milliseconds, total: milliseconds, ..StageTimes::default() },
             threads,
-            simd: simd.name(),
-            tile_size,
+            simd: settings.simd.unwrap_or_else(SimdLevel::best).name(),
+            tile_size: 1 << context.grid.shift,
         };
-        Ok(())
     }
+}
+
+/// The SIMD level of a frame. Settings were checked when its context was made.
+fn level(context: &FrameContext) -> Level {
+    let simd = context.settings.simd.unwrap_or_else(SimdLevel::best);
+    simd.level().unwrap_or_else(|| unreachable!("a level of this processor"))
 }
 
 /// The back end's work on one frame.
 struct Tiles<'a> {
     context: &'a FrameContext<'a>,
-    batches: &'a [Batch],
-    planes: &'a Planes<'a>,
+    sorted: &'a Sorted,
+    canvas: &'a Canvas<'a>,
     level: Level,
 }
 
 impl Tiles<'_> {
-    /// Draws all tiles: the few that hold a great part of the work one after another, shared by all threads,
+    /// Draws the tiles of a set: the few that hold a great part of the work one after another, shared by all threads,
     /// the others side by side.
-    fn draw(&self, scratch: &mut [Mutex<Scratch>]) -> BackEndCounts {
+    fn draw(&self, set: &TileSet, scratch: &mut [Mutex<Scratch>]) -> BackEndCounts {
         let threads = rayon::current_num_threads();
         let tiles = self.context.grid.count() as u32;
-        let fill = |tile: u32| self.batches.iter().map(|b| b.bins.fill(tile)).sum::<u64>();
-        let mut alone: Vec<u32> = (0..tiles).filter(|&tile| self.context.grid.draws(tile)).collect();
+        let fill = |tile: u32| self.sorted.fill(tile);
+        let is_drawn = |tile: &u32| self.context.grid.draws(*tile) && set.contains(*tile);
+        let mut alone: Vec<u32> = (0..tiles).filter(is_drawn).collect();
         let mut shared = Vec::new();
         if threads > 1 && self.context.settings.last_stage > LastStage::Bin {
             let work: u64 = (0..tiles).map(fill).sum();
@@ -203,7 +192,7 @@ impl Tiles<'_> {
                 // A thread that draws a tile does nothing else meanwhile, so the lock is free.
                 let mut scratch = scratch[own % threads].lock().unwrap_or_else(|e| e.into_inner());
                 dispatch!(self.level, simd => backend::run(
-                    simd, self.context, self.batches, tile, &mut scratch, self.planes,
+                    simd, self.context, &self.sorted.bins, tile, &mut scratch, self.canvas,
                 ))
             })
             .reduce(BackEndCounts::default, BackEndCounts::plus)
@@ -221,7 +210,7 @@ impl Tiles<'_> {
                 let scratch = scratch.get_mut().unwrap_or_else(|e| e.into_inner());
                 let share = Share { part, of };
                 dispatch!(self.level, simd => backend::run_share(
-                    simd, self.context, self.batches, tile, share, scratch, self.planes,
+                    simd, self.context, &self.sorted.bins, tile, share, scratch, self.canvas,
                 ))
             })
             .reduce(BackEndCounts::default, BackEndCounts::plus);
@@ -229,7 +218,7 @@ impl Tiles<'_> {
         let Some(first) = parts.next() else { unreachable!("a pool has a thread") };
         parts.for_each(|part| first.tile.merge(self.context, &part.tile));
         let shaded =
-            dispatch!(self.level, simd => backend::finish(simd, self.context, tile, first, self.planes));
+            dispatch!(self.level, simd => backend::finish(simd, self.context, tile, first, self.canvas));
         counts.plus(shaded)
     }
 }

@@ -8,7 +8,9 @@ use std::str::FromStr;
 use fearless_simd::Level;
 use tercio_scene::Framing;
 
-use crate::RenderError;
+use crate::binning::TileSet;
+use crate::error::RenderError;
+use crate::frame::Outputs;
 
 /// The largest width and height of a picture, in pixels.
 pub const MAX_SIZE: u32 = 32768;
@@ -103,7 +105,7 @@ pub enum Shading {
     Unlit,
 }
 
-/// A share of a frame's work: number `number` of `of` shares.
+/// A share of the clusters of a frame: number `number` of `of` shares.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Part {
     /// Which share, below `of`.
@@ -126,29 +128,6 @@ impl Part {
 impl Default for Part {
     fn default() -> Self {
         Self::WHOLE
-    }
-}
-
-/// Which pictures a frame holds.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Outputs {
-    /// 8-bit sRGB colour.
-    pub color: bool,
-    /// 16-bit sRGB colour.
-    pub color16: bool,
-    /// Distance along the line of sight.
-    pub depth: bool,
-    /// Primitive numbers.
-    pub ids: bool,
-    /// World-space normals.
-    pub normals: bool,
-    /// Visibility keys, by which pictures of parts are composed.
-    pub keys: bool,
-}
-
-impl Default for Outputs {
-    fn default() -> Self {
-        Self { color: true, color16: false, depth: false, ids: false, normals: false, keys: false }
     }
 }
 
@@ -260,9 +239,9 @@ pub struct Settings {
     pub cluster_culling: bool,
     /// Which clusters are drawn: a share of consecutive ones. All but the whole makes a part of the picture.
     pub clusters: Part,
-    /// Which tiles are drawn: of `of` tiles, counted row by row, number `number`. The pixels of the others stay as
-    /// they are in the frame.
-    pub tiles: Part,
+    /// Which tiles are drawn. The pixels of the others stay as they are in the frame. All but [`TileSet::ALL`] is made for
+    /// tiles of a size that is asked for by [`Settings::tile_size`].
+    pub tiles: TileSet,
     /// Where the work ends; anything but [`LastStage::Output`] makes no picture.
     pub last_stage: LastStage,
     /// `None` takes the best of this processor.
@@ -288,7 +267,7 @@ impl Settings {
             binning: Binning::default(),
             cluster_culling: true,
             clusters: Part::WHOLE,
-            tiles: Part::WHOLE,
+            tiles: TileSet::ALL,
             last_stage: LastStage::default(),
             simd: None,
         }
@@ -347,10 +326,15 @@ impl Settings {
         if let Some(t) = self.tile_size.filter(|t| ![8, 16, 32, 64, 128].contains(t)) {
             return setting("tile size", "8, 16, 32, 64 or 128 pixels".into(), t.to_string());
         }
-        for (what, part) in [("part of the clusters", self.clusters), ("part of the tiles", self.tiles)] {
-            if part.number >= part.of {
-                return setting(what, format!("below {}", part.of), part.number.to_string());
-            }
+        if self.clusters.number >= self.clusters.of {
+            let range = format!("below {}", self.clusters.of);
+            return setting("part of the clusters", range, self.clusters.number.to_string());
+        }
+        let edge = self.tile_edge();
+        let tiles = self.width.div_ceil(edge) as usize * self.height.div_ceil(edge) as usize;
+        if let Some(made_for) = self.tiles.tiles().filter(|&of| of != tiles || self.tile_size.is_none()) {
+            let range = format!("made for the {tiles} tiles of a size that is asked for");
+            return setting("set of tiles", range, format!("made for {made_for}"));
         }
         if let Some(level) = self.simd.filter(|l| l.level().is_none()) {
             let names: Vec<_> = SimdLevel::available().iter().map(|l| l.name()).collect();

@@ -3,7 +3,6 @@
 use serde::{Deserialize, Deserializer, Serialize, de};
 
 use crate::binning::{Bins, TileGrid};
-use crate::frontend::Batch;
 use crate::settings::SimdLevel;
 
 /// Name of a SIMD level. Under a name of its own, because `serde` would borrow a `&str` from what it reads.
@@ -170,14 +169,14 @@ impl FrontEndCounts {
 }
 
 impl BinningCounts {
-    /// What the batches of a frame hold.
-    pub(crate) fn of(batches: &[Batch], grid: &TileGrid) -> Self {
-        let sum = |count: fn(&Bins) -> u64| batches.iter().map(|b| count(&b.bins)).sum::<u64>();
+    /// What all bins of a frame hold.
+    pub(crate) fn of(all: &[Bins], grid: &TileGrid) -> Self {
+        let sum = |count: fn(&Bins) -> u64| all.iter().map(count).sum::<u64>();
         let (triangles, triangle_entries) = (sum(Bins::triangles), sum(Bins::triangle_entries));
         let (clusters, cluster_entries) = (sum(Bins::clusters), sum(Bins::cluster_entries));
         let (mut tiles_used, mut largest_tile) = (0, 0);
         for tile in 0..grid.count() as u32 {
-            let fill = batches.iter().map(|b| b.bins.fill(tile)).sum::<u64>();
+            let fill = all.iter().map(|bins| bins.fill(tile)).sum::<u64>();
             tiles_used += u64::from(fill > 0);
             largest_tile = largest_tile.max(fill);
         }

@@ -169,7 +169,7 @@ fn the_ground_has_no_hole_below_the_horizon() {
                 let what = format!("ground of {n}, column {x}, {camera:?}");
                 assert!(sky.iter().all(|&p| !seen[p]) && earth.iter().all(|&p| seen[p]), "hole: {what}");
                 for pair in earth.windows(2) {
-                    let (upper, lower) = (frame.depth[pair[0]], frame.depth[pair[1]]);
+                    let (upper, lower) = (frame.planes.depth[pair[0]], frame.planes.depth[pair[1]]);
                     // A sample may lie up to half a sub-pixel off: a little of a far row's distance.
                     assert!(lower <= upper * 1.001, "{upper} above {lower}: {what}");
                 }

@@ -48,7 +48,7 @@ fn at_box(scene: &Scene, from: [f64; 3], radii: f64, degrees: f64) -> Camera {
 #[track_caller]
 fn check(topic: &str, name: &str, scene: &Scene, camera: &Camera, settings: &Settings) {
     let frame = Renderer::new().render(scene, camera, settings).expect("a picture");
-    golden::check(topic, name, frame.width, frame.height, frame.color.as_flattened());
+    golden::check(topic, name, frame.width, frame.height, frame.planes.color.as_flattened());
 }
 
 #[test]

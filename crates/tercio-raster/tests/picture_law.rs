@@ -5,7 +5,8 @@ mod common;
 use common::*;
 use glam::DVec3;
 use tercio_mesh::{Mesh, OctNormal};
-use tercio_raster::{Cull, Frame, Part, Renderer, Settings, Shading, SimdLevel};
+use tercio_raster::frame::Pixel;
+use tercio_raster::{Cull, Frame, Part, Renderer, Settings, Shading, SimdLevel, TileSet};
 use tercio_scene::Camera;
 
 fn check_every_path(mesh: &Mesh, camera: &Camera, settings: &Settings, what: &str) {
@@ -266,16 +267,17 @@ fn parts_of_the_clusters_make_up_the_picture() {
     let settings = everything(211, 157);
     let expected = draw(&both, &camera, &settings);
     let mut composed = expected.clone();
-    composed.keys.fill(0);
+    for y in 0..157 {
+        let row = y as usize * 211..(y as usize + 1) * 211;
+        composed.planes.fill(row, &Pixel::of_background(&both.background, y, 157));
+    }
     for number in 0..5 {
         let part = draw(&both, &camera, &Settings { clusters: Part { number, of: 5 }, ..settings.clone() });
-        for (place, &key) in part.keys.iter().enumerate() {
-            if key > composed.keys[place] {
-                composed.keys[place] = key;
-                composed.color[place] = part.color[place];
-                composed.ids[place] = part.ids[place];
-            }
-        }
+        let keys = part.planes.keys.iter().zip(&composed.planes.keys);
+        let wins: Vec<bool> = keys.map(|(part, composed)| part > composed).collect();
+        let mut bytes = Vec::new();
+        part.planes.write_bytes(&settings.outputs, 0..wins.len(), &mut bytes);
+        composed.planes.read_bytes(&settings.outputs, &bytes, &wins, 0);
     }
     assert_same(&expected, &composed, "5 parts");
 }
@@ -290,10 +292,11 @@ fn parts_of_the_tiles_make_up_the_picture() {
         for tile_size in [8, 64] {
             let settings = Settings { tile_size: Some(tile_size), ..everything(211, 157) };
             let expected = draw(&both, &camera, &settings);
+            let tiles = 211u32.div_ceil(tile_size) as usize * 157u32.div_ceil(tile_size) as usize;
             let (mut frame, mut renderer) = (Frame::default(), Renderer::new());
             let mut elsewhere = 0;
             for number in 0..5 {
-                let settings = Settings { tiles: Part { number, of: 5 }, ..settings.clone() };
+                let settings = Settings { tiles: TileSet::every(5, number, tiles), ..settings.clone() };
                 renderer.render_into(&both, &camera, &settings, &mut frame).expect("a picture");
                 elsewhere += frame.stats.frontend.clusters_elsewhere;
             }

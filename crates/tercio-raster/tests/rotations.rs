@@ -68,7 +68,7 @@ fn shuffled(mesh: &Mesh, order: &[u32]) -> Mesh {
 }
 
 fn same_depth(a: &Frame, b: &Frame) -> bool {
-    a.depth.iter().zip(&b.depth).all(|(a, b)| a.to_bits() == b.to_bits())
+    a.planes.depth.iter().zip(&b.planes.depth).all(|(a, b)| a.to_bits() == b.to_bits())
 }
 
 #[test]
@@ -81,11 +81,11 @@ fn shuffled_triangles_draw_the_same_surface() {
             let settings = everything(140, 100);
             let a = draw(&scene(&mesh), &camera, &settings);
             let mut b = draw(&scene(&other), &camera, &settings);
-            for id in b.ids.iter_mut().filter(|id| **id != NO_PRIMITIVE) {
+            for id in b.planes.ids.iter_mut().filter(|id| **id != NO_PRIMITIVE) {
                 *id = order[*id as usize];
             }
             // A key is the depth and, from the end, the number of the triangle.
-            for key in b.keys.iter_mut().filter(|key| **key != 0) {
+            for key in b.planes.keys.iter_mut().filter(|key| **key != 0) {
                 let number = NO_PRIMITIVE - *key as u32;
                 *key = *key >> 32 << 32 | u64::from(NO_PRIMITIVE - order[number as usize]);
             }
@@ -113,7 +113,7 @@ fn among_equals_the_lower_number_is_seen() {
                 let settings = Settings { simd: Some(simd), ..settings.clone() };
                 let double = draw(&scene(&doubled), &camera, &settings);
                 assert!(same_depth(&single, &double), "{name}, {view}, {simd}");
-                for (p, (&one, &two)) in single.ids.iter().zip(&double.ids).enumerate() {
+                for (p, (&one, &two)) in single.planes.ids.iter().zip(&double.planes.ids).enumerate() {
                     let expected = first.get(one as usize).copied().unwrap_or(NO_PRIMITIVE);
                     assert_eq!(two, expected, "{name}, {view}, {simd}, pixel {p}, {one} in the single mesh");
                     seen += usize::from(one != NO_PRIMITIVE);

@@ -31,8 +31,15 @@ fn scaled(mesh: &Mesh, exponent: i32) -> Mesh {
 type Pixel = ([u8; 4], [u16; 4], u32, [u32; 3]);
 
 fn pixels(frame: &Frame) -> Vec<Pixel> {
-    (0..frame.ids.len())
-        .map(|p| (frame.color[p], frame.color16[p], frame.ids[p], frame.normals[p].map(f32::to_bits)))
+    (0..frame.planes.ids.len())
+        .map(|p| {
+            (
+                frame.planes.color[p],
+                frame.planes.color16[p],
+                frame.planes.ids[p],
+                frame.planes.normals[p].map(f32::to_bits),
+            )
+        })
         .collect()
 }
 
@@ -80,15 +87,15 @@ fn check(mesh: &Mesh, exponents: &[i32], what: &str) {
     for view in 0..3 {
         for shading in [Shading::Phong, Shading::Flat] {
             let plain = picture(0, view, shading);
-            let shown = plain.ids.iter().filter(|&&id| id != u32::MAX).count();
-            assert!(shown * 8 > plain.ids.len(), "{what}: {shown} pixels show something");
+            let shown = plain.planes.ids.iter().filter(|&&id| id != u32::MAX).count();
+            assert!(shown * 8 > plain.planes.ids.len(), "{what}: {shown} pixels show something");
             for &exponent in exponents {
                 let frame = picture(exponent, view, shading);
                 let what = format!("{what} times 2^{exponent}, view {view}, {shading:?}");
                 let (a, b) = (pixels(&plain), pixels(&frame));
                 let different = a.iter().zip(&b).filter(|(a, b)| a != b).count();
                 assert_eq!(different, 0, "{what}: pixels differ");
-                for (a, b) in plain.depth.iter().zip(&frame.depth) {
+                for (a, b) in plain.planes.depth.iter().zip(&frame.planes.depth) {
                     // The nearest ones may be no normal numbers.
                     let expected = (f64::from(*a) * power_of_two(exponent)) as f32;
                     assert!(*b == expected || !expected.is_normal(), "{what}: distances {b}, not {expected}");
@@ -132,7 +139,7 @@ fn unused_vertices_do_not_matter() {
         let scene = scene(&mesh);
         let camera = Framing::default().camera_for_scene(&scene);
         let frame = draw(&scene, &camera, &ids_only(64, 64));
-        let shown = frame.ids.iter().filter(|&&id| id != u32::MAX).count();
+        let shown = frame.planes.ids.iter().filter(|&&id| id != u32::MAX).count();
         assert!(shown > 500, "triangle of {size}, vertex at {far}: {shown} pixels");
     }
 }

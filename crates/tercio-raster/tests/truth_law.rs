@@ -30,7 +30,8 @@ fn check(meshes: &[&Mesh], scene: &Scene, camera: &Camera, shading: Shading, wha
         let mut scene = scene.clone();
         scene.instances.iter_mut().for_each(|instance| instance.surface.specular = specular);
         let colors = Settings { outputs: Outputs::default(), ..settings(shading) };
-        let [all, alone] = [settings(shading), colors].map(|settings| draw(&scene, camera, &settings).color);
+        let [all, alone] =
+            [settings(shading), colors].map(|settings| draw(&scene, camera, &settings).planes.color);
         assert!(all == alone, "{what}, specular {specular}: colours alone differ");
     }
     found

@@ -78,21 +78,24 @@ fn check(
     let settings = settings(shading);
     let (a, b) = (draw(first.0, first.1, &settings), draw(second.0, second.1, &settings));
     let (mut shown, mut other) = (0, 0);
-    for p in 0..a.ids.len() {
-        shown += usize::from(a.ids[p] != u32::MAX);
-        if a.ids[p] != b.ids[p] {
+    for p in 0..a.planes.ids.len() {
+        shown += usize::from(a.planes.ids[p] != u32::MAX);
+        if a.planes.ids[p] != b.planes.ids[p] {
             other += 1;
             continue;
         }
-        let at = format!("{what}, {shading:?}, pixel ({}, {}), triangle {}", p % 240, p / 240, a.ids[p]);
-        let step = (0..4).map(|k| a.color[p][k].abs_diff(b.color[p][k])).max();
-        assert!(step <= Some(1), "{at}: {:?} and {:?}", a.color[p], b.color[p]);
-        let (m, n) =
-            (by * DVec3::from(a.normals[p].map(f64::from)), DVec3::from(b.normals[p].map(f64::from)));
+        let at =
+            format!("{what}, {shading:?}, pixel ({}, {}), triangle {}", p % 240, p / 240, a.planes.ids[p]);
+        let step = (0..4).map(|k| a.planes.color[p][k].abs_diff(b.planes.color[p][k])).max();
+        assert!(step <= Some(1), "{at}: {:?} and {:?}", a.planes.color[p], b.planes.color[p]);
+        let (m, n) = (
+            by * DVec3::from(a.planes.normals[p].map(f64::from)),
+            DVec3::from(b.planes.normals[p].map(f64::from)),
+        );
         let degrees = m.cross(n).length().atan2(m.dot(n)).to_degrees();
         assert!(m == n || degrees <= DEGREES, "{at}: normals {m} and {n}, {degrees} degrees");
     }
-    assert!(shown * 10 >= a.ids.len(), "{what}: only {shown} pixels show something");
+    assert!(shown * 10 >= a.planes.ids.len(), "{what}: only {shown} pixels show something");
     assert!(other * others <= shown, "{what}: {other} of {shown} pixels show another triangle");
 }
 
@@ -150,7 +153,7 @@ fn check_model(mesh: &Mesh, turns: usize, random: &mut Random, name: &str) {
         for shading in [Shading::Phong, Shading::Flat] {
             let settings = settings(shading);
             let mut frame = draw(&turned, &turned_camera, &settings);
-            for n in &mut frame.normals {
+            for n in &mut frame.planes.normals {
                 *n = (by.inverse() * DVec3::from(n.map(f64::from))).as_vec3().to_array();
             }
             let size = [settings.width, settings.height];

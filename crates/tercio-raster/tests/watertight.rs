@@ -134,11 +134,11 @@ fn from_file(mesh: &Mesh, shift: DVec3) -> Mesh {
 fn differences(near: &Frame, far: &Frame, size: f64) -> (usize, f64) {
     let mut pixels = 0;
     let mut largest = 0.0f64;
-    for p in 0..near.ids.len() {
-        if near.ids[p] != far.ids[p] {
+    for p in 0..near.planes.ids.len() {
+        if near.planes.ids[p] != far.planes.ids[p] {
             pixels += 1;
-        } else if near.depth[p].is_finite() {
-            largest = largest.max(f64::from((near.depth[p] - far.depth[p]).abs()) / size);
+        } else if near.planes.depth[p].is_finite() {
+            largest = largest.max(f64::from((near.planes.depth[p] - far.planes.depth[p]).abs()) / size);
         }
     }
     (pixels, largest)

@@ -72,9 +72,13 @@ fn picture(path: &Path, crease_angle: Option<f64>) -> (Vec<[u8; 4]>, Vec<u32>, V
         frame = Renderer::new().render(&scene, &camera, &settings);
     }
     let frame = frame.expect("a picture");
-    let shown = frame.ids.iter().filter(|&&id| id != u32::MAX).count();
-    assert!(shown * 10 > frame.ids.len(), "{shown} pixels show something");
-    (frame.color, frame.ids, frame.normals.as_flattened().iter().map(|c| c.to_bits()).collect())
+    let shown = frame.planes.ids.iter().filter(|&&id| id != u32::MAX).count();
+    assert!(shown * 10 > frame.planes.ids.len(), "{shown} pixels show something");
+    (
+        frame.planes.color,
+        frame.planes.ids,
+        frame.planes.normals.as_flattened().iter().map(|c| c.to_bits()).collect(),
+    )
 }
 
 /// Makes a file of a mesh times a power of two.

@@ -1,7 +1,6 @@
 //! The owners' finished pixels to rank 0.
 
-use tercio_raster::backend::output::background_row;
-use tercio_raster::frame::NO_PRIMITIVE;
+use tercio_raster::frame::Pixel;
 use tercio_raster::{Frame, Outputs};
 use tercio_scene::Background;
 
@@ -47,7 +46,7 @@ pub fn collect(
 fn shown(frame: &Frame, region: &Region) -> u64 {
     let row = |y: u32| {
         let first = y as usize * frame.width as usize;
-        let keys = &frame.keys[first + region.x.start as usize..first + region.x.end as usize];
+        let keys = &frame.planes.keys[first + region.x.start as usize..first + region.x.end as usize];
         keys.iter().map(|&key| u64::from(key != 0)).sum::<u64>()
     };
     region.y.clone().map(row).sum()
@@ -55,20 +54,9 @@ fn shown(frame: &Frame, region: &Region) -> u64 {
 
 /// Gives a region the background.
 pub fn clear(frame: &mut Frame, region: &Region, background: &Background) {
-    fn fill<T: Clone>(plane: &mut [T], first: usize, count: usize, value: T) {
-        if let Some(row) = plane.get_mut(first..first + count) {
-            row.fill(value);
-        }
-    }
-    let count = region.x.len();
     for y in region.y.clone() {
         let first = y as usize * frame.width as usize + region.x.start as usize;
-        let (color, color16) = background_row(background, y, frame.height);
-        fill(&mut frame.color, first, count, color);
-        fill(&mut frame.color16, first, count, color16);
-        fill(&mut frame.depth, first, count, f32::INFINITY);
-        fill(&mut frame.ids, first, count, NO_PRIMITIVE);
-        fill(&mut frame.normals, first, count, [0.0; 3]);
-        fill(&mut frame.keys, first, count, 0);
+        let pixel = Pixel::of_background(background, y, frame.height);
+        frame.planes.fill(first..first + region.x.len(), &pixel);
     }
 }

@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use serde::Serialize;
-use tercio_raster::{Frame, Outputs, Part, Renderer, Settings};
+use tercio_raster::{Frame, Outputs, Part, Renderer, Settings, TileSet};
 use tercio_scene::{Camera, Scene};
 
 use crate::comm::Communicator;
@@ -111,7 +111,7 @@ impl Rank {
             Organisation::SortLast => sort_last::draw(self, comm, task, &regions, frame, &mut report)?,
         }
         if comm.rank() == 0 && !task.settings.outputs.keys {
-            self.keys = std::mem::take(&mut frame.keys);
+            self.keys = std::mem::take(&mut frame.planes.keys);
         }
         report.traffic = comm.traffic().since(before);
         Ok(report)
@@ -121,12 +121,12 @@ impl Rank {
     fn draw_part(
         &mut self,
         task: &Task,
-        (clusters, tiles): (Part, Part),
+        (clusters, tiles): (Part, TileSet),
         frame: &mut Frame,
         report: &mut RankReport,
     ) -> Result<(), ParallelError> {
-        if frame.keys.is_empty() {
-            frame.keys = std::mem::take(&mut self.keys);
+        if frame.planes.keys.is_empty() {
+            frame.planes.keys = std::mem::take(&mut self.keys);
         }
         let outputs = Outputs { keys: true, ..task.settings.outputs };
         // Tiles are the regions: the same for every rank, however many threads it has.

@@ -3,9 +3,9 @@
 //! Every rank looks at all clusters, drops those that reach none of its regions by their bounds, and draws the others,
 //! there only. Finished pixels travel to rank 0.
 
-use tercio_raster::{Frame, Part};
+use tercio_raster::{Frame, Part, TileSet};
 
-use super::{Rank, Task, share};
+use super::{Rank, Task};
 use crate::comm::Communicator;
 use crate::composite::collect::{clear, collect};
 use crate::regions::Regions;
@@ -24,7 +24,8 @@ pub(super) fn draw(
     if comm.rank() >= regions.owners() {
         return Ok(());
     }
-    own.draw_part(task, (Part::WHOLE, share(comm)), frame, report)?;
+    let tiles = TileSet::every(comm.size() as u32, comm.rank() as u32, regions.count() as usize);
+    own.draw_part(task, (Part::WHOLE, tiles), frame, report)?;
     if comm.rank() == 0 {
         report.stages.collect.time(|| {
             for region in (1..regions.owners()).flat_map(|rank| regions.of(rank)) {

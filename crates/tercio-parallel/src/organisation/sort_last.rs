@@ -3,7 +3,7 @@
 //! Rank r of n draws consecutive clusters, the r-th of n shares: neighbours in space, so that it sees a small part of
 //! the picture. What it sees travels to the owners of regions with its keys, and from there to rank 0.
 
-use tercio_raster::{Frame, Outputs, Part};
+use tercio_raster::{Frame, Outputs, Part, TileSet};
 
 use super::{Rank, Task, clusters_of, share};
 use crate::comm::Communicator;
@@ -28,7 +28,7 @@ pub(super) fn draw(
     if !sees(comm.rank()) && comm.rank() >= regions.owners() {
         return Ok(());
     }
-    own.draw_part(task, (part, Part::WHOLE), frame, report)?;
+    own.draw_part(task, (part, TileSet::ALL), frame, report)?;
     let planes = Outputs { keys: true, ..task.settings.outputs };
     compose(comm, regions, &planes, sees, frame, report)?;
     collect(comm, regions, &task.settings.outputs, frame, report)

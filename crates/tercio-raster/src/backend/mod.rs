@@ -1,5 +1,5 @@
 //! The back end, parallel over tiles: coverage, depth and visibility into a small tile memory, every visible
-//! pixel shaded and written to the picture ([`output`]).
+//! pixel shaded and written to the picture ([`Canvas`]).
 //!
 //! Clusters come front to back, and one that lies behind everything drawn where it would appear is left out.
 //! What a cluster wins is shaded while it is at hand ([`cluster`]). Pixels of triangles that were sorted one by
@@ -14,22 +14,20 @@ pub mod interpolate;
 pub mod light;
 pub mod memory;
 mod order;
-pub mod output;
-mod plain;
 pub mod shade;
 pub mod table;
 pub mod visibility;
 
 use fearless_simd::Simd;
 
+use crate::binning::Bins;
 use crate::context::FrameContext;
-use crate::frontend::Batch;
+use crate::frame::{Canvas, Outputs, Planes};
 use crate::settings::LastStage;
 use crate::stats::BackEndCounts;
 use cluster::ClusterPass;
 use memory::TileMemory;
 use order::DepthOrder;
-use output::Planes;
 use shade::WinnerScratch;
 
 /// The memory that one thread needs to draw a tile.
@@ -37,7 +35,7 @@ use shade::WinnerScratch;
 pub struct Scratch {
     /// What is seen where.
     pub tile: TileMemory,
-    pixels: output::TilePixels,
+    pixels: Planes,
     order: DepthOrder,
     pass: ClusterPass,
     winners: WinnerScratch,
@@ -64,31 +62,31 @@ enum Shade {
     Later,
 }
 
-/// Draws one tile from the bins of all batches and writes it to the picture.
+/// Draws one tile from all bins and writes it to the picture.
 #[inline(always)]
 pub fn run<S: Simd>(
     simd: S,
     context: &FrameContext,
-    batches: &[Batch],
+    bins: &[Bins],
     tile: u32,
     scratch: &mut Scratch,
-    planes: &Planes,
+    canvas: &Canvas,
 ) -> BackEndCounts {
     let mut counts = BackEndCounts::default();
-    let rect = output::tile_rect(context, tile);
-    scratch.pixels.clear(rect, 1 << memory::stride_bits(context), planes);
-    let triangles: usize = batches.iter().map(|b| b.bins.triangles_in(tile).len()).sum();
-    let clusters: usize = batches.iter().map(|b| b.bins.clusters_in(tile).len()).sum();
+    let (target, stride) = (canvas.claim(tile), 1 << memory::stride_bits(context));
+    target.clear(&mut scratch.pixels, stride);
+    let triangles: usize = bins.iter().map(|b| b.triangles_in(tile).len()).sum();
+    let clusters: usize = bins.iter().map(|b| b.clusters_in(tile).len()).sum();
     let last = context.settings.last_stage;
     if triangles + clusters > 0 && last > LastStage::Bin {
         let all = Share { part: 0, of: 1 };
-        draw(simd, context, batches, tile, all, Shade::AtOnce, scratch, planes, &mut counts);
+        draw(simd, context, bins, tile, all, Shade::AtOnce, scratch, canvas.outputs(), &mut counts);
         if triangles > 0 && last > LastStage::Visibility {
-            shade::tile(simd, context, &scratch.tile, &mut scratch.pixels, planes, &mut counts);
+            shade::tile(simd, context, &scratch.tile, &mut scratch.pixels, canvas.outputs(), &mut counts);
         }
         counts.pixels_visible += scratch.tile.visible();
     }
-    scratch.pixels.write(rect, planes);
+    target.write(&scratch.pixels, stride);
     counts
 }
 
@@ -97,14 +95,14 @@ pub fn run<S: Simd>(
 pub fn run_share<S: Simd>(
     simd: S,
     context: &FrameContext,
-    batches: &[Batch],
+    bins: &[Bins],
     tile: u32,
     share: Share,
     scratch: &mut Scratch,
-    planes: &Planes,
+    canvas: &Canvas,
 ) -> BackEndCounts {
     let mut counts = BackEndCounts::default();
-    draw(simd, context, batches, tile, share, Shade::Later, scratch, planes, &mut counts);
+    draw(simd, context, bins, tile, share, Shade::Later, scratch, canvas.outputs(), &mut counts);
     counts
 }
 
@@ -115,17 +113,17 @@ pub fn finish<S: Simd>(
     context: &FrameContext,
     tile: u32,
     scratch: &mut Scratch,
-    planes: &Planes,
+    canvas: &Canvas,
 ) -> BackEndCounts {
     let mut counts = BackEndCounts::default();
-    let rect = output::tile_rect(context, tile);
-    scratch.pixels.clear(rect, 1 << memory::stride_bits(context), planes);
+    let (target, stride) = (canvas.claim(tile), 1 << memory::stride_bits(context));
+    target.clear(&mut scratch.pixels, stride);
     if context.settings.last_stage <= LastStage::Visibility {
         return counts;
     }
-    shade::tile(simd, context, &scratch.tile, &mut scratch.pixels, planes, &mut counts);
+    shade::tile(simd, context, &scratch.tile, &mut scratch.pixels, canvas.outputs(), &mut counts);
     counts.pixels_visible += scratch.tile.visible();
-    scratch.pixels.write(rect, planes);
+    target.write(&scratch.pixels, stride);
     counts
 }
 
@@ -136,17 +134,17 @@ pub fn finish<S: Simd>(
 fn draw<S: Simd>(
     simd: S,
     context: &FrameContext,
-    batches: &[Batch],
+    bins: &[Bins],
     tile: u32,
     share: Share,
     shade: Shade,
     scratch: &mut Scratch,
-    planes: &Planes,
+    outputs: &Outputs,
     counts: &mut BackEndCounts,
 ) {
     simd.vectorize(
         #[inline(always)]
-        || draw_inline(simd, context, batches, tile, share, shade, scratch, planes, counts),
+        || draw_inline(simd, context, bins, tile, share, shade, scratch, outputs, counts),
     );
 }
 
@@ -155,17 +153,17 @@ fn draw<S: Simd>(
 fn draw_inline<S: Simd>(
     simd: S,
     context: &FrameContext,
-    batches: &[Batch],
+    bins: &[Bins],
     tile: u32,
     share: Share,
     shade: Shade,
     scratch: &mut Scratch,
-    planes: &Planes,
+    outputs: &Outputs,
     counts: &mut BackEndCounts,
 ) {
     let Scratch { tile: memory, pixels, order, pass, winners } = scratch;
     memory.clear(context, tile);
-    let triangles = batches.iter().flat_map(|b| b.bins.triangles_in(tile));
+    let triangles = bins.iter().flat_map(|b| b.triangles_in(tile));
     let mut mixed = false;
     let last = context.settings.last_stage;
     for triangle in triangles.skip(share.part).step_by(share.of) {
@@ -175,7 +173,7 @@ fn draw_inline<S: Simd>(
         visibility::draw(simd, context, triangle, memory, None, counts);
         mixed = true;
     }
-    let entries = batches.iter().flat_map(|b| b.bins.clusters_in(tile));
+    let entries = bins.iter().flat_map(|b| b.clusters_in(tile));
     order.front_to_back(entries.skip(share.part).step_by(share.of));
     let clusters = order.clusters();
     // What was hidden when it was looked at ahead stays hidden.
@@ -201,7 +199,7 @@ fn draw_inline<S: Simd>(
             if mixed {
                 memory.mark_shaded(pass.winners.places());
             }
-            shade::winners(simd, context, binned.number, pass, memory, winners, pixels, planes, counts);
+            shade::winners(simd, context, binned.number, pass, memory, winners, pixels, outputs, counts);
         }
     }
 }

@@ -9,18 +9,25 @@
 
 mod lists;
 mod overlap;
+mod sorted;
+mod tile_set;
 
 pub use lists::TileLists;
 pub use overlap::covers_tile;
+pub use sorted::{Sorted, SortedError};
+pub use tile_set::TileSet;
+
+use bytemuck::{Pod, Zeroable};
 
 use crate::backend::edges::Edges;
 use crate::conventions::{first_sample, last_sample};
-use crate::settings::{Binning, Part};
+use crate::settings::Binning;
 use crate::view::ScreenVertex;
 
 /// A triangle on the screen, ready for the back end. Its farthest corner comes first: depth is interpolated
 /// from there.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
 pub struct ScreenTriangle {
     /// Screen coordinates of the corners.
     pub x: [i32; 3],
@@ -100,7 +107,7 @@ impl PixelRect {
 }
 
 /// How the picture is divided into tiles.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct TileGrid {
     /// log2 of a tile's edge in pixels.
     pub shift: u32,
@@ -108,13 +115,13 @@ pub struct TileGrid {
     pub columns: u32,
     /// Tiles down.
     pub rows: u32,
-    /// Which of them are drawn: every `of`-th from number `number` on.
-    pub drawn: Part,
+    /// Which of them are drawn.
+    pub drawn: TileSet,
 }
 
 impl TileGrid {
     /// Divides a picture; `size` is a power of two.
-    pub fn new(width: u32, height: u32, size: u32, drawn: Part) -> Self {
+    pub fn new(width: u32, height: u32, size: u32, drawn: TileSet) -> Self {
         let [columns, rows] = [width, height].map(|n| n.div_ceil(size));
         Self { shift: size.trailing_zeros(), columns, rows, drawn }
     }
@@ -122,13 +129,13 @@ impl TileGrid {
     /// Is the tile drawn?
     #[inline(always)]
     pub fn draws(&self, tile: u32) -> bool {
-        self.drawn.of == 1 || tile % self.drawn.of == self.drawn.number
+        self.drawn.contains(tile)
     }
 
     /// Is one of the tiles that a rectangle of pixels touches drawn? Columns, then rows, first and last.
     pub fn draws_some_of(&self, rect: [u16; 4]) -> bool {
         let [x0, x1, y0, y1] = rect.map(|pixel| u32::from(pixel) >> self.shift);
-        self.drawn.of == 1 || (y0..=y1).any(|y| (x0..=x1).any(|x| self.draws(y * self.columns + x)))
+        self.drawn.is_all() || (y0..=y1).any(|y| (x0..=x1).any(|x| self.draws(y * self.columns + x)))
     }
 
     /// Tiles of the picture.
@@ -143,6 +150,18 @@ impl TileGrid {
         along(x0, x1) * along(y0, y1)
     }
 
+    /// The pixels of a tile that lie inside a picture of some pixels across and down.
+    pub fn rect(&self, tile: u32, [width, height]: [u32; 2]) -> PixelRect {
+        let (x, y) = self.corner(tile);
+        let edge = 1u32 << self.shift;
+        PixelRect {
+            x0: x as i32,
+            x1: (x + edge).min(width) as i32 - 1,
+            y0: y as i32,
+            y1: (y + edge).min(height) as i32 - 1,
+        }
+    }
+
     /// First column and row of pixels of a tile.
     pub fn corner(&self, tile: u32) -> (u32, u32) {
         ((tile % self.columns) << self.shift, (tile / self.columns) << self.shift)
@@ -150,7 +169,8 @@ impl TileGrid {
 }
 
 /// A cluster in a tile's bin.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(C)]
 pub struct BinnedCluster {
     /// Its number in the frame.
     pub number: u32,

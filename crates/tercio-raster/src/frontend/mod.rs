@@ -23,11 +23,10 @@ use crate::stats::FrontEndCounts;
 use cull::{ClusterLanes, ClusterTests, Placement};
 use triangles::TrianglePass;
 
-/// What one batch of clusters made.
-#[derive(Debug, Default)]
-pub struct Batch {
+/// Where one batch of clusters goes.
+pub struct Batch<'a> {
     /// Clusters and triangles, sorted into tiles.
-    pub bins: Bins,
+    pub bins: &'a mut Bins,
     /// What happened to the rest.
     pub counts: FrontEndCounts,
 }
@@ -36,11 +35,16 @@ pub struct Batch {
 /// transform all of them.
 const MOST_TILES: u32 = 16;
 
-/// Draws a range of the scene's clusters into the bins of a batch.
+/// Sorts a range of the scene's clusters into the bins of a batch.
 #[inline(always)]
-pub fn run<S: Simd>(simd: S, context: &FrameContext, clusters: Range<u32>, batch: &mut Batch) {
-    batch.bins.clear();
-    batch.counts = FrontEndCounts::default();
+pub fn run<S: Simd>(
+    simd: S,
+    context: &FrameContext,
+    clusters: Range<u32>,
+    bins: &mut Bins,
+) -> FrontEndCounts {
+    bins.clear();
+    let batch = &mut Batch { bins, counts: FrontEndCounts::default() };
     let mut pass = TrianglePass::default();
     let mut lanes = ClusterLanes::default();
     for (instance, number, range) in context.by_instance(clusters) {
@@ -51,6 +55,7 @@ pub fn run<S: Simd>(simd: S, context: &FrameContext, clusters: Range<u32>, batch
         }
     }
     batch.bins.sort(&context.grid);
+    batch.counts
 }
 
 /// Sorts at most 16 clusters of one instance, of which the first has this number in the frame.

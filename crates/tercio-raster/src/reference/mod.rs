@@ -10,16 +10,15 @@ mod shading;
 use tercio_mesh::Mesh;
 use tercio_scene::{Camera, Scene};
 
-use crate::backend::output::background_row;
 use crate::context::check_range;
 use crate::conventions::{SAMPLE, SUBPIXELS};
-use crate::frame::{Frame, NO_PRIMITIVE, visibility_key};
+use crate::frame::{Frame, Pixel, visibility_key};
 use crate::frontend::clip::clip_triangle;
 use crate::lighting::LightRig;
 use crate::settings::{Cull, Settings};
 use crate::view::{ObjectView, ScreenVertex, View};
 use crate::{FrameStats, RenderError};
-use shading::{Pixel, shade};
+use shading::shade;
 
 /// What is seen at a sample.
 #[derive(Clone, Copy)]
@@ -81,34 +80,25 @@ pub fn render(
     let first_primitives = first_primitives(meshes);
     for (place, sample) in samples.iter().enumerate() {
         let (x, y) = (place % width, place / width);
-        let background = background_row(&scene.background, y as u32, settings.height);
-        let mut pixel = Pixel::of_background(background);
-        let (mut distance, mut id, mut key) = (f32::INFINITY, NO_PRIMITIVE, 0);
+        let mut pixel = Pixel::of_background(&scene.background, y as u32, settings.height);
         if sample.triangle != usize::MAX {
             let (mesh, object) = (meshes[sample.instance], &objects[sample.instance]);
             let surface = &scene.instances[sample.instance].surface;
-            pixel = shade(mesh, sample.triangle, surface, object, &lights, settings.shading, [x, y]);
-            distance = view.distance(sample.depth);
+            let shaded = shade(mesh, sample.triangle, surface, object, &lights, settings.shading, [x, y]);
             let face = mesh.face_of_triangle.as_ref().map_or(sample.triangle as u32, |f| f[sample.triangle]);
-            id = first_faces[sample.instance] + face;
             let primitive = first_primitives[sample.instance] + sample.triangle as u32;
-            key = visibility_key(sample.depth, primitive);
+            pixel = Pixel {
+                keys: visibility_key(sample.depth, primitive),
+                color: shaded.color,
+                color16: shaded.color16,
+                depth: view.distance(sample.depth),
+                ids: first_faces[sample.instance] + face,
+                normals: shaded.normal,
+            };
         }
-        put(&mut frame.color, place, pixel.color);
-        put(&mut frame.color16, place, pixel.color16);
-        put(&mut frame.depth, place, distance);
-        put(&mut frame.ids, place, id);
-        put(&mut frame.normals, place, pixel.normal);
-        put(&mut frame.keys, place, key);
+        frame.planes.put(place, &pixel);
     }
     Ok(frame)
-}
-
-/// Writes to a plane if it was asked for.
-fn put<T>(plane: &mut [T], place: usize, value: T) {
-    if let Some(slot) = plane.get_mut(place) {
-        *slot = value;
-    }
 }
 
 /// Number of each mesh's first face.

@@ -10,18 +10,11 @@ use crate::lighting::LightRig;
 use crate::settings::Shading;
 use crate::view::ObjectView;
 
-/// What a frame says of a pixel.
-pub struct Pixel {
+/// What shading finds for a pixel.
+pub struct Shaded {
     pub color: [u8; 4],
     pub color16: [u16; 4],
     pub normal: [f32; 3],
-}
-
-impl Pixel {
-    /// Where nothing was drawn.
-    pub fn of_background((color, color16): ([u8; 4], [u16; 4])) -> Self {
-        Self { color, color16, normal: [0.0; 3] }
-    }
 }
 
 type Vec3 = [f32; 3];
@@ -66,7 +59,7 @@ pub fn shade(
     lights: &LightRig,
     shading: Shading,
     pixel: [usize; 2],
-) -> Pixel {
+) -> Shaded {
     let corners = Mesh::canonical(mesh.triangles[triangle]).map(|v| v as usize);
     let p = corners.map(|v| mesh.positions[v]);
     let Interpolation { area, scale, weight } = interpolation(object, p, pixel.map(|c| c as i32));
@@ -132,7 +125,7 @@ pub fn shade(
             each(|k| albedo[k] * diffuse[k] + specular[k])
         }
     };
-    Pixel {
+    Shaded {
         color: [encode8(linear[0]), encode8(linear[1]), encode8(linear[2]), 255],
         color16: [encode16(linear[0]), encode16(linear[1]), encode16(linear[2]), 65535],
         normal,

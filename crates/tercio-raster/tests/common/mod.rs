@@ -112,7 +112,7 @@ pub fn orthographic(eye: [f64; 3], target: [f64; 3], height: f64) -> Camera {
 
 /// Settings that ask for every plane.
 pub fn everything(width: u32, height: u32) -> Settings {
-    let outputs = Outputs { color: true, color16: true, depth: true, ids: true, normals: true, keys: true };
+    let outputs = Outputs::ALL;
     Settings { outputs, ..Settings::new(width, height) }
 }
 
@@ -127,33 +127,8 @@ pub fn draw_reference(mesh: &Mesh, scene: &Scene, camera: &Camera, settings: &Se
 /// Fails with the first pixel that differs in any plane.
 #[track_caller]
 pub fn assert_same(expected: &Frame, found: &Frame, what: &str) {
-    let bits = |f: &Frame| -> Vec<_> {
-        let normals: Vec<[u32; 3]> = f.normals.iter().map(|n| n.map(f32::to_bits)).collect();
-        let depth: Vec<u32> = f.depth.iter().map(|d| d.to_bits()).collect();
-        let pixels = f.width as usize * f.height as usize;
-        let get = |p: usize| {
-            (
-                f.ids.get(p).copied(),
-                depth.get(p).copied(),
-                f.color.get(p).copied(),
-                f.color16.get(p).copied(),
-                normals.get(p).copied(),
-                f.keys.get(p).copied(),
-            )
-        };
-        (0..pixels).map(get).collect()
-    };
-    assert_eq!((expected.width, expected.height), (found.width, found.height), "{what}");
-    let (a, b) = (bits(expected), bits(found));
-    let different = a.iter().zip(&b).filter(|(a, b)| a != b).count();
-    if let Some(p) = (0..a.len()).find(|&p| a[p] != b[p]) {
-        let (x, y) = (p % expected.width as usize, p / expected.width as usize);
-        panic!(
-            "{what}: {different} of {} pixels differ, first ({x}, {y}):\n expected {:?}\n found    {:?}",
-            a.len(),
-            a[p],
-            b[p]
-        );
+    if let Some(difference) = found.difference(expected) {
+        panic!("{what}: {difference}");
     }
 }
 
@@ -227,7 +202,7 @@ pub fn direction(random: &mut Random) -> DVec3 {
 
 /// Which pixels show something.
 pub fn covered(frame: &Frame) -> Vec<bool> {
-    frame.ids.iter().map(|&id| id != NO_PRIMITIVE).collect()
+    frame.planes.ids.iter().map(|&id| id != NO_PRIMITIVE).collect()
 }
 
 /// Settings that ask for primitive numbers only.

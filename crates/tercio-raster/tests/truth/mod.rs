@@ -255,10 +255,10 @@ impl<'a> Truth<'a> {
                 .iter()
                 .flat_map(|dy| [-1.0, 0.0, 1.0].map(|dx| self.look(cx + dx * SHIFT, cy + dy * SHIFT)))
                 .collect();
-            let shown = Some(frame.ids[place]).filter(|&id| id != NO_PRIMITIVE).map(|id| id as usize);
+            let shown = Some(frame.planes.ids[place]).filter(|&id| id != NO_PRIMITIVE).map(|id| id as usize);
             if shown.is_some() {
                 let (_, direction) = self.ray(cx, cy);
-                let normal = DVec3::from(frame.normals[place].map(f64::from));
+                let normal = DVec3::from(frame.planes.normals[place].map(f64::from));
                 found.least_cosine = found.least_cosine.min(-direction.normalize().dot(normal));
             }
             if around.iter().any(|seen| seen.map(|seen| seen.triangle) != triangle) {
@@ -318,11 +318,11 @@ impl<'a> Truth<'a> {
             values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)))
         };
         let (nearest, farthest) = range(&|s| s.distance);
-        let (error, depth) = (self.depth_error(seen.distance), f64::from(frame.depth[place]));
+        let (error, depth) = (self.depth_error(seen.distance), f64::from(frame.planes.depth[place]));
         if !(nearest - error <= depth && depth <= farthest + error) {
             return Some(format!("depth {depth}, not {} ({nearest} to {farthest})", seen.distance));
         }
-        let normal = DVec3::from(frame.normals[place].map(f64::from));
+        let normal = DVec3::from(frame.planes.normals[place].map(f64::from));
         let degrees = |a: DVec3, b: DVec3| a.cross(b).length().atan2(a.dot(b)).to_degrees();
         let spread = around.iter().map(|s| degrees(s.normal, seen.normal)).fold(0.0, f64::max);
         let off = degrees(normal, seen.normal);
@@ -331,9 +331,9 @@ impl<'a> Truth<'a> {
         }
         for k in 0..3 {
             let (low, high) = range(&|s| s.levels[k]);
-            let level = f64::from(frame.color[place][k]);
+            let level = f64::from(frame.planes.color[place][k]);
             if !(low - LEVEL_ERROR <= level && level <= high + LEVEL_ERROR) {
-                return Some(format!("colour {:?}, not {:?}", frame.color[place], seen.levels));
+                return Some(format!("colour {:?}, not {:?}", frame.planes.color[place], seen.levels));
             }
         }
         None

@@ -151,10 +151,10 @@ pub struct Picture<'a> {
 impl<'a> Picture<'a> {
     /// The colour of a frame: 16 bits if the frame has them, else 8.
     pub fn from_frame(frame: &'a Frame) -> Self {
-        let pixels = if frame.color16.is_empty() {
-            Pixels::Eight(Cow::Borrowed(&frame.color))
+        let pixels = if frame.planes.color16.is_empty() {
+            Pixels::Eight(Cow::Borrowed(&frame.planes.color))
         } else {
-            Pixels::Sixteen(Cow::Borrowed(&frame.color16))
+            Pixels::Sixteen(Cow::Borrowed(&frame.planes.color16))
         };
         Self { width: frame.width, height: frame.height, pixels }
     }

@@ -97,7 +97,7 @@ mod tests {
             assert_eq!(StandardStream::from_path(name), Some(StandardStream::Output), "{name}");
         }
         assert_eq!(StandardStream::from_path(&to_out), Some(StandardStream::Output));
-        assert_eq!(StandardStream::from_path(&at("open/2")), Some(StandardStream::Error));
+        assert_eq!(StandardStream::from_path(at("open/2")), Some(StandardStream::Error));
         assert_eq!(StandardStream::from_path("/dev/stdin"), Some(StandardStream::Input));
         assert_eq!(OpenFile::from_path("/dev/fd/7".as_ref()), Some(OpenFile::Own(7)));
         assert_eq!(OpenFile::from_path("/proc/1/fd/1".as_ref()), Some(OpenFile::OfAnother));

@@ -176,8 +176,7 @@ impl<'a> Frame<'a> {
 
     /// Is this tile in the part of the picture that is drawn?
     pub fn draws(&self, tile: usize) -> bool {
-        let part = self.settings.tiles;
-        tile as u64 % u64::from(part.of) == u64::from(part.number)
+        self.settings.tiles.contains(tile as u32)
     }
 
     /// Is one of the tiles that a box of pixels touches?

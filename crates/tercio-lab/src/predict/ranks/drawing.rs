@@ -1,7 +1,7 @@
 //! What every rank's renderer does.
 
 use tercio_parallel::Organisation;
-use tercio_raster::{Part, Settings};
+use tercio_raster::{Part, Settings, TileSet};
 use tercio_scene::{Camera, Scene};
 
 use super::traffic::Sharing;
@@ -29,7 +29,12 @@ pub fn drawing(
             }
             Organisation::SortLast => Settings { clusters: part, ..settings.clone() },
             Organisation::SortFirst if rank >= owners => return Ok(Counters::default()),
-            Organisation::SortFirst => Settings { tiles: part, ..settings.clone() },
+            Organisation::SortFirst => {
+                let edge = settings.tile_edge();
+                let tiles = settings.width.div_ceil(edge) as usize * settings.height.div_ceil(edge) as usize;
+                let tiles = TileSet::every(part.of, part.number, tiles);
+                Settings { tiles, tile_size: Some(edge), ..settings.clone() }
+            }
             other => return Err(PredictError::Organisation(other)),
         };
         Ok(count(scene, camera, &settings, 1)?.frame)

@@ -2,19 +2,18 @@ use proptest::prelude::*;
 
 use super::*;
 
-const EVERYTHING: Outputs =
-    Outputs { color: true, color16: true, depth: true, ids: true, normals: true, keys: true };
+const EVERYTHING: Outputs = Outputs::ALL;
 
 fn frame(width: u32, keys: Vec<u64>) -> Frame {
     let of = |key: &u64| *key as u32;
     let mut frame = Frame::default();
     (frame.width, frame.height) = (width, keys.len() as u32 / width);
-    frame.color = keys.iter().map(|k| of(k).to_le_bytes()).collect();
-    frame.color16 = keys.iter().map(|k| [of(k) as u16; 4]).collect();
-    frame.depth = keys.iter().map(|k| of(k) as f32).collect();
-    frame.ids = keys.iter().map(of).collect();
-    frame.normals = keys.iter().map(|k| [of(k) as f32, 1.0, 2.0]).collect();
-    frame.keys = keys;
+    frame.planes.color = keys.iter().map(|k| of(k).to_le_bytes()).collect();
+    frame.planes.color16 = keys.iter().map(|k| [of(k) as u16; 4]).collect();
+    frame.planes.depth = keys.iter().map(|k| of(k) as f32).collect();
+    frame.planes.ids = keys.iter().map(of).collect();
+    frame.planes.normals = keys.iter().map(|k| [of(k) as f32, 1.0, 2.0]).collect();
+    frame.planes.keys = keys;
     frame
 }
 
@@ -34,7 +33,7 @@ fn the_bytes_of_a_packet() {
     expected.extend([7, 0, 0, 0, 9, 0, 0, 0]);
     expected.extend([7, 0, 0, 0, 1, 0, 5, 0, 0, 0, 0, 0, 0, 0, 5, 0, 0, 0]);
     assert_eq!(bytes, expected);
-    assert_eq!(bytes.len(), 2 * SPAN_HEAD + 3 * pixel_bytes(&planes));
+    assert_eq!(bytes.len(), 2 * SPAN_HEAD + 3 * planes.pixel_bytes());
 }
 
 #[test]
@@ -68,7 +67,7 @@ proptest! {
         let done = unpack(&bytes, &EVERYTHING, true, &mut frame_of_ours).unwrap();
         prop_assert_eq!(&frame_of_ours, &frame(width, expected));
         prop_assert_eq!(done.pixels, sent);
-        prop_assert_eq!(done.written, frame_of_ours.keys.iter().filter(|k| *k % 2 == 1).count() as u64);
+        prop_assert_eq!(done.written, frame_of_ours.planes.keys.iter().filter(|k| *k % 2 == 1).count() as u64);
     }
 
     #[test]

@@ -1,0 +1,218 @@
+//! What the front end leaves behind: all that the back end needs to draw a set of tiles, wherever it came from.
+
+use bytemuck::{Pod, Zeroable, cast_slice, pod_read_unaligned};
+
+use super::{BinnedCluster, Bins, ScreenTriangle, TileGrid, TileSet};
+use crate::context::FrameContext;
+use crate::stats::{BinningCounts, FrontEndCounts};
+
+/// Clusters and triangles of a frame, sorted into its tiles.
+///
+/// They are made by [`Renderer::sort`](crate::Renderer::sort), or come from another rank as bytes
+/// ([`Sorted::write_bytes`], [`Sorted::read_bytes`]).
+#[derive(Debug, Default)]
+pub struct Sorted {
+    /// One for each batch of clusters and each message.
+    pub(crate) bins: Vec<Bins>,
+    /// What the front end met and dropped; nothing for what came as bytes.
+    pub(crate) counts: FrontEndCounts,
+}
+
+/// Why bytes are no bins of a frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SortedError {
+    /// The lengths in the bytes do not add up to their number.
+    #[error("{bytes} bytes are not the length of any bins")]
+    Length {
+        /// How many there are.
+        bytes: usize,
+    },
+    /// They were made for a picture that is divided otherwise.
+    #[error("bins of {found:?} tiles of 2^{shift} pixels, expected {expected:?}")]
+    Grid {
+        /// Tiles across and down.
+        found: [u32; 2],
+        /// Tiles across and down of the frame.
+        expected: [u32; 2],
+        /// log2 of the edge of a tile.
+        shift: u32,
+    },
+    /// A tile, a cluster or a triangle is not one of the frame.
+    #[error("{what} {number} is none of the frame's")]
+    Number {
+        /// What it is.
+        what: &'static str,
+        /// Its number.
+        number: u32,
+    },
+}
+
+/// What the bytes begin with.
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+struct Head {
+    shift: u32,
+    columns: u32,
+    rows: u32,
+    /// Tiles with entries.
+    tiles: u32,
+    /// Triangles, each once.
+    triangles: u32,
+    /// Their entries in all tiles.
+    triangle_entries: u32,
+    /// Entries of clusters in all tiles.
+    cluster_entries: u32,
+}
+
+/// The entries of a tile.
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+struct TileHead {
+    tile: u32,
+    triangles: u32,
+    clusters: u32,
+}
+
+impl Sorted {
+    /// Empties it, keeping its memory.
+    pub fn clear(&mut self) {
+        self.bins.clear();
+        self.counts = FrontEndCounts::default();
+    }
+
+    /// Entries of a tile, triangles and clusters.
+    pub fn fill(&self, tile: u32) -> u64 {
+        self.bins.iter().map(|bins| bins.fill(tile)).sum()
+    }
+
+    /// What the front end met and dropped on the way here.
+    pub fn front_end_counts(&self) -> FrontEndCounts {
+        self.counts
+    }
+
+    /// What is in the bins.
+    pub fn counts(&self, grid: &TileGrid) -> BinningCounts {
+        BinningCounts::of(&self.bins, grid)
+    }
+
+    /// Appends what some tiles hold as bytes, for a rank of the same kind of machine that draws these tiles of the same
+    /// frame.
+    ///
+    /// The bytes are a head, the tiles that have entries, all triangles, and tile after tile the numbers of its triangles
+    /// and its clusters.
+    ///
+    /// # Panics
+    /// If there are 2^32 entries or more.
+    pub fn write_bytes(&self, grid: &TileGrid, tiles: &TileSet, out: &mut Vec<u8>) {
+        const UNSEEN: u32 = u32::MAX;
+        let mut numbers: Vec<Vec<u32>> = self.bins.iter().map(|b| vec![UNSEEN; b.triangles.len()]).collect();
+        let (mut heads, mut triangles) = (Vec::<TileHead>::new(), Vec::<ScreenTriangle>::new());
+        let (mut entries, mut clusters) = (Vec::<u32>::new(), Vec::<BinnedCluster>::new());
+        let wanted = (0..grid.count() as u32).filter(|&tile| tiles.contains(tile) && self.fill(tile) > 0);
+        for tile in wanted {
+            let before = (entries.len(), clusters.len());
+            for (bins, numbers) in self.bins.iter().zip(&mut numbers) {
+                for &number in bins.triangle_lists.tile(tile) {
+                    let own = &mut numbers[number as usize];
+                    if *own == UNSEEN {
+                        *own = triangles.len() as u32;
+                        triangles.push(bins.triangles[number as usize]);
+                    }
+                    entries.push(*own);
+                }
+                clusters.extend(bins.clusters_in(tile));
+            }
+            let (triangles, clusters) = (entries.len() - before.0, clusters.len() - before.1);
+            heads.push(TileHead { tile, triangles: triangles as u32, clusters: clusters as u32 });
+        }
+        let count = |length: usize| u32::try_from(length).expect("fewer than 2^32 entries");
+        let head = Head {
+            shift: grid.shift,
+            columns: grid.columns,
+            rows: grid.rows,
+            tiles: count(heads.len()),
+            triangles: count(triangles.len()),
+            triangle_entries: count(entries.len()),
+            cluster_entries: count(clusters.len()),
+        };
+        out.extend_from_slice(bytemuck::bytes_of(&head));
+        out.extend_from_slice(cast_slice(&heads));
+        out.extend_from_slice(cast_slice(&triangles));
+        out.extend_from_slice(cast_slice(&entries));
+        out.extend_from_slice(cast_slice(&clusters));
+    }
+
+    /// Adds what [`Sorted::write_bytes`] wrote, of the tiles that the frame's settings let be drawn.
+    ///
+    /// # Errors
+    /// [`SortedError`]; nothing is added then.
+    pub fn read_bytes(&mut self, context: &FrameContext, bytes: &[u8]) -> Result<(), SortedError> {
+        let length = SortedError::Length { bytes: bytes.len() };
+        let mut rest = bytes;
+        let head: Head = pod_read_unaligned(take(&mut rest, size_of::<Head>(), 1).ok_or(length)?);
+        let grid = &context.grid;
+        if (head.shift, head.columns, head.rows) != (grid.shift, grid.columns, grid.rows) {
+            let (found, expected) = ([head.columns, head.rows], [grid.columns, grid.rows]);
+            return Err(SortedError::Grid { found, expected, shift: head.shift });
+        }
+        let tiles = elements::<TileHead>(&mut rest, head.tiles).ok_or(length)?;
+        let triangles = elements::<ScreenTriangle>(&mut rest, head.triangles).ok_or(length)?;
+        let entries = elements::<u32>(&mut rest, head.triangle_entries).ok_or(length)?;
+        let clusters = elements::<BinnedCluster>(&mut rest, head.cluster_entries).ok_or(length)?;
+        let sum = |of: fn(&TileHead) -> u32| tiles.iter().map(|tile| u64::from(of(tile))).sum::<u64>();
+        if !rest.is_empty()
+            || sum(|tile| tile.triangles) != u64::from(head.triangle_entries)
+            || sum(|tile| tile.clusters) != u64::from(head.cluster_entries)
+        {
+            return Err(length);
+        }
+        let number = |what, number| SortedError::Number { what, number };
+        if let Some(t) = triangles.iter().find(|t| !context.has_slot(t.slot) || !t.is_in_range()) {
+            return Err(number("triangle", t.slot));
+        }
+        if let Some(c) = clusters.iter().find(|c| c.number >= context.clusters()) {
+            return Err(number("cluster", c.number));
+        }
+        if let Some(&entry) = entries.iter().find(|&&entry| entry >= head.triangles) {
+            return Err(number("triangle", entry));
+        }
+        if let Some(tile) = tiles.iter().find(|tile| tile.tile as usize >= grid.count()) {
+            return Err(number("tile", tile.tile));
+        }
+        let mut bins = Bins { triangles, clusters: u64::from(head.cluster_entries), ..Bins::default() };
+        let (mut entries, mut clusters) = (entries.into_iter(), clusters.into_iter());
+        for tile in tiles {
+            for entry in entries.by_ref().take(tile.triangles as usize) {
+                bins.triangle_lists.push(grid, tile.tile, entry);
+            }
+            for cluster in clusters.by_ref().take(tile.clusters as usize) {
+                bins.cluster_lists.push(grid, tile.tile, cluster);
+            }
+        }
+        bins.sort(grid);
+        self.bins.push(bins);
+        Ok(())
+    }
+}
+
+/// The first `count` elements of some bytes each; `None` if there are fewer.
+fn take<'a>(rest: &mut &'a [u8], bytes: usize, count: u32) -> Option<&'a [u8]> {
+    let (first, behind) = rest.split_at_checked(bytes.checked_mul(count as usize)?)?;
+    *rest = behind;
+    Some(first)
+}
+
+/// Some elements, wherever in memory they begin.
+fn elements<T: Pod>(rest: &mut &[u8], count: u32) -> Option<Vec<T>> {
+    let bytes = take(rest, size_of::<T>(), count)?;
+    Some(bytes.chunks_exact(size_of::<T>()).map(pod_read_unaligned).collect())
+}
+
+impl ScreenTriangle {
+    /// Do the coordinates lie where clipping leaves them, so that differences do not overflow?
+    fn is_in_range(&self) -> bool {
+        const MOST: i32 = 1 << 24;
+        self.x.iter().chain(&self.y).all(|c| (-MOST..=MOST).contains(c)) && self.area() != 0
+    }
+}
