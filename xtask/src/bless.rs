@@ -154,7 +154,7 @@ mod tests {
     }
 
     fn write(folder: &Path, name: &str, value: u8) {
-        Picture::new(2, 2, vec![value; 16]).write(&file(folder, name)).unwrap();
+        Picture::new(2, 2, vec![value; 16]).write(file(folder, name)).unwrap();
     }
 
     #[test]

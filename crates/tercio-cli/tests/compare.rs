@@ -9,14 +9,14 @@ fn place() -> Place {
     let place = Place::new();
     let save = |name: &str, pixels: [[u8; 4]; 2]| {
         let pixels = Pixels::Eight(pixels.to_vec().into());
-        Picture { width: 2, height: 1, pixels }.save(&place.path(name)).unwrap();
+        Picture { width: 2, height: 1, pixels }.save(place.path(name)).unwrap();
     };
     save("a.png", [[10, 20, 30, 255], [40, 50, 60, 255]]);
     save("a.ppm", [[10, 20, 30, 255], [40, 50, 60, 255]]);
     save("a.webp", [[10, 20, 30, 255], [40, 50, 60, 255]]);
     save("b.png", [[10, 20, 30, 255], [43, 50, 59, 255]]);
     Picture { width: 1, height: 1, pixels: Pixels::Eight(vec![[0; 4]].into()) }
-        .save(&place.path("small.png"))
+        .save(place.path("small.png"))
         .unwrap();
     place
 }

@@ -45,7 +45,7 @@ impl Sources {
 
     fn scanned(&self, file: &str) -> Result<Option<Mesh>> {
         let Some(shared) = &self.shared else { return Ok(None) };
-        Ok(Some(read(&Path::new(shared).join(file), &ReadOptions::default())?.mesh))
+        Ok(Some(read(Path::new(shared).join(file), &ReadOptions::default())?.mesh))
     }
 }
 

@@ -1,11 +1,13 @@
 //! Options of `tercio bench` that make scenes of other kinds than one model that turns.
 
+use std::sync::Arc;
+
 use clap::{Args, ValueEnum};
 use serde_json::{Value, json};
 use tercio::glam::{DAffine3, DVec3};
-use tercio::mesh::Aabb;
+use tercio::mesh::{Aabb, ClusteredMesh};
 use tercio::raster::LastStage;
-use tercio::scene::{Camera, Framing, Scene};
+use tercio::scene::{Camera, Framing, Light, Scene};
 
 use super::values;
 
@@ -31,6 +33,35 @@ impl StillArgs {
         let mut framing = Framing::new(width, height);
         framing.fov_y = Some(self.fov.unwrap_or(Framing::FOV_Y));
         Some(framing.camera_at(self.eye?, self.target.unwrap_or_else(|| bounds.center()), None))
+    }
+}
+
+/// How the model looks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum LookName {
+    /// As `tercio render` draws it: three lights that go with the camera, highlights.
+    Default,
+    /// One light, no highlights: as little shading as other renderers in comparisons do.
+    Plain,
+}
+
+impl LookName {
+    /// The name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Default => "default",
+            Self::Plain => "plain",
+        }
+    }
+
+    /// A model with this look.
+    pub fn scene(self, mesh: Arc<ClusteredMesh>) -> Scene {
+        let mut scene = Scene::from_mesh(mesh);
+        if self == Self::Plain {
+            scene.lights = vec![Light::Ambient { color: [0.1; 3] }, Light::headlight([0.9; 3])];
+            scene.instances[0].surface.specular = 0.0;
+        }
+        scene
     }
 }
 

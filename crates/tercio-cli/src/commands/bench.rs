@@ -11,24 +11,24 @@ use serde_json::{Value, json};
 use tercio::glam::DVec3;
 use tercio::image::Destination;
 use tercio::mesh::cluster::{PartitionOptions, partition};
-use tercio::mesh::{Aabb, Mesh};
+use tercio::mesh::{Aabb, ClusteredMesh, Mesh};
 use tercio::raster::{Frame, FrameStats, LastStage, Renderer, Settings};
-use tercio::scene::{Camera, Light, Projection, Scene};
-use tercio::{LoadOptions, Normals};
+use tercio::scene::{Camera, Projection, Scene};
+use tercio::{LoadOptions, Model, Normals};
 
-use crate::args::bench::{Copies, StageName, StillArgs};
+use crate::args::bench::{Copies, LookName, StageName, StillArgs};
 use crate::args::drawing::{CullName, TuningArgs};
 use crate::args::{ModelArgs, RunningArgs, values};
 use crate::named_files::NamedFiles;
-use crate::output::write_text;
+use crate::output::{UsageError, write_text};
 use crate::progress::Display;
 use crate::report::{camera_json, grouped};
 use crate::{ending, memory};
 
 /// Measures how fast a model is drawn: loads it once, then draws views evenly round its vertical axis.
 ///
-/// Each frame is a whole picture with smooth shading from vertex normals and one light, finished in memory; the
-/// model fills about 80 % of it.
+/// Each frame is a whole picture with smooth shading from vertex normals, finished in memory; the model fills about
+/// 80 % of it.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -59,6 +59,9 @@ pub struct Bench {
     /// Draws this many copies of the model, in a cube with room between them.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     copies: u32,
+    /// How the model looks.
+    #[arg(long, value_name = "LOOK", value_enum, default_value_t = LookName::Default)]
+    look: LookName,
     /// Writes JSON with stable keys.
     #[arg(long)]
     json: bool,
@@ -108,20 +111,15 @@ impl Bench {
             memory_limit: self.running.memory_limit(),
             progress: Some(&display.progress),
             normals: Normals::FileOrMade { crease_angle: None },
-            topology: false,
+            details: false,
         };
         let begin = Instant::now();
-        let loaded = options.load_mesh(&self.model.model)?;
+        let model = options.open(&self.model.model)?;
         let load_ms = begin.elapsed().as_secs_f64() * 1e3;
-        files.check_companions(&self.model.name(), &loaded.report.read.companions)?;
-        let mut mesh = loaded.mesh;
-        for _ in 0..self.subdivide {
-            mesh = tercio::mesh::subdivide::subdivide(&mesh);
-        }
-        let copies = Copies::new(self.copies, &mesh.bounds());
         let begin = Instant::now();
-        let mut scene = scene(mesh, &display);
+        let mut scene = self.scene(model, files, &display)?;
         let partition_ms = begin.elapsed().as_secs_f64() * 1e3;
+        let copies = Copies::new(self.copies, &scene.bounds());
         copies.place(&mut scene);
         let cameras = self.cameras(&scene.bounds());
         display.stage("drawing");
@@ -140,6 +138,27 @@ impl Bench {
         drop(display);
         let loaded = Loaded { scene: &scene, copies: &copies, load_ms, partition_ms };
         Ok(self.report(&loaded, &cameras, &frames))
+    }
+
+    /// The model in clusters, with its look.
+    fn scene(&self, model: Model, files: &NamedFiles, display: &Display) -> Result<Scene> {
+        Ok(match model {
+            Model::Mesh(loaded) => {
+                files.check_companions(&self.model.name(), &loaded.report.read.companions)?;
+                let mut mesh = loaded.mesh;
+                for _ in 0..self.subdivide {
+                    mesh = tercio::mesh::subdivide::subdivide(&mesh);
+                }
+                self.look.scene(Arc::new(clusters(mesh, display)))
+            }
+            Model::Prepared(loaded) if self.subdivide == 0 => self.look.scene(loaded.mesh),
+            _ => {
+                let model = self.model.name();
+                let reason =
+                    "triangles of a prepared model are not split: name the model that it was made from";
+                return Err(UsageError(format!("{model}: {reason}")).into());
+            }
+        })
     }
 
     /// One camera a frame.
@@ -182,6 +201,7 @@ impl Bench {
                 "threads": last.threads,
                 "simd": last.simd,
                 "toss": self.toss.map(StageName::name),
+                "look": self.look.name(),
                 "tile_size": last.tile_size,
                 "million_triangles_per_second": rate,
                 "stages": { "frontend": front.json(), "backend": back.json() },
@@ -237,11 +257,8 @@ fn view_json(camera: &Camera, frame: &FrameStats) -> Value {
     })
 }
 
-/// The mesh under one light, without highlights.
-fn scene(mesh: Mesh, display: &Display) -> Scene {
+/// The mesh in clusters.
+fn clusters(mesh: Mesh, display: &Display) -> ClusteredMesh {
     let options = PartitionOptions { progress: Some(&display.progress), ..Default::default() };
-    let mut scene = Scene::from_mesh(Arc::new(partition(mesh, &options)));
-    scene.lights = vec![Light::Ambient { color: [0.1; 3] }, Light::headlight([0.9; 3])];
-    scene.instances[0].surface.specular = 0.0;
-    scene
+    partition(mesh, &options)
 }

@@ -4,7 +4,8 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, i32x16, mask32x16};
 use tercio_scene::Surface;
 
-use crate::lighting::LightRig;
+use super::shade::Features;
+use crate::lighting::{LightRig, NearLight};
 use crate::simd::{dot, each3, part, splat};
 
 /// Three components of 16 points.
@@ -35,11 +36,29 @@ pub fn normalize<S: Simd>(simd: S, v: Vec3x16<S>, instead: Vec3x16<S>) -> Vec3x1
 
 /// Lambert's diffuse light and Blinn's highlights of all lights.
 ///
-/// `normal` and `to_viewer` are unit vectors in world axes, `position` is relative to the eye. Not inlined: it
-/// is long, and called from four places.
-#[inline(never)]
-pub fn reflect<S: Simd>(
+/// `normal` and `to_viewer` are unit vectors in world axes, `position` is relative to the eye.
+#[inline(always)]
+pub fn reflect<S: Simd, F: Features>(
     simd: S,
+    features: F,
+    rig: &LightRig,
+    surface: &Surface,
+    normal: &Vec3x16<S>,
+    to_viewer: &Vec3x16<S>,
+    position: &Vec3x16<S>,
+) -> Reflected<S> {
+    if F::ARE_CONSTANT {
+        sum_lights(simd, features, rig, surface, *normal, *to_viewer, *position)
+    } else {
+        reflect_apart(simd, features, rig, surface, normal, to_viewer, position)
+    }
+}
+
+/// Not inlined: it is long, and called from four places.
+#[inline(never)]
+fn reflect_apart<S: Simd, F: Features>(
+    simd: S,
+    features: F,
     rig: &LightRig,
     surface: &Surface,
     normal: &Vec3x16<S>,
@@ -48,7 +67,7 @@ pub fn reflect<S: Simd>(
 ) -> Reflected<S> {
     simd.vectorize(
         #[inline(always)]
-        || sum_lights(simd, rig, surface, *normal, *to_viewer, *position),
+        || sum_lights(simd, features, rig, surface, *normal, *to_viewer, *position),
     )
 }
 
@@ -120,8 +139,9 @@ fn facing<S: Simd>(simd: S, normal: Vec3x16<S>, to_light: Vec3x16<S>) -> (f32x16
 }
 
 #[inline(always)]
-fn sum_lights<S: Simd>(
+fn sum_lights<S: Simd, F: Features>(
     simd: S,
+    features: F,
     rig: &LightRig,
     surface: &Surface,
     normal: Vec3x16<S>,
@@ -132,20 +152,22 @@ fn sum_lights<S: Simd>(
     let mut sum = Reflected { diffuse: each3!(K => splat(simd, rig.ambient[K])), specular: [zero; 3] };
     for light in &rig.distant {
         let to_light = each3!(K => splat(simd, light.to_light[K]));
-        add_light(simd, rig, surface, normal, to_viewer, to_light, light.color, &mut sum);
+        add_light(simd, features, rig, surface, normal, to_viewer, to_light, light.color, &mut sum);
     }
-    for light in &rig.near {
+    let near: &[NearLight] = if features.near_lights() { &rig.near } else { &[] };
+    for light in near {
         let offset = each3!(K => splat(simd, light.position[K]) - position[K]);
         let to_light = normalize(simd, offset, beside(simd, rig));
-        add_light(simd, rig, surface, normal, to_viewer, to_light, light.color, &mut sum);
+        add_light(simd, features, rig, surface, normal, to_viewer, to_light, light.color, &mut sum);
     }
     sum
 }
 
 #[inline(always)]
 #[expect(clippy::too_many_arguments, reason = "called where they lie ready; a struct would only rename them")]
-fn add_light<S: Simd>(
+fn add_light<S: Simd, F: Features>(
     simd: S,
+    features: F,
     rig: &LightRig,
     surface: &Surface,
     normal: Vec3x16<S>,
@@ -163,7 +185,7 @@ fn add_light<S: Simd>(
             for k in 0..3 {
                 sum.diffuse[k] += cosine * color[k];
             }
-            if surface.specular > 0.0 {
+            if features.highlights() {
                 let between = each3!(K => to_light[K] + to_viewer[K]);
                 let half = normalize(simd, between, beside(simd, rig));
                 let mut power = dot(normal, half);

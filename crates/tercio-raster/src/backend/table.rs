@@ -8,6 +8,7 @@ use tercio_scene::Surface;
 
 use super::corners::{ColorSource, Corners, scaled, triangle_color, unit_normal};
 use super::light::Vec3x16;
+use super::shade::Facing;
 use crate::color::DECODE;
 use crate::context::FrameContext;
 use crate::conventions::SMALL_EXTENT;
@@ -22,11 +23,9 @@ pub struct ClusterTable {
     position: [[i32; MAX_VERTICES]; 3],
     /// Normals as [`unit_normal`] and [`scaled`] have them, likewise; only where the mesh has normals.
     normal: [[i32; MAX_VERTICES]; 3],
-    /// True only if the normals, and all that are interpolated between them, point to the viewer rather than away,
-    /// wherever in the cluster; of use where the cluster is not wide.
-    pub face_viewer: bool,
-    /// Likewise, that they point away.
-    pub face_away: bool,
+    /// What is known of the normals and all that are interpolated between them, wherever in the cluster, if it is not
+    /// wide.
+    pub facing: Facing,
     /// Linear colours, likewise; only where the mesh has them at its vertices.
     color: [[i32; MAX_VERTICES]; 3],
 }
@@ -34,7 +33,7 @@ pub struct ClusterTable {
 impl Default for ClusterTable {
     fn default() -> Self {
         let zero = [[0; MAX_VERTICES]; 3];
-        Self { position: zero, normal: zero, face_viewer: false, face_away: false, color: zero }
+        Self { position: zero, normal: zero, facing: Facing::default(), color: zero }
     }
 }
 
@@ -49,6 +48,7 @@ impl ClusterTable {
         cluster: &ClusterView,
         vertices: &LocalVertices,
     ) {
+        self.facing = Facing::default();
         let Some(normals) = cluster.normals() else { return };
         let sight = &context.lights.sight;
         let from_middle = vertices.from_middle(sight).map(|c| c + SMALL_EXTENT / 2);
@@ -76,7 +76,9 @@ impl ClusterTable {
             }
             first += LANES;
         }
-        (self.face_viewer, self.face_away) = (not_towards == 0, not_away == 0);
+        if !vertices.is_wide {
+            self.facing = Facing { viewer: not_towards == 0, away: not_away == 0 };
+        }
     }
 
     /// Copies the positions of a cluster.

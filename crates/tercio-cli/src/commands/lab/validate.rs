@@ -114,7 +114,7 @@ impl Validate {
 
     fn files(&self) -> NamedFiles {
         // A table that is there is added to, so that it is read as well, but not replaced by something else.
-        let table = self.output.iter().map(|path| Destination::from_path(path));
+        let table = self.output.iter().map(Destination::from_path);
         let files =
             table.fold(NamedFiles::default().prints(), |files, table| files.writes("--output", &table));
         self.models.iter().fold(files.reads_machine(&self.machine), |files, model| files.reads_model(model))

@@ -1,0 +1,264 @@
+//! The shading kernel: 16 pixels of one instance, from the corners of their triangles to the planes of the picture.
+
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x16, mask32x16};
+
+use super::features::{Features, Look};
+use crate::backend::corners::{ColorSource, Corners, Fragments, to_world};
+use crate::backend::encode::opaque;
+use crate::backend::interpolate::Interpolation;
+use crate::backend::light::{Vec3x16, bend, beside, diffuse, normalize, reflect, towards_viewer};
+use crate::backend::memory::TileMemory;
+use crate::color::encode16;
+use crate::context::FrameContext;
+use crate::conventions::{SAMPLE, SUBPIXELS};
+use crate::frame::{Outputs, Planes, visibility_key};
+use crate::frontend::transform::relative;
+use crate::settings::Shading;
+use crate::simd::{LANES, cross, dot, each3, part, row, splat};
+use crate::view::ObjectView;
+
+/// Where 16 pixels are.
+#[derive(Clone, Copy)]
+pub struct At<'a> {
+    pub memory: &'a TileMemory,
+    /// The tile's first sample, in the coordinates of the corners.
+    pub first_sample: [i32; 2],
+    /// What is added to these coordinates to count them from the middle of the picture.
+    pub from_middle: [i32; 2],
+    /// What is known of the normals of all corners.
+    pub facing: Facing,
+}
+
+/// What is known of normals that are interpolated from those of a cluster.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Facing {
+    /// None points away from the viewer where triangles appear counter-clockwise.
+    pub viewer: bool,
+    /// None points towards the viewer, which is where the triangles appear clockwise none away.
+    pub away: bool,
+}
+
+impl Facing {
+    /// Is it known that no normal of 16 pixels points away from the viewer? `whole` are the areas of their triangles.
+    #[inline(always)]
+    fn settles<S: Simd>(self, whole: f32x16<S>) -> bool {
+        let zero = splat(whole.simd, 0.0);
+        // Normals of triangles that appear clockwise are turned over, because their areas are negative.
+        self.viewer && !whole.simd_lt(zero).any_true() || self.away && !whole.simd_gt(zero).any_true()
+    }
+}
+
+impl<'a> At<'a> {
+    /// With coordinates that are counted from the picture's corner.
+    pub fn in_picture(context: &FrameContext, memory: &'a TileMemory) -> Self {
+        let first_sample = memory.corner.map(|c| c * SUBPIXELS + SAMPLE);
+        let from_middle = context.lights.sight.middle.map(|c| -c);
+        Self { memory, first_sample, from_middle, facing: Facing::default() }
+    }
+}
+
+/// Shades 16 pixels of any look. Not inlined, so that the kernel is compiled once a level.
+#[expect(clippy::too_many_arguments, reason = "a struct would only rename them")]
+#[inline(never)]
+pub fn shade<S: Simd>(
+    simd: S,
+    context: &FrameContext,
+    instance: usize,
+    look: Look,
+    fragments: &Fragments,
+    at: At,
+    corners: &Corners<S>,
+    pixels: &mut Planes,
+    outputs: &Outputs,
+) {
+    simd.vectorize(
+        #[inline(always)]
+        || shade_inline(simd, context, instance, look, fragments, at, corners, pixels, outputs),
+    );
+}
+
+/// The kernel: shades 16 pixels of one instance.
+#[expect(clippy::too_many_arguments, reason = "a struct would only rename them")]
+#[inline(always)]
+pub fn shade_inline<S: Simd, F: Features>(
+    simd: S,
+    context: &FrameContext,
+    instance: usize,
+    features: F,
+    fragments: &Fragments,
+    at: At,
+    corners: &Corners<S>,
+    pixels: &mut Planes,
+    outputs: &Outputs,
+) {
+    let surface = &context.scene.instances[instance].surface;
+    let (object, lights) = (&context.objects[instance], &context.lights);
+    let sample = at.memory.samples(simd, &fragments.place, at.first_sample);
+    let At { facing, from_middle, .. } = at;
+    let at = Interpolation::new(simd, object, sample, corners);
+    let zero = [splat(simd, 0.0); 3];
+
+    let plane = features.plane().then(
+        #[inline(always)]
+        || seen_plane(simd, object, corners.position, at.clockwise),
+    );
+    let side = Side { plane };
+    let normal = match side.plane {
+        Some(plane) if features.shading() == Shading::Flat || !features.normals() => plane,
+        _ => at.normal(corners.normal),
+    };
+    let is_settled = !features.plane() && facing.settles((at.area[0] + at.area[1]) + at.area[2]);
+    let needs_viewer = features.highlights() || features.near_lights() || !is_settled;
+    let to_viewer = if needs_viewer { towards_viewer(simd, lights, sample, from_middle) } else { zero };
+    let normal = side.turned(simd, normal);
+    let mut normal = normalize(simd, normal, beside(simd, lights));
+    if !is_settled {
+        normal = bend(simd, normal, to_viewer);
+    }
+
+    let albedo: Vec3x16<S> = match features.colors() {
+        ColorSource::Base => each3!(C => splat(simd, surface.base_color[C])),
+        _ => at.mix(corners.color),
+    };
+    let lit: Vec3x16<S> = match features.shading() {
+        Shading::Unlit => albedo,
+        Shading::Flat | Shading::Phong if !features.highlights() && !features.near_lights() => {
+            let light = diffuse(simd, lights, normal);
+            each3!(C => albedo[C] * light[C])
+        }
+        Shading::Flat | Shading::Phong => {
+            let mut position = zero;
+            if features.near_lights() {
+                let relative = each3!(K => relative(simd, object, corners.position[K]));
+                position = to_eye(simd, object, at.mix(relative));
+            }
+            let to_viewer = normalize(simd, to_viewer, beside(simd, lights));
+            let light = reflect(simd, features, lights, surface, &normal, &to_viewer, &position);
+            each3!(C => albedo[C] * light.diffuse[C] + light.specular[C])
+        }
+        Shading::Gouraud => {
+            let at_corner = each3!(K => {
+                let position = to_eye(simd, object, relative(simd, object, corners.position[K]));
+                let mut to_viewer = beside(simd, lights);
+                if object.perspective {
+                    to_viewer = normalize(simd, each3!(A => -position[A]), to_viewer);
+                }
+                let normal = match side.plane {
+                    Some(plane) if !features.normals() => plane,
+                    _ => as_seen(simd, corners.normal[K], at.clockwise),
+                };
+                let normal = normalize(simd, side.turned(simd, normal), beside(simd, lights));
+                let normal = bend(simd, normal, to_viewer);
+                reflect(simd, features, lights, surface, &normal, &to_viewer, &position)
+            });
+            let diffuse = at.mix(each3!(K => at_corner[K].diffuse));
+            let specular = at.mix(each3!(K => at_corner[K].specular));
+            each3!(C => albedo[C] * diffuse[C] + specular[C])
+        }
+    };
+    if features.color() {
+        write_color(simd, fragments, lit, pixels);
+    }
+    if features.more() {
+        write_color16(fragments, lit, pixels, outputs);
+        write_geometry(context, fragments, normal, pixels, outputs);
+    }
+}
+
+/// The normals of 16 triangles by their winding, in world space, of any length, on the side that is seen.
+#[inline(always)]
+fn seen_plane<S: Simd>(simd: S, object: &ObjectView, p: Corners16<S>, clockwise: mask32x16<S>) -> Vec3x16<S> {
+    let edge_1 = each3!(A => (p[1][A] - p[0][A]) * object.edge_scale);
+    let edge_2 = each3!(A => (p[2][A] - p[0][A]) * object.edge_scale);
+    as_seen(simd, to_world(simd, object, cross(edge_1, edge_2)), clockwise)
+}
+
+/// Negates what belongs to triangles that appear clockwise.
+#[inline(always)]
+fn as_seen<S: Simd>(simd: S, n: Vec3x16<S>, clockwise: mask32x16<S>) -> Vec3x16<S> {
+    part(
+        simd,
+        #[inline(always)]
+        || each3!(A => clockwise.select(-n[A], n[A])),
+    )
+}
+
+/// A vector at each of the three corners.
+type Corners16<S> = [Vec3x16<S>; 3];
+
+/// From positions relative to the pivot to world axes relative to the eye.
+#[inline(always)]
+fn to_eye<S: Simd>(simd: S, object: &ObjectView, q: Vec3x16<S>) -> Vec3x16<S> {
+    let r = &object.eye_from_local;
+    each3!(K => row(simd, &[r[K][0], r[K][1], r[K][2], object.eye_from_pivot[K]], q))
+}
+
+/// Which side of its triangle a pixel shows.
+#[derive(Clone, Copy)]
+struct Side<S: Simd> {
+    /// [`seen_plane`]; `None` if the corners' normals are known to point to the same side as the triangle's winding.
+    plane: Option<Vec3x16<S>>,
+}
+
+impl<S: Simd> Side<S> {
+    /// A normal, turned to the side of the triangle that is seen, whatever its winding.
+    #[inline(always)]
+    fn turned(&self, simd: S, n: Vec3x16<S>) -> Vec3x16<S> {
+        match self.plane {
+            Some(plane) => as_seen(simd, n, dot(n, plane).simd_lt(splat(simd, 0.0))),
+            None => n,
+        }
+    }
+}
+
+#[inline(always)]
+fn write_color<S: Simd>(simd: S, fragments: &Fragments, linear: Vec3x16<S>, pixels: &mut Planes) {
+    let levels = opaque(simd, linear).to_array();
+    // Lanes without a pixel repeat another.
+    for lane in 0..LANES {
+        pixels.color[fragments.place[lane] as usize] = (levels[lane] as u32).to_le_bytes();
+    }
+}
+
+fn write_color16<S: Simd>(fragments: &Fragments, linear: Vec3x16<S>, pixels: &mut Planes, outputs: &Outputs) {
+    if outputs.color16 {
+        for lane in 0..fragments.count {
+            let [r, g, b] = each3!(C => encode16(linear[C][lane]));
+            pixels.color16[fragments.place[lane] as usize] = [r, g, b, 65535];
+        }
+    }
+}
+
+#[inline(always)]
+fn write_geometry<S: Simd>(
+    context: &FrameContext,
+    fragments: &Fragments,
+    normal: Vec3x16<S>,
+    pixels: &mut Planes,
+    outputs: &Outputs,
+) {
+    let lanes = 0..fragments.count;
+    if outputs.depth {
+        for lane in lanes.clone() {
+            pixels.depth[fragments.place[lane] as usize] = context.view.distance(fragments.depth[lane]);
+        }
+    }
+    if outputs.ids {
+        for lane in lanes.clone() {
+            pixels.ids[fragments.place[lane] as usize] = context.face(fragments.slot[lane]);
+        }
+    }
+    if outputs.keys {
+        for lane in lanes.clone() {
+            let primitive = context.primitive(fragments.slot[lane]) as u32;
+            pixels.keys[fragments.place[lane] as usize] = visibility_key(fragments.depth[lane], primitive);
+        }
+    }
+    if outputs.normals {
+        let normal = each3!(A => normal[A].to_array());
+        for lane in lanes {
+            pixels.normals[fragments.place[lane] as usize] = [0, 1, 2].map(|k| normal[k][lane]);
+        }
+    }
+}

@@ -1,0 +1,258 @@
+//! Colours of the visible pixels, 16 at a time.
+//!
+//! Pixels that a cluster wins take the corners of their triangles from its tables ([`winners`]). The visible pixels of
+//! triangles that were sorted one by one are packed without gaps ([`tile`]); each lane fetches the corners of its
+//! triangle, projects them again as the front end did, and interpolates between them. All of them go through one
+//! `kernel`, which is compiled for any look and again for the most common ones (`features`).
+
+mod features;
+mod kernel;
+
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, u32x16};
+use tercio_mesh::cluster::{ClusterView, MAX_TRIANGLES};
+use tercio_scene::Instance;
+
+use super::cluster::ClusterPass;
+use super::corners::{ColorSource, Corners, Fragments};
+use super::memory::TileMemory;
+use super::table::ClusterTable;
+use crate::context::{FrameContext, NO_SLOT};
+use crate::frame::{Outputs, Planes};
+use crate::simd::LANES;
+use crate::stats::BackEndCounts;
+pub use features::Features;
+use features::{Common, Look};
+pub use kernel::Facing;
+use kernel::{At, shade, shade_inline};
+
+/// Shades every visible pixel of a tile that is not shaded yet.
+#[inline(always)]
+pub fn tile<S: Simd>(
+    simd: S,
+    context: &FrameContext,
+    memory: &TileMemory,
+    pixels: &mut Planes,
+    outputs: &Outputs,
+    counts: &mut BackEndCounts,
+) {
+    let mut fragments = Fragments::default();
+    let mut instance = 0;
+    let mut whole = WholeBlocks::new(simd);
+    for places in memory.blocks(simd) {
+        let corner = places[0];
+        let slots = memory.slots_of_block(simd, corner);
+        let empty = slots.simd_eq(u32x16::splat(simd, NO_SLOT)).to_bitmask() as u32;
+        let mut left = !(empty | memory.shaded_of_block(corner)) & 0xffff;
+        let slots = slots.to_array();
+        if left == 0xffff && slots == [slots[0]; LANES] {
+            whole.shade(simd, context, memory, places, slots[0], pixels, outputs);
+            counts.pixels_shaded += LANES as u64;
+            continue;
+        }
+        while left != 0 {
+            let lane = left.trailing_zeros() as usize % LANES;
+            left &= left - 1;
+            let (slot, place) = (slots[lane], places[lane]);
+            counts.pixels_shaded += 1;
+            let (own, _) = context.locate(slot / MAX_TRIANGLES as u32);
+            if own != instance {
+                flush(simd, context, instance, &mut fragments, memory, pixels, outputs);
+                instance = own;
+            }
+            if fragments.push(place, slot, memory.depth[place as usize]) {
+                flush(simd, context, instance, &mut fragments, memory, pixels, outputs);
+            }
+        }
+    }
+    flush(simd, context, instance, &mut fragments, memory, pixels, outputs);
+}
+
+/// Blocks of 4x4 samples that show one triangle: of a large one there are many in a row, and its corners are fetched once.
+struct WholeBlocks<S: Simd> {
+    slot: Option<u32>,
+    instance: usize,
+    corners: Corners<S>,
+}
+
+impl<S: Simd> WholeBlocks<S> {
+    #[inline(always)]
+    fn new(simd: S) -> Self {
+        Self { slot: None, instance: 0, corners: Corners::new(simd) }
+    }
+
+    /// Shades a block, given by the places of its samples.
+    #[expect(clippy::too_many_arguments, reason = "one call site; a struct would only rename them")]
+    #[inline(always)]
+    fn shade(
+        &mut self,
+        simd: S,
+        context: &FrameContext,
+        memory: &TileMemory,
+        places: [i32; LANES],
+        slot: u32,
+        pixels: &mut Planes,
+        outputs: &Outputs,
+    ) {
+        let mut fragments =
+            Fragments { count: LANES, place: places, slot: [slot; LANES], ..Fragments::default() };
+        if self.slot != Some(slot) {
+            self.slot = Some(slot);
+            (self.instance, _) = context.locate(slot / MAX_TRIANGLES as u32);
+            self.corners = fetch(simd, context, self.instance, &fragments);
+        }
+        let look = Look::new(context, self.instance, false, outputs);
+        if look.more() {
+            for lane in 0..LANES {
+                fragments.depth[lane] = memory.depth[places[lane] as usize];
+            }
+        }
+        let at = At::in_picture(context, memory);
+        shade(simd, context, self.instance, look, &fragments, at, &self.corners, pixels, outputs);
+    }
+}
+
+/// Fetches the corners of 16 pixels of one instance. Not inlined, so that it is compiled once a level.
+#[inline(never)]
+fn fetch<S: Simd>(simd: S, context: &FrameContext, instance: usize, fragments: &Fragments) -> Corners<S> {
+    let Instance { mesh, surface, .. } = &context.scene.instances[instance];
+    let colors = ColorSource::of(mesh, surface);
+    simd.vectorize(
+        #[inline(always)]
+        || Corners::fetch(simd, context, instance, &fragments.slot, colors),
+    )
+}
+
+/// Shades the pixels gathered so far. Not inlined, so that the kernel is compiled once a level, not three
+/// times.
+#[inline(never)]
+fn flush<S: Simd>(
+    simd: S,
+    context: &FrameContext,
+    instance: usize,
+    fragments: &mut Fragments,
+    memory: &TileMemory,
+    pixels: &mut Planes,
+    outputs: &Outputs,
+) {
+    if fragments.count == 0 {
+        return;
+    }
+    fragments.fill_up();
+    let look = Look::new(context, instance, false, outputs);
+    let corners = fetch(simd, context, instance, fragments);
+    let at = At::in_picture(context, memory);
+    shade(simd, context, instance, look, fragments, at, &corners, pixels, outputs);
+    fragments.count = 0;
+}
+
+/// What [`winners`] keeps from cluster to cluster.
+#[derive(Debug, Default)]
+pub struct WinnerScratch {
+    table: ClusterTable,
+    fragments: Fragments,
+}
+
+/// A cluster whose winners are shaded.
+struct Won<'a> {
+    context: &'a FrameContext<'a>,
+    number: u32,
+    instance: usize,
+    cluster: ClusterView<'a>,
+    at: At<'a>,
+}
+
+/// Shades the samples that cluster `number` of the frame won.
+#[expect(clippy::too_many_arguments, reason = "one call site; a struct would only rename them")]
+#[inline(never)]
+pub fn winners<S: Simd>(
+    simd: S,
+    context: &FrameContext,
+    number: u32,
+    pass: &mut ClusterPass,
+    memory: &TileMemory,
+    scratch: &mut WinnerScratch,
+    pixels: &mut Planes,
+    outputs: &Outputs,
+    counts: &mut BackEndCounts,
+) {
+    if pass.winners.is_empty() {
+        return;
+    }
+    simd.vectorize(
+        #[inline(always)]
+        || {
+            let (instance, cluster) = context.cluster(number);
+            let look = Look::new(context, instance, cluster.head().normals_agree(), outputs);
+            let table = &mut scratch.table;
+            table.load_normals(simd, context, &context.objects[instance], &cluster, &pass.vertices);
+            if look.position() {
+                table.load_positions(simd, &cluster);
+            }
+            if look.colors() == ColorSource::Vertex {
+                table.load_colors(&cluster);
+            }
+            counts.pixels_shaded += pass.winners.len() as u64;
+            let at = At {
+                memory,
+                first_sample: pass.vertices.sample_of(memory.corner),
+                from_middle: pass.vertices.from_middle(&context.lights.sight),
+                facing: table.facing,
+            };
+            let won = Won { context, number, instance, cluster, at };
+            let is_common = !pass.vertices.is_wide;
+            if is_common && look.is(Common::<true>) {
+                won.shade(simd, Common::<true>, pass, scratch, pixels, outputs);
+            } else if is_common && look.is(Common::<false>) {
+                won.shade(simd, Common::<false>, pass, scratch, pixels, outputs);
+            } else {
+                won.shade(simd, look, pass, scratch, pixels, outputs);
+            }
+        },
+    );
+}
+
+impl Won<'_> {
+    #[inline(always)]
+    fn shade<S: Simd, F: Features>(
+        &self,
+        simd: S,
+        features: F,
+        pass: &mut ClusterPass,
+        scratch: &mut WinnerScratch,
+        pixels: &mut Planes,
+        outputs: &Outputs,
+    ) {
+        let WinnerScratch { table, fragments } = scratch;
+        let Instance { mesh, surface, .. } = &self.context.scene.instances[self.instance];
+        let count = pass.winners.len();
+        for first in (0..count).step_by(LANES) {
+            let (places, triangles) = pass.winners.sixteen(first);
+            fragments.count = (count - first).min(LANES);
+            fragments.place = *places;
+            let (numbers, mut corners) = table.look_up(simd, &pass.vertices, &pass.corners, triangles);
+            if features.position() {
+                table.look_up_positions(simd, &numbers, &mut corners);
+            }
+            if features.colors() != ColorSource::Base {
+                let of = (&**mesh, &self.cluster, surface);
+                table.look_up_colors(simd, of, triangles, &numbers, features.colors(), &mut corners);
+            }
+            if features.more() {
+                for lane in 0..LANES {
+                    fragments.slot[lane] = self.number * MAX_TRIANGLES as u32 + u32::from(triangles[lane]);
+                    fragments.depth[lane] = self.at.memory.depth[places[lane] as usize];
+                }
+            }
+            let (context, instance, at) = (self.context, self.instance, self.at);
+            if F::ARE_CONSTANT {
+                // No cluster of a common look is wide.
+                corners.are_near = true;
+                shade_inline(simd, context, instance, features, fragments, at, &corners, pixels, outputs);
+            } else {
+                let look = Look::describe(features);
+                shade(simd, context, instance, look, fragments, at, &corners, pixels, outputs);
+            }
+        }
+    }
+}
