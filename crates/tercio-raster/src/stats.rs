@@ -108,7 +108,7 @@ pub struct BackEndCounts {
     pub vertices_transformed: u64,
     /// Their triangles.
     pub triangles_in: u64,
-    /// Those of them that hold a sample in their bounding box and face the right way.
+    /// Those of them that hold a sample in their bounding box and do not show the side that is culled.
     pub triangles_drawn: u64,
     /// Stamps of 16 samples tested against a triangle; triangles of a few samples need none.
     pub stamps: u64,

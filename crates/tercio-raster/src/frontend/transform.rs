@@ -1,14 +1,14 @@
 //! Vertices to the screen, and the triangles between them, 16 at a time.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x16, i32x16, mask32x16, u32x16};
+use fearless_simd::{Simd, f32x16, i32x16, mask32x16, u8x64, u16x32, u32x16};
 use tercio_mesh::cluster::{ClusterView, MAX_TRIANGLES, MAX_VERTICES};
 
 use crate::binning::PixelRect;
 #[cfg(doc)]
 use crate::binning::ScreenTriangle;
 use crate::conventions::{GUARD, SAMPLE, SMALL_EXTENT, SUBPIXEL_BITS, SUBPIXELS};
-use crate::simd::{LANES, each3, load, lookup, lookup_bytes, part, row, splat, splat_i};
+use crate::simd::{LANES, MANY, each3, load, lookup, lookup_bytes, part, row, splat, splat_i};
 use crate::view::{ObjectView, ScreenVertex, Sight};
 
 /// 16 projected vertices.
@@ -263,6 +263,18 @@ impl LocalVertices {
         )
     }
 
+    /// Coordinates of all vertices as seen from [`LocalVertices::pixel`], x and y alternately, 16 vertices each.
+    #[inline(always)]
+    pub fn packed<S: Simd>(&self, simd: S) -> [u16x32<S>; 4] {
+        let (xy, _) = self.xy.as_chunks::<LANES>();
+        [
+            i32x16::load_array(simd, xy[0]).bitcast(),
+            i32x16::load_array(simd, xy[1]).bitcast(),
+            i32x16::load_array(simd, xy[2]).bitcast(),
+            i32x16::load_array(simd, xy[3]).bitcast(),
+        ]
+    }
+
     /// The sample of a pixel of the picture, in sub-pixels, as seen from [`LocalVertices::pixel`].
     #[inline(always)]
     pub fn sample_of(&self, pixel: [i32; 2]) -> [i32; 2] {
@@ -311,10 +323,10 @@ impl CornerTable {
         self.0 = each3!(K => *tables[K]);
     }
 
-    /// Of 16 triangles that stand one after another, `first` a multiple of 16.
+    /// Of 64 triangles that stand one after another, `first` a multiple of 64.
     #[inline(always)]
-    pub fn of_16(&self, first: usize) -> CornerNumbers {
-        each3!(K => *self.0[K][first % MAX_TRIANGLES..].first_chunk().unwrap_or(&[0; LANES]))
+    pub fn of_64<S: Simd>(&self, simd: S, first: usize) -> [u8x64<S>; 3] {
+        each3!(K => u8x64::from_slice(simd, &self.0[K][first % MAX_TRIANGLES..][..MANY]))
     }
 
     /// Of one triangle.

@@ -10,11 +10,14 @@ mod x86_64;
 #[cfg(target_arch = "x86_64")]
 use fearless_simd::i32x8;
 use fearless_simd::prelude::*;
-use fearless_simd::{Level, Simd, f32x16, i32x16, u8x16};
+use fearless_simd::{Level, Simd, f32x16, i32x16, mask8x64, u8x16, u8x64};
 use tercio_mesh::cluster::Line;
 
 /// Lanes of every kernel: one 4x4 block of samples, or 16 vertices, triangles or pixels.
 pub const LANES: usize = 16;
+
+/// Bytes of the widest register: triangles of which a byte each is looked at together.
+pub const MANY: usize = 64;
 
 /// Number of each lane.
 pub const LANE_NUMBERS: [i32; LANES] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15];
@@ -177,28 +180,60 @@ pub fn append<S: Simd>(simd: S, to: &mut [i32], at: usize, lanes: u32, from: i32
     }
 }
 
-/// Writes the chosen bytes to `to`, one after another from place `at` on; there must be room for all 16.
+/// Writes the numbers of the bits that are set to `to`, one after another from place `at` on, the lowest bit being
+/// number `first`; there must be room for all 64.
 #[inline(always)]
-pub fn append_bytes<S: Simd>(simd: S, to: &mut [u8], at: usize, lanes: u32, from: u8x16<S>) {
-    let to = &mut to[at..at + LANES];
+pub fn append_numbers<S: Simd>(simd: S, to: &mut [u8], at: usize, bits: u64, first: u8) {
+    let to = &mut to[at..at + MANY];
     match simd.level() {
         #[cfg(target_arch = "x86_64")]
-        Level::Avx512(token) => {
-            let together: u8x16<S> =
-                x86_64::compress_bytes_avx512(token, lanes as u16, from.into()).simd_into(simd);
-            together.store_slice(to);
+        Level::Avx512(_) => {
+            let numbers = u8x64::load_array(simd, BYTE_NUMBERS) + first;
+            numbers.compress(mask8x64::from_bitmask(simd, bits)).store_slice(to);
         }
-        #[cfg(target_arch = "x86_64")]
-        Level::Avx2(token) => {
-            let both = u128::from_le_bytes(from.to_array());
-            let low = x86_64::compress_bytes_avx2(token, lanes as u8, both as u64);
-            let high = x86_64::compress_bytes_avx2(token, (lanes >> 8) as u8, (both >> 64) as u64);
-            let middle = (lanes & 0xff).count_ones() as usize;
-            to[..8].copy_from_slice(&low.to_le_bytes());
-            to[middle..middle + 8].copy_from_slice(&high.to_le_bytes());
+        _ => {
+            let first = u64::from_le_bytes([first; 8]);
+            let mut count = 0;
+            for (byte, eight) in
+                bits.to_le_bytes().into_iter().zip((0..8).map(|k| u64::from_le_bytes([8 * k; 8])))
+            {
+                let numbers = u64::from_le_bytes(SET_BITS[usize::from(byte)]) + (first + eight);
+                to[count..count + 8].copy_from_slice(&numbers.to_le_bytes());
+                count += byte.count_ones() as usize;
+            }
         }
-        _ => move_to_front(to, lanes, &from.to_array()),
     }
+}
+
+/// Number of each byte of a register.
+const BYTE_NUMBERS: [u8; MANY] = {
+    let mut numbers = [0; MANY];
+    let mut k = 0;
+    while k < MANY {
+        numbers[k] = k as u8;
+        k += 1;
+    }
+    numbers
+};
+
+/// Numbers of the bits that are set in a number, lowest first.
+static SET_BITS: [[u8; 8]; 256] = set_bits();
+
+const fn set_bits() -> [[u8; 8]; 256] {
+    let mut all = [[0; 8]; 256];
+    let mut number = 0;
+    while number < 256 {
+        let (mut bit, mut count) = (0, 0);
+        while bit < 8 {
+            if number >> bit & 1 == 1 {
+                all[number][count] = bit as u8;
+                count += 1;
+            }
+            bit += 1;
+        }
+        number += 1;
+    }
+    all
 }
 
 /// The chosen lanes, one after another.

@@ -3,6 +3,8 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{i32x16, u8x16, u8x64};
 
+use super::SET_BITS;
+
 fearless_simd::kernel!(
     /// 16 entries of a table of 64 that stays in four registers.
     #[inline]
@@ -65,26 +67,6 @@ fearless_simd::kernel!(
     }
 );
 
-/// Numbers of the bits that are set in a number, lowest first.
-static SET_BITS: [[u8; 8]; 256] = set_bits();
-
-const fn set_bits() -> [[u8; 8]; 256] {
-    let mut all = [[0; 8]; 256];
-    let mut number = 0;
-    while number < 256 {
-        let (mut bit, mut count) = (0, 0);
-        while bit < 8 {
-            if number >> bit & 1 == 1 {
-                all[number][count] = bit as u8;
-                count += 1;
-            }
-            bit += 1;
-        }
-        number += 1;
-    }
-    all
-}
-
 fearless_simd::kernel!(
     /// The chosen lanes, moved together to the front.
     #[inline]
@@ -97,29 +79,5 @@ fearless_simd::kernel!(
         let _ = avx2;
         let order = _mm_cvtsi64_si128(i64::from_le_bytes(SET_BITS[lanes as usize]));
         _mm256_permutevar8x32_epi32(from, _mm256_cvtepu8_epi32(order))
-    }
-);
-
-fearless_simd::kernel!(
-    /// Of eight bytes the chosen ones, moved together to the front.
-    #[inline]
-    pub fn compress_bytes_avx2(avx2: Avx2, lanes: u8, from: u64) -> u64 {
-        use std::arch::x86_64::*;
-        let _ = avx2;
-        let order = _mm_cvtsi64_si128(i64::from_le_bytes(SET_BITS[lanes as usize]));
-        _mm_cvtsi128_si64(_mm_shuffle_epi8(_mm_cvtsi64_si128(from as i64), order)) as u64
-    }
-);
-
-fearless_simd::kernel!(
-    /// The chosen bytes, moved together to the front.
-    #[inline]
-    pub fn compress_bytes_avx512(
-        avx512: Avx512,
-        lanes: u16,
-        from: std::arch::x86_64::__m128i,
-    ) -> std::arch::x86_64::__m128i {
-        let _ = avx512;
-        std::arch::x86_64::_mm_maskz_compress_epi8(lanes, from)
     }
 );

@@ -203,8 +203,8 @@ impl<'a> Frame<'a> {
         let mirrored = self.objects[instance].mirrored;
         match self.settings.cull {
             Cull::Auto | Cull::None => false,
-            Cull::Back => triangle.clockwise != mirrored,
-            Cull::Front => triangle.clockwise == mirrored,
+            Cull::Back => !triangle.has_area || triangle.clockwise != mirrored,
+            Cull::Front => !triangle.has_area || triangle.clockwise == mirrored,
         }
     }
 

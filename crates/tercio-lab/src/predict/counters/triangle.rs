@@ -15,6 +15,8 @@ pub struct Triangle {
     depth: Depth,
     /// Its corners run clockwise on the screen.
     pub clockwise: bool,
+    /// Its corners do not stand in one line.
+    pub has_area: bool,
     /// Its primitive number, which decides among equal depths.
     pub primitive: u64,
 }
@@ -35,12 +37,14 @@ const SAMPLE: i64 = conventions::SAMPLE as i64;
 impl Triangle {
     /// From corners in the order of the mesh; `None` without area.
     pub fn new(v: [ScreenVertex; 3], primitive: u64) -> Option<Self> {
+        Some(Self::of_any_area(v, primitive)).filter(|t| t.has_area)
+    }
+
+    /// From corners in the order of the mesh. Without area it covers nothing, though its box may hold samples.
+    pub fn of_any_area(v: [ScreenVertex; 3], primitive: u64) -> Self {
         let mut corners = v.map(|v| (i64::from(v.x), i64::from(v.y)));
         let [a, b, c] = corners;
         let area = (b.0 - a.0) * (c.1 - a.1) - (c.0 - a.0) * (b.1 - a.1);
-        if area == 0 {
-            return None;
-        }
         let depth = Depth::new(v, area);
         if area < 0 {
             corners.swap(1, 2);
@@ -52,7 +56,8 @@ impl Triangle {
             let left_or_top = right > 0 || right == 0 && down > 0;
             (right, down, i64::from(!left_or_top))
         };
-        Some(Self { corners, edges: [edge(0), edge(1), edge(2)], depth, clockwise: area > 0, primitive })
+        let edges = [edge(0), edge(1), edge(2)];
+        Self { corners, edges, depth, clockwise: area > 0, has_area: area != 0, primitive }
     }
 
     /// Pixels whose samples lie in the bounding box.
@@ -147,5 +152,7 @@ mod tests {
         assert_eq!(t.depth(4, 3), 0.375);
         let line = [vertex(0, 0, 1.0), vertex(256, 256, 1.0), vertex(512, 512, 1.0)];
         assert!(Triangle::new(line, 0).is_none());
+        let line = Triangle::of_any_area(line, 0);
+        assert!((0..2).all(|y| (0..2).all(|x| !line.covers(x, y))));
     }
 }

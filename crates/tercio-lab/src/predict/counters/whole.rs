@@ -64,7 +64,8 @@ pub fn draw(frame: &Frame, whole: &WholeCluster, tile: &mut Tile, shade: bool, c
     for t in 0..cluster.triangles() {
         let corners = cluster.corners_of(t).map(|v| vertices[usize::from(v)]);
         let primitive = frame.first_primitive[whole.instance] + u64::from(cluster.primitive(t));
-        let Some(triangle) = Triangle::new(corners, primitive) else { continue };
+        // One without area is set up with the others, but where a side is culled: it shows none.
+        let triangle = Triangle::of_any_area(corners, primitive);
         let Some(pixels) = triangle.samples().and_then(|s| s.intersection(&tile.pixels)) else { continue };
         if !frame.culls(whole.instance, &triangle) {
             let (across, down) = (pixels.x1 - pixels.x0 + 1, pixels.y1 - pixels.y0 + 1);
@@ -83,7 +84,8 @@ pub fn draw(frame: &Frame, whole: &WholeCluster, tile: &mut Tile, shade: bool, c
     let mut pass = Pass { tile, waiting: Vec::new(), won: Vec::new() };
     for ((_, _, way), list) in SIZES.into_iter().zip(&by_size) {
         if let Way::Alone = way {
-            list.iter().for_each(|(t, _)| pass.tile.triangle(t, counters, |pixel| pass.won.push(pixel)));
+            let drawn = list.iter().filter(|(t, _)| t.has_area);
+            drawn.for_each(|(t, _)| pass.tile.triangle(t, counters, |pixel| pass.won.push(pixel)));
             continue;
         }
         for sixteen in list.chunks(LANES) {

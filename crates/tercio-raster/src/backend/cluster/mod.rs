@@ -118,6 +118,10 @@ fn draw_huge<S: Simd>(
     for &number in numbers {
         let v = corners.of(number).map(|corner| vertices.vertex(corner));
         let triangle = ScreenTriangle::new(v, first_slot + u32::from(number));
+        // One without area covers nothing, and has no edges to draw it by.
+        if triangle.area() == 0 {
+            continue;
+        }
         visibility::draw(simd, context, &triangle, tile, Some((winners, number)), counts);
     }
 }

@@ -1,16 +1,14 @@
 //! Which triangles of a cluster reach a sample of a tile, and how many.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, i32x16, u8x16};
+use fearless_simd::{Simd, i32x16, u8x64, u16x32, u32x16};
 use tercio_mesh::cluster::MAX_TRIANGLES;
 
 use crate::binning::PixelRect;
+use crate::conventions::{SAMPLE, SUBPIXEL_BITS};
 use crate::frontend::transform::{CornerTable, LocalVertices, ScreenTriangles};
 use crate::settings::Cull;
-use crate::simd::{LANES, append_bytes, live_lanes, part, splat_i};
-
-/// Number of each lane.
-const NUMBERS: [u8; LANES] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15];
+use crate::simd::{LANES, MANY, append_numbers, each3, live_lanes, part, splat_i};
 
 /// Which triangles are kept.
 #[derive(Clone, Copy, Debug)]
@@ -62,16 +60,83 @@ impl Size {
     }
 }
 
+/// The samples of a tile beside the vertices of a cluster, in bytes: a bound of 64 triangles fits into one register.
+///
+/// Samples are counted from the tile's first one, and a bound outside the tile is moved to its border. That keeps the
+/// order of bounds, so those of a triangle inside the tile are the least and the greatest of its corners'.
+struct Reach<S: Simd> {
+    /// First column and first row of samples at or behind each vertex.
+    first: [u8x64<S>; 2],
+    /// First column and first row of samples behind it.
+    end: [u8x64<S>; 2],
+}
+
+impl<S: Simd> Reach<S> {
+    /// Of samples inside `rect`, at most 128 across and down.
+    #[inline(always)]
+    fn new(simd: S, vertices: &LocalVertices, rect: PixelRect) -> Self {
+        part(
+            simd,
+            #[inline(always)]
+            || {
+                let seen = vertices.see(rect);
+                let up = [SAMPLE - (seen.x0 << SUBPIXEL_BITS), SAMPLE - (seen.y0 << SUBPIXEL_BITS)];
+                let first = whole_pixels(simd, vertices, [up[0] - 1, up[1] - 1]);
+                let end = whole_pixels(simd, vertices, up);
+                let across = u8x64::splat(simd, (seen.x1 - seen.x0 + 1) as u8);
+                let down = u8x64::splat(simd, (seen.y1 - seen.y0 + 1) as u8);
+                Self {
+                    first: [first[0].min(across), first[1].min(down)],
+                    end: [end[0].min(across), end[1].min(down)],
+                }
+            },
+        )
+    }
+
+    /// How many columns and rows of samples the bounding boxes of 64 triangles hold.
+    #[inline(always)]
+    fn samples(&self, corners: &[u8x64<S>; 3]) -> [u8x64<S>; 2] {
+        [self.samples_along(0, corners), self.samples_along(1, corners)]
+    }
+
+    #[inline(always)]
+    fn samples_along(&self, axis: usize, corners: &[u8x64<S>; 3]) -> u8x64<S> {
+        let (first, end) = (self.first[axis], self.end[axis]);
+        let first = each3!(K => first.swizzle_dyn(corners[K]));
+        let end = each3!(K => end.swizzle_dyn(corners[K]));
+        end[0].max(end[1]).max(end[2]).saturating_sub(first[0].min(first[1]).min(first[2]))
+    }
+}
+
+/// Coordinates of a cluster's vertices, `up` sub-pixels added, in whole pixels from 0 to 255: x, y.
+#[inline(always)]
+fn whole_pixels<S: Simd>(simd: S, vertices: &LocalVertices, up: [i32; 2]) -> [u8x64<S>; 2] {
+    let both = |x: i32, y: i32| (x.clamp(0, 0xffff) | y.clamp(0, 0xffff) << 16) as u32;
+    let more: u16x32<S> = u32x16::splat(simd, both(up[0], up[1])).bitcast();
+    let less: u16x32<S> = u32x16::splat(simd, both(-up[0], -up[1])).bitcast();
+    let [a, b, c, d] = vertices.packed(simd);
+    let a = a.saturating_add(more).saturating_sub(less).bitcast::<u8x64<S>>();
+    let b = b.saturating_add(more).saturating_sub(less).bitcast::<u8x64<S>>();
+    let c = c.saturating_add(more).saturating_sub(less).bitcast::<u8x64<S>>();
+    let d = d.saturating_add(more).saturating_sub(less).bitcast::<u8x64<S>>();
+    // The upper byte of 16 bits counts whole pixels. Those of x and y stand alternately.
+    let (ab, cd) = (a.unzip_high(b), c.unzip_high(d));
+    [ab.unzip_low(cd), ab.unzip_high(cd)]
+}
+
 /// The triangles of a cluster that are drawn, by their number in it, in lists by size.
 #[derive(Debug)]
 pub struct Sieve {
-    numbers: [[u8; MAX_TRIANGLES + LANES]; Size::ALL.len()],
+    numbers: [List; Size::ALL.len()],
     counts: [usize; Size::ALL.len()],
 }
 
+/// Numbers of triangles, with room for [`append_numbers`].
+type List = [u8; MAX_TRIANGLES + MANY];
+
 impl Default for Sieve {
     fn default() -> Self {
-        Self { numbers: [[0; MAX_TRIANGLES + LANES]; Size::ALL.len()], counts: [0; Size::ALL.len()] }
+        Self { numbers: [[0; MAX_TRIANGLES + MANY]; Size::ALL.len()], counts: [0; Size::ALL.len()] }
     }
 }
 
@@ -87,56 +152,122 @@ impl Sieve {
         keep: &Keep,
     ) {
         self.counts = [0; Size::ALL.len()];
-        let rect = vertices.see(keep.rect);
+        let reach = Reach::new(simd, vertices, keep.rect);
+        let by_area = vertices.is_wide || !matches!(keep.cull, Cull::Auto | Cull::None);
+        let (mut reached, mut count_reached) = ([0; MAX_TRIANGLES + MANY], 0);
         let mut first = 0;
         while first < count.min(MAX_TRIANGLES) {
-            let live = live_lanes(count - first);
-            let t = ScreenTriangles::new(simd, vertices.coordinates(simd, &corners.of_16(first)), rect);
             part(
                 simd,
                 #[inline(always)]
                 || {
-                    let (area, zero) = (t.area(), splat_i(simd, 0));
-                    let hits = t.hits() & live;
-                    let mut clockwise = area.simd_gt(zero).to_bitmask() as u32 & hits;
-                    let mut counter = area.simd_lt(zero).to_bitmask() as u32 & hits;
-                    let mut huge = 0;
-                    if vertices.is_wide {
-                        huge = t.large(simd) & hits;
-                        let sides = sides_of(&t, huge);
-                        clockwise = clockwise & !huge | sides[0];
-                        counter = counter & !huge | sides[1];
+                    let [across, down] = reach.samples(&corners.of_64(simd, first));
+                    let left = count - first;
+                    let live = if left >= MANY { u64::MAX } else { (1 << left) - 1 };
+                    let mut hits = !across.min(down).simd_eq(0).to_bitmask() & live;
+                    if by_area {
+                        append_numbers(simd, &mut reached, count_reached, hits, first as u8);
+                        count_reached += hits.count_ones() as usize;
+                        return;
                     }
-                    let (kept, _) = keep.cull.split(keep.mirrored, clockwise, counter);
-                    let numbers = u8x16::load_array(simd, NUMBERS) + first as u8;
-                    let (across, down) = (t.columns[1] - t.columns[0], t.rows[1] - t.rows[0]);
-                    let mut left = kept & !huge;
+                    let most = across.max(down);
                     for size in Size::ALL {
-                        let mut of_size = left;
-                        if let Some(most) = size.most_across() {
-                            of_size &= across.simd_lt(splat_i(simd, most)).to_bitmask() as u32;
+                        if hits == 0 {
+                            break;
                         }
-                        if let Some(most) = size.most_down() {
-                            of_size &= down.simd_lt(splat_i(simd, most)).to_bitmask() as u32;
+                        let mut of_size = hits;
+                        if let Some(limit) = size.most_across() {
+                            let extent = if size.most_down().is_some() { most } else { across };
+                            of_size &= extent.simd_le(limit as u8).to_bitmask();
                         }
-                        if size == Size::Huge {
-                            of_size |= kept & huge;
-                        }
-                        self.add(simd, size, of_size, numbers);
-                        left &= !of_size;
+                        self.add(simd, size, of_size, first);
+                        hits &= !of_size;
                     }
                 },
             );
-            first += LANES;
+            first += MANY;
         }
+        if by_area {
+            self.sort_by_area(simd, vertices, corners, &reached, count_reached, keep);
+        }
+    }
+
+    /// Sorts triangles that reach a sample, and leaves out those that show the side that is culled; some of them may be
+    /// too large for the lists of small ones. Not inlined: few clusters come here.
+    #[cold]
+    #[inline(never)]
+    fn sort_by_area<S: Simd>(
+        &mut self,
+        simd: S,
+        vertices: &LocalVertices,
+        corners: &CornerTable,
+        reached: &List,
+        count: usize,
+        keep: &Keep,
+    ) {
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                let rect = vertices.see(keep.rect);
+                let (chunks, _) = reached.as_chunks::<LANES>();
+                for (numbers, first) in chunks.iter().zip((0..count).step_by(LANES)) {
+                    let corners = corners.look_up(simd, numbers);
+                    let t = ScreenTriangles::new(simd, vertices.coordinates(simd, &corners), rect);
+                    part(
+                        simd,
+                        #[inline(always)]
+                        || {
+                            let live = live_lanes(count - first);
+                            let huge = t.large(simd) & live;
+                            let mut kept = live;
+                            if !matches!(keep.cull, Cull::Auto | Cull::None) {
+                                let (area, zero) = (t.area(), splat_i(simd, 0));
+                                let sides = sides_of(&t, huge);
+                                let clockwise = area.simd_gt(zero).to_bitmask() as u32 & live & !huge;
+                                let counter = area.simd_lt(zero).to_bitmask() as u32 & live & !huge;
+                                (kept, _) =
+                                    keep.cull.split(keep.mirrored, clockwise | sides[0], counter | sides[1]);
+                            }
+                            let (across, down) = (t.columns[1] - t.columns[0], t.rows[1] - t.rows[0]);
+                            let mut left = kept & !huge;
+                            for size in Size::ALL {
+                                let mut of_size = left;
+                                if let Some(most) = size.most_across() {
+                                    of_size &= across.simd_lt(splat_i(simd, most)).to_bitmask() as u32;
+                                }
+                                if let Some(most) = size.most_down() {
+                                    of_size &= down.simd_lt(splat_i(simd, most)).to_bitmask() as u32;
+                                }
+                                if size == Size::Huge {
+                                    of_size |= kept & huge;
+                                }
+                                self.add_some(size, of_size, numbers);
+                                left &= !of_size;
+                            }
+                        },
+                    );
+                }
+            },
+        );
+    }
+
+    /// Adds triangles to a list: number `first` of the cluster is bit 0.
+    #[inline(always)]
+    fn add<S: Simd>(&mut self, simd: S, size: Size, bits: u64, first: usize) {
+        let count = &mut self.counts[size as usize];
+        append_numbers(simd, &mut self.numbers[size as usize], *count, bits, first as u8);
+        *count += bits.count_ones() as usize;
     }
 
     /// Adds the triangles of some lanes to a list.
     #[inline(always)]
-    fn add<S: Simd>(&mut self, simd: S, size: Size, lanes: u32, numbers: u8x16<S>) {
+    fn add_some(&mut self, size: Size, mut lanes: u32, numbers: &[u8; LANES]) {
         let count = &mut self.counts[size as usize];
-        append_bytes(simd, &mut self.numbers[size as usize], *count, lanes, numbers);
-        *count += lanes.count_ones() as usize;
+        while lanes != 0 {
+            self.numbers[size as usize][*count] = numbers[lanes.trailing_zeros() as usize % LANES];
+            *count += 1;
+            lanes &= lanes - 1;
+        }
     }
 
     /// Triangles that are drawn.
