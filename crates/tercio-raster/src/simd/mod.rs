@@ -117,14 +117,33 @@ pub fn lookup_bytes<S: Simd>(simd: S, table: &[u8; 128], index: &[u8; 16]) -> [u
             let found: u8x16<S> = x86_64::lookup_bytes_avx512(token, table, index).simd_into(simd);
             found.to_array()
         }
+        #[cfg(target_arch = "x86_64")]
+        Level::Avx2(token) => {
+            let found: u8x16<S> = x86_64::lookup_bytes_avx2(token, table, index).simd_into(simd);
+            found.to_array()
+        }
+        // Without byte shuffles.
+        #[cfg(target_arch = "x86_64")]
+        Level::Sse2(_) => lookup_bytes_one_by_one(table, index),
+        Level::Fallback(_) => lookup_bytes_one_by_one(table, index),
         _ => {
-            let mut found = [0; 16];
-            for lane in 0..LANES {
-                found[lane] = table[usize::from(index[lane] & 127)];
+            let mut index = u8x16::load_array_ref(simd, index) & 127;
+            let mut found = u8x16::splat(simd, 0);
+            for sixteen in table.as_chunks::<LANES>().0 {
+                found |= u8x16::load_array_ref(simd, sixteen).swizzle_dyn_precise(index);
+                index -= LANES as u8;
             }
-            found
+            found.to_array()
         }
     }
+}
+
+fn lookup_bytes_one_by_one(table: &[u8; 128], index: &[u8; 16]) -> [u8; 16] {
+    let mut found = [0; 16];
+    for lane in 0..LANES {
+        found[lane] = table[usize::from(index[lane] & 127)];
+    }
+    found
 }
 
 /// 16 entries of a table of 64; indices are taken modulo 64.

@@ -1,7 +1,7 @@
 //! Kernels of x86-64 that `fearless_simd` has no words for: tables in registers, lanes moved together.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{i32x16, u8x16, u8x64};
+use fearless_simd::{i32x16, u8x16, u8x32, u8x64};
 
 use super::SET_BITS;
 
@@ -32,6 +32,25 @@ fearless_simd::kernel!(
         let part = |k: usize| -> __m512i { u8x64::from_slice(avx512, &table[64 * k..64 * k + 64]).into() };
         let index: __m128i = u8x16::from_slice(avx512, index).into();
         _mm512_castsi512_si128(_mm512_permutex2var_epi8(part(0), _mm512_castsi128_si512(index), part(1)))
+    }
+);
+
+fearless_simd::kernel!(
+    /// 16 entries of a table of 128 bytes that stays in four registers.
+    #[inline]
+    pub fn lookup_bytes_avx2(avx2: Avx2, table: &[u8; 128], index: &[u8; 16]) -> std::arch::x86_64::__m128i {
+        use std::arch::x86_64::*;
+        let index: __m128i = u8x16::from_slice(avx2, index).into();
+        let index = _mm256_broadcastsi128_si256(_mm_and_si128(index, _mm_set1_epi8(127)));
+        // A half of a register holds 16 entries; an index outside of them gets its upper bit set and finds 0.
+        let part = |k: usize| -> __m256i {
+            let first = 32 * k as i8;
+            let first = _mm256_set_m128i(_mm_set1_epi8(first + 16), _mm_set1_epi8(first));
+            let inside = _mm256_adds_epu8(_mm256_sub_epi8(index, first), _mm256_set1_epi8(0x70));
+            _mm256_shuffle_epi8(u8x32::from_slice(avx2, &table[32 * k..32 * k + 32]).into(), inside)
+        };
+        let all = _mm256_or_si256(_mm256_or_si256(part(0), part(1)), _mm256_or_si256(part(2), part(3)));
+        _mm_or_si128(_mm256_castsi256_si128(all), _mm256_extracti128_si256::<1>(all))
     }
 );
 
