@@ -116,9 +116,7 @@ impl Bench {
         let begin = Instant::now();
         let model = options.open(&self.model.model)?;
         let load_ms = begin.elapsed().as_secs_f64() * 1e3;
-        let begin = Instant::now();
-        let mut scene = self.scene(model, files, &display)?;
-        let partition_ms = begin.elapsed().as_secs_f64() * 1e3;
+        let (mut scene, partition_ms) = self.scene(model, files, &display)?;
         let copies = Copies::new(self.copies, &scene.bounds());
         copies.place(&mut scene);
         let cameras = self.cameras(&scene.bounds());
@@ -140,8 +138,8 @@ impl Bench {
         Ok(self.report(&loaded, &cameras, &frames))
     }
 
-    /// The model in clusters, with its look.
-    fn scene(&self, model: Model, files: &NamedFiles, display: &Display) -> Result<Scene> {
+    /// The model in clusters, with its look, and the milliseconds of cutting it.
+    fn scene(&self, model: Model, files: &NamedFiles, display: &Display) -> Result<(Scene, f64)> {
         Ok(match model {
             Model::Mesh(loaded) => {
                 files.check_companions(&self.model.name(), &loaded.report.read.companions)?;
@@ -149,9 +147,12 @@ impl Bench {
                 for _ in 0..self.subdivide {
                     mesh = tercio::mesh::subdivide::subdivide(&mesh);
                 }
-                self.look.scene(Arc::new(clusters(mesh, display)))
+                let begin = Instant::now();
+                let mesh = clusters(mesh, display);
+                let milliseconds = begin.elapsed().as_secs_f64() * 1e3;
+                (self.look.scene(Arc::new(mesh)), milliseconds)
             }
-            Model::Prepared(loaded) if self.subdivide == 0 => self.look.scene(loaded.mesh),
+            Model::Prepared(loaded) if self.subdivide == 0 => (self.look.scene(loaded.mesh), 0.0),
             _ => {
                 let model = self.model.name();
                 let reason =

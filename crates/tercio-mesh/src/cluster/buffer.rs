@@ -18,12 +18,48 @@ impl Line {
 }
 
 /// An array in memory of its own or in a mapped file.
-#[derive(Clone)]
 pub enum Buffer<T> {
     /// In memory.
     Owned(Vec<T>),
+    /// In memory that came zeroed from the system; which of its bytes. The system gives such memory page by page to the
+    /// threads that write it first, but not at the alignment of a [`Line`].
+    Zeroed(Vec<u64>, Range<usize>),
     /// In a file: the file, and which of its bytes.
     Mapped(Arc<Mmap>, Range<usize>),
+}
+
+impl<T: Pod> Buffer<T> {
+    /// So many elements of zeros.
+    pub(super) fn zeroed(count: usize) -> Self {
+        let bytes = count * size_of::<T>();
+        let words: Vec<u64> = bytemuck::zeroed_vec((bytes + align_of::<T>()).div_ceil(size_of::<u64>()));
+        let first = words.as_ptr().align_offset(align_of::<T>()) * size_of::<u64>();
+        Self::Zeroed(words, first..first + bytes)
+    }
+
+    /// The elements, to be written.
+    ///
+    /// # Panics
+    /// If they are in a file.
+    pub(super) fn as_mut_slice(&mut self) -> &mut [T] {
+        match self {
+            Self::Owned(values) => values,
+            Self::Zeroed(words, range) => {
+                bytemuck::cast_slice_mut(&mut bytemuck::cast_slice_mut::<u64, u8>(words)[range.clone()])
+            }
+            Self::Mapped(..) => unreachable!("files are not written"),
+        }
+    }
+}
+
+impl<T: AnyBitPattern> Clone for Buffer<T> {
+    fn clone(&self) -> Self {
+        match self {
+            Self::Mapped(file, range) => Self::Mapped(Arc::clone(file), range.clone()),
+            // A copy of the words may be aligned otherwise.
+            _ => Self::Owned(self.to_vec()),
+        }
+    }
 }
 
 impl<T: AnyBitPattern> Buffer<T> {
@@ -38,6 +74,7 @@ impl<T: AnyBitPattern> Buffer<T> {
     pub fn owned_bytes(&self) -> usize {
         match self {
             Self::Owned(values) => values.capacity() * size_of::<T>(),
+            Self::Zeroed(words, _) => words.capacity() * size_of::<u64>(),
             Self::Mapped(..) => 0,
         }
     }
@@ -45,7 +82,7 @@ impl<T: AnyBitPattern> Buffer<T> {
     /// Bytes that are in a file.
     pub fn mapped_bytes(&self) -> usize {
         match self {
-            Self::Owned(_) => 0,
+            Self::Owned(_) | Self::Zeroed(..) => 0,
             Self::Mapped(_, range) => range.len(),
         }
     }
@@ -64,6 +101,9 @@ impl<T: AnyBitPattern> Deref for Buffer<T> {
     fn deref(&self) -> &[T] {
         match self {
             Self::Owned(values) => values,
+            Self::Zeroed(words, range) => {
+                bytemuck::cast_slice(&bytemuck::cast_slice::<u64, u8>(words)[range.clone()])
+            }
             Self::Mapped(file, range) => bytemuck::cast_slice(&file[range.clone()]),
         }
     }
@@ -83,7 +123,7 @@ impl<T: AnyBitPattern + PartialEq> PartialEq for Buffer<T> {
 
 impl<T: AnyBitPattern> fmt::Debug for Buffer<T> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let place = if matches!(self, Self::Owned(_)) { "in memory" } else { "mapped" };
+        let place = if matches!(self, Self::Mapped(..)) { "mapped" } else { "in memory" };
         write!(f, "{} elements {place}", self.len())
     }
 }

@@ -1,12 +1,12 @@
 //! Writes the stretches of the clusters.
 
-use bytemuck::{Zeroable, allocation::zeroed_vec};
+use bytemuck::Zeroable;
 use fearless_simd::{Level, dispatch};
 use rayon::prelude::*;
 
 use super::layout::padded;
 use super::partition::Cut;
-use super::{Cluster, ClusteredMesh, Layout, Line, bounds};
+use super::{Buffer, Cluster, ClusteredMesh, Layout, Line, bounds};
 use crate::{AttributeDomain, Mesh};
 
 /// Cuts `data` into consecutive pieces of the given lengths; what is left over is dropped.
@@ -57,7 +57,7 @@ pub(super) fn clusters(out: &mut ClusteredMesh, cuts: &[Cut], order: Option<&[u3
         starts.push(end);
         heads.push(*head);
     }
-    let mut lines: Vec<Line> = zeroed_vec(total + Layout::LINES_BEHIND);
+    let mut lines = Buffer::zeroed(total + Layout::LINES_BEHIND);
     let mut rest = order;
     let numbers: Vec<Option<&[u32]>> = cuts
         .iter()
@@ -68,7 +68,7 @@ pub(super) fn clusters(out: &mut ClusteredMesh, cuts: &[Cut], order: Option<&[u3
         })
         .collect();
     let heads_of = split(&mut heads, cuts.iter().map(|c| c.clusters.len()));
-    let lines_of = split(&mut lines, lengths.into_iter());
+    let lines_of = split(lines.as_mut_slice(), lengths.into_iter());
     let jobs = cuts.iter().zip(numbers).zip(heads_of).zip(lines_of);
     let jobs: Vec<Job> =
         jobs.map(|(((cut, numbers), heads), lines)| Job { cut, numbers, heads, lines }).collect();
@@ -76,7 +76,7 @@ pub(super) fn clusters(out: &mut ClusteredMesh, cuts: &[Cut], order: Option<&[u3
     jobs.into_par_iter().with_max_len(1).for_each_init(Memory::default, |memory, job| {
         write(job, &layout, source, memory, level);
     });
-    (out.layout, out.clusters, out.starts, out.lines) = (layout, heads.into(), starts.into(), lines.into());
+    (out.layout, out.clusters, out.starts, out.lines) = (layout, heads.into(), starts.into(), lines);
 }
 
 /// Values of a block's vertices, in the order of the block. Clusters take them in an order that memory cannot
