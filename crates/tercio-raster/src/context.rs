@@ -29,6 +29,9 @@ pub struct FrameContext<'a> {
     pub lights: LightRig,
     /// The tiles.
     pub grid: TileGrid,
+    /// Among how many threads the work is divided, however many the pool has: that decides the size of tiles, which tiles
+    /// are shared and how, and nothing of the picture.
+    pub workers: usize,
     /// Number of each instance's first cluster; one more than there are instances.
     first_cluster: Vec<u32>,
     /// Number of each instance's first primitive.
@@ -39,7 +42,7 @@ pub struct FrameContext<'a> {
 
 impl<'a> FrameContext<'a> {
     /// Numbers the clusters and primitives of a scene, and divides the picture into tiles that are small enough for some
-    /// threads to share them.
+    /// workers, at least one, to share them.
     ///
     /// # Errors
     /// A camera or setting that makes no picture, a scene that 32 bits do not suffice to number, and what
@@ -48,12 +51,12 @@ impl<'a> FrameContext<'a> {
         scene: &'a Scene,
         camera: &Camera,
         settings: &'a Settings,
-        threads: usize,
+        workers: usize,
     ) -> Result<Self, RenderError> {
         settings.check()?;
         let (width, height) = (settings.width, settings.height);
         let view = View::new(camera, &scene.bounds(), width, height)?;
-        let grid = TileGrid::new(width, height, settings.tile_edge_for(threads), settings.tiles.clone());
+        let grid = TileGrid::new(width, height, settings.tile_edge_for(workers), settings.tiles.clone());
         let mut first_cluster = vec![0];
         let (mut first_primitive, mut first_face) = (Vec::new(), Vec::new());
         let (mut clusters, mut triangles, mut faces) = (0u64, 0u64, 0u64);
@@ -72,7 +75,19 @@ impl<'a> FrameContext<'a> {
         check_range(scene, settings, &view)?;
         let objects = scene.instances.iter().map(|i| view.object(i)).collect();
         let lights = LightRig::new(&scene.lights, &view);
-        Ok(Self { scene, settings, view, objects, lights, grid, first_cluster, first_primitive, first_face })
+        let workers = workers.max(1);
+        Ok(Self {
+            scene,
+            settings,
+            view,
+            objects,
+            lights,
+            grid,
+            workers,
+            first_cluster,
+            first_primitive,
+            first_face,
+        })
     }
 
     /// All pixels of the picture.

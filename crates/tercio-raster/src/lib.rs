@@ -5,7 +5,8 @@
 //! are left into tiles; [`backend`] finds what is visible in each tile and shades it; [`frame`] is the finished
 //! picture. [`mod@reference`] does all of this in one plain loop, and every other path must equal it, bit for bit.
 //!
-//! [`conventions`] holds the conventions of all of them. [`simd`] is the one place that knows of SIMD levels.
+//! [`conventions`] holds the conventions of all of them. [`simd`] is the one place that knows of SIMD levels. [`stats`] are
+//! the counts that come with every picture; [`tally`] is how the back end makes them, and finer ones for predictions.
 //!
 //! # Example
 //!
@@ -43,6 +44,7 @@ mod renderer;
 pub mod settings;
 pub mod simd;
 pub mod stats;
+pub mod tally;
 pub mod view;
 
 pub use binning::TileSet;

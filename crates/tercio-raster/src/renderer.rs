@@ -7,7 +7,7 @@ use fearless_simd::{Level, dispatch};
 use rayon::prelude::*;
 use tercio_scene::{Camera, Scene};
 
-use crate::backend::{self, Scratch, Share};
+use crate::backend::{Scratch, Share, Stage, TileTask};
 use crate::binning::{Bins, Sorted, TileSet};
 use crate::context::FrameContext;
 use crate::error::RenderError;
@@ -15,6 +15,7 @@ use crate::frame::{Canvas, Frame};
 use crate::frontend;
 use crate::settings::{LastStage, Settings, SimdLevel};
 use crate::stats::{BackEndCounts, FrameStats, FrontEndCounts, StageTimes};
+use crate::tally::Tally;
 
 /// Batches of clusters a thread: enough that threads finish together, few enough that bins stay large.
 const BATCHES_A_THREAD: usize = 8;
@@ -31,7 +32,7 @@ const LEAST_SHARED: u64 = 64;
 #[derive(Debug, Default)]
 pub struct Renderer {
     sorted: Sorted,
-    /// One for each thread of the pool.
+    /// One for each thread of the pool, and one more where there are more workers than threads.
     scratch: Vec<Mutex<Scratch>>,
 }
 
@@ -86,10 +87,10 @@ impl Renderer {
 
     /// The front end: sorts the clusters that the frame's settings ask for into its tiles.
     pub fn sort(&mut self, context: &FrameContext, sorted: &mut Sorted) {
-        let (level, threads) = (level(context), rayon::current_num_threads());
+        let level = level(context);
         let drawn = context.settings.clusters.range(context.clusters());
         let clusters = drawn.len();
-        let batches = clusters.div_ceil(LEAST_CLUSTERS).min(threads * BATCHES_A_THREAD);
+        let batches = clusters.div_ceil(LEAST_CLUSTERS).min(context.workers * BATCHES_A_THREAD);
         sorted.bins.resize_with(batches, Bins::default);
         let counts = sorted.bins.par_iter_mut().enumerate().with_max_len(1).map(|(i, bins)| {
             let share = |i: usize| drawn.start + (clusters * i / batches) as u32;
@@ -129,26 +130,38 @@ impl Renderer {
     /// # Panics
     /// If the frame does not have the size and the planes of the settings ([`Frame::resize`]).
     pub fn draw(&mut self, context: &FrameContext, sorted: &Sorted, tiles: &TileSet, frame: &mut Frame) {
+        self.draw_tiles::<BackEndCounts>(context, sorted, tiles, frame);
+    }
+
+    /// [`Renderer::draw`] with any tally.
+    pub(crate) fn draw_tiles<T: Tally>(
+        &mut self,
+        context: &FrameContext,
+        sorted: &Sorted,
+        tiles: &TileSet,
+        frame: &mut Frame,
+    ) -> T::Frame {
         let begin = Instant::now();
-        let (level, threads) = (level(context), rayon::current_num_threads());
-        if self.scratch.len() < threads {
-            self.scratch.resize_with(threads, Mutex::default);
+        let memories = rayon::current_num_threads().max(2.min(context.workers));
+        if self.scratch.len() < memories {
+            self.scratch.resize_with(memories, Mutex::default);
         }
         let settings = context.settings;
         let canvas = Canvas::new(frame, &settings.outputs, &context.scene.background, &context.grid);
-        let work = Tiles { context, sorted, canvas: &canvas, level };
-        let backend = work.draw(tiles, &mut self.scratch);
+        let work = Tiles { context, sorted, canvas: &canvas, level: level(context) };
+        let tallies = work.draw::<T>(tiles, &mut self.scratch[..memories]);
         drop(canvas);
         let milliseconds = begin.elapsed().as_secs_f64() * 1e3;
         frame.stats = FrameStats {
             frontend: sorted.counts,
             binning: sorted.counts(&context.grid),
-            backend: backend.finish(),
+            backend: T::sum(&tallies).finish(),
             milliseconds: StageTimes { backend: milliseconds, total: milliseconds, ..StageTimes::default() },
-            threads,
+            threads: context.workers,
             simd: settings.simd.unwrap_or_else(SimdLevel::best).name(),
             tile_size: 1 << context.grid.shift,
         };
+        tallies
     }
 }
 
@@ -167,58 +180,64 @@ struct Tiles<'a> {
 }
 
 impl Tiles<'_> {
-    /// Draws the tiles of a set: the few that hold a great part of the work one after another, shared by all threads,
+    /// Draws the tiles of a set: the few that hold a great part of the work one after another, shared by all workers,
     /// the others side by side.
-    fn draw(&self, set: &TileSet, scratch: &mut [Mutex<Scratch>]) -> BackEndCounts {
-        let threads = rayon::current_num_threads();
+    fn draw<T: Tally>(&self, set: &TileSet, scratch: &mut [Mutex<Scratch>]) -> T::Frame {
+        let workers = self.context.workers;
         let tiles = self.context.grid.count() as u32;
         let fill = |tile: u32| self.sorted.fill(tile);
         let is_drawn = |tile: &u32| self.context.grid.draws(*tile) && set.contains(*tile);
         let mut alone: Vec<u32> = (0..tiles).filter(is_drawn).collect();
         let mut shared = Vec::new();
-        if threads > 1 && self.context.settings.last_stage > LastStage::Bin {
+        if workers > 1 && self.context.settings.last_stage > LastStage::Bin {
             let work: u64 = (0..tiles).map(fill).sum();
-            let heavy = |tile: &u32| fill(*tile) > LEAST_SHARED.max(work / (2 * threads as u64));
+            let heavy = |tile: &u32| fill(*tile) > LEAST_SHARED.max(work / (2 * workers as u64));
             (shared, alone) = alone.into_iter().partition(heavy);
         }
-        let counts = shared.into_iter().map(|tile| self.draw_shared(tile, &mut scratch[..threads]));
-        let counts = counts.fold(BackEndCounts::default(), BackEndCounts::plus);
+        let tallies =
+            shared.into_iter().map(|tile| self.draw_shared::<T>(tile, scratch).into_frame(tile, true));
+        let tallies = tallies.fold(T::Frame::default(), T::join);
         let scratch = &*scratch;
-        alone
+        let drawn_alone = alone
             .into_par_iter()
             .with_max_len(1)
             .map(|tile| {
                 let own = rayon::current_thread_index().unwrap_or(0);
                 // A thread that draws a tile does nothing else meanwhile, so the lock is free.
-                let mut scratch = scratch[own % threads].lock().unwrap_or_else(|e| e.into_inner());
-                dispatch!(self.level, simd => backend::run(
-                    simd, self.context, &self.sorted.bins, tile, &mut scratch, self.canvas,
-                ))
+                let mut scratch = scratch[own % scratch.len()].lock().unwrap_or_else(|e| e.into_inner());
+                self.draw_tile::<T>(tile, Stage::Whole, &mut scratch).into_frame(tile, false)
             })
-            .reduce(BackEndCounts::default, BackEndCounts::plus)
-            .plus(counts)
+            .reduce(T::Frame::default, T::join);
+        T::join(drawn_alone, tallies)
     }
 
-    /// Draws one tile with all threads, each a share of its entries into a tile memory of its own.
-    fn draw_shared(&self, tile: u32, scratch: &mut [Mutex<Scratch>]) -> BackEndCounts {
-        let of = scratch.len();
-        let counts = scratch
-            .par_iter_mut()
-            .enumerate()
-            .with_max_len(1)
-            .map(|(part, scratch)| {
+    /// Draws one tile with all workers, each a share of its entries into a tile memory of its own, as many at a time as
+    /// there are memories.
+    fn draw_shared<T: Tally>(&self, tile: u32, scratch: &mut [Mutex<Scratch>]) -> T {
+        let of = self.context.workers;
+        let (mut tally, mut drawn) = (T::default(), 0);
+        while drawn < of {
+            // From the second time on the first memory holds what was drawn before.
+            let free = &mut scratch[usize::from(drawn > 0)..];
+            let count = free.len().min(of - drawn);
+            let shares = free[..count].par_iter_mut().enumerate().with_max_len(1).map(|(i, scratch)| {
                 let scratch = scratch.get_mut().unwrap_or_else(|e| e.into_inner());
-                let share = Share { part, of };
-                dispatch!(self.level, simd => backend::run_share(
-                    simd, self.context, &self.sorted.bins, tile, share, scratch, self.canvas,
-                ))
-            })
-            .reduce(BackEndCounts::default, BackEndCounts::plus);
-        let mut parts = scratch.iter_mut().map(|s| s.get_mut().unwrap_or_else(|e| e.into_inner()));
-        let Some(first) = parts.next() else { unreachable!("a pool has a thread") };
-        parts.for_each(|part| first.tile.merge(self.context, &part.tile));
-        let shaded =
-            dispatch!(self.level, simd => backend::finish(simd, self.context, tile, first, self.canvas));
-        counts.plus(shaded)
+                self.draw_tile::<T>(tile, Stage::Share(Share { part: drawn + i, of }), scratch)
+            });
+            tally = tally.plus(shares.reduce(T::default, T::plus));
+            let used = usize::from(drawn > 0) + count;
+            drawn += count;
+            let mut parts =
+                scratch[..used].iter_mut().map(|s| s.get_mut().unwrap_or_else(|e| e.into_inner()));
+            let Some(first) = parts.next() else { unreachable!("a pool has a thread") };
+            parts.for_each(|part| first.tile.merge(self.context, &part.tile));
+        }
+        let first = scratch[0].get_mut().unwrap_or_else(|e| e.into_inner());
+        tally.plus(self.draw_tile(tile, Stage::Finish, first))
+    }
+
+    fn draw_tile<T: Tally>(&self, tile: u32, stage: Stage, scratch: &mut Scratch) -> T {
+        let &Tiles { context, sorted, canvas, level } = self;
+        T::draw(level, TileTask { context, bins: &sorted.bins, tile, stage, scratch, canvas })
     }
 }

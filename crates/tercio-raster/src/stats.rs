@@ -20,7 +20,7 @@ pub struct FrameStats {
     pub backend: BackEndCounts,
     /// Milliseconds a stage.
     pub milliseconds: StageTimes,
-    /// Threads of the pool.
+    /// Threads that the work was dealt out to: those of the pool.
     pub threads: usize,
     /// Name of the SIMD level; empty where nothing was drawn.
     #[serde(deserialize_with = "level_name")]
@@ -67,6 +67,8 @@ pub struct FrontEndCounts {
     pub triangles_out: u64,
     /// Vertices of clusters whose triangles were sorted one by one.
     pub vertices_transformed: u64,
+    /// Triangles of these clusters.
+    pub triangles_apart: u64,
 }
 
 /// Binning: clusters and triangles in, entries out.
@@ -164,6 +166,7 @@ impl FrontEndCounts {
             triangles_clipped: self.triangles_clipped + o.triangles_clipped,
             triangles_out: self.triangles_out + o.triangles_out,
             vertices_transformed: self.vertices_transformed + o.vertices_transformed,
+            triangles_apart: self.triangles_apart + o.triangles_apart,
         }
     }
 }

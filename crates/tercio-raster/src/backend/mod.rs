@@ -24,7 +24,7 @@ use crate::binning::Bins;
 use crate::context::FrameContext;
 use crate::frame::{Canvas, Outputs, Planes};
 use crate::settings::LastStage;
-use crate::stats::BackEndCounts;
+use crate::tally::Tally;
 use cluster::ClusterPass;
 use memory::TileMemory;
 use order::DepthOrder;
@@ -50,6 +50,44 @@ pub struct Share {
     pub of: usize,
 }
 
+/// What is to be done of a tile.
+#[derive(Clone, Copy, Debug)]
+pub enum Stage {
+    /// All of it, [`run`].
+    Whole,
+    /// A share of its entries, [`run_share`].
+    Share(Share),
+    /// The end of a tile that was drawn in shares, [`finish`].
+    Finish,
+}
+
+/// The work that one thread does on a tile.
+pub struct TileTask<'a> {
+    /// What all stages share.
+    pub context: &'a FrameContext<'a>,
+    /// The bins.
+    pub bins: &'a [Bins],
+    /// Which tile.
+    pub tile: u32,
+    /// What is to be done of it.
+    pub stage: Stage,
+    /// The thread's memory.
+    pub scratch: &'a mut Scratch,
+    /// Where the tile's pixels go.
+    pub canvas: &'a Canvas<'a>,
+}
+
+/// Does a task.
+#[inline(always)]
+pub fn draw_tile<S: Simd, T: Tally>(simd: S, task: TileTask) -> T {
+    let TileTask { context, bins, tile, stage, scratch, canvas } = task;
+    match stage {
+        Stage::Whole => run(simd, context, bins, tile, scratch, canvas),
+        Stage::Share(share) => run_share(simd, context, bins, tile, share, scratch, canvas),
+        Stage::Finish => finish(simd, context, tile, scratch, canvas),
+    }
+}
+
 /// So many clusters before its turn a cluster is asked of the memory.
 const AHEAD: usize = 2;
 
@@ -64,35 +102,38 @@ enum Shade {
 
 /// Draws one tile from all bins and writes it to the picture.
 #[inline(always)]
-pub fn run<S: Simd>(
+pub fn run<S: Simd, T: Tally>(
     simd: S,
     context: &FrameContext,
     bins: &[Bins],
     tile: u32,
     scratch: &mut Scratch,
     canvas: &Canvas,
-) -> BackEndCounts {
-    let mut counts = BackEndCounts::default();
+) -> T {
+    let mut tally = T::default();
     let (target, stride) = (canvas.claim(tile), 1 << memory::stride_bits(context));
     target.clear(&mut scratch.pixels, stride);
     let triangles: usize = bins.iter().map(|b| b.triangles_in(tile).len()).sum();
     let clusters: usize = bins.iter().map(|b| b.clusters_in(tile).len()).sum();
+    if let Some(full) = tally.full() {
+        full.tile(context, tile, triangles + clusters > 0);
+    }
     let last = context.settings.last_stage;
     if triangles + clusters > 0 && last > LastStage::Bin {
         let all = Share { part: 0, of: 1 };
-        draw(simd, context, bins, tile, all, Shade::AtOnce, scratch, canvas.outputs(), &mut counts);
+        draw(simd, context, bins, tile, all, Shade::AtOnce, scratch, canvas.outputs(), &mut tally);
         if triangles > 0 && last > LastStage::Visibility {
-            shade::tile(simd, context, &scratch.tile, &mut scratch.pixels, canvas.outputs(), &mut counts);
+            shade::tile(simd, context, &scratch.tile, &mut scratch.pixels, canvas.outputs(), &mut tally);
         }
-        counts.pixels_visible += scratch.tile.visible();
+        tally.counts().pixels_visible += scratch.tile.visible();
     }
     target.write(&scratch.pixels, stride);
-    counts
+    tally
 }
 
 /// Draws a share of a tile into the tile memory only; [`finish`] does the rest.
 #[inline(always)]
-pub fn run_share<S: Simd>(
+pub fn run_share<S: Simd, T: Tally>(
     simd: S,
     context: &FrameContext,
     bins: &[Bins],
@@ -100,38 +141,41 @@ pub fn run_share<S: Simd>(
     share: Share,
     scratch: &mut Scratch,
     canvas: &Canvas,
-) -> BackEndCounts {
-    let mut counts = BackEndCounts::default();
-    draw(simd, context, bins, tile, share, Shade::Later, scratch, canvas.outputs(), &mut counts);
-    counts
+) -> T {
+    let mut tally = T::default();
+    draw(simd, context, bins, tile, share, Shade::Later, scratch, canvas.outputs(), &mut tally);
+    tally
 }
 
 /// Shades and writes a tile that was drawn in shares, from the memory that they were merged into.
 #[inline(always)]
-pub fn finish<S: Simd>(
+pub fn finish<S: Simd, T: Tally>(
     simd: S,
     context: &FrameContext,
     tile: u32,
     scratch: &mut Scratch,
     canvas: &Canvas,
-) -> BackEndCounts {
-    let mut counts = BackEndCounts::default();
+) -> T {
+    let mut tally = T::default();
     let (target, stride) = (canvas.claim(tile), 1 << memory::stride_bits(context));
     target.clear(&mut scratch.pixels, stride);
-    if context.settings.last_stage <= LastStage::Visibility {
-        return counts;
+    if let Some(full) = tally.full() {
+        full.tile(context, tile, true);
     }
-    shade::tile(simd, context, &scratch.tile, &mut scratch.pixels, canvas.outputs(), &mut counts);
-    counts.pixels_visible += scratch.tile.visible();
+    if context.settings.last_stage <= LastStage::Visibility {
+        return tally;
+    }
+    shade::tile(simd, context, &scratch.tile, &mut scratch.pixels, canvas.outputs(), &mut tally);
+    tally.counts().pixels_visible += scratch.tile.visible();
     target.write(&scratch.pixels, stride);
-    counts
+    tally
 }
 
 /// Draws a share of a tile's entries: triangles first, then clusters front to back. Not inlined, so that it is
 /// compiled once a level.
 #[expect(clippy::too_many_arguments, reason = "a struct would only rename them")]
 #[inline(never)]
-fn draw<S: Simd>(
+fn draw<S: Simd, T: Tally>(
     simd: S,
     context: &FrameContext,
     bins: &[Bins],
@@ -140,17 +184,17 @@ fn draw<S: Simd>(
     shade: Shade,
     scratch: &mut Scratch,
     outputs: &Outputs,
-    counts: &mut BackEndCounts,
+    tally: &mut T,
 ) {
     simd.vectorize(
         #[inline(always)]
-        || draw_inline(simd, context, bins, tile, share, shade, scratch, outputs, counts),
+        || draw_inline(simd, context, bins, tile, share, shade, scratch, outputs, tally),
     );
 }
 
 #[expect(clippy::too_many_arguments, reason = "a struct would only rename them")]
 #[inline(always)]
-fn draw_inline<S: Simd>(
+fn draw_inline<S: Simd, T: Tally>(
     simd: S,
     context: &FrameContext,
     bins: &[Bins],
@@ -159,7 +203,7 @@ fn draw_inline<S: Simd>(
     shade: Shade,
     scratch: &mut Scratch,
     outputs: &Outputs,
-    counts: &mut BackEndCounts,
+    tally: &mut T,
 ) {
     let Scratch { tile: memory, pixels, order, pass, winners } = scratch;
     memory.clear(context, tile);
@@ -170,7 +214,13 @@ fn draw_inline<S: Simd>(
         if last <= LastStage::Sieve {
             break;
         }
-        visibility::draw(simd, context, triangle, memory, None, counts);
+        let before = tally.counts().stamps;
+        visibility::draw(simd, context, triangle, memory, None, tally.counts());
+        let stamps = tally.counts().stamps - before;
+        if let Some(full) = tally.full() {
+            full.details.entries_drawn += 1;
+            full.details.stamps_alone += stamps;
+        }
         mixed = true;
     }
     let entries = bins.iter().flat_map(|b| b.clusters_in(tile));
@@ -190,16 +240,20 @@ fn draw_inline<S: Simd>(
             }
         }
         if was_hidden || cluster::is_hidden(simd, binned, memory) {
-            counts.clusters_hidden += 1;
+            tally.counts().clusters_hidden += 1;
             continue;
         }
-        counts.clusters_drawn += 1;
-        pass.draw(simd, context, binned, memory, counts);
+        tally.counts().clusters_drawn += 1;
+        pass.draw(simd, context, binned, memory, tally);
         if shade == Shade::AtOnce && last > LastStage::Visibility {
             if mixed {
                 memory.mark_shaded(pass.winners.places());
             }
+            let counts = tally.counts();
             shade::winners(simd, context, binned.number, pass, memory, winners, pixels, outputs, counts);
+            if let Some(full) = tally.full() {
+                full.winners(context, binned.number, pass.winners.len());
+            }
         }
     }
 }

@@ -100,6 +100,11 @@ impl<T: Copy + Default> TileLists<T> {
         self.entries.len() as u64
     }
 
+    /// Bytes of the entries: with their tiles as they come, then sorted.
+    pub fn bytes_used(&self) -> u64 {
+        (size_of_val(&self.pairs[..]) + size_of_val(&self.entries[..])) as u64
+    }
+
     /// Bytes of memory held.
     pub fn bytes(&self) -> u64 {
         (self.pairs.capacity() * size_of::<(u32, T)>()

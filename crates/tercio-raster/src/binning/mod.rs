@@ -272,6 +272,13 @@ impl Bins {
         self.cluster_lists.count()
     }
 
+    /// Bytes of the bins that a frame writes and reads.
+    pub fn bytes_used(&self) -> u64 {
+        size_of_val(&self.triangles[..]) as u64
+            + self.triangle_lists.bytes_used()
+            + self.cluster_lists.bytes_used()
+    }
+
     /// Bytes of memory held.
     pub fn bytes(&self) -> u64 {
         (self.triangles.capacity() * size_of::<ScreenTriangle>()) as u64

@@ -86,6 +86,11 @@ impl Sorted {
         self.bins.iter().map(|bins| bins.fill(tile)).sum()
     }
 
+    /// Bytes of the bins that were written and are read.
+    pub(crate) fn bytes_used(&self) -> u64 {
+        self.bins.iter().map(Bins::bytes_used).sum()
+    }
+
     /// What the front end met and dropped on the way here.
     pub fn front_end_counts(&self) -> FrontEndCounts {
         self.counts

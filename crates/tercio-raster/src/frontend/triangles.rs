@@ -39,6 +39,7 @@ impl TrianglePass {
     ) {
         self.vertices.project(simd, object, cluster);
         batch.counts.vertices_transformed += cluster.vertices() as u64;
+        batch.counts.triangles_apart += cluster.triangles() as u64;
         if placement == Placement::Inside {
             self.vertices.beyond = 0;
         }

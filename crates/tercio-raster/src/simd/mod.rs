@@ -2,7 +2,7 @@
 //!
 //! Every kernel is generic over the level and works on 16 lanes at each of them, so that all levels compute
 //! the same lanes in the same order. The level is picked by `dispatch!` where a batch of work begins
-//! ([`crate::Renderer`] does it) and nowhere else.
+//! ([`crate::Renderer`] does it, for the back end with a [`crate::tally`]) and nowhere else.
 
 #[cfg(target_arch = "x86_64")]
 mod x86_64;
@@ -48,6 +48,22 @@ macro_rules! each3 {
     };
 }
 pub(crate) use each3;
+
+/// The level that every processor of the target has: for kernels that need not be fast, compiled at this one alone.
+pub fn baseline() -> impl Simd {
+    #[cfg(target_arch = "x86_64")]
+    {
+        let Some(simd) = Level::baseline().as_sse2() else { unreachable!("part of x86-64") };
+        simd
+    }
+    #[cfg(target_arch = "aarch64")]
+    {
+        let Some(simd) = Level::baseline().as_neon() else { unreachable!("part of AArch64") };
+        simd
+    }
+    #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
+    fearless_simd::Fallback::new()
+}
 
 /// Runs a part of a kernel. At the scalar level it is a function of its own: 16 lanes written out one by one
 /// make code so long that compiling it in one piece takes minutes.

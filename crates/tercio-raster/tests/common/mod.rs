@@ -232,14 +232,36 @@ pub fn covers(corners: [[i32; 2]; 3], pixel: [i32; 2]) -> i32 {
     if area != 0 && (0..3).all(inside) { area.signum() as i32 } else { 0 }
 }
 
+/// Calls `emit` with all triangles of the plain meshes of a scene's instances on the screen, or with what clipping leaves
+/// of them: the instance, the corners in the order of the mesh.
+pub fn each_triangle(
+    meshes: &[&Mesh],
+    scene: &Scene,
+    camera: &Camera,
+    (width, height): (u32, u32),
+    mut emit: impl FnMut(usize, [ScreenVertex; 3]),
+) {
+    let view = View::new(camera, &scene.bounds(), width, height).expect("a camera");
+    for (instance, mesh) in meshes.iter().enumerate() {
+        let object = view.object(&scene.instances[instance]);
+        for &t in &mesh.triangles {
+            let positions = Mesh::canonical(t).map(|v| mesh.positions[v as usize]);
+            let projected = positions.map(|p| object.project(p));
+            if projected.iter().all(|v| v.inside) {
+                emit(instance, projected);
+            } else {
+                clip_triangle(&object, positions, projected, |piece| emit(instance, piece));
+            }
+        }
+    }
+}
+
 /// How often each sample is covered, back faces minus front faces: the winding number of the surface as it
 /// stands on the screen, after snapping and clipping. Once in front of an observer who stands inside a closed
 /// mesh, zero for one outside of whom nothing is behind the near plane.
 pub fn winding(mesh: &Mesh, scene: &Scene, camera: &Camera, width: u32, height: u32) -> Vec<i32> {
-    let view = View::new(camera, &scene.bounds(), width, height).expect("a camera");
-    let object = view.object(&scene.instances[0]);
     let mut counts = vec![0; width as usize * height as usize];
-    let mut add = |v: [ScreenVertex; 3]| {
+    each_triangle(&[mesh], scene, camera, (width, height), |_, v| {
         let corners = v.map(|v| [v.x, v.y]);
         let range = |k: usize, size: u32| {
             let (least, most) =
@@ -251,15 +273,6 @@ pub fn winding(mesh: &Mesh, scene: &Scene, camera: &Camera, width: u32, height: 
                 counts[y as usize * width as usize + x as usize] += covers(corners, [x, y]);
             }
         }
-    };
-    for &t in &mesh.triangles {
-        let positions = Mesh::canonical(t).map(|v| mesh.positions[v as usize]);
-        let projected = positions.map(|p| object.project(p));
-        if projected.iter().all(|v| v.inside) {
-            add(projected);
-        } else {
-            clip_triangle(&object, positions, projected, &mut add);
-        }
-    }
+    });
     counts
 }

@@ -22,6 +22,7 @@ use crate::frontend::transform::{CornerTable, LocalVertices};
 use crate::settings::LastStage;
 use crate::simd::{LANES, part, prefetch};
 use crate::stats::BackEndCounts;
+use crate::tally::Tally;
 use depth_test::Covered;
 pub use depth_test::Winners;
 use setup::SmallTriangles;
@@ -47,13 +48,13 @@ pub struct ClusterPass {
 impl ClusterPass {
     /// Draws a cluster into a tile and lists the samples that it won.
     #[inline(always)]
-    pub fn draw<S: Simd>(
+    pub fn draw<S: Simd, T: Tally>(
         &mut self,
         simd: S,
         context: &FrameContext,
         binned: &BinnedCluster,
         tile: &mut TileMemory,
-        counts: &mut BackEndCounts,
+        tally: &mut T,
     ) {
         let (instance, cluster) = context.cluster(binned.number);
         let object = &context.objects[instance];
@@ -65,6 +66,10 @@ impl ClusterPass {
         let keep = Keep { rect, cull: context.settings.cull, mirrored: object.mirrored };
         sieve.sort(simd, vertices, corners, cluster.triangles(), &keep);
         winners.clear();
+        if let Some(full) = tally.full() {
+            full.cluster(binned.number, &cluster);
+        }
+        let counts = tally.counts();
         counts.vertices_transformed += cluster.vertices() as u64;
         counts.triangles_in += cluster.triangles() as u64;
         counts.triangles_drawn += sieve.len();
@@ -76,28 +81,39 @@ impl ClusterPass {
             for (numbers, lanes) in sieve.of_size(size) {
                 if size == Size::Huge {
                     let numbers = &numbers[..lanes.count_ones() as usize];
+                    let counts = tally.counts();
+                    let before = counts.stamps;
                     draw_huge(simd, context, vertices, corners, numbers, first_slot, tile, winners, counts);
+                    let stamps = counts.stamps - before;
+                    if let Some(full) = tally.full() {
+                        full.details.stamps_alone += stamps;
+                    }
                     continue;
+                }
+                if let Some(full) = tally.full() {
+                    full.details.set_ups += 1;
                 }
                 let triangles = SmallTriangles::new(simd, vertices, &corners.look_up(simd, numbers), rect);
                 match size {
-                    Size::Tiny => scan::scan_tiny(simd, &triangles, lanes, numbers, tile, covered),
-                    Size::Small => scan::scan(simd, &triangles, lanes, numbers, tile, covered),
+                    Size::Tiny => scan::scan_tiny(simd, &triangles, lanes, numbers, tile, covered, tally),
+                    Size::Small => scan::scan(simd, &triangles, lanes, numbers, tile, covered, tally),
                     Size::Medium => {
                         let read = Lanes::<8>::new(simd, &triangles, tile);
+                        let counts = tally.counts();
                         stamps::draw(simd, context, &read, lanes, first_slot, numbers, tile, winners, counts);
                     }
                     Size::Large | Size::Huge => {
                         let read = Lanes::<LANES>::new(simd, &triangles, tile);
+                        let counts = tally.counts();
                         stamps::draw(simd, context, &read, lanes, first_slot, numbers, tile, winners, counts);
                     }
                 }
                 if covered.is_nearly_full() {
-                    covered.test(context, first_slot, tile, winners, counts);
+                    covered.test(context, first_slot, tile, winners, tally.counts());
                 }
             }
         }
-        covered.test(context, first_slot, tile, winners, counts);
+        covered.test(context, first_slot, tile, winners, tally.counts());
     }
 }
 

@@ -8,17 +8,19 @@ use super::setup::SmallTriangles;
 use crate::backend::memory::TileMemory;
 use crate::conventions::SUBPIXELS;
 use crate::simd::{LANES, each3, part, splat_i};
+use crate::tally::Tally;
 
 /// [`scan`] of triangles whose bounding boxes hold at most 2x2 samples, without a branch: whether a sample is
 /// covered cannot be foreseen.
 #[inline(always)]
-pub fn scan_tiny<S: Simd>(
+pub fn scan_tiny<S: Simd, T: Tally>(
     simd: S,
     t: &SmallTriangles<S>,
     lanes: u32,
     numbers: &[u8; LANES],
     tile: &TileMemory,
     covered: &mut Covered,
+    tally: &mut T,
 ) {
     for row in 0..2 {
         part(
@@ -32,6 +34,9 @@ pub fn scan_tiny<S: Simd>(
                 let along_y = (t.from_anchor[1] + row * SUBPIXELS).to_float::<f32x16<S>>() * t.slope[1];
                 for column in 0..2 {
                     let in_box = in_row & t.extent[0].simd_ge(splat_i(simd, column));
+                    if let Some(full) = tally.full() {
+                        full.details.steps += u64::from(in_box.any_true());
+                    }
                     let e = each3!(K => t.c[K] + t.a[K] * column + t.b[K] * row);
                     let hits = in_box & ((e[0] | e[1]) | e[2]).simd_ge(splat_i(simd, 0));
                     let right = (t.from_anchor[0] + column * SUBPIXELS).to_float::<f32x16<S>>();
@@ -55,13 +60,14 @@ fn number_bits<S: Simd>(simd: S, numbers: &[u8; LANES]) -> i32x16<S> {
 
 /// Lists the samples that triangles of some lanes cover; `numbers` are the triangles' in their cluster.
 #[inline(always)]
-pub fn scan<S: Simd>(
+pub fn scan<S: Simd, T: Tally>(
     simd: S,
     t: &SmallTriangles<S>,
     lanes: u32,
     numbers: &[u8; LANES],
     tile: &TileMemory,
     covered: &mut Covered,
+    tally: &mut T,
 ) {
     part(
         simd,
@@ -86,6 +92,9 @@ pub fn scan<S: Simd>(
                     let in_box = in_rows & t.extent[0].simd_ge(splat_i(simd, column));
                     if !in_box.any_true() {
                         break;
+                    }
+                    if let Some(full) = tally.full() {
+                        full.details.steps += 1;
                     }
                     let hits = in_box & ((e[0] | e[1]) | e[2]).simd_ge(splat_i(simd, 0));
                     let bits = hits.to_bitmask() as u32 & 0xffff;

@@ -56,13 +56,11 @@ impl Look {
         let Instance { mesh, surface, .. } = &context.scene.instances[instance];
         let shading = context.settings.shading;
         let normals = mesh.layout().normals;
-        // Where not all directions are scaled alike, normals may change sides on the way to world space.
-        let agree = normals_agree && context.objects[instance].similarity.is_some();
         Self {
             shading,
             colors: ColorSource::of(mesh, surface),
             normals,
-            plane: shading == Shading::Flat || !normals || !agree,
+            plane: needs_plane(context, instance, normals_agree),
             near_lights: !context.lights.near.is_empty(),
             highlights: surface.specular > 0.0,
             color: outputs.color,
@@ -89,6 +87,15 @@ impl Look {
     pub fn is(self, features: impl Features) -> bool {
         self == Self::describe(features)
     }
+}
+
+/// Are the planes of an instance's triangles needed? `normals_agree` as in [`Look::new`].
+#[inline(always)]
+pub fn needs_plane(context: &FrameContext, instance: usize, normals_agree: bool) -> bool {
+    let normals = context.scene.instances[instance].mesh.layout().normals;
+    // Where not all directions are scaled alike, normals may change sides on the way to world space.
+    let agree = normals_agree && context.objects[instance].similarity.is_some();
+    context.settings.shading == Shading::Flat || !normals || !agree
 }
 
 impl Features for Look {

@@ -21,20 +21,21 @@ use crate::context::{FrameContext, NO_SLOT};
 use crate::frame::{Outputs, Planes};
 use crate::simd::LANES;
 use crate::stats::BackEndCounts;
-pub use features::Features;
+use crate::tally::Tally;
 use features::{Common, Look};
+pub use features::{Features, needs_plane};
 pub use kernel::Facing;
 use kernel::{At, shade, shade_inline};
 
 /// Shades every visible pixel of a tile that is not shaded yet.
 #[inline(always)]
-pub fn tile<S: Simd>(
+pub fn tile<S: Simd, T: Tally>(
     simd: S,
     context: &FrameContext,
     memory: &TileMemory,
     pixels: &mut Planes,
     outputs: &Outputs,
-    counts: &mut BackEndCounts,
+    tally: &mut T,
 ) {
     let mut fragments = Fragments::default();
     let mut instance = 0;
@@ -47,15 +48,21 @@ pub fn tile<S: Simd>(
         let slots = slots.to_array();
         if left == 0xffff && slots == [slots[0]; LANES] {
             whole.shade(simd, context, memory, places, slots[0], pixels, outputs);
-            counts.pixels_shaded += LANES as u64;
+            tally.counts().pixels_shaded += LANES as u64;
+            if let Some(full) = tally.full() {
+                full.late(context, whole.instance, LANES as u64, true);
+            }
             continue;
         }
         while left != 0 {
             let lane = left.trailing_zeros() as usize % LANES;
             left &= left - 1;
             let (slot, place) = (slots[lane], places[lane]);
-            counts.pixels_shaded += 1;
+            tally.counts().pixels_shaded += 1;
             let (own, _) = context.locate(slot / MAX_TRIANGLES as u32);
+            if let Some(full) = tally.full() {
+                full.late(context, own, 1, false);
+            }
             if own != instance {
                 flush(simd, context, instance, &mut fragments, memory, pixels, outputs);
                 instance = own;
