@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::PredictError;
-use super::counters::Counters;
+use super::counts::Counters;
 use super::ranks::renderer::{RankSeconds, RanksFrame};
 use super::ranks::simulated::SimulatedFrame;
 use super::ranks::{Picture, Plan, TILE_EDGES, predict, simulate};

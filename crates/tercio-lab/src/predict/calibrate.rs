@@ -14,7 +14,7 @@ use tercio_mesh::{Mesh, builtin};
 use tercio_raster::{LastStage, Settings, Sorting as RasterSorting};
 use tercio_scene::{Camera, Scene};
 
-use super::counters::{Counted, Counters, count};
+use super::counts::{Counted, Counters, count};
 use super::frame::{Caches, FrameTime, charges};
 use super::hardware::{cache_bytes, composite_seconds, memory_bandwidth};
 use super::measure::{Clock, measure};
@@ -261,7 +261,7 @@ mod tests {
         let machine =
             Machine { processors: Processors { serial: None, ..machine().processors }, ..machine() };
         let frame = Counters { clusters_drawn: 2000, clusters: 4096, ..Counters::default() };
-        let tile = crate::predict::counters::TileWork {
+        let tile = crate::predict::counts::TileWork {
             counters: Counters { clusters_drawn: 1000, ..Counters::default() },
             is_shared: false,
         };

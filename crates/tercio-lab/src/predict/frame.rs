@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::counters::{Counted, Counters, TileWork};
+use super::counts::{Counted, Counters, TileWork};
 use crate::machines::{Machine, Operation};
 
 /// Which part of a frame a cost belongs to.

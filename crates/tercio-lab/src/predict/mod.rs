@@ -3,7 +3,8 @@
 //! | module | what |
 //! |---|---|
 //! | [`views`] | the scenes and cameras of `tercio bench` |
-//! | [`counters`] | what a frame amounts to, counted without the renderer |
+//! | [`counts`] | what a frame amounts to, by the renderer's own counts |
+//! | [`boxes`] | its triangles as boxes of samples, for simulated ranks |
 //! | [`frame`] | counts and costs become times: one process on some threads |
 //! | [`ranks`] | the same for ranks that share a frame |
 //! | [`advise`] | the best organisation for a machine and a model, and why |
@@ -18,8 +19,9 @@
 //! | [`quoted`] | the tables of it that stand in the repository |
 
 pub mod advise;
+pub mod boxes;
 pub mod calibrate;
-pub mod counters;
+pub mod counts;
 pub mod fit;
 pub mod frame;
 pub mod hardware;

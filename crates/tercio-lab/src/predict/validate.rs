@@ -5,7 +5,7 @@ use tercio_mesh::Aabb;
 use tercio_raster::{Settings, Sorting};
 use tercio_scene::{Camera, Scene};
 
-use super::counters::{Counters, count};
+use super::counts::{Counters, count};
 use super::frame::FrameTime;
 use super::measure::{Clock, measure};
 use super::{PredictError, views};
@@ -89,7 +89,8 @@ impl View<'_> {
     fn measure(&mut self, o: Options) -> Result<(), PredictError> {
         let real = measure(self.scene, &self.camera, &self.settings, self.threads, o.frames, o.clock)?;
         self.measured = self.measured.min(real.seconds);
-        let pairs = self.counters.comparable().into_iter().zip(Counters::counted(&real.stats));
+        let pairs =
+            self.counters.comparable().into_iter().zip(Counters::from_stats(&real.stats).comparable());
         let differing = pairs.filter(|(ours, theirs)| ours != theirs);
         self.differing = differing.map(|((name, ours), (_, theirs))| (name, ours, theirs)).collect();
         Ok(())

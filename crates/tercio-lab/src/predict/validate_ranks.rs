@@ -10,7 +10,7 @@ use tercio_parallel::{Communicator, Organisation, ParallelError};
 use tercio_raster::Settings;
 use tercio_scene::{Camera, Scene};
 
-use super::counters::Counters;
+use super::counts::Counters;
 use super::measure::Clock;
 use super::ranks::RanksError;
 use super::ranks::exchange::ExchangeCosts;
@@ -213,7 +213,7 @@ impl View<'_> {
                 let ours = self.work.messages.counts(rank).by_name();
                 let sent = ours.into_iter().zip(RankCounts::measured(theirs).by_name());
                 let ours = self.work.drawing[rank].comparable();
-                let drawn = ours.into_iter().zip(Counters::counted(&theirs.frame));
+                let drawn = ours.into_iter().zip(Counters::from_stats(&theirs.frame).comparable());
                 for ((name, ours), (_, theirs)) in sent.chain(drawn) {
                     self.compared += 1;
                     if ours != theirs {

@@ -7,8 +7,9 @@ use tercio::mesh::Aabb;
 use tercio::raster::{Settings, Sorting};
 use tercio::scene::{Camera, Scene};
 use tercio_lab::machines::{Machine, Topology, load};
+use tercio_lab::predict::boxes::boxes;
 use tercio_lab::predict::calibrate::prepare;
-use tercio_lab::predict::counters::{self, boxes::boxes, count};
+use tercio_lab::predict::counts::{self, count};
 use tercio_lab::predict::frame::knows_clusters;
 use tercio_lab::predict::ranks::Picture;
 use tercio_lab::predict::views;
@@ -102,7 +103,7 @@ impl From<NetworkName> for Topology {
 pub struct Counted {
     pub size: (u32, u32),
     pub tile_size: u32,
-    pub counted: counters::Counted,
+    pub counted: counts::Counted,
     scene: Scene,
     camera: Camera,
     settings: Settings,

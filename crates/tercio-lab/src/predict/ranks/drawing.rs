@@ -1,43 +1,43 @@
 //! What every rank's renderer does.
 
 use tercio_parallel::Organisation;
-use tercio_raster::{Part, Settings, TileSet};
+use tercio_raster::{Frame, Outputs, Part, Settings, TileSet};
 use tercio_scene::{Camera, Scene};
 
 use super::traffic::Sharing;
 use crate::predict::PredictError;
-use crate::predict::counters::{Counters, count};
+use crate::predict::counts::{Counters, count_into};
 
-/// Counts every rank's part of a frame, all of it by [`count`]; nothing where a rank has neither clusters to draw nor
+/// Counts a rank's part of a frame and draws it, with keys; `None` where the rank has neither clusters to draw nor
 /// regions to own. `settings` say how the whole frame is drawn.
 ///
 /// # Errors
-/// A camera that makes no view.
+/// What cannot be drawn.
 pub fn drawing(
     scene: &Scene,
     camera: &Camera,
     settings: &Settings,
     sharing: &Sharing,
-) -> Result<Vec<Counters>, PredictError> {
+    rank: usize,
+) -> Result<Option<(Counters, Frame)>, PredictError> {
     let owners = sharing.owners();
     let clusters = scene.instances.iter().map(|i| i.mesh.clusters().len() as u32).sum();
-    let of_rank = |rank: usize| {
-        let part = Part { number: rank as u32, of: sharing.ranks as u32 };
-        let settings = match sharing.organisation {
-            Organisation::SortLast if part.range(clusters).is_empty() && rank >= owners => {
-                return Ok(Counters::default());
-            }
-            Organisation::SortLast => Settings { clusters: part, ..settings.clone() },
-            Organisation::SortFirst if rank >= owners => return Ok(Counters::default()),
-            Organisation::SortFirst => {
-                let edge = settings.tile_edge();
-                let tiles = settings.width.div_ceil(edge) as usize * settings.height.div_ceil(edge) as usize;
-                let tiles = TileSet::every(part.of, part.number, tiles);
-                Settings { tiles, tile_size: Some(edge), ..settings.clone() }
-            }
-            other => return Err(PredictError::Organisation(other)),
-        };
-        Ok(count(scene, camera, &settings, 1)?.frame)
+    let part = Part { number: rank as u32, of: sharing.ranks as u32 };
+    let outputs = Outputs { keys: true, ..settings.outputs };
+    let settings = Settings { outputs, ..settings.clone() };
+    let settings = match sharing.organisation {
+        Organisation::SortLast if part.range(clusters).is_empty() && rank >= owners => return Ok(None),
+        Organisation::SortLast => Settings { clusters: part, ..settings },
+        Organisation::SortFirst if rank >= owners => return Ok(None),
+        Organisation::SortFirst => {
+            let edge = settings.tile_edge();
+            let tiles = settings.width.div_ceil(edge) as usize * settings.height.div_ceil(edge) as usize;
+            let tiles = TileSet::every(part.of, part.number, tiles);
+            Settings { tiles, tile_size: Some(edge), ..settings }
+        }
+        other => return Err(PredictError::Organisation(other)),
     };
-    (0..sharing.ranks).map(of_rank).collect()
+    let mut frame = Frame::default();
+    let counted = count_into(scene, camera, &settings, 1, &mut frame)?;
+    Ok(Some((counted.frame, frame)))
 }

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::traffic::{Messages, Pixels, Sharing};
 use crate::machines::{Machine, MachineError, Operation};
-use crate::predict::counters::Counters;
+use crate::predict::counts::Counters;
 use tercio_parallel::Organisation;
 
 /// Bytes of a line of memory, of a key and of a colour.

@@ -7,8 +7,8 @@
 //!
 //! | module | what |
 //! |---|---|
-//! | [`traffic`] | the renderer's ranks: what they send each other, by coverage alone |
-//! | [`drawing`] | what each one's renderer does |
+//! | [`drawing`] | what each of the renderer's ranks draws |
+//! | [`traffic`] | what they send each other, by what each of them shows |
 //! | [`exchange`] | what they do beside drawing, and what it costs |
 //! | [`schedule`] | ranks on processors, messages on wires |
 //! | [`renderer`] | a frame of it |
@@ -17,7 +17,6 @@
 //! | [`calibrate`] | the costs of this machine |
 
 pub mod calibrate;
-mod coverage;
 pub mod drawing;
 pub mod exchange;
 pub mod measure;
@@ -32,7 +31,7 @@ use tercio_raster::Settings;
 use tercio_scene::{Camera, Scene};
 
 use super::PredictError;
-use super::counters::Counters;
+use super::counts::Counters;
 use crate::machines::{Machine, Topology};
 use crate::simulators::sorting::{Assignment, Organisation};
 use crate::workloads::BoxScene;

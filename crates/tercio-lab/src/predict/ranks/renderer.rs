@@ -8,14 +8,14 @@ use tercio_scene::{Camera, Scene};
 use super::drawing::drawing;
 use super::exchange::{Exchange, ExchangeCosts, RankMemory};
 use super::schedule::{Played, Stage, Step, Wires, play};
-use super::traffic::{Messages, Sharing};
+use super::traffic::{Messages, Sharing, Traffic};
 use crate::machines::{Machine, MachineError};
 use crate::predict::PredictError;
-use crate::predict::counters::Counters;
+use crate::predict::counts::Counters;
 use crate::predict::frame::{Caches, FrameTime};
 use crate::simulators::sorting::network::{Links, NetworkModel};
 
-/// What all ranks do for a frame, counted without drawing it.
+/// What all ranks do for a frame, counted by drawing their parts one after another.
 #[derive(Clone, Debug)]
 pub struct RanksWork {
     /// How they share it.
@@ -30,7 +30,7 @@ impl RanksWork {
     /// Counts a frame. `settings` say how the whole of it is drawn.
     ///
     /// # Errors
-    /// A camera that makes no view.
+    /// What cannot be drawn.
     pub fn count(
         scene: &Scene,
         camera: &Camera,
@@ -39,9 +39,15 @@ impl RanksWork {
     ) -> Result<Self, PredictError> {
         let size = (settings.width, settings.height);
         let sharing = Sharing { organisation, ranks, size, edge: settings.tile_edge() };
-        let messages = Messages::of(scene, camera, &sharing)?;
-        let drawing = drawing(scene, camera, settings, &sharing)?;
-        Ok(Self { sharing, messages, drawing })
+        let mut traffic = Traffic::new(&sharing);
+        let mut drawn = vec![Counters::default(); ranks];
+        for (rank, counters) in drawn.iter_mut().enumerate() {
+            if let Some((counted, frame)) = drawing(scene, camera, settings, &sharing, rank)? {
+                traffic.add(rank, counted.triangles, &frame.planes.keys);
+                *counters = counted;
+            }
+        }
+        Ok(Self { sharing, messages: traffic.finish(), drawing: drawn })
     }
 }
 

@@ -9,7 +9,7 @@ use serde::Serialize;
 
 use super::Plan;
 use crate::machines::{Machine, MachineError, Operation};
-use crate::predict::counters::Counters;
+use crate::predict::counts::Counters;
 use crate::predict::frame::{FrameTime, knows_clusters};
 use crate::simulators::sorting::organisation::{Setting, simulate};
 use crate::simulators::sorting::{Costs, NetworkModel, Organisation, SortReport};

@@ -1,4 +1,4 @@
-//! What ranks send each other, reckoned from coverage alone.
+//! What ranks send each other, reckoned from what each of them shows.
 //!
 //! * Sort-last deals out consecutive clusters, rank r of n those from `C * r / n` on; sort-first gives every rank all.
 //! * Region k of the picture, row by row, belongs to rank k modulo the ranks.
@@ -6,16 +6,9 @@
 //!   colour, and 8 for its key where it is yet to be composed.
 //! * Ranks without clusters send nothing to be composed, ranks without regions take nothing and have nothing to collect.
 
-use std::sync::Mutex;
-
-use rayon::prelude::*;
 use serde::Serialize;
 use tercio_parallel::{Organisation, RankReport};
-use tercio_raster::view::View;
-use tercio_scene::{Camera, Scene};
 
-use super::coverage::each_sample;
-use crate::predict::PredictError;
 use crate::simulators::sorting::{Assignment, Regions};
 use crate::workloads::PixelBox;
 
@@ -136,46 +129,6 @@ pub struct Messages {
 }
 
 impl Messages {
-    /// Reckons a frame's, without drawing it.
-    ///
-    /// # Errors
-    /// A camera that makes no view.
-    pub fn of(scene: &Scene, camera: &Camera, sharing: &Sharing) -> Result<Self, PredictError> {
-        let (ranks, (width, height)) = (sharing.ranks, sharing.size);
-        let view = View::new(camera, &scene.bounds(), width, height)?;
-        let clusters: usize = scene.instances.iter().map(|i| i.mesh.clusters().len()).sum();
-        let owners = sharing.owners();
-        let by_any = Mutex::new(Shown::none(sharing.size));
-        let mut composed = vec![Vec::new(); ranks];
-        let mut triangles = vec![0; ranks];
-        match sharing.organisation {
-            Organisation::SortFirst => {
-                let mut shown = by_any.lock().unwrap_or_else(|e| e.into_inner());
-                let met = each_sample(scene, &view, 0..clusters, |x, y| shown.set(x, y));
-                triangles[..owners].fill(met);
-            }
-            Organisation::SortLast => {
-                let of_rank = |rank: usize| {
-                    let own = clusters * rank / ranks..clusters * (rank + 1) / ranks;
-                    let sees = !own.is_empty();
-                    let mut shown = Shown::none(sharing.size);
-                    let triangles = each_sample(scene, &view, own, |x, y| shown.set(x, y));
-                    by_any.lock().unwrap_or_else(|e| e.into_inner()).add(&shown);
-                    let to = shown.by_owner(sharing).into_iter().enumerate();
-                    let to = to.map(|(to, p)| (sees && to != rank && to < owners).then_some(p)).collect();
-                    (triangles, to)
-                };
-                let all: Vec<(u64, _)> = (0..ranks).into_par_iter().map(of_rank).collect();
-                (triangles, composed) = all.into_iter().unzip();
-            }
-            other => return Err(PredictError::Organisation(other)),
-        }
-        let by_any = by_any.into_inner().unwrap_or_else(|e| e.into_inner());
-        let mut finished = by_any.by_owner(sharing);
-        finished.truncate(owners);
-        Ok(Self { triangles, composed, finished })
-    }
-
     /// What a rank sends to another to be composed.
     pub fn between(&self, from: usize, to: usize) -> Option<Pixels> {
         self.composed[from].get(to).copied().flatten()
@@ -215,64 +168,60 @@ impl Messages {
     }
 }
 
-/// Which pixels show something.
-struct Shown {
-    width: u32,
-    pixels: Vec<bool>,
-    /// Rows in which there are any.
-    rows: std::ops::Range<u32>,
+/// The messages of a frame while its ranks are looked at one after another.
+pub struct Traffic<'a> {
+    sharing: &'a Sharing,
+    messages: Messages,
+    /// Pixels that some rank shows.
+    by_any: Vec<bool>,
 }
 
-impl Shown {
-    fn none((width, height): (u32, u32)) -> Self {
-        Self { width, pixels: vec![false; width as usize * height as usize], rows: 0..0 }
+impl<'a> Traffic<'a> {
+    /// Nobody shows anything yet.
+    pub fn new(sharing: &'a Sharing) -> Self {
+        let ranks = sharing.ranks;
+        let messages =
+            Messages { triangles: vec![0; ranks], composed: vec![Vec::new(); ranks], finished: Vec::new() };
+        Self { sharing, messages, by_any: vec![false; sharing.pixels() as usize] }
     }
 
-    #[inline]
-    fn set(&mut self, x: u32, y: u32) {
-        self.pixels[y as usize * self.width as usize + x as usize] = true;
-        self.include(y..y + 1);
-    }
-
-    fn include(&mut self, rows: std::ops::Range<u32>) {
-        self.rows = match self.rows.is_empty() {
-            true => rows,
-            false => self.rows.start.min(rows.start)..self.rows.end.max(rows.end),
-        };
-    }
-
-    fn row(&self, y: u32) -> std::ops::Range<usize> {
-        let first = y as usize * self.width as usize;
-        first..first + self.width as usize
-    }
-
-    fn add(&mut self, o: &Self) {
-        for y in o.rows.clone() {
-            let row = self.row(y);
-            self.pixels[row.clone()].iter_mut().zip(&o.pixels[row]).for_each(|(any, own)| *any |= own);
-        }
-        if !o.rows.is_empty() {
-            self.include(o.rows.clone());
+    /// A rank meets some triangles and shows the pixels whose keys are not 0.
+    pub fn add(&mut self, rank: usize, triangles: u64, keys: &[u64]) {
+        self.messages.triangles[rank] = triangles;
+        self.by_any.iter_mut().zip(keys).for_each(|(any, key)| *any |= *key != 0);
+        // Who has no clusters sends nothing.
+        if self.sharing.organisation == Organisation::SortLast && triangles > 0 {
+            let owners = self.sharing.owners();
+            let to = by_owner(self.sharing, |place| keys[place] != 0).into_iter().enumerate();
+            self.messages.composed[rank] =
+                to.map(|(to, pixels)| (to != rank && to < owners).then_some(pixels)).collect();
         }
     }
 
-    /// Divided among the owners of regions.
-    fn by_owner(&self, sharing: &Sharing) -> Vec<Pixels> {
-        let (regions, edge) = (sharing.regions(), sharing.edge);
-        let columns = self.width.div_ceil(edge);
-        let mut found = vec![Pixels::default(); sharing.ranks];
-        for y in self.rows.clone() {
-            let row = &self.pixels[self.row(y)];
-            for (column, part) in (0..).zip(row.chunks(edge as usize)) {
-                let own = &mut found[regions.owner(u64::from(y / edge) * u64::from(columns) + column)];
-                let mut before = false;
-                for &shown in part {
-                    own.spans += u64::from(shown && !before);
-                    own.pixels += u64::from(shown);
-                    before = shown;
-                }
+    /// That were all.
+    pub fn finish(self) -> Messages {
+        let mut finished = by_owner(self.sharing, |place| self.by_any[place]);
+        finished.truncate(self.sharing.owners());
+        Messages { finished, ..self.messages }
+    }
+}
+
+/// The pixels that show something, divided among the owners of regions.
+fn by_owner(sharing: &Sharing, shows: impl Fn(usize) -> bool) -> Vec<Pixels> {
+    let (regions, (width, height)) = (sharing.regions(), sharing.size);
+    let columns = u64::from(width.div_ceil(sharing.edge));
+    let mut found = vec![Pixels::default(); sharing.ranks];
+    for y in 0..height {
+        for (column, first) in (0..).zip((0..width).step_by(sharing.edge as usize)) {
+            let own = &mut found[regions.owner(u64::from(y / sharing.edge) * columns + column)];
+            let mut before = false;
+            for x in first..width.min(first + sharing.edge) {
+                let shown = shows(y as usize * width as usize + x as usize);
+                own.spans += u64::from(shown && !before);
+                own.pixels += u64::from(shown);
+                before = shown;
             }
         }
-        found
     }
+    found
 }

@@ -1,13 +1,14 @@
-//! The triangles of a scene as boxes of samples, in the order of the clusters: what organisations of ranks deal out.
+//! The triangles of a scene as boxes of samples, in the order of the clusters: what simulated organisations of ranks deal
+//! out.
 
 use rayon::prelude::*;
 use tercio_mesh::ClusteredMesh;
+use tercio_raster::binning::ScreenTriangle;
 use tercio_raster::frontend::clip::clip_triangle;
 use tercio_raster::view::{ObjectView, ScreenVertex, View};
 use tercio_scene::{Camera, Scene};
 
 use super::PredictError;
-use super::triangle::Triangle;
 use crate::workloads::{BoundingBox, BoxScene, PixelBox};
 
 /// The boxes of all triangles, or of the pieces that clipping leaves of them.
@@ -16,17 +17,17 @@ use crate::workloads::{BoundingBox, BoxScene, PixelBox};
 /// A camera that makes no view.
 pub fn boxes(scene: &Scene, camera: &Camera, (width, height): (u32, u32)) -> Result<BoxScene, PredictError> {
     let view = View::new(camera, &scene.bounds(), width, height)?;
-    let screen = PixelBox::screen(width, height);
     let mut boxes = Vec::new();
     for instance in &scene.instances {
         let (object, mesh) = (view.object(instance), &*instance.mesh);
         let of_clusters = (0..mesh.clusters().len()).into_par_iter();
-        boxes.par_extend(of_clusters.flat_map_iter(|cluster| of_cluster(mesh, cluster, &object, &screen)));
+        let of_cluster = |cluster| of_cluster(mesh, cluster, &object, (width, height));
+        boxes.par_extend(of_clusters.flat_map_iter(of_cluster));
     }
     Ok(BoxScene { boxes })
 }
 
-fn of_cluster(mesh: &ClusteredMesh, number: usize, view: &ObjectView, screen: &PixelBox) -> Vec<BoundingBox> {
+fn of_cluster(mesh: &ClusteredMesh, number: usize, view: &ObjectView, size: (u32, u32)) -> Vec<BoundingBox> {
     let cluster = mesh.cluster(number);
     let at = |n: usize| cluster.position(n);
     let vertices: Vec<ScreenVertex> = (0..cluster.vertices()).map(|n| view.project(at(n))).collect();
@@ -35,16 +36,22 @@ fn of_cluster(mesh: &ClusteredMesh, number: usize, view: &ObjectView, screen: &P
         let numbers = cluster.corners_of(t).map(usize::from);
         let corners = numbers.map(|n| vertices[n]);
         if corners.iter().all(|c| c.inside) {
-            boxes.push(of_triangle(corners, screen));
+            boxes.push(of_triangle(corners, size));
         } else {
-            clip_triangle(view, numbers.map(at), corners, |piece| boxes.push(of_triangle(piece, screen)));
+            clip_triangle(view, numbers.map(at), corners, |piece| boxes.push(of_triangle(piece, size)));
         }
     }
     boxes
 }
 
-fn of_triangle(corners: [ScreenVertex; 3], screen: &PixelBox) -> BoundingBox {
-    let samples = Triangle::new(corners, 0).and_then(|t| t.samples()?.intersection(screen));
-    let nowhere = PixelBox { x0: 0, y0: 0, x1: 0, y1: 0 };
-    BoundingBox { visible: samples.is_some(), pixels: samples.unwrap_or(nowhere) }
+fn of_triangle(corners: [ScreenVertex; 3], (width, height): (u32, u32)) -> BoundingBox {
+    let triangle = ScreenTriangle::new(corners, 0);
+    let samples = triangle.samples(width, height).filter(|_| triangle.area() != 0);
+    let pixels = samples.map_or(PixelBox { x0: 0, y0: 0, x1: 0, y1: 0 }, |s| PixelBox {
+        x0: s.x0,
+        y0: s.y0,
+        x1: s.x1,
+        y1: s.y1,
+    });
+    BoundingBox { visible: samples.is_some(), pixels }
 }

@@ -1,36 +1,14 @@
-//! What a frame amounts to, counted without the renderer.
-//!
-//! What a vertex's place on the screen is, what clipping leaves of a triangle and the bounds that a cluster has on the
-//! screen are the renderer's. Everything else is counted here by its definition: which clusters go whole into which
-//! tiles, which samples a triangle covers and how near it is there, what hides what, which pixels are shaded how often.
-//! So equal numbers mean something.
-//!
-//! | module | what |
-//! |---|---|
-//! | [`triangle`] | samples and depth of a triangle |
-//! | [`front_end`] | clusters and triangles into the tiles |
-//! | [`tile`] | one tile, front to back |
-//! | [`whole`] | a whole cluster into a tile |
-//! | [`boxes`] | the triangles as boxes of samples, for organisations of ranks |
+//! What a frame amounts to: the renderer's own counts, in full, of a frame divided among any number of threads.
 
-pub mod boxes;
-mod front_end;
-mod tile;
-mod triangle;
-mod whole;
-
-use rayon::prelude::*;
 use serde::Serialize;
-use tercio_raster::{FrameStats, LastStage, Settings};
+use tercio_raster::stats::BackEndCounts;
+use tercio_raster::tally::{self, DetailCounts};
+use tercio_raster::{Frame, FrameStats, Settings};
 use tercio_scene::{Camera, Scene};
 
 use super::PredictError;
-use front_end::{Bins, Frame};
 
-/// Tiles with fewer entries than this are never shared between threads.
-const LEAST_SHARED: usize = 64;
-
-/// Counts of a frame. Those of [`Counters::comparable`] the renderer counts, too, with the same meaning.
+/// Counts of a frame or a tile. Those of [`Counters::comparable`] come with every picture that is drawn.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Counters {
     /// Clusters of the scene.
@@ -97,7 +75,7 @@ pub struct Counters {
     pub clusters_won: u64,
     /// Sixteens of pixels shaded at once.
     pub shadings: u64,
-    /// Of these the ones of clusters whose normals may point to the other side than their triangles.
+    /// Of these the ones that need the triangles' planes.
     pub shadings_by_plane: u64,
     /// Pixels shaded, each fetched by itself, whose colour stands at vertices or triangles.
     pub pixels_colored: u64,
@@ -129,18 +107,8 @@ pub struct TileWork {
     pub is_shared: bool,
 }
 
-/// Bytes of a cluster's head.
-const HEAD_BYTES: u64 = size_of::<tercio_mesh::cluster::Cluster>() as u64;
-/// Bytes of a triangle in the bins.
-const TRIANGLE_BYTES: u64 = size_of::<tercio_raster::binning::ScreenTriangle>() as u64;
-/// Bytes of an entry of a triangle: with its tile as it comes, then sorted.
-const ENTRY_BYTES: u64 = (size_of::<(u32, u32)>() + size_of::<u32>()) as u64;
-/// Bytes of an entry of a cluster, likewise.
-const CLUSTER_ENTRY_BYTES: u64 = (size_of::<(u32, tercio_raster::binning::BinnedCluster)>()
-    + size_of::<tercio_raster::binning::BinnedCluster>()) as u64;
-
 impl Counters {
-    /// Those that the renderer counts, too, by name.
+    /// Those that come with every picture, by name.
     pub fn comparable(&self) -> [(&'static str, u64); 22] {
         [
             ("clusters", self.clusters),
@@ -168,9 +136,9 @@ impl Counters {
         ]
     }
 
-    /// The renderer's counters under the names of [`Counters::comparable`].
-    pub fn counted(stats: &FrameStats) -> [(&'static str, u64); 22] {
-        let (f, bins, b) = (&stats.frontend, &stats.binning, &stats.backend);
+    /// Those of a picture that was drawn.
+    pub fn from_stats(stats: &FrameStats) -> Self {
+        let (f, bins) = (&stats.frontend, &stats.binning);
         Self {
             clusters: f.clusters_in,
             clusters_outside: f.clusters_outside,
@@ -180,11 +148,19 @@ impl Counters {
             cluster_entries: bins.cluster_entries,
             triangles: f.triangles_in,
             vertices_apart: f.vertices_transformed,
+            triangles_apart: f.triangles_apart,
             triangles_binned: bins.triangles,
             entries: bins.entries,
             tiles: bins.tiles,
             tiles_used: bins.tiles_used,
             largest_tile: bins.largest_tile,
+            ..Self::default()
+        }
+        .with_back_end(&stats.backend)
+    }
+
+    fn with_back_end(self, b: &BackEndCounts) -> Self {
+        Self {
             clusters_hidden: b.clusters_hidden,
             clusters_drawn: b.clusters_drawn,
             vertices: b.vertices_transformed,
@@ -194,96 +170,70 @@ impl Counters {
             samples_covered: b.samples_covered,
             pixels_shaded: b.pixels_shaded,
             pixels_visible: b.pixels_visible,
-            ..Self::default()
+            ..self
         }
-        .comparable()
     }
 
-    /// Adds what a part of the work counted. What only all parts together know, the bins and the bytes touched, is not
-    /// added.
-    fn add(&mut self, o: &Self) {
-        self.tiles += o.tiles;
-        self.tiles_used += o.tiles_used;
-        self.pixels += o.pixels;
-        self.tile_samples += o.tile_samples;
-        self.whole_blocks += o.whole_blocks;
-        self.stamps_alone += o.stamps_alone;
-        self.shadings_by_plane += o.shadings_by_plane;
-        self.pixels_colored += o.pixels_colored;
-        self.vertices_colored += o.vertices_colored;
-        self.entries_drawn += o.entries_drawn;
-        self.clusters += o.clusters;
-        self.clusters_outside += o.clusters_outside;
-        self.clusters_facing += o.clusters_facing;
-        self.clusters_no_sample += o.clusters_no_sample;
-        self.triangles += o.triangles;
-        self.vertices_apart += o.vertices_apart;
-        self.triangles_apart += o.triangles_apart;
-        self.clusters_hidden += o.clusters_hidden;
-        self.clusters_drawn += o.clusters_drawn;
-        self.vertices += o.vertices;
-        self.triangles_in += o.triangles_in;
-        self.triangles_drawn += o.triangles_drawn;
-        self.stamps += o.stamps;
-        self.samples_covered += o.samples_covered;
-        self.pixels_shaded += o.pixels_shaded;
-        self.pixels_visible += o.pixels_visible;
-        self.pixels_shaded_late += o.pixels_shaded_late;
-        self.set_ups += o.set_ups;
-        self.steps += o.steps;
-        self.clusters_won += o.clusters_won;
-        self.shadings += o.shadings;
-        self.bytes_read += o.bytes_read;
+    fn with_details(self, d: &DetailCounts) -> Self {
+        Self {
+            pixels: d.pixels,
+            tile_samples: d.tile_samples,
+            pixels_shaded_late: d.pixels_shaded_late,
+            whole_blocks: d.whole_blocks,
+            stamps_alone: d.stamps_alone,
+            set_ups: d.set_ups,
+            steps: d.steps,
+            clusters_won: d.clusters_won,
+            shadings: d.shadings,
+            shadings_by_plane: d.shadings_by_plane,
+            pixels_colored: d.pixels_colored,
+            vertices_colored: d.vertices_colored,
+            entries_drawn: d.entries_drawn,
+            bytes_read: d.bytes_read,
+            ..self
+        }
     }
 }
 
-/// Counts a frame, or the part of it that the settings ask for, that is drawn with these settings on some threads. (Threads change it only where a tile holds so much
-/// of the work that all threads draw it together.)
+impl TileWork {
+    fn from_tile(tile: &tally::TileWork) -> Self {
+        let tiles = u64::from(tile.details.pixels > 0);
+        let tiles_used = u64::from(tile.details.tile_samples > 0);
+        let counters = Counters { tiles, tiles_used, ..Counters::default() };
+        let counters = counters.with_back_end(&tile.counts).with_details(&tile.details);
+        Self { counters, is_shared: tile.is_shared }
+    }
+}
+
+/// Counts a frame, or the part of it that the settings ask for, that is drawn with these settings on some threads. They
+/// decide how large tiles are, and which of them all threads draw together.
 ///
 /// # Errors
-/// A camera that makes no view.
+/// What cannot be drawn.
 pub fn count(
     scene: &Scene,
     camera: &Camera,
     settings: &Settings,
     threads: usize,
 ) -> Result<Counted, PredictError> {
-    let settings = &Settings { tile_size: Some(settings.tile_edge_for(threads)), ..settings.clone() };
-    let frame = Frame::new(scene, camera, settings)?;
-    let mut sum = Counters::default();
-    let bins = front_end::sort(&frame, &mut sum);
-    let tiles: Vec<TileWork> = (0..bins.tiles())
-        .into_par_iter()
-        .map(|number| {
-            if !frame.draws(number) {
-                return TileWork::default();
-            }
-            let is_shared = is_shared(&frame, &bins, number, threads);
-            let counters = match is_shared {
-                true => tile::draw_shared(&frame, &bins, number, threads),
-                false => tile::draw(&frame, &bins, number),
-            };
-            TileWork { counters, is_shared }
-        })
-        .collect();
-    tiles.iter().for_each(|t| sum.add(&t.counters));
-    sum.tiles = bins.tiles() as u64;
-    sum.bytes_touched = bins.bytes_drawn(&frame)
-        + sum.clusters * HEAD_BYTES
-        + sum.cluster_entries * CLUSTER_ENTRY_BYTES
-        + sum.triangles_binned * TRIANGLE_BYTES
-        + sum.entries * ENTRY_BYTES;
-    Ok(Counted { frame: sum, tiles })
+    count_into(scene, camera, settings, threads, &mut Frame::default())
 }
 
-/// Do all threads draw this tile together?
-fn is_shared(frame: &Frame, bins: &Bins, tile: usize, threads: usize) -> bool {
-    let work = || (0..bins.tiles()).map(|t| bins.fill(t)).sum::<usize>();
-    threads > 1
-        && frame.settings.last_stage > LastStage::Bin
-        && bins.fill(tile) > LEAST_SHARED
-        && bins.fill(tile) > work() / (2 * threads)
+/// [`count`] for those who want the picture, too.
+///
+/// # Errors
+/// What cannot be drawn.
+pub fn count_into(
+    scene: &Scene,
+    camera: &Camera,
+    settings: &Settings,
+    threads: usize,
+    frame: &mut Frame,
+) -> Result<Counted, PredictError> {
+    let counted = tally::count_into(scene, camera, settings, threads, frame)?;
+    let sum = Counters::from_stats(&counted.stats).with_details(&counted.details);
+    Ok(Counted {
+        frame: Counters { bytes_touched: counted.bytes_touched, ..sum },
+        tiles: counted.tiles.iter().map(TileWork::from_tile).collect(),
+    })
 }
-
-#[cfg(test)]
-mod tests;
