@@ -127,9 +127,9 @@ pub struct LoadedMesh {
 #[non_exhaustive]
 pub enum Model {
     /// A mesh that is not cut into clusters yet.
-    Mesh(LoadedMesh),
+    Mesh(Box<LoadedMesh>),
     /// A prepared model.
-    Prepared(Loaded),
+    Prepared(Box<Loaded>),
 }
 
 /// What is known of a model.
@@ -266,9 +266,9 @@ impl LoadOptions<'_> {
     /// [`LoadError`], which names the file and the place in it.
     pub fn inspect(&self, model: impl AsRef<Path>) -> Result<Inspection, LoadError> {
         Ok(match open_path(model.as_ref(), self)? {
-            Model::Mesh(LoadedMesh { mesh, report }) => Inspection { report, materials: mesh.materials },
-            Model::Prepared(Loaded { mesh, report }) => {
-                Inspection { report, materials: mesh.materials.clone() }
+            Model::Mesh(loaded) => Inspection { report: loaded.report, materials: loaded.mesh.materials },
+            Model::Prepared(loaded) => {
+                Inspection { report: loaded.report, materials: loaded.mesh.materials.clone() }
             }
         })
     }
@@ -280,7 +280,7 @@ fn load_path(model: &Path, options: &LoadOptions) -> Result<Loaded, LoadError> {
 
 fn load_mesh_path(model: &Path, options: &LoadOptions) -> Result<LoadedMesh, LoadError> {
     match open_path(model, options)? {
-        Model::Mesh(loaded) => Ok(loaded),
+        Model::Mesh(loaded) => Ok(*loaded),
         Model::Prepared(_) => Err(prepared::no_mesh(&model.display().to_string())),
     }
 }
@@ -289,8 +289,8 @@ fn open_path(model: &Path, options: &LoadOptions) -> Result<Model, LoadError> {
     let start = Instant::now();
     let source = Source::open(model, options)?;
     Ok(match source.prepared() {
-        Some(input) => Model::Prepared(prepared::load(input, options, start)?),
-        None => Model::Mesh(uncut(model, options, start, move || source.read(options))?),
+        Some(input) => Model::Prepared(Box::new(prepared::load(input, options, start)?)),
+        None => Model::Mesh(Box::new(uncut(model, options, start, move || source.read(options))?)),
     })
 }
 
