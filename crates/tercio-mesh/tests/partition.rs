@@ -257,6 +257,24 @@ fn a_good_order_is_kept_and_a_bad_one_is_not() {
 }
 
 #[test]
+fn a_triangle_takes_at_most_16_bytes() {
+    for model in ["builtin:gyroid@300k", "builtin:terrain@300k", "builtin:sphere@300k"] {
+        let Mesh { positions, triangles, .. } = tercio_mesh::builtin::make(model).unwrap();
+        let mesh = Mesh { positions, triangles, ..Mesh::default() };
+        // In an order that says nothing of neighbours, too.
+        let count = mesh.triangles.len() as u64;
+        let scrambled = (0..count).map(|i| mesh.triangles[(i * 7_654_321 % count) as usize]).collect();
+        for triangles in [mesh.triangles.clone(), scrambled] {
+            let out = partition(Mesh { triangles, ..mesh.clone() }, &PartitionOptions::default());
+            let bytes = out.core_bytes() as f64 / out.triangle_count() as f64;
+            assert!(bytes <= 16.0, "{model}: {bytes}");
+            // Nothing but what is counted.
+            assert!(out.memory_bytes() as f64 <= 1.001 * out.core_bytes() as f64 + 1e4, "{model}");
+        }
+    }
+}
+
+#[test]
 fn a_crowded_cell_is_cut() {
     // Nearly all triangles stand in one cell of the grid, because a few stand far away.
     let mut mesh = grid(200, true);

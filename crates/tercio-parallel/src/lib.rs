@@ -34,7 +34,7 @@
 //! assert!(report.bytes > 0);
 //!
 //! let alone = Renderer::new().render(&scene, &camera, &settings)?;
-//! assert_eq!(frame.color, alone.color);
+//! assert_eq!(frame.planes.color, alone.planes.color);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 

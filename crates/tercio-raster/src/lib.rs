@@ -24,9 +24,10 @@
 //! let camera = settings.framing().camera_for_scene(&scene);
 //! let frame = Renderer::new().render(&scene, &camera, &settings)?;
 //!
-//! let seen = frame.ids.iter().filter(|id| **id != NO_PRIMITIVE).count();
+//! let (ids, depth) = (&frame.planes.ids, &frame.planes.depth);
+//! let seen = ids.iter().filter(|id| **id != NO_PRIMITIVE).count();
 //! assert_eq!(seen as u64, frame.stats.backend.pixels_visible);
-//! assert!(frame.ids.iter().zip(&frame.depth).all(|(id, depth)| (*id == NO_PRIMITIVE) == depth.is_infinite()));
+//! assert!(ids.iter().zip(depth).all(|(id, depth)| (*id == NO_PRIMITIVE) == depth.is_infinite()));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 

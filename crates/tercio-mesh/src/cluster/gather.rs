@@ -184,13 +184,22 @@ impl Stretch<'_> {
 
 /// Writes the primitive numbers of a cluster into the bytes of its stretch.
 pub(super) fn write_numbers(stretch: &mut [u8], head: &Cluster, layout: &Layout, numbers: &[u32]) {
-    let each = usize::from(head.number_bytes);
-    if each == 0 {
+    let bits = u32::from(head.number_bits);
+    let (mut at, mut waiting, mut count) = (layout.numbers(head), 0u64, 0);
+    if bits == 0 {
         return;
     }
-    let first = layout.numbers(head);
-    for (to, number) in stretch[first..].chunks_exact_mut(each).zip(numbers) {
-        to.copy_from_slice(&(number - head.first_primitive).to_le_bytes()[..each]);
+    for number in numbers {
+        // At most 7 bits wait, so that 64 hold them and another number.
+        waiting |= u64::from(number - head.first_primitive) << count;
+        count += bits;
+        while count >= 8 {
+            stretch[at] = waiting as u8;
+            (at, waiting, count) = (at + 1, waiting >> 8, count - 8);
+        }
+    }
+    if count > 0 {
+        stretch[at] = waiting as u8;
     }
 }
 
@@ -267,12 +276,12 @@ pub(super) fn head(vertices: u8, numbers: impl Iterator<Item = u32> + Clone) -> 
         count += 1;
     }
     let bits = u32::BITS - (most - least).leading_zeros();
-    let number_bytes = if consecutive { 0 } else { bits.div_ceil(8).max(1) };
+    let number_bits = if consecutive { 0 } else { bits.max(1) };
     Cluster {
         vertices,
         triangles: count as u8,
         first_primitive: least,
-        number_bytes: number_bytes as u8,
+        number_bits: number_bits as u8,
         ..Cluster::zeroed()
     }
 }

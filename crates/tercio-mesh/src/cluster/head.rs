@@ -32,9 +32,8 @@ pub struct Cluster {
     pub triangles: u8,
     /// [`Cluster::NORMALS_AGREE`] or 0.
     pub flags: u8,
-    /// Bytes of each primitive number, 0 to 4: how it exceeds `first_primitive`. With 0 bytes the numbers are
-    /// consecutive.
-    pub number_bytes: u8,
+    /// Bits of each primitive number, 0 to 32: how it exceeds `first_primitive`. With 0 bits the numbers are consecutive.
+    pub number_bits: u8,
     /// The lowest primitive number: that in the [`crate::Mesh`].
     pub first_primitive: u32,
     /// 0.

@@ -10,7 +10,7 @@
 //! | first, second and third corners, as vertex numbers in the cluster, each | T |
 //! | vertex colours, texture coordinates u and v, vertex attributes, each if there are any | 4 V |
 //! | triangle colours, materials, triangle attributes, each if there are any | 4 T |
-//! | primitive numbers | [`Cluster::number_bytes`] for each triangle |
+//! | primitive numbers, one behind the other, lowest bit first | [`Cluster::number_bits`] / 8 for each triangle |
 //! | zeros up to a whole line | |
 //!
 //! What a frame reads stands first. Vertices past the last repeat it; corners past the last triangle are 0, so
@@ -54,8 +54,8 @@ impl Layout {
 
     /// Lines of a cluster's stretch.
     pub fn lines(&self, cluster: &Cluster) -> usize {
-        let end = self.numbers(cluster) + usize::from(cluster.triangles) * usize::from(cluster.number_bytes);
-        end.div_ceil(Line::BYTES)
+        let bits = usize::from(cluster.triangles) * usize::from(cluster.number_bits);
+        (self.numbers(cluster) + bits.div_ceil(8)).div_ceil(Line::BYTES)
     }
 
     /// Where a coordinate of the vertices begins, in words.

@@ -28,7 +28,7 @@ fn reorder(old: &ClusterView, order: &[u32], lines: &mut Vec<Line>) -> Cluster {
     let numbers: Vec<u32> = order.iter().map(|&t| old.primitive(t as usize)).collect();
     let sizes = gather::head(old.head().vertices, numbers.iter().copied());
     let head =
-        Cluster { first_primitive: sizes.first_primitive, number_bytes: sizes.number_bytes, ..*old.head() };
+        Cluster { first_primitive: sizes.first_primitive, number_bits: sizes.number_bits, ..*old.head() };
     let first = lines.len();
     lines.resize(first + layout.lines(&head), Line::zeroed());
     let (to, behind) = (&mut lines[first..], layout.triangle_values(&head, 0));

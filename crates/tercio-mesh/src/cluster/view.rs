@@ -156,30 +156,33 @@ impl<'a> ClusterView<'a> {
     #[inline]
     pub fn primitive(&self, triangle: usize) -> u32 {
         let head = self.head();
-        let each = usize::from(head.number_bytes);
-        if each == 0 {
+        if head.number_bits == 0 {
             return head.first_primitive + triangle as u32;
         }
-        let first = self.layout.numbers(head) + triangle * each;
+        head.first_primitive.wrapping_add(self.number(self.layout.numbers(head), triangle))
+    }
+
+    /// The number of a triangle from where those of the cluster begin, in bytes.
+    #[inline(always)]
+    fn number(&self, first: usize, triangle: usize) -> u32 {
+        let bits = usize::from(self.head().number_bits);
+        let (byte, shift) = (first + triangle * bits / 8, triangle * bits % 8);
         let bytes: &[u8] = bytemuck::cast_slice(self.lines);
-        let above = bytes[first..first + each].iter().rev().fold(0, |number, &b| number << 8 | u32::from(b));
-        head.first_primitive.wrapping_add(above)
+        match bytes[byte..].first_chunk() {
+            Some(&eight) => (u64::from_le_bytes(eight) >> shift & ((1 << bits) - 1)) as u32,
+            None => unreachable!("lines behind the last stretch"),
+        }
     }
 
     /// The greatest [`ClusterView::primitive`] of the cluster.
     pub fn greatest_primitive(&self) -> u64 {
         let head = self.head();
         let (first, count) = (self.layout.numbers(head), self.triangles());
-        let bytes =
-            &bytemuck::cast_slice::<_, u8>(self.lines)[first..][..count * usize::from(head.number_bytes)];
-        let above = match head.number_bytes {
-            0 => Some(count as u32 - 1),
-            1 => bytes.iter().map(|&b| u32::from(b)).max(),
-            2 => bytes.as_chunks().0.iter().map(|&b| u32::from(u16::from_le_bytes(b))).max(),
-            3 => bytes.as_chunks().0.iter().map(|&[a, b, c]| u32::from_le_bytes([a, b, c, 0])).max(),
-            _ => bytes.as_chunks().0.iter().map(|&b| u32::from_le_bytes(b)).max(),
+        let above = match head.number_bits {
+            0 => count as u32 - 1,
+            _ => (0..count).map(|triangle| self.number(first, triangle)).fold(0, u32::max),
         };
-        u64::from(head.first_primitive) + u64::from(above.unwrap_or(0))
+        u64::from(head.first_primitive) + u64::from(above)
     }
 
     /// The line that holds bounds and counts.

@@ -27,7 +27,7 @@ pub fn sizes(mesh: &ClusteredMesh) -> Result<(), Wrong> {
     for (number, head) in mesh.clusters.iter().enumerate() {
         let (vertices, own) = (usize::from(head.vertices), usize::from(head.triangles));
         let fits = (1..=MAX_VERTICES).contains(&vertices) && (1..=MAX_TRIANGLES).contains(&own);
-        if !fits || head.number_bytes > 4 {
+        if !fits || head.number_bits > 32 {
             let expected = format!(
                 "1 to {MAX_VERTICES} vertices and 1 to {MAX_TRIANGLES} triangles in cluster {number}"
             );
