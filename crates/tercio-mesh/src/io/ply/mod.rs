@@ -99,11 +99,13 @@ fn read_from(
     let mut header = header::parse(input, bytes)?;
     header.warnings.splice(0..0, warning);
     if header.encoding == Encoding::Ascii {
-        let text = input.unpadded(bytes);
-        if text.len() < bytes.len() {
-            let padding = counted((bytes.len() - text.len()) as u64, "zero byte");
+        // Zeros on the last line of a header that nothing follows are part of the header.
+        let (before, body) = bytes.split_at(header.body);
+        let text = input.unpadded(body);
+        if text.len() < body.len() {
+            let padding = counted((body.len() - text.len()) as u64, "zero byte");
             header.warnings.push(format!("ignored {padding} at the end"));
-            bytes = text;
+            bytes = bytes.get(..before.len() + text.len()).unwrap_or_default();
         }
     }
     let job = Job {

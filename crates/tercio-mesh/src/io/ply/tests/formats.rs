@@ -321,3 +321,16 @@ fn the_magic_word_stands_alone() {
     assert!(looks_like(b"ply\r\nformat") && looks_like(b" ply\n") && looks_like(b"ply"));
     assert!(!looks_like(b"plywood\n") && !looks_like(b"") && !looks_like(b"pl"));
 }
+
+/// Found by the fuzzer: zeros at the end of a file were left out of the header, and the header was longer than the file.
+#[test]
+fn zeros_on_the_last_line_of_a_header() {
+    let header = "ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nproperty float y\nproperty float z\n";
+    for end in ["end_header \0\0", "end_header \0\0\n\0\0", "end_header \0\n"] {
+        let model = read_ok(format!("{header}{end}"));
+        assert_eq!(model.mesh.positions.len(), 0, "{end:?}");
+    }
+    // A vertex that is not there is an error, not a zero.
+    let header = header.replace("vertex 0", "vertex 1");
+    assert!(try_read(format!("{header}end_header \0\0\0\0\0\0\0\0")).is_err());
+}
