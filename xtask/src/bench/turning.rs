@@ -48,8 +48,17 @@ const LLVMPIPE: Program = Program::Llvmpipe { cull_back: false };
 const LLVMPIPE_CULLED: Program = Program::Llvmpipe { cull_back: true };
 
 /// The columns of the table, in the order of a turn.
-const PROGRAMS: [Program; 8] =
-    [TERCIO, ALONE, TERCIO_CULLED, ALONE_CULLED, Program::Floor, LLVMPIPE, LLVMPIPE_CULLED, Program::Embree];
+const PROGRAMS: [Program; 9] = [
+    TERCIO,
+    ALONE,
+    Program::TercioPlain,
+    TERCIO_CULLED,
+    ALONE_CULLED,
+    Program::Floor,
+    LLVMPIPE,
+    LLVMPIPE_CULLED,
+    Program::Embree,
+];
 
 /// The turns of all programs on one model.
 struct Turns<'a> {

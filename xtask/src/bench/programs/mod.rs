@@ -17,8 +17,10 @@ use crate::process;
 /// A program in a column of a table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Program {
-    /// `tercio bench`.
+    /// `tercio bench` with the default look, that of `tercio render`.
     Tercio { threads: u32, cull_back: bool },
+    /// `tercio bench --look plain`: one light, no highlights.
+    TercioPlain,
     /// The speed floor: one core, visibility only, back faces culled.
     Floor,
     /// Mesa's llvmpipe.
@@ -36,6 +38,7 @@ impl Program {
         match self {
             Self::Tercio { threads: 1, cull_back } => format!("tercio, 1 thread{}", culled(cull_back)),
             Self::Tercio { threads, cull_back } => format!("tercio, {threads} threads{}", culled(cull_back)),
+            Self::TercioPlain => format!("tercio, plain look, {THREADS} threads"),
             Self::Floor => "floor, 1 thread".into(),
             Self::Llvmpipe { cull_back } => format!("llvmpipe, {THREADS} threads{}", culled(cull_back)),
             Self::Embree => format!("Embree, {THREADS} threads"),
@@ -47,8 +50,12 @@ impl Program {
         match self {
             Self::Tercio { cull_back, .. } | Self::Llvmpipe { cull_back } => cull_back,
             Self::Floor => true,
-            Self::Embree => false,
+            Self::TercioPlain | Self::Embree => false,
         }
+    }
+
+    fn is_tercio(self) -> bool {
+        matches!(self, Self::Tercio { .. } | Self::TercioPlain)
     }
 }
 
@@ -88,7 +95,7 @@ impl Programs {
     /// Those of `programs` that this machine has.
     pub fn available(&self, programs: &[Program]) -> Vec<Program> {
         let is_there = |program: &Program| match program {
-            Program::Tercio { .. } => true,
+            Program::Tercio { .. } | Program::TercioPlain => true,
             Program::Floor => self.floor.is_ok(),
             Program::Llvmpipe { .. } => self.llvmpipe.is_ok(),
             Program::Embree => self.embree.is_ok(),
@@ -126,20 +133,25 @@ impl Programs {
         for &program in programs {
             let run = self.run(program, task, views.path());
             let run = run.with_context(|| format!("{}: {}", task.title, program.name()))?;
-            let ours = programs
-                .iter()
-                .zip(&runs)
-                .find(|(p, _)| matches!(p, Program::Tercio { .. }) && p.culls() == program.culls());
+            let ours =
+                programs.iter().zip(&runs).find(|(p, _)| p.is_tercio() && p.culls() == program.culls());
             match ours {
                 Some((_, ours)) => run
                     .check_same_picture(ours)
                     .with_context(|| format!("{}: {} draws another picture", task.title, program.name()))?,
-                None if !matches!(program, Program::Tercio { .. }) => bail!("tercio has to draw first"),
+                None if !program.is_tercio() => bail!("tercio has to draw first"),
                 None => std::fs::write(views.path(), views_file(&run.told)?)?,
             }
             runs.push(run);
         }
         Ok(runs)
+    }
+
+    fn tercio_bench(&self, task: &Task, threads: u32) -> Command {
+        let mut command = Command::new(&self.tercio);
+        command.arg("bench").arg(&task.model).args(["--json", "--quiet"]).args(&task.arguments);
+        command.args(["--frames", &task.frames.to_string(), "--threads", &threads.to_string()]);
+        command
     }
 
     fn run(&self, program: Program, task: &Task, views: &Path) -> Result<Run> {
@@ -148,10 +160,13 @@ impl Programs {
         let threads = THREADS.to_string();
         let mut command = match program {
             Program::Tercio { threads, cull_back } => {
-                let mut command = Command::new(&self.tercio);
-                command.arg("bench").arg(&task.model).args(["--json", "--quiet"]).args(&task.arguments);
-                command.args(["--frames", &task.frames.to_string(), "--threads", &threads.to_string()]);
+                let mut command = self.tercio_bench(task, threads);
                 command.args(["--cull", if cull_back { "back" } else { "auto" }]);
+                command
+            }
+            Program::TercioPlain => {
+                let mut command = self.tercio_bench(task, THREADS);
+                command.args(["--cull", "auto", "--look", "plain"]);
                 command
             }
             Program::Floor => return floor(&path(&self.floor)?, task),

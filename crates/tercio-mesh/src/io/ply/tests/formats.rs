@@ -325,7 +325,8 @@ fn the_magic_word_stands_alone() {
 /// Found by the fuzzer: zeros at the end of a file were left out of the header, and the header was longer than the file.
 #[test]
 fn zeros_on_the_last_line_of_a_header() {
-    let header = "ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nproperty float y\nproperty float z\n";
+    let header =
+        "ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nproperty float y\nproperty float z\n";
     for end in ["end_header \0\0", "end_header \0\0\n\0\0", "end_header \0\n"] {
         let model = read_ok(format!("{header}{end}"));
         assert_eq!(model.mesh.positions.len(), 0, "{end:?}");
