@@ -6,9 +6,9 @@ use tercio_mesh::ClusteredMesh;
 use tercio_mesh::cluster::{ClusterView, MAX_TRIANGLES};
 use tercio_scene::{Camera, Instance, Scene};
 
-use crate::binning::{PixelRect, TileGrid};
 use crate::error::RenderError;
 use crate::lighting::LightRig;
+use crate::screen::{PixelRect, TileGrid};
 use crate::settings::Settings;
 use crate::view::{ObjectView, View};
 

@@ -1,12 +1,11 @@
 //! The tile renderer: a scene and a camera become a picture.
 //!
-//! The data walks through the modules in this order. [`view`] says where things are on the screen;
-//! [`frontend`] brings clusters there and drops what reaches no sample; [`binning`] sorts the triangles that
-//! are left into tiles; [`backend`] finds what is visible in each tile and shades it; [`frame`] is the finished
-//! picture. [`mod@reference`] does all of this in one plain loop, and every other path must equal it, bit for bit.
+//! The data walks through the modules in this order. [`view`] says where things are on the screen, [`projection`] takes
+//! vertices there; `frontend` tests clusters and drops those that reach no sample; [`binning`] sorts the others into
+//! tiles; `backend` finds what is visible in each tile and shades it; [`frame`] is the finished picture. [`mod@reference`] does all of this in one plain loop, and every other path must equal it, bit for bit.
 //!
-//! [`conventions`] holds the conventions of all of them. [`simd`] is the one place that knows of SIMD levels. [`stats`] are
-//! the counts that come with every picture; [`tally`] is how the back end makes them, and finer ones for predictions.
+//! [`screen`] is the geometry that all of them share, [`conventions`] are its conventions, `simd` is the one place that
+//! knows of SIMD levels. [`stats`] are the counts that come with every picture; [`tally`] makes finer ones for predictions.
 //!
 //! # Example
 //!
@@ -31,26 +30,28 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-pub mod backend;
+mod backend;
 pub mod binning;
-pub mod color;
+mod color;
 pub mod context;
 pub mod conventions;
 mod error;
 pub mod frame;
-pub mod frontend;
-pub mod lighting;
+mod frontend;
+mod lighting;
+pub mod projection;
 pub mod reference;
 mod renderer;
+pub mod screen;
 pub mod settings;
-pub mod simd;
+mod simd;
 pub mod stats;
 pub mod tally;
 pub mod view;
 
-pub use binning::TileSet;
 pub use error::RenderError;
 pub use frame::{Frame, Outputs};
 pub use renderer::Renderer;
+pub use screen::TileSet;
 pub use settings::{Binning, Cull, LastStage, Part, Settings, Shading, SimdLevel, Sorting};
 pub use stats::FrameStats;

@@ -7,20 +7,26 @@ use fearless_simd::{Level, dispatch};
 use rayon::prelude::*;
 use tercio_scene::{Camera, Scene};
 
-use crate::backend::{Scratch, Share, Stage, TileTask};
-use crate::binning::{Bins, Sorted, TileSet};
+use crate::backend::tally::Tally;
+use crate::backend::{self, Scratch, Stage, TileTask};
+use crate::binning::{Bins, Sorted};
 use crate::context::FrameContext;
 use crate::error::RenderError;
 use crate::frame::{Canvas, Frame};
 use crate::frontend;
-use crate::settings::{LastStage, Settings, SimdLevel};
+use crate::screen::TileSet;
+use crate::settings::{LastStage, Part, Settings, SimdLevel};
 use crate::stats::{BackEndCounts, FrameStats, FrontEndCounts, StageTimes};
-use crate::tally::Tally;
 
 /// Batches of clusters a thread: enough that threads finish together, few enough that bins stay large.
 const BATCHES_A_THREAD: usize = 8;
 /// Fewer clusters than this make no batch of their own.
 const LEAST_CLUSTERS: usize = 16;
+
+/// Batches into which the front end divides some clusters; only that many workers find work.
+pub fn batches(clusters: usize, workers: usize) -> usize {
+    clusters.div_ceil(LEAST_CLUSTERS).min(workers * BATCHES_A_THREAD)
+}
 
 /// Tiles with fewer entries than this are never shared between threads.
 const LEAST_SHARED: u64 = 64;
@@ -90,7 +96,7 @@ impl Renderer {
         let level = level(context);
         let drawn = context.settings.clusters.range(context.clusters());
         let clusters = drawn.len();
-        let batches = clusters.div_ceil(LEAST_CLUSTERS).min(context.workers * BATCHES_A_THREAD);
+        let batches = batches(clusters, context.workers);
         sorted.bins.resize_with(batches, Bins::default);
         let counts = sorted.bins.par_iter_mut().enumerate().with_max_len(1).map(|(i, bins)| {
             let share = |i: usize| drawn.start + (clusters * i / batches) as u32;
@@ -134,7 +140,7 @@ impl Renderer {
     }
 
     /// [`Renderer::draw`] with any tally.
-    pub(crate) fn draw_tiles<T: Tally>(
+    pub(crate) fn draw_tiles<T: DrawTile>(
         &mut self,
         context: &FrameContext,
         sorted: &Sorted,
@@ -165,6 +171,26 @@ impl Renderer {
     }
 }
 
+impl Frame {
+    /// Gives the planes that the settings ask for their size. What they hold is unspecified.
+    pub fn resize(&mut self, settings: &Settings) {
+        (self.width, self.height) = (settings.width, settings.height);
+        self.planes.resize(&settings.outputs, settings.width as usize * settings.height as usize);
+    }
+}
+
+/// A tally with which tiles are drawn.
+pub(crate) trait DrawTile: Tally {
+    /// Draws a tile, or a part of it, at a SIMD level.
+    fn draw(level: Level, task: TileTask) -> Self;
+}
+
+impl DrawTile for BackEndCounts {
+    fn draw(level: Level, task: TileTask) -> Self {
+        dispatch!(level, simd => backend::draw_tile(simd, task))
+    }
+}
+
 /// The SIMD level of a frame. Settings were checked when its context was made.
 fn level(context: &FrameContext) -> Level {
     let simd = context.settings.simd.unwrap_or_else(SimdLevel::best);
@@ -182,7 +208,7 @@ struct Tiles<'a> {
 impl Tiles<'_> {
     /// Draws the tiles of a set: the few that hold a great part of the work one after another, shared by all workers,
     /// the others side by side.
-    fn draw<T: Tally>(&self, set: &TileSet, scratch: &mut [Mutex<Scratch>]) -> T::Frame {
+    fn draw<T: DrawTile>(&self, set: &TileSet, scratch: &mut [Mutex<Scratch>]) -> T::Frame {
         let workers = self.context.workers;
         let tiles = self.context.grid.count() as u32;
         let fill = |tile: u32| self.sorted.fill(tile);
@@ -213,7 +239,7 @@ impl Tiles<'_> {
 
     /// Draws one tile with all workers, each a share of its entries into a tile memory of its own, as many at a time as
     /// there are memories.
-    fn draw_shared<T: Tally>(&self, tile: u32, scratch: &mut [Mutex<Scratch>]) -> T {
+    fn draw_shared<T: DrawTile>(&self, tile: u32, scratch: &mut [Mutex<Scratch>]) -> T {
         let of = self.context.workers;
         let (mut tally, mut drawn) = (T::default(), 0);
         while drawn < of {
@@ -222,7 +248,11 @@ impl Tiles<'_> {
             let count = free.len().min(of - drawn);
             let shares = free[..count].par_iter_mut().enumerate().with_max_len(1).map(|(i, scratch)| {
                 let scratch = scratch.get_mut().unwrap_or_else(|e| e.into_inner());
-                self.draw_tile::<T>(tile, Stage::Share(Share { part: drawn + i, of }), scratch)
+                self.draw_tile::<T>(
+                    tile,
+                    Stage::Part(Part { number: (drawn + i) as u32, of: of as u32 }),
+                    scratch,
+                )
             });
             tally = tally.plus(shares.reduce(T::default, T::plus));
             let used = usize::from(drawn > 0) + count;
@@ -236,7 +266,7 @@ impl Tiles<'_> {
         tally.plus(self.draw_tile(tile, Stage::Finish, first))
     }
 
-    fn draw_tile<T: Tally>(&self, tile: u32, stage: Stage, scratch: &mut Scratch) -> T {
+    fn draw_tile<T: DrawTile>(&self, tile: u32, stage: Stage, scratch: &mut Scratch) -> T {
         let &Tiles { context, sorted, canvas, level } = self;
         T::draw(level, TileTask { context, bins: &sorted.bins, tile, stage, scratch, canvas })
     }

@@ -8,9 +8,9 @@ use std::str::FromStr;
 use fearless_simd::Level;
 use tercio_scene::Framing;
 
-use crate::binning::TileSet;
 use crate::error::RenderError;
 use crate::frame::Outputs;
+use crate::screen::TileSet;
 
 /// The largest width and height of a picture, in pixels.
 pub const MAX_SIZE: u32 = 32768;
@@ -105,7 +105,7 @@ pub enum Shading {
     Unlit,
 }
 
-/// A share of the clusters of a frame: number `number` of `of` shares.
+/// A share of clusters or entries: number `number` of `of` shares.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Part {
     /// Which share, below `of`.
@@ -122,6 +122,11 @@ impl Part {
     pub fn range(self, count: u32) -> Range<u32> {
         let begin = |number: u32| (u64::from(count) * u64::from(number) / u64::from(self.of)) as u32;
         begin(self.number)..begin(self.number + 1)
+    }
+
+    /// Every `of`-th of some things, from number `number` on.
+    pub(crate) fn every<T>(self, things: impl Iterator<Item = T>) -> impl Iterator<Item = T> {
+        things.skip(self.number as usize).step_by(self.of as usize)
     }
 }
 
@@ -251,7 +256,7 @@ pub struct Settings {
 /// Pixels along the edge of the smallest tile that is not asked for.
 const SMALLEST_TILE: u32 = 16;
 /// Tiles of which there should be so many for each thread.
-const TILES_A_THREAD: u64 = 8;
+const TILES_A_THREAD: usize = 8;
 
 impl Settings {
     /// A picture of this size, everything else by default.
@@ -302,14 +307,18 @@ impl Settings {
     /// the same work.
     pub fn tile_edge_for(&self, threads: usize) -> u32 {
         let mut edge = self.tile_edge();
-        let tiles = |edge| u64::from(self.width.div_ceil(edge)) * u64::from(self.height.div_ceil(edge));
         while self.tile_size.is_none()
             && edge > SMALLEST_TILE
-            && tiles(edge) < TILES_A_THREAD * threads as u64
+            && self.tiles_of(edge) < TILES_A_THREAD * threads
         {
             edge /= 2;
         }
         edge
+    }
+
+    /// Number of tiles of the picture if they have this many pixels along an edge.
+    pub fn tiles_of(&self, edge: u32) -> usize {
+        self.width.div_ceil(edge) as usize * self.height.div_ceil(edge) as usize
     }
 
     /// Tells whether these settings make a picture on this processor.
@@ -330,8 +339,7 @@ impl Settings {
             let range = format!("below {}", self.clusters.of);
             return setting("part of the clusters", range, self.clusters.number.to_string());
         }
-        let edge = self.tile_edge();
-        let tiles = self.width.div_ceil(edge) as usize * self.height.div_ceil(edge) as usize;
+        let tiles = self.tiles_of(self.tile_edge());
         if let Some(made_for) = self.tiles.tiles().filter(|&of| of != tiles || self.tile_size.is_none()) {
             let range = format!("made for the {tiles} tiles of a size that is asked for");
             return setting("set of tiles", range, format!("made for {made_for}"));

@@ -4,10 +4,8 @@ mod common;
 
 use common::*;
 use proptest::prelude::*;
-use tercio_raster::backend::edges::Edges;
-use tercio_raster::backend::visibility::DepthPlane;
-use tercio_raster::binning::{PixelRect, ScreenTriangle, covers_tile};
 use tercio_raster::conventions::GUARD;
+use tercio_raster::screen::{DepthPlane, Edges, PixelRect, ScreenTriangle};
 use tercio_raster::view::ScreenVertex;
 
 /// Pixels along the edge of the window in which samples are looked at.
@@ -220,7 +218,7 @@ fn no_tile_is_left_out_of_which_a_sample_is_covered() {
             continue;
         }
         let any = (tile.y0..=tile.y1).any(|y| (tile.x0..=tile.x1).any(|x| covers(corners, [x, y]) != 0));
-        match (covers_tile(&Edges::new(&t), tile), any) {
+        match (!Edges::new(&t).leave_out(tile), any) {
             (false, true) => panic!("{corners:?} covers a sample of {tile:?}"),
             (false, false) => left_out += 1,
             (true, true) => kept += 1,

@@ -3,8 +3,8 @@
 
 use rayon::prelude::*;
 use tercio_mesh::ClusteredMesh;
-use tercio_raster::binning::ScreenTriangle;
-use tercio_raster::frontend::clip::clip_triangle;
+use tercio_raster::projection::clip::clip_triangle;
+use tercio_raster::screen::ScreenTriangle;
 use tercio_raster::view::{ObjectView, ScreenVertex, View};
 use tercio_scene::{Camera, Scene};
 

@@ -1,6 +1,7 @@
 //! Counts and costs become times: one process on some threads.
 
 use serde::Serialize;
+use tercio_raster::tally::batches;
 
 use super::counts::{Counted, Counters, TileWork};
 use crate::machines::{Machine, Operation};
@@ -114,10 +115,6 @@ pub struct FrameTime {
     pub imbalance: f64,
 }
 
-/// Batches of clusters a thread, at most, and clusters of a batch, at least: only so many threads find work.
-const BATCHES_A_THREAD: usize = 8;
-const LEAST_CLUSTERS: u64 = 16;
-
 impl FrameTime {
     /// On one thread.
     pub fn on_one_thread(machine: &Machine, c: &Counters) -> Self {
@@ -156,8 +153,7 @@ impl FrameTime {
         let scale = |divided: f64| serial + (1.0 - serial) * divided;
 
         let front = scale(if knows_clusters(machine) {
-            let most = (threads * BATCHES_A_THREAD) as u64;
-            let batches = c.clusters.div_ceil(LEAST_CLUSTERS).clamp(1, most) as usize;
+            let batches = batches(c.clusters as usize, threads).max(1);
             batches.div_ceil(threads) as f64 / batches as f64
         } else {
             // Its own way of dealing polygons out is not told.

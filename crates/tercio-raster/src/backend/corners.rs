@@ -9,7 +9,7 @@ use tercio_scene::Surface;
 use super::light::{Vec3x16, beside, normalize};
 use crate::color::DECODE;
 use crate::context::FrameContext;
-use crate::frontend::transform::project;
+use crate::projection::project;
 use crate::simd::{LANES, each3, part, splat, splat_i};
 use crate::view::ObjectView;
 

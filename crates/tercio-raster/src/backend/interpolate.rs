@@ -6,7 +6,7 @@ use fearless_simd::{Simd, f32x16, i32x16, mask32x16};
 use super::corners::Corners;
 use super::light::Vec3x16;
 use crate::conventions::SMALL_EXTENT;
-use crate::frontend::clip::barycentrics_unclipped;
+use crate::projection::clip::barycentrics_unclipped;
 use crate::simd::{LANES, each3, part, splat, splat_i};
 use crate::view::ObjectView;
 

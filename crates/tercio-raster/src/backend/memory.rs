@@ -6,9 +6,9 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8, f32x16, i32x16, mask32x16, u32x4, u32x8, u32x16};
 
-use crate::binning::PixelRect;
 use crate::context::{FrameContext, NO_SLOT};
 use crate::conventions::SUBPIXELS;
+use crate::screen::PixelRect;
 use crate::simd::{LANE_NUMBERS, LANES, part, splat, splat_i};
 
 /// Depth and triangle of every sample of a tile.

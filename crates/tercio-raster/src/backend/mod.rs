@@ -6,29 +6,29 @@
 //! one ([`visibility`]; they come first), and all pixels of a tile that several threads share, are shaded at the
 //! end ([`shade`]).
 
-pub mod cluster;
-pub mod corners;
-pub mod edges;
+mod cluster;
+mod corners;
 mod encode;
-pub mod interpolate;
-pub mod light;
-pub mod memory;
+mod interpolate;
+mod light;
+mod memory;
 mod order;
-pub mod shade;
-pub mod table;
-pub mod visibility;
+mod shade;
+mod table;
+pub mod tally;
+mod visibility;
 
 use fearless_simd::Simd;
 
 use crate::binning::Bins;
 use crate::context::FrameContext;
 use crate::frame::{Canvas, Outputs, Planes};
-use crate::settings::LastStage;
-use crate::tally::Tally;
+use crate::settings::{LastStage, Part};
 use cluster::ClusterPass;
 use memory::TileMemory;
 use order::DepthOrder;
 use shade::WinnerScratch;
+use tally::Tally;
 
 /// The memory that one thread needs to draw a tile.
 #[derive(Debug, Default)]
@@ -41,23 +41,14 @@ pub struct Scratch {
     winners: WinnerScratch,
 }
 
-/// A share of a tile's work: every `of`-th entry, beginning with number `part`.
-#[derive(Clone, Copy, Debug)]
-pub struct Share {
-    /// Which share.
-    pub part: usize,
-    /// How many there are.
-    pub of: usize,
-}
-
 /// What is to be done of a tile.
 #[derive(Clone, Copy, Debug)]
 pub enum Stage {
     /// All of it, [`run`].
     Whole,
-    /// A share of its entries, [`run_share`].
-    Share(Share),
-    /// The end of a tile that was drawn in shares, [`finish`].
+    /// A part of its entries, [`run_part`].
+    Part(Part),
+    /// The end of a tile that was drawn in parts, [`finish`].
     Finish,
 }
 
@@ -83,7 +74,7 @@ pub fn draw_tile<S: Simd, T: Tally>(simd: S, task: TileTask) -> T {
     let TileTask { context, bins, tile, stage, scratch, canvas } = task;
     match stage {
         Stage::Whole => run(simd, context, bins, tile, scratch, canvas),
-        Stage::Share(share) => run_share(simd, context, bins, tile, share, scratch, canvas),
+        Stage::Part(part) => run_part(simd, context, bins, tile, part, scratch, canvas),
         Stage::Finish => finish(simd, context, tile, scratch, canvas),
     }
 }
@@ -120,8 +111,7 @@ pub fn run<S: Simd, T: Tally>(
     }
     let last = context.settings.last_stage;
     if triangles + clusters > 0 && last > LastStage::Bin {
-        let all = Share { part: 0, of: 1 };
-        draw(simd, context, bins, tile, all, Shade::AtOnce, scratch, canvas.outputs(), &mut tally);
+        draw(simd, context, bins, tile, Part::WHOLE, Shade::AtOnce, scratch, canvas.outputs(), &mut tally);
         if triangles > 0 && last > LastStage::Visibility {
             shade::tile(simd, context, &scratch.tile, &mut scratch.pixels, canvas.outputs(), &mut tally);
         }
@@ -131,23 +121,23 @@ pub fn run<S: Simd, T: Tally>(
     tally
 }
 
-/// Draws a share of a tile into the tile memory only; [`finish`] does the rest.
+/// Draws a part of a tile into the tile memory only; [`finish`] does the rest.
 #[inline(always)]
-pub fn run_share<S: Simd, T: Tally>(
+pub fn run_part<S: Simd, T: Tally>(
     simd: S,
     context: &FrameContext,
     bins: &[Bins],
     tile: u32,
-    share: Share,
+    part: Part,
     scratch: &mut Scratch,
     canvas: &Canvas,
 ) -> T {
     let mut tally = T::default();
-    draw(simd, context, bins, tile, share, Shade::Later, scratch, canvas.outputs(), &mut tally);
+    draw(simd, context, bins, tile, part, Shade::Later, scratch, canvas.outputs(), &mut tally);
     tally
 }
 
-/// Shades and writes a tile that was drawn in shares, from the memory that they were merged into.
+/// Shades and writes a tile that was drawn in parts, from the memory that they were merged into.
 #[inline(always)]
 pub fn finish<S: Simd, T: Tally>(
     simd: S,
@@ -171,7 +161,7 @@ pub fn finish<S: Simd, T: Tally>(
     tally
 }
 
-/// Draws a share of a tile's entries: triangles first, then clusters front to back. Not inlined, so that it is
+/// Draws a part of a tile's entries: triangles first, then clusters front to back. Not inlined, so that it is
 /// compiled once a level.
 #[expect(clippy::too_many_arguments, reason = "a struct would only rename them")]
 #[inline(never)]
@@ -180,7 +170,7 @@ fn draw<S: Simd, T: Tally>(
     context: &FrameContext,
     bins: &[Bins],
     tile: u32,
-    share: Share,
+    part: Part,
     shade: Shade,
     scratch: &mut Scratch,
     outputs: &Outputs,
@@ -188,7 +178,7 @@ fn draw<S: Simd, T: Tally>(
 ) {
     simd.vectorize(
         #[inline(always)]
-        || draw_inline(simd, context, bins, tile, share, shade, scratch, outputs, tally),
+        || draw_inline(simd, context, bins, tile, part, shade, scratch, outputs, tally),
     );
 }
 
@@ -199,7 +189,7 @@ fn draw_inline<S: Simd, T: Tally>(
     context: &FrameContext,
     bins: &[Bins],
     tile: u32,
-    share: Share,
+    part: Part,
     shade: Shade,
     scratch: &mut Scratch,
     outputs: &Outputs,
@@ -210,7 +200,7 @@ fn draw_inline<S: Simd, T: Tally>(
     let triangles = bins.iter().flat_map(|b| b.triangles_in(tile));
     let mut mixed = false;
     let last = context.settings.last_stage;
-    for triangle in triangles.skip(share.part).step_by(share.of) {
+    for triangle in part.every(triangles) {
         if last <= LastStage::Sieve {
             break;
         }
@@ -224,7 +214,7 @@ fn draw_inline<S: Simd, T: Tally>(
         mixed = true;
     }
     let entries = bins.iter().flat_map(|b| b.clusters_in(tile));
-    order.front_to_back(entries.skip(share.part).step_by(share.of));
+    order.front_to_back(part.every(entries));
     let clusters = order.clusters();
     // What was hidden when it was looked at ahead stays hidden.
     let mut hidden = [false; AHEAD];

@@ -12,7 +12,7 @@ use super::shade::Facing;
 use crate::color::DECODE;
 use crate::context::FrameContext;
 use crate::conventions::SMALL_EXTENT;
-use crate::frontend::transform::{CornerNumbers, CornerTable, LocalVertices};
+use crate::projection::{CornerNumbers, CornerTable, LocalVertices};
 use crate::simd::{LANES, dot, each3, load, lookup, splat};
 use crate::view::ObjectView;
 

@@ -4,11 +4,10 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, i32x16};
 
 use super::cluster::Winners;
-use super::edges::Edges;
 use super::memory::{TileMemory, lane_columns};
-use crate::binning::{PixelRect, ScreenTriangle};
 use crate::context::FrameContext;
 use crate::conventions::{SAMPLE, SUBPIXELS};
+use crate::screen::{DepthPlane, Edges, PixelRect, ScreenTriangle};
 use crate::simd::{LANES, each3, splat, splat_i};
 use crate::stats::BackEndCounts;
 
@@ -17,39 +16,6 @@ const BLOCK: i32 = LANES as i32;
 
 /// Edge functions are cut off here: far beyond what they can change inside a block (2^29), far from the ends of 32 bits.
 const EDGE_LIMIT: i64 = 1 << 30;
-
-/// The depth of a triangle as a function of the screen.
-#[derive(Clone, Copy, Debug)]
-pub struct DepthPlane {
-    /// Screen coordinates of the corner from which it is reckoned.
-    pub anchor: [i32; 2],
-    /// Depth there.
-    pub base: f32,
-    /// Growth a sub-pixel to the right.
-    pub dx: f32,
-    /// Growth a sub-pixel downwards.
-    pub dy: f32,
-    /// Depths of the corners: no sample is farther or nearer, however steep the plane.
-    pub range: [f32; 2],
-}
-
-impl DepthPlane {
-    /// Of a triangle with area.
-    #[inline(always)]
-    pub fn new(t: &ScreenTriangle) -> Self {
-        let (x1, x2) = ((t.x[1] - t.x[0]) as f32, (t.x[2] - t.x[0]) as f32);
-        let (y1, y2) = ((t.y[1] - t.y[0]) as f32, (t.y[2] - t.y[0]) as f32);
-        let (d1, d2) = (t.d[1] - t.d[0], t.d[2] - t.d[0]);
-        let inverse = 1.0 / t.area() as f32;
-        Self {
-            anchor: [t.x[0], t.y[0]],
-            base: t.d[0],
-            dx: (d1 * y2 - d2 * y1) * inverse,
-            dy: (d2 * x1 - d1 * x2) * inverse,
-            range: [t.d[0], if t.d[1] > t.d[2] { t.d[1] } else { t.d[2] }],
-        }
-    }
-}
 
 /// Draws one triangle, and lists the samples that it wins if it is told its number in its cluster. Not inlined, so that
 /// it is compiled once a level.

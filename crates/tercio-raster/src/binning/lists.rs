@@ -1,6 +1,6 @@
 //! Lists of entries, one a tile.
 
-use super::{PixelRect, TileGrid};
+use crate::screen::{PixelRect, TileGrid};
 
 /// Entries sorted into tiles by counting: they come with the number of their tile and are moved there at once.
 #[derive(Debug)]

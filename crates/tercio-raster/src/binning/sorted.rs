@@ -2,9 +2,10 @@
 
 use bytemuck::{Pod, Zeroable, cast_slice, pod_read_unaligned};
 
-use super::{BinnedCluster, Bins, ScreenTriangle, TileGrid, TileSet};
+use super::{BinnedCluster, Bins};
 use crate::context::FrameContext;
-use crate::stats::{BinningCounts, FrontEndCounts};
+use crate::screen::{ScreenTriangle, TileGrid, TileSet};
+use crate::stats::{BinningCounts, FrontEndCounts, ratio};
 
 /// Clusters and triangles of a frame, sorted into its tiles.
 ///
@@ -98,7 +99,27 @@ impl Sorted {
 
     /// What is in the bins.
     pub fn counts(&self, grid: &TileGrid) -> BinningCounts {
-        BinningCounts::of(&self.bins, grid)
+        let sum = |count: fn(&Bins) -> u64| self.bins.iter().map(count).sum::<u64>();
+        let (triangles, triangle_entries) = (sum(Bins::triangles), sum(Bins::triangle_entries));
+        let (clusters, cluster_entries) = (sum(Bins::clusters), sum(Bins::cluster_entries));
+        let (mut tiles_used, mut largest_tile) = (0, 0);
+        for tile in 0..grid.count() as u32 {
+            let fill = self.bins.iter().map(|bins| bins.fill(tile)).sum::<u64>();
+            tiles_used += u64::from(fill > 0);
+            largest_tile = largest_tile.max(fill);
+        }
+        BinningCounts {
+            triangles,
+            entries: triangle_entries,
+            overlap: ratio(triangle_entries, triangles),
+            clusters,
+            cluster_entries,
+            cluster_overlap: ratio(cluster_entries, clusters),
+            tiles: grid.count() as u64,
+            tiles_used,
+            largest_tile,
+            bytes: sum(Bins::bytes),
+        }
     }
 
     /// Appends what some tiles hold as bytes, for a rank of the same kind of machine that draws these tiles of the same

@@ -5,7 +5,7 @@ mod shared;
 
 pub use planes::{Canvas, CanvasTile, Outputs, Pixel, Planes};
 
-use crate::{FrameStats, Settings};
+use crate::stats::FrameStats;
 
 /// The id of a pixel where nothing was drawn.
 pub const NO_PRIMITIVE: u32 = u32::MAX;
@@ -32,12 +32,6 @@ pub struct Frame {
 }
 
 impl Frame {
-    /// Gives the planes that the settings ask for their size. What they hold is of no use.
-    pub fn resize(&mut self, settings: &Settings) {
-        (self.width, self.height) = (settings.width, settings.height);
-        self.planes.resize(&settings.outputs, settings.width as usize * settings.height as usize);
-    }
-
     /// In words, where this picture differs from an expected one; `None` if all planes are the same, bit for bit.
     pub fn difference(&self, expected: &Self) -> Option<String> {
         if (self.width, self.height) != (expected.width, expected.height) {

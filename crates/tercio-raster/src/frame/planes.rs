@@ -8,7 +8,7 @@ use tercio_scene::Background;
 
 use super::shared::SharedPlane;
 use super::{Frame, NO_PRIMITIVE};
-use crate::binning::{PixelRect, TileGrid};
+use crate::screen::{PixelRect, TileGrid};
 
 macro_rules! planes {
     ($($(#[$doc:meta])* $name:ident: $type:ty, wanted: $wanted:literal, background: $row:ident => $background:expr;)*) => {

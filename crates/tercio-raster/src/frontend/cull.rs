@@ -8,8 +8,8 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, i32x16, mask32x16};
 use tercio_mesh::cluster::Cluster;
 
-use super::transform::relative;
 use crate::conventions::{GUARD, SAMPLE, SMALL_CLUSTER, SUBPIXEL_BITS, SUBPIXELS};
+use crate::projection::relative;
 use crate::simd::{LANES, dot, each3, load, part, row, splat, splat_i};
 use crate::view::{ObjectView, View};
 

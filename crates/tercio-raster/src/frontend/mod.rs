@@ -1,14 +1,12 @@
 //! The front end, parallel over clusters: cull whole clusters and sort the others into the bins.
 //!
 //! [`cull`] places clusters, 16 at a time. Those that are small on the screen go into the bins as they are; the
-//! back end transforms them where they are drawn. Of the others [`transform`] brings the vertices to the screen
-//! and [`triangles`] looks at the triangles 16 at a time and hands the survivors to the bins; [`clip`] is for the
-//! few that cross the near plane or the guard band.
+//! back end projects them where they are drawn. Of the others [`triangles`] projects the vertices, tests the triangles
+//! 16 at a time and sorts those that are left into the bins one by one, clipped where they cross the near plane or the
+//! guard band.
 
-pub mod clip;
-pub mod cull;
-pub mod transform;
-pub mod triangles;
+mod cull;
+mod triangles;
 
 use std::ops::Range;
 

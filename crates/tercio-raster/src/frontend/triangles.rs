@@ -9,11 +9,11 @@ use fearless_simd::prelude::*;
 use tercio_mesh::cluster::ClusterView;
 
 use super::Batch;
-use super::clip::clip_triangle;
 use super::cull::Placement;
-use super::transform::{Anchored, ClusterVertices, CornerNumbers, ScreenTriangles, corner_numbers};
-use crate::binning::{PixelRect, ScreenTriangle};
 use crate::context::FrameContext;
+use crate::projection::clip::clip_triangle;
+use crate::projection::{Anchored, ClusterVertices, CornerNumbers, ScreenTriangles, corner_numbers};
+use crate::screen::{PixelRect, ScreenTriangle};
 use crate::simd::{LANES, each3, live_lanes, part, splat_i};
 use crate::view::ObjectView;
 

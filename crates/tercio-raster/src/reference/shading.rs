@@ -5,8 +5,8 @@ use tercio_scene::Surface;
 
 use crate::color::{DECODE, encode8, encode16};
 use crate::conventions::{SAMPLE, SMALL_EXTENT, SUBPIXELS};
-use crate::frontend::clip::barycentrics_unclipped;
 use crate::lighting::LightRig;
+use crate::projection::clip::barycentrics_unclipped;
 use crate::settings::Shading;
 use crate::view::ObjectView;
 

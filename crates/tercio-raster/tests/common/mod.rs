@@ -7,7 +7,7 @@ use glam::DVec3;
 use tercio_mesh::cluster::{PartitionOptions, partition};
 use tercio_mesh::{Mesh, OctNormal};
 use tercio_raster::frame::NO_PRIMITIVE;
-use tercio_raster::frontend::clip::clip_triangle;
+use tercio_raster::projection::clip::clip_triangle;
 use tercio_raster::view::{ScreenVertex, View};
 use tercio_raster::{Binning, Cull, Frame, Outputs, Renderer, Settings, SimdLevel, Sorting, reference};
 use tercio_scene::{Camera, Instance, Projection, Scene};

@@ -31,8 +31,7 @@ pub fn drawing(
         Organisation::SortFirst if rank >= owners => return Ok(None),
         Organisation::SortFirst => {
             let edge = settings.tile_edge();
-            let tiles = settings.width.div_ceil(edge) as usize * settings.height.div_ceil(edge) as usize;
-            let tiles = TileSet::every(part.of, part.number, tiles);
+            let tiles = TileSet::every(part.of, part.number, settings.tiles_of(edge));
             Settings { tiles, tile_size: Some(edge), ..settings }
         }
         other => return Err(PredictError::Organisation(other)),

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use tercio_mesh::Mesh;
 use tercio_mesh::cluster::{PartitionOptions, partition};
-use tercio_raster::frontend::clip::clip_triangle;
+use tercio_raster::projection::clip::clip_triangle;
 use tercio_raster::view::View;
 use tercio_scene::camera::CameraError;
 use tercio_scene::{Camera, Instance};

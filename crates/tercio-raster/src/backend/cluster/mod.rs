@@ -16,13 +16,14 @@ mod stamps;
 use fearless_simd::Simd;
 use tercio_mesh::cluster::MAX_TRIANGLES;
 
-use crate::binning::{BinnedCluster, PixelRect, ScreenTriangle};
+use crate::backend::tally::Tally;
+use crate::binning::BinnedCluster;
 use crate::context::FrameContext;
-use crate::frontend::transform::{CornerTable, LocalVertices};
+use crate::projection::{CornerTable, LocalVertices};
+use crate::screen::{PixelRect, ScreenTriangle};
 use crate::settings::LastStage;
 use crate::simd::{LANES, part, prefetch};
 use crate::stats::BackEndCounts;
-use crate::tally::Tally;
 use depth_test::Covered;
 pub use depth_test::Winners;
 use setup::SmallTriangles;

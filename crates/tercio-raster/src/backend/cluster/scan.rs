@@ -6,9 +6,9 @@ use fearless_simd::{Simd, f32x16, i32x16, mask32x16};
 use super::depth_test::{Covered, NUMBER_SHIFT};
 use super::setup::SmallTriangles;
 use crate::backend::memory::TileMemory;
+use crate::backend::tally::Tally;
 use crate::conventions::SUBPIXELS;
 use crate::simd::{LANES, each3, part, splat_i};
-use crate::tally::Tally;
 
 /// [`scan`] of triangles whose bounding boxes hold at most 2x2 samples, without a branch: whether a sample is
 /// covered cannot be foreseen.

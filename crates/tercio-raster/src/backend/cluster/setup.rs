@@ -1,15 +1,15 @@
 //! Edge functions and depth planes of 16 small triangles at once.
 //!
-//! The numbers are the very same that [`crate::backend::edges::Edges`] and
-//! [`crate::backend::visibility::DepthPlane`] find for a triangle of any size, relative to the first sample of
+//! The numbers are the very same that [`Edges`](crate::screen::Edges) and
+//! [`DepthPlane`](crate::screen::DepthPlane) find for a triangle of any size, relative to the first sample of
 //! its bounding box inside the tile.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, i32x16};
 
-use crate::binning::PixelRect;
 use crate::conventions::{SAMPLE, SUBPIXEL_BITS};
-use crate::frontend::transform::{Anchored, CornerNumbers, LocalVertices, ScreenTriangles};
+use crate::projection::{Anchored, CornerNumbers, LocalVertices, ScreenTriangles};
+use crate::screen::PixelRect;
 use crate::simd::{each3, part, splat, splat_i};
 
 /// 16 triangles of less than [`crate::conventions::SMALL_EXTENT`] sub-pixels across and down. Lanes whose
@@ -114,7 +114,7 @@ fn edge_growth<S: Simd>(
     )
 }
 
-/// Values of the edge functions at a sample: see [`crate::backend::edges::Edges`].
+/// Values of the edge functions at a sample: see [`Edges`](crate::screen::Edges).
 #[inline(always)]
 fn edge_values<S: Simd>(
     simd: S,

@@ -4,9 +4,9 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, i32x16, u8x64, u16x32, u32x16};
 use tercio_mesh::cluster::MAX_TRIANGLES;
 
-use crate::binning::PixelRect;
 use crate::conventions::{SAMPLE, SUBPIXEL_BITS};
-use crate::frontend::transform::{CornerTable, LocalVertices, ScreenTriangles};
+use crate::projection::{CornerTable, LocalVertices, ScreenTriangles};
+use crate::screen::PixelRect;
 use crate::settings::Cull;
 use crate::simd::{LANES, MANY, append_numbers, each3, live_lanes, part, splat_i};
 

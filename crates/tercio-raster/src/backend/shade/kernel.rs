@@ -13,7 +13,7 @@ use crate::color::encode16;
 use crate::context::FrameContext;
 use crate::conventions::{SAMPLE, SUBPIXELS};
 use crate::frame::{Outputs, Planes, visibility_key};
-use crate::frontend::transform::relative;
+use crate::projection::relative;
 use crate::settings::Shading;
 use crate::simd::{LANES, cross, dot, each3, part, row, splat};
 use crate::view::ObjectView;

@@ -1,6 +1,6 @@
 //! Exact coverage by integer edge functions.
 
-use crate::binning::{PixelRect, ScreenTriangle};
+use super::{PixelRect, ScreenTriangle};
 use crate::conventions::{SAMPLE, SUBPIXEL_BITS};
 
 /// The three edge functions of a triangle at samples: pixel (i, j) is covered exactly if

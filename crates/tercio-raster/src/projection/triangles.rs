@@ -1,0 +1,116 @@
+//! Triangles on the screen, 16 at a time.
+
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x16, i32x16};
+
+use crate::conventions::{SAMPLE, SMALL_EXTENT, SUBPIXEL_BITS};
+use crate::screen::PixelRect;
+#[cfg(doc)]
+use crate::screen::ScreenTriangle;
+use crate::simd::{each3, part, splat_i};
+
+/// 16 triangles on the screen, their corners in the order of the mesh.
+#[derive(Clone, Copy)]
+pub struct ScreenTriangles<S: Simd> {
+    /// Screen coordinates of the corners.
+    pub x: [i32x16<S>; 3],
+    /// Screen coordinates of the corners.
+    pub y: [i32x16<S>; 3],
+    /// First and last column of pixels whose samples the bounding box holds.
+    pub columns: [i32x16<S>; 2],
+    /// First and last row.
+    pub rows: [i32x16<S>; 2],
+}
+
+impl<S: Simd> ScreenTriangles<S> {
+    /// From the coordinates of the corners; samples outside `rect` do not count.
+    #[inline(always)]
+    pub fn new(simd: S, [x, y]: [[i32x16<S>; 3]; 2], rect: PixelRect) -> Self {
+        part(
+            simd,
+            #[inline(always)]
+            || Self {
+                x,
+                y,
+                columns: samples(simd, x, [rect.x0, rect.x1]),
+                rows: samples(simd, y, [rect.y0, rect.y1]),
+            },
+        )
+    }
+
+    /// Lanes whose bounding box holds a sample.
+    #[inline(always)]
+    pub fn hits(&self) -> u32 {
+        let hits = self.columns[0].simd_le(self.columns[1]) & self.rows[0].simd_le(self.rows[1]);
+        hits.to_bitmask() as u32
+    }
+
+    /// Lanes of triangles that reach over [`SMALL_EXTENT`] sub-pixels or more, across or down.
+    #[inline(always)]
+    pub fn large(&self, simd: S) -> u32 {
+        part(
+            simd,
+            #[inline(always)]
+            || {
+                let limit = splat_i(simd, SMALL_EXTENT);
+                let large = extent(self.x).simd_ge(limit) | extent(self.y).simd_ge(limit);
+                large.to_bitmask() as u32
+            },
+        )
+    }
+
+    /// Twice the signed area, in square sub-pixels; of use where the triangle is small enough for 32 bits.
+    #[inline(always)]
+    pub fn area(&self) -> i32x16<S> {
+        let (x, y) = (&self.x, &self.y);
+        (x[1] - x[0]) * (y[2] - y[0]) - (x[2] - x[0]) * (y[1] - y[0])
+    }
+}
+
+/// Greatest difference of three coordinates.
+#[inline(always)]
+fn extent<S: Simd>(v: [i32x16<S>; 3]) -> i32x16<S> {
+    v[0].max(v[1]).max(v[2]) - v[0].min(v[1]).min(v[2])
+}
+
+/// First and last sample between the least and the greatest of three coordinates, and inside `range`.
+#[inline(always)]
+fn samples<S: Simd>(simd: S, v: [i32x16<S>; 3], range: [i32; 2]) -> [i32x16<S>; 2] {
+    let (least, most) = (v[0].min(v[1]).min(v[2]), v[0].max(v[1]).max(v[2]));
+    [
+        ((least + (SAMPLE - 1)) >> SUBPIXEL_BITS).max(splat_i(simd, range[0])),
+        ((most - SAMPLE) >> SUBPIXEL_BITS).min(splat_i(simd, range[1])),
+    ]
+}
+
+/// The corners of 16 triangles, the farthest first as [`ScreenTriangle::new`] has it: depth is reckoned from
+/// there.
+#[derive(Clone, Copy)]
+pub struct Anchored<S: Simd> {
+    /// Screen coordinates.
+    pub x: [i32x16<S>; 3],
+    /// Screen coordinates.
+    pub y: [i32x16<S>; 3],
+    /// Depths.
+    pub d: [f32x16<S>; 3],
+}
+
+impl<S: Simd> Anchored<S> {
+    /// Turns the farthest corner, the first among equals, to the front.
+    #[inline(always)]
+    pub fn new(simd: S, d: [f32x16<S>; 3], t: &ScreenTriangles<S>) -> Self {
+        part(
+            simd,
+            #[inline(always)]
+            || {
+                let second = d[1].simd_lt(d[0]) & d[1].simd_le(d[2]);
+                let third = d[2].simd_lt(d[0]) & d[2].simd_lt(d[1]);
+                Self {
+                    x: each3!(K => third.select(t.x[(K + 2) % 3], second.select(t.x[(K + 1) % 3], t.x[K]))),
+                    y: each3!(K => third.select(t.y[(K + 2) % 3], second.select(t.y[(K + 1) % 3], t.y[K]))),
+                    d: each3!(K => third.select(d[(K + 2) % 3], second.select(d[(K + 1) % 3], d[K]))),
+                }
+            },
+        )
+    }
+}
