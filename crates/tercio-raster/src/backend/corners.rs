@@ -120,6 +120,9 @@ pub struct Corners<S: Simd> {
     pub normal: [Vec3x16<S>; 3],
     /// Linear colours; only where the mesh has colours.
     pub color: [Vec3x16<S>; 3],
+    /// The normals agree with the winding in the clusters of all lanes, as in
+    /// [`Cluster::NORMALS_AGREE`](tercio_mesh::cluster::Cluster::NORMALS_AGREE).
+    pub normals_agree: bool,
 }
 
 impl<S: Simd> Corners<S> {
@@ -136,6 +139,7 @@ impl<S: Simd> Corners<S> {
             are_near: false,
             normal: [[zero; 3]; 3],
             color: [[zero; 3]; 3],
+            normals_agree: false,
         }
     }
 
@@ -153,6 +157,7 @@ impl<S: Simd> Corners<S> {
         let slots = u32x16::load_array_ref(simd, slots);
         let mut corners = Self::new(simd);
         let mut packed = [splat_i(simd, 0); 3];
+        corners.normals_agree = true;
         let mut left = 0xffff_u32;
         // Neighbouring pixels mostly show the same triangle: each is fetched once.
         while left != 0 {
@@ -160,6 +165,7 @@ impl<S: Simd> Corners<S> {
             let same = slots.simd_eq(u32x16::splat(simd, slot));
             left &= !(same.to_bitmask() as u32);
             let (_, cluster, triangle) = context.locate_slot(slot);
+            corners.normals_agree &= cluster.head().normals_agree();
             let numbers = cluster.corners_of(triangle);
             for k in 0..3 {
                 let v = usize::from(numbers[k]);

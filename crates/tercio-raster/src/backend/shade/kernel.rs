@@ -3,7 +3,7 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, mask32x16};
 
-use super::features::{Features, Look};
+use super::features::{Common, Features, Look};
 use crate::backend::corners::{ColorSource, Corners, Fragments, to_world};
 use crate::backend::encode::opaque;
 use crate::backend::interpolate::Interpolation;
@@ -75,6 +75,25 @@ pub fn shade<S: Simd>(
     simd.vectorize(
         #[inline(always)]
         || shade_inline(simd, context, instance, look, fragments, at, corners, pixels, outputs),
+    );
+}
+
+/// Shades 16 pixels of the default look. Not inlined, for the same reason.
+#[expect(clippy::too_many_arguments, reason = "a struct would only rename them")]
+#[inline(never)]
+pub fn shade_common<S: Simd>(
+    simd: S,
+    context: &FrameContext,
+    instance: usize,
+    fragments: &Fragments,
+    at: At,
+    corners: &Corners<S>,
+    pixels: &mut Planes,
+    outputs: &Outputs,
+) {
+    simd.vectorize(
+        #[inline(always)]
+        || shade_inline(simd, context, instance, Common::<true>, fragments, at, corners, pixels, outputs),
     );
 }
 

@@ -25,7 +25,7 @@ use crate::stats::BackEndCounts;
 use features::{Common, Look};
 pub use features::{Features, needs_plane};
 pub use kernel::Facing;
-use kernel::{At, shade, shade_inline};
+use kernel::{At, shade, shade_common, shade_inline};
 
 /// Shades every visible pixel of a tile that is not shaded yet.
 #[inline(always)]
@@ -108,14 +108,35 @@ impl<S: Simd> WholeBlocks<S> {
             (self.instance, _) = context.locate(slot / MAX_TRIANGLES as u32);
             self.corners = fetch(simd, context, self.instance, &fragments);
         }
-        let look = Look::new(context, self.instance, false, outputs);
+        let look = Look::new(context, self.instance, self.corners.normals_agree, outputs);
         if look.more() {
             for lane in 0..LANES {
                 fragments.depth[lane] = memory.depth[places[lane] as usize];
             }
         }
         let at = At::in_picture(context, memory);
-        shade(simd, context, self.instance, look, &fragments, at, &self.corners, pixels, outputs);
+        late(simd, context, self.instance, look, &fragments, at, &self.corners, pixels, outputs);
+    }
+}
+
+/// Shades 16 pixels whose corners were fetched.
+#[expect(clippy::too_many_arguments, reason = "a struct would only rename them")]
+#[inline(always)]
+fn late<S: Simd>(
+    simd: S,
+    context: &FrameContext,
+    instance: usize,
+    look: Look,
+    fragments: &Fragments,
+    at: At,
+    corners: &Corners<S>,
+    pixels: &mut Planes,
+    outputs: &Outputs,
+) {
+    if look.is(Common::<true>) {
+        shade_common(simd, context, instance, fragments, at, corners, pixels, outputs);
+    } else {
+        shade(simd, context, instance, look, fragments, at, corners, pixels, outputs);
     }
 }
 
@@ -146,10 +167,10 @@ fn flush<S: Simd>(
         return;
     }
     fragments.fill_up();
-    let look = Look::new(context, instance, false, outputs);
     let corners = fetch(simd, context, instance, fragments);
+    let look = Look::new(context, instance, corners.normals_agree, outputs);
     let at = At::in_picture(context, memory);
-    shade(simd, context, instance, look, fragments, at, &corners, pixels, outputs);
+    late(simd, context, instance, look, fragments, at, &corners, pixels, outputs);
     fragments.count = 0;
 }
 
