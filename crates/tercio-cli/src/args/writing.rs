@@ -1,4 +1,4 @@
-//! Options of what is written, and the plan that follows from them.
+//! Options of the outputs, and the plan that follows from them.
 
 use std::io::{self, IsTerminal};
 use std::path::{Path, PathBuf};
@@ -21,7 +21,7 @@ pub enum Depth {
     Sixteen,
 }
 
-/// What is written.
+/// The outputs.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Writing")]
 pub struct WritingArgs {
@@ -45,16 +45,17 @@ pub struct WritingArgs {
     /// viewer, NPY float32 (H, W, 3), zero where nothing was drawn.
     #[arg(long, value_name = "FILE")]
     output_normals: Option<PathBuf>,
-    /// What was counted and timed, as JSON; `-` for standard output.
+    /// Counters and timings, as JSON; `-` for standard output.
     #[arg(long, value_name = "FILE")]
     stats: Option<PathBuf>,
-    /// Writes pictures and arrays in which nothing of the model is seen; else that is an error, and old files stay.
+    /// Writes pictures and arrays even if nothing of the model is visible; without it, that is an error and old files
+    /// stay.
     #[arg(long)]
     pub allow_empty: bool,
 }
 
 impl WritingArgs {
-    /// What is written where.
+    /// The outputs and their destinations.
     ///
     /// # Errors
     /// One sentence, if the options contradict each other.

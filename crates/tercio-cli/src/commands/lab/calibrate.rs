@@ -1,4 +1,4 @@
-//! `tercio lab calibrate`: this machine's description, measured.
+//! `tercio lab calibrate`: measures a description of this machine.
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -18,8 +18,8 @@ use crate::named_files::NamedFiles;
 use crate::output::{check, write_text};
 use crate::{messages, mpi, threads};
 
-/// Measures this machine, costs of the renderer's work, memory, messages between threads and, started by mpirun, over
-/// MPI, and writes its description.
+/// Measures this machine (costs of the renderer's work, memory, messages between threads and, if started by mpirun,
+/// over MPI) and writes its description.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Costs are fitted to frames of built-in models on one thread, whole ones and such that end at earlier stages; the
@@ -41,7 +41,7 @@ pub struct Calibrate {
     /// The file to write, - for standard output.
     #[arg(short, long, value_name = "FILE", default_value = "-")]
     output: PathBuf,
-    /// Frames of each picture, of which the fastest counts.
+    /// Frames of each picture; the fastest counts.
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=1000))]
     frames: u32,
     /// Rounds through all pictures.
@@ -57,7 +57,7 @@ pub struct Calibrate {
 /// Clocks.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 pub enum ClockName {
-    /// Time that passes.
+    /// Wall-clock time.
     Wall,
     /// Processor time of the process, divided by its threads.
     Processor,
@@ -136,7 +136,7 @@ impl Calibrate {
     }
 }
 
-/// Measures messages over MPI with all ranks of the job; rank 0 gets them.
+/// Measures messages over MPI with all ranks of the job; the result is rank 0's.
 fn over_mpi(comm: &mut mpi::Comm, destination: &Destination) -> Result<Option<Network>> {
     if comm.rank() == 0 {
         check(destination)?;
