@@ -1,4 +1,4 @@
-//! Bucket sorting and the triangle heap: sections 2.4, 3.5 and 4.4, on a scene of ours.
+//! Bucket sorting and the triangle heap: sections 2.4, 3.5 and 4.4, on one of our own scenes.
 
 use super::scenes::{REMARK, SMALL, scene};
 use crate::experiments::{
@@ -84,9 +84,9 @@ fn measured_overlap() -> Result<Findings, ExperimentError> {
     })
 }
 
-/// The same triangles without their partitions: every one on its own, in an order that has lost all neighbours.
+/// The same triangles without partitions: each on its own, in an order without spatial locality.
 fn scattered(scene: &Scene) -> Scene {
-    // A step without a factor in common visits all.
+    // A step that is coprime to the number visits every triangle.
     const STEP: usize = 7919;
     let all: Vec<_> = scene.partitions.iter().flat_map(|p| p.triangles.iter().copied()).collect();
     let triangles = (0..all.len()).map(|k| all[k * STEP % all.len()]).collect();
