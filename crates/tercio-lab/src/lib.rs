@@ -16,7 +16,7 @@
 //! ```
 //! use tercio_lab::models::registry::{self, Arguments, ModelError, Value};
 //!
-//! Work of 1024 polygons on 1024 processors: geometry, and 100 pixels each. Other values are the document's.
+//! // Work of 1024 polygons on 1024 processors: geometry, and 100 pixels each. Other values are the document's.
 //! let arguments = Arguments::from([("p".into(), Value::Number(1024.0)), ("R".into(), Value::Number(60.0))]);
 //! let instructions = registry::evaluate("eldridge.4.1", &arguments)?;
 //! assert_eq!(instructions.as_number(), Some(5000.0 + 100.0 * 60.0));

@@ -90,28 +90,28 @@ pub struct Calibration {
 }
 
 /// Measures this machine. `mpi` is the network over MPI, if the caller has [measured](messages::measure) it with its
-/// ranks. `tell` is called with the name of what is measured next.
+/// ranks. `progress` is called with the name of what is measured next.
 ///
 /// # Errors
 /// [`PredictError`].
 pub fn calibrate(
     o: Options,
     mpi: Option<Network>,
-    mut tell: impl FnMut(&str),
+    mut progress: impl FnMut(&str),
 ) -> Result<Calibration, PredictError> {
     let mut pictures = Vec::new();
     for model in MODELS {
-        tell(model);
+        progress(model);
         // Built-in names; a model that cannot be made is skipped.
         let Ok(mesh) = builtin::make(model) else { continue };
         pictures.extend(pictures_of(model, mesh)?);
     }
     for round in 0..o.rounds.max(1) {
-        tell(&format!("round {} of {}", round + 1, o.rounds.max(1)));
+        progress(&format!("round {} of {}", round + 1, o.rounds.max(1)));
         pictures.iter_mut().try_for_each(|p| p.draw(o))?;
     }
     let mut samples: Vec<Sample> = pictures.into_iter().map(|p| p.sample).collect();
-    tell("memory and messages");
+    progress("memory and messages");
     let mut machine = description(o, mpi)?;
     let caches = Caches::of(&machine, 1);
     let rows: Vec<Vec<f64>> =
