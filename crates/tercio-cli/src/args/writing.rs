@@ -35,7 +35,8 @@ pub struct WritingArgs {
     /// Bits of a colour component; 16 in PNG and PPM only.
     #[arg(long, value_name = "BITS", value_enum, default_value_t = Depth::Eight)]
     depth: Depth,
-    /// Distance from the eye along the camera's axis (not along each pixel's ray), NPY float32 (H, W), infinite where nothing was drawn.
+    /// Distance from the eye along the camera's axis (not along each pixel's ray), NPY float32 (H, W), infinite where
+    /// nothing was drawn.
     #[arg(long, value_name = "FILE")]
     output_depth: Option<PathBuf>,
     /// Numbers of the faces that are seen, NPY uint32 (H, W), 4294967295 where nothing was drawn.

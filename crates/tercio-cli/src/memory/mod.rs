@@ -77,8 +77,9 @@ pub fn prepare(requested: Option<u64>) {
     }
 }
 
-/// Most bytes that models and pictures may take: `requested` if given, else what the system and its limits for this process
-/// leave. The first call, after the threads have started, decides; from then on the limit holds for all allocations.
+/// Most bytes that models and pictures may take: `requested` if given, else what the system and its limits for this
+/// process leave. The first call, after the threads have started, decides; from then on the limit holds for all
+/// allocations.
 pub fn limit(requested: Option<u64>, threads: usize) -> Option<u64> {
     static LIMIT: OnceLock<Option<u64>> = OnceLock::new();
     *LIMIT.get_or_init(|| {

@@ -124,9 +124,9 @@ fn misread_cubic(a: f64, area: Pixels) -> [f64; 2] {
     [value, 3.75 * a * a + 2.0 * (1.5 * s - 2.0) * a + n - 2.0 * s]
 }
 
-/// Equation 11 with its coefficients restored: T times a quotient whose denominator is the square of [`misread_overlap`]'s
-/// cubic. The document prints a = 1.5575 (1.5625), b without - 5, the tail of e as that of f, "2N = 4 sqrt N" for j,
-/// and 2 sqrt N (6 sqrt N) for k. It is not the derivative of equation 7: see [`rate_slope`].
+/// Equation 11 with its coefficients restored: T times a quotient whose denominator is the square of the cubic of
+/// [`misread_overlap`]. The document prints a = 1.5575 (1.5625), b without - 5, the tail of e as that of f, "2N = 4
+/// sqrt N" for j, and 2 sqrt N (6 sqrt N) for k. It is not the derivative of equation 7: see [`rate_slope`].
 pub fn misread_rate_slope(side: Length, area: Pixels, per_second: Count) -> f64 {
     let (n, s) = (area.get(), area.get().sqrt());
     let (a, b, f) = (1.5625, 3.75 * s - 5.0, 4.0 * n * s - 8.0 * n);
