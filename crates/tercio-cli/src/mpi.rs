@@ -30,12 +30,12 @@ mod ranks {
     /// # Errors
     /// MPI cannot be initialised.
     pub fn run<T>(work: impl FnOnce(&mut Comm) -> Result<T>) -> Result<T> {
-        let tell = |rank: usize, error: Error| {
+        let report = |rank: usize, error: Error| {
             messages::error(&error.context(format!("rank {rank}")));
             // The job is aborted next, without running destructors.
             remove_partial_files();
         };
-        Ok(tercio_mpi::run(work, tell)?)
+        Ok(tercio_mpi::run(work, report)?)
     }
 }
 

@@ -83,7 +83,7 @@ fn outside_reason(bounds: &Aabb, camera: &Camera) -> Statement {
     let farthest = distances.into_iter().fold(f64::NEG_INFINITY, f64::max);
     let nearest = distances.into_iter().fold(f64::INFINITY, f64::min);
     let rest = match camera.near {
-        _ if farthest <= 0.0 => format!("behind the camera, which stands at {}", camera.eye),
+        _ if farthest <= 0.0 => format!("behind the camera, which is at {}", camera.eye),
         Some(near) if farthest <= near => {
             let [farthest, near] = [farthest, near].map(readable);
             format!("nearer than the near plane: at most {farthest} from the camera, --near is {near}")

@@ -53,7 +53,7 @@ pub fn frame_bytes(outputs: Outputs, (width, height): (u32, u32)) -> u64 {
 /// The outputs and their destinations.
 #[derive(Debug)]
 pub struct Plan {
-    /// The planes that the renderer is asked for.
+    /// The requested planes.
     pub outputs: Outputs,
     /// The picture.
     pub picture: Option<(Destination, PictureFormat)>,

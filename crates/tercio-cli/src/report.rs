@@ -148,10 +148,10 @@ pub fn counted(n: u64, what: &str) -> String {
 pub fn repairs(report: &LoadReport) -> Vec<String> {
     let cleaned = &report.cleaned;
     let counts = [
-        (cleaned.duplicate_corner, "triangle", "with a corner twice dropped"),
+        (cleaned.duplicate_corner, "triangle", "with a repeated corner dropped"),
         (cleaned.degenerate, "triangle", "without area dropped"),
-        (cleaned.non_finite_triangles, "triangle", "at vertices that are not finite or too far out dropped"),
-        (report.welded.unwrap_or(0), "vertex", "joined with others at the same place"),
+        (cleaned.non_finite_triangles, "triangle", "at vertices that are not finite or out of range dropped"),
+        (report.welded.unwrap_or(0), "vertex", "merged with others at the same position"),
     ];
     let found = counts.into_iter().filter(|c| c.0 > 0);
     found.map(|(n, what, how)| format!("{} {how}", counted(n, what))).collect()

@@ -27,7 +27,7 @@ fn one_line(outcome: Outcome, code: i32, parts: &[&str]) {
 #[test]
 fn every_line_names_the_model_and_who_set_the_limit() {
     let place = Place::new();
-    let asked = "(--memory-limit)";
+    let by_option = "(--memory-limit)";
     let sphere = "builtin:sphere@1k";
     for (arguments, limit, parts) in [
         ("render builtin:sphere@1k -o a.png --size 4000x4000", "8M", ["the picture needs", "8000000 bytes"]),
@@ -36,12 +36,12 @@ fn every_line_names_the_model_and_who_set_the_limit() {
         ("info builtin:sphere@1k", "1", ["needs ", " 1 bytes"]),
     ] {
         let outcome = place.run(&format!("{arguments} --memory-limit {limit}"));
-        one_line(outcome, 1, &[&format!("error: {sphere}: "), parts[0], parts[1], asked]);
+        one_line(outcome, 1, &[&format!("error: {sphere}: "), parts[0], parts[1], by_option]);
     }
     one_line(
         place.run("info builtin:sphere@50M --memory-limit 9M"),
         1,
-        &["builtin:sphere@50M: needs", "9000000", asked],
+        &["builtin:sphere@50M: needs", "9000000", by_option],
     );
 
     let left = "(what ulimit -v leaves)";

@@ -111,9 +111,9 @@ fn progress_is_printed_in_lines_if_there_is_no_terminal() {
     // The model is sent after three lines; if they never come, it is sent at last, so that the test fails instead of
     // waiting.
     let mut stdin = child.stdin.take().unwrap();
-    let (told, are_told) = std::sync::mpsc::channel::<()>();
+    let (seen, are_seen) = std::sync::mpsc::channel::<()>();
     let feeder = std::thread::spawn(move || {
-        let _ = are_told.recv_timeout(std::time::Duration::from_secs(30));
+        let _ = are_seen.recv_timeout(std::time::Duration::from_secs(30));
         stdin.write_all(OCTAHEDRON.as_bytes()).unwrap();
     });
     let mut times = Vec::new();
@@ -121,7 +121,7 @@ fn progress_is_printed_in_lines_if_there_is_no_terminal() {
         assert_eq!(lines.next().map(Result::unwrap).as_deref(), Some("progress: reading"));
         times.push(begin.elapsed().as_secs_f64());
     }
-    drop(told);
+    drop(seen);
     // The first line comes after half a second, each other one a second after the one before. A line may be seen late,
     // which makes the interval to the next one look shorter, but never too early, counted from the beginning.
     for (time, least) in times.iter().zip([0.5, 1.3, 2.1]) {

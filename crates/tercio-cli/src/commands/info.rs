@@ -177,7 +177,7 @@ fn text(model: &str, loaded: &Inspection) -> String {
         rows.push(("closed", if t.closed { "yes".into() } else { open }));
         let flipped = match t.flipped_edges {
             0 => branching,
-            n => format!("no, {} edges are run through twice the same way", grouped(n)),
+            n => format!("no, {} edges have the same direction in two triangles", grouped(n)),
         };
         rows.push(("consistently wound", if t.consistently_wound { "yes".into() } else { flipped }));
         rows.push(("non-manifold edges", grouped(t.non_manifold_edges)));

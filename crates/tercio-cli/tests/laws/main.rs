@@ -52,15 +52,15 @@ fn make(folder: &Path, name: &str, n: usize) {
     let own = std::env::current_exe().expect("this program");
     let mut command = Command::new(own);
     command
-        .args(["a_file_is_made_where_it_is_asked_for", "--exact"])
+        .args(["a_file_is_made_on_request", "--exact"])
         .env("TERCIO_TEST_MAKES", format!("{n} {name}"));
     assert_eq!(run(folder, &mut command).code, Some(0), "{name} is not made");
 }
 
 #[test]
 fn a_file_is_made_on_request() {
-    let Ok(asked) = std::env::var("TERCIO_TEST_MAKES") else { return };
-    let (n, name) = asked.split_once(' ').expect("a number and a name");
+    let Ok(requested) = std::env::var("TERCIO_TEST_MAKES") else { return };
+    let (n, name) = requested.split_once(' ').expect("a number and a name");
     let (.., make) = SERIES.iter().find(|s| s.0 == name).expect("a series");
     fs::write(name, make(n.parse().expect("a number"))).expect("room for it");
 }

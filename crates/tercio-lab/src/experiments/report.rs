@@ -101,9 +101,9 @@ fn experiment(outcome: &Outcome, to: &mut impl Format) {
 fn predicted_frames(to: &mut impl Format) {
     to.heading(2, "The renderer, predicted and measured", Some("prediction"));
     to.paragraph(
-        "Measured before, not with this report. Counters have to be equal, times to lie within 25 %. Where two times \
-         stand side by side the first is predicted; the time of a stage is that of its busiest rank, waiting is that \
-         of rank 0, faults of pages and switches of threads are those of all ranks.",
+        "Measured before, not with this report. Counters have to be equal, times within 25 %. Of two times the \
+         first is predicted; the time of a stage is that of its busiest rank, waiting is that of rank 0, page faults \
+         and context switches are those of all ranks.",
     );
     quoted_frames("Threads", quoted::of_threads(), to);
     quoted_frames("Ranks of one process", quoted::of_ranks(), to);

@@ -72,7 +72,7 @@ pub(crate) const MODELS: &[Model] = models! {
         time["parallel": Seconds, "speed_up": Ratio, "serial": Seconds] -> Seconds;
     "amdahl.4.3", "001 eq 4.3", "time on one processor":
         single["parallel": Seconds, "serial": Seconds] -> Seconds;
-    "amdahl.4.5", "001 eq 4.5", "speed-up that is seen, from frame rates; printed upside down":
+    "amdahl.4.5", "001 eq 4.5", "observed speed-up, from frame rates; printed upside down":
         observed["single": FrameRate, "dual": FrameRate] -> Ratio;
     "amdahl.4.5-as-printed", "001 eq 4.5", "the same as printed, upside down":
         observed_as_printed["single": FrameRate, "dual": FrameRate] -> Ratio;

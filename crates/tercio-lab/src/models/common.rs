@@ -137,7 +137,7 @@ pub(crate) const GLOSSARY: Glossary = Glossary {
         ("polygons", "polygons of a picture"),
         ("rate", "triangles a second"),
         ("size", "bytes to send"),
-        ("tension", "electric tension"),
+        ("tension", "voltage"),
         ("times", "fields of each kind"),
         ("transfers", "transfers in a clock"),
         ("whole", "the whole"),
@@ -176,7 +176,7 @@ pub(crate) const MODELS: &[Model] = models! {
         increase["before": Ratio, "after": Ratio] -> Ratio;
     "common.speed-up", "all", "before over after":
         speed_up["before": Ratio, "after": Ratio] -> Ratio;
-    "common.percent-cut-off", "001 fig 4.11", "share in whole percents, cut off":
+    "common.percent-cut-off", "001 fig 4.11", "share in whole percents, truncated":
         percent_cut_off["part": Ratio, "whole": Ratio] -> Ratio;
     "common.record-bytes", "all", "bytes of a record with a number of fields of each size":
         total["times": Vec<Count>, "each": Vec<Bytes>] -> Result<Bytes, String>;

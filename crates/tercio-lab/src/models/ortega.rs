@@ -117,7 +117,7 @@ pub fn loop_steps(
 }
 
 pub(crate) const MODELS: &[Model] = models! {
-    "ortega.rate", "tables 1 to 4", "polygons a second, cut off to a whole number":
+    "ortega.rate", "tables 1 to 4", "polygons a second, truncated to a whole number":
         rate["N": Polygons, "t": Seconds] -> Count;
     "ortega.best-rate", "6", "best rate of a table":
         best_rate["N": Polygons, "t": Vec<Seconds>] -> Result<Count, String>;
@@ -145,7 +145,7 @@ pub(crate) const GLOSSARY: Glossary = Glossary {
     document: Some("004"),
     symbols: &[
         ("N", "polygons"),
-        ("buffer", "segments that are gathered before they are broken into pixels"),
+        ("buffer", "segments that are collected before they are split into pixels"),
         ("cell", "bytes of a cell"),
         ("fast", "times of the faster table, cell by cell"),
         ("first", "first entry of the colour table that is free"),
@@ -164,7 +164,7 @@ pub(crate) const GLOSSARY: Glossary = Glossary {
         ("vertices", "vertices of a polygon"),
     ],
     assumptions: &[
-        (&["ortega.rate", "ortega.best-rate", "ortega.implied-polygons"], "rates are cut off, not rounded"),
+        (&["ortega.rate", "ortega.best-rate", "ortega.implied-polygons"], "rates are truncated, not rounded"),
         (&["ortega.speed-up"], "the smallest partition counts as 1"),
         (
             &["ortega.loop-steps"],

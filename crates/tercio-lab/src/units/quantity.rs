@@ -225,7 +225,7 @@ quantities! {
     SquareMetres, "area", "m2", NonNegative;
     /// Electric current.
     Amperes, "current", "A", NonNegative;
-    /// Electric tension.
+    /// Voltage.
     Volts, "tension", "V", NonNegative;
     /// Power.
     Watts, "power", "W", NonNegative;

@@ -103,7 +103,7 @@ impl Advise {
         let mut text = format!("{machine}, {ranks} ranks\n");
         // Writing into a string cannot fail.
         let _ = match why_not {
-            Some(reason) => writeln!(text, "the renderer's own model does not speak: {reason}"),
+            Some(reason) => writeln!(text, "no prediction by the model of the renderer's ranks: {reason}"),
             None => writeln!(text, "the renderer, {} plans compared", advice.renderer.len()),
         };
         for r in advice.renderer.iter().take(top) {

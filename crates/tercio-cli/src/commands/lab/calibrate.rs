@@ -22,13 +22,12 @@ use crate::{messages, mpi, threads};
 /// over MPI) and writes its description.
 #[derive(Debug, Args)]
 #[command(after_help = "\
-Costs are fitted to frames of built-in models on one thread, whole ones and such that end at earlier stages; the
-share that is not divided follows from the whole frames on all threads. Ranks are
-fitted to frames of one, two and three of them. Messages are sent to and fro: half the
-median round trip of small ones is the latency, that of large ones gives the bandwidth. Those between threads of
-one process are the section network. mpirun with two processes or more measures the section mpi first, between
-ranks 0 and 1; then all ranks but 0, which writes, are done. mpirun may bind a process to one processor:
---bind-to none leaves rank 0 all of its machine.
+Costs are fitted to frames of built-in models on one thread, whole ones and ones that end at earlier stages; the
+serial share follows from the whole frames on all threads. Costs of ranks are fitted to frames of one, two and
+three of them. Messages are sent back and forth: half the median round trip of small ones is the latency, that of
+large ones gives the bandwidth. Those between threads of one process are the section network. mpirun with two
+processes or more measures the section mpi first, between ranks 0 and 1; then all ranks except 0, which writes,
+end. mpirun may bind a process to one processor: with --bind-to none rank 0 can use its whole machine.
 
 Examples:
   tercio lab calibrate -o mine.toml
@@ -100,17 +99,17 @@ impl Calibrate {
         let bound = threads::of_machine().filter(|&all| mpi.is_some() && all > options.threads);
         if let Some(all) = bound.filter(|_| self.running.threads.is_none() && !self.running.quiet) {
             messages::warning(&format!(
-                "this process may use {} of {all} processors; if mpirun bound it, --bind-to none leaves it all of them",
+                "this process may use {} of {all} processors; if mpirun bound it, --bind-to none allows all of them",
                 options.threads
             ));
         }
-        let tell = |what: &str| {
+        let progress = |what: &str| {
             if self.running.verbose {
                 messages::note(what);
             }
         };
-        let mut calibration = pool.install(|| calibrate(options, mpi, tell))?;
-        tell("ranks");
+        let mut calibration = pool.install(|| calibrate(options, mpi, progress))?;
+        progress("ranks");
         let costs = ranks::calibrate::measure(self.frames, self.rounds)?;
         ranks::calibrate::describe(
             &costs,

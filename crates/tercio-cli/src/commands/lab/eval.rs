@@ -14,7 +14,7 @@ use crate::output::{UsageError, write_text};
 /// Evaluates a formula of the documents.
 #[derive(Debug, Args)]
 #[command(after_help = "\
-Values are numbers in the unit that --list tells, numbers with a unit of their own ('14 MHz'),
+Values are numbers in the unit that --list shows, numbers with a unit of their own ('14 MHz'),
 or lists ('[[1, 31], [2, 95]]').
 
 Examples:

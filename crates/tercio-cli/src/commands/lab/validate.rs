@@ -137,8 +137,8 @@ impl Validate {
         let counts: Vec<usize> = if most > 1 { vec![1, most] } else { vec![1] };
         let pictures = models.len() * self.sizes.len() * counts.len() * self.rounds as usize;
         display.progress.begin("pictures", pictures as u64);
-        let tell = || display.progress.advance(1);
-        let rows = compare(&machine, &models, &self.sizes, &counts, options, tell)?;
+        let progress = || display.progress.advance(1);
+        let rows = compare(&machine, &models, &self.sizes, &counts, options, progress)?;
         drop(display);
         let quoted: Vec<ThreadsRow> = rows.iter().map(ThreadsRow::from).collect();
         output.write(self.json, || rows.iter().map(json).collect(), || text(&rows, &quoted), &quoted)?;
@@ -164,12 +164,12 @@ impl Validate {
     /// Compares the processes of a job, each of which draws with its `own` thread. Rank 0 reports; the others only
     /// draw.
     fn processes(&self, pool: &ThreadPool, own: &Arc<ThreadPool>, comm: &mut mpi::Comm) -> Result<bool> {
-        let tells = comm.rank() == 0;
+        let reports = comm.rank() == 0;
         let machine = load(&self.machine)?.over_mpi()?;
-        let mode = if tells { self.running.progress_mode() } else { ProgressMode::Never };
+        let mode = if reports { self.running.progress_mode() } else { ProgressMode::Never };
         let processors = validate_ranks::processors(comm, pool.current_num_threads())?;
         let how = self.how(&[comm.size()]);
-        if !tells {
+        if !reports {
             let models = self.load_models(pool, mode)?;
             ranks::follow(comm, own, self.table(&models, &how, processors))?;
             return Ok(true);

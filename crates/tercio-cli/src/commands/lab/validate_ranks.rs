@@ -127,8 +127,8 @@ fn json(row: &Row) -> Value {
 fn text(rows: &[Row], quoted: &[RanksRow]) -> String {
     let mut text = quoted::markdown(quoted);
     text.push_str(
-        "\nTimes: predicted / measured; a stage's is that of its busiest rank, waiting that of rank 0. Faults of pages and \
-         switches of threads: of the frame in the middle, all ranks.\n",
+        "\nTimes: predicted / measured; a stage's is that of its busiest rank, waiting that of rank 0. Page faults and \
+         context switches: of the median frame, all ranks.\n",
     );
     for row in rows {
         for (rank, name, ours, theirs) in &row.differing {

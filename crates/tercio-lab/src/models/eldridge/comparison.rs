@@ -240,7 +240,7 @@ pub fn mean_per_region(visible: Polygons, o: Ratio, n: Processors) -> Polygons {
 }
 
 pub(crate) const MODELS: &[Model] = models! {
-    "eldridge.4.1", "eq 4.1", "instructions with nothing but the work itself":
+    "eldridge.4.1", "eq 4.1", "instructions of the work alone":
         optimal["p": Polygons, "n": Processors = PROCESSORS, "G": Instructions = GEOMETRY, "A": Pixels = AREA,
             "R": Instructions = RASTER] -> Instructions;
     "eldridge.4.2", "eq 4.2", "instructions of sort-first, raster term f A R":

@@ -68,7 +68,7 @@ pub fn texture_by_inverse_depth(u_over_z: f64, inverse_z: f64) -> Result<f64, St
 pub(crate) const MODELS: &[Model] = models! {
     "eldridge.3.1", "eq 3.1", "a point in the eye's coordinates":
         transform["M": [[f64; 4]; 3], "v": [f64; 3]] -> [f64; 3];
-    "eldridge.3.2", "eq 3.2, 3.3", "the point's place on the screen":
+    "eldridge.3.2", "eq 3.2, 3.3", "the point's position on the screen":
         project["d": f64 = 1.0, "v": [f64; 3]] -> Result<[f64; 2], String>;
     "eldridge.3.4", "eq 3.4", "a normal in the eye's coordinates":
         transform_normal["M": [[f64; 4]; 3], "normal": [f64; 3]] -> Result<[f64; 3], String>;

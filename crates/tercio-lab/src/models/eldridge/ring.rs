@@ -91,7 +91,7 @@ pub(crate) const MODELS: &[Model] = models! {
     "eldridge.5.2-as-printed", "eq 5.2", "the same as printed, upside down: a / (3a + b)":
         stride_saving_limit_as_printed["a": Words = DESCRIPTOR.0, "b": Instructions = DESCRIPTOR.1]
             -> Result<Ratio, String>;
-    "eldridge.all-to-all", "2.2", "instructions per datum, everybody to everybody by neighbour passes":
+    "eldridge.all-to-all", "2.2", "instructions per datum, all to all by neighbour passes":
         all_to_all["n": Processors = PROCESSORS] -> Instructions;
     "eldridge.broadcast-to-neighbour", "2.2", "cost of a broadcast over that of neighbour passes":
         broadcast_to_neighbour["broadcast": Instructions = 7.0, "n": Processors = PROCESSORS] -> Ratio;

@@ -174,9 +174,9 @@ pub(crate) const MODELS: &[Model] = models! {
             "b": Instructions = PIXEL.1] -> Instructions;
     "eldridge.6.4", "eq 6.4", "instructions of the composition per pixel, n much larger than g":
         composite_per_pixel["g": Processors where 1.0, "a": Words = PIXEL.0, "b": Instructions = PIXEL.1] -> Instructions;
-    "eldridge.composite-gain", "6.4", "dearest over cheapest composited pixel":
+    "eldridge.composite-gain", "6.4", "most over least expensive composited pixel":
         composite_gain["a": Words = PIXEL.0, "b": Instructions = PIXEL.1] -> Ratio;
-    "eldridge.idle-in-transit", "6.5", "instructions per pixel in which a datum only travels":
+    "eldridge.idle-in-transit", "6.5", "instructions per pixel in which a datum is only in transit":
         idle_in_transit["g": Processors where 1.0, "a": Words = PIXEL.0] -> Instructions;
     "eldridge.texture-premium", "6.5", "instructions that textures add to a pixel":
         texture_premium["textured": Instructions = 202.0, "shaded": Instructions = 80.0] -> Instructions;

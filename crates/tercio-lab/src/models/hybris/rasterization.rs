@@ -124,7 +124,7 @@ pub(crate) const MODELS: &[Model] = models! {
         linear["coefficients": [f64; 3], "at": [f64; 2]] -> f64;
     "hybris.3.4", "eq 3.4", "edge function of v0 to v1 at a point":
         edge_function["v0": [f64; 2], "v1": [f64; 2], "at": [f64; 2]] -> f64;
-    "hybris.3.5", "eq 3.5", "edge function of v0 to v1 so many pixels to the right and below":
+    "hybris.3.5", "eq 3.5", "edge function of v0 to v1, steps pixels to the right and below":
         edge_step["value": f64, "v0": [f64; 2], "v1": [f64; 2], "steps": [f64; 2]] -> f64;
     "hybris.3.7", "eq 3.7", "coefficients [A, B, C] of a parameter through three points":
         coefficients["v0": [f64; 3], "v1": [f64; 3], "v2": [f64; 3]] -> Result<[f64; 3], String>;

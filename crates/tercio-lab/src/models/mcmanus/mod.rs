@@ -197,7 +197,7 @@ pub(crate) const MODELS: &[Model] = models! {
         renderer_area["A": Length where 1.0, "P": PolygonRate] -> SquareInches;
     "mcmanus.6", "eq 2 to 6", "C(A), regions per polygon; printed with a wrong sign in 4":
         overlap_of_area["A": Length where 1.0, "N": Pixels where 1.0] -> Ratio;
-    "mcmanus.places", "eq 2 to 5", "[i, alpha, beta, gamma] for a box of so many pixels":
+    "mcmanus.places", "eq 2 to 5", "[i, alpha, beta, gamma] for a box w pixels wide":
         places["A": Length where 1.0, "w": Length where 1.0] -> [f64; 4];
     "mcmanus.placements", "fig 5", "[alpha, beta, gamma] of these":
         placements["A": Length where 1.0, "w": Length where 1.0] -> [f64; 3];

@@ -186,7 +186,7 @@ pub(crate) const MODELS: &[Model] = models! {
         rate_slope["A": Length where 1.0, "N": Pixels where 1.0, "T": Count = CYCLES] -> f64;
     "mcmanus.8", "eq 8", "L, polygons a second per square inch of replicated renderers":
         replication_slope["A": Length where 1.0, "N": Pixels where 1.0, "T": Count = CYCLES] -> f64;
-    "mcmanus.9", "eq 9", "P(R), polygons a second of one renderer of so much silicon":
+    "mcmanus.9", "eq 9", "P(R), polygons a second of one renderer by its area of silicon":
         rate_of_silicon["R": SquareInches, "N": Pixels where 1.0, "T": Count = CYCLES] -> Result<PolygonRate, String>;
     "mcmanus.10", "eq 10", "P'/R', polygons a second more per square inch more of one renderer":
         growth_slope["A": Length where 1.0, "N": Pixels where 1.0, "T": Count = CYCLES] -> f64;

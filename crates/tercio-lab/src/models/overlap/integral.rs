@@ -127,10 +127,10 @@ fn extent(values: impl Iterator<Item = f64>) -> (f64, f64) {
 }
 
 pub(crate) const MODELS: &[Model] = models! {
-    "overlap.2.5", "001 eq 2.5", "tiles W by H that a box w by h meets, with the probability p of its place":
+    "overlap.2.5", "001 eq 2.5", "tiles W by H that a box w by h meets, with the probability p of its position":
         placed_boxes["W": Length, "H": Length, "w": Length, "h": Length, "p": Vec<Vec<f64>>]
             -> Result<Ratio, String>;
-    "overlap.2.6", "001 eq 2.6", "square tiles that a convex polygon meets, counted at steps by steps places":
+    "overlap.2.6", "001 eq 2.6", "square tiles that a convex polygon meets, counted at steps by steps positions":
         placed_shapes["S": Length, "shape": Vec<[f64; 2]>, "steps": Count = 64.0] -> Result<Ratio, String>;
 };
 

@@ -145,7 +145,7 @@ pub(crate) const MODELS: &[Model] = models! {
         boxes_in_squares["S": Length, "w": Length, "h": Length] -> Ratio;
     "overlap.2.4", "001 eq 2.4", "square tiles that the bounding box of a triangle of area a meets":
         bounding_boxes["S": Length, "a": Pixels, "rho": Ratio where 1.0 = BOX_TO_TRIANGLE] -> Ratio;
-    "overlap.2.7", "001 eq 2.7", "tiles that a triangle meets whose box holds a corner":
+    "overlap.2.7", "001 eq 2.7", "tiles that a triangle meets whose box contains a corner":
         corner["rho": Ratio where 1.0 = BOX_TO_TRIANGLE] -> Ratio;
     "overlap.2.7-excess", "001 eq 2.7, 2.8", "the same, less 3":
         corner_excess["rho": Ratio where 1.0 = BOX_TO_TRIANGLE] -> Ratio;
@@ -155,7 +155,7 @@ pub(crate) const MODELS: &[Model] = models! {
         exact["S": Length, "a": Pixels, "rho": Ratio where 1.0 = BOX_TO_TRIANGLE] -> Ratio;
     "overlap.2.10", "001 eq 2.10", "square tiles that a convex shape with box w by h and area a meets":
         exact_by_box["S": Length, "w": Length, "h": Length, "a": Pixels] -> Ratio;
-    "overlap.2.11", "001 eq 2.11", "2.4 less 2.9":
+    "overlap.2.11", "001 eq 2.11", "2.4 minus 2.9":
         difference["S": Length, "a": Pixels, "rho": Ratio where 1.0 = BOX_TO_TRIANGLE] -> Ratio;
     "overlap.pixel-boxes", "003 eq 2 to 6", "regions of side A that a square box of w whole pixels meets":
         pixel_boxes["A": Length where 1.0, "w": Length where 1.0] -> Ratio;
@@ -178,11 +178,11 @@ pub(crate) const GLOSSARY: Glossary = Glossary {
         ("W", "width of a tile"),
         ("a", "area of the triangle or shape"),
         ("h", "height of the bounding box"),
-        ("p", "weights of the places of the box's centre: rows of equal cells of a tile"),
+        ("p", "weights of the positions of the box's centre: rows of equal cells of a tile"),
         ("rho", "area of the bounding box over that of the triangle"),
         ("s", "side of a square bounding box"),
         ("shape", "corners [x, y] of a convex polygon"),
-        ("steps", "places tried across a tile and down"),
+        ("steps", "positions tried across a tile and down"),
         ("w", "width of the bounding box"),
     ],
     assumptions: &[
@@ -201,13 +201,13 @@ pub(crate) const GLOSSARY: Glossary = Glossary {
                 "overlap.pixel-boxes*",
                 "overlap.columns",
             ],
-            "every place of the box relative to the tiles is equally likely",
+            "every position of the box relative to the tiles is equally likely",
         ),
         (&["overlap.2.4", "overlap.2.8", "overlap.2.9", "overlap.2.11"], "square bounding boxes"),
         (&["overlap.2.7*"], "a box smaller than a tile"),
         (
             &["overlap.pixel-boxes*", "overlap.columns"],
-            "boxes of whole pixels: one w pixels wide reaches w - 1 beyond its first",
+            "boxes of whole pixels: one w pixels wide extends w - 1 beyond its first",
         ),
     ],
 };

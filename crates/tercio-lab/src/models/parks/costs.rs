@@ -145,7 +145,7 @@ pub fn time(cycles: Cycles, cycle: Seconds) -> Seconds {
 }
 
 pub(crate) const MODELS: &[Model] = models! {
-    "parks.listing", "app. B", "cycles of a listing with so many instructions of each cost":
+    "parks.listing", "app. B", "cycles of a listing with a number of instructions of each cost":
         total["times": Vec<Count>, "each": Vec<Cycles>] -> Result<Cycles, String>;
     "parks.scene", "2.2", "cycles of a scene by charged segments":
         scene["N": Polygons, "V": Vertices, "S": Segments, "P": Pixels] -> Cycles;
@@ -155,7 +155,7 @@ pub(crate) const MODELS: &[Model] = models! {
         polygon["V": Vertices, "height": Segments, "area": Pixels] -> Cycles;
     "parks.point", "4.1", "cycles of a point; the splitter's floor per unit of depth complexity":
         point[] -> Cycles;
-    "parks.splitter-floor", "4.1", "cycles that a splitter never falls below":
+    "parks.splitter-floor", "4.1", "lower bound of the cycles of a splitter":
         splitter_floor["Dc": Ratio] -> Cycles;
     "parks.points-per-square", "4.3", "whole points in the time of a square":
         points_per_square["side": Length = 128.0] -> Count;
@@ -183,6 +183,6 @@ pub(crate) const MODELS: &[Model] = models! {
         depth_complexity["P": Pixels, "screen": Pixels = 512.0 * 512.0] -> Ratio;
     "parks.depth-complexity-by-area", "4.3, footnote 5", "the same from the mean area of polygons":
         depth_complexity_by_area["N": Polygons, "area": Pixels, "screen": Pixels = 512.0 * 512.0] -> Ratio;
-    "parks.time", "4.4", "time of so many memory cycles":
+    "parks.time", "4.4", "time of a number of memory cycles":
         time["cycles": Cycles, "cycle": Seconds = 300e-9] -> Seconds;
 };

@@ -95,6 +95,6 @@ pub(crate) const MODELS: &[Model] = models! {
         variance["of": Distribution] -> Ratio;
     "parks.deviation", "app. C", "standard deviation of [[value, times], ...]":
         deviation["of": Distribution] -> Ratio;
-    "parks.number", "app. C", "how many values there are in [[value, times], ...]":
+    "parks.number", "app. C", "number of values in [[value, times], ...]":
         number["of": Distribution] -> Count;
 };
