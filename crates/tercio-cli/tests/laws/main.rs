@@ -51,9 +51,7 @@ fn place() -> TempDir {
 fn make(folder: &Path, name: &str, n: usize) {
     let own = std::env::current_exe().expect("this program");
     let mut command = Command::new(own);
-    command
-        .args(["a_file_is_made_on_request", "--exact"])
-        .env("TERCIO_TEST_MAKES", format!("{n} {name}"));
+    command.args(["a_file_is_made_on_request", "--exact"]).env("TERCIO_TEST_MAKES", format!("{n} {name}"));
     assert_eq!(run(folder, &mut command).code, Some(0), "{name} is not made");
 }
 
