@@ -1,4 +1,4 @@
-//! Prepared models. Checksums are not compared in a fuzzed build, so that what lies behind them is reached.
+//! Prepared models. A fuzzed build does not compare checksums, so that the code behind them is reached.
 
 #![no_main]
 

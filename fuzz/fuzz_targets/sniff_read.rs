@@ -1,4 +1,4 @@
-//! What happens to a file as a whole: decompression, the choice of the reader, and the reader.
+//! Reading a file of any kind: decompression, the choice of the reader, and the reader.
 
 #![no_main]
 

@@ -1,4 +1,4 @@
-//! What the fuzz targets share: reading bytes as a model, and what must hold of every model that is read and of every
+//! Shared by the fuzz targets: reading bytes as a model, and the invariants of every model that is read and of every
 //! [`picture`] of it.
 
 pub mod picture;
@@ -10,22 +10,22 @@ use tercio_mesh::{AttributeDomain, ReadError};
 /// A function that reads a model.
 pub type Read = fn(&Input, &ReadOptions) -> Result<ReadModel, ReadError>;
 
-/// Far below libFuzzer's own limit: a reader that takes more than it may is found out.
+/// Far below libFuzzer's own limit, so that a reader that exceeds its memory limit is detected.
 const MEMORY_LIMIT: u64 = 256 << 20;
 
-/// Reads the bytes with `read`. An error is as good as a model: only a panic, a hang, too much memory or a
-/// model that is not sound is a failure.
+/// Reads the bytes with `read`. An error is a valid result: only a panic, a hang, too much memory or an inconsistent
+/// model is a failure.
 ///
-/// Format targets give the format's own reader here, whatever the bytes begin with: it has to stand any.
+/// Format targets pass the reader of the format, whatever the bytes begin with: it has to cope with any input.
 ///
 /// # Panics
-/// If the reader does, or if its model is not sound.
+/// If the reader does, or if its model is inconsistent.
 pub fn read_bytes(read: Read, bytes: &[u8]) {
     let options = ReadOptions { memory_limit: Some(MEMORY_LIMIT), ..ReadOptions::default() };
     let result = Input::from_bytes("fuzz", bytes.to_vec(), &options).and_then(|input| read(&input, &options));
     match result {
         Ok(model) => check(&model),
-        // The message is made from the bytes, too.
+        // Formatting the message must not fail either: it contains bytes of the input.
         Err(error) => assert!(!error.to_string().is_empty()),
     }
 }

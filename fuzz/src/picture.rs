@@ -1,5 +1,5 @@
-//! From the bytes of a file to pixels: read, repair, join, make normals, cut into clusters, draw in different ways, and
-//! compare.
+//! From the bytes of a file to pixels: read, repair, weld, make normals, partition into clusters, draw in different
+//! ways, and compare.
 
 use tercio::glam::DVec3;
 use tercio::mesh::cluster::{PartitionOptions, partition};
@@ -18,13 +18,13 @@ use crate::MEMORY_LIMIT;
 /// Larger models are loaded and not drawn: the reference renderer is slow.
 const MOST_TRIANGLES: usize = 2_000;
 
-/// Draws the bytes as three renderers draw them: the reference renderer, the renderer with its own choices, and the
-/// renderer at the scalar level with a partition, tiles and sorting of another kind. All planes must be the same.
+/// Draws the bytes in three ways: the reference renderer, the renderer with default choices, and the renderer at the
+/// scalar level with another partition, tile size and sorting. All planes must be equal.
 ///
 /// # Panics
-/// If loading or drawing does, if a loaded mesh is not sound, or if pictures differ.
+/// If loading or drawing does, if a loaded mesh is inconsistent, or if pictures differ.
 pub fn draw_bytes(bytes: &[u8]) {
-    // The view follows from the number of bytes, so that a file is a file and every view is met.
+    // The view is derived from the number of bytes, so that an input is reproducible and every view occurs.
     let number = bytes.len();
     let crease_angle = [Some(1.0), None, Some(0.2)][number % 3];
     let options = LoadOptions {
@@ -79,7 +79,7 @@ pub fn draw_bytes(bytes: &[u8]) {
         (Ok(drawn), Ok(otherwise), Ok(expected)) => {
             assert_same(&drawn, &expected, "the reference");
             assert_same(&otherwise, &expected, "another partition, scalar");
-            // Colours alone have kernels of their own.
+            // Drawing only colours uses kernels of its own.
             let alone = Settings { outputs: Outputs::default(), ..settings };
             let alone = Renderer::new().render(&scene, &camera, &alone).expect("drawn before");
             assert!(alone.planes.color == expected.planes.color, "colours alone differ");
@@ -92,7 +92,7 @@ pub fn draw_bytes(bytes: &[u8]) {
     }
 }
 
-/// Draws the bytes as a prepared model. Bounds may be wrong, so that pictures may be: nothing but a panic, a hang or too
+/// Draws the bytes as a prepared model. Its bounds may be wrong, and then the picture is: only a panic, a hang or too
 /// much memory is a failure.
 ///
 /// # Panics
@@ -115,7 +115,7 @@ pub fn draw_prepared(bytes: &[u8]) {
     }
 }
 
-/// What must hold of a mesh that is ready for drawing.
+/// The invariants of a mesh that is ready for drawing.
 fn check(mesh: &Mesh) {
     assert!(mesh.positions.as_flattened().iter().all(|c| c.is_finite()), "a position is not finite");
     assert!(
@@ -126,7 +126,7 @@ fn check(mesh: &Mesh) {
     assert!(mesh.normals.iter().flatten().all(whole), "a broken normal was not replaced");
 }
 
-/// From outside, from within, in parallel, or as near as a hair.
+/// From outside, from inside, orthographic, or very near.
 fn camera(scene: &Scene, view: usize) -> Camera {
     let framing = Framing { azimuth: (view * 37 % 360) as f64, ..Framing::new(48, 36) };
     let framed = framing.camera_for_scene(scene);

@@ -57,7 +57,7 @@ struct options read_options(int argc, char **argv) {
     return o;
 }
 
-/* Reads the header that `cargo xtask models` writes, and no other. */
+/* Reads only the header that `cargo xtask models` writes. */
 static void read_header(FILE *file, const char *path, struct mesh *mesh) {
     static const char *const lines[] = {
         "ply\n", "format binary_little_endian 1.0\n", "element vertex ", "property float x\n",
@@ -150,9 +150,9 @@ void depth_range(const struct mesh *mesh, const struct views *views, const struc
             range[0] = fmin(range[0], along), range[1] = fmax(range[1], along);
         }
     double size = range[1] - range[0];
-    /* A plane seen from before has no extent along the line of sight. */
+    /* A plane seen from the front has no extent along the line of sight. */
     double margin = fmax(0.01 * size, 1e-4 * fabs(range[1]));
-    /* An eye inside the model: as near as 24 bits of depth bear. */
+    /* An eye inside the model: as near as 24 bits of depth allow. */
     range[0] = fmax(range[0] - margin, 1e-3 * size);
     range[1] += margin;
 }

@@ -1,5 +1,5 @@
-/* What the rivals share: the mesh file, the views, the clock, and the report. Plain C11 for one machine's speed
- * measurements; files come from `cargo xtask models`, so a check that fails ends the program with one line. */
+/* Shared by the rivals: the mesh file, the views, the clock, and the report. Plain C11 for one machine's speed
+ * measurements; files come from `cargo xtask models`, so a failed check just ends the program with one line. */
 #ifndef RIVALS_COMMON_H
 #define RIVALS_COMMON_H
 
@@ -12,18 +12,18 @@ enum { FLOATS_A_VERTEX = 6 };
 /* Triangles with shared vertices, object space. */
 struct mesh {
     uint32_t vertices, triangles;
-    float *attributes; /* x y z nx ny nz a vertex; 16 bytes more than that are readable behind the last */
+    float *attributes; /* x y z nx ny nz a vertex; 16 bytes after the last are readable, too */
     uint32_t *indices; /* three a triangle, counter-clockwise seen from outside */
     float min[3], max[3];
 };
 
-/* A perspective camera in world space; the axes have unit length and stand at right angles. */
+/* A perspective camera in world space; the axes are orthonormal. */
 struct view {
     double eye[3], right[3], up[3], forward[3];
     double tangent; /* of half the vertical angle of view */
 };
 
-/* The views, one a frame, and where the copies of the mesh stand. */
+/* The views, one a frame, and the positions of the copies of the mesh. */
 struct views {
     int count, copies;
     struct view *view;
@@ -37,7 +37,7 @@ struct options {
     bool cull;
 };
 
-/* What is measured of each frame. */
+/* The measurements of each frame. */
 struct frames {
     double *milliseconds;
     uint64_t *pixels; /* that show a triangle */
@@ -48,14 +48,14 @@ double milliseconds(void);
 struct options read_options(int argc, char **argv);
 struct mesh read_mesh(const char *path);
 struct views read_views(const char *path);
-/* Distances along the line of sight between which the mesh and all its copies lie. */
+/* The range of distances along the line of sight of the mesh and all its copies. */
 void depth_range(const struct mesh *mesh, const struct views *views, const struct view *view, double range[2]);
 struct frames new_frames(int count);
 /* Pixels of RGBA bytes whose alpha is not 0. */
 uint64_t count_pixels(const uint8_t *rgba, size_t pixels);
 /* RGBA bytes as PPM; `upwards` if the first row is the lowest one. */
 void write_picture(const char *path, const uint8_t *rgba, int width, int height, bool upwards);
-/* The frames as JSON on standard output; `facts` are further members, such as "\"version\": \"1\"". */
+/* The frames as JSON on standard output; `facts` are additional members, such as "\"version\": \"1\"". */
 void report(const struct frames *frames, int count, const char *facts);
 
 #endif

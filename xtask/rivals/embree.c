@@ -1,5 +1,5 @@
-/* Embree, a ray tracer: draws a model from each view with packets of 16 rays and tells the times, that of the
- * tree apart. A packet is 4x4 pixels; threads take tiles of 64x64 pixels from a common counter. */
+/* Embree, a ray tracer: draws a model from each view with packets of 16 rays and prints the times, that of
+ * building the tree separately. A packet is 4x4 pixels; threads take tiles of 64x64 pixels from a common counter. */
 #define _POSIX_C_SOURCE 200809L
 #include <embree3/rtcore.h>
 
@@ -43,7 +43,7 @@ static RTCScene build_tree(RTCDevice device, const struct mesh *mesh) {
     return scene;
 }
 
-/* Rays through the centres of 4x4 pixels; those beyond the picture's border are switched off. */
+/* Rays through the centres of 4x4 pixels; those outside the picture are masked. */
 static void aim(const struct job *job, int x0, int y0, struct RTCRayHit16 *rays, int *valid) {
     const struct view *v = job->view;
     double pixel = 2 * v->tangent / job->height;
@@ -68,7 +68,7 @@ static void aim(const struct job *job, int x0, int y0, struct RTCRayHit16 *rays,
     }
 }
 
-/* Colour of what a ray met: the interpolated normal under one light from the camera. */
+/* Colour at the hit of a ray: the interpolated normal under one light from the camera. */
 static void shade(const struct job *job, const struct RTCHit16 *hit, int i, uint8_t *rgba) {
     static const float BASE[3] = {0.578f, 0.497f, 0.392f};
     const uint32_t *corners = job->mesh->indices + (size_t)hit->primID[i] * 3;

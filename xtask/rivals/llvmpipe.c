@@ -1,8 +1,8 @@
-/* llvmpipe, Mesa's software OpenGL, off screen (OSMesa): draws a model from each view and tells the times.
+/* llvmpipe, Mesa's software OpenGL, off screen (OSMesa): draws a model from each view and prints the times.
  *
- * OSMesa, not EGL: it needs no device and no window system, and a finished frame lands in memory of ours without a
- * further copy. It is given what it likes best: one interleaved vertex buffer and one index buffer that stay in place,
- * lighting once a vertex, malloc told to keep its memory. A frame ends when the picture stands in our memory. */
+ * OSMesa, not EGL: it needs no device and no window system, and a finished frame is in our memory without a further
+ * copy. It gets its best input: one interleaved vertex buffer and one index buffer that stay in place,
+ * lighting per vertex, and a malloc that keeps its memory. A frame ends when the picture is in our memory. */
 #define _DEFAULT_SOURCE
 #define GL_GLEXT_PROTOTYPES
 #include <GL/gl.h>
@@ -16,7 +16,7 @@
 
 #include "common.h"
 
-/* One directional light from the camera, a little from everywhere, once a vertex. */
+/* One directional light from the camera and a little ambient light, per vertex. */
 static const char *const VERTEX_SHADER =
     "#version 120\n"
     "uniform mat4 clip_from_object;\n"
@@ -106,12 +106,12 @@ static void draw(const struct mesh *mesh, const struct views *views, const struc
 
 int main(int argc, char **argv) {
     struct options options = read_options(argc, argv);
-    /* By default glibc gives large blocks back to the system and takes them anew in every frame. */
+    /* By default glibc returns large blocks to the system and allocates them again in every frame. */
     mallopt(M_MMAP_THRESHOLD, 1 << 30);
     mallopt(M_TRIM_THRESHOLD, 2000 << 20);
     mallopt(M_TOP_PAD, 64 << 20);
-    /* Threads that fill triangles, as many as Mesa takes by itself on so many cores: when the vertex stage, which runs
-     * in this thread, is done, all cores fill. None of them means that this thread fills, too. */
+    /* Rasterization threads, as many as Mesa's default for this number of cores: when the vertex stage, which runs
+     * in this thread, is done, all cores rasterize. With 0 this thread rasterizes, too. */
     char threads[16];
     snprintf(threads, sizeof threads, "%d", options.threads > 1 ? options.threads : 0);
     setenv("LP_NUM_THREADS", threads, 0);

@@ -1,7 +1,7 @@
-//! `cargo xtask aarch64`: the renderer's tests as a program of AArch64, on a processor of another kind.
+//! `cargo xtask aarch64`: builds the renderer's tests for AArch64 and runs them under emulation.
 //!
-//! The scalar and the NEON level draw the same golden pictures as those of x86-64. Not part of `cargo xtask test`: the
-//! standard library of another target has to be fetched from where Rust comes from, which not every machine may do.
+//! The scalar and the NEON level draw the same golden pictures as the levels of x86-64. Not part of `cargo xtask test`:
+//! the standard library of another target has to be downloaded, which not every machine may do.
 
 use std::env::consts::ARCH;
 use std::process::Command;

@@ -1,4 +1,4 @@
-//! `cargo xtask bless`: golden pictures, shown before they are taken.
+//! `cargo xtask bless`: golden pictures, shown before they are accepted.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -13,12 +13,12 @@ use crate::process;
 /// Arguments of `cargo xtask bless`.
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// Take the new pictures: those named TOPIC or TOPIC/NAME, or all where no name is given
+    /// Accept the new pictures: those named TOPIC or TOPIC/NAME, or all if no name is given
     #[arg(long, value_name = "NAME", num_args = 0..)]
     accept: Option<Vec<String>>,
 }
 
-/// Draws the golden pictures again, reports every change, and takes what is accepted.
+/// Draws the golden pictures again, reports every change, and replaces those that are accepted.
 ///
 /// # Errors
 /// A test fails, a picture cannot be read or written, or an accepted name did not change.
@@ -97,7 +97,7 @@ impl Folders {
     }
 }
 
-/// Those of the changed pictures that the names on the command line mean.
+/// The changed pictures selected by the names on the command line.
 fn accepted<'a>(changed: &'a BTreeSet<String>, names: &[String]) -> Result<BTreeSet<&'a str>> {
     if names.is_empty() {
         return Ok(changed.iter().map(String::as_str).collect());

@@ -1,4 +1,4 @@
-//! `cargo xtask dist`: one static file that runs where nothing else is.
+//! `cargo xtask dist`: one static file that runs without any other file.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -13,7 +13,7 @@ use crate::process::{
     cargo, find_program, host_triple, is_root, run as run_command, rustflags, target_folder,
 };
 
-/// The binary is to stay small enough to be sent by mail; a jump over this has a reason worth knowing.
+/// The binary has to stay small enough to send by mail; a jump over this limit needs a known reason.
 const MOST_BYTES: u64 = 10 << 20;
 
 const PNG_SIGNATURE: &[u8] = b"\x89PNG\r\n\x1a\n";
@@ -26,16 +26,16 @@ pub struct Arguments {
     check: bool,
 }
 
-/// What came of the run in the empty root.
+/// Outcome of the run in the empty root.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outcome {
-    /// It ran, and it did right.
+    /// It ran, and its output was right.
     Checked,
     /// This user may not change the root, and this is not CI.
     Skipped,
 }
 
-/// Builds the binary and, if asked to, runs it.
+/// Builds the binary and, if requested, runs it.
 ///
 /// # Errors
 /// It does not build, is not static, is too large, or does not run.
@@ -72,7 +72,7 @@ pub fn build() -> Result<PathBuf> {
 
     let binary = workspace_root().join("dist/tercio");
     fs::create_dir_all(workspace_root().join("dist"))?;
-    // Under another name first: a binary that is running cannot be written over.
+    // Written under another name first: a running binary cannot be overwritten.
     let unfinished = binary.with_extension("new");
     fs::copy(&built, &unfinished)?;
     fs::rename(&unfinished, &binary)?;
@@ -80,10 +80,10 @@ pub fn build() -> Result<PathBuf> {
     Ok(binary)
 }
 
-/// Runs the binary in a root directory that holds nothing else.
+/// Runs the binary in a root directory that contains nothing else.
 ///
 /// # Errors
-/// It fails there, or, on CI, it cannot be tried.
+/// It fails there, or, on CI, it cannot be run there.
 pub fn check(binary: &Path) -> Result<Outcome> {
     let folder = tempfile::tempdir()?;
     fs::copy(binary, folder.path().join("tercio"))?;
@@ -109,7 +109,7 @@ pub fn check(binary: &Path) -> Result<Outcome> {
 /// A way to run programs with a folder as their root directory.
 struct EmptyRoot<'a> {
     folder: &'a Path,
-    /// The program and arguments that stand before `FOLDER PROGRAM`.
+    /// The program and arguments before `FOLDER PROGRAM`.
     command: Vec<PathBuf>,
 }
 
@@ -120,7 +120,7 @@ impl<'a> EmptyRoot<'a> {
         if is_root() {
             ways.push(vec![chroot.clone()]);
         }
-        // Containers often take the right to chroot from their root, and leave user namespaces.
+        // Containers often withhold the right to chroot from their root user, and allow user namespaces.
         if let Some(unshare) = find_program("unshare") {
             ways.push(vec![unshare, "--map-root-user".into(), chroot]);
         }
@@ -133,7 +133,7 @@ impl<'a> EmptyRoot<'a> {
 
     fn tercio(&self, arguments: &[&str]) -> Result<Output> {
         let mut command = Command::new(&self.command[0]);
-        // Without the environment, too: nothing of this machine may be needed.
+        // Without the environment, too: the binary may need nothing of this machine.
         command.args(&self.command[1..]).arg(self.folder).arg("/tercio").args(arguments).env_clear();
         crate::process::show(&command);
         let output = command.output().context("starting chroot")?;

@@ -1,4 +1,4 @@
-//! What an executable asks of the system before its first instruction.
+//! What an executable needs from the system before its first instruction.
 
 use anyhow::{Context as _, Result, bail};
 use object::read::elf::{ElfFile64, FileHeader as _, ProgramHeader as _};
@@ -17,7 +17,7 @@ impl Needs {
     /// Reads them from a 64-bit ELF file.
     ///
     /// # Errors
-    /// It is none, or a damaged one.
+    /// It is not one, or it is damaged.
     pub fn of(executable: &[u8]) -> Result<Self> {
         let file = ElfFile64::<Endianness>::parse(executable).context("not a 64-bit ELF file")?;
         let endian = file.endian();
@@ -29,7 +29,7 @@ impl Needs {
                 needs.interpreter = Some(text(interpreter));
             }
         }
-        // A static executable that can be loaded anywhere has a dynamic section too, without DT_NEEDED.
+        // A static position-independent executable has a dynamic section too, without DT_NEEDED.
         if let Some((entries, strings)) = sections.dynamic(endian, executable)? {
             let strings = sections.strings(endian, executable, strings)?;
             for entry in entries.iter().filter(|entry| entry.d_tag.get(endian) == elf::DT_NEEDED) {
@@ -43,7 +43,7 @@ impl Needs {
     /// Fails unless the executable needs nothing.
     ///
     /// # Errors
-    /// What it needs.
+    /// Names what it needs.
     pub fn check_static(&self) -> Result<()> {
         if let Some(interpreter) = &self.interpreter {
             bail!("the binary is not static: it needs {interpreter} {}", self.libraries.join(" "));
@@ -59,7 +59,7 @@ impl Needs {
 mod tests {
     use super::*;
 
-    /// A test is linked to the C library of the system, if that is how this target links.
+    /// A test is linked to the C library of the system, if this target links that way.
     #[test]
     #[cfg(all(target_os = "linux", target_env = "gnu", not(target_feature = "crt-static")))]
     fn this_test_itself_is_not_static() {

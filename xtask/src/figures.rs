@@ -1,10 +1,10 @@
-//! `cargo xtask figures`: the pictures of the README, drawn by its own commands.
+//! `cargo xtask figures`: draws the pictures of the README with the README's own commands.
 
 use anyhow::{Context as _, Result};
 
 use crate::process;
 
-/// What the commands of the README begin with that draw its pictures.
+/// Prefix of the commands of the README that draw its pictures.
 const COMMAND: &str = "cargo run --release -- ";
 
 /// Draws all of them.

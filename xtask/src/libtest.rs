@@ -1,4 +1,4 @@
-//! Reads the closing lines of Rust's test harness.
+//! Parses the summary lines of Rust's test harness.
 
 use std::fmt;
 use std::ops::AddAssign;
@@ -15,7 +15,7 @@ pub struct Counts {
 }
 
 impl Counts {
-    /// One check that passed or failed.
+    /// A single check.
     pub fn one(passed: bool) -> Self {
         Self { passed: passed.into(), failed: (!passed).into(), ignored: 0 }
     }
@@ -23,7 +23,7 @@ impl Counts {
     /// Reads a line such as `test result: ok. 12 passed; 0 failed; 1 ignored; 0 measured; …`; `None` for
     /// any other line.
     pub fn from_line(line: &str) -> Option<Self> {
-        // A program that a test started may have left its own text at the front of the line.
+        // A program started by a test may have left text of its own at the start of the line.
         let (_, result) = line.split_once("test result: ")?;
         let (_, counts) = result.split_once(". ")?;
         let count = |what: &str| {

@@ -31,7 +31,7 @@ struct Arguments {
 enum Command {
     /// Run all checks: format, lints, tests, short fuzzing, the static binary
     Test(suite::Arguments),
-    /// Fuzz the readers and what becomes of their models with the stable toolchain
+    /// Fuzz the readers and the processing of their models with the stable toolchain
     Fuzz(fuzz::Arguments),
     /// Build one static binary into dist/
     Dist(dist::Arguments),

@@ -1,4 +1,4 @@
-//! What the checks need beside a Rust toolchain, and how a Debian machine gets it.
+//! What the checks need besides a Rust toolchain, and how to install it on Debian.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -8,11 +8,11 @@ use anyhow::{Result, ensure};
 
 use crate::process::{find_program, is_root, output, run};
 
-/// Something that has to be on the machine.
+/// A program or library that has to be installed.
 pub struct Need {
     /// Debian's package.
     package: &'static str,
-    /// What misses it.
+    /// What needs it.
     purpose: &'static str,
     is_there: fn() -> bool,
 }
@@ -47,7 +47,7 @@ pub fn check_mpi() -> Result<()> {
     Ok(())
 }
 
-/// What `cargo xtask bench` needs to measure others.
+/// What `cargo xtask bench` needs to measure the other programs.
 pub const RIVALS: &[Need] = &[
     Need { package: "gcc", purpose: "building the rivals", is_there: || find_program("cc").is_some() },
     Need { package: "libosmesa6-dev", purpose: "llvmpipe", is_there: || has_header("GL/osmesa.h") },
@@ -73,8 +73,8 @@ pub const AARCH64: &[Need] = &[
     },
 ];
 
-/// Installs what is missing if this is Debian and the user is root; says what is missing otherwise. A
-/// missing package is no error here: what needs it fails and tells why.
+/// Installs what is missing if this is Debian and the user is root; otherwise prints what is missing. A missing package
+/// is no error here: what needs it fails with a message.
 pub fn provide(needs: &[Need]) {
     let missing: Vec<_> = needs.iter().filter(|need| !(need.is_there)()).collect();
     if missing.is_empty() {
@@ -108,16 +108,16 @@ fn install(missing: &[&Need]) -> Result<()> {
 /// Distributions other than Debian have the static C library in a package of its own.
 pub fn has_static_libc() -> bool {
     let path = output(Command::new("cc").arg("-print-file-name=libc.a"));
-    // Without one, the compiler gives back the bare name.
+    // If there is none, the compiler prints the bare name.
     path.is_ok_and(|path| Path::new(path.trim()).is_absolute())
 }
 
-/// The library that reads C headers, where its Debian package, `llvm-config` or the environment say it is.
+/// The library that parses C headers, in the folders of its Debian package, of `llvm-config` or of the environment.
 fn has_libclang() -> bool {
     let mut folders: Vec<PathBuf> = ["/usr/lib", "/usr/lib64", "/usr/local/lib"].map(PathBuf::from).to_vec();
     folders.extend(env::var_os("LIBCLANG_PATH").map(PathBuf::from));
     folders.extend(output(Command::new("llvm-config").arg("--libdir")).map(|f| PathBuf::from(f.trim())));
-    // Debian has a folder a version and one a machine.
+    // Debian has one folder per version and one per architecture.
     let inside = fs::read_dir("/usr/lib").into_iter().flatten().flatten().map(|e| e.path());
     folders.extend(inside.flat_map(|folder| [folder.join("lib"), folder]));
     folders.iter().any(|folder| holds_libclang(folder))
@@ -142,7 +142,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn libclang_is_known_by_its_file() {
+    fn libclang_is_recognised_by_its_file_name() {
         let folder = tempfile::tempdir().expect("a folder");
         for name in ["libclang-cpp.so.14", "libclangAST.a", "libclang.a", "libLLVM.so"] {
             fs::write(folder.path().join(name), "").expect("a file");
@@ -152,7 +152,7 @@ mod tests {
             let file = folder.path().join(name);
             fs::write(&file, "").expect("a file");
             assert!(holds_libclang(folder.path()), "{name}");
-            fs::remove_file(file).expect("it is there");
+            fs::remove_file(file).expect("the file");
         }
         assert!(!holds_libclang(&folder.path().join("missing")));
     }

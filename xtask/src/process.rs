@@ -1,4 +1,4 @@
-//! Other programs: cargo, rustc, and those that cargo built.
+//! Running other programs: cargo, rustc, and those that cargo built.
 
 use std::env;
 use std::ffi::OsStr;
@@ -9,14 +9,14 @@ use std::sync::OnceLock;
 use anyhow::{Context as _, Result, bail, ensure};
 use tercio_testkit::workspace_root;
 
-/// The cargo that runs this program, to be started in the workspace root.
+/// The cargo that runs this program, with the workspace root as its directory.
 pub fn cargo() -> Command {
     let mut command = Command::new(env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
     command.current_dir(workspace_root());
     command
 }
 
-/// Shows a command, runs it, and fails unless it ends with success.
+/// Prints a command, runs it, and fails unless it succeeds.
 pub fn run(command: &mut Command) -> Result<()> {
     show(command);
     let status = command.status().with_context(|| format!("starting {}", name(command)))?;
@@ -24,7 +24,7 @@ pub fn run(command: &mut Command) -> Result<()> {
     Ok(())
 }
 
-/// Runs a command in silence and returns what it wrote to its standard output.
+/// Runs a command without printing it and returns its standard output.
 pub fn output(command: &mut Command) -> Result<String> {
     let output = command.output().with_context(|| format!("starting {}", name(command)))?;
     if !output.status.success() {
@@ -69,8 +69,8 @@ pub fn host_triple() -> Result<String> {
     Ok(host.context("rustc -vV names no host")?.to_owned())
 }
 
-/// `RUSTFLAGS` of the environment with some added. They reach only what is built for `--target`, so a
-/// command that uses them names one: build scripts and macros have to stay as they are.
+/// `RUSTFLAGS` of the environment plus `added`. They apply only to what is built for `--target`, so a command that uses
+/// them names a target: build scripts and macros have to stay as they are.
 pub fn rustflags(added: &[&str]) -> String {
     let mut flags = env::var("RUSTFLAGS").unwrap_or_default();
     for flag in added {
@@ -85,7 +85,7 @@ pub fn rustflags(added: &[&str]) -> String {
 /// Finds a program in `PATH`.
 pub fn find_program(program: &str) -> Option<PathBuf> {
     let path = env::var_os("PATH")?;
-    // Where root's PATH lacks sbin, chroot is there all the same.
+    // chroot is in sbin, which the PATH of root may lack.
     let folders = env::split_paths(&path).chain(["/usr/sbin".into(), "/sbin".into()]);
     folders.map(|folder| folder.join(program)).find(|candidate| candidate.is_file())
 }

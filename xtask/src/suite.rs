@@ -1,4 +1,4 @@
-//! `cargo xtask test`: everything that has to pass before a change lands.
+//! `cargo xtask test`: all checks that have to pass before a change is merged.
 
 use std::io::{self, BufRead as _, BufReader, Write};
 use std::process::{Command, ExitCode, Stdio};
@@ -27,9 +27,9 @@ pub struct Arguments {
 /// A part of the suite.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Step {
-    /// The format of the source
+    /// The formatting of the source
     Fmt,
-    /// Lints, of which none may be left
+    /// Lints; none may fire
     Clippy,
     /// All unit, integration, golden and documentation tests
     Unit,
@@ -39,12 +39,12 @@ enum Step {
     Fuzz,
     /// The static binary in an empty root directory
     Dist,
-    /// Instructions of that binary, beside those of tests/counts.toml
+    /// Instruction counts of that binary, compared with tests/counts.toml
     Counts,
 }
 
-/// Runs the steps, all of them even after one fails, and closes with how many checks passed and failed: a
-/// test is one, a fuzz target is one, and so is each other step.
+/// Runs the steps, all of them even if one fails, and prints at the end how many checks passed and failed: each test,
+/// each fuzz target and each other step is one check.
 pub fn run(arguments: &Arguments) -> ExitCode {
     packages::provide(packages::TESTS);
     let mut total = Counts::default();
@@ -69,7 +69,7 @@ pub fn run(arguments: &Arguments) -> ExitCode {
     }
     println!();
     for (step, counts, time) in rows {
-        // No line of this table may look like the closing line.
+        // No line of this table may look like a summary line of the test harness.
         println!("{:<8}{:>7.1} s   {counts}", name(step), time.as_secs_f64());
     }
     println!("\n{total}");
@@ -104,8 +104,8 @@ fn tests() -> Counts {
     count_tests(&mut command, &mut io::stdout()).unwrap_or_else(|error| one(Err(error)))
 }
 
-/// What needs the feature `mpi`. All packages are selected, so that those that do not know it are the ones of the steps
-/// before, built already.
+/// Checks of the feature `mpi`. All packages are selected, so that those without the feature are built as in the steps
+/// before, and need no rebuild.
 fn mpi() -> Counts {
     const FEATURES: [&str; 2] = ["--features", "tercio-mpi/mpi,tercio-cli/mpi"];
     if let Err(missing) = packages::check_mpi() {
@@ -126,7 +126,7 @@ fn mpi() -> Counts {
     counts
 }
 
-/// Passes on what the tests print, and adds up their closing lines.
+/// Passes on what the tests print, and adds up their summary lines.
 fn count_tests(command: &mut Command, shown: &mut impl Write) -> Result<Counts> {
     show(command);
     let mut child = command.stdout(Stdio::piped()).spawn().context("starting cargo")?;
@@ -140,7 +140,7 @@ fn count_tests(command: &mut Command, shown: &mut impl Write) -> Result<Counts> 
         line.clear();
     }
     let status = child.wait()?;
-    // What does not build, or dies on a signal, leaves no closing line behind.
+    // What does not build, or dies from a signal, prints no summary line.
     if !status.success() && counts.failed == 0 {
         eprintln!("error: cargo test ended with {status}");
         counts.failed += 1;

@@ -1,8 +1,8 @@
-//! The ends of the program that no command returns from: memory that is not there, and mistakes of the program.
+//! Abnormal ends of the program that bypass the commands: out of memory, and bugs (panics).
 //!
-//! Both say one line, clean up, and end with the exit code of an error, never by a signal. Nothing is allocated on the
-//! way, because there may be no memory, and no lock is waited for but that of the name of a stage, under which nothing is
-//! allocated.
+//! Both print one line, clean up, and end with the exit code of an error, never by a signal. Nothing is allocated on
+//! the way, because there may be no memory. The only lock that is taken is that of the name of a stage, and nothing is
+//! allocated while it is held.
 
 use std::cell::Cell;
 use std::fmt::Write as _;
@@ -15,21 +15,21 @@ use tercio::mesh::Progress;
 
 use crate::{memory, messages};
 
-/// The exit code of errors: `compare` has another one.
+/// The exit code of errors: `compare` uses another.
 static CODE: AtomicU8 = AtomicU8::new(1);
 static CLEAN_UP: OnceLock<fn()> = OnceLock::new();
-/// How an error begins: coloured on terminals.
+/// The prefix of errors: coloured on terminals.
 static PREFIX: OnceLock<String> = OnceLock::new();
 static MODEL: Mutex<Option<String>> = Mutex::new(None);
 static WATCHED: Mutex<Option<Arc<Progress>>> = Mutex::new(None);
 
-/// From now on a panic, in whatever thread, is reported in one line and ends the program.
+/// From now on a panic in any thread is reported in one line and ends the program.
 pub fn prepare() {
     let _ = PREFIX.set(messages::error_prefix());
     std::panic::set_hook(Box::new(|panic| {
         let mut line = Line::error();
         line.mistake(panic);
-        // For who asks for it (RUST_BACKTRACE); else it is empty.
+        // Empty unless RUST_BACKTRACE is set.
         let trace = std::backtrace::Backtrace::capture();
         if trace.status() == std::backtrace::BacktraceStatus::Captured {
             line.end();
@@ -40,17 +40,17 @@ pub fn prepare() {
     }));
 }
 
-/// The exit code of errors from now on.
+/// Sets the exit code of errors.
 pub fn set_code(code: u8) {
     CODE.store(code, Ordering::Relaxed);
 }
 
-/// What is called before the program ends in one of these ways, once: removes unfinished files. It should not allocate.
+/// Sets the function that is called once before such an end: it removes partial files. It should not allocate.
 pub fn at_end(clean_up: fn()) {
     let _ = CLEAN_UP.set(clean_up);
 }
 
-/// The model that messages name from now on.
+/// Sets the name of the model for messages.
 pub fn name_model(name: String) {
     if let Ok(mut model) = MODEL.lock() {
         let before = model.replace(name);
@@ -59,15 +59,15 @@ pub fn name_model(name: String) {
     }
 }
 
-/// Messages name the stage that this progress is in.
+/// Messages name the current stage of this progress.
 pub fn watch(progress: &Arc<Progress>) {
     if let Ok(mut watched) = WATCHED.lock() {
         *watched = Some(Arc::clone(progress));
     }
 }
 
-/// Ends the program because there is no room for so many bytes besides those in use: by the `limit`, or because the
-/// system gives no more.
+/// Ends the program because `size` bytes cannot be allocated besides those in use: they would exceed the `limit`, or
+/// the system refuses them.
 #[cold]
 pub fn out_of_memory(in_use: usize, size: usize, limit: Option<usize>) -> ! {
     memory::lift_limit();
@@ -78,7 +78,7 @@ pub fn out_of_memory(in_use: usize, size: usize, limit: Option<usize>) -> ! {
         line.put(format_args!("{model}: "));
     }
     match limit {
-        // As the errors of the reader; what is counted already is part of what is needed.
+        // Worded like the errors of the reader; what is already in use is part of what is needed.
         Some(limit) => {
             let source = memory::limit_source();
             line.put(format_args!(
@@ -96,12 +96,12 @@ thread_local! {
     static IS_ENDING_THREAD: Cell<bool> = const { Cell::new(false) };
 }
 
-/// Says it and ends the program. The first thread that comes here does so; others wait for the end.
+/// Prints the line and ends the program. The first thread that arrives does so; others wait for the end.
 fn finish(mut line: Line) -> ! {
     static ENDING: AtomicBool = AtomicBool::new(false);
     if ENDING.swap(true, Ordering::SeqCst) {
         if IS_ENDING_THREAD.get() {
-            // The cleaning up failed.
+            // Reached again if the cleaning up panics.
             exit();
         }
         loop {
@@ -118,7 +118,7 @@ fn finish(mut line: Line) -> ! {
 
 #[cfg(unix)]
 fn exit() -> ! {
-    // SAFETY: ends the process at once, without what other threads may be in the middle of.
+    // SAFETY: ends the process at once, whatever other threads are doing.
     unsafe { libc::_exit(i32::from(CODE.load(Ordering::Relaxed))) }
 }
 
@@ -127,10 +127,10 @@ fn exit() -> ! {
     std::process::exit(i32::from(CODE.load(Ordering::Relaxed)))
 }
 
-/// Room for the longest path that Linux knows, and for what is said of it.
+/// Enough for the longest path on Linux, and the message about it.
 const LONGEST_LINE: usize = 6 << 10;
 
-/// One line of text that needs no memory; what does not fit is left out.
+/// One line of text in a fixed buffer; text that does not fit is dropped.
 struct Line {
     text: [u8; LONGEST_LINE],
     length: usize,
@@ -139,7 +139,7 @@ struct Line {
 impl Line {
     fn error() -> Self {
         let mut line = Self { text: [0; LONGEST_LINE], length: 0 };
-        // With its control characters.
+        // Including its control characters.
         let prefix = PREFIX.get().map_or("error: ", String::as_str);
         prefix.bytes().for_each(|byte| line.push(byte));
         line
@@ -153,7 +153,7 @@ impl Line {
     }
 
     fn put(&mut self, text: std::fmt::Arguments) {
-        // It never fails.
+        // Never fails.
         let _ = self.write_fmt(text);
     }
 
@@ -168,7 +168,7 @@ impl Line {
         }
     }
 
-    /// Writes the line, once.
+    /// Prints the line, once.
     fn end(&mut self) {
         if self.length > 0 {
             let length = self.length.min(self.text.len() - 1);
@@ -181,7 +181,7 @@ impl Line {
 
 impl std::fmt::Write for Line {
     fn write_str(&mut self, text: &str) -> std::fmt::Result {
-        // File names and messages may hold line breaks, and a message is one line.
+        // File names and messages may contain line breaks, but a message is one line.
         let bytes = text.bytes().map(|b| if b.is_ascii_control() { b' ' } else { b });
         bytes.for_each(|byte| self.push(byte));
         Ok(())
@@ -190,9 +190,9 @@ impl std::fmt::Write for Line {
 
 #[cfg(unix)]
 fn write_to_standard_error(text: &[u8]) {
-    // Not through the standard library, whose lock another thread may hold for ever. A closed standard error is no
+    // Not through the standard library: another thread may hold its lock for ever. A closed standard error is no
     // reason to fail.
-    // SAFETY: the bytes are there.
+    // SAFETY: the pointer and the length are those of a slice.
     let _ = unsafe { libc::write(libc::STDERR_FILENO, text.as_ptr().cast(), text.len()) };
 }
 
@@ -206,7 +206,7 @@ fn write_to_standard_error(text: &[u8]) {
 mod tests {
     use std::process::Command;
 
-    /// Runs one test of this file in a process of its own, where it ends the program.
+    /// Runs one test of this file in a process of its own, which the test ends.
     fn run_alone(test: &str) -> (Option<i32>, String) {
         let own = std::env::current_exe().unwrap();
         let name = format!("ending::tests::{test}");
@@ -233,11 +233,11 @@ mod tests {
             let _ = std::thread::spawn(|| panic!("not\nforeseen")).join();
             unreachable!("the program has ended");
         }
-        let (code, said) = run_alone(test);
-        assert_eq!(code, Some(2), "{said}");
+        let (code, stderr) = run_alone(test);
+        assert_eq!(code, Some(2), "{stderr}");
         let expected = "error: internal error (a bug in tercio, please report it): not foreseen (";
-        assert!(said.starts_with(expected) && said.contains("ending.rs:"), "{said}");
-        assert!(said.ends_with(")\ncleaned up\n") && said.lines().count() == 2, "{said}");
+        assert!(stderr.starts_with(expected) && stderr.contains("ending.rs:"), "{stderr}");
+        assert!(stderr.ends_with(")\ncleaned up\n") && stderr.lines().count() == 2, "{stderr}");
     }
 
     #[test]
@@ -245,13 +245,16 @@ mod tests {
         let test = "memory_that_is_refused_is_one_line_and_an_error";
         if is_alone(test) {
             super::name_model("a\nmodel.ply".into());
-            // More than any address space holds; the capacity itself is no overflow.
+            // More than any address space; the capacity itself does not overflow.
             let _ = std::hint::black_box(Vec::<u8>::with_capacity(1 << 60));
             unreachable!("the program has ended");
         }
-        let (code, said) = run_alone(test);
-        assert_eq!(code, Some(1), "{said}");
-        assert!(said.starts_with("error: a model.ply: needs 1152921504606846976 bytes more for "), "{said}");
-        assert_eq!(said.lines().count(), 1, "{said}");
+        let (code, stderr) = run_alone(test);
+        assert_eq!(code, Some(1), "{stderr}");
+        assert!(
+            stderr.starts_with("error: a model.ply: needs 1152921504606846976 bytes more for "),
+            "{stderr}"
+        );
+        assert_eq!(stderr.lines().count(), 1, "{stderr}");
     }
 }

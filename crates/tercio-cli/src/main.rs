@@ -54,7 +54,7 @@ fn main() -> ExitCode {
     ending::at_end(remove_partial_files);
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
-        Err(answer) => return tell(&answer),
+        Err(answer) => return print_answer(&answer),
     };
     signals::watch();
     memory::begin();
@@ -64,7 +64,7 @@ fn main() -> ExitCode {
         Command::Info(command) => (command.run(), 1),
         Command::Bench(command) => (command.run(), 1),
         Command::Lab(command) => (command.run(), 1),
-        // As with cmp and diff, 1 says that the pictures differ.
+        // As with cmp and diff, exit code 1 means that the pictures differ.
         Command::Compare(command) => {
             ending::set_code(2);
             (command.run(), 2)
@@ -73,7 +73,7 @@ fn main() -> ExitCode {
     result.unwrap_or_else(|error| fail(&error, failure))
 }
 
-/// Says what went wrong.
+/// Prints the error.
 fn fail(error: &anyhow::Error, code: u8) -> ExitCode {
     if error.is::<output::UsageError>() {
         messages::error(error);
@@ -84,9 +84,8 @@ fn fail(error: &anyhow::Error, code: u8) -> ExitCode {
     ExitCode::from(code)
 }
 
-/// Says what the command line itself is answered with: help and version, which have to arrive like all output, or wrong
-/// usage.
-fn tell(answer: &clap::Error) -> ExitCode {
+/// Prints the parser's answer: help and version, whose printing must not fail silently, or wrong usage.
+fn print_answer(answer: &clap::Error) -> ExitCode {
     if answer.use_stderr() {
         // A closed standard error changes nothing.
         let _ = answer.print();

@@ -1,4 +1,4 @@
-//! What is said on standard error, one line each.
+//! Messages on standard error, one line each.
 
 use std::io::{self, Write};
 
@@ -10,11 +10,11 @@ use tercio::mesh::ReadError;
 
 use crate::memory;
 
-/// As usage errors are shown.
+/// The style of clap's usage errors.
 const ERROR: Style = AnsiColor::Red.on_default().bold();
 const WARNING: Style = AnsiColor::Yellow.on_default().bold();
 
-/// `error: ...`, with every cause behind it that the text does not tell already.
+/// `error: ...`, with every cause that the text does not already contain.
 pub fn error(error: &Error) {
     let text = error.chain().fold(String::new(), |text, cause| match words(cause) {
         cause if text.is_empty() => cause,
@@ -24,7 +24,7 @@ pub fn error(error: &Error) {
     say(ERROR, "error", &text);
 }
 
-/// What a cause says. The library does not know who set the limit that it was given.
+/// The text of a cause. The library does not know who set its limit; the message adds it.
 fn words(cause: &(dyn std::error::Error + 'static)) -> String {
     let read = match cause.downcast_ref() {
         Some(LoadError::Read(error)) => Some(error),
@@ -39,7 +39,7 @@ fn words(cause: &(dyn std::error::Error + 'static)) -> String {
     }
 }
 
-/// How an error begins on the standard error of this run, for who has to write it without taking memory.
+/// The prefix of errors on the standard error of this run, for code that must not allocate.
 pub fn error_prefix() -> String {
     let coloured = cfg!(unix) && AutoStream::choice(&io::stderr()) != ColorChoice::Never;
     let style = if coloured { ERROR } else { Style::new() };
@@ -51,15 +51,15 @@ pub fn warning(text: &str) {
     say(WARNING, "warning", text);
 }
 
-/// A line for the curious (`-v`).
+/// A line for `-v`.
 pub fn note(text: &str) {
     // A closed standard error is no reason to fail.
     let _ = writeln!(io::stderr().lock(), "{text}");
 }
 
-/// Coloured as usage errors are: on terminals that can, unless NO_COLOR is set; everywhere if CLICOLOR_FORCE is.
+/// Coloured like usage errors: on terminals with colours, unless NO_COLOR is set; everywhere if CLICOLOR_FORCE is.
 fn say(style: Style, kind: &str, text: &str) {
-    // File names may hold line breaks, and a message is one line.
+    // File names may contain line breaks, but a message is one line.
     let text: Vec<_> = text.lines().map(str::trim).filter(|l| !l.is_empty()).collect();
     let _ = writeln!(anstream::stderr().lock(), "{style}{kind}:{style:#} {}", text.join(" "));
 }

@@ -1,4 +1,4 @@
-//! Processes that `mpirun` started: whether there are any, and what they do together.
+//! Processes that `mpirun` started: detection, and work that they do together.
 
 use anyhow::Result;
 
@@ -25,22 +25,21 @@ mod ranks {
         comm.library()
     }
 
-    /// Does this rank's part of what all processes of the job do together, once. If it fails, the rank says why and
-    /// ends the job.
+    /// Runs this rank's part of the work of a job, once. If it fails, the rank prints why and ends the job.
     ///
     /// # Errors
-    /// MPI does not begin.
+    /// MPI cannot be initialised.
     pub fn run<T>(work: impl FnOnce(&mut Comm) -> Result<T>) -> Result<T> {
-        let tell = |rank: usize, error: Error| {
+        let report = |rank: usize, error: Error| {
             messages::error(&error.context(format!("rank {rank}")));
-            // The job is ended next, without dropping anything.
+            // The job is aborted next, without running destructors.
             remove_partial_files();
         };
-        Ok(tercio_mpi::run(work, tell)?)
+        Ok(tercio_mpi::run(work, report)?)
     }
 }
 
-/// Without.
+/// Without the feature.
 #[cfg(not(feature = "mpi"))]
 mod ranks {
     use anyhow::bail;
@@ -49,7 +48,7 @@ mod ranks {
 
     use super::Result;
 
-    /// A communicator that nobody has.
+    /// A communicator that cannot be constructed.
     #[derive(Clone, Copy, Debug)]
     pub enum Comm {}
 
@@ -93,7 +92,7 @@ mod ranks {
         match *comm {}
     }
 
-    /// Tells how to build a program that can do it.
+    /// Fails with how to build a program with MPI.
     ///
     /// # Errors
     /// Always.

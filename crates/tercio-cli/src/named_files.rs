@@ -7,7 +7,8 @@ use tercio::image::{Destination, FileIdentity};
 
 use crate::output::{self, UsageError};
 
-/// What a command reads and writes. Names are gathered first, then [`NamedFiles::check`]ed, before anything is read.
+/// The inputs and outputs of a command. Names are collected first, then [`NamedFiles::check`]ed, before anything is
+/// read.
 #[derive(Debug, Default)]
 pub struct NamedFiles {
     read: Vec<Named>,
@@ -16,13 +17,13 @@ pub struct NamedFiles {
 
 #[derive(Debug)]
 struct Named {
-    /// As the command line has it: the option, or what the file is, and its name.
+    /// As on the command line: the option, or the kind of file, and its name.
     words: String,
     identity: Option<FileIdentity>,
 }
 
 impl NamedFiles {
-    /// Adds a file that is read, `-` for standard input. `what` says what it is: "the model".
+    /// Adds an input, `-` for standard input. `what` is its kind: "the model".
     pub fn reads(mut self, what: &str, path: &Path) -> Self {
         let named = if path.as_os_str() == "-" {
             Named { words: format!("{what} from standard input"), identity: FileIdentity::standard_input() }
@@ -39,7 +40,7 @@ impl NamedFiles {
         if is_builtin { self } else { self.reads("the model", path) }
     }
 
-    /// Adds a description of a machine; those that come with the program are no files.
+    /// Adds a description of a machine; built-in ones are no files.
     pub fn reads_machine(self, name: &str) -> Self {
         if tercio_lab::machines::NAMES.contains(&name) {
             self
@@ -48,7 +49,7 @@ impl NamedFiles {
         }
     }
 
-    /// Adds an output with the option that names it.
+    /// Adds an output with its option.
     pub fn writes(mut self, option: &str, destination: &Destination) -> Self {
         let words = match destination {
             Destination::Stdout => format!("{option} -"),
@@ -59,14 +60,14 @@ impl NamedFiles {
         self
     }
 
-    /// Adds standard output, for commands that print what they found.
+    /// Adds standard output, for commands that print their results.
     pub fn prints(mut self) -> Self {
         let identity = FileIdentity::from_destination(&Destination::Stdout);
         self.written.push((Named { words: "standard output".into(), identity }, Destination::Stdout));
         self
     }
 
-    /// Makes sure that no output is an input or another output.
+    /// Checks that no output is an input or another output.
     ///
     /// # Errors
     /// [`UsageError`] with both names.
@@ -99,7 +100,7 @@ impl NamedFiles {
         self.check_against(&self.read)
     }
 
-    /// Makes sure that no output is one of the other files that a model turned out to have.
+    /// Checks that no output is one of the other files of a loaded model.
     ///
     /// # Errors
     /// [`UsageError`] with both names.
@@ -107,7 +108,7 @@ impl NamedFiles {
         if self.written.iter().all(|(output, _)| output.identity.is_none()) {
             return Ok(());
         }
-        // One that is not there cannot be lost.
+        // A missing file cannot be overwritten.
         let there = companions.iter().filter(|path| path.is_file());
         let named = |path: &PathBuf| Named {
             words: format!("a material library or texture of {model}"),
@@ -136,7 +137,7 @@ impl NamedFiles {
         self.check_places()
     }
 
-    /// Tells before the work begins what cannot be written after it.
+    /// Checks before the work that all outputs can be written.
     ///
     /// # Errors
     /// The first output whose folder is missing; standard output if it is closed.

@@ -1,4 +1,4 @@
-//! Why a picture is empty: the first thing to tell a user who sees one.
+//! Why a picture is empty.
 
 use std::borrow::Cow;
 
@@ -25,20 +25,21 @@ pub fn reason(bounds: &Aabb, camera: &Camera, cull: Cull, stats: &FrameStats) ->
     } else if facing == all {
         let side = if cull == Cull::Front { "front" } else { "back" };
         let rest = format!("{side}, which --cull leaves out");
-        Said { one: "shows the camera its", many: "show the camera their", rest: rest.into() }
+        Statement { one: "shows the camera its", many: "show the camera their", rest: rest.into() }
     } else if rest == all && counts.triangles_clipped > 0 {
         CUT_AWAY
     } else if rest == all {
-        Said { rest: "too small or too thin to cover the centre of a pixel".into(), ..ARE }
+        Statement { rest: "too small or too thin to cover the centre of a pixel".into(), ..ARE }
     } else {
-        let culled = Said { one: "shows", many: "show", rest: "the side that --cull leaves out".into() };
-        let small = Said { one: "covers", many: "cover", rest: "no centre of a pixel".into() };
+        let culled = Statement { one: "shows", many: "show", rest: "the side that --cull leaves out".into() };
+        let small = Statement { one: "covers", many: "cover", rest: "no centre of a pixel".into() };
         let parts = [
             (outside, OUTSIDE),
             (facing, culled),
             (rest, if counts.triangles_clipped > 0 { CUT_AWAY } else { small }),
         ];
-        let parts = parts.iter().filter(|p| p.0 > 0).map(|(n, said)| format!("{n} {}", said.of(*n)));
+        let parts =
+            parts.iter().filter(|p| p.0 > 0).map(|(n, statement)| format!("{n} {}", statement.of(*n)));
         return Some(format!(
             "nothing was drawn: of {all} triangles {}",
             parts.collect::<Vec<_>>().join(", ")
@@ -51,38 +52,38 @@ pub fn reason(bounds: &Aabb, camera: &Camera, cull: Cull, stats: &FrameStats) ->
     })
 }
 
-/// What is said of triangles: how it begins of one and of several, and what follows in both cases.
-struct Said {
+/// A statement about triangles: its beginning in singular and plural, and its common rest.
+struct Statement {
     one: &'static str,
     many: &'static str,
     rest: Cow<'static, str>,
 }
 
-const ARE: Said = Said { one: "is", many: "are", rest: Cow::Borrowed("") };
+const ARE: Statement = Statement { one: "is", many: "are", rest: Cow::Borrowed("") };
 
-const OUTSIDE: Said = Said { one: "is", many: "are", rest: Cow::Borrowed("outside the picture") };
+const OUTSIDE: Statement = Statement { one: "is", many: "are", rest: Cow::Borrowed("outside the picture") };
 
-/// Of triangles of which clipping left nothing that is seen.
-const CUT_AWAY: Said = Said {
+/// Triangles of which clipping left nothing visible.
+const CUT_AWAY: Statement = Statement {
     one: "is cut away: it lies",
     many: "are cut away: they lie",
     rest: Cow::Borrowed("beside the picture, or nearer to the camera than the near plane (--near)"),
 };
 
-impl Said {
-    /// Said of so many triangles.
+impl Statement {
+    /// The statement about `n` triangles.
     fn of(&self, n: u64) -> String {
         format!("{} {}", if n == 1 { self.one } else { self.many }, self.rest)
     }
 }
 
-fn outside_reason(bounds: &Aabb, camera: &Camera) -> Said {
+fn outside_reason(bounds: &Aabb, camera: &Camera) -> Statement {
     let Ok(basis) = camera.basis() else { return OUTSIDE };
     let distances = bounds.corners().map(|c| (c - camera.eye).dot(basis.forward));
     let farthest = distances.into_iter().fold(f64::NEG_INFINITY, f64::max);
     let nearest = distances.into_iter().fold(f64::INFINITY, f64::min);
     let rest = match camera.near {
-        _ if farthest <= 0.0 => format!("behind the camera, which stands at {}", camera.eye),
+        _ if farthest <= 0.0 => format!("behind the camera, which is at {}", camera.eye),
         Some(near) if farthest <= near => {
             let [farthest, near] = [farthest, near].map(readable);
             format!("nearer than the near plane: at most {farthest} from the camera, --near is {near}")
@@ -96,10 +97,10 @@ fn outside_reason(bounds: &Aabb, camera: &Camera) -> Said {
             automatic_near(bounds, camera, nearest)
         ),
     };
-    Said { rest: rest.into(), ..ARE }
+    Statement { rest: rest.into(), ..ARE }
 }
 
-/// What is said of an automatic near plane that stands inside the model's box: it may be what cuts the model.
+/// A note if the automatic near plane is inside the model's box, as it may be what cuts the model.
 fn automatic_near(bounds: &Aabb, camera: &Camera, nearest: f64) -> String {
     match View::new(camera, bounds, 1, 1) {
         Ok(view) if camera.near.is_none() && view.near > nearest.max(0.0) => {
@@ -109,7 +110,7 @@ fn automatic_near(bounds: &Aabb, camera: &Camera, nearest: f64) -> String {
     }
 }
 
-/// A distance without rows of digits that nobody reads.
+/// A distance without long rows of digits.
 fn readable(distance: f64) -> String {
     if (1e-4..1e9).contains(&distance) { distance.to_string() } else { format!("{distance:e}") }
 }
@@ -122,7 +123,7 @@ mod tests {
 
     use super::*;
 
-    /// Counts with some of them set.
+    /// Counts with some fields set.
     fn set<T>(mut counts: T, some: impl FnOnce(&mut T)) -> T {
         some(&mut counts);
         counts
@@ -152,13 +153,13 @@ mod tests {
     }
 
     #[test]
-    fn an_empty_model_is_told_first() {
+    fn an_empty_model_is_reported_first() {
         let text = why(DVec3::Z, DVec3::ZERO, None, Cull::Auto, FrontEndCounts::default());
         assert!(text.ends_with("the model has no triangles"), "{text}");
     }
 
     #[test]
-    fn behind_beside_and_too_near_are_told_apart() {
+    fn behind_beside_and_too_near_are_distinguished() {
         let behind = why(DVec3::Z * 5.0, DVec3::Z * 9.0, None, Cull::Auto, outside());
         assert!(behind.contains("all 10 triangles are behind the camera"), "{behind}");
         let beside = why(DVec3::Z * 5.0, DVec3::new(9.0, 0.0, 4.0), None, Cull::Auto, outside());
@@ -175,7 +176,7 @@ mod tests {
     }
 
     #[test]
-    fn culled_and_tiny_triangles_are_told_apart() {
+    fn culled_and_tiny_triangles_are_distinguished() {
         let culled = set(FrontEndCounts::default(), |c| (c.triangles_in, c.triangles_facing) = (4, 4));
         assert!(why(DVec3::Z, DVec3::ZERO, None, Cull::Front, culled).contains("their front"));
         assert!(why(DVec3::Z, DVec3::ZERO, None, Cull::Back, culled).contains("their back"));

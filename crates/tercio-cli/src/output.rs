@@ -1,4 +1,4 @@
-//! Writes what was planned: all files of it, or none.
+//! Writes the planned outputs: all files, or none.
 
 use std::fmt;
 use std::io::{self, Write};
@@ -11,7 +11,7 @@ use tercio::raster::{Frame, Outputs};
 use crate::named_files::NamedFiles;
 use crate::stdio;
 
-/// The options contradict each other; told as clap tells it.
+/// The options contradict each other; reported like clap's usage errors.
 #[derive(Debug)]
 pub struct UsageError(pub String);
 
@@ -23,7 +23,7 @@ impl fmt::Display for UsageError {
 
 impl std::error::Error for UsageError {}
 
-/// A plane of numbers.
+/// An array output of a frame.
 #[derive(Clone, Copy, Debug)]
 pub enum Array {
     /// Distances.
@@ -35,7 +35,7 @@ pub enum Array {
 }
 
 impl Array {
-    /// The option that asks for it.
+    /// Its option.
     pub fn option(self) -> &'static str {
         match self {
             Self::Depth => "--output-depth",
@@ -45,15 +45,15 @@ impl Array {
     }
 }
 
-/// Bytes that the planes of a frame take.
+/// Bytes of the planes of a frame.
 pub fn frame_bytes(outputs: Outputs, (width, height): (u32, u32)) -> u64 {
     u64::from(width) * u64::from(height) * outputs.pixel_bytes() as u64
 }
 
-/// What is written where.
+/// The outputs and their destinations.
 #[derive(Debug)]
 pub struct Plan {
-    /// What the renderer is asked for.
+    /// The requested planes.
     pub outputs: Outputs,
     /// The picture.
     pub picture: Option<(Destination, PictureFormat)>,
@@ -64,20 +64,20 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// Every place that a picture or an array is written to, with its option.
+    /// Destinations of pictures and arrays, with their options.
     pub fn frame_outputs(&self) -> impl Iterator<Item = (&'static str, &Destination)> {
         let picture = self.picture.iter().map(|p| ("--output", &p.0));
         picture.chain(self.arrays.iter().map(|(destination, array)| (array.option(), destination)))
     }
 
-    /// Every place that is written to, for the rule that holds for all commands.
+    /// All destinations, for the rule of all commands.
     pub fn named_files(&self) -> NamedFiles {
         let stats = self.stats.iter().map(|destination| ("--stats", destination));
         let all = self.frame_outputs().chain(stats);
         all.fold(NamedFiles::default(), |files, (option, destination)| files.writes(option, destination))
     }
 
-    /// What it means for the files that nothing was written.
+    /// What happened to the files because nothing was written.
     pub fn left_out(&self) -> String {
         let named: Vec<_> = self.frame_outputs().map(|(_, destination)| destination).collect();
         let is_there = |d: &&Destination| matches!(d, Destination::File(path) if path.is_file());
@@ -88,8 +88,8 @@ impl Plan {
         }
     }
 
-    /// Writes picture and arrays. Nothing is seen of the files before all are whole; standard output, pipes and devices
-    /// get theirs as it is made.
+    /// Writes picture and arrays. Files appear only when all are complete; standard output, pipes and devices receive
+    /// the data as it is produced.
     ///
     /// # Errors
     /// The first output that could not be written.
@@ -124,7 +124,7 @@ pub fn write_picture(destination: &Destination, picture: &Picture, format: Pictu
     finish(file, destination)
 }
 
-/// Writes a model that was prepared; `model` is what it was made from.
+/// Writes a prepared model; `model` names the original.
 ///
 /// # Errors
 /// The system's reason why it could not be written.
@@ -133,7 +133,7 @@ pub fn write_prepared(destination: &Destination, loaded: &Loaded, model: &str) -
     finish(file, destination)
 }
 
-/// Tells before the work begins that something cannot be written after it.
+/// Checks before the work that an output can be written.
 ///
 /// # Errors
 /// A folder that is missing; standard output that is closed.
@@ -144,8 +144,8 @@ pub fn check(destination: &Destination) -> Result<()> {
     destination.check().with_context(|| name(destination))
 }
 
-/// An output that is filled but not yet seen under its name; `None` where whoever reads it, at the other end of a pipe, has
-/// enough. That is no error, and not the end of the other outputs.
+/// An output that is filled but not yet visible under its name; `None` if the reader of a pipe has closed it. That is
+/// no error, and the other outputs are still written.
 fn begin(
     destination: &Destination,
     fill: impl FnOnce(&mut dyn Write) -> Result<(), ImageError>,

@@ -1,4 +1,4 @@
-//! How far work has come that takes its time: a bar on a terminal, lines elsewhere.
+//! Progress of long work: a bar on a terminal, lines elsewhere.
 
 use std::io::{self, IsTerminal};
 use std::sync::Arc;
@@ -12,26 +12,26 @@ use tercio::mesh::Progress;
 use crate::args::ProgressMode;
 use crate::messages;
 
-/// Work that ends sooner shows nothing.
+/// Shorter work shows nothing.
 const SHOW_AFTER: Duration = Duration::from_millis(500);
 const REDRAW: Duration = Duration::from_millis(100);
-/// From one line to the next.
+/// Time between lines.
 const NEXT_LINE: Duration = Duration::from_secs(1);
 
-/// Shows how far the work is until it is dropped. Quiet where nobody looks.
+/// Shows the progress until it is dropped; nothing if it would not be seen.
 #[derive(Debug)]
 pub struct Display {
-    /// For the work to write to.
+    /// Updated by the work.
     pub progress: Arc<Progress>,
     shower: Option<(Sender<()>, JoinHandle<()>)>,
 }
 
 impl Display {
-    /// Begins to watch.
+    /// Starts the display.
     pub fn new(mode: ProgressMode) -> Self {
         let progress = Arc::new(Progress::default());
         crate::ending::watch(&progress);
-        // A terminal that knows no control characters cannot draw a bar over the last one.
+        // A terminal without control characters cannot redraw a bar.
         let is_dumb = std::env::var_os("TERM").is_some_and(|term| term == "dumb");
         let can_draw = io::stderr().is_terminal() && !is_dumb;
         let show = match mode {
@@ -48,13 +48,13 @@ impl Display {
                     show(&watched, &stopped);
                 }
             };
-            // Where there is no room for a thread, there is for the work.
+            // If no thread can be started, there is no display, but the work goes on.
             Some((stop, thread::Builder::new().spawn(work).ok()?))
         });
         Self { progress, shower }
     }
 
-    /// Names what is being done now, for work that cannot say how far it is.
+    /// Names the current stage, for work whose amount is unknown.
     pub fn stage(&self, name: &'static str) {
         self.progress.begin(name, 0);
     }
@@ -65,7 +65,7 @@ fn waits(stopped: &Receiver<()>, time: Duration) -> bool {
     stopped.recv_timeout(time) == Err(RecvTimeoutError::Timeout)
 }
 
-/// A bar that is drawn again and again in the same place.
+/// A bar that is redrawn in place.
 fn draw(progress: &Progress, stopped: &Receiver<()>) {
     let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr());
     loop {
@@ -112,7 +112,7 @@ impl Drop for Display {
     fn drop(&mut self) {
         if let Some((stop, shower)) = self.shower.take() {
             drop(stop);
-            // A bar that could not be drawn must not end the work.
+            // A bar that could not be drawn must not fail the work.
             let _ = shower.join();
         }
     }
@@ -123,7 +123,7 @@ mod tests {
     use super::line;
 
     #[test]
-    fn lines_tell_the_part_that_is_done_where_it_is_known() {
+    fn lines_show_the_share_that_is_done_if_it_is_known() {
         assert_eq!(line(("reading", 7, 0)), "progress: reading");
         assert_eq!(line(("parsing", 2, 3)), "progress: parsing, 66 %");
         assert_eq!(line(("parsing", u64::MAX, 3)), "progress: parsing, 100 %");

@@ -1,4 +1,4 @@
-//! What was found in a model, for `--stats` and `info`. The keys are stable: programs read them.
+//! What was found in a model, for `--stats` and `info`. The keys are stable: programs rely on them.
 
 use serde_json::{Value, json};
 use tercio::LoadReport;
@@ -7,7 +7,7 @@ use tercio::mesh::Aabb;
 use tercio::mesh::io::NotDrawn;
 use tercio::scene::{Camera, Projection};
 
-/// Why an angle for normals that are made has no effect, if it has none.
+/// Why `--crease-angle` has no effect, if it has none.
 pub fn unused_crease_angle(angle: Option<f64>, report: &LoadReport) -> Option<String> {
     let made = report.made_normals || report.mended_normals > 0;
     let reason = match report {
@@ -105,7 +105,7 @@ pub fn warnings(report: &LoadReport) -> Vec<String> {
     all
 }
 
-/// What of the file is not drawn, in words.
+/// What the file contains that is not drawn, in words.
 pub fn not_drawn(n: &NotDrawn) -> Option<String> {
     let opacity = [
         (n.translucent_materials, "material"),
@@ -119,7 +119,7 @@ pub fn not_drawn(n: &NotDrawn) -> Option<String> {
     (!list.is_empty()).then(|| list.join(", "))
 }
 
-/// What a model without triangles holds instead, in words.
+/// What a model without triangles contains instead, in words.
 pub fn only(n: &NotDrawn) -> Option<String> {
     let list: Vec<_> = shapes(n).collect();
     (!list.is_empty()).then(|| list.join(", "))
@@ -148,16 +148,16 @@ pub fn counted(n: u64, what: &str) -> String {
 pub fn repairs(report: &LoadReport) -> Vec<String> {
     let cleaned = &report.cleaned;
     let counts = [
-        (cleaned.duplicate_corner, "triangle", "with a corner twice dropped"),
+        (cleaned.duplicate_corner, "triangle", "with a repeated corner dropped"),
         (cleaned.degenerate, "triangle", "without area dropped"),
-        (cleaned.non_finite_triangles, "triangle", "at vertices that are not finite or too far out dropped"),
-        (report.welded.unwrap_or(0), "vertex", "joined with others at the same place"),
+        (cleaned.non_finite_triangles, "triangle", "at vertices that are not finite or out of range dropped"),
+        (report.welded.unwrap_or(0), "vertex", "merged with others at the same position"),
     ];
     let found = counts.into_iter().filter(|c| c.0 > 0);
     found.map(|(n, what, how)| format!("{} {how}", counted(n, what))).collect()
 }
 
-/// A number with its thousands apart: 1,234,567.
+/// A number with thousands separators: 1,234,567.
 pub fn grouped(n: u64) -> String {
     let digits = n.to_string();
     let mut text = String::new();
@@ -170,8 +170,8 @@ pub fn grouped(n: u64) -> String {
     text
 }
 
-/// A point with as many digits as positions in `f32` keep in a model of this size; with powers of ten where the digits
-/// would be many.
+/// A point with as many digits as `f32` positions have in a model of this size; in exponential notation if there would
+/// be too many.
 pub fn point(p: DVec3, size: f64) -> String {
     let largest = size.max(f64::MIN_POSITIVE).log10().floor();
     let digits = (6.0 - largest).clamp(0.0, 12.0) as usize;
@@ -189,7 +189,7 @@ pub fn point(p: DVec3, size: f64) -> String {
     format!("{} {} {}", number(p.x), number(p.y), number(p.z))
 }
 
-/// An amount of memory for people.
+/// An amount of memory in readable units.
 pub fn size(bytes: u64) -> String {
     let units = ["B", "kB", "MB", "GB", "TB", "PB", "EB"];
     let unit = (bytes.max(1).ilog10() / 3) as usize;
@@ -197,7 +197,7 @@ pub fn size(bytes: u64) -> String {
     if unit == 0 { format!("{bytes} B") } else { format!("{value:.1} {}", units[unit]) }
 }
 
-/// The camera as it can be given back with `--eye --target --up`.
+/// The camera in a form that can be passed to `--eye --target --up`.
 pub fn camera_json(camera: &Camera) -> Value {
     let projection = match camera.projection {
         Projection::Perspective { fov_y } => json!({ "fov_degrees": fov_y.to_degrees() }),
@@ -227,7 +227,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_drawn_is_told_with_counts() {
+    fn what_is_not_drawn_is_reported_with_counts() {
         assert_eq!(not_drawn(&NotDrawn::default()), None);
         let mut n = NotDrawn::default();
         (n.points, n.lines, n.textures, n.translucent_vertices) = (1200, 1, 3, 2);

@@ -1,9 +1,9 @@
-//! What happens when a user or a batch system interrupts the program.
+//! Handling of signals from a user or a batch system.
 
-/// From now on a signal that ends the program (INT, TERM, HUP, and of the rarer ones QUIT, ALRM, USR1, USR2, XCPU) first
-/// removes the partial files, and then ends it as the signal by itself does, so that a shell sees the status 130, 143 or
-/// 129. Signals that the program was started to ignore, as `nohup` does with HUP, stay ignored. A file that passes
-/// `ulimit -f` is an error of writing and no signal.
+/// From now on a signal that ends the program (INT, TERM, HUP, and of the rarer ones QUIT, ALRM, USR1, USR2, XCPU)
+/// first removes the partial files and then has its default effect, so that a shell sees the status 130, 143 or 129.
+/// Signals that were ignored when the program started, as `nohup` does with HUP, stay ignored. Exceeding `ulimit -f` is
+/// an error of writing, not a signal.
 pub fn watch() {
     #[cfg(unix)]
     on_unix::watch();
@@ -27,14 +27,14 @@ mod on_unix {
     const STACK_BYTES: usize = 128 << 10;
 
     pub fn watch() {
-        // With any handler the write that passes the limit fails; without one the program ends. Where the handler cannot
-        // be had, it ends.
+        // With any handler the write that exceeds the limit fails; without one the signal ends the program, which also
+        // happens if the handler cannot be installed.
         let _ = signal_hook::flag::register(SIGXFSZ, Arc::new(AtomicBool::new(false)));
         let (ready, is_ready) = mpsc::channel::<()>();
         let wait = move || {
             let ignored = ignored_signals();
             let watched = ENDING.into_iter().filter(|signal| ignored >> (signal - 1) & 1 == 0);
-            // Without handlers signals end the program as ever.
+            // Without handlers, signals have their default effect.
             let Ok(mut signals) = Signals::new(watched) else { return };
             drop(ready);
             if let Some(signal) = signals.forever().next() {
@@ -42,13 +42,13 @@ mod on_unix {
                 let _ = emulate_default_handler(signal);
             }
         };
-        // Handlers without a thread that waits for them would swallow the signals: so the thread sets them up.
+        // Handlers without a thread that waits for them would swallow the signals: so the thread installs them.
         if thread::Builder::new().name("tercio-signals".into()).stack_size(STACK_BYTES).spawn(wait).is_ok() {
             let _ = is_ready.recv();
         }
     }
 
-    /// One bit a signal, the lowest for signal 1; none where the system does not tell.
+    /// One bit a signal, the lowest for signal 1; 0 where the system does not report it.
     fn ignored_signals() -> u64 {
         in_status(&std::fs::read_to_string("/proc/self/status").unwrap_or_default()).unwrap_or(0)
     }

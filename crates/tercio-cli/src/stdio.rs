@@ -1,10 +1,10 @@
-//! Whether the program was given a standard output.
+//! Whether standard output was open when the program started.
 
 /// True if standard output was closed when the program began (`>&-`).
 ///
-/// Before `main` the standard library opens `/dev/null` in place of standard streams that are closed, where everything
-/// written is lost without an error. Afterwards that cannot be told from a `/dev/null` that the caller chose, so it is
-/// looked at earlier. Told on Linux only.
+/// Before `main` the standard library opens `/dev/null` in place of closed standard streams, so that output is lost
+/// without an error. Afterwards this cannot be distinguished from a `/dev/null` that the caller chose, so the check is
+/// done earlier. On Linux only.
 pub fn output_was_closed() -> bool {
     #[cfg(target_os = "linux")]
     return at_start::CLOSED.load(std::sync::atomic::Ordering::Relaxed);
@@ -18,8 +18,8 @@ mod at_start {
 
     pub static CLOSED: AtomicBool = AtomicBool::new(false);
 
-    // SAFETY: the loader calls the functions that this section lists before `main`, and ignores what they leave in
-    // registers. This one asks the kernel one thing and stores the answer; it needs nothing that is set up later.
+    // SAFETY: the loader calls the functions listed in this section before `main`, and ignores their return values.
+    // This one makes one system call and stores the result; it needs nothing that is initialised later.
     #[used]
     #[unsafe(link_section = ".init_array")]
     static RECORD_STDOUT_STATE: extern "C" fn() = record_stdout_state;

@@ -3,15 +3,15 @@
 use anyhow::{Context, Result};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
-/// The largest number that can be asked for.
+/// The largest number of threads.
 pub const MAX_THREADS: usize = 256;
 
-/// The pool in which everything runs, with as many threads as asked for or allowed.
+/// The pool in which everything runs, with the requested or allowed number of threads.
 ///
 /// # Errors
-/// If the system refuses so many threads.
-pub fn pool(asked: Option<usize>) -> Result<ThreadPool> {
-    let threads = wanted(asked);
+/// If the system refuses that many threads.
+pub fn pool(requested: Option<usize>) -> Result<ThreadPool> {
+    let threads = wanted(requested);
     let first = processor::current();
     let pool = ThreadPoolBuilder::new()
         .num_threads(threads)
@@ -21,36 +21,36 @@ pub fn pool(asked: Option<usize>) -> Result<ThreadPool> {
     pool.with_context(|| format!("cannot start {threads} threads"))
 }
 
-/// How many threads the pool will have.
-pub fn wanted(asked: Option<usize>) -> usize {
-    asked.unwrap_or_else(allowed)
+/// The number of threads that the pool will have.
+pub fn wanted(requested: Option<usize>) -> usize {
+    requested.unwrap_or_else(allowed)
 }
 
-/// Where threads begin.
+/// Placement of threads on processors.
 ///
-/// New threads begin on the processor of the thread that starts them, and a run of a second may be over before some
-/// schedulers have moved one: those that pack threads onto few processors to save energy never do. So each is moved to
-/// a processor of its own, where it stays until the system sees a reason to move it. The first stays with the thread
-/// that starts it, because processes of one machine have been given different processors to begin with.
+/// New threads start on the processor of their parent, and a run of a second may be over before a scheduler has moved
+/// one: those that pack threads onto few processors to save energy never do. So each thread is moved to a processor of
+/// its own, where it stays until the system has a reason to move it. The first stays with the parent, because the
+/// processes of one machine start on different processors.
 #[cfg(target_os = "linux")]
 mod processor {
     use rustix::thread::{CpuSet, sched_getaffinity, sched_setaffinity};
 
-    /// The processor of this thread, counted among those that it may use; 0 where the system does not tell.
+    /// The index of this thread's processor among those it may use; 0 where the system does not report it.
     pub fn current() -> usize {
         let stat = std::fs::read_to_string("/proc/thread-self/stat").unwrap_or_default();
         let processor = in_stat(&stat).unwrap_or(0);
         sched_getaffinity(None).map_or(0, |allowed| (0..processor).filter(|&i| allowed.is_set(i)).count())
     }
 
-    /// The processor in a thread's status: field 39, while the second, a name in brackets, may have spaces.
+    /// The processor in a thread's `stat`: field 39. The second field, a name in brackets, may contain spaces.
     pub(super) fn in_stat(stat: &str) -> Option<usize> {
         let (_, fields) = stat.rsplit_once(')')?;
         let processor = fields.split_whitespace().nth(36)?.parse().ok()?;
         Some(processor).filter(|&p| p < CpuSet::MAX_CPU)
     }
 
-    /// Moves this thread to one of the processors that it may use; they are counted round.
+    /// Moves this thread to one of the processors that it may use; `number` wraps round.
     pub fn move_to(number: usize) {
         let Ok(allowed) = sched_getaffinity(None) else { return };
         let count = allowed.count() as usize;
@@ -58,7 +58,7 @@ mod processor {
         if let Some(processor) = processor {
             let mut own = CpuSet::new();
             own.set(processor);
-            // A thread that could not be moved works where it is.
+            // A thread that cannot be moved stays where it is.
             if sched_setaffinity(None, &own).is_ok() {
                 let _ = sched_setaffinity(None, &allowed);
             }
@@ -75,19 +75,19 @@ mod processor {
     pub fn move_to(_: usize) {}
 }
 
-/// As many as affinity mask, cgroup quota and the batch system allow.
+/// The number that affinity mask, cgroup quota and batch system allow.
 fn allowed() -> usize {
-    // On Linux the standard library looks at sched_getaffinity and at the quotas of cgroup v1 and v2.
+    // On Linux the standard library reads sched_getaffinity and the quotas of cgroup v1 and v2.
     let system = std::thread::available_parallelism().map_or(1, usize::from);
     limit(system, std::env::var("SLURM_CPUS_PER_TASK").ok().as_deref())
 }
 
-/// Processors of the machine, whether this process may use them or not, where Linux tells.
+/// Processors of the machine, whether this process may use them or not, where Linux reports them.
 pub fn of_machine() -> Option<usize> {
     processors(&std::fs::read_to_string("/sys/devices/system/cpu/online").ok()?)
 }
 
-/// How many are in a list as Linux writes it: 0-3,8,10-11.
+/// The length of a list in the format of Linux: 0-3,8,10-11.
 fn processors(list: &str) -> Option<usize> {
     let count = |part: &str| {
         let (first, last) = part.split_once('-').unwrap_or((part, part));
@@ -97,7 +97,7 @@ fn processors(list: &str) -> Option<usize> {
     list.trim().split(',').map(count).sum()
 }
 
-/// A job step may see more processors than it was given, where Slurm does not bind its tasks.
+/// A job step may see more processors than it was given if Slurm does not bind its tasks.
 fn limit(system: usize, slurm: Option<&str>) -> usize {
     let slurm = slurm.and_then(|s| s.trim().parse().ok()).filter(|&n: &usize| n > 0);
     system.min(slurm.unwrap_or(usize::MAX)).clamp(1, MAX_THREADS)
@@ -109,12 +109,12 @@ mod tests {
 
     #[cfg(target_os = "linux")]
     #[test]
-    fn the_processor_of_a_thread_is_told() {
+    fn the_processor_of_a_thread_is_found() {
         use super::processor::in_stat;
         let fields: Vec<_> = (3..=52).map(|field| field.to_string()).collect();
         assert_eq!(in_stat(&format!("7 (a (b) c) {}", fields.join(" "))), Some(39));
         assert_eq!(["", "7 (a) 1 2 3", &format!("7 (a) {}", "x ".repeat(50))].map(in_stat), [None; 3]);
-        let own = std::fs::read_to_string("/proc/thread-self/stat").expect("Linux tells");
+        let own = std::fs::read_to_string("/proc/thread-self/stat").expect("a file of /proc");
         assert!(in_stat(&own).is_some(), "{own}");
     }
 

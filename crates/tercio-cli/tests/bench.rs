@@ -1,4 +1,4 @@
-//! `tercio bench` as programs read it.
+//! `tercio bench` through its JSON output.
 
 mod common;
 
@@ -6,30 +6,31 @@ use common::Place;
 use serde_json::Value;
 
 fn bench(place: &Place, arguments: &str) -> Value {
-    let said = place.run(&format!("bench model.off --size 64x48 --json --quiet {arguments}")).quietly_well();
-    serde_json::from_str(said.text()).expect("JSON")
+    let outcome =
+        place.run(&format!("bench model.off --size 64x48 --json --quiet {arguments}")).ok_silently();
+    serde_json::from_str(outcome.text()).expect("JSON")
 }
 
-fn pixels(told: &Value) -> Vec<u64> {
-    let views = told["views"].as_array().expect("views");
+fn pixels(report: &Value) -> Vec<u64> {
+    let views = report["views"].as_array().expect("views");
     views.iter().map(|view| view["pixels"].as_u64().expect("a number")).collect()
 }
 
 #[test]
-fn the_camera_walks_round_the_model() {
-    let told = bench(&Place::new(), "--frames 4");
-    let eye = |view: usize, k: usize| told["views"][view]["camera"]["eye"][k].as_f64().expect("a number");
+fn the_camera_moves_round_the_model() {
+    let report = bench(&Place::new(), "--frames 4");
+    let eye = |view: usize, k: usize| report["views"][view]["camera"]["eye"][k].as_f64().expect("a number");
     assert_eq!((eye(0, 0), eye(0, 2)), (0.0, 4.4));
     assert!((eye(1, 0) - 4.4).abs() < 1e-9 && eye(1, 2).abs() < 1e-9);
     assert_eq!(eye(0, 1), eye(1, 1));
-    assert_eq!(pixels(&told).len(), 4);
-    assert!(pixels(&told).iter().all(|&pixels| pixels > 100));
-    assert!(told["median_ms"].as_f64() > Some(0.0));
-    assert!(told["core_bytes_per_triangle"].as_f64() > Some(0.0));
+    assert_eq!(pixels(&report).len(), 4);
+    assert!(pixels(&report).iter().all(|&pixels| pixels > 100));
+    assert!(report["median_ms"].as_f64() > Some(0.0));
+    assert!(report["core_bytes_per_triangle"].as_f64() > Some(0.0));
 }
 
 #[test]
-fn a_still_camera_sees_the_same_every_time() {
+fn a_fixed_camera_sees_the_same_every_time() {
     let place = Place::new();
     let near = pixels(&bench(&place, "--frames 3 --eye 0,0,5 --fov 40"));
     assert_eq!(near, [near[0]; 3]);
@@ -42,14 +43,14 @@ fn a_still_camera_sees_the_same_every_time() {
 }
 
 #[test]
-fn copies_are_drawn_and_told() {
+fn copies_are_drawn_and_reported() {
     let place = Place::new();
     let one = bench(&place, "--frames 1");
     assert_eq!(one["copies"], serde_json::json!([[0.0, 0.0, 0.0]]));
     let eight = bench(&place, "--frames 1 --copies 8");
     assert_eq!(eight["copies"].as_array().map(Vec::len), Some(8));
     assert_eq!(eight["triangles"], 64);
-    // The camera has stepped back to see them all.
+    // The camera is farther away, to see them all.
     assert!(eight["views"][0]["camera"]["eye"][2].as_f64() > one["views"][0]["camera"]["eye"][2].as_f64());
     place.run("bench model.off --copies 0").failed(2, &["--copies"]);
 }

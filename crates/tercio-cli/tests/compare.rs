@@ -25,22 +25,22 @@ fn place() -> Place {
 fn equal_pictures_in_different_formats_are_equal() {
     let place = place();
     for other in ["a.png", "a.ppm", "a.webp"] {
-        let said = place.run(&format!("compare a.png {other}")).quietly_well();
-        assert!(said.text().contains("0 of 2 (0 %)"), "{}", said.text());
+        let outcome = place.run(&format!("compare a.png {other}")).ok_silently();
+        assert!(outcome.text().contains("0 of 2 (0 %)"), "{}", outcome.text());
     }
 }
 
 #[test]
 fn a_picture_may_come_from_standard_input() {
     let place = place();
-    let said = place.run_with_input("compare - b.png", &place.read("b.png")).quietly_well();
-    assert!(said.text().contains("0 of 2 (0 %)"), "{}", said.text());
+    let outcome = place.run_with_input("compare - b.png", &place.read("b.png")).ok_silently();
+    assert!(outcome.text().contains("0 of 2 (0 %)"), "{}", outcome.text());
     place.run_with_input("compare b.png -", b"no picture").failed(2, &["standard input: not a picture"]);
     place.run("compare - -").failed(2, &["one picture only"]);
 }
 
 #[test]
-fn the_exit_code_tells_equal_different_and_wrong() {
+fn exit_codes_for_equal_different_and_wrong_pictures() {
     let place = place();
     let code = |arguments: &str| place.run(&format!("compare {arguments}")).code;
     assert_eq!(code("a.png b.png"), Some(1));
@@ -51,8 +51,12 @@ fn the_exit_code_tells_equal_different_and_wrong() {
     place.run("compare a.png model.off").failed(2, &["model.off: not a picture"]);
     place.run("compare a.png small.png").failed(2, &["differ in size: 2x1 and 1x1"]);
     place.run("compare a.png b.png --diff no/d.png").failed(2, &["no/d.png"]);
-    let said = place.run("compare a.png b.png");
-    assert!(said.text().contains("1 of 2 (50 %)") && said.text().contains("red 3"), "{}", said.text());
+    let outcome = place.run("compare a.png b.png");
+    assert!(
+        outcome.text().contains("1 of 2 (50 %)") && outcome.text().contains("red 3"),
+        "{}",
+        outcome.text()
+    );
     assert!(place.run("compare a.png b.png --quiet").stdout.is_empty());
 }
 

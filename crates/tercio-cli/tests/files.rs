@@ -1,4 +1,4 @@
-//! No output is an input or another output, however its name is spelled.
+//! No output is an input or another output, whatever names are used for them.
 #![cfg(unix)]
 
 mod common;
@@ -7,7 +7,7 @@ use std::fs::{self, File};
 use std::os::unix::fs::symlink;
 use std::process::{Command, Stdio};
 
-use common::{OCTAHEDRON, Place, Said};
+use common::{OCTAHEDRON, Outcome, Place};
 
 /// A folder with a model, a picture, and other names for both.
 fn place() -> Place {
@@ -18,18 +18,18 @@ fn place() -> Place {
     symlink(".", at("here")).unwrap();
     fs::hard_link(at("model.off"), at("hard.off")).unwrap();
     symlink("d/new.npy", at("to_new.npy")).unwrap();
-    place.run("render model.off -o a.png --size 32x24 -q").quietly_well();
-    place.run("render model.off -o b.png --size 32x24 -q --view top").quietly_well();
+    place.run("render model.off -o a.png --size 32x24 -q").ok_silently();
+    place.run("render model.off -o b.png --size 32x24 -q --view top").ok_silently();
     place
 }
 
-/// Wrong usage, told in one line with both names, with nothing written.
+/// Wrong usage, reported in one line with both names, and nothing is written.
 #[track_caller]
 fn is_refused(place: &Place, arguments: &str, names: &[&str]) {
     let before = place.names();
-    let said = place.run(arguments);
-    said.failed(2, names);
-    assert!(said.stdout.is_empty());
+    let outcome = place.run(arguments);
+    outcome.failed(2, names);
+    assert!(outcome.stdout.is_empty());
     assert_eq!(place.names(), before, "{arguments}");
     assert_eq!(place.read("model.off"), OCTAHEDRON.as_bytes(), "{arguments}");
 }
@@ -59,7 +59,7 @@ fn an_output_is_never_the_model() {
             &["--stats model.off", name],
         );
     }
-    // A model that is not there would be made, and by the second run be read.
+    // A missing model would be created, and read by the second run.
     is_refused(&place, "render new.ply -o d/../new.ply --format png", &["--output d/../new.ply", "new.ply"]);
 }
 
@@ -81,7 +81,7 @@ fn an_output_is_never_another_output() {
     for (outputs, names) in cases {
         is_refused(&place, &format!("render model.off {outputs}"), &names);
     }
-    // Where case does not count, one of them would be lost.
+    // On file systems that ignore case, one of them would be lost.
     for outputs in ["--output-depth n.npy --output-ids N.npy", "-o d/n.png --stats d/../d/N.PNG"] {
         is_refused(
             &place,
@@ -91,10 +91,10 @@ fn an_output_is_never_another_output() {
     }
     let several =
         "-o /dev/null --format png --output-depth /dev/null --output-ids /dev/null --stats /dev/null";
-    place.run(&format!("render model.off {several} --size 32x24")).quietly_well();
-    place.run("render model.off -o n.png --output-ids n.npy --stats n.json --size 32x24").quietly_well();
-    // A link to a place where nothing is yet stays, and what it points to is made.
-    place.run("render model.off --output-ids to_new.npy --size 32x24").quietly_well();
+    place.run(&format!("render model.off {several} --size 32x24")).ok_silently();
+    place.run("render model.off -o n.png --output-ids n.npy --stats n.json --size 32x24").ok_silently();
+    // A link to a missing file stays, and its target is created.
+    place.run("render model.off --output-ids to_new.npy --size 32x24").ok_silently();
     assert!(fs::symlink_metadata(place.path("to_new.npy")).unwrap().is_symlink());
     assert!(place.path("d/new.npy").is_file());
 }
@@ -104,26 +104,26 @@ fn standard_streams_that_are_files_count() {
     let place = place();
     let open = |name: &str| File::open(place.path(name)).unwrap();
     let append = |name: &str| File::options().append(true).open(place.path(name)).unwrap();
-    let of = |said: std::process::Output| Said::from(said);
-    let said =
+    let of = |outcome: std::process::Output| Outcome::from(outcome);
+    let outcome =
         of(place.command("render - -o model.off --format png").stdin(open("model.off")).output().unwrap());
-    said.failed(2, &["--output model.off", "the model from standard input"]);
+    outcome.failed(2, &["--output model.off", "the model from standard input"]);
     let from = "render /dev/stdin -o link.off --format png";
     of(place.command(from).stdin(open("model.off")).output().unwrap()).failed(2, &["/dev/stdin", "link.off"]);
     for arguments in ["info model.off", "bench model.off --frames 1", "render model.off -o - --format ppm"] {
-        let said =
+        let outcome =
             of(place.command(arguments).stdout(append("model.off")).stderr(Stdio::piped()).output().unwrap());
-        said.failed(2, &["the model model.off", "same file"]);
+        outcome.failed(2, &["the model model.off", "same file"]);
     }
-    let said = of(place
+    let outcome = of(place
         .command("compare a.png b.png")
         .stdout(append("b.png"))
         .stderr(Stdio::piped())
         .output()
         .unwrap());
-    said.failed(2, &["standard output", "b.png"]);
+    outcome.failed(2, &["standard output", "b.png"]);
     assert_eq!(place.read("model.off"), OCTAHEDRON.as_bytes());
-    // What was in a file that is open already stays.
+    // The earlier content of an open file stays.
     fs::write(place.path("log"), "before\n").unwrap();
     let stats = "render model.off -o c.png --size 32x24 --stats /dev/stderr";
     place.command(stats).stderr(append("log")).status().unwrap();
@@ -134,7 +134,7 @@ fn standard_streams_that_are_files_count() {
     assert_eq!(String::from_utf8(place.read("log")).unwrap().matches("tercio_version").count(), 2);
 }
 
-/// What the program and its neighbours in a shell leave in `log`, which is `$0` there.
+/// The content of `log`, which is `$0` of the script, after the program and other commands have written to it.
 fn log_of(place: &Place, script: &str) -> String {
     let _ = fs::remove_file(place.path("log"));
     let render = format!("{} render model.off -o c.png --size 32x24 --stats", env!("CARGO_BIN_EXE_tercio"));
@@ -162,12 +162,12 @@ fn a_file_that_is_open_already_keeps_what_is_in_it() {
     }
     let log = log_of(&place, "(echo precious >&3; RENDER open/3) 3>> log");
     assert!(log.starts_with("precious\n{"), "{log}");
-    // A name tells the format also where it is a link to standard output.
+    // A name determines the format also if it is a link to standard output.
     symlink("/dev/stdout", place.path("p.ppm")).unwrap();
-    let said = place.run("render model.off -o p.ppm --size 32x24").quietly_well();
-    assert!(said.stdout.starts_with(b"P6"));
+    let outcome = place.run("render model.off -o p.ppm --size 32x24").ok_silently();
+    assert!(outcome.stdout.starts_with(b"P6"));
     assert!(fs::symlink_metadata(place.path("p.ppm")).unwrap().is_symlink());
-    // Where standard output goes elsewhere, a file is replaced as ever.
+    // If standard output is another file, a file is replaced as usual.
     let log = log_of(&place, "echo old > log; RENDER to_log");
     assert!(log.starts_with('{'), "{log}");
 }
@@ -182,8 +182,8 @@ fn an_output_is_no_other_file_of_the_model() {
     fs::write(place.path("d/skin.png"), "skin").unwrap();
     fs::write(place.path("bumps.png"), "bumps").unwrap();
     for output in ["-o d/m.mtl --format png", "-o d/skin.png", "-o x.png --stats here/bumps.png"] {
-        let said = place.run(&format!("render m.obj {output} --size 32x24 -q"));
-        said.failed(2, &["material library or texture of m.obj", "same file"]);
+        let outcome = place.run(&format!("render m.obj {output} --size 32x24 -q"));
+        outcome.failed(2, &["material library or texture of m.obj", "same file"]);
     }
     place.run("lab workload m.obj -o d/m.mtl --format boxes").failed(2, &["--output d/m.mtl", "m.obj"]);
     for arguments in
@@ -191,13 +191,13 @@ fn an_output_is_no_other_file_of_the_model() {
     {
         let library = File::options().append(true).open(place.path("d/m.mtl")).unwrap();
         let output = place.command(arguments).stdout(library).stderr(Stdio::piped()).output().unwrap();
-        Said::from(output).failed(2, &["standard output", "library or texture of m.obj"]);
+        Outcome::from(output).failed(2, &["standard output", "library or texture of m.obj"]);
     }
     let kept = ["d/m.mtl", "d/skin.png", "bumps.png"].map(|name| place.read(name));
     assert_eq!(kept.map(|bytes| bytes.len()), [library.len(), 4, 5]);
-    // A texture that is not there cannot be lost.
+    // A missing texture cannot be overwritten.
     fs::remove_file(place.path("d/skin.png")).unwrap();
-    place.run("render m.obj -o d/skin.png --size 32x24 -q").quietly_well();
+    place.run("render m.obj -o d/skin.png --size 32x24 -q").ok_silently();
 
     let ply = "ply\nformat ascii 1.0\ncomment TextureFile t.png\nelement vertex 3\nproperty float x\n\
         property float y\nproperty float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n\
@@ -217,7 +217,7 @@ fn the_rule_holds_for_every_command() {
     }
     assert_eq!((place.read("a.png"), place.read("b.png")), (a, b));
 
-    place.run("lab workload model.off -o s.boxes --size 64x64").quietly_well();
+    place.run("lab workload model.off -o s.boxes --size 64x64").ok_silently();
     fs::write(place.path("m.toml"), place.run("lab machines two-core-2026").stdout).unwrap();
     let machine = place.read("m.toml");
     is_refused(
@@ -243,8 +243,8 @@ fn the_rule_holds_for_every_command() {
         ("lab advise model.off --machine m.toml", "m.toml"),
     ] {
         let out = File::options().append(true).open(place.path(file)).unwrap();
-        let said = place.command(arguments).stdout(out).stderr(Stdio::piped()).output().unwrap();
-        Said::from(said).failed(2, &["standard output", file]);
+        let outcome = place.command(arguments).stdout(out).stderr(Stdio::piped()).output().unwrap();
+        Outcome::from(outcome).failed(2, &["standard output", file]);
     }
     assert_eq!(appended.map(|name| place.read(name)), before);
     assert_eq!(place.read("m.toml"), machine);

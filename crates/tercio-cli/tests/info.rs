@@ -7,27 +7,27 @@ use common::{OCTAHEDRON, Place};
 #[test]
 fn a_model_is_described_for_people() {
     let place = Place::new();
-    let said = place.run("info model.off").quietly_well();
+    let outcome = place.run("info model.off").ok_silently();
     for part in ["model.off", "OFF", "triangles", "vertices", "closed", "consistently wound", "times"] {
-        assert!(said.text().contains(part), "{part} is not in {}", said.text());
+        assert!(outcome.text().contains(part), "{part} is not in {}", outcome.text());
     }
-    // Values stand below each other.
-    let columns: Vec<_> = said
+    // Values are aligned.
+    let columns: Vec<_> = outcome
         .text()
         .lines()
         .map(|l| l.find("  ").map(|at| at + l[at..].len() - l[at..].trim_start().len()))
         .collect();
-    assert!(columns.iter().all(|c| *c == columns[0]), "{}", said.text());
+    assert!(columns.iter().all(|c| *c == columns[0]), "{}", outcome.text());
 }
 
 #[test]
 fn a_model_is_described_for_programs() {
     let place = Place::new();
-    for said in
+    for outcome in
         [place.run("info model.off --json"), place.run_with_input("info - --json", OCTAHEDRON.as_bytes())]
     {
-        let said = said.quietly_well();
-        let info: serde_json::Value = serde_json::from_str(said.text()).unwrap();
+        let outcome = outcome.ok_silently();
+        let info: serde_json::Value = serde_json::from_str(outcome.text()).unwrap();
         assert_eq!((&info["triangles"], &info["vertices"]), (&8.into(), &6.into()));
         assert_eq!(info["bounds"]["max"], serde_json::json!([1.0, 1.0, 1.0]));
         assert_eq!((&info["topology"]["closed"], &info["topology"]["components"]), (&true.into(), &1.into()));
@@ -46,13 +46,13 @@ fn a_missing_model_is_an_error() {
 }
 
 #[test]
-fn what_is_broken_in_a_model_is_counted_in_the_right_number() {
+fn counts_of_defects_have_the_right_singular_or_plural() {
     let place = Place::new();
     let warnings = |text: &str| {
         std::fs::write(place.path("odd.obj"), text).expect("a model");
-        let said = place.run("info odd.obj");
-        assert_eq!(said.code, Some(0), "{}", said.stderr);
-        said.stderr
+        let outcome = place.run("info odd.obj");
+        assert_eq!(outcome.code, Some(0), "{}", outcome.stderr);
+        outcome.stderr
     };
     let square = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n";
     assert_eq!(warnings(square), "");

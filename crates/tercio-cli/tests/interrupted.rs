@@ -10,24 +10,24 @@ use std::process::{Child, Command, Stdio};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use common::{Place, Said};
+use common::{Outcome, Place};
 use rustix::process::{Pid, Signal, kill_process};
 
-/// The picture has its partial file, and the depths, which nobody takes, do not fit into the pipe.
+/// The picture has its partial file; the run blocks because nobody reads the depths from the full pipe.
 const STUCK: &str = "render model.off -o a.png --output-depth - --size 512x512 --quiet";
 
 fn partial_files(place: &Place) -> usize {
     place.names().iter().filter(|name| name.ends_with(".part")).count()
 }
 
-/// A run that has a partial file and waits, and what was in its place before.
+/// Starts a run that has a partial file and blocks; its output exists already.
 fn stuck(place: &Place, mut command: Command) -> Child {
     fs::write(place.path("a.png"), "old").unwrap();
     let mut child =
         command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("the program starts");
     let begin = Instant::now();
     while partial_files(place) == 0 {
-        // A run that never gets there must fail the test, not stop all tests.
+        // A run that never gets there must fail the test, not hang all tests.
         let ended = child.try_wait().unwrap();
         let is_late = begin.elapsed() > Duration::from_secs(30);
         if ended.is_some() || is_late {
@@ -59,13 +59,13 @@ fn a_signal_removes_partial_files_and_ends_the_run() {
     ];
     for signal in signals {
         let place = Place::new();
-        // Some of them leave a picture of the memory, too, where that is allowed.
+        // Some of these signals write a core dump where that is allowed.
         let mut child = stuck(&place, shell(&place, &format!("ulimit -c 0; exec \"$0\" {STUCK}")));
         send(&child, signal);
-        // Its output is not read before it ended: else it could go on, and end by itself.
+        // Its output is read only after its end: otherwise it could go on and finish.
         child.wait().unwrap();
         let ended = child.wait_with_output().unwrap();
-        // As a shell sees it: 128 and the number.
+        // A shell reports 128 plus the number.
         assert_eq!(ended.status.signal(), Some(signal.as_raw()), "{:?}", ended.status);
         assert!(ended.stderr.is_empty());
         assert_eq!(place.names(), ["a.png", "model.off"]);
@@ -87,9 +87,9 @@ fn a_file_that_grows_too_large_is_an_error_and_leaves_nothing() {
     fs::write(place.path("a.png"), "old").unwrap();
     for outputs in ["-o a.png --output-depth d.npy", "--output-depth a.png", "-o a.png --format ppm"] {
         let script = format!("ulimit -f 8; exec \"$0\" render model.off {outputs} --size 512x512 --quiet");
-        let said = Said::from(shell(&place, &script).output().unwrap());
-        said.failed(1, &["File too large"]);
-        assert_eq!(said.stderr.lines().count(), 1, "{}", said.stderr);
+        let outcome = Outcome::from(shell(&place, &script).output().unwrap());
+        outcome.failed(1, &["File too large"]);
+        assert_eq!(outcome.stderr.lines().count(), 1, "{}", outcome.stderr);
         assert_eq!(place.names(), ["a.png", "model.off"], "{outputs}");
         assert_eq!(place.read("a.png"), b"old", "{outputs}");
     }
@@ -97,20 +97,20 @@ fn a_file_that_grows_too_large_is_an_error_and_leaves_nothing() {
 
 #[cfg(target_os = "linux")]
 #[test]
-fn a_run_that_has_no_memory_for_writing_leaves_nothing() {
+fn a_run_without_memory_for_writing_leaves_nothing() {
     let place = Place::new();
     fs::write(place.path("a.png"), "old").unwrap();
     let mut while_writing = 0;
-    // The frame has 9 MB, and the picture is copied while its file is written.
+    // The frame has 9 MB, and encoding copies the picture.
     for limit in (8..24).map(|mib| mib << 20) {
         let render = "render model.off -o a.png --size 1500x1500 --quiet --threads 1 --memory-limit";
-        let said = place.run(&format!("{render} {limit}"));
-        if said.code == Some(0) {
+        let outcome = place.run(&format!("{render} {limit}"));
+        if outcome.code == Some(0) {
             break;
         }
-        said.failed(1, &["model.off: ", "--memory-limit"]);
-        while_writing += u32::from(said.stderr.contains("for writing"));
-        assert_eq!(place.names(), ["a.png", "model.off"], "{limit}: {}", said.stderr);
+        outcome.failed(1, &["model.off: ", "--memory-limit"]);
+        while_writing += u32::from(outcome.stderr.contains("for writing"));
+        assert_eq!(place.names(), ["a.png", "model.off"], "{limit}: {}", outcome.stderr);
         assert_eq!(place.read("a.png"), b"old");
     }
     assert!(while_writing > 0, "no run came as far as writing");

@@ -12,27 +12,27 @@ fn json(text: &str) -> Value {
 #[test]
 fn a_formula_is_evaluated_with_defaults_and_values() {
     let place = Place::new();
-    assert_eq!(place.run("lab eval eldridge.5.6").quietly_well().text(), "27.35521326 processor\n");
-    assert_eq!(place.run("lab eval eldridge.5.6 n=4096").quietly_well().text(), "54.71042651 processor\n");
-    let said = place.run("lab eval common.bandwidth width=16 clock=14MHz --json").quietly_well();
-    let value = json(said.text());
+    assert_eq!(place.run("lab eval eldridge.5.6").ok_silently().text(), "27.35521326 processor\n");
+    assert_eq!(place.run("lab eval eldridge.5.6 n=4096").ok_silently().text(), "54.71042651 processor\n");
+    let outcome = place.run("lab eval common.bandwidth width=16 clock=14MHz --json").ok_silently();
+    let value = json(outcome.text());
     assert_eq!((value["value"].as_f64(), value["unit"].as_str()), (Some(28e6), Some("B/s")));
-    let said = place.run("lab eval parks.variance of=[[128,2]]").quietly_well();
-    assert_eq!(said.text(), "0\n");
+    let outcome = place.run("lab eval parks.variance of=[[128,2]]").ok_silently();
+    assert_eq!(outcome.text(), "0\n");
 }
 
 #[test]
 fn every_formula_is_listed_with_parameters_units_and_place() {
     let place = Place::new();
-    let said = place.run("lab eval --list --json").quietly_well();
-    let all = json(said.text());
+    let outcome = place.run("lab eval --list --json").ok_silently();
+    let all = json(outcome.text());
     let all = all.as_array().expect("a list");
     assert!(all.len() > 200, "{}", all.len());
     for model in all {
         for key in ["id", "place", "what"] {
             assert!(model[key].as_str().is_some_and(|t| !t.is_empty()), "{model}");
         }
-        // A formula whose parameters all have defaults can be asked without any.
+        // A formula whose parameters all have defaults can be evaluated without any.
         let parameters = model["parameters"].as_array().expect("parameters");
         for parameter in parameters {
             assert!(parameter["name"].is_string() && parameter["unit"].is_string(), "{model}");
@@ -41,15 +41,15 @@ fn every_formula_is_listed_with_parameters_units_and_place() {
             }
         }
     }
-    let some = place.run("lab eval --list mcmanus.1").quietly_well();
+    let some = place.run("lab eval --list mcmanus.1").ok_silently();
     assert!(some.text().contains("P [polygon/s]       polygons a second of the renderer"), "{}", some.text());
     assert!(some.text().contains("(003 eq 1)") && some.text().contains("assumes: 0.000871 in2"));
-    let one = place.run("lab eval --list eldridge.5.6").quietly_well();
+    let one = place.run("lab eval --list eldridge.5.6").ok_silently();
     assert!(one.text().contains("n [processor] = 1024  processors\n"), "{}", one.text());
 }
 
 #[test]
-fn mistakes_in_names_and_values_are_told() {
+fn mistakes_in_names_and_values_are_reported() {
     let place = Place::new();
     place.run("lab eval eldridge.5.66").failed(1, &["no formula is called 'eldridge.5.66'", "eldridge.5.6"]);
     place.run("lab eval eldridge.5.6 q=1").failed(1, &["eldridge.5.6 has no parameter 'q'", "n, a, b"]);
@@ -76,8 +76,8 @@ fn mistakes_in_names_and_values_are_told() {
 #[test]
 fn all_published_numbers_hold() {
     let place = Place::new();
-    let said = place.run("lab check --json").quietly_well();
-    let all = json(said.text());
+    let outcome = place.run("lab check --json").ok_silently();
+    let all = json(outcome.text());
     let all = all.as_array().expect("a list");
     assert_eq!(all.len(), 539);
     for number in all {
@@ -86,7 +86,7 @@ fn all_published_numbers_hold() {
             assert!(!number[key].is_null(), "{key} of {number}");
         }
     }
-    let some = place.run("lab check E5.6 E4.2-").quietly_well();
+    let some = place.run("lab check E5.6 E4.2-").ok_silently();
     assert!(some.text().ends_with("6 of 6 hold\n"), "{}", some.text());
     place.run("lab check Z9").failed(1, &["'Z9'"]);
 }
@@ -94,8 +94,8 @@ fn all_published_numbers_hold() {
 #[test]
 fn an_experiment_leaves_data_plot_and_verdict() {
     let place = Place::new();
-    let said = place.run("lab reproduce eldridge-fig-5-4 -o out").quietly_well();
-    assert!(said.text().contains("eldridge-fig-5-4") && said.text().contains("reproduced"));
+    let outcome = place.run("lab reproduce eldridge-fig-5-4 -o out").ok_silently();
+    assert!(outcome.text().contains("eldridge-fig-5-4") && outcome.text().contains("reproduced"));
     let read = |name: &str| {
         std::fs::read_to_string(place.path("out").join("eldridge-fig-5-4").join(name))
             .expect("a file of the experiment")
@@ -109,18 +109,18 @@ fn an_experiment_leaves_data_plot_and_verdict() {
 #[test]
 fn ranks_send_what_is_predicted() {
     let place = Place::new();
-    // Times are of another machine, so that the command may say that they miss; messages and bytes may not.
-    let said = place.run(
+    // The costs are those of another machine, so rows may miss in time; messages and bytes must match.
+    let outcome = place.run(
         "lab validate builtin:teapot@2k --machine princeton-engine --sizes 90x70 --ranks 1,3 --views 2 --frames 1 --rounds 1 \
          --json --progress never",
     );
-    let rows = json(said.text());
+    let rows = json(outcome.text());
     let rows = rows.as_array().expect("a list");
     assert_eq!(rows.len(), 4);
     for row in rows.iter().map(|r| &r["row"]) {
         assert_eq!(row["differing"], Value::Array(vec![]), "{row}");
         let (ranks, organisation) = (row["ranks"].as_u64().unwrap(), row["organisation"].as_str().unwrap());
-        // 6 counters of what travels and 22 of the renderer.
+        // 6 counters of the exchange and 22 of the renderer.
         assert_eq!(row["compared"], 2 * (6 + 22) * ranks);
         // 3x3 tiles: every rank owns some.
         let composing = if organisation == "sort-last" { ranks * (ranks - 1) } else { 0 };

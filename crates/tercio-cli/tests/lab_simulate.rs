@@ -5,55 +5,55 @@ mod common;
 use common::Place;
 
 #[test]
-fn a_model_becomes_a_workload_that_every_machine_takes() {
+fn a_model_becomes_a_workload_for_every_machine() {
     let place = Place::new();
-    place.run("lab workload model.off --size 64x64 -o model.boxes").quietly_well();
-    place.run("lab workload model.off --size 64x64 -o model.polygons").quietly_well();
+    place.run("lab workload model.off --size 64x64 -o model.boxes").ok_silently();
+    place.run("lab workload model.off --size 64x64 -o model.polygons").ok_silently();
     let boxes = String::from_utf8(place.read("model.boxes")).unwrap();
     assert!(boxes.starts_with("NumPolygons=8\n"), "{boxes}");
     // Half of an octahedron's triangles show their front.
     assert_eq!(boxes.lines().filter(|l| l.starts_with("1 ")).count(), 4, "{boxes}");
 
-    let ring = place.run("lab simulate ring model.boxes --size 64x64 --processors 64").quietly_well();
+    let ring = place.run("lab simulate ring model.boxes --size 64x64 --processors 64").ok_silently();
     assert!(
         ring.text().contains("8 polygons, 4 visible")
             && ring.text().contains("checks: 0 missing, 0 unneeded, 0 repeated")
     );
-    let parks = place.run("lab simulate parks model.polygons").quietly_well();
+    let parks = place.run("lab simulate parks model.polygons").ok_silently();
     assert!(
         parks.text().contains("4 polygons, 64x64 pixels") && parks.text().contains("hybrid-16"),
         "{}",
         parks.text()
     );
-    let mcmanus = place.run("lab simulate mcmanus model.polygons --regions 1,64").quietly_well();
+    let mcmanus = place.run("lab simulate mcmanus model.polygons --regions 1,64").ok_silently();
     assert!(mcmanus.text().contains("64x64            4     1.00"), "{}", mcmanus.text());
-    let ortega = place.run("lab simulate ortega model.polygons --processors 4").quietly_well();
+    let ortega = place.run("lab simulate ortega model.polygons --processors 4").ok_silently();
     assert!(ortega.text().contains("4 processors"), "{}", ortega.text());
 }
 
 #[test]
 fn the_runway_of_document_002() {
     let place = Place::new();
-    place.run("lab workload parks:figure-15 -o runway.polygons").quietly_well();
-    let all = place.run("lab simulate parks runway.polygons").quietly_well();
+    place.run("lab workload parks:figure-15 -o runway.polygons").ok_silently();
+    let all = place.run("lab simulate parks runway.polygons").ok_silently();
     assert!(
         all.text().contains("248 polygons, 731 vertices, 1411 segments (1411 charged), 251224 pixels"),
         "{}",
         all.text()
     );
-    let one = place.run("lab simulate parks runway.polygons --chunks 4 --processor 1").quietly_well();
+    let one = place.run("lab simulate parks runway.polygons --chunks 4 --processor 1").ok_silently();
     assert!(one.text().contains("total scene time 731408.4"), "{}", one.text());
 }
 
 #[test]
-fn random_scenes_are_the_same_again() {
+fn random_scenes_are_reproducible() {
     let place = Place::new();
     let command = "lab workload random:500 --size 768x512 --box 3.8x12 --deviation 30 --visible 0.67";
     for name in ["a.boxes", "b.boxes"] {
-        place.run(&format!("{command} -o {name}")).quietly_well();
+        place.run(&format!("{command} -o {name}")).ok_silently();
     }
     assert_eq!(place.read("a.boxes"), place.read("b.boxes"));
-    let json = place.run("lab simulate ring a.boxes --strides 16,1 --json").quietly_well();
+    let json = place.run("lab simulate ring a.boxes --strides 16,1 --json").ok_silently();
     assert!(json.text().contains("\"communication_instructions\""), "{}", json.text());
 }
 
@@ -65,7 +65,7 @@ fn boxes_are_sorted_on_any_machine_in_sweeps() {
     std::fs::write(place.path("two.boxes"), boxes).unwrap();
     let command =
         "lab simulate sorting two.boxes --size 16x16 --processors 4 -O sort-middle,sort-last --json";
-    let value: serde_json::Value = serde_json::from_str(place.run(command).quietly_well().text()).unwrap();
+    let value: serde_json::Value = serde_json::from_str(place.run(command).ok_silently().text()).unwrap();
     let runs = value["runs"].as_array().unwrap();
     assert_eq!((value["machine"].as_str(), runs.len()), (Some("Princeton Engine"), 2));
     let (middle, last) = (&runs[0], &runs[1]);
@@ -84,21 +84,21 @@ fn boxes_are_sorted_on_any_machine_in_sweeps() {
         assert!((run["total_seconds"].as_f64().unwrap() / sum - 1.0).abs() < 1e-12, "{run}");
     }
 
-    place.run("lab workload random:2000 --size 256x256 --box 9x9 -o made.boxes").quietly_well();
+    place.run("lab workload random:2000 --size 256x256 --box 9x9 -o made.boxes").ok_silently();
     let sweep = "lab simulate sorting made.boxes --size 256x256 --machine cluster-64 --network mesh \
         --processors 16,64 --group 2,8 --region 8,32 --assignment interleaved,blocks";
-    let one = place.run(&format!("{sweep} --threads 1")).quietly_well();
-    let four = place.run(&format!("{sweep} --threads 4")).quietly_well();
+    let one = place.run(&format!("{sweep} --threads 1")).ok_silently();
+    let four = place.run(&format!("{sweep} --threads 4")).ok_silently();
     assert_eq!(one.text(), four.text());
-    // Which costs a fit leaves out may change with the description; of polygons tercio's machines know none.
+    // Which costs a fit leaves out may change with the description; tercio's machines have no costs of polygons.
     let last = one.text().lines().last().unwrap_or_default();
     assert!(last.contains("charges nothing for polygon, polygon-set-up"), "{last}");
-    // Lines for machine, columns and what is not charged; four settings of the regions but for sort-last.
+    // Lines for machine, columns and uncharged work; four settings of the regions except for sort-last.
     assert_eq!(one.text().lines().count(), 3 + 2 * (4 * (1 + 1 + 2) + 1), "{}", one.text());
 }
 
 #[test]
-fn mistakes_are_told() {
+fn mistakes_are_reported() {
     let place = Place::new();
     let write = |name, text| std::fs::write(place.path(name), text).unwrap();
     write("bad.boxes", "NumPolygons=1\n1 (3,4) (2,9)\n");

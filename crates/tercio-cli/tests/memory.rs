@@ -1,4 +1,4 @@
-//! What is said where memory is short: what for, how much, and who set the limit.
+//! Errors when memory is short name the purpose, the amount, and who set the limit.
 #![cfg(target_os = "linux")]
 
 mod common;
@@ -6,10 +6,10 @@ mod common;
 use std::fs::File;
 use std::process::{Command, Stdio};
 
-use common::{Place, Said};
+use common::{Outcome, Place};
 
 /// Runs the program with `ulimit -v`, in KiB.
-fn limited(place: &Place, kibibytes: u32, arguments: &str) -> Said {
+fn limited(place: &Place, kibibytes: u32, arguments: &str) -> Outcome {
     let mut shell = Command::new("sh");
     let program = env!("CARGO_BIN_EXE_tercio");
     shell.args(["-c", &format!("ulimit -v {kibibytes}; exec {program} {arguments}")]);
@@ -19,15 +19,15 @@ fn limited(place: &Place, kibibytes: u32, arguments: &str) -> Said {
 }
 
 #[track_caller]
-fn one_line(said: Said, code: i32, parts: &[&str]) {
-    said.failed(code, parts);
-    assert_eq!(said.stderr.lines().count(), 1, "{}", said.stderr);
+fn one_line(outcome: Outcome, code: i32, parts: &[&str]) {
+    outcome.failed(code, parts);
+    assert_eq!(outcome.stderr.lines().count(), 1, "{}", outcome.stderr);
 }
 
 #[test]
 fn every_line_names_the_model_and_who_set_the_limit() {
     let place = Place::new();
-    let asked = "(--memory-limit)";
+    let by_option = "(--memory-limit)";
     let sphere = "builtin:sphere@1k";
     for (arguments, limit, parts) in [
         ("render builtin:sphere@1k -o a.png --size 4000x4000", "8M", ["the picture needs", "8000000 bytes"]),
@@ -35,13 +35,13 @@ fn every_line_names_the_model_and_who_set_the_limit() {
         ("lab simulate hybris builtin:sphere@1k", "1", ["needs ", " 1 bytes"]),
         ("info builtin:sphere@1k", "1", ["needs ", " 1 bytes"]),
     ] {
-        let said = place.run(&format!("{arguments} --memory-limit {limit}"));
-        one_line(said, 1, &[&format!("error: {sphere}: "), parts[0], parts[1], asked]);
+        let outcome = place.run(&format!("{arguments} --memory-limit {limit}"));
+        one_line(outcome, 1, &[&format!("error: {sphere}: "), parts[0], parts[1], by_option]);
     }
     one_line(
         place.run("info builtin:sphere@50M --memory-limit 9M"),
         1,
-        &["builtin:sphere@50M: needs", "9000000", asked],
+        &["builtin:sphere@50M: needs", "9000000", by_option],
     );
 
     let left = "(what ulimit -v leaves)";
@@ -59,7 +59,7 @@ fn every_line_names_the_model_and_who_set_the_limit() {
 #[test]
 fn a_limit_of_the_system_holds_for_every_command() {
     let place = Place::new();
-    // Files of nothing take no room until they are read.
+    // Sparse files take no space until they are read.
     for name in ["large.boxes", "large.polygons", "large.png", "large.toml"] {
         File::create(place.path(name)).unwrap().set_len(1 << 30).unwrap();
     }
@@ -71,7 +71,7 @@ fn a_limit_of_the_system_holds_for_every_command() {
         ("lab machines large.toml", 1),
         ("compare large.png large.png", 2),
     ] {
-        let said = limited(&place, 400_000, arguments);
-        one_line(said, code, &["bytes or more for this command, the limit is", "(what ulimit -v leaves)"]);
+        let outcome = limited(&place, 400_000, arguments);
+        one_line(outcome, code, &["bytes or more for this command, the limit is", "(what ulimit -v leaves)"]);
     }
 }

@@ -4,13 +4,13 @@ mod common;
 
 use std::process::{Command, Stdio};
 
-use common::{Place, Said};
+use common::{Outcome, Place};
 
-/// Seconds after which a job is taken to hang.
+/// Seconds after which a job is considered to hang.
 const HANGS: &str = "600";
 
-/// Runs a job of one or more `N ARGUMENTS`, as a user who may be root.
-fn mpirun(place: &Place, processes: &[(usize, &str)]) -> Said {
+/// Runs a job of one or more `N ARGUMENTS`, also as root.
+fn mpirun(place: &Place, processes: &[(usize, &str)]) -> Outcome {
     let mut command = Command::new("timeout");
     command.current_dir(place.path("")).stdin(Stdio::null());
     command.args(["--kill-after=10", HANGS, "mpirun", "--oversubscribe"]);
@@ -28,18 +28,18 @@ fn the_picture_does_not_depend_on_processes() {
     let model = "render builtin:teapot@5k --size 200x150 --threads 1";
     let outputs =
         |name: &str| format!("-o {name}.png --output-depth {name}.depth.npy --output-ids {name}.ids.npy");
-    place.run(&format!("{model} {}", outputs("alone"))).quietly_well();
+    place.run(&format!("{model} {}", outputs("alone"))).ok_silently();
     for organisation in ["sort-first", "sort-last"] {
         for count in [1, 2, 4] {
             let arguments = format!("{model} {} --organisation {organisation} --stats -", outputs("ranks"));
-            let said = mpirun(&place, &[(count, &arguments)]).quietly_well();
+            let outcome = mpirun(&place, &[(count, &arguments)]).ok_silently();
             for file in ["png", "depth.npy", "ids.npy"] {
                 let [alone, ranks] = ["alone", "ranks"].map(|name| place.read(&format!("{name}.{file}")));
                 assert!(alone == ranks, "{organisation}, {count} processes: {file}");
                 std::fs::remove_file(place.path(&format!("ranks.{file}"))).unwrap();
             }
-            // Rank 0 alone wrote, with the counts of all.
-            let stats: serde_json::Value = serde_json::from_str(said.text()).unwrap();
+            // Rank 0 alone writes, with the counts of all ranks.
+            let stats: serde_json::Value = serde_json::from_str(outcome.text()).unwrap();
             let (parallel, n) = (&stats["parallel"], count as u64);
             let ranks = parallel["ranks"].as_array().unwrap();
             assert_eq!((parallel["organisation"].as_str(), ranks.len()), (Some(organisation), count));
@@ -55,10 +55,10 @@ fn the_picture_does_not_depend_on_processes() {
 fn a_process_that_fails_ends_the_job() {
     let place = Place::new();
     let draws = |model: &str| format!("render {model} -o a.png --quiet");
-    let said = mpirun(&place, &[(2, &draws("model.off")), (1, &draws("missing.off"))]);
-    assert_eq!(said.code, Some(1), "{}", said.stderr);
-    let line = said.stderr.lines().find(|l| l.starts_with("error: ")).unwrap_or_default();
-    assert!(line.contains("rank 2: ") && line.contains("missing.off"), "{}", said.stderr);
+    let outcome = mpirun(&place, &[(2, &draws("model.off")), (1, &draws("missing.off"))]);
+    assert_eq!(outcome.code, Some(1), "{}", outcome.stderr);
+    let line = outcome.stderr.lines().find(|l| l.starts_with("error: ")).unwrap_or_default();
+    assert!(line.contains("rank 2: ") && line.contains("missing.off"), "{}", outcome.stderr);
     assert_eq!(place.names(), ["model.off"], "a picture is there though a part of it is missing");
 }
 
@@ -71,20 +71,21 @@ fn what_cannot_be_drawn_by_these_processes_is_wrong_usage() {
         ("render model.off -o ./model.off --format png", "an output must not be an input"),
         ("render model.off --output-ids a.npy --output-depth ./a.npy", "the same file"),
     ] {
-        let said = mpirun(&place, &[(2, arguments)]);
-        assert_eq!(said.code, Some(2), "{}", said.stderr);
-        assert!(said.stderr.contains(says), "{}", said.stderr);
+        let outcome = mpirun(&place, &[(2, arguments)]);
+        assert_eq!(outcome.code, Some(2), "{}", outcome.stderr);
+        assert!(outcome.stderr.contains(says), "{}", outcome.stderr);
     }
 }
 
 #[test]
 fn messages_over_mpi_are_measured_and_predicted_with() {
     let place = Place::new();
-    // The third process has nothing to measure, and only the first writes.
-    let said = mpirun(&place, &[(3, "lab calibrate --frames 1 --rounds 1 -o m.toml --quiet")]).quietly_well();
-    assert_eq!(said.text(), "");
+    // The third process has nothing to measure, and only rank 0 writes.
+    let outcome =
+        mpirun(&place, &[(3, "lab calibrate --frames 1 --rounds 1 -o m.toml --quiet")]).ok_silently();
+    assert_eq!(outcome.text(), "");
     let described = |what: &str| -> serde_json::Value {
-        serde_json::from_str(place.run(&format!("lab {what} --json")).quietly_well().text()).unwrap()
+        serde_json::from_str(place.run(&format!("lab {what} --json")).ok_silently().text()).unwrap()
     };
     let machine = described("machines m.toml");
     for (section, says) in [("network", "two threads"), ("mpi", "ranks 0 and 1 on one machine")] {
@@ -95,7 +96,7 @@ fn messages_over_mpi_are_measured_and_predicted_with() {
             assert!(value > 0.0 && source.contains(says), "{section}.{key}: {number}");
         }
     }
-    // Ranks are predicted with the messages that were asked for, which is all that differs.
+    // Predictions of ranks use the requested network, and nothing else differs.
     let predicted = |options: &str| {
         let of = format!("predict model.off --size 512x512 -n 4 -O sort-last --machine m.toml {options}");
         let frame = described(&of);
@@ -105,7 +106,7 @@ fn messages_over_mpi_are_measured_and_predicted_with() {
     let [threads, processes] = ["", "--mpi"].map(predicted);
     assert_eq!([&threads.0, &processes.0], ["threads", "processes"]);
     assert!(threads.1 > 0.0 && processes.1 > 0.0 && threads.1 != processes.1, "{threads:?} {processes:?}");
-    // Drawn in other slices of time, which are added up.
+    // The drawing time is summed over other time slices, so the sums may differ by rounding.
     assert!((threads.2 / processes.2 - 1.0).abs() < 1e-9, "{threads:?} {processes:?}");
     place.run("lab predict model.off --mpi").failed(1, &["mpi"]);
 }
@@ -113,37 +114,37 @@ fn messages_over_mpi_are_measured_and_predicted_with() {
 #[test]
 fn processes_count_and_send_what_is_predicted() {
     let place = Place::new();
-    mpirun(&place, &[(2, "lab calibrate --frames 1 --rounds 1 -o m.toml --quiet")]).quietly_well();
+    mpirun(&place, &[(2, "lab calibrate --frames 1 --rounds 1 -o m.toml --quiet")]).ok_silently();
     let validate = "lab validate builtin:gyroid@3k model.off --machine m.toml --sizes 120x90,64x64 --views 2 \
                     --frames 2 --rounds 2 -o rows.toml --json --threads 1";
     for count in [2, 3] {
-        let said = mpirun(&place, &[(count, validate)]);
-        // Times of so small frames need not hold; everything else does.
-        assert!(matches!(said.code, Some(0 | 1)), "{}", said.stderr);
+        let outcome = mpirun(&place, &[(count, validate)]);
+        // Times of such small frames need not hold; everything else must.
+        assert!(matches!(outcome.code, Some(0 | 1)), "{}", outcome.stderr);
         let rows: serde_json::Value =
-            serde_json::from_str(said.text()).unwrap_or_else(|e| panic!("{e}: {}", said.stderr));
+            serde_json::from_str(outcome.text()).unwrap_or_else(|e| panic!("{e}: {}", outcome.stderr));
         let rows = rows.as_array().unwrap();
         assert_eq!(rows.len(), 2 * 2 * 2, "models, sizes, organisations");
         for row in rows.iter().map(|r| &r["row"]) {
             assert_eq!(row["ranks"], count as u64);
             assert_eq!(row["differing"], serde_json::json!([]), "{row}");
-            // 6 counters of what travels and 22 of the renderer, 4 frames of each view, every rank.
+            // 6 counters of the exchange and 22 of the renderer, 4 frames of each view, every rank.
             assert_eq!(row["compared"], 2 * 4 * 28 * count as u64);
             let frame = row["measured"]["frame"].as_f64().unwrap();
             assert!(frame > 0.0 && frame.is_finite(), "{row}");
         }
         let last = rows.iter().map(|r| &r["row"]).filter(|row| row["organisation"] == "sort-last");
         assert!(last.clone().all(|row| row["bytes"].as_u64() > Some(0)));
-        // Rank 0 alone kept the rows, and those of both jobs.
+        // Rank 0 alone writes the table, and it has the rows of both jobs.
         let kept = String::from_utf8(place.read("rows.toml")).unwrap();
         assert_eq!(kept.matches("[[rows]]").count(), 8 * (count - 1), "{kept}");
         assert!(
             kept.contains(&format!("mpirun -n {count} --bind-to none tercio lab validate builtin:gyroid@3k"))
         );
     }
-    let said = mpirun(&place, &[(2, "lab validate model.off --machine m.toml --ranks 1,2")]);
-    assert_eq!(said.code, Some(2), "{}", said.stderr);
-    assert!(said.stderr.contains("mpirun started 2 processes"), "{}", said.stderr);
+    let outcome = mpirun(&place, &[(2, "lab validate model.off --machine m.toml --ranks 1,2")]);
+    assert_eq!(outcome.code, Some(2), "{}", outcome.stderr);
+    assert!(outcome.stderr.contains("mpirun started 2 processes"), "{}", outcome.stderr);
     place
         .run("lab validate model.off --machine two-core-2026 --organisation sort-last")
         .failed(2, &["--ranks"]);

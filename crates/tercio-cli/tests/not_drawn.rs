@@ -1,4 +1,4 @@
-//! What a model holds or asks for that is not drawn is reported once, with counts; and so is an empty picture.
+//! Content of a model that is not drawn is reported once, with counts; and so is an empty picture.
 
 mod common;
 
@@ -7,7 +7,7 @@ use std::fs;
 use common::Place;
 use serde_json::{Value, json};
 
-/// Three vertices, one of them see-through, a triangle, two points, a line, and materials of which one is not used.
+/// Three vertices, one of them translucent, a triangle, two points, a line, and materials of which one is unused.
 fn place() -> Place {
     let place = Place::new();
     let model = "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl glass\nf 1/1 2/1 3/1\nusemtl red\nf 1/1 3/1 2/1\n\
@@ -36,7 +36,7 @@ fn json_of(text: &str) -> Value {
 }
 
 #[test]
-fn what_is_not_drawn_is_told_once() {
+fn what_is_not_drawn_is_reported_once() {
     let place = place();
     let cases = [
         ("m.obj", "2 points, 1 line, 1 free-form curve, 2 textures, opacity of 1 material"),
@@ -45,22 +45,22 @@ fn what_is_not_drawn_is_told_once() {
     for (model, list) in cases {
         let warning =
             format!("warning: {model}: not drawn: {list} (tercio draws opaque triangles without textures)\n");
-        let said = place.run(&format!("render {model} -o {model}.a.png --size 32x24 -v --view front"));
-        assert_eq!(said.code, Some(0), "{}", said.stderr);
-        assert_eq!(said.stderr.matches("not drawn").count(), 1, "{}", said.stderr);
-        assert!(said.stderr.contains(&warning), "{}", said.stderr);
-        let info = place.run(&format!("info {model}")).quietly_well();
+        let outcome = place.run(&format!("render {model} -o {model}.a.png --size 32x24 -v --view front"));
+        assert_eq!(outcome.code, Some(0), "{}", outcome.stderr);
+        assert_eq!(outcome.stderr.matches("not drawn").count(), 1, "{}", outcome.stderr);
+        assert!(outcome.stderr.contains(&warning), "{}", outcome.stderr);
+        let info = place.run(&format!("info {model}")).ok_silently();
         let row = info.text().lines().find(|line| line.starts_with("not drawn")).unwrap();
         assert!(row.ends_with(list), "{row}");
     }
-    assert!(!place.run("info model.off").quietly_well().text().contains("not drawn"));
+    assert!(!place.run("info model.off").ok_silently().text().contains("not drawn"));
 
     let expected = json!({
         "points": 2, "lines": 1, "curves": 1, "surfaces": 0, "textures": 2,
         "translucent_materials": 1, "translucent_vertices": 0, "translucent_faces": 0,
     });
-    assert_eq!(json_of(place.run("info m.obj --json -q").quietly_well().text())["not_drawn"], expected);
-    let stats = place.run("render m.obj -o b.png --size 32x24 --stats - -q --view front").quietly_well();
+    assert_eq!(json_of(place.run("info m.obj --json -q").ok_silently().text())["not_drawn"], expected);
+    let stats = place.run("render m.obj -o b.png --size 32x24 --stats - -q --view front").ok_silently();
     assert_eq!(json_of(stats.text())["load"]["not_drawn"], expected);
 }
 
@@ -71,19 +71,19 @@ fn a_model_of_points_and_lines_says_so() {
         place
             .run(&format!("render {model} -o a.png"))
             .failed(1, &["no triangles", &format!("only {only}"), "--allow-empty"]);
-        let info = place.run(&format!("info {model}")).quietly_well();
+        let info = place.run(&format!("info {model}")).ok_silently();
         assert!(
             info.text().contains("there are no triangles") && !info.text().contains("closed"),
             "{}",
             info.text()
         );
-        let info = json_of(place.run(&format!("info {model} --json -q")).quietly_well().text());
+        let info = json_of(place.run(&format!("info {model} --json -q")).ok_silently().text());
         assert!(info["topology"].is_null() && info["triangles"] == 0, "{info:#}");
     }
 }
 
 #[test]
-fn a_picture_without_anything_replaces_nothing_unless_told() {
+fn an_empty_picture_replaces_nothing_unless_requested() {
     let place = place();
     let cases = [
         ("cloud.ply", "the model has no triangles"),
@@ -93,12 +93,12 @@ fn a_picture_without_anything_replaces_nothing_unless_told() {
     ];
     for (arguments, reason) in cases {
         let render = format!("render {arguments} --size 64x48 -o a.png --output-depth d.npy --stats s.json");
-        // Where nothing was, nothing is made.
+        // Where there was no file, none is created.
         place
             .run(&render)
             .failed(1, &["nothing was drawn", reason, "no picture was written", "--allow-empty"]);
         assert!(!place.path("a.png").exists() && !place.path("d.npy").exists());
-        // The statistics tell why.
+        // The statistics contain the reason.
         assert_eq!(
             json_of(&String::from_utf8(place.read("s.json")).unwrap())["frame"]["backend"]["pixels_visible"],
             0
@@ -109,11 +109,15 @@ fn a_picture_without_anything_replaces_nothing_unless_told() {
         place.run(&format!("{render} -q")).failed(1, &[reason, "left as they are"]);
         place.run(&format!("render {arguments} -o a.png")).failed(1, &[reason, "a.png was left as it is"]);
         assert_eq!((place.read("a.png"), place.read("d.npy")), (b"good".to_vec(), b"good".to_vec()));
-        let said = place.run(&format!("{render} --allow-empty"));
-        assert_eq!(said.code, Some(0), "{}", said.stderr);
-        assert!(said.stderr.starts_with("warning: ") && said.stderr.contains(reason), "{}", said.stderr);
+        let outcome = place.run(&format!("{render} --allow-empty"));
+        assert_eq!(outcome.code, Some(0), "{}", outcome.stderr);
+        assert!(
+            outcome.stderr.starts_with("warning: ") && outcome.stderr.contains(reason),
+            "{}",
+            outcome.stderr
+        );
         assert!(place.read("a.png").starts_with(b"\x89PNG") && place.read("d.npy").starts_with(b"\x93NUMPY"));
-        place.run(&format!("{render} --allow-empty -q")).quietly_well();
+        place.run(&format!("{render} --allow-empty -q")).ok_silently();
         for name in ["a.png", "d.npy", "s.json"] {
             fs::remove_file(place.path(name)).unwrap();
         }

@@ -8,31 +8,31 @@ use std::process::Stdio;
 use common::{OCTAHEDRON, Place};
 use tercio::image::{Picture, Pixels};
 
-/// Runs fast and says as little as it can.
+/// Runs fast and prints as little as possible.
 const SMALL: &str = "--size 64x48 --quiet";
 
 #[test]
 fn every_format_is_written_and_holds_the_same_picture() {
     let place = Place::new();
     for name in ["a.png", "a.ppm", "a.webp", "A.PNG"] {
-        place.run(&format!("render model.off -o {name} {SMALL}")).quietly_well();
+        place.run(&format!("render model.off -o {name} {SMALL}")).ok_silently();
     }
     let pictures =
         ["a.png", "a.ppm", "a.webp", "A.PNG"].map(|n| Picture::from_bytes(&place.read(n)).unwrap());
     assert_eq!((pictures[0].width, pictures[0].height), (64, 48));
     pictures.iter().for_each(|p| assert_eq!(p, &pictures[0]));
 
-    place.run(&format!("render model.off -o deep.png --depth 16 {SMALL}")).quietly_well();
+    place.run(&format!("render model.off -o deep.png --depth 16 {SMALL}")).ok_silently();
     assert!(matches!(Picture::from_bytes(&place.read("deep.png")).unwrap().pixels, Pixels::Sixteen(_)));
-    place.run(&format!("render model.off -o clear.png --background transparent {SMALL}")).quietly_well();
+    place.run(&format!("render model.off -o clear.png --background transparent {SMALL}")).ok_silently();
     assert!(!Picture::from_bytes(&place.read("clear.png")).unwrap().is_opaque());
 }
 
 #[test]
 fn the_model_is_seen() {
     let place = Place::new();
-    let said = place.run("render model.off -o a.png --size 64x48");
-    assert_eq!((said.code, said.stderr.as_str()), (Some(0), ""), "no warning that nothing was drawn");
+    let outcome = place.run("render model.off -o a.png --size 64x48");
+    assert_eq!((outcome.code, outcome.stderr.as_str()), (Some(0), ""), "no warning that nothing was drawn");
     let picture = Picture::from_bytes(&place.read("a.png")).unwrap();
     let Pixels::Eight(pixels) = picture.pixels else { panic!("8 bits") };
     let (corner, middle) = (pixels[0], pixels[24 * 64 + 32]);
@@ -42,11 +42,12 @@ fn the_model_is_seen() {
 #[test]
 fn pipes_in_and_out() {
     let place = Place::new();
-    let said = place.run_with_input(&format!("render - -o - {SMALL}"), OCTAHEDRON.as_bytes()).quietly_well();
-    assert_eq!(&said.stdout[..8], b"\x89PNG\r\n\x1a\n");
-    place.run(&format!("render model.off -o a.png {SMALL}")).quietly_well();
-    assert_eq!(said.stdout, place.read("a.png"));
-    let ppm = place.run(&format!("render model.off -o - --format ppm {SMALL}")).quietly_well();
+    let outcome =
+        place.run_with_input(&format!("render - -o - {SMALL}"), OCTAHEDRON.as_bytes()).ok_silently();
+    assert_eq!(&outcome.stdout[..8], b"\x89PNG\r\n\x1a\n");
+    place.run(&format!("render model.off -o a.png {SMALL}")).ok_silently();
+    assert_eq!(outcome.stdout, place.read("a.png"));
+    let ppm = place.run(&format!("render model.off -o - --format ppm {SMALL}")).ok_silently();
     assert!(ppm.stdout.starts_with(b"P6\n64 48\n255\n"));
     let empty = place.run_with_input(&format!("render - -o - {SMALL}"), b"");
     empty.failed(1, &["standard input"]);
@@ -61,8 +62,8 @@ fn a_reader_that_has_enough_is_no_error() {
     let mut stdout = child.stdout.take().unwrap();
     stdout.read_exact(&mut [0; 8]).unwrap();
     drop(stdout);
-    let said = child.wait_with_output().unwrap();
-    assert_eq!((said.status.code(), said.stderr), (Some(0), vec![]));
+    let outcome = child.wait_with_output().unwrap();
+    assert_eq!((outcome.status.code(), outcome.stderr), (Some(0), vec![]));
 }
 
 #[test]
@@ -80,8 +81,8 @@ fn errors_name_the_file_and_the_reason() {
         place.run(&format!("render model.off -o a.png {limit}")).failed(1, &["--memory-limit"]);
     }
     // One line each, and the reason once.
-    let said = place.run("render missing.ply -o a.png");
-    assert_eq!((said.stderr.lines().count(), said.stderr.matches("No such").count()), (1, 1));
+    let outcome = place.run("render missing.ply -o a.png");
+    assert_eq!((outcome.stderr.lines().count(), outcome.stderr.matches("No such").count()), (1, 1));
     assert_eq!(place.names(), ["junk.ply", "model.off"]);
 }
 
@@ -103,8 +104,9 @@ fn a_failed_run_leaves_the_old_picture() {
 #[test]
 fn stats_have_their_keys() {
     let place = Place::new();
-    let said = place.run(&format!("render model.off -o a.png --stats - --threads 2 {SMALL}")).quietly_well();
-    let stats: serde_json::Value = serde_json::from_str(said.text()).unwrap();
+    let outcome =
+        place.run(&format!("render model.off -o a.png --stats - --threads 2 {SMALL}")).ok_silently();
+    let stats: serde_json::Value = serde_json::from_str(outcome.text()).unwrap();
     let keys = [
         "/tercio_version",
         "/load/model",
@@ -145,7 +147,7 @@ fn stats_have_their_keys() {
         assert!(stats["peak_memory_bytes"].as_u64().unwrap() > 1 << 20);
     }
 
-    place.run(&format!("render model.off -o a.png --stats s.json --simd scalar {SMALL}")).quietly_well();
+    place.run(&format!("render model.off -o a.png --stats s.json --simd scalar {SMALL}")).ok_silently();
     let stats: serde_json::Value = serde_json::from_slice(&place.read("s.json")).unwrap();
     assert_eq!(stats["simd"], "scalar");
 }
@@ -153,8 +155,8 @@ fn stats_have_their_keys() {
 #[test]
 fn the_frame_is_counted() {
     let place = Place::new();
-    let said = place.run(&format!("render model.off -o a.png --stats - {SMALL}")).quietly_well();
-    let stats: serde_json::Value = serde_json::from_str(said.text()).unwrap();
+    let outcome = place.run(&format!("render model.off -o a.png --stats - {SMALL}")).ok_silently();
+    let stats: serde_json::Value = serde_json::from_str(outcome.text()).unwrap();
     assert_eq!(stats["frame"]["frontend"]["triangles_in"], 8);
     assert!(stats["frame"]["backend"]["pixels_shaded"].as_u64().unwrap() > 500);
 }
@@ -174,22 +176,23 @@ fn npy(bytes: &[u8]) -> (String, Vec<usize>, &[u8]) {
 }
 
 #[test]
-fn the_curious_are_told_what_is_counted() {
+fn verbose_output_says_how_triangles_are_counted() {
     let place = Place::new();
-    // Every tile of 8 pixels in which a triangle lies sets it up again.
-    let said = place.run("render model.off -o a.png --size 640x480 --tile-size 8 -v");
-    assert_eq!(said.code, Some(0));
-    assert!(said.stderr.contains("OFF: 8 triangles, "), "{}", said.stderr);
-    let count = said.stderr.split(" triangles set up (counted once a tile and once a clipped piece)").next();
+    // Every tile of 8 pixels that a triangle reaches sets it up again.
+    let outcome = place.run("render model.off -o a.png --size 640x480 --tile-size 8 -v");
+    assert_eq!(outcome.code, Some(0));
+    assert!(outcome.stderr.contains("OFF: 8 triangles, "), "{}", outcome.stderr);
+    let count =
+        outcome.stderr.split(" triangles set up (counted once a tile and once a clipped piece)").next();
     let count = count.and_then(|text| text.rsplit(' ').next()).unwrap().replace(',', "");
-    assert!(count.parse::<u64>().unwrap() >= 4, "{}", said.stderr);
+    assert!(count.parse::<u64>().unwrap() >= 4, "{}", outcome.stderr);
 }
 
 #[test]
 fn arrays_are_as_numpy_reads_them() {
     let place = Place::new();
     let arrays = "--output-depth d.npy --output-ids i.npy --output-normals n.npy";
-    place.run(&format!("render model.off {arrays} {SMALL}")).quietly_well();
+    place.run(&format!("render model.off {arrays} {SMALL}")).ok_silently();
     assert_eq!(place.names(), ["d.npy", "i.npy", "model.off", "n.npy"]);
     let files = ["d.npy", "i.npy", "n.npy"].map(|n| place.read(n));
     let [depth, ids, normals] = [npy(&files[0]), npy(&files[1]), npy(&files[2])];
@@ -221,17 +224,17 @@ fn cameras_and_looks_are_accepted() {
         "--shading unlit",
     ];
     for case in cases {
-        place.run(&format!("render model.off -o a.png {case} {SMALL}")).quietly_well();
+        place.run(&format!("render model.off -o a.png {case} {SMALL}")).ok_silently();
     }
 }
 
 #[test]
 fn the_picture_does_not_depend_on_threads_tiles_and_levels() {
     let place = Place::new();
-    place.run(&format!("render model.off -o a.png {SMALL}")).quietly_well();
+    place.run(&format!("render model.off -o a.png {SMALL}")).ok_silently();
     for tuning in ["--threads 1", "--threads 7 --tile-size 8", "--simd scalar --binning bbox", "--cull none"]
     {
-        place.run(&format!("render model.off -o b.png {tuning} {SMALL}")).quietly_well();
+        place.run(&format!("render model.off -o b.png {tuning} {SMALL}")).ok_silently();
         assert!(place.read("a.png") == place.read("b.png"), "{tuning}");
     }
 }
@@ -241,13 +244,13 @@ fn the_picture_does_not_depend_on_ranks() {
     let place = Place::new();
     let arrays = |k: u32| format!("-o {k}.png --output-depth d{k}.npy --output-ids i{k}.npy");
     let model = "render builtin:teapot@5k --size 200x150 --quiet";
-    place.run(&format!("{model} {}", arrays(0))).quietly_well();
+    place.run(&format!("{model} {}", arrays(0))).ok_silently();
     for ranks in ["--ranks 1", "--ranks 5", "--ranks 3 --organisation sort-first --threads 4"] {
-        let said = place.run(&format!("{model} {} {ranks} --stats -", arrays(1))).quietly_well();
+        let outcome = place.run(&format!("{model} {} {ranks} --stats -", arrays(1))).ok_silently();
         for [plain, ranked] in [["0.png", "1.png"], ["d0.npy", "d1.npy"], ["i0.npy", "i1.npy"]] {
             assert!(place.read(plain) == place.read(ranked), "{ranks}: {plain}");
         }
-        let stats: serde_json::Value = serde_json::from_str(said.text()).unwrap();
+        let stats: serde_json::Value = serde_json::from_str(outcome.text()).unwrap();
         let parallel = &stats["parallel"];
         let count = parallel["ranks"].as_array().unwrap().len() as u64;
         let messages = match parallel["organisation"].as_str() {
@@ -265,7 +268,7 @@ fn the_picture_does_not_depend_on_ranks() {
     place.run(&format!("{model} -o a.png --ranks 99 --memory-limit 20M")).failed(1, &["--memory-limit"]);
 }
 
-/// Pixels that the owners have in the end.
+/// Visible pixels of the owners after compositing.
 fn visible(parallel: &serde_json::Value) -> u64 {
     let ranks = parallel["ranks"].as_array().unwrap();
     ranks.iter().map(|rank| rank["pixels"]["visible"].as_u64().unwrap()).sum()

@@ -9,9 +9,9 @@ use std::time::{Duration, Instant};
 
 use tercio_testkit::require_shared;
 
-/// How long one file may take. Dev builds on busy machines are slow, hangs are endless.
+/// Time limit of one file. Debug builds on busy machines are slow; a hang never ends.
 const PATIENCE: Duration = Duration::from_secs(10);
-/// Address space of a run in KiB: 2 GB, and what the program itself and its threads' stacks reserve.
+/// Address space of a run in KiB: 2 GB, plus the reservations of the program and its threads' stacks.
 const ADDRESS_SPACE: u64 = (2 << 20) + (512 << 10);
 
 /// All files below a folder whose name ends in one of `endings`, whatever its case.
@@ -55,25 +55,25 @@ fn render(file: &Path, picture: &Path) -> (i32, String) {
         std::thread::sleep(Duration::from_millis(2));
     }
     let output = child.wait_with_output().expect("its output");
-    let said = String::from_utf8_lossy(&output.stderr).into_owned();
-    (output.status.code().unwrap_or(-1), said)
+    let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
+    (output.status.code().unwrap_or(-1), stderr)
 }
 
-/// What a run may end in: a picture, or one line that names the file and says why.
+/// A run may end with a picture, or with one line that names the file and the reason.
 fn check(file: &Path, picture: &Path) -> bool {
     let _ = std::fs::remove_file(picture);
-    let (code, said) = render(file, picture);
+    let (code, stderr) = render(file, picture);
     let name = file.file_name().unwrap_or_default().to_string_lossy();
-    assert!(!said.contains("panicked"), "{}: {said}", file.display());
+    assert!(!stderr.contains("panicked"), "{}: {stderr}", file.display());
     match code {
         0 => assert!(picture.exists(), "{}: no picture", file.display()),
         1 => {
             assert!(!picture.exists(), "{}: failed and left a picture", file.display());
-            let error = said.lines().find(|l| l.starts_with("error: "));
-            let error = error.unwrap_or_else(|| panic!("{}: no error line in {said:?}", file.display()));
+            let error = stderr.lines().find(|l| l.starts_with("error: "));
+            let error = error.unwrap_or_else(|| panic!("{}: no error line in {stderr:?}", file.display()));
             assert!(error.contains(&*name) && error.len() > name.len() + 20, "{error}");
         }
-        _ => panic!("{}: exit code {code}: {said}", file.display()),
+        _ => panic!("{}: exit code {code}: {stderr}", file.display()),
     }
     code == 0
 }

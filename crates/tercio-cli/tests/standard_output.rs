@@ -1,14 +1,14 @@
-//! Standard output that takes nothing is an error, for everything that is written there.
+//! Standard output that cannot be written is an error, for every command that writes there.
 #![cfg(target_os = "linux")]
 
 mod common;
 
 use std::process::{Command, Stdio};
 
-use common::{Place, Said};
+use common::{Outcome, Place};
 
 /// Runs the program from a shell, with a redirection.
-fn shell(place: &Place, arguments: &str, redirection: &str) -> Said {
+fn shell(place: &Place, arguments: &str, redirection: &str) -> Outcome {
     let mut command = Command::new("sh");
     command.args(["-c", &format!("\"$0\" {arguments} {redirection}"), env!("CARGO_BIN_EXE_tercio")]);
     command.current_dir(place.path("")).stdin(Stdio::null()).output().expect("a shell").into()
@@ -17,7 +17,7 @@ fn shell(place: &Place, arguments: &str, redirection: &str) -> Said {
 #[test]
 fn closed_and_full_standard_output_is_an_error() {
     let place = Place::new();
-    place.run("render model.off -o a.png --size 32x24").quietly_well();
+    place.run("render model.off -o a.png --size 32x24").ok_silently();
     let commands = [
         ("--help", 1),
         ("--version", 1),
@@ -35,22 +35,22 @@ fn closed_and_full_standard_output_is_an_error() {
     for (arguments, code) in commands {
         shell(&place, arguments, ">&-").failed(code, &["standard output", "closed"]);
         shell(&place, arguments, ">/dev/full").failed(code, &["standard output", "No space left"]);
-        // Open, but for reading.
+        // Open, but only for reading.
         shell(&place, arguments, "1</dev/null").failed(code, &["standard output"]);
-        // Whoever throws the output away may do so, whichever way it is opened.
+        // Output may be discarded, however the null device is opened.
         assert_eq!(shell(&place, arguments, ">/dev/null").code, Some(0), "{arguments}");
         assert_eq!(shell(&place, arguments, "1<>/dev/null").code, Some(0), "{arguments}");
     }
-    // Told before the model is looked for.
+    // Reported before the model is opened.
     shell(&place, "render missing.ply -o -", ">&-").failed(1, &["standard output", "closed"]);
-    // Whoever writes nothing there does not need it.
+    // A command that writes nothing there does not need it.
     let quiet = shell(&place, "render model.off -o c.png --size 64x48", ">&-");
     assert_eq!((quiet.code, quiet.stderr.as_str()), (Some(0), ""));
     assert_eq!(shell(&place, "compare a.png a.png --quiet", ">&-").code, Some(0));
 }
 
-/// Runs the program with a standard output that nobody reads any longer.
-fn unread(place: &Place, arguments: &str) -> Said {
+/// Runs the program with a pipe as standard output whose reader has closed it.
+fn unread(place: &Place, arguments: &str) -> Outcome {
     let (reader, writer) = std::io::pipe().expect("a pipe");
     drop(reader);
     place
@@ -63,10 +63,10 @@ fn unread(place: &Place, arguments: &str) -> Said {
 }
 
 #[test]
-fn a_reader_that_has_enough_changes_neither_the_answer_nor_other_outputs() {
+fn a_reader_that_closes_the_pipe_changes_neither_exit_code_nor_other_outputs() {
     let place = Place::new();
-    place.run("render model.off -o a.png --size 32x24").quietly_well();
-    place.run("render model.off -o b.png --size 32x24 --view top").quietly_well();
+    place.run("render model.off -o a.png --size 32x24").ok_silently();
+    place.run("render model.off -o b.png --size 32x24 --view top").ok_silently();
     for (arguments, code) in [
         ("compare a.png a.png", 0),
         ("compare a.png b.png", 1),
@@ -78,12 +78,12 @@ fn a_reader_that_has_enough_changes_neither_the_answer_nor_other_outputs() {
     }
     let size = "--size 256x256";
     unread(&place, &format!("render model.off -o - --output-depth d.npy --stats s.json {size}"))
-        .quietly_well();
-    place.run(&format!("render model.off -o e.ppm --output-depth e.npy {size}")).quietly_well();
+        .ok_silently();
+    place.run(&format!("render model.off -o e.ppm --output-depth e.npy {size}")).ok_silently();
     assert_eq!(place.read("d.npy"), place.read("e.npy"));
     assert!(place.read("s.json").ends_with(b"}\n"));
     unread(&place, &format!("render model.off -o f.ppm --output-depth - --stats t.json {size}"))
-        .quietly_well();
+        .ok_silently();
     assert_eq!(place.read("f.ppm"), place.read("e.ppm"));
     assert!(place.read("t.json").ends_with(b"}\n"));
 }

@@ -1,4 +1,4 @@
-//! What a terminal is shown, and what a file or a pipe gets instead.
+//! Output on a terminal, and in a file or a pipe instead.
 #![cfg(target_os = "linux")]
 
 mod common;
@@ -12,8 +12,8 @@ use common::{OCTAHEDRON, Place};
 use rustix::fs::{Mode, OFlags, open};
 use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
 
-/// Runs a command whose standard error is a terminal; returns what the terminal was sent. `look` sees what it was sent so
-/// far.
+/// Runs a command whose standard error is a terminal; returns what the terminal received. `look` is called with what it
+/// has received so far.
 fn on_terminal(command: &mut Command, mut look: impl FnMut(&[u8])) -> String {
     let controller = openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY).unwrap();
     grantpt(&controller).unwrap();
@@ -26,11 +26,11 @@ fn on_terminal(command: &mut Command, mut look: impl FnMut(&[u8])) -> String {
         }
     }
     let mut child = command.stdout(Stdio::null()).stderr(terminal).spawn().expect("the program starts");
-    // The terminal is open in the child only, so that its end ends the reading.
+    // The terminal is open in the child only, so that reading ends when the child does.
     command.stderr(Stdio::null());
     let mut shown = Vec::new();
     let mut part = [0; 4096];
-    // Linux tells the end of a terminal as an error.
+    // Linux reports the end of a terminal as an error.
     let mut controller = File::from(controller);
     while let Ok(n @ 1..) = controller.read(&mut part) {
         shown.extend_from_slice(&part[..n]);
@@ -66,7 +66,7 @@ fn errors_and_warnings_are_coloured_as_usage_errors_are() {
     let warning = shown(&place, "info odd.off", &[]);
     assert!(warning.contains("\u{1b}[33m") && warning.contains("warning:"), "{warning:?}");
 
-    // A line that is written without taking memory.
+    // A line that is written without allocating.
     File::create(place.path("large.boxes")).unwrap().set_len(1 << 30).unwrap();
     let short = |variables: &[(&str, &str)]| {
         let mut shell = Command::new("sh");
@@ -88,7 +88,7 @@ fn errors_and_warnings_are_coloured_as_usage_errors_are() {
             assert!(!plain.contains('\u{1b}') && plain.contains(": "), "{variables:?}: {plain:?}");
         }
     }
-    // Elsewhere only whoever asks gets colours.
+    // Elsewhere colours appear only on request.
     assert!(place.run("info missing.ply").stderr.starts_with("error: "));
     let forced = place.command("info missing.ply").env("CLICOLOR_FORCE", "1").output().unwrap();
     assert!(forced.stderr.starts_with(b"\x1b["), "{:?}", String::from_utf8_lossy(&forced.stderr));
@@ -103,16 +103,17 @@ fn waiting(place: &Place, mode: &str) -> Child {
 }
 
 #[test]
-fn progress_is_told_in_lines_where_there_is_no_terminal() {
+fn progress_is_printed_in_lines_if_there_is_no_terminal() {
     let place = Place::new();
     let begin = Instant::now();
     let mut child = waiting(&place, "always");
     let mut lines = BufReader::new(child.stderr.take().unwrap()).lines();
-    // The model comes when three lines have; if none do, it comes at last, so that the test fails instead of waiting.
+    // The model is sent after three lines; if they never come, it is sent at last, so that the test fails instead of
+    // waiting.
     let mut stdin = child.stdin.take().unwrap();
-    let (told, are_told) = std::sync::mpsc::channel::<()>();
+    let (seen, are_seen) = std::sync::mpsc::channel::<()>();
     let feeder = std::thread::spawn(move || {
-        let _ = are_told.recv_timeout(std::time::Duration::from_secs(30));
+        let _ = are_seen.recv_timeout(std::time::Duration::from_secs(30));
         stdin.write_all(OCTAHEDRON.as_bytes()).unwrap();
     });
     let mut times = Vec::new();
@@ -120,9 +121,9 @@ fn progress_is_told_in_lines_where_there_is_no_terminal() {
         assert_eq!(lines.next().map(Result::unwrap).as_deref(), Some("progress: reading"));
         times.push(begin.elapsed().as_secs_f64());
     }
-    drop(told);
-    // The first line comes after half a second, the others a second behind the one before. A line may be seen late, by
-    // which the way to the next looks shorter, but never too early, counted from the beginning.
+    drop(seen);
+    // The first line comes after half a second, each other one a second after the one before. A line may be seen late,
+    // which makes the interval to the next one look shorter, but never too early, counted from the beginning.
     for (time, least) in times.iter().zip([0.5, 1.3, 2.1]) {
         assert!(*time >= least, "{times:?}");
     }
@@ -134,7 +135,7 @@ fn progress_is_told_in_lines_where_there_is_no_terminal() {
 }
 
 #[test]
-fn progress_is_told_on_terminals_only_unless_asked_for() {
+fn progress_is_shown_on_terminals_only_unless_requested() {
     let place = Place::new();
     for mode in ["auto", "never"] {
         let mut child = waiting(&place, mode);
@@ -143,11 +144,11 @@ fn progress_is_told_on_terminals_only_unless_asked_for() {
         let ended = child.wait_with_output().unwrap();
         assert_eq!((ended.status.code(), ended.stderr), (Some(0), vec![]), "{mode}");
     }
-    // A terminal is drawn to, with the control characters that take back what was drawn.
+    // On a terminal, control characters erase the progress again.
     let (reader, writer) = std::io::pipe().unwrap();
     let mut command = place.command("render - -o a.png --size 32x24");
     command.stdin(reader).env("TERM", "xterm");
-    // The model comes only when the terminal shows that it is waited for.
+    // The model is sent only when the terminal shows that the program waits for it.
     let mut writer = Some(writer);
     let shown = on_terminal(&mut command, |shown| {
         if shown.windows(7).any(|part| part == b"reading")

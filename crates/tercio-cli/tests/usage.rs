@@ -1,4 +1,4 @@
-//! Help, and arguments that make no sense.
+//! Help, and invalid arguments.
 
 mod common;
 
@@ -7,23 +7,23 @@ use common::Place;
 #[test]
 fn help_shows_commands_examples_and_groups() {
     let place = Place::new();
-    let help = place.run("--help").quietly_well();
+    let help = place.run("--help").ok_silently();
     for command in ["render", "info", "compare"] {
         assert!(help.text().contains(command));
-        let own = place.run(&format!("{command} --help")).quietly_well();
+        let own = place.run(&format!("{command} --help")).ok_silently();
         assert!(own.text().contains("Examples:") && own.text().contains("Exit code:"), "{command}");
     }
-    let render = place.run("render --help").quietly_well();
+    let render = place.run("render --help").ok_silently();
     for heading in ["Writing:", "Camera:", "Drawing:", "Tuning", "Running:"] {
         assert!(render.text().contains(heading), "{heading}");
     }
-    let version = place.run("--version").quietly_well();
+    let version = place.run("--version").ok_silently();
     assert_eq!(version.text(), format!("tercio {}\n", env!("CARGO_PKG_VERSION")));
 }
 
 #[test]
-fn wrong_usage_is_told_before_any_work() {
-    // The model does not exist: whoever looked for it first would exit with 1.
+fn wrong_usage_is_reported_before_any_work() {
+    // The model does not exist: opening it first would end with exit code 1.
     let place = Place::new();
     let cases = [
         ("", "--output"),
@@ -70,7 +70,7 @@ fn wrong_usage_is_told_before_any_work() {
 }
 
 #[test]
-fn commands_that_are_not_there_are_refused() {
+fn commands_without_their_arguments_are_refused() {
     let place = Place::new();
     place.run("bench").failed(2, &["bench"]);
     place.run("compare a.png").failed(2, &["<B>"]);
@@ -86,7 +86,7 @@ fn commands_that_are_not_there_are_refused() {
 #[test]
 fn a_program_without_mpi_tells_mpirun_how_to_build_one() {
     let place = Place::new();
-    let run = |arguments: &str, processes: &str| -> common::Said {
+    let run = |arguments: &str, processes: &str| -> common::Outcome {
         let mut command = place.command(arguments);
         command.env("OMPI_COMM_WORLD_SIZE", processes).output().expect("the program starts").into()
     };
@@ -95,6 +95,6 @@ fn a_program_without_mpi_tells_mpirun_how_to_build_one() {
     }
     run("render model.off -o a.png --organisation sort-first", "1").failed(1, &["--features mpi"]);
     assert_eq!(place.names(), ["model.off"]);
-    // One process is as good as none.
-    run("render model.off -o a.png", "1").quietly_well();
+    // A job of one process is the same as no job.
+    run("render model.off -o a.png", "1").ok_silently();
 }

@@ -1,17 +1,16 @@
-//! The models that lie beside the checkout and never enter it.
+//! Models beside the checkout, which are not part of the repository.
 
 use std::env;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
-/// The folder of the workspace's `Cargo.toml`, as it was when this crate was built.
+/// The folder of the workspace's `Cargo.toml` when this crate was built.
 pub fn workspace_root() -> PathBuf {
     let crate_root = Path::new(env!("CARGO_MANIFEST_DIR"));
     crate_root.ancestors().nth(2).unwrap_or(crate_root).to_path_buf()
 }
 
-/// The folder `shared/data` in or beside the checkout or one of the folders above it; `None` if there is
-/// none.
+/// The folder `shared/data` in or beside the checkout or one of its parent folders; `None` if there is none.
 pub fn shared_data() -> Option<PathBuf> {
     find_shared(&workspace_root())
 }
@@ -20,21 +19,21 @@ fn find_shared(from: &Path) -> Option<PathBuf> {
     from.ancestors().map(|folder| folder.join("shared/data")).find(|data| data.is_dir())
 }
 
-/// [`shared_data`] for a test that is nothing without it: where it is absent the test returns and says so.
+/// [`shared_data`] for a test that needs it: where it is absent, the test prints that it is skipped and returns.
 ///
 /// # Panics
-/// If the data is absent and the environment says `CI=true`: there a skipped test is a broken test.
+/// If the data is absent and the environment has `CI=true`: on CI no test may be skipped.
 pub fn require_shared(test_name: &str) -> Option<PathBuf> {
     let found = shared_data();
     if found.is_none() {
         assert!(!on_ci(), "{test_name}: ../shared is absent, and on CI it has to be there");
-        // Not `eprintln!`: the test harness hides that from those whose test passes.
+        // Not `eprintln!`: the test harness captures that if the test passes.
         let _ = writeln!(std::io::stderr(), "skipped: {test_name}: ../shared is absent");
     }
     found
 }
 
-/// True where the environment says `CI=true`.
+/// True if the environment has `CI=true`.
 pub fn on_ci() -> bool {
     env::var_os("CI").is_some_and(|value| value == "true")
 }

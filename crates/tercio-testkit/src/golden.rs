@@ -1,8 +1,8 @@
-//! Golden pictures: what a test drew when somebody looked at it and found it right.
+//! Golden pictures: what a test drew when somebody reviewed and accepted it.
 //!
-//! They lie in `tests/golden/<topic>/<name>.png` at the workspace root. A test that makes one has a name
-//! that begins with `golden_`, because `cargo xtask bless` runs the tests whose name holds "golden". Only
-//! that command writes golden pictures, and it shows the difference first.
+//! They are in `tests/golden/<topic>/<name>.png` at the workspace root. The names of their tests begin with `golden_`,
+//! because `cargo xtask bless` runs the tests whose name contains "golden". Only that command writes golden pictures,
+//! and it shows the difference first.
 
 use std::env;
 use std::path::{Path, PathBuf};

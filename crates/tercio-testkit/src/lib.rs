@@ -1,9 +1,9 @@
-//! What the tests share; never part of a release.
+//! Shared by the tests; never part of a release.
 //!
-//! [`data`] finds the models beside the checkout, [`picture`] reads, writes and compares pictures, and
-//! [`golden`] holds a test's picture against the one that was blessed. [`ray_caster`] tells what a picture should show,
-//! without any code of the renderer. Pictures are plain RGBA8 slices, so
-//! that every crate, the renderer itself too, can depend on this one in its tests.
+//! [`data`] finds the models beside the checkout, [`picture`] reads, writes and compares pictures, and [`golden`]
+//! compares a test's picture with the accepted one. [`ray_caster`] computes what a picture should show, without any
+//! code of the renderer. Pictures are plain RGBA8 slices, so that every crate, including the renderer, can use this one
+//! in its tests.
 //!
 //! # Example
 //!

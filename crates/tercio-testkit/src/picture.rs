@@ -24,7 +24,7 @@ pub enum PictureError {
     /// Not a PNG.
     #[error(transparent)]
     Decode(#[from] png::DecodingError),
-    /// Not to be made a PNG.
+    /// It cannot be encoded as a PNG.
     #[error(transparent)]
     Encode(#[from] png::EncodingError),
 }
@@ -121,14 +121,14 @@ impl Picture {
     }
 }
 
-/// Lifts small differences off the black, so that an eye finds a single pixel that is off by one.
+/// Brightens small differences, so that a single pixel that differs by one is visible.
 fn difference_color(expected: Option<[u8; 4]>, actual: Option<[u8; 4]>) -> [u8; 4] {
     let lift =
         |difference: u8| if difference == 0 { 0 } else { 64 + (u32::from(difference) * 191 / 255) as u8 };
     match (expected, actual) {
         (Some(a), Some(b)) => {
             let [red, green, blue, alpha] = [0, 1, 2, 3].map(|i| lift(a[i].abs_diff(b[i])));
-            // A difference in alpha alone is shown white: it has no colour of its own.
+            // A difference in alpha alone has no colour of its own and is shown white.
             [red.max(alpha), green.max(alpha), blue.max(alpha), 255]
         }
         _ => [255, 0, 255, 255],

@@ -1,26 +1,26 @@
-//! A plain ray caster in `f64`: what a renderer should have drawn, from code that no renderer shares.
+//! A plain ray caster in `f64`: what a renderer should draw, from code that shares nothing with it.
 //!
-//! Triangles are two-sided. A tree of boxes keeps models of a hundred thousand triangles affordable; nothing else is
-//! done for speed.
+//! Triangles are two-sided. A bounding volume hierarchy makes models of a hundred thousand triangles affordable;
+//! nothing else is done for speed.
 
 /// A point or a direction.
 pub type Vec3 = [f64; 3];
 
-/// Triangles to shoot rays at.
+/// Triangles to intersect with rays.
 #[derive(Debug)]
 pub struct RayCaster {
     corners: Vec<[Vec3; 3]>,
-    /// Numbers of triangles, leaf after leaf.
+    /// Triangle numbers, ordered by leaf.
     order: Vec<usize>,
     nodes: Vec<Node>,
 }
 
-/// Where a ray meets a triangle.
+/// Intersection of a ray with a triangle.
 #[derive(Clone, Copy, Debug)]
 pub struct Hit {
     /// Number of the triangle.
     pub triangle: usize,
-    /// Lengths of the ray's direction from its origin.
+    /// Distance from the ray's origin, in lengths of its direction.
     pub distance: f64,
     /// Weights of the three corners; they add up to 1.
     pub weight: [f64; 3],
@@ -30,15 +30,15 @@ pub struct Hit {
 struct Node {
     min: Vec3,
     max: Vec3,
-    /// First entry of `order` of a leaf, first of two neighbouring nodes of any other.
+    /// Leaf: first entry of `order`. Inner node: first of its two children, which are adjacent.
     first: usize,
-    /// Triangles of a leaf, 0 for any other node.
+    /// Number of triangles of a leaf, 0 for an inner node.
     count: usize,
 }
 
-/// Triangles of a leaf.
+/// Maximum number of triangles of a leaf.
 const LEAF: usize = 4;
-/// How far outside its edges, as a weight, a triangle still is hit, so that rays do not slip through a shared edge.
+/// Tolerance of the hit test outside the edges, as a weight, so that rays do not slip through a shared edge.
 const RIM: f64 = 1e-12;
 
 fn minus(a: Vec3, b: Vec3) -> Vec3 {
@@ -54,7 +54,7 @@ fn cross(a: Vec3, b: Vec3) -> Vec3 {
 }
 
 impl RayCaster {
-    /// Of these triangles, which keep their numbers.
+    /// Builds the hierarchy; triangles keep their numbers.
     pub fn new(corners: Vec<[Vec3; 3]>) -> Self {
         let order = (0..corners.len()).collect();
         let mut caster = Self { corners, order, nodes: Vec::new() };
@@ -68,8 +68,8 @@ impl RayCaster {
         caster
     }
 
-    /// Finds the box of a node; cuts it at the middle triangle of its longest side if it holds many. Returns the first of
-    /// two new nodes.
+    /// Computes the box of a node; splits it at the median triangle along its longest side if it holds many. Returns
+    /// the first of two new nodes.
     fn split(&mut self, node: usize) -> Option<usize> {
         let (first, count) = (self.nodes[node].first, self.nodes[node].count);
         let corners = &self.corners;
@@ -97,7 +97,7 @@ impl RayCaster {
         Some(children)
     }
 
-    /// The nearest triangle that a ray meets at a distance above `from`.
+    /// The nearest triangle hit by a ray at a distance above `from`.
     pub fn first_hit(&self, origin: Vec3, direction: Vec3, from: f64) -> Option<Hit> {
         let mut best: Option<Hit> = None;
         let mut open = vec![0];
@@ -125,7 +125,7 @@ impl RayCaster {
         best
     }
 
-    /// Where a ray meets the plane of a triangle, inside the triangle or not; `None` if it runs along the plane.
+    /// Intersection of a ray with the plane of a triangle, inside the triangle or not; `None` if they are parallel.
     pub fn meet(&self, triangle: usize, origin: Vec3, direction: Vec3) -> Option<Hit> {
         let [a, b, c] = self.corners[triangle];
         let (u, v, from_a) = (minus(b, a), minus(c, a), minus(origin, a));
@@ -141,7 +141,7 @@ impl RayCaster {
     }
 }
 
-/// Does a ray come through a node's box before a distance?
+/// Whether a ray enters a node's box before a distance.
 fn crosses(node: &Node, origin: Vec3, direction: Vec3, farthest: f64) -> bool {
     let (mut enter, mut leave) = (f64::NEG_INFINITY, farthest);
     for k in 0..3 {
@@ -155,7 +155,7 @@ fn crosses(node: &Node, origin: Vec3, direction: Vec3, farthest: f64) -> bool {
         enter = enter.max(at[0].min(at[1]));
         leave = leave.min(at[0].max(at[1]));
     }
-    // A box may be flat, and a ray through its side is not to miss it for a rounding.
+    // A box may be flat: a ray through its side must not miss it by a rounding error.
     enter <= leave + 1e-9 * leave.abs().min(1e300)
 }
 

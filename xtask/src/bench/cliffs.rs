@@ -1,4 +1,4 @@
-//! Scenes on which renderers are known to break down: nowhere may tercio be slower than llvmpipe.
+//! Scenes on which renderers are known to be slow: tercio may be slower than llvmpipe on none of them.
 
 use anyhow::Result;
 
@@ -14,26 +14,26 @@ pub struct Scene {
     pub file: &'static str,
     size: u32,
     camera: Place,
-    /// Views in a turn, where one of them takes long.
+    /// Upper bound on the views of a turn, for scenes in which a view takes long.
     most_frames: u32,
     /// Further arguments of `tercio bench`.
     arguments: &'static [&'static str],
 }
 
-/// Where the camera stands.
+/// Position of the camera.
 #[derive(Clone, Copy)]
 enum Place {
-    /// It walks round the model.
+    /// It moves round the model.
     Walking,
-    /// Before the middle of a plane scene, which fills the picture.
+    /// In front of the middle of a planar scene, which fills the picture.
     BeforePlane,
     /// In the middle of the model.
     Inside,
-    /// So far away that the model's longest edge is that many pixels of a picture of 1024.
+    /// So far away that the model's longest edge is this many pixels of a picture of 1024.
     Away(f64),
 }
 
-/// Vertical angle of view of cameras that stand still, degrees.
+/// Vertical angle of view of fixed cameras, degrees.
 const FOV: f64 = 40.0;
 
 const SCENE: Scene =
@@ -156,7 +156,7 @@ pub fn measure(programs: &Programs, models: &Index, effort: Effort, report: &mut
     let columns =
         ["scene", "pixels covered", "tercio", "tercio, 1 thread", "llvmpipe", "llvmpipe / tercio", "bar", ""];
     report.table("No cliffs", &introduction, &columns);
-    let mut told = String::new();
+    let mut rival_versions = String::new();
     for scene in &SCENES {
         let Some(model) = models.get(scene.file) else { continue };
         let task = scene.task(model, effort);
@@ -167,7 +167,7 @@ pub fn measure(programs: &Programs, models: &Index, effort: Effort, report: &mut
                 runs[i].push(run);
             }
         }
-        told = versions(&here, runs.iter().filter_map(|runs| runs.first()));
+        rival_versions = versions(&here, runs.iter().filter_map(|runs| runs.first()));
         let covered = runs[0][0].pixels.first().map_or(0, |(_, pixels)| *pixels).to_string();
         let (ours, alone) = (digits(median_ms(&runs[0])), digits(median_ms(&runs[1])));
         match runs.get(2) {
@@ -181,6 +181,6 @@ pub fn measure(programs: &Programs, models: &Index, effort: Effort, report: &mut
             None => report.row(&[scene.title, &covered, &ours, &alone, "–", "–", "–", "not measured"]),
         }
     }
-    report.note(&told);
+    report.note(&rival_versions);
     Ok(())
 }

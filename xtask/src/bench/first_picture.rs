@@ -14,13 +14,13 @@ use super::report::{Bar, Report, digits};
 use super::run::median;
 use crate::models::{Index, Model};
 
-/// A file and its bars.
+/// A file and its limits.
 pub struct Subject {
     title: &'static str,
     pub file: &'static str,
-    /// Seconds, at most.
+    /// Upper limit of the time in seconds.
     seconds: f64,
-    /// Peak memory in sizes of the file, at most.
+    /// Upper limit of the peak memory, in multiples of the file's size.
     file_sizes: Option<f64>,
 }
 
@@ -37,12 +37,12 @@ pub const SUBJECTS: [Subject; 5] = [
     Subject { title: "dragon, binary STL", file: "first/dragon.stl", seconds: 0.3, file_sizes: None },
 ];
 
-/// Part of the time that PNG may take.
+/// Upper limit of the share of time that writing the PNG takes.
 const PNG: f64 = 0.5;
-/// Runs of each file, more than turns of the other tables: one takes little time.
+/// Runs of each file in a round, more than in the other tables: one run takes little time.
 const RUNS_A_ROUND: u32 = 3;
 
-/// What `--stats` tells of the stages: a column each, and where the milliseconds stand that it adds up.
+/// Stages of `--stats`: one column each, and the JSON pointers whose milliseconds it adds up.
 const STAGES: [(&str, &[&str]); 6] = [
     ("read", &["/load/milliseconds/read"]),
     ("repair", &["/load/milliseconds/clean", "/load/milliseconds/weld"]),
@@ -79,7 +79,7 @@ pub fn measure(programs: &Programs, models: &Index, effort: Effort, report: &mut
     }
     let introduction = format!(
         "Wall time of the process and its peak memory (`ru_maxrss`), medians of {} runs, {THREADS} threads; the \
-         files have no normals. The stages are those that `--stats` tells, in milliseconds.",
+         files have no normals. The stages are those that `--stats` reports, in milliseconds.",
         effort.rounds * RUNS_A_ROUND
     );
     let columns = ["file", "MB", "seconds", "peak MB"].into_iter().chain(STAGES.map(|(name, _)| name));
@@ -124,7 +124,7 @@ fn median_of(runs: &[Run], number: impl Fn(&Run) -> f64) -> f64 {
     median(runs.iter().map(number).collect())
 }
 
-/// Draws a file; the time runs from before the process starts until it is gone.
+/// Draws a file; the time is that of the whole process, from before its start to its end.
 fn draw(tercio: &Path, file: &Path) -> Result<Run> {
     let folder = tempfile::tempdir()?;
     let (picture, stats) = (folder.path().join("picture.png"), folder.path().join("stats.json"));
@@ -140,8 +140,8 @@ fn draw(tercio: &Path, file: &Path) -> Result<Run> {
     let mut stages = [0.0; STAGES.len()];
     for ((name, places), milliseconds) in STAGES.iter().zip(&mut stages) {
         for place in *places {
-            let told = stats.pointer(place).and_then(Value::as_f64);
-            *milliseconds += told.with_context(|| format!("--stats tells no {place}, for \"{name}\""))?;
+            let time = stats.pointer(place).and_then(Value::as_f64);
+            *milliseconds += time.with_context(|| format!("--stats has no {place}, for \"{name}\""))?;
         }
     }
     Ok(Run { seconds, peak_bytes: end.rusage.maxrss as f64, stages })

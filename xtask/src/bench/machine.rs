@@ -1,4 +1,4 @@
-//! The machine, compiler and rivals that a table of times belongs to.
+//! The machine, compiler and other programs that a table of times belongs to.
 
 use std::process::Command;
 

@@ -1,9 +1,9 @@
-//! `cargo xtask bench`: how fast tercio is on this machine, beside others.
+//! `cargo xtask bench`: the speed of tercio on this machine, beside that of other programs.
 //!
-//! Three tables: frames of a model that turns ([`turning`]), whole runs from a file to a picture
-//! ([`first_picture`]), and scenes on which renderers are known to break down ([`cliffs`]). All programs draw the
-//! same files from the same cameras, in turns, so that what else the machine does meets all of them alike, and
-//! every ratio is taken inside one turn.
+//! Three tables: frames of a model that turns ([`turning`]), whole runs from a file to a picture ([`first_picture`]),
+//! and scenes on which renderers are known to be slow ([`cliffs`]). All programs draw the same files from the same
+//! cameras, in turns, so that other load of the machine affects all of them alike, and every ratio is taken within one
+//! turn.
 
 mod cliffs;
 mod first_picture;
@@ -27,10 +27,10 @@ use report::Report;
 /// Arguments of `cargo xtask bench`.
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// Measures these tables only, and writes nothing unless --output is given
+    /// Measure these tables only, and write nothing unless --output is given
     #[arg(long, value_enum, value_delimiter = ',')]
     only: Vec<Table>,
-    /// Turns that every program has
+    /// Turns of every program
     #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=1000))]
     rounds: u32,
     /// Views in a turn
@@ -48,7 +48,7 @@ enum Table {
     Turning,
     /// Whole runs from a file to a picture
     FirstPicture,
-    /// Scenes on which renderers break down
+    /// Scenes on which renderers are known to be slow
     Cliffs,
 }
 
@@ -63,7 +63,7 @@ impl Table {
     }
 }
 
-/// How long is measured.
+/// How much is measured.
 #[derive(Clone, Copy)]
 struct Effort {
     rounds: u32,

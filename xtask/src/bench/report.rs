@@ -13,12 +13,12 @@ pub struct Report {
     raw: String,
 }
 
-/// A bar, and where we stand.
+/// A limit on a measured value.
 #[derive(Clone, Copy)]
 pub enum Bar {
-    /// At most that much.
+    /// An upper limit.
     Most(f64),
-    /// At least that much.
+    /// A lower limit.
     Least(f64),
 }
 
@@ -30,7 +30,7 @@ impl Bar {
         }
     }
 
-    /// What the table says.
+    /// The text of the table.
     pub fn verdict(self, measured: f64) -> &'static str {
         if self.holds(measured) { "held" } else { "**not held**" }
     }
@@ -59,7 +59,7 @@ impl Report {
         let _ = writeln!(self.text, "|{}|", rule.join("|"));
     }
 
-    /// Adds a row to the table, and shows it to who waits.
+    /// Adds a row to the table, and prints it as progress.
     pub fn row<T: AsRef<str>>(&mut self, cells: &[T]) {
         let cells: Vec<_> = cells.iter().map(AsRef::as_ref).collect();
         let line = format!("| {} |", cells.join(" | "));
@@ -67,16 +67,16 @@ impl Report {
         let _ = writeln!(self.text, "{line}");
     }
 
-    /// Adds a row that says whether a bar is passed: `subject`, `what` is measured, `measured`.
+    /// Adds a row that says whether `measured` is within the limit: `what` was measured of `subject`.
     pub fn judge(&mut self, subject: &str, what: &str, measured: f64, bar: Bar) {
         let verdict = bar.verdict(measured);
         self.row(&[subject, what, &digits(measured), &bar.to_string(), verdict]);
     }
 
     /// Keeps a raw run.
-    pub fn keep(&mut self, table: &str, subject: &str, program: &str, round: u32, told: &Value) {
+    pub fn keep(&mut self, table: &str, subject: &str, program: &str, round: u32, run: &Value) {
         let line =
-            json!({ "table": table, "subject": subject, "program": program, "round": round, "run": told });
+            json!({ "table": table, "subject": subject, "program": program, "round": round, "run": run });
         let _ = writeln!(self.raw, "{line}");
     }
 
@@ -85,7 +85,7 @@ impl Report {
         let _ = write!(self.text, "\n{text}\n");
     }
 
-    /// Tells how busy the machine was at the end: what else runs makes all times longer.
+    /// Notes the load of the machine at the end: other programs make all times longer.
     pub fn note_load(&mut self) {
         let load = std::fs::read_to_string("/proc/loadavg").unwrap_or_default();
         let minute = load.split(' ').next().filter(|l| !l.is_empty()).unwrap_or("unknown");
@@ -107,7 +107,7 @@ impl Report {
     }
 }
 
-/// A number with as many digits as a measurement has.
+/// A number rounded to the digits that a measurement has.
 pub fn digits(value: f64) -> String {
     match value.abs() {
         v if v >= 1000.0 => format!("{value:.0}"),

@@ -1,4 +1,4 @@
-//! One turn of one program, and what many turns say.
+//! One turn of one program, and statistics over turns.
 
 use std::path::PathBuf;
 
@@ -10,7 +10,7 @@ use super::programs::Program;
 /// What is drawn.
 #[derive(Clone, Debug)]
 pub struct Task {
-    /// How the tables call it.
+    /// Its name in the tables.
     pub title: String,
     /// Binary PLY with normals.
     pub model: PathBuf,
@@ -18,54 +18,54 @@ pub struct Task {
     pub size: (u32, u32),
     /// Number of views.
     pub frames: u32,
-    /// Further arguments of `tercio bench`: where the camera stands, how many copies. The others are given its
-    /// cameras.
+    /// Further arguments of `tercio bench`: position of the camera, number of copies. The other programs use the
+    /// cameras that it reports.
     pub arguments: Vec<String>,
 }
 
-/// What one turn of a program told.
+/// The report of one turn of a program.
 #[derive(Clone, Debug)]
 pub struct Run {
     /// Median of the frames.
     pub median_ms: f64,
-    /// Pixels that show the model: a number of the view, and how many.
+    /// Pixels that show the model: the number of the view, and the count.
     pub pixels: Vec<(usize, u64)>,
-    /// All that the program wrote, as JSON.
-    pub told: Value,
+    /// Everything that the program printed, as JSON.
+    pub output: Value,
 }
 
 impl Run {
     /// From JSON with `views`, each of which has `milliseconds` and `pixels`.
-    pub fn of_views(told: Value) -> Result<Self> {
-        let views = told["views"].as_array().context("no \"views\"")?;
+    pub fn of_views(output: Value) -> Result<Self> {
+        let views = output["views"].as_array().context("no \"views\"")?;
         let times = views.iter().map(|v| v["milliseconds"].as_f64()).collect::<Option<Vec<_>>>();
         let pixels = views.iter().map(|v| v["pixels"].as_u64()).collect::<Option<Vec<_>>>();
         let median_ms = median(times.context("a view without \"milliseconds\"")?);
         let pixels = pixels.context("a view without \"pixels\"")?.into_iter().enumerate().collect();
-        Ok(Self { median_ms, pixels, told })
+        Ok(Self { median_ms, pixels, output })
     }
 
-    /// What is kept of the turn: the time of each frame in milliseconds, and every single fact that was told.
+    /// The part of the turn that is recorded: the time of each frame in milliseconds, and all scalar values.
     pub fn kept(&self) -> Value {
-        let facts = self.told.as_object().into_iter().flatten();
+        let facts = self.output.as_object().into_iter().flatten();
         let mut kept: Map<_, _> = facts
-            // The model's place is this run's own folder; the subject of the run names it.
+            // The path of the model is specific to this run; the subject of the run names it.
             .filter(|(k, v)| *k != "model" && !v.is_array() && !v.is_object())
             .map(|(k, v)| (k.clone(), short(v)))
             .collect();
-        if let Some(views) = self.told["views"].as_array() {
+        if let Some(views) = self.output["views"].as_array() {
             kept.insert("frame_ms".into(), views.iter().map(|view| short(&view["milliseconds"])).collect());
         }
         Value::Object(kept)
     }
 
-    /// A number that the program told by this name.
+    /// The number of this name in the program's output.
     pub fn number(&self, name: &str) -> Result<f64> {
-        self.told[name].as_f64().with_context(|| format!("no number \"{name}\""))
+        self.output[name].as_f64().with_context(|| format!("no number \"{name}\""))
     }
 
-    /// Fails unless both have drawn about the same: as many pixels to one part in a hundred, or four pixels, by
-    /// which borders may differ.
+    /// Fails unless both have drawn about the same: the numbers of pixels may differ by one part in a hundred, or by
+    /// four, as the rules for edges differ.
     pub fn check_same_picture(&self, other: &Self) -> Result<()> {
         for &(view, pixels) in &self.pixels {
             let Some(&(_, theirs)) = other.pixels.iter().find(|(v, _)| *v == view) else { continue };
@@ -79,7 +79,7 @@ impl Run {
     }
 }
 
-/// A number without digits that no clock measures; anything else as it is.
+/// A number without digits beyond the precision of a clock; anything else as it is.
 fn short(value: &Value) -> Value {
     match value.as_f64() {
         Some(number) if value.is_f64() => ((number * 1e4).round() / 1e4).into(),
@@ -87,10 +87,10 @@ fn short(value: &Value) -> Value {
     }
 }
 
-/// Name and version of each program that told its version.
+/// Name and version of each program that reports its version.
 pub fn versions<'a>(programs: &[Program], runs: impl IntoIterator<Item = &'a Run>) -> String {
     let version = |(program, run): (&Program, &Run)| {
-        Some(format!("{}: {}", program.name(), run.told["version"].as_str()?))
+        Some(format!("{}: {}", program.name(), run.output["version"].as_str()?))
     };
     let versions: Vec<_> = programs.iter().zip(runs).filter_map(version).collect();
     if versions.is_empty() { String::new() } else { format!("Versions: {}.", versions.join("; ")) }
@@ -105,12 +105,12 @@ pub fn median(mut values: Vec<f64>) -> f64 {
     values[values.len() / 2]
 }
 
-/// Median over the turns of one program's time, in milliseconds.
+/// Median time of one program over the turns, in milliseconds.
 pub fn median_ms(turns: &[Run]) -> f64 {
     median(turns.iter().map(|run| run.median_ms).collect())
 }
 
-/// Median over the turns of how many times as long `slow` takes as `fast` in the same turn.
+/// Median over the turns of the time of `slow` divided by that of `fast` in the same turn.
 pub fn ratio(slow: &[Run], fast: &[Run]) -> f64 {
     median(slow.iter().zip(fast).map(|(s, f)| s.median_ms / f.median_ms).collect())
 }
@@ -145,17 +145,17 @@ mod tests {
     #[test]
     fn times_and_facts_are_kept() {
         let views = json!([{ "milliseconds": 1.23456789, "pixels": 9, "camera": { "near": null } }]);
-        let told = json!({ "version": "1", "triangles": 7, "last_frame": {}, "views": views });
+        let output = json!({ "version": "1", "triangles": 7, "last_frame": {}, "views": views });
         let kept = json!({ "version": "1", "triangles": 7, "frame_ms": [1.2346] });
-        assert_eq!(Run::of_views(told).unwrap().kept(), kept);
+        assert_eq!(Run::of_views(output).unwrap().kept(), kept);
     }
 
     #[test]
     fn incomplete_reports_are_refused() {
-        for told in
+        for output in
             [json!({}), json!({ "views": [{ "pixels": 1 }] }), json!({ "views": [{ "milliseconds": 1 }] })]
         {
-            assert!(Run::of_views(told).is_err());
+            assert!(Run::of_views(output).is_err());
         }
     }
 }

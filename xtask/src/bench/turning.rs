@@ -8,13 +8,13 @@ use super::report::{Bar, Report, digits};
 use super::run::{Run, Task, median, median_ms, ratio, versions};
 use crate::models::Index;
 
-/// A model and its bars.
+/// A model and its limits.
 pub struct Subject {
     title: &'static str,
     pub file: &'static str,
-    /// Frame time of two threads in that of the floor on one core, at most.
+    /// Upper limit of the frame time of two threads, divided by that of the floor on one core.
     of_floor: f64,
-    /// Frame time of llvmpipe in ours, at least.
+    /// Lower limit of the frame time of llvmpipe, divided by tercio's.
     of_llvmpipe: f64,
     /// Large enough for two threads to share the work well.
     scales: bool,
@@ -33,11 +33,11 @@ pub const SUBJECTS: [Subject; 4] = [
     Subject { title: "gyroid", file: "gyroid.ply", of_floor: 0.2, of_llvmpipe: 35.0, scales: true },
 ];
 
-/// How many times as fast two threads have to be.
+/// Lower limit of the speed-up of two threads over one.
 const SCALING: f64 = 1.85;
-/// Million triangles a second that are cut into clusters, two threads.
+/// Lower limit of the speed of the partition with two threads, million triangles a second.
 const PARTITION: f64 = 20.0;
-/// Bytes of positions and connectivity a triangle.
+/// Upper limit of the bytes of positions and connectivity per triangle.
 const BYTES_A_TRIANGLE: f64 = 16.0;
 
 const TERCIO: Program = Program::Tercio { threads: THREADS, cull_back: false };
@@ -60,7 +60,7 @@ const PROGRAMS: [Program; 9] = [
     Program::Embree,
 ];
 
-/// The turns of all programs on one model.
+/// The turns of all programs with one model.
 struct Turns<'a> {
     subject: &'a Subject,
     triangles: u64,
@@ -153,8 +153,8 @@ fn million_triangles(all: &[Turns], report: &mut Report) {
 }
 
 fn bars(all: &[Turns], report: &mut Report) -> Result<()> {
-    let introduction = "Ratios are medians over the turns of ratios inside one turn. Embree's tree building is not \
-        counted; what it takes stands in the last rows.";
+    let introduction = "Ratios are medians over the turns of ratios within one turn. Building Embree's tree is not \
+        counted; the last rows have its time.";
     report.table("Bars", introduction, &["model", "what", "measured", "bar", ""]);
     for turns in all {
         let (title, subject) = (turns.subject.title, turns.subject);
@@ -174,7 +174,7 @@ fn bars(all: &[Turns], report: &mut Report) -> Result<()> {
         }
         if subject.scales {
             report.judge(title, "one thread / two threads", ratio(alone, ours), Bar::Least(SCALING));
-            // Each run partitions the model once, whatever it draws then.
+            // Each run partitions the model once, whatever it then draws.
             let with_all_threads = [Some(ours), turns.of(TERCIO_CULLED)].into_iter().flatten().flatten();
             let seconds = median_of(with_all_threads, "partition_ms")? / 1e3;
             let rate = turns.triangles as f64 / seconds / 1e6;

@@ -1,4 +1,4 @@
-//! What is counted. All of it runs in one thread and at the AVX2 level, the widest that valgrind knows.
+//! The cases that are counted. All run in one thread and at the AVX2 level, the widest that valgrind supports.
 
 use std::path::Path;
 
@@ -11,13 +11,13 @@ use crate::models::formats::{self, Writer};
 pub enum Case {
     /// A frame of `tercio bench` of a built-in model, in a square picture.
     Frame { model: &'static str, size: u32 },
-    /// From a file of a built-in model, without normals, to a picture so small that only the file counts.
+    /// From a file of a built-in model, without normals, to a picture so small that reading the file dominates.
     File { model: &'static str, file: &'static str, write: Writer },
     /// From a small built-in model to a PNG.
     Png { model: &'static str, size: &'static str },
 }
 
-/// Small triangles, large ones, many layers of them; each reader; the writer.
+/// Small triangles, large triangles, many layers; each reader; the PNG writer.
 pub const CASES: [Case; 8] = [
     Case::Frame { model: "builtin:sphere@100k", size: 256 },
     Case::Frame { model: "builtin:teapot@2k", size: 512 },
@@ -29,11 +29,11 @@ pub const CASES: [Case; 8] = [
     Case::Png { model: "builtin:sphere@1k", size: "1280x720" },
 ];
 
-/// Everything that makes a run the same each time.
+/// Options that make a run the same each time.
 const FIXED: [&str; 5] = ["--threads", "1", "--simd", "avx2", "--quiet"];
 
 impl Case {
-    /// Names and instructions.
+    /// Names and instruction counts.
     ///
     /// # Errors
     /// The program does not run.
@@ -64,14 +64,14 @@ impl Case {
 }
 
 struct FrameCounts {
-    /// All before the views: the model, its clusters, the first two frames.
+    /// All before the views: loading the model, making its clusters, the first two frames.
     making: u64,
-    /// One frame, the mean of some views.
+    /// One frame, the mean of several views.
     frame: u64,
 }
 
-/// Two runs that differ only in their number of views: what they differ in is the views. The shorter run draws the
-/// first view alone, the longer one draws it too.
+/// Two runs that differ only in their number of views, so their difference is the cost of the additional views. Both
+/// draw the first view.
 fn frame(tercio: &Path, folder: &Path, model: &str, size: u32) -> Result<FrameCounts> {
     const VIEWS: u64 = 5;
     let size = format!("{size}x{size}");

@@ -1,9 +1,9 @@
-//! `cargo xtask counts`: how many instructions fixed frames and fixed files take, beside the numbers in
+//! `cargo xtask counts`: counts the instructions of fixed frames and fixed files, and compares them with
 //! `tests/counts.toml`.
 //!
-//! Times differ from run to run by more than most changes are worth. The instructions that one thread executes do
-//! not: they are the same to one part in ten thousand, on any machine, as long as the compiler is the same.
-//! Callgrind counts them. What they do not show is waiting for memory; that is what `cargo xtask bench` is for.
+//! Times vary from run to run by more than most changes gain. The number of instructions that one thread executes does
+//! not: it is the same to one part in ten thousand, on any machine, as long as the compiler is the same. Callgrind
+//! counts them. They do not show waiting for memory; that is what `cargo xtask bench` is for.
 
 mod callgrind;
 mod cases;
@@ -22,14 +22,14 @@ use recorded::{Recorded, Verdict};
 /// Arguments of `cargo xtask counts`.
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// Writes the new numbers to tests/counts.toml
+    /// Write the new numbers to tests/counts.toml
     #[arg(long)]
     accept: bool,
 }
 
 const NEEDS_AVX2: &str = "AVX2 code is counted, and this processor has no AVX2";
 
-/// Counts, and compares or accepts.
+/// Counts, and compares or records.
 ///
 /// # Errors
 /// Something does not build or run, or a count has changed and was not accepted.
@@ -48,8 +48,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     Ok(())
 }
 
-/// Compares with the recorded counts, and prints a line each. A changed count is a failure; where the compiler is
-/// another than that of the record it is so on CI only.
+/// Compares with the recorded counts, and prints a line each. A changed count is a failure; if the compiler is not that
+/// of the record, only on CI.
 ///
 /// # Errors
 /// Something does not build or run.

@@ -1,4 +1,4 @@
-//! The counts that are kept in the repository.
+//! The counts that are recorded in the repository.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -7,7 +7,7 @@ use anyhow::{Context as _, Result};
 use serde::{Deserialize, Serialize};
 use tercio_testkit::workspace_root;
 
-/// Part by which a count may differ. Runs differ by less than a hundredth of that; the rest is for other versions of
+/// Relative difference that is allowed. Runs differ by less than a hundredth of this; the rest is for other versions of
 /// the C library.
 const TOLERANCE: f64 = 0.02;
 
@@ -21,37 +21,37 @@ const HEADING: &str = "\
 #[derive(Debug, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Recorded {
-    /// Compiler and target: with others the counts are others.
+    /// Compiler and target: the counts depend on both.
     pub made_by: String,
     /// By name.
     pub instructions: BTreeMap<String, u64>,
 }
 
-/// What became of a count.
+/// Result of comparing a count.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
-    /// It is what it was, inside the tolerance.
+    /// As recorded, within the tolerance.
     Same,
-    /// There are more: it became slower.
+    /// More instructions: it became slower.
     More,
-    /// There are fewer, and the record has to follow or it would let that much be lost again.
+    /// Fewer instructions. The record has to be updated; otherwise the gain could be lost again unnoticed.
     Fewer,
-    /// It was not recorded.
+    /// Not recorded.
     New,
 }
 
 impl Recorded {
-    /// From the repository.
+    /// Reads the record from the repository.
     ///
     /// # Errors
-    /// The file is not there or not what it should be.
+    /// The file is missing or malformed.
     pub fn read() -> Result<Self> {
         let path = file();
         let text = std::fs::read_to_string(&path).with_context(|| format!("reading {}", path.display()))?;
         toml::from_str(&text).with_context(|| format!("reading {}", path.display()))
     }
 
-    /// Into the repository.
+    /// Writes the record into the repository.
     ///
     /// # Errors
     /// The file cannot be written.

@@ -1,9 +1,8 @@
 //! `cargo xtask fuzz`: coverage-guided fuzzing from the bytes of a file to the pixels, with the stable toolchain.
 //!
-//! The targets in `fuzz/` have the layout of cargo-fuzz and run under it, too. cargo-fuzz asks for a
-//! nightly compiler because of its sanitizers; the coverage instrumentation that libFuzzer steers by needs
-//! only code generation flags, and the readers are safe Rust, where a sanitizer finds little that overflow
-//! checks and panics do not.
+//! The targets in `fuzz/` have the layout of cargo-fuzz and run under it, too. cargo-fuzz needs a nightly compiler
+//! because of its sanitizers; the coverage instrumentation that guides libFuzzer needs only code generation flags, and
+//! the readers are safe Rust, where a sanitizer finds little that overflow checks and panics do not.
 
 mod seeds;
 
@@ -20,7 +19,7 @@ use tercio_testkit::workspace_root;
 use crate::libtest::Counts;
 use crate::process;
 
-/// The instrumentation that libFuzzer reads, as cargo-fuzz asks for it, without a sanitizer.
+/// The instrumentation that libFuzzer reads, with the flags of cargo-fuzz, without a sanitizer.
 const COVERAGE: [&str; 6] = [
     "--cfg=fuzzing",
     "-Cpasses=sancov-module",
@@ -30,7 +29,7 @@ const COVERAGE: [&str; 6] = [
     "-Cllvm-args=-sanitizer-coverage-trace-compares",
 ];
 
-/// The largest input in bytes: seeds are no larger either. A parser's states are all reached by small files.
+/// Largest input in bytes; seeds are no larger either. Small files reach all states of a parser.
 const LARGEST_INPUT: u64 = 64 << 10;
 
 /// A program in `fuzz/fuzz_targets`.
@@ -47,7 +46,7 @@ enum Target {
     Off,
     /// Decompression, the choice of the reader, and the reader
     SniffRead,
-    /// All of loading, and a small picture by three renderers that must agree
+    /// Loading with all its steps, and a small picture from three renderers that must agree
     Picture,
     /// Prepared models, and a small picture of them
     Prepared,
@@ -70,12 +69,12 @@ impl Target {
 /// Arguments of `cargo xtask fuzz`.
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// The target; all, one after the other, where none is given
+    /// The target [default: all, one after the other]
     target: Option<Target>,
     /// How long each target runs
     #[arg(long, default_value_t = 60)]
     seconds: u64,
-    /// Run this file once instead, such as one that was found to fail
+    /// Run this file once instead, such as an input that failed
     #[arg(long, value_name = "FILE", requires = "target")]
     input: Option<PathBuf>,
     /// Merge the corpora first, even small ones
@@ -83,8 +82,8 @@ pub struct Arguments {
     merge: bool,
 }
 
-/// A corpus of more files than this is merged before it is used: of the files that reach the same code only the smallest
-/// stay.
+/// A corpus with more files than this is merged before use: of the files that reach the same code only the smallest are
+/// kept.
 const MOST_FILES: usize = 2_000;
 
 /// Fuzzes one target or all.
@@ -112,7 +111,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     Ok(())
 }
 
-/// Fuzzes every target for a short time; each of them is one check.
+/// Fuzzes every target for a short time; each target is one check.
 pub fn short_runs(time: Duration) -> Counts {
     let mut counts = Counts::default();
     let programs = build();
@@ -129,11 +128,11 @@ pub fn short_runs(time: Duration) -> Counts {
     counts
 }
 
-/// A cargo command on the fuzz workspace, for the host as a named target: so that `RUSTFLAGS` leave build
-/// scripts alone.
+/// A cargo command in the fuzz workspace, with the host as an explicit target, so that `RUSTFLAGS` do not apply to
+/// build scripts.
 ///
 /// # Errors
-/// Cargo or rustc do not answer.
+/// Cargo or rustc fail.
 pub fn cargo_in_fuzz(subcommand: &str) -> Result<Command> {
     let mut command = process::cargo();
     command.args([subcommand, "--release", "--manifest-path", "fuzz/Cargo.toml", "--target"]);
@@ -155,12 +154,12 @@ fn build() -> Result<PathBuf> {
 /// One input may take ten seconds and two gigabytes, as any malformed file may.
 const LIMITS: [&str; 2] = ["-timeout=10", "-rss_limit_mb=2048"];
 
-/// Where the inputs of a target lie that reached something new.
+/// The folder of a target's inputs that reached new code.
 fn corpus_of(target: Target) -> PathBuf {
     workspace_root().join("fuzz/corpus").join(target.name())
 }
 
-/// The option that says where failing inputs are put; the folder is there.
+/// The option that names the folder of failing inputs, which is created.
 fn artifacts_of(target: Target) -> Result<String> {
     let folder = workspace_root().join("fuzz/artifacts").join(target.name());
     fs::create_dir_all(&folder)?;
@@ -168,10 +167,10 @@ fn artifacts_of(target: Target) -> Result<String> {
     Ok(format!("-artifact_prefix={}/", folder.display()))
 }
 
-/// Keeps of a target's corpus the smallest files that reach the same code together.
+/// Reduces a target's corpus to the smallest files that reach the same code together.
 ///
 /// # Errors
-/// A file of the corpus fails: merging would leave it out, and nothing would show that it ever failed.
+/// A file of the corpus fails: merging would drop it, and the failure would go unnoticed.
 fn merge(target: Target, programs: &Path) -> Result<()> {
     let corpus = corpus_of(target);
     if !corpus.is_dir() {
@@ -199,7 +198,7 @@ fn merge(target: Target, programs: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Puts a folder in the place of another one. The old one goes last: whenever this is interrupted, one of them is whole.
+/// Replaces a folder by another one. The old one is deleted last: if this is interrupted, one of them is complete.
 fn replace_folder(old: &Path, new: &Path) -> Result<()> {
     let aside = old.with_extension("replaced");
     if aside.exists() {
@@ -260,22 +259,22 @@ fn fuzz(target: Target, programs: &Path, time: Duration, verbose: bool) -> Resul
         );
     }
     ensure!(status.success(), "fuzz target {name}: {status}, log: {}", log_path.display());
-    // Without counters libFuzzer tries at random, and a green run means little.
+    // Without counters libFuzzer mutates at random, and a run without failures means little.
     ensure!(seen.counters > 0, "fuzz target {name} was built without coverage counters");
     ensure!(seen.runs > 0, "fuzz target {name} ran no input");
     println!("fuzz target {name}: {} runs from {seeds} seeds, {} edges covered", seen.runs, seen.edges);
     Ok(())
 }
 
-/// What libFuzzer's log tells.
+/// The results in libFuzzer's log.
 #[derive(Debug, Default)]
 struct Seen {
     counters: u64,
     runs: u64,
     edges: u64,
-    /// The panic message, or libFuzzer's own words.
+    /// The panic message, or libFuzzer's message.
     reason: Option<String>,
-    /// Where the failing input lies.
+    /// Path of the failing input.
     written: Option<String>,
 }
 
@@ -293,7 +292,7 @@ impl Seen {
         } else if line.starts_with('#') {
             self.edges = number_after(" cov:").unwrap_or(self.edges);
         } else if let Some((_, path)) = line.split_once("Test unit written to ") {
-            // A slow input is written, too, but is within its limit and no failure.
+            // Slow inputs are written, too, but they are within the limit and no failure.
             if !path.contains("slow-unit-") {
                 self.written = Some(path.to_owned());
             }
@@ -311,7 +310,7 @@ mod tests {
     fn a_merged_corpus_replaces_the_old_one() {
         let folder = tempfile::tempdir().unwrap();
         let at = |name: &str| folder.path().join(name);
-        // What an interrupted run left is no obstacle.
+        // Leftovers of an interrupted run do not matter.
         for (path, text) in [("c/old", "a"), ("c.merged/new", "b"), ("c.replaced/older", "c")] {
             fs::create_dir_all(at(path).parent().unwrap()).unwrap();
             fs::write(at(path), text).unwrap();
@@ -340,7 +339,7 @@ mod tests {
     }
 
     #[test]
-    fn a_crash_is_told_by_its_panic_and_its_input() {
+    fn a_crash_is_reported_with_its_panic_and_its_input() {
         let mut seen = Seen::default();
         for line in [
             "thread '<unnamed>' (9788) panicked at fuzz_targets/a.rs:4:85:",

@@ -1,4 +1,4 @@
-//! Small right files to begin fuzzing from: made here, and taken from the test data where it is there.
+//! Small valid files as seeds for fuzzing: made here, and copied from the test data where it is available.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -14,7 +14,7 @@ use tercio_mesh::{Attribute, AttributeDomain, Mesh, OctNormal};
 
 use super::Target;
 
-/// Writes the seeds of a target into its corpus and returns how many they are.
+/// Writes the seeds of a target into its corpus and returns their number.
 ///
 /// # Errors
 /// The file system's reason.
@@ -42,8 +42,8 @@ fn extensions(target: Target) -> &'static [&'static str] {
     }
 }
 
-/// Copies the files below `folder` whose name ends right and that are small, under names that tell where
-/// they are from.
+/// Copies the files in `folder` and its subfolders that are small and have one of the endings, under names that show
+/// where they come from.
 fn copy_small(folder: &Path, data: &Path, ends: &[&str], corpus: &Path, largest: u64) -> Result<usize> {
     let mut count = 0;
     for entry in fs::read_dir(folder)? {
@@ -56,7 +56,7 @@ fn copy_small(folder: &Path, data: &Path, ends: &[&str], corpus: &Path, largest:
         let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("").to_ascii_lowercase();
         if ends.contains(&extension.as_str()) && entry.metadata()?.len() <= largest {
             let below = path.strip_prefix(data).unwrap_or(&path).to_string_lossy().replace('/', "-");
-            // Read and written, not copied: the data is read-only, and its copy would be, too.
+            // Read and written, not copied: the data is read-only, and a copy would be, too.
             fs::write(corpus.join(format!("shared-{below}")), fs::read(&path)?)?;
             count += 1;
         }
@@ -82,11 +82,11 @@ fn made(target: Target) -> Vec<Vec<u8>> {
 
 fn gzip(bytes: &[u8]) -> Vec<u8> {
     let mut encoder = GzEncoder::new(Vec::new(), Compression::default());
-    // A vector takes everything that is written to it.
+    // Writing to a vector does not fail.
     encoder.write_all(bytes).and_then(|()| encoder.finish()).unwrap_or_default()
 }
 
-/// The corners of a tetrahedron; its faces are the four triples of them.
+/// The corners of a tetrahedron; its faces are the four triples of corners.
 const CORNERS: [[f32; 3]; 4] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.5]];
 const FACES: [[u8; 3]; 4] = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
 
@@ -97,7 +97,7 @@ enum Encoding {
     Big,
 }
 
-/// Writes the values of a PLY body as they are declared.
+/// Writes the values of a PLY body with their declared types.
 struct Body {
     encoding: Encoding,
     bytes: Vec<u8>,
@@ -164,8 +164,8 @@ fn ply() -> Vec<Vec<u8>> {
     files
 }
 
-/// A tetrahedron with these vertex properties; `list` is the type of a list's count and of its values. The
-/// faces are polygons with colours, or one triangle strip.
+/// A tetrahedron with these vertex properties; `list` has the types of a list's count and of its values. The faces are
+/// polygons with colours, or one triangle strip.
 fn ply_file(encoding: Encoding, vertex: &[(&str, &str)], list: (&str, &str), strips: bool) -> Vec<u8> {
     let word = match encoding {
         Encoding::Ascii => "ascii",
@@ -260,7 +260,7 @@ fn stl() -> Vec<Vec<u8>> {
 
 fn off() -> Vec<Vec<u8>> {
     let mut files = Vec::new();
-    // The key word, and what stands behind a vertex's coordinates.
+    // The keyword, and what follows a vertex's coordinates.
     let dialects = [
         ("OFF", ""),
         ("COFF", " 255 128 0 255"),
@@ -292,7 +292,7 @@ fn off() -> Vec<Vec<u8>> {
     files
 }
 
-/// A tetrahedron with nothing, and one with everything.
+/// A tetrahedron without optional data, and one with all of it.
 fn prepared() -> Vec<Vec<u8>> {
     let plain = Mesh {
         positions: CORNERS.to_vec(),
@@ -313,14 +313,14 @@ fn prepared() -> Vec<Vec<u8>> {
     let write = |mesh| {
         let mut bytes = Vec::new();
         let written = prepared::write(&partition(mesh, &PartitionOptions::default()), b"a seed", &mut bytes);
-        // A vector takes everything that is written to it.
+        // Writing to a vector does not fail.
         written.map(|()| bytes).unwrap_or_default()
     };
     [plain, full].map(write).into()
 }
 
-/// A tetrahedron in binary: the keyword, and what stands behind a vertex's coordinates. The colours of the faces
-/// have 0, 1, 3 and 4 components.
+/// A tetrahedron in binary: the keyword, and what follows a vertex's coordinates. The colours of the faces have 0, 1, 3
+/// and 4 components.
 fn binary_off(keyword: &str, tail: &[f32], big_endian: bool, with_colors: bool) -> Vec<u8> {
     let mut words = vec![4u32, 4, 6];
     for corner in CORNERS {
@@ -345,7 +345,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn binary_stl_has_the_size_that_its_count_tells() {
+    fn binary_stl_has_the_size_that_follows_from_its_count() {
         for seed in &stl()[1..] {
             assert_eq!(seed.len(), 84 + 50 * FACES.len());
         }

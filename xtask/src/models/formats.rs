@@ -1,4 +1,4 @@
-//! Writes meshes: positions and triangles, and normals where the mesh has them and the format is PLY.
+//! Writes meshes: positions and triangles, and normals if the mesh has them and the format is PLY.
 
 use std::fs::File;
 use std::io::{BufWriter, Result, Write};
@@ -9,7 +9,7 @@ use tercio_mesh::Mesh;
 /// Writes a mesh as one format.
 pub type Writer = fn(&Mesh, &Path) -> Result<()>;
 
-/// Binary little-endian PLY. The rivals of the bench read this header and no other.
+/// Binary little-endian PLY. The rivals of the bench read only this header.
 pub fn write_ply(mesh: &Mesh, path: &Path) -> Result<()> {
     let mut file = create(path)?;
     ply_header(mesh, "binary_little_endian", mesh.normals.is_some(), &mut file)?;
@@ -78,7 +78,7 @@ fn ply_header(mesh: &Mesh, format: &str, normals: bool, file: &mut impl Write) -
     writeln!(file, "element face {triangles}\nproperty list uchar int vertex_indices\nend_header")
 }
 
-/// World space, as far as `f32` resolves it.
+/// World space, rounded to `f32`.
 fn position(mesh: &Mesh, vertex: usize) -> [f32; 3] {
     (mesh.origin + glam::Vec3::from(mesh.positions[vertex]).as_dvec3()).as_vec3().to_array()
 }

@@ -1,4 +1,4 @@
-//! What stands in a folder of models.
+//! The index of a folder of models.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -18,7 +18,7 @@ pub struct Model {
     pub bytes: u64,
     /// Triangles in it.
     pub triangles: u64,
-    /// The middle of the box round it, object space.
+    /// The centre of its bounding box, object space.
     pub center: [f64; 3],
     /// The longest edge of that box.
     pub extent: f64,
@@ -31,7 +31,7 @@ pub struct Index {
 }
 
 impl Index {
-    /// The file of that name; `None` if it was left out.
+    /// The file of this name; `None` if it was skipped.
     pub fn get(&self, name: &str) -> Option<&Model> {
         self.models.get(name)
     }

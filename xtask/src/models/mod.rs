@@ -1,7 +1,7 @@
 //! `cargo xtask models`: the models and scenes that `cargo xtask bench` draws, as files for any program.
 //!
-//! The bench runs this command as a process of its own: the largest model takes gigabytes to make, and the peak
-//! memory of a measured process counts from that of the process that started it.
+//! The bench runs this command as a process of its own: making the largest model takes gigabytes, and the measured peak
+//! memory of a process includes that of the process that started it.
 
 pub mod formats;
 mod index;
@@ -23,24 +23,24 @@ use crate::process;
 /// Arguments of `cargo xtask models`.
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// Where the files go; it is made if it is not there.
+    /// Folder of the files; created if it does not exist
     folder: PathBuf,
-    /// Writes these files only
+    /// Write these files only
     #[arg(long, value_name = "NAME", value_delimiter = ',')]
     only: Vec<String>,
 }
 
-/// What is written of a mesh.
+/// The part of a mesh that is written.
 enum Content {
     /// Binary PLY of positions and normals: what every program of the bench draws.
     Drawn(fn(&Sources) -> Result<Option<Mesh>>),
-    /// Positions and triangles as they stand in the scanned file, in a format of the first-picture table.
+    /// Positions and triangles as in the scanned file, in a format of the first-picture table.
     Scanned(fn(&Sources) -> Result<Option<Mesh>>, formats::Writer),
 }
 
 use Content::{Drawn, Scanned};
 
-/// The folder holds these files, each by the name that the bench calls it.
+/// The files of the folder, by the names that the bench uses.
 const FILES: [(&str, Content); 15] = [
     ("bunny.ply", Drawn(Sources::bunny)),
     ("dragon.ply", Drawn(|s| s.dragon())),
@@ -59,7 +59,7 @@ const FILES: [(&str, Content); 15] = [
     ("sphere.ply", Drawn(|_| scenes::builtin("builtin:sphere@1k"))),
 ];
 
-/// Writes the files and their index. What needs a scanned model is left out where `../shared` is absent.
+/// Writes the files and their index. Files that need a scanned model are skipped where `../shared` is absent.
 ///
 /// # Errors
 /// A name that is not known, a model that cannot be read, or a file that cannot be written.
@@ -81,7 +81,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             Scanned(make, write) => (make(&sources)?, *write),
         };
         let Some(mesh) = mesh else {
-            eprintln!("{name}: left out, its model stands in ../shared, which is absent");
+            eprintln!("{name}: skipped, its model is in ../shared, which is absent");
             continue;
         };
         write(&mesh, &path).with_context(|| format!("writing {}", path.display()))?;
@@ -90,7 +90,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     index.write(&arguments.folder)
 }
 
-/// Has a process of its own write these files into a folder.
+/// Runs a process of its own that writes these files into a folder.
 ///
 /// # Errors
 /// As [`run`].

@@ -1,10 +1,10 @@
-//! Scenes that are hard to draw fast, the same on every run. Plane ones lie in planes of constant z, in a square of
-//! edge [`EDGE`] round the origin, and show their front to +z.
+//! Scenes that are hard to draw fast, the same on every run. Planar scenes are in planes of constant z, in a square of
+//! edge [`EDGE`] round the origin, and face +z.
 
 use anyhow::Result;
 use tercio_mesh::{Mesh, OctNormal};
 
-/// The edge of the square that the picture shows of a plane scene, at z = 0.
+/// The edge of the square that the picture of a planar scene shows, at z = 0.
 pub const EDGE: f32 = 32.0;
 /// Layers of [`layers`].
 const LAYERS: u32 = 100;
@@ -13,13 +13,13 @@ const SLIVERS: u32 = 10_000;
 /// Cells of [`one_a_cell`] along an edge.
 const CELLS: u32 = 32;
 
-/// A model that tercio makes by itself.
+/// A built-in model of tercio.
 pub fn builtin(spec: &str) -> Result<Option<Mesh>> {
     Ok(Some(tercio_mesh::builtin::make(spec)?))
 }
 
-/// Triangles one behind the other, each of which covers the whole picture; the farthest comes first in the file, or
-/// the nearest.
+/// Triangles one behind the other, each of which covers the whole picture; in the file the farthest comes first, or the
+/// nearest.
 pub fn layers(front_to_back: bool) -> Mesh {
     let mut mesh = plane();
     for i in 0..LAYERS {
@@ -49,7 +49,7 @@ pub fn slivers() -> Mesh {
     mesh
 }
 
-/// One triangle in each cell of a grid over the picture, clear of the cell's borders.
+/// One triangle in each cell of a grid over the picture, not touching the cell's borders.
 pub fn one_a_cell() -> Mesh {
     let mut mesh = plane();
     let cell = EDGE / CELLS as f32;

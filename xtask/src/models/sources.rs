@@ -8,7 +8,7 @@ use tercio_mesh::io::{ReadOptions, read};
 use tercio_mesh::normals::make_normals;
 use tercio_mesh::{Mesh, subdivide::subdivide};
 
-/// Where the scanned models stand. Each method gives `None` where they are absent.
+/// The folder of the scanned models. Each method returns `None` where they are absent.
 pub struct Sources {
     shared: Option<PathBuf>,
 }
@@ -28,17 +28,17 @@ impl Sources {
         Ok(self.scanned_dragon()?.map(ready_to_draw))
     }
 
-    /// 16 triangles for each of the dragon's.
+    /// 16 triangles for each triangle of the dragon.
     pub fn dragon_split_twice(&self) -> Result<Option<Mesh>> {
         Ok(self.dragon()?.map(split_twice))
     }
 
-    /// As it stands in the file: without normals, nothing dropped.
+    /// As in the file: without normals, nothing dropped.
     pub fn scanned_dragon(&self) -> Result<Option<Mesh>> {
         self.scanned("meshes/ply/dragon_vrip.ply.gz")
     }
 
-    /// The same, 16 triangles for each.
+    /// The same with 16 triangles for each.
     pub fn scanned_dragon_split_twice(&self) -> Result<Option<Mesh>> {
         Ok(self.scanned_dragon()?.map(split_twice))
     }
@@ -49,7 +49,7 @@ impl Sources {
     }
 }
 
-/// What `tercio bench` does to a model: no triangle without area, and one smooth normal a vertex.
+/// The preparation of `tercio bench`: triangles without area are dropped, and each vertex has one smooth normal.
 fn ready_to_draw(mut mesh: Mesh) -> Mesh {
     clean(&mut mesh);
     if mesh.normals.is_none() {

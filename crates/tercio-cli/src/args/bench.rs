@@ -1,4 +1,4 @@
-//! Options of `tercio bench` that make scenes of other kinds than one model that turns.
+//! Options of `tercio bench` for scenes other than one model that turns.
 
 use std::sync::Arc;
 
@@ -11,10 +11,10 @@ use tercio::scene::{Camera, Framing, Light, Scene};
 
 use super::values;
 
-/// A camera that stays where it is: every frame shows the same view.
+/// A fixed camera: every frame shows the same view.
 #[derive(Debug, Args)]
 pub struct StillArgs {
-    /// Where the camera stands in every frame, instead of walking round the model.
+    /// Position of the camera in every frame, instead of moving round the model.
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = values::vector)]
     eye: Option<DVec3>,
     /// What the camera at --eye looks at [default: the middle of the model].
@@ -28,7 +28,7 @@ pub struct StillArgs {
 }
 
 impl StillArgs {
-    /// The camera for something with these bounds; `None` if the camera shall walk.
+    /// The camera for something with these bounds; `None` if it moves round the model.
     pub fn camera(&self, bounds: &Aabb, (width, height): (u32, u32)) -> Option<Camera> {
         let mut framing = Framing::new(width, height);
         framing.fov_y = Some(self.fov.unwrap_or(Framing::FOV_Y));
@@ -41,7 +41,7 @@ impl StillArgs {
 pub enum LookName {
     /// As `tercio render` draws it: three lights that go with the camera, highlights.
     Default,
-    /// One light, no highlights: as little shading as other renderers in comparisons do.
+    /// One light, no highlights: the little shading that other renderers do in comparisons.
     Plain,
 }
 
@@ -65,16 +65,16 @@ impl LookName {
     }
 }
 
-/// Where copies of a model stand: in a cube, row by row, the model's own place in its middle.
+/// Positions of the copies of a model: a cubic grid, row by row, centred on the model's own position.
 pub struct Copies {
     offsets: Vec<DVec3>,
 }
 
 impl Copies {
-    /// Middle to middle, in longest edges of the model's box.
+    /// Distance between centres, in longest edges of the model's box.
     const SPACING: f64 = 1.5;
 
-    /// Places for `count` copies of a model with these bounds.
+    /// Positions for `count` copies of a model with these bounds.
     pub fn new(count: u32, bounds: &Aabb) -> Self {
         let edge = (1u32..).find(|&e| u64::from(e).pow(3) >= u64::from(count)).unwrap_or(1);
         let step = bounds.size().max_element() * Self::SPACING;
@@ -83,7 +83,7 @@ impl Copies {
         Self { offsets: if count == 1 { vec![DVec3::ZERO] } else { (0..count).map(offset).collect() } }
     }
 
-    /// Puts the scene's one instance into all the places.
+    /// Adds instances so that the scene's one instance is at all the positions.
     pub fn place(&self, scene: &mut Scene) {
         let first = scene.instances[0].clone();
         scene.instances.clear();
@@ -94,7 +94,7 @@ impl Copies {
         }));
     }
 
-    /// By how much each copy is moved, x, y, z.
+    /// Offset of each copy, x, y, z.
     pub fn json(&self) -> Value {
         json!(self.offsets.iter().map(|o| o.to_array()).collect::<Vec<_>>())
     }
@@ -115,7 +115,7 @@ mod tests {
     }
 }
 
-/// A stage of the pipeline after which the work may end.
+/// A stage of the pipeline after which the work may stop.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 pub enum StageName {
     /// Clusters are tested.
@@ -124,12 +124,12 @@ pub enum StageName {
     Bin,
     /// Triangles that reach a sample are found in each tile.
     Sieve,
-    /// What is seen at each sample is known.
+    /// The visible triangle of each sample is known.
     Visibility,
 }
 
 impl StageName {
-    /// For the renderer.
+    /// The renderer's value.
     pub fn stage(self) -> LastStage {
         match self {
             Self::Cull => LastStage::Cull,
@@ -139,7 +139,7 @@ impl StageName {
         }
     }
 
-    /// As on the command line.
+    /// The name on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Cull => "cull",

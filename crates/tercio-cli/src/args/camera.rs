@@ -60,7 +60,7 @@ impl From<Axis> for UpAxis {
     }
 }
 
-/// Where the camera stands and how it sees. Without any of them it frames the model by itself.
+/// Position and projection of the camera. By default it frames the model.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Camera")]
 pub struct CameraArgs {
@@ -86,7 +86,7 @@ pub struct CameraArgs {
     /// The axis that points upwards.
     #[arg(long, value_name = "AXIS", value_enum, default_value_t = Axis::Y)]
     up_axis: Axis,
-    /// Where the camera stands, instead of framing the model.
+    /// Position of the camera, instead of framing the model.
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = values::vector)]
     eye: Option<DVec3>,
     /// What the camera at --eye looks at [default: the middle of the model].
@@ -100,7 +100,7 @@ pub struct CameraArgs {
     /// Vertical angle of view at zoom 1, degrees [default: 30].
     #[arg(long, value_name = "DEG", allow_negative_numbers = true, value_parser = values::field_of_view)]
     fov: Option<f64>,
-    /// Parallel rays instead of a perspective.
+    /// Parallel projection instead of perspective.
     #[arg(long, conflicts_with = "fov")]
     orthographic: bool,
     /// Leaves out what is nearer to the camera than this, in the units of the model.

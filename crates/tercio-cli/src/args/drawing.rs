@@ -1,4 +1,4 @@
-//! Options of how the model looks and how it is drawn.
+//! Options of the look of the model and of how it is drawn.
 
 use clap::{Args, ValueEnum};
 use tercio::Normals;
@@ -8,10 +8,10 @@ use tercio::scene::{Background, Scene};
 use super::light::{self, LightSpec};
 use super::values;
 
-/// Where light is computed.
+/// Where lighting is computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum ShadingName {
-    /// Once a triangle: facets show.
+    /// Once a triangle: facets are visible.
     Flat,
     /// At the vertices.
     Gouraud,
@@ -21,7 +21,7 @@ pub enum ShadingName {
     Unlit,
 }
 
-/// Which triangles are left out by their facing.
+/// Which triangles are culled by their facing.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 pub enum CullName {
     /// Both sides are drawn; hidden back faces are skipped where the picture stays the same.
@@ -54,10 +54,10 @@ pub enum BinningName {
     Exact,
 }
 
-/// What is sorted into tiles.
+/// The unit that is sorted into tiles.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 pub enum SortingName {
-    /// Clusters that are small on the screen as a whole, of the others every triangle.
+    /// Clusters that are small on the screen as a whole; of larger ones, every triangle.
     Clusters,
     /// Every triangle.
     Triangles,
@@ -72,14 +72,14 @@ impl From<SortingName> for Sorting {
     }
 }
 
-/// How the model looks.
+/// The look of the model.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Drawing")]
 pub struct DrawingArgs {
     /// Size of the picture in pixels, up to 32768x32768.
     #[arg(short, long, value_name = "WxH", value_parser = values::size, default_value = "1280x960")]
     pub size: (u32, u32),
-    /// Where light is computed.
+    /// Where lighting is computed.
     #[arg(long, value_name = "HOW", value_enum, default_value_t = ShadingName::Phong)]
     shading: ShadingName,
     /// Which triangles to leave out by their facing.
@@ -106,7 +106,7 @@ pub struct DrawingArgs {
     pub crease_angle: Option<f64>,
 }
 
-/// What changes only the speed. The picture is the same.
+/// Options that change only the speed. The picture is the same.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Tuning (the picture stays the same)")]
 pub struct TuningArgs {
@@ -128,7 +128,7 @@ pub struct TuningArgs {
 }
 
 impl TuningArgs {
-    /// Settings of a picture of this size, all else by default.
+    /// Settings of a picture of this size, with defaults for everything else.
     pub fn settings(&self, (width, height): (u32, u32)) -> Settings {
         Settings {
             tile_size: self.tile_size,
@@ -160,12 +160,12 @@ impl DrawingArgs {
         }
     }
 
-    /// Which triangles are left out by their facing.
+    /// Which triangles are culled by their facing.
     pub fn cull(&self) -> Cull {
         self.cull.into()
     }
 
-    /// The normals that the picture needs: making those that nobody sees takes time.
+    /// The normals that the picture needs: making normals that are not visible takes time.
     pub fn normals(&self, outputs: Outputs) -> Normals {
         let seen = match self.shading {
             ShadingName::Flat => false,
@@ -179,7 +179,7 @@ impl DrawingArgs {
         }
     }
 
-    /// Gives a scene its look.
+    /// Sets lights, colours and background of a scene.
     pub fn dress(&self, scene: &mut Scene) {
         for instance in &mut scene.instances {
             let surface = &mut instance.surface;
@@ -193,7 +193,7 @@ impl DrawingArgs {
         scene.background = self.background.unwrap_or(scene.background);
     }
 
-    /// True if the background lets something through.
+    /// Whether the background is translucent.
     pub fn is_transparent(&self) -> bool {
         match self.background {
             None => false,
@@ -202,7 +202,7 @@ impl DrawingArgs {
         }
     }
 
-    /// Lights that light nothing are a mistake that is better told.
+    /// `--light` without any effect is reported as a mistake.
     pub fn check(&self) -> Result<(), &'static str> {
         if self.shading == ShadingName::Unlit && !self.lights.is_empty() {
             return Err("--light has no effect with --shading unlit");

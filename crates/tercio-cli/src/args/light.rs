@@ -1,4 +1,4 @@
-//! How a light is written on the command line.
+//! Syntax of a light on the command line.
 
 use std::str::FromStr;
 
@@ -7,11 +7,11 @@ use tercio::scene::{Light, LightSpace};
 
 use super::values::{linear_color, positive, vector};
 
-/// One `--light`, which may stand for several lights.
+/// One `--light`, which may expand to several lights.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LightSpec(pub Vec<Light>);
 
-/// What stands behind `--light` in the help.
+/// The help of `--light`.
 pub const HELP: &str = "\
 A light; may be given several times, and then replaces the default lights:
   ambient:COLOR                from everywhere
@@ -59,7 +59,7 @@ impl FromStr for LightSpec {
     }
 }
 
-/// `#rrggbb`, `#rrggbb*k` or `*k`; white where nothing stands.
+/// `#rrggbb`, `#rrggbb*k` or `*k`; white by default.
 fn color(text: Option<&str>) -> Result<[f32; 3], String> {
     let Some(text) = text else { return Ok([1.0; 3]) };
     let (tint, strength) = text.split_once('*').map_or((text, None), |(t, s)| (t, Some(s)));

@@ -1,4 +1,4 @@
-//! Options that commands share, and how their values are written.
+//! Options that commands share, and the syntax of their values.
 
 pub mod bench;
 pub mod camera;
@@ -49,7 +49,7 @@ impl ModelArgs {
     }
 }
 
-/// What a command may use of the machine, and how much it says.
+/// Resources that a command may use, and how much it prints.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Running")]
 pub struct RunningArgs {
@@ -65,24 +65,24 @@ pub struct RunningArgs {
     /// When to show progress on standard error.
     #[arg(long, value_name = "WHEN", value_enum, default_value_t = ProgressMode::Auto)]
     pub progress: ProgressMode,
-    /// Say nothing but errors.
+    /// Print errors only.
     #[arg(short, long)]
     pub quiet: bool,
-    /// Say what is done and how long it takes.
+    /// Print what is done and how long it takes.
     #[arg(short, long, conflicts_with = "quiet")]
     pub verbose: bool,
 }
 
 impl RunningArgs {
-    /// Most memory that models and pictures may take; from the first call on it holds for all that is taken.
+    /// Most memory that models and pictures may take. The first call sets the limit for all allocations from then on.
     pub fn memory_limit(&self) -> Option<u64> {
         memory::limit(self.memory_limit, threads::wanted(self.threads))
     }
 
-    /// The pool in which everything runs. Sets the limit.
+    /// The pool in which everything runs. Sets the memory limit.
     ///
     /// # Errors
-    /// If the system refuses so many threads.
+    /// If the system refuses that many threads.
     pub fn pool(&self) -> Result<ThreadPool> {
         memory::prepare(self.memory_limit);
         let pool = threads::pool(self.threads)?;
@@ -90,7 +90,7 @@ impl RunningArgs {
         Ok(pool)
     }
 
-    /// Warnings and progress are for users who did not ask for quiet.
+    /// No progress with `--quiet`.
     pub fn progress_mode(&self) -> ProgressMode {
         if self.quiet { ProgressMode::Never } else { self.progress }
     }

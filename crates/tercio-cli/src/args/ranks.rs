@@ -5,15 +5,15 @@ use tercio::parallel::{Organisation, Ranks};
 
 use crate::output::UsageError;
 
-/// The largest number of ranks that can be asked for.
+/// The largest number of ranks.
 pub const MAX_RANKS: usize = 256;
 
-/// Where work changes hands.
+/// Where work is redistributed between ranks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum OrganisationName {
-    /// Ranks share the picture: each draws the clusters that reach its tiles, and only there.
+    /// Ranks share the picture: each draws only in its tiles, and only the clusters that reach them.
     SortFirst,
-    /// Ranks share the clusters: pictures are composed.
+    /// Ranks share the clusters: their pictures are composited.
     SortLast,
 }
 
@@ -30,7 +30,7 @@ impl From<OrganisationName> for Organisation {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Ranks (the picture stays the same)")]
 pub struct RanksArgs {
-    /// Draws with so many ranks, 1 to 256: threads of this process that share nothing but the model and send each
+    /// Draws with this many ranks, 1 to 256: threads of this process that share nothing but the model and send each
     /// other messages, as the processes of a cluster do. They share the threads of --threads. Processes that
     /// mpirun started are ranks without this option.
     #[arg(long, value_name = "N", value_parser = parse_ranks)]
@@ -45,17 +45,17 @@ pub struct RanksArgs {
 pub enum Drawers {
     /// This process, without ranks.
     Alone,
-    /// So many ranks of this process.
+    /// This many ranks of this process.
     InProcess(usize, Organisation),
     /// The processes that mpirun started.
     Mpi(Organisation),
 }
 
 impl RanksArgs {
-    /// Who draws, in a job of `processes`, if it is one of MPI.
+    /// Who draws, in a job of `processes` if it is an MPI job.
     ///
     /// # Errors
-    /// [`UsageError`] if the options ask for other ranks than there are.
+    /// [`UsageError`] if the options request other ranks than those of the job.
     pub fn drawers(&self, processes: Option<usize>) -> Result<Drawers, UsageError> {
         let organisation = self.organisation.unwrap_or(OrganisationName::SortLast).into();
         let has_others = processes.is_some_and(|p| p > 1);
@@ -74,13 +74,13 @@ impl RanksArgs {
 }
 
 impl Drawers {
-    /// Ranks of this process that share so many threads, if there are any.
+    /// The ranks of this process, if there are any, sharing `threads` threads.
     pub fn in_process(self, threads: usize) -> Option<Ranks> {
         let Self::InProcess(count, organisation) = self else { return None };
         Some(Ranks { count, threads: (threads / count).max(1), organisation })
     }
 
-    /// Frames that this process keeps at the same time, and whether with their keys.
+    /// Number of frames that this process keeps at the same time, and whether with their keys.
     pub fn frames(self) -> (usize, bool) {
         match self {
             Self::Alone => (1, false),

@@ -1,13 +1,13 @@
-//! How sizes, colours, points and amounts of memory are written on the command line.
+//! Syntax of sizes, colours, points and amounts of memory on the command line.
 
 use tercio::glam::DVec3;
 use tercio::scene::{Background, srgb_to_linear};
 
-/// The least and the largest zoom: with less an angle of view of 179 degrees would reach 180, with more pixels would be
-/// finer than positions are.
+/// Limits of the zoom: below, an angle of view of 179 degrees would reach 180; above, pixels would be finer than the
+/// precision of positions.
 const ZOOM: (f64, f64) = (0.001, 1e6);
 
-/// Squares of coordinates have to stay far from the largest number.
+/// Squares of coordinates must not overflow.
 const FARTHEST: f64 = 1e100;
 
 /// `WxH`, pixels.
@@ -44,7 +44,7 @@ pub fn not_negative(text: &str) -> Result<f64, String> {
     number(text).ok().filter(|&v| v >= 0.0).ok_or_else(|| "expected a number, 0 or more".into())
 }
 
-/// A difference in steps of 8-bit components, or in parts of one.
+/// A difference in steps of 8-bit components; fractions are allowed.
 pub fn steps(text: &str) -> Result<f64, String> {
     let steps = number(text).ok().filter(|v| (0.0..=255.0).contains(v));
     steps.ok_or_else(|| "expected a number of 0 to 255, the largest difference that there is".into())
@@ -91,7 +91,7 @@ pub fn bytes(text: &str) -> Result<u64, String> {
     bytes.ok_or_else(|| "expected an amount of memory such as 500M, 2G or 2Gi".into())
 }
 
-/// `#rrggbb`, `#rgb` or `#rrggbbaa`; shells take a leading # for a comment, so it may be left out.
+/// `#rrggbb`, `#rgb` or `#rrggbbaa`; shells may read a leading # as a comment, so it may be omitted.
 fn hex(text: &str) -> Option<[u8; 4]> {
     let digits = text.strip_prefix('#').unwrap_or(text);
     let values: Vec<u8> = digits.chars().map(|c| c.to_digit(16).map(|d| d as u8)).collect::<Option<_>>()?;

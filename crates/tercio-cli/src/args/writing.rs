@@ -1,4 +1,4 @@
-//! Options of what is written, and the plan that follows from them.
+//! Options of the outputs, and the plan that follows from them.
 
 use std::io::{self, IsTerminal};
 use std::path::{Path, PathBuf};
@@ -21,7 +21,7 @@ pub enum Depth {
     Sixteen,
 }
 
-/// What is written.
+/// The outputs.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Writing")]
 pub struct WritingArgs {
@@ -35,7 +35,8 @@ pub struct WritingArgs {
     /// Bits of a colour component; 16 in PNG and PPM only.
     #[arg(long, value_name = "BITS", value_enum, default_value_t = Depth::Eight)]
     depth: Depth,
-    /// Distance from the eye along the camera's axis (not along each pixel's ray), NPY float32 (H, W), infinite where nothing was drawn.
+    /// Distance from the eye along the camera's axis (not along each pixel's ray), NPY float32 (H, W), infinite where
+    /// nothing was drawn.
     #[arg(long, value_name = "FILE")]
     output_depth: Option<PathBuf>,
     /// Numbers of the faces that are seen, NPY uint32 (H, W), 4294967295 where nothing was drawn.
@@ -45,16 +46,17 @@ pub struct WritingArgs {
     /// viewer, NPY float32 (H, W, 3), zero where nothing was drawn.
     #[arg(long, value_name = "FILE")]
     output_normals: Option<PathBuf>,
-    /// What was counted and timed, as JSON; `-` for standard output.
+    /// Counters and timings, as JSON; `-` for standard output.
     #[arg(long, value_name = "FILE")]
     stats: Option<PathBuf>,
-    /// Writes pictures and arrays in which nothing of the model is seen; else that is an error, and old files stay.
+    /// Writes pictures and arrays even if nothing of the model is visible; without it, that is an error and old files
+    /// stay.
     #[arg(long)]
     pub allow_empty: bool,
 }
 
 impl WritingArgs {
-    /// What is written where.
+    /// The outputs and their destinations.
     ///
     /// # Errors
     /// One sentence, if the options contradict each other.

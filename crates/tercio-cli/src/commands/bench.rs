@@ -1,4 +1,4 @@
-//! `tercio bench`: how fast a model turns.
+//! `tercio bench`: measures how fast a model that turns is drawn.
 
 use std::fmt::Write;
 use std::process::ExitCode;
@@ -48,10 +48,10 @@ pub struct Bench {
     /// Number of views.
     #[arg(long, value_name = "N", default_value_t = 36, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     frames: u32,
-    /// Which triangles to leave out by their facing.
+    /// Which triangles to cull by their facing.
     #[arg(long, value_name = "SIDE", value_enum, default_value_t = CullName::Auto)]
     cull: CullName,
-    /// Tosses everything after a stage, to tell what the stages before it cost.
+    /// Stops after a stage and discards its results, to measure what the stages up to it cost.
     #[arg(long, value_name = "STAGE", value_enum)]
     toss: Option<StageName>,
     #[command(flatten)]
@@ -59,7 +59,7 @@ pub struct Bench {
     /// Draws this many copies of the model, in a cube with room between them.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     copies: u32,
-    /// How the model looks.
+    /// The look of the model.
     #[arg(long, value_name = "LOOK", value_enum, default_value_t = LookName::Default)]
     look: LookName,
     /// Writes JSON with stable keys.
@@ -71,7 +71,7 @@ pub struct Bench {
     running: RunningArgs,
 }
 
-/// Median, least and greatest of some milliseconds.
+/// Median, minimum and maximum of times in milliseconds.
 struct Spread {
     median: f64,
     least: f64,
@@ -126,7 +126,7 @@ impl Bench {
         let settings = Settings { cull: self.cull.into(), last_stage, ..self.tuning.settings(self.size) };
         let mut renderer = Renderer::new();
         let mut frame = Frame::default();
-        // The first frame takes the memory that the others keep.
+        // The first frame allocates the memory that later frames reuse.
         renderer.render_into(&scene, &cameras[0], &settings, &mut frame)?;
         let mut frames = Vec::new();
         for camera in &cameras {
@@ -138,7 +138,7 @@ impl Bench {
         Ok(self.report(&loaded, &cameras, &frames))
     }
 
-    /// The model in clusters, with its look, and the milliseconds of cutting it.
+    /// The model in clusters, with its look, and the milliseconds of partitioning it.
     fn scene(&self, model: Model, files: &NamedFiles, display: &Display) -> Result<(Scene, f64)> {
         Ok(match model {
             Model::Mesh(loaded) => {
@@ -168,7 +168,7 @@ impl Bench {
         (0..self.frames).map(|view| still.unwrap_or_else(|| self.camera(bounds, view))).collect()
     }
 
-    /// View number `view` of `frames`, from a fifth of the distance above the middle.
+    /// View number `view` of `frames`, from above the centre by a fifth of the distance.
     fn camera(&self, bounds: &Aabb, view: u32) -> Camera {
         const DISTANCE: f64 = 2.2;
         const FILL: f64 = 0.8;
@@ -177,7 +177,7 @@ impl Bench {
         let (sin, cos) = tercio::mesh::trig::sin_cos(angle);
         let target = bounds.center();
         let eye = target + DVec3::new(sin, 0.2, cos) * (DISTANCE * size);
-        // The model's greatest extent, at the middle's distance, fills this part of the shorter side.
+        // The model's largest extent, at the distance of its centre, fills this part of the shorter side.
         let shorter = f64::from(self.size.0.min(self.size.1)) / f64::from(self.size.1);
         let fov_y = 2.0 * (0.5 / (FILL * shorter) / DISTANCE).atan();
         Camera { eye, target, up: DVec3::Y, projection: Projection::Perspective { fov_y }, near: None }
@@ -241,7 +241,7 @@ impl Bench {
     }
 }
 
-/// What is drawn, and how long it took to get there.
+/// The scene, and the time of loading and partitioning it.
 struct Loaded<'a> {
     scene: &'a Scene,
     copies: &'a Copies,
@@ -249,7 +249,7 @@ struct Loaded<'a> {
     partition_ms: f64,
 }
 
-/// One frame: where the camera stood, how long it took, and how many pixels show the model.
+/// One frame: its camera, its time, and the number of pixels that show the model.
 fn view_json(camera: &Camera, frame: &FrameStats) -> Value {
     json!({
         "camera": camera_json(camera),

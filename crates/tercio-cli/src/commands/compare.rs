@@ -15,7 +15,7 @@ use crate::output::{UsageError, write_picture, write_text};
 use crate::report::grouped;
 use crate::{memory, threads};
 
-/// Tells how much two pictures differ.
+/// Reports how much two pictures differ.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Differences are counted in steps of 8-bit components, 0 to 255, between 16-bit pictures in fractions
@@ -38,7 +38,7 @@ pub struct Compare {
     /// Writes a picture of the differences: black where there is none, white where it is largest.
     #[arg(long, value_name = "FILE")]
     diff: Option<PathBuf>,
-    /// Say nothing but errors; the exit code tells.
+    /// Print errors only; the exit code has the result.
     #[arg(short, long)]
     quiet: bool,
 }
@@ -115,7 +115,7 @@ fn text(d: &Difference) -> String {
     )
 }
 
-/// Four digits behind the point, zeros at the end left out; never 0 for something that is not.
+/// Four significant digits after the point, without trailing zeros; never 0 for a value that is not 0.
 fn short(value: f64) -> String {
     if value > 0.0 && value < 1e-4 {
         return format!("{value:.1e}");

@@ -1,4 +1,4 @@
-//! `tercio info`: what stands in a model file.
+//! `tercio info`: describes a model file.
 
 use std::fmt::Write;
 use std::process::ExitCode;
@@ -19,7 +19,7 @@ use crate::progress::Display;
 use crate::report::{self, grouped};
 use crate::{ending, memory, messages};
 
-/// Tells what stands in a model file.
+/// Describes what a model file contains.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -115,7 +115,7 @@ fn json(model: &str, loaded: &Inspection) -> Value {
     value
 }
 
-/// What is known about edges. A model without triangles has none, so nothing can be said of them.
+/// What is known about edges; `None` for a model without triangles, which has none.
 fn topology(report: &LoadReport) -> Option<&Topology> {
     report.topology.as_ref().filter(|_| report.mesh.triangles > 0)
 }
@@ -177,7 +177,7 @@ fn text(model: &str, loaded: &Inspection) -> String {
         rows.push(("closed", if t.closed { "yes".into() } else { open }));
         let flipped = match t.flipped_edges {
             0 => branching,
-            n => format!("no, {} edges are run through twice the same way", grouped(n)),
+            n => format!("no, {} edges have the same direction in two triangles", grouped(n)),
         };
         rows.push(("consistently wound", if t.consistently_wound { "yes".into() } else { flipped }));
         rows.push(("non-manifold edges", grouped(t.non_manifold_edges)));

@@ -1,4 +1,4 @@
-//! `tercio prepare`: a model made ready once, to be drawn at once from then on.
+//! `tercio prepare`: processes a model once, so that it can be drawn at once from then on.
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -15,11 +15,11 @@ use crate::output::write_prepared;
 use crate::progress::Display;
 use crate::{ending, messages, report};
 
-/// Reads, repairs and partitions a model once, and writes it as it lies in memory.
+/// Reads, repairs and partitions a model once, and writes its memory layout to a file.
 ///
-/// `render`, `info` and `bench` map the file and draw at once. It holds all that the model has: normals (those that are
-/// made, too), colours, texture coordinates, materials, attributes, face numbers. It is read by the version of tercio
-/// that wrote it, on any little-endian machine; keep the model itself.
+/// `render`, `info` and `bench` map the file and draw at once. It has all data of the model: normals (also generated
+/// ones), colours, texture coordinates, materials, attributes, face numbers. Only the version of tercio that wrote it
+/// reads it, on any little-endian machine; keep the original model.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -30,7 +30,7 @@ Exit code: 0 success, 1 error, 2 wrong usage.")]
 pub struct Prepare {
     #[command(flatten)]
     model: ModelArgs,
-    /// The prepared model, by custom .tercio, or `-` for standard output.
+    /// The prepared model, usually named .tercio, or `-` for standard output.
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
     /// Edges sharper than this many degrees stay sharp where normals are made; 180 smooths all
@@ -84,12 +84,12 @@ impl Prepare {
         let start = Instant::now();
         write_prepared(output, &loaded, &model)?;
         if self.running.verbose {
-            self.tell(&loaded, start);
+            self.print_summary(&loaded, start);
         }
         Ok(())
     }
 
-    fn tell(&self, loaded: &Loaded, start: Instant) {
+    fn print_summary(&self, loaded: &Loaded, start: Instant) {
         let times = &loaded.report.times;
         messages::note(&format!(
             "{} in {}; loaded in {:.1} ms, written in {:.1} ms",

@@ -56,29 +56,29 @@ pub struct Render {
     running: RunningArgs,
 }
 
-/// What is written, and all files that the command line names.
+/// The outputs, and all files that the command line names.
 struct Writing {
     plan: Plan,
     files: NamedFiles,
     allow_empty: bool,
 }
 
-/// A loaded model and how it is seen.
+/// A loaded model and its camera.
 struct Loaded {
     report: LoadReport,
     scene: Scene,
     camera: Camera,
 }
 
-/// What the parts of the work left behind for `--stats`.
+/// The results of the work, for `--stats`.
 struct Done {
     report: LoadReport,
     camera: Camera,
     frame: Frame,
-    /// What every rank did, where there are any.
+    /// The report of every rank, if there are ranks.
     parallel: Option<FrameReport>,
     output_milliseconds: f64,
-    /// Why nothing was drawn, if that is so.
+    /// Why nothing was drawn, if that is the case.
     empty: Option<String>,
 }
 
@@ -113,10 +113,10 @@ impl Render {
                 Some(pool.install(|| self.draw(&writing, &settings, drawers))?)
             }
         };
-        // Ranks from 1 on have nothing to tell.
+        // Only rank 0 has something to report.
         let Some(done) = done else { return Ok(ExitCode::SUCCESS) };
-        self.tell(&done);
-        // They tell why nothing was drawn, too.
+        self.print_summary(&done);
+        // The statistics are written, too: they show why nothing was drawn.
         if let Some(destination) = &writing.plan.stats {
             let stats = self.stats(&done, pool.current_num_threads(), start)?;
             write_text(destination, &format!("{stats:#}\n"))?;
@@ -141,8 +141,8 @@ impl Render {
         self.write(writing, loaded, frame, parallel)
     }
 
-    /// What each process of a job does, on one thread of the pool, where all calls of MPI stay. Rank 0 has something to
-    /// show in the end.
+    /// The work of one process of an MPI job, on one thread of the pool, where all MPI calls stay. Only rank 0 returns
+    /// a result.
     fn draw_as_rank(
         &self,
         comm: &mut mpi::Comm,
@@ -203,7 +203,7 @@ impl Render {
         })
     }
 
-    /// Bytes of the pictures of this process; with their keys where there are ranks.
+    /// Bytes of the pictures of this process; with their keys if there are ranks.
     fn frame_bytes(&self, plan: &Plan, drawers: Drawers) -> u64 {
         let (frames, keys) = drawers.frames();
         let bytes = frame_bytes(Outputs { keys, ..plan.outputs }, self.drawing.size);
@@ -221,7 +221,7 @@ impl Render {
         }
     }
 
-    /// Writes what was drawn, if anything was.
+    /// Writes the outputs, unless nothing was drawn.
     fn write(
         &self,
         writing: &Writing,
@@ -236,7 +236,7 @@ impl Render {
             _ => reason,
         });
         let begin = Instant::now();
-        // A large model takes longer to free than a picture to write.
+        // A large model takes longer to free than a picture takes to write.
         let is_written = empty.is_none() || writing.allow_empty;
         let write = || if is_written { writing.plan.write(&frame) } else { Ok(()) };
         let (written, ()) = rayon::join(write, || drop(scene));
@@ -245,7 +245,7 @@ impl Render {
         Ok(Done { report, camera, frame, parallel, output_milliseconds, empty })
     }
 
-    fn tell(&self, done: &Done) {
+    fn print_summary(&self, done: &Done) {
         if self.running.quiet {
             return;
         }
@@ -253,7 +253,7 @@ impl Render {
         for warning in report::warnings(&done.report) {
             messages::warning(&format!("{model}: {warning}"));
         }
-        // A model without any triangle says in the error what it holds instead.
+        // For a model without triangles, the error lists its other content.
         if let Some(list) = report::not_drawn(&done.report.read.not_drawn)
             && done.report.mesh.triangles > 0
         {
@@ -268,7 +268,7 @@ impl Render {
             messages::warning(&format!("{model}: {reason}"));
         }
         if self.running.verbose {
-            tell_details(done);
+            print_details(done);
         }
     }
 
@@ -289,7 +289,7 @@ impl Render {
     }
 }
 
-fn tell_details(done: &Done) {
+fn print_details(done: &Done) {
     let Done { report, frame, parallel, output_milliseconds, .. } = done;
     let times = &report.times;
     messages::note(&format!(

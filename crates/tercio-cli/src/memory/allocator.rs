@@ -1,24 +1,24 @@
-//! The system's allocator, with what is taken counted, and large arrays in large pages.
+//! The system's allocator, with counting, and with large pages for large arrays.
 //!
-//! Loading a model of hundreds of megabytes takes a page fault every 4 KB and misses the translation buffer at
-//! nearly every vertex; with pages of 2 MB both are rare. Linux gives them, where it is set to `madvise` (as most
-//! distributions set it), only to memory that asks. The library leaves memory to the program that uses it, so the
-//! asking is done here.
+//! Loading a model of hundreds of megabytes takes a page fault every 4 KB and a TLB miss at nearly every vertex; with
+//! pages of 2 MB both are rare. Linux uses large pages, if it is set to `madvise` (as most distributions are), only for
+//! memory that is marked with `madvise`. The library leaves allocation to the program that uses it, so this is done
+//! here.
 
 use std::alloc::{GlobalAlloc, Layout, System};
 
 use super::count;
 use crate::ending;
 
-/// The system's allocator; never gives a null pointer but ends the program in its place.
+/// The system's allocator; instead of returning a null pointer it ends the program.
 pub struct Allocator;
 
 /// Smaller allocations share their pages with others.
 #[cfg(target_os = "linux")]
 const LEAST: usize = 4 << 20;
 
-// SAFETY: all is left to the system's allocator; counting does not touch the memory, and advice on a range of it changes
-// nothing that is in it.
+// SAFETY: all calls go to the system's allocator; counting does not touch the memory, and `madvise` does not change the
+// contents of pages.
 unsafe impl GlobalAlloc for Allocator {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         count::take(layout.size());
@@ -54,8 +54,8 @@ fn checked(memory: *mut u8, size: usize) -> *mut u8 {
     memory
 }
 
-/// Asks for large pages for all pages that hold a part of an allocation. They may hold a part of others, too; but a
-/// mapping of its own is advised as a whole, so that it stays one, and can grow without being copied.
+/// Requests large pages for all pages that contain a part of an allocation. They may contain parts of others, too; but
+/// a mapping of its own is advised as a whole, so that it stays one mapping and can grow without being copied.
 #[cfg(target_os = "linux")]
 #[inline]
 fn ask_for_large_pages(memory: *mut u8, size: usize) {
@@ -67,25 +67,26 @@ fn ask_for_large_pages(memory: *mut u8, size: usize) {
 #[cfg(target_os = "linux")]
 #[cold]
 fn advise(memory: *mut u8, size: usize) {
-    // SAFETY: a plain question.
+    // SAFETY: has no preconditions.
     let page = unsafe { libc::sysconf(libc::_SC_PAGESIZE) };
     let page = usize::try_from(page).unwrap_or(4096).max(1);
     let before = memory.addr() % page;
     let length = (before + size).next_multiple_of(page);
-    // SAFETY: the pages are mapped, and the advice changes nothing that is in them.
+    // SAFETY: the pages are mapped, and the advice does not change their contents.
     let _ = unsafe { libc::madvise(memory.wrapping_sub(before).cast(), length, libc::MADV_HUGEPAGE) };
 }
 
 #[cfg(not(target_os = "linux"))]
 fn ask_for_large_pages(_: *mut u8, _: usize) {}
 
-/// Tells the C library to give free memory back at once, for a limit that is near: large blocks get pages of their own,
-/// which go when the block goes, and few threads have small blocks of their own. Without it a run is a little quicker
-/// and takes more. Where the address space is limited (`in_little_space`), no thread reserves a part of it.
+/// Makes the C library return free memory at once, which a limit close to the demand needs: large blocks get pages of
+/// their own, which are returned when the block is freed, and there are few arenas of small blocks. Without it a run is
+/// slightly faster and takes more memory. If the address space is limited (`in_little_space`), no thread reserves an
+/// arena.
 #[cfg(all(target_os = "linux", target_env = "gnu"))]
 pub fn return_what_is_free(in_little_space: bool) {
     let large = libc::c_int::try_from(count::LARGE).unwrap_or(libc::c_int::MAX);
-    // SAFETY: numbers that the C library takes over; blocks that exist stay as they are.
+    // SAFETY: sets numeric parameters of the C library; existing blocks stay as they are.
     let set = unsafe {
         libc::mallopt(libc::M_ARENA_MAX, if in_little_space { 1 } else { 4 }) == 1
             && libc::mallopt(libc::M_TRIM_THRESHOLD, large) == 1
@@ -96,10 +97,10 @@ pub fn return_what_is_free(in_little_space: bool) {
     }
 }
 
-/// Gives back the pages of small blocks that are free.
+/// Returns the pages of free small blocks to the system.
 #[cfg(all(target_os = "linux", target_env = "gnu"))]
 pub fn give_back() {
-    // SAFETY: only free memory is given back.
+    // SAFETY: only free memory is returned.
     unsafe { libc::malloc_trim(0) };
 }
 

@@ -1,8 +1,8 @@
-//! Counts what is taken of the heap, and holds it against the limit.
+//! Counts the memory that is allocated on the heap, and checks it against the limit.
 //!
-//! Large blocks are counted exactly and at once. Small ones are counted by the thread that takes them and added to the
-//! sum in steps, so that threads do not wait for each other. Free memory of small blocks stays with the C library, so
-//! they count with the most that they ever were, until it is asked to give back what is free.
+//! Large blocks are counted exactly and at once. Small ones are counted by the allocating thread and added to the sum
+//! in steps, so that threads do not wait for each other. Free memory of small blocks stays with the C library, so they
+//! count with their maximum so far, until the library is made to return free memory.
 
 use std::cell::Cell;
 use std::sync::atomic::AtomicBool;
@@ -10,37 +10,37 @@ use std::sync::atomic::{AtomicIsize, AtomicUsize, Ordering::Relaxed};
 
 use crate::ending;
 
-/// From this size on a block has pages of its own (`mallopt(M_MMAP_THRESHOLD)`, see `return_what_is_free`).
+/// Blocks of this size and larger have pages of their own (`mallopt(M_MMAP_THRESHOLD)`, see `return_what_is_free`).
 pub const LARGE: usize = 128 << 10;
 
-/// A thread adds what it took of small blocks to the sum in steps of so many bytes.
+/// A thread adds its small blocks to the sum in steps of this many bytes.
 const STEP: isize = 16 << 10;
 
-/// Free memory that may stay with the C library beside the limit.
+/// Free memory that may stay with the C library above the limit.
 const SLACK: usize = 2 << 20;
 
 static LIMIT: AtomicUsize = AtomicUsize::new(usize::MAX);
 static LARGE_BLOCKS: AtomicUsize = AtomicUsize::new(0);
 static SMALL_BLOCKS: AtomicIsize = AtomicIsize::new(0);
-/// The most of [`SMALL_BLOCKS`] since free memory was given back.
+/// The maximum of [`SMALL_BLOCKS`] since free memory was last returned to the system.
 static MOST_SMALL: AtomicIsize = AtomicIsize::new(0);
-/// Large blocks that were freed since then, where they may not have had pages of their own.
+/// Large blocks that were freed since then, if they may not have had pages of their own.
 static FREED: AtomicUsize = AtomicUsize::new(0);
 static OWN_PAGES: AtomicBool = AtomicBool::new(false);
 
 thread_local! {
-    /// Not in the sum yet. Without a destructor, so that it may be used while a thread begins and ends.
+    /// Bytes not yet added to the sum. Without a destructor, so that it is usable while a thread starts and ends.
     static PENDING: Cell<isize> = const { Cell::new(0) };
 }
 
-/// Sets the limit, in place of the one before; `besides` are bytes that count and are not of the heap.
+/// Sets the limit; `besides` are bytes outside the heap that count as well.
 pub fn set_limit(limit: Option<u64>, besides: usize) {
     let limit = limit.map_or(usize::MAX, |l| usize::try_from(l).unwrap_or(usize::MAX));
     LIMIT.store(limit, Relaxed);
     LARGE_BLOCKS.fetch_add(besides, Relaxed);
 }
 
-/// There is no limit any longer: the program ends and says why.
+/// Removes the limit: the program is ending and has to print why.
 pub fn lift_limit() {
     LIMIT.store(usize::MAX, Relaxed);
 }
@@ -50,7 +50,7 @@ pub fn large_blocks_have_own_pages() {
     OWN_PAGES.store(true, Relaxed);
 }
 
-/// A block of so many bytes is asked for. Does not return if that is too much.
+/// Counts a new block of `size` bytes. Does not return if that exceeds the limit.
 #[inline]
 pub fn take(size: usize) {
     if size < LARGE {
@@ -60,7 +60,7 @@ pub fn take(size: usize) {
     }
 }
 
-/// A block of so many bytes was given back.
+/// Counts a freed block of `size` bytes.
 #[inline]
 pub fn give(size: usize) {
     if size < LARGE {
@@ -73,13 +73,13 @@ pub fn give(size: usize) {
     }
 }
 
-/// A block changes its size.
+/// Counts a change of a block's size.
 #[inline]
 pub fn change(old: usize, new: usize) {
     if old < LARGE && new < LARGE {
         return flush_if_large(small(new) - small(old));
     }
-    // A large block grows where it is: its pages are moved, not copied. So old and new do not count side by side.
+    // A large block grows in place: its pages are moved, not copied. So old and new do not count at the same time.
     match (old < LARGE, new < LARGE) {
         (true, _) => flush_if_large(-small(old)),
         (false, _) => _ = LARGE_BLOCKS.fetch_sub(pages(old), Relaxed),
@@ -87,10 +87,10 @@ pub fn change(old: usize, new: usize) {
     take(new);
 }
 
-/// What the C library takes for a small block.
+/// What the C library allocates for a small block.
 #[inline]
 fn small(size: usize) -> isize {
-    // Below 128 KiB.
+    // The cast is exact: below 128 KiB.
     (((size + 23) & !15).max(32)) as isize
 }
 
@@ -101,7 +101,7 @@ fn pages(size: usize) -> usize {
 
 #[inline]
 fn flush_if_large(bytes: isize) {
-    // Where a thread's memory is gone already, what it does no longer counts.
+    // While a thread ends, after its thread-local memory is gone, nothing is counted.
     let _ = PENDING.try_with(|pending| {
         let all = pending.get() + bytes;
         if all.unsigned_abs() < STEP as usize {
@@ -132,7 +132,7 @@ fn positive(bytes: isize) -> usize {
     bytes.max(0).unsigned_abs()
 }
 
-/// Bytes that are in use: blocks of the heap and mapped files.
+/// Bytes in use: blocks of the heap and mapped files.
 pub fn in_use() -> usize {
     let mapped = usize::try_from(tercio::mesh::io::input::mapped_bytes()).unwrap_or(usize::MAX);
     (LARGE_BLOCKS.load(Relaxed)).saturating_add(positive(SMALL_BLOCKS.load(Relaxed))).saturating_add(mapped)
@@ -161,7 +161,7 @@ mod tests {
 
     #[test]
     fn what_is_given_back_no_longer_counts() {
-        // Other tests of this process take memory, too; of such sizes they do not.
+        // Other tests of this process allocate memory, too, but not in such sizes.
         let (mib, most) = (1 << 20, 300 << 20);
         let before = in_use();
         take(most);

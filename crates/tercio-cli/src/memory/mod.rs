@@ -1,11 +1,11 @@
 //! How much memory this process takes, and how much it may take.
 //!
-//! [`Allocator`] is the program's global allocator. It counts what is taken, and what passes the limit ends the program
-//! with one line and an exit code ([`crate::ending`]), as memory does that the system refuses. What a stage needs is
-//! known before in most cases, and then the library says so in better words; this is for all other cases.
+//! [`Allocator`] is the program's global allocator. It counts allocations; one that exceeds the limit, or that the
+//! system refuses, ends the program with one line and an exit code ([`crate::ending`]). In most cases the demand of a
+//! stage is known in advance, and the library reports it in better words; this is for all other cases.
 //!
-//! The limit is kept to within 16 MB: of them about 10 are the program itself. Counted are the blocks of the heap as
-//! they are taken, mapped model files, and the stacks of threads.
+//! The limit is kept to within 16 MB, of which about 10 are the program itself. Counted are the blocks of the heap as
+//! they are allocated, mapped model files, and the stacks of threads.
 
 mod allocator;
 mod count;
@@ -18,7 +18,7 @@ pub use allocator::Allocator;
 pub use count::lift_limit;
 pub use system::peak_bytes;
 
-/// What a thread takes by being there: the touched part of its stack, and what the C library keeps for it.
+/// Memory of an idle thread: the touched part of its stack, and what the C library keeps for it.
 const A_THREAD: usize = 64 << 10;
 
 /// Who set a limit.
@@ -50,7 +50,7 @@ impl Source {
 
 static SOURCE: AtomicU8 = AtomicU8::new(0);
 
-/// Who set the limit, as messages put it in brackets behind the limit. Takes no memory.
+/// Who set the limit, as messages print it in brackets after the limit. Allocates nothing.
 pub fn limit_source() -> &'static str {
     Source::ALL[usize::from(SOURCE.load(Ordering::Relaxed))].words()
 }
@@ -62,27 +62,28 @@ fn set_limit(limit: Option<Limit>, besides: usize) {
     count::set_limit(limit.map(|l| l.0), besides);
 }
 
-/// Sets the limit that holds for every command until it sets its own with [`limit`]: what the system leaves.
+/// Sets the limit for every command until it sets its own with [`limit`]: what the system leaves.
 pub fn begin() {
     prepare(None);
     set_limit(system::limit(), 0);
 }
 
-/// Makes the allocator ready for a limit: to be called before there are threads. Where the limit is `asked` for, or one
-/// of the system's holds for this process, free memory goes back to the system at once.
-pub fn prepare(asked: Option<u64>) {
+/// Prepares the allocator for a limit; to be called before there are threads. If a limit was `requested`, or
+/// one of the system's holds for this process, free memory is returned to the system at once.
+pub fn prepare(requested: Option<u64>) {
     let own = system::own_limits();
-    if asked.is_some() || own.is_some() {
+    if requested.is_some() || own.is_some() {
         allocator::return_what_is_free(own.is_some());
     }
 }
 
-/// Most bytes that models and pictures may take: as many as `asked` for, else what the system leaves, with its limits
-/// for this process. The first call, once the threads are there, decides; from then on it holds for all that is taken.
-pub fn limit(asked: Option<u64>, threads: usize) -> Option<u64> {
+/// Most bytes that models and pictures may take: `requested` if given, else what the system and its limits for this
+/// process leave. The first call, after the threads have started, decides; from then on the limit holds for all
+/// allocations.
+pub fn limit(requested: Option<u64>, threads: usize) -> Option<u64> {
     static LIMIT: OnceLock<Option<u64>> = OnceLock::new();
     *LIMIT.get_or_init(|| {
-        let limit = asked.map(|bytes| (bytes, Source::Option)).or_else(system::limit);
+        let limit = requested.map(|bytes| (bytes, Source::Option)).or_else(system::limit);
         set_limit(limit, threads * A_THREAD);
         limit.map(|l| l.0)
     })
@@ -93,7 +94,7 @@ mod tests {
     use super::Source;
 
     #[test]
-    fn a_source_is_found_again_by_its_number() {
+    fn a_source_is_recovered_from_its_number() {
         assert!(Source::ALL.into_iter().enumerate().all(|(number, source)| source as usize == number));
     }
 }

@@ -1,18 +1,18 @@
-//! What the system tells about memory: how much is taken, free, and allowed.
+//! Memory figures of the system: used, free, and allowed.
 
 use std::fs;
 use std::path::Path;
 
 use super::{Limit, Source};
 
-/// The largest resident size so far in bytes; `None` where the system does not tell.
+/// The peak resident size so far in bytes; `None` where the system does not report it.
 pub fn peak_bytes() -> Option<u64> {
-    // Elsewhere the file is not there.
+    // On other systems the file does not exist.
     line(&fs::read_to_string("/proc/self/status").ok()?, "VmHWM:")
 }
 
-/// Bytes that this process could still take: the least of what the system has available, its control groups allow and its
-/// own limits leave; `None` where the system does not tell.
+/// Bytes that this process can still take: the minimum of what the system has available, its control groups allow and
+/// its own limits leave; `None` where the system does not report it.
 pub fn limit() -> Option<Limit> {
     let machine = fs::read_to_string("/proc/meminfo").ok().and_then(|text| line(&text, "MemAvailable:"));
     let groups = fs::read_to_string("/proc/self/cgroup").unwrap_or_default();
@@ -40,12 +40,12 @@ pub fn own_limits() -> Option<Limit> {
     None
 }
 
-/// The least that one of the control groups leaves which a process belongs to, as `/proc/self/cgroup` names them. A
-/// group is limited by all groups round it, too. What the system could take back, pages of files, does not count.
+/// What the control groups of a process, as named in `/proc/self/cgroup`, leave at least. A group is limited by all its
+/// ancestors, too. Memory that the system can reclaim, pages of files, does not count as used.
 fn left_in_groups(root: &Path, groups: &str) -> Option<u64> {
     let ways = groups.lines().filter_map(|line| {
         let (controllers, path) = line.split_once(':')?.1.split_once(':')?;
-        // Version 2 has one tree for all, version 1 one each.
+        // Version 2 has one hierarchy for all controllers, version 1 one for each.
         let (tree, kind) = match controllers {
             "" => (root.to_path_buf(), &V2),
             c if c.split(',').any(|c| c == "memory") => (root.join("memory"), &V1),
@@ -60,7 +60,7 @@ fn left_in_groups(root: &Path, groups: &str) -> Option<u64> {
     .min()
 }
 
-/// How a version of control groups calls things.
+/// File names of a version of control groups.
 struct Files {
     limits: &'static [&'static str],
     usage: &'static str,
@@ -83,7 +83,7 @@ const V2: Files = Files {
 impl Files {
     fn left(&self, folder: &Path) -> Option<u64> {
         let number = |file: &str| fs::read_to_string(folder.join(file)).ok()?.trim().parse::<u64>().ok();
-        // No limit is written as "max", or as a number that no machine has.
+        // No limit is "max", or a number larger than any memory.
         let limit = self.limits.iter().filter_map(|file| number(file)).min().filter(|&l| l < 1 << 60)?;
         let stat = fs::read_to_string(folder.join("memory.stat")).unwrap_or_default();
         let cached = stat.lines().filter_map(|line| {
@@ -95,7 +95,7 @@ impl Files {
     }
 }
 
-/// The bytes that a line of the form `KEY 123 kB` tells.
+/// The bytes of a line `KEY 123 kB`.
 fn line(text: &str, key: &str) -> Option<u64> {
     let line = text.lines().find_map(|l| l.strip_prefix(key))?;
     let kibibytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
@@ -125,7 +125,7 @@ mod tests {
         write("job/step/memory.max", "max\n");
         write("job/step/memory.current", "50\n");
         assert_eq!(left_in_groups(root.path(), v2), None);
-        // The limit is that of the group round it; pages of files can be taken back.
+        // The limit is that of the parent group; pages of files can be reclaimed.
         write("job/memory.max", "1000\n");
         write("job/memory.current", "600\n");
         write("job/memory.stat", "anon 100\ninactive_file 200\nactive_file 150\nshmem 7\n");

@@ -17,21 +17,21 @@ pub struct Place {
     folder: TempDir,
 }
 
-/// What a run said.
-pub struct Said {
+/// The result of a run.
+pub struct Outcome {
     pub code: Option<i32>,
     pub stdout: Vec<u8>,
     pub stderr: String,
 }
 
-impl Said {
+impl Outcome {
     pub fn text(&self) -> &str {
         std::str::from_utf8(&self.stdout).expect("standard output is text")
     }
 
-    /// The run went well and had nothing to say on standard error.
+    /// The run succeeded and printed nothing on standard error.
     #[track_caller]
-    pub fn quietly_well(self) -> Self {
+    pub fn ok_silently(self) -> Self {
         assert_eq!((self.code, self.stderr.as_str()), (Some(0), ""));
         self
     }
@@ -46,7 +46,7 @@ impl Said {
     }
 }
 
-impl From<Output> for Said {
+impl From<Output> for Outcome {
     fn from(output: Output) -> Self {
         let stderr = String::from_utf8(output.stderr).expect("standard error is text");
         Self { code: output.status.code(), stdout: output.stdout, stderr }
@@ -81,11 +81,11 @@ impl Place {
         command(self.folder.path(), arguments)
     }
 
-    pub fn run(&self, arguments: &str) -> Said {
+    pub fn run(&self, arguments: &str) -> Outcome {
         self.command(arguments).output().expect("the program starts").into()
     }
 
-    pub fn run_with_input(&self, arguments: &str, input: &[u8]) -> Said {
+    pub fn run_with_input(&self, arguments: &str, input: &[u8]) -> Outcome {
         let mut command = self.command(arguments);
         command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
         let mut child = command.spawn().expect("the program starts");

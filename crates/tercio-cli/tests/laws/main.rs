@@ -1,4 +1,4 @@
-//! The laws of time and memory, held against the program as a user runs it.
+//! The laws of time and memory, tested with the program as a user runs it.
 #![cfg(target_os = "linux")]
 
 mod series;
@@ -15,11 +15,11 @@ use wait4::Wait4 as _;
 
 const MIB: u64 = 1 << 20;
 
-/// What a run took and said.
+/// What a run took and printed.
 struct Run {
     code: Option<i32>,
-    said: String,
-    /// CPU time of the program and of the system for it.
+    stderr: String,
+    /// CPU time in user and kernel mode.
     cpu: Duration,
     peak: u64,
 }
@@ -29,8 +29,8 @@ fn run(folder: &Path, command: &mut Command) -> Run {
     command.current_dir(folder).stdin(Stdio::null()).stdout(Stdio::null());
     command.stderr(errors.reopen().expect("the file"));
     let end = command.spawn().and_then(|mut child| child.wait4()).expect("the program runs");
-    let said = String::from_utf8_lossy(&fs::read(errors.path()).expect("the file")).into_owned();
-    Run { code: end.status.code(), said, cpu: end.rusage.utime + end.rusage.stime, peak: end.rusage.maxrss }
+    let stderr = String::from_utf8_lossy(&fs::read(errors.path()).expect("the file")).into_owned();
+    Run { code: end.status.code(), stderr, cpu: end.rusage.utime + end.rusage.stime, peak: end.rusage.maxrss }
 }
 
 fn tercio(arguments: &str, model: &str) -> Command {
@@ -46,37 +46,35 @@ fn place() -> TempDir {
     folder
 }
 
-/// Makes a file of a series in a process of its own: what this one has taken at most would count for those that it
+/// Makes a file of a series in a process of its own: the peak memory of this process counts for the programs that it
 /// starts.
 fn make(folder: &Path, name: &str, n: usize) {
     let own = std::env::current_exe().expect("this program");
     let mut command = Command::new(own);
-    command
-        .args(["a_file_is_made_where_it_is_asked_for", "--exact"])
-        .env("TERCIO_TEST_MAKES", format!("{n} {name}"));
+    command.args(["a_file_is_made_on_request", "--exact"]).env("TERCIO_TEST_MAKES", format!("{n} {name}"));
     assert_eq!(run(folder, &mut command).code, Some(0), "{name} is not made");
 }
 
 #[test]
-fn a_file_is_made_where_it_is_asked_for() {
-    let Ok(asked) = std::env::var("TERCIO_TEST_MAKES") else { return };
-    let (n, name) = asked.split_once(' ').expect("a number and a name");
+fn a_file_is_made_on_request() {
+    let Ok(requested) = std::env::var("TERCIO_TEST_MAKES") else { return };
+    let (n, name) = requested.split_once(' ').expect("a number and a name");
     let (.., make) = SERIES.iter().find(|s| s.0 == name).expect("a series");
     fs::write(name, make(n.parse().expect("a number"))).expect("room for it");
 }
 
-/// The exit code for a file of the series: all are models but one.
+/// The exit code for a file of the series: all but one are models.
 fn code_of(name: &str) -> i32 {
     i32::from(name == "zeros.stl")
 }
 
-/// Sixteen times the file may take sixteen times the time, two and a half times over for logarithms, caches and noise. A
-/// time that grows with the power 1.5 is 64 times as long, with the square 256 times.
+/// A file sixteen times as large may take sixteen times the time, times two and a half for logarithms, caches and
+/// noise. A time that grows with the power 1.5 is 64 times as long, with the square 256 times.
 #[test]
 fn time_grows_with_the_file_and_not_faster() {
     const TIMES: usize = 16;
     const FACTOR: u32 = 40;
-    // Less than this is no time.
+    // Shorter times count as this.
     const FLOOR: Duration = Duration::from_millis(200);
     let folder = place();
     let time = |name: &str, arguments: &str, n: usize, times: usize| {
@@ -84,7 +82,7 @@ fn time_grows_with_the_file_and_not_faster() {
         let runs = (0..times).map(|_| run(folder.path(), &mut tercio(arguments, name)));
         let cpu = |run: Run| {
             // A file that is refused takes no time.
-            assert_eq!(run.code, Some(code_of(name)), "{name}: {}", run.said);
+            assert_eq!(run.code, Some(code_of(name)), "{name}: {}", run.stderr);
             run.cpu
         };
         runs.map(cpu).min().unwrap_or_default()
@@ -104,27 +102,32 @@ fn time_grows_with_the_file_and_not_faster() {
     }
 }
 
-/// The most that this process took so far. The system counts it for the programs that it starts.
+/// The peak memory of this process so far. The system counts it for the programs that it starts.
 fn own_peak() -> u64 {
-    let status = fs::read_to_string("/proc/self/status").expect("Linux tells");
+    let status = fs::read_to_string("/proc/self/status").expect("a file of /proc");
     let line = status.lines().find_map(|l| l.strip_prefix("VmHWM:")).expect("a peak");
     line.trim().trim_end_matches("kB").trim().parse::<u64>().expect("a number") * 1024
 }
 
-/// A run stays inside the limit and 16 MB, or says in one line that it cannot.
+/// A run stays within the limit plus 16 MB, or reports in one line that it cannot.
 #[track_caller]
 fn check_memory(folder: &Path, arguments: &str, model: &str, limit: u64) {
     let mut command = tercio(arguments, model);
     command.args(["--quiet", "--threads", "2", "--memory-limit", &limit.to_string()]);
     let run = run(folder, &mut command);
-    let what = format!("{arguments} {model} in {limit} bytes: {}", run.said);
-    assert!(own_peak() <= limit + 16 * MIB, "this test itself took too much to see: {} bytes", own_peak());
+    let what = format!("{arguments} {model} in {limit} bytes: {}", run.stderr);
+    assert!(
+        own_peak() <= limit + 16 * MIB,
+        "this test itself took too much to measure: {} bytes",
+        own_peak()
+    );
     assert!(run.peak <= limit + 16 * MIB, "took {} bytes: {what}", run.peak);
     match run.code {
-        Some(0) => assert_eq!(run.said, "", "{what}"),
+        Some(0) => assert_eq!(run.stderr, "", "{what}"),
         Some(1) => {
-            assert_eq!(run.said.lines().count(), 1, "{what}");
-            let names_limit = run.said.starts_with("error: ") && run.said.contains(&format!("{limit} bytes"));
+            assert_eq!(run.stderr.lines().count(), 1, "{what}");
+            let names_limit =
+                run.stderr.starts_with("error: ") && run.stderr.contains(&format!("{limit} bytes"));
             assert!(names_limit || code_of(model) == 1, "{what}");
         }
         code => panic!("{code:?}: {what}"),
@@ -138,7 +141,7 @@ fn memory_stays_inside_the_limit_whatever_is_read() {
         make(folder.path(), name, 8 * n);
         // With ample memory nothing is refused.
         let run = run(folder.path(), &mut tercio("info --quiet --memory-limit 4G", name));
-        assert_eq!(run.code, Some(code_of(name)), "{name}: {}", run.said);
+        assert_eq!(run.code, Some(code_of(name)), "{name}: {}", run.stderr);
         for limit in [6 * MIB, 20 * MIB, 48 * MIB] {
             check_memory(folder.path(), "info", name, limit);
             check_memory(folder.path(), "render -o picture.png --allow-empty --size 16x16", name, limit);
@@ -166,7 +169,7 @@ fn memory_stays_inside_the_limit_for_real_models() {
         }
     }
     models.sort();
-    // The largest ones, and some of all sizes.
+    // The largest ones, and some of every size.
     let step = models.len().div_ceil(8).max(1);
     for (size, path) in models.iter().rev().step_by(step) {
         let model = path.to_str().expect("a name of text");
@@ -199,7 +202,7 @@ fn pictures_and_ranks_count_too() {
 }
 
 #[test]
-fn a_limit_of_the_system_gives_a_picture_or_one_line() {
+fn a_limit_of_the_system_leads_to_a_picture_or_one_line() {
     let folder = place();
     make(folder.path(), "fan.ply", 150_000);
     let program = env!("CARGO_BIN_EXE_tercio");
@@ -212,12 +215,12 @@ fn a_limit_of_the_system_gives_a_picture_or_one_line() {
             let mut shell = Command::new("sh");
             shell.args(["-c", &format!("ulimit {ulimit} {limit}; exec {program} {arguments}")]);
             let run = run(folder.path(), &mut shell);
-            let what = format!("ulimit {ulimit} {limit}: {:?} {}", run.code, run.said);
+            let what = format!("ulimit {ulimit} {limit}: {:?} {}", run.code, run.stderr);
             match run.code {
                 Some(0) => pictures += 1,
                 Some(1) => {
                     errors += 1;
-                    assert!(run.said.starts_with("error: ") && run.said.lines().count() == 1, "{what}");
+                    assert!(run.stderr.starts_with("error: ") && run.stderr.lines().count() == 1, "{what}");
                 }
                 _ => panic!("{what}"),
             }
@@ -233,7 +236,7 @@ fn a_file_larger_than_the_limit_is_read_if_its_mesh_is_not() {
     assert!(fs::metadata(folder.path().join("digits.obj")).is_ok_and(|m| m.len() > 30 * MIB));
     let mut command = tercio("info --quiet --threads 2 --memory-limit 9M", "digits.obj");
     let run = run(folder.path(), &mut command);
-    assert_eq!((run.code, run.said.as_str()), (Some(0), ""));
+    assert_eq!((run.code, run.stderr.as_str()), (Some(0), ""));
     assert!(run.peak <= 9_000_000 + 16 * MIB, "{} bytes", run.peak);
 }
 
@@ -274,6 +277,6 @@ fn every_command_says_its_exit_codes() {
     ] {
         let mut command = Command::new(env!("CARGO_BIN_EXE_tercio"));
         let run = run(folder.path(), command.args(arguments.split_whitespace()));
-        assert_eq!(run.code, Some(code), "tercio {arguments}: {}", run.said);
+        assert_eq!(run.code, Some(code), "tercio {arguments}: {}", run.stderr);
     }
 }

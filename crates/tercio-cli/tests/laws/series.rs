@@ -1,9 +1,9 @@
-//! Files that are hard to read, in any size: what a law says of all files has to hold for them.
+//! Files that are hard to read, in any size: the laws have to hold for them.
 
 use std::fmt::Write as _;
 use std::io::Write as _;
 
-/// Makes a file of about `n` of whatever it is made of.
+/// Makes a file of about `n` elements, whatever they are.
 pub type Maker = fn(usize) -> Vec<u8>;
 
 /// Triangles of three vertices each as binary PLY.
@@ -26,7 +26,7 @@ fn ply(
     file
 }
 
-/// A header for ASCII PLY with three vertices and one face, with lines among the properties of each and behind them.
+/// A header for ASCII PLY with three vertices and one face, with additional properties of each and lines after them.
 fn ascii_ply(of_vertex: &str, of_face: &str, more: &str) -> String {
     format!(
         "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n{of_vertex}\
@@ -80,7 +80,7 @@ fn one_point(n: usize) -> Vec<u8> {
     ply((0..n).map(|_| [1.0; 3]), (0..n).map(|i| [i, (i + 1) % n, (i + 2) % n]))
 }
 
-/// Flat triangles that lean on one long edge.
+/// Triangles without area along one long edge.
 fn flat_triangles(n: usize) -> Vec<u8> {
     let on_a_line = (0..n + 3).map(|i| [i as f32, if i == n + 2 { 1.0 } else { 0.0 }, 0.0]);
     ply(on_a_line, (0..n).map(|i| if i == 0 { [0, n + 1, n + 2] } else { [0, n + 1, i] }))
@@ -97,7 +97,7 @@ fn binary_stl(n: usize, corner: impl Fn(usize) -> [u32; 3]) -> Vec<u8> {
     file
 }
 
-/// Vertices that a hash with a fixed multiplier, of x and y over a multiple of z, threw into one place.
+/// Vertices that collide in a hash with a fixed multiplier, of x and y over a multiple of z.
 fn colliding_vertices(n: usize) -> Vec<u8> {
     let mut crafted = Vec::with_capacity(3 * n);
     let mut z = 0x3f80_0000u32;
@@ -206,7 +206,7 @@ fn comb(n: usize) -> Vec<u8> {
     polygon(below.into_iter().chain((0..teeth).rev().flat_map(|i| tooth(2.0 * i as f64))))
 }
 
-/// Teeth from both sides that nearly touch, so that nearly every ear is spoilt.
+/// Interleaved teeth that nearly touch, so that nearly no corner is an ear.
 fn interleaved_combs(n: usize) -> Vec<u8> {
     let teeth = n / 6;
     let there = |i: f64| [[i, 0.0], [i + 1.0, 1000.0], [i + 2.0, 1000.0], [i + 3.0, 0.0]];
@@ -250,7 +250,7 @@ fn members(n: usize) -> Vec<u8> {
     [compressed(TRIANGLE), compressed("").repeat(n)].concat()
 }
 
-/// A small gzip file of something large.
+/// A small gzip file that decompresses to a large one.
 fn bomb(n: usize) -> Vec<u8> {
     let mut out = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
     (0..n).for_each(|_| out.write_all(TRIANGLE.repeat(100).as_bytes()).expect("room"));
@@ -267,7 +267,7 @@ fn wide_vertices(n: usize) -> Vec<u8> {
     file
 }
 
-/// Faces are gone through before it is known that there is no room for them.
+/// Faces are scanned before it is known that there is no memory for them.
 fn binary_faces(n: usize) -> Vec<u8> {
     let mut words = vec![3, n as u32, 0];
     words.extend([[0f32, 0., 0.], [1., 0., 0.], [0., 1., 0.]].iter().flatten().map(|x| x.to_bits()));
@@ -279,7 +279,7 @@ fn padded(model: &[u8], zeros: usize) -> Vec<u8> {
     [model, &vec![0; zeros]].concat()
 }
 
-/// A name, how many of its parts take a moment, and how it is made.
+/// Name, number of elements that take a measurable time, and maker.
 pub const SERIES: [(&str, usize, Maker); 45] = [
     ("fan.ply", 62_500, fan),
     ("book.ply", 62_500, book),

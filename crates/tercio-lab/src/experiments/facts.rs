@@ -1,4 +1,4 @@
-//! The published facts that experiments start from and compare with, by the numbers' names.
+//! The published numbers that experiments start from and compare with, by name.
 
 use std::collections::BTreeMap;
 
@@ -14,7 +14,7 @@ impl Facts {
     /// Reads the table.
     ///
     /// # Errors
-    /// A mistake in it.
+    /// The table has a mistake.
     pub fn load() -> Result<Self, ExperimentError> {
         Ok(Self(published::numbers()?.into_iter().map(|n| (n.id.clone(), n)).collect()))
     }
@@ -27,7 +27,7 @@ impl Facts {
         self.0.get(id).ok_or_else(|| format!("there is no published number '{id}'").into())
     }
 
-    /// What the document prints, in the row's unit; NaN if nothing legible.
+    /// The number printed in the document, in the row's unit; NaN if illegible.
     ///
     /// # Errors
     /// No such row, or a list.

@@ -1,4 +1,4 @@
-//! Writing what an experiment found.
+//! Writes the findings of experiments.
 
 use std::fs;
 use std::io::Write;
@@ -26,7 +26,7 @@ pub enum WriteError {
     Plot(String),
 }
 
-/// Writes `text`, whole or not at all.
+/// Writes `text` atomically: the whole file or nothing.
 pub(super) fn write(path: &Path, text: &str) -> Result<(), WriteError> {
     let io = |source| WriteError::Io { path: path.into(), source };
     if let Some(parent) = path.parent() {

@@ -1,9 +1,9 @@
 //! The experiments: one per published figure or table, each with its data, its plot and its verdict.
 //!
-//! An [`Experiment`] is a name, the place in the document and a function that computes its [`Findings`]: tables,
-//! plots, what is to be said, and a [`Verdict`] that follows from comparing, not from opinion. To add one, write a
-//! function in the room of its document and list it there; [`all`] chains the rooms. [`reproduce`] runs experiments
-//! on all cores and writes them; [`report`] joins them to a page that can be read from figure to figure.
+//! An [`Experiment`] is a name, the place in the document and a function that computes its [`Findings`]: tables, plots,
+//! remarks, and a [`Verdict`] that is derived from a comparison of numbers. To add one, write a function in the module
+//! of its document and list it there; [`all`] chains the modules. [`reproduce`] runs experiments on all cores and
+//! writes them; [`report`] joins them to one page.
 
 pub mod eldridge;
 mod facts;
@@ -30,18 +30,18 @@ pub use plot::{Axis, Mark, Plot, Role, Scale, Series};
 pub use table::{Cell, Column, Table};
 pub use verdict::{Comparison, Verdict};
 
-/// A published figure or table that can be made again.
+/// A published figure or table that can be reproduced.
 #[derive(Clone, Copy, Debug)]
 pub struct Experiment {
     /// Its name, which is also its folder: `eldridge-fig-5-5`.
     pub id: &'static str,
     /// The document.
     pub document: Document,
-    /// The figure or table, as the document counts: `figure 5-5`.
+    /// The figure or table as numbered in the document: `figure 5-5`.
     pub place: &'static str,
     /// What it shows.
     pub title: &'static str,
-    /// Computes it. The same from run to run.
+    /// Computes it. Deterministic.
     pub run: fn() -> Result<Findings, ExperimentError>,
 }
 
@@ -67,7 +67,7 @@ impl Document {
     /// All of them, in order.
     pub const ALL: [Self; 5] = [Self::Eldridge, Self::Hybris, Self::Parks, Self::McManus, Self::Ortega];
 
-    /// The number by which the project calls it.
+    /// The number that the project uses for it.
     pub fn number(self) -> &'static str {
         match self {
             Self::Eldridge => "000",
@@ -106,13 +106,13 @@ pub struct Findings {
     pub tables: Vec<Table>,
     /// The plots of the data.
     pub plots: Vec<Plot>,
-    /// Paragraphs for the reader: what is shown, which scene stands for a lost one, what to look at.
+    /// Paragraphs for the reader: what is shown, which scene replaces a lost one, what to look at.
     pub remarks: Vec<String>,
     /// The comparison with what was published.
     pub verdict: Verdict,
 }
 
-/// An experiment beside what it found.
+/// An experiment with its findings.
 #[derive(Debug)]
 pub struct Outcome {
     /// The experiment.
@@ -121,8 +121,8 @@ pub struct Outcome {
     pub findings: Result<Findings, ExperimentError>,
 }
 
-/// The rooms of the experiments, in the order of the documents.
-const ROOMS: &[&[Experiment]] = &[
+/// The experiments of each module, in the order of the documents.
+const MODULES: &[&[Experiment]] = &[
     eldridge::communication::EXPERIMENTS,
     eldridge::composition::EXPERIMENTS,
     eldridge::accounting::EXPERIMENTS,
@@ -144,13 +144,13 @@ const ROOMS: &[&[Experiment]] = &[
 
 /// All experiments, in the order of the documents.
 pub fn all() -> impl Iterator<Item = Experiment> {
-    ROOMS.iter().flat_map(|room| room.iter().copied())
+    MODULES.iter().flat_map(|module| module.iter().copied())
 }
 
-/// Runs `experiments` on the cores of the current pool and writes each into its folder under `directory`: one CSV
-/// file a table, one SVG file a plot, and `verdict.json`. `finished` is called after each, in any order.
+/// Runs `experiments` on the cores of the current pool and writes each into its folder under `directory`: one CSV file
+/// per table, one SVG file per plot, and `verdict.json`. `finished` is called after each, in any order.
 ///
-/// The outcomes come in the order of `experiments`; one that fails does not stop the others.
+/// The outcomes are in the order of `experiments`; a failing experiment does not stop the others.
 ///
 /// # Errors
 /// A file that cannot be written.

@@ -18,7 +18,7 @@ pub fn write(outcomes: &[Outcome], checks: &[Check], directory: impl AsRef<Path>
     files::write(&directory.join("index.html"), &page(outcomes, checks, &mut Html::default()))
 }
 
-/// What a report is made of; the two formats differ in nothing else.
+/// The elements of a report; the two output formats differ only in how they write them.
 trait Format {
     fn head(&mut self, title: &str);
     fn heading(&mut self, level: usize, text: &str, anchor: Option<&str>);
@@ -45,8 +45,8 @@ impl From<String> for Text {
 fn page(outcomes: &[Outcome], checks: &[Check], to: &mut impl Format) -> String {
     to.head("Published graphics machines, reproduced");
     to.paragraph(
-        "Every figure and table of the five documents that follows from a formula or a simulator, made again: data, \
-         plot, and what the comparison comes to. Scenes that are lost are replaced by ours, and said to be.",
+        "Every figure and table of the five documents that follows from a formula or a simulator, reproduced: data, \
+         plot, and result of the comparison. Lost scenes are replaced by our own, and marked so.",
     );
     overview(outcomes, checks, to);
     for document in Document::ALL {
@@ -96,13 +96,14 @@ fn experiment(outcome: &Outcome, to: &mut impl Format) {
     to.links("Data", &findings.tables.iter().map(|t| file(&t.name)).collect::<Vec<_>>());
 }
 
-/// The renderer against its model: tables from the repository, because a report is the same wherever it is made.
+/// Predictions for the renderer, compared with measurements: tables from the repository, because a report is the same
+/// wherever it is made.
 fn predicted_frames(to: &mut impl Format) {
     to.heading(2, "The renderer, predicted and measured", Some("prediction"));
     to.paragraph(
-        "Measured before, not with this report. Counters have to be equal, times to lie within 25 %. Where two times \
-         stand side by side the first is predicted; the time of a stage is that of its busiest rank, waiting is that \
-         of rank 0, faults of pages and switches of threads are those of all ranks.",
+        "Measured before, not with this report. Counters have to be equal, times within 25 %. Of two times the \
+         first is predicted; the time of a stage is that of its busiest rank, waiting is that of rank 0, page faults \
+         and context switches are those of all ranks.",
     );
     quoted_frames("Threads", quoted::of_threads(), to);
     quoted_frames("Ranks of one process", quoted::of_ranks(), to);
@@ -166,7 +167,7 @@ impl Markdown {
     }
 }
 
-/// Signs that Markdown would take for its own.
+/// Escapes characters with a meaning in Markdown.
 fn markdown_escaped(text: &str) -> String {
     text.replace('|', "\\|").replace('*', "\\*").replace('<', "&lt;").replace('[', "\\[").replace(']', "\\]")
 }
@@ -217,7 +218,7 @@ impl Format for Markdown {
     }
 }
 
-/// One page of HTML that needs nothing but its pictures.
+/// One HTML page that needs no other files but its pictures.
 #[derive(Default)]
 struct Html(String);
 

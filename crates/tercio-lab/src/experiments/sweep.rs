@@ -4,11 +4,11 @@ use rayon::prelude::*;
 
 use super::ExperimentError;
 
-/// Runs the points of a sweep on the cores of the current pool. The results come in the order of the points; if
-/// several fail, the error is that of the first, whichever core was faster.
+/// Runs the points of a sweep on the cores of the current pool. The results are in the order of the points; if several
+/// fail, the error is that of the first in this order.
 ///
 /// # Errors
-/// What `run` says.
+/// The error of `run`.
 pub(super) fn sweep<P: Sync, R: Send>(
     points: &[P],
     run: impl Fn(&P) -> Result<R, ExperimentError> + Sync,
@@ -17,7 +17,7 @@ pub(super) fn sweep<P: Sync, R: Send>(
     results.into_iter().collect()
 }
 
-/// All pairs of two lists, the first slowest.
+/// All pairs of two lists; the second element varies fastest.
 pub(super) fn pairs<'a, A, B: Copy>(first: &'a [A], second: &[B]) -> Vec<(&'a A, B)> {
     first.iter().flat_map(|a| second.iter().map(move |b| (a, *b))).collect()
 }

@@ -1,9 +1,9 @@
 //! Tables of data, written as CSV.
 
-/// A table: one row a case, columns with units.
+/// A table: one row per case, columns with units.
 #[derive(Clone, Debug)]
 pub struct Table {
-    /// The file's name without its ending.
+    /// The file's name without extension.
     pub name: String,
     /// The columns.
     pub columns: Vec<Column>,
@@ -14,7 +14,7 @@ pub struct Table {
 /// A column of a table.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Column {
-    /// What stands in it.
+    /// Its heading.
     pub name: String,
     /// The unit of its numbers; empty for texts, counts and ratios.
     pub unit: &'static str,
@@ -23,11 +23,11 @@ pub struct Column {
 /// A cell of a table.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Cell {
-    /// A number, written in as many digits as it takes to read it back unchanged.
+    /// A number, written with as many digits as an exact round trip needs.
     Number(f64),
     /// A text.
     Text(String),
-    /// Nothing is known.
+    /// Unknown.
     Empty,
 }
 
@@ -59,7 +59,7 @@ impl Table {
     /// Adds a row.
     ///
     /// # Panics
-    /// If the row is not as long as the table is wide: a mistake of the experiment, not of its input.
+    /// If the row has the wrong number of cells: a bug in the experiment, not in its input.
     pub fn push<const N: usize>(&mut self, row: [Cell; N]) {
         self.push_row(row.to_vec());
     }

@@ -1,19 +1,19 @@
-//! What a comparison with the published numbers comes to.
+//! The result of a comparison with published numbers.
 
 use serde::Serialize;
 
 use crate::published::{self, Standing, TableError};
 
-/// How an experiment stands to what was published.
+/// How an experiment agrees with what was published.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(tag = "verdict", rename_all = "kebab-case")]
 pub enum Verdict {
-    /// Ours agree with the published numbers.
+    /// Our values agree with the published numbers.
     Reproduced {
         /// How closely.
         within: String,
     },
-    /// Ours agree after a mistake in the document or the scan is corrected.
+    /// Our values agree after a mistake in the document or the scan is corrected.
     ReproducedAfterCorrection {
         /// How closely.
         within: String,
@@ -24,10 +24,10 @@ pub enum Verdict {
     QualitativeOnly {
         /// Why: the scene is lost, an input is not stated.
         why: String,
-        /// What of the shape agrees, measured.
+        /// The properties of the shape that agree, measured.
         agrees: String,
     },
-    /// Ours do not agree.
+    /// Our values do not agree.
     Contradicted {
         /// Where and by how much.
         why: String,
@@ -58,7 +58,7 @@ impl Verdict {
     }
 }
 
-/// Pairs of ours and published numbers, and claims about shapes, from which a verdict follows.
+/// Pairs of computed and published numbers, and claims about shapes, from which a verdict is derived.
 #[derive(Clone, Debug, Default)]
 pub struct Comparison {
     pairs: Vec<Pair>,
@@ -74,17 +74,17 @@ struct Pair {
 }
 
 impl Comparison {
-    /// A comparison with nothing in it yet.
+    /// An empty comparison.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Adds a number of ours beside a published one; `tolerance` is absolute.
+    /// Adds a computed number and a published one; `tolerance` is absolute.
     pub fn add(&mut self, name: impl Into<String>, ours: f64, published: f64, tolerance: f64) {
         self.pairs.push(Pair { name: name.into(), ours, published, tolerance });
     }
 
-    /// Adds something of the shape that the document says or draws, and whether it is so with us.
+    /// Adds a property of the shape that the document states or draws, and whether our result has it.
     pub fn claim(&mut self, what: impl Into<String>, holds: bool) {
         self.claims.push((what.into(), holds));
     }
@@ -95,7 +95,7 @@ impl Comparison {
         some && self.pairs.iter().all(Pair::agrees) && self.claims.iter().all(|c| c.1)
     }
 
-    /// What holds and what does not.
+    /// A sentence about what holds and what does not.
     fn words(&self) -> String {
         let of = |holding: bool| {
             let names: Vec<_> = self.claims.iter().filter(|c| c.1 == holding).map(|c| c.0.as_str()).collect();
@@ -136,7 +136,7 @@ impl Comparison {
         )
     }
 
-    /// Reproduced if all agree, contradicted if one does not.
+    /// Reproduced if everything agrees, otherwise contradicted.
     pub fn verdict(&self) -> Verdict {
         if self.agrees() {
             Verdict::Reproduced { within: self.words() }
@@ -145,7 +145,7 @@ impl Comparison {
         }
     }
 
-    /// Reproduced after `correction` if all agree, contradicted if one does not.
+    /// Reproduced after `correction` if everything agrees, otherwise contradicted.
     pub fn verdict_after(&self, correction: impl Into<String>) -> Verdict {
         if self.agrees() {
             Verdict::ReproducedAfterCorrection { within: self.words(), correction: correction.into() }
@@ -154,7 +154,7 @@ impl Comparison {
         }
     }
 
-    /// Qualitative only for the reason `why` if all agree, which compare shapes here; contradicted if one does not.
+    /// Qualitative only, for the reason `why`, if everything agrees; otherwise contradicted.
     pub fn qualitative(&self, why: impl Into<String>) -> Verdict {
         if self.agrees() {
             Verdict::QualitativeOnly { why: why.into(), agrees: format!("{}.", self.words()) }
@@ -163,11 +163,11 @@ impl Comparison {
         }
     }
 
-    /// Compares the published numbers whose names begin with one of `prefixes` with what their formulas give.
-    /// Those that the document contradicts itself about are compared with their corrected values.
+    /// Compares the published numbers whose names begin with one of `prefixes` with the results of their formulas.
+    /// Numbers that the document itself contradicts are compared with their corrected values.
     ///
     /// # Errors
-    /// A mistake in the table.
+    /// The table has a mistake.
     pub fn of_published(prefixes: &[&str]) -> Result<Self, TableError> {
         let mut comparison = Self::new();
         let begins = |id: &str| prefixes.iter().any(|p| id.starts_with(p));
@@ -189,7 +189,7 @@ impl Comparison {
     /// is contradicted by its own document.
     ///
     /// # Errors
-    /// A mistake in the table.
+    /// The table has a mistake.
     pub fn verdict_of_published(prefixes: &[&str], correction: &str) -> Result<Verdict, TableError> {
         let comparison = Self::of_published(prefixes)?;
         let corrected = published::numbers()?.into_iter().any(|n| {
@@ -202,7 +202,7 @@ impl Comparison {
 
 impl Pair {
     fn agrees(&self) -> bool {
-        // As in the published table: rounding of binary numbers must not decide at the edge of the tolerance.
+        // As in the published table: rounding in binary must not decide at the edge of the tolerance.
         let rounding = if self.tolerance > 0.0 { 4.0 * f64::EPSILON * self.published.abs() } else { 0.0 };
         (self.ours - self.published).abs() <= self.tolerance + rounding
     }

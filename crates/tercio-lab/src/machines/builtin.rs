@@ -1,12 +1,12 @@
-//! The machines that come with the program.
+//! The built-in machines.
 
 use super::description::{Machine, parse};
 use super::error::MachineError;
 
-/// Declares the table of names and texts; a name is that of its file.
+/// Declares the table of names and texts; names are those of the files.
 macro_rules! machines {
     ($($name:literal),+ $(,)?) => {
-        /// Names of the machines that come with the program, documents' machines first.
+        /// Names of the built-in machines, the documents' machines first.
         pub const NAMES: &[&str] = &[$($name),+];
         const TEXTS: &[&str] = &[$(include_str!(concat!("descriptions/", $name, ".toml"))),+];
     };
@@ -20,7 +20,7 @@ machines! {
     "vc-1", "pomegranate", "two-core-2026", "server-128", "cluster-64",
 }
 
-/// A machine that comes with the program; `None` if there is none of this name.
+/// A built-in machine; `None` if there is none of this name.
 pub fn builtin(name: &str) -> Option<Result<Machine, MachineError>> {
     let k = NAMES.iter().position(|n| *n == name)?;
     Some(parse(&format!("{name}.toml"), TEXTS[k]))

@@ -1,10 +1,10 @@
-//! What no unit can say about a description: numbers that must not be 0, or that depend on others.
+//! Checks of a description beyond units: numbers that must not be 0, or that depend on others.
 
 use super::description::Machine;
 use super::error::MachineError;
 use super::sourced::{Cost, Sourced};
 
-/// A number that does not fit, by the section and key where it stands.
+/// An invalid number, with its section and key.
 pub(super) struct Wrong {
     section: &'static str,
     key: String,
@@ -16,7 +16,7 @@ impl Wrong {
         Self { section, key: key.into(), what }
     }
 
-    /// The message with the line of the key; of the section where the key stands in no line of its own.
+    /// The message with the line of the key, or of the section if the key is not on a line of its own.
     pub fn in_file(self, file: &str, text: &str) -> MachineError {
         let (line, column) = self.place(text);
         let what = format!("{}.{}: {}", self.section, self.key, self.what);
@@ -47,7 +47,7 @@ fn positive<Q>(section: &'static str, key: &str, number: Option<&Sourced<Q>>) ->
     }
 }
 
-/// Finds the first number that does not fit.
+/// Finds the first invalid number.
 pub(super) fn check(m: &Machine) -> Result<(), Wrong> {
     let p = &m.processors;
     positive("processors", "count", Some(&p.count))?;

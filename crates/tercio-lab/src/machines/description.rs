@@ -27,17 +27,17 @@ pub struct Machine {
     pub sorting: Sorting,
     /// Its processors.
     pub processors: Processors,
-    /// Its picture, where a document gives it.
+    /// Its screen, if a document gives it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub screen: Option<Screen>,
-    /// How the processors are wired.
+    /// Its network.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub network: Option<Network>,
-    /// The same as messages of MPI take it, where that was measured beside messages between threads, which then are
+    /// The network as measured with MPI messages, if it was measured in addition to messages between threads, which are
     /// `network`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mpi: Option<Network>,
-    /// Bytes of what travels and is kept.
+    /// Sizes of what is sent and stored.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub bytes: BTreeMap<DataKind, Sourced<Bytes>>,
     /// What work costs on one processor.
@@ -64,13 +64,13 @@ pub struct Machine {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub struct Sorting {
-    /// Where work is handed over.
+    /// Where work is redistributed.
     pub class: SortingClass,
-    /// How the screen is dealt out.
+    /// How the screen is divided.
     pub screen: ScreenDivision,
-    /// In words.
+    /// Description in words.
     pub how: String,
-    /// Where this is said.
+    /// The source of this section.
     pub source: String,
 }
 
@@ -78,9 +78,9 @@ pub struct Sorting {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub struct Processors {
-    /// How many.
+    /// Their number.
     pub count: Sourced<Count>,
-    /// The most that a document or its makers consider.
+    /// The largest number that a document or the maker considers.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub at_most: Option<Sourced<Count>>,
     /// Their clock.
@@ -98,7 +98,7 @@ pub struct Processors {
     /// Cache that the processors share.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub shared_cache: Option<Sourced<Bytes>>,
-    /// Processors that share one memory; all of them where it is not given.
+    /// Processors that share one memory; all of them by default.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub per_node: Option<Sourced<Count>>,
     /// Share of a frame's work that runs on one processor only.
@@ -106,7 +106,7 @@ pub struct Processors {
     pub serial: Option<Sourced<Ratio>>,
 }
 
-/// The picture.
+/// The screen.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub struct Screen {
@@ -116,7 +116,7 @@ pub struct Screen {
     pub height: Sourced<Count>,
 }
 
-/// The wires.
+/// The network.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub struct Network {
@@ -130,7 +130,7 @@ pub struct Network {
     pub message: Sourced<Seconds>,
 }
 
-/// What travels or is kept.
+/// What is sent or stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum DataKind {
@@ -162,7 +162,7 @@ impl Machine {
         }
     }
 
-    /// Seconds that an operation costs; 0 where the machine is not charged for it.
+    /// Seconds that an operation costs; 0 if the machine is not charged for it.
     pub fn seconds_or_0(&self, operation: Operation) -> f64 {
         self.seconds(operation).unwrap_or(0.0)
     }
@@ -175,7 +175,7 @@ impl Machine {
         self.need(self.processors.clock.as_ref(), "processors.clock").map(|c| c.value)
     }
 
-    /// A part of the description that the caller cannot do without.
+    /// A part of the description that the caller requires.
     ///
     /// # Errors
     /// [`MachineError::Missing`] with the name of the part.
@@ -183,7 +183,7 @@ impl Machine {
         part.ok_or_else(|| MachineError::Missing { machine: self.name.clone(), what: what.into() })
     }
 
-    /// The machine whose ranks send their messages over MPI: `mpi` is its network.
+    /// The machine with MPI messages between its ranks: `mpi` becomes its network.
     ///
     /// # Errors
     /// [`MachineError::Missing`] if the description does not have it.
@@ -192,7 +192,7 @@ impl Machine {
         Ok(Self { network: self.mpi.clone(), ..self })
     }
 
-    /// Whether messages between ranks go over MPI: true of what [`Machine::over_mpi`] gives.
+    /// Whether messages between ranks go over MPI: true for the result of [`Machine::over_mpi`].
     pub fn is_over_mpi(&self) -> bool {
         self.mpi.is_some() && self.network == self.mpi
     }
@@ -200,7 +200,7 @@ impl Machine {
     /// The description as TOML.
     ///
     /// # Errors
-    /// What the writer refuses.
+    /// An error of the serializer.
     pub fn to_toml(&self) -> Result<String, toml::ser::Error> {
         toml::to_string(self)
     }
@@ -216,7 +216,7 @@ pub fn parse(file: &str, text: &str) -> Result<Machine, MachineError> {
     Ok(machine)
 }
 
-/// A machine by the name of one of ours, or from a file.
+/// A machine by its built-in name, or from a file.
 ///
 /// # Errors
 /// [`MachineError`].

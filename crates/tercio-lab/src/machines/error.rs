@@ -1,19 +1,19 @@
-//! What can be wrong with a description.
+//! Errors of machine descriptions.
 
 use std::io;
 use std::path::PathBuf;
 
 use thiserror::Error;
 
-/// Why a machine could not be had.
+/// Why a machine could not be loaded.
 #[derive(Debug, Error)]
 pub enum MachineError {
-    /// Neither a file nor one of ours.
+    /// Neither a file nor a built-in machine.
     #[error("no machine \"{name}\": neither a file nor one of {known}")]
     Unknown {
-        /// What was asked for.
+        /// The requested name.
         name: String,
-        /// The machines that come with the program.
+        /// The built-in machines.
         known: String,
     },
     /// The file could not be read.
@@ -24,7 +24,7 @@ pub enum MachineError {
         /// Why.
         source: io::Error,
     },
-    /// The text is no description.
+    /// The text is not a valid description.
     #[error("{file}:{line}:{column}: {what}")]
     Text {
         /// Which file.
@@ -33,10 +33,10 @@ pub enum MachineError {
         line: usize,
         /// Column, from 1.
         column: usize,
-        /// What was expected and what stood there.
+        /// What was expected and what was found.
         what: String,
     },
-    /// The description lacks what is asked of it.
+    /// The description lacks a required part.
     #[error("machine \"{machine}\": {what} is needed here, and its description has none")]
     Missing {
         /// Which machine.
@@ -47,20 +47,20 @@ pub enum MachineError {
 }
 
 impl MachineError {
-    /// An error of the TOML reader, its place counted in lines.
+    /// An error of the TOML reader, with its line and column.
     pub(super) fn of_toml(file: &str, text: &str, error: &toml::de::Error) -> Self {
         let start = error.span().map_or(0, |s| s.start.min(text.len()));
-        Self::behind(file, &text[..start], error.message())
+        Self::after(file, &text[..start], error.message())
     }
 
-    /// The error that behind `before` a file holds no text.
+    /// The error for bytes after `before` that are not text.
     pub(super) fn of_bytes(file: &str, before: &[u8]) -> Self {
         let before = String::from_utf8_lossy(before);
-        Self::behind(file, &before, "expected text, found bytes that are not UTF-8")
+        Self::after(file, &before, "expected text, found bytes that are not UTF-8")
     }
 
-    /// An error at the place behind `before`.
-    fn behind(file: &str, before: &str, what: &str) -> Self {
+    /// An error at the position after `before`.
+    fn after(file: &str, before: &str, what: &str) -> Self {
         let line = before.matches('\n').count() + 1;
         let column = before.rsplit('\n').next().unwrap_or("").chars().count() + 1;
         Self::Text { file: file.into(), line, column, what: what.into() }

@@ -1,14 +1,14 @@
-//! The words of the field: where a machine sorts, how it divides the screen, how its processors are wired.
+//! The field's terms: where a machine sorts, how it divides the screen, how its processors are connected.
 
 use serde::{Deserialize, Serialize};
 
-/// Where work is handed from one processor to another.
+/// Where work is redistributed between processors.
 ///
 /// Source: document 001, 2.3, after Molnar and others; sort-twice: document 000, chapter 6.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum SortingClass {
-    /// Nowhere: one processor does it all, or whole frames are dealt out.
+    /// Nowhere: one processor does everything, or processors draw whole frames in turn.
     None,
     /// Before the geometry work.
     SortFirst,
@@ -18,7 +18,7 @@ pub enum SortingClass {
     SortLast,
     /// Triangles inside groups, pixels between them.
     SortTwice,
-    /// In several places, each sort completing what the others leave.
+    /// At several points, each sort completing the others.
     Hybrid,
 }
 
@@ -36,7 +36,7 @@ impl SortingClass {
     }
 }
 
-/// How the screen is dealt out to the processors that rasterize.
+/// How the screen is divided among the processors that rasterize.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ScreenDivision {
@@ -77,17 +77,17 @@ impl ScreenDivision {
     }
 }
 
-/// How processors are wired.
+/// How processors are connected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Topology {
-    /// Neighbour to neighbour in a circle, both ways.
+    /// Neighbour to neighbour in a ring, in both directions.
     Ring,
     /// Neighbour to neighbour on a square grid without wrap-around.
     Mesh,
-    /// A binary tree whose links double towards the root, so that every half can talk to the other at full speed.
+    /// A binary tree whose links double towards the root: full bisection bandwidth.
     FatTree,
-    /// Everyone to everyone; each port carries one link's bandwidth.
+    /// All to all; each port carries one link's bandwidth.
     Crossbar,
     /// One shared medium.
     Bus,

@@ -1,10 +1,10 @@
 //! Descriptions of machines, each number with its unit and its source.
 //!
 //! A description is a TOML file. Every number in it is a table `{ value = "14 MHz", source = "000, 2.3" }`: a number
-//! without a source is an error, as is one whose unit does not fit its place. Sources are `000` to `004`, the five
-//! documents, with chapter, equation, table or figure; a data sheet; or `fitted:` and to what.
+//! without a source is an error, as is one with a unit that does not match its key. Sources are `000` to `004`, the
+//! five documents, with chapter, equation, table or figure; a data sheet; or `fitted:` and to what.
 //!
-//! [`builtin`] lists the machines that come with the program, [`load`] takes one of their names or a file.
+//! [`NAMES`] lists the built-in machines, [`load`] takes one of their names or a file.
 
 mod builtin;
 mod check;

@@ -1,4 +1,4 @@
-//! What processors are charged for.
+//! The operations that have a cost.
 
 use serde::{Deserialize, Serialize};
 
@@ -6,9 +6,9 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Operation {
-    /// What every frame costs, whatever is drawn.
+    /// The fixed cost of every frame, whatever is drawn.
     Frame,
-    /// One cluster (object partition) looked at.
+    /// One cluster (object partition) tested.
     Cluster,
     /// One vertex transformed.
     Vertex,
@@ -16,53 +16,53 @@ pub enum Operation {
     Polygon,
     /// One visible polygon lit and set up.
     PolygonSetUp,
-    /// One polygon put into one tile.
+    /// One polygon added to one tile.
     Entry,
-    /// One tile begun, finished and written.
+    /// One tile started, finished and written.
     Tile,
-    /// One stamp of 16 samples (rows of 8 or 16) tested against a polygon that is drawn by itself.
+    /// One stamp of 16 samples (rows of 8 or 16) tested against a polygon that is binned by itself.
     Stamp,
     /// One scan line of one polygon.
     Segment,
-    /// One pixel of one polygon, seen or not.
+    /// One pixel of one polygon, visible or not.
     Pixel,
-    /// One pixel that shows a polygon shaded.
+    /// One visible pixel of a polygon shaded.
     ShadedPixel,
     /// One pixel of the picture cleared and written, whatever it shows.
     PicturePixel,
-    /// One cluster put into one tile.
+    /// One cluster added to one tile.
     ClusterEntry,
-    /// One cluster in one tile found to lie behind what is drawn there.
+    /// One cluster in one tile found to be hidden by what is drawn there.
     ClusterHidden,
     /// One cluster drawn into one tile.
     ClusterDrawn,
-    /// One triangle of a cluster looked at in one tile.
+    /// One triangle of a cluster tested in one tile.
     ClusterTriangle,
-    /// Up to 16 small triangles of a cluster set up side by side.
+    /// Up to 16 small triangles of a cluster set up in parallel.
     SetUp,
-    /// One sample of each of up to 16 small triangles looked at.
+    /// One sample of each of up to 16 small triangles tested.
     SampleStep,
     /// One stamp of 16 samples (rows of 8 or 16) tested against a larger triangle of a cluster.
     ClusterStamp,
     /// One polygon drawn into one tile by itself.
     DrawnEntry,
-    /// One sample of a tile that is not empty, cleared and looked through.
+    /// One sample of a tile that is not empty, cleared and scanned.
     TileSample,
-    /// One cluster that is seen in one tile made ready for shading.
+    /// One cluster that is visible in one tile prepared for shading.
     ClusterShaded,
-    /// Up to 16 pixels of a cluster shaded side by side.
+    /// Up to 16 pixels of a cluster shaded in parallel.
     Shading,
-    /// What that costs more where pixels ask the planes of their triangles.
+    /// The additional cost where pixels use the planes of their triangles.
     PlaneShading,
     /// One colour of a pixel fetched from vertices or triangles.
     ColoredPixel,
-    /// One colour of a vertex made ready for the pixels of its cluster.
+    /// One colour of a vertex prepared for the pixels of its cluster.
     ColoredVertex,
     /// A block of 4x4 pixels of one polygon shaded.
     WholeBlock,
     /// One line of memory that a processor's own cache does not hold.
     CacheLine,
-    /// What it costs more if no cache holds it.
+    /// The additional cost if no cache holds it.
     MemoryLine,
     /// One pixel of two partial pictures merged.
     CompositePixel,
@@ -72,17 +72,17 @@ pub enum Operation {
     ShadedKey,
     /// One line of memory of keys written that no cache holds.
     KeyLine,
-    /// One pixel of a rank's picture looked at before it travels.
+    /// One pixel of a rank's picture scanned before it is sent.
     ScannedPixel,
-    /// One row of neighbouring pixels put into a message.
+    /// One span of pixels packed into a message.
     PackedSpan,
-    /// One key or colour of these pixels put into a message.
+    /// One key or colour of these pixels packed into a message.
     PackedSample,
-    /// One row of neighbouring pixels taken out of a message.
+    /// One span of pixels unpacked from a message.
     UnpackedSpan,
-    /// One key or colour of these pixels taken out of a message, and compared where it is a key.
+    /// One key or colour of these pixels unpacked from a message; keys are also compared.
     UnpackedSample,
-    /// One pixel of another rank's region given the background.
+    /// One pixel of another rank's region set to the background.
     ClearedPixel,
     /// One line of memory of pictures and messages that no cache holds.
     ExchangeLine,

@@ -15,7 +15,7 @@ pub struct Heap {
     pub buffer: Sourced<Bytes>,
     /// Bytes of a buffer's header.
     pub header: Sourced<Bytes>,
-    /// Heaps that are filled independently, one a front end.
+    /// Heaps that are filled independently, one per front end.
     pub heaps: Sourced<Count>,
 }
 
@@ -53,13 +53,13 @@ pub struct TileEngine {
     pub output: Sourced<Count>,
 }
 
-/// The way of triangle nodes from the host to the tile engines.
+/// The transfer of triangle nodes from the host to the tile engines.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub struct Transfer {
-    /// What every transfer costs, whatever its size.
+    /// Fixed cost of every transfer.
     pub overhead: Sourced<Seconds>,
-    /// What runs after that.
+    /// Bandwidth after that.
     pub bandwidth: Sourced<BytesPerSecond>,
     /// Bytes moved by one transfer.
     pub block: Sourced<Bytes>,

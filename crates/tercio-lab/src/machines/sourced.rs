@@ -1,4 +1,4 @@
-//! Numbers with a unit and a source, as they stand in a description.
+//! Numbers with a unit and a source, as written in a description.
 
 use std::fmt;
 use std::marker::PhantomData;
@@ -8,19 +8,19 @@ use serde::{Deserialize, Serialize};
 
 use crate::units::{Cycles, Quantity, Seconds, UnitError};
 
-/// A quantity and where it comes from.
+/// A quantity with its source.
 #[derive(Debug)]
 pub struct Sourced<Q> {
     /// The number in the quantity's base unit.
     pub value: f64,
-    /// The number as it was written.
+    /// The number as written.
     pub text: String,
-    /// Document and place, data sheet, or what it was fitted to.
+    /// Document and place, data sheet, or what the number was fitted to.
     pub source: String,
     quantity: PhantomData<Q>,
 }
 
-/// What one operation costs, by the unit in which it is written: cycles of the machine's clock, or a time.
+/// The cost of one operation, in the unit in which it is written: cycles of the machine's clock, or a time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Cost {
     /// Cycles of the processors' clock.
@@ -30,7 +30,7 @@ pub enum Cost {
 }
 
 impl<Q> Sourced<Q> {
-    /// A number in base units with the text that shows it.
+    /// A number in base units with the text that represents it.
     pub fn new(value: f64, text: String, source: String) -> Self {
         Self { value, text, source, quantity: PhantomData }
     }
@@ -105,7 +105,7 @@ impl<'de> Deserialize<'de> for Sourced<Cost> {
     }
 }
 
-/// As the file has it. Errors of its parts are made where their place in the file is known.
+/// The fields as in the file. Errors in their values are reported where their position in the file is known.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Written<T> {
@@ -113,7 +113,7 @@ struct Written<T> {
     source: Source,
 }
 
-/// Where a number comes from; never empty.
+/// The source of a number; never empty.
 struct Source(String);
 
 impl<'de> Deserialize<'de> for Source {
@@ -126,7 +126,7 @@ impl<'de> Deserialize<'de> for Source {
     }
 }
 
-/// A number of a quantity with its unit.
+/// A quantity with its unit, as read.
 struct Read<Q> {
     value: f64,
     text: String,
@@ -153,7 +153,7 @@ impl<'de> Deserialize<'de> for ReadCost {
     }
 }
 
-/// Reads a number that has to carry its unit, where its quantity has one.
+/// Reads a number that must have a unit, if its quantity has one.
 fn with_unit<Q: Quantity>(text: &str) -> Result<f64, UnitError> {
     if !Q::UNIT.is_empty() && text.parse::<f64>().is_ok() {
         return Err(UnitError::Unit { name: Q::NAME, unit: Q::UNIT, found: String::new() });

@@ -45,7 +45,7 @@ fn costs_become_seconds() {
 }
 
 #[test]
-fn mistakes_are_told_with_file_and_line() {
+fn mistakes_are_reported_with_file_and_line() {
     let unit = error("\"100 MHz\"", "\"100 MB\"");
     assert!(unit.starts_with("m.toml:13:") && unit.contains("clock rate: expected Hz"), "{unit}");
     let source =
@@ -74,7 +74,7 @@ fn an_unknown_name_lists_the_known_ones() {
 }
 
 #[test]
-fn numbers_of_the_documents_stand_in_the_descriptions() {
+fn descriptions_have_the_numbers_of_the_documents() {
     let machine = |name| builtin(name).unwrap().unwrap();
     let princeton = machine("princeton-engine");
     assert_eq!(princeton.processors.memory.unwrap().value, 640.0 * 1024.0);
@@ -91,7 +91,7 @@ fn numbers_of_the_documents_stand_in_the_descriptions() {
 }
 
 #[test]
-fn a_machine_may_have_a_network_of_mpi_beside_that_of_its_threads() {
+fn a_machine_may_have_an_mpi_network_beside_that_of_its_threads() {
     let machine = builtin("two-core-2026").unwrap().unwrap();
     let missing = machine.clone().over_mpi().unwrap_err().to_string();
     assert!(missing.contains("mpi"), "{missing}");

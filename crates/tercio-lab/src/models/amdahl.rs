@@ -1,10 +1,10 @@
-//! Speed-up with a part that stays serial: equations 4.2 to 4.7 of document 001, and what follows from them.
+//! Speed-up with a part that stays serial: equations 4.2 to 4.7 of document 001, and consequences.
 
 use crate::models;
 use crate::models::registry::{Glossary, Model};
 use crate::units::{FrameRate, PolygonRate, Ratio, Seconds};
 
-/// Equation 4.2: time where the part `parallel` is `speed_up` times as fast and `serial` stays.
+/// Equation 4.2: time if the part `parallel` becomes `speed_up` times as fast and `serial` stays.
 pub fn time(parallel: Seconds, speed_up: Ratio, serial: Seconds) -> Seconds {
     parallel / speed_up.get() + serial
 }
@@ -14,7 +14,7 @@ pub fn single(parallel: Seconds, serial: Seconds) -> Seconds {
     time(parallel, Ratio::new(1.0), serial)
 }
 
-/// Equation 4.5: the speed-up that is seen. The document prints the fraction upside down.
+/// Equation 4.5: the observed speed-up. The document prints the fraction upside down.
 pub fn observed(single: FrameRate, dual: FrameRate) -> Ratio {
     Ratio::new(dual / single)
 }
@@ -35,7 +35,7 @@ pub fn parallel_part(parallel: Seconds, dual: Seconds, serial: Seconds) -> Resul
     Ok(Ratio::new(parallel / (dual - serial)))
 }
 
-/// Equation 4.7: the speed-up of the parallel part from frame rates; `idle` is the rate if only the serial part runs.
+/// Equation 4.7: the speed-up of the parallel part from frame rates; `idle` is the rate with only the serial part.
 ///
 /// # Errors
 /// As [`parallel_part`].
@@ -44,7 +44,7 @@ pub fn parallel_speed_up(single: FrameRate, dual: FrameRate, idle: FrameRate) ->
     parallel_part(single - serial, dual, serial)
 }
 
-/// Amdahl's law: speed-up of the whole where the share `share` becomes `speed_up` times as fast.
+/// Amdahl's law: speed-up of the whole if the share `share` becomes `speed_up` times as fast.
 ///
 /// # Errors
 /// A share above 1, a speed-up of zero.
@@ -58,8 +58,8 @@ pub fn whole(share: Ratio, speed_up: Ratio) -> Result<Ratio, String> {
     Ok(Ratio::new(1.0 / (1.0 - share.get() + share.get() / speed_up.get())))
 }
 
-/// The polygon rate after a stage with the share `share` of the time has become `speed_up` times as fast
-/// (document 000, 9.1).
+/// The polygon rate after a stage that takes the share `share` of the time becomes `speed_up` times as fast (document
+/// 000, 9.1).
 ///
 /// # Errors
 /// As [`whole`].
@@ -72,7 +72,7 @@ pub(crate) const MODELS: &[Model] = models! {
         time["parallel": Seconds, "speed_up": Ratio, "serial": Seconds] -> Seconds;
     "amdahl.4.3", "001 eq 4.3", "time on one processor":
         single["parallel": Seconds, "serial": Seconds] -> Seconds;
-    "amdahl.4.5", "001 eq 4.5", "speed-up that is seen, from frame rates; printed upside down":
+    "amdahl.4.5", "001 eq 4.5", "observed speed-up, from frame rates; printed upside down":
         observed["single": FrameRate, "dual": FrameRate] -> Ratio;
     "amdahl.4.5-as-printed", "001 eq 4.5", "the same as printed, upside down":
         observed_as_printed["single": FrameRate, "dual": FrameRate] -> Ratio;
@@ -113,7 +113,7 @@ mod tests {
     use super::*;
 
     proptest! {
-        /// 4.7 finds the speed-up that 4.2 was given.
+        /// Equation 4.7 recovers the speed-up that 4.2 was given.
         #[test]
         fn there_and_back(parallel in 1e-3f64..10.0, serial in 1e-4f64..1.0, speed_up in 1.0f64..100.0) {
             let at = |s: f64| time(Seconds::new(parallel), Ratio::new(s), Seconds::new(serial));

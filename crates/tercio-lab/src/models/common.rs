@@ -65,12 +65,12 @@ pub fn share(part: Ratio, whole: Ratio) -> Ratio {
     Ratio::new(part / whole)
 }
 
-/// What is saved of `before` where `after` is left.
+/// The share of `before` that is saved if `after` remains.
 pub fn saving(before: Ratio, after: Ratio) -> Ratio {
     Ratio::new(1.0 - after / before)
 }
 
-/// What `after` is above `before`, as a part of `before`.
+/// The increase from `before` to `after`, relative to `before`.
 pub fn increase(before: Ratio, after: Ratio) -> Ratio {
     Ratio::new(after / before - 1.0)
 }
@@ -80,7 +80,7 @@ pub fn speed_up(before: Ratio, after: Ratio) -> Ratio {
     Ratio::new(before / after)
 }
 
-/// `part` of `whole` in percent, cut off as chip tools print it.
+/// `part` of `whole` in percent, truncated as chip tools print it.
 pub fn percent_cut_off(part: Ratio, whole: Ratio) -> Ratio {
     Ratio::new((100.0 * part.get() / whole.get()).floor() / 100.0)
 }
@@ -90,7 +90,7 @@ pub fn linear([a, b, c]: [f64; 3], at: [f64; 2]) -> f64 {
     a * at[0] + b * at[1] + c
 }
 
-/// The sum of `times[i]` things of `each[i]`: fields of a record, instructions of a listing.
+/// The sum of `times[i]` items of `each[i]`: fields of a record, instructions of a listing.
 ///
 /// # Errors
 /// Lists of different lengths.
@@ -137,7 +137,7 @@ pub(crate) const GLOSSARY: Glossary = Glossary {
         ("polygons", "polygons of a picture"),
         ("rate", "triangles a second"),
         ("size", "bytes to send"),
-        ("tension", "electric tension"),
+        ("tension", "voltage"),
         ("times", "fields of each kind"),
         ("transfers", "transfers in a clock"),
         ("whole", "the whole"),
@@ -156,13 +156,13 @@ pub(crate) const MODELS: &[Model] = models! {
         polygons_by_bandwidth["bandwidth": BytesPerSecond, "item": Bytes = 64.0] -> PolygonRate;
     "common.traffic", "001 3.2.11", "bandwidth that triangles a second take":
         traffic["rate": PolygonRate, "item": Bytes] -> BytesPerSecond;
-    "common.bus-clock", "001 4.6", "clock at which a bus carries so many triangles a second":
+    "common.bus-clock", "001 4.6", "clock at which a bus carries a number of triangles a second":
         bus_clock["rate": PolygonRate, "item": Bytes = 64.0, "width": Bits = 64.0] -> Hertz;
     "common.clock-of-period", "001 fig 4.11", "clock rate of a period":
         clock_of_period["period": Seconds] -> Hertz;
-    "common.time-of-clocks", "001 4.5.2", "time of so many clocks":
+    "common.time-of-clocks", "001 4.5.2", "time of a number of clocks":
         time_of_clocks["clocks": Count, "clock": Hertz] -> Seconds;
-    "common.transfer-time", "004 1", "time to send so much":
+    "common.transfer-time", "004 1", "time to send a number of bytes":
         transfer_time["size": Bytes, "bandwidth": BytesPerSecond] -> Seconds;
     "common.polygon-rate", "all", "polygons a second":
         polygon_rate["polygons": Polygons, "fps": FrameRate] -> PolygonRate;
@@ -176,14 +176,14 @@ pub(crate) const MODELS: &[Model] = models! {
         increase["before": Ratio, "after": Ratio] -> Ratio;
     "common.speed-up", "all", "before over after":
         speed_up["before": Ratio, "after": Ratio] -> Ratio;
-    "common.percent-cut-off", "001 fig 4.11", "share in whole percents, cut off":
+    "common.percent-cut-off", "001 fig 4.11", "share in whole percents, truncated":
         percent_cut_off["part": Ratio, "whole": Ratio] -> Ratio;
-    "common.record-bytes", "all", "bytes of a record with so many fields of each size":
+    "common.record-bytes", "all", "bytes of a record with a number of fields of each size":
         total["times": Vec<Count>, "each": Vec<Bytes>] -> Result<Bytes, String>;
-    "common.record-bits", "all", "bits of a record with so many fields of each width":
+    "common.record-bits", "all", "bits of a record with a number of fields of each width":
         total["times": Vec<Count>, "each": Vec<Bits>] -> Result<Bits, String>;
     "common.power", "001 4.2.1", "electric power":
         power["current": Amperes, "tension": Volts] -> Watts;
-    "common.nanoacres", "001 1.1", "area of so many nanoacres":
+    "common.nanoacres", "001 1.1", "area of a number of nanoacres":
         nanoacres["number": Ratio = 1.0] -> SquareMetres;
 };

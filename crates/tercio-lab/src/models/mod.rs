@@ -1,7 +1,7 @@
 //! The closed formulas of the documents: plain functions of quantities, and the [`registry`] that evaluates any of
 //! them by name.
 //!
-//! | room | document |
+//! | module | document |
 //! |---|---|
 //! | [`eldridge`] | 000, polygon rendering on the Princeton Engine: where to sort on a ring |
 //! | [`hybris`] | 001, the Hybris renderer: sizes, rates, fixed point, plane equations |
@@ -12,8 +12,8 @@
 //! | [`ortega`] | 004, rates and speed-ups of data-parallel rendering |
 //! | [`common`] | arithmetic that several documents share: bandwidths, shares, record layouts |
 //!
-//! Where a document's formula is damaged or wrong, the function is the corrected one, its page says what was corrected
-//! and why, and the printed form stays beside it with `as_printed` in its name where both matter.
+//! Where a document's formula is damaged or wrong, the function is the corrected one, its documentation says what was
+//! corrected and why, and the printed form is kept beside it with `as_printed` in its name where both matter.
 
 pub mod amdahl;
 pub mod common;
@@ -27,8 +27,8 @@ pub mod registry;
 
 use registry::{Glossary, Model};
 
-/// The rooms that the registry knows, in the order of the documents; simulators stand beside formulas.
-const ROOMS: &[&[Model]] = &[
+/// The modules of the registry, in the order of the documents; simulators follow formulas.
+const MODULES: &[&[Model]] = &[
     eldridge::geometry::MODELS,
     eldridge::planes::MODELS,
     eldridge::comparison::MODELS,
@@ -52,7 +52,7 @@ const ROOMS: &[&[Model]] = &[
     common::MODELS,
 ];
 
-/// What the symbols of the rooms mean, one glossary a group of names.
+/// The meanings of the symbols, one glossary per group of names.
 const GLOSSARIES: &[&Glossary] = &[
     &eldridge::glossary::GLOSSARY,
     &overlap::GLOSSARY,

@@ -1,12 +1,12 @@
 //! Document 004: F. A. Ortega, C. D. Hansen, Fast Data Parallel Polygon Rendering, 1993: rates, speed-ups, sizes.
 //!
-//! Its rates are polygons over time cut off to whole numbers.
+//! Its rates are polygons over time, truncated to whole numbers.
 
 use crate::models;
 use crate::models::registry::{Glossary, Model};
 use crate::units::{Bytes, Count, Polygons, Ratio, Seconds};
 
-/// Polygons a second as the tables print them, cut off to a whole number.
+/// Polygons a second as the tables print them, truncated to a whole number.
 pub fn rate(polygons: Polygons, time: Seconds) -> Count {
     Count::new((polygons.get() / time.get()).floor())
 }
@@ -25,21 +25,21 @@ pub fn speed_up(smallest: Seconds, time: Seconds) -> Ratio {
     Ratio::new(smallest / time)
 }
 
-/// Numbers of polygons that are tried.
+/// Maximum number of candidates.
 const MOST_CANDIDATES: u64 = 100_000_000;
 
-/// The number of polygons that explains most of the printed rates: a rate `r` cut off from `N / t` allows the whole
+/// The number of polygons that explains most of the printed rates: a rate `r` truncated from `N / t` allows the whole
 /// numbers r t <= N < (r + 1) t.
 ///
 /// # Errors
-/// Lists of different lengths, several numbers that explain equally many rates, or more than 10^8 that may.
+/// Lists of different lengths, several numbers that explain equally many rates, or more than 10^8 candidates.
 pub fn implied_polygons(times: Vec<Seconds>, rates: Vec<Count>) -> Result<Polygons, String> {
     if times.len() != rates.len() || times.is_empty() {
         return Err(format!("expected as many rates as times, found {} and {}", rates.len(), times.len()));
     }
     let explains =
         |n: f64| times.iter().zip(&rates).filter(|(t, r)| rate(Polygons::new(n), **t) == **r).count();
-    // Every number that explains a rate at all is a candidate.
+    // Every number that explains any rate is a candidate.
     let ranges = times
         .iter()
         .zip(&rates)
@@ -93,7 +93,7 @@ pub fn memory_per_processor(memory: Bytes, processors: Count) -> Bytes {
     memory / processors.get()
 }
 
-/// Entries of the colour table from `first` to `last` that a grid of `side` by `side` colours leaves (5).
+/// Entries of the colour table from `first` to `last` that remain beside a grid of `side` by `side` colours (5).
 ///
 /// # Errors
 /// Fewer entries than colours.
@@ -102,8 +102,8 @@ pub fn spare_colors(first: Count, last: Count, side: Count) -> Result<Count, Str
     if spare < 0.0 { Err(format!("{} entries are missing", -spare)) } else { Ok(Count::new(spare)) }
 }
 
-/// Steps of the two loops (4): the first runs as often as the tallest polygon is high for every layer of polygons on
-/// the processors; the second as often as the longest segment is long for every layer of each buffer of segments.
+/// Steps of the two loops (4): the first runs once per scan line of the tallest polygon, for every layer of polygons on
+/// the processors; the second once per pixel of the longest segment, for every layer of each buffer of segments.
 pub fn loop_steps(
     tallest: Count,
     polygons: Polygons,
@@ -117,7 +117,7 @@ pub fn loop_steps(
 }
 
 pub(crate) const MODELS: &[Model] = models! {
-    "ortega.rate", "tables 1 to 4", "polygons a second, cut off to a whole number":
+    "ortega.rate", "tables 1 to 4", "polygons a second, truncated to a whole number":
         rate["N": Polygons, "t": Seconds] -> Count;
     "ortega.best-rate", "6", "best rate of a table":
         best_rate["N": Polygons, "t": Vec<Seconds>] -> Result<Count, String>;
@@ -145,7 +145,7 @@ pub(crate) const GLOSSARY: Glossary = Glossary {
     document: Some("004"),
     symbols: &[
         ("N", "polygons"),
-        ("buffer", "segments that are gathered before they are broken into pixels"),
+        ("buffer", "segments that are collected before they are split into pixels"),
         ("cell", "bytes of a cell"),
         ("fast", "times of the faster table, cell by cell"),
         ("first", "first entry of the colour table that is free"),
@@ -164,7 +164,7 @@ pub(crate) const GLOSSARY: Glossary = Glossary {
         ("vertices", "vertices of a polygon"),
     ],
     assumptions: &[
-        (&["ortega.rate", "ortega.best-rate", "ortega.implied-polygons"], "rates are cut off, not rounded"),
+        (&["ortega.rate", "ortega.best-rate", "ortega.implied-polygons"], "rates are truncated, not rounded"),
         (&["ortega.speed-up"], "the smallest partition counts as 1"),
         (
             &["ortega.loop-steps"],
@@ -182,7 +182,7 @@ mod tests {
         let times = [1.894, 1.04, 0.571, 0.463].map(Seconds::new).to_vec();
         let mut rates: Vec<_> = times.iter().map(|t| rate(Polygons::new(228_288.0), *t)).collect();
         assert_eq!(implied_polygons(times.clone(), rates.clone()), Ok(Polygons::new(228_288.0)));
-        // One misprint does not hide it.
+        // A misprint does not hide it.
         rates[0] = rates[0] + Count::new(100.0);
         assert_eq!(implied_polygons(times, rates), Ok(Polygons::new(228_288.0)));
     }

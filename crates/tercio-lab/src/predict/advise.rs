@@ -1,8 +1,8 @@
-//! The best organisation for a machine and a model: all of a list are predicted, the fastest is explained.
+//! The best organisation for a machine and a model: all candidates are predicted, the fastest is explained.
 //!
-//! Where the model of the renderer's ranks speaks ([`Plan::by_renderer`]), the advice is about the renderer and comes from
-//! it. The simulator of the sorting classes then tells what the others would be worth, compared only with its own figures.
-//! Where it does not speak, the advice is the simulator's.
+//! If there is a model of the renderer's ranks for a plan ([`Plan::by_renderer`]), the advice is about the renderer and
+//! comes from it. The simulator of the sorting classes then estimates the others, comparable only with its own figures.
+//! Without such a model, the advice is the simulator's.
 
 use rayon::prelude::*;
 use serde::Serialize;
@@ -16,12 +16,12 @@ use crate::machines::{Machine, Topology};
 use crate::simulators::sorting::{Assignment, Organisation};
 use crate::workloads::BoxScene;
 
-/// A frame by the model of the renderer's ranks.
+/// A frame predicted by the model of the renderer's ranks.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Rendered {
-    /// How they share it.
+    /// How the ranks share it.
     pub plan: Plan,
-    /// What they do.
+    /// The prediction.
     pub frame: RanksFrame,
 }
 
@@ -41,8 +41,8 @@ pub struct Advice {
     pub simulated: Vec<SimulatedFrame>,
 }
 
-/// The plans that are looked at: the four classes, groups of every power of two, regions of 16 to 128 pixels and the
-/// largest possible, both assignments.
+/// The candidates: the four classes, groups of every power of two, regions of 16 to 128 pixels and the largest
+/// possible, both assignments.
 pub fn plans(ranks: usize, topology: Option<Topology>) -> Vec<Plan> {
     let mut organisations = vec![Organisation::SortFirst, Organisation::SortMiddle, Organisation::SortLast];
     let groups = (1..usize::BITS).map(|bit| 1usize << bit).take_while(|g| *g < ranks);
@@ -51,7 +51,7 @@ pub fn plans(ranks: usize, topology: Option<Topology>) -> Vec<Plan> {
     for organisation in organisations {
         for region in [None, Some(16), Some(32), Some(64), Some(128)] {
             for assignment in [Assignment::Interleaved, Assignment::Blocks] {
-                // Whoever owns the whole picture needs no regions.
+                // An owner of the whole picture needs no regions.
                 let divided = organisation != Organisation::SortLast;
                 if divided || (region.is_none() && assignment == Assignment::Interleaved) {
                     plans.push(Plan { organisation, ranks, region, assignment, topology });
@@ -62,7 +62,7 @@ pub fn plans(ranks: usize, topology: Option<Topology>) -> Vec<Plan> {
     plans
 }
 
-/// The plans that the renderer has: both organisations, with tiles of every size.
+/// The plans that the renderer supports: both organisations, with tiles of every size.
 pub fn renderer_plans(ranks: usize) -> Vec<Plan> {
     let of_region = |region| {
         [Organisation::SortFirst, Organisation::SortLast].map(|organisation| {
@@ -73,7 +73,7 @@ pub fn renderer_plans(ranks: usize) -> Vec<Plan> {
     TILE_EDGES.into_iter().flat_map(of_region).collect()
 }
 
-/// Predicts plans: each that the renderer has by its model, all by the simulator.
+/// Predicts plans: each that the renderer supports by its model, all by the simulator.
 ///
 /// # Errors
 /// As [`predict`] and [`simulate`].
@@ -86,7 +86,7 @@ pub fn advise(
 ) -> Result<Advice, PredictError> {
     let mut renderer = Vec::new();
     for plan in rendered {
-        // Its ranks are counted on all threads.
+        // Ranks are counted on all threads of this process.
         if let Ok(frame) = predict(machine, picture, plan)? {
             renderer.push(Rendered { plan: *plan, frame });
         }
@@ -95,14 +95,14 @@ pub fn advise(
     let simulated: Result<Vec<SimulatedFrame>, _> =
         simulated.par_iter().map(|plan| simulate(machine, counters, boxes, size, plan)).collect();
     let mut simulated = simulated?;
-    // Equal times stay in the order of the lists, simple plans first.
+    // Plans with equal times stay in the order of the lists, simple plans first.
     renderer.sort_by(|a, b| a.frame.total().total_cmp(&b.frame.total()));
     simulated.sort_by(|a, b| a.total().total_cmp(&b.total()));
     Ok(Advice { renderer, simulated })
 }
 
 impl Advice {
-    /// Why the first one, and what holds the best of each other class back.
+    /// Why the first one is the fastest, and what limits the best of each other class.
     pub fn explanation(&self) -> Vec<String> {
         let mut lines = Vec::new();
         if let Some(best) = self.renderer.first() {
@@ -110,7 +110,7 @@ impl Advice {
             let of_class = |r: &Rendered| (class(r.plan.organisation), r.frame.total(), r.describe());
             let phases = |k: usize| self.renderer[k].frame.phases().to_vec();
             lines.extend(others(&self.renderer.iter().map(of_class).collect::<Vec<_>>(), phases));
-            lines.push("what follows is of the simulator of the sorting classes, another model".into());
+            lines.push("the rest is from the simulator of the sorting classes, another model".into());
         }
         if let Some(best) = self.simulated.first() {
             lines.push(why_simulated(best));
@@ -160,7 +160,7 @@ fn longest(phases: &[(&'static str, f64)]) -> (&'static str, f64) {
     phases.iter().copied().fold(phases[0], |best, p| if p.1 > best.1 { p } else { best })
 }
 
-/// Of the best of each class but the first one's: the phase in which it loses most.
+/// The best of each class except the first, with the phase in which it loses most.
 fn others(
     plans: &[(&'static str, f64, String)],
     phases: impl Fn(usize) -> Vec<(&'static str, f64)>,
@@ -245,7 +245,7 @@ mod tests {
         BoxScene { boxes: (0..boxes).map(of).collect() }
     }
 
-    /// No model: the simulator asks for boxes only.
+    /// No model: the simulator needs only boxes.
     fn picture<R>(size: (u32, u32), work: impl FnOnce(&Picture) -> R) -> R {
         let scene = tercio_scene::Scene::default();
         let camera = crate::predict::views::camera(
@@ -259,7 +259,7 @@ mod tests {
     }
 
     #[test]
-    fn the_first_plan_is_the_fastest_and_the_others_are_told_why() {
+    fn the_first_plan_is_the_fastest_and_the_others_are_explained() {
         let machine = builtin("princeton-engine").unwrap().unwrap();
         let plans = (renderer_plans(64), plans(64, None));
         let advice = picture((1024, 1024), |picture| {
@@ -271,7 +271,7 @@ mod tests {
         assert!(simulated.windows(2).all(|w| w[0].total() <= w[1].total()));
         let lines = advice.explanation();
         assert_eq!(lines.len(), 4, "one line a class: {lines:?}");
-        // 3,000 polygons travel faster than megabytes of pixels round a ring.
+        // Sending 3,000 polygons is faster than sending megabytes of pixels round a ring.
         let first = simulated[0].plan.organisation;
         assert!(matches!(first, Organisation::SortMiddle | Organisation::SortFirst));
         assert!(lines.iter().any(|l| l.starts_with("sort-last") && l.contains("composition")), "{lines:?}");
@@ -300,12 +300,12 @@ mod tests {
         assert!(lines[0].starts_with(&best.describe()), "{lines:?}");
         assert!(lines[0].contains(&milliseconds(best.frame.total())), "{lines:?}");
         assert!(lines[0].contains(&format!("{} bytes in {}", best.frame.bytes, best.frame.messages)));
-        // The other class of the renderer, the line between the models, four classes of the simulator.
+        // The renderer's other class, the separator, four classes of the simulator.
         assert_eq!(lines.len(), 2 + 1 + 4, "{lines:?}");
     }
 
     #[test]
-    fn a_machine_without_a_network_is_told() {
+    fn a_machine_without_a_network_is_reported() {
         let machine = builtin("voodoo-sli").unwrap().unwrap();
         let error = picture((64, 64), |picture| {
             let plans = plans(2, None);

@@ -1,5 +1,5 @@
-//! The triangles of a scene as boxes of samples, in the order of the clusters: what simulated organisations of ranks deal
-//! out.
+//! The triangles of a scene as boxes of samples, in the order of the clusters: the input of simulated organisations of
+//! ranks.
 
 use rayon::prelude::*;
 use tercio_mesh::ClusteredMesh;
@@ -11,7 +11,7 @@ use tercio_scene::{Camera, Scene};
 use super::PredictError;
 use crate::workloads::{BoundingBox, BoxScene, PixelBox};
 
-/// The boxes of all triangles, or of the pieces that clipping leaves of them.
+/// The boxes of all triangles, or of their pieces after clipping.
 ///
 /// # Errors
 /// A camera that makes no view.

@@ -1,9 +1,9 @@
-//! The description of this machine: caches, memory, costs of the renderer's work, messages between its threads and,
-//! where they were measured before, over MPI.
+//! Measures the description of this machine: caches, memory, costs of the renderer's work, messages between its threads
+//! and, if they were measured before, over MPI.
 //!
-//! Costs are fitted to frames that end at different stages ([`LastStage`]), of models and views that differ in what
-//! they are made of: few large triangles and many small ones, one layer and many, closed surfaces and loose triangles,
-//! in caches and beyond them, whole clusters and single triangles sorted. So each cost has frames that it dominates.
+//! Costs are fitted to frames that end at different stages ([`LastStage`]), of models and views with different content:
+//! few large triangles and many small ones, one layer and many, closed surfaces and triangle soups, smaller and larger
+//! than the caches, sorted by clusters and by triangles. So each cost dominates some frames.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -34,9 +34,9 @@ pub const MODELS: [&str; 8] = [
     "builtin:gyroid@400k",
     "builtin:gyroid@4M",
 ];
-/// Sizes of their pictures, one for each tile size that the renderer chooses, but for the smallest pictures.
+/// Sizes of their pictures, one for each tile size that the renderer chooses, except that of the smallest pictures.
 pub const SIZES: [(u32, u32); 3] = [(256, 256), (640, 480), (1200, 1000)];
-/// What is drawn of each picture: what is sorted, and where the work ends.
+/// Variants of each picture: what is sorted, and the last stage.
 const VARIANTS: [(RasterSorting, LastStage); 8] = [
     (RasterSorting::Clusters, LastStage::Output),
     (RasterSorting::Clusters, LastStage::Visibility),
@@ -47,40 +47,40 @@ const VARIANTS: [(RasterSorting, LastStage); 8] = [
     (RasterSorting::Triangles, LastStage::Visibility),
     (RasterSorting::Triangles, LastStage::Bin),
 ];
-/// Models of more triangles are not sorted triangle by triangle: it would only take long.
+/// Larger models are not sorted triangle by triangle, which would only take long.
 const MOST_SORTED: usize = 1_000_000;
 
-/// What is measured and how.
+/// Extent and clock of the measurement.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Options {
     /// Threads of the machine.
     pub threads: usize,
-    /// Frames of which the fastest counts.
+    /// Frames in a round; the fastest counts.
     pub frames: u32,
-    /// Rounds through all pictures: who else uses the machine does not do so in every one.
+    /// Rounds through all pictures: other users of the machine do not disturb every one.
     pub rounds: u32,
-    /// Which clock times frames. Processor time does not see threads that wait: the serial share is then too small.
+    /// Which clock times frames. Processor time ignores threads that wait, so the serial share comes out too small.
     pub clock: Clock,
 }
 
-/// A measured frame and what it amounts to.
+/// A measured frame and its counts.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sample {
     /// Model.
     pub model: String,
-    /// How it was drawn.
+    /// Its settings.
     pub settings: Settings,
     /// Its counts on one thread.
     pub counted: Counted,
     /// Seconds on one thread.
     pub seconds: f64,
-    /// Seconds by the costs that were fitted.
+    /// Seconds predicted by the fitted costs.
     pub fitted: f64,
-    /// Whole frames on all threads: their seconds.
+    /// For whole frames: seconds on all threads.
     pub together: Option<f64>,
 }
 
-/// The machine, and what its costs were fitted to.
+/// The machine, and the samples its costs were fitted to.
 #[derive(Clone, Debug)]
 pub struct Calibration {
     /// The description.
@@ -89,29 +89,29 @@ pub struct Calibration {
     pub samples: Vec<Sample>,
 }
 
-/// Measures this machine. `mpi` is what messages over MPI take, if the caller has [measured](messages::measure) them
-/// with its ranks. `tell` is told what is measured next.
+/// Measures this machine. `mpi` is the network over MPI, if the caller has [measured](messages::measure) it with its
+/// ranks. `progress` is called with the name of what is measured next.
 ///
 /// # Errors
 /// [`PredictError`].
 pub fn calibrate(
     o: Options,
     mpi: Option<Network>,
-    mut tell: impl FnMut(&str),
+    mut progress: impl FnMut(&str),
 ) -> Result<Calibration, PredictError> {
     let mut pictures = Vec::new();
     for model in MODELS {
-        tell(model);
-        // The names are ours; a model that cannot be made takes no part.
+        progress(model);
+        // Built-in names; a model that cannot be made is skipped.
         let Ok(mesh) = builtin::make(model) else { continue };
         pictures.extend(pictures_of(model, mesh)?);
     }
     for round in 0..o.rounds.max(1) {
-        tell(&format!("round {} of {}", round + 1, o.rounds.max(1)));
+        progress(&format!("round {} of {}", round + 1, o.rounds.max(1)));
         pictures.iter_mut().try_for_each(|p| p.draw(o))?;
     }
     let mut samples: Vec<Sample> = pictures.into_iter().map(|p| p.sample).collect();
-    tell("memory and messages");
+    progress("memory and messages");
     let mut machine = description(o, mpi)?;
     let caches = Caches::of(&machine, 1);
     let rows: Vec<Vec<f64>> =
@@ -124,7 +124,7 @@ pub fn calibrate(
     let operations = charges(&Counters::default(), caches).map(|c| c.1);
     let source = format!("fitted by tercio lab calibrate to {} frames", samples.len());
     for (operation, seconds) in operations.into_iter().zip(fitted).filter(|c| c.1 > 0.0) {
-        // Tenths of a picosecond.
+        // A resolution of 0.1 ps.
         let text = format!("{:.4} ns", seconds * 1e9);
         machine.costs.insert(operation, Sourced::new(seconds, text, source.clone()));
     }
@@ -134,14 +134,14 @@ pub fn calibrate(
     Ok(Calibration { machine, samples })
 }
 
-/// What is drawn for a sample.
+/// The picture of a sample.
 struct Picture {
     scene: Arc<Scene>,
     camera: Camera,
     sample: Sample,
 }
 
-/// One model in all sizes and variants, counted and not drawn yet.
+/// One model in all sizes and variants, counted but not drawn yet.
 fn pictures_of(model: &str, mesh: Mesh) -> Result<Vec<Picture>, PredictError> {
     let triangles = mesh.triangles.len();
     let (scene, bounds) = prepare(mesh);
@@ -165,7 +165,7 @@ fn pictures_of(model: &str, mesh: Mesh) -> Result<Vec<Picture>, PredictError> {
 }
 
 impl Picture {
-    /// Draws it some times; the fastest frame of all times counts.
+    /// Draws it several times; the fastest frame of all rounds counts.
     fn draw(&mut self, o: Options) -> Result<(), PredictError> {
         let seconds = |threads| {
             let s = &self.sample.settings;
@@ -181,9 +181,9 @@ impl Picture {
     }
 }
 
-/// The share of the work that is not divided, by Amdahl's law, from frames of one thread and of all: what is left of
-/// the time of all when the tiles of each frame, as predicted, are dealt out. 0 where there is only one thread, or
-/// where the speed-up is more than linear.
+/// The share of the work that is not parallel, by Amdahl's law, from frames of one thread and of all: the excess of the
+/// measured time on all threads over that predicted for the frame's tiles distributed among them. 0 if there is only
+/// one thread, or if the speed-up is more than linear.
 fn serial_share(machine: &Machine, samples: &[Sample], threads: usize) -> f64 {
     let (mut over, mut most) = (0.0, 0.0);
     for sample in samples {
@@ -196,7 +196,7 @@ fn serial_share(machine: &Machine, samples: &[Sample], threads: usize) -> f64 {
     if most > 0.0 { (over / most).clamp(0.0, 1.0) } else { 0.0 }
 }
 
-/// This machine without the costs of drawing.
+/// A description of this machine without the costs of drawing.
 fn description(o: Options, mpi: Option<Network>) -> Result<Machine, PredictError> {
     let measured = "measured by tercio lab calibrate";
     let rate = |value: f64| Sourced::new(value, format!("{:.4} GB/s", value / 1e9), measured.to_string());
@@ -204,7 +204,7 @@ fn description(o: Options, mpi: Option<Network>) -> Result<Machine, PredictError
     let composite = composite_seconds();
     let composite = Sourced::new(composite, format!("{:.4} ns", composite * 1e9), measured.into());
     let bytes = |n: f64, source: &str| Sourced::new(n, format!("{n} B"), source.to_string());
-    let cache = |level| cache_bytes(level).map(|n| bytes(n as f64, "told by the operating system"));
+    let cache = |level| cache_bytes(level).map(|n| bytes(n as f64, "reported by the operating system"));
     Ok(Machine {
         name: "This machine".into(),
         summary: "Measured by tercio lab calibrate; clusters to tiles on all processors.".into(),
@@ -245,7 +245,7 @@ fn description(o: Options, mpi: Option<Network>) -> Result<Machine, PredictError
     })
 }
 
-/// A scene that is drawn as `tercio bench` draws it.
+/// A scene as in `tercio bench`.
 pub fn prepare(mesh: Mesh) -> (Scene, tercio_mesh::Aabb) {
     let bounds = mesh.bounds();
     (views::scene(Arc::new(partition(mesh, &PartitionOptions::default()))), bounds)
@@ -276,7 +276,7 @@ mod tests {
             };
             serial_share(&machine, &[sample], 2)
         };
-        // What every frame costs is serial already and takes a little of it.
+        // The fixed cost of a frame is serial already and accounts for a little of it.
         let frame = machine.seconds_or_0(Operation::Frame);
         let one = FrameTime::on_one_thread(&machine, &frame_of(2000, 4096)).total();
         let divided = (1.0 + frame / one) / 2.0;

@@ -1,4 +1,4 @@
-//! What a frame amounts to: the renderer's own counts, in full, of a frame divided among any number of threads.
+//! The work of a frame: the renderer's own counts with all details, for any number of threads.
 
 use serde::Serialize;
 use tercio_raster::stats::BackEndCounts;
@@ -8,7 +8,7 @@ use tercio_scene::{Camera, Scene};
 
 use super::PredictError;
 
-/// Counts of a frame or a tile. Those of [`Counters::comparable`] come with every picture that is drawn.
+/// Counts of a frame or a tile. Those of [`Counters::comparable`] are part of every picture's statistics.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Counters {
     /// Clusters of the scene.
@@ -17,7 +17,7 @@ pub struct Counters {
     pub clusters_outside: u64,
     /// Clusters that show only the side that is culled.
     pub clusters_facing: u64,
-    /// Clusters between the samples of the picture.
+    /// Clusters that contain no sample of the picture.
     pub clusters_no_sample: u64,
     /// Clusters sorted as a whole.
     pub clusters_whole: u64,
@@ -25,11 +25,11 @@ pub struct Counters {
     pub cluster_entries: u64,
     /// Triangles of the scene.
     pub triangles: u64,
-    /// Vertices of clusters that are taken apart.
+    /// Vertices of clusters that are sorted triangle by triangle.
     pub vertices_apart: u64,
-    /// Triangles of clusters that are taken apart.
+    /// Triangles of clusters that are sorted triangle by triangle.
     pub triangles_apart: u64,
-    /// Triangles, or pieces that clipping leaves of them, sorted by themselves.
+    /// Triangles, or their pieces after clipping, that are binned by themselves.
     pub triangles_binned: u64,
     /// Their entries in tiles.
     pub entries: u64,
@@ -37,19 +37,19 @@ pub struct Counters {
     pub tiles: u64,
     /// Tiles with an entry.
     pub tiles_used: u64,
-    /// Entries of both kinds of the fullest tile.
+    /// Entries of both kinds in the fullest tile.
     pub largest_tile: u64,
-    /// Clusters that lay behind what was drawn before them, in each tile.
+    /// Clusters hidden by what was drawn before them, summed over tiles.
     pub clusters_hidden: u64,
-    /// Clusters drawn, in each tile.
+    /// Clusters drawn, summed over tiles.
     pub clusters_drawn: u64,
     /// Their vertices.
     pub vertices: u64,
     /// Their triangles.
     pub triangles_in: u64,
-    /// Those of them that hold a sample of the tile in their box.
+    /// Of these triangles, those with a sample of the tile in their box.
     pub triangles_drawn: u64,
-    /// Stamps of 16 samples tested against triangles that are not drawn 16 at a time.
+    /// Stamps of 16 samples tested against triangles that are not processed 16 at a time.
     pub stamps: u64,
     /// Samples covered, hidden or not.
     pub samples_covered: u64,
@@ -59,42 +59,42 @@ pub struct Counters {
     pub pixels_visible: u64,
     /// Pixels of the picture.
     pub pixels: u64,
-    /// Samples of the tiles with an entry, whole ones at the picture's border, too.
+    /// Samples of the tiles with an entry, including those outside the picture at its border.
     pub tile_samples: u64,
-    /// Of the shaded pixels those that are shaded when a tile is finished.
+    /// Of the shaded pixels, those shaded when a tile is finished.
     pub pixels_shaded_late: u64,
-    /// Of these the blocks of 4x4 that show one triangle, which is fetched once.
+    /// Of these, blocks of 4x4 that show one triangle, which is fetched once.
     pub whole_blocks: u64,
-    /// Of `stamps` those of triangles drawn by themselves.
+    /// Of `stamps`, those of triangles that are binned by themselves.
     pub stamps_alone: u64,
-    /// Sixteens of small triangles set up.
+    /// Groups of up to 16 small triangles set up.
     pub set_ups: u64,
-    /// Samples looked at, of 16 small triangles side by side.
+    /// Sample steps, each for up to 16 small triangles in parallel.
     pub steps: u64,
-    /// Clusters that won a pixel, in each tile.
+    /// Clusters that won a pixel, summed over tiles.
     pub clusters_won: u64,
-    /// Sixteens of pixels shaded at once.
+    /// Groups of up to 16 pixels shaded in parallel.
     pub shadings: u64,
-    /// Of these the ones that need the triangles' planes.
+    /// Of these, those that need the triangles' planes.
     pub shadings_by_plane: u64,
-    /// Pixels shaded, each fetched by itself, whose colour stands at vertices or triangles.
+    /// Pixels shaded whose colour is that of vertices or triangles; each is fetched by itself.
     pub pixels_colored: u64,
-    /// Vertices with a colour, of clusters that won a pixel, in each tile.
+    /// Vertices with a colour, of clusters that won a pixel, summed over tiles.
     pub vertices_colored: u64,
     /// Entries of triangles drawn.
     pub entries_drawn: u64,
-    /// Bytes of cache lines of the clusters drawn, in each tile.
+    /// Bytes of cache lines of the clusters drawn, summed over tiles.
     pub bytes_read: u64,
-    /// Bytes of model and bins that the frame touches, each once.
+    /// Bytes of model and bins that the frame touches, each counted once.
     pub bytes_touched: u64,
 }
 
 /// A frame and its tiles.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Counted {
-    /// Everything.
+    /// The whole frame.
     pub frame: Counters,
-    /// What each tile amounts to, in the order of the tiles; nothing of the front end.
+    /// The work of each tile, in the order of the tiles; without the front end.
     pub tiles: Vec<TileWork>,
 }
 
@@ -103,12 +103,12 @@ pub struct Counted {
 pub struct TileWork {
     /// Its counts.
     pub counters: Counters,
-    /// All threads draw it together.
+    /// Whether all threads draw it together.
     pub is_shared: bool,
 }
 
 impl Counters {
-    /// Those that come with every picture, by name.
+    /// The counters that are part of every picture's statistics, by name.
     pub fn comparable(&self) -> [(&'static str, u64); 22] {
         [
             ("clusters", self.clusters),
@@ -136,7 +136,7 @@ impl Counters {
         ]
     }
 
-    /// Those of a picture that was drawn.
+    /// The counters of a picture that was drawn.
     pub fn from_stats(stats: &FrameStats) -> Self {
         let (f, bins) = (&stats.frontend, &stats.binning);
         Self {
@@ -205,11 +205,11 @@ impl TileWork {
     }
 }
 
-/// Counts a frame, or the part of it that the settings ask for, that is drawn with these settings on some threads. They
-/// decide how large tiles are, and which of them all threads draw together.
+/// Counts a frame, or the part of it that the settings select, drawn with these settings on `threads` threads, whose
+/// number decides how large tiles are, and which of them all threads draw together.
 ///
 /// # Errors
-/// What cannot be drawn.
+/// What makes the frame impossible to draw.
 pub fn count(
     scene: &Scene,
     camera: &Camera,
@@ -219,10 +219,10 @@ pub fn count(
     count_into(scene, camera, settings, threads, &mut Frame::default())
 }
 
-/// [`count`] for those who want the picture, too.
+/// [`count`] that also returns the picture, in `frame`.
 ///
 /// # Errors
-/// What cannot be drawn.
+/// What makes the frame impossible to draw.
 pub fn count_into(
     scene: &Scene,
     camera: &Camera,

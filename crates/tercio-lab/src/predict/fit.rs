@@ -1,8 +1,8 @@
 //! Costs from measured frames.
 
-/// Solves for costs that are not negative and bring `sum_k counts[i][k] * costs[k]` near `times[i]`, all of them
-/// relative to the times: least squares by going through the costs one at a time until nothing moves (sequential
-/// coordinate-wise descent, Franc, Hlavac and Navara 2005). The same numbers give the same costs.
+/// Solves for non-negative costs that bring `sum_k counts[i][k] * costs[k]` close to `times[i]`, relative to the times:
+/// least squares by updating one cost at a time until nothing changes (sequential coordinate-wise descent, Franc,
+/// Hlavac and Navara 2005). Deterministic.
 ///
 /// # Panics
 /// If there are no frames, if a time is not above zero or the rows differ in length.
@@ -17,7 +17,7 @@ pub fn costs(counts: &[Vec<f64>], times: &[f64]) -> Vec<f64> {
         .map(|a| (0..n).map(|b| column(a).zip(column(b)).map(|(x, y)| x * y).sum()).collect())
         .collect();
     let mut costs = vec![0.0f64; n];
-    // The gradient at all costs zero; every target is 1.
+    // The gradient with all costs zero; every target is 1.
     let mut gradient: Vec<f64> = (0..n).map(|k| -column(k).sum::<f64>()).collect();
     for _ in 0..200_000 {
         let mut moved = 0.0f64;
@@ -30,7 +30,7 @@ pub fn costs(counts: &[Vec<f64>], times: &[f64]) -> Vec<f64> {
             if step != 0.0 {
                 costs[k] = next;
                 (0..n).for_each(|j| gradient[j] += step * gram[j][k]);
-                // In terms of the share of a frame's time that the step is worth.
+                // In terms of the share of a frame's time that the step changes.
                 moved = moved.max(step.abs() * gram[k][k].sqrt());
             }
         }
@@ -49,7 +49,7 @@ mod tests {
 
     #[test]
     fn a_cost_that_would_be_negative_is_zero() {
-        // Times fall with the second count: it gets no cost, and the first one fits as well as it alone can.
+        // Times fall with the second count: it gets no cost, and the first one is fitted alone.
         let fitted = costs(&[vec![1.0, 1.0], vec![1.0, 2.0]], &[2.0, 1.0]);
         assert_eq!(fitted[1], 0.0);
         // Least squares of c / 2 and c / 1 against 1: c = 1.5 / 1.25.

@@ -1,4 +1,4 @@
-//! Counts and costs become times: one process on some threads.
+//! Predicts times from counts and costs: one process with several threads.
 
 use serde::Serialize;
 use tercio_raster::tally::batches;
@@ -9,11 +9,11 @@ use crate::machines::{Machine, Operation};
 /// Which part of a frame a cost belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Phase {
-    /// What every frame costs, whatever is drawn.
+    /// The fixed cost of every frame, whatever is drawn.
     Frame,
-    /// Clusters tested and sorted into tiles, or taken apart.
+    /// Clusters tested and sorted into tiles, whole or triangle by triangle.
     FrontEnd,
-    /// Clusters of the tiles: hidden ones found, vertices transformed, triangles looked at.
+    /// Clusters of the tiles: hidden ones found, vertices transformed, triangles tested.
     Geometry,
     /// Set-up, samples and depths.
     Raster,
@@ -25,17 +25,17 @@ pub enum Phase {
     Picture,
 }
 
-/// Bytes of the caches that a frame may use.
+/// Bytes of the caches that are available to a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Caches {
-    /// Of all threads together, each its own.
+    /// Private caches of all threads together.
     pub own: f64,
-    /// Shared by all.
+    /// Shared caches.
     pub shared: f64,
 }
 
 impl Caches {
-    /// Of a machine of which some processors draw. Where the description gives none, everything fits.
+    /// The caches of `threads` processors of a machine. Unlimited if the description gives none.
     pub fn of(machine: &Machine, threads: usize) -> Self {
         let p = &machine.processors;
         let bytes = |cache: &Option<_>| cache.as_ref().map(|c: &crate::machines::Sourced<_>| c.value);
@@ -49,12 +49,12 @@ impl Caches {
 /// Bytes of a line of memory.
 const LINE: f64 = 64.0;
 
-/// Lines of a frame's memory that a cache of some bytes does not hold when the frame is drawn again and again.
+/// Lines of a frame's memory that miss a cache of `cache` bytes when the frame is drawn repeatedly.
 fn missed_lines(touched: u64, cache: f64) -> f64 {
     ((touched as f64 - cache) / LINE).max(0.0)
 }
 
-/// What a frame is charged for, and how often.
+/// The operations of a frame with the number of times each is charged.
 pub fn charges(c: &Counters, caches: Caches) -> [(Phase, Operation, f64); 27] {
     use Operation as O;
     use Phase as P;
@@ -91,7 +91,7 @@ pub fn charges(c: &Counters, caches: Caches) -> [(Phase, Operation, f64); 27] {
     ]
 }
 
-/// Are clusters charged for? The documents' machines know only polygons.
+/// Whether clusters have a cost. The documents' machines have costs of polygons only.
 pub fn knows_clusters(machine: &Machine) -> bool {
     machine.seconds(Operation::ClusterDrawn).is_some()
 }
@@ -99,7 +99,7 @@ pub fn knows_clusters(machine: &Machine) -> bool {
 /// A predicted frame in seconds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct FrameTime {
-    /// Clusters tested and sorted into tiles, or taken apart.
+    /// Clusters tested and sorted into tiles, whole or triangle by triangle.
     pub front_end: f64,
     /// Clusters of the tiles up to their triangles.
     pub geometry: f64,
@@ -109,7 +109,7 @@ pub struct FrameTime {
     pub shading: f64,
     /// Waiting for memory.
     pub memory: f64,
-    /// What every frame costs, and clearing and writing the picture.
+    /// The fixed cost, and clearing and writing the picture.
     pub picture: f64,
     /// Busiest over mean thread while tiles are drawn.
     pub imbalance: f64,
@@ -135,15 +135,15 @@ impl FrameTime {
             } += seconds;
         }
         if machine.seconds(Operation::WholeBlock).is_none() {
-            // A machine that does not know blocks of one polygon shades their pixels one by one.
+            // A machine without a cost of such blocks shades their pixels one by one.
             time.shading += machine.seconds_or_0(Operation::ShadedPixel) * (16 * c.whole_blocks) as f64;
         }
         time
     }
 
-    /// On several threads: the front end is divided into batches, the back end into tiles, which threads take one
-    /// after another; the serial share of the description is not divided, and memory is read no faster than all
-    /// threads together can.
+    /// On several threads: the front end is divided into batches, the back end into tiles, which threads take one after
+    /// another; the serial share of the description is not divided, and memory is read at most at the bandwidth of all
+    /// threads together.
     pub fn on_threads(machine: &Machine, counted: &Counted, threads: usize) -> Self {
         let threads = threads.max(1);
         let c = &counted.frame;
@@ -156,7 +156,7 @@ impl FrameTime {
             let batches = batches(c.clusters as usize, threads).max(1);
             batches.div_ceil(threads) as f64 / batches as f64
         } else {
-            // Its own way of dealing polygons out is not told.
+            // How it distributes polygons is unknown.
             1.0 / threads as f64
         });
         let busiest = busiest_thread(machine, &one, counted, threads);
@@ -180,8 +180,8 @@ impl FrameTime {
     }
 }
 
-/// The busiest thread's share of the work on the tiles: a thread that is free takes the next tile, and tiles that all
-/// draw together come first.
+/// The busiest thread's share of the work on the tiles: a free thread takes the next tile, and tiles that all draw
+/// together come first.
 fn busiest_thread(machine: &Machine, one: &FrameTime, counted: &Counted, threads: usize) -> f64 {
     let read = counted.frame.bytes_read.max(1) as f64;
     let fits = Caches { own: f64::INFINITY, shared: f64::INFINITY };
@@ -232,7 +232,7 @@ mod tests {
     }
 
     #[test]
-    fn memory_is_waited_for_only_where_the_caches_are_too_small() {
+    fn memory_takes_time_only_if_the_caches_are_too_small() {
         let c = Counters { bytes_touched: 10_000, ..Counters::default() };
         let lines = |own: f64, shared: f64| {
             let of = |o| move |c: &(Phase, Operation, f64)| c.1 == o;

@@ -4,7 +4,7 @@ use std::fs;
 use std::hint::black_box;
 use std::time::Instant;
 
-/// Bytes of the first processor's cache of one level, where Linux tells them.
+/// Bytes of the first processor's cache of one level, where Linux reports them.
 pub fn cache_bytes(level: u32) -> Option<u64> {
     let of = |index: u32, what: &str| {
         let path = format!("/sys/devices/system/cpu/cpu0/cache/index{index}/{what}");
@@ -18,7 +18,7 @@ pub fn cache_bytes(level: u32) -> Option<u64> {
     cache_size(&of(index, "size")?)
 }
 
-/// A size as Linux writes it: 48K, 32768K, 2M.
+/// A size in the format of Linux: 48K, 32768K, 2M.
 fn cache_size(text: &str) -> Option<u64> {
     let (number, unit) = match text.strip_suffix('K') {
         Some(number) => (number, 1 << 10),
@@ -37,9 +37,9 @@ fn fastest(runs: usize, mut run: impl FnMut()) -> f64 {
     std::iter::repeat_n((), runs).map(time).fold(f64::INFINITY, f64::min)
 }
 
-/// Bytes a second that all threads read from memory together.
+/// Bytes a second that all threads together read from memory.
 pub fn memory_bandwidth(threads: usize) -> f64 {
-    // Larger than caches are.
+    // Larger than caches.
     const WORDS: usize = 1 << 24;
     let data: Vec<u64> = (0..WORDS as u64).collect();
     let share = WORDS.div_ceil(threads);

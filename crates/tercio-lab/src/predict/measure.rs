@@ -1,4 +1,4 @@
-//! The real renderer's counters and times.
+//! Measures the real renderer's counters and times.
 
 use std::time::Instant;
 
@@ -12,23 +12,23 @@ use super::PredictError;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Clock {
-    /// Wall time: the truth on a machine that does nothing else.
+    /// Wall time: correct on a machine that is otherwise idle.
     Wall,
-    /// Processor time of this process divided by its threads: for machines that others use at the same time. It does
-    /// not see threads that wait.
+    /// Processor time of this process divided by its threads: for machines with other load. It ignores threads that
+    /// wait.
     Processor,
 }
 
-/// A frame as it was measured.
+/// A measured frame.
 #[derive(Clone, Debug)]
 pub struct Measured {
     /// Counters of the renderer; its times are of the last frame.
     pub stats: FrameStats,
-    /// Seconds of the fastest frame by the clock asked for.
+    /// Seconds of the fastest frame by the chosen clock.
     pub seconds: f64,
 }
 
-/// Seconds of processor time of this process; `None` where the system does not tell.
+/// Seconds of processor time of this process; `None` where the system does not report it.
 fn processor_time() -> Option<f64> {
     #[cfg(unix)]
     {
@@ -39,7 +39,7 @@ fn processor_time() -> Option<f64> {
     None
 }
 
-/// Draws a frame some times on a pool of `threads` threads; the first, which takes memory, is not timed.
+/// Draws a frame several times on a pool of `threads` threads; the first, which allocates memory, is not timed.
 ///
 /// # Errors
 /// [`PredictError`].

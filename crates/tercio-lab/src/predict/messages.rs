@@ -1,4 +1,4 @@
-//! Latency and bandwidth of messages, by sending them to and fro: between threads as between processes.
+//! Measures latency and bandwidth of messages by sending them back and forth, between threads or processes.
 
 use std::time::Instant;
 
@@ -15,29 +15,29 @@ pub const LARGE: usize = 16 << 20;
 const SMALL_TRIPS: usize = 2000;
 /// Round trips of large messages.
 const LARGE_TRIPS: usize = 15;
-/// The first of them are not counted: connections are made, memory is had.
+/// The first round trips are not counted: they set up connections and allocate memory.
 const FIRST: usize = 3;
 
-/// What becomes of a message's bytes on the way.
+/// What happens to the bytes of a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Way {
-    /// The communicator copies them into the memory of the rank that takes the message.
+    /// The communicator copies them into memory of the receiving rank.
     Copied,
-    /// The memory itself is handed over, as threads do; then who takes a message copies it, so that bytes do travel.
+    /// The memory is handed over, as between threads; the receiver then copies it, so that the bytes are moved.
     HandedOver,
 }
 
-/// What messages take.
+/// The cost of messages.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Measured {
     /// Seconds of a message of [`SMALL`] bytes: half the median round trip.
     pub latency: f64,
-    /// Bytes a second of messages of [`LARGE`] bytes: by half the median round trip without the latency.
+    /// Bytes a second of messages of [`LARGE`] bytes: from half the median round trip minus the latency.
     pub bandwidth: f64,
 }
 
-/// Measures messages between ranks 0 and 1. All ranks may call it; rank 0 gets what was measured, the others `None`,
-/// those from 2 on at once.
+/// Measures messages between ranks 0 and 1. All ranks may call it; rank 0 gets the result, the others `None`, those
+/// from 2 on at once.
 ///
 /// # Errors
 /// [`CommError`]; [`CommError::NoPartner`] for rank 0 if it is alone.
@@ -52,8 +52,8 @@ pub fn measure(comm: &mut impl Communicator, way: Way) -> Result<Option<Measured
     Ok((partner == 1).then(|| Measured { latency: small, bandwidth: bandwidth(small, large) }))
 }
 
-/// Bytes a second, from the seconds of small and of large messages. Where others use the machine a small one may take
-/// as long as a large one; then half of the large one's time counts, at least.
+/// Bytes a second, from the seconds of small and of large messages. On a busy machine a small one may take as long as a
+/// large one; then at least half of the large one's time counts.
 fn bandwidth(small: f64, large: f64) -> f64 {
     LARGE as f64 / (large - small).max(large / 2.0)
 }
@@ -101,7 +101,7 @@ pub fn between_threads() -> Result<Network, ParallelError> {
     Ok(network(measured, "between two threads of one process", hop))
 }
 
-/// What was measured as a section of a description. `between` says whose messages these were, `hop` why a hop costs
+/// The measured values as a section of a description. `between` says who exchanged the messages, `hop` why a hop costs
 /// nothing.
 pub fn network(measured: Measured, between: &str, hop: &str) -> Network {
     let measured_by = format!("measured by tercio lab calibrate {between}: half the median round trip of");
@@ -125,7 +125,7 @@ mod tests {
 
     use super::*;
 
-    /// A rank 0 whose messages take a known time each.
+    /// A rank 0 whose messages take a known time.
     #[derive(Default)]
     struct Slow {
         message: Vec<u8>,
@@ -175,7 +175,7 @@ mod tests {
     }
 
     #[test]
-    fn bandwidth_is_a_number_even_where_small_messages_take_long() {
+    fn bandwidth_is_finite_even_if_small_messages_take_long() {
         let bytes = LARGE as f64;
         assert_eq!(bandwidth(0.25, 1.25), bytes);
         assert_eq!([0.5, 1.0, 7.0].map(|small| bandwidth(small, 1.0)), [2.0 * bytes; 3]);
@@ -186,7 +186,7 @@ mod tests {
         let mut comm = Slow::default();
         let measured = measure(&mut comm, Way::Copied).unwrap().expect("rank 0 measures");
         assert_eq!(comm.traffic().sent_messages as usize, 2 * FIRST + SMALL_TRIPS + LARGE_TRIPS);
-        // Never too fast; too slow only as far as the machine interrupts more than half of the trips.
+        // Never too fast; too slow only if the machine interrupts more than half of the trips.
         assert!((50e-6..100e-6).contains(&measured.latency), "{measured:?}");
         assert!((1.2e9..=2.02e9).contains(&measured.bandwidth), "{measured:?}");
     }
@@ -209,7 +209,7 @@ mod tests {
     }
 
     #[test]
-    fn a_rank_alone_has_nobody_to_talk_to() {
+    fn a_single_rank_has_no_partner() {
         let error = threads::run(1, |comm| Ok(measure(comm, Way::Copied)?)).unwrap_err();
         assert!(matches!(error, ParallelError::Comm(CommError::NoPartner { rank: 1, size: 1 })), "{error}");
     }

@@ -1,22 +1,22 @@
-//! What the real renderer will do: predicted from a machine's description, measured, and compared.
+//! Predictions for the real renderer: from a machine's description, measured, and compared.
 //!
 //! | module | what |
 //! |---|---|
 //! | [`views`] | the scenes and cameras of `tercio bench` |
-//! | [`counts`] | what a frame amounts to, by the renderer's own counts |
+//! | [`counts`] | the work of a frame, by the renderer's own counts |
 //! | [`boxes`] | its triangles as boxes of samples, for simulated ranks |
-//! | [`frame`] | counts and costs become times: one process on some threads |
+//! | [`frame`] | times from counts and costs: one process with several threads |
 //! | [`ranks`] | the same for ranks that share a frame |
 //! | [`advise`] | the best organisation for a machine and a model, and why |
 //! | [`measure`] | the real renderer's counters and times |
-//! | [`usage`] | page faults and switches of threads |
+//! | [`usage`] | page faults and context switches |
 //! | [`hardware`] | caches and memory of this machine |
 //! | [`messages`] | latency and bandwidth of messages, between threads or over MPI |
-//! | [`fit`] | costs from measured frames |
-//! | [`calibrate`] | the description of this machine |
+//! | [`fit`] | fits costs to measured frames |
+//! | [`calibrate`] | measures the description of this machine |
 //! | [`validate`] | predicted against measured |
-//! | [`validate_ranks`] | the same for ranks, of one process or processes |
-//! | [`quoted`] | the tables of it that stand in the repository |
+//! | [`validate_ranks`] | the same for ranks, of one process or several |
+//! | [`quoted`] | tables of results in the repository |
 
 pub mod advise;
 pub mod boxes;
@@ -51,10 +51,10 @@ pub enum PredictError {
     /// Messages could not be measured.
     #[error(transparent)]
     Messages(#[from] tercio_parallel::ParallelError),
-    /// The pool of threads could not be had.
+    /// The pool of threads could not be started.
     #[error("{0} threads: {1}")]
     Threads(usize, rayon::ThreadPoolBuildError),
-    /// The renderer's ranks share a frame in a way of which there is no model.
+    /// The renderer's ranks share a frame in a way without a model.
     #[error("there is no model of {0} ranks of the renderer")]
     Organisation(tercio_parallel::Organisation),
 }

@@ -1,22 +1,22 @@
-//! What the operating system did for this process: pages given, threads switched.
+//! Page faults and context switches of this process.
 
 use std::fs;
 
 use serde::{Deserialize, Serialize};
 
-/// Counts since the process began; all zero where the system does not tell (it does on Linux).
+/// Counts since the process began; all zero where the system does not report them (it does on Linux).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Usage {
-    /// Pages that were touched for the first time, of those that no file holds.
+    /// Minor page faults: first accesses to pages of anonymous memory.
     pub page_faults: u64,
-    /// Switches because a thread had to wait, of the threads that live.
+    /// Voluntary context switches of the running threads: a thread had to wait.
     pub waits: u64,
-    /// Switches because another thread was to have the processor, of the threads that live.
+    /// Involuntary context switches of the running threads: another thread got the processor.
     pub preemptions: u64,
 }
 
 impl Usage {
-    /// Up to now.
+    /// The counts so far.
     pub fn now() -> Self {
         let mut usage = Self::default();
         if let Ok(stat) = fs::read_to_string("/proc/self/stat") {
@@ -32,7 +32,7 @@ impl Usage {
         usage
     }
 
-    /// With what the system did for another process.
+    /// The sum with the counts of another process.
     pub fn plus(self, other: Self) -> Self {
         Self {
             page_faults: self.page_faults + other.page_faults,
@@ -41,7 +41,7 @@ impl Usage {
         }
     }
 
-    /// What came after an earlier count.
+    /// The difference to an earlier count.
     pub fn since(self, earlier: Self) -> Self {
         Self {
             page_faults: self.page_faults.saturating_sub(earlier.page_faults),
@@ -51,7 +51,7 @@ impl Usage {
     }
 }
 
-/// The tenth field. The second one is the program's name in parentheses and may hold anything.
+/// The tenth field. The second one is the program's name in parentheses and may contain anything.
 fn minor_faults(stat: &str) -> Option<u64> {
     stat[stat.rfind(')')? + 1..].split_whitespace().nth(7)?.parse().ok()
 }
@@ -75,9 +75,9 @@ mod tests {
 
     #[test]
     #[cfg(target_os = "linux")]
-    fn memory_that_is_touched_is_counted() {
+    fn page_faults_of_touched_memory_are_counted() {
         let before = Usage::now();
-        // Larger than what an allocator keeps.
+        // Larger than the memory that an allocator keeps.
         let mut memory = vec![0u8; 64 << 20];
         memory.iter_mut().step_by(4096).for_each(|byte| *byte = 1);
         assert!(std::hint::black_box(memory).len() > 1);

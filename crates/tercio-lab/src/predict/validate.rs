@@ -1,4 +1,4 @@
-//! Predicted against measured.
+//! Compares predictions with measurements.
 
 use serde::Serialize;
 use tercio_mesh::Aabb;
@@ -11,7 +11,7 @@ use super::measure::{Clock, measure};
 use super::{PredictError, views};
 use crate::machines::Machine;
 
-/// Times hold if they lie this close.
+/// Largest relative error of a time that holds.
 pub const TOLERANCE: f64 = 0.25;
 
 /// One model, size and number of threads.
@@ -36,7 +36,7 @@ pub struct Row {
 }
 
 impl Row {
-    /// Predicted over measured, less 1.
+    /// Predicted over measured, minus 1.
     pub fn error(&self) -> f64 {
         self.predicted / self.measured - 1.0
     }
@@ -47,14 +47,14 @@ impl Row {
     }
 }
 
-/// What is compared and how.
+/// Extent and settings of a comparison.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Options {
     /// Views round the model.
     pub views: u32,
     /// Frames of a view, of which the fastest counts.
     pub frames: u32,
-    /// Rounds through everything: who else uses the machine does not do so in every one.
+    /// Rounds through everything: other users of the machine do not disturb every one.
     pub rounds: u32,
     /// Which clock.
     pub clock: Clock,
@@ -62,14 +62,14 @@ pub struct Options {
     pub sorting: Sorting,
 }
 
-/// A model to be drawn.
+/// A model to draw.
 #[derive(Clone, Debug)]
 pub struct Model {
-    /// What it is called in the table.
+    /// Its name in the table.
     pub name: String,
     /// The model under a light.
     pub scene: Scene,
-    /// Where it is.
+    /// Its bounding box.
     pub bounds: Aabb,
 }
 
@@ -97,7 +97,7 @@ impl View<'_> {
     }
 }
 
-/// Predicts models at some sizes on some numbers of threads, then draws all of them, round after round. `tell` is told
+/// Predicts models at all sizes and numbers of threads, then draws all of them, round after round. `progress` is called
 /// after each picture.
 ///
 /// # Errors
@@ -108,7 +108,7 @@ pub fn compare(
     sizes: &[(u32, u32)],
     threads: &[usize],
     o: Options,
-    mut tell: impl FnMut(),
+    mut progress: impl FnMut(),
 ) -> Result<Vec<Row>, PredictError> {
     let mut rows: Vec<(&Model, Vec<View>)> = Vec::new();
     for model in models {
@@ -136,7 +136,7 @@ pub fn compare(
     for _ in 0..o.rounds.max(1) {
         for (_, views) in &mut rows {
             views.iter_mut().try_for_each(|v| v.measure(o))?;
-            tell();
+            progress();
         }
     }
     Ok(rows.into_iter().map(|(model, views)| row(&model.name, &views, o.clock)).collect())
@@ -170,9 +170,9 @@ mod tests {
         let models = [Model { name: "gyroid".into(), scene, bounds }];
         for sorting in [Sorting::Clusters, Sorting::Triangles] {
             let o = Options { views: 2, frames: 1, rounds: 2, clock: Clock::Wall, sorting };
-            let mut told = 0;
-            let rows = compare(&machine, &models, &[(64, 48), (99, 77)], &[1, 2], o, || told += 1).unwrap();
-            assert_eq!((rows.len(), told), (4, 8));
+            let mut calls = 0;
+            let rows = compare(&machine, &models, &[(64, 48), (99, 77)], &[1, 2], o, || calls += 1).unwrap();
+            assert_eq!((rows.len(), calls), (4, 8));
             for row in rows {
                 assert_eq!((row.differing.len(), row.compared), (0, 44), "{row:?}");
                 assert!(row.measured.is_finite() && row.predicted > 0.0);

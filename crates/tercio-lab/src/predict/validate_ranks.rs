@@ -1,6 +1,7 @@
-//! Ranks, predicted against measured: [`tercio_parallel`] draws, in one process or between processes, and what its ranks
-//! count and send has to be what [`ranks`](super::ranks) reckons. Times are of ranks with one thread each, by the model
-//! of [`renderer`](super::ranks::renderer) that `tercio lab predict` and `advise` use.
+//! Compares predictions for ranks with measurements: [`tercio_parallel`] draws, in one process or between processes,
+//! and the counters and messages of its ranks have to equal those computed by [`ranks`](super::ranks). Times are of
+//! ranks with one thread each, by the model of [`renderer`](super::ranks::renderer) that `tercio lab predict` and
+//! `advise` use.
 
 use std::sync::Arc;
 
@@ -21,23 +22,23 @@ use super::validate::{Model, TOLERANCE};
 use super::{PredictError, views};
 use crate::machines::Machine;
 
-/// Seconds of a frame. A stage is that of its busiest rank.
+/// Seconds of a frame. The time of a stage is that of its busiest rank.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct StageSeconds {
     /// Drawing.
     pub draw: f64,
-    /// Packing for other owners and composing.
+    /// Packing for other owners and compositing.
     pub compose: f64,
     /// Packing for rank 0, unpacking there.
     pub collect: f64,
-    /// Rank 0 waiting for messages and taking them.
+    /// Rank 0 waiting for messages and receiving them.
     pub wait: f64,
     /// The whole frame, until rank 0 has the picture.
     pub frame: f64,
 }
 
 impl StageSeconds {
-    /// Adds one of `of` views.
+    /// Adds one of `of` views to the mean.
     fn add(&mut self, o: Self, of: f64) {
         self.draw += o.draw / of;
         self.compose += o.compose / of;
@@ -103,12 +104,12 @@ pub struct Row {
     pub measured: StageSeconds,
     /// Page faults of a frame, the mean of the views.
     pub page_faults: f64,
-    /// Switches of threads in a frame, likewise.
+    /// Context switches in a frame, likewise.
     pub switches: f64,
 }
 
 impl Row {
-    /// Predicted over measured, less 1, of the whole frame.
+    /// Predicted over measured, minus 1, of the whole frame.
     pub fn error(&self) -> f64 {
         self.predicted.frame / self.measured.frame - 1.0
     }
@@ -126,12 +127,12 @@ pub struct Options {
     pub views: u32,
     /// Frames of a view in a round, of which the fastest counts.
     pub frames: u32,
-    /// Rounds through everything: who else uses the machine does not do so in every one.
+    /// Rounds through everything: other users of the machine do not disturb every one.
     pub rounds: u32,
     /// Processors that the ranks share.
     pub processors: usize,
-    /// Which clock times whole frames. By processor time a frame is the work of all its ranks together, which then never
-    /// wait for a processor that other programs have; stages are timed by it always.
+    /// Which clock times whole frames. By processor time a frame is the work of all its ranks together, which then
+    /// never wait for processors that other programs use; stages are always timed by it.
     pub clock: Clock,
 }
 
@@ -148,7 +149,7 @@ pub struct Table<'a> {
     pub options: Options,
 }
 
-/// Where a row of a table comes from.
+/// The model, size and sharing of a row.
 #[derive(Clone, Copy)]
 struct Place<'a> {
     model: &'a Model,
@@ -158,7 +159,7 @@ struct Place<'a> {
 }
 
 impl<'a> Table<'a> {
-    /// The rows in their order.
+    /// The places of all rows, in order.
     fn places(self) -> impl Iterator<Item = Place<'a>> {
         let Self { models, sizes, how, options } = self;
         let views = options.views.max(1);
@@ -206,7 +207,7 @@ struct View<'a> {
 }
 
 impl View<'_> {
-    /// Compares every frame that was drawn.
+    /// Compares all measured frames with the prediction.
     fn add(&mut self, measured: MeasuredRanks) {
         for report in &measured.reports {
             for (rank, theirs) in report.ranks.iter().enumerate() {
@@ -227,8 +228,8 @@ impl View<'_> {
 }
 
 /// Predicts all rows, then draws all of them, round after round, by `draw`: [`MeasuredRanks::draw`] for ranks of this
-/// process, [`MeasuredRanks::draw_between`] for rank 0 of a job whose other ranks [follow](follow). The description is
-/// that of a machine [over MPI](Machine::over_mpi) then. `tell` is told after each picture.
+/// process, [`MeasuredRanks::draw_between`] for rank 0 of a job whose other ranks [follow](follow). In that case the
+/// description is that of a machine [over MPI](Machine::over_mpi). `progress` is called after each picture.
 ///
 /// # Errors
 /// [`RanksError`].
@@ -237,7 +238,7 @@ pub fn compare(
     costs: &ExchangeCosts,
     table: Table,
     mut draw: impl FnMut(&Scene, &Camera, &Sharing, u32) -> Result<MeasuredRanks, ParallelError>,
-    mut tell: impl FnMut(),
+    mut progress: impl FnMut(),
 ) -> Result<Vec<Row>, RanksError> {
     let o = table.options;
     let predicted = table.places().map(|place| place.views(machine, costs, o.processors));
@@ -247,13 +248,13 @@ pub fn compare(
             for view in row {
                 view.add(draw(&view.model.scene, &view.camera, &view.work.sharing, o.frames)?);
             }
-            tell();
+            progress();
         }
     }
     Ok(rows.iter().map(|views| row(views, o.clock)).collect())
 }
 
-/// What the other ranks of a job do while rank 0 compares a table: they draw the same pictures in the same order.
+/// The part of the other ranks of a job while rank 0 compares a table: they draw the same pictures in the same order.
 ///
 /// # Errors
 /// [`ParallelError`].

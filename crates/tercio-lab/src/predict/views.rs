@@ -13,8 +13,8 @@ pub fn scene(mesh: Arc<ClusteredMesh>) -> Scene {
     scene
 }
 
-/// View number `view` of `views` round a model that fills about 80 % of the picture, seen from a fifth of the
-/// distance above the middle.
+/// View number `view` of `views` round a model that fills about 80 % of the picture, seen from above its centre by a
+/// fifth of the distance.
 pub fn camera(bounds: &Aabb, (width, height): (u32, u32), view: u32, views: u32) -> Camera {
     const DISTANCE: f64 = 2.2;
     const FILL: f64 = 0.8;

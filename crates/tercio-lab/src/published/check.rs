@@ -1,17 +1,17 @@
-//! Ours against the expected.
+//! Compares computed values with the expected ones.
 
 use super::{Basis, Number};
 use crate::models::registry::{self, ModelError, Value};
 use crate::units::scale;
 
-/// A published number beside ours.
+/// A published number with the computed value.
 #[derive(Debug)]
 pub struct Check {
     /// The row of the table.
     pub number: Number,
-    /// What the formula or simulation gives, in the row's unit.
+    /// The result of the formula or simulation, in the row's unit.
     pub ours: Result<Value, ModelError>,
-    /// Whether ours lies within the tolerance.
+    /// Whether the computed value is within the tolerance.
     pub holds: bool,
 }
 
@@ -25,7 +25,7 @@ pub fn check(number: Number) -> Check {
 /// Computes all of them.
 ///
 /// # Errors
-/// A mistake in the table.
+/// The table has a mistake.
 pub fn check_all() -> Result<Vec<Check>, super::TableError> {
     Ok(super::numbers()?.into_iter().map(check).collect())
 }
@@ -41,7 +41,7 @@ fn compute(number: &Number) -> Result<Value, ModelError> {
 }
 
 impl Check {
-    /// Whether ours is computed, not read from the scan.
+    /// Whether the value is computed, not read from the scan.
     pub fn is_computed(&self) -> bool {
         self.number.basis == Basis::Computed
     }
@@ -54,8 +54,9 @@ mod tests {
     #[test]
     fn every_published_number_holds() {
         let failed: Vec<_> = check_all().unwrap().into_iter().filter(|c| !c.holds).collect();
-        let said = |c: &Check| format!("{}: expected {}, ours {:?}", c.number.id, c.number.expected, c.ours);
-        assert!(failed.is_empty(), "{:#?}", failed.iter().map(said).collect::<Vec<_>>());
+        let message =
+            |c: &Check| format!("{}: expected {}, ours {:?}", c.number.id, c.number.expected, c.ours);
+        assert!(failed.is_empty(), "{:#?}", failed.iter().map(message).collect::<Vec<_>>());
     }
 
     #[test]

@@ -1,12 +1,12 @@
 //! The published numbers, recomputed.
 //!
-//! The table (`data/published/*.toml`, one file a document) has the facts: what is expected, what the document prints,
-//! where, and which entry of the [registry](crate::models::registry) computes it from which arguments. The code that
-//! computes stands in [`mod@crate::models`] and [`crate::simulators`] and knows nothing of the table, so no number can be
-//! printed back: [`check`] evaluates the entry and compares.
+//! The table (`data/published/*.toml`, one file per document) has the facts: what is expected, what the document
+//! prints, where, and which entry of the [registry](crate::models::registry) computes it from which arguments. The code
+//! that computes is in [`mod@crate::models`] and [`crate::simulators`] and has no access to the table, so it cannot
+//! return a printed number: [`check`] evaluates the entry and compares.
 //!
-//! To have a number computed by a simulator, declare the simulator with [`models!`](crate::models!) in its own room,
-//! add that room to `models::ROOMS`, and name it in the table's row.
+//! To have a number computed by a simulator, declare the simulator with [`models!`](crate::models!) in its own module,
+//! add that module to `models::MODULES`, and name it in the table's row.
 
 mod check;
 mod table;

@@ -1,4 +1,4 @@
-//! The table of published numbers, and how it is read.
+//! The table of published numbers, and its parser.
 
 use serde::{Deserialize, Serialize};
 
@@ -15,35 +15,35 @@ pub struct Number {
     pub document: String,
     /// Chapter, equation, table or figure.
     pub place: String,
-    /// What a correct computation gives, in `unit`; a cell that cannot be read is NaN.
+    /// The result of a correct computation, in `unit`; an illegible cell is NaN.
     pub expected: Value,
     /// The unit of `expected`, `tolerance` and `printed`; without it, the base unit of the formula.
     #[serde(default)]
     pub unit: Option<String>,
-    /// How far ours may be from `expected`.
+    /// Largest absolute difference from `expected`.
     pub tolerance: f64,
-    /// What the document prints, if it prints something legible.
+    /// The number in the document, if it is legible.
     #[serde(default)]
     pub printed: Option<Value>,
-    /// How the printed number stands to the expected one.
+    /// How the printed number relates to the expected one.
     pub standing: Standing,
-    /// Where ours comes from.
+    /// How the value is obtained.
     #[serde(default)]
     pub basis: Basis,
     /// The entry of the registry that computes it.
     pub model: String,
-    /// What that entry is asked with; everything else has its default.
+    /// The arguments of that entry; others have their defaults.
     #[serde(default)]
     pub given: Arguments,
 }
 
-/// How a printed number stands to the formula that it belongs to.
+/// How a printed number relates to the formula that it belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Standing {
-    /// It is the formula's value in the digits printed, or the formula is sound and nothing is printed.
+    /// It is the formula's value in the digits printed, or the formula is correct and nothing is printed.
     Exact,
-    /// It is rounded in words, or off by a small amount that is stated.
+    /// It is stated approximately in the text, or off by a small amount that is stated.
     Rounded,
     /// Formula or cell is damaged in the scan and was restored.
     Restored,
@@ -51,24 +51,25 @@ pub enum Standing {
     Contradicted,
 }
 
-/// Where our number comes from.
+/// How a value is obtained.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Basis {
     /// A formula or a simulation computes it.
     #[default]
     Computed,
-    /// It was measured on a scene that is lost; we read the scan and check the reading against the cost model.
+    /// It was measured on a scene that is lost; it is read from the scan, and the reading is checked against the cost
+    /// model.
     Read,
 }
 
-/// A mistake in the table.
+/// A mistake in the table of published numbers.
 #[derive(Debug, thiserror::Error)]
 #[error("published numbers of document {document}: {source}")]
 pub struct TableError {
     /// The document's number.
     pub document: &'static str,
-    /// Line, and what was expected.
+    /// The line, and what was expected.
     #[source]
     pub source: toml::de::Error,
 }
@@ -91,7 +92,7 @@ const FILES: [(&str, &str); 5] = [
 /// All published numbers, in the order of the documents.
 ///
 /// # Errors
-/// A mistake in the table, with its line.
+/// The table has a mistake, reported with its line.
 pub fn numbers() -> Result<Vec<Number>, TableError> {
     let mut all = Vec::new();
     for (document, text) in FILES {

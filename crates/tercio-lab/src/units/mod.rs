@@ -1,10 +1,10 @@
-//! Quantities as types: a number that knows its unit, its range, and how it is written down.
+//! Quantities as types: a number with its unit, its range, and its notation.
 //!
-//! Every quantity holds an `f64` in its base unit ([`Quantity::UNIT`]): 14 MHz is `Hertz::new(14e6)`. Adding is
-//! possible among the same quantity only, dividing two of the same gives a plain number, and the few products that
-//! mean something (cycles by clock give time) stand in `products`. Texts such as `14 MHz`, `64 KiB` or `0.3 us` are
-//! read by [`str::parse`] and by `serde` (which also takes a plain number in the base unit); a text with the wrong
-//! unit or a value outside of the quantity's [`Domain`] is an error that says what was expected.
+//! Every quantity holds an `f64` in its base unit ([`Quantity::UNIT`]): 14 MHz is `Hertz::new(14e6)`. Only equal
+//! quantities can be added, dividing two of the same gives a plain number, and the few meaningful products (cycles by
+//! clock give time) are in `products`. Texts such as `14 MHz`, `64 KiB` or `0.3 us` are parsed by [`str::parse`] and by
+//! `serde` (which also accepts a plain number in the base unit); a text with the wrong unit or a value outside of the
+//! quantity's [`Domain`] is an error that says what was expected.
 
 mod parse;
 mod products;

@@ -7,10 +7,10 @@ use serde::de::{Error, Visitor};
 
 use super::Quantity;
 
-/// Why a text is no quantity.
+/// Why a text is not a valid quantity.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum UnitError {
-    /// No number in front.
+    /// No number at the beginning.
     #[error("{name}: expected a number{}, found '{found}'", unit_hint(.unit))]
     Number {
         /// The quantity.
@@ -30,12 +30,12 @@ pub enum UnitError {
         /// The unit found.
         found: String,
     },
-    /// A number that the quantity cannot have.
+    /// A number outside the quantity's domain.
     #[error("{name}: expected {expected}, found {found}")]
     Domain {
         /// The quantity.
         name: &'static str,
-        /// What would be possible.
+        /// The domain.
         expected: &'static str,
         /// The value found, in base units.
         found: f64,
@@ -95,7 +95,7 @@ pub fn scale(unit: &str, base: &str) -> Option<f64> {
         if prefix.is_empty() {
             return Some(factor);
         }
-        // A plain number takes prefixes, too: "10 k"; but hundredths and squares do not.
+        // A plain number may have a prefix, too: "10 k"; but percentages and areas may not.
         let takes_prefixes = symbol != "%" && !symbol.ends_with('2');
         let binary = if matches!(symbol, "B" | "B/s" | "bit" | "bit/s") { &BINARY[..] } else { &[] };
         let known = DECIMAL.iter().chain(binary).find(|p| p.0 == prefix);
@@ -110,7 +110,7 @@ pub fn scale(unit: &str, base: &str) -> Option<f64> {
 pub(super) fn quantity<Q: Quantity>(text: &str) -> Result<Q, UnitError> {
     let text = text.trim();
     let no_number = || UnitError::Number { name: Q::NAME, unit: Q::UNIT, found: text.into() };
-    // The longest beginning that is a number: the `e` of 1e6 belongs to it, that of "1 edge" does not.
+    // The longest prefix that is a number: the `e` of 1e6 belongs to it, that of "1 edge" does not.
     let ends = (1..=text.len()).rev().filter(|&end| text.is_char_boundary(end));
     let (number, end) = ends
         .filter(|&end| text[..end].ends_with(|c: char| c.is_ascii_digit() || c == '.'))
@@ -178,21 +178,21 @@ mod tests {
     }
 
     #[test]
-    fn what_is_wrong_is_said() {
-        let said = |e: UnitError| e.to_string();
+    fn errors_name_the_problem() {
+        let message = |e: UnitError| e.to_string();
         assert_eq!(
-            said("14 MB".parse::<Hertz>().unwrap_err()),
+            message("14 MB".parse::<Hertz>().unwrap_err()),
             "clock rate: expected Hz, with a prefix if need be, found the unit 'MB'"
         );
         assert_eq!(
-            said("0 Hz".parse::<Hertz>().unwrap_err()),
+            message("0 Hz".parse::<Hertz>().unwrap_err()),
             "clock rate: expected a number above zero, found 0"
         );
         assert_eq!(
-            said("1.5".parse::<Count>().unwrap_err()),
+            message("1.5".parse::<Count>().unwrap_err()),
             "count: expected a whole number not below zero, found 1.5"
         );
-        assert!(said("fast".parse::<Hertz>().unwrap_err()).contains("found 'fast'"));
+        assert!(message("fast".parse::<Hertz>().unwrap_err()).contains("found 'fast'"));
         assert!("inf".parse::<Ratio>().is_err() && "nan".parse::<Ratio>().is_err());
         assert!("1e999".parse::<Ratio>().is_err(), "infinity is no value");
     }

@@ -19,7 +19,7 @@ pub enum Domain {
 }
 
 impl Domain {
-    /// Whether `value` lies inside.
+    /// Whether `value` is in the domain.
     pub fn holds(self, value: f64) -> bool {
         value.is_finite()
             && match self {
@@ -29,7 +29,7 @@ impl Domain {
             }
     }
 
-    /// What lies inside, in words that complete "expected ...".
+    /// The domain in words that complete "expected ...".
     pub fn describe(self) -> &'static str {
         match self {
             Self::NonNegative => "a number not below zero",
@@ -45,7 +45,7 @@ pub trait Quantity: Copy + fmt::Debug + fmt::Display + FromStr<Err = UnitError> 
     const NAME: &'static str;
     /// The base unit's symbol; empty for a plain ratio.
     const UNIT: &'static str;
-    /// The values that make sense.
+    /// The valid values.
     const DOMAIN: Domain;
 
     /// The quantity of `value` base units. The domain is checked where texts and arguments are read, not here.
@@ -54,10 +54,10 @@ pub trait Quantity: Copy + fmt::Debug + fmt::Display + FromStr<Err = UnitError> 
     /// The value in base units.
     fn get(self) -> f64;
 
-    /// The quantity of `value` base units, if that is possible.
+    /// The quantity of `value` base units, if it is valid.
     ///
     /// # Errors
-    /// [`UnitError::Domain`] if the value lies outside of [`Self::DOMAIN`].
+    /// [`UnitError::Domain`] if the value is outside of [`Self::DOMAIN`].
     fn checked(value: f64) -> Result<Self, UnitError> {
         if Self::DOMAIN.holds(value) {
             Ok(Self::new(value))
@@ -175,11 +175,11 @@ macro_rules! quantities {
 quantities! {
     /// A ratio of two quantities of the same kind, a factor, a share.
     Ratio, "ratio", "", NonNegative;
-    /// A ratio in hundredths, where a document speaks of percent.
+    /// A ratio in hundredths, where a document uses percent.
     Percent, "percentage", "%", NonNegative;
     /// A number of things.
     Count, "count", "", Whole;
-    /// Processors; also places on a ring and hops between neighbours. Optima of formulas need not be whole.
+    /// Processors; also positions on a ring and hops between neighbours. Optima of formulas need not be whole.
     Processors, "number of processors", "processor", Positive;
     /// Polygons or triangles; means need not be whole.
     Polygons, "number of polygons", "polygon", NonNegative;
@@ -191,7 +191,7 @@ quantities! {
     Pixels, "number of pixels", "pixel", NonNegative;
     /// A length on the screen, in pixels' sides.
     Length, "length on the screen", "px", NonNegative;
-    /// Words of a machine's own size.
+    /// Words of a machine's own word size.
     Words, "number of words", "word", NonNegative;
     /// Executed instructions.
     Instructions, "number of instructions", "instr", NonNegative;
@@ -219,13 +219,13 @@ quantities! {
     InstructionRate, "instruction rate", "instr/s", NonNegative;
     /// Arithmetic operations a second.
     OperationRate, "operation rate", "op/s", NonNegative;
-    /// Area of silicon, as document 003 counts it.
+    /// Area of silicon, in the unit of document 003.
     SquareInches, "chip area", "in2", NonNegative;
     /// Area.
     SquareMetres, "area", "m2", NonNegative;
     /// Electric current.
     Amperes, "current", "A", NonNegative;
-    /// Electric tension.
+    /// Voltage.
     Volts, "tension", "V", NonNegative;
     /// Power.
     Watts, "power", "W", NonNegative;

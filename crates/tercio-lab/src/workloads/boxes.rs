@@ -6,9 +6,9 @@
 //! 1 (413,166) (418,171)
 //! ```
 //!
-//! One line a polygon of the model: 1 if it is visible and 0 if it was culled, then the first and the last pixel
-//! of its box, both inclusive. Culled polygons stay in the file because rejecting them costs geometry work. Empty
-//! lines and what follows a `#` are skipped, which the document's format does not know.
+//! One line per polygon of the model: 1 if it is visible and 0 if it was culled, then the first and the last pixel of
+//! its box, both inclusive. Culled polygons stay in the file because rejecting them costs geometry work. Empty lines
+//! and comments after a `#` are skipped, an extension of the document's format.
 
 use std::fmt::Write;
 use std::path::Path;
@@ -19,9 +19,9 @@ use super::{PixelBox, ReadError, SyntaxError, error};
 /// One polygon.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BoundingBox {
-    /// False if it faces away or lies outside the view.
+    /// False if it faces away or is outside the view.
     pub visible: bool,
-    /// Its pixels; they may reach beyond the screen.
+    /// Its pixels; they may extend beyond the screen.
     pub pixels: PixelBox,
 }
 
@@ -32,7 +32,7 @@ pub struct BoxScene {
     pub boxes: Vec<BoundingBox>,
 }
 
-/// More polygons than this are taken for a mistake in the file's first line.
+/// A larger number of polygons is considered a mistake in the file's first line.
 const MAX_POLYGONS: u64 = u32::MAX as u64 - 1;
 
 impl BoxScene {
@@ -52,7 +52,7 @@ impl BoxScene {
     /// Reads the text of a file.
     ///
     /// # Errors
-    /// [`SyntaxError`]: a line that is no box, or more or fewer lines than the first one promises.
+    /// [`SyntaxError`]: a line that is no box, or more or fewer lines than the first one states.
     pub fn parse(text: &str) -> Result<Self, SyntaxError> {
         let mut lines = lines(text);
         let mut head = lines.next().ok_or_else(|| missing(text, "\"NumPolygons=\""))?;
@@ -115,7 +115,7 @@ mod tests {
     }
 
     #[test]
-    fn mistakes_are_told_with_their_line() {
+    fn mistakes_are_reported_with_their_line() {
         let cases = [
             ("", "line 1: expected \"NumPolygons=\", found the end"),
             ("NumPolygons=x", "line 1: expected the number of polygons, found \"x\""),

@@ -1,4 +1,4 @@
-//! What can be wrong with a workload file.
+//! Errors of workload files.
 
 use std::path::PathBuf;
 
@@ -8,9 +8,9 @@ use std::path::PathBuf;
 pub struct SyntaxError {
     /// Number of the line, from 1.
     pub line: usize,
-    /// What should stand there.
+    /// What was expected.
     pub expected: String,
-    /// What stands there.
+    /// What was found.
     pub found: String,
 }
 
@@ -22,20 +22,20 @@ pub enum ReadError {
     Io {
         /// Name of the file.
         file: PathBuf,
-        /// What the system said.
+        /// The system's error.
         error: std::io::Error,
     },
-    /// It was read and does not hold a workload.
+    /// It was read and is not a valid workload.
     #[error("{}: {error}", file.display())]
     Syntax {
         /// Name of the file.
         file: PathBuf,
-        /// Where and what.
+        /// The position, and what was expected.
         error: SyntaxError,
     },
 }
 
-/// Reads a text file and gives it to a parser.
+/// Reads a text file and passes it to a parser.
 pub(crate) fn read<T>(
     file: &std::path::Path,
     parse: impl FnOnce(&str) -> Result<T, SyntaxError>,

@@ -1,4 +1,4 @@
-//! What a machine is given to draw.
+//! The input of the machines.
 //!
 //! | module | what |
 //! |---|---|
@@ -8,7 +8,7 @@
 //! | [`synthetic`] | scenes made from stated distributions, the same on every machine |
 //! | [`projection`] | boxes and polygons of a real model under a real camera |
 //!
-//! **Screen space** everywhere here: pixel (0, 0) is the upper left one, x runs to the right, y downwards. Pixel
+//! **Screen space** everywhere here: pixel (0, 0) is the upper left one, x points to the right, y downwards. Pixel
 //! boxes are inclusive on both sides.
 
 pub mod boxes;
@@ -26,5 +26,5 @@ pub use pixel_box::PixelBox;
 pub use polygons::{PolygonScene, ScreenPoint, ScreenPolygon};
 pub use screen_map::ScreenMap;
 
-/// Pixels of a screen, at most: what the simulators keep for each pixel has to fit into memory.
+/// Maximum number of pixels of a screen: the simulators' data for each pixel has to fit into memory.
 pub const MAX_SCREEN_PIXELS: u64 = 1 << 26;

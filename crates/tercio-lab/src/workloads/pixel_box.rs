@@ -14,7 +14,7 @@ pub struct PixelBox {
 }
 
 impl PixelBox {
-    /// The box between two pixels, `None` if the second lies left of or above the first.
+    /// The box between two pixels, `None` if the second is left of or above the first.
     pub fn new([x0, y0]: [i32; 2], [x1, y1]: [i32; 2]) -> Option<Self> {
         (x0 <= x1 && y0 <= y1).then_some(Self { x0, y0, x1, y1 })
     }
@@ -43,7 +43,7 @@ impl PixelBox {
         self.width() * self.height()
     }
 
-    /// The pixels that both boxes hold.
+    /// The pixels of both boxes.
     pub fn intersection(&self, other: &Self) -> Option<Self> {
         let min = [self.x0.max(other.x0), self.y0.max(other.y0)];
         Self::new(min, [self.x1.min(other.x1), self.y1.min(other.y1)])

@@ -1,4 +1,4 @@
-//! Whole screen polygons: what is left of a model's polygons after the front end, before any is drawn.
+//! Whole screen polygons: a model's polygons after the front end, before rasterization.
 //!
 //! ```text
 //! Screen=512x512 NumPolygons=2
@@ -49,7 +49,7 @@ impl ScreenPoint {
 /// A polygon of at least one corner.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ScreenPolygon {
-    /// Whether its front is seen.
+    /// Whether its front is visible.
     pub front: bool,
     /// Its corners, in order round it.
     pub corners: Vec<ScreenPoint>,
@@ -73,7 +73,7 @@ impl ScreenPolygon {
         Self { front: true, corners }
     }
 
-    /// The pixels between the least and the greatest corner.
+    /// The pixels between the minimum and the maximum of the corners.
     ///
     /// # Panics
     /// If the polygon has no corner.
@@ -93,7 +93,7 @@ impl ScreenPolygon {
 }
 
 impl PolygonScene {
-    /// The polygons' bounding boxes. Those that show their back or lie outside the screen are culled.
+    /// The polygons' bounding boxes. Those that show their back or are outside the screen are culled.
     pub fn boxes(&self) -> BoxScene {
         let screen = PixelBox::screen(self.width, self.height);
         let boxes = self.polygons.iter().map(|p| {
@@ -114,7 +114,7 @@ impl PolygonScene {
     /// Reads the text of a file.
     ///
     /// # Errors
-    /// [`SyntaxError`]: a line that is no polygon, or more or fewer lines than the first one promises.
+    /// [`SyntaxError`]: a line that is no polygon, or more or fewer lines than the first one states.
     pub fn parse(text: &str) -> Result<Self, SyntaxError> {
         let mut lines = lines(text);
         let mut head = lines.next().ok_or_else(|| missing(text, "\"Screen=\""))?;
@@ -219,7 +219,7 @@ mod tests {
     }
 
     #[test]
-    fn mistakes_are_told_with_their_line() {
+    fn mistakes_are_reported_with_their_line() {
         let cases = [
             (
                 "Screen=65536x65536 NumPolygons=1",

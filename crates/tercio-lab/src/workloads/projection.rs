@@ -1,8 +1,8 @@
 //! Boxes and polygons of a real model under a real camera, by the renderer's own front end.
 //!
-//! Vertices reach the screen through [`ObjectView::project`] and triangles that cross the near plane or the guard band
-//! are cut by [`clip_triangle`], as in the renderer, so that a workload's polygons are to the sub-pixel those that
-//! tercio draws. Triangles stand in the mesh's order.
+//! Vertices are projected by [`ObjectView::project`], and triangles that cross the near plane or the guard band are
+//! clipped by [`clip_triangle`], as in the renderer, so that a workload's polygons equal those that tercio draws, to
+//! the sub-pixel. Triangles are in the mesh's order.
 
 use std::sync::Arc;
 
@@ -17,9 +17,9 @@ use super::polygons::SUBPIXELS;
 use super::{BoundingBox, BoxScene, PixelBox, PolygonScene, ScreenPoint, ScreenPolygon};
 
 const _: () =
-    assert!(SUBPIXELS == tercio_raster::conventions::SUBPIXELS, "workloads keep the renderer's sub-pixels");
+    assert!(SUBPIXELS == tercio_raster::conventions::SUBPIXELS, "workloads have the renderer's sub-pixels");
 
-/// What projection leaves of a triangle: itself, the pieces that clipping leaves, or nothing.
+/// A projected triangle: itself, its pieces after clipping, or nothing.
 fn project(mesh: &Mesh, view: &ObjectView, corners: [u32; 3]) -> Vec<[ScreenVertex; 3]> {
     let positions = Mesh::canonical(corners).map(|v| mesh.positions[v as usize]);
     let projected = positions.map(|p| view.project(p));
@@ -35,11 +35,11 @@ fn shows_front(view: &ObjectView, [a, b, c]: [ScreenVertex; 3]) -> bool {
     let from_a = |p: ScreenVertex| [i64::from(p.x) - i64::from(a.x), i64::from(p.y) - i64::from(a.y)];
     let (b, c) = (from_a(b), from_a(c));
     let area = b[0] * c[1] - b[1] * c[0];
-    // Corners that run counter-clockwise where y is upwards have a negative area where it is downwards.
+    // Corners that run counter-clockwise with y upwards have a negative area with y downwards.
     if view.mirrored { area > 0 } else { area < 0 }
 }
 
-/// A model that workloads are made from.
+/// A model as the source of workloads.
 pub struct Model {
     /// Positions and triangles in the order of the model.
     mesh: Mesh,
@@ -47,7 +47,7 @@ pub struct Model {
 }
 
 impl Model {
-    /// The model of a mesh. The positions are kept twice.
+    /// The model of a mesh. The positions are stored twice.
     pub fn new(mesh: Mesh) -> Self {
         let plain = Mesh {
             origin: mesh.origin,
@@ -60,13 +60,13 @@ impl Model {
         Self { mesh: plain, scene: Scene::from_mesh(Arc::new(clusters)) }
     }
 
-    /// The model as the renderer sees it, by which cameras are placed.
+    /// The model as input of the renderer, with which cameras are placed.
     pub fn scene(&self) -> &Scene {
         &self.scene
     }
 
-    /// The bounding boxes of all triangles. Culled are those that show their back or no area, and those outside the
-    /// screen or the view; the last ones have the box of pixel (0, 0).
+    /// The bounding boxes of all triangles. Culled are those that show their back or have no area, and those outside
+    /// the screen or the view; the last ones have the box of pixel (0, 0).
     ///
     /// # Errors
     /// [`CameraError`].
@@ -91,8 +91,8 @@ impl Model {
         Ok(BoxScene { boxes: boxes.collect() })
     }
 
-    /// The triangles on the screen, fronts and backs. Those outside the screen or the view are left out; one that was
-    /// clipped becomes several.
+    /// The triangles on the screen, fronts and backs. Those outside the screen or the view are dropped; a clipped one
+    /// may become several.
     ///
     /// # Errors
     /// [`CameraError`].
@@ -155,7 +155,7 @@ mod tests {
     }
 
     fn render(model: &Model, camera: &Camera, cull: Cull) -> FrameStats {
-        // Whole clusters that are hidden would not be counted.
+        // Triangles of hidden clusters would not be counted.
         let settings = Settings { cull, sorting: Sorting::Triangles, ..Settings::new(SIZE.0, SIZE.1) };
         Renderer::new().render(model.scene(), camera, &settings).unwrap().stats
     }
@@ -190,7 +190,7 @@ mod tests {
         let model = model("builtin:teapot@6k");
         let camera = framed(&model);
         let (boxes, polygons) = (model.boxes(&camera, SIZE).unwrap(), model.polygons(&camera, SIZE).unwrap());
-        // All of it is in the picture, so that no polygon is left out or clipped.
+        // Everything is inside the picture, so that no polygon is dropped or clipped.
         assert_eq!(boxes, polygons.boxes());
         assert_eq!(boxes.boxes.len(), model.mesh.triangles.len());
         let visible = boxes.visible() as f64 / boxes.boxes.len() as f64;
@@ -198,7 +198,7 @@ mod tests {
     }
 
     #[test]
-    fn what_lies_outside_is_culled() {
+    fn triangles_outside_are_culled() {
         let model = model("builtin:sphere@2k");
         let camera = inside(&model);
         let boxes = model.boxes(&camera, SIZE).unwrap();

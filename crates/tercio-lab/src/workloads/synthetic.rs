@@ -9,20 +9,20 @@ use rand_pcg::Pcg64Mcg;
 use super::polygons::SUBPIXELS;
 use super::{BoundingBox, BoxScene, PixelBox, PolygonScene, ScreenPoint, ScreenPolygon};
 
-/// Where the middles of polygons lie along an axis.
+/// Distribution of the centres of polygons along an axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Spread {
-    /// Anywhere on the screen, alike.
+    /// Uniform over the screen.
     Uniform,
-    /// Around the middle of the screen. The distribution is the sum of twelve uniform ones, which differs from a
-    /// normal one only beyond three deviations and needs no function that machines round differently.
+    /// Around the centre of the screen. The distribution is the sum of twelve uniform ones, which differs from a normal
+    /// one only beyond three deviations and needs no function that machines round differently.
     Normal {
         /// Standard deviation in pixels.
         deviation: f64,
     },
 }
 
-/// A scene to be made.
+/// The parameters of a generated scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Distribution {
     /// Pixels across the screen.
@@ -31,14 +31,13 @@ pub struct Distribution {
     pub height: u32,
     /// Polygons of the model, culled ones included.
     pub polygons: u32,
-    /// The share of polygons that is visible, each chosen for itself.
+    /// The share of polygons that is visible, chosen independently for each.
     pub visible: f64,
-    /// Mean width and height of a polygon's box in pixels, at least 1; each polygon has the whole number below or
-    /// above.
+    /// Mean width and height of a polygon's box in pixels, at least 1; each polygon has the mean rounded down or up.
     pub size: [f64; 2],
-    /// Where boxes lie, across and down. Those that would reach over the border are moved inside.
+    /// Distribution of boxes, horizontally and vertically. Those that would cross the border are moved inside.
     pub spread: [Spread; 2],
-    /// Another seed, another scene.
+    /// Seed of the random numbers.
     pub seed: u64,
 }
 
@@ -59,10 +58,10 @@ impl Distribution {
     /// If the screen has no pixel.
     pub fn triangles(&self) -> PolygonScene {
         let mut random = Random::new(self.seed);
-        // The boxes take their numbers first, so that they are those of `boxes`.
+        // The boxes are drawn first, so that they equal those of `boxes`.
         let boxes: Vec<_> = (0..self.polygons).map(|_| self.next_box(&mut random)).collect();
         let polygons = boxes.into_iter().map(|BoundingBox { visible, pixels }| {
-            // One corner of the box, one point on each of the two sides that do not meet there.
+            // One corner of the box, and one point on each of the two sides that do not meet there.
             let [left, right] = [pixels.x0 * SUBPIXELS, (pixels.x1 + 1) * SUBPIXELS - 1];
             let [top, bottom] = [pixels.y0 * SUBPIXELS, (pixels.y1 + 1) * SUBPIXELS - 1];
             let between = |a: i32, b: i32, t: f64| a + (f64::from(b - a) * t) as i32;
@@ -107,7 +106,7 @@ impl Random {
         Self(Pcg64Mcg::seed_from_u64(seed))
     }
 
-    /// Uniform in 0 to below 1.
+    /// Uniform in [0, 1).
     fn unit(&mut self) -> f64 {
         f64::from(self.0.next_u32()) / 4_294_967_296.0
     }

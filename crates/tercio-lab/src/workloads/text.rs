@@ -1,14 +1,14 @@
-//! Reads the small line formats of the workloads, with the place of every mistake.
+//! Parses the small line formats of the workloads, with the line of every mistake.
 
 use super::SyntaxError;
 
-/// The part of a line that has not been read yet.
+/// The unparsed rest of a line.
 pub struct Line<'a> {
     number: usize,
     rest: &'a str,
 }
 
-/// The lines that hold something, with their numbers from 1. `#` begins a comment.
+/// The lines that are not empty, with their numbers from 1. `#` begins a comment.
 pub fn lines(text: &str) -> impl Iterator<Item = Line<'_>> {
     let lines = text.lines().enumerate().map(|(index, line)| {
         let rest = line.split('#').next().unwrap_or_default().trim();
@@ -23,19 +23,19 @@ pub fn missing(text: &str, expected: impl Into<String>) -> SyntaxError {
 }
 
 impl Line<'_> {
-    /// The error that `expected` does not stand where reading stopped.
+    /// The error that `expected` is missing where parsing stopped.
     pub fn error(&self, expected: impl Into<String>) -> SyntaxError {
         let mut found: String = self.rest.chars().take(24).collect();
         found = if found.is_empty() { "the end of the line".into() } else { format!("\"{found}\"") };
         SyntaxError { line: self.number, expected: expected.into(), found }
     }
 
-    /// The error that a number does not mean what it should.
+    /// The error that a value is not the expected one.
     pub fn wrong(&self, expected: impl Into<String>, found: impl ToString) -> SyntaxError {
         SyntaxError { line: self.number, expected: expected.into(), found: found.to_string() }
     }
 
-    /// Takes a piece of text that has to stand here.
+    /// Consumes a given piece of text.
     pub fn literal(&mut self, text: &str) -> Result<(), SyntaxError> {
         match self.rest.strip_prefix(text) {
             Some(rest) => {
@@ -46,7 +46,7 @@ impl Line<'_> {
         }
     }
 
-    /// Takes a number; `what` names it in the error.
+    /// Consumes a number; `what` names it in the error.
     pub fn number<T: std::str::FromStr>(&mut self, what: &str) -> Result<T, SyntaxError> {
         let end =
             self.rest.find(|c: char| c.is_whitespace() || "(),=".contains(c)).unwrap_or(self.rest.len());
@@ -55,7 +55,7 @@ impl Line<'_> {
         Ok(value)
     }
 
-    /// Takes `(x, y)`.
+    /// Consumes `(x, y)`.
     pub fn point<T: std::str::FromStr>(&mut self) -> Result<[T; 2], SyntaxError> {
         self.literal("(")?;
         let x = self.number("x, a whole number of pixels")?;
@@ -65,7 +65,7 @@ impl Line<'_> {
         Ok([x, y])
     }
 
-    /// The line must end here.
+    /// Checks that the line ends here.
     pub fn end(&self) -> Result<(), SyntaxError> {
         if self.rest.is_empty() { Ok(()) } else { Err(self.error("the end of the line")) }
     }

@@ -1,4 +1,4 @@
-//! Builds what is measured.
+//! Builds the programs that are measured.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -8,7 +8,7 @@ use tercio_testkit::workspace_root;
 
 use crate::process;
 
-/// The program as it is released, save that it may ask for shared libraries.
+/// The release build, except that it may use shared libraries.
 pub fn tercio() -> Result<PathBuf> {
     process::run(process::cargo().args(["build", "--release", "--package", "tercio-cli"]))?;
     Ok(process::target_folder()?.join("release/tercio"))

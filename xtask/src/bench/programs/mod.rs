@@ -1,4 +1,4 @@
-//! The programs that are compared: how they are built and run, and what they tell.
+//! The programs that are compared: how they are built and run, and what they report.
 
 mod build;
 
@@ -33,7 +33,7 @@ pub enum Program {
 pub const THREADS: u32 = 2;
 
 impl Program {
-    /// How tables and raw runs call it.
+    /// Its name in tables and raw runs.
     pub fn name(self) -> String {
         match self {
             Self::Tercio { threads: 1, cull_back } => format!("tercio, 1 thread{}", culled(cull_back)),
@@ -45,7 +45,7 @@ impl Program {
         }
     }
 
-    /// Whether it leaves out back faces, which shows where a model has holes.
+    /// Whether it culls back faces, which shows where a model has holes.
     fn culls(self) -> bool {
         match self {
             Self::Tercio { cull_back, .. } | Self::Llvmpipe { cull_back } => cull_back,
@@ -63,7 +63,7 @@ fn culled(cull_back: bool) -> &'static str {
     if cull_back { ", back faces culled" } else { "" }
 }
 
-/// The programs of this machine. A rival that cannot be had is a reason, which the report tells.
+/// The programs of this machine. For a rival that is not available, the reason, which the report prints.
 pub struct Programs {
     pub tercio: PathBuf,
     floor: Result<PathBuf>,
@@ -72,14 +72,14 @@ pub struct Programs {
 }
 
 impl Programs {
-    /// Builds those that the tables need, the rivals into `folder`.
+    /// Builds those that the tables need; the rivals into `folder`.
     ///
     /// # Errors
     /// tercio does not build.
     pub fn build(folder: &Path, tables: &[Table]) -> Result<Self> {
         let needed = |by: &[Table]| {
             let needed = tables.iter().any(|table| by.contains(table));
-            ensure!(needed, "no table that was asked for has it");
+            ensure!(needed, "none of the requested tables has it");
             Ok(())
         };
         let turning = &[Table::Turning];
@@ -106,8 +106,8 @@ impl Programs {
     /// The SIMD level that tercio chooses.
     pub fn simd(&self) -> Result<String> {
         let run = ["bench", "builtin:sphere@1k", "--frames", "1", "--size", "8x8", "--json", "-q"];
-        let told: Value = serde_json::from_str(&process::output(Command::new(&self.tercio).args(run))?)?;
-        Ok(told["simd"].as_str().context("tercio bench names no SIMD level")?.to_owned())
+        let output: Value = serde_json::from_str(&process::output(Command::new(&self.tercio).args(run))?)?;
+        Ok(output["simd"].as_str().context("tercio bench names no SIMD level")?.to_owned())
     }
 
     /// Which rivals are measured, and why others are not.
@@ -123,10 +123,10 @@ impl Programs {
         text
     }
 
-    /// Runs each program once on a task, and compares what they draw.
+    /// Runs each program once on a task, and checks that all draw the same.
     ///
     /// # Errors
-    /// A program fails, or draws something else than tercio does.
+    /// A program fails, or draws something other than tercio does.
     pub fn take_turns(&self, programs: &[Program], task: &Task) -> Result<Vec<Run>> {
         let views = tempfile::NamedTempFile::new()?;
         let mut runs: Vec<Run> = Vec::new();
@@ -140,7 +140,7 @@ impl Programs {
                     .check_same_picture(ours)
                     .with_context(|| format!("{}: {} draws another picture", task.title, program.name()))?,
                 None if !program.is_tercio() => bail!("tercio has to draw first"),
-                None => std::fs::write(views.path(), views_file(&run.told)?)?,
+                None => std::fs::write(views.path(), views_file(&run.output)?)?,
             }
             runs.push(run);
         }
@@ -183,7 +183,7 @@ impl Programs {
             }
         };
         let text = process::output(command.args(["--size", &size]))?;
-        Run::of_views(serde_json::from_str(&text).context("reading what it told")?)
+        Run::of_views(serde_json::from_str(&text).context("reading its output")?)
     }
 }
 
@@ -196,25 +196,25 @@ fn floor(program: &Path, task: &Task) -> Result<Run> {
         |word: &str| -> Option<f64> { text.split_once(word)?.1.split_whitespace().next()?.parse().ok() };
     let times = [after("median "), after(" min "), after(" max ")];
     let ([Some(median_ms), Some(min_ms), Some(max_ms)], Some(covered)) = (times, after("} covered ")) else {
-        bail!("it ended with {} and told {}", output.status, text.trim());
+        bail!("it ended with {} and printed {}", output.status, text.trim());
     };
-    let told = json!({ "median_ms": median_ms, "min_ms": min_ms, "max_ms": max_ms, "pixels": covered });
+    let reported = json!({ "median_ms": median_ms, "min_ms": min_ms, "max_ms": max_ms, "pixels": covered });
     let pixels = if task.frames as usize == VIEWS { vec![(VIEWS - 1, covered as u64)] } else { Vec::new() };
-    Ok(Run { median_ms, pixels, told })
+    Ok(Run { median_ms, pixels, output: reported })
 }
 
-/// The cameras and copies that `tercio bench` told, as the rivals read them.
-fn views_file(told: &Value) -> Result<String> {
+/// The cameras and copies in the output of `tercio bench`, in the format that the rivals read.
+fn views_file(output: &Value) -> Result<String> {
     let mut text = String::new();
     let vector = |value: &Value| -> Result<glam::DVec3> {
         let numbers: [f64; 3] = serde_json::from_value(value.clone()).context("a vector of three numbers")?;
         Ok(numbers.into())
     };
-    for copy in told["copies"].as_array().context("no \"copies\"")? {
+    for copy in output["copies"].as_array().context("no \"copies\"")? {
         let offset = vector(copy)?;
         let _ = writeln!(text, "copy {} {} {}", offset.x, offset.y, offset.z);
     }
-    for view in told["views"].as_array().context("no \"views\"")? {
+    for view in output["views"].as_array().context("no \"views\"")? {
         let camera = &view["camera"];
         let degrees = camera["projection"]["fov_degrees"].as_f64().context("no field of view")?;
         let projection = Projection::Perspective { fov_y: degrees.to_radians() };
@@ -237,8 +237,8 @@ mod tests {
     fn cameras_become_axes() {
         let camera = json!({ "eye": [0, 0, 5], "target": [0, 0, 0], "up": [0, 1, 0],
             "projection": { "fov_degrees": 90 } });
-        let told = json!({ "copies": [[1, 2, 3]], "views": [{ "camera": camera }] });
-        let text = views_file(&told).unwrap();
+        let output = json!({ "copies": [[1, 2, 3]], "views": [{ "camera": camera }] });
+        let text = views_file(&output).unwrap();
         let numbers: Vec<f64> = text.split_whitespace().filter_map(|word| word.parse().ok()).collect();
         assert_eq!(numbers[..15], [1., 2., 3., 0., 0., 5., 1., 0., 0., 0., 1., 0., 0., 0., -1.]);
         assert!((numbers[15] - 1.0).abs() < 1e-12);

@@ -17,8 +17,8 @@ use crate::output::write_text;
 
 /// Searches organisation, group size, region size and assignment for a machine and a model, and says why.
 ///
-/// What the renderer has is advised by the model that 'tercio lab validate --ranks' compares with it. The simulator of the
-/// sorting classes tells about all classes; its figures are compared with each other only.
+/// Organisations that the renderer has are predicted with the model that 'tercio lab validate --ranks' compares with
+/// it. The simulator of the sorting classes covers all classes; its figures are comparable with each other only.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -34,7 +34,7 @@ pub struct Advise {
     /// Ranks [default: all processors of the machine].
     #[arg(short = 'n', long, value_name = "N", value_parser = ranks)]
     ranks: Option<usize>,
-    /// How many of the best are listed.
+    /// Number of the best plans to list.
     #[arg(long, value_name = "N", default_value_t = 5)]
     top: usize,
     /// Writes JSON with stable keys.
@@ -57,7 +57,7 @@ impl Advise {
         let advice = pool.install(|| -> Result<_> {
             let c = self.picture.count(&self.running, &machine, 1)?;
             let topology = self.machine.topology();
-            // With another network than the machine's only the simulator can tell.
+            // Only the simulator supports a network other than the machine's.
             let rendered = if topology.is_none() { renderer_plans(ranks) } else { Vec::new() };
             let simulated = plans(ranks, topology);
             let counters = &c.counted.frame;
@@ -103,7 +103,7 @@ impl Advise {
         let mut text = format!("{machine}, {ranks} ranks\n");
         // Writing into a string cannot fail.
         let _ = match why_not {
-            Some(reason) => writeln!(text, "the renderer's own model does not speak: {reason}"),
+            Some(reason) => writeln!(text, "no prediction by the model of the renderer's ranks: {reason}"),
             None => writeln!(text, "the renderer, {} plans compared", advice.renderer.len()),
         };
         for r in advice.renderer.iter().take(top) {

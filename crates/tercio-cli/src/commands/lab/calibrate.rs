@@ -1,4 +1,4 @@
-//! `tercio lab calibrate`: this machine's description, measured.
+//! `tercio lab calibrate`: measures a description of this machine.
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -18,17 +18,16 @@ use crate::named_files::NamedFiles;
 use crate::output::{check, write_text};
 use crate::{messages, mpi, threads};
 
-/// Measures this machine, costs of the renderer's work, memory, messages between threads and, started by mpirun, over
-/// MPI, and writes its description.
+/// Measures this machine (costs of the renderer's work, memory, messages between threads and, if started by mpirun,
+/// over MPI) and writes its description.
 #[derive(Debug, Args)]
 #[command(after_help = "\
-Costs are fitted to frames of built-in models on one thread, whole ones and such that end at earlier stages; the
-share that is not divided follows from the whole frames on all threads. Ranks are
-fitted to frames of one, two and three of them. Messages are sent to and fro: half the
-median round trip of small ones is the latency, that of large ones gives the bandwidth. Those between threads of
-one process are the section network. mpirun with two processes or more measures the section mpi first, between
-ranks 0 and 1; then all ranks but 0, which writes, are done. mpirun may bind a process to one processor:
---bind-to none leaves rank 0 all of its machine.
+Costs are fitted to frames of built-in models on one thread, whole ones and ones that end at earlier stages; the
+serial share follows from the whole frames on all threads. Costs of ranks are fitted to frames of one, two and
+three of them. Messages are sent back and forth: half the median round trip of small ones is the latency, that of
+large ones gives the bandwidth. Those between threads of one process are the section network. mpirun with two
+processes or more measures the section mpi first, between ranks 0 and 1; then all ranks except 0, which writes,
+end. mpirun may bind a process to one processor: with --bind-to none rank 0 can use its whole machine.
 
 Examples:
   tercio lab calibrate -o mine.toml
@@ -41,7 +40,7 @@ pub struct Calibrate {
     /// The file to write, - for standard output.
     #[arg(short, long, value_name = "FILE", default_value = "-")]
     output: PathBuf,
-    /// Frames of each picture, of which the fastest counts.
+    /// Frames of each picture; the fastest counts.
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=1000))]
     frames: u32,
     /// Rounds through all pictures.
@@ -57,7 +56,7 @@ pub struct Calibrate {
 /// Clocks.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 pub enum ClockName {
-    /// Time that passes.
+    /// Wall-clock time.
     Wall,
     /// Processor time of the process, divided by its threads.
     Processor,
@@ -100,17 +99,17 @@ impl Calibrate {
         let bound = threads::of_machine().filter(|&all| mpi.is_some() && all > options.threads);
         if let Some(all) = bound.filter(|_| self.running.threads.is_none() && !self.running.quiet) {
             messages::warning(&format!(
-                "this process may use {} of {all} processors; if mpirun bound it, --bind-to none leaves it all of them",
+                "this process may use {} of {all} processors; if mpirun bound it, --bind-to none allows all of them",
                 options.threads
             ));
         }
-        let tell = |what: &str| {
+        let progress = |what: &str| {
             if self.running.verbose {
                 messages::note(what);
             }
         };
-        let mut calibration = pool.install(|| calibrate(options, mpi, tell))?;
-        tell("ranks");
+        let mut calibration = pool.install(|| calibrate(options, mpi, progress))?;
+        progress("ranks");
         let costs = ranks::calibrate::measure(self.frames, self.rounds)?;
         ranks::calibrate::describe(
             &costs,
@@ -136,7 +135,7 @@ impl Calibrate {
     }
 }
 
-/// Measures messages over MPI with all ranks of the job; rank 0 gets them.
+/// Measures messages over MPI with all ranks of the job; the result is rank 0's.
 fn over_mpi(comm: &mut mpi::Comm, destination: &Destination) -> Result<Option<Network>> {
     if comm.rank() == 0 {
         check(destination)?;

@@ -1,4 +1,4 @@
-//! `tercio lab check`: every published number, recomputed.
+//! `tercio lab check`: recomputes every published number.
 
 use std::fmt::Write;
 use std::process::ExitCode;
@@ -23,7 +23,7 @@ Examples:
 
 Exit code: 0 all hold, 1 some do not or an error, 2 wrong usage.")]
 pub struct Check {
-    /// Only numbers whose name begins so.
+    /// Only numbers whose ID begins with this.
     #[arg(value_name = "ID")]
     ids: Vec<String>,
     /// Writes JSON with stable keys.
@@ -35,17 +35,17 @@ impl Check {
     /// Runs the command.
     ///
     /// # Errors
-    /// Names that no number has, and what goes wrong when writing.
+    /// An ID that no number has, or an error while writing.
     pub fn run(&self) -> Result<ExitCode> {
         let all = published::check_all()?;
         if let Some(id) = self.ids.iter().find(|id| !all.iter().any(|c| c.number.id.starts_with(id.as_str())))
         {
             anyhow::bail!("no published number's name begins with '{id}'");
         }
-        let asked = |c: &Checked| {
+        let is_requested = |c: &Checked| {
             self.ids.is_empty() || self.ids.iter().any(|id| c.number.id.starts_with(id.as_str()))
         };
-        let checks: Vec<_> = all.into_iter().filter(asked).collect();
+        let checks: Vec<_> = all.into_iter().filter(is_requested).collect();
         let text = if self.json { format!("{:#}\n", json(&checks)) } else { text(&checks) };
         write_text(&Destination::Stdout, &text)?;
         Ok(ExitCode::from(u8::from(checks.iter().any(|c| !c.holds))))

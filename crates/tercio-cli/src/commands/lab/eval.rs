@@ -1,4 +1,4 @@
-//! `tercio lab eval`: any formula of the documents, by its name.
+//! `tercio lab eval`: evaluates any formula of the documents by its name.
 
 use std::fmt::Write;
 use std::process::ExitCode;
@@ -14,7 +14,7 @@ use crate::output::{UsageError, write_text};
 /// Evaluates a formula of the documents.
 #[derive(Debug, Args)]
 #[command(after_help = "\
-Values are numbers in the unit that --list tells, numbers with a unit of their own ('14 MHz'),
+Values are numbers in the unit that --list shows, numbers with a unit of their own ('14 MHz'),
 or lists ('[[1, 31], [2, 95]]').
 
 Examples:
@@ -26,14 +26,14 @@ Examples:
 
 Exit code: 0 success, 1 error, 2 wrong usage.")]
 pub struct Eval {
-    /// The formula's name, as --list tells it.
+    /// The formula's name, as listed by --list.
     #[arg(value_name = "ID", required_unless_present = "list")]
     id: Option<String>,
     /// Values of its parameters.
     #[arg(value_name = "NAME=VALUE")]
     values: Vec<String>,
-    /// Lists the formulas: place in the document, parameters with units, defaults and meanings, and what is assumed;
-    /// with ID, those whose name begins so, or else those that speak of it.
+    /// Lists the formulas: place in the document, parameters with units, defaults and meanings, and assumptions; with
+    /// ID, those whose name begins with it, or else those that mention it.
     #[arg(long)]
     list: bool,
     /// Writes JSON with stable keys.
@@ -45,7 +45,7 @@ impl Eval {
     /// Runs the command.
     ///
     /// # Errors
-    /// Unknown names, missing and impossible values.
+    /// Unknown names, missing or invalid values.
     pub fn run(&self) -> Result<ExitCode> {
         let text = if self.list { self.list()? } else { self.evaluate()? };
         write_text(&Destination::Stdout, &text)?;
@@ -67,10 +67,10 @@ impl Eval {
     }
 
     fn list(&self) -> Result<String> {
-        let asked = self.id.as_deref().unwrap_or_default();
-        let models = registry::search(asked);
+        let prefix = self.id.as_deref().unwrap_or_default();
+        let models = registry::search(prefix);
         if models.is_empty() {
-            registry::find(asked)?;
+            registry::find(prefix)?;
         }
         if self.json {
             let all: Json = models.iter().map(|m| model_json(m)).collect();

@@ -1,4 +1,4 @@
-//! `tercio lab machines`: the descriptions that come with the program, and the checking of others.
+//! `tercio lab machines`: the built-in descriptions, and checking of others.
 
 use std::fmt::Write;
 use std::process::ExitCode;
@@ -22,7 +22,7 @@ Examples:
 
 Exit code: 0 success, 1 error (with line and column), 2 wrong usage.")]
 pub struct Machines {
-    /// A machine that comes with the program, or a file.
+    /// A built-in machine, or a file.
     #[arg(value_name = "MACHINE")]
     machine: Option<String>,
     /// Writes JSON with stable keys.

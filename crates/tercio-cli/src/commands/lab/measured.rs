@@ -1,4 +1,4 @@
-//! Where rows of predicted and measured frames go.
+//! Output of the rows of predicted and measured frames.
 
 use std::fs;
 use std::io;
@@ -11,7 +11,7 @@ use tercio_lab::predict::quoted::{Quoted, QuotedRow, date};
 
 use crate::output::{check, write_text};
 
-/// Standard output, and a table that is kept.
+/// Standard output, and optionally a table that is kept in a file.
 pub struct Measured {
     file: Option<PathBuf>,
     command: String,
@@ -19,7 +19,7 @@ pub struct Measured {
 }
 
 impl Measured {
-    /// `command` measures the rows on `machine`, by which a new table names it.
+    /// `command` measures the rows on `machine`; a new table records both.
     ///
     /// # Errors
     /// The file cannot be written.
@@ -30,10 +30,10 @@ impl Measured {
         Ok(Self { file, command, machine })
     }
 
-    /// Tells the rows, as JSON or text, and adds them to the table.
+    /// Prints the rows, as JSON or text, and adds them to the table.
     ///
     /// # Errors
-    /// What cannot be written, or a file that is no such table.
+    /// What cannot be written, or a file that is not such a table.
     pub fn write<R: QuotedRow>(
         &self,
         as_json: bool,

@@ -1,4 +1,4 @@
-//! What prediction and advice share: the model, its picture, the machine.
+//! Shared by prediction and advice: the model, its picture, the machine.
 
 use anyhow::Result;
 use clap::{Args, ValueEnum};
@@ -21,7 +21,7 @@ use crate::ending;
 use crate::named_files::NamedFiles;
 use crate::progress::Display;
 
-/// The picture that is predicted.
+/// The picture to predict.
 #[derive(Debug, Args)]
 pub struct PictureArgs {
     #[command(flatten)]
@@ -29,32 +29,31 @@ pub struct PictureArgs {
     /// Size of the picture in pixels.
     #[arg(short, long, value_name = "WxH", default_value = "1024x1024", value_parser = values::size)]
     pub size: (u32, u32),
-    /// The view, of those that 'tercio bench' draws.
+    /// Number of the view, as in 'tercio bench'.
     #[arg(long, value_name = "K", default_value_t = 0)]
     view: u32,
-    /// How many views there are round the model.
+    /// Number of views round the model.
     #[arg(long, value_name = "N", default_value_t = 36, value_parser = clap::value_parser!(u32).range(1..))]
     views: u32,
-    /// Pixels along the edge of a tile [default: what the renderer takes].
+    /// Pixels along the edge of a tile [default: the renderer's choice].
     #[arg(long, value_name = "PIXELS", value_parser = tile)]
     tile_size: Option<u32>,
-    /// What is sorted into tiles [default: clusters, triangles if the machine's costs do not know clusters].
+    /// What is sorted into tiles [default: clusters, or triangles if the machine has no costs of clusters].
     #[arg(long, value_name = "WHAT", value_enum)]
     sorting: Option<SortingName>,
 }
 
-/// The machine that is predicted.
+/// The machine to predict.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Machine")]
 pub struct MachineArgs {
-    /// A machine that comes with the program ('tercio lab machines'), or a file, such as 'tercio lab calibrate'
-    /// writes.
+    /// A built-in machine ('tercio lab machines'), or a file, such as one from 'tercio lab calibrate'.
     #[arg(short, long, value_name = "MACHINE", default_value = "two-core-2026")]
     pub machine: String,
-    /// Another network than the machine's, with its bandwidth and latency.
+    /// Another network than the machine's, with the machine's bandwidth and latency.
     #[arg(long, value_name = "SHAPE", value_enum)]
     network: Option<NetworkName>,
-    /// Messages go over MPI, as the machine's section mpi has them, not as between threads of one process.
+    /// Messages go over MPI, with the costs of the machine's section mpi, instead of between threads of one process.
     #[arg(long)]
     mpi: bool,
 }
@@ -76,13 +75,13 @@ impl MachineArgs {
     /// The machine.
     ///
     /// # Errors
-    /// It does not exist, its description has mistakes, or does not know MPI where that was asked for.
+    /// It does not exist, its description has mistakes, or it lacks the section mpi where that was requested.
     pub fn machine(&self) -> Result<Machine> {
         let machine = load(&self.machine)?;
         Ok(if self.mpi { machine.over_mpi()? } else { machine })
     }
 
-    /// The shape of network that was asked for.
+    /// The requested shape of network.
     pub fn topology(&self) -> Option<Topology> {
         self.network.map(Into::into)
     }
@@ -110,12 +109,12 @@ pub struct Counted {
 }
 
 impl Counted {
-    /// What is drawn.
+    /// The picture to draw.
     pub fn picture(&self) -> Picture<'_> {
         Picture { scene: &self.scene, camera: &self.camera, settings: &self.settings }
     }
 
-    /// Its triangles as the simulator takes them.
+    /// Its triangles as input of the simulator.
     ///
     /// # Errors
     /// The camera makes no view.
@@ -125,10 +124,10 @@ impl Counted {
 }
 
 impl PictureArgs {
-    /// Checks that standard output is open and is none of the files that are read.
+    /// Checks that standard output is open and is none of the input files.
     ///
     /// # Errors
-    /// Standard output is closed, or one of the files.
+    /// Standard output is closed or is one of the files.
     pub fn ready(&self, machine: &MachineArgs) -> Result<()> {
         NamedFiles::default().reads_model(&self.model.model).reads_machine(&machine.machine).prints().ready()
     }
@@ -160,7 +159,7 @@ impl PictureArgs {
     }
 }
 
-/// A model under one light, none of whose files is one of those that are written.
+/// A model under one light. No file of the model may be one of the outputs.
 pub fn load_scene(
     model: &ModelArgs,
     running: &RunningArgs,

@@ -20,8 +20,8 @@ use crate::output::write_text;
 
 /// Predicts a frame of the renderer: time of each phase, bytes, imbalance, memory.
 ///
-/// Threads, and ranks as the renderer has them, come from the models that 'tercio lab validate' compares with it. What it
-/// does not have comes from the simulator of the sorting classes; the output says which of the two it is.
+/// Threads, and ranks in the renderer's own organisations, come from the models that 'tercio lab validate' compares
+/// with it. Other organisations come from the simulator of the sorting classes; the output says which of the two it is.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -44,14 +44,14 @@ pub struct Predict {
     /// Ranks of a group of sort-twice.
     #[arg(short, long, value_name = "G", default_value = "16", value_parser = ranks)]
     group: usize,
-    /// Pixels along the edge of a region [default: the renderer's tile; in the simulator the largest of which there is
-    /// one a rank].
+    /// Pixels along the edge of a region [default: the renderer's tile; in the simulator the largest that gives every
+    /// rank a region].
     #[arg(long, value_name = "PIXELS", value_parser = clap::value_parser!(u32).range(1..=32768))]
     region: Option<u32>,
-    /// Neighbouring regions go to one rank rather than to different ones.
+    /// Neighbouring regions go to the same rank instead of different ones.
     #[arg(long)]
     blocks: bool,
-    /// Asks the simulator of the sorting classes, also where the renderer has the organisation.
+    /// Uses the simulator of the sorting classes even where the renderer has the organisation.
     #[arg(long)]
     simulate: bool,
     /// Writes JSON with stable keys.
@@ -66,17 +66,17 @@ pub struct Predict {
 enum OrganisationName {
     /// Threads of one process with shared memory.
     Threads,
-    /// Primitives travel before the geometry work.
+    /// Primitives are sent before the geometry work.
     SortFirst,
-    /// Set-up triangles travel.
+    /// Set-up triangles are sent.
     SortMiddle,
-    /// Pictures are composed.
+    /// Pictures are composited.
     SortLast,
     /// Triangles inside groups, pictures between them.
     SortTwice,
 }
 
-/// One of a rank's times.
+/// Selects one of a rank's times.
 type Seconds = fn(&RankSeconds) -> f64;
 
 impl Predict {
@@ -263,7 +263,7 @@ fn table(head: &str, phases: &[(&str, f64)], total: f64) -> String {
     text
 }
 
-/// One rank or more, as many as the simulator is made for.
+/// One rank or more, up to the simulator's limit.
 pub fn ranks(text: &str) -> Result<usize, String> {
     let most = 1 << 20;
     text.parse().ok().filter(|n| (1..=most).contains(n)).ok_or_else(|| format!("expected 1 to {most}"))

@@ -1,4 +1,4 @@
-//! `tercio lab reproduce`: published figures and tables, made again.
+//! `tercio lab reproduce`: reproduces published figures and tables.
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -13,7 +13,7 @@ use crate::args::RunningArgs;
 use crate::output::{check, write_text};
 use crate::progress::Display;
 
-/// Makes published figures and tables again: data, plot and verdict of each.
+/// Reproduces published figures and tables: data, plot and verdict of each.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Each experiment has a folder with its data (CSV), its plots (SVG) and verdict.json. Without ID all are run,
@@ -26,7 +26,7 @@ Examples:
 
 Exit code: 0 success, 1 an experiment failed or an error, 2 wrong usage.")]
 pub struct Reproduce {
-    /// Only experiments whose name begins so.
+    /// Only experiments whose ID begins with this.
     #[arg(value_name = "ID")]
     ids: Vec<String>,
     /// The folder to write into.
@@ -43,7 +43,7 @@ impl Reproduce {
     /// Runs the command.
     ///
     /// # Errors
-    /// Names that no experiment has, and files that cannot be written.
+    /// An ID that no experiment has, or a file that cannot be written.
     pub fn run(&self) -> Result<ExitCode> {
         let chosen = self.chosen()?;
         let Some(directory) = self.output.as_ref().filter(|_| !self.list) else {
@@ -71,7 +71,7 @@ impl Reproduce {
     fn chosen(&self) -> Result<Vec<Experiment>> {
         let begins = |e: &Experiment, id: &String| e.id.starts_with(id.as_str());
         if let Some(id) = self.ids.iter().find(|id| !experiments::all().any(|e| begins(&e, id))) {
-            bail!("no experiment's name begins with '{id}'; 'tercio lab reproduce --list' tells them");
+            bail!("no experiment's name begins with '{id}'; 'tercio lab reproduce --list' lists them");
         }
         let chosen = |e: &Experiment| self.ids.is_empty() || self.ids.iter().any(|id| begins(e, id));
         Ok(experiments::all().filter(chosen).collect())
@@ -84,9 +84,9 @@ fn list(chosen: &[Experiment]) -> String {
 }
 
 fn line(outcome: &Outcome) -> String {
-    let said = match &outcome.findings {
+    let verdict = match &outcome.findings {
         Ok(findings) => findings.verdict.name().to_owned(),
         Err(error) => format!("failed: {error}"),
     };
-    format!("{:28}  {said}\n", outcome.experiment.id)
+    format!("{:28}  {verdict}\n", outcome.experiment.id)
 }

@@ -1,4 +1,4 @@
-//! `tercio lab validate`: predicted against measured.
+//! `tercio lab validate`: compares predictions with measurements.
 
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -28,7 +28,7 @@ use crate::output::UsageError;
 use crate::progress::Display;
 use crate::{mpi, threads};
 
-/// Draws models and compares counters and times with what is predicted for this machine.
+/// Draws models and compares counters and times with the prediction for this machine.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Counters have to be equal, times to lie within 25 %. Models that costs were fitted to prove little: choose others.
@@ -43,10 +43,10 @@ Examples:
 
 Exit code: 0 all hold, 1 some do not or an error, 2 wrong usage.")]
 pub struct Validate {
-    /// Models as 'tercio render' takes them.
+    /// Models as for 'tercio render'.
     #[arg(value_name = "MODEL", required = true)]
     models: Vec<PathBuf>,
-    /// This machine's description, as 'tercio lab calibrate' writes it.
+    /// This machine's description, from 'tercio lab calibrate'.
     #[arg(short, long, value_name = "MACHINE")]
     machine: String,
     /// Sizes of the pictures.
@@ -56,7 +56,7 @@ pub struct Validate {
     /// Views round each model.
     #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u32).range(1..=1000))]
     views: u32,
-    /// Frames of each view, of which the fastest counts.
+    /// Frames of each view; the fastest counts.
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=1000))]
     frames: u32,
     /// Rounds through all pictures.
@@ -78,8 +78,8 @@ pub struct Validate {
     /// Writes JSON with stable keys.
     #[arg(long)]
     json: bool,
-    /// Also puts the rows into a table (TOML) such as 'tercio lab reproduce' quotes: new, or in place of rows of the
-    /// same pictures.
+    /// Also puts the rows into a table (TOML) such as 'tercio lab reproduce' quotes: a new one, or in place of the rows
+    /// of the same pictures.
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     #[command(flatten)]
@@ -104,7 +104,7 @@ impl Validate {
                 {
                     return Err(UsageError("standard input reaches one rank only: name a file".into()).into());
                 }
-                // A rank draws with one thread, the one that MPI knows.
+                // A rank draws with one thread, the one that MPI was initialised on.
                 let own = Arc::new(threads::pool(Some(1))?);
                 own.install(|| mpi::run(|comm| self.processes(&pool, &own, comm)))?
             }
@@ -113,14 +113,14 @@ impl Validate {
     }
 
     fn files(&self) -> NamedFiles {
-        // A table that is there is added to, so that it is read as well, but not replaced by something else.
+        // An existing table is extended, so that it is an input as well, but it may not be another file.
         let table = self.output.iter().map(Destination::from_path);
         let files =
             table.fold(NamedFiles::default().prints(), |files, table| files.writes("--output", &table));
         self.models.iter().fold(files.reads_machine(&self.machine), |files, model| files.reads_model(model))
     }
 
-    /// Compares threads; tells whether all rows hold.
+    /// Compares threads; returns whether all rows hold.
     fn threads(&self, pool: &ThreadPool) -> Result<bool> {
         let machine = load(&self.machine)?;
         let output = self.measured(None, &machine.summary)?;
@@ -137,8 +137,8 @@ impl Validate {
         let counts: Vec<usize> = if most > 1 { vec![1, most] } else { vec![1] };
         let pictures = models.len() * self.sizes.len() * counts.len() * self.rounds as usize;
         display.progress.begin("pictures", pictures as u64);
-        let tell = || display.progress.advance(1);
-        let rows = compare(&machine, &models, &self.sizes, &counts, options, tell)?;
+        let progress = || display.progress.advance(1);
+        let rows = compare(&machine, &models, &self.sizes, &counts, options, progress)?;
         drop(display);
         let quoted: Vec<ThreadsRow> = rows.iter().map(ThreadsRow::from).collect();
         output.write(self.json, || rows.iter().map(json).collect(), || text(&rows, &quoted), &quoted)?;
@@ -161,14 +161,15 @@ impl Validate {
         validate_ranks::write(&rows, self.json, &output)
     }
 
-    /// Compares the processes of a job, each of which draws with its `own` thread. All but rank 0, which tells, only draw.
+    /// Compares the processes of a job, each of which draws with its `own` thread. Rank 0 reports; the others only
+    /// draw.
     fn processes(&self, pool: &ThreadPool, own: &Arc<ThreadPool>, comm: &mut mpi::Comm) -> Result<bool> {
-        let tells = comm.rank() == 0;
+        let reports = comm.rank() == 0;
         let machine = load(&self.machine)?.over_mpi()?;
-        let mode = if tells { self.running.progress_mode() } else { ProgressMode::Never };
+        let mode = if reports { self.running.progress_mode() } else { ProgressMode::Never };
         let processors = validate_ranks::processors(comm, pool.current_num_threads())?;
         let how = self.how(&[comm.size()]);
-        if !tells {
+        if !reports {
             let models = self.load_models(pool, mode)?;
             ranks::follow(comm, own, self.table(&models, &how, processors))?;
             return Ok(true);
@@ -211,13 +212,13 @@ impl Validate {
         ranks::Table { models, sizes: &self.sizes, how, options }
     }
 
-    /// Where rows go; checked before the work begins.
+    /// The output of the rows; checked before the work begins.
     fn measured(&self, processes: Option<usize>, machine: &str) -> Result<Measured> {
         let started = processes.map_or(String::new(), |n| format!("mpirun -n {n} --bind-to none "));
         Measured::new(self.output.clone(), format!("{started}{}", self.command()), machine.into())
     }
 
-    /// The command, without names of folders, and without what does not change the rows.
+    /// The command, with file names only, and without options that do not change the rows.
     fn command(&self) -> String {
         let models: Vec<String> = self.models.iter().map(|m| file_name(m)).collect();
         let sizes: Vec<String> = self.sizes.iter().map(|(w, h)| format!("{w}x{h}")).collect();
@@ -248,7 +249,7 @@ impl Validate {
     }
 }
 
-/// A model's or description's name without its folder; builtin:NAME@COUNT has none.
+/// A model's or description's file name; builtin:NAME@COUNT has no folder.
 fn file_name(path: &Path) -> String {
     path.file_name().map_or_else(|| path.display().to_string(), |name| name.to_string_lossy().into_owned())
 }
@@ -257,7 +258,7 @@ fn json(row: &Row) -> Value {
     json!({ "row": row, "error": row.error(), "tolerance": TOLERANCE, "holds": row.holds() })
 }
 
-/// A table in Markdown, and counters that differ.
+/// A table in Markdown, and the counters that differ.
 fn text(rows: &[Row], quoted: &[ThreadsRow]) -> String {
     let mut text = quoted::markdown(quoted);
     for row in rows {

@@ -1,4 +1,4 @@
-//! `tercio lab validate` with ranks: what they count, send and take, predicted against measured.
+//! `tercio lab validate` with ranks: counters, messages and times, predicted against measured.
 
 use std::collections::BTreeSet;
 use std::fmt::Write;
@@ -20,28 +20,28 @@ use super::measured::Measured;
 use crate::progress::Display;
 use crate::{mpi, threads};
 
-/// Who draws what is compared.
+/// Who draws the frames that are compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Who {
     /// Threads of this process.
     Threads,
-    /// Ranks of this process, as many as asked for.
+    /// Ranks of this process, in the requested numbers.
     Ranks,
-    /// So many processes that mpirun started.
+    /// This many processes that mpirun started.
     Processes(usize),
 }
 
 impl Who {
-    /// What options ask for, in a job of `processes`, if it is one of MPI.
+    /// The choice of the options, in a job of `processes` if it is an MPI job.
     ///
     /// # Errors
-    /// What contradicts what.
+    /// Which options contradict each other.
     pub fn of(ranks: &[usize], has_organisation: bool, processes: Option<usize>) -> Result<Self, String> {
         match processes {
             Some(count) if count > 1 && !(ranks.is_empty() || ranks == [count]) => {
-                let asked: Vec<String> = ranks.iter().map(ToString::to_string).collect();
-                let asked = asked.join(",");
-                Err(format!("--ranks {asked}: mpirun started {count} processes, which are the ranks"))
+                let requested: Vec<String> = ranks.iter().map(ToString::to_string).collect();
+                let requested = requested.join(",");
+                Err(format!("--ranks {requested}: mpirun started {count} processes, which are the ranks"))
             }
             Some(count) if count > 1 || ranks == [1] => Ok(Self::Processes(count)),
             _ if !ranks.is_empty() => Ok(Self::Ranks),
@@ -54,11 +54,11 @@ impl Who {
     }
 }
 
-/// Processors that the processes of a job share, where each may use so many: no more than their machines have, unless
-/// mpirun gave each its own.
+/// Number of processors that the processes of a job share, where each may use `own`: no more than their machines have,
+/// unless mpirun bound each process to processors of its own.
 ///
 /// # Errors
-/// A rank is gone.
+/// A rank has ended.
 pub fn processors(comm: &mut mpi::Comm, own: usize) -> Result<usize> {
     let name = mpi::machine(comm).into_bytes();
     let others = comm.gather(comm.size(), name.clone())?;
@@ -76,7 +76,7 @@ pub fn of_this_process(machine: &Machine, table: Table, display: &Display) -> Re
     Ok(compare(machine, &costs, table, MeasuredRanks::draw, begin(table, display))?)
 }
 
-/// Compares the processes of a job; the other ranks follow.
+/// Compares the processes of a job; the other ranks draw what rank 0 requests.
 ///
 /// # Errors
 /// What went wrong.
@@ -93,7 +93,7 @@ pub fn of_processes(
     Ok(compare(machine, &costs, table, draw, begin(table, display))?)
 }
 
-/// What the description does not know about ranks is measured first.
+/// Costs of ranks that the description lacks are measured first.
 fn costs(machine: &Machine, table: Table, display: &Display) -> Result<ExchangeCosts> {
     if ExchangeCosts::are_known(machine) {
         return Ok(ExchangeCosts::of(machine)?);
@@ -108,7 +108,7 @@ fn begin(table: Table, display: &Display) -> impl FnMut() {
     || display.progress.advance(1)
 }
 
-/// Tells the rows; returns whether all hold.
+/// Prints the rows; returns whether all hold.
 ///
 /// # Errors
 /// What cannot be written.
@@ -123,12 +123,12 @@ fn json(row: &Row) -> Value {
     json!({ "row": row, "error": row.error(), "tolerance": TOLERANCE, "holds": row.holds() })
 }
 
-/// A table in Markdown, and counters that differ.
+/// A table in Markdown, and the counters that differ.
 fn text(rows: &[Row], quoted: &[RanksRow]) -> String {
     let mut text = quoted::markdown(quoted);
     text.push_str(
-        "\nTimes: predicted / measured; a stage's is that of its busiest rank, waiting that of rank 0. Faults of pages and \
-         switches of threads: of the frame in the middle, all ranks.\n",
+        "\nTimes: predicted / measured; a stage's is that of its busiest rank, waiting that of rank 0. Page faults and \
+         context switches: of the median frame, all ranks.\n",
     );
     for row in rows {
         for (rank, name, ours, theirs) in &row.differing {

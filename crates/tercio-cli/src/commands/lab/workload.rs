@@ -1,4 +1,4 @@
-//! `tercio lab workload`: what a model, or a stated distribution, gives a machine to draw.
+//! `tercio lab workload`: makes a workload for the simulators, from a model or a distribution.
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -19,7 +19,7 @@ use crate::output::{UsageError, write_text};
 use crate::progress::Display;
 use crate::{ending, messages};
 
-/// Writes what a machine is given to draw: the boxes or the polygons that a camera sees of a model.
+/// Writes a workload for a machine: the boxes or the polygons that a camera sees of a model.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Boxes are one line a triangle of the model, culled ones included, as document 000 (appendix A) writes them;
@@ -34,14 +34,14 @@ Examples:
 
 Exit code: 0 success, 1 error, 2 wrong usage.")]
 pub struct Workload {
-    /// A model as 'tercio render' takes it; random:COUNT for polygons of the distribution below; or
-    /// parks:figure-15, the scene of document 002 rebuilt from its statistics.
+    /// A model as for 'tercio render'; random:COUNT for polygons of the distribution below; or parks:figure-15, the
+    /// scene of document 002 rebuilt from its statistics.
     #[arg(value_name = "MODEL")]
     source: PathBuf,
     /// The file to write, - for standard output.
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
-    /// What is written [default: by the file's extension, .boxes or .polygons].
+    /// The kind of workload [default: by the file's extension, .boxes or .polygons].
     #[arg(long, value_name = "KIND", value_enum)]
     format: Option<Format>,
     /// Size of the screen in pixels.
@@ -55,7 +55,7 @@ pub struct Workload {
     running: RunningArgs,
 }
 
-/// Of a random scene.
+/// Parameters of a random scene.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Random polygons")]
 struct RandomArgs {
@@ -68,14 +68,14 @@ struct RandomArgs {
     /// Standard deviation round the middle column in pixels [default: uniform over the screen].
     #[arg(long, value_name = "PIXELS", value_parser = values::positive)]
     deviation: Option<f64>,
-    /// Another seed, another scene.
+    /// Seed of the random numbers.
     #[arg(long, value_name = "N", default_value_t = 0)]
     seed: u64,
 }
 
 /// The scene of document 002.
 const PARKS: &str = "parks:figure-15";
-/// What a random scene's name begins with.
+/// Prefix of the names of random scenes.
 const RANDOM: &str = "random:";
 
 /// The two kinds of workloads.
@@ -109,7 +109,7 @@ impl Workload {
         files.ready()?;
         let pool = self.running.pool()?;
         let scene = pool.install(|| self.scene(format, &files))?;
-        let (text, said) = match &scene {
+        let (text, summary) = match &scene {
             Scene::Boxes(scene) => {
                 (scene.to_text(), format!("{} boxes, {} visible", scene.boxes.len(), scene.visible()))
             }
@@ -120,7 +120,7 @@ impl Workload {
         };
         write_text(&destination, &text)?;
         if self.running.verbose {
-            messages::note(&said);
+            messages::note(&summary);
         }
         Ok(ExitCode::SUCCESS)
     }
@@ -132,12 +132,12 @@ impl Workload {
             (None, Some("boxes")) => Ok(Format::Boxes),
             (None, Some("polygons")) => Ok(Format::Polygons),
             _ => {
-                Err(UsageError("the extension must be .boxes or .polygons, or --format tell the kind".into()))
+                Err(UsageError("the extension must be .boxes or .polygons, or --format name the kind".into()))
             }
         }
     }
 
-    /// False for scenes that are made by rule.
+    /// False for generated scenes.
     fn is_model(&self) -> bool {
         let made = |name: &str| name == PARKS || name.starts_with(RANDOM);
         !self.source.to_str().is_some_and(made)

@@ -1,4 +1,4 @@
-//! Rates and accounting of the renderer: chapter 8.
+//! Rates of the renderer and where its time goes: chapter 8.
 
 use crate::experiments::facts::Facts;
 use crate::experiments::{

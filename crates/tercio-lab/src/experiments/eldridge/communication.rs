@@ -1,4 +1,4 @@
-//! Where to sort, and what passes cost: chapters 4 and 5 as far as they follow from formulas.
+//! Where to sort, and what passes cost: the parts of chapters 4 and 5 that follow from formulas.
 
 use crate::experiments::facts::Facts;
 use crate::experiments::{

@@ -1,4 +1,4 @@
-//! Sort-twice: chapter 6 as far as it follows from formulas.
+//! Sort-twice: the part of chapter 6 that follows from formulas.
 
 use crate::experiments::{
     Axis, Comparison, Document, Experiment, ExperimentError, Findings, Plot, Series, Table,

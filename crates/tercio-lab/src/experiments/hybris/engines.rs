@@ -1,4 +1,4 @@
-//! Tile engines, bus and processors: sections 3.6, 4.4 to 4.6, on scenes of ours.
+//! Tile engines, bus and processors: sections 3.6, 4.4 to 4.6, on our own scenes.
 
 use super::scenes::{LARGE, REMARK, SMALL, scene};
 use crate::experiments::facts::Facts;

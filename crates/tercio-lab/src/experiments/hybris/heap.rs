@@ -1,4 +1,4 @@
-//! Bucket sorting and the triangle heap: sections 2.4, 3.5 and 4.4, on a scene of ours.
+//! Bucket sorting and the triangle heap: sections 2.4, 3.5 and 4.4, on one of our own scenes.
 
 use super::scenes::{REMARK, SMALL, scene};
 use crate::experiments::{
@@ -45,11 +45,11 @@ fn measured_overlap() -> Result<Findings, ExperimentError> {
     let (mut counted, mut predicted) = (Vec::new(), Vec::new());
     for edge in EDGES {
         let done = run(&scene, edge);
-        // A box of w pixels meets 1 + (w - 1)/S tiles on average over its places on the pixel grid.
+        // A box of w pixels meets 1 + (w - 1)/S tiles on average over its positions on the pixel grid.
         let tile = Length::new(edge.into());
         let boxes = done.nodes.iter().filter_map(|t| t.rounded_box());
         let (sum, count) = boxes.fold((0.0, 0.0), |(sum, count), b| {
-            let side = |first: i32, behind: i32| Length::new(f64::from(behind - first - 1));
+            let side = |first: i32, end: i32| Length::new(f64::from(end - first - 1));
             (sum + overlap::boxes_in_squares(tile, side(b.x0, b.x1), side(b.y0, b.y1)).get(), count + 1.0)
         });
         let (ours, equation) = (done.counts.overlap(), sum / count);
@@ -84,9 +84,9 @@ fn measured_overlap() -> Result<Findings, ExperimentError> {
     })
 }
 
-/// The same triangles without their partitions: every one on its own, in an order that has lost all neighbours.
+/// The same triangles without partitions: each on its own, in an order without spatial locality.
 fn scattered(scene: &Scene) -> Scene {
-    // A step without a factor in common visits all.
+    // A step that is coprime to the number visits every triangle.
     const STEP: usize = 7919;
     let all: Vec<_> = scene.partitions.iter().flat_map(|p| p.triangles.iter().copied()).collect();
     let triangles = (0..all.len()).map(|k| all[k * STEP % all.len()]).collect();

@@ -39,7 +39,7 @@ pub(crate) const EXPERIMENTS: &[Experiment] = &[
     },
 ];
 
-/// A table of published numbers beside ours.
+/// A table of published numbers next to the computed ones.
 fn beside_ours(name: &str, prefixes: &[&str]) -> Result<Table, ExperimentError> {
     let mut table =
         Table::new(name, &[("number", ""), ("place", ""), ("ours", ""), ("printed", ""), ("unit", "")]);

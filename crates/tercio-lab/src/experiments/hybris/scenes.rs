@@ -1,4 +1,4 @@
-//! The scenes that stand for those of document 001: the bunny and the Buddha are not part of this program.
+//! Replacements for the scenes of document 001: the bunny and the Buddha are not part of this program.
 
 use tercio_mesh::builtin;
 
@@ -7,14 +7,14 @@ use crate::predict::views;
 use crate::simulators::hybris::Scene;
 use crate::simulators::hybris::scene::project;
 
-/// As large as a table of 40x32 tiles allows (4.4); the size of the measurements is not given.
+/// The largest screen with a table of 40x32 tiles (4.4); the size used in the measurements is not given.
 pub const SCREEN: (u32, u32) = (1280, 1024);
-/// Stands for the bunny: about as many triangles, 69,451.
+/// Replaces the bunny: as many triangles, 69,451.
 pub const SMALL: &str = "builtin:teapot@69451";
-/// Stands for the Buddha: about as many triangles, 1,087,716.
+/// Replaces the Buddha: as many triangles, 1,087,716.
 pub const LARGE: &str = "builtin:teapot@1087716";
-/// What every experiment says of them.
-pub const REMARK: &str = "The document's models stand outside this program: a teapot of as many triangles, seen so \
+/// The remark of every experiment with these scenes.
+pub const REMARK: &str = "The document's models are not part of this program: a teapot of as many triangles, seen so \
                           that it fills 80 % of a picture of 1280x1024, takes their place. The document does not \
                           state the size of its pictures.";
 

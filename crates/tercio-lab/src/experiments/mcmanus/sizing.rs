@@ -101,7 +101,7 @@ fn areas() -> Result<Findings, ExperimentError> {
     })
 }
 
-/// Raster cycles of a frame by the area of a system of 1 to 1000 arrays of each size.
+/// Raster cycles of a frame against the area of a system of 1 to 1000 arrays of each size.
 fn systems(
     name: &str,
     title: &str,
@@ -171,7 +171,7 @@ fn performance_by_area() -> Result<Findings, ExperimentError> {
         table.push([side.get().into(), area.into(), rate.get().into()]);
         points.push((area, rate.get()));
     }
-    // More renderers of the best size: a line through the origin that touches the curve there.
+    // More renderers of the best size: a line through the origin, tangent to the curve.
     let best = points.iter().copied().max_by(|a, b| (a.1 / a.0).total_cmp(&(b.1 / b.0))).unwrap_or_default();
     let linear = [0.5, 1.0, 2.0].map(|copies| (best.0 * copies, best.1 * copies)).to_vec();
     let plot = Plot::new(

@@ -45,7 +45,7 @@ const MACHINES: [&str; 6] =
 const UNI: usize = 0;
 const INTERLACE_16: usize = 3;
 const SPLITTER_16: usize = 4;
-/// Scenes that differ a little.
+/// Pairs of scenes that differ only a little.
 const SIMILAR: [(u32, u32); 5] = [(16, 17), (18, 19), (20, 21), (22, 23), (24, 25)];
 /// Memory cycle time that the document assumes (4.4).
 const CYCLE: Seconds = Seconds::new(300e-9);
@@ -55,7 +55,7 @@ fn cells(facts: &Facts, figure: u32) -> Result<Vec<f64>, ExperimentError> {
     facts.cells(&format!("P-fig{figure}"))
 }
 
-/// A column over figures.
+/// The values of one column in several figures.
 fn column(
     facts: &Facts,
     figures: impl Iterator<Item = u32>,
@@ -189,7 +189,7 @@ fn approach() -> Result<Findings, ExperimentError> {
     .with(Series::line_points("interlace", column(&facts, 16..=21, INTERLACE_16)?))
     .with(Series::line_points("splitter", column(&facts, 16..=21, SPLITTER_16)?));
     let mut comparison = Comparison::new();
-    // The shape that the text names: between similar scenes the splitter changes more than the interlace.
+    // The trend that the text describes: between similar scenes the splitter changes more than the interlace.
     for (from, to) in SIMILAR.into_iter().filter(|s| s.1 <= 21) {
         let (before, after) = (cells(&facts, from)?, cells(&facts, to)?);
         let change = |machine: usize| (after[machine] / before[machine] - 1.0).abs();

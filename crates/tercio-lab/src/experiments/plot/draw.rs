@@ -5,12 +5,12 @@ use plotters::prelude::*;
 use super::scale::Division;
 use super::{Mark, Plot, Role, Series};
 
-/// Width and height of a plot in SVG units. Places are rounded to whole units, so a plot is drawn large and shown
-/// smaller.
+/// Width and height of a plot in SVG units. Coordinates are rounded to whole units, so a plot is drawn large and
+/// displayed smaller.
 const SIZE: (u32, u32) = (1280, 880);
 const TITLE_SIZE: u32 = 30;
 const LABEL_SIZE: u32 = 26;
-/// The palette of Okabe and Ito, told apart by colour-blind readers, too.
+/// The palette of Okabe and Ito, which colour-blind readers can distinguish, too.
 const COLORS: [RGBColor; 7] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),
@@ -22,7 +22,7 @@ const COLORS: [RGBColor; 7] = [
 ];
 
 impl Plot {
-    /// The points of a series as placed, without those that have no place.
+    /// The points of a series in axis coordinates, without those that cannot be drawn.
     fn placed(&self, series: &Series) -> Vec<(f64, f64)> {
         let place = |&(x, y): &(f64, f64)| (self.x.scale.place(x), self.y.scale.place(y));
         series.points.iter().map(place).filter(|(x, y)| x.is_finite() && y.is_finite()).collect()
@@ -35,7 +35,7 @@ impl Plot {
     pub fn to_svg(&self) -> Result<String, String> {
         let mut svg = String::new();
         self.draw(&mut svg).map_err(|e| format!("plot {}: {e}", self.name))?;
-        // Shown as wide as its frame, not in the units it is drawn in.
+        // The displayed size follows the page, not the units in which it is drawn.
         let fixed = format!("width=\"{}\" height=\"{}\" ", SIZE.0, SIZE.1);
         Ok(svg.replacen(&fixed, "", 1))
     }
@@ -43,7 +43,7 @@ impl Plot {
     fn draw(&self, svg: &mut String) -> Result<(), Box<dyn std::error::Error>> {
         let placed: Vec<_> = self.series.iter().map(|s| self.placed(s)).collect();
         let x = Division::new(self.x.scale, false, placed.iter().flatten().map(|p| p.0));
-        // Quantities are compared by their height above zero.
+        // The vertical axis starts at zero, so that heights can be compared.
         let y = Division::new(self.y.scale, true, placed.iter().flatten().map(|p| p.1));
         let (x_ends, y_ends) = ((x.low, x.high), (y.low, y.high));
         let root = SVGBackend::with_string(svg, SIZE).into_drawing_area();
@@ -103,9 +103,9 @@ impl Plot {
         Ok(())
     }
 
-    /// The corner in which the legend hides fewest points.
+    /// The corner in which the legend covers fewest points.
     fn empty_corner(&self, x: (f64, f64), y: (f64, f64)) -> SeriesLabelPosition {
-        /// The legend's share of the width, and of the height for each series.
+        /// Width of the legend as a share of the plot, and its height per series.
         const WIDTH: f64 = 0.4;
         const HEIGHT: f64 = 0.05;
         let height = HEIGHT * (self.series.len() + 1) as f64;

@@ -1,4 +1,4 @@
-//! Plots for a paper: few colours, ours as full lines, published points hollow, ticks at round numbers.
+//! Plots for print: few colours, our values as solid lines, published points hollow, ticks at round numbers.
 
 mod draw;
 mod scale;
@@ -6,7 +6,7 @@ mod scale;
 /// A plot of series over two axes.
 #[derive(Clone, Debug)]
 pub struct Plot {
-    /// The file's name without its ending.
+    /// The file's name without extension.
     pub name: String,
     /// What is shown.
     pub title: String,
@@ -21,13 +21,13 @@ pub struct Plot {
 /// An axis.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Axis {
-    /// What it shows, with the unit.
+    /// The quantity, with its unit.
     pub label: String,
-    /// How it is divided.
+    /// Its scale.
     pub scale: Scale,
 }
 
-/// How an axis is divided.
+/// The scale of an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scale {
     /// Evenly.
@@ -38,25 +38,25 @@ pub enum Scale {
     Log10,
 }
 
-/// Points that belong together.
+/// A series of points.
 #[derive(Clone, Debug)]
 pub struct Series {
     /// Its name in the legend.
     pub label: String,
-    /// Whose numbers they are.
+    /// The origin of the numbers.
     pub role: Role,
     /// How they are drawn.
     pub mark: Mark,
-    /// The points; those that are not finite, or not positive on a logarithmic axis, are left out.
+    /// The points; those that are not finite, or not positive on a logarithmic axis, are skipped.
     pub points: Vec<(f64, f64)>,
 }
 
-/// Whose numbers a series has.
+/// The origin of a series.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Role {
-    /// Ours: full marks.
+    /// Computed by us: full marks.
     Ours,
-    /// The document's: hollow marks, dashed lines.
+    /// From the document: hollow marks, dashed lines.
     Published,
 }
 
@@ -72,39 +72,39 @@ pub enum Mark {
 }
 
 impl Axis {
-    /// An axis divided evenly.
+    /// An axis with a linear scale.
     pub fn linear(label: impl Into<String>) -> Self {
         Self { label: label.into(), scale: Scale::Linear }
     }
 
-    /// An axis divided by powers of two.
+    /// An axis with a scale of powers of two.
     pub fn log2(label: impl Into<String>) -> Self {
         Self { label: label.into(), scale: Scale::Log2 }
     }
 
-    /// An axis divided by powers of ten.
+    /// An axis with a scale of powers of ten.
     pub fn log10(label: impl Into<String>) -> Self {
         Self { label: label.into(), scale: Scale::Log10 }
     }
 }
 
 impl Series {
-    /// Ours as a line.
+    /// Our values as a line.
     pub fn line(label: impl Into<String>, points: Vec<(f64, f64)>) -> Self {
         Self { label: label.into(), role: Role::Ours, mark: Mark::Line, points }
     }
 
-    /// Ours as points.
+    /// Our values as points.
     pub fn points(label: impl Into<String>, points: Vec<(f64, f64)>) -> Self {
         Self { mark: Mark::Points, ..Self::line(label, points) }
     }
 
-    /// Ours as points joined by a line.
+    /// Our values as points joined by a line.
     pub fn line_points(label: impl Into<String>, points: Vec<(f64, f64)>) -> Self {
         Self { mark: Mark::LinePoints, ..Self::line(label, points) }
     }
 
-    /// The same as the document's.
+    /// Marks the series as the document's.
     #[must_use]
     pub fn published(self) -> Self {
         Self { role: Role::Published, ..self }

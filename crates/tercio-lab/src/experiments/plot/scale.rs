@@ -1,4 +1,4 @@
-//! Axes: where values lie, and where ticks stand.
+//! Axes: positions of values and ticks.
 
 use std::ops::Range;
 
@@ -6,13 +6,13 @@ use plotters::coord::ranged1d::{KeyPointHint, NoDefaultFormatting, Ranged, Value
 
 use super::Scale;
 
-/// Ticks on an axis, about.
+/// Approximate number of ticks on an axis.
 const TICKS: f64 = 8.0;
-/// Up to so many powers of ten, an axis has ticks between them.
+/// Up to this many powers of ten, an axis has ticks between them.
 const FEW_DECADES: f64 = 2.5;
 
 impl Scale {
-    /// Where a value lies on the axis, evenly divided.
+    /// Position of a value on the axis (its logarithm on a logarithmic scale).
     pub(super) fn place(self, value: f64) -> f64 {
         match self {
             Self::Linear => value,
@@ -21,7 +21,7 @@ impl Scale {
         }
     }
 
-    /// The ends of the axis and its ticks, for values between `low` and `high` as placed.
+    /// The ends of the axis and its ticks, for positions between `low` and `high`.
     fn ticks(self, low: f64, high: f64) -> (f64, f64, Vec<f64>) {
         if self == Self::Log10 && high - low <= FEW_DECADES {
             return few_decades(low, high);
@@ -49,7 +49,7 @@ impl Scale {
     }
 }
 
-/// Ends and ticks at 1, 2, 5, 10, 20, 50, ... for an axis with few powers of ten.
+/// Ends and ticks at 1, 2, 5, 10, 20, 50, ... for an axis that covers few powers of ten.
 fn few_decades(low: f64, high: f64) -> (f64, f64, Vec<f64>) {
     let decades = low.floor() as i32 - 1..=high.ceil() as i32 + 1;
     let steps: Vec<f64> =
@@ -67,9 +67,9 @@ fn superscript(number: f64) -> String {
         .collect()
 }
 
-/// An axis as the plotting library wants it: values as placed, ticks where we put them.
+/// An axis for the plotting library: positions instead of values, and our own ticks.
 pub(super) struct Division {
-    /// The ends, as placed.
+    /// The ends, as positions.
     pub low: f64,
     pub high: f64,
     ticks: Vec<f64>,
@@ -77,7 +77,7 @@ pub(super) struct Division {
 }
 
 impl Division {
-    /// The axis for `places`. One divided evenly begins at zero, if `from_zero` or if that is not far from them.
+    /// The axis for `places`. A linear one starts at zero if `from_zero`, or if zero is close to the values.
     pub fn new(scale: Scale, from_zero: bool, places: impl Iterator<Item = f64>) -> Self {
         let (low, high) = places.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), p| (l.min(p), h.max(p)));
         let (low, high) = if low > high { (0.0, 1.0) } else { (low, high) };
@@ -111,7 +111,7 @@ impl ValueFormatter<f64> for Division {
     }
 }
 
-/// A number with at most six digits, thousands parted.
+/// A number with at most six digits and with thousands separators.
 fn grouped(number: f64) -> String {
     let digits =
         if number == 0.0 { 0 } else { (5 - number.abs().log10().floor() as i32).clamp(0, 9) as usize };
@@ -119,14 +119,14 @@ fn grouped(number: f64) -> String {
     let text = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
     let (sign, text) = text.strip_prefix('-').map_or(("", text), |rest| ("-", rest));
     let (whole, fraction) = text.split_once('.').map_or((text, String::new()), |(w, f)| (w, format!(".{f}")));
-    let mut parted = String::new();
+    let mut separated = String::new();
     for (i, digit) in whole.chars().enumerate() {
         if i > 0 && (whole.len() - i).is_multiple_of(3) {
-            parted.push(',');
+            separated.push(',');
         }
-        parted.push(digit);
+        separated.push(digit);
     }
-    format!("{sign}{parted}{fraction}")
+    format!("{sign}{separated}{fraction}")
 }
 
 #[cfg(test)]

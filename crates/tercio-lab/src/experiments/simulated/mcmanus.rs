@@ -1,4 +1,4 @@
-//! Document 003: raster cycles, silicon, and the best array of our scenes.
+//! Document 003: raster cycles, silicon, and the best array for our own scenes.
 
 use super::super::{Axis, Comparison, Document, Experiment, ExperimentError, Findings, Plot, Series, Table};
 use super::model_boxes;
@@ -102,10 +102,10 @@ fn table_1() -> Result<Findings, ExperimentError> {
                 formula.into(),
                 (run.fullest as f64).into(),
             ]);
-            // The formula knows no border: where box and region together are half a screen, boxes that stay inside meet
-            // fewer regions than it says.
+            // The formula ignores the border: where box and region together are half a screen, boxes that stay inside
+            // meet fewer regions than it predicts.
             if name.starts_with("squares") && area.sqrt() + side <= 0.5 * f64::from(SIZE.0) {
-                // 7.8 % is what the document finds for Frame20.
+                // 7.8 % is the deviation that the document finds for Frame20.
                 comparison.add(format!("{name}, A = {}", run.side), run.overlap() / formula, 1.0, 0.078);
             }
         }

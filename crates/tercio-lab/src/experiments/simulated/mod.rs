@@ -1,7 +1,7 @@
 //! Experiments that need a simulator and a scene.
 //!
 //! The documents' scenes are lost. They are replaced by built-in models under a camera, by scenes made from the
-//! statistics that a document prints, or by random ones; each experiment says by which.
+//! statistics that a document prints, or by random ones; each experiment names its replacement.
 
 pub(super) mod mcmanus;
 pub(super) mod ortega;

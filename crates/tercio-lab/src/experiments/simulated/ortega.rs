@@ -23,10 +23,10 @@ pub(in crate::experiments) const EXPERIMENTS: &[Experiment] = &[
     },
 ];
 
-/// Segments in the buffer; the document does not say.
+/// Segments in the buffer; the document gives no size.
 const BUFFER: u64 = 65_536;
 
-/// As many small polygons as the timed set, and as many with some of 3/4 of the picture (section 6).
+/// As many small polygons as in the timed set; and as many with several of 3/4 of the picture (section 6).
 fn scenes() -> [(&'static str, PolygonScene); 2] {
     let distribution = |polygons| Distribution {
         width: 512,

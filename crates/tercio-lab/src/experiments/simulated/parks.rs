@@ -40,7 +40,7 @@ pub(in crate::experiments) const EXPERIMENTS: &[Experiment] = &[
     },
 ];
 
-/// What is said of the runway.
+/// The remark about the runway.
 const RUNWAY: &str = "The scene is lost and rebuilt from what appendix C says of it: landscape, runway and the third \
     largest polygon follow from the distributions; the small ones have the document's numbers of vertices and lines. \
     Where small polygons lie inside their quarter is our choice.";
@@ -104,7 +104,7 @@ fn appendix_c() -> Result<Findings, ExperimentError> {
         let mut row = vec![Cell::from(listed.name)];
         row.extend(ours.iter().zip(listed.printed).flat_map(|(o, p)| [Cell::from(*o), p.into()]));
         table.push_row(row);
-        // Totals were summed in single precision, at most 4.2 cycles off; C.2 lacks a pixel of 21 cycles.
+        // Totals were summed in single precision, with errors of up to 4.2 cycles; C.2 lacks a pixel of 21 cycles.
         let tolerance = if listed.built { 30.0 } else { 0.02 * listed.printed[4] };
         comparison.add(listed.name, ours[4], listed.printed[4], tolerance);
         ours_points.push((place as f64 + 1.0, ours[4]));
@@ -225,8 +225,8 @@ fn objects() -> Result<Findings, ExperimentError> {
         &[("scene", ""), ("polygons", ""), ("machine", ""), ("time", "10^6 memory cycles")],
     );
     let mut comparison = Comparison::new();
-    // A coarse object at one side, as the shuttle from outside (it keeps the corner of a larger screen), the same in the
-    // middle, and walls all round, as the shuttle's cargo bay.
+    // A coarse object at one side, like the shuttle from outside (the coordinates are those of a smaller picture), the
+    // same in the middle, and walls all round, like the shuttle's cargo bay.
     let object =
         |size| Ok::<_, ExperimentError>(Polygon::of_scene(&model_polygons("builtin:teapot@400", size)?));
     let scenes = [

@@ -1,8 +1,8 @@
 //! Chapter 4: where to sort, compared by instructions (equations 4.1 to 4.12, and 5.1).
 //!
 //! A region holds f o p/n polygons of A/o pixels each, so the fullest region rasterizes f A p/n pixels. The document
-//! prints A/o for that term in equations 4.2, 4.3, 4.8, 4.12, 5.1 and 6.1, yet its numbers 60,123 (4.12) and 75 %
-//! (5.1) come out without the division only. The functions here use f A R; the printed forms stand beside them.
+//! prints A/o for that term in equations 4.2, 4.3, 4.8, 4.12, 5.1 and 6.1, yet its numbers 60,123 (4.12) and 75 % (5.1)
+//! result only without the division. The functions here use f A R; the printed forms are kept beside them.
 
 use super::sort_twice::grouped_sort_middle;
 use super::{AREA, ASYMMETRY, DESCRIPTOR_PASS, GEOMETRY, OVERLAP, PROCESSORS, RASTER, SCREEN};
@@ -10,7 +10,7 @@ use crate::models;
 use crate::models::registry::Model;
 use crate::units::{Hertz, Instructions, Pixels, Polygons, Processors, Ratio, Seconds};
 
-/// What a polygon costs, in the document's symbols.
+/// The cost of a polygon, in the document's symbols.
 fn per_polygon(geometry: Instructions, area: Pixels, raster: Instructions) -> Instructions {
     geometry + raster * area.get()
 }
@@ -27,7 +27,7 @@ pub fn optimal(
     per_polygon(geometry, area, raster) * (p.get() / n.get())
 }
 
-/// Equation 4.2 with the raster term f A R: sort-first, whose communication is taken to be free.
+/// Equation 4.2 with the raster term f A R: sort-first, whose communication is assumed to be free.
 pub fn sort_first(
     p: Polygons,
     n: Processors,
@@ -122,7 +122,7 @@ pub fn sort_first_threshold(n: Processors, pass: Instructions, geometry: Instruc
     Ratio::new(1.0 + pass * n.get() / geometry)
 }
 
-/// f o: what sort-first does over in geometry (4.4.1).
+/// f o: the factor of redundant geometry work in sort-first (4.4.1).
 pub fn sort_first_penalty(f: Ratio, o: Ratio) -> Ratio {
     f * o.get()
 }
@@ -156,8 +156,8 @@ pub fn sort_middle_to_first_as_printed(
     sort_middle_to_first(n, f, o, geometry, area / o.get(), raster, pass)
 }
 
-/// Equation 4.9: geometry and communication of sort-middle over the geometry of sort-first, what is left of 4.8 where
-/// the raster terms cancel; below 1 sort-middle wins.
+/// Equation 4.9: geometry and communication of sort-middle over the geometry of sort-first: equation 4.8 after the
+/// raster terms cancel; below 1 sort-middle wins.
 pub fn geometry_to_first(
     n: Processors,
     f: Ratio,
@@ -240,7 +240,7 @@ pub fn mean_per_region(visible: Polygons, o: Ratio, n: Processors) -> Polygons {
 }
 
 pub(crate) const MODELS: &[Model] = models! {
-    "eldridge.4.1", "eq 4.1", "instructions with nothing but the work itself":
+    "eldridge.4.1", "eq 4.1", "instructions of the work alone":
         optimal["p": Polygons, "n": Processors = PROCESSORS, "G": Instructions = GEOMETRY, "A": Pixels = AREA,
             "R": Instructions = RASTER] -> Instructions;
     "eldridge.4.2", "eq 4.2", "instructions of sort-first, raster term f A R":

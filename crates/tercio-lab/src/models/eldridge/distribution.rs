@@ -89,13 +89,13 @@ pub fn duplicated_at_optimum(
     (root + finish / (2.0 * n.get())) * p.get()
 }
 
-/// Polygons on the fullest processor of the geometry stage, dealt out in turn, with `m` copies (5.5, A.2.1).
+/// Polygons on the fullest processor of the geometry stage, assigned round-robin, with `m` copies (5.5, A.2.1).
 pub fn fullest_source(p: Polygons, n: Processors, m: Ratio) -> Count {
     Count::new((p.get() * m.get() / n.get()).ceil())
 }
 
-/// Instructions of the geometry stage on the processor that has most to do: all its polygons are transformed and
-/// tested, the visible ones finished (A.2.1).
+/// Instructions of the geometry stage on the busiest processor: all its polygons are transformed and tested, the
+/// visible ones finished (A.2.1).
 pub fn geometry_stage(
     p: Polygons,
     n: Processors,
@@ -107,13 +107,13 @@ pub fn geometry_stage(
     test * fullest_source(p, n, m).get() + finish * visible.get()
 }
 
-/// Polygons that the worst processor has beyond its even share, where polygons stay with their screen region (5.5).
+/// Polygons of the worst processor in excess of its even share, if polygons stay with their screen region (5.5).
 pub fn excess(worst: Polygons, p: Polygons, n: Processors) -> Count {
     Count::new(worst.get() - fullest_source(p, n, Ratio::new(1.0)).get())
 }
 
-/// Instructions per visible polygon that `polygons` on one processor cost in geometry while the others wait (5.5).
-/// The document's 167.8 is that of 176 polygons; it prints 166, for which this gives 158.2.
+/// Instructions per visible polygon that `polygons` on one processor cost in geometry while the others wait (5.5). The
+/// document's 167.8 results for 176 polygons; it prints 166 polygons, for which this gives 158.2.
 pub fn waiting(
     polygons: Polygons,
     test: Instructions,

@@ -1,17 +1,17 @@
-//! Vertices on their way to the screen, and textures on their way back (section 3.1.1 and 7.5.2).
+//! Vertices on their way to the screen, and textures on their way back (sections 3.1.1 and 7.5.2).
 
 use crate::models;
 use crate::models::common::linear;
 use crate::models::registry::Model;
 
-/// Equation 3.1: a point moved by the rows a b c t_x, d e f t_y, g h i t_z; the fourth row of the document's matrix is
-/// 0 0 0 1.
+/// Equation 3.1: a point transformed by the rows a b c t_x, d e f t_y, g h i t_z; the fourth row of the document's
+/// matrix is 0 0 0 1.
 pub fn transform(matrix: [[f64; 4]; 3], v: [f64; 3]) -> [f64; 3] {
     matrix.map(|[a, b, c, t]| a * v[0] + b * v[1] + c * v[2] + t)
 }
 
-/// Equations 3.2 and 3.3: where a point in the eye's coordinates stands on a screen at the distance `d`, the eye in
-/// the origin and looking along z.
+/// Equations 3.2 and 3.3: the projection of a point in eye coordinates onto a screen at the distance `d`, with the eye
+/// at the origin and looking along z.
 ///
 /// # Errors
 /// A point that is not in front of the eye: such polygons are clipped before.
@@ -23,11 +23,11 @@ pub fn project(d: f64, v: [f64; 3]) -> Result<[f64; 2], String> {
     }
 }
 
-/// Equation 3.4 and the sentence behind it: a normal (n_x, n_y, n_z, 0) transformed by the inverse transpose of the
-/// matrix of [`transform`]. Its length changes where the matrix scales.
+/// Equation 3.4 and the sentence after it: a normal (n_x, n_y, n_z, 0) transformed by the inverse transpose of the
+/// matrix of [`transform`]. Its length changes if the matrix scales.
 ///
 /// # Errors
-/// A matrix that flattens space.
+/// A singular matrix.
 pub fn transform_normal(matrix: [[f64; 4]; 3], n: [f64; 3]) -> Result<[f64; 3], String> {
     let [r0, r1, r2] = matrix.map(|[a, b, c, _]| [a, b, c]);
     // The inverse transpose is the matrix of cofactors over the determinant.
@@ -48,8 +48,8 @@ fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
 }
 
 /// Equations 7.3 and 7.4: a texture coordinate where the depth is `z`, at a point of the screen at distance 1. The
-/// coefficients are those of u/z, which is linear on the screen. The document writes the letters of equation 7.1
-/// again, but x = z s_x in 7.1 leaves the constant without the factor z, so they are not the same numbers.
+/// coefficients are those of u/z, which is linear on the screen. The document reuses the letters of equation 7.1, but x
+/// = z s_x in 7.1 leaves the constant without the factor z, so they are not the same numbers.
 pub fn texture(coefficients: [f64; 3], z: f64, at: [f64; 2]) -> f64 {
     z * linear(coefficients, at)
 }
@@ -68,7 +68,7 @@ pub fn texture_by_inverse_depth(u_over_z: f64, inverse_z: f64) -> Result<f64, St
 pub(crate) const MODELS: &[Model] = models! {
     "eldridge.3.1", "eq 3.1", "a point in the eye's coordinates":
         transform["M": [[f64; 4]; 3], "v": [f64; 3]] -> [f64; 3];
-    "eldridge.3.2", "eq 3.2, 3.3", "the point's place on the screen":
+    "eldridge.3.2", "eq 3.2, 3.3", "the point's position on the screen":
         project["d": f64 = 1.0, "v": [f64; 3]] -> Result<[f64; 2], String>;
     "eldridge.3.4", "eq 3.4", "a normal in the eye's coordinates":
         transform_normal["M": [[f64; 4]; 3], "normal": [f64; 3]] -> Result<[f64; 3], String>;
@@ -98,7 +98,7 @@ mod tests {
     }
 
     proptest! {
-        /// A normal stays at right angles to its plane, whatever the matrix.
+        /// A normal stays perpendicular to its plane, whatever the matrix.
         #[test]
         fn normals_stay_normal(m in prop::array::uniform9(-5i32..6), c in prop::array::uniform9(-9i32..10)) {
             let matrix = [0, 3, 6].map(|i| [f64::from(m[i]), f64::from(m[i + 1]), f64::from(m[i + 2]), 4.0]);
@@ -111,7 +111,7 @@ mod tests {
             prop_assert!(dot(normal, moved(a)).abs() < 1e-6 && dot(normal, moved(b)).abs() < 1e-6);
         }
 
-        /// What is linear on a polygon in space is found again from what is linear on the screen.
+        /// A function that is linear on a polygon in space is recovered from functions that are linear on the screen.
         #[test]
         fn textures_in_perspective(
             c in prop::array::uniform9(-50i32..51), weights in prop::array::uniform2(0.1f64..1.0),

@@ -7,7 +7,7 @@ pub(crate) const GLOSSARY: Glossary = Glossary {
     document: Some("000"),
     symbols: &[
         ("A", "pixels of a polygon"),
-        ("C", "instructions to hand a datum to the neighbour, 3a + b"),
+        ("C", "instructions to pass a datum to the neighbour, 3a + b"),
         ("C_dense", "instructions of a pass of dense sort-last"),
         ("C_sm", "instructions of a pass of sort-middle"),
         ("C_sparse", "instructions of a pass of sparse sort-last"),
@@ -35,8 +35,8 @@ pub(crate) const GLOSSARY: Glossary = Glossary {
         ("communication", "instructions a second of communication"),
         ("d", "distance of a pass, the stride"),
         ("eldridge.3.2/d", "distance of the screen from the eye"),
-        ("distance", "passes that a polygon travels on the mean"),
-        ("efficiency", "share of the pixels looked at that lie in the polygon"),
+        ("distance", "mean number of passes of a polygon"),
+        ("efficiency", "share of the pixels tested that are inside the polygon"),
         ("f", "asymmetry: polygons of the fullest region over the mean"),
         ("fast", "fast memory of a processor"),
         ("fetch", "scan lines to fetch a polygon"),
@@ -54,7 +54,7 @@ pub(crate) const GLOSSARY: Glossary = Glossary {
         ("eldridge.video-pixel-rate/lines", "scan lines of a picture"),
         ("lines_per_polygon", "scan lines that the geometry of a polygon takes"),
         ("m", "copies of the database"),
-        ("map", "regions [processor, left, top, right, bottom], both ends inside"),
+        ("map", "regions [processor, left, top, right, bottom], both ends inclusive"),
         ("max", "polygons of the fullest region"),
         ("mean", "polygons of the mean region"),
         ("most_visible", "visible polygons of the processor that has most"),
@@ -80,7 +80,7 @@ pub(crate) const GLOSSARY: Glossary = Glossary {
         ("shaded", "instructions for a shaded pixel"),
         ("slices", "slices of the processor that has most"),
         ("slow", "slow memory of a processor"),
-        ("source", "processor where the descriptor begins"),
+        ("source", "processor where the descriptor starts"),
         ("speed_up", "speed of the machine over the Princeton Engine's"),
         ("targets", "processors that need the descriptor"),
         ("textured", "instructions for a textured pixel"),
@@ -104,7 +104,7 @@ pub(crate) const GLOSSARY: Glossary = Glossary {
     assumptions: &[
         (
             &["eldridge.3.2"],
-            "the eye stands in the origin and looks along z; what is not in front of it is clipped",
+            "the eye is at the origin and looks along z; points that are not in front of it are clipped",
         ),
         (&["eldridge.3.5", "eldridge.3.6"], "not normalized: only the sign counts"),
         (
@@ -126,7 +126,7 @@ pub(crate) const GLOSSARY: Glossary = Glossary {
                 "eldridge.5.1-as-printed",
                 "eldridge.6.1*",
             ],
-            "instructions of the slowest processor, phases one behind the other, polygons all alike",
+            "instructions of the slowest processor, one phase after another, equal polygons",
         ),
         (&["eldridge.4.2*"], "communication costs nothing"),
         (&["eldridge.4.3*"], "every descriptor visits all processors"),
@@ -150,7 +150,7 @@ pub(crate) const GLOSSARY: Glossary = Glossary {
         (&["eldridge.5.6"], "the best stride need not be whole or divide n"),
         (
             &["eldridge.6.2", "eldridge.6.3"],
-            "groups of equal size, the regions' pixels dealt to them in turn",
+            "groups of equal size, the regions' pixels assigned to them round-robin",
         ),
         (&["eldridge.6.4", "eldridge.6.6", "eldridge.6.7", "eldridge.6.8*"], "n much larger than g"),
         (
@@ -159,10 +159,10 @@ pub(crate) const GLOSSARY: Glossary = Glossary {
         ),
         (
             &["eldridge.8.1", "eldridge.8.3", "eldridge.8.4", "eldridge.8.5", "eldridge.8.9"],
-            "work in step with the video output: a whole number of things between two scan lines",
+            "work in step with the video output: a whole number of operations between two scan lines",
         ),
-        (&["eldridge.8.7"], "no bond to scan lines, every processor busy"),
+        (&["eldridge.8.7"], "independent of scan lines, every processor busy"),
         (&["eldridge.8.17"], "all processors wait for the one with most slices"),
-        (&["eldridge.fullest-source", "eldridge.geometry-stage"], "polygons dealt out in turn"),
+        (&["eldridge.fullest-source", "eldridge.geometry-stage"], "polygons assigned round-robin"),
     ],
 };

@@ -21,11 +21,11 @@ pub mod throughput;
 
 /// Processors of the Princeton Engine (table 4.3).
 pub(crate) const PROCESSORS: f64 = 1024.0;
-/// Clock of the Princeton Engine as the document counts, Hz (2.1); the part runs at 14.318 MHz.
+/// Clock of the Princeton Engine as the document uses it, Hz (2.1); the actual clock is 14.318 MHz.
 pub(crate) const CLOCK: f64 = 14e6;
 /// Scan lines a second (7.6).
 pub(crate) const LINE_RATE: f64 = 15_750.0;
-/// Instructions a scan line (8.1); 910 of them need 14.33 MHz, so neither is derived from the other.
+/// Instructions per scan line (8.1); 910 of them need 14.33 MHz, so neither is derived from the other.
 pub(crate) const LINE_BUDGET: f64 = 910.0;
 /// Instructions of geometry per polygon (table 4.3).
 pub(crate) const GEOMETRY: f64 = 5000.0;
@@ -43,5 +43,5 @@ pub(crate) const OVERLAP: f64 = 3.8;
 pub(crate) const DESCRIPTOR: (f64, f64) = (42.0, 30.0);
 /// Words and overhead of a pixel of dense sort-last (table 4.2).
 pub(crate) const PIXEL: (f64, f64) = (3.0, 15.0);
-/// Instructions to hand a descriptor to the neighbour: 3 * 42 + 30.
+/// Instructions to pass a descriptor to the neighbour: 3 * 42 + 30.
 pub(crate) const DESCRIPTOR_PASS: f64 = 156.0;

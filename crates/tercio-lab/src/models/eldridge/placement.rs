@@ -1,11 +1,11 @@
-//! Who has what: copies of polygons, destinations stage by stage, owners of pixels (sections 6.3, A.1 and A.2).
-//! The simulator of the ring lives in [`crate::simulators`]; these are the rules it has to follow.
+//! Placement: copies of polygons, destinations stage by stage, owners of pixels (sections 6.3, A.1 and A.2). The
+//! simulator of the ring is in [`crate::simulators`]; these are the rules that it has to follow.
 
 use crate::models;
 use crate::models::registry::Model;
 use crate::units::{Count, Length, Processors};
 
-/// Entries of the longest list that is made.
+/// Maximum number of entries of a list.
 const LONGEST_LIST: f64 = (1u64 << 20) as f64;
 
 /// Remainder for processor numbers, which are whole and not negative.
@@ -30,8 +30,8 @@ pub fn copies(b: Count, n: Count, m: Count) -> Result<Vec<Count>, String> {
     Ok((0..m.get() as u64).map(|k| Count::new(first + k as f64 * distance)).collect())
 }
 
-/// Where the stage of stride `d` lets a descriptor off on its way from `source` to `target` (figure A-6): after the
-/// largest number of whole strides that does not overshoot.
+/// The processor at which the stage of stride `d` delivers a descriptor on its way from `source` to `target` (figure
+/// after the largest number of whole strides that does not overshoot.
 fn stop(n: f64, d: f64, source: f64, target: f64) -> f64 {
     let offset = modulo(target - source, n);
     modulo(source + (offset / d).floor() * d, n)
@@ -86,8 +86,8 @@ pub fn composite_map(
     Ok(owners.chunks(width.get() as usize).map(<[Count]>::to_vec).collect())
 }
 
-/// How many regions of a screen map, each `[processor, left, top, right, bottom]` with both ends inside, contain the
-/// pixel (x, y). A map is sound if it is 1 everywhere (A.1.1). Figure A-2 as printed gives row 255 of the left half
+/// How many regions of a screen map, each `[processor, left, top, right, bottom]` with both ends inclusive, contain the
+/// pixel (x, y). A map is valid if it is 1 everywhere (A.1.1). Figure A-2 as printed has row 255 of the left half
 /// twice: its second region has to begin at row 256.
 pub fn owners_of_pixel(map: Vec<[f64; 5]>, x: Length, y: Length) -> Count {
     let (x, y) = (x.get(), y.get());

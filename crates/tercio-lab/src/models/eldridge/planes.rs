@@ -26,7 +26,7 @@ pub fn plane_divisor(v0: [f64; 3], v1: [f64; 3], v2: [f64; 3]) -> f64 {
 /// C = z0 + A x0 + B y0, with which the plane misses v0: both signs have to be negative.
 ///
 /// # Errors
-/// Points in line, through which there is no single plane.
+/// Collinear points, through which there is no single plane.
 pub fn plane(v0: [f64; 3], v1: [f64; 3], v2: [f64; 3]) -> Result<[f64; 3], String> {
     let [d1, d2] = [v1, v2].map(|v| [v[0] - v0[0], v[1] - v0[1], v[2] - v0[2]]);
     let gamma = plane_divisor(v0, v1, v2);
@@ -54,8 +54,7 @@ pub fn plane_constant_as_printed(v0: [f64; 3], v1: [f64; 3], v2: [f64; 3]) -> Re
     plane(v0, v1, v2).map(|[a, b, _]| v0[2] + a * v0[0] + b * v0[1])
 }
 
-/// The constant C' = C + A s_x of a linear equation on the processor that has the column `column`, where only y is
-/// left to step (7.5.1).
+/// The constant C' = C + A s_x of a linear equation on the processor of column `column`, which only steps in y (7.5.1).
 pub fn column_constant(coefficients: [f64; 3], column: f64) -> f64 {
     linear(coefficients, [column, 0.0])
 }
@@ -85,7 +84,7 @@ mod tests {
 
     proptest! {
         /// The plane goes through its points, in every column as on the whole screen; with the printed signs it does
-        /// not, unless the first vertex happens to weigh nothing.
+        /// not, unless the first vertex happens to have no weight.
         #[test]
         fn the_plane_goes_through_its_points(c in prop::array::uniform9(-50i32..50)) {
             let v = [0, 3, 6].map(|i| [0, 1, 2].map(|k| f64::from(c[i + k])));

@@ -7,7 +7,7 @@ use crate::units::{
     Bytes, Count, Hertz, InstructionRate, Instructions, LineRate, PolygonRate, Processors, Ratio, Words,
 };
 
-/// Instructions to pass a datum of `a` words over the distance `d`: write, travel, read, and `b` of overhead
+/// Instructions to pass a datum of `a` words over the distance `d`: write, transport, read, and `b` of overhead
 /// (section 5.3).
 pub fn pass(a: Words, b: Instructions, d: Processors) -> Instructions {
     Instructions::new((2.0 + d.get()) * a.get()) + b
@@ -19,7 +19,7 @@ pub fn neighbour_pass(a: Words, b: Instructions) -> Instructions {
     pass(a, b, Processors::new(1.0))
 }
 
-/// How much cheaper a pass over `d` is than `d` passes to the neighbour (section 5.3).
+/// The saving of one pass over `d` compared with `d` passes to the neighbour (section 5.3).
 pub fn stride_saving(a: Words, b: Instructions, d: Processors) -> Ratio {
     Ratio::new(neighbour_pass(a, b) * d.get() / pass(a, b, d))
 }
@@ -43,13 +43,13 @@ pub fn stride_saving_limit_as_printed(a: Words, b: Instructions) -> Result<Ratio
     }
 }
 
-/// Instructions per datum if every processor tells every other by passing on around the ring (2.2): one word in,
-/// `2n` to pass on and read, shared by n data.
+/// Instructions per datum for an all-to-all exchange by passing on around the ring (2.2): one word in, `2n` to pass on
+/// and read, shared by n data.
 pub fn all_to_all(n: Processors) -> Instructions {
     Instructions::new((1.0 + 2.0 * n.get()) / n.get())
 }
 
-/// How much dearer a broadcast of `broadcast` instructions per datum is than [`all_to_all`] (2.2).
+/// Cost of a broadcast of `broadcast` instructions per datum relative to [`all_to_all`] (2.2).
 pub fn broadcast_to_neighbour(broadcast: Instructions, n: Processors) -> Ratio {
     Ratio::new(broadcast / all_to_all(n))
 }
@@ -74,7 +74,7 @@ pub fn instructions_per_polygon(rate: InstructionRate, polygons: PolygonRate) ->
     Instructions::new(rate.get() / polygons.get())
 }
 
-/// Passes that bring a datum from its group to the neighbouring group that rasterizes it, at most (figure 6-1).
+/// Maximum number of passes from a group to the neighbouring group that rasterizes a datum (figure 6-1).
 pub fn group_passes(g: Processors) -> Count {
     Count::new(2.0 * g.get() - 1.0)
 }
@@ -91,7 +91,7 @@ pub(crate) const MODELS: &[Model] = models! {
     "eldridge.5.2-as-printed", "eq 5.2", "the same as printed, upside down: a / (3a + b)":
         stride_saving_limit_as_printed["a": Words = DESCRIPTOR.0, "b": Instructions = DESCRIPTOR.1]
             -> Result<Ratio, String>;
-    "eldridge.all-to-all", "2.2", "instructions per datum, everybody to everybody by neighbour passes":
+    "eldridge.all-to-all", "2.2", "instructions per datum, all to all by neighbour passes":
         all_to_all["n": Processors = PROCESSORS] -> Instructions;
     "eldridge.broadcast-to-neighbour", "2.2", "cost of a broadcast over that of neighbour passes":
         broadcast_to_neighbour["broadcast": Instructions = 7.0, "n": Processors = PROCESSORS] -> Ratio;

@@ -1,5 +1,5 @@
-//! Chapter 6: sort-twice. Descriptors travel inside of groups of `g` processors (sort-middle), then the pictures of
-//! the n/g groups are composed (sort-last). `p` counts visible polygons from equation 6.5 on.
+//! Chapter 6: sort-twice. Descriptors are sent within groups of `g` processors (sort-middle), then the pictures of the
+//! n/g groups are composited (sort-last). `p` counts visible polygons from equation 6.5 on.
 
 use super::distribution::pass_root;
 use super::ring::{neighbour_pass, pass};
@@ -13,7 +13,7 @@ use crate::units::{
     Ratio, Seconds, Words,
 };
 
-/// Equation 6.1 with the raster term f A R: sort-middle inside of groups.
+/// Equation 6.1 with the raster term f A R: sort-middle within groups.
 #[expect(clippy::too_many_arguments, reason = "the symbols of the equation")]
 pub fn grouped_sort_middle(
     p: Polygons,
@@ -59,17 +59,17 @@ pub fn composite_per_pixel(g: Processors, a: Words, b: Instructions) -> Instruct
     Instructions::new(a.get() + (2.0 * a.get() + b.get()) / g.get())
 }
 
-/// How much cheaper a composited pixel becomes at best: 3a + b over a (6.4).
+/// The largest possible saving per composited pixel: 3a + b over a (6.4).
 pub fn composite_gain(a: Words, b: Instructions) -> Ratio {
     Ratio::new(neighbour_pass(a, b).get() / a.get())
 }
 
-/// Instructions per pixel during which a datum is in transit and the processor is free (6.5).
+/// Instructions per pixel during which a datum is in transit and the processor is idle (6.5).
 pub fn idle_in_transit(g: Processors, a: Words) -> Instructions {
     Instructions::new(g.get() * a.get())
 }
 
-/// Instructions that textures add to a pixel (6.5).
+/// Additional instructions of a textured pixel (6.5).
 pub fn texture_premium(textured: Instructions, shaded: Instructions) -> Instructions {
     textured - shaded
 }
@@ -84,13 +84,13 @@ pub fn composite_limit_time(screen: Pixels, a: Words, clock: Hertz) -> Seconds {
     composite_limit(screen, a) / clock
 }
 
-/// Pictures a second if nothing but composition is done (6.6), on a machine `speed_up` times as fast (9.3).
+/// Frame rate if only composition is done (6.6), on a machine `speed_up` times as fast (9.3).
 pub fn composite_limit_rate(screen: Pixels, a: Words, clock: Hertz, speed_up: Ratio) -> FrameRate {
     FrameRate::new(speed_up.get() / composite_limit_time(screen, a, clock).get())
 }
 
-/// Time of a composition on the Magic-1 over that on the Princeton Engine: its clock and the width of its
-/// communication register are so many times larger (9.3).
+/// Time of a composition on the Magic-1 over that on the Princeton Engine, whose clock and communication register it
+/// exceeds by these factors (9.3).
 pub fn magic_1_composite_time(clock: Ratio, width: Ratio) -> Ratio {
     Ratio::new(1.0 / (clock.get() * width.get()))
 }
@@ -174,9 +174,9 @@ pub(crate) const MODELS: &[Model] = models! {
             "b": Instructions = PIXEL.1] -> Instructions;
     "eldridge.6.4", "eq 6.4", "instructions of the composition per pixel, n much larger than g":
         composite_per_pixel["g": Processors where 1.0, "a": Words = PIXEL.0, "b": Instructions = PIXEL.1] -> Instructions;
-    "eldridge.composite-gain", "6.4", "dearest over cheapest composited pixel":
+    "eldridge.composite-gain", "6.4", "most over least expensive composited pixel":
         composite_gain["a": Words = PIXEL.0, "b": Instructions = PIXEL.1] -> Ratio;
-    "eldridge.idle-in-transit", "6.5", "instructions per pixel in which a datum only travels":
+    "eldridge.idle-in-transit", "6.5", "instructions per pixel in which a datum is only in transit":
         idle_in_transit["g": Processors where 1.0, "a": Words = PIXEL.0] -> Instructions;
     "eldridge.texture-premium", "6.5", "instructions that textures add to a pixel":
         texture_premium["textured": Instructions = 202.0, "shaded": Instructions = 80.0] -> Instructions;

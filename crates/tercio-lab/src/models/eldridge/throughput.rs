@@ -1,5 +1,5 @@
-//! Chapters 8 and 9: benchmarks and accounting of the renderer on the Princeton Engine. It works in step with the
-//! video output: so many polygons, passes or pixels a scan line.
+//! Chapters 8 and 9: benchmarks and accounting of the renderer on the Princeton Engine. It works in step with the video
+//! output: a whole number of polygons, passes or pixels per scan line.
 
 use super::{CLOCK, LINE_BUDGET, LINE_RATE, PROCESSORS};
 use crate::models;
@@ -27,7 +27,7 @@ pub fn geometry_rate(n: Processors, lines_per_polygon: Count, lines: LineRate) -
     PolygonRate::new(n.get() / lines_per_polygon.get() * lines.get())
 }
 
-/// Equation 8.3: passes a second from neighbour to neighbour, in number.
+/// Equation 8.3: passes from neighbour to neighbour per second.
 pub fn pass_rate(n: Processors, passes: Count, lines: LineRate) -> PolygonRate {
     PolygonRate::new(n.get() * passes.get() * lines.get())
 }
@@ -47,13 +47,13 @@ pub fn line_fill_rate(columns: Processors, pixels: Pixels, lines: LineRate) -> P
     pixels * lines * columns.get()
 }
 
-/// Equations 8.7 and 8.8: pixels a second without the bond to scan lines.
+/// Equations 8.7 and 8.8: pixels a second if work need not align with scan lines.
 pub fn fill_rate(n: Processors, clock: Hertz, per_pixel: Instructions) -> PixelRate {
     PixelRate::new(n.get() * clock.get() / per_pixel.get())
 }
 
-/// Equations 8.9 and 8.10: polygons of `area` pixels a second, where the share `efficiency` of the pixels looked at
-/// lies inside.
+/// Equations 8.9 and 8.10: polygons of `area` pixels a second, where the share `efficiency` of the pixels tested lies
+/// inside.
 pub fn raster_rate(
     columns: Processors,
     pixels: Pixels,
@@ -109,7 +109,7 @@ pub fn slice_instructions(
 }
 
 /// Equation 8.17: instructions a second of rasterization, where the fullest processor has `slices` a frame and all
-/// others wait. 360 closes the accounting; the text before says 460, the captions 364 and 370.
+/// others wait. Only 360 closes the accounting; the text before it has 460, the captions 364 and 370.
 pub fn raster_work_rate(
     slices: Count,
     per_slice: Instructions,
@@ -119,7 +119,7 @@ pub fn raster_work_rate(
     per_slice * (slices.get() * n.get()) * fps
 }
 
-/// The accounting of section 8.2: the three stages added as they are printed, in billions with two decimals.
+/// The accounting of section 8.2: the sum of the three stages as printed, in billions with two decimals.
 pub fn accounted_rate(
     geometry: InstructionRate,
     communication: InstructionRate,
@@ -129,7 +129,7 @@ pub fn accounted_rate(
     printed(geometry) + printed(communication) + printed(raster)
 }
 
-/// The share that `rate` has of all instructions between scan lines (8.2).
+/// `rate` as a share of all instructions between scan lines (8.2).
 pub fn share_of_line_time(
     rate: InstructionRate,
     n: Processors,

@@ -37,7 +37,7 @@ pub(crate) const GLOSSARY: Glossary = Glossary {
         ("overhead", "fixed time of a transfer"),
         ("peak", "bandwidth of very long transfers"),
         ("rate", "triangles a second"),
-        ("rx_left", "place of the left edge, rounded down"),
+        ("rx_left", "position of the left edge, rounded down"),
         ("start", "rounded start of the span"),
         ("steps", "pixels to the right and below, [x, y]"),
         ("triangles", "triangles"),
@@ -52,7 +52,7 @@ pub(crate) const GLOSSARY: Glossary = Glossary {
         ("w", "width of the picture"),
         ("width", "width of the screen"),
         ("word", "bits of the word"),
-        ("x_left", "place of the left edge"),
+        ("x_left", "position of the left edge"),
     ],
     assumptions: &[
         (&["hybris.3.1", "hybris.3.2"], "samples at the right side of pixels, spans from left to right"),

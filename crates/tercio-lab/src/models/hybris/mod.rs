@@ -1,6 +1,6 @@
 //! Document 001: H. Holten-Lund, Design for Scalability in 3D Computer Graphics Architectures (Hybris), 2001.
 //!
-//! Its overlap factors stand in [`super::overlap`], its speed-ups with a serial part in [`super::amdahl`].
+//! Its overlap factors are in [`super::overlap`], its speed-ups with a serial part in [`super::amdahl`].
 
 pub(crate) mod glossary;
 pub mod rasterization;

@@ -5,9 +5,9 @@ use crate::models::common::linear;
 use crate::models::registry::Model;
 use crate::units::Count;
 
-/// A float turned to fixed point with `n` fractional bits by adding 2^(23-n) in single precision, which brings the
-/// wanted bits to the end of the mantissa, and masking with 0x007FFFFF (3.2.3). The document prints the mask with
-/// nine digits; 0x007FFFFFF would keep four bits of the exponent.
+/// A float converted to fixed point with `n` fractional bits by adding 2^(23-n) in single precision, which moves the
+/// wanted bits to the end of the mantissa, and masking with 0x007FFFFF (3.2.3). The document prints the mask with nine
+/// digits; 0x007FFFFFF would keep four bits of the exponent.
 ///
 /// # Errors
 /// More than 23 fractional bits, or a value outside of 0 <= v < 2^(23-n).
@@ -23,8 +23,8 @@ pub fn float_to_fixed(v: f64, n: Count) -> Result<f64, String> {
     Ok(f64::from(sum.to_bits() & 0x007F_FFFF))
 }
 
-/// Pixels of a span from the rounded `start` to the rounded `end`: with the last one (first number) and without
-/// (second). The document prints both with start and end exchanged (3.2.6).
+/// Pixels of a span from the rounded `start` to the rounded `end`: with the last one (first number) and without it
+/// (second). The document swaps start and end in both (3.2.6).
 ///
 /// # Errors
 /// An end before the start.
@@ -35,14 +35,14 @@ pub fn span_pixels(start: Count, end: Count) -> Result<[Count; 2], String> {
     Ok([end - start + Count::new(1.0), end - start])
 }
 
-/// Equation 3.2: how far the first sample of a span, at the right side of its pixel, lies to the right of the edge at
-/// `x_left`; `rx_left` is that, rounded down.
+/// Equation 3.2: the distance from the edge at `x_left` to the first sample of a span, at the right side of its pixel;
+/// `rx_left` is `x_left` rounded down.
 pub fn sub_pixel_correction(x_left: f64, rx_left: f64) -> f64 {
     1.0 - (x_left - rx_left)
 }
 
-/// Equation 3.1: a parameter at the first pixel of a span, from its value `left` where the edge is, `dpdx` per pixel,
-/// by [`sub_pixel_correction`].
+/// Equation 3.1: a parameter at the first pixel of a span, from its value `left` at the edge and `dpdx` per pixel, by
+/// [`sub_pixel_correction`].
 pub fn span_start(left: f64, dpdx: f64, x_left: f64, rx_left: f64) -> f64 {
     left + sub_pixel_correction(x_left, rx_left) * dpdx
 }
@@ -124,7 +124,7 @@ pub(crate) const MODELS: &[Model] = models! {
         linear["coefficients": [f64; 3], "at": [f64; 2]] -> f64;
     "hybris.3.4", "eq 3.4", "edge function of v0 to v1 at a point":
         edge_function["v0": [f64; 2], "v1": [f64; 2], "at": [f64; 2]] -> f64;
-    "hybris.3.5", "eq 3.5", "edge function of v0 to v1 so many pixels to the right and below":
+    "hybris.3.5", "eq 3.5", "edge function of v0 to v1, steps pixels to the right and below":
         edge_step["value": f64, "v0": [f64; 2], "v1": [f64; 2], "steps": [f64; 2]] -> f64;
     "hybris.3.7", "eq 3.7", "coefficients [A, B, C] of a parameter through three points":
         coefficients["v0": [f64; 3], "v1": [f64; 3], "v2": [f64; 3]] -> Result<[f64; 3], String>;
@@ -146,7 +146,7 @@ mod tests {
     use crate::models::eldridge::planes;
 
     proptest! {
-        /// Documents 000 (with its signs repaired) and 001 describe the same plane.
+        /// Documents 000 (with its signs corrected) and 001 describe the same plane.
         #[test]
         fn the_documents_agree_on_planes(c in prop::array::uniform9(-100i32..100)) {
             let v = [0, 3, 6].map(|i| [0, 1, 2].map(|k| f64::from(c[i + k])));
@@ -164,7 +164,7 @@ mod tests {
             }
         }
 
-        /// Stepping comes to the same as evaluating; the edge function is that of document 000 with the other sign.
+        /// Stepping gives the same as evaluating; the edge function is that of document 000 with the opposite sign.
         #[test]
         fn edges_step(c in prop::array::uniform4(-100i32..100), p in prop::array::uniform4(-50i32..50)) {
             let [v0, v1] = [0, 2].map(|i| [0, 1].map(|k| f64::from(c[i + k])));
@@ -179,7 +179,7 @@ mod tests {
         #[test]
         fn fixed_point_is_rounding(v in 0.0f64..2000.0) {
             let fixed = float_to_fixed(v, Count::new(12.0)).unwrap();
-            // One rounding to single precision, one by the addition: half a step each.
+            // Two roundings, one to single precision and one by the addition: half a step each.
             prop_assert!((fixed / 4096.0 - v).abs() <= 1.0 / 4096.0);
         }
     }

@@ -37,7 +37,7 @@ pub fn back_end_share(rate: PolygonRate, fps: FrameRate, triangles: Polygons) ->
     Ratio::new(rate / fps / triangles)
 }
 
-/// The fixed time of a transfer, if blocks of `block` bytes arrive at `observed` and very long ones at `peak`: a
+/// The fixed time of a transfer, if blocks of `block` bytes have the bandwidth `observed` and very long ones `peak`: a
 /// transfer takes `fixed + bytes / peak` (4.5.1 gives the two bandwidths; the model is inferred).
 ///
 /// # Errors

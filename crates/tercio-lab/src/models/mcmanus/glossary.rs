@@ -38,7 +38,7 @@ pub(crate) const GLOSSARY: Glossary = Glossary {
                 "mcmanus.optimal-power-of-two",
                 "mcmanus.largest-deviation",
             ],
-            "square boxes of one size, whole pixels wide, equally likely at every place",
+            "square boxes of one size, whole pixels wide, equally likely at every position",
         ),
         (
             &["mcmanus.7", "mcmanus.measured-rate", "mcmanus.9", "mcmanus.14*"],

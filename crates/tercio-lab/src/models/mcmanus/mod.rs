@@ -2,9 +2,8 @@
 //! Rasterization Architectures.
 //!
 //! `A` is the side of the array of pixel processors, which is the side of a screen region; `N` the mean area of a
-//! polygon's bounding box in pixels, so that sqrt N stands for its side; `T` raster cycles a second, one cycle
-//! rasterizing one polygon in one region. The overlap formula itself stands in
-//! [`super::overlap::pixel_boxes`].
+//! polygon's bounding box in pixels, with sqrt N as its side; `T` raster cycles a second, one cycle rasterizing one
+//! polygon in one region. The overlap formula itself is [`super::overlap::pixel_boxes`].
 
 pub(crate) mod glossary;
 pub mod optimum;
@@ -71,8 +70,8 @@ pub fn placements(side: Length, width: Length) -> [f64; 3] {
     [alpha, beta, gamma]
 }
 
-/// [`placements`] with equation 4 as it is printed: gamma is (sqrt N - ((i - 1) A - 1))^2, and beta what is left of A^2,
-/// which may be less than nothing.
+/// [`placements`] with equation 4 as it is printed: gamma is (sqrt N - ((i - 1) A - 1))^2, and beta the rest of A^2,
+/// which may be negative.
 pub fn placements_as_printed(side: Length, width: Length) -> [f64; 3] {
     let (a, w) = (side.get(), width.get());
     let [i, alpha, ..] = places(side, width);
@@ -92,8 +91,8 @@ pub fn rate(side: Length, area: Pixels, per_second: Count) -> PolygonRate {
     PolygonRate::new(per_second.get() / overlap_of_area(side, area).get())
 }
 
-/// Equation 14, corrected: polygons a second of `processors` arranged as arrays of side `side`, of which there are
-/// X / A^2. The document divides by X / A; the condition must be A^2 <= X.
+/// Equation 14, corrected: polygons a second of `processors` arranged as X / A^2 arrays of side `side`. The document
+/// divides by X / A; the condition must be A^2 <= X.
 ///
 /// # Errors
 /// An array larger than the machine.
@@ -131,7 +130,7 @@ pub fn frame_time(cycles: Cycles, renderers: Count, cycle: Seconds) -> Seconds {
     cycle * (cycles.get() / renderers.get())
 }
 
-/// Pixel processors with an array for every raster cycle (3).
+/// Pixel processors if every raster cycle has an array of its own (3).
 pub fn processors_for_one_cycle(cycles: Cycles, side: Length) -> Pixels {
     Pixels::new(cycles.get() * side.get() * side.get())
 }
@@ -154,9 +153,9 @@ pub fn largest_deviation(
     Ok(Ratio::new(sides.iter().zip(&cycles).map(off).fold(0.0, f64::max)))
 }
 
-/// Areas of memory per microprocessor and of the controller chip that the published line implies: points
-/// [polygons a second, die area, microprocessors] whose least-squares line is slope and base of equation 1 (5.1; the
-/// paper prints neither area).
+/// Areas of memory per microprocessor and of the controller chip that are implied by the published line: points
+/// [polygons a second, die area, microprocessors] whose least-squares line has the slope and base of equation 1 (5.1;
+/// the paper prints neither area).
 ///
 /// # Errors
 /// Fewer than two different rates, or one number of microprocessors everywhere.
@@ -198,7 +197,7 @@ pub(crate) const MODELS: &[Model] = models! {
         renderer_area["A": Length where 1.0, "P": PolygonRate] -> SquareInches;
     "mcmanus.6", "eq 2 to 6", "C(A), regions per polygon; printed with a wrong sign in 4":
         overlap_of_area["A": Length where 1.0, "N": Pixels where 1.0] -> Ratio;
-    "mcmanus.places", "eq 2 to 5", "[i, alpha, beta, gamma] for a box of so many pixels":
+    "mcmanus.places", "eq 2 to 5", "[i, alpha, beta, gamma] for a box w pixels wide":
         places["A": Length where 1.0, "w": Length where 1.0] -> [f64; 4];
     "mcmanus.placements", "fig 5", "[alpha, beta, gamma] of these":
         placements["A": Length where 1.0, "w": Length where 1.0] -> [f64; 3];
@@ -232,7 +231,7 @@ mod tests {
     use super::*;
 
     proptest! {
-        /// Equations 2 to 6 are the closed square for every size, also where the box is no whole number of pixels.
+        /// Equations 2 to 6 equal the closed form for every size, also if the box is no whole number of pixels.
         #[test]
         fn the_equations_collapse(a in 1.0f64..600.0, w in 1.0f64..600.0) {
             let (side, width) = (Length::new(a), Length::new(w));

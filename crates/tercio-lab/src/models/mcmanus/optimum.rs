@@ -1,4 +1,4 @@
-//! The array that gives most polygons a second for its area (sections 5.2 and 6, equations 8 to 13).
+//! The array with most polygons a second for its area (sections 5.2 and 6, equations 8 to 13).
 
 use super::{CYCLES, GEOMETRY_BASE, GEOMETRY_SLOPE, PIXEL_PROCESSOR, measured_rate, rate, renderer_area};
 use crate::models;
@@ -8,24 +8,24 @@ use crate::units::{Count, Cycles, Length, Pixels, PolygonRate, Polygons, SquareI
 /// The largest array of the tables.
 const LARGEST: u32 = 512;
 
-/// Where a search for a side begins and ends.
+/// Range of the search for a side.
 const SMALLEST_SIDE: f64 = 1.0;
 const LARGEST_SIDE: f64 = 4096.0;
 
-/// Polygons a second more per pixel of side: P'(A) = 2 T A (s - 1) / (A + s - 1)^3 with s = sqrt N. This is the true
-/// derivative of equation 7 that equation 11 was to be.
+/// Increase in polygons a second per pixel of side: P'(A) = 2 T A (s - 1) / (A + s - 1)^3 with s = sqrt N. This is the
+/// true derivative of equation 7, which equation 11 was meant to be.
 pub fn rate_slope(side: Length, area: Pixels, per_second: Count) -> f64 {
     let (a, s) = (side.get(), area.get().sqrt());
     2.0 * per_second.get() * a * (s - 1.0) / (a + s - 1.0).powi(3)
 }
 
-/// Equation 12: R'(A), square inches more per pixel of side, with the true P'.
+/// Equation 12: R'(A), increase in square inches per pixel of side, with the true P'.
 pub fn area_slope(side: Length, area: Pixels, per_second: Count) -> f64 {
     area_slope_with(side, rate_slope(side, area, per_second))
 }
 
-/// Equation 9: P(R) = P(A(R)), polygons a second of one renderer of so much silicon. A(R) is found by search; R(A)
-/// rises with A, so there is one.
+/// Equation 9: P(R) = P(A(R)), polygons a second of one renderer with this much silicon. A(R) is found by search; it is
+/// unique because R(A) increases with A.
 ///
 /// # Errors
 /// Less silicon than an array of side 1 takes, or more than one of side 4096.
@@ -51,7 +51,8 @@ pub fn replication_slope(side: Length, area: Pixels, per_second: Count) -> f64 {
     p.get() / renderer_area(side, p).get()
 }
 
-/// Equation 10: P'(A)/R'(A), polygons a second more per square inch more of one renderer, with the true P'.
+/// Equation 10: P'(A)/R'(A), increase in polygons a second per additional square inch of one renderer, with the true
+/// P'.
 pub fn growth_slope(side: Length, area: Pixels, per_second: Count) -> f64 {
     rate_slope(side, area, per_second) / area_slope(side, area, per_second)
 }
@@ -66,7 +67,7 @@ pub fn optimal_side(area: Pixels) -> Length {
     Length::new(((area.get().sqrt() - 1.0).max(0.0) * GEOMETRY_BASE / PIXEL_PROCESSOR).cbrt())
 }
 
-/// The solution of equation 13 by search, as the document finds it, for checking [`optimal_side`].
+/// The solution of equation 13 by search, as in the document, to check [`optimal_side`].
 ///
 /// # Errors
 /// Boxes so small or so large that the optimum does not lie between 1 and 4096.
@@ -77,7 +78,7 @@ pub fn optimal_side_by_search(area: Pixels, per_second: Count) -> Result<Length,
     })
 }
 
-/// The side in powers of two from 1 to 512 that takes least area per polygon a second, by equation 7 (table 3).
+/// The side among powers of two from 1 to 512 with the least area per polygon a second, by equation 7 (table 3).
 pub fn optimal_power_of_two(area: Pixels, per_second: Count) -> Length {
     cheapest(powers_of_two().map(|side| (side, rate(side, area, per_second).get())))
 }
@@ -103,7 +104,7 @@ fn powers_of_two() -> impl Iterator<Item = Length> {
     (0..=LARGEST.ilog2()).map(|power| Length::new(f64::from(1u32 << power)))
 }
 
-/// The side with the least renderer area per polygon a second; the smaller one of two equals.
+/// The side with the least renderer area per polygon a second; the smaller one of two equal ones.
 fn cheapest(sides: impl Iterator<Item = (Length, f64)>) -> Length {
     let cost = |(side, rate): (Length, f64)| (side, renderer_area(side, PolygonRate::new(rate)).get() / rate);
     sides.map(cost).min_by(|a, b| a.1.total_cmp(&b.1)).map_or(Length::default(), |best| best.0)
@@ -123,9 +124,9 @@ fn misread_cubic(a: f64, area: Pixels) -> [f64; 2] {
     [value, 3.75 * a * a + 2.0 * (1.5 * s - 2.0) * a + n - 2.0 * s]
 }
 
-/// Equation 11 with its coefficients restored: T times a quotient whose denominator is the square of [`misread_overlap`]'s
-/// cubic. The document prints a = 1.5575 (1.5625), b without - 5, the tail of e as that of f, "2N = 4 sqrt N" for j,
-/// and 2 sqrt N (6 sqrt N) for k. It is not the derivative of equation 7: see [`rate_slope`].
+/// Equation 11 with its coefficients restored: T times a quotient whose denominator is the square of the cubic of
+/// [`misread_overlap`]. The document prints a = 1.5575 (1.5625), b without - 5, the tail of e as that of f, "2N = 4
+/// sqrt N" for j, and 2 sqrt N (6 sqrt N) for k. It is not the derivative of equation 7: see [`rate_slope`].
 pub fn misread_rate_slope(side: Length, area: Pixels, per_second: Count) -> f64 {
     let (n, s) = (area.get(), area.get().sqrt());
     let (a, b, f) = (1.5625, 3.75 * s - 5.0, 4.0 * n * s - 8.0 * n);
@@ -133,7 +134,7 @@ pub fn misread_rate_slope(side: Length, area: Pixels, per_second: Count) -> f64 
     quotient(side, area, per_second, [a, b, f], [j, k])
 }
 
-/// Equation 11 with the coefficients as they are printed; the second sign of j, a minus that became "=", is read as one.
+/// Equation 11 with the coefficients as printed; the second sign of j, a minus that became "=", is read as a minus.
 pub fn misread_rate_slope_as_printed(side: Length, area: Pixels, per_second: Count) -> f64 {
     let (n, s) = (area.get(), area.get().sqrt());
     let (a, b, f) = (1.5575, 3.75 * s, 4.0 * n * s - 8.0 * s + 10.0 * n);
@@ -141,7 +142,7 @@ pub fn misread_rate_slope_as_printed(side: Length, area: Pixels, per_second: Cou
     quotient(side, area, per_second, [a, b, f], [j, k])
 }
 
-/// Equation 11 with the coefficients that need no doubt, and those that do.
+/// Equation 11 with its undisputed coefficients; the disputed ones are parameters.
 fn quotient(side: Length, area: Pixels, per_second: Count, [a, b, f]: [f64; 3], [j, k]: [f64; 2]) -> f64 {
     let (x, n, s) = (side.get(), area.get(), area.get().sqrt());
     let c = 4.75 * n - 11.0 * s + 4.0;
@@ -151,7 +152,7 @@ fn quotient(side: Length, area: Pixels, per_second: Count, [a, b, f]: [f64; 3], 
     per_second.get() * x * x * (h * x * x + j * x + k) / denominator
 }
 
-/// The optimum of figure 7: equation 13 with equation 11 and its own overlap.
+/// The optimum of figure 7: equation 13 with equation 11 and the overlap it was derived from.
 ///
 /// # Errors
 /// As [`optimal_side_by_search`].
@@ -164,13 +165,13 @@ pub fn misread_optimal_side(area: Pixels, per_second: Count) -> Result<Length, S
     })
 }
 
-/// The place between 1 and 4096 where `of` rises through zero.
+/// The point between 1 and 4096 where `of` increases through zero.
 fn bisect(of: impl Fn(f64) -> f64) -> Result<Length, String> {
     let (mut low, mut high) = (SMALLEST_SIDE, LARGEST_SIDE);
     if !(of(low) < 0.0 && of(high) > 0.0) {
         return Err("the optimum does not lie between 1 and 4096".into());
     }
-    // Halved until neighbouring numbers are left.
+    // Halved until only neighbouring numbers are left.
     loop {
         let middle = 0.5 * (low + high);
         if middle <= low || middle >= high {
@@ -185,7 +186,7 @@ pub(crate) const MODELS: &[Model] = models! {
         rate_slope["A": Length where 1.0, "N": Pixels where 1.0, "T": Count = CYCLES] -> f64;
     "mcmanus.8", "eq 8", "L, polygons a second per square inch of replicated renderers":
         replication_slope["A": Length where 1.0, "N": Pixels where 1.0, "T": Count = CYCLES] -> f64;
-    "mcmanus.9", "eq 9", "P(R), polygons a second of one renderer of so much silicon":
+    "mcmanus.9", "eq 9", "P(R), polygons a second of one renderer by its area of silicon":
         rate_of_silicon["R": SquareInches, "N": Pixels where 1.0, "T": Count = CYCLES] -> Result<PolygonRate, String>;
     "mcmanus.10", "eq 10", "P'/R', polygons a second more per square inch more of one renderer":
         growth_slope["A": Length where 1.0, "N": Pixels where 1.0, "T": Count = CYCLES] -> f64;
@@ -224,7 +225,7 @@ mod tests {
             prop_assert!((closed / found - 1.0).abs() < 1e-9);
         }
 
-        /// The rate by silicon is the rate of the array that takes it.
+        /// The rate for an area of silicon is the rate of the array with that area.
         #[test]
         fn silicon_and_back(a in 1.5f64..2000.0, n in 2.0f64..1e5) {
             let (side, area) = (Length::new(a), Pixels::new(n));
@@ -234,7 +235,7 @@ mod tests {
             prop_assert!(rate_of_silicon(SquareInches::new(0.5), area, T).unwrap_err().contains("found 0.5"));
         }
 
-        /// Both slopes are the derivatives of what they belong to.
+        /// Both slopes are the derivatives of their functions.
         #[test]
         fn slopes_are_derivatives(a in 2.0f64..400.0, n in 2.0f64..1e4) {
             let (side, area, step) = (Length::new(a), Pixels::new(n), 1e-5 * a);

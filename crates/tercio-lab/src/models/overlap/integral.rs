@@ -1,18 +1,18 @@
-//! Equations 2.5 and 2.6 of document 001: the overlap as an integral over the places of a box or a shape, of which the
-//! closed forms are special cases.
+//! Equations 2.5 and 2.6 of document 001: the overlap as an integral over the positions of a box or a shape, of which
+//! the closed forms are special cases.
 
 use crate::models;
 use crate::models::registry::Model;
 use crate::units::{Count, Length, Ratio};
 
-/// Places a side that [`placed_shapes`] tries at most.
+/// Maximum number of positions per side in [`placed_shapes`].
 const MOST_STEPS: f64 = 4096.0;
-/// Tiles a side that its shape meets at most.
+/// Maximum number of tiles per side that its shape may meet.
 const MOST_TILES: f64 = 4096.0;
 
-/// Equation 2.5: tiles of `width` by `height` that a box of `w` by `h` meets, where the probability of its centre's
-/// place is not the same everywhere: `density` divides a tile into rows of equal cells and gives the weight of each,
-/// with any sum. Exact, since the number of tiles is integrated in closed form over each cell.
+/// Equation 2.5: tiles of `width` by `height` that a box of `w` by `h` meets if the position of its centre is not
+/// uniformly distributed: `density` divides a tile into rows of equal cells and has the weight of each, with any sum.
+/// Exact, since the number of tiles is integrated in closed form over each cell.
 ///
 /// # Errors
 /// No cells, rows of different lengths, weights below zero or all of them zero, tiles without area.
@@ -45,8 +45,8 @@ pub fn placed_boxes(
     Ok(Ratio::new(met.sum::<f64>() / sum))
 }
 
-/// The mean number of tiles of side `tile` that meet a segment of length `w` on a line, over the places of its middle
-/// in one of `cells` equal parts of a tile.
+/// The mean number of tiles of side `tile` that meet a segment of length `w` on a line, over the positions of its
+/// centre in one of `cells` equal parts of a tile.
 fn tiles_along(tile: Length, w: Length, cell: usize, cells: usize) -> f64 {
     let tile = tile.get();
     let edge = |k: usize| tile * k as f64 / cells as f64;
@@ -62,7 +62,7 @@ fn tiles_along(tile: Length, w: Length, cell: usize, cells: usize) -> f64 {
 }
 
 /// Equation 2.6 for the shape itself instead of its box: square tiles of side `tile` that a convex polygon meets,
-/// counted at `steps` by `steps` places of a tile. What [`super::exact_by_box`] gives in closed form.
+/// counted at `steps` by `steps` positions in a tile. The closed form is [`super::exact_by_box`].
 ///
 /// # Errors
 /// No polygon, one that is not convex, no steps or more than 4096, a polygon across more than 4096 tiles.
@@ -87,7 +87,7 @@ pub fn placed_shapes(tile: Length, shape: Vec<[f64; 2]>, steps: Count) -> Result
         let (first, last) = (((low + dy) / side).floor(), ((high + dy) / side).floor());
         for row in 0..=(last - first) as u64 {
             let top = (first + row as f64) * side - dy;
-            // A row of tiles meets all tiles between the ends of its part of a convex shape.
+            // A convex shape meets all tiles of a row between the ends of its part in that row.
             let Some((left, right)) = slice(&shape, top, top + side) else { continue };
             let tiles = |dx: f64| ((right + dx) / side).floor() - ((left + dx) / side).floor() + 1.0;
             met += (0..steps).map(offset).map(tiles).sum::<f64>();
@@ -96,20 +96,20 @@ pub fn placed_shapes(tile: Length, shape: Vec<[f64; 2]>, steps: Count) -> Result
     Ok(Ratio::new(met / (steps * steps) as f64))
 }
 
-/// Whether the corners turn one way only, and round once.
+/// Whether the corners turn in one direction only, and go round once.
 fn is_convex(shape: &[[f64; 2]]) -> bool {
     let n = shape.len();
     let edge = |i: usize| [0, 1].map(|k| shape[(i + 1) % n][k] - shape[i % n][k]);
     let cross = |a: [f64; 2], b: [f64; 2]| a[0] * b[1] - a[1] * b[0];
     let turns: Vec<_> = (0..n).map(|i| cross(edge(i), edge(i + 1))).collect();
     let one_way = turns.iter().all(|t| *t >= 0.0) || turns.iter().all(|t| *t <= 0.0);
-    // Stars turn one way, too, but change between left and right more than twice.
+    // Stars turn in one direction, too, but change between left and right more than twice.
     let rightwards: Vec<_> = (0..n).map(|i| edge(i)[0]).filter(|dx| *dx != 0.0).map(|dx| dx > 0.0).collect();
     let changes = (0..rightwards.len()).filter(|&i| rightwards[i] != rightwards[(i + 1) % rightwards.len()]);
     n >= 3 && one_way && changes.count() <= 2
 }
 
-/// Where the part of a convex shape between two heights begins and ends.
+/// The left and right ends of the part of a convex shape between two heights.
 fn slice(shape: &[[f64; 2]], top: f64, bottom: f64) -> Option<(f64, f64)> {
     let edges = shape.iter().zip(shape.iter().cycle().skip(1));
     let ends = edges.filter_map(|(a, b)| {
@@ -127,10 +127,10 @@ fn extent(values: impl Iterator<Item = f64>) -> (f64, f64) {
 }
 
 pub(crate) const MODELS: &[Model] = models! {
-    "overlap.2.5", "001 eq 2.5", "tiles W by H that a box w by h meets, with the probability p of its place":
+    "overlap.2.5", "001 eq 2.5", "tiles W by H that a box w by h meets, with the probability p of its position":
         placed_boxes["W": Length, "H": Length, "w": Length, "h": Length, "p": Vec<Vec<f64>>]
             -> Result<Ratio, String>;
-    "overlap.2.6", "001 eq 2.6", "square tiles that a convex polygon meets, counted at steps by steps places":
+    "overlap.2.6", "001 eq 2.6", "square tiles that a convex polygon meets, counted at steps by steps positions":
         placed_shapes["S": Length, "shape": Vec<[f64; 2]>, "steps": Count = 64.0] -> Result<Ratio, String>;
 };
 
@@ -147,7 +147,7 @@ mod tests {
     }
 
     proptest! {
-        /// With even probability the integral is equation 2.1, however finely the tile is divided.
+        /// With uniform positions the integral is equation 2.1, however finely the tile is divided.
         #[test]
         fn even_places_are_molnar_and_eyles(
             of in prop::array::uniform4(0.5f64..200.0), columns in 1usize..9, rows in 1usize..9,
@@ -157,7 +157,7 @@ mod tests {
             prop_assert!((even / boxes(width, height, w, h).get() - 1.0).abs() < 1e-9);
         }
 
-        /// Counted in one narrow cell, the number of tiles is that of the cell's place.
+        /// In a single narrow cell the number of tiles is that at the cell's position.
         #[test]
         fn one_place(cell in 0usize..1000, w in 0.1f64..90.0) {
             let mut row = vec![0.0; 1000];
@@ -171,7 +171,7 @@ mod tests {
             prop_assert!(found >= 1.0);
         }
 
-        /// A triangle of any size, counted, is the closed form.
+        /// For triangles of any size, counting agrees with the closed form.
         #[test]
         fn shapes_are_the_closed_form(c in prop::array::uniform6(-40i32..40)) {
             let shape = [0, 2, 4].map(|i| [f64::from(c[i]), f64::from(c[i + 1])]);

@@ -1,7 +1,7 @@
-//! How many tiles a triangle or a box meets on the mean, at a random place.
+//! How many tiles a triangle or a box meets on average, at a random position.
 //!
-//! Two ways of counting: documents 001 and 000 take a box as a region of the plane, document 003 as a number of whole
-//! pixels, of which a box w pixels wide reaches w - 1 beyond its first.
+//! Two ways of counting: documents 001 and 000 treat a box as a region of the plane, document 003 as a number of whole
+//! pixels, of which a box w pixels wide extends w - 1 beyond its first.
 
 pub mod integral;
 
@@ -9,10 +9,10 @@ use crate::models;
 use crate::models::registry::{Glossary, Model};
 use crate::units::{Count, Length, Pixels, Ratio};
 
-/// Area of the bounding box over that of the triangle: the mean that document 001 takes (2.3.2).
+/// Area of the bounding box over that of the triangle: the mean that document 001 assumes (2.3.2).
 const BOX_TO_TRIANGLE: f64 = 3.0;
 
-/// Pixels a side of the largest region that is counted out.
+/// Side of the largest region that is counted exhaustively, in pixels.
 const MOST_COUNTED: u64 = 4096;
 
 /// Document 001, equation 2.1 (Molnar and Eyles): tiles of `width` by `height` that a box of `w` by `h` meets. Exact
@@ -33,25 +33,25 @@ pub fn boxes_by_aspect(area: Pixels, aspect: Ratio, s: Length) -> Ratio {
     boxes(width, height, s, s)
 }
 
-/// Width and height of a tile of `area` and `aspect` = width over height. The text beside equation 2.2 prints
-/// W = R sqrt(A), H = R^-1 sqrt(A) with the -1 lost; even so W/H would be R squared. Consistent is
-/// W = sqrt(R A), H = sqrt(A / R).
+/// Width and height of a tile of `area` and `aspect` = width over height. The text beside equation 2.2 prints W = R
+/// sqrt(A), H = R^-1 sqrt(A) with the -1 lost; even with it W/H would be R squared. Consistent is W = sqrt(R A), H =
+/// sqrt(A / R).
 pub fn tile_sides(area: Pixels, aspect: Ratio) -> [Length; 2] {
     [Length::new((aspect.get() * area.get()).sqrt()), Length::new((area.get() / aspect.get()).sqrt())]
 }
 
-/// The sides as the text prints them with the lost -1 restored, W = R sqrt(A) and H = sqrt(A) / R; equation 2.2 uses
-/// them so. Their aspect ratio is R squared.
+/// The sides as the text prints them with the lost -1 restored, W = R sqrt(A) and H = sqrt(A) / R, as used in equation
+/// 2.2. Their aspect ratio is R squared.
 pub fn tile_sides_as_printed(area: Pixels, aspect: Ratio) -> [Length; 2] {
     tile_sides(area, aspect * aspect.get())
 }
 
-/// Equation 2.2 with the sides as printed. The least overlap is at R = 1 here as there.
+/// Equation 2.2 with the sides as printed. Here, too, the overlap is least at R = 1.
 pub fn boxes_by_aspect_as_printed(area: Pixels, aspect: Ratio, s: Length) -> Ratio {
     boxes_by_aspect(area, aspect * aspect.get(), s)
 }
 
-/// The aspect ratio that [`tile_sides`] gives back.
+/// The aspect ratio of the result of [`tile_sides`].
 pub fn tile_aspect(area: Pixels, aspect: Ratio) -> Ratio {
     let [width, height] = tile_sides(area, aspect);
     Ratio::new(width / height)
@@ -64,7 +64,7 @@ pub fn bounding_boxes(tile: Length, area: Pixels, rho: Ratio) -> Ratio {
     boxes_in_squares(tile, s, s)
 }
 
-/// Document 001, equation 2.7: tiles that a triangle meets whose box has a corner of four tiles inside.
+/// Document 001, equation 2.7: tiles that a triangle meets whose box contains a corner of four tiles.
 pub fn corner(rho: Ratio) -> Ratio {
     Ratio::new(3.0 + 1.0 / rho.get())
 }
@@ -74,7 +74,7 @@ pub fn exact_by_side(tile: Length, s: Length, rho: Ratio) -> Ratio {
     exact_by_box(tile, s, s, Pixels::new(s.get() * s.get() / rho.get()))
 }
 
-/// The factor of s^2/S^2 in equation 2.8: what [`corner`] is above 3.
+/// The factor of s^2/S^2 in equation 2.8: the excess of [`corner`] over 3.
 pub fn corner_excess(rho: Ratio) -> Ratio {
     corner(rho) - Ratio::new(3.0)
 }
@@ -93,7 +93,7 @@ pub fn exact_by_box(tile: Length, w: Length, h: Length, area: Pixels) -> Ratio {
     Ratio::new(1.0 + (w.get() + h.get()) / s + area.get() / (s * s))
 }
 
-/// Document 001, equation 2.11: bounding boxes less exact, 2.4 - 2.9.
+/// Document 001, equation 2.11: bounding boxes minus exact, 2.4 - 2.9.
 pub fn difference(tile: Length, area: Pixels, rho: Ratio) -> Ratio {
     Ratio::new(area.get() * (rho.get() - 1.0) / (tile.get() * tile.get()))
 }
@@ -111,7 +111,7 @@ pub fn columns(column: Length, width: Length) -> Ratio {
     Ratio::new((width.get() + column.get() - 1.0) / column.get())
 }
 
-/// The mean of [`pixel_boxes`] counted out: a box of `side` pixels at each of the `region` squared places.
+/// The mean of [`pixel_boxes`] by enumeration: a box of `side` pixels at each of the `region` squared positions.
 ///
 /// # Errors
 /// A region or a box without a pixel, a region of more than 4096 on a side.
@@ -145,7 +145,7 @@ pub(crate) const MODELS: &[Model] = models! {
         boxes_in_squares["S": Length, "w": Length, "h": Length] -> Ratio;
     "overlap.2.4", "001 eq 2.4", "square tiles that the bounding box of a triangle of area a meets":
         bounding_boxes["S": Length, "a": Pixels, "rho": Ratio where 1.0 = BOX_TO_TRIANGLE] -> Ratio;
-    "overlap.2.7", "001 eq 2.7", "tiles that a triangle meets whose box holds a corner":
+    "overlap.2.7", "001 eq 2.7", "tiles that a triangle meets whose box contains a corner":
         corner["rho": Ratio where 1.0 = BOX_TO_TRIANGLE] -> Ratio;
     "overlap.2.7-excess", "001 eq 2.7, 2.8", "the same, less 3":
         corner_excess["rho": Ratio where 1.0 = BOX_TO_TRIANGLE] -> Ratio;
@@ -155,7 +155,7 @@ pub(crate) const MODELS: &[Model] = models! {
         exact["S": Length, "a": Pixels, "rho": Ratio where 1.0 = BOX_TO_TRIANGLE] -> Ratio;
     "overlap.2.10", "001 eq 2.10", "square tiles that a convex shape with box w by h and area a meets":
         exact_by_box["S": Length, "w": Length, "h": Length, "a": Pixels] -> Ratio;
-    "overlap.2.11", "001 eq 2.11", "2.4 less 2.9":
+    "overlap.2.11", "001 eq 2.11", "2.4 minus 2.9":
         difference["S": Length, "a": Pixels, "rho": Ratio where 1.0 = BOX_TO_TRIANGLE] -> Ratio;
     "overlap.pixel-boxes", "003 eq 2 to 6", "regions of side A that a square box of w whole pixels meets":
         pixel_boxes["A": Length where 1.0, "w": Length where 1.0] -> Ratio;
@@ -178,11 +178,11 @@ pub(crate) const GLOSSARY: Glossary = Glossary {
         ("W", "width of a tile"),
         ("a", "area of the triangle or shape"),
         ("h", "height of the bounding box"),
-        ("p", "weights of the places of the box's centre: rows of equal cells of a tile"),
+        ("p", "weights of the positions of the box's centre: rows of equal cells of a tile"),
         ("rho", "area of the bounding box over that of the triangle"),
         ("s", "side of a square bounding box"),
         ("shape", "corners [x, y] of a convex polygon"),
-        ("steps", "places tried across a tile and down"),
+        ("steps", "positions tried across a tile and down"),
         ("w", "width of the bounding box"),
     ],
     assumptions: &[
@@ -201,13 +201,13 @@ pub(crate) const GLOSSARY: Glossary = Glossary {
                 "overlap.pixel-boxes*",
                 "overlap.columns",
             ],
-            "every place of the box relative to the tiles is equally likely",
+            "every position of the box relative to the tiles is equally likely",
         ),
         (&["overlap.2.4", "overlap.2.8", "overlap.2.9", "overlap.2.11"], "square bounding boxes"),
         (&["overlap.2.7*"], "a box smaller than a tile"),
         (
             &["overlap.pixel-boxes*", "overlap.columns"],
-            "boxes of whole pixels: one w pixels wide reaches w - 1 beyond its first",
+            "boxes of whole pixels: one w pixels wide extends w - 1 beyond its first",
         ),
     ],
 };
@@ -219,7 +219,7 @@ mod tests {
     use super::*;
 
     proptest! {
-        /// The closed form is the exact mean over all places, for any sizes.
+        /// The closed form is the exact mean over all positions, for any sizes.
         #[test]
         fn pixel_boxes_are_exact(a in 1u32..24, w in 1u32..80) {
             let counted = pixel_boxes_counted(Count::new(a.into()), Count::new(w.into())).unwrap().get();

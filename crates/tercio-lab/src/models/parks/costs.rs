@@ -16,8 +16,7 @@ pub const SEGMENT: Cycles = Cycles::new(85.0 + 15.0 + 58.0);
 /// Cycles per pixel (2.2).
 pub const PIXEL: Cycles = Cycles::new(21.0);
 
-/// Cycles of a scene: what one processor has to do. `segments` are the charged ones, see
-/// [`super::distributions::charged_segments`].
+/// Cycles of a scene on one processor. `segments` are the charged ones, see [`super::distributions::charged_segments`].
 pub fn scene(polygons: Polygons, vertices: Vertices, segments: Segments, pixels: Pixels) -> Cycles {
     POLYGON * polygons.get() + VERTEX * vertices.get() + SEGMENT * segments.get() + PIXEL * pixels.get()
 }
@@ -37,7 +36,7 @@ pub fn polygon(vertices: Vertices, height: Segments, area: Pixels) -> Cycles {
     scene(Polygons::new(1.0), vertices, height, area)
 }
 
-/// Point polygons in the time of one square of `side`, whole ones (4.3).
+/// Point polygons in the time of one square of `side`, rounded down (4.3).
 pub fn points_per_square(side: Length) -> Count {
     Count::new((square(side) / point()).floor())
 }
@@ -47,7 +46,7 @@ pub fn points_per_squares(side: Length, squares: Count) -> Ratio {
     Ratio::new(square(side) * squares.get() / point())
 }
 
-/// Triangles of `height` and its square as area in the time of one square of `side`, whole ones (4.3).
+/// Triangles with `height` and its square as area in the time of one square of `side`, rounded down (4.3).
 pub fn triangles_per_square(side: Length, height: Length) -> Count {
     let h = height.get();
     let triangle = polygon(Vertices::new(3.0), Segments::new(h), Pixels::new(h * h));
@@ -58,14 +57,14 @@ fn square(side: Length) -> Cycles {
     polygon(Vertices::new(4.0), Segments::new(side.get()), Pixels::new(side.get() * side.get()))
 }
 
-/// Cycles of a polygon that is a point; times the depth complexity, the floor of the splitter with a processor a
-/// pixel (4.1).
+/// Cycles of a polygon that is a point; times the depth complexity, the lower bound of a splitter with one processor
+/// per pixel (4.1).
 pub fn point() -> Cycles {
     polygon(Vertices::new(1.0), Segments::new(1.0), Pixels::new(1.0))
 }
 
-/// The time that a splitter never falls below, however many processors it has: a point for every layer of the deepest
-/// pixel (4.1).
+/// The lower bound of a splitter's time, however many processors it has: a point for every layer of the deepest pixel
+/// (4.1).
 pub fn splitter_floor(depth: Ratio) -> Cycles {
     point() * depth.get()
 }
@@ -82,7 +81,7 @@ pub fn interlace(
     scene(polygons, vertices, segments / k.get(), pixels / (k.get() * k.get()))
 }
 
-/// The share of polygons and vertices in [`interlace`], which no further processor makes smaller (4.5).
+/// The share of polygons and vertices in [`interlace`], which more processors do not reduce (4.5).
 pub fn interlace_fixed_share(
     polygons: Polygons,
     vertices: Vertices,
@@ -140,13 +139,13 @@ pub fn depth_complexity_by_area(polygons: Polygons, area: Pixels, screen: Pixels
     depth_complexity(area * polygons.get(), screen)
 }
 
-/// Time of so many memory cycles (4.4).
+/// Time of a number of memory cycles (4.4).
 pub fn time(cycles: Cycles, cycle: Seconds) -> Seconds {
     cycle * cycles.get()
 }
 
 pub(crate) const MODELS: &[Model] = models! {
-    "parks.listing", "app. B", "cycles of a listing with so many instructions of each cost":
+    "parks.listing", "app. B", "cycles of a listing with a number of instructions of each cost":
         total["times": Vec<Count>, "each": Vec<Cycles>] -> Result<Cycles, String>;
     "parks.scene", "2.2", "cycles of a scene by charged segments":
         scene["N": Polygons, "V": Vertices, "S": Segments, "P": Pixels] -> Cycles;
@@ -156,7 +155,7 @@ pub(crate) const MODELS: &[Model] = models! {
         polygon["V": Vertices, "height": Segments, "area": Pixels] -> Cycles;
     "parks.point", "4.1", "cycles of a point; the splitter's floor per unit of depth complexity":
         point[] -> Cycles;
-    "parks.splitter-floor", "4.1", "cycles that a splitter never falls below":
+    "parks.splitter-floor", "4.1", "lower bound of the cycles of a splitter":
         splitter_floor["Dc": Ratio] -> Cycles;
     "parks.points-per-square", "4.3", "whole points in the time of a square":
         points_per_square["side": Length = 128.0] -> Count;
@@ -184,6 +183,6 @@ pub(crate) const MODELS: &[Model] = models! {
         depth_complexity["P": Pixels, "screen": Pixels = 512.0 * 512.0] -> Ratio;
     "parks.depth-complexity-by-area", "4.3, footnote 5", "the same from the mean area of polygons":
         depth_complexity_by_area["N": Polygons, "area": Pixels, "screen": Pixels = 512.0 * 512.0] -> Ratio;
-    "parks.time", "4.4", "time of so many memory cycles":
+    "parks.time", "4.4", "time of a number of memory cycles":
         time["cycles": Cycles, "cycle": Seconds = 300e-9] -> Seconds;
 };

@@ -4,7 +4,7 @@ use crate::models;
 use crate::models::registry::{Argument, Model, Value};
 use crate::units::{Count, Ratio, Segments};
 
-/// Values with the number of times each occurs; whole numbers of times, at least one value.
+/// Values with the number of times each occurs; the numbers are whole, and there is at least one value.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Distribution(Vec<(f64, f64)>);
 
@@ -12,7 +12,7 @@ impl Distribution {
     /// A distribution of `(value, times)`.
     ///
     /// # Errors
-    /// Nothing in it, or a number of times that is not whole.
+    /// No values, or a number of times that is not whole.
     pub fn new(entries: Vec<(f64, f64)>) -> Result<Self, String> {
         if let Some(entry) = entries.iter().find(|e| !(e.1 >= 0.0 && e.1.fract() == 0.0 && e.0.is_finite())) {
             return Err(format!(
@@ -24,7 +24,7 @@ impl Distribution {
         if some { Ok(Self(entries)) } else { Err("expected at least one value, found none".into()) }
     }
 
-    /// How many values there are, each time counted.
+    /// Number of values, counted with their multiplicity.
     pub fn number(&self) -> f64 {
         self.0.iter().map(|e| e.1).sum()
     }
@@ -59,9 +59,9 @@ impl Argument for Distribution {
     }
 }
 
-/// The segments that a processor is charged for: a polygon without a scan line on it still costs one. The document
-/// does not state the rule; without it the totals of C.3, C.6, C.7 and C.8 are wrong by up to 16,432 cycles, with it
-/// all eight agree.
+/// The segments that a processor is charged for: a polygon without a scan line on it still costs one. The document does
+/// not state the rule; without it the totals of C.3, C.6, C.7 and C.8 are wrong by up to 16,432 cycles, with it all
+/// eight agree.
 pub fn charged_segments(heights: Distribution) -> Segments {
     Segments::new(heights.sum(|h| h.max(1.0)))
 }
@@ -95,6 +95,6 @@ pub(crate) const MODELS: &[Model] = models! {
         variance["of": Distribution] -> Ratio;
     "parks.deviation", "app. C", "standard deviation of [[value, times], ...]":
         deviation["of": Distribution] -> Ratio;
-    "parks.number", "app. C", "how many values there are in [[value, times], ...]":
+    "parks.number", "app. C", "number of values in [[value, times], ...]":
         number["of": Distribution] -> Count;
 };

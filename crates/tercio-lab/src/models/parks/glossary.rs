@@ -12,7 +12,7 @@ pub(crate) const GLOSSARY: Glossary = Glossary {
         ("S", "segments charged: runs of pixels on a scan line, at least one a polygon"),
         ("V", "vertices"),
         ("area", "pixels of a polygon"),
-        ("cells", "cells of the table as they stand in the scan, millions of cycles"),
+        ("cells", "cells of the table as scanned, millions of cycles"),
         ("counts", "[polygons, vertices, charged segments, pixels] of each machine's slowest processor"),
         ("cycle", "time of a memory cycle"),
         ("cycles", "memory cycles"),
@@ -57,6 +57,6 @@ pub(crate) const GLOSSARY: Glossary = Glossary {
         ),
         (&["parks.interlace*"], "segments and pixels divide evenly among the processors"),
         (&["parks.variance", "parks.deviation"], "the values are the whole population"),
-        (&["parks.restored-table"], "at most three mistaken characters; cells that stay open are ?"),
+        (&["parks.restored-table"], "at most three misread characters; cells that stay open are ?"),
     ],
 };

@@ -1,8 +1,8 @@
 //! The tables of cycles under figures 15 to 25: one scene on six machines.
 //!
-//! The scenes are lost, all but figure 15 whose counts appendix C has ([`table_of_counts`]); what remains are
-//! hand-lettered tables in a damaged scan. [`restored_table`] reads them: it takes the reading with the fewest
-//! mistaken characters that the cost model allows, and leaves a cell open where several do.
+//! The scenes are lost, except for figure 15, whose counts are in appendix C ([`table_of_counts`]); what remains are
+//! hand-lettered tables in a damaged scan. [`restored_table`] reads them: it takes the reading with the fewest misread
+//! characters that the cost model allows, and leaves a cell open if several readings qualify.
 
 use super::costs::{self, PIXEL, POLYGON, SEGMENT, VERTEX};
 use crate::models;
@@ -24,9 +24,9 @@ const H16: usize = 5;
 const LARGEST_CHANGE: f64 = 0.0455;
 /// And by at most 68 % in the splitter's with 16 processors: figures 18 and 19 differ most (4.4), 1.06 over .629.
 const LARGEST_SPLITTER_CHANGE: f64 = 0.69;
-/// Vertices per polygon on the mean, at least; all distributions of appendix C have more.
+/// Lower bound on the vertices per polygon on average; all distributions of appendix C have more.
 const LEAST_VERTICES: f64 = 2.0;
-/// Characters of a cell; more have more readings than can be tried.
+/// Characters of a cell; longer cells have more readings than can be tried.
 const LONGEST_CELL: usize = 6;
 /// Half of the last printed digit, in millions of cycles.
 const HALF_DIGIT: f64 = 0.005;
@@ -48,20 +48,20 @@ pub struct Readings(pub Vec<Cycles>);
 impl Outcome for Readings {
     const UNIT: &'static str = Cycles::UNIT;
 
-    /// Unlike a formula's, a reading may be missing.
+    /// Unlike the result of a formula, a reading may be missing.
     fn into_value(self) -> Result<Value, String> {
         Ok(Value::List(self.0.into_iter().map(|c| Value::Number(c.get())).collect()))
     }
 }
 
-/// A table in cycles from what stands in the scan, in millions: `cells` in the order of the columns, `polygons` of
-/// the scene; `similar` and `similar_splitter` the millions that the uniprocessor and the splitter with 16 take for the
-/// scene that the document compares with (0: none).
+/// A table in cycles from the cells of the scan, in millions: `cells` in the order of the columns, `polygons` of the
+/// scene; `similar` and `similar_splitter` are the millions that the uniprocessor and the splitter with 16 processors
+/// take for the scene that the document compares with (0: none).
 ///
 /// A cell that cannot be read, or that several readings fit, is NaN.
 ///
 /// # Errors
-/// Not six cells, or cells that no reading of up to three mistaken characters reconciles with the cost model.
+/// Not six cells, or cells that no reading of up to three misread characters reconciles with the cost model.
 pub fn restored_table(
     cells: Vec<String>,
     polygons: Count,
@@ -98,18 +98,18 @@ pub fn restored_table(
     let (first, others) = fewest.1.split_first().ok_or("no reading of the cells fits the cost model")?;
     let agreed = |column: usize| {
         let same = others.iter().all(|t| t[column] == first[column]);
-        // Cells print thousandths of a million at most, so whole cycles lose nothing.
+        // Cells have at most thousandths of a million, so rounding to whole cycles loses nothing.
         Cycles::new(if same { (first[column] * 1e6).round() } else { f64::NAN })
     };
     Ok(Readings((0..MACHINES).map(agreed).collect()))
 }
 
-/// What a cell can say, in millions, with the number of mistaken characters: as it stands, with one character taken
-/// for one that looks like it, and, as the last resort, nothing (two mistakes).
+/// The possible readings of a cell, in millions, with the number of misread characters: as scanned, with one character
+/// read as one that looks like it, and, as the last resort, unknown (two mistakes).
 fn readings(cell: &str) -> Vec<(f64, usize)> {
     let parse = |text: &str| {
         let dotted = text.replace(',', ".");
-        // The columns of 16 processors begin with the point; it is the first thing to fade.
+        // The columns of 16 processors begin with a point, which is the first character to fade.
         let dotted = if dotted.contains('.') { dotted } else { format!(".{dotted}") };
         dotted.parse::<f64>().ok()
     };
@@ -121,7 +121,7 @@ fn readings(cell: &str) -> Vec<(f64, usize)> {
             all.extend(parse(&text).map(|value| (value, 1)));
         }
     }
-    // Nothing legible costs nothing; giving up what is legible costs more than one mistake.
+    // An illegible cell costs nothing; discarding a legible one costs more than one mistake.
     let illegible = if all.is_empty() { 0 } else { 2 };
     all.push((f64::NAN, illegible));
     all
@@ -144,11 +144,11 @@ fn look_alikes(found: char) -> &'static str {
     }
 }
 
-/// Whether a table can be: what is NaN is not asked.
+/// Whether a table is plausible; NaN cells are not tested.
 fn possible(table: &[f64; MACHINES], polygons: f64, [similar, similar_splitter]: [f64; 2]) -> bool {
     let at_least = |high: usize, low: f64| !(table[high] + HALF_DIGIT < low);
     let at_most = |low: usize, high: f64| !(table[low] - HALF_DIGIT > high);
-    // Dividing a screen divides work at best evenly, and no part has more than the whole.
+    // Dividing a screen divides the work evenly at best, and no part has more than the whole.
     let dividing = at_least(I4, table[UNI] / 4.0)
         && at_least(S4, table[UNI] / 4.0)
         && at_most(I4, table[UNI])
@@ -168,9 +168,9 @@ fn possible(table: &[f64; MACHINES], polygons: f64, [similar, similar_splitter]:
         && interlace_law(table, polygons)
 }
 
-/// Whether one scene gives the interlace's three times: with k by k processors a time is F + s/k + p/k^2 + z_k,
-/// where F is the cost of polygons and vertices, s of segments, p of pixels, and z_k at most one segment a polygon
-/// for those without a scan line. Unknown or unreadable: no objection.
+/// Whether one scene can have the interlace's three times: with k by k processors a time is F + s/k + p/k^2 + z_k,
+/// where F is the cost of polygons and vertices, s of segments, p of pixels, and z_k at most one segment per polygon
+/// for those without a scan line. True if a time is unknown or unreadable.
 fn interlace_law(table: &[f64; MACHINES], polygons: f64) -> bool {
     /// Steps of the search over z_4; the digits of the tables are coarser.
     const STEPS: u32 = 100;

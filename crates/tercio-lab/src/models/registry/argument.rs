@@ -1,15 +1,15 @@
-//! From a [`Value`] to what a formula takes, and back.
+//! Conversion between a [`Value`] and the arguments and results of formulas.
 
 use super::Value;
 use crate::units::Quantity;
 
-/// A type that a formula can take.
+/// A type of arguments.
 pub trait Argument: Sized {
     /// The base unit's symbol, or the shape of a list.
     const UNIT: &'static str;
 
-    /// What a value looks like: a unit, the name of a number without one, `[px, ...]` for a list of any length,
-    /// `[number, number]` for one of a given length.
+    /// The syntax of a value: a unit, the name of a number without one, `[px, ...]` for a list of any length, `[number,
+    /// number]` for one of a given length.
     fn form() -> String;
 
     /// Reads the value.
@@ -24,10 +24,10 @@ pub trait Argument: Sized {
     }
 }
 
-/// What is said of results that are infinite or not a number.
+/// The message for results that are infinite or not a number.
 const NO_VALUE: &str = "the formula has no finite value for these arguments";
 
-/// A type that a formula can give.
+/// A type of results.
 pub trait Outcome {
     /// The base unit's symbol; empty for ratios, counts and lists.
     const UNIT: &'static str = "";
@@ -35,7 +35,7 @@ pub trait Outcome {
     /// The value in base units.
     ///
     /// # Errors
-    /// Why the formula has no result for these arguments: not finite, below zero where that cannot be.
+    /// Why the formula has no result for these arguments: not finite, or negative where that is impossible.
     fn into_value(self) -> Result<Value, String>;
 }
 
@@ -128,7 +128,7 @@ impl<Q: Quantity> Outcome for Q {
 
     fn into_value(self) -> Result<Value, String> {
         let value = self.get().into_value()?;
-        // Means of whole things need not be whole, but no quantity is below zero.
+        // Means of whole things need not be whole, but no quantity is negative.
         if self.get() < 0.0 {
             return Err(format!("these arguments give {value}, and a {} cannot be below zero", Q::NAME));
         }
@@ -158,7 +158,7 @@ impl<T: Outcome, const N: usize> Outcome for [T; N] {
     }
 }
 
-/// A formula that is not defined everywhere.
+/// The result of a partial function.
 impl<T: Outcome> Outcome for Result<T, String> {
     const UNIT: &'static str = T::UNIT;
 

@@ -1,29 +1,29 @@
-//! What the symbols of the documents mean, in words, and what the formulas take for granted.
+//! The meanings of the documents' symbols, and the assumptions of their formulas.
 //!
-//! A document uses its symbols in one sense, so their meanings stand once a document, in a [`Glossary`], and not with
-//! every formula.
+//! A document uses each symbol in one sense, so the meanings are given once per document, in a [`Glossary`], and not
+//! with every formula.
 
 /// The symbols and assumptions of one group of formulas.
 #[derive(Debug)]
 pub struct Glossary {
-    /// What the names of its formulas begin with, before the dot.
+    /// Prefix of the names of its formulas, before the dot.
     pub group: &'static str,
-    /// The number by which the project calls the document, if all formulas of the group come from one.
+    /// The project's number of the document, if all formulas of the group come from one.
     pub document: Option<&'static str>,
-    /// Symbols with their meanings. `ID/symbol` is the meaning in one formula only and counts before the others.
+    /// Symbols with their meanings. `ID/symbol` is the meaning in one formula only and takes precedence.
     pub symbols: &'static [(&'static str, &'static str)],
-    /// Names of formulas with what they assume; a name that ends in `*` stands for all that begin so.
+    /// Names of formulas with their assumptions; a name that ends in `*` stands for all with that prefix.
     pub assumptions: &'static [(&'static [&'static str], &'static str)],
 }
 
 impl Glossary {
-    /// What `symbol` means in the formula `id`.
+    /// The meaning of `symbol` in the formula `id`.
     pub(super) fn meaning(&self, id: &str, symbol: &str) -> Option<&'static str> {
         let of = |key: &str| self.symbols.iter().find(|s| s.0 == key).map(|s| s.1);
         of(&format!("{id}/{symbol}")).or_else(|| of(symbol))
     }
 
-    /// What the formula `id` assumes.
+    /// The assumptions of the formula `id`.
     pub(super) fn assumptions(&self, id: &str) -> impl Iterator<Item = &'static str> {
         self.assumptions
             .iter()

@@ -1,8 +1,8 @@
-//! The registry: every formula and simulation that can be asked for by name.
+//! The registry: every formula and simulation that can be evaluated by name.
 //!
-//! A room declares its entries with [`models!`](crate::models!), apart from the plain functions that compute, and
-//! [`all`] chains the rooms. `tercio lab eval` and the table of published numbers both ask here, so a number of the
-//! table comes out of the same code as the user's.
+//! A module declares its entries with [`models!`](crate::models!), apart from the plain functions that compute, and
+//! [`all`] chains the modules. `tercio lab eval` and the table of published numbers both use the registry, so a number
+//! of the table is computed by the same code as the user's.
 
 mod argument;
 mod glossary;
@@ -14,10 +14,10 @@ pub use argument::{Argument, Outcome};
 pub use glossary::Glossary;
 pub use value::Value;
 
-/// What a formula is asked with: values by parameter name.
+/// Arguments of a formula: values by parameter name.
 pub type Arguments = BTreeMap<String, Value>;
 
-/// A formula or a simulation that can be asked for by name.
+/// A formula or a simulation that can be evaluated by name.
 #[derive(Debug)]
 pub struct Model {
     /// The name: document or subject, a dot, the equation's number or a word.
@@ -26,7 +26,7 @@ pub struct Model {
     pub place: &'static str,
     /// What it computes, under which assumptions.
     pub what: &'static str,
-    /// What it takes.
+    /// Its parameters.
     pub parameters: &'static [Parameter],
     /// The base unit of the outcome; empty for ratios, counts and lists.
     pub unit: &'static str,
@@ -34,30 +34,30 @@ pub struct Model {
     pub compute: fn(&Reader<'_>) -> Result<Value, ModelError>,
 }
 
-/// What a formula takes.
+/// A parameter of a formula.
 #[derive(Debug)]
 pub struct Parameter {
     /// The symbol of the document.
     pub name: &'static str,
     /// The base unit.
     pub unit: &'static str,
-    /// What a value looks like, as [`Argument::form`] tells it.
+    /// The syntax of a value, from [`Argument::form`].
     pub form: fn() -> String,
-    /// The least value in base units, where it is more than what the unit allows.
+    /// The minimum in base units, if it is above that of the unit.
     pub at_least: Option<f64>,
-    /// The value in base units that counts if none is given.
+    /// The default value in base units.
     pub default: Option<f64>,
 }
 
-/// Why a formula has no outcome.
+/// Why a formula has no result.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ModelError {
     /// No such entry.
     #[error("no formula is called '{id}'{}", nearest(.near))]
     UnknownModel {
-        /// The name asked for.
+        /// The requested name.
         id: String,
-        /// Names like it.
+        /// Similar names.
         near: Vec<&'static str>,
     },
     /// No such parameter.
@@ -70,7 +70,7 @@ pub enum ModelError {
         /// The names that exist.
         takes: String,
     },
-    /// A value that has no default was not given.
+    /// A value is missing and has no default.
     #[error("{id} needs a value for '{name}', {meaning} ({form})")]
     Missing {
         /// The formula.
@@ -79,10 +79,10 @@ pub enum ModelError {
         name: &'static str,
         /// What it means.
         meaning: &'static str,
-        /// What a value looks like.
+        /// The syntax of a value.
         form: String,
     },
-    /// A value that the parameter cannot have.
+    /// A value that is invalid for the parameter.
     #[error("{id}: {name}: {reason}")]
     Argument {
         /// The formula.
@@ -106,7 +106,7 @@ fn nearest(near: &[&str]) -> String {
     if near.is_empty() { String::new() } else { format!("; near it: {}", near.join(", ")) }
 }
 
-/// Hands the arguments out by name and type.
+/// Provides the arguments by name and type.
 #[derive(Debug)]
 pub struct Reader<'a> {
     model: &'static Model,
@@ -117,7 +117,7 @@ impl Reader<'_> {
     /// The argument `name`, or the parameter's default.
     ///
     /// # Errors
-    /// [`ModelError::Missing`] without value and default, [`ModelError::Argument`] for an impossible value.
+    /// [`ModelError::Missing`] without value and default, [`ModelError::Argument`] for an invalid value.
     pub fn get<T: Argument>(&self, name: &'static str) -> Result<T, ModelError> {
         let id = self.model.id;
         let parameter = self.model.parameters.iter().find(|p| p.name == name);
@@ -161,12 +161,12 @@ impl Model {
         super::GLOSSARIES.iter().find(|g| self.id.split('.').next() == Some(g.group)).copied()
     }
 
-    /// What a parameter means, in words.
+    /// The meaning of a parameter, in words.
     pub fn meaning(&self, parameter: &str) -> &'static str {
         self.glossary().and_then(|g| g.meaning(self.id, parameter)).unwrap_or_default()
     }
 
-    /// What is taken for granted.
+    /// The assumptions.
     pub fn assumptions(&self) -> impl Iterator<Item = &'static str> {
         let id = self.id;
         self.glossary().into_iter().flat_map(move |g| g.assumptions(id))
@@ -183,7 +183,7 @@ impl Model {
     /// Computes the outcome, in base units.
     ///
     /// # Errors
-    /// Unknown names, missing and impossible values, and values for which the formula has no finite result.
+    /// Unknown names, missing and invalid values, and values for which the formula has no finite result.
     pub fn evaluate(&'static self, arguments: &Arguments) -> Result<Value, ModelError> {
         if let Some(name) = arguments.keys().find(|n| self.parameters.iter().all(|p| p.name != n.as_str())) {
             let names: Vec<_> = self.parameters.iter().map(|p| p.name).collect();
@@ -194,7 +194,7 @@ impl Model {
     }
 }
 
-/// Declares a room's entries, one a formula:
+/// Declares a module's entries, one per formula:
 ///
 /// ```text
 /// models! {
@@ -234,33 +234,33 @@ macro_rules! models {
 
 /// Every entry, in the order of the documents.
 pub fn all() -> impl Iterator<Item = &'static Model> {
-    super::ROOMS.iter().flat_map(|room| room.iter())
+    super::MODULES.iter().flat_map(|module| module.iter())
 }
 
 /// The entry called `id`.
 ///
 /// # Errors
-/// [`ModelError::UnknownModel`], with names like it.
+/// [`ModelError::UnknownModel`], with similar names.
 pub fn find(id: &str) -> Result<&'static Model, ModelError> {
     all().find(|m| m.id == id).ok_or_else(|| ModelError::UnknownModel { id: id.into(), near: near(id) })
 }
 
-/// Names that a user may have meant, the likeliest first.
+/// Names that a user may have meant, the most similar first.
 fn near(id: &str) -> Vec<&'static str> {
-    /// Below this likeness names have nothing to do with each other.
+    /// Names with less similarity than this are unrelated.
     const LIKE: f64 = 0.75;
     let likeness = |m: &'static Model| {
         let contained = if !id.is_empty() && m.id.contains(id) { 1.0 } else { 0.0 };
         (contained + strsim::jaro_winkler(id, m.id), m.id)
     };
     let mut all: Vec<_> = all().map(likeness).filter(|(like, _)| *like >= LIKE).collect();
-    // Equally like names stay in the order of the documents.
+    // Names of equal similarity stay in the order of the documents.
     all.sort_by(|a, b| b.0.total_cmp(&a.0));
     all.into_iter().map(|(_, id)| id).take(8).collect()
 }
 
-/// The entries whose name begins with `text` or, if there are none, whose name, place or description contains it in
-/// any spelling of capitals.
+/// The entries whose name begins with `text` or, if there are none, whose name, place or description contains it,
+/// ignoring case.
 pub fn search(text: &str) -> Vec<&'static Model> {
     let by_name: Vec<_> = all().filter(|m| m.id.starts_with(text)).collect();
     if !by_name.is_empty() {

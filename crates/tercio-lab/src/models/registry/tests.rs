@@ -13,7 +13,7 @@ fn names_are_unique_and_defaults_are_possible() {
     for model in all() {
         let names: BTreeSet<_> = model.parameters.iter().map(|p| p.name).collect();
         assert_eq!(names.len(), model.parameters.len(), "{}", model.id);
-        // Asked for nothing, a formula computes or says what it needs.
+        // Without arguments, a formula computes a result or reports a missing one.
         match model.evaluate(&Arguments::new()) {
             Ok(_) | Err(ModelError::Missing { .. }) => {}
             Err(other) => panic!("{other}"),
@@ -39,16 +39,16 @@ fn texts_with_units_are_arguments() {
 }
 
 #[test]
-fn missing_values_are_told_with_their_meaning() {
-    let said = evaluate("eldridge.3.2", &Arguments::new()).unwrap_err().to_string();
+fn missing_values_are_reported_with_their_meaning() {
+    let message = evaluate("eldridge.3.2", &Arguments::new()).unwrap_err().to_string();
     assert_eq!(
-        said,
+        message,
         "eldridge.3.2 needs a value for 'v', point [x, y, z]; for a projection in the eye's coordinates \
          ([number, number, number])"
     );
 }
 
-/// The page that tells which formula stands for which equation.
+/// The page that lists the formula of each equation.
 const PAGE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/laboratory/formulas.md");
 
 /// The numbers of the equations under each heading of the page; chapters with their last equation.
@@ -60,8 +60,8 @@ const NUMBERED: [(&str, &[(&str, u32)]); 3] = [
 
 /// The cells of the table under a heading, up to the next one.
 fn rows(page: &str, heading: &str) -> Vec<Vec<String>> {
-    let behind = page.lines().skip_while(|l| !l.starts_with(heading)).skip(1);
-    let table = behind.take_while(|l| !l.starts_with('#')).filter(|l| l.starts_with("| "));
+    let after = page.lines().skip_while(|l| !l.starts_with(heading)).skip(1);
+    let table = after.take_while(|l| !l.starts_with('#')).filter(|l| l.starts_with("| "));
     table.skip(1).map(|l| l.trim_matches('|').split('|').map(|c| c.trim().to_owned()).collect()).collect()
 }
 
@@ -70,8 +70,8 @@ fn every_equation_has_its_formula_on_the_page_and_every_formula_its_line() {
     let page = std::fs::read_to_string(PAGE).unwrap();
     let named: BTreeSet<_> = page.split('`').skip(1).step_by(2).filter(|id| !id.contains(' ')).collect();
     let ids: BTreeSet<_> = all().map(|m| m.id).collect();
-    let beside: BTreeSet<_> = ["as-printed"].into();
-    let unknown: Vec<_> = named.iter().filter(|id| !ids.contains(*id) && !beside.contains(*id)).collect();
+    let other: BTreeSet<_> = ["as-printed"].into();
+    let unknown: Vec<_> = named.iter().filter(|id| !ids.contains(*id) && !other.contains(*id)).collect();
     assert!(unknown.is_empty(), "no such formulas: {unknown:?}");
     let lost: Vec<_> = ids.difference(&named).collect();
     assert!(lost.is_empty(), "not on the page: {lost:?}");
@@ -93,33 +93,33 @@ fn a_line_of_the_page_says_what_its_first_formula_says() {
     }
 }
 
-fn said(id: &str, values: &[(&str, f64)]) -> String {
+fn message(id: &str, values: &[(&str, f64)]) -> String {
     evaluate(id, &given(values)).map_or_else(|e| e.to_string(), |value| value.to_string())
 }
 
 #[test]
 fn what_cannot_be_is_refused() {
     assert_eq!(
-        said("mcmanus.6", &[("A", 2.0), ("N", 0.5)]),
+        message("mcmanus.6", &[("A", 2.0), ("N", 0.5)]),
         "mcmanus.6: N: mean area of the polygons' bounding boxes: expected at least 1, found 0.5"
     );
     assert_eq!(
-        said("eldridge.excess", &[("worst", 1.0), ("p", 1e6)]),
+        message("eldridge.excess", &[("worst", 1.0), ("p", 1e6)]),
         "eldridge.excess: these arguments give -976, and a count cannot be below zero"
     );
     assert_eq!(
-        said("overlap.2.1", &[("W", 0.0), ("H", 3.0), ("w", 1.0), ("h", 1.0)]),
+        message("overlap.2.1", &[("W", 0.0), ("H", 3.0), ("w", 1.0), ("h", 1.0)]),
         "overlap.2.1: the formula has no finite value for these arguments; note that 0 is given for W"
     );
-    // Lists of numbers, too, have no holes unless a table of the scan is read.
-    assert!(said("eldridge.stage-destinations", &[("n", 0.0), ("d", 1.0)]).contains("at least 1"));
-    // What would take for ever is said to be too much.
-    assert!(said("overlap.pixel-boxes-counted", &[("A", 1e9), ("w", 5.0)]).contains("at most 4096"));
-    assert!(said("eldridge.copies", &[("b", 1.0), ("n", 1e12), ("m", 1e12)]).contains("at most 1048576"));
+    // Lists of numbers have no NaN either, except those read from a table of the scan.
+    assert!(message("eldridge.stage-destinations", &[("n", 0.0), ("d", 1.0)]).contains("at least 1"));
+    // Arguments that would take too long are rejected.
+    assert!(message("overlap.pixel-boxes-counted", &[("A", 1e9), ("w", 5.0)]).contains("at most 4096"));
+    assert!(message("eldridge.copies", &[("b", 1.0), ("n", 1e12), ("m", 1e12)]).contains("at most 1048576"));
 }
 
 #[test]
-fn names_that_were_meant_are_offered() {
+fn similar_names_are_suggested() {
     let near = |id: &str| match find(id) {
         Err(ModelError::UnknownModel { near, .. }) => near,
         other => panic!("{other:?}"),

@@ -1,4 +1,4 @@
-//! What goes into a model and what comes out: numbers, texts, and lists of them.
+//! Arguments and results of models: numbers, texts, and lists of them.
 
 use std::fmt;
 
@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 /// A number in base units, a text (a number with its unit), or a list.
 ///
-/// In files a cell that cannot be read is the number NaN.
+/// In files an illegible cell is the number NaN.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum Value {
@@ -19,10 +19,10 @@ pub enum Value {
 }
 
 impl Value {
-    /// Reads an argument of the command line: JSON for lists (`[1, 2, [3, 4]]`), everything else as it stands.
+    /// Parses a command-line argument: JSON for lists (`[1, 2, [3, 4]]`), everything else as it is.
     ///
     /// # Errors
-    /// A text that begins like a list and is none.
+    /// A text that begins like a list and is not one.
     pub fn from_argument(text: &str) -> Result<Self, String> {
         let text = text.trim();
         if text.starts_with('[') {
@@ -32,7 +32,7 @@ impl Value {
         Ok(text.parse().map_or_else(|_| Self::Text(text.into()), Self::Number))
     }
 
-    /// Every number divided by `divisor`: from base units to the unit that has `divisor` of them.
+    /// Every number divided by `divisor`: from base units to the unit of `divisor` base units.
     #[must_use]
     pub fn divided_by(&self, divisor: f64) -> Self {
         match self {
@@ -47,10 +47,10 @@ impl Value {
         if let Self::Number(number) = self { Some(*number) } else { None }
     }
 
-    /// Whether both have the same shape and no number is further than `tolerance` from its counterpart.
-    /// A cell that cannot be read (NaN) agrees with such a cell only.
+    /// Whether both have the same shape and no number differs from its counterpart by more than `tolerance`. An
+    /// illegible cell (NaN) agrees only with another one.
     pub fn agrees_with(&self, other: &Self, tolerance: f64) -> bool {
-        /// Where the tolerance is half of the last digit and the distance just that, the rounding of the two binary
+        /// If the tolerance is half of the last digit and the distance exactly that, the rounding of the two binary
         /// numbers must not decide.
         const ROUNDING: f64 = 4.0 * f64::EPSILON;
         match (self, other) {

@@ -1,14 +1,14 @@
-//! The day, as tables name it.
+//! The date, as in the tables.
 
 use std::time::{SystemTime, UNIX_EPOCH};
 
-/// Today, year first, by universal time.
+/// Today's date in UTC, year first.
 pub fn today() -> String {
     let seconds = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs());
     day(seconds / 86_400)
 }
 
-/// A day, counted from 1 January 1970.
+/// The date of a day counted from 1 January 1970.
 fn day(mut number: u64) -> String {
     let is_leap =
         |year: u64| year.is_multiple_of(4) && (!year.is_multiple_of(100) || year.is_multiple_of(400));

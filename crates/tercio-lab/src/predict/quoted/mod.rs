@@ -1,7 +1,7 @@
-//! Tables of predicted and measured frames that stand in the repository.
+//! Tables of predicted and measured frames in the repository.
 //!
-//! They were measured once, on the machine and day that they name; the report quotes them and measures nothing.
-//! `tercio lab validate -o` writes them.
+//! They were measured once, on the machine and day that they name; the report quotes them and measures nothing. `tercio
+//! lab validate -o` writes them.
 //!
 //! | module | what |
 //! |---|---|
@@ -31,7 +31,7 @@ pub struct Quoted<R> {
     pub date: String,
     /// The commands that measured it.
     pub commands: Vec<String>,
-    /// Why rows miss, as far as that was measured.
+    /// Why rows miss, if that is known.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub why: Vec<String>,
     /// Its rows.
@@ -70,13 +70,13 @@ impl<R: QuotedRow> Quoted<R> {
     /// The table as TOML.
     ///
     /// # Errors
-    /// What the writer refuses.
+    /// An error of the serializer.
     pub fn to_toml(&self) -> Result<String, toml::ser::Error> {
         toml::to_string(self)
     }
 
-    /// Adds rows that a command measured on a day, in place of those of the same pictures. Commands of which no row is
-    /// left go, too, where all rows are replaced.
+    /// Adds rows that a command measured on a day, replacing those of the same pictures. If all rows are replaced, the
+    /// other commands are removed, too.
     pub fn add(&mut self, rows: Vec<R>, command: String, date: String) {
         if self.rows.iter().all(|old| rows.iter().any(|new| new.is_of_the_same(old))) {
             self.commands.clear();
@@ -93,7 +93,7 @@ impl<R: QuotedRow> Quoted<R> {
         self.date = date;
     }
 
-    /// Rows that hold.
+    /// Number of rows that hold.
     pub fn holding(&self) -> usize {
         self.rows.iter().filter(|r| r.holds()).count()
     }
@@ -109,7 +109,7 @@ pub fn markdown<R: QuotedRow>(rows: &[R]) -> String {
     text
 }
 
-/// Frames of threads, in this version.
+/// The table of threads in the repository.
 ///
 /// # Errors
 /// The file has a mistake.
@@ -117,7 +117,7 @@ pub fn of_threads() -> Result<Quoted<ThreadsRow>, toml::de::Error> {
     Quoted::parse(include_str!("../../../data/measured/prediction.toml"))
 }
 
-/// Frames of ranks of one process, in this version.
+/// The table of ranks of one process in the repository.
 ///
 /// # Errors
 /// The file has a mistake.
@@ -125,7 +125,7 @@ pub fn of_ranks() -> Result<Quoted<RanksRow>, toml::de::Error> {
     Quoted::parse(include_str!("../../../data/measured/ranks.toml"))
 }
 
-/// Frames of processes, in this version.
+/// The table of processes in the repository.
 ///
 /// # Errors
 /// The file has a mistake.
@@ -133,7 +133,7 @@ pub fn of_mpi() -> Result<Quoted<RanksRow>, toml::de::Error> {
     Quoted::parse(include_str!("../../../data/measured/mpi.toml"))
 }
 
-/// Milliseconds, to a thousandth, of seconds.
+/// Seconds as milliseconds, rounded to a thousandth.
 fn milliseconds(seconds: f64) -> f64 {
     (seconds * 1e6).round() / 1e3
 }

@@ -6,8 +6,8 @@ use super::{QuotedRow, milliseconds};
 use crate::predict::validate::TOLERANCE;
 use crate::predict::validate_ranks::{Row, StageSeconds};
 
-/// A model at one size, shared in one way. Times are predicted and measured milliseconds; a stage's are those of its
-/// busiest rank, waiting is that of rank 0.
+/// A model at one size, shared in one way. Times are predicted and measured milliseconds; that of a stage is its
+/// busiest rank's, waiting is rank 0's.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub struct RanksRow {
@@ -27,22 +27,22 @@ pub struct RanksRow {
     pub counters: [usize; 2],
     /// Drawing.
     pub draw: [f64; 2],
-    /// Packing for other owners and composing.
+    /// Packing for other owners and compositing.
     pub compose: [f64; 2],
     /// Packing for rank 0, unpacking there.
     pub collect: [f64; 2],
-    /// Rank 0 waiting for messages and taking them.
+    /// Rank 0 waiting for messages and receiving them.
     pub wait: [f64; 2],
     /// The whole frame.
     pub frame: [f64; 2],
-    /// Page faults of the frame in the middle, all ranks.
+    /// Page faults of the median frame, all ranks.
     pub faults: u64,
-    /// Switches of threads in it.
+    /// Context switches in it.
     pub switches: u64,
 }
 
 impl RanksRow {
-    /// Predicted over measured, less 1, of the whole frame.
+    /// Predicted over measured, minus 1, of the whole frame.
     pub fn error(&self) -> f64 {
         self.frame[0] / self.frame[1] - 1.0
     }

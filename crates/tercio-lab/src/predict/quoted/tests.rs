@@ -2,7 +2,7 @@ use super::*;
 
 const PAGES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/laboratory");
 
-/// Does something with each table and the page that shows it.
+/// Calls `with` for each table and the page that shows it.
 fn each(mut with: impl FnMut(&str, &str, &str, &[String], bool)) {
     fn one<R: QuotedRow>(
         name: &str,
@@ -17,7 +17,7 @@ fn each(mut with: impl FnMut(&str, &str, &str, &[String], bool)) {
     one("mpi.md", of_mpi().unwrap(), &mut with);
 }
 
-/// With `TERCIO_BLESS` set, after `tercio lab validate -o`, the pages are brought up to date instead.
+/// With `TERCIO_BLESS` set, after `tercio lab validate -o`, the pages are updated instead.
 #[test]
 fn pages_in_docs_show_the_same_tables() {
     let bless = std::env::var_os("TERCIO_BLESS").is_some();
@@ -35,7 +35,7 @@ fn pages_in_docs_show_the_same_tables() {
     });
 }
 
-/// A page with another table below the same header.
+/// A page with the table below the same header replaced.
 fn with_table(page: &str, table: &str) -> Option<String> {
     let (before, rest) = page.split_once(table.lines().next()?)?;
     let after = rest.lines().skip(1).skip_while(|line| line.starts_with('|'));
@@ -62,7 +62,7 @@ fn row() -> ThreadsRow {
 }
 
 #[test]
-fn a_row_says_itself_whether_it_holds() {
+fn a_row_has_its_verdict() {
     assert_eq!(row().cells()[6..], ["+30.0 %".to_string(), "misses".into()]);
     assert!(ThreadsRow { predicted: 0.8, ..row() }.holds());
     assert!(!ThreadsRow { predicted: 0.8, counters: [1, 2], ..row() }.holds());

@@ -24,7 +24,7 @@ pub struct ThreadsRow {
 }
 
 impl ThreadsRow {
-    /// Predicted over measured, less 1.
+    /// Predicted over measured, minus 1.
     pub fn error(&self) -> f64 {
         self.predicted / self.measured - 1.0
     }

@@ -1,4 +1,4 @@
-//! What ranks cost on this machine: fitted to frames of models that no table shows.
+//! Measures the costs of ranks on this machine, by fitting them to frames of models that are in no table.
 
 use std::sync::Arc;
 
@@ -17,14 +17,14 @@ use crate::predict::hardware::cache_bytes;
 use crate::predict::measure::{Clock, measure as measure_alone};
 use crate::predict::{fit, views};
 
-/// Models, sizes of pictures and ranks that the costs are fitted to.
+/// Models, sizes of pictures and numbers of ranks that the costs are fitted to.
 const MODELS: [&str; 3] = ["builtin:sphere@20k", "builtin:gyroid@100k", "builtin:terrain@50k"];
 const SIZES: [(u32, u32); 2] = [(800, 500), (1900, 1100)];
 const RANKS: [usize; 3] = [1, 2, 3];
-/// The kinds of work of keys, and the others.
+/// Number of kinds of work that are about keys; they come first.
 const OF_KEYS: usize = 3;
 
-/// Frames of one picture by ranks.
+/// Frames of one picture, drawn by ranks.
 struct Shared {
     work: RanksWork,
     measured: MeasuredRanks,
@@ -63,8 +63,8 @@ impl Picture {
         Ok(())
     }
 
-    /// What the keys of one rank come to, and the seconds that drawing takes longer with them, between the other stages
-    /// of a frame: collecting goes over all keys and leaves other lines in the caches than drawing would.
+    /// The work of keys of one rank, and the additional seconds of drawing with them. Both frames include the other
+    /// stages: collecting scans all keys and leaves other lines in the caches than drawing does.
     fn keys(&self, cache: f64) -> impl Iterator<Item = (Charges, f64)> {
         let alone = self.shared.iter().filter(|shared| shared.work.sharing.ranks == 1);
         alone.map(move |Shared { work, measured }| {
@@ -75,7 +75,7 @@ impl Picture {
 }
 
 impl Shared {
-    /// What the stages of its ranks come to, and the seconds that they take.
+    /// The work of the stages of its ranks, with their seconds.
     fn stages(&self, cache: f64) -> Vec<(Charges, f64)> {
         let ranks = self.work.sharing.ranks;
         let work = &self.work;
@@ -99,14 +99,14 @@ impl Shared {
     }
 }
 
-/// Measures this machine: some frames of each picture, of which the fastest counts, in some rounds through all.
+/// Measures this machine: `frames` frames of each picture, of which the fastest counts, in `rounds` rounds through all.
 ///
 /// # Errors
 /// [`RanksError`].
 pub fn measure(frames: u32, rounds: u32) -> Result<ExchangeCosts, RanksError> {
     let mut pictures = Vec::new();
     for model in MODELS {
-        // The names are ours; a model that cannot be made takes no part.
+        // Built-in names; a model that cannot be made is skipped.
         let Ok(mesh) = builtin::make(model) else { continue };
         let bounds = mesh.bounds();
         let scene = Arc::new(views::scene(Arc::new(partition(mesh, &PartitionOptions::default()))));
@@ -119,12 +119,12 @@ pub fn measure(frames: u32, rounds: u32) -> Result<ExchangeCosts, RanksError> {
     }
     let cache = cache_bytes(3).map_or(f64::INFINITY, |bytes| bytes as f64);
     let mut costs = [0.0; KINDS];
-    // Where something else disturbed the machine keys may seem to take no time.
+    // If something else disturbed the machine, keys may seem to take no time.
     let of_keys = pictures.iter().flat_map(|p| p.keys(cache)).filter(|k| k.1 > 1e-6);
     let (rows, times): (Vec<_>, Vec<_>) = of_keys.map(|k| (k.0[..OF_KEYS].to_vec(), k.1)).unzip();
     place(&mut costs[..OF_KEYS], &rows, &times);
     let stages = pictures.iter().flat_map(|p| &p.shared).flat_map(|s| s.stages(cache));
-    // Stages that did nothing tell nothing.
+    // Stages without work carry no information.
     let stages = stages.filter(|s| s.1 > 1e-6);
     let (rows, times): (Vec<_>, Vec<_>) = stages.map(|s| (s.0[OF_KEYS..].to_vec(), s.1)).unzip();
     place(&mut costs[OF_KEYS..], &rows, &times);
@@ -137,10 +137,10 @@ fn place(costs: &mut [f64], rows: &[Vec<f64>], times: &[f64]) {
     }
 }
 
-/// Writes costs into a description. Those that are zero are left out.
+/// Writes costs into a description. Costs of zero are omitted.
 pub fn describe(costs: &ExchangeCosts, source: &str, machine: &mut Machine) {
     for (operation, &seconds) in OPERATIONS.into_iter().zip(&costs.0).filter(|c| *c.1 > 0.0) {
-        // Tenths of a picosecond.
+        // A resolution of 0.1 ps.
         let text = format!("{:.4} ns", seconds * 1e9);
         machine.costs.insert(operation, Sourced::new(seconds, text, source.into()));
     }

@@ -1,4 +1,4 @@
-//! What every rank's renderer does.
+//! The work of every rank's renderer.
 
 use tercio_parallel::Organisation;
 use tercio_raster::{Frame, Outputs, Part, Settings, TileSet};
@@ -8,11 +8,11 @@ use super::traffic::Sharing;
 use crate::predict::PredictError;
 use crate::predict::counts::{Counters, count_into};
 
-/// Counts a rank's part of a frame and draws it, with keys; `None` where the rank has neither clusters to draw nor
-/// regions to own. `settings` say how the whole frame is drawn.
+/// Counts a rank's part of a frame and draws it, with keys; `None` if the rank has neither clusters to draw nor regions
+/// to own. `settings` are those of the whole frame.
 ///
 /// # Errors
-/// What cannot be drawn.
+/// What makes the frame impossible to draw.
 pub fn drawing(
     scene: &Scene,
     camera: &Camera,

@@ -1,4 +1,4 @@
-//! What ranks do beside drawing, and what it costs: keys, packing, composing, collecting.
+//! The work of ranks besides drawing, and its costs: keys, packing, compositing, collecting.
 
 use serde::Serialize;
 
@@ -12,18 +12,18 @@ const LINE: f64 = 64.0;
 const KEY: f64 = 8.0;
 const COLOR: f64 = 4.0;
 
-/// The share of a cache that pictures and messages can count on: the model, the bins and whoever else uses the machine
-/// take the rest. On the machine of `docs/laboratory/ranks.md` going over a picture of half the nominal size takes
-/// halfway between what it takes in the cache and in memory.
+/// The share of a cache that is available to pictures and messages; the model, the bins and other programs take the
+/// rest. On the machine of `docs/laboratory/ranks.md` scanning a picture of half the nominal size takes halfway between
+/// the times for a picture in cache and one in memory.
 const CACHE_SHARE: f64 = 0.5;
 
 /// Kinds of work that are charged.
 pub const KINDS: usize = 10;
 
-/// How often each kind of work is done, or what it costs, in the order of [`OPERATIONS`].
+/// How often each kind of work is done, or its costs, in the order of [`OPERATIONS`].
 pub type Charges = [f64; KINDS];
 
-/// The kinds of work: of keys while drawing first, then of what travels.
+/// The kinds of work: keys while drawing first, then the exchange.
 pub const OPERATIONS: [Operation; KINDS] = [
     Operation::PictureKey,
     Operation::ShadedKey,
@@ -42,22 +42,22 @@ pub const OPERATIONS: [Operation; KINDS] = [
 pub struct ExchangeCosts(pub Charges);
 
 impl ExchangeCosts {
-    /// Does a description charge for ranks?
+    /// Whether a description has costs of ranks.
     pub fn are_known(machine: &Machine) -> bool {
         OPERATIONS.iter().any(|&o| machine.seconds(o).is_some())
     }
 
-    /// Those of a description. Costs that a fit made zero are left out of it, so a missing one is zero.
+    /// The costs of a description. Costs that a fit made zero are omitted there, so a missing one is zero.
     ///
     /// # Errors
-    /// [`MachineError::Missing`] where it gives none at all.
+    /// [`MachineError::Missing`] if it has none at all.
     pub fn of(machine: &Machine) -> Result<Self, MachineError> {
         let known = Self::are_known(machine).then_some(&());
         machine.need(known, "costs.scanned-pixel")?;
         Ok(Self(OPERATIONS.map(|o| machine.seconds_or_0(o))))
     }
 
-    /// Seconds of some work.
+    /// Seconds of the work `charges`.
     pub fn seconds(&self, charges: &Charges) -> f64 {
         self.0.iter().zip(charges).map(|(cost, count)| cost * count).sum()
     }
@@ -68,9 +68,9 @@ impl ExchangeCosts {
 pub struct RankMemory {
     /// Its picture with keys.
     pub picture: u64,
-    /// Messages that it makes, and those that it takes where they are copied; their memory is kept for the next frame.
+    /// Messages that it sends, and those that it receives if they are copied; their memory is reused in the next frame.
     pub messages: u64,
-    /// What it touches of model and bins.
+    /// The part of model and bins that it touches.
     pub model: u64,
 }
 
@@ -81,22 +81,22 @@ impl RankMemory {
     }
 }
 
-/// A frame's work beside drawing.
+/// The work of a frame besides drawing.
 #[derive(Clone, Debug)]
 pub struct Exchange<'a> {
     sharing: &'a Sharing,
     messages: &'a Messages,
     drawing: &'a [Counters],
     owned: Vec<u64>,
-    /// Who takes a message has it in memory of its own.
+    /// Whether the receiver of a message has a copy of its own.
     copied: bool,
     /// The share of the lines of pictures and messages that no cache holds.
     missed: f64,
 }
 
 impl<'a> Exchange<'a> {
-    /// Of ranks of which so many share a memory, and its cache of some bytes. Messages are `copied`, or their memory is
-    /// handed over.
+    /// `together` ranks share a memory, with a cache of `cache` bytes. Messages are `copied`, or their memory is handed
+    /// over.
     pub fn new(
         sharing: &'a Sharing,
         messages: &'a Messages,
@@ -115,7 +115,7 @@ impl<'a> Exchange<'a> {
     /// Memory of a rank.
     pub fn memory(&self, rank: usize) -> RankMemory {
         let drawn = &self.drawing[rank];
-        // Rank 0 has the whole picture in the end; a rank of sort-last draws all over it.
+        // Rank 0 has the whole picture in the end; a rank of sort-last draws anywhere in it.
         let pixels = match self.sharing.organisation {
             Organisation::SortFirst if rank > 0 => drawn.pixels,
             _ if rank > 0 && drawn.pixels == 0 => 0,
@@ -134,19 +134,19 @@ impl<'a> Exchange<'a> {
         keys(&self.drawing[rank], self.missed)
     }
 
-    /// Packing what a rank sends to another to be composed. `None` if it sends nothing.
+    /// Packing what a rank sends to another for compositing. `None` if it sends nothing.
     pub fn packing(&self, from: usize, to: usize) -> Option<Charges> {
         let pixels = self.messages.between(from, to)?;
         Some(self.packed(pixels, self.owned[to], true))
     }
 
-    /// Composing what a rank takes from another. `None` if it takes nothing.
+    /// Compositing what a rank receives from another. `None` if it receives nothing.
     pub fn composing(&self, from: usize, rank: usize) -> Option<Charges> {
         Some(self.unpacked(self.messages.between(from, rank)?, true))
     }
 
-    /// What an owner does to have its finished pixels collected: it packs them; rank 0 looks at its own, and where the
-    /// others drew nothing into its picture it clears that.
+    /// An owner's part of collecting the finished pixels: others pack them; rank 0 scans its own, and clears the pixels
+    /// of its picture in which the other owners drew nothing.
     pub fn finishing(&self, rank: usize) -> Charges {
         if rank > 0 {
             return self.packed(self.messages.finished[rank], self.owned[rank], false);
@@ -163,7 +163,7 @@ impl<'a> Exchange<'a> {
         charges
     }
 
-    /// Rank 0 takes an owner's pixels into the picture.
+    /// Rank 0 puts an owner's pixels into the picture.
     pub fn collecting(&self, from: usize) -> Charges {
         self.unpacked(self.messages.finished[from], false)
     }
@@ -189,17 +189,17 @@ impl<'a> Exchange<'a> {
     }
 }
 
-/// Keys and colours on their way.
+/// Number of keys and colours sent.
 fn samples(pixels: Pixels, keys: bool) -> f64 {
     pixels.pixels as f64 * if keys { 2.0 } else { 1.0 }
 }
 
-/// The share of some memory, gone over again and again, that a cache does not hold.
+/// The share of memory, scanned repeatedly, that misses a cache.
 pub fn missed(bytes: f64, cache: f64) -> f64 {
     if bytes > 0.0 { (1.0 - CACHE_SHARE * cache / bytes).max(0.0) } else { 0.0 }
 }
 
-/// Keys of a picture, or of the part of one, that is drawn.
+/// The keys of a picture, or of its drawn part.
 pub fn keys(drawn: &Counters, missed: f64) -> Charges {
     let pixels = drawn.pixels as f64;
     let mut charges = [0.0; KINDS];
@@ -214,13 +214,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_fits_into_the_cache_is_not_waited_for() {
+    fn memory_that_fits_into_the_cache_takes_no_time() {
         assert_eq!([missed(0.0, 8.0), missed(4.0, 8.0), missed(16.0, 8.0)], [0.0, 0.0, 0.75]);
         assert_eq!(missed(1e12, f64::INFINITY), 0.0);
     }
 
     #[test]
-    fn ranks_pack_what_others_take() {
+    fn ranks_pack_what_others_receive() {
         let sharing = Sharing { organisation: Organisation::SortLast, ranks: 2, size: (32, 16), edge: 16 };
         let pixels = |spans, pixels| Pixels { spans, pixels };
         let messages = Messages {
@@ -233,7 +233,7 @@ mod tests {
         let exchange = Exchange::new(&sharing, &messages, &drawing, (2, 0.0), false);
         assert_eq!(exchange.missed, 1.0);
         let lines = |bytes: f64| bytes / 64.0;
-        // 256 pixels of the other are looked at, 30 of them travel with key and colour.
+        // 256 pixels of the other are scanned, 30 of them are sent with key and colour.
         let packing = exchange.packing(0, 1).unwrap();
         assert_eq!(packing[3..6], [256.0, 3.0, 60.0]);
         assert_eq!(packing[9], lines(256.0 * 8.0 + 30.0 * 4.0 + 3.0 * 6.0 + 30.0 * 12.0));
@@ -247,7 +247,7 @@ mod tests {
         assert_eq!(exchange.keys(0)[..3], [512.0, 40.0, 64.0]);
         let memory = exchange.memory(0);
         assert_eq!(memory, RankMemory { picture: 512 * 12, messages: 18 + 360, model: 1000 });
-        // Where messages are copied rank 0 also holds what it is sent: 10 pixels with keys, 50 finished ones.
+        // If messages are copied, rank 0 also has those it receives: 10 pixels with keys, 50 finished ones.
         let copied = Exchange::new(&sharing, &messages, &drawing, (2, 0.0), true).memory(0);
         assert_eq!(copied, RankMemory { messages: memory.messages + 6 + 120 + 30 + 200, ..memory });
     }

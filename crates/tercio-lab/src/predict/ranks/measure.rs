@@ -1,5 +1,5 @@
-//! Ranks, threads of this process or processes, drawing: their times, counters, and what the operating system did
-//! meanwhile.
+//! Measures ranks that draw, threads of this process or processes: their times, counters, and page faults and context
+//! switches.
 
 use std::sync::{Arc, Mutex};
 
@@ -13,20 +13,20 @@ use tercio_scene::{Camera, Scene};
 use super::traffic::Sharing;
 use crate::predict::usage::Usage;
 
-/// Frames that take memory and fill caches, and are not looked at.
+/// Frames that allocate memory and fill caches; they are not evaluated.
 const WARM_UP: usize = 2;
 
-/// Some frames of one picture.
+/// Several frames of one picture.
 #[derive(Clone, Debug, Default)]
 pub struct MeasuredRanks {
     /// The frames' reports.
     pub reports: Vec<FrameReport>,
-    /// What the system did for each.
+    /// Page faults and context switches of each.
     pub usage: Vec<Usage>,
 }
 
 impl MeasuredRanks {
-    /// Draws a picture some times with threads of this process.
+    /// Draws a picture several times with threads of this process.
     ///
     /// # Errors
     /// [`ParallelError`].
@@ -39,7 +39,7 @@ impl MeasuredRanks {
         let settings = settings(sharing);
         let cameras = vec![*camera; frames.max(1) as usize + WARM_UP];
         let ranks = Ranks { count: sharing.ranks, threads: 1, organisation: sharing.organisation };
-        // Rank 0 looks while the others wait for the next frame.
+        // Rank 0 reads the counts while the others wait for the next frame.
         let seen = Mutex::new(Vec::new());
         let look = || seen.lock().unwrap_or_else(|e| e.into_inner()).push(Usage::now());
         let mut reports = draw_frames(ranks, scene, &cameras, &settings, |_, _| look())?;
@@ -49,7 +49,7 @@ impl MeasuredRanks {
     }
 
     /// The same with processes: all of them call this with the same picture, and rank 0 gets the frames. Each of them
-    /// draws with the threads of its pool, as a rule one of them, which is the one that calls this.
+    /// draws with the threads of its pool, usually only the calling thread.
     ///
     /// # Errors
     /// [`ParallelError`].
@@ -78,13 +78,13 @@ impl MeasuredRanks {
         self.usage.extend(o.usage);
     }
 
-    /// Seconds of processor time of a rank's stage, in the frame in which they were fewest.
+    /// Seconds of processor time of a rank's stage, the minimum over the frames.
     pub fn busy(&self, rank: usize, of: impl Fn(&RankStages) -> Stage) -> f64 {
         let of_frame = |r: &FrameReport| of(&r.ranks[rank].stages).busy_milliseconds * 1e-3;
         self.reports.iter().map(of_frame).fold(f64::INFINITY, f64::min)
     }
 
-    /// Seconds that rank 0 waited for messages, in the frame in the middle.
+    /// Seconds that rank 0 waited for messages, the median over the frames.
     pub fn waited(&self) -> f64 {
         median(self.reports.iter().filter_map(|r| Some(r.ranks.first()?.stages.wait.milliseconds * 1e-3)))
     }
@@ -94,7 +94,7 @@ impl MeasuredRanks {
         self.reports.iter().map(|r| r.milliseconds * 1e-3).fold(f64::INFINITY, f64::min)
     }
 
-    /// What the system did for the frame in the middle: page faults; switches of threads.
+    /// Medians over the frames: page faults; context switches.
     pub fn usage(&self) -> [f64; 2] {
         let of = |of: fn(&Usage) -> u64| median(self.usage.iter().map(|u| of(u) as f64));
         [of(|u| u.page_faults), of(|u| u.waits + u.preemptions)]
@@ -105,12 +105,12 @@ fn settings(sharing: &Sharing) -> Settings {
     Settings { tile_size: Some(sharing.edge), ..Settings::new(sharing.size.0, sharing.size.1) }
 }
 
-/// What came between looks after one frame and the next.
+/// Differences of successive counts, one per frame.
 fn of_frames(seen: &[Usage]) -> Vec<Usage> {
     seen.windows(2).skip(WARM_UP - 1).map(|w| w[1].since(w[0])).collect()
 }
 
-/// What the system did for all processes up to now, for rank 0.
+/// Page faults and context switches of all processes so far, for rank 0.
 fn usage_of_all(comm: &mut impl Communicator) -> Result<Option<Usage>, ParallelError> {
     let all = between_processes::tell(comm, Usage::now())?;
     Ok(all.map(|all| all.into_iter().fold(Usage::default(), Usage::plus)))
@@ -127,7 +127,7 @@ mod tests {
     use super::median;
 
     #[test]
-    fn the_middle() {
+    fn medians() {
         assert_eq!(median([5.0, 1.0, 3.0].into_iter()), 3.0);
         assert_eq!(median(std::iter::empty()), 0.0);
     }

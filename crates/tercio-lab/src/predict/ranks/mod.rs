@@ -1,17 +1,17 @@
-//! Frames of ranks, predicted.
+//! Predicts frames of ranks.
 //!
-//! There are two models. What the renderer's ranks do, sort-first and sort-last with direct send, is counted rank by
-//! rank, charged and played through; `tercio lab validate --ranks` compares this model with the renderer. Everything
-//! else, sort-middle, sort-twice, other networks, a million ranks, comes from the simulator of the sorting classes, which
-//! knows polygons and links, but not what the renderer does. A prediction says which of them it is from.
+//! There are two models. The work of the renderer's ranks, sort-first and sort-last with direct send, is counted rank
+//! by rank, charged and scheduled; `tercio lab validate --ranks` compares this model with the renderer. Everything
+//! else, sort-middle, sort-twice, other networks, a million ranks, comes from the simulator of the sorting classes,
+//! which has polygons and links, but not the work of the renderer. A prediction says which of them it is from.
 //!
 //! | module | what |
 //! |---|---|
 //! | [`drawing`] | what each of the renderer's ranks draws |
-//! | [`traffic`] | what they send each other, by what each of them shows |
-//! | [`exchange`] | what they do beside drawing, and what it costs |
-//! | [`schedule`] | ranks on processors, messages on wires |
-//! | [`renderer`] | a frame of it |
+//! | [`traffic`] | what they send each other, from the pixels that each of them shows |
+//! | [`exchange`] | their work besides drawing, and its costs |
+//! | [`schedule`] | simulates ranks on processors and messages on the network |
+//! | [`renderer`] | a frame of the renderer's ranks |
 //! | [`simulated`] | a frame by the simulator |
 //! | [`measure`] | the real ranks' times |
 //! | [`calibrate`] | the costs of this machine |
@@ -39,7 +39,7 @@ use exchange::ExchangeCosts;
 use renderer::{RanksFrame, RanksWork};
 use simulated::SimulatedFrame;
 
-/// Most ranks that the renderer draws with.
+/// The largest number of ranks that the renderer draws with.
 pub const MOST_RANKS: usize = 256;
 /// Edges of the renderer's tiles, which are the regions of its ranks.
 pub const TILE_EDGES: [u32; 5] = [8, 16, 32, 64, 128];
@@ -58,30 +58,30 @@ pub enum RanksError {
 /// How ranks share a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Plan {
-    /// Where work changes hands.
+    /// Where work is redistributed.
     pub organisation: Organisation,
     /// Ranks.
     pub ranks: usize,
-    /// Pixels along the edge of a region; `None` takes the largest of which there is one a rank.
+    /// Pixels along the edge of a region; `None` is the largest that gives every rank a region.
     pub region: Option<u32>,
     /// Who gets which region.
     pub assignment: Assignment,
-    /// Another shape of the network than the machine's.
+    /// A shape of the network other than the machine's.
     pub topology: Option<Topology>,
 }
 
-/// Why a plan is left to the simulator.
+/// Why only the simulator can predict a plan.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Simulated {
-    /// Somebody wants it so.
-    #[error("as asked for")]
+    /// It was requested.
+    #[error("as requested")]
     Asked,
     /// The renderer has no such organisation.
     #[error("the renderer sorts first or last")]
     Organisation,
-    /// Regions go to ranks in turn.
-    #[error("the renderer deals regions out in turn")]
+    /// Regions are assigned to ranks round-robin.
+    #[error("the renderer assigns regions round-robin")]
     Assignment,
     /// Regions are the renderer's tiles.
     #[error("the renderer's regions are tiles of 8, 16, 32, 64 or 128 pixels")]
@@ -92,13 +92,13 @@ pub enum Simulated {
     /// Another network than the machine's.
     #[error("only the machine's own network carries the renderer's messages")]
     Network,
-    /// The description does not charge for what ranks do.
+    /// The description has no costs of ranks.
     #[error("the machine's description has no costs of the renderer's ranks")]
     Costs,
 }
 
 impl Plan {
-    /// How the renderer does this on a machine, or why only the simulator knows it.
+    /// The renderer's organisation for this plan on a machine, or why only the simulator supports it.
     ///
     /// # Errors
     /// The first reason.
@@ -127,19 +127,19 @@ impl Plan {
     }
 }
 
-/// What is drawn.
+/// The picture to predict.
 #[derive(Clone, Copy, Debug)]
 pub struct Picture<'a> {
-    /// Of what.
+    /// The scene.
     pub scene: &'a Scene,
-    /// From where.
+    /// The camera.
     pub camera: &'a Camera,
-    /// How, all of it.
+    /// The settings of the whole frame.
     pub settings: &'a Settings,
 }
 
-/// Predicts a frame that the renderer's ranks would draw; `None` with the reason where that is left to the simulator.
-/// Ranks that share a memory share the machine's processors, too.
+/// Predicts a frame of the renderer's ranks; `None` with the reason if only the simulator supports it. Ranks that share
+/// a memory share the machine's processors, too.
 ///
 /// # Errors
 /// [`PredictError`].
@@ -163,7 +163,7 @@ pub fn predict(
 /// Simulates a frame.
 ///
 /// # Errors
-/// A machine without a network or without the bytes of what travels.
+/// A machine without a network or without the sizes of messages.
 pub fn simulate(
     machine: &Machine,
     counters: &Counters,

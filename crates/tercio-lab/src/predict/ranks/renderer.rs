@@ -1,4 +1,4 @@
-//! A frame of the real renderer's ranks: what they draw, pack, send and compose, charged and played through.
+//! A frame of the real renderer's ranks: drawing, packing, sending and compositing, charged and scheduled.
 
 use serde::Serialize;
 use tercio_parallel::Organisation;
@@ -15,22 +15,22 @@ use crate::predict::counts::Counters;
 use crate::predict::frame::{Caches, FrameTime};
 use crate::simulators::sorting::network::{Links, NetworkModel};
 
-/// What all ranks do for a frame, counted by drawing their parts one after another.
+/// The work of all ranks for a frame, counted by drawing their parts one after another.
 #[derive(Clone, Debug)]
 pub struct RanksWork {
     /// How they share it.
     pub sharing: Sharing,
     /// What they send.
     pub messages: Messages,
-    /// What each one's renderer does.
+    /// The work of each one's renderer.
     pub drawing: Vec<Counters>,
 }
 
 impl RanksWork {
-    /// Counts a frame. `settings` say how the whole of it is drawn.
+    /// Counts a frame. `settings` are those of the whole frame.
     ///
     /// # Errors
-    /// What cannot be drawn.
+    /// What makes the frame impossible to draw.
     pub fn count(
         scene: &Scene,
         camera: &Camera,
@@ -56,15 +56,15 @@ impl RanksWork {
 pub struct RankSeconds {
     /// Drawing, keys included.
     pub draw: f64,
-    /// Packing for other owners and composing.
+    /// Packing for other owners and compositing.
     pub compose: f64,
     /// Packing for rank 0, unpacking there.
     pub collect: f64,
-    /// Sending and taking messages.
+    /// Sending and receiving messages.
     pub message: f64,
     /// Waiting for messages.
     pub wait: f64,
-    /// Standing in line for a processor.
+    /// Waiting for a processor.
     pub queue: f64,
     /// From the beginning of the frame to its end on this rank.
     pub end: f64,
@@ -87,16 +87,16 @@ impl RankSeconds {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Carrier {
-    /// Ranks are threads of one process: memory changes hands.
+    /// Ranks are threads of one process: memory is handed over.
     Threads,
-    /// Ranks are processes of one machine: who takes a message copies it.
+    /// Ranks are processes of one machine: the receiver copies the message.
     Processes,
-    /// Ranks are machines.
+    /// Ranks are on different machines.
     Network,
 }
 
 impl Carrier {
-    /// What a description says. Where it tells how many processors share a memory, ranks are machines.
+    /// The carrier of a description. If it has a number of processors that share a memory, ranks are machines.
     pub fn of(machine: &Machine) -> Self {
         if machine.processors.per_node.is_some() {
             Self::Network
@@ -123,9 +123,9 @@ pub struct RanksFrame {
     pub messages: u64,
     /// Their bytes.
     pub bytes: u64,
-    /// Most bytes that one rank sends.
+    /// The largest number of bytes that one rank sends.
     pub most_bytes_sent: u64,
-    /// Memory of the rank that needs most.
+    /// Memory of the rank that needs the most.
     pub memory: RankMemory,
 }
 
@@ -148,7 +148,8 @@ impl RanksFrame {
         if mean > 0.0 { busiest / mean } else { 1.0 }
     }
 
-    /// What the frame's time went to on rank 0, by name, in the order in which it is met; together [`Self::total`].
+    /// The parts of the frame's time on rank 0, by name, in the order in which they occur; their sum is
+    /// [`Self::total`].
     pub fn phases(&self) -> [(&'static str, f64); 6] {
         let first = self.ranks.first().copied().unwrap_or_default();
         [
@@ -164,11 +165,11 @@ impl RanksFrame {
 
 /// Predicts a frame of ranks of one thread each.
 ///
-/// Where the description says how many processors share a memory, ranks are taken to be alone in theirs: messages take
-/// the network's time, and only a rank's own memory has to fit into the cache. Everywhere else ranks share caches, there
-/// may be fewer `processors` than ranks, and messages change hands: threads of one process give their memory away, over
-/// MPI ([`Machine::over_mpi`]) who takes a message copies it, as fast as the network says. The serial share of a
-/// description is that of threads that divide one frame; ranks have nothing to divide.
+/// If the description has a number of processors that share a memory, each rank is assumed to be alone in its memory:
+/// messages take the network's time, and only a rank's own memory has to fit into the cache. Otherwise ranks share
+/// caches, there may be fewer `processors` than ranks, and messages stay in memory: threads of one process hand it
+/// over, over MPI ([`Machine::over_mpi`]) the receiver copies the message, at the bandwidth of the network. The serial
+/// share of a description is that of threads that divide one frame; ranks have nothing to divide.
 ///
 /// # Errors
 /// [`MachineError::Missing`] without a network.
@@ -209,13 +210,13 @@ pub fn predict(
     })
 }
 
-/// What a rank's steps cost.
+/// Costs of a rank's steps.
 struct Costs<'a> {
     machine: &'a Machine,
     exchange: &'a ExchangeCosts,
-    /// Seconds of sending or taking a message.
+    /// Seconds of sending or receiving a message.
     message: f64,
-    /// Seconds more for each byte that is taken.
+    /// Additional seconds for each byte that is received.
     byte: f64,
 }
 
@@ -256,15 +257,15 @@ fn program(costs: &Costs, work: &RanksWork, exchange: &Exchange, rank: usize) ->
         send(&mut steps, 0, messages.finished[rank].bytes(false));
         return steps;
     }
-    // All are there before the first is unpacked.
+    // All messages are received before the first is unpacked.
     (1..owners).for_each(|from| take(&mut steps, from, messages.finished[from].bytes(false)));
     let unpacking = (1..owners).map(|from| costs.seconds(&exchange.collecting(from)));
     steps.extend(unpacking.map(|seconds| Step::Work(Stage::Collect, seconds)));
     steps
 }
 
-/// The wires of a network that all messages of a frame share: as fast as its links where those are busiest, seen from
-/// the ports, and as long as its longest way.
+/// The network as seen by all messages of a frame: with the bandwidth of its busiest links, converted to that of the
+/// ports, and the latency of its longest path.
 fn on_network(network: &NetworkModel, work: &RanksWork) -> Wires {
     let ranks = work.sharing.ranks;
     let mut links = Links::new(network.topology, ranks);

@@ -1,66 +1,67 @@
-//! When ranks work, wait and end: their steps played through on processors and wires.
+//! Simulates when ranks work, wait and end: their steps on processors and on the network.
 //!
-//! A rank runs until it has to wait for a message. Where there are more ranks than processors, those that are ready
-//! stand in line, and a rank whose time slice is over goes to its end: so do the threads of an operating system, as long
-//! as they matter equally. A message leaves when its sender's port is free, passes the wires and enters when its taker's
-//! port is free.
+//! A rank runs until it has to wait for a message. If there are more ranks than processors, the ready ones wait in a
+//! queue, and a rank whose time slice has expired goes to its end, like threads of equal priority in an operating
+//! system. A message leaves when its sender's port is free, crosses the network and enters when its receiver's port is
+//! free.
 
 use std::collections::VecDeque;
 
-/// Seconds after which a rank that others stand in line for gives its processor up: about what Linux grants.
+/// Seconds after which a rank gives its processor up if others wait for it: about the time slice of Linux.
 const SLICE: f64 = 3e-3;
 
-/// Stages of a rank that are told apart.
+/// The stages of a rank.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stage {
     /// Drawing its share.
     Draw,
-    /// Packing for owners of regions, composing what they take.
+    /// Packing for owners of regions, compositing what it receives.
     Compose,
     /// Packing for rank 0, unpacking there.
     Collect,
-    /// Sending and taking messages, whatever is in them.
+    /// Sending and receiving messages, whatever their content.
     Message,
 }
 
-/// What a rank does next.
+/// A step of a rank.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Step {
-    /// Works for some seconds.
+    /// Computes for a number of seconds.
     Work(Stage, f64),
-    /// Hands over a message of some bytes.
+    /// Sends a message of a number of bytes.
     Send {
-        /// To which rank.
+        /// The receiving rank.
         to: usize,
-        /// Its bytes.
+        /// Its size.
         bytes: u64,
     },
-    /// Waits for the next message of a rank.
+    /// Receives the next message of a rank, and waits for it if necessary.
     Take {
-        /// Of which.
+        /// The sending rank.
         from: usize,
     },
 }
 
-/// What messages pass.
+/// The network.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wires {
-    /// Seconds on the way, whatever its size.
+    /// Latency in seconds.
     pub latency: f64,
-    /// Bytes a second through a rank's port; infinite where messages change hands in one memory.
+    /// Bandwidth of a rank's port in bytes a second; infinite if messages are handed over in one memory.
     pub bandwidth: f64,
-    /// Who waits for long sleeps, and finds a message when it wakes; otherwise its arrival wakes who waits.
+    /// Whether a rank that waits for long sleeps and finds a message when it wakes up; otherwise the arrival wakes it.
     pub sleeps: bool,
 }
 
-/// How a process waits (`tercio-mpi`): it asks for so many seconds without a pause, then sleeps, each time this share
-/// of what it has waited, at most so many seconds; and the system lets it sleep about so much longer.
+/// How a process waits (`tercio-mpi`): it polls for `AWAKE` seconds, then sleeps repeatedly, each time for the share
+/// `SLEEPS` of the time it has waited, at most `LONGEST` seconds; the system lets it sleep about `LONGER` seconds
+/// longer.
 const AWAKE: f64 = 200e-6;
 const SLEEPS: f64 = 1.0 / 16.0;
 const LONGEST: f64 = 2e-3;
 const LONGER: f64 = 50e-6;
 
-/// When a process that sleeps finds a message, counted from when it began to wait.
+/// When a process that sleeps finds a message, in seconds since it began to wait.
 fn found(arrives: f64) -> f64 {
     if arrives <= AWAKE {
         return arrives;
@@ -69,20 +70,20 @@ fn found(arrives: f64) -> f64 {
     while wakes < arrives && wakes * SLEEPS < LONGEST {
         wakes += wakes * SLEEPS + LONGER;
     }
-    // From then on all sleeps are of one length.
+    // From then on all sleeps have the same length.
     wakes + ((arrives - wakes) / (LONGEST + LONGER)).ceil().max(0.0) * (LONGEST + LONGER)
 }
 
-/// What became of a rank.
+/// The result of a rank.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Played {
-    /// Seconds of its work, by [`Stage`], as long as it really took.
+    /// Seconds of its work, by [`Stage`], as actually spent.
     pub busy: [f64; 4],
     /// Seconds it waited for messages.
     pub waited: f64,
-    /// Seconds it stood in line for a processor.
+    /// Seconds it waited for a processor.
     pub queued: f64,
-    /// When it had done all.
+    /// The time of its end.
     pub end: f64,
 }
 
@@ -98,21 +99,21 @@ struct Play<'a> {
     programs: &'a [Vec<Step>],
     wires: Wires,
     now: f64,
-    /// Number of each rank's step, and what is left of it.
+    /// For each rank: the number of its step, and the seconds left of it.
     at: Vec<(usize, f64)>,
     states: Vec<State>,
     line: VecDeque<usize>,
-    /// Arrivals of messages, from each rank to each.
+    /// Arrival times of messages, for each sender and receiver.
     arrivals: Vec<VecDeque<f64>>,
-    /// When each rank learns of the message that it waits for; infinite where none is on its way.
+    /// When each rank notices the message that it waits for; infinite if none is on its way.
     learns: Vec<f64>,
     leaving: Vec<f64>,
     entering: Vec<f64>,
     played: Vec<Played>,
 }
 
-/// Plays the programs of all ranks through on some processors, at least 1. A rank that waits for a message that nobody
-/// sends stays where it is.
+/// Simulates the programs of all ranks on `processors` processors, at least 1. A rank that waits for a message that is
+/// never sent stays there.
 pub fn play(programs: &[Vec<Step>], processors: usize, wires: Wires) -> Vec<Played> {
     let n = programs.len();
     let mut play = Play {
@@ -134,7 +135,7 @@ pub fn play(programs: &[Vec<Step>], processors: usize, wires: Wires) -> Vec<Play
 }
 
 impl Play<'_> {
-    /// Makes the step at which a rank stands its next.
+    /// Starts the current step of a rank.
     fn begin_step(&mut self, rank: usize) {
         self.at[rank].1 = match self.programs[rank].get(self.at[rank].0) {
             Some(Step::Work(_, seconds)) => *seconds,
@@ -142,7 +143,7 @@ impl Play<'_> {
         };
     }
 
-    /// Lets time pass until something happens. False when nothing will any more.
+    /// Advances the time to the next event. False if there is none.
     fn turn(&mut self, processors: usize) -> bool {
         let mut running = self.running();
         while running.len() < processors.max(1) {
@@ -189,7 +190,7 @@ impl Play<'_> {
         (0..self.states.len()).filter(is_running).collect()
     }
 
-    /// Finds out when a rank learns of the message that it waits for, if that is on its way.
+    /// Computes when a rank notices the message that it waits for, if that is on its way.
     fn expect(&mut self, rank: usize) {
         let State::Waiting { since, from } = self.states[rank] else { return };
         if let Some(&arrival) = self.arrivals[from * self.states.len() + rank].front() {
@@ -197,7 +198,7 @@ impl Play<'_> {
         }
     }
 
-    /// A running rank works for some seconds.
+    /// A running rank computes for `seconds`.
     fn pass(&mut self, rank: usize, seconds: f64) {
         let State::Running { slice } = self.states[rank] else { return };
         let (step, left) = self.at[rank];
@@ -205,7 +206,7 @@ impl Play<'_> {
             self.played[rank].busy[*stage as usize] += seconds;
         }
         let left = left - seconds;
-        // What is lost by rounding is no work.
+        // A remainder from rounding is no work.
         if left <= 1e-15 {
             self.at[rank].0 += 1;
             self.begin_step(rank);
@@ -223,7 +224,7 @@ impl Play<'_> {
         }
     }
 
-    /// Does all that takes a running rank no time.
+    /// Does all steps of a running rank that take no time.
     fn go_on(&mut self, rank: usize) {
         let n = self.states.len();
         loop {
@@ -278,7 +279,7 @@ mod tests {
 
     #[test]
     fn ranks_share_processors_in_turn() {
-        // Shorter than a slice: one behind the other.
+        // Shorter than a slice: one after another.
         let short = vec![vec![work(1e-3)], vec![work(2e-3)], vec![work(1e-3)]];
         assert_eq!(ends(&short, APART, AT_ONCE), [1e-3, 2e-3, 1e-3]);
         assert_eq!(ends(&short, 1, AT_ONCE), [1e-3, 3e-3, 4e-3]);
@@ -292,7 +293,7 @@ mod tests {
     }
 
     #[test]
-    fn messages_are_waited_for() {
+    fn ranks_wait_for_messages() {
         let send = Step::Send { to: 0, bytes: 100 };
         let programs = vec![vec![work(1.0), Step::Take { from: 1 }, work(1.0)], vec![work(3.0), send]];
         assert_eq!(ends(&programs, APART, AT_ONCE), [4.0, 3.0]);
@@ -302,7 +303,7 @@ mod tests {
     }
 
     #[test]
-    fn who_sleeps_finds_a_message_later() {
+    fn a_rank_that_sleeps_finds_a_message_later() {
         let send = Step::Send { to: 0, bytes: 100 };
         let waits = |seconds: f64| {
             let programs = [vec![Step::Take { from: 1 }, work(1e-3)], vec![work(seconds), send]];
@@ -315,7 +316,7 @@ mod tests {
     }
 
     #[test]
-    fn a_port_takes_one_message_after_another() {
+    fn a_port_passes_one_message_after_another() {
         let send = Step::Send { to: 0, bytes: 100 };
         let takes = vec![Step::Take { from: 1 }, Step::Take { from: 2 }];
         let wires = Wires { latency: 0.0, bandwidth: 100.0, sleeps: false };
@@ -326,7 +327,7 @@ mod tests {
     }
 
     #[test]
-    fn a_message_that_nobody_sends_ends_the_play() {
+    fn a_message_that_is_never_sent_ends_the_simulation() {
         assert_eq!(ends(&[vec![Step::Take { from: 1 }], vec![work(1.0)]], APART, AT_ONCE), [0.0, 1.0]);
     }
 }

@@ -1,9 +1,9 @@
 //! Ranks on a network, by the simulator of the sorting classes: what the renderer does not have (yet), at any scale.
 //!
-//! The triangles that hold a sample stand as boxes of samples, in the order of the clusters. A rank is one processor of
-//! the machine. The simulator deals out polygons; where a machine is charged for clusters, a polygon costs what it comes
-//! to in this very frame on one processor. What the simulator does not know is added: shading of what is shown, and the
-//! cost of the picture.
+//! The triangles with at least one sample are boxes of samples, in the order of the clusters. A rank is one processor
+//! of the machine. The simulator distributes polygons; if a machine is charged for clusters, a polygon costs its
+//! average in this very frame on one processor. Shading of what is visible and the cost of the picture, which the
+//! simulator does not have, are added.
 
 use serde::Serialize;
 
@@ -15,7 +15,7 @@ use crate::simulators::sorting::organisation::{Setting, simulate};
 use crate::simulators::sorting::{Costs, NetworkModel, Organisation, SortReport};
 use crate::workloads::BoxScene;
 
-/// A simulated frame of some ranks; seconds.
+/// A simulated frame of ranks; seconds.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SimulatedFrame {
     /// How they share it.
@@ -24,7 +24,7 @@ pub struct SimulatedFrame {
     pub sorting: SortReport,
     /// Shading of the busiest rank.
     pub shading: f64,
-    /// What every frame costs, and clearing and writing the rank's part of the picture.
+    /// The fixed cost, and clearing and writing the rank's part of the picture.
     pub picture: f64,
 }
 
@@ -48,11 +48,11 @@ impl SimulatedFrame {
     }
 }
 
-/// What polygons cost in this frame, and the seconds of shading and of the picture on one processor.
+/// The costs of polygons in this frame, and the seconds of shading and of the picture on one processor.
 struct Work {
     costs: Costs,
     shading: f64,
-    /// Without what every frame costs.
+    /// Without the fixed cost of a frame.
     picture: f64,
 }
 
@@ -79,7 +79,7 @@ impl Work {
 /// Predicts a frame.
 ///
 /// # Errors
-/// A machine without a network or without the bytes of what travels.
+/// A machine without a network or without the sizes of messages.
 pub fn predict(
     machine: &Machine,
     counters: &Counters,
@@ -105,8 +105,8 @@ pub fn predict(
         Organisation::SortTwice(group) => group.min(plan.ranks) as f64,
         Organisation::SortFirst | Organisation::SortMiddle => ranks,
     };
-    // With whole pictures composed, each rank shades what it sees itself: between what is shown in the end and all
-    // that is covered. A group sees about as much of what its polygons cover as the groups are few.
+    // If whole pictures are composited, each rank shades what is visible in its own: between what is visible in the end
+    // and everything covered. The fewer the groups, the less a group shades beyond what is visible in the end.
     let groups = ranks / parts;
     let (shown, covered) = (counters.pixels_visible as f64, counters.samples_covered as f64);
     let shaded = if shown > 0.0 { (shown * groups).min(covered.max(shown)) / shown } else { 0.0 };

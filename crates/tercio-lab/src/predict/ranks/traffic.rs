@@ -1,10 +1,11 @@
-//! What ranks send each other, reckoned from what each of them shows.
+//! The messages between ranks, computed from the pixels that each of them shows.
 //!
-//! * Sort-last deals out consecutive clusters, rank r of n those from `C * r / n` on; sort-first gives every rank all.
-//! * Region k of the picture, row by row, belongs to rank k modulo the ranks.
-//! * A span, a row of neighbouring pixels of one region that show something, travels as 6 bytes and 4 for every pixel's
-//!   colour, and 8 for its key where it is yet to be composed.
-//! * Ranks without clusters send nothing to be composed, ranks without regions take nothing and have nothing to collect.
+//! * Sort-last assigns consecutive clusters, to rank r of n those from `C * r / n` on; sort-first gives every rank all.
+//! * Region k of the picture, row by row, belongs to rank k modulo the number of ranks.
+//! * A span, a row of neighbouring pixels of one region that show something, is sent as 6 bytes, 4 for every pixel's
+//!   colour, and 8 for its key where it still has to be composited.
+//! * Ranks without clusters send nothing for compositing, ranks without regions receive nothing and have nothing to
+//!   collect.
 
 use serde::Serialize;
 use tercio_parallel::{Organisation, RankReport};
@@ -12,7 +13,7 @@ use tercio_parallel::{Organisation, RankReport};
 use crate::simulators::sorting::{Assignment, Regions};
 use crate::workloads::PixelBox;
 
-/// Bytes before the pixels of a span, of a pixel's key and of its colour.
+/// Bytes of a span's header, of a pixel's key and of its colour.
 const SPAN_BYTES: u64 = 6;
 const KEY_BYTES: u64 = 8;
 const COLOR_BYTES: u64 = 4;
@@ -20,7 +21,7 @@ const COLOR_BYTES: u64 = 4;
 /// How ranks share a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Sharing {
-    /// Where work changes hands.
+    /// Where work is redistributed.
     pub organisation: Organisation,
     /// Ranks, at least 1.
     pub ranks: usize,
@@ -58,7 +59,7 @@ impl Sharing {
     }
 }
 
-/// Pixels that show something, and the spans that they travel in.
+/// Pixels that show something, and the spans in which they are sent.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Pixels {
     /// Rows of neighbours.
@@ -74,14 +75,14 @@ impl Pixels {
     }
 }
 
-/// What is counted of a rank.
+/// The counters of a rank.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct RankCounts {
-    /// Triangles that it meets.
+    /// Triangles that it processes.
     pub triangles: u64,
-    /// Pixels that it sends to be composed.
+    /// Pixels that it sends for compositing.
     pub sent: u64,
-    /// Pixels that it composes.
+    /// Pixels that it composites.
     pub compared: u64,
     /// Pixels of its regions that show something in the end.
     pub visible: u64,
@@ -92,7 +93,7 @@ pub struct RankCounts {
 }
 
 impl RankCounts {
-    /// What a rank counted itself.
+    /// The counters that a rank reported.
     pub fn measured(report: &RankReport) -> Self {
         Self {
             triangles: report.frame.frontend.triangles_in,
@@ -120,21 +121,21 @@ impl RankCounts {
 /// The messages of a frame.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Messages {
-    /// Triangles that each rank meets.
+    /// Triangles that each rank processes.
     pub triangles: Vec<u64>,
-    /// What each rank sends to each, to be composed; `None` where no message goes.
+    /// What each rank sends to each other for compositing; `None` where there is no message.
     pub composed: Vec<Vec<Option<Pixels>>>,
-    /// What each owner of regions has in the end; of all but rank 0 a message to it.
+    /// The finished pixels of each owner of regions; all but rank 0 send them to rank 0 in a message.
     pub finished: Vec<Pixels>,
 }
 
 impl Messages {
-    /// What a rank sends to another to be composed.
+    /// What a rank sends to another for compositing.
     pub fn between(&self, from: usize, to: usize) -> Option<Pixels> {
         self.composed[from].get(to).copied().flatten()
     }
 
-    /// What is counted of a rank.
+    /// The counters of a rank.
     pub fn counts(&self, rank: usize) -> RankCounts {
         let mut counts = RankCounts { triangles: self.triangles[rank], ..RankCounts::default() };
         for sent in self.composed[rank].iter().flatten() {
@@ -154,7 +155,7 @@ impl Messages {
         counts
     }
 
-    /// Bytes of the messages that a rank takes.
+    /// Bytes of the messages that a rank receives.
     pub fn bytes_taken(&self, rank: usize) -> u64 {
         let composed = (0..self.composed.len()).filter_map(|from| self.between(from, rank));
         let finished = self.finished.iter().skip(1).filter(|_| rank == 0);
@@ -168,16 +169,16 @@ impl Messages {
     }
 }
 
-/// The messages of a frame while its ranks are looked at one after another.
+/// Collects the messages of a frame, one rank after another.
 pub struct Traffic<'a> {
     sharing: &'a Sharing,
     messages: Messages,
-    /// Pixels that some rank shows.
+    /// Pixels that any rank shows.
     by_any: Vec<bool>,
 }
 
 impl<'a> Traffic<'a> {
-    /// Nobody shows anything yet.
+    /// No rank shows anything yet.
     pub fn new(sharing: &'a Sharing) -> Self {
         let ranks = sharing.ranks;
         let messages =
@@ -185,11 +186,11 @@ impl<'a> Traffic<'a> {
         Self { sharing, messages, by_any: vec![false; sharing.pixels() as usize] }
     }
 
-    /// A rank meets some triangles and shows the pixels whose keys are not 0.
+    /// Adds a rank that processes `triangles` triangles and shows the pixels whose keys are not 0.
     pub fn add(&mut self, rank: usize, triangles: u64, keys: &[u64]) {
         self.messages.triangles[rank] = triangles;
         self.by_any.iter_mut().zip(keys).for_each(|(any, key)| *any |= *key != 0);
-        // Who has no clusters sends nothing.
+        // A rank without clusters sends nothing.
         if self.sharing.organisation == Organisation::SortLast && triangles > 0 {
             let owners = self.sharing.owners();
             let to = by_owner(self.sharing, |place| keys[place] != 0).into_iter().enumerate();
@@ -198,7 +199,7 @@ impl<'a> Traffic<'a> {
         }
     }
 
-    /// That were all.
+    /// The messages after all ranks have been added.
     pub fn finish(self) -> Messages {
         let mut finished = by_owner(self.sharing, |place| self.by_any[place]);
         finished.truncate(self.sharing.owners());

@@ -5,7 +5,7 @@ use tercio_mesh::cluster::{PartitionOptions, partition};
 use super::*;
 use crate::predict::ranks::exchange::KINDS;
 
-/// Counters and bytes equal those of the ranks, whatever they share.
+/// Counters and bytes equal those of the ranks, for any way of sharing.
 #[test]
 fn counts_are_those_of_the_ranks() {
     for (model, size, distance) in [
@@ -18,7 +18,7 @@ fn counts_are_those_of_the_ranks() {
         let mesh = tercio_mesh::builtin::make(model).unwrap();
         let bounds = mesh.bounds();
         let mut scene = views::scene(Arc::new(partition(mesh, &PartitionOptions::default())));
-        // A second instance: ranks begin inside it.
+        // A second instance, so that a rank's part begins inside it.
         let mut second = scene.instances[0].clone();
         second.world_from_object.translation += bounds.size() * 0.3;
         scene.instances.push(second);
@@ -58,11 +58,11 @@ fn rows_are_what_is_predicted_and_compare_every_frame() {
     for clock in [Clock::Wall, Clock::Processor] {
         let options = Options { views: 2, frames: 2, rounds: 2, processors: 2, clock };
         let table = Table { models: &models, sizes: &[size], how: &how, options };
-        let mut told = 0;
-        let rows = compare(&machine, &costs, table, MeasuredRanks::draw, || told += 1).unwrap();
-        assert_eq!((rows.len(), told), (2, 4));
+        let mut calls = 0;
+        let rows = compare(&machine, &costs, table, MeasuredRanks::draw, || calls += 1).unwrap();
+        assert_eq!((rows.len(), calls), (2, 4));
         for (row, how) in rows.iter().zip(how) {
-            // 6 counters of what travels and 22 of the renderer, 4 frames of each view.
+            // 6 counters of the exchange and 22 of the renderer, 4 frames of each view.
             assert_eq!((row.differing.len(), row.compared), (0, 2 * 4 * 28 * how.0), "{row:?}");
             assert!(row.measured.frame.is_finite() && row.measured.frame > 0.0);
             if clock == Clock::Wall {
@@ -79,7 +79,7 @@ fn rows_are_what_is_predicted_and_compare_every_frame() {
     }
 }
 
-/// What goes over MPI elsewhere goes between threads here: the ranks have nothing in common but messages.
+/// Messages between threads instead of MPI: the ranks share nothing but messages.
 #[test]
 fn the_ranks_of_a_job_follow_rank_0() {
     use tercio_parallel::comm::threads;

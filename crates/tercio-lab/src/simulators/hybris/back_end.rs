@@ -1,4 +1,4 @@
-//! The back end: all tiles of a frame on one tile engine or two.
+//! The back end: all tiles of a frame on one or two tile engines.
 
 use rayon::prelude::*;
 use serde::Serialize;
@@ -13,7 +13,7 @@ use super::tile_engine::{EngineCounts, EngineSettings, TileWork, run_tile};
 pub enum Sharing {
     /// Each has tiles of its own, in the colours of a checkerboard (document 001, 3.6.3).
     Tiles,
-    /// All work at the same tile, each at every n-th triangle; their pictures are composed (3.6.4).
+    /// All work on the same tile, each on every n-th triangle; their pictures are composited (3.6.4).
     Composition,
 }
 
@@ -24,32 +24,32 @@ pub struct BackEnd {
     pub cycles: u64,
     /// Tiles with at least one triangle; the others are not drawn.
     pub tiles_used: u64,
-    /// What each engine did.
+    /// The work of each engine.
     pub engines: Vec<EngineCounts>,
     /// Cycles in which a finished tile was copied out.
     pub output_cycles: u64,
 }
 
 impl BackEnd {
-    /// The busiest engine's drawing over the mean's, 1 if they are even.
+    /// The busiest engine's drawing time over the mean, 1 if they are even.
     pub fn imbalance(&self) -> f64 {
         let most = self.engines.iter().map(|e| e.cycles).max().unwrap_or(0);
         let sum: u64 = self.engines.iter().map(|e| e.cycles).sum();
         if sum == 0 { 1.0 } else { most as f64 * self.engines.len() as f64 / sum as f64 }
     }
 
-    /// What all engines did together.
+    /// The work of all engines together.
     pub fn total(&self) -> EngineCounts {
         self.engines.iter().fold(EngineCounts::default(), |sum, e| sum.plus(*e))
     }
 }
 
-/// What the engines are given and how.
+/// Configuration of the back end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BackEndSettings {
     /// An engine.
     pub engine: EngineSettings,
-    /// How many.
+    /// Number of engines.
     pub engines: usize,
     /// How they share a frame.
     pub sharing: Sharing,
@@ -60,7 +60,7 @@ pub struct BackEndSettings {
 /// Draws the heaps of some front ends: every tile reads all of them, in their order.
 pub fn run(front_ends: &[FrontEnd], tiles: Tiles, settings: BackEndSettings) -> BackEnd {
     let engines = settings.engines.max(1);
-    // Which engine draws which of a tile's triangles how long: a list of (engine, counts) for each used tile.
+    // How long each engine draws its triangles of a tile: a list of (engine, counts) for each used tile.
     let drawn: Vec<(usize, Vec<(usize, EngineCounts)>)> = (0..tiles.count())
         .into_par_iter()
         .filter_map(|tile| {
@@ -112,13 +112,13 @@ fn draw(tile: usize, work: &[TileWork], tiles: Tiles, s: BackEndSettings) -> Vec
     }
 }
 
-/// When engines and the way to the frame buffer are free.
+/// The times at which engines and the bus to the frame buffer are free.
 struct Clock {
     /// End of each engine's last drawing.
     drawn: Vec<u64>,
-    /// End of the copying of each engine's last tile but one, and of its last: two tile buffers each.
+    /// End of copying each engine's last tile but one, and of its last: each engine has two tile buffers.
     copied: Vec<[u64; 2]>,
-    /// End of the last copying of all.
+    /// End of the last copy.
     bus: u64,
     output_cycles: u64,
 }
@@ -128,8 +128,8 @@ impl Clock {
         Self { drawn: vec![0; engines], copied: vec![[0; 2]; engines], bus: 0, output_cycles: 0 }
     }
 
-    /// A tile that takes each of these engines so many cycles; it is copied out once, when all are done. Tiles are
-    /// copied in their order.
+    /// Adds a tile that takes the given cycles of each of these engines; it is copied out once, when all are done.
+    /// Tiles are copied in their order.
     fn tile(&mut self, engines: &[(usize, u64)], output: u64) {
         let start = |&(e, _): &(usize, u64)| self.drawn[e].max(self.copied[e][0]);
         let ends: Vec<u64> = engines.iter().map(|part| start(part) + part.1).collect();
@@ -159,7 +159,7 @@ mod tests {
         assert_eq!(clock.now(), 140);
         clock.tile(&[(0, 100)], 40);
         assert_eq!(clock.now(), 240);
-        // Drawn faster than copied: the third tile waits for the first one's buffer.
+        // Drawing is faster than copying: the third tile waits for the first one's buffer.
         let mut clock = Clock::new(1);
         (0..3).for_each(|_| clock.tile(&[(0, 10)], 100));
         assert_eq!(clock.now(), 10 + 3 * 100);

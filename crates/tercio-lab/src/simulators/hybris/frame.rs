@@ -11,10 +11,10 @@ use super::transfer::{Bus, Transferred};
 use super::{FrontEnd, Scene};
 use crate::machines::{Machine, MachineError};
 
-/// How the pages of the SDRAM fared, by what is mapped how.
+/// Page misses of the SDRAM, by mapping of buffers to banks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Pages {
-    /// Written with buffers in the banks in the order in which they are taken.
+    /// Written with buffers assigned to banks in the order of allocation.
     pub written_in_order: PageCounts,
     /// Written with neighbouring tiles in different banks.
     pub written_by_tile: PageCounts,
@@ -25,31 +25,31 @@ pub struct Pages {
 /// A frame.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct HybrisFrame {
-    /// Front ends together.
+    /// Sum of the front ends.
     pub front_end: FrontEndCounts,
-    /// Buckets a triangle.
+    /// Mean number of buckets per triangle.
     pub overlap: f64,
     /// Buffers of all heaps.
     pub buffers: u64,
     /// Their bytes.
     pub heap_bytes: u64,
-    /// Tile engines; of machines that have a clock of their own for them.
+    /// Tile engines, on machines that have a clock for them.
     pub back_end: BackEnd,
-    /// Seconds of the tile engines at the machine's clock.
+    /// Seconds of the tile engines at their clock.
     pub back_end_seconds: f64,
     /// Memory pages, if the machine has SDRAM of its own.
     pub pages: Option<Pages>,
     /// The bus, if there is one.
     pub transfer: Option<Transferred>,
-    /// What each processor's back end met.
+    /// Counts of each processor's back end.
     pub back_counts: Vec<BackCounts>,
     /// Processors, if the machine is charged for software.
     pub software: Option<SoftwareFrame>,
 }
 
 impl HybrisFrame {
-    /// Seconds of a frame: of software the front end, the barrier and the back end; of a board whatever of bus and
-    /// tile engine takes longer, because they overlap (document 001, 4.5.1).
+    /// Seconds of a frame: in software the front end, the barrier and the back end; on a board the longer of bus and
+    /// tile engine, because they overlap (document 001, 4.5.1).
     pub fn seconds(&self) -> f64 {
         match (&self.software, &self.transfer) {
             (Some(software), _) => software.seconds(),
@@ -151,7 +151,7 @@ mod tests {
     }
 
     #[test]
-    fn parallel_engines_are_faster_but_not_more_than_as_many_times() {
+    fn parallel_engines_are_faster_but_at_most_by_their_number() {
         let one = frame("hybris-asic", Sharing::Tiles).back_end.cycles;
         for (name, sharing, engines) in [
             ("hybris-asic-2x2", Sharing::Tiles, 4),
@@ -172,7 +172,7 @@ mod tests {
         assert_eq!((one.front.len(), two.front.len()), (1, 2));
         let work = |f: &SoftwareFrame| f.front.iter().chain(&f.back).sum::<f64>();
         assert!((work(&one) - work(&two)).abs() < 1e-12 * work(&one));
-        // What the barrier costs is what is missing to half the time.
+        // The loss at the barrier is what is missing to half the time.
         assert!((two.seconds() - two.serial - (work(&two) + two.waiting()) / 2.0).abs() < 1e-12);
     }
 }

@@ -1,4 +1,4 @@
-//! The front end: partitions are culled, triangles are culled, what is left goes into the buckets of its tiles.
+//! The front end: partitions are culled, triangles are culled, the rest goes into the buckets of its tiles.
 
 use serde::Serialize;
 
@@ -6,16 +6,16 @@ use super::heap::{Heap, HeapLayout};
 use super::triangle::PixelBox;
 use super::{Partition, Scene, Triangle};
 
-/// What the front end met, dropped and made.
+/// Counts of a front end.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct FrontEndCounts {
-    /// Partitions met.
+    /// Partitions processed.
     pub partitions: u64,
     /// Partitions without a triangle that faces the eye: none of their vertices is transformed.
     pub partitions_culled: u64,
     /// Vertices transformed.
     pub vertices: u64,
-    /// Triangles met, each tested by its normal.
+    /// Triangles processed, each tested by its normal.
     pub triangles: u64,
     /// Triangles that face away, or reach behind the eye.
     pub back_facing: u64,
@@ -25,12 +25,12 @@ pub struct FrontEndCounts {
     pub outside: u64,
     /// Triangles set up: one node each, however many buckets it goes into.
     pub nodes: u64,
-    /// Nodes written, one a bucket.
+    /// Nodes written, one per bucket.
     pub entries: u64,
 }
 
 impl FrontEndCounts {
-    /// Sums.
+    /// The sum of both.
     pub fn plus(self, o: Self) -> Self {
         Self {
             partitions: self.partitions + o.partitions,
@@ -45,7 +45,7 @@ impl FrontEndCounts {
         }
     }
 
-    /// Buckets a triangle.
+    /// Mean number of buckets per triangle.
     pub fn overlap(&self) -> f64 {
         if self.nodes == 0 { 0.0 } else { self.entries as f64 / self.nodes as f64 }
     }
@@ -78,7 +78,7 @@ impl Tiles {
         self.columns() as usize * self.rows() as usize
     }
 
-    /// The pixels of a tile, those beyond the picture's border left out.
+    /// The pixels of a tile inside the picture.
     pub fn pixels(&self, tile: usize) -> PixelBox {
         let (column, row) = self.place(tile);
         let (x0, y0) = (column * self.edge, row * self.edge);
@@ -104,7 +104,7 @@ impl Tiles {
     }
 }
 
-/// What one front end leaves behind.
+/// The output of one front end.
 #[derive(Clone, Debug)]
 pub struct FrontEnd {
     /// Counts.
@@ -165,7 +165,7 @@ impl FrontEnd {
         c
     }
 
-    /// Deals a scene's partitions out to some front ends: the first part of them to the first, and so on
+    /// Distributes a scene's partitions over several front ends: the first part of them to the first, and so on
     /// (document 001, 4.3.2: halves).
     pub fn run_parallel(scene: &Scene, tiles: Tiles, layout: HeapLayout, front_ends: usize) -> Vec<Self> {
         let share = scene.partitions.len().div_ceil(front_ends.max(1)).max(1);
@@ -195,14 +195,14 @@ mod tests {
     fn a_triangle_goes_into_every_bucket_that_its_box_touches() {
         let done = run(vec![front(20, 20, 20)]);
         let filled: Vec<_> = (0..TILES.count()).filter(|&t| done.heap.bucket(t).len() == 1).collect();
-        // Tiles (0,0), (1,0), (0,1), (1,1); the last one holds nothing of the triangle, only of its box.
+        // Tiles (0,0), (1,0), (0,1), (1,1); the last one contains no part of the triangle, only of its box.
         assert_eq!(filled, [0, 1, 4, 5]);
         assert_eq!((done.counts.nodes, done.counts.entries), (1, 4));
     }
 
     #[test]
-    fn what_ends_on_a_border_stays_on_its_side() {
-        // Columns 0 to 31 only: the end is left out.
+    fn a_triangle_that_ends_on_a_border_stays_on_its_side() {
+        // Columns 0 to 31 only: the end is exclusive.
         assert_eq!(run(vec![front(0, 0, 32)]).counts.entries, 1);
     }
 

@@ -32,28 +32,28 @@ impl HeapLayout {
     }
 }
 
-/// Where buffers lie in the banks of the memory.
+/// Assignment of buffers to the banks of the memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub enum BankMapping {
-    /// Buffers in the order in which they are taken: what software gets at best.
+    /// In the order of allocation: the best that software can do.
     InOrder,
     /// Neighbouring tiles in different banks, which hardware can arrange (document 001, 4.4).
     ByTile,
 }
 
-/// How the memory pages fared while a heap was written or read.
+/// Page accesses and misses while a heap was written or read.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct PageCounts {
     /// Accesses.
     pub accesses: u64,
-    /// Those that found another page open in their bank.
+    /// Accesses that found another page open in their bank.
     pub misses: u64,
-    /// Cycles of the memory: data and opening of pages.
+    /// Memory cycles: data and opening of pages.
     pub cycles: u64,
 }
 
 impl PageCounts {
-    /// Sums.
+    /// The sum of both.
     pub fn plus(self, o: Self) -> Self {
         Self {
             accesses: self.accesses + o.accesses,
@@ -63,7 +63,7 @@ impl PageCounts {
     }
 }
 
-/// A heap: for each bucket its nodes, in the order in which they came.
+/// A heap: the nodes of each bucket, in the order of arrival.
 #[derive(Clone, Debug)]
 pub struct Heap {
     layout: HeapLayout,
@@ -87,7 +87,7 @@ impl Heap {
         }
     }
 
-    /// Writes a node into a bucket; takes a new buffer if the last one is full.
+    /// Writes a node into a bucket; allocates a new buffer if the last one is full.
     pub fn push(&mut self, bucket: usize, node: u32) {
         let full = (self.buckets[bucket].len() as u64).is_multiple_of(self.layout.nodes_per_buffer());
         if full {
@@ -109,7 +109,7 @@ impl Heap {
         self.writes.len() as u64
     }
 
-    /// Buffers taken.
+    /// Buffers allocated.
     pub fn buffers(&self) -> u64 {
         u64::from(self.taken)
     }
@@ -119,14 +119,14 @@ impl Heap {
         self.buffers() * self.layout.buffer
     }
 
-    /// Bytes of nodes in each buffer of a bucket, headers included: what a transfer of that buffer moves.
+    /// Bytes used in each buffer of a bucket, headers included: the size of a transfer of that buffer.
     pub fn filled_bytes(&self, bucket: usize) -> impl Iterator<Item = u64> {
         let (layout, per) = (self.layout, self.layout.nodes_per_buffer());
         let nodes = self.buckets[bucket].len() as u64;
         (0..nodes.div_ceil(per)).map(move |k| layout.header + (nodes - k * per).min(per) * layout.node)
     }
 
-    /// The memory's work while the front end writes: nodes come in the order of the triangles.
+    /// Memory accesses while the front end writes: nodes come in the order of the triangles.
     pub fn write_pages(&self, sdram: &Sdram, mapping: BankMapping, columns: u32) -> PageCounts {
         let mut memory = Memory::new(sdram, mapping, columns);
         for &(bucket, buffer) in &self.writes {
@@ -135,7 +135,7 @@ impl Heap {
         memory.counts
     }
 
-    /// The memory's work while the back end reads: bucket after bucket, buffer after buffer.
+    /// Memory accesses while the back end reads: bucket after bucket, buffer after buffer.
     pub fn read_pages(&self, sdram: &Sdram, mapping: BankMapping, columns: u32) -> PageCounts {
         let mut memory = Memory::new(sdram, mapping, columns);
         for (bucket, buffers) in self.buffers.iter().enumerate() {
@@ -172,7 +172,7 @@ impl Memory {
     fn access(&mut self, bucket: u32, buffer: u32, bytes: u64) {
         let bank = match self.mapping {
             BankMapping::InOrder => buffer,
-            // Two by two tiles have four different banks, as four neighbours meet at a corner.
+            // The tiles of a 2x2 block have four different banks, as they meet at a corner.
             BankMapping::ByTile => (bucket % self.columns) % 2 + (bucket / self.columns) % 2 * 2,
         } as usize
             % self.open.len();
@@ -210,7 +210,7 @@ mod tests {
     #[test]
     fn two_buckets_in_one_bank_close_each_others_pages() {
         let mut heap = Heap::new(16, HeapLayout::DOCUMENT);
-        // Tiles 0 and 2 of a row share a bank when banks go by tile; tiles 0 and 1 do not.
+        // Tiles 0 and 2 of a row share a bank if banks are assigned by tile; tiles 0 and 1 do not.
         (0..10).for_each(|n| heap.push(if n % 2 == 0 { 0 } else { 2 }, n));
         let counts = heap.write_pages(&sdram(), BankMapping::ByTile, 4);
         assert_eq!((counts.accesses, counts.misses, counts.cycles), (10, 10, 10 * (8 + 4)));

@@ -3,7 +3,7 @@
 //! | module | part | place in document 001 |
 //! |---|---|---|
 //! | [`triangle`] | rounding rules, spans | 3.2.6, 3.2.7 |
-//! | [`partition`] | objects cut into partitions of 500 triangles | 3.3.3 |
+//! | [`partition`] | objects divided into partitions of 500 triangles | 3.3.3 |
 //! | [`front_end`] | culling, bucket sorting | 3.2.4, 3.2.5, 3.4, 3.5 |
 //! | [`heap`] | buffers of 63 nodes in SDRAM pages | 3.5, 4.4 |
 //! | [`tile_engine`] | four stages with FIFOs, cycle by cycle; 2x2 interleave | 3.6.1, 3.6.2, 3.6.5 |
@@ -13,8 +13,8 @@
 //! | [`scene`] | a model under a camera | |
 //! | [`frame`] | a whole frame on one of the machines | 4.3 to 4.6 |
 //!
-//! All of it is a pure function of a [`Scene`] and of a machine's description. Screen coordinates are whole
-//! sub-pixels, 256 to a pixel, y downwards; nothing is rounded twice.
+//! All of it is a pure function of a [`Scene`] and of a machine's description. Screen coordinates are whole sub-pixels,
+//! 256 to a pixel, y downwards; nothing is rounded twice.
 
 pub mod back_end;
 pub mod frame;
@@ -32,7 +32,7 @@ pub use frame::{HybrisFrame, simulate};
 pub use front_end::{FrontEnd, FrontEndCounts};
 pub use triangle::Triangle;
 
-/// What Hybris draws: an object in partitions, already projected.
+/// The input of Hybris: an object in partitions, already projected.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Scene {
     /// Pixels across.
@@ -43,10 +43,10 @@ pub struct Scene {
     pub partitions: Vec<Partition>,
 }
 
-/// Some triangles of an object that share vertices.
+/// A group of triangles of an object that share vertices.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Partition {
-    /// Vertices, shared ones once.
+    /// Number of vertices, each shared one counted once.
     pub vertices: u32,
     /// Triangles that cannot be drawn because they reach behind the eye.
     pub outside: u32,

@@ -1,17 +1,17 @@
-//! Objects cut into partitions of at most 500 triangles.
+//! Objects divided into partitions of at most 500 triangles.
 //!
-//! The thesis uses MeTiS (document 001, 3.3.3); here triangles are halved along the longer side of their centres'
-//! box until few enough are left (recursive coordinate bisection), which gives as many partitions of as even a
+//! The thesis uses MeTiS (document 001, 3.3.3); here triangles are halved along the longest side of their centroids'
+//! bounding box until they are few enough (recursive coordinate bisection), which gives as many partitions of as even a
 //! size: 139 for the bunny's 69,451 triangles.
 
 use std::collections::HashSet;
 
 use tercio_mesh::Mesh;
 
-/// Triangles of a partition, at most (document 001, 3.3.3).
+/// Maximum number of triangles of a partition (document 001, 3.3.3).
 pub const PARTITION: usize = 500;
 
-/// Triangle numbers of each partition; every triangle is in exactly one. Partitions differ by one triangle at most.
+/// Triangle numbers of each partition; every triangle is in exactly one. Sizes of partitions differ by at most one.
 pub fn partitions(mesh: &Mesh, at_most: usize) -> Vec<Vec<u32>> {
     let centres: Vec<[f32; 3]> = mesh.triangles.iter().map(|t| centre(mesh, t)).collect();
     let mut numbers: Vec<u32> = (0..mesh.triangles.len() as u32).collect();
@@ -42,7 +42,7 @@ fn bisect(centres: &[[f32; 3]], numbers: &mut [u32], count: usize, out: &mut Vec
     let axis = (0..3).max_by(|&a, &b| extent(a).total_cmp(&extent(b))).unwrap_or(0);
     let left = count / 2;
     let middle = numbers.len() * left / count;
-    // The number decides between equal centres, so that the cut does not depend on the order of the file's sort.
+    // Ties are broken by number, so that the split does not depend on the sorting algorithm.
     let key = |n: &u32| centres[*n as usize][axis];
     numbers.select_nth_unstable_by(middle, |a, b| key(a).total_cmp(&key(b)).then(a.cmp(b)));
     let (low, high) = numbers.split_at_mut(middle);
@@ -50,7 +50,7 @@ fn bisect(centres: &[[f32; 3]], numbers: &mut [u32], count: usize, out: &mut Vec
     bisect(centres, high, count - left, out);
 }
 
-/// Different vertices of some triangles.
+/// Number of different vertices of these triangles.
 pub fn vertices(mesh: &Mesh, triangles: &[u32]) -> u32 {
     let all: HashSet<u32> = triangles.iter().flat_map(|&t| mesh.triangles[t as usize]).collect();
     all.len() as u32
@@ -88,7 +88,7 @@ mod tests {
     fn partitions_share_vertices_about_as_well_as_a_mesh() {
         let mesh = sheet(60);
         let corners: u32 = partitions(&mesh, PARTITION).iter().map(|p| vertices(&mesh, p)).sum();
-        // 3,721 vertices without any cut; a cut doubles those on its line.
+        // 3,721 vertices without any split; a split duplicates those on its line.
         assert!((3_721..4_500).contains(&corners), "{corners}");
     }
 }

@@ -12,11 +12,11 @@ use tercio_scene::{Camera, Instance};
 use super::partition::{PARTITION, partitions, vertices};
 use super::{Partition, Scene, Triangle};
 
-/// Projects a model by the renderer's own projection, to 1/256 of a pixel. Triangles that reach behind the eye are
-/// clipped; one without anything left counts as outside.
+/// Projects a model with the renderer's own projection, to 1/256 of a pixel. Triangles that reach behind the eye are
+/// clipped; one of which nothing is left counts as outside.
 ///
 /// # Errors
-/// A camera that makes no view.
+/// The camera gives no valid view.
 pub fn project(mesh: &Mesh, camera: &Camera, (width, height): (u32, u32)) -> Result<Scene, CameraError> {
     let plain = Mesh {
         origin: mesh.origin,
@@ -25,7 +25,7 @@ pub fn project(mesh: &Mesh, camera: &Camera, (width, height): (u32, u32)) -> Res
         triangles: mesh.triangles.clone(),
         ..Mesh::default()
     };
-    // The renderer's view of an object hangs on its clustered form.
+    // The renderer's view of an object needs its clusters.
     let instance = Instance::new(Arc::new(partition(plain, &PartitionOptions::default())));
     let view = View::new(camera, &instance.bounds(), width, height)?.object(&instance);
     let of = |numbers: Vec<u32>| {

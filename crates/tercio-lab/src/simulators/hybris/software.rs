@@ -1,8 +1,8 @@
 //! Hybris in software: every processor runs the whole pipeline, with a barrier in the middle.
 //!
-//! The first processor takes the first part of the partitions, the second the second; behind the barrier the tiles
-//! are divided in the colours of a checkerboard (document 001, 4.3.2). What runs on one processor only, the output of
-//! the picture and the user's input, is the cost of an empty frame (4.6).
+//! The first processor takes the first half of the partitions, the second the other; after the barrier the tiles are
+//! divided like a checkerboard (document 001, 4.3.2). The part that runs on one processor only, the output of the
+//! picture and the user's input, is the cost of an empty frame (4.6).
 
 use serde::Serialize;
 
@@ -17,7 +17,7 @@ pub struct SoftwareFrame {
     pub front: Vec<f64>,
     /// Back end of each processor.
     pub back: Vec<f64>,
-    /// What no processor shares.
+    /// The serial part.
     pub serial: f64,
 }
 
@@ -38,7 +38,7 @@ impl SoftwareFrame {
     }
 }
 
-/// What the back end of one processor met.
+/// Counts of the back end of one processor.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct BackCounts {
     /// Tiles with at least one triangle.
@@ -51,7 +51,7 @@ pub struct BackCounts {
     pub pixels: u64,
 }
 
-/// Counts of the back ends, by the colours of a checkerboard.
+/// Counts of the back ends, with tiles assigned like a checkerboard.
 pub fn back_counts(front_ends: &[FrontEnd], tiles: Tiles, processors: usize) -> Vec<BackCounts> {
     let mut counts = vec![BackCounts::default(); processors];
     for tile in 0..tiles.count() {

@@ -1,12 +1,12 @@
 //! One tile engine, cycle by cycle.
 //!
-//! Four stages pass work on: *Set-up Triangle* fits a triangle to the tile, *Draw Triangle* makes a span of every
-//! row, *Set-up Span* cuts it at the tile's border, *Draw Span* draws its pixels. A stage makes one step a cycle; a
-//! FIFO stands before each stage that iterates. In the 2x2 interleaved engine a triangle is broadcast to two
-//! Draw Triangle stages, even and odd rows, and each of their spans to two Draw Span stages, even and odd pixels.
+//! Four stages form a pipeline: *Set-up Triangle* clips a triangle to the tile, *Draw Triangle* makes a span of every
+//! row, *Set-up Span* clips it at the tile's border, *Draw Span* draws its pixels. A stage makes one step per cycle;
+//! there is a FIFO before each stage that iterates. In the 2x2 interleaved engine a triangle is broadcast to two Draw
+//! Triangle stages, even and odd rows, and each of their spans to two Draw Span stages, even and odd pixels.
 //!
-//! Within a cycle the last stage moves first: what a stage takes from a FIFO makes room for what comes in the same
-//! cycle, and what comes is seen in the next cycle. So a queue of depth 1 is a register.
+//! Within a cycle the last stage moves first: an entry taken from a FIFO makes room for one that is written in the same
+//! cycle, and that one is visible in the next cycle. So a queue of depth 1 is a register.
 //!
 //! Source: document 001, 3.6.1, 3.6.2, 3.6.5, figures 3.20 and 3.24; an iteration a cycle: 4.4.
 
@@ -19,14 +19,14 @@ pub use work::TileWork;
 
 use crate::machines;
 
-/// What an engine is built like.
+/// Configuration of an engine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct EngineSettings {
     /// Cycles of Set-up Triangle, at least 1.
     pub set_up_triangle: u64,
-    /// Entries of a FIFO between stages, before the broadcast where there is one.
+    /// Entries of a FIFO between stages, before the broadcast if there is one.
     pub fifo: usize,
-    /// Entries of a FIFO behind a broadcast.
+    /// Entries of a FIFO after a broadcast.
     pub fifo_after_broadcast: usize,
     /// 1, or 2 for the 2x2 interleaved engine.
     pub interleave: usize,
@@ -44,18 +44,18 @@ impl EngineSettings {
     }
 }
 
-/// How the instances of one stage spent their cycles.
+/// How the instances of one stage used their cycles.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct StageCounts {
     /// Made a step.
     pub busy: u64,
-    /// Had work, and nowhere to put it.
+    /// Had work, but no room for the result.
     pub stalled: u64,
     /// Had no work.
     pub starved: u64,
 }
 
-/// What happened to a stage in one cycle.
+/// What a stage did in one cycle.
 #[derive(Clone, Copy)]
 enum Step {
     Busy,
@@ -86,20 +86,20 @@ impl StageCounts {
 pub struct EngineCounts {
     /// Cycles from the first triangle's set-up to the last pixel.
     pub cycles: u64,
-    /// Triangles that came.
+    /// Triangles received.
     pub triangles: u64,
     /// Pixels drawn, hidden or not.
     pub pixels: u64,
     /// Set-up Triangle, Draw Triangle, Set-up Span, Draw Span.
     pub stages: [StageCounts; 4],
-    /// Most entries of the FIFOs of triangles and of spans, before the broadcast and behind it.
+    /// Largest number of entries of the FIFOs of triangles and of spans, before the broadcast and after it.
     pub fifo_peaks: [usize; 4],
     /// Sum over the cycles of the entries of the FIFOs of triangles and of spans before the broadcast.
     pub fifo_entry_cycles: [u64; 2],
 }
 
 impl EngineCounts {
-    /// One behind the other.
+    /// One tile after the other.
     pub fn plus(self, o: Self) -> Self {
         Self {
             cycles: self.cycles + o.cycles,
@@ -145,10 +145,10 @@ struct DrawSpan {
     left: u32,
 }
 
-/// A Draw Triangle stage with the queue before it, its Set-up Span stage and the queue behind that.
+/// A Draw Triangle stage with the queue before it, its Set-up Span stage and the queue after that.
 struct DrawTriangle {
     queue: Fifo<u32>,
-    /// Triangle in work and its next row.
+    /// Current triangle and its next row.
     current: Option<(u32, usize)>,
     register: Fifo<Span>,
     spans: Fifo<Span>,
@@ -172,7 +172,7 @@ struct Pipeline<'a> {
 pub fn run_tile(settings: EngineSettings, work: &[TileWork]) -> EngineCounts {
     let k = settings.interleave;
     assert!(k > 0, "an engine has at least one Draw Span stage");
-    // Without a broadcast the queue before it is the only one.
+    // Without a broadcast the only queue is the one before it.
     let lane = |_| DrawTriangle {
         queue: Fifo::new(if k == 1 { settings.fifo } else { settings.fifo_after_broadcast }),
         current: None,
@@ -217,7 +217,7 @@ impl Pipeline<'_> {
         let step = self.settings.interleave;
         for (number, lane) in self.lanes.iter_mut().enumerate() {
             for (column, stage) in lane.draw_spans.iter_mut().enumerate() {
-                // Without a broadcast Draw Span takes its spans from the queue behind Set-up Span.
+                // Without a broadcast Draw Span takes its spans from the queue after Set-up Span.
                 let queue = if step == 1 { &mut lane.spans } else { &mut stage.queue };
                 self.counts.stages[3].count(draw_span(queue, &mut stage.left, column, step));
             }
@@ -287,7 +287,7 @@ fn draw_span(queue: &mut Fifo<Span>, left: &mut u32, column: usize, step: usize)
     Step::Busy
 }
 
-/// Cuts a span; an empty one goes no farther.
+/// Clips a span; an empty one is dropped.
 fn set_up_span(register: &mut Fifo<Span>, spans: &mut Fifo<Span>) -> Step {
     let Some(&span) = register.entries.front() else { return Step::Starved };
     if span.pixels(0, 1) > 0 {

@@ -1,7 +1,7 @@
-//! The bus between host and board: every transfer has a fixed cost, then bytes run at the bus's rate.
+//! The bus between host and board: every transfer has a fixed cost, then bytes move at the bus's rate.
 //!
-//! Source: document 001, 4.5.1, which gives the two ends: 10 MB/s in blocks of 4 KiB, 100 MB/s in large ones. They
-//! imply a fixed cost of 369 microseconds a transfer.
+//! Source: document 001, 4.5.1, which gives the two limits: 10 MB/s in blocks of 4 KiB, 100 MB/s in large ones. They
+//! imply a fixed cost of 369 microseconds per transfer.
 
 use serde::Serialize;
 
@@ -11,13 +11,13 @@ use crate::machines;
 /// A bus.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Bus {
-    /// Seconds that every transfer costs, whatever its size.
+    /// Fixed seconds of every transfer.
     pub overhead: f64,
     /// Bytes a second.
     pub bandwidth: f64,
 }
 
-/// A frame's way over a bus.
+/// The transfers of a frame over a bus.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Transferred {
     /// Bytes moved.
@@ -34,7 +34,7 @@ impl Bus {
         Self { overhead: transfer.overhead.value, bandwidth: transfer.bandwidth.value }
     }
 
-    /// Moves the heaps of a frame. With blocks no larger than a buffer every buffer is a transfer of its own;
+    /// Transfers the heaps of a frame. With blocks no larger than a buffer every buffer is a transfer of its own;
     /// otherwise the buffers' contents are gathered into blocks first.
     pub fn heaps(&self, front_ends: &[FrontEnd], buckets: usize, buffer: u64, block: u64) -> Transferred {
         let buffers = front_ends.iter().flat_map(|f| (0..buckets).flat_map(|b| f.heap.filled_bytes(b)));

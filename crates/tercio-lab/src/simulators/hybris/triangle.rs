@@ -1,9 +1,9 @@
 //! A triangle on the screen by the rounding rules of Hybris.
 //!
-//! Coordinates are rounded down and the end is left out (document 001, 3.2.6, the simpler rules). That is to
-//! sample pixel (p, r) at its lower right corner (p + 1, r + 1): a span from x to x' has the pixels
-//! floor(x) to floor(x') - 1, and a triangle from y to y' the rows floor(y) to floor(y') - 1. Edges are followed
-//! exactly, in integers, where the machine uses 12 fractional bits.
+//! Coordinates are rounded down and the end is exclusive (document 001, 3.2.6, the simpler rules). This is equivalent
+//! to sampling pixel (p, r) at its lower right corner (p + 1, r + 1): a span from x to x' has the pixels floor(x) to
+//! floor(x') - 1, and a triangle from y to y' the rows floor(y) to floor(y') - 1. Edges are followed exactly, in
+//! integers, where the machine uses 12 fractional bits.
 
 /// Sub-pixels along a pixel's edge.
 pub const SUBPIXELS: i32 = 256;
@@ -22,16 +22,16 @@ pub struct Triangle {
 pub struct PixelBox {
     /// First column.
     pub x0: i32,
-    /// Column behind the last.
+    /// Column after the last.
     pub x1: i32,
     /// First row.
     pub y0: i32,
-    /// Row behind the last.
+    /// Row after the last.
     pub y1: i32,
 }
 
 impl PixelBox {
-    /// The part of both; `None` if it is empty.
+    /// The intersection; `None` if it is empty.
     pub fn and(self, o: Self) -> Option<Self> {
         let both = Self {
             x0: self.x0.max(o.x0),
@@ -67,10 +67,10 @@ impl Triangle {
         (x0 < x1 && y0 < y1).then_some(PixelBox { x0, x1, y0, y1 })
     }
 
-    /// The span of one row: first pixel and pixel behind the last; equal where the span is empty.
+    /// The span of one row: first pixel and pixel after the last; equal if the span is empty.
     pub fn span(&self, row: i32) -> (i32, i32) {
         let y = (i64::from(row) + 1) * i64::from(SUBPIXELS);
-        let (mut first, mut behind) = (i64::MAX, i64::MIN);
+        let (mut first, mut end) = (i64::MAX, i64::MIN);
         for k in 0..3 {
             let (mut a, mut b) = (k, (k + 1) % 3);
             if self.y[a] > self.y[b] {
@@ -81,10 +81,10 @@ impl Triangle {
                 let (xa, dx) = (i64::from(self.x[a]), i64::from(self.x[b]) - i64::from(self.x[a]));
                 let height = yb - ya;
                 let x = (xa * height + (y - ya) * dx).div_euclid(height * i64::from(SUBPIXELS));
-                (first, behind) = (first.min(x), behind.max(x));
+                (first, end) = (first.min(x), end.max(x));
             }
         }
-        if first > behind { (0, 0) } else { (first as i32, behind as i32) }
+        if first > end { (0, 0) } else { (first as i32, end as i32) }
     }
 }
 
@@ -110,12 +110,12 @@ mod tests {
     #[test]
     fn a_triangle_inside_one_pixel_is_culled() {
         assert_eq!(Triangle::new([(10, 10), (200, 40), (90, 250)]).rounded_box(), None);
-        // As is one that is thin in one direction only.
+        // So is one that is thin in one direction only.
         assert_eq!(Triangle::new([(10, 10), (200, 40), (90, 5000)]).rounded_box(), None);
     }
 
     proptest! {
-        /// A square cut in two by any point inside it: every pixel is drawn exactly once.
+        /// A square split in two at any point inside it: every pixel is drawn exactly once.
         #[test]
         fn neighbours_neither_overlap_nor_leave_holes(x in 1i32..4095, y in 1i32..4095) {
             let c = [(0, 0), (4096, 0), (4096, 4096), (0, 4096)];
@@ -128,7 +128,7 @@ mod tests {
             prop_assert!(count.iter().all(|&n| n == 1), "{count:?}");
         }
 
-        /// What is culled by its box has no pixel, and no pixel lies outside the box.
+        /// A triangle that is culled by its box has no pixel, and no pixel lies outside the box.
         #[test]
         fn the_box_holds_all_spans(c in prop::array::uniform3((-600i32..4600, -600i32..4600))) {
             let t = Triangle::new(c);

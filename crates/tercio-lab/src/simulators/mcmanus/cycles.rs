@@ -25,12 +25,12 @@ impl RasterCycles {
         self.cycles as f64 / self.polygons.max(1) as f64
     }
 
-    /// Seconds that `arrays` arrays of one cycle in `seconds` take, the work being equally divided (section 3).
+    /// Seconds that `arrays` arrays with cycles of `seconds` take if the work is divided evenly (section 3).
     ///
     /// # Panics
     /// If there is no array.
     pub fn frame_time(&self, arrays: u64, seconds: f64) -> f64 {
-        assert!(arrays > 0, "somebody has to draw");
+        assert!(arrays > 0, "at least one array");
         self.cycles as f64 / arrays as f64 * seconds
     }
 }
@@ -43,7 +43,7 @@ pub fn raster_cycles(scene: &BoxScene, (width, height): (u32, u32), side: u32) -
     assert!(side > 0, "regions have pixels");
     let screen = PixelBox::screen(width, height);
     let (across, down) = (width.div_ceil(side) as usize, height.div_ceil(side) as usize);
-    // Corners of the boxes in a grid of differences: its sums are the numbers of polygons in the bins.
+    // Corners of the boxes in a grid of differences: its prefix sums are the numbers of polygons in the bins.
     let stride = across + 1;
     let mut bins = vec![0i64; stride * (down + 1)];
     let mut result =
@@ -63,7 +63,7 @@ pub fn raster_cycles(scene: &BoxScene, (width, height): (u32, u32), side: u32) -
         for x in 0..across {
             row += bins[y * stride + x];
             let above = if y > 0 { bins[(y - 1) * stride + x] } else { 0 };
-            // From here on the cell holds the sum of all differences above and left of it.
+            // From here on the cell has the sum of all differences above and left of it.
             bins[y * stride + x] = row + above;
             result.fullest = result.fullest.max((row + above) as u64);
         }
@@ -81,7 +81,7 @@ mod tests {
         BoxScene { boxes: boxes.iter().map(|&pixels| BoundingBox { visible: true, pixels }).collect() }
     }
 
-    /// The scene of one square box at every place relative to the regions.
+    /// The scene of one square box at every position relative to the regions.
     fn everywhere(width: i32, side: i32) -> BoxScene {
         let places = (0..side).flat_map(|y| (0..side).map(move |x| [x, y]));
         scene(
@@ -110,7 +110,7 @@ mod tests {
 
     #[test]
     fn the_whole_screen_and_single_pixels() {
-        // Table 1's ends: one region for everything, and the area of the boxes at 1 x 1.
+        // The limits of table 1: one region for everything, and the area of the boxes at 1 x 1.
         let boxes =
             scene(&[PixelBox { x0: 3, y0: 4, x1: 10, y1: 6 }, PixelBox { x0: 0, y0: 0, x1: 511, y1: 0 }]);
         assert_eq!(raster_cycles(&boxes, (512, 512), 512).overlap(), 1.0);

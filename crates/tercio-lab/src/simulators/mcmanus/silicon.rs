@@ -11,7 +11,7 @@ pub struct AreaModel {
     pub pixel_processor: f64,
     /// Geometry engine for each polygon a second.
     pub geometry_per_rate: f64,
-    /// What every renderer needs besides.
+    /// Fixed area of every renderer.
     pub fixed: f64,
 }
 
@@ -43,7 +43,7 @@ impl Renderer {
         self.array + self.geometry
     }
 
-    /// Seconds for a workload of these raster cycles on so many renderers, and the silicon they take: a point of
+    /// Seconds for a workload of these raster cycles on `renderers` renderers, and the silicon they take: a point of
     /// figure 3.
     ///
     /// # Panics
@@ -67,7 +67,7 @@ pub fn renderers(workload: &[RasterCycles], model: &AreaModel, rate: f64) -> Vec
     workload.iter().map(renderer).collect()
 }
 
-/// The renderer with the least area for each polygon a second (section 5.2); the first among equals.
+/// The renderer with the least area for each polygon a second (section 5.2); the first of equal ones.
 pub fn best(renderers: &[Renderer]) -> Option<&Renderer> {
     renderers
         .iter()

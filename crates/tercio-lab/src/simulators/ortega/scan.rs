@@ -3,8 +3,8 @@
 use crate::workloads::polygons::SUBPIXELS;
 use crate::workloads::{ScreenPoint, ScreenPolygon};
 
-/// A run of pixels of one polygon on one line. Pixels belong to it if their middle does; middles on its left end
-/// belong to it, those on its right end do not, so that neighbours share no pixel.
+/// A run of pixels of one polygon on one line. A pixel belongs to it if its centre does; centres on its left end belong
+/// to it, those on its right end do not, so that neighbours share no pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Segment {
     /// Number of the polygon.
@@ -13,15 +13,15 @@ pub struct Segment {
     pub y: i32,
     /// First pixel.
     pub first: i32,
-    /// Number of pixels; 0 if it holds no middle.
+    /// Number of pixels; 0 if it contains no centre.
     pub length: u32,
-    /// Depth at the middle of the first pixel.
+    /// Depth at the centre of the first pixel.
     pub depth: f64,
-    /// What is added to it a pixel.
+    /// Change of depth per pixel.
     pub depth_step: f64,
 }
 
-/// An end of a segment: sub-pixels from the left as an exact fraction, and the depth there.
+/// An end of a segment: sub-pixels from the left as an exact fraction, and the depth at this point.
 #[derive(Clone, Copy, Debug)]
 struct End {
     numerator: i64,
@@ -34,7 +34,7 @@ impl End {
         self.numerator as f64 / self.denominator as f64
     }
 
-    /// First pixel whose middle is at or right of it.
+    /// First pixel whose centre is at or right of it.
     fn first_pixel(&self) -> i32 {
         let half = i64::from(SUBPIXELS / 2) * self.denominator;
         let side = i64::from(SUBPIXELS) * self.denominator;
@@ -42,7 +42,7 @@ impl End {
     }
 }
 
-/// The first line whose middle is at or below a place.
+/// The first line whose centre is at or below a coordinate.
 fn first_line(y: i32) -> i32 {
     (y - SUBPIXELS / 2 + SUBPIXELS - 1).div_euclid(SUBPIXELS)
 }
@@ -63,7 +63,7 @@ pub fn segments(polygon: &ScreenPolygon, number: u32, line: i32, into: &mut Vec<
         .filter(|(a, b)| (a.y <= middle) != (b.y <= middle))
         .map(|(a, b)| crossing(a, b, middle))
         .collect();
-    // Fractions compared exactly; equal ones bound an empty segment in either order.
+    // Fractions are compared exactly; equal ones bound an empty segment in either order.
     ends.sort_by(|a, b| {
         let left = i128::from(a.numerator) * i128::from(b.denominator);
         left.cmp(&(i128::from(b.numerator) * i128::from(a.denominator)))
@@ -84,7 +84,7 @@ pub fn segments(polygon: &ScreenPolygon, number: u32, line: i32, into: &mut Vec<
     }
 }
 
-/// Where a side crosses the middle of a line. The lower end comes first, so that both polygons at a side agree.
+/// Where a side crosses the centre of a line. The lower end comes first, so that both polygons at a side agree.
 fn crossing(a: ScreenPoint, b: ScreenPoint, middle: i32) -> End {
     let (a, b) = if a.y < b.y { (a, b) } else { (b, a) };
     let denominator = i64::from(b.y) - i64::from(a.y);

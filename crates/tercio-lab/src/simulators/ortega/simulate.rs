@@ -10,21 +10,21 @@ use crate::workloads::PolygonScene;
 pub struct Machine {
     /// Processors.
     pub processors: u64,
-    /// Segments that are gathered before they are broken into pixels. The buffer is looked at after each pass over
-    /// scan lines, and may by then hold more.
+    /// Segments that are collected before they are split into pixels. The buffer is checked after each pass over scan
+    /// lines, and may contain more by then.
     pub buffer: u64,
 }
 
-/// What the loops took.
+/// Counts of the loops.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Run {
     /// Polygons.
     pub polygons: u64,
-    /// Passes over scan lines: the lines of the highest polygon.
+    /// Passes over scan lines: the lines of the tallest polygon.
     pub line_passes: u64,
     /// Steps of these passes, each of at most one polygon a processor.
     pub line_steps: u64,
-    /// Lines of all polygons: how often a polygon had something to do in a pass.
+    /// Lines of all polygons: how often a polygon had work in a pass.
     pub lines: u64,
     /// Segments.
     pub segments: u64,
@@ -38,12 +38,12 @@ pub struct Run {
     pub pixels: u64,
     /// Pixels outside the picture.
     pub clipped: u64,
-    /// Pixels that met another one of the same pass on their way to the same place.
+    /// Pixels that collided with another one of the same pass at their destination.
     pub collisions: u64,
 }
 
 impl Run {
-    /// The share of polygons that had something to do, over all passes over lines; 0 without passes.
+    /// The share of polygons that had work, over all passes over lines; 0 without passes.
     pub fn line_utilization(&self) -> f64 {
         self.lines as f64 / (self.line_passes * self.polygons).max(1) as f64
     }
@@ -54,7 +54,7 @@ impl Run {
     }
 }
 
-/// What stands in the picture: of each pixel the nearest polygon, the last one in the scene among equals.
+/// The picture: of each pixel the nearest polygon, the last one in the scene among equals.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Picture {
     /// Pixels, row by row: depth and number of the polygon, `None` where there is none.
@@ -75,7 +75,7 @@ pub fn simulate(machine: &Machine, scene: &PolygonScene) -> (Run, Picture) {
 
     let mut picture = Picture { pixels: vec![None; scene.width as usize * scene.height as usize] };
     let mut buffer = Vec::new();
-    // Highest polygons last, so that those with lines left are a tail of the list.
+    // Tallest polygons last, so that those with lines left are at the end of the list.
     let mut order: Vec<u32> = (0..scene.polygons.len() as u32).collect();
     order.sort_by_key(|&p| spans[p as usize].1);
     let mut begin = 0;
@@ -94,7 +94,7 @@ pub fn simulate(machine: &Machine, scene: &PolygonScene) -> (Run, Picture) {
     (run, picture)
 }
 
-/// Breaks the segments of the buffer into pixels.
+/// Splits the segments of the buffer into pixels.
 fn flush(
     machine: &Machine,
     scene: &PolygonScene,
@@ -112,8 +112,8 @@ fn flush(
     run.pixel_passes += longest;
     run.pixel_steps += longest * count.div_ceil(machine.processors);
 
-    // Segments send their pixels in step, so two meet at one place only if they begin at the same pixel of a line:
-    // then all pixels of the shorter one meet.
+    // Segments send their pixels in lockstep, so two collide only if they begin at the same pixel of a line: then all
+    // pixels of the shorter one collide.
     buffer.sort_unstable_by_key(|s| (s.y, s.first, s.length));
     for (number, segment) in buffer.iter().enumerate() {
         let seen = draw(scene, segment, picture);
@@ -125,7 +125,7 @@ fn flush(
     buffer.clear();
 }
 
-/// Sends a segment's pixels; returns how many lie in the picture.
+/// Sends a segment's pixels; returns how many are in the picture.
 fn draw(scene: &PolygonScene, segment: &Segment, picture: &mut Picture) -> u64 {
     if segment.y < 0 || segment.y >= scene.height as i32 {
         return 0;

@@ -22,7 +22,7 @@ fn spans(polygon: &ScreenPolygon, line: i32) -> Vec<(i32, u32)> {
 
 #[test]
 fn segments_come_in_pairs() {
-    // A W: two segments on its upper lines, one where its arms have met.
+    // A W: two segments on its upper lines, one below the junction of its arms.
     let w = ScreenPolygon::at_pixels(&[[0, 0], [4, 0], [6, 4], [8, 0], [12, 0], [8, 8], [4, 8]]);
     assert_eq!(lines(&w), (0, 8));
     assert_eq!((spans(&w, 0), spans(&w, 6)), (vec![(0, 4), (8, 4)], vec![(3, 6)]));
@@ -38,7 +38,7 @@ fn neighbours_share_no_pixel() {
 }
 
 #[test]
-fn loops_run_over_the_highest_polygon_and_the_longest_segment() {
+fn loops_run_over_the_tallest_polygon_and_the_longest_segment() {
     // Squares of 2, 3 and 6 pixels, on two processors.
     let (small, middle, large) = (square(1, 1, 2), square(10, 3, 3), square(20, 5, 6));
     let scene = scene(&[&small, &middle, &large]);
@@ -85,7 +85,7 @@ fn one_large_polygon_lengthens_both_loops() {
 
 #[test]
 fn pixels_that_begin_together_collide() {
-    // Two segments from pixel 4 on and one from pixel 5 on, on one line: they only meet where they are in step.
+    // Two segments start at pixel 4 and one at pixel 5 of one line: only those in lockstep collide.
     let at = |x: i32, width: i32| [[x, 2], [x + width, 2], [x + width, 3], [x, 3]];
     let scene = scene(&[&at(4, 3), &at(4, 9), &at(5, 9)]);
     let (run, _) = simulate(&Machine { processors: 64, buffer: 64 }, &scene);
@@ -114,7 +114,7 @@ proptest! {
         let scene = PolygonScene { width: 32, height: 16, polygons: polygons.collect() };
         let (run, picture) = simulate(&Machine { processors, buffer }, &scene);
 
-        // Pass by pass, pixel by pixel, as section 4 tells it.
+        // Pass by pass, pixel by pixel, as in section 4.
         let mut plain = Run { polygons: scene.polygons.len() as u64, ..Run::default() };
         let mut nearest: Vec<Option<(f64, u32)>> = vec![None; 32 * 16];
         let mut list: Vec<Segment> = Vec::new();

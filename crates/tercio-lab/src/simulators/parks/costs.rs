@@ -1,4 +1,4 @@
-//! The price of scan conversion on a PDP-11 (document 002, section 2.2).
+//! Costs of scan conversion on a PDP-11 (document 002, section 2.2).
 
 use super::ProcessorRun;
 use crate::models::parks::costs;
@@ -36,8 +36,8 @@ impl Costs {
             + pixels as f64 * self.pixel
     }
 
-    /// Memory cycles of a processor. A polygon without a line on the processor is charged one segment all the same:
-    /// the document does not say so, but four totals of its appendix C (3, 6, 7 and 8) need it.
+    /// Memory cycles of a processor. A polygon without a line on the processor is still charged one segment: the
+    /// document does not say so, but four totals of its appendix C (3, 6, 7 and 8) require it.
     pub fn total(&self, run: &ProcessorRun) -> f64 {
         self.cycles(run.polygons(), run.vertices(), run.charged_segments(), run.pixels())
     }

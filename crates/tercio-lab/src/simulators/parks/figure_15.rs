@@ -1,23 +1,23 @@
 //! "Runway with one shuttle": the scene of document 002, figure 15, rebuilt from the statistics of its appendix C.
 //!
-//! The scene itself is lost, but C.1, C.2, C.4 and C.5 say so much of it that a scene with the same statistics can be
-//! made. The two large polygons follow without a choice: 210 lines without a polygon leave a landscape of 302 lines;
-//! 352 segments of full width less those 302 leave a runway with 50 such lines at its foot; its remaining 230 lines
-//! shrink by one pixel a side, as the widths in C.1 and its 49 lines in micro 7 (C.5) tell. The third largest has 73
-//! lines, 49 of them in micro 7; it is given the widths that C.5 lists, roughly. The 245 small ones have the numbers
-//! of vertices and lines of C.1, C.2 and C.5, paired by us; their widths make up the number of pixels. Where they lie
-//! inside their quarter is our choice.
+//! The scene itself is lost, but C.1, C.2, C.4 and C.5 describe it well enough to make a scene with the same
+//! statistics. The two large polygons are fully determined: 210 lines without a polygon leave a landscape of 302 lines;
+//! 352 segments of full width minus those 302 leave a runway with 50 such lines at its lower end; its other 230 lines
+//! shrink by one pixel per side, as the widths in C.1 and its 49 lines in micro 7 (C.5) show. The third largest has 73
+//! lines, 49 of them in micro 7; it is given approximately the widths that C.5 lists. The 245 small ones have the
+//! numbers of vertices and lines of C.1, C.2 and C.5, paired by us; their widths are fitted to the number of pixels.
+//! Their positions inside their quarter are our choice.
 //!
 //! So counts of the uniprocessor, of splitter-16's micros 1 and 7 and of splitter-4's micro 1 are those of the document
-//! by construction (the last one but for one pixel); interlace and hybrid follow only as far as they do not depend on
-//! where small polygons lie.
+//! by construction (the last one except for one pixel); interlace and hybrid agree only as far as they do not depend on
+//! the positions of small polygons.
 
 use super::polygon::Polygon;
 use crate::workloads::{PolygonScene, ScreenPolygon};
 
 /// Pixels of the document's screen, both ways.
 pub const SCREEN: u32 = 512;
-/// Pixels of all small polygons: those of C.1 less landscape, runway and the third largest.
+/// Pixels of the whole scene, C.1.
 const PIXELS: u64 = 251_224;
 /// Pixels of micro 7, C.5.
 const MICRO_7_PIXELS: u64 = 20_970;
@@ -36,9 +36,9 @@ const fn kind(count: usize, vertices: usize, lines: i32) -> Kind {
 
 /// Those in micro 7 (C.5): 17, 29 and 2 with 2, 3 and 4 vertices; 20, 18 and 10 with 1, 2 and 3 lines.
 const IN_MICRO_7: [Kind; 5] = [kind(17, 2, 1), kind(3, 3, 1), kind(18, 3, 2), kind(8, 3, 3), kind(2, 4, 3)];
-/// Those above that touch the lower right quarter with one vertex (C.2).
+/// Of the polygons above, those that touch the lower right quarter with one vertex (C.2).
 const TOUCHING: [Kind; 1] = [kind(21, 3, 3)];
-/// The others, which C.1 leaves.
+/// The other polygons of C.1.
 const ABOVE: [Kind; 12] = [
     kind(2, 1, 1),
     kind(9, 2, 1),
@@ -54,7 +54,7 @@ const ABOVE: [Kind; 12] = [
     kind(4, 5, 15),
 ];
 
-/// A small polygon on its way: `width` is still to be fitted.
+/// A small polygon whose `width` is still to be fitted.
 struct Small {
     kind: Kind,
     at: [i32; 2],
@@ -110,7 +110,7 @@ fn spread(kinds: &[Kind], first: [i32; 2], step: [i32; 2], row: i32) -> Vec<Smal
     all.zip(places).map(|(kind, at)| Small { kind, at, width: Small::least_width(kind) }).collect()
 }
 
-/// Widens polygons in turn until together they have `target` pixels. Those of one line take what is left.
+/// Widens polygons in turn until together they have `target` pixels. Those of one line take the remainder.
 fn fit(polygons: &mut [Small], target: u64, widest: i32) {
     let mut sum: u64 = polygons.iter().map(Small::pixels).sum();
     loop {

@@ -1,9 +1,9 @@
-//! Who has which pixels (document 002, chapter 3).
+//! Which processor has which pixels (document 002, chapter 3).
 
 use crate::workloads::PixelBox;
 
-/// A machine: the screen is cut into `chunks` x `chunks` parts, and the pixels of each are dealt to `interlace` x
-/// `interlace` processors.
+/// A machine: the screen is divided into `chunks` x `chunks` parts, and the pixels of each are interlaced over
+/// `interlace` x `interlace` processors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Machine {
     /// Chunks along a side of the screen.
@@ -24,7 +24,7 @@ pub struct Place {
 /// Why a machine does not fit a screen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum MachineError {
-    /// The screen cannot be cut into equal parts.
+    /// The screen cannot be divided into equal parts.
     #[error("expected a screen of {parts} equal parts a side, found {width}x{height} pixels")]
     Parts {
         /// Chunks times interlace.
@@ -34,7 +34,7 @@ pub enum MachineError {
         /// Pixels down.
         height: u32,
     },
-    /// No processors, or more than anybody wants to list.
+    /// No processors, or more than a listing makes sense for.
     #[error(
         "expected 1 to {MAX_SIDE} chunks and an interlace of 1 to {MAX_SIDE} a side, found {chunks} and {interlace}"
     )]
@@ -46,7 +46,7 @@ pub enum MachineError {
     },
 }
 
-/// Chunks or interlaced processors along a side, at most.
+/// Maximum number of chunks or interlaced processors along a side.
 const MAX_SIDE: u32 = 64;
 
 impl Machine {
@@ -69,7 +69,7 @@ impl Machine {
         (self.chunks * self.interlace).pow(2)
     }
 
-    /// The chunks of a screen, left to right, the lowest row first.
+    /// The chunks of a screen, left to right, bottom row first.
     ///
     /// # Errors
     /// [`MachineError`] if the screen is not a whole number of chunks and patterns.
@@ -87,7 +87,7 @@ impl Machine {
         Ok(places.map(|[x, y]| PixelBox { x0: x, y0: y, x1: x + across - 1, y1: y + up - 1 }).collect())
     }
 
-    /// The processors in the order of their numbers: chunk by chunk, in each left to right, the lowest row first.
+    /// The processors in the order of their numbers: chunk by chunk, in each left to right, bottom row first.
     ///
     /// # Errors
     /// As [`Machine::chunks`].

@@ -2,7 +2,7 @@
 
 use crate::workloads::{PolygonScene, ScreenPolygon};
 
-/// A convex polygon with its corners at whole pixels, y upwards. No corner stands twice; one or two corners are
+/// A convex polygon with its corners at whole pixels, y upwards. No corner occurs twice; one or two corners are
 /// allowed.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Polygon {
@@ -20,7 +20,7 @@ pub struct Span {
     pub last: i32,
 }
 
-/// A place along a line or a column, as a fraction with a positive denominator.
+/// A position along a line or a column, as a fraction with a positive denominator.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Fraction {
     numerator: i64,
@@ -56,7 +56,7 @@ pub fn crossing(a: [i32; 2], b: [i32; 2], axis: usize, at: i32) -> Fraction {
 }
 
 impl Polygon {
-    /// The polygon with these corners; repeated ones are left out. `None` without corners.
+    /// The polygon with these corners; duplicates are removed. `None` without corners.
     pub fn new(corners: impl IntoIterator<Item = [i32; 2]>) -> Option<Self> {
         let mut distinct = Vec::new();
         for corner in corners {
@@ -67,13 +67,13 @@ impl Polygon {
         (!distinct.is_empty()).then_some(Self { corners: distinct })
     }
 
-    /// The polygon as a screen polygon's corners lie in the pixels of a screen of this height.
+    /// A screen polygon with its corners at the pixels in which they lie, on a screen of this height.
     pub fn on_screen(polygon: &ScreenPolygon, height: u32) -> Option<Self> {
         let up = |[x, y]: [i32; 2]| [x, height as i32 - 1 - y];
         Self::new(polygon.corners.iter().map(|c| up(c.pixel())))
     }
 
-    /// The polygons that the machines are given: those of a scene that show their front (section 2.1).
+    /// The input of the machines: the polygons of a scene that show their front (section 2.1).
     pub fn of_scene(scene: &PolygonScene) -> Vec<Self> {
         let fronts = scene.polygons.iter().filter(|p| p.front);
         fronts.filter_map(|p| Self::on_screen(p, scene.height)).collect()
@@ -90,14 +90,14 @@ impl Polygon {
         self.corners.iter().copied().zip(next.copied())
     }
 
-    /// The least and the greatest line.
+    /// The lowest and the highest line.
     pub fn lines(&self) -> [i32; 2] {
         let y = || self.corners.iter().map(|c| c[1]);
         [y().min().unwrap_or(0), y().max().unwrap_or(0)]
     }
 
     /// The pixels on a line: from the pixel in which the left side crosses it to that of the right side, so at least
-    /// one. The document adds slopes cut to whole numbers line by line; here each crossing is exact.
+    /// one. The document adds slopes truncated to whole numbers line by line; here each crossing is exact.
     pub fn span(&self, y: i32) -> Option<Span> {
         let mut span: Option<Span> = None;
         for (a, b) in self.sides() {

@@ -6,7 +6,7 @@ use super::statistics::Distribution;
 use super::{Costs, Machine, MachineError, Place};
 use crate::workloads::PixelBox;
 
-/// What one processor meets, in the terms of the document's appendix C.
+/// The statistics of one processor, in the terms of the document's appendix C.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ProcessorRun {
     /// Its share of the screen.
@@ -24,7 +24,7 @@ pub struct ProcessorRun {
 }
 
 impl ProcessorRun {
-    /// N: polygons that it is given.
+    /// N: polygons that it receives.
     pub fn polygons(&self) -> u64 {
         self.vertices_per_polygon.points()
     }
@@ -60,7 +60,7 @@ pub struct SceneRun {
 }
 
 impl SceneRun {
-    /// Number of the processor that takes longest, the first among equals, and its memory cycles: the machine's time.
+    /// Number and memory cycles of the slowest processor, the first of equal ones: the machine's time.
     ///
     /// # Panics
     /// Never: a machine has processors.
@@ -69,7 +69,7 @@ impl SceneRun {
         numbered.reduce(|a, b| if b.1 > a.1 { b } else { a }).expect("a machine has processors")
     }
 
-    /// Number of the processor that is ready first, the first among equals, and its memory cycles.
+    /// Number and memory cycles of the fastest processor, the first of equal ones.
     ///
     /// # Panics
     /// Never: a machine has processors.
@@ -79,7 +79,7 @@ impl SceneRun {
     }
 }
 
-/// Draws a scene of polygons on a screen of these pixels; polygons may reach beyond it.
+/// Draws a scene of polygons on a screen of these pixels; polygons may extend beyond it.
 ///
 /// # Errors
 /// [`MachineError`] if the screen cannot be divided so.
@@ -92,7 +92,7 @@ pub fn simulate(
     let k = machine.interlace as usize;
     let mut processors: Vec<ProcessorRun> = machine.places(width, height)?.into_iter().map(empty).collect();
     for (chunk, processors) in machine.chunks(width, height)?.iter().zip(processors.chunks_mut(k * k)) {
-        // Polygons over each pixel of the chunk, row by row.
+        // Number of polygons at each pixel of the chunk, row by row.
         let mut depth = vec![0u64; chunk.area() as usize];
         for piece in polygons.iter().filter_map(|p| clip(p, chunk)) {
             let (mut lines, mut area) = (vec![0u64; k], vec![0u64; k * k]);
@@ -103,7 +103,7 @@ pub fn simulate(
                 depth[start + first..=start + last].iter_mut().for_each(|d| *d += 1);
                 lines[row % k] += 1;
                 for column in 0..k {
-                    let pixels = dealt(last + 1, column, k) - dealt(first, column, k);
+                    let pixels = own_pixels(last + 1, column, k) - own_pixels(first, column, k);
                     let number = row % k * k + column;
                     area[number] += pixels;
                     processors[number].pixels_per_segment.add(pixels, 1);
@@ -132,8 +132,8 @@ fn empty(place: Place) -> ProcessorRun {
     }
 }
 
-/// How many of the first `pixels` pixels of a line are dealt to one of `k` processors.
-fn dealt(pixels: usize, processor: usize, k: usize) -> u64 {
+/// How many of the first `pixels` pixels of a line belong to one of `k` processors.
+fn own_pixels(pixels: usize, processor: usize, k: usize) -> u64 {
     ((pixels + k - 1 - processor) / k) as u64
 }
 

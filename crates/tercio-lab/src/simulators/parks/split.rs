@@ -1,8 +1,8 @@
-//! A splitter's work on one polygon: what of it lies in a chunk (document 002, section 3.1).
+//! A splitter's work on one polygon: clipping it to a chunk (document 002, section 3.1).
 //!
-//! A chunk's piece is the part of the polygon above its columns and between its first and last line. Its pixels are
+//! A chunk's piece is the part of the polygon in its columns and between its first and last line. Its pixels are
 //! exactly the polygon's pixels there, so that chunks together draw what one processor draws. Its corners are those of
-//! the cut polygon, taken to the pixels in which they lie; corners that fall together are one.
+//! the clipped polygon, moved to the pixels in which they lie; corners that coincide are merged.
 
 use super::polygon::{Polygon, Span, crossing};
 use crate::workloads::PixelBox;
@@ -42,7 +42,7 @@ fn vertices(polygon: &Polygon, chunk: &PixelBox) -> u32 {
             found.push(corner);
         }
     };
-    // A chunk's columns end where the next pixel begins; what is cut there lies in its last column.
+    // A chunk's columns end where the next pixel begins; corners of that cut are in its last column.
     let columns = [(x0, x0), (x1 + 1, x1)];
     for (a, b) in polygon.sides() {
         for (border, column) in columns {

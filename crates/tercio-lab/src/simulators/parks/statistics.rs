@@ -1,4 +1,4 @@
-//! Distributions of whole numbers as document 002, appendix C lists them.
+//! Distributions of whole numbers, as listed in document 002, appendix C.
 
 use std::collections::BTreeMap;
 
@@ -9,14 +9,14 @@ pub struct Distribution {
 }
 
 impl Distribution {
-    /// A value occurred so many times more.
+    /// Adds `times` occurrences of a value.
     pub fn add(&mut self, value: u64, times: u64) {
         if times > 0 {
             *self.counts.entry(value).or_insert(0) += times;
         }
     }
 
-    /// Values that occurred, ascending, with their number of times.
+    /// The values that occurred, ascending, with their multiplicity.
     pub fn counts(&self) -> impl Iterator<Item = (u64, u64)> + '_ {
         self.counts.iter().map(|(&value, &times)| (value, times))
     }

@@ -102,14 +102,14 @@ fn totals_of_appendix_c() {
         (72, 163, 360, 28_295, 713_129.125),
     ] {
         let cycles = costs.cycles(polygons, vertices, segments, pixels);
-        // Single precision: the greatest difference is 4.2 cycles of 5.8 million.
+        // Single precision: the largest difference is 4.2 cycles of 5.8 million.
         assert!((cycles - printed).abs() <= 8e-7 * printed, "{cycles} {printed}");
     }
 }
 
 #[test]
 fn a_polygon_without_a_line_is_charged_one() {
-    // One pixel, four processors: one draws it, the others pay for polygon, vertex and one segment.
+    // One pixel, four processors: one draws it, the others are charged for polygon, vertex and one segment.
     let scene = run(Machine { chunks: 1, interlace: 2 }, &[polygon(&[[3, 2]])]);
     let counts: Vec<_> =
         scene.processors.iter().map(|p| (p.segments(), p.charged_segments(), p.pixels())).collect();
@@ -161,7 +161,7 @@ fn screens_that_cannot_be_divided_are_refused() {
 }
 
 fn convex() -> impl Strategy<Value = Polygon> {
-    // Corners in order round an ellipse stay convex but for rounding.
+    // Corners in order round an ellipse stay convex except for rounding.
     let ellipse = (0i32..64, 0i32..64, 0i32..40, 0i32..40, prop::collection::btree_set(0u32..16, 1..7));
     ellipse.prop_map(|(x, y, w, h, angles)| {
         let corner = |angle: u32| {
@@ -182,7 +182,7 @@ proptest! {
         let (one, many) = (run(Machine::UNIPROCESSOR), run(machine));
         let pixels = |run: &SceneRun| run.processors.iter().map(ProcessorRun::pixels).sum::<u64>();
         prop_assert_eq!(pixels(&one), pixels(&many));
-        // The same number of polygons over every pixel, too.
+        // The number of polygons at every pixel is the same, too.
         let mut depth = Distribution::default();
         for (value, times) in many.processors.iter().flat_map(|p| p.polygons_per_pixel.counts()) {
             depth.add(value, times);

@@ -1,9 +1,9 @@
-//! The second half of sort-twice: the groups' pictures become one (document 000, section 6.3).
+//! The second half of sort-twice: the groups' pictures are composited (document 000, section 6.3).
 //!
-//! Processors r, r + g, r + 2g ... have rasterized region r. Each starts with another of the region's pixels and
-//! passes it g processors on, where it is put over the copy that lies there, until all n/g copies are in.
+//! Processors r, r + g, r + 2g ... have rasterized region r. Each starts with a different pixel of the region and
+//! passes it g processors on, where it is merged with the local copy, until all n/g copies are merged.
 
-/// The processor that holds pixel `j` of region `r` when it is finished (figures 6-2 and 6-3).
+/// The processor that has pixel `j` of region `r` in the end (figures 6-2 and 6-3).
 ///
 /// # Panics
 /// If `group` does not divide `processors`.
@@ -13,7 +13,7 @@ pub fn owner(processors: u32, group: u32, region: u32, pixel: u64) -> u32 {
     region + group * (pixel % groups) as u32
 }
 
-/// The processor that passes pixel `j` of region `r` on first: the next in the ring after its owner that has a copy.
+/// The processor that starts passing pixel `j` of region `r`: the next in the ring after its owner that has a copy.
 ///
 /// # Panics
 /// If `group` does not divide `processors`.
@@ -21,7 +21,7 @@ pub fn start(processors: u32, group: u32, region: u32, pixel: u64) -> u32 {
     (owner(processors, group, region, pixel) + group) % processors
 }
 
-/// Passes that finish a screen of `pixels`: ceil(P/n) (n/g - 1), which is equation 6.2 where n divides P.
+/// Passes that composite a screen of `pixels`: ceil(P/n) (n/g - 1), which is equation 6.2 where n divides P.
 ///
 /// # Panics
 /// If `group` does not divide `processors`.

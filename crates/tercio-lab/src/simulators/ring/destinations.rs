@@ -1,7 +1,7 @@
-//! Who needs each polygon, and who sends it (document 000, appendix A.2.1 and A.2.2).
+//! The destinations and the sender of each polygon (document 000, appendix A.2.1 and A.2.2).
 //!
-//! A destination is an *offset*: how many processors to the right of the sender it stands, 0 for the sender
-//! itself. The n-bit vectors of the document are kept as runs of neighbouring offsets.
+//! A destination is an *offset*: its distance to the right of the sender in processors, 0 for the sender itself. The
+//! n-bit vectors of the document are stored as runs of neighbouring offsets.
 
 use super::{Algorithm, Machine};
 use crate::workloads::{PixelBox, ScreenMap};
@@ -15,30 +15,30 @@ pub struct Run {
     pub last: u32,
 }
 
-/// The destinations of the polygons that somebody has to rasterize.
+/// The destinations of all visible polygons.
 #[derive(Clone, Debug, Default)]
 pub struct Destinations {
     /// The polygons' senders.
     sources: Vec<u32>,
-    /// Where each polygon's runs begin; one more at the end.
+    /// Index of each polygon's first run; one more entry at the end.
     starts: Vec<usize>,
-    /// Runs of offsets, ascending and apart from each other.
+    /// Runs of offsets, ascending and disjoint.
     runs: Vec<Run>,
 }
 
-/// One polygon seen from the ring.
+/// Sender and destinations of one polygon.
 #[derive(Clone, Debug, Default)]
 pub struct Route {
     /// The processor that sends it.
     pub source: u32,
-    /// Its destinations with the pixels that each has to rasterize, offsets ascending.
+    /// Its destinations with the number of pixels that each has to rasterize, offsets ascending.
     pub stops: Vec<(u32, u64)>,
     overlap: Vec<(u32, u64)>,
     candidate: Vec<(u32, u64)>,
 }
 
-/// The processors that hold a polygon: b mod n/m and every n/m-th after it (A.2.1, where "+ km" has to read
-/// "+ k n/m", as section 5.4 says it).
+/// The processors that hold a polygon: b mod n/m and every n/m-th after it (A.2.1, where "+ km" has to read "+ k n/m",
+/// as in section 5.4).
 pub fn copies(
     polygon: u64,
     processors: u32,
@@ -50,12 +50,12 @@ pub fn copies(
 }
 
 impl Route {
-    /// Finds sender and destinations of polygon number `polygon` of the model. There are no stops if its box
-    /// holds no pixel of the screen.
+    /// Finds sender and destinations of polygon number `polygon` of the model. There are no stops if its box contains
+    /// no pixel of the screen.
     ///
     /// With one group the sender is the rightmost holder at or left of the polygon's first processor, or the last
-    /// holder of all if there is none (A.2.1). With several groups each region has a processor near every holder;
-    /// the sender is then the holder whose farthest stop is nearest, the first one among equals.
+    /// holder if there is none (A.2.1). With several groups each region has a processor near every holder; the sender
+    /// is then the holder whose farthest stop is nearest, the first of equal ones.
     pub fn find(
         &mut self,
         machine: &Machine,
@@ -91,7 +91,7 @@ impl Route {
 /// The regions of a polygon as offsets from `source`, where the regions repeat every `period` processors.
 fn offsets(source: u32, period: u32, regions: &[(u32, u64)], stops: &mut Vec<(u32, u64)>) {
     let phase = source % period;
-    // Regions from the sender's own on come first, those before it after a turn round the ring.
+    // Regions from the sender's own on come first, those before it after one turn round the ring.
     let split = regions.partition_point(|&(region, _)| region < phase);
     let (before, from) = regions.split_at(split);
     stops.clear();
@@ -100,7 +100,7 @@ fn offsets(source: u32, period: u32, regions: &[(u32, u64)], stops: &mut Vec<(u3
 }
 
 impl Destinations {
-    /// Adds a polygon. Its number here is the number of polygons added before.
+    /// Adds a polygon. Its number here is the number of polygons added before it.
     pub fn push(&mut self, route: &Route) {
         self.sources.push(route.source);
         self.starts.push(self.runs.len());

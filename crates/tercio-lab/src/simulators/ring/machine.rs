@@ -1,4 +1,4 @@
-//! What a ring machine costs and how it is driven (document 000, tables 4.2, 4.3 and A.1).
+//! The costs of a ring machine, and the parameters of its algorithm (document 000, tables 4.2, 4.3 and A.1).
 
 use super::compositing;
 
@@ -13,13 +13,13 @@ pub struct Machine {
     pub finish_polygon: u64,
     /// a: the words of a polygon descriptor.
     pub descriptor_words: u64,
-    /// b: what a pass of descriptors costs beside moving the words.
+    /// b: overhead of a pass of descriptors, besides moving the words.
     pub pass_overhead: u64,
     /// R: rasterizing a pixel.
     pub raster_pixel: u64,
     /// a of sort-last: the words of a pixel, colour and depth.
     pub pixel_words: u64,
-    /// b of sort-last: what a pass of pixels costs beside moving the words.
+    /// b of sort-last: overhead of a pass of pixels, besides moving the words.
     pub pixel_overhead: u64,
 }
 
@@ -49,18 +49,18 @@ impl Machine {
     }
 }
 
-/// How a ring machine is driven.
+/// The parameters of the algorithm.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Algorithm {
     /// m: how many processors hold each polygon (section 5.4). It divides n.
     pub duplication: u32,
-    /// t: passes between two looks for descriptors that everybody has seen. 1 is the dense network, n the sparse
+    /// t: passes between two checks for descriptors that all processors have seen. 1 is the dense network, n the sparse
     /// one (section 5.2).
     pub test_period: u32,
-    /// d[]: the stride of each stage, falling, the last one 1 (section 5.3).
+    /// d[]: the stride of each stage, decreasing, the last one 1 (section 5.3).
     pub strides: Vec<u32>,
-    /// g: how many neighbouring processors hold one copy of the screen (chapter 6). It divides n; g = n is plain
-    /// sort-middle, less is sort-twice.
+    /// g: number of neighbouring processors that hold one copy of the screen (chapter 6). It divides n; g = n is plain
+    /// sort-middle, smaller values are sort-twice.
     pub group: u32,
 }
 
@@ -70,7 +70,7 @@ pub enum AlgorithmError {
     /// No processor.
     #[error("expected at least 1 processor, found 0")]
     NoProcessor,
-    /// More processors than the simulator's place numbers allow.
+    /// More processors than the simulator's 32-bit numbers allow.
     #[error("expected at most {MAX_PROCESSORS} processors, found {0}")]
     TooManyProcessors(u32),
     /// m is 0 or does not divide n.
@@ -92,10 +92,10 @@ pub enum AlgorithmError {
     /// t is 0.
     #[error("expected a test period of at least 1 pass, found 0")]
     TestPeriod,
-    /// The strides do not fall to 1, or one is longer than the ring.
+    /// The strides do not decrease to 1, or one is longer than the ring.
     #[error("expected strides that fall from at most {limit} to 1, found {found:?}")]
     Strides {
-        /// The greatest stride that leads anywhere.
+        /// The largest useful stride.
         limit: u32,
         /// d[].
         found: Vec<u32>,
@@ -110,7 +110,7 @@ pub enum AlgorithmError {
     },
 }
 
-/// Processors of a ring, at most.
+/// Maximum number of processors of a ring.
 const MAX_PROCESSORS: u32 = 1 << 24;
 
 impl Algorithm {
@@ -119,7 +119,7 @@ impl Algorithm {
         Self { duplication: 1, test_period: 1, strides: vec![1], group: machine.processors }
     }
 
-    /// Whether the algorithm can run on a machine whose screen is divided by a map of this many processors.
+    /// Checks that the algorithm can run on a machine whose screen is divided by a map of this many processors.
     ///
     /// # Errors
     /// [`AlgorithmError`].
@@ -145,7 +145,7 @@ impl Algorithm {
         }
     }
 
-    /// Passes of pixels that put the groups' pictures together; none for one group.
+    /// Passes of pixels that composite the groups' pictures; none for one group.
     pub fn composite_passes(&self, machine: &Machine, pixels: u64) -> u64 {
         compositing::passes(machine.processors, self.group, pixels)
     }

@@ -1,20 +1,18 @@
 //! Polygon rendering on a ring of processors, pass by pass (document 000: Eldridge 1995, appendix A).
 //!
-//! Processors stand in a ring, each with a slot for one polygon descriptor, a queue of polygons to send and a list of
-//! polygons received. In a pass of stride d all slots move d processors to the right at once; then each processor
-//! looks at its slot and keeps a copy if it is among the descriptor's destinations. A descriptor that everybody
-//! has seen gives its slot free, which is noticed every t passes; a processor whose slot is free fills it from its
-//! queue.
+//! Processors form a ring, each with a slot for one polygon descriptor, a queue of polygons to send and a list of
+//! polygons received. In a pass of stride d all slots move d processors to the right at once; then each processor looks
+//! at its slot and keeps a copy if it is among the descriptor's destinations. A descriptor that all processors have
+//! seen frees its slot, which is noticed every t passes; a processor whose slot is free fills it from its queue.
 //!
-//! [`machine`] holds what a machine costs and how it is driven; [`destinations`] says who needs each polygon and
-//! who sends it; [`stage`] runs the passes of one stride; [`receipts`] makes the three checks of appendix A.3;
-//! [`compositing`] is the second half of sort-twice. [`mod@stepwise`] moves every slot in every pass as appendix
-//! A.2.2 tells it, and is what [`stage`], which only looks at slots when something happens to them, is tested
-//! against.
+//! [`machine`] has the costs of a machine and the parameters of the algorithm; [`destinations`] computes the
+//! destinations and the sender of each polygon; [`stage`] runs the passes of one stride; [`receipts`] makes the three
+//! checks of appendix A.3; [`compositing`] is the second half of sort-twice. [`mod@stepwise`] moves every slot in every
+//! pass as in appendix A.2.2; it is the reference against which [`stage`], which only processes slots with events, is
+//! tested.
 //!
-//! What the document leaves open is decided so: a processor keeps its own polygons before a stage begins, and
-//! those that nobody else needs never take a slot (figure A-6 has such a polygon); the ring runs until the last
-//! slot is free.
+//! Points that the document leaves open: a processor keeps its own polygons before a stage begins, and those with no
+//! other destination never take a slot (figure A-6 has such a polygon); the ring runs until the last slot is free.
 
 pub mod compositing;
 pub mod destinations;

@@ -4,25 +4,25 @@ use serde::Serialize;
 
 use super::destinations::Destinations;
 
-/// What went wrong; all zero if the communication did its work.
+/// The errors found; all zero if the communication was correct.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Checks {
-    /// Processors that did not get a polygon whose pixels are theirs.
+    /// Processors that did not receive a polygon with pixels of theirs.
     pub missing: u64,
-    /// Processors that got a polygon they did not need.
+    /// Processors that received a polygon they did not need.
     pub unneeded: u64,
-    /// Processors that got a polygon again.
+    /// Processors that received a polygon again.
     pub repeated: u64,
 }
 
 impl Checks {
-    /// True if nothing went wrong.
+    /// True if there are no errors.
     pub fn passed(&self) -> bool {
         *self == Self::default()
     }
 }
 
-/// Who has got what. One bit a polygon and destination.
+/// Which polygons were received where. One bit per polygon and destination.
 pub struct Receipts<'a> {
     destinations: &'a Destinations,
     /// Number of destinations of all polygons before each one.
@@ -33,7 +33,7 @@ pub struct Receipts<'a> {
 }
 
 impl<'a> Receipts<'a> {
-    /// Nobody has got anything.
+    /// Nothing has been received.
     pub fn new(destinations: &'a Destinations) -> Self {
         let mut total = 0;
         let before = (0..destinations.len() as u32).map(|polygon| {
@@ -46,7 +46,7 @@ impl<'a> Receipts<'a> {
         Self { destinations, before, total, got, checks: Checks::default() }
     }
 
-    /// The processor `offset` to the right of a polygon's sender has got the polygon.
+    /// Records that the processor `offset` to the right of a polygon's sender received the polygon.
     pub fn record(&mut self, polygon: u32, offset: u32) {
         let mut rank = self.before[polygon as usize];
         for run in self.destinations.runs(polygon) {

@@ -8,7 +8,7 @@ use super::stage::{Descriptor, Stage};
 use super::{Algorithm, AlgorithmError, Checks, Machine};
 use crate::workloads::{BoxScene, ScreenMap};
 
-/// The geometry stage, which its busiest processor decides (A.2.1).
+/// The geometry stage, limited by its busiest processor (A.2.1).
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct GeometryRun {
     /// Polygons that the busiest processor examines: ceil(p m / n).
@@ -34,7 +34,7 @@ pub struct StageRun {
     pub instructions: u64,
 }
 
-/// The rasterization stage, which its busiest processor decides (A.2.3).
+/// The rasterization stage, limited by its busiest processor (A.2.3).
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct RasterRun {
     /// Pixels of bounding boxes that the busiest processor rasterizes.
@@ -81,7 +81,7 @@ impl RingRun {
         self.geometry.instructions + self.communication() + self.raster.instructions
     }
 
-    /// Passes of polygons over any stride.
+    /// Passes of polygons, over all strides.
     pub fn passes(&self) -> u64 {
         self.stages.iter().map(|s| s.passes).sum()
     }
@@ -91,7 +91,7 @@ impl RingRun {
         self.copies as f64 / self.visible.max(1) as f64
     }
 
-    /// f: how many times the mean the busiest processor's polygons are.
+    /// f: polygons of the busiest processor over the mean.
     pub fn asymmetry(&self) -> f64 {
         let most = f64::from(self.received.iter().copied().max().unwrap_or(0));
         most * self.received.len() as f64 / self.copies.max(1) as f64
@@ -100,10 +100,10 @@ impl RingRun {
 
 /// Draws a frame.
 ///
-/// Memory is about 40 bytes a visible polygon plus 16 a copy between two stages.
+/// Memory is about 40 bytes per visible polygon plus 16 per copy between two stages.
 ///
 /// # Errors
-/// [`AlgorithmError`] if algorithm, machine and screen map do not fit together.
+/// [`AlgorithmError`] if algorithm, machine and screen map do not match.
 pub fn simulate(
     machine: &Machine,
     algorithm: &Algorithm,
@@ -162,7 +162,7 @@ fn place(
     (destinations, raster_pixels)
 }
 
-/// Runs the stages; what one stage receives is what the next one sends, in order of receipt.
+/// Runs the stages; the polygons received in one stage are sent in the next, in order of receipt.
 fn communicate(machine: &Machine, algorithm: &Algorithm, destinations: &Destinations, run: &mut RingRun) {
     let n = machine.processors;
     let mut queues = vec![Vec::new(); n as usize];
@@ -183,7 +183,7 @@ fn communicate(machine: &Machine, algorithm: &Algorithm, destinations: &Destinat
                 received.push((pass, processor, copy));
             }
         });
-        // A processor takes at most one copy a pass, so this is the order in which each has taken its own.
+        // A processor receives at most one copy per pass, so this is its order of receipt.
         received.sort_by_key(|&(pass, ..)| pass);
         for queue in &mut queues {
             queue.clear();

@@ -10,10 +10,10 @@ use super::destinations::Destinations;
 pub struct Descriptor {
     /// Number of the polygon in [`Destinations`].
     pub polygon: u32,
-    /// Where it is: offset from the polygon's sender.
+    /// Its position: offset from the polygon's sender.
     pub base: u32,
-    /// The last offset it may serve. Those beyond have their own copy (A.2.2: after passes of stride d a copy serves
-    /// d processors).
+    /// The last offset it may serve. Those further on have their own copy (A.2.2: after passes of stride d a copy
+    /// serves d processors).
     pub end: u32,
 }
 
@@ -23,7 +23,7 @@ impl Descriptor {
         (destinations.source(self.polygon) + self.base) % n
     }
 
-    /// After how many passes of `stride` a processor takes a copy, ascending; 0 is the holder itself. A destination
+    /// After how many passes of `stride` a processor receives a copy, ascending; 0 is the holder itself. A destination
     /// is served from the last processor before it that the stride touches (figure A-6).
     pub fn hops<'a>(&'a self, destinations: &'a Destinations, stride: u32) -> impl Iterator<Item = u32> + 'a {
         let mut next = 0;
@@ -40,25 +40,25 @@ impl Descriptor {
         })
     }
 
-    /// The copy that is taken after so many passes of `stride`.
+    /// The copy that is received after `hops` passes of `stride`.
     pub fn copy(&self, hops: u32, stride: u32) -> Self {
         let base = self.base + hops * stride;
         Self { polygon: self.polygon, base, end: self.end.min(base + (stride - 1)) }
     }
 }
 
-/// How the passes of one stride are run.
+/// Parameters of the passes of one stride.
 #[derive(Clone, Copy, Debug)]
 pub struct Stage {
     /// n: processors.
     pub processors: u32,
     /// d: processors that a pass moves over.
     pub stride: u32,
-    /// t: passes between two looks for free slots.
+    /// t: passes between two checks for free slots.
     pub test_period: u32,
 }
 
-/// What the passes of one stride took.
+/// Counts of the passes of one stride.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Passes {
     /// Passes until every slot is free.
@@ -70,11 +70,11 @@ pub struct Passes {
 }
 
 impl Stage {
-    /// Passes the descriptors round. `queues` has one list a processor; `taken` is told every copy with the number
-    /// of the pass after which its processor takes it (0 for the holder itself) and that processor.
+    /// Passes the descriptors round. `queues` has one list per processor; `taken` is called for every copy with the
+    /// number of the pass after which its processor receives it (0 for the holder itself) and that processor.
     ///
-    /// Slots are looked at when they become free or a free one comes to a waiting queue. Between two slots nothing
-    /// is shared in a pass, since each is at another processor; so the result is that of moving them all at once.
+    /// Slots are processed when they become free or when a free one reaches a queue that is not empty. Slots do not
+    /// interact within a pass, since each is at another processor; so the result is that of moving them all at once.
     pub fn run(
         &self,
         destinations: &Destinations,
@@ -85,7 +85,7 @@ impl Stage {
         let mut waiting = Waiting::new(n, stride);
         let mut queue: Vec<std::iter::Peekable<_>> = Vec::with_capacity(queues.len());
         for (processor, list) in (0..n).zip(queues) {
-            // The holder takes its own; what nobody else needs stays out of the ring.
+            // The holder keeps its own copy; polygons without other destinations do not enter the ring.
             let mut travel = Vec::new();
             for descriptor in list {
                 let mut hops = descriptor.hops(destinations, stride).peekable();
@@ -101,7 +101,7 @@ impl Stage {
         }
 
         let mut result = Passes::default();
-        // Slots by the pass at which they are looked at. Slot s starts at processor s.
+        // Slots by the pass of their next event. Slot s starts at processor s.
         let mut slots: BinaryHeap<Reverse<(u64, u32)>> = (0..n).map(|slot| Reverse((0, slot))).collect();
         while let Some(Reverse((time, slot))) = slots.pop() {
             let at = ((u64::from(slot) + time % u64::from(n) * u64::from(stride)) % u64::from(n)) as u32;
@@ -130,7 +130,7 @@ impl Stage {
 
 /// The processors whose queues are not empty, in the order in which a slot visits them.
 struct Waiting {
-    /// Places of the processors in that order: one cycle of slots after another.
+    /// Positions of the processors in that order: one cycle of slots after another.
     place: Vec<u32>,
     /// Length of a cycle.
     cycle: u32,
@@ -159,7 +159,7 @@ impl Waiting {
         *word = if waiting { *word | bit } else { *word & !bit };
     }
 
-    /// In how many passes a slot at this processor meets a queue that is not empty now.
+    /// After how many passes a slot at this processor reaches a queue that is not empty now.
     fn next(&self, processor: u32) -> Option<u32> {
         let place = self.place[processor as usize];
         let begin = place - place % self.cycle;
@@ -167,7 +167,7 @@ impl Waiting {
         ahead.or_else(|| self.first(begin, place).map(|found| found + self.cycle - place))
     }
 
-    /// The first set bit in a range of places.
+    /// The first set bit in a range of positions.
     fn first(&self, begin: u32, end: u32) -> Option<u32> {
         let mut place = begin;
         while place < end {

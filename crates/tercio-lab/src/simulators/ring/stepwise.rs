@@ -1,20 +1,20 @@
-//! The passes of one stride, every slot moved in every pass, as document 000, appendix A.2.2 tells it.
+//! The passes of one stride, with every slot moved in every pass, as in document 000, appendix A.2.2.
 //!
-//! Slow and plain, and it stays so: [`super::stage`] has to give the same copies in the same order.
+//! Slow and plain on purpose: [`super::stage`] has to produce the same copies in the same order.
 
 use std::collections::VecDeque;
 
 use super::destinations::Destinations;
 use super::stage::{Descriptor, Passes, Stage};
 
-/// A slot of the ring: a descriptor and the hops after which copies are still to be taken.
+/// A slot of the ring: a descriptor and the hops after which copies are still to be made.
 struct Slot {
     descriptor: Descriptor,
     hops: Vec<u32>,
     travelled: u32,
 }
 
-/// As [`Stage::run`]; copies are told in the order of the passes.
+/// As [`Stage::run`]; copies are reported in the order of the passes.
 pub fn run(
     stage: &Stage,
     destinations: &Destinations,

@@ -111,7 +111,7 @@ fn a_sparse_network_turns_once_for_every_queued_polygon() {
 }
 
 #[test]
-fn groups_bound_the_way_of_a_polygon() {
+fn groups_limit_the_distance_of_a_polygon() {
     // Figure 6-1: 15 processors in groups of 3. One polygon a processor goes at most g - 1 = 2 passes.
     let machine = machine(15);
     let algorithm = Algorithm { group: 3, ..Algorithm::sort_middle(&machine) };
@@ -144,7 +144,7 @@ fn costs_of_passes() {
 }
 
 #[test]
-fn what_does_not_fit_is_refused() {
+fn invalid_parameters_are_refused() {
     let machine = machine(16);
     let plain = Algorithm::sort_middle(&machine);
     let check = |change: &dyn Fn(&mut Algorithm)| {
@@ -190,8 +190,8 @@ fn a_million_polygons_on_1024_processors() {
     assert!((0.8..1.1).contains(&shifts), "{shifts}");
 }
 
-/// Copies as one of the two ways to run a stage tells them: each processor's own list.
-type Told = Vec<Vec<(u64, Descriptor)>>;
+/// The copies that one of the two implementations of a stage reports: each processor's own list.
+type Reported = Vec<Vec<(u64, Descriptor)>>;
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(400))]
@@ -217,8 +217,8 @@ proptest! {
         // A second stage sends what the first one has received.
         for stride in [stride, 1] {
             let stage = Stage { processors: n, stride, test_period };
-            let mut told: [Told; 2] = [vec![Vec::new(); n as usize], vec![Vec::new(); n as usize]];
-            let [fast, plain] = &mut told;
+            let mut copies: [Reported; 2] = [vec![Vec::new(); n as usize], vec![Vec::new(); n as usize]];
+            let [fast, plain] = &mut copies;
             let fast_passes = stage.run(&destinations, &queues, |t, p, copy| fast[p as usize].push((t, copy)));
             let plain_passes =
                 stepwise::run(&stage, &destinations, &queues, |t, p, copy| plain[p as usize].push((t, copy)));
@@ -247,7 +247,7 @@ proptest! {
         }).collect();
         let run = simulate(&machine, &algorithm, &map, &BoxScene { boxes: boxes.clone() }).unwrap();
         prop_assert_eq!(run.checks, Checks::default());
-        // Everybody who owns a pixel of a box rasterizes it, whatever the group.
+        // Every processor with a pixel of a box rasterizes it, whatever the group.
         let mut overlap = Vec::new();
         let copies: usize = boxes.iter().filter(|b| b.visible).map(|b| {
             map.overlap(&b.pixels, &mut overlap);

@@ -1,12 +1,12 @@
 //! Where to sort, at scale: sort-first, -middle, -last and -twice on up to a million processors.
 //!
-//! Polygons, given by their boxes on the screen, are dealt out to processors; regions of the screen have owners;
-//! every message is put on the links that it passes. From this follow exactly: what each processor computes, what
-//! each link carries, how many hops and messages there are. Time is then a model: a phase of computing lasts as long
-//! as its busiest processor; a phase of communication as long as its busiest link is busy, plus the hops of its
-//! longest way, plus what its busiest processor spends on sending or taking messages. Routing that does not get in
-//! its own way reaches the sum of the first two up to a constant (Leighton, Maggs and Rao, 1988), so these are lower
-//! bounds that good networks come near.
+//! Polygons, given by their bounding boxes, are distributed over processors; regions of the screen have owners; every
+//! message is added to the links of its path. The following is exact: the work of each processor, the load of each
+//! link, the numbers of hops and messages. Time is then a model: a computing phase lasts as long as its busiest
+//! processor; a communication phase as long as its busiest link is busy, plus the hops of its longest path, plus the
+//! time that its busiest processor spends on sending or receiving messages. Routing without interference reaches the
+//! sum of the first two up to a constant (Leighton, Maggs and Rao, 1988), so these are lower bounds that good networks
+//! approach.
 //!
 //! | module | what |
 //! |---|---|

@@ -1,6 +1,6 @@
-//! What messages do to the links of a network.
+//! The load of a network's links.
 //!
-//! A path's links are counted in constant time by remembering only where it begins and ends on each line of links
+//! A path's links are counted in constant time by recording only where it begins and ends on each line of links
 //! (differences, summed up in the end); in the tree by walking up to the common ancestor.
 
 use serde::Serialize;
@@ -16,7 +16,7 @@ pub struct NetworkModel {
     pub bandwidth: f64,
     /// Seconds of a hop.
     pub hop: f64,
-    /// Seconds that a processor spends on every message it sends or takes.
+    /// Seconds that a processor spends on every message it sends or receives.
     pub message: f64,
 }
 
@@ -39,23 +39,23 @@ impl NetworkModel {
     }
 }
 
-/// What a phase of communication came to.
+/// Counts of a communication phase.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Traffic {
     /// Messages between different processors.
     pub messages: u64,
     /// Their bytes.
     pub bytes: u64,
-    /// Bytes on the busiest link, divided by how many times a plain link it can carry.
+    /// Bytes on the busiest link, divided by its capacity relative to a plain link.
     pub busiest_link: f64,
-    /// Links of the longest way.
+    /// Links of the longest path.
     pub most_hops: u32,
-    /// Messages that one processor sends or takes, whichever are more, at most.
+    /// The largest number of messages that one processor sends, or that one receives.
     pub most_messages: u64,
 }
 
 impl Traffic {
-    /// One phase behind the other.
+    /// The sum of two phases, one after the other.
     pub fn then(self, o: Self) -> Self {
         Self {
             messages: self.messages + o.messages,
@@ -67,7 +67,7 @@ impl Traffic {
     }
 }
 
-/// The links of a network while messages are put on them.
+/// The links of a network, to which messages are added.
 #[derive(Clone, Debug)]
 pub struct Links {
     loads: Loads,
@@ -78,7 +78,7 @@ pub struct Links {
     most_hops: u32,
 }
 
-/// Bytes, or their differences along a line of links. The two directions of a link are apart.
+/// Bytes, or their differences along a line of links. The two directions of a link are separate.
 #[derive(Clone, Debug)]
 enum Loads {
     /// One line round all processors, upwards and downwards.
@@ -89,17 +89,17 @@ enum Loads {
     FatTree(Vec<[Vec<u64>; 2]>),
     /// Into the switch and out of it.
     Crossbar([Vec<u64>; 2]),
-    /// All bytes.
+    /// All bytes on one medium.
     Shared(u64),
 }
 
 impl Links {
-    /// Idle links between `processors`, which are numbered along the ring, row by row through the mesh, and from
-    /// left to right below the tree.
+    /// Idle links between `processors`, which are numbered along the ring, row by row through the mesh, and from left
+    /// to right below the tree.
     pub fn new(topology: Topology, processors: usize) -> Self {
         let n = processors.max(1);
         let loads = match topology {
-            // A path may go past the number 0: the line is unrolled to twice its length.
+            // A path may pass number 0: the line is unrolled to twice its length.
             Topology::Ring => Loads::Ring([vec![0; 2 * n + 1], vec![0; 2 * n + 1]]),
             Topology::Mesh => {
                 let side = (1..).find(|s| s * s >= n).unwrap_or(1);
@@ -116,7 +116,7 @@ impl Links {
         Self { loads, sent: vec![0; n], taken: vec![0; n], messages: 0, bytes: 0, most_hops: 0 }
     }
 
-    /// Puts a message on its way; one to the sender itself costs nothing.
+    /// Adds a message; one to the sender itself costs nothing.
     ///
     /// # Panics
     /// If there is no such processor.
@@ -133,7 +133,7 @@ impl Links {
             Loads::Ring(lines) => {
                 let up = (to + n - from) % n;
                 let down = n - up;
-                // The shorter way; upwards if both are as long.
+                // The shorter direction; upwards if both are equal.
                 if up <= down {
                     add(&mut lines[0], from, from + up, bytes);
                     up
@@ -172,7 +172,7 @@ impl Links {
         self.most_hops = self.most_hops.max(hops as u32);
     }
 
-    /// Sums up.
+    /// The counts of all messages.
     pub fn traffic(&self) -> Traffic {
         let busiest_link = match &self.loads {
             Loads::Ring(lines) => {
@@ -203,13 +203,13 @@ impl Links {
     }
 }
 
-/// Links `first` to `behind` - 1 of a line carry more.
-fn add(line: &mut [i64], first: usize, behind: usize, bytes: u64) {
+/// Adds bytes to the links `first` to `end` - 1 of a line.
+fn add(line: &mut [i64], first: usize, end: usize, bytes: u64) {
     line[first] += bytes as i64;
-    line[behind] -= bytes as i64;
+    line[end] -= bytes as i64;
 }
 
-/// The links between two places of the line that begins at `start`; one line for each direction.
+/// Adds bytes between two positions of the line that begins at `start`; one line for each direction.
 fn add_between(lines: &mut [Vec<i64>; 2], start: usize, from: usize, to: usize, bytes: u64) {
     match from.cmp(&to) {
         std::cmp::Ordering::Less => add(&mut lines[0], start + from, start + to, bytes),
@@ -218,7 +218,7 @@ fn add_between(lines: &mut [Vec<i64>; 2], start: usize, from: usize, to: usize, 
     }
 }
 
-/// The largest sum of differences.
+/// The largest prefix sum of differences.
 fn busiest(line: &[i64]) -> i64 {
     line.iter()
         .scan(0, |sum, d| {
@@ -229,7 +229,7 @@ fn busiest(line: &[i64]) -> i64 {
         .unwrap_or(0)
 }
 
-/// The same for a line that goes round twice: link k and link k + n are one.
+/// The same for a line that goes round twice: links k and k + n are the same.
 fn busiest_of_ring(line: &[i64], n: usize) -> i64 {
     let mut loads = vec![0; n];
     let mut sum = 0;
@@ -246,8 +246,8 @@ mod tests {
 
     use super::*;
 
-    /// Every message on every link of its way, counted one by one.
-    fn plainly(topology: Topology, n: usize, messages: &[(usize, usize, u64)]) -> u64 {
+    /// Reference: every message on every link of its path, counted one by one.
+    fn reference(topology: Topology, n: usize, messages: &[(usize, usize, u64)]) -> u64 {
         let mut loads = std::collections::BTreeMap::new();
         for &(from, to, bytes) in messages {
             let mut at = from;
@@ -290,7 +290,7 @@ mod tests {
         let all: Vec<_> = (0..16).flat_map(|a| (0..16).map(move |b| (a, b, 3))).collect();
         let tree = traffic(Topology::FatTree, 16, &all);
         let crossbar = traffic(Topology::Crossbar, 16, &all);
-        // A leaf's link is the narrowest place of both.
+        // A leaf's link is the bottleneck of both.
         assert_eq!((tree.busiest_link, crossbar.busiest_link), (45.0, 45.0));
         assert_eq!((tree.most_hops, crossbar.most_hops, tree.most_messages), (8, 2, 15));
         assert!(traffic(Topology::Mesh, 16, &all).busiest_link > 45.0);
@@ -301,13 +301,13 @@ mod tests {
 
     proptest! {
         #[test]
-        fn links_are_loaded_as_by_walking(
+        fn loads_equal_those_of_the_reference(
             n in 1usize..40,
             messages in prop::collection::vec((0usize..40, 0usize..40, 1u64..9), 0..60),
         ) {
             let messages: Vec<_> = messages.into_iter().map(|(a, b, w)| (a % n, b % n, w)).collect();
             for topology in [Topology::Ring, Topology::Mesh] {
-                let walked = plainly(topology, n, &messages);
+                let walked = reference(topology, n, &messages);
                 prop_assert_eq!(traffic(topology, n, &messages).busiest_link, walked as f64);
             }
         }

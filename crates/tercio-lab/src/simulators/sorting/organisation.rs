@@ -11,33 +11,33 @@ use super::regions::{Assignment, Regions};
 use crate::machines::{DataKind, Machine, MachineError, Operation};
 use crate::workloads::{BoxScene, PixelBox};
 
-/// Where polygons and pixels change hands.
+/// Where polygons and pixels are redistributed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Organisation {
-    /// Polygons travel before the geometry work, which every owner of a touched region then does.
+    /// Polygons are sent before the geometry work, which every owner of a touched region then does.
     SortFirst,
-    /// Set-up polygons travel to the owners of the regions that they touch.
+    /// Set-up polygons are sent to the owners of the regions that they touch.
     SortMiddle,
-    /// Pictures are composed.
+    /// Pictures are composited.
     SortLast,
-    /// Sort-middle inside groups of this many consecutive processors, then the groups' pictures are composed. A last
-    /// group may be smaller.
+    /// Sort-middle within groups of this many consecutive processors, then the groups' pictures are composited. The
+    /// last group may be smaller.
     SortTwice(usize),
 }
 
-/// Seconds and bytes of a processor's work.
+/// Costs of a processor's work in seconds, and sizes in bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Costs {
-    /// Seconds of a polygon transformed and kept or rejected.
+    /// Seconds to transform a polygon and keep or reject it.
     pub polygon: f64,
-    /// Seconds of a visible polygon set up.
+    /// Seconds to set up a visible polygon.
     pub set_up: f64,
-    /// Seconds of a polygon taken up for rasterization.
+    /// Seconds to start a polygon's rasterization.
     pub entry: f64,
     /// Seconds of a pixel of a polygon's box.
     pub pixel: f64,
-    /// Seconds of a pixel of two pictures merged.
+    /// Seconds to merge a pixel of two pictures.
     pub composite: f64,
     /// Bytes of a polygon before the geometry work.
     pub primitive: u64,
@@ -48,10 +48,10 @@ pub struct Costs {
 }
 
 impl Costs {
-    /// The costs of a description; operations that it does not charge for cost nothing.
+    /// The costs of a description; operations without a cost in it cost nothing.
     ///
     /// # Errors
-    /// [`MachineError::Missing`] without the bytes of what travels.
+    /// [`MachineError::Missing`] without the sizes of messages.
     pub fn of(machine: &Machine) -> Result<Self, MachineError> {
         let bytes = |kind: DataKind| {
             let what = format!("bytes.{}", kind.name());
@@ -69,7 +69,7 @@ impl Costs {
         })
     }
 
-    /// Work that costs nothing, because the description does not charge for it: its times are too short.
+    /// Operations without a cost in the description: the times are too short if they occur.
     pub fn uncharged(&self) -> Vec<Operation> {
         let all = [
             (self.polygon, Operation::Polygon),
@@ -116,30 +116,30 @@ pub struct SortReport {
     pub processors: usize,
     /// Geometry work.
     pub geometry: Computing,
-    /// Polygons on their way.
+    /// Traffic of polygons.
     pub redistribution: Traffic,
     /// Seconds of that.
     pub redistribution_seconds: f64,
     /// Rasterization.
     pub raster: Computing,
-    /// Pixels on their way.
+    /// Traffic of pixels.
     pub composition: Traffic,
     /// Seconds of that, merging included.
     pub composition_seconds: f64,
     /// Rasterized polygons a visible polygon: the overlap.
     pub overlap: f64,
-    /// Most bytes that a processor keeps: polygons that it rasterizes and its part of the picture.
+    /// Largest number of bytes that a processor stores: polygons that it rasterizes and its part of the picture.
     pub most_bytes_kept: u64,
 }
 
 impl SortReport {
-    /// The whole frame, phases one behind the other.
+    /// The whole frame, one phase after another.
     pub fn seconds(&self) -> f64 {
         self.geometry.seconds + self.redistribution_seconds + self.raster.seconds + self.composition_seconds
     }
 }
 
-/// What a frame is simulated with.
+/// Parameters of a simulated frame.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Setting {
     /// Pixels across.
@@ -148,13 +148,13 @@ pub struct Setting {
     pub height: u32,
     /// Processors.
     pub processors: usize,
-    /// Pixels along the edge of a region; `None` takes the largest of which there is one for every owner.
+    /// Pixels along the edge of a region; `None` is the largest that gives every owner a region.
     pub region: Option<u32>,
     /// Who gets which region.
     pub assignment: Assignment,
-    /// The wires.
+    /// The network.
     pub network: NetworkModel,
-    /// The work.
+    /// The costs.
     pub costs: Costs,
 }
 
@@ -165,7 +165,7 @@ impl Setting {
     }
 }
 
-/// Work of every processor.
+/// Amounts of work of every processor.
 struct Work {
     transformed: Vec<u32>,
     set_up: Vec<u32>,
@@ -191,14 +191,14 @@ impl Work {
     }
 }
 
-/// Runs a frame. Polygon k begins on processor k modulo the processors; a polygon's pixels are those of its box, as
-/// in document 000, appendix A. Parts outside the screen are left out.
+/// Simulates a frame. Polygon k starts on processor k modulo the number of processors; a polygon's pixels are those of
+/// its box, as in document 000, appendix A. Parts outside the screen are ignored.
 ///
 /// # Panics
 /// If there are no processors or the screen has no pixel.
 pub fn simulate(scene: &BoxScene, organisation: Organisation, s: &Setting) -> SortReport {
     let n = s.processors;
-    assert!(n > 0, "somebody has to do the work");
+    assert!(n > 0, "at least one processor");
     let group = match organisation {
         Organisation::SortFirst | Organisation::SortMiddle => n,
         Organisation::SortLast => 1,
@@ -223,7 +223,7 @@ pub fn simulate(scene: &BoxScene, organisation: Organisation, s: &Setting) -> So
     }
 }
 
-/// Runs a frame in each of many settings, on the cores of the current pool; the reports come in the order of the
+/// Simulates a frame with each of many settings, on the cores of the current pool; the reports are in the order of the
 /// settings. `finished` is called after each, in any order.
 ///
 /// # Panics
@@ -241,14 +241,14 @@ pub fn sweep(
     settings.par_iter().map(run).collect()
 }
 
-/// Deals polygons out and hands them to the owners of what they touch.
+/// Distributes polygons and sends them to the owners of the regions that they touch.
 fn sort(scene: &BoxScene, before_geometry: bool, group: usize, s: &Setting) -> (Work, Traffic, u64) {
     let n = s.processors;
     let screen = PixelBox::screen(s.width, s.height);
     let mut work = Work::none(n);
     let mut links = Links::new(s.network.topology, n);
     let mut visible = 0;
-    // A last group of fewer processors divides the screen among those that it has.
+    // A smaller last group divides the screen among its own processors.
     let (whole, rest) = (s.regions(group), s.regions((n % group).max(1)));
     let mut owners: Vec<usize> = Vec::new();
     for (number, polygon) in scene.boxes.iter().enumerate() {
@@ -258,7 +258,7 @@ fn sort(scene: &BoxScene, before_geometry: bool, group: usize, s: &Setting) -> (
         }
         let on_screen = polygon.pixels.intersection(&screen).filter(|_| polygon.visible);
         let Some(pixels) = on_screen else {
-            // Sort-first finds out where it belongs by transforming it, wherever it stands.
+            // In sort-first, a polygon has to be transformed where it starts, to find its regions.
             work.transformed[home] += u32::from(before_geometry);
             continue;
         };
@@ -287,10 +287,10 @@ fn sort(scene: &BoxScene, before_geometry: bool, group: usize, s: &Setting) -> (
     (work, links.traffic(), visible)
 }
 
-/// Composes the pictures of the groups by binary swap: members with the same place in their groups halve their part
-/// of the picture in every round and exchange the halves, with the nearest partner while the halves are large. Where
-/// the groups are no power of two, those beyond it first hand their whole part over. Returns the traffic and the
-/// pixels that a processor merges, one round behind the other.
+/// Composites the pictures of the groups by binary swap: processors with the same position in their groups halve their
+/// part of the picture in every round and exchange the halves, with the nearest partner while the halves are large. If
+/// the number of groups is no power of two, the excess groups first send their whole part to others. Returns the
+/// traffic and the pixels that a processor merges, one round after another.
 fn compose(group: usize, s: &Setting) -> (Traffic, u64) {
     let groups = s.processors / group;
     if groups <= 1 {

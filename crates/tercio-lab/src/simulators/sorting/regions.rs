@@ -1,14 +1,14 @@
-//! Who owns which part of the screen.
+//! Which processor owns which part of the screen.
 
 use serde::{Deserialize, Serialize};
 
 use crate::workloads::PixelBox;
 
-/// How regions are given to owners.
+/// How regions are assigned to owners.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Assignment {
-    /// Region k to owner k modulo the owners: neighbours have different owners.
+    /// Region k to owner k modulo the number of owners: neighbours have different owners.
     Interleaved,
     /// Runs of consecutive regions to one owner.
     Blocks,
@@ -25,13 +25,13 @@ pub struct Regions {
     pub edge: u32,
     /// Owners.
     pub owners: usize,
-    /// Who gets which.
+    /// The assignment.
     pub assignment: Assignment,
 }
 
 impl Regions {
-    /// The largest square regions of which there are at least as many as owners; no larger than needed for as many
-    /// rows and columns, so that those at the borders are not slivers.
+    /// The largest square regions of which there are at least as many as owners, reduced as far as the same number of
+    /// rows and columns allows, so that those at the borders are not slivers.
     pub fn fitting(width: u32, height: u32, owners: usize, assignment: Assignment) -> Self {
         let regions = |edge: u32| u64::from(width.div_ceil(edge)) * u64::from(height.div_ceil(edge));
         let largest = (1..=width.max(height)).rev().find(|&e| regions(e) >= owners as u64).unwrap_or(1);
@@ -59,7 +59,7 @@ impl Regions {
         }) as usize
     }
 
-    /// Every region that a box touches, with the pixels of the box that lie in it. The box lies on the screen.
+    /// Every region that a box touches, with the number of the box's pixels in it. The box is inside the screen.
     pub fn touched(&self, pixels: PixelBox) -> impl Iterator<Item = (u64, u64)> {
         let (edge, columns) = (self.edge as i32, self.columns());
         let parts = move |first: i32, last: i32| {

@@ -5,7 +5,7 @@
 //! 1 (0, 256) (383, 511)
 //! ```
 //!
-//! One line a rectangle of pixels, inclusive on both sides, after the number of its processor. Every pixel of the
+//! One line per rectangle of pixels, inclusive on both sides, after the number of its processor. Every pixel of the
 //! screen belongs to precisely one processor; a processor may have several rectangles, or none.
 
 mod file;
@@ -16,12 +16,12 @@ use super::PixelBox;
 
 /// A map from the pixels of a screen to processors.
 ///
-/// It is kept as a grid of cells: the screen is cut at every side of a rectangle, so that a cell has one owner.
+/// Stored as a grid of cells: the screen is split at every side of a rectangle, so that a cell has one owner.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ScreenMap {
-    /// Column of cells in which a column of pixels lies.
+    /// Column of cells that contains a column of pixels.
     cell_of_x: Vec<u32>,
-    /// Row of cells in which a row of pixels lies.
+    /// Row of cells that contains a row of pixels.
     cell_of_y: Vec<u32>,
     /// First pixel column of every column of cells, and the width of the screen.
     starts_x: Vec<i32>,
@@ -29,17 +29,17 @@ pub struct ScreenMap {
     starts_y: Vec<i32>,
     /// Owners of the cells, row by row.
     owners: Vec<u32>,
-    /// One more than the greatest owner.
+    /// The largest owner plus one.
     processors: u32,
 }
 
-/// Why rectangles are no map.
+/// Why rectangles do not form a map.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum MapError {
     /// There is no rectangle.
     #[error("a map needs at least one rectangle")]
     Empty,
-    /// A rectangle reaches to the left of or above pixel (0, 0), or the screen is too large.
+    /// A rectangle extends to the left of or above pixel (0, 0), or the screen is too large.
     #[error("rectangle {rectangle} lies outside the pixels (0, 0) to ({MAX_SIDE}, {MAX_SIDE})")]
     Outside {
         /// Its number, from 0.
@@ -54,7 +54,7 @@ pub enum MapError {
         x: i32,
         /// Row.
         y: i32,
-        /// Whose it was.
+        /// The earlier owner.
         owner: u32,
     },
     /// A pixel has no owner.
@@ -65,7 +65,7 @@ pub enum MapError {
         /// Row.
         y: i32,
     },
-    /// The rectangles cut the screen into too many pieces.
+    /// The rectangles split the screen into too many cells.
     #[error("the rectangles cut the screen into {cells} cells, more than {MAX_CELLS}")]
     TooFine {
         /// Columns times rows of cells.
@@ -73,7 +73,7 @@ pub enum MapError {
     },
 }
 
-/// Pixels along a side of a screen, at most.
+/// Maximum number of pixels along a side of a screen.
 const MAX_SIDE: i32 = 1 << 15;
 /// Bounds the memory of a map (4 bytes a cell).
 const MAX_CELLS: u64 = 1 << 26;
@@ -81,7 +81,7 @@ const MAX_CELLS: u64 = 1 << 26;
 const NOBODY: u32 = u32::MAX;
 
 impl ScreenMap {
-    /// The map of rectangles with owners. The screen reaches to their last pixel.
+    /// The map of rectangles with owners. The screen extends to their last pixel.
     ///
     /// # Errors
     /// [`MapError`] if some pixel has no owner or two.
@@ -128,8 +128,8 @@ impl ScreenMap {
         Ok(map)
     }
 
-    /// The default of document 000: columns of the screen to processors 0, 1, 2 and so on. With fewer processors
-    /// than columns each has a block of neighbouring columns, as equal as can be; with more, the rest has none.
+    /// The default of document 000: columns of the screen to processors 0, 1, 2 and so on. With fewer processors than
+    /// columns each has a block of neighbouring columns, as equal as possible; with more, the rest has none.
     ///
     /// # Panics
     /// If the screen has no pixel or more than 32,768 along a side, or there is no processor.
@@ -144,7 +144,7 @@ impl ScreenMap {
         Self::of_valid(&rectangles.collect::<Vec<_>>())
     }
 
-    /// Square tiles of `side` pixels, dealt to the processors in turn, row by row.
+    /// Square tiles of `side` pixels, assigned to the processors round-robin, row by row.
     ///
     /// # Panics
     /// If the screen has no pixel or more than 32,768 along a side, or there is no processor, or the tiles have
@@ -179,7 +179,7 @@ impl ScreenMap {
         self.cell_of_y.len() as u32
     }
 
-    /// One more than the greatest processor that has pixels.
+    /// The largest processor number that has pixels, plus one.
     pub fn processors(&self) -> u32 {
         self.processors
     }
@@ -191,8 +191,8 @@ impl ScreenMap {
         Some(self.owners[cy as usize * (self.starts_x.len() - 1) + cx as usize])
     }
 
-    /// The processors whose pixels a box holds, in ascending order, each with the number of these pixels. The
-    /// part of the box outside the screen is nobody's. `into` is emptied first.
+    /// The processors with pixels in a box, in ascending order, each with the number of these pixels. The part of the
+    /// box outside the screen is ignored. `into` is cleared first.
     pub fn overlap(&self, pixels: &PixelBox, into: &mut Vec<(u32, u64)>) {
         into.clear();
         let screen = PixelBox::screen(self.width(), self.height());
@@ -206,7 +206,7 @@ impl ScreenMap {
                 into.push((self.owners[cy * columns + cx], rows as u64 * across as u64));
             }
         }
-        // Column maps come out in order; others have to be sorted, and their processors' pieces joined.
+        // Column maps yield sorted processors; others have to be sorted, and their processors' pieces merged.
         if !into.is_sorted_by(|a, b| a.0 < b.0) {
             into.sort_unstable_by_key(|&(owner, _)| owner);
             into.dedup_by(|piece, sum| {
@@ -225,7 +225,8 @@ impl ScreenMap {
     }
 }
 
-/// Where pieces begin when an axis is cut at both ends of every range; the end of the last one follows.
+/// Start positions of the pieces of an axis that is split at both ends of every range, followed by the end of the last
+/// one.
 fn starts(ranges: impl Iterator<Item = (i32, i32)>) -> Vec<i32> {
     let mut starts: Vec<i32> = ranges.flat_map(|(first, last)| [first, last + 1]).chain([0]).collect();
     starts.sort_unstable();

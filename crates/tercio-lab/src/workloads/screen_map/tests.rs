@@ -2,7 +2,7 @@ use proptest::prelude::*;
 
 use super::*;
 
-/// Figure A-2, its second line repaired: printed with (0,255), it would give row 255 to two processors.
+/// Figure A-2, its second line corrected: printed with (0,255), it would give row 255 to two processors.
 const FIGURE_A2: &str =
     "0 (0, 0) (383, 255)\n1 (0, 256) (383, 511)\n2 (384, 0) (767, 255)\n3 (384, 256) (767, 511)\n";
 
@@ -32,7 +32,7 @@ fn figure_a2_as_printed_is_refused() {
 }
 
 #[test]
-fn mistakes_are_told() {
+fn mistakes_are_reported() {
     let hole = FIGURE_A2.replace("(767, 511)", "(766, 511)");
     assert!(
         ScreenMap::parse(&hole).unwrap_err().to_string().contains("no rectangle covers pixel (767, 256)")
@@ -54,7 +54,7 @@ fn columns_go_to_processors_in_order() {
 }
 
 #[test]
-fn tiles_are_dealt_in_turn() {
+fn tiles_are_assigned_round_robin() {
     let map = ScreenMap::tiles(70, 40, 32, 4);
     assert_eq!([0, 32, 64].map(|x| map.owner(x, 0)), [Some(0), Some(1), Some(2)]);
     assert_eq!([0, 32, 64].map(|x| map.owner(x, 39)), [Some(3), Some(0), Some(1)]);

@@ -51,7 +51,7 @@ pub struct Hybris {
 enum SharingName {
     /// Tiles of a checkerboard.
     Tiles,
-    /// Triangles of each tile, composed.
+    /// Each engine draws half of the triangles of every tile; the results are composited.
     Composition,
 }
 

@@ -24,7 +24,7 @@ Examples:
 
 Exit code: 0 success, 1 error, 2 wrong usage.")]
 pub struct McManus {
-    /// The workload: boxes, or polygons whose boxes are taken.
+    /// The workload: boxes, or polygons, of which the bounding boxes are used.
     #[arg(value_name = "SCENE")]
     pub(super) scene: PathBuf,
     /// Size of the screen in pixels [default: that of the polygons; 512x512 for boxes].

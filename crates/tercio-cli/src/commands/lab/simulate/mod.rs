@@ -18,7 +18,7 @@ use tercio_lab::workloads::{BoxScene, PolygonScene};
 use crate::named_files::NamedFiles;
 use crate::output::write_text;
 
-/// Runs a workload on a published machine, exactly.
+/// Simulates a workload exactly on a published machine.
 #[derive(Debug, Args)]
 pub struct Simulate {
     #[command(subcommand)]
@@ -36,7 +36,7 @@ enum Machine {
 }
 
 impl Machine {
-    /// What is read.
+    /// The input files.
     fn files(&self) -> NamedFiles {
         let scene = |scene: &Path| NamedFiles::default().reads("the scene", scene);
         match self {
@@ -79,7 +79,7 @@ fn is_polygons(file: &Path) -> bool {
     file.extension().is_some_and(|e| e == "polygons")
 }
 
-/// Reads boxes; of a polygon file, the polygons' boxes.
+/// Reads boxes; from a polygon file, the polygons' bounding boxes.
 fn boxes(file: &Path) -> Result<BoxScene> {
     if is_polygons(file) { Ok(PolygonScene::read(file)?.boxes()) } else { Ok(BoxScene::read(file)?) }
 }

@@ -28,7 +28,7 @@ pub struct Ortega {
     #[arg(long, value_name = "N,...", default_value = "16384,32768,65536", value_delimiter = ',')]
     #[arg(value_parser = clap::value_parser!(u64).range(1..))]
     processors: Vec<u64>,
-    /// Segments that are gathered before they are broken into pixels [default: one a processor].
+    /// Segments that are collected before they are split into pixels [default: one a processor].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     buffer: Option<u64>,
     /// Writes JSON with stable keys.

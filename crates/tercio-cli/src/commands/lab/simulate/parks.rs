@@ -28,10 +28,10 @@ pub struct Parks {
     /// The workload.
     #[arg(value_name = "SCENE")]
     pub(super) scene: PathBuf,
-    /// Parts into which the splitter cuts each side of the screen.
+    /// Number of parts into which the splitter divides each side of the screen.
     #[arg(long, value_name = "N")]
     chunks: Option<u32>,
-    /// Side of the pattern in which the pixels of each part are dealt to processors.
+    /// Side of the pattern in which the pixels of each part are assigned to processors.
     #[arg(long, value_name = "N")]
     interlace: Option<u32>,
     /// Lists the statistics of one processor as the document's appendix C does; numbers run from 0, left to right,

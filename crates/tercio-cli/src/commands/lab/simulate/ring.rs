@@ -26,26 +26,26 @@ Examples:
 
 Exit code: 0 success, 1 error, 2 wrong usage.")]
 pub struct Ring {
-    /// The workload: boxes, or polygons whose boxes are taken.
+    /// The workload: boxes, or polygons, of which the bounding boxes are used.
     #[arg(value_name = "SCENE")]
     pub(super) scene: PathBuf,
     /// n: processors of the ring.
     #[arg(long, value_name = "N", default_value_t = 1024)]
     processors: u32,
-    /// Size of the screen in pixels, for the map of columns.
+    /// Size of the screen in pixels; for the default map it has as many columns as there are processors.
     #[arg(long, value_name = "WxH", default_value = "768x512", value_parser = values::size)]
     size: (u32, u32),
-    /// A file that says which processor has which pixels [default: columns from left to right].
+    /// A file that assigns pixels to processors [default: columns from left to right].
     #[arg(long, value_name = "FILE")]
     pub(super) map: Option<PathBuf>,
     /// m: processors that hold each polygon.
     #[arg(long, value_name = "M", default_value_t = 1)]
     duplication: u32,
-    /// t: passes between two looks for descriptors that everybody has seen; 1 is the dense network, the
-    /// number of processors the sparse one.
+    /// t: passes between two checks for descriptors that all processors have seen; 1 is the dense network, the number
+    /// of processors the sparse one.
     #[arg(long, value_name = "T", default_value_t = 1)]
     test_period: u32,
-    /// d: strides of the stages, falling to 1.
+    /// d: strides of the stages, decreasing to 1.
     #[arg(long, value_name = "D,...", default_value = "1", value_delimiter = ',')]
     strides: Vec<u32>,
     /// g: processors that share one copy of the screen; fewer than all is sort-twice [default: all].
@@ -80,7 +80,7 @@ impl Ring {
             strides: self.strides.clone(),
             group: self.group.unwrap_or(self.processors),
         };
-        // Before the scene is read, and before a map is made for a group that cannot be.
+        // Checked before the scene is read, and before a map is made for an impossible group.
         algorithm.check(&machine, 0)?;
         let map = match &self.map {
             Some(file) => ScreenMap::read(file)?,

@@ -32,13 +32,13 @@ Examples:
 
 Exit code: 0 success, 1 error (in a file, with its line), 2 wrong usage.")]
 pub struct Sorting {
-    /// The workload: boxes, or polygons whose boxes are taken.
+    /// The workload: boxes, or polygons, of which the bounding boxes are used.
     #[arg(value_name = "SCENE")]
     pub(super) scene: PathBuf,
     /// Size of the screen in pixels [default: that of the polygons, or of the machine; 768x512 for boxes].
     #[arg(short, long, value_name = "WxH", value_parser = values::size)]
     size: Option<(u32, u32)>,
-    /// Where polygons and pixels change hands.
+    /// Where polygons and pixels are redistributed.
     #[arg(short = 'O', long, value_name = "CLASS,...", value_enum, value_delimiter = ',')]
     #[arg(default_values_t = [Class::SortFirst, Class::SortMiddle, Class::SortLast, Class::SortTwice])]
     organisation: Vec<Class>,
@@ -48,17 +48,17 @@ pub struct Sorting {
     /// Processors of a group of sort-twice.
     #[arg(short, long, value_name = "G,...", default_value = "16", value_delimiter = ',', value_parser = ranks)]
     group: Vec<usize>,
-    /// Pixels along the edge of a region [default: the largest of which there is one an owner].
+    /// Pixels along the edge of a region [default: the largest that gives every owner a region].
     #[arg(long, value_name = "PIXELS,...", value_delimiter = ',')]
     #[arg(value_parser = clap::value_parser!(u32).range(1..=32768))]
     region: Vec<u32>,
-    /// How regions are given to owners.
+    /// How regions are assigned to owners.
     #[arg(long, value_name = "HOW,...", value_enum, value_delimiter = ',', default_value = "interleaved")]
     assignment: Vec<AssignmentName>,
-    /// A machine with a network and the bytes of what travels ('tercio lab machines'), or a file.
+    /// A machine with a network and the sizes of messages ('tercio lab machines'), or a file.
     #[arg(short, long, value_name = "MACHINE", default_value = "princeton-engine")]
     pub(super) machine: String,
-    /// Another network than the machine's, with its bandwidth and latency.
+    /// Another network than the machine's, with the machine's bandwidth and latency.
     #[arg(long, value_name = "SHAPE", value_enum)]
     network: Option<NetworkName>,
     /// Writes JSON with stable keys.
@@ -72,17 +72,17 @@ pub struct Sorting {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 #[expect(clippy::enum_variant_names, reason = "the names of the field, as the command line takes them")]
 enum Class {
-    /// Polygons travel before the geometry work.
+    /// Polygons are sent before the geometry work.
     SortFirst,
-    /// Set-up polygons travel.
+    /// Set-up polygons are sent.
     SortMiddle,
-    /// Pictures are composed.
+    /// Pictures are composited.
     SortLast,
     /// Polygons inside groups, pictures between them.
     SortTwice,
 }
 
-/// How regions are given to owners.
+/// How regions are assigned to owners.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 enum AssignmentName {
     /// Neighbouring regions to different owners.
@@ -114,7 +114,7 @@ impl Sorting {
         Ok(if self.json { self.as_json(&machine, &runs) } else { table(&machine, size, &runs) })
     }
 
-    /// All combinations of what was asked for, those that make a difference.
+    /// All combinations of the requested values, without those that make no difference.
     fn plans(&self, machine: &Machine, (width, height): (u32, u32)) -> Result<Vec<(Organisation, Setting)>> {
         let network = machine.need(machine.network.as_ref(), "network")?;
         let network = NetworkModel::of(network, self.network.map(Into::into));
@@ -135,7 +135,7 @@ impl Sorting {
                     };
                     let setting = Setting { width, height, processors, region, assignment, network, costs };
                     plans.push((organisation, setting));
-                    // Whoever owns the whole screen needs no regions.
+                    // An owner of the whole screen needs no regions.
                     if organisation == Organisation::SortLast {
                         break;
                     }
@@ -164,7 +164,7 @@ impl Sorting {
     }
 }
 
-/// Work that the machine's description does not charge for, so that times lack it.
+/// Work that has no cost in the machine's description and is therefore missing in the times.
 fn uncharged(runs: &[((Organisation, Setting), SortReport)]) -> Vec<&'static str> {
     let work = runs.first().map(|((_, setting), _)| setting.costs.uncharged()).unwrap_or_default();
     work.into_iter().map(Operation::name).collect()

@@ -1,4 +1,4 @@
-//! Polygons kept by several processors: figures 5-6, 5-7, 5-8.
+//! Several processors hold the same polygons: figures 5-6, 5-7, 5-8.
 
 use super::super::super::sweep::{pairs, sweep};
 use super::super::super::{Axis, Cell, Comparison, ExperimentError, Findings, Plot, Series, Table};
@@ -60,7 +60,7 @@ pub fn imbalance() -> Result<Findings, ExperimentError> {
         let run = frame(&scene, 1024, |a| a.duplication = m)?;
         most.push(f64::from(run.sent.iter().copied().max().unwrap_or(0)));
         let sent = profile(&mut table, f64::from(m), run.sent.iter().copied());
-        // As in the document: the greatest of eight neighbours.
+        // As in the document: the maximum of eight neighbours.
         let groups = sent.chunks(8).map(|group| (group[0].0, group.iter().map(|p| p.1).fold(0.0, f64::max)));
         series.push(Series::line(format!("{m} copies"), groups.collect()));
     }

@@ -1,4 +1,4 @@
-//! How polygons lie on processors: figures 4-1, 4-2, 5-9.
+//! Distribution of polygons over processors: figures 4-1, 4-2, 5-9.
 
 use super::super::super::{Axis, Comparison, ExperimentError, Findings, Plot, Series, Table};
 use super::{SCENES, SCREEN, curves, frame, profile, scenes};
@@ -16,8 +16,8 @@ pub fn sort_first() -> Result<Findings, ExperimentError> {
         summary.push([name.into(), f64::from(most).into(), mean.into(), run.asymmetry().into()]);
         series.push(Series::line(name, profile(&mut table, name, run.received.iter().copied())));
         if name == "like the teapot" {
-            // The scene has the document's number of polygons and width; its clumping is fitted, so only the mean is
-            // a test, and the maximum shows that one deviation explains it.
+            // The scene has the document's number of polygons and width; its deviation is fitted, so only the mean is a
+            // test, and the maximum shows that one deviation explains both.
             comparison.add("mean polygons on a processor", mean, 23.3, 0.5);
             comparison.add("most polygons on a processor", f64::from(most), 394.0, 40.0);
         }
@@ -88,7 +88,7 @@ pub fn locality() -> Result<Findings, ExperimentError> {
     );
     let (mut series, mut comparison) = (Vec::new(), Comparison::new());
     for (name, scene) in scenes()? {
-        // A polygon stays where it is rasterized first: at its left column.
+        // A polygon stays on the processor that rasterizes it first: that of its left column.
         let mut columns = vec![0u32; SCREEN.0 as usize];
         for b in scene.boxes.iter().filter(|b| b.visible) {
             columns[b.pixels.x0.clamp(0, SCREEN.0 as i32 - 1) as usize] += 1;

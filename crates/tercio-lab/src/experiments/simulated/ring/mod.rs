@@ -1,4 +1,4 @@
-//! Document 000, chapters 4 to 6: the figures that its simulator made.
+//! Document 000, chapters 4 to 6: the figures from its simulator.
 
 mod distribution;
 mod duplication;
@@ -56,7 +56,7 @@ pub(in crate::experiments) const EXPERIMENTS: &[Experiment] = &[
     ),
 ];
 
-/// What is said of every scene here.
+/// The remark about all scenes here.
 const SCENES: &str = "The document's scenes are lost. The teapot is tercio's, drawn as large as the screen allows; \
     the other three have the document's numbers of polygons, its share of visible ones and its mean width of 3.8 \
     columns (figure 4-1), with columns normally distributed round the middle. Deviations of 25 and 30 columns give \
@@ -110,7 +110,7 @@ fn communication(run: &RingRun) -> f64 {
 /// A scene's name and its points.
 type Curve = (&'static str, Vec<(f64, f64)>);
 
-/// A quantity of each scene by a parameter that takes `values`.
+/// A quantity of each scene as a function of a parameter with the values `values`.
 fn curves(
     scenes: &[(&'static str, BoxScene)],
     values: &[u32],
@@ -123,12 +123,12 @@ fn curves(
     Ok(names.zip(points.chunks(values.len().max(1)).map(<[_]>::to_vec)).collect())
 }
 
-/// The point with the least quantity, the first of equals.
+/// The point with the least quantity, the first of equal ones.
 fn least(points: &[(f64, f64)]) -> (f64, f64) {
     points.iter().copied().fold((1.0, f64::MAX), |a, b| if b.1 < a.1 { b } else { a })
 }
 
-/// A number for each processor or column: rows of a table that begin with `name`, and the points of a curve.
+/// One number per processor or column: rows of a table whose first cell is `name`, and the points of a curve.
 fn profile(
     table: &mut Table,
     name: impl Into<Cell> + Copy,
@@ -139,7 +139,7 @@ fn profile(
     points
 }
 
-/// The first stage's stride, with the stage of stride 1 behind it that every distribution ends with.
+/// The first stage's stride, and the stage of stride 1 with which every distribution ends.
 fn strides(first: u32) -> Vec<u32> {
     if first == 1 { vec![1] } else { vec![first, 1] }
 }

@@ -14,11 +14,11 @@ use crate::workloads::{BoxScene, ScreenMap};
 
 /// Polygons of the scenes, culled ones included.
 const SIZES: [u32; 8] = [10_000, 20_000, 40_000, 80_000, 160_000, 320_000, 640_000, 1_280_000];
-/// Instructions for a textured pixel drawn at once, and for one whose texture is deferred (section 6.5).
+/// Instructions for a pixel textured at once, and for one with deferred texturing (section 6.5).
 const TEXTURED: u64 = 202;
 const DEFERRED: u64 = 98;
 
-/// A scene on both organisations.
+/// A scene with both organisations.
 struct Pair {
     visible: f64,
     group: u32,
@@ -26,17 +26,17 @@ struct Pair {
     twice: RingRun,
 }
 
-/// Why the figures cannot be made again exactly.
+/// Why the figures cannot be reproduced exactly.
 const WHY: &str = "The size of the random polygons is not given.";
 /// The first stride of sort-middle.
 const FIRST_STRIDE: u32 = 16;
 
-/// Random polygons all over the screen, half of them visible; 10 x 10 pixels, the document does not say how large.
+/// Random polygons all over the screen, half of them visible, of 10 x 10 pixels: the document gives no size.
 fn scene(polygons: u32) -> BoxScene {
     scene_of(polygons, 10.0)
 }
 
-/// The same of squares with sides of `side` pixels.
+/// The same with squares of `side` pixels.
 fn scene_of(polygons: u32, side: f64) -> BoxScene {
     let spread = [Spread::Uniform; 2];
     let size = [side, side];
@@ -58,7 +58,7 @@ fn group(visible: f64) -> u32 {
 
 fn pairs() -> Result<Vec<Pair>, ExperimentError> {
     let scenes: Vec<_> = SIZES.par_iter().map(|&polygons| scene(polygons)).collect();
-    // The largest scenes take longest: each run is a task of its own, and they begin first.
+    // The largest scenes take longest, so they start first; each run is a task of its own.
     let tasks: Vec<_> = scenes.iter().rev().flat_map(|scene| [(scene, false), (scene, true)]).collect();
     let mut runs = sweep(&tasks, |&(scene, twice)| {
         let raster_pixel = if twice { DEFERRED } else { TEXTURED };
@@ -74,7 +74,7 @@ fn pairs() -> Result<Vec<Pair>, ExperimentError> {
     })?;
     let pair = |scene: &BoxScene| {
         let visible = scene.visible() as f64;
-        // From behind: the smallest scene's, and of these sort-twice before sort-middle.
+        // Taken from the end: the smallest scene first, and for each scene sort-twice before sort-middle.
         let (twice, middle) = (runs.pop()?, runs.pop()?);
         Some(Pair { visible, group: group(visible), middle, twice })
     };

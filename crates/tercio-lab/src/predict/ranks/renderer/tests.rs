@@ -41,7 +41,7 @@ fn phases_of_rank_0_make_up_the_frame() {
             let frame = predict(&machine, &COSTS, &work(ranks, organisation), processors).unwrap();
             let sum: f64 = frame.phases().iter().map(|p| p.1).sum();
             assert!((sum / frame.total() - 1.0).abs() < 1e-9, "{frame:?}");
-            // No faster than all processors with nothing to wait for.
+            // No faster than all processors working without pauses.
             let all: f64 = frame.ranks.iter().map(RankSeconds::busy).sum();
             assert!(frame.total() >= all / processors as f64 * 0.999, "{frame:?}");
         }
@@ -70,9 +70,10 @@ fn a_network_takes_time_and_one_memory_takes_none() {
         frame.total()
     };
     let fast = seconds(0.0, 1e15);
-    // Composing waits once for the way through the network, collecting again; a fat tree of four has up to 4 hops.
+    // Compositing waits for the latency of the network once, collecting again; a fat tree of four has paths of up to 4
+    // hops.
     assert!(seconds(1e-3, 1e15) >= fast + 4e-3, "{} {fast}", seconds(1e-3, 1e15));
-    // What the owners send to rank 0 passes its port.
+    // Everything that the owners send to rank 0 passes its port.
     let (_, bytes) = work.messages.total();
     let collected: u64 = work.messages.finished[1..].iter().map(|p| p.bytes(false)).sum();
     let slow = seconds(0.0, 1e6);
@@ -86,7 +87,7 @@ fn a_network_takes_time_and_one_memory_takes_none() {
 }
 
 #[test]
-fn processes_copy_what_they_take() {
+fn processes_copy_what_they_receive() {
     let mut machine = builtin("two-core-2026").unwrap().unwrap();
     let work = work(4, Organisation::SortLast);
     let threads = predict(&machine, &COSTS, &work, 4).unwrap();
@@ -105,7 +106,7 @@ fn processes_copy_what_they_take() {
     let taken: u64 = (0..4).map(|rank| work.messages.bytes_taken(rank)).sum();
     assert_eq!(taken, work.messages.total().1);
     assert!(slow.total() > threads.total() && slow.memory.messages > threads.memory.messages);
-    // Where it costs nothing it makes no difference.
+    // Free copying makes no difference.
     assert!((over_mpi(1e18).total() / threads.total() - 1.0).abs() < 1e-6);
 }
 
@@ -114,7 +115,7 @@ fn a_ring_is_as_slow_as_its_busiest_link() {
     const RANKS: usize = 24;
     let mut machine = builtin("cluster-64").unwrap().unwrap();
     let mut work = work(RANKS, Organisation::SortLast);
-    // Everybody sends everybody else the same.
+    // All ranks send each other the same.
     let pixels = |from, to| (from != to).then_some(super::super::traffic::Pixels { spans: 0, pixels: 1000 });
     work.messages.composed = (0..RANKS).map(|from| (0..RANKS).map(|to| pixels(from, to)).collect()).collect();
     work.messages.finished.fill(super::super::traffic::Pixels::default());
@@ -125,7 +126,7 @@ fn a_ring_is_as_slow_as_its_busiest_link() {
     };
     let crossbar = seconds_of_a_byte(crate::machines::Topology::Crossbar);
     let ring = seconds_of_a_byte(crate::machines::Topology::Ring);
-    // A port passes 23 messages. Ways of 1 to 12 links, 144 together a rank, go over two links a rank: 72 messages each,
-    // or up to 78 if all messages to the opposite rank go the same way round.
+    // A port passes 23 messages. Paths of 1 to 12 links, 144 together per rank, use two links per rank: 72 messages
+    // each, or up to 78 if all messages to the opposite rank go in the same direction.
     assert!((72.0 / 23.0 - 1e-9..=78.0 / 23.0 + 1e-9).contains(&(ring / crossbar)), "{ring} {crossbar}");
 }

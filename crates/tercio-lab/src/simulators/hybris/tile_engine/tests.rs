@@ -8,14 +8,14 @@ const PLAIN: EngineSettings =
     EngineSettings { set_up_triangle: 1, fifo: 4, fifo_after_broadcast: 2, interleave: 1 };
 const INTERLEAVED: EngineSettings = EngineSettings { interleave: 2, ..PLAIN };
 
-/// A rectangle of pixels as the engine meets it.
+/// A rectangle of pixels as input of the engine.
 fn rectangle(x: i32, y: i32, width: i32, height: usize) -> TileWork {
-    TileWork { first_row: y, spans: vec![Span { first: x, behind: x + width }; height] }
+    TileWork { first_row: y, spans: vec![Span { first: x, end: x + width }; height] }
 }
 
 #[test]
 fn one_triangle_by_hand() {
-    // Set-up in cycle 1, first row in 2, its span cut in 3, its first pixel in 4; then a pixel a cycle.
+    // Set-up in cycle 1, first row in 2, its span clipped in 3, its first pixel in 4; then a pixel per cycle.
     for (width, height) in [(1, 1), (5, 1), (5, 7), (32, 32)] {
         let counts = run_tile(PLAIN, &[rectangle(0, 0, width, height)]);
         assert_eq!(counts.cycles, 3 + (width as usize * height) as u64, "{width}x{height}");
@@ -27,24 +27,24 @@ fn one_triangle_by_hand() {
 fn triangles_of_one_pixel_come_out_one_a_cycle() {
     let work = vec![rectangle(3, 3, 1, 1); 100];
     assert_eq!(run_tile(PLAIN, &work).cycles, 3 + 100);
-    // A set-up of three cycles is then what limits.
+    // A set-up of three cycles is then the bottleneck.
     let slow = EngineSettings { set_up_triangle: 3, ..PLAIN };
     assert_eq!(run_tile(slow, &work).cycles, 3 * 100 + 3);
 }
 
 #[test]
 fn four_draw_spans_share_a_large_triangle() {
-    // Two rows at a time, two pixels of each: a broadcast queue lies before each pair, one cycle each.
+    // Two rows at a time, two pixels of each: there is a broadcast queue before each pair, one cycle each.
     let counts = run_tile(INTERLEAVED, &[rectangle(0, 0, 32, 32)]);
     assert_eq!(counts.cycles, 3 + 2 + 16 * 16);
-    // One pixel keeps one of the four busy with drawing; nothing is gained.
+    // A single pixel uses only one of the four; nothing is gained.
     let counts = run_tile(INTERLEAVED, &[rectangle(0, 0, 1, 1)]);
     assert_eq!(counts.cycles, 3 + 2 + 1);
 }
 
 #[test]
 fn a_full_queue_stalls_and_an_empty_one_starves() {
-    // A large triangle first: its rows wait for pixels, the small ones behind it wait for its rows.
+    // A large triangle first: its rows wait for pixels, the small ones after it wait for its rows.
     let mut work = vec![rectangle(0, 0, 32, 32)];
     work.extend(vec![rectangle(0, 0, 1, 1); 10]);
     let counts = run_tile(EngineSettings { fifo: 1, ..PLAIN }, &work);
@@ -76,7 +76,7 @@ fn any_work() -> impl Strategy<Value = Vec<TileWork>> {
         (0..32i32, 0..32i32, prop::collection::vec((0..32i32, 0..9i32), 0..12)).prop_map(|(_, y, rows)| {
             TileWork {
                 first_row: y,
-                spans: rows.iter().map(|&(x, w)| Span { first: x, behind: x + w }).collect(),
+                spans: rows.iter().map(|&(x, w)| Span { first: x, end: x + w }).collect(),
             }
         });
     prop::collection::vec(one, 0..40)
@@ -101,7 +101,7 @@ proptest! {
         prop_assert!(counts.fifo_peaks[0] <= fifo);
     }
 
-    /// More room in the queues never makes the plain engine slower, and boundless room hides all but one stage.
+    /// More room in the queues never makes the plain engine slower, and unlimited room hides all but one stage.
     #[test]
     fn deeper_queues_are_never_slower(work in any_work()) {
         let cycles = |fifo| run_tile(EngineSettings { fifo, ..PLAIN }, &work).cycles;

@@ -1,15 +1,15 @@
-//! What an engine is given: the rows of triangles in a tile.
+//! The input of an engine: the rows of triangles in a tile.
 
 use super::super::Triangle;
 use super::super::triangle::PixelBox;
 
-/// A span of pixels, the end left out, before and behind the cut at the tile's border.
+/// A span of pixels with exclusive end, before and after clipping at the tile's border.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Span {
     /// First column.
     pub(super) first: i32,
-    /// Column behind the last.
-    pub(super) behind: i32,
+    /// Column after the last.
+    pub(super) end: i32,
 }
 
 impl Span {
@@ -17,7 +17,7 @@ impl Span {
     pub(super) fn pixels(self, lane: usize, step: usize) -> u32 {
         let (lane, step) = (lane as i32, step as i32);
         let up_to = |x: i32| (x - lane + step - 1).div_euclid(step);
-        (up_to(self.behind) - up_to(self.first)).max(0) as u32
+        (up_to(self.end) - up_to(self.first)).max(0) as u32
     }
 }
 
@@ -34,8 +34,8 @@ impl TileWork {
         let Some(rows) = triangle.rounded_box() else { return Self::default() };
         let (y0, y1) = (rows.y0.max(tile.y0), rows.y1.min(tile.y1));
         let span = |row| {
-            let (first, behind) = triangle.span(row);
-            Span { first: first.max(tile.x0), behind: behind.min(tile.x1) }
+            let (first, end) = triangle.span(row);
+            Span { first: first.max(tile.x0), end: end.min(tile.x1) }
         };
         Self { first_row: y0, spans: (y0..y1).map(span).collect() }
     }
@@ -45,7 +45,7 @@ impl TileWork {
         self.spans.iter().map(|s| u64::from(s.pixels(0, 1))).sum()
     }
 
-    /// Rows met.
+    /// Number of rows.
     pub fn rows(&self) -> u64 {
         self.spans.len() as u64
     }

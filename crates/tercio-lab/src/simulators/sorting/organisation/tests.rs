@@ -50,11 +50,11 @@ fn sort_middle_by_hand() {
 #[test]
 fn sort_last_swaps_halves() {
     let r = simulate(&scene(&[(0, 0, 1, 1)]), Organisation::SortLast, &setting(4, Topology::Crossbar));
-    // Half the picture, then a quarter, from everyone to everyone's partner.
+    // Half the picture, then a quarter, from each processor to its partner.
     assert_eq!(r.composition.bytes, 4 * (2048 + 1024) * 8);
     assert_eq!(r.composition_seconds, (2048.0 + 1024.0) * 8.0 + (2048.0 + 1024.0) * 0.25);
     assert_eq!(r.redistribution, Traffic::default());
-    // Three: the third first hands its picture over.
+    // Three: the third first sends its picture to another.
     let r = simulate(&scene(&[(0, 0, 1, 1)]), Organisation::SortLast, &setting(3, Topology::Crossbar));
     assert_eq!(r.composition.bytes, (4096 + 2 * 2048) * 8);
 }
@@ -79,7 +79,7 @@ fn a_million_processors() {
 }
 
 proptest! {
-    /// The ends of sort-twice are the plain classes.
+    /// The limits of sort-twice are the plain classes.
     #[test]
     fn one_group_is_sort_middle_and_groups_of_one_are_sort_last(
         boxes in prop::collection::vec((0i32..60, 0i32..60, 0i32..20, 0i32..20), 1..50),
