@@ -1,4 +1,4 @@
-//! Frames of a model that turns: loaded once, 36 views, 1024x1024, one light, the picture in memory each time.
+//! Frames of a model that turns: loaded once, 36 views, 1024x1024, the default look, the picture in memory each time.
 
 use anyhow::Result;
 

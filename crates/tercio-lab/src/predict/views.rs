@@ -1,4 +1,4 @@
-//! The scenes and cameras of `tercio bench`: one light, views round the vertical axis.
+//! The scenes and cameras of `tercio bench --look plain`: one light, views round the vertical axis.
 
 use std::sync::Arc;
 
