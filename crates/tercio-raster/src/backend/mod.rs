@@ -102,21 +102,24 @@ pub fn run<S: Simd, T: Tally>(
     canvas: &Canvas,
 ) -> T {
     let mut tally = T::default();
-    let (target, stride) = (canvas.claim(tile), 1 << memory::stride_bits(context));
-    target.clear(&mut scratch.pixels, stride);
+    let target = canvas.claim(tile);
     let triangles: usize = bins.iter().map(|b| b.triangles_in(tile).len()).sum();
     let clusters: usize = bins.iter().map(|b| b.clusters_in(tile).len()).sum();
     if let Some(full) = tally.full() {
         full.tile(context, tile, triangles + clusters > 0);
     }
     let last = context.settings.last_stage;
-    if triangles + clusters > 0 && last > LastStage::Bin {
-        draw(simd, context, bins, tile, Part::WHOLE, Shade::AtOnce, scratch, canvas.outputs(), &mut tally);
-        if triangles > 0 && last > LastStage::Visibility {
-            shade::tile(simd, context, &scratch.tile, &mut scratch.pixels, canvas.outputs(), &mut tally);
-        }
-        tally.counts().pixels_visible += scratch.tile.visible();
+    if triangles + clusters == 0 || last <= LastStage::Bin {
+        target.write_background();
+        return tally;
     }
+    let stride = 1 << memory::stride_bits(context);
+    target.clear(&mut scratch.pixels, stride);
+    draw(simd, context, bins, tile, Part::WHOLE, Shade::AtOnce, scratch, canvas.outputs(), &mut tally);
+    if triangles > 0 && last > LastStage::Visibility {
+        shade::tile(simd, context, &scratch.tile, &mut scratch.pixels, canvas.outputs(), &mut tally);
+    }
+    tally.counts().pixels_visible += scratch.tile.visible();
     target.write(&scratch.pixels, stride);
     tally
 }

@@ -141,6 +141,17 @@ macro_rules! planes {
                 Self { $($name: SharedPlane::new(&mut planes.$name, width, height),)* }
             }
 
+            /// Fills a tile with one pixel for each of its rows.
+            ///
+            /// # Safety
+            /// No other thread writes in this rectangle.
+            unsafe fn fill(&self, rows: &[Pixel], rect: PixelRect) {
+                $(
+                    // SAFETY: as the caller promises.
+                    unsafe { fill(rows.iter().map(|row| row.$name), rect, &self.$name) };
+                )*
+            }
+
             /// Copies the pixels of a tile, of which a row begins every `stride` places, to their places in the picture.
             ///
             /// # Safety
@@ -216,6 +227,21 @@ unsafe fn copy<T: Copy>(tile: &[T], stride: usize, rect: PixelRect, plane: &Shar
     }
 }
 
+/// Fills the rows of a tile with a value each.
+///
+/// # Safety
+/// No other thread writes in this rectangle.
+unsafe fn fill<T: Copy>(rows: impl Iterator<Item = T>, rect: PixelRect, plane: &SharedPlane<T>) {
+    if !plane.is_wanted() {
+        return;
+    }
+    let width = (rect.x1 - rect.x0 + 1) as usize;
+    for (value, y) in rows.zip(rect.y0..) {
+        // SAFETY: no other thread holds a part of the rectangle, as the caller promises, and the row is let go at once.
+        unsafe { plane.row(rect.x0 as usize, y as usize, width) }.fill(value);
+    }
+}
+
 /// A frame that is drawn tile by tile, by several threads.
 pub struct Canvas<'a> {
     planes: SharedPlanes<'a>,
@@ -269,8 +295,18 @@ impl<'a> Canvas<'a> {
 impl CanvasTile<'_> {
     /// Makes the pixels of the tile background, with `stride` places from a row to the next.
     pub fn clear(&self, pixels: &mut Planes, stride: usize) {
-        let rows = &self.canvas.background[self.rect.y0 as usize..=self.rect.y1 as usize];
-        clear(pixels, &self.canvas.outputs, rows, stride);
+        clear(pixels, &self.canvas.outputs, self.background(), stride);
+    }
+
+    /// What stands in each row where nothing was drawn.
+    fn background(&self) -> &[Pixel] {
+        &self.canvas.background[self.rect.y0 as usize..=self.rect.y1 as usize]
+    }
+
+    /// Writes background only.
+    pub fn write_background(self) {
+        // SAFETY: as in `write`.
+        unsafe { self.canvas.planes.fill(self.background(), self.rect) };
     }
 
     /// Copies the pixels to their place in the picture.

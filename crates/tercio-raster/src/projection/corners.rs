@@ -17,21 +17,14 @@ pub fn corner_numbers(cluster: &ClusterView, first: usize) -> CornerNumbers {
 }
 
 /// The corners of all triangles of a cluster: first, second and third.
-#[derive(Debug)]
-pub struct CornerTable([[u8; MAX_TRIANGLES]; 3]);
+#[derive(Clone, Copy, Debug)]
+pub struct CornerTable<'a>([&'a [u8; MAX_TRIANGLES]; 3]);
 
-impl Default for CornerTable {
-    fn default() -> Self {
-        Self([[0; MAX_TRIANGLES]; 3])
-    }
-}
-
-impl CornerTable {
-    /// Copies the corners of a cluster.
+impl<'a> CornerTable<'a> {
+    /// Of a cluster.
     #[inline(always)]
-    pub fn load(&mut self, cluster: &ClusterView) {
-        let tables = cluster.corner_tables();
-        self.0 = each3!(K => *tables[K]);
+    pub fn new(cluster: &ClusterView<'a>) -> Self {
+        Self(cluster.corner_tables())
     }
 
     /// Of 64 triangles that stand one after another, `first` a multiple of 64.
@@ -48,6 +41,6 @@ impl CornerTable {
     /// Of any 16 triangles.
     #[inline(always)]
     pub fn look_up<S: Simd>(&self, simd: S, triangles: &[u8; LANES]) -> CornerNumbers {
-        each3!(K => lookup_bytes(simd, &self.0[K], triangles))
+        each3!(K => lookup_bytes(simd, self.0[K], triangles))
     }
 }

@@ -38,8 +38,6 @@ use super::visibility;
 pub struct ClusterPass {
     /// The cluster's vertices on the screen.
     pub vertices: LocalVertices,
-    /// The corners of the cluster's triangles.
-    pub corners: CornerTable,
     sieve: Sieve,
     covered: Covered,
     /// What the cluster shows, for whoever shades it.
@@ -61,9 +59,9 @@ impl ClusterPass {
         let object = &context.objects[instance];
         let first_slot = binned.number * MAX_TRIANGLES as u32;
         let rect = tile.rect();
-        let Self { vertices, corners, sieve, covered, winners } = self;
+        let Self { vertices, sieve, covered, winners } = self;
+        let corners = &CornerTable::new(&cluster);
         vertices.project(simd, object, &cluster);
-        corners.load(&cluster);
         let keep = Keep { rect, cull: context.settings.cull, mirrored: object.mirrored };
         sieve.sort(simd, vertices, corners, cluster.triangles(), &keep);
         winners.clear();

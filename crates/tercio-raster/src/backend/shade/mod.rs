@@ -20,6 +20,7 @@ use super::table::ClusterTable;
 use crate::backend::tally::Tally;
 use crate::context::{FrameContext, NO_SLOT};
 use crate::frame::{Outputs, Planes};
+use crate::projection::CornerTable;
 use crate::simd::LANES;
 use crate::stats::BackEndCounts;
 use features::{Common, Look};
@@ -253,12 +254,13 @@ impl Won<'_> {
     ) {
         let WinnerScratch { table, fragments } = scratch;
         let Instance { mesh, surface, .. } = &self.context.scene.instances[self.instance];
+        let corner_table = CornerTable::new(&self.cluster);
         let count = pass.winners.len();
         for first in (0..count).step_by(LANES) {
             let (places, triangles) = pass.winners.sixteen(first);
             fragments.count = (count - first).min(LANES);
             fragments.place = *places;
-            let (numbers, mut corners) = table.look_up(simd, &pass.vertices, &pass.corners, triangles);
+            let (numbers, mut corners) = table.look_up(simd, &pass.vertices, &corner_table, triangles);
             if features.position() {
                 table.look_up_positions(simd, &numbers, &mut corners);
             }
