@@ -1,12 +1,12 @@
-//! Time and quality of the partition, beside those of meshoptimizer (64 vertices, 124 triangles, weight 0.5).
+//! Time and quality of the partition, compared with those of meshoptimizer (64 vertices, 124 triangles, weight 0.5).
 //!
 //! `cargo run --release -p tercio-mesh --example partition_quality -- [MODEL.ply] [SUBDIVISIONS] [shuffle]`
 //!
-//! Reads an ASCII PLY of triangles, or makes a bumpy sphere; splits each triangle into four SUBDIVISIONS
-//! times; `shuffle` deals the triangles out in random order. Prints, a line each:
-//! clusters, triangles and vertices a cluster, the clusters' box surface over the surface of the mesh, the mean
-//! angle of the cones, the share of triangles that survive the cone test from 36 eyes round the model,
-//! vertex and triangle vectors of 16 that those survivors need per 1000 triangles, and the best time of five.
+//! Reads an ASCII PLY of triangles, or makes a bumpy sphere; splits each triangle into four SUBDIVISIONS times;
+//! `shuffle` puts the triangles into random order. Prints, one line each: number of clusters, triangles and vertices
+//! per cluster, surface area of the clusters' boxes over that of the mesh, mean angle of the cones, share of
+//! triangles that survive the cone test from 36 eyes around the model, vectors of 16 vertices or triangles that those
+//! survivors need per 1000 triangles, and the best time of five.
 
 use std::collections::HashMap;
 use std::time::Instant;
@@ -54,7 +54,7 @@ fn main() -> Result<(), Anything> {
     Ok(())
 }
 
-/// What is measured of a cluster.
+/// Measured properties of a cluster.
 struct Piece {
     vertices: usize,
     triangles: usize,
@@ -128,7 +128,7 @@ fn report(name: &str, pieces: &[Piece], eyes: &[Vec3], seconds: f64) {
     );
 }
 
-/// 36 eyes on a circle round the model.
+/// 36 eyes on a circle around the model.
 fn eyes(mesh: &Mesh) -> Vec<Vec3> {
     let bounds = mesh.bounds();
     let (center, size) = ((bounds.center() - mesh.origin).as_vec3(), bounds.size().max_element() as f32);

@@ -1,6 +1,6 @@
-//! Times the way of a model from its file to clusters: `time_stages FILE [THREADS]`, the best of five runs.
+//! Times the stages from a model file to clusters: `time_stages FILE [THREADS]`, the best of five runs.
 //!
-//! With one thread the time is that for which the processor worked, so that a busy machine does not spoil it.
+//! With one thread the time is processor time, so that other load on the machine does not affect it.
 
 use std::time::Instant;
 
@@ -31,7 +31,7 @@ fn main() -> Result<(), Anything> {
     println!("{file}: {triangles} triangles, {threads} threads");
     for (stage, seconds) in best {
         println!(
-            "{stage:10} {:8.1} ms {:6.1} ns a triangle",
+            "{stage:10} {:8.1} ms {:6.1} ns per triangle",
             seconds * 1e3,
             seconds * 1e9 / triangles as f64
         );
@@ -76,7 +76,7 @@ fn wall_seconds() -> f64 {
     START.get_or_init(Instant::now).elapsed().as_secs_f64()
 }
 
-/// Seconds for which the processor worked for this thread; wall time where the system does not tell.
+/// Processor time of this thread in seconds; wall time where the system does not report it.
 fn processor_seconds() -> f64 {
     let text = std::fs::read_to_string("/proc/thread-self/schedstat").unwrap_or_default();
     let nanoseconds = text.split(' ').next().and_then(|t| t.parse::<f64>().ok());

@@ -4,7 +4,7 @@
 //!
 //! Reads MODEL (a file, or `builtin:NAME@COUNT`), splits each triangle into four SUBDIVISIONS times, and writes
 //! STEM.ply (binary, little-endian), STEM.ascii.ply, STEM.obj and STEM.stl (binary): positions and triangles only.
-//! Texts hold as many digits as are needed to read the same `f32` back.
+//! Text files hold as many digits as are needed to read the same `f32` back.
 
 use std::fs::File;
 use std::io::{BufWriter, Write};
@@ -85,7 +85,7 @@ fn stl(mesh: &Mesh, out: &mut impl Write) -> std::io::Result<()> {
     let triangles = u32::try_from(mesh.triangles.len()).expect("triangles are numbered in 32 bits");
     out.write_all(&triangles.to_le_bytes())?;
     for t in &mesh.triangles {
-        // A normal of zero asks the reader to find it by itself.
+        // A zero normal means that the reader computes it.
         out.write_all(&[0; 12])?;
         for v in t {
             out.write_all(&bytes(mesh.positions[*v as usize].map(f32::to_le_bytes)))?;

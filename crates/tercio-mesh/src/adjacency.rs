@@ -4,18 +4,17 @@ use std::sync::atomic::{AtomicU32, AtomicU64, Ordering::Relaxed};
 
 use rayon::prelude::*;
 
-/// For each vertex the triangles that use it, in the order of their numbers.
+/// For each vertex the triangles that use it, in ascending order.
 pub(crate) struct Adjacency {
-    /// Where a vertex's stretch of `triangles` ends; it begins where its predecessor's ends.
+    /// End of a vertex's range in `triangles`; the range begins where its predecessor's ends.
     ends: Vec<u64>,
     triangles: Vec<u32>,
 }
 
 impl Adjacency {
-    /// Counting sort of the triangles' corners by vertex. `vertex_of` says which of the `vertices` an index
-    /// stands for.
+    /// Counting sort of the triangles' corners by vertex. `vertex_of` maps an index to one of the `vertices`.
     ///
-    /// A triangle that uses a vertex twice stands there twice.
+    /// A triangle that uses a vertex twice is listed there twice.
     pub(crate) fn new(
         triangles: &[[u32; 3]],
         vertices: usize,
@@ -29,7 +28,7 @@ impl Adjacency {
             }
         });
 
-        // From counts to beginnings.
+        // From counts to offsets (exclusive prefix sum).
         let sums: Vec<u64> = cursors
             .par_chunks(CHUNK)
             .map(|chunk| chunk.iter().map(|c| c.load(Relaxed)).sum::<u64>())
@@ -44,7 +43,8 @@ impl Adjacency {
             }
         });
 
-        // Threads meet at a vertex in any order; sorting its few triangles afterwards undoes that.
+        // Threads write a vertex's triangles in any order; sorting the few triangles of each vertex afterwards makes
+        // the order deterministic.
         let places: Vec<AtomicU32> =
             (0..triangles.len() * 3).into_par_iter().map(|_| AtomicU32::new(0)).collect();
         triangles.par_chunks(CHUNK).enumerate().for_each(|(n, chunk)| {
@@ -58,7 +58,7 @@ impl Adjacency {
         let ends: Vec<u64> = cursors.into_iter().map(AtomicU64::into_inner).collect();
         let mut list: Vec<u32> = places.into_iter().map(AtomicU32::into_inner).collect();
 
-        // Cut the list where vertices end, so that each task owns its stretch.
+        // Split the list at the ends of vertices' ranges, so that each task owns its part.
         let mut pieces = Vec::new();
         let mut rest = list.as_mut_slice();
         let mut begin = 0;
@@ -93,7 +93,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn triangles_stand_at_their_corners_in_order() {
+    fn triangles_are_listed_at_their_corners_in_order() {
         let triangles: Vec<[u32; 3]> = (0..200_000u32).map(|i| [i % 1000, 1000 + i % 7, 2000]).collect();
         let a = Adjacency::new(&triangles, 2002, |v| v);
         for v in 0..2002u32 {

@@ -12,7 +12,7 @@ pub struct Aabb {
 }
 
 impl Aabb {
-    /// The box that holds nothing.
+    /// The empty box.
     pub const EMPTY: Self = Self { min: DVec3::INFINITY, max: DVec3::NEG_INFINITY };
 
     /// True if no point was ever added.
@@ -41,7 +41,7 @@ impl Aabb {
         if self.is_empty() { DVec3::ZERO } else { self.max - self.min }
     }
 
-    /// Half the diagonal: the radius of the sphere round the box.
+    /// Half the diagonal: the radius of the circumscribed sphere.
     pub fn radius(&self) -> f64 {
         self.size().length() * 0.5
     }

@@ -1,8 +1,8 @@
-//! What can go wrong while a model is read.
+//! Errors of reading a model.
 
 use std::fmt;
 
-/// Where in a file something stood.
+/// Where in a file an error is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Place {
     /// Line number, the first line is 1.
@@ -35,19 +35,19 @@ pub enum ReadError {
         /// The system's reason.
         source: std::io::Error,
     },
-    /// Something else stood where the format asks for `expected`.
+    /// Something other than what the format requires was found.
     #[error("{file}: {place}expected {expected}, found {found}")]
     Malformed {
         /// File name as the user gave it.
         file: String,
         /// Where.
         place: Place,
-        /// What the format asks for.
+        /// What the format requires.
         expected: String,
-        /// What stood there.
+        /// What was found.
         found: String,
     },
-    /// The content is of no format that is read.
+    /// The content is of no supported format.
     #[error(
         "{file}: not a model that tercio reads (PLY, OBJ, STL, OFF, each also gzip-compressed); it begins with {begins}"
     )]
@@ -57,7 +57,7 @@ pub enum ReadError {
         /// The first bytes, made printable.
         begins: String,
     },
-    /// The content is of a format that is known and not read.
+    /// The content is of a known but unsupported format.
     #[error(
         "{file}: this is {what}, which tercio does not read (it reads PLY, OBJ, STL, OFF, each also gzip-compressed)"
     )]
@@ -67,7 +67,7 @@ pub enum ReadError {
         /// The format.
         what: String,
     },
-    /// There is no content.
+    /// The file has no content.
     #[error("{file}: the file is empty{what}")]
     Empty {
         /// File name as the user gave it.
@@ -75,7 +75,7 @@ pub enum ReadError {
         /// More about it, or nothing.
         what: &'static str,
     },
-    /// There is content, but none that means anything.
+    /// There is content, but no geometry.
     #[error("{file}: holds nothing but {but}")]
     HoldsNothing {
         /// File name as the user gave it.
@@ -83,15 +83,15 @@ pub enum ReadError {
         /// What it does hold.
         but: &'static str,
     },
-    /// Compressed data that cannot be decompressed to their end.
+    /// Compressed data that cannot be decompressed completely.
     #[error("{file}: {what}")]
     Compressed {
         /// File name as the user gave it.
         file: String,
-        /// What is wrong with them.
+        /// What is wrong with the data.
         what: String,
     },
-    /// The file is right but holds something that is not drawn.
+    /// The file is valid but holds something that is not supported.
     #[error("{file}: {place}{what} is not supported")]
     Unsupported {
         /// File name as the user gave it.
@@ -101,14 +101,14 @@ pub enum ReadError {
         /// What it is.
         what: String,
     },
-    /// Reading would take more memory than allowed.
+    /// Reading would take more memory than is allowed.
     #[error("{file}: needs {needed} bytes for {what}, the limit is {limit} bytes (--memory-limit)")]
     MemoryLimit {
         /// File name as the user gave it.
         file: String,
         /// What the memory is for.
         what: String,
-        /// Bytes in all, with what is already held.
+        /// Bytes in total, including what is already held.
         needed: u64,
         /// Bytes allowed.
         limit: u64,
@@ -126,15 +126,15 @@ pub enum ReadError {
 }
 
 impl ReadError {
-    /// The error of a reader that began so many lines and bytes behind the front of the file.
+    /// The error of a reader that began this many lines and bytes after the start of the file.
     #[must_use]
-    pub(crate) fn behind(self, lines: u64, bytes: u64) -> Self {
+    pub(crate) fn shifted(self, lines: u64, bytes: u64) -> Self {
         match self {
             Self::Malformed { file, place, expected, found } => {
-                Self::Malformed { file, place: place.behind(lines, bytes), expected, found }
+                Self::Malformed { file, place: place.shifted(lines, bytes), expected, found }
             }
             Self::Unsupported { file, place, what } => {
-                Self::Unsupported { file, place: place.behind(lines, bytes), what }
+                Self::Unsupported { file, place: place.shifted(lines, bytes), what }
             }
             other => other,
         }
@@ -142,7 +142,7 @@ impl ReadError {
 }
 
 impl Place {
-    fn behind(self, lines: u64, bytes: u64) -> Self {
+    fn shifted(self, lines: u64, bytes: u64) -> Self {
         match self {
             Self::Line(n) => Self::Line(n + lines),
             Self::Byte(n) => Self::Byte(n + bytes),
@@ -161,7 +161,7 @@ pub fn printable(bytes: &[u8]) -> String {
     format!("\"{}{dots}\"", shown.escape_ascii())
 }
 
-/// Names the indices that there are, for errors; `range` tells of them where there are any.
+/// Names the valid indices, for errors; `range` describes them if there are any.
 pub(crate) fn expected_index(what: &str, plural: &str, count: u64, range: impl FnOnce() -> String) -> String {
     match count {
         0 => format!("no {what} indices (the file has no {plural})"),
@@ -174,7 +174,7 @@ pub(crate) fn expected_vertex(vertices: u64) -> String {
     expected_index("vertex", "vertices", vertices, || format!("a vertex number from 0 to {}", vertices - 1))
 }
 
-/// What is said of faces without corners.
+/// The warning about faces without corners.
 pub(crate) fn ignored_empty_faces(n: u64) -> String {
     format!("ignored {} that {} no corners", counted(n, "face"), if n == 1 { "has" } else { "have" })
 }

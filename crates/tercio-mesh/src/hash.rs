@@ -1,8 +1,8 @@
 //! Keyed hashes, against crafted collisions.
 //!
-//! A table with a fixed hash can be filled with keys that all fall into one place, and then takes a time that grows with
-//! the square of their number. These depend on a key drawn at random once a run. No result may depend on it: tables are
-//! asked for equals, never walked through in their order.
+//! A table with a fixed hash can be filled with keys that all fall into one bucket, and then takes time quadratic in
+//! their number. These hashes depend on a random key, drawn once per run. No result may depend on it: tables are only
+//! queried for equal keys, never iterated over.
 
 use std::hash::{BuildHasher as _, Hasher as _, RandomState};
 use std::sync::OnceLock;
@@ -15,7 +15,7 @@ impl Key {
     /// The key of this run.
     pub(crate) fn of_this_run() -> Self {
         static KEY: OnceLock<Key> = OnceLock::new();
-        // The standard library's hasher begins with numbers drawn at random.
+        // The standard library's hasher has a random seed.
         let random = || RandomState::new().build_hasher().finish();
         *KEY.get_or_init(|| Key([random(), random(), random() | 1]))
     }
@@ -42,7 +42,7 @@ impl Key {
     }
 }
 
-/// Both halves of the product, one over the other: each bit depends on all bits of both factors.
+/// Both halves of the product, combined by exclusive or: each bit depends on all bits of both factors.
 #[inline]
 fn fold(a: u64, b: u64) -> u64 {
     let product = u128::from(a) * u128::from(b);
@@ -54,7 +54,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn neighbours_and_crafted_words_part() {
+    fn consecutive_and_crafted_words_do_not_collide() {
         for seed in [1, 2, 0x1234_5678_9abc_def0] {
             let key = Key::fixed(seed);
             let spread = |words: &mut dyn Iterator<Item = [u32; 3]>| {
@@ -70,13 +70,13 @@ mod tests {
             };
             let float = |i: u32| (i as f32).to_bits();
             let lattice = &mut (0..1u32 << 15).map(|i| [float(i % 32), float(i / 32 % 32), float(i / 1024)]);
-            // Equal for the hash of before: x and y make up for what a multiple of z changes.
+            // These collided in an earlier hash: x and y compensate for what a multiple of z changes.
             let crafted = &mut (0..1u32 << 15).map(|z| {
                 let xy = u64::from(z).wrapping_mul(0xa24b_aed4_963e_e407);
                 [xy as u32, (xy >> 32) as u32, z]
             });
             for (n, low, high) in [spread(lattice), spread(crafted)] {
-                // At random, 2^15 balls in 2^16 urns hit 39 % of them.
+                // Random hashes: 2^15 balls in 2^16 bins hit 39 % of them.
                 assert!(low > n * 7 / 10 && high > n * 7 / 10, "{n} words: {low} low ends, {high} high ends");
             }
         }

@@ -1,13 +1,13 @@
-//! Polygon meshes: what stands in the file, made ready to be drawn.
+//! Polygon meshes: from a model file to a mesh that is ready to be drawn.
 //!
-//! The data walks through the modules in this order:
-//! [`io`] reads a file into a [`Mesh`] (polygons become triangles in [`polygon`]), [`clean`] drops what
-//! cannot be drawn, [`weld`] joins the corners of triangle soups, [`normals`] makes the normals that the
-//! file does not hold, [`blocks`] bring neighbouring triangles together, and [`cluster`] cuts the mesh into the small pieces that the renderer culls and
-//! transforms. [`topology`] answers questions about a mesh, [`builtin`] makes models without a file.
+//! The data passes through the modules in this order: [`io`] reads a file into a [`Mesh`] (polygons become triangles
+//! in [`polygon`]), [`clean`] drops what cannot be drawn, [`weld`] joins the corners of triangle soups, [`normals`]
+//! makes missing normals, [`blocks`] bring neighbouring triangles together, and [`cluster`] splits the mesh into the
+//! small pieces that the renderer culls and transforms. [`topology`] analyses a mesh, [`builtin`] makes models
+//! without a file.
 //!
-//! Positions are in object space: `world = origin + position`, with the origin in `f64`, so that a model
-//! far from zero keeps its detail in `f32`.
+//! Positions are in object space: `world = origin + position`, with the origin in `f64`, so that a model far from
+//! zero keeps its detail in `f32`.
 //!
 //! # Example
 //!

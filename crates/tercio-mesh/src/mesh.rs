@@ -6,49 +6,49 @@ use serde::{Deserialize, Serialize};
 
 use crate::{Aabb, OctNormal};
 
-/// The largest number of vertices or triangles: both are numbered in 32 bits, and the last number is kept
-/// free to mean "none".
+/// The largest number of vertices or triangles: both are numbered in 32 bits, and the last number is reserved for
+/// "none".
 pub const MAX_ELEMENTS: u64 = u32::MAX as u64 - 1;
 
 /// An indexed triangle mesh in object space.
 ///
-/// A triangle's number is its place in [`Mesh::triangles`]; it decides visibility among equal depths and
-/// must not depend on how the mesh is later cut into clusters.
+/// A triangle's number is its index in [`Mesh::triangles`]; it decides visibility among equal depths and must not
+/// depend on how the mesh is later split into clusters.
 #[derive(Clone, Debug, Default)]
 pub struct Mesh {
     /// Position in object space of the point that [`Mesh::positions`] are relative to.
     pub origin: DVec3,
-    /// log2 of the length of a unit of [`Mesh::positions`]: 0 but for models so large or so small that their `f32`
-    /// coordinates leave no room to calculate with; see [`Mesh::bring_into_range`].
+    /// log2 of the length of a unit of [`Mesh::positions`]: 0 except for models so large or so small that
+    /// calculations with their `f32` coordinates would overflow or underflow; see [`Mesh::bring_into_range`].
     pub exponent: i32,
     /// Vertex positions relative to `origin`, in units of 2^`exponent`. All finite.
     pub positions: Vec<[f32; 3]>,
-    /// Three vertex numbers a triangle, counter-clockwise seen from outside.
+    /// Three vertex numbers per triangle, counter-clockwise seen from outside.
     pub triangles: Vec<[u32; 3]>,
-    /// Unit normals, one a vertex.
+    /// Unit normals, one per vertex.
     pub normals: Option<Vec<OctNormal>>,
-    /// sRGB colour and linear alpha, one a vertex.
+    /// sRGB colour and linear alpha, one per vertex.
     pub vertex_colors: Option<Vec<[u8; 4]>>,
-    /// sRGB colour and linear alpha, one a triangle. Wins over vertex colours.
+    /// sRGB colour and linear alpha, one per triangle. Takes precedence over vertex colours.
     pub face_colors: Option<Vec<[u8; 4]>>,
-    /// Texture coordinates, one pair a vertex, v upwards.
+    /// Texture coordinates, one pair per vertex, v upwards.
     pub texcoords: Option<Vec<[f32; 2]>>,
-    /// Every other scalar that stood in the file.
+    /// All other scalars of the file.
     pub attributes: Vec<Attribute>,
     /// Materials that the file names.
     pub materials: Vec<FileMaterial>,
-    /// Index into `materials`, one a triangle; [`Mesh::NO_MATERIAL`] where there is none.
+    /// Index into `materials`, one per triangle; [`Mesh::NO_MATERIAL`] where there is none.
     pub triangle_materials: Option<Vec<u32>>,
     /// Number of the input face (polygon) that a triangle came from; `None` where face i is triangle i.
     pub face_of_triangle: Option<Vec<u32>>,
 }
 
-/// Whom an attribute's values belong to.
+/// Whether an attribute's values belong to vertices or to triangles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum AttributeDomain {
-    /// One value a vertex.
+    /// One value per vertex.
     Vertex,
-    /// One value a triangle.
+    /// One value per triangle.
     Triangle,
 }
 
@@ -57,9 +57,9 @@ pub enum AttributeDomain {
 pub struct Attribute {
     /// The name in the file.
     pub name: String,
-    /// Whom the values belong to.
+    /// Whether the values belong to vertices or to triangles.
     pub domain: AttributeDomain,
-    /// One value each; integers above 2^24 are rounded to `f32`.
+    /// One value per element; integers above 2^24 are rounded to `f32`.
     pub values: Vec<f32>,
 }
 
@@ -68,18 +68,18 @@ pub struct Attribute {
 pub struct FileMaterial {
     /// The name in the file.
     pub name: String,
-    /// Diffuse colour as it stands in the file, taken as sRGB, 0 to 1.
+    /// Diffuse colour as in the file, taken as sRGB, 0 to 1.
     pub diffuse: [f32; 3],
     /// Opacity, 0 to 1.
     pub opacity: f32,
-    /// File name of the diffuse texture, as it stands in the file.
+    /// File name of the diffuse texture, as in the file.
     pub diffuse_texture: Option<String>,
-    /// File names of all other textures (bumps, highlights, opacity and so on), as they stand in the file.
+    /// File names of all other textures (bumps, highlights, opacity and so on), as in the file.
     pub other_textures: Vec<String>,
 }
 
 impl Mesh {
-    /// The entry of `triangle_materials` for a triangle without material.
+    /// The entry of `triangle_materials` for a triangle without a material.
     pub const NO_MATERIAL: u32 = u32::MAX;
 
     /// Length of a unit of [`Mesh::positions`].
@@ -87,12 +87,13 @@ impl Mesh {
         power_of_two(self.exponent)
     }
 
-    /// Chooses another unit for the positions if `largest`, the largest absolute value of a coordinate of a triangle, is
-    /// 2^40 or more, or less than 2^-40: then it becomes at least 1 and less than 2. Exact, because a unit is a power of
-    /// two, but for coordinates that are smaller than the largest by more than `f32` holds, which become 0. Vertices that no
-    /// triangle uses stay finite.
+    /// Chooses another unit for the positions if `largest`, the largest absolute value of a coordinate of a triangle,
+    /// is 2^40 or more, or less than 2^-40: then it becomes at least 1 and less than 2. Exact, because a unit is a
+    /// power of two, except for coordinates so much smaller than the largest that they underflow, which become 0.
+    /// Vertices that no triangle uses stay finite.
     ///
-    /// Squares, products with the size of a picture and sums of coordinates then stay inside `f32`.
+    /// Then squares, products with the size of a picture and sums of coordinates neither overflow nor underflow
+    /// `f32`.
     pub fn bring_into_range(&mut self, largest: f32) {
         if SAFE_MAGNITUDES.contains(&largest) || !(largest > 0.0 && largest.is_finite()) {
             return;
@@ -121,10 +122,10 @@ impl Mesh {
         Aabb { min: world(min), max: world(max) }
     }
 
-    /// The triangle turned so that its lowest vertex number comes first.
+    /// The triangle rotated so that its lowest vertex number comes first.
     ///
-    /// Depth and attributes are interpolated from the first corner; turning every triangle the same way
-    /// makes the picture independent of the corner at which the file happens to begin.
+    /// Depth and attributes are interpolated from the first corner; rotating every triangle the same way makes the
+    /// picture independent of the corner at which the file happens to begin.
     #[inline]
     pub fn canonical([a, b, c]: [u32; 3]) -> [u32; 3] {
         if a <= b && a <= c {
@@ -137,10 +138,10 @@ impl Mesh {
     }
 }
 
-/// Sizes of the largest coordinate with which `f32` calculates without overflow or underflow.
+/// Absolute values of the largest coordinate for which calculations in `f32` neither overflow nor underflow.
 pub(crate) const SAFE_MAGNITUDES: std::ops::Range<f32> = (1.0 / (1u64 << 40) as f32)..(1u64 << 40) as f32;
 
-/// Exponents of `f64` are stored with this added, above 52 bits of the fraction.
+/// Bias of the exponent of `f64`, which is stored above the 52 bits of the fraction.
 const EXPONENT_BIAS: i32 = 1023;
 
 /// 2^`exponent`, exact, for exponents from -1022 to 1023.
@@ -148,14 +149,14 @@ pub fn power_of_two(exponent: i32) -> f64 {
     f64::from_bits(((exponent + EXPONENT_BIAS) as u64) << 52)
 }
 
-/// log2 of the largest power of two that is not above the absolute value of a normal number.
+/// log2 of the largest power of two that is at most the absolute value of a normal number.
 pub fn exponent_of(number: f64) -> i32 {
     ((number.to_bits() >> 52) & 0x7ff) as i32 - EXPONENT_BIAS
 }
 
-/// The least and the largest coordinates; NaN is left out.
+/// The least and the largest coordinates; NaN is ignored.
 fn ranges(points: &[[f32; 3]]) -> ([f32; 3], [f32; 3]) {
-    // Four points at a time, so that the compiler finds vectors of whole coordinates.
+    // Four points at a time, so that the compiler can vectorize over whole points.
     let (mut min, mut max) = ([[f32::INFINITY; 3]; 4], [[f32::NEG_INFINITY; 3]; 4]);
     let (whole, rest) = points.as_chunks::<4>();
     for points in whole {
@@ -169,23 +170,23 @@ fn ranges(points: &[[f32; 3]]) -> ([f32; 3], [f32; 3]) {
     (min.into_iter().fold(min[0], lower), max.into_iter().fold(max[0], upper))
 }
 
-/// The lower one of each two coordinates; the first where the second is NaN.
+/// The lower of each pair of coordinates; the first where the second is NaN.
 #[inline]
 fn lower([a, b, c]: [f32; 3], [x, y, z]: [f32; 3]) -> [f32; 3] {
     [if x < a { x } else { a }, if y < b { y } else { b }, if z < c { z } else { c }]
 }
 
-/// The upper one of each two coordinates; the first where the second is NaN.
+/// The upper of each pair of coordinates; the first where the second is NaN.
 #[inline]
 fn upper([a, b, c]: [f32; 3], [x, y, z]: [f32; 3]) -> [f32; 3] {
     [if x > a { x } else { a }, if y > b { y } else { b }, if z > c { z } else { c }]
 }
 
-/// The origin that keeps a model's detail when its positions become `f32`: zero where `f32` is fine enough
-/// anyway, else the middle of the model.
+/// The origin that keeps a model's detail when its positions become `f32`: zero where `f32` is precise enough, else
+/// the centre of the model.
 ///
-/// `bounds` are in file coordinates. A model whose coordinates are at most four times its own size loses at
-/// most two bits at zero, so it stays where it is and its positions stand in memory as in the file.
+/// `bounds` are in file coordinates. A model whose coordinates are at most four times its own size loses at most two
+/// bits with origin zero, so it gets that, and its positions in memory are those of the file.
 pub fn choose_origin(bounds: &Aabb) -> DVec3 {
     let farthest = bounds.min.abs().max(bounds.max.abs()).max_element();
     if bounds.is_empty() || farthest <= 4.0 * bounds.size().max_element() {
@@ -195,8 +196,8 @@ pub fn choose_origin(bounds: &Aabb) -> DVec3 {
     }
 }
 
-/// Positions relative to the origin of [`choose_origin`], from file coordinates. Non-finite positions are
-/// left out of the choice and stay non-finite.
+/// Positions relative to the origin of [`choose_origin`], from file coordinates. Non-finite positions do not affect
+/// the choice and stay non-finite.
 pub fn localize(points: &[[f64; 3]]) -> (DVec3, Vec<[f32; 3]>) {
     let bounds = points
         .par_chunks(1 << 16)

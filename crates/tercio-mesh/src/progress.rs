@@ -1,9 +1,9 @@
-//! How far long work has come, told without slowing it down.
+//! Progress of long work, reported without slowing it down.
 
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
-/// Shared between the work, which writes, and whoever shows it, who reads now and then.
+/// Shared between the work, which writes it, and the code that displays it, which reads it now and then.
 #[derive(Debug, Default)]
 pub struct Progress {
     stage: Mutex<&'static str>,
@@ -12,7 +12,7 @@ pub struct Progress {
 }
 
 impl Progress {
-    /// Begins a stage of `total` units; 0 where the end is not known.
+    /// Begins a stage of `total` units; 0 if the total is unknown.
     pub fn begin(&self, stage: &'static str, total: u64) {
         if let Ok(mut s) = self.stage.lock() {
             *s = stage;
@@ -26,7 +26,7 @@ impl Progress {
         self.done.fetch_add(units, Relaxed);
     }
 
-    /// Stage name, units done, units in all.
+    /// Stage name, units done, units in total.
     pub fn state(&self) -> (&'static str, u64, u64) {
         let stage = self.stage.lock().map_or("", |s| *s);
         (stage, self.done.load(Relaxed), self.total.load(Relaxed))

@@ -4,10 +4,10 @@ use std::collections::HashMap;
 
 use crate::{Mesh, OctNormal};
 
-/// Every triangle in four, at the middles of its edges; the shape stays as it is. Positions, normals, triangle
-/// colours and materials are kept, everything else is left out.
+/// Splits every triangle into four, at the midpoints of its edges; the shape is unchanged. Positions, normals,
+/// triangle colours and materials are kept, everything else is dropped.
 ///
-/// Triangle t becomes triangles 4t to 4t + 3; the edges' middles stand behind the old vertices.
+/// Triangle t becomes triangles 4t to 4t + 3; the midpoints of the edges come after the old vertices.
 ///
 /// # Panics
 /// If the result has more vertices than can be numbered.

@@ -9,15 +9,15 @@ use crate::Mesh;
 use crate::adjacency::Adjacency;
 use crate::weld::position_representatives;
 
-/// How the triangles of a mesh hang together. Vertices count by position, so that a seam in the texture
-/// coordinates is no border. Triangles with two corners at one position are left out.
+/// The connectivity of a mesh. Vertices are identified by position, so that a seam in the texture coordinates is not
+/// a boundary. Triangles with two corners at one position are ignored.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct Topology {
-    /// Every edge is met by an even number of triangles, and there are triangles.
+    /// An even number of triangles meets at every edge, and there are triangles.
     pub closed: bool,
-    /// At every edge as many triangles run one way as the other; where an odd number meets, all but one.
-    /// A mesh that is closed and consistently wound separates an inside from an outside.
+    /// At every edge as many triangles run one way as the other; if their number is odd, all but one. A mesh that is
+    /// closed and consistently wound separates an inside from an outside.
     pub consistently_wound: bool,
     /// Edges of one triangle only.
     pub boundary_edges: u64,
@@ -25,13 +25,13 @@ pub struct Topology {
     pub non_manifold_edges: u64,
     /// Edges of two triangles that run along it in the same direction.
     pub flipped_edges: u64,
-    /// Edges in all.
+    /// All edges.
     pub edges: u64,
     /// Positions that triangles use.
     pub vertices: u64,
     /// Triangles with three different corner positions.
     pub triangles: u64,
-    /// Parts of the mesh that do not even touch at a vertex.
+    /// Parts of the mesh that have no vertex in common.
     pub components: u64,
 }
 
@@ -42,7 +42,7 @@ impl Topology {
     }
 }
 
-/// Looks at all edges of the mesh.
+/// Analyses all edges of the mesh.
 ///
 /// # Panics
 ///
@@ -74,7 +74,7 @@ pub fn analyze(mesh: &Mesh) -> Topology {
             parts.join(b, c);
         })
         .count() as u64;
-    // A part's root is one of its positions; positions without triangles are roots too, of no part.
+    // A component's root is one of its positions; positions without triangles are roots too, but not components.
     let roots = (0..mesh.positions.len() as u32)
         .into_par_iter()
         .filter(|&v| same[v as usize] == v && parts.find(v) == v);
@@ -153,8 +153,8 @@ impl Tally {
     }
 }
 
-/// Union-find that several threads may use at once: links only ever point to lower numbers, so the roots
-/// that come out do not depend on the order of the joins.
+/// Union-find that several threads may use at once: links only ever point to lower numbers, so the resulting roots do
+/// not depend on the order of the joins.
 struct Parts(Vec<AtomicU32>);
 
 impl Parts {
@@ -209,7 +209,7 @@ mod tests {
         assert!(found.closed && found.consistently_wound);
         assert_eq!((found.edges, found.vertices, found.components), (6, 4, 1));
         assert_eq!(found.euler_characteristic(), 2);
-        // The same as a soup, with an unused vertex and a triangle that is none.
+        // The same as a soup, with an unused vertex and a degenerate triangle.
         let mut soup: Vec<_> = t.iter().flatten().map(|&v| p[v as usize]).collect();
         soup.push([7.0; 3]);
         assert_eq!(analyze(&mesh(&soup, &[[0, 1, 2], [3, 4, 5], [6, 7, 8], [9, 10, 11], [0, 3, 1]])), found);

@@ -1,8 +1,8 @@
 //! Trigonometry with the same bits on every platform.
 //!
-//! `f64::sin` and its kin come from the platform's mathematical library and differ in the last bit from one
-//! to the next, which would make a picture depend on the machine. These use only `+ - * /` and `sqrt`, which
-//! IEEE 754 fixes. The absolute error is below 1e-15 for angles up to a few thousand turns.
+//! `f64::sin` and similar functions come from the platform's mathematical library and differ in the last bit from one
+//! to the next, which would make a picture depend on the machine. These use only `+ - * /` and `sqrt`, which IEEE 754
+//! defines exactly. The absolute error is below 1e-15 for angles up to a few thousand turns.
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
@@ -98,7 +98,7 @@ fn atan_unit(t: f64) -> f64 {
         }
         c
     };
-    // Towards zero by the sum theorem, then by halving the angle, until the series is short.
+    // Reduce the argument by the addition theorem, then by halving the angle, until the series is short.
     let (base, u) = if t > 0.414_213_562_373_095_1 { (FRAC_PI_4, (t - 1.0) / (t + 1.0)) } else { (0.0, t) };
     let w = u / (1.0 + (1.0 + u * u).sqrt());
     let w2 = w * w;

@@ -1,8 +1,8 @@
-//! Joins vertices that stand at the same place.
+//! Joins vertices at the same position.
 //!
-//! Vertices are dealt out by the hash of their content into shards small enough for the cache, each shard is
-//! searched for equals by one task, in the order of vertex numbers. So the result does not depend on the
-//! number of threads, nor on the key of the hash.
+//! Vertices are distributed by the hash of their content into shards small enough for the cache, and each shard is
+//! searched for equal ones by one task, in the order of vertex numbers. So the result depends neither on the number
+//! of threads nor on the key of the hash.
 
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
@@ -11,18 +11,18 @@ use rayon::prelude::*;
 use crate::hash::Key;
 use crate::{AttributeDomain, Mesh};
 
-/// Vertices that one task deals out at a time.
+/// Vertices that one task distributes at a time.
 const CHUNK: usize = 1 << 18;
-/// Vertices of a shard, on average.
+/// Vertices in a shard, on average.
 const SHARD: usize = 1 << 13;
-/// Vertices that are dealt out at once; more are taken in rounds, to bound the memory.
+/// Vertices that are distributed at once; more are processed in rounds, to bound the memory.
 const ROUND: usize = 1 << 24;
 
-/// Joins vertices whose positions have equal bits (-0 counts as 0) and whose other data (normal, colour,
-/// texture coordinates, vertex attributes) are equal too. Returns how many vertices went.
+/// Joins vertices whose positions have equal bits (-0 counts as 0) and whose other data (normal, colour, texture
+/// coordinates, vertex attributes) are equal too. Returns the number of removed vertices.
 ///
-/// The first of equal vertices stays, and the order of those that stay. Triangles keep their order and
-/// corners. Vertices that no triangle uses are joined like all others.
+/// The first of equal vertices is kept, and kept vertices kept in order. Triangles keep their order and corners.
+/// Vertices that no triangle uses are joined like all others.
 ///
 /// # Panics
 ///
@@ -39,20 +39,20 @@ pub fn weld(mesh: &mut Mesh) -> u64 {
         }
     };
 
-    // Numbers of the vertices that stay.
-    let stay: Vec<u32> = same
+    // Numbers of the vertices that are kept.
+    let kept: Vec<u32> = same
         .par_chunks(CHUNK)
         .enumerate()
         .map(|(n, chunk)| {
             chunk.iter().enumerate().filter(|&(k, &s)| s as usize == n * CHUNK + k).count() as u32
         })
         .collect();
-    let total: u32 = stay.iter().sum();
+    let total: u32 = kept.iter().sum();
     let gone = same.len() as u64 - u64::from(total);
     if gone == 0 {
         return 0;
     }
-    let firsts: Vec<u32> = stay.iter().scan(0, |sum, &n| Some(std::mem::replace(sum, *sum + n))).collect();
+    let firsts: Vec<u32> = kept.iter().scan(0, |sum, &n| Some(std::mem::replace(sum, *sum + n))).collect();
     let mut numbers = vec![0u32; same.len()];
     numbers.par_chunks_mut(CHUNK).zip(same.par_chunks(CHUNK)).zip(firsts).enumerate().for_each(
         |(n, ((numbers, same), mut next))| {
@@ -84,13 +84,12 @@ pub fn position_representatives(mesh: &Mesh) -> Vec<u32> {
     first_at_position(&mesh.positions)
 }
 
-/// For each position the place of the first equal one (-0 counts as 0).
+/// For each position the index of the first equal one (-0 counts as 0).
 pub(crate) fn first_at_position(positions: &[[f32; 3]]) -> Vec<u32> {
     first_equals(positions, Key::of_this_run(), |_| 0, |_, _| true)
 }
 
-/// True if no vertex number is used twice and none is unused: a heap of triangles that know nothing of each
-/// other, as STL files hold them.
+/// True if every vertex number is used exactly once: a list of unconnected triangles, as in STL files.
 pub fn is_soup(mesh: &Mesh) -> bool {
     let vertices = mesh.positions.len();
     if vertices != mesh.triangles.len() * 3 {
@@ -121,13 +120,13 @@ fn keep_firsts<T: Copy>(array: &mut Vec<T>, same: &[u32]) {
     array.shrink_to_fit();
 }
 
-/// The bits of a position, with one zero only.
+/// The bits of a position, with -0 stored as 0.
 #[inline]
 pub(crate) fn position_bits(p: [f32; 3]) -> [u32; 3] {
     p.map(|x| if x == 0.0 { 0 } else { x.to_bits() })
 }
 
-/// What vertices hold besides their position.
+/// The data of vertices besides their position.
 struct VertexData<'a> {
     normals: &'a [crate::OctNormal],
     colors: &'a [[u8; 4]],
@@ -180,16 +179,16 @@ impl<'a> VertexData<'a> {
     }
 }
 
-/// A vertex on its way into a shard, with all that most comparisons need.
+/// A vertex to be put into a shard, with all that most comparisons need.
 #[derive(Clone, Copy, Default)]
-struct Dealt {
+struct Entry {
     hash: u32,
     vertex: u32,
     position: [u32; 3],
 }
 
-/// For each vertex the lowest one with the same position and `equal` other data, whose hash `data_hash`
-/// gives.
+/// For each vertex the lowest one with the same position and, according to `equal`, the same other data; `data_hash`
+/// is a hash of that data.
 fn first_equals(
     positions: &[[f32; 3]],
     key: Key,
@@ -200,17 +199,17 @@ fn first_equals(
     let rounds = n.div_ceil(ROUND).clamp(1, 8);
     let shards = (n / rounds / SHARD).next_power_of_two();
     let hash = |v: usize| key.of_three(position_bits(positions[v])) ^ data_hash(v);
-    // The hash as a fraction picks the round and the shard; its low half is left for the table.
+    // The upper half of the hash, as a fraction, selects the round and the shard; its low half is left for the table.
     let bucket = |h: u64| (((h >> 32) * (rounds * shards) as u64) >> 32) as usize;
 
     let result: Vec<AtomicU32> = (0..n).into_par_iter().map(|_| AtomicU32::new(0)).collect();
     let starts: Vec<usize> = (0..n).step_by(CHUNK).collect();
     for round in 0..rounds {
         let first_bucket = round * shards;
-        let dealt: Vec<(Vec<Dealt>, Vec<u32>)> = starts
+        let distributed: Vec<(Vec<Entry>, Vec<u32>)> = starts
             .par_iter()
             .map(|&start| {
-                deal(
+                distribute(
                     start..n.min(start + CHUNK),
                     positions,
                     hash,
@@ -222,18 +221,18 @@ fn first_equals(
 
         (0..shards).into_par_iter().for_each_init(Vec::new, |table: &mut Vec<(u32, u32)>, shard| {
             let pieces = || {
-                dealt.iter().map(|(list, ends)| {
+                distributed.iter().map(|(list, ends)| {
                     let begin = if shard == 0 { 0 } else { ends[shard - 1] };
                     &list[begin as usize..ends[shard] as usize]
                 })
             };
-            // Half full at most: piece number and place in the piece, or a hole.
+            // At most half full; an entry is a piece number and an index in the piece, or a hole.
             const HOLE: (u32, u32) = (u32::MAX, 0);
             let count: usize = pieces().map(<[_]>::len).sum();
             let mask = (count * 2).next_power_of_two() - 1;
             table.clear();
             table.resize(mask + 1, HOLE);
-            let list: Vec<&[Dealt]> = pieces().collect();
+            let list: Vec<&[Entry]> = pieces().collect();
             for (p, piece) in list.iter().enumerate() {
                 for (i, d) in piece.iter().enumerate() {
                     let mut slot = d.hash as usize & mask;
@@ -261,13 +260,13 @@ fn first_equals(
 }
 
 /// The vertices of a range sorted by shard, and where each shard ends.
-fn deal(
+fn distribute(
     range: std::ops::Range<usize>,
     positions: &[[f32; 3]],
     hash: impl Fn(usize) -> u64,
     shard_of: impl Fn(u64) -> Option<usize>,
     shards: usize,
-) -> (Vec<Dealt>, Vec<u32>) {
+) -> (Vec<Entry>, Vec<u32>) {
     let mut ends = vec![0u32; shards];
     for v in range.clone() {
         if let Some(s) = shard_of(hash(v)) {
@@ -278,12 +277,12 @@ fn deal(
     for e in &mut ends {
         (*e, sum) = (sum, sum + *e);
     }
-    let mut list = vec![Dealt::default(); sum as usize];
+    let mut list = vec![Entry::default(); sum as usize];
     for v in range {
         let h = hash(v);
         if let Some(s) = shard_of(h) {
             list[ends[s] as usize] =
-                Dealt { hash: h as u32, vertex: v as u32, position: position_bits(positions[v]) };
+                Entry { hash: h as u32, vertex: v as u32, position: position_bits(positions[v]) };
             ends[s] += 1;
         }
     }
@@ -296,7 +295,7 @@ mod tests {
     use crate::Attribute;
     use proptest::prelude::*;
 
-    /// A soup on a coarse lattice, so that many corners meet.
+    /// A soup on a coarse lattice, so that many corners coincide.
     fn soup(corners: &[[i8; 3]]) -> Mesh {
         let n = corners.len() / 3;
         Mesh {
@@ -335,7 +334,7 @@ mod tests {
                 m.attributes.first().map(|a| a.values[v].to_bits()),
             );
             let gone = weld(&mut mesh);
-            // The plain way: a list of what was seen.
+            // The naive way: a list of the vertices found.
             let mut seen = Vec::new();
             for v in 0..before.positions.len() {
                 let k = key(&before, v);
@@ -377,31 +376,31 @@ mod tests {
     }
 
     #[test]
-    fn vertices_of_one_position_are_told_apart_without_comparing_all_with_all() {
+    fn vertices_of_one_position_are_distinguished_without_comparing_all_pairs() {
         let n = 300_000;
         let mut mesh = Mesh {
             positions: vec![[1.0; 3]; n],
             texcoords: Some((0..n).map(|i| [i as f32, 0.0]).collect()),
             ..Mesh::default()
         };
-        // Where the hash left anything out that they differ in, this would be asked billions of times.
+        // If the hash ignored any data in which they differ, this would be called billions of times.
         let data = VertexData::of(&mesh);
-        let asked = AtomicU32::new(0);
+        let comparisons = AtomicU32::new(0);
         let key = Key::of_this_run();
         let equal = |a, b| {
-            asked.fetch_add(1, Relaxed);
+            comparisons.fetch_add(1, Relaxed);
             data.equal(a, b)
         };
         let firsts = first_equals(&mesh.positions, key, |v| data.hash(key, v), equal);
         assert!(firsts.iter().zip(0..).all(|(&first, v)| first == v));
-        assert!(asked.load(Relaxed) < 1000, "{asked:?} comparisons");
+        assert!(comparisons.load(Relaxed) < 1000, "{comparisons:?} comparisons");
         assert_eq!(weld(&mut mesh), 0);
         mesh.texcoords = None;
         assert_eq!(weld(&mut mesh), n as u64 - 1);
     }
 
     #[test]
-    fn soups_are_known() {
+    fn soups_are_recognised() {
         let mut mesh = soup(&[[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 0], [0, 1, 0], [1, 0, 0]]);
         assert!(is_soup(&mesh));
         mesh.triangles = vec![[5, 4, 3], [2, 1, 0]];

@@ -1,4 +1,4 @@
-//! Files of other kinds: none is taken for a model.
+//! Files of other kinds are never taken for a model.
 
 mod common_shared;
 
@@ -9,15 +9,15 @@ use tercio_mesh::ReadError;
 use tercio_mesh::io::input::Input;
 use tercio_mesh::io::{ReadOptions, read, read_input};
 
-/// What models end in, compressed or not.
+/// Extensions of models, compressed or not.
 const MODELS: [&str; 8] = ["ply", "obj", "stl", "off", "ply.gz", "obj.gz", "stl.gz", "off.gz"];
 
-/// All files under a folder that do not say that they are models.
+/// All files under a folder without an extension of a model.
 fn others(folder: &Path, found: &mut Vec<PathBuf>) {
     for entry in std::fs::read_dir(folder).unwrap_or_else(|e| panic!("{}: {e}", folder.display())) {
         let path = entry.unwrap().path();
         let name = path.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
-        // Fuzzing leaves models without an extension.
+        // Fuzzing writes models without an extension.
         let is_made = ["target", ".git", "corpus", "artifacts"].contains(&&*name);
         if path.is_symlink() || is_made {
             continue;
@@ -29,8 +29,8 @@ fn others(folder: &Path, found: &mut Vec<PathBuf>) {
     }
 }
 
-/// Reads all of them; returns how many were told by the name of their format.
-fn assert_refused(files: &[PathBuf]) -> usize {
+/// Reads all of them; returns for how many the error names the format.
+fn assert_rejected(files: &[PathBuf]) -> usize {
     let mut named = 0;
     let mut taken = Vec::new();
     for file in files {
@@ -49,7 +49,7 @@ fn no_volume_scene_picture_or_text_is_taken_for_a_model() {
     let mut files = Vec::new();
     others(&data, &mut files);
     assert!(files.len() > 1000, "{}", files.len());
-    let named = assert_refused(&files);
+    let named = assert_rejected(&files);
     assert!(10 * named > 8 * files.len(), "only {named} of {} are named", files.len());
 }
 
@@ -59,10 +59,10 @@ fn no_file_of_this_repository_is_taken_for_a_model() {
     let mut files = vec![std::env::current_exe().unwrap()];
     others(&root, &mut files);
     assert!(files.len() > 300, "{}", files.len());
-    assert_refused(&files);
+    assert_rejected(&files);
 }
 
-/// Whatever number stands where STL counts its facets.
+/// With any number in the place where STL has its facet count.
 #[test]
 fn no_part_of_another_file_is_taken_for_stl() {
     let Some(data) = data() else { return };
@@ -76,7 +76,7 @@ fn no_part_of_another_file_is_taken_for_stl() {
             for start in (0..bytes.len() - 84 - 50 * facets + 1).step_by(4099) {
                 let mut part = bytes[start..start + 84 + 50 * facets].to_vec();
                 for count in [None, Some(0), Some(1), Some(facets + 1)] {
-                    // A count that fits is another matter: hardly a file has one by chance.
+                    // A count that fits is a different case: hardly a file has one by chance.
                     if count == Some(facets) {
                         continue;
                     }

@@ -64,7 +64,7 @@ const GOOD: &[(&str, usize, u64, usize, bool)] = &[
     ("trimesh/two_objects.obj", 12, 16, 16, false),
 ];
 
-/// File, and whether it is read. Judged one by one.
+/// File, and whether it is read; each was judged individually.
 #[rustfmt::skip]
 const BROKEN: &[(&str, bool)] = &[
     ("malformed/assimp/empty.obj", false),
@@ -111,7 +111,7 @@ const BROKEN: &[(&str, bool)] = &[
 ];
 
 #[test]
-fn good_files_have_the_counts_that_others_found() {
+fn good_files_have_the_counts_of_other_readers() {
     let Some(data) = data() else { return };
     let folder = data.join("meshes/obj");
     for path in files(&folder, &["obj"]) {
@@ -127,14 +127,14 @@ fn good_files_have_the_counts_that_others_found() {
 }
 
 #[test]
-fn broken_files_end_as_judged() {
+fn broken_files_give_the_expected_outcomes() {
     let Some(data) = data() else { return };
     assert_complete(&data, &["malformed/assimp", "malformed/obj", "malformed/derived/obj"], &["obj"], BROKEN);
     check_outcomes(&data, BROKEN);
 }
 
 #[test]
-fn broken_material_libraries_are_no_errors() {
+fn broken_material_libraries_are_not_errors() {
     let Some(data) = data() else { return };
     for path in files(&data.join("malformed/mtl"), &["mtl"]) {
         let name = path.file_name().unwrap().to_str().unwrap();

@@ -35,7 +35,7 @@ const GOOD: &[(&str, usize, u64, Option<usize>)] = &[
     ("trimesh/whitespace.off", 8, 6, Some(12)),
 ];
 
-/// File, and whether it is read. Judged one by one.
+/// File, and whether it is read; each was judged individually.
 #[rustfmt::skip]
 const BROKEN: &[(&str, bool)] = &[
     ("malformed/assimp/OutOfMemory.off", false),
@@ -47,7 +47,7 @@ const BROKEN: &[(&str, bool)] = &[
 ];
 
 #[test]
-fn good_files_have_the_counts_that_others_found() {
+fn good_files_have_the_counts_of_other_readers() {
     let Some(data) = data() else { return };
     let folder = data.join("meshes/off");
     for path in files(&folder, &["off"]) {
@@ -63,7 +63,7 @@ fn good_files_have_the_counts_that_others_found() {
 }
 
 #[test]
-fn broken_files_end_as_judged() {
+fn broken_files_give_the_expected_outcomes() {
     let Some(data) = data() else { return };
     assert_complete(&data, &["malformed/assimp", "malformed/off", "malformed/derived/off"], &["off"], BROKEN);
     check_outcomes(&data, BROKEN);

@@ -1,11 +1,11 @@
-//! What holds for every partition, whatever the mesh and the options.
+//! Invariants of every partition, for any mesh and options.
 
 use glam::{DVec3, Vec3};
 use proptest::prelude::*;
 use tercio_mesh::cluster::{Cluster, ClusterView, LANES, Layout, Line, Order, PartitionOptions, partition};
 use tercio_mesh::{Attribute, AttributeDomain, ClusteredMesh, Mesh, OctNormal};
 
-/// A mesh with every attribute, each value telling whose it is.
+/// A mesh with every attribute, whose values identify their vertex or triangle.
 fn mesh(positions: Vec<[f32; 3]>, triangles: Vec<[u32; 3]>) -> Mesh {
     let (v, t) = (positions.len() as u32, triangles.len() as u32);
     let bytes = |i: u32| i.to_le_bytes();
@@ -35,7 +35,7 @@ fn mesh(positions: Vec<[f32; 3]>, triangles: Vec<[u32; 3]>) -> Mesh {
     }
 }
 
-/// A bumpy grid of `2 n^2` triangles; `scramble` deals the triangles out in another order.
+/// A bumpy grid of `2 n^2` triangles; `scramble` changes the order of the triangles.
 fn grid(n: u32, scramble: bool) -> Mesh {
     let positions = (0..=n)
         .flat_map(|y| (0..=n).map(move |x| (x as f32, y as f32)))
@@ -53,7 +53,7 @@ fn grid(n: u32, scramble: bool) -> Mesh {
     mesh(positions, triangles)
 }
 
-/// Everything that the documentation promises.
+/// Checks everything that the documentation guarantees.
 fn check(mesh: &Mesh, options: &PartitionOptions) {
     let out = partition(mesh.clone(), options);
     let n = mesh.triangles.len();
@@ -107,10 +107,10 @@ fn check_vertices(out: &ClusteredMesh, c: &ClusterView, mesh: &Mesh) {
     );
     names.sort_unstable();
     names.dedup();
-    assert_eq!(names.len(), c.vertices(), "a vertex stands twice in a cluster");
+    assert_eq!(names.len(), c.vertices(), "a vertex occurs twice in a cluster");
 }
 
-/// A stretch says the same wherever it is.
+/// A cluster's memory means the same at any address.
 fn check_moved(out: &ClusteredMesh, number: usize, c: &ClusterView) {
     let mut lines = out.stretch(number).to_vec();
     lines.extend([Line([0xff; 64]); Layout::LINES_BEHIND]);
@@ -121,7 +121,7 @@ fn check_moved(out: &ClusteredMesh, number: usize, c: &ClusterView) {
     assert_eq!((moved.primitive(last), moved.attribute(1)[last]), (c.primitive(last), c.attribute(1)[last]));
 }
 
-/// Box, sphere, heights, and the cone test seen from many eyes.
+/// Box, sphere, heights, and the cone test for many eyes.
 fn check_bounds(view: &ClusterView) {
     let c = view.head();
     let (center, radius) = c.sphere();
@@ -151,7 +151,7 @@ fn check_bounds(view: &ClusterView) {
             check_eye(c, &triangles, center + way * size * distance);
         }
     }
-    // Eyes near the edge of the cone's shadow.
+    // Eyes near the boundary of the region where the cone test is true.
     let side = axis.any_orthogonal_vector().normalize_or_zero();
     for i in 0..40 {
         let way = -axis.normalize_or_zero() + side * (f64::from(i) - 20.0) * 0.05;
@@ -172,7 +172,7 @@ fn check_eye(c: &Cluster, triangles: &[[DVec3; 3]], eye: DVec3) {
     }
 }
 
-/// Everything, bit for bit.
+/// All data, for bitwise comparison.
 fn print(m: &ClusteredMesh) -> impl PartialEq + std::fmt::Debug + use<> {
     let stretches: Vec<Line> = (0..m.clusters().len()).flat_map(|i| m.stretch(i)).copied().collect();
     (m.clusters().to_vec(), stretches)
@@ -193,7 +193,7 @@ proptest! {
         scale in -20i32..20,
         (max_vertices, max_triangles, order, shuffle_seed) in options(),
     ) {
-        // Few coordinates: many triangles without area, many that fold back on themselves.
+        // Few distinct coordinates: many triangles without area, and many overlapping ones.
         let positions: Vec<_> = points.iter().map(|p| p.map(|v| f32::from(v) * 1.1 * 2f32.powi(scale))).collect();
         let triangles = picks.iter().map(|t| t.map(|i| i.index(positions.len()) as u32)).collect();
         let mesh = mesh(positions, triangles);
@@ -261,22 +261,22 @@ fn a_triangle_takes_at_most_16_bytes() {
     for model in ["builtin:gyroid@300k", "builtin:terrain@300k", "builtin:sphere@300k"] {
         let Mesh { positions, triangles, .. } = tercio_mesh::builtin::make(model).unwrap();
         let mesh = Mesh { positions, triangles, ..Mesh::default() };
-        // In an order that says nothing of neighbours, too.
+        // Also in an order without any locality.
         let count = mesh.triangles.len() as u64;
         let scrambled = (0..count).map(|i| mesh.triangles[(i * 7_654_321 % count) as usize]).collect();
         for triangles in [mesh.triangles.clone(), scrambled] {
             let out = partition(Mesh { triangles, ..mesh.clone() }, &PartitionOptions::default());
             let bytes = out.core_bytes() as f64 / out.triangle_count() as f64;
             assert!(bytes <= 16.0, "{model}: {bytes}");
-            // Nothing but what is counted.
+            // The mesh holds nothing that is not counted.
             assert!(out.memory_bytes() as f64 <= 1.001 * out.core_bytes() as f64 + 1e4, "{model}");
         }
     }
 }
 
 #[test]
-fn a_crowded_cell_is_cut() {
-    // Nearly all triangles stand in one cell of the grid, because a few stand far away.
+fn a_crowded_cell_is_split() {
+    // Nearly all triangles are in one cell of the grid, because a few are far away.
     let mut mesh = grid(200, true);
     let far = mesh.positions.len() - 1;
     mesh.positions[far] = [1e6, 1e6, 1e6];
@@ -284,7 +284,7 @@ fn a_crowded_cell_is_cut() {
 }
 
 #[test]
-fn nothing_at_all() {
+fn an_empty_mesh() {
     let out = partition(Mesh::default(), &PartitionOptions::default());
     assert_eq!(out.triangle_count(), 0);
     assert!(out.bounds.is_empty());
@@ -292,7 +292,7 @@ fn nothing_at_all() {
 }
 
 #[test]
-fn all_in_one_place() {
+fn all_vertices_at_one_position() {
     let mesh = mesh(vec![[1.0; 3]; 3], vec![[0, 1, 2]; 50_000]);
     check(&mesh, &PartitionOptions::default());
 }

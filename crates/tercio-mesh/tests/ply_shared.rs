@@ -1,4 +1,4 @@
-//! Every PLY file of the shared data folder, which stands beside the repository and is not part of it.
+//! Every PLY file of the shared data folder, which is beside the repository and not part of it.
 
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -7,7 +7,7 @@ use tercio_mesh::ReadError;
 use tercio_mesh::io::{ReadModel, ReadOptions, read};
 use tercio_testkit::require_shared;
 
-/// The folder with the data; `None` where this machine has none. On the build server it must be there.
+/// The data folder; `None` if this machine has none. On the build server it must exist.
 fn data() -> Option<PathBuf> {
     require_shared("a test of the PLY reader")
 }
@@ -52,7 +52,7 @@ const MESHES: [(&str, usize, usize, u64); 41] = [
     ("assimp/cube_binary_header_with_RN_newline.ply", 8, 12, 12),
     ("assimp/cube_uv.ply", 24, 12, 6),
     ("assimp/float-color.ply", 3, 1, 1),
-    // Declares a list at its vertices that does not stand in the file.
+    // Declares a list at its vertices that is missing in the file.
     ("assimp/issue623.ply", 24, 0, 0),
     ("assimp/points.ply", 4, 0, 0),
     ("dragon_vrip.ply.gz", 437_645, 871_414, 871_414),
@@ -122,7 +122,7 @@ fn three_encodings_of_one_mesh_agree() {
 }
 
 #[test]
-fn what_stands_in_the_files_arrives() {
+fn the_contents_of_the_files_are_read() {
     let Some(data) = data() else { return };
     let model = |name| read_in_time(&data.join("meshes/ply").join(name)).unwrap();
     let airplane = model("pymeshlab/colored_airplane.ply").mesh;
@@ -144,7 +144,7 @@ fn what_stands_in_the_files_arrives() {
     assert_eq!(model("ply-rs/greg_turk_example2_ok_ascii.ply").report.not_drawn.lines, 5);
 }
 
-/// File and what its error says; nothing where it is read.
+/// File and text of its error; empty if it is read.
 const BROKEN: [(&str, &str); 11] = [
     ("assimp/empty.ply", "the file is empty"),
     ("derived/ply/ascii_index_out_of_range.ply", "line 526: expected a vertex number from 0 to 501"),
@@ -166,7 +166,7 @@ const BROKEN: [(&str, &str); 11] = [
 ];
 
 #[test]
-fn broken_files_end_as_they_should() {
+fn broken_files_give_the_expected_errors() {
     let Some(data) = data() else { return };
     let folder = data.join("malformed");
     for (name, expected) in BROKEN {

@@ -29,7 +29,7 @@ const GOOD: &[(&str, bool, usize)] = &[
     ("two_objects_mixed_case_names.stl", false, 24),
 ];
 
-/// File, and whether it is read. Judged one by one.
+/// File, and whether it is read; each was judged individually.
 #[rustfmt::skip]
 const BROKEN: &[(&str, bool)] = &[
     ("malformed/derived/stl/ascii_truncated.stl", false),
@@ -46,7 +46,7 @@ const BROKEN: &[(&str, bool)] = &[
 ];
 
 #[test]
-fn good_files_have_the_counts_that_others_found() {
+fn good_files_have_the_counts_of_other_readers() {
     let Some(data) = data() else { return };
     let folder = data.join("meshes/stl");
     for path in files(&folder, &["stl"]) {
@@ -62,7 +62,7 @@ fn good_files_have_the_counts_that_others_found() {
 }
 
 #[test]
-fn broken_files_end_as_judged() {
+fn broken_files_give_the_expected_outcomes() {
     let Some(data) = data() else { return };
     assert_complete(&data, &["malformed/stl", "malformed/derived/stl"], &["stl"], BROKEN);
     check_outcomes(&data, BROKEN);

@@ -9,39 +9,39 @@ use crate::raw::{Envelope, Failed, Link, Outgoing};
 use crate::spare::Spare;
 use crate::waiting::until;
 
-/// A message, or its last part.
+/// Tag of a message, or of its last part.
 const MESSAGE: i32 = 1;
-/// A part of a message that goes on.
+/// Tag of a part of a message that is followed by another part.
 const PART: i32 = 2;
-/// A message that is not counted.
+/// Tag of a message that is not counted.
 const SIGNAL: i32 = 3;
-/// The last one of a rank.
+/// Tag of the last message of a rank.
 const FAREWELL: i32 = 4;
 
-/// Bytes that travel in one piece. MPI counts in C ints, below 2^31; larger messages travel in parts.
+/// Most bytes that are sent in one piece. MPI counts in C ints, below 2^31; larger messages are sent in parts.
 const PART_BYTES: usize = 1 << 30;
 
-/// A process's access to the others of its job. [`run`](crate::run) makes it.
+/// A process's access to the others of its job; made by [`run`](crate::run).
 ///
-/// Messages are taken in the order in which they were sent, whatever they are, and put aside until somebody asks for
-/// their kind; so signals and messages never wait for each other. A message that is sent stays here until MPI has moved
+/// Messages of all kinds are received in the order in which they were sent, and queued until their kind is requested;
+/// so signals and messages never wait for each other. The memory of a sent message is kept until MPI has transferred
 /// it; MPI does so while this rank sends or waits, and at the end.
 pub struct MpiComm {
     link: Link,
     outgoing: Vec<Outgoing>,
-    /// From each rank.
+    /// Received from each rank.
     arrived: Vec<Arrived>,
-    /// Memory of messages that were sent or read.
+    /// Memory of messages that were sent or read, for reuse.
     spare: Spare,
     traffic: Traffic,
     part_bytes: usize,
 }
 
-/// What came from a rank and nobody asked for yet.
+/// Messages from a rank that were not requested yet.
 #[derive(Debug, Default)]
 struct Arrived {
     messages: VecDeque<Vec<u8>>,
-    /// A message of which parts are missing.
+    /// The parts received so far of an incomplete message.
     unfinished: Vec<u8>,
     signals: u64,
     has_left: bool,
@@ -50,18 +50,18 @@ struct Arrived {
 impl MpiComm {
     pub(crate) fn new(link: Link) -> Self {
         let arrived = (0..link.size()).map(|_| Arrived::default()).collect();
-        // A frame sends and takes one message a rank, or two.
+        // A frame sends and receives one or two messages per rank.
         let spare = Spare::new(4 * link.size());
         let traffic = Traffic::default();
         Self { link, outgoing: Vec::new(), arrived, spare, traffic, part_bytes: PART_BYTES }
     }
 
-    /// Sends messages in parts of so many bytes, 1 to 2^31 - 1, instead of 2^30. Ranks need not agree.
+    /// Sends messages in parts of at most this many bytes, 1 to 2^31 - 1, instead of 2^30. Ranks need not agree.
     pub fn set_part_bytes(&mut self, bytes: usize) {
         self.part_bytes = bytes;
     }
 
-    /// Name of the machine that this rank runs on, as MPI has it.
+    /// Name of the machine that this rank runs on, as reported by MPI.
     pub fn machine(&self) -> String {
         mpi::environment::processor_name().unwrap_or_else(|_| "unknown".into())
     }
@@ -69,7 +69,7 @@ impl MpiComm {
     /// Name and version of the MPI library.
     pub fn library(&self) -> String {
         let text = mpi::environment::library_version().unwrap_or_else(|_| "unknown".into());
-        // What follows the first comma, or line, tells how it was built.
+        // The text after the first comma, or line, describes how it was built.
         text.split([',', '\n']).next().unwrap_or_default().trim().to_owned()
     }
 
@@ -94,7 +94,7 @@ impl MpiComm {
         Ok(())
     }
 
-    /// Puts the memory of messages that MPI has moved aside.
+    /// Puts the memory of messages that MPI has transferred aside for reuse.
     fn forget_sent(&mut self) -> Result<(), CommError> {
         let mut at = 0;
         while at < self.outgoing.len() {
@@ -108,9 +108,9 @@ impl MpiComm {
         Ok(())
     }
 
-    /// Takes one message from a rank, or from any, if one is here, and puts it aside.
+    /// Receives one message from a rank, or from any, if one has arrived, and queues it.
     fn take(&mut self, from: Option<usize>) -> Result<Option<Envelope>, CommError> {
-        // Errors of a message of any rank are told as those of this one.
+        // An error with a message of any rank is reported as one of this rank.
         let rank = from.unwrap_or(self.rank());
         let (arrived, spare) = (&mut self.arrived, &mut self.spare);
         let taken = self.link.take(from, |e: Envelope, bytes| {
@@ -133,7 +133,7 @@ impl MpiComm {
         Ok(taken)
     }
 
-    /// Waits until `is_it` finds what it looks for among what came from a rank.
+    /// Waits until `is_it` returns something from the messages of a rank.
     fn wait<T>(
         &mut self,
         from: usize,
@@ -155,8 +155,8 @@ impl MpiComm {
         })
     }
 
-    /// Tells the others that nothing comes any more, and waits until they have told the same and all messages are
-    /// moved; messages that nobody asked for are dropped. So no rank waits for one that has ended.
+    /// Tells the others that no more messages follow, and waits until all others have done the same and all messages
+    /// are transferred; messages that were not requested are dropped. So no rank waits for one that has ended.
     pub(crate) fn leave(&mut self) -> Result<(), CommError> {
         let (rank, size) = (self.rank(), self.size());
         for step in 1..size {
@@ -205,9 +205,9 @@ impl Communicator for MpiComm {
     }
 
     fn buffer(&mut self, _: usize) -> Vec<u8> {
-        // What was sent for the frame before has arrived by now.
+        // Messages of the previous frame have arrived by now.
         if self.spare.is_empty() {
-            // The message itself tells what fails.
+            // An error is reported again when the message itself is sent.
             self.forget_sent().ok();
         }
         self.spare.take(0)

@@ -1,4 +1,4 @@
-//! Begins and ends MPI. A rank that fails ends the whole job: the others would wait for it without end.
+//! Initializes and finalizes MPI. A rank that fails ends the whole job: the others would wait for it forever.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -9,14 +9,15 @@ use tercio_parallel::comm::CommError;
 use crate::MpiComm;
 use crate::raw::{Failed, Link};
 
-/// Exit code of a job of which a rank failed.
+/// Exit code of a job in which a rank failed.
 pub const FAILURE: i32 = 1;
 
-/// Why MPI could not begin. Where the library cannot find the other processes it says so itself and ends the job.
+/// Why MPI could not be initialized. If the library cannot find the other processes it reports that itself and ends
+/// the job.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum StartError {
-    /// A process can do so once only.
-    #[error("MPI was begun in this process before")]
+    /// A process can initialize MPI only once.
+    #[error("MPI was already initialized in this process")]
     Twice,
     /// The library was built without threads.
     #[error("the MPI library does not allow threads beside the one that calls it")]
@@ -26,11 +27,11 @@ pub enum StartError {
     Failed(String),
 }
 
-/// Does one rank's work of an MPI job, all of whose processes have to call this, once. Returns when all ranks are done.
+/// Runs this rank's work of an MPI job; all its processes have to call this, once. Returns when all ranks are done.
 ///
-/// If the work fails on this rank, `tell` is told why, with the rank's number, and all processes of the job end with
-/// exit code 1; so they do after a panic. Nothing is unwound then, so that files that are not whole should not have their
-/// names yet.
+/// If the work fails on this rank, `tell` is called with the rank's number and the error, and all processes of the
+/// job end with exit code 1; so they do after a panic. There is no unwinding then, so incomplete files should not
+/// have their final names yet.
 ///
 /// # Errors
 /// [`StartError`], before any work is done.
@@ -38,7 +39,7 @@ pub fn run<T, E: From<CommError>>(
     work: impl FnOnce(&mut MpiComm) -> Result<T, E>,
     tell: impl FnOnce(usize, E),
 ) -> Result<T, StartError> {
-    // Calls come from this thread, which may have others draw.
+    // MPI is called from this thread only, which may use other threads for drawing.
     let (universe, threads) = mpi::initialize_with_threading(Threading::Funneled).ok_or(StartError::Twice)?;
     if threads < Threading::Funneled {
         return Err(StartError::Threads);
@@ -53,7 +54,7 @@ pub fn run<T, E: From<CommError>>(
             comm.abort(FAILURE);
         }
         Err(_) => {
-            // The panic has told its message and place.
+            // The panic has printed its message and location.
             eprintln!("error: rank {rank} panicked");
             comm.abort(FAILURE);
         }

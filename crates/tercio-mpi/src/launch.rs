@@ -1,15 +1,15 @@
-//! Whether this process belongs to an MPI job: told by the environment, without beginning MPI.
+//! Whether this process belongs to an MPI job: read from the environment, without initializing MPI.
 
 use std::env;
 
-/// Where launchers write how many processes they started: Open MPI; MPICH, Intel MPI and others of its family;
-/// MVAPICH2.
+/// Where launchers store the number of processes that they started: Open MPI; MPICH, Intel MPI and others of its
+/// family; MVAPICH2.
 pub const VARIABLES: [&str; 3] = ["OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "MV2_COMM_WORLD_SIZE"];
 
-/// Processes of the job, this one included; `None` if no launcher of MPI says that it started this process.
+/// Number of processes in the job, including this one; `None` if no MPI launcher started this process.
 ///
-/// Launchers that write none of [`VARIABLES`] (`srun --mpi=pmix`) are known by PMIx's rank, and by the number of tasks
-/// that Slurm gives to the step.
+/// Launchers that set none of [`VARIABLES`] (`srun --mpi=pmix`) are recognised by PMIx's rank; the number of
+/// processes is then the number of tasks of the Slurm step.
 pub fn processes() -> Option<usize> {
     processes_by(|name| env::var(name).ok())
 }
@@ -29,7 +29,7 @@ mod tests {
     }
 
     #[test]
-    fn launchers_are_known_by_their_variables() {
+    fn launchers_are_recognised_by_their_variables() {
         assert_eq!(of(&[("OMPI_COMM_WORLD_SIZE", "4"), ("OMPI_COMM_WORLD_RANK", "0")]), Some(4));
         assert_eq!(of(&[("PMI_SIZE", "64"), ("PMI_RANK", "3")]), Some(64));
         assert_eq!(of(&[("MV2_COMM_WORLD_SIZE", "1")]), Some(1));
@@ -39,7 +39,7 @@ mod tests {
     #[test]
     fn other_processes_are_alone() {
         assert_eq!(of(&[]), None);
-        // A step of Slurm that does not speak MPI.
+        // A Slurm step that does not use MPI.
         assert_eq!(of(&[("SLURM_STEP_NUM_TASKS", "8")]), None);
         for nonsense in ["", "0", "-1", "many"] {
             assert_eq!(of(&[("PMI_SIZE", nonsense)]), None, "{nonsense}");

@@ -3,11 +3,12 @@
 //! | module | what |
 //! |---|---|
 //! | [`launch`] | whether this process was started by `mpirun`, and with how many others |
-//! | `job` | begins and ends MPI; a rank that fails ends them all |
+//! | `job` | initializes and finalizes MPI; a rank that fails ends the job |
 //! | `comm` | messages: the MPI backend of `tercio_parallel::Communicator` |
 //!
-//! `job` and `comm` need the feature `mpi`, which needs an MPI installation (Debian: libopenmpi-dev) and libclang; so a
-//! workspace without it builds on every machine. `unsafe` stands in the module `raw`, the calls of the C library.
+//! `job` and `comm` need the feature `mpi`, which needs an MPI installation (Debian: libopenmpi-dev) and libclang; so
+//! a workspace without it builds on every machine. `unsafe` is confined to the module `raw`, the calls of the C
+//! library.
 //!
 //! # Examples
 //!
@@ -27,7 +28,7 @@
 //! # Ok::<(), tercio_mpi::StartError>(())
 //! ```
 //!
-//! Whether there is a job is known without MPI:
+//! Whether there is a job can be tested without MPI:
 //!
 //! ```
 //! match tercio_mpi::processes() {

@@ -1,5 +1,5 @@
-//! The calls of the MPI library that messages need, with their errors: `mpi` (rsmpi) has safe ones, but these drop the
-//! library's error codes and cannot send memory that they are to keep.
+//! The calls of the MPI library that messages need, with their errors: `mpi` (rsmpi) has safe ones, but these drop
+//! the library's error codes and cannot send memory that they take ownership of.
 
 use std::ffi::{c_char, c_int, c_void};
 use std::marker::PhantomData;
@@ -9,23 +9,23 @@ use mpi::ffi;
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::{AsRaw as _, Communicator as _};
 
-/// A communicator of our own: no message of another library reaches it, and its errors are returned.
+/// A communicator of this program alone: it gets no messages of other libraries, and its errors are returned.
 pub struct Link {
     comm: SimpleCommunicator,
-    /// MPI is begun with [`mpi::Threading::Funneled`]: its calls stay on the thread that began it.
+    /// MPI is initialized with [`mpi::Threading::Funneled`]: its calls stay on the thread that initialized it.
     on_this_thread: PhantomData<*const ()>,
 }
 
-/// What is known of a message before it is taken.
+/// What is known of a message before it is received.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Envelope {
-    /// Who sent it.
+    /// The sender.
     pub from: usize,
-    /// What it is.
+    /// The tag.
     pub tag: i32,
 }
 
-/// What the library says about a call that failed.
+/// The library's description of a failed call.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Failed(pub String);
 
@@ -35,7 +35,7 @@ fn check(call: &str, code: c_int) -> Result<(), Failed> {
     }
     let mut text = [0u8; ffi::MPI_MAX_ERROR_STRING as usize];
     let mut length: c_int = 0;
-    // SAFETY: the text has room for the longest string that the library writes, and both places are ours.
+    // SAFETY: the text has room for the longest string that the library writes, and both destinations are ours.
     let told = unsafe { ffi::MPI_Error_string(code, text.as_mut_ptr().cast::<c_char>(), &mut length) };
     let length = if told == ffi::MPI_SUCCESS as c_int { usize::try_from(length).unwrap_or(0) } else { 0 };
     let text = String::from_utf8_lossy(&text[..length.min(text.len())]);
@@ -43,7 +43,7 @@ fn check(call: &str, code: c_int) -> Result<(), Failed> {
 }
 
 impl Link {
-    /// A copy of a communicator; all its ranks have to make one.
+    /// A duplicate of a communicator; all its ranks have to make one.
     pub fn new(of: &SimpleCommunicator) -> Result<Self, Failed> {
         let comm = of.duplicate();
         // SAFETY: the communicator was just made, and the handler is one of the library's own.
@@ -52,12 +52,12 @@ impl Link {
         Ok(Self { comm, on_this_thread: PhantomData })
     }
 
-    /// The own number.
+    /// This rank's number.
     pub fn rank(&self) -> usize {
         usize::try_from(self.comm.rank()).unwrap_or(0)
     }
 
-    /// How many ranks there are.
+    /// Number of ranks.
     pub fn size(&self) -> usize {
         usize::try_from(self.comm.size()).unwrap_or(1)
     }
@@ -86,8 +86,9 @@ impl Link {
             let tag = if number + 1 == parts { last } else { before };
             // SAFETY: the handle is a constant of the library.
             let mut request = unsafe { ffi::RSMPI_REQUEST_NULL };
-            // SAFETY: `count` bytes from `first` on lie inside the message, whose memory does not move with its `Vec`,
-            // is not written to, and is kept by `Outgoing` until the library is done with it. `count` fits a C int.
+            // SAFETY: the `count` bytes from `first` on are inside the message, whose memory does not move with its
+            // `Vec`, is not written to, and is kept by `Outgoing` until the library is done with it. `count` fits a C
+            // int.
             let code = unsafe {
                 ffi::MPI_Isend(
                     outgoing.bytes.as_ptr().add(first).cast::<c_void>(),
@@ -105,8 +106,8 @@ impl Link {
         Ok(outgoing)
     }
 
-    /// Takes the next message of a rank, or of any, if one is here: its bytes are put behind those of the `Vec` that
-    /// `place` gives for it and their number.
+    /// Receives the next message of a rank, or of any, if one has arrived: its bytes are appended to the `Vec` that
+    /// `place` returns for its envelope and length.
     pub fn take<'a>(
         &self,
         from: Option<usize>,
@@ -115,7 +116,8 @@ impl Link {
         let Some((envelope, count, mut message)) = self.probe(from)? else { return Ok(None) };
         let bytes = place(envelope, count);
         bytes.reserve_exact(count);
-        // SAFETY: there is room for `count` bytes, which is what the matched message holds; the message is taken once.
+        // SAFETY: there is room for `count` bytes, which is what the matched message holds; the message is received
+        // once.
         let code = unsafe {
             ffi::MPI_Mrecv(
                 bytes.spare_capacity_mut().as_mut_ptr().cast::<c_void>(),
@@ -126,12 +128,12 @@ impl Link {
             )
         };
         check("MPI_Mrecv", code)?;
-        // SAFETY: the library wrote `count` bytes behind those that were there.
+        // SAFETY: the library wrote `count` bytes after those that were there.
         unsafe { bytes.set_len(bytes.len() + count) };
         Ok(Some(envelope))
     }
 
-    /// Matches the next message, if one is here: nobody else can take it then.
+    /// Matches the next message, if one has arrived: no other call can receive it then.
     fn probe(&self, from: Option<usize>) -> Result<Option<(Envelope, usize, ffi::MPI_Message)>, Failed> {
         // SAFETY: the handles are constants of the library.
         let (any_rank, any_tag, mut message) =
@@ -142,7 +144,7 @@ impl Link {
         };
         let (mut found, mut count): (c_int, c_int) = (0, 0);
         let mut status = MaybeUninit::<ffi::MPI_Status>::zeroed();
-        // SAFETY: all places that are written to are ours and live as long as the call.
+        // SAFETY: all destinations that are written to are ours and live as long as the call.
         let code = unsafe {
             ffi::MPI_Improbe(from, any_tag, self.comm.as_raw(), &mut found, &mut message, status.as_mut_ptr())
         };
@@ -150,7 +152,7 @@ impl Link {
         if found == 0 {
             return Ok(None);
         }
-        // SAFETY: a status is numbers only, for which zeros are values; the library has filled it in.
+        // SAFETY: a status consists of integers, for which zeros are valid; the library has filled it in.
         let status = unsafe { status.assume_init() };
         // SAFETY: as above.
         let code = unsafe { ffi::MPI_Get_count(&status, ffi::RSMPI_UINT8_T, &mut count) };
@@ -161,19 +163,19 @@ impl Link {
     }
 }
 
-/// A message on its way: its bytes are the library's until it is done.
+/// A message in transit: its bytes belong to the library until it is done.
 pub struct Outgoing {
     requests: Vec<ffi::MPI_Request>,
     bytes: Vec<u8>,
-    /// To whom.
+    /// The receiver.
     pub to: usize,
 }
 
 impl Outgoing {
-    /// Whether the library needs the bytes no more; also gives it the time to move them.
+    /// Whether the library no longer needs the bytes; also lets it make progress with the transfer.
     pub fn is_done(&mut self) -> Result<bool, Failed> {
         let mut done: c_int = 0;
-        // SAFETY: the requests are those that the library gave us and keeps up to date, as many as we say.
+        // SAFETY: the requests are those that the library gave us and keeps up to date, and their number is right.
         let code = unsafe {
             ffi::MPI_Testall(
                 c_int::try_from(self.requests.len()).map_err(|e| Failed(e.to_string()))?,
@@ -197,7 +199,7 @@ impl Outgoing {
 
 impl Drop for Outgoing {
     fn drop(&mut self) {
-        // The library may still read what it was not done with: rather lose the memory than give it to others.
+        // The library may still read bytes that it is not done with: leak the memory rather than reuse it.
         if !self.requests.is_empty() {
             std::mem::forget(std::mem::take(&mut self.bytes));
         }

@@ -1,6 +1,6 @@
-//! Memory of messages, used again: new pages would have to be had from the system, which clears them, for every frame.
+//! Reuse of message memory: otherwise the system would have to provide and clear new pages for every frame.
 
-/// Buffers that nobody uses, from the smallest to the largest.
+/// Unused buffers, from the smallest to the largest.
 #[derive(Debug)]
 pub struct Spare {
     buffers: Vec<Vec<u8>>,
@@ -8,18 +8,18 @@ pub struct Spare {
 }
 
 impl Spare {
-    /// Room for some buffers; where more are put aside the smallest are dropped.
+    /// Room for this many buffers; if there are more, the smallest are dropped.
     pub fn new(most: usize) -> Self {
         Self { buffers: Vec::new(), most }
     }
 
-    /// Whether there are none.
+    /// Whether there are no buffers.
     pub fn is_empty(&self) -> bool {
         self.buffers.is_empty()
     }
 
-    /// An empty buffer: the smallest that has room for so many bytes, the largest if none has. 0 asks for the largest,
-    /// for a message of which nobody knows how long it will be.
+    /// An empty buffer: the smallest with room for this many bytes, the largest if none has. 0 returns the largest,
+    /// for a message of unknown length.
     pub fn take(&mut self, bytes: usize) -> Vec<u8> {
         let fits = self.buffers.partition_point(|b| b.capacity() < bytes);
         let at = if bytes == 0 { usize::MAX } else { fits };
@@ -29,7 +29,7 @@ impl Spare {
         }
     }
 
-    /// Puts a buffer aside; what is in it is lost.
+    /// Adds a buffer; its contents are lost.
     pub fn put(&mut self, mut buffer: Vec<u8>) {
         if buffer.capacity() == 0 {
             return;
@@ -54,7 +54,7 @@ mod tests {
     }
 
     #[test]
-    fn the_smallest_that_fits_is_taken() {
+    fn the_smallest_buffer_that_fits_is_taken() {
         let mut spare = of(&[300, 100, 200]);
         assert_eq!(spare.take(150).capacity(), 200);
         assert_eq!(spare.take(1000).capacity(), 300, "the largest has to grow least");
@@ -65,7 +65,7 @@ mod tests {
     }
 
     #[test]
-    fn the_smallest_are_dropped_and_nothing_stays_in_them() {
+    fn the_smallest_are_dropped_and_buffers_are_cleared() {
         let mut spare = of(&[10, 40, 0, 20, 30]);
         spare.put(vec![7; 50]);
         let mut left = Vec::new();

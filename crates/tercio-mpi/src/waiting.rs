@@ -1,19 +1,19 @@
-//! Waiting for other processes without taking a processor from them.
+//! Waiting for other processes without occupying a processor.
 
 use std::time::{Duration, Instant};
 
-/// Time in which an answer that is on its way arrives; to sleep would make it late.
+/// How long to poll without sleeping: an answer in transit arrives in this time, and a sleep would delay it.
 const AWAKE: Duration = Duration::from_micros(200);
-/// The longest sleep. Who waits this long has nothing to do with the speed of a frame.
+/// The longest sleep. A wait this long does not affect the speed of a frame.
 const LONGEST: Duration = Duration::from_millis(2);
 
-/// Asks until there is an answer: without a pause at first, unless another thread is ready to have the processor, as
-/// where there are more ranks than processors; then with sleeps of a sixteenth of the time waited so far,
-/// so that no answer is found much later than it came, and a rank that waits for long takes little of its processor.
-pub fn until<T, E>(mut ask: impl FnMut() -> Result<Option<T>, E>) -> Result<T, E> {
+/// Polls until there is an answer: without a pause at first, only yielding to threads that are ready to run, as there
+/// are if there are more ranks than processors; then with sleeps of a sixteenth of the time waited so far, so that an
+/// answer is noticed soon after it came, and a rank that waits for long takes little processor time.
+pub fn until<T, E>(mut poll: impl FnMut() -> Result<Option<T>, E>) -> Result<T, E> {
     let mut begin = None;
     loop {
-        if let Some(answer) = ask()? {
+        if let Some(answer) = poll()? {
             return Ok(answer);
         }
         let waited = begin.get_or_insert_with(Instant::now).elapsed();
@@ -31,25 +31,25 @@ mod tests {
 
     #[test]
     fn the_answer_is_returned_and_so_is_an_error() {
-        let mut asked = 0;
+        let mut polls = 0;
         let answer = until(|| {
-            asked += 1;
-            Ok::<_, ()>((asked == 3).then_some("here"))
+            polls += 1;
+            Ok::<_, ()>((polls == 3).then_some("here"))
         });
-        assert_eq!((answer, asked), (Ok("here"), 3));
+        assert_eq!((answer, polls), (Ok("here"), 3));
         assert_eq!(until(|| Err::<Option<()>, _>("gone")), Err("gone"));
     }
 
     #[test]
-    fn who_waits_for_long_asks_seldom() {
-        let (begin, mut asked) = (Instant::now(), 0u32);
+    fn a_long_wait_polls_rarely() {
+        let (begin, mut polls) = (Instant::now(), 0u32);
         let long = Duration::from_millis(300);
-        let asked_later = until(|| {
-            asked += u32::from(begin.elapsed() > long / 2);
+        let result = until(|| {
+            polls += u32::from(begin.elapsed() > long / 2);
             Ok::<_, ()>((begin.elapsed() > long).then_some(()))
         });
-        assert_eq!(asked_later, Ok(()));
+        assert_eq!(result, Ok(()));
         // Half of the time in sleeps of 2 ms and more.
-        assert!(asked <= 76, "asked {asked} times in {:?}", long / 2);
+        assert!(polls <= 76, "{polls} polls in {:?}", long / 2);
     }
 }

@@ -2,10 +2,10 @@
 
 use std::process::{Command, Output};
 
-/// Seconds after which a job is taken to hang.
+/// Seconds after which a job is assumed to hang.
 const HANGS: &str = "600";
 
-/// Runs a trial with some ranks, by a user who may be root.
+/// Runs a trial on some ranks; also works as root.
 fn mpirun(ranks: usize, trial: &str) -> Output {
     Command::new("timeout")
         .args(["--kill-after=10", HANGS, "mpirun", "--oversubscribe", "-n"])
@@ -23,62 +23,62 @@ fn text(bytes: &[u8]) -> String {
 }
 
 #[track_caller]
-fn holds(trial: &str) {
+fn passes(trial: &str) {
     for ranks in [1, 2, 3, 4] {
         let output = mpirun(ranks, trial);
-        let told = format!("{trial}, {ranks} ranks: {}", text(&output.stderr));
-        assert_eq!((output.status.code(), text(&output.stdout).as_str()), (Some(0), "held\n"), "{told}");
+        let shown = format!("{trial}, {ranks} ranks: {}", text(&output.stderr));
+        assert_eq!((output.status.code(), text(&output.stdout).as_str()), (Some(0), "passed\n"), "{shown}");
     }
 }
 
-/// The job ends with code 1, which a hanging one does not, and says why.
+/// Checks that the job ends with code 1, which a hanging one does not, and that standard error contains the message.
 #[track_caller]
-fn fails(trial: &str, says: &str) {
+fn fails(trial: &str, message: &str) {
     for ranks in [2, 4] {
         let output = mpirun(ranks, trial);
-        let told = text(&output.stderr);
-        assert_eq!((output.status.code(), text(&output.stdout).as_str()), (Some(1), ""), "{trial}: {told}");
-        let says = says.replace("LAST", &(ranks - 1).to_string());
-        assert!(told.contains(&says), "{trial}: {says:?} is not in {told}");
+        let shown = text(&output.stderr);
+        assert_eq!((output.status.code(), text(&output.stdout).as_str()), (Some(1), ""), "{trial}: {shown}");
+        let message = message.replace("LAST", &(ranks - 1).to_string());
+        assert!(shown.contains(&message), "{trial}: {message:?} is not in {shown}");
     }
 }
 
 #[test]
 fn messages_and_signals_arrive_in_order_and_are_counted() {
-    holds("order");
+    passes("order");
 }
 
 #[test]
 fn sending_does_not_wait() {
-    holds("everybody-sends-first");
+    passes("everybody-sends-first");
 }
 
 #[test]
 fn a_barrier_waits_for_all() {
-    holds("barrier");
+    passes("barrier");
 }
 
 #[test]
 fn rank_0_gathers_in_order() {
-    holds("gather");
+    passes("gather");
 }
 
 #[test]
-fn messages_that_nobody_takes_hold_nobody_up() {
-    holds("not-taken");
+fn messages_that_are_not_received_block_no_rank() {
+    passes("not-taken");
 }
 
 #[test]
-fn large_messages_travel_in_parts() {
+fn large_messages_are_sent_in_parts() {
     for ranks in [2, 3] {
         let output = mpirun(ranks, "parts");
-        assert_eq!(text(&output.stdout), "held\n", "{}", text(&output.stderr));
+        assert_eq!(text(&output.stdout), "passed\n", "{}", text(&output.stderr));
     }
 }
 
 #[test]
 fn a_rank_that_fails_ends_the_job() {
-    fails("error", "error: rank LAST: rank LAST is no partner of a message");
+    fails("error", "error: rank LAST: rank LAST is not a valid peer");
 }
 
 #[test]
@@ -88,6 +88,6 @@ fn a_rank_that_panics_ends_the_job() {
 }
 
 #[test]
-fn a_rank_that_ends_early_is_missed() {
+fn a_rank_that_ends_early_is_gone() {
     fails("early-end", "rank 0 is gone");
 }

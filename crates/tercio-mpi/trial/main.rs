@@ -1,5 +1,6 @@
-//! What the tests of this crate start by `mpirun`: `tercio-mpi-trial NAME` runs one trial on every rank. A trial that
-//! does not hold panics, which ends the job with exit code 1; rank 0 says `held` if all ranks came to the end.
+//! The program that the tests of this crate start with `mpirun`: `tercio-mpi-trial NAME` runs one trial on every
+//! rank. A trial that fails panics, which ends the job with exit code 1; rank 0 prints `passed` if all ranks
+//! finished.
 
 mod trials;
 
@@ -32,7 +33,7 @@ fn main() -> ExitCode {
     let tell = |rank, error| eprintln!("error: rank {rank}: {error}");
     let work = |comm: &mut MpiComm| trial(comm).map(|()| comm.rank());
     match run(work, tell) {
-        Ok(0) => println!("held"),
+        Ok(0) => println!("passed"),
         Ok(_) => {}
         Err(error) => {
             eprintln!("error: {error}");

@@ -6,15 +6,15 @@ use tercio_mpi::MpiComm;
 use tercio_parallel::ParallelError;
 use tercio_parallel::comm::{CommError, Communicator, Traffic};
 
-type Held = Result<(), ParallelError>;
+type Outcome = Result<(), ParallelError>;
 
-/// Bytes that tell where they come from.
+/// Bytes that identify their source.
 fn bytes(seed: usize, count: usize) -> Vec<u8> {
     (0..count).map(|k| (seed * 31 + k * 7 + k / 251) as u8).collect()
 }
 
-/// Messages of all sizes arrive as they were sent, in their order, signals between them; messages alone are counted.
-pub fn order(comm: &mut MpiComm) -> Held {
+/// Messages of all sizes arrive as they were sent, in order, with signals between them; only messages are counted.
+pub fn order(comm: &mut MpiComm) -> Outcome {
     const SIZES: [usize; 8] = [0, 1, 17, 0, 5000, 100_000, 3, 2_000_000];
     let (rank, size) = (comm.rank(), comm.size());
     for to in (0..size).filter(|&to| to != rank) {
@@ -24,7 +24,7 @@ pub fn order(comm: &mut MpiComm) -> Held {
         }
     }
     for from in (0..size).filter(|&from| from != rank) {
-        // Signals first: the messages before them wait aside.
+        // Signals first: the messages before them are queued.
         SIZES.iter().try_for_each(|_| comm.await_signal(from))?;
         for (number, count) in SIZES.into_iter().enumerate() {
             assert!(
@@ -45,8 +45,8 @@ pub fn order(comm: &mut MpiComm) -> Held {
     Ok(())
 }
 
-/// Sending does not wait: all ranks send messages that MPI does not buffer before anybody takes one.
-pub fn everybody_sends_first(comm: &mut MpiComm) -> Held {
+/// Sending does not wait: all ranks send messages that MPI does not buffer before any is received.
+pub fn everybody_sends_first(comm: &mut MpiComm) -> Outcome {
     const BYTES: usize = 8 << 20;
     let (rank, size) = (comm.rank(), comm.size());
     for round in 0..3 {
@@ -62,8 +62,8 @@ pub fn everybody_sends_first(comm: &mut MpiComm) -> Held {
     Ok(())
 }
 
-/// Messages that travel in parts arrive whole, also those whose last part is full, and empty ones.
-pub fn parts(comm: &mut MpiComm) -> Held {
+/// Messages that are sent in parts arrive complete, also those whose last part is full, and empty ones.
+pub fn parts(comm: &mut MpiComm) -> Outcome {
     let (rank, size) = (comm.rank(), comm.size());
     // Ranks need not agree.
     comm.set_part_bytes(1000 + rank);
@@ -87,8 +87,8 @@ pub fn parts(comm: &mut MpiComm) -> Held {
     Ok(())
 }
 
-/// Nobody leaves a barrier before all have come, by the clock that the processes of a machine share.
-pub fn barrier(comm: &mut MpiComm) -> Held {
+/// No rank leaves a barrier before all have arrived, by the clock that the processes of a machine share.
+pub fn barrier(comm: &mut MpiComm) -> Outcome {
     let (rank, size) = (comm.rank(), comm.size());
     let now = || SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |t| t.as_nanos()).to_le_bytes();
     for late in 0..size {
@@ -115,7 +115,7 @@ pub fn barrier(comm: &mut MpiComm) -> Held {
 }
 
 /// Rank 0 gathers in the order of the ranks.
-pub fn gather(comm: &mut MpiComm) -> Held {
+pub fn gather(comm: &mut MpiComm) -> Outcome {
     let (rank, size) = (comm.rank(), comm.size());
     for senders in 1..=size {
         let gathered = comm.gather(senders, bytes(rank, 10 * rank))?;
@@ -125,8 +125,8 @@ pub fn gather(comm: &mut MpiComm) -> Held {
     Ok(())
 }
 
-/// Messages that nobody takes hold nobody up at the end.
-pub fn not_taken(comm: &mut MpiComm) -> Held {
+/// Messages that are not received block no rank at the end.
+pub fn not_taken(comm: &mut MpiComm) -> Outcome {
     let (rank, size) = (comm.rank(), comm.size());
     for to in (1..size).map(|step| (rank + step) % size) {
         comm.send(to, bytes(rank, 4 << 20))?;
@@ -136,7 +136,7 @@ pub fn not_taken(comm: &mut MpiComm) -> Held {
 }
 
 /// The last rank fails while the others wait for it.
-pub fn error(comm: &mut MpiComm) -> Held {
+pub fn error(comm: &mut MpiComm) -> Outcome {
     let last = comm.size() - 1;
     if comm.rank() == last {
         return Ok(comm.send(last, Vec::new())?);
@@ -146,15 +146,15 @@ pub fn error(comm: &mut MpiComm) -> Held {
 }
 
 /// The last rank panics while the others wait for it.
-pub fn panic(comm: &mut MpiComm) -> Held {
+pub fn panic(comm: &mut MpiComm) -> Outcome {
     let last = comm.size() - 1;
     assert!(comm.rank() != last, "no paper");
     comm.receive(last).map(drop)?;
     unreachable!("the last rank sends nothing")
 }
 
-/// Rank 0 ends well without sending what the others wait for.
-pub fn early_end(comm: &mut MpiComm) -> Held {
+/// Rank 0 ends without an error and without sending what the others wait for.
+pub fn early_end(comm: &mut MpiComm) -> Outcome {
     if comm.rank() == 0 {
         return Ok(());
     }

@@ -1,4 +1,4 @@
-//! Ranks that are processes: each of them calls [`draw_frame`] with its own end of the messages.
+//! Ranks that are processes: each of them calls [`draw_frame`] with its own communicator.
 
 use std::time::Instant;
 
@@ -11,22 +11,23 @@ use crate::organisation::{Rank, Task};
 use crate::report::FrameReport;
 use crate::{ParallelError, RankReport};
 
-/// What a rank tells rank 0.
+/// What a rank reports to rank 0.
 #[derive(Serialize, Deserialize)]
-struct Told {
+struct TimedReport {
     /// When it began, by the [clock of its machine](machine_clock).
     began: Option<u64>,
     report: RankReport,
 }
 
-/// Draws a frame together with the other ranks, which have to call this with the same task. On rank 0 `frame` then is
-/// the picture, with the bytes that one renderer gives, and what all ranks did is returned; the others get `None`.
+/// Draws a frame together with the other ranks, which have to call this with the same task. On rank 0 `frame` is then
+/// the picture, with the bytes that one renderer gives, and the report of all ranks is returned; the others get
+/// `None`.
 ///
-/// The ranks' reports travel after the frame, as JSON: neither their messages nor their time count. The frame's time
-/// begins with the first rank of rank 0's machine.
+/// The ranks' reports are sent after the frame, as JSON: neither their messages nor their time count. The frame's
+/// time begins with the first rank on rank 0's machine.
 ///
 /// # Errors
-/// [`ParallelError`]: what this rank cannot do, or that another one is gone.
+/// [`ParallelError`] if this rank fails, or another one is gone.
 pub fn draw_frame(
     own: &mut Rank,
     comm: &mut impl Communicator,
@@ -38,7 +39,7 @@ pub fn draw_frame(
     let (begin, began) = (Instant::now(), machine_clock());
     let report = own.draw_into(comm, task, frame)?;
     let since_own = begin.elapsed().as_secs_f64() * 1e3;
-    let Some(all) = tell(comm, Told { began, report })? else { return Ok(None) };
+    let Some(all) = tell(comm, TimedReport { began, report })? else { return Ok(None) };
     let earlier = match came.zip(began) {
         Some((came, began)) => began - first(came, began, all.iter().filter_map(|told| told.began)),
         None => 0,
@@ -50,10 +51,11 @@ pub fn draw_frame(
     Ok(Some(report))
 }
 
-/// What all ranks tell, in their order, for rank 0; the others get `None`. It travels as JSON, and all have to call this.
+/// Gathers the values of all ranks, in their order, on rank 0; the others get `None`. They are sent as JSON, and all
+/// ranks have to call this.
 ///
 /// # Errors
-/// [`ParallelError::Report`] if it is not understood, and that a rank is gone.
+/// [`ParallelError::Report`] if a value cannot be written or parsed, and an error if a rank is gone.
 pub fn tell<T: Serialize + DeserializeOwned>(
     comm: &mut impl Communicator,
     own: T,
@@ -72,7 +74,7 @@ pub fn tell<T: Serialize + DeserializeOwned>(
     std::iter::once(Ok(own)).chain(others).collect::<Result<Vec<T>, _>>().map(Some)
 }
 
-/// Nanoseconds of a clock that all processes of a machine read alike, where there is one.
+/// Nanoseconds of a clock that all processes of a machine share, if there is one.
 fn machine_clock() -> Option<u64> {
     #[cfg(unix)]
     {
@@ -83,8 +85,8 @@ fn machine_clock() -> Option<u64> {
     None
 }
 
-/// When the first rank began. Where ranks share processors rank 0 may be the last, but nobody begins before rank 0
-/// has come to where they wait for each other: another time is told by the clock of another machine.
+/// When the first rank began. If ranks share processors, rank 0 may be the last, but no rank begins before rank 0 has
+/// reached the barrier: any earlier time is of another machine's clock.
 fn first(came: u64, began: u64, others: impl Iterator<Item = u64>) -> u64 {
     others.filter(|other| (came..began).contains(other)).min().unwrap_or(began)
 }
@@ -105,7 +107,7 @@ mod tests {
 
     #[test]
     #[cfg(unix)]
-    fn the_clock_of_the_machine_runs_as_fast_as_others() {
+    fn the_clock_of_the_machine_runs_at_the_same_rate_as_others() {
         let (begin, began) = (Instant::now(), machine_clock().unwrap());
         std::thread::sleep(std::time::Duration::from_millis(20));
         let passed = machine_clock().unwrap() - began;

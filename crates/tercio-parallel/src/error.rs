@@ -9,24 +9,24 @@ use crate::composite::packet::PacketError;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ParallelError {
-    /// A rank cannot draw.
+    /// A rank failed to draw.
     #[error(transparent)]
     Render(#[from] RenderError),
-    /// A message did not arrive.
+    /// A message could not be sent or received.
     #[error(transparent)]
     Comm(#[from] CommError),
-    /// A message does not hold pixels.
+    /// A message does not hold valid pixels.
     #[error("pixels from rank {from}: {source}")]
     Packet {
-        /// Who sent them.
+        /// The sender.
         from: usize,
         /// What is wrong.
         source: PacketError,
     },
-    /// What a rank did for a frame cannot be written, or was not understood by rank 0.
+    /// A rank's report of a frame cannot be written, or cannot be parsed by rank 0.
     #[error("the report of rank {rank}: {source}")]
     Report {
-        /// Whose it is.
+        /// The rank.
         rank: usize,
         /// What is wrong.
         source: serde_json::Error,
@@ -34,31 +34,31 @@ pub enum ParallelError {
     /// A rank panicked.
     #[error("rank {rank} panicked: {message}")]
     Panicked {
-        /// Which.
+        /// The rank.
         rank: usize,
-        /// What it said.
+        /// The panic message.
         message: String,
     },
-    /// The system gave no thread for a rank.
+    /// The thread of a rank could not be created.
     #[error("rank {rank} has no thread: {source}")]
     Thread {
-        /// Which.
+        /// The rank.
         rank: usize,
-        /// Why not.
+        /// The system's reason.
         source: std::io::Error,
     },
-    /// A rank's threads could not be had.
+    /// The thread pool of a rank could not be created.
     #[error("a rank's {threads} threads: {source}")]
     Threads {
-        /// How many were asked for.
+        /// The requested number of threads.
         threads: usize,
-        /// Why not.
+        /// The reason.
         source: rayon::ThreadPoolBuildError,
     },
 }
 
 impl ParallelError {
-    /// True if it only tells that another rank failed, which then has the reason.
+    /// True if it only reports that another rank failed, which has the actual reason.
     pub(crate) fn is_consequence(&self) -> bool {
         matches!(self, Self::Comm(CommError::Gone { .. }))
     }

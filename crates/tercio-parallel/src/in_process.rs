@@ -1,4 +1,4 @@
-//! Ranks of one process: a thread each, messages through channels.
+//! Ranks in one process: one thread each, messages through channels.
 
 use std::sync::Mutex;
 use std::time::Instant;
@@ -12,22 +12,22 @@ use crate::organisation::{Rank, Task};
 use crate::report::FrameReport;
 use crate::{Organisation, ParallelError};
 
-/// Ranks of this process.
+/// Ranks in this process.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Ranks {
-    /// How many, at least 1.
+    /// Number of ranks, at least 1.
     pub count: usize,
-    /// Threads that each draws with, at least 1.
+    /// Number of threads of each rank, at least 1.
     pub threads: usize,
     /// How they share a frame.
     pub organisation: Organisation,
 }
 
-/// Draws one frame a camera and tells what every rank did. `picture` gets each picture, with the number of its camera,
-/// and may take it.
+/// Draws one frame per camera and returns the reports. `picture` gets each picture, with the number of its camera,
+/// and may take its contents.
 ///
 /// # Errors
-/// [`ParallelError`]: what the first rank that failed tells.
+/// [`ParallelError`]: that of the first rank that failed.
 ///
 /// # Panics
 /// If there are no ranks.
@@ -55,14 +55,15 @@ pub fn draw_frames(
     };
     let reports = threads::run(ranks.count, |comm| {
         let mut own = Rank::new(ranks.threads)?;
-        // All of a rank's work on its own threads: it is not handed to and fro, and none of them looks for more.
+        // All work of a rank runs on its own threads: it is not passed between pools, and no thread searches for more
+        // work.
         own.pool().install(|| draw(comm, &mut own))
     })?;
-    // From a list a rank to a list a frame.
+    // Transpose: from a list per rank to a list per frame.
     let mut of_ranks: Vec<_> = reports.into_iter().map(Vec::into_iter).collect();
     let frame = |_| {
         let all: Vec<_> = of_ranks.iter_mut().filter_map(Iterator::next).collect();
-        // Where ranks share processors, rank 0 may be the last to begin.
+        // If ranks share processors, rank 0 may be the last to begin.
         let begin = all.iter().map(|rank| rank.1).min();
         let whole = all.first().map(|first| first.2).zip(begin).map(|(end, begin)| end - begin);
         let milliseconds = whole.map_or(0.0, |whole| whole.as_secs_f64() * 1e3);

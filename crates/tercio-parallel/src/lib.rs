@@ -2,17 +2,17 @@
 //!
 //! | module | what |
 //! |---|---|
-//! | [`comm`] | how ranks talk: the [`Communicator`] and its backend in one process |
+//! | [`comm`] | communication between ranks: the [`Communicator`] and its backend in one process |
 //! | [`regions`] | who owns which part of the picture |
-//! | [`composite`] | pixels on their way: [packed](composite::packet), [composed](composite::direct_send), [collected](composite::collect) |
-//! | [`organisation`] | who draws what, and when it changes hands: sort-first and sort-last |
-//! | [`report`] | what every rank did, counted and timed |
-//! | [`in_process`] | all of it in one process, a rank a thread |
+//! | [`composite`] | transfer of pixels: [packed](composite::packet), [composed](composite::direct_send), [collected](composite::collect) |
+//! | [`organisation`] | who draws what, and where work is redistributed: sort-first and sort-last |
+//! | [`report`] | counts and times of every rank |
+//! | [`in_process`] | all ranks in one process, a thread each |
 //! | [`between_processes`] | the same where every rank is a process of its own |
 //!
-//! A rank draws with a [`tercio_raster::Renderer`] of its own. Clusters and tiles keep their numbers whoever draws
-//! them ([`tercio_raster::Part`]), and what is seen is decided by [`tercio_raster::frame::visibility_key`] within a
-//! rank as between ranks; so the picture is that of one process.
+//! A rank draws with a [`tercio_raster::Renderer`] of its own. Clusters and tiles keep their numbers whichever rank
+//! draws them ([`tercio_raster::Part`]), and visibility is decided by [`tercio_raster::frame::visibility_key`] within
+//! a rank as between ranks; so the picture is that of one process.
 //!
 //! # Example
 //!

@@ -2,17 +2,18 @@
 
 use std::ops::Range;
 
-/// The picture in square regions, which are the renderer's tiles: region k, counted row by row, belongs to rank k modulo
-/// the ranks. Neighbours have different owners, so that a small model still is everybody's work.
+/// The picture in square regions, which are the renderer's tiles: region k, counted row by row, belongs to rank k
+/// modulo the number of ranks. Neighbours have different owners, so that even a small model is distributed over all
+/// ranks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Regions {
-    /// Pixels across the picture.
+    /// Width of the picture in pixels.
     pub width: u32,
-    /// Pixels down.
+    /// Height of the picture in pixels.
     pub height: u32,
     /// Pixels along the edge of a region, at least 1. Regions at the right and lower border may be smaller.
     pub edge: u32,
-    /// Ranks, at least 1.
+    /// Number of ranks, at least 1.
     pub ranks: usize,
 }
 
@@ -30,17 +31,17 @@ impl Regions {
         u64::from(self.width.div_ceil(self.edge))
     }
 
-    /// All regions.
+    /// Number of regions.
     pub fn count(&self) -> u64 {
         self.columns() * u64::from(self.height.div_ceil(self.edge))
     }
 
-    /// Ranks that own a region: the first ones.
+    /// Number of ranks that own a region: the first ones.
     pub fn owners(&self) -> usize {
         usize::try_from(self.count()).map_or(self.ranks, |count| count.min(self.ranks))
     }
 
-    /// The regions of a rank, in their order.
+    /// The regions of a rank, in order.
     pub fn of(&self, rank: usize) -> impl Iterator<Item = Region> + use<> {
         let regions = *self;
         (rank as u64..self.count()).step_by(self.ranks).map(move |k| {

@@ -1,4 +1,4 @@
-//! What every rank did, counted and timed.
+//! Counts and times of every rank.
 
 use std::time::Instant;
 
@@ -13,15 +13,15 @@ use crate::organisation::Organisation;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct Stage {
-    /// Milliseconds from its beginning to its end.
+    /// Wall time in milliseconds.
     pub milliseconds: f64,
-    /// Milliseconds of processor time of the rank's thread (while it draws, of one of its threads): what the stage
-    /// takes where ranks do not share processors. Where the system does not tell, as above.
+    /// Processor time in milliseconds of the rank's thread (while it draws, of one of its threads): what the stage
+    /// takes if ranks do not share processors. If the system does not report it, wall time.
     pub busy_milliseconds: f64,
 }
 
 impl Stage {
-    /// Does a part of the stage, and times it.
+    /// Runs a part of the stage, and adds its time.
     pub fn time<T>(&mut self, work: impl FnOnce() -> T) -> T {
         let (begin, busy) = (Instant::now(), busy_milliseconds());
         let result = work();
@@ -46,13 +46,13 @@ fn busy_milliseconds() -> Option<f64> {
     None
 }
 
-/// The stages of a rank, in their order.
+/// The stages of a rank, in order.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct RankStages {
     /// Drawing its share.
     pub draw: Stage,
-    /// Packing pixels for other owners, and composing what came from other ranks.
+    /// Packing pixels for other owners, and compositing those from other ranks.
     pub compose: Stage,
     /// Packing finished pixels for rank 0; there, unpacking them.
     pub collect: Stage,
@@ -60,39 +60,39 @@ pub struct RankStages {
     pub wait: Stage,
 }
 
-/// Pixels of a rank, by what happened to them.
+/// Counts of a rank's pixels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct RankPixels {
     /// Sent to other owners with their keys.
     pub sent: u64,
-    /// Came from other ranks and were compared.
+    /// Received from other ranks and compared.
     pub compared: u64,
-    /// Those of them that were nearer than what stood there.
+    /// Those of them that were nearer than the pixel in the frame.
     pub won: u64,
-    /// Pixels of the own regions that show something in the end.
+    /// Drawn pixels of this rank's regions in the finished picture.
     pub visible: u64,
 }
 
-/// What one rank did for a frame.
+/// Report of one rank for a frame.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct RankReport {
-    /// Which.
+    /// The rank.
     pub rank: usize,
-    /// Clusters that it had to look at.
+    /// Clusters that it had to test.
     pub clusters: u64,
-    /// What its renderer did; all zero where it had nothing to draw.
+    /// Counts and times of its renderer; all zero if it had nothing to draw.
     pub frame: FrameStats,
-    /// Pixels.
+    /// Counts of pixels.
     pub pixels: RankPixels,
-    /// Messages.
+    /// Counts of messages.
     pub traffic: Traffic,
     /// Times.
     pub stages: RankStages,
 }
 
-/// What all ranks did for a frame.
+/// Report of all ranks for a frame.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct FrameReport {
@@ -100,7 +100,7 @@ pub struct FrameReport {
     pub organisation: Organisation,
     /// Pixels along the edge of a region.
     pub region: u32,
-    /// Milliseconds from when the first rank began until the picture was whole, on rank 0.
+    /// Milliseconds from the beginning of the first rank until the picture was complete on rank 0.
     pub milliseconds: f64,
     /// Messages between ranks.
     pub messages: u64,
@@ -111,21 +111,21 @@ pub struct FrameReport {
 }
 
 impl FrameReport {
-    /// Of the ranks' reports.
+    /// The report of the frame from those of the ranks.
     pub fn new(organisation: Organisation, region: u32, milliseconds: f64, ranks: Vec<RankReport>) -> Self {
         let messages = ranks.iter().map(|r| r.traffic.sent_messages).sum();
         let bytes = ranks.iter().map(|r| r.traffic.sent_bytes).sum();
         Self { organisation, region, milliseconds, messages, bytes, ranks }
     }
 
-    /// Pixels of the picture that show something.
+    /// Number of drawn pixels in the picture.
     pub fn pixels_visible(&self) -> u64 {
         self.ranks.iter().map(|r| r.pixels.visible).sum()
     }
 
-    /// The frame as if one renderer had drawn it: the work of all ranks, visible pixels counted once. Sort-first has
-    /// every rank look at every cluster; there what the front end met is told by rank 0 alone. Bins are those of
-    /// rank 0.
+    /// The statistics as if one renderer had drawn the frame: the work of all ranks, visible pixels counted once. In
+    /// sort-first every rank tests every cluster, so the counts of the front end are rank 0's. Bins are those of rank
+    /// 0.
     pub fn stats(&self) -> FrameStats {
         let Some(first) = self.ranks.first() else { return FrameStats::default() };
         let mut stats = first.frame.clone();

@@ -1,4 +1,4 @@
-//! Ranks that know nothing of each other but their messages: the picture and the counts of ranks in one process.
+//! Ranks that communicate only by messages: picture and counts are those of ranks in one process.
 
 use std::sync::Arc;
 
@@ -14,7 +14,7 @@ use tercio_raster::stats::StageTimes;
 use tercio_raster::{Frame, Settings};
 use tercio_scene::{Camera, Projection, Scene};
 
-/// A scene and a camera, made anew as every process makes them.
+/// A scene and a camera, made anew as in every process.
 fn made() -> (Scene, Camera) {
     let mesh = builtin::make("builtin:teapot@5k").expect("a model");
     let scene = Scene::from_mesh(Arc::new(partition(mesh, &PartitionOptions::default())));
@@ -25,7 +25,7 @@ fn made() -> (Scene, Camera) {
     (scene, camera)
 }
 
-/// What does not change from run to run.
+/// The parts of a report that do not change from run to run.
 fn counts(mut report: FrameReport) -> FrameReport {
     report.milliseconds = 0.0;
     for rank in &mut report.ranks {
@@ -53,10 +53,11 @@ fn picture_and_counts_are_those_of_ranks_in_one_process() {
             assert!(results.all(|r| r.is_none()), "others have a report");
             let (scene, camera) = made();
             let ranks = Ranks { count, threads: 1, organisation };
-            let (expected, told) = in_process::draw(ranks, &scene, &camera, &settings).expect("a picture");
+            let (expected, expected_report) =
+                in_process::draw(ranks, &scene, &camera, &settings).expect("a picture");
             assert!(frame.planes.color == expected.planes.color, "{organisation:?}, {count} ranks");
             assert_eq!(frame.stats.backend, expected.stats.backend);
-            assert_eq!(counts(report), counts(told), "{organisation:?}, {count} ranks");
+            assert_eq!(counts(report), counts(expected_report), "{organisation:?}, {count} ranks");
         }
     }
 }

@@ -1,4 +1,4 @@
-//! One picture: any number of ranks gives the bytes of one renderer.
+//! Any number of ranks gives the bytes of one renderer.
 
 use std::sync::Arc;
 
@@ -20,7 +20,7 @@ fn scene(model: &str, most_triangles: usize) -> Scene {
     Scene::from_mesh(Arc::new(partition(mesh, &options)))
 }
 
-/// The same scene with a second instance, turned, mirrored, smaller, in the middle of the first.
+/// The same scene with a second instance, rotated, mirrored, smaller, in the middle of the first.
 fn with_second_instance(mut scene: Scene) -> Scene {
     let place = scene.bounds().center();
     let (scale, turn) = (DVec3::new(0.5, -0.4, 0.6), DQuat::from_rotation_y(1.0));
@@ -30,7 +30,7 @@ fn with_second_instance(mut scene: Scene) -> Scene {
     scene
 }
 
-/// Stands so many radii from the middle; below 1 the near plane cuts the model.
+/// A camera at this many radii from the centre; below 1 the near plane cuts the model.
 fn camera(scene: &Scene, radii: f64, orthographic: bool) -> Camera {
     let bounds = scene.bounds();
     let eye = bounds.center() + DVec3::new(0.3, 0.4, 0.9).normalize() * bounds.radius() * radii;
@@ -62,7 +62,7 @@ fn check(scene: &Scene, camera: &Camera, settings: &Settings, ranks: Ranks, what
         report.ranks.iter().map(|r| of(&r.traffic)).sum()
     };
     assert_eq!((taken(|t| t.taken_messages), taken(|t| t.taken_bytes)), (report.messages, report.bytes));
-    assert!(ranks.count > 1 || report.messages == 0, "{what}: one rank talks to itself");
+    assert!(ranks.count > 1 || report.messages == 0, "{what}: one rank sends messages to itself");
     report
 }
 
@@ -89,7 +89,7 @@ fn every_number_of_ranks() {
 
 #[test]
 fn among_equal_depths_the_lower_primitive_is_seen() {
-    // The same model twice at the same place, in another colour: every sample is a tie between ranks.
+    // The same model twice at the same position, in another colour: every sample is a tie between ranks.
     let mut twice = scene("builtin:teapot@2k", 16);
     let mut second = twice.instances[0].clone();
     second.surface.base_color = [1.0, 0.0, 0.0];
@@ -125,7 +125,7 @@ fn more_ranks_than_clusters_or_regions() {
 }
 
 #[test]
-fn nothing_at_all() {
+fn an_empty_scene() {
     let mut empty = scene("builtin:teapot@1k", 128);
     empty.instances.clear();
     let camera = Camera { eye: DVec3::Z, ..camera(&scene("builtin:teapot@1k", 128), 2.0, false) };
@@ -140,7 +140,7 @@ fn nothing_at_all() {
 }
 
 #[test]
-fn frames_in_a_row_leave_nothing_behind() {
+fn frames_do_not_affect_later_frames() {
     let scene = with_second_instance(scene("builtin:teapot@6k", 128));
     let cameras: Vec<_> = [2.6, 5.0, 0.4, 30.0].map(|radii| camera(&scene, radii, false)).to_vec();
     let settings = Settings { tile_size: Some(8), ..Settings::new(90, 70) };
@@ -177,7 +177,7 @@ fn sort_last_shares_the_clusters_and_sort_first_the_picture() {
 }
 
 #[test]
-fn errors_are_told_by_whoever_meets_them() {
+fn errors_are_returned_by_the_rank_that_fails() {
     let scene = scene("builtin:teapot@1k", 128);
     let camera = camera(&scene, 2.6, false);
     for organisation in BOTH {

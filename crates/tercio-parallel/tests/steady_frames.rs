@@ -1,4 +1,4 @@
-//! A frame like the one before takes no memory for messages.
+//! A frame like the one before allocates no memory for messages.
 
 use std::sync::Arc;
 
@@ -11,7 +11,7 @@ use tercio_parallel::{Communicator, Organisation};
 use tercio_raster::{Frame, Settings};
 use tercio_scene::{Camera, Projection, Scene};
 
-/// Counts the messages for which there is no memory yet, and all.
+/// Counts all messages, and those for which there was no memory to reuse.
 struct Watched<'a> {
     inner: &'a mut ThreadComm,
     fresh: usize,
@@ -52,7 +52,7 @@ impl Communicator for Watched<'_> {
 }
 
 #[test]
-fn memory_is_taken_for_the_messages_of_one_frame_only() {
+fn memory_is_allocated_for_the_messages_of_one_frame_only() {
     let mesh = builtin::make("builtin:gyroid@4k").expect("a model");
     let scene = Scene::from_mesh(Arc::new(partition(mesh, &PartitionOptions::default())));
     let bounds = scene.bounds();
@@ -72,14 +72,14 @@ fn memory_is_taken_for_the_messages_of_one_frame_only() {
             let mut watched = Watched { inner: comm, fresh: 0, sent: 0 };
             for _ in 0..FRAMES {
                 own.draw_into(&mut watched, &task, &mut frame)?;
-                // Afterwards all messages have been read.
+                // After this all messages have been read.
                 watched.barrier()?;
             }
             Ok((watched.fresh, watched.sent))
         });
         for (rank, (fresh, sent)) in counted.expect("frames").into_iter().enumerate() {
-            // Sort-last: one message to each of the two others. Both: one more to rank 0, to be collected, for which
-            // the memory of the one before may already have come back.
+            // Sort-last: one message to each of the two others. Both: one more to rank 0, for collecting, for which
+            // the memory of the previous one may already have been returned.
             let others = if organisation == Organisation::SortLast { 2 } else { 0 };
             let collected = usize::from(rank > 0);
             assert_eq!(sent, FRAMES * (others + collected), "{organisation:?}, rank {rank}");

@@ -1,16 +1,16 @@
-//! The camera: where it stands, where it looks, how it projects.
+//! The camera: position, direction and projection.
 
 use glam::DVec3;
 
-/// How view space becomes the picture.
+/// How view space is projected to the picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Projection {
-    /// A pinhole; `fov_y` is the full vertical angle in radians, above 0 and below pi.
+    /// A perspective camera; `fov_y` is the full vertical angle in radians, above 0 and below pi.
     Perspective {
         /// Full vertical angle of view, radians.
         fov_y: f64,
     },
-    /// Parallel rays; the picture is `height` world units high.
+    /// An orthographic camera; the picture is `height` world units high.
     Orthographic {
         /// World units from the lower to the upper border of the picture.
         height: f64,
@@ -20,20 +20,20 @@ pub enum Projection {
 /// A camera in world space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
-    /// Where the camera stands.
+    /// Position of the camera.
     pub eye: DVec3,
-    /// The point in the middle of the picture; must differ from `eye`.
+    /// The point at the centre of the picture; must differ from `eye`.
     pub target: DVec3,
-    /// What shall point upwards in the picture; must not be parallel to the line of sight.
+    /// The direction that points upwards in the picture; must not be parallel to the line of sight.
     pub up: DVec3,
-    /// How it projects.
+    /// The projection.
     pub projection: Projection,
-    /// Distance of the near plane along the line of sight, world units; `None` lets the renderer choose one that cuts off
-    /// nothing that could be seen: at a million-millionth of the scene's radius if the camera stands inside the scene.
+    /// Distance of the near plane along the line of sight, world units; `None` lets the renderer choose one that cuts
+    /// off nothing visible: at 10^-12 of the scene's radius if the camera is inside the scene.
     pub near: Option<f64>,
 }
 
-/// The camera's axes in world space, unit length, at right angles.
+/// The camera's axes in world space, orthonormal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CameraBasis {
     /// To the right in the picture.
@@ -67,11 +67,11 @@ pub enum CameraError {
     /// A field of view or height out of range.
     #[error("the camera's {what} must be {range}, is {value}")]
     OutOfRange {
-        /// Which number.
+        /// Name of the parameter.
         what: &'static str,
-        /// What it may be.
+        /// The valid range.
         range: &'static str,
-        /// What it is.
+        /// The value.
         value: f64,
     },
 }

@@ -1,8 +1,7 @@
 //! Places a camera so that the model fills the picture.
 //!
-//! All that is asked of the model is its support function (how far it reaches in a direction), so that one
-//! solver serves boxes, which are cheap and steady from frame to frame, and exact vertices, which fill the
-//! picture best.
+//! The solver only needs the model's support function (its extent in a direction), so the same one serves boxes,
+//! which are fast and steady from frame to frame, and exact vertices, which fill the picture best.
 
 use glam::DVec3;
 
@@ -34,11 +33,11 @@ impl UpAxis {
     }
 }
 
-/// Where the camera stands, seen from the model. Left and right are those of the picture in the front view.
+/// Position of the camera relative to the model. Left and right are those of the picture in the front view.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum View {
-    /// Looks at the side that faces the viewer.
+    /// Looks at the front of the model.
     Front,
     /// From behind.
     Back,
@@ -69,19 +68,19 @@ impl View {
     }
 }
 
-/// What the user asks of the camera; everything else follows from the model's extent.
+/// Parameters of the camera that the user chooses; everything else follows from the model's extent.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Framing {
     /// Which axis points upwards.
     pub up_axis: UpAxis,
-    /// Degrees round the up axis; 0 is the front, positive turns the camera to the right of the front view.
+    /// Degrees around the up axis; 0 is the front, positive turns the camera to the right of the front view.
     pub azimuth: f64,
     /// Degrees above the horizon.
     pub elevation: f64,
-    /// Degrees round the line of sight; positive turns the camera counter-clockwise, the picture clockwise.
+    /// Degrees around the line of sight; positive turns the camera counter-clockwise, the picture clockwise.
     pub roll: f64,
-    /// Above 1 shows the model larger. A perspective camera stays where it is and narrows its angle of
-    /// view, so that zooming never moves it into the model nor changes what hides what.
+    /// Above 1 shows the model larger. A perspective camera keeps its position and narrows its angle of view, so that
+    /// zooming never moves it into the model nor changes occlusion.
     pub zoom: f64,
     /// Width by height of the picture.
     pub aspect: f64,
@@ -92,8 +91,7 @@ pub struct Framing {
 }
 
 impl Default for Framing {
-    /// From above, front and a little right, as one looks at a thing on a table, through a short telephoto
-    /// lens.
+    /// From above, front and a little right, as one looks at an object on a table, through a short telephoto lens.
     fn default() -> Self {
         Self {
             up_axis: UpAxis::Y,
@@ -112,7 +110,7 @@ impl Framing {
     /// The default vertical angle of view, degrees.
     pub const FOV_Y: f64 = 30.0;
 
-    /// The default framing for a picture of this size in pixels. Where the picture's settings stand already,
+    /// The default framing for a picture of this size in pixels. If the settings of the picture exist already,
     /// `Settings::framing` of `tercio-raster` takes the size from there.
     pub fn new(width: u32, height: u32) -> Self {
         Self { aspect: f64::from(width.max(1)) / f64::from(height.max(1)), ..Self::default() }
@@ -124,8 +122,8 @@ impl Framing {
         Self { azimuth, elevation, ..self }
     }
 
-    /// The axes of the camera. They stay at right angles at the poles, where "up" becomes "away from the
-    /// front" (from above) or "towards the front" (from below).
+    /// The axes of the camera. They stay orthogonal at the poles, where "up" becomes "away from the front" (from
+    /// above) or "towards the front" (from below).
     pub fn basis(&self) -> CameraBasis {
         let front = self.up_axis.front();
         let (sin_a, cos_a) = sin_cos_degrees(self.azimuth);
@@ -140,10 +138,10 @@ impl Framing {
         rolled(level, self.roll)
     }
 
-    /// The camera for a model with these bounds: all eight corners are inside the part `fill` of the
-    /// picture, and in the middle of it.
+    /// The camera for a model with these bounds: all eight corners are inside the part `fill` of the picture, centred
+    /// in it.
     ///
-    /// Bounds that are empty or a single point are drawn as if something of size 1 stood there.
+    /// Bounds that are empty or a single point are framed like an object of size 1.
     pub fn camera(&self, bounds: &Aabb) -> Camera {
         let bounds = drawable(bounds);
         let half = bounds.size() * 0.5;
@@ -152,7 +150,7 @@ impl Framing {
 
     /// The camera that frames the vertices of a scene, which fills the picture better than their box does.
     ///
-    /// The camera is the same however the meshes are cut into clusters.
+    /// The camera is the same however the meshes are split into clusters.
     pub fn camera_for_scene(&self, scene: &Scene) -> Camera {
         let bounds = drawable(&scene.bounds());
         if scene.bounds() != bounds {
@@ -166,9 +164,9 @@ impl Framing {
     }
 
     /// A camera at `eye` that looks at `target`, with the roll, zoom and projection of this framing.
-    ///
-    /// Without `up`, the up axis points upwards, or the back of the front view where the line of sight runs
-    /// along the up axis. The picture of an orthographic camera is as high as a perspective one of the
+    /// Without `up`, the up axis points upwards, or the back of the front view if the line of sight is parallel to
+    /// the up axis. The height of an orthographic camera's picture is what a perspective one with the default angle
+    /// of view sees at the target.
     /// default angle of view sees at the target.
     pub fn camera_at(&self, eye: DVec3, target: DVec3, up: Option<DVec3>) -> Camera {
         let front = self.up_axis.front();
@@ -193,7 +191,7 @@ impl Framing {
 
     fn zoomed_fov(&self, tangent: f64) -> f64 {
         match self.fov_y {
-            // As it was given, to the last digit.
+            // The given value, exactly.
             Some(fov_y) if self.zoom == 1.0 => fov_y.to_radians(),
             _ => 2.0 * trig::atan2(tangent, self.zoom),
         }
@@ -211,7 +209,7 @@ impl Framing {
         let Some(fov_y) = self.fov_y else {
             let (width, x) = extent(reach(right), reach(-right));
             let (height, y) = extent(reach(up), reach(-up));
-            // Seen along a line or a flat side edge-on there may be no extent at all.
+            // Along a line, or a flat model seen edge-on, the extent may be zero.
             let height = height.max(width / self.aspect).max(radius * 1e-6) / (self.fill * self.zoom);
             return place(x, y, nearest + radius, Projection::Orthographic { height });
         };
@@ -219,7 +217,7 @@ impl Framing {
         let (tan_x, tan_y) = (tangent * self.aspect * self.fill, tangent * self.fill);
         let distance_x = Axis { across: right, back, reach: &reach }.nearest_eye(tan_x);
         let distance_y = Axis { across: up, back, reach: &reach }.nearest_eye(tan_y);
-        // Whatever is seen along its length must not touch the eye.
+        // The nearest point of the model must not touch the eye.
         let distance = distance_x.max(distance_y).max(nearest + radius * 1e-3);
         let x = Axis { across: right, back, reach: &reach }.middle(distance, tan_x);
         let y = Axis { across: up, back, reach: &reach }.middle(distance, tan_y);
@@ -241,18 +239,18 @@ impl<F: Fn(DVec3) -> f64> Axis<'_, F> {
         ((self.reach)(self.across + self.back * t), (self.reach)(self.back * t - self.across))
     }
 
-    /// The smallest distance from which everything is seen at tangents up to `t`, wherever `x` is.
+    /// The smallest distance from which everything is seen at tangents up to `t`, for a suitable `x`.
     fn nearest_eye(&self, t: f64) -> f64 {
         let (plus, minus) = self.reaches(t);
         (plus + minus) / (2.0 * t)
     }
 
-    /// The `x` at which the model is in the middle of the picture, seen from `distance`; `t` is a tangent
-    /// inside which it can be seen from there.
+    /// The `x` at which the model is centred in the picture, seen from `distance`; `t` is a tangent at which all of
+    /// it can be seen from there.
     ///
-    /// Asks for the smallest tangent that still holds the model: the root of the slack
-    /// `2 t d - plus - minus`, which rises with t and is minus the model's width at 0. Found by the Illinois
-    /// method: chords, where the weight of an end that does not move is halved.
+    /// Solves for the smallest tangent that still contains the model: the root of the slack `2 t d - plus - minus`,
+    /// which increases with t and is minus the model's width at 0. Found by the Illinois method: the secant method,
+    /// where the weight of an end that does not move is halved.
     fn middle(&self, distance: f64, t: f64) -> f64 {
         let slack = |t: f64| {
             let (plus, minus) = self.reaches(t);
@@ -284,7 +282,7 @@ impl<F: Fn(DVec3) -> f64> Axis<'_, F> {
     }
 }
 
-/// Width and middle, from how far something reaches to both sides.
+/// Width and centre, from the extent to both sides.
 fn extent(plus: f64, minus: f64) -> (f64, f64) {
     (plus + minus, (plus - minus) * 0.5)
 }

@@ -2,19 +2,19 @@
 
 use glam::DVec3;
 
-/// What a light's direction or place is given in.
+/// The coordinate system of a light's direction or position.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LightSpace {
-    /// Stays where it is when the camera moves.
+    /// The light is fixed in the world.
     World,
-    /// Moves with the camera: x right, y up, z towards the viewer, origin at the eye.
+    /// The light moves with the camera: x right, y up, z towards the viewer, origin at the eye.
     Camera,
 }
 
 /// A light. Colours are linear and may be above 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Light {
-    /// The same from everywhere.
+    /// The same from all directions.
     Ambient {
         /// Linear RGB.
         color: [f32; 3],
@@ -23,16 +23,16 @@ pub enum Light {
     Directional {
         /// Towards the light; any length above 0.
         to_light: DVec3,
-        /// What `to_light` is given in.
+        /// Coordinate system of `to_light`.
         space: LightSpace,
         /// Linear RGB.
         color: [f32; 3],
     },
-    /// From one place; brightness does not fall off with distance.
+    /// From a point; brightness does not fall off with distance.
     Point {
-        /// Where it stands.
+        /// Its position.
         position: DVec3,
-        /// What `position` is given in.
+        /// Coordinate system of `position`.
         space: LightSpace,
         /// Linear RGB.
         color: [f32; 3],
@@ -40,13 +40,13 @@ pub enum Light {
 }
 
 impl Light {
-    /// A light at the camera that shines where it looks.
+    /// A directional light at the camera that shines along the line of sight.
     pub fn headlight(color: [f32; 3]) -> Self {
         Self::Directional { to_light: DVec3::Z, space: LightSpace::Camera, color }
     }
 
-    /// The lights of a picture for which none were chosen: a warm key light over the viewer's left shoulder,
-    /// a cool fill light from the right, and a little from everywhere.
+    /// The lights of a picture for which none were chosen: a warm key light over the viewer's left shoulder, a cool
+    /// fill light from the right, and a little ambient light.
     pub fn studio() -> Vec<Self> {
         let camera = |x, y, z, color| Self::Directional {
             to_light: DVec3::new(x, y, z),

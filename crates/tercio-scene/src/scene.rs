@@ -1,4 +1,4 @@
-//! The scene: meshes in their places, lights, background.
+//! The scene: mesh instances, lights, background.
 
 use std::sync::Arc;
 
@@ -12,27 +12,27 @@ use crate::Light;
 /// Everything that is drawn.
 #[derive(Clone, Debug, Default)]
 pub struct Scene {
-    /// Meshes in their places. Primitive numbers of the picture run through the instances in order.
+    /// Meshes and their transforms. Primitive numbers of the picture run through the instances in order.
     pub instances: Vec<Instance>,
     /// The lights.
     pub lights: Vec<Light>,
-    /// What stands where nothing is drawn.
+    /// Background colours.
     pub background: Background,
 }
 
-/// A mesh in its place.
+/// A mesh and its transform.
 #[derive(Clone, Debug)]
 pub struct Instance {
-    /// What is drawn; several instances may share it.
+    /// The mesh; several instances may share it.
     pub mesh: Arc<ClusteredMesh>,
-    /// Places the mesh in the world; applied after the mesh's own origin is added.
+    /// Transform to world space; applied after the mesh's own origin is added.
     pub world_from_object: DAffine3,
-    /// How it looks.
+    /// Material parameters.
     pub surface: Surface,
 }
 
 impl Instance {
-    /// The mesh where its file puts it.
+    /// The mesh at the position given by its file.
     pub fn new(mesh: impl Into<Arc<ClusteredMesh>>) -> Self {
         Self { mesh: mesh.into(), world_from_object: DAffine3::IDENTITY, surface: Surface::default() }
     }
@@ -48,12 +48,12 @@ impl Instance {
         bounds
     }
 
-    /// How far the vertices reach in a direction: the largest `direction . (p - from)` of all world-space
-    /// vertices `p`; minus infinity where there are none. The same however the mesh is cut into clusters.
+    /// Support function of the vertices: the largest `direction . (p - from)` of all world-space vertices `p`; minus
+    /// infinity if there are none. The same however the mesh is split into clusters.
     pub fn reach(&self, direction: DVec3, from: DVec3) -> f64 {
         let mesh = &*self.mesh;
         let d = self.world_from_object.matrix3.transpose() * direction;
-        // Both sums run in the same order, so that no rounding lets a vertex stand out of its box.
+        // Both sums run in the same order, so that no vertex is outside its box after rounding.
         let of_box = |c: &Cluster| {
             let far = |k: usize| (d[k] * f64::from(c.min[k])).max(d[k] * f64::from(c.max[k]));
             far(0) + far(1) + far(2)
@@ -65,7 +65,7 @@ impl Instance {
                 best.max(d[0] * p[0] + d[1] * p[1] + d[2] * p[2])
             })
         };
-        // Begin with the farthest box: then few others are worth a look inside.
+        // Begin with the box that reaches farthest: then few other clusters need a test of their vertices.
         let clusters = || mesh.clusters().par_iter().enumerate().with_min_len(1 << 12);
         let first = clusters().max_by(|a, b| of_box(a.1).total_cmp(&of_box(b.1)));
         let start = first.map_or(f64::NEG_INFINITY, |(number, _)| of_vertices(number));
@@ -77,10 +77,10 @@ impl Instance {
     }
 }
 
-/// How a surface answers light.
+/// How a surface reflects light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Surface {
-    /// Linear RGB where the mesh has no colours of its own.
+    /// Linear RGB for a mesh without colours of its own.
     pub base_color: [f32; 3],
     /// False draws everything in `base_color`, whatever colours the mesh has.
     pub use_mesh_colors: bool,
@@ -92,12 +92,12 @@ pub struct Surface {
 
 impl Default for Surface {
     fn default() -> Self {
-        // A light clay: bright enough to show form, below white so that highlights stand out.
+        // A light clay: bright enough to show form, below white so that highlights are visible.
         Self { base_color: [0.578, 0.497, 0.392], use_mesh_colors: true, specular: 0.2, shininess_log2: 5 }
     }
 }
 
-/// What stands where nothing is drawn; sRGB, 0 to 1, alpha linear.
+/// Colours of pixels where nothing is drawn; sRGB, 0 to 1, alpha linear.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Background {
     /// One colour.
@@ -118,7 +118,7 @@ impl Default for Background {
 }
 
 impl Scene {
-    /// One mesh where its file puts it, under [`Light::studio`], on the default background.
+    /// One mesh at the position given by its file, under [`Light::studio`], on the default background.
     pub fn from_mesh(mesh: impl Into<Arc<ClusteredMesh>>) -> Self {
         Self {
             instances: vec![Instance::new(mesh)],

@@ -1,4 +1,4 @@
-//! One error for programs that do not tell them apart.
+//! One error type for programs that need not distinguish the errors of the parts.
 
 use std::io;
 
@@ -11,11 +11,10 @@ use tercio_scene::camera::CameraError;
 use crate::LoadError;
 use crate::image::ImageError;
 
-/// Anything that can go wrong between a model file and its picture.
+/// Any error between a model file and its picture.
 ///
 /// Functions return the error of their own part ([`LoadError`], [`RenderError`], [`ImageError`], [`ParallelError`]);
-/// `?` makes this one of each. The text is that of the part, and so is
-/// [`source`](std::error::Error::source).
+/// `?` converts each to this one. The text is that of the part, and so is [`source`](std::error::Error::source).
 ///
 /// ```
 /// fn triangles(model: &str) -> tercio::Result<u64> {
@@ -46,7 +45,7 @@ pub enum Error {
     Io(#[from] io::Error),
 }
 
-/// A result with [`Error`] if nothing else is said.
+/// A result with [`Error`] as its default error.
 pub type Result<T, E = Error> = std::result::Result<T, E>;
 
 impl From<ReadError> for Error {
@@ -75,13 +74,13 @@ mod tests {
 
     #[test]
     fn text_and_source_are_those_of_the_part() {
-        fn assert_travels<T: Send + Sync + 'static>(_: &T) {}
+        fn assert_can_be_sent<T: Send + Sync + 'static>(_: &T) {}
 
         let missing = crate::load("missing.ply").unwrap_err();
         let (text, reason) =
             (missing.to_string(), missing.source().expect("the system's reason").to_string());
         let error = Error::from(missing);
-        assert_travels(&error);
+        assert_can_be_sent(&error);
         assert_eq!(error.to_string(), text);
         assert_eq!(error.source().map(ToString::to_string), Some(reason));
         assert!(error.source().is_some_and(|source| source.is::<io::Error>()));

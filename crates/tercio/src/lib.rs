@@ -1,5 +1,5 @@
-//! Draws very large polygon models without a GPU: on one core or on all of them, from one static binary or
-//! from this library, with the same bytes everywhere.
+//! Draws very large polygon models without a GPU: on one core or on all of them, from one static binary or from this
+//! library, with the same bytes everywhere.
 //!
 //! # A picture in eight lines
 //!
@@ -18,30 +18,30 @@
 //! }
 //! ```
 //!
-//! The size stands once, in the [`Settings`]; the camera frames the model for it. Paths are whatever is an
-//! `AsRef<Path>`, and `?` makes an [`Error`] of whatever goes wrong.
+//! The size is given once, in the [`Settings`]; the camera frames the model for it. Paths are of any type that
+//! implements `AsRef<Path>`, and `?` converts all errors to [`Error`].
 //!
-//! # The way through the library
+//! # Overview of the library
 //!
-//! - [`load`] reads a model (PLY, OBJ, STL, OFF, each also gzip-compressed, or a built-in one), repairs it,
-//!   makes the normals it lacks and cuts it into clusters, which is what a renderer draws. A model that was prepared by
-//!   [`Loaded::write_prepared`] is mapped instead. [`LoadOptions`] has the
-//!   limits, the progress and the choice of normals, and loads from memory or only up to the [`Mesh`] itself.
+//! - [`load`] reads a model (PLY, OBJ, STL, OFF, each also gzip-compressed, or a built-in one), repairs it, makes
+//!   missing normals and splits it into clusters, which is what a renderer draws. A model that was prepared by
+//!   [`Loaded::write_prepared`] is mapped instead. [`LoadOptions`] has the limits, the progress and the choice of
+//!   normals, and loads from memory or only up to the [`Mesh`] itself.
 //! - [`scene`] places meshes in the world, lights them and frames them with a camera.
 //! - [`raster`] draws. A [`Renderer`] keeps its memory from frame to frame.
 //! - [`parallel`] draws with several ranks, which share a frame and send each other messages.
 //! - [`image`] writes pictures (PNG, PPM, WebP) and arrays (NPY), reads and compares pictures.
 //!
-//! The types that most programs name stand here at the root, too.
+//! The types that most programs use are also exported here at the root.
 //!
-//! Everything runs in the rayon pool of its caller: wrap the calls in `ThreadPool::install` to choose the
-//! number of threads. The picture does not depend on it.
+//! Everything runs in the rayon pool of its caller: wrap the calls in `ThreadPool::install` to choose the number of
+//! threads. The picture does not depend on it.
 //!
-//! # What grows
+//! # What may be extended
 //!
-//! Error enums, and reports that only the library makes, are `#[non_exhaustive]`: match with a last arm `_`, and do not
-//! take them apart completely. Options and settings are built by their callers: take what is not said from their
-//! constructor or default (`..Settings::new(320, 240)`), and a new field changes nothing.
+//! Error enums, and reports that only the library makes, are `#[non_exhaustive]`: match with a last arm `_`, and do
+//! not destructure them completely. Options and settings are built by their callers: take the fields that are not
+//! given from the constructor or default (`..Settings::new(320, 240)`), and a new field changes nothing.
 
 #![forbid(unsafe_code)]
 

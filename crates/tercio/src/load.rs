@@ -21,20 +21,20 @@ use crate::{AttributeSummary, MeshSummary, Origin, prepared};
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Normals {
-    /// Those of the file; where it has none, they are made. Where only some of them are missing, zero or not
-    /// finite, those are replaced one by one by the normals that would be made there, with the same crease angle.
+    /// Those of the file; if it has none, they are made. If only some of them are missing, zero or not finite, those
+    /// are replaced one by one by the normals that would be made there, with the same crease angle.
     FileOrMade {
         /// Edges sharper than this many radians stay sharp; `None` smooths over all of them.
         crease_angle: Option<f64>,
     },
-    /// Those of the file; where it has none, the mesh has none and is drawn in facets. Single ones that are
-    /// missing, zero or not finite are replaced by smooth ones, so that no vertex is split.
+    /// Those of the file; if it has none, the mesh has none and is drawn with flat shading. Single ones that are
+    /// missing, zero or not finite are replaced by smooth ones, without splitting vertices.
     File,
 }
 
 impl Default for Normals {
     fn default() -> Self {
-        // Corners of machine parts stay sharp, scans and coarsely cut cylinders are smooth.
+        // Corners of machine parts stay sharp, scans and coarsely tessellated cylinders are smooth.
         Self::FileOrMade { crease_angle: Some(std::f64::consts::FRAC_PI_3) }
     }
 }
@@ -42,13 +42,13 @@ impl Default for Normals {
 /// How a model is loaded.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct LoadOptions<'a> {
-    /// Most bytes that the model and its making ready may take; `None` for no limit.
+    /// Most bytes that the model and its preparation may take; `None` for no limit.
     pub memory_limit: Option<u64>,
-    /// Told how far the loading has come.
+    /// Receives the progress of loading.
     pub progress: Option<&'a Progress>,
     /// Which normals the mesh shall have.
     pub normals: Normals,
-    /// Whether [`LoadReport::topology`] and [`LoadReport::attributes`] are found out, which takes about as long as
+    /// Whether to compute [`LoadReport::topology`] and [`LoadReport::attributes`], which takes about as long as
     /// reading.
     pub details: bool,
 }
@@ -63,13 +63,13 @@ pub struct LoadTimes {
     pub clean: f64,
     /// Joining the corners of a triangle soup.
     pub weld: f64,
-    /// Finding out about the topology and attributes.
+    /// Analysing topology and attributes.
     pub topology: f64,
     /// Making normals.
     pub normals: f64,
-    /// Cutting into clusters.
+    /// Partitioning into clusters.
     pub partition: f64,
-    /// All of it.
+    /// Total time.
     pub total: f64,
 }
 
@@ -83,19 +83,19 @@ pub struct LoadReport {
     pub cleaned: Cleaned,
     /// Vertices joined with others, if the model was a triangle soup.
     pub welded: Option<u64>,
-    /// Whether normals stood in the file.
+    /// Whether the file has normals.
     pub file_normals: bool,
     /// Whether normals were made.
     pub made_normals: bool,
     /// Normals of the file that are missing, zero or not finite and were replaced.
     pub mended_normals: u64,
-    /// Closed, consistently wound? If it was asked for.
+    /// Closed, consistently wound? If requested.
     pub topology: Option<Topology>,
-    /// Ranges of the attributes, if they were asked for.
+    /// Ranges of the attributes, if requested.
     pub attributes: Vec<AttributeSummary>,
-    /// The mesh after repair, before it was cut into clusters.
+    /// The mesh after repair, before it was split into clusters.
     pub mesh: MeshSummary,
-    /// Where the model came from, if it was prepared; all else is what was found and done then.
+    /// Where the model came from, if it was prepared; the other fields are then those of the original loading.
     #[serde(skip)]
     pub prepared: Option<Origin>,
     /// Wall times.
@@ -112,7 +112,7 @@ pub struct Loaded {
     pub report: LoadReport,
 }
 
-/// A mesh not yet cut into clusters.
+/// A mesh not yet split into clusters.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct LoadedMesh {
@@ -126,13 +126,13 @@ pub struct LoadedMesh {
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub enum Model {
-    /// A mesh that is not cut into clusters yet.
+    /// A mesh that is not yet split into clusters.
     Mesh(Box<LoadedMesh>),
     /// A prepared model.
     Prepared(Box<Loaded>),
 }
 
-/// What is known of a model.
+/// Information about a model.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct Inspection {
@@ -157,9 +157,9 @@ pub enum LoadError {
 /// Loads a model for drawing with the default [`LoadOptions`]: a file, `-` for standard input, or
 /// `builtin:NAME@COUNT`.
 ///
-/// Reads, drops what cannot be drawn, joins the corners of triangle soups, makes missing normals, and cuts
-/// the mesh into clusters. Files are never trusted: a broken one gives an error or a repaired model, and
-/// what was repaired stands in the report.
+/// Reads, drops what cannot be drawn, joins the corners of triangle soups, makes missing normals, and splits the mesh
+/// into clusters. Files are never trusted: a broken one gives an error or a repaired model, and the report lists what
+/// was repaired.
 ///
 /// # Errors
 /// [`LoadError`], which names the file and the place in it.
@@ -185,11 +185,11 @@ impl LoadOptions<'_> {
         load_path(model.as_ref(), self)
     }
 
-    /// Loads a model as [`LoadOptions::load`] does, if what was found in the file is accepted: asked once it is read,
-    /// before the work on the mesh begins.
+    /// Loads a model as [`LoadOptions::load`] does, if `accept` returns `Ok` for what was found in the file; it is
+    /// called after reading, before the work on the mesh begins.
     ///
     /// # Errors
-    /// [`LoadError`], and what `accept` says.
+    /// [`LoadError`], and errors of `accept`.
     pub fn load_if<E: From<LoadError>>(
         &self,
         model: impl AsRef<Path>,
@@ -232,7 +232,7 @@ impl LoadOptions<'_> {
         cut(input.name.as_ref(), self, start, || read_input(input, self))
     }
 
-    /// Loads a model as [`LoadOptions::load`] does, but does not cut it into clusters: for programs that want the
+    /// Loads a model as [`LoadOptions::load`] does, but does not split it into clusters: for programs that want the
     /// [`Mesh`] itself.
     ///
     /// # Errors
@@ -241,7 +241,7 @@ impl LoadOptions<'_> {
         load_mesh_path(model.as_ref(), self)
     }
 
-    /// Loads a model as [`LoadOptions::load_input`] does, but does not cut it into clusters.
+    /// Loads a model as [`LoadOptions::load_input`] does, but does not split it into clusters.
     ///
     /// # Errors
     /// [`LoadError`], which names the input and the place in it.
@@ -260,7 +260,7 @@ impl LoadOptions<'_> {
         open_path(model.as_ref(), self)
     }
 
-    /// Finds out about a model as [`LoadOptions::load_mesh`] does, or from a prepared one, and keeps no mesh.
+    /// Reports on a model as [`LoadOptions::load_mesh`] does, or on a prepared one, without keeping the mesh.
     ///
     /// # Errors
     /// [`LoadError`], which names the file and the place in it.
@@ -294,7 +294,7 @@ fn open_path(model: &Path, options: &LoadOptions) -> Result<Model, LoadError> {
     })
 }
 
-/// What a model is read from.
+/// Where a model is read from.
 enum Source<'a> {
     Builtin(&'a str),
     File(Input),
@@ -318,7 +318,7 @@ impl<'a> Source<'a> {
         }
     }
 
-    /// Reads the mesh; the file is let go.
+    /// Reads the mesh; the file is closed.
     fn read(self, options: &LoadOptions) -> Result<(Mesh, ReadReport), LoadError> {
         match self {
             Self::Builtin(name) => make_builtin(name, options),
@@ -327,7 +327,7 @@ impl<'a> Source<'a> {
     }
 }
 
-/// Everything from reading to clusters.
+/// All stages from reading to clusters.
 fn cut<E: From<LoadError>>(
     model: &Path,
     options: &LoadOptions,
@@ -369,7 +369,7 @@ fn cut<E: From<LoadError>>(
     Ok(Loaded { mesh: Arc::new(mesh), report })
 }
 
-/// Everything from reading to normals.
+/// All stages from reading to normals.
 fn uncut(
     model: &Path,
     options: &LoadOptions,
@@ -417,7 +417,7 @@ fn read_input(input: &Input, options: &LoadOptions) -> Result<(Mesh, ReadReport)
     Ok((model.mesh, model.report))
 }
 
-/// Everything up to the normals.
+/// All stages before the normals.
 fn read_and_repair<E: From<LoadError>>(
     model: &Path,
     options: &LoadOptions,
@@ -428,7 +428,7 @@ fn read_and_repair<E: From<LoadError>>(
     let mut report = LoadReport { read, file_normals: mesh.normals.is_some(), ..LoadReport::default() };
     report.times.read = milliseconds(start);
     check_size(model, &mesh)?;
-    // Asked before cleaning, which may leave vertices that no triangle uses.
+    // Tested before cleaning, which may leave vertices that no triangle uses.
     let is_soup = weld::is_soup(&mesh);
     let needed = preparation_bytes(&mesh, is_soup, options);
     check_memory(model, options, "the model and its making ready", needed)?;
@@ -474,9 +474,9 @@ fn check_size(model: &Path, mesh: &Mesh) -> Result<(), LoadError> {
     }
 }
 
-/// The mesh, and the most that one of the next steps takes beside it: joining vertices, which deals them out with their
-/// hashes; the triangles at each vertex; or the triangles in blocks, with their order and a normal a vertex. What
-/// creases and seams take more depends on the model.
+/// The mesh, and the most memory that one of the next steps takes in addition: joining vertices, which distributes
+/// them with their hashes; the triangles at each vertex; or the triangles in blocks, with their order and a normal
+/// per vertex. The additional memory for creases and seams depends on the model.
 fn preparation_bytes(mesh: &Mesh, is_soup: bool, options: &LoadOptions) -> u64 {
     let (vertices, triangles) = (mesh.positions.len() as u64, mesh.triangles.len() as u64);
     let joining = if is_soup { 24 * vertices } else { 0 };
@@ -485,8 +485,8 @@ fn preparation_bytes(mesh: &Mesh, is_soup: bool, options: &LoadOptions) -> u64 {
     MeshSummary::bytes_of(mesh) + joining.max(edges).max(blocks)
 }
 
-/// Mesh and clusters stand in memory side by side while one is made from the other. Vertices that clusters
-/// share stand in each of them: half as many again is more than is met in practice.
+/// Mesh and clusters are both in memory while one is made from the other. Vertices that clusters share are stored in
+/// each of them: half as many again is more than occurs in practice.
 fn partition_bytes(mesh: &MeshSummary) -> u64 {
     mesh.bytes + mesh.bytes / 2 + mesh.bytes
 }
@@ -537,7 +537,7 @@ mod tests {
     }
 
     #[test]
-    fn a_model_that_is_not_accepted_is_not_worked_on() {
+    fn a_model_that_is_not_accepted_is_not_processed() {
         #[derive(Debug)]
         enum Error {
             Load(LoadError),
@@ -552,20 +552,20 @@ mod tests {
         file.write_all(b"mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").expect("room for it");
         let progress = Progress::default();
         let options = LoadOptions { progress: Some(&progress), ..LoadOptions::default() };
-        let refused = options.load_if(file.path(), |read| {
+        let rejected = options.load_if(file.path(), |read| {
             assert!(read.companions.iter().any(|path| path.ends_with("a.mtl")), "{:?}", read.companions);
-            progress.begin("asked", 0);
+            progress.begin("accept called", 0);
             Err(Error::NotAccepted)
         });
-        assert!(matches!(refused, Err(Error::NotAccepted)), "{refused:?}");
-        assert_eq!(progress.state().0, "asked");
+        assert!(matches!(rejected, Err(Error::NotAccepted)), "{rejected:?}");
+        assert_eq!(progress.state().0, "accept called");
         let loaded = options.load_if(file.path(), |_| Ok::<_, Error>(())).expect("a model");
         assert_eq!(loaded.report.mesh.triangles, 1);
         let missing = options.load_if("no.obj", |_| Err(Error::NotAccepted));
         assert!(matches!(missing, Err(Error::Load(LoadError::Read(_)))), "{missing:?}");
     }
 
-    /// A pyramid with the corners of its faces apart, of which some have a normal that points nowhere.
+    /// A pyramid with separate corners of its faces, some of them with an invalid normal.
     fn pyramid(broken: &[usize], normal: &str) -> tempfile::NamedTempFile {
         let points = ["0 0 0", "1 0 0", "0 1 0", "0 0 1"];
         let mut obj = points.map(|p| format!("v {p}\n")).concat();
@@ -583,7 +583,7 @@ mod tests {
     }
 
     #[test]
-    fn one_broken_normal_does_not_take_the_others_along() {
+    fn one_broken_normal_does_not_affect_the_others() {
         let of_file = tercio_mesh::OctNormal::from_vector([0.6, 0.0, 0.8]);
         let count = |mesh: &Mesh, n| mesh.normals.iter().flatten().filter(|m| **m == n).count();
         for normal in ["0 0 0", "nan 0 0", "0 inf 0"] {
@@ -599,7 +599,7 @@ mod tests {
                 let drawn = options.load(file.path()).expect("a model");
                 assert_eq!(drawn.report.mended_normals, 2);
             }
-            // Corners 4 and 7 stand at the ends of edges of faces y = 0 and x + y + z = 1.
+            // Corners 4 and 7 are at the ends of edges of faces y = 0 and x + y + z = 1.
             let loaded = LoadOptions::default().load_mesh(file.path()).expect("a model");
             let normals = loaded.mesh.normals.as_deref().unwrap_or_default();
             let [back, front] =

@@ -1,4 +1,5 @@
-//! Prepared models: loaded once, repaired and cut into clusters, and kept in a file that is mapped and drawn at once.
+//! Prepared models: loaded, repaired and split into clusters once, and stored in a file that is mapped and drawn
+//! immediately.
 
 use std::io::{self, Write};
 use std::sync::Arc;
@@ -17,17 +18,17 @@ use crate::{LoadError, LoadOptions, LoadReport, LoadTimes, Loaded};
 pub struct Origin {
     /// The program that prepared it.
     pub program: String,
-    /// The model that it was made from, as it was named then.
+    /// The model that it was made from, by the name given then.
     pub model: String,
     /// Bytes of the prepared file.
     #[serde(skip)]
     pub file_bytes: u64,
-    /// Bytes of it that are mapped and not copied: they do not count as memory that is taken.
+    /// Bytes of it that are mapped and not copied: they do not count as memory taken.
     #[serde(skip)]
     pub mapped_bytes: u64,
 }
 
-/// What a file says of itself.
+/// Information about the file, stored in it.
 #[derive(Serialize, Deserialize)]
 struct About {
     origin: Origin,
@@ -36,7 +37,7 @@ struct About {
 
 impl Loaded {
     /// Writes the model as a file that [`load`](crate::load) maps and that is drawn without reading, repairing and
-    /// cutting again. `model` says what it was made from; a model that was prepared already keeps its origin.
+    /// partitioning again. `model` names the source; a model that was prepared already keeps its origin.
     ///
     /// ```
     /// let model = tercio::load("builtin:sphere@1k")?;
@@ -49,7 +50,7 @@ impl Loaded {
     /// ```
     ///
     /// # Errors
-    /// What `out` says.
+    /// Errors of `out`.
     pub fn write_prepared(&self, model: &str, out: &mut (impl Write + ?Sized)) -> io::Result<()> {
         let here = || Origin {
             program: concat!("tercio ", env!("CARGO_PKG_VERSION")).into(),
@@ -57,7 +58,8 @@ impl Loaded {
             ..Origin::default()
         };
         let origin = self.report.prepared.clone().unwrap_or_else(here);
-        // The same model makes the same file: how long it took and where textures would lie is of this run.
+        // The same model makes the same file: times and the paths of textures depend on the run, so they are left
+        // out.
         let mut report = LoadReport { times: LoadTimes::default(), ..self.report.clone() };
         report.read.companions.clear();
         let about = serde_json::to_vec(&About { origin, report })?;
@@ -86,7 +88,7 @@ pub(crate) fn load(input: &Input, options: &LoadOptions, start: Instant) -> Resu
     Ok(Loaded { mesh: Arc::new(mesh), report })
 }
 
-/// Why the mesh of a prepared model cannot be had.
+/// The error for a use that needs the mesh of a prepared model.
 pub(crate) fn no_mesh(file: &str) -> LoadError {
     let (file, place) = (file.to_owned(), Place::File);
     let what =

@@ -1,10 +1,10 @@
-//! What a mesh holds, in numbers.
+//! Counts and bounds of a mesh.
 
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use tercio_mesh::{Aabb, Attribute, AttributeDomain, BlockedMesh, Mesh};
 
-/// What a mesh holds.
+/// The contents of a mesh in numbers.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct MeshSummary {
@@ -15,19 +15,19 @@ pub struct MeshSummary {
     /// World-space bounds of all vertices.
     #[serde(skip, default = "nothing")]
     pub bounds: Aabb,
-    /// One normal a vertex.
+    /// Whether there is a normal per vertex.
     pub normals: bool,
-    /// One colour a vertex.
+    /// Whether there is a colour per vertex.
     pub vertex_colors: bool,
-    /// One colour a triangle.
+    /// Whether there is a colour per triangle.
     pub face_colors: bool,
-    /// One pair of texture coordinates a vertex.
+    /// Whether there is a pair of texture coordinates per vertex.
     pub texcoords: bool,
     /// Materials that the file names.
     pub materials: u64,
-    /// Named scalar arrays.
+    /// Number of named scalar arrays.
     pub attributes: u64,
-    /// Bytes of memory that the arrays hold.
+    /// Bytes of memory that the arrays take.
     #[serde(skip)]
     pub bytes: u64,
 }
@@ -39,7 +39,7 @@ impl Default for MeshSummary {
 }
 
 impl MeshSummary {
-    /// Looks at a mesh.
+    /// The summary of a mesh.
     pub fn from_mesh(mesh: &Mesh) -> Self {
         Self {
             vertices: mesh.positions.len() as u64,
@@ -55,12 +55,12 @@ impl MeshSummary {
         }
     }
 
-    /// Bytes of memory that the arrays of a mesh hold.
+    /// Bytes of memory that the arrays of a mesh take.
     pub(crate) fn bytes_of(mesh: &Mesh) -> u64 {
         bytes(mesh)
     }
 
-    /// Looks at a mesh that stands in blocks, as if it stood in one piece.
+    /// The summary of a mesh in blocks, with the values that it has as an indexed mesh.
     pub(crate) fn from_blocks(blocks: &BlockedMesh) -> Self {
         let triangles = blocks.triangle_count() as u64;
         let rest = Self::from_mesh(blocks.mesh());
@@ -111,24 +111,24 @@ mod bits {
 pub struct AttributeSummary {
     /// The name in the file.
     pub name: String,
-    /// Whom the values belong to.
+    /// Whether the values belong to vertices or to triangles.
     pub domain: AttributeDomain,
-    /// Smallest and largest value that is not NaN; `None` where there is none.
+    /// Smallest and largest value that is not NaN; `None` if there is none.
     #[serde(with = "bits")]
     pub range: Option<(f32, f32)>,
-    /// Values that are NaN.
+    /// Number of values that are NaN.
     pub nans: u64,
 }
 
 impl AttributeSummary {
-    /// Looks at all values.
+    /// The summary of an attribute.
     pub fn from_attribute(attribute: &Attribute) -> Self {
         let empty = (f32::INFINITY, f32::NEG_INFINITY, 0);
         let (min, max, nans) = attribute
             .values
             .par_chunks(1 << 16)
             .map(|chunk| {
-                // `min` and `max` of f32 leave NaN out.
+                // `min` and `max` of f32 ignore NaN.
                 chunk.iter().fold(empty, |(min, max, nans), &v| {
                     (v.min(min), v.max(max), nans + u64::from(v.is_nan()))
                 })
@@ -148,7 +148,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_range_leaves_nan_out() {
+    fn a_range_ignores_nan() {
         let summary = |values: Vec<f32>| {
             let a = AttributeSummary::from_attribute(&Attribute {
                 name: "quality".into(),

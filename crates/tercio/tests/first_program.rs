@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-/// The lines of the first block of Rust that a reader sees.
+/// The lines of the first Rust code block, as the reader sees them.
 fn program<'a>(lines: impl Iterator<Item = &'a str>, fence: &str) -> Vec<&'a str> {
     let block = lines.skip_while(|line| *line != fence).skip(1).take_while(|line| *line != "```");
     block.filter(|line| !line.starts_with("# ")).collect()

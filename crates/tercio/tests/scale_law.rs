@@ -1,5 +1,5 @@
-//! The scale law for files: a model whose coordinates are multiplied by a power of two gives the same picture, whatever
-//! format it comes in, through reading, repair, joining, normals and clusters.
+//! Scale invariance for files: a model whose coordinates are multiplied by a power of two gives the same picture in
+//! every format, through reading, repair, welding, normals and clusters.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -10,7 +10,7 @@ use tercio::raster::{Outputs, RenderError, Renderer, Settings};
 use tercio::scene::{Framing, Scene};
 use tercio::{LoadOptions, Normals};
 
-/// Positions as whole numbers below 2^12 times a power of two, which `f32` holds down to 2^-149.
+/// Positions as integers below 2^12 times a power of two, which `f32` represents down to 2^-149.
 fn positions(mesh: &Mesh, exponent: i32) -> Vec<[f32; 3]> {
     let largest = mesh.positions.as_flattened().iter().fold(0.0f32, |most, c| most.max(c.abs()));
     let whole = |c: f32| f64::from((c / largest * 2000.0).round());
@@ -56,7 +56,8 @@ fn obj(mesh: &Mesh, exponent: i32) -> Vec<u8> {
     text.into_bytes()
 }
 
-/// Colours, ids and normals of the default view, as bits; distances where they fit.
+/// Colours, ids and normals of the default view, as bits. If distances are out of range of `f32`, it draws without
+/// depth.
 fn picture(path: &Path, crease_angle: Option<f64>) -> (Vec<[u8; 4]>, Vec<u32>, Vec<u32>) {
     let options = LoadOptions { normals: Normals::FileOrMade { crease_angle }, ..LoadOptions::default() };
     let loaded = options.load(path).expect("a model");
@@ -81,7 +82,7 @@ fn picture(path: &Path, crease_angle: Option<f64>) -> (Vec<[u8; 4]>, Vec<u32>, V
     )
 }
 
-/// Makes a file of a mesh times a power of two.
+/// Writes a mesh times a power of two as a file.
 type Write = fn(&Mesh, i32) -> Vec<u8>;
 
 #[test]

@@ -1,9 +1,9 @@
 //! Which triangles of a block meet at a vertex.
 
-/// The triangles round each vertex of a block.
+/// The triangles around each vertex of a block.
 pub(crate) struct Around {
-    /// Where each vertex's triangles begin, and one more. One entry for each number of 16 bits, so that looking
-    /// one up needs no check.
+    /// Where each vertex's triangles begin, plus one end entry. It has an entry for every 16-bit number, so that
+    /// indexing needs no bounds check.
     starts: Box<[u32; (1 << 16) + 2]>,
     corners: Vec<Corner>,
 }
@@ -11,7 +11,7 @@ pub(crate) struct Around {
 /// A triangle as one of its corners sees it.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct Corner {
-    /// The corner behind it.
+    /// The corner after it.
     pub next: u16,
     /// The corner before it.
     pub previous: u16,
@@ -28,11 +28,11 @@ impl Default for Around {
 }
 
 impl Around {
-    /// Takes a new block of so many vertices. It has at most 2^16 / 3 triangles.
+    /// Fills the table for a new block with this many vertices. A block has at most 2^16 / 3 triangles.
     pub fn fill(&mut self, triangles: &[[u16; 3]], vertices: usize) {
         let starts = &mut *self.starts;
         starts[..vertices + 2].fill(0);
-        // Two places ahead, so that filling leaves every start where it belongs.
+        // Counts are stored two entries ahead, so that filling the lists leaves every start in its final place.
         for &v in triangles.as_flattened() {
             starts[usize::from(v) + 2] += 1;
         }
@@ -53,7 +53,7 @@ impl Around {
         }
     }
 
-    /// Triangles that have the vertex as a corner; twice or more where it is two corners of one.
+    /// Triangles that have the vertex as a corner; repeated if several corners of a triangle are this vertex.
     #[inline]
     pub fn at(&self, vertex: u16) -> &[Corner] {
         let v = usize::from(vertex);

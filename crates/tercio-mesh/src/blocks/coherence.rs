@@ -6,9 +6,9 @@ use super::Numbering;
 use crate::Mesh;
 use crate::cluster::{MAX_TRIANGLES, MAX_VERTICES};
 
-/// Consecutive triangles of a sample.
+/// Number of consecutive triangles in a sample.
 const SAMPLE: usize = 2048;
-/// Samples taken, evenly over the mesh.
+/// Number of samples, taken evenly over the mesh.
 const SAMPLES: usize = 16;
 
 /// True if consecutive triangles of the mesh make full and compact clusters, judged by a few samples.
@@ -24,8 +24,8 @@ pub(super) fn is_coherent(mesh: &Mesh) -> bool {
         numbering.number(triangles.iter().copied(), corners);
         let mut rest = triangles;
         for (triangles_of_run, vertices_of_run) in runs(corners) {
-            let (run, behind) = rest.split_at(triangles_of_run);
-            rest = behind;
+            let (run, after) = rest.split_at(triangles_of_run);
+            rest = after;
             let (diagonal, surface) = extent(mesh, run);
             clusters += 1;
             vertices += vertices_of_run;
@@ -33,13 +33,13 @@ pub(super) fn is_coherent(mesh: &Mesh) -> bool {
             area += surface;
         }
     }
-    // The square of the diagonal is 2.5 times the area of a round flat patch, and 7 times for tiles of 7 x 7
-    // squares when a sample begins inside a tile.
+    // The square of the diagonal is 2.5 times the area for a round flat patch, and 7 times for tiles of 7 x 7 squares
+    // when a sample begins inside a tile.
     let full = vertices as f32 <= 0.75 * (length * SAMPLES) as f32;
     full && clusters > 0 && spread <= 8.0 * area
 }
 
-/// Triangles and vertices of the clusters that the given order makes.
+/// Numbers of triangles and vertices of the clusters that the given order makes.
 fn runs(corners: &[[u16; 3]]) -> Vec<(usize, usize)> {
     let mut runs: Vec<(usize, usize)> = Vec::new();
     // The run that last used a vertex.
@@ -57,7 +57,7 @@ fn runs(corners: &[[u16; 3]]) -> Vec<(usize, usize)> {
     runs
 }
 
-/// Square of the diagonal of the box round triangles, and their surface.
+/// Square of the diagonal of the triangles' bounding box, and their surface area.
 fn extent(mesh: &Mesh, triangles: &[[u32; 3]]) -> (f32, f32) {
     let (mut min, mut max, mut area) = (Vec3::INFINITY, Vec3::NEG_INFINITY, 0.0);
     for t in triangles {

@@ -1,14 +1,14 @@
-//! A cube of cells round a mesh.
+//! A cube of grid cells around a mesh.
 
 use rayon::prelude::*;
 
 use super::hilbert;
 use crate::Mesh;
 
-/// Bits of a grid whose cells can still be numbered in 16 bits.
+/// Bits per axis of the finest grid whose cells can be numbered in 16 bits.
 pub(super) const FINEST: u32 = 5;
 
-/// A cube of cells round a mesh.
+/// A cube of grid cells around a mesh.
 pub(super) struct Grid {
     min: [f32; 3],
     /// Cells per unit of length.
@@ -53,7 +53,7 @@ impl Grid {
     }
 }
 
-/// Place along the Hilbert curve of each cell of a grid of at most [`FINEST`] bits.
+/// Position along the Hilbert curve of each cell of a grid of at most [`FINEST`] bits.
 pub(super) fn rank_table(bits: u32) -> Vec<u16> {
     let low = (1u32 << bits) - 1;
     (0..1u32 << (3 * bits))

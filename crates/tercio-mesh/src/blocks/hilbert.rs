@@ -3,7 +3,7 @@
 //! Source: J. Skilling, "Programming the Hilbert curve", AIP Conf. Proc. 707 (2004): coordinates to the
 //! transposed index in place, then the bits of the three words are interleaved.
 
-/// Place along the curve of cell (x, y, z) in a cube of `2^bits` cells an edge; `bits` from 1 to 10.
+/// Position along the curve of cell (x, y, z) in a cube with `2^bits` cells along each edge; `bits` is 1 to 10.
 pub(super) fn rank([x, y, z]: [u32; 3], bits: u32) -> u32 {
     let mut v = [x, y, z];
     let top = 1u32 << (bits - 1);
@@ -34,7 +34,7 @@ pub(super) fn rank([x, y, z]: [u32; 3], bits: u32) -> u32 {
     spread(v[0] ^ flip) << 2 | spread(v[1] ^ flip) << 1 | spread(v[2] ^ flip)
 }
 
-/// Puts two zero bits between the low ten bits.
+/// Puts two zero bits between any two of the low ten bits.
 fn spread(v: u32) -> u32 {
     let v = v & 0x3ff;
     let v = (v | v << 16) & 0x0300_00ff;

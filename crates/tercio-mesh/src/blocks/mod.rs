@@ -1,9 +1,8 @@
-//! A mesh cut into blocks: neighbouring triangles, their vertices numbered inside the block.
+//! A mesh split into blocks: neighbouring triangles whose vertices are numbered inside the block.
 //!
-//! What looks at a triangle together with its neighbours (making normals, growing clusters) does so block by
-//! block, one thread each: a block's working set stays in the L2 cache, and two bytes name a vertex. `order`
-//! decides which triangles come together, `numbering` numbers their vertices, `around` finds the triangles
-//! at each vertex.
+//! Work on a triangle and its neighbours (making normals, growing clusters) is done block by block, one thread each:
+//! a block's working set stays in the L2 cache, and two bytes name a vertex. `order` decides which triangles form a
+//! block, `numbering` numbers their vertices, `around` finds the triangles at each vertex.
 
 mod around;
 mod coherence;
@@ -23,7 +22,7 @@ use rayon::prelude::*;
 use crate::Mesh;
 use order::Sequence;
 
-/// A mesh on its way into clusters: its triangles stand in blocks, all else as it did.
+/// A mesh on its way into clusters: its triangles are stored in blocks, everything else is unchanged.
 ///
 /// The result of all work on blocks does not depend on the number of threads.
 #[derive(Debug)]
@@ -38,14 +37,14 @@ pub struct BlockedMesh {
 pub(crate) struct Blocks {
     /// Mesh number of each triangle; `None` where the blocks hold the order of the mesh.
     pub order: Option<Vec<u32>>,
-    /// Corners of all triangles, block after block, as vertex numbers inside the block. The corner with the
-    /// lowest number in the mesh comes first ([`Mesh::canonical`]).
+    /// Corners of all triangles, block after block, as vertex numbers inside the block. The corner with the lowest
+    /// number in the mesh comes first ([`Mesh::canonical`]).
     pub corners: Vec<[u16; 3]>,
     /// The blocks.
     pub list: Vec<Block>,
 }
 
-/// Where a block stands in [`Blocks`].
+/// A block's range in [`Blocks`].
 #[derive(Debug)]
 pub(crate) struct Block {
     /// Its first triangle.
@@ -57,7 +56,7 @@ pub(crate) struct Block {
 }
 
 impl Block {
-    /// Places of the triangles in [`Blocks::corners`] and [`Blocks::order`].
+    /// Indices of the triangles in [`Blocks::corners`] and [`Blocks::order`].
     pub fn range(&self) -> std::ops::Range<usize> {
         self.first..self.first + self.triangles
     }
@@ -69,10 +68,10 @@ impl Block {
 }
 
 impl BlockedMesh {
-    /// Cuts a mesh into blocks; its triangles are freed.
+    /// Splits a mesh into blocks; its triangles are freed.
     ///
     /// # Panics
-    /// If a triangle names a vertex that is not there.
+    /// If a triangle names a vertex that does not exist.
     pub fn new(mut mesh: Mesh, order: Order) -> Self {
         let blocks = Blocks::new(&mesh, order);
         mesh.triangles = Vec::new();
@@ -98,9 +97,9 @@ impl Blocks {
         let mut first = 0;
         let mut jobs = Vec::with_capacity(lengths.len());
         for triangles in lengths {
-            let (here, behind) = rest.split_at_mut(triangles);
+            let (here, after) = rest.split_at_mut(triangles);
             jobs.push((Block { first, triangles, vertices: Vec::new() }, here));
-            (rest, first) = (behind, first + triangles);
+            (rest, first) = (after, first + triangles);
         }
         let pool = Pool::default();
         let list = jobs
@@ -129,8 +128,8 @@ impl Blocks {
         self.order.as_ref().map_or(place as u32, |order| order[place])
     }
 
-    /// Lets triangles have other vertices: `change` gets the number in the mesh and the corners of every
-    /// triangle at a vertex for which `concerns` is true.
+    /// Replaces vertices of triangles: `change` gets the mesh number and the corners of every triangle that has a
+    /// vertex for which `concerns` is true.
     pub fn rename(
         &mut self,
         concerns: &(impl Fn(u32) -> bool + Sync),
@@ -140,9 +139,9 @@ impl Blocks {
         let mut rest = corners.as_mut_slice();
         let mut jobs = Vec::with_capacity(list.len());
         for block in list {
-            let (here, behind) = rest.split_at_mut(block.triangles);
+            let (here, after) = rest.split_at_mut(block.triangles);
             jobs.push((block, here));
-            rest = behind;
+            rest = after;
         }
         let jobs = jobs.into_par_iter().filter(|(block, _)| block.vertices.iter().any(|&v| concerns(v)));
         jobs.for_each_init(Numbering::default, |numbering, (block, corners)| {
@@ -158,7 +157,7 @@ impl Blocks {
     }
 }
 
-/// Working memory that goes from block to block; as many exist as threads run at a time.
+/// Working memory that is reused from block to block; there are as many as threads run at a time.
 #[derive(Default)]
 pub(crate) struct Pool<T>(Mutex<Vec<T>>);
 

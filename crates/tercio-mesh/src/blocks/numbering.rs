@@ -11,38 +11,39 @@ pub(crate) struct Numbering {
 }
 
 impl Numbering {
-    /// Numbers the vertices of a block from 0 on, and writes the corners of each triangle turned by
+    /// Numbers the vertices of a block from 0 on, and writes the corners of each triangle, rotated by
     /// [`crate::Mesh::canonical`]. The block has at most 2^16 / 3 triangles.
     pub fn number(&mut self, triangles: impl Iterator<Item = [u32; 3]>, corners: &mut [[u16; 3]]) {
-        // First all loads from far memory, so that they overlap; then the search, which stops and goes.
+        // First all loads of triangles, so that their cache misses overlap; then the look-ups, which depend on each
+        // other.
         self.corners.clear();
         self.corners.extend(triangles);
         self.table.clear();
         let Self { corners: from, vertices, table } = self;
-        // One more, because every corner is written behind the last vertex, new or not.
+        // One entry more, because every corner's vertex is written after the last one, whether it is new or not.
         vertices.resize(from.len() * 3 + 1, 0);
         let mut count = 0;
         for (to, &[a, b, c]) in corners.iter_mut().zip(&*from) {
             let mut number = |v| table.number(v, vertices, &mut count);
             let numbers = [number(a), number(b), number(c)];
-            *to = turn([a, b, c], numbers);
+            *to = rotate([a, b, c], numbers);
         }
         vertices.truncate(count);
     }
 }
 
-/// From mesh vertices to numbers. Vertices that follow each other in the mesh usually come together, so that the
-/// table has lines for the vertices near those that were met and for no others.
+/// Maps mesh vertices to numbers in the block. Consecutive vertices of the mesh usually occur together, so the table
+/// has lines only for the vertices near those that have occurred.
 struct Table {
-    /// Which line of the table holds the vertices `i * LINE` and on; 0 if none does yet.
+    /// Line of the table that holds the vertices `i * LINE` and on; 0 if there is none yet.
     lines: Vec<u32>,
-    /// Numbers plus one, 0 for vertices that were not met; the first line belongs to no vertices.
+    /// Numbers plus one, 0 for vertices that have not occurred; line 0 belongs to no vertices.
     numbers: Vec<u16>,
-    /// Which of `lines` are not 0.
+    /// Indices of the nonzero entries of `lines`.
     used: Vec<u32>,
 }
 
-/// Vertices that share a line: as many as a cache line has numbers.
+/// Vertices that share a line: as many numbers as fit into a cache line.
 const LINE: usize = 32;
 
 impl Default for Table {
@@ -57,8 +58,8 @@ impl Table {
         self.numbers.truncate(LINE);
     }
 
-    /// The vertex's number; a new vertex is added to the `count` first ones of `vertices`. Without branches
-    /// on whether it is new, which cannot be predicted.
+    /// The vertex's number; a new vertex is appended to the first `count` ones of `vertices`. Without branches on
+    /// whether it is new, which cannot be predicted.
     #[inline(always)]
     fn number(&mut self, vertex: u32, vertices: &mut [u32], count: &mut usize) -> u16 {
         let (line, place) = (vertex as usize / LINE, vertex as usize % LINE);
@@ -74,7 +75,7 @@ impl Table {
         *entry - 1
     }
 
-    /// A new line.
+    /// Adds a line to the table.
     #[cold]
     #[inline(never)]
     fn open(&mut self, line: usize) -> u32 {
@@ -89,14 +90,14 @@ impl Table {
     }
 }
 
-/// Numbers of a triangle's corners turned as [`Mesh::canonical`] turns the corners, without branches: which
-/// one is the lowest cannot be predicted.
+/// Numbers of a triangle's corners, rotated as [`Mesh::canonical`] rotates the corners, without branches: which
+/// corner is the lowest cannot be predicted.
 #[inline(always)]
-fn turn([a, b, c]: [u32; 3], [x, y, z]: [u16; 3]) -> [u16; 3] {
+fn rotate([a, b, c]: [u32; 3], [x, y, z]: [u16; 3]) -> [u16; 3] {
     let first = u32::from((b < a) & (b <= c)) + 2 * u32::from((c < a) & (c < b));
     let all = u64::from(x) | u64::from(y) << 16 | u64::from(z) << 32;
-    let turned = all >> (16 * first) | all << (48 - 16 * first);
-    [turned as u16, (turned >> 16) as u16, (turned >> 32) as u16]
+    let rotated = all >> (16 * first) | all << (48 - 16 * first);
+    [rotated as u16, (rotated >> 16) as u16, (rotated >> 32) as u16]
 }
 
 #[cfg(test)]
@@ -105,11 +106,11 @@ mod tests {
     use crate::Mesh;
 
     #[test]
-    fn turning_is_canonical() {
+    fn rotation_is_canonical() {
         for i in 0..27u32 {
             let t = [i % 3, i / 3 % 3, i / 9];
-            let turned = turn(t, t.map(|v| v as u16 + 65_000));
-            assert_eq!(turned.map(|v| u32::from(v) - 65_000), Mesh::canonical(t), "{t:?}");
+            let rotated = rotate(t, t.map(|v| v as u16 + 65_000));
+            assert_eq!(rotated.map(|v| u32::from(v) - 65_000), Mesh::canonical(t), "{t:?}");
         }
     }
 

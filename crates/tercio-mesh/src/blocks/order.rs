@@ -1,4 +1,4 @@
-//! Which triangles come together: blocks of the file's order, or blocks of space.
+//! Which triangles form a block: runs in the order of the file, or regions of space.
 
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
@@ -7,24 +7,24 @@ use super::coherence;
 use super::grid::{FINEST, Grid, rank_table};
 use crate::Mesh;
 
-/// In which order triangles are taken into blocks.
+/// The order in which triangles are put into blocks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Order {
     /// The order of the mesh where it makes good clusters, else by space.
     #[default]
     Auto,
-    /// The order of the mesh, cut where a cluster is full. The cheapest; as good as the order of the file.
+    /// The order of the mesh, cut where a cluster is full. The cheapest; as good as the order in the file.
     File,
-    /// Sorted by place, and grown over neighbours into compact clusters with narrow cones.
+    /// Sorted by position, and grown over neighbours into compact clusters with narrow normal cones.
     Spatial,
 }
 
-/// Triangles a block has at most. Blocks are worked on independently, one thread each; their size is fixed,
-/// so that the result does not depend on the number of threads. A block's working set stays in the L2 cache,
-/// and its vertices can be numbered in 16 bits.
+/// Most triangles in a block. Blocks are processed independently, one thread each; their size is fixed, so that the
+/// result does not depend on the number of threads. A block's working set stays in the L2 cache, and its vertices can
+/// be numbered in 16 bits.
 pub(crate) const BLOCK: usize = 20_000;
 
-/// An order of the triangles and the lengths of the blocks it is cut into.
+/// An order of the triangles and the lengths of the blocks that it is split into.
 pub(super) struct Sequence {
     /// Triangle numbers; `None` for the order of the mesh.
     pub order: Option<Vec<u32>>,
@@ -42,14 +42,14 @@ impl Sequence {
     }
 }
 
-/// The order of the mesh, cut every [`BLOCK`] triangles.
+/// The order of the mesh, split every [`BLOCK`] triangles.
 fn file(mesh: &Mesh) -> Sequence {
     Sequence { order: None, lengths: cut_evenly(mesh.triangles.len()).collect() }
 }
 
-/// Triangles sorted into the cells of a grid along the Hilbert curve, cut between cells.
+/// Triangles sorted into the cells of a grid along the Hilbert curve, split between cells.
 ///
-/// A triangle lies in the cell of its first corner. Inside a cell the file's order stays.
+/// A triangle belongs to the cell of its first corner. Inside a cell the order of the file is kept.
 fn spatial(mesh: &Mesh) -> Sequence {
     let n = mesh.triangles.len();
     if n <= BLOCK {
@@ -66,7 +66,7 @@ fn spatial(mesh: &Mesh) -> Sequence {
 }
 
 impl Sequence {
-    /// Joins neighbouring cells into blocks, and cuts cells that are too full.
+    /// Joins neighbouring cells into blocks, and splits cells with too many triangles.
     fn gather_cells(&mut self, mesh: &Mesh, counts: &[usize]) {
         let order = self.order.as_mut().map_or(&mut [][..], |o| &mut o[..]);
         let (mut open, mut begin, mut crowded) = (0, 0, Vec::new());
@@ -93,13 +93,13 @@ impl Sequence {
     }
 }
 
-/// Lengths of the fewest blocks that hold `n` triangles, as even as can be.
+/// Lengths of the fewest blocks that hold `n` triangles, as even as possible.
 fn cut_evenly(n: usize) -> impl Iterator<Item = usize> {
     let blocks = n.div_ceil(BLOCK);
     (0..blocks).map(move |i| (i + 1) * n / blocks - i * n / blocks)
 }
 
-/// Bits of a grid whose cells hold a tenth of a block where a surface crosses the grid once.
+/// Bits per axis of a grid whose cells hold a tenth of a block where a surface crosses the grid once.
 fn grid_bits(triangles: usize) -> u32 {
     let cells = (triangles / (BLOCK / 10)).max(1);
     (cells.ilog2().div_ceil(2)).clamp(2, FINEST)
@@ -128,7 +128,7 @@ fn counting_sort(mesh: &Mesh, cells: &[u16], cell_count: usize) -> (Vec<u32>, Ve
         }
         *total = (place - begin) as usize;
     }
-    // Every place is written once; atomics only tell the compiler that threads may share the array.
+    // Every entry is written once; atomics only let the threads share the array.
     let order: Vec<AtomicU32> = (0..n).into_par_iter().map(|_| AtomicU32::new(0)).collect();
     mesh.triangles.par_chunks(chunk).zip(places).enumerate().for_each(|(i, (triangles, mut places))| {
         for (j, t) in triangles.iter().enumerate() {

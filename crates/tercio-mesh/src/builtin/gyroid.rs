@@ -1,13 +1,13 @@
 //! Schoen's gyroid (1970), in its usual approximation: sin x cos y + sin y cos z + sin z cos x = 0.
 //!
-//! A sheet of endless passages: every line of sight crosses many layers, so most of what is drawn is hidden.
+//! A sheet of endless passages: every line of sight crosses many layers, so most of the surface is occluded.
 //!
-//! The surface is made by dual marching cubes (Nielson 2004): a vertex for each sheet in each cell of a grid
-//! whose corners lie on both sides, a quadrilateral across each grid edge whose ends do. A saddle that touches
-//! a side of a cell crosses it in two branches, however fine the grid is, and the gyroid is all saddles; so
-//! which crossings belong to one sheet is found from side to side of the cell, with the asymptotic decider
-//! (Nielson and Hamann 1991) where four meet. One vertex for all would make the net touch itself there. The
-//! vertices are then moved onto the surface, along its gradient.
+//! The surface is made by dual marching cubes (Nielson 2004): a vertex for each sheet in each grid cell whose corners
+//! are on both sides, a quadrilateral across each grid edge whose ends are. Near a saddle the surface can cross a
+//! face of a cell in two branches, however fine the grid is, and the gyroid is all saddles; so which crossings belong
+//! to one sheet is found from face to face of the cell, with the asymptotic decider (Nielson and Hamann 1991) where a
+//! face has four crossings. One vertex for all would make the mesh touch itself there. The vertices are then moved
+//! onto the surface, along its gradient.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -16,25 +16,24 @@ use super::soup::cube_root;
 use crate::trig::sin_cos;
 use crate::{Mesh, OctNormal};
 
-/// Grid cells a period: where triangles are plenty, where they are few, and the least that keeps the net
-/// manifold.
+/// Grid cells per period: for many triangles, for few, and the least that keeps the mesh manifold.
 const FINE: f64 = 28.0;
 const COARSE: f64 = 18.0;
 const COARSEST: f64 = 12.0;
-/// Triangles a period, for one cell a period: twice the mean of |nx| + |ny| + |nz| (3/2) times the area of
-/// the surface in a cubic period of side 1 (3.0915).
+/// Triangles per period for one cell per period: twice the mean of |nx| + |ny| + |nz| (3/2) times the area of the
+/// surface in a cubic period of side 1 (3.0915).
 const TRIANGLES: f64 = 9.2745;
-/// Most periods a side: more triangles than this needs make the grid finer instead.
+/// Most periods along a side of the cube: larger triangle counts make the grid finer instead.
 const MOST_PERIODS: f64 = 12.0;
-/// Where the cube lies in the endless surface: nowhere special, so that no grid point lies on it.
+/// Phase of the cube in the periodic surface: arbitrary, so that no grid point lies on the surface.
 const PHASE: [f64; 3] = [0.37, 1.13, 2.71];
 const NONE: u32 = u32::MAX;
 
-/// The edges of a cell: number of the lower corner (bit k: the upper end along axis k), and axis. Edge
-/// 4 axis + n runs along the axis.
+/// The edges of a cell: number of the lower corner (bit k: the upper end along axis k), and axis. Edge 4 axis + n
+/// runs along the axis.
 const EDGES: [(usize, usize); 12] =
     [(0, 0), (2, 0), (4, 0), (6, 0), (0, 1), (1, 1), (4, 1), (5, 1), (0, 2), (1, 2), (2, 2), (3, 2)];
-/// The sides of a cell: four corners in turn, and the edges from each to the next.
+/// The faces of a cell: four corners in cyclic order, and the edges from each to the next.
 const SIDES: [([usize; 4], [usize; 4]); 6] = [
     ([0, 1, 3, 2], [0, 5, 1, 4]),
     ([4, 5, 7, 6], [2, 7, 3, 6]),
@@ -44,17 +43,18 @@ const SIDES: [([usize; 4], [usize; 4]); 6] = [
     ([1, 3, 7, 5], [5, 11, 7, 9]),
 ];
 
-/// The gyroid inside the cube from -1 to 1, about `count` triangles, at least some 600; open where the cube
-/// cuts it. About 9 periods a side at 5.4 million triangles.
+/// The gyroid inside the cube from -1 to 1, of about `count` triangles, at least about 600; open where the cube cuts
+/// it. It has about 9 periods along a side at 5.4 million triangles.
 pub fn gyroid(count: u64) -> Mesh {
     let target = count as f64;
     let fineness = COARSE + (FINE - COARSE) * (target / 1e5).min(1.0);
     let cube = target / (TRIANGLES * fineness * fineness);
-    // Below one period the cube root is not worth its care.
+    // Below one period the cube root is not needed.
     let periods = if cube > 1.0 { cube_root(cube).min(MOST_PERIODS) } else { 0.75 };
     let cells = (target / (TRIANGLES * periods)).sqrt().round().max(COARSEST) as usize;
 
-    // The formula knows nothing of the border, where quadrilaterals lack; stretch until the count is met.
+    // The estimate ignores the border, where quadrilaterals are missing; adjust the number of periods until the count
+    // is met.
     let mut best: Option<(f64, Field)> = None;
     let mut periods = target / (TRIANGLES * (cells * cells) as f64);
     for _ in 0..8 {
@@ -76,7 +76,7 @@ pub fn gyroid(count: u64) -> Mesh {
 /// The function on a grid of `cells`³ cells. It is a sum of products of functions of one coordinate.
 struct Field {
     cells: usize,
-    /// Radians a unit of length.
+    /// Radians per unit of length.
     wave: f64,
     /// Sine and cosine at the grid points along each axis.
     tables: [Vec<(f64, f64)>; 3],
@@ -131,7 +131,7 @@ impl Field {
             .sum()
     }
 
-    /// The function and its gradient (per radian) at a place in the cube.
+    /// The function and its gradient (per radian) at a point of the cube.
     fn at(&self, p: DVec3) -> (f64, DVec3) {
         let [(sx, cx), (sy, cy), (sz, cz)] = [0, 1, 2].map(|k| sin_cos(p[k] * self.wave + PHASE[k]));
         let gradient = DVec3::new(cx * cy - sz * sx, cy * cz - sx * sy, cz * cx - sy * sz);
@@ -179,7 +179,7 @@ impl Field {
     }
 }
 
-/// For each edge of a cell the number of the sheet that crosses it, and how many sheets there are.
+/// For each edge of a cell the number of the sheet that crosses it, and the number of sheets.
 type Sheets = ([u8; 12], u8);
 const NO_SHEET: u8 = u8::MAX;
 
@@ -207,7 +207,7 @@ fn sheets(values: &[f64; 8]) -> Sheets {
             _ => {}
         }
     }
-    // From names to numbers in order.
+    // Renumber the sheets in order of first use.
     let mut count = 0;
     let mut numbers = [NO_SHEET; 12];
     for e in 0..12 {
@@ -223,7 +223,7 @@ fn sheets(values: &[f64; 8]) -> Sheets {
     (numbers, count)
 }
 
-/// The cells between two planes of grid points.
+/// The cells between two grid planes.
 #[derive(Default)]
 struct Layer {
     low: Vec<f64>,
@@ -282,8 +282,8 @@ impl Layer {
             let values = self.corners(n + 1, i, j);
             let (of, count) = sheets(&values);
             (0..count).map(move |sheet| {
-                // The mean of where the sheet crosses edges, then two steps to the surface (Newton's method),
-                // but not out of the cell, or the net could fold.
+                // The mean of the points where the sheet crosses edges, then two steps of Newton's method to the
+                // surface, but not out of the cell, or the mesh could fold over.
                 let mut p = corner + mean_crossing(&values, &of, sheet) * step;
                 for _ in 0..2 {
                     let (value, gradient) = field.at(p);
@@ -305,22 +305,22 @@ impl Layer {
         }
     }
 
-    /// The quadrilaterals across the edges that begin on the layer's lower plane, except along its border.
-    /// They face where the function is positive.
+    /// The quadrilaterals across the edges that begin on the layer's lower plane, except along its border. Their
+    /// front is the side where the function is positive.
     fn quads(&self, n: usize, below: Option<&Self>, mut emit: impl FnMut([u32; 4])) {
         let side = n + 1;
         for j in 0..n {
             for i in 0..n {
                 let p = j * side + i;
                 let negative = self.low[p] < 0.0;
-                // The cells round an edge along an axis, counter-clockwise seen from its far end: whether in
-                // this layer, and place. The edge is a different one of the twelve for each.
+                // The cells around an edge along an axis, counter-clockwise seen from the edge's far end: layer and
+                // cell index. The edge is a different one of the twelve in each.
                 let mut across = |axis: usize, far: f64, ring: [(&Self, usize, usize); 4]| {
                     if negative == (far < 0.0) {
                         return;
                     }
-                    // In the ring's order the edge is at the cell's upper end along both other axes, along
-                    // the second only, along none, along the first only.
+                    // In the order of the ring the edge is at the cell's upper end along both other axes, along the
+                    // second only, along none, along the first only.
                     let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
                     let lower_corner = [1 << u | 1 << v, 1 << v, 0, 1 << u];
                     let [a, b, c, d] = std::array::from_fn(|k| {
@@ -349,7 +349,7 @@ impl Layer {
     }
 }
 
-/// In units of the cell.
+/// Mean of the sheet's crossings of cell edges, in units of the cell.
 fn mean_crossing(values: &[f64; 8], of: &[u8; 12], sheet: u8) -> DVec3 {
     let (mut sum, mut crossings) = (DVec3::ZERO, 0.0);
     for (&(a, axis), _) in EDGES.iter().zip(of).filter(|e| *e.1 == sheet) {
@@ -374,7 +374,7 @@ mod tests {
             let found = analyze(&mesh);
             assert!(found.consistently_wound, "{found:?}");
             assert_eq!((found.non_manifold_edges, found.flipped_edges), (0, 0), "{count}");
-            // All borders lie on the outermost cells.
+            // All boundary edges lie in the outermost cells.
             let mut uses = std::collections::HashMap::new();
             for t in &mesh.triangles {
                 for k in 0..3 {

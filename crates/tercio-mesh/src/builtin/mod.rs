@@ -1,6 +1,6 @@
-//! Models made by the program: they need no file, have any number of triangles, and the same bits on every
-//! machine (see [`crate::trig`]). +Y is up, and each is about two units large, save for the teapot, which
-//! keeps its classic size.
+//! Models made by the program: they need no file, have any number of triangles, and have the same bits on every
+//! machine (see [`crate::trig`]). +Y is up, and each is about two units large, except for the teapot, which keeps its
+//! classic size.
 
 mod gyroid;
 mod noise;
@@ -11,7 +11,7 @@ mod terrain;
 
 use crate::Mesh;
 
-/// What a built-in model is called, what it shows and how many triangles it has unless told.
+/// Each built-in model's name, default number of triangles, and function that makes it.
 const MODELS: [(&str, u64, Maker); 5] = [
     ("teapot", 100_000, |count, _| teapot::teapot(count)),
     ("gyroid", 1_000_000, |count, _| gyroid::gyroid(count)),
@@ -22,21 +22,21 @@ const MODELS: [(&str, u64, Maker); 5] = [
 
 type Maker = fn(u64, u64) -> Mesh;
 
-/// The most triangles that can be asked for; a soup has three vertices each, and they must be numbered.
+/// The most triangles that can be requested; a soup has three vertices per triangle, and they must be numbered.
 const MAX_COUNT: u64 = crate::mesh::MAX_ELEMENTS / 3;
 
-/// Why there is no such built-in model.
+/// Why a built-in model could not be made.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum BuiltinError {
-    /// The text is not of the form that is expected.
+    /// The text does not have the expected form.
     #[error("{spec}: expected builtin:NAME[@COUNT[k|M|G]][?seed=N], found \"{found}\" for {part}")]
     Syntax {
         /// The text as the user gave it.
         spec: String,
         /// The part that is wrong.
         part: &'static str,
-        /// What stood there.
+        /// What was found there.
         found: String,
     },
     /// There is no model of this name.
@@ -52,19 +52,18 @@ pub enum BuiltinError {
     Count {
         /// The text as the user gave it.
         spec: String,
-        /// How many were asked for.
+        /// The requested number of triangles.
         count: u64,
     },
 }
 
 /// Makes the model `builtin:NAME[@COUNT[k|M|G]][?seed=N]`.
 ///
-/// NAME is teapot, gyroid, terrain, sphere or soup. COUNT is a decimal number of triangles (`5.4M`) that the
-/// model comes close to: within 5 % from 1000 triangles on, exactly for the soup; each model has a least
-/// number below which it does not go. The seed (0 unless given) shapes terrain and soup and means nothing
-/// to the others.
+/// NAME is teapot, gyroid, terrain, sphere or soup. COUNT is a decimal number of triangles (`5.4M`) that the model
+/// comes close to: within 5 % from 1000 triangles on, exactly for the soup; each model has a minimum number. The seed
+/// (default 0) shapes terrain and soup and has no effect on the others.
 ///
-/// The mesh has vertex normals, save for the soup; terrain has vertex colours and the soup face colours.
+/// The mesh has vertex normals, except for the soup; terrain has vertex colours and the soup face colours.
 ///
 /// # Errors
 /// [`BuiltinError`] if there is no such model.
@@ -73,17 +72,17 @@ pub fn make(spec: &str) -> Result<Mesh, BuiltinError> {
     Ok(maker(count, seed))
 }
 
-/// About how many bytes [`make`] takes for a model: its mesh and what is needed to make it.
+/// Approximate number of bytes that [`make`] takes for a model: its mesh and temporary memory.
 ///
 /// # Errors
 /// As [`make`].
 pub fn needed_bytes(spec: &str) -> Result<u64, BuiltinError> {
-    // The soup takes most: three vertices, three numbers and a colour a triangle.
+    // The soup takes most: three vertices, three vertex numbers and a colour per triangle.
     const A_TRIANGLE: u64 = 3 * 12 + 12 + 4;
     Ok(plan(spec)?.count.saturating_mul(A_TRIANGLE))
 }
 
-/// What a name asks for.
+/// A parsed specification.
 struct Plan {
     maker: Maker,
     count: u64,
@@ -115,7 +114,7 @@ fn plan(spec: &str) -> Result<Plan, BuiltinError> {
     Ok(Plan { maker, count, seed })
 }
 
-/// A decimal number with an optional k, M or G behind it, rounded to whole triangles.
+/// A decimal number with an optional suffix k, M or G, rounded to whole triangles.
 fn parse_count(text: &str) -> Option<u64> {
     let (digits, unit) = match text.char_indices().next_back()? {
         (at, 'k' | 'K') => (&text[..at], 1e3),
@@ -128,9 +127,10 @@ fn parse_count(text: &str) -> Option<u64> {
     Some((value * unit).round() as u64)
 }
 
-/// A grid of `a` by `b` cells, row after row of `a + 1` vertices from number `first` on, each cell cut in two.
+/// A grid of `a` by `b` cells, row after row of `a + 1` vertices from number `first` on; each cell is split into two
+/// triangles.
 ///
-/// The triangles are counter-clockwise seen from where a is to the right and b upwards.
+/// The triangles are counter-clockwise seen from the side where a is to the right and b upwards.
 fn grid_cell(first: u64, a: u64, i: u64, j: u64) -> [[u32; 3]; 2] {
     let at = |i: u64, j: u64| (first + j * (a + 1) + i) as u32;
     let [p, q, r, s] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
@@ -193,7 +193,7 @@ mod tests {
     }
 
     #[test]
-    fn specs_are_understood() {
+    fn specs_are_parsed() {
         assert_eq!(parse_count("5.4M"), Some(5_400_000));
         assert_eq!(parse_count("12k"), Some(12_000));
         assert_eq!(parse_count("7"), Some(7));

@@ -24,7 +24,7 @@ pub fn gradient_noise(x: f64, y: f64, seed: u64) -> f64 {
     let corner = |dx: u64, dy: u64| {
         let cell = ix.wrapping_add(dx) << 32 | iy.wrapping_add(dy) & 0xFFFF_FFFF;
         let h = hash(cell ^ seed);
-        // Any gradient from a square does: its unevenness is not seen among the octaves.
+        // A gradient from a square is good enough: its anisotropy is not visible among the octaves.
         let (gx, gy) = (unit(h) * 2.0 - 1.0, unit(h << 24) * 2.0 - 1.0);
         gx * (x - dx as f64) + gy * (y - dy as f64)
     };

@@ -1,20 +1,20 @@
-//! Triangles without order: every renderer's bad day.
+//! Unordered random triangles: the worst case of every renderer.
 
 use rayon::prelude::*;
 
 use super::noise::{hash, unit};
 use crate::Mesh;
 
-/// Exactly `count` random triangles in a cube, crossing each other, of sizes from tiny to large, each with
-/// its own colour. No two share a vertex.
+/// Exactly `count` random triangles in a cube, intersecting each other, from tiny to large, each with its own colour.
+/// No two share a vertex.
 pub fn soup(count: u64, seed: u64) -> Mesh {
-    // With edges of this length, a line of sight crosses some count^(1/3) triangles.
+    // With edges of this length, a line of sight crosses about count^(1/3) triangles.
     let typical = 2.0 / cube_root(count as f64);
     let triangle = |i: u64| -> ([[f32; 3]; 3], [u8; 4]) {
         let first = hash(seed).wrapping_add(i << 4);
         let random = |k: u64| unit(hash(first + k));
         let u = random(0);
-        // Most are about typical, few are twelve times as large.
+        // Most are about the typical size, a few are twelve times as large.
         let size = (typical * (0.2 + u * u * u * u * u * u * 12.0)).min(0.9);
         let center: [f64; 3] = std::array::from_fn(|k| (random(1 + k as u64) * 2.0 - 1.0) * (1.0 - size));
         let corners = std::array::from_fn(|c| {
@@ -33,7 +33,7 @@ pub fn soup(count: u64, seed: u64) -> Mesh {
     }
 }
 
-/// The cube root of a number from 1 on, by Newton's method.
+/// The cube root of a number of at least 1, by Newton's method.
 pub(super) fn cube_root(x: f64) -> f64 {
     let mut r = x;
     for _ in 0..100 {

@@ -1,4 +1,4 @@
-//! The unit sphere from the six sides of a box of cells.
+//! The unit sphere, mapped from the six sides of a box of cells.
 
 use rayon::prelude::*;
 
@@ -6,15 +6,15 @@ use super::grid_cell;
 use crate::weld::weld;
 use crate::{Mesh, OctNormal};
 
-/// A closed sphere of radius 1 of about `count` triangles, at least 12.
+/// A closed sphere of radius 1 with about `count` triangles, at least 12.
 ///
-/// A box of a by b by c cells, the three about equal, whose surface is mapped to the sphere by the smooth
-/// map x sqrt(1 - y²/2 - z²/2 + y²z²/3) and so on; there are no poles and no slivers.
+/// The surface of a box of a by b by c cells, the three about equal, is mapped to the sphere by the smooth map x
+/// sqrt(1 - y²/2 - z²/2 + y²z²/3) and so on; there are no poles and no slivers.
 pub fn sphere(count: u64) -> Mesh {
     let cells = divisions(count);
     let mut mesh = Mesh::default();
     for axis in 0..3 {
-        // Seen along the axis, u turns to v counter-clockwise; on the far side the other way round.
+        // Seen from the end of the axis, u turns to v counter-clockwise; on the opposite side clockwise.
         let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
         for side in [-1.0, 1.0] {
             let (u, v) = if side > 0.0 { (u, v) } else { (v, u) };
@@ -38,13 +38,13 @@ pub fn sphere(count: u64) -> Mesh {
 fn on_sphere(p: [f64; 3]) -> [f32; 3] {
     let s = p.map(|x| x * x);
     std::array::from_fn(|k| {
-        // The lower axis first, so that the border of two sides gets the same bits from both.
+        // The lower axis first, so that both sides compute the same bits on their common border.
         let (y, z) = (s[if k == 0 { 1 } else { 0 }], s[if k == 2 { 1 } else { 2 }]);
         (p[k] * (1.0 - 0.5 * y - 0.5 * z + y * z / 3.0).max(0.0).sqrt()) as f32
     })
 }
 
-/// Cells along each axis, at most one apart, whose surface comes closest to half of `count`.
+/// Cells along each axis, differing by at most one, whose surface comes closest to half of `count`.
 fn divisions(count: u64) -> [u64; 3] {
     let n = ((count as f64 / 12.0).sqrt() as u64).max(1);
     let of = |[a, b, c]: [u64; 3]| 4 * (a * b + b * c + c * a);

@@ -1,13 +1,13 @@
 //! The Utah teapot (Martin Newell, 1975): 32 bicubic Bézier patches.
 //!
-//! Body, rim, lid and bottom are swept round the axis: a ring of control points of radius r is r times
-//! (1, 0), (1, k), (k, 1), (0, 1) and its three turns by a quarter, k = 0.56. So the 306 control points of
-//! the classic data shrink to profiles for the swept parts and the rows of one half of handle and spout.
-//! The bottom is the one that Frank Crow added in 1987.
+//! Body, rim, lid and bottom are swept around the axis: a ring of control points of radius r is r times (1, 0), (1,
+//! k), (k, 1), (0, 1) and its three rotations by a quarter turn, k = 0.56. So the 306 control points of the classic
+//! data reduce to profiles for the swept parts and the rows of one half of handle and spout. The bottom is the one
+//! that Frank Crow added in 1987.
 //!
-//! Patches that meet share control points, and a Bézier patch's border depends on nothing else: with every
-//! patch evaluated by the same operations in the same order, the borders get the same bits, and welding by
-//! position makes the parts watertight.
+//! Adjacent patches share control points, and a Bézier patch's border depends on nothing else: as every patch is
+//! evaluated by the same operations in the same order, the borders get the same bits, and welding by position makes
+//! the parts watertight.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -33,7 +33,7 @@ const SWEPT: [[Ring; 4]; 6] = [
 /// Patches whose first or last row is a single point.
 const WITH_POLE: u64 = 2 * 4;
 
-/// A row of a half tube: x and z on its inner side, x and z on its outer side, and how far it reaches to -y.
+/// A row of a half tube: x and z on its inner side, x and z on its outer side, and how far it extends to -y.
 type Row = [f64; 5];
 const HALF_TUBES: [[Row; 4]; 4] = [
     // Handle.
@@ -64,7 +64,7 @@ const HALF_TUBES: [[Row; 4]; 4] = [
     ],
 ];
 
-/// Four rows of four control points, z up, and whether the outside is where u turns to v clockwise.
+/// Four rows of four control points, z up, and whether u turns to v clockwise seen from outside.
 #[derive(Clone, Copy)]
 struct Patch {
     rows: [[DVec3; 4]; 4],
@@ -78,16 +78,15 @@ enum Pole {
     Last,
 }
 
-/// The teapot with its bottom, of about `count` triangles, at least 56; 6.4 units long, +Y up, the spout
-/// towards +X.
+/// The teapot with its bottom, of about `count` triangles, at least 56; 6.4 units long, +Y up, the spout towards +X.
 ///
-/// Four parts: body, lid, handle and spout. They are open where the classic data is: at the mouth under the
-/// lid, round the lid, at the tip of the spout, and inside the body where handle and spout end.
+/// Four parts: body, lid, handle and spout. They are open where the classic data is: at the mouth under the lid,
+/// around the lid, at the tip of the spout, and inside the body where handle and spout end.
 pub fn teapot(count: u64) -> Mesh {
     let (a, b) = divisions(count);
     let patches = patches();
-    // The handle touches the body in one vertex (the classic data share that control point), which must not
-    // take the body's normal: so the tubes are welded by themselves.
+    // The handle touches the body in one vertex (the classic data share that control point), which must not take the
+    // body's normal: so the tubes are welded separately.
     let (swept, tubes) = patches.split_at(SWEPT.len() * 4);
     let (mut mesh, tubes) = (tessellate(swept, a, b), tessellate(tubes, a, b));
     let first = mesh.positions.len() as u32;
@@ -127,14 +126,14 @@ fn tessellate(patches: &[Patch], a: u64, b: u64) -> Mesh {
             [whole_s.then_some(s), whole_t.then_some(t)].into_iter().flatten()
         }));
     }
-    // Neighbours compute the normal on their border from different control points: one must win.
+    // Adjacent patches compute the normal on their border from different control points: take that of the first.
     let same = position_representatives(&mesh);
     mesh.normals = Some(same.par_iter().map(|&s| normals[s as usize]).collect());
     weld(&mut mesh);
     mesh
 }
 
-/// Cells along u and v whose triangles come closest to `count`, u and v about equally many.
+/// Cells along u and v whose number of triangles comes closest to `count`, u and v about equal.
 fn divisions(count: u64) -> (u64, u64) {
     let n = ((count as f64 / 64.0).sqrt() as u64).max(1);
     let of = |(a, b): (u64, u64)| 64 * a * b - WITH_POLE * a;
@@ -144,7 +143,7 @@ fn divisions(count: u64) -> (u64, u64) {
             let b = (count as f64 / (64 * a) as f64 + 0.125).round().max(1.0) as u64;
             (a, b)
         })
-        // Near enough is enough; then the squarest wins.
+        // A count within about 2 % is close enough; among those the most square division wins.
         .min_by_key(|&(a, b)| (of((a, b)).abs_diff(count) * 50 / count.max(1), a.abs_diff(b)))
         .unwrap_or((n, n))
 }
@@ -162,7 +161,7 @@ fn patches() -> Vec<Patch> {
         });
         for _ in 0..4 {
             list.push(Patch { rows, clockwise: true, pole });
-            // A quarter turn is exact.
+            // A rotation by a quarter turn is exact.
             rows = rows.map(|row| row.map(|p| DVec3::new(-p.y, p.x, p.z)));
         }
     }
@@ -188,7 +187,7 @@ fn bernstein(t: f64) -> [f64; 4] {
     [s * s * s, 3.0 * s * s * t, 3.0 * s * t * t, t * t * t]
 }
 
-/// A third of their derivatives.
+/// A third of the derivatives of [`bernstein`].
 fn bernstein_slope(t: f64) -> [f64; 4] {
     let s = 1.0 - t;
     [-s * s, s * s - 2.0 * s * t, 2.0 * s * t - t * t, t * t]
@@ -211,7 +210,7 @@ impl Patch {
             None => false,
         };
         let normal = if at_pole {
-            // The profile arrives there at a right angle to the axis.
+            // The profile meets the axis there at a right angle.
             DVec3::Z * if self.pole == Some(Pole::First) { 1.0 } else { -1.0 }
         } else if self.clockwise {
             dv.cross(du)
@@ -234,11 +233,11 @@ mod tests {
             let (a, _) = divisions(count);
             let mesh = teapot(count);
             let found = analyze(&mesh);
-            // Four, but the handle touches the body in a vertex.
+            // Four, but the handle touches the body in a vertex, which makes them one component.
             assert_eq!(found.components, 3);
             assert!(found.consistently_wound);
             assert_eq!((found.non_manifold_edges, found.flipped_edges), (0, 0));
-            // Mouth and lid are rings of four patches, both ends of handle and spout of two.
+            // Mouth and lid are rings of four patches; handle and spout have rings of two patches at both ends.
             assert_eq!(found.boundary_edges, (2 * 4 + 4 * 2) * a);
             // Two discs and two tubes, less the vertex where two of them touch.
             assert_eq!(found.euler_characteristic(), 1);

@@ -11,15 +11,15 @@ use super::noise::{gradient_noise, hash};
 use crate::{Mesh, OctNormal};
 
 const OCTAVES: u64 = 11;
-/// Height of the highest summits over the plain; the square is 2 by 2.
+/// Height of the highest summits above the plain; the square is 2 by 2.
 const HEIGHT: f64 = 0.55;
 
-/// A square landscape of about `count` triangles, at least 2, with a vertex a grid point.
+/// A square landscape of about `count` triangles, at least 2, with a vertex at each grid point.
 pub fn terrain(count: u64, seed: u64) -> Mesh {
     let a = ((count as f64 / 2.0).sqrt() as u64).max(1);
     let b = (count as f64 / (2 * a) as f64).round().max(1.0) as u64;
     let seed = hash(seed ^ 0x7E44_A1B5);
-    // +Y is up, so that seen from above with x to the right, rows run towards -z.
+    // +Y is up; seen from above with x to the right, rows run towards -z.
     let place = |n: u64| {
         let (i, j) = (n % (a + 1), n / (a + 1));
         ((2 * i) as f64 / a as f64 - 1.0, 1.0 - (2 * j) as f64 / b as f64)
@@ -54,7 +54,7 @@ pub fn terrain(count: u64, seed: u64) -> Mesh {
 
 /// About 0 to 1.
 fn height(x: f64, z: f64, seed: u64) -> f64 {
-    // Bend the plane a little, so that ridges do not follow the lattice of the noise.
+    // Distort the plane a little, so that ridges do not follow the lattice of the noise.
     let bend = |s: u64| 0.35 * gradient_noise(x * 1.3 + 7.0, z * 1.3 - 3.0, seed ^ s);
     let (x, z) = (x + bend(1), z + bend(2));
     let (mut sum, mut weight, mut amplitude, mut frequency) = (0.0, 1.0, 0.5, 1.1);
@@ -71,7 +71,7 @@ fn height(x: f64, z: f64, seed: u64) -> f64 {
     (sum * (0.35 + 0.75 * land)).clamp(0.0, 1.5)
 }
 
-/// sRGB: meadow, forest, rock and snow; rock wherever it is steep.
+/// sRGB: meadow, forest, rock and snow by height; rock wherever it is steep.
 fn color(height: f32, steep: f32) -> [u8; 4] {
     const BY_HEIGHT: [(f32, [f32; 3]); 5] = [
         (0.10, [112., 128., 74.]),

@@ -1,11 +1,11 @@
-//! Takes triangles out of a mesh.
+//! Removes triangles from a mesh.
 
 use rayon::prelude::*;
 
 use super::CHUNK;
 use crate::{AttributeDomain, Mesh};
 
-/// Takes triangles with the given numbers, which are in order, out of a mesh.
+/// Removes the triangles with the given numbers, which are in ascending order, from a mesh.
 pub(super) fn drop_triangles(mesh: &mut Mesh, drops: &[u32]) {
     match &mut mesh.face_of_triangle {
         Some(faces) => drop_elements(faces, drops),
@@ -21,11 +21,11 @@ pub(super) fn drop_triangles(mesh: &mut Mesh, drops: &[u32]) {
     }
 }
 
-/// The numbers below `count` without the given ones, which are in order.
+/// The numbers below `count` without the given ones, which are in ascending order.
 fn numbers_without(count: usize, drops: &[u32]) -> Vec<u32> {
     let mut numbers = vec![0; count - drops.len()];
     numbers.par_chunks_mut(CHUNK).enumerate().for_each(|(n, numbers)| {
-        // Of the drops, `gone` lie before the number that stands here.
+        // `gone` is the number of drops that precede the number at this position.
         let first = n * CHUNK;
         let mut gone = first_place(drops, |k| drops[k] as usize - k > first);
         for (place, number) in (first..).zip(numbers) {
@@ -38,17 +38,17 @@ fn numbers_without(count: usize, drops: &[u32]) -> Vec<u32> {
     numbers
 }
 
-/// The first place for which `is_beyond` holds; for all before it, it must not.
-fn first_place(list: &[u32], is_beyond: impl Fn(usize) -> bool) -> usize {
+/// The first index for which `holds` is true; precondition: it is false before and true from there on.
+fn first_place(list: &[u32], holds: impl Fn(usize) -> bool) -> usize {
     let (mut low, mut high) = (0, list.len());
     while low < high {
         let middle = (low + high) / 2;
-        if is_beyond(middle) { high = middle } else { low = middle + 1 }
+        if holds(middle) { high = middle } else { low = middle + 1 }
     }
     low
 }
 
-/// Removes the elements with the given numbers, which are in order.
+/// Removes the elements with the given numbers, which are in ascending order.
 fn drop_elements<T: Copy>(array: &mut Vec<T>, drops: &[u32]) {
     let mut to = drops[0] as usize;
     for (i, &d) in drops.iter().enumerate() {

@@ -20,9 +20,9 @@ const CHUNK: usize = 1 << 15;
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct Cleaned {
-    /// Triangles dropped because two corners stand at the same position.
+    /// Triangles dropped because two corners are at the same position.
     pub duplicate_corner: u64,
-    /// Triangles dropped because their three different corners stand on one line.
+    /// Triangles dropped because their three distinct corners are collinear.
     pub degenerate: u64,
     /// Triangles without area that were kept because they close a T-junction.
     pub stitching_kept: u64,
@@ -43,21 +43,21 @@ impl Cleaned {
 enum Fault {
     NonFinite,
     DuplicateCorner,
-    /// Collinear; the bits tell the longest edge, 0 to 2, counted from its first corner.
+    /// Collinear; the value is the longest edge, 0 to 2: edge k begins at corner k.
     Flat(u8),
 }
 
-/// Drops the triangles that cannot be drawn, in place; the others keep their order. Vertices stay where
-/// they are.
+/// Drops the triangles that cannot be drawn, in place; the others keep their order. No vertex is removed or
+/// renumbered.
 ///
-/// Dropped are triangles with a non-finite corner, with two corners at the same position, and those whose
-/// area is exactly zero (their cross product in `f64` is). Of the last, those are kept that stitch a
-/// T-junction: their longest edge and one of the others (by position) are used by other kept triangles.
-/// They cover no pixel of their own, but without them the mesh would not be closed, and what simplifies or
-/// smooths it would tear it there.
+/// Dropped are triangles with a non-finite corner, with two corners at the same position, and those whose area is
+/// exactly zero (their cross product in `f64` is). Of the last, those are kept that close a T-junction: their longest
+/// edge and one of the others (by position) are used by other kept triangles. They cover no pixel of their own, but
+/// without them the mesh would not be closed, and simplifying or smoothing it would tear it open there.
 ///
-/// Non-finite positions become that of the first finite vertex, or zero, so that bounds stay finite. Positions so large
-/// or so small that `f32` leaves no room to calculate with them get another unit ([`Mesh::bring_into_range`]).
+/// Non-finite positions become that of the first finite vertex, or zero, so that bounds stay finite. Positions so
+/// large or so small that calculations with them would overflow or underflow `f32` get another unit
+/// ([`Mesh::bring_into_range`]).
 ///
 /// # Panics
 ///
@@ -103,7 +103,7 @@ pub fn clean(mesh: &mut Mesh) -> Cleaned {
         let drops: Vec<u32> = faults.iter().map(|f| f.0).collect();
         drops::drop_triangles(mesh, &drops);
     }
-    // Vertices that no triangle uses do not count. Nearly always a look at one triangle shows that there is nothing to do.
+    // Vertices that no triangle uses do not count. Nearly always one triangle shows that there is nothing to do.
     let first = mesh.triangles.first().map_or(0.0, |&t| largest_of(mesh, t));
     if !SAFE_MAGNITUDES.contains(&largest) || !SAFE_MAGNITUDES.contains(&first) {
         let used = mesh.triangles.par_iter().with_min_len(CHUNK).map(|&t| largest_of(mesh, t));
@@ -145,11 +145,11 @@ fn edge_key(a: [u32; 3], b: [u32; 3]) -> EdgeKey {
     if a <= b { [a, b] } else { [b, a] }
 }
 
-/// Which of the flat triangles (with the number of their longest edge) stay; `faulty` are all triangles
-/// that may go, in order.
+/// Which of the flat triangles (with the number of their longest edge) are kept; `faulty` are all triangles that may
+/// be dropped, in order.
 ///
-/// Flat triangles may lean on each other (several points on one long edge), so all begin as kept, and those
-/// without support fall, until none does.
+/// Flat triangles may support each other (several points on one long edge), so all begin as kept, and those without
+/// support are dropped until every remaining one is supported.
 fn stitching(mesh: &Mesh, flat: &[(u32, u8)], faulty: &[u32]) -> Vec<bool> {
     let corners = |t: u32| mesh.triangles[t as usize].map(|v| position_bits(mesh.positions[v as usize]));
 
@@ -166,7 +166,7 @@ fn stitching(mesh: &Mesh, flat: &[(u32, u8)], faulty: &[u32]) -> Vec<bool> {
         })
         .collect();
 
-    // Count their uses by good triangles. A bit per hash of a position spares most look-ups.
+    // Count their uses by good triangles. A bit per hash of a position saves most look-ups.
     let bits = (flat.len() * 64).next_power_of_two().max(1 << 12);
     let mut met = vec![0u64; bits / 64];
     let key = Key::of_this_run();
@@ -194,7 +194,7 @@ fn stitching(mesh: &Mesh, flat: &[(u32, u8)], faulty: &[u32]) -> Vec<bool> {
         .collect();
     hits.into_iter().chain(edges.iter().flatten().copied()).for_each(|e| uses[e as usize] += 1);
 
-    // Who stands at an edge, for those who fall later because a neighbour fell.
+    // The flat triangles at each edge, to recheck them when a neighbour is dropped.
     let mut at_edge: Vec<(u32, u32)> = Vec::with_capacity(edges.len() * 3);
     for (i, e) in edges.iter().enumerate() {
         at_edge.extend(e.iter().map(|&e| (e, i as u32)));
@@ -228,7 +228,7 @@ fn mend_positions(positions: &mut [[f32; 3]]) -> (u64, f32) {
         .par_chunks(CHUNK)
         .map(|chunk| {
             let bad = chunk.iter().filter(|p| !finite(p)).count() as u64;
-            // Infinity and NaN are left out: they compare as not below infinity.
+            // Infinity and NaN are left out: they do not compare as less than infinity.
             let magnitudes = chunk.as_flattened().iter().map(|c| c.abs());
             (bad, magnitudes.fold(0.0f32, |most, c| if c > most && c < f32::INFINITY { c } else { most }))
         })
@@ -292,9 +292,9 @@ mod tests {
     }
 
     #[test]
-    fn flat_triangles_that_stitch_stay() {
-        // A large triangle below the x axis, small ones above it that meet at (1, 0), (2, 0) and (3, 0), and
-        // flat ones between: one leans on the two others.
+    fn flat_triangles_that_close_t_junctions_are_kept() {
+        // A large triangle below the x axis, small ones above it that meet at (1, 0), (2, 0) and (3, 0), and flat
+        // ones between: one is supported by the two others.
         let p = [
             [0., 0., 0.],
             [1., 0., 0.],
@@ -311,7 +311,7 @@ mod tests {
         let found = clean(&mut m);
         assert_eq!((found.stitching_kept, found.degenerate), (3, 1));
         assert_eq!(m.triangles.len(), 8);
-        // Without the large triangle nothing is left to stitch to.
+        // Without the large triangle there is nothing to stitch to.
         let mut m = mesh(&p, &[&good[1..], &stitches].concat());
         let found = clean(&mut m);
         assert_eq!((found.stitching_kept, found.degenerate), (0, 3));
@@ -319,12 +319,12 @@ mod tests {
     }
 
     #[test]
-    fn very_small_and_very_large_triangles_are_no_fault() {
+    fn very_small_and_very_large_triangles_are_kept() {
         for s in [1e-38f32, 1e-20, 1.0, 1e19, 3e38] {
             let mut m = mesh(&[[0., 0., 0.], [s, 0., 0.], [0., 0., s]], &[[0, 1, 2]]);
             assert_eq!(clean(&mut m).total(), 0, "{s}");
         }
-        // A coordinate that is not part of the component that shows the area.
+        // A NaN in a coordinate that does not enter the nonzero component of the cross product.
         let mut m = mesh(&[[0., 0., f32::NAN], [1., 0., 0.], [0., 1., 0.]], &[[0, 1, 2]]);
         assert_eq!(clean(&mut m).non_finite_triangles, 1);
         let mut m = mesh(&[[0., 0., 0.], [1., 0., 0.], [0., 1., f32::NEG_INFINITY]], &[[0, 1, 2]]);
@@ -333,7 +333,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn what_stays_is_good_and_cleaning_again_does_nothing(
+        fn what_is_kept_is_good_and_cleaning_again_does_nothing(
             p in prop::collection::vec(prop::array::uniform3((0u8..4).prop_map(f32::from)), 1..40),
             t in prop::collection::vec(prop::array::uniform3(any::<prop::sample::Index>()), 0..200),
         ) {

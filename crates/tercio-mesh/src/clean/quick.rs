@@ -1,9 +1,9 @@
-//! A quick proof, for nearly all triangles, that nothing is wrong with them.
+//! A quick conservative test that proves nearly all triangles to be good.
 
-/// Triangles that are looked at side by side.
+/// Triangles that are tested side by side.
 const LANES: usize = 16;
 
-/// Adds to `suspects` the places of the triangles that could be faulty: their cross product may be zero or not
+/// Appends to `suspects` the indices of the triangles that could be faulty: their cross product may be zero or not
 /// finite. Written without closures, which would not be compiled at the SIMD level of the caller.
 #[inline(always)]
 pub(super) fn find_suspects(positions: &[[f32; 3]], triangles: &[[u32; 3]], suspects: &mut Vec<u32>) {
@@ -33,8 +33,8 @@ fn surely_good([a, b, c]: &[[[f32; LANES]; 3]; 3]) -> [bool; LANES] {
     for i in 0..LANES {
         let e = [b[0][i] - a[0][i], b[1][i] - a[1][i], b[2][i] - a[2][i]];
         let f = [c[0][i] - a[0][i], c[1][i] - a[1][i], c[2][i] - a[2][i]];
-        // A component of the cross product says nothing about the coordinate along its own axis: that one is
-        // finite if its product with 0 is 0.
+        // A component of the cross product does not depend on the coordinates along its own axis: these are finite if
+        // their product with 0 is 0.
         good[i] = is_clear(e[0] * f[1], e[1] * f[0]) & ((e[2] + f[2] + a[2][i]) * 0.0 == 0.0)
             | is_clear(e[1] * f[2], e[2] * f[1]) & ((e[0] + f[0] + a[0][i]) * 0.0 == 0.0)
             | is_clear(e[2] * f[0], e[0] * f[2]) & ((e[1] + f[1] + a[1][i]) * 0.0 == 0.0);
@@ -42,8 +42,9 @@ fn surely_good([a, b, c]: &[[[f32; LANES]; 3]; 3]) -> [bool; LANES] {
     good
 }
 
-/// Is the difference of two products finite and not zero beyond doubt? Well above the rounding of the products
-/// and what underflows, false for NaN; and below infinity, for which the right side would be infinite too.
+/// Is the difference of two products certainly finite and not zero? The bound is well above the rounding errors of
+/// the products and of underflow; the test is false for NaN, and for infinity, where the right side would be infinite
+/// too.
 #[inline(always)]
 fn is_clear(p: f32, q: f32) -> bool {
     (p - q).abs() > 1e-5 * (p.abs() + q.abs()) + 1e-30

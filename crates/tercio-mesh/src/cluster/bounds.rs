@@ -5,21 +5,21 @@ use glam::DVec3;
 use super::{Cluster, MAX_TRIANGLES, MAX_VERTICES, cone::middle};
 use crate::OctNormal;
 
-/// Below this sine between two edges a normal cannot be trusted, even in `f64`.
+/// Below this sine of the angle between two edges a normal is not reliable, even in `f64`.
 const SINE_LIMIT: f64 = 1e-10;
 
-/// What a vertex normal's angle to the planes of its triangles must keep from zero, as a sine, so that rounding
-/// anywhere between here and a pixel does not change on which side it stands.
+/// Least angle, as a sine, between a vertex normal and the planes of its triangles, so that rounding anywhere between
+/// here and a pixel does not change which side of a plane it points to.
 const MARGIN: f64 = 0.02;
 
-/// Two edges of a triangle that meet at a smaller angle, as a sine, span no plane that rounding could not turn that
-/// far.
+/// Where two edges of a triangle meet at a smaller angle, as a sine, rounding could turn the plane that they span by
+/// that much.
 const LEAST_SINE: f64 = 1e-3;
 
-/// Vertices or triangles that are looked at side by side.
+/// Vertices or triangles that are processed side by side.
 const LANES: usize = 16;
 
-/// Fills in all that bounds a cluster. `axes` and `normals` hold its vertices, `corners` its triangles.
+/// Fills in all bounds of a cluster. `axes` and `normals` hold its vertices, `corners` its triangles.
 #[inline(always)]
 pub(super) fn bound(
     cluster: &mut Cluster,
@@ -33,11 +33,11 @@ pub(super) fn bound(
     cluster.radius = round_up(farthest2(cluster, axes).sqrt());
 
     let mut normals = [DVec3::ZERO; MAX_TRIANGLES];
-    let (mut count, mut sum, mut height2, mut trusted) = (0, DVec3::ZERO, f64::INFINITY, true);
+    let (mut count, mut sum, mut height2, mut reliable) = (0, DVec3::ZERO, f64::INFINITY, true);
     let mut faces = Faces::default();
     let directions = Directions::new(normals_of_vertices.unwrap_or_default());
     let mut agree = normals_of_vertices.is_some();
-    // With as many entries as a corner can name, so that looking one up needs no check.
+    // With as many entries as a corner can name, so that indexing needs no bounds check.
     let mut points = [[0.0; MAX_VERTICES]; 3];
     for axis in 0..3 {
         points[axis][..axes[axis].len()].copy_from_slice(axes[axis]);
@@ -53,17 +53,17 @@ pub(super) fn bound(
                 }
             }
         }
-        faces.find();
+        faces.compute();
         for lane in 0..here {
             let corners = [corners[0][first + lane], corners[1][first + lane], corners[2][first + lane]];
-            agree &= faces.spans_plane[lane] & directions.stand_above(&faces.normal, lane, corners);
+            agree &= faces.spans_plane[lane] & directions.point_outwards(&faces.normal, lane, corners);
             if faces.has_area[lane] {
                 let normal = DVec3::new(faces.normal[0][lane], faces.normal[1][lane], faces.normal[2][lane]);
                 normals[count] = normal;
                 sum += normal;
                 count += 1;
                 height2 = height2.min(faces.height2[lane]);
-                trusted &= faces.trusted[lane];
+                reliable &= faces.reliable[lane];
             } else {
                 height2 = 0.0;
             }
@@ -72,7 +72,7 @@ pub(super) fn bound(
     cluster.flags = if agree { Cluster::NORMALS_AGREE } else { 0 };
     cluster.min_height = round_down(height2.sqrt());
     (cluster.cone_axis, cluster.cone_cutoff) =
-        if trusted { cone(&normals[..count], sum) } else { ([0; 3], Cluster::NO_CONE) };
+        if reliable { cone(&normals[..count], sum) } else { ([0; 3], Cluster::NO_CONE) };
 }
 
 /// Vertex normals of a cluster, of length 1: axis, vertex.
@@ -93,9 +93,9 @@ impl Directions {
         Self(unit)
     }
 
-    /// Those of a triangle's corners stand surely on the side of its own normal.
+    /// Do the normals of a triangle's corners certainly point to the side of its own normal?
     #[inline(always)]
-    fn stand_above(&self, normals: &[[f64; LANES]; 3], lane: usize, corners: [u8; 3]) -> bool {
+    fn point_outwards(&self, normals: &[[f64; LANES]; 3], lane: usize, corners: [u8; 3]) -> bool {
         let [x, y, z] = &self.0;
         let mut all = true;
         for corner in corners {
@@ -128,7 +128,7 @@ fn range(values: &[f32]) -> (f32, f32) {
     (least, most)
 }
 
-/// Square of the largest distance of a vertex from the middle of the cluster's box.
+/// Square of the largest distance of a vertex from the centre of the cluster's box.
 #[inline(always)]
 fn farthest2(cluster: &Cluster, [x, y, z]: [&[f32]; 3]) -> f64 {
     let center = [0, 1, 2].map(|k| f64::from(middle(cluster.min[k], cluster.max[k])));
@@ -151,17 +151,17 @@ struct Faces {
     /// Squares of the least heights.
     height2: [f64; LANES],
     has_area: [bool; LANES],
-    /// Can the normal be trusted?
-    trusted: [bool; LANES],
-    /// Can the normal even be trusted in `f32`?
+    /// Is the normal reliable?
+    reliable: [bool; LANES],
+    /// Is the normal reliable even in `f32`?
     spans_plane: [bool; LANES],
 }
 
 impl Faces {
-    /// Finds the rest from the points. Without closures, which would not be compiled at the SIMD level of the
-    /// caller.
+    /// Computes the other fields from the points. Without closures, which would not be compiled at the SIMD level of
+    /// the caller.
     #[inline(always)]
-    fn find(&mut self) {
+    fn compute(&mut self) {
         let [a, b, c] = &self.points;
         for i in 0..LANES {
             let a = [f64::from(a[0][i]), f64::from(a[1][i]), f64::from(a[2][i])];
@@ -178,7 +178,7 @@ impl Faces {
             let longest = if uu > vv { uu } else { vv };
             let longest = if ww > longest { ww } else { longest };
             self.height2[i] = square / longest;
-            self.trusted[i] = square > SINE_LIMIT * SINE_LIMIT * (uu * vv);
+            self.reliable[i] = square > SINE_LIMIT * SINE_LIMIT * (uu * vv);
             self.spans_plane[i] = square > LEAST_SINE * LEAST_SINE * (uu * vv);
             self.has_area[i] = square > 0.0;
             let scale = 1.0 / square.sqrt();
@@ -198,7 +198,7 @@ fn cone(normals: &[DVec3], direction: DVec3) -> ([i8; 3], i8) {
     let quantised = DVec3::from_array(axis.map(f64::from));
     let length = quantised.length();
     let cosine = normals.iter().map(|n| n.dot(quantised)).fold(f64::INFINITY, f64::min) / length;
-    // A cone of a right angle or more holds a normal that faces every eye.
+    // A cone of a right angle or more contains, for every eye, a normal that faces it.
     if !(cosine > 1e-3 && cosine.is_finite()) {
         return NONE;
     }
@@ -207,7 +207,8 @@ fn cone(normals: &[DVec3], direction: DVec3) -> ([i8; 3], i8) {
     if cutoff >= f64::from(Cluster::NO_CONE) { NONE } else { (axis, cutoff as i8) }
 }
 
-/// The nearest `f32` that is surely not smaller, whatever a few roundings did to `v`.
+/// An `f32` close to `v` that is certainly not smaller than the exact value, which differs from `v` by a few
+/// roundings.
 fn round_up(v: f64) -> f32 {
     (v as f32 * (1.0 + 2.0 * f32::EPSILON)).max(f32::MIN_POSITIVE)
 }

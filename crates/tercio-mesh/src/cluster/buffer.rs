@@ -1,4 +1,4 @@
-//! Arrays that were made here or lie in a mapped file.
+//! Arrays in memory or in a mapped file.
 
 use std::fmt;
 use std::ops::{Deref, Range};
@@ -7,7 +7,7 @@ use std::sync::Arc;
 use bytemuck::{AnyBitPattern, Pod, Zeroable};
 use memmap2::Mmap;
 
-/// A cache line. The stretches of clusters begin at its borders, so that vectors are loaded aligned.
+/// A cache line. The data of clusters begin at multiples of it, so that vector loads are aligned.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Pod, Zeroable)]
 #[repr(C, align(64))]
 pub struct Line(pub [u8; 64]);
@@ -21,15 +21,15 @@ impl Line {
 pub enum Buffer<T> {
     /// In memory.
     Owned(Vec<T>),
-    /// In memory that came zeroed from the system; which of its bytes. The system gives such memory page by page to the
-    /// threads that write it first, but not at the alignment of a [`Line`].
+    /// In zeroed memory from the system; its byte range. The system assigns such memory page by page to the threads
+    /// that write it first, but not at the alignment of a [`Line`].
     Zeroed(Vec<u64>, Range<usize>),
-    /// In a file: the file, and which of its bytes.
+    /// In a file: the map, and its byte range in it.
     Mapped(Arc<Mmap>, Range<usize>),
 }
 
 impl<T: Pod> Buffer<T> {
-    /// So many elements of zeros.
+    /// This many zero elements.
     pub(super) fn zeroed(count: usize) -> Self {
         let bytes = count * size_of::<T>();
         let words: Vec<u64> = bytemuck::zeroed_vec((bytes + align_of::<T>()).div_ceil(size_of::<u64>()));
@@ -37,7 +37,7 @@ impl<T: Pod> Buffer<T> {
         Self::Zeroed(words, first..first + bytes)
     }
 
-    /// The elements, to be written.
+    /// The elements for writing.
     ///
     /// # Panics
     /// If they are in a file.
@@ -56,21 +56,21 @@ impl<T: AnyBitPattern> Clone for Buffer<T> {
     fn clone(&self) -> Self {
         match self {
             Self::Mapped(file, range) => Self::Mapped(Arc::clone(file), range.clone()),
-            // A copy of the words may be aligned otherwise.
+            // A copy of the words may be aligned differently.
             _ => Self::Owned(self.to_vec()),
         }
     }
 }
 
 impl<T: AnyBitPattern> Buffer<T> {
-    /// Some bytes of a mapped file; `None` if they lie outside of it, are not whole elements or not aligned.
+    /// A byte range of a mapped file; `None` if it is out of bounds, does not hold whole elements or is not aligned.
     pub fn mapped(file: &Arc<Mmap>, range: Range<usize>) -> Option<Self> {
         let bytes = file.get(range.clone())?;
         bytemuck::try_cast_slice::<u8, T>(bytes).ok()?;
         Some(Self::Mapped(Arc::clone(file), range))
     }
 
-    /// Bytes that are in memory of its own, not in a file.
+    /// Bytes in memory of its own, not in a file.
     pub fn owned_bytes(&self) -> usize {
         match self {
             Self::Owned(values) => values.capacity() * size_of::<T>(),

@@ -9,11 +9,11 @@ use crate::{Aabb, FileMaterial};
 
 /// A mesh partitioned into clusters; what the renderer draws.
 ///
-/// It keeps no indexed copy of the mesh: positions stand once in each cluster, connectivity is three bytes a
-/// triangle.
+/// It keeps no indexed copy of the mesh: each cluster has its own copy of its vertices, and connectivity takes three
+/// bytes per triangle.
 #[derive(Clone, Debug)]
 pub struct ClusteredMesh {
-    /// Position in object space of the point that positions are relative to.
+    /// Position in object space of the point that vertex positions are relative to.
     pub origin: DVec3,
     /// log2 of the length of a unit of the positions; see [`crate::Mesh::exponent`].
     pub exponent: i32,
@@ -25,9 +25,9 @@ pub struct ClusteredMesh {
     pub face_of_triangle: Option<Buffer<u32>>,
     /// What the clusters hold.
     pub(crate) layout: Layout,
-    /// The first bytes of every stretch: all that is needed to cull.
+    /// The heads, which are also the first bytes of every stretch: all that culling needs.
     pub(crate) clusters: Buffer<Cluster>,
-    /// Number of each cluster's first line, and the end of the last one.
+    /// First line of each cluster, and the end of the last cluster.
     pub(crate) starts: Buffer<u32>,
     /// The stretches of all clusters, then [`Layout::LINES_BEHIND`] lines of zeros.
     pub(crate) lines: Buffer<Line>,
@@ -56,7 +56,7 @@ impl Default for ClusteredMesh {
 }
 
 impl ClusteredMesh {
-    /// What the clusters hold beside positions and corners.
+    /// What the clusters store besides positions and corners.
     #[inline(always)]
     pub fn layout(&self) -> &Layout {
         &self.layout
@@ -77,7 +77,7 @@ impl ClusteredMesh {
         ClusterView::new(&self.lines[self.starts[number] as usize..], &self.layout)
     }
 
-    /// The memory of a cluster, which can be moved anywhere.
+    /// The contiguous memory of a cluster, which can be moved to any address.
     ///
     /// # Panics
     /// If there is no such cluster.
@@ -90,7 +90,7 @@ impl ClusteredMesh {
         (0..self.clusters.len()).map(|number| self.cluster(number))
     }
 
-    /// Fills in what follows from the heads of the clusters.
+    /// Fills in the sums and bounds that follow from the clusters' heads.
     pub(crate) fn sum_up(&mut self) {
         let (unit, origin) = (self.unit(), self.origin);
         let world = |p: [f32; 3]| origin + Vec3::from(p).as_dvec3() * unit;
@@ -105,7 +105,7 @@ impl ClusteredMesh {
         power_of_two(self.exponent)
     }
 
-    /// [`ClusteredMesh::bounds`] in the numbers of the positions: relative to `origin`, in units of 2^`exponent`.
+    /// [`ClusteredMesh::bounds`] in the coordinates of the positions: relative to `origin`, in units of 2^`exponent`.
     pub fn local_bounds(&self) -> Aabb {
         let local = |p: DVec3| (p - self.origin) / self.unit();
         Aabb { min: local(self.bounds.min), max: local(self.bounds.max) }
@@ -116,7 +116,7 @@ impl ClusteredMesh {
         self.triangles as usize
     }
 
-    /// Number of vertices, with their copies in several clusters.
+    /// Number of vertices, counting the copies in several clusters.
     pub fn vertex_count(&self) -> usize {
         self.vertices as usize
     }
@@ -137,15 +137,15 @@ impl ClusteredMesh {
         self.views().flat_map(|c| (0..c.triangles()).map(move |t| (c.primitive(t), c.corner_positions(t))))
     }
 
-    /// Bytes of positions, connectivity, primitive numbers and bounds: what the mesh would need without normals, colours
-    /// and other attributes.
+    /// Bytes of positions, connectivity, primitive numbers and bounds: what the mesh would need without normals,
+    /// colours and other attributes.
     pub fn core_bytes(&self) -> usize {
         let bare = Layout::default();
         let lines: usize = self.clusters.iter().map(|head| bare.lines(head)).sum();
         size_of_val(&*self.clusters) + size_of_val(&*self.starts) + lines * Line::BYTES
     }
 
-    /// Bytes of a file that the mesh lies in, if it is mapped.
+    /// Bytes of the mesh that are in a mapped file.
     pub fn mapped_bytes(&self) -> usize {
         self.clusters.mapped_bytes()
             + self.starts.mapped_bytes()
@@ -153,7 +153,7 @@ impl ClusteredMesh {
             + self.face_of_triangle.as_ref().map_or(0, Buffer::mapped_bytes)
     }
 
-    /// Bytes of memory that the mesh holds; what lies in a mapped file is not counted.
+    /// Bytes of memory that the mesh takes; what is in a mapped file is not counted.
     pub fn memory_bytes(&self) -> usize {
         self.clusters.owned_bytes()
             + self.starts.owned_bytes()

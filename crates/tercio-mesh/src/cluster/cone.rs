@@ -1,30 +1,30 @@
-//! What a renderer asks a cluster before it looks at the triangles.
+//! Culling tests with the bounds of a cluster.
 
 use super::Cluster;
 
 impl Cluster {
-    /// `cone_cutoff` of a cluster whose normals fill no useful cone.
+    /// `cone_cutoff` of a cluster without a useful normal cone.
     pub const NO_CONE: i8 = 127;
 
-    /// Middle of the box as `f32` finds it, and the radius of a sphere round it that holds all vertices.
+    /// Centre of the box, computed in `f32`, and the radius of a sphere around it that contains all vertices.
     #[inline]
     pub fn sphere(&self) -> ([f32; 3], f32) {
         (std::array::from_fn(|k| middle(self.min[k], self.max[k])), self.radius)
     }
 
-    /// True only if every triangle shows its back to an eye in object space.
+    /// True only if every triangle is back-facing for an eye in object space.
     ///
-    /// Conservative for an eye that was rounded to `f32` once: true holds for the eye before rounding too.
-    /// It speaks of exact geometry; whether a triangle keeps its facing when its corners are snapped to
-    /// sub-pixels is for the caller to prove, with [`Cluster::min_height`].
+    /// Conservative for an eye that was rounded to `f32` once: if true, it holds for the eye before rounding too. It
+    /// refers to exact geometry; whether a triangle keeps its facing when its corners are snapped to sub-pixels is
+    /// for the caller to prove, with [`Cluster::min_height`].
     #[inline]
     pub fn faces_away(&self, eye: [f32; 3]) -> bool {
         let (along, limit) = self.cone_terms(eye);
         along > limit
     }
 
-    /// True only if every triangle with an area shows its front to an eye in object space; conservative in
-    /// the same way as [`Cluster::faces_away`].
+    /// True only if every triangle with an area is front-facing for an eye in object space; conservative in the same
+    /// way as [`Cluster::faces_away`].
     #[inline]
     pub fn faces_towards(&self, eye: [f32; 3]) -> bool {
         let (along, limit) = self.cone_terms(eye);
@@ -51,7 +51,8 @@ impl Cluster {
         let (center, radius) = self.sphere();
         let d: [f32; 3] = std::array::from_fn(|k| center[k] - eye[k]);
         let (along, length) = self.axis_terms(d);
-        // An eye rounded to f32 is off by 2^-24 of its coordinates, sqrt(3) of them along one direction.
+        // An eye rounded to f32 has an error of 2^-24 of its coordinates, and of sqrt(3) times that along one
+        // direction.
         let eye_error = (eye[0].abs() + eye[1].abs() + eye[2].abs()) * 1.2e-7;
         (along, length * self.slack_cutoff() + (radius + eye_error))
     }
@@ -65,14 +66,15 @@ impl Cluster {
         (along, length)
     }
 
-    /// Subtraction, products, sums and root err by less than 16 half ulps of the distance: 1e-6 of it.
+    /// The rounding errors of subtraction, products, sums and root add up to less than 16 half ulps of the distance:
+    /// 1e-6 of it.
     #[inline]
     fn slack_cutoff(&self) -> f32 {
         f32::from(self.cone_cutoff) * (1.0 / 127.0) + 2e-6
     }
 }
 
-/// The middle of the box along one axis. Halved before it is added, so that it does not overflow.
+/// The centre of the box along one axis. Each bound is halved before the addition, so that it does not overflow.
 #[inline]
 pub(super) fn middle(min: f32, max: f32) -> f32 {
     min * 0.5 + max * 0.5

@@ -1,4 +1,4 @@
-//! Writes the stretches of the clusters.
+//! Writes the memory of the clusters.
 
 use bytemuck::Zeroable;
 use fearless_simd::{Level, dispatch};
@@ -9,7 +9,7 @@ use super::partition::Cut;
 use super::{Buffer, Cluster, ClusteredMesh, Layout, Line, bounds};
 use crate::{AttributeDomain, Mesh};
 
-/// Cuts `data` into consecutive pieces of the given lengths; what is left over is dropped.
+/// Splits `data` into consecutive pieces of the given lengths; what is left over is dropped.
 pub(super) fn split<T>(mut data: &mut [T], lengths: impl Iterator<Item = usize>) -> Vec<&mut [T]> {
     lengths
         .map(|n| {
@@ -20,7 +20,7 @@ pub(super) fn split<T>(mut data: &mut [T], lengths: impl Iterator<Item = usize>)
         .collect()
 }
 
-/// What the clusters of a mesh are going to hold.
+/// What the clusters of a mesh will store.
 pub(super) fn layout(mesh: &Mesh) -> Layout {
     Layout {
         normals: mesh.normals.is_some(),
@@ -62,8 +62,8 @@ pub(super) fn clusters(out: &mut ClusteredMesh, cuts: &[Cut], order: Option<&[u3
     let numbers: Vec<Option<&[u32]>> = cuts
         .iter()
         .map(|cut| {
-            let (own, behind) = rest?.split_at(cut.triangles());
-            rest = Some(behind);
+            let (own, after) = rest?.split_at(cut.triangles());
+            rest = Some(after);
             Some(own)
         })
         .collect();
@@ -79,8 +79,8 @@ pub(super) fn clusters(out: &mut ClusteredMesh, cuts: &[Cut], order: Option<&[u3
     (out.layout, out.clusters, out.starts, out.lines) = (layout, heads.into(), starts.into(), lines);
 }
 
-/// Values of a block's vertices, in the order of the block. Clusters take them in an order that memory cannot
-/// foresee; here they are read as they stand in the mesh.
+/// Values of a block's vertices, in the order of the block. Clusters gather them in an order that the prefetcher
+/// cannot predict; here they are read in the order of the mesh.
 #[derive(Default)]
 struct Memory {
     points: Vec<[f32; 3]>,
@@ -93,15 +93,15 @@ fn write(job: Job, layout: &Layout, source: &Mesh, memory: &mut Memory, level: L
     let mut stretches: Vec<Stretch> = Vec::with_capacity(heads.len());
     let (mut rest, mut vertex, mut triangle) = (lines, 0, 0);
     for head in heads.iter() {
-        let (lines, behind) = std::mem::take(&mut rest).split_at_mut(layout.lines(head));
-        rest = behind;
+        let (lines, after) = std::mem::take(&mut rest).split_at_mut(layout.lines(head));
+        rest = after;
         let vertices = vertex..vertex + usize::from(head.vertices);
         let triangles = triangle..triangle + usize::from(head.triangles);
         (vertex, triangle) = (vertices.end, triangles.end);
         stretches.push(Stretch { lines, vertices, triangles });
     }
 
-    // Positions, corners and normals first: bounds are found from them.
+    // Positions, corners and normals first: bounds are computed from them.
     memory.points.clear();
     memory.points.extend(cut.names.iter().map(|&v| source.positions[v as usize]));
     if let Some(normals) = &source.normals {
@@ -162,13 +162,13 @@ fn write(job: Job, layout: &Layout, source: &Mesh, memory: &mut Memory, level: L
 /// The memory of a cluster.
 struct Stretch<'a> {
     lines: &'a mut [Line],
-    /// Which of the block's vertices and triangles it holds.
+    /// Its range of the block's vertices, and of its triangles.
     vertices: std::ops::Range<usize>,
     triangles: std::ops::Range<usize>,
 }
 
 impl Stretch<'_> {
-    /// Finds the bounds from positions, normals and corners.
+    /// Computes the bounds from positions, normals and corners.
     fn bound(&self, head: &mut Cluster, layout: &Layout, level: Level) {
         let (vertices, triangles) = (self.vertices.len(), self.triangles.len());
         let floats: &[f32] = bytemuck::cast_slice(self.lines);
@@ -185,38 +185,38 @@ impl Stretch<'_> {
 /// Writes the primitive numbers of a cluster into the bytes of its stretch.
 pub(super) fn write_numbers(stretch: &mut [u8], head: &Cluster, layout: &Layout, numbers: &[u32]) {
     let bits = u32::from(head.number_bits);
-    let (mut at, mut waiting, mut count) = (layout.numbers(head), 0u64, 0);
+    let (mut at, mut pending, mut count) = (layout.numbers(head), 0u64, 0);
     if bits == 0 {
         return;
     }
     for number in numbers {
-        // At most 7 bits wait, so that 64 hold them and another number.
-        waiting |= u64::from(number - head.first_primitive) << count;
+        // At most 7 bits are pending, so that 64 bits have room for them and another number.
+        pending |= u64::from(number - head.first_primitive) << count;
         count += bits;
         while count >= 8 {
-            stretch[at] = waiting as u8;
-            (at, waiting, count) = (at + 1, waiting >> 8, count - 8);
+            stretch[at] = pending as u8;
+            (at, pending, count) = (at + 1, pending >> 8, count - 8);
         }
     }
     if count > 0 {
-        stretch[at] = waiting as u8;
+        stretch[at] = pending as u8;
     }
 }
 
-/// Three arrays that stand one after the other.
+/// Splits a buffer into three consecutive arrays.
 fn axes(values: &mut [f32], each: usize) -> [&mut [f32]; 3] {
     let (x, rest) = values.split_at_mut(each);
     let (y, rest) = rest.split_at_mut(each);
     [x, y, &mut rest[..each]]
 }
 
-/// Repeats the last of `count` values.
+/// Fills the rest of an array with the last of its `count` values.
 fn pad<T: Copy>(values: &mut [T], count: usize) {
     let last = values[count - 1];
     values[count..].fill(last);
 }
 
-/// The values of some vertices, from those of their block.
+/// Gathers the values of some vertices from those of their block.
 fn put(to: &mut [u32], vertices: &[u16], of_block: &[u32]) {
     for (to, &v) in to.iter_mut().zip(vertices) {
         *to = of_block[usize::from(v)];
@@ -224,19 +224,19 @@ fn put(to: &mut [u32], vertices: &[u16], of_block: &[u32]) {
     pad(to, vertices.len());
 }
 
-/// Values behind the corners, on their way into the clusters of a block.
+/// Values that are stored after the corners, written into the clusters of a block.
 struct Values<'a, 'b> {
     layout: &'a Layout,
     cut: &'a Cut,
     numbers: Option<&'a [u32]>,
     heads: &'b [Cluster],
     stretches: Vec<Stretch<'b>>,
-    /// How many values of vertices and of triangles are written.
+    /// How many arrays of vertex values and of triangle values have been written.
     place: [usize; 2],
 }
 
 impl Values<'_, '_> {
-    /// Writes the next values of vertices, given by their numbers in the mesh.
+    /// Writes the next vertex values; `value` takes vertex numbers in the mesh.
     fn of_vertices(&mut self, memory: &mut Memory, value: impl Fn(usize) -> u32) {
         memory.words.clear();
         memory.words.extend(self.cut.names.iter().map(|&v| value(v as usize)));
@@ -248,7 +248,7 @@ impl Values<'_, '_> {
         self.place[0] += 1;
     }
 
-    /// Writes the next values of triangles, given by their numbers in the mesh.
+    /// Writes the next triangle values; `value` takes triangle numbers in the mesh.
     fn of_triangles(&mut self, value: impl Fn(usize) -> u32) {
         for (head, stretch) in self.heads.iter().zip(&mut self.stretches) {
             let first = self.layout.triangle_values(head, self.place[1]);
@@ -265,7 +265,7 @@ impl Values<'_, '_> {
     }
 }
 
-/// A head that holds the sizes of a cluster and the numbers of its triangles, and no bounds yet.
+/// A head with the sizes of a cluster and the numbers of its triangles, without bounds.
 pub(super) fn head(vertices: u8, numbers: impl Iterator<Item = u32> + Clone) -> Cluster {
     let (mut least, mut most, mut count) = (u32::MAX, 0, 0u32);
     let mut consecutive = true;

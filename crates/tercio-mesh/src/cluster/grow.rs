@@ -1,9 +1,9 @@
 //! Grows clusters over neighbouring triangles.
 //!
 //! A cluster begins with a seed triangle and takes one vertex at a time: the one that came to its rim first,
-//! before that those that close a notch of the outline. Every triangle whose three corners are inside is
-//! taken for nothing. The next seed is the most cornered triangle left at the outlines of the last clusters,
-//! so that few islands stay behind.
+//! preferring those that close a notch of the outline. Every triangle whose three corners are inside is taken for
+//! free. The next seed is the free triangle on the outlines of the last clusters whose corners have the fewest free
+//! triangles, so that few islands are left over.
 
 use glam::Vec3;
 
@@ -15,34 +15,34 @@ use crate::blocks::{Around, Corner};
 /// The working memory of one thread.
 pub(super) struct Grower {
     around: Around,
-    /// Of each triangle: 1 while no cluster has it, then 0.
+    /// For each triangle: 1 while it belongs to no cluster, then 0.
     free: Table<u8>,
-    /// Of each vertex: 1 if the open cluster has it, else 0.
+    /// For each vertex: 1 if it is in the open cluster, else 0.
     inside: Table<u8>,
     /// Number of each vertex in the last cluster that took it.
     numbers: Table<u8>,
-    /// Triangles at each vertex that no cluster has.
+    /// Number of triangles at each vertex that belong to no cluster.
     live: Table<u16>,
     rim: Rim,
     /// Vertices of the open cluster.
     members: Vec<u16>,
-    /// Vertices on the outlines of finished clusters: where seeds are looked for.
+    /// Vertices on the outlines of finished clusters: candidates for seeds.
     frontier: Vec<u16>,
-    /// All triangles, cluster after cluster; only the first count.
+    /// All triangles, cluster after cluster; only the first `taken_count` are valid.
     taken: Table<u16>,
     taken_count: usize,
 }
 
-/// Triangles round a vertex that are looked at together; few vertices have more.
+/// Most triangles around a vertex that are scanned in one pass; few vertices have more.
 const AT_ONCE: usize = 16;
 
-/// One entry for each number of 16 bits, so that looking one up needs no check.
+/// One entry for every 16-bit number, so that indexing needs no bounds check.
 type Table<T> = Box<[T; 1 << 16]>;
 
-/// Vertices of the frontier that a search looks at.
+/// Vertices at the end of the frontier that a search for a seed considers.
 const RECENT: usize = 64;
 
-/// A cluster with room leaps over a gap this many times its own radius, not further.
+/// A cluster with room left may continue across a gap of at most this many times its own radius.
 const FAR: f32 = 8.0;
 
 impl Default for Grower {
@@ -66,13 +66,13 @@ impl Default for Grower {
     }
 }
 
-/// A block of triangles, and where its vertices stand.
+/// A block of triangles, and the positions of its vertices.
 pub(super) struct Ground<'a> {
     /// Corners of the triangles.
     pub triangles: &'a [[u16; 3]],
     /// Mesh vertex of each vertex.
     pub vertices: &'a [u32],
-    /// Positions of the vertices of the mesh.
+    /// Positions of the mesh's vertices.
     pub positions: &'a [[f32; 3]],
 }
 
@@ -82,15 +82,15 @@ impl Ground<'_> {
     }
 }
 
-/// Triangles of the cluster that grows, and how many more it may have.
+/// Triangles of the open cluster, and how many more it may take.
 struct Open {
     triangles: u32,
     room: u32,
 }
 
-/// What a new vertex brings.
+/// Result of scanning the triangles around a new vertex.
 struct Found {
-    /// Vertices that triangles with two corners inside still lack; only the first count.
+    /// The third vertices of triangles with two corners inside; only the first `lacking_count` are valid.
     lacking: [u16; AT_ONCE],
     lacking_count: usize,
     /// Number of triangles taken so far.
@@ -98,13 +98,13 @@ struct Found {
 }
 
 impl Found {
-    /// Looks at some triangles round a vertex, and takes those that are complete; where the number is `LIMITED`, until
-    /// `most` are taken.
+    /// Scans triangles around a vertex, and takes those with all corners inside; if `LIMITED`, until `most` are
+    /// taken.
     ///
-    /// Arithmetic instead of branches, because how many corners are inside cannot be predicted: what comes to a list
-    /// is written behind it, and the list grows by it or by nothing.
+    /// Uses arithmetic instead of branches, because the number of corners inside cannot be predicted: a candidate is
+    /// always written after the end of its list, and the length grows by 1 or 0.
     #[inline(always)]
-    fn look<const LIMITED: bool>(
+    fn scan<const LIMITED: bool>(
         &mut self,
         corners: &[Corner],
         inside: &[u8; 1 << 16],
@@ -130,7 +130,7 @@ impl Found {
 }
 
 impl Grower {
-    /// Cuts a block, and puts the mesh numbers of its triangles into the order of the clusters.
+    /// Splits a block into clusters, and sorts the mesh numbers of its triangles by cluster.
     pub fn cut(&mut self, ground: &Ground, order: &mut [u32], limits: Limits) -> Cut {
         let n = ground.triangles.len();
         let mut cut = Cut::new(n);
@@ -168,7 +168,7 @@ impl Grower {
         self.taken_count = 0;
     }
 
-    /// The open cluster is finished.
+    /// Finishes the open cluster.
     fn close(&mut self) {
         for vertex in self.members.drain(..) {
             self.inside[usize::from(vertex)] = 0;
@@ -178,8 +178,8 @@ impl Grower {
         }
     }
 
-    /// Takes a triangle, which must find room, and all that comes after it until the cluster is full or its
-    /// rim is empty.
+    /// Takes a triangle, for which there must be room, and grows from it until the cluster is full or its rim is
+    /// empty.
     fn grow(&mut self, ground: &Ground, seed: u16, open: &mut Open, limits: Limits) {
         for v in ground.triangles[usize::from(seed)] {
             if self.inside[usize::from(v)] == 0 {
@@ -200,7 +200,7 @@ impl Grower {
         self.inside[usize::from(vertex)] = 1;
         self.numbers[usize::from(vertex)] = self.members.len() as u8;
         self.members.push(vertex);
-        // The tables are borrowed once, so that their addresses stay in registers while they are written.
+        // The tables are borrowed once, so that their addresses stay in registers during the writes.
         let Self { around, rim, taken_count, .. } = self;
         let (inside, live) = (&*self.inside, &*self.live);
         let (free, taken) = (&mut *self.free, &mut *self.taken);
@@ -208,9 +208,9 @@ impl Grower {
             let place = *taken_count;
             let mut found = Found { lacking: [0; AT_ONCE], lacking_count: 0, taken: place };
             if open.room >= AT_ONCE as u32 {
-                found.look::<false>(corners, inside, free, taken, usize::MAX);
+                found.scan::<false>(corners, inside, free, taken, usize::MAX);
             } else {
-                found.look::<true>(corners, inside, free, taken, place + open.room as usize);
+                found.scan::<true>(corners, inside, free, taken, place + open.room as usize);
             }
             *taken_count = found.taken;
             open.triangles += (found.taken - place) as u32;
@@ -221,7 +221,7 @@ impl Grower {
         }
     }
 
-    /// Writes the corners of the open cluster's triangles from the `first` on.
+    /// Writes the corners of the open cluster's triangles, from number `first` on.
     fn finish(&mut self, ground: &Ground, first: usize, [a, b, c]: &mut [Vec<u8>; 3]) {
         let taken = &self.taken[first..self.taken_count];
         let corners = a[first..].iter_mut().zip(&mut b[first..]).zip(&mut c[first..]);
@@ -235,7 +235,7 @@ impl Grower {
         }
     }
 
-    /// A triangle to begin with.
+    /// A triangle to begin a cluster with.
     fn seed(&mut self, ground: &Ground, untouched: &mut usize) -> u16 {
         self.sweep();
         if let Some(v) = self.recent().min_by_key(|&v| self.live[usize::from(v)])
@@ -249,7 +249,7 @@ impl Grower {
         *untouched as u16
     }
 
-    /// A triangle to go on with, near a cluster that has room but nothing at its rim.
+    /// A triangle to continue with, near a cluster that has room but an empty rim.
     fn seed_nearby(&mut self, ground: &Ground, open: &Open, limits: Limits) -> Option<u16> {
         if self.members.len() + 3 > limits.vertices as usize || open.room == 0 {
             return None;
@@ -267,7 +267,7 @@ impl Grower {
         self.seed_at(ground, nearest)
     }
 
-    /// The triangle at a vertex whose corners have the fewest triangles left.
+    /// The triangle at a vertex whose corners have the fewest free triangles.
     fn seed_at(&self, ground: &Ground, vertex: u16) -> Option<u16> {
         let around = self.around.at(vertex).iter().map(|corner| corner.triangle);
         around.filter(|&t| self.free[usize::from(t)] == 1).min_by_key(|&t| {
@@ -276,7 +276,7 @@ impl Grower {
         })
     }
 
-    /// Drops vertices without triangles from the end of the frontier.
+    /// Drops vertices without free triangles from the end of the frontier.
     fn sweep(&mut self) {
         loop {
             let begin = self.frontier.len().saturating_sub(RECENT);

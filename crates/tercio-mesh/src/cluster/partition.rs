@@ -7,18 +7,18 @@ use super::{Cluster, ClusteredMesh, MAX_TRIANGLES, MAX_VERTICES, gather, runs, s
 use crate::blocks::{Block, BlockedMesh, Order, Pool};
 use crate::{Mesh, Progress};
 
-/// How to cut a mesh into clusters.
+/// How to split a mesh into clusters.
 #[derive(Clone, Copy, Debug)]
 pub struct PartitionOptions<'a> {
-    /// Most vertices a cluster, 3 to [`MAX_VERTICES`]; other values are clamped.
+    /// Most vertices in a cluster, 3 to [`MAX_VERTICES`]; other values are clamped.
     pub max_vertices: usize,
-    /// Most triangles a cluster, 1 to [`MAX_TRIANGLES`]; other values are clamped.
+    /// Most triangles in a cluster, 1 to [`MAX_TRIANGLES`]; other values are clamped.
     pub max_triangles: usize,
     /// The order in which triangles are taken.
     pub order: Order,
     /// For tests: shuffles the clusters, and the triangles inside each.
     pub shuffle_seed: Option<u64>,
-    /// Told how many triangles are done.
+    /// Receives the number of finished triangles.
     pub progress: Option<&'a Progress>,
 }
 
@@ -34,14 +34,14 @@ impl Default for PartitionOptions<'_> {
     }
 }
 
-/// What a cluster may hold.
+/// Most vertices and triangles of a cluster.
 #[derive(Clone, Copy)]
 pub(super) struct Limits {
     pub vertices: u32,
     pub triangles: u32,
 }
 
-/// A block cut into clusters.
+/// A block that has been split into clusters.
 #[derive(Default)]
 pub(super) struct Cut {
     /// Sizes of the clusters, in order, and which triangles they hold; no bounds yet.
@@ -55,7 +55,7 @@ pub(super) struct Cut {
 }
 
 impl Cut {
-    /// Room for a block of so many triangles.
+    /// An empty result, with memory reserved for a block of this many triangles.
     pub fn new(triangles: usize) -> Self {
         Self {
             clusters: Vec::with_capacity(triangles / 64 + 1),
@@ -71,26 +71,26 @@ impl Cut {
     }
 }
 
-/// A block before it is cut.
+/// A block before it is split.
 struct Job<'a> {
     block: Block,
-    /// Triangle numbers, to be put into the order of the clusters.
+    /// Mesh numbers of the triangles, to be sorted by cluster.
     order: Option<&'a mut [u32]>,
 }
 
-/// Cuts a mesh into clusters. The result does not depend on the number of threads.
+/// Splits a mesh into clusters. The result does not depend on the number of threads.
 ///
-/// The mesh is consumed, and its arrays are freed as soon as they are copied. Vertices that no triangle uses
-/// are dropped.
+/// The mesh is consumed, and its arrays are freed as soon as they are copied. Vertices that no triangle uses are
+/// dropped.
 ///
 /// # Panics
-/// If a triangle names a vertex that is not there, an attribute's length is not the number of its elements,
-/// or the clusters need 2^32 cache lines (256 GiB) or more.
+/// If a triangle names a vertex that does not exist, an attribute's length is not the number of its elements, or the
+/// clusters need 2^32 cache lines (256 GiB) or more.
 pub fn partition(mesh: Mesh, options: &PartitionOptions) -> ClusteredMesh {
     partition_blocks(BlockedMesh::new(mesh, options.order), options)
 }
 
-/// As [`partition`], for a mesh that stands in blocks already; their order wins over
+/// As [`partition`], for a mesh that is already split into blocks; their order takes precedence over
 /// [`PartitionOptions::order`].
 ///
 /// # Panics
@@ -109,7 +109,7 @@ pub fn partition_blocks(mesh: BlockedMesh, options: &PartitionOptions) -> Cluste
     let pool = Pool::default();
     let cuts: Vec<Cut> = jobs(order.as_deref_mut(), blocks.list)
         .into_par_iter()
-        // So that threads finish together.
+        // One block per task, so that threads finish together.
         .with_max_len(1)
         .map(|job| {
             let triangles = &blocks.corners[job.block.range()];
@@ -132,7 +132,7 @@ pub fn partition_blocks(mesh: BlockedMesh, options: &PartitionOptions) -> Cluste
     }
 }
 
-/// The blocks with their parts of the order.
+/// Pairs the blocks with their parts of the order.
 fn jobs(order: Option<&mut [u32]>, blocks: Vec<Block>) -> Vec<Job<'_>> {
     let parts: Vec<Option<&mut [u32]>> = match order {
         Some(order) => {
@@ -143,7 +143,7 @@ fn jobs(order: Option<&mut [u32]>, blocks: Vec<Block>) -> Vec<Job<'_>> {
     blocks.into_iter().zip(parts).map(|(block, order)| Job { block, order }).collect()
 }
 
-/// Cuts one block: a given order into runs, else by growing.
+/// Splits one block into clusters: into runs if the order is to be kept, else by growing.
 fn cut(mesh: &Mesh, triangles: &[[u16; 3]], job: Job, limits: Limits, pool: &Pool<Grower>) -> Cut {
     let Job { block, order } = job;
     let mut cut = match order {

@@ -3,22 +3,23 @@
 /// Vertices outside a cluster that would complete a triangle with two vertices inside.
 ///
 /// Those that close a notch of the outline come first, among equals the one that came to the rim first. That makes
-/// clusters as round as choosing by distance from the middle does, and looks at nothing twice. The vertices that
-/// wait are sets of bits, so that none stands there twice and choosing one needs no search.
+/// clusters as round as choosing by distance from the centre does, without visiting any vertex twice. The candidates
+/// are bit sets, so that none is in a set twice and choosing one needs no search.
 pub(super) struct Rim {
-    /// Number at the rim of each vertex, [`UNMET`] for the others.
+    /// Number of each vertex in the rim, [`UNMET`] for the others.
     numbers: Box<[u8; 1 << 16]>,
-    /// Vertices that came to the rim of the cluster, in order.
+    /// Vertices that came to the rim of the open cluster, in order.
     vertices: [u16; MOST],
-    /// Triangles that each of them completes.
+    /// Number of triangles that each of them completes.
     completes: [u16; MOST],
     count: usize,
-    /// Those that wait, by their numbers, for each urgency; a more urgent one may wait among the less urgent, too.
-    waiting: [[u64; 2]; 3],
+    /// Candidates by their numbers, a set for each urgency; a more urgent one may remain in the less urgent sets,
+    /// too.
+    candidates: [[u64; 2]; 3],
 }
 
-/// Vertices that come to the rim of one cluster; what more come are left out, which only many triangles round one
-/// vertex can bring about.
+/// Most vertices in the rim of one cluster; further ones are ignored, which happens only where very many triangles
+/// meet at a vertex.
 const MOST: usize = 128;
 
 const UNMET: u8 = u8::MAX;
@@ -28,7 +29,7 @@ impl Default for Rim {
         let numbers = vec![UNMET; 1 << 16].into_boxed_slice();
         let numbers =
             numbers.try_into().unwrap_or_else(|_| unreachable!("the table was made with this length"));
-        Self { numbers, vertices: [0; MOST], completes: [0; MOST], count: 0, waiting: [[0; 2]; 3] }
+        Self { numbers, vertices: [0; MOST], completes: [0; MOST], count: 0, candidates: [[0; 2]; 3] }
     }
 }
 
@@ -39,11 +40,11 @@ impl Rim {
         }
         self.completes[..self.count].fill(0);
         self.count = 0;
-        self.waiting = [[0; 2]; 3];
+        self.candidates = [[0; 2]; 3];
     }
 
-    /// A vertex would complete one triangle more. `live` are its triangles that no cluster has: one whose last
-    /// triangles are completed would never be taken so cheaply again.
+    /// Counts one more triangle that the vertex would complete. `live` is the number of its triangles in no cluster:
+    /// a vertex that completes all of these is urgent, because it could never be taken at so low a cost again.
     #[inline]
     pub fn reach(&mut self, vertex: u16, live: u16) {
         let number = &mut self.numbers[usize::from(vertex)];
@@ -59,14 +60,14 @@ impl Rim {
         let completes = &mut self.completes[number];
         *completes += 1;
         let urgency = if (*completes == live) | (*completes > 2) { 2 } else { usize::from(*completes) - 1 };
-        self.waiting[urgency % 3][number / 64] |= 1 << (number % 64);
+        self.candidates[urgency % 3][number / 64] |= 1 << (number % 64);
     }
 
-    /// The vertex that comes next.
+    /// Removes and returns the vertex to take next.
     #[inline]
     pub fn pop(&mut self) -> Option<u16> {
-        let [low, middle, high] = self.waiting;
-        // Which of these is empty cannot be predicted: they are selected, not branched on.
+        let [low, middle, high] = self.candidates;
+        // Which of these is empty cannot be predicted, so they are selected without branches.
         let [first, second] = if high != [0; 2] {
             high
         } else if middle != [0; 2] {
@@ -80,7 +81,7 @@ impl Rim {
         let half = usize::from(first == 0);
         let word = if first == 0 { second } else { first };
         let rest = !(word & word.wrapping_neg());
-        for urgency in &mut self.waiting {
+        for urgency in &mut self.candidates {
             urgency[half] &= rest;
         }
         Some(self.vertices[half * 64 + word.trailing_zeros() as usize % 64])
@@ -110,7 +111,7 @@ mod tests {
     }
 
     #[test]
-    fn what_does_not_fit_is_left_out() {
+    fn vertices_past_the_limit_are_ignored() {
         let mut rim = Rim::default();
         (0..1000).for_each(|v| rim.reach(v, 9));
         rim.reach(100, 9);

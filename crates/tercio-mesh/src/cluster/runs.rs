@@ -1,13 +1,14 @@
-//! Cuts consecutive triangles into clusters: a new one begins where the next triangle no longer fits.
+//! Splits consecutive triangles into clusters: a new one begins where the next triangle no longer fits.
 
 use super::gather;
 use super::partition::{Cut, Limits};
 
-/// Cuts the triangles of a block in their order. `first` is the mesh number of the first of them, `vertices` the
+/// Splits the triangles of a block in their order. `first` is the mesh number of the first of them, `vertices` the
 /// number of vertices in the block.
 pub(super) fn cut(triangles: &[[u16; 3]], first: u32, vertices: usize, limits: Limits) -> Cut {
     let mut cut = Cut::new(triangles.len());
-    // Of each vertex: number of the last cluster that has it, from 1, times 256, plus its number in there.
+    // For each vertex: number of the last cluster that contains it, from 1, times 256, plus its number in that
+    // cluster.
     let mut member = vec![0u32; vertices];
     let mut number = 1;
     let (mut used, mut count) = (0u32, 0u32);

@@ -1,11 +1,11 @@
-//! Disorder for tests: a picture must not depend on how a mesh was cut.
+//! Shuffling for tests: a picture must not depend on how a mesh was split into clusters.
 
 use bytemuck::Zeroable;
 
 use super::layout::padded;
 use super::{Cluster, ClusterView, ClusteredMesh, Layout, Line, gather};
 
-/// The mesh with its clusters, and the triangles inside each, in an order drawn from `seed`.
+/// The mesh with its clusters, and the triangles inside each, in a random order drawn from `seed`.
 pub(super) fn shuffle(mesh: &ClusteredMesh, seed: u64) -> ClusteredMesh {
     let mut random = seed;
     let mut clusters: Vec<u32> = (0..mesh.clusters.len() as u32).collect();
@@ -31,15 +31,15 @@ fn reorder(old: &ClusterView, order: &[u32], lines: &mut Vec<Line>) -> Cluster {
         Cluster { first_primitive: sizes.first_primitive, number_bits: sizes.number_bits, ..*old.head() };
     let first = lines.len();
     lines.resize(first + layout.lines(&head), Line::zeroed());
-    let (to, behind) = (&mut lines[first..], layout.triangle_values(&head, 0));
+    let (to, after) = (&mut lines[first..], layout.triangle_values(&head, 0));
     to[0].0[..size_of::<Cluster>()].copy_from_slice(bytemuck::bytes_of(&head));
 
-    // Vertices stay.
+    // The vertices are unchanged.
     let words: &mut [u32] = bytemuck::cast_slice_mut(to);
     let from: &[u32] = bytemuck::cast_slice(old.lines());
-    words[Line::BYTES / 4..behind].copy_from_slice(&from[Line::BYTES / 4..behind]);
-    for place in 0..(layout.numbers(&head) / 4 - behind) / padded(head.triangles) {
-        let at = behind + place * padded(head.triangles);
+    words[Line::BYTES / 4..after].copy_from_slice(&from[Line::BYTES / 4..after]);
+    for place in 0..(layout.numbers(&head) / 4 - after) / padded(head.triangles) {
+        let at = after + place * padded(head.triangles);
         for (i, &t) in order.iter().enumerate() {
             words[at + i] = from[at + t as usize];
         }
@@ -55,7 +55,7 @@ fn reorder(old: &ClusterView, order: &[u32], lines: &mut Vec<Line>) -> Cluster {
     head
 }
 
-/// Fisher and Yates.
+/// Fisher-Yates shuffle.
 fn permute(values: &mut [u32], random: &mut u64) {
     for i in (1..values.len()).rev() {
         let j = next(random) % (i as u64 + 1);

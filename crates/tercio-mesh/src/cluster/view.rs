@@ -1,4 +1,4 @@
-//! Reading a cluster.
+//! Read access to a cluster.
 
 use super::layout::padded;
 use super::{Cluster, Layout, Line, MAX_TRIANGLES};
@@ -10,17 +10,17 @@ use crate::{AttributeDomain, OctNormal};
 /// it, triangles past the last have the corners 0, 0, 0.
 #[derive(Clone, Copy, Debug)]
 pub struct ClusterView<'a> {
-    /// The stretch, and what lies behind it.
+    /// The memory of the cluster, and what follows it.
     lines: &'a [Line],
     layout: &'a Layout,
 }
 
 impl<'a> ClusterView<'a> {
-    /// The cluster whose stretch begins with the first of some lines. Behind it there must be at least
-    /// [`Layout::LINES_BEHIND`] lines more.
+    /// The cluster whose memory begins with the first of `lines`. At least [`Layout::LINES_BEHIND`] lines must follow
+    /// its own.
     ///
     /// # Panics
-    /// If there is no line. Methods panic where the lines are fewer than the stretch needs.
+    /// If there is no line. Methods panic where there are fewer lines than the cluster needs.
     #[inline(always)]
     pub fn new(lines: &'a [Line], layout: &'a Layout) -> Self {
         assert!(!lines.is_empty(), "a stretch has a line");
@@ -33,12 +33,12 @@ impl<'a> ClusterView<'a> {
         bytemuck::from_bytes(&self.lines[0].0[..size_of::<Cluster>()])
     }
 
-    /// The stretch, and what lies behind it.
+    /// The memory of the cluster, and what follows it.
     pub(super) fn lines(&self) -> &'a [Line] {
         self.lines
     }
 
-    /// What the clusters of the mesh hold.
+    /// What the clusters of the mesh store.
     #[inline(always)]
     pub fn layout(&self) -> &'a Layout {
         self.layout
@@ -81,8 +81,8 @@ impl<'a> ClusterView<'a> {
         )
     }
 
-    /// First, second and third corners of the triangles, as vertex numbers in the cluster; padded. The corner with the
-    /// lowest vertex number of the [`crate::Mesh`] comes first ([`crate::Mesh::canonical`]).
+    /// First, second and third corners of the triangles, as vertex numbers in the cluster; padded. The corner with
+    /// the lowest vertex number of the [`crate::Mesh`] comes first ([`crate::Mesh::canonical`]).
     #[inline(always)]
     pub fn corners(&self) -> [&'a [u8]; 3] {
         let head = self.head();
@@ -91,7 +91,8 @@ impl<'a> ClusterView<'a> {
         [0, 1, 2].map(|k| &bytes[first + k * each..first + (k + 1) * each])
     }
 
-    /// As [`ClusterView::corners`], but of [`MAX_TRIANGLES`] triangles; what stands behind the last one is of no use.
+    /// As [`ClusterView::corners`], but always [`MAX_TRIANGLES`] triangles; those past the cluster's last are not
+    /// valid.
     #[inline(always)]
     pub fn corner_tables(&self) -> [&'a [u8; MAX_TRIANGLES]; 3] {
         let head = self.head();
@@ -99,7 +100,7 @@ impl<'a> ClusterView<'a> {
         let (first, each) = (self.layout.corners(head), padded(head.triangles));
         [0, 1, 2].map(|k| match bytes[first + k * each..].first_chunk() {
             Some(table) => table,
-            None => unreachable!("lines behind the last stretch"),
+            None => unreachable!("`LINES_BEHIND` lines follow the last cluster"),
         })
     }
 
@@ -162,7 +163,7 @@ impl<'a> ClusterView<'a> {
         head.first_primitive.wrapping_add(self.number(self.layout.numbers(head), triangle))
     }
 
-    /// The number of a triangle from where those of the cluster begin, in bytes.
+    /// The number of a triangle; `first` is the byte offset of the cluster's primitive numbers.
     #[inline(always)]
     fn number(&self, first: usize, triangle: usize) -> u32 {
         let bits = usize::from(self.head().number_bits);
@@ -170,7 +171,7 @@ impl<'a> ClusterView<'a> {
         let bytes: &[u8] = bytemuck::cast_slice(self.lines);
         match bytes[byte..].first_chunk() {
             Some(&eight) => (u64::from_le_bytes(eight) >> shift & ((1 << bits) - 1)) as u32,
-            None => unreachable!("lines behind the last stretch"),
+            None => unreachable!("`LINES_BEHIND` lines follow the last cluster"),
         }
     }
 
@@ -185,13 +186,13 @@ impl<'a> ClusterView<'a> {
         u64::from(head.first_primitive) + u64::from(above)
     }
 
-    /// The line that holds bounds and counts.
+    /// The line that holds the head.
     #[inline(always)]
     pub fn first_line(&self) -> &'a [Line] {
         &self.lines[..1]
     }
 
-    /// The stretch up to its last line that a frame without colours and attributes reads.
+    /// The lines of the cluster that a frame without colours and attributes reads.
     #[inline(always)]
     pub fn hot_lines(&self) -> &'a [Line] {
         let head = self.head();

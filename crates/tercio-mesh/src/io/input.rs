@@ -20,9 +20,9 @@ pub struct Input {
     pub name: String,
     /// The folder where companion files are looked for; `None` when there is none (standard input).
     pub base: Option<PathBuf>,
-    /// Size of the file as it lies on disk.
+    /// Size of the file on disk.
     pub file_bytes: u64,
-    /// What was odd about the file round the content.
+    /// Oddities of the file around the content.
     pub warnings: Vec<String>,
     content: Content,
 }
@@ -36,28 +36,28 @@ enum Content {
 /// Bytes of all [`Mapping`]s that count as memory.
 static MAPPED: AtomicU64 = AtomicU64::new(0);
 
-/// Resident bytes of mapped model files: pages that the system could take back, but that count as memory of the
-/// process. For programs that keep account of what they take.
+/// Resident bytes of mapped model files: pages that the system could reclaim, but that count as memory of the
+/// process. For programs that account for their memory.
 pub fn mapped_bytes() -> u64 {
     MAPPED.load(Relaxed)
 }
 
 /// A mapped file.
 ///
-/// A file that is small beside the memory limit counts as memory, whole. Of a larger one the pages are given back while
-/// it is read, so that a file larger than the limit can be read if its mesh is not.
+/// A file that is small compared with the memory limit counts as memory completely. The pages of a larger one are
+/// released while it is read, so that a file larger than the limit can be read if its mesh is smaller.
 #[derive(Debug)]
 struct Mapping {
     map: Arc<Mmap>,
     accounted_bytes: AtomicU64,
-    /// Bytes that were read since pages were given back; `None` where the file counts.
+    /// Bytes that were read since pages were last released; `None` where the whole file counts.
     read: Option<AtomicU64>,
 }
 
-/// The most that a thread should read before it says so; pages are given back each time.
+/// The most that a thread should read before it reports it; pages are released each time.
 const RELEASE_STEP: usize = 256 << 10;
 
-/// Reading one byte of a file may bring in so many: file systems keep files in large pieces.
+/// Reading one byte of a file may load this many: file systems keep files in large pieces.
 const READ_AHEAD: u64 = 2 << 20;
 
 impl Mapping {
@@ -71,7 +71,7 @@ impl Mapping {
         Self { map: Arc::new(map), accounted_bytes, read: (!is_small).then(|| AtomicU64::new(0)) }
     }
 
-    /// All of it counts as memory from now on.
+    /// The whole file counts as memory from now on.
     fn count_all(&self) {
         let size = self.map.len() as u64;
         let more = size.saturating_sub(self.accounted_bytes.swap(size, Relaxed));
@@ -83,18 +83,19 @@ impl Mapping {
         let before = read.fetch_add(bytes, Relaxed);
         let stretch = RELEASE_STEP as u64;
         if before / stretch != (before + bytes) / stretch {
-            self.give_back();
+            self.release_pages();
         }
     }
 
     #[cfg(unix)]
-    fn give_back(&self) {
-        // SAFETY: the map is of a file and only read, so what other threads read meanwhile comes from the file again.
+    fn release_pages(&self) {
+        // SAFETY: the map is of a file and only read, so pages that other threads read meanwhile are loaded from the
+        // file again.
         let _ = unsafe { self.map.unchecked_advise(memmap2::UncheckedAdvice::DontNeed) };
     }
 
     #[cfg(not(unix))]
-    fn give_back(&self) {}
+    fn release_pages(&self) {}
 }
 
 /// Bytes of a file piece by piece, from either end; each piece is reported as consumed.
@@ -141,8 +142,8 @@ impl Input {
         self.mapping().map(|mapping| &mapping.map)
     }
 
-    /// Bytes of memory that the content holds; of a mapped file that is large beside the memory limit, those that it
-    /// holds at a time.
+    /// Bytes of memory that the content takes; for a mapped file that is large compared with the memory limit, those
+    /// that are resident at a time.
     pub fn held_bytes(&self) -> u64 {
         match &self.content {
             Content::Mapped(mapping) => mapping.accounted_bytes.load(Relaxed),
@@ -150,8 +151,8 @@ impl Input {
         }
     }
 
-    /// Tells that so many bytes were gone through, anywhere in the content: their memory may be given back. Readers say
-    /// so about every [`Input::stretch`] bytes, in every pass.
+    /// Reports that this many bytes were read, anywhere in the content: their memory may be released. Readers call it
+    /// about every [`Input::stretch`] bytes, in every pass.
     pub fn consumed(&self, bytes: usize) {
         if let Some(mapping) = self.mapping() {
             mapping.consumed(bytes as u64);
@@ -165,25 +166,26 @@ impl Input {
         }
     }
 
-    /// Does something hold for all of these bytes of the content? They are reported as consumed.
+    /// Does `holds` return true for all of these bytes of the content? They are reported as consumed.
     pub fn all(&self, bytes: &[u8], holds: impl Fn(u8) -> bool) -> bool {
         pieces(bytes, self.mapping()).all(|piece| piece.iter().all(|&b| holds(b)))
     }
 
-    /// The place of the first of these bytes of the content that `is` the one; those before it are reported as consumed.
+    /// Index of the first of these bytes of the content for which `is` is true; those before it are reported as
+    /// consumed.
     pub fn position(&self, bytes: &[u8], is: impl Fn(u8) -> bool) -> Option<usize> {
         text::find(is, bytes, |searched| self.consumed(searched))
     }
 
-    /// How many of these bytes of the content are such; all are reported as consumed.
+    /// Number of these bytes of the content for which `is` is true; all are reported as consumed.
     pub fn count(&self, bytes: &[u8], is: impl Fn(u8) -> bool) -> u64 {
         pieces(bytes, self.mapping()).map(|piece| piece.iter().filter(|&&b| is(b)).count() as u64).sum()
     }
 
-    /// The bytes without the zeros at the end, which what fills blocks leaves there; those are reported as consumed.
+    /// The bytes without trailing zeros, which tapes and block devices leave there; those are reported as consumed.
     pub fn unpadded<'b>(&self, bytes: &'b [u8]) -> &'b [u8] {
         let mut length = bytes.len();
-        // Pieces are cut from the front, so the first one from the end may be short.
+        // Pieces are aligned to the front, so the first one from the end may be short.
         for piece in pieces(bytes, self.mapping()).rev() {
             length -= piece.len();
             if let Some(last) = piece.iter().rposition(|&b| b != 0) {
@@ -194,21 +196,21 @@ impl Input {
         bytes.get(..length).unwrap_or_default()
     }
 
-    /// Tells that a place was looked at that stands apart from others by so many bytes: what lies round it may have come
-    /// with it.
+    /// Reports that a sample was read, `apart` bytes from the next one: the system may have loaded the bytes around
+    /// it, too.
     pub fn looked_at(&self, apart: usize) {
         self.consumed(apart.min(READ_AHEAD as usize));
     }
 
-    /// All of the content will be in memory at once: it counts so from now on.
+    /// All of the content will be in memory at once: it counts as memory from now on.
     pub fn count_all(&self) {
         if let Some(mapping) = self.mapping() {
             mapping.count_all();
         }
     }
 
-    /// Makes sure that a task goes through no more than it should at a time; where a part is longer, all of the content
-    /// counts.
+    /// Makes sure that a task reads no more than it should at a time; where a part is longer, all of the content
+    /// counts as memory.
     ///
     /// # Errors
     /// [`ReadError::MemoryLimit`] if that is too much.
@@ -220,7 +222,7 @@ impl Input {
         Ok(())
     }
 
-    /// The most bytes that a task should go through at a time, of `wanted`.
+    /// The most bytes that a task should read at a time, at most `wanted`.
     pub fn stretch(&self, wanted: usize) -> usize {
         match &self.content {
             Content::Mapped(Mapping { read: Some(_), .. }) => wanted.min(RELEASE_STEP),
@@ -229,7 +231,7 @@ impl Input {
     }
 }
 
-/// The system's number for it, the same on all of them.
+/// ENOMEM, which has the same value on all systems.
 const OUT_OF_MEMORY: i32 = 12;
 
 fn is_gzip(bytes: &[u8]) -> bool {
@@ -267,8 +269,8 @@ fn open_path(path: &Path, options: &ReadOptions) -> Result<Input, ReadError> {
         let content = Content::Owned(Vec::new());
         return Ok(Input { name, base, file_bytes, warnings: Vec::new(), content });
     }
-    // SAFETY: the map is only read. Another process that shortens the file meanwhile ends this one with
-    // SIGBUS, as for every program that maps files; no other memory is touched.
+    // SAFETY: the map is only read. If another process truncates the file meanwhile, this process gets SIGBUS, as
+    // every program that maps files; no other memory is affected.
     let map = unsafe { Mmap::map(&file) }.map_err(|error| {
         io_error(if error.raw_os_error() == Some(OUT_OF_MEMORY) {
             let reason =
@@ -292,7 +294,7 @@ fn open_path(path: &Path, options: &ReadOptions) -> Result<Input, ReadError> {
 /// Compressed bytes as a stream.
 struct Compressed<'a> {
     rest: &'a [u8],
-    /// Told what was read.
+    /// Receives the number of bytes read.
     mapping: Option<&'a Mapping>,
 }
 
@@ -326,7 +328,7 @@ fn read_all(name: &str, stream: impl Read, options: &ReadOptions) -> Result<Vec<
     Ok(bytes)
 }
 
-/// Appends the rest of a stream; `fail` makes the error of one that breaks off behind so many bytes.
+/// Appends the rest of a stream; `fail` makes the error of one that breaks off after this many bytes.
 fn read_on(
     name: &str,
     mut stream: impl Read,
@@ -335,9 +337,9 @@ fn read_on(
     fail: impl Fn(io::Error, usize) -> ReadError,
 ) -> Result<(), ReadError> {
     loop {
-        // In steps of a quarter, because all that a vector could hold counts as taken.
+        // In steps of a quarter, because the whole capacity of a vector counts as taken.
         let step = (bytes.len() / 4).clamp(1 << 16, 1 << 26);
-        // A little more than is read, so that finding the end needs no room.
+        // A little more than is read, so that detecting the end needs no reallocation.
         bytes.reserve_exact(step + 64);
         let got =
             stream.by_ref().take(step as u64).read_to_end(bytes).map_err(|error| fail(error, bytes.len()))?;
@@ -351,8 +353,8 @@ fn read_on(
     }
 }
 
-/// Undoes gzip: one member after the other, until something else follows, which is left out with a warning, as
-/// tapes and block devices put zeros behind a file.
+/// Decompresses gzip: one member after the other, until something else follows. That is ignored with a warning,
+/// because tapes and block devices append zeros to a file.
 fn inflate(
     name: &str,
     compressed: Compressed,
@@ -372,7 +374,7 @@ fn inflate(
     if !rest.is_empty() {
         let is_zero = pieces(rest, left.mapping).all(|piece| piece.iter().all(|&b| b == 0));
         let what = if is_zero { "zero byte" } else { "byte" };
-        warnings.push(format!("ignored {} behind the gzip data", counted(rest.len() as u64, what)));
+        warnings.push(format!("ignored {} after the gzip data", counted(rest.len() as u64, what)));
     }
     Ok(bytes)
 }
@@ -393,7 +395,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn walks_in_pieces_find_what_walks_of_all_find() {
+    fn scans_in_pieces_equal_scans_of_the_whole() {
         let options = ReadOptions { memory_limit: Some(1), progress: None };
         for length in [0, 1, RELEASE_STEP - 1, RELEASE_STEP, RELEASE_STEP + 1, 12 * RELEASE_STEP + 7] {
             for marked in [None, Some(0), Some(length / 2), length.checked_sub(1)] {

@@ -1,4 +1,4 @@
-//! Model files. One module a format; the format is found by content, never by file name.
+//! Model files. One module per format; the format is found by content, never by file name.
 
 mod companions;
 pub mod input;
@@ -26,7 +26,7 @@ pub use sniff::sniff;
 pub struct ReadOptions<'a> {
     /// Most bytes that the model and its reading may take; `None` for no limit.
     pub memory_limit: Option<u64>,
-    /// Told how far the reading has come.
+    /// Receives the progress of reading.
     pub progress: Option<&'a Progress>,
 }
 
@@ -65,23 +65,22 @@ pub enum Format {
 pub struct ReadReport {
     /// Format and dialect, such as "PLY, binary little-endian".
     pub format: String,
-    /// Size of the file as it lies on disk, in bytes.
+    /// Size of the file on disk, in bytes.
     pub file_bytes: u64,
     /// Faces of any number of corners that the file holds.
     pub faces: u64,
-    /// What the file holds or asks for that is not drawn.
+    /// What the file holds or requests that is not drawn.
     pub not_drawn: NotDrawn,
-    /// Other files that belong to the model: material libraries that were read, and where the textures that it
-    /// names would lie. An output must be none of them.
+    /// Other files that belong to the model: material libraries that were read, and the paths of the textures that it
+    /// names. An output must not overwrite any of them.
     pub companions: Vec<PathBuf>,
-    /// What was odd, one sentence each, ready to be shown behind "warning: FILE: ".
+    /// Warnings, one sentence each, ready to be shown after "warning: FILE: ".
     pub warnings: Vec<String>,
 }
 
-/// A mesh and what was found while it was read. The mesh is as the file holds it: not cleaned, not welded,
-/// without made normals. Positions may be non-finite; indices are inside the vertices. A normal that the file
-/// leaves out, or gives as zero or not finite, is [`OctNormal::NONE`]; [`crate::normals::mend_normals`] replaces
-/// it.
+/// A mesh and what was found while it was read. The mesh is as the file holds it: not cleaned, not welded, without
+/// generated normals. Positions may be non-finite; indices are in range. A normal that the file leaves out, or gives
+/// as zero or not finite, is [`OctNormal::NONE`]; [`crate::normals::mend_normals`] replaces it.
 #[derive(Clone, Debug, Default)]
 #[non_exhaustive]
 pub struct ReadModel {
@@ -91,7 +90,7 @@ pub struct ReadModel {
     pub report: ReadReport,
 }
 
-/// Reads a model; `-` is standard input. Gzip is undone first, then the format is found by content.
+/// Reads a model; `-` is standard input. Gzip is decompressed first, then the format is found by content.
 ///
 /// # Errors
 /// Any [`ReadError`]; a broken file never panics.
@@ -119,7 +118,7 @@ pub fn read_input(input: &Input, options: &ReadOptions) -> Result<ReadModel, Rea
     Ok(model)
 }
 
-/// Counts the normals that are missing or point nowhere. If none is left, there is none in the file.
+/// Warns of normals that are missing, zero or not finite. If no valid one is left, the mesh gets no normals.
 fn warn_of_normals(model: &mut ReadModel) {
     let Some(normals) = &model.mesh.normals else { return };
     let broken = normals.par_iter().filter(|n| **n == OctNormal::NONE).count();

@@ -1,4 +1,4 @@
-//! What files hold or ask for that is not drawn.
+//! What files hold or request that is not drawn.
 
 use std::collections::HashSet;
 
@@ -7,11 +7,11 @@ use serde::{Deserialize, Serialize};
 
 use crate::Mesh;
 
-/// How much of a file is not drawn: tercio draws opaque triangles without textures.
+/// Counts of what is not drawn of a file: tercio draws opaque triangles without textures.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct NotDrawn {
-    /// Points; of a model without faces and lines, all vertices.
+    /// Points; in a model without faces and lines, all vertices.
     pub points: u64,
     /// Lines.
     pub lines: u64,
@@ -19,23 +19,23 @@ pub struct NotDrawn {
     pub curves: u64,
     /// Free-form surfaces.
     pub surfaces: u64,
-    /// Different texture files that are asked for, by materials that a face uses.
+    /// Different texture files requested by materials that a face uses.
     pub textures: u64,
     /// Materials that a face uses and that are not opaque.
     pub translucent_materials: u64,
-    /// Vertices with a colour that is not opaque, where faces have none of their own.
+    /// Vertices with a colour that is not opaque, if faces have no colours of their own.
     pub translucent_vertices: u64,
     /// Faces with a colour that is not opaque.
     pub translucent_faces: u64,
 }
 
 impl NotDrawn {
-    /// True if all of the file is drawn.
+    /// True if the whole file is drawn.
     pub fn is_nothing(&self) -> bool {
         *self == Self::default()
     }
 
-    /// Counts what the mesh tells by itself: textures, opacity, and vertices that are nothing but points.
+    /// Counts what the mesh itself shows: textures, opacity, and vertices that are nothing but points.
     pub(super) fn count_mesh(&mut self, mesh: &Mesh, faces: u64) {
         let used = &mesh.materials;
         self.translucent_materials = used.iter().filter(|m| m.opacity < 1.0).count() as u64;
@@ -60,7 +60,7 @@ fn is_translucent(color: &[u8; 4]) -> bool {
     color[3] < u8::MAX
 }
 
-/// Faces of which a triangle is translucent; the triangles of a face stand one behind the other.
+/// Number of faces with a translucent triangle; the triangles of a face are consecutive.
 fn faces_of(colors: &[[u8; 4]], face_of_triangle: Option<&[u32]>) -> u64 {
     let face =
         |triangle: usize| face_of_triangle.and_then(|f| f.get(triangle)).map_or(triangle, |&f| f as usize);

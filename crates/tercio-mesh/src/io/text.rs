@@ -1,8 +1,8 @@
-//! Walks through ASCII formats byte by byte and keeps the place for error messages.
+//! Reads ASCII formats byte by byte and keeps track of the position for error messages.
 
 use crate::error::{Place, ReadError, printable};
 
-/// A cursor over one stretch of a text file.
+/// A cursor over one chunk of a text file.
 #[derive(Clone, Debug)]
 pub struct Cursor<'a> {
     bytes: &'a [u8],
@@ -11,12 +11,12 @@ pub struct Cursor<'a> {
 }
 
 impl<'a> Cursor<'a> {
-    /// Begins at the front of `bytes`, which is line `line` of the file.
+    /// Starts at the front of `bytes`, which is line `line` of the file.
     pub fn new(bytes: &'a [u8], line: u64) -> Self {
         Self { bytes, at: 0, line }
     }
 
-    /// The line that the cursor stands on; the first is 1.
+    /// The line that the cursor is on; the first is 1.
     pub fn line(&self) -> u64 {
         self.line
     }
@@ -26,7 +26,7 @@ impl<'a> Cursor<'a> {
         self.at
     }
 
-    /// What is still to be read.
+    /// What remains to be read.
     pub fn rest(&self) -> &'a [u8] {
         &self.bytes[self.at..]
     }
@@ -50,7 +50,7 @@ impl<'a> Cursor<'a> {
         self.skip_space_up_to(usize::MAX);
     }
 
-    /// The same for no more than so many bytes; false if there may be more.
+    /// The same for at most this many bytes; false if there may be more.
     #[inline]
     pub fn skip_space_up_to(&mut self, most: usize) -> bool {
         let end = self.bytes.len().min(self.at.saturating_add(most));
@@ -71,7 +71,7 @@ impl<'a> Cursor<'a> {
         matches!(self.bytes.get(self.at), None | Some(b'\n'))
     }
 
-    /// Goes to the front of the next line.
+    /// Moves to the front of the next line.
     #[inline]
     pub fn skip_line(&mut self) {
         match self.bytes[self.at..].iter().position(|&b| b == b'\n') {
@@ -93,14 +93,14 @@ impl<'a> Cursor<'a> {
         &rest[..n]
     }
 
-    /// The rest of the line without its end and outer blanks; goes to the next line.
+    /// The rest of the line without its end and surrounding blanks; moves to the next line.
     pub fn rest_of_line(&mut self) -> &'a [u8] {
         let from = self.at;
         self.skip_line();
         self.bytes[from..self.at].trim_ascii()
     }
 
-    /// The next word as a number (decimal, exponent, `nan`, `inf`); `None` and no step if it is none.
+    /// The next word as a number (decimal, exponent, `nan`, `inf`); `None` if it is not one; the cursor then stays.
     #[inline]
     pub fn float(&mut self) -> Option<f64> {
         self.skip_blanks();
@@ -115,7 +115,7 @@ impl<'a> Cursor<'a> {
         }
     }
 
-    /// The next word as a whole number; `None` and no step if it is none or over 64 bits.
+    /// The next word as a whole number; `None` if it is not one or exceeds 64 bits; the cursor then stays.
     #[inline]
     pub fn integer(&mut self) -> Option<i64> {
         self.skip_blanks();
@@ -130,7 +130,7 @@ impl<'a> Cursor<'a> {
         }
     }
 
-    /// The error for `expected` not standing here; shows the next word of the line.
+    /// The error that `expected` was not found here; shows the next word of the line.
     #[cold]
     pub fn expected(&self, file: &str, expected: impl Into<String>) -> ReadError {
         let mut ahead = self.clone();
@@ -175,8 +175,8 @@ pub fn parse_integer(bytes: &[u8]) -> Option<(i64, usize)> {
     (n > sign).then_some((value, n))
 }
 
-/// The place of the first byte that `is` the one; `consumed` is called with the length of each stretch before it that was
-/// searched.
+/// Index of the first byte for which `is` is true; `consumed` is called with the length of each searched piece before
+/// it.
 pub fn find(is: impl Fn(u8) -> bool, bytes: &[u8], consumed: impl Fn(usize)) -> Option<usize> {
     const STRETCH: usize = 1 << 16;
     for (i, stretch) in bytes.chunks(STRETCH).enumerate() {
@@ -188,7 +188,7 @@ pub fn find(is: impl Fn(u8) -> bool, bytes: &[u8], consumed: impl Fn(usize)) -> 
     None
 }
 
-/// Cuts a text into about `pieces` stretches that end at line ends, for parsing on several cores. `consumed` is called
+/// Splits a text into about `pieces` chunks that end at line ends, for parsing on several cores. `consumed` is called
 /// with the number of bytes that were searched.
 pub fn split_lines(bytes: &[u8], pieces: usize, consumed: impl Fn(usize)) -> Vec<&[u8]> {
     let step = (bytes.len() / pieces.max(1)).max(1 << 16);

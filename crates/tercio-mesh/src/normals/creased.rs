@@ -17,8 +17,8 @@ use crate::weld::first_at_position;
 
 const CHUNK: usize = 1 << 14;
 
-/// Settles the vertices whose normal is [`UNSETTLED`]; `doubtful` are their numbers, in any order. The normals of
-/// new vertices are appended.
+/// Computes the normals of the vertices whose normal is [`UNSETTLED`]; `doubtful` are their numbers, in any order.
+/// The normals of new vertices are appended.
 pub(super) fn settle(
     mesh: &Mesh,
     blocks: &Blocks,
@@ -53,13 +53,13 @@ pub(super) fn settle(
     part.join(splits, normals)
 }
 
-/// The triangles at doubtful vertices, with their vertices numbered anew in the same order.
+/// The triangles at doubtful vertices, with their vertices renumbered in the same order.
 struct Part {
     /// Vertex of the mesh, in order.
     vertices: Vec<u32>,
-    /// Of each vertex: is it one of those to be settled? The others are only neighbours.
+    /// For each vertex: is its normal to be computed? The others are only neighbours.
     doubtful: Vec<bool>,
-    /// Of each vertex: the first doubtful one at the same position; itself if it is not doubtful.
+    /// For each vertex the first doubtful one at the same position; itself if it is not doubtful.
     same: Vec<u32>,
     positions: Vec<[f32; 3]>,
     /// Triangle of the mesh, in order.
@@ -82,8 +82,8 @@ impl Part {
         Self { vertices, doubtful, same, positions, names, triangles }
     }
 
-    /// Numbers the new vertices of all stretches, and appends their normals. Where they would be too many, the
-    /// vertices keep the normal of their first surface.
+    /// Numbers the new vertices of all chunks, and appends their normals. If there would be too many, the vertices
+    /// keep the normal of their first surface.
     fn join(&self, splits: Vec<Split>, normals: &mut Vec<OctNormal>) -> Splits {
         let mut all = Splits::default();
         for split in splits {
@@ -105,7 +105,7 @@ impl Part {
     }
 }
 
-/// Number and corners of all triangles at unsettled vertices, in no order.
+/// Number and corners of all triangles at unsettled vertices, in no particular order.
 fn triangles_at(blocks: &Blocks, normals: &[OctNormal]) -> Vec<(u32, [u32; 3])> {
     let in_block = |block: &Block| -> Vec<(u32, [u32; 3])> {
         let doubtful: Vec<bool> =
@@ -120,7 +120,7 @@ fn triangles_at(blocks: &Blocks, normals: &[OctNormal]) -> Vec<(u32, [u32; 3])> 
     blocks.list.par_iter().flat_map_iter(in_block).collect()
 }
 
-/// For each doubtful vertex the first doubtful one at the same position, for each other one itself.
+/// Maps each doubtful vertex to the first doubtful one at the same position, and every other vertex to itself.
 fn representatives(positions: &[[f32; 3]], doubtful: &[bool]) -> Vec<u32> {
     let mut same: Vec<u32> = (0..positions.len() as u32).collect();
     let places: Vec<u32> = (0..positions.len() as u32).filter(|&v| doubtful[v as usize]).collect();

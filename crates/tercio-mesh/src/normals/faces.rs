@@ -1,14 +1,14 @@
-//! Triangles as they look from their corners.
+//! Triangles as seen from their corners.
 
 use glam::DVec3;
 
 use crate::trig::acos_coarse;
 
-/// Triangles as they look from a position.
+/// Triangles as seen from a position.
 pub(super) struct Faces<'a> {
     pub positions: &'a [[f32; 3]],
     pub triangles: &'a [[u32; 3]],
-    /// For each vertex the one that stands for its position.
+    /// For each vertex the representative of its position.
     pub same: &'a [u32],
 }
 
@@ -23,7 +23,7 @@ impl Faces<'_> {
     pub fn corner(&self, [v, next, previous]: [u32; 3]) -> (DVec3, f64) {
         let p = self.position(v);
         let (e, f) = (self.position(next) - p, self.position(previous) - p);
-        // `f32` squared fits an `f64`, and so does the square of the square (1e-45 to 1e38).
+        // The square of an `f32` fits an `f64`, and so does the square of that (1e-45 to 1e38).
         let normal = e.cross(f);
         let (area2, edges2) = (normal.length_squared(), e.length_squared() * f.length_squared());
         if !(area2 > 0.0 && edges2 > 0.0) {
@@ -33,7 +33,7 @@ impl Faces<'_> {
         (normal / area2.sqrt(), acos_coarse(cosine))
     }
 
-    /// The triangle turned so that the corner that stands for `vertex` comes first.
+    /// The triangle rotated so that the corner whose representative is `vertex` comes first.
     #[inline]
     pub fn turned(&self, triangle: u32, vertex: u32) -> [u32; 3] {
         let [a, b, c] = self.triangles[triangle as usize];

@@ -7,20 +7,20 @@ use glam::DVec3;
 use super::faces::Faces;
 use super::{OctNormal, encode};
 
-/// What a stretch of positions asks for: new vertices and who uses them.
+/// The new vertices that a chunk of positions needs, and the corners that use them.
 #[derive(Default)]
 pub(super) struct Split {
-    /// The vertex it is a copy of, and its normal.
+    /// The vertex that is copied, and the copy's normal.
     pub copies: Vec<(u32, OctNormal)>,
-    /// Triangle, corner, and number in `copies`.
+    /// Triangle, corner, and index in `copies`.
     pub moves: Vec<(u32, u8, u32)>,
 }
 
-/// The triangles at one position and the smooth surfaces they make.
+/// The triangles at one position and the smooth surfaces that they form.
 #[derive(Default)]
 pub(super) struct Fan {
     triangles: Vec<(u32, DVec3, f64)>,
-    /// The position at the other end of an edge, and the place in `triangles`.
+    /// The position at the other end of an edge, and the index in `triangles`.
     edges: Vec<(u32, u32)>,
     /// Union-find over `triangles`; a surface's root is its first triangle.
     root: Vec<u32>,
@@ -39,7 +39,8 @@ impl Fan {
         i
     }
 
-    /// Finds the surfaces at a position; a vertex's first surface goes to `normals`, the others to `out`.
+    /// Finds the surfaces at a position; the normal of a vertex's first surface is stored in `normals`, the others in
+    /// `out`.
     pub fn split(
         &mut self,
         faces: &Faces<'_>,
@@ -69,8 +70,8 @@ impl Fan {
                 continue;
             }
             let (n, m) = (self.triangles[i as usize].1, self.triangles[j as usize].1);
-            // A triangle without area has no direction that could differ. The margin keeps equal normals
-            // together at a crease angle of zero.
+            // A triangle without area has no direction that could differ. The margin keeps equal normals together for
+            // a crease angle of zero.
             if n == DVec3::ZERO || m == DVec3::ZERO || n.dot(m) >= cos_crease - 1e-12 {
                 let (a, b) = (self.find(i), self.find(j));
                 self.root[a.max(b) as usize] = a.min(b);
@@ -89,7 +90,7 @@ impl Fan {
         self.users.clear();
         for i in 0..self.triangles.len() {
             let t = self.triangles[i].0;
-            // A triangle with two corners at this position stands here twice.
+            // A triangle with two corners at this position is listed twice.
             if i > 0 && self.triangles[i - 1].0 == t {
                 continue;
             }

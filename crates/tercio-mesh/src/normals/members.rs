@@ -1,14 +1,14 @@
 //! A set of vertices.
 
-/// A set of vertex numbers that knows how many of its members come before each of them.
+/// A set of vertex numbers that can return the rank of each of its members.
 pub(super) struct Members {
     words: Vec<u64>,
-    /// Members before each word.
+    /// Number of members before each word.
     before: Vec<u32>,
 }
 
 impl Members {
-    /// A set of some of so many vertices.
+    /// A set of some of this many vertices.
     pub fn new(vertices: usize, members: impl Iterator<Item = u32>) -> Self {
         let mut words = vec![0u64; vertices.div_ceil(64)];
         members.for_each(|v| words[v as usize / 64] |= 1 << (v % 64));
@@ -22,7 +22,7 @@ impl Members {
         self.words[v as usize / 64] >> (v % 64) & 1 == 1
     }
 
-    /// Members before the vertex.
+    /// Number of members before the vertex.
     pub fn rank(&self, v: u32) -> u32 {
         let (word, bit) = (v as usize / 64, v % 64);
         self.before[word] + (self.words[word] & ((1 << bit) - 1)).count_ones()
@@ -42,7 +42,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn ranks_are_places_in_the_list() {
+    fn ranks_are_indices_in_the_list() {
         let members: Vec<u32> = (0..1000).filter(|v| v * v % 7 < 3 && !(200..400).contains(v)).collect();
         let set = Members::new(1000, members.iter().rev().copied());
         assert_eq!(set.list(), members);

@@ -1,4 +1,4 @@
-//! Replaces the normals of a file that point nowhere, one by one.
+//! Replaces the missing or invalid normals of a file, one by one.
 
 use rayon::prelude::*;
 
@@ -6,12 +6,11 @@ use super::{OctNormal, Splits, creased, smooth, uncreased};
 use crate::Mesh;
 use crate::blocks::{BlockedMesh, Blocks, Order};
 
-/// Gives every vertex whose normal is [`OctNormal::NONE`] the normal that
-/// [`make_normals`](super::make_normals) would make at its position; all others keep theirs. Returns how many
-/// were replaced.
+/// Gives every vertex whose normal is [`OctNormal::NONE`] the normal that [`make_normals`](super::make_normals) would
+/// make at its position; all others keep theirs. Returns how many were replaced.
 ///
-/// With a crease angle (radians, 0 to pi), such a vertex at which several smooth surfaces meet is split as
-/// made normals split it, and only such a vertex. Without one, no vertex is split.
+/// With a crease angle (radians, 0 to pi), such a vertex at which several smooth surfaces meet is split in the same
+/// way as by `make_normals`; other vertices are not split. Without one, no vertex is split.
 ///
 /// # Panics
 /// If a triangle's vertex does not exist, or a vertex array is too short.
@@ -36,7 +35,7 @@ pub fn mend_normals(mesh: &mut Mesh, crease_angle: Option<f64>) -> u64 {
 }
 
 impl BlockedMesh {
-    /// As [`mend_normals`] with a crease angle, for a mesh that stands in blocks already.
+    /// As [`mend_normals`] with a crease angle, for a mesh that is already split into blocks.
     ///
     /// # Panics
     /// If a vertex array is too short.
@@ -56,14 +55,14 @@ fn broken(mesh: &Mesh) -> Vec<u32> {
     normals.filter(|(_, n)| **n == OctNormal::NONE).map(|(v, _)| v as u32).collect()
 }
 
-/// Makes all normals and takes those of the broken vertices; the triangles still name the old ones.
+/// Makes all normals and uses those of the broken vertices; the triangles still name the old vertices.
 fn creased_ones(mesh: &mut Mesh, blocks: &Blocks, broken: &[u32], crease_angle: f64) -> Splits {
     let Some(mut normals) = mesh.normals.take() else { return Splits::default() };
     let (mut made, doubtful) = smooth::settle(mesh, blocks, crease_angle);
     let found = creased::settle(mesh, blocks, &mut made, &doubtful, crease_angle);
     broken.iter().for_each(|&v| normals[v as usize] = made[v as usize]);
 
-    // A vertex with a normal of the file is not split, so the numbers of the new ones move up.
+    // A vertex with a normal of the file is not split, so the numbers of the new vertices are compacted.
     let first = mesh.positions.len();
     let is_broken = |v: u32| broken.binary_search(&v).is_ok();
     let mut splits = Splits::default();

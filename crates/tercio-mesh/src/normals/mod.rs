@@ -1,12 +1,12 @@
-//! Vertex normals: how they are stored and how missing ones are made, from the triangles round a vertex,
-//! weighted by angle.
+//! Vertex normals: how they are stored, and how missing ones are made from the triangles around a vertex, weighted by
+//! angle.
 //!
-//! Source: Thürmer and Wüthrich, "Computing Vertex Normals from Polygonal Facets" (1998). Weighted by the
-//! angle at the vertex, the normal does not depend on how a flat face happens to be cut into triangles.
+//! Source: Thürmer and Wüthrich, "Computing Vertex Normals from Polygonal Facets" (1998). Weighted by the angle at
+//! the vertex, the normal does not depend on how a flat face is split into triangles.
 //!
-//! `smooth` makes the normals of nearly all vertices at the speed of looking at each triangle once; what it
-//! leaves, `creased` settles with care. `mend` does the same for single vertices whose normal is broken. Sums are formed in an order that does not depend on the number of
-//! threads.
+//! `smooth` makes the normals of nearly all vertices in a fast pass that reads each triangle once; `creased` handles
+//! the remaining ones precisely. `mend` does the same for single vertices whose normal is broken. Sums are formed in
+//! an order that does not depend on the number of threads.
 
 mod creased;
 mod faces;
@@ -31,20 +31,20 @@ use crate::{AttributeDomain, Mesh};
 use faces::Faces;
 use members::Members;
 
-/// Gives the mesh new vertex normals, in place of those it has.
+/// Computes new vertex normals for the mesh; they replace those it has.
 ///
 /// Vertices that no triangle with an area uses get +z.
 ///
 /// Without a `crease_angle`, vertices at the same position share their normal, even where texture coordinates
 /// or colours split them.
 ///
-/// With a `crease_angle` (radians, 0 to pi), the triangles at a position are one smooth surface only as far
-/// as they are connected by edges at that position across which the face normals differ by at most the angle.
-/// Each surface gets its own normal, and a vertex that several use is split: the first keeps the number,
-/// the others' vertices are appended to [`Mesh::positions`] and every vertex array. If that were too many
-/// to number, the vertex keeps the normal of its first surface. Vertices at the same position are looked at
-/// together where the triangles of each leave a gap, as at a seam; a vertex in the middle of a smooth surface
-/// has nothing to do with another surface that passes through the same point.
+/// With a `crease_angle` (radians, 0 to pi), the triangles at a position are one smooth surface only as far as they
+/// are connected by edges at that position across which the face normals differ by at most the angle. Each surface
+/// gets its own normal, and a vertex that several use is split: the first keeps the number, the vertices of the
+/// others are appended to [`Mesh::positions`] and every vertex array. If there would be too many to number, the
+/// vertex keeps the normal of its first surface. Vertices at the same position are processed together where the
+/// triangles of each leave a gap, as at a seam; a vertex in the middle of a smooth surface is independent of other
+/// surfaces that pass through the same point.
 ///
 /// # Panics
 ///
@@ -60,7 +60,7 @@ pub fn make_normals(mesh: &mut Mesh, crease_angle: Option<f64>) {
 }
 
 impl BlockedMesh {
-    /// As [`make_normals`] with a crease angle, for a mesh that stands in blocks already.
+    /// As [`make_normals`] with a crease angle, for a mesh that is already split into blocks.
     ///
     /// # Panics
     /// If a vertex array is too short.
@@ -114,7 +114,7 @@ impl Splits {
     }
 }
 
-/// One corner of a triangle goes from an old vertex to a new one.
+/// A corner of a triangle changes from an old vertex to a new one.
 struct Move {
     triangle: u32,
     from: u32,
@@ -136,7 +136,7 @@ fn make_creased(mesh: &mut Mesh, blocks: &Blocks, crease_angle: f64) -> Splits {
     splits
 }
 
-/// One normal a position, smooth over every edge.
+/// One normal per position, smooth across every edge.
 fn uncreased(mesh: &Mesh) -> Vec<OctNormal> {
     let same = position_representatives(mesh);
     let around = Adjacency::new(&mesh.triangles, mesh.positions.len(), |v| same[v as usize]);
@@ -149,9 +149,9 @@ fn uncreased(mesh: &Mesh) -> Vec<OctNormal> {
     same.par_iter().map(|&s| normals[s as usize]).collect()
 }
 
-/// A sum of normals, at unit length.
+/// Normalizes and encodes a sum of normals.
 fn encode(sum: DVec3) -> OctNormal {
-    // Near one, where `f32` neither overflows nor underflows.
+    // Scaled near one, where `f32` neither overflows nor underflows.
     let n = sum / sum.abs().max_element();
     OctNormal::encode([n.x as f32, n.y as f32, n.z as f32])
 }

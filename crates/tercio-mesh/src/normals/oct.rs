@@ -1,20 +1,19 @@
-//! Unit vectors in 32 bits: the octahedral map, 16 bits a coordinate.
+//! Unit vectors in 32 bits: the octahedral map, 16 bits per coordinate.
 //!
 //! Source: Cigolle et al., "A Survey of Efficient Representations for Independent Unit Vectors" (2014).
 //! The greatest error is 0.004 degrees, which no 8-bit picture can show.
 
-/// A unit normal, octahedral coordinates as two signed 16-bit numbers, u in the low half.
+/// A unit normal: octahedral coordinates as two signed 16-bit numbers, u in the low half.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(transparent)]
 pub struct OctNormal(pub u32);
 
 impl OctNormal {
-    /// No normal: what readers leave where the normal of a file points nowhere, until
+    /// No normal: readers store it where the normal of a file is missing or invalid, until
     /// [`mend_normals`](super::mend_normals) replaces it. No encoded normal has these bits.
     pub const NONE: Self = Self(0x8000_8000);
 
-    /// Encodes a vector of any length, as files hold normals; a zero or non-finite one becomes
-    /// [`OctNormal::NONE`].
+    /// Encodes a vector of any length, as files hold normals; a zero or non-finite one becomes [`OctNormal::NONE`].
     #[inline]
     pub fn from_vector(normal: [f64; 3]) -> Self {
         let narrow = normal.map(|x| x as f32);
@@ -22,7 +21,7 @@ impl OctNormal {
         if (1e-30..1e30).contains(&sum) { Self::encode(narrow) } else { Self::from_odd_length(normal) }
     }
 
-    /// As [`OctNormal::from_vector`], for lengths that `f32` does not hold or hardly holds.
+    /// As [`OctNormal::from_vector`], for lengths that overflow or underflow `f32`, or nearly.
     #[cold]
     fn from_odd_length(normal: [f64; 3]) -> Self {
         let largest = normal.iter().fold(0.0f64, |a, x| a.max(x.abs()));
@@ -43,7 +42,7 @@ impl OctNormal {
         if z < 0.0 {
             (u, v) = ((1.0 - v.abs()).copysign(u), (1.0 - u.abs()).copysign(v));
         }
-        // Rounded half away from zero; in `f64` the half is added without rounding.
+        // Rounded half away from zero; in `f64` the half is added exactly.
         let q = |t: f32| {
             let t = f64::from(t * 32767.0);
             (t + 0.5f64.copysign(t)) as i32 as i16 as u16 as u32
@@ -53,7 +52,7 @@ impl OctNormal {
 
     /// The vector, not normalised: its coordinates' absolute values add up to 1.
     ///
-    /// The fixed sequence of operations is part of the picture law; the renderer's kernels repeat it.
+    /// Its fixed sequence of operations is part of the definition of the picture; the renderer's kernels repeat it.
     #[inline]
     pub fn decode(self) -> [f32; 3] {
         let u = self.0 as u16 as i16 as f32 * (1.0 / 32767.0);
@@ -83,7 +82,7 @@ mod tests {
     }
 
     #[test]
-    fn a_normal_of_a_file_may_have_any_length_but_none() {
+    fn a_normal_of_a_file_may_have_any_length_but_zero() {
         let plain = OctNormal::from_vector([1.0, -2.0, 3.0]);
         assert_eq!(plain, OctNormal::encode([1.0, -2.0, 3.0]));
         for length in [1e-300, 1e-46, 1e-38, 1e-30, 1e-10, 1e10, 1e30, 3e38, 1e39, 1e300] {

@@ -1,8 +1,8 @@
-//! The normals of vertices in the middle of a smooth surface, which is where nearly all vertices are.
+//! The normals of vertices in the interior of a smooth surface, which are nearly all vertices.
 //!
-//! Looks at each triangle once and needs no list of the triangles at a vertex. A vertex is settled here if the
-//! triangles round it close up to one ring and their normals differ by less than any crease; whether that is so
-//! follows from a few sums ([`Ring`]). What is not settled goes to [`super::creased`].
+//! Reads each triangle once and needs no list of the triangles at a vertex. A vertex is settled here if the triangles
+//! around it form one closed ring and their normals differ by less than the crease angle, which a few sums can prove
+//! ([`Ring`]). The other vertices are passed to [`super::creased`].
 
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
@@ -16,14 +16,14 @@ use crate::blocks::{Block, Blocks, Pool};
 use crate::trig::acos_coarse;
 use glam::DVec3;
 
-/// Not a normal.
+/// Marks a vertex whose normal is still to be computed.
 pub(super) const UNSETTLED: u32 = OctNormal::NONE.0;
 
-/// Triangles that are looked at side by side.
+/// Triangles that are processed side by side.
 const LANES: usize = 16;
 
-/// The normals that are settled, in the order of the vertices; [`UNSETTLED`] for the others that triangles use,
-/// whose numbers come along in no order. Vertices that no triangle uses get +z.
+/// The normals that are settled, in the order of the vertices; [`UNSETTLED`] for the others that triangles use, whose
+/// numbers are returned, too, in no particular order. Vertices that no triangle uses get +z.
 pub(super) fn settle(mesh: &Mesh, blocks: &Blocks, crease_angle: f64) -> (Vec<OctNormal>, Vec<u32>) {
     let normals: Vec<AtomicU32> =
         (0..mesh.positions.len()).into_par_iter().map(|_| AtomicU32::new(UNUSED)).collect();
@@ -56,10 +56,10 @@ pub(super) fn settle(mesh: &Mesh, blocks: &Blocks, crease_angle: f64) -> (Vec<Oc
     (normals.into_par_iter().map(settled).collect(), doubtful)
 }
 
-/// Settles vertices at the borders of blocks, which have a part of their ring in each of several. Returns those
-/// that are not settled.
+/// Settles vertices at the borders of blocks, whose ring is divided between several blocks. Returns those that are
+/// not settled.
 fn settle_parts(left: &[Left], widest: f32, normals: &[AtomicU32]) -> Vec<u32> {
-    // Vertex, block and place there: parts of one vertex are joined in the order of the blocks.
+    // Vertex, block and index there: parts of one vertex are joined in the order of the blocks.
     let parts = left.par_iter().zip(0u32..left.len() as u32);
     let parts =
         parts.flat_map_iter(|(left, block)| (0u32..).zip(&left.open).map(move |(i, p)| (p.0, block, i)));
@@ -81,12 +81,12 @@ fn settle_parts(left: &[Left], widest: f32, normals: &[AtomicU32]) -> Vec<u32> {
     order.par_chunk_by(|a, b| a.0 == b.0).filter_map(unsettled).collect()
 }
 
-/// Not a normal either: the vertex was not met yet.
+/// Also not a normal: the vertex has not occurred yet.
 const UNUSED: u32 = 0x8000_0000;
 
-/// Vertices that several blocks took for settled: each of them has a closed ring there.
+/// Vertices that several blocks settled: each of them has a closed ring there.
 fn settled_twice(blocks: &Blocks, left: &[Left], normals: &[AtomicU32]) -> Vec<u32> {
-    // Hardly any mesh has such vertices, and counting tells.
+    // Such vertices are rare, and comparing counts shows whether there are any.
     let settled: usize = left.iter().map(|l| l.settled).sum();
     if settled == normals.par_iter().filter(|n| n.load(Relaxed) != UNUSED).count() {
         return Vec::new();
@@ -110,19 +110,19 @@ struct Left {
     settled: usize,
     /// Vertices whose triangles in the block make no smooth closed ring.
     open: Vec<(u32, Ring)>,
-    /// Vertices that are not worth another look here.
+    /// Vertices that are not worth a second attempt here.
     doubtful: Vec<u32>,
 }
 
-/// What the triangles round a vertex add up to.
+/// Sums over the triangles around a vertex.
 #[derive(Clone, Copy)]
 struct Ring {
     /// Unit normals, weighted by the angle at the vertex, and the angles.
     sum: [f64; 4],
-    /// Hashes of the next corner of each triangle, less those of the previous one: zero if every edge at the
-    /// vertex is the next of one triangle and the previous of another, which makes closed rings.
+    /// Sum of the hashes of the next corner of each triangle minus those of the previous one: zero if every edge at
+    /// the vertex is the next of one triangle and the previous of another, as in closed rings.
     ends: u64,
-    /// Box of the unit normals; the fourth numbers say nothing.
+    /// Box of the unit normals; the fourth components are meaningless.
     low: [f32; 4],
     /// Upper corner of the box.
     high: [f32; 4],
@@ -142,8 +142,8 @@ impl Ring {
         self
     }
 
-    /// Adds a triangle with its unit normal (and one), the angle at the vertex, and the hashes of the corners
-    /// behind and before the vertex.
+    /// Adds a triangle with its unit normal (and a fourth component 1), the angle at the vertex, and the hashes of
+    /// the corners after and before the vertex.
     #[inline(always)]
     fn add(&mut self, normal: [f64; 4], angle: f64, next: u64, previous: u64) {
         self.ends = self.ends.wrapping_add(next).wrapping_sub(previous);
@@ -155,17 +155,17 @@ impl Ring {
         }
     }
 
-    /// Makes sure that the vertex is not settled: a triangle without area says nothing about it.
+    /// Prevents the vertex from being settled: for a triangle without area.
     #[cold]
-    fn spoil(&mut self) {
+    fn invalidate(&mut self) {
         (self.low, self.high) = ([f32::NEG_INFINITY; 4], [f32::INFINITY; 4]);
     }
 
     /// The normal, if the triangles are one closed ring and no two normals are farther apart than `widest`.
     ///
-    /// Seen along one of the normals, each closed ring goes round the vertex once or more, by 2 pi at least.
-    /// At 40 degrees at most between normals no angle is seen more than 1 / cos 40 times as large as it is, so
-    /// two rings have angles of 9.6 or more in all, while a ring on a smooth surface has about 6.3.
+    /// Seen along one of the normals, each closed ring goes around the vertex once or more, by at least 2 pi. If the
+    /// normals differ by at most 40 degrees, no angle appears more than 1 / cos 40 times as large as it is, so the
+    /// angles of two rings add up to at least 9.6, while those of one ring on a smooth surface add up to about 6.3.
     #[inline]
     fn normal(&self, widest: f32) -> Option<OctNormal> {
         let [x, y, z, angle] = self.sum;
@@ -179,10 +179,10 @@ impl Ring {
     }
 }
 
-/// How far the ends of two unit normals may lie apart at a vertex that is settled: by no crease, and by not
-/// more than 40 degrees ([`Ring::normal`]). Less than zero where no two normals are close enough.
+/// How far the ends of two unit normals may be apart at a vertex that is settled: by no crease, and by at most 40
+/// degrees ([`Ring::normal`]). Negative if no two normals are close enough.
 fn widest_chord(crease_angle: f64) -> f32 {
-    // A chord of an angle a is 2 sin(a / 2); the margin is for roundings to `f32`.
+    // A chord of an angle a is 2 sin(a / 2); the margin is for rounding to `f32`.
     let chord = |angle: f64| 2.0 * crate::trig::sin_cos(angle / 2.0).0;
     (chord(crease_angle.min(40f64.to_radians())) - 1e-6) as f32
 }
@@ -231,7 +231,7 @@ impl Rings {
         self.rings[b].add(normal, terms.angles[1][lane], z, x);
         self.rings[c].add(normal, terms.angles[2][lane], x, y);
         if !terms.has_area[lane] {
-            [a, b, c].into_iter().for_each(|v| self.rings[v].spoil());
+            [a, b, c].into_iter().for_each(|v| self.rings[v].invalidate());
         }
     }
 
@@ -240,7 +240,7 @@ impl Rings {
         let mut left = Left::default();
         for (&vertex, ring) in block.vertices.iter().zip(&self.rings) {
             match ring.normal(widest) {
-                // Should another block settle it too, it will be settled anew (`settled_twice`).
+                // If another block settles it too, it is computed again (`settled_twice`).
                 Some(normal) => {
                     normals[vertex as usize].store(normal.0, Relaxed);
                     left.settled += 1;
@@ -248,7 +248,7 @@ impl Rings {
                 None => left.open.push((vertex, *ring)),
             }
         }
-        // Where triangles share few vertices, hardly a ring would be closed by parts from other blocks.
+        // Where triangles share few vertices, parts from other blocks would close hardly any ring.
         if left.open.len() > block.vertices.len() / 2 {
             left.doubtful.extend(left.open.iter().map(|part| part.0));
             left.open = Vec::new();
@@ -270,8 +270,8 @@ struct Terms {
 }
 
 impl Terms {
-    /// Finds normals and angles from the points. Written without closures, which would not be compiled at the
-    /// SIMD level of the caller.
+    /// Computes normals and angles from the points. Written without closures, which would not be compiled at the SIMD
+    /// level of the caller.
     #[inline(always)]
     fn find(&mut self) {
         let [a, b, c] = &self.points;
@@ -283,10 +283,10 @@ impl Terms {
             let f = [c[0] - a[0], c[1] - a[1], c[2] - a[2]];
             let g = [c[0] - b[0], c[1] - b[1], c[2] - b[2]];
             let n = [e[1] * f[2] - f[1] * e[2], e[2] * f[0] - f[2] * e[0], e[0] * f[1] - f[0] * e[1]];
-            // `f32` squared fits an `f64`, and so does the square of the square (1e-45 to 1e38).
+            // The square of an `f32` fits an `f64`, and so does the square of that (1e-45 to 1e38).
             let (ee, ff, gg) = (dot(e, e), dot(f, f), dot(g, g));
             let area2 = dot(n, n);
-            // Where one of them is zero, all is divided by one.
+            // Where one of them is zero, all are divided by one.
             let has_area = area2 > 0.0 && ee * ff > 0.0 && ee * gg > 0.0 && ff * gg > 0.0;
             let divisor = |d: f64| if has_area { d.sqrt() } else { 1.0 };
             let length = divisor(area2);
@@ -306,7 +306,7 @@ fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-/// SplitMix64 of a vertex number: sums of hashes are equal only where the numbers are the same.
+/// SplitMix64 of a vertex number: sums of hashes are equal only if the numbers are the same.
 #[inline(always)]
 fn hash(vertex: u32) -> u64 {
     let z = (u64::from(vertex) + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);

@@ -1,4 +1,4 @@
-//! What made normals promise.
+//! Guarantees of generated normals.
 
 use super::*;
 
@@ -45,7 +45,7 @@ fn a_cube_is_round_without_crease_and_sharp_with_one() {
                 assert!((direction(m.normals.as_ref().unwrap()[v as usize]) - face).length() < 1e-4);
             }
         }
-        // Nothing is left to split, and the vertices that were split do not grow together.
+        // Nothing is left to split, and split vertices are not joined again.
         make_normals(&mut m, Some(1.0));
         assert_eq!(m.positions.len(), 24);
     }
@@ -112,8 +112,8 @@ fn tiny_and_huge_models_have_normals() {
     }
 }
 
-/// Normals and moves by the careful way for every vertex.
-fn make_all_carefully(mesh: &Mesh, crease_angle: f64) -> (Vec<OctNormal>, Splits) {
+/// Normals and moves by the precise method for every vertex.
+fn make_all_precisely(mesh: &Mesh, crease_angle: f64) -> (Vec<OctNormal>, Splits) {
     let blocks = Blocks::new(mesh, Order::Auto);
     let mut used = vec![false; mesh.positions.len()];
     mesh.triangles.as_flattened().iter().for_each(|&v| used[v as usize] = true);
@@ -125,18 +125,18 @@ fn make_all_carefully(mesh: &Mesh, crease_angle: f64) -> (Vec<OctNormal>, Splits
 }
 
 #[test]
-fn the_quick_way_and_the_careful_way_agree() {
+fn the_fast_and_the_precise_method_agree() {
     for model in ["gyroid@60k", "teapot@20k", "terrain@50k", "soup@2k", "sphere@3k"] {
         let whole = crate::builtin::make(&format!("builtin:{model}")).unwrap();
         for angle in [0.02, 0.5, std::f64::consts::FRAC_PI_3, 3.0] {
             let mut mesh = whole.clone();
             mesh.normals = None;
-            let (normals, careful) = make_all_carefully(&mesh, angle);
-            let quick = make_creased(&mut mesh, &Blocks::new(&whole, Order::Spatial), angle);
+            let (normals, precise) = make_all_precisely(&mesh, angle);
+            let fast = make_creased(&mut mesh, &Blocks::new(&whole, Order::Spatial), angle);
             assert_eq!(mesh.normals.unwrap(), normals, "{model}, {angle}");
-            assert_eq!(quick.sources, careful.sources, "{model}, {angle}");
+            assert_eq!(fast.sources, precise.sources, "{model}, {angle}");
             let moves = |s: &Splits| s.moves.iter().map(|m| (m.triangle, m.from, m.to)).collect::<Vec<_>>();
-            assert_eq!(moves(&quick), moves(&careful), "{model}, {angle}");
+            assert_eq!(moves(&fast), moves(&precise), "{model}, {angle}");
         }
     }
 }
@@ -148,8 +148,8 @@ fn most_vertices_of_a_closed_surface_are_settled_quickly() {
     assert!(doubtful.len() * 5 < mesh.positions.len(), "{} of {}", doubtful.len(), mesh.positions.len());
 }
 
-/// Two shallow cones over hexagons with one tip, turned against each other, and `between` triangles apart in
-/// the order of the mesh.
+/// Two shallow cones over hexagons with a common tip, rotated relative to each other, and `between` triangles apart
+/// in the order of the mesh.
 fn two_rings(between: u32) -> Mesh {
     let mut mesh = Mesh { positions: vec![[0.0; 3]], ..Mesh::default() };
     for (first, slope) in [(1u32, -0.1), (7, -0.3)] {
@@ -216,7 +216,7 @@ fn a_broken_normal_becomes_the_one_that_would_be_made_there() {
         for broken in [&[5][..], &[0, 1, 2, 30], &(0..36).collect::<Vec<_>>()] {
             let mut made = soup();
             make_normals(&mut made, angle);
-            // The normals of the file are others than would be made.
+            // The normals of the file differ from those that would be made.
             let of_file = OctNormal::encode([1.0, 2.0, -3.0]);
             let mut mesh = soup();
             let mut normals = vec![of_file; 36];

@@ -1,13 +1,13 @@
 //! The corners that an ear must not contain, in a uniform grid: for polygons of usual sizes.
 
-/// Points in the cells of a uniform grid, about one a cell.
+/// Points in the cells of a uniform grid, about one per cell.
 #[derive(Default)]
 pub(super) struct Grid {
     min: [f64; 2],
     /// Cells per unit of length.
     scale: [f64; 2],
     cells: [usize; 2],
-    /// Where each cell's points begin in `items`; one more entry than cells.
+    /// Where each cell's points begin in `items`, plus one end entry.
     starts: Vec<u32>,
     items: Vec<u32>,
     /// Number of points.
@@ -36,7 +36,7 @@ impl Grid {
             }
         }
         let size = [max[0] - self.min[0], max[1] - self.min[1]];
-        // Square cells, but at least one a direction and not more than points in all.
+        // Square cells, but at least one per direction and at most as many as points in total.
         let count = members.len().max(1) as f64;
         let across = (count * size[0] / size[1]).sqrt();
         let nx = if across.is_finite() { across.clamp(1.0, count) } else { count };
@@ -69,7 +69,8 @@ impl Grid {
         self.filled = members.len();
     }
 
-    /// Whether `test` holds for any of the points in the cells that a triangle meets; counts the `rows` of cells.
+    /// Whether `test` is true for any of the points in the cells that a triangle meets; counts the visited `rows` of
+    /// cells.
     pub(super) fn any_near(
         &self,
         triangle: [[f64; 2]; 3],
@@ -79,22 +80,22 @@ impl Grid {
         if self.filled == 0 {
             return false;
         }
-        // In units of cells, with a margin far above rounding and far below a cell.
+        // In units of cells, with a margin much larger than rounding errors and much smaller than a cell.
         const MARGIN: f64 = 1e-6;
         let t =
             triangle.map(|p| [(p[0] - self.min[0]) * self.scale[0], (p[1] - self.min[1]) * self.scale[1]]);
         let range = |lo: f64, hi: f64, cells: usize| {
             let first = ((lo - MARGIN) as usize).min(cells - 1);
-            // Negative numbers saturate to 0, so that a triangle beside the grid must be told apart.
+            // Negative numbers saturate to 0, so a triangle outside the grid needs a test of its own.
             let end = if hi + MARGIN < 0.0 { 0 } else { ((hi + MARGIN) as usize).min(cells - 1) + 1 };
-            // Points at the upper border stand in the last cell although their number is one more.
+            // Points at the upper border are in the last cell although their cell index is one more.
             if lo - MARGIN > cells as f64 { 0..0 } else { first..end }
         };
         let y = t.map(|p| p[1]);
         let rows = range(y[0].min(y[1]).min(y[2]), y[0].max(y[1]).max(y[2]), self.cells[1]);
         for row in rows {
             *rows_met += 1;
-            // The triangle's extent inside the row: long thin triangles meet few cells of their box.
+            // The triangle's extent in the row: long thin triangles meet few cells of their box.
             let last = row + 1 == self.cells[1];
             let (bottom, top) =
                 (row as f64 - MARGIN, if last { f64::INFINITY } else { (row + 1) as f64 + MARGIN });

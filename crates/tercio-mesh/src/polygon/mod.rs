@@ -1,12 +1,12 @@
-//! Polygons to triangles.
+//! Polygon triangulation.
 //!
-//! Ear clipping (Meisters, "Polygons have ears", 1975) with a work list: when an ear is cut off, only its
-//! two neighbours can become ears, because what is left lies inside what there was; so every corner is
-//! tested a constant number of times. The corners that an ear must not contain are kept in a uniform grid, or
-//! in a tree, which gives the same answers, for polygons whose corners crowd in few cells of the grid.
+//! Ear clipping (Meisters, "Polygons have ears", 1975) with a work list: when an ear is cut off, only its two
+//! neighbours can become ears, because the remaining polygon is inside the previous one; so every corner is tested a
+//! constant number of times. The corners that an ear must not contain are kept in a uniform grid, or, for polygons
+//! whose corners crowd in few cells of the grid, in a tree, which gives the same answers.
 //!
-//! Collinear corners are kept as corners of triangles that have an area wherever the polygon allows it:
-//! leaving them out, as many triangulators do, would open T-junctions to the neighbours in the mesh.
+//! Collinear corners are kept as corners of triangles with an area wherever the polygon allows it: omitting them, as
+//! many triangulators do, would open T-junctions to the neighbours in the mesh.
 
 mod grid;
 mod plane;
@@ -16,45 +16,45 @@ use grid::Grid;
 use plane::{newell_normal, orient, projection_axes, quad};
 use tree::Tree;
 
-/// Polygons of so many corners may have a tree in place of the grid, and their work is counted step by step.
+/// Polygons of this many corners may have a tree in place of the grid, and the work on them is counted step by step.
 const MANY: usize = 512;
 
-/// They get it once the tests of points and rows of the grid reach this many a corner.
+/// They get it once the number of tests of points and grid rows reaches this many per corner.
 const GRID_TESTS_PER_CORNER: u64 = 24;
 
-/// How many tests of points a corner of a polygon may cost on average before validity is given up for an end in sight.
-/// Polygons of up to twice as many corners are never cut short.
+/// How many tests of points a corner of a polygon may cost on average before termination takes precedence over
+/// validity. Polygons of up to twice as many corners are never affected.
 const POINT_TESTS_PER_CORNER: u64 = 4096;
 
-/// The same for steps from corner to corner in search of imperfect ears, in polygons of [`MANY`] corners or more. Steps
-/// over corners that are not convex cost no test of a point.
+/// The same for steps from corner to corner in search of imperfect ears, in polygons of [`MANY`] corners or more.
+/// Steps over corners that are not convex need no test of a point.
 const STEPS_PER_CORNER: u64 = 64;
 
-/// Turns polygons into triangles; keeps its working memory from one polygon to the next.
+/// Triangulates polygons; keeps its working memory from one polygon to the next.
 #[derive(Default)]
 pub struct Triangulator {
-    /// The corners in the plane, turned to be counter-clockwise.
+    /// The corners projected to the plane, counter-clockwise.
     points: Vec<[f64; 2]>,
     /// The corners not yet cut off, as a ring.
     prev: Vec<u32>,
     next: Vec<u32>,
     role: Vec<Role>,
-    /// Corners to test, each once: an entry counts only if it is the corner's `latest`.
+    /// Corners to test, each once: an entry is valid only if it is the corner's `latest`.
     queue: Vec<u32>,
     latest: Vec<u32>,
     grid: Grid,
     tree: Tree,
     has_tree: bool,
-    /// Tests of points and rows of cells before there is a tree.
+    /// Tests of points and rows of cells that remain before a tree is built.
     grid_tests_left: u64,
-    /// What the grid is made of; kept for its memory.
+    /// The points of the grid; kept for its memory.
     members: Vec<u32>,
-    /// Corners that turned reflex after the grid was made; only in polygons that cross themselves.
+    /// Corners that became reflex after the grid was made; only in polygons that cross themselves.
     new_reflex: Vec<u32>,
     /// Number of corners with [`Role::Blocker`].
     blockers: usize,
     point_tests_left: u64,
-    /// Has so many corners that steps round the ring are counted.
+    /// Has so many corners that steps around the ring are counted.
     is_large: bool,
     steps_left: u64,
 }
@@ -62,12 +62,12 @@ pub struct Triangulator {
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Role {
     Convex,
-    /// Flat or reflex: may lie inside another corner's ear.
+    /// Flat or reflex: may be inside another corner's ear.
     Blocker,
     Gone,
 }
 
-/// What is asked of an ear; each step asks less, for polygons that cross or touch themselves.
+/// Requirements for an ear; they are relaxed step by step for polygons that cross or touch themselves.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd)]
 enum Demand {
     /// A positive area and no other corner inside or on the edge.
@@ -80,7 +80,7 @@ enum Demand {
 }
 
 impl Demand {
-    fn less(self) -> Self {
+    fn relaxed(self) -> Self {
         match self {
             Self::Clear => Self::Touching,
             Self::Touching => Self::Convex,
@@ -88,14 +88,14 @@ impl Demand {
         }
     }
 
-    /// Does a point at such a distance from an edge (positive to the left) stand on the triangle's side of it?
+    /// Is a point at this distance from an edge (positive to the left) on the triangle's side of it?
     #[inline]
     fn is_inside(self, side: f64) -> bool {
         if self == Self::Clear { side >= 0.0 } else { side > 0.0 }
     }
 
-    /// Does the ear contain a blocker at this position? Another corner at the very position of one of these three
-    /// touches; it is not inside.
+    /// Does the ear contain a blocker at this position? Another corner at exactly the position of one of these three
+    /// touches the ear; it is not inside.
     #[inline]
     fn contains_blocker(self, [a, b, c]: [[f64; 2]; 3], q: [f64; 2]) -> bool {
         let sides = [orient(a, b, q), orient(b, c, q), orient(c, a, q)];
@@ -107,20 +107,20 @@ impl Demand {
 }
 
 impl Triangulator {
-    /// Hands the triangles of a polygon to `emit`, as numbers of its corners, wound like the polygon.
+    /// Passes the triangles of a polygon to `emit`, as indices of its corners, with the winding of the polygon.
     ///
     /// There are always exactly `corners.len() - 2` of them (none for fewer than three corners), and each
     /// keeps the cyclic order of its corners. If the polygon is simple and planar, they cover it exactly and
     /// all have a positive area. Corners that repeat their neighbour's position yield triangles without
     /// area; so may polygons that touch themselves. The triangles of polygons that cross themselves overlap.
     ///
-    /// Quadrilaterals are cut along the shorter of the diagonals that lie inside. Larger polygons are
-    /// projected along the coordinate axis closest to their Newell normal, which, unlike the projection along
-    /// the normal itself, keeps coordinates exact and so collinear corners collinear.
+    /// Quadrilaterals are split along the shorter of the diagonals that are inside. Larger polygons are projected
+    /// along the coordinate axis closest to their Newell normal, which, unlike a projection along the normal itself,
+    /// keeps coordinates exact and so collinear corners collinear.
     ///
-    /// Time is linear in the number of corners but for a logarithm. Of the polygons that cross themselves some would
-    /// take longer; of these some triangles are cut without asking what lies inside. Non-finite coordinates give some
-    /// triangles.
+    /// Time is linear in the number of corners except for a logarithm. Some polygons that cross themselves would take
+    /// longer; some of their triangles are cut off without testing what is inside. Non-finite coordinates give
+    /// arbitrary triangles.
     pub fn triangulate(&mut self, corners: &[[f64; 3]], mut emit: impl FnMut([usize; 3])) {
         match corners {
             [] | [_] | [_, _] => {}
@@ -133,10 +133,10 @@ impl Triangulator {
         }
     }
 
-    /// Cuts `left` corners into triangles.
+    /// Splits the remaining `left` corners into triangles.
     fn cut(&mut self, mut left: usize, emit: &mut impl FnMut([usize; 3])) {
         let mut read = 0;
-        // Where the search for imperfect ears stands, and how far it has come since the last one.
+        // Position of the search for imperfect ears, and the number of steps since the last one was found.
         let (mut cursor, mut fruitless) = (0u32, 0);
         let mut demand = Demand::Clear;
 
@@ -148,12 +148,12 @@ impl Triangulator {
                 }
                 i
             } else {
-                // No perfect ear is left, so the polygon is not simple (or rounding made it so).
+                // No perfect ear is left, so the polygon is not simple (or not so after rounding).
                 if demand < Demand::Convex && self.point_tests_left == 0 {
                     demand = Demand::Convex;
                 }
                 if fruitless > left {
-                    demand = demand.less();
+                    demand = demand.relaxed();
                     fruitless = 0;
                 }
                 if self.is_large {
@@ -180,7 +180,7 @@ impl Triangulator {
                 cursor = n;
             }
             if self.is_large && demand > Demand::Clear {
-                // Not the whole way round to the corner that has just changed.
+                // Continue near the corner that has just changed, not all the way around the ring.
                 cursor = p;
             }
             for i in [p, n] {
@@ -285,7 +285,7 @@ impl Triangulator {
         self.grid_tests_left = self.grid_tests_left.saturating_sub(self.members.len() as u64);
     }
 
-    fn plant_tree(&mut self) {
+    fn build_tree(&mut self) {
         self.tree.fill(&self.points);
         for (i, _) in (0..).zip(&self.role).filter(|(_, role)| **role == Role::Blocker) {
             self.tree.set(i, true);
@@ -297,7 +297,7 @@ impl Triangulator {
     fn is_ear(&mut self, i: u32, demand: Demand) -> bool {
         let (p, n) = (self.prev[i as usize], self.next[i as usize]);
         let [a, b, c] = [p, i, n].map(|k| self.points[k as usize]);
-        // A repeated corner or a spike without width is best got rid of before it stands in anyone's way.
+        // Repeated corners and spikes without width are best removed before they block other ears.
         if a == b || b == c || a == c || demand == Demand::Nothing {
             return true;
         }
@@ -311,7 +311,7 @@ impl Triangulator {
             return false;
         }
         if !self.has_tree && self.grid_tests_left == 0 {
-            self.plant_tree();
+            self.build_tree();
         }
         let (mut point_tests, mut rows) = (0, 0);
         let blocked = if self.has_tree {

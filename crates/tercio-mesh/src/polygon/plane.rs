@@ -1,4 +1,4 @@
-//! From space into the plane, and which way three points turn there.
+//! Projection from space to the plane, and the orientation of three points there.
 
 /// Twice the signed area of a triangle, positive when counter-clockwise.
 #[inline]
@@ -18,8 +18,8 @@ pub(super) fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-/// Twice the polygon's vector area (Newell), taken round the first corner so that polygons far from zero
-/// keep their digits.
+/// Twice the polygon's vector area (Newell), relative to the first corner so that polygons far from zero keep their
+/// precision.
 pub(super) fn newell_normal(corners: &[[f64; 3]]) -> [f64; 3] {
     let o = corners[0];
     corners.windows(2).skip(1).fold([0.0; 3], |sum, w| {
@@ -32,7 +32,7 @@ pub(super) fn newell_normal(corners: &[[f64; 3]]) -> [f64; 3] {
 pub(super) fn projection_axes(corners: &[[f64; 3]], normal: [f64; 3]) -> [usize; 2] {
     let mut weight = normal.map(f64::abs);
     if !weight.iter().any(|&w| w > 0.0) {
-        // No area: look along the direction in which the polygon is thinnest.
+        // No area: project along the direction in which the polygon is thinnest.
         weight = std::array::from_fn(|k| {
             let (lo, hi) = corners
                 .iter()

@@ -17,7 +17,7 @@ fn area(corners: &[[f64; 3]], t: [usize; 3], unit: [f64; 3]) -> f64 {
     0.5 * dot(cross(sub(b, a), sub(c, a)), unit)
 }
 
-/// n - 2 triangles, all facing the polygon's way, of the polygon's area in all.
+/// n - 2 triangles, all with the polygon's winding, whose areas add up to the polygon's.
 fn check(corners: &[[f64; 3]], tolerance: f64) -> Result<(), TestCaseError> {
     let list = triangles(corners);
     prop_assert_eq!(list.len(), corners.len() - 2);
@@ -46,7 +46,7 @@ fn star(radii: &[f64]) -> Vec<[f64; 2]> {
         .collect()
 }
 
-/// Teeth along the x axis with a collinear run below them.
+/// Teeth along the x axis with collinear corners below them.
 fn comb(heights: &[f64], below: usize) -> Vec<[f64; 2]> {
     let width = heights.len() as f64;
     let mut p: Vec<_> = (0..=below).map(|i| [width * i as f64 / below as f64, 0.0]).collect();
@@ -109,14 +109,14 @@ proptest! {
 fn quads_are_cut_inside_and_short() {
     // Convex, diagonal 1-3 shorter.
     assert_eq!(triangles(&flat(&[[-3., 0.], [0., -1.], [3., 0.], [0., 1.]])), [[0, 1, 3], [1, 2, 3]]);
-    // A dart, reflex at each corner in turn.
+    // A dart, with its reflex corner at each index in turn.
     let dart = [[0., 0.], [1., -2.], [0., 3.], [-1., -2.]];
     for turn in 0..4 {
         let mut p = dart;
         p.rotate_left(turn);
         check(&flat(&p), 0.0).unwrap();
     }
-    // A triangle with a corner more on an edge keeps its two real triangles.
+    // A triangle with an extra corner on an edge keeps its two real triangles.
     for turn in 0..4 {
         let mut p = [[0., 0.], [1., 0.], [2., 0.], [0., 2.]];
         p.rotate_left(turn);
@@ -147,7 +147,7 @@ fn a_square_with_a_run_on_each_side_has_no_flat_triangle() {
 
 #[test]
 fn a_hole_reached_by_a_bridge_stays_open() {
-    // Outer square, bridge to the inner one and back: positions of the bridge stand twice.
+    // Outer square, bridge to the inner one and back: the positions of the bridge occur twice.
     let p =
         [[0., 0.], [4., 0.], [4., 4.], [0., 4.], [0., 0.], [1., 1.], [1., 3.], [3., 3.], [3., 1.], [1., 1.]];
     for turn in 0..p.len() {
@@ -188,7 +188,7 @@ fn polygons_of_a_hundred_thousand_corners_do_not_hang() {
     };
     let spiral: Vec<_> = (0..half).map(|i| arm(i, 2.0)).chain((0..half).rev().map(|i| arm(i, 0.0))).collect();
     check(&flat(&spiral), 1e-12).unwrap();
-    // Nonsense, crossing itself everywhere.
+    // Random points: the polygon crosses itself everywhere.
     let mess: Vec<_> = (0..n).map(|_| [random(), random(), random()]).collect();
     assert_eq!(triangles(&mess).len(), n - 2);
     assert_eq!(triangles(&vec![[1.0; 3]; n]).len(), n - 2);
@@ -204,7 +204,7 @@ fn noise() -> impl FnMut() -> f64 {
     }
 }
 
-/// Shapes that are hard in different ways, of about `n` corners.
+/// Shapes that are difficult in different ways, of about `n` corners.
 fn shapes(n: usize) -> Vec<Vec<[f64; 2]>> {
     let mut random = noise();
     let teeth = n / 4;
@@ -245,17 +245,17 @@ fn shapes(n: usize) -> Vec<Vec<[f64; 2]>> {
         cells,
         mess,
         (0..n).map(|i| [i as f64, 0.0]).collect(),
-        one_ear_behind(n),
+        one_convex_corner_behind(n),
     ]
 }
 
-/// Crosses itself so that it has one convex corner at a time, and that one beside the corner that has just gone, always
-/// on the side that a search in the order of the ring comes to last.
-fn one_ear_behind(n: usize) -> Vec<[f64; 2]> {
+/// Crosses itself so that it has one convex corner at a time, next to the corner that was just removed, always on the
+/// side that a search in the order of the ring reaches last.
+fn one_convex_corner_behind(n: usize) -> Vec<[f64; 2]> {
     let (m, tip, height) = (n / 2, -4000.0, 50.0);
     let bow = |y: f64| 10.0 + 0.001 * y * y;
     let ys: Vec<f64> = (0..m).map(|k| -height + 2.0 * height * k as f64 / (m - 1) as f64).collect();
-    // Each ear from the tip to two corners of the bow has one of these inside.
+    // Each ear from the tip to two corners of the arc has one of these inside.
     let inside = ys.windows(2).rev().map(|y| {
         let y = (y[0] + y[1]) / 2.0;
         let x = 5.0 - 1e-5 * y * y;
@@ -285,7 +285,7 @@ fn a_tree_finds_what_the_grid_finds() {
             out
         };
         let by_grid = cut(usize::MAX, u64::MAX);
-        // The search of imperfect ears goes another way: those are the shapes that cross or touch themselves.
+        // The search for imperfect ears takes another path: those are the shapes that cross or touch themselves.
         let is_simple = [0, 2, 3, 4].contains(&k);
         for tests in [0, 300, 3000] {
             let by_tree = cut(0, tests);
@@ -296,7 +296,7 @@ fn a_tree_finds_what_the_grid_finds() {
 }
 
 #[test]
-fn a_look_into_the_tree_is_right_and_short() {
+fn a_tree_query_is_right_and_fast() {
     let mut random = noise();
     for spread in [8.0, 1e6] {
         let n = 4000;
@@ -305,7 +305,7 @@ fn a_look_into_the_tree_is_right_and_short() {
         let mut tree = Tree::default();
         tree.fill(&points);
         let live: Vec<bool> = (0..n).map(|_| random() < 0.3).collect();
-        // Each is set more often than it counts in the end.
+        // Every corner is set; those that are not blockers are unset again.
         for (i, &live) in (0..).zip(&live) {
             tree.set(i, true);
             if !live {

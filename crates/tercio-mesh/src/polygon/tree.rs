@@ -1,23 +1,23 @@
 //! The corners that an ear must not contain, in a k-d tree: for polygons of many corners.
 //!
-//! A grid is quick where corners lie evenly. Where they crowd in a few cells (combs with long teeth, many corners at
-//! one position) every look into such a cell costs as much as the polygon has corners. A look into the tree visits the
-//! parts that the triangle's border crosses and no others, wherever corners lie.
+//! A grid is fast where corners are spread evenly. Where they crowd in a few cells (combs with long teeth, many
+//! corners at one position) every query of such a cell costs as much as the polygon has corners. A query of the tree
+//! visits only the parts that the triangle's border crosses, wherever the corners are.
 
 use super::Demand;
 use super::plane::orient;
 
-/// Positions of a leaf at most.
+/// Most positions in a leaf.
 const LEAF: usize = 16;
 
-/// Distinct positions with a count of the blockers at each.
+/// Distinct positions with the number of blockers at each.
 #[derive(Default)]
 pub(super) struct Tree {
     /// The positions, leaf after leaf.
     points: Vec<[f64; 2]>,
-    /// Blockers at each position.
+    /// Number of blockers at each position.
     blocker_count: Vec<u32>,
-    /// Place in `points` of each corner.
+    /// Index in `points` of each corner.
     places: Vec<u32>,
     /// The root, then the children of node `i` at `2 i + 1` and `2 i + 2`.
     nodes: Vec<Node>,
@@ -27,9 +27,9 @@ pub(super) struct Tree {
 struct Node {
     min: [f64; 2],
     max: [f64; 2],
-    /// Blockers in it.
+    /// Number of blockers in it.
     blocker_count: u32,
-    /// Its stretch of `points`.
+    /// Its range of `points`.
     first: u32,
     end: u32,
 }
@@ -55,7 +55,7 @@ impl Tree {
             let ([a, b], [c, d]) = (at(a), at(b));
             a.total_cmp(&c).then(b.total_cmp(&d))
         });
-        // One place a position: corners that stand where others do are looked at together.
+        // One entry per position: corners at the same position are tested together.
         places.clear();
         places.resize(corners.len(), 0);
         points.clear();
@@ -86,7 +86,7 @@ impl Tree {
                 max = std::array::from_fn(|k| max[k].max(p[k]));
             }
             let node = Node { min, max, blocker_count: 0, first, end };
-            // Halves the children's stretches along the longer side.
+            // Halves the children's ranges along the longer side.
             let along = usize::from(max[1] - min[1] > max[0] - min[0]);
             let half = (node.middle() - first) as usize;
             if half > 0 {
@@ -96,7 +96,7 @@ impl Tree {
             }
             nodes.push(node);
         }
-        // From places in the sorted order to places in the leaves.
+        // From indices in the sorted order to indices in the leaves.
         let old = std::mem::take(points);
         points.extend(order.iter().map(|&i| old[i as usize]));
         let mut moved = vec![0; old.len()];
@@ -104,7 +104,7 @@ impl Tree {
         places.iter_mut().for_each(|p| *p = moved[*p as usize]);
     }
 
-    /// A corner becomes a blocker, or is one no longer.
+    /// Marks a corner as a blocker, or unmarks it.
     pub(super) fn set(&mut self, corner: u32, blocks: bool) {
         let place = self.places[corner as usize];
         let change = |n: &mut u32| *n = if blocks { *n + 1 } else { n.saturating_sub(1) };
@@ -116,7 +116,7 @@ impl Tree {
         }
     }
 
-    /// Whether a triangle contains one of the blockers; `point_tests` counts the parts of the tree that were visited.
+    /// Whether a triangle contains one of the blockers; `point_tests` counts the visited parts of the tree.
     pub(super) fn contains_blocker(
         &self,
         triangle: [[f64; 2]; 3],
@@ -124,24 +124,24 @@ impl Tree {
         point_tests: &mut u64,
     ) -> bool {
         let leaves = self.nodes.len() / 2;
-        let look = Look::new(triangle, demand);
-        // Each level leaves one sibling waiting.
-        let mut waiting = [0u32; 40];
+        let query = Query::new(triangle, demand);
+        // Each level leaves one sibling on the stack.
+        let mut stack = [0u32; 40];
         let mut count = 1;
         while count > 0 {
             count -= 1;
-            let i = waiting[count] as usize;
+            let i = stack[count] as usize;
             let node = &self.nodes[i];
             if node.blocker_count == 0 {
                 continue;
             }
             *point_tests += 1;
-            match look.at(node) {
+            match query.at(node) {
                 Overlap::None => {}
                 Overlap::Whole => return true,
                 Overlap::Part if i < leaves => {
-                    waiting[count] = 2 * i as u32 + 2;
-                    waiting[count + 1] = 2 * i as u32 + 1;
+                    stack[count] = 2 * i as u32 + 2;
+                    stack[count + 1] = 2 * i as u32 + 1;
                     count += 2;
                 }
                 Overlap::Part => {
@@ -165,15 +165,15 @@ enum Overlap {
     Whole,
 }
 
-/// A triangle that boxes are held against.
-struct Look {
+/// A triangle that boxes are tested against.
+struct Query {
     triangle: [[f64; 2]; 3],
     demand: Demand,
     min: [f64; 2],
     max: [f64; 2],
 }
 
-impl Look {
+impl Query {
     fn new(triangle: [[f64; 2]; 3], demand: Demand) -> Self {
         let [a, b, c] = triangle;
         let min = std::array::from_fn(|k| a[k].min(b[k]).min(c[k]));
@@ -181,8 +181,8 @@ impl Look {
         Self { triangle, demand, min, max }
     }
 
-    /// Rounding is monotone, so that the value of `orient` at any point of a box lies between those at two of its
-    /// corners: what is said of a box holds for its points without a margin.
+    /// Rounding is monotone, so the value of `orient` at any point of a box is between those at two of its corners:
+    /// what is shown for a box holds for its points without a margin.
     #[inline]
     fn at(&self, node: &Node) -> Overlap {
         if (0..2).any(|k| node.max[k] < self.min[k] || node.min[k] > self.max[k]) {

@@ -1,4 +1,4 @@
-//! Finds the data that the projects share: a folder `shared/data` beside the checkout.
+//! Finds the test data that projects share: the folder `shared/data` beside the checkout.
 
 #![allow(dead_code, reason = "each test binary uses a part of this")]
 
@@ -9,7 +9,7 @@ use tercio_mesh::ReadError;
 use tercio_mesh::io::{ReadModel, ReadOptions, read};
 use tercio_testkit::require_shared;
 
-/// The data folder. Without it a test has nothing to do, except where CI promises that it is there.
+/// The data folder. Without it a test is skipped, except on CI, where it must exist.
 pub fn data() -> Option<PathBuf> {
     require_shared("a test of the readers")
 }
@@ -29,7 +29,7 @@ pub fn files(folder: &Path, extensions: &[&str]) -> Vec<PathBuf> {
     found
 }
 
-/// Reads a file, checks that no index of the mesh leads outside and that it took no longer than ten seconds.
+/// Reads a file, checks that all indices of the mesh are in range and that it took no longer than ten seconds.
 pub fn read_checked(path: &Path) -> Result<ReadModel, ReadError> {
     let start = Instant::now();
     let result = read(path, &ReadOptions::default());
@@ -40,7 +40,7 @@ pub fn read_checked(path: &Path) -> Result<ReadModel, ReadError> {
     result
 }
 
-/// What holds for every mesh that a reader hands out.
+/// Invariants of every mesh that a reader returns.
 pub fn check(name: &str, model: &ReadModel) {
     let mesh = &model.mesh;
     let (vertices, triangles) = (mesh.positions.len(), mesh.triangles.len());
@@ -66,7 +66,7 @@ pub fn check(name: &str, model: &ReadModel) {
     }
 }
 
-/// Reads every file of a table of broken ones; `true` stands for one that can still be read.
+/// Reads every file of a table of broken ones; `true` marks one that can still be read.
 pub fn check_outcomes(data: &Path, table: &[(&str, bool)]) {
     let mut wrong = Vec::new();
     for &(name, readable) in table {
@@ -89,7 +89,7 @@ pub fn check_outcomes(data: &Path, table: &[(&str, bool)]) {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
-/// Every file of these folders must stand in the table, so that none is forgotten.
+/// Checks that every file of these folders is in the table, so that none is forgotten.
 pub fn assert_complete(data: &Path, folders: &[&str], extensions: &[&str], table: &[(&str, bool)]) {
     for path in folders.iter().flat_map(|f| files(&data.join(f), extensions)) {
         let name = path.strip_prefix(data).unwrap().to_str().unwrap();

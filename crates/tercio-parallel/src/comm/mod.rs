@@ -1,28 +1,28 @@
-//! How ranks talk: messages of bytes from one to another.
+//! Communication between ranks: messages of bytes from one to another.
 //!
 //! Messages between two ranks arrive in the order in which they were sent; sending does not wait for the receiver.
-//! Everything else, the collectives too, is made of that, so that a backend has little to do and all traffic is
+//! Everything else, including the collectives, is built on that, so that a backend is small and all traffic is
 //! counted in one place.
 
 pub mod threads;
 
 use serde::{Deserialize, Serialize};
 
-/// Messages that a rank sent and took, those of [`Communicator::barrier`] left out.
+/// Messages that a rank sent and received, not counting those of [`Communicator::barrier`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Traffic {
     /// Messages sent to other ranks.
     pub sent_messages: u64,
     /// Their bytes.
     pub sent_bytes: u64,
-    /// Messages taken from other ranks.
+    /// Messages received from other ranks.
     pub taken_messages: u64,
     /// Their bytes.
     pub taken_bytes: u64,
 }
 
 impl Traffic {
-    /// What came after an earlier count.
+    /// The difference to an earlier count.
     pub fn since(self, earlier: Self) -> Self {
         Self {
             sent_messages: self.sent_messages - earlier.sent_messages,
@@ -33,43 +33,45 @@ impl Traffic {
     }
 }
 
-/// Why a message could not be sent or taken.
+/// Why a message could not be sent or received.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CommError {
     /// The other rank ended, by itself or by a panic.
     #[error("rank {rank} is gone")]
     Gone {
-        /// Which.
+        /// The rank.
         rank: usize,
     },
-    /// There is no such rank, or it is the own one.
-    #[error("rank {rank} is no partner of a message: there are {size} ranks, the own one left out")]
+    /// There is no such rank, or it is this one.
+    #[error(
+        "rank {rank} is not a valid peer: there are {size} ranks, and a rank cannot exchange messages with itself"
+    )]
     NoPartner {
-        /// Which.
+        /// The rank.
         rank: usize,
-        /// How many there are.
+        /// The number of ranks.
         size: usize,
     },
-    /// What carries the messages failed.
+    /// The transport of messages failed.
     #[error("a message to or from rank {rank}: {reason}")]
     Transport {
         /// The other rank.
         rank: usize,
-        /// What the backend says about it.
+        /// The reason given by the backend.
         reason: String,
     },
 }
 
-/// A rank's access to the others.
+/// A rank's access to the other ranks.
 pub trait Communicator {
-    /// The own number, below [`Communicator::size`].
+    /// This rank's number, below [`Communicator::size`].
     fn rank(&self) -> usize;
 
-    /// How many ranks there are, at least 1.
+    /// Number of ranks, at least 1.
     fn size(&self) -> usize;
 
-    /// Sends a message, which may be empty. Does not wait until it is taken.
+    /// Sends a message, which may be empty. Does not wait until it is received.
     ///
     /// # Errors
     /// [`CommError`].
@@ -81,24 +83,24 @@ pub trait Communicator {
     /// [`CommError`]; never waits for a rank that is gone.
     fn receive(&mut self, from: usize) -> Result<Vec<u8>, CommError>;
 
-    /// An empty buffer for a message to a rank: memory of an earlier message to it, where one has come back.
+    /// An empty buffer for a message to a rank: memory of an earlier message to it, if it was returned.
     fn buffer(&mut self, to: usize) -> Vec<u8> {
         let _ = to;
         Vec::new()
     }
 
-    /// Gives a message that was read back to whoever may fill it again; in the end that is [`Communicator::buffer`]. A
-    /// frame like the one before then takes no memory for messages, whose pages the system would have to hand out and
-    /// clear again and again.
+    /// Returns the memory of a message that was read for reuse by [`Communicator::buffer`]. A frame like the one
+    /// before then allocates no memory for messages, whose pages the system would have to provide and clear every
+    /// time.
     fn give_back(&mut self, from: usize, message: Vec<u8>) {
         let _ = from;
         drop(message);
     }
 
-    /// What was sent and taken up to now.
+    /// Messages sent and received so far.
     fn traffic(&self) -> Traffic;
 
-    /// Sends a message that is not counted: the communicator's own.
+    /// Sends a message that is not counted; used by the communicator itself.
     ///
     /// # Errors
     /// [`CommError`].
@@ -110,8 +112,8 @@ pub trait Communicator {
     /// [`CommError`].
     fn await_signal(&mut self, from: usize) -> Result<(), CommError>;
 
-    /// Waits until all ranks are here. In round k every rank tells the one 2^k further, so that after log2 of the
-    /// ranks all know of all (dissemination barrier, Hensgen, Finkel and Manber 1988).
+    /// Waits until all ranks have called this. In round k every rank signals the one 2^k further, so that after log2
+    /// of the ranks all know of all (dissemination barrier, Hensgen, Finkel and Manber 1988).
     ///
     /// # Errors
     /// [`CommError`].
@@ -126,8 +128,8 @@ pub trait Communicator {
         Ok(())
     }
 
-    /// Brings a message of each of the ranks below `senders` to rank 0, which gets them in the order of the ranks,
-    /// its own left out; the others get nothing. A rank that is not below `senders` may call it or not.
+    /// Sends a message of each of the ranks below `senders` to rank 0, which gets them in the order of the ranks,
+    /// without its own; the others get nothing. A rank that is not below `senders` need not call it.
     ///
     /// # Errors
     /// [`CommError`].

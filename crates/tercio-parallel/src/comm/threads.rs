@@ -7,17 +7,17 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 use super::{CommError, Communicator, Traffic};
 use crate::ParallelError;
 
-/// A rank's ends of the channels. When it is dropped, also by a panic, the others learn that the rank is gone.
+/// A rank's ends of the channels. When it is dropped, also by a panic, the others notice that the rank is gone.
 #[derive(Debug)]
 pub struct ThreadComm {
     rank: usize,
-    /// To each rank; the own place stays unused.
+    /// To each rank; the entry of this rank is unused.
     to: Vec<Sender<Vec<u8>>>,
     /// From each rank.
     from: Vec<Receiver<Vec<u8>>>,
-    /// To each rank: its messages, read.
+    /// To each rank: its messages after they were read, for reuse.
     read: Vec<Sender<Vec<u8>>>,
-    /// From each rank: the own messages to it, read. No more than were ever on their way at once.
+    /// From each rank: this rank's messages to it after they were read. No more than were ever in transit at once.
     spare: Vec<Receiver<Vec<u8>>>,
     traffic: Traffic,
 }
@@ -108,10 +108,10 @@ impl Communicator for ThreadComm {
     }
 }
 
-/// Runs the same work on some ranks, each on a thread of its own, and returns what they return, in their order.
+/// Runs the same work on some ranks, each on a thread of its own, and returns the results in the order of the ranks.
 ///
 /// # Errors
-/// What the first rank that failed by itself tells. A rank that panics takes nobody with it but those who wait for its
+/// The error of the first rank that failed by itself. A rank that panics affects only those that wait for its
 /// messages; they get [`CommError::Gone`].
 ///
 /// # Panics
@@ -120,7 +120,7 @@ pub fn run<T: Send>(
     ranks: usize,
     work: impl Fn(&mut ThreadComm) -> Result<T, ParallelError> + Sync,
 ) -> Result<Vec<T>, ParallelError> {
-    assert!(ranks > 0, "somebody has to do the work");
+    assert!(ranks > 0, "there must be at least one rank");
     let work = &work;
     let results: Vec<Result<T, ParallelError>> = std::thread::scope(|scope| {
         let start = |mut comm: ThreadComm| {

@@ -1,4 +1,4 @@
-//! The owners' finished pixels to rank 0.
+//! Collects the owners' finished pixels on rank 0.
 
 use tercio_raster::frame::Pixel;
 use tercio_raster::{Frame, Outputs};
@@ -9,8 +9,8 @@ use crate::comm::Communicator;
 use crate::regions::{Region, Regions};
 use crate::{ParallelError, RankReport};
 
-/// Brings the pixels that show something to rank 0, whose frame has the background wherever nobody drew. Every frame
-/// has keys in the regions of its rank; `planes` travel.
+/// Sends the drawn pixels to rank 0, whose frame must already have the background where nothing is drawn. Every frame
+/// has keys in the regions of its rank; `planes` are sent.
 ///
 /// # Errors
 /// [`ParallelError::Comm`], [`ParallelError::Packet`].
@@ -42,7 +42,7 @@ pub fn collect(
     Ok(())
 }
 
-/// Pixels of a region that show something.
+/// Number of drawn pixels in a region.
 fn shown(frame: &Frame, region: &Region) -> u64 {
     let row = |y: u32| {
         let first = y as usize * frame.width as usize;
@@ -52,7 +52,7 @@ fn shown(frame: &Frame, region: &Region) -> u64 {
     region.y.clone().map(row).sum()
 }
 
-/// Gives a region the background.
+/// Fills a region with the background.
 pub fn clear(frame: &mut Frame, region: &Region, background: &Background) {
     for y in region.y.clone() {
         let first = y as usize * frame.width as usize + region.x.start as usize;

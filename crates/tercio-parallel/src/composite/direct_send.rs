@@ -1,4 +1,4 @@
-//! Direct send: every rank sends what it sees of a region straight to the region's owner, which keeps what is seen.
+//! Direct send: every rank sends its pixels of a region straight to the region's owner, which keeps the visible ones.
 
 use tercio_raster::{Frame, Outputs};
 
@@ -8,10 +8,10 @@ use crate::regions::Regions;
 use crate::report::{RankPixels, RankStages};
 use crate::{ParallelError, RankReport};
 
-/// Composes the ranks' frames: afterwards every owner has the picture in its regions, what was drawn there by anybody.
+/// Composites the ranks' frames: afterwards every owner has the picture of all ranks in its regions.
 ///
-/// `sees(rank)` tells which ranks drew anything at all: the others send nothing and nobody waits for them. All ranks
-/// have to agree on it. Every frame has keys; `planes`, keys among them, travel.
+/// `sees(rank)` returns whether a rank drew anything at all: the others send nothing and are not waited for. All
+/// ranks have to agree on it. Every frame has keys; `planes`, which include keys, are sent.
 ///
 /// # Errors
 /// [`ParallelError::Comm`], [`ParallelError::Packet`].
@@ -26,7 +26,7 @@ pub fn compose(
     let (rank, size) = (comm.rank(), comm.size());
     let RankReport { pixels: RankPixels { sent, compared, won, .. }, stages, .. } = report;
     let RankStages { compose, wait, .. } = stages;
-    // Everybody begins with the next rank, so that nobody gets all messages at once.
+    // Every rank begins with the next one, so that no rank gets all messages at once.
     let others = |step: usize| (rank + step) % size;
     if sees(rank) {
         for to in (1..size).map(others).filter(|&to| to < regions.owners()) {

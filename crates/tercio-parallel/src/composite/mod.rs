@@ -1,6 +1,6 @@
-//! Pixels on their way between ranks.
+//! Transfer of pixels between ranks.
 //!
-//! [`packet`] is how they travel: only those that show something. [`direct_send`] composes the parts of all ranks at the
+//! [`packet`] is the format: it holds only drawn pixels. [`direct_send`] composites the parts of all ranks at the
 //! owners of regions; [`collect`] brings the owners' finished pixels to rank 0.
 
 pub mod collect;

@@ -1,9 +1,9 @@
-//! Pixels that show something, packed into bytes.
+//! Drawn pixels, packed into bytes.
 //!
-//! A packet is a sequence of spans, whose number follows from its length. A span is a longest row of neighbouring pixels
-//! that show something, inside one region: the first pixel's place in the picture, row by row (4 bytes); how many
-//! pixels (2 bytes); then plane after plane their samples: keys, 8-bit colour, 16-bit colour, depth, ids, normals, each
-//! if it travels. All little-endian.
+//! A packet is a sequence of spans, whose number follows from its length. A span is a maximal run of drawn pixels in
+//! a row of one region: the row-major index of the first pixel in the picture (4 bytes); the number of pixels (2
+//! bytes); then plane after plane their samples: keys, 8-bit colour, 16-bit colour, depth, ids, normals, each if it
+//! is sent. All numbers are little-endian.
 
 use bytemuck::pod_read_unaligned;
 use tercio_raster::{Frame, Outputs};
@@ -13,30 +13,29 @@ use crate::regions::Region;
 /// Bytes before the samples of a span.
 pub const SPAN_HEAD: usize = 6;
 
-/// Why bytes are no packet.
+/// Why bytes are not a packet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PacketError {
     /// The bytes end inside a span.
     #[error("byte {at}: the packet ends inside a span")]
     Short {
-        /// Where the span begins.
+        /// Offset of the span.
         at: usize,
     },
     /// A span has no pixel or leaves the picture.
-    #[error("byte {at}: {count} pixels from place {place} on are no span of the picture")]
+    #[error("byte {at}: {count} pixels from pixel {place} on are not a span inside the picture")]
     Span {
-        /// Where the span begins.
+        /// Offset of the span.
         at: usize,
-        /// Its first pixel.
+        /// Index of its first pixel.
         place: u32,
-        /// Its pixels.
+        /// Its number of pixels.
         count: u16,
     },
 }
 
-/// Appends the pixels of a region that show something, and returns how many they are. The frame has keys; it has the
-/// planes that travel.
+/// Appends the drawn pixels of a region, and returns their number. The frame has keys and the planes that are sent.
 pub fn pack(frame: &Frame, region: &Region, planes: &Outputs, out: &mut Vec<u8>) -> u64 {
     let mut pixels = 0;
     for y in region.y.clone() {
@@ -56,8 +55,8 @@ pub fn pack(frame: &Frame, region: &Region, planes: &Outputs, out: &mut Vec<u8>)
     pixels
 }
 
-/// The first key that shows something. Most of a picture that a rank has drawn alone shows nothing, so that is skipped
-/// many keys at a time.
+/// Index of the first key of a drawn pixel. Most of a picture that a rank has drawn alone is empty, so many keys are
+/// skipped at a time.
 fn first_shown(keys: &[u64]) -> Option<usize> {
     const AT_ONCE: usize = 16;
     let nothing = |keys: &&[u64]| keys.iter().fold(0, |any, key| any | key) == 0;
@@ -72,21 +71,21 @@ fn put_span(frame: &Frame, first: usize, count: usize, planes: &Outputs, out: &m
     frame.planes.write_bytes(planes, first..first + count, out);
 }
 
-/// What became of the pixels of a packet.
+/// Counts of the pixels of a packet.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Unpacked {
-    /// All.
+    /// All pixels.
     pub pixels: u64,
-    /// Those that were written.
+    /// Pixels that were written.
     pub written: u64,
 }
 
-/// Writes the pixels of a packet into a frame that has the planes that travel. With `composed`, only those whose key is
-/// larger than the frame's; the keys must travel then.
+/// Writes the pixels of a packet into a frame that has the planes that are sent. With `composed`, only those whose
+/// key is larger than the frame's; then the keys must be among the planes.
 ///
 /// # Errors
-/// [`PacketError`]; the spans before it are written.
+/// [`PacketError`]; the spans before the error are written.
 pub fn unpack(
     bytes: &[u8],
     planes: &Outputs,

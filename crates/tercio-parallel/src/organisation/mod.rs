@@ -1,4 +1,4 @@
-//! Who draws what, and when it changes hands.
+//! Who draws what, and where work is redistributed.
 
 mod sort_first;
 mod sort_last;
@@ -16,14 +16,14 @@ use crate::regions::Regions;
 use crate::report::RankReport;
 use crate::{ParallelError, report::Stage};
 
-/// Where work changes hands.
+/// Where work is redistributed between ranks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 #[non_exhaustive]
 pub enum Organisation {
     /// Before the front end: every rank draws the clusters that reach its regions, and only there.
     SortFirst,
-    /// After the back end: every rank draws a share of the clusters, and the pictures are composed.
+    /// After the back end: every rank draws a share of the clusters, and the pictures are composited.
     SortLast,
 }
 
@@ -48,25 +48,25 @@ impl fmt::Display for Organisation {
 pub struct Rank {
     pool: Arc<ThreadPool>,
     renderer: Renderer,
-    /// Memory of the keys of a picture that is not asked for them.
+    /// Memory for the keys of a picture whose settings do not request keys.
     keys: Vec<u64>,
 }
 
-/// What a frame is drawn from, the same on all ranks.
+/// The input of a frame, the same on all ranks.
 #[derive(Clone, Copy, Debug)]
 pub struct Task<'a> {
     /// How ranks share it.
     pub organisation: Organisation,
-    /// All of the scene. Its meshes are shared memory here; what a rank reads of them is only what it draws.
+    /// The whole scene. Its meshes are in shared memory here; a rank reads only the parts of them that it draws.
     pub scene: &'a Scene,
-    /// From where.
+    /// The camera.
     pub camera: &'a Camera,
-    /// How. Parts are the organisation's business: those that are asked for are ignored.
+    /// The settings. The organisation chooses the parts: those in the settings are ignored.
     pub settings: &'a Settings,
 }
 
 impl Rank {
-    /// A rank that draws with some threads, at least 1.
+    /// A rank that draws with this many threads, at least 1.
     ///
     /// # Errors
     /// [`ParallelError::Threads`].
@@ -76,21 +76,21 @@ impl Rank {
         Ok(Self::from_pool(Arc::new(pool)))
     }
 
-    /// A rank that draws with the threads of a pool. What runs on one of them draws without waking another.
+    /// A rank that draws with the threads of a pool. Calls from one of these threads draw without waking another.
     pub fn from_pool(pool: Arc<ThreadPool>) -> Self {
         Self { pool, renderer: Renderer::new(), keys: Vec::new() }
     }
 
-    /// Its threads. What runs on one of them draws without waking another.
+    /// Its threads. Calls from one of them draw without waking another.
     pub fn pool(&self) -> Arc<ThreadPool> {
         self.pool.clone()
     }
 
-    /// Does this rank's part of a frame; all ranks of the communicator have to do theirs. On rank 0 `frame` then is the
-    /// picture, with the bytes that one renderer gives; elsewhere it is memory for the next frame.
+    /// Does this rank's part of a frame; all ranks of the communicator have to do theirs. On rank 0 `frame` is then
+    /// the picture, with the bytes that one renderer gives; elsewhere it is memory for the next frame.
     ///
     /// # Errors
-    /// [`ParallelError`]: what this rank cannot do, or that another one is gone.
+    /// [`ParallelError`] if this rank fails, or another one is gone.
     pub fn draw_into(
         &mut self,
         comm: &mut impl Communicator,
@@ -146,12 +146,12 @@ impl Rank {
     }
 }
 
-/// This rank's share of something.
+/// This rank's share of clusters or tiles.
 fn share(comm: &impl Communicator) -> Part {
     Part { number: comm.rank() as u32, of: comm.size() as u32 }
 }
 
-/// Clusters of all instances; where they are too many to be numbered the renderer says so.
+/// Number of clusters of all instances; if there are too many to number, the renderer returns an error.
 fn clusters_of(scene: &Scene) -> u32 {
     let clusters = scene.instances.iter().map(|i| i.mesh.clusters().len()).sum::<usize>();
     u32::try_from(clusters).unwrap_or(u32::MAX)

@@ -1,7 +1,7 @@
 //! Sort-first: ranks share the picture.
 //!
-//! Every rank looks at all clusters, drops those that reach none of its regions by their bounds, and draws the others,
-//! there only. Finished pixels travel to rank 0.
+//! Every rank tests all clusters, culls those whose bounds reach none of its regions, and draws the others, only
+//! there. Finished pixels are sent to rank 0.
 
 use tercio_raster::{Frame, Part, TileSet};
 
@@ -20,7 +20,7 @@ pub(super) fn draw(
     frame: &mut Frame,
     report: &mut RankReport,
 ) -> Result<(), ParallelError> {
-    // Who owns nothing has nothing to do.
+    // A rank that owns no region has nothing to do.
     if comm.rank() >= regions.owners() {
         return Ok(());
     }

@@ -1,7 +1,7 @@
-//! Sort-last: ranks share the clusters, pixels are composed by direct send.
+//! Sort-last: ranks share the clusters, pixels are composited by direct send.
 //!
-//! Rank r of n draws consecutive clusters, the r-th of n shares: neighbours in space, so that it sees a small part of
-//! the picture. What it sees travels to the owners of regions with its keys, and from there to rank 0.
+//! Rank r of n draws consecutive clusters, the r-th of n shares: neighbours in space, so that they cover a small part
+//! of the picture. Its pixels are sent to the owners of regions with their keys, and from there to rank 0.
 
 use tercio_raster::{Frame, Outputs, Part, TileSet};
 
@@ -24,7 +24,7 @@ pub(super) fn draw(
     let part = share(comm);
     let clusters = clusters_of(task.scene);
     let sees = |rank: usize| !Part { number: rank as u32, ..part }.range(clusters).is_empty();
-    // Who neither draws nor owns anything has nothing to do.
+    // A rank that neither draws nor owns anything has nothing to do.
     if !sees(comm.rank()) && comm.rank() >= regions.owners() {
         return Ok(());
     }

@@ -1,4 +1,4 @@
-//! Every model ends up inside the picture and in the middle of it.
+//! Every model is inside the picture and centred in it.
 
 use std::sync::Arc;
 
@@ -10,7 +10,7 @@ use tercio_mesh::{Aabb, Mesh};
 use super::{Framing, UpAxis, View};
 use crate::{Camera, Projection, Scene};
 
-/// Where a world point stands in the picture: -1 to 1 across and upwards.
+/// Position of a world point in the picture: -1 to 1 across and upwards.
 fn project(camera: &Camera, aspect: f64, p: DVec3) -> (f64, f64) {
     let b = camera.basis().unwrap();
     let d = p - camera.eye;
@@ -65,7 +65,7 @@ proptest! {
         let camera = framing.camera(&bounds);
         let [left, right, bottom, top] = spread(&camera, framing.aspect, &bounds);
         let largest = right.max(-left).max(top).max(-bottom);
-        // Offsets of a thousand million times the size leave few digits.
+        // Offsets of 10^9 times the size leave few digits.
         prop_assert!(largest <= 0.9 + 1e-3, "{largest} {camera:?}");
         let at_eye = camera.eye.distance(camera.target);
         let b = camera.basis().unwrap();
@@ -75,7 +75,7 @@ proptest! {
     }
 
     #[test]
-    fn the_box_is_in_the_middle(framing in any_framing(), bounds in any_bounds()) {
+    fn the_box_is_centred(framing in any_framing(), bounds in any_bounds()) {
         let camera = framing.camera(&bounds);
         let [left, right, bottom, top] = spread(&camera, framing.aspect, &bounds);
         prop_assert!((left + right).abs() < 0.02, "{left} {right}");
@@ -160,7 +160,7 @@ fn an_explicit_camera_finds_an_up_vector() {
 
 #[test]
 fn a_scene_is_framed_by_its_vertices_not_its_box() {
-    // One triangle: its box has corners that no vertex stands in. Its unit is 2.
+    // One triangle: its box has corners that are not vertices. Its unit is 2.
     let mesh = Mesh {
         origin: DVec3::X * 1e6,
         exponent: 1,

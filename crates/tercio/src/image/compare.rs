@@ -1,18 +1,17 @@
-//! How much two pictures differ.
+//! The differences between two pictures.
 
 use rayon::prelude::*;
 
 use super::{ImageError, Picture, Pixels};
 
-/// How much two pictures of the same size differ. Differences are in units of 8-bit components, 0 to 255,
-/// also between 16-bit pictures, where they may be fractions. Channels are red, green, blue, alpha; a
-/// picture without alpha is opaque.
+/// The differences between two pictures of the same size, in units of 8-bit components, 0 to 255, also between 16-bit
+/// pictures, where they may be fractions. Channels are red, green, blue, alpha; a picture without alpha is opaque.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Difference {
-    /// Pixels in all.
+    /// Number of pixels.
     pub pixels: u64,
-    /// Pixels of which any channel differs.
+    /// Number of pixels that differ in any channel.
     pub differing: u64,
     /// The largest difference of each channel.
     pub largest: [f64; 4],
@@ -32,11 +31,11 @@ impl Difference {
     }
 }
 
-/// 8-bit components are spread over 16 bits so that 255 becomes 65535.
+/// 8-bit components are scaled to 16 bits so that 255 becomes 65535.
 const STEP: u16 = 257;
 
-/// Compares two pictures and makes a third that shows where they differ: black where they are equal, white
-/// (in a channel) where they differ most. Where only alpha differs, it shows as grey.
+/// Compares two pictures and makes a third that shows where they differ: black where they are equal, white (in a
+/// channel) where they differ most. A difference in alpha alone appears as grey.
 ///
 /// # Errors
 /// [`ImageError::SizesDiffer`].
@@ -47,7 +46,7 @@ pub fn compare(a: &Picture, b: &Picture) -> Result<(Difference, Picture<'static>
     let (wide_a, wide_b) = (sixteen(a), sixteen(b));
     let differences: Vec<[u16; 4]> =
         wide_a.par_iter().zip(&*wide_b).map(|(a, b)| std::array::from_fn(|k| a[k].abs_diff(b[k]))).collect();
-    // Whole numbers, so that the sums do not depend on the order in which threads add.
+    // Integers, so that the sums do not depend on the order in which threads add.
     let none = (0u64, [0u16; 4], [0u64; 4]);
     let (differing, largest, sum) = differences
         .par_iter()

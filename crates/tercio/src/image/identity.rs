@@ -1,24 +1,26 @@
-//! Which file a name stands for, however it is spelled.
+//! The identity of a file, independent of the spelling of its name.
 
 use std::path::Path;
 
 use super::output::{Destination, folder_of, resolve};
 
-/// A file, known by what it is and not by its name: `./a.png`, a symbolic link and a hard link are the same as `a.png`.
+/// A file, identified by what it is and not by its name: `./a.png`, a symbolic link and a hard link are the same as
+/// `a.png`.
 ///
-/// Only files have one. Pipes, terminals and devices such as `/dev/null` may be written to by several at once.
+/// Only files have an identity. Pipes, terminals and devices such as `/dev/null` may be written to by several at
+/// once.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FileIdentity(Which);
 
 #[derive(Clone, Debug, PartialEq, Eq)]
 enum Which {
     There(system::Number),
-    /// A file that would be made: the folder and the name in it.
+    /// A file that does not exist yet: the folder and the name in it.
     NotYet(system::Number, std::ffi::OsString),
 }
 
 impl FileIdentity {
-    /// The file of this name; `None` for what is no file or cannot be looked at.
+    /// The file of this name; `None` for anything that is not a file or cannot be accessed.
     pub fn from_path(path: impl AsRef<Path>) -> Option<Self> {
         Self::at(path.as_ref())
     }
@@ -35,8 +37,8 @@ impl FileIdentity {
         }
     }
 
-    /// True for files of one folder that are not there yet and whose names differ by upper and lower case alone: some
-    /// systems would make one file of them, and which do is not known before.
+    /// True for files of one folder that do not exist yet and whose names differ only in case: some systems would
+    /// make one file of them, which cannot be known in advance.
     pub fn differs_in_case_alone(&self, other: &Self) -> bool {
         match (&self.0, &other.0) {
             (Which::NotYet(folder, name), Which::NotYet(other_folder, other_name)) => {
@@ -49,7 +51,7 @@ impl FileIdentity {
         }
     }
 
-    /// The file that something is written into.
+    /// The file that a destination writes to.
     pub fn from_destination(destination: &Destination) -> Option<Self> {
         match destination {
             Destination::Stdout => system::of_standard_output().map(Which::There).map(Self),
@@ -76,7 +78,7 @@ mod system {
     use std::os::unix::fs::{FileTypeExt, MetadataExt};
     use std::path::Path;
 
-    /// Device, and number on it.
+    /// Device, and inode number on it.
     pub type Number = (u64, u64);
 
     pub fn of_file(_: &Path, metadata: &Metadata) -> Option<Number> {

@@ -1,7 +1,7 @@
-//! Picture files: written, read back, compared.
+//! Picture files: writing, reading, comparing.
 //!
-//! [`Picture`] is what a viewer shows, in PNG, PPM or WebP; [`npy`] holds the numbers behind it (depth,
-//! primitive numbers, normals) for programs. [`OutputFile`] replaces a file only when the new one is whole.
+//! [`Picture`] is what a viewer shows, in PNG, PPM or WebP; [`npy`] stores arrays of numbers (depth, primitive
+//! numbers, normals) for programs. [`OutputFile`] replaces a file only when the new one is complete.
 
 mod compare;
 mod identity;
@@ -39,7 +39,7 @@ pub enum PictureFormat {
     Png,
     /// Portable pixmap (P6), 8 or 16 bits, without transparency.
     Ppm,
-    /// Lossless WebP, 8 bits, with transparency, at most 16384 pixels a side.
+    /// Lossless WebP, 8 bits, with transparency, at most 16384 pixels per side.
     WebP,
 }
 
@@ -56,7 +56,7 @@ impl PictureFormat {
         }
     }
 
-    /// The format that a file name asks for, by its extension in any case.
+    /// The format of a file name, by its extension in any case.
     pub fn from_path(path: impl AsRef<Path>) -> Option<Self> {
         path.as_ref().extension()?.to_str()?.to_ascii_lowercase().parse().ok()
     }
@@ -86,13 +86,13 @@ pub enum ImageError {
     /// The system's reason.
     #[error(transparent)]
     Io(#[from] io::Error),
-    /// The file name has no extension that stands for a picture.
+    /// The file name does not have the extension of a picture format.
     #[error("the extension of a picture must be .png, .ppm or .webp")]
     UnknownExtension,
-    /// The content is no picture that is read.
+    /// The content is of no supported format.
     #[error("not a picture that tercio reads (PNG, PPM, WebP)")]
     UnknownFormat,
-    /// The content breaks the rules of its format.
+    /// The content violates its format.
     #[error("broken {format} picture: {reason}")]
     Malformed {
         /// Which format.
@@ -100,12 +100,12 @@ pub enum ImageError {
         /// What is wrong.
         reason: String,
     },
-    /// The picture cannot be kept in this format.
+    /// The format cannot store the picture.
     #[error("{format} cannot hold {what}")]
     CannotHold {
         /// Which format.
         format: PictureFormat,
-        /// What it cannot hold.
+        /// What it cannot store.
         what: &'static str,
     },
     /// Two pictures that are to be compared differ in size.
@@ -127,24 +127,24 @@ impl ImageError {
     }
 }
 
-/// sRGB colour and linear alpha that is not multiplied in, row-major, the upper left pixel first.
+/// sRGB colour and linear alpha (not premultiplied), row-major, the upper left pixel first.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Pixels<'a> {
-    /// 8 bits a component.
+    /// 8 bits per component.
     Eight(Cow<'a, [[u8; 4]]>),
-    /// 16 bits a component.
+    /// 16 bits per component.
     Sixteen(Cow<'a, [[u16; 4]]>),
 }
 
 /// A picture in memory.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Picture<'a> {
-    /// Pixels across.
+    /// Width in pixels.
     pub width: u32,
-    /// Pixels down.
+    /// Height in pixels.
     pub height: u32,
-    /// `width * height` of them.
+    /// `width * height` pixels.
     pub pixels: Pixels<'a>,
 }
 
@@ -170,7 +170,7 @@ impl<'a> Picture<'a> {
     /// Writes the picture in a format.
     ///
     /// # Errors
-    /// Whatever `out` says; [`ImageError::CannotHold`] for a picture that the format has no place for.
+    /// Errors of `out`; [`ImageError::CannotHold`] for a picture that the format cannot store.
     pub fn write(&self, format: PictureFormat, out: &mut dyn Write) -> Result<(), ImageError> {
         match format {
             PictureFormat::Png => png::write(self, out),
@@ -179,12 +179,12 @@ impl<'a> Picture<'a> {
         }
     }
 
-    /// Writes the picture into a file, in the format of its extension. A file of that name is replaced only
-    /// when the new one is whole.
+    /// Writes the picture to a file, in the format of its extension. A file of that name is replaced only when the
+    /// new one is complete.
     ///
     /// # Errors
-    /// [`ImageError::File`], which names the file; its source is [`ImageError::UnknownExtension`], or what
-    /// [`Picture::write`] says.
+    /// [`ImageError::File`], which names the file; its source is [`ImageError::UnknownExtension`], or an error of
+    /// [`Picture::write`].
     pub fn save(&self, path: impl AsRef<Path>) -> Result<(), ImageError> {
         let path = path.as_ref();
         self.save_at(path).map_err(|source| source.in_file(path))
@@ -207,8 +207,8 @@ impl Picture<'static> {
     /// Reads a PNG, PPM or WebP picture from a file; the format is found by content.
     ///
     /// # Errors
-    /// [`ImageError::File`], which names the file; its source is the system's reason, or what
-    /// [`Picture::from_bytes`] says.
+    /// [`ImageError::File`], which names the file; its source is the system's reason, or an error of
+    /// [`Picture::from_bytes`].
     pub fn from_file(path: impl AsRef<Path>) -> Result<Self, ImageError> {
         let path = path.as_ref();
         let bytes = fs::read(path).map_err(ImageError::Io);

@@ -2,14 +2,14 @@
 
 use std::io::{self, Write};
 
-/// How many bytes are turned round and written at once.
+/// Number of bytes that are converted and written at once.
 const CHUNK: usize = 1 << 14;
 
-/// A number that NPY has a name for.
+/// A number type that NPY supports.
 pub trait NpyNumber: Copy {
     /// The name, such as `<f4`.
     const DESCR: &'static str;
-    /// Four bytes, the low one first.
+    /// Four bytes, the least significant one first.
     fn to_le_bytes(self) -> [u8; 4];
 }
 
@@ -27,13 +27,13 @@ impl NpyNumber for u32 {
     }
 }
 
-/// Writes an array of this shape, the last index running fastest.
+/// Writes an array of this shape, the last index varying fastest.
 ///
 /// # Errors
-/// Whatever `out` says.
+/// Errors of `out`.
 ///
 /// # Panics
-/// If `values` are not as many as the shape says.
+/// If the number of `values` does not match the shape.
 pub fn write<T: NpyNumber>(out: &mut dyn Write, shape: &[usize], values: &[T]) -> io::Result<()> {
     assert_eq!(shape.iter().product::<usize>(), values.len(), "values of an array of shape {shape:?}");
     out.write_all(&header(T::DESCR, shape))?;
@@ -49,7 +49,7 @@ pub fn write<T: NpyNumber>(out: &mut dyn Write, shape: &[usize], values: &[T]) -
 /// The header, padded so that the numbers begin at a multiple of 64 bytes.
 fn header(descr: &str, shape: &[usize]) -> Vec<u8> {
     let lengths: Vec<_> = shape.iter().map(usize::to_string).collect();
-    // Python tells a tuple of one from a number in brackets by its comma.
+    // Python distinguishes a tuple of one from a number in parentheses by its comma.
     let comma = if shape.len() == 1 { "," } else { "" };
     let shape = lengths.join(", ");
     let dict = format!("{{'descr': '{descr}', 'fortran_order': False, 'shape': ({shape}{comma}), }}");

@@ -1,4 +1,4 @@
-//! Output that replaces a good file only by a whole one.
+//! Output that replaces an existing file only when the new one is complete.
 
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
@@ -10,7 +10,7 @@ use super::identity::FileIdentity;
 use super::partial::{self, Listed};
 use super::stream::{OpenFile, StandardStream};
 
-/// Where something is written.
+/// Where output is written.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Destination {
     /// Standard output.
@@ -20,7 +20,7 @@ pub enum Destination {
 }
 
 impl Destination {
-    /// `-` is standard output, and so are the names that a [`StandardStream`] has; everything else is a file.
+    /// `-` is standard output, and so are the names of its [`StandardStream`]; everything else is a file.
     pub fn from_path(path: impl AsRef<Path>) -> Self {
         let path = path.as_ref();
         if path.as_os_str() == "-" || StandardStream::from_path(path) == Some(StandardStream::Output) {
@@ -30,10 +30,10 @@ impl Destination {
         }
     }
 
-    /// Tells early, before work is done, what will certainly fail later.
+    /// Reports early, before work is done, what will certainly fail later.
     ///
     /// # Errors
-    /// If the folder is not there, or a folder stands in the file's place.
+    /// If the folder does not exist, or there is a folder of the file's name.
     pub fn check(&self) -> io::Result<()> {
         let Self::File(path) = self else { return Ok(()) };
         if path.is_dir() {
@@ -54,34 +54,34 @@ impl Destination {
 
 /// A file being written, or standard output.
 ///
-/// The bytes go to a temporary file in the same folder, which [`OutputFile::commit`] gives its final name.
-/// Without `commit` the temporary file goes and a file of that name stays as it was. Where the process ends without
+/// The bytes go to a temporary file in the same folder, to which [`OutputFile::commit`] gives its final name. Without
+/// `commit` the temporary file is removed and a file of the final name is unchanged. Where the process ends without
 /// dropping this, [`remove_partial_files`](super::remove_partial_files) removes it. Devices, pipes and files that are
-/// open already (`/dev/fd/3`, and whatever standard output or standard error goes to) are written directly; a symbolic
-/// link stays, and the file that it points to is replaced or made.
+/// open already (`/dev/fd/3`, and whatever standard output or standard error goes to) are written directly; a
+/// symbolic link is kept, and the file that it points to is replaced or made.
 #[derive(Debug)]
 pub struct OutputFile(Target);
 
 #[derive(Debug)]
 enum Target {
     Direct(BufWriter<Direct>),
-    // The file goes before its place in the list.
+    // Dropped in this order: the file, then its entry in the list.
     Temporary { file: BufWriter<NamedTempFile>, path: PathBuf, _listed: Listed },
 }
 
 #[derive(Debug)]
 enum Direct {
-    /// Where standard output cannot be had as a file.
+    /// Where standard output is not available as a file.
     #[cfg(not(unix))]
     Stdout(io::Stdout),
     File(File),
 }
 
 impl OutputFile {
-    /// Begins a file.
+    /// Creates a file.
     ///
     /// # Errors
-    /// The system's reason why there can be none.
+    /// The system's reason for a failure.
     pub fn create(destination: &Destination) -> io::Result<Self> {
         destination.check()?;
         let path = match destination {
@@ -98,7 +98,7 @@ impl OutputFile {
         let path = if existing.is_some() { fs::canonicalize(path)? } else { resolve(path) };
         let mut builder = tempfile::Builder::new();
         builder.prefix(".tercio-").suffix(".part");
-        // Temporary files are private by default; this one becomes the user's file.
+        // Temporary files are private by default; this one gets the permissions of an ordinary file.
         #[cfg(unix)]
         {
             use std::os::unix::fs::PermissionsExt;
@@ -118,10 +118,10 @@ impl OutputFile {
         Self(Target::Direct(BufWriter::with_capacity(1 << 16, target)))
     }
 
-    /// Makes what was written visible under its name.
+    /// Makes what was written visible under its final name.
     ///
     /// # Errors
-    /// The system's reason why it could not; the old file is still there.
+    /// The system's reason for a failure; the old file still exists.
     pub fn commit(self) -> io::Result<()> {
         match self.0 {
             Target::Direct(mut out) => out.flush(),
@@ -134,8 +134,8 @@ impl OutputFile {
     }
 }
 
-/// Standard output as a file of its own: the standard library takes a write for done that failed because standard
-/// output was opened for reading only.
+/// Standard output as a file of its own: the standard library reports success for a write that failed because
+/// standard output was opened for reading only.
 #[cfg(unix)]
 fn standard_output() -> io::Result<Direct> {
     use std::os::fd::AsFd;
@@ -161,9 +161,10 @@ fn standard_error() -> io::Result<Direct> {
     Err(io::ErrorKind::Unsupported.into())
 }
 
-/// A file that is open already, by its name or by what it is. Whoever opened it may have written to it, as a shell does
-/// with `2>>log`: it must not be replaced. Standard output and standard error are written where they stand, so that what
-/// comes from others goes on behind it. A file that standard input comes from is only read, and may be replaced.
+/// A file that is open already, according to its name or identity. Whoever opened it may have written to it, as a
+/// shell does with `2>>log`: it must not be replaced. Standard output and standard error are written at their current
+/// position, so that the output of other programs is appended after it. A file that is standard input is only read,
+/// and may be replaced.
 fn open_already(path: &Path) -> Option<io::Result<Direct>> {
     match OpenFile::from_path(path) {
         Some(OpenFile::Own(1)) => return Some(standard_output()),
@@ -181,21 +182,21 @@ fn open_already(path: &Path) -> Option<io::Result<Direct>> {
     }
 }
 
-/// Where a file lies or would be made that this name stands for: symbolic links are followed, also to a place where no
-/// file is yet.
+/// The path of the file that this name refers to, existing or not: symbolic links are followed, also to a file that
+/// does not exist yet.
 pub(super) fn resolve(path: &Path) -> PathBuf {
     links(path).last().unwrap_or_else(|| path.to_path_buf())
 }
 
-/// A path, and those that its symbolic links lead over, one after the other.
+/// A path, and the paths that its symbolic links lead to, one after the other.
 pub(super) fn links(path: &Path) -> impl Iterator<Item = PathBuf> {
-    // As many links as Linux follows.
+    // The number of links that Linux follows.
     const MOST_LINKS: usize = 40;
     let next = |path: &PathBuf| fs::read_link(path).ok().map(|target| folder_of(path).join(target));
     std::iter::successors(Some(path.to_path_buf()), next).take(1 + MOST_LINKS)
 }
 
-/// The folder that a file stands in; `path.parent()` of a bare name is empty, not the current folder.
+/// The folder that contains a file; `path.parent()` of a bare name is empty, not the current folder.
 pub(super) fn folder_of(path: &Path) -> &Path {
     path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }

@@ -1,4 +1,4 @@
-//! The partial files of this process, so that none is left where it ends without unwinding.
+//! The partial files of this process, so that none remains if the process ends without unwinding.
 
 use std::io;
 use std::path::PathBuf;
@@ -16,11 +16,11 @@ struct Entry {
     path: PathBuf,
 }
 
-/// Keeps a partial file in the list until it has its final name or is gone.
+/// Keeps a partial file in the list until it has its final name or is removed.
 #[derive(Debug)]
 pub(super) struct Listed(u64);
 
-/// Makes a partial file and lists it. No removal comes between the two.
+/// Creates a partial file and lists it, atomically with respect to `remove_partial_files`.
 pub(super) fn create(
     make: impl FnOnce() -> io::Result<NamedTempFile>,
 ) -> io::Result<(NamedTempFile, Listed)> {
@@ -42,12 +42,12 @@ fn lock() -> MutexGuard<'static, Vec<Entry>> {
 }
 
 /// Removes all partial files of this process: those that [`OutputFile`](super::OutputFile) writes to until they are
-/// whole. For programs that are about to end without dropping their values, because of a signal, an abort or a lack of
-/// memory. Files of their final names stay as they are.
+/// complete. For programs that are about to end without dropping their values, because of a signal, an abort or a
+/// lack of memory. Files of the final names are unchanged.
 ///
-/// Call it only right before the process ends: whoever begins or finishes an output file after it waits without end.
-/// It takes no memory (for paths shorter than 384 bytes), and does what it can: it gives up after a moment if another
-/// thread, or this one, is just making a partial file.
+/// Call it only right before the process ends: any thread that creates or finishes an output file afterwards blocks
+/// forever. It allocates no memory (for paths shorter than 384 bytes), and is best-effort: it gives up after a moment
+/// if another thread, or this one, is just creating a partial file.
 pub fn remove_partial_files() {
     const TRIES: u32 = 100;
     for _ in 0..TRIES {
@@ -60,10 +60,10 @@ pub fn remove_partial_files() {
             }
         };
         for entry in files.iter() {
-            // One that is gone has its final name.
+            // A file that no longer exists has got its final name.
             let _ = std::fs::remove_file(&entry.path);
         }
-        // The list stays locked, so that no file is begun behind it.
+        // The list stays locked, so that no file is created afterwards.
         std::mem::forget(files);
         return;
     }

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::{ImageError, Picture, PictureFormat, Pixels};
 
-/// A picture being compared may be as large as one being drawn: 32768 x 32768 pixels of 8 bytes.
+/// A picture to be compared may be as large as one that is drawn: 32768 x 32768 pixels of 8 bytes.
 const READ_LIMIT: usize = (1 << 30) * 8 + (1 << 20);
 
 fn malformed(reason: impl ToString) -> ImageError {
@@ -24,7 +24,7 @@ pub(super) fn write(picture: &Picture, out: &mut dyn Write) -> Result<(), ImageE
     });
     encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
     encoder.set_compression(Compression::Fast);
-    // Choosing a filter row by row takes longer than drawing the picture, and saves little on surfaces.
+    // Choosing a filter for each row takes longer than drawing the picture, and saves little on surfaces.
     encoder.set_filter(Filter::Up);
     let mut writer = encoder.write_header().map_err(write_error)?;
     writer.write_image_data(&samples(picture, opaque)).map_err(write_error)?;
@@ -38,7 +38,7 @@ fn write_error(error: png::EncodingError) -> ImageError {
     }
 }
 
-/// Samples as PNG and PPM want them: 16 bits with the high byte first, without alpha if `opaque`.
+/// Samples in the layout of PNG and PPM: 16 bits with the high byte first, without alpha if `opaque`.
 pub(super) fn samples(picture: &Picture, opaque: bool) -> Vec<u8> {
     let channels = if opaque { 3 } else { 4 };
     let row = picture.width as usize;
@@ -70,7 +70,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Picture<'static>, ImageError> {
         reader.output_buffer_size().filter(|&s| s <= READ_LIMIT).ok_or_else(|| malformed("too large"))?;
     let mut samples = vec![0; size];
     let info = reader.next_frame(&mut samples).map_err(malformed)?;
-    // Damage behind the pixels is damage too.
+    // Damage after the pixels is damage too.
     reader.finish().map_err(malformed)?;
     samples.truncate(info.buffer_size());
     let channels = info.color_type.samples();
@@ -84,7 +84,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Picture<'static>, ImageError> {
     Ok(Picture { width, height, pixels })
 }
 
-/// Four channels out of 1 (grey), 2 (grey, alpha), 3 or 4.
+/// Four channels from 1 (grey), 2 (grey, alpha), 3 or 4.
 pub(super) fn rgba<T: Copy>(values: &[T], channels: usize, opaque: T) -> Vec<[T; 4]> {
     let pixel = |v: &[T]| match *v {
         [grey] => [grey, grey, grey, opaque],

@@ -32,7 +32,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Picture<'static>, ImageError> {
     if largest != 255 && largest != 65535 {
         return Err(malformed(&format!("expected 255 or 65535 as the largest value, found {largest}")));
     }
-    // One white space byte stands between the header and the samples.
+    // There is one white space byte between the header and the samples.
     let content = bytes.get(at + 1..).unwrap_or_default();
     let width_of_sample = if largest == 255 { 1 } else { 2 };
     let expected = Picture::pixel_count(width, height).and_then(|n| n.checked_mul(3 * width_of_sample));

@@ -1,11 +1,11 @@
-//! Names of files that are open already.
+//! File names that refer to files that are open already.
 
 use std::fs;
 use std::path::Path;
 
 use super::output::{folder_of, links};
 
-/// One of the three files that a program is given when it begins.
+/// One of the three files that are open when a program starts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StandardStream {
     /// Standard input.
@@ -17,8 +17,8 @@ pub enum StandardStream {
 }
 
 impl StandardStream {
-    /// The stream that a file name stands for on Unix: `/dev/stdin`, `/dev/fd/1`, `/proc/self/fd/2`, other spellings of
-    /// these, and symbolic links to them. What `-` means depends on what it is said for, so it is none of them.
+    /// The stream that a file name refers to on Unix: `/dev/stdin`, `/dev/fd/1`, `/proc/self/fd/2`, other spellings
+    /// of these, and symbolic links to them. `-` is not among them, because its meaning depends on the context.
     pub fn from_path(path: impl AsRef<Path>) -> Option<Self> {
         match OpenFile::from_path(path.as_ref())? {
             OpenFile::Own(0) => Some(Self::Input),
@@ -29,18 +29,18 @@ impl StandardStream {
     }
 }
 
-/// A file that is open already and has a name for that.
+/// A file that is open already and has a name of its own as an open file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum OpenFile {
-    /// In this process, with its number.
+    /// In this process, with its descriptor number.
     Own(u32),
     /// In another process.
     OfAnother,
 }
 
 impl OpenFile {
-    /// What a name stands for, or one of the links that it leads over. The last of them, from `/proc/self/fd/1` to the
-    /// file itself, would tell no longer that the file is open.
+    /// The open file that a name refers to, directly or through symbolic links. The last link, from `/proc/self/fd/1`
+    /// to the file itself, is not followed: the file's own path does not show that it is open.
     pub(super) fn from_path(path: &Path) -> Option<Self> {
         if cfg!(unix) { links(path).find_map(|hop| Self::named(&hop)) } else { None }
     }
@@ -62,7 +62,7 @@ impl OpenFile {
             _ => return None,
         };
         let is_own = process == "self" || process == "thread-self" || {
-            // Where /proc is that of another name space, only it tells the number that it calls this process by.
+            // If /proc belongs to another PID namespace, only this link shows the number of this process there.
             fs::read_link("/proc/self").is_ok_and(|own| own == Path::new(process))
         };
         Some(if is_own { Self::Own(number) } else { Self::OfAnother })

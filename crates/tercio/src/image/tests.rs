@@ -1,4 +1,4 @@
-//! Pictures survive being written and read; damage gives errors.
+//! Pictures are the same after writing and reading; damage gives errors.
 
 use proptest::prelude::*;
 
@@ -29,7 +29,7 @@ fn written(picture: &Picture, format: PictureFormat) -> Vec<u8> {
 
 proptest! {
     #[test]
-    fn what_is_written_can_be_read(
+    fn what_was_written_can_be_read(
         width in 1u32..70, height in 1u32..40, sixteen: bool, opaque: bool, seed: u32,
     ) {
         let original = picture(width, height, sixteen, opaque, seed);
@@ -66,7 +66,7 @@ fn opaque_png_pictures_have_no_alpha_channel_and_say_srgb() {
     let has = |bytes: &[u8], chunk: &[u8]| bytes.windows(4).any(|w| w == chunk);
     let opaque = written(&picture(4, 4, false, true, 1), PictureFormat::Png);
     let clear = written(&picture(4, 4, true, false, 1), PictureFormat::Png);
-    // Depth and colour type stand behind the size.
+    // Depth and colour type follow the size.
     assert_eq!((&opaque[24..26], &clear[24..26]), (&[8, 2][..], &[16, 6][..]));
     assert!(has(&opaque, b"sRGB") && has(&clear, b"sRGB"));
 }
@@ -90,7 +90,7 @@ fn comparison_counts_and_shows_differences() {
 }
 
 #[test]
-fn an_old_file_stays_until_the_new_one_is_whole() {
+fn an_old_file_is_kept_until_the_new_one_is_complete() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.png");
     let destination = Destination::from_path(&path);

@@ -1,4 +1,4 @@
-//! From parsed stretches to the mesh.
+//! From parsed chunks to the mesh.
 
 use std::collections::{HashMap, HashSet};
 use std::path::PathBuf;
@@ -18,13 +18,13 @@ use super::names::{self, Names};
 use super::parse::{Chunk, UNKNOWN_KEPT};
 use super::unify::{Vertices, is_unified};
 
-/// All that the file holds.
+/// The parsed contents of the file.
 pub struct Parsed<'a> {
-    /// Of `v`.
+    /// From `v`.
     pub positions: Vec<[f64; 3]>,
-    /// Of `vt`.
+    /// From `vt`.
     pub texcoords: Vec<[f32; 2]>,
-    /// Of `vn`.
+    /// From `vn`.
     pub normals: Vec<OctNormal>,
     /// Everything else.
     pub chunks: Vec<Chunk<'a>>,
@@ -80,7 +80,7 @@ pub fn build(input: &Input, options: &ReadOptions, parsed: Parsed) -> Result<Rea
             if let Some(colors) = &mut mesh.vertex_colors {
                 v.extend(colors);
             }
-            // A vertex that no corner uses has no number at all, and needs no normal.
+            // A vertex that no corner uses has no normal index, and needs no normal.
             let at = |i: u32| match i {
                 NONE => OctNormal::NONE,
                 i => normals.get(i as usize).copied().unwrap_or_default(),
@@ -154,7 +154,7 @@ fn warn_of_missing_texcoords(chunks: &[Chunk], warnings: &mut Vec<String>) {
     }
 }
 
-/// Colours behind the positions: 0 to 1, or 0 to 255 as some programs write them.
+/// Colours that follow the positions: 0 to 1, or 0 to 255 as some programs write them.
 fn vertex_colors(chunks: &[Chunk], count: usize, warnings: &mut Vec<String>) -> Option<Vec<[u8; 4]>> {
     let largest = chunks
         .par_iter()
@@ -163,7 +163,7 @@ fn vertex_colors(chunks: &[Chunk], count: usize, warnings: &mut Vec<String>) -> 
             c.colors.iter().flat_map(|c| &c[..3]).filter(|x| x.is_finite()).fold(0.0f32, |a, &b| a.max(b))
         })
         .reduce_with(f32::max)?;
-    // Colours computed in floating point may pass 1 by a little.
+    // Colours computed in floating point may exceed 1 by a little.
     let is_bytes = largest > 2.0;
     if is_bytes {
         warnings.push("took vertex colours as 0 to 255, because some are far above 1".into());
@@ -178,7 +178,7 @@ fn vertex_colors(chunks: &[Chunk], count: usize, warnings: &mut Vec<String>) -> 
                 without += 1;
                 return [255; 4];
             }
-            // An alpha that was not there is 1 in either way of counting.
+            // A missing alpha is stored as 1 in either range.
             let alpha = if a == 1.0 || !a.is_finite() { 255 } else { byte(a) };
             [byte(r), byte(g), byte(b), alpha]
         }));
@@ -193,7 +193,7 @@ fn vertex_colors(chunks: &[Chunk], count: usize, warnings: &mut Vec<String>) -> 
     Some(colors)
 }
 
-/// The faces as triangles, and each triangle's face where they differ in number. Frees the corners.
+/// The faces as triangles, and each triangle's face if their numbers differ. Frees the corners.
 fn triangles(
     chunks: &mut [Chunk],
     positions: &[[f64; 3]],
@@ -226,7 +226,7 @@ fn triangles(
     (triangles, is_mixed.then_some(faces))
 }
 
-/// Triangles, and of which face of the stretch each is.
+/// Triangles, and the face of the chunk that each comes from.
 type Cut = (Vec<[u32; 3]>, Vec<u32>);
 
 fn triangulate(corners: &[u32], sizes: &[u32], positions: &[[f64; 3]]) -> Cut {
@@ -250,13 +250,13 @@ fn triangulate(corners: &[u32], sizes: &[u32], positions: &[[f64; 3]]) -> Cut {
     (triangles, faces)
 }
 
-/// Groups and objects become attributes where there is more than one.
+/// Groups and objects become attributes if there is more than one.
 fn add_names(input: &Input, chunks: &[Chunk], mesh: &mut Mesh) {
     let groups = Names::join(input, chunks, |c| &c.groups);
     let objects = Names::join(input, chunks, |c| &c.objects);
     for (name, names) in [("group", groups), ("object", objects)] {
         if names.differ() {
-            // Faces before the first name count as a group of their own, 0.
+            // Faces before the first name count as a group of their own, number 0.
             let values = names.spread(mesh.triangles.len(), mesh.face_of_triangle.as_deref(), |number| {
                 number.map_or(0.0, |n| n as f32 + 1.0)
             });
@@ -265,8 +265,8 @@ fn add_names(input: &Input, chunks: &[Chunk], mesh: &mut Mesh) {
     }
 }
 
-/// Looks up the materials that faces use. One that no library defines is warned of and stays without number,
-/// because a made-up colour would pass for one of the file.
+/// Looks up the materials that faces use. A material that no library defines causes a warning and gets no number,
+/// because an invented colour could be mistaken for one of the file.
 fn add_materials(
     input: &Input,
     chunks: &[Chunk],
@@ -362,7 +362,7 @@ fn load_libraries(
     libraries.materials
 }
 
-/// Each asks the file system several times.
+/// Each takes several file-system queries.
 const MOST_LIBRARIES: usize = 256;
 
 fn warn_of_ignored(chunks: &[Chunk], warnings: &mut Vec<String>) {

@@ -1,11 +1,10 @@
 //! Is it OBJ? The format has no magic bytes, and its keywords are so short that other texts begin with them.
 //!
-//! What was decided: the first 250 lines that are no comment and no name are looked at. Statements about geometry that
-//! make sense (a `v` with three numbers, an `f` with indices, and so on) must be there and must be no fewer
-//! than the lines that OBJ does not know. Those lines may begin with one word, and with one more for every eight
-//! statements: programs with keywords of their own repeat them, prose round an example does not. Names and
-//! groups count for neither side, because what stands behind them may be anything. That a file has a vertex
-//! at all is found out when it is read.
+//! The rule: the first 250 lines that are neither comments nor names are examined. There must be valid statements
+//! about geometry (a `v` with three numbers, an `f` with indices, and so on), at least as many as lines that OBJ does
+//! not know. Those lines may begin with one unknown word, and with one more for every eight statements: programs with
+//! keywords of their own repeat them, prose around an example does not. Names and groups count for neither side,
+//! because anything may follow them. Whether the file has any vertex is checked when it is read.
 
 use std::collections::HashSet;
 
@@ -13,19 +12,19 @@ use super::lines::{Lines, split};
 use super::transcode;
 use crate::io::input::Input;
 
-/// How much of a file is looked at.
+/// How much of a file is examined.
 const FRONT: usize = 1 << 18;
 
-/// About so much of it at a time.
+/// About how much of it is examined at a time.
 const PART: usize = 1 << 16;
 
-/// Lines that decide.
+/// Number of lines that decide.
 const ENOUGH: u64 = 250;
 
-/// Keywords that [`is_statement`] looks behind.
+/// Keywords whose values [`is_statement`] checks.
 const GEOMETRY: [&[u8]; 8] = [b"v", b"vt", b"vn", b"vp", b"f", b"fo", b"l", b"p"];
 
-/// Keywords with a name, a number or nothing behind them.
+/// Keywords followed by a name, a number or nothing.
 const OTHERS: [&[u8]; 30] = [
     b"o",
     b"g",
@@ -59,15 +58,15 @@ const OTHERS: [&[u8]; 30] = [
     b"trace_obj",
 ];
 
-/// What the lines of a text are.
+/// Counts of the kinds of lines in a text.
 #[derive(Debug, Default, PartialEq)]
 struct Votes {
     comments: u64,
-    /// Statements about geometry that make sense.
+    /// Valid statements about geometry.
     statements: u64,
     /// Other lines that OBJ knows.
     others: u64,
-    /// Lines that OBJ does not know or that make no sense, and the number of words that it does not know.
+    /// Lines that OBJ does not know or that are invalid, and the number of different unknown words.
     unknown: u64,
     unknown_words: u64,
 }
@@ -80,7 +79,7 @@ pub fn looks_like(input: &Input) -> bool {
         && votes.unknown_words <= 1 + votes.statements / 8
 }
 
-/// What a text holds that has neither statements nor anything else, if it is one.
+/// What a text without statements and unknown lines holds, for the error.
 pub fn holds_nothing_but(input: &Input) -> Option<&'static str> {
     match votes(input) {
         Votes { statements: 0, unknown: 0, others: 0, comments: 1.., .. } => Some("comments"),
@@ -89,15 +88,15 @@ pub fn holds_nothing_but(input: &Input) -> Option<&'static str> {
     }
 }
 
-/// Looks at more of the file where its front holds nothing but comments and names, and one line of another kind
-/// at most: thousands of them may stand before the geometry.
+/// Examines more of the file if its front holds nothing but comments and names, and at most one other line: thousands
+/// of them may precede the geometry.
 fn votes(input: &Input) -> Votes {
     let bytes = input.unpadded(input.bytes());
     let mut length = FRONT;
     loop {
         let votes = votes_of_front(input, bytes, length);
-        let goes_on = votes.statements == 0 && votes.unknown <= 1 && votes.comments + votes.others > 0;
-        if !goes_on || length >= bytes.len() {
+        let continues = votes.statements == 0 && votes.unknown <= 1 && votes.comments + votes.others > 0;
+        if !continues || length >= bytes.len() {
             return votes;
         }
         length *= 64;
@@ -107,7 +106,7 @@ fn votes(input: &Input) -> Votes {
 fn votes_of_front(input: &Input, bytes: &[u8], length: usize) -> Votes {
     let text = transcode::front(bytes, length);
     let mut votes = Votes::default();
-    // No text holds zeros; the front is enough to tell.
+    // No text holds zeros; testing the front is enough.
     if text.iter().take(4096).any(|&b| b == 0) {
         return votes;
     }
@@ -115,10 +114,10 @@ fn votes_of_front(input: &Input, bytes: &[u8], length: usize) -> Votes {
     let is_cut = length < bytes.len();
     let parts = split(&text, PART, |bytes| input.consumed(bytes));
     'parts: for (i, part) in parts.iter().enumerate() {
-        // Of lines that are longer than all parts should be, the front says what they are.
+        // Of overlong lines only the front is examined.
         let mut lines = Lines::new(part.get(..4 * PART).unwrap_or(part), 1).peekable();
         while let Some(line) = lines.next() {
-            // The last line of a front may be cut in the middle of a word, so it says nothing if others do.
+            // The last line of a front may be cut in the middle of a word, so it counts only if there is no other.
             let is_last = i + 1 == parts.len() && lines.peek().is_none();
             if is_cut && is_last && votes != Votes::default() {
                 break;
@@ -148,7 +147,7 @@ fn votes_of_front(input: &Input, bytes: &[u8], length: usize) -> Votes {
     votes
 }
 
-/// The words of a line up to a comment; a backslash that joins lines is none.
+/// The words of a line up to a comment; a backslash that joins lines is not a word.
 fn words(line: &[u8]) -> impl Iterator<Item = &[u8]> {
     let line = line.split(|&b| b == b'#').next().unwrap_or_default();
     line.split(u8::is_ascii_whitespace).filter(|w| !w.is_empty() && *w != b"\\")
@@ -169,7 +168,7 @@ fn is_statement(line: &[u8]) -> bool {
     }
 }
 
-/// Old programs write numbers in ways of their own (`1.#IND`, `3.1+e2`), but never without a digit or a name.
+/// Old programs write numbers in their own notations (`1.#IND`, `3.1+e2`), but never without a digit or a name.
 fn is_number(word: &[u8]) -> bool {
     let known = |b: &u8| b.is_ascii_alphanumeric() || b"+-.#()".contains(b);
     fast_float2::parse::<f64, _>(word).is_ok()

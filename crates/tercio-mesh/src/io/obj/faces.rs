@@ -1,4 +1,4 @@
-//! The corners of faces: `v`, `v/vt`, `v//vn`, `v/vt/vn`, with indices from the front or from the back.
+//! The corners of faces: `v`, `v/vt`, `v//vn`, `v/vt/vn`, with indices counted from the front or from the back.
 
 use crate::ReadError;
 use crate::error::expected_index;
@@ -10,8 +10,8 @@ use super::parse::{Words, ends_word};
 /// The index of a corner that has no texture coordinate or normal.
 pub const NONE: u32 = u32::MAX;
 
-/// The corners of all faces of a stretch, one face after the other. Indices count from zero over the whole
-/// file and are inside their arrays.
+/// The corners of all faces of a chunk, one face after the other. Indices count from zero over the whole file and are
+/// in range.
 #[derive(Debug, Default, PartialEq)]
 pub struct Corners {
     /// Vertices.
@@ -23,8 +23,8 @@ pub struct Corners {
     /// Number of corners of each face; empty while all faces are triangles.
     sizes: Vec<u32>,
     faces: u32,
-    /// Indices of texture coordinates or normals in a file that holds none at all. Such files exist, and
-    /// what they mean is clear enough.
+    /// Indices of texture coordinates or normals in a file that holds none at all. Such files exist, and the indices
+    /// can be ignored.
     pub pointless: u64,
 }
 
@@ -44,11 +44,10 @@ impl Corners {
         self.v.len() as u64 - 2 * u64::from(self.faces)
     }
 
-    /// Reads the corners of one face and returns how many there are. A face with fewer than three is read
-    /// but not kept.
+    /// Reads the corners of one face and returns their number. A face with fewer than three is read but not kept.
     ///
     /// # Errors
-    /// A word that is no corner, or an index outside what the file holds.
+    /// A word that is not a corner, or an index that is out of range.
     #[inline]
     pub fn push_face(
         &mut self,
@@ -73,7 +72,7 @@ impl Corners {
         } else if !self.sizes.is_empty() {
             self.sizes.push(corners as u32);
         }
-        // A face takes at least seven bytes and a stretch is far below 2^32 of them.
+        // A face takes at least seven bytes and a chunk is far below 2^32 bytes.
         self.faces += 1;
         Ok(corners)
     }
@@ -126,7 +125,7 @@ impl Corners {
     }
 }
 
-/// Appends to an array that stays empty while only [`NONE`] comes.
+/// Appends to an array that stays empty as long as all values are [`NONE`].
 #[inline]
 fn push_sparse(values: &mut Vec<u32>, value: u32, len: usize) {
     if value != NONE && values.len() < len {
@@ -137,7 +136,7 @@ fn push_sparse(values: &mut Vec<u32>, value: u32, len: usize) {
     }
 }
 
-/// Most indices are short and without a sign; the rest is left to the careful parser.
+/// Most indices are short and without a sign; the others are left to the general parser.
 #[inline]
 fn integer(bytes: &[u8]) -> Option<(i64, usize)> {
     let mut value = 0i64;
@@ -151,10 +150,10 @@ fn integer(bytes: &[u8]) -> Option<(i64, usize)> {
     parse_integer(bytes)
 }
 
-/// From the file's way of counting (1 is the first, -1 the last before this line) to indices.
+/// Converts an index of the file (1 is the first, -1 the last before this line) to a zero-based index.
 ///
-/// Indices may point to what follows later in the file: the specification forbids it, files do it, and no
-/// harm comes from it.
+/// Indices may refer to elements that follow later in the file: the specification forbids it, but files do it, and it
+/// is harmless.
 #[inline]
 fn resolve(index: i64, seen: u64, total: u64) -> Option<u32> {
     let index = if index < 0 { index.checked_add_unsigned(seen)? } else { index.checked_sub(1)? };

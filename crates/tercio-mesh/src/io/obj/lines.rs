@@ -1,8 +1,8 @@
-//! Logical lines: what stands between two line ends, where a backslash at the end goes on with the next line.
+//! Logical lines: the text between two line ends, where a backslash at the end continues on the next line.
 
 use crate::io::text::find;
 
-/// Walks through the logical lines of a stretch of text.
+/// Iterates over the logical lines of a chunk of text.
 pub struct Lines<'a> {
     bytes: &'a [u8],
     at: usize,
@@ -12,7 +12,7 @@ pub struct Lines<'a> {
 /// A logical line with its line end, if it has one.
 #[derive(Clone, Copy, Debug)]
 pub struct Line<'a> {
-    /// Everything from the first byte to the line end.
+    /// All bytes including the line end.
     pub text: &'a [u8],
     /// Number of the first line in the file; the first is 1.
     pub number: u64,
@@ -21,12 +21,12 @@ pub struct Line<'a> {
 }
 
 impl<'a> Lines<'a> {
-    /// Begins at the front of `bytes`, which is line `number` of the file.
+    /// Starts at the front of `bytes`, which is line `number` of the file.
     pub fn new(bytes: &'a [u8], number: u64) -> Self {
         Self { bytes, at: 0, number }
     }
 
-    /// The line that comes next.
+    /// The number of the next line.
     pub fn number(&self) -> u64 {
         self.number
     }
@@ -42,7 +42,8 @@ impl<'a> Iterator for Lines<'a> {
         let mut len = line_length(rest);
         self.number += 1;
         let mut continued = false;
-        // Once a line: a comment begins with the first character that is not blank, which may come late in the line.
+        // Tested once per line: a comment begins with the first character that is not blank, which may come late in
+        // the line.
         while ends_with_backslash(&rest[..len]) && (continued || !is_comment(rest)) {
             continued = true;
             if len == rest.len() {
@@ -88,8 +89,8 @@ fn is_comment(line: &[u8]) -> bool {
     line.trim_ascii_start().first() == Some(&b'#')
 }
 
-/// A continued line in one piece: backslashes and the line ends behind them become blanks, so that every
-/// byte keeps its place.
+/// A continued line in one piece: backslashes and the line ends after them become blanks, so that every byte keeps
+/// its position.
 pub fn join<'s>(line: &[u8], scratch: &'s mut Vec<u8>) -> &'s [u8] {
     scratch.clear();
     let mut start = 0;
@@ -106,8 +107,8 @@ pub fn join<'s>(line: &[u8], scratch: &'s mut Vec<u8>) -> &'s [u8] {
     scratch
 }
 
-/// Cuts a text into stretches of about `step` bytes that end where a logical line ends. `consumed` is called with the
-/// number of bytes that were searched.
+/// Splits a text into chunks of about `step` bytes that end at the end of a logical line. `consumed` is called with
+/// the number of bytes that were searched.
 pub fn split(bytes: &[u8], step: usize, consumed: impl Fn(usize)) -> Vec<&[u8]> {
     let line_length = |bytes: &[u8]| find(|b| b == b'\n', bytes, &consumed).map_or(bytes.len(), |n| n + 1);
     let step = step.max(1);
@@ -130,7 +131,7 @@ pub fn split(bytes: &[u8], step: usize, consumed: impl Fn(usize)) -> Vec<&[u8]> 
     parts
 }
 
-/// What a line states, as far as it has to be known before it is parsed.
+/// The kind of a line, as far as it is needed before parsing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// `v`
@@ -145,7 +146,7 @@ pub enum Kind {
     Other,
 }
 
-/// The kind of a line and the length of its keyword with the blanks before it.
+/// The kind of a line, and the length of its keyword including leading blanks.
 #[inline]
 pub fn kind(line: &[u8]) -> (Kind, usize) {
     let indent = line.iter().take_while(|b| matches!(b, b' ' | b'\t')).count();
@@ -161,7 +162,7 @@ pub fn kind(line: &[u8]) -> (Kind, usize) {
     }
 }
 
-/// How many lines of each kind a stretch of text holds.
+/// How many lines of each kind a chunk of text holds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counts {
     /// Lines of the file, each as one even if continued.
@@ -221,7 +222,7 @@ mod tests {
     }
 
     #[test]
-    fn stretches_never_end_inside_a_logical_line() {
+    fn chunks_never_end_inside_a_logical_line() {
         let text = b"v 1 2 3\nf 1 \\\n 2 \\\n 3\nv 4 5 6\n";
         let whole: Vec<_> = Lines::new(text, 1).map(|l| l.text).collect();
         for step in 1..text.len() + 1 {

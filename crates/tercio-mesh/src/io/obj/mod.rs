@@ -1,8 +1,8 @@
 //! Wavefront OBJ with its material libraries (MTL).
 //!
-//! The text is cut into stretches at line ends. A first pass counts vertices and faces, so that every
-//! stretch knows where its own begin ([`lines`]); a second parses all stretches at once ([`parse`],
-//! [`faces`]); then corners become vertices ([`unify`]) and faces triangles ([`build`]).
+//! The text is split into chunks at line ends. A first pass counts vertices and faces, so that every chunk knows the
+//! offset of its own ([`lines`]); a second parses all chunks in parallel ([`parse`], [`faces`]); then corners become
+//! vertices ([`unify`]) and faces triangles ([`build`]).
 //!
 //! Source: the appendix "Object Files (.obj)" of the Advanced Visualizer manual; free-form curves and
 //! surfaces are not drawn.
@@ -34,17 +34,17 @@ use parse::{Chunk, Context, Slots};
 pub fn read(input: &Input, options: &ReadOptions) -> Result<ReadModel, ReadError> {
     let mut odd = Vec::new();
     let text = transcode::text(input, options, &mut odd)?;
-    // Small enough to share the work evenly, large enough that the arrays of a stretch are worth having.
+    // Small enough to share the work evenly, large enough that the overhead of a chunk's arrays does not matter.
     let step = (text.len() / (8 * rayon::current_num_threads())).clamp(1 << 16, 1 << 22);
     let step = input.stretch(step);
     let parts = lines::split(&text, step, |bytes| input.consumed(bytes));
     input.check_chunk_lengths(&parts, options)?;
-    let mut model = read_stretches(input, options, &parts)?;
+    let mut model = read_chunks(input, options, &parts)?;
     model.report.warnings.splice(0..0, odd);
     Ok(model)
 }
 
-fn read_stretches(input: &Input, options: &ReadOptions, parts: &[&[u8]]) -> Result<ReadModel, ReadError> {
+fn read_chunks(input: &Input, options: &ReadOptions, parts: &[&[u8]]) -> Result<ReadModel, ReadError> {
     let bytes = parts.iter().map(|p| p.len() as u64).sum();
     if let Some(p) = options.progress {
         p.begin("parsing", bytes);
@@ -86,12 +86,12 @@ fn read_stretches(input: &Input, options: &ReadOptions, parts: &[&[u8]]) -> Resu
             chunk
         })
         .collect();
-    // In the order of the file, so that the first error is the one that is told.
+    // In the order of the file, so that the first error is the one that is reported.
     let chunks = parsed.into_iter().collect::<Result<Vec<_>, _>>()?;
     build::build(input, options, build::Parsed { positions, texcoords, normals, chunks })
 }
 
-/// Cuts the first `count` elements off a slice.
+/// Splits the first `count` elements off a slice.
 fn take<'s, T>(slice: &mut &'s mut [T], count: u64) -> &'s mut [T] {
     let (head, tail) = std::mem::take(slice).split_at_mut(count as usize);
     *slice = tail;
@@ -110,8 +110,7 @@ fn check_counts(input: &Input, options: &ReadOptions, total: &Counts) -> Result<
             return Err(ReadError::TooMany { file: input.name.clone(), what, count });
         }
     }
-    // Positions in f64 and f32; normals and texture coordinates as they stand and as they end; corners and
-    // triangles.
+    // Positions in f64 and f32; normals and texture coordinates as parsed and as stored; corners and triangles.
     let needed = total.vertices * 36 + total.texcoords * 16 + total.normals * 16 + total.faces * 24;
     options.check_memory(&input.name, "vertices and faces", input.held_bytes() + needed)
 }

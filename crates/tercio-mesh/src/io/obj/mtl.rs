@@ -1,6 +1,6 @@
 //! Material libraries (MTL): names, diffuse colours, opacities and diffuse textures.
 //!
-//! Nothing in a material library keeps a model from being drawn, so what is broken becomes a warning.
+//! Nothing in a material library prevents a model from being drawn, so errors become warnings.
 
 use std::collections::HashSet;
 use std::fs;
@@ -12,10 +12,10 @@ use crate::mesh::FileMaterial;
 use super::lines::{Lines, join};
 use super::transcode;
 
-/// A larger material library is not read: it is no material library.
+/// A larger file is not read: it is not a material library.
 const MAX_BYTES: u64 = 1 << 28;
 
-/// Statements that name a texture beside `map_Kd`: those of the manual, and those that programs have added.
+/// Statements other than `map_Kd` that name a texture: those of the manual, and those that programs have added.
 const OTHER_TEXTURES: [&[u8]; 16] = [
     b"map_Ka",
     b"map_Ks",
@@ -35,39 +35,40 @@ const OTHER_TEXTURES: [&[u8]; 16] = [
     b"map_RMA",
 ];
 
-/// Diffuse colour of a material that states none.
+/// Diffuse colour of a material that does not state one.
 const DIFFUSE: [f32; 3] = [0.8; 3];
 
-/// A longer name is that of no file on any system.
+/// No file system allows longer names.
 const LONGEST_NAME: usize = 4096;
 
-/// Questions about files that one model may ask; each takes as long as reading a hundred lines.
-const MOST_QUESTIONS: usize = 8192;
+/// Most file-system queries for one model; each takes as long as parsing a hundred lines.
+const MAX_FILE_QUERIES: usize = 8192;
 
 /// The libraries of one model.
 pub struct Libraries<'a> {
     base: &'a Path,
-    /// What is loaded already, whatever names lead there.
+    /// The libraries that are loaded already, by their canonical paths.
     loaded: HashSet<PathBuf>,
-    questions_left: usize,
-    /// What they hold.
+    queries_left: usize,
+    /// Their materials.
     pub materials: Vec<FileMaterial>,
 }
 
 impl<'a> Libraries<'a> {
-    /// None yet; names count from the folder `base`.
+    /// No libraries yet; names are relative to the folder `base`.
     pub fn new(base: &'a Path) -> Self {
-        Self { base, loaded: HashSet::new(), questions_left: MOST_QUESTIONS, materials: Vec::new() }
+        Self { base, loaded: HashSet::new(), queries_left: MAX_FILE_QUERIES, materials: Vec::new() }
     }
 
     /// Loads the libraries that one `mtllib` line names.
     ///
-    /// Several names are separated by blanks, but names may hold blanks too, so the longest run of words that is
-    /// a file wins. Only files in `base` or reached from it by a relative path are opened.
+    /// Several names are separated by blanks, but names may hold blanks too, so the longest run of words that is a
+    /// file wins. Only files in `base` or reached from it by a relative path are opened.
     ///
-    /// The libraries and the textures that they name are noted among the `companions`.
+    /// The libraries and the textures that they name are recorded in `companions`.
     pub fn load(&mut self, names: &[u8], companions: &mut Vec<PathBuf>, warnings: &mut Vec<String>) {
-        // Each run of words is asked of the file system; the limit keeps a hostile line from asking millions.
+        // Each run of words is looked up in the file system; the limit keeps a hostile line from causing millions of
+        // look-ups.
         const MOST_WORDS: usize = 64;
         let names = String::from_utf8_lossy(names);
         let words: Vec<&str> = names.split_whitespace().take(MOST_WORDS).collect();
@@ -100,31 +101,31 @@ impl<'a> Libraries<'a> {
         }
     }
 
-    /// Notes what one `mtllib` line names among the `companions` without reading it.
+    /// Records the files that one `mtllib` line names in `companions` without reading them.
     pub fn note_unread(&self, names: &[u8], companions: &mut Vec<PathBuf>) {
         if names.len() > LONGEST_NAME {
             return;
         }
         let names = String::from_utf8_lossy(names);
         let words: Vec<String> = names.split_whitespace().map(str::to_owned).collect();
-        // Nobody asks which of them are files here, so the line may be one name or several.
+        // It is not checked which of them are files, so the line may be one name or several.
         let whole = words.join(" ");
         let single = if words.len() > 1 { &words[..] } else { &[] };
         companions::note(companions, self.base, std::iter::once(&whole).chain(single));
     }
 
     fn is_file(&mut self, name: &str) -> bool {
-        if self.questions_left == 0 {
+        if self.queries_left == 0 {
             return false;
         }
-        self.questions_left -= 1;
+        self.queries_left -= 1;
         fs::metadata(self.base.join(relative(name))).is_ok_and(|m| m.is_file())
     }
 
     fn load_one(&mut self, name: &str, companions: &mut Vec<PathBuf>, warnings: &mut Vec<String>) {
         let path = self.base.join(relative(name));
         let elsewhere = absolute(name);
-        // A library that is named again, in whatever way, says nothing new.
+        // A library that was loaded already, under whatever name, adds nothing.
         if let Ok(place) = fs::canonicalize(&path)
             && !self.loaded.insert(place)
         {
@@ -154,7 +155,7 @@ impl<'a> Libraries<'a> {
     }
 }
 
-/// A name for a message.
+/// Shortens a name for a message.
 fn shortened(name: String) -> String {
     const MOST: usize = 200;
     match name.char_indices().nth(MOST) {
@@ -163,14 +164,14 @@ fn shortened(name: String) -> String {
     }
 }
 
-/// A material while it is read.
+/// A material that is being read.
 struct Draft {
     material: FileMaterial,
-    /// Whether `d` stood in the file: it wins over `Tr`, which exporters write either way round.
+    /// Whether `d` was found in the file: it takes precedence over `Tr`, whose meaning exporters do not agree on.
     has_d: bool,
 }
 
-/// Parses a library and appends its materials; a name that is there already keeps its first meaning.
+/// Parses a library and appends its materials; if a name exists already, its first definition is kept.
 pub fn parse(library: &str, text: &[u8], materials: &mut Vec<FileMaterial>, warnings: &mut Vec<String>) {
     let mut broken = Vec::new();
     let mut draft: Option<Draft> = None;
@@ -220,7 +221,7 @@ pub fn parse(library: &str, text: &[u8], materials: &mut Vec<FileMaterial>, warn
     }
 }
 
-/// Takes over one statement; false if its value makes no sense.
+/// Applies one statement; false if its value is invalid.
 fn statement(draft: &mut Draft, keyword: &[u8], value: &[u8]) -> bool {
     let material = &mut draft.material;
     let unit = |x: f32| x.clamp(0.0, 1.0);
@@ -240,7 +241,7 @@ fn statement(draft: &mut Draft, keyword: &[u8], value: &[u8]) -> bool {
                 material.opacity = unit(x);
                 draft.has_d = true;
             } else if !draft.has_d {
-                // A material that cannot be seen makes no sense: who writes 1, as MeshLab does, means opaque.
+                // An invisible material makes no sense: programs that write 1, such as MeshLab, mean opaque.
                 material.opacity = if x >= 1.0 { 1.0 } else { unit(1.0 - x) };
             }
         }
@@ -262,13 +263,13 @@ fn numbers(value: &[u8]) -> Option<Vec<f32>> {
         .collect()
 }
 
-/// The file name behind the options of a texture statement; it may hold blanks.
+/// The file name after the options of a texture statement; it may hold blanks.
 fn texture_name(value: &str) -> Option<String> {
     let is_number = |word: &str| fast_float2::parse::<f32, _>(word).is_ok();
     let mut rest = value.trim();
     while let Some((option, after)) = rest.split_once(char::is_whitespace).filter(|(o, _)| o.starts_with('-'))
     {
-        // How many words follow, and whether fewer may if they are not numbers.
+        // How many words follow, and whether fewer are allowed if they are not numbers.
         let (most, numeric) = match option.to_ascii_lowercase().as_str() {
             "-o" | "-s" | "-t" => (3, true),
             "-mm" => (2, true),
@@ -314,14 +315,14 @@ mod tests {
     }
 
     #[test]
-    fn a_transparency_of_one_is_opacity() {
+    fn a_transparency_of_one_means_opaque() {
         let (m, _) =
             parsed("newmtl a\nTr 1.000000\nnewmtl b\nTr 0\nnewmtl c\nTr 0.75\nnewmtl d\nd 0\nTr 1\n");
         assert_eq!(m.iter().map(|m| m.opacity).collect::<Vec<_>>(), [1.0, 1.0, 0.25, 0.0]);
     }
 
     #[test]
-    fn all_textures_are_noted() {
+    fn all_textures_are_recorded() {
         let (m, w) = parsed(
             "newmtl a\nmap_Kd a.png\nmap_Bump -bm 0.5 b b.png\nrefl -type sphere c.png\nmap_d\nnorm d.png\n",
         );
@@ -330,7 +331,7 @@ mod tests {
     }
 
     #[test]
-    fn broken_values_are_told_once_and_change_nothing() {
+    fn broken_values_are_reported_once_and_change_nothing() {
         let (m, w) = parsed("Kd 1 1 1\nnewmtl a\nKd x 0 0\nKd nan 0 0\nd\nmap_Kd\n");
         assert_eq!(m[0].diffuse, DIFFUSE);
         assert_eq!(w.len(), 1);
@@ -338,10 +339,10 @@ mod tests {
     }
 
     #[test]
-    fn libraries_that_are_not_read_are_noted() {
+    fn libraries_that_are_not_read_are_recorded() {
         let folder = tempfile::tempdir().unwrap();
         let large = fs::File::create(folder.path().join("large.mtl")).unwrap();
-        // Takes no room on the disk.
+        // A sparse file, which takes no room on the disk.
         large.set_len(MAX_BYTES + 1).unwrap();
         let mut libraries = Libraries::new(folder.path());
         let (mut companions, mut warnings) = (Vec::new(), Vec::new());
@@ -354,7 +355,7 @@ mod tests {
     }
 
     #[test]
-    fn textures_and_libraries_with_absolute_names_are_noted() {
+    fn textures_and_libraries_with_absolute_names_are_recorded() {
         let (folder, elsewhere) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
         let there = |name: &str| elsewhere.path().join(name);
         for name in ["t.png", "a.mtl", "b.mtl"] {
@@ -382,15 +383,15 @@ mod tests {
             libraries.load(names.as_bytes(), &mut Vec::new(), &mut warnings);
         }
         assert_eq!((libraries.materials.len(), warnings.len()), (1, 0));
-        let asked = MOST_QUESTIONS - libraries.questions_left;
-        assert!(asked < 3000, "{asked} questions");
-        // Words of a megabyte are no names; asking for their runs would copy gigabytes.
+        let queries = MAX_FILE_QUERIES - libraries.queries_left;
+        assert!(queries < 3000, "{queries} queries");
+        // A word of a megabyte is not a name; trying all runs of such words would copy gigabytes.
         libraries.load(&vec![b'a'; 1 << 20], &mut Vec::new(), &mut warnings);
         assert!(warnings[0].len() < 300, "{} bytes", warnings[0].len());
-        assert_eq!(MOST_QUESTIONS - libraries.questions_left, asked);
-        for _ in 0..MOST_QUESTIONS {
+        assert_eq!(MAX_FILE_QUERIES - libraries.queries_left, queries);
+        for _ in 0..MAX_FILE_QUERIES {
             libraries.load(b"missing.mtl", &mut Vec::new(), &mut warnings);
         }
-        assert_eq!(libraries.questions_left, 0);
+        assert_eq!(libraries.queries_left, 0);
     }
 }

@@ -1,22 +1,22 @@
-//! Names that hold from one face on to the next name: materials, groups, objects.
+//! Names that apply from one face up to the next name: materials, groups, objects.
 
 use std::collections::HashMap;
 
 use super::parse::{Chunk, NameFrom};
 use crate::io::input::Input;
 
-/// Names over all faces of the file.
+/// Names of all faces of the file.
 #[derive(Debug, Default)]
 pub struct Names<'a> {
     /// Different names in the order of their first use.
     pub names: Vec<&'a [u8]>,
-    /// First face and number of the name (`None` for no name); faces rise strictly.
+    /// First face and number of the name (`None` for no name); faces strictly increase.
     runs: Vec<(u64, Option<u32>)>,
     faces: u64,
 }
 
 impl<'a> Names<'a> {
-    /// Joins what the stretches hold. Names that no face uses are left out.
+    /// Joins the names of the chunks. Names that no face uses are left out.
     pub fn join<'c>(
         input: &Input,
         chunks: &'c [Chunk<'a>],
@@ -39,7 +39,7 @@ impl<'a> Names<'a> {
                 }
             }
             faces += u64::from(chunk.corners.faces());
-            // Names stand in the file, wherever they are asked for.
+            // The names are slices of the file: comparing them reads its pages.
             if !of(chunk).is_empty() {
                 input.consumed(input.stretch(usize::MAX).min(1 << 20));
             }

@@ -1,4 +1,4 @@
-//! Parses one stretch of an OBJ file into arrays of its own.
+//! Parses one chunk of an OBJ file into arrays of its own.
 
 use crate::OctNormal;
 use crate::error::{Place, ReadError, printable};
@@ -6,7 +6,7 @@ use crate::error::{Place, ReadError, printable};
 use super::faces::Corners;
 use super::lines::{Counts, Kind, Line, Lines, join, kind};
 
-/// Keywords that say nothing about what is drawn; among them all that say more about a curve or a surface.
+/// Keywords that do not affect what is drawn; among them all that refine a curve or a surface.
 const SILENT: [&[u8]; 23] = [
     b"s",
     b"mg",
@@ -36,50 +36,50 @@ const SILENT: [&[u8]; 23] = [
 /// How many different unknown keywords are kept.
 pub const UNKNOWN_KEPT: usize = 8;
 
-/// What a stretch has to know about the rest of the file.
+/// What a chunk needs to know about the rest of the file.
 pub struct Context<'c> {
     /// File name for messages.
     pub file: &'c str,
-    /// What stands before the stretch.
+    /// Counts of the lines before the chunk.
     pub before: Counts,
-    /// What the whole file holds.
+    /// Counts of the whole file.
     pub total: Counts,
 }
 
-/// Where the stretch's own vertices go: exactly as many as [`Counts`] found in it.
+/// Where the chunk's own vertices are written: exactly as many as [`Counts`] found in it.
 pub struct Slots<'s> {
-    /// Of `v`.
+    /// From `v`.
     pub positions: &'s mut [[f64; 3]],
-    /// Of `vt`.
+    /// From `vt`.
     pub texcoords: &'s mut [[f32; 2]],
-    /// Of `vn`.
+    /// From `vn`.
     pub normals: &'s mut [OctNormal],
 }
 
-/// A name that holds from a face on.
+/// A name that applies from a face on: the face's number in the chunk, and the name.
 pub type NameFrom<'a> = (u32, &'a [u8]);
 
-/// What a stretch holds.
+/// Parsed contents of a chunk.
 #[derive(Debug, Default, PartialEq)]
 pub struct Chunk<'a> {
     /// The faces' corners.
     pub corners: Corners,
-    /// Red, green, blue, alpha as they stand in the file, one a vertex; empty if none has a colour. Vertices
-    /// without one have NaN.
+    /// Red, green, blue, alpha as in the file, one per vertex; empty if none has a colour. Vertices without one have
+    /// NaN.
     pub colors: Vec<[f32; 4]>,
-    /// `usemtl`, with the number of the face in the stretch that comes next.
+    /// `usemtl`, with the number in the chunk of the face that follows.
     pub materials: Vec<NameFrom<'a>>,
     /// `g`
     pub groups: Vec<NameFrom<'a>>,
     /// `o`
     pub objects: Vec<NameFrom<'a>>,
-    /// Number of `v`.
+    /// Number of `v` lines.
     pub vertices: u64,
-    /// The words behind `mtllib`.
+    /// The words after `mtllib`.
     pub libraries: Vec<&'a [u8]>,
-    /// Of `p`.
+    /// Points in `p` lines.
     pub points: u64,
-    /// `l`
+    /// Number of `l` lines
     pub lines: u64,
     /// `curv` and `curv2`
     pub curves: u64,
@@ -89,7 +89,7 @@ pub struct Chunk<'a> {
     pub small_faces: u64,
     /// Line of the first one.
     pub first_small_face: Option<u64>,
-    /// Numbers that only a tolerant reader understands.
+    /// Numbers in notations that only a tolerant reader accepts.
     pub odd_numbers: u64,
     /// Lines that begin with a word that is not known.
     pub unknown_lines: u64,
@@ -178,7 +178,7 @@ fn vertex(words: &mut Words) -> Result<([f64; 3], Option<[f32; 4]>), ReadError> 
         more[n] = words.number("a weight or a colour of a vertex")? as f32;
         n += 1;
     }
-    // A single number is the weight of a rational curve's point and means nothing for polygons.
+    // A single number is the weight of a rational curve's control point and has no meaning for polygons.
     let color = match n {
         3 => Some([more[0], more[1], more[2], 1.0]),
         4 => Some(more),
@@ -192,7 +192,7 @@ fn other<'a>(chunk: &mut Chunk<'a>, line: Line<'a>, words: &mut Words) {
     let next_face = chunk.corners.faces();
     let text = line.text.trim_ascii();
     let keyword = text.split(u8::is_ascii_whitespace).next().unwrap_or_default();
-    // The backslash that continues the line may touch the keyword.
+    // The backslash that continues the line may directly follow the keyword.
     let keyword = keyword.strip_suffix(b"\\").filter(|_| line.continued).unwrap_or(keyword);
     let name = text.get(keyword.len()..).unwrap_or_default().trim_ascii();
     match keyword {
@@ -224,7 +224,7 @@ fn other<'a>(chunk: &mut Chunk<'a>, line: Line<'a>, words: &mut Words) {
 
 /// The words of one line.
 pub struct Words<'w> {
-    /// What is still to be read.
+    /// What remains to be read.
     pub rest: &'w [u8],
     file: &'w str,
     line: u64,
@@ -266,8 +266,8 @@ impl<'w> Words<'w> {
         self.odd_number(expected)
     }
 
-    /// Numbers as some programs write them: `1.#IND` and `1.#INF` (old C libraries of Microsoft), `-nan(ind)`,
-    /// and an exponent behind a stray sign, `3.1+e2`, of which the part before the sign counts.
+    /// Numbers as some programs write them: `1.#IND` and `1.#INF` (old C libraries of Microsoft), `-nan(ind)`, and an
+    /// exponent after a stray sign, `3.1+e2`, of which only the part before the sign is used.
     #[cold]
     fn odd_number(&mut self, expected: &str) -> Result<f64, ReadError> {
         let mut ahead = Self { ..*self };
@@ -295,7 +295,7 @@ impl<'w> Words<'w> {
         }
     }
 
-    /// The error for `expected` not standing here.
+    /// The error that `expected` was not found here.
     #[cold]
     pub fn expected(&self, expected: impl Into<String>) -> ReadError {
         let mut ahead = Self { ..*self };

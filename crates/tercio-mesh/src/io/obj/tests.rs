@@ -17,7 +17,7 @@ fn model(text: &str) -> ReadModel {
     read(&input(text.as_bytes()), &ReadOptions::default()).unwrap_or_else(|e| panic!("{e}"))
 }
 
-/// Line, expectation and finding of the error.
+/// Line, expected and found text of the error.
 fn error(text: &str) -> (u64, String, String) {
     match read(&input(text.as_bytes()), &ReadOptions::default()) {
         Err(ReadError::Malformed { place: Place::Line(line), expected, found, .. }) => {
@@ -40,14 +40,14 @@ fn a_triangle_and_a_square() {
 }
 
 #[test]
-fn relative_indices_count_from_the_line_they_stand_in() {
+fn relative_indices_count_from_their_line() {
     let m = model("v 0 0 0\nv 1 0 0\nv 1 1 0\nf -3 -2 -1\nv 0 0 1\nv 0 1 1\nv 1 1 1\nf -3 -2 -1\nf 1 -1 2\n");
     assert_eq!(m.mesh.triangles, [[0, 1, 2], [3, 4, 5], [0, 5, 1]]);
     assert_eq!(m.mesh.face_of_triangle, None);
 }
 
 #[test]
-fn faces_may_stand_before_their_vertices() {
+fn faces_may_precede_their_vertices() {
     assert_eq!(model("f 1 2 3\nv 0 0 0\nv 1 0 0\nv 0 1 0\n").mesh.triangles, [[0, 1, 2]]);
 }
 
@@ -82,7 +82,7 @@ fn vertices_are_split_only_where_corners_differ() {
 }
 
 #[test]
-fn many_normals_at_one_vertex_become_as_many_vertices() {
+fn a_vertex_is_split_for_each_of_its_normals() {
     let mut text = String::from("v 0 0 0\nv 1 0 0\nv 0 1 0\n");
     for i in 0..100 {
         text += &format!("vn 1 {i} 0\n");
@@ -105,18 +105,18 @@ fn corners_without_a_normal_do_not_take_those_of_others() {
     let (up, none) = (OctNormal::from_vector([0.0, 0.0, 1.0]), OctNormal::NONE);
     // The fourth vertex has no corner, so it needs no normal.
     assert_eq!(normals("f 1//1 2//1 3//1\n"), Some(vec![up, up, up, OctNormal::default()]));
-    // One normal that is missing, and then broken ones.
+    // One normal is missing; then some are broken.
     assert_eq!(normals("f 1//1 2//1 3//1\nf 1 3 4\n"), Some(vec![up, up, up, none, none, none]));
     assert_eq!(normals("f 1//1 2//2 3//3\nf 1//1 3//3 4//1\n"), Some(vec![up, none, none, up]));
-    // Any length will do, even one that 32 bits do not hold.
+    // Any length is accepted, even one that is out of range in 32 bits.
     let (right, down) = (OctNormal::from_vector([1.0, 0.0, 0.0]), OctNormal::from_vector([0.0, -1.0, 0.0]));
     assert_eq!(normals("f 1//4 2//5 3//1\nf 1//4 3//1 4//1\n"), Some(vec![right, down, up, up]));
-    // The same where every corner uses one number for all that it has.
+    // The same where every corner uses the same index for all its elements.
     assert_eq!(normals("f 1//1 2//2 3//3\n").unwrap()[..3], [up, none, none]);
 }
 
 #[test]
-fn colours_behind_positions() {
+fn colours_after_positions() {
     let m = model("v 0 0 0 1 0.5 0\nv 1 0 0 1\nv 0 1 0 0 0 1 0.2\nf 1 2 3\n");
     assert_eq!(m.mesh.vertex_colors.unwrap(), [[255, 128, 0, 255], [255; 4], [0, 0, 255, 51]]);
     assert!(m.report.warnings[0].contains("1 of 3"), "{:?}", m.report.warnings);
@@ -162,7 +162,7 @@ fn the_names_of_libraries_may_be_continued() {
 }
 
 #[test]
-fn libraries_that_nobody_asks_are_noted() {
+fn unused_libraries_are_recorded() {
     let folder = tempfile::tempdir().unwrap();
     let many: String = (0..300).map(|n| format!("mtllib {n}.mtl\n")).collect();
     for (used, warnings) in [("", 0), ("usemtl a\n", 258)] {
@@ -187,7 +187,7 @@ fn groups_become_an_attribute_where_they_differ() {
 }
 
 #[test]
-fn what_is_not_drawn_is_counted_and_told() {
+fn what_is_not_drawn_is_counted_and_reported() {
     let curve =
         "cstype bspline\ndeg 2\ncurv 0 1 1 2 3\nparm u 0 0 1 1\nend\nsurf 0 1 0 1 1 2 3 4\ntrim 0 1 1\n";
     let m = model(&format!("{SQUARE}p 1 2 3\nl 1 2 3\n{curve}f 1 2\ns off\nfoo 1\nbar\nfoo\nf 1 2 3\n"));
@@ -203,7 +203,7 @@ fn what_is_not_drawn_is_counted_and_told() {
 }
 
 #[test]
-fn errors_say_line_expectation_and_finding() {
+fn errors_state_line_expected_and_found() {
     let at = |text: &str| {
         let (line, _, found) = error(text);
         (line, found)
@@ -222,7 +222,7 @@ fn errors_say_line_expectation_and_finding() {
 }
 
 #[test]
-fn numbers_of_old_programs_are_understood() {
+fn numbers_of_old_programs_are_accepted() {
     let m = model("v 1.#IND -1.#INF 3.1+e2\nv +1. .5 -2.e+1\nv nan -nan inf\nv 0 0 0\nf 1 2 3\n");
     assert!(m.mesh.positions[0][0].is_nan());
     assert_eq!(m.mesh.positions[0][1], f32::NEG_INFINITY);
@@ -278,7 +278,7 @@ fn a_file_without_a_vertex_is_no_model() {
 }
 
 #[test]
-fn companions_stand_in_the_order_of_the_file() {
+fn companions_are_in_the_order_of_the_file() {
     let folder = tempfile::tempdir().unwrap();
     let names: Vec<String> = (0..40).map(|i| format!("{}.mtl", i * 7 % 40)).collect();
     let lines: String = names.iter().map(|name| format!("mtllib {name}\nmtllib {}\n", names[0])).collect();
@@ -290,7 +290,7 @@ fn companions_stand_in_the_order_of_the_file() {
 }
 
 #[test]
-fn one_is_told_in_the_singular() {
+fn one_is_reported_in_the_singular() {
     let m = model(&format!("{SQUARE}foo 1\nf 1/1 2 3\n"));
     assert_eq!(
         m.report.warnings,
@@ -302,7 +302,7 @@ fn one_is_told_in_the_singular() {
 }
 
 #[test]
-fn memory_is_asked_for_before_it_is_taken() {
+fn memory_is_checked_before_it_is_taken() {
     let options = ReadOptions { memory_limit: Some(1000), progress: None };
     let text = SQUARE.repeat(8);
     let result = read(&input(text.as_bytes()), &options);
@@ -339,24 +339,24 @@ fn statement() -> impl Strategy<Value = String> {
 
 proptest! {
     #[test]
-    fn stretches_parsed_apart_give_the_same_model(
+    fn chunks_parsed_separately_give_the_same_model(
         mut lines in prop::collection::vec(statement(), 0..40),
         step in 1usize..200,
     ) {
-        // Enough of everything in front that most files are right.
+        // A sufficient number of each element first, so that most files are valid.
         for i in 0..11 {
             lines.insert(0, format!("v {i} 0 1\nvt {i} 0\nvn {i} 0 1"));
         }
         let text = lines.join("\n");
         let input = input(text.as_bytes());
         let options = ReadOptions::default();
-        let whole = read_stretches(&input, &options, &[text.as_bytes()]);
-        let apart = read_stretches(&input, &options, &lines::split(text.as_bytes(), step, |_| ()));
+        let whole = read_chunks(&input, &options, &[text.as_bytes()]);
+        let apart = read_chunks(&input, &options, &lines::split(text.as_bytes(), step, |_| ()));
         prop_assert_eq!(format!("{whole:?}"), format!("{apart:?}"));
     }
 
     #[test]
-    fn no_bytes_make_it_panic(text in "[vfnt 0-9/\\\\\n#.-]{0,200}") {
+    fn arbitrary_bytes_never_panic(text in "[vfnt 0-9/\\\\\n#.-]{0,200}") {
         let _ = read(&input(text.as_bytes()), &ReadOptions::default());
     }
 }

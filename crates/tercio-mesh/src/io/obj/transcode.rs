@@ -1,8 +1,7 @@
-//! Brings the text formats into the one shape that the parsers know: ASCII-compatible bytes, lines ending
-//! with a line feed.
+//! Converts texts into the form that the parsers expect: ASCII-compatible bytes, lines ending with a line feed.
 //!
-//! UTF-16 becomes UTF-8, a byte order mark goes, and a file whose lines end with carriage returns alone gets
-//! line feeds. All other files are used as they lie in memory, without a copy.
+//! UTF-16 becomes UTF-8, a byte order mark is removed, and a file whose lines end with carriage returns alone gets
+//! line feeds. All other files are used in place, without a copy.
 
 use std::borrow::Cow;
 
@@ -10,12 +9,12 @@ use crate::ReadError;
 use crate::error::counted;
 use crate::io::{ReadOptions, input::Input};
 
-/// How far line ends are looked for before a file counts as one with carriage returns alone.
+/// How far line ends are searched for before a file is assumed to have carriage returns alone.
 const LINE_END_WINDOW: usize = 1 << 16;
 
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Encoding {
-    /// UTF-8 or any 8-bit code that agrees with ASCII, after a byte order mark of this length.
+    /// UTF-8 or any 8-bit encoding compatible with ASCII, after a byte order mark of this length.
     Bytes(usize),
     Utf16 {
         big_endian: bool,
@@ -28,7 +27,7 @@ fn encoding(bytes: &[u8]) -> Encoding {
         [0xef, 0xbb, 0xbf, ..] => Encoding::Bytes(3),
         [0xfe, 0xff, ..] => Encoding::Utf16 { big_endian: true, mark: 2 },
         [0xff, 0xfe, ..] => Encoding::Utf16 { big_endian: false, mark: 2 },
-        // Model files begin with ASCII, so zeros between four bytes show UTF-16 even without a mark.
+        // Model files begin with ASCII, so zeros between four bytes indicate UTF-16 even without a mark.
         [0, 1..=0x7f, 0, 1..=0x7f, ..] => Encoding::Utf16 { big_endian: true, mark: 0 },
         [1..=0x7f, 0, 1..=0x7f, 0, ..] => Encoding::Utf16 { big_endian: false, mark: 0 },
         _ => Encoding::Bytes(0),
@@ -38,7 +37,7 @@ fn encoding(bytes: &[u8]) -> Encoding {
 /// The mark in front of UTF-8 that Windows programs write.
 const MARK: &[u8] = b"\xef\xbb\xbf";
 
-/// The text of a whole file. What stands round it and does not belong to it is left out with a warning.
+/// The text of a whole file. Padding around it is ignored with a warning.
 ///
 /// # Errors
 /// [`ReadError::MemoryLimit`] where a copy is needed that would be too large.
@@ -69,15 +68,15 @@ pub fn text<'a>(
     Ok(text)
 }
 
-/// What is said of a byte order mark in front of UTF-8.
+/// The warning about a byte order mark before UTF-8.
 pub const MARK_WARNING: &str = "ignored the byte order mark at the front";
 
-/// What stands behind a byte order mark of UTF-8, if there is one.
+/// The bytes after a byte order mark of UTF-8, if there is one.
 pub fn without_mark(bytes: &[u8]) -> Option<&[u8]> {
     bytes.strip_prefix(MARK)
 }
 
-/// The text of the first `limit` bytes, to find out what it is.
+/// The text of the first `limit` bytes, for detecting the format.
 pub fn front(bytes: &[u8], limit: usize) -> Cow<'_, [u8]> {
     convert(bytes.get(..limit).unwrap_or(bytes))
 }

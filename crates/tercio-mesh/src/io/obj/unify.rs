@@ -1,7 +1,7 @@
-//! One index a vertex: OBJ counts positions, texture coordinates and normals apart, a mesh does not.
+//! One index per vertex: OBJ indexes positions, texture coordinates and normals separately, a mesh does not.
 //!
-//! The first combination met at a position keeps the position's number; every further one becomes a new
-//! vertex behind all others. Numbers depend on the order in the file only.
+//! The first combination found at a position keeps the position's number; every further one becomes a new vertex
+//! after all others. Numbers depend only on the order in the file.
 
 use std::collections::HashMap;
 
@@ -12,26 +12,26 @@ use crate::mesh::MAX_ELEMENTS;
 use super::faces::NONE;
 use super::parse::Chunk;
 
-/// No corner has used the vertex yet. Not an index: those are below [`MAX_ELEMENTS`].
+/// No corner has used the vertex yet. Never a valid index: those are below [`MAX_ELEMENTS`].
 const UNUSED: u32 = NONE - 1;
 
-/// Combinations of one position beyond this many are looked up by hash, so that a hostile file in which all
+/// Combinations at one position after the first `CHAIN` are looked up by hash, so that a hostile file in which all
 /// corners share a position does not take quadratic time.
 const CHAIN: usize = 32;
 
-/// What belongs to each vertex of the mesh.
+/// Texture coordinate and normal of each vertex of the mesh.
 #[derive(Default)]
 pub struct Vertices {
-    /// Texture coordinate and normal of the vertices that stand in the file.
+    /// Texture coordinate and normal of the vertices of the file.
     first: Vec<[u32; 2]>,
-    /// Further vertices: position, texture coordinate, normal, next one in the position's chain.
+    /// Further vertices: position, texture coordinate, normal, next vertex in the position's chain.
     extra: Vec<[u32; 4]>,
     /// Head of each position's chain.
     heads: Vec<u32>,
     overflow: HashMap<[u32; 3], u32>,
 }
 
-/// True if every corner uses one and the same number for all it has: nothing has to be split.
+/// True if every corner uses the same index for all its elements: nothing has to be split.
 pub fn is_unified(chunks: &[Chunk], with_vt: bool, with_vn: bool) -> bool {
     chunks
         .par_iter()
@@ -39,7 +39,7 @@ pub fn is_unified(chunks: &[Chunk], with_vt: bool, with_vn: bool) -> bool {
 }
 
 impl Vertices {
-    /// Gives every corner the number of its vertex, in place of that of its position.
+    /// Replaces the position index of every corner by the number of its vertex.
     ///
     /// # Errors
     /// The number of vertices, if there are more than can be numbered.
@@ -86,32 +86,32 @@ impl Vertices {
             None => {
                 let link = self.extra.len() as u32;
                 self.overflow.insert([v, vt, vn], link);
-                // Not part of the chain, which would grow beyond what is searched.
+                // Not part of the chain, which would get longer than what is searched.
                 self.extra.push([v, vt, vn, NONE]);
                 self.number(link)
             }
         }
     }
 
-    /// The caller stops soon after the numbers run out, so wrapped ones are never used.
+    /// The caller stops soon after the numbers overflow, so wrapped ones are never used.
     fn number(&self, extra: u32) -> u32 {
         (self.first.len() as u32).wrapping_add(extra)
     }
 
     fn add(&mut self, [v, vt, vn]: [u32; 3]) -> u32 {
         let link = self.extra.len() as u32;
-        // New ones go in front: files tend to use a combination again soon.
+        // New ones are inserted at the front: files tend to use a combination again soon.
         self.extra.push([v, vt, vn, self.heads[v as usize]]);
         self.heads[v as usize] = link;
         self.number(link)
     }
 
-    /// Number of vertices behind those that stand in the file.
+    /// Number of vertices after those of the file.
     pub fn extra(&self) -> usize {
         self.extra.len()
     }
 
-    /// Repeats the values of split vertices.
+    /// Appends the values of split vertices.
     pub fn extend<T: Copy>(&self, values: &mut Vec<T>) {
         values.reserve_exact(self.extra.len());
         for &[v, ..] in &self.extra {
@@ -121,12 +121,12 @@ impl Vertices {
         }
     }
 
-    /// The texture coordinate's number of every vertex; of no array where there is none.
+    /// The texture-coordinate index of every vertex; out of range where there is none.
     pub fn texcoords(&self) -> impl IndexedParallelIterator<Item = u32> {
         self.first.par_iter().map(|f| f[0]).chain(self.extra.par_iter().map(|e| e[1]))
     }
 
-    /// The normal's number of every vertex; of no array where there is none.
+    /// The normal index of every vertex; out of range where there is none.
     pub fn normals(&self) -> impl IndexedParallelIterator<Item = u32> {
         self.first.par_iter().map(|f| f[1]).chain(self.extra.par_iter().map(|e| e[2]))
     }

@@ -1,5 +1,5 @@
 //! Vertices and faces of binary files: three counts, then the vertices, then each face as its number of corners,
-//! their vertices, and the components of its colour with their number. All of 32 bits, integers and floats.
+//! their vertices, and the components of its colour preceded by their number. All are 32-bit integers and floats.
 
 use crate::error::{Place, counted, expected_vertex};
 use crate::io::{ReadModel, ReadOptions, input::Input};
@@ -8,16 +8,16 @@ use crate::{OctNormal, ReadError};
 use super::body::{self, Faces, Scratch, Vertices};
 use super::header::Header;
 
-/// What programs do differently.
+/// Variants of the layout that programs write.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Layout {
     big_endian: bool,
-    /// The number of colour components stands behind each face.
+    /// The number of colour components follows each face.
     colors: bool,
 }
 
-/// As Geomview reads it first. That big-endian numbers are tried before little-endian ones decides only for files
-/// that fit both.
+/// The standard layout of Geomview comes first. That big-endian numbers are tried before little-endian ones matters
+/// only for files that fit both.
 const LAYOUTS: [Layout; 4] = [
     Layout { big_endian: true, colors: true },
     Layout { big_endian: false, colors: true },
@@ -25,35 +25,35 @@ const LAYOUTS: [Layout; 4] = [
     Layout { big_endian: false, colors: false },
 ];
 
-/// Bytes between two reports of what was consumed.
+/// Bytes between two reports of consumed input.
 const STEP: usize = 1 << 16;
 
-/// Corners of a face that is so large that there may be no room for it.
+/// A face with more corners needs a check of the memory limit.
 const LARGE: usize = 1 << 16;
 
-/// The bytes of a file and how far they are read.
+/// The bytes of a file and the read position.
 #[derive(Clone, Copy)]
 struct Words<'a> {
     input: &'a Input,
     options: &'a ReadOptions<'a>,
     bytes: &'a [u8],
     at: usize,
-    /// Up to where they were reported as consumed.
+    /// Position up to which bytes were reported as consumed.
     reported: usize,
     layout: Layout,
 }
 
-/// What the faces take.
+/// What the faces need.
 #[derive(Default)]
 struct Extent {
     end: usize,
     triangles: u64,
 }
 
-/// Reads what stands from byte `at` on.
+/// Reads the contents from byte `at` on.
 ///
 /// # Errors
-/// A number that is not as it should be, the end of the file too soon, or too little memory.
+/// An invalid number, an unexpected end of the file, or too little memory.
 pub fn read(
     input: &Input,
     options: &ReadOptions,
@@ -65,7 +65,7 @@ pub fn read(
     if let Some(p) = options.progress {
         p.begin("parsing", input.bytes().len() as u64);
     }
-    // The error of the format as it is defined is the one that is reported.
+    // The error of the standard layout is the one that is reported.
     let mut first_error = None;
     let mut found = None;
     for layout in LAYOUTS {
@@ -92,7 +92,7 @@ pub fn read(
     let mut faces = Faces::with_room(&header);
     let mut scratch = Scratch::default();
     words.faces(&header, |polygon, color| {
-        // Colours of two components were refused.
+        // Colours of two components were rejected.
         faces.push(&input.name, polygon, color, &vertices.positions, &mut scratch).map(drop)
     })?;
     if let Some(p) = options.progress {
@@ -101,7 +101,7 @@ pub fn read(
     header.warnings.extend(layout.oddities().map(Into::into));
     let rest = input.bytes().len() - extent.end;
     if rest > 0 {
-        header.warnings.push(format!("ignored {} behind the last face", counted(rest as u64, "byte")));
+        header.warnings.push(format!("ignored {} after the last face", counted(rest as u64, "byte")));
     }
     let dialect = if header.dialect() == "OFF" { String::new() } else { format!("{}, ", header.dialect()) };
     let order = if layout.big_endian { "" } else { " little-endian" };
@@ -117,7 +117,7 @@ impl Layout {
 }
 
 impl Words<'_> {
-    /// Where the faces end and how many triangles they make, if they are faces.
+    /// End of the faces and the number of their triangles, if they are valid.
     fn extent(mut self, header: &Header) -> Result<Extent, ReadError> {
         let mut header = header.clone();
         self.counts(&mut header)?;
@@ -135,7 +135,7 @@ impl Words<'_> {
         self.input.all(self.bytes.get(at..).unwrap_or_default(), |b| b == 0)
     }
 
-    /// Bytes of all vertices; a number that no file reaches where they are too many.
+    /// Bytes of all vertices; saturates at a number that no file reaches.
     fn vertex_bytes(&self, header: &Header) -> u64 {
         let others =
             3 * u64::from(header.normals) + 4 * u64::from(header.colors) + 2 * u64::from(header.texcoords);
@@ -159,9 +159,7 @@ impl Words<'_> {
         if needed > left {
             self.at = at;
             let expected = format!("{vertices} vertices and {faces} faces, at least {needed} bytes");
-            return Err(
-                self.expected(&expected, &format!("only {} behind the counts", counted(left, "byte")))
-            );
+            return Err(self.expected(&expected, &format!("only {} after the counts", counted(left, "byte"))));
         }
         Ok(())
     }
@@ -191,13 +189,13 @@ impl Words<'_> {
         Ok(vertices)
     }
 
-    /// Reads the faces and hands out their corners and colours, of 0, 1, 3 or 4 components.
+    /// Reads the faces and passes on their corners and colours of 0, 1, 3 or 4 components.
     fn faces(
         &mut self,
         header: &Header,
         mut take: impl FnMut(&[u32], &[f32]) -> Result<(), ReadError>,
     ) -> Result<(), ReadError> {
-        // What other programs write has no smaller ones; a 0 there is a colour's number of components.
+        // What other programs write has no smaller faces; there a 0 is the number of components of a colour.
         let least = if self.layout == LAYOUTS[0] { 0 } else { 3 };
         let mut polygon = Vec::new();
         for face in 0..header.faces {
@@ -207,12 +205,12 @@ impl Words<'_> {
                 self.at -= 4;
                 let expected =
                     format!("the number of corners of face {face}, and as many in the rest of the file");
-                let found = format!("{corners} and {} behind it", counted(4 * room as u64, "byte"));
+                let found = format!("{corners} and {} after it", counted(4 * room as u64, "byte"));
                 return Err(self.expected(&expected, &found));
             }
             polygon.clear();
             if corners as usize > LARGE {
-                // As a vector that grows takes it.
+                // A growing vector may take twice its size.
                 let needed = self.input.held_bytes() + 8 * corners as u64;
                 self.options.check_memory(&self.input.name, "a face", needed)?;
             }
@@ -231,8 +229,8 @@ impl Words<'_> {
             if self.layout.colors {
                 let count = self.word("the number of components of a face's colour")?;
                 components = usize::try_from(count).ok().filter(|&n| n <= 4 && n != 2).ok_or_else(|| {
-                    let behind = Self { at: self.at - 4, ..*self };
-                    behind.expected("0, 1, 3 or 4 components of a face's colour", &count.to_string())
+                    let at_count = Self { at: self.at - 4, ..*self };
+                    at_count.expected("0, 1, 3 or 4 components of a face's colour", &count.to_string())
                 })?;
                 for value in color.iter_mut().take(components) {
                     *value = self.float()?;

@@ -1,4 +1,4 @@
-//! Vertices and faces of ASCII files, and the mesh that becomes of them.
+//! Vertices and faces of ASCII files, and the mesh that is made of them.
 
 use crate::error::{counted, expected_vertex, ignored_empty_faces};
 use crate::io::text::Cursor;
@@ -12,10 +12,10 @@ use super::header::{Header, float, integer, line_is_over};
 /// Bytes between two reports of progress.
 const STEP: usize = 1 << 16;
 
-/// Colours as they stand in the file, and how large their numbers become.
+/// Colours as in the file, and the range of their numbers.
 #[derive(Default)]
 pub struct Colors {
-    /// One an element; NaN where it has none.
+    /// One per element; NaN where it has none.
     values: Vec<[f32; 4]>,
     largest: f32,
     given: usize,
@@ -23,19 +23,19 @@ pub struct Colors {
     broken: u64,
 }
 
-/// Tells how far the cursor has come, from time to time.
+/// Reports from time to time how far the cursor has come.
 struct Reporter<'a> {
     input: &'a Input,
     options: &'a ReadOptions<'a>,
-    told: usize,
+    reported: usize,
 }
 
 impl Reporter<'_> {
     #[inline]
-    fn tell(&mut self, cursor: &Cursor) {
-        if cursor.offset() - self.told >= STEP {
-            let read = cursor.offset() - self.told;
-            self.told = cursor.offset();
+    fn report(&mut self, cursor: &Cursor) {
+        if cursor.offset() - self.reported >= STEP {
+            let read = cursor.offset() - self.reported;
+            self.reported = cursor.offset();
             self.input.consumed(read);
             if let Some(p) = self.options.progress {
                 p.advance(read as u64);
@@ -43,26 +43,26 @@ impl Reporter<'_> {
         }
     }
 
-    /// Skips white space and comments, which may be longer than all else.
+    /// Skips white space and comments, which may be longer than everything else.
     #[inline]
     fn skip_to_word(&mut self, cursor: &mut Cursor) {
         loop {
             while !cursor.skip_space_up_to(STEP) {
-                self.tell(cursor);
+                self.report(cursor);
             }
             if cursor.rest().first() != Some(&b'#') {
                 return;
             }
             cursor.skip_line();
-            self.tell(cursor);
+            self.report(cursor);
         }
     }
 }
 
-/// Skips white space and comments in front of the counts.
+/// Skips white space and comments before the counts.
 pub fn skip_to_word(input: &Input, cursor: &mut Cursor) {
-    let told = cursor.offset();
-    Reporter { input, options: &ReadOptions::default(), told }.skip_to_word(cursor);
+    let reported = cursor.offset();
+    Reporter { input, options: &ReadOptions::default(), reported }.skip_to_word(cursor);
 }
 
 /// All vertices of a file.
@@ -79,20 +79,20 @@ pub struct Faces {
     triangles: Vec<[u32; 3]>,
     /// Face of each triangle.
     faces: Vec<u32>,
-    /// One a face.
+    /// One per face.
     colors: Colors,
     kept: u64,
-    /// Faces of one corner and of two.
+    /// Faces with one corner and with two.
     points: u64,
     lines: u64,
-    /// Faces of none.
+    /// Faces without corners.
     empty: u64,
 }
 
-/// Reads everything behind the counts.
+/// Reads everything after the counts.
 ///
 /// # Errors
-/// A number that is not as it should be, the end of the file too soon, or too little memory.
+/// An invalid number, an unexpected end of the file, or too little memory.
 pub fn read(
     input: &Input,
     options: &ReadOptions,
@@ -103,13 +103,13 @@ pub fn read(
     if let Some(p) = options.progress {
         p.begin("parsing", (cursor.offset() + cursor.rest().len()) as u64);
     }
-    let mut reporter = Reporter { input, options, told: 0 };
+    let mut reporter = Reporter { input, options, reported: 0 };
     let file = input.name.as_str();
     let vertices = read_vertices(file, &header, &mut cursor, &mut reporter)?;
     let faces = read_faces(input, &header, &mut cursor, &vertices.positions, &mut reporter)?;
     reporter.skip_to_word(&mut cursor);
     if !cursor.is_at_end() {
-        let warning = format!("ignored what stands behind the last face, from line {}", cursor.line());
+        let warning = format!("ignored what follows the last face, from line {}", cursor.line());
         header.warnings.push(warning);
     }
     let format = if header.dialect() == "OFF" { String::new() } else { format!(", {}", header.dialect()) };
@@ -210,7 +210,7 @@ fn read_vertices(
             vertices.normals.push(OctNormal::from_vector(normal));
         }
         if header.colors {
-            // Three or four numbers, so their end shows only at the end of the line.
+            // There may be three or four numbers, so they are read up to the end of the line.
             let (numbers, count) = rest_of_line(file, cursor, "a colour or a texture coordinate")?;
             let colors = if header.texcoords { count.saturating_sub(2) } else { count };
             if header.texcoords {
@@ -230,7 +230,7 @@ fn read_vertices(
             let v = number("a texture coordinate")? as f32;
             vertices.texcoords.push([u, v]);
         }
-        reporter.tell(cursor);
+        reporter.report(cursor);
     }
     Ok(vertices)
 }
@@ -276,7 +276,7 @@ fn read_faces(
         };
         polygon.clear();
         for _ in 0..corners {
-            reporter.tell(cursor);
+            reporter.report(cursor);
             reporter.skip_to_word(cursor);
             let before = cursor.clone();
             match integer(cursor).and_then(|v| u32::try_from(v).ok()) {
@@ -293,13 +293,13 @@ fn read_faces(
                 cursor.expected(file, format!("a colour of three or four numbers instead of {count}"))
             );
         }
-        reporter.tell(cursor);
+        reporter.report(cursor);
     }
     Ok(faces)
 }
 
 impl Vertices {
-    /// None yet, with room for all that the header counts.
+    /// Empty, with room for all that the header counts.
     pub fn with_room(header: &Header) -> Self {
         let room = |wanted: bool| if wanted { header.vertices as usize } else { 0 };
         Self {
@@ -311,7 +311,7 @@ impl Vertices {
     }
 }
 
-/// What cutting polygons needs.
+/// Working memory for triangulating polygons.
 #[derive(Default)]
 pub struct Scratch {
     triangulator: Triangulator,
@@ -319,13 +319,13 @@ pub struct Scratch {
 }
 
 impl Faces {
-    /// None yet, with room for all that the header counts.
+    /// Empty, with room for all that the header counts.
     pub fn with_room(header: &Header) -> Self {
         let room = header.faces as usize;
         Self { triangles: Vec::with_capacity(room), faces: Vec::with_capacity(room), ..Self::default() }
     }
 
-    /// Appends a face with the numbers of its colour, if it has three corners or more. False if they make no
+    /// Appends a face with the numbers of its colour, if it has three corners or more. False if the numbers are not a
     /// colour.
     ///
     /// # Errors
@@ -347,7 +347,7 @@ impl Faces {
             }
             return Ok(true);
         }
-        // One number is the place in a colour map that nobody has.
+        // One number is an index into a colour map, which is not available.
         if !self.colors.push(if color.len() == 1 { &[] } else { color }) {
             return Ok(false);
         }
@@ -369,7 +369,7 @@ impl Faces {
 }
 
 impl Colors {
-    /// Appends the numbers of a colour, or none; false for any other count of them.
+    /// Appends the numbers of a colour, or none; false for any other count of numbers.
     pub fn push(&mut self, numbers: &[f32]) -> bool {
         let mut color = match *numbers {
             [] => [f32::NAN; 4],
@@ -390,10 +390,10 @@ impl Colors {
         true
     }
 
-    /// In bytes; nothing if no element has a colour. Elements without one become white.
+    /// In bytes; `None` if no element has a colour. Elements without one become white.
     ///
-    /// Files hold numbers from 0 to 1 or from 0 to 255, written as integers or not; what they mean shows only
-    /// in how large they become.
+    /// Files hold numbers from 0 to 1 or from 0 to 255, written as integers or not; which of the two is meant follows
+    /// only from the largest number.
     fn bytes(&self) -> Option<Vec<[u8; 4]>> {
         let scale = if self.largest > 1.0 { 1.0 } else { 255.0 };
         let byte = |x: f32| (x * scale).round() as u8;

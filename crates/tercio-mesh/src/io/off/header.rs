@@ -1,4 +1,4 @@
-//! The keyword, the counts, and what may stand before them.
+//! The keyword, the counts, and what may precede them.
 
 use crate::ReadError;
 use crate::error::{Place, counted, printable};
@@ -13,7 +13,7 @@ pub struct Header {
     pub normals: bool,
     /// `ST`: vertices have texture coordinates.
     pub texcoords: bool,
-    /// Numbers of a position.
+    /// Number of coordinates of a position.
     pub coordinates: u64,
     /// `4`: the last number of a position divides the others.
     pub homogeneous: bool,
@@ -21,12 +21,12 @@ pub struct Header {
     pub vertices: u64,
     /// Number of faces.
     pub faces: u64,
-    /// What was odd.
+    /// Warnings.
     pub warnings: Vec<String>,
 }
 
 impl Header {
-    /// The keyword, without what says how the numbers are written.
+    /// The keyword, without the encoding of the numbers.
     pub fn dialect(&self) -> String {
         let n = self.coordinates != 3 && !self.homogeneous;
         let letters = [
@@ -39,7 +39,7 @@ impl Header {
         letters.iter().filter(|l| l.0).map(|l| l.1).chain(["OFF"]).collect()
     }
 
-    /// Are positions three numbers that need no further look?
+    /// Are positions three numbers that need no conversion?
     #[inline]
     pub fn is_plain(&self) -> bool {
         self.coordinates == 3 && !self.homogeneous
@@ -47,33 +47,33 @@ impl Header {
 
     /// A position from its first three numbers and its last one.
     ///
-    /// Homogeneous coordinates are divided; of more than three dimensions the first three are drawn, as Geomview
-    /// does until told otherwise.
+    /// Homogeneous coordinates are divided by the last; of more than three dimensions the first three are drawn, as
+    /// Geomview does by default.
     #[inline]
     pub fn position(&self, first: [f64; 3], last: f64) -> [f64; 3] {
         if self.homogeneous { first.map(|x| x / last) } else { first }
     }
 }
 
-/// The letters before `OFF` and what follows behind it in the same word.
+/// The letters before `OFF` and what follows in the same word.
 struct Keyword<'a> {
     letters: &'a [u8],
-    behind: &'a [u8],
-    /// A line before it that does not belong here.
+    after: &'a [u8],
+    /// An unrelated line before it.
     stray: Option<&'a [u8]>,
 }
 
 /// Splits a word into keyword and rest; the rest may begin with the counts.
 fn keyword(word: &[u8]) -> Option<Keyword<'_>> {
     let at = word.windows(3).position(|w| w == b"OFF")?;
-    let (letters, behind) = (word.get(..at)?, word.get(at + 3..)?);
+    let (letters, after) = (word.get(..at)?, word.get(at + 3..)?);
     let mut rest = letters;
     while !rest.is_empty() {
         rest = [&b"ST"[..], b"C", b"N", b"4", b"n"].iter().find_map(|p| rest.strip_prefix(*p))?;
     }
-    (behind.first().is_none_or(|b| b.is_ascii_digit() || *b == b'#')).then_some(Keyword {
+    (after.first().is_none_or(|b| b.is_ascii_digit() || *b == b'#')).then_some(Keyword {
         letters,
-        behind,
+        after,
         stray: None,
     })
 }
@@ -94,7 +94,8 @@ pub fn line_is_over(cursor: &mut Cursor) -> bool {
     cursor.line_is_over() || cursor.rest().first() == Some(&b'#')
 }
 
-/// The next word as a number; a comment may follow it without a blank. `None` and no step if it is none.
+/// The next word as a number; a comment may follow it without a blank. `None` if it is not a number; the cursor then
+/// stays.
 #[inline]
 pub fn float(cursor: &mut Cursor) -> Option<f64> {
     cursor.float().or_else(|| before_comment(cursor, |word| fast_float2::parse(word).ok()))
@@ -120,7 +121,8 @@ fn before_comment<T>(cursor: &mut Cursor, parse: impl Fn(&[u8]) -> Option<T>) ->
     Some(value)
 }
 
-/// Geomview allows the appearance of an object before it: a block in braces, which may hold blocks.
+/// Skips the appearance of an object, which Geomview allows before it: a block in braces, which may hold further
+/// blocks.
 fn skip_appearance(cursor: &mut Cursor) {
     skip_to_word(cursor);
     let mut ahead = cursor.clone();
@@ -143,8 +145,8 @@ fn skip_appearance(cursor: &mut Cursor) {
     }
 }
 
-/// Steps behind the keyword, which is the first word behind an appearance, or the first of the line after that if
-/// counts follow it. Without a keyword the cursor stays where the counts should be.
+/// Moves past the keyword, which is the first word after an appearance, or the first word of the next line if counts
+/// follow it. Without a keyword the cursor stays where the counts should be.
 fn find_keyword<'a>(cursor: &mut Cursor<'a>) -> Option<Keyword<'a>> {
     skip_appearance(cursor);
     let mut ahead = cursor.clone();
@@ -155,17 +157,17 @@ fn find_keyword<'a>(cursor: &mut Cursor<'a>) -> Option<Keyword<'a>> {
     let mut ahead = cursor.clone();
     let stray = ahead.rest_of_line();
     skip_to_word(&mut ahead);
-    let keyword = keyword(ahead.word()).filter(|k| k.behind.is_empty())?;
-    let mut behind = ahead.clone();
-    skip_to_word(&mut behind);
-    if behind.clone().word() != b"BINARY" && counts(&mut behind).is_none() {
+    let keyword = keyword(ahead.word()).filter(|k| k.after.is_empty())?;
+    let mut after = ahead.clone();
+    skip_to_word(&mut after);
+    if after.clone().word() != b"BINARY" && counts(&mut after).is_none() {
         return None;
     }
     *cursor = ahead;
     Some(Keyword { stray: Some(stray), ..keyword })
 }
 
-/// Counts as they stand on one line: vertices, faces, and edges, which many files leave out.
+/// Counts on one line: vertices, faces, and edges, which many files leave out.
 fn counts(cursor: &mut Cursor) -> Option<[u64; 2]> {
     let mut next = || integer(cursor).and_then(|n| u64::try_from(n).ok());
     Some([next()?, next()?])
@@ -177,7 +179,7 @@ pub fn looks_like(front: &[u8], file_len: usize) -> bool {
     if find_keyword(&mut cursor).is_some() {
         return true;
     }
-    // Without the keyword: two or three counts alone on a line that the file has room for, then a position.
+    // Without the keyword: two or three counts alone on a line, for which the file has room, then a position.
     let Some([vertices, faces]) = counts(&mut cursor) else { return false };
     if !line_is_over(&mut cursor)
         && (integer(&mut cursor).is_none_or(|n| n < 0) || !line_is_over(&mut cursor))
@@ -189,14 +191,14 @@ pub fn looks_like(front: &[u8], file_len: usize) -> bool {
     vertices >= 3 && faces > 0 && fits && (0..3).all(|_| float(&mut cursor).is_some())
 }
 
-/// The fewest bytes that so many vertices of so many numbers and so many faces can take: a digit and a blank
+/// The fewest bytes that this many vertices with this many numbers and this many faces can take: a digit and a blank
 /// each.
 pub fn least_bytes(vertices: u64, faces: u64, numbers: u64) -> Option<u64> {
     let vertices = vertices.checked_mul(numbers.checked_mul(2)?)?;
     vertices.checked_add(faces.checked_mul(2)?)
 }
 
-/// How the numbers behind the keyword are written.
+/// How the numbers after the keyword are written.
 pub enum Encoding<'t> {
     /// As text, from here on.
     Ascii(Cursor<'t>),
@@ -204,14 +206,14 @@ pub enum Encoding<'t> {
     Binary(usize),
 }
 
-/// Reads what stands before the counts.
+/// Reads what precedes the counts.
 ///
 /// # Errors
-/// A dialect that is not drawn.
+/// An unsupported dialect.
 pub fn parse_keyword<'t>(file: &str, text: &'t [u8]) -> Result<(Header, Encoding<'t>), ReadError> {
     let mut cursor = Cursor::new(text, 1);
     let mut header = Header { coordinates: 3, ..Header::default() };
-    let Some(Keyword { letters, behind, stray }) = find_keyword(&mut cursor) else {
+    let Some(Keyword { letters, after, stray }) = find_keyword(&mut cursor) else {
         header.warnings.push("the keyword OFF is missing".into());
         return Ok((header, Encoding::Ascii(cursor)));
     };
@@ -223,9 +225,9 @@ pub fn parse_keyword<'t>(file: &str, text: &'t [u8]) -> Result<(Header, Encoding
     header.normals = letters.contains(&b'N');
     header.texcoords = letters.contains(&b'S');
     header.homogeneous = letters.contains(&b'4');
-    if !behind.is_empty() {
-        // "OFF8 6 12": step back to what belongs to the counts.
-        let at = text.len() - cursor.rest().len() - behind.len();
+    if !after.is_empty() {
+        // "OFF8 6 12": move back to the start of the counts.
+        let at = text.len() - cursor.rest().len() - after.len();
         cursor = Cursor::new(text.get(at..).unwrap_or_default(), line);
     }
     if letters.contains(&b'n') {
@@ -259,14 +261,14 @@ pub fn parse_keyword<'t>(file: &str, text: &'t [u8]) -> Result<(Header, Encoding
 /// Reads the counts.
 ///
 /// # Errors
-/// No counts, or more of them than the file has room for.
+/// No counts, or more elements than the file has room for.
 pub fn parse_counts(file: &str, header: &mut Header, cursor: &mut Cursor) -> Result<(), ReadError> {
     skip_to_word(cursor);
     let at_counts = cursor.clone();
     let Some([vertices, faces]) = counts(cursor) else {
         return Err(cursor.expected(file, "the numbers of vertices and faces"));
     };
-    // The number of edges is not used and may be missing; so may the line end behind the counts.
+    // The number of edges is not used and may be missing; so may the line end after the counts.
     if !line_is_over(cursor) && integer(cursor).is_none() {
         return Err(cursor.expected(file, "the number of edges"));
     }
@@ -274,13 +276,13 @@ pub fn parse_counts(file: &str, header: &mut Header, cursor: &mut Cursor) -> Res
     header.faces = faces;
     let others = 3 * u64::from(header.normals) + 2 * u64::from(header.texcoords);
     let left = cursor.rest().len() as u64;
-    // The last number needs no blank behind it.
+    // The last number needs no blank after it.
     if least_bytes(vertices, faces, header.coordinates.saturating_add(others)).is_none_or(|n| n > left + 1) {
         return Err(ReadError::Malformed {
             file: file.into(),
             place: Place::Line(at_counts.line()),
             expected: format!("{vertices} vertices and {faces} faces"),
-            found: format!("only {} behind the counts", counted(left, "byte")),
+            found: format!("only {} after the counts", counted(left, "byte")),
         });
     }
     Ok(())

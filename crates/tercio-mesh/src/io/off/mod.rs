@@ -3,7 +3,7 @@
 //! A vertex is its position, then what the header's letters announce: normal, colour, texture coordinates.
 //! A face is its number of corners, their vertices, and a colour or nothing up to the end of the line.
 //!
-//! What was decided where the format leaves it open, or files do not keep to it:
+//! Decisions where the format leaves it open, or files do not follow it:
 //! - `4OFF` holds homogeneous coordinates, which are divided by the last; of `nOFF` the first three coordinates are
 //!   drawn, and missing ones are 0. `4nOFF`, of which no program could be found that writes it, is not read.
 //! - Binary numbers are big-endian, colours of vertices have four of them, and each face ends with the number of
@@ -20,11 +20,11 @@ use super::{ReadModel, ReadOptions, input::Input, obj::transcode, text};
 use crate::ReadError;
 use header::Encoding;
 
-/// How much of a file is looked at to find out what it is.
+/// How much of a file is examined for detecting the format.
 const FRONT: usize = 1 << 16;
 
-/// Does the content look like OFF? Decided by the first word that is no comment; without the keyword, by two
-/// lines of numbers that fit each other.
+/// Does the content look like OFF? Decided by the first word that is not a comment; without the keyword, by two lines
+/// of numbers that are consistent.
 pub fn looks_like(bytes: &[u8]) -> bool {
     let front = transcode::front(bytes, FRONT);
     header::looks_like(&front, bytes.len())
@@ -53,10 +53,10 @@ pub fn read(input: &Input, options: &ReadOptions) -> Result<ReadModel, ReadError
             let (mut header, encoding) = header::parse_keyword(&input.name, &text)?;
             let mut cursor = match encoding {
                 Encoding::Ascii(cursor) => cursor,
-                // Only in UTF-16, of which the rest is no binary data.
+                // Only in UTF-16, where the rest is not binary data.
                 Encoding::Binary(_) => text::Cursor::new(b"", 1),
             };
-            // One line is looked at at a time.
+            // One line is read at a time.
             input.check_chunk_lengths(&lines, options)?;
             body::skip_to_word(input, &mut cursor);
             header::parse_counts(&input.name, &mut header, &mut cursor)?;

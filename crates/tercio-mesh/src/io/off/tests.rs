@@ -69,7 +69,7 @@ fn other_dimensions_become_three() {
 }
 
 #[test]
-fn vertices_hold_what_the_letters_say() {
+fn vertices_hold_what_the_letters_announce() {
     let m = model(
         "STCNOFF\n3 1 0\n0 0 0 0 0 2 1 0.5 0 0.25 0.75\n1 0 0 0 0 1 0 0 1 0.5 1 0\n0 1 0 0 0 1 0 0 0 1 1 # c\n3 0 1 2\n",
     );
@@ -109,7 +109,7 @@ fn colours_from_0_to_1_and_from_0_to_255() {
 }
 
 #[test]
-fn small_faces_are_ignored_and_the_rest_is_told() {
+fn small_faces_are_ignored_and_the_rest_is_reported() {
     let m = model("OFF\n3 5 0\n0 0 0\n1 0 0\n0 1 0\n2 0 1\n3 0 1 2\n1 0\n2 1 2\n0\n\nmore\n");
     let not_drawn = NotDrawn { points: 1, lines: 2, ..NotDrawn::default() };
     assert_eq!((m.report.faces, m.report.not_drawn, m.mesh.face_of_triangle), (1, not_drawn, None));
@@ -119,7 +119,7 @@ fn small_faces_are_ignored_and_the_rest_is_told() {
 }
 
 #[test]
-fn errors_say_the_line() {
+fn errors_state_the_line() {
     assert_eq!(error_line("OFF\nx 2 0\n"), 2);
     assert_eq!(error_line("OFF\n-1 2 0\n"), 2);
     assert_eq!(error_line("OFF\n400000000000 2 0\n0 0 0\n"), 2);
@@ -139,7 +139,7 @@ fn other_files_do_not_look_like_off() {
 }
 
 #[test]
-fn a_stray_line_before_the_keyword_is_read_over() {
+fn a_stray_line_before_the_keyword_is_skipped() {
     let m = model(&format!("made by hand\n# c\nOFF\n4 2 0\n{BODY}"));
     assert_eq!(m.report.faces, 2);
     assert_eq!(m.report.warnings, ["ignored the line before the keyword: \"made by hand\""]);
@@ -150,13 +150,13 @@ fn a_stray_line_before_the_keyword_is_read_over() {
 }
 
 #[test]
-fn a_face_in_a_file_without_vertices_is_told_so() {
+fn a_face_in_a_file_without_vertices_is_an_error() {
     let error = read(&input(b"OFF\n0 1 0\n3 0 1 2\n"), &ReadOptions::default()).unwrap_err().to_string();
     assert_eq!(error, "a.off: line 3: expected no vertex indices (the file has no vertices), found \"0\"");
 }
 
 #[test]
-fn one_and_many_are_told_in_words_that_fit() {
+fn one_and_many_are_reported_in_singular_and_plural() {
     for (faces, told) in
         [("0\n", "ignored 1 face that has no corners"), ("0\n0\n", "ignored 2 faces that have no corners")]
     {
@@ -176,7 +176,7 @@ fn a_file_cut_anywhere_never_panics() {
 
 proptest! {
     #[test]
-    fn no_bytes_make_it_panic(text in "(ST|C|N){0,2}OFF[ \n][0-5] [0-3][ 0-9.#\n-]{0,120}") {
+    fn arbitrary_bytes_never_panic(text in "(ST|C|N){0,2}OFF[ \n][0-5] [0-3][ 0-9.#\n-]{0,120}") {
         let _ = looks_like(text.as_bytes());
         let _ = read(&input(text.as_bytes()), &ReadOptions::default());
     }

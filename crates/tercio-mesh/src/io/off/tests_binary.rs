@@ -1,11 +1,11 @@
-//! Binary files against the same models as text.
+//! Compares binary files with the same models as text.
 
 use proptest::prelude::*;
 
 use super::*;
 use crate::error::Place;
 
-/// A model that can be written in every way.
+/// A model that can be written in every layout.
 #[derive(Clone, Debug)]
 struct Model {
     letters: &'static str,
@@ -69,7 +69,7 @@ fn read_ok(bytes: Vec<u8>) -> ReadModel {
     try_read(bytes).unwrap_or_else(|e| panic!("{e}"))
 }
 
-/// Everything that was read but the name of the format and the warnings.
+/// Everything that was read except the name of the format and the warnings.
 fn content(model: &ReadModel) -> String {
     let mesh = &model.mesh;
     format!("{mesh:?} {} {:?}", model.report.faces, model.report.not_drawn)
@@ -103,7 +103,7 @@ fn a_square_in_all_orders() {
 }
 
 #[test]
-fn what_stands_round_it_is_read_over() {
+fn what_surrounds_it_is_skipped() {
     let binary = square().as_binary(true, true);
     let plain = content(&read_ok(binary.clone()));
     let windows = [b"OFF BINARY\r\n", &binary["OFF BINARY\n".len()..]].concat();
@@ -123,7 +123,7 @@ fn what_stands_round_it_is_read_over() {
 }
 
 #[test]
-fn errors_tell_the_byte_and_come_before_memory_is_taken() {
+fn errors_state_the_byte_and_come_before_memory_is_taken() {
     let change = |at: usize, value: u32| {
         let mut bytes = square().as_binary(true, true);
         let at = "OFF BINARY\n".len() + 4 * at;
@@ -136,12 +136,12 @@ fn errors_tell_the_byte_and_come_before_memory_is_taken() {
             other => panic!("{other:?}"),
         }
     };
-    // Behind 3 counts and 12 coordinates stand 3 0 1 2 0, 4 0 1 2 3 3.
+    // After 3 counts and 12 coordinates follow 3 0 1 2 0, 4 0 1 2 3 3.
     let (expected, found) = change(0, 0x7000_0000);
     assert!(expected.starts_with("1879048192 vertices and 2 faces") && found.starts_with("only 104 bytes"));
     assert_eq!(change(16, 4), ("a vertex number from 0 to 3".into(), "4".into()));
     assert_eq!(change(16, u32::MAX), ("a vertex number from 0 to 3".into(), "-1".into()));
-    assert_eq!(change(15, 1000).1, "1000 and 52 bytes behind it");
+    assert_eq!(change(15, 1000).1, "1000 and 52 bytes after it");
     assert_eq!(change(19, 2), ("0, 1, 3 or 4 components of a face's colour".into(), "2".into()));
     assert_eq!(change(25, 5).1, "5");
     assert!(try_read(b"OFF BINARY\n".to_vec()).is_err());
@@ -169,7 +169,7 @@ fn models() -> impl Strategy<Value = Model> {
     sizes.prop_flat_map(move |(dialect, vertices, faces)| {
         let (letters, numbers) = DIALECTS[dialect];
         let vertex = prop::collection::vec(number.clone(), numbers);
-        // Of one number the text would not know whether it is a colour.
+        // A single number: the text would not know whether it is a colour.
         let color = prop_oneof![Just(0usize), Just(3), Just(4)]
             .prop_flat_map(|n| prop::collection::vec(0f32..1.0, n));
         let face = (prop::collection::vec(0..vertices as u32, 1..7), color);
@@ -186,7 +186,7 @@ proptest! {
     }
 
     #[test]
-    fn no_bytes_make_it_panic(front in "(ST|C|N|4){0,2}OFF BINARY\n", bytes in prop::collection::vec(0u8..5, 0..200)) {
+    fn arbitrary_bytes_never_panic(front in "(ST|C|N|4){0,2}OFF BINARY\n", bytes in prop::collection::vec(0u8..5, 0..200)) {
         let _ = try_read([front.as_bytes(), &bytes].concat());
     }
 }

@@ -1,10 +1,10 @@
 //! Values of an ASCII file.
 //!
-//! Nearly every file has one instance a line, which lets many threads parse at once: [`in_parallel`] counts
-//! line ends to know which instances stand where, and checks that every instance ends with its line. What
-//! does not hold to that is read again from the front by one thread ([`in_sequence`]): first as the format
-//! is defined, where any white space parts numbers; then, because some writers put more on a line than
-//! their header declares, line by line with the surplus left out.
+//! Nearly every file has one instance per line, which lets many threads parse in parallel: [`in_parallel`] counts
+//! line ends to know which instances are where, and checks that every instance ends with its line. Other files are
+//! read again from the front by one thread ([`in_sequence`]): first as the format is defined, where any white space
+//! separates numbers; then, because some writers put more on a line than their header declares, line by line with the
+//! surplus ignored.
 
 use std::borrow::Cow;
 use std::sync::atomic::Ordering::Relaxed;
@@ -13,7 +13,7 @@ use rayon::prelude::*;
 
 use super::Job;
 use super::header::{Element, Header};
-use super::layout::TELL;
+use super::layout::REPORT_STEP;
 use super::plan::{Plan, Role};
 use super::row::{Row, Spacing, Trouble};
 use super::table::{Lists, Slots, Table, put_row};
@@ -54,9 +54,9 @@ pub(super) fn read(job: &Job, header: &Header, plans: &[Plan]) -> Result<Vec<Tab
     match (free, in_sequence(&text, Spacing::Lenient)) {
         (_, Ok(read)) | (Ok(read), _) => Ok(read.finish(&text)),
         (Err(free), Err(by_line)) => {
-            // Tell of the reading that was the better guess: the one by line where the first line out of
-            // step was too long, none was too short and there is one for every instance; else the one that
-            // came farther.
+            // Report the error of the reading that was the better guess: that by line if the first bad line was too
+            // long, none was too short and there is a line for every instance; else that of the reading that got
+            // farther.
             let lines = job.input.count(&body, |b| b == b'\n');
             let rows: u64 = plans.iter().map(|p| p.rows as u64).sum();
             let prefer_lines = too_long && matches!(by_line, Trouble::Wrong(_)) && lines >= rows;
@@ -73,7 +73,7 @@ fn line_of(error: &ReadError) -> u64 {
     }
 }
 
-/// The text behind the header.
+/// The text after the header.
 #[derive(Debug)]
 struct Text<'a> {
     job: &'a Job<'a>,
@@ -83,13 +83,13 @@ struct Text<'a> {
     plans: &'a [Plan],
 }
 
-/// What one reading gave.
+/// The result of one reading.
 #[derive(Debug)]
 struct Reading {
     tables: Vec<Table>,
-    /// Something stands behind the last instance.
+    /// Something follows the last instance.
     trailing: bool,
-    /// Lines of each element that hold more than it declares.
+    /// For each element, the number of lines that hold more than it declares.
     surplus: Vec<u64>,
 }
 
@@ -100,7 +100,7 @@ impl Reading {
             let hold = if lines == 1 { "holds" } else { "hold" };
             let (lines, name) = (counted(lines, "line"), &element.name);
             let mut warning = format!("{lines} of element {name} {hold} more than the header declares");
-            // Behind a list that is not declared, scalars do not stand where the header says.
+            // After a list that is not declared, scalars are not where the header says.
             if plan.role == Role::Faces && !plan.fields.is_empty() {
                 warning += "; colours and attributes of the faces are left out";
                 if let Some(table) = self.tables.get_mut(i) {
@@ -110,7 +110,7 @@ impl Reading {
             text.job.warn(warning);
         }
         if self.trailing {
-            text.job.warn("the text behind the last element is ignored".into());
+            text.job.warn("the text after the last element is ignored".into());
         }
         self.tables
     }
@@ -128,7 +128,7 @@ impl Text<'_> {
     }
 }
 
-/// Instances of one element that stand in one stretch of the text.
+/// Instances of one element in one chunk of the text.
 struct Segment<'a> {
     element: usize,
     first: usize,
@@ -136,13 +136,13 @@ struct Segment<'a> {
     slots: Vec<Slots<'a>>,
 }
 
-/// What one stretch of the text gave: lists with the number of their element.
+/// Result of one chunk of the text: lists with the number of their element.
 struct Stretch {
     lists: Vec<(usize, Lists)>,
     trailing: bool,
 }
 
-/// One instance a line, all threads.
+/// One instance per line, all threads.
 fn in_parallel(text: &Text) -> Result<Reading, Trouble> {
     let step = (text.body.len() / (rayon::current_num_threads() * 8)).max(1);
     let pieces = text.body.len() / text.job.input.stretch(step);
@@ -160,7 +160,7 @@ fn in_parallel(text: &Text) -> Result<Reading, Trouble> {
     let mut line = text.first_line;
     let mut work = Vec::with_capacity(chunks.len());
     for (i, (&chunk, &lines)) in chunks.iter().zip(&lines).enumerate() {
-        // The last line may lack its end.
+        // The last line may lack a line end.
         let mut left = if i + 1 == chunks.len() { usize::MAX } else { lines };
         let mut segments = Vec::new();
         while let (Some(plan), Some(slots)) = (text.plans.get(element), slots.get_mut(element)) {
@@ -193,7 +193,7 @@ fn in_parallel(text: &Text) -> Result<Reading, Trouble> {
         .collect();
     drop(slots);
     let mut trailing = false;
-    // The trouble of the first stretch wins: what comes behind it may only follow from it.
+    // The error of the first chunk is reported: later ones may only follow from it.
     for piece in pieces {
         let Stretch { lists, trailing: more } = piece?;
         trailing |= more;
@@ -231,11 +231,11 @@ fn in_sequence(text: &Text, spacing: Spacing) -> Result<Reading, Trouble> {
         let mut lists = Lists::default();
         let mut slots = table.slots();
         let mut values = vec![0.0; parser.width()];
-        let mut told = cursor.offset();
+        let mut reported = cursor.offset();
         for row in 0..plan.rows {
-            if cursor.offset() - told >= TELL {
-                text.job.input.consumed(cursor.offset() - told);
-                told = cursor.offset();
+            if cursor.offset() - reported >= REPORT_STEP {
+                text.job.input.consumed(cursor.offset() - reported);
+                reported = cursor.offset();
             }
             cursor.skip_space();
             parser.parse(&mut cursor, row, &mut values, &mut lists)?;

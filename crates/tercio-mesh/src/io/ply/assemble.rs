@@ -1,4 +1,4 @@
-//! Tables to mesh.
+//! Converts tables to a mesh.
 
 use std::collections::HashSet;
 use std::path::Path;
@@ -18,7 +18,7 @@ use crate::io::{ReadModel, ReadReport, companions};
 use crate::mesh::{MAX_ELEMENTS, choose_origin, localize};
 use crate::{Aabb, Attribute, AttributeDomain, FileMaterial, Mesh};
 
-/// Puts the mesh together.
+/// Assembles the mesh.
 pub(super) fn model(
     job: &Job,
     header: &Header,
@@ -116,7 +116,7 @@ fn warn_of_colors(job: &Job, broken: AtomicU64, whose: &str) {
     }
 }
 
-/// As [`localize`], in place.
+/// As [`localize`], for `f32`, in place.
 fn centered(mut points: Vec<[f32; 3]>) -> (DVec3, Vec<[f32; 3]>) {
     let world = |p: &[f32; 3]| DVec3::new(p[0].into(), p[1].into(), p[2].into());
     let bounds = points
@@ -140,7 +140,7 @@ fn split_wedges(job: &Job, mesh: &mut Mesh, table: &mut Table) -> Result<(), Rea
         values.extend(copies);
     }
     let vertices = mesh.positions.len();
-    // At worst every corner is a copy.
+    // In the worst case every corner is a copy.
     let corners: u64 = table.lists.iter().map(|l| l.corners.len() as u64).sum();
     job.reserve("texture coordinates at corners", 12 * vertices as u64 + 16 * corners)?;
     let Some(split) = wedges::split(&mut table.lists, vertices) else {
@@ -196,7 +196,7 @@ fn face_columns(
     Ok(())
 }
 
-/// MeshLab names textures in comments, and with more than one of them numbers them at the faces.
+/// MeshLab names textures in comments, and if there are several, gives each face the number of its texture.
 fn materials(job: &Job, header: &Header, mesh: &mut Mesh) -> Result<(), ReadError> {
     if mesh.texcoords.is_none() || header.textures.is_empty() {
         return Ok(());

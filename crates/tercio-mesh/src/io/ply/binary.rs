@@ -6,14 +6,14 @@ use rayon::prelude::*;
 
 use super::direct;
 use super::header::{Element, Header, Scalar, Shape};
-use super::layout::{self, BLOCK, Layout, TELL, list_length};
+use super::layout::{self, BLOCK, Layout, REPORT_STEP, list_length};
 use super::plan::{Field, Plan, Role};
 use super::table::{Lists, Slots, Table, put_row};
 use super::{Job, malformed};
 use crate::error::{Place, ReadError, counted};
 use crate::io::input::Input;
 
-/// Items of a list that are read before it is told.
+/// Most items of a list that are read between two reports of consumed bytes.
 const LONG: usize = 1 << 14;
 
 /// Instances decoded at once: their columns stay in the first-level cache.
@@ -29,7 +29,7 @@ pub(super) struct Binary<'a> {
 }
 
 impl Binary<'_> {
-    /// What is found where more was expected.
+    /// Describes the rest of the file, where more was expected.
     pub(super) fn left_from(&self, at: usize) -> String {
         match self.bytes.len().saturating_sub(at) {
             0 => "the end of the file".into(),
@@ -38,7 +38,7 @@ impl Binary<'_> {
     }
 }
 
-/// The number at the front of `bytes`; `None` if they are too few.
+/// The number at the front of `bytes`; `None` if there are too few bytes.
 #[inline]
 pub(super) fn number(ty: Scalar, big: bool, bytes: &[u8]) -> Option<f64> {
     macro_rules! as_type {
@@ -128,12 +128,12 @@ pub(super) fn read(job: &Job, header: &Header, plans: &[Plan], big: bool) -> Res
     }
     if at < job.bytes.len() {
         let left = counted((job.bytes.len() - at) as u64, "byte");
-        job.warn(format!("ignored {left} behind the last element"));
+        job.warn(format!("ignored {left} after the last element"));
     }
     Ok(tables)
 }
 
-/// An element whose instances take the same number of bytes each: columns are read by stride.
+/// An element whose instances all take the same number of bytes: columns are read with a stride.
 struct Uniform<'a> {
     binary: &'a Binary<'a>,
     element: &'a Element,
@@ -212,7 +212,7 @@ impl Uniform<'_> {
         }
     }
 
-    /// Where the three properties of a field stand together as `f32`, if they do.
+    /// Offset of the three properties of a field if they are contiguous `f32`.
     fn offset_of_floats(&self, field: &Field) -> Option<usize> {
         let [x, y, z] = *field.properties.as_slice() else { return None };
         let float =
@@ -242,7 +242,7 @@ impl Uniform<'_> {
         if let (Some(&offset), Some(Shape::List { count, item: item @ (Scalar::I32 | Scalar::U32) })) =
             (self.offsets.get(property), self.element.properties.get(property).map(|p| p.shape))
         {
-            // A negative number is a large one without its sign.
+            // As an unsigned number, a negative one is large.
             let most = if item == Scalar::I32 { 1 << 31 } else { u32::MAX };
             let (offset, vertices) = (offset + count.size(), self.plan.vertices.min(most));
             return direct::triangles(bytes, self.stride, offset, self.binary.big, vertices, triangles);
@@ -254,7 +254,8 @@ impl Uniform<'_> {
         let mut good = true;
         for (((triangle, &a), &b), &c) in triangles.iter_mut().zip(&*a).zip(&*b).zip(&*c) {
             *triangle = [a as u32, b as u32, c as u32];
-            // The cast saturates: what is negative, fractional or too large does not come back equal.
+            // The cast saturates: a negative, fractional or too large number does not compare equal after the
+            // conversion back.
             for (number, value) in triangle.iter().zip([a, b, c]) {
                 good &= f64::from(*number) == value && *number < self.plan.vertices;
             }
@@ -262,7 +263,7 @@ impl Uniform<'_> {
         good
     }
 
-    /// Finds what [`Self::triangles`] stumbled over.
+    /// Finds the vertex number that [`Self::triangles`] rejected.
     #[cold]
     fn first_bad_vertex(&self) -> ReadError {
         let mut lists = Lists::default();
@@ -281,7 +282,7 @@ impl Uniform<'_> {
     }
 }
 
-/// Reads an element by walking through its instances, each block by itself.
+/// Reads an element by walking through its instances, in parallel over blocks.
 fn read_ragged(
     job: &Job,
     binary: &Binary,
@@ -296,7 +297,7 @@ fn read_ragged(
         .zip(starts)
         .map(|(first, &at)| (first, at, slots.iter_mut().map(|s| s.take_front(BLOCK)).collect()))
         .collect();
-    // The error of the first block wins, so that the same file always gives the same message.
+    // The error of the first block is reported, so that the same file always gives the same message.
     let lists: Vec<Result<Lists, ReadError>> = blocks
         .into_par_iter()
         .map(|(first, at, mut slots)| {
@@ -307,16 +308,16 @@ fn read_ragged(
                 lists.corners.reserve(4 * here);
             }
             let mut values = vec![0.0; element.properties.len()];
-            let (mut at, mut told) = (at, at);
+            let (mut at, mut reported) = (at, at);
             for row in 0..here {
                 walk_row(binary, element, plan, first + row, &mut at, &mut values, &mut lists)?;
                 put_row(plan, &mut slots, row, &values);
-                if at - told >= TELL {
-                    job.input.consumed(at - told);
-                    told = at;
+                if at - reported >= REPORT_STEP {
+                    job.input.consumed(at - reported);
+                    reported = at;
                 }
             }
-            job.input.consumed(at - told);
+            job.input.consumed(at - reported);
             job.advance(here as u64);
             Ok(lists)
         })
@@ -326,7 +327,7 @@ fn read_ragged(
     Ok(())
 }
 
-/// Decodes one instance and steps over it.
+/// Decodes one instance and moves past it.
 #[inline]
 fn walk_row(
     binary: &Binary,
@@ -363,7 +364,7 @@ fn walk_row(
         if plan.corners == Some(i) {
             lists.counts.push(length as u32);
             let end = at.saturating_add(length.saturating_mul(item.size()));
-            // One look at the bounds for the whole list; a list that is cut off goes on number by number.
+            // One bounds check for the whole list; a truncated list is read number by number.
             if let Some(items) = binary.bytes.get(*at..end) {
                 let before = lists.corners.len();
                 // Nearly every list is a single part.

@@ -1,12 +1,12 @@
-//! The two columns that nearly every binary file has, read without a detour over `f64`: points of three `f32`
-//! that stand together, and triangles of three 32-bit vertex numbers.
+//! The two columns that nearly every binary file has, read without conversion to `f64`: points of three contiguous
+//! `f32`, and triangles of three 32-bit vertex numbers.
 
 /// Twelve bytes at `offset` of every row, as three words.
 #[inline]
 fn words(rows: &[u8], stride: usize, offset: usize) -> impl Iterator<Item = [[u8; 4]; 3]> {
     rows.chunks_exact(stride).map(move |row| {
         let bytes: Option<&[u8; 12]> = row.get(offset..).and_then(|b| b.first_chunk());
-        // A row ends behind its last property, so it is never too short.
+        // The properties end inside the row, so it is never too short.
         let [a, b, c, d, e, f, g, h, i, j, k, l] = *bytes.unwrap_or(&[0; 12]);
         [[a, b, c, d], [e, f, g, h], [i, j, k, l]]
     })

@@ -1,4 +1,4 @@
-//! Faces and strips to triangles.
+//! Converts faces and strips to triangles.
 
 use rayon::prelude::*;
 
@@ -8,13 +8,13 @@ use crate::error::ReadError;
 use crate::mesh::MAX_ELEMENTS;
 use crate::polygon::Triangulator;
 
-/// Triangles and where they come from.
+/// Triangles and the faces they come from.
 #[derive(Debug, Default)]
 pub(super) struct Triangles {
     pub(super) list: Vec<[u32; 3]>,
     /// `None` where face i is triangle i.
     pub(super) face_of_triangle: Option<Vec<u32>>,
-    /// Faces of no corner, of one and of two.
+    /// Number of faces with no corner, with one and with two.
     pub(super) small: [u64; 3],
 }
 
@@ -74,8 +74,8 @@ fn triangulate(positions: &[[f32; 3]], lists: &Lists, first: u32) -> Piece {
     let mut points = Vec::new();
     let mut rest = lists.corners.as_slice();
     for (&count, face) in lists.counts.iter().zip(first..) {
-        let (corners, behind) = rest.split_at(rest.len().min(count as usize));
-        rest = behind;
+        let (corners, after) = rest.split_at(rest.len().min(count as usize));
+        rest = after;
         match *corners {
             [] | [_] | [_, _] => piece.small[corners.len()] += 1,
             [a, b, c] => piece.triangles.push([a, b, c]),
@@ -93,7 +93,7 @@ fn triangulate(positions: &[[f32; 3]], lists: &Lists, first: u32) -> Piece {
     piece
 }
 
-/// Pieces, one behind the other.
+/// Concatenates the pieces.
 fn joined<P: Send + Sync, T: Copy + Default + Send>(
     pieces: Vec<P>,
     of: impl Fn(&P) -> &[T] + Sync,
@@ -102,24 +102,24 @@ fn joined<P: Send + Sync, T: Copy + Default + Send>(
     let mut rest = all.as_mut_slice();
     let mut work = Vec::with_capacity(pieces.len());
     for piece in pieces {
-        let (here, behind) = std::mem::take(&mut rest).split_at_mut(of(&piece).len());
+        let (here, after) = std::mem::take(&mut rest).split_at_mut(of(&piece).len());
         work.push((here, piece));
-        rest = behind;
+        rest = after;
     }
     work.into_par_iter().for_each(|(here, piece)| here.copy_from_slice(of(&piece)));
     all
 }
 
-/// Adds the triangles of strips: every corner from the third on makes one with the two before it, every
-/// second one turned round. Triangles with a repeated corner only lead the strip on and are left out.
+/// Adds the triangles of strips: every corner from the third on makes one with the two before it, and every second
+/// one is reversed. Triangles with a repeated corner only continue the strip and are left out.
 pub(super) fn from_strips(job: &Job, table: &Table, list: &mut Vec<[u32; 3]>) -> Result<(), ReadError> {
     let corners: u64 = table.lists.iter().map(|l| l.corners.len() as u64).sum();
     job.reserve("triangles of strips", 12 * corners)?;
     for lists in &table.lists {
         let mut rest = lists.corners.as_slice();
         for &count in &lists.counts {
-            let (strips, behind) = rest.split_at(rest.len().min(count as usize));
-            rest = behind;
+            let (strips, after) = rest.split_at(rest.len().min(count as usize));
+            rest = after;
             for strip in strips.split(|&v| v == u32::MAX) {
                 for (i, corners) in strip.windows(3).enumerate() {
                     if let &[a, b, c] = corners

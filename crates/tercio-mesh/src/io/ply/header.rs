@@ -1,11 +1,11 @@
-//! The header: which elements follow, how many of each, and what one instance of each is made of.
+//! The header: which elements follow, how many instances of each, and the properties of an instance.
 
 use super::malformed;
 use crate::error::{Place, ReadError, counted, printable};
 use crate::io::input::Input;
 use crate::io::text::parse_integer;
 
-/// How the values behind the header are written.
+/// How the values after the header are written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Encoding {
     Ascii,
@@ -99,7 +99,7 @@ impl Element {
     /// The fewest bytes that an instance takes: with all lists empty.
     pub(super) fn least_bytes(&self, encoding: Encoding) -> u64 {
         let least = |p: &Property| match (encoding, p.shape) {
-            // One digit and what parts it from the next.
+            // One digit and a separator.
             (Encoding::Ascii, _) => 2,
             (_, Shape::One(scalar) | Shape::List { count: scalar, .. }) => scalar.size() as u64,
         };
@@ -114,19 +114,19 @@ pub(super) struct Header {
     pub(super) elements: Vec<Element>,
     /// Files of `comment TextureFile NAME`, as MeshLab writes them.
     pub(super) textures: Vec<String>,
-    /// Offset of the first byte behind the header.
+    /// Offset of the first byte after the header.
     pub(super) body: usize,
     /// Number of the line that begins there.
     pub(super) body_line: u64,
-    /// Lines end in a lone carriage return, as on the old Macintosh.
+    /// Lines end in a lone carriage return, as on the classic Mac OS.
     pub(super) carriage_returns: bool,
     pub(super) warnings: Vec<String>,
 }
 
-/// No line says anything behind so many bytes.
+/// What follows on a line after this many bytes is ignored.
 const LONGEST_LINE: usize = 1 << 16;
 
-/// Cuts off the line at the front of `bytes`; gives the line and where the next one begins.
+/// Cuts off the line at the front of `bytes`; returns the line and the offset of the next one.
 fn cut_line<'b>(input: &Input, bytes: &'b [u8], at: usize, line_end: u8) -> (&'b [u8], usize) {
     let rest = bytes.get(at..).unwrap_or_default();
     let end = input.position(rest, |b| b == line_end);
@@ -138,8 +138,8 @@ fn cut_line<'b>(input: &Input, bytes: &'b [u8], at: usize, line_end: u8) -> (&'b
 /// Reads the header.
 pub(super) fn parse(input: &Input, bytes: &[u8]) -> Result<Header, ReadError> {
     let file = input.name.as_str();
-    // The first line tells how lines end: the body of a binary file may begin with a byte that looks like
-    // the second half of CR LF.
+    // The first line determines how lines end: the body of a binary file may begin with a byte that looks like the
+    // second half of CR LF.
     let magic = input.position(bytes, |b| !b.is_ascii_whitespace()).unwrap_or(bytes.len());
     let first_end = bytes.iter().skip(magic).position(|&b| b == b'\r' || b == b'\n').map(|n| magic + n);
     let carriage_returns =
@@ -213,8 +213,7 @@ pub(super) fn parse(input: &Input, bytes: &[u8]) -> Result<Header, ReadError> {
                 element.properties.push(property);
             }
             b"end_header" => break,
-            // Some writers forget the word "comment". Behind a header without end_header stand bytes that
-            // are no text.
+            // Some writers forget the word "comment". After a header without end_header come bytes that are not text.
             _ if text.iter().all(|b| (b' '..0x7f).contains(b) || *b == b'\t') => unknown_lines += 1,
             other => {
                 return Err(malformed(file, place, "a header line or \"end_header\"", found_word(other)));
@@ -235,7 +234,7 @@ pub(super) fn parse(input: &Input, bytes: &[u8]) -> Result<Header, ReadError> {
     Ok(header)
 }
 
-/// The words behind "property"; the wrong word where there is one.
+/// The words after "property"; the wrong word if there is one.
 fn property<'a>(word: &mut impl FnMut() -> &'a [u8]) -> Result<Property, &'a [u8]> {
     let scalar = |name: &'a [u8]| Scalar::parse(name).ok_or(name);
     let first = word();

@@ -1,4 +1,4 @@
-//! Where the instances of an element stand in a binary file.
+//! Where the instances of an element are in a binary file.
 
 use rayon::prelude::*;
 
@@ -10,16 +10,16 @@ use crate::error::{Place, ReadError};
 /// Instances in one piece of work.
 pub(super) const BLOCK: usize = 8192;
 
-/// How far one goes before it is told that the file was read so far.
-pub(super) const TELL: usize = 1 << 16;
+/// Bytes between two reports of consumed input.
+pub(super) const REPORT_STEP: usize = 1 << 16;
 
-/// Where the instances stand.
+/// Where the instances are.
 #[derive(Debug)]
 pub(super) enum Layout {
     /// All take the same number of bytes, because they hold no lists or lists of one length each.
     Uniform {
         stride: usize,
-        /// Offset of each property in an instance; of lists, of their count.
+        /// Offset of each property in an instance; for a list, that of its length.
         offsets: Vec<usize>,
         /// Length of each property's list.
         lengths: Vec<usize>,
@@ -28,7 +28,7 @@ pub(super) enum Layout {
     Ragged { starts: Vec<usize> },
 }
 
-/// Finds the layout of `rows` instances from byte `at` on, and the byte behind the last of them.
+/// Finds the layout of `rows` instances from byte `at` on, and the offset after the last of them.
 pub(super) fn find(
     binary: &Binary,
     element: &Element,
@@ -100,7 +100,7 @@ pub(super) fn list_length(value: f64) -> Option<usize> {
     (f64::from(length) == value).then_some(length as usize)
 }
 
-/// Walks over the instances one by one. Only list lengths are looked at.
+/// Walks over the instances one by one. Only list lengths are read.
 fn scan(binary: &Binary, element: &Element, rows: usize, at: usize) -> Result<(Layout, usize), ReadError> {
     enum Step {
         Skip(usize),
@@ -114,15 +114,15 @@ fn scan(binary: &Binary, element: &Element, rows: usize, at: usize) -> Result<(L
             (Shape::List { count, item }, _) => steps.push(Step::List { count, item: item.size() }),
         }
     }
-    let (mut at, mut told) = (at, at);
+    let (mut at, mut reported) = (at, at);
     let mut starts = Vec::with_capacity(rows / BLOCK + 1);
     for row in 0..rows {
         if row % BLOCK == 0 {
             starts.push(at);
         }
-        if at - told >= TELL {
-            binary.input.consumed(at - told);
-            told = at;
+        if at - reported >= REPORT_STEP {
+            binary.input.consumed(at - reported);
+            reported = at;
         }
         let cut = |at, what: String| {
             let expected = format!("{what} of element {} {row}", element.name);

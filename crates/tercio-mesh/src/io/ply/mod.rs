@@ -1,11 +1,11 @@
 //! PLY, the Stanford polygon format: ASCII and binary of both byte orders.
 //!
-//! The header (`header`) declares elements, tables of numbers and lists. `plan` decides what of them is
-//! kept; `binary` and `ascii` read the kept part into tables of the mesh's own types (`table`);
-//! `assemble` makes triangles of faces and strips and puts the mesh together, which has to wait for the
-//! end because the elements may stand in any order.
+//! The header (`header`) declares elements: tables of numbers and lists. `plan` decides which of them are kept;
+//! `binary` and `ascii` read the kept ones into tables of the mesh's own types (`table`); `assemble` makes triangles
+//! of faces and strips and assembles the mesh, which has to wait for the end because the elements may come in any
+//! order.
 //!
-//! Source: G. Turk, "The PLY Polygon File Format" (1994), with the names of properties that are in use.
+//! Source: G. Turk, "The PLY Polygon File Format" (1994), with the property names in common use.
 
 mod ascii;
 mod assemble;
@@ -30,13 +30,13 @@ use crate::error::{Place, counted, printable};
 use header::Encoding;
 use plan::Role;
 
-/// Does the content look like this format?
+/// Does the content look like PLY?
 pub fn looks_like(input: &Input) -> bool {
     start(input).is_some()
 }
 
-/// Where the line "ply" begins, and what stands before it. Nothing should; a byte order mark, blank lines and one
-/// other line are read over.
+/// Where the line "ply" begins, and what precedes it. Nothing should; a byte order mark, blank lines and one other
+/// line are skipped.
 struct Start {
     at: usize,
     lines: u64,
@@ -57,7 +57,7 @@ fn start(input: &Input) -> Option<Start> {
         let length = text.iter().take(1 << 12).position(|b| matches!(b, b'\n' | b'\r'))?;
         let (line, rest) = text.split_at(length);
         text = without_space(rest);
-        // Without the line of the format, another text may well tell of PLY.
+        // Without the format line, any text may happen to have such a line.
         let second = without_space(text.get(3..).unwrap_or_default());
         if !is_magic(text) || !second.starts_with(b"format ") {
             return None;
@@ -74,22 +74,21 @@ fn start(input: &Input) -> Option<Start> {
     Some(Start { at, lines, warning })
 }
 
-/// Reads it.
+/// Reads PLY.
 ///
-/// Positions, normals, colours and texture coordinates are found by the usual property names; all other
-/// scalars of vertices and faces become attributes. Texture coordinates that stand at the corners of faces
-/// split the vertices at which they differ, so there may be more vertices than in the file; the copies
-/// stand behind the vertices of the file.
+/// Positions, normals, colours and texture coordinates are found by the usual property names; all other scalars of
+/// vertices and faces become attributes. Texture coordinates given at the corners of faces split the vertices at
+/// which they differ, so there may be more vertices than in the file; the copies come after the vertices of the file.
 ///
 /// # Errors
 /// Any [`ReadError`].
 pub fn read(input: &Input, options: &ReadOptions) -> Result<ReadModel, ReadError> {
     let Start { at, lines, warning } = start(input).unwrap_or(Start { at: 0, lines: 0, warning: None });
     let bytes = input.bytes().get(at..).unwrap_or_default();
-    read_from(input, bytes, options, warning).map_err(|error| error.behind(lines, at as u64))
+    read_from(input, bytes, options, warning).map_err(|error| error.shifted(lines, at as u64))
 }
 
-/// Reads what begins with the line "ply".
+/// Reads from the line "ply" on.
 fn read_from(
     input: &Input,
     mut bytes: &[u8],
@@ -99,7 +98,7 @@ fn read_from(
     let mut header = header::parse(input, bytes)?;
     header.warnings.splice(0..0, warning);
     if header.encoding == Encoding::Ascii {
-        // Zeros on the last line of a header that nothing follows are part of the header.
+        // If nothing follows the header, zeros on its last line are part of the header.
         let (before, body) = bytes.split_at(header.body);
         let text = input.unpadded(body);
         if text.len() < body.len() {
@@ -136,7 +135,7 @@ fn read_from(
     Ok(model)
 }
 
-/// One reading: what is read, and what it has cost and met so far.
+/// State of a reading: the input, the memory taken so far, and the warnings.
 #[derive(Debug)]
 struct Job<'a> {
     input: &'a Input,
@@ -155,7 +154,7 @@ impl Job<'_> {
         }
     }
 
-    /// Asks for memory before it is taken.
+    /// Checks the memory limit before memory is taken.
     fn reserve(&self, what: &str, bytes: u64) -> Result<(), ReadError> {
         let needed = self.held.load(Relaxed).saturating_add(bytes);
         self.options.check_memory(self.file, what, needed)?;

@@ -1,22 +1,22 @@
-//! What of an element is kept, and as what.
+//! Which properties of an element are kept, and as what.
 
 use super::header::{Element, Encoding, Header, Scalar, Shape};
 use super::malformed;
 use crate::error::{Place, ReadError, counted, expected_vertex};
 use crate::mesh::MAX_ELEMENTS;
 
-/// What an element is to the mesh.
+/// The role of an element in the mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Role {
     Vertices,
     Faces,
     /// Triangle strips; -1 begins a new one.
     Strips,
-    /// Read over.
+    /// Skipped.
     Skipped,
 }
 
-/// What scalar properties become.
+/// The meaning of scalar properties.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
     /// Positions that `f32` holds without loss.
@@ -45,14 +45,14 @@ impl Kind {
 pub(super) struct Field {
     pub(super) kind: Kind,
     pub(super) name: String,
-    /// Their places among the element's properties.
+    /// Their indices among the element's properties.
     pub(super) properties: Vec<usize>,
-    /// Makes a colour run from 0 to 255; 1 for all else.
+    /// Factor that scales a colour to 0 to 255; 1 for everything else.
     pub(super) scale: f64,
 }
 
 impl Field {
-    /// Values of one instance before its properties are filled in: the alpha of colours without one is opaque.
+    /// Values of one instance before its properties are filled in: a missing alpha is opaque.
     #[inline]
     pub(super) fn blank(&self) -> [f64; 4] {
         [0.0, 0.0, 0.0, 255.0 / self.scale]
@@ -65,19 +65,20 @@ pub(super) struct Plan {
     pub(super) role: Role,
     pub(super) rows: usize,
     pub(super) fields: Vec<Field>,
-    /// Place of the list of vertex numbers.
+    /// Index of the list of vertex numbers.
     pub(super) corners: Option<usize>,
-    /// Place of the list of texture coordinates, a pair a corner.
+    /// Index of the list of texture coordinates, a pair per corner.
     pub(super) wedges: Option<usize>,
-    /// Number of vertices, the bound of vertex numbers.
+    /// Number of vertices, the upper bound of vertex numbers.
     pub(super) vertices: u32,
 }
 
 impl Plan {
-    /// The vertex number that a value stands for; `u32::MAX` for the restart of a strip.
+    /// The vertex number of a value; `u32::MAX` for the restart of a strip.
     #[inline]
     pub(super) fn vertex(&self, value: f64) -> Option<u32> {
-        // The cast saturates, so what is negative, fractional, NaN or too large does not come back equal.
+        // The cast saturates, so a negative, fractional, NaN or too large value does not compare equal after the
+        // conversion back.
         let number = value as u32;
         if f64::from(number) == value && number < self.vertices {
             Some(number)
@@ -88,7 +89,7 @@ impl Plan {
         }
     }
 
-    /// Names what [`Plan::vertex`] takes, for errors.
+    /// Describes the vertex numbers that [`Plan::vertex`] accepts, for errors.
     pub(super) fn expected_vertex(&self) -> String {
         expected_vertex(self.vertices.into())
     }
@@ -118,7 +119,7 @@ pub(super) fn make(
     let vertices = header.elements.iter().find(|e| e.name == "vertex").map_or(0, |e| e.count);
     let mut left = (bytes.len() - header.body) as u64;
     if header.encoding == Encoding::Ascii {
-        // The last number needs nothing behind it.
+        // The last number needs no separator after it.
         left += 1;
     }
     let mut plans: Vec<Plan> = Vec::new();
@@ -156,7 +157,7 @@ pub(super) fn make(
         }
         let mut plan = Plan {
             role,
-            // Bounded by the bytes left, so it fits; instances of no bytes are nothing to walk over.
+            // Bounded by the bytes left, so it fits; instances without bytes need no rows.
             rows: if least == 0 { 0 } else { element.count as usize },
             fields: Vec::new(),
             corners: None,
@@ -173,7 +174,7 @@ pub(super) fn make(
             Role::Strips => plan.corners = element.list(&INDEX_LISTS),
             // Edges are counted as ignored lines.
             Role::Skipped if element.name != "edge" && element.count > 0 => {
-                elements.tell(warnings, || {
+                elements.warn(warnings, || {
                     format!("ignored {} of element {}", counted(element.count, "instance"), element.name)
                 });
             }
@@ -187,7 +188,7 @@ pub(super) fn make(
             for (i, property) in element.properties.iter().enumerate() {
                 let kept = plan.corners == Some(i) || plan.wedges == Some(i);
                 if matches!(property.shape, Shape::List { .. }) && !kept {
-                    lists.tell(warnings, || {
+                    lists.warn(warnings, || {
                         format!("the list property {} of {} is ignored", property.name, element.name)
                     });
                 }
@@ -230,7 +231,7 @@ fn face_fields(element: &Element) -> Vec<Field> {
     fields
 }
 
-/// The properties of these names, if the first `needed` of them are there.
+/// The properties of these names, if the first `needed` of them exist.
 fn field(element: &Element, kind: Kind, names: &[&str], needed: usize) -> Option<Field> {
     let found: Vec<usize> =
         names.iter().map_while(|name| element.scalar(name)).map(|(index, _)| index).collect();
@@ -249,7 +250,7 @@ fn colors(element: &Element) -> Option<Field> {
     Some(colors)
 }
 
-/// Keeps every scalar that has no meaning of its own as an attribute.
+/// Keeps every scalar that has no other meaning as an attribute.
 fn add_attributes(element: &Element, fields: &mut Vec<Field>) {
     let mut used = vec![false; element.properties.len()];
     for &i in fields.iter().flat_map(|f| &f.properties) {
@@ -265,7 +266,7 @@ fn add_attributes(element: &Element, fields: &mut Vec<Field>) {
     }
 }
 
-/// What is left out and told of: the first few by name, the others as a number.
+/// Warnings about ignored items: the first few by name, the others as a number.
 #[derive(Default)]
 struct Ignored {
     told: usize,
@@ -273,7 +274,7 @@ struct Ignored {
 }
 
 impl Ignored {
-    fn tell(&mut self, warnings: &mut Vec<String>, text: impl FnOnce() -> String) {
+    fn warn(&mut self, warnings: &mut Vec<String>, text: impl FnOnce() -> String) {
         const MOST: usize = 8;
         if self.told < MOST {
             self.told += 1;

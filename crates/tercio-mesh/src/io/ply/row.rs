@@ -7,26 +7,26 @@ use super::table::Lists;
 use crate::error::{Place, ReadError};
 use crate::io::text::Cursor;
 
-/// What parts the instances of an element.
+/// What separates the instances of an element.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Spacing {
-    /// Any white space parts numbers, as the format is defined.
+    /// Any white space separates numbers, as the format is defined.
     Free,
-    /// Every instance begins and ends with a line, exactly.
+    /// Every instance is exactly one line.
     Strict,
-    /// Every instance begins with a line; more on the line is left out, and lists that nobody needs may
-    /// be missing at its end.
+    /// Every instance begins with a line; surplus on the line is ignored, and unneeded lists may be missing at its
+    /// end.
     Lenient,
 }
 
 /// Why an instance could not be read.
 #[derive(Debug)]
 pub(super) enum Trouble {
-    /// The line is over before the instance, which is allowed under another [`Spacing`].
+    /// The line ends before the instance does, which is allowed with another [`Spacing`].
     Short(ReadError),
-    /// The line holds more than the instance, also allowed under another.
+    /// The line holds more than the instance, which is also allowed with another [`Spacing`].
     Surplus(ReadError),
-    /// Wrong under any spacing.
+    /// Wrong with any spacing.
     Wrong(ReadError),
 }
 
@@ -68,12 +68,12 @@ impl<'a> Row<'a> {
         Self { file, element, plan, spacing, steps }
     }
 
-    /// Properties of an instance.
+    /// Number of properties of an instance.
     pub(super) fn width(&self) -> usize {
         self.steps.len()
     }
 
-    /// Parses one instance; its scalars go to `values`, one a property, its lists behind `lists`.
+    /// Parses one instance; its scalars are written to `values`, one per property, its lists are appended to `lists`.
     #[inline]
     pub(super) fn parse(
         &self,
@@ -128,7 +128,7 @@ impl<'a> Row<'a> {
         let mut ahead = cursor.clone();
         let length = ahead.integer().and_then(|n| u32::try_from(n).ok());
         let length = length.ok_or_else(|| self.trouble(cursor, "a list length", row, property))?;
-        // Every number takes a digit and something that parts it from the one before.
+        // Every number takes a digit and a separator.
         let left = ahead.rest().len() / 2;
         if length as usize > left {
             let expected = format!("{length} numbers for {}", self.name(row, property));
@@ -146,7 +146,7 @@ impl<'a> Row<'a> {
         }
         let before = cursor.clone();
         if !float && self.plan.role == Role::Faces {
-            // The usual case, kept short.
+            // The usual case, a fast path.
             if let Some(number) = cursor.integer().and_then(|n| u32::try_from(n).ok())
                 && number < self.plan.vertices
             {
@@ -179,10 +179,10 @@ impl<'a> Row<'a> {
         }
     }
 
-    /// The error for more on the line than the instance takes.
+    /// The error that a line holds more than the instance.
     #[cold]
     pub(super) fn surplus(&self, cursor: &Cursor, row: usize) -> Trouble {
-        let expected = format!("the end of the line behind element {} {row}", self.element.name);
+        let expected = format!("the end of the line after element {} {row}", self.element.name);
         Trouble::Surplus(cursor.expected(self.file, expected))
     }
 }

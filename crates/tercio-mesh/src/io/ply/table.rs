@@ -1,4 +1,4 @@
-//! Where the kept values of an element go: arrays in the mesh's own types, filled in pieces by many threads.
+//! Where the kept values of an element are stored: arrays in the mesh's own types, filled in pieces by many threads.
 
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
@@ -11,13 +11,13 @@ pub(super) enum Column {
     Points32(Vec<[f32; 3]>),
     Points64(Vec<[f64; 3]>),
     Normals(Vec<OctNormal>),
-    /// And how many of them are not finite in the file.
+    /// And the number of those that are not finite in the file.
     Colors(Vec<[u8; 4]>, AtomicU64),
     Texcoords(Vec<[f32; 2]>),
     Attribute(Vec<f32>),
 }
 
-/// A stretch of a [`Column`] to be filled.
+/// A part of a [`Column`] to be filled.
 #[derive(Debug)]
 pub(super) enum Slots<'a> {
     Points32(&'a mut [[f32; 3]]),
@@ -52,7 +52,7 @@ impl Column {
     }
 }
 
-/// The first `rows` of a slice that shrinks by them.
+/// Splits the first `rows` off a slice.
 fn front<'a, T>(slice: &mut &'a mut [T], rows: usize) -> &'a mut [T] {
     let whole = std::mem::take(slice);
     let (head, tail) = whole.split_at_mut(rows.min(whole.len()));
@@ -61,7 +61,7 @@ fn front<'a, T>(slice: &mut &'a mut [T], rows: usize) -> &'a mut [T] {
 }
 
 impl<'a> Slots<'a> {
-    /// Cuts off the first `rows`.
+    /// Splits off the first `rows`.
     pub(super) fn take_front(&mut self, rows: usize) -> Slots<'a> {
         match self {
             Self::Points32(s) => Slots::Points32(front(s, rows)),
@@ -73,7 +73,7 @@ impl<'a> Slots<'a> {
         }
     }
 
-    /// Fills rows from `first` on with the values that `values` makes.
+    /// Fills rows from `first` on with the results of `values`.
     #[inline]
     pub(super) fn fill(&mut self, first: usize, rows: usize, scale: f64, values: impl Fn(usize) -> [f64; 4]) {
         fn each<T>(slots: &mut [T], first: usize, rows: usize, value: impl Fn(usize) -> T) {
@@ -90,14 +90,14 @@ impl<'a> Slots<'a> {
                 let [x, y, z, _] = values(i);
                 OctNormal::from_vector([x, y, z])
             }),
-            // The cast saturates. Only floats are scaled up, and only they can be other than finite.
+            // The cast saturates. Only floats are scaled up, and only they can be non-finite.
             Self::Colors(s, broken) if scale > 1.0 => each(s, first, rows, |i| {
                 let color = values(i);
                 match color.iter().all(|v| v.is_finite()) {
                     true => color.map(|v| (v * scale + 0.5) as u8),
                     false => {
                         broken.fetch_add(1, Relaxed);
-                        mended(color, scale)
+                        replaced(color, scale)
                     }
                 }
             }),
@@ -111,9 +111,9 @@ impl<'a> Slots<'a> {
     }
 }
 
-/// A colour with a channel that is not finite: white, but with its alpha; and opaque, if it is the alpha.
+/// A colour with a non-finite channel becomes white but keeps its alpha; a non-finite alpha becomes opaque.
 #[cold]
-fn mended([r, g, b, a]: [f64; 4], scale: f64) -> [u8; 4] {
+fn replaced([r, g, b, a]: [f64; 4], scale: f64) -> [u8; 4] {
     let byte = |v: f64| (v * scale + 0.5) as u8;
     let color = if [r, g, b].iter().all(|v| v.is_finite()) { [r, g, b].map(byte) } else { [255; 3] };
     let alpha = if a.is_finite() { byte(a) } else { 255 };
@@ -125,13 +125,13 @@ fn narrow([x, y, z, _]: [f64; 4]) -> [f32; 3] {
     [x as f32, y as f32, z as f32]
 }
 
-/// Lists of some rows, one behind the other.
+/// Lists of some rows, one after the other.
 #[derive(Debug, Default)]
 pub(super) struct Lists {
     /// Corners of each row.
     pub(super) counts: Vec<u32>,
     pub(super) corners: Vec<u32>,
-    /// Numbers in each row's list of texture coordinates.
+    /// Number of texture-coordinate values of each row.
     pub(super) wedge_counts: Vec<u32>,
     pub(super) wedges: Vec<f32>,
 }
@@ -140,7 +140,7 @@ pub(super) struct Lists {
 #[derive(Debug, Default)]
 pub(super) struct Table {
     pub(super) columns: Vec<Column>,
-    /// Where every face is a triangle and that was known beforehand; `lists` is empty then.
+    /// If every face is a triangle and that was known in advance; `lists` is empty then.
     pub(super) triangles: Option<Vec<[u32; 3]>>,
     /// Lists in pieces, in the order of the rows.
     pub(super) lists: Vec<Lists>,
@@ -159,7 +159,7 @@ impl Table {
     }
 }
 
-/// Writes one instance, given as one value a property.
+/// Writes one instance, given as one value per property.
 #[inline]
 pub(super) fn put_row(plan: &Plan, slots: &mut [Slots], row: usize, values: &[f64]) {
     for (field, slots) in plan.fields.iter().zip(slots) {

@@ -1,4 +1,4 @@
-//! Texture coordinates that stand at the corners of faces instead of at the vertices.
+//! Texture coordinates given at the corners of faces instead of at the vertices.
 
 use std::collections::HashMap;
 
@@ -8,28 +8,28 @@ use crate::mesh::MAX_ELEMENTS;
 /// Texture coordinates moved to the vertices.
 #[derive(Debug)]
 pub(super) struct Split {
-    /// One pair a vertex; the vertices of the file, then the copies.
+    /// One pair per vertex; the vertices of the file, then the copies.
     pub(super) texcoords: Vec<[f32; 2]>,
     /// The vertex that each copy repeats.
     pub(super) copied: Vec<u32>,
-    /// Faces whose list is not a pair a corner; their corners lie at (0, 0).
+    /// Faces whose list does not have a pair per corner; their corners get (0, 0).
     pub(super) faces_without: u64,
 }
 
 const NONE: u32 = u32::MAX;
 
-/// Copies of one vertex beyond this many are looked up by hash, so that a vertex at which all faces disagree does not
-/// take quadratic time.
+/// Copies of one vertex after the first `CHAIN` are looked up by hash, so that a vertex at which all faces disagree
+/// does not take quadratic time.
 const CHAIN: usize = 32;
 
-/// Gives every vertex one pair of texture coordinates: a vertex at which faces disagree is copied, and the
-/// faces' corners are turned to the copies. `None` if there would be too many vertices.
+/// Gives every vertex one pair of texture coordinates: a vertex at which faces disagree is copied, and the faces'
+/// corners are changed to the copies. `None` if there would be too many vertices.
 pub(super) fn split(lists: &mut [Lists], vertices: usize) -> Option<Split> {
     let mut texcoords = vec![[f32::NAN; 2]; vertices];
     // The next copy of the same vertex.
     let mut next = vec![NONE; vertices];
     let mut copied = Vec::new();
-    // Copies that are in no chain, by the vertex of the file and the bits of the pair, of which zero has one sign only.
+    // Copies that are in no chain, by the vertex of the file and the bits of the pair, with -0 stored as 0.
     let mut others: HashMap<(u32, [u32; 2]), u32> = HashMap::new();
     let mut faces_without = 0;
     for lists in lists {
@@ -100,7 +100,8 @@ mod tests {
             counts: vec![3; faces as usize],
             corners: (0..faces).flat_map(|_| [0, 1, 2]).collect(),
             wedge_counts: vec![6; faces as usize],
-            // The first vertex has another pair in each face of the first half, and these again in the second.
+            // The first vertex has a different pair in each face of the first half, and the same pairs again in the
+            // second.
             wedges: (0..faces).flat_map(|i| [(i % (faces / 2)) as f32, -0.0, 0.0, 0.0, -0.0, 1.0]).collect(),
         }];
         let split = split(&mut lists, 3).expect("room for all");

@@ -1,17 +1,17 @@
-//! Whether the clusters of a file are what a renderer relies on.
+//! Checks that the clusters of a file have the properties that a renderer relies on.
 
 use rayon::prelude::*;
 
 use super::format::Kind;
 use crate::cluster::{Cluster, ClusterView, ClusteredMesh, Layout, Line, MAX_TRIANGLES, MAX_VERTICES};
 
-/// The part that is wrong, what was expected in it, what stands there.
+/// The wrong part, what was expected in it, what was found.
 pub type Wrong = (Kind, String, String);
 
-/// Exponents with which the unit of a mesh is a normal number with room to calculate.
+/// Exponents for which the unit of a mesh is a normal number with room for calculations.
 const EXPONENTS: std::ops::RangeInclusive<i32> = -300..=300;
 
-/// Are the arrays as long as the heads say, and do the stretches follow each other?
+/// Are the arrays as long as the heads say, and are the clusters contiguous?
 pub fn sizes(mesh: &ClusteredMesh) -> Result<(), Wrong> {
     let wrong = |kind, expected: String, found: String| Err((kind, expected, found));
     if !mesh.origin.is_finite() || !EXPONENTS.contains(&mesh.exponent) {
@@ -56,7 +56,7 @@ pub fn sizes(mesh: &ClusteredMesh) -> Result<(), Wrong> {
     }
 }
 
-/// Does every stretch begin with its head, do the vertices lie in the box, do corners and primitives exist?
+/// Does every cluster's memory begin with its head, are the vertices inside the box, do corners and primitives exist?
 pub fn clusters(mesh: &ClusteredMesh) -> Result<(), Wrong> {
     let triangles = mesh.clusters.iter().map(|head| u64::from(head.triangles)).sum();
     let wrong = |number: usize, expected: &str| {
@@ -67,7 +67,7 @@ pub fn clusters(mesh: &ClusteredMesh) -> Result<(), Wrong> {
     })
 }
 
-/// Says what is wrong with a cluster, if anything is.
+/// Describes what is wrong with a cluster, if anything is.
 fn cluster(view: &ClusterView, head: &Cluster, triangles: u64) -> Result<(), &'static str> {
     let line = view.first_line()[0];
     if line.0[..size_of::<Cluster>()] != *bytemuck::bytes_of(head)

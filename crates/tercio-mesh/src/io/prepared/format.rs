@@ -1,4 +1,4 @@
-//! What stands where in a file.
+//! The layout of a file.
 
 use bytemuck::{Pod, Zeroable};
 use serde::{Deserialize, Serialize};
@@ -6,31 +6,31 @@ use serde::{Deserialize, Serialize};
 use crate::FileMaterial;
 use crate::cluster::{ClusteredMesh, Layout, Line};
 
-/// The first bytes. As in PNG, they show when a transfer has changed bytes above 127 or line ends.
+/// The first bytes. As in PNG, they reveal transfers that changed bytes above 127 or line ends.
 pub const MAGIC: [u8; 12] = *b"\x89TERCIO\r\n\x1a\n\0";
 
-/// What the layout of the file and of the clusters in it is called. A reader reads its own version only: a file is made
-/// again in about the time that a conversion would take.
+/// Version of the layout of the file and of the clusters in it. A reader accepts only its own version: making a file
+/// again takes about as long as converting it.
 pub const VERSION: u32 = 1;
 
-/// Parts begin at multiples of this: with the map of the file, which begins with a page, lines are aligned.
+/// Parts begin at multiples of this: as a mapping begins at a page boundary, lines are aligned in it.
 pub const ALIGNMENT: u64 = Line::BYTES as u64;
 
-/// What a part holds, in the order in which the parts stand.
+/// The kinds of parts, in the order of the file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(usize)]
 pub enum Kind {
     /// [`Description`] as JSON.
     Description,
-    /// Whatever the program that made the file says about it.
+    /// Arbitrary information from the program that made the file.
     About,
     /// A [`Cluster`](crate::cluster::Cluster) for each cluster.
     Heads,
-    /// The number of each cluster's first line, and the end of the last one: 32 bits each.
+    /// The first line of each cluster, and the end of the last cluster: 32 bits each.
     Starts,
     /// The input face of each primitive, 32 bits each; empty where face i is primitive i.
     Faces,
-    /// The stretches of the clusters.
+    /// The memory of the clusters.
     Lines,
 }
 
@@ -39,7 +39,7 @@ impl Kind {
     pub const ALL: [Self; 6] =
         [Self::Description, Self::About, Self::Heads, Self::Starts, Self::Faces, Self::Lines];
 
-    /// What messages call it.
+    /// The name in messages.
     pub fn name(self) -> &'static str {
         match self {
             Self::Description => "description",
@@ -81,11 +81,11 @@ pub struct Header {
 }
 
 impl Header {
-    /// Bytes of the header that its checksum is of.
+    /// Number of bytes of the header that its checksum covers.
     pub const CHECKED: usize = size_of::<Self>() - size_of::<u64>();
 }
 
-/// What describes the mesh beside its arrays.
+/// Description of the mesh, apart from its arrays.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Description {
@@ -93,14 +93,14 @@ pub struct Description {
     pub origin: [f64; 3],
     /// [`ClusteredMesh::exponent`].
     pub exponent: i32,
-    /// What the clusters hold.
+    /// What the clusters store.
     pub layout: Layout,
     /// [`ClusteredMesh::materials`].
     pub materials: Vec<FileMaterial>,
 }
 
 impl Description {
-    /// Of a mesh.
+    /// The description of a mesh.
     pub fn of(mesh: &ClusteredMesh) -> Self {
         Self {
             origin: mesh.origin.to_array(),

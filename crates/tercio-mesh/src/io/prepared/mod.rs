@@ -1,10 +1,11 @@
-//! Prepared models: a clustered mesh in a file, as it lies in memory, so that it is mapped and drawn at once.
+//! Prepared models: a clustered mesh in a file, laid out as in memory, so that it can be mapped and drawn
+//! immediately.
 //!
-//! All numbers are little-endian. The file begins with a [`Header`](format::Header), then follow its parts, each from a
-//! multiple of [`format::ALIGNMENT`] bytes on, in the order of [`format::Kind`]. Every part has a checksum, which is
-//! verified before anything of the part is used ([`checksum`]); [`check`] then finds out whether the clusters are what a
-//! renderer relies on. What a file that was made on purpose with right checksums can do is show a wrong picture: bounds
-//! and normal cones are not computed again.
+//! All numbers are little-endian. The file begins with a [`Header`](format::Header), followed by its parts, each from
+//! a multiple of [`format::ALIGNMENT`] bytes on, in the order of [`format::Kind`]. Every part has a checksum, which
+//! is verified before anything of the part is used ([`checksum`]); then [`check`] verifies the properties of the
+//! clusters that a renderer relies on. The most that a forged file with correct checksums can do is to show a wrong
+//! picture: bounds and normal cones are not recomputed.
 
 mod check;
 mod checksum;

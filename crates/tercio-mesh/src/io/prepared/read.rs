@@ -15,26 +15,26 @@ use crate::error::{Place, printable};
 use crate::io::ReadOptions;
 use crate::io::input::Input;
 
-/// A mesh from a file, and what the program that made the file said about it.
+/// A mesh from a file, and the information that the program that made the file stored with it.
 #[derive(Clone, Debug)]
 pub struct Prepared {
     /// The mesh.
     pub mesh: ClusteredMesh,
-    /// What was given to [`super::write`].
+    /// The `about` bytes given to [`super::write`].
     pub about: Vec<u8>,
 }
 
 /// Does a file begin like a prepared model?
 pub fn is_prepared(bytes: &[u8]) -> bool {
-    // Also if line ends were changed, so that it can be said.
+    // Also true if line ends were changed, so that the error can say so.
     bytes.starts_with(&MAGIC[..7])
 }
 
-/// Reads a prepared model. From a mapped file nothing is copied: the mesh keeps the map, and its pages do not count as
-/// memory that is taken. Content from anywhere else is copied.
+/// Reads a prepared model. From a mapped file nothing is copied: the mesh keeps the map, and its pages do not count
+/// as memory taken. Other content is copied.
 ///
 /// # Errors
-/// A file that is not a prepared model of this version, that was shortened or altered, or whose copy would be over the
+/// A file that is not a prepared model of this version, that was shortened or altered, or whose copy would exceed the
 /// memory limit.
 pub fn read(input: &Input, options: &ReadOptions) -> Result<Prepared, ReadError> {
     let file = File { name: &input.name, bytes: input.bytes(), map: input.map() };
@@ -76,7 +76,7 @@ pub fn read(input: &Input, options: &ReadOptions) -> Result<Prepared, ReadError>
     Ok(Prepared { mesh, about: file.bytes[part(Kind::About).clone()].to_vec() })
 }
 
-/// A file that is read.
+/// A file that is being read.
 struct File<'a> {
     name: &'a str,
     bytes: &'a [u8],
@@ -93,7 +93,7 @@ impl File<'_> {
         }
     }
 
-    /// The header, if it is one that was written by this version and says how long the file is.
+    /// The header, if it was written by this version and the file has the length that it states.
     fn header(&self) -> Result<Header, ReadError> {
         if cfg!(target_endian = "big") {
             let what = "a prepared model on a big-endian machine".into();

@@ -1,4 +1,4 @@
-//! What is written is read again; what was shortened or altered is refused.
+//! What was written is read back; files that were shortened or altered are rejected.
 
 use super::format::{Header, Kind};
 use super::*;
@@ -66,7 +66,7 @@ fn same(a: &ClusteredMesh, b: &ClusteredMesh) -> bool {
 }
 
 #[test]
-fn what_is_written_is_read_again() {
+fn what_was_written_is_read_back() {
     for mesh in [mesh(), builtin::make("builtin:sphere@500").expect("a model"), Mesh::default()] {
         let mesh = partition(mesh, &PartitionOptions::default());
         let bytes = bytes_of(&mesh);
@@ -87,7 +87,7 @@ fn what_is_written_is_read_again() {
 }
 
 #[test]
-fn every_shortened_file_is_refused() {
+fn every_shortened_file_is_rejected() {
     let bytes = bytes_of(&partition(
         builtin::make("builtin:sphere@100").expect("a model"),
         &PartitionOptions::default(),
@@ -101,7 +101,7 @@ fn every_shortened_file_is_refused() {
 }
 
 #[test]
-fn every_altered_byte_of_a_part_is_noticed() {
+fn every_altered_byte_of_a_part_is_detected() {
     let bytes = bytes_of(&partition(mesh(), &PartitionOptions::default()));
     let header: Header = bytemuck::pod_read_unaligned(&bytes[..size_of::<Header>()]);
     let places =
@@ -118,7 +118,7 @@ fn every_altered_byte_of_a_part_is_noticed() {
     }
 }
 
-/// Changes a part and makes its checksum and that of the header right again.
+/// Changes a part, and updates its checksum and that of the header.
 fn forge(bytes: &[u8], kind: Kind, change: impl FnOnce(&mut [u8])) -> Vec<u8> {
     let mut bytes = bytes.to_vec();
     let mut header: Header = bytemuck::pod_read_unaligned(&bytes[..size_of::<Header>()]);
@@ -132,7 +132,7 @@ fn forge(bytes: &[u8], kind: Kind, change: impl FnOnce(&mut [u8])) -> Vec<u8> {
 }
 
 #[test]
-fn forged_clusters_are_refused() {
+fn forged_clusters_are_rejected() {
     let mesh = partition(mesh(), &PartitionOptions::default());
     let bytes = bytes_of(&mesh);
     let corner = 64 + 4 * 4 * mesh.clusters()[0].vertices.next_multiple_of(16) as usize;
@@ -154,7 +154,7 @@ fn forged_clusters_are_refused() {
 }
 
 #[test]
-fn other_versions_and_transfers_as_text_are_told() {
+fn other_versions_and_transfers_as_text_are_reported() {
     let bytes = bytes_of(&ClusteredMesh::default());
     let mut newer = bytes.clone();
     newer[12] = 9;

@@ -1,4 +1,4 @@
-//! Writing.
+//! Writes prepared models.
 
 use std::io::{self, Write};
 
@@ -6,10 +6,10 @@ use super::checksum;
 use super::format::{ALIGNMENT, Description, Header, Kind, MAGIC, Part, VERSION};
 use crate::cluster::ClusteredMesh;
 
-/// Writes a mesh; `about` is what the program has to say about it, any bytes.
+/// Writes a mesh; `about` is arbitrary information from the program.
 ///
 /// # Errors
-/// What `out` says; on a big-endian machine, that there are none of its files.
+/// Errors of `out`; on a big-endian machine always, as there is no format for it.
 pub fn write(mesh: &ClusteredMesh, about: &[u8], out: &mut (impl Write + ?Sized)) -> io::Result<()> {
     if cfg!(target_endian = "big") {
         return Err(io::Error::new(

@@ -1,4 +1,4 @@
-//! Formats known by bytes that are no text and so stand in no header of a model.
+//! Formats recognised by bytes that are not text and so do not occur in the header of a model.
 
 /// Offset, bytes, name.
 #[rustfmt::skip]
@@ -61,23 +61,23 @@ const MAGIC: &[(usize, &[u8], &str)] = &[
     (0, b"!<arch>\n", "a library (ar archive)"),
 ];
 
-/// The name of the format, in words that go behind "this is".
+/// The name of the format, to follow "this is".
 pub(super) fn name(bytes: &[u8]) -> Option<String> {
-    let stands = |at: usize, word: &[u8]| bytes.get(at..).is_some_and(|rest| rest.starts_with(word));
+    let has = |at: usize, word: &[u8]| bytes.get(at..).is_some_and(|rest| rest.starts_with(word));
     let word = |at: usize| bytes.get(at..)?.first_chunk().copied().map(u32::from_le_bytes);
-    if stands(0, b"PK\x03\x04") {
+    if has(0, b"PK\x03\x04") {
         return Some(zip(bytes).into());
     }
-    if let Some((.., name)) = MAGIC.iter().find(|(at, word, _)| stands(*at, word)) {
+    if let Some((.., name)) = MAGIC.iter().find(|(at, word, _)| has(*at, word)) {
         return Some((*name).into());
     }
     let length = u32::try_from(bytes.len()).ok();
-    // Two letters are too few, so the length that stands behind them has to be right, too.
-    let name = if stands(0, b"BM") && length.is_some() && word(2) == length {
+    // Two letters are too little evidence, so the length that follows them has to be right, too.
+    let name = if has(0, b"BM") && length.is_some() && word(2) == length {
         "a BMP picture"
-    } else if stands(0, b"MM") && length.is_some() && word(2) == length {
+    } else if has(0, b"MM") && length.is_some() && word(2) == length {
         "a 3DS scene"
-    } else if stands(0, b"MZ") && word(60).is_some_and(|at| stands(at as usize, b"PE\0\0")) {
+    } else if has(0, b"MZ") && word(60).is_some_and(|at| has(at as usize, b"PE\0\0")) {
         "a program (Windows)"
     } else {
         return None;
@@ -85,7 +85,7 @@ pub(super) fn name(bytes: &[u8]) -> Option<String> {
     Some(name.into())
 }
 
-/// Several model formats are ZIP archives inside; the names of their files stand uncompressed.
+/// Several model formats are ZIP archives; the names of the files inside are not compressed.
 fn zip(bytes: &[u8]) -> &'static str {
     let front = bytes.get(..4096).unwrap_or(bytes);
     let names = |word: &[u8]| front.windows(word.len()).any(|w| w == word);

@@ -1,16 +1,16 @@
-//! What a file is, found by content alone.
+//! Detects the format of a file by its content alone.
 //!
-//! The law: a file of another kind is never taken for a model, and a model is not refused for what somebody put
-//! round it. So each format asks for evidence over more than its first bytes ([`super::stl`] looks at facets,
-//! [`super::obj`] at statements), and a byte order mark, blank lines, one line too many in front, and zeros at
-//! the end are read over with a warning.
+//! The rule: a file of another kind is never taken for a model, and a model is not rejected for what somebody put
+//! around it. So each format requires evidence from more than its first bytes ([`super::stl`] examines facets,
+//! [`super::obj`] statements), and a byte order mark, blank lines, one extra line in front, and zeros at the end are
+//! skipped with a warning.
 //!
-//! The header of a binary STL file may hold anything, also what other formats begin with. So a file of exactly the
-//! facets that it counts is STL before anything else is asked.
+//! The header of a binary STL file may hold anything, including the signatures of other formats. So a file that
+//! consists of exactly the facets that it counts is STL before any other test.
 //!
-//! Formats that are known but not read are named in the error. `magic` knows them by bytes that no text holds, so it is
-//! asked before the readers; `words` knows them by what could as well be the name in the header of a binary STL file
-//! with a wrong count, so it is asked last.
+//! Formats that are known but not read are named in the error. `magic` recognises them by bytes that no text holds,
+//! so it is tried before the readers; `words` recognises them by words that could also be the name in the header of a
+//! binary STL file with a wrong count, so it is tried last.
 
 mod magic;
 #[cfg(test)]
@@ -22,7 +22,7 @@ use super::{Format, obj, off, ply, stl};
 use crate::ReadError;
 use crate::error::printable;
 
-/// Finds the format; `None` for a file that is not read.
+/// Detects the format; `None` for a file that is not supported.
 pub fn sniff(input: &Input) -> Option<Format> {
     let bytes = input.bytes();
     if stl::is_beyond_doubt(input) {
@@ -42,12 +42,12 @@ pub fn sniff(input: &Input) -> Option<Format> {
     }
 }
 
-/// Says of a file that is not read what it is.
+/// The error that says what an unsupported file is.
 pub(super) fn refusal(input: &Input) -> ReadError {
     let bytes = input.bytes();
     let file = input.name.clone();
     if bytes.is_empty() {
-        let what = if input.file_bytes == 0 { "" } else { ": nothing stands in the gzip data" };
+        let what = if input.file_bytes == 0 { "" } else { ": the gzip data holds nothing" };
         return ReadError::Empty { file, what };
     }
     let known = magic::name(bytes).or_else(|| words::comment_name(bytes)).or_else(|| words::name(bytes));
@@ -60,7 +60,7 @@ pub(super) fn refusal(input: &Input) -> ReadError {
     ReadError::UnknownFormat { file, begins: printable(&bytes[..bytes.len().min(24)]) }
 }
 
-/// What a file holds that says nothing.
+/// What a file without any information holds.
 fn nothing_but(input: &Input) -> Option<&'static str> {
     if obj::transcode::without_mark(input.bytes()).is_some_and(<[u8]>::is_empty) {
         Some("a byte order mark")

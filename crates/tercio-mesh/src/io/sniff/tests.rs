@@ -12,7 +12,7 @@ fn try_read(bytes: &[u8]) -> Result<ReadModel, ReadError> {
     read_input(&Input::from_bytes("a", bytes.to_vec(), &options)?, &options)
 }
 
-fn refused(bytes: &[u8]) -> String {
+fn rejected(bytes: &[u8]) -> String {
     match try_read(bytes) {
         Err(error) => error.to_string(),
         Ok(model) => panic!("{:?} was read: {:?}", bytes.escape_ascii().to_string(), model.report),
@@ -82,15 +82,15 @@ fn good_models_are_read_without_a_warning() {
 }
 
 #[test]
-fn what_stands_round_a_model_is_read_over_with_a_warning() {
+fn what_surrounds_a_model_is_skipped_with_a_warning() {
     for (format, bytes) in models() {
-        let put = |before: &[u8], behind: &[u8]| [before, &bytes, behind].concat();
+        let put = |before: &[u8], after: &[u8]| [before, &bytes, after].concat();
         let packed = gzip(&bytes);
         let mut odd = vec![
             (put(b"", &[0; 1000]), "1000 zero bytes"),
             (put(b"", &[0]), "1 zero byte"),
-            ([&packed[..], &[0; 512]].concat(), "ignored 512 zero bytes behind the gzip data"),
-            ([&packed[..], b"garbage"].concat(), "ignored 7 bytes behind the gzip data"),
+            ([&packed[..], &[0; 512]].concat(), "ignored 512 zero bytes after the gzip data"),
+            ([&packed[..], b"garbage"].concat(), "ignored 7 bytes after the gzip data"),
         ];
         if format != "STL, binary" {
             odd.push((put(b"\xef\xbb\xbf", b""), "ignored the byte order mark at the front"));
@@ -100,7 +100,7 @@ fn what_stands_round_a_model_is_read_over_with_a_warning() {
         }
         for (bytes, expected) in odd {
             let warnings = triangle(format, &bytes);
-            // Binary PLY calls what follows by another name.
+            // Binary PLY names the surplus differently.
             let expected =
                 if format.starts_with("PLY, bin") { &expected[..expected.len().min(2)] } else { expected };
             assert!(
@@ -113,7 +113,7 @@ fn what_stands_round_a_model_is_read_over_with_a_warning() {
 
 #[test]
 fn places_in_errors_count_from_the_front_of_the_file() {
-    let message = |before: &str, text: &str| refused(&[before.as_bytes(), text.as_bytes()].concat());
+    let message = |before: &str, text: &str| rejected(&[before.as_bytes(), text.as_bytes()].concat());
     for before in ["", "\u{feff}", "\n\n", "made by hand\n", "\u{feff}\nmade by hand\n"] {
         let lines = before.matches('\n').count();
         for (text, line) in [
@@ -128,7 +128,7 @@ fn places_in_errors_count_from_the_front_of_the_file() {
     }
     let cut = |before: &[u8]| {
         let whole = [before, &binary_ply()].concat();
-        refused(&whole[..whole.len() - 1])
+        rejected(&whole[..whole.len() - 1])
     };
     let place =
         |message: String| message.split(' ').nth(2).unwrap().trim_end_matches(':').parse::<usize>().unwrap();
@@ -137,14 +137,14 @@ fn places_in_errors_count_from_the_front_of_the_file() {
 
 #[test]
 fn empty_files_are_called_empty() {
-    assert_eq!(refused(b""), "a: the file is empty");
-    assert_eq!(refused(&gzip(b"")), "a: the file is empty: nothing stands in the gzip data");
-    assert_eq!(refused(b" \n\t\r\n"), "a: holds nothing but white space");
-    assert_eq!(refused(b"\xef\xbb\xbf"), "a: holds nothing but a byte order mark");
-    assert_eq!(refused(&[0; 84]), "a: holds nothing but zeros");
-    assert_eq!(refused(b"# a\n\n# b\n"), "a: holds nothing but comments");
+    assert_eq!(rejected(b""), "a: the file is empty");
+    assert_eq!(rejected(&gzip(b"")), "a: the file is empty: the gzip data holds nothing");
+    assert_eq!(rejected(b" \n\t\r\n"), "a: holds nothing but white space");
+    assert_eq!(rejected(b"\xef\xbb\xbf"), "a: holds nothing but a byte order mark");
+    assert_eq!(rejected(&[0; 84]), "a: holds nothing but zeros");
+    assert_eq!(rejected(b"# a\n\n# b\n"), "a: holds nothing but comments");
     assert_eq!(
-        refused(b"# a\nmtllib a.mtl\no b\n"),
+        rejected(b"# a\nmtllib a.mtl\no b\n"),
         "a: holds nothing but names of OBJ, without any geometry"
     );
 }
@@ -154,17 +154,17 @@ fn a_gzip_file_that_is_cut_is_called_truncated() {
     for (_, bytes) in models() {
         let whole = gzip(&bytes);
         for n in 2..whole.len() {
-            let message = refused(&whole[..n]);
+            let message = rejected(&whole[..n]);
             assert!(message.starts_with("a: truncated gzip data"), "{n} of {}: {message}", whole.len());
         }
         let mut damaged = whole.clone();
         damaged[whole.len() - 7] ^= 1;
-        assert!(refused(&damaged).starts_with("a: damaged gzip data"), "{}", refused(&damaged));
+        assert!(rejected(&damaged).starts_with("a: damaged gzip data"), "{}", rejected(&damaged));
     }
 }
 
 #[test]
-fn known_formats_are_told_by_name() {
+fn known_formats_are_named() {
     let at = |at: usize, word: &[u8]| [vec![0; at], word.to_vec(), vec![7; 600]].concat();
     let bmp = [&b"BM"[..], &[100, 0, 0, 0], &[1; 94]].concat();
     let with_length = |front: &[u8]| [front, &[9; 300]].concat();
@@ -197,7 +197,7 @@ fn known_formats_are_told_by_name() {
         let expected = format!(
             "a: this is {name}, which tercio does not read (it reads PLY, OBJ, STL, OFF, each also gzip-compressed)"
         );
-        assert_eq!(refused(bytes), expected);
+        assert_eq!(rejected(bytes), expected);
         let input = Input::from_bytes("a", bytes.to_vec(), &ReadOptions::default()).unwrap();
         assert_eq!(sniff(&input), None, "{name}");
     }
@@ -226,7 +226,7 @@ fn a_good_binary_stl_is_read_whatever_its_header_begins_with() {
         bytes[..80].fill(b' ');
         bytes[..front.len()].copy_from_slice(front);
         assert_eq!(triangle("STL, binary", &bytes), [""; 0], "{}", front.escape_ascii());
-        // The count alone is no evidence.
+        // The count alone is not evidence.
         bytes[84..].fill(0xff);
         assert!(try_read(&bytes).is_err(), "{}", front.escape_ascii());
     }
@@ -244,13 +244,13 @@ fn comments_that_begin_like_signatures_are_comments() {
         ("#X3D V3.2 utf8", "an X3D world"),
         ("#Inventor V2.1 ascii", "an Open Inventor scene"),
     ] {
-        let message = refused(format!("{signature}\n{OBJ}").as_bytes());
+        let message = rejected(format!("{signature}\n{OBJ}").as_bytes());
         assert!(message.contains(&format!("this is {name}, which")), "{message}");
     }
 }
 
 #[test]
-fn geometry_may_stand_behind_thousands_of_names() {
+fn geometry_may_follow_thousands_of_names() {
     for line in ["mtllib a-long-name-of-a-library.mtl\n", "usemtl abc\n", "o a\n# b\n", "made\n"] {
         let many = match line {
             "made\n" => format!("{line}{}", "g abcdef\n".repeat(40_000)),
@@ -259,15 +259,15 @@ fn geometry_may_stand_behind_thousands_of_names() {
         assert!(many.len() > 1 << 18);
         let text = [&many, OBJ].concat();
         assert_eq!(try_read(text.as_bytes()).map(|m| m.mesh.triangles.len()).unwrap(), 1, "{line}");
-        refused([&many, "so much for that\nand no more\n"].concat().as_bytes());
+        rejected([&many, "so much for that\nand no more\n"].concat().as_bytes());
         if line != "made\n" {
-            assert!(refused(many.as_bytes()).ends_with("names of OBJ, without any geometry"), "{line}");
+            assert!(rejected(many.as_bytes()).ends_with("names of OBJ, without any geometry"), "{line}");
         }
     }
 }
 
 #[test]
-fn texts_of_other_kinds_are_refused() {
+fn texts_of_other_kinds_are_rejected() {
     let notes = "# Reading OBJ\n\nA file may look like this:\n\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n\nSo much for\n\
                  the basics. There is more,\nand it is harder.\n";
     for text in [
@@ -289,17 +289,17 @@ fn texts_of_other_kinds_are_refused() {
         "not\nsolid\nground\n",
         notes,
     ] {
-        refused(text.as_bytes());
+        rejected(text.as_bytes());
         for mark in ["", "\u{feff}"] {
             let units: Vec<u16> = format!("{mark}{text}").encode_utf16().collect();
-            refused(&units.iter().flat_map(|u| u.to_le_bytes()).collect::<Vec<_>>());
-            refused(&units.iter().flat_map(|u| u.to_be_bytes()).collect::<Vec<_>>());
+            rejected(&units.iter().flat_map(|u| u.to_le_bytes()).collect::<Vec<_>>());
+            rejected(&units.iter().flat_map(|u| u.to_be_bytes()).collect::<Vec<_>>());
         }
     }
 }
 
 #[test]
-fn normals_that_point_nowhere_are_counted_in_every_format() {
+fn invalid_normals_are_counted_in_every_format() {
     let broken = ["0 0 0", "nan 0 1", "0 1 0"];
     let off =
         format!("NOFF\n3 1 0\n0 0 0 {}\n1 0 0 {}\n0 1 0 {}\n3 0 1 2\n", broken[0], broken[1], broken[2]);
@@ -348,7 +348,8 @@ proptest! {
 
     #[test]
     fn random_words_are_never_a_model(lines in prop::collection::vec(line(), 0..40)) {
-        // Single letters with numbers behind make an OBJ if they are as many as all that OBJ does not know.
+        // Single letters followed by numbers make an OBJ if there are at least as many of them as of lines that OBJ
+        // does not know.
         let words = |line: &str| line.split_whitespace().map(str::to_owned).collect::<Vec<_>>();
         let (mut known, mut vertices, mut others) = (0, 0, 0);
         for line in lines.iter().map(|line| words(line.split('#').next().unwrap_or_default())) {
@@ -366,7 +367,7 @@ proptest! {
     }
 }
 
-/// Words, and now and then what could be a vertex.
+/// Words, and occasionally a line that could be a vertex.
 fn line() -> impl Strategy<Value = String> {
     prop_oneof![8 => "[a-z=:{}\"#0-9. ]{0,12}", 1 => "v( -?[0-9.]{1,3}){0,4}( [a-z]{1,2})?"]
 }

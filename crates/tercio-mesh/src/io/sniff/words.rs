@@ -1,11 +1,11 @@
-//! Formats known by the words that they begin with.
+//! Formats recognised by the words that they begin with.
 
 use super::super::obj::transcode;
 
-/// How much of a file is looked at.
+/// How much of a file is examined.
 const FRONT: usize = 1 << 14;
 
-/// First lines that would pass for a comment of OBJ or OFF.
+/// First lines that could be mistaken for a comment of OBJ or OFF.
 #[rustfmt::skip]
 const COMMENTS: &[(&str, &str)] = &[
     ("#VRML V1.0", "a VRML 1.0 world"),
@@ -55,7 +55,7 @@ const WORDS: &[(&str, &str)] = &[
     ("-----BEGIN", "a key or a certificate (PEM)"),
 ];
 
-/// What begins with a comment that is a signature.
+/// The format whose signature looks like a comment.
 pub(super) fn comment_name(bytes: &[u8]) -> Option<String> {
     let front = bytes.get(..FRONT).unwrap_or(bytes);
     if front.iter().find(|b| !b.is_ascii_whitespace()).is_none_or(|b| !matches!(b, b'#' | 0xef | 0xff | 0xfe))
@@ -72,7 +72,7 @@ pub(super) fn comment_name(bytes: &[u8]) -> Option<String> {
     }
 }
 
-/// What begins with a word, behind white space and comments.
+/// The format of a file that begins with a known word, after white space and comments.
 pub(super) fn name(bytes: &[u8]) -> Option<String> {
     let text = transcode::front(bytes, FRONT);
     let mut text = text.trim_ascii_start();
@@ -110,7 +110,7 @@ fn position(text: &[u8], word: &str) -> Option<usize> {
     text.windows(word.len()).position(|w| w == word.as_bytes())
 }
 
-/// JSON, of which glTF is the one that is meant to be drawn; its version stands in the object "asset".
+/// JSON; of its dialects glTF is a model format, whose version is in the object "asset".
 fn json(text: &[u8]) -> Option<String> {
     position(text, "\"")?;
     let gltf = |word| position(text, word).is_some();
@@ -128,7 +128,7 @@ fn json(text: &[u8]) -> Option<String> {
     Some(version.filter(|v| !v.is_empty()).map_or("glTF".into(), |v| format!("glTF {v}")))
 }
 
-/// XML by its first well-known element.
+/// XML, identified by its first well-known element.
 fn xml(text: &[u8]) -> &'static str {
     #[rustfmt::skip]
     const ROOTS: &[(&str, &str)] = &[

@@ -1,7 +1,7 @@
 //! ASCII STL: `solid`, then facets of `vertex` statements, `endsolid`; any number of solids.
 //!
-//! Read as a stream of words, so that any white space will do. Words that are not known are skipped between
-//! the statements, but never where numbers are expected.
+//! Read as a stream of words, so that any white space is accepted. Unknown words are skipped between the statements,
+//! but never where numbers are expected.
 
 use rayon::prelude::*;
 
@@ -14,7 +14,7 @@ use crate::{Mesh, ReadError};
 
 use super::{check_facets, soup};
 
-/// What one stretch of the file holds.
+/// Parsed contents of one chunk of the file.
 #[derive(Debug, Default)]
 struct Part {
     points: Vec<[f64; 3]>,
@@ -22,14 +22,14 @@ struct Part {
     solids: u64,
     solid_ends: u64,
     skipped_words: u64,
-    /// The error that ended the stretch, with a line number that counts from the stretch's front.
+    /// The error that ended the chunk, with a line number that counts from the front of the chunk.
     error: Option<ReadError>,
 }
 
 /// Reads ASCII STL.
 ///
 /// # Errors
-/// A statement that is not as it should be, too many facets, or too little memory.
+/// An invalid statement, too many facets, or too little memory.
 pub fn read(input: &Input, options: &ReadOptions) -> Result<ReadModel, ReadError> {
     let mut odd = Vec::new();
     let text = transcode::text(input, options, &mut odd)?;
@@ -41,7 +41,7 @@ pub fn read(input: &Input, options: &ReadOptions) -> Result<ReadModel, ReadError
     Ok(model)
 }
 
-/// Cuts before lines that begin with `facet`.
+/// Splits before lines that begin with `facet`.
 fn split(text: &[u8], step: usize, consumed: impl Fn(usize)) -> Vec<&[u8]> {
     let mut parts = Vec::new();
     let mut rest = text;
@@ -130,7 +130,7 @@ fn read_parts(input: &Input, options: &ReadOptions, texts: &[&[u8]]) -> Result<R
     Ok(ReadModel { mesh, report })
 }
 
-/// Counts without parsing; only worth its time where memory is limited.
+/// Counts without parsing; worth its time only if memory is limited.
 fn count_facets(input: &Input, texts: &[&[u8]]) -> u64 {
     let ends = |text: &&[u8]| {
         input.consumed(text.len());
@@ -196,7 +196,7 @@ fn skip_name(cursor: &mut Cursor) {
     }
 }
 
-/// Reads a facet behind its keyword. The normal is skipped, whatever it is.
+/// Reads a facet after its keyword. The normal is skipped, whatever it is.
 fn facet(file: &str, cursor: &mut Cursor, points: &mut Vec<[f64; 3]>) -> Result<(), ReadError> {
     loop {
         cursor.skip_space();
@@ -228,7 +228,7 @@ fn facet(file: &str, cursor: &mut Cursor, points: &mut Vec<[f64; 3]>) -> Result<
     }
     cursor.skip_space();
     expect(file, cursor, "endloop")?;
-    // Other words may stand before the end of the facet, but no further vertices.
+    // Other words may precede the end of the facet, but no further vertices.
     loop {
         cursor.skip_space();
         let before = cursor.clone();
@@ -255,7 +255,7 @@ fn expect(file: &str, cursor: &mut Cursor, keyword: &'static str) -> Result<(), 
 
 #[cfg(test)]
 pub mod for_tests {
-    //! Reads with a chosen size of the stretches.
+    //! Reads with a chosen chunk size.
     use super::*;
 
     pub fn read_in_steps(input: &Input, step: usize) -> Result<ReadModel, ReadError> {

@@ -1,9 +1,9 @@
-//! Binary STL: 80 bytes of header, the number of facets, then 50 bytes a facet: normal, three vertices and
-//! two bytes that were meant for the length of attributes and today hold a colour or nothing.
+//! Binary STL: 80 bytes of header, the number of facets, then 50 bytes per facet: normal, three vertices and two
+//! bytes that were meant for the length of attributes and today hold a colour or nothing.
 //!
-//! What was decided where files disagree with their size: zeros and bytes that are no facets behind the last one
-//! are ignored with a warning; fewer facets than the header counts are an error, and so are more, because
-//! nobody can know what the file was meant to hold. The error tells both numbers.
+//! Decisions for files whose size contradicts their count: after the last facet, zeros and bytes that are not facets
+//! are ignored with a warning; fewer facets than the header counts are an error, and so are more, because nobody can
+//! know what the file was meant to hold. The error states both numbers.
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -18,13 +18,13 @@ use super::{check_facets, evidence, soup};
 pub(super) const HEADER: usize = 84;
 pub(super) const RECORD: usize = 50;
 
-/// A facet as it stands in the file.
+/// A facet as it is stored in the file.
 pub(super) type Record = [u8; RECORD];
 
-/// Facets that one task reads: about 200 kilobytes.
+/// Number of facets that one task reads: about 200 kilobytes.
 const BATCH: usize = 1 << 12;
 
-/// The number of facets that the header tells.
+/// The number of facets that the header states.
 pub(super) fn count(bytes: &[u8]) -> Option<u64> {
     let field = bytes.get(80..HEADER)?;
     Some(u64::from(u32::from_le_bytes(field.try_into().ok()?)))
@@ -60,18 +60,17 @@ pub fn read(input: &Input, options: &ReadOptions) -> Result<ReadModel, ReadError
         return Err(malformed(bytes.len(), expected, found));
     };
     let rest = bytes.get(HEADER + records.len() * RECORD..).unwrap_or_default();
-    // What follows the last whole facet, such as a line feed, changes nothing about those before it.
+    // Bytes after the last whole facet, such as a line feed, do not affect the facets before them.
     let further = input.unpadded(rest).len().div_ceil(RECORD).min(held.len() - records.len());
     if evidence::are_facets(input, held.get(records.len()..records.len() + further).unwrap_or_default()) {
         let fit = (records.len() + further) as u64;
-        let expected =
-            format!("a count of {}, as many as stand in the {} bytes", triangles(fit), bytes.len());
+        let expected = format!("a count of {}, as many as fit in the {} bytes", triangles(fit), bytes.len());
         return Err(malformed(80, expected, stated.to_string()));
     }
     let mut warnings = Vec::new();
     if !rest.is_empty() {
         let what = if input.all(rest, |b| b == 0) { "zero byte" } else { "byte" };
-        warnings.push(format!("ignored {} behind the last triangle", counted(rest.len() as u64, what)));
+        warnings.push(format!("ignored {} after the last triangle", counted(rest.len() as u64, what)));
     }
     check_facets(input, records.len() as u64)?;
     options.check_memory(&input.name, "triangles", input.held_bytes() + records.len() as u64 * 52)?;
@@ -141,9 +140,9 @@ fn bounds(input: &Input, records: &[Record]) -> Aabb {
 
 /// Colours in the attribute bytes, if they are there beyond doubt.
 ///
-/// Two incompatible ways exist. VisCAM and SolidView set bit 15 where a facet has a colour and store blue in
-/// the lowest bits. Materialise Magics states a default colour behind `COLOR=` in the header, *clears* bit 15
-/// where a facet has its own, and stores red in the lowest bits. Other programs leave anything here.
+/// Two incompatible conventions exist. VisCAM and SolidView set bit 15 where a facet has a colour and store blue in
+/// the lowest bits. Materialise Magics states a default colour after `COLOR=` in the header, *clears* bit 15 where a
+/// facet has its own, and stores red in the lowest bits. Other programs write arbitrary values here.
 fn colors(input: &Input, header: &[u8], records: &[Record]) -> Option<Vec<[u8; 4]>> {
     let attribute = |r: &Record| u16::from_le_bytes([r[RECORD - 2], r[RECORD - 1]]);
     let all = |holds: fn(u16) -> bool| {
@@ -173,7 +172,7 @@ fn colors(input: &Input, header: &[u8], records: &[Record]) -> Option<Vec<[u8; 4
         let color = |a| if a & 0x8000 != 0 { default } else { [five(a, 0), five(a, 5), five(a, 10), 255] };
         return Some(spread(&color));
     }
-    // A value that is neither empty nor marked as a colour shows that the bytes mean something else.
+    // A value that is neither zero nor marked as a colour shows that the bytes have another meaning.
     let has_meaning = all(|a| a == 0 || a & 0x8000 != 0);
     let color = |a| if a == 0 { [255; 4] } else { [five(a, 10), five(a, 5), five(a, 0), 255] };
     has_meaning.then(|| spread(&color))

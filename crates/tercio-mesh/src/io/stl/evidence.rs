@@ -1,32 +1,32 @@
-//! Is it binary STL? The format has no magic bytes, so only the count and the facets themselves can tell.
+//! Is it binary STL? The format has no magic bytes, so only the count and the facets themselves are evidence.
 //!
-//! What was decided:
-//! - A count that fits the size of the file is good evidence. It is believed unless most of the facets that are
-//!   looked at hold garbage: coordinates that are not finite, or more than 2^80 apart as those of random bytes
-//!   are, or of a size (1e-20, 1e20) that needs a normal as witness and has none. Facets of zeros say nothing.
-//! - Where the count does not fit, the facets have to speak for themselves: nine in ten of those that are looked
-//!   at have different corners, coordinates of like sizes, and a normal of unit length or that of the corners;
-//!   or none, if the sizes are usual. What is wrong with the count is then for the reader to tell.
-//! - No facets at all, or none but zeros, are a model only if the file ends behind them and its header is one
-//!   line of text.
+//! Decisions:
+//! - A count that fits the size of the file is good evidence. It is believed unless most of the sampled facets hold
+//!   garbage: coordinates that are not finite, or more than a factor of 2^80 apart, as those of random bytes are, or
+//!   of an unusual size (1e-20, 1e20) without a valid normal to confirm them. Facets of zeros do not count.
+//! - Where the count does not fit, the facets have to be evidence by themselves: nine in ten of the sampled ones have
+//!   different corners, coordinates of similar sizes, and a normal of unit length or that of the corners; or none, if
+//!   the sizes are usual. The reader then reports what is wrong with the count.
+//! - No facets at all, or only zeros, are a model only if the file ends after them and its header is one line of
+//!   text.
 
 use glam::DVec3;
 
 use super::binary::{HEADER, RECORD, Record, count, float, records, vertices};
 use crate::io::input::Input;
 
-/// Facets that are looked at, all over the file.
+/// Number of facets that are sampled, evenly over the file.
 const SAMPLE: usize = 512;
 
-/// If the file begins with so many facets, it is looked at further, whatever is counted. Of a file of another kind only
-/// this much is read.
+/// If the file begins with this many facets, it is examined further, whatever the count is. Of a file of another kind
+/// only this much is read.
 const ROW: usize = 16;
 
-/// 2^-80: a coordinate that is smaller than the largest of its facet by this, and not zero, is none.
+/// 2^-80: a coordinate that is smaller than the largest of its facet by this factor, and not zero, is garbage.
 const LEAST: f64 = 1.0 / (1u128 << 80) as f64;
 
-/// Does the file hold exactly the facets that it counts, and are they facets? Whatever its header begins with, it is
-/// binary STL.
+/// Does the file hold exactly the facets that it counts, and are they valid? Then it is binary STL, whatever its
+/// header begins with.
 pub fn is_beyond_doubt(input: &Input) -> bool {
     let held = records(input.bytes());
     let size = (HEADER + held.len() * RECORD) as u64;
@@ -47,12 +47,12 @@ pub fn is_binary(input: &Input) -> bool {
             None => is_line(bytes.get(..80).unwrap_or_default()),
         };
     }
-    // A truncated file holds no less than a thousandth of what it should, and where the count itself is broken,
-    // a row of facets is no chance; a count never filled in is 0.
+    // A truncated file holds at least a thousandth of what it should, and where the count itself is broken, valid
+    // facets in a row are no coincidence; a count that was never filled in is 0.
     let begins_well = || held.get(..ROW).is_some_and(|row| are_facets(input, row));
     let sensible = (stated / 1000 <= held.len() as u64 || begins_well())
         && (stated > 0 || body.len().is_multiple_of(RECORD));
-    // Few facets before much else are only believed if nothing else is there than more of them, or zeros.
+    // A few facets followed by much else are believed only if that is more facets or zeros.
     let most = 2 * stated >= held.len() as u64;
     let facets = if most { held.len().min(stated as usize) } else { held.len() };
     sensible && are_facets(input, held.get(..facets).unwrap_or_default())
@@ -63,24 +63,24 @@ pub fn are_facets(input: &Input, records: &[Record]) -> bool {
     share(input, records, is_facet).is_some_and(|facets| 10 * facets >= 9 * SCALE)
 }
 
-/// The whole of a [`share`].
+/// The denominator of a [`share`].
 const SCALE: usize = 1000;
 
-/// In how many of a thousand records that are not all zeros something is true, found from some of them.
+/// For how many of a thousand records that are not all zeros `is_true` holds, estimated from a sample.
 fn share(input: &Input, records: &[Record], is_true: impl Fn(&Record) -> bool) -> Option<usize> {
     let step = records.len().div_ceil(SAMPLE).max(1);
-    let (mut looked_at, mut found) = (0, 0);
+    let (mut sampled, mut found) = (0, 0);
     for record in records.iter().step_by(step) {
         if *record != [0; RECORD] {
-            looked_at += 1;
+            sampled += 1;
             found += usize::from(is_true(record));
         }
         input.looked_at(step * RECORD);
     }
-    (looked_at > 0).then(|| found * SCALE / looked_at)
+    (sampled > 0).then(|| found * SCALE / sampled)
 }
 
-/// A line of printable letters, and zeros up to the end.
+/// A line of printable characters, then zeros up to the end.
 fn is_line(header: &[u8]) -> bool {
     let length = header.iter().rposition(|&b| b != 0).map_or(0, |last| last + 1);
     let text = header.get(..length).unwrap_or_default();
@@ -94,7 +94,7 @@ fn is_coherent(corners: &[[f32; 3]; 3]) -> bool {
     sizes().all(|x| x.is_finite() && (x == 0.0 || x >= largest * LEAST))
 }
 
-/// Could this be a facet, with whatever a program may leave in place of the normal?
+/// Could this be a facet, with whatever a program may write in place of the normal?
 fn is_possible(record: &Record) -> bool {
     let corners = vertices(record);
     is_coherent(&corners) && (is_usual(&corners) || lacks_normal(record) || has_normal(record, &corners))

@@ -1,7 +1,7 @@
 //! STL (stereolithography), ASCII and binary: a soup of triangles.
 //!
-//! Every facet brings its own three vertices; joining them is left to the caller. Facet normals are not
-//! read: they say no more than the vertices do, and often less.
+//! Every facet has its own three vertices; joining them is left to the caller. Facet normals are not read: they say
+//! no more than the vertices do, and often less.
 //!
 //! Source: 3D Systems, "StereoLithography Interface Specification" (1989), as programs write it today.
 
@@ -17,7 +17,7 @@ use crate::mesh::MAX_ELEMENTS;
 use super::obj::transcode;
 use super::{ReadModel, ReadOptions, input::Input};
 
-/// How much of a file is looked at to find out what it is.
+/// How much of a file is examined for detecting the format.
 const FRONT: usize = 1 << 16;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,7 +31,7 @@ pub fn looks_like(input: &Input) -> bool {
     dialect(input).is_some()
 }
 
-/// The word `solid` means little: binary files begin with it too, so the facets are asked first.
+/// The word `solid` is weak evidence: binary files begin with it too, so the facets are tested first.
 fn dialect(input: &Input) -> Option<Dialect> {
     if evidence::is_binary(input) {
         return Some(Dialect::Binary);
@@ -40,7 +40,7 @@ fn dialect(input: &Input) -> Option<Dialect> {
     is_ascii(&text).then_some(Dialect::Ascii)
 }
 
-/// The word `solid` stands first, or first in the second line; and then come facets or the end of the solid.
+/// The word `solid` comes first, or first in the second line; it is followed by facets or the end of the solid.
 fn is_ascii(text: &[u8]) -> bool {
     fn words(text: &[u8]) -> impl Iterator<Item = &[u8]> {
         text.split(u8::is_ascii_whitespace).filter(|w| !w.is_empty())
@@ -71,7 +71,7 @@ pub fn read(input: &Input, options: &ReadOptions) -> Result<ReadModel, ReadError
     }
 }
 
-/// Vertices are numbered, three a facet.
+/// Checks that the vertices, three per facet, can be numbered.
 fn check_facets(input: &Input, facets: u64) -> Result<(), ReadError> {
     let count = facets.saturating_mul(3);
     if count > MAX_ELEMENTS {

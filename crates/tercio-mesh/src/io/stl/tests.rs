@@ -93,11 +93,11 @@ fn a_header_that_begins_with_solid_may_be_binary() {
     let longer = [&exact[..], b"!"].concat();
     let m = model(&longer);
     assert_eq!((m.report.format.as_str(), m.report.faces), ("STL, binary", 2));
-    assert_eq!(m.report.warnings, ["ignored 1 byte behind the last triangle"]);
+    assert_eq!(m.report.warnings, ["ignored 1 byte after the last triangle"]);
 }
 
 #[test]
-fn a_wrong_count_is_told_with_what_is_there() {
+fn a_wrong_count_is_reported_with_the_right_one() {
     let message = |bytes: &[u8]| {
         assert!(looks_like(bytes));
         read(&input(bytes), &ReadOptions::default()).unwrap_err().to_string()
@@ -111,12 +111,12 @@ fn a_wrong_count_is_told_with_what_is_there() {
     );
     for count in [0, 1] {
         bytes[80] = count;
-        let expected = "a count of 2 triangles, as many as stand in the 184 bytes";
+        let expected = "a count of 2 triangles, as many as fit in the 184 bytes";
         assert_eq!(message(&bytes), format!("a.stl: byte 80: expected {expected}, found {count}"));
-        // Padding does not hide that.
+        // Padding does not hide it.
         let padded = [&bytes[..], &[0; 300]].concat();
         if count > 0 {
-            let expected = "a count of 2 triangles, as many as stand in the 484 bytes";
+            let expected = "a count of 2 triangles, as many as fit in the 484 bytes";
             assert_eq!(message(&padded), format!("a.stl: byte 80: expected {expected}, found {count}"));
         }
     }
@@ -125,7 +125,7 @@ fn a_wrong_count_is_told_with_what_is_there() {
 }
 
 #[test]
-fn a_count_of_half_the_facets_is_told_whatever_follows_them() {
+fn a_count_of_half_the_facets_is_reported_whatever_follows_them() {
     let facets: Vec<Facet> = FACETS.iter().copied().cycle().take(200).collect();
     let mut bytes = binary("x", &facets, |_| 0);
     bytes[80] = 100;
@@ -134,12 +134,12 @@ fn a_count_of_half_the_facets_is_told_whatever_follows_them() {
         let (place, expected) = error(&bytes);
         let length = bytes.len();
         assert_eq!(place, Place::Byte(80));
-        assert_eq!(expected, format!("a count of 200 triangles, as many as stand in the {length} bytes"));
+        assert_eq!(expected, format!("a count of 200 triangles, as many as fit in the {length} bytes"));
     }
 }
 
 #[test]
-fn a_count_that_is_far_too_large_is_told_too() {
+fn a_count_that_is_far_too_large_is_reported_too() {
     let facets: Vec<Facet> = FACETS.iter().copied().cycle().take(40).collect();
     for header in ["x", "solid x"] {
         let mut bytes = binary(header, &facets, |_| 0);
@@ -165,7 +165,7 @@ fn what_follows_the_last_facet_is_ignored_unless_it_is_one() {
     {
         let m = model(&[&bytes[..], rest].concat());
         assert_eq!(m.report.faces, 2);
-        assert_eq!(m.report.warnings, [format!("ignored {what} behind the last triangle")]);
+        assert_eq!(m.report.warnings, [format!("ignored {what} after the last triangle")]);
     }
 }
 
@@ -190,7 +190,7 @@ fn facets_of_any_size_are_facets() {
         let facets = FACETS.map(|f| f.map(|p| p.map(|x| x * scale)));
         assert_eq!(model(&binary("x", &facets, |_| 0)).report.faces, 2, "{scale}");
     }
-    // Normals are only looked at where the coordinates could be anything.
+    // Normals are only tested where the coordinates are of unusual sizes.
     let mut odd = binary("x", &FACETS, |_| 0);
     odd[84..88].copy_from_slice(&7e22f32.to_le_bytes());
     odd[134..138].copy_from_slice(&7e22f32.to_le_bytes());
@@ -220,7 +220,7 @@ fn far_positions_keep_their_detail() {
 }
 
 #[test]
-fn errors_say_where() {
+fn errors_state_the_place() {
     let at = |text: &str| error(text.as_bytes());
     let text = ascii(&FACETS);
     assert_eq!(at(&text.replace("vertex 0e0 -1 0", "vertex 0e0 x 0")).0, Place::Line(13));
@@ -232,7 +232,7 @@ fn errors_say_where() {
 }
 
 #[test]
-fn line_numbers_count_over_all_stretches() {
+fn line_numbers_count_over_all_chunks() {
     let text = ascii(&[FACETS[0]; 50]) + "facet normal 0 0 0\nouter loop\nvertex 0 0 x\n";
     for step in [1, 100, 1 << 20] {
         match ascii::for_tests::read_in_steps(&input(text.as_bytes()), step) {
@@ -284,7 +284,7 @@ proptest! {
     }
 }
 
-/// Of any length, and of those that whole facets take.
+/// Of any length, or of the length of whole facets.
 fn random_file() -> impl Strategy<Value = Vec<u8>> {
     prop_oneof![
         prop::collection::vec(any::<u8>(), 0..4000),

@@ -52,7 +52,7 @@ fn rank_0_gathers_in_order() {
 }
 
 #[test]
-fn a_panic_hangs_nobody_and_is_told() {
+fn a_panic_blocks_no_rank_and_is_reported() {
     let error = run(5, |comm| {
         assert!(comm.rank() != 3, "no paper");
         let from = (comm.rank() + 1) % 5;
@@ -64,13 +64,13 @@ fn a_panic_hangs_nobody_and_is_told() {
 }
 
 #[test]
-fn a_rank_that_ends_early_is_missed() {
+fn a_rank_that_ends_early_is_gone() {
     let error = run(2, |comm| if comm.rank() == 0 { Ok(vec![]) } else { Ok(comm.receive(0)?) });
     assert!(matches!(error, Err(ParallelError::Comm(CommError::Gone { rank: 0 }))), "{error:?}");
 }
 
 #[test]
-fn nobody_talks_to_strangers_or_to_himself() {
+fn invalid_peers_are_errors() {
     let mut comms = ThreadComm::for_ranks(2);
     let comm = &mut comms[0];
     for rank in [0, 2] {
@@ -81,7 +81,7 @@ fn nobody_talks_to_strangers_or_to_himself() {
 }
 
 #[test]
-fn memory_of_messages_comes_back_to_whoever_sent_them() {
+fn memory_of_messages_returns_to_the_sender() {
     let mut comms = ThreadComm::for_ranks(3);
     let mut message = comms[0].buffer(2);
     assert_eq!(message.capacity(), 0, "nothing was sent yet");

@@ -57,7 +57,7 @@ proptest! {
         keys in prop::collection::vec((0u64..4, 0u64..4), 1..60), width in 1u32..9,
     ) {
         let keys = &keys[..keys.len() / width as usize * width as usize];
-        // Two ranks never have the same key at the same place, but nothing.
+        // Two ranks never have the same key at the same pixel, except 0.
         let ours: Vec<u64> = keys.iter().map(|k| k.0 * 2).collect();
         let theirs: Vec<u64> = keys.iter().map(|k| if k.1 == 0 { 0 } else { k.1 * 2 + 1 }).collect();
         let expected = ours.iter().zip(&theirs).map(|(a, b)| *a.max(b)).collect();
@@ -71,14 +71,14 @@ proptest! {
     }
 
     #[test]
-    fn no_bytes_panic(bytes in prop::collection::vec(0u8..5, 0..90), composed: bool) {
+    fn arbitrary_bytes_never_panic(bytes in prop::collection::vec(0u8..5, 0..90), composed: bool) {
         let planes = Outputs { keys: true, ..Outputs::default() };
         let _ = unpack(&bytes, &planes, composed, &mut frame(4, vec![0; 16]));
     }
 }
 
 #[test]
-fn what_is_no_packet_is_told() {
+fn malformed_packets_are_errors() {
     let planes = Outputs { keys: true, ..Outputs::default() };
     let told = |bytes: &[u8]| unpack(bytes, &planes, true, &mut frame(4, vec![0; 8])).unwrap_err();
     assert_eq!(told(&[0, 0, 0]), PacketError::Short { at: 0 });

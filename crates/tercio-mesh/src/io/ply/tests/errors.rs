@@ -1,4 +1,4 @@
-//! What is wrong is told with its place, and nothing panics.
+//! Errors state where they are, and nothing panics.
 
 use super::*;
 use crate::error::Place;
@@ -32,7 +32,7 @@ fn ascii_errors_name_the_line() {
         ),
         ("0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n2 0   \n", 15, "the end of the file"),
         ("0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n4000000000 0 1\n", 14, "4000000000 numbers"),
-        // Another layout than one instance a line: found by the reading in sequence.
+        // Not one instance per line: found by the sequential reading.
         ("0 0\n0\n1 0 0 0 1\n0\n3 0 1 2 3 0 1 2.5\n", 14, "\"2.5\""),
         ("0 0 0 1 0 0\n0 1 0\n\n\n3 0 1 2\n3 0\n1 7\n", 16, "\"7\""),
     ] {
@@ -74,7 +74,7 @@ fn header_errors_name_the_line() {
 fn binary_errors_name_the_byte() {
     let polygons = [vec![0, 1, 2], vec![0, 1, 2], vec![0, 1, 2, 3]];
     for encoding in &ENCODINGS[1..] {
-        // Both the reading by stride and by walking.
+        // Both the reading with a stride and the one that walks.
         for faces_read in [2, 3] {
             let bytes = encode(encoding, &[square(), faces(&polygons[..faces_read])]);
             let body = bytes.windows(11).position(|w| w == b"end_header\n").unwrap() + 11;
@@ -112,7 +112,7 @@ fn huge_counts_are_refused_before_memory_is_taken() {
                 assert!(try_read(text).is_err());
             }
         }
-        // Instances without properties take no bytes: any number of them is nothing.
+        // Instances without properties take no bytes: any number of them is allowed.
         let text = format!("ply\nformat {encoding} 1.0\nelement other 9223372036854775807\nend_header\n");
         assert_eq!(read_ok(text).mesh.positions.len(), 0);
     }
@@ -133,7 +133,7 @@ fn the_memory_limit_holds() {
     }
 }
 
-/// A file with everything in it.
+/// A file with every kind of element and property.
 fn rich(encoding: &str) -> Vec<u8> {
     let mut v = square();
     v.properties.extend(["uchar red", "uchar green", "uchar blue", "double quality"]);
@@ -163,7 +163,7 @@ fn cut_off_at_every_byte() {
 }
 
 #[test]
-fn every_byte_spoilt() {
+fn every_byte_corrupted() {
     for encoding in ENCODINGS {
         let whole = rich(encoding);
         for n in 0..whole.len() {
@@ -180,7 +180,7 @@ fn every_byte_spoilt() {
 }
 
 #[test]
-fn one_and_many_are_told_in_words_that_fit() {
+fn one_and_many_are_reported_in_singular_and_plural() {
     let vertices = "element vertex 3\nproperty float x\nproperty float y\nproperty float z\n";
     let lists = "property list uchar int vertex_indices\nproperty list uchar float texcoord\n";
     let points = "0 0 0\n1 0 0\n0 1 0\n";
@@ -211,7 +211,7 @@ fn one_and_many_are_told_in_words_that_fit() {
 }
 
 #[test]
-fn a_face_in_a_file_without_vertices_is_told_so() {
+fn a_face_in_a_file_without_vertices_is_an_error() {
     let text = "ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nproperty float y\nproperty float z\n\
                 element face 1\nproperty list uchar int vertex_indices\nend_header\n3 0 1 2\n";
     let input = Input::from_bytes("a.ply", text.into(), &ReadOptions::default()).unwrap();

@@ -38,7 +38,7 @@ fn every_scalar_type_in_every_encoding() {
 }
 
 #[test]
-fn mixed_polygons_know_their_face() {
+fn mixed_polygons_have_face_numbers() {
     let polygons = [vec![0, 1, 2], vec![0, 1, 2, 3], vec![], vec![0, 1], vec![3, 2, 1]];
     for encoding in ENCODINGS {
         let model = read_ok(encode(encoding, &[square(), faces(&polygons)]));
@@ -131,7 +131,7 @@ fn all_line_ends_and_loose_headers() {
 }
 
 #[test]
-fn binary_behind_every_line_end() {
+fn binary_after_every_line_end() {
     let sheets = [vertices(&[[f32::from_bits(0x0a0a_0a0a); 3]; 3]), faces(&[vec![0, 1, 2]])];
     for encoding in &ENCODINGS[1..] {
         let bytes = encode(encoding, &sheets);
@@ -200,7 +200,7 @@ fn colours_that_are_not_finite_become_white() {
 }
 
 #[test]
-fn normals_may_have_any_length_but_none() {
+fn normals_may_have_any_length_but_zero() {
     let lengths = [1e-300, 1e-30, 1e30, 0.0];
     let mut v = square();
     v.properties.extend(["double nx", "double ny", "double nz"]);
@@ -303,7 +303,7 @@ fn point_clouds_are_counted() {
 }
 
 #[test]
-fn surplus_on_a_line_is_left_out() {
+fn surplus_on_a_line_is_ignored() {
     let head = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n\
                 property float z\nelement face 2\nproperty list uchar int vertex_indices\n\
                 property uchar flag\nend_header\n";
@@ -314,7 +314,7 @@ fn surplus_on_a_line_is_left_out() {
 }
 
 #[test]
-fn the_magic_word_stands_alone() {
+fn the_magic_word_is_a_word_of_its_own() {
     let looks_like = |bytes: &[u8]| {
         super::super::looks_like(&Input::from_bytes("a", bytes.to_vec(), &ReadOptions::default()).unwrap())
     };
@@ -322,7 +322,8 @@ fn the_magic_word_stands_alone() {
     assert!(!looks_like(b"plywood\n") && !looks_like(b"") && !looks_like(b"pl"));
 }
 
-/// Found by the fuzzer: zeros at the end of a file were left out of the header, and the header was longer than the file.
+/// Found by the fuzzer: zeros at the end of a file were removed from the header, so the header was longer than the
+/// file.
 #[test]
 fn zeros_on_the_last_line_of_a_header() {
     let header =
@@ -331,7 +332,7 @@ fn zeros_on_the_last_line_of_a_header() {
         let model = read_ok(format!("{header}{end}"));
         assert_eq!(model.mesh.positions.len(), 0, "{end:?}");
     }
-    // A vertex that is not there is an error, not a zero.
+    // A missing vertex is an error, not a zero.
     let header = header.replace("vertex 0", "vertex 1");
     assert!(try_read(format!("{header}end_header \0\0\0\0\0\0\0\0")).is_err());
 }

@@ -1,4 +1,4 @@
-//! The reader against files that are written here, in all encodings.
+//! Tests the reader with files that are written here, in all encodings.
 
 mod errors;
 mod formats;
@@ -42,7 +42,7 @@ fn vertices(points: &[[f32; 3]]) -> Sheet {
     }
 }
 
-/// Faces with nothing but their corners.
+/// Faces with only their corners.
 fn faces(polygons: &[Vec<u32>]) -> Sheet {
     Sheet {
         name: "face",
@@ -117,7 +117,7 @@ fn read_ok(bytes: impl Into<Vec<u8>>) -> ReadModel {
     try_read(bytes).unwrap_or_else(|e| panic!("{e}"))
 }
 
-/// Fails where two meshes differ in a bit.
+/// Fails if two meshes differ in any bit.
 #[track_caller]
 fn assert_same(a: &ReadModel, b: &ReadModel) {
     let bits =

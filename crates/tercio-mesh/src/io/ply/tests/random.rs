@@ -1,4 +1,4 @@
-//! Random meshes: all encodings and all ways of reading give the same.
+//! Random meshes: all encodings and all ways of reading give the same result.
 
 use proptest::prelude::*;
 
@@ -55,7 +55,7 @@ proptest! {
     fn stride_and_walk_agree((v, f) in any_mesh(), flip in prop::bool::ANY) {
         let encoding = ENCODINGS[1 + usize::from(flip)];
         let fast = read_ok(encode(encoding, &[v.clone(), f.clone()]));
-        // A list of changing length forces the walk.
+        // A list of varying length forces the walk.
         let ragged = |mut sheet: Sheet| {
             sheet.properties.push("list uchar uchar padding");
             sheet.rows.iter_mut().enumerate().for_each(|(i, row)| row.push(list(&vec![1; i % 3])));
