@@ -184,6 +184,7 @@ impl SimdLevel {
     pub(crate) fn level(self) -> Option<Level> {
         let best = Level::new();
         match self {
+            #[cfg(any(feature = "scalar", not(any(target_arch = "x86_64", target_arch = "aarch64"))))]
             Self::Scalar => Some(Level::Fallback(fearless_simd::Fallback::new())),
             #[cfg(target_arch = "x86_64")]
             Self::Sse2 => best.as_sse2().map(Level::Sse2),

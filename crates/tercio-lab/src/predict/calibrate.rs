@@ -231,7 +231,10 @@ fn description(o: Options, mpi: Option<Network>) -> Result<Machine, PredictError
         bytes: BTreeMap::from([
             (
                 DataKind::Primitive,
-                bytes(13.0, "ARCHITECTURE.md: 12 B a cluster vertex, about 0.5 of them, 3 B of corners and up to 4 B of number a triangle"),
+                bytes(
+                    13.0,
+                    "ARCHITECTURE.md: 12 B a cluster vertex, about 0.5 of them, 3 B of corners and up to 4 B of number a triangle",
+                ),
             ),
             (DataKind::Descriptor, bytes(64.0, "ARCHITECTURE.md: edges and depth plane of a small triangle")),
             (DataKind::Sample, bytes(8.0, "colour and depth, 4 B each")),

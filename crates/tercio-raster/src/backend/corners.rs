@@ -24,6 +24,8 @@ pub struct Fragments {
     pub slot: [u32; LANES],
     /// Depths.
     pub depth: [f32; LANES],
+    /// They are a block of 4x4, row by row.
+    pub is_block: bool,
 }
 
 impl Fragments {

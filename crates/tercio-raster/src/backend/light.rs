@@ -182,6 +182,10 @@ fn add_light<S: Simd, F: Features>(
         || {
             let zero = splat(simd, 0.0);
             let (cosine, lit) = facing(simd, normal, to_light);
+            // It would add zeros.
+            if !lit.any_true() {
+                return;
+            }
             for k in 0..3 {
                 sum.diffuse[k] += cosine * color[k];
             }

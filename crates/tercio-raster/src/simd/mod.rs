@@ -69,11 +69,16 @@ pub fn baseline() -> impl Simd {
 /// make code so long that compiling it in one piece takes minutes.
 #[inline(always)]
 pub fn part<S: Simd, R>(simd: S, work: impl FnOnce() -> R) -> R {
+    #[cfg(any(feature = "scalar", not(any(target_arch = "x86_64", target_arch = "aarch64"))))]
     #[inline(never)]
     fn on_its_own<R>(work: impl FnOnce() -> R) -> R {
         work()
     }
-    if matches!(simd.level(), Level::Fallback(_)) { on_its_own(work) } else { work() }
+    match simd.level() {
+        #[cfg(any(feature = "scalar", not(any(target_arch = "x86_64", target_arch = "aarch64"))))]
+        Level::Fallback(_) => on_its_own(work),
+        _ => work(),
+    }
 }
 
 /// Loads 16 numbers.
@@ -141,6 +146,7 @@ pub fn lookup_bytes<S: Simd>(simd: S, table: &[u8; 128], index: &[u8; 16]) -> [u
         // Without byte shuffles.
         #[cfg(target_arch = "x86_64")]
         Level::Sse2(_) => lookup_bytes_one_by_one(table, index),
+        #[cfg(any(feature = "scalar", not(any(target_arch = "x86_64", target_arch = "aarch64"))))]
         Level::Fallback(_) => lookup_bytes_one_by_one(table, index),
         _ => {
             let mut index = u8x16::load_array_ref(simd, index) & 127;

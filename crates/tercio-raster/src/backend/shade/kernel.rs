@@ -234,6 +234,13 @@ impl<S: Simd> Side<S> {
 #[inline(always)]
 fn write_color<S: Simd>(simd: S, fragments: &Fragments, linear: Vec3x16<S>, pixels: &mut Planes) {
     let levels = opaque(simd, linear).to_array();
+    if fragments.is_block {
+        for (row, level) in levels.as_chunks::<4>().0.iter().enumerate() {
+            let place = fragments.place[4 * row] as usize;
+            pixels.color[place..place + 4].copy_from_slice(&level.map(|level| (level as u32).to_le_bytes()));
+        }
+        return;
+    }
     // Lanes without a pixel repeat another.
     for lane in 0..LANES {
         pixels.color[fragments.place[lane] as usize] = (levels[lane] as u32).to_le_bytes();

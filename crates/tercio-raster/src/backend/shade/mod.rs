@@ -102,8 +102,13 @@ impl<S: Simd> WholeBlocks<S> {
         pixels: &mut Planes,
         outputs: &Outputs,
     ) {
-        let mut fragments =
-            Fragments { count: LANES, place: places, slot: [slot; LANES], ..Fragments::default() };
+        let mut fragments = Fragments {
+            count: LANES,
+            place: places,
+            slot: [slot; LANES],
+            is_block: true,
+            ..Fragments::default()
+        };
         if self.slot != Some(slot) {
             self.slot = Some(slot);
             (self.instance, _) = context.locate(slot / MAX_TRIANGLES as u32);
