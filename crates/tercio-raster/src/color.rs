@@ -1,29 +1,29 @@
-//! Linear light to sRGB and back, the same on every machine: tables made by basic operations only, without
-//! the system's mathematical library, whose last digit differs from one to the next.
+//! Linear light to sRGB and back, the same on every machine: tables computed with basic operations only, without
+//! the system's mathematical library, whose results differ in the last digit from system to system.
 
 use std::sync::LazyLock;
 
-/// Linear light below this is black in 8 bits: 0.4 of a level.
-pub const ENCODE_LEAST: f32 = 1.0 / 8192.0;
+/// Linear light below this, 0.4 of a level, is black in 8 bits.
+pub const ENCODE_MIN: f32 = 1.0 / 8192.0;
 /// The largest number below 1.
-pub const ENCODE_MOST: f32 = 1.0 - f32::EPSILON / 2.0;
-/// The leading bits of a number pick the segment,
+pub const ENCODE_MAX: f32 = 1.0 - f32::EPSILON / 2.0;
+/// The bits of an `f32` from this one upwards select the segment.
 pub const ENCODE_SEGMENT_SHIFT: u32 = 20;
-/// and these bits tell where in the segment it lies.
+/// The bits from this one up to the segment's select the step in the segment.
 pub const ENCODE_STEP_SHIFT: u32 = 12;
-/// Steps of a segment.
+/// Steps per segment.
 pub const ENCODE_STEPS: u32 = 1 << (ENCODE_SEGMENT_SHIFT - ENCODE_STEP_SHIFT);
 /// Fraction bits of a level.
 pub const ENCODE_FRACTION: u32 = 16;
-/// What the upper half of a segment's entry is shifted by.
+/// The left shift of the upper half of an entry that gives it [`ENCODE_FRACTION`] fraction bits.
 pub const ENCODE_BASE_SHIFT: u32 = 9;
 
-/// 8-bit sRGB from linear light, in eight straight segments an octave, so that a table of registers holds them:
-/// in the upper half of an entry the level where the segment begins, in the lower what a step adds. A level is
-/// never more than 0.56 from the exact one.
+/// 8-bit sRGB from linear light as a piecewise linear function with eight segments per octave, few enough for a table
+/// in vector registers: the upper half of an entry is the level at the start of the segment, the lower half the
+/// increment per step. A level is never more than 0.56 from the exact one.
 pub static ENCODE: LazyLock<Box<[i32; 128]>> = LazyLock::new(|| {
-    let first = ENCODE_LEAST.to_bits() >> ENCODE_SEGMENT_SHIFT;
-    let segments = (ENCODE_MOST.to_bits() >> ENCODE_SEGMENT_SHIFT) - first + 1;
+    let first = ENCODE_MIN.to_bits() >> ENCODE_SEGMENT_SHIFT;
+    let segments = (ENCODE_MAX.to_bits() >> ENCODE_SEGMENT_SHIFT) - first + 1;
     let mut table = Box::new([0; 128]);
     for (entry, segment) in table.iter_mut().zip(first..first + segments) {
         let at = |step: f64| {
@@ -33,7 +33,7 @@ pub static ENCODE: LazyLock<Box<[i32; 128]>> = LazyLock::new(|| {
         };
         let last = f64::from(ENCODE_STEPS - 1);
         let growth = (at(last) - at(0.0)) / last;
-        // The curve lies above the chord, farthest about the middle; half of that on each side.
+        // The curve is above the chord, farthest near the middle: raising the chord by half of that balances the error.
         let bulge = (at(0.5 * last) - (at(0.0) + at(last)) * 0.5) * 0.5;
         let base = (at(0.0) + bulge + 0.5) * f64::from(1 << (ENCODE_FRACTION - ENCODE_BASE_SHIFT));
         let growth = growth * f64::from(1 << ENCODE_FRACTION);
@@ -42,13 +42,13 @@ pub static ENCODE: LazyLock<Box<[i32; 128]>> = LazyLock::new(|| {
     table
 });
 
-/// 8-bit sRGB of linear light, clamped to 0 to 1; no number is black.
+/// 8-bit sRGB of linear light, clamped to the range from 0 to 1; NaN is encoded as black.
 pub fn encode8(linear: f32) -> u8 {
-    // Asked of the bits: AArch64 has an instruction for the larger of two numbers, which compilers take instead of a
-    // comparison, and for which a signalling NaN is the larger.
+    // NaN is detected by its bits: on AArch64, compilers replace a comparison by an instruction for the larger of two
+    // numbers, for which a signalling NaN is the larger.
     let is_number = linear.to_bits() << 1 <= f32::INFINITY.to_bits() << 1;
-    let bits = if is_number { linear.clamp(ENCODE_LEAST, ENCODE_MOST) } else { ENCODE_LEAST }.to_bits();
-    let entry = ENCODE[((bits - ENCODE_LEAST.to_bits()) >> ENCODE_SEGMENT_SHIFT) as usize] as u32;
+    let bits = if is_number { linear.clamp(ENCODE_MIN, ENCODE_MAX) } else { ENCODE_MIN }.to_bits();
+    let entry = ENCODE[((bits - ENCODE_MIN.to_bits()) >> ENCODE_SEGMENT_SHIFT) as usize] as u32;
     let step = (bits >> ENCODE_STEP_SHIFT) & (ENCODE_STEPS - 1);
     ((((entry >> 16) << ENCODE_BASE_SHIFT) + (entry & 0xffff) * step) >> ENCODE_FRACTION) as u8
 }
@@ -57,7 +57,7 @@ pub fn encode8(linear: f32) -> u8 {
 pub static DECODE: LazyLock<Box<[f32; 256]>> =
     LazyLock::new(|| Box::new(std::array::from_fn(|i| decode(i as f64 / 255.0) as f32)));
 
-/// 16-bit sRGB of linear light, clamped to 0 to 1.
+/// 16-bit sRGB of linear light, clamped to the range from 0 to 1.
 pub fn encode16(linear: f32) -> u16 {
     (encode(f64::from(linear).clamp(0.0, 1.0)) * 65535.0 + 0.5) as u16
 }
@@ -83,7 +83,7 @@ fn decode(srgb: f64) -> f64 {
     (x * x) * (root * root)
 }
 
-/// The N-th root of a number from 0 to 1 by Newton's iteration from above, where it falls without overshooting.
+/// The N-th root of a number from 0 to 1 by Newton's method from above, where it decreases without overshooting.
 fn nth_root<const N: i32>(x: f64) -> f64 {
     let n = f64::from(N);
     let mut root = 1.0;

@@ -1,4 +1,4 @@
-//! What all stages of one frame share.
+//! The immutable state of one frame, which all stages share.
 
 use std::ops::Range;
 
@@ -17,20 +17,20 @@ pub const NO_SLOT: u32 = u32::MAX;
 
 /// The immutable state of a frame.
 pub struct FrameContext<'a> {
-    /// What is drawn.
+    /// The scene to draw.
     pub scene: &'a Scene,
-    /// How.
+    /// The settings to draw it with.
     pub settings: &'a Settings,
-    /// From where.
+    /// The camera.
     pub view: View,
     /// The view of each instance.
     pub objects: Vec<ObjectView>,
-    /// The lights, as the kernels want them.
+    /// The lights, in the form that the kernels use.
     pub lights: LightRig,
     /// The tiles.
     pub grid: TileGrid,
-    /// Among how many threads the work is divided, however many the pool has: that decides the size of tiles, which tiles
-    /// are shared and how, and nothing of the picture.
+    /// Number of workers that the work is divided among, whatever the number of threads in the pool. It determines the
+    /// tile size and which tiles are shared and how, but does not change the picture.
     pub workers: usize,
     /// Number of each instance's first cluster; one more than there are instances.
     first_cluster: Vec<u32>,
@@ -41,12 +41,12 @@ pub struct FrameContext<'a> {
 }
 
 impl<'a> FrameContext<'a> {
-    /// Numbers the clusters and primitives of a scene, and divides the picture into tiles that are small enough for some
-    /// workers, at least one, to share them.
+    /// Numbers the clusters and primitives of a scene, and divides the picture into tiles that are small enough to keep
+    /// this many workers (at least one) busy.
     ///
     /// # Errors
-    /// A camera or setting that makes no picture, a scene that 32 bits do not suffice to number, and what
-    /// [`check_range`] finds.
+    /// An invalid camera or setting, a scene with more clusters or triangles than 32-bit numbers can count, and the
+    /// errors of [`check_range`].
     pub fn new(
         scene: &'a Scene,
         camera: &Camera,
@@ -96,8 +96,8 @@ impl<'a> FrameContext<'a> {
         PixelRect { x0: 0, x1: self.view.width as i32 - 1, y0: 0, y1: self.view.height as i32 - 1 }
     }
 
-    /// Cuts a range of clusters at the borders of instances: instance, number of the first cluster in the frame,
-    /// and the clusters' numbers in its mesh.
+    /// Splits a range of clusters by instance. Yields the instance, the number of the first cluster in the frame, and
+    /// the range of cluster numbers in the instance's mesh.
     pub fn by_instance(&self, clusters: Range<u32>) -> impl Iterator<Item = (usize, u32, Range<usize>)> {
         let first = self.first_cluster.partition_point(|&first| first <= clusters.start).max(1) - 1;
         (first..self.objects.len())
@@ -110,12 +110,12 @@ impl<'a> FrameContext<'a> {
             .filter(|(_, _, range)| !range.is_empty())
     }
 
-    /// Clusters of all instances.
+    /// Number of clusters of all instances.
     pub fn clusters(&self) -> u32 {
         *self.first_cluster.last().unwrap_or(&0)
     }
 
-    /// The instance that a cluster belongs to, and the cluster's number in its mesh.
+    /// The instance that a cluster belongs to, and the cluster's number in the instance's mesh.
     #[inline]
     pub fn locate(&self, cluster: u32) -> (usize, usize) {
         let instance = if self.first_cluster.len() == 2 {
@@ -146,14 +146,14 @@ impl<'a> FrameContext<'a> {
         (instance, cluster, slot as usize % MAX_TRIANGLES)
     }
 
-    /// The primitive number, which decides among equal depths.
+    /// The primitive number of the triangle in a slot, which breaks ties of depth.
     #[cold]
     pub fn primitive(&self, slot: u32) -> u64 {
         let (instance, cluster, triangle) = self.locate_slot(slot);
         self.first_primitive[instance] + u64::from(cluster.primitive(triangle))
     }
 
-    /// The number of the input face, which is what the ids of a frame tell.
+    /// The number of the input face of the triangle in a slot, as stored in the ids of a frame.
     pub fn face(&self, slot: u32) -> u32 {
         let (instance, cluster, triangle) = self.locate_slot(slot);
         let mesh = &self.scene.instances[instance].mesh;
@@ -163,7 +163,7 @@ impl<'a> FrameContext<'a> {
     }
 }
 
-/// Fails if `f32` does not suffice for the coordinates of a mesh, or for the distances that are asked for.
+/// Fails if the coordinates of a mesh, or the requested distances, are outside the range of `f32`.
 ///
 /// # Errors
 /// [`RenderError::OutOfRange`], [`RenderError::Distances`].
@@ -186,7 +186,7 @@ pub fn check_range(scene: &Scene, settings: &Settings, view: &View) -> Result<()
     Ok(())
 }
 
-/// Faces that a mesh's triangles came from.
+/// Number of input faces that a mesh's triangles come from.
 pub fn faces_of(mesh: &ClusteredMesh) -> u64 {
     match &mesh.face_of_triangle {
         Some(faces) => faces.last().map_or(0, |&last| u64::from(last) + 1),

@@ -1,4 +1,4 @@
-//! What can go wrong on the way to a picture.
+//! The errors of the renderer.
 
 use tercio_scene::camera::CameraError;
 
@@ -6,22 +6,22 @@ use tercio_scene::camera::CameraError;
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum RenderError {
-    /// The camera is not one.
+    /// The camera is invalid.
     #[error(transparent)]
     Camera(#[from] CameraError),
-    /// A setting is out of its range.
+    /// A setting is out of range.
     #[error("{what} must be {range}, is {value}")]
     Setting {
         /// Which setting.
         what: &'static str,
-        /// What it may be.
+        /// Its valid values.
         range: String,
-        /// What it is.
+        /// Its value.
         value: String,
     },
-    /// More triangles than can be numbered.
+    /// More triangles or clusters than can be numbered.
     #[error(
-        "the scene holds {triangles} triangles in {clusters} clusters; 32 bits do not suffice to number them"
+        "the scene has {triangles} triangles in {clusters} clusters, more than can be numbered with 32 bits"
     )]
     TooLarge {
         /// Triangles of all instances.
@@ -29,10 +29,10 @@ pub enum RenderError {
         /// Clusters of all instances.
         clusters: u64,
     },
-    /// A mesh whose coordinates leave `f32` no room to calculate with.
+    /// A mesh whose coordinates are too large or too small to calculate with in `f32`.
     #[error(
-        "the coordinates of instance {instance} reach {largest:e}, and 32-bit floating-point numbers can calculate with \
-         2^-60 to 2^60 only: choose another unit of the mesh (clean or Mesh::bring_into_range)"
+        "the coordinates of instance {instance} reach {largest:e}, and 32-bit floating-point numbers can calculate \
+         with 2^-60 to 2^60 only: choose another unit of the mesh (clean or Mesh::bring_into_range)"
     )]
     OutOfRange {
         /// Number of the instance.
@@ -40,9 +40,10 @@ pub enum RenderError {
         /// Largest absolute value of a coordinate, in units of the mesh.
         largest: f64,
     },
-    /// Distances were asked for that `f32` does not hold.
+    /// The depth plane was requested, and its distances are outside the range of `f32`.
     #[error(
-        "distances up to {farthest:e} do not fit into 32-bit floating-point numbers: scale the model, or ask for no depth"
+        "distances up to {farthest:e} do not fit into 32-bit floating-point numbers: \
+         scale the model, or do not request the depth"
     )]
     Distances {
         /// The largest distance, world units.

@@ -1,11 +1,13 @@
 //! The tile renderer: a scene and a camera become a picture.
 //!
-//! The data walks through the modules in this order. [`view`] says where things are on the screen, [`projection`] takes
-//! vertices there; `frontend` tests clusters and drops those that reach no sample; [`binning`] sorts the others into
-//! tiles; `backend` finds what is visible in each tile and shades it; [`frame`] is the finished picture. [`mod@reference`] does all of this in one plain loop, and every other path must equal it, bit for bit.
+//! The data passes through the modules in this order. [`view`] holds the camera's transforms, [`projection`] projects
+//! vertices to the screen; `frontend` culls the clusters that cover no sample; [`binning`] sorts the others into tiles;
+//! `backend` resolves visibility in each tile and shades it; [`frame`] is the finished picture. [`mod@reference`] does
+//! all of this in one plain loop, and every other path must equal it, bit for bit.
 //!
-//! [`screen`] is the geometry that all of them share, [`conventions`] are its conventions, `simd` is the one place that
-//! knows of SIMD levels. [`stats`] are the counts that come with every picture; [`tally`] makes finer ones for predictions.
+//! [`screen`] is the screen-space geometry that all of them share, [`conventions`] lists their conventions, `simd`
+//! holds the code that depends on the SIMD level. [`stats`] are the counts that come with every picture; [`tally`]
+//! makes finer ones, for performance predictions.
 //!
 //! # Example
 //!

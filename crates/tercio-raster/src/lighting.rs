@@ -1,11 +1,11 @@
-//! Lights as the shading formulas want them: in world axes, relative to the eye, in `f32` and in [`View::unit`].
+//! Lights in the form that the shading formulas use: in world axes, relative to the eye, in `f32` and [`View::unit`].
 
 use glam::DVec3;
 use tercio_scene::{Light, LightSpace};
 
 use crate::view::{Sight, View};
 
-/// A light from infinitely far away.
+/// A directional light.
 #[derive(Clone, Copy, Debug)]
 pub struct DistantLight {
     /// Unit vector towards it.
@@ -14,10 +14,10 @@ pub struct DistantLight {
     pub color: [f32; 3],
 }
 
-/// A light at a place.
+/// A point light.
 #[derive(Clone, Copy, Debug)]
 pub struct NearLight {
-    /// Where it stands, relative to the eye, world axes, in [`View::unit`].
+    /// Position relative to the eye, in world axes and [`View::unit`].
     pub position: [f32; 3],
     /// Linear RGB.
     pub color: [f32; 3],
@@ -28,16 +28,16 @@ pub struct NearLight {
 pub struct LightRig {
     /// The sum of the ambient lights.
     pub ambient: [f32; 3],
-    /// In the order of the scene.
+    /// Directional lights, in the order of the scene.
     pub distant: Vec<DistantLight>,
-    /// In the order of the scene.
+    /// Point lights, in the order of the scene.
     pub near: Vec<NearLight>,
-    /// Towards the viewer.
+    /// The directions towards the viewer.
     pub sight: Sight,
 }
 
 impl LightRig {
-    /// The scene's lights seen from the eye.
+    /// The scene's lights relative to the eye.
     pub fn new(lights: &[Light], view: &View) -> Self {
         let basis = &view.basis;
         let from_camera = |v: DVec3| basis.right * v.x + basis.up * v.y - basis.forward * v.z;

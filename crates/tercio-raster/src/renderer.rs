@@ -1,4 +1,4 @@
-//! One frame, stage after stage.
+//! The renderer: executes the stages of a frame.
 
 use std::sync::Mutex;
 use std::time::Instant;
@@ -18,32 +18,33 @@ use crate::screen::TileSet;
 use crate::settings::{LastStage, Part, Settings, SimdLevel};
 use crate::stats::{BackEndCounts, FrameStats, FrontEndCounts, StageTimes};
 
-/// Batches of clusters a thread: enough that threads finish together, few enough that bins stay large.
-const BATCHES_A_THREAD: usize = 8;
-/// Fewer clusters than this make no batch of their own.
-const LEAST_CLUSTERS: usize = 16;
+/// Batches of clusters per thread: enough to balance the load, few enough that bins stay large.
+const BATCHES_PER_THREAD: usize = 8;
+/// Approximate minimum number of clusters per batch.
+const MIN_BATCH_CLUSTERS: usize = 16;
 
-/// Batches into which the front end divides some clusters; only that many workers find work.
+/// Number of batches into which the front end divides this many clusters; no more workers than this have work.
 pub fn batches(clusters: usize, workers: usize) -> usize {
-    clusters.div_ceil(LEAST_CLUSTERS).min(workers * BATCHES_A_THREAD)
+    clusters.div_ceil(MIN_BATCH_CLUSTERS).min(workers * BATCHES_PER_THREAD)
 }
 
-/// Tiles with fewer entries than this are never shared between threads.
-const LEAST_SHARED: u64 = 64;
+/// Only tiles with more entries than this are shared between threads.
+const MIN_SHARED_ENTRIES: u64 = 64;
 
-/// Draws scenes; keeps its memory from frame to frame. Runs in the rayon pool it is called in.
+/// Draws scenes; reuses its memory from frame to frame. Runs in the rayon pool it is called in.
 ///
-/// A frame is drawn in two halves: [`Renderer::sort`] takes clusters to the tiles that they may touch,
-/// [`Renderer::draw`] draws any set of tiles from what was sorted, here or elsewhere. [`Renderer::render`] is both.
+/// A frame is drawn in two halves: [`Renderer::sort`] sorts clusters into the tiles that they may overlap,
+/// [`Renderer::draw`] draws any set of tiles from what was sorted, by this renderer or by another one.
+/// [`Renderer::render`] is both.
 #[derive(Debug, Default)]
 pub struct Renderer {
     sorted: Sorted,
-    /// One for each thread of the pool, and one more where there are more workers than threads.
+    /// One for each thread of the pool, and at least two if there is more than one worker.
     scratch: Vec<Mutex<Scratch>>,
 }
 
 impl Renderer {
-    /// A renderer that holds no memory yet.
+    /// A renderer that has not allocated memory yet.
     pub fn new() -> Self {
         Self::default()
     }
@@ -51,7 +52,8 @@ impl Renderer {
     /// Draws one picture.
     ///
     /// # Errors
-    /// A camera or setting that makes no picture, or a scene too large to be numbered.
+    /// [`RenderError`]: an invalid camera or setting, a scene with too many triangles to be numbered, or numbers
+    /// outside the range of `f32`.
     pub fn render(
         &mut self,
         scene: &Scene,
@@ -63,10 +65,10 @@ impl Renderer {
         Ok(frame)
     }
 
-    /// Draws one picture into the memory of an older one.
+    /// Draws one picture into an existing frame, whose memory is reused.
     ///
     /// # Errors
-    /// As [`Renderer::render`]; the frame is then as it was.
+    /// As [`Renderer::render`]; the frame is then unchanged.
     pub fn render_into(
         &mut self,
         scene: &Scene,
@@ -91,7 +93,7 @@ impl Renderer {
         Ok(())
     }
 
-    /// The front end: sorts the clusters that the frame's settings ask for into its tiles.
+    /// The front end: sorts the clusters that the settings select into the tiles of the frame.
     pub fn sort(&mut self, context: &FrameContext, sorted: &mut Sorted) {
         let level = level(context);
         let drawn = context.settings.clusters.range(context.clusters());
@@ -106,8 +108,8 @@ impl Renderer {
         sorted.counts = counts.reduce(FrontEndCounts::default, FrontEndCounts::plus);
     }
 
-    /// The back end: draws those of the frame's tiles that are in a set, from what was sorted into them. Pixels of other
-    /// tiles stay as they are.
+    /// The back end: draws a set of the frame's tiles from what was sorted into them. The pixels of other tiles keep
+    /// their values.
     ///
     /// ```
     /// use tercio_mesh::cluster::{PartitionOptions, partition};
@@ -172,14 +174,14 @@ impl Renderer {
 }
 
 impl Frame {
-    /// Gives the planes that the settings ask for their size. What they hold is unspecified.
+    /// Resizes the planes that the settings request, and empties the others. The values are unspecified.
     pub fn resize(&mut self, settings: &Settings) {
         (self.width, self.height) = (settings.width, settings.height);
         self.planes.resize(&settings.outputs, settings.width as usize * settings.height as usize);
     }
 }
 
-/// A tally with which tiles are drawn.
+/// A tally that tiles can be drawn with.
 pub(crate) trait DrawTile: Tally {
     /// Draws a tile, or a part of it, at a SIMD level.
     fn draw(level: Level, task: TileTask) -> Self;
@@ -191,10 +193,10 @@ impl DrawTile for BackEndCounts {
     }
 }
 
-/// The SIMD level of a frame. Settings were checked when its context was made.
+/// The SIMD level of a frame. The settings were checked when its context was made.
 fn level(context: &FrameContext) -> Level {
     let simd = context.settings.simd.unwrap_or_else(SimdLevel::best);
-    simd.level().unwrap_or_else(|| unreachable!("a level of this processor"))
+    simd.level().unwrap_or_else(|| unreachable!("`Settings::check` accepts only levels of this processor"))
 }
 
 /// The back end's work on one frame.
@@ -206,8 +208,8 @@ struct Tiles<'a> {
 }
 
 impl Tiles<'_> {
-    /// Draws the tiles of a set: the few that hold a great part of the work one after another, shared by all workers,
-    /// the others side by side.
+    /// Draws a set of tiles: the few that hold a large fraction of the work one after another, each by all workers
+    /// together; the others in parallel, each by one worker.
     fn draw<T: DrawTile>(&self, set: &TileSet, scratch: &mut [Mutex<Scratch>]) -> T::Frame {
         let workers = self.context.workers;
         let tiles = self.context.grid.count() as u32;
@@ -217,7 +219,7 @@ impl Tiles<'_> {
         let mut shared = Vec::new();
         if workers > 1 && self.context.settings.last_stage > LastStage::Bin {
             let work: u64 = (0..tiles).map(fill).sum();
-            let heavy = |tile: &u32| fill(*tile) > LEAST_SHARED.max(work / (2 * workers as u64));
+            let heavy = |tile: &u32| fill(*tile) > MIN_SHARED_ENTRIES.max(work / (2 * workers as u64));
             (shared, alone) = alone.into_iter().partition(heavy);
         }
         let tallies =
@@ -237,13 +239,13 @@ impl Tiles<'_> {
         T::join(drawn_alone, tallies)
     }
 
-    /// Draws one tile with all workers, each a share of its entries into a tile memory of its own, as many at a time as
-    /// there are memories.
+    /// Draws one tile with all workers: each draws a share of the entries into a tile memory of its own. At most as
+    /// many shares are drawn at a time as there are tile memories.
     fn draw_shared<T: DrawTile>(&self, tile: u32, scratch: &mut [Mutex<Scratch>]) -> T {
         let of = self.context.workers;
         let (mut tally, mut drawn) = (T::default(), 0);
         while drawn < of {
-            // From the second time on the first memory holds what was drawn before.
+            // From the second round on, the first memory holds the merged result of the rounds before.
             let free = &mut scratch[usize::from(drawn > 0)..];
             let count = free.len().min(of - drawn);
             let shares = free[..count].par_iter_mut().enumerate().with_max_len(1).map(|(i, scratch)| {
@@ -259,7 +261,7 @@ impl Tiles<'_> {
             drawn += count;
             let mut parts =
                 scratch[..used].iter_mut().map(|s| s.get_mut().unwrap_or_else(|e| e.into_inner()));
-            let Some(first) = parts.next() else { unreachable!("a pool has a thread") };
+            let Some(first) = parts.next() else { unreachable!("a pool has at least one thread") };
             parts.for_each(|part| first.tile.merge(self.context, &part.tile));
         }
         let first = scratch[0].get_mut().unwrap_or_else(|e| e.into_inner());

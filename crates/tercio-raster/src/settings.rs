@@ -1,5 +1,5 @@
-//! What a picture is drawn with. Size, culling and shading change the picture; everything else may change
-//! only how fast it is there.
+//! The settings of the renderer. Size, culling and shading change the picture; everything else may change only how
+//! fast it is drawn.
 
 use std::fmt;
 use std::ops::Range;
@@ -21,7 +21,7 @@ pub const MAX_SIZE: u32 = 32768;
 pub enum Binning {
     /// Into every tile that the bounding box touches.
     BoundingBox,
-    /// Only into tiles of which the triangle can cover a sample.
+    /// Only into tiles in which the triangle can cover a sample.
     #[default]
     Exact,
 }
@@ -30,37 +30,37 @@ pub enum Binning {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub enum Sorting {
-    /// Clusters that are small on the screen as a whole, of the others every triangle.
+    /// Clusters that are small on the screen as a whole; the triangles of the other clusters one by one.
     #[default]
     Clusters,
-    /// Every triangle.
+    /// All triangles, one by one.
     Triangles,
 }
 
-/// Where the work on a frame ends: for measuring, what is drawn then is no picture.
+/// The last stage of a frame that is executed. For measurements: only with [`LastStage::Output`] is there a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Default)]
 #[non_exhaustive]
 pub enum LastStage {
-    /// Clusters are tested, then tossed.
+    /// Clusters are culled; the remaining ones are discarded.
     Cull,
-    /// Clusters and triangles are sorted into tiles, then tossed.
+    /// Clusters and triangles are sorted into tiles, then discarded.
     Bin,
-    /// Triangles that reach a sample are found in each tile, then tossed.
+    /// The triangles that reach a sample are found in each tile, then discarded.
     Sieve,
-    /// What is seen at each sample is known, and tossed.
+    /// Visibility is resolved at each sample, then discarded.
     Visibility,
-    /// Nothing is tossed.
+    /// All stages are executed.
     #[default]
     Output,
 }
 
-/// Which triangles are left out by their facing.
+/// Face culling: which triangles are not drawn because of the side that they show.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Cull {
     /// Surfaces are two-sided; hidden back faces are skipped where that provably leaves the picture the same.
     #[default]
     Auto,
-    /// Surfaces are two-sided; nothing is skipped by its facing.
+    /// Surfaces are two-sided; no face is culled.
     None,
     /// Triangles that show their back are not drawn.
     Back,
@@ -69,8 +69,8 @@ pub enum Cull {
 }
 
 impl Cull {
-    /// Which orientation on the screen is left out: `Some(true)` the clockwise one, `Some(false)` the
-    /// counter-clockwise one, `None` neither. A mirrored instance shows its fronts clockwise.
+    /// Which winding on the screen is culled: `Some(true)` the clockwise one, `Some(false)` the counter-clockwise one,
+    /// `None` neither. The front faces of a mirrored instance appear clockwise.
     pub(crate) fn drops_clockwise(self, mirrored: bool) -> Option<bool> {
         match self {
             Self::Auto | Self::None => None,
@@ -79,7 +79,7 @@ impl Cull {
         }
     }
 
-    /// Of lanes that run clockwise and counter-clockwise on the screen: those that are drawn, those left out.
+    /// From the lanes of clockwise and of counter-clockwise triangles: the lanes to draw, the lanes to cull.
     #[inline(always)]
     pub(crate) fn split(self, mirrored: bool, clockwise: u32, counter: u32) -> (u32, u32) {
         match self.drops_clockwise(mirrored) {
@@ -94,39 +94,39 @@ impl Cull {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub enum Shading {
-    /// Once a triangle's plane: facets show.
+    /// At every pixel, with the normal of the triangle's plane: facets are visible.
     Flat,
-    /// At the vertices, colours are interpolated.
+    /// At the vertices; the light is interpolated.
     Gouraud,
-    /// At every pixel from the interpolated normal.
+    /// At every pixel, with the interpolated normal.
     #[default]
     Phong,
-    /// Not at all: the colours as they are.
+    /// Not at all: unlit colours.
     Unlit,
 }
 
-/// A share of clusters or entries: number `number` of `of` shares.
+/// One of `of` equal shares of clusters or entries.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Part {
-    /// Which share, below `of`.
+    /// Number of the share, below `of`.
     pub number: u32,
-    /// How many there are, at least 1.
+    /// Number of shares, at least 1.
     pub of: u32,
 }
 
 impl Part {
-    /// All of it.
+    /// The only share of one: everything.
     pub const WHOLE: Self = Self { number: 0, of: 1 };
 
-    /// The consecutive ones of `count` things that the share holds; the shares differ by one at most.
+    /// The share of `count` items as a range of consecutive items; the sizes of the shares differ by one at most.
     pub fn range(self, count: u32) -> Range<u32> {
         let begin = |number: u32| (u64::from(count) * u64::from(number) / u64::from(self.of)) as u32;
         begin(self.number)..begin(self.number + 1)
     }
 
-    /// Every `of`-th of some things, from number `number` on.
-    pub(crate) fn every<T>(self, things: impl Iterator<Item = T>) -> impl Iterator<Item = T> {
-        things.skip(self.number as usize).step_by(self.of as usize)
+    /// The share of some items as every `of`-th item, from item `number` on.
+    pub(crate) fn every<T>(self, items: impl Iterator<Item = T>) -> impl Iterator<Item = T> {
+        items.skip(self.number as usize).step_by(self.of as usize)
     }
 }
 
@@ -136,7 +136,7 @@ impl Default for Part {
     }
 }
 
-/// A SIMD level by name; the processor decides which of them exist.
+/// A SIMD level by name; the processor determines which of them are available.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum SimdLevel {
@@ -155,7 +155,7 @@ pub enum SimdLevel {
 }
 
 impl SimdLevel {
-    /// All names.
+    /// All levels, slowest first.
     pub const ALL: [Self; 6] = [Self::Scalar, Self::Sse2, Self::Sse42, Self::Avx2, Self::Avx512, Self::Neon];
 
     /// The name on the command line.
@@ -175,12 +175,12 @@ impl SimdLevel {
         *Self::available().last().unwrap_or(&Self::Scalar)
     }
 
-    /// The levels of this processor, slowest first.
+    /// The levels that this processor supports, slowest first.
     pub fn available() -> Vec<Self> {
         Self::ALL.into_iter().filter(|l| l.level().is_some()).collect()
     }
 
-    /// The proof that this processor has the level.
+    /// The token of the level, which proves that this processor supports it; `None` if it does not.
     pub(crate) fn level(self) -> Option<Level> {
         let best = Level::new();
         match self {
@@ -222,18 +222,18 @@ impl FromStr for SimdLevel {
     }
 }
 
-/// What a picture is drawn with.
+/// The settings of a frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Settings {
-    /// Pixels across, 1 to [`MAX_SIZE`].
+    /// Width in pixels, 1 to [`MAX_SIZE`].
     pub width: u32,
-    /// Pixels down, 1 to [`MAX_SIZE`].
+    /// Height in pixels, 1 to [`MAX_SIZE`].
     pub height: u32,
-    /// Which triangles are left out by their facing.
+    /// Face culling.
     pub cull: Cull,
     /// Where and how light is computed.
     pub shading: Shading,
-    /// Which pictures are wanted.
+    /// The planes of the frame to draw.
     pub outputs: Outputs,
     /// Pixels along the edge of a tile: 8, 16, 32, 64 or 128; `None` lets the renderer choose.
     pub tile_size: Option<u32>,
@@ -241,26 +241,27 @@ pub struct Settings {
     pub sorting: Sorting,
     /// How triangles are sorted into tiles.
     pub binning: Binning,
-    /// Whole clusters are tested before their triangles are.
+    /// Whether whole clusters are tested before their triangles.
     pub cluster_culling: bool,
-    /// Which clusters are drawn: a share of consecutive ones. All but the whole makes a part of the picture.
+    /// Which clusters are drawn: a share of consecutive ones. Any other than [`Part::WHOLE`] draws an incomplete
+    /// picture, to be composed with the others.
     pub clusters: Part,
-    /// Which tiles are drawn. The pixels of the others stay as they are in the frame. All but [`TileSet::ALL`] is made for
-    /// tiles of a size that is asked for by [`Settings::tile_size`].
+    /// Which tiles are drawn. The pixels of the others keep their values in the frame. Any set but [`TileSet::ALL`]
+    /// requires that [`Settings::tile_size`] is given, and must be made for the resulting number of tiles.
     pub tiles: TileSet,
-    /// Where the work ends; anything but [`LastStage::Output`] makes no picture.
+    /// The last stage that is executed; with anything but [`LastStage::Output`] there is no picture.
     pub last_stage: LastStage,
-    /// `None` takes the best of this processor.
+    /// The SIMD level; `None` selects the best one of this processor.
     pub simd: Option<SimdLevel>,
 }
 
-/// Pixels along the edge of the smallest tile that is not asked for.
+/// Edge in pixels of the smallest tile that the renderer chooses by itself.
 const SMALLEST_TILE: u32 = 16;
-/// Tiles of which there should be so many for each thread.
-const TILES_A_THREAD: usize = 8;
+/// Number of tiles per thread that the automatic tile size aims at.
+const TILES_PER_THREAD: usize = 8;
 
 impl Settings {
-    /// A picture of this size, everything else by default.
+    /// Default settings for a picture of this size.
     pub fn new(width: u32, height: u32) -> Self {
         Self {
             width,
@@ -279,7 +280,7 @@ impl Settings {
         }
     }
 
-    /// The default framing for a picture of this size: makes the camera without the size being said again.
+    /// The default framing for a picture of this size, to make a camera without giving the size again.
     ///
     /// ```
     /// use tercio_raster::Settings;
@@ -293,8 +294,8 @@ impl Settings {
         Framing::new(self.width, self.height)
     }
 
-    /// Pixels along the edge of a tile: what was asked for, or by the size of the picture. Small tiles share the work
-    /// of small pictures better; in large ones clusters reach into fewer tiles.
+    /// Pixels along the edge of a tile: as requested, or by the size of the picture. Small tiles distribute the work of
+    /// small pictures better; with large tiles, clusters overlap fewer of them.
     pub fn tile_edge(&self) -> u32 {
         self.tile_size.unwrap_or(match u64::from(self.width) * u64::from(self.height) {
             0..=0x4000 => SMALLEST_TILE,
@@ -304,13 +305,13 @@ impl Settings {
         })
     }
 
-    /// The same where some threads share the tiles: small enough for each to get several, because no two tiles are
-    /// the same work.
+    /// The same for a number of threads: tiles are small enough that each thread draws several of them, which balances
+    /// the load.
     pub fn tile_edge_for(&self, threads: usize) -> u32 {
         let mut edge = self.tile_edge();
         while self.tile_size.is_none()
             && edge > SMALLEST_TILE
-            && self.tiles_of(edge) < TILES_A_THREAD * threads
+            && self.tiles_of(edge) < TILES_PER_THREAD * threads
         {
             edge /= 2;
         }
@@ -322,10 +323,10 @@ impl Settings {
         self.width.div_ceil(edge) as usize * self.height.div_ceil(edge) as usize
     }
 
-    /// Tells whether these settings make a picture on this processor.
+    /// Checks that the settings are valid on this processor.
     ///
     /// # Errors
-    /// [`RenderError::Setting`] names the first that does not.
+    /// [`RenderError::Setting`] names the first setting that is not.
     pub fn check(&self) -> Result<(), RenderError> {
         let setting = |what, range: String, value: String| Err(RenderError::Setting { what, range, value });
         for (what, value) in [("width", self.width), ("height", self.height)] {
@@ -342,7 +343,7 @@ impl Settings {
         }
         let tiles = self.tiles_of(self.tile_edge());
         if let Some(made_for) = self.tiles.tiles().filter(|&of| of != tiles || self.tile_size.is_none()) {
-            let range = format!("made for the {tiles} tiles of a size that is asked for");
+            let range = format!("made for the {tiles} tiles of an explicit tile size");
             return setting("set of tiles", range, format!("made for {made_for}"));
         }
         if let Some(level) = self.simd.filter(|l| l.level().is_none()) {
@@ -366,7 +367,7 @@ mod tests {
         assert_eq!([8, 9, 128, 1000].map(|threads| edge(1024, 1024, threads)), [128, 64, 32, 16]);
         assert_eq!(edge(16384, 16384, 1000), 128);
         assert_eq!(edge(1, 1, 1000), 16);
-        let asked = Settings { tile_size: Some(64), ..Settings::new(64, 64) };
-        assert_eq!(asked.tile_edge_for(1000), 64);
+        let requested = Settings { tile_size: Some(64), ..Settings::new(64, 64) };
+        assert_eq!(requested.tile_edge_for(1000), 64);
     }
 }

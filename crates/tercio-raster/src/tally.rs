@@ -1,8 +1,8 @@
-//! The work of a frame, counted by drawing it: what predictions are made of.
+//! Detailed counts of the work of a frame, made by drawing it: the input of performance predictions.
 //!
-//! [`count`] divides a frame among any number of workers: work is dealt out as to that many threads, whatever the number
-//! of threads that do it. Counts are the same at every SIMD level, so the kernels that count in full are compiled at one
-//! level only, the one that every processor of the target has.
+//! [`count`] divides a frame among any number of workers: the work is divided as among that many threads, whatever the
+//! number of threads that execute it. Counts are the same at every SIMD level, so the kernels with the full counts are
+//! compiled at one level only, the baseline of the target.
 
 use fearless_simd::{Level, Simd};
 use tercio_mesh::cluster::{Cluster, ClusterView};
@@ -36,29 +36,29 @@ impl DrawTile for FullTally {
 /// The back end's work on one tile.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TileWork {
-    /// What is always counted.
+    /// The counts of every frame's statistics.
     pub counts: BackEndCounts,
     /// Finer counts.
     pub details: DetailCounts,
-    /// All workers draw it together.
+    /// Whether all workers draw the tile together.
     pub is_shared: bool,
 }
 
 /// A frame's work.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Counted {
-    /// As of a frame that is drawn; its times are of no use.
+    /// The statistics of the frame; the times are not meaningful.
     pub stats: FrameStats,
     /// Finer counts of the back end.
     pub details: DetailCounts,
-    /// Bytes of model and bins that the frame touches, each once.
+    /// Bytes of model and bins that the frame touches, each counted once.
     pub bytes_touched: u64,
-    /// All tiles of the picture, row by row; those that are not drawn have no work.
+    /// All tiles of the picture, row by row; the counts of tiles that are not drawn are zero.
     pub tiles: Vec<TileWork>,
 }
 
-/// Counts the work of a frame, or of the part of it that the settings ask for, divided among some workers, at least one,
-/// by drawing it. The picture is thrown away.
+/// Counts the work of a frame (or of the part of it that the settings select), divided among this many workers (at
+/// least one), by drawing it. The picture is discarded.
 ///
 /// # Errors
 /// As [`Renderer::render`].
@@ -71,10 +71,10 @@ pub fn count(
     count_into(scene, camera, settings, workers, &mut Frame::default())
 }
 
-/// [`count`] for those who want the picture, too: drawn into the memory of an older one.
+/// [`count`] that keeps the picture: draws it into an existing frame, whose memory is reused.
 ///
 /// # Errors
-/// As [`Renderer::render`]; the frame is then as it was.
+/// As [`Renderer::render`]; the frame is then unchanged.
 pub fn count_into(
     scene: &Scene,
     camera: &Camera,
@@ -95,7 +95,7 @@ pub fn count_into(
     for (tile, is_shared, FullTally { counts, details, clusters: drawn }) in tallies {
         counted.details = counted.details.plus(details);
         counted.tiles[tile as usize] = TileWork { counts, details, is_shared };
-        // Each is taken once.
+        // `take` makes each cluster count once.
         let drawn = drawn.into_iter().filter_map(|number| clusters[number as usize].take());
         counted.bytes_touched += drawn.map(|cluster| bytes(&cluster)).sum::<u64>();
     }

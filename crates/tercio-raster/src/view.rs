@@ -1,12 +1,12 @@
-//! From world space to the picture: what the camera means for one frame and one instance.
+//! From world space to the screen: the transforms of one frame and of one instance.
 //!
-//! Matrices are made in `f64` and rounded to `f32` once; a vertex then passes through [`ObjectView::project`],
-//! the one sequence of operations by which every path of the renderer reaches the screen.
+//! Matrices are computed in `f64` and rounded to `f32` once; a vertex then passes through [`ObjectView::project`],
+//! the only sequence of operations by which every path of the renderer projects vertices.
 //!
-//! Two things keep `f32` exact enough at any size and from anywhere. Lengths are measured in [`View::unit`], a power of
-//! two of about the size of the scene, so that the picture of a model does not depend on its units. And positions are
-//! taken relative to [`ObjectView::pivot`], the point of the mesh's box next to the eye: what is near the eye then has
-//! errors relative to its distance, not to the size of the scene.
+//! Two measures keep `f32` accurate enough at any size and at any position. Lengths are measured in [`View::unit`], a
+//! power of two of about the size of the scene, so that the picture of a model does not depend on its units. And
+//! positions are taken relative to [`ObjectView::pivot`], the point of the mesh's box nearest to the eye: the errors of
+//! a position near the eye are then relative to its distance, not to the size of the scene.
 
 use glam::{DMat3, DVec3};
 use tercio_mesh::mesh::{exponent_of, power_of_two};
@@ -19,9 +19,9 @@ use crate::conventions::{GUARD, SMALL_EXTENT, SUBPIXELS};
 /// The camera of one frame.
 #[derive(Clone, Debug)]
 pub struct View {
-    /// Pixels across.
+    /// Width in pixels.
     pub width: u32,
-    /// Pixels down.
+    /// Height in pixels.
     pub height: u32,
     /// The eye in world space.
     pub eye: DVec3,
@@ -29,31 +29,31 @@ pub struct View {
     pub basis: CameraBasis,
     /// False for an orthographic camera.
     pub perspective: bool,
-    /// Sub-pixels a world unit, at distance 1 for a perspective camera.
+    /// Sub-pixels per world unit, at distance 1 for a perspective camera.
     pub scale: f64,
     /// Distance of the near plane along the line of sight, world units.
     pub near: f64,
-    /// A distance beyond everything (orthographic depth only), world units.
+    /// A distance farther than all of the scene, world units; the depth of an orthographic camera is relative to it.
     pub far: f64,
-    /// World units a unit of length of the `f32` numbers of a frame: a power of two, such that no distance of the
+    /// The unit of length of the `f32` numbers of a frame, in world units: a power of two, such that no distance in the
     /// scene is above 1.
     pub unit: f64,
 }
 
-/// Automatic near planes of perspective cameras inside the scene stand at this part of the scene's radius, 1e-12: far
-/// nearer than `f32` tells positions apart, but for those next to the mesh's origin. It costs nothing, because depths
-/// are relative to the near plane.
-const NEAREST: f64 = 1.0 / (1u64 << 40) as f64;
+/// Distance of the automatic near plane of a perspective camera inside the scene, relative to the scene's radius:
+/// 1e-12, far below the differences of position that `f32` can represent, except next to the mesh's origin. A near
+/// plane this close costs no precision, because depths are relative to it.
+const AUTO_NEAR: f64 = 1.0 / (1u64 << 40) as f64;
 
-/// No near plane stands nearer than this, in [`View::unit`].
-const LEAST_NEAR: f64 = 1.0 / (1u64 << 60) as f64;
+/// The smallest distance of a near plane, in [`View::unit`].
+const MIN_NEAR: f64 = 1.0 / (1u64 << 60) as f64;
 
-/// The largest factor by which depths, which are at most 1, are multiplied to be weights of corners: times areas, which
-/// are below 2^49 together, and squared, they then stay inside `f32`. The least weight, [`LEAST_NEAR`] times this, still
-/// is a vector's length and not nothing.
-const MOST_WEIGHT: f64 = (1u64 << 12) as f64;
+/// The largest factor from depths, which are at most 1, to weights of corners. Areas, whose sum is below 2^49, times
+/// these weights, and the squares of such products, then stay inside the range of `f32`. The smallest weight,
+/// [`MIN_NEAR`] times this factor, is still a vector length that is not treated as zero.
+const MAX_WEIGHT: f64 = (1u64 << 12) as f64;
 
-/// The least power of two that is above a length; 1 for a length of 0.
+/// The smallest power of two that is above a length; 1 for a length of 0.
 fn unit_above(length: f64) -> f64 {
     if length.is_normal() { power_of_two(exponent_of(length) + 1) } else { 1.0 }
 }
@@ -79,20 +79,20 @@ impl View {
             nearest = along.iter().copied().fold(f64::INFINITY, f64::min);
             farthest = along.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         }
-        // A perspective camera may stand inside the model. In front of the model the plane's place does not matter,
-        // because depth is relative to it; half way to the model it cuts nothing.
+        // A perspective camera may be inside the model. If it is outside, the distance of the near plane does not
+        // matter for precision, because depth is relative to it; half way to the model it clips nothing.
         let size = bounds.radius().max(f64::MIN_POSITIVE.sqrt());
         let automatic =
-            if perspective { (NEAREST * size).max(0.5 * nearest) } else { nearest.max(0.0) - 1e-3 * size };
+            if perspective { (AUTO_NEAR * size).max(0.5 * nearest) } else { nearest.max(0.0) - 1e-3 * size };
         let near = camera.near.unwrap_or(if perspective { automatic } else { automatic.max(0.0) });
         let far = farthest.max(near) + 1e-2 * size;
         let unit = unit_above(size.max(farthest.abs()).max(nearest.abs()).max(near));
-        // As the kernels have it, so that distances follow from depths without a bias.
-        let near = if perspective { f64::from((near / unit).max(LEAST_NEAR) as f32) * unit } else { near };
+        // Rounded as the kernels use it, so that distances computed from depths have no bias.
+        let near = if perspective { f64::from((near / unit).max(MIN_NEAR) as f32) * unit } else { near };
         Ok(Self { width, height, eye: camera.eye, basis, perspective, scale, near, far, unit })
     }
 
-    /// Distance along the line of sight, in world units, of a depth above 0.
+    /// Distance along the line of sight, in world units, from a depth above 0.
     pub fn distance(&self, depth: f32) -> f32 {
         let d = f64::from(depth);
         let distance = if self.perspective { self.near / d } else { self.far - d * (self.far - self.near) };
@@ -107,7 +107,7 @@ impl View {
     /// The view of one instance.
     pub fn object(&self, instance: &Instance) -> ObjectView {
         let mesh = &*instance.mesh;
-        // From the mesh's numbers to world axes relative to the eye.
+        // From mesh coordinates to world axes relative to the eye.
         let linear = instance.world_from_object.matrix3 * mesh.unit();
         let shift = instance.world_from_object.transform_point3(mesh.origin) - self.eye;
         let b = &self.basis;
@@ -128,8 +128,8 @@ impl View {
         };
         let inverse = linear.inverse();
         let mirrored = linear.determinant() < 0.0;
-        // It keeps the side of a plane on which a normal stands, of mirror images too. Its scale is taken out, so that
-        // normals times areas neither vanish nor overflow.
+        // It keeps a normal on its side of the triangle, in mirror images too. Its scale is normalized, so that
+        // products of normals and areas neither underflow nor overflow.
         let normal_matrix = inverse.transpose();
         let largest = normal_matrix.to_cols_array().into_iter().fold(0.0, |m: f64, v| m.max(v.abs()));
         let scale = if largest > 0.0 && largest.is_finite() { 1.0 / largest } else { 1.0 };
@@ -154,7 +154,7 @@ impl View {
             w: single(w),
             d: single(d),
             near: (self.near * inverse_unit) as f32,
-            weight: if self.perspective { (self.unit / self.near).min(MOST_WEIGHT) as f32 } else { 1.0 },
+            weight: if self.perspective { (self.unit / self.near).min(MAX_WEIGHT) as f32 } else { 1.0 },
             offset: self.middle(),
             exact: ClipRows { x, y, w, d },
             viewer: f(viewer),
@@ -167,7 +167,7 @@ impl View {
         }
     }
 
-    /// The point of a mesh's box next to the eye, both in the mesh's numbers.
+    /// The point of a mesh's box nearest to the eye, both in mesh coordinates.
     fn pivot(&self, mesh: &ClusteredMesh, eye: DVec3) -> [f32; 3] {
         let bounds = mesh.local_bounds();
         if bounds.is_empty() || !eye.is_finite() {
@@ -187,25 +187,26 @@ impl View {
             right: f(b.right * -along),
             down: f(b.up * along),
             middle: self.middle(),
-            // Half of the square's diagonal, and room for rounding.
+            // Half of the square's diagonal, with a margin for rounding.
             spread: (f64::from(SMALL_EXTENT) * std::f64::consts::FRAC_1_SQRT_2 * along * 1.01 + 1e-3) as f32,
         }
     }
 }
 
-/// The directions from a point of the picture towards the viewer, in world axes, of any length:
+/// The directions from points of the picture towards the viewer, in world axes, not normalized:
 /// `(base + right * x) + down * y` with x and y in sub-pixels from the middle of the picture.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Sight {
-    /// In the middle of the picture, length 1.
+    /// The direction in the middle of the picture, length 1.
     pub base: [f32; 3],
-    /// Growth a sub-pixel to the right; zero for an orthographic camera.
+    /// Increment per sub-pixel to the right; zero for an orthographic camera.
     pub right: [f32; 3],
-    /// Growth a sub-pixel downwards.
+    /// Increment per sub-pixel downwards; zero for an orthographic camera.
     pub down: [f32; 3],
     /// Screen coordinates of the middle of the picture.
     pub middle: [i32; 2],
-    /// No direction in a square of [`SMALL_EXTENT`] differs by more from that in the middle of the square.
+    /// An upper bound of the difference between any direction in a square of [`SMALL_EXTENT`] sub-pixels and the
+    /// direction in the middle of the square.
     pub spread: f32,
 }
 
@@ -217,7 +218,7 @@ impl Sight {
     }
 }
 
-/// The factor by which a map scales, if it scales all directions alike.
+/// The scale factor of a linear map, if it scales all directions alike.
 fn similarity(linear: DMat3) -> Option<f64> {
     let gram = linear.transpose() * linear;
     let square = (gram.x_axis.x + gram.y_axis.y + gram.z_axis.z) / 3.0;
@@ -225,7 +226,7 @@ fn similarity(linear: DMat3) -> Option<f64> {
     error.into_iter().all(|e| e.abs() <= 1e-9 * square).then(|| square.sqrt())
 }
 
-/// The rows of the matrix to clip space, not rounded.
+/// The rows of the matrix to clip space, not rounded to `f32`.
 #[derive(Clone, Copy, Debug)]
 pub struct ClipRows {
     /// Sub-pixels to the right of the middle, times w.
@@ -243,44 +244,45 @@ pub struct ClipRows {
 pub struct ObjectView {
     /// False for an orthographic camera.
     pub perspective: bool,
-    /// What positions are taken relative to, in the mesh's numbers.
+    /// The point that positions are taken relative to, in mesh coordinates.
     pub pivot: [f32; 3],
-    /// Row of the matrix that gives x times w, from positions relative to the pivot, as all rows.
+    /// Matrix row for x times w. As all rows, it takes positions relative to the pivot.
     pub x: [f32; 4],
-    /// Row that gives y times w.
+    /// Matrix row for y times w.
     pub y: [f32; 4],
-    /// Row that gives w (perspective), in [`View::unit`].
+    /// Matrix row for w (perspective), in [`View::unit`].
     pub w: [f32; 4],
-    /// Row that gives the depth (orthographic).
+    /// Matrix row for the depth (orthographic).
     pub d: [f32; 4],
     /// Distance of the near plane, in [`View::unit`].
     pub near: f32,
-    /// By which the depth of a corner is multiplied to be its weight: 1 / w, or less for all corners where the near plane
-    /// is very near; 1 for an orthographic camera.
+    /// Factor from the depth of a corner to its weight in perspective interpolation: the weight is then 1 / w, or less
+    /// for all corners alike if the near plane is very near; 1 for an orthographic camera.
     pub weight: f32,
     /// Screen coordinates of the middle of the picture.
     pub offset: [i32; 2],
-    /// The same rows in `f64` and from positions as the mesh has them, for clipping and for cluster tests.
+    /// The same rows in `f64` for positions in mesh coordinates, not relative to the pivot: for clipping and for
+    /// cluster tests.
     pub exact: ClipRows,
     /// The eye in local coordinates relative to the pivot; for an orthographic camera the direction towards the viewer.
     pub viewer: [f32; 3],
     /// Linear part of the map from local coordinates to world axes, in [`View::unit`].
     pub eye_from_local: [[f32; 3]; 3],
-    /// Where the pivot is relative to the eye, in world axes and [`View::unit`].
+    /// Position of the pivot relative to the eye, in world axes and [`View::unit`].
     pub eye_from_pivot: [f32; 3],
-    /// Normals from object space to world space, length not kept. Negated in a mirror image, whose fronts appear
-    /// clockwise: times an area that is positive where a triangle appears counter-clockwise, a normal points to the side
-    /// that is seen.
+    /// Normals from object space to world space; lengths change. Negated in a mirror image, whose front faces appear
+    /// clockwise: a normal times an area that is positive where the triangle appears counter-clockwise points to the
+    /// visible side.
     pub normal_matrix: [[f32; 3]; 3],
-    /// The instance is a mirror image: its fronts are clockwise.
+    /// Whether the instance is a mirror image: its front faces appear clockwise.
     pub mirrored: bool,
-    /// World units a unit of the mesh's numbers, if it is the same in all directions.
+    /// World units per unit of mesh coordinates, if it is the same in all directions.
     pub similarity: Option<f64>,
-    /// Brings edges to a size at which their products neither vanish nor overflow: to at most 2^20.
+    /// Scales edges to at most 2^20, so that their products neither underflow nor overflow.
     pub edge_scale: f32,
 }
 
-/// A vertex on its way to the screen.
+/// A projected vertex.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ScreenVertex {
     /// Screen coordinate, sub-pixels from the left.
@@ -289,18 +291,18 @@ pub struct ScreenVertex {
     pub y: i32,
     /// Depth.
     pub d: f32,
-    /// False if it lies before the near plane or outside the guard band: `x`, `y` and `d` then mean nothing.
+    /// False if the vertex is before the near plane or outside the guard band: `x`, `y` and `d` are then not valid.
     pub inside: bool,
 }
 
 impl ObjectView {
-    /// A position relative to the pivot. The kernels repeat this lane by lane.
+    /// A position relative to the pivot. The kernels do the same lane by lane.
     #[inline]
     pub fn relative(&self, p: [f32; 3]) -> [f32; 3] {
         [p[0] - self.pivot[0], p[1] - self.pivot[1], p[2] - self.pivot[2]]
     }
 
-    /// Projects one position. The kernels repeat this sequence lane by lane.
+    /// Projects one position. The kernels execute the same sequence lane by lane.
     #[inline]
     pub fn project(&self, p: [f32; 3]) -> ScreenVertex {
         let p = self.relative(p);

@@ -1,5 +1,5 @@
-//! Clipping neither loses nor doubles a sample: whoever stands inside a closed mesh sees it at every pixel,
-//! and round every sample it winds exactly once, however much of it is cut away.
+//! Clipping neither misses a sample nor covers it twice: from inside a closed mesh every pixel shows the mesh, and the
+//! winding number at every sample is exactly 1, however much of the mesh is clipped.
 
 mod common;
 
@@ -13,7 +13,7 @@ use tercio_scene::{Camera, Projection, Scene};
 const WIDTH: u32 = 56;
 const HEIGHT: u32 = 40;
 
-/// The cube from -1 to 1, each side cut into n * n squares.
+/// The cube from -1 to 1, each side subdivided into n * n squares.
 fn cube(n: u32) -> Mesh {
     let mut mesh = Mesh::default();
     let mut numbers = std::collections::HashMap::new();
@@ -38,14 +38,14 @@ fn cube(n: u32) -> Mesh {
     mesh
 }
 
-/// Both laws from inside a closed mesh; returns how many triangles were clipped and how many reach beyond the
-/// guard band or before the near plane.
+/// Checks coverage and winding number from inside a closed mesh; returns the number of triangles that need clipping at
+/// the guard band or the near plane.
 fn check_inside(mesh: &Mesh, scene: &Scene, camera: &Camera, what: &str) -> usize {
     let turns = winding(mesh, scene, camera, WIDTH, HEIGHT);
     if let Some(p) = turns.iter().position(|&n| n != 1) {
         let wrong = turns.iter().filter(|&&n| n != 1).count();
-        let place = [p % WIDTH as usize, p / WIDTH as usize];
-        panic!("{what}: covered {} times net at {place:?}, {wrong} pixels: {camera:?}", turns[p]);
+        let pixel = [p % WIDTH as usize, p / WIDTH as usize];
+        panic!("{what}: winding number {} at {pixel:?}, {wrong} pixels wrong: {camera:?}", turns[p]);
     }
     for cull in [Cull::None, Cull::Front] {
         let settings = Settings { cull, ..ids_only(WIDTH, HEIGHT) };
@@ -54,8 +54,9 @@ fn check_inside(mesh: &Mesh, scene: &Scene, camera: &Camera, what: &str) -> usiz
     }
     let view = View::new(camera, &scene.bounds(), WIDTH, HEIGHT).expect("a camera");
     let object = view.object(&scene.instances[0]);
-    let beyond = |t: &&[u32; 3]| t.iter().any(|&v| !object.project(mesh.positions[v as usize]).inside);
-    mesh.triangles.iter().filter(beyond).count()
+    let needs_clipping =
+        |t: &&[u32; 3]| t.iter().any(|&v| !object.project(mesh.positions[v as usize]).inside);
+    mesh.triangles.iter().filter(needs_clipping).count()
 }
 
 fn towards(eye: DVec3, forward: DVec3, projection: Projection) -> Camera {
@@ -63,7 +64,7 @@ fn towards(eye: DVec3, forward: DVec3, projection: Projection) -> Camera {
     Camera { eye, target: eye + forward, up, projection, near: None }
 }
 
-/// Closed meshes and the distance from zero up to which an eye is safely inside.
+/// Closed meshes, each with a distance from the origin up to which an eye is certain to be inside.
 fn rooms() -> Vec<(&'static str, Mesh, f64)> {
     vec![
         ("cube of 12", cube(1), 0.97),
@@ -81,7 +82,7 @@ fn no_hole_for_a_perspective_camera_inside() {
         let mut clipped = 0;
         for fov_y in [170.0, 150.0, 90.0, 20.0, 1.0, 0.05, 0.001f64] {
             for round in 0..16 {
-                // Half of the eyes stand right before the wall.
+                // Half of the eyes are right in front of the wall.
                 let far = if round % 2 == 0 { reach } else { random.between(0.0, reach) };
                 let eye = direction(&mut random) * far;
                 let projection = Projection::Perspective { fov_y: fov_y.to_radians() };
@@ -89,7 +90,7 @@ fn no_hole_for_a_perspective_camera_inside() {
                 clipped += check_inside(&mesh, &scene, &camera, &format!("{name}, {fov_y} degrees"));
             }
         }
-        assert!(clipped > 1000, "{name}: the test is about clipping: {clipped}");
+        assert!(clipped > 1000, "{name}: too few triangles are clipped: {clipped}");
     }
 }
 
@@ -106,13 +107,13 @@ fn no_hole_for_an_orthographic_camera_inside() {
                 clipped += check_inside(&mesh, &scene, &camera, &format!("{name}, height {height}"));
             }
         }
-        assert!(clipped > 100, "{name}: the test is about clipping: {clipped}");
+        assert!(clipped > 100, "{name}: too few triangles are clipped: {clipped}");
     }
 }
 
 #[test]
 fn no_hole_behind_a_near_plane_of_any_distance() {
-    // The plane cuts through the room; what is left of the room still fills the picture.
+    // The near plane cuts through the mesh; the rest of the mesh still fills the picture.
     let mut random = Random(13);
     for (name, mesh, _) in rooms() {
         let scene = scene(&mesh);
@@ -127,7 +128,7 @@ fn no_hole_behind_a_near_plane_of_any_distance() {
     }
 }
 
-/// A ground from -100 to 100 in x and z, y = 0, seen from above.
+/// A ground plane from -100 to 100 in x and z at y = 0, facing upwards.
 fn ground(n: u32) -> Mesh {
     let mut mesh = Mesh::default();
     for i in 0..=n {
@@ -170,12 +171,12 @@ fn the_ground_has_no_hole_below_the_horizon() {
                 assert!(sky.iter().all(|&p| !seen[p]) && earth.iter().all(|&p| seen[p]), "hole: {what}");
                 for pair in earth.windows(2) {
                     let (upper, lower) = (frame.planes.depth[pair[0]], frame.planes.depth[pair[1]]);
-                    // A sample may lie up to half a sub-pixel off: a little of a far row's distance.
+                    // Snapping shifts samples by up to half a sub-pixel, which changes the distances of far rows.
                     assert!(lower <= upper * 1.001, "{upper} above {lower}: {what}");
                 }
             }
             let ground_seen = seen.iter().filter(|s| **s).count();
-            assert!(ground_seen > 0, "below the horizon there is ground: {camera:?}");
+            assert!(ground_seen > 0, "no ground is visible below the horizon: {camera:?}");
         }
     }
 }
@@ -183,7 +184,7 @@ fn the_ground_has_no_hole_below_the_horizon() {
 #[test]
 fn clipped_pictures_equal_the_reference() {
     let mut random = Random(15);
-    let cameras = |random: &mut Random, projection| {
+    let camera_inside = |random: &mut Random, projection| {
         let eye = direction(random) * 0.6;
         towards(eye, direction(random), projection)
     };
@@ -192,7 +193,7 @@ fn clipped_pictures_equal_the_reference() {
         for fov_y in [2.9, 1.0, 1e-3, 1e-5] {
             let perspective = Projection::Perspective { fov_y };
             for projection in [perspective, Projection::Orthographic { height: 0.1 * fov_y }] {
-                let camera = cameras(&mut random, projection);
+                let camera = camera_inside(&mut random, projection);
                 let settings = everything(WIDTH, HEIGHT);
                 let expected = draw_reference(&mesh, &plain, &camera, &settings);
                 for simd in SimdLevel::available() {

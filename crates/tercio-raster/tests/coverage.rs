@@ -1,4 +1,5 @@
-//! Every sample belongs to one triangle: coverage by integer edge functions against a plain oracle in 128 bits.
+//! Every sample belongs to exactly one triangle: compares coverage by integer edge functions with a simple oracle in
+//! 128 bits.
 
 mod common;
 
@@ -8,9 +9,9 @@ use tercio_raster::conventions::GUARD;
 use tercio_raster::screen::{DepthPlane, Edges, PixelRect, ScreenTriangle};
 use tercio_raster::view::ScreenVertex;
 
-/// Pixels along the edge of the window in which samples are looked at.
+/// Edge in pixels of the window in which samples are tested.
 const WINDOW: i32 = 20;
-/// The farthest coordinate: the guard band, seen from a corner of a picture of a thousand pixels.
+/// The largest coordinate: the guard band, relative to a corner of a picture of a thousand pixels.
 const FAR: i32 = GUARD as i32 + 128_000;
 
 type Point = [i32; 2];
@@ -46,7 +47,7 @@ fn near_window() -> impl Strategy<Value = Point> {
     let c = || -1000..256 * WINDOW + 1000;
     prop_oneof![
         [c(), c()],
-        // On a sample, or on a pixel's border.
+        // On a sample, or on the border of a pixel.
         [0..2 * WINDOW, 0..2 * WINDOW].prop_map(|p| p.map(|c| c * 128)),
     ]
 }
@@ -60,7 +61,7 @@ fn point() -> impl Strategy<Value = Point> {
     prop_oneof![3 => near_window(), 1 => far_away()]
 }
 
-/// An edge that passes through the window, of any length, and a corner on each side of it; some very near.
+/// An edge through the window, of any length, and two further corners, some very near to it.
 fn neighbours() -> impl Strategy<Value = ([Point; 2], Point, Point)> {
     let along = prop_oneof![Just(1), 1..50, 1..4000];
     let edge = (near_window(), [-2000..2000, -2000..2000], along.clone(), along).prop_map(
@@ -71,11 +72,11 @@ fn neighbours() -> impl Strategy<Value = ([Point; 2], Point, Point)> {
     );
     let corner = prop_oneof![point().prop_map(|p| (p, false)), [-3..4, -3..4].prop_map(|p| (p, true))];
     (edge, corner.clone(), corner).prop_map(|(edge, r, s): ([Point; 2], (Point, bool), (Point, bool))| {
-        // A sliver's third corner stands a few sub-pixels from the middle of the edge.
+        // The third corner of a sliver is a few sub-pixels from the middle of the edge.
         let middle = [0, 1].map(|k: usize| (edge[0][k] + edge[1][k]) / 2);
-        let place =
+        let corner =
             |(p, sliver): (Point, bool)| if sliver { [middle[0] + p[0], middle[1] + p[1]] } else { p };
-        (edge, place(r), place(s))
+        (edge, corner(r), corner(s))
     })
 }
 
@@ -92,14 +93,14 @@ proptest! {
 
     #[test]
     fn triangles_that_share_an_edge_cover_each_sample_once(([p, q], r, s) in neighbours()) {
-        // Two corners on the same side overlap rightly: one of them changes sides.
+        // With both corners on the same side of the edge the triangles would overlap: then one of them is mirrored.
         let across = [0, 1].map(|k: usize| (p[k] + q[k] - s[k]).clamp(-FAR, FAR));
         let s = if area([p, q, r]).signum() == area([q, p, s]).signum() { s } else { across };
         prop_assume!(area([p, q, r]).signum() * area([q, p, s]).signum() > 0);
         let (one, other) = (covered_by([p, q, r]), covered_by([q, p, s]));
         let twice = one.iter().zip(&other).position(|(a, b)| *a && *b);
         prop_assert_eq!(twice, None, "covered twice: {:?}", [p, q, r, s]);
-        // A convex quad may be split by either diagonal: nothing is lost at the one or the other.
+        // A convex quad covers the same samples with either diagonal.
         if area([r, s, q]).signum() * area([s, r, p]).signum() > 0 {
             let (third, fourth) = (covered_by([r, s, q]), covered_by([s, r, p]));
             for (i, pixel) in window().enumerate() {
@@ -132,7 +133,7 @@ proptest! {
         let least = depths.into_iter().fold(f32::INFINITY, f32::min);
         let most = depths.into_iter().fold(0.0, f32::max);
         prop_assert_eq!(plane.range, [least, most]);
-        prop_assert_eq!(plane.base, least, "reckoned from the farthest corner");
+        prop_assert_eq!(plane.base, least, "interpolated from the farthest corner");
         for p in window().filter(|&p| covers(corners, p) != 0) {
             let s = p.map(|c| c * 256 + 128);
             let (dx, dy) = ((s[0] - plane.anchor[0]) as f32, (s[1] - plane.anchor[1]) as f32);
@@ -142,13 +143,13 @@ proptest! {
             let exact = weight(b, c) * f64::from(depths[0])
                 + weight(c, a) * f64::from(depths[1])
                 + weight(a, b) * f64::from(depths[2]);
-            // Two products of about 2^13 sub-pixels by a slope of at most 2^-5, each rounded to 2^-24.
+            // Two products of about 2^13 sub-pixels and a slope of at most 2^-5, each rounded to 2^-24.
             prop_assert!((found - exact).abs() < 1e-3, "{:?}: {} for {}", p, found, exact);
         }
     }
 }
 
-/// Samples strictly inside a fan, by the oracle's own arithmetic: in a closed triangle, not on the outer edge.
+/// Is a sample in a triangle of a fan or on one of its inner edges, by the oracle's own arithmetic?
 fn inside_fan(center: Point, rim: &[Point], pixel: Point) -> bool {
     let s = pixel.map(|c| c * 256 + 128);
     (0..rim.len()).any(|i| {
@@ -158,7 +159,7 @@ fn inside_fan(center: Point, rim: &[Point], pixel: Point) -> bool {
 }
 
 #[test]
-fn fans_round_a_sample_cover_each_sample_once() {
+fn fans_around_a_sample_cover_each_sample_once() {
     let mut random = Random(7);
     let (mut fans, mut once) = (0, 0);
     while fans < 3000 {
@@ -167,7 +168,7 @@ fn fans_round_a_sample_cover_each_sample_once() {
         let reach = [600.0, 3000.0, 8.0e6][fans % 3];
         let mut turns: Vec<f64> = (0..blades).map(|_| random.between(0.0, std::f64::consts::TAU)).collect();
         turns.sort_by(f64::total_cmp);
-        // Every other fan has its rim on samples too: spokes then run through samples.
+        // Every other fan has its rim on samples too, so that spokes run through samples.
         let step = if fans % 2 == 0 { 256.0 } else { 1.0 };
         let rim: Vec<Point> = turns
             .iter()
@@ -191,11 +192,11 @@ fn fans_round_a_sample_cover_each_sample_once() {
             once += times;
         }
     }
-    assert!(once > 100_000, "fans that cover something: {once}");
+    assert!(once > 100_000, "the fans cover too few samples: {once}");
 }
 
 #[test]
-fn no_tile_is_left_out_of_which_a_sample_is_covered() {
+fn no_tile_with_a_covered_sample_is_left_out() {
     let mut random = Random(8);
     let (mut kept, mut left_out, mut needless) = (0, 0, 0);
     for round in 0..200_000 {
@@ -225,6 +226,9 @@ fn no_tile_is_left_out_of_which_a_sample_is_covered() {
             (true, false) => needless += 1,
         }
     }
-    assert!(kept > 1000 && left_out > 1000, "both happen: kept {kept}, left out {left_out}");
-    assert!(needless < left_out, "the test is worth its time: {needless} kept for nothing, {left_out} not");
+    assert!(kept > 1000 && left_out > 1000, "too few tiles are kept ({kept}) or left out ({left_out})");
+    assert!(
+        needless < left_out,
+        "{needless} tiles are kept without a covered sample, only {left_out} left out"
+    );
 }

@@ -1,5 +1,5 @@
-//! Pictures that somebody has looked at and found right. Lights and surface stand here, so that the defaults
-//! may change without them.
+//! Golden pictures, which were inspected by eye. Lights and surface are defined here, so that the pictures do not
+//! depend on the defaults.
 
 mod common;
 
@@ -20,7 +20,7 @@ fn make(name: &str) -> Mesh {
     builtin::make(&format!("builtin:{name}")).expect("a built-in model")
 }
 
-/// Clay under a warm key light from the upper left, a cool one from the right, and a little from everywhere.
+/// A clay surface under a warm key light from the upper left, a cool fill light from the right, and some ambient light.
 fn lit(mesh: Mesh, background: Background) -> Scene {
     let from = |x, y, z, color| Light::Directional {
         to_light: DVec3::new(x, y, z),
@@ -38,7 +38,7 @@ fn lit(mesh: Mesh, background: Background) -> Scene {
     Scene { instances: vec![Instance { surface, ..Instance::new(mesh) }], lights, background }
 }
 
-/// Looks at the middle of the scene's box from this direction and this many radii away.
+/// A camera that looks at the middle of the scene's box from this direction, this many radii away.
 fn at_box(scene: &Scene, from: [f64; 3], radii: f64, degrees: f64) -> Camera {
     let bounds = scene.bounds();
     let (center, away) = (bounds.center(), DVec3::from(from).normalize() * bounds.radius() * radii);
@@ -84,7 +84,7 @@ fn golden_camera() {
     let eye = center + DVec3::new(0.0, 10.0, 0.0);
     let top = orthographic(eye.to_array(), center.to_array(), scene.bounds().radius() * 1.6);
     check("camera", "top_orthographic", &scene, &Camera { up: DVec3::NEG_Z, ..top }, &settings);
-    // Out through the opening, past the rim.
+    // From inside out through the opening, past the rim.
     let inside = perspective((center - DVec3::Y * 0.3).to_array(), (center + DVec3::ONE).to_array(), 100.0);
     check("camera", "inside", &scene, &Camera { up: DVec3::Y, ..inside }, &settings);
 }

@@ -1,4 +1,4 @@
-//! One picture: the same bytes from every path, and the same as from the reference.
+//! Every path draws the same picture: the same bytes as the reference.
 
 mod common;
 
@@ -77,10 +77,10 @@ fn every_shading_and_every_culling() {
     }
 }
 
-/// Sheets whose normals lean, seen from all sides and along them: where normals point away from the viewer or triangles show
-/// their backs, the kernel of colours alone has to bend normals as the reference does.
+/// Sheets with slanted normals, seen from all sides and at grazing angles: where normals point away from the viewer or
+/// triangles show their backs, the specialized kernel for colours only must bend normals as the reference does.
 #[test]
-fn leaning_normals_in_colours_alone() {
+fn slanted_normals_with_colours_only() {
     let mut random = Random(21);
     let n = 12u32;
     for sheet in 0..60 {
@@ -110,7 +110,7 @@ fn leaning_normals_in_colours_alone() {
             plain.instances[0].world_from_object = glam::DAffine3::from_scale(DVec3::new(-1.0, 1.0, 1.0));
         }
         for view in 0..6 {
-            // Mostly along the sheet, from above and below.
+            // Mostly at grazing angles, from above and below.
             let away = random.point(1.0).with_z(random.between(-0.25, 0.25));
             let far = random.between(0.7, 2.0);
             let eye = away.normalize() * far;
@@ -127,7 +127,7 @@ fn leaning_normals_in_colours_alone() {
     }
 }
 
-/// Spheres inside one another: all but the outermost are hidden.
+/// Concentric spheres: all but the outermost are hidden from outside.
 fn onion(layers: u32) -> Mesh {
     let sphere = sphere(24);
     let mut mesh = Mesh { normals: Some(Vec::new()), ..Mesh::default() };
@@ -157,7 +157,7 @@ fn hidden_clusters_change_nothing() {
         assert_same(&expected, &found, "onion");
         hidden += found.stats.backend.clusters_hidden;
     }
-    assert!(hidden > 100, "only {hidden} clusters were hidden");
+    assert!(hidden > 100, "only {hidden} clusters are hidden");
 }
 
 #[test]
@@ -209,10 +209,10 @@ fn clusters_culled_by_their_cone_change_nothing() {
             }
         }
     }
-    assert!(culled > 100, "only {culled} clusters were culled by their cone");
+    assert!(culled > 100, "only {culled} clusters are culled by their cone");
 }
 
-/// The look that has a kernel of its own: colours alone, vertex normals, distant lights, no highlights.
+/// The look of a specialized kernel: colours only, vertex normals, directional lights, no highlights.
 #[test]
 fn plain_pictures() {
     let mut bumpy = sphere(30);
@@ -239,7 +239,8 @@ fn plain_pictures() {
     }
 }
 
-/// Clusters about as large as a small cluster may be, many of whose triangles are too large for 32 bits.
+/// Clusters of about the maximum size of a small cluster; many of their triangles are too large for edge functions of
+/// 32 bits.
 #[test]
 fn wide_clusters() {
     let mut random = Random(9);
@@ -301,7 +302,7 @@ fn parts_of_the_tiles_make_up_the_picture() {
                 elsewhere += frame.stats.frontend.clusters_elsewhere;
             }
             assert_same(&expected, &frame, "5 parts");
-            assert!(elsewhere > 0, "every rank drew every cluster");
+            assert!(elsewhere > 0, "no cluster was skipped in any part");
         }
     }
 }

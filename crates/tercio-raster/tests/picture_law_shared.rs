@@ -1,4 +1,4 @@
-//! One picture from every path, on models as people have them. They lie beside the checkout.
+//! Every path draws the same picture: with real-world models, which are in the folder `shared` of the checkout.
 
 mod common;
 
@@ -10,7 +10,7 @@ use tercio_raster::{Cull, Settings, Shading};
 use tercio_scene::Camera;
 use tercio_testkit::require_shared;
 
-/// A model from the shared folder, made ready as the program does.
+/// A model from the shared folder, prepared as the program does.
 fn read(test: &str, path: &str) -> Option<Mesh> {
     let path = require_shared(test)?.join("meshes").join(path);
     let mut mesh = io::read(&path, &ReadOptions::default()).expect("a model").mesh;
@@ -21,7 +21,7 @@ fn read(test: &str, path: &str) -> Option<Mesh> {
     Some(mesh)
 }
 
-/// From a distance of `far` radii; at 0.3 the eye stands inside.
+/// A camera at a distance of `far` radii; at 0.3 the eye is inside the model.
 fn camera(mesh: &Mesh, degrees: f64, far: f64) -> Camera {
     let bounds = mesh.bounds();
     let (center, radius) = (bounds.center(), bounds.radius());
@@ -31,7 +31,7 @@ fn camera(mesh: &Mesh, degrees: f64, far: f64) -> Camera {
 
 fn check(mesh: &Mesh, camera: &Camera, settings: &Settings, what: &str) {
     let seen = covered(&draw(&scene(mesh), camera, settings)).iter().filter(|c| **c).count();
-    assert!(seen * 20 > 512 * 384, "{what}: the model is in the picture: {seen} pixels");
+    assert!(seen * 20 > 512 * 384, "{what}: the model covers only {seen} pixels");
     check_paths(mesh, camera, settings, &[(64, 17, Some(3)), (33, 128, Some(4))], what);
 }
 
@@ -40,7 +40,7 @@ fn the_bunny() {
     let Some(mesh) = read("the_bunny", "obj/stanford-bunny.obj") else { return };
     check(&mesh, &camera(&mesh, 40.0, 2.2), &everything(512, 384), "bunny");
     let flat = Settings { shading: Shading::Flat, ..everything(512, 384) };
-    check(&mesh, &camera(&mesh, 90.0, 0.3), &flat, "bunny from within");
+    check(&mesh, &camera(&mesh, 90.0, 0.3), &flat, "bunny from inside");
 }
 
 #[test]
@@ -55,5 +55,5 @@ fn the_teapot() {
     let settings = everything(512, 384);
     check(&mesh, &camera(&mesh, 40.0, 2.2), &settings, "teapot");
     let back = Settings { cull: Cull::Back, shading: Shading::Gouraud, ..settings };
-    check(&mesh, &camera(&mesh, 80.0, 0.3), &back, "teapot from within, fronts only");
+    check(&mesh, &camera(&mesh, 80.0, 0.3), &back, "teapot from inside, fronts only");
 }

@@ -1,5 +1,6 @@
-//! Counts against a second way of counting: in plain integers, straight from the projected triangles of the plain mesh,
-//! without clusters, lanes or depths. What is covered, binned and shown does not depend on how it is drawn.
+//! Compares the renderer's counts with an independent count: in plain integers, directly from the projected triangles
+//! of the plain mesh, without clusters, SIMD lanes or depths. What is covered, binned and visible must not depend on
+//! how it is drawn.
 
 mod common;
 
@@ -9,16 +10,16 @@ use tercio_raster::tally::{self, Counted};
 use tercio_raster::{Binning, Cull, LastStage, Settings, Sorting};
 use tercio_scene::{Camera, Scene};
 
-/// What can be counted of a frame without drawing it.
+/// The counts of a frame that do not require drawing it.
 #[derive(Debug, Default, PartialEq, Eq)]
 struct Plain {
-    /// Triangles, or pieces of clipped ones, that have area, are not culled, and whose box holds a sample of the picture.
+    /// Triangles, or pieces of clipped ones, with area, not culled, and with a sample of the picture in their box.
     triangles: u64,
-    /// Of them by tile those whose box, or who themselves, reach it.
+    /// By tile, those of them that overlap it, or whose boxes do, depending on the binning.
     entries: Vec<u64>,
-    /// By tile, samples covered by a triangle, of all triangles.
+    /// By tile, samples covered by each triangle, summed over all triangles.
     covered: Vec<u64>,
-    /// By tile, samples covered by any.
+    /// By tile, samples covered by any triangle.
     visible: Vec<u64>,
     /// By tile, pixels.
     pixels: Vec<u64>,
@@ -38,13 +39,13 @@ fn area([a, b, c]: [[i32; 2]; 3]) -> i64 {
     (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 }
 
-/// May a triangle cover one of some pixels' samples? Not if all of their corners lie outside the same edge.
+/// Can a triangle cover a sample in a rectangle of pixels? Not if all its corners are outside the same edge.
 fn may_cover(corners: [[i32; 2]; 3], [columns, rows]: [[i32; 2]; 2]) -> bool {
     let [a, b, c] = corners;
     let clockwise = if area(corners) > 0 { [a, b, c] } else { [a, c, b] };
     (0..3).all(|k| {
         let (from, to) = (clockwise[k], clockwise[(k + 1) % 3]);
-        // The outermost sample inwards of the edge decides; an edge on the left or on top owns the samples on it.
+        // The rectangle's corner that is farthest inside the edge decides; samples on a left or top edge are inside.
         let (left, top) = (to[1] < from[1], to[1] == from[1] && to[0] > from[0]);
         columns.iter().any(|x| {
             rows.iter().any(|y| {
@@ -73,7 +74,7 @@ impl Plain {
                 Cull::Back => clockwise != mirrored,
                 Cull::Front => clockwise == mirrored,
             };
-            // Samples stand in the middle of pixels, at 128 of 256 sub-pixels.
+            // Samples are in the middle of pixels, at 128 of 256 sub-pixels.
             let first = |k: usize| ((least(corners.map(|c| c[k])) + 127) >> 8).max(0);
             let last = |k: usize| ((most(corners.map(|c| c[k])) - 128) >> 8).min(size[k] - 1);
             let [x, y] = [0, 1].map(|k| [first(k), last(k)]);
@@ -102,8 +103,8 @@ impl Plain {
                 }
             }
         });
-        for (place, shown) in (0..).zip(shown) {
-            let tile = number(place % size[0], place / size[0]);
+        for (index, shown) in (0..).zip(shown) {
+            let tile = number(index % size[0], index / size[0]);
             plain.pixels[tile] += 1;
             plain.visible[tile] += u64::from(shown);
         }
@@ -111,7 +112,7 @@ impl Plain {
     }
 }
 
-/// Models whose triangles are small and large, thin, loose, clipped and back to front.
+/// Models whose triangles are small and large, thin, disconnected, clipped, and facing either way.
 fn each_picture(mut with: impl FnMut(&str, &[&Mesh], &Scene, &Camera, &Settings)) {
     for (model, (width, height), eye) in [
         ("builtin:teapot@2k", (257, 129), [3.0, 2.0, 4.0]),
@@ -141,7 +142,7 @@ fn count(scene: &Scene, camera: &Camera, settings: &Settings, workers: usize) ->
 }
 
 #[test]
-fn triangles_sorted_one_by_one_cover_and_show_what_they_should() {
+fn counts_of_triangles_binned_one_by_one_equal_the_plain_count() {
     each_picture(|what, meshes, scene, camera, settings| {
         for binning in [Binning::Exact, Binning::BoundingBox] {
             let settings = Settings { sorting: Sorting::Triangles, binning, ..settings.clone() };
@@ -160,7 +161,7 @@ fn triangles_sorted_one_by_one_cover_and_show_what_they_should() {
             assert_eq!(binning.largest_tile, plain.entries.iter().copied().max().unwrap_or(0), "{what}");
             assert_eq!(backend.samples_covered, sum(&plain.covered), "{what}");
             assert_eq!(backend.pixels_visible, sum(&plain.visible), "{what}");
-            // No cluster wins a pixel that another wins later: each is shaded once.
+            // All pixels are shaded at the end of their tile, so each is shaded once.
             assert_eq!(backend.pixels_shaded, backend.pixels_visible, "{what}");
             let by_tile = |of: fn(&tally::TileWork) -> u64| counted.tiles.iter().map(of).collect::<Vec<_>>();
             assert_eq!(by_tile(|t| t.details.entries_drawn), plain.entries, "{what}");
@@ -172,7 +173,7 @@ fn triangles_sorted_one_by_one_cover_and_show_what_they_should() {
 }
 
 #[test]
-fn whole_clusters_show_what_they_should() {
+fn counts_of_whole_clusters_agree_with_the_plain_count() {
     each_picture(|what, meshes, scene, camera, settings| {
         let plain = Plain::count(meshes, scene, camera, settings, settings.tile_edge() as i32);
         for workers in [1, 2, 7] {
@@ -180,7 +181,7 @@ fn whole_clusters_show_what_they_should() {
             let by_tile = |of: fn(&tally::TileWork) -> u64| counted.tiles.iter().map(of).collect::<Vec<_>>();
             assert_eq!(by_tile(|t| t.counts.pixels_visible), plain.visible, "{what}, {workers}");
             assert_eq!(by_tile(|t| t.details.pixels), plain.pixels, "{what}, {workers}");
-            // What lies behind others need not be drawn, and may be hidden after it was.
+            // Occluded clusters need not be drawn, and pixels may be shaded and later overdrawn.
             let covered = by_tile(|t| t.counts.samples_covered);
             assert!(covered.iter().zip(&plain.covered).all(|(ours, all)| ours <= all), "{what}, {workers}");
             let shaded = by_tile(|t| t.counts.pixels_shaded);
@@ -189,7 +190,7 @@ fn whole_clusters_show_what_they_should() {
     });
 }
 
-/// What a frame counts while it is drawn is what is counted for predictions, whatever draws it.
+/// The counts of a frame's statistics equal those of the full tally, whatever the number of threads that execute it.
 #[test]
 fn all_tallies_are_equal() {
     each_picture(|what, _, scene, camera, settings| {
@@ -223,9 +224,9 @@ fn all_tallies_are_equal() {
     });
 }
 
-/// A tile that holds nearly all is drawn by all workers, and what they draw is counted once.
+/// A tile that holds nearly all of the work is drawn by all workers, and the counts depend only on their number.
 #[test]
-fn a_tile_that_workers_share_is_counted_as_it_is_dealt_out() {
+fn counts_of_a_shared_tile_depend_on_the_workers_only() {
     let mesh = builtin::make("builtin:gyroid@60k").expect("a model");
     let scene = scene(&mesh);
     let bounds = scene.bounds();
@@ -244,7 +245,7 @@ fn a_tile_that_workers_share_is_counted_as_it_is_dealt_out() {
             if workers <= 5 {
                 assert_eq!(shared.stats.backend, drawn, "{workers} workers, {pool} threads");
             }
-            // Who draws a share does not see what the others drew.
+            // A worker's occlusion tests do not see what the others have drawn.
             assert!(shared.stats.backend.clusters_drawn >= drawn_before, "{workers}");
             if pool == 3 {
                 drawn_before = shared.stats.backend.clusters_drawn;

@@ -1,4 +1,4 @@
-//! The picture does not depend on where a triangle begins nor on the order in which triangles come.
+//! The picture does not depend on which corner of a triangle comes first, nor on the order of triangles.
 
 mod common;
 
@@ -8,7 +8,7 @@ use tercio_raster::frame::NO_PRIMITIVE;
 use tercio_raster::{Frame, Settings, Shading, SimdLevel};
 use tercio_scene::Camera;
 
-/// Every triangle turned by 0, 1 or 2 corners; `mixed` turns each differently.
+/// Rotates the corners of every triangle by 0, 1 or 2 positions; with `mixed`, not all by the same number.
 fn turned(mesh: &Mesh, by: usize, mixed: bool) -> Mesh {
     let mut mesh = mesh.clone();
     for (i, t) in mesh.triangles.iter_mut().enumerate() {
@@ -52,7 +52,7 @@ fn turned_triangles_draw_the_same_bytes() {
     }
 }
 
-/// A random order of 0..n (Fisher and Yates).
+/// A random permutation of 0..n (Fisher and Yates).
 fn permutation(n: usize, seed: u64) -> Vec<u32> {
     let mut random = Random(seed);
     let mut order: Vec<u32> = (0..n as u32).collect();
@@ -84,7 +84,7 @@ fn shuffled_triangles_draw_the_same_surface() {
             for id in b.planes.ids.iter_mut().filter(|id| **id != NO_PRIMITIVE) {
                 *id = order[*id as usize];
             }
-            // A key is the depth and, from the end, the number of the triangle.
+            // The lower half of a key is `NO_PRIMITIVE` minus the number of the triangle.
             for key in b.planes.keys.iter_mut().filter(|key| **key != 0) {
                 let number = NO_PRIMITIVE - *key as u32;
                 *key = *key >> 32 << 32 | u64::from(NO_PRIMITIVE - order[number as usize]);
@@ -95,10 +95,10 @@ fn shuffled_triangles_draw_the_same_surface() {
 }
 
 #[test]
-fn among_equals_the_lower_number_is_seen() {
+fn among_equal_depths_the_lower_number_is_visible() {
     for (name, mesh) in models() {
         let n = mesh.triangles.len() as u32;
-        // Everything twice; who comes first is chance.
+        // Every triangle twice, in random order.
         let order: Vec<u32> = permutation(2 * n as usize, 33).into_iter().map(|t| t % n).collect();
         let doubled = shuffled(&mesh, &order);
         let mut first = vec![NO_PRIMITIVE; n as usize];

@@ -1,5 +1,5 @@
-//! The scale law: a model times any power of two that `f32` holds gives the same picture, byte for byte, and distances
-//! times that power.
+//! The scale law: a model scaled by any power of two in the range of `f32` gives the same picture, byte for byte, and
+//! distances scaled by that power.
 
 mod common;
 
@@ -12,7 +12,7 @@ use tercio_scene::{Camera, Framing, Light, LightSpace, Projection};
 
 const SIZE: [u32; 2] = [160, 120];
 
-/// Coordinates are whole numbers below 2^12: times 2^-149, the least number of `f32`, they still are exact.
+/// Makes coordinates whole numbers below 2^12: even times 2^-149, the smallest number of `f32`, they are exact.
 fn whole_numbers(mesh: &Mesh) -> Mesh {
     let positions = mesh.positions.iter().map(|p| p.map(|c| (c * 2000.0).round())).collect();
     Mesh { positions, normals: None, vertex_colors: None, ..mesh.clone() }
@@ -59,7 +59,7 @@ fn check(mesh: &Mesh, exponents: &[i32], what: &str) {
         let camera = match view {
             0 => framing.camera_for_scene(&scene),
             1 => Framing { fov_y: None, ..framing }.camera_for_scene(&scene),
-            // From within.
+            // From inside.
             _ => Camera {
                 eye: DVec3::new(100.0, 50.0, 20.0) * power_of_two(exponent),
                 target: DVec3::new(-500.0, 150.0, 900.0) * power_of_two(exponent),
@@ -88,7 +88,7 @@ fn check(mesh: &Mesh, exponents: &[i32], what: &str) {
         for shading in [Shading::Phong, Shading::Flat] {
             let plain = picture(0, view, shading);
             let shown = plain.planes.ids.iter().filter(|&&id| id != u32::MAX).count();
-            assert!(shown * 8 > plain.planes.ids.len(), "{what}: {shown} pixels show something");
+            assert!(shown * 8 > plain.planes.ids.len(), "{what}: only {shown} pixels show a triangle");
             for &exponent in exponents {
                 let frame = picture(exponent, view, shading);
                 let what = format!("{what} times 2^{exponent}, view {view}, {shading:?}");
@@ -96,17 +96,18 @@ fn check(mesh: &Mesh, exponents: &[i32], what: &str) {
                 let different = a.iter().zip(&b).filter(|(a, b)| a != b).count();
                 assert_eq!(different, 0, "{what}: pixels differ");
                 for (a, b) in plain.planes.depth.iter().zip(&frame.planes.depth) {
-                    // The nearest ones may be no normal numbers.
+                    // Small distances may be subnormal numbers.
                     let expected = (f64::from(*a) * power_of_two(exponent)) as f32;
                     assert!(*b == expected || !expected.is_normal(), "{what}: distances {b}, not {expected}");
                 }
             }
         }
     }
-    assert!(refused > 0, "{what}: the largest and the smallest have distances that `f32` does not hold");
+    assert!(refused > 0, "{what}: no scale was refused, but some distances are outside the range of `f32`");
 }
 
-/// A mesh that did not pass through `clean` is refused where `f32` does not suffice, and says how to go on.
+/// A mesh that was not processed by `clean` is refused if its coordinates are outside the valid range of `f32`; the
+/// error message suggests a solution.
 #[test]
 fn coordinates_out_of_range_are_refused() {
     for exponent in [-120, -61, 61, 100] {
@@ -126,7 +127,7 @@ fn coordinates_out_of_range_are_refused() {
     }
 }
 
-/// A vertex that no triangle uses, or only one that is dropped, does not choose the unit.
+/// A vertex that no triangle uses, or only a dropped one, has no influence on the unit.
 #[test]
 fn unused_vertices_do_not_matter() {
     for (size, far) in

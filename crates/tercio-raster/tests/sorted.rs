@@ -1,4 +1,4 @@
-//! The two halves of a frame: what one rank sorts, another one draws.
+//! The two halves of a frame: a rank can draw what another rank has sorted.
 
 mod common;
 
@@ -13,9 +13,9 @@ fn settings(tile_size: u32, sorting: Sorting) -> Settings {
     Settings { tile_size: Some(tile_size), sorting, ..everything(SIZE.0, SIZE.1) }
 }
 
-/// Every rank sorts a share of the clusters and sends each other rank what lies in its tiles.
+/// Every rank sorts a share of the clusters and sends each other rank the bins of that rank's tiles.
 #[test]
-fn bins_that_travel_give_the_same_picture() {
+fn bins_sent_as_bytes_give_the_same_picture() {
     let mesh = soup(4_000, 3);
     let both = with_second_instance(scene(&mesh));
     for camera in
@@ -48,7 +48,7 @@ fn bins_that_travel_give_the_same_picture() {
                 let settings = Settings { tiles: own.clone(), ..settings.clone() };
                 let context = FrameContext::new(&both, &camera, &settings, 1).unwrap();
                 let mut sorted = Sorted::default();
-                // In any order.
+                // The order of the messages does not matter.
                 for message in messages.iter().rev() {
                     sorted.read_bytes(&context, message).expect("what was written");
                 }
@@ -60,7 +60,7 @@ fn bins_that_travel_give_the_same_picture() {
 }
 
 #[test]
-fn bytes_that_are_no_bins_are_refused() {
+fn invalid_bytes_are_refused() {
     let mesh = soup(500, 5);
     let scene = scene(&mesh);
     let camera = perspective([1.0, 2.0, 9.0], [0.0; 3], 35.0);
@@ -85,7 +85,7 @@ fn bytes_that_are_no_bins_are_refused() {
     let other = settings(16, Sorting::Triangles);
     let other = FrameContext::new(&scene, &camera, &other, 1).unwrap();
     assert!(matches!(Sorted::default().read_bytes(&other, &bytes), Err(SortedError::Grid { .. })));
-    // Whatever a word of the bytes becomes, they are refused or can be drawn.
+    // Whichever word of the bytes is altered, the bytes are refused or can be drawn.
     let (mut refused, mut frame) = (0, Frame::default());
     frame.resize(&all);
     for at in (0..bytes.len() - 4).step_by(4).take(3_000) {
@@ -103,11 +103,11 @@ fn bytes_that_are_no_bins_are_refused() {
             }
         }
     }
-    assert!(refused > 1_000, "{refused}");
+    assert!(refused > 1_000, "only {refused} alterations were refused");
 }
 
 #[test]
-fn a_set_of_tiles_leaves_the_others_as_they_are() {
+fn drawing_a_set_of_tiles_leaves_the_others_unchanged() {
     let mesh = soup(500, 5);
     let scene = scene(&mesh);
     let camera = perspective([1.0, 2.0, 9.0], [0.0; 3], 35.0);

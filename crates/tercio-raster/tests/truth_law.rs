@@ -1,5 +1,5 @@
-//! The truth law: pictures equal what a ray caster in `f64` sees that shares no code with the renderer: which triangle,
-//! how far, which normal, which colour.
+//! The truth law: triangles, depths, normals and colours agree with those of a ray caster in `f64` that shares no code
+//! with the renderer.
 
 mod common;
 mod truth;
@@ -19,20 +19,20 @@ fn settings(shading: Shading) -> Settings {
     Settings { outputs, shading, cull: Cull::None, ..Settings::new(SIZE[0], SIZE[1]) }
 }
 
-/// Draws a scene and holds it against the truth; at least a part of the pixels has to be decided, and to show something.
+/// Draws a scene and compares it with the ray caster; a minimum number of pixels must be decided, and show a triangle.
 #[track_caller]
 fn check(meshes: &[&Mesh], scene: &Scene, camera: &Camera, shading: Shading, what: &str) -> Found {
     let frame = draw(scene, camera, &settings(shading));
     let what = format!("{what}, {shading:?}");
     let found = Truth::new(meshes, scene, camera, shading, SIZE).check(&frame, &what);
-    // Colours alone have kernels of their own, without highlights yet another one.
+    // Frames with colours only use specialized kernels, with and without highlights.
     for specular in [scene.instances[0].surface.specular, 0.0] {
         let mut scene = scene.clone();
         scene.instances.iter_mut().for_each(|instance| instance.surface.specular = specular);
         let colors = Settings { outputs: Outputs::default(), ..settings(shading) };
-        let [all, alone] =
+        let [all_planes, colors_only] =
             [settings(shading), colors].map(|settings| draw(&scene, camera, &settings).planes.color);
-        assert!(all == alone, "{what}, specular {specular}: colours alone differ");
+        assert!(all_planes == colors_only, "{what}, specular {specular}: colours differ if drawn alone");
     }
     found
 }
@@ -63,16 +63,16 @@ fn random_triangles() {
             let outside = perspective([0.5, 1.0, 3.0], [0.0; 3], 40.0);
             check(&[&mesh], &scene, &outside, shading, &format!("soup {seed}"));
             let inside = perspective([0.1, 0.2, 0.3], [0.7, -0.4, 0.1], 80.0);
-            check(&[&mesh], &scene, &inside, shading, &format!("soup {seed} from within"));
+            check(&[&mesh], &scene, &inside, shading, &format!("soup {seed} from inside"));
             let parallel = orthographic([0.5, 1.0, 3.0], [0.0; 3], 2.5);
             check(&[&mesh], &scene, &parallel, shading, &format!("soup {seed}, parallel"));
         }
     }
 }
 
-/// Normals of very different directions show whether unit vectors are interpolated, or vectors of some other length.
+/// Very different normals show whether unit vectors are interpolated, or vectors of other lengths.
 #[test]
-fn one_triangle_with_normals_all_over() {
+fn one_triangle_with_very_different_normals() {
     let mut random = Random(5);
     for n in 0..20 {
         let positions = vec![[-1.0, -1.0, 0.0], [1.0, -0.9, 0.3], [-0.1, 1.0, -0.2]];
@@ -106,7 +106,7 @@ fn instances() {
     }
 }
 
-/// Coarse meshes have smooth normals that point away from the viewer at the rim.
+/// At the silhouette of coarse meshes, interpolated normals point away from the viewer, and must be bent.
 #[test]
 fn no_normal_points_away_from_the_viewer() {
     for n in [1, 2, 4] {
@@ -117,7 +117,7 @@ fn no_normal_points_away_from_the_viewer() {
             check(&[&mesh], &scene(&mesh), &camera, Shading::Phong, &format!("sphere of {n}"));
         }
     }
-    // Normals as wrong as a file may have them.
+    // Arbitrarily wrong normals, as a file may have.
     let mut random = Random(9);
     let mut mesh = sphere(4);
     let wrong = |random: &mut Random| OctNormal::encode(random.point(1.0).as_vec3().to_array());
@@ -140,14 +140,14 @@ fn built_in_models() {
             check(&[&mesh], &scene(&mesh), &outside, shading, spec);
         }
         let inside = perspective(at(0.3), center.to_array(), 90.0);
-        check(&[&mesh], &scene(&mesh), &inside, Shading::Phong, &format!("{spec} from within"));
+        check(&[&mesh], &scene(&mesh), &inside, Shading::Phong, &format!("{spec} from inside"));
     }
 }
 
-/// Things at a ten-millionth of the scene's size and less are seen, and as exactly as things far away: the scene is
-/// 20 km wide, with the eye in its middle or at its border.
+/// Objects at a distance of a ten-millionth of the scene's size and less are visible, and as precise as distant ones:
+/// the scene is 20 km wide, with the eye in its middle or near its border.
 #[test]
-fn near_things_in_a_large_scene() {
+fn near_objects_in_a_large_scene() {
     for (place, eye) in [("middle", DVec3::ZERO), ("border", DVec3::new(9_000.0, -3_000.0, 5_000.0))] {
         let mut random = Random(3);
         let mut mesh = Mesh::default();
@@ -165,7 +165,8 @@ fn near_things_in_a_large_scene() {
             add([a, b, c], &mut mesh);
             add([a, c, d], &mut mesh);
         }
-        // Small triangles at distances from a hundredth of a millimetre, or what `f32` can tell apart there, to 5 km.
+        // Small triangles at distances from a hundredth of a millimetre (near the border from 5 cm, because of the
+        // precision of `f32` there) to 5 km.
         let nearest: f64 = if place == "middle" { 1e-5 } else { 0.05 };
         for n in 0..80 {
             let distance = nearest * (5_000.0 / nearest).powf(f64::from(n) / 80.0);
@@ -181,7 +182,7 @@ fn near_things_in_a_large_scene() {
             projection: Projection::Perspective { fov_y: 1.0 },
             near: None,
         };
-        // Normals of corners stand on the side of their triangle, and differ.
+        // The normals of a triangle's corners are on the same side of its plane, and differ.
         let smooth = |t: &[u32; 3]| {
             let [a, b, c] = t.map(|v| DVec3::from(mesh.positions[v as usize].map(f64::from)));
             let plane = (b - a).cross(c - a).normalize();
@@ -196,16 +197,16 @@ fn near_things_in_a_large_scene() {
     }
 }
 
-/// A wall right before the eye that is large beside its distance: areas on the screen and weights of corners are as large
-/// as they become.
+/// A wall right in front of the eye, large compared to its distance: areas on the screen and weights of corners reach
+/// their maximum.
 #[test]
-fn normals_of_a_large_wall_before_the_eye() {
+fn normals_of_a_large_wall_in_front_of_the_eye() {
     for distance in [1e-8f32, 1e-7, 1e-6, 1e-4, 1e-2] {
         for width in [1.0, 3.0, 30.0, 1000.0] {
             let half = (distance * width).min(0.5);
             let mut positions =
                 vec![[-half, -half, 0.0], [half, -half, 0.0], [half, half, 0.0], [-half, half, 0.0]];
-            // What makes the scene large stands behind the wall.
+            // A triangle behind the wall makes the scene large.
             positions.extend([[-1.0, -1.0, -1.0], [1.0, -1.0, -1.0], [0.0, 1.0, -1.0]]);
             let slanted = |x: f32, y: f32| OctNormal::encode([x, y, 1.0]);
             let normals = [slanted(-0.5, -0.5), slanted(0.5, -0.5), slanted(0.5, 0.5), slanted(-0.5, 0.5)];
@@ -224,7 +225,8 @@ fn normals_of_a_large_wall_before_the_eye() {
                     near,
                 };
                 for shading in [Shading::Phong, Shading::Gouraud, Shading::Flat] {
-                    let what = format!("wall {distance} before the eye, {width} as wide, near {near:?}");
+                    let what =
+                        format!("wall {distance} in front of the eye, {width} times as wide, near {near:?}");
                     check(&[&mesh], &scene(&mesh), &camera, shading, &what);
                 }
             }
@@ -232,8 +234,8 @@ fn normals_of_a_large_wall_before_the_eye() {
     }
 }
 
-/// A floor as large as the scene, seen from a ten-millionth of its size above it: the depths of its two triangles reach
-/// from the eye to the horizon.
+/// A floor as large as the scene, seen from as little as a ten-billionth of its size above: the depths of its two
+/// triangles range from the eye to the horizon.
 #[test]
 fn depths_from_the_eye_to_the_horizon() {
     let mut random = Random(4);

@@ -1,10 +1,10 @@
-//! The turning law: model, camera and lights turned, moved or scaled together give the same picture within one level,
-//! and normals turned with them within 0.05 degrees.
+//! The turning law: model, camera and lights that are rotated, moved or scaled together give the same picture within
+//! one colour level, and normals that rotate with them within 0.05 degrees.
 //!
-//! Turned positions are rounded to `f32` anew, so that a corner may snap to the next sub-pixel and a sample at an edge
-//! may change sides: such pixels, which show another triangle, are few, and counted. Where triangles are only a few
-//! sub-pixels high, as at the rim of a model, a sub-pixel changes a normal, too: pictures of turned models are held, turned
-//! back, against what a ray caster sees of the model that is not turned.
+//! Rotated positions are rounded to `f32` again, so that a corner may snap to the next sub-pixel and a sample at an
+//! edge may belong to another triangle: the test allows few such pixels. Where triangles are only a few sub-pixels
+//! high, as at the silhouette of a model, a difference of one sub-pixel also changes the normals. So pictures of
+//! rotated models are rotated back, and compared with a ray caster's picture of the original model.
 
 mod common;
 mod truth;
@@ -17,7 +17,7 @@ use tercio_scene::{Camera, Light, LightSpace, Scene};
 use tercio_testkit::require_shared;
 use truth::{Truth, real_model};
 
-/// Most degrees by which a turned normal may be off.
+/// Maximum error of a rotated normal, in degrees.
 const DEGREES: f64 = 0.05;
 
 fn turn(random: &mut Random) -> DQuat {
@@ -64,7 +64,7 @@ fn settings(shading: Shading) -> Settings {
     Settings { outputs, shading, cull: Cull::None, ..Settings::new(240, 180) }
 }
 
-/// Compares the pictures of two scenes of which the second is the first one turned. At most one pixel in `others` may
+/// Compares the pictures of two scenes, the second of which is the first one rotated. At most one pixel in `others` may
 /// show another triangle.
 #[track_caller]
 fn check(
@@ -95,7 +95,7 @@ fn check(
         let degrees = m.cross(n).length().atan2(m.dot(n)).to_degrees();
         assert!(m == n || degrees <= DEGREES, "{at}: normals {m} and {n}, {degrees} degrees");
     }
-    assert!(shown * 10 >= a.planes.ids.len(), "{what}: only {shown} pixels show something");
+    assert!(shown * 10 >= a.planes.ids.len(), "{what}: only {shown} pixels show a triangle");
     assert!(other * others <= shown, "{what}: {other} of {shown} pixels show another triangle");
 }
 
@@ -139,7 +139,7 @@ fn one_triangle() {
     }
 }
 
-/// Turns a model in several ways and holds the pictures, turned back, against what a ray caster sees.
+/// Rotates a model in several ways, and compares the pictures, rotated back, with a ray caster.
 #[track_caller]
 fn check_model(mesh: &Mesh, turns: usize, random: &mut Random, name: &str) {
     let (center, radius) = (mesh.bounds().center(), mesh.bounds().radius());
@@ -184,7 +184,7 @@ fn real_models() {
     }
 }
 
-/// An instance that is turned, moved and scaled looks as the mesh does to a camera that is not.
+/// An instance that is rotated, moved and scaled together with the camera gives the same picture as the mesh itself.
 #[test]
 fn instances() {
     let mut random = Random(3);
@@ -197,13 +197,17 @@ fn instances() {
         let mut moved = scene(&mesh);
         moved.instances[0].world_from_object =
             DAffine3 { matrix3: DMat3::from_quat(by) * scale, translation: shift };
-        let place = |p: DVec3| by * p * scale + shift;
-        let seen =
-            Camera { eye: place(camera.eye), target: place(camera.target), up: by * camera.up, ..camera };
+        let transform = |p: DVec3| by * p * scale + shift;
+        let moved_camera = Camera {
+            eye: transform(camera.eye),
+            target: transform(camera.target),
+            up: by * camera.up,
+            ..camera
+        };
         for shading in [Shading::Phong, Shading::Gouraud, Shading::Flat] {
             check(
                 (&plain, &camera),
-                (&moved, &seen),
+                (&moved, &moved_camera),
                 by,
                 shading,
                 50,

@@ -1,4 +1,4 @@
-//! A closed mesh has no hole from any view: not far from the origin, not with sliver triangles.
+//! A closed mesh has no hole from any view, even far from the origin and with sliver triangles.
 
 mod common;
 
@@ -12,15 +12,18 @@ use tercio_scene::{Camera, Projection, Scene};
 const WIDTH: u32 = 72;
 const HEIGHT: u32 = 56;
 
-/// From outside every sample is covered as often by front faces as by back faces, so both show the same
-/// outline; returns how many pixels that is.
+/// Checks that from outside every sample is covered as often by front faces as by back faces, so that both show the
+/// same silhouette; returns its number of pixels.
 fn check_outside(mesh: &Mesh, scene: &Scene, camera: &Camera, what: &str) -> usize {
     let turns = winding(mesh, scene, camera, WIDTH, HEIGHT);
     let wrong = turns.iter().filter(|&&n| n != 0).count();
-    assert_eq!(wrong, 0, "{what}: samples that lie in and out: {camera:?}");
+    assert_eq!(wrong, 0, "{what}: samples with a winding number other than 0: {camera:?}");
     let by = |cull| covered(&draw(scene, camera, &Settings { cull, ..ids_only(WIDTH, HEIGHT) }));
     let (back, front, both) = (by(Cull::Back), by(Cull::Front), by(Cull::None));
-    assert!(back == front && back == both, "{what}: fronts and backs have one outline: {camera:?}");
+    assert!(
+        back == front && back == both,
+        "{what}: fronts and backs differ in their silhouettes: {camera:?}"
+    );
     both.iter().filter(|c| **c).count()
 }
 
@@ -31,8 +34,8 @@ fn check_inside(mesh: &Mesh, scene: &Scene, camera: &Camera, what: &str) {
     assert_eq!((wrong, holes), (0, 0), "{what}: {camera:?}");
 }
 
-/// A camera outside of everything within `radius` of `center`, looking more or less there; `narrowest` is the
-/// smallest share of it in the picture.
+/// A random camera outside of the sphere of `radius` around `center`, looking approximately at it; `narrowest` is the
+/// smallest fraction of the sphere that the view shows.
 fn outside(random: &mut Random, center: DVec3, radius: f64, narrowest: f64) -> Camera {
     let away = direction(random);
     let eye = center + away * radius * random.between(2.2, 6.0);
@@ -49,12 +52,12 @@ fn outside(random: &mut Random, center: DVec3, radius: f64, narrowest: f64) -> C
 
 fn scaled(mesh: &Mesh, scale: [f64; 3]) -> Mesh {
     let turn = DQuat::from_rotation_x(0.7) * DQuat::from_rotation_z(0.4);
-    let place =
+    let moved =
         |p: &[f32; 3]| (turn * (DVec3::from(p.map(f64::from)) * DVec3::from(scale))).as_vec3().to_array();
-    Mesh { positions: mesh.positions.iter().map(place).collect(), normals: None, ..mesh.clone() }
+    Mesh { positions: mesh.positions.iter().map(moved).collect(), normals: None, ..mesh.clone() }
 }
 
-/// Spheres from coarse to finer than the pixels, and flattened into plates and needles.
+/// Spheres from coarse to finer than the pixels, tiny and huge ones, and ones flattened into plates and needles.
 fn shapes() -> Vec<(&'static str, Mesh)> {
     vec![
         ("octahedron", sphere(1)),
@@ -65,7 +68,7 @@ fn shapes() -> Vec<(&'static str, Mesh)> {
         ("plate", scaled(&sphere(24), [1.0, 1e-4, 1.0])),
         ("needle", scaled(&sphere(24), [1e-4, 1.0, 1e-4])),
         ("sheet of slivers", scaled(&sphere(24), [1.0, 1e-4, 1e-2])),
-        // Nothing is left of it but rounding.
+        // Flat except for rounding errors.
         ("flat", scaled(&sphere(16), [1.0, 0.0, 1.0])),
     ]
 }
@@ -84,7 +87,7 @@ fn closed_meshes_have_no_hole_from_outside() {
             let camera = outside(&mut random, DVec3::ZERO, radius(&mesh), 1e-4);
             pixels += check_outside(&mesh, &scene, &camera, name);
         }
-        assert!(pixels > 100, "{name} is seen: {pixels}");
+        assert!(pixels > 100, "{name} covers only {pixels} pixels");
     }
 }
 
@@ -114,7 +117,8 @@ fn closed_meshes_far_from_the_origin_have_no_hole() {
             let mesh = Mesh { origin: origin.into(), ..mesh.clone() };
             let scene = scene(&mesh);
             for _ in 0..8 {
-                // An eye some millionths of a unit from so far away would be a different test.
+                // So far from the origin, the eye is not moved to within millionths of a unit of a tiny mesh: that
+                // would be a different test.
                 let camera = outside(&mut random, mesh.origin, radius(&mesh).max(1e-2), 1e-4);
                 check_outside(&mesh, &scene, &camera, &format!("{name} at {origin:?}"));
             }
@@ -122,7 +126,7 @@ fn closed_meshes_far_from_the_origin_have_no_hole() {
     }
 }
 
-/// The same mesh from coordinates as they stand in a file, in `f64`, far from the origin.
+/// The same mesh from `f64` coordinates far from the origin, as they may be in a file.
 fn from_file(mesh: &Mesh, shift: DVec3) -> Mesh {
     let points: Vec<[f64; 3]> =
         mesh.positions.iter().map(|p| (DVec3::from(p.map(f64::from)) + shift).to_array()).collect();
@@ -130,7 +134,7 @@ fn from_file(mesh: &Mesh, shift: DVec3) -> Mesh {
     Mesh { origin, positions, ..mesh.clone() }
 }
 
-/// Pixels whose primitive is not the same, and the largest difference of distances where it is, over `size`.
+/// The number of pixels whose ids differ, and for the others the largest difference of distances, relative to `size`.
 fn differences(near: &Frame, far: &Frame, size: f64) -> (usize, f64) {
     let mut pixels = 0;
     let mut largest = 0.0f64;
@@ -145,9 +149,9 @@ fn differences(near: &Frame, far: &Frame, size: f64) -> (usize, f64) {
 }
 
 #[test]
-fn far_from_the_origin_every_byte_is_as_near_it() {
-    // Eye, target and origin are whole multiples of 1/64, so that no coordinate is rounded on the way: then
-    // the renderer may not round either.
+fn far_from_the_origin_every_byte_is_the_same() {
+    // Eye, target and origin are whole multiples of 1/64, so that moving them rounds no coordinate: then the renderer
+    // must not round either.
     let near = sphere(20);
     let far = Mesh { origin: DVec3::new(500_000.0, 4_649_776.0, 300.0), ..near.clone() };
     let (near_scene, far_scene) = (scene(&near), scene(&far));
@@ -165,8 +169,8 @@ fn far_from_the_origin_every_byte_is_as_near_it() {
 
 #[test]
 fn far_from_the_origin_file_coordinates_draw_the_same() {
-    // At 1e7 an `f64` ends at 2e-9: against a model of one unit and pixels of about 1e-2 units, that turns a
-    // snap to 1/256 of a pixel (4e-5 units) once in some ten thousand vertices, and a pixel more seldom still.
+    // At 1e7 the precision of `f64` is 2e-9. With a model of one unit and pixels of about 1e-2 units, that changes the
+    // snapping to 1/256 of a pixel (4e-5 units) of one in about ten thousand vertices, and even fewer pixels.
     let near = sphere(20);
     let near_scene = scene(&near);
     let mut random = Random(25);
@@ -174,7 +178,7 @@ fn far_from_the_origin_file_coordinates_draw_the_same() {
     for shift in [[1e6, -2e6, 0.1], [500_000.3, 4_649_776.7, 300.1], [1e7, 1e7 / 3.0, -1e7]] {
         let shift = DVec3::from(shift);
         let far = from_file(&near, shift);
-        assert_ne!(far.origin, DVec3::ZERO, "far away, positions are kept relative");
+        assert_ne!(far.origin, DVec3::ZERO, "far away, positions are stored relative to an origin");
         let far_scene = scene(&far);
         for _ in 0..10 {
             let camera = outside(&mut random, DVec3::ZERO, 1.0, 0.1);
@@ -185,7 +189,7 @@ fn far_from_the_origin_file_coordinates_draw_the_same() {
             let (wrong, depth) = differences(&a, &b, 1.0);
             pixels += covered(&a).iter().filter(|c| **c).count();
             differing += wrong;
-            assert!(depth < 0.02, "distances agree but at grazing triangles: {depth}, {camera:?}");
+            assert!(depth < 0.02, "distances differ by more than at grazing triangles: {depth}, {camera:?}");
         }
     }
     assert!(differing * 500 <= pixels, "{differing} of {pixels} pixels differ");

@@ -1,4 +1,4 @@
-//! What 16 visible pixels need to know of their triangles, and its way there from the mesh.
+//! The corner attributes of the triangles of 16 visible pixels, fetched from the mesh.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, i32x16, mask32x16, u32x16};
@@ -13,14 +13,14 @@ use crate::projection::project;
 use crate::simd::{LANES, each3, part, splat, splat_i};
 use crate::view::ObjectView;
 
-/// 16 pixels of one instance on their way through the shading kernel.
+/// Up to 16 pixels of one instance, the input of the shading kernel.
 #[derive(Debug, Default)]
 pub struct Fragments {
-    /// Lanes that hold a pixel; the others repeat the first.
+    /// Number of lanes in use; the others repeat the first.
     pub count: usize,
-    /// Places in the tile.
+    /// Sample indices.
     pub place: [i32; LANES],
-    /// Triangles.
+    /// Slots of the triangles.
     pub slot: [u32; LANES],
     /// Depths.
     pub depth: [f32; LANES],
@@ -29,7 +29,7 @@ pub struct Fragments {
 }
 
 impl Fragments {
-    /// Adds a pixel; tells whether all lanes are taken.
+    /// Adds a pixel; returns whether all lanes are in use.
     #[inline(always)]
     pub fn push(&mut self, place: i32, slot: u32, depth: f32) -> bool {
         let lane = self.count % LANES;
@@ -40,7 +40,7 @@ impl Fragments {
         self.count == LANES
     }
 
-    /// Repeats the first pixel in the lanes that hold none.
+    /// Repeats the first pixel in the unused lanes.
     pub fn fill_up(&mut self) {
         for lane in self.count..LANES {
             self.place[lane] = self.place[0];
@@ -53,16 +53,16 @@ impl Fragments {
 /// Where a mesh's colour comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ColorSource {
-    /// The surface's one colour.
+    /// One colour for the surface.
     Base,
-    /// One a vertex.
+    /// One per vertex.
     Vertex,
-    /// One a triangle: its own or its material's.
+    /// One per triangle: its own or its material's.
     Triangle,
 }
 
 impl ColorSource {
-    /// What a mesh offers and its surface takes.
+    /// The colour source that the mesh has and the surface uses.
     pub fn of(mesh: &ClusteredMesh, surface: &Surface) -> Self {
         let layout = mesh.layout();
         if !surface.use_mesh_colors {
@@ -79,7 +79,7 @@ impl ColorSource {
     }
 }
 
-/// Linear colour of a triangle that has one of its own, from its number in its cluster.
+/// Linear colour of a triangle with [`ColorSource::Triangle`], given by its number in its cluster.
 pub fn triangle_color(
     mesh: &ClusteredMesh,
     cluster: &ClusterView,
@@ -99,36 +99,37 @@ pub fn triangle_color(
     }
 }
 
-/// Linear light of an sRGB colour; alpha is left out.
+/// Linear light of an sRGB colour, without alpha.
 pub fn linear(color: [u8; 4]) -> [f32; 3] {
     [0, 1, 2].map(|k| DECODE[usize::from(color[k])])
 }
 
 /// The corners of the triangles of 16 pixels.
 pub struct Corners<S: Simd> {
-    /// Screen coordinates, counted from where the pixels' are counted.
+    /// Screen coordinates, with the same origin as those of the pixels.
     pub x: [i32x16<S>; 3],
     /// Screen coordinates.
     pub y: [i32x16<S>; 3],
     /// Depths.
     pub d: [f32x16<S>; 3],
-    /// Bit i tells that a corner of lane i lies before the near plane or outside the guard band.
+    /// Bit i is set if a corner of lane i is before the near plane or outside the guard band.
     pub beyond: u32,
-    /// Positions as the mesh has them; only where they are needed.
+    /// Positions in mesh coordinates; valid only if the shading needs them.
     pub position: [Vec3x16<S>; 3],
-    /// No corner is [`SMALL_EXTENT`](crate::conventions::SMALL_EXTENT) sub-pixels or more from its sample.
+    /// All corners are known to be less than [`SMALL_EXTENT`](crate::conventions::SMALL_EXTENT) sub-pixels from their
+    /// sample.
     pub are_near: bool,
-    /// Normals as [`unit_normal`] and [`scaled`] have them; only where the mesh has normals.
+    /// Normals after [`unit_normal`] and [`scaled`]; valid only if the mesh has normals.
     pub normal: [Vec3x16<S>; 3],
-    /// Linear colours; only where the mesh has colours.
+    /// Linear colours; valid only if the mesh has colours.
     pub color: [Vec3x16<S>; 3],
-    /// The normals agree with the winding in the clusters of all lanes, as in
+    /// In the clusters of all lanes, the normals agree with the winding as defined for
     /// [`Cluster::NORMALS_AGREE`](tercio_mesh::cluster::Cluster::NORMALS_AGREE).
     pub normals_agree: bool,
 }
 
 impl<S: Simd> Corners<S> {
-    /// Nothing yet.
+    /// All zero.
     #[inline(always)]
     pub fn new(simd: S) -> Self {
         let (zero, zero_i) = (splat(simd, 0.0), splat_i(simd, 0));
@@ -145,7 +146,7 @@ impl<S: Simd> Corners<S> {
         }
     }
 
-    /// Fetches the corners of all lanes; all slots belong to `instance`.
+    /// Fetches the corners of all lanes. Precondition: all slots belong to `instance`.
     #[inline(always)]
     pub fn fetch(
         simd: S,
@@ -161,7 +162,7 @@ impl<S: Simd> Corners<S> {
         let mut packed = [splat_i(simd, 0); 3];
         corners.normals_agree = true;
         let mut left = 0xffff_u32;
-        // Neighbouring pixels mostly show the same triangle: each is fetched once.
+        // Neighbouring pixels usually show the same triangle, so each triangle is fetched only once.
         while left != 0 {
             let slot = slots[left.trailing_zeros() as usize % LANES];
             let same = slots.simd_eq(u32x16::splat(simd, slot));
@@ -220,7 +221,8 @@ impl<S: Simd> Corners<S> {
     }
 }
 
-/// A packed normal in world space, of length 1. Negated in a mirror image; see [`ObjectView::normal_matrix`].
+/// Decodes packed normals into unit normals in world space. Negated in a mirror image; see
+/// [`ObjectView::normal_matrix`].
 #[inline(always)]
 pub fn unit_normal<S: Simd>(
     simd: S,
@@ -232,7 +234,8 @@ pub fn unit_normal<S: Simd>(
     normalize(simd, n, beside(simd, &context.lights))
 }
 
-/// A vector times the weight of its corner in a perspective: so it can be interpolated by areas on the screen.
+/// Multiplies a vector by the weight of its corner in perspective interpolation, so that it can be interpolated with
+/// areas on the screen.
 #[inline(always)]
 pub fn scaled<S: Simd>(simd: S, n: Vec3x16<S>, scale: f32x16<S>) -> Vec3x16<S> {
     part(
@@ -242,7 +245,7 @@ pub fn scaled<S: Simd>(simd: S, n: Vec3x16<S>, scale: f32x16<S>) -> Vec3x16<S> {
     )
 }
 
-/// A normal from object space to world space.
+/// Transforms a normal from object space to world space.
 #[inline(always)]
 pub fn to_world<S: Simd>(simd: S, object: &ObjectView, n: Vec3x16<S>) -> Vec3x16<S> {
     let m = &object.normal_matrix;

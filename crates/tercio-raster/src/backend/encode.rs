@@ -5,12 +5,12 @@ use fearless_simd::{Simd, f32x16, i32x16};
 
 use super::light::Vec3x16;
 use crate::color::{
-    ENCODE, ENCODE_BASE_SHIFT, ENCODE_FRACTION, ENCODE_LEAST, ENCODE_MOST, ENCODE_SEGMENT_SHIFT,
+    ENCODE, ENCODE_BASE_SHIFT, ENCODE_FRACTION, ENCODE_MAX, ENCODE_MIN, ENCODE_SEGMENT_SHIFT,
     ENCODE_STEP_SHIFT, ENCODE_STEPS,
 };
 use crate::simd::{each3, lookup_128, part, splat};
 
-/// Opaque pixels: red in the lowest byte, as they stand in memory.
+/// Opaque RGBA pixels, red in the lowest byte, which is their order in memory.
 #[inline(always)]
 pub fn opaque<S: Simd>(simd: S, linear: Vec3x16<S>) -> i32x16<S> {
     let table = &**ENCODE;
@@ -22,19 +22,19 @@ pub fn opaque<S: Simd>(simd: S, linear: Vec3x16<S>) -> i32x16<S> {
     )
 }
 
-/// Levels of one component.
+/// 8-bit levels of one colour component.
 #[inline(always)]
 fn level<S: Simd>(simd: S, table: &[i32; 128], linear: f32x16<S>) -> i32x16<S> {
     let bits: i32x16<S> = part(
         simd,
         #[inline(always)]
         || {
-            let (least, most) = (splat(simd, ENCODE_LEAST), splat(simd, ENCODE_MOST));
+            let (least, most) = (splat(simd, ENCODE_MIN), splat(simd, ENCODE_MAX));
             let above = linear.simd_gt(least).select(linear, least);
             above.simd_lt(most).select(above, most).bitcast()
         },
     );
-    let entry = lookup_128(simd, table, (bits - ENCODE_LEAST.to_bits() as i32) >> ENCODE_SEGMENT_SHIFT);
+    let entry = lookup_128(simd, table, (bits - ENCODE_MIN.to_bits() as i32) >> ENCODE_SEGMENT_SHIFT);
     part(
         simd,
         #[inline(always)]
@@ -56,7 +56,7 @@ mod tests {
     use crate::simd::LANES;
 
     #[test]
-    fn every_level_encodes_as_one_number_alone() {
+    fn every_simd_level_encodes_as_the_scalar_function() {
         for level in SimdLevel::available() {
             let level = level.level().unwrap();
             for bits in (0..u32::MAX - 16).step_by(1_000_003) {

@@ -1,4 +1,4 @@
-//! Where in its triangle a pixel lies, and which side of it the pixel shows.
+//! The position of a pixel's sample in its triangle, and the side of the triangle that is visible.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, i32x16, mask32x16};
@@ -10,20 +10,20 @@ use crate::projection::clip::barycentrics_unclipped;
 use crate::simd::{LANES, each3, part, splat, splat_i};
 use crate::view::ObjectView;
 
-/// 16 pixels in their triangles.
+/// Interpolation weights of 16 samples in their triangles.
 pub struct Interpolation<S: Simd> {
-    /// Twice the areas of the triangles between the sample and two corners, in square sub-pixels: none is negative
-    /// where the triangle appears counter-clockwise, none positive where it appears clockwise. Exact but for the last
-    /// rounding if all corners are nearer than [`SMALL_EXTENT`].
+    /// Twice the areas of the triangles between the sample and two corners, in square sub-pixels: none is negative if
+    /// the triangle appears counter-clockwise, none is positive if it appears clockwise. Exact except for the final
+    /// rounding to `f32`, if all corners are less than [`SMALL_EXTENT`] from the sample.
     pub area: [f32x16<S>; 3],
-    /// Perspective barycentric coordinates of the samples: not negative, adding up to 1.
+    /// Perspective-correct barycentric coordinates of the samples: not negative, adding up to 1.
     pub weight: [f32x16<S>; 3],
-    /// The triangle appears clockwise on the screen.
+    /// Lanes whose triangle appears clockwise on the screen.
     pub clockwise: mask32x16<S>,
 }
 
 impl<S: Simd> Interpolation<S> {
-    /// Of 16 samples; their coordinates are counted from where those of the corners are.
+    /// The weights of 16 samples, whose coordinates have the same origin as those of the corners.
     #[inline(always)]
     pub fn new(simd: S, object: &ObjectView, sample: [i32x16<S>; 2], corners: &Corners<S>) -> Self {
         let area = areas(simd, sample, corners);
@@ -50,8 +50,8 @@ impl<S: Simd> Interpolation<S> {
         found
     }
 
-    /// From unclipped corners, where one of them is not on the screen. Samples are counted from the picture's
-    /// corner then.
+    /// Recomputes the lanes whose triangles need clipping, from their unclipped corners. Precondition: `sample` is in
+    /// screen coordinates.
     #[cold]
     #[inline(never)]
     fn recompute(&mut self, simd: S, object: &ObjectView, sample: [i32x16<S>; 2], corners: &Corners<S>) {
@@ -75,7 +75,7 @@ impl<S: Simd> Interpolation<S> {
         weighted(&self.weight, v)
     }
 
-    /// The normal, of any length, on the side of the triangle that is seen, from those of [`Corners::normal`].
+    /// The interpolated normal, not normalized, on the visible side of the triangle, from those of [`Corners::normal`].
     #[inline(always)]
     pub fn normal(&self, normals: [Vec3x16<S>; 3]) -> Vec3x16<S> {
         weighted(&self.area, normals)
@@ -99,7 +99,7 @@ fn areas<S: Simd>(simd: S, sample: [i32x16<S>; 2], corners: &Corners<S>) -> [f32
     if corners.are_near {
         return near;
     }
-    // Corners as seen from the sample.
+    // Corners relative to the sample.
     let x = each3!(K => corners.x[K] - sample[0]);
     let y = each3!(K => corners.y[K] - sample[1]);
     let are_near = are_near(simd, x, y);
@@ -110,7 +110,8 @@ fn areas<S: Simd>(simd: S, sample: [i32x16<S>; 2], corners: &Corners<S>) -> [f32
     each3!(K => are_near.select(near[K], far[K]))
 }
 
-/// [`Interpolation::area`] of triangles whose corners, given by their coordinates, lie so near that 32 bits hold it.
+/// [`Interpolation::area`] of triangles whose corners are less than [`SMALL_EXTENT`] from the sample, so that the areas
+/// fit into 32 bits.
 #[inline(always)]
 pub fn near_areas<S: Simd>(
     simd: S,
@@ -132,7 +133,7 @@ pub fn near_areas<S: Simd>(
     )
 }
 
-/// Lanes whose corners are all nearer than [`SMALL_EXTENT`], across and down.
+/// Lanes whose corners are all less than [`SMALL_EXTENT`] from the sample, across and down.
 #[inline(always)]
 fn are_near<S: Simd>(simd: S, x: [i32x16<S>; 3], y: [i32x16<S>; 3]) -> mask32x16<S> {
     part(
@@ -140,13 +141,13 @@ fn are_near<S: Simd>(simd: S, x: [i32x16<S>; 3], y: [i32x16<S>; 3]) -> mask32x16
         #[inline(always)]
         || {
             let shifted = each3!(K => (x[K] + SMALL_EXTENT) | (y[K] + SMALL_EXTENT));
-            let beyond = (shifted[0] | shifted[1] | shifted[2]) & !(2 * SMALL_EXTENT - 1);
-            beyond.simd_eq(splat_i(simd, 0))
+            let out_of_range = (shifted[0] | shifted[1] | shifted[2]) & !(2 * SMALL_EXTENT - 1);
+            out_of_range.simd_eq(splat_i(simd, 0))
         },
     )
 }
 
-/// Areas of any size; what rounding gives the wrong sign becomes 0.
+/// [`Interpolation::area`] of triangles of any size; areas that rounding gives the wrong sign are set to 0.
 #[inline(always)]
 fn far_areas<S: Simd>(simd: S, x: [i32x16<S>; 3], y: [i32x16<S>; 3]) -> [f32x16<S>; 3] {
     part(

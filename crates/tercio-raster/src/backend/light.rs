@@ -1,4 +1,4 @@
-//! How much light 16 points of a surface send to the viewer.
+//! Lighting: the light that 16 points of a surface reflect to the viewer.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, i32x16, mask32x16};
@@ -8,18 +8,18 @@ use super::shade::Features;
 use crate::lighting::{LightRig, NearLight};
 use crate::simd::{dot, each3, part, splat};
 
-/// Three components of 16 points.
+/// Vectors or colours of 16 points.
 pub type Vec3x16<S> = [f32x16<S>; 3];
 
-/// Light of 16 points: what the surface's colour is multiplied by, and what is added on top.
+/// Reflected light of 16 points.
 pub struct Reflected<S: Simd> {
-    /// Diffuse light, linear RGB.
+    /// Diffuse light, linear RGB, to be multiplied by the surface's colour.
     pub diffuse: Vec3x16<S>,
-    /// Highlights, linear RGB.
+    /// Specular light, linear RGB, to be added.
     pub specular: Vec3x16<S>,
 }
 
-/// A vector of length 1 in the same direction; `instead` where the length is next to nothing.
+/// A unit vector in the same direction; `instead` if the length is close to zero.
 #[inline(always)]
 pub fn normalize<S: Simd>(simd: S, v: Vec3x16<S>, instead: Vec3x16<S>) -> Vec3x16<S> {
     part(
@@ -34,7 +34,7 @@ pub fn normalize<S: Simd>(simd: S, v: Vec3x16<S>, instead: Vec3x16<S>) -> Vec3x1
     )
 }
 
-/// Lambert's diffuse light and Blinn's highlights of all lights.
+/// Lambert's diffuse light and Blinn's specular light of all lights.
 ///
 /// `normal` and `to_viewer` are unit vectors in world axes, `position` is relative to the eye.
 #[inline(always)]
@@ -54,7 +54,7 @@ pub fn reflect<S: Simd, F: Features>(
     }
 }
 
-/// Not inlined: it is long, and called from four places.
+/// [`sum_lights`] as a function of its own. Not inlined, because it is long and called from four places.
 #[inline(never)]
 fn reflect_apart<S: Simd, F: Features>(
     simd: S,
@@ -71,14 +71,14 @@ fn reflect_apart<S: Simd, F: Features>(
     )
 }
 
-/// What stands in for the direction of a vector without length: towards the viewer, along the middle of the view.
+/// The replacement for the direction of a zero vector: towards the viewer, in the middle of the view.
 #[inline(always)]
 pub fn beside<S: Simd>(simd: S, rig: &LightRig) -> Vec3x16<S> {
     each3!(K => splat(simd, rig.sight.base[K]))
 }
 
-/// Directions towards the viewer, of any length, from samples in sub-pixels; `from_middle` is what is added to count them
-/// from the picture's middle.
+/// Directions towards the viewer, not normalized, from samples in sub-pixels; `from_middle` is the offset that makes
+/// their coordinates relative to the middle of the picture.
 #[inline(always)]
 pub fn towards_viewer<S: Simd>(
     simd: S,
@@ -96,8 +96,8 @@ pub fn towards_viewer<S: Simd>(
     )
 }
 
-/// Unit normals that point away from the viewer, bent until they are perpendicular to the line of sight; the others
-/// as they are. `to_viewer` is of any length.
+/// Bends unit normals that point away from the viewer until they are perpendicular to the line of sight; returns the
+/// others unchanged. `to_viewer` need not be normalized.
 #[inline(always)]
 pub fn bend<S: Simd>(simd: S, normal: Vec3x16<S>, to_viewer: Vec3x16<S>) -> Vec3x16<S> {
     let away = dot(normal, to_viewer);
@@ -111,7 +111,8 @@ pub fn bend<S: Simd>(simd: S, normal: Vec3x16<S>, to_viewer: Vec3x16<S>) -> Vec3
     each3!(K => is_away.select(bent[K], normal[K]))
 }
 
-/// Lambert's diffuse light of the distant lights alone: what [`reflect`] finds where there are no others.
+/// Ambient light and Lambert's diffuse light of the directional lights: the result of [`reflect`] if there are no point
+/// lights and no highlights.
 #[inline(always)]
 pub fn diffuse<S: Simd>(simd: S, rig: &LightRig, normal: Vec3x16<S>) -> Vec3x16<S> {
     let mut sum = each3!(K => splat(simd, rig.ambient[K]));
@@ -123,7 +124,7 @@ pub fn diffuse<S: Simd>(simd: S, rig: &LightRig, normal: Vec3x16<S>) -> Vec3x16<
     sum
 }
 
-/// The cosine of the angle between normal and light, and where it is above 0; 0 elsewhere.
+/// The cosine of the angle between normal and light, clamped to at least 0, and the lanes where it is above 0.
 #[inline(always)]
 fn facing<S: Simd>(simd: S, normal: Vec3x16<S>, to_light: Vec3x16<S>) -> (f32x16<S>, mask32x16<S>) {
     part(
@@ -164,7 +165,7 @@ fn sum_lights<S: Simd, F: Features>(
 }
 
 #[inline(always)]
-#[expect(clippy::too_many_arguments, reason = "called where they lie ready; a struct would only rename them")]
+#[expect(clippy::too_many_arguments, reason = "locals of the callers; a struct would only rename them")]
 fn add_light<S: Simd, F: Features>(
     simd: S,
     features: F,

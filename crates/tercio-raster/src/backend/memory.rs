@@ -1,7 +1,7 @@
-//! What is seen at the samples of a tile while it is drawn.
+//! The tile memory: depth and slot buffers of a tile while it is drawn.
 //!
-//! Samples stand row by row. Triangles are tested in stamps of 16 samples, one vector operation each: one row of 16 or
-//! two rows of 8, wherever they begin.
+//! Samples are stored row by row. Triangles are tested in stamps of 16 samples, with one vector operation each: one row
+//! of 16 or two rows of 8, beginning at any column.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8, f32x16, i32x16, mask32x16, u32x4, u32x8, u32x16};
@@ -11,19 +11,19 @@ use crate::conventions::SUBPIXELS;
 use crate::screen::PixelRect;
 use crate::simd::{LANE_NUMBERS, LANES, part, splat, splat_i};
 
-/// Depth and triangle of every sample of a tile.
+/// Depth and slot of every sample of a tile.
 ///
-/// A sample's place is its row times [`TileMemory::stride`] plus its column. There are a few rows more than the tile
-/// has: stamps of two rows begin in the last one, too.
+/// A sample's index (its place) is its row times [`TileMemory::stride`] plus its column. There are a few rows more than
+/// in the tile, because stamps of two rows may begin in the last row.
 #[derive(Debug, Default)]
 pub struct TileMemory {
     /// Depth, 0 where nothing was drawn.
     pub depth: Vec<f32>,
     /// Slot, [`NO_SLOT`] where nothing was drawn.
     pub slot: Vec<u32>,
-    /// Samples whose pixels are shaded already, one bit each, 16 places an entry.
+    /// One bit per sample, 16 per element: its pixel is shaded already.
     pub shaded: Vec<u16>,
-    /// First column and row of pixels.
+    /// First column and row of pixels of the tile.
     pub corner: [i32; 2],
     /// Last column and row of pixels inside the picture.
     pub last: [i32; 2],
@@ -31,25 +31,25 @@ pub struct TileMemory {
     stride_bits: u32,
 }
 
-/// log2 of the places from a row of a tile to the next: its edge, but not less than a stamp.
+/// log2 of the stride of the rows of a tile: the tile's edge, but at least the width of a stamp.
 pub fn stride_bits(context: &FrameContext) -> u32 {
     context.grid.shift.max(LANES.trailing_zeros())
 }
 
-/// Column of each lane in a stamp of rows of some width.
+/// Column of each lane in a stamp with rows of this width.
 #[inline(always)]
 pub fn lane_columns<S: Simd, const WIDTH: usize>(simd: S) -> i32x16<S> {
     i32x16::load_array(simd, LANE_NUMBERS) & (WIDTH as i32 - 1)
 }
 
-/// Row of each lane in a stamp of rows of some width.
+/// Row of each lane in a stamp with rows of this width.
 #[inline(always)]
 pub fn lane_rows<S: Simd, const WIDTH: usize>(simd: S) -> i32x16<S> {
     i32x16::load_array(simd, LANE_NUMBERS) >> WIDTH.trailing_zeros()
 }
 
 impl TileMemory {
-    /// Makes the memory ready for a tile.
+    /// Resizes and clears the memory for a tile.
     pub fn clear(&mut self, context: &FrameContext, tile: u32) {
         let (x, y) = context.grid.corner(tile);
         let edge = 1usize << context.grid.shift;
@@ -68,44 +68,44 @@ impl TileMemory {
         self.shaded.resize(places / LANES, 0);
     }
 
-    /// Places from a row to the next.
+    /// Distance of two rows, in samples.
     #[inline(always)]
     pub fn stride(&self) -> usize {
         1 << self.stride_bits
     }
 
-    /// The pixels of the tile that lie inside the picture.
+    /// The pixels of the tile that are inside the picture.
     #[inline(always)]
     pub fn rect(&self) -> PixelRect {
         PixelRect { x0: self.corner[0], x1: self.last[0], y0: self.corner[1], y1: self.last[1] }
     }
 
-    /// The place of a sample, from its column and row.
+    /// The index of a sample, from its column and row.
     #[inline(always)]
     pub fn place(&self, column: i32, row: i32) -> usize {
         ((row as usize) << self.stride_bits) + column as usize
     }
 
-    /// The places of 16 samples.
+    /// The indices of 16 samples.
     #[inline(always)]
     pub fn places<S: Simd>(&self, column: i32x16<S>, row: i32x16<S>) -> i32x16<S> {
         (row << self.stride_bits) + column
     }
 
-    /// Columns and rows of samples in the tile, from their places.
+    /// Columns and rows of samples in the tile, from their indices.
     #[inline(always)]
     pub fn column_and_row<S: Simd>(&self, place: i32x16<S>) -> [i32x16<S>; 2] {
         [place & ((1 << self.stride_bits) - 1), place >> self.stride_bits]
     }
 
-    /// Samples on the screen in sub-pixels, from their places; `first` is the tile's first sample.
+    /// Coordinates of samples in sub-pixels, from their indices; `first` is the position of the tile's first sample.
     #[inline(always)]
     pub fn samples<S: Simd>(&self, simd: S, places: &[i32; LANES], first: [i32; 2]) -> [i32x16<S>; 2] {
         let [x, y] = self.column_and_row(i32x16::load_array_ref(simd, places));
         [x * SUBPIXELS + first[0], y * SUBPIXELS + first[1]]
     }
 
-    /// The places of the samples of each block of 4x4 that begins inside the picture, row by row.
+    /// The sample indices of each block of 4x4 that begins inside the picture, row by row.
     #[inline(always)]
     pub fn blocks<S: Simd>(&self, simd: S) -> impl Iterator<Item = [i32; LANES]> {
         let lanes = self.places(lane_columns::<S, 4>(simd), lane_rows::<S, 4>(simd));
@@ -117,7 +117,7 @@ impl TileMemory {
         )
     }
 
-    /// Slots of the block of 4x4 that begins at a place.
+    /// Slots of the block of 4x4 that begins at sample index `corner`.
     #[inline(always)]
     pub fn slots_of_block<S: Simd>(&self, simd: S, corner: i32) -> u32x16<S> {
         let row = |k: usize| {
@@ -127,7 +127,7 @@ impl TileMemory {
         row(0).combine(row(1)).combine(row(2).combine(row(3)))
     }
 
-    /// Which samples of the block of 4x4 that begins at a place are shaded already.
+    /// Mask of the samples that are shaded already, in the block of 4x4 that begins at sample index `corner`.
     #[inline(always)]
     pub fn shaded_of_block(&self, corner: i32) -> u32 {
         let mut lanes = 0;
@@ -144,7 +144,7 @@ impl TileMemory {
         (self.stride() - WIDTH) as i32
     }
 
-    /// The samples, to be written to.
+    /// The samples, for writing.
     #[inline(always)]
     pub fn samples_mut(&mut self) -> Samples<'_> {
         Samples { stride: self.stride(), depth: &mut self.depth, slot: &mut self.slot }
@@ -173,7 +173,7 @@ impl TileMemory {
         true
     }
 
-    /// Takes over what another memory of the same tile holds nearer.
+    /// Merges another memory of the same tile: the nearer samples win.
     pub fn merge(&mut self, context: &FrameContext, other: &Self) {
         for (place, (&depth, &slot)) in other.depth.iter().zip(&other.slot).enumerate() {
             let before = self.depth[place];
@@ -186,7 +186,7 @@ impl TileMemory {
         }
     }
 
-    /// Notes that the pixels of some samples are shaded.
+    /// Marks the pixels of some samples as shaded.
     #[inline(always)]
     pub fn mark_shaded(&mut self, places: &[i32]) {
         for &place in places {
@@ -194,7 +194,7 @@ impl TileMemory {
         }
     }
 
-    /// Pixels of the picture that show something.
+    /// Number of pixels that show a triangle.
     pub fn visible(&self) -> u64 {
         u64::from(self.slot.iter().map(|&slot| u32::from(slot != NO_SLOT)).sum::<u32>())
     }
@@ -208,7 +208,8 @@ pub struct Samples<'a> {
 }
 
 impl Samples<'_> {
-    /// Keeps the nearer of old and new at the covered samples of a stamp, and tells where the new one won.
+    /// Depth test and write of a stamp: keeps the nearer of old and new at the covered samples. Returns the mask of the
+    /// samples that the new triangle won.
     #[inline(always)]
     pub fn write<S: Simd, const WIDTH: usize>(
         &mut self,
@@ -224,7 +225,7 @@ impl Samples<'_> {
             #[inline(always)]
             || {
                 let stride = self.stride;
-                // From its first place to behind its last.
+                // From its first sample to one past its last.
                 let stamp = place..place + (LANES / WIDTH - 1) * stride + WIDTH;
                 let old_depth = &mut self.depth[stamp.clone()];
                 let old_slot = &mut self.slot[stamp];
@@ -285,7 +286,7 @@ fn store_slots<S: Simd, const WIDTH: usize>(slots: i32x16<S>, to: &mut [u32], st
     lower.store_slice(&mut to[stride..stride + 8]);
 }
 
-/// Which of the lanes of equal depth belong to `slot` because its primitive number is lower.
+/// Which of the lanes of equal depth `slot` wins because its primitive number is lower.
 #[cold]
 #[inline(never)]
 fn lower_primitives(context: &FrameContext, ties: u32, slot: u32, old: [i32; LANES]) -> u32 {
@@ -298,7 +299,7 @@ fn lower_primitives(context: &FrameContext, ties: u32, slot: u32, old: [i32; LAN
     wins
 }
 
-/// Does a sample belong to `slot` because its primitive number is lower than that of `old`?
+/// Does `slot` win over `old` at equal depth? It does if its primitive number is lower, or if `old` is [`NO_SLOT`].
 #[cold]
 #[inline(never)]
 pub fn lower_primitive(context: &FrameContext, slot: u32, old: u32) -> bool {

@@ -1,10 +1,10 @@
-//! The back end, parallel over tiles: coverage, depth and visibility into a small tile memory, every visible
-//! pixel shaded and written to the picture ([`Canvas`]).
+//! The back end, parallel over tiles: resolves coverage, depth and visibility in a small tile memory, shades every
+//! visible pixel and writes it to the picture ([`Canvas`]).
 //!
-//! Clusters come front to back, and one that lies behind everything drawn where it would appear is left out.
-//! What a cluster wins is shaded while it is at hand ([`cluster`]). Pixels of triangles that were sorted one by
-//! one ([`visibility`]; they come first), and all pixels of a tile that several threads share, are shaded at the
-//! end ([`shade`]).
+//! A tile first draws its triangles that were binned one by one ([`visibility`]), then its clusters front to back,
+//! except those that are occluded by what was drawn before. The winners of a cluster are shaded at once, while its
+//! vertices are in cache ([`cluster`]). The pixels of triangles that were binned one by one, and all pixels of a tile
+//! that several threads share, are shaded at the end ([`shade`]).
 
 mod cluster;
 mod corners;
@@ -33,7 +33,7 @@ use tally::Tally;
 /// The memory that one thread needs to draw a tile.
 #[derive(Debug, Default)]
 pub struct Scratch {
-    /// What is seen where.
+    /// Depth and visible triangle of each sample.
     pub tile: TileMemory,
     pixels: Planes,
     order: DepthOrder,
@@ -41,34 +41,34 @@ pub struct Scratch {
     winners: WinnerScratch,
 }
 
-/// What is to be done of a tile.
+/// Which work of a tile a task does.
 #[derive(Clone, Copy, Debug)]
 pub enum Stage {
     /// All of it, [`run`].
     Whole,
-    /// A part of its entries, [`run_part`].
+    /// Draw a part of its entries, [`run_part`].
     Part(Part),
-    /// The end of a tile that was drawn in parts, [`finish`].
+    /// Shade and write a tile that was drawn in parts, [`finish`].
     Finish,
 }
 
-/// The work that one thread does on a tile.
+/// The work of one thread on a tile.
 pub struct TileTask<'a> {
-    /// What all stages share.
+    /// The immutable state of the frame.
     pub context: &'a FrameContext<'a>,
     /// The bins.
     pub bins: &'a [Bins],
-    /// Which tile.
+    /// Number of the tile.
     pub tile: u32,
-    /// What is to be done of it.
+    /// Which work of the tile to do.
     pub stage: Stage,
     /// The thread's memory.
     pub scratch: &'a mut Scratch,
-    /// Where the tile's pixels go.
+    /// The picture that the tile's pixels are written to.
     pub canvas: &'a Canvas<'a>,
 }
 
-/// Does a task.
+/// Executes a task.
 #[inline(always)]
 pub fn draw_tile<S: Simd, T: Tally>(simd: S, task: TileTask) -> T {
     let TileTask { context, bins, tile, stage, scratch, canvas } = task;
@@ -79,16 +79,16 @@ pub fn draw_tile<S: Simd, T: Tally>(simd: S, task: TileTask) -> T {
     }
 }
 
-/// So many clusters before its turn a cluster is asked of the memory.
-const AHEAD: usize = 2;
+/// Prefetch distance, in clusters.
+const PREFETCH_DISTANCE: usize = 2;
 
-/// When the pixels that clusters win are shaded.
+/// When the winners of a cluster are shaded.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Shade {
-    /// With the cluster that wins them.
-    AtOnce,
+    /// Right after the cluster is drawn.
+    Immediate,
     /// When all of the tile is drawn.
-    Later,
+    Deferred,
 }
 
 /// Draws one tile from all bins and writes it to the picture.
@@ -115,7 +115,7 @@ pub fn run<S: Simd, T: Tally>(
     }
     let stride = 1 << memory::stride_bits(context);
     target.clear(&mut scratch.pixels, stride);
-    draw(simd, context, bins, tile, Part::WHOLE, Shade::AtOnce, scratch, canvas.outputs(), &mut tally);
+    draw(simd, context, bins, tile, Part::WHOLE, Shade::Immediate, scratch, canvas.outputs(), &mut tally);
     if triangles > 0 && last > LastStage::Visibility {
         shade::tile(simd, context, &scratch.tile, &mut scratch.pixels, canvas.outputs(), &mut tally);
     }
@@ -124,7 +124,7 @@ pub fn run<S: Simd, T: Tally>(
     tally
 }
 
-/// Draws a part of a tile into the tile memory only; [`finish`] does the rest.
+/// Draws a part of a tile's entries into the tile memory only; [`finish`] shades and writes the tile.
 #[inline(always)]
 pub fn run_part<S: Simd, T: Tally>(
     simd: S,
@@ -136,11 +136,11 @@ pub fn run_part<S: Simd, T: Tally>(
     canvas: &Canvas,
 ) -> T {
     let mut tally = T::default();
-    draw(simd, context, bins, tile, part, Shade::Later, scratch, canvas.outputs(), &mut tally);
+    draw(simd, context, bins, tile, part, Shade::Deferred, scratch, canvas.outputs(), &mut tally);
     tally
 }
 
-/// Shades and writes a tile that was drawn in parts, from the memory that they were merged into.
+/// Shades and writes a tile that was drawn in parts, from the tile memory that they were merged into.
 #[inline(always)]
 pub fn finish<S: Simd, T: Tally>(
     simd: S,
@@ -165,7 +165,7 @@ pub fn finish<S: Simd, T: Tally>(
 }
 
 /// Draws a part of a tile's entries: triangles first, then clusters front to back. Not inlined, so that it is
-/// compiled once a level.
+/// compiled only once per SIMD level.
 #[expect(clippy::too_many_arguments, reason = "a struct would only rename them")]
 #[inline(never)]
 fn draw<S: Simd, T: Tally>(
@@ -201,7 +201,7 @@ fn draw_inline<S: Simd, T: Tally>(
     let Scratch { tile: memory, pixels, order, pass, winners } = scratch;
     memory.clear(context, tile);
     let triangles = bins.iter().flat_map(|b| b.triangles_in(tile));
-    let mut mixed = false;
+    let mut has_triangles = false;
     let last = context.settings.last_stage;
     for triangle in part.every(triangles) {
         if last <= LastStage::Sieve {
@@ -214,21 +214,22 @@ fn draw_inline<S: Simd, T: Tally>(
             full.details.entries_drawn += 1;
             full.details.stamps_alone += stamps;
         }
-        mixed = true;
+        has_triangles = true;
     }
     let entries = bins.iter().flat_map(|b| b.clusters_in(tile));
     order.front_to_back(part.every(entries));
     let clusters = order.clusters();
-    // What was hidden when it was looked at ahead stays hidden.
-    let mut hidden = [false; AHEAD];
+    // The results of the occlusion tests of the next clusters: a cluster that is already hidden stays hidden, and is
+    // not prefetched.
+    let mut hidden = [false; PREFETCH_DISTANCE];
     for (i, binned) in clusters.iter().enumerate() {
-        if let Some(later) = clusters.get(i + 2 * AHEAD) {
+        if let Some(later) = clusters.get(i + 2 * PREFETCH_DISTANCE) {
             cluster::prefetch_head(context, later);
         }
-        let was_hidden = hidden[i % AHEAD];
-        if let Some(later) = clusters.get(i + AHEAD) {
-            hidden[i % AHEAD] = cluster::is_hidden(simd, later, memory);
-            if !hidden[i % AHEAD] {
+        let was_hidden = hidden[i % PREFETCH_DISTANCE];
+        if let Some(later) = clusters.get(i + PREFETCH_DISTANCE) {
+            hidden[i % PREFETCH_DISTANCE] = cluster::is_hidden(simd, later, memory);
+            if !hidden[i % PREFETCH_DISTANCE] {
                 cluster::prefetch_body(context, later);
             }
         }
@@ -238,9 +239,9 @@ fn draw_inline<S: Simd, T: Tally>(
         }
         tally.counts().clusters_drawn += 1;
         pass.draw(simd, context, binned, memory, tally);
-        if shade == Shade::AtOnce && last > LastStage::Visibility {
-            if mixed {
-                memory.mark_shaded(pass.winners.places());
+        if shade == Shade::Immediate && last > LastStage::Visibility {
+            if has_triangles {
+                memory.mark_shaded(pass.winners.sample_indices());
             }
             let counts = tally.counts();
             shade::winners(simd, context, binned.number, pass, memory, winners, pixels, outputs, counts);

@@ -2,41 +2,41 @@
 
 use crate::binning::BinnedCluster;
 
-/// Steps of depth that are told apart. Within one, clusters keep the order in which they stand in memory: they
-/// were put there along a space-filling curve, and memory that is read in order is read several times faster.
-const STEPS: usize = 16;
+/// Number of depth buckets. Within a bucket, clusters keep their order in memory: they are stored along a space-filling
+/// curve, and sequential reads of memory are several times faster.
+const DEPTH_BUCKETS: usize = 16;
 
-/// Sorts clusters front to back, roughly.
+/// Sorts clusters approximately front to back.
 #[derive(Debug, Default)]
 pub struct DepthOrder {
-    arrived: Vec<BinnedCluster>,
+    unsorted: Vec<BinnedCluster>,
     sorted: Vec<BinnedCluster>,
 }
 
 impl DepthOrder {
-    /// Sorts clusters that come in the order of memory.
+    /// Sorts clusters that are given in memory order.
     pub fn front_to_back<'a>(&mut self, clusters: impl Iterator<Item = &'a BinnedCluster>) {
-        self.arrived.clear();
-        self.arrived.extend(clusters);
+        self.unsorted.clear();
+        self.unsorted.extend(clusters);
         let (mut nearest, mut farthest) = (f32::NEG_INFINITY, f32::INFINITY);
-        for cluster in &self.arrived {
+        for cluster in &self.unsorted {
             nearest = nearest.max(cluster.nearest);
             farthest = farthest.min(cluster.nearest);
         }
-        // Without a range the factor is not finite, and every cluster falls into step 0.
-        let factor = STEPS as f32 / (nearest - farthest);
-        let step = |c: &BinnedCluster| (((nearest - c.nearest) * factor) as usize).min(STEPS - 1);
-        let mut starts = [0; STEPS + 1];
-        for cluster in &self.arrived {
-            starts[step(cluster) + 1] += 1;
+        // If all depths are equal, the factor is not finite, and every cluster falls into bucket 0.
+        let factor = DEPTH_BUCKETS as f32 / (nearest - farthest);
+        let bucket = |c: &BinnedCluster| (((nearest - c.nearest) * factor) as usize).min(DEPTH_BUCKETS - 1);
+        let mut starts = [0; DEPTH_BUCKETS + 1];
+        for cluster in &self.unsorted {
+            starts[bucket(cluster) + 1] += 1;
         }
-        for i in 0..STEPS {
+        for i in 0..DEPTH_BUCKETS {
             starts[i + 1] += starts[i];
         }
         self.sorted.clear();
-        self.sorted.resize(self.arrived.len(), BinnedCluster::default());
-        for cluster in &self.arrived {
-            let at = &mut starts[step(cluster)];
+        self.sorted.resize(self.unsorted.len(), BinnedCluster::default());
+        for cluster in &self.unsorted {
+            let at = &mut starts[bucket(cluster)];
             self.sorted[*at] = *cluster;
             *at += 1;
         }
@@ -63,7 +63,7 @@ mod tests {
     }
 
     #[test]
-    fn nearer_steps_come_first_and_keep_their_order() {
+    fn nearer_buckets_come_first_and_keep_their_order() {
         assert_eq!(sorted(&[0.0, 1.0, 0.99, 0.5, 0.51, 1.0]), [1, 2, 5, 4, 3, 0]);
     }
 

@@ -1,4 +1,4 @@
-//! The vertices of one cluster as tables that fit into vector registers, for shading what it won.
+//! The vertex attributes of one cluster as tables that fit into vector registers, for shading its winners.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, i32x16};
@@ -16,17 +16,16 @@ use crate::projection::{CornerNumbers, CornerTable, LocalVertices};
 use crate::simd::{LANES, dot, each3, load, lookup, splat};
 use crate::view::ObjectView;
 
-/// Positions, normals and colours of a cluster.
+/// Positions, normals and colours of the vertices of a cluster.
 #[derive(Debug)]
 pub struct ClusterTable {
-    /// The bits of an `f32`: axis, vertex; only where positions are needed.
+    /// Positions as the bits of an `f32`, by axis and vertex; valid only if the shading needs positions.
     position: [[i32; MAX_VERTICES]; 3],
-    /// Normals as [`unit_normal`] and [`scaled`] have them, likewise; only where the mesh has normals.
+    /// Normals after [`unit_normal`] and [`scaled`], likewise; valid only if the mesh has normals.
     normal: [[i32; MAX_VERTICES]; 3],
-    /// What is known of the normals and all that are interpolated between them, wherever in the cluster, if it is not
-    /// wide.
+    /// What is known about all normals interpolated in the cluster; nothing if the cluster is wide.
     pub facing: Facing,
-    /// Linear colours, likewise; only where the mesh has them at its vertices.
+    /// Linear colours, likewise; valid only if the mesh has vertex colours.
     color: [[i32; MAX_VERTICES]; 3],
 }
 
@@ -38,7 +37,7 @@ impl Default for ClusterTable {
 }
 
 impl ClusterTable {
-    /// Prepares the normals of a cluster whose vertices were projected, if there are any.
+    /// Loads the normals of a cluster, if it has any. Precondition: its vertices are projected.
     #[inline(always)]
     pub fn load_normals<S: Simd>(
         &mut self,
@@ -81,7 +80,7 @@ impl ClusterTable {
         }
     }
 
-    /// Copies the positions of a cluster.
+    /// Loads the positions of a cluster.
     #[inline(always)]
     pub fn load_positions<S: Simd>(&mut self, simd: S, cluster: &ClusterView) {
         for (axis, values) in cluster.positions().into_iter().enumerate() {
@@ -95,8 +94,7 @@ impl ClusterTable {
         }
     }
 
-    /// Looks up the corners of 16 triangles, given by their numbers in the cluster; positions and colours
-    /// are left out.
+    /// Looks up the corners of 16 triangles, given by their numbers in the cluster, without positions and colours.
     #[inline(always)]
     pub fn look_up<S: Simd>(
         &self,
@@ -120,7 +118,7 @@ impl ClusterTable {
         each3!(K => each3!(A => lookup(simd, &self.normal[A], &numbers[K]).bitcast()))
     }
 
-    /// Looks up the positions, which must have been loaded.
+    /// Looks up the positions of the corners of 16 triangles. Precondition: positions are loaded.
     #[inline(always)]
     pub fn look_up_positions<S: Simd>(&self, simd: S, numbers: &CornerNumbers, found: &mut Corners<S>) {
         found.position = each3!(K => each3!(A => {
@@ -129,7 +127,7 @@ impl ClusterTable {
         }));
     }
 
-    /// Prepares the colours of a cluster's vertices, if there are any.
+    /// Loads the vertex colours of a cluster, if it has any.
     #[inline(always)]
     pub fn load_colors(&mut self, cluster: &ClusterView) {
         let Some(colors) = cluster.vertex_colors() else { return };
@@ -141,8 +139,8 @@ impl ClusterTable {
         }
     }
 
-    /// Looks up the colours of 16 triangles of a cluster, given by their numbers in it and those of their corners;
-    /// those of vertices must have been loaded.
+    /// Looks up the colours of the corners of 16 triangles, given by their numbers in the cluster and the vertex
+    /// numbers of their corners. Precondition: vertex colours, if they are used, are loaded.
     #[inline(always)]
     pub fn look_up_colors<S: Simd>(
         &self,

@@ -1,7 +1,7 @@
-//! How the kernels count their work: as little as statistics show, or all that predictions are made of.
+//! Counting of the back end's work: the counts of the statistics only, or all counts that predictions need.
 //!
-//! They count into a [`Tally`]. [`BackEndCounts`] is the one that pictures are drawn with. [`FullTally`] counts finer
-//! things besides; where it is off, nothing of it is compiled in.
+//! The kernels count into a [`Tally`]. [`BackEndCounts`] is the tally that pictures are drawn with. [`FullTally`] adds
+//! finer counts; in kernels with the other tally, their code is compiled out.
 
 use tercio_mesh::cluster::ClusterView;
 
@@ -11,27 +11,27 @@ use crate::context::FrameContext;
 use crate::simd::LANES;
 use crate::stats::{BackEndCounts, counts};
 
-/// What the back end counts with.
+/// The counters of the back end for one tile, or for a share of a tile.
 pub trait Tally: Default + Send {
-    /// What the tallies of the tiles of a frame come to.
+    /// The tallies of the tiles of a frame, accumulated.
     type Frame: Default + Send;
 
-    /// What is always counted.
+    /// The counts that every tally has.
     fn counts(&mut self) -> &mut BackEndCounts;
 
-    /// The whole tally, for what is counted in full only; always `None` where that is off.
+    /// The tally itself if it is a [`FullTally`], otherwise `None`.
     fn full(&mut self) -> Option<&mut FullTally>;
 
-    /// The sum of shares of one tile.
+    /// The sum of the tallies of two shares of one tile.
     fn plus(self, o: Self) -> Self;
 
-    /// A frame's tally, of one tile that all workers shared or one drew alone.
+    /// The frame's tally that consists of this one tile only.
     fn into_frame(self, tile: u32, is_shared: bool) -> Self::Frame;
 
-    /// Both together.
+    /// The tally of the tiles of both.
     fn join(a: Self::Frame, b: Self::Frame) -> Self::Frame;
 
-    /// What is always counted, in all tiles of a frame.
+    /// The sum of [`Tally::counts`] over all tiles of a frame.
     fn sum(frame: &Self::Frame) -> BackEndCounts;
 }
 
@@ -65,14 +65,14 @@ impl Tally for BackEndCounts {
     }
 }
 
-/// All that is counted while a tile is drawn.
+/// All counts of a tile.
 #[derive(Clone, Debug, Default)]
 pub struct FullTally {
-    /// What is always counted.
+    /// The counts that every tally has.
     pub counts: BackEndCounts,
     /// Finer counts.
     pub details: DetailCounts,
-    /// Numbers of the clusters that were drawn; of a tile that workers share, one may stand here several times.
+    /// Numbers of the clusters that were drawn; in a tile that workers share, a number may occur several times.
     pub clusters: Vec<u32>,
 }
 
@@ -111,7 +111,7 @@ impl Tally for FullTally {
 }
 
 impl FullTally {
-    /// Counts the picture's part of a tile, and the tile's memory if it has entries.
+    /// Counts the pixels of a tile that are inside the picture, and, if the tile has entries, all of its samples.
     pub fn tile(&mut self, context: &FrameContext, tile: u32, is_used: bool) {
         let (x, y) = context.grid.corner(tile);
         let edge = 1u32 << context.grid.shift;
@@ -127,7 +127,7 @@ impl FullTally {
         self.clusters.push(number);
     }
 
-    /// Counts the shading of the pixels that a cluster won.
+    /// Counts the shading of the `pixels` winners of a cluster.
     pub fn winners(&mut self, context: &FrameContext, number: u32, pixels: usize) {
         if pixels == 0 {
             return;
@@ -144,7 +144,8 @@ impl FullTally {
         }
     }
 
-    /// Counts pixels of an instance that are shaded when a tile is finished: a whole block, or one fetched by itself.
+    /// Counts pixels of an instance that are shaded when a tile is finished: a block of one triangle, or a single
+    /// pixel.
     pub fn late(&mut self, context: &FrameContext, instance: usize, pixels: u64, is_block: bool) {
         self.details.pixels_shaded_late += pixels;
         if is_block {
@@ -155,13 +156,13 @@ impl FullTally {
     }
 }
 
-/// Do the colours of an instance stand at its vertices or triangles?
+/// Does an instance have colours per vertex or per triangle?
 fn is_colored(context: &FrameContext, instance: usize) -> bool {
     let instance = &context.scene.instances[instance];
     ColorSource::of(&instance.mesh, &instance.surface) != ColorSource::Base
 }
 
-/// Bytes of the cache lines that drawing a cluster touches.
+/// Bytes of the cache lines that are touched by drawing a cluster.
 pub fn bytes(cluster: &ClusterView) -> u64 {
     let colors = cluster.vertex_colors().map_or(0, size_of_val);
     (size_of_val(cluster.hot_lines()) + colors) as u64
@@ -174,31 +175,31 @@ counts! {
     pub struct DetailCounts {
         /// Pixels of the tiles that are drawn.
         pub pixels: u64,
-        /// Samples of the tiles with an entry, whole ones at the picture's border, too.
+        /// Samples of the tiles that have entries, including those outside the picture.
         pub tile_samples: u64,
         /// Pixels shaded when a tile is finished.
         pub pixels_shaded_late: u64,
-        /// Of these the blocks of 4x4 that show one triangle, which is fetched once.
+        /// Blocks of 4x4 of these pixels that show a single triangle, whose corners are fetched once.
         pub whole_blocks: u64,
-        /// Of the stamps those of triangles drawn by themselves.
+        /// Stamps of triangles that are set up one by one (a subset of all stamps).
         pub stamps_alone: u64,
-        /// Sixteens of small triangles set up.
+        /// Groups of 16 small triangles that are set up together.
         pub set_ups: u64,
-        /// Samples looked at, of 16 small triangles side by side.
+        /// Coverage tests of small triangles, each of one sample in each of 16 triangles.
         pub steps: u64,
-        /// Clusters that won a pixel, in each tile.
+        /// Clusters with winners, counted in each tile.
         pub clusters_won: u64,
-        /// Sixteens of pixels shaded with the cluster that won them.
+        /// Groups of 16 winners that are shaded together with their cluster.
         pub shadings: u64,
-        /// Of these the ones that need the triangles' planes.
+        /// Those of these groups that need the triangles' planes.
         pub shadings_by_plane: u64,
-        /// Pixels shaded when a tile is finished, each fetched by itself, whose colour stands at vertices or triangles.
+        /// Pixels with colours per vertex or per triangle that are shaded when a tile is finished, except whole blocks.
         pub pixels_colored: u64,
-        /// Vertices of clusters that won a pixel, in each tile, whose colour stands at vertices or triangles.
+        /// Vertices of clusters with winners, counted in each tile, that have colours per vertex or per triangle.
         pub vertices_colored: u64,
         /// Entries of triangles drawn.
         pub entries_drawn: u64,
-        /// Bytes of cache lines of the clusters drawn, in each tile.
+        /// Bytes of the cache lines of the clusters drawn, counted in each tile.
         pub bytes_read: u64,
     }
 }

@@ -1,4 +1,4 @@
-//! Triangles of any size into the tile memory, one by one.
+//! Draws triangles of any size into the tile memory, one by one.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, i32x16};
@@ -11,14 +11,15 @@ use crate::screen::{DepthPlane, Edges, PixelRect, ScreenTriangle};
 use crate::simd::{LANES, each3, splat, splat_i};
 use crate::stats::BackEndCounts;
 
-/// Edge of a block of samples, in which triangles of more columns are looked for: a stamp.
+/// Edge of the blocks of samples in which wide triangles are drawn: each row of a block is a stamp.
 const BLOCK: i32 = LANES as i32;
 
-/// Edge functions are cut off here: far beyond what they can change inside a block (2^29), far from the ends of 32 bits.
+/// Edge functions are clamped to this magnitude: well above the largest change inside a block (2^29), well below the
+/// limit of 32 bits.
 const EDGE_LIMIT: i64 = 1 << 30;
 
-/// Draws one triangle, and lists the samples that it wins if it is told its number in its cluster. Not inlined, so that
-/// it is compiled once a level.
+/// Draws one triangle, and appends the samples that it wins if `winners` is `Some`, together with the triangle's number
+/// in its cluster. Not inlined, so that it is compiled only once per SIMD level.
 #[inline(never)]
 pub fn draw<S: Simd>(
     simd: S,
@@ -39,7 +40,7 @@ pub fn draw<S: Simd>(
     );
 }
 
-/// Draws the samples of a triangle that lie in a part of the tile.
+/// Draws the samples of a triangle in a part of the tile.
 #[inline(always)]
 fn draw_stamps<S: Simd>(
     simd: S,
@@ -70,7 +71,7 @@ fn draw_stamps<S: Simd>(
         let along_x = dx * plane.dx;
         for y in (rect.y0..rect.y1 + 1).step_by(BLOCK as usize) {
             let block = PixelRect { x0: x, x1: x + BLOCK - 1, y0: y, y1: (y + BLOCK - 1).min(rect.y1) };
-            // Long thin triangles touch few blocks of their bounding box.
+            // Long thin triangles overlap few blocks of their bounding box.
             if is_wide && edges.leave_out(block) {
                 continue;
             }

@@ -1,15 +1,15 @@
-//! Lists of entries, one a tile.
+//! Lists of entries, one per tile.
 
 use crate::screen::{PixelRect, TileGrid};
 
-/// Entries sorted into tiles by counting: they come with the number of their tile and are moved there at once.
+/// Entries sorted by tile with a counting sort: they are added with the number of their tile, and sorted all at once.
 #[derive(Debug)]
 pub struct TileLists<T> {
-    /// Tile and entry, in the order they came.
+    /// Tile and entry, in the order in which they were added.
     pairs: Vec<(u32, T)>,
-    /// Where each tile's entries begin in `entries`; one more than there are tiles.
+    /// Index in `entries` of each tile's first entry; one more element than there are tiles.
     starts: Vec<u32>,
-    /// The entries, tile after tile.
+    /// The entries, sorted by tile.
     entries: Vec<T>,
 }
 
@@ -20,14 +20,14 @@ impl<T> Default for TileLists<T> {
 }
 
 impl<T: Copy + Default> TileLists<T> {
-    /// Empties the lists, keeping their memory.
+    /// Clears the lists, keeping their memory.
     pub fn clear(&mut self) {
         self.pairs.clear();
         self.starts.clear();
         self.entries.clear();
     }
 
-    /// Adds an entry to one tile, if it is drawn.
+    /// Adds an entry to a tile, if the tile is drawn.
     #[inline(always)]
     pub fn push(&mut self, grid: &TileGrid, tile: u32, entry: T) {
         if grid.draws(tile) {
@@ -35,7 +35,7 @@ impl<T: Copy + Default> TileLists<T> {
         }
     }
 
-    /// Adds an entry to every tile that is drawn, that `rect` touches and of which it `covers` its part.
+    /// Adds an entry to every drawn tile that overlaps `rect`, if `covers` is true for the overlap.
     #[inline(always)]
     pub fn push_rect(
         &mut self,
@@ -61,7 +61,7 @@ impl<T: Copy + Default> TileLists<T> {
         }
     }
 
-    /// Sorts the entries by tile, keeping their order inside a tile.
+    /// Sorts the entries by tile; the sort is stable.
     pub fn sort(&mut self, grid: &TileGrid) {
         self.starts.clear();
         self.starts.resize(grid.count() + 1, 0);
@@ -75,7 +75,7 @@ impl<T: Copy + Default> TileLists<T> {
         }
         self.entries.clear();
         self.entries.resize(self.pairs.len(), T::default());
-        // Moving an entry advances its tile's start; afterwards each start is the next tile's.
+        // Moving an entry advances its tile's start, so that in the end each start is that of the next tile.
         for &(tile, entry) in &self.pairs {
             let at = &mut self.starts[tile as usize];
             self.entries[*at as usize] = entry;
@@ -85,7 +85,7 @@ impl<T: Copy + Default> TileLists<T> {
         self.starts[0] = 0;
     }
 
-    /// The entries of a tile, in the order they came.
+    /// The entries of a tile, in the order in which they were added.
     #[inline(always)]
     pub fn tile(&self, tile: u32) -> &[T] {
         if self.starts.is_empty() {
@@ -95,17 +95,17 @@ impl<T: Copy + Default> TileLists<T> {
         &self.entries[from as usize..to as usize]
     }
 
-    /// Entries in all tiles.
+    /// Number of entries in all tiles.
     pub fn count(&self) -> u64 {
         self.entries.len() as u64
     }
 
-    /// Bytes of the entries: with their tiles as they come, then sorted.
+    /// Bytes of the entries, both before and after sorting.
     pub fn bytes_used(&self) -> u64 {
         (size_of_val(&self.pairs[..]) + size_of_val(&self.entries[..])) as u64
     }
 
-    /// Bytes of memory held.
+    /// Bytes of memory allocated.
     pub fn bytes(&self) -> u64 {
         (self.pairs.capacity() * size_of::<(u32, T)>()
             + self.starts.capacity() * 4

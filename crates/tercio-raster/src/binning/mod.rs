@@ -1,11 +1,11 @@
-//! The sort between the front end and the back end: clusters and triangles into the tiles that they may touch.
+//! Binning, between the front end and the back end: sorts clusters and triangles into the tiles that they may overlap.
 //!
-//! A cluster that is small on the screen is sorted as a whole: its 128 triangles cost one entry, and the tile
-//! that draws it finds its vertices in the cache. Only of large clusters, and of those that cross the near
-//! plane, the triangles are sorted one by one.
+//! A cluster that is small on the screen is binned as a whole: its up to 128 triangles cost one entry per tile, and the
+//! tile that draws it has its vertices in cache. Only large clusters, and those that cross the near plane, are binned
+//! triangle by triangle.
 //!
-//! Each batch of clusters fills bins of its own, so that threads never share one; the back end reads a tile's
-//! entries batch after batch.
+//! Each batch of clusters fills bins of its own, so that threads never share them; the back end reads a tile's entries
+//! batch after batch.
 
 mod lists;
 mod sorted;
@@ -18,32 +18,33 @@ use bytemuck::{Pod, Zeroable};
 use crate::screen::{Edges, PixelRect, ScreenTriangle, TileGrid};
 use crate::settings::Binning;
 
-/// A cluster in a tile's bin.
+/// An entry of a tile's bin: a whole cluster.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct BinnedCluster {
-    /// Its number in the frame.
+    /// Number of the cluster in the frame.
     pub number: u32,
-    /// No sample of it is nearer: an upper bound of its depth.
+    /// Upper bound of its depth: no sample of it is nearer.
     pub nearest: f32,
     /// First and last column, first and last row of the pixels that it may reach.
     pub rect: [u16; 4],
 }
 
-/// What one batch of clusters sorted into the tiles.
+/// The bins that one batch of clusters is sorted into.
 #[derive(Debug, Default)]
 pub struct Bins {
-    /// Triangles that were sorted one by one, in the order they came.
+    /// Triangles that were binned one by one, in the order in which they were added.
     triangles: Vec<ScreenTriangle>,
-    /// Numbers of triangles.
+    /// By tile, indices into `triangles`.
     triangle_lists: TileLists<u32>,
+    /// By tile, clusters that were binned as a whole.
     cluster_lists: TileLists<BinnedCluster>,
-    /// Clusters that were sorted as a whole.
+    /// Number of clusters that were binned as a whole.
     clusters: u64,
 }
 
 impl Bins {
-    /// Empties the bins, keeping their memory.
+    /// Clears the bins, keeping their memory.
     pub fn clear(&mut self) {
         self.triangles.clear();
         self.triangle_lists.clear();
@@ -51,7 +52,7 @@ impl Bins {
         self.clusters = 0;
     }
 
-    /// Adds a triangle to the tiles that are drawn and that it may touch; `rect` are its samples.
+    /// Adds a triangle to the drawn tiles that it may overlap; `rect` are the pixels with samples in its bounding box.
     #[inline(never)]
     pub fn push(&mut self, grid: &TileGrid, binning: Binning, triangle: ScreenTriangle, rect: PixelRect) {
         if !grid.draws_some_of([rect.x0, rect.x1, rect.y0, rect.y1].map(|pixel| pixel as u16)) {
@@ -71,7 +72,7 @@ impl Bins {
         }
     }
 
-    /// Adds a whole cluster to the tiles that it may touch.
+    /// Adds a whole cluster to the drawn tiles that it may overlap.
     #[inline(always)]
     pub fn push_cluster(&mut self, grid: &TileGrid, cluster: BinnedCluster) {
         let [x0, x1, y0, y1] = cluster.rect.map(i32::from);
@@ -79,57 +80,57 @@ impl Bins {
         self.clusters += 1;
     }
 
-    /// Sorts all that was added by tile.
+    /// Sorts all entries by tile.
     pub fn sort(&mut self, grid: &TileGrid) {
         self.triangle_lists.sort(grid);
         self.cluster_lists.sort(grid);
     }
 
-    /// The triangles of a tile that were sorted one by one, in the order they came.
+    /// The triangles of a tile that were binned one by one, in the order in which they were added.
     #[inline(always)]
     pub fn triangles_in(&self, tile: u32) -> impl ExactSizeIterator<Item = &ScreenTriangle> {
         self.triangle_lists.tile(tile).iter().map(|&number| &self.triangles[number as usize])
     }
 
-    /// The clusters of a tile, in the order they came.
+    /// The clusters of a tile, in the order in which they were added.
     #[inline(always)]
     pub fn clusters_in(&self, tile: u32) -> &[BinnedCluster] {
         self.cluster_lists.tile(tile)
     }
 
-    /// Entries of a tile, triangles and clusters.
+    /// Number of entries of a tile, triangles and clusters.
     pub fn fill(&self, tile: u32) -> u64 {
         (self.triangle_lists.tile(tile).len() + self.cluster_lists.tile(tile).len()) as u64
     }
 
-    /// Triangles that were sorted one by one.
+    /// Number of triangles that were binned one by one.
     pub fn triangles(&self) -> u64 {
         self.triangles.len() as u64
     }
 
-    /// Entries of triangles in all tiles.
+    /// Number of entries of triangles in all tiles.
     pub fn triangle_entries(&self) -> u64 {
         self.triangle_lists.count()
     }
 
-    /// Clusters that were sorted as a whole.
+    /// Number of clusters that were binned as a whole.
     pub fn clusters(&self) -> u64 {
         self.clusters
     }
 
-    /// Entries of clusters in all tiles.
+    /// Number of entries of clusters in all tiles.
     pub fn cluster_entries(&self) -> u64 {
         self.cluster_lists.count()
     }
 
-    /// Bytes of the bins that a frame writes and reads.
+    /// Bytes of the bins that are in use: that a frame writes and reads.
     pub fn bytes_used(&self) -> u64 {
         size_of_val(&self.triangles[..]) as u64
             + self.triangle_lists.bytes_used()
             + self.cluster_lists.bytes_used()
     }
 
-    /// Bytes of memory held.
+    /// Bytes of memory allocated.
     pub fn bytes(&self) -> u64 {
         (self.triangles.capacity() * size_of::<ScreenTriangle>()) as u64
             + self.triangle_lists.bytes()

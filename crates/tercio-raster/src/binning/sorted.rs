@@ -1,4 +1,4 @@
-//! What the front end leaves behind: all that the back end needs to draw a set of tiles, wherever it came from.
+//! The result of the front end: all that the back end needs to draw a set of tiles, from this process or another one.
 
 use bytemuck::{Pod, Zeroable, cast_slice, pod_read_unaligned};
 
@@ -9,27 +9,27 @@ use crate::stats::{BinningCounts, FrontEndCounts, ratio};
 
 /// Clusters and triangles of a frame, sorted into its tiles.
 ///
-/// They are made by [`Renderer::sort`](crate::Renderer::sort), or come from another rank as bytes
+/// Made by [`Renderer::sort`](crate::Renderer::sort), or received from another rank as bytes
 /// ([`Sorted::write_bytes`], [`Sorted::read_bytes`]).
 #[derive(Debug, Default)]
 pub struct Sorted {
-    /// One for each batch of clusters and each message.
+    /// One for each batch of clusters and each message that was read.
     pub(crate) bins: Vec<Bins>,
-    /// What the front end met and dropped; nothing for what came as bytes.
+    /// The counts of the front end; messages do not contribute.
     pub(crate) counts: FrontEndCounts,
 }
 
-/// Why bytes are no bins of a frame.
+/// Why bytes are not valid as bins of a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SortedError {
-    /// The lengths in the bytes do not add up to their number.
-    #[error("{bytes} bytes are not the length of any bins")]
+    /// The lengths stored in the bytes do not match their number.
+    #[error("the lengths stored in the bins do not match their {bytes} bytes")]
     Length {
-        /// How many there are.
+        /// Number of bytes.
         bytes: usize,
     },
-    /// They were made for a picture that is divided otherwise.
+    /// They were made for a different division of the picture into tiles.
     #[error("bins of {found:?} tiles of 2^{shift} pixels, expected {expected:?}")]
     Grid {
         /// Tiles across and down.
@@ -39,34 +39,34 @@ pub enum SortedError {
         /// log2 of the edge of a tile.
         shift: u32,
     },
-    /// A tile, a cluster or a triangle is not one of the frame.
-    #[error("{what} {number} is none of the frame's")]
+    /// A tile, cluster or triangle that the frame does not have, or that is not valid.
+    #[error("{what} {number} is not valid in this frame")]
     Number {
-        /// What it is.
+        /// Kind of the element.
         what: &'static str,
         /// Its number.
         number: u32,
     },
 }
 
-/// What the bytes begin with.
+/// The header of the bytes.
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
 struct Head {
     shift: u32,
     columns: u32,
     rows: u32,
-    /// Tiles with entries.
+    /// Number of tiles with entries.
     tiles: u32,
-    /// Triangles, each once.
+    /// Number of triangles, each counted once.
     triangles: u32,
-    /// Their entries in all tiles.
+    /// Number of their entries in all tiles.
     triangle_entries: u32,
-    /// Entries of clusters in all tiles.
+    /// Number of entries of clusters in all tiles.
     cluster_entries: u32,
 }
 
-/// The entries of a tile.
+/// The header of a tile: its number, and the numbers of its entries.
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
 struct TileHead {
@@ -76,28 +76,28 @@ struct TileHead {
 }
 
 impl Sorted {
-    /// Empties it, keeping its memory.
+    /// Removes all bins and counts.
     pub fn clear(&mut self) {
         self.bins.clear();
         self.counts = FrontEndCounts::default();
     }
 
-    /// Entries of a tile, triangles and clusters.
+    /// Number of entries of a tile, triangles and clusters.
     pub fn fill(&self, tile: u32) -> u64 {
         self.bins.iter().map(|bins| bins.fill(tile)).sum()
     }
 
-    /// Bytes of the bins that were written and are read.
+    /// Bytes of the bins that are in use.
     pub(crate) fn bytes_used(&self) -> u64 {
         self.bins.iter().map(Bins::bytes_used).sum()
     }
 
-    /// What the front end met and dropped on the way here.
+    /// The counts of the front end.
     pub fn front_end_counts(&self) -> FrontEndCounts {
         self.counts
     }
 
-    /// What is in the bins.
+    /// The counts of binning.
     pub fn counts(&self, grid: &TileGrid) -> BinningCounts {
         let sum = |count: fn(&Bins) -> u64| self.bins.iter().map(count).sum::<u64>();
         let (triangles, triangle_entries) = (sum(Bins::triangles), sum(Bins::triangle_entries));
@@ -122,11 +122,11 @@ impl Sorted {
         }
     }
 
-    /// Appends what some tiles hold as bytes, for a rank of the same kind of machine that draws these tiles of the same
-    /// frame.
+    /// Appends the bins of some tiles as bytes, for the rank that draws these tiles of the same frame. Its machine must
+    /// have the same byte order.
     ///
-    /// The bytes are a head, the tiles that have entries, all triangles, and tile after tile the numbers of its triangles
-    /// and its clusters.
+    /// The bytes are a header, the headers of the tiles that have entries, all triangles, then by tile the indices of
+    /// its triangles, then by tile its clusters.
     ///
     /// # Panics
     /// If there are 2^32 entries or more.
@@ -169,7 +169,8 @@ impl Sorted {
         out.extend_from_slice(cast_slice(&clusters));
     }
 
-    /// Adds what [`Sorted::write_bytes`] wrote, of the tiles that the frame's settings let be drawn.
+    /// Adds bins from the bytes of [`Sorted::write_bytes`]. Tiles that are not drawn with the frame's settings are
+    /// skipped.
     ///
     /// # Errors
     /// [`SortedError`]; nothing is added then.
@@ -222,21 +223,22 @@ impl Sorted {
     }
 }
 
-/// The first `count` elements of some bytes each; `None` if there are fewer.
+/// Takes the first `count` elements of `bytes` bytes each; `None` if there are fewer.
 fn take<'a>(rest: &mut &'a [u8], bytes: usize, count: u32) -> Option<&'a [u8]> {
     let (first, behind) = rest.split_at_checked(bytes.checked_mul(count as usize)?)?;
     *rest = behind;
     Some(first)
 }
 
-/// Some elements, wherever in memory they begin.
+/// Reads `count` elements, of any alignment.
 fn elements<T: Pod>(rest: &mut &[u8], count: u32) -> Option<Vec<T>> {
     let bytes = take(rest, size_of::<T>(), count)?;
     Some(bytes.chunks_exact(size_of::<T>()).map(pod_read_unaligned).collect())
 }
 
 impl ScreenTriangle {
-    /// Do the coordinates lie where clipping leaves them, so that differences do not overflow?
+    /// Are the coordinates in the range that clipping guarantees, so that differences do not overflow, and does the
+    /// triangle have area?
     fn is_in_range(&self) -> bool {
         const MOST: i32 = 1 << 24;
         self.x.iter().chain(&self.y).all(|c| (-MOST..=MOST).contains(c)) && self.area() != 0

@@ -10,9 +10,9 @@ use crate::stats::FrameStats;
 /// The id of a pixel where nothing was drawn.
 pub const NO_PRIMITIVE: u32 = u32::MAX;
 
-/// The rule of visibility as a number: what has the larger key is seen. A larger depth (it is above 0, so that its bits
-/// are in order) comes before a lower primitive number, which is below [`NO_PRIMITIVE`] and counts through the
-/// instances. Keys are above 0.
+/// Visibility as one number: the sample with the larger key is visible. The key compares by depth first (depths are
+/// above 0, so their bits are ordered as the numbers are), then by primitive number, of which the lower gives the
+/// larger key. Primitive numbers are below [`NO_PRIMITIVE`] and count through the instances. Keys are above 0.
 #[inline(always)]
 pub fn visibility_key(depth: f32, primitive: u32) -> u64 {
     u64::from(depth.to_bits()) << 32 | u64::from(NO_PRIMITIVE - primitive)
@@ -21,25 +21,26 @@ pub fn visibility_key(depth: f32, primitive: u32) -> u64 {
 /// A finished picture.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Frame {
-    /// Pixels across.
+    /// Width in pixels.
     pub width: u32,
-    /// Pixels down.
+    /// Height in pixels.
     pub height: u32,
-    /// Its planes, row by row, the upper left pixel first; those that were not asked for are empty.
+    /// Its planes, row by row, the upper left pixel first; those that were not requested are empty.
     pub planes: Planes,
-    /// What was counted and timed.
+    /// Counts and times.
     pub stats: FrameStats,
 }
 
 impl Frame {
-    /// In words, where this picture differs from an expected one; `None` if all planes are the same, bit for bit.
+    /// Describes the first difference between this picture and an expected one; `None` if all planes are the same, bit
+    /// for bit.
     pub fn difference(&self, expected: &Self) -> Option<String> {
         if (self.width, self.height) != (expected.width, expected.height) {
             let [own, other] = [self, expected].map(|f| format!("{} x {}", f.width, f.height));
             return Some(format!("{own} pixels, not {other}"));
         }
-        let (found, place) = self.planes.first_difference(&expected.planes)?;
+        let (found, index) = self.planes.first_difference(&expected.planes)?;
         let width = self.width.max(1) as usize;
-        Some(format!("{found}, at ({}, {})", place % width, place / width))
+        Some(format!("{found}, at ({}, {})", index % width, index / width))
     }
 }

@@ -1,6 +1,6 @@
-//! The planes of a frame: their list, and what is done with all of them.
+//! The planes of a frame: their list, and the operations on all of them.
 //!
-//! A further plane is a further line of the list below; what draws it fills its samples.
+//! To add a plane, add a line to the list below, and write its pixels in the shading kernel and in the reference.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -11,7 +11,9 @@ use super::{Frame, NO_PRIMITIVE};
 use crate::screen::{PixelRect, TileGrid};
 
 macro_rules! planes {
-    ($($(#[$doc:meta])* $name:ident: $type:ty, wanted: $wanted:literal, background: $row:ident => $background:expr;)*) => {
+    ($(
+        $(#[$doc:meta])* $name:ident: $type:ty, wanted: $wanted:literal, background: $row:ident => $background:expr;
+    )*) => {
         /// Which planes a frame has.
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         pub struct Outputs {
@@ -25,75 +27,74 @@ macro_rules! planes {
         }
 
         impl Outputs {
-            /// All there are.
+            /// All planes.
             pub const ALL: Self = Self { $($name: true,)* };
-            /// None at all.
+            /// No plane.
             pub const NONE: Self = Self { $($name: false,)* };
 
-            /// Bytes of a pixel in all planes.
+            /// Bytes per pixel of all planes together.
             pub fn pixel_bytes(&self) -> usize {
                 0 $(+ if self.$name { size_of::<$type>() } else { 0 })*
             }
         }
 
-        /// Planes of pixels, row by row; those that nobody asked for are empty.
+        /// Planes of pixels, row by row; those that were not requested are empty.
         #[derive(Clone, Debug, Default, PartialEq)]
         pub struct Planes {
             $($(#[$doc])* pub $name: Vec<$type>,)*
         }
 
         impl Planes {
-            /// Gives the planes that are asked for so many pixels. What they hold is of no use.
+            /// Resizes the requested planes to this many pixels and empties the others. The values are unspecified.
             pub(crate) fn resize(&mut self, outputs: &Outputs, pixels: usize) {
                 $(self.$name.resize(if outputs.$name { pixels } else { 0 }, <$type>::default());)*
             }
 
-            /// Sets a pixel in the planes that there are.
-            pub(crate) fn put(&mut self, place: usize, pixel: &Pixel) {
-                $(if let Some(place) = self.$name.get_mut(place) {
-                    *place = pixel.$name;
+            /// Sets a pixel in the planes that are present.
+            pub(crate) fn put(&mut self, index: usize, pixel: &Pixel) {
+                $(if let Some(value) = self.$name.get_mut(index) {
+                    *value = pixel.$name;
                 })*
             }
 
-            /// Sets neighbouring pixels in the planes that there are.
-            pub fn fill(&mut self, places: std::ops::Range<usize>, pixel: &Pixel) {
-                $(if let Some(places) = self.$name.get_mut(places.clone()) {
-                    places.fill(pixel.$name);
+            /// Sets a range of pixels in the planes that are present.
+            pub fn fill(&mut self, range: std::ops::Range<usize>, pixel: &Pixel) {
+                $(if let Some(values) = self.$name.get_mut(range.clone()) {
+                    values.fill(pixel.$name);
                 })*
             }
 
-            /// Appends the samples of neighbouring pixels, plane after plane, those that are asked for: in the byte order
-            /// of the machine.
+            /// Appends a range of pixels of the requested planes as bytes, plane after plane, in native byte order.
             ///
             /// # Panics
-            /// If a plane that is asked for does not have these pixels.
-            pub fn write_bytes(&self, outputs: &Outputs, places: std::ops::Range<usize>, out: &mut Vec<u8>) {
+            /// If a requested plane does not have these pixels.
+            pub fn write_bytes(&self, outputs: &Outputs, range: std::ops::Range<usize>, out: &mut Vec<u8>) {
                 $(if outputs.$name {
-                    out.extend_from_slice(bytemuck::cast_slice(&self.$name[places.clone()]));
+                    out.extend_from_slice(bytemuck::cast_slice(&self.$name[range.clone()]));
                 })*
             }
 
-            /// Takes over from bytes of [`Planes::write_bytes`] the pixels, from place `first` on, for which `takes` is
-            /// true.
+            /// Reads bytes of [`Planes::write_bytes`] into the pixels from index `first` on; pixels for which `takes`
+            /// is false keep their values.
             ///
             /// # Panics
-            /// If a plane that is asked for does not have these pixels, or the bytes are fewer than they need.
+            /// If a requested plane does not have these pixels, or there are not enough bytes.
             pub fn read_bytes(&mut self, outputs: &Outputs, mut bytes: &[u8], takes: &[bool], first: usize) {
                 $(if outputs.$name {
                     let (own, rest) = bytes.split_at(takes.len() * size_of::<$type>());
                     bytes = rest;
-                    let places = self.$name[first..first + takes.len()].iter_mut();
-                    for ((place, sample), &takes) in places.zip(own.chunks_exact(size_of::<$type>())).zip(takes) {
+                    let values = self.$name[first..first + takes.len()].iter_mut();
+                    for ((value, sample), &takes) in values.zip(own.chunks_exact(size_of::<$type>())).zip(takes) {
                         if takes {
-                            *place = bytemuck::pod_read_unaligned(sample);
+                            *value = bytemuck::pod_read_unaligned(sample);
                         }
                     }
                 })*
                 let _ = bytes;
             }
 
-            /// In words, the first plane in which two frames differ and the first place there; numbers are compared by
-            /// their bits.
+            /// Describes the first plane in which two frames differ, and returns the index of the first pixel that
+            /// differs there; numbers are compared by their bits.
             pub(crate) fn first_difference(&self, other: &Self) -> Option<(String, usize)> {
                 $(
                     let (own, others) = (&self.$name, &other.$name);
@@ -101,30 +102,30 @@ macro_rules! planes {
                         let found = format!("{} of {} pixels, not {}", stringify!($name), own.len(), others.len());
                         return Some((found, 0));
                     }
-                    let differs = |&place: &usize| {
-                        bytemuck::bytes_of(&own[place]) != bytemuck::bytes_of(&others[place])
+                    let differs = |&index: &usize| {
+                        bytemuck::bytes_of(&own[index]) != bytemuck::bytes_of(&others[index])
                     };
-                    if let Some(place) = (0..own.len()).find(differs) {
+                    if let Some(index) = (0..own.len()).find(differs) {
                         let count = (0..own.len()).filter(differs).count();
                         let found = format!(
                             "{count} pixels differ in {}, first {:?}, not {:?}",
-                            stringify!($name), own[place], others[place],
+                            stringify!($name), own[index], others[index],
                         );
-                        return Some((found, place));
+                        return Some((found, index));
                     }
                 )*
                 None
             }
         }
 
-        /// A sample of every plane.
+        /// One pixel: its value in every plane.
         #[derive(Clone, Copy, Debug, PartialEq)]
         pub struct Pixel {
             $($(#[$doc])* pub $name: $type,)*
         }
 
         impl Pixel {
-            /// What stands where nothing was drawn, in a row of a picture.
+            /// The background pixel of row `y` in a picture of this height.
             pub fn of_background(background: &Background, y: u32, height: u32) -> Self {
                 let row = BackgroundRow::new(background, y, height);
                 Self { $($name: { let $row = &row; let _ = $row; $background },)* }
@@ -144,27 +145,27 @@ macro_rules! planes {
             /// Fills a tile with one pixel for each of its rows.
             ///
             /// # Safety
-            /// No other thread writes in this rectangle.
+            /// No other thread accesses this rectangle.
             unsafe fn fill(&self, rows: &[Pixel], rect: PixelRect) {
                 $(
-                    // SAFETY: as the caller promises.
+                    // SAFETY: the caller upholds the same contract.
                     unsafe { fill(rows.iter().map(|row| row.$name), rect, &self.$name) };
                 )*
             }
 
-            /// Copies the pixels of a tile, of which a row begins every `stride` places, to their places in the picture.
+            /// Copies the pixels of a tile, whose rows are `stride` pixels apart, to a rectangle of the picture.
             ///
             /// # Safety
-            /// No other thread writes in this rectangle.
+            /// No other thread accesses this rectangle.
             unsafe fn write(&self, tile: &Planes, stride: usize, rect: PixelRect) {
                 $(
-                    // SAFETY: as the caller promises.
+                    // SAFETY: the caller upholds the same contract.
                     unsafe { copy(&tile.$name, stride, rect, &self.$name) };
                 )*
             }
         }
 
-        /// Fills the pixels of a tile: one pixel for each of its rows, and `stride` places a row.
+        /// Fills a tile: each of its rows, of `stride` pixels, with one pixel of `rows`.
         fn clear(tile: &mut Planes, outputs: &Outputs, rows: &[Pixel], stride: usize) {
             $(
                 tile.$name.clear();
@@ -177,23 +178,23 @@ macro_rules! planes {
 }
 
 planes! {
-    /// Visibility keys ([`super::visibility_key`]), by which pictures of parts are composed; 0 where nothing was drawn.
+    /// Visibility keys ([`super::visibility_key`]), used to compose pictures of parts; 0 where nothing was drawn.
     keys: u64, wanted: false, background: _row => 0;
-    /// sRGB colour, 8 bits, alpha not multiplied in.
+    /// sRGB colour, 8 bits, alpha not premultiplied.
     color: [u8; 4], wanted: true, background: row => row.level(255.0).map(|c| c as u8);
-    /// sRGB colour, 16 bits, alpha not multiplied in.
+    /// sRGB colour, 16 bits, alpha not premultiplied.
     color16: [u16; 4], wanted: false, background: row => row.level(65535.0).map(|c| c as u16);
     /// Distance from the eye along the line of sight in world units; infinite where nothing was drawn.
     depth: f32, wanted: false, background: _row => f32::INFINITY;
-    /// Number of the input face (polygon) that is seen, counted through the instances in order;
+    /// Number of the visible input face (polygon), counted through the instances in order;
     /// [`NO_PRIMITIVE`] where nothing was drawn.
     ids: u32, wanted: false, background: _row => NO_PRIMITIVE;
-    /// Unit normals in world space, those that the picture is lit by: see [`crate::conventions`]. None points away from
-    /// the viewer but for rounding; zero where nothing was drawn.
+    /// The unit normals in world space that the picture is lit with: see [`crate::conventions`]. Except for rounding
+    /// errors, none points away from the viewer; zero where nothing was drawn.
     normals: [f32; 3], wanted: false, background: _row => [0.0; 3];
 }
 
-/// The background of a row: mixed in sRGB, as a designer's gradient is.
+/// The background of a row. Gradients are interpolated in sRGB, as graphics programs do.
 struct BackgroundRow([f32; 4]);
 
 impl BackgroundRow {
@@ -212,57 +213,57 @@ impl BackgroundRow {
     }
 }
 
-/// Copies the rows of a tile.
+/// Copies the rows of a tile to a rectangle of a plane.
 ///
 /// # Safety
-/// No other thread writes in this rectangle.
+/// No other thread accesses this rectangle.
 unsafe fn copy<T: Copy>(tile: &[T], stride: usize, rect: PixelRect, plane: &SharedPlane<T>) {
     if !plane.is_wanted() {
         return;
     }
     let width = (rect.x1 - rect.x0 + 1) as usize;
     for (row, y) in tile.chunks_exact(stride).zip(rect.y0..) {
-        // SAFETY: no other thread holds a part of the rectangle, as the caller promises, and the row is let go at once.
+        // SAFETY: the caller guarantees that no other thread accesses the rectangle, and the row is released at once.
         unsafe { plane.row(rect.x0 as usize, y as usize, width) }.copy_from_slice(&row[..width]);
     }
 }
 
-/// Fills the rows of a tile with a value each.
+/// Fills each row of a tile with one value.
 ///
 /// # Safety
-/// No other thread writes in this rectangle.
+/// No other thread accesses this rectangle.
 unsafe fn fill<T: Copy>(rows: impl Iterator<Item = T>, rect: PixelRect, plane: &SharedPlane<T>) {
     if !plane.is_wanted() {
         return;
     }
     let width = (rect.x1 - rect.x0 + 1) as usize;
     for (value, y) in rows.zip(rect.y0..) {
-        // SAFETY: no other thread holds a part of the rectangle, as the caller promises, and the row is let go at once.
+        // SAFETY: the caller guarantees that no other thread accesses the rectangle; the row is released at once.
         unsafe { plane.row(rect.x0 as usize, y as usize, width) }.fill(value);
     }
 }
 
-/// A frame that is drawn tile by tile, by several threads.
+/// A frame that several threads draw, tile by tile.
 pub struct Canvas<'a> {
     planes: SharedPlanes<'a>,
     outputs: Outputs,
     grid: TileGrid,
-    /// Pixels across and down.
+    /// Width and height in pixels.
     size: [u32; 2],
-    /// What stands in each row where nothing was drawn.
+    /// The background pixel of each row.
     background: Vec<Pixel>,
-    /// Which tiles were handed out: each is written once.
+    /// Which tiles have been claimed: each may be written once.
     claimed: Vec<AtomicBool>,
 }
 
-/// A tile of a [`Canvas`] that one thread may write.
+/// A tile of a [`Canvas`] that its owner may write, exclusively.
 pub struct CanvasTile<'a> {
     canvas: &'a Canvas<'a>,
     rect: PixelRect,
 }
 
 impl<'a> Canvas<'a> {
-    /// The planes of a frame, which have their size.
+    /// A canvas of a frame whose planes have been resized.
     pub fn new(frame: &'a mut Frame, outputs: &Outputs, background: &Background, grid: &TileGrid) -> Self {
         let size = [frame.width, frame.height];
         Self {
@@ -275,16 +276,16 @@ impl<'a> Canvas<'a> {
         }
     }
 
-    /// Which planes it has.
+    /// The planes of the canvas.
     #[inline(always)]
     pub fn outputs(&self) -> &Outputs {
         &self.outputs
     }
 
-    /// A tile to be written.
+    /// Claims a tile for writing.
     ///
     /// # Panics
-    /// If it was handed out before.
+    /// If the tile was claimed before.
     pub fn claim(&self, tile: u32) -> CanvasTile<'_> {
         let claimed = self.claimed[tile as usize].swap(true, Ordering::Relaxed);
         assert!(!claimed, "tile {tile} is drawn twice");
@@ -293,25 +294,25 @@ impl<'a> Canvas<'a> {
 }
 
 impl CanvasTile<'_> {
-    /// Makes the pixels of the tile background, with `stride` places from a row to the next.
+    /// Fills the pixels of the tile, whose rows are `stride` pixels apart, with the background.
     pub fn clear(&self, pixels: &mut Planes, stride: usize) {
         clear(pixels, &self.canvas.outputs, self.background(), stride);
     }
 
-    /// What stands in each row where nothing was drawn.
+    /// The background pixel of each row.
     fn background(&self) -> &[Pixel] {
         &self.canvas.background[self.rect.y0 as usize..=self.rect.y1 as usize]
     }
 
-    /// Writes background only.
+    /// Fills the tile of the picture with the background.
     pub fn write_background(self) {
         // SAFETY: as in `write`.
         unsafe { self.canvas.planes.fill(self.background(), self.rect) };
     }
 
-    /// Copies the pixels to their place in the picture.
+    /// Copies the pixels to the picture.
     pub fn write(self, pixels: &Planes, stride: usize) {
-        // SAFETY: tiles of a grid do not overlap, and there is one of these for each of them.
+        // SAFETY: the tiles of a grid do not overlap, and each can be claimed only once.
         unsafe { self.canvas.planes.write(pixels, stride, self.rect) };
     }
 }

@@ -1,8 +1,8 @@
-//! Whole clusters against the view volume and the samples of the picture, and against the eye.
+//! Culling of whole clusters: outside the view volume, between the samples of the picture, or facing the culled side.
 //!
-//! [`ClusterTests`] looks at 16 clusters at a time in `f32`; [`place`] decides in `f64` about the few that cross
-//! a plane. All tests only ever drop what cannot reach a sample: they carry a margin for everything that
-//! rounding and snapping may move.
+//! [`ClusterTests`] tests 16 clusters at a time in `f32`; [`place`] decides in `f64` for the few that cross a plane.
+//! All tests are conservative: they have a margin for the effects of rounding and snapping, and drop only clusters that
+//! cannot cover a sample.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, i32x16, mask32x16};
@@ -13,32 +13,33 @@ use crate::projection::relative;
 use crate::simd::{LANES, dot, each3, load, part, row, splat, splat_i};
 use crate::view::{ObjectView, View};
 
-/// Where a cluster lies.
+/// Position of a cluster relative to the view volume and the guard band.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Placement {
-    /// It reaches no sample of the picture.
+    /// It is outside the view volume.
     Outside,
     /// All of it is inside the near plane and the guard band: no triangle needs clipping.
     Inside,
-    /// Triangles must be looked at one by one.
+    /// Some triangles may need clipping.
     Crossing,
 }
 
-/// The largest value of a row over a box, given as middle and half edges.
+/// The range of a matrix row over a box, given as middle and half edges: the value in the middle, the largest deviation
+/// from it, and a bound of the rounding error.
 fn extremes(row: &[f64; 4], middle: [f64; 3], half: [f64; 3]) -> (f64, f64, f64) {
     let center = ((row[0] * middle[0] + row[1] * middle[1]) + row[2] * middle[2]) + row[3];
     let reach = (row[0].abs() * half[0] + row[1].abs() * half[1]) + row[2].abs() * half[2];
-    // What `f32` may have rounded away on the way to these coordinates.
+    // A bound of what `f32` may have rounded off in the coordinates.
     let magnitude = (0..3).map(|k| row[k].abs() * (middle[k].abs() + half[k])).sum::<f64>() + row[3].abs();
     (center, reach, magnitude * 1e-6)
 }
 
-/// Places a cluster by its box.
+/// Classifies a cluster by its bounding box.
 pub fn place(view: &View, object: &ObjectView, cluster: &Cluster) -> Placement {
     let middle = std::array::from_fn(|k| (f64::from(cluster.min[k]) + f64::from(cluster.max[k])) * 0.5);
     let half = std::array::from_fn(|k| (f64::from(cluster.max[k]) - f64::from(cluster.min[k])) * 0.5);
     let rows = &object.exact;
-    // The picture's border with a pixel to spare, in clip space: |x| <= border * w.
+    // The picture's border with a margin of one pixel, in clip space: |x| <= border * w.
     let border = [view.width, view.height].map(|n| (f64::from(n) * 0.5 + 1.0) * f64::from(SUBPIXELS));
     let mut inside = true;
     let mut check = |row: [f64; 4]| {
@@ -71,11 +72,11 @@ pub fn place(view: &View, object: &ObjectView, cluster: &Cluster) -> Placement {
     }
 }
 
-/// Snapping must not be able to turn a triangle over: at least this many sub-pixels of height are asked for.
-/// Half a sub-pixel is rounded at each corner, which can turn over triangles of less than 5; the rest is room
-/// for the rounding of `f32` on the way to the screen.
+/// Minimum height of a triangle, in sub-pixels, such that snapping cannot flip its winding. Each corner moves by up to
+/// half a sub-pixel, which can flip triangles lower than 5; the rest is a margin for the rounding of `f32` in
+/// projection.
 const SAFE_HEIGHT: f32 = 16.0;
-/// What `f32` may round away from a sum of products, relative to the sum of their magnitudes. Twenty roundings
+/// Bound of the rounding error of a sum of products in `f32`, relative to the sum of their magnitudes. Twenty roundings
 /// would be 1.2e-6.
 const SLACK: f32 = 3e-6;
 
@@ -91,7 +92,7 @@ pub struct ClusterLanes {
 }
 
 impl ClusterLanes {
-    /// Of at most 16 clusters; lanes behind the last hold nothing of use.
+    /// Loads the bounds of at most 16 clusters; the lanes after the last are not valid.
     #[inline(always)]
     pub fn load(&mut self, clusters: &[Cluster]) {
         for (lane, cluster) in clusters.iter().enumerate().take(LANES) {
@@ -107,27 +108,28 @@ impl ClusterLanes {
     }
 }
 
-/// What is known of 16 clusters; bit i of a mask is cluster i.
+/// The results of the tests of 16 clusters; bit i of a mask is cluster i. All but `outside` are valid only for clusters
+/// that are `inside`.
 #[derive(Debug, Default)]
 pub struct ClusterTests {
     /// Wholly before the near plane or beside the picture.
     pub outside: u32,
     /// Inside the near plane and the guard band: no triangle needs clipping.
     pub inside: u32,
-    /// Between the samples of the picture: nothing of it can be seen. Only inside.
+    /// Between the samples of the picture: not visible.
     pub no_sample: u32,
-    /// All triangles show the side that was asked about, and still do after snapping. Only inside.
+    /// All triangles show the culled side, and still do after snapping.
     pub one_side: u32,
-    /// Less than [`SMALL_CLUSTER`] across and down on the screen. Only inside.
+    /// Less than [`SMALL_CLUSTER`] across and down on the screen.
     pub small: u32,
-    /// First and last column, first and last row of pixels that a cluster may reach. Only inside.
+    /// First and last column, first and last row of pixels that a cluster may reach.
     pub rect: [[i32; LANES]; 4],
-    /// Upper bound of the depth. Only inside.
+    /// Upper bound of the depth.
     pub nearest: [f32; LANES],
 }
 
 impl ClusterTests {
-    /// Tests 16 clusters. `back` asks which show only their back (`true`) or their front.
+    /// Tests 16 clusters. `back` is the culled side: backs (`true`), fronts (`false`), or neither.
     #[inline(always)]
     pub fn new<S: Simd>(
         simd: S,
@@ -189,13 +191,13 @@ fn bits<S: Simd>(mask: mask32x16<S>) -> u32 {
     mask.to_bitmask() as u32 & 0xffff
 }
 
-/// Where boxes lie along the line of sight.
+/// The extents of boxes along the line of sight.
 struct DepthRange<S: Simd> {
-    /// Least and greatest w.
+    /// Smallest and largest w.
     w: [f32x16<S>; 2],
     /// 1 / w of the middle.
     inverse: f32x16<S>,
-    /// What rounding may have done to w.
+    /// Bound of the rounding error of w.
     slack: f32x16<S>,
     /// Upper bound of the depth.
     nearest: f32x16<S>,
@@ -244,23 +246,23 @@ impl<S: Simd> DepthRange<S> {
     }
 }
 
-/// How far a row may leave its value in the middle of a box.
+/// The largest deviation of a matrix row, over a box, from its value in the middle of the box.
 #[inline(always)]
 fn reach<S: Simd>(simd: S, r: &[f32; 4], half: [f32x16<S>; 3]) -> f32x16<S> {
     dot(each3!(K => splat(simd, r[K].abs())), half)
 }
 
-/// What `f32` may have rounded away from a row anywhere in a box.
+/// Bound of the rounding error of a matrix row anywhere in a box.
 #[inline(always)]
 fn magnitude<S: Simd>(simd: S, r: &[f32; 4], middle: [f32x16<S>; 3], half: [f32x16<S>; 3]) -> f32x16<S> {
     (reach(simd, r, each3!(K => middle[K].abs() + half[K])) + splat(simd, r[3].abs())) * SLACK
 }
 
-/// Least and greatest screen coordinate of boxes, in sub-pixels from the middle of the picture; holds only where
-/// all of the box lies in front.
+/// Smallest and largest screen coordinate of boxes, in sub-pixels from the middle of the picture; valid only if all of
+/// the box is in front of the near plane.
 ///
-/// With s the coordinate of the middle, x - s * w vanishes there, and |x / w - s| is at most the reach of that
-/// row over the least w.
+/// With s the coordinate of the middle, x - s * w is zero there, and |x / w - s| is at most the [`reach`] of that row,
+/// divided by the smallest w.
 #[inline(always)]
 fn screen_range<S: Simd>(
     simd: S,
@@ -281,14 +283,15 @@ fn screen_range<S: Simd>(
                 reach(simd, r, half)
             };
             let slack = magnitude(simd, r, middle, half) + s.abs() * depth.slack;
-            // Two sub-pixels for snapping and for cutting off the fraction.
+            // Two sub-pixels of margin for snapping and for truncating the fraction.
             let away = (away + slack) / depth.w[0] + (s.abs() * SLACK + 2.0);
             [s - away, s + away]
         },
     )
 }
 
-/// First and last pixel of the picture whose sample lies in a range, and the lanes whose samples lie beside it.
+/// First and last pixel of the picture whose sample is in a range, and the lanes whose range is not empty but wholly
+/// outside the picture.
 #[inline(always)]
 fn pixels<S: Simd>(simd: S, range: [f32x16<S>; 2], offset: i32, size: u32) -> ([i32x16<S>; 2], mask32x16<S>) {
     part(
@@ -305,12 +308,12 @@ fn pixels<S: Simd>(simd: S, range: [f32x16<S>; 2], offset: i32, size: u32) -> ([
     )
 }
 
-/// Which clusters surely show only their back (`back`) or their front, and still do after their corners were
-/// snapped. They must lie inside.
+/// Which clusters are certain to show only their back (`back`) or their front, also after their corners are snapped.
+/// Precondition: the clusters are inside the near plane and the guard band.
 ///
-/// The normal cone tells the facing in exact geometry, with a margin m: the sine of the angle between the line
-/// of sight and each triangle's plane is at least 2/pi * m. On the screen the least height of a triangle is then
-/// at least `scale * height * sine * w_min^2 / w_max^3` for a perspective camera (the projected area over the
+/// The normal cone gives the facing in exact geometry, with a margin m: the sine of the angle between the line
+/// of sight and each triangle's plane is at least 2/pi * m. On the screen the smallest height of a triangle is then
+/// at least `scale * height * sine * w_min^2 / w_max^3` for a perspective camera (the projected area divided by the
 /// longest projected edge), `scale * height * sine` for an orthographic one.
 #[inline(always)]
 fn one_side<S: Simd>(
@@ -334,7 +337,7 @@ fn one_side<S: Simd>(
             let cutoff = load(simd, &lanes.cutoff) * (1.0 / 127.0);
             let radius = load(simd, &lanes.radius) * 1.0001;
             let viewer = each3!(K => splat(simd, object.viewer[K]));
-            // Into the scene: from the eye to the middle of the cluster, or along the parallel rays.
+            // The viewing direction: from the eye to the middle of the cluster, or along the parallel rays.
             let d =
                 if object.perspective { each3!(K => middle[K] - viewer[K]) } else { each3!(K => -viewer[K]) };
             let length = dot(d, d).sqrt();

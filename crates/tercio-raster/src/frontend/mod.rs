@@ -1,9 +1,9 @@
-//! The front end, parallel over clusters: cull whole clusters and sort the others into the bins.
+//! The front end, parallel over clusters: culls whole clusters and sorts the others into bins.
 //!
-//! [`cull`] places clusters, 16 at a time. Those that are small on the screen go into the bins as they are; the
-//! back end projects them where they are drawn. Of the others [`triangles`] projects the vertices, tests the triangles
-//! 16 at a time and sorts those that are left into the bins one by one, clipped where they cross the near plane or the
-//! guard band.
+//! [`cull`] classifies clusters, 16 at a time. Those that are small on the screen are binned as a whole; the back end
+//! projects their vertices in each tile that draws them. The others are binned triangle by triangle: [`triangles`]
+//! projects their vertices, culls triangles 16 at a time, clips those that cross the near plane or the guard band, and
+//! bins the rest one by one.
 
 mod cull;
 mod triangles;
@@ -21,17 +21,17 @@ use crate::stats::FrontEndCounts;
 use cull::{ClusterLanes, ClusterTests, Placement};
 use triangles::TrianglePass;
 
-/// Where one batch of clusters goes.
+/// The output of one batch of clusters.
 pub struct Batch<'a> {
     /// Clusters and triangles, sorted into tiles.
     pub bins: &'a mut Bins,
-    /// What happened to the rest.
+    /// Counts of what was received, culled and binned.
     pub counts: FrontEndCounts,
 }
 
-/// Clusters that reach into more tiles than this have their triangles sorted one by one: each of the tiles would
-/// transform all of them.
-const MOST_TILES: u32 = 16;
+/// Clusters that overlap more tiles than this are binned triangle by triangle, because otherwise each of the tiles
+/// would transform the whole cluster.
+const MAX_TILES_PER_CLUSTER: u32 = 16;
 
 /// Sorts a range of the scene's clusters into the bins of a batch.
 #[inline(always)]
@@ -56,7 +56,7 @@ pub fn run<S: Simd>(
     batch.counts
 }
 
-/// Sorts at most 16 clusters of one instance, of which the first has this number in the frame.
+/// Culls and sorts at most 16 clusters of one instance; the first is cluster `number` of the frame.
 #[expect(clippy::too_many_arguments, reason = "one call site; a struct would only rename them")]
 #[inline(always)]
 fn sort_16<S: Simd>(
@@ -116,7 +116,7 @@ fn sort_16<S: Simd>(
         }
         let number = number + lane as u32;
         let small = is(tests.small) && settings.sorting == Sorting::Clusters;
-        if small && context.grid.tiles_of(rect) <= MOST_TILES {
+        if small && context.grid.tiles_of(rect) <= MAX_TILES_PER_CLUSTER {
             counts.clusters_out += 1;
             let nearest = tests.nearest[lane];
             batch.bins.push_cluster(&context.grid, BinnedCluster { number, nearest, rect });
@@ -124,10 +124,10 @@ fn sort_16<S: Simd>(
         }
         let slot = number * MAX_TRIANGLES as u32;
         let (_, cluster) = context.cluster(number);
-        // Compiled on its own at this SIMD level; inlining it into the loop gains nothing.
+        // Compiled as a function of its own at this SIMD level; inlining it into the loop does not make it faster.
         simd.vectorize(
             #[inline(always)]
-            || pass.draw(simd, context, object, &cluster, slot, placement, batch),
+            || pass.bin_cluster(simd, context, object, &cluster, slot, placement, batch),
         );
     }
 }

@@ -1,8 +1,8 @@
-//! The triangles of one cluster, 16 at a time, each into the bins by itself.
+//! Bins a cluster triangle by triangle, testing 16 triangles at a time.
 //!
-//! This is the way of large clusters, of those that cross the near plane or the guard band, and of all where
-//! [`crate::Sorting::Triangles`] asks for it. Clusters that are small on the screen are sorted as a whole and
-//! drawn by [`crate::backend::cluster`].
+//! This is the path of clusters that are large on the screen, of those that cross the near plane or the guard band, and
+//! with [`crate::Sorting::Triangles`] of all clusters. Clusters that are small on the screen are binned as a whole and
+//! drawn by `backend::cluster`.
 
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
@@ -17,17 +17,17 @@ use crate::screen::{PixelRect, ScreenTriangle};
 use crate::simd::{LANES, each3, live_lanes, part, splat_i};
 use crate::view::ObjectView;
 
-/// Bins the triangles of one cluster after another.
+/// Bins clusters triangle by triangle.
 #[derive(Default)]
 pub struct TrianglePass {
     vertices: ClusterVertices,
 }
 
 impl TrianglePass {
-    /// Draws a cluster into the bins.
+    /// Bins the triangles of a cluster.
     #[expect(clippy::too_many_arguments, reason = "one call site; a struct would only rename them")]
     #[inline(always)]
-    pub fn draw<S: Simd>(
+    pub fn bin_cluster<S: Simd>(
         &mut self,
         simd: S,
         context: &FrameContext,
@@ -41,7 +41,7 @@ impl TrianglePass {
         batch.counts.vertices_transformed += cluster.vertices() as u64;
         batch.counts.triangles_apart += cluster.triangles() as u64;
         if placement == Placement::Inside {
-            self.vertices.beyond = 0;
+            self.vertices.needs_clipping = 0;
         }
         let count = cluster.triangles();
         let mut first = 0;
@@ -49,20 +49,20 @@ impl TrianglePass {
             let corners = corner_numbers(cluster, first);
             let live = live_lanes(count - first);
             let slot = first_slot + first as u32;
-            let whole = if self.vertices.beyond == 0 {
+            let whole = if self.vertices.needs_clipping == 0 {
                 live
             } else {
                 self.clip_crossing(context, object, cluster, &corners, live, slot, batch)
             };
-            self.draw_16(simd, context, object, &corners, whole, slot, batch);
+            self.bin_16(simd, context, object, &corners, whole, slot, batch);
             first += LANES;
         }
     }
 
-    /// 16 triangles whose corners are all inside: drops those that reach no sample and bins the others.
+    /// Culls 16 triangles that need no clipping, and bins the rest.
     #[expect(clippy::too_many_arguments, reason = "one call site; a struct would only rename them")]
     #[inline(always)]
-    fn draw_16<S: Simd>(
+    fn bin_16<S: Simd>(
         &self,
         simd: S,
         context: &FrameContext,
@@ -80,8 +80,7 @@ impl TrianglePass {
             return;
         }
 
-        // Products of differences fit into 32 bits only for small triangles; the large ones are looked at
-        // one by one.
+        // The area fits into 32 bits only for small triangles; that of large ones is computed one by one.
         let [small, clockwise, counter] = small_triangles(simd, &t).map(|lanes| lanes & hits);
         let (mut clockwise, mut counter) = (clockwise & small, counter & small);
         let mut large = hits & !small;
@@ -105,7 +104,7 @@ impl TrianglePass {
         bin(context, &anchored, &t, keep, first_slot, batch);
     }
 
-    /// Clips and bins those of 16 triangles that have a corner beyond a plane; returns the others.
+    /// Clips and bins those of 16 triangles that need clipping; returns the lanes of the others.
     #[expect(clippy::too_many_arguments, reason = "one call site; a struct would only rename them")]
     #[inline(never)]
     fn clip_crossing(
@@ -130,7 +129,7 @@ impl TrianglePass {
             let mut pieces = 0;
             clip_triangle(object, positions, v, |piece| {
                 pieces += 1;
-                draw_piece(context, object, ScreenTriangle::new(piece, first_slot + lane), batch);
+                bin_piece(context, object, ScreenTriangle::new(piece, first_slot + lane), batch);
             });
             let counter = if pieces == 0 {
                 &mut batch.counts.triangles_outside
@@ -143,7 +142,7 @@ impl TrianglePass {
     }
 }
 
-/// Bins the triangles of some lanes.
+/// Bins the triangles in the given lanes.
 #[inline(always)]
 fn bin<S: Simd>(
     context: &FrameContext,
@@ -183,7 +182,7 @@ fn bin<S: Simd>(
     );
 }
 
-/// Lanes of triangles whose area fits into 32 bits; of these, lanes that run clockwise and counter-clockwise.
+/// Three masks: lanes whose area fits into 32 bits; of these, the clockwise and the counter-clockwise triangles.
 #[inline(always)]
 fn small_triangles<S: Simd>(simd: S, t: &ScreenTriangles<S>) -> [u32; 3] {
     part(
@@ -198,7 +197,7 @@ fn small_triangles<S: Simd>(simd: S, t: &ScreenTriangles<S>) -> [u32; 3] {
 }
 
 /// Bins one piece of a clipped triangle.
-fn draw_piece(context: &FrameContext, object: &ObjectView, piece: ScreenTriangle, batch: &mut Batch) {
+fn bin_piece(context: &FrameContext, object: &ObjectView, piece: ScreenTriangle, batch: &mut Batch) {
     let area = piece.area();
     let culled = context.settings.cull.drops_clockwise(object.mirrored) == Some(area > 0);
     if area == 0 || culled {

@@ -1,8 +1,8 @@
-//! Clips the few triangles that reach before the near plane or outside the guard band.
+//! Clips the few triangles that cross the near plane or the guard band.
 //!
-//! Sutherland and Hodgman's algorithm, in `f64` on unrounded clip coordinates. A new corner is computed from
-//! its edge's two ends in an order that both triangles at the edge agree on, so that neighbours still meet at
-//! the same sub-pixel and no sample is lost or doubled between them.
+//! Sutherland-Hodgman clipping, in `f64` on unrounded clip coordinates. A new corner is computed from the two ends of
+//! its edge in an order that does not depend on the triangle, so that the two triangles at an edge still meet at the
+//! same sub-pixel, and no sample between them is missed or covered twice.
 
 use crate::conventions::GUARD;
 use crate::view::{ObjectView, ScreenVertex};
@@ -15,17 +15,17 @@ struct ClipVertex {
     w: f64,
     /// Depth times w.
     d: f64,
-    /// A corner of the input that lies inside: it keeps the screen position that unclipped neighbours see.
+    /// For an input corner that is inside: the screen position that it has in unclipped neighbours, which it keeps.
     kept: Option<ScreenVertex>,
 }
 
-/// Planes of the near side and the guard band.
+/// Number of clipping planes: the near plane and the four sides of the guard band.
 const PLANES: usize = 5;
-/// A triangle cut by five planes has at most eight corners.
+/// A triangle clipped by five planes has at most eight corners.
 const MAX_CORNERS: usize = 3 + PLANES;
 
-/// Clips one triangle, given as positions and as the projected vertices of [`ObjectView::project`], and emits
-/// what is left as triangles of the same winding.
+/// Clips one triangle, given by its positions and by the projected vertices of [`ObjectView::project`]. Emits the rest
+/// as triangles of the same winding.
 pub fn clip_triangle(
     view: &ObjectView,
     positions: [[f32; 3]; 3],
@@ -73,8 +73,8 @@ fn to_clip(view: &ObjectView, p: [f32; 3]) -> ClipVertex {
     ClipVertex { x: row(&rows.x), y: row(&rows.y), w: row(&rows.w), d: row(&rows.d), kept: None }
 }
 
-/// How far inside a plane a corner lies; at least 0 for one that projection found inside, whatever rounding
-/// says here.
+/// Signed distance of a corner from a plane, positive inside; at least 0 for a corner that projection found to be
+/// inside, whatever rounding does here.
 fn distance(view: &ObjectView, plane: usize, v: &ClipVertex) -> f64 {
     let guard = f64::from(GUARD);
     let distance = match plane {
@@ -88,7 +88,7 @@ fn distance(view: &ObjectView, plane: usize, v: &ClipVertex) -> f64 {
     if v.kept.is_some() { distance.max(0.0) } else { distance }
 }
 
-/// The point of an edge that lies on a plane, the same from both directions.
+/// The intersection of an edge with a plane, the same for both directions of the edge.
 fn cut(a: ClipVertex, da: f64, b: ClipVertex, db: f64) -> ClipVertex {
     let key = |v: &ClipVertex| (v.x, v.y, v.w, v.d);
     let (p, dp, q, dq) = if key(&a) <= key(&b) { (a, da, b, db) } else { (b, db, a, da) };
@@ -109,18 +109,17 @@ fn to_screen(view: &ObjectView, v: &ClipVertex) -> ScreenVertex {
     }
 }
 
-/// Perspective barycentric coordinates of a sample in a triangle of which a corner is not inside, from its
-/// unclipped corners (Olano and Greer 1997).
+/// Perspective-correct barycentric coordinates of a sample in a triangle that needs clipping, from its unclipped
+/// corners (Olano and Greer 1997). Also returns whether the triangle appears clockwise on the screen.
 ///
-/// `sample` is in sub-pixels from the middle of the picture. The result is not negative and adds up to 1; beside
-/// it stands whether the triangle appears clockwise on the screen.
+/// `sample` is in sub-pixels from the middle of the picture. The coordinates are not negative and add up to 1.
 pub fn barycentrics_unclipped(
     view: &ObjectView,
     positions: [[f32; 3]; 3],
     sample: [f64; 2],
 ) -> ([f32; 3], bool) {
     let v = positions.map(|p| to_clip(view, p));
-    // Each corner as seen from the sample: the sample's own x and y become 0.
+    // Each corner relative to the sample, whose own x and y become 0.
     let s = v.map(|v| [v.x - sample[0] * v.w, v.y - sample[1] * v.w]);
     let cross = |a: [f64; 2], b: [f64; 2]| a[0] * b[1] - a[1] * b[0];
     let e = [cross(s[1], s[2]), cross(s[2], s[0]), cross(s[0], s[1])];

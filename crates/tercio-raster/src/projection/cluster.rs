@@ -1,4 +1,4 @@
-//! The vertices of clusters that are large on the screen or cross a plane of the view volume.
+//! The projected vertices of clusters that are large on the screen or cross the near plane or the guard band.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, i32x16};
@@ -17,14 +17,14 @@ pub struct ClusterVertices {
     pub y: [i32; MAX_VERTICES],
     /// Depths, as the bits of an `f32`.
     pub d: [i32; MAX_VERTICES],
-    /// Bit v tells that vertex v lies before the near plane or outside the guard band.
-    pub beyond: u64,
+    /// Bit v is set if vertex v is before the near plane or outside the guard band: its triangles need clipping.
+    pub needs_clipping: u64,
 }
 
 impl Default for ClusterVertices {
     fn default() -> Self {
         let zero = [0; MAX_VERTICES];
-        Self { x: zero, y: zero, d: zero, beyond: 0 }
+        Self { x: zero, y: zero, d: zero, needs_clipping: 0 }
     }
 }
 
@@ -32,7 +32,7 @@ impl ClusterVertices {
     /// Projects all vertices of a cluster.
     #[inline(always)]
     pub fn project<S: Simd>(&mut self, simd: S, object: &ObjectView, cluster: &ClusterView) {
-        self.beyond = 0;
+        self.needs_clipping = 0;
         let axes = cluster.positions();
         let mut first = 0;
         while first < axes[0].len() {
@@ -41,7 +41,7 @@ impl ClusterVertices {
             v.x.store_slice(&mut self.x[to.clone()]);
             v.y.store_slice(&mut self.y[to.clone()]);
             v.d.bitcast::<i32x16<S>>().store_slice(&mut self.d[to]);
-            self.beyond |= (!v.inside.to_bitmask() & 0xffff) << first;
+            self.needs_clipping |= (!v.inside.to_bitmask() & 0xffff) << first;
             first += LANES;
         }
     }
@@ -66,7 +66,7 @@ impl ClusterVertices {
             x: self.x[v],
             y: self.y[v],
             d: f32::from_bits(self.d[v] as u32),
-            inside: self.beyond >> v & 1 == 0,
+            inside: self.needs_clipping >> v & 1 == 0,
         }
     }
 }

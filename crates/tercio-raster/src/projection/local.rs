@@ -1,4 +1,4 @@
-//! The vertices of clusters that are small on the screen.
+//! The projected vertices of clusters that are small on the screen.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, i32x16, u16x32, u32x16};
@@ -10,17 +10,17 @@ use crate::screen::PixelRect;
 use crate::simd::{LANES, each3, lookup, part, splat_i};
 use crate::view::{ObjectView, ScreenVertex, Sight};
 
-/// The projected vertices of a small cluster that lies inside the near plane and the guard band, as seen from
-/// a pixel beside it, so that both coordinates fit into one register.
+/// The projected vertices of a small cluster that is inside the near plane and the guard band. Its coordinates are
+/// local: relative to a pixel beside the cluster, so that x and y fit into 16 bits each.
 #[derive(Debug)]
 pub struct LocalVertices {
-    /// Sub-pixels to the right of [`LocalVertices::pixel`]'s corner in the lower half, below it in the upper.
+    /// Sub-pixels from the upper left corner of [`LocalVertices::pixel`]: x in the lower 16 bits, y in the upper.
     xy: [i32; MAX_VERTICES],
     /// Depths, as the bits of an `f32`.
     d: [i32; MAX_VERTICES],
-    /// Column and row of the pixel.
+    /// Column and row of the pixel that is the origin of the local coordinates.
     pub pixel: [i32; 2],
-    /// The cluster reaches over [`SMALL_EXTENT`] sub-pixels or more, so that triangles of it may, too.
+    /// The cluster extends over [`SMALL_EXTENT`] sub-pixels or more, so that its triangles may, too.
     pub is_wide: bool,
 }
 
@@ -31,8 +31,8 @@ impl Default for LocalVertices {
 }
 
 impl LocalVertices {
-    /// Projects all vertices of a cluster of less than [`SMALL_CLUSTER`](crate::conventions::SMALL_CLUSTER)
-    /// sub-pixels.
+    /// Projects all vertices of a cluster that is less than [`SMALL_CLUSTER`](crate::conventions::SMALL_CLUSTER)
+    /// sub-pixels across and down.
     #[inline(always)]
     pub fn project<S: Simd>(&mut self, simd: S, object: &ObjectView, cluster: &ClusterView) {
         let axes = cluster.positions();
@@ -44,7 +44,7 @@ impl LocalVertices {
                 let beside = |coordinate: i32| (coordinate - SMALL_EXTENT / 2) >> SUBPIXEL_BITS;
                 self.pixel = [beside(v.x[0]), beside(v.y[0])];
             }
-            out_of_range |= self.keep(simd, first, &v);
+            out_of_range |= self.store(simd, first, &v);
             first += LANES;
         }
         self.is_wide = false;
@@ -53,9 +53,10 @@ impl LocalVertices {
         }
     }
 
-    /// Stores 16 vertices; tells which lie [`SMALL_EXTENT`] or more from the pixel, or left of it or above.
+    /// Stores 16 vertices. Returns the lanes that are out of range: [`SMALL_EXTENT`] or more from the origin pixel, or
+    /// to the left of it or above it.
     #[inline(always)]
-    fn keep<S: Simd>(&mut self, simd: S, first: usize, v: &Projected<S>) -> u32 {
+    fn store<S: Simd>(&mut self, simd: S, first: usize, v: &Projected<S>) -> u32 {
         let [x, y] = self.pixel.map(|p| p << SUBPIXEL_BITS);
         let to = first..first + LANES;
         v.d.bitcast::<i32x16<S>>().store_slice(&mut self.d[to.clone()]);
@@ -65,13 +66,13 @@ impl LocalVertices {
             || {
                 let (x, y) = (v.x - x, v.y - y);
                 ((x & 0xffff) | (y << 16)).store_slice(&mut self.xy[to]);
-                let near = ((x | y) & !(SMALL_EXTENT - 1)).simd_eq(splat_i(simd, 0));
-                !near.to_bitmask() as u32
+                let in_range = ((x | y) & !(SMALL_EXTENT - 1)).simd_eq(splat_i(simd, 0));
+                !in_range.to_bitmask() as u32
             },
         )
     }
 
-    /// The same for a cluster that may be wide, or whose first vertex does not lie about its middle.
+    /// The same for a cluster that may be wide, or whose first vertex is not near its middle.
     #[cold]
     #[inline(never)]
     fn project_wide<S: Simd>(&mut self, simd: S, object: &ObjectView, axes: &[&[f32]; 3]) {
@@ -95,13 +96,13 @@ impl LocalVertices {
                 }
                 for first in (0..count).step_by(LANES) {
                     let v = project(simd, object, positions(simd, axes, first));
-                    self.keep(simd, first, &v);
+                    self.store(simd, first, &v);
                 }
             },
         );
     }
 
-    /// One vertex in the coordinates of the screen.
+    /// One vertex in screen coordinates.
     pub fn vertex(&self, corner: u8) -> ScreenVertex {
         let v = usize::from(corner) % MAX_VERTICES;
         let xy = self.xy[v] as u32;
@@ -119,13 +120,13 @@ impl LocalVertices {
         each3!(K => lookup(simd, &self.d, &corners[K]).bitcast())
     }
 
-    /// Depths of 16 vertices, from number `first` on, a multiple of 16.
+    /// Depths of 16 vertices, from vertex `first` on, a multiple of 16.
     #[inline(always)]
     pub fn depths_of_16<S: Simd>(&self, simd: S, first: usize) -> f32x16<S> {
         i32x16::from_slice(simd, &self.d[first..first + LANES]).bitcast()
     }
 
-    /// Coordinates of the corners of 16 triangles as seen from [`LocalVertices::pixel`]: x, y.
+    /// Local coordinates of the corners of 16 triangles: x, y.
     #[inline(always)]
     pub fn coordinates<S: Simd>(&self, simd: S, corners: &CornerNumbers) -> [[i32x16<S>; 3]; 2] {
         let xy: [u32x16<S>; 3] = each3!(K => lookup(simd, &self.xy, &corners[K]).bitcast());
@@ -136,7 +137,7 @@ impl LocalVertices {
         )
     }
 
-    /// Coordinates of all vertices as seen from [`LocalVertices::pixel`], x and y alternately, 16 vertices each.
+    /// Local coordinates of all vertices, x and y interleaved, 16 vertices per register.
     #[inline(always)]
     pub fn packed<S: Simd>(&self, simd: S) -> [u16x32<S>; 4] {
         let (xy, _) = self.xy.as_chunks::<LANES>();
@@ -148,21 +149,21 @@ impl LocalVertices {
         ]
     }
 
-    /// The sample of a pixel of the picture, in sub-pixels, as seen from [`LocalVertices::pixel`].
+    /// The sample of a pixel of the picture, in local coordinates.
     #[inline(always)]
     pub fn sample_of(&self, pixel: [i32; 2]) -> [i32; 2] {
         [0, 1].map(|k| (pixel[k] - self.pixel[k]) * SUBPIXELS + SAMPLE)
     }
 
-    /// What is added to coordinates as seen from [`LocalVertices::pixel`] to count them from the middle of the picture.
+    /// The offset from local coordinates to coordinates relative to the middle of the picture.
     #[inline(always)]
     pub fn from_middle(&self, sight: &Sight) -> [i32; 2] {
         [0, 1].map(|k| (self.pixel[k] << SUBPIXEL_BITS) - sight.middle[k])
     }
 
-    /// A rectangle of pixels as seen from [`LocalVertices::pixel`].
+    /// A rectangle of pixels of the picture, relative to [`LocalVertices::pixel`].
     #[inline(always)]
-    pub fn see(&self, rect: PixelRect) -> PixelRect {
+    pub fn to_local(&self, rect: PixelRect) -> PixelRect {
         let [x, y] = self.pixel;
         PixelRect { x0: rect.x0 - x, x1: rect.x1 - x, y0: rect.y0 - y, y1: rect.y1 - y }
     }

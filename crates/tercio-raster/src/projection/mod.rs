@@ -1,4 +1,4 @@
-//! Vertices to the screen, and the triangles between them, 16 at a time.
+//! Projects vertices to the screen, 16 at a time, and assembles screen-space triangles from them.
 
 pub mod clip;
 mod cluster;
@@ -26,7 +26,7 @@ pub(crate) struct Projected<S: Simd> {
     pub y: i32x16<S>,
     /// Depths.
     pub d: f32x16<S>,
-    /// Lanes that lie inside the near plane and the guard band; the others hold nothing of use.
+    /// Lanes that are inside the near plane and the guard band; the values of the others are not valid.
     pub inside: mask32x16<S>,
 }
 
@@ -71,7 +71,7 @@ fn positions<S: Simd>(simd: S, axes: &[&[f32]; 3], first: usize) -> [f32x16<S>; 
     each3!(K => load(simd, &axes[K][first..]))
 }
 
-/// To whole sub-pixels, ties to even.
+/// Rounds to whole sub-pixels, ties to even.
 #[inline(always)]
 fn snap<S: Simd>(v: f32x16<S>) -> i32x16<S> {
     part(

@@ -1,4 +1,4 @@
-//! Triangles on the screen, 16 at a time.
+//! Triangles in screen space, 16 at a time.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, i32x16};
@@ -9,21 +9,21 @@ use crate::screen::PixelRect;
 use crate::screen::ScreenTriangle;
 use crate::simd::{each3, part, splat_i};
 
-/// 16 triangles on the screen, their corners in the order of the mesh.
+/// 16 triangles in screen space, their corners in the order of the mesh.
 #[derive(Clone, Copy)]
 pub struct ScreenTriangles<S: Simd> {
     /// Screen coordinates of the corners.
     pub x: [i32x16<S>; 3],
     /// Screen coordinates of the corners.
     pub y: [i32x16<S>; 3],
-    /// First and last column of pixels whose samples the bounding box holds.
+    /// First and last column of the pixels whose samples are in the bounding box.
     pub columns: [i32x16<S>; 2],
-    /// First and last row.
+    /// First and last row of these pixels.
     pub rows: [i32x16<S>; 2],
 }
 
 impl<S: Simd> ScreenTriangles<S> {
-    /// From the coordinates of the corners; samples outside `rect` do not count.
+    /// From the coordinates of the corners; the ranges of pixels are clamped to `rect`.
     #[inline(always)]
     pub fn new(simd: S, [x, y]: [[i32x16<S>; 3]; 2], rect: PixelRect) -> Self {
         part(
@@ -38,14 +38,14 @@ impl<S: Simd> ScreenTriangles<S> {
         )
     }
 
-    /// Lanes whose bounding box holds a sample.
+    /// Lanes whose bounding box contains a sample.
     #[inline(always)]
     pub fn hits(&self) -> u32 {
         let hits = self.columns[0].simd_le(self.columns[1]) & self.rows[0].simd_le(self.rows[1]);
         hits.to_bitmask() as u32
     }
 
-    /// Lanes of triangles that reach over [`SMALL_EXTENT`] sub-pixels or more, across or down.
+    /// Lanes of triangles that extend over [`SMALL_EXTENT`] sub-pixels or more, across or down.
     #[inline(always)]
     pub fn large(&self, simd: S) -> u32 {
         part(
@@ -59,7 +59,8 @@ impl<S: Simd> ScreenTriangles<S> {
         )
     }
 
-    /// Twice the signed area, in square sub-pixels; of use where the triangle is small enough for 32 bits.
+    /// Twice the signed area, in square sub-pixels; valid only in lanes that are not [`ScreenTriangles::large`],
+    /// because it is computed in 32 bits.
     #[inline(always)]
     pub fn area(&self) -> i32x16<S> {
         let (x, y) = (&self.x, &self.y);
@@ -67,13 +68,13 @@ impl<S: Simd> ScreenTriangles<S> {
     }
 }
 
-/// Greatest difference of three coordinates.
+/// Largest difference of three coordinates.
 #[inline(always)]
 fn extent<S: Simd>(v: [i32x16<S>; 3]) -> i32x16<S> {
     v[0].max(v[1]).max(v[2]) - v[0].min(v[1]).min(v[2])
 }
 
-/// First and last sample between the least and the greatest of three coordinates, and inside `range`.
+/// First and last sample between the smallest and the largest of three coordinates, clamped to `range`.
 #[inline(always)]
 fn samples<S: Simd>(simd: S, v: [i32x16<S>; 3], range: [i32; 2]) -> [i32x16<S>; 2] {
     let (least, most) = (v[0].min(v[1]).min(v[2]), v[0].max(v[1]).max(v[2]));
@@ -83,8 +84,8 @@ fn samples<S: Simd>(simd: S, v: [i32x16<S>; 3], range: [i32; 2]) -> [i32x16<S>; 
     ]
 }
 
-/// The corners of 16 triangles, the farthest first as [`ScreenTriangle::new`] has it: depth is reckoned from
-/// there.
+/// The corners of 16 triangles, rotated so that the anchor comes first, as in [`ScreenTriangle::new`]: the farthest
+/// corner, from which depth is interpolated.
 #[derive(Clone, Copy)]
 pub struct Anchored<S: Simd> {
     /// Screen coordinates.
@@ -96,7 +97,7 @@ pub struct Anchored<S: Simd> {
 }
 
 impl<S: Simd> Anchored<S> {
-    /// Turns the farthest corner, the first among equals, to the front.
+    /// Rotates the corners so that the farthest, the first among equals, comes first.
     #[inline(always)]
     pub fn new(simd: S, d: [f32x16<S>; 3], t: &ScreenTriangles<S>) -> Self {
         part(

@@ -1,9 +1,9 @@
-//! The reference renderer: one processor, one triangle at a time, one pixel at a time.
+//! The reference renderer: one thread, one triangle at a time, one pixel at a time.
 //!
-//! It is short, obvious and slow, and stays so. Every faster path must give the same bytes. It draws the plain
-//! [`Mesh`], before any partition, and knows nothing of clusters, tiles, lanes or threads. What a vertex's
-//! place on the screen is ([`ObjectView::project`]) and what clipping leaves of a triangle ([`clip_triangle`])
-//! are definitions that it shares with the renderer; coverage, depth, visibility and shading it does itself.
+//! It is short, simple and slow, and stays so. Every faster path must produce the same bytes. It draws the plain
+//! [`Mesh`], before any partition, without clusters, tiles, SIMD lanes or threads. It shares two definitions with the
+//! renderer: the projection of a vertex ([`ObjectView::project`]) and the clipping of a triangle ([`clip_triangle`]).
+//! Coverage, depth, visibility and shading it implements by itself.
 
 mod shading;
 
@@ -20,7 +20,7 @@ use crate::view::{ObjectView, ScreenVertex, View};
 use crate::{FrameStats, RenderError};
 use shading::shade;
 
-/// What is seen at a sample.
+/// The triangle that is visible at a sample.
 #[derive(Clone, Copy)]
 struct Sample {
     depth: f32,
@@ -34,14 +34,14 @@ struct Sample {
 /// As [`crate::Renderer::render`].
 ///
 /// # Panics
-/// If there are not as many meshes as instances.
+/// If the number of meshes is not that of the instances.
 pub fn render(
     meshes: &[&Mesh],
     scene: &Scene,
     camera: &Camera,
     settings: &Settings,
 ) -> Result<Frame, RenderError> {
-    assert_eq!(meshes.len(), scene.instances.len(), "one plain mesh an instance");
+    assert_eq!(meshes.len(), scene.instances.len(), "one plain mesh per instance");
     settings.check()?;
     let (width, height) = (settings.width as usize, settings.height as usize);
     let view = View::new(camera, &scene.bounds(), settings.width, settings.height)?;
@@ -58,7 +58,7 @@ pub fn render(
             let mut draw = |corners: [ScreenVertex; 3]| {
                 rasterize(corners, object.mirrored, settings, |x, y, depth| {
                     let old = &mut samples[y * width + x];
-                    // Triangles come in the order of their numbers, so among equals the first stays.
+                    // Triangles are drawn in the order of their numbers, so among equal depths the first one stays.
                     if depth > old.depth {
                         *old = Sample { depth, instance, triangle };
                     }
@@ -78,8 +78,8 @@ pub fn render(
     frame.stats = FrameStats::default();
     let first_faces = first_faces(meshes);
     let first_primitives = first_primitives(meshes);
-    for (place, sample) in samples.iter().enumerate() {
-        let (x, y) = (place % width, place / width);
+    for (index, sample) in samples.iter().enumerate() {
+        let (x, y) = (index % width, index / width);
         let mut pixel = Pixel::of_background(&scene.background, y as u32, settings.height);
         if sample.triangle != usize::MAX {
             let (mesh, object) = (meshes[sample.instance], &objects[sample.instance]);
@@ -96,7 +96,7 @@ pub fn render(
                 normals: shaded.normal,
             };
         }
-        frame.planes.put(place, &pixel);
+        frame.planes.put(index, &pixel);
     }
     Ok(frame)
 }
@@ -131,12 +131,12 @@ fn rasterize(
     settings: &Settings,
     mut emit: impl FnMut(usize, usize, f32),
 ) {
-    // Positive where p lies clockwise of the edge from a to b, on a screen whose y runs downwards.
+    // Positive if a, b, p are in clockwise order on the screen, whose y points downwards.
     let edge =
         |a: [i64; 2], b: [i64; 2], p: [i64; 2]| (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0]);
     let at = v.map(|v| [i64::from(v.x), i64::from(v.y)]);
     let area = edge(at[0], at[1], at[2]);
-    // Fronts are counter-clockwise, those of a mirrored instance clockwise.
+    // Front faces are counter-clockwise, those of a mirrored instance clockwise.
     let culled = match settings.cull {
         Cull::Auto | Cull::None => false,
         Cull::Back => (area > 0) != mirrored,

@@ -1,4 +1,4 @@
-//! The colour of one pixel, formula by formula.
+//! The reference formulas for the shading of one pixel.
 
 use tercio_mesh::{Mesh, OctNormal};
 use tercio_scene::Surface;
@@ -10,7 +10,7 @@ use crate::projection::clip::barycentrics_unclipped;
 use crate::settings::Shading;
 use crate::view::ObjectView;
 
-/// What shading finds for a pixel.
+/// The result of shading a pixel.
 pub struct Shaded {
     pub color: [u8; 4],
     pub color16: [u16; 4],
@@ -31,15 +31,15 @@ fn each(f: impl Fn(usize) -> f32) -> Vec3 {
     [0, 1, 2].map(f)
 }
 
-/// A unit vector; `instead` where the length is next to nothing.
+/// A unit vector; `instead` if the length is close to zero.
 fn normalize(v: Vec3, instead: Vec3) -> Vec3 {
     let square = dot(v, v);
     let inverse = 1.0 / square.sqrt();
     if square > 1e-30 { v.map(|c| c * inverse) } else { instead }
 }
 
-/// A unit normal that points away from the viewer, bent until it is perpendicular to the line of sight; any other as
-/// it is. `to_viewer` is of any length.
+/// Bends a unit normal that points away from the viewer until it is perpendicular to the line of sight; returns any
+/// other one unchanged. `to_viewer` need not be normalized.
 fn bend(n: Vec3, to_viewer: Vec3) -> Vec3 {
     let away = dot(n, to_viewer);
     if away < 0.0 {
@@ -79,18 +79,18 @@ pub fn shade(
             ((q[0] * r[0] + q[1] * r[1]) + q[2] * r[2]) + object.eye_from_pivot[k]
         })
     };
-    // Unit normals stand on the side of the plane that is seen, and do not point away from the viewer.
+    // Unit normals are on the visible side of the triangle's plane, and do not point away from the viewer.
     let unit = |n: Vec3, to_viewer: Vec3| {
         let n = if dot(n, plane) < 0.0 { n.map(|c| -c) } else { n };
         bend(normalize(n, sight.base), to_viewer)
     };
     let normals = mesh.normals.as_ref();
-    // Of a corner, of length 1, times how much nearer it is than others.
+    // The unit normal of a corner, times the corner's weight in perspective interpolation.
     let corner_normal = |n: &[OctNormal], k: usize| {
         normalize(to_world(n[corners[k]].decode()), sight.base).map(|c| c * scale[k])
     };
 
-    // Relative to the pivot, as everything that is measured from the eye.
+    // Positions relative to the pivot, as `position_of` expects them.
     let relative = p.map(|p| object.relative(p));
     let position = position_of(mix3(relative));
     let to_viewer = sight.at([0, 1].map(|k| pixel[k] as i32 * SUBPIXELS + SAMPLE - sight.middle[k]));
@@ -132,7 +132,7 @@ pub fn shade(
     }
 }
 
-/// Linear colours of a triangle's corners; `None` where the surface's own colour is taken.
+/// Linear colours of a triangle's corners; `None` if the surface's own colour is used.
 fn corner_colors(mesh: &Mesh, triangle: usize, surface: &Surface) -> Option<[Vec3; 3]> {
     let linear = |c: [u8; 4]| [0, 1, 2].map(|k| DECODE[usize::from(c[k])]);
     if !surface.use_mesh_colors {
@@ -152,14 +152,14 @@ fn corner_colors(mesh: &Mesh, triangle: usize, surface: &Surface) -> Option<[Vec
     }
 }
 
-/// Where in its triangle a pixel's sample lies.
+/// The position of a pixel's sample in its triangle.
 struct Interpolation {
-    /// Twice the areas of the triangles between the sample and two corners: positive where the triangle appears
+    /// Twice the areas of the triangles between the sample and two corners: positive if the triangle appears
     /// counter-clockwise.
     area: [f32; 3],
-    /// By which an area is multiplied to allow for the perspective: the weight of the corner.
+    /// The weights of the corners in perspective interpolation, by which the areas are multiplied.
     scale: [f32; 3],
-    /// The products, made to add up to 1.
+    /// The absolute products, normalized to add up to 1: perspective-correct barycentric coordinates.
     weight: [f32; 3],
 }
 
@@ -184,7 +184,7 @@ fn interpolation(object: &ObjectView, p: [Vec3; 3], pixel: [i32; 2]) -> Interpol
     Interpolation { area, scale, weight }
 }
 
-/// Twice the areas of the triangles between the sample and two corners, which are given as seen from the sample.
+/// Twice the areas of the triangles between the sample and two corners, which are given relative to the sample.
 fn areas(x: [i32; 3], y: [i32; 3]) -> [f32; 3] {
     let is_near = |v: &i32| (-SMALL_EXTENT..SMALL_EXTENT).contains(v);
     if x.iter().chain(&y).all(is_near) {
@@ -198,12 +198,12 @@ fn areas(x: [i32; 3], y: [i32; 3]) -> [f32; 3] {
         let (i, j) = ((k + 1) % 3, (k + 2) % 3);
         y[i] * x[j] - x[i] * y[j]
     });
-    // Rounding may give one of them the wrong sign.
+    // Rounding may give one of them the wrong sign; it is then set to 0.
     let clockwise = (area[0] + area[1]) + area[2] < 0.0;
     area.map(|a| if (a < 0.0 && !clockwise) || (a > 0.0 && clockwise) { 0.0 } else { a })
 }
 
-/// Diffuse light and highlights of all lights.
+/// Diffuse and specular light of all lights.
 fn reflect(
     lights: &LightRig,
     surface: &Surface,

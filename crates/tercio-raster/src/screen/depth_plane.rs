@@ -1,24 +1,24 @@
-//! Depth between the corners of a triangle.
+//! Interpolation of depth between the corners of a triangle.
 
 use super::ScreenTriangle;
 
-/// The depth of a triangle as a function of the screen.
+/// The depth of a triangle as a linear function of screen coordinates.
 #[derive(Clone, Copy, Debug)]
 pub struct DepthPlane {
-    /// Screen coordinates of the corner from which it is reckoned.
+    /// Screen coordinates of the farthest corner, from which depth is interpolated.
     pub anchor: [i32; 2],
-    /// Depth there.
+    /// Depth of that corner.
     pub base: f32,
-    /// Growth a sub-pixel to the right.
+    /// Increment per sub-pixel to the right.
     pub dx: f32,
-    /// Growth a sub-pixel downwards.
+    /// Increment per sub-pixel downwards.
     pub dy: f32,
-    /// Depths of the corners: no sample is farther or nearer, however steep the plane.
+    /// Smallest and largest depth of the corners, to which depths of samples are clamped.
     pub range: [f32; 2],
 }
 
 impl DepthPlane {
-    /// Of a triangle with area.
+    /// The depth plane of a triangle. Precondition: its area is not zero.
     #[inline(always)]
     pub fn new(t: &ScreenTriangle) -> Self {
         let (x1, x2) = ((t.x[1] - t.x[0]) as f32, (t.x[2] - t.x[0]) as f32);

@@ -1,25 +1,25 @@
-//! Exact coverage by integer edge functions.
+//! Exact coverage with integer edge functions.
 
 use super::{PixelRect, ScreenTriangle};
 use crate::conventions::{SAMPLE, SUBPIXEL_BITS};
 
-/// The three edge functions of a triangle at samples: pixel (i, j) is covered exactly if
+/// The three edge functions of a triangle at samples: the sample of pixel (i, j) is covered if and only if
 /// `a * i + b * j + c >= 0` for all three.
 ///
-/// At samples an edge function takes only every 256th value, so it is divided by 256 and rounded down, which
-/// keeps its sign. The top-left rule is the 1 that is taken off before.
+/// At samples, the values of an edge function differ by multiples of 256, so it is divided by 256 and rounded down,
+/// which keeps its sign. The top-left rule subtracts 1 before that from edges that are neither top nor left.
 #[derive(Clone, Copy, Debug)]
 pub struct Edges {
-    /// Growth a pixel to the right.
+    /// Increment per pixel to the right.
     pub a: [i32; 3],
-    /// Growth a pixel downwards.
+    /// Increment per pixel downwards.
     pub b: [i32; 3],
     /// Value at pixel (0, 0).
     pub c: [i64; 3],
 }
 
 impl Edges {
-    /// Of a triangle of either orientation; one without area covers nothing, but must not come here.
+    /// The edge functions of a triangle of either winding. Precondition: its area is not zero.
     #[inline(always)]
     pub fn new(t: &ScreenTriangle) -> Self {
         let clockwise = t.area() > 0;
@@ -40,19 +40,20 @@ impl Edges {
         edges
     }
 
-    /// Does an edge leave all pixels of a rectangle outside?
+    /// Are all pixels of a rectangle outside the same edge? The triangle then covers none of them.
     #[inline(always)]
     pub fn leave_out(&self, r: PixelRect) -> bool {
-        // At the corner that lies farthest inside.
+        // The value at the corner of the rectangle that is farthest inside.
         let farthest = |k: usize| {
             self.at(k, if self.a[k] > 0 { r.x1 } else { r.x0 }, if self.b[k] > 0 { r.y1 } else { r.y0 })
         };
         farthest(0).min(farthest(1)).min(farthest(2)) < 0
     }
 
-    /// Are all pixels of a rectangle inside all edges?
+    /// Are all pixels of a rectangle inside all edges? The triangle then covers all of them.
     #[inline(always)]
     pub fn enclose(&self, r: PixelRect) -> bool {
+        // The value at the corner of the rectangle that is least far inside.
         let nearest = |k: usize| {
             self.at(k, if self.a[k] > 0 { r.x0 } else { r.x1 }, if self.b[k] > 0 { r.y0 } else { r.y1 })
         };
@@ -73,7 +74,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn rectangles_are_left_out_and_enclosed_by_their_pixels(
+        fn rectangle_tests_equal_the_tests_of_all_their_pixels(
             x in prop::array::uniform3(-40_000i32..40_000),
             y in prop::array::uniform3(-40_000i32..40_000),
             corner in prop::array::uniform2(-100i32..100),

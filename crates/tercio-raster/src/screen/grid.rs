@@ -1,17 +1,17 @@
-//! The tiles of a picture.
+//! The division of a picture into tiles.
 
 use super::{PixelRect, TileSet};
 
-/// How the picture is divided into tiles.
+/// The grid of tiles of a picture.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct TileGrid {
     /// log2 of a tile's edge in pixels.
     pub shift: u32,
-    /// Tiles across.
+    /// Number of columns of tiles.
     pub columns: u32,
-    /// Tiles down.
+    /// Number of rows of tiles.
     pub rows: u32,
-    /// Which of them are drawn.
+    /// The tiles that are drawn.
     pub drawn: TileSet,
 }
 
@@ -28,25 +28,27 @@ impl TileGrid {
         self.drawn.contains(tile)
     }
 
-    /// Is one of the tiles that a rectangle of pixels touches drawn? Columns, then rows, first and last.
+    /// Is any of the tiles drawn that a rectangle of pixels overlaps? The rectangle is given by its first and last
+    /// column, first and last row.
     pub fn draws_some_of(&self, rect: [u16; 4]) -> bool {
         let [x0, x1, y0, y1] = rect.map(|pixel| u32::from(pixel) >> self.shift);
         self.drawn.is_all() || (y0..=y1).any(|y| (x0..=x1).any(|x| self.draws(y * self.columns + x)))
     }
 
-    /// Tiles of the picture.
+    /// Number of tiles of the picture.
     pub fn count(&self) -> usize {
         self.columns as usize * self.rows as usize
     }
 
-    /// Tiles that a rectangle of pixels touches: first and last column, first and last row.
+    /// Number of tiles that a rectangle of pixels overlaps. The rectangle is given by its first and last column, first
+    /// and last row.
     pub fn tiles_of(&self, [x0, x1, y0, y1]: [u16; 4]) -> u32 {
         let along =
             |first: u16, last: u16| (u32::from(last) >> self.shift) - (u32::from(first) >> self.shift) + 1;
         along(x0, x1) * along(y0, y1)
     }
 
-    /// The pixels of a tile that lie inside a picture of some pixels across and down.
+    /// The pixels of a tile that are inside a picture of this width and height.
     pub fn rect(&self, tile: u32, [width, height]: [u32; 2]) -> PixelRect {
         let (x, y) = self.corner(tile);
         let edge = 1u32 << self.shift;
@@ -58,7 +60,7 @@ impl TileGrid {
         }
     }
 
-    /// First column and row of pixels of a tile.
+    /// First pixel column and row of a tile.
     pub fn corner(&self, tile: u32) -> (u32, u32) {
         ((tile % self.columns) << self.shift, (tile / self.columns) << self.shift)
     }

@@ -1,4 +1,4 @@
-//! Geometry of the screen, in pixels and sub-pixels: triangles, their edges and depths, rectangles, tiles.
+//! Screen-space geometry, in pixels and sub-pixels: triangles, edge functions, depth planes, rectangles, tiles.
 
 mod depth_plane;
 mod edges;
@@ -15,8 +15,7 @@ use bytemuck::{Pod, Zeroable};
 use crate::conventions::{first_sample, last_sample};
 use crate::view::ScreenVertex;
 
-/// A triangle on the screen, ready for the back end. Its farthest corner comes first: depth is interpolated
-/// from there.
+/// A triangle in screen space. The farthest corner, from which depth is interpolated, comes first.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct ScreenTriangle {
@@ -26,13 +25,12 @@ pub struct ScreenTriangle {
     pub y: [i32; 3],
     /// Depths of the corners.
     pub d: [f32; 3],
-    /// Which triangle it is: cluster number times `MAX_TRIANGLES`, plus its number inside the cluster.
+    /// Slot of the triangle: cluster number times `MAX_TRIANGLES`, plus its number in the cluster.
     pub slot: u32,
 }
 
 impl ScreenTriangle {
-    /// From three projected corners in mesh order; turns the farthest one (the first among equals) to the
-    /// front.
+    /// From three projected corners in mesh order; rotates the farthest (the first among equals) to the front.
     #[inline(always)]
     pub fn new(v: [ScreenVertex; 3], slot: u32) -> Self {
         let mut first = 0;
@@ -47,7 +45,7 @@ impl ScreenTriangle {
         Self { x: [a.x, b.x, c.x], y: [a.y, b.y, c.y], d: [a.d, b.d, c.d], slot }
     }
 
-    /// Twice the signed area, in square sub-pixels; positive if the corners run clockwise on the screen.
+    /// Twice the signed area, in square sub-pixels; positive if the corners appear clockwise on the screen.
     #[inline(always)]
     pub fn area(&self) -> i64 {
         let (x1, x2) = (i64::from(self.x[1] - self.x[0]), i64::from(self.x[2] - self.x[0]));
@@ -55,8 +53,7 @@ impl ScreenTriangle {
         x1 * y2 - x2 * y1
     }
 
-    /// First and last column and row of pixels whose samples lie in the bounding box, inside the picture;
-    /// `None` if there are none.
+    /// The pixels of the picture whose samples are in the bounding box; `None` if there are none.
     #[inline(always)]
     pub fn samples(&self, width: u32, height: u32) -> Option<PixelRect> {
         let ([x0, x1, x2], [y0, y1, y2]) = (self.x, self.y);
@@ -84,13 +81,13 @@ pub struct PixelRect {
 }
 
 impl PixelRect {
-    /// The pixels of both.
+    /// The pixels that are in both rectangles.
     #[inline(always)]
     pub fn intersect(self, o: Self) -> Self {
         Self { x0: self.x0.max(o.x0), x1: self.x1.min(o.x1), y0: self.y0.max(o.y0), y1: self.y1.min(o.y1) }
     }
 
-    /// It holds no pixel.
+    /// Does the rectangle contain no pixel?
     #[inline(always)]
     pub fn is_empty(self) -> bool {
         self.x0 > self.x1 || self.y0 > self.y1

@@ -1,15 +1,15 @@
-//! Which tiles of a picture are drawn.
+//! Sets of tiles.
 
 use std::sync::Arc;
 
-/// Bits of a word of the set.
+/// Bits per word of a set.
 const BITS: usize = u64::BITS as usize;
 
-/// A set of the tiles of a picture, which are counted row by row.
+/// A set of tiles of a picture. Tiles are numbered row by row.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct TileSet(Option<Subset>);
 
-/// Some of the tiles of a picture: how many it has, and a bit for each.
+/// Some of the tiles of a picture: the number of tiles of the picture, and a bit for each.
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct Subset {
     tiles: usize,
@@ -20,7 +20,7 @@ impl TileSet {
     /// All tiles of any picture.
     pub const ALL: Self = Self(None);
 
-    /// Those of a picture of so many tiles for which `contains` is true.
+    /// The tiles, in a picture of this many tiles, for which `contains` is true.
     pub fn from_fn(tiles: usize, contains: impl Fn(u32) -> bool) -> Self {
         let word = |first: usize| {
             let inside = first..(first + BITS).min(tiles);
@@ -29,8 +29,8 @@ impl TileSet {
         Self(Some(Subset { tiles, bits: (0..tiles).step_by(BITS).map(word).collect() }))
     }
 
-    /// Every `of`-th of so many tiles, from number `first` on: neighbours belong to different sets, so that every set gets
-    /// a part of a small model.
+    /// Every `of`-th of this many tiles, from tile `first` on. Neighbours are in different sets, so that every set has
+    /// a share of even a small model.
     ///
     /// ```
     /// use tercio_raster::TileSet;
@@ -54,13 +54,13 @@ impl TileSet {
         }
     }
 
-    /// Are all tiles of any picture in it?
+    /// Does the set contain all tiles of any picture?
     #[inline(always)]
     pub fn is_all(&self) -> bool {
         self.0.is_none()
     }
 
-    /// How many tiles the picture has that the set is made for; `None` if it serves any picture.
+    /// Number of tiles of the picture that the set is made for; `None` if it is valid for any picture.
     pub fn tiles(&self) -> Option<usize> {
         self.0.as_ref().map(|subset| subset.tiles)
     }
@@ -71,7 +71,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_set_holds_what_it_was_made_of() {
+    fn a_set_contains_exactly_the_tiles_it_was_made_of() {
         for tiles in [0, 1, 63, 64, 65, 200] {
             let thirds = TileSet::every(3, 2, tiles);
             assert_eq!(thirds.tiles(), Some(tiles));

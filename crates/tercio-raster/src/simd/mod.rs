@@ -1,8 +1,8 @@
-//! What the kernels need beyond `fearless_simd`: 16 lanes everywhere, chosen once a batch.
+//! SIMD operations that the kernels need in addition to those of `fearless_simd`.
 //!
-//! Every kernel is generic over the level and works on 16 lanes at each of them, so that all levels compute
-//! the same lanes in the same order. The level is picked by `dispatch!` where a batch of work begins
-//! ([`crate::Renderer`] does it, for the back end with a [`crate::tally`]) and nowhere else.
+//! Every kernel is generic over the SIMD level and works on 16 lanes at each level, so that all levels compute the same
+//! lanes in the same order. The level is selected with `dispatch!` at the start of a batch of work and nowhere else:
+//! [`crate::Renderer`] does it; the kernels with the full counts of [`crate::tally`] always run at the baseline level.
 
 #[cfg(target_arch = "x86_64")]
 mod x86_64;
@@ -16,13 +16,13 @@ use tercio_mesh::cluster::Line;
 /// Lanes of every kernel: one 4x4 block of samples, or 16 vertices, triangles or pixels.
 pub const LANES: usize = 16;
 
-/// Bytes of the widest register: triangles of which a byte each is looked at together.
-pub const MANY: usize = 64;
+/// Bytes of the widest register: lanes of kernels that work on one byte per triangle.
+pub const BYTE_LANES: usize = 64;
 
-/// Number of each lane.
+/// The index of each lane.
 pub const LANE_NUMBERS: [i32; LANES] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15];
 
-/// One bit for each of the lanes that hold something, where `left` elements are left.
+/// The mask of the lanes in use, if `left` elements remain.
 #[inline(always)]
 pub fn live_lanes(left: usize) -> u32 {
     if left >= LANES { 0xffff } else { (1 << left) - 1 }
@@ -49,7 +49,8 @@ macro_rules! each3 {
 }
 pub(crate) use each3;
 
-/// The level that every processor of the target has: for kernels that need not be fast, compiled at this one alone.
+/// The SIMD level that every processor of the target supports, for kernels that need not be fast and are compiled at
+/// this level only.
 pub fn baseline() -> impl Simd {
     #[cfg(target_arch = "x86_64")]
     {
@@ -65,18 +66,18 @@ pub fn baseline() -> impl Simd {
     fearless_simd::Fallback::new()
 }
 
-/// Runs a part of a kernel. At the scalar level it is a function of its own: 16 lanes written out one by one
-/// make code so long that compiling it in one piece takes minutes.
+/// Runs a part of a kernel. At the scalar level, the part is compiled as a function of its own: 16 lanes, unrolled,
+/// make code so long that compiling a kernel in one piece takes minutes.
 #[inline(always)]
 pub fn part<S: Simd, R>(simd: S, work: impl FnOnce() -> R) -> R {
     #[cfg(any(feature = "scalar", not(any(target_arch = "x86_64", target_arch = "aarch64"))))]
     #[inline(never)]
-    fn on_its_own<R>(work: impl FnOnce() -> R) -> R {
+    fn not_inlined<R>(work: impl FnOnce() -> R) -> R {
         work()
     }
     match simd.level() {
         #[cfg(any(feature = "scalar", not(any(target_arch = "x86_64", target_arch = "aarch64"))))]
-        Level::Fallback(_) => on_its_own(work),
+        Level::Fallback(_) => not_inlined(work),
         _ => work(),
     }
 }
@@ -87,13 +88,13 @@ pub fn load<S: Simd>(simd: S, from: &[f32]) -> f32x16<S> {
     f32x16::from_slice(simd, &from[..LANES])
 }
 
-/// The same number 16 times.
+/// Broadcasts a number to 16 lanes.
 #[inline(always)]
 pub fn splat<S: Simd>(simd: S, value: f32) -> f32x16<S> {
     f32x16::splat(simd, value)
 }
 
-/// The same whole number 16 times.
+/// Broadcasts an integer to 16 lanes.
 #[inline(always)]
 pub fn splat_i<S: Simd>(simd: S, value: i32) -> i32x16<S> {
     i32x16::splat(simd, value)
@@ -143,7 +144,7 @@ pub fn lookup_bytes<S: Simd>(simd: S, table: &[u8; 128], index: &[u8; 16]) -> [u
             let found: u8x16<S> = x86_64::lookup_bytes_avx2(token, table, index).simd_into(simd);
             found.to_array()
         }
-        // Without byte shuffles.
+        // SSE2 and the scalar level have no byte shuffles.
         #[cfg(target_arch = "x86_64")]
         Level::Sse2(_) => lookup_bytes_one_by_one(table, index),
         #[cfg(any(feature = "scalar", not(any(target_arch = "x86_64", target_arch = "aarch64"))))]
@@ -151,8 +152,8 @@ pub fn lookup_bytes<S: Simd>(simd: S, table: &[u8; 128], index: &[u8; 16]) -> [u
         _ => {
             let mut index = u8x16::load_array_ref(simd, index) & 127;
             let mut found = u8x16::splat(simd, 0);
-            for sixteen in table.as_chunks::<LANES>().0 {
-                found |= u8x16::load_array_ref(simd, sixteen).swizzle_dyn_precise(index);
+            for chunk in table.as_chunks::<LANES>().0 {
+                found |= u8x16::load_array_ref(simd, chunk).swizzle_dyn_precise(index);
                 index -= LANES as u8;
             }
             found.to_array()
@@ -196,16 +197,15 @@ pub fn lookup_128<S: Simd>(simd: S, table: &[i32; 128], index: i32x16<S>) -> i32
     }
 }
 
-/// Writes the chosen lanes to `to`, one after another from place `at` on; there must be room for all 16.
+/// Writes the selected lanes consecutively to `to`, from index `at` on. Precondition: `to` has room for all 16.
 #[inline(always)]
 pub fn append<S: Simd>(simd: S, to: &mut [i32], at: usize, lanes: u32, from: i32x16<S>) {
     let to = &mut to[at..at + LANES];
     match simd.level() {
         #[cfg(target_arch = "x86_64")]
         Level::Avx512(token) => {
-            let together: i32x16<S> =
-                x86_64::compress_avx512(token, lanes as u16, from.into()).simd_into(simd);
-            together.store_slice(to);
+            let packed: i32x16<S> = x86_64::compress_avx512(token, lanes as u16, from.into()).simd_into(simd);
+            packed.store_slice(to);
         }
         #[cfg(target_arch = "x86_64")]
         Level::Avx2(token) => {
@@ -221,11 +221,11 @@ pub fn append<S: Simd>(simd: S, to: &mut [i32], at: usize, lanes: u32, from: i32
     }
 }
 
-/// Writes the numbers of the bits that are set to `to`, one after another from place `at` on, the lowest bit being
-/// number `first`; there must be room for all 64.
+/// Writes the numbers of the set bits consecutively to `to`, from index `at` on; the lowest bit has number `first`.
+/// Precondition: `to` has room for all 64.
 #[inline(always)]
 pub fn append_numbers<S: Simd>(simd: S, to: &mut [u8], at: usize, bits: u64, first: u8) {
-    let to = &mut to[at..at + MANY];
+    let to = &mut to[at..at + BYTE_LANES];
     match simd.level() {
         #[cfg(target_arch = "x86_64")]
         Level::Avx512(_) => {
@@ -235,10 +235,10 @@ pub fn append_numbers<S: Simd>(simd: S, to: &mut [u8], at: usize, bits: u64, fir
         _ => {
             let first = u64::from_le_bytes([first; 8]);
             let mut count = 0;
-            for (byte, eight) in
+            for (byte, offset) in
                 bits.to_le_bytes().into_iter().zip((0..8).map(|k| u64::from_le_bytes([8 * k; 8])))
             {
-                let numbers = u64::from_le_bytes(SET_BITS[usize::from(byte)]) + (first + eight);
+                let numbers = u64::from_le_bytes(SET_BITS[usize::from(byte)]) + (first + offset);
                 to[count..count + 8].copy_from_slice(&numbers.to_le_bytes());
                 count += byte.count_ones() as usize;
             }
@@ -246,18 +246,18 @@ pub fn append_numbers<S: Simd>(simd: S, to: &mut [u8], at: usize, bits: u64, fir
     }
 }
 
-/// Number of each byte of a register.
-const BYTE_NUMBERS: [u8; MANY] = {
-    let mut numbers = [0; MANY];
+/// The index of each byte of a register.
+const BYTE_NUMBERS: [u8; BYTE_LANES] = {
+    let mut numbers = [0; BYTE_LANES];
     let mut k = 0;
-    while k < MANY {
+    while k < BYTE_LANES {
         numbers[k] = k as u8;
         k += 1;
     }
     numbers
 };
 
-/// Numbers of the bits that are set in a number, lowest first.
+/// For every byte, the numbers of its set bits, lowest first.
 static SET_BITS: [[u8; 8]; 256] = set_bits();
 
 const fn set_bits() -> [[u8; 8]; 256] {
@@ -277,7 +277,7 @@ const fn set_bits() -> [[u8; 8]; 256] {
     all
 }
 
-/// The chosen lanes, one after another.
+/// Writes the selected lanes consecutively.
 #[inline(always)]
 fn move_to_front<T: Copy>(to: &mut [T], lanes: u32, from: &[T; LANES]) {
     let (mut left, mut count) = (lanes & 0xffff, 0);
@@ -293,7 +293,7 @@ fn move_to_front<T: Copy>(to: &mut [T], lanes: u32, from: &[T; LANES]) {
 pub fn prefetch(lines: &[Line]) {
     for line in lines {
         #[cfg(target_arch = "x86_64")]
-        // SAFETY: a prefetch reads nothing that the program could see, and never faults.
+        // SAFETY: a prefetch has no effect that the program can observe, and never faults.
         unsafe {
             use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
             _mm_prefetch::<_MM_HINT_T0>(std::ptr::from_ref(line).cast());

@@ -1,4 +1,4 @@
-//! Kernels of x86-64 that `fearless_simd` has no words for: tables in registers, lanes moved together.
+//! Operations of x86-64 that `fearless_simd` does not offer: table lookups in registers and compression of lanes.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{i32x16, u8x16, u8x32, u8x64};
@@ -6,7 +6,7 @@ use fearless_simd::{i32x16, u8x16, u8x32, u8x64};
 use super::SET_BITS;
 
 fearless_simd::kernel!(
-    /// 16 entries of a table of 64 that stays in four registers.
+    /// Looks up 16 entries of a table of 64, which is held in four registers.
     #[inline]
     pub fn lookup_avx512(avx512: Avx512, table: &[i32; 64], index: &[u8; 16]) -> std::arch::x86_64::__m512i {
         use std::arch::x86_64::*;
@@ -21,7 +21,7 @@ fearless_simd::kernel!(
 );
 
 fearless_simd::kernel!(
-    /// 16 entries of a table of 128 bytes that stays in two registers.
+    /// Looks up 16 entries of a table of 128 bytes, which is held in two registers.
     #[inline]
     pub fn lookup_bytes_avx512(
         avx512: Avx512,
@@ -36,13 +36,14 @@ fearless_simd::kernel!(
 );
 
 fearless_simd::kernel!(
-    /// 16 entries of a table of 128 bytes that stays in four registers.
+    /// Looks up 16 entries of a table of 128 bytes, which is held in four registers.
     #[inline]
     pub fn lookup_bytes_avx2(avx2: Avx2, table: &[u8; 128], index: &[u8; 16]) -> std::arch::x86_64::__m128i {
         use std::arch::x86_64::*;
         let index: __m128i = u8x16::from_slice(avx2, index).into();
         let index = _mm256_broadcastsi128_si256(_mm_and_si128(index, _mm_set1_epi8(127)));
-        // A half of a register holds 16 entries; an index outside of them gets its upper bit set and finds 0.
+        // Each half of a register holds 16 entries. An index outside of them gets its highest bit set, so that the
+        // shuffle returns 0.
         let part = |k: usize| -> __m256i {
             let first = 32 * k as i8;
             let first = _mm256_set_m128i(_mm_set1_epi8(first + 16), _mm_set1_epi8(first));
@@ -55,7 +56,7 @@ fearless_simd::kernel!(
 );
 
 fearless_simd::kernel!(
-    /// 16 entries of a table of 128 that stays in eight registers.
+    /// Looks up 16 entries of a table of 128, which is held in eight registers.
     #[inline]
     pub fn lookup_128_avx512(
         avx512: Avx512,

@@ -1,5 +1,5 @@
 //! Meshes, scenes and comparisons that the tests of the renderer share.
-#![allow(dead_code, reason = "every test binary takes what it needs")]
+#![allow(dead_code, reason = "each test binary uses a part of it")]
 
 use std::sync::Arc;
 
@@ -12,10 +12,11 @@ use tercio_raster::view::{ScreenVertex, View};
 use tercio_raster::{Binning, Cull, Frame, Outputs, Renderer, Settings, SimdLevel, Sorting, reference};
 use tercio_scene::{Camera, Instance, Projection, Scene};
 
-/// A small generator of numbers from 0 to 1, the same everywhere (Steele, Lea and Flood's SplitMix64).
+/// A small random number generator (SplitMix64 of Steele, Lea and Flood), the same on every machine.
 pub struct Random(pub u64);
 
 impl Random {
+    /// A number from 0 to 1.
     pub fn next(&mut self) -> f64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.0;
@@ -33,7 +34,7 @@ impl Random {
     }
 }
 
-/// Random triangles in a cube round zero, of sizes over three orders of magnitude, with colours and normals.
+/// Random triangles in a cube around the origin, with sizes over three orders of magnitude, with colours and normals.
 pub fn soup(triangles: usize, seed: u64) -> Mesh {
     let mut random = Random(seed);
     let mut mesh = Mesh::default();
@@ -53,8 +54,8 @@ pub fn soup(triangles: usize, seed: u64) -> Mesh {
     mesh
 }
 
-/// An octahedron with every side cut into n * n triangles, pushed out to the unit sphere: closed, outwards
-/// wound, with normals.
+/// An octahedron with every side subdivided into n * n triangles and projected onto the unit sphere: closed, wound
+/// outwards, with normals.
 pub fn sphere(n: u32) -> Mesh {
     let mut numbers = std::collections::HashMap::new();
     let mut mesh = Mesh::default();
@@ -87,7 +88,7 @@ pub fn sphere(n: u32) -> Mesh {
     mesh
 }
 
-/// One mesh under the default lights, clustered in this way.
+/// A scene of one mesh under the default lights, clustered with these options.
 pub fn scene_with(mesh: &Mesh, options: &PartitionOptions) -> Scene {
     Scene::from_mesh(Arc::new(partition(mesh.clone(), options)))
 }
@@ -110,7 +111,7 @@ pub fn orthographic(eye: [f64; 3], target: [f64; 3], height: f64) -> Camera {
     Camera { projection: Projection::Orthographic { height }, ..perspective(eye, target, 30.0) }
 }
 
-/// Settings that ask for every plane.
+/// Settings that request every plane.
 pub fn everything(width: u32, height: u32) -> Settings {
     let outputs = Outputs::ALL;
     Settings { outputs, ..Settings::new(width, height) }
@@ -124,7 +125,7 @@ pub fn draw_reference(mesh: &Mesh, scene: &Scene, camera: &Camera, settings: &Se
     reference::render(&vec![mesh; scene.instances.len()], scene, camera, settings).expect("a picture")
 }
 
-/// Fails with the first pixel that differs in any plane.
+/// Fails with the first difference if two frames are not the same.
 #[track_caller]
 pub fn assert_same(expected: &Frame, found: &Frame, what: &str) {
     if let Some(difference) = found.difference(expected) {
@@ -132,12 +133,12 @@ pub fn assert_same(expected: &Frame, found: &Frame, what: &str) {
     }
 }
 
-/// Runs in a pool of its own.
+/// Runs some work in a thread pool of its own.
 pub fn with_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
     rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool").install(work)
 }
 
-/// The same scene with a second instance, turned, smaller and to the side.
+/// The same scene with a second instance: rotated, mirrored, smaller and to the side.
 pub fn with_second_instance(mut scene: Scene) -> Scene {
     let turned = glam::DAffine3::from_scale_rotation_translation(
         DVec3::new(0.5, -0.4, 0.6),
@@ -149,8 +150,8 @@ pub fn with_second_instance(mut scene: Scene) -> Scene {
     scene
 }
 
-/// Draws with every setting that must not change the picture, in turn, and expects the reference's bytes.
-/// `partitions` are further ways to cut the mesh into clusters: most vertices, most triangles, seed of the
+/// Draws with each of the settings that must not change the picture, and expects the bytes of the reference.
+/// `partitions` are further partitions of the mesh into clusters: maximum number of vertices, of triangles, seed of the
 /// triangles' order.
 pub fn check_paths(
     mesh: &Mesh,
@@ -190,7 +191,7 @@ pub fn check_paths(
     }
 }
 
-/// A direction of any length but nearly none, all equally likely.
+/// A random unit vector, uniformly distributed.
 pub fn direction(random: &mut Random) -> DVec3 {
     loop {
         let p = random.point(1.0);
@@ -200,20 +201,20 @@ pub fn direction(random: &mut Random) -> DVec3 {
     }
 }
 
-/// Which pixels show something.
+/// Which pixels show a triangle.
 pub fn covered(frame: &Frame) -> Vec<bool> {
     frame.planes.ids.iter().map(|&id| id != NO_PRIMITIVE).collect()
 }
 
-/// Settings that ask for primitive numbers only.
+/// Settings that request the ids only.
 pub fn ids_only(width: u32, height: u32) -> Settings {
     let outputs = Outputs { color: false, ids: true, ..Outputs::default() };
     Settings { outputs, ..Settings::new(width, height) }
 }
 
-/// Does a triangle with corners in whole sub-pixels cover the sample of a pixel? An edge function as in a
-/// book, in 128 bits; on an edge the top-left rule decides. 0 if not, 1 if it does and runs clockwise on the
-/// screen, -1 if it runs the other way.
+/// Does a triangle with corners in whole sub-pixels cover the sample of a pixel? Textbook edge functions in 128 bits,
+/// with the top-left rule. Returns 0 if not, 1 if it does and appears clockwise on the screen, -1 if it appears
+/// counter-clockwise.
 pub fn covers(corners: [[i32; 2]; 3], pixel: [i32; 2]) -> i32 {
     let p = corners.map(|c| c.map(i128::from));
     let s = pixel.map(|c| i128::from(c) * 256 + 128);
@@ -224,7 +225,7 @@ pub fn covers(corners: [[i32; 2]; 3], pixel: [i32; 2]) -> i32 {
     let p = if area > 0 { p } else { [p[0], p[2], p[1]] };
     let inside = |k: usize| {
         let (a, b) = (p[k], p[(k + 1) % 3]);
-        // Clockwise on a screen whose y runs downwards: a left edge runs upwards, a top edge to the right.
+        // In a clockwise triangle, with y downwards, a left edge points upwards, a top edge to the right.
         let (left, top) = (b[1] < a[1], b[1] == a[1] && b[0] > a[0]);
         let value = side(a, b, s);
         value > 0 || value == 0 && (left || top)
@@ -232,8 +233,8 @@ pub fn covers(corners: [[i32; 2]; 3], pixel: [i32; 2]) -> i32 {
     if area != 0 && (0..3).all(inside) { area.signum() as i32 } else { 0 }
 }
 
-/// Calls `emit` with all triangles of the plain meshes of a scene's instances on the screen, or with what clipping leaves
-/// of them: the instance, the corners in the order of the mesh.
+/// Projects all triangles of the plain meshes of a scene's instances, clips them if necessary, and calls `emit` with
+/// each triangle or piece: the instance, and the corners in the order of the mesh.
 pub fn each_triangle(
     meshes: &[&Mesh],
     scene: &Scene,
@@ -256,9 +257,9 @@ pub fn each_triangle(
     }
 }
 
-/// How often each sample is covered, back faces minus front faces: the winding number of the surface as it
-/// stands on the screen, after snapping and clipping. Once in front of an observer who stands inside a closed
-/// mesh, zero for one outside of whom nothing is behind the near plane.
+/// How often each sample is covered, back faces minus front faces: the winding number of the surface on the screen,
+/// after snapping and clipping. For a closed mesh it is 1 if the eye is inside, and 0 if the eye is outside and nothing
+/// is clipped at the near plane.
 pub fn winding(mesh: &Mesh, scene: &Scene, camera: &Camera, width: u32, height: u32) -> Vec<i32> {
     let mut counts = vec![0; width as usize * height as usize];
     each_triangle(&[mesh], scene, camera, (width, height), |_, v| {

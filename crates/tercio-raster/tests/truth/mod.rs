@@ -1,10 +1,11 @@
-//! What a picture should show, by a ray caster in `f64` and shading formulas of its own, and how far a frame is from it.
+//! Ground truth for pictures, from a ray caster in `f64` with shading formulas of its own, and the comparison of frames
+//! with it.
 //!
-//! The renderer snaps corners to 1/256 pixel, and rounds them to `f32` before: a point of a triangle appears at most
-//! [`SHIFT`] sub-pixels from where it should. So a pixel is *decided* if rays through it and round it, so far away, all
-//! meet the same triangle (or none): there the frame has to show that triangle, and depth, normal and colour have to be
-//! those of one of these rays, or between them.
-#![allow(dead_code, reason = "every test binary takes what it needs")]
+//! The renderer rounds corners to `f32` and snaps them to 1/256 pixel: a point of a triangle appears at most [`SHIFT`]
+//! pixels from its exact position. So a pixel is *decided* if the ray through its middle and those [`SHIFT`] around it
+//! all hit the same triangle (or none): there the frame must show that triangle, and depth, normal and colour must be
+//! within the range of these rays.
+#![allow(dead_code, reason = "each test binary uses a part of it")]
 
 use std::path::Path;
 
@@ -16,17 +17,18 @@ use tercio_raster::{Frame, Shading};
 use tercio_scene::{Camera, Light, LightSpace, Projection, Scene, Surface};
 use tercio_testkit::ray_caster::{Hit, RayCaster};
 
-/// How far, in pixels, snapping and rounding may move a point: half a sub-pixel in x and in y, and a quarter more for
-/// what `f32` rounds before.
+/// How far, in pixels, snapping and rounding may move a point: half a sub-pixel in x and in y for snapping, plus a
+/// quarter for rounding to `f32` before.
 const SHIFT: f64 = 0.75 / 256.0;
-/// Relative error of a depth beyond what a shift explains: twelve bits fewer than an `f32` has would be 2.4e-4.
+/// Maximum relative error of a depth, in addition to the effect of a shift: with twelve bits fewer than an `f32` has it
+/// would be 2.4e-4.
 const DEPTH_ERROR: f64 = 1e-5;
-/// Degrees that a normal may be off beyond what a shift explains. Stored normals are exact to 0.004 degrees.
+/// Maximum error of a normal in degrees, in addition to the effect of a shift. Stored normals have an error of 0.004.
 const NORMAL_ERROR: f64 = 0.02;
-/// 8-bit levels by which a colour may be off beyond what a shift explains: half a level is rounding.
+/// Maximum error of a colour in 8-bit levels, in addition to the effect of a shift. Half a level is due to rounding.
 const LEVEL_ERROR: f64 = 1.0;
 
-/// A model of the shared data with normals and without colours, whose faces are its triangles.
+/// A model of the shared data with normals and without colours; each triangle is a face.
 pub fn real_model(data: &Path, name: &str) -> Mesh {
     let path = data.join("meshes").join(name);
     let mut mesh = io::read(&path, &ReadOptions::default()).expect("a model").mesh;
@@ -40,7 +42,7 @@ pub fn real_model(data: &Path, name: &str) -> Mesh {
     mesh
 }
 
-/// A scene in `f64`.
+/// The ray caster's copy of a scene, in `f64`.
 pub struct Truth<'a> {
     scene: &'a Scene,
     shading: Shading,
@@ -54,14 +56,14 @@ pub struct Truth<'a> {
     right: DVec3,
     up: DVec3,
     forward: DVec3,
-    /// Pixels a world unit (orthographic), or a unit of distance and of tangent (perspective).
+    /// Pixels per world unit (orthographic), or per unit of the tangent of the viewing angle (perspective).
     scale: f64,
     perspective: bool,
     size: [usize; 2],
     near: f64,
 }
 
-/// What a ray sees.
+/// What a ray hits.
 #[derive(Clone, Copy)]
 struct Seen {
     triangle: usize,
@@ -71,18 +73,18 @@ struct Seen {
     levels: [f64; 3],
 }
 
-/// What a comparison found.
+/// The result of a comparison.
 #[derive(Debug, Default)]
 pub struct Found {
     pub pixels: usize,
     pub decided: usize,
     pub shown: usize,
-    /// Pixels that show another triangle, as near as the right one.
+    /// Pixels that show another triangle, at the same depth as the right one.
     pub ties: usize,
-    /// The first pixels that are wrong, and how.
+    /// Descriptions of the first wrong pixels.
     pub wrong: Vec<String>,
     pub wrong_pixels: usize,
-    /// The least cosine between a normal and the direction to the viewer.
+    /// The smallest cosine between a normal and the direction to the viewer.
     pub least_cosine: f64,
 }
 
@@ -138,8 +140,8 @@ impl<'a> Truth<'a> {
         }
     }
 
-    /// The ray through a point of the picture, in pixels. Its direction is as long as to make distances those along the
-    /// line of sight.
+    /// The ray through a point of the picture, in pixels. The length of its direction is such that distances on the ray
+    /// are distances along the line of sight.
     fn ray(&self, x: f64, y: f64) -> (DVec3, DVec3) {
         let x = (x - self.size[0] as f64 * 0.5) / self.scale;
         let y = (self.size[1] as f64 * 0.5 - y) / self.scale;
@@ -147,7 +149,8 @@ impl<'a> Truth<'a> {
         if self.perspective { (self.eye, self.forward + across) } else { (self.eye + across, self.forward) }
     }
 
-    fn look(&self, x: f64, y: f64) -> Option<Seen> {
+    /// What the ray through a point of the picture hits.
+    fn cast(&self, x: f64, y: f64) -> Option<Seen> {
         let (origin, direction) = self.ray(x, y);
         let hit = self.caster.first_hit(origin.to_array(), direction.to_array(), self.near)?;
         Some(self.shade(hit, origin, direction))
@@ -192,12 +195,12 @@ impl<'a> Truth<'a> {
                 });
                 albedo * mix(at.map(|l| l.0)) + mix(at.map(|l| l.1))
             }
-            other => unreachable!("no truth of {other:?} shading"),
+            other => unreachable!("{other:?} shading is not implemented"),
         };
         Seen { triangle, distance, normal, levels: lit.to_array().map(|c| encode(c.clamp(0.0, 1.0)) * 255.0) }
     }
 
-    /// Lambert's diffuse light and Blinn's highlights.
+    /// Lambert's diffuse light and Blinn's specular light.
     fn light(&self, surface: &Surface, normal: DVec3, to_viewer: DVec3, at: DVec3) -> (DVec3, DVec3) {
         let (mut diffuse, mut specular) = (DVec3::ZERO, DVec3::ZERO);
         let from_camera = |v: DVec3| self.right * v.x + self.up * v.y - self.forward * v.z;
@@ -228,7 +231,8 @@ impl<'a> Truth<'a> {
         (diffuse, specular)
     }
 
-    /// Compares all planes: none is wrong, at least half of the pixels is decided, and a part of them shows something.
+    /// Compares all planes of a frame. Fails if a pixel is wrong, if less than half of the pixels are decided, or if
+    /// too few of them show a triangle.
     #[track_caller]
     pub fn check(&self, frame: &Frame, what: &str) -> Found {
         let found = self.compare(frame);
@@ -236,29 +240,29 @@ impl<'a> Truth<'a> {
         assert_eq!(found.wrong_pixels, 0, "{what}: wrong of {decided} decided pixels: {:#?}", found.wrong);
         assert!(decided * 2 >= pixels, "{what}: only {decided} of {pixels} decided");
         assert!(ties * 100 <= decided, "{what}: {ties} ties of {decided}");
-        assert!(shown * 20 >= pixels, "{what}: only {shown} pixels show something");
+        assert!(shown * 20 >= pixels, "{what}: only {shown} pixels show a triangle");
         assert!(least_cosine >= -1e-6, "{what}: a normal points away from the viewer: {least_cosine}");
         found
     }
 
-    /// Compares all planes that the frame has.
+    /// Compares depth, ids, normals and colours.
     fn compare(&self, frame: &Frame) -> Found {
         let mut found = Found { least_cosine: 1.0, ..Found::default() };
         let [width, height] = self.size;
-        for place in 0..width * height {
-            let (x, y) = (place % width, place / width);
+        for index in 0..width * height {
+            let (x, y) = (index % width, index / width);
             found.pixels += 1;
             let (cx, cy) = (x as f64 + 0.5, y as f64 + 0.5);
-            let middle = self.look(cx, cy);
+            let middle = self.cast(cx, cy);
             let triangle = middle.map(|seen| seen.triangle);
             let around: Vec<Option<Seen>> = [-1.0, 0.0, 1.0]
                 .iter()
-                .flat_map(|dy| [-1.0, 0.0, 1.0].map(|dx| self.look(cx + dx * SHIFT, cy + dy * SHIFT)))
+                .flat_map(|dy| [-1.0, 0.0, 1.0].map(|dx| self.cast(cx + dx * SHIFT, cy + dy * SHIFT)))
                 .collect();
-            let shown = Some(frame.planes.ids[place]).filter(|&id| id != NO_PRIMITIVE).map(|id| id as usize);
+            let shown = Some(frame.planes.ids[index]).filter(|&id| id != NO_PRIMITIVE).map(|id| id as usize);
             if shown.is_some() {
                 let (_, direction) = self.ray(cx, cy);
-                let normal = DVec3::from(frame.planes.normals[place].map(f64::from));
+                let normal = DVec3::from(frame.planes.normals[index].map(f64::from));
                 found.least_cosine = found.least_cosine.min(-direction.normalize().dot(normal));
             }
             if around.iter().any(|seen| seen.map(|seen| seen.triangle) != triangle) {
@@ -270,7 +274,7 @@ impl<'a> Truth<'a> {
             let wrong = match (middle, shown) {
                 (None, None) => None,
                 (Some(seen), Some(shown)) if shown == seen.triangle => {
-                    self.differs(frame, place, seen, &around)
+                    self.difference(frame, index, seen, &around)
                 }
                 (Some(seen), Some(other)) if self.is_tie(other, [cx, cy], seen) => {
                     found.ties += 1;
@@ -288,7 +292,7 @@ impl<'a> Truth<'a> {
         found
     }
 
-    /// Is another triangle here, too, and as near as the one that is seen, as far as depths are exact?
+    /// Does another triangle cover this point, too, at the same depth as the visible one, within their precision?
     fn is_tie(&self, other: usize, [x, y]: [f64; 2], seen: Seen) -> bool {
         let mut is_here = false;
         let distances = [(0.0, 0.0), (-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)].map(|(dx, dy)| {
@@ -306,23 +310,25 @@ impl<'a> Truth<'a> {
         nearest - error <= seen.distance && seen.distance <= farthest + error
     }
 
-    /// Of a perspective camera errors are relative to the depth; of an orthographic one to the depth of the scene.
+    /// The maximum error of a depth: relative to the depth for a perspective camera, to the radius of the scene for an
+    /// orthographic one.
     fn depth_error(&self, distance: f64) -> f64 {
         let scale = if self.perspective { distance.abs() } else { self.scene.bounds().radius() };
         scale * DEPTH_ERROR
     }
 
-    fn differs(&self, frame: &Frame, place: usize, seen: Seen, around: &[Seen]) -> Option<String> {
+    /// Describes the difference of a pixel from the ray caster; `None` if it is within the range of the rays around it.
+    fn difference(&self, frame: &Frame, index: usize, seen: Seen, around: &[Seen]) -> Option<String> {
         let range = |of: &dyn Fn(&Seen) -> f64| {
             let values = around.iter().map(of);
             values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)))
         };
         let (nearest, farthest) = range(&|s| s.distance);
-        let (error, depth) = (self.depth_error(seen.distance), f64::from(frame.planes.depth[place]));
+        let (error, depth) = (self.depth_error(seen.distance), f64::from(frame.planes.depth[index]));
         if !(nearest - error <= depth && depth <= farthest + error) {
             return Some(format!("depth {depth}, not {} ({nearest} to {farthest})", seen.distance));
         }
-        let normal = DVec3::from(frame.planes.normals[place].map(f64::from));
+        let normal = DVec3::from(frame.planes.normals[index].map(f64::from));
         let degrees = |a: DVec3, b: DVec3| a.cross(b).length().atan2(a.dot(b)).to_degrees();
         let spread = around.iter().map(|s| degrees(s.normal, seen.normal)).fold(0.0, f64::max);
         let off = degrees(normal, seen.normal);
@@ -331,9 +337,9 @@ impl<'a> Truth<'a> {
         }
         for k in 0..3 {
             let (low, high) = range(&|s| s.levels[k]);
-            let level = f64::from(frame.planes.color[place][k]);
+            let level = f64::from(frame.planes.color[index][k]);
             if !(low - LEVEL_ERROR <= level && level <= high + LEVEL_ERROR) {
-                return Some(format!("colour {:?}, not {:?}", frame.planes.color[place], seen.levels));
+                return Some(format!("colour {:?}, not {:?}", frame.planes.color[index], seen.levels));
             }
         }
         None

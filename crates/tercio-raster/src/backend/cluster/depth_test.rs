@@ -1,4 +1,4 @@
-//! Samples that a cluster covers against the depths of the tile.
+//! Depth test of the samples that a cluster covers.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, i32x16};
@@ -9,21 +9,21 @@ use crate::context::FrameContext;
 use crate::simd::{LANES, append};
 use crate::stats::BackEndCounts;
 
-/// The most samples that one scan of 16 triangles finds.
-const MOST_AT_ONCE: usize = match Size::Small.most_across() {
-    Some(most) => LANES * (most * most) as usize,
+/// The largest number of samples that one scan of 16 triangles can find.
+const MAX_PER_SCAN: usize = match Size::Small.max_across() {
+    Some(max) => LANES * (max * max) as usize,
     None => 0,
 };
-/// Room for one scan beside what other scans found.
-const CAPACITY: usize = 2 * MOST_AT_ONCE;
-/// Where the number of a triangle stands beside a place in the tile memory.
+/// Capacity for the samples of previous scans plus one more scan.
+const CAPACITY: usize = 2 * MAX_PER_SCAN;
+/// Position of the lowest bit of a triangle's number in a word that holds it above a sample index.
 pub const NUMBER_SHIFT: u32 = 16;
 
-/// Covered samples that wait for their depth test, in the order they were found.
+/// The queue of covered samples for the depth test, in the order in which they were found.
 #[derive(Debug)]
 pub struct Covered {
-    /// Places in the tile memory, and the numbers of the triangles in their cluster above [`NUMBER_SHIFT`].
-    place: [i32; CAPACITY + LANES],
+    /// Sample indices, with the triangles' numbers in their cluster in the bits from [`NUMBER_SHIFT`] on.
+    packed: [i32; CAPACITY + LANES],
     /// Depths, as the bits of an `f32`.
     depth: [i32; CAPACITY + LANES],
     count: usize,
@@ -32,59 +32,59 @@ pub struct Covered {
 impl Default for Covered {
     fn default() -> Self {
         let zero = [0; CAPACITY + LANES];
-        Self { place: zero, depth: zero, count: 0 }
+        Self { packed: zero, depth: zero, count: 0 }
     }
 }
 
-/// The samples that a cluster won, in the order in which it won them: of a sample that stands here more than
-/// once the last counts.
+/// The samples that a cluster won, in the order in which it won them. If a sample occurs more than once, its last entry
+/// is the visible one.
 #[derive(Debug, Default)]
 pub struct Winners {
-    /// Places in the tile memory; only the first [`Winners::len`] count.
-    place: Vec<i32>,
+    /// Sample indices; only the first [`Winners::len`] are valid.
+    sample_index: Vec<i32>,
     /// Numbers of the triangles in their cluster, likewise.
     triangle: Vec<u8>,
     count: usize,
 }
 
 impl Winners {
-    /// Forgets all.
+    /// Removes all.
     pub fn clear(&mut self) {
         self.count = 0;
     }
 
-    /// How many there are.
+    /// The number of winners.
     pub fn len(&self) -> usize {
         self.count
     }
 
-    /// There are none.
+    /// Are there none?
     pub fn is_empty(&self) -> bool {
         self.count == 0
     }
 
-    /// Their places in the tile memory.
-    pub fn places(&self) -> &[i32] {
-        &self.place[..self.count]
+    /// Their sample indices.
+    pub fn sample_indices(&self) -> &[i32] {
+        &self.sample_index[..self.count]
     }
 
-    /// 16 of them from number `first` on, a multiple of 16: places and triangles. The last is repeated where
-    /// there are fewer.
+    /// Sample indices and triangles of 16 winners from number `first` on, a multiple of 16. If there are fewer, the
+    /// last one is repeated.
     #[inline(always)]
     pub fn sixteen(&mut self, first: usize) -> (&[i32; LANES], &[u8; LANES]) {
         for i in self.count..first + LANES {
-            self.place[i] = self.place[self.count - 1];
+            self.sample_index[i] = self.sample_index[self.count - 1];
             self.triangle[i] = self.triangle[self.count - 1];
         }
-        let place = self.place[first..].first_chunk().unwrap_or(&[0; LANES]);
-        (place, self.triangle[first..].first_chunk().unwrap_or(&[0; LANES]))
+        let sample_index = self.sample_index[first..].first_chunk().unwrap_or(&[0; LANES]);
+        (sample_index, self.triangle[first..].first_chunk().unwrap_or(&[0; LANES]))
     }
 
-    /// Makes room for some more, and for reading and writing 16 at a time.
+    /// Makes room for this many more, plus 16 because they are read and written 16 at a time.
     #[inline(always)]
     fn reserve(&mut self, more: usize) {
         let room = self.count + more + LANES;
-        if self.place.len() < room {
+        if self.sample_index.len() < room {
             self.grow(room);
         }
     }
@@ -92,17 +92,17 @@ impl Winners {
     #[cold]
     #[inline(never)]
     fn grow(&mut self, room: usize) {
-        self.place.resize(2 * room, 0);
+        self.sample_index.resize(2 * room, 0);
         self.triangle.resize(2 * room, 0);
     }
 
-    /// To list what a triangle wins, at most `most` samples.
+    /// A writer for the winners of one triangle, at most `most` samples.
     #[inline(always)]
     pub fn of_triangle(&mut self, triangle: u8, most: usize) -> TriangleWinners<'_> {
         self.reserve(most);
         let count = self.count;
         TriangleWinners {
-            place: &mut self.place[count..],
+            sample_index: &mut self.sample_index[count..],
             numbers: &mut self.triangle[count..],
             triangle,
             total: &mut self.count,
@@ -111,26 +111,27 @@ impl Winners {
     }
 }
 
-/// What one triangle wins, on its way into [`Winners`].
+/// Writer of the winners of one triangle into [`Winners`], which must be committed with [`TriangleWinners::end`].
 pub struct TriangleWinners<'a> {
-    place: &'a mut [i32],
+    sample_index: &'a mut [i32],
     numbers: &'a mut [u8],
     triangle: u8,
-    /// Of all triangles up to this one.
+    /// Number of committed winners of all triangles.
     total: &'a mut usize,
+    /// Number of winners of this triangle.
     count: usize,
 }
 
 impl TriangleWinners<'_> {
-    /// Adds those of 16 samples, given by their places, that it won.
+    /// Adds those of 16 samples, given by their indices, that the triangle `won`.
     #[inline(always)]
-    pub fn push<S: Simd>(&mut self, simd: S, places: i32x16<S>, won: u32) {
-        append(simd, self.place, self.count, won, places);
+    pub fn push<S: Simd>(&mut self, simd: S, sample_indices: i32x16<S>, won: u32) {
+        append(simd, self.sample_index, self.count, won, sample_indices);
         self.numbers[self.count..self.count + LANES].fill(self.triangle);
         self.count += won.count_ones() as usize;
     }
 
-    /// That was all.
+    /// Commits the winners.
     #[inline(always)]
     pub fn end(self) {
         *self.total += self.count;
@@ -138,21 +139,21 @@ impl TriangleWinners<'_> {
 }
 
 impl Covered {
-    /// Adds the samples of some lanes; `place` holds the triangles' numbers too.
+    /// Adds the samples of some lanes; `packed` is the sample index with the triangle's number in the upper bits.
     #[inline(always)]
-    pub fn push<S: Simd>(&mut self, simd: S, lanes: u32, place: i32x16<S>, depth: f32x16<S>) {
-        append(simd, &mut self.place, self.count, lanes, place);
+    pub fn push<S: Simd>(&mut self, simd: S, lanes: u32, packed: i32x16<S>, depth: f32x16<S>) {
+        append(simd, &mut self.packed, self.count, lanes, packed);
         append(simd, &mut self.depth, self.count, lanes, depth.bitcast());
         self.count += lanes.count_ones() as usize;
     }
 
-    /// Has no room for another scan.
+    /// Is there no room for another scan?
     #[inline(always)]
     pub fn is_nearly_full(&self) -> bool {
-        self.count > CAPACITY - MOST_AT_ONCE
+        self.count > CAPACITY - MAX_PER_SCAN
     }
 
-    /// Tests all samples, one after another, and lists those that won.
+    /// Tests the depths of all samples, one after another, and appends those that pass to the winners.
     #[inline(always)]
     pub fn test(
         &mut self,
@@ -168,18 +169,18 @@ impl Covered {
         let mut won = winners.count;
         let depths = &mut tile.depth[..];
         let slots = &mut tile.slot[..depths.len()];
-        for (&place, &depth) in self.place[..count].iter().zip(&self.depth[..count]) {
-            let triangle = (place as u32) >> NUMBER_SHIFT;
-            let place = place as usize & ((1 << NUMBER_SHIFT) - 1);
+        for (&packed, &depth) in self.packed[..count].iter().zip(&self.depth[..count]) {
+            let triangle = (packed as u32) >> NUMBER_SHIFT;
+            let index = packed as usize & ((1 << NUMBER_SHIFT) - 1);
             let (depth, slot) = (f32::from_bits(depth as u32), first_slot + triangle);
-            let before = depths[place];
+            let before = depths[index];
             let mut wins = depth > before;
             if depth == before {
-                wins = lower_primitive(context, slot, slots[place]);
+                wins = lower_primitive(context, slot, slots[index]);
             }
-            depths[place] = if wins { depth } else { before };
-            slots[place] = if wins { slot } else { slots[place] };
-            winners.place[won] = place as i32;
+            depths[index] = if wins { depth } else { before };
+            slots[index] = if wins { slot } else { slots[index] };
+            winners.sample_index[won] = index as i32;
             winners.triangle[won] = triangle as u8;
             won += usize::from(wins);
         }

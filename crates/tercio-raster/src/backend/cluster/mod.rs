@@ -1,11 +1,11 @@
-//! A whole cluster into a tile: transform, set up 16 triangles at a time, test samples, test depths, shade.
+//! Draws a whole cluster into a tile: transform, triangle setup, coverage and depth tests.
 //!
-//! All that a cluster needs stays in registers and in the first-level cache from its vertices to its pixels:
-//! [`sieve`] drops the triangles that reach no sample and sorts the others by size, so that every lane is used
-//! from there on and branches go one way. [`setup`] makes edge functions and depth planes of 16 triangles, [`scan`]
-//! finds the samples that triangles of a few pixels cover, all 16 at once, and [`depth_test`] keeps those that are
-//! nearer than what was drawn. Larger triangles are drawn one by one, stamp after stamp ([`stamps`]). What won is shaded
-//! at once, 16 pixels at a time ([`shade::winners`](super::shade::winners)), from the vertices that lie ready.
+//! From its vertices to its pixels, the data of a cluster stays in registers and in the first-level cache. [`sieve`]
+//! drops the triangles that reach no sample and sorts the others by size, so that from then on all lanes are used and
+//! branches are predictable. [`setup`] computes edge functions and depth planes of 16 triangles, [`scan`] finds the
+//! samples that triangles of a few pixels cover, 16 triangles at once, and [`depth_test`] keeps those samples that are
+//! nearer than what was drawn before. Larger triangles are drawn one by one, stamp after stamp ([`stamps`]). Then the
+//! winners are shaded from the projected vertices, 16 at a time ([`shade::winners`](super::shade::winners)).
 
 mod depth_test;
 mod scan;
@@ -33,14 +33,14 @@ use stamps::Lanes;
 use super::memory::TileMemory;
 use super::visibility;
 
-/// What is kept from cluster to cluster.
+/// The memory for drawing a cluster, reused from cluster to cluster.
 #[derive(Debug, Default)]
 pub struct ClusterPass {
-    /// The cluster's vertices on the screen.
+    /// The cluster's projected vertices.
     pub vertices: LocalVertices,
     sieve: Sieve,
     covered: Covered,
-    /// What the cluster shows, for whoever shades it.
+    /// The samples that the cluster won, which are to be shaded.
     pub winners: Winners,
 }
 
@@ -97,14 +97,18 @@ impl ClusterPass {
                     Size::Tiny => scan::scan_tiny(simd, &triangles, lanes, numbers, tile, covered, tally),
                     Size::Small => scan::scan(simd, &triangles, lanes, numbers, tile, covered, tally),
                     Size::Medium => {
-                        let read = Lanes::<8>::new(simd, &triangles, tile);
+                        let setup = Lanes::<8>::new(simd, &triangles, tile);
                         let counts = tally.counts();
-                        stamps::draw(simd, context, &read, lanes, first_slot, numbers, tile, winners, counts);
+                        stamps::draw(
+                            simd, context, &setup, lanes, first_slot, numbers, tile, winners, counts,
+                        );
                     }
                     Size::Large | Size::Huge => {
-                        let read = Lanes::<LANES>::new(simd, &triangles, tile);
+                        let setup = Lanes::<LANES>::new(simd, &triangles, tile);
                         let counts = tally.counts();
-                        stamps::draw(simd, context, &read, lanes, first_slot, numbers, tile, winners, counts);
+                        stamps::draw(
+                            simd, context, &setup, lanes, first_slot, numbers, tile, winners, counts,
+                        );
                     }
                 }
                 if covered.is_nearly_full() {
@@ -116,7 +120,7 @@ impl ClusterPass {
     }
 }
 
-/// Draws triangles for which stamps of one row do not suffice, one by one.
+/// Draws [`Size::Huge`] triangles, one by one.
 #[expect(clippy::too_many_arguments, reason = "one call site; a struct would only rename them")]
 #[inline(never)]
 fn draw_huge<S: Simd>(
@@ -133,7 +137,7 @@ fn draw_huge<S: Simd>(
     for &number in numbers {
         let v = corners.of(number).map(|corner| vertices.vertex(corner));
         let triangle = ScreenTriangle::new(v, first_slot + u32::from(number));
-        // One without area covers nothing, and has no edges to draw it by.
+        // A triangle without area covers nothing, and its edge functions are not defined.
         if triangle.area() == 0 {
             continue;
         }
@@ -141,21 +145,21 @@ fn draw_huge<S: Simd>(
     }
 }
 
-/// Asks the memory for the head of a cluster that will be drawn soon.
+/// Prefetches the head of a cluster that will be drawn soon.
 #[inline(always)]
 pub fn prefetch_head(context: &FrameContext, binned: &BinnedCluster) {
     let (_, cluster) = context.cluster(binned.number);
     prefetch(cluster.first_line());
 }
 
-/// Asks the memory for the vertices and triangles of a cluster that will be drawn soon.
+/// Prefetches the vertices and triangles of a cluster that will be drawn soon.
 #[inline(always)]
 pub fn prefetch_body(context: &FrameContext, binned: &BinnedCluster) {
     let (_, cluster) = context.cluster(binned.number);
     prefetch(&cluster.hot_lines()[1..]);
 }
 
-/// True only if everything in a part of a tile is nearer than a cluster can be.
+/// Occlusion test: is everything drawn in a cluster's part of a tile nearer than the cluster can be?
 #[inline(always)]
 pub fn is_hidden<S: Simd>(simd: S, binned: &BinnedCluster, tile: &TileMemory) -> bool {
     let [x0, x1, y0, y1] = binned.rect.map(i32::from);

@@ -1,4 +1,4 @@
-//! Triangles of a few pixels: one sample of each of 16 triangles at a time.
+//! Coverage of triangles of a few pixels: tests one sample in each of 16 triangles at a time.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, i32x16, mask32x16};
@@ -10,8 +10,8 @@ use crate::backend::tally::Tally;
 use crate::conventions::SUBPIXELS;
 use crate::simd::{LANES, each3, part, splat_i};
 
-/// [`scan`] of triangles whose bounding boxes hold at most 2x2 samples, without a branch: whether a sample is
-/// covered cannot be foreseen.
+/// [`scan`] for triangles whose bounding boxes contain at most 2x2 samples, branch-free: whether a sample is covered
+/// cannot be predicted.
 #[inline(always)]
 pub fn scan_tiny<S: Simd, T: Tally>(
     simd: S,
@@ -30,7 +30,7 @@ pub fn scan_tiny<S: Simd, T: Tally>(
                 let lanes = mask32x16::from_bitmask(simd, u64::from(lanes));
                 let number = number_bits(simd, numbers);
                 let in_row = lanes & t.extent[1].simd_ge(splat_i(simd, row));
-                let row_place = tile.places(t.first[0], t.first[1] + row) + number;
+                let row_start = tile.places(t.first[0], t.first[1] + row) + number;
                 let along_y = (t.from_anchor[1] + row * SUBPIXELS).to_float::<f32x16<S>>() * t.slope[1];
                 for column in 0..2 {
                     let in_box = in_row & t.extent[0].simd_ge(splat_i(simd, column));
@@ -41,14 +41,14 @@ pub fn scan_tiny<S: Simd, T: Tally>(
                     let hits = in_box & ((e[0] | e[1]) | e[2]).simd_ge(splat_i(simd, 0));
                     let right = (t.from_anchor[0] + column * SUBPIXELS).to_float::<f32x16<S>>();
                     let depth = ((right * t.slope[0] + along_y) + t.base).max(t.base).min(t.nearest);
-                    covered.push(simd, hits.to_bitmask() as u32 & 0xffff, row_place + column, depth);
+                    covered.push(simd, hits.to_bitmask() as u32 & 0xffff, row_start + column, depth);
                 }
             },
         );
     }
 }
 
-/// Numbers of triangles, where [`Covered`] wants them.
+/// Numbers of triangles, shifted to the bits where [`Covered`] expects them.
 #[inline(always)]
 fn number_bits<S: Simd>(simd: S, numbers: &[u8; LANES]) -> i32x16<S> {
     let mut wide = [0; LANES];
@@ -58,7 +58,7 @@ fn number_bits<S: Simd>(simd: S, numbers: &[u8; LANES]) -> i32x16<S> {
     i32x16::load_array(simd, wide)
 }
 
-/// Lists the samples that triangles of some lanes cover; `numbers` are the triangles' in their cluster.
+/// Appends the samples that the triangles in some lanes cover; `numbers` are the triangles' numbers in their cluster.
 #[inline(always)]
 pub fn scan<S: Simd, T: Tally>(
     simd: S,
@@ -74,7 +74,7 @@ pub fn scan<S: Simd, T: Tally>(
         #[inline(always)]
         || {
             let lanes = mask32x16::from_bitmask(simd, u64::from(lanes));
-            let mut row_place = tile.places(t.first[0], t.first[1]) + number_bits(simd, numbers);
+            let mut row_start = tile.places(t.first[0], t.first[1]) + number_bits(simd, numbers);
             let mut down = t.from_anchor[1];
             let mut at_row = t.c;
             let mut row = 0;
@@ -84,7 +84,7 @@ pub fn scan<S: Simd, T: Tally>(
                     break;
                 }
                 let along_y = down.to_float::<f32x16<S>>() * t.slope[1];
-                let mut place = row_place;
+                let mut packed = row_start;
                 let mut right = t.from_anchor[0];
                 let mut e = at_row;
                 let mut column = 0;
@@ -101,15 +101,15 @@ pub fn scan<S: Simd, T: Tally>(
                     if bits != 0 {
                         let depth = (right.to_float::<f32x16<S>>() * t.slope[0] + along_y) + t.base;
                         let depth = depth.max(t.base).min(t.nearest);
-                        covered.push(simd, bits, place, depth);
+                        covered.push(simd, bits, packed, depth);
                     }
                     e = each3!(K => e[K] + t.a[K]);
-                    place += 1;
+                    packed += 1;
                     right += SUBPIXELS;
                     column += 1;
                 }
                 at_row = each3!(K => at_row[K] + t.b[K]);
-                row_place += tile.stride() as i32;
+                row_start += tile.stride() as i32;
                 down += SUBPIXELS;
                 row += 1;
             }

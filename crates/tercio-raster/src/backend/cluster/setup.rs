@@ -1,8 +1,7 @@
-//! Edge functions and depth planes of 16 small triangles at once.
+//! Triangle setup: edge functions and depth planes of 16 small triangles at once.
 //!
-//! The numbers are the very same that [`Edges`](crate::screen::Edges) and
-//! [`DepthPlane`](crate::screen::DepthPlane) find for a triangle of any size, relative to the first sample of
-//! its bounding box inside the tile.
+//! The values are exactly those of [`Edges`](crate::screen::Edges) and [`DepthPlane`](crate::screen::DepthPlane), but
+//! relative to the first sample of the triangle's bounding box inside the tile.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, i32x16};
@@ -12,35 +11,35 @@ use crate::projection::{Anchored, CornerNumbers, LocalVertices, ScreenTriangles}
 use crate::screen::PixelRect;
 use crate::simd::{each3, part, splat, splat_i};
 
-/// 16 triangles of less than [`crate::conventions::SMALL_EXTENT`] sub-pixels across and down. Lanes whose
-/// bounding box holds no sample hold nothing of use.
+/// 16 triangles of less than [`crate::conventions::SMALL_EXTENT`] sub-pixels across and down. Lanes whose bounding box
+/// contains no sample are not valid.
 pub struct SmallTriangles<S: Simd> {
     /// Column and row of the first sample in the tile.
     pub first: [i32x16<S>; 2],
-    /// How many samples further the last column and row are.
+    /// Distance to the last column and row, in samples.
     pub extent: [i32x16<S>; 2],
     /// Value of the edge functions at the first sample.
     pub c: [i32x16<S>; 3],
-    /// Growth a pixel to the right.
+    /// Increments of the edge functions per pixel to the right.
     pub a: [i32x16<S>; 3],
-    /// Growth a pixel downwards.
+    /// Increments of the edge functions per pixel downwards.
     pub b: [i32x16<S>; 3],
-    /// From the farthest corner, where depth is reckoned from, to the first sample, in sub-pixels.
+    /// From the anchor (the farthest corner, from which depth is interpolated) to the first sample, in sub-pixels.
     pub from_anchor: [i32x16<S>; 2],
-    /// Depth at that corner: the least of the triangle.
+    /// Depth of the anchor, the smallest of the triangle.
     pub base: f32x16<S>,
-    /// The greatest depth of the triangle.
+    /// The largest depth of the triangle.
     pub nearest: f32x16<S>,
-    /// Growth of depth a sub-pixel to the right and downwards.
+    /// Increments of depth per sub-pixel to the right and downwards.
     pub slope: [f32x16<S>; 2],
 }
 
 impl<S: Simd> SmallTriangles<S> {
-    /// Sets 16 triangles up; only samples inside `rect` count, the part of the tile that lies in the picture.
+    /// Sets up 16 triangles; only samples inside `rect` count, the part of the tile that is inside the picture.
     #[inline(always)]
     pub fn new(simd: S, vertices: &LocalVertices, corners: &CornerNumbers, rect: PixelRect) -> Self {
-        let seen = vertices.see(rect);
-        let t = ScreenTriangles::new(simd, vertices.coordinates(simd, corners), seen);
+        let local = vertices.to_local(rect);
+        let t = ScreenTriangles::new(simd, vertices.coordinates(simd, corners), local);
         let Anchored { x, y, d } = Anchored::new(simd, vertices.depths(simd, corners), &t);
         let area = part(
             simd,
@@ -48,7 +47,7 @@ impl<S: Simd> SmallTriangles<S> {
             || t.area(),
         );
         let slope = depth_slope(simd, x, y, d, area);
-        let [a, b] = edge_growth(simd, x, y, area);
+        let [a, b] = edge_increments(simd, x, y, area);
         part(
             simd,
             #[inline(always)]
@@ -57,7 +56,7 @@ impl<S: Simd> SmallTriangles<S> {
                 let sample_x = (first[0] << SUBPIXEL_BITS) + SAMPLE;
                 let sample_y = (first[1] << SUBPIXEL_BITS) + SAMPLE;
                 Self {
-                    first: [first[0] - seen.x0, first[1] - seen.y0],
+                    first: [first[0] - local.x0, first[1] - local.y0],
                     extent: [t.columns[1] - first[0], t.rows[1] - first[1]],
                     c: edge_values(simd, x, y, a, b, [sample_x, sample_y]),
                     a,
@@ -72,7 +71,7 @@ impl<S: Simd> SmallTriangles<S> {
     }
 }
 
-/// Growth of depth a sub-pixel to the right and downwards, from corners of which the farthest comes first.
+/// Increments of depth per sub-pixel to the right and downwards, from corners of which the farthest comes first.
 #[inline(always)]
 fn depth_slope<S: Simd>(
     simd: S,
@@ -94,9 +93,9 @@ fn depth_slope<S: Simd>(
     )
 }
 
-/// Growth of the edge functions a pixel to the right and downwards, so that the inside is positive.
+/// Increments of the edge functions per pixel to the right and downwards, with signs such that the inside is positive.
 #[inline(always)]
-fn edge_growth<S: Simd>(
+fn edge_increments<S: Simd>(
     simd: S,
     x: [i32x16<S>; 3],
     y: [i32x16<S>; 3],

@@ -1,4 +1,5 @@
-//! Which triangles of a cluster reach a sample of a tile, and how many.
+//! The sieve: drops the triangles of a cluster whose bounding boxes contain no sample of a tile, and sorts the others
+//! by the number of samples in their bounding boxes.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, i32x16, u8x64, u16x32, u32x16};
@@ -8,20 +9,20 @@ use crate::conventions::{SAMPLE, SUBPIXEL_BITS};
 use crate::projection::{CornerTable, LocalVertices, ScreenTriangles};
 use crate::screen::PixelRect;
 use crate::settings::Cull;
-use crate::simd::{LANES, MANY, append_numbers, each3, live_lanes, part, splat_i};
+use crate::simd::{BYTE_LANES, LANES, append_numbers, each3, live_lanes, part, splat_i};
 
-/// Which triangles are kept.
+/// The criteria for triangles to be kept.
 #[derive(Clone, Copy, Debug)]
 pub struct Keep {
-    /// Those that reach a sample of these pixels,
+    /// The pixels of which a triangle must reach a sample.
     pub rect: PixelRect,
-    /// and are not left out by their facing,
+    /// Face culling.
     pub cull: Cull,
-    /// in an instance that is a mirror image.
+    /// Whether the instance is a mirror image.
     pub mirrored: bool,
 }
 
-/// How many samples the bounding box of a triangle holds.
+/// Size class of a triangle, by the samples in its bounding box inside the tile.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Size {
     /// At most 2 across and down.
@@ -32,7 +33,7 @@ pub enum Size {
     Medium,
     /// At most 16 across.
     Large,
-    /// More, or more than edge functions of 32 bits serve, whatever samples of it the tile holds.
+    /// More, or a triangle too large for edge functions of 32 bits, however few of its samples are in the tile.
     Huge,
 }
 
@@ -40,8 +41,8 @@ impl Size {
     /// All, smallest first.
     pub const ALL: [Self; 5] = [Self::Tiny, Self::Small, Self::Medium, Self::Large, Self::Huge];
 
-    /// The most samples across; none for the last.
-    pub const fn most_across(self) -> Option<i32> {
+    /// The largest number of samples across, if it is limited.
+    pub const fn max_across(self) -> Option<i32> {
         match self {
             Self::Tiny => Some(2),
             Self::Small => Some(4),
@@ -51,40 +52,42 @@ impl Size {
         }
     }
 
-    /// The most samples down, where it matters.
-    pub const fn most_down(self) -> Option<i32> {
+    /// The largest number of samples down, if it is limited.
+    pub const fn max_down(self) -> Option<i32> {
         match self {
-            Self::Tiny | Self::Small => self.most_across(),
+            Self::Tiny | Self::Small => self.max_across(),
             Self::Medium | Self::Large | Self::Huge => None,
         }
     }
 }
 
-/// The samples of a tile beside the vertices of a cluster, in bytes: a bound of 64 triangles fits into one register.
+/// Per vertex of a cluster, the bounds of the samples next to it, as bytes: a bound for 64 vertices or triangles fits
+/// into one register.
 ///
-/// Samples are counted from the tile's first one, and a bound outside the tile is moved to its border. That keeps the
-/// order of bounds, so those of a triangle inside the tile are the least and the greatest of its corners'.
+/// Columns and rows of samples are counted from the first sample of the tile, and bounds outside the tile are clamped
+/// to its border. Clamping preserves the order of bounds, so the bounds of a triangle inside the tile are the smallest
+/// and the largest of its corners' bounds.
 struct Reach<S: Simd> {
-    /// First column and first row of samples at or behind each vertex.
+    /// First column of samples at or right of each vertex, and first row at or below it.
     first: [u8x64<S>; 2],
-    /// First column and first row of samples behind it.
+    /// First column of samples right of each vertex, and first row below it.
     end: [u8x64<S>; 2],
 }
 
 impl<S: Simd> Reach<S> {
-    /// Of samples inside `rect`, at most 128 across and down.
+    /// The bounds within `rect`, which is at most 128 pixels across and down.
     #[inline(always)]
     fn new(simd: S, vertices: &LocalVertices, rect: PixelRect) -> Self {
         part(
             simd,
             #[inline(always)]
             || {
-                let seen = vertices.see(rect);
-                let up = [SAMPLE - (seen.x0 << SUBPIXEL_BITS), SAMPLE - (seen.y0 << SUBPIXEL_BITS)];
-                let first = whole_pixels(simd, vertices, [up[0] - 1, up[1] - 1]);
-                let end = whole_pixels(simd, vertices, up);
-                let across = u8x64::splat(simd, (seen.x1 - seen.x0 + 1) as u8);
-                let down = u8x64::splat(simd, (seen.y1 - seen.y0 + 1) as u8);
+                let local = vertices.to_local(rect);
+                let offset = [SAMPLE - (local.x0 << SUBPIXEL_BITS), SAMPLE - (local.y0 << SUBPIXEL_BITS)];
+                let first = whole_pixels(simd, vertices, [offset[0] - 1, offset[1] - 1]);
+                let end = whole_pixels(simd, vertices, offset);
+                let across = u8x64::splat(simd, (local.x1 - local.x0 + 1) as u8);
+                let down = u8x64::splat(simd, (local.y1 - local.y0 + 1) as u8);
                 Self {
                     first: [first[0].min(across), first[1].min(down)],
                     end: [end[0].min(across), end[1].min(down)],
@@ -93,7 +96,7 @@ impl<S: Simd> Reach<S> {
         )
     }
 
-    /// How many columns and rows of samples the bounding boxes of 64 triangles hold.
+    /// Number of columns and rows of samples in the bounding boxes of 64 triangles.
     #[inline(always)]
     fn samples(&self, corners: &[u8x64<S>; 3]) -> [u8x64<S>; 2] {
         [self.samples_along(0, corners), self.samples_along(1, corners)]
@@ -108,35 +111,35 @@ impl<S: Simd> Reach<S> {
     }
 }
 
-/// Coordinates of a cluster's vertices, `up` sub-pixels added, in whole pixels from 0 to 255: x, y.
+/// Coordinates of a cluster's vertices plus `offset` sub-pixels, in whole pixels clamped to 0 to 255: x, y.
 #[inline(always)]
-fn whole_pixels<S: Simd>(simd: S, vertices: &LocalVertices, up: [i32; 2]) -> [u8x64<S>; 2] {
+fn whole_pixels<S: Simd>(simd: S, vertices: &LocalVertices, offset: [i32; 2]) -> [u8x64<S>; 2] {
     let both = |x: i32, y: i32| (x.clamp(0, 0xffff) | y.clamp(0, 0xffff) << 16) as u32;
-    let more: u16x32<S> = u32x16::splat(simd, both(up[0], up[1])).bitcast();
-    let less: u16x32<S> = u32x16::splat(simd, both(-up[0], -up[1])).bitcast();
+    let more: u16x32<S> = u32x16::splat(simd, both(offset[0], offset[1])).bitcast();
+    let less: u16x32<S> = u32x16::splat(simd, both(-offset[0], -offset[1])).bitcast();
     let [a, b, c, d] = vertices.packed(simd);
     let a = a.saturating_add(more).saturating_sub(less).bitcast::<u8x64<S>>();
     let b = b.saturating_add(more).saturating_sub(less).bitcast::<u8x64<S>>();
     let c = c.saturating_add(more).saturating_sub(less).bitcast::<u8x64<S>>();
     let d = d.saturating_add(more).saturating_sub(less).bitcast::<u8x64<S>>();
-    // The upper byte of 16 bits counts whole pixels. Those of x and y stand alternately.
+    // The upper byte of 16 bits is the whole pixel. Bytes of x and y are interleaved.
     let (ab, cd) = (a.unzip_high(b), c.unzip_high(d));
     [ab.unzip_low(cd), ab.unzip_high(cd)]
 }
 
-/// The triangles of a cluster that are drawn, by their number in it, in lists by size.
+/// The triangles of a cluster to draw, as numbers in the cluster, in one list per size.
 #[derive(Debug)]
 pub struct Sieve {
     numbers: [List; Size::ALL.len()],
     counts: [usize; Size::ALL.len()],
 }
 
-/// Numbers of triangles, with room for [`append_numbers`].
-type List = [u8; MAX_TRIANGLES + MANY];
+/// Numbers of triangles, with the padding that [`append_numbers`] requires.
+type List = [u8; MAX_TRIANGLES + BYTE_LANES];
 
 impl Default for Sieve {
     fn default() -> Self {
-        Self { numbers: [[0; MAX_TRIANGLES + MANY]; Size::ALL.len()], counts: [0; Size::ALL.len()] }
+        Self { numbers: [[0; MAX_TRIANGLES + BYTE_LANES]; Size::ALL.len()], counts: [0; Size::ALL.len()] }
     }
 }
 
@@ -154,7 +157,7 @@ impl Sieve {
         self.counts = [0; Size::ALL.len()];
         let reach = Reach::new(simd, vertices, keep.rect);
         let by_area = vertices.is_wide || !matches!(keep.cull, Cull::Auto | Cull::None);
-        let (mut reached, mut count_reached) = ([0; MAX_TRIANGLES + MANY], 0);
+        let (mut reached, mut count_reached) = ([0; MAX_TRIANGLES + BYTE_LANES], 0);
         let mut first = 0;
         while first < count.min(MAX_TRIANGLES) {
             part(
@@ -163,7 +166,7 @@ impl Sieve {
                 || {
                     let [across, down] = reach.samples(&corners.of_64(simd, first));
                     let left = count - first;
-                    let live = if left >= MANY { u64::MAX } else { (1 << left) - 1 };
+                    let live = if left >= BYTE_LANES { u64::MAX } else { (1 << left) - 1 };
                     let mut hits = !across.min(down).simd_eq(0).to_bitmask() & live;
                     if by_area {
                         append_numbers(simd, &mut reached, count_reached, hits, first as u8);
@@ -176,8 +179,8 @@ impl Sieve {
                             break;
                         }
                         let mut of_size = hits;
-                        if let Some(limit) = size.most_across() {
-                            let extent = if size.most_down().is_some() { most } else { across };
+                        if let Some(limit) = size.max_across() {
+                            let extent = if size.max_down().is_some() { most } else { across };
                             of_size &= extent.simd_le(limit as u8).to_bitmask();
                         }
                         self.add(simd, size, of_size, first);
@@ -185,15 +188,15 @@ impl Sieve {
                     }
                 },
             );
-            first += MANY;
+            first += BYTE_LANES;
         }
         if by_area {
             self.sort_by_area(simd, vertices, corners, &reached, count_reached, keep);
         }
     }
 
-    /// Sorts triangles that reach a sample, and leaves out those that show the side that is culled; some of them may be
-    /// too large for the lists of small ones. Not inlined: few clusters come here.
+    /// Sorts the triangles that reach a sample, if they have to be tested by area: drops those that show the culled
+    /// side, and finds those too large for edge functions of 32 bits. Not inlined, because few clusters need it.
     #[cold]
     #[inline(never)]
     fn sort_by_area<S: Simd>(
@@ -208,7 +211,7 @@ impl Sieve {
         simd.vectorize(
             #[inline(always)]
             || {
-                let rect = vertices.see(keep.rect);
+                let rect = vertices.to_local(keep.rect);
                 let (chunks, _) = reached.as_chunks::<LANES>();
                 for (numbers, first) in chunks.iter().zip((0..count).step_by(LANES)) {
                     let corners = corners.look_up(simd, numbers);
@@ -232,11 +235,11 @@ impl Sieve {
                             let mut left = kept & !huge;
                             for size in Size::ALL {
                                 let mut of_size = left;
-                                if let Some(most) = size.most_across() {
-                                    of_size &= across.simd_lt(splat_i(simd, most)).to_bitmask() as u32;
+                                if let Some(max) = size.max_across() {
+                                    of_size &= across.simd_lt(splat_i(simd, max)).to_bitmask() as u32;
                                 }
-                                if let Some(most) = size.most_down() {
-                                    of_size &= down.simd_lt(splat_i(simd, most)).to_bitmask() as u32;
+                                if let Some(max) = size.max_down() {
+                                    of_size &= down.simd_lt(splat_i(simd, max)).to_bitmask() as u32;
                                 }
                                 if size == Size::Huge {
                                     of_size |= kept & huge;
@@ -251,7 +254,7 @@ impl Sieve {
         );
     }
 
-    /// Adds triangles to a list: number `first` of the cluster is bit 0.
+    /// Adds triangles to a list: bit 0 is triangle `first` of the cluster.
     #[inline(always)]
     fn add<S: Simd>(&mut self, simd: S, size: Size, bits: u64, first: usize) {
         let count = &mut self.counts[size as usize];
@@ -259,7 +262,7 @@ impl Sieve {
         *count += bits.count_ones() as usize;
     }
 
-    /// Adds the triangles of some lanes to a list.
+    /// Adds the triangles in some lanes to a list.
     #[inline(always)]
     fn add_some(&mut self, size: Size, mut lanes: u32, numbers: &[u8; LANES]) {
         let count = &mut self.counts[size as usize];
@@ -270,12 +273,12 @@ impl Sieve {
         }
     }
 
-    /// Triangles that are drawn.
+    /// Number of triangles to draw.
     pub fn len(&self) -> u64 {
         self.counts.iter().sum::<usize>() as u64
     }
 
-    /// Triangles of one size, 16 at a time, with the lanes that hold one; the others hold some other triangle.
+    /// Triangles of one size, 16 at a time, each with the mask of the lanes in use; other lanes have arbitrary values.
     #[inline(always)]
     pub fn of_size(&self, size: Size) -> impl Iterator<Item = (&[u8; LANES], u32)> {
         let count = self.counts[size as usize];
@@ -287,8 +290,7 @@ impl Sieve {
     }
 }
 
-/// Of some lanes, those whose triangle appears clockwise and those where it appears counter-clockwise, from areas of
-/// 64 bits.
+/// Of some lanes, the masks of clockwise and of counter-clockwise triangles, computed with areas of 64 bits.
 #[cold]
 #[inline(never)]
 fn sides_of<S: Simd>(t: &ScreenTriangles<S>, lanes: u32) -> [u32; 2] {

@@ -1,4 +1,4 @@
-//! Triangles of more than a few pixels, one by one, in stamps of 16 samples.
+//! Draws triangles of more than a few pixels one by one, in stamps of 16 samples.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, i32x16};
@@ -11,19 +11,22 @@ use crate::conventions::SUBPIXELS;
 use crate::simd::{LANES, each3, part, splat, splat_i};
 use crate::stats::BackEndCounts;
 
-/// [`SmallTriangles`] of at most `WIDTH` samples across, to be drawn one by one in stamps of rows of `WIDTH`.
+/// [`SmallTriangles`] of at most `WIDTH` samples across, unpacked to draw them one by one in stamps with rows of
+/// `WIDTH` samples.
 pub struct Lanes<const WIDTH: usize> {
-    /// Place of the first sample of the first stamp.
-    place: [i32; LANES],
-    /// Last column of a stamp that lies in the bounding box.
+    /// Index of the first sample of the first stamp.
+    sample_index: [i32; LANES],
+    /// Last column of a stamp that is in the bounding box.
     last_column: [i32; LANES],
-    /// Rows below the first.
+    /// Number of rows below the first.
     below: [i32; LANES],
-    /// Values of the edge functions at the first sample.
+    /// Values of the edge functions at the first sample of the first stamp.
     c: [[i32; LANES]; 3],
+    /// Increments of the edge functions per pixel to the right.
     a: [[i32; LANES]; 3],
+    /// Increments of the edge functions per pixel downwards.
     b: [[i32; LANES]; 3],
-    /// From the farthest corner to the first sample, in sub-pixels.
+    /// From the anchor to the first sample of the first stamp, in sub-pixels.
     from_anchor: [[f32; LANES]; 2],
     base: [f32; LANES],
     nearest: [f32; LANES],
@@ -31,19 +34,19 @@ pub struct Lanes<const WIDTH: usize> {
 }
 
 impl<const WIDTH: usize> Lanes<WIDTH> {
-    /// Writes the lanes out.
+    /// Unpacks the lanes.
     #[inline(always)]
     pub fn new<S: Simd>(simd: S, t: &SmallTriangles<S>, tile: &TileMemory) -> Self {
         part(
             simd,
             #[inline(always)]
             || {
-                // A stamp does not reach over the end of a row: it begins so much further left.
+                // A stamp must not extend over the end of a row of the tile: near the end it is moved to the left.
                 let first = t.first[0].min(splat_i(simd, tile.last_column_of_stamps::<WIDTH>()));
                 let right = first - t.first[0];
                 let c = each3!(K => t.c[K] + t.a[K] * right);
                 Self {
-                    place: tile.places(first, t.first[1]).to_array(),
+                    sample_index: tile.places(first, t.first[1]).to_array(),
                     last_column: (t.extent[0] - right).to_array(),
                     below: t.extent[1].to_array(),
                     c: each3!(K => c[K].to_array()),
@@ -62,8 +65,8 @@ impl<const WIDTH: usize> Lanes<WIDTH> {
     }
 }
 
-/// Draws the triangles of some lanes. `first_slot` is that of the cluster's first triangle, `numbers` the triangles' in
-/// the cluster.
+/// Draws the triangles in some lanes. `first_slot` is the slot of the cluster's first triangle, `numbers` are the
+/// triangles' numbers in the cluster.
 #[expect(clippy::too_many_arguments, reason = "one call site; a struct would only rename them")]
 #[inline(always)]
 pub fn draw<S: Simd, const WIDTH: usize>(
@@ -81,7 +84,7 @@ pub fn draw<S: Simd, const WIDTH: usize>(
     let (lane_x, lane_y) = (lane_columns::<S, WIDTH>(simd), lane_rows::<S, WIDTH>(simd));
     let lane_dx = (lane_x * SUBPIXELS).to_float::<f32x16<S>>();
     let lane_dy = (lane_y * SUBPIXELS).to_float::<f32x16<S>>();
-    let lane_place = tile.places(lane_x, lane_y);
+    let lane_index = tile.places(lane_x, lane_y);
     let step = rows as usize * tile.stride();
     let mut samples = tile.samples_mut();
     let (mut stamps, mut samples_covered) = (0, 0);
@@ -95,7 +98,7 @@ pub fn draw<S: Simd, const WIDTH: usize>(
         let (base, nearest) = (splat(simd, t.base[i]), splat(simd, t.nearest[i]));
         let along_x = (lane_dx + t.from_anchor[0][i]) * t.slope[0][i];
         let mut dy = lane_dy + t.from_anchor[1][i];
-        let mut place = t.place[i] as usize;
+        let mut index = t.sample_index[i] as usize;
         let mut below = t.below[i];
         let mut won = winners.of_triangle(numbers[i], (below / rows + 1) as usize * LANES);
         while below >= 0 {
@@ -106,11 +109,11 @@ pub fn draw<S: Simd, const WIDTH: usize>(
             let depth = ((along_x + dy * t.slope[1][i]) + base).max(base).min(nearest);
             stamps += 1;
             samples_covered += covered.to_bitmask().count_ones();
-            let wins = samples.write::<S, WIDTH>(simd, context, place, covered, depth, slot);
-            won.push(simd, lane_place + place as i32, wins);
+            let wins = samples.write::<S, WIDTH>(simd, context, index, covered, depth, slot);
+            won.push(simd, lane_index + index as i32, wins);
             e = each3!(K => e[K] + e_step[K]);
             dy += (SUBPIXELS * rows) as f32;
-            place += step;
+            index += step;
             below -= rows;
         }
         won.end();

@@ -1,5 +1,5 @@
-//! What a shading kernel is asked for: answered at run time by a [`Look`], or at compile time by a [`Common`] look, for
-//! which the same kernel is compiled again without the questions.
+//! The features of the shading kernel: given at run time by a [`Look`], or at compile time by a [`Common`] look, for
+//! which the same kernel is specialized, without branches on features.
 
 use tercio_scene::Instance;
 
@@ -8,25 +8,25 @@ use crate::context::FrameContext;
 use crate::frame::Outputs;
 use crate::settings::Shading;
 
-/// Questions of the kernel.
+/// The shading features that a kernel is specialized for or branches on.
 pub trait Features: Copy {
-    /// All answers are known at compile time.
+    /// All features are known at compile time.
     const ARE_CONSTANT: bool;
     /// Where light is computed.
     fn shading(self) -> Shading;
     /// Where the colour comes from.
     fn colors(self) -> ColorSource;
-    /// Do the vertices have normals?
+    /// Does the mesh have vertex normals?
     fn normals(self) -> bool;
     /// Are the triangles' planes needed?
     fn plane(self) -> bool;
-    /// Does light depend on where a point is?
+    /// Are there point lights, so that light depends on position?
     fn near_lights(self) -> bool;
-    /// Do lights leave highlights?
+    /// Is the surface specular?
     fn highlights(self) -> bool;
-    /// Are 8-bit colours asked for?
+    /// Are 8-bit colours requested?
     fn color(self) -> bool;
-    /// Is another plane of the frame asked for?
+    /// Is any other plane of the frame requested?
     fn more(self) -> bool;
 
     /// Are positions of corners needed?
@@ -36,7 +36,7 @@ pub trait Features: Copy {
     }
 }
 
-/// Answers at run time.
+/// Shading features at run time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Look {
     shading: Shading,
@@ -50,7 +50,8 @@ pub struct Look {
 }
 
 impl Look {
-    /// Of pixels of an instance; `normals_agree` as in [`Cluster::NORMALS_AGREE`](tercio_mesh::cluster::Cluster::NORMALS_AGREE).
+    /// The features for pixels of an instance; `normals_agree` as in
+    /// [`Cluster::NORMALS_AGREE`](tercio_mesh::cluster::Cluster::NORMALS_AGREE).
     #[inline(always)]
     pub fn new(context: &FrameContext, instance: usize, normals_agree: bool, outputs: &Outputs) -> Self {
         let Instance { mesh, surface, .. } = &context.scene.instances[instance];
@@ -68,7 +69,7 @@ impl Look {
         }
     }
 
-    /// The look that some features describe.
+    /// The look with the given features.
     pub fn describe(features: impl Features) -> Self {
         Self {
             shading: features.shading(),
@@ -82,7 +83,7 @@ impl Look {
         }
     }
 
-    /// Is this the look that a kernel was compiled for?
+    /// Does the look have exactly the given features, so that their kernel can draw it?
     #[inline(always)]
     pub fn is(self, features: impl Features) -> bool {
         self == Self::describe(features)
@@ -93,7 +94,7 @@ impl Look {
 #[inline(always)]
 pub fn needs_plane(context: &FrameContext, instance: usize, normals_agree: bool) -> bool {
     let normals = context.scene.instances[instance].mesh.layout().normals;
-    // Where not all directions are scaled alike, normals may change sides on the way to world space.
+    // If the instance is not scaled alike in all directions, normals may change sides in the transform to world space.
     let agree = normals_agree && context.objects[instance].similarity.is_some();
     context.settings.shading == Shading::Flat || !normals || !agree
 }
@@ -134,8 +135,8 @@ impl Features for Look {
     }
 }
 
-/// The look of most pictures: normals at the vertices, one colour for the surface, distant lights, 8-bit colours and
-/// nothing else. It asks for so little that all of it stays in registers.
+/// The look of most pictures: vertex normals, one colour for the surface, directional lights, and 8-bit colours as the
+/// only plane. Its kernel is small enough to keep all values in registers.
 #[derive(Clone, Copy)]
 pub struct Common<const HIGHLIGHTS: bool>;
 

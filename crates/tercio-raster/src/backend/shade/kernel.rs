@@ -1,4 +1,5 @@
-//! The shading kernel: 16 pixels of one instance, from the corners of their triangles to the planes of the picture.
+//! The shading kernel: shades 16 pixels of one instance, given the corners of their triangles, and writes them to the
+//! planes of the picture.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, mask32x16};
@@ -18,24 +19,24 @@ use crate::settings::Shading;
 use crate::simd::{LANES, cross, dot, each3, part, row, splat};
 use crate::view::ObjectView;
 
-/// Where 16 pixels are.
+/// The tile, and the coordinate system of 16 pixels.
 #[derive(Clone, Copy)]
 pub struct At<'a> {
     pub memory: &'a TileMemory,
-    /// The tile's first sample, in the coordinates of the corners.
+    /// The tile's first sample, in the coordinate system of the corners.
     pub first_sample: [i32; 2],
-    /// What is added to these coordinates to count them from the middle of the picture.
+    /// The offset from these coordinates to coordinates relative to the middle of the picture.
     pub from_middle: [i32; 2],
-    /// What is known of the normals of all corners.
+    /// What is known about the normals of all corners.
     pub facing: Facing,
 }
 
-/// What is known of normals that are interpolated from those of a cluster.
+/// What is known about the normals interpolated in a cluster, before those of clockwise triangles are negated.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Facing {
-    /// None points away from the viewer where triangles appear counter-clockwise.
+    /// All are known to point towards the viewer, as the normals of triangles that appear counter-clockwise should.
     pub viewer: bool,
-    /// None points towards the viewer, which is where the triangles appear clockwise none away.
+    /// All are known to point away from the viewer, as the normals of triangles that appear clockwise should.
     pub away: bool,
 }
 
@@ -44,13 +45,13 @@ impl Facing {
     #[inline(always)]
     fn settles<S: Simd>(self, whole: f32x16<S>) -> bool {
         let zero = splat(whole.simd, 0.0);
-        // Normals of triangles that appear clockwise are turned over, because their areas are negative.
+        // Normals of triangles that appear clockwise are negated, because their areas are negative.
         self.viewer && !whole.simd_lt(zero).any_true() || self.away && !whole.simd_gt(zero).any_true()
     }
 }
 
 impl<'a> At<'a> {
-    /// With coordinates that are counted from the picture's corner.
+    /// For corners in screen coordinates.
     pub fn in_picture(context: &FrameContext, memory: &'a TileMemory) -> Self {
         let first_sample = memory.corner.map(|c| c * SUBPIXELS + SAMPLE);
         let from_middle = context.lights.sight.middle.map(|c| -c);
@@ -58,7 +59,7 @@ impl<'a> At<'a> {
     }
 }
 
-/// Shades 16 pixels of any look. Not inlined, so that the kernel is compiled once a level.
+/// Shades 16 pixels of any look. Not inlined, so that the kernel is compiled only once per SIMD level.
 #[expect(clippy::too_many_arguments, reason = "a struct would only rename them")]
 #[inline(never)]
 pub fn shade<S: Simd>(
@@ -78,7 +79,7 @@ pub fn shade<S: Simd>(
     );
 }
 
-/// Shades 16 pixels of the default look. Not inlined, for the same reason.
+/// Shades 16 pixels of the most common look, with highlights. Not inlined, for the same reason.
 #[expect(clippy::too_many_arguments, reason = "a struct would only rename them")]
 #[inline(never)]
 pub fn shade_common<S: Simd>(
@@ -185,7 +186,7 @@ pub fn shade_inline<S: Simd, F: Features>(
     }
 }
 
-/// The normals of 16 triangles by their winding, in world space, of any length, on the side that is seen.
+/// The geometric normals of 16 triangles in world space, not normalized, on the visible side.
 #[inline(always)]
 fn seen_plane<S: Simd>(simd: S, object: &ObjectView, p: Corners16<S>, clockwise: mask32x16<S>) -> Vec3x16<S> {
     let edge_1 = each3!(A => (p[1][A] - p[0][A]) * object.edge_scale);
@@ -193,7 +194,7 @@ fn seen_plane<S: Simd>(simd: S, object: &ObjectView, p: Corners16<S>, clockwise:
     as_seen(simd, to_world(simd, object, cross(edge_1, edge_2)), clockwise)
 }
 
-/// Negates what belongs to triangles that appear clockwise.
+/// Negates the vectors of triangles that appear clockwise.
 #[inline(always)]
 fn as_seen<S: Simd>(simd: S, n: Vec3x16<S>, clockwise: mask32x16<S>) -> Vec3x16<S> {
     part(
@@ -203,7 +204,7 @@ fn as_seen<S: Simd>(simd: S, n: Vec3x16<S>, clockwise: mask32x16<S>) -> Vec3x16<
     )
 }
 
-/// A vector at each of the three corners.
+/// Vectors of the three corners.
 type Corners16<S> = [Vec3x16<S>; 3];
 
 /// From positions relative to the pivot to world axes relative to the eye.
@@ -213,15 +214,15 @@ fn to_eye<S: Simd>(simd: S, object: &ObjectView, q: Vec3x16<S>) -> Vec3x16<S> {
     each3!(K => row(simd, &[r[K][0], r[K][1], r[K][2], object.eye_from_pivot[K]], q))
 }
 
-/// Which side of its triangle a pixel shows.
+/// The visible side of the triangles of 16 pixels.
 #[derive(Clone, Copy)]
 struct Side<S: Simd> {
-    /// [`seen_plane`]; `None` if the corners' normals are known to point to the same side as the triangle's winding.
+    /// [`seen_plane`]; `None` if the corners' normals are known to agree with the winding of their triangle.
     plane: Option<Vec3x16<S>>,
 }
 
 impl<S: Simd> Side<S> {
-    /// A normal, turned to the side of the triangle that is seen, whatever its winding.
+    /// Negates normals that are not on the visible side of their triangle.
     #[inline(always)]
     fn turned(&self, simd: S, n: Vec3x16<S>) -> Vec3x16<S> {
         match self.plane {
@@ -241,7 +242,7 @@ fn write_color<S: Simd>(simd: S, fragments: &Fragments, linear: Vec3x16<S>, pixe
         }
         return;
     }
-    // Lanes without a pixel repeat another.
+    // Unused lanes repeat a pixel: they write the same value again.
     for lane in 0..LANES {
         pixels.color[fragments.place[lane] as usize] = (levels[lane] as u32).to_le_bytes();
     }

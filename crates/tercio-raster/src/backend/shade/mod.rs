@@ -1,9 +1,9 @@
-//! Colours of the visible pixels, 16 at a time.
+//! Shading of the visible pixels, 16 at a time.
 //!
-//! Pixels that a cluster wins take the corners of their triangles from its tables ([`winners`]). The visible pixels of
-//! triangles that were sorted one by one are packed without gaps ([`tile`]); each lane fetches the corners of its
-//! triangle, projects them again as the front end did, and interpolates between them. All of them go through one
-//! `kernel`, which is compiled for any look and again for the most common ones (`features`).
+//! For the winners of a cluster, the corners of their triangles are looked up in the cluster's tables ([`winners`]).
+//! The visible pixels of triangles that were binned one by one are packed into full groups of 16 ([`tile`]); the
+//! corners of their triangles are fetched from the mesh, and projected again as in the front end. Both use the same
+//! `kernel`, which is compiled for any look, and specialized for the most common ones (`features`).
 
 mod features;
 mod kernel;
@@ -76,7 +76,8 @@ pub fn tile<S: Simd, T: Tally>(
     flush(simd, context, instance, &mut fragments, memory, pixels, outputs);
 }
 
-/// Blocks of 4x4 samples that show one triangle: of a large one there are many in a row, and its corners are fetched once.
+/// Shades blocks of 4x4 samples that show a single triangle. Large triangles have many such blocks in sequence, for
+/// which the corners are fetched once.
 struct WholeBlocks<S: Simd> {
     slot: Option<u32>,
     instance: usize,
@@ -89,7 +90,7 @@ impl<S: Simd> WholeBlocks<S> {
         Self { slot: None, instance: 0, corners: Corners::new(simd) }
     }
 
-    /// Shades a block, given by the places of its samples.
+    /// Shades a block, given by its sample indices.
     #[expect(clippy::too_many_arguments, reason = "one call site; a struct would only rename them")]
     #[inline(always)]
     fn shade(
@@ -125,7 +126,7 @@ impl<S: Simd> WholeBlocks<S> {
     }
 }
 
-/// Shades 16 pixels whose corners were fetched.
+/// Shades 16 pixels whose corners have been fetched, with the kernel for their look.
 #[expect(clippy::too_many_arguments, reason = "a struct would only rename them")]
 #[inline(always)]
 fn late<S: Simd>(
@@ -146,7 +147,7 @@ fn late<S: Simd>(
     }
 }
 
-/// Fetches the corners of 16 pixels of one instance. Not inlined, so that it is compiled once a level.
+/// Fetches the corners of 16 pixels of one instance. Not inlined, so that it is compiled only once per SIMD level.
 #[inline(never)]
 fn fetch<S: Simd>(simd: S, context: &FrameContext, instance: usize, fragments: &Fragments) -> Corners<S> {
     let Instance { mesh, surface, .. } = &context.scene.instances[instance];
@@ -157,8 +158,7 @@ fn fetch<S: Simd>(simd: S, context: &FrameContext, instance: usize, fragments: &
     )
 }
 
-/// Shades the pixels gathered so far. Not inlined, so that the kernel is compiled once a level, not three
-/// times.
+/// Shades the pixels gathered so far. Not inlined, so that the kernel is compiled once per SIMD level, not three times.
 #[inline(never)]
 fn flush<S: Simd>(
     simd: S,
@@ -180,14 +180,14 @@ fn flush<S: Simd>(
     fragments.count = 0;
 }
 
-/// What [`winners`] keeps from cluster to cluster.
+/// The memory of [`winners`], reused from cluster to cluster.
 #[derive(Debug, Default)]
 pub struct WinnerScratch {
     table: ClusterTable,
     fragments: Fragments,
 }
 
-/// A cluster whose winners are shaded.
+/// A cluster whose winners are being shaded.
 struct Won<'a> {
     context: &'a FrameContext<'a>,
     number: u32,
@@ -281,7 +281,7 @@ impl Won<'_> {
             }
             let (context, instance, at) = (self.context, self.instance, self.at);
             if F::ARE_CONSTANT {
-                // No cluster of a common look is wide.
+                // The specialized kernels are used only for clusters that are not wide.
                 corners.are_near = true;
                 shade_inline(simd, context, instance, features, fragments, at, &corners, pixels, outputs);
             } else {
