@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Deserializer, Serialize, de};
 
-use crate::settings::SimdLevel;
+use crate::simd::SimdLevel;
 
 /// Name of a SIMD level. A type alias, because `serde` would try to borrow a plain `&str` from its input.
 pub type LevelName = &'static str;
