@@ -188,8 +188,8 @@ impl TileMemory {
 
     /// Marks the pixels of some samples as shaded.
     #[inline(always)]
-    pub fn mark_shaded(&mut self, places: &[i32]) {
-        for &place in places {
+    pub fn mark_shaded(&mut self, places: impl Iterator<Item = i32>) {
+        for place in places {
             self.shaded[place as usize / LANES] |= 1 << (place as usize % LANES);
         }
     }

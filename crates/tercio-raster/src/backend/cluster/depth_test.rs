@@ -18,6 +18,8 @@ const MAX_PER_SCAN: usize = match Size::Small.max_across() {
 const CAPACITY: usize = 2 * MAX_PER_SCAN;
 /// Position of the lowest bit of a triangle's number in a word that holds it above a sample index.
 pub const NUMBER_SHIFT: u32 = 16;
+/// The bits of the sample index in such a word.
+const INDEX_MASK: i32 = (1 << NUMBER_SHIFT) - 1;
 
 /// The queue of covered samples for the depth test, in the order in which they were found.
 #[derive(Debug)]
@@ -40,10 +42,8 @@ impl Default for Covered {
 /// is the visible one.
 #[derive(Debug, Default)]
 pub struct Winners {
-    /// Sample indices; only the first [`Winners::len`] are valid.
-    sample_index: Vec<i32>,
-    /// Numbers of the triangles in their cluster, likewise.
-    triangle: Vec<u8>,
+    /// As in [`Covered`]; only the first [`Winners::len`] are valid.
+    packed: Vec<i32>,
     count: usize,
 }
 
@@ -64,27 +64,31 @@ impl Winners {
     }
 
     /// Their sample indices.
-    pub fn sample_indices(&self) -> &[i32] {
-        &self.sample_index[..self.count]
+    pub fn sample_indices(&self) -> impl Iterator<Item = i32> {
+        self.packed[..self.count].iter().map(|packed| packed & INDEX_MASK)
     }
 
     /// Sample indices and triangles of 16 winners from number `first` on, a multiple of 16. If there are fewer, the
     /// last one is repeated.
     #[inline(always)]
-    pub fn sixteen(&mut self, first: usize) -> (&[i32; LANES], &[u8; LANES]) {
+    pub fn sixteen(&mut self, first: usize) -> ([i32; LANES], [u8; LANES]) {
         for i in self.count..first + LANES {
-            self.sample_index[i] = self.sample_index[self.count - 1];
-            self.triangle[i] = self.triangle[self.count - 1];
+            self.packed[i] = self.packed[self.count - 1];
         }
-        let sample_index = self.sample_index[first..].first_chunk().unwrap_or(&[0; LANES]);
-        (sample_index, self.triangle[first..].first_chunk().unwrap_or(&[0; LANES]))
+        let packed = self.packed[first..].first_chunk().unwrap_or(&[0; LANES]);
+        let (mut sample_indices, mut triangles) = ([0; LANES], [0; LANES]);
+        for lane in 0..LANES {
+            sample_indices[lane] = packed[lane] & INDEX_MASK;
+            triangles[lane] = (packed[lane] >> NUMBER_SHIFT) as u8;
+        }
+        (sample_indices, triangles)
     }
 
     /// Makes room for this many more, plus 16 because they are read and written 16 at a time.
     #[inline(always)]
     fn reserve(&mut self, more: usize) {
         let room = self.count + more + LANES;
-        if self.sample_index.len() < room {
+        if self.packed.len() < room {
             self.grow(room);
         }
     }
@@ -92,19 +96,16 @@ impl Winners {
     #[cold]
     #[inline(never)]
     fn grow(&mut self, room: usize) {
-        self.sample_index.resize(2 * room, 0);
-        self.triangle.resize(2 * room, 0);
+        self.packed.resize(2 * room, 0);
     }
 
     /// A writer for the winners of one triangle, at most `most` samples.
     #[inline(always)]
     pub fn of_triangle(&mut self, triangle: u8, most: usize) -> TriangleWinners<'_> {
         self.reserve(most);
-        let count = self.count;
         TriangleWinners {
-            sample_index: &mut self.sample_index[count..],
-            numbers: &mut self.triangle[count..],
-            triangle,
+            packed: &mut self.packed[self.count..],
+            number: i32::from(triangle) << NUMBER_SHIFT,
             total: &mut self.count,
             count: 0,
         }
@@ -113,9 +114,9 @@ impl Winners {
 
 /// Writer of the winners of one triangle into [`Winners`], which must be committed with [`TriangleWinners::end`].
 pub struct TriangleWinners<'a> {
-    sample_index: &'a mut [i32],
-    numbers: &'a mut [u8],
-    triangle: u8,
+    packed: &'a mut [i32],
+    /// The triangle, in the bits from [`NUMBER_SHIFT`] on.
+    number: i32,
     /// Number of committed winners of all triangles.
     total: &'a mut usize,
     /// Number of winners of this triangle.
@@ -126,8 +127,7 @@ impl TriangleWinners<'_> {
     /// Adds those of 16 samples, given by their indices, that the triangle `won`.
     #[inline(always)]
     pub fn push<S: Simd>(&mut self, simd: S, sample_indices: i32x16<S>, won: u32) {
-        append(simd, self.sample_index, self.count, won, sample_indices);
-        self.numbers[self.count..self.count + LANES].fill(self.triangle);
+        append(simd, self.packed, self.count, won, sample_indices | self.number);
         self.count += won.count_ones() as usize;
     }
 
@@ -165,13 +165,17 @@ impl Covered {
     ) {
         let count = std::mem::take(&mut self.count).min(CAPACITY);
         counts.samples_covered += count as u64;
-        winners.reserve(count);
-        let mut won = winners.count;
+        winners.reserve(CAPACITY);
+        let mut won = 0;
+        // A bound that is a power of two costs no branch.
+        let Some(won_here) = winners.packed[winners.count..].first_chunk_mut::<CAPACITY>() else {
+            unreachable!("room was made")
+        };
         let depths = &mut tile.depth[..];
         let slots = &mut tile.slot[..depths.len()];
         for (&packed, &depth) in self.packed[..count].iter().zip(&self.depth[..count]) {
             let triangle = (packed as u32) >> NUMBER_SHIFT;
-            let index = packed as usize & ((1 << NUMBER_SHIFT) - 1);
+            let index = (packed & INDEX_MASK) as usize;
             let (depth, slot) = (f32::from_bits(depth as u32), first_slot + triangle);
             let before = depths[index];
             let mut wins = depth > before;
@@ -180,10 +184,9 @@ impl Covered {
             }
             depths[index] = if wins { depth } else { before };
             slots[index] = if wins { slot } else { slots[index] };
-            winners.sample_index[won] = index as i32;
-            winners.triangle[won] = triangle as u8;
+            won_here[won % CAPACITY] = packed;
             won += usize::from(wins);
         }
-        winners.count = won;
+        winners.count += won;
     }
 }

@@ -264,14 +264,14 @@ impl Won<'_> {
         for first in (0..count).step_by(LANES) {
             let (places, triangles) = pass.winners.sixteen(first);
             fragments.count = (count - first).min(LANES);
-            fragments.place = *places;
-            let (numbers, mut corners) = table.look_up(simd, &pass.vertices, &corner_table, triangles);
+            fragments.place = places;
+            let (numbers, mut corners) = table.look_up(simd, &pass.vertices, &corner_table, &triangles);
             if features.position() {
                 table.look_up_positions(simd, &numbers, &mut corners);
             }
             if features.colors() != ColorSource::Base {
                 let of = (&**mesh, &self.cluster, surface);
-                table.look_up_colors(simd, of, triangles, &numbers, features.colors(), &mut corners);
+                table.look_up_colors(simd, of, &triangles, &numbers, features.colors(), &mut corners);
             }
             if features.more() {
                 for lane in 0..LANES {
