@@ -2,9 +2,10 @@
 
 use std::fs::File;
 use std::io::{self, BufRead, Read};
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
+use std::sync::atomic::{AtomicU32, AtomicU64, Ordering::Relaxed};
 
 use flate2::bufread::GzDecoder;
 use memmap2::Mmap;
@@ -52,7 +53,12 @@ struct Mapping {
     accounted_bytes: AtomicU64,
     /// Bytes that were read since pages were last released; `None` where the whole file counts.
     read: Option<AtomicU64>,
+    /// Bytes of each [`REGION`] that are not needed again.
+    finished: Vec<AtomicU32>,
 }
+
+/// A part of a file whose pages are released together: every release interrupts all processors of the process.
+const REGION: usize = 2 << 20;
 
 /// The most that a thread should read before it reports it; pages are released each time.
 const RELEASE_STEP: usize = 256 << 10;
@@ -68,7 +74,8 @@ impl Mapping {
         let accounted = if is_small { size } else { size.min(at_a_time) };
         MAPPED.fetch_add(accounted, Relaxed);
         let accounted_bytes = AtomicU64::new(accounted);
-        Self { map: Arc::new(map), accounted_bytes, read: (!is_small).then(|| AtomicU64::new(0)) }
+        let finished = (0..map.len().div_ceil(REGION)).map(|_| AtomicU32::new(0)).collect();
+        Self { map: Arc::new(map), accounted_bytes, read: (!is_small).then(|| AtomicU64::new(0)), finished }
     }
 
     /// The whole file counts as memory from now on.
@@ -83,19 +90,36 @@ impl Mapping {
         let before = read.fetch_add(bytes, Relaxed);
         let stretch = RELEASE_STEP as u64;
         if before / stretch != (before + bytes) / stretch {
-            self.release_pages();
+            self.release_pages(0..self.map.len());
+        }
+    }
+
+    /// Some bytes of the map are not needed again.
+    fn finished(&self, bytes: &[u8]) {
+        let Some(first) = bytes.as_ptr().addr().checked_sub(self.map.as_ptr().addr()) else { return };
+        let end = (first + bytes.len()).min(self.map.len());
+        for (region, finished) in self.finished.iter().enumerate().skip(first / REGION) {
+            let here = region * REGION..((region + 1) * REGION).min(self.map.len());
+            let part = here.end.min(end).saturating_sub(here.start.max(first));
+            if part == 0 {
+                break;
+            }
+            if finished.fetch_add(part as u32, Relaxed) as usize + part == here.len() {
+                self.release_pages(here);
+            }
         }
     }
 
     #[cfg(unix)]
-    fn release_pages(&self) {
+    fn release_pages(&self, bytes: Range<usize>) {
+        let what = memmap2::UncheckedAdvice::DontNeed;
         // SAFETY: the map is of a file and only read, so pages that other threads read meanwhile are loaded from the
         // file again.
-        let _ = unsafe { self.map.unchecked_advise(memmap2::UncheckedAdvice::DontNeed) };
+        let _ = unsafe { self.map.unchecked_advise_range(what, bytes.start, bytes.len()) };
     }
 
     #[cfg(not(unix))]
-    fn release_pages(&self) {}
+    fn release_pages(&self, _: Range<usize>) {}
 }
 
 /// Bytes of a file piece by piece, from either end; each piece is reported as consumed.
@@ -156,6 +180,14 @@ impl Input {
     pub fn consumed(&self, bytes: usize) {
         if let Some(mapping) = self.mapping() {
             mapping.consumed(bytes as u64);
+        }
+    }
+
+    /// Tells that some of the content will not be read again, so that its pages need not stay beside what was made of
+    /// them. Nothing is said of bytes twice.
+    pub fn finished(&self, bytes: &[u8]) {
+        if let Some(mapping) = self.mapping() {
+            mapping.finished(bytes);
         }
     }
 

@@ -176,6 +176,7 @@ impl Uniform<'_> {
                 }
                 job.input.consumed(rows * self.stride);
             }
+            job.input.finished(bytes);
             job.advance(here as u64);
         });
         drop(slots);
@@ -308,7 +309,7 @@ fn read_ragged(
                 lists.corners.reserve(4 * here);
             }
             let mut values = vec![0.0; element.properties.len()];
-            let (mut at, mut reported) = (at, at);
+            let (first_byte, mut at, mut reported) = (at, at, at);
             for row in 0..here {
                 walk_row(binary, element, plan, first + row, &mut at, &mut values, &mut lists)?;
                 put_row(plan, &mut slots, row, &values);
@@ -318,6 +319,7 @@ fn read_ragged(
                 }
             }
             job.input.consumed(at - reported);
+            job.input.finished(binary.bytes.get(first_byte..at).unwrap_or_default());
             job.advance(here as u64);
             Ok(lists)
         })
