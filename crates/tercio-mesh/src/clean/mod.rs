@@ -227,6 +227,12 @@ fn mend_positions(positions: &mut [[f32; 3]]) -> (u64, f32) {
     let (bad, largest) = positions
         .par_chunks(CHUNK)
         .map(|chunk| {
+            // Without their signs, numbers are ordered as their bits are, and infinity and NaN come behind all others.
+            let bits = chunk.as_flattened().iter().map(|c| (c.to_bits() << 1 >> 1) as i32);
+            let largest = f32::from_bits(bits.fold(0, i32::max) as u32);
+            if largest < f32::INFINITY {
+                return (0, largest);
+            }
             let bad = chunk.iter().filter(|p| !finite(p)).count() as u64;
             // Infinity and NaN are left out: they do not compare as less than infinity.
             let magnitudes = chunk.as_flattened().iter().map(|c| c.abs());
