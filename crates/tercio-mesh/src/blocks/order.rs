@@ -59,7 +59,7 @@ fn spatial(mesh: &Mesh) -> Sequence {
     let grid = Grid::new(mesh, grid_bits(n));
     let ranks = rank_table(grid.bits());
     let cells: Vec<u16> = mesh.positions.par_iter().map(|&p| ranks[grid.cell(p)]).collect();
-    let (order, counts) = counting_sort(mesh, &cells, ranks.len());
+    let (order, counts) = counting_sort(mesh, cells, ranks.len());
     let mut blocks = Sequence { order: Some(order), lengths: Vec::new() };
     blocks.gather_cells(mesh, &counts);
     blocks
@@ -105,35 +105,49 @@ fn grid_bits(triangles: usize) -> u32 {
     (cells.ilog2().div_ceil(2)).clamp(2, FINEST)
 }
 
-/// Triangle numbers by the cell of the first corner, and how many triangles each cell has.
-fn counting_sort(mesh: &Mesh, cells: &[u16], cell_count: usize) -> (Vec<u32>, Vec<usize>) {
+/// Triangle numbers by the cell of the first corner, and how many triangles each cell has. `cells` are those of the
+/// vertices.
+fn counting_sort(mesh: &Mesh, cells: Vec<u16>, cell_count: usize) -> (Vec<u32>, Vec<usize>) {
     let n = mesh.triangles.len();
     // At most 64 chunks bound the memory of their histograms.
     let chunk = (n / 64).max(1 << 17);
-    let key = |t: &[u32; 3]| usize::from(cells[t[0] as usize]);
+    // Kept, because looking them up goes through all triangles and to places of `cells` that no one can foresee.
+    let mut keys = vec![0u16; n];
     let mut places: Vec<Vec<u32>> = mesh
         .triangles
         .par_chunks(chunk)
-        .map(|triangles| {
+        .zip(keys.par_chunks_mut(chunk))
+        .map(|(triangles, keys)| {
             let mut histogram = vec![0u32; cell_count];
-            triangles.iter().for_each(|t| histogram[key(t)] += 1);
+            for (t, key) in triangles.iter().zip(keys) {
+                *key = cells[t[0] as usize];
+                histogram[usize::from(*key)] += 1;
+            }
             histogram
         })
         .collect();
-    let (mut place, mut counts) = (0u32, vec![0usize; cell_count]);
-    for (cell, total) in counts.iter_mut().enumerate() {
-        let begin = place;
-        for histogram in &mut places {
-            place += std::mem::replace(&mut histogram[cell], place);
+    drop(cells);
+    // Array by array instead of cell by cell, which are far apart.
+    let mut starts = vec![0u32; cell_count];
+    for histogram in &places {
+        starts.iter_mut().zip(histogram).for_each(|(sum, count)| *sum += count);
+    }
+    let counts = starts.iter().map(|&count| count as usize).collect();
+    let mut place = 0;
+    for start in &mut starts {
+        place += std::mem::replace(start, place);
+    }
+    for histogram in &mut places {
+        for (start, entry) in starts.iter_mut().zip(histogram) {
+            *start += std::mem::replace(entry, *start);
         }
-        *total = (place - begin) as usize;
     }
     // Every entry is written once; atomics only let the threads share the array.
-    let order: Vec<AtomicU32> = (0..n).into_par_iter().map(|_| AtomicU32::new(0)).collect();
-    mesh.triangles.par_chunks(chunk).zip(places).enumerate().for_each(|(i, (triangles, mut places))| {
-        for (j, t) in triangles.iter().enumerate() {
-            let place = &mut places[key(t)];
-            order[*place as usize].store((i * chunk + j) as u32, Relaxed);
+    let order: Vec<AtomicU32> = bytemuck::zeroed_vec(n);
+    keys.par_chunks(chunk).zip(places).enumerate().for_each(|(i, (keys, mut places))| {
+        for (number, key) in ((i * chunk) as u32..).zip(keys) {
+            let place = &mut places[usize::from(*key)];
+            order[*place as usize].store(number, Relaxed);
             *place += 1;
         }
     });
