@@ -50,7 +50,7 @@ impl ClusterTable {
         self.facing = Facing::default();
         let Some(normals) = cluster.normals() else { return };
         let sight = &context.lights.sight;
-        let from_middle = vertices.from_middle(sight).map(|c| c + SMALL_EXTENT / 2);
+        let from_middle = vertices.offset_from_middle(sight).map(|c| c + SMALL_EXTENT / 2);
         let to_viewer = sight.at(from_middle);
         let to_viewer = each3!(K => splat(simd, to_viewer[K]));
         let (mut not_towards, mut not_away) = (0, 0);

@@ -157,7 +157,7 @@ impl LocalVertices {
 
     /// The offset from local coordinates to coordinates relative to the middle of the picture.
     #[inline(always)]
-    pub fn from_middle(&self, sight: &Sight) -> [i32; 2] {
+    pub fn offset_from_middle(&self, sight: &Sight) -> [i32; 2] {
         [0, 1].map(|k| (self.pixel[k] << SUBPIXEL_BITS) - sight.middle[k])
     }
 

@@ -230,7 +230,7 @@ pub fn winners<S: Simd>(
             let at = At {
                 memory,
                 first_sample: pass.vertices.sample_of(memory.corner),
-                from_middle: pass.vertices.from_middle(&context.lights.sight),
+                from_middle: pass.vertices.offset_from_middle(&context.lights.sight),
                 facing: table.facing,
             };
             let won = Won { context, number, instance, cluster, at };
