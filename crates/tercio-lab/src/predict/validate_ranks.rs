@@ -228,7 +228,7 @@ impl View<'_> {
 }
 
 /// Predicts all rows, then draws all of them, round after round, by `draw`: [`MeasuredRanks::draw`] for ranks of this
-/// process, [`MeasuredRanks::draw_between`] for rank 0 of a job whose other ranks [follow](follow). In that case the
+/// process, [`MeasuredRanks::draw_between`] for rank 0 of a job whose other ranks [`follow`]. In that case the
 /// description is that of a machine [over MPI](Machine::over_mpi). `progress` is called after each picture.
 ///
 /// # Errors
