@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use tercio_mesh::ClusteredMesh;
 use tercio_mesh::cluster::{ClusterView, MAX_TRIANGLES};
-use tercio_scene::{Camera, Instance, Scene};
+use tercio_scene::{Camera, Instance, Light, Scene};
 
 use crate::error::RenderError;
 use crate::lighting::LightRig;
@@ -73,6 +73,7 @@ impl<'a> FrameContext<'a> {
             return Err(RenderError::TooLarge { triangles, clusters });
         }
         check_range(scene, settings, &view)?;
+        check_light(scene)?;
         let objects = scene.instances.iter().map(|i| view.object(i)).collect();
         let lights = LightRig::new(&scene.lights, &view);
         let workers = workers.max(1);
@@ -192,4 +193,27 @@ pub fn faces_of(mesh: &ClusteredMesh) -> u64 {
         Some(faces) => faces.last().map_or(0, |&last| u64::from(last) + 1),
         None => mesh.triangle_count() as u64,
     }
+}
+
+/// Fails if a number of the lights or surfaces is infinite or NaN: kernels skip what they multiply by zero.
+///
+/// # Errors
+/// [`RenderError::Setting`].
+pub fn check_light(scene: &Scene) -> Result<(), RenderError> {
+    let finite = |what, values: &[f32]| match values.iter().find(|v| !v.is_finite()) {
+        Some(v) => {
+            Err(RenderError::Setting { what, range: "finite in 32 bits".into(), value: v.to_string() })
+        }
+        None => Ok(()),
+    };
+    for light in &scene.lights {
+        let (Light::Ambient { color } | Light::Directional { color, .. } | Light::Point { color, .. }) =
+            light;
+        finite("colour of a light", color)?;
+    }
+    for Instance { surface, .. } in &scene.instances {
+        finite("colour of a surface", &surface.base_color)?;
+        finite("specular of a surface", &[surface.specular])?;
+    }
+    Ok(())
 }

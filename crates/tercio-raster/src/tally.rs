@@ -10,11 +10,11 @@ use tercio_scene::{Camera, Scene};
 
 pub use crate::backend::tally::DetailCounts;
 
-use crate::RenderError;
 use crate::backend::tally::{FullTally, bytes};
 use crate::backend::{self, TileTask};
 use crate::binning::Sorted;
 use crate::context::FrameContext;
+use crate::error::RenderError;
 use crate::frame::Frame;
 pub use crate::renderer::batches;
 use crate::renderer::{DrawTile, Renderer};

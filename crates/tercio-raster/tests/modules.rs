@@ -1,4 +1,4 @@
-//! The modules of the crate use each other in one direction only.
+//! The top-level modules of the crate use each other in one direction only.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -24,9 +24,12 @@ fn uses() -> BTreeMap<String, BTreeSet<String>> {
             let text = std::fs::read_to_string(&path).expect("source text");
             let used = uses.entry(module).or_default();
             // Documentation may name what comes later.
+            assert!(!text.contains("super::super"), "{}: write crate:: instead", path.display());
             let code = text.lines().filter(|line| !line.trim_start().starts_with("//"));
             for name in code.flat_map(|line| line.split("crate::").skip(1)) {
                 let end = name.find(|c: char| !c.is_ascii_alphanumeric() && c != '_').unwrap_or(name.len());
+                let is_module = name.starts_with(|c: char| c.is_ascii_lowercase());
+                assert!(is_module, "{}: the path crate::{name} does not say its module", path.display());
                 used.insert(name[..end].to_owned());
             }
         }

@@ -6,8 +6,8 @@ use common::*;
 use glam::DVec3;
 use tercio_mesh::{Mesh, OctNormal};
 use tercio_raster::frame::Pixel;
-use tercio_raster::{Cull, Frame, Part, Renderer, Settings, Shading, SimdLevel, TileSet};
-use tercio_scene::Camera;
+use tercio_raster::{Cull, Frame, Part, Renderer, Settings, Shading, SimdLevel, Sorting, TileSet, reference};
+use tercio_scene::{Camera, Light, Scene};
 
 fn check_every_path(mesh: &Mesh, camera: &Camera, settings: &Settings, what: &str) {
     check_paths(mesh, camera, settings, &[(3, 1, None), (10, 17, Some(1)), (64, 128, Some(2))], what);
@@ -77,6 +77,23 @@ fn every_shading_and_every_culling() {
     }
 }
 
+/// Draws pictures that need 8-bit colours only, for which kernels are specialized, with and without highlights, binned by
+/// clusters and by triangles, at every SIMD level, and expects the reference's bytes.
+fn check_colours(mesh: &Mesh, mut scene: Scene, camera: &Camera, settings: &Settings, what: &str) {
+    for (specular, shininess_log2) in [(0.0, 5), (0.2, 5), (0.2, 4)] {
+        let surface = &mut scene.instances[0].surface;
+        (surface.specular, surface.shininess_log2) = (specular, shininess_log2);
+        let expected = draw_reference(mesh, &scene, camera, settings);
+        for simd in SimdLevel::available() {
+            for sorting in [Sorting::Clusters, Sorting::Triangles] {
+                let s = Settings { simd: Some(simd), sorting, ..settings.clone() };
+                let what = format!("{what}, specular {specular}, {simd}, {sorting:?}");
+                assert_same(&expected, &draw(&scene, camera, &s), &what);
+            }
+        }
+    }
+}
+
 /// Sheets with slanted normals, seen from all sides and at grazing angles: where normals point away from the viewer or
 /// triangles show their backs, the specialized kernel for colours only must bend normals as the reference does.
 #[test]
@@ -105,7 +122,6 @@ fn slanted_normals_with_colours_only() {
         }
         mesh.normals = Some(normals);
         let mut plain = scene(&mesh);
-        plain.instances[0].surface.specular = 0.0;
         if sheet % 3 == 0 {
             plain.instances[0].world_from_object = glam::DAffine3::from_scale(DVec3::new(-1.0, 1.0, 1.0));
         }
@@ -117,12 +133,7 @@ fn slanted_normals_with_colours_only() {
             let degrees = random.between(30.0, 120.0);
             let camera = perspective(eye.to_array(), [0.0; 3], degrees);
             let settings = Settings::new(160, 120);
-            let expected = draw_reference(&mesh, &plain, &camera, &settings);
-            for simd in SimdLevel::available() {
-                let s = Settings { simd: Some(simd), ..settings.clone() };
-                let what = format!("sheet {sheet}, view {view}, {simd}");
-                assert_same(&expected, &draw(&plain, &camera, &s), &what);
-            }
+            check_colours(&mesh, plain.clone(), &camera, &settings, &format!("sheet {sheet}, view {view}"));
         }
     }
 }
@@ -223,18 +234,13 @@ fn plain_pictures() {
             *normal = OctNormal::encode(random.point(1.0).as_vec3().to_array());
         }
     }
-    for (mesh, what) in [(sphere(40), "smooth"), (bumpy, "bumpy")] {
-        for camera in
-            [perspective([1.0, 2.0, 3.0], [0.0; 3], 35.0), orthographic([1.0, 2.0, 3.0], [0.0; 3], 2.5)]
-        {
-            let mut plain = scene(&mesh);
-            plain.instances[0].surface.specular = 0.0;
-            let settings = Settings::new(300, 200);
-            let expected = draw_reference(&mesh, &plain, &camera, &settings);
-            for simd in SimdLevel::available() {
-                let s = Settings { simd: Some(simd), ..settings.clone() };
-                assert_same(&expected, &draw(&plain, &camera, &s), &format!("{what}, {simd}"));
-            }
+    for (mesh, what) in [(sphere(40), "smooth"), (bumpy, "bumpy"), (sphere(6), "large triangles")] {
+        for camera in [
+            perspective([1.0, 2.0, 3.0], [0.0; 3], 35.0),
+            perspective([0.2, 0.3, 0.1], [1.0; 3], 90.0),
+            orthographic([1.0, 2.0, 3.0], [0.0; 3], 2.5),
+        ] {
+            check_colours(&mesh, scene(&mesh), &camera, &Settings::new(300, 200), what);
         }
     }
 }
@@ -303,6 +309,40 @@ fn parts_of_the_tiles_make_up_the_picture() {
             }
             assert_same(&expected, &frame, "5 parts");
             assert!(elsewhere > 0, "no cluster was skipped in any part");
+        }
+    }
+}
+
+/// Infinite light times a cosine of zero would be no colour. The largest numbers are drawn as the reference draws them.
+#[test]
+fn light_is_finite() {
+    let mesh = sphere(12);
+    let camera = perspective([1.0, 2.0, 3.0], [0.0; 3], 35.0);
+    let settings = Settings::new(64, 64);
+    let changes: [fn(&mut Scene, f32); 3] = [
+        |scene, v| scene.lights = vec![Light::headlight([v; 3]), Light::headlight([0.5; 3])],
+        |scene, v| scene.instances[0].surface.specular = v,
+        |scene, v| scene.instances[0].surface.base_color = [v, 0.0, v],
+    ];
+    for (change, name) in changes.into_iter().zip(["colour of a light", "specular", "colour of a surface"]) {
+        let mut bright = scene(&mesh);
+        change(&mut bright, f32::MAX);
+        let expected = draw_reference(&mesh, &bright, &camera, &settings);
+        for simd in SimdLevel::available() {
+            let s = Settings { simd: Some(simd), ..settings.clone() };
+            assert_same(&expected, &draw(&bright, &camera, &s), &format!("{name}, {simd}"));
+        }
+        for value in [f32::INFINITY, f32::NAN] {
+            let mut broken = scene(&mesh);
+            change(&mut broken, value);
+            let errors = [
+                Renderer::new().render(&broken, &camera, &settings).err(),
+                reference::render(&[&mesh], &broken, &camera, &settings).err(),
+            ];
+            for error in errors {
+                let message = error.expect("an error").to_string();
+                assert!(message.contains(name), "{message}");
+            }
         }
     }
 }

@@ -48,7 +48,7 @@ pub(super) fn padded(count: u8) -> usize {
 const WORD: usize = 4;
 
 impl Layout {
-    /// Lines that must be readable after the end of the last cluster of a mesh: kernels copy tables of
+    /// Lines that must be readable after the end of the last cluster of a mesh: kernels read tables of
     /// [`MAX_TRIANGLES`](super::MAX_TRIANGLES) corners, however many a cluster has.
     pub const LINES_BEHIND: usize = super::MAX_TRIANGLES / Line::BYTES;
 

@@ -46,7 +46,8 @@ pub fn mapped_bytes() -> u64 {
 /// A mapped file.
 ///
 /// A file that is small compared with the memory limit counts as memory completely. The pages of a larger one are
-/// released while it is read, so that a file larger than the limit can be read if its mesh is smaller.
+/// released while it is read, so that a file larger than the limit can be read if its mesh is smaller. Readers that know
+/// that they need a part no longer ([`Input::finished`]) have its pages released whatever the size of the file.
 #[derive(Debug)]
 struct Mapping {
     map: Arc<Mmap>,
@@ -183,8 +184,8 @@ impl Input {
         }
     }
 
-    /// Tells that some of the content will not be read again, so that its pages need not stay beside what was made of
-    /// them. Nothing is said of bytes twice.
+    /// Reports that some bytes of the content will not be read again, so that their pages are not kept beside what was made
+    /// of them. Precondition: no byte is reported twice; otherwise pages are released too early, and read again.
     pub fn finished(&self, bytes: &[u8]) {
         if let Some(mapping) = self.mapping() {
             mapping.finished(bytes);
@@ -444,5 +445,30 @@ mod tests {
                 assert_eq!(input.unpadded(held).len(), marked.map_or(0, |at| at + 1));
             }
         }
+    }
+
+    #[test]
+    fn finished_parts_add_up_to_their_regions() {
+        let bytes: Vec<u8> = (0..2 * REGION + REGION / 2 + 5).map(|i| (i % 251) as u8).collect();
+        let file = tempfile::NamedTempFile::new().unwrap();
+        std::fs::write(file.path(), &bytes).unwrap();
+        let input = open(file.path(), &ReadOptions::default()).unwrap();
+        let counters = || -> Vec<usize> {
+            let mapping = input.mapping().unwrap();
+            mapping.finished.iter().map(|n| n.load(Relaxed) as usize).collect()
+        };
+        let held = input.bytes();
+        input.finished(&[]);
+        input.finished(&bytes);
+        assert_eq!(counters(), [0, 0, 0], "what is not of the file does not count");
+        let pieces: Vec<_> = held.chunks(100_003).collect();
+        assert_eq!(held, bytes);
+        std::thread::scope(|scope| {
+            for part in pieces.chunks(pieces.len().div_ceil(3)) {
+                scope.spawn(|| part.iter().for_each(|piece| input.finished(piece)));
+            }
+        });
+        assert_eq!(counters(), [REGION, REGION, REGION / 2 + 5]);
+        assert_eq!(input.bytes(), bytes, "released pages are read again");
     }
 }

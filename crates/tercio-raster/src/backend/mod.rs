@@ -150,16 +150,18 @@ pub fn finish<S: Simd, T: Tally>(
     canvas: &Canvas,
 ) -> T {
     let mut tally = T::default();
-    let (target, stride) = (canvas.claim(tile), 1 << memory::stride_bits(context));
-    target.clear(&mut scratch.pixels, stride);
+    let target = canvas.claim(tile);
     if let Some(full) = tally.full() {
         full.tile(context, tile, true);
     }
+    tally.counts().pixels_visible += scratch.tile.visible();
     if context.settings.last_stage <= LastStage::Visibility {
+        target.write_background();
         return tally;
     }
+    let stride = 1 << memory::stride_bits(context);
+    target.clear(&mut scratch.pixels, stride);
     shade::tile(simd, context, &scratch.tile, &mut scratch.pixels, canvas.outputs(), &mut tally);
-    tally.counts().pixels_visible += scratch.tile.visible();
     target.write(&scratch.pixels, stride);
     tally
 }

@@ -10,14 +10,15 @@ mod shading;
 use tercio_mesh::Mesh;
 use tercio_scene::{Camera, Scene};
 
-use crate::context::check_range;
+use crate::context::{check_light, check_range};
 use crate::conventions::{SAMPLE, SUBPIXELS};
+use crate::error::RenderError;
 use crate::frame::{Frame, Pixel, visibility_key};
 use crate::lighting::LightRig;
 use crate::projection::clip::clip_triangle;
 use crate::settings::{Cull, Settings};
+use crate::stats::FrameStats;
 use crate::view::{ObjectView, ScreenVertex, View};
-use crate::{FrameStats, RenderError};
 use shading::shade;
 
 /// The triangle that is visible at a sample.
@@ -46,6 +47,7 @@ pub fn render(
     let (width, height) = (settings.width as usize, settings.height as usize);
     let view = View::new(camera, &scene.bounds(), settings.width, settings.height)?;
     check_range(scene, settings, &view)?;
+    check_light(scene)?;
     let objects: Vec<ObjectView> = scene.instances.iter().map(|i| view.object(i)).collect();
     let nothing = Sample { depth: 0.0, instance: 0, triangle: usize::MAX };
     let mut samples = vec![nothing; width * height];

@@ -78,11 +78,12 @@ pub fn part<S: Simd, R>(simd: S, work: impl FnOnce() -> R) -> R {
     fn not_inlined<R>(work: impl FnOnce() -> R) -> R {
         work()
     }
-    match simd.level() {
-        #[cfg(any(feature = "scalar", not(any(target_arch = "x86_64", target_arch = "aarch64"))))]
-        Level::Fallback(_) => not_inlined(work),
-        _ => work(),
+    #[cfg(any(feature = "scalar", not(any(target_arch = "x86_64", target_arch = "aarch64"))))]
+    if simd.level().is_fallback() {
+        return not_inlined(work);
     }
+    let _ = simd;
+    work()
 }
 
 /// Loads 16 numbers.
@@ -164,6 +165,7 @@ pub fn lookup_bytes<S: Simd>(simd: S, table: &[u8; 128], index: &[u8; 16]) -> [u
     }
 }
 
+#[cfg(not(all(target_arch = "aarch64", not(feature = "scalar"))))]
 fn lookup_bytes_one_by_one(table: &[u8; 128], index: &[u8; 16]) -> [u8; 16] {
     let mut found = [0; 16];
     for lane in 0..LANES {

@@ -281,7 +281,7 @@ impl Won<'_> {
             }
             let (context, instance, at) = (self.context, self.instance, self.at);
             if F::ARE_CONSTANT {
-                // The specialized kernels are used only for clusters that are not wide.
+                // Here, the specialized kernels are used only for clusters that are not wide.
                 corners.are_near = true;
                 shade_inline(simd, context, instance, features, fragments, at, &corners, pixels, outputs);
             } else {
