@@ -4,7 +4,7 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, mask32x16};
 
-use super::features::{Common, Features, Look};
+use super::features::Features;
 use crate::backend::corners::{ColorSource, Corners, Fragments, to_world};
 use crate::backend::encode::opaque;
 use crate::backend::interpolate::Interpolation;
@@ -59,14 +59,14 @@ impl<'a> At<'a> {
     }
 }
 
-/// Shades 16 pixels of any look. Not inlined, so that the kernel is compiled only once per SIMD level.
+/// [`shade_inline`], not inlined, so that the kernel is compiled only once per SIMD level and set of features.
 #[expect(clippy::too_many_arguments, reason = "a struct would only rename them")]
 #[inline(never)]
-pub fn shade<S: Simd>(
+pub fn shade<S: Simd, F: Features>(
     simd: S,
     context: &FrameContext,
     instance: usize,
-    look: Look,
+    features: F,
     fragments: &Fragments,
     at: At,
     corners: &Corners<S>,
@@ -75,26 +75,7 @@ pub fn shade<S: Simd>(
 ) {
     simd.vectorize(
         #[inline(always)]
-        || shade_inline(simd, context, instance, look, fragments, at, corners, pixels, outputs),
-    );
-}
-
-/// Shades 16 pixels of the most common look, with highlights. Not inlined, for the same reason.
-#[expect(clippy::too_many_arguments, reason = "a struct would only rename them")]
-#[inline(never)]
-pub fn shade_common<S: Simd>(
-    simd: S,
-    context: &FrameContext,
-    instance: usize,
-    fragments: &Fragments,
-    at: At,
-    corners: &Corners<S>,
-    pixels: &mut Planes,
-    outputs: &Outputs,
-) {
-    simd.vectorize(
-        #[inline(always)]
-        || shade_inline(simd, context, instance, Common::<true>, fragments, at, corners, pixels, outputs),
+        || shade_inline(simd, context, instance, features, fragments, at, corners, pixels, outputs),
     );
 }
 

@@ -26,7 +26,7 @@ use crate::stats::BackEndCounts;
 use features::{Common, Look};
 pub use features::{Features, needs_plane};
 pub use kernel::Facing;
-use kernel::{At, shade, shade_common, shade_inline};
+use kernel::{At, shade, shade_inline};
 
 /// Shades every visible pixel of a tile that is not shaded yet.
 #[inline(always)]
@@ -141,7 +141,7 @@ fn late<S: Simd>(
     outputs: &Outputs,
 ) {
     if look.is(Common::<true>) {
-        shade_common(simd, context, instance, fragments, at, corners, pixels, outputs);
+        shade(simd, context, instance, Common::<true>, fragments, at, corners, pixels, outputs);
     } else {
         shade(simd, context, instance, look, fragments, at, corners, pixels, outputs);
     }
