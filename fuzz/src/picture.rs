@@ -151,7 +151,7 @@ fn settings(number: usize) -> Settings {
         outputs,
         shading: [Shading::Phong, Shading::Flat, Shading::Gouraud, Shading::Unlit][number / 2 % 4],
         cull: [Cull::Auto, Cull::None, Cull::Back, Cull::Front][number / 8 % 4],
-        ..Settings::new(48, 36)
+        ..Settings::one_sample(48, 36)
     }
 }
 

@@ -12,6 +12,19 @@ pub enum ParallelError {
     /// A rank failed to draw.
     #[error(transparent)]
     Render(#[from] RenderError),
+    /// The picture has more samples than messages can number.
+    #[error(
+        "{width}x{height} pixels with {samples} samples each: sort-last composites at most 2^32 samples; \
+         sort-first has no such limit"
+    )]
+    Samples {
+        /// Width in pixels.
+        width: u32,
+        /// Height in pixels.
+        height: u32,
+        /// Samples per pixel.
+        samples: u32,
+    },
     /// A message could not be sent or received.
     #[error(transparent)]
     Comm(#[from] CommError),

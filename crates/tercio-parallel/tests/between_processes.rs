@@ -40,7 +40,7 @@ fn picture_and_counts_are_those_of_ranks_in_one_process() {
     for organisation in [Organisation::SortFirst, Organisation::SortLast] {
         for count in [1, 2, 3, 7] {
             // So few regions that the last ranks own none.
-            let settings = Settings { tile_size: Some(64), ..Settings::new(150, 100) };
+            let settings = Settings { tile_size: Some(64), ..Settings::one_sample(150, 100) };
             let results = threads::run(count, |comm| {
                 let (scene, camera) = made();
                 let task = Task { organisation, scene: &scene, camera: &camera, settings: &settings };

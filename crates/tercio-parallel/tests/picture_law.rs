@@ -78,7 +78,7 @@ fn every_number_of_ranks() {
             let camera = camera(&scene, radii, orthographic);
             for organisation in BOTH {
                 for count in 1..=9 {
-                    let settings = Settings { outputs: EVERYTHING, ..Settings::new(131, 93) };
+                    let settings = Settings { outputs: EVERYTHING, ..Settings::one_sample(131, 93) };
                     let ranks = Ranks { count, threads: 1 + count % 2, organisation };
                     check(&scene, &camera, &settings, ranks, model);
                 }
@@ -96,7 +96,7 @@ fn among_equal_depths_the_lower_primitive_is_seen() {
     let first = twice.clone();
     twice.instances.push(second);
     let camera = camera(&first, 2.6, false);
-    let settings = Settings { outputs: EVERYTHING, ..Settings::new(100, 80) };
+    let settings = Settings { outputs: EVERYTHING, ..Settings::one_sample(100, 80) };
     let expected = Renderer::new().render(&first, &camera, &settings).expect("a picture");
     for organisation in BOTH {
         for count in [2, 3, 8] {
@@ -116,7 +116,7 @@ fn more_ranks_than_clusters_or_regions() {
     for organisation in BOTH {
         for (width, height) in [(1, 1), (9, 3), (64, 48), (33, 100)] {
             for count in [2, 5, 9] {
-                let settings = Settings { outputs: EVERYTHING, ..Settings::new(width, height) };
+                let settings = Settings { outputs: EVERYTHING, ..Settings::one_sample(width, height) };
                 let ranks = Ranks { count, threads: 1, organisation };
                 check(&few, &camera, &settings, ranks, "few clusters");
             }
@@ -131,7 +131,7 @@ fn an_empty_scene() {
     let camera = Camera { eye: DVec3::Z, ..camera(&scene("builtin:teapot@1k", 128), 2.0, false) };
     for organisation in BOTH {
         for count in [1, 3] {
-            let settings = Settings { outputs: EVERYTHING, ..Settings::new(40, 30) };
+            let settings = Settings { outputs: EVERYTHING, ..Settings::one_sample(40, 30) };
             let report =
                 check(&empty, &camera, &settings, Ranks { count, threads: 1, organisation }, "nothing");
             assert_eq!((report.bytes, report.pixels_visible()), (0, 0));
@@ -143,7 +143,7 @@ fn an_empty_scene() {
 fn frames_do_not_affect_later_frames() {
     let scene = with_second_instance(scene("builtin:teapot@6k", 128));
     let cameras: Vec<_> = [2.6, 5.0, 0.4, 30.0].map(|radii| camera(&scene, radii, false)).to_vec();
-    let settings = Settings { tile_size: Some(8), ..Settings::new(90, 70) };
+    let settings = Settings { tile_size: Some(8), ..Settings::one_sample(90, 70) };
     for organisation in BOTH {
         let ranks = Ranks { count: 4, threads: 1, organisation };
         let reports = tercio_parallel::draw_frames(ranks, &scene, &cameras, &settings, |number, frame| {
@@ -158,7 +158,7 @@ fn frames_do_not_affect_later_frames() {
 fn sort_last_shares_the_clusters_and_sort_first_the_picture() {
     let scene = scene("builtin:gyroid@40k", 128);
     let camera = camera(&scene, 2.6, false);
-    let settings = Settings { outputs: EVERYTHING, tile_size: Some(32), ..Settings::new(256, 192) };
+    let settings = Settings { outputs: EVERYTHING, tile_size: Some(32), ..Settings::one_sample(256, 192) };
     let clusters = scene.instances[0].mesh.clusters().len() as u64;
     let ranks = |organisation| Ranks { count: 4, threads: 1, organisation };
     let last = check(&scene, &camera, &settings, ranks(Organisation::SortLast), "gyroid");
@@ -182,11 +182,11 @@ fn errors_are_returned_by_the_rank_that_fails() {
     let camera = camera(&scene, 2.6, false);
     for organisation in BOTH {
         let ranks = Ranks { count: 3, threads: 1, organisation };
-        let wide = Settings { width: 0, ..Settings::new(8, 8) };
+        let wide = Settings { width: 0, ..Settings::one_sample(8, 8) };
         let error = draw(ranks, &scene, &camera, &wide).unwrap_err().to_string();
         assert!(error.contains("width must be 1 to"), "{error}");
         let nowhere = Camera { target: camera.eye, ..camera };
-        let error = draw(ranks, &scene, &nowhere, &Settings::new(8, 8)).unwrap_err().to_string();
+        let error = draw(ranks, &scene, &nowhere, &Settings::one_sample(8, 8)).unwrap_err().to_string();
         assert!(error.contains("eye and target"), "{error}");
     }
 }
@@ -219,8 +219,9 @@ proptest! {
                 ids: wants(3),
                 normals: wants(4),
                 keys: wants(5),
+                linear: wants(6),
             },
-            ..Settings::new(width, height)
+            ..Settings::one_sample(width, height)
         };
         let organisation = if last { Organisation::SortLast } else { Organisation::SortFirst };
         let camera = camera(&scene, radii, orthographic);

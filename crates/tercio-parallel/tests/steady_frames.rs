@@ -63,7 +63,7 @@ fn memory_is_allocated_for_the_messages_of_one_frame_only() {
         projection: Projection::Perspective { fov_y: 0.8 },
         near: None,
     };
-    let settings = Settings { tile_size: Some(16), ..Settings::new(160, 120) };
+    let settings = Settings { tile_size: Some(16), ..Settings::one_sample(160, 120) };
     for organisation in [Organisation::SortFirst, Organisation::SortLast] {
         let task = Task { organisation, scene: &scene, camera: &camera, settings: &settings };
         const FRAMES: usize = 10;

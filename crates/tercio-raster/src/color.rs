@@ -73,7 +73,7 @@ fn encode(linear: f64) -> f64 {
 }
 
 /// Linear light of sRGB, both 0 to 1.
-fn decode(srgb: f64) -> f64 {
+pub fn decode(srgb: f64) -> f64 {
     if srgb <= 0.04045 {
         return srgb / 12.92;
     }

@@ -8,6 +8,7 @@ use tercio_scene::{Camera, Instance, Light, Scene};
 
 use crate::error::RenderError;
 use crate::lighting::LightRig;
+use crate::sampling::{FilterWeights, SampleCells};
 use crate::screen::{PixelRect, TileGrid};
 use crate::settings::Settings;
 use crate::view::{ObjectView, View};
@@ -29,6 +30,10 @@ pub struct FrameContext<'a> {
     pub lights: LightRig,
     /// The tiles.
     pub grid: TileGrid,
+    /// The samples of a pixel.
+    pub cells: SampleCells,
+    /// The filter that makes a pixel from them.
+    pub filter: FilterWeights,
     /// Number of workers that the work is divided among, whatever the number of threads in the pool. It determines the
     /// tile size and which tiles are shared and how, but does not change the picture.
     pub workers: usize,
@@ -56,7 +61,9 @@ impl<'a> FrameContext<'a> {
         settings.check()?;
         let (width, height) = (settings.width, settings.height);
         let view = View::new(camera, &scene.bounds(), width, height)?;
-        let grid = TileGrid::new(width, height, settings.tile_edge_for(workers), settings.tiles.clone());
+        let mut grid = TileGrid::new(width, height, settings.tile_edge_for(workers), settings.tiles.clone());
+        // The filter needs no other pixels where samples are kept.
+        grid.halo = if settings.unresolved { 0 } else { settings.sampling.halo() };
         let mut first_cluster = vec![0];
         let (mut first_primitive, mut first_face) = (Vec::new(), Vec::new());
         let (mut clusters, mut triangles, mut faces) = (0u64, 0u64, 0u64);
@@ -84,6 +91,8 @@ impl<'a> FrameContext<'a> {
             objects,
             lights,
             grid,
+            cells: settings.sampling.pattern.cells(),
+            filter: FilterWeights::new(&settings.sampling),
             workers,
             first_cluster,
             first_primitive,

@@ -5,7 +5,8 @@
 //! * **Clip space**: `x`, `y` in sub-pixels times `w`, origin in the middle of the picture, y downwards; `w` is
 //!   the distance along the line of sight in [`View::unit`](crate::view::View::unit) (1 for an orthographic camera).
 //! * **Screen space**: whole sub-pixels, origin at the upper left corner of the picture, y downwards. One pixel
-//!   is [`SUBPIXELS`] sub-pixels; the sample of pixel (i, j) is its centre, at (i, j) * 256 + 128.
+//!   is [`SUBPIXELS`] sub-pixels; the sample of pixel (i, j) is its centre, at (i, j) * 256 + 128, unless there are
+//!   several ([`crate::sampling`]).
 //! * **Depth**: `near / w` for a perspective camera, `(far - z) / (far - near)` for an orthographic one: above 0,
 //!   at most 1, larger is nearer, 0 where nothing was drawn. It is linear in screen space. The depth of a perspective
 //!   camera, as a floating-point number, has the same relative precision at any distance from the near plane, so the
@@ -23,6 +24,13 @@
 //!   (the triangle's own in flat shading and without vertex normals). It is negated if it is not on the visible side of
 //!   its triangle. If it still points away from the viewer, as can happen at the silhouette of a coarse mesh, it is
 //!   bent towards the viewer until it is perpendicular to the line of sight.
+//! * **Pixels of several samples**: colours are averaged as linear light, premultiplied by alpha, with the background's
+//!   where nothing was drawn; the mean of 2^n samples is a sum of sums of neighbours in the order of the samples. Depth,
+//!   id and normal are those of the sample with the largest key, the first among equals. With a filter wider than a pixel,
+//!   colours (and keys, which tell whether a pixel was drawn) also depend on samples of the neighbours inside the
+//!   picture; depth, id and normal do not.
+//! * **Shading of several samples**: once for each triangle (each piece, if it is clipped) and pixel, at the centre of
+//!   the pixel's samples that it covers, hidden or not ([`SampleCells::center`](crate::sampling::SampleCells::center)).
 //! * **Rounding**: no fused multiply-add; a product is rounded before it is added, on every machine.
 //!
 //! # Glossary
@@ -71,14 +79,16 @@ pub const SMALL_EXTENT: i32 = 1 << 15;
 /// vertices fit into 16 bits.
 pub const SMALL_CLUSTER: i32 = (1 << 16) - SUBPIXELS;
 
-/// First pixel whose sample is at or right of (below) a screen coordinate.
+/// First pixel whose last column (row) of samples is at or right of (below) a screen coordinate. The samples of a pixel
+/// are at least `origin` sub-pixels from its borders.
 #[inline(always)]
-pub fn first_sample(coordinate: i32) -> i32 {
-    (coordinate + (SAMPLE - 1)) >> SUBPIXEL_BITS
+pub fn first_pixel(coordinate: i32, origin: i32) -> i32 {
+    (coordinate + (origin - 1)) >> SUBPIXEL_BITS
 }
 
-/// Last pixel whose sample is at or left of (above) a screen coordinate.
+/// Last pixel whose first column (row) of samples is at or left of (above) a screen coordinate; `origin` as in
+/// [`first_pixel`].
 #[inline(always)]
-pub fn last_sample(coordinate: i32) -> i32 {
-    (coordinate - SAMPLE) >> SUBPIXEL_BITS
+pub fn last_pixel(coordinate: i32, origin: i32) -> i32 {
+    (coordinate - origin) >> SUBPIXEL_BITS
 }

@@ -155,7 +155,8 @@ impl Renderer {
             self.scratch.resize_with(memories, Mutex::default);
         }
         let settings = context.settings;
-        let canvas = Canvas::new(frame, &settings.outputs, &context.scene.background, &context.grid);
+        let count = settings.elements_per_pixel();
+        let canvas = Canvas::new(frame, &settings.outputs, &context.scene.background, &context.grid, count);
         let work = Tiles { context, sorted, canvas: &canvas, level: level(context) };
         let tallies = work.draw::<T>(tiles, &mut self.scratch[..memories]);
         drop(canvas);
@@ -176,8 +177,8 @@ impl Renderer {
 impl Frame {
     /// Resizes the planes that the settings request, and empties the others. The values are unspecified.
     pub fn resize(&mut self, settings: &Settings) {
-        (self.width, self.height) = (settings.width, settings.height);
-        self.planes.resize(&settings.outputs, settings.width as usize * settings.height as usize);
+        (self.width, self.height) = (settings.width * settings.elements_per_pixel(), settings.height);
+        self.planes.resize(&settings.outputs, self.width as usize * self.height as usize);
     }
 }
 
@@ -262,7 +263,7 @@ impl Tiles<'_> {
             let mut parts =
                 scratch[..used].iter_mut().map(|s| s.get_mut().unwrap_or_else(|e| e.into_inner()));
             let Some(first) = parts.next() else { unreachable!("a pool has at least one thread") };
-            parts.for_each(|part| first.tile.merge(self.context, &part.tile));
+            parts.for_each(|part| first.merge(self.context, part));
         }
         let first = scratch[0].get_mut().unwrap_or_else(|e| e.into_inner());
         tally.plus(self.draw_tile(tile, Stage::Finish, first))

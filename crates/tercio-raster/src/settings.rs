@@ -7,6 +7,7 @@ use tercio_scene::Framing;
 
 use crate::error::RenderError;
 use crate::frame::Outputs;
+use crate::sampling::Sampling;
 use crate::screen::TileSet;
 pub use crate::simd::SimdLevel;
 
@@ -145,6 +146,11 @@ pub struct Settings {
     pub cull: Cull,
     /// Where and how light is computed.
     pub shading: Shading,
+    /// The samples of a pixel.
+    pub sampling: Sampling,
+    /// Keeps the samples: the frame then has as many columns for each pixel as the pixel has samples. For pictures that
+    /// are composed from those of several ranks; [`resolve_into`](crate::resolve_into) makes the picture.
+    pub unresolved: bool,
     /// The planes of the frame to draw.
     pub outputs: Outputs,
     /// Pixels along the edge of a tile: 8, 16, 32, 64 or 128; `None` lets the renderer choose.
@@ -173,13 +179,15 @@ const SMALLEST_TILE: u32 = 16;
 const TILES_PER_THREAD: usize = 8;
 
 impl Settings {
-    /// Default settings for a picture of this size.
+    /// Default settings for a picture of this size: 4 samples per pixel.
     pub fn new(width: u32, height: u32) -> Self {
         Self {
             width,
             height,
             cull: Cull::default(),
             shading: Shading::default(),
+            sampling: Sampling::default(),
+            unresolved: false,
             outputs: Outputs::default(),
             tile_size: None,
             sorting: Sorting::default(),
@@ -190,6 +198,12 @@ impl Settings {
             last_stage: LastStage::default(),
             simd: None,
         }
+    }
+
+    /// [`Settings::new`] with one sample per pixel, at its centre: without anti-aliasing, for measurements, and for depths
+    /// and ids at the centres of pixels.
+    pub fn one_sample(width: u32, height: u32) -> Self {
+        Self { sampling: Sampling::NONE, ..Self::new(width, height) }
     }
 
     /// The default framing for a picture of this size, to make a camera without giving the size again.
@@ -206,14 +220,25 @@ impl Settings {
         Framing::new(self.width, self.height)
     }
 
+    /// Columns of a frame for each pixel: one, or one for each sample if the samples are kept.
+    pub fn elements_per_pixel(&self) -> u32 {
+        if self.unresolved { self.sampling.pattern.count() as u32 } else { 1 }
+    }
+
     /// Pixels along the edge of a tile: as requested, or by the size of the picture. Small tiles distribute the work of
-    /// small pictures better; with large tiles, clusters overlap fewer of them.
+    /// small pictures better; with large tiles, clusters overlap fewer of them. The more samples a pixel has, the fewer
+    /// pixels of a tile fit into the cache.
     pub fn tile_edge(&self) -> u32 {
+        let largest = match self.sampling.pattern.count() {
+            1 => 128,
+            2..=4 => 64,
+            _ => 32,
+        };
         self.tile_size.unwrap_or(match u64::from(self.width) * u64::from(self.height) {
             0..=0x4000 => SMALLEST_TILE,
             0x4001..=0x1_0000 => 32,
-            0x1_0001..=0x8_0000 => 64,
-            _ => 128,
+            0x1_0001..=0x8_0000 => largest.min(64),
+            _ => largest,
         })
     }
 
@@ -270,14 +295,18 @@ impl Settings {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::sampling::SamplePattern;
 
     #[test]
     fn tiles_get_smaller_with_the_picture_and_with_more_threads() {
-        let edge = |width, height, threads| Settings::new(width, height).tile_edge_for(threads);
+        let edge = |width, height, threads| Settings::one_sample(width, height).tile_edge_for(threads);
         assert_eq!([64, 256, 512, 1024].map(|size| edge(size, size, 2)), [16, 32, 64, 128]);
         // 64, 256, 1024 and 4096 tiles.
         assert_eq!([8, 9, 128, 1000].map(|threads| edge(1024, 1024, threads)), [128, 64, 32, 16]);
         assert_eq!(edge(16384, 16384, 1000), 128);
+        let with = |pattern| Settings { sampling: Sampling::of(pattern), ..Settings::new(1024, 1024) };
+        let patterns = [SamplePattern::Center, SamplePattern::Sparse4, SamplePattern::Sparse16];
+        assert_eq!(patterns.map(|pattern| with(pattern).tile_edge()), [128, 64, 32]);
         assert_eq!(edge(1, 1, 1000), 16);
         let requested = Settings { tile_size: Some(64), ..Settings::new(64, 64) };
         assert_eq!(requested.tile_edge_for(1000), 64);

@@ -62,7 +62,7 @@ fn golden_shading() {
         ("unlit", Shading::Unlit),
     ];
     for (name, shading) in kinds {
-        check("shading", name, &scene, &camera, &Settings { shading, ..Settings::new(192, 128) });
+        check("shading", name, &scene, &camera, &Settings { shading, ..Settings::one_sample(192, 128) });
     }
 }
 
@@ -72,13 +72,13 @@ fn golden_shading_point_light() {
     let position = DVec3::new(1.5, 1.5, 1.5);
     scene.lights = vec![Light::Point { position, space: LightSpace::World, color: [0.9, 0.9, 0.9] }];
     let camera = at_box(&scene, [0.0, 0.0, 1.0], 3.0, 40.0);
-    check("shading", "point_light", &scene, &camera, &Settings::new(160, 120));
+    check("shading", "point_light", &scene, &camera, &Settings::one_sample(160, 120));
 }
 
 #[test]
 fn golden_camera() {
     let scene = lit(make("teapot@20k"), GREY);
-    let settings = Settings::new(192, 128);
+    let settings = Settings::one_sample(192, 128);
     check("camera", "iso", &scene, &at_box(&scene, [1.0, 0.8, 1.0], 3.0, 36.0), &settings);
     let center = scene.bounds().center();
     let eye = center + DVec3::new(0.0, 10.0, 0.0);
@@ -93,7 +93,7 @@ fn golden_camera() {
 fn golden_camera_above_terrain() {
     let scene = lit(make("terrain@20k"), Background::Solid([0.6, 0.75, 0.95, 1.0]));
     let low = perspective([0.0, 0.45, 0.6], [0.0, 0.1, -0.6], 60.0);
-    check("camera", "above_terrain", &scene, &Camera { up: DVec3::Y, ..low }, &Settings::new(256, 160));
+    check("camera", "above_terrain", &scene, &Camera { up: DVec3::Y, ..low }, &Settings::one_sample(256, 160));
 }
 
 #[test]
@@ -101,7 +101,7 @@ fn golden_culling() {
     let scene = lit(make("teapot@20k"), GREY);
     let camera = at_box(&scene, [0.3, 0.9, 1.0], 3.0, 36.0);
     for (name, cull) in [("back", Cull::Back), ("front", Cull::Front)] {
-        check("culling", name, &scene, &camera, &Settings { cull, ..Settings::new(192, 128) });
+        check("culling", name, &scene, &camera, &Settings { cull, ..Settings::one_sample(192, 128) });
     }
 }
 
@@ -109,12 +109,12 @@ fn golden_culling() {
 fn golden_colors() {
     let terrain = lit(make("terrain@20k"), WHITE);
     let camera = at_box(&terrain, [0.5, 0.8, 1.0], 2.6, 40.0);
-    check("colors", "of_vertices", &terrain, &camera, &Settings::new(192, 144));
+    check("colors", "of_vertices", &terrain, &camera, &Settings::one_sample(192, 144));
     let mut soup = lit(make("soup@500"), WHITE);
     let camera = at_box(&soup, [0.2, 0.3, 1.0], 2.8, 40.0);
-    check("colors", "of_faces", &soup, &camera, &Settings::new(192, 144));
+    check("colors", "of_faces", &soup, &camera, &Settings::one_sample(192, 144));
     soup.instances[0].surface.use_mesh_colors = false;
-    check("colors", "base", &soup, &camera, &Settings::new(192, 144));
+    check("colors", "base", &soup, &camera, &Settings::one_sample(192, 144));
 }
 
 #[test]
@@ -128,7 +128,7 @@ fn golden_background() {
     for (name, background) in kinds {
         let scene = lit(make("gyroid@10k"), background);
         let camera = at_box(&scene, [0.6, 0.5, 1.0], 3.2, 40.0);
-        check("background", name, &scene, &camera, &Settings::new(160, 120));
+        check("background", name, &scene, &camera, &Settings::one_sample(160, 120));
     }
 }
 
@@ -137,6 +137,6 @@ fn golden_tiny() {
     let scene = lit(make("teapot@20k"), WHITE);
     let camera = at_box(&scene, [0.3, 0.5, 1.0], 3.0, 36.0);
     for (w, h) in [(16, 12), (5, 3)] {
-        check("tiny", &format!("{w}x{h}"), &scene, &camera, &Settings::new(w, h));
+        check("tiny", &format!("{w}x{h}"), &scene, &camera, &Settings::one_sample(w, h));
     }
 }

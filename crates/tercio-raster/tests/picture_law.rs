@@ -132,7 +132,7 @@ fn slanted_normals_with_colours_only() {
             let eye = away.normalize() * far;
             let degrees = random.between(30.0, 120.0);
             let camera = perspective(eye.to_array(), [0.0; 3], degrees);
-            let settings = Settings::new(160, 120);
+            let settings = Settings::one_sample(160, 120);
             check_colours(&mesh, plain.clone(), &camera, &settings, &format!("sheet {sheet}, view {view}"));
         }
     }
@@ -240,7 +240,7 @@ fn plain_pictures() {
             perspective([0.2, 0.3, 0.1], [1.0; 3], 90.0),
             orthographic([1.0, 2.0, 3.0], [0.0; 3], 2.5),
         ] {
-            check_colours(&mesh, scene(&mesh), &camera, &Settings::new(300, 200), what);
+            check_colours(&mesh, scene(&mesh), &camera, &Settings::one_sample(300, 200), what);
         }
     }
 }
@@ -318,7 +318,7 @@ fn parts_of_the_tiles_make_up_the_picture() {
 fn light_is_finite() {
     let mesh = sphere(12);
     let camera = perspective([1.0, 2.0, 3.0], [0.0; 3], 35.0);
-    let settings = Settings::new(64, 64);
+    let settings = Settings::one_sample(64, 64);
     let changes: [fn(&mut Scene, f32); 3] = [
         |scene, v| scene.lights = vec![Light::headlight([v; 3]), Light::headlight([0.5; 3])],
         |scene, v| scene.instances[0].surface.specular = v,

@@ -129,7 +129,7 @@ fn each_picture(mut with: impl FnMut(&str, &[&Mesh], &Scene, &Camera, &Settings)
         let camera = perspective(eye.to_array(), bounds.center().to_array(), 40.0);
         for cull in [Cull::Auto, Cull::Back, Cull::Front] {
             for tile_size in [8, 32, 128] {
-                let settings = Settings { cull, tile_size: Some(tile_size), ..Settings::new(width, height) };
+                let settings = Settings { cull, tile_size: Some(tile_size), ..Settings::one_sample(width, height) };
                 let what = format!("{model}, {cull:?}, tiles of {tile_size}");
                 with(&what, &[&mesh, &mesh], &scene, &camera, &settings);
             }
@@ -232,7 +232,7 @@ fn counts_of_a_shared_tile_depend_on_the_workers_only() {
     let bounds = scene.bounds();
     let eye = bounds.center() + glam::DVec3::new(0.5, 0.4, 1.0) * bounds.size().length() * 12.0;
     let camera = perspective(eye.to_array(), bounds.center().to_array(), 40.0);
-    let settings = Settings { tile_size: Some(64), ..Settings::new(320, 200) };
+    let settings = Settings { tile_size: Some(64), ..Settings::one_sample(320, 200) };
     let alone = count(&scene, &camera, &settings, 1);
     let mut drawn_before = alone.stats.backend.clusters_drawn;
     for workers in [2, 5, 64] {

@@ -69,7 +69,7 @@ fn check(mesh: &Mesh, exponents: &[i32], what: &str) {
             },
         };
         let mut outputs = Outputs { keys: false, ..everything(1, 1).outputs };
-        let mut settings = Settings { outputs, shading, ..Settings::new(SIZE[0], SIZE[1]) };
+        let mut settings = Settings { outputs, shading, ..Settings::one_sample(SIZE[0], SIZE[1]) };
         if let Err(error) = Renderer::new().render(&scene, &camera, &settings) {
             let RenderError::Distances { farthest } = error else {
                 panic!("{what} times 2^{exponent}: {error}")
@@ -118,12 +118,12 @@ fn coordinates_out_of_range_are_refused() {
         let scene = scene(&mesh);
         let camera = Framing::default().camera_for_scene(&scene);
         let error =
-            Renderer::new().render(&scene, &camera, &Settings::new(64, 64)).expect_err("out of range");
+            Renderer::new().render(&scene, &camera, &Settings::one_sample(64, 64)).expect_err("out of range");
         assert!(error.to_string().contains("Mesh::bring_into_range"), "{error}");
         let largest = mesh.positions.iter().flatten().fold(0.0f32, |most, c| most.max(c.abs()));
         mesh.bring_into_range(largest);
         let scene = common::scene(&mesh);
-        Renderer::new().render(&scene, &camera, &Settings::new(64, 64)).expect("a picture");
+        Renderer::new().render(&scene, &camera, &Settings::one_sample(64, 64)).expect("a picture");
     }
 }
 

@@ -16,7 +16,7 @@ const SIZE: [u32; 2] = [96, 72];
 
 fn settings(shading: Shading) -> Settings {
     let outputs = Outputs { color: true, depth: true, ids: true, normals: true, ..Outputs::default() };
-    Settings { outputs, shading, cull: Cull::None, ..Settings::new(SIZE[0], SIZE[1]) }
+    Settings { outputs, shading, cull: Cull::None, ..Settings::one_sample(SIZE[0], SIZE[1]) }
 }
 
 /// Draws a scene and compares it with the ray caster; a minimum number of pixels must be decided, and show a triangle.

@@ -61,7 +61,7 @@ fn turned_lights(lights: &[Light], by: DQuat) -> Vec<Light> {
 
 fn settings(shading: Shading) -> Settings {
     let outputs = Outputs { color: true, depth: true, ids: true, normals: true, ..Outputs::default() };
-    Settings { outputs, shading, cull: Cull::None, ..Settings::new(240, 180) }
+    Settings { outputs, shading, cull: Cull::None, ..Settings::one_sample(240, 180) }
 }
 
 /// Compares the pictures of two scenes, the second of which is the first one rotated. At most one pixel in `others` may

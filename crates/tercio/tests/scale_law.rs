@@ -65,7 +65,7 @@ fn picture(path: &Path, crease_angle: Option<f64>) -> (Vec<[u8; 4]>, Vec<u32>, V
     let scene = Scene::from_mesh(loaded.mesh);
     let camera = Framing::new(160, 120).camera_for_scene(&scene);
     let outputs = Outputs { color: true, depth: true, ids: true, normals: true, ..Outputs::default() };
-    let mut settings = Settings { outputs, ..Settings::new(160, 120) };
+    let mut settings = Settings { outputs, ..Settings::one_sample(160, 120) };
     let mut frame = Renderer::new().render(&scene, &camera, &settings);
     if let Err(RenderError::Distances { farthest }) = frame {
         assert!(!(farthest as f32).is_normal(), "{farthest}");

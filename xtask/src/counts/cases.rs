@@ -10,18 +10,20 @@ use crate::models::formats::{self, Writer};
 /// A model and what is done with it.
 pub enum Case {
     /// A frame of `tercio bench` of a built-in model, in a square picture.
-    Frame { model: &'static str, size: u32 },
+    Frame { model: &'static str, size: u32, aa: &'static str },
     /// From a file of a built-in model, without normals, to a picture so small that reading the file dominates.
     File { model: &'static str, file: &'static str, write: Writer },
     /// From a small built-in model to a PNG.
     Png { model: &'static str, size: &'static str },
 }
 
-/// Small triangles, large triangles, many layers; each reader; the PNG writer.
-pub const CASES: [Case; 8] = [
-    Case::Frame { model: "builtin:sphere@100k", size: 256 },
-    Case::Frame { model: "builtin:teapot@2k", size: 512 },
-    Case::Frame { model: "builtin:gyroid@100k", size: 256 },
+/// Small triangles, large triangles, many layers; the first two with several samples per pixel; each reader; the PNG writer.
+pub const CASES: [Case; 10] = [
+    Case::Frame { model: "builtin:sphere@100k", size: 256, aa: "1" },
+    Case::Frame { model: "builtin:teapot@2k", size: 512, aa: "1" },
+    Case::Frame { model: "builtin:gyroid@100k", size: 256, aa: "1" },
+    Case::Frame { model: "builtin:sphere@100k", size: 256, aa: "4" },
+    Case::Frame { model: "builtin:teapot@2k", size: 512, aa: "4" },
     Case::File { model: "builtin:gyroid@50k", file: "binary.ply", write: formats::write_ply },
     Case::File { model: "builtin:gyroid@50k", file: "ascii.ply", write: formats::write_ascii_ply },
     Case::File { model: "builtin:gyroid@50k", file: "text.obj", write: formats::write_obj },
@@ -39,9 +41,10 @@ impl Case {
     /// The program does not run.
     pub fn count(&self, tercio: &Path, folder: &Path) -> Result<Vec<(String, u64)>> {
         match *self {
-            Self::Frame { model, size } => {
-                let name = format!("{size}x{size} of {model}");
-                let counts = frame(tercio, folder, model, size).with_context(|| name.clone())?;
+            Self::Frame { model, size, aa } => {
+                let samples = if aa == "1" { String::new() } else { format!(", {aa} samples a pixel") };
+                let name = format!("{size}x{size} of {model}{samples}");
+                let counts = frame(tercio, folder, model, size, aa).with_context(|| name.clone())?;
                 Ok(vec![(format!("making {name}"), counts.making), (format!("frame {name}"), counts.frame)])
             }
             Self::File { model, file, write } => {
@@ -72,12 +75,12 @@ struct FrameCounts {
 
 /// Two runs that differ only in their number of views, so their difference is the cost of the additional views. Both
 /// draw the first view.
-fn frame(tercio: &Path, folder: &Path, model: &str, size: u32) -> Result<FrameCounts> {
+fn frame(tercio: &Path, folder: &Path, model: &str, size: u32, aa: &str) -> Result<FrameCounts> {
     const VIEWS: u64 = 5;
     let size = format!("{size}x{size}");
     let run = |views: u64| {
         let views = views.to_string();
-        let arguments = ["bench", model, "--size", &size, "--frames", &views];
+        let arguments = ["bench", model, "--size", &size, "--frames", &views, "--aa", aa];
         callgrind::count(tercio, &[&arguments, &FIXED[..]].concat(), folder)
     };
     let (making, all) = (run(1)?, run(VIEWS)?);

@@ -6,6 +6,7 @@ use tercio::raster::{Binning, Cull, Outputs, Settings, Shading, SimdLevel, Sorti
 use tercio::scene::{Background, Scene};
 
 use super::light::{self, LightSpec};
+use super::sampling::SamplingArgs;
 use super::values;
 
 /// Where lighting is computed.
@@ -128,7 +129,7 @@ pub struct TuningArgs {
 }
 
 impl TuningArgs {
-    /// Settings of a picture of this size, with defaults for everything else.
+    /// Settings of a picture of this size with one sample per pixel, and defaults for everything else.
     pub fn settings(&self, (width, height): (u32, u32)) -> Settings {
         Settings {
             tile_size: self.tile_size,
@@ -139,14 +140,14 @@ impl TuningArgs {
             },
             cluster_culling: !self.no_cluster_culling,
             simd: self.simd,
-            ..Settings::new(width, height)
+            ..Settings::one_sample(width, height)
         }
     }
 }
 
 impl DrawingArgs {
     /// Settings of the renderer.
-    pub fn settings(&self, tuning: &TuningArgs, outputs: Outputs) -> Settings {
+    pub fn settings(&self, tuning: &TuningArgs, sampling: &SamplingArgs, outputs: Outputs) -> Settings {
         Settings {
             cull: self.cull(),
             shading: match self.shading {
@@ -155,6 +156,7 @@ impl DrawingArgs {
                 ShadingName::Phong => Shading::Phong,
                 ShadingName::Unlit => Shading::Unlit,
             },
+            sampling: sampling.sampling(),
             outputs,
             ..tuning.settings(self.size)
         }

@@ -5,6 +5,7 @@ pub mod camera;
 pub mod drawing;
 pub mod light;
 pub mod ranks;
+pub mod sampling;
 pub mod values;
 pub mod writing;
 

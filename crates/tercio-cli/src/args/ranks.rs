@@ -80,6 +80,11 @@ impl Drawers {
         Some(Ranks { count, threads: (threads / count).max(1), organisation })
     }
 
+    /// Whether ranks composite their pictures.
+    pub fn composites(self) -> bool {
+        matches!(self, Self::InProcess(_, Organisation::SortLast) | Self::Mpi(Organisation::SortLast))
+    }
+
     /// Number of frames that this process keeps at the same time, and whether with their keys.
     pub fn frames(self) -> (usize, bool) {
         match self {

@@ -83,6 +83,7 @@ impl WritingArgs {
                 ids: self.output_ids.is_some(),
                 normals: self.output_normals.is_some(),
                 keys: false,
+                linear: false,
             },
             picture,
             arrays: arrays.collect(),

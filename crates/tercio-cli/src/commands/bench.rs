@@ -18,6 +18,7 @@ use tercio::{LoadOptions, Model, Normals};
 
 use crate::args::bench::{Copies, LookName, StageName, StillArgs};
 use crate::args::drawing::{CullName, TuningArgs};
+use crate::args::sampling::SamplingArgs;
 use crate::args::{ModelArgs, RunningArgs, values};
 use crate::named_files::NamedFiles;
 use crate::output::{UsageError, write_text};
@@ -66,6 +67,8 @@ pub struct Bench {
     #[arg(long)]
     json: bool,
     #[command(flatten)]
+    sampling: SamplingArgs,
+    #[command(flatten)]
     tuning: TuningArgs,
     #[command(flatten)]
     running: RunningArgs,
@@ -96,6 +99,7 @@ impl Bench {
     /// # Errors
     /// What went wrong.
     pub fn run(&self) -> Result<ExitCode> {
+        self.sampling.check().map_err(|e| UsageError(e.into()))?;
         let files = NamedFiles::default().reads_model(&self.model.model).prints();
         files.ready()?;
         ending::name_model(self.model.name());
@@ -123,7 +127,12 @@ impl Bench {
         display.stage("drawing");
 
         let last_stage = self.toss.map_or(LastStage::Output, StageName::stage);
-        let settings = Settings { cull: self.cull.into(), last_stage, ..self.tuning.settings(self.size) };
+        let settings = Settings {
+            cull: self.cull.into(),
+            last_stage,
+            sampling: self.sampling.sampling(),
+            ..self.tuning.settings(self.size)
+        };
         let mut renderer = Renderer::new();
         let mut frame = Frame::default();
         // The first frame allocates the memory that later frames reuse.
@@ -203,6 +212,7 @@ impl Bench {
                 "simd": last.simd,
                 "toss": self.toss.map(StageName::name),
                 "look": self.look.name(),
+                "samples": self.sampling.sampling().pattern.name(),
                 "tile_size": last.tile_size,
                 "million_triangles_per_second": rate,
                 "stages": { "frontend": front.json(), "backend": back.json() },

@@ -17,6 +17,7 @@ use tercio::{LoadOptions, LoadReport};
 use crate::args::camera::CameraArgs;
 use crate::args::drawing::{DrawingArgs, TuningArgs};
 use crate::args::ranks::{Drawers, RanksArgs};
+use crate::args::sampling::SamplingArgs;
 use crate::args::writing::WritingArgs;
 use crate::args::{ModelArgs, ProgressMode, RunningArgs};
 use crate::named_files::NamedFiles;
@@ -48,6 +49,8 @@ pub struct Render {
     camera: CameraArgs,
     #[command(flatten)]
     drawing: DrawingArgs,
+    #[command(flatten)]
+    sampling: SamplingArgs,
     #[command(flatten)]
     tuning: TuningArgs,
     #[command(flatten)]
@@ -90,11 +93,11 @@ impl Render {
     pub fn run(&self) -> Result<ExitCode> {
         let start = Instant::now();
         let plan = self.writing.plan(&self.drawing).map_err(UsageError)?;
-        self.drawing.check().map_err(|e| UsageError(e.into()))?;
+        self.drawing.check().and_then(|()| self.sampling.check()).map_err(|e| UsageError(e.into()))?;
         let files = plan.named_files().reads_model(&self.model.model);
         files.check()?;
         let writing = Writing { plan, files, allow_empty: self.writing.allow_empty };
-        let settings = self.drawing.settings(&self.tuning, writing.plan.outputs);
+        let settings = self.drawing.settings(&self.tuning, &self.sampling, writing.plan.outputs);
         settings.check().map_err(|e| UsageError(e.to_string()))?;
         let processes = mpi::processes();
         let drawers = self.ranks.drawers(processes)?;
@@ -203,11 +206,18 @@ impl Render {
         })
     }
 
-    /// Bytes of the pictures of this process; with their keys if there are ranks.
+    /// Bytes of the pictures of this process; with their keys if there are ranks. Ranks that composite samples keep
+    /// these, too.
     fn frame_bytes(&self, plan: &Plan, drawers: Drawers) -> u64 {
         let (frames, keys) = drawers.frames();
         let bytes = frame_bytes(Outputs { keys, ..plan.outputs }, self.drawing.size);
-        bytes.saturating_mul(frames as u64)
+        let count = self.sampling.sampling().pattern.count();
+        let mut samples = 0;
+        if count > 1 && drawers.composites() {
+            let planes = Outputs { keys: true, linear: true, color: false, color16: false, ..plan.outputs };
+            samples = frame_bytes(planes, self.drawing.size).saturating_mul(count as u64);
+        }
+        bytes.saturating_add(samples).saturating_mul(frames as u64)
     }
 
     fn check_memory(&self, picture: u64, model: u64) -> Result<()> {
@@ -277,7 +287,11 @@ impl Render {
             "tercio_version": env!("CARGO_PKG_VERSION"),
             "load": report::load_json(&self.model.name(), &done.report),
             "camera": report::camera_json(&done.camera),
-            "picture": { "width": done.frame.width, "height": done.frame.height },
+            "picture": {
+                "width": done.frame.width,
+                "height": done.frame.height,
+                "samples": self.sampling.sampling().pattern.name(),
+            },
             "frame": serde_json::to_value(&done.frame.stats)?,
             "parallel": done.parallel,
             "threads": threads,

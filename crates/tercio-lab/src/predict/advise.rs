@@ -254,7 +254,7 @@ mod tests {
             0,
             1,
         );
-        let settings = tercio_raster::Settings::new(size.0, size.1);
+        let settings = tercio_raster::Settings::one_sample(size.0, size.1);
         work(&Picture { scene: &scene, camera: &camera, settings: &settings })
     }
 
@@ -284,7 +284,7 @@ mod tests {
             crate::predict::calibrate::prepare(tercio_mesh::builtin::make("builtin:gyroid@5k").unwrap());
         let (camera, settings) = (
             crate::predict::views::camera(&bounds, (160, 120), 0, 1),
-            tercio_raster::Settings::new(160, 120),
+            tercio_raster::Settings::one_sample(160, 120),
         );
         let picture = Picture { scene: &scene, camera: &camera, settings: &settings };
         let plans = (renderer_plans(4), plans(4, None));

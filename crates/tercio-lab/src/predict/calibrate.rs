@@ -153,7 +153,7 @@ fn pictures_of(model: &str, mesh: Mesh) -> Result<Vec<Picture>, PredictError> {
             if sorting == RasterSorting::Triangles && triangles > MOST_SORTED {
                 continue;
             }
-            let settings = Settings { sorting, last_stage, ..Settings::new(size.0, size.1) };
+            let settings = Settings { sorting, last_stage, ..Settings::one_sample(size.0, size.1) };
             let counted = count(&scene, &camera, &settings, 1)?;
             let seconds = f64::INFINITY;
             let sample =
@@ -271,7 +271,7 @@ mod tests {
         let share = |seconds: f64, together: f64| {
             let sample = Sample {
                 model: "x".into(),
-                settings: Settings::new(8, 8),
+                settings: Settings::one_sample(8, 8),
                 counted: Counted { frame, tiles: vec![tile; 2] },
                 seconds,
                 fitted: 0.0,

@@ -116,7 +116,7 @@ pub fn compare(
             for &threads in threads {
                 let views = (0..o.views.max(1)).map(|view| {
                     let camera = views::camera(&model.bounds, size, view, o.views);
-                    let settings = Settings { sorting: o.sorting, ..Settings::new(size.0, size.1) };
+                    let settings = Settings { sorting: o.sorting, ..Settings::one_sample(size.0, size.1) };
                     let counted = count(&model.scene, &camera, &settings, threads)?;
                     Ok(View {
                         scene: &model.scene,

@@ -191,7 +191,7 @@ impl<'a> Place<'a> {
     }
 
     fn settings(&self) -> Settings {
-        Settings::new(self.size.0, self.size.1)
+        Settings::one_sample(self.size.0, self.size.1)
     }
 }
 

@@ -156,7 +156,7 @@ mod tests {
 
     fn render(model: &Model, camera: &Camera, cull: Cull) -> FrameStats {
         // Triangles of hidden clusters would not be counted.
-        let settings = Settings { cull, sorting: Sorting::Triangles, ..Settings::new(SIZE.0, SIZE.1) };
+        let settings = Settings { cull, sorting: Sorting::Triangles, ..Settings::one_sample(SIZE.0, SIZE.1) };
         Renderer::new().render(model.scene(), camera, &settings).unwrap().stats
     }
 

@@ -25,14 +25,19 @@ pub fn collect(
     let stages = &mut report.stages;
     if rank > 0 {
         let mut message = comm.buffer(0);
-        report.pixels.visible += stages
-            .collect
-            .time(|| regions.of(rank).map(|region| pack(frame, &region, planes, &mut message)).sum::<u64>());
+        report.pixels.visible += stages.collect.time(|| {
+            let one = regions.columns_per_pixel == 1;
+            let pack_region = |region: Region| {
+                let packed = pack(frame, &region, planes, &mut message);
+                if one { packed } else { shown(frame, &region, regions) }
+            };
+            regions.of(rank).map(pack_region).sum::<u64>()
+        });
         comm.gather(regions.owners(), message)?;
         return Ok(());
     }
     report.pixels.visible +=
-        stages.collect.time(|| regions.of(0).map(|region| shown(frame, &region)).sum::<u64>());
+        stages.collect.time(|| regions.of(0).map(|region| shown(frame, &region, regions)).sum::<u64>());
     let messages = stages.wait.time(|| comm.gather(regions.owners(), Vec::new()))?;
     for (from, message) in (1..).zip(messages) {
         let done = stages.collect.time(|| unpack(&message, planes, false, frame));
@@ -43,11 +48,12 @@ pub fn collect(
 }
 
 /// Number of drawn pixels in a region.
-fn shown(frame: &Frame, region: &Region) -> u64 {
+fn shown(frame: &Frame, region: &Region, regions: &Regions) -> u64 {
     let row = |y: u32| {
         let first = y as usize * frame.width as usize;
         let keys = &frame.planes.keys[first + region.x.start as usize..first + region.x.end as usize];
-        keys.iter().map(|&key| u64::from(key != 0)).sum::<u64>()
+        let pixels = keys.chunks_exact(regions.columns_per_pixel as usize);
+        pixels.map(|keys| u64::from(keys.iter().any(|&key| key != 0))).sum::<u64>()
     };
     region.y.clone().map(row).sum()
 }

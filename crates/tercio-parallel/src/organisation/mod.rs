@@ -50,6 +50,8 @@ pub struct Rank {
     renderer: Renderer,
     /// Memory for the keys of a picture whose settings do not request keys.
     keys: Vec<u64>,
+    /// The samples that this rank drew, if there are several per pixel and they are composited.
+    samples: Frame,
 }
 
 /// The input of a frame, the same on all ranks.
@@ -78,7 +80,7 @@ impl Rank {
 
     /// A rank that draws with the threads of a pool. Calls from one of these threads draw without waking another.
     pub fn from_pool(pool: Arc<ThreadPool>) -> Self {
-        Self { pool, renderer: Renderer::new(), keys: Vec::new() }
+        Self { pool, renderer: Renderer::new(), keys: Vec::new(), samples: Frame::default() }
     }
 
     /// Its threads. Calls from one of them draw without waking another.
@@ -104,6 +106,7 @@ impl Rank {
             width: task.settings.width,
             height: task.settings.height,
             edge: task.settings.tile_edge(),
+            columns_per_pixel: 1,
             ranks: comm.size(),
         };
         match task.organisation {

@@ -24,6 +24,9 @@ pub struct Fragments {
     pub slot: [u32; LANES],
     /// Depths.
     pub depth: [f32; LANES],
+    /// With several samples per pixel, the points that are shaded: distances from the middle of their pixel, in
+    /// sub-pixels to the right and downwards.
+    pub from_middle: [[i32; LANES]; 2],
     /// They are a block of 4x4, row by row.
     pub is_block: bool,
 }

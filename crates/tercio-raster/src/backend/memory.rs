@@ -7,7 +7,6 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8, f32x16, i32x16, mask32x16, u32x4, u32x8, u32x16};
 
 use crate::context::{FrameContext, NO_SLOT};
-use crate::conventions::SUBPIXELS;
 use crate::screen::PixelRect;
 use crate::simd::{LANE_NUMBERS, LANES, part, splat, splat_i};
 
@@ -68,6 +67,12 @@ impl TileMemory {
         self.shaded.resize(places / LANES, 0);
     }
 
+    /// log2 of [`TileMemory::stride`].
+    #[inline(always)]
+    pub fn stride_bits(&self) -> u32 {
+        self.stride_bits
+    }
+
     /// Distance of two rows, in samples.
     #[inline(always)]
     pub fn stride(&self) -> usize {
@@ -90,19 +95,6 @@ impl TileMemory {
     #[inline(always)]
     pub fn places<S: Simd>(&self, column: i32x16<S>, row: i32x16<S>) -> i32x16<S> {
         (row << self.stride_bits) + column
-    }
-
-    /// Columns and rows of samples in the tile, from their indices.
-    #[inline(always)]
-    pub fn column_and_row<S: Simd>(&self, place: i32x16<S>) -> [i32x16<S>; 2] {
-        [place & ((1 << self.stride_bits) - 1), place >> self.stride_bits]
-    }
-
-    /// Coordinates of samples in sub-pixels, from their indices; `first` is the position of the tile's first sample.
-    #[inline(always)]
-    pub fn samples<S: Simd>(&self, simd: S, places: &[i32; LANES], first: [i32; 2]) -> [i32x16<S>; 2] {
-        let [x, y] = self.column_and_row(i32x16::load_array_ref(simd, places));
-        [x * SUBPIXELS + first[0], y * SUBPIXELS + first[1]]
     }
 
     /// The sample indices of each block of 4x4 that begins inside the picture, row by row.

@@ -12,6 +12,7 @@ mod encode;
 mod interpolate;
 mod light;
 mod memory;
+mod multisample;
 mod order;
 mod shade;
 mod table;
@@ -34,11 +35,23 @@ use tally::Tally;
 #[derive(Debug, Default)]
 pub struct Scratch {
     /// Depth and visible triangle of each sample.
-    pub tile: TileMemory,
+    tile: TileMemory,
     pixels: Planes,
     order: DepthOrder,
     pass: ClusterPass,
     winners: WinnerScratch,
+    multisample: multisample::Scratch,
+}
+
+impl Scratch {
+    /// Merges the memory of another part of the same tile: the nearer samples win.
+    pub fn merge(&mut self, context: &FrameContext, other: &Self) {
+        if context.cells.count > 1 {
+            self.multisample.memory.merge(context, &other.multisample.memory);
+        } else {
+            self.tile.merge(context, &other.tile);
+        }
+    }
 }
 
 /// Which work of a tile a task does.
@@ -113,6 +126,13 @@ pub fn run<S: Simd, T: Tally>(
         target.write_background();
         return tally;
     }
+    if context.cells.count > 1 {
+        let Scratch { pixels, order, multisample, .. } = scratch;
+        let (outputs, part, shade) = (canvas.outputs(), Part::WHOLE, Shade::Immediate);
+        multisample::draw(simd, context, bins, tile, part, shade, order, multisample, outputs, &mut tally);
+        multisample::finish(simd, context, multisample, target, pixels, outputs, &mut tally);
+        return tally;
+    }
     let stride = 1 << memory::stride_bits(context);
     target.clear(&mut scratch.pixels, stride);
     draw(simd, context, bins, tile, Part::WHOLE, Shade::Immediate, scratch, canvas.outputs(), &mut tally);
@@ -136,7 +156,13 @@ pub fn run_part<S: Simd, T: Tally>(
     canvas: &Canvas,
 ) -> T {
     let mut tally = T::default();
-    draw(simd, context, bins, tile, part, Shade::Deferred, scratch, canvas.outputs(), &mut tally);
+    let (shade, outputs) = (Shade::Deferred, canvas.outputs());
+    if context.cells.count > 1 {
+        let Scratch { order, multisample, .. } = scratch;
+        multisample::draw(simd, context, bins, tile, part, shade, order, multisample, outputs, &mut tally);
+        return tally;
+    }
+    draw(simd, context, bins, tile, part, shade, scratch, outputs, &mut tally);
     tally
 }
 
@@ -153,6 +179,11 @@ pub fn finish<S: Simd, T: Tally>(
     let target = canvas.claim(tile);
     if let Some(full) = tally.full() {
         full.tile(context, tile, true);
+    }
+    if context.cells.count > 1 {
+        let Scratch { pixels, multisample, .. } = scratch;
+        multisample::finish(simd, context, multisample, target, pixels, canvas.outputs(), &mut tally);
+        return tally;
     }
     tally.counts().pixels_visible += scratch.tile.visible();
     if context.settings.last_stage <= LastStage::Visibility {
@@ -200,7 +231,7 @@ fn draw_inline<S: Simd, T: Tally>(
     outputs: &Outputs,
     tally: &mut T,
 ) {
-    let Scratch { tile: memory, pixels, order, pass, winners } = scratch;
+    let Scratch { tile: memory, pixels, order, pass, winners, .. } = scratch;
     memory.clear(context, tile);
     let triangles = bins.iter().flat_map(|b| b.triangles_in(tile));
     let mut has_triangles = false;

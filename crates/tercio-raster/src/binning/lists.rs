@@ -35,7 +35,7 @@ impl<T: Copy + Default> TileLists<T> {
         }
     }
 
-    /// Adds an entry to every drawn tile that overlaps `rect`, if `covers` is true for the overlap.
+    /// Adds an entry to every drawn tile that needs pixels of `rect`, if `covers` is true for these pixels.
     #[inline(always)]
     pub fn push_rect(
         &mut self,
@@ -45,16 +45,13 @@ impl<T: Copy + Default> TileLists<T> {
         covers: impl Fn(PixelRect) -> bool,
     ) {
         let (s, edge) = (grid.shift, 1i32 << grid.shift);
-        for ty in rect.y0 as u32 >> s..=rect.y1 as u32 >> s {
-            for tx in rect.x0 as u32 >> s..=rect.x1 as u32 >> s {
+        let [x0, x1, y0, y1] =
+            grid.tiles_that_need([rect.x0, rect.x1, rect.y0, rect.y1].map(|pixel| pixel as u32));
+        for ty in y0..=y1 {
+            for tx in x0..=x1 {
                 let (x, y) = ((tx << s) as i32, (ty << s) as i32);
-                let part = PixelRect {
-                    x0: rect.x0.max(x),
-                    x1: rect.x1.min(x + edge - 1),
-                    y0: rect.y0.max(y),
-                    y1: rect.y1.min(y + edge - 1),
-                };
-                if covers(part) {
+                let tile = PixelRect { x0: x, x1: x + edge - 1, y0: y, y1: y + edge - 1 };
+                if covers(rect.intersect(tile.grow(grid.halo as i32))) {
                     self.push(grid, ty * grid.columns + tx, entry);
                 }
             }

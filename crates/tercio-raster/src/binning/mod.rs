@@ -15,6 +15,7 @@ pub use sorted::{Sorted, SortedError};
 
 use bytemuck::{Pod, Zeroable};
 
+use crate::sampling::SampleCells;
 use crate::screen::{Edges, PixelRect, ScreenTriangle, TileGrid};
 use crate::settings::Binning;
 
@@ -52,27 +53,34 @@ impl Bins {
         self.clusters = 0;
     }
 
-    /// Adds a triangle to the drawn tiles that it may overlap; `rect` are the pixels with samples in its bounding box.
+    /// Adds a triangle to the drawn tiles that may need it; `rect` are the pixels with samples in its bounding box.
     #[inline(never)]
-    pub fn push(&mut self, grid: &TileGrid, binning: Binning, triangle: ScreenTriangle, rect: PixelRect) {
+    pub fn push(
+        &mut self,
+        grid: &TileGrid,
+        cells: &SampleCells,
+        binning: Binning,
+        triangle: ScreenTriangle,
+        rect: PixelRect,
+    ) {
         if !grid.draws_some_of([rect.x0, rect.x1, rect.y0, rect.y1].map(|pixel| pixel as u16)) {
             return;
         }
         let number = self.triangles.len() as u32;
         self.triangles.push(triangle);
-        let s = grid.shift;
-        let (tx, ty) = (rect.x0 as u32 >> s, rect.y0 as u32 >> s);
-        if tx == rect.x1 as u32 >> s && ty == rect.y1 as u32 >> s {
+        let [tx, last_x, ty, last_y] =
+            grid.tiles_that_need([rect.x0, rect.x1, rect.y0, rect.y1].map(|pixel| pixel as u32));
+        if tx == last_x && ty == last_y {
             self.triangle_lists.push(grid, ty * grid.columns + tx, number);
         } else if binning == Binning::BoundingBox {
             self.triangle_lists.push_rect(grid, number, rect, |_| true);
         } else {
-            let edges = Edges::new(&triangle);
-            self.triangle_lists.push_rect(grid, number, rect, |part| !edges.leave_out(part));
+            let edges = Edges::of_cells(&triangle, cells);
+            self.triangle_lists.push_rect(grid, number, rect, |part| !edges.leave_out(part.cells(cells.cell_bits())));
         }
     }
 
-    /// Adds a whole cluster to the drawn tiles that it may overlap.
+    /// Adds a whole cluster to the drawn tiles that may need it.
     #[inline(always)]
     pub fn push_cluster(&mut self, grid: &TileGrid, cluster: BinnedCluster) {
         let [x0, x1, y0, y1] = cluster.rect.map(i32::from);

@@ -8,6 +8,7 @@ use tercio_scene::Background;
 
 use super::shared::SharedPlane;
 use super::{Frame, NO_PRIMITIVE};
+use crate::color;
 use crate::screen::{PixelRect, TileGrid};
 
 macro_rules! planes {
@@ -186,6 +187,8 @@ planes! {
     color16: [u16; 4], wanted: false, background: row => row.level(65535.0).map(|c| c as u16);
     /// Distance from the eye along the line of sight in world units; infinite where nothing was drawn.
     depth: f32, wanted: false, background: _row => f32::INFINITY;
+    /// Linear RGB light and alpha, the colour multiplied by alpha.
+    linear: [f32; 4], wanted: false, background: row => row.linear();
     /// Number of the visible input face (polygon), counted through the instances in order;
     /// [`NO_PRIMITIVE`] where nothing was drawn.
     ids: u32, wanted: false, background: _row => NO_PRIMITIVE;
@@ -206,6 +209,13 @@ impl BackgroundRow {
                 std::array::from_fn(|k| top[k] + (bottom[k] - top[k]) * t)
             }
         })
+    }
+
+    /// Premultiplied linear light.
+    fn linear(&self) -> [f32; 4] {
+        let [r, g, b, alpha] = self.0.map(|c| c.clamp(0.0, 1.0));
+        let [r, g, b] = [r, g, b].map(|c| color::decode(f64::from(c)) as f32 * alpha);
+        [r, g, b, alpha]
     }
 
     fn level(&self, most: f32) -> [f32; 4] {
@@ -250,6 +260,8 @@ pub struct Canvas<'a> {
     grid: TileGrid,
     /// Width and height in pixels.
     size: [u32; 2],
+    /// Elements of a plane per pixel.
+    count: u32,
     /// The background pixel of each row.
     background: Vec<Pixel>,
     /// Which tiles have been claimed: each may be written once.
@@ -259,18 +271,27 @@ pub struct Canvas<'a> {
 /// A tile of a [`Canvas`] that its owner may write, exclusively.
 pub struct CanvasTile<'a> {
     canvas: &'a Canvas<'a>,
+    /// The elements of the planes.
     rect: PixelRect,
 }
 
 impl<'a> Canvas<'a> {
-    /// A canvas of a frame whose planes have been resized.
-    pub fn new(frame: &'a mut Frame, outputs: &Outputs, background: &Background, grid: &TileGrid) -> Self {
-        let size = [frame.width, frame.height];
+    /// A canvas of a frame whose planes have been resized, with `count` elements per pixel, side by side.
+    pub fn new(
+        frame: &'a mut Frame,
+        outputs: &Outputs,
+        background: &Background,
+        grid: &TileGrid,
+        count: u32,
+    ) -> Self {
+        let [columns, height] = [frame.width, frame.height];
+        let size = [columns / count, height];
         Self {
-            planes: SharedPlanes::new(&mut frame.planes, size[0] as usize, size[1] as usize),
+            planes: SharedPlanes::new(&mut frame.planes, columns as usize, height as usize),
             outputs: *outputs,
             grid: grid.clone(),
             size,
+            count,
             background: (0..size[1]).map(|y| Pixel::of_background(background, y, size[1])).collect(),
             claimed: (0..grid.count()).map(|_| AtomicBool::new(false)).collect(),
         }
@@ -289,7 +310,12 @@ impl<'a> Canvas<'a> {
     pub fn claim(&self, tile: u32) -> CanvasTile<'_> {
         let claimed = self.claimed[tile as usize].swap(true, Ordering::Relaxed);
         assert!(!claimed, "tile {tile} is drawn twice");
-        CanvasTile { canvas: self, rect: self.grid.rect(tile, self.size) }
+        let rect = self.grid.rect(tile, self.size);
+        let count = self.count as i32;
+        CanvasTile {
+            canvas: self,
+            rect: PixelRect { x0: rect.x0 * count, x1: (rect.x1 + 1) * count - 1, ..rect },
+        }
     }
 }
 
@@ -299,8 +325,8 @@ impl CanvasTile<'_> {
         clear(pixels, &self.canvas.outputs, self.background(), stride);
     }
 
-    /// The background pixel of each row.
-    fn background(&self) -> &[Pixel] {
+    /// The background pixel of each row of the tile.
+    pub fn background(&self) -> &[Pixel] {
         &self.canvas.background[self.rect.y0 as usize..=self.rect.y1 as usize]
     }
 

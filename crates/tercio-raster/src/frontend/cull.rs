@@ -8,7 +8,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, i32x16, mask32x16};
 use tercio_mesh::cluster::Cluster;
 
-use crate::conventions::{GUARD, SAMPLE, SMALL_CLUSTER, SUBPIXEL_BITS, SUBPIXELS};
+use crate::conventions::{GUARD, SMALL_CLUSTER, SUBPIXEL_BITS, SUBPIXELS};
 use crate::projection::relative;
 use crate::simd::{LANES, dot, each3, load, part, row, splat, splat_i};
 use crate::view::{ObjectView, View};
@@ -129,7 +129,8 @@ pub struct ClusterTests {
 }
 
 impl ClusterTests {
-    /// Tests 16 clusters. `back` is the culled side: backs (`true`), fronts (`false`), or neither.
+    /// Tests 16 clusters. `back` is the culled side: backs (`true`), fronts (`false`), or neither. The samples of a pixel
+    /// are at least `origin` sub-pixels from its borders.
     #[inline(always)]
     pub fn new<S: Simd>(
         simd: S,
@@ -137,6 +138,7 @@ impl ClusterTests {
         object: &ObjectView,
         lanes: &ClusterLanes,
         back: Option<bool>,
+        origin: i32,
     ) -> Self {
         {
             {
@@ -154,8 +156,8 @@ impl ClusterTests {
                     & x[1].simd_lt(limit)
                     & y[0].simd_gt(-limit)
                     & y[1].simd_lt(limit);
-                let (columns, beside) = pixels(simd, x, object.offset[0], view.width);
-                let (rows, above) = pixels(simd, y, object.offset[1], view.height);
+                let (columns, beside) = pixels(simd, x, object.offset[0], origin, view.width);
+                let (rows, above) = pixels(simd, y, object.offset[1], origin, view.height);
                 let between = columns[0].simd_gt(columns[1]) | rows[0].simd_gt(rows[1]);
                 let extent = splat(simd, SMALL_CLUSTER as f32);
                 let small = (x[1] - x[0]).simd_lt(extent) & (y[1] - y[0]).simd_lt(extent);
@@ -290,16 +292,22 @@ fn screen_range<S: Simd>(
     )
 }
 
-/// First and last pixel of the picture whose sample is in a range, and the lanes whose range is not empty but wholly
+/// First and last pixel of the picture with samples in a range, and the lanes whose range is not empty but wholly
 /// outside the picture.
 #[inline(always)]
-fn pixels<S: Simd>(simd: S, range: [f32x16<S>; 2], offset: i32, size: u32) -> ([i32x16<S>; 2], mask32x16<S>) {
+fn pixels<S: Simd>(
+    simd: S,
+    range: [f32x16<S>; 2],
+    offset: i32,
+    origin: i32,
+    size: u32,
+) -> ([i32x16<S>; 2], mask32x16<S>) {
     part(
         simd,
         #[inline(always)]
         || {
-            let first = (range[0].to_int::<i32x16<S>>() + (offset + SAMPLE - 1)) >> SUBPIXEL_BITS;
-            let last = (range[1].to_int::<i32x16<S>>() + (offset - SAMPLE)) >> SUBPIXEL_BITS;
+            let first = (range[0].to_int::<i32x16<S>>() + (offset + origin - 1)) >> SUBPIXEL_BITS;
+            let last = (range[1].to_int::<i32x16<S>>() + (offset - origin)) >> SUBPIXEL_BITS;
             let border = size as i32 - 1;
             let beside =
                 first.simd_le(last) & (first.simd_gt(splat_i(simd, border)) | last.simd_lt(splat_i(simd, 0)));

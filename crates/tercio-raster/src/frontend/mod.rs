@@ -76,7 +76,7 @@ fn sort_16<S: Simd>(
         let back =
             settings.cull.drops_clockwise(object.mirrored).map(|clockwise| clockwise != object.mirrored);
         lanes.load(clusters);
-        tests = ClusterTests::new(simd, view, object, lanes, back);
+        tests = ClusterTests::new(simd, view, object, lanes, back, context.cells.origin);
     }
     for (lane, cluster) in clusters.iter().enumerate() {
         let is = |mask: u32| mask >> lane & 1 == 1;

@@ -73,7 +73,8 @@ impl TrianglePass {
         batch: &mut Batch,
     ) {
         let counts = &mut batch.counts;
-        let t = ScreenTriangles::new(simd, self.vertices.coordinates(simd, corners), context.picture());
+        let coordinates = self.vertices.coordinates(simd, corners);
+        let t = ScreenTriangles::new(simd, coordinates, context.cells.origin, context.picture());
         let hits = t.hits() & live;
         counts.triangles_no_sample += u64::from((live & !hits).count_ones());
         if hits == 0 {
@@ -176,7 +177,7 @@ fn bin<S: Simd>(
                     y0: rows[0][lane],
                     y1: rows[1][lane],
                 };
-                batch.bins.push(&context.grid, context.settings.binning, triangle, rect);
+                batch.bins.push(&context.grid, &context.cells, context.settings.binning, triangle, rect);
             }
         },
     );
@@ -203,8 +204,8 @@ fn bin_piece(context: &FrameContext, object: &ObjectView, piece: ScreenTriangle,
     if area == 0 || culled {
         return;
     }
-    if let Some(rect) = piece.samples(context.view.width, context.view.height) {
+    if let Some(rect) = piece.pixels(context.cells.origin, context.view.width, context.view.height) {
         batch.counts.triangles_out += 1;
-        batch.bins.push(&context.grid, context.settings.binning, piece, rect);
+        batch.bins.push(&context.grid, &context.cells, context.settings.binning, piece, rect);
     }
 }

@@ -3,7 +3,7 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, i32x16};
 
-use crate::conventions::{SAMPLE, SMALL_EXTENT, SUBPIXEL_BITS};
+use crate::conventions::{SMALL_EXTENT, SUBPIXEL_BITS};
 use crate::screen::PixelRect;
 #[cfg(doc)]
 use crate::screen::ScreenTriangle;
@@ -16,29 +16,30 @@ pub struct ScreenTriangles<S: Simd> {
     pub x: [i32x16<S>; 3],
     /// Screen coordinates of the corners.
     pub y: [i32x16<S>; 3],
-    /// First and last column of the pixels whose samples are in the bounding box.
+    /// First and last column of the pixels that have a column of samples in the bounding box.
     pub columns: [i32x16<S>; 2],
-    /// First and last row of these pixels.
+    /// First and last row of the pixels that have a row of samples there.
     pub rows: [i32x16<S>; 2],
 }
 
 impl<S: Simd> ScreenTriangles<S> {
-    /// From the coordinates of the corners; the ranges of pixels are clamped to `rect`.
+    /// From the coordinates of the corners; the ranges of pixels are clamped to `rect`. The samples of a pixel are at
+    /// least `origin` sub-pixels from its borders.
     #[inline(always)]
-    pub fn new(simd: S, [x, y]: [[i32x16<S>; 3]; 2], rect: PixelRect) -> Self {
+    pub fn new(simd: S, [x, y]: [[i32x16<S>; 3]; 2], origin: i32, rect: PixelRect) -> Self {
         part(
             simd,
             #[inline(always)]
             || Self {
                 x,
                 y,
-                columns: samples(simd, x, [rect.x0, rect.x1]),
-                rows: samples(simd, y, [rect.y0, rect.y1]),
+                columns: pixels(simd, x, origin, [rect.x0, rect.x1]),
+                rows: pixels(simd, y, origin, [rect.y0, rect.y1]),
             },
         )
     }
 
-    /// Lanes whose bounding box contains a sample.
+    /// Lanes whose bounding box contains a column and a row of samples.
     #[inline(always)]
     pub fn hits(&self) -> u32 {
         let hits = self.columns[0].simd_le(self.columns[1]) & self.rows[0].simd_le(self.rows[1]);
@@ -74,13 +75,13 @@ fn extent<S: Simd>(v: [i32x16<S>; 3]) -> i32x16<S> {
     v[0].max(v[1]).max(v[2]) - v[0].min(v[1]).min(v[2])
 }
 
-/// First and last sample between the smallest and the largest of three coordinates, clamped to `range`.
+/// First and last pixel with samples between the smallest and the largest of three coordinates, clamped to `range`.
 #[inline(always)]
-fn samples<S: Simd>(simd: S, v: [i32x16<S>; 3], range: [i32; 2]) -> [i32x16<S>; 2] {
+fn pixels<S: Simd>(simd: S, v: [i32x16<S>; 3], origin: i32, range: [i32; 2]) -> [i32x16<S>; 2] {
     let (least, most) = (v[0].min(v[1]).min(v[2]), v[0].max(v[1]).max(v[2]));
     [
-        ((least + (SAMPLE - 1)) >> SUBPIXEL_BITS).max(splat_i(simd, range[0])),
-        ((most - SAMPLE) >> SUBPIXEL_BITS).min(splat_i(simd, range[1])),
+        ((least + (origin - 1)) >> SUBPIXEL_BITS).max(splat_i(simd, range[0])),
+        ((most - origin) >> SUBPIXEL_BITS).min(splat_i(simd, range[1])),
     ]
 }
 

@@ -3,19 +3,21 @@
 //! It is short, simple and slow, and stays so. Every faster path must produce the same bytes. It draws the plain
 //! [`Mesh`], before any partition, without clusters, tiles, SIMD lanes or threads. It shares two definitions with the
 //! renderer: the projection of a vertex ([`ObjectView::project`]) and the clipping of a triangle ([`clip_triangle`]).
-//! Coverage, depth, visibility and shading it implements by itself.
+//! Coverage, depth, visibility, shading and the filter it implements by itself.
 
+mod resolve;
 mod shading;
 
 use tercio_mesh::Mesh;
 use tercio_scene::{Camera, Scene};
 
 use crate::context::{check_light, check_range};
-use crate::conventions::{SAMPLE, SUBPIXELS};
+use crate::conventions::SUBPIXELS;
 use crate::error::RenderError;
 use crate::frame::{Frame, Pixel, visibility_key};
 use crate::lighting::LightRig;
 use crate::projection::clip::clip_triangle;
+use crate::sampling::SampleShading;
 use crate::settings::{Cull, Settings};
 use crate::stats::FrameStats;
 use crate::view::{ObjectView, ScreenVertex, View};
@@ -27,6 +29,8 @@ struct Sample {
     depth: f32,
     instance: usize,
     triangle: usize,
+    /// The samples of the pixel that the triangle covers, one bit each.
+    covered: u32,
 }
 
 /// Draws one picture. `meshes` are the plain meshes of the scene's instances, in order.
@@ -49,8 +53,9 @@ pub fn render(
     check_range(scene, settings, &view)?;
     check_light(scene)?;
     let objects: Vec<ObjectView> = scene.instances.iter().map(|i| view.object(i)).collect();
-    let nothing = Sample { depth: 0.0, instance: 0, triangle: usize::MAX };
-    let mut samples = vec![nothing; width * height];
+    let nothing = Sample { depth: 0.0, instance: 0, triangle: usize::MAX, covered: 0 };
+    let cells = settings.sampling.pattern.cells();
+    let mut samples = vec![nothing; width * height * cells.count];
 
     for (instance, mesh) in meshes.iter().enumerate() {
         let object = &objects[instance];
@@ -58,11 +63,11 @@ pub fn render(
             let positions = Mesh::canonical(corners).map(|v| mesh.positions[v as usize]);
             let projected = positions.map(|p| object.project(p));
             let mut draw = |corners: [ScreenVertex; 3]| {
-                rasterize(corners, object.mirrored, settings, |x, y, depth| {
-                    let old = &mut samples[y * width + x];
+                rasterize(corners, object.mirrored, settings, |[x, y], sample, covered, depth| {
+                    let old = &mut samples[(y * width + x) * cells.count + sample];
                     // Triangles are drawn in the order of their numbers, so among equal depths the first one stays.
                     if depth > old.depth {
-                        *old = Sample { depth, instance, triangle };
+                        *old = Sample { depth, instance, triangle, covered };
                     }
                 });
             };
@@ -75,30 +80,45 @@ pub fn render(
     }
 
     let lights = LightRig::new(&scene.lights, &view);
-    let mut frame = Frame::default();
-    frame.resize(settings);
-    frame.stats = FrameStats::default();
     let first_faces = first_faces(meshes);
     let first_primitives = first_primitives(meshes);
+    let mut shaded_samples = Vec::with_capacity(samples.len());
     for (index, sample) in samples.iter().enumerate() {
-        let (x, y) = (index % width, index / width);
+        let (number, x, y) = (index % cells.count, index / cells.count % width, index / cells.count / width);
         let mut pixel = Pixel::of_background(&scene.background, y as u32, settings.height);
         if sample.triangle != usize::MAX {
             let (mesh, object) = (meshes[sample.instance], &objects[sample.instance]);
             let surface = &scene.instances[sample.instance].surface;
-            let shaded = shade(mesh, sample.triangle, surface, object, &lights, settings.shading, [x, y]);
+            let offset = match settings.sampling.shading {
+                SampleShading::Pixel => cells.center(sample.covered),
+                SampleShading::Sample => cells.offset(number),
+            };
+            let at = [0, 1].map(|k| [x, y][k] as i32 * SUBPIXELS + offset[k]);
+            let shaded = shade(mesh, sample.triangle, surface, object, &lights, settings.shading, at);
             let face = mesh.face_of_triangle.as_ref().map_or(sample.triangle as u32, |f| f[sample.triangle]);
             let primitive = first_primitives[sample.instance] + sample.triangle as u32;
             pixel = Pixel {
                 keys: visibility_key(sample.depth, primitive),
                 color: shaded.color,
                 color16: shaded.color16,
+                linear: shaded.linear,
                 depth: view.distance(sample.depth),
                 ids: first_faces[sample.instance] + face,
                 normals: shaded.normal,
             };
         }
-        frame.planes.put(index, &pixel);
+        shaded_samples.push(pixel);
+    }
+    let mut frame = Frame::default();
+    frame.resize(settings);
+    frame.stats = FrameStats::default();
+    let pixels = if settings.unresolved {
+        shaded_samples
+    } else {
+        resolve::pixels(&shaded_samples, scene, settings)
+    };
+    for (index, pixel) in pixels.iter().enumerate() {
+        frame.planes.put(index, pixel);
     }
     Ok(frame)
 }
@@ -126,12 +146,13 @@ fn first_primitives(meshes: &[&Mesh]) -> Vec<u32> {
     (0..meshes.len()).map(|k| count(&meshes[..k])).collect()
 }
 
-/// Calls `emit(x, y, depth)` for every sample that a triangle covers.
+/// Calls `emit(pixel, sample, covered, depth)` for every sample that a triangle covers: `sample` is its number in the
+/// pixel, `covered` the mask of all samples of the pixel that the triangle covers.
 fn rasterize(
     v: [ScreenVertex; 3],
     mirrored: bool,
     settings: &Settings,
-    mut emit: impl FnMut(usize, usize, f32),
+    mut emit: impl FnMut([usize; 2], usize, u32, f32),
 ) {
     // Positive if a, b, p are in clockwise order on the screen, whose y points downwards.
     let edge =
@@ -155,6 +176,7 @@ fn rasterize(
     let inverse = 1.0 / area as f32;
     let (slope_x, slope_y) = ((d1 * y2 - d2 * y1) * inverse, (d2 * x1 - d1 * x2) * inverse);
 
+    let cells = settings.sampling.pattern.cells();
     let clockwise = if area > 0 { at } else { [at[0], at[2], at[1]] };
     let pixels = |k: usize, size: u32| {
         let (least, most) = (at.map(|p| p[k]).into_iter().min(), at.map(|p| p[k]).into_iter().max());
@@ -163,18 +185,24 @@ fn rasterize(
     };
     for y in pixels(1, settings.height) {
         for x in pixels(0, settings.width) {
-            let sample = [x, y].map(|p| p * i64::from(SUBPIXELS) + i64::from(SAMPLE));
-            let covered = (0..3).all(|k| {
-                let (from, to) = (clockwise[k], clockwise[(k + 1) % 3]);
-                let value = edge(from, to, sample);
-                let top_left = from[1] > to[1] || (from[1] == to[1] && to[0] > from[0]);
-                value > 0 || (value == 0 && top_left)
-            });
-            if covered {
-                let dx = (sample[0] - i64::from(a.x)) as f32;
-                let dy = (sample[1] - i64::from(a.y)) as f32;
+            let position = |sample: usize| {
+                let [right, down] = cells.offset(sample).map(i64::from);
+                [x * i64::from(SUBPIXELS) + right, y * i64::from(SUBPIXELS) + down]
+            };
+            let is_covered = |sample: usize| {
+                (0..3).all(|k| {
+                    let (from, to) = (clockwise[k], clockwise[(k + 1) % 3]);
+                    let value = edge(from, to, position(sample));
+                    let top_left = from[1] > to[1] || (from[1] == to[1] && to[0] > from[0]);
+                    value > 0 || (value == 0 && top_left)
+                })
+            };
+            let covered: u32 = (0..cells.count).map(|s| u32::from(is_covered(s)) << s).sum();
+            for sample in (0..cells.count).filter(|s| covered >> s & 1 == 1) {
+                let dx = (position(sample)[0] - i64::from(a.x)) as f32;
+                let dy = (position(sample)[1] - i64::from(a.y)) as f32;
                 let depth = (dx * slope_x + dy * slope_y) + a.d;
-                emit(x as usize, y as usize, depth.max(a.d).min(b.d.max(c.d)));
+                emit([x as usize, y as usize], sample, covered, depth.max(a.d).min(b.d.max(c.d)));
             }
         }
     }

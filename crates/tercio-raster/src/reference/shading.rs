@@ -4,7 +4,7 @@ use tercio_mesh::{Mesh, OctNormal};
 use tercio_scene::Surface;
 
 use crate::color::{DECODE, encode8, encode16};
-use crate::conventions::{SAMPLE, SMALL_EXTENT, SUBPIXELS};
+use crate::conventions::SMALL_EXTENT;
 use crate::lighting::LightRig;
 use crate::projection::clip::barycentrics_unclipped;
 use crate::settings::Shading;
@@ -14,6 +14,7 @@ use crate::view::ObjectView;
 pub struct Shaded {
     pub color: [u8; 4],
     pub color16: [u16; 4],
+    pub linear: [f32; 4],
     pub normal: [f32; 3],
 }
 
@@ -50,7 +51,8 @@ fn bend(n: Vec3, to_viewer: Vec3) -> Vec3 {
     }
 }
 
-/// Shades the sample of pixel `[x, y]`, which shows triangle number `triangle`.
+/// Shades a point, in sub-pixels from the upper left corner of the picture, at which triangle number `triangle` is
+/// visible.
 pub fn shade(
     mesh: &Mesh,
     triangle: usize,
@@ -58,11 +60,11 @@ pub fn shade(
     object: &ObjectView,
     lights: &LightRig,
     shading: Shading,
-    pixel: [usize; 2],
+    sample: [i32; 2],
 ) -> Shaded {
     let corners = Mesh::canonical(mesh.triangles[triangle]).map(|v| v as usize);
     let p = corners.map(|v| mesh.positions[v]);
-    let Interpolation { area, scale, weight } = interpolation(object, p, pixel.map(|c| c as i32));
+    let Interpolation { area, scale, weight } = interpolation(object, p, sample);
     let mix = |v: [f32; 3]| (weight[0] * v[0] + weight[1] * v[1]) + weight[2] * v[2];
     let mix3 = |v: [Vec3; 3]| each(|k| mix(v.map(|v| v[k])));
 
@@ -93,7 +95,7 @@ pub fn shade(
     // Positions relative to the pivot, as `position_of` expects them.
     let relative = p.map(|p| object.relative(p));
     let position = position_of(mix3(relative));
-    let to_viewer = sight.at([0, 1].map(|k| pixel[k] as i32 * SUBPIXELS + SAMPLE - sight.middle[k]));
+    let to_viewer = sight.at([0, 1].map(|k| sample[k] - sight.middle[k]));
     let normal = match normals {
         Some(normals) if shading != Shading::Flat => {
             let m = [0, 1, 2].map(|k| corner_normal(normals, k));
@@ -127,6 +129,7 @@ pub fn shade(
     };
     Shaded {
         color: [encode8(linear[0]), encode8(linear[1]), encode8(linear[2]), 255],
+        linear: [linear[0], linear[1], linear[2], 1.0],
         color16: [encode16(linear[0]), encode16(linear[1]), encode16(linear[2]), 65535],
         normal,
     }
@@ -152,7 +155,7 @@ fn corner_colors(mesh: &Mesh, triangle: usize, surface: &Surface) -> Option<[Vec
     }
 }
 
-/// The position of a pixel's sample in its triangle.
+/// The position of a point in its triangle.
 struct Interpolation {
     /// Twice the areas of the triangles between the sample and two corners: positive if the triangle appears
     /// counter-clockwise.
@@ -163,9 +166,8 @@ struct Interpolation {
     weight: [f32; 3],
 }
 
-fn interpolation(object: &ObjectView, p: [Vec3; 3], pixel: [i32; 2]) -> Interpolation {
+fn interpolation(object: &ObjectView, p: [Vec3; 3], sample: [i32; 2]) -> Interpolation {
     let v = p.map(|p| object.project(p));
-    let sample = pixel.map(|c| c * SUBPIXELS + SAMPLE);
     if v.iter().any(|v| !v.inside) {
         let from_middle = [0, 1].map(|k| f64::from(sample[k]) - f64::from(object.offset[k]));
         let (weight, clockwise) = barycentrics_unclipped(object, p, from_middle);

@@ -1,27 +1,34 @@
 //! Exact coverage with integer edge functions.
 
 use super::{PixelRect, ScreenTriangle};
-use crate::conventions::{SAMPLE, SUBPIXEL_BITS};
+use crate::sampling::SampleCells;
 
-/// The three edge functions of a triangle at samples: the sample of pixel (i, j) is covered if and only if
-/// `a * i + b * j + c >= 0` for all three.
+/// The three edge functions of a triangle at samples: the sample in cell (i, j) of the picture is covered if and only if
+/// `a * i + b * j + c >= 0` for all three. With one sample per pixel, cells are pixels.
 ///
-/// At samples, the values of an edge function differ by multiples of 256, so it is divided by 256 and rounded down,
-/// which keeps its sign. The top-left rule subtracts 1 before that from edges that are neither top nor left.
+/// At the middles of cells, the values of an edge function differ by multiples of a cell's edge in sub-pixels, so it is
+/// divided by that and rounded down, which keeps its sign. The top-left rule subtracts 1 before that from edges that are
+/// neither top nor left.
 #[derive(Clone, Copy, Debug)]
 pub struct Edges {
-    /// Increment per pixel to the right.
+    /// Increment per cell to the right.
     pub a: [i32; 3],
-    /// Increment per pixel downwards.
+    /// Increment per cell downwards.
     pub b: [i32; 3],
-    /// Value at pixel (0, 0).
+    /// Value at cell (0, 0).
     pub c: [i64; 3],
 }
 
 impl Edges {
-    /// The edge functions of a triangle of either winding. Precondition: its area is not zero.
+    /// The edge functions at the centres of pixels of a triangle of either winding. Precondition: its area is not zero.
     #[inline(always)]
     pub fn new(t: &ScreenTriangle) -> Self {
+        Self::of_cells(t, &SampleCells::CENTER)
+    }
+
+    /// The edge functions at the cells of samples. Precondition: the triangle's area is not zero.
+    #[inline(always)]
+    pub fn of_cells(t: &ScreenTriangle, cells: &SampleCells) -> Self {
         let clockwise = t.area() > 0;
         let mut edges = Self { a: [0; 3], b: [0; 3], c: [0; 3] };
         for k in 0..3 {
@@ -32,15 +39,15 @@ impl Edges {
             }
             let top_left = a > 0 || (a == 0 && b > 0);
             let at_origin =
-                i64::from(a) * i64::from(SAMPLE - t.x[k]) + i64::from(b) * i64::from(SAMPLE - t.y[k]);
+                i64::from(a) * i64::from(cells.origin - t.x[k]) + i64::from(b) * i64::from(cells.origin - t.y[k]);
             edges.a[k] = a;
             edges.b[k] = b;
-            edges.c[k] = (at_origin - i64::from(!top_left)) >> SUBPIXEL_BITS;
+            edges.c[k] = (at_origin - i64::from(!top_left)) >> cells.pitch_bits;
         }
         edges
     }
 
-    /// Are all pixels of a rectangle outside the same edge? The triangle then covers none of them.
+    /// Are all cells of a rectangle outside the same edge? The triangle then covers none of them.
     #[inline(always)]
     pub fn leave_out(&self, r: PixelRect) -> bool {
         // The value at the corner of the rectangle that is farthest inside.
@@ -50,7 +57,7 @@ impl Edges {
         farthest(0).min(farthest(1)).min(farthest(2)) < 0
     }
 
-    /// Are all pixels of a rectangle inside all edges? The triangle then covers all of them.
+    /// Are all cells of a rectangle inside all edges? The triangle then covers all of them.
     #[inline(always)]
     pub fn enclose(&self, r: PixelRect) -> bool {
         // The value at the corner of the rectangle that is least far inside.
@@ -60,7 +67,7 @@ impl Edges {
         nearest(0).min(nearest(1)).min(nearest(2)) >= 0
     }
 
-    /// Value of edge `k` at a pixel.
+    /// Value of edge `k` at a cell.
     #[inline(always)]
     pub fn at(&self, k: usize, x: i32, y: i32) -> i64 {
         i64::from(self.a[k]) * i64::from(x) + i64::from(self.b[k]) * i64::from(y) + self.c[k]

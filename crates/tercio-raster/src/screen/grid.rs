@@ -13,13 +13,15 @@ pub struct TileGrid {
     pub rows: u32,
     /// The tiles that are drawn.
     pub drawn: TileSet,
+    /// Pixels around a tile, in each direction, that it needs beside its own: those of the filter.
+    pub halo: u32,
 }
 
 impl TileGrid {
     /// Divides a picture; `size` is a power of two.
     pub fn new(width: u32, height: u32, size: u32, drawn: TileSet) -> Self {
         let [columns, rows] = [width, height].map(|n| n.div_ceil(size));
-        Self { shift: size.trailing_zeros(), columns, rows, drawn }
+        Self { shift: size.trailing_zeros(), columns, rows, drawn, halo: 0 }
     }
 
     /// Is the tile drawn?
@@ -28,11 +30,23 @@ impl TileGrid {
         self.drawn.contains(tile)
     }
 
-    /// Is any of the tiles drawn that a rectangle of pixels overlaps? The rectangle is given by its first and last
-    /// column, first and last row.
+    /// First and last column, first and last row of the tiles that need a rectangle of pixels. The rectangle is given
+    /// by its first and last column, first and last row.
+    #[inline(always)]
+    pub fn tiles_that_need(&self, [x0, x1, y0, y1]: [u32; 4]) -> [u32; 4] {
+        let first = |pixel: u32| pixel.saturating_sub(self.halo) >> self.shift;
+        let last = |pixel: u32, tiles: u32| (pixel + self.halo >> self.shift).min(tiles.max(1) - 1);
+        [first(x0), last(x1, self.columns), first(y0), last(y1, self.rows)]
+    }
+
+    /// Is any of the tiles drawn that need a rectangle of pixels? The rectangle is given by its first and last column,
+    /// first and last row.
     pub fn draws_some_of(&self, rect: [u16; 4]) -> bool {
-        let [x0, x1, y0, y1] = rect.map(|pixel| u32::from(pixel) >> self.shift);
-        self.drawn.is_all() || (y0..=y1).any(|y| (x0..=x1).any(|x| self.draws(y * self.columns + x)))
+        if self.drawn.is_all() {
+            return true;
+        }
+        let [x0, x1, y0, y1] = self.tiles_that_need(rect.map(u32::from));
+        (y0..=y1).any(|y| (x0..=x1).any(|x| self.draws(y * self.columns + x)))
     }
 
     /// Number of tiles of the picture.
@@ -40,12 +54,11 @@ impl TileGrid {
         self.columns as usize * self.rows as usize
     }
 
-    /// Number of tiles that a rectangle of pixels overlaps. The rectangle is given by its first and last column, first
-    /// and last row.
-    pub fn tiles_of(&self, [x0, x1, y0, y1]: [u16; 4]) -> u32 {
-        let along =
-            |first: u16, last: u16| (u32::from(last) >> self.shift) - (u32::from(first) >> self.shift) + 1;
-        along(x0, x1) * along(y0, y1)
+    /// Number of tiles that need a rectangle of pixels. The rectangle is given by its first and last column, first and
+    /// last row.
+    pub fn tiles_of(&self, rect: [u16; 4]) -> u32 {
+        let [x0, x1, y0, y1] = self.tiles_that_need(rect.map(u32::from));
+        (x1 - x0 + 1) * (y1 - y0 + 1)
     }
 
     /// The pixels of a tile that are inside a picture of this width and height.

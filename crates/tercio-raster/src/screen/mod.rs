@@ -12,7 +12,7 @@ pub use tile_set::TileSet;
 
 use bytemuck::{Pod, Zeroable};
 
-use crate::conventions::{first_sample, last_sample};
+use crate::conventions::{SAMPLE, first_pixel, last_pixel};
 use crate::view::ScreenVertex;
 
 /// A triangle in screen space. The farthest corner, from which depth is interpolated, comes first.
@@ -53,22 +53,29 @@ impl ScreenTriangle {
         x1 * y2 - x2 * y1
     }
 
-    /// The pixels of the picture whose samples are in the bounding box; `None` if there are none.
+    /// The pixels of the picture whose centres are in the bounding box; `None` if there are none.
     #[inline(always)]
     pub fn samples(&self, width: u32, height: u32) -> Option<PixelRect> {
+        self.pixels(SAMPLE, width, height)
+    }
+
+    /// The pixels of the picture of which a column and a row of samples are in the bounding box; `None` if there are
+    /// none. The samples of a pixel are at least `origin` sub-pixels from its borders.
+    #[inline(always)]
+    pub fn pixels(&self, origin: i32, width: u32, height: u32) -> Option<PixelRect> {
         let ([x0, x1, x2], [y0, y1, y2]) = (self.x, self.y);
         let rect = PixelRect {
-            x0: first_sample(x0.min(x1).min(x2)).max(0),
-            x1: last_sample(x0.max(x1).max(x2)).min(width as i32 - 1),
-            y0: first_sample(y0.min(y1).min(y2)).max(0),
-            y1: last_sample(y0.max(y1).max(y2)).min(height as i32 - 1),
+            x0: first_pixel(x0.min(x1).min(x2), origin).max(0),
+            x1: last_pixel(x0.max(x1).max(x2), origin).min(width as i32 - 1),
+            y0: first_pixel(y0.min(y1).min(y2), origin).max(0),
+            y1: last_pixel(y0.max(y1).max(y2), origin).min(height as i32 - 1),
         };
         (rect.x0 <= rect.x1 && rect.y0 <= rect.y1).then_some(rect)
     }
 }
 
 /// A rectangle of pixels, all borders inclusive.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct PixelRect {
     /// First column.
     pub x0: i32,
@@ -85,6 +92,19 @@ impl PixelRect {
     #[inline(always)]
     pub fn intersect(self, o: Self) -> Self {
         Self { x0: self.x0.max(o.x0), x1: self.x1.min(o.x1), y0: self.y0.max(o.y0), y1: self.y1.min(o.y1) }
+    }
+
+    /// The rectangle with a border of some pixels around it.
+    #[inline(always)]
+    pub fn grow(self, border: i32) -> Self {
+        Self { x0: self.x0 - border, x1: self.x1 + border, y0: self.y0 - border, y1: self.y1 + border }
+    }
+
+    /// The cells of these pixels, if a pixel is divided into 2^bits by 2^bits cells.
+    #[inline(always)]
+    pub fn cells(self, bits: u32) -> Self {
+        let last = |pixel: i32| ((pixel + 1) << bits) - 1;
+        Self { x0: self.x0 << bits, x1: last(self.x1), y0: self.y0 << bits, y1: last(self.y1) }
     }
 
     /// Does the rectangle contain no pixel?

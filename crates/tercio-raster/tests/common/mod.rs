@@ -114,7 +114,7 @@ pub fn orthographic(eye: [f64; 3], target: [f64; 3], height: f64) -> Camera {
 /// Settings that request every plane.
 pub fn everything(width: u32, height: u32) -> Settings {
     let outputs = Outputs::ALL;
-    Settings { outputs, ..Settings::new(width, height) }
+    Settings { outputs, ..Settings::one_sample(width, height) }
 }
 
 pub fn draw(scene: &Scene, camera: &Camera, settings: &Settings) -> Frame {
@@ -209,7 +209,7 @@ pub fn covered(frame: &Frame) -> Vec<bool> {
 /// Settings that request the ids only.
 pub fn ids_only(width: u32, height: u32) -> Settings {
     let outputs = Outputs { color: false, ids: true, ..Outputs::default() };
-    Settings { outputs, ..Settings::new(width, height) }
+    Settings { outputs, ..Settings::one_sample(width, height) }
 }
 
 /// Does a triangle with corners in whole sub-pixels cover the sample of a pixel? Textbook edge functions in 128 bits,

@@ -149,7 +149,8 @@ impl Programs {
 
     fn tercio_bench(&self, task: &Task, threads: u32) -> Command {
         let mut command = Command::new(&self.tercio);
-        command.arg("bench").arg(&task.model).args(["--json", "--quiet"]).args(&task.arguments);
+        // As the other programs: one sample per pixel.
+        command.arg("bench").arg(&task.model).args(["--json", "--quiet", "--aa", "1"]).args(&task.arguments);
         command.args(["--frames", &task.frames.to_string(), "--threads", &threads.to_string()]);
         command
     }

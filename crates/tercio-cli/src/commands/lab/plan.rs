@@ -146,7 +146,7 @@ impl PictureArgs {
             None => Sorting::Triangles,
         };
         let settings =
-            Settings { sorting, tile_size: self.tile_size, ..Settings::new(self.size.0, self.size.1) };
+            Settings { sorting, tile_size: self.tile_size, ..Settings::one_sample(self.size.0, self.size.1) };
         let counted = count(&scene, &camera, &settings, threads)?;
         Ok(Counted {
             size: self.size,

@@ -42,7 +42,7 @@ struct Picture {
 
 impl Picture {
     fn new(scene: Arc<Scene>, camera: Camera, size: (u32, u32)) -> Result<Self, RanksError> {
-        let settings = Settings::new(size.0, size.1);
+        let settings = Settings::one_sample(size.0, size.1);
         let mut shared = Vec::new();
         for ranks in RANKS {
             for organisation in [Organisation::SortFirst, Organisation::SortLast] {

@@ -102,7 +102,7 @@ impl MeasuredRanks {
 }
 
 fn settings(sharing: &Sharing) -> Settings {
-    Settings { tile_size: Some(sharing.edge), ..Settings::new(sharing.size.0, sharing.size.1) }
+    Settings { tile_size: Some(sharing.edge), ..Settings::one_sample(sharing.size.0, sharing.size.1) }
 }
 
 /// Differences of successive counts, one per frame.

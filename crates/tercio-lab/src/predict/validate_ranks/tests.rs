@@ -26,7 +26,7 @@ fn counts_are_those_of_the_ranks() {
         camera.eye = bounds.center() + (camera.eye - bounds.center()) * distance;
         for organisation in [Organisation::SortFirst, Organisation::SortLast] {
             for ranks in [1, 2, 3, 7] {
-                let settings = Settings::new(size.0, size.1);
+                let settings = Settings::one_sample(size.0, size.1);
                 let work = RanksWork::count(&scene, &camera, &settings, (ranks, organisation)).unwrap();
                 let measured = MeasuredRanks::draw(&scene, &camera, &work.sharing, 1).unwrap();
                 let report = &measured.reports[0];
@@ -68,7 +68,7 @@ fn rows_are_what_is_predicted_and_compare_every_frame() {
             if clock == Clock::Wall {
                 let of_view = |view| {
                     let camera = views::camera(&models[0].bounds, size, view, 2);
-                    let settings = Settings::new(size.0, size.1);
+                    let settings = Settings::one_sample(size.0, size.1);
                     let work = RanksWork::count(&models[0].scene, &camera, &settings, how).unwrap();
                     predict(&machine, &costs, &work, 2).unwrap().total()
                 };

@@ -19,15 +19,17 @@ use tercio_mesh::cluster::MAX_TRIANGLES;
 use crate::backend::tally::Tally;
 use crate::binning::BinnedCluster;
 use crate::context::FrameContext;
+use crate::conventions::SAMPLE;
 use crate::projection::{CornerTable, LocalVertices};
+use crate::sampling::SampleCells;
 use crate::screen::{PixelRect, ScreenTriangle};
 use crate::settings::LastStage;
 use crate::simd::{LANES, part, prefetch};
 use crate::stats::BackEndCounts;
 use depth_test::Covered;
 pub use depth_test::Winners;
-use setup::SmallTriangles;
-use sieve::{Keep, Sieve, Size};
+pub use setup::SmallTriangles;
+pub use sieve::{Keep, Sieve, Size};
 use stamps::Lanes;
 
 use super::memory::TileMemory;
@@ -62,7 +64,7 @@ impl ClusterPass {
         let Self { vertices, sieve, covered, winners } = self;
         let corners = &CornerTable::new(&cluster);
         vertices.project(simd, object, &cluster);
-        let keep = Keep { rect, cull: context.settings.cull, mirrored: object.mirrored };
+        let keep = Keep { rect, origin: SAMPLE, cull: context.settings.cull, mirrored: object.mirrored };
         sieve.sort(simd, vertices, corners, cluster.triangles(), &keep);
         winners.clear();
         if let Some(full) = tally.full() {
@@ -92,7 +94,8 @@ impl ClusterPass {
                 if let Some(full) = tally.full() {
                     full.details.set_ups += 1;
                 }
-                let triangles = SmallTriangles::new(simd, vertices, &corners.look_up(simd, numbers), rect);
+                let of = &corners.look_up(simd, numbers);
+                let triangles = SmallTriangles::new(simd, vertices, of, &SampleCells::CENTER, rect);
                 match size {
                     Size::Tiny => scan::scan_tiny(simd, &triangles, lanes, numbers, tile, covered, tally),
                     Size::Small => scan::scan(simd, &triangles, lanes, numbers, tile, covered, tally),

@@ -6,25 +6,26 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, i32x16};
 
-use crate::conventions::{SAMPLE, SUBPIXEL_BITS};
+use crate::conventions::SUBPIXEL_BITS;
 use crate::projection::{Anchored, CornerNumbers, LocalVertices, ScreenTriangles};
+use crate::sampling::SampleCells;
 use crate::screen::PixelRect;
 use crate::simd::{each3, part, splat, splat_i};
 
 /// 16 triangles of less than [`crate::conventions::SMALL_EXTENT`] sub-pixels across and down. Lanes whose bounding box
 /// contains no sample are not valid.
 pub struct SmallTriangles<S: Simd> {
-    /// Column and row of the first sample in the tile.
+    /// Column and row of the first pixel in the tile.
     pub first: [i32x16<S>; 2],
-    /// Distance to the last column and row, in samples.
+    /// Distance to the last column and row, in pixels.
     pub extent: [i32x16<S>; 2],
-    /// Value of the edge functions at the first sample.
+    /// Value of the edge functions at the first cell of the first pixel: with one sample per pixel, at its sample.
     pub c: [i32x16<S>; 3],
-    /// Increments of the edge functions per pixel to the right.
+    /// Increments of the edge functions per cell to the right.
     pub a: [i32x16<S>; 3],
-    /// Increments of the edge functions per pixel downwards.
+    /// Increments of the edge functions per cell downwards.
     pub b: [i32x16<S>; 3],
-    /// From the anchor (the farthest corner, from which depth is interpolated) to the first sample, in sub-pixels.
+    /// From the anchor (the farthest corner, from which depth is interpolated) to that cell, in sub-pixels.
     pub from_anchor: [i32x16<S>; 2],
     /// Depth of the anchor, the smallest of the triangle.
     pub base: f32x16<S>,
@@ -37,9 +38,15 @@ pub struct SmallTriangles<S: Simd> {
 impl<S: Simd> SmallTriangles<S> {
     /// Sets up 16 triangles; only samples inside `rect` count, the part of the tile that is inside the picture.
     #[inline(always)]
-    pub fn new(simd: S, vertices: &LocalVertices, corners: &CornerNumbers, rect: PixelRect) -> Self {
+    pub fn new(
+        simd: S,
+        vertices: &LocalVertices,
+        corners: &CornerNumbers,
+        cells: &SampleCells,
+        rect: PixelRect,
+    ) -> Self {
         let local = vertices.to_local(rect);
-        let t = ScreenTriangles::new(simd, vertices.coordinates(simd, corners), local);
+        let t = ScreenTriangles::new(simd, vertices.coordinates(simd, corners), cells.origin, local);
         let Anchored { x, y, d } = Anchored::new(simd, vertices.depths(simd, corners), &t);
         let area = part(
             simd,
@@ -53,12 +60,12 @@ impl<S: Simd> SmallTriangles<S> {
             #[inline(always)]
             || {
                 let first = [t.columns[0], t.rows[0]];
-                let sample_x = (first[0] << SUBPIXEL_BITS) + SAMPLE;
-                let sample_y = (first[1] << SUBPIXEL_BITS) + SAMPLE;
+                let sample_x = (first[0] << SUBPIXEL_BITS) + cells.origin;
+                let sample_y = (first[1] << SUBPIXEL_BITS) + cells.origin;
                 Self {
                     first: [first[0] - local.x0, first[1] - local.y0],
                     extent: [t.columns[1] - first[0], t.rows[1] - first[1]],
-                    c: edge_values(simd, x, y, a, b, [sample_x, sample_y]),
+                    c: edge_values(simd, x, y, a, b, [sample_x, sample_y], cells.pitch_bits),
                     a,
                     b,
                     from_anchor: [sample_x - x[0], sample_y - y[0]],
@@ -93,7 +100,7 @@ fn depth_slope<S: Simd>(
     )
 }
 
-/// Increments of the edge functions per pixel to the right and downwards, with signs such that the inside is positive.
+/// Increments of the edge functions per cell to the right and downwards, with signs such that the inside is positive.
 #[inline(always)]
 fn edge_increments<S: Simd>(
     simd: S,
@@ -122,6 +129,7 @@ fn edge_values<S: Simd>(
     a: [i32x16<S>; 3],
     b: [i32x16<S>; 3],
     sample: [i32x16<S>; 2],
+    pitch_bits: u32,
 ) -> [i32x16<S>; 3] {
     part(
         simd,
@@ -131,7 +139,7 @@ fn edge_values<S: Simd>(
             each3!(K => {
                 let value = a[K] * (sample[0] - x[K]) + b[K] * (sample[1] - y[K]);
                 let top_left = a[K].simd_gt(zero) | (a[K].simd_eq(zero) & b[K].simd_gt(zero));
-                top_left.select(value, value - 1) >> SUBPIXEL_BITS
+                top_left.select(value, value - 1) >> pitch_bits
             })
         },
     )

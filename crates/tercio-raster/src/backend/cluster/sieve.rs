@@ -5,7 +5,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, i32x16, u8x64, u16x32, u32x16};
 use tercio_mesh::cluster::MAX_TRIANGLES;
 
-use crate::conventions::{SAMPLE, SUBPIXEL_BITS};
+use crate::conventions::{SUBPIXEL_BITS, SUBPIXELS};
 use crate::projection::{CornerTable, LocalVertices, ScreenTriangles};
 use crate::screen::PixelRect;
 use crate::settings::Cull;
@@ -16,6 +16,8 @@ use crate::simd::{BYTE_LANES, LANES, append_numbers, each3, live_lanes, part, sp
 pub struct Keep {
     /// The pixels of which a triangle must reach a sample.
     pub rect: PixelRect,
+    /// Smallest distance of a pixel's samples from its borders, in sub-pixels.
+    pub origin: i32,
     /// Face culling.
     pub cull: Cull,
     /// Whether the instance is a mirror image.
@@ -61,31 +63,32 @@ impl Size {
     }
 }
 
-/// Per vertex of a cluster, the bounds of the samples next to it, as bytes: a bound for 64 vertices or triangles fits
+/// Per vertex of a cluster, the bounds of the pixels next to it, as bytes: a bound for 64 vertices or triangles fits
 /// into one register.
 ///
-/// Columns and rows of samples are counted from the first sample of the tile, and bounds outside the tile are clamped
+/// Columns and rows of pixels are counted from the first sample of the tile, and bounds outside the tile are clamped
 /// to its border. Clamping preserves the order of bounds, so the bounds of a triangle inside the tile are the smallest
 /// and the largest of its corners' bounds.
 struct Reach<S: Simd> {
-    /// First column of samples at or right of each vertex, and first row at or below it.
+    /// First column of pixels with samples at or right of each vertex, and first row with samples at or below it.
     first: [u8x64<S>; 2],
-    /// First column of samples right of each vertex, and first row below it.
+    /// First column of pixels whose samples are all right of each vertex, and first row of those all below it.
     end: [u8x64<S>; 2],
 }
 
 impl<S: Simd> Reach<S> {
-    /// The bounds within `rect`, which is at most 128 pixels across and down.
+    /// The bounds within the pixels to keep, at most 130 across and down.
     #[inline(always)]
-    fn new(simd: S, vertices: &LocalVertices, rect: PixelRect) -> Self {
+    fn new(simd: S, vertices: &LocalVertices, keep: &Keep) -> Self {
         part(
             simd,
             #[inline(always)]
             || {
-                let local = vertices.to_local(rect);
-                let offset = [SAMPLE - (local.x0 << SUBPIXEL_BITS), SAMPLE - (local.y0 << SUBPIXEL_BITS)];
-                let first = whole_pixels(simd, vertices, [offset[0] - 1, offset[1] - 1]);
-                let end = whole_pixels(simd, vertices, offset);
+                let local = vertices.to_local(keep.rect);
+                let offset = [-(local.x0 << SUBPIXEL_BITS), -(local.y0 << SUBPIXEL_BITS)];
+                let (to_first, to_end) = (keep.origin - 1, SUBPIXELS - keep.origin);
+                let first = whole_pixels(simd, vertices, [offset[0] + to_first, offset[1] + to_first]);
+                let end = whole_pixels(simd, vertices, [offset[0] + to_end, offset[1] + to_end]);
                 let across = u8x64::splat(simd, (local.x1 - local.x0 + 1) as u8);
                 let down = u8x64::splat(simd, (local.y1 - local.y0 + 1) as u8);
                 Self {
@@ -96,7 +99,7 @@ impl<S: Simd> Reach<S> {
         )
     }
 
-    /// Number of columns and rows of samples in the bounding boxes of 64 triangles.
+    /// Number of columns and rows of pixels with samples in the bounding boxes of 64 triangles.
     #[inline(always)]
     fn samples(&self, corners: &[u8x64<S>; 3]) -> [u8x64<S>; 2] {
         [self.samples_along(0, corners), self.samples_along(1, corners)]
@@ -155,7 +158,7 @@ impl Sieve {
         keep: &Keep,
     ) {
         self.counts = [0; Size::ALL.len()];
-        let reach = Reach::new(simd, vertices, keep.rect);
+        let reach = Reach::new(simd, vertices, keep);
         let by_area = vertices.is_wide || !matches!(keep.cull, Cull::Auto | Cull::None);
         let (mut reached, mut count_reached) = ([0; MAX_TRIANGLES + BYTE_LANES], 0);
         let mut first = 0;
@@ -215,7 +218,8 @@ impl Sieve {
                 let (chunks, _) = reached.as_chunks::<LANES>();
                 for (numbers, first) in chunks.iter().zip((0..count).step_by(LANES)) {
                     let corners = corners.look_up(simd, numbers);
-                    let t = ScreenTriangles::new(simd, vertices.coordinates(simd, &corners), rect);
+                    let coordinates = vertices.coordinates(simd, &corners);
+                    let t = ScreenTriangles::new(simd, coordinates, keep.origin, rect);
                     part(
                         simd,
                         #[inline(always)]

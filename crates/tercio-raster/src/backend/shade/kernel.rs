@@ -1,29 +1,27 @@
-//! The shading kernel: shades 16 pixels of one instance, given the corners of their triangles, and writes them to the
-//! planes of the picture.
+//! The shading kernel: shades 16 pixels of one instance, given the corners of their triangles, and writes them to a
+//! [`Target`].
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x16, mask32x16};
+use fearless_simd::{Simd, f32x16, i32x16, mask32x16};
 
 use super::features::Features;
+use super::target::Target;
 use crate::backend::corners::{ColorSource, Corners, Fragments, to_world};
-use crate::backend::encode::opaque;
 use crate::backend::interpolate::Interpolation;
 use crate::backend::light::{Vec3x16, bend, beside, diffuse, normalize, reflect, towards_viewer};
-use crate::backend::memory::TileMemory;
-use crate::color::encode16;
 use crate::context::FrameContext;
 use crate::conventions::{SAMPLE, SUBPIXELS};
-use crate::frame::{Outputs, Planes, visibility_key};
 use crate::projection::relative;
 use crate::settings::Shading;
 use crate::simd::{LANES, cross, dot, each3, part, row, splat};
 use crate::view::ObjectView;
 
-/// The tile, and the coordinate system of 16 pixels.
+/// The coordinate system of 16 pixels.
 #[derive(Clone, Copy)]
-pub struct At<'a> {
-    pub memory: &'a TileMemory,
-    /// The tile's first sample, in the coordinate system of the corners.
+pub struct At {
+    /// log2 of the distance of two rows of pixels, in places.
+    pub stride_bits: u32,
+    /// The middle of the tile's first pixel, in the coordinate system of the corners.
     pub first_sample: [i32; 2],
     /// The offset from these coordinates to coordinates relative to the middle of the picture.
     pub from_middle: [i32; 2],
@@ -50,19 +48,27 @@ impl Facing {
     }
 }
 
-impl<'a> At<'a> {
+impl At {
     /// For corners in screen coordinates.
-    pub fn in_picture(context: &FrameContext, memory: &'a TileMemory) -> Self {
-        let first_sample = memory.corner.map(|c| c * SUBPIXELS + SAMPLE);
+    pub fn in_picture(context: &FrameContext, stride_bits: u32, corner: [i32; 2]) -> Self {
+        let first_sample = corner.map(|c| c * SUBPIXELS + SAMPLE);
         let from_middle = context.lights.sight.middle.map(|c| -c);
-        Self { memory, first_sample, from_middle, facing: Facing::default() }
+        Self { stride_bits, first_sample, from_middle, facing: Facing::default() }
+    }
+
+    /// Coordinates of the middles of 16 pixels, from their places.
+    #[inline(always)]
+    pub fn middles<S: Simd>(&self, simd: S, places: &[i32; LANES]) -> [i32x16<S>; 2] {
+        let place = i32x16::load_array_ref(simd, places);
+        let (x, y) = (place & ((1 << self.stride_bits) - 1), place >> self.stride_bits);
+        [x * SUBPIXELS + self.first_sample[0], y * SUBPIXELS + self.first_sample[1]]
     }
 }
 
 /// [`shade_inline`], not inlined, so that the kernel is compiled only once per SIMD level and set of features.
 #[expect(clippy::too_many_arguments, reason = "a struct would only rename them")]
 #[inline(never)]
-pub fn shade<S: Simd, F: Features>(
+pub fn shade<S: Simd, F: Features, T: Target>(
     simd: S,
     context: &FrameContext,
     instance: usize,
@@ -70,19 +76,18 @@ pub fn shade<S: Simd, F: Features>(
     fragments: &Fragments,
     at: At,
     corners: &Corners<S>,
-    pixels: &mut Planes,
-    outputs: &Outputs,
+    target: &mut T,
 ) {
     simd.vectorize(
         #[inline(always)]
-        || shade_inline(simd, context, instance, features, fragments, at, corners, pixels, outputs),
+        || shade_inline(simd, context, instance, features, fragments, at, corners, target),
     );
 }
 
 /// The kernel: shades 16 pixels of one instance.
 #[expect(clippy::too_many_arguments, reason = "a struct would only rename them")]
 #[inline(always)]
-pub fn shade_inline<S: Simd, F: Features>(
+pub fn shade_inline<S: Simd, F: Features, T: Target>(
     simd: S,
     context: &FrameContext,
     instance: usize,
@@ -90,12 +95,11 @@ pub fn shade_inline<S: Simd, F: Features>(
     fragments: &Fragments,
     at: At,
     corners: &Corners<S>,
-    pixels: &mut Planes,
-    outputs: &Outputs,
+    target: &mut T,
 ) {
     let surface = &context.scene.instances[instance].surface;
     let (object, lights) = (&context.objects[instance], &context.lights);
-    let sample = at.memory.samples(simd, &fragments.place, at.first_sample);
+    let sample = T::samples(simd, &at, fragments);
     let At { facing, from_middle, .. } = at;
     let at = Interpolation::new(simd, object, sample, corners);
     let zero = [splat(simd, 0.0); 3];
@@ -158,13 +162,7 @@ pub fn shade_inline<S: Simd, F: Features>(
             each3!(C => albedo[C] * diffuse[C] + specular[C])
         }
     };
-    if features.color() {
-        write_color(simd, fragments, lit, pixels);
-    }
-    if features.more() {
-        write_color16(fragments, lit, pixels, outputs);
-        write_geometry(context, fragments, normal, pixels, outputs);
-    }
+    target.write(simd, context, features, fragments, lit, normal);
 }
 
 /// The geometric normals of 16 triangles in world space, not normalized, on the visible side.
@@ -209,64 +207,6 @@ impl<S: Simd> Side<S> {
         match self.plane {
             Some(plane) => as_seen(simd, n, dot(n, plane).simd_lt(splat(simd, 0.0))),
             None => n,
-        }
-    }
-}
-
-#[inline(always)]
-fn write_color<S: Simd>(simd: S, fragments: &Fragments, linear: Vec3x16<S>, pixels: &mut Planes) {
-    let levels = opaque(simd, linear).to_array();
-    if fragments.is_block {
-        for (row, level) in levels.as_chunks::<4>().0.iter().enumerate() {
-            let place = fragments.place[4 * row] as usize;
-            pixels.color[place..place + 4].copy_from_slice(&level.map(|level| (level as u32).to_le_bytes()));
-        }
-        return;
-    }
-    // Unused lanes repeat a pixel: they write the same value again.
-    for lane in 0..LANES {
-        pixels.color[fragments.place[lane] as usize] = (levels[lane] as u32).to_le_bytes();
-    }
-}
-
-fn write_color16<S: Simd>(fragments: &Fragments, linear: Vec3x16<S>, pixels: &mut Planes, outputs: &Outputs) {
-    if outputs.color16 {
-        for lane in 0..fragments.count {
-            let [r, g, b] = each3!(C => encode16(linear[C][lane]));
-            pixels.color16[fragments.place[lane] as usize] = [r, g, b, 65535];
-        }
-    }
-}
-
-#[inline(always)]
-fn write_geometry<S: Simd>(
-    context: &FrameContext,
-    fragments: &Fragments,
-    normal: Vec3x16<S>,
-    pixels: &mut Planes,
-    outputs: &Outputs,
-) {
-    let lanes = 0..fragments.count;
-    if outputs.depth {
-        for lane in lanes.clone() {
-            pixels.depth[fragments.place[lane] as usize] = context.view.distance(fragments.depth[lane]);
-        }
-    }
-    if outputs.ids {
-        for lane in lanes.clone() {
-            pixels.ids[fragments.place[lane] as usize] = context.face(fragments.slot[lane]);
-        }
-    }
-    if outputs.keys {
-        for lane in lanes.clone() {
-            let primitive = context.primitive(fragments.slot[lane]) as u32;
-            pixels.keys[fragments.place[lane] as usize] = visibility_key(fragments.depth[lane], primitive);
-        }
-    }
-    if outputs.normals {
-        let normal = each3!(A => normal[A].to_array());
-        for lane in lanes {
-            pixels.normals[fragments.place[lane] as usize] = [0, 1, 2].map(|k| normal[k][lane]);
         }
     }
 }

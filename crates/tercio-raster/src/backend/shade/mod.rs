@@ -7,6 +7,7 @@
 
 mod features;
 mod kernel;
+mod target;
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, u32x16};
@@ -23,10 +24,10 @@ use crate::frame::{Outputs, Planes};
 use crate::projection::CornerTable;
 use crate::simd::LANES;
 use crate::stats::BackEndCounts;
-use features::{Common, Look};
-pub use features::{Features, needs_plane};
-pub use kernel::Facing;
-use kernel::{At, shade, shade_inline};
+pub use features::{Common, Features, Look, needs_plane};
+pub use kernel::{At, Facing, shade, shade_inline};
+pub use target::{FragmentTarget, Target};
+use target::PixelTarget;
 
 /// Shades every visible pixel of a tile that is not shaded yet.
 #[inline(always)]
@@ -121,15 +122,16 @@ impl<S: Simd> WholeBlocks<S> {
                 fragments.depth[lane] = memory.depth[places[lane] as usize];
             }
         }
-        let at = At::in_picture(context, memory);
-        late(simd, context, self.instance, look, &fragments, at, &self.corners, pixels, outputs);
+        let at = At::in_picture(context, memory.stride_bits(), memory.corner);
+        let target = &mut PixelTarget { pixels, outputs };
+        late(simd, context, self.instance, look, &fragments, at, &self.corners, target);
     }
 }
 
 /// Shades 16 pixels whose corners have been fetched, with the kernel for their look.
 #[expect(clippy::too_many_arguments, reason = "a struct would only rename them")]
 #[inline(always)]
-fn late<S: Simd>(
+pub fn late<S: Simd, T: Target>(
     simd: S,
     context: &FrameContext,
     instance: usize,
@@ -137,19 +139,23 @@ fn late<S: Simd>(
     fragments: &Fragments,
     at: At,
     corners: &Corners<S>,
-    pixels: &mut Planes,
-    outputs: &Outputs,
+    target: &mut T,
 ) {
     if look.is(Common::<true>) {
-        shade(simd, context, instance, Common::<true>, fragments, at, corners, pixels, outputs);
+        shade(simd, context, instance, Common::<true>, fragments, at, corners, target);
     } else {
-        shade(simd, context, instance, look, fragments, at, corners, pixels, outputs);
+        shade(simd, context, instance, look, fragments, at, corners, target);
     }
 }
 
 /// Fetches the corners of 16 pixels of one instance. Not inlined, so that it is compiled only once per SIMD level.
 #[inline(never)]
-fn fetch<S: Simd>(simd: S, context: &FrameContext, instance: usize, fragments: &Fragments) -> Corners<S> {
+pub fn fetch<S: Simd>(
+    simd: S,
+    context: &FrameContext,
+    instance: usize,
+    fragments: &Fragments,
+) -> Corners<S> {
     let Instance { mesh, surface, .. } = &context.scene.instances[instance];
     let colors = ColorSource::of(mesh, surface);
     simd.vectorize(
@@ -175,8 +181,8 @@ fn flush<S: Simd>(
     fragments.fill_up();
     let corners = fetch(simd, context, instance, fragments);
     let look = Look::new(context, instance, corners.normals_agree, outputs);
-    let at = At::in_picture(context, memory);
-    late(simd, context, instance, look, fragments, at, &corners, pixels, outputs);
+    let at = At::in_picture(context, memory.stride_bits(), memory.corner);
+    late(simd, context, instance, look, fragments, at, &corners, &mut PixelTarget { pixels, outputs });
     fragments.count = 0;
 }
 
@@ -193,7 +199,8 @@ struct Won<'a> {
     number: u32,
     instance: usize,
     cluster: ClusterView<'a>,
-    at: At<'a>,
+    memory: &'a TileMemory,
+    at: At,
 }
 
 /// Shades the samples that cluster `number` of the frame won.
@@ -228,12 +235,12 @@ pub fn winners<S: Simd>(
             }
             counts.pixels_shaded += pass.winners.len() as u64;
             let at = At {
-                memory,
+                stride_bits: memory.stride_bits(),
                 first_sample: pass.vertices.sample_of(memory.corner),
                 from_middle: pass.vertices.offset_from_middle(&context.lights.sight),
                 facing: table.facing,
             };
-            let won = Won { context, number, instance, cluster, at };
+            let won = Won { context, number, instance, cluster, memory, at };
             let is_common = !pass.vertices.is_wide;
             if is_common && look.is(Common::<true>) {
                 won.shade(simd, Common::<true>, pass, scratch, pixels, outputs);
@@ -276,17 +283,18 @@ impl Won<'_> {
             if features.more() {
                 for lane in 0..LANES {
                     fragments.slot[lane] = self.number * MAX_TRIANGLES as u32 + u32::from(triangles[lane]);
-                    fragments.depth[lane] = self.at.memory.depth[places[lane] as usize];
+                    fragments.depth[lane] = self.memory.depth[places[lane] as usize];
                 }
             }
             let (context, instance, at) = (self.context, self.instance, self.at);
+            let target = &mut PixelTarget { pixels, outputs };
             if F::ARE_CONSTANT {
                 // Here, the specialized kernels are used only for clusters that are not wide.
                 corners.are_near = true;
-                shade_inline(simd, context, instance, features, fragments, at, &corners, pixels, outputs);
+                shade_inline(simd, context, instance, features, fragments, at, &corners, target);
             } else {
                 let look = Look::describe(features);
-                shade(simd, context, instance, look, fragments, at, &corners, pixels, outputs);
+                shade(simd, context, instance, look, fragments, at, &corners, target);
             }
         }
     }

@@ -15,7 +15,7 @@ fn work(ranks: usize, organisation: Organisation) -> RanksWork {
     let scene = views::scene(Arc::new(partition(mesh, &PartitionOptions::default())));
     let size = (200, 150);
     let camera = views::camera(&bounds, size, 1, 7);
-    let settings = Settings { tile_size: Some(16), ..Settings::new(size.0, size.1) };
+    let settings = Settings { tile_size: Some(16), ..Settings::one_sample(size.0, size.1) };
     RanksWork::count(&scene, &camera, &settings, (ranks, organisation)).unwrap()
 }
 

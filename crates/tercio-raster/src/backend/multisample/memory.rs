@@ -1,0 +1,305 @@
+//! The tile memory: depth and fragment of every sample of a tile, and the list of fragments.
+
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x16, i32x16, mask32x16, u32x16};
+
+use crate::backend::memory::lower_primitive;
+use crate::context::FrameContext;
+use crate::conventions::SUBPIXELS;
+use crate::sampling::SampleShading;
+use crate::screen::PixelRect;
+use crate::simd::{LANE_NUMBERS, LANES, part, splat, splat_i};
+
+/// The fragment of a sample where nothing was drawn.
+pub const NO_FRAGMENT: u32 = u32::MAX;
+
+/// A triangle in a pixel.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Fragment {
+    /// Slot of the triangle.
+    pub slot: u32,
+    /// Place of the pixel: its row in the tile memory times the distance of rows, plus its column.
+    pub pixel: u16,
+    /// The samples of the pixel at whose centre it is shaded, one bit each: those that the triangle covers, or one.
+    pub covered: u16,
+}
+
+/// Depth and fragment of every sample of a tile.
+///
+/// The samples of a pixel are side by side. The tile's pixels include those around it that the filter needs.
+#[derive(Debug, Default)]
+pub struct SampleMemory {
+    /// Depth, 0 where nothing was drawn.
+    pub depth: Vec<f32>,
+    /// Number of the fragment, [`NO_FRAGMENT`] where nothing was drawn.
+    pub fragment: Vec<u32>,
+    /// All fragments. Those that were hidden later remain until [`SampleMemory::make_room`] removes them.
+    pub fragments: Vec<Fragment>,
+    /// Premultiplied linear colours of the fragments; valid where they are shaded.
+    pub colors: Vec<[f32; 4]>,
+    /// Normals of the fragments, likewise, if they are requested.
+    pub normals: Vec<[f32; 3]>,
+    /// Number of the first fragment that is not shaded late: the others are shaded with their cluster.
+    pub late: usize,
+    /// The pixels in memory.
+    pub rect: PixelRect,
+    /// The pixels of the tile that are inside the picture.
+    pub own: PixelRect,
+    /// log2 of the distance of two rows, in pixels.
+    pub pitch_bits: u32,
+    /// log2 of the number of samples per pixel.
+    pub count_bits: u32,
+    /// Every sample is a fragment of its own.
+    is_by_sample: bool,
+    /// Columns and rows of cells of 16 consecutive samples, counted from the first cell of the first one's pixel.
+    pub lane_cells: [[i32; LANES]; 2],
+    /// The same in sub-pixels.
+    pub lane_offset: [[f32; LANES]; 2],
+}
+
+impl SampleMemory {
+    /// Resizes and clears the memory for a tile.
+    pub fn clear(&mut self, context: &FrameContext, tile: u32) {
+        let size = [context.view.width, context.view.height];
+        let halo = context.grid.halo;
+        self.own = context.grid.rect(tile, size);
+        self.rect = self.own.grow(halo as i32).intersect(context.picture());
+        self.pitch_bits = ((1 << context.grid.shift) + 2 * halo).next_power_of_two().trailing_zeros();
+        let cells = &context.cells;
+        self.count_bits = cells.count_bits();
+        self.is_by_sample = context.settings.sampling.shading == SampleShading::Sample;
+        for lane in 0..LANES {
+            let cell = cells.cells[lane % cells.count];
+            let pixel = (lane >> self.count_bits) as i32;
+            let cell = [(pixel << cells.cell_bits()) + cell[0], cell[1]];
+            for (axis, cell) in cell.into_iter().enumerate() {
+                self.lane_cells[axis][lane] = cell;
+                self.lane_offset[axis][lane] = (cell << cells.pitch_bits) as f32;
+            }
+        }
+        let rows = (self.rect.y1 - self.rect.y0 + 1) as usize;
+        // Samples are read and written 16 at a time.
+        let samples = (rows << self.pitch_bits << self.count_bits) + LANES;
+        self.depth.clear();
+        self.depth.resize(samples, 0.0);
+        self.fragment.clear();
+        self.fragment.resize(samples, NO_FRAGMENT);
+        self.fragments.clear();
+        self.late = 0;
+    }
+
+    /// The place of a pixel of the picture.
+    #[inline(always)]
+    pub fn pixel(&self, x: i32, y: i32) -> usize {
+        ((y - self.rect.y0) as usize) << self.pitch_bits | (x - self.rect.x0) as usize
+    }
+
+    /// The fragments of a pixel's samples, given by the pixel's place.
+    #[inline(always)]
+    pub fn of_pixel(&self, pixel: usize) -> &[u32] {
+        &self.fragment[pixel << self.count_bits..][..1 << self.count_bits]
+    }
+
+    /// Is every sample of some pixels in memory nearer than this depth?
+    #[inline(always)]
+    pub fn all_nearer<S: Simd>(&self, simd: S, rect: PixelRect, depth: f32) -> bool {
+        if rect.is_empty() {
+            return true;
+        }
+        let depth = splat(simd, depth);
+        let lanes = i32x16::load_array(simd, LANE_NUMBERS);
+        let samples = (rect.x1 - rect.x0 + 1) << self.count_bits;
+        for y in rect.y0..rect.y1 + 1 {
+            let first = self.pixel(rect.x0, y) << self.count_bits;
+            let mut done = 0;
+            while done < samples {
+                let inside = lanes.simd_lt(splat_i(simd, samples - done));
+                let at = first + done as usize;
+                let stamp = f32x16::from_slice(simd, &self.depth[at..at + LANES]);
+                if (stamp.simd_le(depth) & inside).any_true() {
+                    return false;
+                }
+                done += LANES as i32;
+            }
+        }
+        true
+    }
+
+    /// Depth test of a triangle at 16 consecutive samples, from the first one of a pixel on: keeps the nearer of old and
+    /// new where `covered` has a bit, and adds the fragments that the triangle won.
+    #[inline(always)]
+    pub fn write<S: Simd>(
+        &mut self,
+        simd: S,
+        context: &FrameContext,
+        pixel: usize,
+        covered: u32,
+        depth: f32x16<S>,
+        slot: u32,
+    ) {
+        let first = pixel << self.count_bits;
+        let won = part(
+            simd,
+            #[inline(always)]
+            || {
+                let old_depth = &mut self.depth[first..first + LANES];
+                let before = f32x16::from_slice(simd, old_depth);
+                let is_covered = mask32x16::from_bitmask(simd, u64::from(covered));
+                let mut wins = is_covered & depth.simd_gt(before);
+                let tie = is_covered & depth.simd_eq(before);
+                if tie.any_true() {
+                    let old = self.fragment[first..].first_chunk().unwrap_or(&[NO_FRAGMENT; LANES]);
+                    let ties = tie.to_bitmask() as u32 & 0xffff;
+                    let more = lower_primitives(context, ties, slot, old, &self.fragments);
+                    wins |= mask32x16::from_bitmask(simd, u64::from(more));
+                }
+                wins.select(depth, before).store_slice(old_depth);
+                wins.to_bitmask() as u32 & 0xffff
+            },
+        );
+        if won == 0 {
+            return;
+        }
+        let count = 1u32 << self.count_bits;
+        let all = u32::MAX >> (32 - count);
+        if self.is_by_sample {
+            let mut left = won;
+            while left != 0 {
+                let lane = left.trailing_zeros();
+                left &= left - 1;
+                let at = pixel + (lane >> self.count_bits) as usize;
+                self.fragment[first + lane as usize] = self.fragments.len() as u32;
+                self.add(slot, at, 1 << (lane & (count - 1)));
+            }
+        } else if won & !all == 0 {
+            let number = u32x16::splat(simd, self.fragments.len() as u32);
+            let fragments = &mut self.fragment[first..first + LANES];
+            let wins = mask32x16::from_bitmask(simd, u64::from(won));
+            wins.select(number, u32x16::from_slice(simd, fragments)).store_slice(fragments);
+            self.add(slot, pixel, covered & all);
+        } else {
+            let mut lane = 0;
+            while won >> lane != 0 {
+                let won_here = won >> lane & all;
+                if won_here != 0 {
+                    let number = self.fragments.len() as u32;
+                    let fragments = &mut self.fragment[first + lane as usize..][..count as usize];
+                    for (sample, fragment) in fragments.iter_mut().enumerate() {
+                        *fragment = if won_here >> sample & 1 == 1 { number } else { *fragment };
+                    }
+                    self.add(slot, pixel + (lane >> self.count_bits) as usize, covered >> lane & all);
+                }
+                lane += count;
+            }
+        }
+    }
+
+    /// Adds a fragment.
+    #[inline(always)]
+    fn add(&mut self, slot: u32, pixel: usize, covered: u32) {
+        self.fragments.push(Fragment { slot, pixel: pixel as u16, covered: covered as u16 });
+    }
+
+    /// Declares that all fragments added so far are not shaded with a cluster, but late.
+    pub fn all_are_late(&mut self) {
+        self.late = self.fragments.len();
+    }
+
+    /// Removes hidden fragments if there are many.
+    #[inline(always)]
+    pub fn make_room(&mut self) {
+        if self.fragments.len() > 4 * self.fragment.len() {
+            self.compact();
+        }
+    }
+
+    /// Which fragments are visible at a sample.
+    pub fn visible_fragments(&self) -> Vec<bool> {
+        let mut is_visible = vec![false; self.fragments.len()];
+        for &fragment in self.fragment.iter().filter(|&&f| f != NO_FRAGMENT) {
+            is_visible[fragment as usize] = true;
+        }
+        is_visible
+    }
+
+    /// Removes hidden fragments; the others keep their order.
+    #[cold]
+    #[inline(never)]
+    fn compact(&mut self) {
+        let is_visible = self.visible_fragments();
+        let (mut numbers, mut kept, late) = (vec![NO_FRAGMENT; is_visible.len()], 0, self.late);
+        for number in (0..is_visible.len()).filter(|&number| is_visible[number]) {
+            numbers[number] = kept as u32;
+            self.fragments[kept] = self.fragments[number];
+            if number < self.colors.len() {
+                self.colors[kept] = self.colors[number];
+            }
+            if number < self.normals.len() {
+                self.normals[kept] = self.normals[number];
+            }
+            kept += 1;
+        }
+        self.late = is_visible[..late].iter().filter(|&&is_visible| is_visible).count();
+        self.fragments.truncate(kept);
+        for fragment in self.fragment.iter_mut().filter(|f| **f != NO_FRAGMENT) {
+            *fragment = numbers[*fragment as usize];
+        }
+    }
+
+    /// Merges another memory of the same tile, in both of which all fragments are late: the nearer samples win.
+    pub fn merge(&mut self, context: &FrameContext, other: &Self) {
+        let mut numbers = vec![NO_FRAGMENT; other.fragments.len()];
+        for (at, (&depth, &theirs)) in other.depth.iter().zip(&other.fragment).enumerate() {
+            if theirs == NO_FRAGMENT {
+                continue;
+            }
+            let Fragment { slot, .. } = other.fragments[theirs as usize];
+            let (before, own) = (self.depth[at], self.fragment[at]);
+            let is_tie = depth == before;
+            let is_lower =
+                || own == NO_FRAGMENT || lower_primitive(context, slot, self.fragments[own as usize].slot);
+            if depth > before || is_tie && is_lower() {
+                let number = &mut numbers[theirs as usize];
+                if *number == NO_FRAGMENT {
+                    *number = self.fragments.len() as u32;
+                    self.fragments.push(other.fragments[theirs as usize]);
+                }
+                (self.depth[at], self.fragment[at]) = (depth, *number);
+            }
+        }
+        self.all_are_late();
+        self.make_room();
+    }
+
+    /// Number of pixels of the tile that show a triangle.
+    pub fn visible(&self) -> u64 {
+        let rows = self.own.y0..=self.own.y1;
+        let pixels = rows.flat_map(|y| (self.own.x0..=self.own.x1).map(move |x| (x, y)));
+        let is_drawn = |(x, y)| self.of_pixel(self.pixel(x, y)).iter().any(|&f| f != NO_FRAGMENT);
+        pixels.map(|at| u64::from(is_drawn(at))).sum()
+    }
+
+    /// The coordinates in sub-pixels of the first cell of a pixel of the picture, relative to a point.
+    #[inline(always)]
+    pub fn from_point(origin: i32, pixel: i32, point: i32) -> f32 {
+        (pixel * SUBPIXELS + origin - point) as f32
+    }
+}
+
+/// Which of the lanes of equal depth `slot` wins because its primitive number is lower.
+#[cold]
+#[inline(never)]
+fn lower_primitives(
+    context: &FrameContext,
+    ties: u32,
+    slot: u32,
+    old: &[u32; LANES],
+    fragments: &[Fragment],
+) -> u32 {
+    let mut wins = 0;
+    for (lane, &old) in old.iter().enumerate().filter(|(lane, _)| ties >> lane & 1 == 1) {
+        let is_lower = old == NO_FRAGMENT || lower_primitive(context, slot, fragments[old as usize].slot);
+        wins |= u32::from(is_lower) << lane;
+    }
+    wins
+}

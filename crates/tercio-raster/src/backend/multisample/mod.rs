@@ -1,0 +1,198 @@
+//! Tiles with several samples per pixel.
+//!
+//! A **fragment** is a triangle in a pixel: it is shaded once ([`SampleShading::Pixel`](crate::SampleShading)) or is one
+//! sample of the pixel. Tile memory ([`memory`]) stores the depth of every sample and the number of its fragment.
+//! Triangles of a few pixels are tested 16 at a time ([`scan`]), larger ones one by one in stamps of 16 samples
+//! ([`triangle`]). The fragments of a cluster are shaded at once, those of triangles that were binned one by one when the
+//! tile is finished ([`shade`]). At last, samples become pixels ([`resolve`]).
+
+pub mod memory;
+mod resolve;
+mod scan;
+mod shade;
+mod triangle;
+
+use fearless_simd::Simd;
+use tercio_mesh::cluster::MAX_TRIANGLES;
+
+use super::cluster::{Keep, Sieve, Size, SmallTriangles, prefetch_body, prefetch_head};
+use super::order::DepthOrder;
+use super::table::ClusterTable;
+use super::{PREFETCH_DISTANCE, Shade};
+use crate::backend::corners::Fragments;
+use crate::backend::tally::Tally;
+use crate::binning::{BinnedCluster, Bins};
+use crate::context::FrameContext;
+use crate::frame::{CanvasTile, Outputs, Planes};
+use crate::projection::{CornerTable, LocalVertices};
+use crate::screen::{PixelRect, ScreenTriangle};
+use crate::settings::{LastStage, Part};
+use crate::simd::part;
+use memory::SampleMemory;
+use scan::Hits;
+
+/// The memory that one thread needs to draw a tile with several samples per pixel.
+#[derive(Debug, Default)]
+pub struct Scratch {
+    /// Depth and fragment of each sample.
+    pub memory: SampleMemory,
+    vertices: LocalVertices,
+    sieve: Sieve,
+    hits: Hits,
+    table: ClusterTable,
+    fragments: Fragments,
+}
+
+/// Draws a part of a tile's entries: triangles first, then clusters front to back. Not inlined, so that it is
+/// compiled only once per SIMD level.
+#[expect(clippy::too_many_arguments, reason = "a struct would only rename them")]
+#[inline(never)]
+pub fn draw<S: Simd, T: Tally>(
+    simd: S,
+    context: &FrameContext,
+    bins: &[Bins],
+    tile: u32,
+    part: Part,
+    shade: Shade,
+    order: &mut DepthOrder,
+    scratch: &mut Scratch,
+    outputs: &Outputs,
+    tally: &mut T,
+) {
+    simd.vectorize(
+        #[inline(always)]
+        || {
+            scratch.memory.clear(context, tile);
+            let last = context.settings.last_stage;
+            if last > LastStage::Sieve {
+                for drawn in part.every(bins.iter().flat_map(|b| b.triangles_in(tile))) {
+                    scratch.memory.make_room();
+                    triangle::draw(simd, context, drawn, &mut scratch.memory, tally.counts());
+                }
+            }
+            scratch.memory.all_are_late();
+            order.front_to_back(part.every(bins.iter().flat_map(|b| b.clusters_in(tile))));
+            draw_clusters(simd, context, order.clusters(), shade, scratch, outputs, tally);
+        },
+    );
+}
+
+/// Draws clusters that are sorted front to back, except hidden ones.
+#[inline(always)]
+fn draw_clusters<S: Simd, T: Tally>(
+    simd: S,
+    context: &FrameContext,
+    clusters: &[BinnedCluster],
+    shade: Shade,
+    scratch: &mut Scratch,
+    outputs: &Outputs,
+    tally: &mut T,
+) {
+    for (i, binned) in clusters.iter().enumerate() {
+        if let Some(later) = clusters.get(i + 2 * PREFETCH_DISTANCE) {
+            prefetch_head(context, later);
+        }
+        if let Some(later) = clusters.get(i + PREFETCH_DISTANCE) {
+            prefetch_body(context, later);
+        }
+        if is_hidden(simd, binned, &scratch.memory) {
+            tally.counts().clusters_hidden += 1;
+            continue;
+        }
+        tally.counts().clusters_drawn += 1;
+        scratch.memory.make_room();
+        let first = scratch.memory.fragments.len();
+        draw_cluster(simd, context, binned, scratch, tally);
+        if shade == Shade::Deferred {
+            scratch.memory.all_are_late();
+        } else if context.settings.last_stage > LastStage::Visibility {
+            shade::cluster(simd, context, binned.number, first, scratch, outputs, tally.counts());
+        }
+    }
+}
+
+/// Occlusion test: is everything drawn in a cluster's part of a tile nearer than the cluster can be?
+#[inline(always)]
+fn is_hidden<S: Simd>(simd: S, binned: &BinnedCluster, memory: &SampleMemory) -> bool {
+    let [x0, x1, y0, y1] = binned.rect.map(i32::from);
+    let rect = PixelRect { x0, x1, y0, y1 }.intersect(memory.rect);
+    part(
+        simd,
+        #[inline(always)]
+        || memory.all_nearer(simd, rect, binned.nearest),
+    )
+}
+
+/// Draws a cluster: adds its fragments to the tile's.
+#[inline(always)]
+fn draw_cluster<S: Simd, T: Tally>(
+    simd: S,
+    context: &FrameContext,
+    binned: &BinnedCluster,
+    scratch: &mut Scratch,
+    tally: &mut T,
+) {
+    let Scratch { memory, vertices, sieve, hits, .. } = scratch;
+    let (instance, cluster) = context.cluster(binned.number);
+    let object = &context.objects[instance];
+    let first_slot = binned.number * MAX_TRIANGLES as u32;
+    let corners = &CornerTable::new(&cluster);
+    vertices.project(simd, object, &cluster);
+    let origin = context.cells.origin;
+    let keep =
+        Keep { rect: memory.rect, origin, cull: context.settings.cull, mirrored: object.mirrored };
+    sieve.sort(simd, vertices, corners, cluster.triangles(), &keep);
+    if let Some(full) = tally.full() {
+        full.cluster(binned.number, &cluster);
+    }
+    let counts = tally.counts();
+    counts.vertices_transformed += cluster.vertices() as u64;
+    counts.triangles_in += cluster.triangles() as u64;
+    counts.triangles_drawn += sieve.len();
+    if context.settings.last_stage == LastStage::Sieve {
+        return;
+    }
+    for size in Size::ALL {
+        for (numbers, lanes) in sieve.of_size(size) {
+            if matches!(size, Size::Tiny | Size::Small) {
+                let of = &corners.look_up(simd, numbers);
+                let triangles = SmallTriangles::new(simd, vertices, of, &context.cells, memory.rect);
+                hits.scan(simd, &context.cells, &triangles, lanes, memory);
+                hits.test(simd, context, &triangles, first_slot, numbers, memory, counts);
+                continue;
+            }
+            for &number in &numbers[..lanes.count_ones() as usize] {
+                let v = corners.of(number).map(|corner| vertices.vertex(corner));
+                let triangle = ScreenTriangle::new(v, first_slot + u32::from(number));
+                // A triangle without area covers nothing, and its edge functions are not defined.
+                if triangle.area() != 0 {
+                    triangle::draw(simd, context, &triangle, memory, counts);
+                }
+            }
+        }
+    }
+}
+
+/// Shades what is not shaded yet, and writes the tile to the picture.
+#[inline(always)]
+pub fn finish<S: Simd, T: Tally>(
+    simd: S,
+    context: &FrameContext,
+    scratch: &mut Scratch,
+    target: CanvasTile,
+    pixels: &mut Planes,
+    outputs: &Outputs,
+    tally: &mut T,
+) {
+    tally.counts().pixels_visible += scratch.memory.visible();
+    if context.settings.last_stage <= LastStage::Visibility {
+        target.write_background();
+        return;
+    }
+    shade::late_fragments(simd, context, scratch, outputs, tally.counts());
+    let stride = (1 << context.grid.shift) * context.settings.elements_per_pixel() as usize;
+    target.clear(pixels, stride);
+    let background = target.background();
+    resolve::tile(simd, context, &scratch.memory, background, stride, pixels, outputs);
+    target.write(pixels, stride);
+}

@@ -1,0 +1,123 @@
+//! From samples to pixels: averages colours in linear light, and selects the nearest sample for everything else.
+
+use tercio_scene::Scene;
+
+use crate::color::{encode8, encode16};
+use crate::frame::{Frame, Outputs, Pixel};
+use crate::sampling::{FilterWeights, MAX_SAMPLES, Tap};
+use crate::settings::Settings;
+
+/// The mean of 1, 2, 4, 8 or 16 colours: sums of neighbours, then sums of these. The mean of equal colours is that
+/// colour, also if their sum would overflow.
+#[inline(always)]
+pub fn mean(colors: &mut [[f32; 4]]) -> [f32; 4] {
+    if colors.iter().all(|color| *color == colors[0]) {
+        return colors[0];
+    }
+    let scale = 1.0 / colors.len() as f32;
+    let mut count = colors.len();
+    while count > 1 {
+        count /= 2;
+        for i in 0..count {
+            let (a, b) = (colors[2 * i], colors[2 * i + 1]);
+            colors[i] = std::array::from_fn(|k| a[k] + b[k]);
+        }
+    }
+    colors[0].map(|c| c * scale)
+}
+
+/// The weighted mean of the colours of those taps whose pixel is inside the picture; `color` returns `None` for others.
+pub fn weighted_mean(taps: &[Tap], mut color: impl FnMut(&Tap) -> Option<[f32; 4]>) -> [f32; 4] {
+    let (mut sum, mut total) = ([0.0; 4], 0.0);
+    for tap in taps {
+        if let Some(color) = color(tap) {
+            sum = std::array::from_fn(|k| sum[k] + color[k] * tap.weight);
+            total += tap.weight;
+        }
+    }
+    sum.map(|c: f32| c / total)
+}
+
+/// sRGB colour with straight alpha, 8 and 16 bits, of a premultiplied linear colour.
+pub fn encode([r, g, b, alpha]: [f32; 4]) -> ([u8; 4], [u16; 4]) {
+    let straight = |c: f32| if alpha < 1.0 { c / alpha } else { c };
+    let rgb = [r, g, b].map(straight);
+    let ([r8, g8, b8], [r16, g16, b16]) = (rgb.map(encode8), rgb.map(encode16));
+    let level = |most: f32| alpha.clamp(0.0, 1.0) * most + 0.5;
+    ([r8, g8, b8, level(255.0) as u8], [r16, g16, b16, level(65535.0) as u16])
+}
+
+/// Resolves a frame of samples ([`Settings::unresolved`]) into the picture that the settings request.
+///
+/// # Panics
+/// If the frame does not have the size and the planes of these settings.
+pub fn resolve_into(samples: &Frame, scene: &Scene, settings: &Settings, frame: &mut Frame) {
+    let weights = FilterWeights::new(&settings.sampling);
+    let count = settings.sampling.pattern.count();
+    assert_eq!([samples.width, samples.height], [settings.width * count as u32, settings.height]);
+    frame.resize(settings);
+    let outputs = &settings.outputs;
+    let size = [settings.width, settings.height].map(|n| n as i32);
+    let source = Source { samples, count, size };
+    for y in 0..size[1] {
+        let background = Pixel::of_background(&scene.background, y as u32, settings.height);
+        for x in 0..size[0] {
+            let pixel = source.pixel([x, y], &weights.taps, &background, outputs);
+            frame.planes.put((y * size[0] + x) as usize, &pixel);
+        }
+    }
+}
+
+/// A frame of samples.
+struct Source<'a> {
+    samples: &'a Frame,
+    count: usize,
+    /// Pixels across and down.
+    size: [i32; 2],
+}
+
+impl Source<'_> {
+    /// The index of a sample; `None` if its pixel is outside the picture.
+    fn index(&self, [x, y]: [i32; 2], sample: usize) -> Option<usize> {
+        let inside = (0..self.size[0]).contains(&x) && (0..self.size[1]).contains(&y);
+        inside.then(|| (y as usize * self.size[0] as usize + x as usize) * self.count + sample)
+    }
+
+    fn pixel(&self, at: [i32; 2], taps: &[Tap], background: &Pixel, outputs: &Outputs) -> Pixel {
+        let planes = &self.samples.planes;
+        let first = (at[1] as usize * self.size[0] as usize + at[0] as usize) * self.count;
+        let own = first..first + self.count;
+        let tap_index = |tap: &Tap| self.index([at[0] + tap.pixel[0], at[1] + tap.pixel[1]], tap.sample);
+        let key = match taps {
+            [] => planes.keys[own.clone()].iter().copied().max(),
+            _ => taps.iter().filter_map(tap_index).map(|i| planes.keys[i]).max(),
+        };
+        let key = key.unwrap_or(0);
+        if key == 0 {
+            return *background;
+        }
+        let mut pixel = Pixel { keys: key, ..*background };
+        let needs_color = outputs.color || outputs.color16 || outputs.linear;
+        if needs_color {
+            pixel.linear = match taps {
+                [] => {
+                    let mut colors = [[0.0; 4]; MAX_SAMPLES];
+                    let colors = &mut colors[..self.count];
+                    colors.copy_from_slice(&planes.linear[own.clone()]);
+                    mean(colors)
+                }
+                _ => weighted_mean(taps, |tap| tap_index(tap).map(|i| planes.linear[i])),
+            };
+            (pixel.color, pixel.color16) = encode(pixel.linear);
+        }
+        // The first of the nearest samples.
+        let nearest = own.rev().max_by_key(|&i| planes.keys[i]).filter(|&i| planes.keys[i] > 0);
+        if let Some(nearest) = nearest {
+            let value = |plane: &[f32]| plane.get(nearest).copied();
+            pixel.depth = value(&planes.depth).unwrap_or(pixel.depth);
+            pixel.ids = planes.ids.get(nearest).copied().unwrap_or(pixel.ids);
+            pixel.normals = planes.normals.get(nearest).copied().unwrap_or(pixel.normals);
+        }
+        pixel
+    }
+}

@@ -1,0 +1,148 @@
+//! The positions of samples as cells of a grid that divides every pixel.
+
+use crate::conventions::{SUBPIXEL_BITS, SUBPIXELS};
+
+/// The largest number of samples per pixel.
+pub const MAX_SAMPLES: usize = 16;
+
+/// The samples of a pixel, in the middle of some of the cells of a square grid that divides the pixel. Cells of all
+/// pixels together are one grid over the picture, on which edge functions are evaluated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SampleCells {
+    /// Number of samples, a power of two.
+    pub count: usize,
+    /// log2 of the edge of a cell, in sub-pixels.
+    pub pitch_bits: u32,
+    /// Distance of the middle of a cell from its left and upper border, in sub-pixels.
+    pub origin: i32,
+    /// Column and row of each sample's cell in the pixel; those from number `count` on are 0.
+    pub cells: [[i32; 2]; MAX_SAMPLES],
+}
+
+impl SampleCells {
+    /// One sample in the middle.
+    pub const CENTER: Self =
+        Self { count: 1, pitch_bits: SUBPIXEL_BITS, origin: SUBPIXELS / 2, cells: [[0; 2]; MAX_SAMPLES] };
+
+    /// N samples in N by N cells, given by the column of the sample in each row.
+    pub(super) fn sparse<const N: usize>(columns: [i32; N]) -> Self {
+        let mut found = Self::of_grid(N, N);
+        for (row, column) in columns.into_iter().enumerate() {
+            found.cells[row] = [column, row as i32];
+        }
+        found
+    }
+
+    /// All of `edge` by `edge` cells.
+    pub(super) fn ordered(edge: usize) -> Self {
+        let mut found = Self::of_grid(edge, edge * edge);
+        for (number, cell) in found.cells.iter_mut().enumerate().take(edge * edge) {
+            *cell = [number % edge, number / edge].map(|c| c as i32);
+        }
+        found
+    }
+
+    fn of_grid(edge: usize, count: usize) -> Self {
+        let pitch = SUBPIXELS / edge as i32;
+        Self {
+            count,
+            pitch_bits: pitch.trailing_zeros(),
+            origin: pitch / 2,
+            cells: [[0; 2]; MAX_SAMPLES],
+        }
+    }
+
+    /// log2 of the number of samples.
+    #[inline(always)]
+    pub fn count_bits(&self) -> u32 {
+        self.count.trailing_zeros()
+    }
+
+    /// Bit i is set if there is a sample i.
+    #[inline(always)]
+    pub fn mask(&self) -> u32 {
+        (1 << self.count) - 1
+    }
+
+    /// log2 of the number of cells along the edge of a pixel.
+    #[inline(always)]
+    pub fn cell_bits(&self) -> u32 {
+        SUBPIXEL_BITS - self.pitch_bits
+    }
+
+    /// A sample's distance from the left and upper border of its pixel, in sub-pixels.
+    #[inline(always)]
+    pub fn offset(&self, sample: usize) -> [i32; 2] {
+        self.cells[sample].map(|cell| (cell << self.pitch_bits) + self.origin)
+    }
+
+    /// The centre of some samples, rounded to whole sub-pixels (half of one upwards), as a distance from the left and
+    /// upper border of the pixel. Bit i of the mask is sample i; the mask is not 0.
+    #[inline(always)]
+    pub fn center(&self, mask: u32) -> [i32; 2] {
+        let mut sum = [0; 2];
+        let mut left = mask;
+        while left != 0 {
+            let [x, y] = self.cells[left.trailing_zeros() as usize % MAX_SAMPLES];
+            sum = [sum[0] + x, sum[1] + y];
+            left &= left - 1;
+        }
+        let count = mask.count_ones() as i32;
+        sum.map(|sum| ((2 * (sum << self.pitch_bits) + count) / (2 * count)) + self.origin)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::conventions::SAMPLE;
+    use crate::sampling::SamplePattern;
+
+    #[test]
+    fn sparse_patterns_have_one_sample_in_each_row_and_column_far_from_each_other() {
+        use SamplePattern as P;
+        // The smallest distance of two samples, also across the borders of pixels, as a square in cells.
+        for (pattern, expected) in [(P::Sparse2, 2), (P::Sparse4, 2), (P::Sparse8, 8), (P::Sparse16, 13)] {
+            let cells = pattern.cells();
+            let n = cells.count as i32;
+            for axis in 0..2 {
+                let mut used: Vec<i32> = cells.cells[..cells.count].iter().map(|cell| cell[axis]).collect();
+                used.sort_unstable();
+                assert_eq!(used, (0..n).collect::<Vec<_>>(), "{pattern}");
+            }
+            let mut least = i32::MAX;
+            for a in 0..cells.count {
+                for b in 0..a {
+                    let apart = [0, 1].map(|k| (cells.cells[a][k] - cells.cells[b][k]).abs());
+                    let [x, y] = apart.map(|d| d.min(n - d));
+                    least = least.min(x * x + y * y);
+                }
+            }
+            assert_eq!(least, expected, "{pattern}");
+        }
+    }
+
+    #[test]
+    fn the_centre_of_all_samples_is_the_middle_of_the_pixel() {
+        for pattern in SamplePattern::ALL {
+            let cells = pattern.cells();
+            assert_eq!(cells.center(cells.mask()), [SAMPLE; 2], "{pattern}");
+            assert_eq!(pattern.name().parse(), Ok(pattern));
+            for sample in 0..cells.count {
+                assert_eq!(cells.center(1 << sample), cells.offset(sample), "{pattern}");
+            }
+        }
+        assert!("3".parse::<SamplePattern>().is_err());
+    }
+
+    #[test]
+    fn the_centre_of_some_samples_is_rounded() {
+        // Offsets 32, 96, 160, 224: rows 0, 1 and 3 have a mean of 117 1/3.
+        let cells = SamplePattern::Sparse4.cells();
+        let mask = 0b1011;
+        let mean = |axis: usize| {
+            let sum: i32 = [0, 1, 3].iter().map(|&s| cells.offset(s)[axis]).sum();
+            (f64::from(sum) / 3.0).round() as i32
+        };
+        assert_eq!(cells.center(mask), [mean(0), mean(1)]);
+    }
+}
