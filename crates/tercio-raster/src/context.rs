@@ -8,7 +8,7 @@ use tercio_scene::{Camera, Instance, Light, Scene};
 
 use crate::error::RenderError;
 use crate::lighting::LightRig;
-use crate::sampling::{FilterWeights, SampleCells};
+use crate::sampling::{FilterWeights, SampleCells, SampleCenters};
 use crate::screen::{PixelRect, TileGrid};
 use crate::settings::Settings;
 use crate::view::{ObjectView, View};
@@ -32,6 +32,8 @@ pub struct FrameContext<'a> {
     pub grid: TileGrid,
     /// The samples of a pixel.
     pub cells: SampleCells,
+    /// The centres of sets of samples.
+    pub centers: SampleCenters,
     /// The filter that makes a pixel from them.
     pub filter: FilterWeights,
     /// Number of workers that the work is divided among, whatever the number of threads in the pool. It determines the
@@ -92,6 +94,7 @@ impl<'a> FrameContext<'a> {
             lights,
             grid,
             cells: settings.sampling.pattern.cells(),
+            centers: SampleCenters::new(&settings.sampling.pattern.cells()),
             filter: FilterWeights::new(&settings.sampling),
             workers,
             first_cluster,

@@ -78,7 +78,6 @@ impl SampleCells {
 
     /// The centre of some samples, rounded to whole sub-pixels (half of one upwards), as a distance from the left and
     /// upper border of the pixel. Bit i of the mask is sample i; the mask is not 0.
-    #[inline(always)]
     pub fn center(&self, mask: u32) -> [i32; 2] {
         let mut sum = [0; 2];
         let mut left = mask;
@@ -92,8 +91,50 @@ impl SampleCells {
     }
 }
 
+/// The centres of all sets of samples as tables: [`SampleCells::center`], faster.
+#[derive(Clone, Debug)]
+pub struct SampleCenters {
+    cells: SampleCells,
+    /// By the lower and by the upper 8 bits of a mask: the sums of the columns and rows of the cells.
+    sums: [[[u16; 2]; 256]; 2],
+    /// By the number of samples: 2^18 divided by twice that number, rounded up.
+    inverse: [u32; MAX_SAMPLES + 1],
+}
+
+impl SampleCenters {
+    /// The tables of a pattern.
+    pub fn new(cells: &SampleCells) -> Self {
+        let sum = |mask: usize, first: usize| {
+            let samples = (0..8).filter(|bit| mask >> bit & 1 == 1);
+            samples.fold([0; 2], |sum: [u16; 2], bit| {
+                [0, 1].map(|k| sum[k] + cells.cells[first + bit][k] as u16)
+            })
+        };
+        let sums = [0, 8].map(|first| std::array::from_fn(|mask| sum(mask, first)));
+        let inverse = std::array::from_fn(|count| (1u32 << 18).div_ceil(2 * count.max(1) as u32));
+        Self { cells: *cells, sums, inverse }
+    }
+
+    /// [`SampleCells::center`], relative to the middle of the pixel.
+    #[inline(always)]
+    pub fn from_middle(&self, mask: u16) -> [i32; 2] {
+        let [lower, upper] = mask.to_le_bytes().map(usize::from);
+        let count = mask.count_ones();
+        let inverse = u64::from(self.inverse[count as usize]);
+        // Dividends are below 2^13 and divisors at most 2^5, so that the product with the inverse, rounded down, is the
+        // quotient.
+        let center = |k: usize| {
+            let sum = u32::from(self.sums[0][lower][k] + self.sums[1][upper][k]);
+            (u64::from((sum << (self.cells.pitch_bits + 1)) + count) * inverse >> 18) as i32
+        };
+        let to_middle = self.cells.origin - SUBPIXELS / 2;
+        [center(0) + to_middle, center(1) + to_middle]
+    }
+}
+
 #[cfg(test)]
 mod tests {
+    use super::SampleCenters;
     use crate::conventions::SAMPLE;
     use crate::sampling::SamplePattern;
 
@@ -132,6 +173,18 @@ mod tests {
             }
         }
         assert!("3".parse::<SamplePattern>().is_err());
+    }
+
+    #[test]
+    fn tables_have_the_centres_of_all_sets_of_samples() {
+        for pattern in SamplePattern::ALL {
+            let cells = pattern.cells();
+            let centers = SampleCenters::new(&cells);
+            for mask in 1..=cells.mask() {
+                let expected = cells.center(mask).map(|c| c - SAMPLE);
+                assert_eq!(centers.from_middle(mask as u16), expected, "{pattern}, {mask:b}");
+            }
+        }
     }
 
     #[test]

@@ -6,7 +6,7 @@
 mod cells;
 mod filter;
 
-pub use cells::{MAX_SAMPLES, SampleCells};
+pub use cells::{MAX_SAMPLES, SampleCells, SampleCenters};
 pub use filter::{FilterWeights, Tap};
 
 use std::fmt;

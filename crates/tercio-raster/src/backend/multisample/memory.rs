@@ -24,6 +24,13 @@ pub struct Fragment {
     pub covered: u16,
 }
 
+impl Fragment {
+    #[inline(always)]
+    fn new(slot: u32, pixel: usize, covered: u32) -> Self {
+        Self { slot, pixel: pixel as u16, covered: covered as u16 }
+    }
+}
+
 /// Depth and fragment of every sample of a tile.
 ///
 /// The samples of a pixel are side by side. The tile's pixels include those around it that the filter needs.
@@ -33,8 +40,10 @@ pub struct SampleMemory {
     pub depth: Vec<f32>,
     /// Number of the fragment, [`NO_FRAGMENT`] where nothing was drawn.
     pub fragment: Vec<u32>,
-    /// All fragments. Those that were hidden later remain until [`SampleMemory::make_room`] removes them.
+    /// The fragments; only the first [`SampleMemory::count`] are valid. Those that were hidden later remain until
+    /// [`SampleMemory::make_room`] removes them.
     pub fragments: Vec<Fragment>,
+    count: usize,
     /// Premultiplied linear colours of the fragments; valid where they are shaded.
     pub colors: Vec<[f32; 4]>,
     /// Normals of the fragments, likewise, if they are requested.
@@ -55,6 +64,8 @@ pub struct SampleMemory {
     pub lane_cells: [[i32; LANES]; 2],
     /// The same in sub-pixels.
     pub lane_offset: [[f32; LANES]; 2],
+    /// Four times the number of the pixel of each of these samples.
+    lane_number_shift: [i32; LANES],
 }
 
 impl SampleMemory {
@@ -71,6 +82,7 @@ impl SampleMemory {
         for lane in 0..LANES {
             let cell = cells.cells[lane % cells.count];
             let pixel = (lane >> self.count_bits) as i32;
+            self.lane_number_shift[lane] = 4 * pixel;
             let cell = [(pixel << cells.cell_bits()) + cell[0], cell[1]];
             for (axis, cell) in cell.into_iter().enumerate() {
                 self.lane_cells[axis][lane] = cell;
@@ -84,7 +96,7 @@ impl SampleMemory {
         self.depth.resize(samples, 0.0);
         self.fragment.clear();
         self.fragment.resize(samples, NO_FRAGMENT);
-        self.fragments.clear();
+        self.count = 0;
         self.late = 0;
     }
 
@@ -162,60 +174,82 @@ impl SampleMemory {
         }
         let count = 1u32 << self.count_bits;
         let all = u32::MAX >> (32 - count);
+        if self.count + LANES > self.fragments.len() {
+            self.grow();
+        }
         if self.is_by_sample {
             let mut left = won;
             while left != 0 {
                 let lane = left.trailing_zeros();
                 left &= left - 1;
                 let at = pixel + (lane >> self.count_bits) as usize;
-                self.fragment[first + lane as usize] = self.fragments.len() as u32;
-                self.add(slot, at, 1 << (lane & (count - 1)));
+                self.fragment[first + lane as usize] = self.count as u32;
+                self.fragments[self.count] = Fragment::new(slot, at, 1 << (lane & (count - 1)));
+                self.count += 1;
             }
-        } else if won & !all == 0 {
-            let number = u32x16::splat(simd, self.fragments.len() as u32);
-            let fragments = &mut self.fragment[first..first + LANES];
-            let wins = mask32x16::from_bitmask(simd, u64::from(won));
-            wins.select(number, u32x16::from_slice(simd, fragments)).store_slice(fragments);
-            self.add(slot, pixel, covered & all);
+            return;
+        }
+        // The fragments of the pixels in which the triangle won a sample are numbered one after another; `numbers` has the
+        // number of each pixel in four bits.
+        let (mut numbers, mut added) = (0, 0);
+        let Some(new) = self.fragments[self.count..].first_chunk_mut::<LANES>() else {
+            unreachable!("room was made")
+        };
+        if won & !all == 0 {
+            new[0] = Fragment::new(slot, pixel, covered & all);
+            added = 1;
         } else {
-            let mut lane = 0;
-            while won >> lane != 0 {
-                let won_here = won >> lane & all;
-                if won_here != 0 {
-                    let number = self.fragments.len() as u32;
-                    let fragments = &mut self.fragment[first + lane as usize..][..count as usize];
-                    for (sample, fragment) in fragments.iter_mut().enumerate() {
-                        *fragment = if won_here >> sample & 1 == 1 { number } else { *fragment };
-                    }
-                    self.add(slot, pixel + (lane >> self.count_bits) as usize, covered >> lane & all);
-                }
-                lane += count;
+            for at in 0..LANES as u32 >> self.count_bits {
+                let lane = at << self.count_bits;
+                new[added as usize % LANES] = Fragment::new(slot, pixel + at as usize, covered >> lane & all);
+                numbers |= added << (4 * at);
+                added += u32::from(won >> lane & all != 0);
             }
         }
+        part(
+            simd,
+            #[inline(always)]
+            || {
+                let shift = i32x16::load_array(simd, self.lane_number_shift);
+                let numbers = (splat_i(simd, numbers as i32) >> shift & 15) + self.count as i32;
+                let old = &mut self.fragment[first..first + LANES];
+                let wins = mask32x16::from_bitmask(simd, u64::from(won));
+                let numbers: u32x16<S> = numbers.bitcast();
+                wins.select(numbers, u32x16::from_slice(simd, old)).store_slice(old);
+            },
+        );
+        self.count += added as usize;
     }
 
-    /// Adds a fragment.
+    /// Makes room for more fragments.
+    #[cold]
+    #[inline(never)]
+    fn grow(&mut self) {
+        self.fragments.resize(2 * self.count + 16 * LANES, Fragment::default());
+    }
+
+    /// Number of fragments.
     #[inline(always)]
-    fn add(&mut self, slot: u32, pixel: usize, covered: u32) {
-        self.fragments.push(Fragment { slot, pixel: pixel as u16, covered: covered as u16 });
+    pub fn count(&self) -> usize {
+        self.count
     }
 
     /// Declares that all fragments added so far are not shaded with a cluster, but late.
     pub fn all_are_late(&mut self) {
-        self.late = self.fragments.len();
+        self.late = self.count;
     }
 
     /// Removes hidden fragments if there are many.
     #[inline(always)]
     pub fn make_room(&mut self) {
-        if self.fragments.len() > 4 * self.fragment.len() {
+        if self.count > 4 * self.fragment.len() {
             self.compact();
         }
     }
 
     /// Which fragments are visible at a sample.
     pub fn visible_fragments(&self) -> Vec<bool> {
-        let mut is_visible = vec![false; self.fragments.len()];
+        let mut is_visible = vec![false; self.count];
         for &fragment in self.fragment.iter().filter(|&&f| f != NO_FRAGMENT) {
             is_visible[fragment as usize] = true;
         }
@@ -240,7 +274,7 @@ impl SampleMemory {
             kept += 1;
         }
         self.late = is_visible[..late].iter().filter(|&&is_visible| is_visible).count();
-        self.fragments.truncate(kept);
+        self.count = kept;
         for fragment in self.fragment.iter_mut().filter(|f| **f != NO_FRAGMENT) {
             *fragment = numbers[*fragment as usize];
         }
@@ -248,7 +282,7 @@ impl SampleMemory {
 
     /// Merges another memory of the same tile, in both of which all fragments are late: the nearer samples win.
     pub fn merge(&mut self, context: &FrameContext, other: &Self) {
-        let mut numbers = vec![NO_FRAGMENT; other.fragments.len()];
+        let mut numbers = vec![NO_FRAGMENT; other.count];
         for (at, (&depth, &theirs)) in other.depth.iter().zip(&other.fragment).enumerate() {
             if theirs == NO_FRAGMENT {
                 continue;
@@ -261,8 +295,12 @@ impl SampleMemory {
             if depth > before || is_tie && is_lower() {
                 let number = &mut numbers[theirs as usize];
                 if *number == NO_FRAGMENT {
-                    *number = self.fragments.len() as u32;
-                    self.fragments.push(other.fragments[theirs as usize]);
+                    *number = self.count as u32;
+                    if self.count == self.fragments.len() {
+                        self.grow();
+                    }
+                    self.fragments[self.count] = other.fragments[theirs as usize];
+                    self.count += 1;
                 }
                 (self.depth[at], self.fragment[at]) = (depth, *number);
             }

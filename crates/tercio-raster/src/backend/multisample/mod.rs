@@ -2,14 +2,15 @@
 //!
 //! A **fragment** is a triangle in a pixel: it is shaded once ([`SampleShading::Pixel`](crate::SampleShading)) or is one
 //! sample of the pixel. Tile memory ([`memory`]) stores the depth of every sample and the number of its fragment.
-//! Triangles of a few pixels are tested 16 at a time ([`scan`]), larger ones one by one in stamps of 16 samples
-//! ([`triangle`]). The fragments of a cluster are shaded at once, those of triangles that were binned one by one when the
+//! Triangles of a few pixels are tested 16 at a time ([`scan`]), larger ones are set up 16 at a time and drawn one by one
+//! in stamps of 16 samples ([`stamps`]), those that are larger still are set up one by one ([`triangle`]). The fragments of a cluster are shaded at once, those of triangles that were binned one by one when the
 //! tile is finished ([`shade`]). At last, samples become pixels ([`resolve`]).
 
 pub mod memory;
 mod resolve;
 mod scan;
 mod shade;
+mod stamps;
 mod triangle;
 
 use fearless_simd::Simd;
@@ -30,6 +31,7 @@ use crate::settings::{LastStage, Part};
 use crate::simd::part;
 use memory::SampleMemory;
 use scan::Hits;
+use stamps::Lanes;
 
 /// The memory that one thread needs to draw a tile with several samples per pixel.
 #[derive(Debug, Default)]
@@ -101,7 +103,7 @@ fn draw_clusters<S: Simd, T: Tally>(
         }
         tally.counts().clusters_drawn += 1;
         scratch.memory.make_room();
-        let first = scratch.memory.fragments.len();
+        let first = scratch.memory.count();
         draw_cluster(simd, context, binned, scratch, tally);
         if shade == Shade::Deferred {
             scratch.memory.all_are_late();
@@ -154,11 +156,16 @@ fn draw_cluster<S: Simd, T: Tally>(
     }
     for size in Size::ALL {
         for (numbers, lanes) in sieve.of_size(size) {
-            if matches!(size, Size::Tiny | Size::Small) {
+            if size != Size::Huge {
                 let of = &corners.look_up(simd, numbers);
                 let triangles = SmallTriangles::new(simd, vertices, of, &context.cells, memory.rect);
-                hits.scan(simd, &context.cells, &triangles, lanes, memory);
-                hits.test(simd, context, &triangles, first_slot, numbers, memory, counts);
+                if matches!(size, Size::Tiny | Size::Small) {
+                    hits.scan(simd, &context.cells, &triangles, lanes, memory);
+                    hits.test(simd, context, &triangles, first_slot, numbers, memory, counts);
+                } else {
+                    let unpacked = Lanes::new(simd, &triangles);
+                    unpacked.draw(simd, context, lanes, first_slot, numbers, memory, counts);
+                }
                 continue;
             }
             for &number in &numbers[..lanes.count_ones() as usize] {

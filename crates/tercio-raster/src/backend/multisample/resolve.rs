@@ -46,6 +46,37 @@ pub fn tile<S: Simd>(
     }
 }
 
+/// Premultiplied linear colours of 16 pixels.
+struct Row {
+    colors: [[f32; 4]; LANES],
+    /// The pixels in which something was drawn, one bit each.
+    drawn: u32,
+}
+
+impl Row {
+    /// Averages the colours of N samples in each pixel, from the numbers of their fragments.
+    #[inline(never)]
+    fn average<const N: usize>(&mut self, fragments: &[u32], colors: &[[f32; 4]], background: &Pixel) {
+        for (lane, own) in fragments.as_chunks::<N>().0.iter().enumerate().take(LANES) {
+            let first = own[0];
+            if *own == [first; N] {
+                if first != NO_FRAGMENT {
+                    // The mean of equal colours is that colour.
+                    self.colors[lane] = colors[first as usize];
+                    self.drawn |= 1 << lane;
+                }
+                continue;
+            }
+            let color = |fragment: u32| match fragment {
+                NO_FRAGMENT => background.linear,
+                fragment => colors[fragment as usize],
+            };
+            self.colors[lane] = mean(&mut own.map(color));
+            self.drawn |= 1 << lane;
+        }
+    }
+}
+
 struct Tile<'a> {
     context: &'a FrameContext<'a>,
     memory: &'a SampleMemory,
@@ -70,28 +101,50 @@ impl Tile<'_> {
         background: &Pixel,
         pixels: &mut Planes,
     ) {
-        let (mut linear, mut drawn) = ([[0.0; LANES]; 3], 0u32);
-        for x in x0..x1 + 1 {
-            let Some(color) = self.linear(x, y, background) else { continue };
-            let lane = (x - x0) as usize % LANES;
-            if color[3] < 1.0 {
-                pixels.color[place + lane] = encode(color).0;
-                continue;
+        let count = (x1 - x0 + 1) as usize;
+        let mut row = Row { colors: [[0.0; 4]; LANES], drawn: 0 };
+        if self.context.filter.taps.is_empty() {
+            let first = self.memory.pixel(x0, y) << self.memory.count_bits;
+            let fragments = &self.memory.fragment[first..first + (count << self.memory.count_bits)];
+            match 1 << self.memory.count_bits {
+                2 => row.average::<2>(fragments, &self.memory.colors, background),
+                4 => row.average::<4>(fragments, &self.memory.colors, background),
+                8 => row.average::<8>(fragments, &self.memory.colors, background),
+                _ => row.average::<16>(fragments, &self.memory.colors, background),
             }
-            drawn |= 1 << lane;
-            (0..3).for_each(|k| linear[k][lane] = color[k]);
+        } else {
+            for lane in 0..count {
+                if let Some(color) = self.linear(x0 + lane as i32, y, background) {
+                    row.colors[lane % LANES] = color;
+                    row.drawn |= 1 << lane;
+                }
+            }
         }
-        if drawn == 0 {
+        if row.drawn == 0 {
             return;
         }
         let levels = simd.vectorize(
             #[inline(always)]
-            || opaque(simd, each3!(K => f32x16::load_array(simd, linear[K]))).to_array(),
+            || {
+                let linear = each3!(K => {
+                    let mut one = [0.0; LANES];
+                    for (to, color) in one.iter_mut().zip(&row.colors) {
+                        *to = color[K];
+                    }
+                    f32x16::load_array(simd, one)
+                });
+                opaque(simd, linear).to_array()
+            },
         );
-        for (lane, to) in pixels.color[place..].iter_mut().enumerate().take((x1 - x0 + 1) as usize) {
-            if drawn >> lane & 1 == 1 {
-                *to = (levels[lane % LANES] as u32).to_le_bytes();
+        for (lane, to) in pixels.color[place..].iter_mut().enumerate().take(count) {
+            let color = row.colors[lane % LANES];
+            if row.drawn >> lane & 1 == 0 {
+                continue;
             }
+            *to = match color[3] < 1.0 {
+                true => encode(color).0,
+                false => (levels[lane % LANES] as u32).to_le_bytes(),
+            };
         }
     }
 

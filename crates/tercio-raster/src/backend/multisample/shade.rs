@@ -9,7 +9,6 @@ use super::memory::SampleMemory;
 use crate::backend::corners::{ColorSource, Fragments};
 use crate::backend::shade::{At, Common, Features, FragmentTarget, Look, fetch, late, shade, shade_inline};
 use crate::context::FrameContext;
-use crate::conventions::SAMPLE;
 use crate::frame::Outputs;
 use crate::projection::CornerTable;
 use crate::simd::LANES;
@@ -32,7 +31,7 @@ pub fn cluster<S: Simd>(
     outputs: &Outputs,
     counts: &mut BackEndCounts,
 ) {
-    if scratch.memory.fragments.len() == first {
+    if scratch.memory.count() == first {
         return;
     }
     simd.vectorize(
@@ -48,7 +47,7 @@ pub fn cluster<S: Simd>(
             if look.colors() == ColorSource::Vertex {
                 table.load_colors(&cluster);
             }
-            counts.pixels_shaded += (memory.fragments.len() - first) as u64;
+            counts.pixels_shaded += (memory.count() - first) as u64;
             let at = At {
                 stride_bits: memory.pitch_bits,
                 first_sample: vertices.sample_of([memory.rect.x0, memory.rect.y0]),
@@ -82,7 +81,7 @@ impl ClusterFragments<'_> {
         let (context, instance, at) = (self.context, self.instance, self.at);
         let Instance { mesh, surface, .. } = &context.scene.instances[instance];
         let corner_table = CornerTable::new(&self.cluster);
-        let count = memory.fragments.len();
+        let count = memory.count();
         memory.colors.resize(count.max(memory.colors.len()), [0.0; 4]);
         if outputs.normals {
             memory.normals.resize(count.max(memory.normals.len()), [0.0; 3]);
@@ -129,9 +128,9 @@ fn gather(
 ) {
     let fragment = memory.fragments[number];
     fragments.place[lane] = i32::from(fragment.pixel);
-    let [x, y] = context.cells.center(u32::from(fragment.covered));
-    fragments.from_middle[0][lane] = x - SAMPLE;
-    fragments.from_middle[1][lane] = y - SAMPLE;
+    let [x, y] = context.centers.from_middle(fragment.covered);
+    fragments.from_middle[0][lane] = x;
+    fragments.from_middle[1][lane] = y;
 }
 
 /// Shades the visible ones of the fragments that were not shaded with a cluster.
@@ -146,9 +145,9 @@ pub fn late_fragments<S: Simd>(
     if memory.late == 0 {
         return;
     }
-    memory.colors.resize(memory.fragments.len().max(memory.colors.len()), [0.0; 4]);
+    memory.colors.resize(memory.count().max(memory.colors.len()), [0.0; 4]);
     if outputs.normals {
-        memory.normals.resize(memory.fragments.len().max(memory.normals.len()), [0.0; 3]);
+        memory.normals.resize(memory.count().max(memory.normals.len()), [0.0; 3]);
     }
     let is_visible = memory.visible_fragments();
     let (mut numbers, mut count, mut instance) = ([0; LANES], 0, 0);

@@ -1,0 +1,106 @@
+//! Draws triangles of up to 16 pixels across in stamps of 16 samples: set up 16 at a time, drawn one by one.
+
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x16, i32x16};
+
+use super::memory::SampleMemory;
+use crate::backend::cluster::SmallTriangles;
+use crate::context::FrameContext;
+use crate::conventions::SUBPIXELS;
+use crate::simd::{LANE_NUMBERS, LANES, each3, part, splat, splat_i};
+use crate::stats::BackEndCounts;
+
+/// [`SmallTriangles`], unpacked to draw them one by one.
+pub struct Lanes {
+    /// Column and row of the first pixel.
+    first: [[i32; LANES]; 2],
+    /// Distance to the last column and row, in pixels.
+    extent: [[i32; LANES]; 2],
+    /// Values of the edge functions at the first cell of the first pixel.
+    c: [[i32; LANES]; 3],
+    /// Increments of the edge functions per cell to the right.
+    a: [[i32; LANES]; 3],
+    /// Increments of the edge functions per cell downwards.
+    b: [[i32; LANES]; 3],
+    /// From the anchor to the first cell, in sub-pixels.
+    from_anchor: [[i32; LANES]; 2],
+    base: [f32; LANES],
+    nearest: [f32; LANES],
+    slope: [[f32; LANES]; 2],
+}
+
+impl Lanes {
+    /// Unpacks the lanes.
+    #[inline(always)]
+    pub fn new<S: Simd>(simd: S, t: &SmallTriangles<S>) -> Self {
+        part(
+            simd,
+            #[inline(always)]
+            || Self {
+                first: [t.first[0].to_array(), t.first[1].to_array()],
+                extent: [t.extent[0].to_array(), t.extent[1].to_array()],
+                c: each3!(K => t.c[K].to_array()),
+                a: each3!(K => t.a[K].to_array()),
+                b: each3!(K => t.b[K].to_array()),
+                from_anchor: [t.from_anchor[0].to_array(), t.from_anchor[1].to_array()],
+                base: t.base.to_array(),
+                nearest: t.nearest.to_array(),
+                slope: [t.slope[0].to_array(), t.slope[1].to_array()],
+            },
+        )
+    }
+
+    /// Draws the triangles in some lanes. `first_slot` is the slot of the cluster's first triangle, `numbers` are the
+    /// triangles' numbers in the cluster.
+    #[expect(clippy::too_many_arguments, reason = "one call site; a struct would only rename them")]
+    #[inline(always)]
+    pub fn draw<S: Simd>(
+        &self,
+        simd: S,
+        context: &FrameContext,
+        mut lanes: u32,
+        first_slot: u32,
+        numbers: &[u8; LANES],
+        memory: &mut SampleMemory,
+        counts: &mut BackEndCounts,
+    ) {
+        let bits = context.cells.cell_bits();
+        let [lane_x, lane_y] = memory.lane_cells.map(|cell| i32x16::load_array(simd, cell));
+        let [right, down] = memory.lane_offset.map(|offset| f32x16::load_array(simd, offset));
+        let lane_pixel = i32x16::load_array(simd, LANE_NUMBERS) >> memory.count_bits;
+        let width = (LANES >> memory.count_bits) as i32;
+        let (mut stamps, mut samples_covered) = (0, 0);
+        while lanes != 0 {
+            let i = lanes.trailing_zeros() as usize % LANES;
+            lanes &= lanes - 1;
+            let slot = first_slot + u32::from(numbers[i]);
+            let to_lane: [i32x16<S>; 3] =
+                each3!(K => (lane_x * self.a[K][i] + lane_y * self.b[K][i]) + self.c[K][i]);
+            let e_step = each3!(K => splat_i(simd, self.b[K][i]) << bits);
+            let (base, nearest) = (splat(simd, self.base[i]), splat(simd, self.nearest[i]));
+            let first = (self.first[1][i] << memory.pitch_bits) + self.first[0][i];
+            for column in (0..self.extent[0][i] + 1).step_by(width as usize) {
+                let in_columns = lane_pixel.simd_le(splat_i(simd, self.extent[0][i] - column));
+                let mut e = each3!(K => to_lane[K] + self.a[K][i] * (column << bits));
+                let dx = right + (self.from_anchor[0][i] + column * SUBPIXELS) as f32;
+                let along_x = dx * self.slope[0][i];
+                for row in 0..self.extent[1][i] + 1 {
+                    let covered = in_columns & ((e[0] | e[1]) | e[2]).simd_ge(splat_i(simd, 0));
+                    let covered = covered.to_bitmask() as u32 & 0xffff;
+                    e = each3!(K => e[K] + e_step[K]);
+                    stamps += 1;
+                    samples_covered += covered.count_ones();
+                    if covered == 0 {
+                        continue;
+                    }
+                    let dy = down + (self.from_anchor[1][i] + row * SUBPIXELS) as f32;
+                    let depth = ((along_x + dy * self.slope[1][i]) + base).max(base).min(nearest);
+                    let pixel = (first + column + (row << memory.pitch_bits)) as usize;
+                    memory.write(simd, context, pixel, covered, depth, slot);
+                }
+            }
+        }
+        counts.stamps += stamps;
+        counts.samples_covered += u64::from(samples_covered);
+    }
+}
