@@ -8,7 +8,10 @@ use tercio_mesh::builtin;
 use tercio_mesh::cluster::{PartitionOptions, partition};
 use tercio_parallel::in_process::draw;
 use tercio_parallel::{FrameReport, Organisation, Ranks};
-use tercio_raster::{Cull, Frame, Outputs, Renderer, Settings, Shading, Sorting};
+use tercio_raster::{
+    Cull, Filter, Frame, Outputs, Renderer, SamplePattern, SampleShading, Sampling, Settings, Shading,
+    Sorting,
+};
 use tercio_scene::{Camera, Instance, Projection, Scene};
 
 const EVERYTHING: Outputs = Outputs::ALL;
@@ -68,6 +71,45 @@ fn check(scene: &Scene, camera: &Camera, settings: &Settings, ranks: Ranks, what
 
 fn shown(frame: &Frame) -> u64 {
     frame.planes.keys.iter().filter(|&&key| key != 0).count() as u64
+}
+
+/// Ranks send samples, or pixels that were made from them.
+#[test]
+fn pixels_of_several_samples() {
+    let scene = with_second_instance(scene("builtin:soup@2k", 128));
+    for sampling in [
+        Sampling::default(),
+        Sampling { shading: SampleShading::Sample, ..Sampling::of(SamplePattern::Sparse2) },
+        Sampling::of(SamplePattern::Ordered4x4),
+    ] {
+        for (outputs, radii) in [(EVERYTHING, 2.6), (Outputs::default(), 0.4)] {
+            let camera = camera(&scene, radii, false);
+            for organisation in BOTH {
+                for count in [1, 2, 3, 5] {
+                    let settings = Settings { outputs, sampling, ..Settings::new(131, 93) };
+                    let ranks = Ranks { count, threads: 1 + count % 2, organisation };
+                    check(&scene, &camera, &settings, ranks, &format!("{sampling:?}"));
+                }
+            }
+        }
+    }
+}
+
+/// With a filter that is wider than a pixel, samples of one rank contribute to pixels of another.
+#[test]
+fn filters_wider_than_a_pixel() {
+    let scene = scene("builtin:soup@2k", 128);
+    let camera = camera(&scene, 2.6, false);
+    let sampling = Sampling { filter: Filter::Tent, ..Sampling::default() };
+    let settings = Settings { outputs: EVERYTHING, sampling, ..Settings::new(131, 93) };
+    let expected = Renderer::new().render(&scene, &camera, &settings).expect("a picture");
+    for organisation in BOTH {
+        for count in [1, 2, 5] {
+            let ranks = Ranks { count, threads: 1, organisation };
+            let (found, _) = draw(ranks, &scene, &camera, &settings).expect("a picture");
+            assert_same(&expected, &found, &format!("{ranks:?}"));
+        }
+    }
 }
 
 #[test]

@@ -93,7 +93,13 @@ fn golden_camera() {
 fn golden_camera_above_terrain() {
     let scene = lit(make("terrain@20k"), Background::Solid([0.6, 0.75, 0.95, 1.0]));
     let low = perspective([0.0, 0.45, 0.6], [0.0, 0.1, -0.6], 60.0);
-    check("camera", "above_terrain", &scene, &Camera { up: DVec3::Y, ..low }, &Settings::one_sample(256, 160));
+    check(
+        "camera",
+        "above_terrain",
+        &scene,
+        &Camera { up: DVec3::Y, ..low },
+        &Settings::one_sample(256, 160),
+    );
 }
 
 #[test]

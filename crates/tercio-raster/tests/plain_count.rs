@@ -129,7 +129,8 @@ fn each_picture(mut with: impl FnMut(&str, &[&Mesh], &Scene, &Camera, &Settings)
         let camera = perspective(eye.to_array(), bounds.center().to_array(), 40.0);
         for cull in [Cull::Auto, Cull::Back, Cull::Front] {
             for tile_size in [8, 32, 128] {
-                let settings = Settings { cull, tile_size: Some(tile_size), ..Settings::one_sample(width, height) };
+                let settings =
+                    Settings { cull, tile_size: Some(tile_size), ..Settings::one_sample(width, height) };
                 let what = format!("{model}, {cull:?}, tiles of {tile_size}");
                 with(&what, &[&mesh, &mesh], &scene, &camera, &settings);
             }

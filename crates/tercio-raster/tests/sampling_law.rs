@@ -3,10 +3,13 @@
 mod common;
 
 use common::*;
+use glam::DVec3;
 use tercio_mesh::Mesh;
-use tercio_raster::{Cull, Filter, Frame, SamplePattern, SampleShading, Sampling, Settings, SimdLevel};
-use tercio_raster::{Sorting, resolve_into};
-use tercio_scene::{Background, Camera, Scene};
+use tercio_raster::{
+    Cull, Filter, Frame, Outputs, SamplePattern, SampleShading, Sampling, Settings, Shading, SimdLevel,
+    Sorting, resolve_into,
+};
+use tercio_scene::{Background, Camera, Projection};
 
 /// Every pattern, shading and filter.
 fn all_samplings() -> impl Iterator<Item = Sampling> {
@@ -49,4 +52,233 @@ fn every_sampling() {
             }
         }
     }
+}
+
+/// Colours only, for which a kernel is specialized, with every look that leads to another kernel.
+#[test]
+fn colours_only() {
+    let bare = Mesh { normals: None, ..sphere(12) };
+    for (mesh, what) in [(&sphere(40), "small triangles"), (&sphere(5), "large triangles"), (&bare, "bare")] {
+        for camera in [
+            perspective([1.0, 2.0, 3.0], [0.0; 3], 35.0),
+            perspective([0.2, 0.3, 0.1], [1.0; 3], 90.0),
+            orthographic([1.0, 2.0, 3.0], [0.0; 3], 2.5),
+        ] {
+            for specular in [0.0, 0.2] {
+                let mut plain = scene(mesh);
+                plain.instances[0].surface.specular = specular;
+                for shading in [Shading::Flat, Shading::Gouraud, Shading::Phong, Shading::Unlit] {
+                    let settings = Settings { shading, ..Settings::new(150, 100) };
+                    let expected = draw_reference(mesh, &plain, &camera, &settings);
+                    for simd in SimdLevel::available() {
+                        for sorting in [Sorting::Clusters, Sorting::Triangles] {
+                            let s = Settings { simd: Some(simd), sorting, ..settings.clone() };
+                            let what =
+                                format!("{what}, specular {specular}, {shading:?}, {simd}, {sorting:?}");
+                            assert_same(&expected, &draw(&plain, &camera, &s), &what);
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Many layers, most of them drawn from back to front, so that hidden fragments are removed again and again.
+#[test]
+fn many_layers() {
+    let mut mesh = Mesh { normals: Some(Vec::new()), ..Mesh::default() };
+    let small = sphere(8);
+    for layer in 0..300 {
+        let first = mesh.positions.len() as u32;
+        let far = 0.001 * layer as f32;
+        mesh.positions.extend(small.positions.iter().map(|p| [p[0], p[1], 0.01 * p[2] + far]));
+        mesh.normals.as_mut().expect("normals").extend(small.normals.iter().flatten());
+        mesh.triangles.extend(small.triangles.iter().map(|t| t.map(|v| v + first)));
+    }
+    let plain = scene(&mesh);
+    let camera = Camera { up: DVec3::Y, ..orthographic([0.0, 0.0, 5.0], [0.0; 3], 2.0) };
+    let sampling = Sampling::of(SamplePattern::Sparse2);
+    let settings = Settings { sampling, tile_size: Some(8), ..everything(24, 24) };
+    let expected = draw_reference(&mesh, &plain, &camera, &settings);
+    for sorting in [Sorting::Clusters, Sorting::Triangles] {
+        for threads in [1, 3] {
+            let s = Settings { sorting, ..settings.clone() };
+            let found = with_threads(threads, || draw(&plain, &camera, &s));
+            assert_same(&expected, &found, &format!("{sorting:?}, {threads} threads"));
+        }
+    }
+}
+
+#[test]
+fn a_tile_shared_by_threads() {
+    let mesh = soup(20_000, 7);
+    let plain = scene(&mesh);
+    let camera = perspective([10.0, 20.0, 300.0], [0.0; 3], 20.0);
+    for sampling in [
+        Sampling::of(SamplePattern::Sparse4),
+        Sampling { filter: Filter::Tent, ..Sampling::of(SamplePattern::Sparse8) },
+    ] {
+        let settings = Settings { sampling, ..everything(150, 150) };
+        let expected = draw_reference(&mesh, &plain, &camera, &settings);
+        for threads in [1, 2, 7] {
+            let found = with_threads(threads, || draw(&plain, &camera, &settings));
+            assert_same(&expected, &found, &format!("{threads} threads"));
+        }
+    }
+}
+
+#[test]
+fn translucent_backgrounds_and_culling() {
+    let mesh = sphere(12);
+    let camera = perspective([1.0, 2.0, 3.0], [0.0; 3], 35.0);
+    for background in [
+        Background::Solid([0.0; 4]),
+        Background::Solid([0.3, 0.6, 0.9, 0.5]),
+        Background::Gradient { top: [1.0, 0.5, 0.2, 0.0], bottom: [0.1, 0.5, 0.2, 1.0] },
+    ] {
+        let mut plain = scene(&mesh);
+        plain.background = background;
+        for filter in [Filter::Box, Filter::Tent] {
+            for cull in [Cull::Auto, Cull::Back, Cull::Front] {
+                let sampling = Sampling { filter, ..Sampling::default() };
+                for outputs in [Outputs::ALL, Outputs::default()] {
+                    let settings = Settings { sampling, cull, outputs, ..Settings::new(90, 70) };
+                    let expected = draw_reference(&mesh, &plain, &camera, &settings);
+                    let found = draw(&plain, &camera, &settings);
+                    assert_same(&expected, &found, &format!("{background:?}, {filter:?}, {cull:?}"));
+                }
+            }
+        }
+    }
+}
+
+/// A frame of samples is that of the reference, and its resolved picture is that of the renderer.
+#[test]
+fn frames_of_samples() {
+    let mesh = soup(3_000, 8);
+    let plain = scene(&mesh);
+    let camera = perspective([0.5, 1.0, 3.0], [0.0; 3], 40.0);
+    for sampling in all_samplings() {
+        let settings = Settings { sampling, ..everything(61, 47) };
+        let unresolved = Settings { unresolved: true, ..settings.clone() };
+        let samples = draw(&plain, &camera, &unresolved);
+        assert_eq!(samples.width, 61 * sampling.pattern.count() as u32);
+        assert_same(&draw_reference(&mesh, &plain, &camera, &unresolved), &samples, &format!("{sampling:?}"));
+        let mut resolved = Frame::default();
+        resolve_into(&samples, &plain, &settings, &mut resolved);
+        assert_same(&draw(&plain, &camera, &settings), &resolved, &format!("{sampling:?}, resolved"));
+    }
+}
+
+/// The area of a polygon inside a pixel, by clipping it in `f64`.
+fn area_in_pixel(polygon: &[[f64; 2]], pixel: [f64; 2]) -> f64 {
+    let mut polygon = polygon.to_vec();
+    for (axis, sign) in [(0, 1.0), (0, -1.0), (1, 1.0), (1, -1.0)] {
+        let border = if sign > 0.0 { pixel[axis] } else { pixel[axis] + 1.0 };
+        let inside = |p: &[f64; 2]| (p[axis] - border) * sign;
+        let mut clipped = Vec::new();
+        for (i, a) in polygon.iter().enumerate() {
+            let b = &polygon[(i + 1) % polygon.len()];
+            let (da, db) = (inside(a), inside(b));
+            if da >= 0.0 {
+                clipped.push(*a);
+            }
+            if (da >= 0.0) != (db >= 0.0) {
+                let t = da / (da - db);
+                clipped.push([a[0] + (b[0] - a[0]) * t, a[1] + (b[1] - a[1]) * t]);
+            }
+        }
+        polygon = clipped;
+        if polygon.is_empty() {
+            return 0.0;
+        }
+    }
+    let cross = |i: usize| {
+        let (a, b) = (polygon[i], polygon[(i + 1) % polygon.len()]);
+        a[0] * b[1] - a[1] * b[0]
+    };
+    (0..polygon.len()).map(cross).sum::<f64>().abs() * 0.5
+}
+
+/// The largest difference between the share of a pattern's samples in a half-plane and the half-plane's area in the
+/// pixel, over many half-planes.
+fn discrepancy(pattern: SamplePattern) -> f64 {
+    let cells = pattern.cells();
+    let mut most: f64 = 0.0;
+    for angle in 0..180 {
+        let (sin, cos) = (f64::from(angle) * std::f64::consts::PI / 90.0).sin_cos();
+        for step in 0..400 {
+            let along = f64::from(step) / 400.0 * 1.5 - 0.75;
+            // The half-plane of points whose distance along the direction is below this.
+            let corner = |a: f64, b: f64| [0.5 + cos * a - sin * b, 0.5 + sin * a + cos * b];
+            let half = [corner(-9.0, -9.0), corner(along, -9.0), corner(along, 9.0), corner(-9.0, 9.0)];
+            let is_inside = |s: &usize| {
+                let [x, y] = cells.offset(*s).map(|o| f64::from(o) / 256.0 - 0.5);
+                x * cos + y * sin < along
+            };
+            let share = (0..cells.count).filter(is_inside).count() as f64 / cells.count as f64;
+            most = most.max((share - area_in_pixel(&half, [0.0; 2])).abs());
+        }
+    }
+    most
+}
+
+/// The covered share of every pixel of random triangles is their area in it, within what the pattern allows: a triangle
+/// is the intersection of three half-planes.
+#[test]
+fn coverage_converges_to_the_area() {
+    let mut before = f64::INFINITY;
+    for pattern in [
+        SamplePattern::Center,
+        SamplePattern::Sparse2,
+        SamplePattern::Sparse4,
+        SamplePattern::Sparse8,
+        SamplePattern::Sparse16,
+    ] {
+        let bound = discrepancy(pattern);
+        let mut random = Random(11);
+        let (mut errors, mut pixels) = (0.0, 0);
+        for _ in 0..60 {
+            // In pixels; snapped to sub-pixels as the renderer does, so that both draw the same triangle.
+            let size = 32.0;
+            let corners =
+                [0; 3].map(|_| [0; 2].map(|_| (random.between(1.0, size - 1.0) * 256.0).round() / 256.0));
+            let positions = corners.map(|[x, y]| [x as f32, -y as f32, 0.0]);
+            let mut mesh = Mesh { positions: positions.to_vec(), ..Mesh::default() };
+            mesh.triangles.push([0, 1, 2]);
+            let mut plain = scene(&mesh);
+            plain.background = Background::Solid([0.0, 0.0, 0.0, 1.0]);
+            plain.instances[0].surface.base_color = [1.0; 3];
+            let camera = Camera {
+                eye: DVec3::new(size / 2.0, -size / 2.0, 10.0),
+                target: DVec3::new(size / 2.0, -size / 2.0, 0.0),
+                up: DVec3::Y,
+                projection: Projection::Orthographic { height: size },
+                near: None,
+            };
+            let settings = Settings {
+                sampling: Sampling::of(pattern),
+                shading: Shading::Unlit,
+                outputs: Outputs { linear: true, ..Outputs::NONE },
+                ..Settings::new(32, 32)
+            };
+            let frame = draw(&plain, &camera, &settings);
+            for (index, linear) in frame.planes.linear.iter().enumerate() {
+                let pixel = [(index % 32) as f64, (index / 32) as f64];
+                let area = area_in_pixel(&corners, pixel);
+                let error = (f64::from(linear[0]) - area).abs();
+                assert!(error <= 3.0 * bound + 1e-6, "{pattern}: {} of {area}, {bound}", linear[0]);
+                if area > 1e-9 && area < 1.0 - 1e-9 {
+                    errors += error;
+                    pixels += 1;
+                }
+            }
+        }
+        assert!(pixels > 1000, "{pixels} pixels at edges");
+        let mean = errors / f64::from(pixels);
+        assert!(mean < 0.72 * before, "{pattern}: a mean error of {mean} after {before}");
+        before = mean;
+    }
+    assert!(before < 0.03, "16 samples: a mean error of {before}");
 }

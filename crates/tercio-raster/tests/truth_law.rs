@@ -7,7 +7,7 @@ mod truth;
 use common::*;
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 use tercio_mesh::{Mesh, OctNormal, builtin, normals};
-use tercio_raster::{Cull, Outputs, Settings, Shading};
+use tercio_raster::{Cull, Outputs, SamplePattern, SampleShading, Sampling, Settings, Shading};
 use tercio_scene::{Camera, Light, LightSpace, Projection, Scene};
 use tercio_testkit::require_shared;
 use truth::{Found, Truth, real_model};
@@ -51,6 +51,30 @@ fn all_lights(reach: f64) -> Vec<Light> {
         point(DVec3::new(1.0, 2.0, 1.5) * reach, LightSpace::World, [0.3, 0.3, 0.2]),
         point(DVec3::new(-1.0, 0.5, -0.2) * reach, LightSpace::Camera, [0.1, 0.1, 0.3]),
     ]
+}
+
+/// Every sample of a pixel shows what the ray through its own position hits.
+#[test]
+fn every_sample() {
+    let mesh = soup(200, 90);
+    let mut scene = scene(&mesh);
+    scene.lights = all_lights(1.0);
+    let cameras = [
+        perspective([0.5, 1.0, 3.0], [0.0; 3], 40.0),
+        perspective([0.1, 0.2, 0.3], [0.7, -0.4, 0.1], 80.0),
+        orthographic([0.5, 1.0, 3.0], [0.0; 3], 2.5),
+    ];
+    let size = [48, 36];
+    for pattern in SamplePattern::ALL {
+        for camera in &cameras {
+            let sampling = Sampling { shading: SampleShading::Sample, ..Sampling::of(pattern) };
+            let [width, height] = size;
+            let samples = Settings { width, height, sampling, unresolved: true, ..settings(Shading::Phong) };
+            let frame = draw(&scene, camera, &samples);
+            let truth = Truth::new(&[&mesh], &scene, camera, Shading::Phong, size).at_samples(pattern);
+            truth.check(&frame, &format!("{pattern} samples"));
+        }
+    }
 }
 
 #[test]

@@ -76,7 +76,8 @@ impl Bins {
             self.triangle_lists.push_rect(grid, number, rect, |_| true);
         } else {
             let edges = Edges::of_cells(&triangle, cells);
-            self.triangle_lists.push_rect(grid, number, rect, |part| !edges.leave_out(part.cells(cells.cell_bits())));
+            self.triangle_lists
+                .push_rect(grid, number, rect, |part| !edges.leave_out(part.cells(cells.cell_bits())));
         }
     }
 

@@ -112,11 +112,8 @@ pub fn render(
     let mut frame = Frame::default();
     frame.resize(settings);
     frame.stats = FrameStats::default();
-    let pixels = if settings.unresolved {
-        shaded_samples
-    } else {
-        resolve::pixels(&shaded_samples, scene, settings)
-    };
+    let pixels =
+        if settings.unresolved { shaded_samples } else { resolve::pixels(&shaded_samples, scene, settings) };
     for (index, pixel) in pixels.iter().enumerate() {
         frame.planes.put(index, pixel);
     }

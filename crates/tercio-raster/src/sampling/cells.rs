@@ -44,12 +44,7 @@ impl SampleCells {
 
     fn of_grid(edge: usize, count: usize) -> Self {
         let pitch = SUBPIXELS / edge as i32;
-        Self {
-            count,
-            pitch_bits: pitch.trailing_zeros(),
-            origin: pitch / 2,
-            cells: [[0; 2]; MAX_SAMPLES],
-        }
+        Self { count, pitch_bits: pitch.trailing_zeros(), origin: pitch / 2, cells: [[0; 2]; MAX_SAMPLES] }
     }
 
     /// log2 of the number of samples.
@@ -95,40 +90,35 @@ impl SampleCells {
 #[derive(Clone, Debug)]
 pub struct SampleCenters {
     cells: SampleCells,
-    /// By the lower and by the upper 8 bits of a mask: the sums of the columns and rows of the cells.
-    sums: [[[u16; 2]; 256]; 2],
-    /// By the number of samples: 2^18 divided by twice that number, rounded up.
-    inverse: [u32; MAX_SAMPLES + 1],
+    /// The centres of the sets of the first 8 samples, relative to the middle of the pixel.
+    centers: [[i8; 2]; 256],
 }
 
 impl SampleCenters {
     /// The tables of a pattern.
     pub fn new(cells: &SampleCells) -> Self {
-        let sum = |mask: usize, first: usize| {
-            let samples = (0..8).filter(|bit| mask >> bit & 1 == 1);
-            samples.fold([0; 2], |sum: [u16; 2], bit| {
-                [0, 1].map(|k| sum[k] + cells.cells[first + bit][k] as u16)
-            })
-        };
-        let sums = [0, 8].map(|first| std::array::from_fn(|mask| sum(mask, first)));
-        let inverse = std::array::from_fn(|count| (1u32 << 18).div_ceil(2 * count.max(1) as u32));
-        Self { cells: *cells, sums, inverse }
+        let mut centers = [[0; 2]; 256];
+        for (mask, center) in (0..).zip(&mut centers).skip(1) {
+            *center = cells.center(mask).map(|c| (c - SUBPIXELS / 2) as i8);
+        }
+        Self { cells: *cells, centers }
     }
 
     /// [`SampleCells::center`], relative to the middle of the pixel.
     #[inline(always)]
     pub fn from_middle(&self, mask: u16) -> [i32; 2] {
-        let [lower, upper] = mask.to_le_bytes().map(usize::from);
-        let count = mask.count_ones();
-        let inverse = u64::from(self.inverse[count as usize]);
-        // Dividends are below 2^13 and divisors at most 2^5, so that the product with the inverse, rounded down, is the
-        // quotient.
-        let center = |k: usize| {
-            let sum = u32::from(self.sums[0][lower][k] + self.sums[1][upper][k]);
-            (u64::from((sum << (self.cells.pitch_bits + 1)) + count) * inverse >> 18) as i32
-        };
-        let to_middle = self.cells.origin - SUBPIXELS / 2;
-        [center(0) + to_middle, center(1) + to_middle]
+        if mask < 256 {
+            return self.centers[usize::from(mask)].map(i32::from);
+        }
+        self.of_many(mask)
+    }
+
+    #[inline(never)]
+    fn of_many(&self, mask: u16) -> [i32; 2] {
+        match u32::from(mask) == self.cells.mask() {
+            true => [0; 2],
+            false => self.cells.center(u32::from(mask)).map(|c| c - SUBPIXELS / 2),
+        }
     }
 }
 

@@ -74,9 +74,7 @@ impl SamplePattern {
             Self::Sparse2 => SampleCells::sparse([0, 1]),
             Self::Sparse4 => SampleCells::sparse([1, 3, 0, 2]),
             Self::Sparse8 => SampleCells::sparse([0, 3, 6, 1, 4, 7, 2, 5]),
-            Self::Sparse16 => {
-                SampleCells::sparse([11, 7, 0, 4, 12, 8, 2, 14, 6, 10, 1, 13, 5, 9, 15, 3])
-            }
+            Self::Sparse16 => SampleCells::sparse([11, 7, 0, 4, 12, 8, 2, 14, 6, 10, 1, 13, 5, 9, 15, 3]),
             Self::Ordered2x2 => SampleCells::ordered(2),
             Self::Ordered4x4 => SampleCells::ordered(4),
         }

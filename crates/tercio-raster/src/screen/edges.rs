@@ -38,8 +38,8 @@ impl Edges {
                 (a, b) = (-a, -b);
             }
             let top_left = a > 0 || (a == 0 && b > 0);
-            let at_origin =
-                i64::from(a) * i64::from(cells.origin - t.x[k]) + i64::from(b) * i64::from(cells.origin - t.y[k]);
+            let at_origin = i64::from(a) * i64::from(cells.origin - t.x[k])
+                + i64::from(b) * i64::from(cells.origin - t.y[k]);
             edges.a[k] = a;
             edges.b[k] = b;
             edges.c[k] = (at_origin - i64::from(!top_left)) >> cells.pitch_bits;

@@ -13,7 +13,7 @@ use glam::{DAffine3, DVec3};
 use tercio_mesh::io::{self, ReadOptions};
 use tercio_mesh::{Mesh, clean, normals};
 use tercio_raster::frame::NO_PRIMITIVE;
-use tercio_raster::{Frame, Shading};
+use tercio_raster::{Frame, SamplePattern, Shading};
 use tercio_scene::{Camera, Light, LightSpace, Projection, Scene, Surface};
 use tercio_testkit::ray_caster::{Hit, RayCaster};
 
@@ -61,6 +61,9 @@ pub struct Truth<'a> {
     perspective: bool,
     size: [usize; 2],
     near: f64,
+    /// The points of a pixel that a frame shows, as distances from its upper left corner in pixels: one value of each
+    /// plane per point, side by side.
+    points: Vec<[f64; 2]>,
 }
 
 /// What a ray hits.
@@ -137,7 +140,16 @@ impl<'a> Truth<'a> {
             perspective,
             size: size.map(|n| n as usize),
             near: camera.near.unwrap_or(0.0),
+            points: vec![[0.5; 2]],
         }
+    }
+
+    /// The truth of a frame that holds samples.
+    pub fn at_samples(self, pattern: SamplePattern) -> Self {
+        let cells = pattern.cells();
+        let points =
+            (0..cells.count).map(|s| cells.offset(s).map(|offset| f64::from(offset) / 256.0)).collect();
+        Self { points, ..self }
     }
 
     /// The ray through a point of the picture, in pixels. The length of its direction is such that distances on the ray
@@ -249,10 +261,12 @@ impl<'a> Truth<'a> {
     fn compare(&self, frame: &Frame) -> Found {
         let mut found = Found { least_cosine: 1.0, ..Found::default() };
         let [width, height] = self.size;
-        for index in 0..width * height {
-            let (x, y) = (index % width, index / width);
+        let count = self.points.len();
+        for index in 0..width * height * count {
+            let (x, y) = (index / count % width, index / count / width);
             found.pixels += 1;
-            let (cx, cy) = (x as f64 + 0.5, y as f64 + 0.5);
+            let [right, down] = self.points[index % count];
+            let (cx, cy) = (x as f64 + right, y as f64 + down);
             let middle = self.cast(cx, cy);
             let triangle = middle.map(|seen| seen.triangle);
             let around: Vec<Option<Seen>> = [-1.0, 0.0, 1.0]

@@ -141,8 +141,7 @@ fn draw_cluster<S: Simd, T: Tally>(
     let corners = &CornerTable::new(&cluster);
     vertices.project(simd, object, &cluster);
     let origin = context.cells.origin;
-    let keep =
-        Keep { rect: memory.rect, origin, cull: context.settings.cull, mirrored: object.mirrored };
+    let keep = Keep { rect: memory.rect, origin, cull: context.settings.cull, mirrored: object.mirrored };
     sieve.sort(simd, vertices, corners, cluster.triangles(), &keep);
     if let Some(full) = tally.full() {
         full.cluster(binned.number, &cluster);

@@ -205,9 +205,7 @@ impl Tile<'_> {
         }
         if self.outputs.keys && !self.context.filter.taps.is_empty() {
             let keys = self.context.filter.taps.iter().filter(|tap| self.tap(x, y, tap).is_some());
-            let key = |tap: &Tap| {
-                self.key(self.memory.pixel(x + tap.pixel[0], y + tap.pixel[1]), tap.sample)
-            };
+            let key = |tap: &Tap| self.key(self.memory.pixel(x + tap.pixel[0], y + tap.pixel[1]), tap.sample);
             pixel.keys = keys.map(key).max().unwrap_or(0);
         }
         Some(pixel)
@@ -235,9 +233,7 @@ impl Tile<'_> {
             color,
             color16,
             linear,
-            depth: self.context.view.distance(
-                self.memory.depth[(place << self.memory.count_bits) + sample],
-            ),
+            depth: self.context.view.distance(self.memory.depth[(place << self.memory.count_bits) + sample]),
             ids: self.context.face(slot),
             normals: self.memory.normals.get(fragment as usize).copied().unwrap_or_default(),
         }

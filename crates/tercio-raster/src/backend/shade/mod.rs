@@ -26,8 +26,8 @@ use crate::simd::LANES;
 use crate::stats::BackEndCounts;
 pub use features::{Common, Features, Look, needs_plane};
 pub use kernel::{At, Facing, shade, shade_inline};
-pub use target::{FragmentTarget, Target};
 use target::PixelTarget;
+pub use target::{FragmentTarget, Target};
 
 /// Shades every visible pixel of a tile that is not shaded yet.
 #[inline(always)]
@@ -150,12 +150,7 @@ pub fn late<S: Simd, T: Target>(
 
 /// Fetches the corners of 16 pixels of one instance. Not inlined, so that it is compiled only once per SIMD level.
 #[inline(never)]
-pub fn fetch<S: Simd>(
-    simd: S,
-    context: &FrameContext,
-    instance: usize,
-    fragments: &Fragments,
-) -> Corners<S> {
+pub fn fetch<S: Simd>(simd: S, context: &FrameContext, instance: usize, fragments: &Fragments) -> Corners<S> {
     let Instance { mesh, surface, .. } = &context.scene.instances[instance];
     let colors = ColorSource::of(mesh, surface);
     simd.vectorize(
