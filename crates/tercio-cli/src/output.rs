@@ -6,7 +6,7 @@ use std::io::{self, Write};
 use anyhow::{Context, Result, bail};
 use tercio::Loaded;
 use tercio::image::{Destination, ImageError, OutputFile, Picture, PictureFormat, npy};
-use tercio::raster::{Frame, Outputs};
+use tercio::raster::{Frame, FrameStats, Outputs};
 
 use crate::named_files::NamedFiles;
 use crate::stdio;
@@ -85,6 +85,41 @@ impl Plan {
             Some(old) if named.len() == 1 => format!("{} was left as it is", name(old)),
             Some(_) => "old files were left as they are".into(),
             None => "no picture was written".into(),
+        }
+    }
+
+    /// Whether the picture is drawn in bands, which are written one after another.
+    pub fn is_in_bands(&self, (width, height): (u32, u32)) -> bool {
+        let is_png = matches!(self.picture, Some((_, PictureFormat::Png)));
+        is_png
+            && self.arrays.is_empty()
+            && u64::from(width) * u64::from(height) > tercio::MAX_PIXELS_IN_MEMORY
+    }
+
+    /// Writes the picture, which `draw` draws and writes as PNG; returns its statistics. If `draw` writes nothing, no file
+    /// appears. `None` if the reader of a pipe has closed it.
+    ///
+    /// # Errors
+    /// A picture that could not be written, or drawn: then for `model`.
+    pub fn write_drawn(
+        &self,
+        model: &str,
+        allow_empty: bool,
+        draw: impl FnOnce(&mut dyn Write) -> tercio::Result<FrameStats>,
+    ) -> Result<Option<FrameStats>> {
+        let Some((destination, _)) = &self.picture else { bail!("there is no picture to write") };
+        check(destination)?;
+        let mut file = OutputFile::create(destination).with_context(|| name(destination))?;
+        match draw(&mut file) {
+            Err(tercio::Error::Image(ImageError::Io(error))) if is_broken_pipe(&error) => Ok(None),
+            Err(tercio::Error::Image(error)) => Err(error).with_context(|| name(destination)),
+            Err(error) => Err(error).with_context(|| model.to_owned()),
+            Ok(stats) => {
+                if stats.backend.pixels_visible > 0 || allow_empty {
+                    finish(Some(file), destination)?;
+                }
+                Ok(Some(stats))
+            }
         }
     }
 

@@ -64,6 +64,7 @@ impl<'a> FrameContext<'a> {
         let (width, height) = (settings.width, settings.height);
         let view = View::new(camera, &scene.bounds(), width, height)?;
         let mut grid = TileGrid::new(width, height, settings.tile_edge_for(workers), settings.tiles.clone());
+        grid = grid.of_rows(&settings.rows());
         // The filter needs no other pixels where samples are kept.
         grid.halo = if settings.unresolved { 0 } else { settings.sampling.halo() };
         let mut first_cluster = vec![0];

@@ -156,7 +156,14 @@ impl Renderer {
         }
         let settings = context.settings;
         let count = settings.elements_per_pixel();
-        let canvas = Canvas::new(frame, &settings.outputs, &context.scene.background, &context.grid, count);
+        let canvas = Canvas::new(
+            frame,
+            &settings.outputs,
+            &context.scene.background,
+            &context.grid,
+            count,
+            settings.height,
+        );
         let work = Tiles { context, sorted, canvas: &canvas, level: level(context) };
         let tallies = work.draw::<T>(tiles, &mut self.scratch[..memories]);
         drop(canvas);
@@ -177,7 +184,8 @@ impl Renderer {
 impl Frame {
     /// Resizes the planes that the settings request, and empties the others. The values are unspecified.
     pub fn resize(&mut self, settings: &Settings) {
-        (self.width, self.height) = (settings.width * settings.elements_per_pixel(), settings.height);
+        let rows = settings.rows();
+        (self.width, self.height) = (settings.width * settings.elements_per_pixel(), rows.end - rows.start);
         self.planes.resize(&settings.outputs, self.width as usize * self.height as usize);
     }
 }

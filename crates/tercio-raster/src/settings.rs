@@ -12,7 +12,7 @@ use crate::screen::TileSet;
 pub use crate::simd::SimdLevel;
 
 /// The largest width and height of a picture, in pixels.
-pub const MAX_SIZE: u32 = 32768;
+pub const MAX_SIZE: u32 = 65536;
 
 /// How triangles are sorted into tiles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -148,6 +148,10 @@ pub struct Settings {
     pub shading: Shading,
     /// The samples of a pixel.
     pub sampling: Sampling,
+    /// The rows of pixels that the frame holds; `None` for all. Whole rows of tiles, except at the lower border of the
+    /// picture, which requires that [`Settings::tile_size`] is given. For pictures that are larger than memory: bands
+    /// below each other are the picture.
+    pub band: Option<Range<u32>>,
     /// Keeps the samples: the frame then has as many columns for each pixel as the pixel has samples. For pictures that
     /// are composed from those of several ranks; [`resolve_into`](crate::resolve_into) makes the picture.
     pub unresolved: bool,
@@ -187,6 +191,7 @@ impl Settings {
             cull: Cull::default(),
             shading: Shading::default(),
             sampling: Sampling::default(),
+            band: None,
             unresolved: false,
             outputs: Outputs::default(),
             tile_size: None,
@@ -255,9 +260,15 @@ impl Settings {
         edge
     }
 
-    /// Number of tiles of the picture if they have this many pixels along an edge.
+    /// The rows of pixels that the frame holds.
+    pub fn rows(&self) -> Range<u32> {
+        self.band.clone().unwrap_or(0..self.height)
+    }
+
+    /// Number of tiles of the frame if they have this many pixels along an edge.
     pub fn tiles_of(&self, edge: u32) -> usize {
-        self.width.div_ceil(edge) as usize * self.height.div_ceil(edge) as usize
+        let rows = self.rows();
+        self.width.div_ceil(edge) as usize * (rows.end.div_ceil(edge) - rows.start / edge) as usize
     }
 
     /// Checks that the settings are valid on this processor.
@@ -273,6 +284,18 @@ impl Settings {
         }
         if let Some(t) = self.tile_size.filter(|t| ![8, 16, 32, 64, 128].contains(t)) {
             return setting("tile size", "8, 16, 32, 64 or 128 pixels".into(), t.to_string());
+        }
+        if let Some(band) = &self.band {
+            let edge = self.tile_edge();
+            let is_whole = |row: u32| row.is_multiple_of(edge) || row == self.height;
+            let is_valid = band.start < band.end && band.end <= self.height;
+            if !is_valid || !is_whole(band.start) || !is_whole(band.end) || self.tile_size.is_none() {
+                let range = format!("whole rows of tiles of an explicit tile size, below {}", self.height);
+                return setting("band", range, format!("{band:?}"));
+            }
+            if self.unresolved {
+                return setting("band", "not together with unresolved samples".into(), format!("{band:?}"));
+            }
         }
         if self.clusters.number >= self.clusters.of {
             let range = format!("below {}", self.clusters.of);

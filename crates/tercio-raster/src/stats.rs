@@ -28,6 +28,46 @@ pub struct FrameStats {
     pub tile_size: u32,
 }
 
+impl FrameStats {
+    /// The statistics of two bands of one picture together.
+    pub fn plus(&self, o: &Self) -> Self {
+        let (a, b) = (&self.milliseconds, &o.milliseconds);
+        Self {
+            frontend: self.frontend.plus(o.frontend),
+            binning: self.binning.plus(&o.binning),
+            backend: self.backend.plus(o.backend).finish(),
+            milliseconds: StageTimes {
+                prepare: a.prepare + b.prepare,
+                frontend: a.frontend + b.frontend,
+                backend: a.backend + b.backend,
+                total: a.total + b.total,
+            },
+            ..self.clone()
+        }
+    }
+}
+
+impl BinningCounts {
+    /// The counts of two bands of one picture together.
+    pub fn plus(&self, o: &Self) -> Self {
+        let (triangles, entries) = (self.triangles + o.triangles, self.entries + o.entries);
+        let (clusters, cluster_entries) =
+            (self.clusters + o.clusters, self.cluster_entries + o.cluster_entries);
+        Self {
+            triangles,
+            entries,
+            overlap: ratio(entries, triangles),
+            clusters,
+            cluster_entries,
+            cluster_overlap: ratio(cluster_entries, clusters),
+            tiles: self.tiles + o.tiles,
+            tiles_used: self.tiles_used + o.tiles_used,
+            largest_tile: self.largest_tile.max(o.largest_tile),
+            bytes: self.bytes.max(o.bytes),
+        }
+    }
+}
+
 /// Declares a struct of counts together with its sum, so that the sum cannot miss a field. Fields after `and` are
 /// derived from the sums later; in the sums themselves they are 0.
 macro_rules! counts {

@@ -282,3 +282,35 @@ fn coverage_converges_to_the_area() {
     }
     assert!(before < 0.03, "16 samples: a mean error of {before}");
 }
+
+/// Bands below each other are the picture, whatever the filter needs of the neighbours.
+#[test]
+fn bands_make_up_the_picture() {
+    let mesh = soup(3_000, 9);
+    let plain = with_second_instance(scene(&mesh));
+    let camera = perspective([0.1, 0.2, 0.3], [1.0, 0.0, -1.0], 75.0);
+    for sampling in
+        [Sampling::NONE, Sampling::default(), Sampling { filter: Filter::Tent, ..Sampling::default() }]
+    {
+        for sorting in [Sorting::Clusters, Sorting::Triangles] {
+            let whole = Settings { sampling, sorting, tile_size: Some(16), ..everything(99, 83) };
+            let expected = draw(&plain, &camera, &whole);
+            for rows in [16, 48] {
+                let mut first = 0;
+                while first < 83 {
+                    let band = first..(first + rows).min(83);
+                    let settings = Settings { band: Some(band.clone()), ..whole.clone() };
+                    let found = draw(&plain, &camera, &settings);
+                    let what = format!("{sampling:?}, {sorting:?}, {band:?}");
+                    assert_same(&draw_reference(&mesh, &plain, &camera, &settings), &found, &what);
+                    let pixels = 99 * band.start as usize..99 * band.end as usize;
+                    assert!(found.planes.color == expected.planes.color[pixels], "{what}");
+                    first += rows;
+                }
+            }
+        }
+    }
+    let wrong =
+        |band| Settings { band: Some(band), tile_size: Some(16), ..everything(99, 83) }.check().is_err();
+    assert!(wrong(8..32) && wrong(0..20) && wrong(16..16) && wrong(64..96) && !wrong(80..83));
+}

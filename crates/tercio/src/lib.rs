@@ -30,6 +30,7 @@
 //! - [`scene`] places meshes in the world, lights them and frames them with a camera.
 //! - [`raster`] draws. A [`Renderer`] keeps its memory from frame to frame.
 //! - [`parallel`] draws with several ranks, which share a frame and send each other messages.
+//! - [`write_png_in_bands`] draws pictures that are larger than memory.
 //! - [`image`] writes pictures (PNG, PPM, WebP) and arrays (NPY), reads and compares pictures.
 //!
 //! The types that most programs use are also exported here at the root.
@@ -45,12 +46,14 @@
 
 #![forbid(unsafe_code)]
 
+mod bands;
 mod error;
 pub mod image;
 mod load;
 mod prepared;
 mod summary;
 
+pub use bands::{MAX_PIXELS_IN_MEMORY, band_bytes, write_png_in_bands};
 pub use error::{Error, Result};
 pub use image::{ImageError, Picture};
 pub use load::{

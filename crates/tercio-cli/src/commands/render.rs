@@ -12,7 +12,7 @@ use tercio::parallel::organisation::{Rank, Task};
 use tercio::parallel::{Communicator as _, FrameReport, Organisation, between_processes, in_process};
 use tercio::raster::{Frame, Outputs, Renderer, Settings};
 use tercio::scene::{Camera, Scene};
-use tercio::{LoadOptions, LoadReport};
+use tercio::{LoadOptions, LoadReport, band_bytes, write_png_in_bands};
 
 use crate::args::camera::CameraArgs;
 use crate::args::drawing::{DrawingArgs, TuningArgs};
@@ -136,12 +136,51 @@ impl Render {
     fn draw(&self, writing: &Writing, settings: &Settings, drawers: Drawers) -> Result<Done> {
         let display = Display::new(self.running.progress_mode());
         let loaded = self.load(writing, &display, drawers)?;
+        if self.is_in_bands(&writing.plan, drawers) {
+            return self.draw_in_bands(writing, settings, loaded, &display);
+        }
         display.stage("drawing");
         let (frame, parallel) = self
             .frame(&loaded.scene, &loaded.camera, settings, drawers)
             .with_context(|| self.model.name())?;
         display.stage("writing");
         self.write(writing, loaded, frame, parallel)
+    }
+
+    /// Whether the picture is drawn in bands, because it is too large to be kept in memory.
+    fn is_in_bands(&self, plan: &Plan, drawers: Drawers) -> bool {
+        drawers == Drawers::Alone && plan.is_in_bands(self.drawing.size)
+    }
+
+    fn draw_in_bands(
+        &self,
+        writing: &Writing,
+        settings: &Settings,
+        loaded: Loaded,
+        display: &Display,
+    ) -> Result<Done> {
+        let Loaded { report, scene, camera } = loaded;
+        let begin = Instant::now();
+        let (progress, allow_empty) = (Some(&*display.progress), writing.allow_empty);
+        let stats = writing.plan.write_drawn(&self.model.name(), allow_empty, |out| {
+            write_png_in_bands(&scene, &camera, settings, allow_empty, progress, out)
+        })?;
+        let (width, height) = self.drawing.size;
+        let was_read = stats.is_some();
+        let frame = Frame { width, height, stats: stats.unwrap_or_default(), ..Frame::default() };
+        let all = begin.elapsed().as_secs_f64() * 1e3;
+        let output_milliseconds = (all - frame.stats.milliseconds.total).max(0.0);
+        let empty = was_read.then(|| self.reason(&report, &camera, &frame)).flatten();
+        Ok(Done { report, camera, frame, parallel: None, output_milliseconds, empty })
+    }
+
+    /// Why nothing was drawn, if that is the case.
+    fn reason(&self, report: &LoadReport, camera: &Camera, frame: &Frame) -> Option<String> {
+        let empty = nothing_drawn::reason(&report.mesh.bounds, camera, self.drawing.cull(), &frame.stats);
+        empty.map(|reason| match report::only(&report.read.not_drawn) {
+            Some(only) if report.mesh.triangles == 0 => format!("{reason}, only {only}"),
+            _ => reason,
+        })
     }
 
     /// The work of one process of an MPI job, on one thread of the pool, where all MPI calls stay. Only rank 0 returns
@@ -209,6 +248,9 @@ impl Render {
     /// Bytes of the pictures of this process; with their keys if there are ranks. Ranks that composite samples keep
     /// these, too.
     fn frame_bytes(&self, plan: &Plan, drawers: Drawers) -> u64 {
+        if self.is_in_bands(plan, drawers) {
+            return band_bytes(&self.drawing.settings(&self.tuning, &self.sampling, plan.outputs));
+        }
         let (frames, keys) = drawers.frames();
         let bytes = frame_bytes(Outputs { keys, ..plan.outputs }, self.drawing.size);
         let count = self.sampling.sampling().pattern.count();
@@ -240,11 +282,7 @@ impl Render {
         parallel: Option<FrameReport>,
     ) -> Result<Done> {
         let Loaded { report, scene, camera } = loaded;
-        let empty = nothing_drawn::reason(&report.mesh.bounds, &camera, self.drawing.cull(), &frame.stats);
-        let empty = empty.map(|reason| match report::only(&report.read.not_drawn) {
-            Some(only) if report.mesh.triangles == 0 => format!("{reason}, only {only}"),
-            _ => reason,
-        });
+        let empty = self.reason(&report, &camera, &frame);
         let begin = Instant::now();
         // A large model takes longer to free than a picture takes to write.
         let is_written = empty.is_none() || writing.allow_empty;

@@ -52,7 +52,7 @@ impl<T: Copy + Default> TileLists<T> {
                 let (x, y) = ((tx << s) as i32, (ty << s) as i32);
                 let tile = PixelRect { x0: x, x1: x + edge - 1, y0: y, y1: y + edge - 1 };
                 if covers(rect.intersect(tile.grow(grid.halo as i32))) {
-                    self.push(grid, ty * grid.columns + tx, entry);
+                    self.push(grid, grid.number(tx, ty), entry);
                 }
             }
         }

@@ -71,7 +71,7 @@ impl Bins {
         let [tx, last_x, ty, last_y] =
             grid.tiles_that_need([rect.x0, rect.x1, rect.y0, rect.y1].map(|pixel| pixel as u32));
         if tx == last_x && ty == last_y {
-            self.triangle_lists.push(grid, ty * grid.columns + tx, number);
+            self.triangle_lists.push(grid, grid.number(tx, ty), number);
         } else if binning == Binning::BoundingBox {
             self.triangle_lists.push_rect(grid, number, rect, |_| true);
         } else {

@@ -258,11 +258,13 @@ pub struct Canvas<'a> {
     planes: SharedPlanes<'a>,
     outputs: Outputs,
     grid: TileGrid,
-    /// Width and height in pixels.
+    /// Width and height of the picture in pixels.
     size: [u32; 2],
     /// Elements of a plane per pixel.
     count: u32,
-    /// The background pixel of each row.
+    /// The first row of the picture that the frame holds.
+    first_row: u32,
+    /// The background pixel of each row of the frame.
     background: Vec<Pixel>,
     /// Which tiles have been claimed: each may be written once.
     claimed: Vec<AtomicBool>,
@@ -276,23 +278,26 @@ pub struct CanvasTile<'a> {
 }
 
 impl<'a> Canvas<'a> {
-    /// A canvas of a frame whose planes have been resized, with `count` elements per pixel, side by side.
+    /// A canvas of a frame whose planes have been resized. It has `count` elements per pixel, side by side, and holds the
+    /// rows of a picture of height `height` that the grid divides.
     pub fn new(
         frame: &'a mut Frame,
         outputs: &Outputs,
         background: &Background,
         grid: &TileGrid,
         count: u32,
+        height: u32,
     ) -> Self {
-        let [columns, height] = [frame.width, frame.height];
-        let size = [columns / count, height];
+        let first_row = grid.first_row << grid.shift;
+        let rows = first_row..first_row + frame.height;
         Self {
-            planes: SharedPlanes::new(&mut frame.planes, columns as usize, height as usize),
+            planes: SharedPlanes::new(&mut frame.planes, frame.width as usize, frame.height as usize),
             outputs: *outputs,
             grid: grid.clone(),
-            size,
+            size: [frame.width / count, height],
             count,
-            background: (0..size[1]).map(|y| Pixel::of_background(background, y, size[1])).collect(),
+            first_row,
+            background: rows.map(|y| Pixel::of_background(background, y, height)).collect(),
             claimed: (0..grid.count()).map(|_| AtomicBool::new(false)).collect(),
         }
     }
@@ -311,10 +316,15 @@ impl<'a> Canvas<'a> {
         let claimed = self.claimed[tile as usize].swap(true, Ordering::Relaxed);
         assert!(!claimed, "tile {tile} is drawn twice");
         let rect = self.grid.rect(tile, self.size);
-        let count = self.count as i32;
+        let (count, first_row) = (self.count as i32, self.first_row as i32);
         CanvasTile {
             canvas: self,
-            rect: PixelRect { x0: rect.x0 * count, x1: (rect.x1 + 1) * count - 1, ..rect },
+            rect: PixelRect {
+                x0: rect.x0 * count,
+                x1: (rect.x1 + 1) * count - 1,
+                y0: rect.y0 - first_row,
+                y1: rect.y1 - first_row,
+            },
         }
     }
 }

@@ -114,7 +114,10 @@ pub fn render(
     frame.stats = FrameStats::default();
     let pixels =
         if settings.unresolved { shaded_samples } else { resolve::pixels(&shaded_samples, scene, settings) };
-    for (index, pixel) in pixels.iter().enumerate() {
+    let rows = settings.rows();
+    let first = rows.start as usize * frame.width as usize;
+    let held = frame.width as usize * rows.len();
+    for (index, pixel) in pixels[first..first + held].iter().enumerate() {
         frame.planes.put(index, pixel);
     }
     Ok(frame)

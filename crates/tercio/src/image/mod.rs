@@ -8,7 +8,7 @@ mod identity;
 pub mod npy;
 mod output;
 mod partial;
-mod png;
+pub(crate) mod png;
 mod ppm;
 mod stream;
 mod webp;

@@ -2,7 +2,7 @@
 
 use std::io::{Cursor, Write};
 
-use png::{BitDepth, ColorType, Compression, Decoder, Encoder, Filter, Limits, Transformations};
+use png::{BitDepth, ColorType, Compression, Decoder, Encoder, Filter, Limits, Transformations, Writer};
 use rayon::prelude::*;
 
 use super::{ImageError, Picture, PictureFormat, Pixels};
@@ -16,19 +16,44 @@ fn malformed(reason: impl ToString) -> ImageError {
 
 pub(super) fn write(picture: &Picture, out: &mut dyn Write) -> Result<(), ImageError> {
     let opaque = picture.is_opaque();
-    let mut encoder = Encoder::new(out, picture.width, picture.height);
+    let is_16 = matches!(picture.pixels, Pixels::Sixteen(_));
+    let mut writer = header(out, [picture.width, picture.height], opaque, is_16)?;
+    writer.write_image_data(&samples(picture, opaque)).map_err(write_error)?;
+    writer.finish().map_err(write_error)
+}
+
+/// Writes everything before the pixels.
+fn header(
+    out: &mut dyn Write,
+    [width, height]: [u32; 2],
+    opaque: bool,
+    is_16: bool,
+) -> Result<Writer<&mut dyn Write>, ImageError> {
+    let mut encoder = Encoder::new(out, width, height);
     encoder.set_color(if opaque { ColorType::Rgb } else { ColorType::Rgba });
-    encoder.set_depth(match picture.pixels {
-        Pixels::Eight(_) => BitDepth::Eight,
-        Pixels::Sixteen(_) => BitDepth::Sixteen,
-    });
+    encoder.set_depth(if is_16 { BitDepth::Sixteen } else { BitDepth::Eight });
     encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
     encoder.set_compression(Compression::Fast);
     // Choosing a filter for each row takes longer than drawing the picture, and saves little on surfaces.
     encoder.set_filter(Filter::Up);
-    let mut writer = encoder.write_header().map_err(write_error)?;
-    writer.write_image_data(&samples(picture, opaque)).map_err(write_error)?;
-    writer.finish().map_err(write_error)
+    encoder.write_header().map_err(write_error)
+}
+
+/// Writes a picture of this width and height in parts below each other, without alpha if it is `opaque`, with 16 bits if
+/// `is_16`. `draw` passes the parts, of the width and the depth of the picture, to its argument.
+pub(crate) fn write_parts<E: From<ImageError>>(
+    out: &mut dyn Write,
+    size: [u32; 2],
+    opaque: bool,
+    is_16: bool,
+    draw: impl FnOnce(&mut dyn FnMut(&Picture) -> Result<(), ImageError>) -> Result<(), E>,
+) -> Result<(), E> {
+    const CHUNK: usize = 1 << 20;
+    let mut writer = header(out, size, opaque, is_16)?;
+    let mut rows = writer.stream_writer_with_size(CHUNK).map_err(write_error)?;
+    draw(&mut |part| Ok(rows.write_all(&samples(part, opaque))?))?;
+    rows.finish().map_err(write_error)?;
+    Ok(writer.finish().map_err(write_error)?)
 }
 
 fn write_error(error: png::EncodingError) -> ImageError {
