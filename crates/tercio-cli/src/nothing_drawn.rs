@@ -29,10 +29,10 @@ pub fn reason(bounds: &Aabb, camera: &Camera, cull: Cull, stats: &FrameStats) ->
     } else if rest == all && counts.triangles_clipped > 0 {
         CUT_AWAY
     } else if rest == all {
-        Statement { rest: "too small or too thin to cover the centre of a pixel".into(), ..ARE }
+        Statement { rest: "too small or too thin to cover a sample of a pixel".into(), ..ARE }
     } else {
         let culled = Statement { one: "shows", many: "show", rest: "the side that --cull leaves out".into() };
-        let small = Statement { one: "covers", many: "cover", rest: "no centre of a pixel".into() };
+        let small = Statement { one: "covers", many: "cover", rest: "no sample of a pixel".into() };
         let parts = [
             (outside, OUTSIDE),
             (facing, culled),
@@ -203,9 +203,9 @@ mod tests {
             text.contains("2 are outside the picture, 1 shows the side that --cull leaves out"),
             "{text}"
         );
-        assert!(text.ends_with("out, 1 covers no centre of a pixel"), "{text}");
+        assert!(text.ends_with("out, 1 covers no sample of a pixel"), "{text}");
         let mixed = set(tiny, |c| (c.triangles_outside, c.triangles_in) = (1, 4));
         let text = why(DVec3::Z, DVec3::ZERO, None, Cull::Auto, mixed);
-        assert!(text.ends_with("of 4 triangles 1 is outside the picture, 3 cover no centre of a pixel"));
+        assert!(text.ends_with("of 4 triangles 1 is outside the picture, 3 cover no sample of a pixel"));
     }
 }

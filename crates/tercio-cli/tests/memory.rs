@@ -48,7 +48,7 @@ fn every_line_names_the_model_and_who_set_the_limit() {
     for (arguments, parts) in [
         ("info builtin:sphere@50M --threads 2", ["builtin:sphere@50M: needs", "for the model"]),
         (
-            "render builtin:sphere@1k -o a.png --size 20000x20000 --threads 2",
+            "render builtin:sphere@1k -o a.ppm --size 20000x20000 --threads 2",
             ["error: builtin:sphere@1k: ", "the picture needs"],
         ),
     ] {

@@ -26,14 +26,13 @@ pub fn mean(colors: &mut [[f32; 4]]) -> [f32; 4] {
     colors[0].map(|c| c * scale)
 }
 
-/// The weighted mean of the colours of those taps whose pixel is inside the picture; `color` returns `None` for others.
-pub fn weighted_mean(taps: &[Tap], mut color: impl FnMut(&Tap) -> Option<[f32; 4]>) -> [f32; 4] {
+/// The weighted mean of colours, summed in their order.
+#[inline(always)]
+pub fn weighted_mean(colors: impl Iterator<Item = ([f32; 4], f32)>) -> [f32; 4] {
     let (mut sum, mut total) = ([0.0; 4], 0.0);
-    for tap in taps {
-        if let Some(color) = color(tap) {
-            sum = std::array::from_fn(|k| sum[k] + color[k] * tap.weight);
-            total += tap.weight;
-        }
+    for (color, weight) in colors {
+        sum = std::array::from_fn(|k| sum[k] + color[k] * weight);
+        total += weight;
     }
     sum.map(|c: f32| c / total)
 }
@@ -106,7 +105,10 @@ impl Source<'_> {
                     colors.copy_from_slice(&planes.linear[own.clone()]);
                     mean(colors)
                 }
-                _ => weighted_mean(taps, |tap| tap_index(tap).map(|i| planes.linear[i])),
+                _ => {
+                    let inside = taps.iter().filter_map(|tap| Some((tap_index(tap)?, tap.weight)));
+                    weighted_mean(inside.map(|(i, weight)| (planes.linear[i], weight)))
+                }
             };
             (pixel.color, pixel.color16) = encode(pixel.linear);
         }

@@ -9,7 +9,7 @@ use common::{orthographic, perspective};
 use glam::DVec3;
 use tercio_mesh::cluster::{PartitionOptions, partition};
 use tercio_mesh::{Mesh, builtin};
-use tercio_raster::{Cull, Renderer, Settings, Shading};
+use tercio_raster::{Cull, Filter, Renderer, SamplePattern, Sampling, Settings, Shading};
 use tercio_scene::{Background, Camera, Instance, Light, LightSpace, Scene, Surface};
 use tercio_testkit::golden;
 
@@ -73,6 +73,32 @@ fn golden_shading_point_light() {
     scene.lights = vec![Light::Point { position, space: LightSpace::World, color: [0.9, 0.9, 0.9] }];
     let camera = at_box(&scene, [0.0, 0.0, 1.0], 3.0, 40.0);
     check("shading", "point_light", &scene, &camera, &Settings::one_sample(160, 120));
+}
+
+/// Spokes thinner than a pixel, and a coarse sphere.
+#[test]
+fn golden_samples() {
+    let mut spokes = Mesh::default();
+    for spoke in 0..29u32 {
+        let (sin, cos) = (f64::from(spoke) * std::f64::consts::TAU / 29.0).sin_cos();
+        let at = |along: f64, across: f64| {
+            [(cos * along - sin * across) as f32, (sin * along + cos * across) as f32, 0.0]
+        };
+        spokes.positions.extend([at(0.12, -0.004), at(1.0, -0.012), at(1.0, 0.012)]);
+        spokes.triangles.push([3 * spoke, 3 * spoke + 1, 3 * spoke + 2]);
+    }
+    let sphere = lit(make("sphere@200"), GREY);
+    let mut scene = lit(spokes, Background::Gradient { top: [1.0; 4], bottom: [0.4, 0.5, 0.7, 1.0] });
+    scene.instances.push(Instance {
+        world_from_object: glam::DAffine3::from_scale(DVec3::splat(0.3)),
+        ..sphere.instances[0].clone()
+    });
+    let camera = Camera { up: DVec3::Y, ..orthographic([0.0, 0.0, 3.0], [0.0; 3], 2.1) };
+    let tent = Sampling { filter: Filter::Tent, ..Sampling::of(SamplePattern::Sparse4) };
+    let patterns = SamplePattern::ALL.into_iter().map(|p| (p.name().to_owned(), Sampling::of(p)));
+    for (name, sampling) in patterns.chain([("4_tent".to_owned(), tent)]) {
+        check("samples", &name, &scene, &camera, &Settings { sampling, ..Settings::new(96, 96) });
+    }
 }
 
 #[test]

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::{ImageError, Picture, PictureFormat, Pixels};
 
-/// A picture to be compared may be as large as one that is drawn: 32768 x 32768 pixels of 8 bytes.
+/// The largest picture to be read: 32768 x 32768 pixels of 8 bytes. Larger ones can be drawn, in bands.
 const READ_LIMIT: usize = (1 << 30) * 8 + (1 << 20);
 
 fn malformed(reason: impl ToString) -> ImageError {

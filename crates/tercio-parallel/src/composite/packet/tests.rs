@@ -12,6 +12,7 @@ fn frame(width: u32, keys: Vec<u64>) -> Frame {
     frame.planes.color16 = keys.iter().map(|k| [of(k) as u16; 4]).collect();
     frame.planes.depth = keys.iter().map(|k| of(k) as f32).collect();
     frame.planes.ids = keys.iter().map(of).collect();
+    frame.planes.linear = keys.iter().map(|k| [of(k) as f32; 4]).collect();
     frame.planes.normals = keys.iter().map(|k| [of(k) as f32, 1.0, 2.0]).collect();
     frame.planes.keys = keys;
     frame
@@ -25,7 +26,7 @@ fn all(frame: &Frame) -> Region {
 fn the_bytes_of_a_packet() {
     let frame = frame(4, vec![0, 7, 9, 0, 0, 0, 0, 5]);
     let planes = Outputs { ids: true, keys: true, color: false, ..EVERYTHING };
-    let planes = Outputs { color16: false, depth: false, normals: false, ..planes };
+    let planes = Outputs { color16: false, depth: false, linear: false, normals: false, ..planes };
     let mut bytes = Vec::new();
     assert_eq!(pack(&frame, &all(&frame), &planes, &mut bytes), 3);
     let mut expected = vec![1, 0, 0, 0, 2, 0];

@@ -21,7 +21,7 @@ pub fn tile<S: Simd>(
     pixels: &mut Planes,
     outputs: &Outputs,
 ) {
-    let tile = Tile { context, memory, outputs };
+    let tile = Tile::new(context, memory, outputs);
     let own = memory.own;
     let only_color = *outputs == Outputs { color: true, ..Outputs::NONE };
     for (row, y) in (own.y0..own.y1 + 1).enumerate() {
@@ -77,10 +77,40 @@ impl Row {
     }
 }
 
+/// A sample that contributes to a pixel: see [`Tap`](crate::sampling::Tap).
+struct Step {
+    /// Its pixel, relative to the filtered one: columns to the right, rows downwards.
+    pixel: [i32; 2],
+    /// Its number in its pixel.
+    sample: usize,
+    /// The distance of its index in the tile memory from that of the filtered pixel's first sample.
+    offset: isize,
+    weight: f32,
+}
+
 struct Tile<'a> {
     context: &'a FrameContext<'a>,
     memory: &'a SampleMemory,
     outputs: &'a Outputs,
+    /// The samples that contribute to a pixel; empty if these are its own.
+    steps: Vec<Step>,
+    /// The linear colour of the background in each row of the tile memory; empty without steps.
+    background: Vec<[f32; 4]>,
+}
+
+impl<'a> Tile<'a> {
+    fn new(context: &'a FrameContext<'a>, memory: &'a SampleMemory, outputs: &'a Outputs) -> Self {
+        let steps = context.filter.taps.iter().map(|&Tap { pixel, sample, weight }| {
+            let pixels = (pixel[1] as isize * (1 << memory.pitch_bits)) + pixel[0] as isize;
+            let offset = pixels * (1 << memory.count_bits) + sample as isize;
+            Step { pixel, sample, offset, weight }
+        });
+        let of_row =
+            |y: i32| Pixel::of_background(&context.scene.background, y as u32, context.view.height).linear;
+        let rows = memory.rect.y0..memory.rect.y1 + 1;
+        let background = if context.filter.taps.is_empty() { Vec::new() } else { rows.map(of_row).collect() };
+        Self { context, memory, outputs, steps: steps.collect(), background }
+    }
 }
 
 impl Tile<'_> {
@@ -103,7 +133,7 @@ impl Tile<'_> {
     ) {
         let count = (x1 - x0 + 1) as usize;
         let mut row = Row { colors: [[0.0; 4]; LANES], drawn: 0 };
-        if self.context.filter.taps.is_empty() {
+        if self.steps.is_empty() {
             let first = self.memory.pixel(x0, y) << self.memory.count_bits;
             let fragments = &self.memory.fragment[first..first + (count << self.memory.count_bits)];
             match 1 << self.memory.count_bits {
@@ -152,8 +182,7 @@ impl Tile<'_> {
     #[inline(always)]
     fn linear(&self, x: i32, y: i32, background: &Pixel) -> Option<[f32; 4]> {
         let own = self.memory.of_pixel(self.memory.pixel(x, y));
-        let taps = &self.context.filter.taps;
-        if taps.is_empty() {
+        if self.steps.is_empty() {
             let first = own[0];
             if own.iter().all(|&fragment| fragment == first) {
                 // The mean of equal colours is that colour.
@@ -165,28 +194,31 @@ impl Tile<'_> {
             }
             return Some(mean(&mut colors[..own.len()]));
         }
-        let is_drawn = taps.iter().any(|tap| self.tap(x, y, tap).is_some_and(|f| f != NO_FRAGMENT));
-        is_drawn.then(|| {
-            weighted_mean(taps, |tap| {
-                let height = self.context.view.height;
-                let row = y + tap.pixel[1];
-                self.tap(x, y, tap).map(|fragment| {
-                    if fragment != NO_FRAGMENT {
-                        return self.memory.colors[fragment as usize];
-                    }
-                    Pixel::of_background(&self.context.scene.background, row as u32, height).linear
-                })
-            })
-        })
+        let fragments = self.contributing(x, y);
+        if fragments.clone().all(|(fragment, _)| fragment == NO_FRAGMENT) {
+            return None;
+        }
+        Some(weighted_mean(fragments.map(|(fragment, step)| {
+            let color = match fragment {
+                NO_FRAGMENT => self.background[(y + step.pixel[1] - self.memory.rect.y0) as usize],
+                fragment => self.memory.colors[fragment as usize],
+            };
+            (color, step.weight)
+        })))
     }
 
-    /// The fragment of a sample that contributes to pixel (x, y); `None` outside the picture.
+    /// The fragments of the samples that contribute to pixel (x, y), with the steps that lead to them.
     #[inline(always)]
-    fn tap(&self, x: i32, y: i32, tap: &Tap) -> Option<u32> {
-        let (x, y) = (x + tap.pixel[0], y + tap.pixel[1]);
+    fn contributing(&self, x: i32, y: i32) -> impl Iterator<Item = (u32, &Step)> + Clone {
         let rect = self.memory.rect;
-        let inside = (rect.x0..=rect.x1).contains(&x) && (rect.y0..=rect.y1).contains(&y);
-        inside.then(|| self.memory.of_pixel(self.memory.pixel(x, y))[tap.sample])
+        let is_inner = rect.x0 < x && x < rect.x1 && rect.y0 < y && y < rect.y1;
+        let first = self.memory.pixel(x, y) << self.memory.count_bits;
+        // Beyond the picture there are no samples.
+        let is_inside = move |[right, down]: [i32; 2]| {
+            (rect.x0..=rect.x1).contains(&(x + right)) && (rect.y0..=rect.y1).contains(&(y + down))
+        };
+        let steps = self.steps.iter().filter(move |step| is_inner || is_inside(step.pixel));
+        steps.map(move |step| (self.memory.fragment[first.wrapping_add_signed(step.offset)], step))
     }
 
     /// A pixel with all requested planes; `None` where nothing was drawn.
@@ -203,10 +235,11 @@ impl Tile<'_> {
             (pixel.depth, pixel.ids, pixel.normals) = (sample.depth, sample.ids, sample.normals);
             pixel.keys = sample.keys;
         }
-        if self.outputs.keys && !self.context.filter.taps.is_empty() {
-            let keys = self.context.filter.taps.iter().filter(|tap| self.tap(x, y, tap).is_some());
-            let key = |tap: &Tap| self.key(self.memory.pixel(x + tap.pixel[0], y + tap.pixel[1]), tap.sample);
-            pixel.keys = keys.map(key).max().unwrap_or(0);
+        if self.outputs.keys && !self.steps.is_empty() {
+            let key = |(_, step): (u32, &Step)| {
+                self.key(self.memory.pixel(x + step.pixel[0], y + step.pixel[1]), step.sample)
+            };
+            pixel.keys = self.contributing(x, y).map(key).max().unwrap_or(0);
         }
         Some(pixel)
     }
