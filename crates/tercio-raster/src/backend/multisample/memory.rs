@@ -1,7 +1,9 @@
 //! The tile memory: depth and fragment of every sample of a tile, and the list of fragments.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x16, i32x16, mask32x16, u32x16};
+use fearless_simd::{
+    Simd, f32x4, f32x8, f32x16, i32x16, mask32x4, mask32x8, mask32x16, u32x4, u32x8, u32x16,
+};
 
 use crate::backend::memory::lower_primitive;
 use crate::context::FrameContext;
@@ -29,6 +31,64 @@ impl Fragment {
     fn new(slot: u32, pixel: usize, covered: u32) -> Self {
         Self { slot, pixel: pixel as u16, covered: covered as u16 }
     }
+}
+
+/// A triangle in one pixel, to be tested at the pixel's samples.
+pub struct InPixel {
+    /// Place of the pixel.
+    pub pixel: usize,
+    /// The samples that the triangle covers, one bit each; not 0.
+    pub covered: u32,
+    /// Slot of the triangle.
+    pub slot: u32,
+    /// From the triangle's anchor to the first cell of the pixel, in sub-pixels.
+    pub from_anchor: [f32; 2],
+    /// Increments of depth per sub-pixel to the right and downwards.
+    pub slope: [f32; 2],
+    /// Smallest and largest depth of the triangle.
+    pub range: [f32; 2],
+}
+
+/// Depth test of a triangle in one pixel, in vectors of as many lanes as the pixel has samples: a wider store would delay
+/// the loads of the pixels beside it.
+macro_rules! write_pixel {
+    ($name:ident, $lanes:literal, $floats:ident, $numbers:ident, $mask:ident) => {
+        /// Depth test of a triangle in one pixel: keeps the nearer of old and new where the triangle covers a sample, and
+        /// adds its fragment if it won any.
+        #[inline(always)]
+        pub fn $name<S: Simd>(&mut self, simd: S, context: &FrameContext, t: &InPixel) {
+            let samples = t.pixel << self.count_bits..(t.pixel << self.count_bits) + $lanes;
+            let won = part(
+                simd,
+                #[inline(always)]
+                || {
+                    let dx = $floats::from_slice(simd, &self.lane_offset[0][..$lanes]) + t.from_anchor[0];
+                    let dy = $floats::from_slice(simd, &self.lane_offset[1][..$lanes]) + t.from_anchor[1];
+                    let [base, nearest] = t.range.map(|depth| $floats::splat(simd, depth));
+                    let depth = ((dx * t.slope[0] + dy * t.slope[1]) + base).max(base).min(nearest);
+                    let old_depth = &mut self.depth[samples.clone()];
+                    let before = $floats::from_slice(simd, old_depth);
+                    let is_covered = $mask::from_bitmask(simd, u64::from(t.covered));
+                    let mut wins = is_covered & depth.simd_gt(before);
+                    let tie = is_covered & depth.simd_eq(before);
+                    if tie.any_true() {
+                        let ties = tie.to_bitmask() as u32 & ((1 << $lanes) - 1);
+                        let old = &self.fragment[samples.clone()];
+                        let more = lower_primitives(context, ties, t.slot, old, &self.fragments);
+                        wins |= $mask::from_bitmask(simd, u64::from(more));
+                    }
+                    wins.select(depth, before).store_slice(old_depth);
+                    let old = &mut self.fragment[samples];
+                    let number = $numbers::splat(simd, self.count as u32);
+                    wins.select(number, $numbers::from_slice(simd, old)).store_slice(old);
+                    wins.to_bitmask() as u32 & ((1 << $lanes) - 1)
+                },
+            );
+            if won != 0 {
+                self.add_in_pixel(t, won);
+            }
+        }
+    };
 }
 
 /// Depth and fragment of every sample of a tile.
@@ -137,6 +197,37 @@ impl SampleMemory {
         true
     }
 
+    write_pixel!(write_4, 4, f32x4, u32x4, mask32x4);
+    write_pixel!(write_8, 8, f32x8, u32x8, mask32x8);
+    write_pixel!(write_16, 16, f32x16, u32x16, mask32x16);
+
+    /// Adds the fragment of a triangle that won some samples of a pixel, which have its number already.
+    #[inline(always)]
+    fn add_in_pixel(&mut self, t: &InPixel, won: u32) {
+        if self.count + LANES > self.fragments.len() {
+            self.grow();
+        }
+        if self.is_by_sample {
+            return self.add_by_sample(t.slot, t.pixel, won);
+        }
+        self.fragments[self.count] = Fragment::new(t.slot, t.pixel, t.covered);
+        self.count += 1;
+    }
+
+    /// Adds a fragment for every sample that a triangle won, of 16 samples from the first one of a pixel on.
+    fn add_by_sample(&mut self, slot: u32, pixel: usize, won: u32) {
+        let first = pixel << self.count_bits;
+        let mut left = won;
+        while left != 0 {
+            let lane = left.trailing_zeros();
+            left &= left - 1;
+            let at = pixel + (lane >> self.count_bits) as usize;
+            self.fragment[first + lane as usize] = self.count as u32;
+            self.fragments[self.count] = Fragment::new(slot, at, 1 << (lane & ((1 << self.count_bits) - 1)));
+            self.count += 1;
+        }
+    }
+
     /// Depth test of a triangle at 16 consecutive samples, from the first one of a pixel on: keeps the nearer of old and
     /// new where `covered` has a bit, and adds the fragments that the triangle won.
     #[inline(always)]
@@ -160,7 +251,7 @@ impl SampleMemory {
                 let mut wins = is_covered & depth.simd_gt(before);
                 let tie = is_covered & depth.simd_eq(before);
                 if tie.any_true() {
-                    let old = self.fragment[first..].first_chunk().unwrap_or(&[NO_FRAGMENT; LANES]);
+                    let old = &self.fragment[first..first + LANES];
                     let ties = tie.to_bitmask() as u32 & 0xffff;
                     let more = lower_primitives(context, ties, slot, old, &self.fragments);
                     wins |= mask32x16::from_bitmask(simd, u64::from(more));
@@ -178,16 +269,7 @@ impl SampleMemory {
             self.grow();
         }
         if self.is_by_sample {
-            let mut left = won;
-            while left != 0 {
-                let lane = left.trailing_zeros();
-                left &= left - 1;
-                let at = pixel + (lane >> self.count_bits) as usize;
-                self.fragment[first + lane as usize] = self.count as u32;
-                self.fragments[self.count] = Fragment::new(slot, at, 1 << (lane & (count - 1)));
-                self.count += 1;
-            }
-            return;
+            return self.add_by_sample(slot, pixel, won);
         }
         // The fragments of the pixels in which the triangle won a sample are numbered one after another; `numbers` has the
         // number of each pixel in four bits.
@@ -331,7 +413,7 @@ fn lower_primitives(
     context: &FrameContext,
     ties: u32,
     slot: u32,
-    old: &[u32; LANES],
+    old: &[u32],
     fragments: &[Fragment],
 ) -> u32 {
     let mut wins = 0;

@@ -2,14 +2,14 @@
 //! tests the samples of one triangle in one pixel at a time.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x16, i32x16, mask32x16};
+use fearless_simd::{Simd, i32x16, mask32x16};
 
-use super::memory::SampleMemory;
+use super::memory::{InPixel, SampleMemory};
 use crate::backend::cluster::{Size, SmallTriangles};
 use crate::context::FrameContext;
 use crate::conventions::SUBPIXELS;
 use crate::sampling::{MAX_SAMPLES, SampleCells};
-use crate::simd::{LANE_NUMBERS, LANES, append, each3, part, splat, splat_i};
+use crate::simd::{LANE_NUMBERS, LANES, append, each3, part, splat_i};
 use crate::stats::BackEndCounts;
 
 /// The largest number of pixels that 16 triangles can reach.
@@ -30,12 +30,15 @@ pub struct Hits {
     /// The samples that the triangle covers, one bit each.
     covered: [i32; CAPACITY + LANES],
     count: usize,
+    /// Increments of the edge functions from the first cell of a pixel to the cells of its samples, by lane; valid for the
+    /// samples that a pixel has.
+    to_sample: [[[i32; LANES]; 3]; MAX_SAMPLES],
 }
 
 impl Default for Hits {
     fn default() -> Self {
         let zero = [0; CAPACITY + LANES];
-        Self { packed: zero, covered: zero, count: 0 }
+        Self { packed: zero, covered: zero, count: 0, to_sample: [[[0; LANES]; 3]; MAX_SAMPLES] }
     }
 }
 
@@ -58,10 +61,9 @@ impl Hits {
                 let zero = splat_i(simd, 0);
                 let all = splat_i(simd, cells.mask() as i32);
                 let lanes = mask32x16::from_bitmask(simd, u64::from(lanes));
-                // From the first cell of a pixel to those of its samples.
-                let mut to_sample = [[zero; 3]; MAX_SAMPLES];
-                for (to, [x, y]) in to_sample.iter_mut().zip(cells.cells).take(cells.count) {
-                    *to = each3!(K => t.a[K] * x + t.b[K] * y);
+                let to_sample = &mut self.to_sample[..cells.count];
+                for (to, [x, y]) in to_sample.iter_mut().zip(cells.cells) {
+                    *to = each3!(K => (t.a[K] * x + t.b[K] * y).to_array());
                 }
                 let bits = cells.cell_bits();
                 let right = each3!(K => t.a[K] << bits);
@@ -82,8 +84,9 @@ impl Hits {
                             break;
                         }
                         let mut outside = zero;
-                        for (sample, to) in to_sample.iter().enumerate().take(cells.count) {
-                            let any = ((e[0] + to[0]) | (e[1] + to[1])) | (e[2] + to[2]);
+                        for (sample, to) in to_sample.iter().enumerate() {
+                            let at = each3!(K => e[K] + i32x16::load_array_ref(simd, &to[K]));
+                            let any = (at[0] | at[1]) | at[2];
                             // All bits of a negative number, shifted, are set.
                             outside |= (any >> 31) & (1 << sample);
                         }
@@ -127,25 +130,27 @@ impl Hits {
         let from_anchor = [t.from_anchor[0].to_array(), t.from_anchor[1].to_array()];
         let slope = [t.slope[0].to_array(), t.slope[1].to_array()];
         let (base, nearest) = (t.base.to_array(), t.nearest.to_array());
-        let [right, down] = memory.lane_offset.map(|offset| f32x16::load_array(simd, offset));
         let mut samples_covered = 0;
         for (&packed, &covered) in self.packed[..self.count].iter().zip(&self.covered) {
             let lane = (packed >> LANE_SHIFT) as usize % LANES;
             let (column, row) = (packed >> COLUMN_SHIFT & 15, packed >> ROW_SHIFT & 15);
-            let depth = part(
-                simd,
-                #[inline(always)]
-                || {
-                    let dx = right + (from_anchor[0][lane] + column * SUBPIXELS) as f32;
-                    let dy = down + (from_anchor[1][lane] + row * SUBPIXELS) as f32;
-                    let (base, nearest) = (splat(simd, base[lane]), splat(simd, nearest[lane]));
-                    ((dx * slope[0][lane] + dy * slope[1][lane]) + base).max(base).min(nearest)
-                },
-            );
+            let in_pixel = InPixel {
+                pixel: (packed & 0xffff) as usize,
+                covered: covered as u32,
+                slot: first_slot + u32::from(numbers[lane]),
+                from_anchor: [
+                    (from_anchor[0][lane] + column * SUBPIXELS) as f32,
+                    (from_anchor[1][lane] + row * SUBPIXELS) as f32,
+                ],
+                slope: [slope[0][lane], slope[1][lane]],
+                range: [base[lane], nearest[lane]],
+            };
             samples_covered += covered.count_ones();
-            let pixel = (packed & 0xffff) as usize;
-            let slot = first_slot + u32::from(numbers[lane]);
-            memory.write(simd, context, pixel, covered as u32, depth, slot);
+            match memory.count_bits {
+                ..=2 => memory.write_4(simd, context, &in_pixel),
+                3 => memory.write_8(simd, context, &in_pixel),
+                _ => memory.write_16(simd, context, &in_pixel),
+            }
         }
         counts.samples_covered += u64::from(samples_covered);
     }
