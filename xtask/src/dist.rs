@@ -13,8 +13,9 @@ use crate::process::{
     cargo, find_program, host_triple, is_root, run as run_command, rustflags, target_folder,
 };
 
-/// The binary has to stay small enough to send by mail; a jump over this limit needs a known reason.
-const MOST_BYTES: u64 = 10 << 20;
+/// The binary has to stay small enough to send by mail; a jump over this limit needs a known reason. It was 10 MiB before
+/// there were kernels for several samples per pixel, 0.7 MB at four SIMD levels.
+const MOST_BYTES: u64 = 12 << 20;
 
 const PNG_SIGNATURE: &[u8] = b"\x89PNG\r\n\x1a\n";
 
