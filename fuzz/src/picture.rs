@@ -8,7 +8,8 @@ use tercio::mesh::io::input::Input;
 use tercio::mesh::io::prepared;
 use tercio::mesh::{Mesh, OctNormal, ReadError};
 use tercio::raster::{
-    Binning, Cull, Frame, Outputs, Renderer, Settings, Shading, SimdLevel, Sorting, reference,
+    Binning, Cull, Filter, Frame, Outputs, Renderer, SamplePattern, SampleShading, Sampling, Settings,
+    Shading, SimdLevel, Sorting, reference,
 };
 use tercio::scene::{Camera, Framing, Projection, Scene};
 use tercio::{LoadError, LoadOptions, Normals};
@@ -147,11 +148,14 @@ fn camera(scene: &Scene, view: usize) -> Camera {
 
 fn settings(number: usize) -> Settings {
     let outputs = Outputs::ALL;
+    let tent = Sampling { filter: Filter::Tent, ..Sampling::of(SamplePattern::Sparse2) };
+    let by_sample = Sampling { shading: SampleShading::Sample, ..Sampling::of(SamplePattern::Ordered4x4) };
     Settings {
         outputs,
         shading: [Shading::Phong, Shading::Flat, Shading::Gouraud, Shading::Unlit][number / 2 % 4],
         cull: [Cull::Auto, Cull::None, Cull::Back, Cull::Front][number / 8 % 4],
-        ..Settings::one_sample(48, 36)
+        sampling: [Sampling::NONE, Sampling::default(), tent, by_sample][number / 3 % 4],
+        ..Settings::new(48, 36)
     }
 }
 

@@ -97,7 +97,7 @@ impl Plan {
     }
 
     /// Writes the picture, which `draw` draws and writes as PNG; returns its statistics. If `draw` writes nothing, no file
-    /// appears. `None` if the reader of a pipe has closed it.
+    /// appears. If the reader of a pipe closes it, the rest of the picture is drawn, but not written.
     ///
     /// # Errors
     /// A picture that could not be written, or drawn: then for `model`.
@@ -106,21 +106,23 @@ impl Plan {
         model: &str,
         allow_empty: bool,
         draw: impl FnOnce(&mut dyn Write) -> tercio::Result<FrameStats>,
-    ) -> Result<Option<FrameStats>> {
+    ) -> Result<FrameStats> {
         let Some((destination, _)) = &self.picture else { bail!("there is no picture to write") };
-        check(destination)?;
-        let mut file = OutputFile::create(destination).with_context(|| name(destination))?;
-        match draw(&mut file) {
-            Err(tercio::Error::Image(ImageError::Io(error))) if is_broken_pipe(&error) => Ok(None),
-            Err(tercio::Error::Image(error)) => Err(error).with_context(|| name(destination)),
-            Err(error) => Err(error).with_context(|| model.to_owned()),
-            Ok(stats) => {
-                if stats.backend.pixels_visible > 0 || allow_empty {
-                    finish(Some(file), destination)?;
-                }
-                Ok(Some(stats))
+        let mut stats = FrameStats::default();
+        let mut result = Ok(());
+        let file = begin(destination, |out| {
+            match draw(&mut UntilClosed { out, is_closed: false }) {
+                Ok(drawn) => stats = drawn,
+                Err(tercio::Error::Image(error)) => return Err(error),
+                Err(error) => result = Err(error).with_context(|| model.to_owned()),
             }
+            Ok(())
+        })?;
+        result?;
+        if stats.backend.pixels_visible > 0 || allow_empty {
+            finish(file, destination)?;
         }
+        Ok(stats)
     }
 
     /// Writes picture and arrays. Files appear only when all are complete; standard output, pipes and devices receive
@@ -138,6 +140,36 @@ impl Plan {
         }
         let destinations = self.frame_outputs().map(|(_, destination)| destination);
         files.into_iter().zip(destinations).try_for_each(|(file, destination)| finish(file, destination))
+    }
+}
+
+/// Writes until the reader of a pipe closes it, and then nothing.
+struct UntilClosed<'a> {
+    out: &'a mut dyn Write,
+    is_closed: bool,
+}
+
+impl UntilClosed<'_> {
+    fn unless_closed<T>(&mut self, result: io::Result<T>, closed: T) -> io::Result<T> {
+        match result {
+            Err(error) if is_broken_pipe(&error) => {
+                self.is_closed = true;
+                Ok(closed)
+            }
+            other => other,
+        }
+    }
+}
+
+impl Write for UntilClosed<'_> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let written = if self.is_closed { Ok(bytes.len()) } else { self.out.write(bytes) };
+        self.unless_closed(written, bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        let flushed = if self.is_closed { Ok(()) } else { self.out.flush() };
+        self.unless_closed(flushed, ())
     }
 }
 

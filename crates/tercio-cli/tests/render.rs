@@ -142,7 +142,14 @@ fn stats_have_their_keys() {
     keys.into_iter().for_each(|k| assert!(stats.pointer(k).is_some(), "{k} is missing in {stats:#}"));
     assert_eq!(stats["load"]["triangles"], 8);
     assert_eq!(stats["threads"], 2);
-    assert_eq!(stats["picture"], serde_json::json!({ "width": 64, "height": 48, "samples": "4" }));
+    assert_eq!(
+        stats["picture"],
+        serde_json::json!({
+            "width": 64,
+            "height": 48,
+            "anti_aliasing": { "samples": 4, "pattern": "4", "shading": "pixel", "filter": "box" },
+        })
+    );
     if cfg!(target_os = "linux") {
         assert!(stats["peak_memory_bytes"].as_u64().unwrap() > 1 << 20);
     }

@@ -46,7 +46,7 @@ pub fn draw_frame(
     };
     let milliseconds = since_own + earlier as f64 * 1e-6;
     let ranks = all.into_iter().map(|told| told.report).collect();
-    let report = FrameReport::new(task.organisation, task.settings.tile_edge(), milliseconds, ranks);
+    let report = FrameReport::new(task.organisation, task.settings, milliseconds, ranks);
     frame.stats = report.stats();
     Ok(Some(report))
 }

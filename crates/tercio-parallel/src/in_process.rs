@@ -68,7 +68,7 @@ pub fn draw_frames(
         let whole = all.first().map(|first| first.2).zip(begin).map(|(end, begin)| end - begin);
         let milliseconds = whole.map_or(0.0, |whole| whole.as_secs_f64() * 1e3);
         let ranks_of_frame = all.into_iter().map(|rank| rank.0).collect();
-        FrameReport::new(ranks.organisation, settings.tile_edge(), milliseconds, ranks_of_frame)
+        FrameReport::new(ranks.organisation, settings, milliseconds, ranks_of_frame)
     };
     Ok(cameras.iter().map(frame).collect())
 }

@@ -3,8 +3,8 @@
 use std::time::Instant;
 
 use serde::{Deserialize, Serialize};
-use tercio_raster::FrameStats;
 use tercio_raster::stats::{BackEndCounts, FrontEndCounts};
+use tercio_raster::{FrameStats, Settings};
 
 use crate::comm::Traffic;
 use crate::organisation::Organisation;
@@ -60,7 +60,7 @@ pub struct RankStages {
     pub wait: Stage,
 }
 
-/// Counts of a rank's pixels.
+/// Counts of a rank's pixels. Sort-last with several samples per pixel sends and compares samples.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct RankPixels {
@@ -70,7 +70,8 @@ pub struct RankPixels {
     pub compared: u64,
     /// Those of them that were nearer than the pixel in the frame.
     pub won: u64,
-    /// Drawn pixels of this rank's regions in the finished picture.
+    /// Drawn pixels of this rank's regions in the finished picture; those that a filter wider than a pixel alone draws are
+    /// counted by sort-first only.
     pub visible: u64,
 }
 
@@ -108,14 +109,22 @@ pub struct FrameReport {
     pub bytes: u64,
     /// Every rank, in order.
     pub ranks: Vec<RankReport>,
+    /// Samples per pixel.
+    pub samples: u64,
 }
 
 impl FrameReport {
     /// The report of the frame from those of the ranks.
-    pub fn new(organisation: Organisation, region: u32, milliseconds: f64, ranks: Vec<RankReport>) -> Self {
+    pub fn new(
+        organisation: Organisation,
+        settings: &Settings,
+        milliseconds: f64,
+        ranks: Vec<RankReport>,
+    ) -> Self {
+        let (region, samples) = (settings.tile_edge(), settings.sampling.pattern.count() as u64);
         let messages = ranks.iter().map(|r| r.traffic.sent_messages).sum();
         let bytes = ranks.iter().map(|r| r.traffic.sent_bytes).sum();
-        Self { organisation, region, milliseconds, messages, bytes, ranks }
+        Self { organisation, region, milliseconds, messages, bytes, ranks, samples }
     }
 
     /// Number of drawn pixels in the picture.
@@ -136,7 +145,7 @@ impl FrameReport {
         let counts = self.ranks.iter().map(|r| r.frame.backend);
         let mut sum = counts.fold(BackEndCounts::default(), BackEndCounts::plus);
         sum.pixels_visible = self.pixels_visible();
-        stats.backend = sum.finish();
+        stats.backend = sum.finish(self.samples);
         stats.milliseconds.total = self.milliseconds;
         stats.threads = self.ranks.iter().map(|r| r.frame.threads).sum();
         stats

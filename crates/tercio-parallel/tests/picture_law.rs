@@ -227,6 +227,19 @@ fn errors_are_returned_by_the_rank_that_fails() {
         let wide = Settings { width: 0, ..Settings::one_sample(8, 8) };
         let error = draw(ranks, &scene, &camera, &wide).unwrap_err().to_string();
         assert!(error.contains("width must be 1 to"), "{error}");
+        for refused in [
+            Settings { band: Some(0..64), tile_size: Some(64), ..Settings::new(128, 128) },
+            Settings { unresolved: true, ..Settings::new(128, 128) },
+        ] {
+            let error = draw(ranks, &scene, &camera, &refused).unwrap_err().to_string();
+            assert!(error.contains("ranks draw whole pictures"), "{error}");
+        }
+        if organisation == Organisation::SortLast {
+            let sampling = Sampling::of(SamplePattern::Sparse16);
+            let huge = Settings { sampling, ..Settings::new(65536, 65536) };
+            let error = draw(ranks, &scene, &camera, &huge).unwrap_err().to_string();
+            assert!(error.contains("65536x65536 pixels with 16 samples each"), "{error}");
+        }
         let nowhere = Camera { target: camera.eye, ..camera };
         let error = draw(ranks, &scene, &nowhere, &Settings::one_sample(8, 8)).unwrap_err().to_string();
         assert!(error.contains("eye and target"), "{error}");
@@ -243,7 +256,7 @@ proptest! {
         (count, threads, last) in (1usize..10, 1usize..4, any::<bool>()),
         (radii, orthographic) in (0.05f64..4.0, any::<bool>()),
         (tile, cull, shading, sorting) in (0usize..6, 0usize..4, 0usize..4, any::<bool>()),
-        planes in 0u32..64,
+        (planes, samples) in (0u32..128, 0usize..8),
     ) {
         let model = ["builtin:sphere@500", "builtin:teapot@2k", "builtin:soup@300", "builtin:terrain@1k"][model];
         let scene = scene(model, most_triangles);
@@ -263,7 +276,8 @@ proptest! {
                 keys: wants(5),
                 linear: wants(6),
             },
-            ..Settings::one_sample(width, height)
+            sampling: Sampling::of(SamplePattern::ALL[samples.saturating_sub(1)]),
+            ..Settings::new(width, height)
         };
         let organisation = if last { Organisation::SortLast } else { Organisation::SortFirst };
         let camera = camera(&scene, radii, orthographic);

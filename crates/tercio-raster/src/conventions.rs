@@ -16,7 +16,8 @@
 //!   at most 2^24 sub-pixels, as many as `f32` can distinguish.
 //! * **Coverage**: exact integer edge functions and the top-left rule: a sample on an edge belongs to the triangle
 //!   whose top or left edge it is.
-//! * **Visibility**: the larger depth; among equal depths the lower primitive number.
+//! * **Visibility**: the larger depth; among equal depths the lower primitive number; of pieces of one clipped triangle,
+//!   which may overlap after snapping, the one whose mask of the samples that it covers in the pixel is the larger number.
 //! * **Interpolation**: from the farthest corner (the first among equals) for depth, from all three corners for
 //!   attributes; never from the origin of a tile or a block. Normals of corners are normalized in world space before
 //!   they are interpolated.
@@ -24,7 +25,7 @@
 //!   (the triangle's own in flat shading and without vertex normals). It is negated if it is not on the visible side of
 //!   its triangle. If it still points away from the viewer, as can happen at the silhouette of a coarse mesh, it is
 //!   bent towards the viewer until it is perpendicular to the line of sight.
-//! * **Pixels of several samples**: colours are averaged as linear light, premultiplied by alpha, with the background's
+//! * **Pixels of several samples**: colours are averaged as linear light from 0 to 1, premultiplied by alpha, with the background's
 //!   where nothing was drawn; the mean of 2^n samples is a sum of sums of neighbours in the order of the samples. Depth,
 //!   id and normal are those of the sample with the largest key, the first among equals. With a filter wider than a pixel,
 //!   colours (and keys, which tell whether a pixel was drawn) also depend on samples of the neighbours inside the
@@ -53,6 +54,11 @@
 //!   column.
 //! * **Sieve**: the step that drops the triangles of a cluster that reach no sample of a tile and groups the others by
 //!   size. A triangle *reaches* a sample if its bounding box contains it.
+//! * **Cell**: one of the equal squares that a pixel is divided into; samples are in the middle of some of them
+//!   ([`SampleCells`](crate::sampling::SampleCells)).
+//! * **Fragment**: with several samples per pixel, a triangle in a pixel, or at one sample: what is shaded once.
+//! * **Halo**: the pixels around a tile that it draws because its filter needs them.
+//! * **Band**: the rows of a picture that a frame holds.
 //! * **Winner**: a sample at which a triangle passed the depth test.
 //! * **Look**: the shading features that an instance and the settings require.
 //! * **Part**: one of several equal shares of the clusters, or of the entries of a tile.
@@ -64,7 +70,7 @@
 pub const SUBPIXELS: i32 = 256;
 /// log2 of [`SUBPIXELS`].
 pub const SUBPIXEL_BITS: u32 = 8;
-/// Offset of a sample from the upper left corner of its pixel, in sub-pixels, in x and in y.
+/// Offset of the middle of a pixel, its only sample if it has one, from its upper left corner, in sub-pixels, in x and in y.
 pub const SAMPLE: i32 = SUBPIXELS / 2;
 
 /// The guard band: triangles extend at most this many sub-pixels from the middle of the picture; those that extend

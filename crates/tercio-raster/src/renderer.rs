@@ -156,6 +156,7 @@ impl Renderer {
         }
         let settings = context.settings;
         let count = settings.elements_per_pixel();
+        let needs_linear = context.cells.count > 1 || settings.outputs.linear;
         let canvas = Canvas::new(
             frame,
             &settings.outputs,
@@ -163,6 +164,7 @@ impl Renderer {
             &context.grid,
             count,
             settings.height,
+            needs_linear,
         );
         let work = Tiles { context, sorted, canvas: &canvas, level: level(context) };
         let tallies = work.draw::<T>(tiles, &mut self.scratch[..memories]);
@@ -171,7 +173,7 @@ impl Renderer {
         frame.stats = FrameStats {
             frontend: sorted.counts,
             binning: sorted.counts(&context.grid),
-            backend: T::sum(&tallies).finish(),
+            backend: T::sum(&tallies).finish(context.cells.count as u64),
             milliseconds: StageTimes { backend: milliseconds, total: milliseconds, ..StageTimes::default() },
             threads: context.workers,
             simd: settings.simd.unwrap_or_else(SimdLevel::best).name(),

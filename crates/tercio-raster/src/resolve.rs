@@ -46,14 +46,26 @@ pub fn encode([r, g, b, alpha]: [f32; 4]) -> ([u8; 4], [u16; 4]) {
     ([r8, g8, b8, level(255.0) as u8], [r16, g16, b16, level(65535.0) as u16])
 }
 
-/// Resolves a frame of samples ([`Settings::unresolved`]) into the picture that the settings request.
+/// Resolves a frame of samples ([`Settings::unresolved`]) into the picture that the settings request. The frame has keys;
+/// linear colours if the settings request any colour; and depth, ids and normals as the settings request them.
 ///
 /// # Panics
-/// If the frame does not have the size and the planes of these settings.
+/// If the frame does not have the size of these settings or one of these planes, or the settings request samples or a band.
 pub fn resolve_into(samples: &Frame, scene: &Scene, settings: &Settings, frame: &mut Frame) {
     let weights = FilterWeights::new(&settings.sampling);
     let count = settings.sampling.pattern.count();
+    assert!(!settings.unresolved && settings.band.is_none(), "the settings of a whole picture");
     assert_eq!([samples.width, samples.height], [settings.width * count as u32, settings.height]);
+    let Outputs { color, color16, linear, depth, ids, normals, .. } = settings.outputs;
+    let planes = &samples.planes;
+    let all = samples.width as usize * samples.height as usize;
+    let has = |wanted: bool, length: usize| !wanted || length == all;
+    let is_complete = has(true, planes.keys.len())
+        && has(color || color16 || linear, planes.linear.len())
+        && has(depth, planes.depth.len())
+        && has(ids, planes.ids.len())
+        && has(normals, planes.normals.len());
+    assert!(is_complete, "the frame has the planes that the picture needs");
     frame.resize(settings);
     let outputs = &settings.outputs;
     let size = [settings.width, settings.height].map(|n| n as i32);
@@ -62,7 +74,7 @@ pub fn resolve_into(samples: &Frame, scene: &Scene, settings: &Settings, frame: 
         let background = Pixel::of_background(&scene.background, y as u32, settings.height);
         for x in 0..size[0] {
             let pixel = source.pixel([x, y], &weights.taps, &background, outputs);
-            frame.planes.put((y * size[0] + x) as usize, &pixel);
+            frame.planes.put(y as usize * size[0] as usize + x as usize, &pixel);
         }
     }
 }

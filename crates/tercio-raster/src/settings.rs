@@ -1,5 +1,5 @@
-//! The settings of the renderer. Size, culling and shading change the picture; everything else may change only how
-//! fast it is drawn.
+//! The settings of the renderer. Size, culling, shading and sampling change the picture; parts, bands and planes determine
+//! what of it a frame holds; everything else may change only how fast it is drawn.
 
 use std::ops::Range;
 
@@ -153,7 +153,8 @@ pub struct Settings {
     /// below each other are the picture.
     pub band: Option<Range<u32>>,
     /// Keeps the samples: the frame then has as many columns for each pixel as the pixel has samples. For pictures that
-    /// are composed from those of several ranks; [`resolve_into`](crate::resolve_into) makes the picture.
+    /// are composed from those of several ranks; [`resolve_into`](crate::resolve_into) makes the picture, and says which
+    /// planes it needs.
     pub unresolved: bool,
     /// The planes of the frame to draw.
     pub outputs: Outputs,
@@ -294,7 +295,8 @@ impl Settings {
                 return setting("band", range, format!("{band:?}"));
             }
             if self.unresolved {
-                return setting("band", "not together with unresolved samples".into(), format!("{band:?}"));
+                let range = "`None` where samples are kept".to_string();
+                return setting("band", range, format!("{band:?}"));
             }
         }
         if self.clusters.number >= self.clusters.of {

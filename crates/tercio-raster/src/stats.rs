@@ -35,7 +35,12 @@ impl FrameStats {
         Self {
             frontend: self.frontend.plus(o.frontend),
             binning: self.binning.plus(&o.binning),
-            backend: self.backend.plus(o.backend).finish(),
+            backend: {
+                let sum = self.backend.plus(o.backend);
+                let share = |of: &BackEndCounts| of.overdraw * of.pixels_visible as f64;
+                let overdraw = share(&self.backend) + share(&o.backend);
+                BackEndCounts { overdraw: overdraw / sum.pixels_visible.max(1) as f64, ..sum }
+            },
             milliseconds: StageTimes {
                 prepare: a.prepare + b.prepare,
                 frontend: a.frontend + b.frontend,
@@ -180,13 +185,13 @@ counts! {
         pub stamps: u64,
         /// Samples covered by a triangle, hidden or not.
         pub samples_covered: u64,
-        /// Pixels shaded. A pixel of a cluster is shaded as soon as the cluster is drawn, and again if a nearer cluster
-        /// covers it later.
+        /// Pixels shaded; with several samples per pixel, triangles shaded in pixels (or samples). A pixel of a cluster is
+        /// shaded as soon as the cluster is drawn, and again if a nearer cluster covers it later.
         pub pixels_shaded: u64,
         /// Pixels that show a triangle.
         pub pixels_visible: u64,
     } and {
-        /// Samples covered per visible pixel.
+        /// Samples covered per sample of the visible pixels.
         pub overdraw: f64,
     }
 }
@@ -212,9 +217,9 @@ fn level_name<'de, D: Deserializer<'de>>(from: D) -> Result<LevelName, D::Error>
 }
 
 impl BackEndCounts {
-    /// Fills in the fields that are derived from the sums.
-    pub fn finish(self) -> Self {
-        Self { overdraw: ratio(self.samples_covered, self.pixels_visible), ..self }
+    /// Fills in the fields that are derived from the sums, of a picture with this many samples per pixel.
+    pub fn finish(self, samples: u64) -> Self {
+        Self { overdraw: ratio(self.samples_covered, self.pixels_visible * samples), ..self }
     }
 }
 

@@ -61,7 +61,7 @@ pub struct Counted {
 /// least one), by drawing it. The picture is discarded.
 ///
 /// # Errors
-/// As [`Renderer::render`].
+/// As [`Renderer::render`]; [`RenderError::Setting`] for several samples per pixel, whose work is not counted.
 pub fn count(
     scene: &Scene,
     camera: &Camera,
@@ -82,6 +82,11 @@ pub fn count_into(
     workers: usize,
     frame: &mut Frame,
 ) -> Result<Counted, RenderError> {
+    let pattern = settings.sampling.pattern;
+    if pattern.count() > 1 {
+        let range = "1: work is counted for pictures with one sample per pixel".into();
+        return Err(RenderError::Setting { what: "samples", range, value: pattern.to_string() });
+    }
     let context = FrameContext::new(scene, camera, settings, workers)?;
     frame.resize(settings);
     let (mut renderer, mut sorted) = (Renderer::new(), Sorted::default());

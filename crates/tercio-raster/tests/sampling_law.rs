@@ -4,10 +4,10 @@ mod common;
 
 use common::*;
 use glam::DVec3;
-use tercio_mesh::Mesh;
+use tercio_mesh::{Mesh, OctNormal};
 use tercio_raster::{
-    Cull, Filter, Frame, Outputs, SamplePattern, SampleShading, Sampling, Settings, Shading, SimdLevel,
-    Sorting, resolve_into,
+    Cull, Filter, Frame, LastStage, Outputs, Renderer, SamplePattern, SampleShading, Sampling, Settings,
+    Shading, SimdLevel, Sorting, resolve_into,
 };
 use tercio_scene::{Background, Camera, Projection};
 
@@ -96,16 +96,31 @@ fn many_layers() {
         mesh.normals.as_mut().expect("normals").extend(small.normals.iter().flatten());
         mesh.triangles.extend(small.triangles.iter().map(|t| t.map(|v| v + first)));
     }
+    // Triangles so large that they are binned one by one, between the layers.
+    let first = mesh.positions.len() as u32;
+    for far in [0.05, 0.15, 0.2501] {
+        let (corner, reach) = (mesh.positions.len() as u32, 4000.0);
+        mesh.positions.extend([[-reach, -0.3, far], [reach, -0.9, far], [0.1, 0.2, far]]);
+        mesh.triangles.push([corner, corner + 1, corner + 2]);
+    }
+    let upwards = OctNormal::encode([0.0, 0.0, 1.0]);
+    mesh.normals.as_mut().expect("normals").resize(mesh.positions.len(), upwards);
+    assert!(mesh.positions.len() as u32 > first);
     let plain = scene(&mesh);
     let camera = Camera { up: DVec3::Y, ..orthographic([0.0, 0.0, 5.0], [0.0; 3], 2.0) };
-    let sampling = Sampling::of(SamplePattern::Sparse2);
-    let settings = Settings { sampling, tile_size: Some(8), ..everything(24, 24) };
-    let expected = draw_reference(&mesh, &plain, &camera, &settings);
-    for sorting in [Sorting::Clusters, Sorting::Triangles] {
-        for threads in [1, 3] {
-            let s = Settings { sorting, ..settings.clone() };
-            let found = with_threads(threads, || draw(&plain, &camera, &s));
-            assert_same(&expected, &found, &format!("{sorting:?}, {threads} threads"));
+    for sampling in [
+        Sampling::of(SamplePattern::Sparse2),
+        Sampling { shading: SampleShading::Sample, ..Sampling::of(SamplePattern::Sparse4) },
+        Sampling { filter: Filter::Tent, ..Sampling::of(SamplePattern::Sparse8) },
+    ] {
+        let settings = Settings { sampling, tile_size: Some(8), ..everything(24, 24) };
+        let expected = draw_reference(&mesh, &plain, &camera, &settings);
+        for sorting in [Sorting::Clusters, Sorting::Triangles] {
+            for threads in [1, 3] {
+                let s = Settings { sorting, ..settings.clone() };
+                let found = with_threads(threads, || draw(&plain, &camera, &s));
+                assert_same(&expected, &found, &format!("{sampling:?}, {sorting:?}, {threads} threads"));
+            }
         }
     }
 }
@@ -268,7 +283,9 @@ fn coverage_converges_to_the_area() {
                 let pixel = [(index % 32) as f64, (index / 32) as f64];
                 let area = area_in_pixel(&corners, pixel);
                 let error = (f64::from(linear[0]) - area).abs();
-                assert!(error <= 3.0 * bound + 1e-6, "{pattern}: {} of {area}, {bound}", linear[0]);
+                // Three times the bound of one or two samples is more than a pixel.
+                let is_close = 3.0 * bound >= 1.0 || error <= 3.0 * bound + 1e-6;
+                assert!(is_close, "{pattern}: {} of {area}, {bound}", linear[0]);
                 if area > 1e-9 && area < 1.0 - 1e-9 {
                     errors += error;
                     pixels += 1;
@@ -313,4 +330,97 @@ fn bands_make_up_the_picture() {
     let wrong =
         |band| Settings { band: Some(band), tile_size: Some(16), ..everything(99, 83) }.check().is_err();
     assert!(wrong(8..32) && wrong(0..20) && wrong(16..16) && wrong(64..96) && !wrong(80..83));
+}
+
+/// Colours only, for which the averages have code of their own, with every sampling.
+#[test]
+fn colours_only_with_every_sampling() {
+    let mesh = sphere(20);
+    let plain = scene(&mesh);
+    let camera = perspective([1.0, 2.0, 3.0], [0.0; 3], 35.0);
+    for sampling in all_samplings() {
+        let settings = Settings { sampling, ..Settings::new(70, 50) };
+        let expected = draw_reference(&mesh, &plain, &camera, &settings);
+        assert_same(&expected, &draw(&plain, &camera, &settings), &format!("{sampling:?}"));
+    }
+}
+
+/// The largest tiles, with neighbours on all sides.
+#[test]
+fn large_tiles() {
+    let mesh = soup(3_000, 12);
+    let plain = scene(&mesh);
+    let camera = perspective([0.1, 0.2, 0.3], [1.0, 0.0, -1.0], 75.0);
+    for pattern in [SamplePattern::Sparse2, SamplePattern::Sparse16] {
+        let sampling = Sampling { filter: Filter::Tent, ..Sampling::of(pattern) };
+        let settings = Settings { sampling, tile_size: Some(128), ..everything(390, 270) };
+        let expected = draw_reference(&mesh, &plain, &camera, &settings);
+        for sorting in [Sorting::Clusters, Sorting::Triangles] {
+            let s = Settings { sorting, ..settings.clone() };
+            assert_same(&expected, &draw(&plain, &camera, &s), &format!("{pattern}, {sorting:?}"));
+        }
+    }
+}
+
+/// Pictures as wide, and as high, as they may be: the guard band is their border.
+#[test]
+fn the_largest_sizes() {
+    let mesh = soup(400, 13);
+    let plain = scene(&mesh);
+    for (width, height, camera) in [
+        (65536, 3, orthographic([0.2, 0.3, 0.5], [0.0; 3], 1e-4)),
+        (3, 65536, orthographic([0.2, 0.3, 0.5], [0.0; 3], 2.0)),
+        (65536, 3, perspective([0.1, 0.2, 0.3], [1.0, 0.0, -1.0], 0.01)),
+        (3, 65536, perspective([0.1, 0.2, 0.3], [1.0, 0.0, -1.0], 110.0)),
+    ] {
+        for sampling in [Sampling::NONE, Sampling::default(), Sampling::of(SamplePattern::Sparse16)] {
+            let settings = Settings { sampling, ..everything(width, height) };
+            let expected = draw_reference(&mesh, &plain, &camera, &settings);
+            let found = draw(&plain, &camera, &settings);
+            assert!(found.stats.backend.pixels_visible > 5_000, "{}", found.stats.backend.pixels_visible);
+            assert_same(&expected, &found, &format!("{width}x{height}, {sampling:?}"));
+        }
+    }
+    assert!(everything(65537, 1).check().is_err() && everything(1, 65537).check().is_err());
+}
+
+/// The memory of a renderer is reused for other patterns, filters, planes, sizes and bands.
+#[test]
+fn frames_do_not_affect_later_frames() {
+    let mesh = soup(2_000, 14);
+    let plain = scene(&mesh);
+    let camera = perspective([0.5, 1.0, 3.0], [0.0; 3], 40.0);
+    let (mut renderer, mut frame, mut random) = (Renderer::new(), Frame::default(), Random(15));
+    let samplings: Vec<Sampling> = all_samplings().collect();
+    for turn in 0..60 {
+        let mut pick = |count: usize| (random.next() * count as f64) as usize;
+        let edge = [8, 16, 64][pick(3)];
+        let settings = Settings {
+            sampling: samplings[pick(samplings.len())],
+            outputs: [Outputs::ALL, Outputs::default(), Outputs { depth: true, ..Outputs::NONE }][pick(3)],
+            tile_size: Some(edge),
+            sorting: [Sorting::Clusters, Sorting::Triangles][pick(2)],
+            band: [None, Some(0..64)][pick(2)].clone(),
+            ..Settings::new(30 + pick(60) as u32, 65 + pick(40) as u32)
+        };
+        renderer.render_into(&plain, &camera, &settings, &mut frame).expect("a picture");
+        assert_same(&draw(&plain, &camera, &settings), &frame, &format!("turn {turn}: {settings:?}"));
+    }
+}
+
+/// Measurements stop after any stage.
+#[test]
+fn every_last_stage() {
+    let mesh = soup(2_000, 16);
+    let plain = scene(&mesh);
+    let camera = perspective([0.5, 1.0, 3.0], [0.0; 3], 40.0);
+    let whole = draw(&plain, &camera, &Settings::new(200, 150)).stats.backend;
+    use LastStage as L;
+    for last_stage in [L::Cull, L::Bin, L::Sieve, L::Visibility, L::Output] {
+        let settings = Settings { last_stage, ..Settings::new(200, 150) };
+        let counts = draw(&plain, &camera, &settings).stats.backend;
+        assert_eq!(counts.triangles_drawn > 0, last_stage >= L::Sieve);
+        assert_eq!(counts.pixels_visible, if last_stage >= L::Visibility { whole.pixels_visible } else { 0 });
+        assert_eq!(counts.pixels_shaded > 0, last_stage == L::Output);
+    }
 }

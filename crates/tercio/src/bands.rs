@@ -3,12 +3,18 @@
 use std::io::Write;
 
 use tercio_mesh::Progress;
+use tercio_raster::binning::Sorted;
+use tercio_raster::context::FrameContext;
+use tercio_raster::stats::FrontEndCounts;
 use tercio_raster::{Frame, FrameStats, Outputs, Renderer, Settings};
 use tercio_scene::{Background, Camera, Scene};
 
 use crate::Result;
 use crate::image::Picture;
 use crate::image::png::write_parts;
+
+/// Pixels along the edge of the largest tile.
+const LARGEST_TILE: u32 = 128;
 
 /// Pixels of a band, approximately. Every band costs another pass over the clusters of the scene.
 const BAND_PIXELS: u64 = 1 << 23;
@@ -20,14 +26,14 @@ pub const MAX_PIXELS_IN_MEMORY: u64 = 1 << 26;
 /// as PNG. Memory is bounded whatever the height: a band of about 8 million pixels. The settings request 8-bit or
 /// 16-bit colours.
 ///
-/// Returns the statistics, summed over the bands; clusters are counted in each band that tests them. If nothing is
-/// visible in any band, nothing is written, unless `allow_empty`.
+/// Returns the statistics, summed over the bands; the front end is counted once. If nothing is visible in any band,
+/// nothing is written, unless `allow_empty`.
 ///
 /// # Errors
 /// As [`Renderer::render`], and errors of `out`.
 ///
 /// # Panics
-/// If the settings request neither 8-bit nor 16-bit colours, or any other plane.
+/// If the settings request anything but either 8-bit or 16-bit colours.
 pub fn write_png_in_bands(
     scene: &Scene,
     camera: &Camera,
@@ -43,45 +49,60 @@ pub fn write_png_in_bands(
     if let Some(progress) = progress {
         progress.begin("drawing and writing", bands.len() as u64);
     }
-    let (mut renderer, mut frame, mut stats) = (Renderer::new(), Frame::default(), None);
-    let mut draw = |number: usize, is_first_time: bool, frame: &mut Frame| -> Result<()> {
+    let frontend = front_end_counts(scene, camera, settings)?;
+    let (mut renderer, mut frame) = (Renderer::new(), Frame::default());
+    let mut stats: Option<FrameStats> = None;
+    let mut draw = |number: usize, frame: &mut Frame| -> Result<()> {
         renderer.render_into(scene, camera, &bands[number], frame)?;
-        if is_first_time {
-            stats = Some(match stats.take() {
-                None => frame.stats.clone(),
-                Some(before) => FrameStats::plus(&before, &frame.stats),
-            });
-            if let Some(progress) = progress {
-                progress.advance(1);
-            }
-        }
         Ok(())
     };
-    // The file begins when the first band with something visible is drawn; the bands before it are then drawn again.
+    let mut count = |frame: &Frame| {
+        stats = Some(match stats.take() {
+            None => frame.stats.clone(),
+            Some(before) => before.plus(&frame.stats),
+        });
+        if let Some(progress) = progress {
+            progress.advance(1);
+        }
+    };
+    // The file begins when something visible is drawn; the empty bands before it are then drawn again.
     let mut drawn = 0;
-    while drawn < bands.len() {
-        draw(drawn, true, &mut frame)?;
+    while drawn < bands.len() && !allow_empty {
+        draw(drawn, &mut frame)?;
+        count(&frame);
         drawn += 1;
         if frame.stats.backend.pixels_visible > 0 {
             break;
         }
     }
-    if frame.stats.backend.pixels_visible > 0 || allow_empty {
+    if allow_empty || frame.stats.backend.pixels_visible > 0 {
         let size = [settings.width, settings.height];
         write_parts(out, size, is_opaque(&scene.background), color16, |write| -> Result<()> {
-            let mut other = Frame::default();
             for number in 0..bands.len() {
-                if number + 1 == drawn {
-                    write(&Picture::from_frame(&frame))?;
-                    continue;
+                let is_in_frame = (drawn, number) == (1, 0);
+                if !is_in_frame {
+                    draw(number, &mut frame)?;
                 }
-                draw(number, number >= drawn, &mut other)?;
-                write(&Picture::from_frame(&other))?;
+                if number >= drawn {
+                    count(&frame);
+                }
+                write(&Picture::from_frame(&frame))?;
             }
             Ok(())
         })?;
     }
-    Ok(stats.unwrap_or_default())
+    let mut stats = stats.unwrap_or_default();
+    stats.frontend = frontend;
+    Ok(stats)
+}
+
+/// The counts of the front end of a whole picture; those of its bands count what is in other bands, too.
+fn front_end_counts(scene: &Scene, camera: &Camera, settings: &Settings) -> Result<FrontEndCounts> {
+    let settings = Settings { tile_size: Some(LARGEST_TILE), ..settings.clone() };
+    let context = FrameContext::new(scene, camera, &settings, rayon::current_num_threads())?;
+    let mut sorted = Sorted::default();
+    Renderer::new().sort(&context, &mut sorted);
+    Ok(sorted.front_end_counts())
 }
 
 /// The settings of each band.
@@ -97,10 +118,10 @@ fn bands(settings: &Settings) -> Vec<Settings> {
         .collect()
 }
 
-/// Bytes of the pixels of the largest band.
+/// Bytes of memory that drawing in bands takes: the pixels of the largest band, and their copy for the encoder.
 pub fn band_bytes(settings: &Settings) -> u64 {
     let rows = bands(settings).iter().map(|band| band.rows().len() as u64).max().unwrap_or(0);
-    rows * u64::from(settings.width) * settings.outputs.pixel_bytes() as u64
+    2 * rows * u64::from(settings.width) * settings.outputs.pixel_bytes() as u64
 }
 
 fn is_opaque(background: &Background) -> bool {
@@ -115,6 +136,7 @@ mod tests {
     use tercio_raster::{Filter, Sampling};
 
     use super::*;
+    use crate::ImageError;
 
     /// A wide picture of 40 rows of tiles in bands equals the whole one.
     #[test]
@@ -139,6 +161,63 @@ mod tests {
             assert!(
                 Picture::from_bytes(&file).expect("a PNG") == Picture::from_frame(&frame),
                 "{sampling:?}"
+            );
+        }
+    }
+
+    /// Empty bands before the model are drawn twice, but counted once.
+    #[test]
+    fn a_model_in_the_last_band_only() {
+        let mesh = crate::load("builtin:sphere@1k").expect("a model").mesh;
+        let scene = Scene::from_mesh(mesh);
+        let settings = Settings::one_sample(6000, 4200);
+        let mut camera = settings.framing().camera_for_scene(&scene);
+        let up = camera.up * scene.bounds().radius() * 2.2;
+        (camera.eye, camera.target) = (camera.eye + up, camera.target + up);
+        let progress = Progress::default();
+        let mut file = Vec::new();
+        let stats = write_png_in_bands(&scene, &camera, &settings, false, Some(&progress), &mut file);
+        let stats = stats.expect("a picture");
+        let frame = Renderer::new().render(&scene, &camera, &settings).expect("a picture");
+        let first =
+            frame.planes.color.iter().position(|c| *c != frame.planes.color[0]).expect("a pixel") / 6000;
+        assert!(first > 3000 && bands(&settings).len() > 2, "visible from row {first} on");
+        assert!(Picture::from_bytes(&file).expect("a PNG") == Picture::from_frame(&frame));
+        assert_eq!(stats.frontend, frame.stats.frontend);
+        assert_eq!(stats.backend.pixels_visible, frame.stats.backend.pixels_visible);
+        let (_, done, total) = progress.state();
+        assert_eq!((done, total), (3, 3));
+    }
+
+    /// The encoder of a stream would hide the error of the last chunk, and change the kind of the others.
+    #[test]
+    fn errors_of_the_file_are_reported() {
+        struct Full(usize);
+        impl Write for Full {
+            fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+                if self.0 < bytes.len() {
+                    return Err(std::io::ErrorKind::StorageFull.into());
+                }
+                self.0 -= bytes.len();
+                Ok(bytes.len())
+            }
+            fn flush(&mut self) -> std::io::Result<()> {
+                Ok(())
+            }
+        }
+        let mesh = crate::load("builtin:sphere@1k").expect("a model").mesh;
+        let scene = Scene::from_mesh(mesh);
+        let settings = Settings::one_sample(900, 700);
+        let camera = settings.framing().camera_for_scene(&scene);
+        let write = |out: &mut dyn Write| write_png_in_bands(&scene, &camera, &settings, false, None, out);
+        let mut file = Vec::new();
+        write(&mut file).expect("a picture");
+        for room in [0, 20, 100, file.len() / 2, file.len() - 20, file.len() - 1] {
+            let error = write(&mut Full(room)).expect_err("no room");
+            let is_full = |e: &std::io::Error| e.kind() == std::io::ErrorKind::StorageFull;
+            assert!(
+                matches!(&error, crate::Error::Image(ImageError::Io(e)) if is_full(e)),
+                "{error}, {room}"
             );
         }
     }

@@ -53,13 +53,15 @@ impl Case {
                 mesh.normals = None;
                 write(&mesh, &folder.join(file))?;
                 let arguments =
-                    [&["render", file, "-o", "picture.ppm", "--size", "8x8"], &FIXED[..]].concat();
+                    [&["render", file, "-o", "picture.ppm", "--size", "8x8", "--aa", "1"], &FIXED[..]]
+                        .concat();
                 Ok(vec![(name.clone(), callgrind::count(tercio, &arguments, folder).context(name)?)])
             }
             Self::Png { model, size } => {
                 let name = format!("PNG of {size} of {model}");
                 let arguments =
-                    [&["render", model, "-o", "picture.png", "--size", size], &FIXED[..]].concat();
+                    [&["render", model, "-o", "picture.png", "--size", size, "--aa", "1"], &FIXED[..]]
+                        .concat();
                 Ok(vec![(name.clone(), callgrind::count(tercio, &arguments, folder).context(name)?)])
             }
         }

@@ -1,6 +1,8 @@
 //! Options of anti-aliasing.
 
+use clap::builder::PossibleValue;
 use clap::{Args, ValueEnum};
+use serde_json::{Value, json};
 use tercio::raster::{Filter, SamplePattern, SampleShading, Sampling};
 
 /// How often a triangle is shaded in a pixel.
@@ -25,11 +27,14 @@ enum FilterName {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Anti-aliasing")]
 pub struct SamplingArgs {
-    /// Samples per pixel: 1, 2, 4, 8 or 16, well spread; 2x2 or 4x4 on a grid. With several, depths, ids and normals are
-    /// those of the nearest sample; with 1, those at the centre of the pixel.
-    #[arg(long, value_name = "N", default_value_t = SamplePattern::default())]
+    /// Samples per pixel: 1, 2, 4, 8 or 16, well spread; 2x2 or 4x4 on a grid.
+    ///
+    /// Colours are averaged in linear light, from 0 to 1; alpha, too, and colours are not multiplied by it. Depths and
+    /// ids of a pixel with several samples are those of the nearest sample, normals those that its triangle is shaded
+    /// with; with 1 sample, all are those at the centre of the pixel.
+    #[arg(long, value_name = "N", allow_hyphen_values = true, default_value_t = SamplePattern::default())]
     aa: SamplePattern,
-    /// How often a triangle is shaded in a pixel.
+    /// How often a triangle is shaded in a pixel; changes --output-normals, too.
     #[arg(long, value_name = "HOW", value_enum, default_value_t = ShadingName::Pixel)]
     aa_shading: ShadingName,
     /// How samples become pixels.
@@ -49,6 +54,17 @@ impl SamplingArgs {
             FilterName::Tent => Filter::Tent,
         };
         Sampling { pattern: self.aa, shading, filter }
+    }
+
+    /// The requested anti-aliasing, for reports.
+    pub fn json(&self) -> Value {
+        let name = |value: Option<PossibleValue>| value.map(|value| value.get_name().to_owned());
+        json!({
+            "samples": self.aa.count(),
+            "pattern": self.aa.name(),
+            "shading": name(self.aa_shading.to_possible_value()),
+            "filter": name(self.aa_filter.to_possible_value()),
+        })
     }
 
     /// Options that have no effect with one sample are reported as a mistake.

@@ -212,7 +212,7 @@ impl Bench {
                 "simd": last.simd,
                 "toss": self.toss.map(StageName::name),
                 "look": self.look.name(),
-                "samples": self.sampling.sampling().pattern.name(),
+                "anti_aliasing": self.sampling.json(),
                 "tile_size": last.tile_size,
                 "million_triangles_per_second": rate,
                 "stages": { "frontend": front.json(), "backend": back.json() },

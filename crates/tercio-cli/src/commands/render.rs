@@ -166,11 +166,10 @@ impl Render {
             write_png_in_bands(&scene, &camera, settings, allow_empty, progress, out)
         })?;
         let (width, height) = self.drawing.size;
-        let was_read = stats.is_some();
-        let frame = Frame { width, height, stats: stats.unwrap_or_default(), ..Frame::default() };
+        let frame = Frame { width, height, stats, ..Frame::default() };
         let all = begin.elapsed().as_secs_f64() * 1e3;
         let output_milliseconds = (all - frame.stats.milliseconds.total).max(0.0);
-        let empty = was_read.then(|| self.reason(&report, &camera, &frame)).flatten();
+        let empty = self.reason(&report, &camera, &frame);
         Ok(Done { report, camera, frame, parallel: None, output_milliseconds, empty })
     }
 
@@ -328,7 +327,7 @@ impl Render {
             "picture": {
                 "width": done.frame.width,
                 "height": done.frame.height,
-                "samples": self.sampling.sampling().pattern.name(),
+                "anti_aliasing": self.sampling.json(),
             },
             "frame": serde_json::to_value(&done.frame.stats)?,
             "parallel": done.parallel,

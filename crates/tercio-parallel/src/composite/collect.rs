@@ -26,10 +26,9 @@ pub fn collect(
     if rank > 0 {
         let mut message = comm.buffer(0);
         report.pixels.visible += stages.collect.time(|| {
-            let one = regions.columns_per_pixel == 1;
             let pack_region = |region: Region| {
-                let packed = pack(frame, &region, planes, &mut message);
-                if one { packed } else { shown(frame, &region, regions) }
+                pack(frame, &region, planes, &mut message);
+                shown(frame, &region, regions)
             };
             regions.of(rank).map(pack_region).sum::<u64>()
         });

@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use serde::Serialize;
-use tercio_raster::{Frame, Outputs, Part, Renderer, Settings, TileSet};
+use tercio_raster::{Frame, Outputs, Part, RenderError, Renderer, Settings, TileSet};
 use tercio_scene::{Camera, Scene};
 
 use crate::comm::Communicator;
@@ -63,7 +63,8 @@ pub struct Task<'a> {
     pub scene: &'a Scene,
     /// The camera.
     pub camera: &'a Camera,
-    /// The settings. The organisation chooses the parts: those in the settings are ignored.
+    /// The settings. The organisation chooses the parts: those in the settings are ignored. Bands, and frames that keep
+    /// samples, are refused.
     pub settings: &'a Settings,
 }
 
@@ -102,6 +103,7 @@ impl Rank {
         let before = comm.traffic();
         let mut report = RankReport { rank: comm.rank(), ..RankReport::default() };
         task.settings.check()?;
+        refuse_parts(task.settings)?;
         let regions = Regions {
             width: task.settings.width,
             height: task.settings.height,
@@ -146,6 +148,18 @@ impl Rank {
         report.stages.draw = stage;
         report.frame = frame.stats.clone();
         Ok(())
+    }
+}
+
+/// Ranks draw whole pictures.
+fn refuse_parts(settings: &Settings) -> Result<(), RenderError> {
+    let refused = |what, value: String| {
+        Err(RenderError::Setting { what, range: "not set: ranks draw whole pictures".into(), value })
+    };
+    match &settings.band {
+        Some(band) => refused("band", format!("{band:?}")),
+        None if settings.unresolved => refused("unresolved", "true".into()),
+        None => Ok(()),
     }
 }
 

@@ -31,7 +31,7 @@ pub(super) fn draw(
         return Ok(());
     }
     if task.settings.sampling.pattern.count() > 1 {
-        return draw_samples(own, comm, task, regions, frame, report);
+        return draw_samples(own, comm, task, regions, (part, sees), frame, report);
     }
     own.draw_part(task, (part, TileSet::ALL), frame, report)?;
     let planes = Outputs { keys: true, ..task.settings.outputs };
@@ -45,12 +45,10 @@ fn draw_samples(
     comm: &mut impl Communicator,
     task: &Task,
     regions: &Regions,
+    (part, sees): (Part, impl Fn(usize) -> bool),
     frame: &mut Frame,
     report: &mut RankReport,
 ) -> Result<(), ParallelError> {
-    let part = share(comm);
-    let clusters = clusters_of(task.scene);
-    let sees = |rank: usize| !Part { number: rank as u32, ..part }.range(clusters).is_empty();
     let Settings { width, height, .. } = *task.settings;
     let wanted = task.settings.outputs;
     let has_color = wanted.color || wanted.color16 || wanted.linear;
@@ -59,7 +57,7 @@ fn draw_samples(
     let columns_per_pixel = settings.elements_per_pixel();
     // Packets number the samples of a picture with 32 bits.
     let samples = u64::from(width) * u64::from(height) * u64::from(columns_per_pixel);
-    if samples > u64::from(u32::MAX) {
+    if samples > 1 << 32 {
         return Err(ParallelError::Samples { width, height, samples: columns_per_pixel });
     }
     let regions = Regions { columns_per_pixel, ..*regions };

@@ -16,9 +16,9 @@ use crate::view::ObjectView;
 /// Up to 16 pixels of one instance, the input of the shading kernel.
 #[derive(Debug, Default)]
 pub struct Fragments {
-    /// Number of lanes in use; the others repeat the first.
+    /// Number of lanes in use; the others repeat one of these.
     pub count: usize,
-    /// Sample indices.
+    /// Places of the pixels in the tile memory: with one sample per pixel, sample indices.
     pub place: [i32; LANES],
     /// Slots of the triangles.
     pub slot: [u32; LANES],

@@ -56,6 +56,8 @@ struct Head {
     shift: u32,
     columns: u32,
     rows: u32,
+    first_row: u32,
+    halo: u32,
     /// Number of tiles with entries.
     tiles: u32,
     /// Number of triangles, each counted once.
@@ -157,6 +159,8 @@ impl Sorted {
             shift: grid.shift,
             columns: grid.columns,
             rows: grid.rows,
+            first_row: grid.first_row,
+            halo: grid.halo,
             tiles: count(heads.len()),
             triangles: count(triangles.len()),
             triangle_entries: count(entries.len()),

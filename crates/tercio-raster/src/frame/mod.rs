@@ -21,9 +21,9 @@ pub fn visibility_key(depth: f32, primitive: u32) -> u64 {
 /// A finished picture.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Frame {
-    /// Width in pixels.
+    /// Width in pixels; of a frame that keeps samples, in samples.
     pub width: u32,
-    /// Height in pixels.
+    /// Height in pixels: that of the picture, or of a band of it.
     pub height: u32,
     /// Its planes, row by row, the upper left pixel first; those that were not requested are empty.
     pub planes: Planes,

@@ -128,8 +128,12 @@ macro_rules! planes {
         impl Pixel {
             /// The background pixel of row `y` in a picture of this height.
             pub fn of_background(background: &Background, y: u32, height: u32) -> Self {
-                let row = BackgroundRow::new(background, y, height);
-                Self { $($name: { let $row = &row; let _ = $row; $background },)* }
+                let row = BackgroundRow::new(background, y, height, true);
+                Self::of_row(&row)
+            }
+
+            fn of_row(row: &BackgroundRow) -> Self {
+                Self { $($name: { let $row = row; let _ = $row; $background },)* }
             }
         }
 
@@ -187,8 +191,8 @@ planes! {
     color16: [u16; 4], wanted: false, background: row => row.level(65535.0).map(|c| c as u16);
     /// Distance from the eye along the line of sight in world units; infinite where nothing was drawn.
     depth: f32, wanted: false, background: _row => f32::INFINITY;
-    /// Linear RGB light and alpha, the colour multiplied by alpha.
-    linear: [f32; 4], wanted: false, background: row => row.linear();
+    /// Linear RGB light, clamped to the range from 0 to 1, and alpha; the colour is multiplied by alpha.
+    linear: [f32; 4], wanted: false, background: row => row.linear;
     /// Number of the visible input face (polygon), counted through the instances in order;
     /// [`NO_PRIMITIVE`] where nothing was drawn.
     ids: u32, wanted: false, background: _row => NO_PRIMITIVE;
@@ -198,28 +202,33 @@ planes! {
 }
 
 /// The background of a row. Gradients are interpolated in sRGB, as graphics programs do.
-struct BackgroundRow([f32; 4]);
+struct BackgroundRow {
+    /// sRGB and alpha, not premultiplied.
+    color: [f32; 4],
+    /// Premultiplied linear light, or zero if it is not needed: it takes longer than a row of pixels.
+    linear: [f32; 4],
+}
 
 impl BackgroundRow {
-    fn new(background: &Background, y: u32, height: u32) -> Self {
-        Self(match *background {
+    fn new(background: &Background, y: u32, height: u32, needs_linear: bool) -> Self {
+        let color = match *background {
             Background::Solid(color) => color,
             Background::Gradient { top, bottom } => {
                 let t = (y as f32 + 0.5) / height as f32;
                 std::array::from_fn(|k| top[k] + (bottom[k] - top[k]) * t)
             }
-        })
-    }
-
-    /// Premultiplied linear light.
-    fn linear(&self) -> [f32; 4] {
-        let [r, g, b, alpha] = self.0.map(|c| c.clamp(0.0, 1.0));
-        let [r, g, b] = [r, g, b].map(|c| color::decode(f64::from(c)) as f32 * alpha);
-        [r, g, b, alpha]
+        };
+        let mut linear = [0.0; 4];
+        if needs_linear {
+            let [r, g, b, alpha] = color.map(|c| c.clamp(0.0, 1.0));
+            let [r, g, b] = [r, g, b].map(|c| color::decode(f64::from(c)) as f32 * alpha);
+            linear = [r, g, b, alpha];
+        }
+        Self { color, linear }
     }
 
     fn level(&self, most: f32) -> [f32; 4] {
-        self.0.map(|c| c.clamp(0.0, 1.0) * most + 0.5)
+        self.color.map(|c| c.clamp(0.0, 1.0) * most + 0.5)
     }
 }
 
@@ -279,7 +288,8 @@ pub struct CanvasTile<'a> {
 
 impl<'a> Canvas<'a> {
     /// A canvas of a frame whose planes have been resized. It has `count` elements per pixel, side by side, and holds the
-    /// rows of a picture of height `height` that the grid divides.
+    /// rows of a picture of height `height` that the grid divides. The linear colour of the background is valid if
+    /// `needs_linear`.
     pub fn new(
         frame: &'a mut Frame,
         outputs: &Outputs,
@@ -287,6 +297,7 @@ impl<'a> Canvas<'a> {
         grid: &TileGrid,
         count: u32,
         height: u32,
+        needs_linear: bool,
     ) -> Self {
         let first_row = grid.first_row << grid.shift;
         let rows = first_row..first_row + frame.height;
@@ -297,7 +308,9 @@ impl<'a> Canvas<'a> {
             size: [frame.width / count, height],
             count,
             first_row,
-            background: rows.map(|y| Pixel::of_background(background, y, height)).collect(),
+            background: rows
+                .map(|y| Pixel::of_row(&BackgroundRow::new(background, y, height, needs_linear)))
+                .collect(),
             claimed: (0..grid.count()).map(|_| AtomicBool::new(false)).collect(),
         }
     }

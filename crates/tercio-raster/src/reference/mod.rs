@@ -65,8 +65,10 @@ pub fn render(
             let mut draw = |corners: [ScreenVertex; 3]| {
                 rasterize(corners, object.mirrored, settings, |[x, y], sample, covered, depth| {
                     let old = &mut samples[(y * width + x) * cells.count + sample];
-                    // Triangles are drawn in the order of their numbers, so among equal depths the first one stays.
-                    if depth > old.depth {
+                    // Triangles are drawn in the order of their numbers, so among equal depths the first one stays; of
+                    // the pieces of a clipped triangle, the one that covers more, by the number that its mask is.
+                    let is_same = (old.instance, old.triangle) == (instance, triangle);
+                    if depth > old.depth || depth == old.depth && is_same && covered > old.covered {
                         *old = Sample { depth, instance, triangle, covered };
                     }
                 });

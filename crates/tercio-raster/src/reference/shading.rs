@@ -20,6 +20,15 @@ pub struct Shaded {
 
 type Vec3 = [f32; 3];
 
+/// Linear light as a display shows it: from 0 to 1, NaN as 0.
+fn shown(linear: f32) -> f32 {
+    match linear {
+        above if above >= 1.0 => 1.0,
+        light if light > 0.0 => light,
+        _ => 0.0,
+    }
+}
+
 fn dot(a: Vec3, b: Vec3) -> f32 {
     (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]
 }
@@ -129,7 +138,7 @@ pub fn shade(
     };
     Shaded {
         color: [encode8(linear[0]), encode8(linear[1]), encode8(linear[2]), 255],
-        linear: [linear[0], linear[1], linear[2], 1.0],
+        linear: [shown(linear[0]), shown(linear[1]), shown(linear[2]), 1.0],
         color16: [encode16(linear[0]), encode16(linear[1]), encode16(linear[2]), 65535],
         normal,
     }

@@ -66,13 +66,19 @@ impl SampleCells {
     }
 
     /// A sample's distance from the left and upper border of its pixel, in sub-pixels.
+    ///
+    /// # Panics
+    /// If the number is 16 or more.
     #[inline(always)]
     pub fn offset(&self, sample: usize) -> [i32; 2] {
         self.cells[sample].map(|cell| (cell << self.pitch_bits) + self.origin)
     }
 
     /// The centre of some samples, rounded to whole sub-pixels (half of one upwards), as a distance from the left and
-    /// upper border of the pixel. Bit i of the mask is sample i; the mask is not 0.
+    /// upper border of the pixel. Bit i of the mask is sample i.
+    ///
+    /// # Panics
+    /// If the mask is 0.
     pub fn center(&self, mask: u32) -> [i32; 2] {
         let mut sum = [0; 2];
         let mut left = mask;

@@ -34,7 +34,7 @@ impl TileGrid {
         Self { first_row, rows: rows.end.div_ceil(1 << self.shift) - first_row, ..self }
     }
 
-    /// The number of a tile, from its column and its row in the picture.
+    /// The number of a tile, from its column and its row in the picture. Precondition: it is in the grid.
     #[inline(always)]
     pub fn number(&self, column: u32, row: u32) -> u32 {
         (row - self.first_row) * self.columns + column
@@ -66,7 +66,7 @@ impl TileGrid {
         (y0..=y1).any(|y| (x0..=x1).any(|x| self.draws(self.number(x, y))))
     }
 
-    /// Number of tiles of the picture.
+    /// Number of tiles.
     pub fn count(&self) -> usize {
         self.columns as usize * self.rows as usize
     }

@@ -1,11 +1,13 @@
 //! PNG through the `png` crate.
 
-use std::io::{Cursor, Write};
+use std::borrow::Cow;
+use std::io::{self, Cursor, Write};
 
 use png::{BitDepth, ColorType, Compression, Decoder, Encoder, Filter, Limits, Transformations, Writer};
 use rayon::prelude::*;
 
 use super::{ImageError, Picture, PictureFormat, Pixels};
+use crate::bands::MAX_PIXELS_IN_MEMORY;
 
 /// The largest picture to be read: 32768 x 32768 pixels of 8 bytes. Larger ones can be drawn, in bands.
 const READ_LIMIT: usize = (1 << 30) * 8 + (1 << 20);
@@ -16,10 +18,33 @@ fn malformed(reason: impl ToString) -> ImageError {
 
 pub(super) fn write(picture: &Picture, out: &mut dyn Write) -> Result<(), ImageError> {
     let opaque = picture.is_opaque();
+    let size = [picture.width, picture.height];
+    if u64::from(size[0]) * u64::from(size[1]) > MAX_PIXELS_IN_MEMORY {
+        // The same bytes as from a picture that is drawn in bands.
+        let is_16 = matches!(picture.pixels, Pixels::Sixteen(_));
+        return write_parts(out, size, opaque, is_16, |write| {
+            parts(picture).try_for_each(|part| write(&part))
+        });
+    }
     let is_16 = matches!(picture.pixels, Pixels::Sixteen(_));
-    let mut writer = header(out, [picture.width, picture.height], opaque, is_16)?;
+    let mut writer = header(out, size, opaque, is_16)?;
     writer.write_image_data(&samples(picture, opaque)).map_err(write_error)?;
     writer.finish().map_err(write_error)
+}
+
+/// A picture in parts below each other, so that not all of it is copied at a time.
+fn parts<'a>(picture: &'a Picture) -> impl Iterator<Item = Picture<'a>> {
+    const ROWS: usize = 128;
+    let (width, height) = (picture.width as usize, picture.height as usize);
+    (0..height).step_by(ROWS).map(move |first| {
+        let rows = ROWS.min(height - first);
+        let range = first * width..(first + rows) * width;
+        let pixels = match &picture.pixels {
+            Pixels::Eight(p) => Pixels::Eight(Cow::Borrowed(&p[range])),
+            Pixels::Sixteen(p) => Pixels::Sixteen(Cow::Borrowed(&p[range])),
+        };
+        Picture { width: picture.width, height: rows as u32, pixels }
+    })
 }
 
 /// Writes everything before the pixels.
@@ -48,6 +73,21 @@ pub(crate) fn write_parts<E: From<ImageError>>(
     is_16: bool,
     draw: impl FnOnce(&mut dyn FnMut(&Picture) -> Result<(), ImageError>) -> Result<(), E>,
 ) -> Result<(), E> {
+    let mut out = KeepsError { out, error: None };
+    let written = write_to(&mut out, size, opaque, is_16, draw);
+    match out.error {
+        Some(error) => Err(ImageError::Io(error).into()),
+        None => written,
+    }
+}
+
+fn write_to<E: From<ImageError>>(
+    out: &mut dyn Write,
+    size: [u32; 2],
+    opaque: bool,
+    is_16: bool,
+    draw: impl FnOnce(&mut dyn FnMut(&Picture) -> Result<(), ImageError>) -> Result<(), E>,
+) -> Result<(), E> {
     const CHUNK: usize = 1 << 20;
     let mut writer = header(out, size, opaque, is_16)?;
     let mut rows = writer.stream_writer_with_size(CHUNK).map_err(write_error)?;
@@ -56,10 +96,39 @@ pub(crate) fn write_parts<E: From<ImageError>>(
     Ok(writer.finish().map_err(write_error)?)
 }
 
+/// Keeps the first error of a writer: the encoder of a stream changes the kind of errors, and ignores that of its last
+/// chunk.
+struct KeepsError<'a> {
+    out: &'a mut dyn Write,
+    error: Option<io::Error>,
+}
+
+impl KeepsError<'_> {
+    fn keep<T>(&mut self, result: io::Result<T>) -> io::Result<T> {
+        result.map_err(|error| {
+            let copy = io::Error::new(error.kind(), error.to_string());
+            self.error.get_or_insert(error);
+            copy
+        })
+    }
+}
+
+impl Write for KeepsError<'_> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let written = self.out.write(bytes);
+        self.keep(written)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        let flushed = self.out.flush();
+        self.keep(flushed)
+    }
+}
+
 fn write_error(error: png::EncodingError) -> ImageError {
     match error {
         png::EncodingError::IoError(e) => ImageError::Io(e),
-        other => ImageError::Io(std::io::Error::other(other)),
+        other => ImageError::Io(io::Error::other(other)),
     }
 }
 

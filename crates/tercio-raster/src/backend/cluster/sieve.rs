@@ -1,5 +1,5 @@
 //! The sieve: drops the triangles of a cluster whose bounding boxes contain no sample of a tile, and sorts the others
-//! by the number of samples in their bounding boxes.
+//! by the number of pixels whose samples they may contain.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, i32x16, u8x64, u16x32, u32x16};
@@ -24,7 +24,7 @@ pub struct Keep {
     pub mirrored: bool,
 }
 
-/// Size class of a triangle, by the samples in its bounding box inside the tile.
+/// Size class of a triangle, by the pixels inside the tile whose samples its bounding box may contain.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Size {
     /// At most 2 across and down.
@@ -35,7 +35,7 @@ pub enum Size {
     Medium,
     /// At most 16 across.
     Large,
-    /// More, or a triangle too large for edge functions of 32 bits, however few of its samples are in the tile.
+    /// More, or a triangle too large for edge functions of 32 bits, however few of its pixels are in the tile.
     Huge,
 }
 
@@ -43,7 +43,7 @@ impl Size {
     /// All, smallest first.
     pub const ALL: [Self; 5] = [Self::Tiny, Self::Small, Self::Medium, Self::Large, Self::Huge];
 
-    /// The largest number of samples across, if it is limited.
+    /// The largest number of pixels across, if it is limited.
     pub const fn max_across(self) -> Option<i32> {
         match self {
             Self::Tiny => Some(2),
@@ -54,7 +54,7 @@ impl Size {
         }
     }
 
-    /// The largest number of samples down, if it is limited.
+    /// The largest number of pixels down, if it is limited.
     pub const fn max_down(self) -> Option<i32> {
         match self {
             Self::Tiny | Self::Small => self.max_across(),

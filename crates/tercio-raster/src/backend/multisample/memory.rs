@@ -74,7 +74,8 @@ macro_rules! write_pixel {
                     if tie.any_true() {
                         let ties = tie.to_bitmask() as u32 & ((1 << $lanes) - 1);
                         let old = &self.fragment[samples.clone()];
-                        let more = lower_primitives(context, ties, t.slot, old, &self.fragments);
+                        let new = Fragment::new(t.slot, t.pixel, t.covered);
+                        let more = tie_winners(context, ties, |_| new, old, &self.fragments);
                         wins |= $mask::from_bitmask(simd, u64::from(more));
                     }
                     wins.select(depth, before).store_slice(old_depth);
@@ -110,12 +111,14 @@ pub struct SampleMemory {
     pub normals: Vec<[f32; 3]>,
     /// Number of the first fragment that is not shaded late: the others are shaded with their cluster.
     pub late: usize,
+    /// Number of the first fragment of the cluster that is being drawn.
+    pub of_cluster: usize,
     /// The pixels in memory.
     pub rect: PixelRect,
     /// The pixels of the tile that are inside the picture.
     pub own: PixelRect,
     /// log2 of the distance of two rows, in pixels.
-    pub pitch_bits: u32,
+    pub stride_bits: u32,
     /// log2 of the number of samples per pixel.
     pub count_bits: u32,
     /// Every sample is a fragment of its own.
@@ -135,7 +138,7 @@ impl SampleMemory {
         let halo = context.grid.halo;
         self.own = context.grid.rect(tile, size);
         self.rect = self.own.grow(halo as i32).intersect(context.picture());
-        self.pitch_bits = ((1 << context.grid.shift) + 2 * halo).next_power_of_two().trailing_zeros();
+        self.stride_bits = ((1 << context.grid.shift) + 2 * halo).next_power_of_two().trailing_zeros();
         let cells = &context.cells;
         self.count_bits = cells.count_bits();
         self.is_by_sample = context.settings.sampling.shading == SampleShading::Sample;
@@ -151,19 +154,20 @@ impl SampleMemory {
         }
         let rows = (self.rect.y1 - self.rect.y0 + 1) as usize;
         // Samples are read and written 16 at a time.
-        let samples = (rows << self.pitch_bits << self.count_bits) + LANES;
+        let samples = (rows << self.stride_bits << self.count_bits) + LANES;
         self.depth.clear();
         self.depth.resize(samples, 0.0);
         self.fragment.clear();
         self.fragment.resize(samples, NO_FRAGMENT);
         self.count = 0;
         self.late = 0;
+        self.of_cluster = 0;
     }
 
     /// The place of a pixel of the picture.
     #[inline(always)]
     pub fn pixel(&self, x: i32, y: i32) -> usize {
-        ((y - self.rect.y0) as usize) << self.pitch_bits | (x - self.rect.x0) as usize
+        ((y - self.rect.y0) as usize) << self.stride_bits | (x - self.rect.x0) as usize
     }
 
     /// The fragments of a pixel's samples, given by the pixel's place.
@@ -253,7 +257,13 @@ impl SampleMemory {
                 if tie.any_true() {
                     let old = &self.fragment[first..first + LANES];
                     let ties = tie.to_bitmask() as u32 & 0xffff;
-                    let more = lower_primitives(context, ties, slot, old, &self.fragments);
+                    let count_bits = self.count_bits;
+                    let all = u32::MAX >> (32 - (1 << count_bits));
+                    let new = |lane: usize| {
+                        let first = lane >> count_bits << count_bits;
+                        Fragment::new(slot, pixel + (lane >> count_bits), covered >> first & all)
+                    };
+                    let more = tie_winners(context, ties, new, old, &self.fragments);
                     wins |= mask32x16::from_bitmask(simd, u64::from(more));
                 }
                 wins.select(depth, before).store_slice(old_depth);
@@ -321,7 +331,12 @@ impl SampleMemory {
         self.late = self.count;
     }
 
-    /// Removes hidden fragments if there are many.
+    /// Begins a cluster: the fragments that follow belong to it.
+    pub fn begin_cluster(&mut self) {
+        self.of_cluster = self.count;
+    }
+
+    /// Removes hidden fragments if there are many: more than four per sample, so that the memory of a tile is bounded.
     #[inline(always)]
     pub fn make_room(&mut self) {
         if self.count > 4 * self.fragment.len() {
@@ -343,7 +358,7 @@ impl SampleMemory {
     #[inline(never)]
     fn compact(&mut self) {
         let is_visible = self.visible_fragments();
-        let (mut numbers, mut kept, late) = (vec![NO_FRAGMENT; is_visible.len()], 0, self.late);
+        let (mut numbers, mut kept) = (vec![NO_FRAGMENT; is_visible.len()], 0);
         for number in (0..is_visible.len()).filter(|&number| is_visible[number]) {
             numbers[number] = kept as u32;
             self.fragments[kept] = self.fragments[number];
@@ -355,7 +370,8 @@ impl SampleMemory {
             }
             kept += 1;
         }
-        self.late = is_visible[..late].iter().filter(|&&is_visible| is_visible).count();
+        let left_of = |first: usize| is_visible[..first].iter().filter(|&&is_visible| is_visible).count();
+        (self.late, self.of_cluster) = (left_of(self.late), left_of(self.of_cluster));
         self.count = kept;
         for fragment in self.fragment.iter_mut().filter(|f| **f != NO_FRAGMENT) {
             *fragment = numbers[*fragment as usize];
@@ -369,12 +385,12 @@ impl SampleMemory {
             if theirs == NO_FRAGMENT {
                 continue;
             }
-            let Fragment { slot, .. } = other.fragments[theirs as usize];
             let (before, own) = (self.depth[at], self.fragment[at]);
-            let is_tie = depth == before;
-            let is_lower =
-                || own == NO_FRAGMENT || lower_primitive(context, slot, self.fragments[own as usize].slot);
-            if depth > before || is_tie && is_lower() {
+            let is_first = || {
+                let new = &other.fragments[theirs as usize];
+                own == NO_FRAGMENT || wins_tie(context, new, &self.fragments[own as usize])
+            };
+            if depth > before || depth == before && is_first() {
                 let number = &mut numbers[theirs as usize];
                 if *number == NO_FRAGMENT {
                     *number = self.count as u32;
@@ -406,20 +422,29 @@ impl SampleMemory {
     }
 }
 
-/// Which of the lanes of equal depth `slot` wins because its primitive number is lower.
+/// Which of the lanes of equal depth the new fragment wins.
 #[cold]
 #[inline(never)]
-fn lower_primitives(
+fn tie_winners(
     context: &FrameContext,
     ties: u32,
-    slot: u32,
+    new: impl Fn(usize) -> Fragment,
     old: &[u32],
     fragments: &[Fragment],
 ) -> u32 {
     let mut wins = 0;
     for (lane, &old) in old.iter().enumerate().filter(|(lane, _)| ties >> lane & 1 == 1) {
-        let is_lower = old == NO_FRAGMENT || lower_primitive(context, slot, fragments[old as usize].slot);
-        wins |= u32::from(is_lower) << lane;
+        let is_first = old == NO_FRAGMENT || wins_tie(context, &new(lane), &fragments[old as usize]);
+        wins |= u32::from(is_first) << lane;
     }
     wins
+}
+
+/// Does a fragment win over another one at equal depth? It does if its primitive number is lower. Of two pieces of one
+/// clipped triangle, which may overlap after snapping, it is the one whose mask of covered samples is larger.
+fn wins_tie(context: &FrameContext, new: &Fragment, old: &Fragment) -> bool {
+    match new.slot == old.slot {
+        true => new.covered > old.covered,
+        false => lower_primitive(context, new.slot, old.slot),
+    }
 }

@@ -103,12 +103,12 @@ fn draw_clusters<S: Simd, T: Tally>(
         }
         tally.counts().clusters_drawn += 1;
         scratch.memory.make_room();
-        let first = scratch.memory.count();
+        scratch.memory.begin_cluster();
         draw_cluster(simd, context, binned, scratch, tally);
         if shade == Shade::Deferred {
             scratch.memory.all_are_late();
         } else if context.settings.last_stage > LastStage::Visibility {
-            shade::cluster(simd, context, binned.number, first, scratch, outputs, tally.counts());
+            shade::cluster(simd, context, binned.number, scratch, outputs, tally.counts());
         }
     }
 }
@@ -155,6 +155,7 @@ fn draw_cluster<S: Simd, T: Tally>(
     }
     for size in Size::ALL {
         for (numbers, lanes) in sieve.of_size(size) {
+            memory.make_room();
             if size != Size::Huge {
                 let of = &corners.look_up(simd, numbers);
                 let triangles = SmallTriangles::new(simd, vertices, of, &context.cells, memory.rect);

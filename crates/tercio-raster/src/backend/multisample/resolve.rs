@@ -4,6 +4,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16};
 
 use super::memory::{NO_FRAGMENT, SampleMemory};
+use super::shade::is_needed;
 use crate::backend::encode::opaque;
 use crate::context::FrameContext;
 use crate::frame::{Outputs, Pixel, Planes, visibility_key};
@@ -101,7 +102,7 @@ struct Tile<'a> {
 impl<'a> Tile<'a> {
     fn new(context: &'a FrameContext<'a>, memory: &'a SampleMemory, outputs: &'a Outputs) -> Self {
         let steps = context.filter.taps.iter().map(|&Tap { pixel, sample, weight }| {
-            let pixels = (pixel[1] as isize * (1 << memory.pitch_bits)) + pixel[0] as isize;
+            let pixels = (pixel[1] as isize * (1 << memory.stride_bits)) + pixel[0] as isize;
             let offset = pixels * (1 << memory.count_bits) + sample as isize;
             Step { pixel, sample, offset, weight }
         });
@@ -223,11 +224,13 @@ impl Tile<'_> {
 
     /// A pixel with all requested planes; `None` where nothing was drawn.
     fn pixel(&self, x: i32, y: i32, background: &Pixel) -> Option<Pixel> {
-        let linear = self.linear(x, y, background)?;
-        let mut pixel = Pixel { linear, ..*background };
-        (pixel.color, pixel.color16) = encode(linear);
         let place = self.memory.pixel(x, y);
         let samples = 0..self.memory.of_pixel(place).len();
+        let mut pixel = *background;
+        if is_needed(self.outputs) {
+            pixel.linear = self.linear(x, y, background)?;
+            (pixel.color, pixel.color16) = encode(pixel.linear);
+        }
         // The first of the samples with the largest key.
         let key = |sample: &usize| self.key(place, *sample);
         if let Some(nearest) = samples.clone().rev().max_by_key(key).filter(|sample| key(sample) > 0) {
@@ -259,7 +262,7 @@ impl Tile<'_> {
     fn sample(&self, place: usize, sample: usize, background: &Pixel) -> Pixel {
         let fragment = self.memory.of_pixel(place)[sample];
         let slot = self.memory.fragments[fragment as usize].slot;
-        let linear = self.color(fragment, background);
+        let linear = if is_needed(self.outputs) { self.color(fragment, background) } else { [0.0; 4] };
         let (color, color16) = encode(linear);
         Pixel {
             keys: self.key(place, sample),

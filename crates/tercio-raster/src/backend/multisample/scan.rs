@@ -69,7 +69,7 @@ impl Hits {
                 let right = each3!(K => t.a[K] << bits);
                 let down = each3!(K => t.b[K] << bits);
                 let lane = i32x16::load_array(simd, LANE_NUMBERS) << LANE_SHIFT;
-                let mut row_start = ((t.first[1] << memory.pitch_bits) + t.first[0]) | lane;
+                let mut row_start = ((t.first[1] << memory.stride_bits) + t.first[0]) | lane;
                 let mut at_row = t.c;
                 let mut row = 0;
                 loop {
@@ -103,7 +103,7 @@ impl Hits {
                         column += 1;
                     }
                     at_row = each3!(K => at_row[K] + down[K]);
-                    row_start += 1 << memory.pitch_bits | 1 << ROW_SHIFT;
+                    row_start += 1 << memory.stride_bits | 1 << ROW_SHIFT;
                     row += 1;
                 }
             },

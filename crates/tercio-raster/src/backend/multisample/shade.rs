@@ -14,24 +14,29 @@ use crate::projection::CornerTable;
 use crate::simd::LANES;
 use crate::stats::BackEndCounts;
 
+/// Is any plane requested for which fragments are shaded?
+pub fn is_needed(outputs: &Outputs) -> bool {
+    outputs.color || outputs.color16 || outputs.linear || outputs.normals
+}
+
 /// The planes that determine the look of a fragment.
 fn planes(outputs: &Outputs) -> Outputs {
     Outputs { color: true, normals: outputs.normals, ..Outputs::NONE }
 }
 
-/// Shades the fragments from number `first` on, which belong to one cluster of the frame. Not inlined, so that the
-/// kernels are compiled only once per SIMD level.
+/// Shades the fragments of the cluster that was drawn last, cluster `number` of the frame. Not inlined, so that the kernels
+/// are compiled only once per SIMD level.
 #[inline(never)]
 pub fn cluster<S: Simd>(
     simd: S,
     context: &FrameContext,
     number: u32,
-    first: usize,
     scratch: &mut Scratch,
     outputs: &Outputs,
     counts: &mut BackEndCounts,
 ) {
-    if scratch.memory.count() == first {
+    let first = scratch.memory.of_cluster;
+    if scratch.memory.count() == first || !is_needed(outputs) {
         return;
     }
     simd.vectorize(
@@ -49,7 +54,7 @@ pub fn cluster<S: Simd>(
             }
             counts.pixels_shaded += (memory.count() - first) as u64;
             let at = At {
-                stride_bits: memory.pitch_bits,
+                stride_bits: memory.stride_bits,
                 first_sample: vertices.sample_of([memory.rect.x0, memory.rect.y0]),
                 from_middle: vertices.offset_from_middle(&context.lights.sight),
                 facing: table.facing,
@@ -142,7 +147,7 @@ pub fn late_fragments<S: Simd>(
     counts: &mut BackEndCounts,
 ) {
     let Scratch { memory, fragments, .. } = scratch;
-    if memory.late == 0 {
+    if memory.late == 0 || !is_needed(outputs) {
         return;
     }
     memory.colors.resize(memory.count().max(memory.colors.len()), [0.0; 4]);
@@ -185,7 +190,7 @@ fn late_sixteen<S: Simd>(
     }
     let corners = fetch(simd, context, instance, fragments);
     let look = Look::new(context, instance, corners.normals_agree, &planes(outputs));
-    let at = At::in_picture(context, memory.pitch_bits, [memory.rect.x0, memory.rect.y0]);
+    let at = At::in_picture(context, memory.stride_bits, [memory.rect.x0, memory.rect.y0]);
     let (mut colors, mut normals) = ([[0.0; 4]; LANES], [[0.0; 3]; LANES]);
     let wanted: &mut [[f32; 3]] = if outputs.normals { &mut normals } else { &mut [] };
     let mut target = FragmentTarget { colors: &mut colors, normals: wanted };

@@ -78,7 +78,7 @@ impl Lanes {
                 each3!(K => (lane_x * self.a[K][i] + lane_y * self.b[K][i]) + self.c[K][i]);
             let e_step = each3!(K => splat_i(simd, self.b[K][i]) << bits);
             let (base, nearest) = (splat(simd, self.base[i]), splat(simd, self.nearest[i]));
-            let first = (self.first[1][i] << memory.pitch_bits) + self.first[0][i];
+            let first = (self.first[1][i] << memory.stride_bits) + self.first[0][i];
             for column in (0..self.extent[0][i] + 1).step_by(width as usize) {
                 let in_columns = lane_pixel.simd_le(splat_i(simd, self.extent[0][i] - column));
                 let mut e = each3!(K => to_lane[K] + self.a[K][i] * (column << bits));
@@ -95,7 +95,7 @@ impl Lanes {
                     }
                     let dy = down + (self.from_anchor[1][i] + row * SUBPIXELS) as f32;
                     let depth = ((along_x + dy * self.slope[1][i]) + base).max(base).min(nearest);
-                    let pixel = (first + column + (row << memory.pitch_bits)) as usize;
+                    let pixel = (first + column + (row << memory.stride_bits)) as usize;
                     memory.write(simd, context, pixel, covered, depth, slot);
                 }
             }

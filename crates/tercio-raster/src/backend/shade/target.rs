@@ -11,7 +11,7 @@ use crate::backend::light::Vec3x16;
 use crate::color::encode16;
 use crate::context::FrameContext;
 use crate::frame::{Outputs, Planes, visibility_key};
-use crate::simd::{LANES, each3};
+use crate::simd::{LANES, each3, splat};
 
 /// Where shaded pixels are written to.
 pub trait Target {
@@ -59,7 +59,7 @@ impl Target for PixelTarget<'_> {
             write_color(simd, fragments, linear, pixels);
         }
         if features.more() {
-            write_linear(fragments, linear, pixels, outputs);
+            write_linear(simd, fragments, linear, pixels, outputs);
             write_geometry(context, fragments, normal, pixels, outputs);
         }
     }
@@ -84,14 +84,14 @@ impl Target for FragmentTarget<'_> {
     #[inline(always)]
     fn write<S: Simd, F: Features>(
         &mut self,
-        _: S,
+        simd: S,
         _: &FrameContext,
         _: F,
         _: &Fragments,
         linear: Vec3x16<S>,
         normal: Vec3x16<S>,
     ) {
-        let linear = each3!(C => linear[C].to_array());
+        let linear = displayable(simd, linear);
         for (lane, color) in self.colors.iter_mut().enumerate().take(LANES) {
             *color = [linear[0][lane], linear[1][lane], linear[2][lane], 1.0];
         }
@@ -102,6 +102,17 @@ impl Target for FragmentTarget<'_> {
             }
         }
     }
+}
+
+/// Linear light as a display shows it: clamped to the range from 0 to 1, NaN as 0. Samples are clamped before they are
+/// averaged, so that the edges of surfaces that are too bright are smooth, too.
+#[inline(always)]
+fn displayable<S: Simd>(simd: S, linear: Vec3x16<S>) -> [[f32; LANES]; 3] {
+    let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
+    each3!(C => {
+        let above = linear[C].simd_gt(zero).select(linear[C], zero);
+        above.simd_lt(one).select(above, one).to_array()
+    })
 }
 
 #[inline(always)]
@@ -120,7 +131,13 @@ fn write_color<S: Simd>(simd: S, fragments: &Fragments, linear: Vec3x16<S>, pixe
     }
 }
 
-fn write_linear<S: Simd>(fragments: &Fragments, linear: Vec3x16<S>, pixels: &mut Planes, outputs: &Outputs) {
+fn write_linear<S: Simd>(
+    simd: S,
+    fragments: &Fragments,
+    linear: Vec3x16<S>,
+    pixels: &mut Planes,
+    outputs: &Outputs,
+) {
     if outputs.color16 {
         for lane in 0..fragments.count {
             let [r, g, b] = each3!(C => encode16(linear[C][lane]));
@@ -128,8 +145,9 @@ fn write_linear<S: Simd>(fragments: &Fragments, linear: Vec3x16<S>, pixels: &mut
         }
     }
     if outputs.linear {
+        let shown = displayable(simd, linear);
         for lane in 0..fragments.count {
-            let [r, g, b] = each3!(C => linear[C][lane]);
+            let [r, g, b] = each3!(C => shown[C][lane]);
             pixels.linear[fragments.place[lane] as usize] = [r, g, b, 1.0];
         }
     }
