@@ -57,9 +57,10 @@ pub fn encode8(linear: f32) -> u8 {
 pub static DECODE: LazyLock<Box<[f32; 256]>> =
     LazyLock::new(|| Box::new(std::array::from_fn(|i| decode(i as f64 / 255.0) as f32)));
 
-/// 16-bit sRGB of linear light, clamped to the range from 0 to 1.
+/// 16-bit sRGB of linear light, clamped to the range from 0 to 1; NaN is encoded as black.
 pub fn encode16(linear: f32) -> u16 {
-    (encode(f64::from(linear).clamp(0.0, 1.0)) * 65535.0 + 0.5) as u16
+    let linear = if linear.is_nan() { 0.0 } else { f64::from(linear).clamp(0.0, 1.0) };
+    (encode(linear) * 65535.0 + 0.5) as u16
 }
 
 /// sRGB of linear light, both 0 to 1. Source: IEC 61966-2-1.
@@ -132,6 +133,8 @@ mod tests {
             assert!((f64::from(level) - exact).abs() <= 0.56, "{linear}: {level}, {exact}");
             before = level;
         }
-        assert_eq!([f32::NAN, f32::NEG_INFINITY, -0.0, 2.0, f32::INFINITY].map(encode8), [0, 0, 0, 255, 255]);
+        let special = [f32::NAN, f32::NEG_INFINITY, -0.0, 2.0, f32::INFINITY];
+        assert_eq!(special.map(encode8), [0, 0, 0, 255, 255]);
+        assert_eq!(special.map(encode16), [0, 0, 0, 65535, 65535]);
     }
 }

@@ -37,13 +37,36 @@ pub fn weighted_mean(colors: impl Iterator<Item = ([f32; 4], f32)>) -> [f32; 4] 
     sum.map(|c: f32| c / total)
 }
 
-/// sRGB colour with straight alpha, 8 and 16 bits, of a premultiplied linear colour.
-pub fn encode([r, g, b, alpha]: [f32; 4]) -> ([u8; 4], [u16; 4]) {
-    let straight = |c: f32| if alpha < 1.0 { c / alpha } else { c };
-    let rgb = [r, g, b].map(straight);
-    let ([r8, g8, b8], [r16, g16, b16]) = (rgb.map(encode8), rgb.map(encode16));
-    let level = |most: f32| alpha.clamp(0.0, 1.0) * most + 0.5;
-    ([r8, g8, b8, level(255.0) as u8], [r16, g16, b16, level(65535.0) as u16])
+/// 8-bit sRGB colour with straight alpha of a premultiplied linear colour.
+pub fn color8(linear: [f32; 4]) -> [u8; 4] {
+    let [r, g, b] = straight(linear).map(encode8);
+    [r, g, b, (linear[3].clamp(0.0, 1.0) * 255.0 + 0.5) as u8]
+}
+
+/// 16-bit sRGB colour with straight alpha of a premultiplied linear colour.
+pub fn color16(linear: [f32; 4]) -> [u16; 4] {
+    let [r, g, b] = straight(linear).map(encode16);
+    [r, g, b, (linear[3].clamp(0.0, 1.0) * 65535.0 + 0.5) as u16]
+}
+
+/// Black where nothing is opaque.
+fn straight([r, g, b, alpha]: [f32; 4]) -> [f32; 3] {
+    match alpha {
+        opaque if opaque >= 1.0 => [r, g, b],
+        alpha if alpha > 0.0 => [r / alpha, g / alpha, b / alpha],
+        _ => [0.0; 3],
+    }
+}
+
+/// Sets the colours of a pixel that are requested, from a premultiplied linear colour.
+pub fn set_colors(pixel: &mut Pixel, linear: [f32; 4], outputs: &Outputs) {
+    pixel.linear = linear;
+    if outputs.color {
+        pixel.color = color8(linear);
+    }
+    if outputs.color16 {
+        pixel.color16 = color16(linear);
+    }
 }
 
 /// Resolves a frame of samples ([`Settings::unresolved`]) into the picture that the settings request. The frame has keys;
@@ -110,7 +133,7 @@ impl Source<'_> {
         let mut pixel = Pixel { keys: key, ..*background };
         let needs_color = outputs.color || outputs.color16 || outputs.linear;
         if needs_color {
-            pixel.linear = match taps {
+            let linear = match taps {
                 [] => {
                     let mut colors = [[0.0; 4]; MAX_SAMPLES];
                     let colors = &mut colors[..self.count];
@@ -122,7 +145,7 @@ impl Source<'_> {
                     weighted_mean(inside.map(|(i, weight)| (planes.linear[i], weight)))
                 }
             };
-            (pixel.color, pixel.color16) = encode(pixel.linear);
+            set_colors(&mut pixel, linear, outputs);
         }
         // The first of the nearest samples.
         let nearest = own.rev().max_by_key(|&i| planes.keys[i]).filter(|&i| planes.keys[i] > 0);

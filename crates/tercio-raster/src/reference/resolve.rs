@@ -49,7 +49,11 @@ pub fn pixels(samples: &[Pixel], scene: &Scene, settings: &Settings) -> Vec<Pixe
                 }
             };
             let [r, g, b, alpha] = pixel.linear;
-            let straight = |c: f32| if alpha < 1.0 { c / alpha } else { c };
+            let straight = |c: f32| match alpha {
+                0.0 => 0.0,
+                alpha if alpha < 1.0 => c / alpha,
+                _ => c,
+            };
             let level = |most: f32| alpha.clamp(0.0, 1.0) * most + 0.5;
             let rgb = [straight(r), straight(g), straight(b)];
             pixel.color = [encode8(rgb[0]), encode8(rgb[1]), encode8(rgb[2]), level(255.0) as u8];

@@ -8,7 +8,7 @@ use super::shade::is_needed;
 use crate::backend::encode::opaque;
 use crate::context::FrameContext;
 use crate::frame::{Outputs, Pixel, Planes, visibility_key};
-use crate::resolve::{encode, mean, weighted_mean};
+use crate::resolve::{color8, mean, set_colors, weighted_mean};
 use crate::sampling::{MAX_SAMPLES, Tap};
 use crate::simd::{LANES, each3};
 
@@ -173,7 +173,7 @@ impl Tile<'_> {
                 continue;
             }
             *to = match color[3] < 1.0 {
-                true => encode(color).0,
+                true => color8(color),
                 false => (levels[lane % LANES] as u32).to_le_bytes(),
             };
         }
@@ -228,8 +228,7 @@ impl Tile<'_> {
         let samples = 0..self.memory.of_pixel(place).len();
         let mut pixel = *background;
         if is_needed(self.outputs) {
-            pixel.linear = self.linear(x, y, background)?;
-            (pixel.color, pixel.color16) = encode(pixel.linear);
+            set_colors(&mut pixel, self.linear(x, y, background)?, self.outputs);
         }
         // The first of the samples with the largest key.
         let key = |sample: &usize| self.key(place, *sample);
@@ -262,17 +261,17 @@ impl Tile<'_> {
     fn sample(&self, place: usize, sample: usize, background: &Pixel) -> Pixel {
         let fragment = self.memory.of_pixel(place)[sample];
         let slot = self.memory.fragments[fragment as usize].slot;
-        let linear = if is_needed(self.outputs) { self.color(fragment, background) } else { [0.0; 4] };
-        let (color, color16) = encode(linear);
-        Pixel {
+        let mut pixel = Pixel {
             keys: self.key(place, sample),
-            color,
-            color16,
-            linear,
             depth: self.context.view.distance(self.memory.depth[(place << self.memory.count_bits) + sample]),
             ids: self.context.face(slot),
             normals: self.memory.normals.get(fragment as usize).copied().unwrap_or_default(),
+            ..*background
+        };
+        if is_needed(self.outputs) {
+            set_colors(&mut pixel, self.color(fragment, background), self.outputs);
         }
+        pixel
     }
 
     /// Writes the samples of a row of pixels side by side, from index `first` on.
