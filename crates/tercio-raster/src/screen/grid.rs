@@ -51,7 +51,7 @@ impl TileGrid {
     #[inline(always)]
     pub fn tiles_that_need(&self, [x0, x1, y0, y1]: [u32; 4]) -> [u32; 4] {
         let first = |pixel: u32| pixel.saturating_sub(self.halo) >> self.shift;
-        let last = |pixel: u32, tiles: u32| (pixel + self.halo >> self.shift).min(tiles.max(1) - 1);
+        let last = |pixel: u32, tiles: u32| ((pixel + self.halo) >> self.shift).min(tiles.max(1) - 1);
         let end = self.first_row + self.rows;
         [first(x0), last(x1, self.columns), first(y0).max(self.first_row), last(y1, end)]
     }
