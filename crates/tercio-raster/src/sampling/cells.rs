@@ -104,8 +104,8 @@ impl SampleCenters {
     /// The tables of a pattern.
     pub fn new(cells: &SampleCells) -> Self {
         let mut centers = [[0; 2]; 256];
-        for (mask, center) in (0..).zip(&mut centers).skip(1) {
-            *center = cells.center(mask).map(|c| (c - SUBPIXELS / 2) as i8);
+        for mask in 1..=cells.mask().min(255) {
+            centers[mask as usize] = cells.center(mask).map(|c| (c - SUBPIXELS / 2) as i8);
         }
         Self { cells: *cells, centers }
     }
