@@ -1,5 +1,6 @@
 //! The renderer: executes the stages of a frame.
 
+use std::ops::Range;
 use std::sync::Mutex;
 use std::time::Instant;
 
@@ -102,10 +103,23 @@ impl Renderer {
         sorted.bins.resize_with(batches, Bins::default);
         let counts = sorted.bins.par_iter_mut().enumerate().with_max_len(1).map(|(i, bins)| {
             let share = |i: usize| drawn.start + (clusters * i / batches) as u32;
-            let range = share(i)..share(i + 1);
-            dispatch!(level, simd => frontend::run(simd, context, range.clone(), bins))
+            sort_clusters(level, context, share(i)..share(i + 1), bins)
         });
         sorted.counts = counts.reduce(FrontEndCounts::default, FrontEndCounts::plus);
+    }
+
+    /// The counts of the front end alone: sorts the clusters that the settings select, a few at a time, and discards the
+    /// result, so that memory does not grow with the scene.
+    pub fn count_front_end(context: &FrameContext) -> FrontEndCounts {
+        const CLUSTERS_AT_A_TIME: u32 = 256;
+        let level = level(context);
+        let drawn = context.settings.clusters.range(context.clusters());
+        let batches = (drawn.len() as u32).div_ceil(CLUSTERS_AT_A_TIME);
+        let counts = (0..batches).into_par_iter().map_init(Bins::default, |bins, batch| {
+            let first = drawn.start + batch * CLUSTERS_AT_A_TIME;
+            sort_clusters(level, context, first..(first + CLUSTERS_AT_A_TIME).min(drawn.end), bins)
+        });
+        counts.reduce(FrontEndCounts::default, FrontEndCounts::plus)
     }
 
     /// The back end: draws a set of the frame's tiles from what was sorted into them. The pixels of other tiles keep
@@ -202,6 +216,16 @@ impl DrawTile for BackEndCounts {
     fn draw(level: Level, task: TileTask) -> Self {
         dispatch!(level, simd => backend::draw_tile(simd, task))
     }
+}
+
+/// Sorts a range of clusters. One function for all callers, so that the front end is compiled once per SIMD level.
+fn sort_clusters(
+    level: Level,
+    context: &FrameContext,
+    clusters: Range<u32>,
+    bins: &mut Bins,
+) -> FrontEndCounts {
+    dispatch!(level, simd => frontend::run(simd, context, clusters.clone(), bins))
 }
 
 /// The SIMD level of a frame. The settings were checked when its context was made.

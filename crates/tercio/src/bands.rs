@@ -3,18 +3,16 @@
 use std::io::Write;
 
 use tercio_mesh::Progress;
-use tercio_raster::binning::Sorted;
 use tercio_raster::context::FrameContext;
+use tercio_raster::screen::TileGrid;
+use tercio_raster::settings::MAX_SIZE;
 use tercio_raster::stats::FrontEndCounts;
-use tercio_raster::{Frame, FrameStats, Outputs, Renderer, Settings};
+use tercio_raster::{Frame, FrameStats, Outputs, Renderer, Settings, TileSet};
 use tercio_scene::{Background, Camera, Scene};
 
 use crate::Result;
 use crate::image::Picture;
 use crate::image::png::write_parts;
-
-/// Pixels along the edge of the largest tile.
-const LARGEST_TILE: u32 = 128;
 
 /// Pixels of a band, approximately. Every band costs another pass over the clusters of the scene.
 const BAND_PIXELS: u64 = 1 << 23;
@@ -96,13 +94,12 @@ pub fn write_png_in_bands(
     Ok(stats)
 }
 
-/// The counts of the front end of a whole picture; those of its bands count what is in other bands, too.
+/// The counts of the front end of the picture as one tile. Those of the bands cannot be added up: each counts what is in
+/// the others, too.
 fn front_end_counts(scene: &Scene, camera: &Camera, settings: &Settings) -> Result<FrontEndCounts> {
-    let settings = Settings { tile_size: Some(LARGEST_TILE), ..settings.clone() };
-    let context = FrameContext::new(scene, camera, &settings, rayon::current_num_threads())?;
-    let mut sorted = Sorted::default();
-    Renderer::new().sort(&context, &mut sorted);
-    Ok(sorted.front_end_counts())
+    let mut context = FrameContext::new(scene, camera, settings, 1)?;
+    context.grid = TileGrid::new(settings.width, settings.height, MAX_SIZE, TileSet::ALL);
+    Ok(Renderer::count_front_end(&context))
 }
 
 /// The settings of each band.
