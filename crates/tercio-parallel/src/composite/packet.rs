@@ -2,8 +2,8 @@
 //!
 //! A packet is a sequence of spans, whose number follows from its length. A span is a maximal run of drawn pixels in
 //! a row of one region: the row-major index of the first pixel in the picture (4 bytes); the number of pixels (2
-//! bytes); then plane after plane their samples: keys, 8-bit colour, 16-bit colour, depth, linear colour, ids, normals, each if it
-//! is sent. All numbers are little-endian.
+//! bytes); then plane after plane their samples: keys, 8-bit colour, 16-bit colour, depth, linear colour, ids, normals,
+//! each if it is sent. All numbers are little-endian.
 
 use bytemuck::pod_read_unaligned;
 use tercio_raster::{Frame, Outputs};

@@ -19,14 +19,13 @@ fn malformed(reason: impl ToString) -> ImageError {
 pub(super) fn write(picture: &Picture, out: &mut dyn Write) -> Result<(), ImageError> {
     let opaque = picture.is_opaque();
     let size = [picture.width, picture.height];
+    let is_16 = matches!(picture.pixels, Pixels::Sixteen(_));
     if u64::from(size[0]) * u64::from(size[1]) > MAX_PIXELS_IN_MEMORY {
         // The same bytes as from a picture that is drawn in bands.
-        let is_16 = matches!(picture.pixels, Pixels::Sixteen(_));
         return write_parts(out, size, opaque, is_16, |write| {
             parts(picture).try_for_each(|part| write(&part))
         });
     }
-    let is_16 = matches!(picture.pixels, Pixels::Sixteen(_));
     let mut writer = header(out, size, opaque, is_16)?;
     writer.write_image_data(&samples(picture, opaque)).map_err(write_error)?;
     writer.finish().map_err(write_error)
@@ -73,27 +72,20 @@ pub(crate) fn write_parts<E: From<ImageError>>(
     is_16: bool,
     draw: impl FnOnce(&mut dyn FnMut(&Picture) -> Result<(), ImageError>) -> Result<(), E>,
 ) -> Result<(), E> {
+    const CHUNK: usize = 1 << 20;
     let mut out = KeepsError { out, error: None };
-    let written = write_to(&mut out, size, opaque, is_16, draw);
+    let write = || -> Result<(), E> {
+        let mut writer = header(&mut out, size, opaque, is_16)?;
+        let mut rows = writer.stream_writer_with_size(CHUNK).map_err(write_error)?;
+        draw(&mut |part| Ok(rows.write_all(&samples(part, opaque))?))?;
+        rows.finish().map_err(write_error)?;
+        Ok(writer.finish().map_err(write_error)?)
+    };
+    let written = write();
     match out.error {
         Some(error) => Err(ImageError::Io(error).into()),
         None => written,
     }
-}
-
-fn write_to<E: From<ImageError>>(
-    out: &mut dyn Write,
-    size: [u32; 2],
-    opaque: bool,
-    is_16: bool,
-    draw: impl FnOnce(&mut dyn FnMut(&Picture) -> Result<(), ImageError>) -> Result<(), E>,
-) -> Result<(), E> {
-    const CHUNK: usize = 1 << 20;
-    let mut writer = header(out, size, opaque, is_16)?;
-    let mut rows = writer.stream_writer_with_size(CHUNK).map_err(write_error)?;
-    draw(&mut |part| Ok(rows.write_all(&samples(part, opaque))?))?;
-    rows.finish().map_err(write_error)?;
-    Ok(writer.finish().map_err(write_error)?)
 }
 
 /// Keeps the first error of a writer: the encoder of a stream changes the kind of errors, and ignores that of its last
