@@ -29,7 +29,8 @@ use crate::stats::BackEndCounts;
 use depth_test::Covered;
 pub use depth_test::Winners;
 pub use setup::SmallTriangles;
-pub use sieve::{Keep, Sieve, Size};
+use sieve::Keep;
+pub use sieve::{Sieve, Size};
 use stamps::Lanes;
 
 use super::memory::TileMemory;
@@ -57,23 +58,12 @@ impl ClusterPass {
         tile: &mut TileMemory,
         tally: &mut T,
     ) {
-        let (instance, cluster) = context.cluster(binned.number);
-        let object = &context.objects[instance];
         let first_slot = binned.number * MAX_TRIANGLES as u32;
         let rect = tile.rect();
         let Self { vertices, sieve, covered, winners } = self;
-        let corners = &CornerTable::new(&cluster);
-        vertices.project(simd, object, &cluster);
-        let keep = Keep { rect, origin: SAMPLE, cull: context.settings.cull, mirrored: object.mirrored };
-        sieve.sort(simd, vertices, corners, cluster.triangles(), &keep);
+        let number = binned.number;
+        let corners = &project_and_sieve(simd, context, number, rect, SAMPLE, vertices, sieve, tally);
         winners.clear();
-        if let Some(full) = tally.full() {
-            full.cluster(binned.number, &cluster);
-        }
-        let counts = tally.counts();
-        counts.vertices_transformed += cluster.vertices() as u64;
-        counts.triangles_in += cluster.triangles() as u64;
-        counts.triangles_drawn += sieve.len();
         if context.settings.last_stage == LastStage::Sieve {
             return;
         }
@@ -121,6 +111,37 @@ impl ClusterPass {
         }
         covered.test(context, first_slot, tile, winners, tally.counts());
     }
+}
+
+/// Projects the vertices of a cluster, given by its number in the frame, and sorts the triangles that reach samples of
+/// `rect`; the samples of a pixel are at least `origin` sub-pixels from its borders. Counts both, and returns the corners
+/// of the cluster's triangles.
+#[expect(clippy::too_many_arguments, reason = "a struct would only rename them")]
+#[inline(always)]
+pub fn project_and_sieve<'a, S: Simd, T: Tally>(
+    simd: S,
+    context: &FrameContext<'a>,
+    number: u32,
+    rect: PixelRect,
+    origin: i32,
+    vertices: &mut LocalVertices,
+    sieve: &mut Sieve,
+    tally: &mut T,
+) -> CornerTable<'a> {
+    let (instance, cluster) = context.cluster(number);
+    let object = &context.objects[instance];
+    let corners = CornerTable::new(&cluster);
+    vertices.project(simd, object, &cluster);
+    let keep = Keep { rect, origin, cull: context.settings.cull, mirrored: object.mirrored };
+    sieve.sort(simd, vertices, &corners, cluster.triangles(), &keep);
+    if let Some(full) = tally.full() {
+        full.cluster(number, &cluster);
+    }
+    let counts = tally.counts();
+    counts.vertices_transformed += cluster.vertices() as u64;
+    counts.triangles_in += cluster.triangles() as u64;
+    counts.triangles_drawn += sieve.len();
+    corners
 }
 
 /// Draws [`Size::Huge`] triangles, one by one.

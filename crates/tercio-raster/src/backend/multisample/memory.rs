@@ -7,7 +7,6 @@ use fearless_simd::{
 
 use crate::backend::memory::lower_primitive;
 use crate::context::FrameContext;
-use crate::conventions::SUBPIXELS;
 use crate::sampling::SampleShading;
 use crate::screen::PixelRect;
 use crate::simd::{LANE_NUMBERS, LANES, part, splat, splat_i};
@@ -287,16 +286,11 @@ impl SampleMemory {
         let Some(new) = self.fragments[self.count..].first_chunk_mut::<LANES>() else {
             unreachable!("room was made")
         };
-        if won & !all == 0 {
-            new[0] = Fragment::new(slot, pixel, covered & all);
-            added = 1;
-        } else {
-            for at in 0..LANES as u32 >> self.count_bits {
-                let lane = at << self.count_bits;
-                new[added as usize % LANES] = Fragment::new(slot, pixel + at as usize, covered >> lane & all);
-                numbers |= added << (4 * at);
-                added += u32::from(won >> lane & all != 0);
-            }
+        for at in 0..LANES as u32 >> self.count_bits {
+            let lane = at << self.count_bits;
+            new[added as usize % LANES] = Fragment::new(slot, pixel + at as usize, covered >> lane & all);
+            numbers |= added << (4 * at);
+            added += u32::from(won >> lane & all != 0);
         }
         part(
             simd,
@@ -413,12 +407,6 @@ impl SampleMemory {
         let pixels = rows.flat_map(|y| (self.own.x0..=self.own.x1).map(move |x| (x, y)));
         let is_drawn = |(x, y)| self.of_pixel(self.pixel(x, y)).iter().any(|&f| f != NO_FRAGMENT);
         pixels.map(|at| u64::from(is_drawn(at))).sum()
-    }
-
-    /// The coordinates in sub-pixels of the first cell of a pixel of the picture, relative to a point.
-    #[inline(always)]
-    pub fn from_point(origin: i32, pixel: i32, point: i32) -> f32 {
-        (pixel * SUBPIXELS + origin - point) as f32
     }
 }
 

@@ -3,8 +3,9 @@
 //! A **fragment** is a triangle in a pixel: it is shaded once ([`SampleShading::Pixel`](crate::SampleShading)) or is one
 //! sample of the pixel. Tile memory ([`memory`]) stores the depth of every sample and the number of its fragment.
 //! Triangles of a few pixels are tested 16 at a time ([`scan`]), larger ones are set up 16 at a time and drawn one by one
-//! in stamps of 16 samples ([`stamps`]), those that are larger still are set up one by one ([`triangle`]). The fragments of a cluster are shaded at once, those of triangles that were binned one by one when the
-//! tile is finished ([`shade`]). At last, samples become pixels ([`resolve`]).
+//! in stamps of 16 samples ([`stamps`]), those that are larger still are set up one by one ([`triangle`]). The fragments
+//! of a cluster are shaded at once, those of triangles that were binned one by one when the tile is finished ([`shade`]).
+//! At last, samples become pixels ([`resolve`]).
 
 pub mod memory;
 mod resolve;
@@ -16,7 +17,7 @@ mod triangle;
 use fearless_simd::Simd;
 use tercio_mesh::cluster::MAX_TRIANGLES;
 
-use super::cluster::{Keep, Sieve, Size, SmallTriangles, prefetch_body, prefetch_head};
+use super::cluster::{Sieve, Size, SmallTriangles, prefetch_body, prefetch_head, project_and_sieve};
 use super::order::DepthOrder;
 use super::table::ClusterTable;
 use super::{PREFETCH_DISTANCE, Shade};
@@ -25,7 +26,7 @@ use crate::backend::tally::Tally;
 use crate::binning::{BinnedCluster, Bins};
 use crate::context::FrameContext;
 use crate::frame::{CanvasTile, Outputs, Planes};
-use crate::projection::{CornerTable, LocalVertices};
+use crate::projection::LocalVertices;
 use crate::screen::{PixelRect, ScreenTriangle};
 use crate::settings::{LastStage, Part};
 use crate::simd::part;
@@ -135,21 +136,11 @@ fn draw_cluster<S: Simd, T: Tally>(
     tally: &mut T,
 ) {
     let Scratch { memory, vertices, sieve, hits, .. } = scratch;
-    let (instance, cluster) = context.cluster(binned.number);
-    let object = &context.objects[instance];
     let first_slot = binned.number * MAX_TRIANGLES as u32;
-    let corners = &CornerTable::new(&cluster);
-    vertices.project(simd, object, &cluster);
     let origin = context.cells.origin;
-    let keep = Keep { rect: memory.rect, origin, cull: context.settings.cull, mirrored: object.mirrored };
-    sieve.sort(simd, vertices, corners, cluster.triangles(), &keep);
-    if let Some(full) = tally.full() {
-        full.cluster(binned.number, &cluster);
-    }
+    let corners =
+        &project_and_sieve(simd, context, binned.number, memory.rect, origin, vertices, sieve, tally);
     let counts = tally.counts();
-    counts.vertices_transformed += cluster.vertices() as u64;
-    counts.triangles_in += cluster.triangles() as u64;
-    counts.triangles_drawn += sieve.len();
     if context.settings.last_stage == LastStage::Sieve {
         return;
     }

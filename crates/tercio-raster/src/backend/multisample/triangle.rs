@@ -5,6 +5,7 @@ use fearless_simd::{Simd, f32x16, i32x16};
 
 use super::memory::SampleMemory;
 use crate::context::FrameContext;
+use crate::conventions::SUBPIXELS;
 use crate::screen::{DepthPlane, Edges, PixelRect, ScreenTriangle};
 use crate::simd::{LANE_NUMBERS, LANES, each3, splat, splat_i};
 use crate::stats::BackEndCounts;
@@ -59,7 +60,7 @@ fn draw_stamps<S: Simd>(
     let is_wide = rect.x1 - rect.x0 >= width || rect.y1 - rect.y0 >= BLOCK_ROWS;
     for x in (rect.x0..rect.x1 + 1).step_by(width as usize) {
         let in_columns = lane_pixel.simd_le(splat_i(simd, rect.x1 - x)).to_bitmask() as u32 & 0xffff;
-        let dx: f32x16<S> = right + SampleMemory::from_point(cells.origin, x, plane.anchor[0]);
+        let dx: f32x16<S> = right + (x * SUBPIXELS + cells.origin - plane.anchor[0]) as f32;
         let along_x = dx * plane.dx;
         for y in (rect.y0..rect.y1 + 1).step_by(BLOCK_ROWS as usize) {
             let last = (y + BLOCK_ROWS - 1).min(rect.y1);
@@ -82,7 +83,7 @@ fn draw_stamps<S: Simd>(
                 if covered == 0 {
                     continue;
                 }
-                let dy = down + SampleMemory::from_point(cells.origin, row, plane.anchor[1]);
+                let dy = down + (row * SUBPIXELS + cells.origin - plane.anchor[1]) as f32;
                 let depth = ((along_x + dy * plane.dy) + base).max(base).min(nearest);
                 memory.write(simd, context, memory.pixel(x, row), covered, depth, triangle.slot);
             }
