@@ -51,6 +51,7 @@ pub fn load_json(model: &str, report: &LoadReport) -> Value {
             "welded_vertices": report.welded.unwrap_or(0),
         },
         "not_drawn": not_drawn_json(&report.read.not_drawn),
+        "translucent": report.read.translucent,
         "warnings": report.read.warnings,
         "milliseconds": report.times,
     })
@@ -63,9 +64,6 @@ fn not_drawn_json(n: &NotDrawn) -> Value {
         "curves": n.curves,
         "surfaces": n.surfaces,
         "textures": n.textures,
-        "translucent_materials": n.translucent_materials,
-        "translucent_vertices": n.translucent_vertices,
-        "translucent_faces": n.translucent_faces,
     })
 }
 
@@ -107,15 +105,8 @@ pub fn warnings(report: &LoadReport) -> Vec<String> {
 
 /// What the file contains that is not drawn, in words.
 pub fn not_drawn(n: &NotDrawn) -> Option<String> {
-    let opacity = [
-        (n.translucent_materials, "material"),
-        (n.translucent_vertices, "vertex"),
-        (n.translucent_faces, "face"),
-    ];
-    let opacity =
-        opacity.iter().filter(|o| o.0 > 0).map(|&(n, what)| format!("opacity of {}", counted(n, what)));
     let textures = (n.textures > 0).then(|| counted(n.textures, "texture"));
-    let list: Vec<_> = shapes(n).chain(textures).chain(opacity).collect();
+    let list: Vec<_> = shapes(n).chain(textures).collect();
     (!list.is_empty()).then(|| list.join(", "))
 }
 
@@ -230,8 +221,8 @@ mod tests {
     fn what_is_not_drawn_is_reported_with_counts() {
         assert_eq!(not_drawn(&NotDrawn::default()), None);
         let mut n = NotDrawn::default();
-        (n.points, n.lines, n.textures, n.translucent_vertices) = (1200, 1, 3, 2);
-        assert_eq!(not_drawn(&n).as_deref(), Some("1,200 points, 1 line, 3 textures, opacity of 2 vertices"));
+        (n.points, n.lines, n.textures) = (1200, 1, 3);
+        assert_eq!(not_drawn(&n).as_deref(), Some("1,200 points, 1 line, 3 textures"));
         assert_eq!(only(&n).as_deref(), Some("1,200 points, 1 line"));
         (n.points, n.lines) = (0, 0);
         assert_eq!(only(&n), None);

@@ -39,6 +39,7 @@ pub struct FrameContext<'a> {
     /// Number of workers that the work is divided among, whatever the number of threads in the pool. It determines the
     /// tile size and which tiles are shared and how, but does not change the picture.
     pub workers: usize,
+    is_translucent: bool,
     /// Number of each instance's first cluster; one more than there are instances.
     first_cluster: Vec<u32>,
     /// Number of each instance's first primitive.
@@ -98,10 +99,31 @@ impl<'a> FrameContext<'a> {
             centers: SampleCenters::new(&settings.sampling.pattern.cells()),
             filter: FilterWeights::new(&settings.sampling),
             workers,
+            is_translucent: scene.instances.iter().any(Instance::is_translucent),
             first_cluster,
             first_primitive,
             first_face,
         })
+    }
+
+    /// May any triangle of the scene not be opaque?
+    #[inline(always)]
+    pub fn is_translucent(&self) -> bool {
+        self.is_translucent
+    }
+
+    /// May a triangle of this cluster not be opaque?
+    #[inline(always)]
+    pub fn has_translucency(&self, cluster: u32) -> bool {
+        let (instance, number) = self.locate(cluster);
+        let Instance { mesh, surface, .. } = &self.scene.instances[instance];
+        surface.opacity < 1.0 || surface.use_mesh_colors && mesh.clusters()[number].is_translucent()
+    }
+
+    /// Are pixels made from fragments? Otherwise there is one sample per pixel, at which one opaque triangle is visible.
+    #[inline(always)]
+    pub fn has_fragments(&self) -> bool {
+        self.cells.count > 1 || self.is_translucent
     }
 
     /// All pixels of the picture.
@@ -227,6 +249,10 @@ pub fn check_light(scene: &Scene) -> Result<(), RenderError> {
     for Instance { surface, .. } in &scene.instances {
         finite("colour of a surface", &surface.base_color)?;
         finite("specular of a surface", &[surface.specular])?;
+        if !(0.0..=1.0).contains(&surface.opacity) {
+            let (what, value) = ("opacity of a surface", surface.opacity.to_string());
+            return Err(RenderError::Setting { what, range: "0 to 1".into(), value });
+        }
     }
     Ok(())
 }

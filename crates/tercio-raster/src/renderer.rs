@@ -170,7 +170,7 @@ impl Renderer {
         }
         let settings = context.settings;
         let count = settings.elements_per_pixel();
-        let needs_linear = context.cells.count > 1 || settings.outputs.linear;
+        let needs_linear = context.has_fragments() || settings.outputs.linear;
         let canvas = Canvas::new(
             frame,
             &settings.outputs,
@@ -252,7 +252,9 @@ impl Tiles<'_> {
         let is_drawn = |tile: &u32| self.context.grid.draws(*tile) && set.contains(*tile);
         let mut alone: Vec<u32> = (0..tiles).filter(is_drawn).collect();
         let mut shared = Vec::new();
-        if workers > 1 && self.context.settings.last_stage > LastStage::Bin {
+        // Layers are not merged: a tile that may have some is drawn by one worker.
+        let may_share = workers > 1 && !self.context.is_translucent();
+        if may_share && self.context.settings.last_stage > LastStage::Bin {
             let work: u64 = (0..tiles).map(fill).sum();
             let heavy = |tile: &u32| fill(*tile) > MIN_SHARED_ENTRIES.max(work / (2 * workers as u64));
             (shared, alone) = alone.into_iter().partition(heavy);

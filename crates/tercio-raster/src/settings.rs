@@ -174,6 +174,9 @@ pub struct Settings {
     pub tiles: TileSet,
     /// The last stage that is executed; with anything but [`LastStage::Output`] there is no picture.
     pub last_stage: LastStage,
+    /// Memory for layers that may not be opaque, in bytes, of all threads together. With less, tiles of many layers are
+    /// drawn in more slices of depth.
+    pub layer_memory: usize,
     /// The SIMD level; `None` selects the best one of this processor.
     pub simd: Option<SimdLevel>,
 }
@@ -182,6 +185,9 @@ pub struct Settings {
 const SMALLEST_TILE: u32 = 16;
 /// Number of tiles per thread that the automatic tile size aims at.
 const TILES_PER_THREAD: usize = 8;
+
+/// Default memory for layers, in bytes.
+const LAYER_MEMORY: usize = 128 << 20;
 
 impl Settings {
     /// Default settings for a picture of this size: 4 samples per pixel.
@@ -202,6 +208,7 @@ impl Settings {
             clusters: Part::WHOLE,
             tiles: TileSet::ALL,
             last_stage: LastStage::default(),
+            layer_memory: LAYER_MEMORY,
             simd: None,
         }
     }

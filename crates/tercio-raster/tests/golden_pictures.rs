@@ -33,7 +33,7 @@ fn lit(mesh: Mesh, background: Background) -> Scene {
         from(0.9, 0.0, 0.4, [0.12, 0.15, 0.20]),
     ];
     let surface =
-        Surface { base_color: [0.60, 0.50, 0.42], use_mesh_colors: true, specular: 0.25, shininess_log2: 5 };
+        Surface { base_color: [0.60, 0.50, 0.42], specular: 0.25, ..Surface::default() };
     let mesh = Arc::new(partition(mesh, &PartitionOptions::default()));
     Scene { instances: vec![Instance { surface, ..Instance::new(mesh) }], lights, background }
 }

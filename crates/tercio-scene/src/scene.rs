@@ -48,6 +48,11 @@ impl Instance {
         bounds
     }
 
+    /// Is any triangle not certainly opaque?
+    pub fn is_translucent(&self) -> bool {
+        self.surface.opacity < 1.0 || self.surface.use_mesh_colors && self.mesh.is_translucent()
+    }
+
     /// Support function of the vertices: the largest `direction . (p - from)` of all world-space vertices `p`; minus
     /// infinity if there are none. The same however the mesh is split into clusters.
     pub fn reach(&self, direction: DVec3, from: DVec3) -> f64 {
@@ -84,6 +89,8 @@ pub struct Surface {
     pub base_color: [f32; 3],
     /// False draws everything in `base_color`, whatever colours the mesh has.
     pub use_mesh_colors: bool,
+    /// Opacity, 0 to 1; multiplied by the alpha of the mesh's colours if these are used.
+    pub opacity: f32,
     /// Strength of the highlight in Phong shading, 0 for none.
     pub specular: f32,
     /// log2 of the highlight's exponent, 0 to 10: 5 means 32.
@@ -93,7 +100,8 @@ pub struct Surface {
 impl Default for Surface {
     fn default() -> Self {
         // A light clay: bright enough to show form, below white so that highlights are visible.
-        Self { base_color: [0.578, 0.497, 0.392], use_mesh_colors: true, specular: 0.2, shininess_log2: 5 }
+        let base_color = [0.578, 0.497, 0.392];
+        Self { base_color, use_mesh_colors: true, opacity: 1.0, specular: 0.2, shininess_log2: 5 }
     }
 }
 

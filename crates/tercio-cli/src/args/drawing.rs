@@ -96,6 +96,10 @@ pub struct DrawingArgs {
     /// Draws everything in --color, whatever colours the model has.
     #[arg(long)]
     no_mesh_colors: bool,
+    /// Opacity of the model, 0 to 1. What it covers shines through, in linear light and in the right order, however many
+    /// layers there are. The alpha of the model's colours and materials is drawn without this option, too.
+    #[arg(long, value_name = "ALPHA", allow_negative_numbers = true, value_parser = values::opacity)]
+    opacity: Option<f64>,
     /// A colour, two colours TOP,BOTTOM for a gradient, or transparent.
     #[arg(long, value_name = "COLOR", value_parser = values::background)]
     background: Option<Background>,
@@ -188,6 +192,7 @@ impl DrawingArgs {
             let surface = &mut instance.surface;
             surface.base_color = self.color.unwrap_or(surface.base_color);
             surface.use_mesh_colors = !self.no_mesh_colors;
+            surface.opacity = self.opacity.map_or(surface.opacity, |alpha| alpha as f32);
             surface.specular = self.specular.map_or(surface.specular, |s| s as f32);
         }
         if !self.lights.is_empty() {

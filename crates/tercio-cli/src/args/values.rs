@@ -44,6 +44,12 @@ pub fn not_negative(text: &str) -> Result<f64, String> {
     number(text).ok().filter(|&v| v >= 0.0).ok_or_else(|| "expected a number, 0 or more".into())
 }
 
+/// A share of 0 to 1.
+pub fn opacity(text: &str) -> Result<f64, String> {
+    let share = number(text).ok().filter(|v| (0.0..=1.0).contains(v));
+    share.ok_or_else(|| "expected a number of 0 (invisible) to 1 (opaque)".into())
+}
+
 /// A difference in steps of 8-bit components; fractions are allowed.
 pub fn steps(text: &str) -> Result<f64, String> {
     let steps = number(text).ok().filter(|v| (0.0..=255.0).contains(v));

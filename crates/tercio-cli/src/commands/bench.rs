@@ -63,6 +63,9 @@ pub struct Bench {
     /// The look of the model.
     #[arg(long, value_name = "LOOK", value_enum, default_value_t = LookName::Default)]
     look: LookName,
+    /// Opacity of the model, 0 to 1.
+    #[arg(long, value_name = "ALPHA", default_value_t = 1.0, value_parser = values::opacity)]
+    opacity: f64,
     /// Writes JSON with stable keys.
     #[arg(long)]
     json: bool,
@@ -121,6 +124,7 @@ impl Bench {
         let model = options.open(&self.model.model)?;
         let load_ms = begin.elapsed().as_secs_f64() * 1e3;
         let (mut scene, partition_ms) = self.scene(model, files, &display)?;
+        scene.instances[0].surface.opacity = self.opacity as f32;
         let copies = Copies::new(self.copies, &scene.bounds());
         copies.place(&mut scene);
         let cameras = self.cameras(&scene.bounds());
@@ -210,6 +214,7 @@ impl Bench {
                 "frames": frames.len(),
                 "threads": last.threads,
                 "simd": last.simd,
+                "opacity": self.opacity,
                 "toss": self.toss.map(StageName::name),
                 "look": self.look.name(),
                 "anti_aliasing": self.sampling.json(),

@@ -35,6 +35,8 @@ pub struct ClusteredMesh {
     pub(crate) vertices: u64,
     /// Triangles of all clusters.
     pub(crate) triangles: u64,
+    /// A cluster is translucent.
+    pub(crate) translucent: bool,
 }
 
 impl Default for ClusteredMesh {
@@ -51,6 +53,7 @@ impl Default for ClusteredMesh {
             lines: vec![Line::zeroed(); Layout::LINES_BEHIND].into(),
             vertices: 0,
             triangles: 0,
+            translucent: false,
         }
     }
 }
@@ -98,6 +101,7 @@ impl ClusteredMesh {
         self.bounds = self.clusters.iter().fold(Aabb::EMPTY, add);
         self.vertices = self.clusters.iter().map(|head| u64::from(head.vertices)).sum();
         self.triangles = self.clusters.iter().map(|head| u64::from(head.triangles)).sum();
+        self.translucent = self.clusters.iter().any(Cluster::is_translucent);
     }
 
     /// Length of a unit of the positions and of the clusters' bounds.
@@ -109,6 +113,12 @@ impl ClusteredMesh {
     pub fn local_bounds(&self) -> Aabb {
         let local = |p: DVec3| (p - self.origin) / self.unit();
         Aabb { min: local(self.bounds.min), max: local(self.bounds.max) }
+    }
+
+    /// Is any triangle not opaque by the colours of the mesh (triangle colours, else vertex colours, else materials)?
+    #[inline(always)]
+    pub fn is_translucent(&self) -> bool {
+        self.translucent
     }
 
     /// Number of triangles.

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::layout::padded;
 use super::partition::Cut;
-use super::{Buffer, Cluster, ClusteredMesh, Layout, Line, bounds};
+use super::{Buffer, Cluster, ClusterView, ClusteredMesh, Layout, Line, bounds};
 use crate::{AttributeDomain, Mesh};
 
 /// Splits `data` into consecutive pieces of the given lengths; what is left over is dropped.
@@ -157,6 +157,13 @@ fn write(job: Job, layout: &Layout, source: &Mesh, memory: &mut Memory, level: L
             AttributeDomain::Triangle => values.of_triangles(|t| attribute.values[t].to_bits()),
         }
     }
+    let stretches = values.stretches;
+    for (head, stretch) in heads.iter_mut().zip(stretches) {
+        if ClusterView::new(stretch.lines, layout).is_translucent(&source.materials) {
+            head.flags |= Cluster::TRANSLUCENT;
+            stretch.lines[0].0[..size_of::<Cluster>()].copy_from_slice(bytemuck::bytes_of(head));
+        }
+    }
 }
 
 /// The memory of a cluster.
@@ -225,17 +232,17 @@ fn put(to: &mut [u32], vertices: &[u16], of_block: &[u32]) {
 }
 
 /// Values that are stored after the corners, written into the clusters of a block.
-struct Values<'a, 'b> {
+struct Values<'a, 'b, 'c> {
     layout: &'a Layout,
     cut: &'a Cut,
     numbers: Option<&'a [u32]>,
     heads: &'b [Cluster],
-    stretches: Vec<Stretch<'b>>,
+    stretches: Vec<Stretch<'c>>,
     /// How many arrays of vertex values and of triangle values have been written.
     place: [usize; 2],
 }
 
-impl Values<'_, '_> {
+impl Values<'_, '_, '_> {
     /// Writes the next vertex values; `value` takes vertex numbers in the mesh.
     fn of_vertices(&mut self, memory: &mut Memory, value: impl Fn(usize) -> u32) {
         memory.words.clear();

@@ -30,7 +30,7 @@ pub struct Cluster {
     pub vertices: u8,
     /// 1 to [`super::MAX_TRIANGLES`].
     pub triangles: u8,
-    /// [`Cluster::NORMALS_AGREE`] or 0.
+    /// A sum of [`Cluster::NORMALS_AGREE`] and [`Cluster::TRANSLUCENT`], or 0.
     pub flags: u8,
     /// Bits per primitive number, 0 to 32: each is stored as its difference to `first_primitive`. With 0 bits the
     /// numbers are consecutive.
@@ -45,6 +45,16 @@ impl Cluster {
     /// In `flags`: the vertex normals certainly point to the same side of the planes of the cluster's triangles as
     /// the triangles' own normals, so that no pixel has to test it. Never set without vertex normals.
     pub const NORMALS_AGREE: u8 = 1;
+
+    /// In `flags`: a triangle of the cluster is not opaque by the colours of the mesh; see
+    /// [`ClusterView::is_translucent`](super::ClusterView::is_translucent).
+    pub const TRANSLUCENT: u8 = 2;
+
+    /// Is [`Cluster::TRANSLUCENT`] set?
+    #[inline(always)]
+    pub fn is_translucent(&self) -> bool {
+        self.flags & Self::TRANSLUCENT != 0
+    }
 
     /// Is [`Cluster::NORMALS_AGREE`] set?
     #[inline(always)]

@@ -2,7 +2,7 @@
 
 use super::layout::padded;
 use super::{Cluster, Layout, Line, MAX_TRIANGLES};
-use crate::{AttributeDomain, OctNormal};
+use crate::{AttributeDomain, FileMaterial, OctNormal};
 
 /// One cluster of a mesh, read from its stretch of memory.
 ///
@@ -139,6 +139,21 @@ impl<'a> ClusterView<'a> {
     pub fn triangle_materials(&self) -> Option<&'a [u32]> {
         let place = self.layout.materials_place();
         self.layout.triangle_materials.then(|| bytemuck::cast_slice(self.triangle_values(place)))
+    }
+
+    /// Is any alpha below 1 in what colours the cluster: triangle colours, else vertex colours, else the materials?
+    pub fn is_translucent(&self, materials: &[FileMaterial]) -> bool {
+        let any = |colors: &[[u8; 4]]| colors.iter().any(|color| color[3] < u8::MAX);
+        let (vertices, triangles) = (usize::from(self.head().vertices), self.triangles());
+        if let Some(colors) = self.face_colors() {
+            return any(&colors[..triangles]);
+        }
+        if let Some(colors) = self.vertex_colors() {
+            return any(&colors[..vertices]);
+        }
+        let Some(numbers) = self.triangle_materials() else { return false };
+        let opacity = |number: u32| materials.get(number as usize).map_or(1.0, |m| m.opacity);
+        numbers[..triangles].iter().any(|&number| opacity(number) < 1.0)
     }
 
     /// Values of one of [`Layout::attributes`], one for each vertex or triangle; padded.

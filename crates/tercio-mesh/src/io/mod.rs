@@ -10,6 +10,7 @@ pub mod prepared;
 mod sniff;
 pub mod stl;
 pub mod text;
+mod translucent;
 
 use std::path::{Path, PathBuf};
 
@@ -19,6 +20,7 @@ use serde::{Deserialize, Serialize};
 use crate::{Mesh, OctNormal, Progress, ReadError};
 use input::Input;
 pub use not_drawn::NotDrawn;
+pub use translucent::Translucent;
 pub use sniff::sniff;
 
 /// How a model is read.
@@ -71,6 +73,8 @@ pub struct ReadReport {
     pub faces: u64,
     /// What the file holds or requests that is not drawn.
     pub not_drawn: NotDrawn,
+    /// What of it is not opaque.
+    pub translucent: Translucent,
     /// Other files that belong to the model: material libraries that were read, and the paths of the textures that it
     /// names. An output must not overwrite any of them.
     pub companions: Vec<PathBuf>,
@@ -115,6 +119,9 @@ pub fn read_input(input: &Input, options: &ReadOptions) -> Result<ReadModel, Rea
     model.report.warnings.splice(0..0, input.warnings.iter().cloned());
     warn_of_normals(&mut model);
     model.report.not_drawn.count_mesh(&model.mesh, model.report.faces);
+    let (translucent, warning) = Translucent::count(&mut model.mesh);
+    model.report.translucent = translucent;
+    model.report.warnings.extend(warning);
     Ok(model)
 }
 

@@ -82,29 +82,34 @@ impl ColorSource {
     }
 }
 
-/// Linear colour of a triangle with [`ColorSource::Triangle`], given by its number in its cluster.
+/// Linear colour and alpha of a triangle with [`ColorSource::Triangle`], given by its number in its cluster.
 pub fn triangle_color(
     mesh: &ClusteredMesh,
     cluster: &ClusterView,
     surface: &Surface,
     triangle: usize,
-) -> [f32; 3] {
+) -> [f32; 4] {
     if let Some(colors) = cluster.face_colors() {
-        return linear(colors[triangle]);
+        return with_alpha(colors[triangle]);
     }
     let material = cluster.triangle_materials().map_or(Mesh::NO_MATERIAL, |m| m[triangle]);
     match mesh.materials.get(material as usize) {
         Some(m) => {
             let level = |k: usize| (m.diffuse[k].clamp(0.0, 1.0) * 255.0 + 0.5) as u8;
-            linear([level(0), level(1), level(2), 255])
+            let [r, g, b, _] = with_alpha([level(0), level(1), level(2), 255]);
+            [r, g, b, if m.opacity < 1.0 { m.opacity.max(0.0) } else { 1.0 }]
         }
-        None => surface.base_color,
+        None => {
+            let [r, g, b] = surface.base_color;
+            [r, g, b, 1.0]
+        }
     }
 }
 
-/// Linear light of an sRGB colour, without alpha.
-pub fn linear(color: [u8; 4]) -> [f32; 3] {
-    [0, 1, 2].map(|k| DECODE[usize::from(color[k])])
+/// Linear light of an sRGB colour, and its alpha.
+pub fn with_alpha(color: [u8; 4]) -> [f32; 4] {
+    let [r, g, b] = [0, 1, 2].map(|k| DECODE[usize::from(color[k])]);
+    [r, g, b, f32::from(color[3]) / 255.0]
 }
 
 /// The corners of the triangles of 16 pixels.
@@ -126,6 +131,8 @@ pub struct Corners<S: Simd> {
     pub normal: [Vec3x16<S>; 3],
     /// Linear colours; valid only if the mesh has colours.
     pub color: [Vec3x16<S>; 3],
+    /// Alpha of the colours; valid only if they have one.
+    pub alpha: [f32x16<S>; 3],
     /// In the clusters of all lanes, the normals agree with the winding as defined for
     /// [`Cluster::NORMALS_AGREE`](tercio_mesh::cluster::Cluster::NORMALS_AGREE).
     pub normals_agree: bool,
@@ -145,6 +152,7 @@ impl<S: Simd> Corners<S> {
             are_near: false,
             normal: [[zero; 3]; 3],
             color: [[zero; 3]; 3],
+            alpha: [zero; 3],
             normals_agree: false,
         }
     }
@@ -183,7 +191,7 @@ impl<S: Simd> Corners<S> {
                     packed[k] = same.select(normal, packed[k]);
                 }
                 if let (ColorSource::Vertex, Some(c)) = (colors, cluster.vertex_colors()) {
-                    corners.set_color(k, same, linear(c[v]));
+                    corners.set_color(k, same, with_alpha(c[v]));
                 }
             }
             if colors == ColorSource::Triangle {
@@ -216,8 +224,9 @@ impl<S: Simd> Corners<S> {
 
     /// Sets the colour of one corner in some lanes.
     #[inline(always)]
-    pub fn set_color(&mut self, corner: usize, lanes: mask32x16<S>, color: [f32; 3]) {
+    pub fn set_color(&mut self, corner: usize, lanes: mask32x16<S>, color: [f32; 4]) {
         let simd = self.d[0].simd;
+        self.alpha[corner] = lanes.select(splat(simd, color[3]), self.alpha[corner]);
         for c in 0..3 {
             self.color[corner][c] = lanes.select(splat(simd, color[c]), self.color[corner][c]);
         }

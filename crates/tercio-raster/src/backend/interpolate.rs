@@ -75,6 +75,14 @@ impl<S: Simd> Interpolation<S> {
         weighted(&self.weight, v)
     }
 
+    /// Interpolates alpha between the corners: exactly theirs if they have the same.
+    #[inline(always)]
+    pub fn alpha(&self, a: [f32x16<S>; 3]) -> f32x16<S> {
+        let ([_, w1, w2], simd) = (self.weight, a[0].simd);
+        let mixed = (a[0] + w1 * (a[1] - a[0])) + w2 * (a[2] - a[0]);
+        mixed.max(splat(simd, 0.0)).min(splat(simd, 1.0))
+    }
+
     /// The interpolated normal, not normalized, on the visible side of the triangle, from those of [`Corners::normal`].
     #[inline(always)]
     pub fn normal(&self, normals: [Vec3x16<S>; 3]) -> Vec3x16<S> {

@@ -46,7 +46,7 @@ pub struct Scratch {
 impl Scratch {
     /// Merges the memory of another part of the same tile: the nearer samples win.
     pub fn merge(&mut self, context: &FrameContext, other: &Self) {
-        if context.cells.count > 1 {
+        if context.has_fragments() {
             self.multisample.memory.merge(context, &other.multisample.memory);
         } else {
             self.tile.merge(context, &other.tile);
@@ -126,10 +126,13 @@ pub fn run<S: Simd, T: Tally>(
         target.write_background();
         return tally;
     }
-    if context.cells.count > 1 {
+    if context.has_fragments() {
         let Scratch { pixels, order, multisample, .. } = scratch;
         let (outputs, part, shade) = (canvas.outputs(), Part::WHOLE, Shade::Immediate);
         multisample::draw(simd, context, bins, tile, part, shade, order, multisample, outputs, &mut tally);
+        if context.is_translucent() {
+            multisample::draw_layers(simd, context, bins, tile, order, multisample, outputs, &mut tally);
+        }
         multisample::finish(simd, context, multisample, target, pixels, outputs, &mut tally);
         return tally;
     }
@@ -157,7 +160,7 @@ pub fn run_part<S: Simd, T: Tally>(
 ) -> T {
     let mut tally = T::default();
     let (shade, outputs) = (Shade::Deferred, canvas.outputs());
-    if context.cells.count > 1 {
+    if context.has_fragments() {
         let Scratch { order, multisample, .. } = scratch;
         multisample::draw(simd, context, bins, tile, part, shade, order, multisample, outputs, &mut tally);
         return tally;
@@ -180,7 +183,7 @@ pub fn finish<S: Simd, T: Tally>(
     if let Some(full) = tally.full() {
         full.tile(context, tile, true);
     }
-    if context.cells.count > 1 {
+    if context.has_fragments() {
         let Scratch { pixels, multisample, .. } = scratch;
         multisample::finish(simd, context, multisample, target, pixels, canvas.outputs(), &mut tally);
         return tally;

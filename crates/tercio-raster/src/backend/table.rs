@@ -27,12 +27,14 @@ pub struct ClusterTable {
     pub facing: Facing,
     /// Linear colours, likewise; valid only if the mesh has vertex colours.
     color: [[i32; MAX_VERTICES]; 3],
+    /// Alpha of the colours, likewise.
+    alpha: [i32; MAX_VERTICES],
 }
 
 impl Default for ClusterTable {
     fn default() -> Self {
         let zero = [[0; MAX_VERTICES]; 3];
-        Self { position: zero, normal: zero, facing: Facing::default(), color: zero }
+        Self { position: zero, normal: zero, facing: Facing::default(), color: zero, alpha: zero[0] }
     }
 }
 
@@ -136,6 +138,7 @@ impl ClusterTable {
             for k in 0..3 {
                 self.color[k][v % MAX_VERTICES] = decode[usize::from(color[k])].to_bits() as i32;
             }
+            self.alpha[v % MAX_VERTICES] = (f32::from(color[3]) / 255.0).to_bits() as i32;
         }
     }
 
@@ -155,16 +158,20 @@ impl ClusterTable {
             ColorSource::Base => {}
             ColorSource::Vertex => {
                 found.color = each3!(K => each3!(C => lookup(simd, &self.color[C], &numbers[K]).bitcast()));
+                if mesh.is_translucent() {
+                    found.alpha = each3!(K => lookup(simd, &self.alpha, &numbers[K]).bitcast());
+                }
             }
             ColorSource::Triangle => {
-                let mut colors = [[0.0; LANES]; 3];
+                let mut colors = [[0.0; LANES]; 4];
                 for lane in 0..LANES {
                     let color = triangle_color(mesh, cluster, surface, usize::from(triangles[lane]));
-                    for k in 0..3 {
+                    for k in 0..4 {
                         colors[k][lane] = color[k];
                     }
                 }
                 found.color = [each3!(C => load(simd, &colors[C])); 3];
+                found.alpha = [load(simd, &colors[3]); 3];
             }
         }
     }

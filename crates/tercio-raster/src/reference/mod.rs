@@ -9,7 +9,7 @@ mod resolve;
 mod shading;
 
 use tercio_mesh::Mesh;
-use tercio_scene::{Camera, Scene};
+use tercio_scene::{Camera, Instance, Scene};
 
 use crate::context::{check_light, check_range};
 use crate::conventions::SUBPIXELS;
@@ -23,9 +23,9 @@ use crate::stats::FrameStats;
 use crate::view::{ObjectView, ScreenVertex, View};
 use shading::shade;
 
-/// The triangle that is visible at a sample.
+/// A triangle at a sample.
 #[derive(Clone, Copy)]
-struct Sample {
+struct Layer {
     depth: f32,
     instance: usize,
     triangle: usize,
@@ -53,9 +53,9 @@ pub fn render(
     check_range(scene, settings, &view)?;
     check_light(scene)?;
     let objects: Vec<ObjectView> = scene.instances.iter().map(|i| view.object(i)).collect();
-    let nothing = Sample { depth: 0.0, instance: 0, triangle: usize::MAX, covered: 0 };
     let cells = settings.sampling.pattern.cells();
-    let mut samples = vec![nothing; width * height * cells.count];
+    let is_opaque = !scene.instances.iter().any(Instance::is_translucent);
+    let mut samples: Vec<Vec<Layer>> = vec![Vec::new(); width * height * cells.count];
 
     for (instance, mesh) in meshes.iter().enumerate() {
         let object = &objects[instance];
@@ -64,12 +64,20 @@ pub fn render(
             let projected = positions.map(|p| object.project(p));
             let mut draw = |corners: [ScreenVertex; 3]| {
                 rasterize(corners, object.mirrored, settings, |[x, y], sample, covered, depth| {
-                    let old = &mut samples[(y * width + x) * cells.count + sample];
-                    // Triangles are drawn in the order of their numbers, so among equal depths the first one stays; of
-                    // the pieces of a clipped triangle, the one that covers more, by the number that its mask is.
-                    let is_same = (old.instance, old.triangle) == (instance, triangle);
-                    if depth > old.depth || depth == old.depth && is_same && covered > old.covered {
-                        *old = Sample { depth, instance, triangle, covered };
+                    let layers = &mut samples[(y * width + x) * cells.count + sample];
+                    let new = Layer { depth, instance, triangle, covered };
+                    // Of the pieces of a clipped triangle, the nearer one counts, then the one that covers more, by the
+                    // number that its mask is.
+                    let is_same = |old: &&mut Layer| (old.instance, old.triangle) == (instance, triangle);
+                    if let Some(old) = layers.last_mut().filter(is_same) {
+                        if (depth, covered) > (old.depth, old.covered) {
+                            *old = new;
+                        }
+                    } else if !is_opaque || layers.is_empty() {
+                        layers.push(new);
+                    } else if depth > layers[0].depth {
+                        // Triangles are drawn in the order of their numbers: among equal depths the first one stays.
+                        layers[0] = new;
                     }
                 });
             };
@@ -85,29 +93,43 @@ pub fn render(
     let first_faces = first_faces(meshes);
     let first_primitives = first_primitives(meshes);
     let mut shaded_samples = Vec::with_capacity(samples.len());
-    for (index, sample) in samples.iter().enumerate() {
+    for (index, layers) in samples.iter_mut().enumerate() {
         let (number, x, y) = (index % cells.count, index / cells.count % width, index / cells.count / width);
+        // The nearest first; the sort is stable, so among equal depths the first triangle.
+        layers.sort_by(|a, b| b.depth.total_cmp(&a.depth));
         let mut pixel = Pixel::of_background(&scene.background, y as u32, settings.height);
-        if sample.triangle != usize::MAX {
-            let (mesh, object) = (meshes[sample.instance], &objects[sample.instance]);
-            let surface = &scene.instances[sample.instance].surface;
+        let (mut linear, mut passing) = ([0.0; 4], 1.0);
+        for layer in &*layers {
+            let (mesh, object) = (meshes[layer.instance], &objects[layer.instance]);
+            let surface = &scene.instances[layer.instance].surface;
             let offset = match settings.sampling.shading {
-                SampleShading::Pixel => cells.center(sample.covered),
+                SampleShading::Pixel => cells.center(layer.covered),
                 SampleShading::Sample => cells.offset(number),
             };
             let at = [0, 1].map(|k| [x, y][k] as i32 * SUBPIXELS + offset[k]);
-            let shaded = shade(mesh, sample.triangle, surface, object, &lights, settings.shading, at);
-            let face = mesh.face_of_triangle.as_ref().map_or(sample.triangle as u32, |f| f[sample.triangle]);
-            let primitive = first_primitives[sample.instance] + sample.triangle as u32;
-            pixel = Pixel {
-                keys: visibility_key(sample.depth, primitive),
-                color: shaded.color,
-                color16: shaded.color16,
-                linear: shaded.linear,
-                depth: view.distance(sample.depth),
-                ids: first_faces[sample.instance] + face,
-                normals: shaded.normal,
-            };
+            let shaded = shade(mesh, layer.triangle, surface, object, &lights, settings.shading, at);
+            let passes = 1.0 - shaded.linear[3];
+            // What is invisible is not there.
+            if passes == 1.0 {
+                continue;
+            }
+            if passing == 1.0 {
+                let face =
+                    mesh.face_of_triangle.as_ref().map_or(layer.triangle as u32, |f| f[layer.triangle]);
+                let primitive = first_primitives[layer.instance] + layer.triangle as u32;
+                pixel.keys = visibility_key(layer.depth, primitive);
+                pixel.depth = view.distance(layer.depth);
+                pixel.ids = first_faces[layer.instance] + face;
+                pixel.normals = shaded.normal;
+            }
+            (0..4).for_each(|k| linear[k] += passing * shaded.linear[k]);
+            passing *= passes;
+        }
+        if passing < 1.0 {
+            if passing > 0.0 {
+                (0..4).for_each(|k| linear[k] += passing * pixel.linear[k]);
+            }
+            resolve::set_colors(&mut pixel, linear);
         }
         shaded_samples.push(pixel);
     }

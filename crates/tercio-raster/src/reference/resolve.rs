@@ -36,7 +36,7 @@ pub fn pixels(samples: &[Pixel], scene: &Scene, settings: &Settings) -> Vec<Pixe
         let mut pixel = Pixel::of_background(&scene.background, y as u32, settings.height);
         pixel.keys = contributing.iter().map(|(sample, _)| sample.keys).max().unwrap_or(0);
         if pixel.keys > 0 {
-            pixel.linear = match settings.sampling.filter {
+            let linear = match settings.sampling.filter {
                 Filter::Box if own.iter().all(|s| s.linear == own[0].linear) => own[0].linear,
                 Filter::Box => sum(own).map(|c| c / n as f32),
                 Filter::Tent => {
@@ -48,16 +48,7 @@ pub fn pixels(samples: &[Pixel], scene: &Scene, settings: &Settings) -> Vec<Pixe
                     sum.map(|c| c / total)
                 }
             };
-            let [r, g, b, alpha] = pixel.linear;
-            let straight = |c: f32| match alpha {
-                0.0 => 0.0,
-                alpha if alpha < 1.0 => c / alpha,
-                _ => c,
-            };
-            let level = |most: f32| alpha.clamp(0.0, 1.0) * most + 0.5;
-            let rgb = [straight(r), straight(g), straight(b)];
-            pixel.color = [encode8(rgb[0]), encode8(rgb[1]), encode8(rgb[2]), level(255.0) as u8];
-            pixel.color16 = [encode16(rgb[0]), encode16(rgb[1]), encode16(rgb[2]), level(65535.0) as u16];
+            set_colors(&mut pixel, linear);
         }
         let nearest = own.iter().fold(&own[0], |best, s| if s.keys > best.keys { s } else { best });
         if nearest.keys > 0 {
@@ -66,6 +57,21 @@ pub fn pixels(samples: &[Pixel], scene: &Scene, settings: &Settings) -> Vec<Pixe
         pixels.push(pixel);
     }
     pixels
+}
+
+/// Sets the colours of a pixel, from a premultiplied linear colour.
+pub fn set_colors(pixel: &mut Pixel, linear: [f32; 4]) {
+    pixel.linear = linear;
+    let [r, g, b, alpha] = linear;
+    let straight = |c: f32| match alpha {
+        0.0 => 0.0,
+        alpha if alpha < 1.0 => c / alpha,
+        _ => c,
+    };
+    let level = |most: f32| alpha.clamp(0.0, 1.0) * most + 0.5;
+    let rgb = [straight(r), straight(g), straight(b)];
+    pixel.color = [encode8(rgb[0]), encode8(rgb[1]), encode8(rgb[2]), level(255.0) as u8];
+    pixel.color16 = [encode16(rgb[0]), encode16(rgb[1]), encode16(rgb[2]), level(65535.0) as u16];
 }
 
 /// A column or row and those beside it, inside the picture.

@@ -3,7 +3,7 @@
 use tercio_mesh::{Mesh, OctNormal};
 use tercio_scene::Surface;
 
-use crate::color::{DECODE, encode8, encode16};
+use crate::color::DECODE;
 use crate::conventions::SMALL_EXTENT;
 use crate::lighting::LightRig;
 use crate::projection::clip::barycentrics_unclipped;
@@ -12,8 +12,7 @@ use crate::view::ObjectView;
 
 /// The result of shading a pixel.
 pub struct Shaded {
-    pub color: [u8; 4],
-    pub color16: [u16; 4],
+    /// Premultiplied.
     pub linear: [f32; 4],
     pub normal: [f32; 3],
 }
@@ -136,12 +135,14 @@ pub fn shade(
             each(|k| albedo[k] * diffuse[k] + specular[k])
         }
     };
-    Shaded {
-        color: [encode8(linear[0]), encode8(linear[1]), encode8(linear[2]), 255],
-        linear: [shown(linear[0]), shown(linear[1]), shown(linear[2]), 1.0],
-        color16: [encode16(linear[0]), encode16(linear[1]), encode16(linear[2]), 65535],
-        normal,
-    }
+    let alpha = corner_alphas(mesh, triangle, surface).map_or(1.0, |a| {
+        // Exactly that of the corners if they have the same.
+        let mixed = (a[0] + weight[1] * (a[1] - a[0])) + weight[2] * (a[2] - a[0]);
+        mixed.clamp(0.0, 1.0)
+    });
+    let alpha = alpha * surface.opacity;
+    let [r, g, b] = linear.map(|c| shown(c) * alpha);
+    Shaded { linear: [r, g, b, alpha], normal }
 }
 
 /// Linear colours of a triangle's corners; `None` if the surface's own colour is used.
@@ -161,6 +162,22 @@ fn corner_colors(mesh: &Mesh, triangle: usize, surface: &Surface) -> Option<[Vec
             None => surface.base_color,
         };
         Some([color; 3])
+    }
+}
+
+/// The alphas of a triangle's corners; `None` if the surface's own colour is used.
+fn corner_alphas(mesh: &Mesh, triangle: usize, surface: &Surface) -> Option<[f32; 3]> {
+    let alpha = |c: [u8; 4]| f32::from(c[3]) / 255.0;
+    if !surface.use_mesh_colors {
+        None
+    } else if let Some(colors) = &mesh.face_colors {
+        Some([alpha(colors[triangle]); 3])
+    } else if let Some(colors) = &mesh.vertex_colors {
+        Some(Mesh::canonical(mesh.triangles[triangle]).map(|v| alpha(colors[v as usize])))
+    } else {
+        let material = mesh.triangle_materials.as_ref()?[triangle];
+        let opacity = |opacity: f32| if opacity < 1.0 { opacity.max(0.0) } else { 1.0 };
+        mesh.materials.get(material as usize).map(|m| [opacity(m.opacity); 3])
     }
 }
 

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use rayon::prelude::*;
 
 use crate::error::{Place, counted, printable};
-use crate::io::{NotDrawn, ReadModel, ReadOptions, ReadReport, input::Input};
+use crate::io::{NotDrawn, ReadModel, ReadOptions, ReadReport, Translucent, input::Input};
 use crate::mesh::{Attribute, AttributeDomain, FileMaterial, MAX_ELEMENTS, localize};
 use crate::polygon::Triangulator;
 use crate::{Mesh, OctNormal, ReadError};
@@ -116,6 +116,7 @@ pub fn build(input: &Input, options: &ReadOptions, parsed: Parsed) -> Result<Rea
         format: "OBJ".into(),
         file_bytes: input.file_bytes,
         faces,
+        translucent: Translucent::default(),
         not_drawn: not_drawn(&chunks),
         companions,
         warnings,

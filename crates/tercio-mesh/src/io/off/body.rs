@@ -2,7 +2,7 @@
 
 use crate::error::{counted, expected_vertex, ignored_empty_faces};
 use crate::io::text::Cursor;
-use crate::io::{NotDrawn, ReadModel, ReadOptions, ReadReport, input::Input};
+use crate::io::{NotDrawn, ReadModel, ReadOptions, ReadReport, Translucent, input::Input};
 use crate::mesh::{MAX_ELEMENTS, localize};
 use crate::polygon::Triangulator;
 use crate::{Mesh, OctNormal, ReadError};
@@ -166,6 +166,7 @@ pub fn model(input: &Input, header: Header, vertices: Vertices, faces: Faces, fo
         format,
         file_bytes: input.file_bytes,
         faces: faces.kept,
+        translucent: Translucent::default(),
         not_drawn: NotDrawn { points: faces.points, lines: faces.lines, ..NotDrawn::default() },
         companions: Vec::new(),
         warnings,

@@ -3,6 +3,7 @@
 use rayon::prelude::*;
 
 use super::format::Kind;
+use crate::FileMaterial;
 use crate::cluster::{Cluster, ClusterView, ClusteredMesh, Layout, Line, MAX_TRIANGLES, MAX_VERTICES};
 
 /// The wrong part, what was expected in it, what was found.
@@ -63,12 +64,17 @@ pub fn clusters(mesh: &ClusteredMesh) -> Result<(), Wrong> {
         (Kind::Lines, format!("{expected} of cluster {number}"), "others".to_owned())
     };
     mesh.clusters.par_iter().enumerate().with_min_len(64).try_for_each(|(number, head)| {
-        cluster(&mesh.cluster(number), head, triangles).map_err(|e| wrong(number, e))
+        cluster(&mesh.cluster(number), head, triangles, &mesh.materials).map_err(|e| wrong(number, e))
     })
 }
 
 /// Describes what is wrong with a cluster, if anything is.
-fn cluster(view: &ClusterView, head: &Cluster, triangles: u64) -> Result<(), &'static str> {
+fn cluster(
+    view: &ClusterView,
+    head: &Cluster,
+    triangles: u64,
+    materials: &[FileMaterial],
+) -> Result<(), &'static str> {
     let line = view.first_line()[0];
     if line.0[..size_of::<Cluster>()] != *bytemuck::bytes_of(head)
         || line.0[size_of::<Cluster>()..] != [0; Line::BYTES - size_of::<Cluster>()]
@@ -86,6 +92,9 @@ fn cluster(view: &ClusterView, head: &Cluster, triangles: u64) -> Result<(), &'s
     let most = view.corners().into_iter().flatten().fold(0, |most, &corner| most.max(corner));
     if most >= head.vertices {
         return Err("corners that are vertices");
+    }
+    if head.is_translucent() != view.is_translucent(materials) {
+        return Err("the flag of translucent colours");
     }
     if view.greatest_primitive() >= triangles {
         return Err("primitive numbers below the number of triangles");

@@ -5,34 +5,16 @@ use fearless_simd::{
     Simd, f32x4, f32x8, f32x16, i32x16, mask32x4, mask32x8, mask32x16, u32x4, u32x8, u32x16,
 };
 
-use crate::backend::memory::lower_primitive;
+use super::blend::Blended;
+use super::fragments::{Fragment, FragmentList, NO_FRAGMENT};
+use super::layers::Layers;
 use crate::context::FrameContext;
 use crate::sampling::SampleShading;
 use crate::screen::PixelRect;
 use crate::simd::{LANE_NUMBERS, LANES, part, splat, splat_i};
 
-/// The fragment of a sample where nothing was drawn.
-pub const NO_FRAGMENT: u32 = u32::MAX;
-
-/// A triangle in a pixel.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Fragment {
-    /// Slot of the triangle.
-    pub slot: u32,
-    /// Place of the pixel: its row in the tile memory times the distance of rows, plus its column.
-    pub pixel: u16,
-    /// The samples of the pixel at whose centre it is shaded, one bit each: those that the triangle covers, or one.
-    pub covered: u16,
-}
-
-impl Fragment {
-    #[inline(always)]
-    fn new(slot: u32, pixel: usize, covered: u32) -> Self {
-        Self { slot, pixel: pixel as u16, covered: covered as u16 }
-    }
-}
-
 /// A triangle in one pixel, to be tested at the pixel's samples.
+#[derive(Default)]
 pub struct InPixel {
     /// Place of the pixel.
     pub pixel: usize,
@@ -74,12 +56,12 @@ macro_rules! write_pixel {
                         let ties = tie.to_bitmask() as u32 & ((1 << $lanes) - 1);
                         let old = &self.fragment[samples.clone()];
                         let new = Fragment::new(t.slot, t.pixel, t.covered);
-                        let more = tie_winners(context, ties, |_| new, old, &self.fragments);
+                        let more = tie_winners(context, ties, |_| new, old, &self.list.fragments);
                         wins |= $mask::from_bitmask(simd, u64::from(more));
                     }
                     wins.select(depth, before).store_slice(old_depth);
                     let old = &mut self.fragment[samples];
-                    let number = $numbers::splat(simd, self.count as u32);
+                    let number = $numbers::splat(simd, self.list.count as u32);
                     wins.select(number, $numbers::from_slice(simd, old)).store_slice(old);
                     wins.to_bitmask() as u32 & ((1 << $lanes) - 1)
                 },
@@ -100,18 +82,13 @@ pub struct SampleMemory {
     pub depth: Vec<f32>,
     /// Number of the fragment, [`NO_FRAGMENT`] where nothing was drawn.
     pub fragment: Vec<u32>,
-    /// The fragments; only the first [`SampleMemory::count`] are valid. Those that were hidden later remain until
-    /// [`SampleMemory::make_room`] removes them.
-    pub fragments: Vec<Fragment>,
-    count: usize,
-    /// Premultiplied linear colours of the fragments; valid where they are shaded.
-    pub colors: Vec<[f32; 4]>,
-    /// Normals of the fragments, likewise, if they are requested.
-    pub normals: Vec<[f32; 3]>,
-    /// Number of the first fragment that is not shaded late: the others are shaded with their cluster.
-    pub late: usize,
-    /// Number of the first fragment of the cluster that is being drawn.
-    pub of_cluster: usize,
+    /// The fragments of opaque triangles. Those that were hidden later remain until [`SampleMemory::make_room`] removes
+    /// them.
+    pub list: FragmentList,
+    /// The fragments of other triangles.
+    pub layers: Layers,
+    /// What the layers amount to, if the frame may have any.
+    pub blended: Blended,
     /// The pixels in memory.
     pub rect: PixelRect,
     /// The pixels of the tile that are inside the picture.
@@ -121,7 +98,7 @@ pub struct SampleMemory {
     /// log2 of the number of samples per pixel.
     pub count_bits: u32,
     /// Every sample is a fragment of its own.
-    is_by_sample: bool,
+    pub is_by_sample: bool,
     /// Columns and rows of cells of 16 consecutive samples, counted from the first cell of the first one's pixel.
     pub lane_cells: [[i32; LANES]; 2],
     /// The same in sub-pixels.
@@ -140,7 +117,9 @@ impl SampleMemory {
         self.stride_bits = ((1 << context.grid.shift) + 2 * halo).next_power_of_two().trailing_zeros();
         let cells = &context.cells;
         self.count_bits = cells.count_bits();
-        self.is_by_sample = context.settings.sampling.shading == SampleShading::Sample;
+        // The fragments of `write` are numbered for two samples and more.
+        let is_by_sample = context.settings.sampling.shading == SampleShading::Sample;
+        self.is_by_sample = is_by_sample || cells.count == 1;
         for lane in 0..LANES {
             let cell = cells.cells[lane % cells.count];
             let pixel = (lane >> self.count_bits) as i32;
@@ -158,9 +137,12 @@ impl SampleMemory {
         self.depth.resize(samples, 0.0);
         self.fragment.clear();
         self.fragment.resize(samples, NO_FRAGMENT);
-        self.count = 0;
-        self.late = 0;
-        self.of_cluster = 0;
+        self.list.clear();
+        if context.is_translucent() {
+            let depths_each = if self.is_by_sample { 1 } else { cells.count };
+            self.layers.clear(context, rows << self.stride_bits, depths_each);
+        }
+        self.blended.clear(0, false);
     }
 
     /// The place of a pixel of the picture.
@@ -169,10 +151,10 @@ impl SampleMemory {
         ((y - self.rect.y0) as usize) << self.stride_bits | (x - self.rect.x0) as usize
     }
 
-    /// The fragments of a pixel's samples, given by the pixel's place.
+    /// Is anything drawn at a sample?
     #[inline(always)]
-    pub fn of_pixel(&self, pixel: usize) -> &[u32] {
-        &self.fragment[pixel << self.count_bits..][..1 << self.count_bits]
+    pub fn is_drawn(&self, sample: usize) -> bool {
+        self.fragment[sample] != NO_FRAGMENT || self.blended.is_at(sample)
     }
 
     /// Is every sample of some pixels in memory nearer than this depth?
@@ -207,14 +189,13 @@ impl SampleMemory {
     /// Adds the fragment of a triangle that won some samples of a pixel, which have its number already.
     #[inline(always)]
     fn add_in_pixel(&mut self, t: &InPixel, won: u32) {
-        if self.count + LANES > self.fragments.len() {
-            self.grow();
+        if !self.list.has_room() {
+            self.list.grow();
         }
         if self.is_by_sample {
             return self.add_by_sample(t.slot, t.pixel, won);
         }
-        self.fragments[self.count] = Fragment::new(t.slot, t.pixel, t.covered);
-        self.count += 1;
+        self.list.push(Fragment::new(t.slot, t.pixel, t.covered));
     }
 
     /// Adds a fragment for every sample that a triangle won, of 16 samples from the first one of a pixel on.
@@ -225,9 +206,8 @@ impl SampleMemory {
             let lane = left.trailing_zeros();
             left &= left - 1;
             let at = pixel + (lane >> self.count_bits) as usize;
-            self.fragment[first + lane as usize] = self.count as u32;
-            self.fragments[self.count] = Fragment::new(slot, at, 1 << (lane & ((1 << self.count_bits) - 1)));
-            self.count += 1;
+            self.fragment[first + lane as usize] = self.list.count as u32;
+            self.list.push(Fragment::new(slot, at, 1 << (lane & ((1 << self.count_bits) - 1))));
         }
     }
 
@@ -262,7 +242,7 @@ impl SampleMemory {
                         let first = lane >> count_bits << count_bits;
                         Fragment::new(slot, pixel + (lane >> count_bits), covered >> first & all)
                     };
-                    let more = tie_winners(context, ties, new, old, &self.fragments);
+                    let more = tie_winners(context, ties, new, old, &self.list.fragments);
                     wins |= mask32x16::from_bitmask(simd, u64::from(more));
                 }
                 wins.select(depth, before).store_slice(old_depth);
@@ -274,8 +254,8 @@ impl SampleMemory {
         }
         let count = 1u32 << self.count_bits;
         let all = u32::MAX >> (32 - count);
-        if self.count + LANES > self.fragments.len() {
-            self.grow();
+        if !self.list.has_room() {
+            self.list.grow();
         }
         if self.is_by_sample {
             return self.add_by_sample(slot, pixel, won);
@@ -283,7 +263,7 @@ impl SampleMemory {
         // The fragments of the pixels in which the triangle won a sample are numbered one after another; `numbers` has the
         // number of each pixel in four bits.
         let (mut numbers, mut added) = (0, 0);
-        let Some(new) = self.fragments[self.count..].first_chunk_mut::<LANES>() else {
+        let Some(new) = self.list.fragments[self.list.count..].first_chunk_mut::<LANES>() else {
             unreachable!("room was made")
         };
         for at in 0..LANES as u32 >> self.count_bits {
@@ -297,50 +277,27 @@ impl SampleMemory {
             #[inline(always)]
             || {
                 let shift = i32x16::load_array(simd, self.lane_number_shift);
-                let numbers = (splat_i(simd, numbers as i32) >> shift & 15) + self.count as i32;
+                let numbers = (splat_i(simd, numbers as i32) >> shift & 15) + self.list.count as i32;
                 let old = &mut self.fragment[first..first + LANES];
                 let wins = mask32x16::from_bitmask(simd, u64::from(won));
                 let numbers: u32x16<S> = numbers.bitcast();
                 wins.select(numbers, u32x16::from_slice(simd, old)).store_slice(old);
             },
         );
-        self.count += added as usize;
-    }
-
-    /// Makes room for more fragments.
-    #[cold]
-    #[inline(never)]
-    fn grow(&mut self) {
-        self.fragments.resize(2 * self.count + 16 * LANES, Fragment::default());
-    }
-
-    /// Number of fragments.
-    #[inline(always)]
-    pub fn count(&self) -> usize {
-        self.count
-    }
-
-    /// Declares that all fragments added so far are not shaded with a cluster, but late.
-    pub fn all_are_late(&mut self) {
-        self.late = self.count;
-    }
-
-    /// Begins a cluster: the fragments that follow belong to it.
-    pub fn begin_cluster(&mut self) {
-        self.of_cluster = self.count;
+        self.list.count += added as usize;
     }
 
     /// Removes hidden fragments if there are many: more than four per sample, so that the memory of a tile is bounded.
     #[inline(always)]
     pub fn make_room(&mut self) {
-        if self.count > 4 * self.fragment.len() {
+        if self.list.count > 4 * self.fragment.len() {
             self.compact();
         }
     }
 
     /// Which fragments are visible at a sample.
     pub fn visible_fragments(&self) -> Vec<bool> {
-        let mut is_visible = vec![false; self.count];
+        let mut is_visible = vec![false; self.list.count];
         for &fragment in self.fragment.iter().filter(|&&f| f != NO_FRAGMENT) {
             is_visible[fragment as usize] = true;
         }
@@ -352,21 +309,7 @@ impl SampleMemory {
     #[inline(never)]
     fn compact(&mut self) {
         let is_visible = self.visible_fragments();
-        let (mut numbers, mut kept) = (vec![NO_FRAGMENT; is_visible.len()], 0);
-        for number in (0..is_visible.len()).filter(|&number| is_visible[number]) {
-            numbers[number] = kept as u32;
-            self.fragments[kept] = self.fragments[number];
-            if number < self.colors.len() {
-                self.colors[kept] = self.colors[number];
-            }
-            if number < self.normals.len() {
-                self.normals[kept] = self.normals[number];
-            }
-            kept += 1;
-        }
-        let left_of = |first: usize| is_visible[..first].iter().filter(|&&is_visible| is_visible).count();
-        (self.late, self.of_cluster) = (left_of(self.late), left_of(self.of_cluster));
-        self.count = kept;
+        let numbers = self.list.retain(|number| is_visible[number], |_, _| ());
         for fragment in self.fragment.iter_mut().filter(|f| **f != NO_FRAGMENT) {
             *fragment = numbers[*fragment as usize];
         }
@@ -374,30 +317,27 @@ impl SampleMemory {
 
     /// Merges another memory of the same tile, in both of which all fragments are late: the nearer samples win.
     pub fn merge(&mut self, context: &FrameContext, other: &Self) {
-        let mut numbers = vec![NO_FRAGMENT; other.count];
+        let mut numbers = vec![NO_FRAGMENT; other.list.count];
         for (at, (&depth, &theirs)) in other.depth.iter().zip(&other.fragment).enumerate() {
             if theirs == NO_FRAGMENT {
                 continue;
             }
             let (before, own) = (self.depth[at], self.fragment[at]);
-            let is_first = || {
-                let new = &other.fragments[theirs as usize];
-                own == NO_FRAGMENT || wins_tie(context, new, &self.fragments[own as usize])
-            };
+            let new = other.list.fragments[theirs as usize];
+            let is_first = || own == NO_FRAGMENT || new.wins_tie(context, &self.list.fragments[own as usize]);
             if depth > before || depth == before && is_first() {
                 let number = &mut numbers[theirs as usize];
                 if *number == NO_FRAGMENT {
-                    *number = self.count as u32;
-                    if self.count == self.fragments.len() {
-                        self.grow();
+                    *number = self.list.count as u32;
+                    if !self.list.has_room() {
+                        self.list.grow();
                     }
-                    self.fragments[self.count] = other.fragments[theirs as usize];
-                    self.count += 1;
+                    self.list.push(new);
                 }
                 (self.depth[at], self.fragment[at]) = (depth, *number);
             }
         }
-        self.all_are_late();
+        self.list.all_are_late();
         self.make_room();
     }
 
@@ -405,7 +345,10 @@ impl SampleMemory {
     pub fn visible(&self) -> u64 {
         let rows = self.own.y0..=self.own.y1;
         let pixels = rows.flat_map(|y| (self.own.x0..=self.own.x1).map(move |x| (x, y)));
-        let is_drawn = |(x, y)| self.of_pixel(self.pixel(x, y)).iter().any(|&f| f != NO_FRAGMENT);
+        let is_drawn = |(x, y)| {
+            let first = self.pixel(x, y) << self.count_bits;
+            (first..first + (1 << self.count_bits)).any(|sample| self.is_drawn(sample))
+        };
         pixels.map(|at| u64::from(is_drawn(at))).sum()
     }
 }
@@ -413,7 +356,7 @@ impl SampleMemory {
 /// Which of the lanes of equal depth the new fragment wins.
 #[cold]
 #[inline(never)]
-fn tie_winners(
+pub fn tie_winners(
     context: &FrameContext,
     ties: u32,
     new: impl Fn(usize) -> Fragment,
@@ -422,17 +365,8 @@ fn tie_winners(
 ) -> u32 {
     let mut wins = 0;
     for (lane, &old) in old.iter().enumerate().filter(|(lane, _)| ties >> lane & 1 == 1) {
-        let is_first = old == NO_FRAGMENT || wins_tie(context, &new(lane), &fragments[old as usize]);
+        let is_first = old == NO_FRAGMENT || new(lane).wins_tie(context, &fragments[old as usize]);
         wins |= u32::from(is_first) << lane;
     }
     wins
-}
-
-/// Does a fragment win over another one at equal depth? It does if its primitive number is lower. Of two pieces of one
-/// clipped triangle, which may overlap after snapping, it is the one whose mask of covered samples is larger.
-fn wins_tie(context: &FrameContext, new: &Fragment, old: &Fragment) -> bool {
-    match new.slot == old.slot {
-        true => new.covered > old.covered,
-        false => lower_primitive(context, new.slot, old.slot),
-    }
 }

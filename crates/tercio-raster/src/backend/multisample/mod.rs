@@ -7,10 +7,14 @@
 //! of a cluster are shaded at once, those of triangles that were binned one by one when the tile is finished ([`shade`]).
 //! At last, samples become pixels ([`resolve`]).
 
+mod blend;
+mod fragments;
+mod layers;
 pub mod memory;
 mod resolve;
 mod scan;
 mod shade;
+mod sink;
 mod stamps;
 mod triangle;
 
@@ -32,6 +36,7 @@ use crate::settings::{LastStage, Part};
 use crate::simd::part;
 use memory::SampleMemory;
 use scan::Hits;
+use sink::{Opaque, Sink, Translucent};
 use stamps::Lanes;
 
 /// The memory that one thread needs to draw a tile with several samples per pixel.
@@ -44,10 +49,10 @@ pub struct Scratch {
     hits: Hits,
     table: ClusterTable,
     fragments: Fragments,
+    blend_order: blend::Order,
 }
 
-/// Draws a part of a tile's entries: triangles first, then clusters front to back. Not inlined, so that it is
-/// compiled only once per SIMD level.
+/// Draws a part of a tile's entries. Not inlined, so that it is compiled only once per SIMD level.
 #[expect(clippy::too_many_arguments, reason = "a struct would only rename them")]
 #[inline(never)]
 pub fn draw<S: Simd, T: Tally>(
@@ -66,23 +71,96 @@ pub fn draw<S: Simd, T: Tally>(
         #[inline(always)]
         || {
             scratch.memory.clear(context, tile);
-            let last = context.settings.last_stage;
-            if last > LastStage::Sieve {
-                for drawn in part.every(bins.iter().flat_map(|b| b.triangles_in(tile))) {
-                    scratch.memory.make_room();
-                    triangle::draw(simd, context, drawn, &mut scratch.memory, tally.counts());
-                }
-            }
-            scratch.memory.all_are_late();
-            order.front_to_back(part.every(bins.iter().flat_map(|b| b.clusters_in(tile))));
-            draw_clusters(simd, context, order.clusters(), shade, scratch, outputs, tally);
+            draw_entries::<S, T, Opaque>(
+                simd, context, bins, tile, part, shade, order, scratch, outputs, tally,
+            );
         },
     );
 }
 
+/// Draws the layers of a tile whose opaque triangles are drawn. Not inlined, so that it is compiled only once per SIMD
+/// level.
+#[expect(clippy::too_many_arguments, reason = "a struct would only rename them")]
+#[inline(never)]
+pub fn draw_layers<S: Simd, T: Tally>(
+    simd: S,
+    context: &FrameContext,
+    bins: &[Bins],
+    tile: u32,
+    order: &mut DepthOrder,
+    scratch: &mut Scratch,
+    outputs: &Outputs,
+    tally: &mut T,
+) {
+    let samples = scratch.memory.fragment.len();
+    scratch.memory.blended.clear(samples, resolve::has_geometry(outputs));
+    simd.vectorize(
+        #[inline(always)]
+        || loop {
+            let (part, shade) = (Part::WHOLE, Shade::Immediate);
+            draw_entries::<S, T, Translucent>(
+                simd, context, bins, tile, part, shade, order, scratch, outputs, tally,
+            );
+            if context.settings.last_stage <= LastStage::Visibility {
+                return;
+            }
+            shade::late_layers(simd, context, scratch, outputs, tally.counts());
+            let Scratch { memory, blend_order, .. } = &mut *scratch;
+            blend::slice(context, memory, blend_order);
+            if !memory.layers.next_slice() {
+                return;
+            }
+        },
+    );
+}
+
+/// Draws a part of a tile's entries that a sink takes: triangles first, then clusters front to back.
+#[expect(clippy::too_many_arguments, reason = "a struct would only rename them")]
+#[inline(always)]
+fn draw_entries<S: Simd, T: Tally, K: Sink>(
+    simd: S,
+    context: &FrameContext,
+    bins: &[Bins],
+    tile: u32,
+    part: Part,
+    shade: Shade,
+    order: &mut DepthOrder,
+    scratch: &mut Scratch,
+    outputs: &Outputs,
+    tally: &mut T,
+) {
+    let has_layers = context.is_translucent();
+    let takes = |cluster: u32| (has_layers && context.has_translucency(cluster)) == K::LAYERS;
+    let last = context.settings.last_stage;
+    if last > LastStage::Sieve {
+        let triangles = part.every(bins.iter().flat_map(|b| b.triangles_in(tile)));
+        let mut triangles = triangles.filter(|t| takes(t.slot / MAX_TRIANGLES as u32)).peekable();
+        while let Some(first) = triangles.next() {
+            K::make_room(&mut scratch.memory, context);
+            let mut next = triangles.next_if(|t| K::LAYERS && t.slot == first.slot);
+            let (before, has_pieces) = (K::list(&mut scratch.memory).count, next.is_some());
+            if has_pieces {
+                scratch.memory.layers.begin_pieces();
+            }
+            triangle::draw::<S, K>(simd, context, first, &mut scratch.memory, tally.counts());
+            while let Some(piece) = next {
+                triangle::draw::<S, K>(simd, context, piece, &mut scratch.memory, tally.counts());
+                next = triangles.next_if(|t| t.slot == first.slot);
+            }
+            if has_pieces {
+                scratch.memory.layers.end_pieces(context, before);
+            }
+        }
+    }
+    K::list(&mut scratch.memory).all_are_late();
+    let clusters = bins.iter().flat_map(|b| b.clusters_in(tile)).filter(|c| takes(c.number));
+    order.front_to_back(part.every(clusters));
+    draw_clusters::<S, T, K>(simd, context, order.clusters(), shade, scratch, outputs, tally);
+}
+
 /// Draws clusters that are sorted front to back, except hidden ones.
 #[inline(always)]
-fn draw_clusters<S: Simd, T: Tally>(
+fn draw_clusters<S: Simd, T: Tally, K: Sink>(
     simd: S,
     context: &FrameContext,
     clusters: &[BinnedCluster],
@@ -103,13 +181,13 @@ fn draw_clusters<S: Simd, T: Tally>(
             continue;
         }
         tally.counts().clusters_drawn += 1;
-        scratch.memory.make_room();
-        scratch.memory.begin_cluster();
-        draw_cluster(simd, context, binned, scratch, tally);
+        K::make_room(&mut scratch.memory, context);
+        K::list(&mut scratch.memory).begin_cluster();
+        draw_cluster::<S, T, K>(simd, context, binned, scratch, tally);
         if shade == Shade::Deferred {
-            scratch.memory.all_are_late();
+            K::list(&mut scratch.memory).all_are_late();
         } else if context.settings.last_stage > LastStage::Visibility {
-            shade::cluster(simd, context, binned.number, scratch, outputs, tally.counts());
+            shade::cluster::<S, K>(simd, context, binned.number, scratch, outputs, tally.counts());
         }
     }
 }
@@ -128,7 +206,7 @@ fn is_hidden<S: Simd>(simd: S, binned: &BinnedCluster, memory: &SampleMemory) ->
 
 /// Draws a cluster: adds its fragments to the tile's.
 #[inline(always)]
-fn draw_cluster<S: Simd, T: Tally>(
+fn draw_cluster<S: Simd, T: Tally, K: Sink>(
     simd: S,
     context: &FrameContext,
     binned: &BinnedCluster,
@@ -146,16 +224,16 @@ fn draw_cluster<S: Simd, T: Tally>(
     }
     for size in Size::ALL {
         for (numbers, lanes) in sieve.of_size(size) {
-            memory.make_room();
+            K::make_room(memory, context);
             if size != Size::Huge {
                 let of = &corners.look_up(simd, numbers);
                 let triangles = SmallTriangles::new(simd, vertices, of, &context.cells, memory.rect);
                 if matches!(size, Size::Tiny | Size::Small) {
                     hits.scan(simd, &context.cells, &triangles, lanes, memory);
-                    hits.test(simd, context, &triangles, first_slot, numbers, memory, counts);
+                    hits.test::<S, K>(simd, context, &triangles, first_slot, numbers, memory, counts);
                 } else {
                     let unpacked = Lanes::new(simd, &triangles);
-                    unpacked.draw(simd, context, lanes, first_slot, numbers, memory, counts);
+                    unpacked.draw::<S, K>(simd, context, lanes, first_slot, numbers, memory, counts);
                 }
                 continue;
             }
@@ -164,7 +242,7 @@ fn draw_cluster<S: Simd, T: Tally>(
                 let triangle = ScreenTriangle::new(v, first_slot + u32::from(number));
                 // A triangle without area covers nothing, and its edge functions are not defined.
                 if triangle.area() != 0 {
-                    triangle::draw(simd, context, &triangle, memory, counts);
+                    triangle::draw::<S, K>(simd, context, &triangle, memory, counts);
                 }
             }
         }

@@ -1,9 +1,13 @@
 //! From the samples of a tile to its pixels.
 
+use std::ops::Range;
+
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16};
 
-use super::memory::{NO_FRAGMENT, SampleMemory};
+use super::blend::Nearest;
+use super::fragments::NO_FRAGMENT;
+use super::memory::SampleMemory;
 use super::shade::is_needed;
 use crate::backend::encode::opaque;
 use crate::context::FrameContext;
@@ -82,17 +86,22 @@ impl Row {
 struct Step {
     /// Its pixel, relative to the filtered one: columns to the right, rows downwards.
     pixel: [i32; 2],
-    /// Its number in its pixel.
-    sample: usize,
     /// The distance of its index in the tile memory from that of the filtered pixel's first sample.
     offset: isize,
     weight: f32,
+}
+
+/// Is any plane requested that is not a colour?
+pub fn has_geometry(outputs: &Outputs) -> bool {
+    Outputs { color: false, color16: false, linear: false, ..*outputs } != Outputs::NONE
 }
 
 struct Tile<'a> {
     context: &'a FrameContext<'a>,
     memory: &'a SampleMemory,
     outputs: &'a Outputs,
+    /// Is any plane requested that is not a colour?
+    has_geometry: bool,
     /// The samples that contribute to a pixel; empty if these are its own.
     steps: Vec<Step>,
     /// The linear colour of the background in each row of the tile memory; empty without steps.
@@ -104,21 +113,25 @@ impl<'a> Tile<'a> {
         let steps = context.filter.taps.iter().map(|&Tap { pixel, sample, weight }| {
             let pixels = (pixel[1] as isize * (1 << memory.stride_bits)) + pixel[0] as isize;
             let offset = pixels * (1 << memory.count_bits) + sample as isize;
-            Step { pixel, sample, offset, weight }
+            Step { pixel, offset, weight }
         });
         let of_row =
             |y: i32| Pixel::of_background(&context.scene.background, y as u32, context.view.height).linear;
         let rows = memory.rect.y0..memory.rect.y1 + 1;
         let background = if context.filter.taps.is_empty() { Vec::new() } else { rows.map(of_row).collect() };
-        Self { context, memory, outputs, steps: steps.collect(), background }
+        let has_geometry = has_geometry(outputs);
+        Self { context, memory, outputs, has_geometry, steps: steps.collect(), background }
     }
 }
 
 impl Tile<'_> {
-    /// The colour of a sample.
+    /// The premultiplied linear colour of a sample over that of the background.
     #[inline(always)]
-    fn color(&self, fragment: u32, background: &Pixel) -> [f32; 4] {
-        if fragment == NO_FRAGMENT { background.linear } else { self.memory.colors[fragment as usize] }
+    fn color(&self, sample: usize, background: [f32; 4]) -> [f32; 4] {
+        let fragment = self.memory.fragment[sample];
+        let opaque =
+            if fragment == NO_FRAGMENT { background } else { self.memory.list.colors[fragment as usize] };
+        if self.memory.blended.is_at(sample) { self.memory.blended.over(sample, opaque) } else { opaque }
     }
 
     /// Writes the 8-bit colours of at most 16 pixels of a row, from column x0 to x1.
@@ -134,14 +147,14 @@ impl Tile<'_> {
     ) {
         let count = (x1 - x0 + 1) as usize;
         let mut row = Row { colors: [[0.0; 4]; LANES], drawn: 0 };
-        if self.steps.is_empty() {
+        if self.steps.is_empty() && !self.context.is_translucent() {
             let first = self.memory.pixel(x0, y) << self.memory.count_bits;
             let fragments = &self.memory.fragment[first..first + (count << self.memory.count_bits)];
             match 1 << self.memory.count_bits {
-                2 => row.average::<2>(fragments, &self.memory.colors, background),
-                4 => row.average::<4>(fragments, &self.memory.colors, background),
-                8 => row.average::<8>(fragments, &self.memory.colors, background),
-                _ => row.average::<16>(fragments, &self.memory.colors, background),
+                2 => row.average::<2>(fragments, &self.memory.list.colors, background),
+                4 => row.average::<4>(fragments, &self.memory.list.colors, background),
+                8 => row.average::<8>(fragments, &self.memory.list.colors, background),
+                _ => row.average::<16>(fragments, &self.memory.list.colors, background),
             }
         } else {
             for lane in 0..count {
@@ -182,35 +195,38 @@ impl Tile<'_> {
     /// The premultiplied linear colour of a pixel; `None` where nothing was drawn.
     #[inline(always)]
     fn linear(&self, x: i32, y: i32, background: &Pixel) -> Option<[f32; 4]> {
-        let own = self.memory.of_pixel(self.memory.pixel(x, y));
         if self.steps.is_empty() {
-            let first = own[0];
-            if own.iter().all(|&fragment| fragment == first) {
-                // The mean of equal colours is that colour.
-                return (first != NO_FRAGMENT).then(|| self.color(first, background));
+            let own = self.samples(x, y);
+            if !own.clone().any(|sample| self.memory.is_drawn(sample)) {
+                return None;
             }
+            let count = own.len();
             let mut colors = [[0.0; 4]; MAX_SAMPLES];
-            for (color, &fragment) in colors.iter_mut().zip(own) {
-                *color = self.color(fragment, background);
+            for (color, sample) in colors.iter_mut().zip(own) {
+                *color = self.color(sample, background.linear);
             }
-            return Some(mean(&mut colors[..own.len()]));
+            return Some(mean(&mut colors[..count]));
         }
-        let fragments = self.contributing(x, y);
-        if fragments.clone().all(|(fragment, _)| fragment == NO_FRAGMENT) {
+        let samples = self.contributing(x, y);
+        if !samples.clone().any(|(sample, _)| self.memory.is_drawn(sample)) {
             return None;
         }
-        Some(weighted_mean(fragments.map(|(fragment, step)| {
-            let color = match fragment {
-                NO_FRAGMENT => self.background[(y + step.pixel[1] - self.memory.rect.y0) as usize],
-                fragment => self.memory.colors[fragment as usize],
-            };
-            (color, step.weight)
+        Some(weighted_mean(samples.map(|(sample, step)| {
+            let background = self.background[(y + step.pixel[1] - self.memory.rect.y0) as usize];
+            (self.color(sample, background), step.weight)
         })))
     }
 
-    /// The fragments of the samples that contribute to pixel (x, y), with the steps that lead to them.
+    /// The samples of a pixel, as indices into the tile memory.
     #[inline(always)]
-    fn contributing(&self, x: i32, y: i32) -> impl Iterator<Item = (u32, &Step)> + Clone {
+    fn samples(&self, x: i32, y: i32) -> Range<usize> {
+        let first = self.memory.pixel(x, y) << self.memory.count_bits;
+        first..first + (1 << self.memory.count_bits)
+    }
+
+    /// The samples that contribute to pixel (x, y), as indices into the tile memory, with the steps that lead to them.
+    #[inline(always)]
+    fn contributing(&self, x: i32, y: i32) -> impl Iterator<Item = (usize, &Step)> + Clone {
         let rect = self.memory.rect;
         let is_inner = rect.x0 < x && x < rect.x1 && rect.y0 < y && y < rect.y1;
         let first = self.memory.pixel(x, y) << self.memory.count_bits;
@@ -219,57 +235,62 @@ impl Tile<'_> {
             (rect.x0..=rect.x1).contains(&(x + right)) && (rect.y0..=rect.y1).contains(&(y + down))
         };
         let steps = self.steps.iter().filter(move |step| is_inner || is_inside(step.pixel));
-        steps.map(move |step| (self.memory.fragment[first.wrapping_add_signed(step.offset)], step))
+        steps.map(move |step| (first.wrapping_add_signed(step.offset), step))
     }
 
     /// A pixel with all requested planes; `None` where nothing was drawn.
     fn pixel(&self, x: i32, y: i32, background: &Pixel) -> Option<Pixel> {
-        let place = self.memory.pixel(x, y);
-        let samples = 0..self.memory.of_pixel(place).len();
         let mut pixel = *background;
         if is_needed(self.outputs) {
             set_colors(&mut pixel, self.linear(x, y, background)?, self.outputs);
         }
+        if !self.has_geometry {
+            return Some(pixel);
+        }
         // The first of the samples with the largest key.
-        let key = |sample: &usize| self.key(place, *sample);
-        if let Some(nearest) = samples.clone().rev().max_by_key(key).filter(|sample| key(sample) > 0) {
-            let sample = self.sample(place, nearest, background);
+        let key = |sample: &usize| self.key(*sample);
+        let nearest = self.samples(x, y).rev().max_by_key(key).filter(|sample| key(sample) > 0);
+        if let Some(nearest) = nearest {
+            let sample = self.sample(nearest, background);
             (pixel.depth, pixel.ids, pixel.normals) = (sample.depth, sample.ids, sample.normals);
             pixel.keys = sample.keys;
         }
         if self.outputs.keys && !self.steps.is_empty() {
-            let key = |(_, step): (u32, &Step)| {
-                self.key(self.memory.pixel(x + step.pixel[0], y + step.pixel[1]), step.sample)
-            };
-            pixel.keys = self.contributing(x, y).map(key).max().unwrap_or(0);
+            pixel.keys = self.contributing(x, y).map(|(sample, _)| self.key(sample)).max().unwrap_or(0);
         }
         Some(pixel)
     }
 
-    /// The visibility key of a sample of the pixel at a place; 0 where nothing was drawn.
-    fn key(&self, place: usize, sample: usize) -> u64 {
-        let fragment = self.memory.of_pixel(place)[sample];
-        if fragment == NO_FRAGMENT {
-            return 0;
+    /// What is nearest at a sample, opaque or not; `None` where nothing was drawn.
+    fn nearest(&self, sample: usize) -> Option<Nearest> {
+        let memory = self.memory;
+        if memory.blended.is_at(sample) {
+            return Some(memory.blended.nearest(sample));
         }
-        let slot = self.memory.fragments[fragment as usize].slot;
-        let depth = self.memory.depth[(place << self.memory.count_bits) + sample];
-        visibility_key(depth, self.context.primitive(slot) as u32)
+        let fragment = memory.fragment[sample];
+        let slot = memory.list.fragments.get(fragment as usize)?.slot;
+        let normal = memory.list.normals.get(fragment as usize).copied().unwrap_or_default();
+        Some(Nearest { depth: memory.depth[sample], slot, normal })
+    }
+
+    /// The visibility key of a sample; 0 where nothing was drawn.
+    fn key(&self, sample: usize) -> u64 {
+        let key = |n: Nearest| visibility_key(n.depth, self.context.primitive(n.slot) as u32);
+        self.nearest(sample).map_or(0, key)
     }
 
     /// A sample that was drawn, as a pixel.
-    fn sample(&self, place: usize, sample: usize, background: &Pixel) -> Pixel {
-        let fragment = self.memory.of_pixel(place)[sample];
-        let slot = self.memory.fragments[fragment as usize].slot;
+    fn sample(&self, sample: usize, background: &Pixel) -> Pixel {
+        let nearest = self.nearest(sample).unwrap_or_default();
         let mut pixel = Pixel {
-            keys: self.key(place, sample),
-            depth: self.context.view.distance(self.memory.depth[(place << self.memory.count_bits) + sample]),
-            ids: self.context.face(slot),
-            normals: self.memory.normals.get(fragment as usize).copied().unwrap_or_default(),
+            keys: self.key(sample),
+            depth: self.context.view.distance(nearest.depth),
+            ids: self.context.face(nearest.slot),
+            normals: nearest.normal,
             ..*background
         };
         if is_needed(self.outputs) {
-            set_colors(&mut pixel, self.color(fragment, background), self.outputs);
+            set_colors(&mut pixel, self.color(sample, background.linear), self.outputs);
         }
         pixel
     }
@@ -278,12 +299,11 @@ impl Tile<'_> {
     fn write_samples(&self, y: i32, first: usize, background: &Pixel, pixels: &mut Planes) {
         let own = self.memory.own;
         for x in own.x0..own.x1 + 1 {
-            let place = self.memory.pixel(x, y);
-            let count = 1 << self.memory.count_bits;
-            for sample in 0..count {
-                if self.memory.of_pixel(place)[sample] != NO_FRAGMENT {
-                    let index = first + (x - own.x0) as usize * count + sample;
-                    pixels.put(index, &self.sample(place, sample, background));
+            for (number, sample) in self.samples(x, y).enumerate() {
+                if self.memory.is_drawn(sample) {
+                    let column = (x - own.x0) as usize;
+                    let index = first + (column << self.memory.count_bits) + number;
+                    pixels.put(index, &self.sample(sample, background));
                 }
             }
         }

@@ -5,6 +5,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, i32x16, mask32x16};
 
 use super::memory::{InPixel, SampleMemory};
+use super::sink::Sink;
 use crate::backend::cluster::{Size, SmallTriangles};
 use crate::context::FrameContext;
 use crate::conventions::SUBPIXELS;
@@ -114,7 +115,7 @@ impl Hits {
     /// slot of the cluster's first triangle, `numbers` are the triangles' numbers in the cluster.
     #[expect(clippy::too_many_arguments, reason = "one call site; a struct would only rename them")]
     #[inline(always)]
-    pub fn test<S: Simd>(
+    pub fn test<S: Simd, K: Sink>(
         &self,
         simd: S,
         context: &FrameContext,
@@ -146,11 +147,7 @@ impl Hits {
                 range: [base[lane], nearest[lane]],
             };
             samples_covered += covered.count_ones();
-            match memory.count_bits {
-                ..=2 => memory.write_4(simd, context, &in_pixel),
-                3 => memory.write_8(simd, context, &in_pixel),
-                _ => memory.write_16(simd, context, &in_pixel),
-            }
+            K::in_pixel(memory, simd, context, &in_pixel);
         }
         counts.samples_covered += u64::from(samples_covered);
     }

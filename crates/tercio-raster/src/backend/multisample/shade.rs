@@ -5,7 +5,8 @@ use tercio_mesh::cluster::{ClusterView, MAX_TRIANGLES};
 use tercio_scene::Instance;
 
 use super::Scratch;
-use super::memory::SampleMemory;
+use super::fragments::FragmentList;
+use super::sink::{Opaque, Sink, Translucent};
 use crate::backend::corners::{ColorSource, Fragments};
 use crate::backend::shade::{At, Common, Features, FragmentTarget, Look, fetch, late, shade, shade_inline};
 use crate::context::FrameContext;
@@ -27,7 +28,7 @@ fn planes(outputs: &Outputs) -> Outputs {
 /// Shades the fragments of the cluster that was drawn last, cluster `number` of the frame. Not inlined, so that the kernels
 /// are compiled only once per SIMD level.
 #[inline(never)]
-pub fn cluster<S: Simd>(
+pub fn cluster<S: Simd, K: Sink>(
     simd: S,
     context: &FrameContext,
     number: u32,
@@ -35,8 +36,10 @@ pub fn cluster<S: Simd>(
     outputs: &Outputs,
     counts: &mut BackEndCounts,
 ) {
-    let first = scratch.memory.of_cluster;
-    if scratch.memory.count() == first || !is_needed(outputs) {
+    let list = K::list(&mut scratch.memory);
+    let first = list.of_cluster;
+    // The opacity of layers is needed for every plane.
+    if list.count == first || !is_needed(outputs) && !K::LAYERS {
         return;
     }
     simd.vectorize(
@@ -52,7 +55,7 @@ pub fn cluster<S: Simd>(
             if look.colors() == ColorSource::Vertex {
                 table.load_colors(&cluster);
             }
-            counts.pixels_shaded += (memory.count() - first) as u64;
+            counts.pixels_shaded += (K::list(memory).count - first) as u64;
             let at = At {
                 stride_bits: memory.stride_bits,
                 first_sample: vertices.sample_of([memory.rect.x0, memory.rect.y0]),
@@ -61,9 +64,9 @@ pub fn cluster<S: Simd>(
             };
             let work = ClusterFragments { context, number, instance, cluster, at, first };
             if !vertices.is_wide && look.is(Common::<true>) {
-                work.shade(simd, Common::<true>, scratch, outputs);
+                work.shade::<S, K, _>(simd, Common::<true>, scratch, outputs);
             } else {
-                work.shade(simd, look, scratch, outputs);
+                work.shade::<S, K, _>(simd, look, scratch, outputs);
             }
         },
     );
@@ -81,24 +84,28 @@ struct ClusterFragments<'a> {
 
 impl ClusterFragments<'_> {
     #[inline(always)]
-    fn shade<S: Simd, F: Features>(&self, simd: S, features: F, scratch: &mut Scratch, outputs: &Outputs) {
+    fn shade<S: Simd, K: Sink, F: Features>(
+        &self,
+        simd: S,
+        features: F,
+        scratch: &mut Scratch,
+        outputs: &Outputs,
+    ) {
         let Scratch { memory, vertices, table, fragments, .. } = scratch;
+        let list = K::list(memory);
         let (context, instance, at) = (self.context, self.instance, self.at);
         let Instance { mesh, surface, .. } = &context.scene.instances[instance];
         let corner_table = CornerTable::new(&self.cluster);
-        let count = memory.count();
-        memory.colors.resize(count.max(memory.colors.len()), [0.0; 4]);
-        if outputs.normals {
-            memory.normals.resize(count.max(memory.normals.len()), [0.0; 3]);
-        }
+        let count = list.count;
+        list.resize_shaded(outputs.normals);
         for first in (self.first..count).step_by(LANES) {
             let last = (first + LANES).min(count);
             fragments.count = last - first;
             let mut triangles = [0; LANES];
             for (lane, triangle) in triangles.iter_mut().enumerate() {
                 let number = (first + lane).min(last - 1);
-                gather(context, memory, number, lane, fragments);
-                *triangle = (memory.fragments[number].slot - self.number * MAX_TRIANGLES as u32) as u8;
+                gather(context, list, number, lane, fragments);
+                *triangle = (list.fragments[number].slot - self.number * MAX_TRIANGLES as u32) as u8;
             }
             let (numbers, mut corners) = table.look_up(simd, vertices, &corner_table, &triangles);
             if features.position() {
@@ -108,8 +115,9 @@ impl ClusterFragments<'_> {
                 let of = (&**mesh, &self.cluster, surface);
                 table.look_up_colors(simd, of, &triangles, &numbers, features.colors(), &mut corners);
             }
-            let normals = if outputs.normals { &mut memory.normals[first..last] } else { &mut [] };
-            let target = &mut FragmentTarget { colors: &mut memory.colors[first..last], normals };
+            let normals = if outputs.normals { &mut list.normals[first..last] } else { &mut [] };
+            let colors = &mut list.colors[first..last];
+            let target = &mut FragmentTarget { colors, normals, opacity: surface.opacity };
             if F::ARE_CONSTANT {
                 // The specialized kernel is used only for clusters that are not wide.
                 corners.are_near = true;
@@ -126,19 +134,19 @@ impl ClusterFragments<'_> {
 #[inline(always)]
 fn gather(
     context: &FrameContext,
-    memory: &SampleMemory,
+    list: &FragmentList,
     number: usize,
     lane: usize,
     fragments: &mut Fragments,
 ) {
-    let fragment = memory.fragments[number];
+    let fragment = list.fragments[number];
     fragments.place[lane] = i32::from(fragment.pixel);
     let [x, y] = context.centers.from_middle(fragment.covered);
     fragments.from_middle[0][lane] = x;
     fragments.from_middle[1][lane] = y;
 }
 
-/// Shades the visible ones of the fragments that were not shaded with a cluster.
+/// Shades the visible ones of the opaque fragments that were not shaded with a cluster.
 pub fn late_fragments<S: Simd>(
     simd: S,
     context: &FrameContext,
@@ -146,38 +154,64 @@ pub fn late_fragments<S: Simd>(
     outputs: &Outputs,
     counts: &mut BackEndCounts,
 ) {
-    let Scratch { memory, fragments, .. } = scratch;
-    if memory.late == 0 || !is_needed(outputs) {
+    if scratch.memory.list.late == 0 || !is_needed(outputs) {
         return;
     }
-    memory.colors.resize(memory.count().max(memory.colors.len()), [0.0; 4]);
-    if outputs.normals {
-        memory.normals.resize(memory.count().max(memory.normals.len()), [0.0; 3]);
-    }
-    let is_visible = memory.visible_fragments();
+    let is_visible = scratch.memory.visible_fragments();
+    let visible = (0..scratch.memory.list.late).filter(|&number| is_visible[number]);
+    late_some::<S, Opaque>(simd, context, visible, scratch, outputs, counts);
+}
+
+/// Shades the layers that were not shaded with a cluster.
+pub fn late_layers<S: Simd>(
+    simd: S,
+    context: &FrameContext,
+    scratch: &mut Scratch,
+    outputs: &Outputs,
+    counts: &mut BackEndCounts,
+) {
+    let late = 0..scratch.memory.layers.list.late;
+    late_some::<S, Translucent>(simd, context, late, scratch, outputs, counts);
+}
+
+/// Shades some of the fragments that were not shaded with a cluster.
+fn late_some<S: Simd, K: Sink>(
+    simd: S,
+    context: &FrameContext,
+    some: impl Iterator<Item = usize>,
+    scratch: &mut Scratch,
+    outputs: &Outputs,
+    counts: &mut BackEndCounts,
+) {
+    let Scratch { memory, fragments, .. } = scratch;
+    let at = At::in_picture(context, memory.stride_bits, [memory.rect.x0, memory.rect.y0]);
+    let list = K::list(memory);
+    list.resize_shaded(outputs.normals);
     let (mut numbers, mut count, mut instance) = ([0; LANES], 0, 0);
-    for number in (0..memory.late).filter(|&number| is_visible[number]) {
-        let slot = memory.fragments[number].slot;
+    for number in some {
+        let slot = list.fragments[number].slot;
         let (own, _) = context.locate(slot / MAX_TRIANGLES as u32);
         if own != instance || count == LANES {
-            late_sixteen(simd, context, instance, &numbers[..count], memory, fragments, outputs);
+            late_sixteen(simd, context, instance, &numbers[..count], at, list, fragments, outputs);
             (instance, count) = (own, 0);
         }
         numbers[count] = number;
         count += 1;
         counts.pixels_shaded += 1;
     }
-    late_sixteen(simd, context, instance, &numbers[..count], memory, fragments, outputs);
+    late_sixteen(simd, context, instance, &numbers[..count], at, list, fragments, outputs);
 }
 
 /// Shades at most 16 fragments of one instance. Not inlined, so that it is compiled only once per SIMD level.
+#[expect(clippy::too_many_arguments, reason = "one caller; a struct would only rename them")]
 #[inline(never)]
 fn late_sixteen<S: Simd>(
     simd: S,
     context: &FrameContext,
     instance: usize,
     numbers: &[usize],
-    memory: &mut SampleMemory,
+    at: At,
+    list: &mut FragmentList,
     fragments: &mut Fragments,
     outputs: &Outputs,
 ) {
@@ -185,20 +219,20 @@ fn late_sixteen<S: Simd>(
     fragments.count = numbers.len();
     for lane in 0..LANES {
         let number = numbers.get(lane).copied().unwrap_or(last);
-        gather(context, memory, number, lane, fragments);
-        fragments.slot[lane] = memory.fragments[number].slot;
+        gather(context, list, number, lane, fragments);
+        fragments.slot[lane] = list.fragments[number].slot;
     }
     let corners = fetch(simd, context, instance, fragments);
     let look = Look::new(context, instance, corners.normals_agree, &planes(outputs));
-    let at = At::in_picture(context, memory.stride_bits, [memory.rect.x0, memory.rect.y0]);
     let (mut colors, mut normals) = ([[0.0; 4]; LANES], [[0.0; 3]; LANES]);
     let wanted: &mut [[f32; 3]] = if outputs.normals { &mut normals } else { &mut [] };
-    let mut target = FragmentTarget { colors: &mut colors, normals: wanted };
+    let opacity = context.scene.instances[instance].surface.opacity;
+    let mut target = FragmentTarget { colors: &mut colors, normals: wanted, opacity };
     late(simd, context, instance, look, fragments, at, &corners, &mut target);
     for (lane, &number) in numbers.iter().enumerate() {
-        memory.colors[number] = colors[lane];
+        list.colors[number] = colors[lane];
         if outputs.normals {
-            memory.normals[number] = normals[lane];
+            list.normals[number] = normals[lane];
         }
     }
 }

@@ -4,6 +4,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, i32x16};
 
 use super::memory::SampleMemory;
+use super::sink::Sink;
 use crate::backend::cluster::SmallTriangles;
 use crate::context::FrameContext;
 use crate::conventions::SUBPIXELS;
@@ -54,7 +55,7 @@ impl Lanes {
     /// triangles' numbers in the cluster.
     #[expect(clippy::too_many_arguments, reason = "one call site; a struct would only rename them")]
     #[inline(always)]
-    pub fn draw<S: Simd>(
+    pub fn draw<S: Simd, K: Sink>(
         &self,
         simd: S,
         context: &FrameContext,
@@ -96,7 +97,7 @@ impl Lanes {
                     let dy = down + (self.from_anchor[1][i] + row * SUBPIXELS) as f32;
                     let depth = ((along_x + dy * self.slope[1][i]) + base).max(base).min(nearest);
                     let pixel = (first + column + (row << memory.stride_bits)) as usize;
-                    memory.write(simd, context, pixel, covered, depth, slot);
+                    K::stamp(memory, simd, context, pixel, covered, depth, slot);
                 }
             }
         }

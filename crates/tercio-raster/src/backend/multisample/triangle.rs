@@ -4,6 +4,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, i32x16};
 
 use super::memory::SampleMemory;
+use super::sink::Sink;
 use crate::context::FrameContext;
 use crate::conventions::SUBPIXELS;
 use crate::screen::{DepthPlane, Edges, PixelRect, ScreenTriangle};
@@ -19,7 +20,7 @@ const EDGE_LIMIT: i64 = 1 << 30;
 
 /// Draws one triangle, whose area is not zero. Not inlined, so that it is compiled only once per SIMD level.
 #[inline(never)]
-pub fn draw<S: Simd>(
+pub fn draw<S: Simd, K: Sink>(
     simd: S,
     context: &FrameContext,
     triangle: &ScreenTriangle,
@@ -32,14 +33,14 @@ pub fn draw<S: Simd>(
     if !rect.is_empty() {
         simd.vectorize(
             #[inline(always)]
-            || draw_stamps(simd, context, triangle, rect, memory, counts),
+            || draw_stamps::<S, K>(simd, context, triangle, rect, memory, counts),
         );
     }
 }
 
 /// Draws a triangle in some of the tile's pixels.
 #[inline(always)]
-fn draw_stamps<S: Simd>(
+fn draw_stamps<S: Simd, K: Sink>(
     simd: S,
     context: &FrameContext,
     triangle: &ScreenTriangle,
@@ -85,7 +86,7 @@ fn draw_stamps<S: Simd>(
                 }
                 let dy = down + (row * SUBPIXELS + cells.origin - plane.anchor[1]) as f32;
                 let depth = ((along_x + dy * plane.dy) + base).max(base).min(nearest);
-                memory.write(simd, context, memory.pixel(x, row), covered, depth, triangle.slot);
+                K::stamp(memory, simd, context, memory.pixel(x, row), covered, depth, triangle.slot);
             }
         }
     }

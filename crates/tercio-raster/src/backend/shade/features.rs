@@ -20,6 +20,8 @@ pub trait Features: Copy {
     fn normals(self) -> bool;
     /// Are the triangles' planes needed?
     fn plane(self) -> bool;
+    /// Do the colours of the mesh have an alpha?
+    fn alpha(self) -> bool;
     /// Are there point lights, so that light depends on position?
     fn near_lights(self) -> bool;
     /// Is the surface specular?
@@ -43,6 +45,7 @@ pub struct Look {
     colors: ColorSource,
     normals: bool,
     plane: bool,
+    alpha: bool,
     near_lights: bool,
     highlights: bool,
     color: bool,
@@ -62,6 +65,7 @@ impl Look {
             colors: ColorSource::of(mesh, surface),
             normals,
             plane: needs_plane(context, instance, normals_agree),
+            alpha: surface.use_mesh_colors && mesh.is_translucent(),
             near_lights: !context.lights.near.is_empty(),
             highlights: surface.specular > 0.0,
             color: outputs.color,
@@ -76,6 +80,7 @@ impl Look {
             colors: features.colors(),
             normals: features.normals(),
             plane: features.plane(),
+            alpha: features.alpha(),
             near_lights: features.near_lights(),
             highlights: features.highlights(),
             color: features.color(),
@@ -118,6 +123,10 @@ impl Features for Look {
         self.plane
     }
     #[inline(always)]
+    fn alpha(self) -> bool {
+        self.alpha
+    }
+    #[inline(always)]
     fn near_lights(self) -> bool {
         self.near_lights
     }
@@ -156,6 +165,10 @@ impl<const HIGHLIGHTS: bool> Features for Common<HIGHLIGHTS> {
     }
     #[inline(always)]
     fn plane(self) -> bool {
+        false
+    }
+    #[inline(always)]
+    fn alpha(self) -> bool {
         false
     }
     #[inline(always)]

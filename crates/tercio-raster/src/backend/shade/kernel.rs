@@ -126,6 +126,10 @@ pub fn shade_inline<S: Simd, F: Features, T: Target>(
         ColorSource::Base => each3!(C => splat(simd, surface.base_color[C])),
         _ => at.mix(corners.color),
     };
+    let mut alpha = splat(simd, 1.0);
+    if features.alpha() {
+        alpha = at.alpha(corners.alpha);
+    }
     let lit: Vec3x16<S> = match features.shading() {
         Shading::Unlit => albedo,
         Shading::Flat | Shading::Phong if !features.highlights() && !features.near_lights() => {
@@ -162,7 +166,7 @@ pub fn shade_inline<S: Simd, F: Features, T: Target>(
             each3!(C => albedo[C] * diffuse[C] + specular[C])
         }
     };
-    target.write(simd, context, features, fragments, lit, normal);
+    target.write(simd, context, features, fragments, lit, alpha, normal);
 }
 
 /// The geometric normals of 16 triangles in world space, not normalized, on the visible side.

@@ -1,7 +1,7 @@
 //! Where the shading kernel writes to: the pixels of the picture, or fragments that become pixels later.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, i32x16};
+use fearless_simd::{Simd, f32x16, i32x16};
 
 use super::features::Features;
 use super::kernel::At;
@@ -18,7 +18,8 @@ pub trait Target {
     /// Coordinates of the points that are shaded.
     fn samples<S: Simd>(simd: S, at: &At, fragments: &Fragments) -> [i32x16<S>; 2];
 
-    /// Writes 16 shaded pixels: their linear colour and their normal.
+    /// Writes 16 shaded pixels: their linear colour, the alpha of the mesh's colours, and their normal.
+    #[expect(clippy::too_many_arguments, reason = "one call site; a struct would only rename them")]
     fn write<S: Simd, F: Features>(
         &mut self,
         simd: S,
@@ -26,6 +27,7 @@ pub trait Target {
         features: F,
         fragments: &Fragments,
         linear: Vec3x16<S>,
+        alpha: f32x16<S>,
         normal: Vec3x16<S>,
     );
 }
@@ -52,6 +54,7 @@ impl Target for PixelTarget<'_> {
         features: F,
         fragments: &Fragments,
         linear: Vec3x16<S>,
+        _: f32x16<S>,
         normal: Vec3x16<S>,
     ) {
         let Self { pixels, outputs } = self;
@@ -71,6 +74,8 @@ pub struct FragmentTarget<'a> {
     pub colors: &'a mut [[f32; 4]],
     /// Normals, likewise; empty if they are not requested.
     pub normals: &'a mut [[f32; 3]],
+    /// Opacity of the surface.
+    pub opacity: f32,
 }
 
 impl Target for FragmentTarget<'_> {
@@ -86,14 +91,26 @@ impl Target for FragmentTarget<'_> {
         &mut self,
         simd: S,
         _: &FrameContext,
-        _: F,
+        features: F,
         _: &Fragments,
         linear: Vec3x16<S>,
+        alpha: f32x16<S>,
         normal: Vec3x16<S>,
     ) {
-        let linear = displayable(simd, linear);
-        for (lane, color) in self.colors.iter_mut().enumerate().take(LANES) {
-            *color = [linear[0][lane], linear[1][lane], linear[2][lane], 1.0];
+        let mut linear = displayable(simd, linear);
+        if features.alpha() || self.opacity < 1.0 {
+            let alpha = alpha * self.opacity;
+            linear = each3!(C => linear[C] * alpha);
+            let [r, g, b] = each3!(C => linear[C].to_array());
+            let alpha = alpha.to_array();
+            for (lane, color) in self.colors.iter_mut().enumerate().take(LANES) {
+                *color = [r[lane], g[lane], b[lane], alpha[lane]];
+            }
+        } else {
+            let [r, g, b] = each3!(C => linear[C].to_array());
+            for (lane, color) in self.colors.iter_mut().enumerate().take(LANES) {
+                *color = [r[lane], g[lane], b[lane], 1.0];
+            }
         }
         if !self.normals.is_empty() {
             let normal = each3!(A => normal[A].to_array());
@@ -107,11 +124,11 @@ impl Target for FragmentTarget<'_> {
 /// Linear light as a display shows it: clamped to the range from 0 to 1, NaN as 0. Samples are clamped before they are
 /// averaged, so that the edges of surfaces that are too bright are smooth, too.
 #[inline(always)]
-fn displayable<S: Simd>(simd: S, linear: Vec3x16<S>) -> [[f32; LANES]; 3] {
+fn displayable<S: Simd>(simd: S, linear: Vec3x16<S>) -> Vec3x16<S> {
     let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
     each3!(C => {
         let above = linear[C].simd_gt(zero).select(linear[C], zero);
-        above.simd_lt(one).select(above, one).to_array()
+        above.simd_lt(one).select(above, one)
     })
 }
 
@@ -146,6 +163,7 @@ fn write_linear<S: Simd>(
     }
     if outputs.linear {
         let shown = displayable(simd, linear);
+        let shown = each3!(C => shown[C].to_array());
         for lane in 0..fragments.count {
             let [r, g, b] = each3!(C => shown[C][lane]);
             pixels.linear[fragments.place[lane] as usize] = [r, g, b, 1.0];

@@ -1,0 +1,128 @@
+//! Fragments and lists of them.
+
+use crate::backend::memory::lower_primitive;
+use crate::context::FrameContext;
+use crate::simd::LANES;
+
+/// The fragment of a sample where nothing was drawn.
+pub const NO_FRAGMENT: u32 = u32::MAX;
+
+/// A triangle in a pixel.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Fragment {
+    /// Slot of the triangle.
+    pub slot: u32,
+    /// Place of the pixel: its row in the tile memory times the distance of rows, plus its column.
+    pub pixel: u16,
+    /// The samples of the pixel at whose centre it is shaded, one bit each: those that the triangle covers, or one.
+    pub covered: u16,
+}
+
+impl Fragment {
+    /// A fragment.
+    #[inline(always)]
+    pub fn new(slot: u32, pixel: usize, covered: u32) -> Self {
+        Self { slot, pixel: pixel as u16, covered: covered as u16 }
+    }
+
+    /// Is it in front of another one at equal depth? It is if its primitive number is lower. Of two pieces of one clipped
+    /// triangle, which may overlap after snapping, it is the one whose mask of covered samples is larger.
+    pub fn wins_tie(&self, context: &FrameContext, other: &Self) -> bool {
+        match self.slot == other.slot {
+            true => self.covered > other.covered,
+            false => lower_primitive(context, self.slot, other.slot),
+        }
+    }
+}
+
+/// The fragments of a tile, in the order in which they were drawn.
+#[derive(Debug, Default)]
+pub struct FragmentList {
+    /// The fragments; only the first [`FragmentList::count`] are valid.
+    pub fragments: Vec<Fragment>,
+    /// Number of fragments.
+    pub count: usize,
+    /// Premultiplied linear colours of the fragments; valid where they are shaded.
+    pub colors: Vec<[f32; 4]>,
+    /// Normals of the fragments, likewise, if they are requested.
+    pub normals: Vec<[f32; 3]>,
+    /// Number of the first fragment that is not shaded late: the others are shaded with their cluster.
+    pub late: usize,
+    /// Number of the first fragment of the cluster that is being drawn.
+    pub of_cluster: usize,
+}
+
+impl FragmentList {
+    /// Removes all.
+    pub fn clear(&mut self) {
+        (self.count, self.late, self.of_cluster) = (0, 0, 0);
+    }
+
+    /// Is there room for [`LANES`] more fragments?
+    #[inline(always)]
+    pub fn has_room(&self) -> bool {
+        self.count + LANES <= self.fragments.len()
+    }
+
+    /// Makes room for more fragments.
+    #[cold]
+    #[inline(never)]
+    pub fn grow(&mut self) {
+        self.fragments.resize(2 * self.count + 16 * LANES, Fragment::default());
+    }
+
+    /// Adds a fragment. Precondition: there is room.
+    #[inline(always)]
+    pub fn push(&mut self, fragment: Fragment) {
+        self.fragments[self.count] = fragment;
+        self.count += 1;
+    }
+
+    /// Declares that all fragments added so far are not shaded with a cluster, but late.
+    pub fn all_are_late(&mut self) {
+        self.late = self.count;
+    }
+
+    /// Begins a cluster: the fragments that follow belong to it.
+    pub fn begin_cluster(&mut self) {
+        self.of_cluster = self.count;
+    }
+
+    /// Makes room for the colours of all fragments, and for their normals if they are requested.
+    pub fn resize_shaded(&mut self, normals: bool) {
+        self.colors.resize(self.count.max(self.colors.len()), [0.0; 4]);
+        if normals {
+            self.normals.resize(self.count.max(self.normals.len()), [0.0; 3]);
+        }
+    }
+
+    /// Removes the fragments whose new number is [`NO_FRAGMENT`], and calls `moved(from, to)` for each of the others in
+    /// order. Returns the new numbers.
+    pub fn retain(
+        &mut self,
+        mut keeps: impl FnMut(usize) -> bool,
+        mut moved: impl FnMut(usize, usize),
+    ) -> Vec<u32> {
+        let (mut numbers, mut kept) = (vec![NO_FRAGMENT; self.count], 0);
+        let (mut late, mut of_cluster) = (0, 0);
+        for (number, new) in numbers.iter_mut().enumerate() {
+            if !keeps(number) {
+                continue;
+            }
+            *new = kept as u32;
+            self.fragments[kept] = self.fragments[number];
+            if number < self.colors.len() {
+                self.colors[kept] = self.colors[number];
+            }
+            if number < self.normals.len() {
+                self.normals[kept] = self.normals[number];
+            }
+            moved(number, kept);
+            late += usize::from(number < self.late);
+            of_cluster += usize::from(number < self.of_cluster);
+            kept += 1;
+        }
+        (self.count, self.late, self.of_cluster) = (kept, late, of_cluster);
+        numbers
+    }
+}

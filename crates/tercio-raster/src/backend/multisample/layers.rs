@@ -1,0 +1,273 @@
+//! Layers: the fragments of triangles that may not be opaque. All that are in front of what is opaque are stored, whatever
+//! their order, until [`super::blend`] sorts and blends them.
+//!
+//! If a tile has more of them than the memory for layers holds, it is drawn in slices of depth: when the memory is full,
+//! the farther half is discarded and the slice ends there. After the slice is blended, what is behind it is drawn again.
+
+use super::fragments::{Fragment, FragmentList, NO_FRAGMENT};
+use crate::context::FrameContext;
+use crate::frame::visibility_key;
+use crate::simd::LANES;
+
+/// A range of visibility keys, of which the largest is the nearest.
+#[derive(Clone, Copy, Debug)]
+struct Slice {
+    /// Keys are below this.
+    end: u64,
+    /// Keys are at least this.
+    start: u64,
+}
+
+impl Slice {
+    const ALL: Self = Self { end: u64::MAX, start: 0 };
+
+    fn is_all(self) -> bool {
+        self.end == Self::ALL.end && self.start == Self::ALL.start
+    }
+}
+
+impl Default for Slice {
+    fn default() -> Self {
+        Self::ALL
+    }
+}
+
+/// The layers of a tile, or those in a slice of depth.
+#[derive(Debug, Default)]
+pub struct Layers {
+    /// The fragments.
+    pub list: FragmentList,
+    /// The samples of its pixel at which each fragment is a layer, one bit each.
+    masks: Vec<u16>,
+    /// The fragment that was drawn before each fragment in the same pixel.
+    before: Vec<u32>,
+    /// Depths at the samples of the pixel: `depths_each` for each fragment, valid where its mask has a bit.
+    depths: Vec<f32>,
+    /// The number of samples per pixel; 1 if every sample is a fragment of its own.
+    depths_each: usize,
+    /// The last fragment in each pixel.
+    newest: Vec<u32>,
+    slice: Slice,
+    /// Fragments are discarded if there are more than this.
+    most: usize,
+    /// The pieces of a clipped triangle are being drawn: the slice is not applied.
+    is_in_pieces: bool,
+}
+
+impl Layers {
+    /// Clears the layers for a tile with this many pixels, and begins with the first slice.
+    pub fn clear(&mut self, context: &FrameContext, pixels: usize, depths_each: usize) {
+        self.slice = Slice::ALL;
+        self.depths_each = depths_each;
+        // In each pixel, all layers with the same key are pieces of one triangle at one depth, and at each sample only
+        // one of them is left. So a slice that is not empty has at most this many fragments of the same key.
+        let of_one_key = pixels * context.cells.count;
+        self.most = (context.settings.layer_memory / context.workers / self.bytes_each()).max(2 * of_one_key);
+        self.clear_slice(pixels);
+    }
+
+    fn clear_slice(&mut self, pixels: usize) {
+        self.list.clear();
+        self.newest.clear();
+        self.newest.resize(pixels, NO_FRAGMENT);
+    }
+
+    /// Bytes of a fragment with colour and normal.
+    fn bytes_each(&self) -> usize {
+        size_of::<Fragment>()
+            + size_of::<[f32; 4]>()
+            + size_of::<[f32; 3]>()
+            + size_of::<u32>()
+            + size_of::<u16>()
+            + self.depths_each * size_of::<f32>()
+    }
+
+    /// Begins the next slice; false if there is none.
+    pub fn next_slice(&mut self) -> bool {
+        if self.slice.start == 0 {
+            return false;
+        }
+        self.slice = Slice { end: self.slice.start, start: 0 };
+        self.clear_slice(self.newest.len());
+        true
+    }
+
+    /// Adds a fragment of which the samples in `mask` are layers, with its depths at the samples of its pixel.
+    #[inline(always)]
+    pub fn push(&mut self, context: &FrameContext, fragment: Fragment, mask: u32, depths: &[f32]) {
+        let mut mask = mask;
+        if !self.slice.is_all() && !self.is_in_pieces {
+            mask = self.in_slice(context, fragment.slot, mask, depths);
+            if mask == 0 {
+                return;
+            }
+        }
+        if !self.list.has_room() {
+            self.grow();
+        }
+        let number = self.list.count;
+        self.masks[number] = mask as u16;
+        let newest = &mut self.newest[usize::from(fragment.pixel)];
+        self.before[number] = std::mem::replace(newest, number as u32);
+        self.depths[number * self.depths_each..][..self.depths_each]
+            .copy_from_slice(&depths[..self.depths_each]);
+        self.list.push(fragment);
+    }
+
+    /// The samples of a mask whose keys are in the slice.
+    #[cold]
+    #[inline(never)]
+    fn in_slice(&self, context: &FrameContext, slot: u32, mask: u32, depths: &[f32]) -> u32 {
+        let primitive = context.primitive(slot) as u32;
+        let is_inside = |sample: &usize| {
+            // A fragment of one sample has one depth, whichever sample it is.
+            let key = visibility_key(depths[sample % self.depths_each], primitive);
+            mask >> sample & 1 == 1 && (self.slice.start..self.slice.end).contains(&key)
+        };
+        (0..LANES).filter(is_inside).map(|sample| 1 << sample).sum()
+    }
+
+    /// Makes room for more fragments.
+    #[cold]
+    #[inline(never)]
+    fn grow(&mut self) {
+        self.list.grow();
+        let length = self.list.fragments.len();
+        self.masks.resize(length, 0);
+        self.before.resize(length, NO_FRAGMENT);
+        self.depths.resize(length * self.depths_each, 0.0);
+    }
+
+    /// Ends the slice earlier if the memory is full: about half of the fragments are left.
+    #[inline(always)]
+    pub fn make_room(&mut self, context: &FrameContext) {
+        if self.list.count > self.most {
+            self.end_earlier(context);
+        }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn end_earlier(&mut self, context: &FrameContext) {
+        let nearest: Vec<u64> = (0..self.list.count)
+            .map(|number| {
+                let depth = self.samples(number).map(|(_, depth)| depth).fold(0.0, f32::max);
+                visibility_key(depth, context.primitive(self.list.fragments[number].slot) as u32)
+            })
+            .collect();
+        let mut sorted = nearest.clone();
+        let middle = sorted.len() / 2;
+        let mut start = *sorted.select_nth_unstable(middle).1;
+        let least = sorted.iter().copied().min().unwrap_or(0);
+        if start == least {
+            // At least two keys differ: `most` is larger than the number of fragments with the same key.
+            start = sorted.iter().copied().filter(|&key| key > least).min().unwrap_or(least);
+        }
+        self.slice.start = start;
+        for number in 0..self.list.count {
+            let depths = &self.depths[number * self.depths_each..][..self.depths_each];
+            let (slot, mask) = (self.list.fragments[number].slot, u32::from(self.masks[number]));
+            self.masks[number] = self.in_slice(context, slot, mask, depths) as u16;
+        }
+        self.retain_layers();
+    }
+
+    /// Removes the fragments that are no layer at any sample.
+    fn retain_layers(&mut self) {
+        self.newest.fill(NO_FRAGMENT);
+        let Self { list, masks, before, depths, depths_each, newest, .. } = self;
+        let is_layer: Vec<bool> = masks[..list.count].iter().map(|&mask| mask != 0).collect();
+        let mut pixels = list.fragments[..list.count].iter().map(|f| f.pixel).collect::<Vec<_>>().into_iter();
+        let each = *depths_each;
+        let mut last = 0;
+        list.retain(
+            |number| is_layer[number],
+            |from, to| {
+                masks[to] = masks[from];
+                depths.copy_within(from * each..(from + 1) * each, to * each);
+                let pixel = pixels.nth(from - last).unwrap_or(0);
+                last = from + 1;
+                before[to] = std::mem::replace(&mut newest[usize::from(pixel)], to as u32);
+            },
+        );
+    }
+
+    /// Begins the pieces of a clipped triangle.
+    pub fn begin_pieces(&mut self) {
+        self.is_in_pieces = true;
+    }
+
+    /// Ends the pieces of a clipped triangle, whose fragments begin with number `first`: at samples that several pieces
+    /// cover, the one in front is left.
+    pub fn end_pieces(&mut self, context: &FrameContext, first: usize) {
+        self.is_in_pieces = false;
+        for number in first..self.list.count {
+            let mut other = self.before[number];
+            while other != NO_FRAGMENT && other as usize >= first {
+                self.leave_one(context, number, other as usize);
+                other = self.before[other as usize];
+            }
+        }
+        for number in first..self.list.count {
+            if !self.slice.is_all() && self.masks[number] != 0 {
+                let depths = &self.depths[number * self.depths_each..][..self.depths_each];
+                let (slot, mask) = (self.list.fragments[number].slot, u32::from(self.masks[number]));
+                self.masks[number] = self.in_slice(context, slot, mask, depths) as u16;
+            }
+        }
+        // Restores the lists of the pixels, then adds the fragments that are left again.
+        let count = self.list.count;
+        for number in (first..count).rev() {
+            self.newest[usize::from(self.list.fragments[number].pixel)] = self.before[number];
+        }
+        self.list.count = first;
+        for number in (first..count).filter(|&number| self.masks[number] != 0).collect::<Vec<_>>() {
+            let (fragment, to) = (self.list.fragments[number], self.list.count);
+            let each = self.depths_each;
+            self.masks[to] = self.masks[number];
+            self.depths.copy_within(number * each..(number + 1) * each, to * each);
+            let newest = &mut self.newest[usize::from(fragment.pixel)];
+            self.before[to] = std::mem::replace(newest, to as u32);
+            self.list.push(fragment);
+        }
+    }
+
+    /// Of two fragments of one triangle in one pixel, leaves the one in front at each sample of both.
+    fn leave_one(&mut self, context: &FrameContext, new: usize, old: usize) {
+        let both = self.masks[new] & self.masks[old];
+        let [new_fragment, old_fragment] = [new, old].map(|number| self.list.fragments[number]);
+        for sample in (0..LANES).filter(|sample| both >> sample & 1 == 1) {
+            let [a, b] = [new, old].map(|number| self.depth(number, sample));
+            let new_wins = a > b || a == b && new_fragment.wins_tie(context, &old_fragment);
+            self.masks[if new_wins { old } else { new }] &= !(1 << sample);
+        }
+    }
+
+    /// The depth of a fragment at a sample of its mask.
+    #[inline(always)]
+    pub fn depth(&self, number: usize, sample: usize) -> f32 {
+        self.depths[number * self.depths_each + (sample & (self.depths_each - 1))]
+    }
+
+    /// Is a fragment a layer at a sample?
+    #[inline(always)]
+    pub fn is_at(&self, number: usize, sample: usize) -> bool {
+        self.masks[number] >> sample & 1 == 1
+    }
+
+    /// The samples at which a fragment is a layer, and its depths there.
+    #[inline(always)]
+    pub fn samples(&self, number: usize) -> impl Iterator<Item = (usize, f32)> {
+        let mask = self.masks[number];
+        (0..LANES)
+            .filter(move |sample| mask >> sample & 1 == 1)
+            .map(move |sample| (sample, self.depth(number, sample)))
+    }
+
+    /// The fragments in a pixel, the last one first.
+    #[inline(always)]
+    pub fn in_pixel(&self, pixel: usize) -> impl Iterator<Item = u32> {
+        let some = |number: u32| (number != NO_FRAGMENT).then_some(number);
+        std::iter::successors(some(self.newest[pixel]), move |&number| some(self.before[number as usize]))
+    }
+}
