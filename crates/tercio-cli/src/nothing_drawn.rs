@@ -20,6 +20,9 @@ pub fn reason(bounds: &Aabb, camera: &Camera, cull: Cull, stats: &FrameStats) ->
     let outside = counts.triangles_in_outside_clusters + counts.triangles_outside;
     let facing = counts.triangles_in_facing_clusters + counts.triangles_facing;
     let rest = all.saturating_sub(outside + facing);
+    if stats.backend.pixels_shaded > 0 {
+        return Some("nothing was drawn: what the camera sees is fully transparent".into());
+    }
     let why = if outside == all {
         outside_reason(bounds, camera)
     } else if facing == all {

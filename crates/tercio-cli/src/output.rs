@@ -93,6 +93,8 @@ impl Plan {
         let is_png = matches!(self.picture, Some((_, PictureFormat::Png)));
         is_png
             && self.arrays.is_empty()
+            // Ambient occlusion needs the whole picture.
+            && !self.outputs.linear
             && u64::from(width) * u64::from(height) > tercio::MAX_PIXELS_IN_MEMORY
     }
 

@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 use tercio::LoadReport;
 use tercio::glam::DVec3;
 use tercio::mesh::Aabb;
-use tercio::mesh::io::NotDrawn;
+use tercio::mesh::io::{NotDrawn, Translucent};
 use tercio::scene::{Camera, Projection};
 
 /// Why `--crease-angle` has no effect, if it has none.
@@ -107,6 +107,13 @@ pub fn warnings(report: &LoadReport) -> Vec<String> {
 pub fn not_drawn(n: &NotDrawn) -> Option<String> {
     let textures = (n.textures > 0).then(|| counted(n.textures, "texture"));
     let list: Vec<_> = shapes(n).chain(textures).collect();
+    (!list.is_empty()).then(|| list.join(", "))
+}
+
+/// What of the model is not opaque, in words.
+pub fn translucent(n: &Translucent) -> Option<String> {
+    let all = [(n.materials, "material"), (n.vertices, "vertex"), (n.faces, "face")];
+    let list: Vec<_> = all.into_iter().filter(|n| n.0 > 0).map(|(n, what)| counted(n, what)).collect();
     (!list.is_empty()).then(|| list.join(", "))
 }
 

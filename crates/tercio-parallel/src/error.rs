@@ -25,6 +25,9 @@ pub enum ParallelError {
         /// Samples per pixel.
         samples: u32,
     },
+    /// Sort-last was requested for a scene in which something is not opaque.
+    #[error("sort-last composites opaque surfaces only, and the scene has others: sort-first draws them")]
+    Translucent,
     /// A message could not be sent or received.
     #[error(transparent)]
     Comm(#[from] CommError),

@@ -38,6 +38,8 @@ pub fn draw_frames(
     settings: &Settings,
     picture: impl Fn(usize, &mut Frame) + Sync,
 ) -> Result<Vec<FrameReport>, ParallelError> {
+    let layer_memory = settings.layer_memory / ranks.count.max(1);
+    let settings = &Settings { layer_memory, ..settings.clone() };
     let draw = |comm: &mut ThreadComm, own: &mut Rank| {
         let mut frame = Frame::default();
         let mut reports = Vec::new();

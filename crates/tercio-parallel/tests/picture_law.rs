@@ -95,6 +95,24 @@ fn pixels_of_several_samples() {
     }
 }
 
+/// Sort-first draws layers; sort-last refuses them.
+#[test]
+fn what_is_not_opaque() {
+    let mut scene = with_second_instance(scene("builtin:soup@2k", 128));
+    scene.instances[0].surface.opacity = 0.4;
+    let camera = camera(&scene, 1.5, false);
+    for settings in [Settings::new(131, 93), Settings::one_sample(70, 93)] {
+        let settings = Settings { outputs: EVERYTHING, ..settings };
+        for count in [1, 2, 3, 5] {
+            let ranks = Ranks { count, threads: 1 + count % 2, organisation: Organisation::SortFirst };
+            check(&scene, &camera, &settings, ranks, "layers");
+        }
+        let ranks = Ranks { count: 2, threads: 1, organisation: Organisation::SortLast };
+        let error = draw(ranks, &scene, &camera, &settings).unwrap_err().to_string();
+        assert!(error.contains("opaque surfaces only"), "{error}");
+    }
+}
+
 /// With a filter that is wider than a pixel, samples of one rank contribute to pixels of another.
 #[test]
 fn filters_wider_than_a_pixel() {

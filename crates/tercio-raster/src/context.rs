@@ -64,7 +64,13 @@ impl<'a> FrameContext<'a> {
         settings.check()?;
         let (width, height) = (settings.width, settings.height);
         let view = View::new(camera, &scene.bounds(), width, height)?;
-        let mut grid = TileGrid::new(width, height, settings.tile_edge_for(workers), settings.tiles.clone());
+        let is_translucent = scene.instances.iter().any(Instance::is_translucent);
+        let mut edge = settings.tile_edge_for(workers);
+        if is_translucent && settings.tile_size.is_none() {
+            // The layers of a tile are many times as large as its samples.
+            edge = edge.min(32);
+        }
+        let mut grid = TileGrid::new(width, height, edge, settings.tiles.clone());
         grid = grid.of_rows(&settings.rows());
         // The filter needs no other pixels where samples are kept.
         grid.halo = if settings.unresolved { 0 } else { settings.sampling.halo() };
@@ -99,7 +105,7 @@ impl<'a> FrameContext<'a> {
             centers: SampleCenters::new(&settings.sampling.pattern.cells()),
             filter: FilterWeights::new(&settings.sampling),
             workers,
-            is_translucent: scene.instances.iter().any(Instance::is_translucent),
+            is_translucent,
             first_cluster,
             first_primitive,
             first_face,
@@ -242,8 +248,10 @@ pub fn check_light(scene: &Scene) -> Result<(), RenderError> {
         None => Ok(()),
     };
     for light in &scene.lights {
-        let (Light::Ambient { color } | Light::Directional { color, .. } | Light::Point { color, .. }) =
-            light;
+        let (Light::Ambient { color }
+        | Light::Directional { color, .. }
+        | Light::Wide { color, .. }
+        | Light::Point { color, .. }) = light;
         finite("colour of a light", color)?;
     }
     for Instance { surface, .. } in &scene.instances {

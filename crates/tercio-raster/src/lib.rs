@@ -41,6 +41,7 @@ mod error;
 pub mod frame;
 mod frontend;
 mod lighting;
+pub mod occlusion;
 pub mod projection;
 pub mod reference;
 mod renderer;
@@ -55,6 +56,7 @@ pub mod view;
 
 pub use error::RenderError;
 pub use frame::{Frame, Outputs};
+pub use occlusion::AmbientOcclusion;
 pub use renderer::Renderer;
 pub use resolve::resolve_into;
 pub use sampling::{Filter, SamplePattern, SampleShading, Sampling};

@@ -23,11 +23,59 @@ pub struct NearLight {
     pub color: [f32; 3],
 }
 
+/// The diffuse light of all ambient and wide lights: a polynomial of the normal for each channel.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct WideLight {
+    /// Constant terms.
+    pub constant: [f32; 3],
+    /// Factors of x, y and z, by channel.
+    pub linear: [[f32; 3]; 3],
+    /// Factors of xx, xy, xz, yy, yz and zz, by channel.
+    pub quadratic: [[f32; 6]; 3],
+    /// Are there ambient lights only?
+    pub is_constant: bool,
+}
+
+impl WideLight {
+    /// The sum of the scene's ambient and wide lights. `to_world` takes directions towards lights.
+    fn new(lights: &[Light], to_world: impl Fn(DVec3, LightSpace) -> DVec3) -> Self {
+        let mut sum = Self { is_constant: true, ..Self::default() };
+        let (mut linear, mut quadratic) = ([[0.0; 3]; 3], [[0.0; 6]; 3]);
+        let mut constant = [0.0; 3];
+        for light in lights {
+            match *light {
+                Light::Ambient { color } => (0..3).for_each(|k| constant[k] += f64::from(color[k])),
+                Light::Wide { to_light, space, color, .. } => {
+                    sum.is_constant = false;
+                    let [x, y, z] = to_world(to_light, space).to_array();
+                    // ((1 + n . l) / 2)^2, multiplied out.
+                    for (k, color) in color.into_iter().enumerate() {
+                        let quarter = 0.25 * f64::from(color);
+                        constant[k] += quarter;
+                        let terms = [x, y, z].into_iter().zip(&mut linear[k]);
+                        terms.for_each(|(term, to)| *to += 2.0 * quarter * term);
+                        let terms = [x * x, 2.0 * x * y, 2.0 * x * z, y * y, 2.0 * y * z, z * z];
+                        let terms = terms.into_iter().zip(&mut quadratic[k]);
+                        terms.for_each(|(term, to)| *to += quarter * term);
+                    }
+                }
+                Light::Directional { .. } | Light::Point { .. } => {}
+            }
+        }
+        sum.constant = constant.map(|c| c as f32);
+        sum.linear = linear.map(|channel| channel.map(|c| c as f32));
+        sum.quadratic = quadratic.map(|channel| channel.map(|c| c as f32));
+        sum
+    }
+}
+
 /// All lights of a frame.
 #[derive(Clone, Debug, Default)]
 pub struct LightRig {
-    /// The sum of the ambient lights.
-    pub ambient: [f32; 3],
+    /// Ambient and wide lights.
+    pub wide: WideLight,
+    /// The wide lights that have a highlight, in the order of the scene.
+    pub highlights: Vec<DistantLight>,
     /// Directional lights, in the order of the scene.
     pub distant: Vec<DistantLight>,
     /// Point lights, in the order of the scene.
@@ -42,18 +90,25 @@ impl LightRig {
         let basis = &view.basis;
         let from_camera = |v: DVec3| basis.right * v.x + basis.up * v.y - basis.forward * v.z;
         let f = |v: DVec3| [v.x as f32, v.y as f32, v.z as f32];
-        let mut rig = Self { sight: view.sight(), ..Self::default() };
+        let to_world = |to_light: DVec3, space| {
+            let world = match space {
+                LightSpace::World => to_light,
+                LightSpace::Camera => from_camera(to_light),
+            };
+            world.normalize_or_zero()
+        };
+        let wide = WideLight::new(lights, to_world);
+        let mut rig = Self { sight: view.sight(), wide, ..Self::default() };
         for light in lights {
             match *light {
-                Light::Ambient { color } => {
-                    rig.ambient = std::array::from_fn(|k| rig.ambient[k] + color[k]);
+                Light::Ambient { .. } => {}
+                Light::Wide { to_light, space, color, highlight } => {
+                    if highlight {
+                        rig.highlights.push(DistantLight { to_light: f(to_world(to_light, space)), color });
+                    }
                 }
                 Light::Directional { to_light, space, color } => {
-                    let world = match space {
-                        LightSpace::World => to_light,
-                        LightSpace::Camera => from_camera(to_light),
-                    };
-                    rig.distant.push(DistantLight { to_light: f(world.normalize_or_zero()), color });
+                    rig.distant.push(DistantLight { to_light: f(to_world(to_light, space)), color });
                 }
                 Light::Point { position, space, color } => {
                     let relative = match space {

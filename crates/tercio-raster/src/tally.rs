@@ -61,7 +61,8 @@ pub struct Counted {
 /// least one), by drawing it. The picture is discarded.
 ///
 /// # Errors
-/// As [`Renderer::render`]; [`RenderError::Setting`] for several samples per pixel, whose work is not counted.
+/// As [`Renderer::render`]; [`RenderError::Setting`] for several samples per pixel and for surfaces that are not opaque,
+/// whose work is not counted.
 pub fn count(
     scene: &Scene,
     camera: &Camera,
@@ -88,6 +89,10 @@ pub fn count_into(
         return Err(RenderError::Setting { what: "samples", range, value: pattern.to_string() });
     }
     let context = FrameContext::new(scene, camera, settings, workers)?;
+    if context.is_translucent() {
+        let range = "1: work is counted for opaque surfaces".into();
+        return Err(RenderError::Setting { what: "opacity", range, value: "less in places".into() });
+    }
     frame.resize(settings);
     let (mut renderer, mut sorted) = (Renderer::new(), Sorted::default());
     renderer.sort(&context, &mut sorted);

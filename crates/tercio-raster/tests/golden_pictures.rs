@@ -32,8 +32,7 @@ fn lit(mesh: Mesh, background: Background) -> Scene {
         from(-0.5, 0.7, 0.6, [0.85, 0.80, 0.72]),
         from(0.9, 0.0, 0.4, [0.12, 0.15, 0.20]),
     ];
-    let surface =
-        Surface { base_color: [0.60, 0.50, 0.42], specular: 0.25, ..Surface::default() };
+    let surface = Surface { base_color: [0.60, 0.50, 0.42], specular: 0.25, ..Surface::default() };
     let mesh = Arc::new(partition(mesh, &PartitionOptions::default()));
     Scene { instances: vec![Instance { surface, ..Instance::new(mesh) }], lights, background }
 }
@@ -99,6 +98,40 @@ fn golden_samples() {
     for (name, sampling) in patterns.chain([("4_tent".to_owned(), tent)]) {
         check("samples", &name, &scene, &camera, &Settings { sampling, ..Settings::new(96, 96) });
     }
+}
+
+/// A ball of glass around an opaque teapot; a sheet whose alpha falls from corner to corner, through a coarse sphere.
+#[test]
+fn golden_layers() {
+    let background = Background::Gradient { top: [1.0; 4], bottom: [0.4, 0.5, 0.7, 1.0] };
+    let mut scene = lit(make("teapot@2k"), background);
+    let camera = at_box(&scene, [0.3, 0.5, 1.0], 3.6, 36.0);
+    let (center, radius) = (scene.bounds().center(), scene.bounds().radius());
+    let mut ball = lit(make("sphere@2k"), background).instances.remove(0);
+    ball.world_from_object =
+        glam::DAffine3::from_scale_rotation_translation(DVec3::splat(radius), glam::DQuat::IDENTITY, center);
+    ball.surface.opacity = 0.3;
+    scene.instances.push(ball);
+    check("layers", "glass", &scene, &camera, &Settings::new(160, 120));
+
+    let sheet = Mesh {
+        positions: vec![[-1.2, -1.0, 0.0], [1.2, -1.0, 0.0], [1.2, 1.0, 0.0], [-1.2, 1.0, 0.0]],
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
+        vertex_colors: Some(vec![
+            [200, 30, 30, 255],
+            [30, 200, 30, 170],
+            [30, 30, 200, 0],
+            [200, 200, 30, 85],
+        ]),
+        ..Mesh::default()
+    };
+    let mut scene = lit(sheet, background);
+    let mut sphere = lit(make("sphere@200"), background).instances.remove(0);
+    sphere.world_from_object = glam::DAffine3::from_scale(DVec3::splat(0.6));
+    sphere.surface.opacity = 0.6;
+    scene.instances.push(sphere);
+    let camera = at_box(&scene, [0.6, 0.3, 1.0], 3.0, 36.0);
+    check("layers", "through_each_other", &scene, &camera, &Settings::new(160, 120));
 }
 
 #[test]

@@ -237,7 +237,7 @@ fn blending_equals_a_sort_of_all_layers_by_hand() {
             passing *= 1.0 - alpha;
         }
         for k in 0..4 {
-            let of_background = if k < 3 { decode(f64::from(behind[k] as f32)) } else { 1.0 };
+            let of_background = if k < 3 { decode(f64::from(behind[k])) } else { 1.0 };
             expected[k] += passing * of_background;
             assert!(
                 (f64::from(found[k]) - expected[k]).abs() < 2e-6,

@@ -52,6 +52,9 @@ fn turned_lights(lights: &[Light], by: DQuat) -> Vec<Light> {
             Light::Directional { to_light, space, color } => {
                 Light::Directional { to_light: turn(to_light, space), space, color }
             }
+            Light::Wide { to_light, space, color, highlight } => {
+                Light::Wide { to_light: turn(to_light, space), space, color, highlight }
+            }
             Light::Point { position, space, color } => {
                 Light::Point { position: turn(position, space), space, color }
             }

@@ -28,6 +28,22 @@ pub enum Light {
         /// Linear RGB.
         color: [f32; 3],
     },
+    /// From infinitely far away, and from a wide area: diffuse light falls off with the square of half of one plus the
+    /// cosine between normal and light, so that there is no visible line between lit and unlit sides. Any number of wide
+    /// lights takes the time of one.
+    ///
+    /// Source: the wrapped ("half Lambert") diffuse term of Mitchell, McTaggart and Green, "Shading in Valve's Source
+    /// Engine" (2006), squared as there.
+    Wide {
+        /// Towards the middle of the light; any length above 0.
+        to_light: DVec3,
+        /// Coordinate system of `to_light`.
+        space: LightSpace,
+        /// Linear RGB.
+        color: [f32; 3],
+        /// Whether it is reflected in specular surfaces; its highlight fades with the cosine.
+        highlight: bool,
+    },
     /// From a point; brightness does not fall off with distance.
     Point {
         /// Its position.
@@ -45,19 +61,20 @@ impl Light {
         Self::Directional { to_light: DVec3::Z, space: LightSpace::Camera, color }
     }
 
-    /// The lights of a picture for which none were chosen: a warm key light over the viewer's left shoulder, a cool
-    /// fill light from the right, and a little ambient light.
+    /// The lights of a picture for which none were chosen, all of them wide: a warm key light over the viewer's left
+    /// shoulder, a cool fill light from the right, and a little light from below. A surface that faces the viewer shows
+    /// about nine tenths of its colour.
     pub fn studio() -> Vec<Self> {
-        let camera = |x, y, z, color| Self::Directional {
+        let camera = |x, y, z, color, highlight| Self::Wide {
             to_light: DVec3::new(x, y, z),
             space: LightSpace::Camera,
             color,
+            highlight,
         };
         vec![
-            Self::Ambient { color: [0.070, 0.074, 0.088] },
-            camera(-0.5, 0.75, 0.6, [1.0, 0.92, 0.82]),
-            camera(0.9, 0.05, 0.35, [0.12, 0.16, 0.23]),
-            camera(0.1, -0.9, 0.2, [0.05, 0.04, 0.03]),
+            camera(-0.62, 0.8, 0.65, [1.18, 1.14, 1.08], true),
+            camera(0.9, 0.1, 0.4, [0.08, 0.10, 0.13], false),
+            camera(0.1, -0.9, 0.2, [0.03, 0.027, 0.025], false),
         ]
     }
 }

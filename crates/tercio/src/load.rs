@@ -34,8 +34,8 @@ pub enum Normals {
 
 impl Default for Normals {
     fn default() -> Self {
-        // Corners of machine parts stay sharp, scans and coarsely tessellated cylinders are smooth.
-        Self::FileOrMade { crease_angle: Some(std::f64::consts::FRAC_PI_3) }
+        // Edges of machine parts stay sharp, scans and cylinders of more than a dozen sides are smooth.
+        Self::FileOrMade { crease_angle: Some(std::f64::consts::FRAC_PI_6) }
     }
 }
 

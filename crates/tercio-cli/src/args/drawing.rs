@@ -2,7 +2,7 @@
 
 use clap::{Args, ValueEnum};
 use tercio::Normals;
-use tercio::raster::{Binning, Cull, Outputs, Settings, Shading, SimdLevel, Sorting};
+use tercio::raster::{AmbientOcclusion, Binning, Cull, Outputs, Settings, Shading, SimdLevel, Sorting};
 use tercio::scene::{Background, Scene};
 
 use super::light::{self, LightSpec};
@@ -106,8 +106,15 @@ pub struct DrawingArgs {
     /// Strength of highlights, 0 for none.
     #[arg(long, value_name = "STRENGTH", allow_negative_numbers = true, value_parser = values::not_negative)]
     specular: Option<f64>,
+    /// Darkens gaps and pockets that little of the surroundings' light can reach, with a strength of 0 to 1.
+    #[arg(long, value_name = "STRENGTH", num_args = 0..=1, default_missing_value = "1", require_equals = true)]
+    #[arg(value_parser = values::share)]
+    ao: Option<f64>,
+    /// How far surfaces darken each other with --ao, in radii of the model [default: 0.1].
+    #[arg(long, value_name = "RADII", allow_negative_numbers = true, value_parser = values::positive, requires = "ao")]
+    ao_radius: Option<f64>,
     /// Edges sharper than this many degrees stay sharp where normals are made; 180 smooths all
-    /// [default: 60].
+    /// [default: 30].
     #[arg(long, value_name = "DEG", allow_negative_numbers = true, value_parser = values::crease_angle)]
     pub crease_angle: Option<f64>,
 }
@@ -184,6 +191,12 @@ impl DrawingArgs {
             Some(degrees) => Normals::FileOrMade { crease_angle: Some(degrees.to_radians()) },
             None => Normals::default(),
         }
+    }
+
+    /// Ambient occlusion, if it is requested.
+    pub fn occlusion(&self) -> Option<AmbientOcclusion> {
+        let radius = self.ao_radius.unwrap_or(AmbientOcclusion::default().radius);
+        self.ao.map(|strength| AmbientOcclusion { radius, strength: strength as f32 })
     }
 
     /// Sets lights, colours and background of a scene.

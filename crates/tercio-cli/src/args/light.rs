@@ -16,9 +16,11 @@ pub const HELP: &str = "\
 A light; may be given several times, and then replaces the default lights:
   ambient:COLOR                from everywhere
   dir:X,Y,Z[:COLOR]            from far away; X,Y,Z points towards the light
-  camera-dir:X,Y,Z[:COLOR]     the same, moving with the camera (x right, y up, z to the viewer)
+  wide:X,Y,Z[:COLOR]           the same from a wide area: soft, without a line between lit and unlit sides
+  camera-dir:X,Y,Z[:COLOR]     as dir, moving with the camera (x right, y up, z to the viewer)
   point:X,Y,Z[:COLOR]          from a point in the world
-  camera-point:X,Y,Z[:COLOR]   the same, moving with the camera
+  camera-wide:X,Y,Z[:COLOR]    as wide, moving with the camera
+  camera-point:X,Y,Z[:COLOR]   as point, moving with the camera
   head[:COLOR]                 from the camera
   studio                       the default lights
 COLOR is #rrggbb, #rrggbb*STRENGTH or *STRENGTH";
@@ -33,12 +35,14 @@ impl FromStr for LightSpec {
             let (place, tint) = rest.split_once(':').map_or((rest, None), |(p, t)| (p, Some(t)));
             Ok::<_, String>((vector(place)?, color(tint)?))
         };
-        let directional = |space| {
-            let (to_light, color) = placed()?;
-            if to_light == DVec3::ZERO {
-                return Err("the direction of a light must not be 0,0,0".to_owned());
-            }
-            Ok(Light::Directional { to_light, space, color })
+        let directed = || match placed()? {
+            (DVec3::ZERO, _) => Err("the direction of a light must not be 0,0,0".to_owned()),
+            placed => Ok(placed),
+        };
+        let directional =
+            |space| directed().map(|(to_light, color)| Light::Directional { to_light, space, color });
+        let wide = |space| {
+            directed().map(|(to_light, color)| Light::Wide { to_light, space, color, highlight: true })
         };
         let point = |space| placed().map(|(position, color)| Light::Point { position, space, color });
         let light = match (kind, rest) {
@@ -47,11 +51,13 @@ impl FromStr for LightSpec {
             ("head", tint) => Light::headlight(color(tint)?),
             ("dir", _) => directional(LightSpace::World)?,
             ("camera-dir", _) => directional(LightSpace::Camera)?,
+            ("wide", _) => wide(LightSpace::World)?,
+            ("camera-wide", _) => wide(LightSpace::Camera)?,
             ("point", _) => point(LightSpace::World)?,
             ("camera-point", _) => point(LightSpace::Camera)?,
             _ => {
-                return Err("expected ambient:COLOR, dir:X,Y,Z, camera-dir:X,Y,Z, point:X,Y,Z, \
-                            camera-point:X,Y,Z, head or studio"
+                return Err("expected ambient:COLOR, dir:X,Y,Z, wide:X,Y,Z, point:X,Y,Z, camera-dir:X,Y,Z, \
+                            camera-wide:X,Y,Z, camera-point:X,Y,Z, head or studio"
                     .into());
             }
         };
@@ -81,6 +87,8 @@ mod tests {
         let (to_light, space) = (DVec3::new(0.0, 1.0, -2.0), LightSpace::World);
         let red = [1.0, 0.0, 0.0];
         assert_eq!(one("dir:0,1,-2:#f00"), Light::Directional { to_light, space, color: red });
+        let wide = Light::Wide { to_light, space, color: [1.0; 3], highlight: true };
+        assert_eq!(one("wide:0,1,-2"), wide);
         let space = LightSpace::Camera;
         assert_eq!(one("camera-point:0,1,-2"), Light::Point { position: to_light, space, color: [1.0; 3] });
         assert_eq!("studio".parse::<LightSpec>().unwrap().0, Light::studio());

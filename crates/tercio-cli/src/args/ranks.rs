@@ -2,6 +2,7 @@
 
 use clap::{Args, ValueEnum};
 use tercio::parallel::{Organisation, Ranks};
+use tercio::scene::{Instance, Scene};
 
 use crate::output::UsageError;
 
@@ -35,7 +36,7 @@ pub struct RanksArgs {
     /// mpirun started are ranks without this option.
     #[arg(long, value_name = "N", value_parser = parse_ranks)]
     ranks: Option<usize>,
-    /// How ranks share a frame [default: sort-last].
+    /// How ranks share a frame [default: sort-last; sort-first if the model is not opaque].
     #[arg(long, value_name = "HOW", value_enum)]
     organisation: Option<OrganisationName>,
 }
@@ -70,6 +71,14 @@ impl RanksArgs {
             )),
             _ => Ok(Drawers::Alone),
         }
+    }
+}
+
+impl RanksArgs {
+    /// How ranks share a frame of this scene: sort-last is no default where it cannot draw the scene.
+    pub fn organisation(&self, requested: Organisation, scene: &Scene) -> Organisation {
+        let is_opaque = !scene.instances.iter().any(Instance::is_translucent);
+        if is_opaque || self.organisation.is_some() { requested } else { Organisation::SortFirst }
     }
 }
 

@@ -45,9 +45,14 @@ pub fn not_negative(text: &str) -> Result<f64, String> {
 }
 
 /// A share of 0 to 1.
-pub fn opacity(text: &str) -> Result<f64, String> {
+pub fn share(text: &str) -> Result<f64, String> {
     let share = number(text).ok().filter(|v| (0.0..=1.0).contains(v));
-    share.ok_or_else(|| "expected a number of 0 (invisible) to 1 (opaque)".into())
+    share.ok_or_else(|| "expected a number of 0 to 1".into())
+}
+
+/// An opacity.
+pub fn opacity(text: &str) -> Result<f64, String> {
+    share(text).map_err(|_| "expected a number of 0 (invisible) to 1 (opaque)".into())
 }
 
 /// A difference in steps of 8-bit components; fractions are allowed.

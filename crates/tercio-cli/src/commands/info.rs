@@ -162,6 +162,9 @@ fn text(model: &str, loaded: &Inspection) -> String {
         let nans = if a.nans > 0 { format!(", {} NaN", grouped(a.nans)) } else { String::new() };
         rows.push(("attribute", format!("{} ({}): {range}{nans}", a.name, domain(a.domain))));
     }
+    if let Some(list) = report::translucent(&report.read.translucent) {
+        rows.push(("not opaque", list));
+    }
     if let Some(list) = report::not_drawn(&report.read.not_drawn) {
         rows.push(("not drawn", list));
     }

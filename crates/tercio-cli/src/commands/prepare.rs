@@ -34,7 +34,7 @@ pub struct Prepare {
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
     /// Edges sharper than this many degrees stay sharp where normals are made; 180 smooths all
-    /// [default: 60].
+    /// [default: 30].
     #[arg(long, value_name = "DEG", allow_negative_numbers = true, value_parser = values::crease_angle)]
     crease_angle: Option<f64>,
     #[command(flatten)]

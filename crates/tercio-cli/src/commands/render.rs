@@ -9,8 +9,8 @@ use clap::Args;
 use rayon::ThreadPool;
 use serde_json::{Value, json};
 use tercio::parallel::organisation::{Rank, Task};
-use tercio::parallel::{Communicator as _, FrameReport, Organisation, between_processes, in_process};
-use tercio::raster::{Frame, Outputs, Renderer, Settings};
+use tercio::parallel::{Communicator as _, FrameReport, Organisation, Ranks, between_processes, in_process};
+use tercio::raster::{AmbientOcclusion, Frame, Outputs, Renderer, Settings};
 use tercio::scene::{Camera, Scene};
 use tercio::{LoadOptions, LoadReport, band_bytes, write_png_in_bands};
 
@@ -92,12 +92,18 @@ impl Render {
     /// [`UsageError`] for options that contradict each other, else what went wrong.
     pub fn run(&self) -> Result<ExitCode> {
         let start = Instant::now();
-        let plan = self.writing.plan(&self.drawing).map_err(UsageError)?;
+        let mut plan = self.writing.plan(&self.drawing).map_err(UsageError)?;
+        if self.drawing.occlusion().is_some() {
+            plan.outputs = plan.outputs.with(AmbientOcclusion::NEEDED);
+        }
         self.drawing.check().and_then(|()| self.sampling.check()).map_err(|e| UsageError(e.into()))?;
         let files = plan.named_files().reads_model(&self.model.model);
         files.check()?;
         let writing = Writing { plan, files, allow_empty: self.writing.allow_empty };
-        let settings = self.drawing.settings(&self.tuning, &self.sampling, writing.plan.outputs);
+        let mut settings = self.drawing.settings(&self.tuning, &self.sampling, writing.plan.outputs);
+        if let Some(limit) = self.running.memory_limit() {
+            settings.layer_memory = settings.layer_memory.min((limit / 4) as usize);
+        }
         settings.check().map_err(|e| UsageError(e.to_string()))?;
         let processes = mpi::processes();
         let drawers = self.ranks.drawers(processes)?;
@@ -140,11 +146,18 @@ impl Render {
             return self.draw_in_bands(writing, settings, loaded, &display);
         }
         display.stage("drawing");
-        let (frame, parallel) = self
+        let (mut frame, parallel) = self
             .frame(&loaded.scene, &loaded.camera, settings, drawers)
             .with_context(|| self.model.name())?;
+        self.occlude(&mut frame, &loaded, settings)?;
         display.stage("writing");
         self.write(writing, loaded, frame, parallel)
+    }
+
+    /// Applies ambient occlusion, if it is requested.
+    fn occlude(&self, frame: &mut Frame, loaded: &Loaded, settings: &Settings) -> Result<()> {
+        let Some(occlusion) = self.drawing.occlusion() else { return Ok(()) };
+        occlusion.apply(frame, &loaded.scene, &loaded.camera, settings).with_context(|| self.model.name())
     }
 
     /// Whether the picture is drawn in bands, because it is too large to be kept in memory.
@@ -199,6 +212,7 @@ impl Render {
         let display = Display::new(if writes { self.running.progress_mode() } else { ProgressMode::Never });
         let loaded = self.load(writing, &display, Drawers::Mpi(organisation))?;
         display.stage("drawing");
+        let organisation = self.ranks.organisation(organisation, &loaded.scene);
         let task = Task { organisation, scene: &loaded.scene, camera: &loaded.camera, settings };
         let (mut own, mut frame) = (Rank::from_pool(pool.clone()), Frame::default());
         let parallel = between_processes::draw_frame(&mut own, comm, &task, &mut frame)
@@ -206,6 +220,7 @@ impl Render {
         if !writes {
             return Ok(None);
         }
+        self.occlude(&mut frame, &loaded, settings)?;
         display.stage("writing");
         self.write(writing, loaded, frame, parallel).map(Some)
     }
@@ -238,6 +253,8 @@ impl Render {
         Ok(match drawers.in_process(rayon::current_num_threads()) {
             None => (Renderer::new().render(scene, camera, settings)?, None),
             Some(ranks) => {
+                let organisation = self.ranks.organisation(ranks.organisation, scene);
+                let ranks = Ranks { organisation, ..ranks };
                 let (frame, report) = in_process::draw(ranks, scene, camera, settings)?;
                 (frame, Some(report))
             }
@@ -305,7 +322,7 @@ impl Render {
             && done.report.mesh.triangles > 0
         {
             messages::warning(&format!(
-                "{model}: not drawn: {list} (tercio draws opaque triangles without textures)"
+                "{model}: not drawn: {list} (tercio draws triangles without textures)"
             ));
         }
         if let Some(why) = report::unused_crease_angle(self.drawing.crease_angle, &done.report) {

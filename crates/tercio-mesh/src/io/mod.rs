@@ -20,8 +20,8 @@ use serde::{Deserialize, Serialize};
 use crate::{Mesh, OctNormal, Progress, ReadError};
 use input::Input;
 pub use not_drawn::NotDrawn;
-pub use translucent::Translucent;
 pub use sniff::sniff;
+pub use translucent::Translucent;
 
 /// How a model is read.
 #[derive(Clone, Copy, Debug, Default)]

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use serde::Serialize;
 use tercio_raster::{Frame, Outputs, Part, RenderError, Renderer, Settings, TileSet};
-use tercio_scene::{Camera, Scene};
+use tercio_scene::{Camera, Instance, Scene};
 
 use crate::comm::Communicator;
 use crate::regions::Regions;
@@ -104,6 +104,10 @@ impl Rank {
         let mut report = RankReport { rank: comm.rank(), ..RankReport::default() };
         task.settings.check()?;
         refuse_parts(task.settings)?;
+        let is_translucent = task.scene.instances.iter().any(Instance::is_translucent);
+        if is_translucent && task.organisation == Organisation::SortLast {
+            return Err(ParallelError::Translucent);
+        }
         let regions = Regions {
             width: task.settings.width,
             height: task.settings.height,

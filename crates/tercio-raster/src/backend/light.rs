@@ -5,7 +5,7 @@ use fearless_simd::{Simd, f32x16, i32x16, mask32x16};
 use tercio_scene::Surface;
 
 use super::shade::Features;
-use crate::lighting::{LightRig, NearLight};
+use crate::lighting::{DistantLight, LightRig, NearLight};
 use crate::simd::{dot, each3, part, splat};
 
 /// Vectors or colours of 16 points.
@@ -111,11 +111,35 @@ pub fn bend<S: Simd>(simd: S, normal: Vec3x16<S>, to_viewer: Vec3x16<S>) -> Vec3
     each3!(K => is_away.select(bent[K], normal[K]))
 }
 
+/// The diffuse light of ambient and wide lights.
+#[inline(always)]
+fn wide<S: Simd>(simd: S, rig: &LightRig, n: Vec3x16<S>) -> Vec3x16<S> {
+    let light = &rig.wide;
+    let constant = each3!(K => splat(simd, light.constant[K]));
+    if light.is_constant {
+        return constant;
+    }
+    part(
+        simd,
+        #[inline(always)]
+        || {
+            let [x, y, z] = n;
+            each3!(K => {
+                let (l, q) = (&light.linear[K], &light.quadratic[K]);
+                let of_x = x * ((x * q[0] + y * q[1]) + (z * q[2] + l[0]));
+                let of_y = y * ((y * q[3] + z * q[4]) + l[1]);
+                let of_z = z * (z * q[5] + l[2]);
+                ((constant[K] + of_x) + of_y) + of_z
+            })
+        },
+    )
+}
+
 /// Ambient light and Lambert's diffuse light of the directional lights: the result of [`reflect`] if there are no point
 /// lights and no highlights.
 #[inline(always)]
 pub fn diffuse<S: Simd>(simd: S, rig: &LightRig, normal: Vec3x16<S>) -> Vec3x16<S> {
-    let mut sum = each3!(K => splat(simd, rig.ambient[K]));
+    let mut sum = wide(simd, rig, normal);
     for light in &rig.distant {
         let to_light = each3!(K => splat(simd, light.to_light[K]));
         let (cosine, _) = facing(simd, normal, to_light);
@@ -155,7 +179,7 @@ fn sum_lights<S: Simd, F: Features>(
     position: Vec3x16<S>,
 ) -> Reflected<S> {
     let zero = splat(simd, 0.0);
-    let mut sum = Reflected { diffuse: each3!(K => splat(simd, rig.ambient[K])), specular: [zero; 3] };
+    let mut sum = Reflected { diffuse: wide(simd, rig, normal), specular: [zero; 3] };
     for light in &rig.distant {
         let to_light = each3!(K => splat(simd, light.to_light[K]));
         add_light(simd, features, rig, surface, normal, to_viewer, to_light, light.color, &mut sum);
@@ -166,7 +190,69 @@ fn sum_lights<S: Simd, F: Features>(
         let to_light = normalize(simd, offset, beside(simd, rig));
         add_light(simd, features, rig, surface, normal, to_viewer, to_light, light.color, &mut sum);
     }
+    if features.highlights() {
+        for light in &rig.highlights {
+            add_highlight(simd, rig, surface, normal, to_viewer, light, &mut sum.specular);
+        }
+    }
     sum
+}
+
+/// Adds the highlight of a wide light, which fades with the cosine between normal and light.
+#[inline(always)]
+fn add_highlight<S: Simd>(
+    simd: S,
+    rig: &LightRig,
+    surface: &Surface,
+    normal: Vec3x16<S>,
+    to_viewer: Vec3x16<S>,
+    light: &DistantLight,
+    specular: &mut Vec3x16<S>,
+) {
+    part(
+        simd,
+        #[inline(always)]
+        || {
+            let to_light = each3!(K => splat(simd, light.to_light[K]));
+            let (cosine, lit) = facing(simd, normal, to_light);
+            // It would add zeros.
+            if !lit.any_true() {
+                return;
+            }
+            let strength =
+                (blinn(simd, rig, surface, normal, to_viewer, to_light, lit) * surface.specular) * cosine;
+            for k in 0..3 {
+                specular[k] += strength * light.color[k];
+            }
+        },
+    );
+}
+
+/// Blinn's highlight in the lanes that are lit, 0 in the others.
+#[inline(always)]
+fn blinn<S: Simd>(
+    simd: S,
+    rig: &LightRig,
+    surface: &Surface,
+    normal: Vec3x16<S>,
+    to_viewer: Vec3x16<S>,
+    to_light: Vec3x16<S>,
+    lit: mask32x16<S>,
+) -> f32x16<S> {
+    let zero = splat(simd, 0.0);
+    let between = each3!(K => to_light[K] + to_viewer[K]);
+    let half = normalize(simd, between, beside(simd, rig));
+    let mut power = dot(normal, half);
+    power = (power.simd_gt(zero) & lit).select(power, zero);
+    if surface.shininess_log2 == 5 {
+        // The default, without a loop.
+        let to_the_8 = square(square(square(power)));
+        return square(square(to_the_8));
+    }
+    for _ in 0..surface.shininess_log2 {
+        power = square(power);
+    }
+    power
 }
 
 #[inline(always)]
@@ -186,7 +272,6 @@ fn add_light<S: Simd, F: Features>(
         simd,
         #[inline(always)]
         || {
-            let zero = splat(simd, 0.0);
             let (cosine, lit) = facing(simd, normal, to_light);
             // It would add zeros.
             if !lit.any_true() {
@@ -196,19 +281,7 @@ fn add_light<S: Simd, F: Features>(
                 sum.diffuse[k] += cosine * color[k];
             }
             if features.highlights() {
-                let between = each3!(K => to_light[K] + to_viewer[K]);
-                let half = normalize(simd, between, beside(simd, rig));
-                let mut power = dot(normal, half);
-                power = (power.simd_gt(zero) & lit).select(power, zero);
-                if surface.shininess_log2 == 5 {
-                    // The default, without a loop.
-                    let to_the_8 = square(square(square(power)));
-                    power = square(square(to_the_8));
-                } else {
-                    for _ in 0..surface.shininess_log2 {
-                        power = square(power);
-                    }
-                }
+                let power = blinn(simd, rig, surface, normal, to_viewer, to_light, lit);
                 let strength = power * surface.specular;
                 for k in 0..3 {
                     sum.specular[k] += strength * color[k];

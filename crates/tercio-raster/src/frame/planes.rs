@@ -33,6 +33,12 @@ macro_rules! planes {
             /// No plane.
             pub const NONE: Self = Self { $($name: false,)* };
 
+            /// The planes of both.
+            #[must_use]
+            pub fn with(self, other: Self) -> Self {
+                Self { $($name: self.$name || other.$name,)* }
+            }
+
             /// Bytes per pixel of all planes together.
             pub fn pixel_bytes(&self) -> usize {
                 0 $(+ if self.$name { size_of::<$type>() } else { 0 })*

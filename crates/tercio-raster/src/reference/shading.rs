@@ -239,7 +239,24 @@ fn reflect(
     to_viewer: Vec3,
     position: Vec3,
 ) -> (Vec3, Vec3) {
-    let (mut diffuse, mut specular) = (lights.ambient, [0.0; 3]);
+    let [x, y, z] = normal;
+    let mut diffuse = each(|k| {
+        let wide = &lights.wide;
+        let (c, l, q) = (wide.constant[k], wide.linear[k], wide.quadratic[k]);
+        let of_x = x * ((x * q[0] + y * q[1]) + (z * q[2] + l[0]));
+        let of_y = y * ((y * q[3] + z * q[4]) + l[1]);
+        let of_z = z * (z * q[5] + l[2]);
+        if wide.is_constant { c } else { ((c + of_x) + of_y) + of_z }
+    });
+    let mut specular = [0.0; 3];
+    let highlight = |to_light: Vec3| {
+        let half = normalize(each(|k| to_light[k] + to_viewer[k]), lights.sight.base);
+        let lit = dot(normal, to_light) > 0.0;
+        let mut power = dot(normal, half);
+        power = if lit && power > 0.0 { power } else { 0.0 };
+        (0..surface.shininess_log2).for_each(|_| power *= power);
+        power * surface.specular
+    };
     let distant = lights.distant.iter().map(|l| (l.to_light, l.color));
     let near = lights.near.iter().map(|l| {
         let to_light = normalize(each(|k| l.position[k] - position[k]), lights.sight.base);
@@ -251,12 +268,14 @@ fn reflect(
         let cosine = if lit { cosine } else { 0.0 };
         diffuse = each(|k| diffuse[k] + cosine * color[k]);
         if surface.specular > 0.0 {
-            let half = normalize(each(|k| to_light[k] + to_viewer[k]), lights.sight.base);
-            let mut power = dot(normal, half);
-            power = if lit && power > 0.0 { power } else { 0.0 };
-            (0..surface.shininess_log2).for_each(|_| power *= power);
-            let strength = power * surface.specular;
+            let strength = highlight(to_light);
             specular = each(|k| specular[k] + strength * color[k]);
+        }
+    }
+    if surface.specular > 0.0 {
+        for light in &lights.highlights {
+            let strength = highlight(light.to_light) * dot(normal, light.to_light).max(0.0);
+            specular = each(|k| specular[k] + strength * light.color[k]);
         }
     }
     (diffuse, specular)

@@ -226,6 +226,18 @@ impl<'a> Truth<'a> {
                     LightSpace::World => (to_light, color),
                     LightSpace::Camera => (from_camera(to_light), color),
                 },
+                Light::Wide { to_light, space, color, highlight } => {
+                    let world = if space == LightSpace::World { to_light } else { from_camera(to_light) };
+                    let (to_light, color) = (world.normalize(), DVec3::from(color.map(f64::from)));
+                    let cosine = normal.dot(to_light);
+                    diffuse += color * (0.5 + 0.5 * cosine).powi(2);
+                    if highlight && cosine > 0.0 {
+                        let half = normal.dot((to_light + to_viewer).normalize()).max(0.0);
+                        let power = half.powi(1 << surface.shininess_log2) * cosine;
+                        specular += color * power * f64::from(surface.specular);
+                    }
+                    continue;
+                }
                 Light::Point { position, space, color } => match space {
                     LightSpace::World => (position - at, color),
                     LightSpace::Camera => (self.eye + from_camera(position) - at, color),

@@ -32,15 +32,21 @@ impl Default for Slice {
     }
 }
 
+/// A fragment as a layer of its pixel.
+#[derive(Clone, Copy, Debug, Default)]
+struct Link {
+    /// The fragment that was drawn before it in the same pixel.
+    before: u32,
+    /// The samples at which it is a layer, one bit each.
+    mask: u16,
+}
+
 /// The layers of a tile, or those in a slice of depth.
 #[derive(Debug, Default)]
 pub struct Layers {
     /// The fragments.
     pub list: FragmentList,
-    /// The samples of its pixel at which each fragment is a layer, one bit each.
-    masks: Vec<u16>,
-    /// The fragment that was drawn before each fragment in the same pixel.
-    before: Vec<u32>,
+    links: Vec<Link>,
     /// Depths at the samples of the pixel: `depths_each` for each fragment, valid where its mask has a bit.
     depths: Vec<f32>,
     /// The number of samples per pixel; 1 if every sample is a fragment of its own.
@@ -77,8 +83,7 @@ impl Layers {
         size_of::<Fragment>()
             + size_of::<[f32; 4]>()
             + size_of::<[f32; 3]>()
-            + size_of::<u32>()
-            + size_of::<u16>()
+            + size_of::<Link>()
             + self.depths_each * size_of::<f32>()
     }
 
@@ -106,25 +111,32 @@ impl Layers {
             self.grow();
         }
         let number = self.list.count;
-        self.masks[number] = mask as u16;
         let newest = &mut self.newest[usize::from(fragment.pixel)];
-        self.before[number] = std::mem::replace(newest, number as u32);
+        let before = std::mem::replace(newest, number as u32);
+        self.links[number] = Link { before, mask: mask as u16 };
         self.depths[number * self.depths_each..][..self.depths_each]
             .copy_from_slice(&depths[..self.depths_each]);
         self.list.push(fragment);
     }
 
     /// The samples of a mask whose keys are in the slice.
-    #[cold]
-    #[inline(never)]
     fn in_slice(&self, context: &FrameContext, slot: u32, mask: u32, depths: &[f32]) -> u32 {
-        let primitive = context.primitive(slot) as u32;
+        // The depth decides, except at the ends of the slice. That of the largest key is not the depth of anything.
+        let [start, end] = [self.slice.start, self.slice.end].map(|key| (key >> 32) as u32);
         let is_inside = |sample: &usize| {
             // A fragment of one sample has one depth, whichever sample it is.
-            let key = visibility_key(depths[sample % self.depths_each], primitive);
-            mask >> sample & 1 == 1 && (self.slice.start..self.slice.end).contains(&key)
+            let depth = depths[sample & (self.depths_each - 1)];
+            match depth.to_bits() {
+                bits if bits < start || bits > end => false,
+                bits if bits > start && bits < end => true,
+                _ => {
+                    let key = visibility_key(depth, context.primitive(slot) as u32);
+                    (self.slice.start..self.slice.end).contains(&key)
+                }
+            }
         };
-        (0..LANES).filter(is_inside).map(|sample| 1 << sample).sum()
+        let samples = (0..LANES).filter(|sample| mask >> sample & 1 == 1);
+        samples.filter(is_inside).map(|sample| 1 << sample).sum()
     }
 
     /// Makes room for more fragments.
@@ -133,9 +145,8 @@ impl Layers {
     fn grow(&mut self) {
         self.list.grow();
         let length = self.list.fragments.len();
-        self.masks.resize(length, 0);
-        self.before.resize(length, NO_FRAGMENT);
-        self.depths.resize(length * self.depths_each, 0.0);
+        self.links.resize(length, Link::default());
+        self.depths.resize(length * self.depths_each + LANES, 0.0);
     }
 
     /// Ends the slice earlier if the memory is full: about half of the fragments are left.
@@ -149,25 +160,21 @@ impl Layers {
     #[cold]
     #[inline(never)]
     fn end_earlier(&mut self, context: &FrameContext) {
-        let nearest: Vec<u64> = (0..self.list.count)
-            .map(|number| {
-                let depth = self.samples(number).map(|(_, depth)| depth).fold(0.0, f32::max);
-                visibility_key(depth, context.primitive(self.list.fragments[number].slot) as u32)
-            })
-            .collect();
-        let mut sorted = nearest.clone();
-        let middle = sorted.len() / 2;
-        let mut start = *sorted.select_nth_unstable(middle).1;
-        let least = sorted.iter().copied().min().unwrap_or(0);
-        if start == least {
-            // At least two keys differ: `most` is larger than the number of fragments with the same key.
-            start = sorted.iter().copied().filter(|&key| key > least).min().unwrap_or(least);
-        }
+        let nearest = |number| self.samples(number).map(|(_, depth)| depth).fold(0.0, f32::max);
+        // Where all that is left has one depth, by primitive.
+        let by_depth = |number: usize| u64::from(nearest(number).to_bits()) << 32;
+        let by_key = |number: usize| {
+            visibility_key(nearest(number), context.primitive(self.list.fragments[number].slot) as u32)
+        };
+        let all = 0..self.list.count;
+        let start = middle_key(all.clone().map(by_depth)).or_else(|| middle_key(all.map(by_key)));
+        // At least two keys differ: `most` is larger than the number of fragments with the same key.
+        let Some(start) = start else { return };
         self.slice.start = start;
         for number in 0..self.list.count {
             let depths = &self.depths[number * self.depths_each..][..self.depths_each];
-            let (slot, mask) = (self.list.fragments[number].slot, u32::from(self.masks[number]));
-            self.masks[number] = self.in_slice(context, slot, mask, depths) as u16;
+            let (slot, mask) = (self.list.fragments[number].slot, u32::from(self.links[number].mask));
+            self.links[number].mask = self.in_slice(context, slot, mask, depths) as u16;
         }
         self.retain_layers();
     }
@@ -175,19 +182,19 @@ impl Layers {
     /// Removes the fragments that are no layer at any sample.
     fn retain_layers(&mut self) {
         self.newest.fill(NO_FRAGMENT);
-        let Self { list, masks, before, depths, depths_each, newest, .. } = self;
-        let is_layer: Vec<bool> = masks[..list.count].iter().map(|&mask| mask != 0).collect();
+        let Self { list, links, depths, depths_each, newest, .. } = self;
+        let is_layer: Vec<bool> = links[..list.count].iter().map(|link| link.mask != 0).collect();
         let mut pixels = list.fragments[..list.count].iter().map(|f| f.pixel).collect::<Vec<_>>().into_iter();
         let each = *depths_each;
         let mut last = 0;
         list.retain(
             |number| is_layer[number],
             |from, to| {
-                masks[to] = masks[from];
                 depths.copy_within(from * each..(from + 1) * each, to * each);
                 let pixel = pixels.nth(from - last).unwrap_or(0);
                 last = from + 1;
-                before[to] = std::mem::replace(&mut newest[usize::from(pixel)], to as u32);
+                let before = std::mem::replace(&mut newest[usize::from(pixel)], to as u32);
+                links[to] = Link { before, mask: links[from].mask };
             },
         );
     }
@@ -202,44 +209,44 @@ impl Layers {
     pub fn end_pieces(&mut self, context: &FrameContext, first: usize) {
         self.is_in_pieces = false;
         for number in first..self.list.count {
-            let mut other = self.before[number];
+            let mut other = self.links[number].before;
             while other != NO_FRAGMENT && other as usize >= first {
                 self.leave_one(context, number, other as usize);
-                other = self.before[other as usize];
+                other = self.links[other as usize].before;
             }
         }
         for number in first..self.list.count {
-            if !self.slice.is_all() && self.masks[number] != 0 {
+            if !self.slice.is_all() && self.links[number].mask != 0 {
                 let depths = &self.depths[number * self.depths_each..][..self.depths_each];
-                let (slot, mask) = (self.list.fragments[number].slot, u32::from(self.masks[number]));
-                self.masks[number] = self.in_slice(context, slot, mask, depths) as u16;
+                let (slot, mask) = (self.list.fragments[number].slot, u32::from(self.links[number].mask));
+                self.links[number].mask = self.in_slice(context, slot, mask, depths) as u16;
             }
         }
         // Restores the lists of the pixels, then adds the fragments that are left again.
         let count = self.list.count;
         for number in (first..count).rev() {
-            self.newest[usize::from(self.list.fragments[number].pixel)] = self.before[number];
+            self.newest[usize::from(self.list.fragments[number].pixel)] = self.links[number].before;
         }
         self.list.count = first;
-        for number in (first..count).filter(|&number| self.masks[number] != 0).collect::<Vec<_>>() {
+        for number in (first..count).filter(|&number| self.links[number].mask != 0).collect::<Vec<_>>() {
             let (fragment, to) = (self.list.fragments[number], self.list.count);
             let each = self.depths_each;
-            self.masks[to] = self.masks[number];
             self.depths.copy_within(number * each..(number + 1) * each, to * each);
             let newest = &mut self.newest[usize::from(fragment.pixel)];
-            self.before[to] = std::mem::replace(newest, to as u32);
+            let before = std::mem::replace(newest, to as u32);
+            self.links[to] = Link { before, mask: self.links[number].mask };
             self.list.push(fragment);
         }
     }
 
     /// Of two fragments of one triangle in one pixel, leaves the one in front at each sample of both.
     fn leave_one(&mut self, context: &FrameContext, new: usize, old: usize) {
-        let both = self.masks[new] & self.masks[old];
+        let both = self.links[new].mask & self.links[old].mask;
         let [new_fragment, old_fragment] = [new, old].map(|number| self.list.fragments[number]);
         for sample in (0..LANES).filter(|sample| both >> sample & 1 == 1) {
             let [a, b] = [new, old].map(|number| self.depth(number, sample));
             let new_wins = a > b || a == b && new_fragment.wins_tie(context, &old_fragment);
-            self.masks[if new_wins { old } else { new }] &= !(1 << sample);
+            self.links[if new_wins { old } else { new }].mask &= !(1 << sample);
         }
     }
 
@@ -249,16 +256,25 @@ impl Layers {
         self.depths[number * self.depths_each + (sample & (self.depths_each - 1))]
     }
 
-    /// Is a fragment a layer at a sample?
+    /// The samples at which a fragment is a layer, one bit each.
     #[inline(always)]
-    pub fn is_at(&self, number: usize, sample: usize) -> bool {
-        self.masks[number] >> sample & 1 == 1
+    pub fn mask(&self, number: usize) -> u16 {
+        self.links[number].mask
+    }
+
+    /// The depths of a fragment at the samples of its pixel, valid where its mask has a bit, and what follows them; only
+    /// one if every sample is a fragment of its own.
+    #[inline(always)]
+    pub fn depths_of(&self, number: usize) -> &[f32] {
+        let first = number * self.depths_each;
+        let length = if self.depths_each == 1 { 1 } else { LANES };
+        &self.depths[first..first + length]
     }
 
     /// The samples at which a fragment is a layer, and its depths there.
     #[inline(always)]
     pub fn samples(&self, number: usize) -> impl Iterator<Item = (usize, f32)> {
-        let mask = self.masks[number];
+        let mask = self.links[number].mask;
         (0..LANES)
             .filter(move |sample| mask >> sample & 1 == 1)
             .map(move |sample| (sample, self.depth(number, sample)))
@@ -268,6 +284,17 @@ impl Layers {
     #[inline(always)]
     pub fn in_pixel(&self, pixel: usize) -> impl Iterator<Item = u32> {
         let some = |number: u32| (number != NO_FRAGMENT).then_some(number);
-        std::iter::successors(some(self.newest[pixel]), move |&number| some(self.before[number as usize]))
+        std::iter::successors(some(self.newest[pixel]), move |&number| {
+            some(self.links[number as usize].before)
+        })
     }
+}
+
+/// A key of about the middle that is not the lowest; `None` if all are the same.
+fn middle_key(keys: impl Iterator<Item = u64>) -> Option<u64> {
+    let mut keys: Vec<u64> = keys.collect();
+    let least = *keys.iter().min()?;
+    let count = keys.len();
+    let middle = *keys.select_nth_unstable(count / 2).1;
+    if middle > least { Some(middle) } else { keys.into_iter().filter(|&key| key > least).min() }
 }

@@ -142,7 +142,7 @@ impl SampleMemory {
             let depths_each = if self.is_by_sample { 1 } else { cells.count };
             self.layers.clear(context, rows << self.stride_bits, depths_each);
         }
-        self.blended.clear(0, false);
+        self.blended.clear(0, self.count_bits, false);
     }
 
     /// The place of a pixel of the picture.

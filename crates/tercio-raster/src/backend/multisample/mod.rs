@@ -34,6 +34,7 @@ use crate::projection::LocalVertices;
 use crate::screen::{PixelRect, ScreenTriangle};
 use crate::settings::{LastStage, Part};
 use crate::simd::part;
+use crate::stats::BackEndCounts;
 use memory::SampleMemory;
 use scan::Hits;
 use sink::{Opaque, Sink, Translucent};
@@ -92,8 +93,9 @@ pub fn draw_layers<S: Simd, T: Tally>(
     outputs: &Outputs,
     tally: &mut T,
 ) {
-    let samples = scratch.memory.fragment.len();
-    scratch.memory.blended.clear(samples, resolve::has_geometry(outputs));
+    let SampleMemory { blended, rect, stride_bits, count_bits, .. } = &mut scratch.memory;
+    let pixels = ((rect.y1 - rect.y0 + 1) as usize) << *stride_bits;
+    blended.clear(pixels, *count_bits, resolve::has_geometry(outputs));
     simd.vectorize(
         #[inline(always)]
         || loop {
@@ -106,7 +108,7 @@ pub fn draw_layers<S: Simd, T: Tally>(
             }
             shade::late_layers(simd, context, scratch, outputs, tally.counts());
             let Scratch { memory, blend_order, .. } = &mut *scratch;
-            blend::slice(context, memory, blend_order);
+            blend::slice(simd, context, memory, blend_order);
             if !memory.layers.next_slice() {
                 return;
             }
@@ -134,21 +136,13 @@ fn draw_entries<S: Simd, T: Tally, K: Sink>(
     let last = context.settings.last_stage;
     if last > LastStage::Sieve {
         let triangles = part.every(bins.iter().flat_map(|b| b.triangles_in(tile)));
-        let mut triangles = triangles.filter(|t| takes(t.slot / MAX_TRIANGLES as u32)).peekable();
-        while let Some(first) = triangles.next() {
-            K::make_room(&mut scratch.memory, context);
-            let mut next = triangles.next_if(|t| K::LAYERS && t.slot == first.slot);
-            let (before, has_pieces) = (K::list(&mut scratch.memory).count, next.is_some());
-            if has_pieces {
-                scratch.memory.layers.begin_pieces();
-            }
-            triangle::draw::<S, K>(simd, context, first, &mut scratch.memory, tally.counts());
-            while let Some(piece) = next {
-                triangle::draw::<S, K>(simd, context, piece, &mut scratch.memory, tally.counts());
-                next = triangles.next_if(|t| t.slot == first.slot);
-            }
-            if has_pieces {
-                scratch.memory.layers.end_pieces(context, before);
+        let triangles = triangles.filter(|t| takes(t.slot / MAX_TRIANGLES as u32));
+        if K::LAYERS {
+            draw_triangle_layers(simd, context, triangles, &mut scratch.memory, tally.counts());
+        } else {
+            for triangle in triangles {
+                K::make_room(&mut scratch.memory, context);
+                triangle::draw::<S, K>(simd, context, triangle, &mut scratch.memory, tally.counts());
             }
         }
     }
@@ -156,6 +150,35 @@ fn draw_entries<S: Simd, T: Tally, K: Sink>(
     let clusters = bins.iter().flat_map(|b| b.clusters_in(tile)).filter(|c| takes(c.number));
     order.front_to_back(part.every(clusters));
     draw_clusters::<S, T, K>(simd, context, order.clusters(), shade, scratch, outputs, tally);
+}
+
+/// Draws triangles as layers, approximately front to back: then few layers have to be sorted, and few are discarded if there
+/// are too many.
+fn draw_triangle_layers<'a, S: Simd>(
+    simd: S,
+    context: &FrameContext,
+    triangles: impl Iterator<Item = &'a ScreenTriangle>,
+    memory: &mut SampleMemory,
+    counts: &mut BackEndCounts,
+) {
+    let triangles: Vec<&ScreenTriangle> = triangles.collect();
+    // The pieces of a clipped triangle follow each other.
+    let mut whole: Vec<&[&ScreenTriangle]> = triangles.chunk_by(|a, b| a.slot == b.slot).collect();
+    let nearest = |pieces: &[&ScreenTriangle]| pieces.iter().flat_map(|t| t.d).fold(0.0, f32::max);
+    whole.sort_by(|a, b| nearest(b).total_cmp(&nearest(a)));
+    for pieces in whole {
+        memory.layers.make_room(context);
+        let before = memory.layers.list.count;
+        if pieces.len() > 1 {
+            memory.layers.begin_pieces();
+        }
+        for piece in pieces {
+            triangle::draw::<S, Translucent>(simd, context, piece, memory, counts);
+        }
+        if pieces.len() > 1 {
+            memory.layers.end_pieces(context, before);
+        }
+    }
 }
 
 /// Draws clusters that are sorted front to back, except hidden ones.

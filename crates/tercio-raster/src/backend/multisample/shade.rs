@@ -7,7 +7,7 @@ use tercio_scene::Instance;
 use super::Scratch;
 use super::fragments::FragmentList;
 use super::sink::{Opaque, Sink, Translucent};
-use crate::backend::corners::{ColorSource, Fragments};
+use crate::backend::corners::{ColorSource, Corners, Fragments};
 use crate::backend::shade::{At, Common, Features, FragmentTarget, Look, fetch, late, shade, shade_inline};
 use crate::context::FrameContext;
 use crate::frame::Outputs;
@@ -188,18 +188,35 @@ fn late_some<S: Simd, K: Sink>(
     let list = K::list(memory);
     list.resize_shaded(outputs.normals);
     let (mut numbers, mut count, mut instance) = ([0; LANES], 0, 0);
+    let mut known = Known { slot: None, corners: Corners::new(simd) };
     for number in some {
         let slot = list.fragments[number].slot;
         let (own, _) = context.locate(slot / MAX_TRIANGLES as u32);
         if own != instance || count == LANES {
-            late_sixteen(simd, context, instance, &numbers[..count], at, list, fragments, outputs);
+            late_sixteen(
+                simd,
+                context,
+                instance,
+                &numbers[..count],
+                at,
+                list,
+                fragments,
+                &mut known,
+                outputs,
+            );
             (instance, count) = (own, 0);
         }
         numbers[count] = number;
         count += 1;
         counts.pixels_shaded += 1;
     }
-    late_sixteen(simd, context, instance, &numbers[..count], at, list, fragments, outputs);
+    late_sixteen(simd, context, instance, &numbers[..count], at, list, fragments, &mut known, outputs);
+}
+
+/// The corners of the last fragments, if these were all of one triangle: large triangles have many in sequence.
+struct Known<S: Simd> {
+    slot: Option<u32>,
+    corners: Corners<S>,
 }
 
 /// Shades at most 16 fragments of one instance. Not inlined, so that it is compiled only once per SIMD level.
@@ -213,6 +230,7 @@ fn late_sixteen<S: Simd>(
     at: At,
     list: &mut FragmentList,
     fragments: &mut Fragments,
+    known: &mut Known<S>,
     outputs: &Outputs,
 ) {
     let Some(&last) = numbers.last() else { return };
@@ -222,13 +240,18 @@ fn late_sixteen<S: Simd>(
         gather(context, list, number, lane, fragments);
         fragments.slot[lane] = list.fragments[number].slot;
     }
-    let corners = fetch(simd, context, instance, fragments);
+    let first = fragments.slot[0];
+    if known.slot != Some(first) || fragments.slot != [first; LANES] {
+        known.corners = fetch(simd, context, instance, fragments);
+        known.slot = (fragments.slot == [first; LANES]).then_some(first);
+    }
+    let corners = &known.corners;
     let look = Look::new(context, instance, corners.normals_agree, &planes(outputs));
     let (mut colors, mut normals) = ([[0.0; 4]; LANES], [[0.0; 3]; LANES]);
     let wanted: &mut [[f32; 3]] = if outputs.normals { &mut normals } else { &mut [] };
     let opacity = context.scene.instances[instance].surface.opacity;
     let mut target = FragmentTarget { colors: &mut colors, normals: wanted, opacity };
-    late(simd, context, instance, look, fragments, at, &corners, &mut target);
+    late(simd, context, instance, look, fragments, at, corners, &mut target);
     for (lane, &number) in numbers.iter().enumerate() {
         list.colors[number] = colors[lane];
         if outputs.normals {

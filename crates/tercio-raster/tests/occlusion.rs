@@ -1,0 +1,174 @@
+//! Ambient occlusion, compared with rays in `f64`.
+
+mod common;
+
+use common::*;
+use glam::DVec3;
+use tercio_mesh::Mesh;
+use tercio_raster::{AmbientOcclusion, Frame, Outputs, RenderError, Settings, Shading};
+use tercio_scene::{Background, Camera, Scene};
+use tercio_testkit::ray_caster::RayCaster;
+
+/// A box seen from inside, without its front: corners of -1 to 1 in x and y, -1 to 0 in z; with a block on its floor.
+fn room() -> Mesh {
+    let mut mesh = Mesh::default();
+    let mut quad = |a: [f32; 3], b: [f32; 3], c: [f32; 3]| {
+        let first = mesh.positions.len() as u32;
+        let d = std::array::from_fn(|k| a[k] + c[k] - b[k]);
+        mesh.positions.extend([a, b, c, d]);
+        mesh.triangles.extend([[first, first + 1, first + 2], [first, first + 2, first + 3]]);
+    };
+    let mut block = |min: [f32; 3], max: [f32; 3]| {
+        let [[x, y, z], [u, v, w]] = [min, max];
+        quad([x, y, z], [u, y, z], [u, v, z]);
+        quad([x, y, z], [x, y, w], [x, v, w]);
+        quad([u, y, z], [u, y, w], [u, v, w]);
+        quad([x, y, z], [x, y, w], [u, y, w]);
+        quad([x, v, z], [x, v, w], [u, v, w]);
+        if z > -1.0 {
+            quad([x, y, w], [u, y, w], [u, v, w]);
+        }
+    };
+    block([-1.0, -1.0, -1.0], [1.0, 1.0, 0.0]);
+    block([-0.3, -1.0, -0.8], [0.2, -0.5, -0.3]);
+    mesh
+}
+
+fn lit(scene: &mut Scene) {
+    scene.instances[0].surface.base_color = [1.0; 3];
+    scene.background = Background::Solid([0.0, 0.0, 0.0, 1.0]);
+}
+
+/// The share of light that ambient occlusion leaves in each pixel: that of a white unlit surface.
+fn left(scene: &Scene, camera: &Camera, settings: &Settings, occlusion: AmbientOcclusion) -> Frame {
+    let outputs = AmbientOcclusion::NEEDED.with(Outputs { color: true, color16: true, ..Outputs::NONE });
+    let settings = Settings { outputs, shading: Shading::Unlit, ..settings.clone() };
+    let mut frame = draw(scene, camera, &settings);
+    occlusion.apply(&mut frame, scene, camera, &settings).expect("valid settings");
+    frame
+}
+
+/// The same from rays: of those that leave the surface with the cosine as density, the ones that hit nothing within the
+/// radius; a hit at the share s of it takes 1 - s^2.
+fn by_rays(caster: &RayCaster, at: DVec3, normal: DVec3, radius: f64) -> f64 {
+    const RINGS: usize = 12;
+    const ROUND: usize = 24;
+    let side = if normal.x.abs() < 0.8 { DVec3::X } else { DVec3::Y };
+    let tangent = normal.cross(side).normalize();
+    let bitangent = normal.cross(tangent);
+    let mut hidden = 0.0;
+    for ring in 0..RINGS {
+        let sine = ((ring as f64 + 0.5) / RINGS as f64).sqrt();
+        for round in 0..ROUND {
+            let (s, c) = ((round as f64 + 0.5) / ROUND as f64 * std::f64::consts::TAU).sin_cos();
+            let direction = (tangent * c + bitangent * s) * sine + normal * (1.0 - sine * sine).sqrt();
+            // Depths have 24 bits: the surface itself is not hit.
+            let origin = at + normal * (1e-4 * radius);
+            let hit = caster.first_hit(origin.to_array(), direction.to_array(), 1e-4 * radius);
+            let share = hit.map_or(1.0, |hit| (hit.distance / radius).min(1.0));
+            hidden += 1.0 - share * share;
+        }
+    }
+    1.0 - hidden / (RINGS * ROUND) as f64
+}
+
+#[test]
+fn it_is_close_to_that_of_rays() {
+    let ball = sphere(24);
+    let mesh = room();
+    for (mesh, what) in [(&mesh, "room"), (&ball, "ball")] {
+        let mut plain = scene(mesh);
+        lit(&mut plain);
+        let camera = perspective([0.4, 0.7, 3.2], [0.0, -0.1, -0.5], 42.0);
+        let occlusion = AmbientOcclusion { radius: 0.3, strength: 1.0 };
+        let (width, height) = (120, 90);
+        let frame = left(&plain, &camera, &Settings::one_sample(width, height), occlusion);
+        let corners = mesh.triangles.iter().map(|t| t.map(|v| mesh.positions[v as usize].map(f64::from)));
+        let caster = RayCaster::new(corners.collect());
+        let radius = occlusion.radius * plain.bounds().radius();
+        let basis = camera.basis().expect("a camera");
+        let scale = 0.5 * f64::from(height) / (42f64.to_radians() * 0.5).tan();
+        let (mut sum, mut off, mut count, mut darkest) = (0.0, 0, 0, 1.0f64);
+        for (index, depth) in frame.planes.depth.iter().enumerate().filter(|(_, d)| d.is_finite()) {
+            let [x, y] = [index % width as usize, index / width as usize].map(|c| c as f64 + 0.5);
+            let along = basis.forward + basis.right * ((x - 0.5 * f64::from(width)) / scale)
+                - basis.up * ((y - 0.5 * f64::from(height)) / scale);
+            let at = camera.eye + along * f64::from(*depth);
+            let normal = DVec3::from(frame.planes.normals[index].map(f64::from));
+            let expected = by_rays(&caster, at, normal, radius);
+            let difference = (f64::from(frame.planes.linear[index][0]) - expected).abs();
+            (sum, count) = (sum + difference, count + 1);
+            off += usize::from(difference > 0.1);
+            darkest = darkest.min(expected);
+        }
+        let (mean, off) = (sum / f64::from(count), off as f64 / f64::from(count));
+        println!(
+            "{what}: {count} pixels, mean difference {mean:.4}, {off:.4} of them off by 0.1, darkest {darkest:.2}"
+        );
+        // What is hidden from the camera is not known, and there are few points.
+        assert!(count > 2000 && mean < 0.06 && off < 0.2, "{what}: {mean} {off}");
+        assert!((what == "ball") == (darkest > 0.9), "{what}: {darkest}");
+    }
+}
+
+#[test]
+fn all_planes_are_darkened_alike_and_the_background_is_not() {
+    let mut plain = scene(&room());
+    lit(&mut plain);
+    plain.background = Background::Solid([0.3, 0.5, 0.7, 0.5]);
+    let camera = perspective([0.4, 0.7, 4.2], [0.0, -0.1, -0.5], 42.0);
+    let settings = Settings::new(120, 90);
+    let with = |strength| left(&plain, &camera, &settings, AmbientOcclusion { radius: 0.3, strength }).planes;
+    let (whole, half, none) = (with(1.0), with(0.5), with(0.0));
+    let mut darkened = 0;
+    for index in 0..whole.depth.len() {
+        let [whole_light, half_light, light] = [&whole, &half, &none].map(|p| p.linear[index]);
+        if whole.depth[index].is_infinite() {
+            assert_eq!((whole.color[index], whole.linear[index]), (none.color[index], none.linear[index]));
+            continue;
+        }
+        darkened += usize::from(whole_light[0] < 0.9 * light[0]);
+        for k in 0..3 {
+            assert!((0.5 * (whole_light[k] + light[k]) - half_light[k]).abs() < 1e-6, "{index}");
+            assert!((i32::from(whole.color16[index][k] / 257) - i32::from(whole.color[index][k])).abs() <= 1);
+        }
+        assert_eq!(whole_light[3], light[3]);
+    }
+    assert!(darkened > 300, "{darkened}");
+}
+
+/// The picture of a scene of another size is the same.
+#[test]
+fn it_does_not_depend_on_units() {
+    let mesh = room();
+    let camera =
+        |scale: f64| perspective([0.4 * scale, 0.7 * scale, 4.2 * scale], [0.0, 0.0, -0.5 * scale], 42.0);
+    let scaled = |scale: f32| {
+        let positions = mesh.positions.iter().map(|p| p.map(|c| c * scale)).collect();
+        scene(&Mesh { positions, ..mesh.clone() })
+    };
+    let color = |scale: f32| {
+        let frame =
+            left(&scaled(scale), &camera(scale.into()), &Settings::new(60, 45), AmbientOcclusion::default());
+        frame.planes.color
+    };
+    let expected = color(1.0);
+    for scale in [0.0625, 1024.0, 1.0 / (1u64 << 40) as f32] {
+        assert!(color(scale) == expected, "{scale}");
+    }
+}
+
+#[test]
+fn settings_that_are_none_are_errors() {
+    let plain = scene(&sphere(3));
+    let camera = perspective([0.0, 0.0, 4.0], [0.0; 3], 42.0);
+    let settings = Settings { outputs: AmbientOcclusion::NEEDED, ..Settings::new(8, 8) };
+    let mut frame = draw(&plain, &camera, &settings);
+    for (radius, strength) in
+        [(0.0, 1.0), (-1.0, 1.0), (f64::NAN, 1.0), (1.0, -0.1), (1.0, 1.1), (1.0, f32::NAN)]
+    {
+        let occlusion = AmbientOcclusion { radius, strength };
+        let error = occlusion.apply(&mut frame, &plain, &camera, &settings).expect_err("no picture");
+        assert!(matches!(error, RenderError::Setting { .. }), "{error}");
+    }
+}
