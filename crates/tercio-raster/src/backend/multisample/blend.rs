@@ -1,5 +1,7 @@
 //! Blends layers: sorted by their visibility keys, the nearest first, over what is opaque behind them.
 
+use std::ops::Range;
+
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x4, f32x8, f32x16, mask32x4, mask32x8, mask32x16};
 
@@ -63,6 +65,13 @@ impl Blended {
     #[inline(always)]
     pub fn is_at(&self, sample: usize) -> bool {
         self.passing.get(self.lane(sample)).is_some_and(|&passing| passing < 1.0)
+    }
+
+    /// Does any light pass the layers of some pixels in a row?
+    fn passes_any(&self, pixels: Range<usize>) -> bool {
+        let lanes = &self.passing[pixels.start << self.lane_bits..pixels.end << self.lane_bits];
+        let of_pixel = |pixel: &[f32]| pixel[..1 << self.count_bits].iter().any(|&passing| passing > 0.0);
+        lanes.chunks_exact(1 << self.lane_bits).any(of_pixel)
     }
 
     /// The premultiplied linear colour of a sample over what is behind its layers.
@@ -173,6 +182,14 @@ macro_rules! blend_pixel {
 blend_pixel!(blend_4, 4, f32x4, mask32x4);
 blend_pixel!(blend_8, 8, f32x8, mask32x8);
 blend_pixel!(blend_16, 16, f32x16, mask32x16);
+
+/// Is anything visible behind the layers that are blended?
+pub fn is_unfinished(memory: &SampleMemory) -> bool {
+    let (rect, bits) = (memory.rect, memory.stride_bits);
+    let width = (rect.x1 - rect.x0 + 1) as usize;
+    let rows = 0..(rect.y1 - rect.y0 + 1) as usize;
+    rows.map(|row| row << bits).any(|first| memory.blended.passes_any(first..first + width))
+}
 
 /// Blends all layers of a slice of depth, which are shaded, behind those that were blended before.
 #[inline(always)]

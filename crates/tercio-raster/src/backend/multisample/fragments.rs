@@ -71,6 +71,13 @@ impl FragmentList {
         self.fragments.resize(2 * self.count + 16 * LANES, Fragment::default());
     }
 
+    /// Makes room for this many fragments and their colours, without more memory than that.
+    pub fn grow_to(&mut self, count: usize) {
+        self.fragments.reserve_exact(count.saturating_sub(self.fragments.len()));
+        self.fragments.resize(count.max(self.fragments.len()), Fragment::default());
+        self.colors.reserve_exact(count.saturating_sub(self.colors.len()));
+    }
+
     /// Adds a fragment. Precondition: there is room.
     #[inline(always)]
     pub fn push(&mut self, fragment: Fragment) {

@@ -65,10 +65,9 @@ impl Layers {
     pub fn clear(&mut self, context: &FrameContext, pixels: usize, depths_each: usize) {
         self.slice = Slice::ALL;
         self.depths_each = depths_each;
-        // In each pixel, all layers with the same key are pieces of one triangle at one depth, and at each sample only
-        // one of them is left. So a slice that is not empty has at most this many fragments of the same key.
-        let of_one_key = pixels * context.cells.count;
-        self.most = (context.settings.layer_memory / context.workers / self.bytes_each()).max(2 * of_one_key);
+        // With less, most slices would hold a single triangle. If all that is stored has the same key, nothing is discarded.
+        let least = 2 * pixels * if depths_each == 1 { context.cells.count } else { 1 };
+        self.most = (context.settings.layer_memory / context.workers / self.bytes_each()).max(least);
         self.clear_slice(pixels);
     }
 
@@ -78,13 +77,14 @@ impl Layers {
         self.newest.resize(pixels, NO_FRAGMENT);
     }
 
-    /// Bytes of a fragment with colour and normal.
+    /// Bytes of a fragment with colour and normal, and of what [`Layers::end_earlier`] needs for it.
     fn bytes_each(&self) -> usize {
         size_of::<Fragment>()
             + size_of::<[f32; 4]>()
             + size_of::<[f32; 3]>()
             + size_of::<Link>()
             + self.depths_each * size_of::<f32>()
+            + 2 * size_of::<u64>()
     }
 
     /// Begins the next slice; false if there is none.
@@ -143,10 +143,12 @@ impl Layers {
     #[cold]
     #[inline(never)]
     fn grow(&mut self) {
-        self.list.grow();
-        let length = self.list.fragments.len();
-        self.links.resize(length, Link::default());
-        self.depths.resize(length * self.depths_each + LANES, 0.0);
+        // To twice the size, but little beyond what is kept.
+        let count = self.list.count;
+        let length = (2 * count).min(self.most).max(count + count / 16) + 16 * LANES;
+        self.list.grow_to(length);
+        grow_to(&mut self.links, length);
+        grow_to(&mut self.depths, length * self.depths_each + LANES);
     }
 
     /// Ends the slice earlier if the memory is full: about half of the fragments are left.
@@ -168,7 +170,6 @@ impl Layers {
         };
         let all = 0..self.list.count;
         let start = middle_key(all.clone().map(by_depth)).or_else(|| middle_key(all.map(by_key)));
-        // At least two keys differ: `most` is larger than the number of fragments with the same key.
         let Some(start) = start else { return };
         self.slice.start = start;
         for number in 0..self.list.count {
@@ -288,6 +289,12 @@ impl Layers {
             some(self.links[number as usize].before)
         })
     }
+}
+
+/// Makes an array at least this long, without more memory than that.
+fn grow_to<T: Copy + Default>(array: &mut Vec<T>, length: usize) {
+    array.reserve_exact(length.saturating_sub(array.len()));
+    array.resize(length.max(array.len()), T::default());
 }
 
 /// A key of about the middle that is not the lowest; `None` if all are the same.

@@ -109,7 +109,7 @@ pub fn draw_layers<S: Simd, T: Tally>(
             shade::late_layers(simd, context, scratch, outputs, tally.counts());
             let Scratch { memory, blend_order, .. } = &mut *scratch;
             blend::slice(simd, context, memory, blend_order);
-            if !memory.layers.next_slice() {
+            if !blend::is_unfinished(memory) || !memory.layers.next_slice() {
                 return;
             }
         },
