@@ -1,7 +1,8 @@
-//! Linear light to sRGB and back, the same on every machine: tables computed with basic operations only, without
-//! the system's mathematical library, whose results differ in the last digit from system to system.
+//! Linear light to sRGB and back, as tables: the same on every machine.
 
 use std::sync::LazyLock;
+
+use tercio_scene::color::{linear_to_srgb, srgb_to_linear};
 
 /// Linear light below this, 0.4 of a level, is black in 8 bits.
 pub const ENCODE_MIN: f32 = 1.0 / 8192.0;
@@ -29,7 +30,7 @@ pub static ENCODE: LazyLock<Box<[i32; 128]>> = LazyLock::new(|| {
         let at = |step: f64| {
             let edge = |s: u32| f64::from(f32::from_bits(s << ENCODE_SEGMENT_SHIFT));
             let part = (step + 0.5) / f64::from(ENCODE_STEPS);
-            encode(edge(segment) + (edge(segment + 1) - edge(segment)) * part) * 255.0
+            linear_to_srgb(edge(segment) + (edge(segment + 1) - edge(segment)) * part) * 255.0
         };
         let last = f64::from(ENCODE_STEPS - 1);
         let growth = (at(last) - at(0.0)) / last;
@@ -55,62 +56,17 @@ pub fn encode8(linear: f32) -> u8 {
 
 /// Linear light of each 8-bit sRGB level.
 pub static DECODE: LazyLock<Box<[f32; 256]>> =
-    LazyLock::new(|| Box::new(std::array::from_fn(|i| decode(i as f64 / 255.0) as f32)));
+    LazyLock::new(|| Box::new(std::array::from_fn(|i| srgb_to_linear(i as f64 / 255.0) as f32)));
 
 /// 16-bit sRGB of linear light, clamped to the range from 0 to 1; NaN is encoded as black.
 pub fn encode16(linear: f32) -> u16 {
     let linear = if linear.is_nan() { 0.0 } else { f64::from(linear).clamp(0.0, 1.0) };
-    (encode(linear) * 65535.0 + 0.5) as u16
-}
-
-/// sRGB of linear light, both 0 to 1. Source: IEC 61966-2-1.
-fn encode(linear: f64) -> f64 {
-    if linear <= 0.003_130_8 {
-        return linear * 12.92;
-    }
-    // x^(1/2.4) = x^(5/12) = x^(1/4) * x^(1/6)
-    let root = linear.sqrt();
-    1.055 * (root.sqrt() * nth_root::<3>(root)) - 0.055
-}
-
-/// Linear light of sRGB, both 0 to 1.
-pub fn decode(srgb: f64) -> f64 {
-    if srgb <= 0.04045 {
-        return srgb / 12.92;
-    }
-    // x^2.4 = x^2 * (x^(1/5))^2
-    let x = (srgb + 0.055) / 1.055;
-    let root = nth_root::<5>(x);
-    (x * x) * (root * root)
-}
-
-/// The N-th root of a number from 0 to 1 by Newton's method from above, where it decreases without overshooting.
-fn nth_root<const N: i32>(x: f64) -> f64 {
-    let n = f64::from(N);
-    let mut root = 1.0;
-    loop {
-        let mut power = 1.0;
-        (1..N).for_each(|_| power *= root);
-        let next = ((n - 1.0) * root + x / power) / n;
-        if next >= root {
-            return root;
-        }
-        root = next;
-    }
+    (linear_to_srgb(linear) * 65535.0 + 0.5) as u16
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn encoding_follows_the_standard() {
-        for i in 0..=10_000 {
-            let x = f64::from(i) / 10_000.0;
-            assert!((encode(x) - tercio_scene::color::linear_to_srgb(x)).abs() < 1e-12, "{x}");
-            assert!((decode(x) - tercio_scene::color::srgb_to_linear(x)).abs() < 1e-12, "{x}");
-        }
-    }
 
     #[test]
     fn every_level_survives_the_round_trip() {
@@ -129,7 +85,7 @@ mod tests {
             let linear = f32::from_bits(bits);
             let level = encode8(linear);
             assert!(level >= before, "{linear}");
-            let exact = encode(f64::from(linear).min(1.0)) * 255.0;
+            let exact = linear_to_srgb(f64::from(linear).min(1.0)) * 255.0;
             assert!((f64::from(level) - exact).abs() <= 0.56, "{linear}: {level}, {exact}");
             before = level;
         }

@@ -26,10 +26,14 @@ pub mod camera;
 pub mod color;
 pub mod framing;
 pub mod light;
+pub mod material;
 pub mod scene;
+pub mod texture;
 
 pub use camera::{Camera, Projection};
 pub use color::srgb_to_linear;
 pub use framing::{Framing, UpAxis, View};
 pub use light::{Light, LightSpace};
+pub use material::{AlphaMode, InstanceMaterials, Material, TextureMap, Wrap};
 pub use scene::{Background, Instance, Scene, Surface};
+pub use texture::Texture;

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use tercio_mesh::cluster::Cluster;
 use tercio_mesh::{Aabb, ClusteredMesh};
 
-use crate::Light;
+use crate::{InstanceMaterials, Light, Material, Texture};
 
 /// Everything that is drawn.
 #[derive(Clone, Debug, Default)]
@@ -18,6 +18,10 @@ pub struct Scene {
     pub lights: Vec<Light>,
     /// Background colours.
     pub background: Background,
+    /// Materials of all instances.
+    pub materials: Vec<Material>,
+    /// Textures of all materials.
+    pub textures: Vec<Arc<Texture>>,
 }
 
 /// A mesh and its transform.
@@ -27,14 +31,18 @@ pub struct Instance {
     pub mesh: Arc<ClusteredMesh>,
     /// Transform to world space; applied after the mesh's own origin is added.
     pub world_from_object: DAffine3,
-    /// Material parameters.
+    /// How its surface reflects light where it has no materials.
     pub surface: Surface,
+    /// Materials and textures; without them, the materials of the mesh are plain colours. Unused if
+    /// [`Surface::use_mesh_colors`] is not set.
+    pub materials: Option<Arc<InstanceMaterials>>,
 }
 
 impl Instance {
     /// The mesh at the position given by its file.
     pub fn new(mesh: impl Into<Arc<ClusteredMesh>>) -> Self {
-        Self { mesh: mesh.into(), world_from_object: DAffine3::IDENTITY, surface: Surface::default() }
+        let (world_from_object, surface) = (DAffine3::IDENTITY, Surface::default());
+        Self { mesh: mesh.into(), world_from_object, surface, materials: None }
     }
 
     /// World-space bounds.
@@ -50,7 +58,9 @@ impl Instance {
 
     /// Is any triangle not certainly opaque?
     pub fn is_translucent(&self) -> bool {
-        self.surface.opacity < 1.0 || self.surface.use_mesh_colors && self.mesh.is_translucent()
+        let of_materials = || self.materials.as_ref().is_some_and(|m| m.is_translucent());
+        self.surface.opacity < 1.0
+            || self.surface.use_mesh_colors && (self.mesh.is_translucent() || of_materials())
     }
 
     /// Support function of the vertices: the largest `direction . (p - from)` of all world-space vertices `p`; minus
@@ -128,11 +138,7 @@ impl Default for Background {
 impl Scene {
     /// One mesh at the position given by its file, under [`Light::studio`], on the default background.
     pub fn from_mesh(mesh: impl Into<Arc<ClusteredMesh>>) -> Self {
-        Self {
-            instances: vec![Instance::new(mesh)],
-            lights: Light::studio(),
-            background: Background::default(),
-        }
+        Self { instances: vec![Instance::new(mesh)], lights: Light::studio(), ..Self::default() }
     }
 
     /// World-space bounds of all instances.

@@ -4,11 +4,10 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use tercio_scene::Background;
+use tercio_scene::{Background, srgb_to_linear};
 
 use super::shared::SharedPlane;
 use super::{Frame, NO_PRIMITIVE};
-use crate::color;
 use crate::screen::{PixelRect, TileGrid};
 
 macro_rules! planes {
@@ -227,7 +226,7 @@ impl BackgroundRow {
         let mut linear = [0.0; 4];
         if needs_linear {
             let [r, g, b, alpha] = color.map(|c| c.clamp(0.0, 1.0));
-            let [r, g, b] = [r, g, b].map(|c| color::decode(f64::from(c)) as f32 * alpha);
+            let [r, g, b] = [r, g, b].map(|c| srgb_to_linear(f64::from(c)) as f32 * alpha);
             linear = [r, g, b, alpha];
         }
         Self { color, linear }
