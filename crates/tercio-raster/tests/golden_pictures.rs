@@ -34,7 +34,12 @@ fn lit(mesh: Mesh, background: Background) -> Scene {
     ];
     let surface = Surface { base_color: [0.60, 0.50, 0.42], specular: 0.25, ..Surface::default() };
     let mesh = Arc::new(partition(mesh, &PartitionOptions::default()));
-    Scene { instances: vec![Instance { surface, ..Instance::new(mesh) }], lights, background }
+    Scene {
+        instances: vec![Instance { surface, ..Instance::new(mesh) }],
+        lights,
+        background,
+        ..Scene::default()
+    }
 }
 
 /// A camera that looks at the middle of the scene's box from this direction, this many radii away.
