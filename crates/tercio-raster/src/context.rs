@@ -6,11 +6,13 @@ use tercio_mesh::ClusteredMesh;
 use tercio_mesh::cluster::{ClusterView, MAX_TRIANGLES};
 use tercio_scene::{Camera, Instance, Light, Scene};
 
+use crate::conventions::SUBPIXELS;
 use crate::error::RenderError;
 use crate::lighting::LightRig;
-use crate::sampling::{FilterWeights, SampleCells, SampleCenters};
+use crate::sampling::{FilterWeights, SampleCells, SampleCenters, SampleShading};
 use crate::screen::{PixelRect, TileGrid};
-use crate::settings::Settings;
+use crate::settings::{Settings, Shading};
+use crate::shadow_map::ObjectShadows;
 use crate::view::{ObjectView, View};
 
 /// The slot of a sample where nothing was drawn.
@@ -28,6 +30,11 @@ pub struct FrameContext<'a> {
     pub objects: Vec<ObjectView>,
     /// The lights, in the form that the kernels use.
     pub lights: LightRig,
+    /// The shadow maps as seen from each instance, if there are shadows.
+    pub(crate) shadows: Vec<ObjectShadows>,
+    /// Does shading need more than the common kernels do, whatever the instance: physically based shading, shadows, or spot
+    /// lights?
+    pub is_elaborate: bool,
     /// The tiles.
     pub grid: TileGrid,
     /// The samples of a pixel.
@@ -39,6 +46,8 @@ pub struct FrameContext<'a> {
     /// Number of workers that the work is divided among, whatever the number of threads in the pool. It determines the
     /// tile size and which tiles are shared and how, but does not change the picture.
     pub workers: usize,
+    /// Distance of the points at which a surface is shaded, in sub-pixels.
+    pub shading_distance: f32,
     is_translucent: bool,
     /// Number of each instance's first cluster; one more than there are instances.
     first_cluster: Vec<u32>,
@@ -91,8 +100,10 @@ impl<'a> FrameContext<'a> {
         }
         check_range(scene, settings, &view)?;
         check_light(scene)?;
-        let objects = scene.instances.iter().map(|i| view.object(i)).collect();
+        let objects: Vec<ObjectView> = scene.instances.iter().map(|i| view.object(i)).collect();
         let lights = LightRig::new(&scene.lights, &view);
+        let shadows = shadows_on(scene, &objects, &lights, settings)?;
+        let is_elaborate = is_elaborate(settings, &lights);
         let workers = workers.max(1);
         Ok(Self {
             scene,
@@ -100,11 +111,17 @@ impl<'a> FrameContext<'a> {
             view,
             objects,
             lights,
+            shadows,
+            is_elaborate,
             grid,
             cells: settings.sampling.pattern.cells(),
             centers: SampleCenters::new(&settings.sampling.pattern.cells()),
             filter: FilterWeights::new(&settings.sampling),
             workers,
+            shading_distance: match settings.sampling.shading {
+                SampleShading::Pixel => SUBPIXELS as f32,
+                SampleShading::Sample => SUBPIXELS as f32 / (settings.sampling.pattern.count() as f32).sqrt(),
+            },
             is_translucent,
             first_cluster,
             first_primitive,
@@ -122,8 +139,10 @@ impl<'a> FrameContext<'a> {
     #[inline(always)]
     pub fn has_translucency(&self, cluster: u32) -> bool {
         let (instance, number) = self.locate(cluster);
-        let Instance { mesh, surface, .. } = &self.scene.instances[instance];
-        surface.opacity < 1.0 || surface.use_mesh_colors && mesh.clusters()[number].is_translucent()
+        let Instance { mesh, surface, materials, .. } = &self.scene.instances[instance];
+        let of_materials = || materials.as_ref().is_some_and(|m| m.is_cluster_translucent(number));
+        surface.opacity < 1.0
+            || surface.use_mesh_colors && (mesh.clusters()[number].is_translucent() || of_materials())
     }
 
     /// Are pixels made from fragments? Otherwise there is one sample per pixel, at which one opaque triangle is visible.
@@ -205,6 +224,33 @@ impl<'a> FrameContext<'a> {
     }
 }
 
+/// Does shading need more than the common kernels do, whatever the instance?
+pub fn is_elaborate(settings: &Settings, lights: &LightRig) -> bool {
+    let has_cones = lights.near.iter().any(|light| light.cone.is_some());
+    settings.shading == Shading::Physical || settings.shadows.is_some() || has_cones
+}
+
+/// The shadow maps as seen from each instance; none without shadows.
+///
+/// # Errors
+/// [`RenderError::Setting`] if the shadows are not those of these lights.
+pub(crate) fn shadows_on(
+    scene: &Scene,
+    objects: &[ObjectView],
+    lights: &LightRig,
+    settings: &Settings,
+) -> Result<Vec<ObjectShadows>, RenderError> {
+    let Some(maps) = &settings.shadows else { return Ok(Vec::new()) };
+    let (made, there) = ([maps.distant.len(), maps.near.len()], [lights.distant.len(), lights.near.len()]);
+    if made != there {
+        let text =
+            |[distant, near]: [usize; 2]| format!("{distant} directional and {near} point or spot lights");
+        return Err(RenderError::Setting { what: "shadows", range: text(there), value: text(made) });
+    }
+    let instances = scene.instances.iter().zip(objects);
+    Ok(instances.map(|(instance, object)| ObjectShadows::new(maps, instance, object)).collect())
+}
+
 /// Fails if the coordinates of a mesh, or the requested distances, are outside the range of `f32`.
 ///
 /// # Errors
@@ -251,15 +297,39 @@ pub fn check_light(scene: &Scene) -> Result<(), RenderError> {
         let (Light::Ambient { color }
         | Light::Directional { color, .. }
         | Light::Wide { color, .. }
+        | Light::Spot { color, .. }
         | Light::Point { color, .. }) = light;
         finite("colour of a light", color)?;
+        if let Light::Spot { angle, .. } = light
+            && !(*angle > 0.0 && *angle < std::f64::consts::FRAC_PI_2)
+        {
+            let (what, value) = ("angle of a spot light", angle.to_degrees().to_string());
+            let range = "above 0 and below 90 degrees".into();
+            return Err(RenderError::Setting { what, range, value });
+        }
     }
     for Instance { surface, .. } in &scene.instances {
         finite("colour of a surface", &surface.base_color)?;
         finite("specular of a surface", &[surface.specular])?;
+        finite("roughness of a surface", &[surface.roughness])?;
+        finite("metallicity of a surface", &[surface.metallic])?;
         if !(0.0..=1.0).contains(&surface.opacity) {
             let (what, value) = ("opacity of a surface", surface.opacity.to_string());
             return Err(RenderError::Setting { what, range: "0 to 1".into(), value });
+        }
+    }
+    for m in &scene.materials {
+        for color in [&m.base_color, &m.specular, &m.emissive] {
+            finite("colour of a material", color)?;
+        }
+        finite("number of a material", &[m.opacity, m.roughness, m.metallic, m.normal_scale])?;
+        for map in m.maps() {
+            finite("position of a texture", &[map.scale, map.offset].concat())?;
+            if map.texture as usize >= scene.textures.len() {
+                let range = format!("below {}, the number of textures", scene.textures.len());
+                let (what, value) = ("texture of a material", map.texture.to_string());
+                return Err(RenderError::Setting { what, range, value });
+            }
         }
     }
     Ok(())

@@ -85,6 +85,15 @@ pub const SMALL_EXTENT: i32 = 1 << 15;
 /// vertices fit into 16 bits.
 pub const SMALL_CLUSTER: i32 = (1 << 16) - SUBPIXELS;
 
+/// Most points at which a texture is sampled for a pixel that covers a long stretch of it.
+pub const MAX_ANISOTROPY: u32 = 16;
+
+/// Reflectance of dielectrics that are seen from the front, in physically based shading.
+pub const DIELECTRIC: f32 = 0.04;
+
+/// The least roughness in physically based shading: highlights of directional and point lights stay visible.
+pub const LEAST_ROUGHNESS: f32 = 0.05;
+
 /// First pixel whose last column (row) of samples is at or right of (below) a screen coordinate. The samples of a pixel
 /// are at least `origin` sub-pixels from its borders.
 #[inline(always)]

@@ -14,14 +14,30 @@ pub struct DistantLight {
     pub color: [f32; 3],
 }
 
-/// A point light.
+/// A point or spot light.
 #[derive(Clone, Copy, Debug)]
 pub struct NearLight {
     /// Position relative to the eye, in world axes and [`View::unit`].
     pub position: [f32; 3],
     /// Linear RGB.
     pub color: [f32; 3],
+    /// The cone of a spot light.
+    pub cone: Option<Cone>,
 }
+
+/// The cone of a spot light.
+#[derive(Clone, Copy, Debug)]
+pub struct Cone {
+    /// Unit vector from points in the middle of the cone towards the light.
+    pub to_light: [f32; 3],
+    /// Cosine of the angle between the middle and the edge.
+    pub edge: f32,
+    /// By which the cosine exceeds `edge` where the light is as bright as in the middle; above 0.
+    pub fade: f32,
+}
+
+/// The share of the way from the edge of a spot light's cone to its middle, as cosines, on which it fades.
+const FADE: f64 = 0.2;
 
 /// The diffuse light of all ambient and wide lights: a polynomial of the normal for each channel.
 #[derive(Clone, Copy, Debug, Default)]
@@ -59,7 +75,7 @@ impl WideLight {
                         terms.for_each(|(term, to)| *to += quarter * term);
                     }
                 }
-                Light::Directional { .. } | Light::Point { .. } => {}
+                Light::Directional { .. } | Light::Point { .. } | Light::Spot { .. } => {}
             }
         }
         sum.constant = constant.map(|c| c as f32);
@@ -115,7 +131,18 @@ impl LightRig {
                         LightSpace::World => position - view.eye,
                         LightSpace::Camera => from_camera(position),
                     };
-                    rig.near.push(NearLight { position: f(relative / view.unit), color });
+                    rig.near.push(NearLight { position: f(relative / view.unit), color, cone: None });
+                }
+                Light::Spot { position, direction, space, angle, color } => {
+                    let relative = match space {
+                        LightSpace::World => position - view.eye,
+                        LightSpace::Camera => from_camera(position),
+                    };
+                    let (_, edge) = tercio_mesh::trig::sin_cos(angle);
+                    let fade = ((1.0 - edge) * FADE).max(f64::from(f32::EPSILON)) as f32;
+                    let to_light = f(-to_world(direction, space));
+                    let cone = Some(Cone { to_light, edge: edge as f32, fade });
+                    rig.near.push(NearLight { position: f(relative / view.unit), color, cone });
                 }
             }
         }

@@ -2,6 +2,7 @@
 //! what of it a frame holds; everything else may change only how fast it is drawn.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use tercio_scene::Framing;
 
@@ -9,6 +10,7 @@ use crate::error::RenderError;
 use crate::frame::Outputs;
 use crate::sampling::Sampling;
 use crate::screen::TileSet;
+use crate::shadow_map::ShadowMaps;
 pub use crate::simd::SimdLevel;
 
 /// The largest width and height of a picture, in pixels.
@@ -95,13 +97,30 @@ impl Cull {
 pub enum Shading {
     /// At every pixel, with the normal of the triangle's plane: facets are visible.
     Flat,
-    /// At the vertices; the light is interpolated.
+    /// At the vertices; the light is interpolated. Surfaces with scene-wide materials are shaded at every pixel.
     Gouraud,
     /// At every pixel, with the interpolated normal.
     #[default]
     Phong,
     /// Not at all: unlit colours.
     Unlit,
+    /// At every pixel, with the interpolated normal, from roughness and metallicity.
+    Physical,
+}
+
+/// How textures are sampled.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[non_exhaustive]
+pub enum TextureFilter {
+    /// The nearest texel: with fewer pixels than texels, texels are skipped.
+    Nearest,
+    /// Interpolated between four texels; likewise.
+    Bilinear,
+    /// Interpolated, also between mipmaps: blurred where a surface is seen at a grazing angle.
+    Trilinear,
+    /// The same at up to [`MAX_ANISOTROPY`](crate::conventions::MAX_ANISOTROPY) points along the ellipse that a pixel covers.
+    #[default]
+    Anisotropic,
 }
 
 /// One of `of` equal shares of clusters or entries.
@@ -148,6 +167,12 @@ pub struct Settings {
     pub shading: Shading,
     /// The samples of a pixel.
     pub sampling: Sampling,
+    /// How textures are sampled.
+    pub texture_filter: TextureFilter,
+    /// The shadows of the scene's lights, made by [`ShadowMaps::draw`] for the same scene, and for the same camera if a light
+    /// moves with it. With shadows, surfaces are shaded at every pixel as with [`Shading::Phong`] also where
+    /// [`Shading::Gouraud`] is requested.
+    pub shadows: Option<Arc<ShadowMaps>>,
     /// The rows of pixels that the frame holds; `None` for all. Whole rows of tiles, except at the lower border of the
     /// picture, which requires that [`Settings::tile_size`] is given. For pictures that are larger than memory: bands
     /// below each other are the picture.
@@ -198,6 +223,8 @@ impl Settings {
             cull: Cull::default(),
             shading: Shading::default(),
             sampling: Sampling::default(),
+            texture_filter: TextureFilter::default(),
+            shadows: None,
             band: None,
             unresolved: false,
             outputs: Outputs::default(),

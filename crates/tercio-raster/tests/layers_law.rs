@@ -8,7 +8,6 @@ use glam::DVec3;
 use tercio_mesh::{FileMaterial, Mesh};
 use tercio_raster::{
     Filter, Outputs, RenderError, Renderer, SamplePattern, SampleShading, Sampling, Settings, Shading,
-    SimdLevel, Sorting,
 };
 use tercio_scene::{Background, Camera, Instance, Scene};
 
@@ -45,29 +44,6 @@ fn with_triangle_alpha(mesh: Mesh, by_material: bool) -> Mesh {
     Mesh { vertex_colors: None, materials, triangle_materials: Some(of_triangle), ..mesh }
 }
 
-/// Draws with each of the settings that must not change the picture, and expects the bytes of the reference.
-fn check(mesh: &Mesh, plain: &Scene, camera: &Camera, settings: &Settings, what: &str) {
-    let expected = draw_reference(mesh, plain, camera, settings);
-    let check = |s: Settings, name: String| {
-        assert_same(&expected, &draw(plain, camera, &s), &format!("{what}, {name}"));
-    };
-    for simd in SimdLevel::available() {
-        for sorting in [Sorting::Clusters, Sorting::Triangles] {
-            check(Settings { simd: Some(simd), sorting, ..settings.clone() }, format!("{simd}, {sorting:?}"));
-        }
-    }
-    for tile_size in [8, 16, 64, 128] {
-        check(Settings { tile_size: Some(tile_size), ..settings.clone() }, format!("tiles of {tile_size}"));
-    }
-    for threads in [1, 2, 5] {
-        with_threads(threads, || check(settings.clone(), format!("{threads} threads")));
-    }
-    for sorting in [Sorting::Clusters, Sorting::Triangles] {
-        let s = Settings { layer_memory: 0, tile_size: Some(8), sorting, ..settings.clone() };
-        check(s, format!("slices, {sorting:?}"));
-    }
-}
-
 fn with_opacity(mut scene: Scene, opacity: f32) -> Scene {
     scene.instances[0].surface.opacity = opacity;
     scene
@@ -79,7 +55,7 @@ fn a_soup_that_crosses_every_plane() {
     let camera = perspective([0.1, 0.2, 0.3], [1.0, 0.0, -1.0], 75.0);
     for pattern in [SamplePattern::Center, SamplePattern::Sparse4, SamplePattern::Sparse16] {
         let plain = with_opacity(scene(&mesh), 0.3);
-        check(&mesh, &plain, &camera, &sampled(pattern, 71, 57), &format!("inside, {pattern}"));
+        check_all(&mesh, &plain, &camera, &sampled(pattern, 71, 57), &format!("inside, {pattern}"));
     }
 }
 
@@ -96,7 +72,7 @@ fn every_source_of_alpha() {
             let mut plain = with_opacity(scene(&mesh), opacity);
             plain.instances[0].surface.use_mesh_colors = uses_colors;
             let what = format!("{what}, opacity {opacity}, {uses_colors}");
-            check(&mesh, &plain, &camera, &sampled(SamplePattern::Sparse4, 75, 58), &what);
+            check_all(&mesh, &plain, &camera, &sampled(SamplePattern::Sparse4, 75, 58), &what);
         }
     }
 }
@@ -127,7 +103,7 @@ fn every_sampling_shading_and_plane() {
         for outputs in [only_color, only_ids, Outputs { color16: true, normals: true, ..Outputs::NONE }] {
             for settings in [Settings::one_sample(60, 44), Settings::new(60, 44)] {
                 let settings = Settings { shading, outputs, ..settings };
-                check(&mesh, &plain, &camera, &settings, &format!("{shading:?}, {outputs:?}"));
+                check_all(&mesh, &plain, &camera, &settings, &format!("{shading:?}, {outputs:?}"));
             }
         }
     }
@@ -166,10 +142,10 @@ fn hundreds_of_layers() {
         perspective([0.1, 0.2, -1.0], [0.0, 0.5, -4.0], 80.0),
     ] {
         let settings = sampled(SamplePattern::Sparse4, 20, 14);
-        check(&mesh, &plain, &camera, &settings, "hundreds of layers");
+        check_all(&mesh, &plain, &camera, &settings, "hundreds of layers");
         let by_sample = Sampling { shading: SampleShading::Sample, ..settings.sampling };
         let settings = Settings { sampling: by_sample, ..settings };
-        check(&mesh, &plain, &camera, &settings, "hundreds of layers, by sample");
+        check_all(&mesh, &plain, &camera, &settings, "hundreds of layers, by sample");
     }
 }
 

@@ -58,6 +58,10 @@ fn turned_lights(lights: &[Light], by: DQuat) -> Vec<Light> {
             Light::Point { position, space, color } => {
                 Light::Point { position: turn(position, space), space, color }
             }
+            Light::Spot { position, direction, space, angle, color } => {
+                let (position, direction) = (turn(position, space), turn(direction, space));
+                Light::Spot { position, direction, space, angle, color }
+            }
         })
         .collect()
 }

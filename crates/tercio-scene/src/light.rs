@@ -53,6 +53,19 @@ pub enum Light {
         /// Linear RGB.
         color: [f32; 3],
     },
+    /// From a point into a cone; brightness does not fall off with distance, and fades towards the edge of the cone.
+    Spot {
+        /// Its position.
+        position: DVec3,
+        /// The direction of the middle of the cone, away from the light; any length above 0.
+        direction: DVec3,
+        /// Coordinate system of `position` and `direction`.
+        space: LightSpace,
+        /// Half of the cone's opening, radians: above 0 and below half of pi.
+        angle: f64,
+        /// Linear RGB.
+        color: [f32; 3],
+    },
 }
 
 impl Light {

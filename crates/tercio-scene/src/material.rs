@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use tercio_mesh::{ClusteredMesh, Mesh};
 
-use crate::Scene;
+use crate::{Scene, Surface};
 
 /// How a texture continues beyond its edges.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -91,9 +91,15 @@ pub struct Material {
 
 impl Default for Material {
     fn default() -> Self {
-        let surface = crate::Surface::default();
+        Self { base_color: [1.0; 3], ..Self::of_surface(&Surface::default()) }
+    }
+}
+
+impl Material {
+    /// The material of a surface without textures. Its opacity is 1: that of the surface is applied to all materials.
+    pub fn of_surface(surface: &Surface) -> Self {
         Self {
-            base_color: [1.0; 3],
+            base_color: surface.base_color,
             base_color_map: None,
             opacity: 1.0,
             opacity_map: None,
@@ -101,9 +107,9 @@ impl Default for Material {
             specular: [surface.specular; 3],
             specular_map: None,
             shininess_log2: surface.shininess_log2,
-            roughness: 0.5,
+            roughness: surface.roughness,
             roughness_map: None,
-            metallic: 0.0,
+            metallic: surface.metallic,
             metallic_map: None,
             emissive: [0.0; 3],
             emissive_map: None,
@@ -112,9 +118,7 @@ impl Default for Material {
             occlusion_map: None,
         }
     }
-}
 
-impl Material {
     /// All its textures.
     pub fn maps(&self) -> impl Iterator<Item = &TextureMap> {
         let maps = [

@@ -105,13 +105,26 @@ pub struct Surface {
     pub specular: f32,
     /// log2 of the highlight's exponent, 0 to 10: 5 means 32.
     pub shininess_log2: u32,
+    /// Roughness in physically based shading, 0 for a mirror to 1.
+    pub roughness: f32,
+    /// 0 for dielectrics to 1 for metals, in physically based shading.
+    pub metallic: f32,
 }
 
 impl Default for Surface {
     fn default() -> Self {
         // A light clay: bright enough to show form, below white so that highlights are visible.
         let base_color = [0.578, 0.497, 0.392];
-        Self { base_color, use_mesh_colors: true, opacity: 1.0, specular: 0.2, shininess_log2: 5 }
+        let (specular, shininess_log2, roughness, metallic) = (0.2, 5, 0.5, 0.0);
+        Self {
+            base_color,
+            use_mesh_colors: true,
+            opacity: 1.0,
+            specular,
+            shininess_log2,
+            roughness,
+            metallic,
+        }
     }
 }
 

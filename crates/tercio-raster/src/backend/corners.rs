@@ -4,9 +4,10 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, i32x16, mask32x16, u32x16};
 use tercio_mesh::cluster::ClusterView;
 use tercio_mesh::{ClusteredMesh, Mesh};
-use tercio_scene::Surface;
+use tercio_scene::{Instance, Surface};
 
 use super::light::{Vec3x16, beside, normalize};
+use super::material::{NO_MATERIAL, has_materials};
 use crate::color::DECODE;
 use crate::context::FrameContext;
 use crate::projection::project;
@@ -65,8 +66,9 @@ pub enum ColorSource {
 }
 
 impl ColorSource {
-    /// The colour source that the mesh has and the surface uses.
-    pub fn of(mesh: &ClusteredMesh, surface: &Surface) -> Self {
+    /// The colour source that the mesh has and the surface uses. Colours of scene-wide materials are looked up apart.
+    pub fn of(instance: &Instance) -> Self {
+        let Instance { mesh, surface, .. } = instance;
         let layout = mesh.layout();
         if !surface.use_mesh_colors {
             Self::Base
@@ -74,7 +76,7 @@ impl ColorSource {
             Self::Triangle
         } else if layout.vertex_colors {
             Self::Vertex
-        } else if layout.triangle_materials && !mesh.materials.is_empty() {
+        } else if layout.triangle_materials && !mesh.materials.is_empty() && !has_materials(instance) {
             Self::Triangle
         } else {
             Self::Base
@@ -106,6 +108,12 @@ pub fn triangle_color(
     }
 }
 
+/// The scene-wide material of a triangle, given by its number in its cluster. Precondition: the instance has materials.
+pub fn material_number(instance: &Instance, cluster: &ClusterView, triangle: usize) -> u32 {
+    let of_mesh = cluster.triangle_materials().map_or(Mesh::NO_MATERIAL, |m| m[triangle]);
+    instance.materials.as_ref().and_then(|m| m.of_triangle(of_mesh)).unwrap_or(NO_MATERIAL)
+}
+
 /// Linear light of an sRGB colour, and its alpha.
 pub fn with_alpha(color: [u8; 4]) -> [f32; 4] {
     let [r, g, b] = [0, 1, 2].map(|k| DECODE[usize::from(color[k])]);
@@ -133,6 +141,12 @@ pub struct Corners<S: Simd> {
     pub color: [Vec3x16<S>; 3],
     /// Alpha of the colours; valid only if they have one.
     pub alpha: [f32x16<S>; 3],
+    /// Texture coordinates; valid only if [`Corners::has_uv`].
+    pub uv: [[f32x16<S>; 2]; 3],
+    /// The mesh has texture coordinates, and the shading needs them.
+    pub has_uv: bool,
+    /// Scene-wide materials, or [`NO_MATERIAL`].
+    pub material: [u32; LANES],
     /// In the clusters of all lanes, the normals agree with the winding as defined for
     /// [`Cluster::NORMALS_AGREE`](tercio_mesh::cluster::Cluster::NORMALS_AGREE).
     pub normals_agree: bool,
@@ -153,20 +167,19 @@ impl<S: Simd> Corners<S> {
             normal: [[zero; 3]; 3],
             color: [[zero; 3]; 3],
             alpha: [zero; 3],
+            uv: [[zero; 2]; 3],
+            has_uv: false,
+            material: [NO_MATERIAL; LANES],
             normals_agree: false,
         }
     }
 
     /// Fetches the corners of all lanes. Precondition: all slots belong to `instance`.
     #[inline(always)]
-    pub fn fetch(
-        simd: S,
-        context: &FrameContext,
-        instance: usize,
-        slots: &[u32; LANES],
-        colors: ColorSource,
-    ) -> Self {
+    pub fn fetch(simd: S, context: &FrameContext, instance: usize, slots: &[u32; LANES]) -> Self {
         let scene_instance = &context.scene.instances[instance];
+        let colors = ColorSource::of(scene_instance);
+        let has_materials = has_materials(scene_instance);
         let mesh = &*scene_instance.mesh;
         let slots = u32x16::load_array_ref(simd, slots);
         let mut corners = Self::new(simd);
@@ -194,6 +207,9 @@ impl<S: Simd> Corners<S> {
                     corners.set_color(k, same, with_alpha(c[v]));
                 }
             }
+            if has_materials {
+                corners.set_material(simd, scene_instance, &cluster, triangle, same);
+            }
             if colors == ColorSource::Triangle {
                 let color = triangle_color(mesh, &cluster, &scene_instance.surface, triangle);
                 (0..3).for_each(|k| corners.set_color(k, same, color));
@@ -220,6 +236,30 @@ impl<S: Simd> Corners<S> {
             inside &= v.inside.to_bitmask() as u32;
         }
         self.beyond = !inside & 0xffff;
+    }
+
+    /// Sets texture coordinates and material in some lanes.
+    #[inline(always)]
+    fn set_material(
+        &mut self,
+        simd: S,
+        instance: &Instance,
+        cluster: &ClusterView,
+        triangle: usize,
+        lanes: mask32x16<S>,
+    ) {
+        let bits = lanes.to_bitmask();
+        let number = material_number(instance, cluster, triangle);
+        for lane in (0..LANES).filter(|lane| bits >> lane & 1 == 1) {
+            self.material[lane] = number;
+        }
+        let Some(texcoords) = cluster.texcoords() else { return };
+        self.has_uv = true;
+        for (uv, v) in self.uv.iter_mut().zip(cluster.corners_of(triangle)) {
+            for (to, values) in uv.iter_mut().zip(texcoords) {
+                *to = lanes.select(splat(simd, values[usize::from(v)]), *to);
+            }
+        }
     }
 
     /// Sets the colour of one corner in some lanes.

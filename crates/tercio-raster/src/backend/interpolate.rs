@@ -5,6 +5,7 @@ use fearless_simd::{Simd, f32x16, i32x16, mask32x16};
 
 use super::corners::Corners;
 use super::light::Vec3x16;
+use crate::context::FrameContext;
 use crate::conventions::SMALL_EXTENT;
 use crate::projection::clip::barycentrics_unclipped;
 use crate::simd::{LANES, each3, part, splat, splat_i};
@@ -67,6 +68,48 @@ impl<S: Simd> Interpolation<S> {
             clockwise = clockwise & !(1 << lane) | u64::from(is_clockwise) << lane;
         }
         self.clockwise = mask32x16::from_bitmask(simd, clockwise);
+    }
+
+    /// The change of something from one shaded point to the next, to the right and downwards, is the sum of these times its
+    /// differences between the corners and the point. Exact but for rounding: areas are linear.
+    #[inline(always)]
+    pub fn gradients(
+        &self,
+        simd: S,
+        context: &FrameContext,
+        object: &ObjectView,
+        sample: [i32x16<S>; 2],
+        corners: &Corners<S>,
+    ) -> [Vec3x16<S>; 2] {
+        let step = context.shading_distance;
+        let mut gradients = part(
+            simd,
+            #[inline(always)]
+            || {
+                let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
+                let mut scale = [one; 3];
+                let mut b = each3!(K => self.area[K].abs());
+                if object.perspective {
+                    scale = each3!(K => corners.d[K] * object.weight);
+                    b = each3!(K => b[K] * scale[K]);
+                }
+                let sum = (b[0] + b[1]) + b[2];
+                let per_sum = sum.simd_gt(zero).select(splat(simd, step) / sum, zero);
+                let right = each3!(K => {
+                    let by: f32x16<S> = (corners.y[(K + 2) % 3] - corners.y[(K + 1) % 3]).to_float();
+                    (by * scale[K]) * per_sum
+                });
+                let down = each3!(K => {
+                    let by: f32x16<S> = (corners.x[(K + 1) % 3] - corners.x[(K + 2) % 3]).to_float();
+                    (by * scale[K]) * per_sum
+                });
+                [right, down]
+            },
+        );
+        if corners.beyond != 0 {
+            recompute_gradients(object, sample, corners, f64::from(step), &mut gradients);
+        }
+        gradients
     }
 
     /// Interpolates a vector between the corners.
@@ -177,4 +220,28 @@ fn far_areas<S: Simd>(simd: S, x: [i32x16<S>; 3], y: [i32x16<S>; 3]) -> [f32x16<
             })
         },
     )
+}
+
+/// Recomputes the gradients of lanes whose triangles need clipping, as differences of weights.
+#[cold]
+#[inline(never)]
+fn recompute_gradients<S: Simd>(
+    object: &ObjectView,
+    sample: [i32x16<S>; 2],
+    corners: &Corners<S>,
+    step: f64,
+    gradients: &mut [Vec3x16<S>; 2],
+) {
+    for lane in (0..LANES).filter(|lane| corners.beyond >> lane & 1 == 1) {
+        let positions = corners.position.map(|corner| corner.map(|axis: f32x16<S>| axis[lane]));
+        let at = [0, 1].map(|k| f64::from(sample[k][lane]) - f64::from(object.offset[k]));
+        for (k, of_axis) in gradients.iter_mut().enumerate() {
+            let mut beside = at;
+            beside[k] += step;
+            let (weight, _) = barycentrics_unclipped(object, positions, beside);
+            for (to, weight) in of_axis.iter_mut().zip(weight) {
+                to[lane] = weight;
+            }
+        }
+    }
 }

@@ -113,7 +113,7 @@ pub fn bend<S: Simd>(simd: S, normal: Vec3x16<S>, to_viewer: Vec3x16<S>) -> Vec3
 
 /// The diffuse light of ambient and wide lights.
 #[inline(always)]
-fn wide<S: Simd>(simd: S, rig: &LightRig, n: Vec3x16<S>) -> Vec3x16<S> {
+pub fn wide<S: Simd>(simd: S, rig: &LightRig, n: Vec3x16<S>) -> Vec3x16<S> {
     let light = &rig.wide;
     let constant = each3!(K => splat(simd, light.constant[K]));
     if light.is_constant {

@@ -11,6 +11,7 @@ mod corners;
 mod encode;
 mod interpolate;
 mod light;
+mod material;
 mod memory;
 mod multisample;
 mod order;

@@ -4,9 +4,9 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, i32x16};
 use tercio_mesh::ClusteredMesh;
 use tercio_mesh::cluster::{ClusterView, MAX_VERTICES};
-use tercio_scene::Surface;
+use tercio_scene::{Instance, Surface};
 
-use super::corners::{ColorSource, Corners, scaled, triangle_color, unit_normal};
+use super::corners::{ColorSource, Corners, material_number, scaled, triangle_color, unit_normal};
 use super::light::Vec3x16;
 use super::shade::Facing;
 use crate::color::DECODE;
@@ -29,12 +29,15 @@ pub struct ClusterTable {
     color: [[i32; MAX_VERTICES]; 3],
     /// Alpha of the colours, likewise.
     alpha: [i32; MAX_VERTICES],
+    /// Texture coordinates, likewise.
+    uv: [[i32; MAX_VERTICES]; 2],
 }
 
 impl Default for ClusterTable {
     fn default() -> Self {
         let zero = [[0; MAX_VERTICES]; 3];
-        Self { position: zero, normal: zero, facing: Facing::default(), color: zero, alpha: zero[0] }
+        let (facing, alpha, uv) = (Facing::default(), zero[0], [zero[0]; 2]);
+        Self { position: zero, normal: zero, facing, color: zero, alpha, uv }
     }
 }
 
@@ -139,6 +142,41 @@ impl ClusterTable {
                 self.color[k][v % MAX_VERTICES] = decode[usize::from(color[k])].to_bits() as i32;
             }
             self.alpha[v % MAX_VERTICES] = (f32::from(color[3]) / 255.0).to_bits() as i32;
+        }
+    }
+
+    /// Loads the texture coordinates of a cluster, if it has any.
+    #[inline(always)]
+    pub fn load_texcoords<S: Simd>(&mut self, simd: S, cluster: &ClusterView) {
+        for (to, values) in self.uv.iter_mut().zip(cluster.texcoords().into_iter().flatten()) {
+            let mut first = 0;
+            while first < values.len() {
+                let sixteen = load(simd, &values[first..]).bitcast::<i32x16<S>>();
+                sixteen.store_slice(&mut to[first..first + LANES]);
+                first += LANES;
+            }
+        }
+    }
+
+    /// Looks up texture coordinates and materials of 16 triangles, given by their numbers in the cluster and the vertex
+    /// numbers of their corners. Precondition: the instance has materials, and its texture coordinates are loaded.
+    #[inline(always)]
+    pub fn look_up_materials<S: Simd>(
+        &self,
+        simd: S,
+        instance: &Instance,
+        cluster: &ClusterView,
+        triangles: &[u8; LANES],
+        numbers: &CornerNumbers,
+        found: &mut Corners<S>,
+    ) {
+        found.material = triangles.map(|triangle| material_number(instance, cluster, usize::from(triangle)));
+        found.has_uv = cluster.texcoords().is_some();
+        if found.has_uv {
+            found.uv = each3!(K => [
+                lookup(simd, &self.uv[0], &numbers[K]).bitcast(),
+                lookup(simd, &self.uv[1], &numbers[K]).bitcast(),
+            ]);
         }
     }
 

@@ -159,7 +159,7 @@ impl FullTally {
 /// Does an instance have colours per vertex or per triangle?
 fn is_colored(context: &FrameContext, instance: usize) -> bool {
     let instance = &context.scene.instances[instance];
-    ColorSource::of(&instance.mesh, &instance.surface) != ColorSource::Base
+    ColorSource::of(instance) != ColorSource::Base
 }
 
 /// Bytes of the cache lines that are touched by drawing a cluster.

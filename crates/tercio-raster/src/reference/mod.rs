@@ -5,13 +5,15 @@
 //! renderer: the projection of a vertex ([`ObjectView::project`]) and the clipping of a triangle ([`clip_triangle`]).
 //! Coverage, depth, visibility, shading and the filter it implements by itself.
 
+mod material;
 mod resolve;
 mod shading;
+mod texture;
 
 use tercio_mesh::Mesh;
 use tercio_scene::{Camera, Instance, Scene};
 
-use crate::context::{check_light, check_range};
+use crate::context::{check_light, check_range, shadows_on};
 use crate::conventions::SUBPIXELS;
 use crate::error::RenderError;
 use crate::frame::{Frame, Pixel, visibility_key};
@@ -90,6 +92,7 @@ pub fn render(
     }
 
     let lights = LightRig::new(&scene.lights, &view);
+    let shadows = shadows_on(scene, &objects, &lights, settings)?;
     let first_faces = first_faces(meshes);
     let first_primitives = first_primitives(meshes);
     let mut shaded_samples = Vec::with_capacity(samples.len());
@@ -101,13 +104,22 @@ pub fn render(
         let (mut linear, mut passing) = ([0.0; 4], 1.0);
         for layer in &*layers {
             let (mesh, object) = (meshes[layer.instance], &objects[layer.instance]);
-            let surface = &scene.instances[layer.instance].surface;
             let offset = match settings.sampling.shading {
                 SampleShading::Pixel => cells.center(layer.covered),
                 SampleShading::Sample => cells.offset(number),
             };
             let at = [0, 1].map(|k| [x, y][k] as i32 * SUBPIXELS + offset[k]);
-            let shaded = shade(mesh, layer.triangle, surface, object, &lights, settings.shading, at);
+            let shaded = shade(
+                mesh,
+                layer.triangle,
+                scene,
+                layer.instance,
+                object,
+                &lights,
+                shadows.get(layer.instance),
+                settings,
+                at,
+            );
             let passes = 1.0 - shaded.linear[3];
             // What is invisible is not there.
             if passes == 1.0 {

@@ -1,13 +1,18 @@
 //! The reference formulas for the shading of one pixel.
 
 use tercio_mesh::{Mesh, OctNormal};
-use tercio_scene::Surface;
+use tercio_scene::{Scene, Surface};
 
+use super::material::{bumped, evaluate, lights as seen_lights, material_of, phong, physical};
+use super::texture::TexturePoint;
 use crate::color::DECODE;
-use crate::conventions::SMALL_EXTENT;
+use crate::context::is_elaborate;
+use crate::conventions::{SMALL_EXTENT, SUBPIXELS};
 use crate::lighting::LightRig;
 use crate::projection::clip::barycentrics_unclipped;
-use crate::settings::Shading;
+use crate::sampling::SampleShading;
+use crate::settings::{Settings, Shading};
+use crate::shadow_map::ObjectShadows;
 use crate::view::ObjectView;
 
 /// The result of shading a pixel.
@@ -17,7 +22,7 @@ pub struct Shaded {
     pub normal: [f32; 3],
 }
 
-type Vec3 = [f32; 3];
+pub type Vec3 = [f32; 3];
 
 /// Linear light as a display shows it: from 0 to 1, NaN as 0.
 fn shown(linear: f32) -> f32 {
@@ -28,7 +33,7 @@ fn shown(linear: f32) -> f32 {
     }
 }
 
-fn dot(a: Vec3, b: Vec3) -> f32 {
+pub fn dot(a: Vec3, b: Vec3) -> f32 {
     (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]
 }
 
@@ -36,12 +41,12 @@ fn cross(a: Vec3, b: Vec3) -> Vec3 {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
-fn each(f: impl Fn(usize) -> f32) -> Vec3 {
+pub fn each(f: impl Fn(usize) -> f32) -> Vec3 {
     [0, 1, 2].map(f)
 }
 
 /// A unit vector; `instead` if the length is close to zero.
-fn normalize(v: Vec3, instead: Vec3) -> Vec3 {
+pub fn normalize(v: Vec3, instead: Vec3) -> Vec3 {
     let square = dot(v, v);
     let inverse = 1.0 / square.sqrt();
     if square > 1e-30 { v.map(|c| c * inverse) } else { instead }
@@ -61,18 +66,23 @@ fn bend(n: Vec3, to_viewer: Vec3) -> Vec3 {
 
 /// Shades a point, in sub-pixels from the upper left corner of the picture, at which triangle number `triangle` is
 /// visible.
+#[expect(clippy::too_many_arguments, reason = "one caller; a struct would only rename them")]
 pub fn shade(
     mesh: &Mesh,
     triangle: usize,
-    surface: &Surface,
+    scene: &Scene,
+    instance: usize,
     object: &ObjectView,
     lights: &LightRig,
-    shading: Shading,
+    shadows: Option<&ObjectShadows>,
+    settings: &Settings,
     sample: [i32; 2],
 ) -> Shaded {
+    let instance = &scene.instances[instance];
+    let (surface, shading) = (&instance.surface, settings.shading);
     let corners = Mesh::canonical(mesh.triangles[triangle]).map(|v| v as usize);
     let p = corners.map(|v| mesh.positions[v]);
-    let Interpolation { area, scale, weight } = interpolation(object, p, sample);
+    let Interpolation { area, scale, weight, right, down } = interpolation(object, p, sample, settings);
     let mix = |v: [f32; 3]| (weight[0] * v[0] + weight[1] * v[1]) + weight[2] * v[2];
     let mix3 = |v: [Vec3; 3]| each(|k| mix(v.map(|v| v[k])));
 
@@ -112,6 +122,47 @@ pub fn shade(
         _ => plane,
     };
     let normal = unit(normal, to_viewer);
+    let has_materials = instance.materials.is_some() && surface.use_mesh_colors;
+    if has_materials || is_elaborate(settings, lights) {
+        let texcoords = mesh.texcoords.as_ref().map(|t| corners.map(|v| t[v]));
+        let point = texcoords.map(|t| {
+            let uv = [0, 1].map(|k| mix(t.map(|t| t[k])));
+            let change = |by: Vec3| [0, 1].map(|k| dot(by, t.map(|t| t[k] - uv[k])));
+            TexturePoint { uv, right: change(right), down: change(down) }
+        });
+        let color = corner_colors(mesh, triangle, surface)
+            .filter(|_| has_own_colors(mesh) || !has_materials)
+            .map(mix3);
+        let own = color
+            .map(|color| (color, corner_alphas(mesh, triangle, surface).map_or(1.0, |a| alpha(a, weight))));
+        let material = material_of(scene, instance, mesh, triangle);
+        let m = evaluate(scene, &material, settings.texture_filter, point.as_ref(), own);
+        let mut lit_normal = normal;
+        if let (Some(tangent), Some(t), Some(map)) = (m.normal, texcoords, &material.normal_map) {
+            let in_world = |k: usize| {
+                let e = edge(k);
+                each(|axis| dot(e, object.eye_from_local[axis]))
+            };
+            let uv = |k: usize| [0, 1].map(|c| (t[k][c] - t[0][c]) * map.scale[c]);
+            lit_normal = bend(bumped(normal, [in_world(1), in_world(2)], [uv(1), uv(2)], tangent), to_viewer);
+        }
+        let to_viewer = normalize(to_viewer, sight.base);
+        let from_pivot = mix3(relative);
+        let seen = seen_lights(lights, position, |light| match (shadows, &settings.shadows) {
+            (Some(shadows), Some(maps)) => shadows.lit(maps, light, from_pivot, plane),
+            _ => 1.0,
+        });
+        let light = match shading {
+            Shading::Unlit => m.albedo,
+            Shading::Flat | Shading::Gouraud | Shading::Phong => {
+                phong(lights, &seen, &m, lit_normal, to_viewer)
+            }
+            Shading::Physical => physical(lights, &seen, &m, lit_normal, to_viewer),
+        };
+        let alpha = m.alpha * surface.opacity;
+        let [r, g, b] = light.map(|c| shown(c) * alpha);
+        return Shaded { linear: [r, g, b, alpha], normal };
+    }
     let albedo = match corner_colors(mesh, triangle, surface) {
         Some(colors) => mix3(colors),
         None => surface.base_color,
@@ -123,6 +174,7 @@ pub fn shade(
             let (diffuse, specular) = reflect(lights, surface, normal, to_viewer, position);
             each(|k| albedo[k] * diffuse[k] + specular[k])
         }
+        Shading::Physical => unreachable!("has materials"),
         Shading::Gouraud => {
             let light = [0, 1, 2].map(|k| {
                 let position = position_of(relative[k]);
@@ -135,14 +187,21 @@ pub fn shade(
             each(|k| albedo[k] * diffuse[k] + specular[k])
         }
     };
-    let alpha = corner_alphas(mesh, triangle, surface).map_or(1.0, |a| {
-        // Exactly that of the corners if they have the same.
-        let mixed = (a[0] + weight[1] * (a[1] - a[0])) + weight[2] * (a[2] - a[0]);
-        mixed.clamp(0.0, 1.0)
-    });
+    let alpha = corner_alphas(mesh, triangle, surface).map_or(1.0, |a| alpha(a, weight));
     let alpha = alpha * surface.opacity;
     let [r, g, b] = linear.map(|c| shown(c) * alpha);
     Shaded { linear: [r, g, b, alpha], normal }
+}
+
+/// Interpolates the alphas of corners: exactly theirs if they have the same.
+fn alpha(a: [f32; 3], weight: [f32; 3]) -> f32 {
+    let mixed = (a[0] + weight[1] * (a[1] - a[0])) + weight[2] * (a[2] - a[0]);
+    mixed.clamp(0.0, 1.0)
+}
+
+/// Does a mesh have colours other than those of its materials?
+fn has_own_colors(mesh: &Mesh) -> bool {
+    mesh.face_colors.is_some() || mesh.vertex_colors.is_some()
 }
 
 /// Linear colours of a triangle's corners; `None` if the surface's own colour is used.
@@ -190,17 +249,31 @@ struct Interpolation {
     scale: [f32; 3],
     /// The absolute products, normalized to add up to 1: perspective-correct barycentric coordinates.
     weight: [f32; 3],
+    /// The change of something from pixel to pixel, to the right and downwards, is the sum of these times its differences
+    /// between the corners and the point.
+    right: [f32; 3],
+    down: [f32; 3],
 }
 
-fn interpolation(object: &ObjectView, p: [Vec3; 3], sample: [i32; 2]) -> Interpolation {
+fn interpolation(object: &ObjectView, p: [Vec3; 3], sample: [i32; 2], settings: &Settings) -> Interpolation {
+    // Samples that are shaded by themselves are closer to each other than pixels.
+    let step = match settings.sampling.shading {
+        SampleShading::Pixel => SUBPIXELS as f32,
+        SampleShading::Sample => SUBPIXELS as f32 / (settings.sampling.pattern.count() as f32).sqrt(),
+    };
     let v = p.map(|p| object.project(p));
     if v.iter().any(|v| !v.inside) {
         let from_middle = [0, 1].map(|k| f64::from(sample[k]) - f64::from(object.offset[k]));
         let (weight, clockwise) = barycentrics_unclipped(object, p, from_middle);
+        let step = f64::from(step);
+        let beside =
+            |x: f64, y: f64| barycentrics_unclipped(object, p, [from_middle[0] + x, from_middle[1] + y]).0;
         return Interpolation {
             area: weight.map(|w| if clockwise { -w } else { w }),
             scale: [1.0; 3],
             weight,
+            right: beside(step, 0.0),
+            down: beside(0.0, step),
         };
     }
     let area = areas(v.map(|v| v.x - sample[0]), v.map(|v| v.y - sample[1]));
@@ -209,7 +282,12 @@ fn interpolation(object: &ObjectView, p: [Vec3; 3], sample: [i32; 2]) -> Interpo
     let sum = (part[0] + part[1]) + part[2];
     let inverse = 1.0 / sum;
     let weight = if sum > 0.0 { part.map(|p| p * inverse) } else { [1.0, 0.0, 0.0] };
-    Interpolation { area, scale, weight }
+    // Twice an area changes by the differences of the other two corners' coordinates.
+    let per_sum = if sum > 0.0 { step / sum } else { 0.0 };
+    let change = |difference: i32, k: usize| (difference as f32 * scale[k]) * per_sum;
+    let right = [0, 1, 2].map(|k| change(v[(k + 2) % 3].y - v[(k + 1) % 3].y, k));
+    let down = [0, 1, 2].map(|k| change(v[(k + 1) % 3].x - v[(k + 2) % 3].x, k));
+    Interpolation { area, scale, weight, right, down }
 }
 
 /// Twice the areas of the triangles between the sample and two corners, which are given relative to the sample.
@@ -239,15 +317,7 @@ fn reflect(
     to_viewer: Vec3,
     position: Vec3,
 ) -> (Vec3, Vec3) {
-    let [x, y, z] = normal;
-    let mut diffuse = each(|k| {
-        let wide = &lights.wide;
-        let (c, l, q) = (wide.constant[k], wide.linear[k], wide.quadratic[k]);
-        let of_x = x * ((x * q[0] + y * q[1]) + (z * q[2] + l[0]));
-        let of_y = y * ((y * q[3] + z * q[4]) + l[1]);
-        let of_z = z * (z * q[5] + l[2]);
-        if wide.is_constant { c } else { ((c + of_x) + of_y) + of_z }
-    });
+    let mut diffuse = wide(lights, normal);
     let mut specular = [0.0; 3];
     let highlight = |to_light: Vec3| {
         let half = normalize(each(|k| to_light[k] + to_viewer[k]), lights.sight.base);
@@ -279,4 +349,16 @@ fn reflect(
         }
     }
     (diffuse, specular)
+}
+
+/// The light of all ambient and wide lights for a normal.
+pub fn wide(lights: &LightRig, [x, y, z]: Vec3) -> Vec3 {
+    each(|k| {
+        let wide = &lights.wide;
+        let (c, l, q) = (wide.constant[k], wide.linear[k], wide.quadratic[k]);
+        let of_x = x * ((x * q[0] + y * q[1]) + (z * q[2] + l[0]));
+        let of_y = y * ((y * q[3] + z * q[4]) + l[1]);
+        let of_z = z * (z * q[5] + l[2]);
+        if wide.is_constant { c } else { ((c + of_x) + of_y) + of_z }
+    })
 }

@@ -277,3 +277,27 @@ pub fn winding(mesh: &Mesh, scene: &Scene, camera: &Camera, width: u32, height: 
     });
     counts
 }
+
+/// Draws with each of the settings that must not change the picture, and expects the bytes of the reference.
+#[track_caller]
+pub fn check_all(mesh: &Mesh, plain: &Scene, camera: &Camera, settings: &Settings, what: &str) {
+    let expected = draw_reference(mesh, plain, camera, settings);
+    let check = |s: Settings, name: String| {
+        assert_same(&expected, &draw(plain, camera, &s), &format!("{what}, {name}"));
+    };
+    for simd in SimdLevel::available() {
+        for sorting in [Sorting::Clusters, Sorting::Triangles] {
+            check(Settings { simd: Some(simd), sorting, ..settings.clone() }, format!("{simd}, {sorting:?}"));
+        }
+    }
+    for tile_size in [8, 16, 64, 128] {
+        check(Settings { tile_size: Some(tile_size), ..settings.clone() }, format!("tiles of {tile_size}"));
+    }
+    for threads in [1, 2, 5] {
+        with_threads(threads, || check(settings.clone(), format!("{threads} threads")));
+    }
+    for sorting in [Sorting::Clusters, Sorting::Triangles] {
+        let s = Settings { layer_memory: 0, tile_size: Some(8), sorting, ..settings.clone() };
+        check(s, format!("slices, {sorting:?}"));
+    }
+}

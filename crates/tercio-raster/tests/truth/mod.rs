@@ -242,6 +242,17 @@ impl<'a> Truth<'a> {
                     LightSpace::World => (position - at, color),
                     LightSpace::Camera => (self.eye + from_camera(position) - at, color),
                 },
+                Light::Spot { position, direction, space, angle, color } => {
+                    let (position, axis) = match space {
+                        LightSpace::World => (position, direction),
+                        LightSpace::Camera => (self.eye + from_camera(position), from_camera(direction)),
+                    };
+                    let cosine = (at - position).normalize().dot(axis.normalize());
+                    // From the edge of the cone, a fifth of the way to the middle, as cosines.
+                    let inside = (cosine - angle.cos()) / (0.2 * (1.0 - angle.cos()));
+                    let share = inside.clamp(0.0, 1.0).powi(2) * (3.0 - 2.0 * inside.clamp(0.0, 1.0));
+                    (position - at, color.map(|c| c * share as f32))
+                }
             };
             let (to_light, color) = (to_light.normalize(), DVec3::from(color.map(f64::from)));
             let cosine = normal.dot(to_light);

@@ -8,6 +8,7 @@ use super::Scratch;
 use super::fragments::FragmentList;
 use super::sink::{Opaque, Sink, Translucent};
 use crate::backend::corners::{ColorSource, Corners, Fragments};
+use crate::backend::material::has_materials;
 use crate::backend::shade::{At, Common, Features, FragmentTarget, Look, fetch, late, shade, shade_inline};
 use crate::context::FrameContext;
 use crate::frame::Outputs;
@@ -55,6 +56,9 @@ pub fn cluster<S: Simd, K: Sink>(
             if look.colors() == ColorSource::Vertex {
                 table.load_colors(&cluster);
             }
+            if look.materials() {
+                table.load_texcoords(simd, &cluster);
+            }
             counts.pixels_shaded += (K::list(memory).count - first) as u64;
             let at = At {
                 stride_bits: memory.stride_bits,
@@ -94,7 +98,8 @@ impl ClusterFragments<'_> {
         let Scratch { memory, vertices, table, fragments, .. } = scratch;
         let list = K::list(memory);
         let (context, instance, at) = (self.context, self.instance, self.at);
-        let Instance { mesh, surface, .. } = &context.scene.instances[instance];
+        let scene_instance = &context.scene.instances[instance];
+        let Instance { mesh, surface, .. } = scene_instance;
         let corner_table = CornerTable::new(&self.cluster);
         let count = list.count;
         list.resize_shaded(outputs.normals);
@@ -114,6 +119,10 @@ impl ClusterFragments<'_> {
             if features.colors() != ColorSource::Base {
                 let of = (&**mesh, &self.cluster, surface);
                 table.look_up_colors(simd, of, &triangles, &numbers, features.colors(), &mut corners);
+            }
+            if features.materials() && has_materials(scene_instance) {
+                let cluster = &self.cluster;
+                table.look_up_materials(simd, scene_instance, cluster, &triangles, &numbers, &mut corners);
             }
             let normals = if outputs.normals { &mut list.normals[first..last] } else { &mut [] };
             let colors = &mut list.colors[first..last];

@@ -4,6 +4,7 @@
 use tercio_scene::Instance;
 
 use crate::backend::corners::ColorSource;
+use crate::backend::material;
 use crate::context::FrameContext;
 use crate::frame::Outputs;
 use crate::settings::Shading;
@@ -22,6 +23,8 @@ pub trait Features: Copy {
     fn plane(self) -> bool;
     /// Do the colours of the mesh have an alpha?
     fn alpha(self) -> bool;
+    /// Are there scene-wide materials, or is shading physically based?
+    fn materials(self) -> bool;
     /// Are there point lights, so that light depends on position?
     fn near_lights(self) -> bool;
     /// Is the surface specular?
@@ -34,7 +37,7 @@ pub trait Features: Copy {
     /// Are positions of corners needed?
     #[inline(always)]
     fn position(self) -> bool {
-        self.plane() || self.near_lights() || self.shading() == Shading::Gouraud
+        self.plane() || self.near_lights() || self.materials() || self.shading() == Shading::Gouraud
     }
 }
 
@@ -46,6 +49,7 @@ pub struct Look {
     normals: bool,
     plane: bool,
     alpha: bool,
+    materials: bool,
     near_lights: bool,
     highlights: bool,
     color: bool,
@@ -57,15 +61,18 @@ impl Look {
     /// [`Cluster::NORMALS_AGREE`](tercio_mesh::cluster::Cluster::NORMALS_AGREE).
     #[inline(always)]
     pub fn new(context: &FrameContext, instance: usize, normals_agree: bool, outputs: &Outputs) -> Self {
-        let Instance { mesh, surface, .. } = &context.scene.instances[instance];
+        let Instance { mesh, surface, materials, .. } = &context.scene.instances[instance];
         let shading = context.settings.shading;
         let normals = mesh.layout().normals;
+        let may_shine_through =
+            mesh.is_translucent() || materials.as_ref().is_some_and(|m| m.is_translucent());
         Self {
             shading,
-            colors: ColorSource::of(mesh, surface),
+            colors: ColorSource::of(&context.scene.instances[instance]),
             normals,
             plane: needs_plane(context, instance, normals_agree),
-            alpha: surface.use_mesh_colors && mesh.is_translucent(),
+            alpha: surface.use_mesh_colors && may_shine_through,
+            materials: material::is_used(context, instance),
             near_lights: !context.lights.near.is_empty(),
             highlights: surface.specular > 0.0,
             color: outputs.color,
@@ -81,6 +88,7 @@ impl Look {
             normals: features.normals(),
             plane: features.plane(),
             alpha: features.alpha(),
+            materials: features.materials(),
             near_lights: features.near_lights(),
             highlights: features.highlights(),
             color: features.color(),
@@ -127,6 +135,10 @@ impl Features for Look {
         self.alpha
     }
     #[inline(always)]
+    fn materials(self) -> bool {
+        self.materials
+    }
+    #[inline(always)]
     fn near_lights(self) -> bool {
         self.near_lights
     }
@@ -169,6 +181,10 @@ impl<const HIGHLIGHTS: bool> Features for Common<HIGHLIGHTS> {
     }
     #[inline(always)]
     fn alpha(self) -> bool {
+        false
+    }
+    #[inline(always)]
+    fn materials(self) -> bool {
         false
     }
     #[inline(always)]

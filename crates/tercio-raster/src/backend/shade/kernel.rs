@@ -9,6 +9,7 @@ use super::target::Target;
 use crate::backend::corners::{ColorSource, Corners, Fragments, to_world};
 use crate::backend::interpolate::Interpolation;
 use crate::backend::light::{Vec3x16, bend, beside, diffuse, normalize, reflect, towards_viewer};
+use crate::backend::material;
 use crate::context::FrameContext;
 use crate::conventions::{SAMPLE, SUBPIXELS};
 use crate::projection::relative;
@@ -114,12 +115,20 @@ pub fn shade_inline<S: Simd, F: Features, T: Target>(
         _ => at.normal(corners.normal),
     };
     let is_settled = !features.plane() && facing.settles((at.area[0] + at.area[1]) + at.area[2]);
-    let needs_viewer = features.highlights() || features.near_lights() || !is_settled;
+    let needs_viewer = features.materials() || features.highlights() || features.near_lights() || !is_settled;
     let to_viewer = if needs_viewer { towards_viewer(simd, lights, sample, from_middle) } else { zero };
     let normal = side.turned(simd, normal);
     let mut normal = normalize(simd, normal, beside(simd, lights));
     if !is_settled {
         normal = bend(simd, normal, to_viewer);
+    }
+
+    if features.materials() {
+        let colors = features.colors();
+        let pixels = material::Pixels { sample, at: &at, corners, colors, normal, to_viewer };
+        let (lit, alpha) = material::shade(simd, context, instance, &pixels);
+        target.write(simd, context, features, fragments, lit, alpha, normal);
+        return;
     }
 
     let albedo: Vec3x16<S> = match features.colors() {
@@ -131,7 +140,7 @@ pub fn shade_inline<S: Simd, F: Features, T: Target>(
         alpha = at.alpha(corners.alpha);
     }
     let lit: Vec3x16<S> = match features.shading() {
-        Shading::Unlit => albedo,
+        Shading::Unlit | Shading::Physical => albedo,
         Shading::Flat | Shading::Phong if !features.highlights() && !features.near_lights() => {
             let light = diffuse(simd, lights, normal);
             each3!(C => albedo[C] * light[C])
@@ -171,7 +180,12 @@ pub fn shade_inline<S: Simd, F: Features, T: Target>(
 
 /// The geometric normals of 16 triangles in world space, not normalized, on the visible side.
 #[inline(always)]
-fn seen_plane<S: Simd>(simd: S, object: &ObjectView, p: Corners16<S>, clockwise: mask32x16<S>) -> Vec3x16<S> {
+pub fn seen_plane<S: Simd>(
+    simd: S,
+    object: &ObjectView,
+    p: Corners16<S>,
+    clockwise: mask32x16<S>,
+) -> Vec3x16<S> {
     let edge_1 = each3!(A => (p[1][A] - p[0][A]) * object.edge_scale);
     let edge_2 = each3!(A => (p[2][A] - p[0][A]) * object.edge_scale);
     as_seen(simd, to_world(simd, object, cross(edge_1, edge_2)), clockwise)
@@ -192,7 +206,7 @@ type Corners16<S> = [Vec3x16<S>; 3];
 
 /// From positions relative to the pivot to world axes relative to the eye.
 #[inline(always)]
-fn to_eye<S: Simd>(simd: S, object: &ObjectView, q: Vec3x16<S>) -> Vec3x16<S> {
+pub fn to_eye<S: Simd>(simd: S, object: &ObjectView, q: Vec3x16<S>) -> Vec3x16<S> {
     let r = &object.eye_from_local;
     each3!(K => row(simd, &[r[K][0], r[K][1], r[K][2], object.eye_from_pivot[K]], q))
 }

@@ -16,6 +16,7 @@ use tercio_scene::Instance;
 
 use super::cluster::ClusterPass;
 use super::corners::{ColorSource, Corners, Fragments};
+use super::material::has_materials;
 use super::memory::TileMemory;
 use super::table::ClusterTable;
 use crate::backend::tally::Tally;
@@ -25,7 +26,7 @@ use crate::projection::CornerTable;
 use crate::simd::LANES;
 use crate::stats::BackEndCounts;
 pub use features::{Common, Features, Look, needs_plane};
-pub use kernel::{At, Facing, shade, shade_inline};
+pub use kernel::{At, Facing, seen_plane, shade, shade_inline, to_eye};
 use target::PixelTarget;
 pub use target::{FragmentTarget, Target};
 
@@ -151,11 +152,9 @@ pub fn late<S: Simd, T: Target>(
 /// Fetches the corners of 16 pixels of one instance. Not inlined, so that it is compiled only once per SIMD level.
 #[inline(never)]
 pub fn fetch<S: Simd>(simd: S, context: &FrameContext, instance: usize, fragments: &Fragments) -> Corners<S> {
-    let Instance { mesh, surface, .. } = &context.scene.instances[instance];
-    let colors = ColorSource::of(mesh, surface);
     simd.vectorize(
         #[inline(always)]
-        || Corners::fetch(simd, context, instance, &fragments.slot, colors),
+        || Corners::fetch(simd, context, instance, &fragments.slot),
     )
 }
 
@@ -228,6 +227,9 @@ pub fn winners<S: Simd>(
             if look.colors() == ColorSource::Vertex {
                 table.load_colors(&cluster);
             }
+            if look.materials() {
+                table.load_texcoords(simd, &cluster);
+            }
             counts.pixels_shaded += pass.winners.len() as u64;
             let at = At {
                 stride_bits: memory.stride_bits(),
@@ -260,7 +262,8 @@ impl Won<'_> {
         outputs: &Outputs,
     ) {
         let WinnerScratch { table, fragments } = scratch;
-        let Instance { mesh, surface, .. } = &self.context.scene.instances[self.instance];
+        let scene_instance = &self.context.scene.instances[self.instance];
+        let Instance { mesh, surface, .. } = scene_instance;
         let corner_table = CornerTable::new(&self.cluster);
         let count = pass.winners.len();
         for first in (0..count).step_by(LANES) {
@@ -274,6 +277,10 @@ impl Won<'_> {
             if features.colors() != ColorSource::Base {
                 let of = (&**mesh, &self.cluster, surface);
                 table.look_up_colors(simd, of, &triangles, &numbers, features.colors(), &mut corners);
+            }
+            if features.materials() && has_materials(scene_instance) {
+                let cluster = &self.cluster;
+                table.look_up_materials(simd, scene_instance, cluster, &triangles, &numbers, &mut corners);
             }
             if features.more() {
                 for lane in 0..LANES {

@@ -1,0 +1,224 @@
+//! The light that materials reflect. For the sources, see the reference.
+
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x16, mask32x16};
+
+use super::evaluate::Evaluated;
+use crate::backend::light::{Vec3x16, beside, normalize, wide};
+use crate::conventions::{DIELECTRIC, LEAST_ROUGHNESS};
+use crate::lighting::LightRig;
+use crate::shadow_map::LightNumber;
+use crate::simd::{LANES, dot, each3, load, part, splat};
+
+/// A light as seen from 16 points.
+struct Seen<S: Simd> {
+    to_light: Vec3x16<S>,
+    color: [f32; 3],
+    /// Its highlight fades with the cosine, and its diffuse light is part of the ambient light.
+    is_wide: bool,
+    /// The share that reaches each point.
+    share: f32x16<S>,
+}
+
+/// What of a light is in shadow.
+pub trait Shadows<S: Simd> {
+    /// The share of a light that reaches the points in some lanes; anything in the other lanes.
+    fn lit(&self, simd: S, light: LightNumber, lanes: u32) -> f32x16<S>;
+}
+
+/// Calls `add` for each light: directional, point and spot, then wide ones with a highlight. `normal` is that of the surface:
+/// lights behind it are skipped.
+#[inline(always)]
+fn for_each_light<S: Simd>(
+    simd: S,
+    rig: &LightRig,
+    shadows: &impl Shadows<S>,
+    position: Vec3x16<S>,
+    normal: Vec3x16<S>,
+    mut add: impl FnMut(Seen<S>),
+) {
+    let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
+    let lit = |to_light: Vec3x16<S>| dot(normal, to_light).simd_gt(zero).to_bitmask() as u32 & 0xffff;
+    for (number, light) in rig.distant.iter().enumerate() {
+        let to_light = each3!(K => splat(simd, light.to_light[K]));
+        let lanes = lit(to_light);
+        if lanes != 0 {
+            let share = shadows.lit(simd, LightNumber::Distant(number), lanes);
+            add(Seen { to_light, color: light.color, is_wide: false, share });
+        }
+    }
+    for (number, light) in rig.near.iter().enumerate() {
+        let offset = each3!(K => splat(simd, light.position[K]) - position[K]);
+        let to_light = normalize(simd, offset, beside(simd, rig));
+        let lanes = lit(to_light);
+        if lanes != 0 {
+            let mut in_cone = one;
+            if let Some(cone) = light.cone {
+                let middle = each3!(K => splat(simd, cone.to_light[K]));
+                let cosine = dot(to_light, middle);
+                let inside = share(simd, (cosine - splat(simd, cone.edge)) / splat(simd, cone.fade));
+                in_cone = (inside * inside) * (splat(simd, 3.0) - inside * 2.0);
+            }
+            let share = shadows.lit(simd, LightNumber::Near(number), lanes) * in_cone;
+            add(Seen { to_light, color: light.color, is_wide: false, share });
+        }
+    }
+    for light in &rig.highlights {
+        let to_light = each3!(K => splat(simd, light.to_light[K]));
+        if lit(to_light) != 0 {
+            add(Seen { to_light, color: light.color, is_wide: true, share: one });
+        }
+    }
+}
+
+/// A number that is 0 where it is not above 0, and at most 1.
+#[inline(always)]
+fn share<S: Simd>(simd: S, c: f32x16<S>) -> f32x16<S> {
+    let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
+    let c = c.simd_gt(zero).select(c, zero);
+    c.simd_lt(one).select(c, one)
+}
+
+/// The light of Phong shading.
+#[inline(always)]
+pub fn phong<S: Simd>(
+    simd: S,
+    rig: &LightRig,
+    shadows: &impl Shadows<S>,
+    m: &Evaluated,
+    normal: Vec3x16<S>,
+    to_viewer: Vec3x16<S>,
+    position: Vec3x16<S>,
+) -> Vec3x16<S> {
+    let occlusion = load(simd, &m.occlusion);
+    let ambient = wide(simd, rig, normal);
+    let mut diffuse = each3!(K => ambient[K] * occlusion);
+    let zero = splat(simd, 0.0);
+    let mut specular = [zero; 3];
+    let color_of_highlight: Vec3x16<S> = each3!(K => load(simd, &m.specular[K]));
+    let most = m.shininess_log2.into_iter().max().unwrap_or(0);
+    for_each_light(
+        simd,
+        rig,
+        shadows,
+        position,
+        normal,
+        #[inline(always)]
+        |light| {
+            part(
+                simd,
+                #[inline(always)]
+                || {
+                    let cosine = dot(normal, light.to_light);
+                    let lit = cosine.simd_gt(zero);
+                    if !light.is_wide {
+                        diffuse = each3!(K => lit.select(diffuse[K] + (cosine * light.share) * light.color[K], diffuse[K]));
+                    }
+                    let between = each3!(K => light.to_light[K] + to_viewer[K]);
+                    let half = normalize(simd, between, beside(simd, rig));
+                    let mut power = dot(normal, half);
+                    power = power.simd_gt(zero).select(power, zero);
+                    for square in 0..most {
+                        power = squared(simd, m, square).select(power * power, power);
+                    }
+                    let strength = power * if light.is_wide { cosine } else { light.share };
+                    specular = each3!(K => {
+                        let more = (strength * color_of_highlight[K]) * light.color[K];
+                        lit.select(specular[K] + more, specular[K])
+                    });
+                },
+            );
+        },
+    );
+    each3!(K => {
+        let reflected = load(simd, &m.albedo[K]) * diffuse[K] + specular[K];
+        reflected + load(simd, &m.emissive[K])
+    })
+}
+
+/// The lanes in which the highlight's power is squared for the time with this number.
+#[inline(always)]
+fn squared<S: Simd>(simd: S, m: &Evaluated, square: u32) -> mask32x16<S> {
+    let mut lanes = 0;
+    for lane in 0..LANES {
+        lanes |= u64::from(m.shininess_log2[lane] > square) << lane;
+    }
+    mask32x16::from_bitmask(simd, lanes)
+}
+
+/// The light of physically based shading.
+#[inline(always)]
+pub fn physical<S: Simd>(
+    simd: S,
+    rig: &LightRig,
+    shadows: &impl Shadows<S>,
+    m: &Evaluated,
+    normal: Vec3x16<S>,
+    to_viewer: Vec3x16<S>,
+    position: Vec3x16<S>,
+) -> Vec3x16<S> {
+    let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
+    let (metallic, occlusion) = (load(simd, &m.metallic), load(simd, &m.occlusion));
+    let albedo: Vec3x16<S> = each3!(K => load(simd, &m.albedo[K]));
+    let dielectric = splat(simd, DIELECTRIC);
+    let base = each3!(K => (albedo[K] - dielectric) * metallic + dielectric);
+    let diffuse_color = each3!(K => albedo[K] * (one - metallic));
+    let roughness = load(simd, &m.roughness);
+    let least = splat(simd, LEAST_ROUGHNESS);
+    let roughness = share(simd, roughness.simd_gt(least).select(roughness, least));
+    let a = roughness * roughness;
+    let facing = share(simd, dot(normal, to_viewer));
+    let grazing = fifth(one - facing);
+    let twice = facing * 2.0;
+    let mirrored = each3!(K => normal[K] * twice - to_viewer[K]);
+    let reflected = wide(simd, rig, mirrored);
+    let irradiance = wide(simd, rig, normal);
+    let smooth = one - roughness;
+    let mut sum = each3!(K => {
+        let limit = smooth.simd_gt(base[K]).select(smooth, base[K]);
+        let fresnel = base[K] + (limit - base[K]) * grazing;
+        ((diffuse_color[K] * (one - fresnel)) * irradiance[K] + fresnel * reflected[K]) * occlusion
+    });
+    for_each_light(
+        simd,
+        rig,
+        shadows,
+        position,
+        normal,
+        #[inline(always)]
+        |light| {
+            part(
+                simd,
+                #[inline(always)]
+                || {
+                    let cosine = dot(normal, light.to_light);
+                    let lit = cosine.simd_gt(zero);
+                    let cosine = cosine.simd_lt(one).select(cosine, one);
+                    let between = each3!(K => light.to_light[K] + to_viewer[K]);
+                    let half = normalize(simd, between, beside(simd, rig));
+                    let nh = share(simd, dot(normal, half));
+                    let grazing = fifth(one - share(simd, dot(to_viewer, half)));
+                    let spread = (nh * nh) * (a * a - one) + one;
+                    let together = (cosine * facing) * 2.0;
+                    let apart = cosine + facing;
+                    let masking = splat(simd, 0.5) / (together + (apart - together) * a);
+                    let lobe = ((a * a) / (spread * spread)) * masking;
+                    let strength = cosine * if light.is_wide { cosine } else { light.share };
+                    sum = each3!(K => {
+                        let fresnel = base[K] + (one - base[K]) * grazing;
+                        let below = if light.is_wide { zero } else { diffuse_color[K] * (one - fresnel) };
+                        let more = ((below + fresnel * lobe) * strength) * light.color[K];
+                        lit.select(sum[K] + more, sum[K])
+                    });
+                },
+            );
+        },
+    );
+    each3!(K => sum[K] + load(simd, &m.emissive[K]))
+}
+
+#[inline(always)]
+fn fifth<S: Simd>(x: f32x16<S>) -> f32x16<S> {
+    let square = x * x;
+    (square * square) * x
+}

@@ -1,0 +1,145 @@
+//! Surfaces with scene-wide materials, textures and physically based shading: the light that 16 pixels of an instance
+//! reflect.
+
+mod evaluate;
+mod light;
+mod normal;
+mod shadow;
+mod texture;
+
+use fearless_simd::Simd;
+use fearless_simd::prelude::*;
+use fearless_simd::{f32x16, i32x16};
+use tercio_scene::Instance;
+
+use super::corners::{ColorSource, Corners};
+use super::interpolate::Interpolation;
+use super::light::{Vec3x16, beside, normalize};
+use super::shade::{seen_plane, to_eye};
+use crate::context::FrameContext;
+use crate::projection::relative;
+use crate::settings::Shading;
+use crate::simd::{LANES, each3, load};
+use crate::view::ObjectView;
+use evaluate::{Evaluated, Own};
+use shadow::ShadowedPoints;
+use texture::TexturePoints;
+
+/// The number of a material for surfaces that have none: the surface's own.
+pub const NO_MATERIAL: u32 = u32::MAX;
+
+/// Is an instance shaded by [`shade`]?
+pub fn is_used(context: &FrameContext, instance: usize) -> bool {
+    context.is_elaborate || has_materials(&context.scene.instances[instance])
+}
+
+/// Does an instance use scene-wide materials?
+pub fn has_materials(instance: &Instance) -> bool {
+    instance.materials.is_some() && instance.surface.use_mesh_colors
+}
+
+/// What the kernel knows about 16 pixels.
+pub struct Pixels<'a, S: Simd> {
+    /// The points that are shaded; see [`Interpolation::new`].
+    pub sample: [i32x16<S>; 2],
+    pub at: &'a Interpolation<S>,
+    pub corners: &'a Corners<S>,
+    /// Where the colours of the mesh are.
+    pub colors: ColorSource,
+    /// Unit normals.
+    pub normal: Vec3x16<S>,
+    /// Not normalized.
+    pub to_viewer: Vec3x16<S>,
+}
+
+/// The linear light and alpha of 16 pixels of one instance. Not inlined, so that it is compiled only once per SIMD level.
+#[inline(never)]
+pub fn shade<S: Simd>(
+    simd: S,
+    context: &FrameContext,
+    instance: usize,
+    pixels: &Pixels<S>,
+) -> (Vec3x16<S>, f32x16<S>) {
+    let mut evaluated = Evaluated::default();
+    simd.vectorize(
+        #[inline(always)]
+        || {
+            let corners = pixels.corners;
+            let object = &context.objects[instance];
+            let points = points(simd, context, object, pixels);
+            let relative = each3!(K => relative(simd, object, corners.position[K]));
+            let from_pivot = pixels.at.mix(relative);
+            let position = to_eye(simd, object, from_pivot);
+            let shadows = &ShadowedPoints {
+                context,
+                instance,
+                position: from_pivot,
+                plane: seen_plane(simd, object, corners.position, pixels.at.clockwise),
+            };
+            let has_alpha = context.scene.instances[instance].mesh.is_translucent();
+            let own = match pixels.colors {
+                ColorSource::Base => None,
+                _ => Some(Own {
+                    color: pixels.at.mix(corners.color).map(
+                        #[inline(always)]
+                        |c| c.to_array(),
+                    ),
+                    alpha: match has_alpha {
+                        true => pixels.at.alpha(corners.alpha).to_array(),
+                        false => [1.0; LANES],
+                    },
+                }),
+            };
+            evaluated.evaluate(simd, context, instance, pixels, points.as_ref(), own.as_ref());
+            let rig = &context.lights;
+            let mut normal = pixels.normal;
+            if evaluated.bumped != 0 {
+                normal = normal::bumped(simd, context, instance, pixels, &evaluated);
+            }
+            let to_viewer = normalize(simd, pixels.to_viewer, beside(simd, rig));
+            let lit = match context.settings.shading {
+                Shading::Unlit => each3!(C => load(simd, &evaluated.albedo[C])),
+                Shading::Physical => {
+                    light::physical(simd, rig, shadows, &evaluated, normal, to_viewer, position)
+                }
+                Shading::Flat | Shading::Gouraud | Shading::Phong => {
+                    light::phong(simd, rig, shadows, &evaluated, normal, to_viewer, position)
+                }
+            };
+            (lit, load(simd, &evaluated.alpha))
+        },
+    )
+}
+
+/// Texture coordinates and their derivatives, if the mesh has any.
+#[inline(always)]
+fn points<S: Simd>(
+    simd: S,
+    context: &FrameContext,
+    object: &ObjectView,
+    pixels: &Pixels<S>,
+) -> Option<TexturePoints<S>> {
+    let corners = pixels.corners;
+    if !corners.has_uv {
+        return None;
+    }
+    let at = pixels.at;
+    let mix = |k: usize| {
+        let [a, b, c] = [corners.uv[0][k], corners.uv[1][k], corners.uv[2][k]];
+        (at.weight[0] * a + at.weight[1] * b) + at.weight[2] * c
+    };
+    let uv = [mix(0), mix(1)];
+    let change = |by: Vec3x16<S>, k: usize| {
+        let [a, b, c] = [corners.uv[0][k] - uv[k], corners.uv[1][k] - uv[k], corners.uv[2][k] - uv[k]];
+        (by[0] * a + by[1] * b) + by[2] * c
+    };
+    let [right, down] = at.gradients(simd, context, object, pixels.sample, corners);
+    Some(TexturePoints {
+        uv,
+        right: [change(right, 0), change(right, 1)],
+        down: [change(down, 0), change(down, 1)],
+    })
+}
+
+/// Numbers of 16 lanes.
+type Lanes = [f32; LANES];

@@ -1,0 +1,130 @@
+//! Shadows: pictures of the scene's depth as seen from its lights.
+//!
+//! A point is lit if nothing is nearer to the light than the plane of its triangle, at each of 4 x 4 texels around it. The
+//! plane, not the point, is compared, so that surfaces at an angle to the light do not shadow themselves, and the tolerance
+//! can be as small as one texel: shadows begin where surfaces touch. The mean of the comparisons, weighted by their share of a
+//! square of 3 x 3 texels around the point, makes the edge of the shadow smooth.
+//!
+//! Source of the plane: Isidoro, "Shadow mapping: GPU-based tips and techniques" (GDC 2006).
+
+use glam::DVec3;
+use rayon::prelude::*;
+use tercio_scene::{Camera, Instance, Light, LightSpace, Projection, Scene};
+
+use crate::error::RenderError;
+use crate::frame::{Frame, Outputs};
+use crate::renderer::Renderer;
+use crate::settings::Settings;
+use crate::shadow_map::{NearMaps, ShadowMap, ShadowMaps};
+use crate::view::View;
+
+/// Angle of view of a face of a point light's cube in degrees: more than 90, so that the texels around every point are in one
+/// picture.
+const FACE_DEGREES: f64 = 92.0;
+
+impl ShadowMaps {
+    /// Default texels along the edge of a shadow map.
+    pub const SIZE: u32 = 2048;
+
+    /// Draws the shadow maps, each with `size` x `size` texels.
+    ///
+    /// # Errors
+    /// As [`Renderer::render`].
+    pub fn draw(scene: &Scene, camera: &Camera, settings: &Settings, size: u32) -> Result<Self, RenderError> {
+        let basis = camera.basis()?;
+        let from_camera = |v: DVec3| basis.right * v.x + basis.up * v.y - basis.forward * v.z;
+        let direction = |v: DVec3, space| match space {
+            LightSpace::World => v.normalize_or_zero(),
+            LightSpace::Camera => from_camera(v).normalize_or_zero(),
+        };
+        let place = |p: DVec3, space| match space {
+            LightSpace::World => p,
+            LightSpace::Camera => camera.eye + from_camera(p),
+        };
+        let casts = |instance: &&Instance| instance.surface.opacity >= 1.0;
+        let casting = Scene {
+            instances: scene.instances.iter().filter(casts).cloned().collect(),
+            materials: scene.materials.clone(),
+            textures: scene.textures.clone(),
+            ..Scene::default()
+        };
+        let outputs = Outputs { depth: true, ..Outputs::NONE };
+        let settings = Settings {
+            outputs,
+            cull: settings.cull,
+            texture_filter: settings.texture_filter,
+            simd: settings.simd,
+            ..Settings::one_sample(size, size)
+        };
+        let mut artist =
+            Artist { scene: &casting, settings, renderer: Renderer::new(), frame: Frame::default() };
+        let mut maps = Self { distant: Vec::new(), near: Vec::new() };
+        for light in &scene.lights {
+            match *light {
+                Light::Ambient { .. } | Light::Wide { .. } => {}
+                Light::Directional { to_light, space, .. } => {
+                    maps.distant.push(artist.distant(scene, direction(to_light, space))?);
+                }
+                Light::Point { position, space, .. } => {
+                    let eye = place(position, space);
+                    let faces = [DVec3::X, -DVec3::X, DVec3::Y, -DVec3::Y, DVec3::Z, -DVec3::Z];
+                    let faces =
+                        faces.into_iter().map(|face| artist.near(eye, face, FACE_DEGREES.to_radians()));
+                    maps.near.push(NearMaps { faces: faces.collect::<Result<_, _>>()? });
+                }
+                Light::Spot { position, direction: towards, space, angle, .. } => {
+                    // With a margin for the texels around points at the edge.
+                    let opening = (2.0 * angle * 1.05).min(3.1);
+                    let face = artist.near(place(position, space), direction(towards, space), opening)?;
+                    maps.near.push(NearMaps { faces: vec![face] });
+                }
+            }
+        }
+        Ok(maps)
+    }
+}
+
+/// What draws shadow maps.
+struct Artist<'a> {
+    scene: &'a Scene,
+    settings: Settings,
+    renderer: Renderer,
+    frame: Frame,
+}
+
+impl Artist<'_> {
+    fn distant(&mut self, whole: &Scene, to_light: DVec3) -> Result<ShadowMap, RenderError> {
+        let bounds = whole.bounds();
+        let (target, radius) =
+            if bounds.is_empty() { (DVec3::ZERO, 1.0) } else { (bounds.center(), bounds.radius()) };
+        let radius = if radius > 0.0 { radius } else { 1.0 };
+        // With a margin of a few texels around everything.
+        let height = 2.0 * radius * (1.0 + 8.0 / f64::from(self.settings.width.max(16)));
+        let projection = Projection::Orthographic { height };
+        self.draw(target + to_light * (2.0 * radius), -to_light, projection)
+    }
+
+    fn near(&mut self, eye: DVec3, towards: DVec3, fov_y: f64) -> Result<ShadowMap, RenderError> {
+        self.draw(eye, towards, Projection::Perspective { fov_y })
+    }
+
+    fn draw(&mut self, eye: DVec3, towards: DVec3, projection: Projection) -> Result<ShadowMap, RenderError> {
+        let up = if towards.y.abs() < 0.9 { DVec3::Y } else { DVec3::Z };
+        let camera = Camera { eye, target: eye + towards, up, projection, near: None };
+        let size = self.settings.width;
+        let basis = camera.basis()?;
+        let bounds = self.scene.bounds();
+        let view = View::new(&camera, &bounds, size, size)?;
+        self.renderer.render_into(self.scene, &camera, &self.settings, &mut self.frame)?;
+        let perspective = view.perspective;
+        let nearness = |&distance: &f32| if perspective { 1.0 / distance } else { -distance };
+        Ok(ShadowMap {
+            eye,
+            axes: [basis.right, -basis.up, basis.forward],
+            perspective,
+            scale: view.scale / f64::from(crate::conventions::SUBPIXELS),
+            size,
+            nearness: self.frame.planes.depth.par_iter().with_min_len(1 << 14).map(nearness).collect(),
+        })
+    }
+}
