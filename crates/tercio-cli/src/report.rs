@@ -1,11 +1,11 @@
 //! What was found in a model, for `--stats` and `info`. The keys are stable: programs rely on them.
 
 use serde_json::{Value, json};
-use tercio::LoadReport;
 use tercio::glam::DVec3;
 use tercio::mesh::Aabb;
 use tercio::mesh::io::{NotDrawn, Translucent};
 use tercio::scene::{Camera, Projection};
+use tercio::{LoadReport, TextureReport};
 
 /// Why `--crease-angle` has no effect, if it has none.
 pub fn unused_crease_angle(angle: Option<f64>, report: &LoadReport) -> Option<String> {
@@ -54,6 +54,18 @@ pub fn load_json(model: &str, report: &LoadReport) -> Value {
         "translucent": report.read.translucent,
         "warnings": report.read.warnings,
         "milliseconds": report.times,
+    })
+}
+
+/// What was loaded of the materials and textures of a model.
+pub fn textures_json(report: &TextureReport) -> Value {
+    json!({
+        "materials": report.materials,
+        "textures": report.textures,
+        "files": report.files.len(),
+        "memory_bytes": report.bytes,
+        "warnings": report.warnings,
+        "milliseconds": report.milliseconds,
     })
 }
 
@@ -108,6 +120,17 @@ pub fn not_drawn(n: &NotDrawn) -> Option<String> {
     let textures = (n.textures > 0).then(|| counted(n.textures, "texture"));
     let list: Vec<_> = shapes(n).chain(textures).collect();
     (!list.is_empty()).then(|| list.join(", "))
+}
+
+/// What is drawn, for a message on something that is not.
+pub fn drawn(not_drawn: &NotDrawn) -> &'static str {
+    match not_drawn.textures {
+        0 => "tercio draws triangles",
+        _ => {
+            "tercio draws triangles, and textures of colour, opacity, highlights, emission, bumps, roughness and metals \
+             where there are texture coordinates"
+        }
+    }
 }
 
 /// What of the model is not opaque, in words.

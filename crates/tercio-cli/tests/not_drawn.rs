@@ -13,8 +13,8 @@ fn place() -> Place {
     let model = "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl glass\nf 1/1 2/1 3/1\nusemtl red\nf 1/1 3/1 2/1\n\
         p 1 2\nl 1 2 3\ncstype bezier\ndeg 2\ncurv 0 1 1 2 3\nend\n";
     fs::write(place.path("m.obj"), model).unwrap();
-    let library = "newmtl glass\nd 0.5\nmap_Kd a.png\nmap_Bump b.png\nnewmtl red\nmap_Kd a.png\n\
-        newmtl unused\nd 0.1\nmap_Kd c.png\n";
+    let library = "newmtl glass\nd 0.5\nmap_Kd a.png\ndisp b.png\nnewmtl red\nmap_Ka a.png\nrefl c.png\n\
+        newmtl unused\nd 0.1\ndisp d.png\n";
     fs::write(place.path("m.mtl"), library).unwrap();
     let header =
         "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n";
@@ -42,7 +42,7 @@ fn what_is_not_drawn_is_reported_once() {
         [("m.obj", "2 points, 1 line, 1 free-form curve, 2 textures"), ("clear.ply", "2 lines, 1 texture")];
     for (model, list) in cases {
         let warning =
-            format!("warning: {model}: not drawn: {list} (tercio draws triangles without textures)\n");
+            format!("warning: {model}: not drawn: {list} (tercio draws triangles, and textures of ");
         let outcome = place.run(&format!("render {model} -o {model}.a.png --size 32x24 -v --view front"));
         assert_eq!(outcome.code, Some(0), "{}", outcome.stderr);
         assert_eq!(outcome.stderr.matches("not drawn").count(), 1, "{}", outcome.stderr);

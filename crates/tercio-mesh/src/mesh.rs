@@ -4,7 +4,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::{Aabb, OctNormal};
+use crate::{Aabb, FileMaterial, OctNormal};
 
 /// The largest number of vertices or triangles: both are numbered in 32 bits, and the last number is reserved for
 /// "none".
@@ -61,21 +61,6 @@ pub struct Attribute {
     pub domain: AttributeDomain,
     /// One value per element; integers above 2^24 are rounded to `f32`.
     pub values: Vec<f32>,
-}
-
-/// A material as a model file states it.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct FileMaterial {
-    /// The name in the file.
-    pub name: String,
-    /// Diffuse colour as in the file, taken as sRGB, 0 to 1.
-    pub diffuse: [f32; 3],
-    /// Opacity, 0 to 1.
-    pub opacity: f32,
-    /// File name of the diffuse texture, as in the file.
-    pub diffuse_texture: Option<String>,
-    /// File names of all other textures (bumps, highlights, opacity and so on), as in the file.
-    pub other_textures: Vec<String>,
 }
 
 impl Mesh {

@@ -137,7 +137,7 @@ fn the_contents_of_the_files_are_read() {
     assert!(model("trimesh/suzanne.ply").mesh.texcoords.is_some());
     assert!(model("trimesh/featuretype.ply").mesh.normals.is_some());
     let fuze = model("trimesh/fuze.ply").mesh;
-    assert_eq!(fuze.materials[0].diffuse_texture.as_deref(), Some("fuze uv.jpg"));
+    assert_eq!(fuze.materials[0].textures.diffuse.as_ref().map(|t| t.file.as_str()), Some("fuze uv.jpg"));
     assert!(fuze.texcoords.is_some() && fuze.face_colors.is_some());
     assert_eq!(model("assimp/points.ply").report.not_drawn.points, 4);
     // Five edges.

@@ -31,13 +31,7 @@ fn with_triangle_alpha(mesh: Mesh, by_material: bool) -> Mesh {
         let colors = (0..n).map(|t| [200, 100, 50, [255, 0, 90, 254][t * 5 / 2 % 4]]).collect();
         return Mesh { face_colors: Some(colors), ..mesh };
     }
-    let material = |opacity| FileMaterial {
-        name: String::new(),
-        diffuse: [0.9, 0.4, 0.2],
-        opacity,
-        diffuse_texture: None,
-        other_textures: Vec::new(),
-    };
+    let material = |opacity| FileMaterial { diffuse: [0.9, 0.4, 0.2], opacity, ..FileMaterial::default() };
     let materials = vec![material(1.0), material(0.4), material(0.0), material(f32::NAN)];
     let of_triangle = (0..n).map(|_| (random.next() * 4.5) as u32);
     let of_triangle = of_triangle.map(|m| if m == 4 { Mesh::NO_MATERIAL } else { m }).collect();

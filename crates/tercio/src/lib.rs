@@ -27,6 +27,7 @@
 //!   missing normals and splits it into clusters, which is what a renderer draws. A model that was prepared by
 //!   [`Loaded::write_prepared`] is mapped instead. [`LoadOptions`] has the limits, the progress and the choice of
 //!   normals, and loads from memory or only up to the [`Mesh`] itself.
+//! - [`TextureOptions::load`] gives a scene the materials that a model names, with their textures.
 //! - [`scene`] places meshes in the world, lights them and frames them with a camera.
 //! - [`raster`] draws. A [`Renderer`] keeps its memory from frame to frame.
 //! - [`parallel`] draws with several ranks, which share a frame and send each other messages.
@@ -52,6 +53,7 @@ pub mod image;
 mod load;
 mod prepared;
 mod summary;
+mod textures;
 
 pub use bands::{MAX_PIXELS_IN_MEMORY, band_bytes, write_png_in_bands};
 pub use error::{Error, Result};
@@ -61,6 +63,7 @@ pub use load::{
 };
 pub use prepared::Origin;
 pub use summary::{AttributeSummary, MeshSummary};
+pub use textures::{TextureError, TextureOptions, TextureReport, texture_folders, texture_from_bytes};
 
 pub use tercio_mesh::{ClusteredMesh, Mesh};
 pub use tercio_parallel::ParallelError;

@@ -54,12 +54,17 @@ impl LookName {
         }
     }
 
+    /// Strength of all highlights, if they are not those of the model.
+    pub fn specular(self) -> Option<f32> {
+        (self == Self::Plain).then_some(0.0)
+    }
+
     /// A model with this look.
     pub fn scene(self, mesh: Arc<ClusteredMesh>) -> Scene {
         let mut scene = Scene::from_mesh(mesh);
         if self == Self::Plain {
             scene.lights = vec![Light::Ambient { color: [0.1; 3] }, Light::headlight([0.9; 3])];
-            scene.instances[0].surface.specular = 0.0;
+            scene.instances[0].surface.specular = self.specular().unwrap_or_default();
         }
         scene
     }

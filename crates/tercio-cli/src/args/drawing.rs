@@ -93,7 +93,7 @@ pub struct DrawingArgs {
     /// Colour of a model that has none of its own.
     #[arg(long, value_name = "COLOR", value_parser = values::linear_color)]
     color: Option<[f32; 3]>,
-    /// Draws everything in --color, whatever colours the model has.
+    /// Draws everything in --color, whatever colours, materials and textures the model has.
     #[arg(long)]
     no_mesh_colors: bool,
     /// Opacity of the model, 0 to 1. What it covers shines through, in linear light and in the right order, however many
@@ -199,6 +199,11 @@ impl DrawingArgs {
         self.ao.map(|strength| AmbientOcclusion { radius, strength: strength as f32 })
     }
 
+    /// Strength of highlights, if it is given.
+    pub fn specular(&self) -> Option<f32> {
+        self.specular.map(|strength| strength as f32)
+    }
+
     /// Sets lights, colours and background of a scene.
     pub fn dress(&self, scene: &mut Scene) {
         for instance in &mut scene.instances {
@@ -206,7 +211,7 @@ impl DrawingArgs {
             surface.base_color = self.color.unwrap_or(surface.base_color);
             surface.use_mesh_colors = !self.no_mesh_colors;
             surface.opacity = self.opacity.map_or(surface.opacity, |alpha| alpha as f32);
-            surface.specular = self.specular.map_or(surface.specular, |s| s as f32);
+            surface.specular = self.specular().unwrap_or(surface.specular);
         }
         if !self.lights.is_empty() {
             scene.lights = self.lights.iter().flat_map(|l| l.0.clone()).collect();

@@ -6,6 +6,7 @@ pub mod drawing;
 pub mod light;
 pub mod ranks;
 pub mod sampling;
+pub mod textures;
 pub mod values;
 pub mod writing;
 

@@ -14,17 +14,18 @@ use tercio::mesh::cluster::{PartitionOptions, partition};
 use tercio::mesh::{Aabb, ClusteredMesh, Mesh};
 use tercio::raster::{Frame, FrameStats, LastStage, Renderer, Settings};
 use tercio::scene::{Camera, Projection, Scene};
-use tercio::{LoadOptions, Model, Normals};
+use tercio::{LoadOptions, LoadReport, Model, Normals, TextureReport};
 
 use crate::args::bench::{Copies, LookName, StageName, StillArgs};
 use crate::args::drawing::{CullName, TuningArgs};
 use crate::args::sampling::SamplingArgs;
+use crate::args::textures::{TextureArgs, TextureLimits};
 use crate::args::{ModelArgs, RunningArgs, values};
 use crate::named_files::NamedFiles;
 use crate::output::{UsageError, write_text};
 use crate::progress::Display;
-use crate::report::{camera_json, grouped};
-use crate::{ending, memory};
+use crate::report::{self, camera_json, grouped};
+use crate::{ending, memory, messages};
 
 /// Measures how fast a model is drawn: loads it once, then draws views evenly round its vertical axis.
 ///
@@ -70,6 +71,8 @@ pub struct Bench {
     #[arg(long)]
     json: bool,
     #[command(flatten)]
+    textures: TextureArgs,
+    #[command(flatten)]
     sampling: SamplingArgs,
     #[command(flatten)]
     tuning: TuningArgs,
@@ -102,7 +105,7 @@ impl Bench {
     /// # Errors
     /// What went wrong.
     pub fn run(&self) -> Result<ExitCode> {
-        self.sampling.check().map_err(|e| UsageError(e.into()))?;
+        self.textures.check().and_then(|()| self.sampling.check()).map_err(|e| UsageError(e.into()))?;
         let files = NamedFiles::default().reads_model(&self.model.model).prints();
         files.ready()?;
         ending::name_model(self.model.name());
@@ -123,8 +126,9 @@ impl Bench {
         let begin = Instant::now();
         let model = options.open(&self.model.model)?;
         let load_ms = begin.elapsed().as_secs_f64() * 1e3;
-        let (mut scene, partition_ms) = self.scene(model, files, &display)?;
+        let (mut scene, report, partition_ms) = self.scene(model, files, &display)?;
         scene.instances[0].surface.opacity = self.opacity as f32;
+        let textures = self.textures(&mut scene, &report, files, &display)?;
         let copies = Copies::new(self.copies, &scene.bounds());
         copies.place(&mut scene);
         let cameras = self.cameras(&scene.bounds());
@@ -147,12 +151,36 @@ impl Bench {
             frames.push(frame.stats.clone());
         }
         drop(display);
-        let loaded = Loaded { scene: &scene, copies: &copies, load_ms, partition_ms };
+        let loaded =
+            Loaded { scene: &scene, copies: &copies, textures: textures.as_ref(), load_ms, partition_ms };
         Ok(self.report(&loaded, &cameras, &frames))
     }
 
-    /// The model in clusters, with its look, and the milliseconds of partitioning it.
-    fn scene(&self, model: Model, files: &NamedFiles, display: &Display) -> Result<(Scene, f64)> {
+    /// Loads the materials and textures of the model. Their warnings are printed: what is missing makes frames faster.
+    fn textures(
+        &self,
+        scene: &mut Scene,
+        report: &LoadReport,
+        files: &NamedFiles,
+        display: &Display,
+    ) -> Result<Option<TextureReport>> {
+        let model = scene.instances[0].mesh.memory_bytes() as u64;
+        let limits = TextureLimits {
+            memory: self.running.memory_limit().map(|limit| limit.saturating_sub(model) / 4 * 3),
+            progress: &display.progress,
+            specular: self.look.specular(),
+        };
+        let textures = self.textures.load(scene, &self.model.model, report, &limits);
+        if let Some(textures) = &textures {
+            files.check_companions(&self.model.name(), &textures.files)?;
+            let warnings = textures.warnings.iter().filter(|_| !self.running.quiet);
+            warnings.for_each(|w| messages::warning(&format!("{}: {w}", self.model.name())));
+        }
+        Ok(textures)
+    }
+
+    /// The model in clusters, with its look, what was found in it, and the milliseconds of partitioning it.
+    fn scene(&self, model: Model, files: &NamedFiles, display: &Display) -> Result<(Scene, LoadReport, f64)> {
         Ok(match model {
             Model::Mesh(loaded) => {
                 files.check_companions(&self.model.name(), &loaded.report.read.companions)?;
@@ -163,9 +191,11 @@ impl Bench {
                 let begin = Instant::now();
                 let mesh = clusters(mesh, display);
                 let milliseconds = begin.elapsed().as_secs_f64() * 1e3;
-                (self.look.scene(Arc::new(mesh)), milliseconds)
+                (self.look.scene(Arc::new(mesh)), loaded.report, milliseconds)
             }
-            Model::Prepared(loaded) if self.subdivide == 0 => (self.look.scene(loaded.mesh), 0.0),
+            Model::Prepared(loaded) if self.subdivide == 0 => {
+                (self.look.scene(loaded.mesh), loaded.report, 0.0)
+            }
             _ => {
                 let model = self.model.name();
                 let reason =
@@ -197,7 +227,7 @@ impl Bench {
     }
 
     fn report(&self, loaded: &Loaded, cameras: &[Camera], frames: &[FrameStats]) -> String {
-        let &Loaded { scene, copies, load_ms, partition_ms } = loaded;
+        let &Loaded { scene, copies, textures, load_ms, partition_ms } = loaded;
         let mesh = &scene.instances[0].mesh;
         let triangles = mesh.triangle_count() as u64 * scene.instances.len() as u64;
         let total = Spread::of(frames, |f| f.milliseconds.total);
@@ -225,6 +255,7 @@ impl Bench {
                 "partition_ms": partition_ms,
                 "core_bytes_per_triangle": mesh.core_bytes() as f64 / mesh.triangle_count().max(1) as f64,
                 "copies": copies.json(),
+                "textures": textures.map(report::textures_json),
                 "views": cameras.iter().zip(frames).map(|(c, f)| view_json(c, f)).collect::<Vec<_>>(),
                 "peak_memory_bytes": memory::peak_bytes(),
                 "last_frame": last,
@@ -260,6 +291,7 @@ impl Bench {
 struct Loaded<'a> {
     scene: &'a Scene,
     copies: &'a Copies,
+    textures: Option<&'a TextureReport>,
     load_ms: f64,
     partition_ms: f64,
 }

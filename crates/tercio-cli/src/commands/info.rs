@@ -8,8 +8,8 @@ use clap::Args;
 use serde_json::{Value, json};
 use tercio::glam::DVec3;
 use tercio::image::Destination;
-use tercio::mesh::AttributeDomain;
 use tercio::mesh::topology::Topology;
+use tercio::mesh::{AttributeDomain, FileMaterial, FileTexture, TextureRole};
 use tercio::{AttributeSummary, Inspection, LoadOptions, LoadReport, Normals};
 
 use crate::args::{ModelArgs, RunningArgs};
@@ -79,6 +79,26 @@ fn domain(domain: AttributeDomain) -> &'static str {
     }
 }
 
+fn texture_json(texture: &FileTexture) -> Value {
+    json!({
+        "file": texture.file,
+        "clamp": texture.clamp,
+        "offset": texture.offset,
+        "scale": texture.scale,
+        "bump_multiplier": texture.bump_multiplier,
+    })
+}
+
+/// The textures of a material, in words, each after a comma.
+fn texture_list(material: &FileMaterial) -> String {
+    let drawn = material.textures.iter().map(|(role, texture)| match role {
+        TextureRole::Diffuse => format!(", texture {}", texture.file),
+        _ => format!(", {} texture {}", role.name(), texture.file),
+    });
+    let others = material.other_textures.iter().map(|file| format!(", texture that is not drawn {file}"));
+    drawn.chain(others).collect()
+}
+
 fn json(model: &str, loaded: &Inspection) -> Value {
     let mut value = report::load_json(model, &loaded.report);
     let attribute = |a: &AttributeSummary| {
@@ -90,12 +110,21 @@ fn json(model: &str, loaded: &Inspection) -> Value {
             "nans": a.nans,
         })
     };
-    let material = |m: &tercio::mesh::FileMaterial| {
+    let material = |m: &FileMaterial| {
+        let textures =
+            m.textures.iter().map(|(role, texture)| (role.name().to_owned(), texture_json(texture)));
         json!({
             "name": m.name,
             "diffuse": m.diffuse,
             "opacity": m.opacity,
-            "diffuse_texture": m.diffuse_texture,
+            "specular": m.specular,
+            "shininess": m.shininess,
+            "emissive": m.emissive,
+            "roughness": m.roughness,
+            "metallic": m.metallic,
+            "diffuse_texture": m.textures.diffuse.as_ref().map(|t| &t.file),
+            "textures": textures.collect::<serde_json::Map<_, _>>(),
+            "other_textures": m.other_textures,
         })
     };
     value["tercio_version"] = env!("CARGO_PKG_VERSION").into();
@@ -154,8 +183,7 @@ fn text(model: &str, loaded: &Inspection) -> String {
     let present: Vec<_> = present.iter().filter(|p| p.0).map(|p| p.1).collect();
     rows.push(("holds", if present.is_empty() { "positions only".into() } else { present.join(", ") }));
     for material in &loaded.materials {
-        let texture = material.diffuse_texture.iter().map(|t| format!(", texture {t}"));
-        rows.push(("material", format!("{}{}", material.name, texture.collect::<String>())));
+        rows.push(("material", format!("{}{}", material.name, texture_list(material))));
     }
     for a in &report.attributes {
         let range = a.range.map_or("no numbers".into(), |(min, max)| format!("{min} to {max}"));

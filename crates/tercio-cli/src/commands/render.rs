@@ -12,12 +12,13 @@ use tercio::parallel::organisation::{Rank, Task};
 use tercio::parallel::{Communicator as _, FrameReport, Organisation, Ranks, between_processes, in_process};
 use tercio::raster::{AmbientOcclusion, Frame, Outputs, Renderer, Settings};
 use tercio::scene::{Camera, Scene};
-use tercio::{LoadOptions, LoadReport, band_bytes, write_png_in_bands};
+use tercio::{LoadOptions, LoadReport, TextureReport, band_bytes, write_png_in_bands};
 
 use crate::args::camera::CameraArgs;
 use crate::args::drawing::{DrawingArgs, TuningArgs};
 use crate::args::ranks::{Drawers, RanksArgs};
 use crate::args::sampling::SamplingArgs;
+use crate::args::textures::{TextureArgs, TextureLimits};
 use crate::args::writing::WritingArgs;
 use crate::args::{ModelArgs, ProgressMode, RunningArgs};
 use crate::named_files::NamedFiles;
@@ -50,6 +51,8 @@ pub struct Render {
     #[command(flatten)]
     drawing: DrawingArgs,
     #[command(flatten)]
+    textures: TextureArgs,
+    #[command(flatten)]
     sampling: SamplingArgs,
     #[command(flatten)]
     tuning: TuningArgs,
@@ -69,6 +72,8 @@ struct Writing {
 /// A loaded model and its camera.
 struct Loaded {
     report: LoadReport,
+    /// `None` if materials and textures are not used.
+    textures: Option<TextureReport>,
     scene: Scene,
     camera: Camera,
 }
@@ -76,6 +81,7 @@ struct Loaded {
 /// The results of the work, for `--stats`.
 struct Done {
     report: LoadReport,
+    textures: Option<TextureReport>,
     camera: Camera,
     frame: Frame,
     /// The report of every rank, if there are ranks.
@@ -96,7 +102,8 @@ impl Render {
         if self.drawing.occlusion().is_some() {
             plan.outputs = plan.outputs.with(AmbientOcclusion::NEEDED);
         }
-        self.drawing.check().and_then(|()| self.sampling.check()).map_err(|e| UsageError(e.into()))?;
+        let checks = [self.drawing.check(), self.textures.check(), self.sampling.check()];
+        checks.into_iter().collect::<Result<(), _>>().map_err(|e| UsageError(e.into()))?;
         let files = plan.named_files().reads_model(&self.model.model);
         files.check()?;
         let writing = Writing { plan, files, allow_empty: self.writing.allow_empty };
@@ -172,7 +179,7 @@ impl Render {
         loaded: Loaded,
         display: &Display,
     ) -> Result<Done> {
-        let Loaded { report, scene, camera } = loaded;
+        let Loaded { report, textures, scene, camera } = loaded;
         let begin = Instant::now();
         let (progress, allow_empty) = (Some(&*display.progress), writing.allow_empty);
         let stats = writing.plan.write_drawn(&self.model.name(), allow_empty, |out| {
@@ -183,7 +190,7 @@ impl Render {
         let all = begin.elapsed().as_secs_f64() * 1e3;
         let output_milliseconds = (all - frame.stats.milliseconds.total).max(0.0);
         let empty = self.reason(&report, &camera, &frame);
-        Ok(Done { report, camera, frame, parallel: None, output_milliseconds, empty })
+        Ok(Done { report, textures, camera, frame, parallel: None, output_milliseconds, empty })
     }
 
     /// Why nothing was drawn, if that is the case.
@@ -236,11 +243,24 @@ impl Render {
             Ok(writing.files.check_companions(&self.model.name(), &read.companions)?)
         })?;
         let report = loaded.report;
-        self.check_memory(self.frame_bytes(&writing.plan, drawers), report.mesh.bytes)?;
+        let picture = self.frame_bytes(&writing.plan, drawers);
+        self.check_memory(picture, report.mesh.bytes)?;
         let mut scene = Scene::from_mesh(loaded.mesh);
         self.drawing.dress(&mut scene);
+        // Layers of what is not opaque need memory, too.
+        let left = |limit: u64| limit.saturating_sub(picture.saturating_add(report.mesh.bytes)) / 4 * 3;
+        let limits = TextureLimits {
+            memory: self.running.memory_limit().map(left),
+            progress: &display.progress,
+            specular: self.drawing.specular(),
+        };
+        let textures = self.textures.load(&mut scene, &self.model.model, &report, &limits);
+        if let Some(textures) = &textures {
+            // They are not always where the model says.
+            writing.files.check_companions(&self.model.name(), &textures.files)?;
+        }
         let camera = self.camera.camera(&scene, self.drawing.size);
-        Ok(Loaded { report, scene, camera })
+        Ok(Loaded { report, textures, scene, camera })
     }
 
     fn frame(
@@ -297,7 +317,7 @@ impl Render {
         frame: Frame,
         parallel: Option<FrameReport>,
     ) -> Result<Done> {
-        let Loaded { report, scene, camera } = loaded;
+        let Loaded { report, textures, scene, camera } = loaded;
         let empty = self.reason(&report, &camera, &frame);
         let begin = Instant::now();
         // A large model takes longer to free than a picture takes to write.
@@ -306,7 +326,7 @@ impl Render {
         let (written, ()) = rayon::join(write, || drop(scene));
         written?;
         let output_milliseconds = begin.elapsed().as_secs_f64() * 1e3;
-        Ok(Done { report, camera, frame, parallel, output_milliseconds, empty })
+        Ok(Done { report, textures, camera, frame, parallel, output_milliseconds, empty })
     }
 
     fn print_summary(&self, done: &Done) {
@@ -314,16 +334,16 @@ impl Render {
             return;
         }
         let model = self.model.name();
-        for warning in report::warnings(&done.report) {
+        let of_textures = done.textures.iter().flat_map(|textures| textures.warnings.clone());
+        for warning in report::warnings(&done.report).into_iter().chain(of_textures) {
             messages::warning(&format!("{model}: {warning}"));
         }
         // For a model without triangles, the error lists its other content.
         if let Some(list) = report::not_drawn(&done.report.read.not_drawn)
             && done.report.mesh.triangles > 0
         {
-            messages::warning(&format!(
-                "{model}: not drawn: {list} (tercio draws triangles without textures)"
-            ));
+            let drawn = report::drawn(&done.report.read.not_drawn);
+            messages::warning(&format!("{model}: not drawn: {list} ({drawn})"));
         }
         if let Some(why) = report::unused_crease_angle(self.drawing.crease_angle, &done.report) {
             messages::warning(&format!("{model}: {why}"));
@@ -340,6 +360,7 @@ impl Render {
         Ok(json!({
             "tercio_version": env!("CARGO_PKG_VERSION"),
             "load": report::load_json(&self.model.name(), &done.report),
+            "textures": done.textures.as_ref().map(report::textures_json),
             "camera": report::camera_json(&done.camera),
             "picture": {
                 "width": done.frame.width,
@@ -358,7 +379,7 @@ impl Render {
 }
 
 fn print_details(done: &Done) {
-    let Done { report, frame, parallel, output_milliseconds, .. } = done;
+    let Done { report, textures, frame, parallel, output_milliseconds, .. } = done;
     let times = &report.times;
     messages::note(&format!(
         "{}: {}, {}; read {:.1} ms, clean {:.1}, weld {:.1}, normals {:.1}, clusters {:.1}",
@@ -372,6 +393,14 @@ fn print_details(done: &Done) {
         times.partition,
     ));
     report::repairs(report).iter().for_each(|r| messages::note(r));
+    if let Some(textures) = textures.as_ref().filter(|textures| textures.textures > 0) {
+        messages::note(&format!(
+            "{} in {} read in {:.1} ms",
+            report::counted(textures.textures, "texture"),
+            report::size(textures.bytes),
+            textures.milliseconds
+        ));
+    }
     if let Some(FrameReport { messages: sent, bytes, ranks, .. }) = parallel {
         messages::note(&format!(
             "{} ranks sent {} with {} bytes",

@@ -18,6 +18,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::{Mesh, OctNormal, Progress, ReadError};
+pub use companions::relative;
 use input::Input;
 pub use not_drawn::NotDrawn;
 pub use sniff::sniff;

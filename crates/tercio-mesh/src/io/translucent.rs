@@ -102,13 +102,7 @@ mod tests {
 
     #[test]
     fn materials_count_if_nothing_else_has_colours() {
-        let material = |opacity| FileMaterial {
-            name: String::new(),
-            diffuse: [1.0; 3],
-            opacity,
-            diffuse_texture: None,
-            other_textures: Vec::new(),
-        };
+        let material = |opacity| FileMaterial { opacity, ..FileMaterial::default() };
         let mut mesh = Mesh {
             materials: vec![material(0.0), material(1.0)],
             triangle_materials: Some(vec![0, Mesh::NO_MATERIAL]),

@@ -7,9 +7,9 @@ use rayon::prelude::*;
 
 use crate::error::{Place, counted, printable};
 use crate::io::{NotDrawn, ReadModel, ReadOptions, ReadReport, Translucent, input::Input};
-use crate::mesh::{Attribute, AttributeDomain, FileMaterial, MAX_ELEMENTS, localize};
+use crate::mesh::{Attribute, AttributeDomain, MAX_ELEMENTS, localize};
 use crate::polygon::Triangulator;
-use crate::{Mesh, OctNormal, ReadError};
+use crate::{FileMaterial, Mesh, OctNormal, ReadError};
 
 use super::faces::NONE;
 use super::lines::join;

@@ -16,7 +16,7 @@ use super::wedges;
 use crate::error::{ReadError, counted, ignored_empty_faces};
 use crate::io::{ReadModel, ReadReport, companions};
 use crate::mesh::{MAX_ELEMENTS, choose_origin, localize};
-use crate::{Aabb, Attribute, AttributeDomain, FileMaterial, Mesh};
+use crate::{Aabb, Attribute, AttributeDomain, FileMaterial, FileTexture, FileTextures, Mesh};
 
 /// Assembles the mesh.
 pub(super) fn model(
@@ -33,7 +33,6 @@ pub(super) fn model(
     let mut tables: Vec<(Plan, Table)> = plans.into_iter().zip(tables).collect();
     let edges = header.elements.iter().filter(|e| e.name == "edge").map(|e| e.count);
     report.not_drawn.lines = edges.fold(0, u64::saturating_add);
-    report.not_drawn.textures = header.textures.iter().collect::<HashSet<_>>().len() as u64;
     if let Some(folder) = folder {
         companions::note(&mut report.companions, folder, header.textures.iter());
     }
@@ -83,6 +82,10 @@ pub(super) fn model(
     mesh.triangles = triangles.list;
     mesh.face_of_triangle = triangles.face_of_triangle;
     materials(job, header, &mut mesh)?;
+    if mesh.materials.is_empty() {
+        // Without texture coordinates they cannot be drawn.
+        report.not_drawn.textures = header.textures.iter().collect::<HashSet<_>>().len() as u64;
+    }
     Ok(ReadModel { mesh, report })
 }
 
@@ -205,9 +208,8 @@ fn materials(job: &Job, header: &Header, mesh: &mut Mesh) -> Result<(), ReadErro
     let material = |file: &String| FileMaterial {
         name: file.clone(),
         diffuse: [1.0; 3],
-        opacity: 1.0,
-        diffuse_texture: Some(file.clone()),
-        other_textures: Vec::new(),
+        textures: FileTextures { diffuse: Some(FileTexture::new(file)), ..FileTextures::default() },
+        ..FileMaterial::default()
     };
     mesh.materials = header.textures.iter().map(material).collect();
     let numbers = mesh

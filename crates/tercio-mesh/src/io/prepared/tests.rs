@@ -5,7 +5,7 @@ use super::*;
 use crate::cluster::{ClusteredMesh, PartitionOptions, partition};
 use crate::io::ReadOptions;
 use crate::io::input::{self, Input};
-use crate::{Attribute, AttributeDomain, FileMaterial, Mesh, ReadError, builtin};
+use crate::{Attribute, AttributeDomain, FileMaterial, FileTexture, FileTextures, Mesh, ReadError, builtin};
 
 /// A mesh with everything that a mesh can have.
 fn mesh() -> Mesh {
@@ -24,8 +24,17 @@ fn mesh() -> Mesh {
             name: name.into(),
             diffuse: [0.1, 1.0 / 3.0, 0.7],
             opacity: 0.3,
-            diffuse_texture: Some("wood.png".into()),
+            specular: Some([0.1, 0.2, 1.0 / 3.0]),
+            textures: FileTextures {
+                diffuse: Some(FileTexture {
+                    clamp: true,
+                    scale: [0.7, -1.1],
+                    ..FileTexture::new("wood.png")
+                }),
+                ..FileTextures::default()
+            },
             other_textures: vec!["bump.png".into()],
+            ..FileMaterial::default()
         })
         .into();
     mesh.attributes = vec![

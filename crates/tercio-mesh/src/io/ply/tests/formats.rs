@@ -1,7 +1,7 @@
 //! What the format allows.
 
 use super::*;
-use crate::{AttributeDomain, Mesh, OctNormal};
+use crate::{AttributeDomain, FileTexture, Mesh, OctNormal};
 
 #[test]
 fn every_scalar_type_in_every_encoding() {
@@ -260,7 +260,7 @@ fn texture_seams_split_vertices() {
         assert_eq!(mesh.positions[4..], [[1., 1., 0.], [1., 1., 0.], [1., 0., 0.]]);
         let uv = mesh.texcoords.as_ref().unwrap();
         assert_eq!(uv[..], [[0., 0.], [1., 0.], [1., 1.], [0., 1.], [0.5, 0.5], [0., 0.], [0., 0.]]);
-        assert_eq!(mesh.materials[0].diffuse_texture.as_deref(), Some("a  b.png"));
+        assert_eq!(mesh.materials[0].textures.diffuse, Some(FileTexture::new("a  b.png")));
         assert_eq!(mesh.triangle_materials, Some(vec![0, 1, Mesh::NO_MATERIAL]));
         assert_eq!(model.report.warnings.len(), 1);
     }

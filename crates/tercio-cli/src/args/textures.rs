@@ -1,0 +1,82 @@
+//! Options of the textures of a model.
+
+use std::path::Path;
+
+use clap::{Args, ValueEnum};
+use tercio::mesh::Progress;
+use tercio::scene::{AlphaMode, Scene};
+use tercio::{LoadReport, TextureOptions, TextureReport, texture_folders};
+
+use super::values;
+
+/// What the alpha of textures means.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum TextureAlphaName {
+    /// What is behind shines through.
+    #[default]
+    Blend,
+    /// What is less opaque than --alpha-cutoff is invisible, everything else opaque.
+    Cutout,
+    /// Textures are opaque.
+    Ignore,
+}
+
+/// Materials and textures of the model.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Textures")]
+pub struct TextureArgs {
+    /// Draws materials in their plain colours, without textures and highlights of their own.
+    #[arg(long)]
+    no_textures: bool,
+    /// What the alpha of textures means.
+    #[arg(long, value_name = "HOW", value_enum, default_value_t)]
+    texture_alpha: TextureAlphaName,
+    /// Least alpha that is drawn with --texture-alpha cutout, 0 to 1 [default: 0.5].
+    #[arg(long, value_name = "ALPHA", allow_negative_numbers = true, value_parser = values::share)]
+    alpha_cutoff: Option<f64>,
+}
+
+/// What textures may take, and what the command line says about highlights.
+pub struct TextureLimits<'a> {
+    /// Most bytes of textures and their decoding.
+    pub memory: Option<u64>,
+    /// Receives the progress.
+    pub progress: &'a Progress,
+    /// Strength of all highlights, if given.
+    pub specular: Option<f32>,
+}
+
+impl TextureArgs {
+    /// `--alpha-cutoff` without any effect is reported as a mistake.
+    pub fn check(&self) -> Result<(), &'static str> {
+        if self.alpha_cutoff.is_some() && self.texture_alpha != TextureAlphaName::Cutout {
+            return Err("--alpha-cutoff has no effect without --texture-alpha cutout");
+        }
+        Ok(())
+    }
+
+    /// Gives the first instance of a scene the materials and textures of its model; `None` if they are not used.
+    pub fn load(
+        &self,
+        scene: &mut Scene,
+        model: &Path,
+        report: &LoadReport,
+        limits: &TextureLimits,
+    ) -> Option<TextureReport> {
+        if self.no_textures || !scene.instances[0].surface.use_mesh_colors {
+            return None;
+        }
+        let alpha_mode = match self.texture_alpha {
+            TextureAlphaName::Blend => AlphaMode::Blend,
+            TextureAlphaName::Cutout => AlphaMode::Cutout(self.alpha_cutoff.unwrap_or(0.5) as f32),
+            TextureAlphaName::Ignore => AlphaMode::Opaque,
+        };
+        let options = TextureOptions {
+            memory_limit: limits.memory,
+            progress: Some(limits.progress),
+            alpha_mode,
+            specular: limits.specular,
+        };
+        Some(options.load(scene, 0, &texture_folders(model, report)))
+    }
+}
