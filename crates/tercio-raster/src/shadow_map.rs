@@ -1,7 +1,7 @@
 //! Shadow maps, and where a point of an instance is in them. [`crate::shadows`] draws them.
 
 use glam::DVec3;
-use tercio_scene::Instance;
+use tercio_scene::{Instance, Light};
 
 use crate::view::ObjectView;
 
@@ -41,6 +41,22 @@ pub(crate) struct ShadowMap {
 }
 
 impl ShadowMaps {
+    /// Bytes that the maps of these lights take, and the picture while one is drawn.
+    pub fn needed_bytes(lights: &[Light], size: u32) -> u64 {
+        let square = |size: u32| u64::from(size) * u64::from(size) * size_of::<f32>() as u64;
+        let maps = lights.iter().map(|light| match light {
+            Light::Ambient { .. } | Light::Wide { .. } => 0,
+            Light::Directional { .. } | Light::Spot { .. } => square(size),
+            Light::Point { .. } => 6 * square(Self::size_of_face(size)),
+        });
+        maps.sum::<u64>() + square(size)
+    }
+
+    /// Texels along the edge of a face of a point light's cube.
+    pub(crate) fn size_of_face(size: u32) -> u32 {
+        size.div_ceil(2).max(16)
+    }
+
     /// Bytes that the maps take.
     pub fn bytes(&self) -> usize {
         let near = self.near.iter().flat_map(|maps| &maps.faces);

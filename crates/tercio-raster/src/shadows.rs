@@ -26,7 +26,7 @@ impl ShadowMaps {
     /// Default texels along the edge of a shadow map.
     pub const SIZE: u32 = 2048;
 
-    /// Draws the shadow maps, each with `size` x `size` texels.
+    /// Draws the shadow maps, each with `size` x `size` texels; those of a point light have half as many along an edge.
     ///
     /// # Errors
     /// As [`Renderer::render`].
@@ -93,6 +93,10 @@ struct Artist<'a> {
 }
 
 impl Artist<'_> {
+    fn resize(&mut self, size: u32) {
+        (self.settings.width, self.settings.height) = (size, size);
+    }
+
     fn distant(&mut self, whole: &Scene, to_light: DVec3) -> Result<ShadowMap, RenderError> {
         let bounds = whole.bounds();
         let (target, radius) =

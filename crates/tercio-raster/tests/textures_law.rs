@@ -33,13 +33,7 @@ fn textured(mut mesh: Mesh, materials: usize, seed: u64) -> Mesh {
     };
     let vertices = mesh.positions.len();
     mesh.texcoords = Some((0..vertices).map(|_| [reach(&mut random), reach(&mut random)]).collect());
-    let material = FileMaterial {
-        name: String::new(),
-        diffuse: [0.5; 3],
-        opacity: 1.0,
-        diffuse_texture: None,
-        other_textures: Vec::new(),
-    };
+    let material = FileMaterial { diffuse: [0.5; 3], ..FileMaterial::default() };
     mesh.materials = vec![material; materials];
     let mut of_triangle = || match (random.next() * (materials + 1) as f64) as usize {
         m if m < materials => m as u32,

@@ -90,4 +90,18 @@ impl Light {
             camera(0.1, -0.9, 0.2, [0.03, 0.027, 0.025], false),
         ]
     }
+
+    /// [`Light::studio`] with a key light that casts shadows: half of it directional, the other half wide, so that what is in
+    /// shadow keeps its form.
+    pub fn sunlit_studio() -> Vec<Self> {
+        let mut lights = Self::studio();
+        if let Some(Self::Wide { to_light, space, color, highlight }) = lights.first_mut() {
+            let (to_light, space) = (*to_light, *space);
+            let sun = Self::Directional { to_light, space, color: color.map(|c| 0.62 * c) };
+            *color = color.map(|c| 0.45 * c);
+            *highlight = false;
+            lights.push(sun);
+        }
+        lights
+    }
 }

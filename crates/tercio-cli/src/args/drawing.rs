@@ -1,9 +1,13 @@
 //! Options of the look of the model and of how it is drawn.
 
+use std::sync::Arc;
+
 use clap::{Args, ValueEnum};
 use tercio::Normals;
-use tercio::raster::{AmbientOcclusion, Binning, Cull, Outputs, Settings, Shading, SimdLevel, Sorting};
-use tercio::scene::{Background, Scene};
+use tercio::raster::{
+    AmbientOcclusion, Binning, Cull, Outputs, RenderError, Settings, Shading, ShadowMaps, SimdLevel, Sorting,
+};
+use tercio::scene::{Background, Camera, Light, Scene};
 
 use super::light::{self, LightSpec};
 use super::sampling::SamplingArgs;
@@ -18,6 +22,8 @@ pub enum ShadingName {
     Gouraud,
     /// At every pixel.
     Phong,
+    /// At every pixel, physically based: from roughness and metallicity, with a Fresnel term.
+    Pbr,
     /// Not at all: plain colours.
     Unlit,
 }
@@ -106,6 +112,17 @@ pub struct DrawingArgs {
     /// Strength of highlights, 0 for none.
     #[arg(long, value_name = "STRENGTH", allow_negative_numbers = true, value_parser = values::not_negative)]
     specular: Option<f64>,
+    /// Roughness of surfaces without one of their own, 0 to 1, for --shading pbr [default: 0.5].
+    #[arg(long, value_name = "SHARE", allow_negative_numbers = true, value_parser = values::share)]
+    roughness: Option<f64>,
+    /// Metallicity of surfaces without one of their own, 0 to 1, for --shading pbr [default: 0].
+    #[arg(long, value_name = "SHARE", allow_negative_numbers = true, value_parser = values::share)]
+    metallic: Option<f64>,
+    /// Draws the shadows of directional, point and spot lights, from shadow maps with this many texels along an edge, 16 to
+    /// 16384 [default: 2048]. Without --light, the brightest of the default lights becomes a directional one.
+    #[arg(long, value_name = "TEXELS", num_args = 0..=1, default_missing_value = "2048", require_equals = true)]
+    #[arg(value_parser = clap::value_parser!(u32).range(16..=16384))]
+    shadows: Option<u32>,
     /// Darkens gaps and pockets that little of the surroundings' light can reach, with a strength of 0 to 1.
     #[arg(long, value_name = "STRENGTH", num_args = 0..=1, default_missing_value = "1", require_equals = true)]
     #[arg(value_parser = values::share)]
@@ -166,6 +183,7 @@ impl DrawingArgs {
                 ShadingName::Flat => Shading::Flat,
                 ShadingName::Gouraud => Shading::Gouraud,
                 ShadingName::Phong => Shading::Phong,
+                ShadingName::Pbr => Shading::Physical,
                 ShadingName::Unlit => Shading::Unlit,
             },
             sampling: sampling.sampling(),
@@ -184,7 +202,7 @@ impl DrawingArgs {
         let seen = match self.shading {
             ShadingName::Flat => false,
             ShadingName::Unlit => outputs.normals,
-            ShadingName::Gouraud | ShadingName::Phong => true,
+            ShadingName::Gouraud | ShadingName::Phong | ShadingName::Pbr => true,
         };
         match self.crease_angle {
             _ if !seen => Normals::File,
@@ -204,6 +222,24 @@ impl DrawingArgs {
         self.specular.map(|strength| strength as f32)
     }
 
+    /// The shadows of a scene's lights, if they are requested.
+    ///
+    /// # Errors
+    /// [`RenderError`].
+    pub fn shadows(
+        &self,
+        scene: &Scene,
+        camera: &Camera,
+        settings: &Settings,
+    ) -> Result<Option<Arc<ShadowMaps>>, RenderError> {
+        self.shadows.map(|size| ShadowMaps::draw(scene, camera, settings, size).map(Arc::new)).transpose()
+    }
+
+    /// Bytes of the shadow maps, at most.
+    pub fn shadow_bytes(&self, scene: &Scene) -> u64 {
+        self.shadows.map_or(0, |size| ShadowMaps::needed_bytes(&scene.lights, size))
+    }
+
     /// Sets lights, colours and background of a scene.
     pub fn dress(&self, scene: &mut Scene) {
         for instance in &mut scene.instances {
@@ -212,9 +248,13 @@ impl DrawingArgs {
             surface.use_mesh_colors = !self.no_mesh_colors;
             surface.opacity = self.opacity.map_or(surface.opacity, |alpha| alpha as f32);
             surface.specular = self.specular().unwrap_or(surface.specular);
+            surface.roughness = self.roughness.map_or(surface.roughness, |r| r as f32);
+            surface.metallic = self.metallic.map_or(surface.metallic, |m| m as f32);
         }
         if !self.lights.is_empty() {
             scene.lights = self.lights.iter().flat_map(|l| l.0.clone()).collect();
+        } else if self.shadows.is_some() {
+            scene.lights = Light::sunlit_studio();
         }
         scene.background = self.background.unwrap_or(scene.background);
     }
@@ -232,6 +272,17 @@ impl DrawingArgs {
     pub fn check(&self) -> Result<(), &'static str> {
         if self.shading == ShadingName::Unlit && !self.lights.is_empty() {
             return Err("--light has no effect with --shading unlit");
+        }
+        if self.shading == ShadingName::Unlit && self.shadows.is_some() {
+            return Err("--shadows has no effect with --shading unlit");
+        }
+        let casts = |light: &Light| !matches!(light, Light::Ambient { .. } | Light::Wide { .. });
+        let lights = || self.lights.iter().flat_map(|spec| &spec.0);
+        if self.shadows.is_some() && !self.lights.is_empty() && !lights().any(casts) {
+            return Err("--shadows needs a directional, point or spot light, such as --light dir:1,2,1");
+        }
+        if self.shading != ShadingName::Pbr && (self.roughness.is_some() || self.metallic.is_some()) {
+            return Err("--roughness and --metallic have no effect without --shading pbr");
         }
         Ok(())
     }

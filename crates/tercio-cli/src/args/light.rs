@@ -19,8 +19,11 @@ A light; may be given several times, and then replaces the default lights:
   wide:X,Y,Z[:COLOR]           the same from a wide area: soft, without a line between lit and unlit sides
   camera-dir:X,Y,Z[:COLOR]     as dir, moving with the camera (x right, y up, z to the viewer)
   point:X,Y,Z[:COLOR]          from a point in the world
+  spot:X,Y,Z:DX,DY,DZ:DEG[:COLOR]
+                               from a point X,Y,Z into a cone around the direction DX,DY,DZ, up to DEG degrees from it
   camera-wide:X,Y,Z[:COLOR]    as wide, moving with the camera
   camera-point:X,Y,Z[:COLOR]   as point, moving with the camera
+  camera-spot:...              as spot, moving with the camera
   head[:COLOR]                 from the camera
   studio                       the default lights
 COLOR is #rrggbb, #rrggbb*STRENGTH or *STRENGTH";
@@ -45,6 +48,7 @@ impl FromStr for LightSpec {
             directed().map(|(to_light, color)| Light::Wide { to_light, space, color, highlight: true })
         };
         let point = |space| placed().map(|(position, color)| Light::Point { position, space, color });
+        let spot = |space| spot(kind, rest.unwrap_or_default(), space);
         let light = match (kind, rest) {
             ("studio", None) => return Ok(Self(Light::studio())),
             ("ambient", Some(tint)) => Light::Ambient { color: color(Some(tint))? },
@@ -55,14 +59,35 @@ impl FromStr for LightSpec {
             ("camera-wide", _) => wide(LightSpace::Camera)?,
             ("point", _) => point(LightSpace::World)?,
             ("camera-point", _) => point(LightSpace::Camera)?,
+            ("spot", _) => spot(LightSpace::World)?,
+            ("camera-spot", _) => spot(LightSpace::Camera)?,
             _ => {
-                return Err("expected ambient:COLOR, dir:X,Y,Z, wide:X,Y,Z, point:X,Y,Z, camera-dir:X,Y,Z, \
-                            camera-wide:X,Y,Z, camera-point:X,Y,Z, head or studio"
-                    .into());
+                return Err(
+                    "expected ambient:COLOR, dir:X,Y,Z, wide:X,Y,Z, point:X,Y,Z, spot:X,Y,Z:DX,DY,DZ:DEG, \
+                            any of these but ambient with camera- before, head or studio"
+                        .into(),
+                );
             }
         };
         Ok(Self(vec![light]))
     }
+}
+
+/// `X,Y,Z:DX,DY,DZ:DEG[:COLOR]`.
+fn spot(kind: &str, text: &str, space: LightSpace) -> Result<Light, String> {
+    let fields: Vec<&str> = text.splitn(4, ':').collect();
+    let &[position, direction, degrees, ..] = &fields[..] else {
+        return Err(format!("expected {kind}:X,Y,Z:DX,DY,DZ:DEG[:COLOR]"));
+    };
+    let (position, direction) = (vector(position)?, vector(direction)?);
+    if direction == DVec3::ZERO {
+        return Err("the direction of a light must not be 0,0,0".into());
+    }
+    let angle = positive(degrees)?.to_radians();
+    if angle >= std::f64::consts::FRAC_PI_2 {
+        return Err("the angle of a spot light must be below 90 degrees".into());
+    }
+    Ok(Light::Spot { position, direction, space, angle, color: color(fields.get(3).copied())? })
 }
 
 /// `#rrggbb`, `#rrggbb*k` or `*k`; white by default.
@@ -92,13 +117,31 @@ mod tests {
         let space = LightSpace::Camera;
         assert_eq!(one("camera-point:0,1,-2"), Light::Point { position: to_light, space, color: [1.0; 3] });
         assert_eq!("studio".parse::<LightSpec>().unwrap().0, Light::studio());
+        let (position, direction) = (DVec3::new(1.0, 2.0, 3.0), DVec3::new(0.0, -1.0, 0.0));
+        let (space, angle) = (LightSpace::World, 30f64.to_radians());
+        let spot = Light::Spot { position, direction, space, angle, color: red };
+        assert_eq!(one("spot:1,2,3:0,-1,0:30:#f00"), spot);
+        let spot = Light::Spot { position, direction, space: LightSpace::Camera, angle, color: [1.0; 3] };
+        assert_eq!(one("camera-spot:1,2,3:0,-1,0:30"), spot);
     }
 
     #[test]
     fn nonsense_is_refused() {
-        for bad in
-            ["", "sun", "ambient", "dir", "dir:0,0,0", "dir:1,2", "point:1,2,3:blue", "head:*-1", "head:*"]
-        {
+        for bad in [
+            "",
+            "sun",
+            "ambient",
+            "dir",
+            "dir:0,0,0",
+            "dir:1,2",
+            "point:1,2,3:blue",
+            "head:*-1",
+            "head:*",
+            "spot:1,2,3",
+            "spot:1,2,3:0,0,0:30",
+            "spot:1,2,3:0,0,1:90",
+            "spot:1,2,3:0,0,1:0",
+        ] {
             assert!(bad.parse::<LightSpec>().is_err(), "{bad}");
         }
     }

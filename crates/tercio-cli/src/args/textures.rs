@@ -4,6 +4,7 @@ use std::path::Path;
 
 use clap::{Args, ValueEnum};
 use tercio::mesh::Progress;
+use tercio::raster::TextureFilter;
 use tercio::scene::{AlphaMode, Scene};
 use tercio::{LoadReport, TextureOptions, TextureReport, texture_folders};
 
@@ -21,6 +22,20 @@ pub enum TextureAlphaName {
     Ignore,
 }
 
+/// How textures are sampled.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum TextureFilterName {
+    /// The nearest texel, as it is.
+    Nearest,
+    /// Interpolated between texels.
+    Bilinear,
+    /// Interpolated between texels and mipmaps.
+    Trilinear,
+    /// The same at up to 16 points along the ellipse that a pixel covers.
+    #[default]
+    Anisotropic,
+}
+
 /// Materials and textures of the model.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Textures")]
@@ -34,6 +49,9 @@ pub struct TextureArgs {
     /// Least alpha that is drawn with --texture-alpha cutout, 0 to 1 [default: 0.5].
     #[arg(long, value_name = "ALPHA", allow_negative_numbers = true, value_parser = values::share)]
     alpha_cutoff: Option<f64>,
+    /// How textures are sampled.
+    #[arg(long, value_name = "HOW", value_enum, default_value_t)]
+    texture_filter: TextureFilterName,
 }
 
 /// What textures may take, and what the command line says about highlights.
@@ -47,6 +65,16 @@ pub struct TextureLimits<'a> {
 }
 
 impl TextureArgs {
+    /// How textures are sampled.
+    pub fn filter(&self) -> TextureFilter {
+        match self.texture_filter {
+            TextureFilterName::Nearest => TextureFilter::Nearest,
+            TextureFilterName::Bilinear => TextureFilter::Bilinear,
+            TextureFilterName::Trilinear => TextureFilter::Trilinear,
+            TextureFilterName::Anisotropic => TextureFilter::Anisotropic,
+        }
+    }
+
     /// `--alpha-cutoff` without any effect is reported as a mistake.
     pub fn check(&self) -> Result<(), &'static str> {
         if self.alpha_cutoff.is_some() && self.texture_alpha != TextureAlphaName::Cutout {

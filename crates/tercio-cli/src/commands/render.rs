@@ -111,6 +111,7 @@ impl Render {
         if let Some(limit) = self.running.memory_limit() {
             settings.layer_memory = settings.layer_memory.min((limit / 4) as usize);
         }
+        settings.texture_filter = self.textures.filter();
         settings.check().map_err(|e| UsageError(e.to_string()))?;
         let processes = mpi::processes();
         let drawers = self.ranks.drawers(processes)?;
@@ -149,6 +150,7 @@ impl Render {
     fn draw(&self, writing: &Writing, settings: &Settings, drawers: Drawers) -> Result<Done> {
         let display = Display::new(self.running.progress_mode());
         let loaded = self.load(writing, &display, drawers)?;
+        let settings = &self.with_shadows(settings, &loaded, &display)?;
         if self.is_in_bands(&writing.plan, drawers) {
             return self.draw_in_bands(writing, settings, loaded, &display);
         }
@@ -159,6 +161,13 @@ impl Render {
         self.occlude(&mut frame, &loaded, settings)?;
         display.stage("writing");
         self.write(writing, loaded, frame, parallel)
+    }
+
+    /// Settings with the shadows of the scene's lights, if they are requested. Every rank draws the same ones.
+    fn with_shadows(&self, settings: &Settings, loaded: &Loaded, display: &Display) -> Result<Settings> {
+        display.stage("drawing shadows");
+        let shadows = self.drawing.shadows(&loaded.scene, &loaded.camera, settings);
+        Ok(Settings { shadows: shadows.with_context(|| self.model.name())?, ..settings.clone() })
     }
 
     /// Applies ambient occlusion, if it is requested.
@@ -218,6 +227,7 @@ impl Render {
         }
         let display = Display::new(if writes { self.running.progress_mode() } else { ProgressMode::Never });
         let loaded = self.load(writing, &display, Drawers::Mpi(organisation))?;
+        let settings = &self.with_shadows(settings, &loaded, &display)?;
         display.stage("drawing");
         let organisation = self.ranks.organisation(organisation, &loaded.scene);
         let task = Task { organisation, scene: &loaded.scene, camera: &loaded.camera, settings };
@@ -259,6 +269,9 @@ impl Render {
             // They are not always where the model says.
             writing.files.check_companions(&self.model.name(), &textures.files)?;
         }
+        let taken =
+            report.mesh.bytes.saturating_add(textures.as_ref().map_or(0, |textures| textures.bytes as u64));
+        self.check_memory(picture.saturating_add(self.drawing.shadow_bytes(&scene)), taken)?;
         let camera = self.camera.camera(&scene, self.drawing.size);
         Ok(Loaded { report, textures, scene, camera })
     }

@@ -7,7 +7,7 @@ use super::corners::Corners;
 use super::light::Vec3x16;
 use crate::context::FrameContext;
 use crate::conventions::SMALL_EXTENT;
-use crate::projection::clip::barycentrics_unclipped;
+use crate::projection::clip::{barycentric_change, barycentrics_unclipped};
 use crate::simd::{LANES, each3, part, splat, splat_i};
 use crate::view::ObjectView;
 
@@ -238,9 +238,9 @@ fn recompute_gradients<S: Simd>(
         for (k, of_axis) in gradients.iter_mut().enumerate() {
             let mut beside = at;
             beside[k] += step;
-            let (weight, _) = barycentrics_unclipped(object, positions, beside);
-            for (to, weight) in of_axis.iter_mut().zip(weight) {
-                to[lane] = weight;
+            let change = barycentric_change(object, positions, at, beside);
+            for (to, change) in of_axis.iter_mut().zip(change) {
+                to[lane] = change;
             }
         }
     }

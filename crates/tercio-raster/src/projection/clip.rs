@@ -118,14 +118,34 @@ pub fn barycentrics_unclipped(
     positions: [[f32; 3]; 3],
     sample: [f64; 2],
 ) -> ([f32; 3], bool) {
+    let (e, sum) = areas(view, positions, sample);
+    let l = e.map(|e| (e / sum).max(0.0));
+    let total = (l[0] + l[1]) + l[2];
+    let l = if total > 0.0 && total.is_finite() { l.map(|l| (l / total) as f32) } else { [1.0, 0.0, 0.0] };
+    (l, sum > 0.0)
+}
+
+/// The change of [`barycentrics_unclipped`] inside the triangle from a sample to the one next to it, which may be outside.
+pub fn barycentric_change(
+    view: &ObjectView,
+    positions: [[f32; 3]; 3],
+    sample: [f64; 2],
+    beside: [f64; 2],
+) -> [f32; 3] {
+    let [here, there] = [sample, beside].map(|at| {
+        let (e, sum) = areas(view, positions, at);
+        e.map(|e| e / sum)
+    });
+    let change = [0, 1, 2].map(|k| (there[k] - here[k]) as f32);
+    if change.iter().all(|c| c.is_finite()) { change } else { [0.0; 3] }
+}
+
+/// Twice the areas between a sample and two corners, in homogeneous coordinates, and their sum.
+fn areas(view: &ObjectView, positions: [[f32; 3]; 3], sample: [f64; 2]) -> ([f64; 3], f64) {
     let v = positions.map(|p| to_clip(view, p));
     // Each corner relative to the sample, whose own x and y become 0.
     let s = v.map(|v| [v.x - sample[0] * v.w, v.y - sample[1] * v.w]);
     let cross = |a: [f64; 2], b: [f64; 2]| a[0] * b[1] - a[1] * b[0];
     let e = [cross(s[1], s[2]), cross(s[2], s[0]), cross(s[0], s[1])];
-    let sum = (e[0] + e[1]) + e[2];
-    let l = e.map(|e| (e / sum).max(0.0));
-    let total = (l[0] + l[1]) + l[2];
-    let l = if total > 0.0 && total.is_finite() { l.map(|l| (l / total) as f32) } else { [1.0, 0.0, 0.0] };
-    (l, sum > 0.0)
+    (e, (e[0] + e[1]) + e[2])
 }

@@ -9,7 +9,7 @@ use crate::color::DECODE;
 use crate::context::is_elaborate;
 use crate::conventions::{SMALL_EXTENT, SUBPIXELS};
 use crate::lighting::LightRig;
-use crate::projection::clip::barycentrics_unclipped;
+use crate::projection::clip::{barycentric_change, barycentrics_unclipped};
 use crate::sampling::SampleShading;
 use crate::settings::{Settings, Shading};
 use crate::shadow_map::ObjectShadows;
@@ -266,14 +266,15 @@ fn interpolation(object: &ObjectView, p: [Vec3; 3], sample: [i32; 2], settings: 
         let from_middle = [0, 1].map(|k| f64::from(sample[k]) - f64::from(object.offset[k]));
         let (weight, clockwise) = barycentrics_unclipped(object, p, from_middle);
         let step = f64::from(step);
-        let beside =
-            |x: f64, y: f64| barycentrics_unclipped(object, p, [from_middle[0] + x, from_middle[1] + y]).0;
+        let change = |x: f64, y: f64| {
+            barycentric_change(object, p, from_middle, [from_middle[0] + x, from_middle[1] + y])
+        };
         return Interpolation {
             area: weight.map(|w| if clockwise { -w } else { w }),
             scale: [1.0; 3],
             weight,
-            right: beside(step, 0.0),
-            down: beside(0.0, step),
+            right: change(step, 0.0),
+            down: change(0.0, step),
         };
     }
     let area = areas(v.map(|v| v.x - sample[0]), v.map(|v| v.y - sample[1]));
