@@ -47,6 +47,7 @@
 #![forbid(unsafe_code)]
 
 mod bands;
+mod clipping;
 mod error;
 pub mod image;
 mod load;
@@ -54,6 +55,7 @@ mod prepared;
 mod summary;
 
 pub use bands::{MAX_PIXELS_IN_MEMORY, band_bytes, write_png_in_bands};
+pub use clipping::{ClipReport, Clipping};
 pub use error::{Error, Result};
 pub use image::{ImageError, Picture};
 pub use load::{
