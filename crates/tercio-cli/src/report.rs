@@ -20,6 +20,28 @@ pub fn unused_crease_angle(angle: Option<f64>, report: &LoadReport) -> Option<St
     Some(format!("--crease-angle has no effect: {reason}"))
 }
 
+/// Why nothing of a model was drawn, if all of it was cut away.
+pub fn all_clipped(report: &LoadReport) -> Option<String> {
+    let clipped = report.clipped.filter(|c| c.removed > 0 && report.mesh.triangles == 0)?;
+    let all = match clipped.removed {
+        1 => "the only triangle is".into(),
+        n => format!("all {n} triangles are"),
+    };
+    Some(format!("nothing was drawn: {all} on the other side of a plane (--clip)"))
+}
+
+/// What was cut away, in words; `None` if nothing was.
+pub fn clipped(report: &LoadReport) -> Option<String> {
+    let clipped = report.clipped?;
+    Some(format!(
+        "{} cut away, {} cut; {} capped with {}",
+        counted(clipped.removed, "triangle"),
+        counted(clipped.cut, "triangle"),
+        counted(clipped.outlines, "outline"),
+        counted(clipped.cap_triangles, "triangle"),
+    ))
+}
+
 /// Everything about the loading of a model.
 pub fn load_json(model: &str, report: &LoadReport) -> Value {
     let mesh = &report.mesh;
@@ -50,6 +72,7 @@ pub fn load_json(model: &str, report: &LoadReport) -> Value {
             "non_finite_triangles": report.cleaned.non_finite_triangles,
             "welded_vertices": report.welded.unwrap_or(0),
         },
+        "clipped": report.clipped,
         "not_drawn": not_drawn_json(&report.read.not_drawn),
         "translucent": report.read.translucent,
         "warnings": report.read.warnings,
@@ -111,6 +134,10 @@ pub fn warnings(report: &LoadReport) -> Vec<String> {
             "{vertices} {vertex} {has} coordinates that are not finite or too large for 32-bit floats; \
              {triangles} {triangle} there {was} left out"
         ));
+    }
+    if let Some(open) = report.clipped.map(|c| c.open_outlines).filter(|&open| open > 0) {
+        let (outlines, are) = (counted(open, "outline"), if open == 1 { "is" } else { "are" });
+        all.push(format!("{outlines} of the cut {are} not closed, and not capped: the model is open there"));
     }
     all
 }

@@ -68,9 +68,11 @@ impl ShadowMaps {
                 Light::Point { position, space, .. } => {
                     let eye = place(position, space);
                     let faces = [DVec3::X, -DVec3::X, DVec3::Y, -DVec3::Y, DVec3::Z, -DVec3::Z];
+                    artist.resize(Self::size_of_face(size));
                     let faces =
                         faces.into_iter().map(|face| artist.near(eye, face, FACE_DEGREES.to_radians()));
                     maps.near.push(NearMaps { faces: faces.collect::<Result<_, _>>()? });
+                    artist.resize(size);
                 }
                 Light::Spot { position, direction: towards, space, angle, .. } => {
                     // With a margin for the texels around points at the edge.

@@ -5,6 +5,10 @@
 
 use glam::DVec3;
 
+mod extent;
+
+pub use extent::Extent;
+
 use crate::camera::CameraBasis;
 use crate::{Camera, Projection, Scene};
 use tercio_mesh::{Aabb, trig};
@@ -161,6 +165,17 @@ impl Framing {
             let reach = scene.instances.iter().map(|i| i.reach(direction, center));
             reach.fold(f64::NEG_INFINITY, f64::max)
         })
+    }
+
+    /// The camera of [`Framing::camera_for_scene`] for a scene of one mesh at the position given by its file, of which
+    /// only the extent is known.
+    pub fn camera_for_extent(&self, extent: &Extent) -> Camera {
+        let bounds = drawable(&extent.bounds());
+        if extent.bounds() != bounds {
+            return self.camera(&bounds);
+        }
+        let center = bounds.center();
+        self.fit(&bounds, |direction| extent.reach(direction, center))
     }
 
     /// A camera at `eye` that looks at `target`, with the roll, zoom and projection of this framing.

@@ -23,7 +23,7 @@
 #![forbid(unsafe_code)]
 
 pub mod camera;
-pub mod color;
+
 pub mod framing;
 pub mod light;
 pub mod material;
@@ -31,9 +31,9 @@ pub mod scene;
 pub mod texture;
 
 pub use camera::{Camera, Projection};
-pub use color::srgb_to_linear;
 pub use framing::{Framing, UpAxis, View};
 pub use light::{Light, LightSpace};
 pub use material::{AlphaMode, InstanceMaterials, Material, TextureMap, Wrap};
 pub use scene::{Background, Instance, Scene, Surface};
+pub use tercio_mesh::color::{self, srgb_to_linear};
 pub use texture::Texture;

@@ -48,6 +48,7 @@
 #![forbid(unsafe_code)]
 
 mod bands;
+mod clipping;
 mod error;
 pub mod image;
 mod load;
@@ -56,6 +57,7 @@ mod summary;
 mod textures;
 
 pub use bands::{MAX_PIXELS_IN_MEMORY, band_bytes, write_png_in_bands};
+pub use clipping::{ClipReport, Clipping};
 pub use error::{Error, Result};
 pub use image::{ImageError, Picture};
 pub use load::{

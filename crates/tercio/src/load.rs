@@ -15,6 +15,10 @@ use tercio_mesh::mesh::MAX_ELEMENTS;
 use tercio_mesh::topology::{self, Topology};
 use tercio_mesh::{BlockedMesh, FileMaterial, Mesh, Progress, ReadError, normals, weld};
 
+use tercio_mesh::clip::ClipError;
+use tercio_scene::framing::Extent;
+
+use crate::clipping::{self, ClipReport, Clipping};
 use crate::{AttributeSummary, MeshSummary, Origin, prepared};
 
 /// Which normals a loaded mesh has.
@@ -51,6 +55,8 @@ pub struct LoadOptions<'a> {
     /// Whether to compute [`LoadReport::topology`] and [`LoadReport::attributes`], which takes about as long as
     /// reading.
     pub details: bool,
+    /// Where the model is clipped, after its normals are made; `None` for the whole model.
+    pub clip: Option<Clipping<'a>>,
 }
 
 /// Wall time of each stage in milliseconds; 0 for one that was not needed.
@@ -67,6 +73,9 @@ pub struct LoadTimes {
     pub topology: f64,
     /// Making normals.
     pub normals: f64,
+    /// Clipping.
+    #[serde(default)]
+    pub clip: f64,
     /// Partitioning into clusters.
     pub partition: f64,
     /// Total time.
@@ -93,7 +102,10 @@ pub struct LoadReport {
     pub topology: Option<Topology>,
     /// Ranges of the attributes, if requested.
     pub attributes: Vec<AttributeSummary>,
-    /// The mesh after repair, before it was split into clusters.
+    /// What was cut away, if clipping was requested.
+    #[serde(skip)]
+    pub clipped: Option<ClipReport>,
+    /// The mesh after repair and clipping, before it was split into clusters.
     pub mesh: MeshSummary,
     /// Where the model came from, if it was prepared; the other fields are then those of the original loading.
     #[serde(skip)]
@@ -108,6 +120,10 @@ pub struct LoadReport {
 pub struct Loaded {
     /// The mesh.
     pub mesh: Arc<ClusteredMesh>,
+    /// The caps of a clipped model, to be drawn as an instance of their own; `None` if there are none.
+    pub caps: Option<Arc<ClusteredMesh>>,
+    /// The extent of the whole model, if it was clipped: for a camera that does not depend on that.
+    pub whole: Option<Extent>,
     /// What was found and done.
     pub report: LoadReport,
 }
@@ -118,6 +134,8 @@ pub struct Loaded {
 pub struct LoadedMesh {
     /// The mesh.
     pub mesh: Mesh,
+    /// The caps of a clipped model; `None` if there are none.
+    pub caps: Option<Mesh>,
     /// What was found and done.
     pub report: LoadReport,
 }
@@ -152,6 +170,14 @@ pub enum LoadError {
     /// There is no such built-in model.
     #[error(transparent)]
     Builtin(#[from] BuiltinError),
+    /// A model could not be clipped.
+    #[error("{model}: {error}")]
+    Clip {
+        /// The name of the model.
+        model: String,
+        /// Why.
+        error: ClipError,
+    },
 }
 
 /// Loads a model for drawing with the default [`LoadOptions`]: a file, `-` for standard input, or
@@ -198,6 +224,7 @@ impl LoadOptions<'_> {
         let (model, start) = (model.as_ref(), Instant::now());
         let source = Source::open(model, self)?;
         if let Some(input) = source.prepared() {
+            clipping::check_prepared(input, self)?;
             let loaded = prepared::load(input, self, start)?;
             accept(&loaded.report.read)?;
             return Ok(loaded);
@@ -227,6 +254,7 @@ impl LoadOptions<'_> {
     pub fn load_input(&self, input: &Input) -> Result<Loaded, LoadError> {
         let start = Instant::now();
         if is_prepared(input.bytes()) {
+            clipping::check_prepared(input, self)?;
             return prepared::load(input, self, start);
         }
         cut(input.name.as_ref(), self, start, || read_input(input, self))
@@ -289,7 +317,10 @@ fn open_path(model: &Path, options: &LoadOptions) -> Result<Model, LoadError> {
     let start = Instant::now();
     let source = Source::open(model, options)?;
     Ok(match source.prepared() {
-        Some(input) => Model::Prepared(Box::new(prepared::load(input, options, start)?)),
+        Some(input) => {
+            clipping::check_prepared(input, options)?;
+            Model::Prepared(Box::new(prepared::load(input, options, start)?))
+        }
         None => Model::Mesh(Box::new(uncut(model, options, start, move || source.read(options))?)),
     })
 }
@@ -334,7 +365,10 @@ fn cut<E: From<LoadError>>(
     all: Instant,
     read: impl FnOnce() -> Result<(Mesh, ReadReport), E>,
 ) -> Result<Loaded, E> {
-    let LoadedMesh { mut mesh, mut report } = read_and_repair(model, options, all, read)?;
+    let (mut mesh, mut report) = read_and_repair(model, options, all, read)?;
+    if options.clip.is_some() {
+        return Ok(clipped(model, options, all, mesh, report)?);
+    }
     let wanted = wanted_normals(&mesh, options);
     if let Some(crease_angle @ None) = wanted {
         make_normals(&mut mesh, crease_angle, options, &mut report);
@@ -359,14 +393,48 @@ fn cut<E: From<LoadError>>(
         report.times.normals = milliseconds(start);
     }
     report.mesh = MeshSummary::from_blocks(&blocks);
+    let mesh = clusters(model, options, blocks, &mut report)?;
+    report.times.total = milliseconds(all);
+    Ok(Loaded { mesh, caps: None, whole: None, report })
+}
+
+/// The clusters of a mesh that is summarised already.
+fn clusters(
+    model: &Path,
+    options: &LoadOptions,
+    blocks: BlockedMesh,
+    report: &mut LoadReport,
+) -> Result<Arc<ClusteredMesh>, LoadError> {
     check_memory(model, options, "the model and its clusters", partition_bytes(&report.mesh))?;
     begin(options, "making clusters", blocks.triangle_count());
     let partition = PartitionOptions { progress: options.progress, ..PartitionOptions::default() };
     let start = Instant::now();
     let mesh = cluster::partition_blocks(blocks, &partition);
     report.times.partition += milliseconds(start);
+    Ok(Arc::new(mesh))
+}
+
+/// All stages of a model that is clipped, after its repair. Normals are made on the whole mesh, so that those at the cut
+/// are right.
+fn clipped(
+    model: &Path,
+    options: &LoadOptions,
+    all: Instant,
+    mesh: Mesh,
+    report: LoadReport,
+) -> Result<Loaded, LoadError> {
+    let (LoadedMesh { mesh, caps, mut report }, whole) = finished(model, options, mesh, report)?;
+    begin(options, "sorting triangles", 0);
+    let mut sorted = |mesh| {
+        let start = Instant::now();
+        let blocks = BlockedMesh::new(mesh, Order::Auto);
+        report.times.partition += milliseconds(start);
+        clusters(model, options, blocks, &mut report)
+    };
+    let mesh = sorted(mesh)?;
+    let caps = caps.map(sorted).transpose()?;
     report.times.total = milliseconds(all);
-    Ok(Loaded { mesh: Arc::new(mesh), report })
+    Ok(Loaded { mesh, caps, whole, report })
 }
 
 /// All stages from reading to normals.
@@ -376,14 +444,36 @@ fn uncut(
     all: Instant,
     read: impl FnOnce() -> Result<(Mesh, ReadReport), LoadError>,
 ) -> Result<LoadedMesh, LoadError> {
-    let LoadedMesh { mut mesh, mut report } = read_and_repair(model, options, all, read)?;
+    let (mesh, report) = read_and_repair(model, options, all, read)?;
+    let (mut loaded, _) = finished(model, options, mesh, report)?;
+    loaded.report.times.total = milliseconds(all);
+    Ok(loaded)
+}
+
+/// Makes normals and clips; with the extent of the whole model, if it was clipped.
+fn finished(
+    model: &Path,
+    options: &LoadOptions,
+    mut mesh: Mesh,
+    mut report: LoadReport,
+) -> Result<(LoadedMesh, Option<Extent>), LoadError> {
     if let Some(crease_angle) = wanted_normals(&mesh, options) {
         make_normals(&mut mesh, crease_angle, options, &mut report);
     }
     report.mended_normals = normals::mend_normals(&mut mesh, crease_angle(options));
+    let (mut caps, mut whole) = (None, None);
+    if let Some(clipping) = &options.clip {
+        let needed = MeshSummary::bytes_of(&mesh) + clipping::needed_bytes(&mesh);
+        check_memory(model, options, "the model and its clipping", needed)?;
+        begin(options, "clipping", 0);
+        let start = Instant::now();
+        let parts = clipping::clip(&mut mesh, clipping, &model.display().to_string())?;
+        report.times.clip = milliseconds(start);
+        report.clipped = Some(parts.report);
+        (caps, whole) = (parts.caps, Some(parts.whole));
+    }
     report.mesh = MeshSummary::from_mesh(&mesh);
-    report.times.total = milliseconds(all);
-    Ok(LoadedMesh { mesh, report })
+    Ok((LoadedMesh { mesh, caps, report }, whole))
 }
 
 /// The crease angle for the normals that are to be made, if any are.
@@ -423,7 +513,7 @@ fn read_and_repair<E: From<LoadError>>(
     options: &LoadOptions,
     start: Instant,
     read: impl FnOnce() -> Result<(Mesh, ReadReport), E>,
-) -> Result<LoadedMesh, E> {
+) -> Result<(Mesh, LoadReport), E> {
     let (mut mesh, read) = read()?;
     let mut report = LoadReport { read, file_normals: mesh.normals.is_some(), ..LoadReport::default() };
     report.times.read = milliseconds(start);
@@ -451,7 +541,7 @@ fn read_and_repair<E: From<LoadError>>(
         report.attributes = mesh.attributes.iter().map(AttributeSummary::from_attribute).collect();
         report.times.topology = milliseconds(start);
     }
-    Ok(LoadedMesh { mesh, report })
+    Ok((mesh, report))
 }
 
 fn make_builtin(name: &str, options: &LoadOptions) -> Result<(Mesh, ReadReport), LoadError> {

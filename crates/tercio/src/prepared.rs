@@ -85,7 +85,7 @@ pub(crate) fn load(input: &Input, options: &LoadOptions, start: Instant) -> Resu
     report.prepared = Some(origin);
     report.mesh.bounds = mesh.bounds;
     report.mesh.bytes = mesh.memory_bytes() as u64;
-    Ok(Loaded { mesh: Arc::new(mesh), report })
+    Ok(Loaded { mesh: Arc::new(mesh), caps: None, whole: None, report })
 }
 
 /// The error for a use that needs the mesh of a prepared model.

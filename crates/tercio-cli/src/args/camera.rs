@@ -2,6 +2,7 @@
 
 use clap::{Args, ValueEnum};
 use tercio::glam::DVec3;
+use tercio::scene::framing::Extent;
 use tercio::scene::{Camera, Framing, Scene, UpAxis, View};
 
 use super::values;
@@ -110,14 +111,21 @@ pub struct CameraArgs {
 
 impl CameraArgs {
     /// The camera for a scene in a picture of this size.
-    pub fn camera(&self, scene: &Scene, (width, height): (u32, u32)) -> Camera {
+    pub fn camera(&self, scene: &Scene, size: (u32, u32)) -> Camera {
+        self.camera_for(scene, None, size)
+    }
+
+    /// The camera for a scene, or for all of a model of which a part is in it.
+    pub fn camera_for(&self, scene: &Scene, whole: Option<&Extent>, (width, height): (u32, u32)) -> Camera {
         let framing = self.framing(width, height);
-        let camera = match self.eye {
-            Some(eye) => {
-                let target = self.target.unwrap_or_else(|| scene.bounds().center());
+        let camera = match (self.eye, whole) {
+            (Some(eye), _) => {
+                let bounds = whole.map_or_else(|| scene.bounds(), Extent::bounds);
+                let target = self.target.unwrap_or_else(|| bounds.center());
                 framing.camera_at(eye, target, self.up)
             }
-            None => framing.camera_for_scene(scene),
+            (None, Some(whole)) => framing.camera_for_extent(whole),
+            (None, None) => framing.camera_for_scene(scene),
         };
         Camera { near: self.near, ..camera }
     }

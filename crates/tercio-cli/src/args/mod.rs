@@ -2,6 +2,7 @@
 
 pub mod bench;
 pub mod camera;
+pub mod clip;
 pub mod drawing;
 pub mod light;
 pub mod ranks;

@@ -121,7 +121,7 @@ impl Bench {
             memory_limit: self.running.memory_limit(),
             progress: Some(&display.progress),
             normals: Normals::FileOrMade { crease_angle: None },
-            details: false,
+            ..LoadOptions::default()
         };
         let begin = Instant::now();
         let model = options.open(&self.model.model)?;

@@ -67,6 +67,7 @@ impl Info {
             progress: Some(&display.progress),
             normals: Normals::File,
             details: true,
+            ..LoadOptions::default()
         };
         Ok(options.inspect(&self.model.model)?)
     }

@@ -65,6 +65,7 @@ impl Prepare {
             progress: Some(&display.progress),
             normals: self.crease_angle.map_or(Normals::default(), angle),
             details: true,
+            ..LoadOptions::default()
         };
         let loaded = options.load_if(&self.model.model, |read| -> Result<()> {
             Ok(files.check_companions(&model, &read.companions)?)

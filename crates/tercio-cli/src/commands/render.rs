@@ -15,6 +15,7 @@ use tercio::scene::{Camera, Scene};
 use tercio::{LoadOptions, LoadReport, TextureReport, band_bytes, write_png_in_bands};
 
 use crate::args::camera::CameraArgs;
+use crate::args::clip::ClipArgs;
 use crate::args::drawing::{DrawingArgs, TuningArgs};
 use crate::args::ranks::{Drawers, RanksArgs};
 use crate::args::sampling::SamplingArgs;
@@ -48,6 +49,8 @@ pub struct Render {
     writing: WritingArgs,
     #[command(flatten)]
     camera: CameraArgs,
+    #[command(flatten)]
+    clip: ClipArgs,
     #[command(flatten)]
     drawing: DrawingArgs,
     #[command(flatten)]
@@ -204,6 +207,9 @@ impl Render {
 
     /// Why nothing was drawn, if that is the case.
     fn reason(&self, report: &LoadReport, camera: &Camera, frame: &Frame) -> Option<String> {
+        if let Some(reason) = report::all_clipped(report) {
+            return Some(reason);
+        }
         let empty = nothing_drawn::reason(&report.mesh.bounds, camera, self.drawing.cull(), &frame.stats);
         empty.map(|reason| match report::only(&report.read.not_drawn) {
             Some(only) if report.mesh.triangles == 0 => format!("{reason}, only {only}"),
@@ -247,7 +253,8 @@ impl Render {
             memory_limit: self.running.memory_limit(),
             progress: Some(&display.progress),
             normals: self.drawing.normals(writing.plan.outputs),
-            details: false,
+            clip: self.clip.clipping(),
+            ..LoadOptions::default()
         };
         let loaded = options.load_if(&self.model.model, |read| -> Result<()> {
             Ok(writing.files.check_companions(&self.model.name(), &read.companions)?)
@@ -272,7 +279,8 @@ impl Render {
         let taken =
             report.mesh.bytes.saturating_add(textures.as_ref().map_or(0, |textures| textures.bytes as u64));
         self.check_memory(picture.saturating_add(self.drawing.shadow_bytes(&scene)), taken)?;
-        let camera = self.camera.camera(&scene, self.drawing.size);
+        self.clip.add_caps(&mut scene, loaded.caps);
+        let camera = self.camera.camera_for(&scene, loaded.whole.as_ref(), self.drawing.size);
         Ok(Loaded { report, textures, scene, camera })
     }
 
@@ -414,6 +422,7 @@ fn print_details(done: &Done) {
             textures.milliseconds
         ));
     }
+    report::clipped(report).iter().for_each(|c| messages::note(c));
     if let Some(FrameReport { messages: sent, bytes, ranks, .. }) = parallel {
         messages::note(&format!(
             "{} ranks sent {} with {} bytes",

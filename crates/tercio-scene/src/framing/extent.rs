@@ -1,0 +1,46 @@
+//! The extent of a model that is not in the scene, or not whole.
+
+use glam::DVec3;
+use rayon::prelude::*;
+use tercio_mesh::{Aabb, Mesh};
+
+/// The vertices of a model, for a camera that frames all of it although a part is drawn.
+#[derive(Clone, Debug)]
+pub struct Extent {
+    origin: DVec3,
+    unit: f64,
+    points: Vec<[f32; 3]>,
+    bounds: Aabb,
+}
+
+impl Extent {
+    /// The vertices of a mesh that triangles use. They are copied: 12 bytes each.
+    ///
+    /// # Panics
+    /// If a triangle's vertex does not exist.
+    pub fn of_mesh(mesh: &Mesh) -> Self {
+        let mut used = vec![false; mesh.positions.len()];
+        mesh.triangles.as_flattened().iter().for_each(|&v| used[v as usize] = true);
+        let all = mesh.positions.iter().zip(used);
+        let positions = all.filter(|(_, is_used)| *is_used).map(|(p, _)| *p).collect();
+        let points = Mesh { origin: mesh.origin, exponent: mesh.exponent, positions, ..Mesh::default() };
+        let bounds = points.bounds();
+        Self { origin: mesh.origin, unit: mesh.unit(), points: points.positions, bounds }
+    }
+
+    /// World-space bounds; empty if no triangle uses a vertex.
+    pub fn bounds(&self) -> Aabb {
+        self.bounds
+    }
+
+    /// As [`Instance::reach`](crate::Instance::reach), with the same bits.
+    pub(super) fn reach(&self, direction: DVec3, from: DVec3) -> f64 {
+        let d = direction;
+        let along = |p: &[f32; 3]| {
+            let p = p.map(f64::from);
+            d[0] * p[0] + d[1] * p[1] + d[2] * p[2]
+        };
+        let points = self.points.par_iter().with_min_len(1 << 14).map(along);
+        direction.dot(self.origin - from) + points.reduce(|| f64::NEG_INFINITY, f64::max) * self.unit
+    }
+}
