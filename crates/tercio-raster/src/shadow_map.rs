@@ -92,7 +92,7 @@ pub(crate) enum LightNumber {
 const TOLERANCE: f32 = 1.0;
 
 /// The steepest plane that is compared, in texels of distance per texel.
-const STEEPEST: f32 = 8.0;
+const STEEPEST: f32 = 32.0;
 
 impl ObjectShadow {
     /// The view that `map` gives of an instance.
