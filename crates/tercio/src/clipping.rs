@@ -83,7 +83,7 @@ pub(crate) fn check_prepared(input: &Input, options: &LoadOptions) -> Result<(),
 }
 
 fn unsupported(model: &str, what: String) -> LoadError {
-    ReadError::Unsupported { file: model.to_owned(), place: Place::File, what: what.into() }.into()
+    ReadError::Unsupported { file: model.to_owned(), place: Place::File, what }.into()
 }
 
 #[cfg(test)]
