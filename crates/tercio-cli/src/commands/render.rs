@@ -276,8 +276,7 @@ impl Render {
             // They are not always where the model says.
             writing.files.check_companions(&self.model.name(), &textures.files)?;
         }
-        let taken =
-            report.mesh.bytes.saturating_add(textures.as_ref().map_or(0, |textures| textures.bytes as u64));
+        let taken = report.mesh.bytes.saturating_add(textures.as_ref().map_or(0, |textures| textures.bytes));
         self.check_memory(picture.saturating_add(self.drawing.shadow_bytes(&scene)), taken)?;
         self.clip.add_caps(&mut scene, loaded.caps);
         let camera = self.camera.camera_for(&scene, loaded.whole.as_ref(), self.drawing.size);
