@@ -79,12 +79,12 @@ fn damaged_and_foreign_files_are_refused_and_old_pictures_stay() {
     let last = altered.len() - 200;
     altered[last] ^= 4;
     let mut newer = good.clone();
-    newer[12] = 3;
+    newer[12] = 200;
     for (bytes, reason) in [
         (&good[..good.len() / 2], "bytes in the file"),
         (&good[..20], "header"),
         (&altered[..], "as they were written"),
-        (&newer[..], "version 3 of prepared models"),
+        (&newer[..], "version 200 of prepared models"),
         (&b"\x89TERCIO\n rest"[..], "expected"),
     ] {
         std::fs::write(place.path("bad.tercio"), bytes).unwrap();
