@@ -124,6 +124,7 @@ fn options_without_effect_are_refused() {
         ("--shadows --light studio", "--shadows needs a directional, point or spot light"),
         ("--shadows --shading unlit", "--shadows has no effect with --shading unlit"),
         ("--roughness 0.5", "no effect without --shading pbr"),
+        ("--specular 0 --shading pbr", "--specular has no effect"),
         ("--metallic 0.5", "no effect without --shading pbr"),
         ("--shadows=8", "16"),
         ("--roughness 2 --shading pbr", "roughness"),

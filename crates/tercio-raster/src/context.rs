@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use tercio_mesh::ClusteredMesh;
 use tercio_mesh::cluster::{ClusterView, MAX_TRIANGLES};
-use tercio_scene::{Camera, Instance, Light, Scene};
+use tercio_scene::{AlphaMode, Camera, Instance, Light, Scene};
 
 use crate::conventions::SUBPIXELS;
 use crate::error::RenderError;
@@ -102,7 +102,7 @@ impl<'a> FrameContext<'a> {
         check_light(scene)?;
         let objects: Vec<ObjectView> = scene.instances.iter().map(|i| view.object(i)).collect();
         let lights = LightRig::new(&scene.lights, &view);
-        let shadows = shadows_on(scene, &objects, &lights, settings)?;
+        let shadows = shadows_on(scene, &objects, camera, settings)?;
         let is_elaborate = is_elaborate(settings, &lights);
         let workers = workers.max(1);
         Ok(Self {
@@ -233,19 +233,18 @@ pub fn is_elaborate(settings: &Settings, lights: &LightRig) -> bool {
 /// The shadow maps as seen from each instance; none without shadows.
 ///
 /// # Errors
-/// [`RenderError::Setting`] if the shadows are not those of these lights.
+/// [`RenderError::Setting`] if the shadows are not those of these lights and this camera.
 pub(crate) fn shadows_on(
     scene: &Scene,
     objects: &[ObjectView],
-    lights: &LightRig,
+    camera: &Camera,
     settings: &Settings,
 ) -> Result<Vec<ObjectShadows>, RenderError> {
     let Some(maps) = &settings.shadows else { return Ok(Vec::new()) };
-    let (made, there) = ([maps.distant.len(), maps.near.len()], [lights.distant.len(), lights.near.len()]);
-    if made != there {
-        let text =
-            |[distant, near]: [usize; 2]| format!("{distant} directional and {near} point or spot lights");
-        return Err(RenderError::Setting { what: "shadows", range: text(there), value: text(made) });
+    let (made_for, moves_with) = &maps.made_for;
+    if *made_for != scene.lights || moves_with.is_some_and(|made_for| made_for != *camera) {
+        let (range, value) = ("those of the scene's lights and its camera", "those of others");
+        return Err(RenderError::Setting { what: "shadows", range: range.into(), value: value.into() });
     }
     let instances = scene.instances.iter().zip(objects);
     Ok(instances.map(|(instance, object)| ObjectShadows::new(maps, instance, object)).collect())
@@ -308,11 +307,20 @@ pub fn check_light(scene: &Scene) -> Result<(), RenderError> {
             return Err(RenderError::Setting { what, range, value });
         }
     }
-    for Instance { surface, .. } in &scene.instances {
+    for Instance { mesh, surface, materials, .. } in &scene.instances {
         finite("colour of a surface", &surface.base_color)?;
         finite("specular of a surface", &[surface.specular])?;
         finite("roughness of a surface", &[surface.roughness])?;
         finite("metallicity of a surface", &[surface.metallic])?;
+        if materials.as_ref().is_some_and(|m| !m.fit(mesh, scene)) {
+            let (range, value) =
+                ("made for the instance's mesh and the scene's materials", "made for others");
+            return Err(RenderError::Setting {
+                what: "materials of an instance",
+                range: range.into(),
+                value: value.into(),
+            });
+        }
         if !(0.0..=1.0).contains(&surface.opacity) {
             let (what, value) = ("opacity of a surface", surface.opacity.to_string());
             return Err(RenderError::Setting { what, range: "0 to 1".into(), value });
@@ -323,6 +331,19 @@ pub fn check_light(scene: &Scene) -> Result<(), RenderError> {
             finite("colour of a material", color)?;
         }
         finite("number of a material", &[m.opacity, m.roughness, m.metallic, m.normal_scale])?;
+        let cutoff = if let AlphaMode::Cutout(least) = m.alpha_mode { least } else { 0.0 };
+        // Larger numbers would overflow.
+        let limits = [
+            ("cut-off of a material's alpha", cutoff, 1.0),
+            ("logarithm of a material's shininess", m.shininess_log2 as f32, 10.0),
+            ("absolute scale of a material's normals", m.normal_scale.abs(), 1e6),
+        ];
+        for (what, value, most) in limits {
+            if !(0.0..=most).contains(&value) {
+                let (range, value) = (format!("0 to {most}"), value.to_string());
+                return Err(RenderError::Setting { what, range, value });
+            }
+        }
         for map in m.maps() {
             finite("position of a texture", &[map.scale, map.offset].concat())?;
             if map.texture as usize >= scene.textures.len() {

@@ -1,7 +1,7 @@
 //! Shadow maps, and where a point of an instance is in them. [`crate::shadows`] draws them.
 
 use glam::DVec3;
-use tercio_scene::{Instance, Light};
+use tercio_scene::{Camera, Instance, Light};
 
 use crate::view::ObjectView;
 
@@ -14,12 +14,19 @@ pub struct ShadowMaps {
     pub(crate) distant: Vec<ShadowMap>,
     /// Of point and spot lights, in the order of the scene.
     pub(crate) near: Vec<NearMaps>,
+    /// The lights, and the camera if one of them moves with it.
+    pub(crate) made_for: (Vec<Light>, Option<Camera>),
 }
 
-/// The shadow maps of a point light: six, or of a spot light: one.
+/// Is a spot light's cone, given by half of its opening in radians, so wide that its shadow maps are those of a point light?
+pub(crate) fn is_wide(angle: f64) -> bool {
+    angle > std::f64::consts::FRAC_PI_4
+}
+
+/// The shadow maps of a point light or a wide spot light: six, or of another spot light: one.
 #[derive(Debug, PartialEq)]
 pub(crate) struct NearMaps {
-    /// Towards +x, -x, +y, -y, +z and -z, or only the one of a spot light.
+    /// Towards +x, -x, +y, -y, +z and -z, or only one.
     pub faces: Vec<ShadowMap>,
 }
 
@@ -46,15 +53,16 @@ impl ShadowMaps {
         let square = |size: u32| u64::from(size) * u64::from(size) * size_of::<f32>() as u64;
         let maps = lights.iter().map(|light| match light {
             Light::Ambient { .. } | Light::Wide { .. } => 0,
-            Light::Directional { .. } | Light::Spot { .. } => square(size),
-            Light::Point { .. } => 6 * square(Self::size_of_face(size)),
+            Light::Directional { .. } => square(size),
+            Light::Spot { angle, .. } if !is_wide(*angle) => square(size),
+            Light::Point { .. } | Light::Spot { .. } => 6 * square(Self::size_of_face(size)),
         });
         maps.sum::<u64>() + square(size)
     }
 
     /// Texels along the edge of a face of a point light's cube.
     pub(crate) fn size_of_face(size: u32) -> u32 {
-        size.div_ceil(2).max(16)
+        size.div_ceil(2).max(128)
     }
 
     /// Bytes that the maps take.
@@ -143,6 +151,10 @@ impl ObjectShadow {
         let (right, down) = (limited(right), limited(down));
         let middle = 0.5 * map.size as f32;
         let (x, y) = (x + middle, y + middle);
+        let is_near = |c: f32| (-2.0..map.size as f32 + 2.0).contains(&c);
+        if !is_near(x) || !is_near(y) {
+            return 1.0;
+        }
         let (first_x, first_y) = ((x - 1.5).floor(), (y - 1.5).floor());
         let shares = |share: f32| [1.0 - share, 1.0, 1.0, share];
         let (of_columns, of_rows) = (shares(x - 1.5 - first_x), shares(y - 1.5 - first_y));

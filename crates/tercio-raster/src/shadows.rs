@@ -15,11 +15,11 @@ use crate::error::RenderError;
 use crate::frame::{Frame, Outputs};
 use crate::renderer::Renderer;
 use crate::settings::Settings;
-use crate::shadow_map::{NearMaps, ShadowMap, ShadowMaps};
+use crate::shadow_map::{NearMaps, ShadowMap, ShadowMaps, is_wide};
 use crate::view::View;
 
 /// Angle of view of a face of a point light's cube in degrees: more than 90, so that the texels around every point are in one
-/// picture.
+/// picture: a margin of two texels, as a face has at least 128.
 const FACE_DEGREES: f64 = 92.0;
 
 impl ShadowMaps {
@@ -53,12 +53,22 @@ impl ShadowMaps {
             outputs,
             cull: settings.cull,
             texture_filter: settings.texture_filter,
+            layer_memory: settings.layer_memory,
             simd: settings.simd,
             ..Settings::one_sample(size, size)
         };
         let mut artist =
             Artist { scene: &casting, settings, renderer: Renderer::new(), frame: Frame::default() };
-        let mut maps = Self { distant: Vec::new(), near: Vec::new() };
+        let moves = |light: &Light| {
+            matches!(
+                light,
+                Light::Directional { space: LightSpace::Camera, .. }
+                    | Light::Point { space: LightSpace::Camera, .. }
+                    | Light::Spot { space: LightSpace::Camera, .. }
+            )
+        };
+        let made_for = (scene.lights.clone(), scene.lights.iter().any(moves).then_some(*camera));
+        let mut maps = Self { distant: Vec::new(), near: Vec::new(), made_for };
         for light in &scene.lights {
             match *light {
                 Light::Ambient { .. } | Light::Wide { .. } => {}
@@ -66,18 +76,18 @@ impl ShadowMaps {
                     maps.distant.push(artist.distant(scene, direction(to_light, space))?);
                 }
                 Light::Point { position, space, .. } => {
-                    let eye = place(position, space);
-                    let faces = [DVec3::X, -DVec3::X, DVec3::Y, -DVec3::Y, DVec3::Z, -DVec3::Z];
-                    artist.resize(Self::size_of_face(size));
-                    let faces =
-                        faces.into_iter().map(|face| artist.near(eye, face, FACE_DEGREES.to_radians()));
-                    maps.near.push(NearMaps { faces: faces.collect::<Result<_, _>>()? });
-                    artist.resize(size);
+                    maps.near.push(artist.cube(place(position, space))?);
                 }
                 Light::Spot { position, direction: towards, space, angle, .. } => {
-                    // With a margin for the texels around points at the edge.
-                    let opening = (2.0 * angle * 1.05).min(3.1);
-                    let face = artist.near(place(position, space), direction(towards, space), opening)?;
+                    let eye = place(position, space);
+                    if is_wide(angle) {
+                        maps.near.push(artist.cube(eye)?);
+                        continue;
+                    }
+                    // With a margin of three texels for those around points at the edge.
+                    let (sine, cosine) = tercio_mesh::trig::sin_cos(angle);
+                    let margin = 6.0 * sine / (cosine * f64::from(size));
+                    let face = artist.near(eye, direction(towards, space), 2.0 * (angle + margin))?;
                     maps.near.push(NearMaps { faces: vec![face] });
                 }
             }
@@ -108,6 +118,17 @@ impl Artist<'_> {
         let height = 2.0 * radius * (1.0 + 8.0 / f64::from(self.settings.width.max(16)));
         let projection = Projection::Orthographic { height };
         self.draw(target + to_light * (2.0 * radius), -to_light, projection)
+    }
+
+    /// The maps of a light that shines in all directions.
+    fn cube(&mut self, eye: DVec3) -> Result<NearMaps, RenderError> {
+        let size = self.settings.width;
+        self.resize(ShadowMaps::size_of_face(size));
+        let faces = [DVec3::X, -DVec3::X, DVec3::Y, -DVec3::Y, DVec3::Z, -DVec3::Z];
+        let faces = faces.into_iter().map(|face| self.near(eye, face, FACE_DEGREES.to_radians()));
+        let faces = faces.collect::<Result<_, _>>()?;
+        self.resize(size);
+        Ok(NearMaps { faces })
     }
 
     fn near(&mut self, eye: DVec3, towards: DVec3, fov_y: f64) -> Result<ShadowMap, RenderError> {

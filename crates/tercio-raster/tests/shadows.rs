@@ -65,8 +65,8 @@ fn spot_lights_without_shadows() {
     check_all(&mesh, &scene, &camera, &everything(70, 50), "spot");
 }
 
-/// A mesh with its normals, turned and scaled by a power of two and moved.
-fn moved(mesh: &Mesh, scale: f32) -> Mesh {
+/// A mesh with its normals, scaled.
+fn scaled(mesh: &Mesh, scale: f32) -> Mesh {
     let positions = mesh.positions.iter().map(|p| p.map(|c| c * scale)).collect();
     Mesh { positions, ..mesh.clone() }
 }
@@ -177,13 +177,14 @@ fn wrong_pixels(mesh: &Mesh, light: Light, camera: &Camera, size: u32) -> (f64, 
     (wrong / decided, decided / seen)
 }
 
-fn lights() -> [Light; 3] {
+fn lights() -> [Light; 4] {
     let color = [0.9; 3];
     let position = DVec3::new(1.3, 2.1, 1.0);
     [
         Light::Directional { to_light: DVec3::new(0.6, 1.0, 0.5), space: WORLD, color },
         Light::Point { position, space: WORLD, color },
-        Light::Spot { position, direction: DVec3::new(-1.3, -2.0, -1.0), space: WORLD, angle: 0.8, color },
+        Light::Spot { position, direction: DVec3::new(-1.3, -2.0, -1.0), space: WORLD, angle: 0.7, color },
+        Light::Spot { position, direction: DVec3::new(-1.3, -2.0, -1.0), space: WORLD, angle: 1.2, color },
     ]
 }
 
@@ -202,7 +203,7 @@ fn shadows_are_those_of_rays() {
 #[test]
 fn curved_surfaces_have_no_acne_at_any_scale() {
     for scale in [1e-6f32, 1.0, 1e6] {
-        let mesh = moved(&sphere(40), scale);
+        let mesh = scaled(&sphere(40), scale);
         let s = f64::from(scale);
         let mut camera = perspective([0.5, 1.0, 3.0], [0.0; 3], 40.0);
         (camera.eye, camera.target) = (camera.eye * s, camera.target * s);
@@ -235,7 +236,9 @@ fn shadows_of_other_lights_are_refused() {
     let (mut scene, camera) = (scene(&mesh), perspective([0.5, 1.0, 3.0], [0.0; 3], 40.0));
     scene.lights = every_light();
     let settings = shadowed(&scene, &camera, everything(10, 10), 16);
-    scene.lights.pop();
+    let moved = perspective([0.5, 1.0, 2.0], [0.0; 3], 40.0);
+    let error = Renderer::new().render(&scene, &moved, &settings).unwrap_err();
+    assert!(matches!(error, RenderError::Setting { what: "shadows", .. }), "{error}");
     scene.lights.pop();
     let error = Renderer::new().render(&scene, &camera, &settings).unwrap_err();
     assert!(matches!(error, RenderError::Setting { what: "shadows", .. }), "{error}");

@@ -186,11 +186,12 @@ fn triangles_that_are_clipped_are_textured_too() {
 }
 
 #[test]
-fn a_second_instance_without_materials() {
+fn a_second_instance_with_and_without_materials() {
     let mesh = Mesh { vertex_colors: None, ..textured(soup(1_500, 7), 5, 11) };
     let mut scene = with_second_instance(dressed(&mesh, materials()));
-    scene.instances[1].materials = None;
     check_all(&mesh, &scene, &camera(), &everything(70, 50), "two instances");
+    scene.instances[1].materials = None;
+    check_all(&mesh, &scene, &camera(), &everything(70, 50), "one without materials");
 }
 
 #[test]
@@ -211,7 +212,26 @@ fn a_material_that_refers_to_no_texture_is_refused() {
     scene.materials[0].base_color_map = Some(TextureMap::new(5));
     let error = Renderer::new().render(&scene, &camera(), &everything(10, 10)).unwrap_err();
     assert!(matches!(error, RenderError::Setting { what: "texture of a material", .. }), "{error}");
+    for (material, wrong) in [
+        (
+            Material { alpha_mode: AlphaMode::Cutout(1.5), ..Material::default() },
+            "cut-off of a material's alpha",
+        ),
+        (
+            Material { alpha_mode: AlphaMode::Cutout(f32::NAN), ..Material::default() },
+            "cut-off of a material's alpha",
+        ),
+        (Material { shininess_log2: 11, ..Material::default() }, "logarithm of a material's shininess"),
+        (Material { normal_scale: -1e7, ..Material::default() }, "absolute scale of a material's normals"),
+    ] {
+        scene.materials[0] = material;
+        let error = Renderer::new().render(&scene, &camera(), &everything(10, 10)).unwrap_err();
+        assert!(matches!(error, RenderError::Setting { what, .. } if what == wrong), "{error}");
+    }
     scene.materials[0] = Material { emissive: [f32::NAN; 3], ..Material::default() };
     let error = Renderer::new().render(&scene, &camera(), &everything(10, 10)).unwrap_err();
     assert!(matches!(error, RenderError::Setting { what: "colour of a material", .. }), "{error}");
+    scene.materials.clear();
+    let error = Renderer::new().render(&scene, &camera(), &everything(10, 10)).unwrap_err();
+    assert!(matches!(error, RenderError::Setting { what: "materials of an instance", .. }), "{error}");
 }

@@ -81,7 +81,8 @@ pub struct Material {
     pub emissive: [f32; 3],
     /// Texture of the emitted light, in sRGB.
     pub emissive_map: Option<TextureMap>,
-    /// Texture of normals in tangent space, linear: x along u, y along v, z away from the surface, from -1 to 1.
+    /// Texture of normals in tangent space, linear: x along u, y along v, z towards the side that is seen, from -1 to 1. So
+    /// bumps are raised on both sides.
     pub normal_map: Option<TextureMap>,
     /// Factor of x and y of the normals.
     pub normal_scale: f32,
@@ -172,6 +173,12 @@ impl InstanceMaterials {
         let translucent: Vec<bool> = (0..mesh.clusters().len()).map(of_cluster).collect();
         let is_translucent = translucent.contains(&true);
         Arc::new(Self { of_mesh, translucent, is_translucent })
+    }
+
+    /// Are they made for this mesh, and are their materials in this scene?
+    pub fn fit(&self, mesh: &ClusteredMesh, scene: &Scene) -> bool {
+        let is_there = |material: &u32| (*material as usize) < scene.materials.len();
+        self.translucent.len() == mesh.clusters().len() && self.of_mesh.iter().all(is_there)
     }
 
     /// The index in [`Scene::materials`] for a triangle's material in the mesh; `None` for [`Mesh::NO_MATERIAL`].

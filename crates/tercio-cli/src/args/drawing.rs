@@ -281,6 +281,9 @@ impl DrawingArgs {
         if self.shadows.is_some() && !self.lights.is_empty() && !lights().any(casts) {
             return Err("--shadows needs a directional, point or spot light, such as --light dir:1,2,1");
         }
+        if self.shading == ShadingName::Pbr && self.specular.is_some() {
+            return Err("--specular has no effect with --shading pbr, which has --roughness and --metallic");
+        }
         if self.shading != ShadingName::Pbr && (self.roughness.is_some() || self.metallic.is_some()) {
             return Err("--roughness and --metallic have no effect without --shading pbr");
         }

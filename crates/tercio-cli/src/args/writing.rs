@@ -42,7 +42,7 @@ pub struct WritingArgs {
     /// Numbers of the faces that are seen, NPY uint32 (H, W), 4294967295 where nothing was drawn.
     #[arg(long, value_name = "FILE")]
     output_ids: Option<PathBuf>,
-    /// World-space unit normals that the picture is lit by, on the side that is seen and never pointing away from the
+    /// World-space unit normals that the picture is lit by, without those of normal and bump maps, on the side that is seen and never pointing away from the
     /// viewer, NPY float32 (H, W, 3), zero where nothing was drawn.
     #[arg(long, value_name = "FILE")]
     output_normals: Option<PathBuf>,

@@ -139,6 +139,7 @@ impl Bench {
             cull: self.cull.into(),
             last_stage,
             sampling: self.sampling.sampling(),
+            texture_filter: self.textures.filter(),
             ..self.tuning.settings(self.size)
         };
         let mut renderer = Renderer::new();

@@ -265,7 +265,9 @@ impl Render {
         let mut scene = Scene::from_mesh(loaded.mesh);
         self.drawing.dress(&mut scene);
         // Layers of what is not opaque need memory, too.
-        let left = |limit: u64| limit.saturating_sub(picture.saturating_add(report.mesh.bytes)) / 4 * 3;
+        let shadows = self.drawing.shadow_bytes(&scene);
+        let taken = picture.saturating_add(report.mesh.bytes).saturating_add(shadows);
+        let left = |limit: u64| limit.saturating_sub(taken) / 4 * 3;
         let limits = TextureLimits {
             memory: self.running.memory_limit().map(left),
             progress: &display.progress,
@@ -277,7 +279,7 @@ impl Render {
             writing.files.check_companions(&self.model.name(), &textures.files)?;
         }
         let taken = report.mesh.bytes.saturating_add(textures.as_ref().map_or(0, |textures| textures.bytes));
-        self.check_memory(picture.saturating_add(self.drawing.shadow_bytes(&scene)), taken)?;
+        self.check_memory(picture.saturating_add(shadows), taken)?;
         self.clip.add_caps(&mut scene, loaded.caps);
         let camera = self.camera.camera_for(&scene, loaded.whole.as_ref(), self.drawing.size);
         Ok(Loaded { report, textures, scene, camera })
@@ -321,7 +323,7 @@ impl Render {
     fn check_memory(&self, picture: u64, model: u64) -> Result<()> {
         match self.running.memory_limit() {
             Some(limit) if picture.saturating_add(model) > limit => bail!(
-                "{}: the picture needs {picture} bytes besides {model} for the model, the limit is {limit} bytes ({})",
+                "{}: the picture (with its shadow maps) needs {picture} bytes besides {model} for the model (with its textures), the limit is {limit} bytes ({})",
                 self.model.name(),
                 memory::limit_source()
             ),

@@ -183,7 +183,7 @@ pub fn physical(rig: &LightRig, lights: &[Seen], m: &Evaluated, normal: Vec3, to
     let diffuse_color = m.albedo.map(|c| c * (1.0 - m.metallic));
     let roughness = m.roughness.clamp(LEAST_ROUGHNESS, 1.0);
     let a = roughness * roughness;
-    let facing = dot(normal, to_viewer).clamp(0.0, 1.0);
+    let facing = unit_share(dot(normal, to_viewer));
     let grazing = fifth(1.0 - facing);
     // Ambient light: what comes from the direction of the mirror image, as blurred as the wide lights are.
     let mirrored = each(|k| normal[k] * (2.0 * facing) - to_viewer[k]);
@@ -200,7 +200,7 @@ pub fn physical(rig: &LightRig, lights: &[Seen], m: &Evaluated, normal: Vec3, to
             continue;
         }
         let half = normalize(each(|k| to_light[k] + to_viewer[k]), rig.sight.base);
-        let (nh, vh) = (dot(normal, half).clamp(0.0, 1.0), dot(to_viewer, half).clamp(0.0, 1.0));
+        let (nh, vh) = (unit_share(dot(normal, half)), unit_share(dot(to_viewer, half)));
         let grazing = fifth(1.0 - vh);
         let spread = (nh * nh) * (a * a - 1.0) + 1.0;
         let together = (cosine * facing) * 2.0;
@@ -216,6 +216,11 @@ pub fn physical(rig: &LightRig, lights: &[Seen], m: &Evaluated, normal: Vec3, to
         });
     }
     each(|k| sum[k] + m.emissive[k])
+}
+
+/// A number that is 0 where it is not above 0, and at most 1.
+fn unit_share(c: f32) -> f32 {
+    if c > 0.0 { c.min(1.0) } else { 0.0 }
 }
 
 fn fifth(x: f32) -> f32 {

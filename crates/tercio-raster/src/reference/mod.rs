@@ -1,8 +1,9 @@
 //! The reference renderer: one thread, one triangle at a time, one pixel at a time.
 //!
 //! It is short, simple and slow, and stays so. Every faster path must produce the same bytes. It draws the plain
-//! [`Mesh`], before any partition, without clusters, tiles, SIMD lanes or threads. It shares two definitions with the
-//! renderer: the projection of a vertex ([`ObjectView::project`]) and the clipping of a triangle ([`clip_triangle`]).
+//! [`Mesh`], before any partition, without clusters, tiles, SIMD lanes or threads. It shares some definitions with the
+//! renderer: the projection of a vertex ([`ObjectView::project`]), the clipping of a triangle ([`clip_triangle`]) and what a
+//! shadow map says of a point, which tests hold against rays.
 //! Coverage, depth, visibility, shading and the filter it implements by itself.
 
 mod material;
@@ -92,7 +93,7 @@ pub fn render(
     }
 
     let lights = LightRig::new(&scene.lights, &view);
-    let shadows = shadows_on(scene, &objects, &lights, settings)?;
+    let shadows = shadows_on(scene, &objects, camera, settings)?;
     let first_faces = first_faces(meshes);
     let first_primitives = first_primitives(meshes);
     let mut shaded_samples = Vec::with_capacity(samples.len());

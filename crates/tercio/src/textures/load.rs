@@ -392,10 +392,10 @@ impl Textures<'_> {
             self.texture(file, TextureRole::Diffuse).is_some_and(|texture| !texture.is_opaque());
         for (role, stated) in file.textures.iter() {
             let is_hidden = match role {
-                // Exporters name the diffuse texture once more when they mean its alpha, which is drawn already.
+                // Exporters name the diffuse texture once more when they mean its alpha, which is drawn already if it has
+                // one; its colours are no opacity.
                 TextureRole::Opacity => {
-                    let diffuse = file.textures.diffuse.as_ref();
-                    diffuse_has_alpha && diffuse.is_some_and(|diffuse| diffuse.file == stated.file)
+                    file.textures.diffuse.as_ref().is_some_and(|diffuse| diffuse.file == stated.file)
                 }
                 TextureRole::Bump => file.textures.normal.is_some(),
                 _ => false,

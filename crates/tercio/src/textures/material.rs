@@ -55,9 +55,10 @@ pub fn convert(file: &FileMaterial, maps: &Maps, surface: &Surface, options: &Te
     let is_textured = base_color_map.is_some() && !file.states_diffuse;
     let base_color = if is_textured { [1.0; 3] } else { file.diffuse.map(linear_level) };
     let roughness = file.roughness.unwrap_or_else(|| match file.shininess {
-        // Walter and others, Microfacet Models for Refraction, 2007: the exponent of the lobe that is as wide.
-        Some(exponent) => (2.0 / (exponent + 2.0)).sqrt(),
-        None => 0.5,
+        // Walter and others, Microfacet Models for Refraction, 2007: the exponent of the lobe that is as wide, for the
+        // square of the roughness.
+        Some(exponent) => (2.0 / (exponent + 2.0)).sqrt().sqrt(),
+        None => surface.roughness,
     });
     let unless_zero =
         |factor: f32, is_textured: bool| if is_textured && factor == 0.0 { 1.0 } else { factor };
@@ -82,7 +83,7 @@ pub fn convert(file: &FileMaterial, maps: &Maps, surface: &Surface, options: &Te
             _ => unless_zero(roughness, roughness_map.is_some()),
         },
         roughness_map,
-        metallic: unless_zero(file.metallic.unwrap_or(0.0), metallic_map.is_some()),
+        metallic: unless_zero(file.metallic.unwrap_or(surface.metallic), metallic_map.is_some()),
         metallic_map,
         emissive: if emissive_map.is_some() && !has_emission { [1.0; 3] } else { emissive(file.emissive) },
         emissive_map,
@@ -224,7 +225,10 @@ mod tests {
         let with = |shininess, roughness| {
             converted(&FileMaterial { shininess, roughness, ..FileMaterial::default() }, &[]).roughness
         };
-        assert_eq!([with(None, None), with(Some(6.0), None), with(Some(0.0), None)], [0.5, 0.5, 1.0]);
+        assert_eq!(
+            [with(None, None), with(Some(6.0), None), with(Some(0.0), None)],
+            [0.5, 0.5f32.sqrt(), 1.0]
+        );
         assert_eq!(with(Some(6.0), Some(0.0)), 0.0);
     }
 
