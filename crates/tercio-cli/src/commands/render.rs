@@ -323,7 +323,7 @@ impl Render {
     fn check_memory(&self, picture: u64, model: u64) -> Result<()> {
         match self.running.memory_limit() {
             Some(limit) if picture.saturating_add(model) > limit => bail!(
-                "{}: the picture (with its shadow maps) needs {picture} bytes besides {model} for the model (with its textures), the limit is {limit} bytes ({})",
+                "{}: the picture needs {picture} bytes (with its shadow maps) besides {model} for the model (with its textures), the limit is {limit} bytes ({})",
                 self.model.name(),
                 memory::limit_source()
             ),
