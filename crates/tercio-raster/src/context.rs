@@ -101,7 +101,7 @@ impl<'a> FrameContext<'a> {
         check_range(scene, settings, &view)?;
         check_light(scene)?;
         let objects: Vec<ObjectView> = scene.instances.iter().map(|i| view.object(i)).collect();
-        let lights = LightRig::new(&scene.lights, &view);
+        let lights = LightRig::new(&scene.lights, scene.environment.as_ref(), &view);
         let shadows = shadows_on(scene, &objects, camera, settings)?;
         let is_elaborate = is_elaborate(settings, &lights);
         let workers = workers.max(1);

@@ -1,7 +1,9 @@
 //! Lights in the form that the shading formulas use: in world axes, relative to the eye, in `f32` and [`View::unit`].
 
+use std::sync::Arc;
+
 use glam::DVec3;
-use tercio_scene::{Light, LightSpace};
+use tercio_scene::{Environment, Light, LightSpace};
 
 use crate::view::{Sight, View};
 
@@ -39,7 +41,7 @@ pub struct Cone {
 /// The share of the way from the edge of a spot light's cone to its middle, as cosines, on which it fades.
 const FADE: f64 = 0.2;
 
-/// The diffuse light of all ambient and wide lights: a polynomial of the normal for each channel.
+/// The diffuse light of all ambient and wide lights and of the environment: a polynomial of the normal for each channel.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct WideLight {
     /// Constant terms.
@@ -48,13 +50,17 @@ pub struct WideLight {
     pub linear: [[f32; 3]; 3],
     /// Factors of xx, xy, xz, yy, yz and zz, by channel.
     pub quadratic: [[f32; 6]; 3],
-    /// Are there ambient lights only?
+    /// Are there only ambient lights?
     pub is_constant: bool,
 }
 
 impl WideLight {
-    /// The sum of the scene's ambient and wide lights. `to_world` takes directions towards lights.
-    fn new(lights: &[Light], to_world: impl Fn(DVec3, LightSpace) -> DVec3) -> Self {
+    /// The sum of the scene's ambient and wide lights and of an environment. `to_world` takes directions towards lights.
+    fn new(
+        lights: &[Light],
+        environment: Option<&Environment>,
+        to_world: impl Fn(DVec3, LightSpace) -> DVec3,
+    ) -> Self {
         let mut sum = Self { is_constant: true, ..Self::default() };
         let (mut linear, mut quadratic) = ([[0.0; 3]; 3], [[0.0; 6]; 3]);
         let mut constant = [0.0; 3];
@@ -78,6 +84,14 @@ impl WideLight {
                 Light::Directional { .. } | Light::Point { .. } | Light::Spot { .. } => {}
             }
         }
+        if let Some(environment) = environment {
+            sum.is_constant = false;
+            for (k, light) in environment.diffuse().iter().enumerate() {
+                constant[k] += light.constant;
+                linear[k].iter_mut().zip(light.linear).for_each(|(to, term)| *to += term);
+                quadratic[k].iter_mut().zip(light.quadratic).for_each(|(to, term)| *to += term);
+            }
+        }
         sum.constant = constant.map(|c| c as f32);
         sum.linear = linear.map(|channel| channel.map(|c| c as f32));
         sum.quadratic = quadratic.map(|channel| channel.map(|c| c as f32));
@@ -88,8 +102,12 @@ impl WideLight {
 /// All lights of a frame.
 #[derive(Clone, Debug, Default)]
 pub struct LightRig {
-    /// Ambient and wide lights.
+    /// Ambient and wide lights, and the environment.
     pub wide: WideLight,
+    /// What smooth surfaces mirror of the ambient and wide lights.
+    pub mirrored: WideLight,
+    /// What they mirror besides.
+    pub environment: Option<Arc<Environment>>,
     /// The wide lights that have a highlight, in the order of the scene.
     pub highlights: Vec<DistantLight>,
     /// Directional lights, in the order of the scene.
@@ -102,7 +120,7 @@ pub struct LightRig {
 
 impl LightRig {
     /// The scene's lights relative to the eye.
-    pub fn new(lights: &[Light], view: &View) -> Self {
+    pub fn new(lights: &[Light], environment: Option<&Arc<Environment>>, view: &View) -> Self {
         let basis = &view.basis;
         let from_camera = |v: DVec3| basis.right * v.x + basis.up * v.y - basis.forward * v.z;
         let f = |v: DVec3| [v.x as f32, v.y as f32, v.z as f32];
@@ -113,8 +131,10 @@ impl LightRig {
             };
             world.normalize_or_zero()
         };
-        let wide = WideLight::new(lights, to_world);
-        let mut rig = Self { sight: view.sight(), wide, ..Self::default() };
+        let wide = WideLight::new(lights, environment.map(|e| &**e), to_world);
+        let mirrored = WideLight::new(lights, None, to_world);
+        let environment = environment.cloned();
+        let mut rig = Self { sight: view.sight(), wide, mirrored, environment, ..Self::default() };
         for light in lights {
             match *light {
                 Light::Ambient { .. } => {}

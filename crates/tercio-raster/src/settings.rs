@@ -12,6 +12,7 @@ use crate::sampling::Sampling;
 use crate::screen::TileSet;
 use crate::shadow_map::ShadowMaps;
 pub use crate::simd::SimdLevel;
+use crate::tone::Tone;
 
 /// The largest width and height of a picture, in pixels.
 pub const MAX_SIZE: u32 = 65536;
@@ -173,6 +174,8 @@ pub struct Settings {
     /// moves with it. With shadows, surfaces are shaded at every pixel as with [`Shading::Phong`] also where
     /// [`Shading::Gouraud`] is requested.
     pub shadows: Option<Arc<ShadowMaps>>,
+    /// Exposure and tone mapping.
+    pub tone: Tone,
     /// The rows of pixels that the frame holds; `None` for all. Whole rows of tiles, except at the lower border of the
     /// picture, which requires that [`Settings::tile_size`] is given. For pictures that are larger than memory: bands
     /// below each other are the picture.
@@ -225,6 +228,7 @@ impl Settings {
             sampling: Sampling::default(),
             texture_filter: TextureFilter::default(),
             shadows: None,
+            tone: Tone::NONE,
             band: None,
             unresolved: false,
             outputs: Outputs::default(),
@@ -317,6 +321,7 @@ impl Settings {
                 return setting(what, format!("1 to {MAX_SIZE} pixels"), value.to_string());
             }
         }
+        self.tone.check()?;
         if let Some(t) = self.tile_size.filter(|t| ![8, 16, 32, 64, 128].contains(t)) {
             return setting("tile size", "8, 16, 32, 64 or 128 pixels".into(), t.to_string());
         }

@@ -23,7 +23,7 @@
 #![forbid(unsafe_code)]
 
 pub mod camera;
-
+pub mod environment;
 pub mod framing;
 pub mod light;
 pub mod material;
@@ -31,6 +31,7 @@ pub mod scene;
 pub mod texture;
 
 pub use camera::{Camera, Projection};
+pub use environment::{Environment, Panorama, PanoramaError};
 pub use framing::{Framing, UpAxis, View};
 pub use light::{Light, LightSpace};
 pub use material::{AlphaMode, InstanceMaterials, Material, TextureMap, Wrap};

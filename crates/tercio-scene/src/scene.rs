@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use tercio_mesh::cluster::Cluster;
 use tercio_mesh::{Aabb, ClusteredMesh};
 
-use crate::{InstanceMaterials, Light, Material, Texture};
+use crate::{Environment, InstanceMaterials, Light, Material, Texture};
 
 /// Everything that is drawn.
 #[derive(Clone, Debug, Default)]
@@ -16,6 +16,8 @@ pub struct Scene {
     pub instances: Vec<Instance>,
     /// The lights.
     pub lights: Vec<Light>,
+    /// Light from all around, besides the lights.
+    pub environment: Option<Arc<Environment>>,
     /// Background colours.
     pub background: Background,
     /// Materials of all instances.

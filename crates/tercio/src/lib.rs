@@ -65,13 +65,17 @@ pub use load::{
 };
 pub use prepared::Origin;
 pub use summary::{AttributeSummary, MeshSummary};
-pub use textures::{TextureError, TextureOptions, TextureReport, texture_folders, texture_from_bytes};
+pub use textures::{
+    PanoramaFileError, TextureError, TextureOptions, TextureReport, panorama_from_file, texture_folders,
+    texture_from_bytes,
+};
 
 pub use tercio_mesh::{ClusteredMesh, Mesh};
 pub use tercio_parallel::ParallelError;
 pub use tercio_raster::{Frame, RenderError, Renderer, Settings};
 pub use tercio_scene::{Camera, Framing, Instance, Scene};
 
+pub use tercio_effects as effects;
 pub use tercio_mesh as mesh;
 pub use tercio_parallel as parallel;
 pub use tercio_raster as raster;

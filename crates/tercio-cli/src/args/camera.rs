@@ -2,6 +2,7 @@
 
 use clap::{Args, ValueEnum};
 use tercio::glam::DVec3;
+use tercio::scene::camera::CameraBasis;
 use tercio::scene::framing::Extent;
 use tercio::scene::{Camera, Framing, Scene, UpAxis, View};
 
@@ -128,6 +129,11 @@ impl CameraArgs {
             (None, None) => framing.camera_for_scene(scene),
         };
         Camera { near: self.near, ..camera }
+    }
+
+    /// The axes of the front view.
+    pub fn front(&self) -> CameraBasis {
+        UpAxis::from(self.up_axis).front()
     }
 
     fn framing(&self, width: u32, height: u32) -> Framing {

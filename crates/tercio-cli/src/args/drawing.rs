@@ -5,10 +5,12 @@ use std::sync::Arc;
 use clap::{Args, ValueEnum};
 use tercio::Normals;
 use tercio::raster::{
-    AmbientOcclusion, Binning, Cull, Outputs, RenderError, Settings, Shading, ShadowMaps, SimdLevel, Sorting,
+    Binning, Cull, Outputs, RenderError, Settings, Shading, ShadowMaps, SimdLevel, Sorting,
 };
 use tercio::scene::{Background, Camera, Light, Scene};
 
+use super::effects::EffectArgs;
+use super::environment::EnvironmentArgs;
 use super::light::{self, LightSpec};
 use super::sampling::SamplingArgs;
 use super::values;
@@ -123,13 +125,6 @@ pub struct DrawingArgs {
     #[arg(long, value_name = "TEXELS", num_args = 0..=1, default_missing_value = "2048", require_equals = true)]
     #[arg(value_parser = clap::value_parser!(u32).range(16..=16384))]
     shadows: Option<u32>,
-    /// Darkens gaps and pockets that little of the surroundings' light can reach, with a strength of 0 to 1.
-    #[arg(long, value_name = "STRENGTH", num_args = 0..=1, default_missing_value = "1", require_equals = true)]
-    #[arg(value_parser = values::share)]
-    ao: Option<f64>,
-    /// How far surfaces darken each other with --ao, in radii of the model [default: 0.1].
-    #[arg(long, value_name = "RADII", allow_negative_numbers = true, value_parser = values::positive, requires = "ao")]
-    ao_radius: Option<f64>,
     /// Edges sharper than this many degrees stay sharp where normals are made; 180 smooths all
     /// [default: 30].
     #[arg(long, value_name = "DEG", allow_negative_numbers = true, value_parser = values::crease_angle)]
@@ -211,12 +206,6 @@ impl DrawingArgs {
         }
     }
 
-    /// Ambient occlusion, if it is requested.
-    pub fn occlusion(&self) -> Option<AmbientOcclusion> {
-        let radius = self.ao_radius.unwrap_or(AmbientOcclusion::default().radius);
-        self.ao.map(|strength| AmbientOcclusion { radius, strength: strength as f32 })
-    }
-
     /// Strength of highlights, if it is given.
     pub fn specular(&self) -> Option<f32> {
         self.specular.map(|strength| strength as f32)
@@ -240,7 +229,7 @@ impl DrawingArgs {
         self.shadows.map_or(0, |size| ShadowMaps::needed_bytes(&scene.lights, size))
     }
 
-    /// Sets lights, colours and background of a scene.
+    /// Sets lights, colours and background of a scene. An environment replaces the default lights.
     pub fn dress(&self, scene: &mut Scene) {
         for instance in &mut scene.instances {
             let surface = &mut instance.surface;
@@ -253,6 +242,8 @@ impl DrawingArgs {
         }
         if !self.lights.is_empty() {
             scene.lights = self.lights.iter().flat_map(|l| l.0.clone()).collect();
+        } else if scene.environment.is_some() {
+            scene.lights = Vec::new();
         } else if self.shadows.is_some() {
             scene.lights = Light::sunlit_studio();
         }
@@ -268,10 +259,21 @@ impl DrawingArgs {
         }
     }
 
-    /// `--light` without any effect is reported as a mistake.
-    pub fn check(&self) -> Result<(), &'static str> {
+    /// Options without any effect are reported as a mistake.
+    pub fn check(&self, effects: &EffectArgs, environment: &EnvironmentArgs) -> Result<(), &'static str> {
         if self.shading == ShadingName::Unlit && !self.lights.is_empty() {
             return Err("--light has no effect with --shading unlit");
+        }
+        if self.shading == ShadingName::Unlit && effects.changes_light() {
+            return Err("--exposure and --tone have no effect with --shading unlit");
+        }
+        if self.shading == ShadingName::Unlit && environment.is_given() {
+            return Err("--environment has no effect with --shading unlit");
+        }
+        if self.shadows.is_some() && environment.is_given() && self.lights.is_empty() {
+            return Err(
+                "--environment casts no shadows: --shadows needs a light besides, such as --light dir:1,2,1",
+            );
         }
         if self.shading == ShadingName::Unlit && self.shadows.is_some() {
             return Err("--shadows has no effect with --shading unlit");

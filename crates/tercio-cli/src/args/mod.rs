@@ -4,6 +4,8 @@ pub mod bench;
 pub mod camera;
 pub mod clip;
 pub mod drawing;
+pub mod effects;
+pub mod environment;
 pub mod light;
 pub mod ranks;
 pub mod sampling;

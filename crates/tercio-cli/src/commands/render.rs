@@ -10,13 +10,15 @@ use rayon::ThreadPool;
 use serde_json::{Value, json};
 use tercio::parallel::organisation::{Rank, Task};
 use tercio::parallel::{Communicator as _, FrameReport, Organisation, Ranks, between_processes, in_process};
-use tercio::raster::{AmbientOcclusion, Frame, Outputs, Renderer, Settings};
+use tercio::raster::{Frame, Outputs, Renderer, Settings};
 use tercio::scene::{Camera, Scene};
 use tercio::{LoadOptions, LoadReport, TextureReport, band_bytes, write_png_in_bands};
 
 use crate::args::camera::CameraArgs;
 use crate::args::clip::ClipArgs;
 use crate::args::drawing::{DrawingArgs, TuningArgs};
+use crate::args::effects::EffectArgs;
+use crate::args::environment::EnvironmentArgs;
 use crate::args::ranks::{Drawers, RanksArgs};
 use crate::args::sampling::SamplingArgs;
 use crate::args::textures::{TextureArgs, TextureLimits};
@@ -53,6 +55,10 @@ pub struct Render {
     clip: ClipArgs,
     #[command(flatten)]
     drawing: DrawingArgs,
+    #[command(flatten)]
+    environment: EnvironmentArgs,
+    #[command(flatten)]
+    effects: EffectArgs,
     #[command(flatten)]
     textures: TextureArgs,
     #[command(flatten)]
@@ -102,12 +108,14 @@ impl Render {
     pub fn run(&self) -> Result<ExitCode> {
         let start = Instant::now();
         let mut plan = self.writing.plan(&self.drawing).map_err(UsageError)?;
-        if self.drawing.occlusion().is_some() {
-            plan.outputs = plan.outputs.with(AmbientOcclusion::NEEDED);
-        }
-        let checks = [self.drawing.check(), self.textures.check(), self.sampling.check()];
+        plan.outputs = plan.outputs.with(self.effects.needed());
+        let checks = [
+            self.drawing.check(&self.effects, &self.environment),
+            self.textures.check(),
+            self.sampling.check(),
+        ];
         checks.into_iter().collect::<Result<(), _>>().map_err(|e| UsageError(e.into()))?;
-        let files = plan.named_files().reads_model(&self.model.model);
+        let files = self.environment.named_files(plan.named_files().reads_model(&self.model.model));
         files.check()?;
         let writing = Writing { plan, files, allow_empty: self.writing.allow_empty };
         let mut settings = self.drawing.settings(&self.tuning, &self.sampling, writing.plan.outputs);
@@ -115,6 +123,7 @@ impl Render {
             settings.layer_memory = settings.layer_memory.min((limit / 4) as usize);
         }
         settings.texture_filter = self.textures.filter();
+        settings.tone = self.effects.tone();
         settings.check().map_err(|e| UsageError(e.to_string()))?;
         let processes = mpi::processes();
         let drawers = self.ranks.drawers(processes)?;
@@ -161,7 +170,7 @@ impl Render {
         let (mut frame, parallel) = self
             .frame(&loaded.scene, &loaded.camera, settings, drawers)
             .with_context(|| self.model.name())?;
-        self.occlude(&mut frame, &loaded, settings)?;
+        self.add_effects(&mut frame, &loaded, settings)?;
         display.stage("writing");
         self.write(writing, loaded, frame, parallel)
     }
@@ -173,10 +182,10 @@ impl Render {
         Ok(Settings { shadows: shadows.with_context(|| self.model.name())?, ..settings.clone() })
     }
 
-    /// Applies ambient occlusion, if it is requested.
-    fn occlude(&self, frame: &mut Frame, loaded: &Loaded, settings: &Settings) -> Result<()> {
-        let Some(occlusion) = self.drawing.occlusion() else { return Ok(()) };
-        occlusion.apply(frame, &loaded.scene, &loaded.camera, settings).with_context(|| self.model.name())
+    /// Applies the effects that are requested.
+    fn add_effects(&self, frame: &mut Frame, loaded: &Loaded, settings: &Settings) -> Result<()> {
+        let added = self.effects.apply(frame, &loaded.scene, &loaded.camera, settings);
+        added.with_context(|| self.model.name())
     }
 
     /// Whether the picture is drawn in bands, because it is too large to be kept in memory.
@@ -243,7 +252,7 @@ impl Render {
         if !writes {
             return Ok(None);
         }
-        self.occlude(&mut frame, &loaded, settings)?;
+        self.add_effects(&mut frame, &loaded, settings)?;
         display.stage("writing");
         self.write(writing, loaded, frame, parallel).map(Some)
     }
@@ -263,6 +272,7 @@ impl Render {
         let picture = self.frame_bytes(&writing.plan, drawers);
         self.check_memory(picture, report.mesh.bytes)?;
         let mut scene = Scene::from_mesh(loaded.mesh);
+        scene.environment = self.environment.load(self.camera.front(), self.running.memory_limit())?;
         self.drawing.dress(&mut scene);
         // Layers of what is not opaque need memory, too.
         let shadows = self.drawing.shadow_bytes(&scene);

@@ -5,7 +5,7 @@ use fearless_simd::{Simd, f32x16, i32x16, mask32x16};
 use tercio_scene::Surface;
 
 use super::shade::Features;
-use crate::lighting::{DistantLight, LightRig, NearLight};
+use crate::lighting::{DistantLight, LightRig, NearLight, WideLight};
 use crate::simd::{dot, each3, part, splat};
 
 /// Vectors or colours of 16 points.
@@ -111,10 +111,15 @@ pub fn bend<S: Simd>(simd: S, normal: Vec3x16<S>, to_viewer: Vec3x16<S>) -> Vec3
     each3!(K => is_away.select(bent[K], normal[K]))
 }
 
-/// The diffuse light of ambient and wide lights.
+/// The diffuse light of ambient and wide lights and of the environment.
 #[inline(always)]
 pub fn wide<S: Simd>(simd: S, rig: &LightRig, n: Vec3x16<S>) -> Vec3x16<S> {
-    let light = &rig.wide;
+    polynomial(simd, &rig.wide, n)
+}
+
+/// The values of a polynomial for 16 unit vectors.
+#[inline(always)]
+pub fn polynomial<S: Simd>(simd: S, light: &WideLight, n: Vec3x16<S>) -> Vec3x16<S> {
     let constant = each3!(K => splat(simd, light.constant[K]));
     if light.is_constant {
         return constant;

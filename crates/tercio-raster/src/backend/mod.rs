@@ -18,6 +18,7 @@ mod order;
 mod shade;
 mod table;
 pub mod tally;
+mod tone;
 mod visibility;
 
 use fearless_simd::Simd;

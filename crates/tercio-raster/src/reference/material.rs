@@ -3,7 +3,7 @@
 use tercio_mesh::Mesh;
 use tercio_scene::{AlphaMode, Instance, Material, Scene, TextureMap};
 
-use super::shading::{Vec3, dot, each, normalize, wide};
+use super::shading::{Vec3, dot, each, normalize, polynomial, wide};
 use super::texture::{TexturePoint, sample};
 use crate::conventions::{DIELECTRIC, LEAST_ROUGHNESS};
 use crate::lighting::LightRig;
@@ -187,7 +187,11 @@ pub fn physical(rig: &LightRig, lights: &[Seen], m: &Evaluated, normal: Vec3, to
     let grazing = fifth(1.0 - facing);
     // Ambient light: what comes from the direction of the mirror image, as blurred as the wide lights are.
     let mirrored = each(|k| normal[k] * (2.0 * facing) - to_viewer[k]);
-    let reflected = wide(rig, mirrored);
+    let mut reflected = polynomial(&rig.mirrored, mirrored);
+    if let Some(environment) = &rig.environment {
+        let more = environment.mirrored(mirrored, roughness);
+        reflected = each(|k| reflected[k] + more[k]);
+    }
     let irradiance = wide(rig, normal);
     let mut sum = each(|k| {
         let limit = (1.0 - roughness).max(base[k]);

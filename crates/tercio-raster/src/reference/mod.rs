@@ -92,7 +92,7 @@ pub fn render(
         }
     }
 
-    let lights = LightRig::new(&scene.lights, &view);
+    let lights = LightRig::new(&scene.lights, scene.environment.as_ref(), &view);
     let shadows = shadows_on(scene, &objects, camera, settings)?;
     let first_faces = first_faces(meshes);
     let first_primitives = first_primitives(meshes);

@@ -8,11 +8,12 @@ use super::texture::TexturePoint;
 use crate::color::DECODE;
 use crate::context::is_elaborate;
 use crate::conventions::{SMALL_EXTENT, SUBPIXELS};
-use crate::lighting::LightRig;
+use crate::lighting::{LightRig, WideLight};
 use crate::projection::clip::{barycentric_change, barycentrics_unclipped};
 use crate::sampling::SampleShading;
 use crate::settings::{Settings, Shading};
 use crate::shadow_map::ObjectShadows;
+use crate::tone::Tone;
 use crate::view::ObjectView;
 
 /// The result of shading a pixel.
@@ -23,6 +24,14 @@ pub struct Shaded {
 }
 
 pub type Vec3 = [f32; 3];
+
+/// Light after tone mapping; unlit colours are not mapped.
+fn toned(light: Vec3, settings: &Settings) -> Vec3 {
+    if settings.shading == Shading::Unlit || settings.tone == Tone::NONE {
+        return light;
+    }
+    settings.tone.map(light)
+}
 
 /// Linear light as a display shows it: from 0 to 1, NaN as 0.
 fn shown(linear: f32) -> f32 {
@@ -160,7 +169,7 @@ pub fn shade(
             Shading::Physical => physical(lights, &seen, &m, lit_normal, to_viewer),
         };
         let alpha = m.alpha * surface.opacity;
-        let [r, g, b] = light.map(|c| shown(c) * alpha);
+        let [r, g, b] = toned(light, settings).map(|c| shown(c) * alpha);
         return Shaded { linear: [r, g, b, alpha], normal };
     }
     let albedo = match corner_colors(mesh, triangle, surface) {
@@ -189,7 +198,7 @@ pub fn shade(
     };
     let alpha = corner_alphas(mesh, triangle, surface).map_or(1.0, |a| alpha(a, weight));
     let alpha = alpha * surface.opacity;
-    let [r, g, b] = linear.map(|c| shown(c) * alpha);
+    let [r, g, b] = toned(linear, settings).map(|c| shown(c) * alpha);
     Shaded { linear: [r, g, b, alpha], normal }
 }
 
@@ -352,10 +361,14 @@ fn reflect(
     (diffuse, specular)
 }
 
-/// The light of all ambient and wide lights for a normal.
-pub fn wide(lights: &LightRig, [x, y, z]: Vec3) -> Vec3 {
+/// The light of all ambient and wide lights and of the environment for a normal.
+pub fn wide(lights: &LightRig, normal: Vec3) -> Vec3 {
+    polynomial(&lights.wide, normal)
+}
+
+/// The value of a polynomial for a unit vector.
+pub fn polynomial(wide: &WideLight, [x, y, z]: Vec3) -> Vec3 {
     each(|k| {
-        let wide = &lights.wide;
         let (c, l, q) = (wide.constant[k], wide.linear[k], wide.quadratic[k]);
         let of_x = x * ((x * q[0] + y * q[1]) + (z * q[2] + l[0]));
         let of_y = y * ((y * q[3] + z * q[4]) + l[1]);

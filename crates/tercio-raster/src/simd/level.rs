@@ -50,7 +50,7 @@ impl SimdLevel {
     }
 
     /// The token of the level, which proves that this processor supports it; `None` if it does not.
-    pub(crate) fn level(self) -> Option<Level> {
+    pub fn level(self) -> Option<Level> {
         let best = Level::new();
         match self {
             #[cfg(any(feature = "scalar", not(any(target_arch = "x86_64", target_arch = "aarch64"))))]

@@ -8,8 +8,8 @@ use std::io::{self, BufRead, Cursor, Read, Seek};
 use std::path::Path;
 
 use image::{ColorType, DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, Limits};
-use tercio_scene::Texture;
 use tercio_scene::texture::{Encoding, MAX_EDGE};
+use tercio_scene::{Panorama, PanoramaError, Texture, srgb_to_linear};
 
 use super::picture::{Picture, Pixels};
 
@@ -25,7 +25,8 @@ const HEADER_BYTES: u64 = 1 << 26;
 /// Memory of a decoder besides what grows with the picture.
 const DECODER_BYTES: u64 = 1 << 24;
 
-const FORMATS: [ImageFormat; 7] = [
+/// The formats of textures.
+const FORMATS: &[ImageFormat] = &[
     ImageFormat::Png,
     ImageFormat::Jpeg,
     ImageFormat::Gif,
@@ -189,6 +190,64 @@ impl Needs {
     pub fn of_textures(self, count: u64) -> Self {
         Self { texture_bytes: self.texture_bytes.saturating_mul(count), ..self }
     }
+}
+
+/// Panoramas may have light brighter than white, too.
+const PANORAMA_FORMATS: &[ImageFormat] =
+    &[ImageFormat::Hdr, ImageFormat::Png, ImageFormat::Jpeg, ImageFormat::WebP, ImageFormat::Tiff];
+
+/// A panorama for [`Environment::new`](tercio_scene::Environment::new) from a picture file: Radiance HDR, or TIFF of floating-point numbers, in linear
+/// light; PNG, JPEG, WebP or other TIFF, of which white is the light 1. It is twice as wide as high.
+///
+/// `memory_limit` is the most bytes that decoding may take; `None` for no limit.
+///
+/// # Errors
+/// [`PanoramaFileError`].
+pub fn panorama_from_file(path: &Path, memory_limit: Option<u64>) -> Result<Panorama, PanoramaFileError> {
+    let metadata = path.metadata().map_err(TextureError::from)?;
+    if !metadata.is_file() {
+        return Err(TextureError::NotAFile.into());
+    }
+    let mut bytes = Vec::new();
+    let file = File::open(path).map_err(TextureError::from)?;
+    file.take(MAX_FILE_BYTES + 1).read_to_end(&mut bytes).map_err(TextureError::from)?;
+    if bytes.len() as u64 > MAX_FILE_BYTES {
+        return Err(TextureError::FileSize { bytes: metadata.len(), limit: MAX_FILE_BYTES }.into());
+    }
+    let format = match image::guess_format(&bytes) {
+        Ok(format) if PANORAMA_FORMATS.contains(&format) => format,
+        Ok(format) => return Err(PanoramaFileError::Format { found: format!("{format:?}") }),
+        Err(_) if bytes.is_empty() => {
+            return Err(PanoramaFileError::Format { found: "an empty file".into() });
+        }
+        Err(_) => return Err(PanoramaFileError::Format { found: "none of these".into() }),
+    };
+    let needs = needs(Cursor::new(&bytes), format, bytes.len() as u64)?;
+    needs.check(0, memory_limit)?;
+    let decoder = decoder(Cursor::new(&bytes), format, needs.decoding_bytes)?;
+    let is_linear = matches!(decoder.color_type(), ColorType::Rgb32F | ColorType::Rgba32F);
+    let image = DynamicImage::from_decoder(decoder).map_err(TextureError::from)?;
+    let light = |v: f32| if is_linear { v } else { srgb_to_linear(f64::from(v)) as f32 };
+    let pixels = image.into_rgb32f().pixels().map(|p| p.0.map(light)).collect();
+    Ok(Panorama::new(needs.size.0 as usize, needs.size.1 as usize, pixels)?)
+}
+
+/// Why a picture file is no panorama.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum PanoramaFileError {
+    /// It is no picture, or of another format.
+    #[error("expected a Radiance HDR, PNG, JPEG, WebP or TIFF picture, found {found}")]
+    Format {
+        /// What was found.
+        found: String,
+    },
+    /// It could not be decoded.
+    #[error(transparent)]
+    Picture(#[from] TextureError),
+    /// It has another shape, or light that cannot be reflected.
+    #[error(transparent)]
+    Panorama(#[from] PanoramaError),
 }
 
 fn format_of(head: &[u8], path: &Path) -> Result<ImageFormat, TextureError> {

@@ -12,7 +12,7 @@ mod picture;
 
 use std::path::{Path, PathBuf};
 
-pub use decode::{TextureError, texture_from_bytes};
+pub use decode::{PanoramaFileError, TextureError, panorama_from_file, texture_from_bytes};
 pub use load::{TextureOptions, TextureReport};
 
 use crate::LoadReport;

@@ -2,9 +2,10 @@
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, mask32x16};
+use tercio_scene::Environment;
 
 use super::evaluate::Evaluated;
-use crate::backend::light::{Vec3x16, beside, normalize, wide};
+use crate::backend::light::{Vec3x16, beside, normalize, polynomial, wide};
 use crate::conventions::{DIELECTRIC, LEAST_ROUGHNESS};
 use crate::lighting::LightRig;
 use crate::shadow_map::LightNumber;
@@ -171,7 +172,11 @@ pub fn physical<S: Simd>(
     let grazing = fifth(one - facing);
     let twice = facing * 2.0;
     let mirrored = each3!(K => normal[K] * twice - to_viewer[K]);
-    let reflected = wide(simd, rig, mirrored);
+    let mut reflected = polynomial(simd, &rig.mirrored, mirrored);
+    if let Some(environment) = &rig.environment {
+        let more = from_environment(simd, environment, &mirrored, roughness);
+        reflected = each3!(K => reflected[K] + more[K]);
+    }
     let irradiance = wide(simd, rig, normal);
     let smooth = one - roughness;
     let mut sum = each3!(K => {
@@ -215,6 +220,22 @@ pub fn physical<S: Simd>(
         },
     );
     each3!(K => sum[K] + load(simd, &m.emissive[K]))
+}
+
+/// What surfaces mirror of the environment. The points are looked up one by one.
+#[inline(never)]
+fn from_environment<S: Simd>(
+    simd: S,
+    environment: &Environment,
+    direction: &Vec3x16<S>,
+    roughness: f32x16<S>,
+) -> Vec3x16<S> {
+    let mut found = [[0.0; LANES]; 3];
+    for lane in 0..LANES {
+        let light = environment.mirrored([0, 1, 2].map(|k| direction[k][lane]), roughness[lane]);
+        (0..3).for_each(|k| found[k][lane] = light[k]);
+    }
+    each3!(K => load(simd, &found[K]))
 }
 
 #[inline(always)]

@@ -8,6 +8,7 @@ use crate::backend::material;
 use crate::context::FrameContext;
 use crate::frame::Outputs;
 use crate::settings::Shading;
+use crate::tone::Tone;
 
 /// The shading features that a kernel is specialized for or branches on.
 pub trait Features: Copy {
@@ -33,6 +34,8 @@ pub trait Features: Copy {
     fn color(self) -> bool;
     /// Is any other plane of the frame requested?
     fn more(self) -> bool;
+    /// Is light tone-mapped?
+    fn tone(self) -> bool;
 
     /// Are positions of corners needed?
     #[inline(always)]
@@ -54,6 +57,7 @@ pub struct Look {
     highlights: bool,
     color: bool,
     more: bool,
+    tone: bool,
 }
 
 impl Look {
@@ -77,6 +81,7 @@ impl Look {
             highlights: surface.specular > 0.0,
             color: outputs.color,
             more: Outputs { color: false, ..*outputs } != Outputs::NONE,
+            tone: context.settings.tone != Tone::NONE && shading != Shading::Unlit,
         }
     }
 
@@ -93,6 +98,7 @@ impl Look {
             highlights: features.highlights(),
             color: features.color(),
             more: features.more(),
+            tone: features.tone(),
         }
     }
 
@@ -154,6 +160,10 @@ impl Features for Look {
     fn more(self) -> bool {
         self.more
     }
+    #[inline(always)]
+    fn tone(self) -> bool {
+        self.tone
+    }
 }
 
 /// The look of most pictures: vertex normals, one colour for the surface, directional lights, and 8-bit colours as the
@@ -201,6 +211,10 @@ impl<const HIGHLIGHTS: bool> Features for Common<HIGHLIGHTS> {
     }
     #[inline(always)]
     fn more(self) -> bool {
+        false
+    }
+    #[inline(always)]
+    fn tone(self) -> bool {
         false
     }
 }

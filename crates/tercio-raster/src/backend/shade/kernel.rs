@@ -9,7 +9,7 @@ use super::target::Target;
 use crate::backend::corners::{ColorSource, Corners, Fragments, to_world};
 use crate::backend::interpolate::Interpolation;
 use crate::backend::light::{Vec3x16, bend, beside, diffuse, normalize, reflect, towards_viewer};
-use crate::backend::material;
+use crate::backend::{material, tone};
 use crate::context::FrameContext;
 use crate::conventions::{SAMPLE, SUBPIXELS};
 use crate::projection::relative;
@@ -127,6 +127,7 @@ pub fn shade_inline<S: Simd, F: Features, T: Target>(
         let colors = features.colors();
         let pixels = material::Pixels { sample, at: &at, corners, colors, normal, to_viewer };
         let (lit, alpha) = material::shade(simd, context, instance, &pixels);
+        let lit = if features.tone() { tone::map(simd, &context.settings.tone, &lit) } else { lit };
         target.write(simd, context, features, fragments, lit, alpha, normal);
         return;
     }
@@ -175,6 +176,7 @@ pub fn shade_inline<S: Simd, F: Features, T: Target>(
             each3!(C => albedo[C] * diffuse[C] + specular[C])
         }
     };
+    let lit = if features.tone() { tone::map(simd, &context.settings.tone, &lit) } else { lit };
     target.write(simd, context, features, fragments, lit, alpha, normal);
 }
 

@@ -4,46 +4,15 @@ mod common;
 
 use common::*;
 use glam::DVec3;
+use tercio_effects::AmbientOcclusion;
 use tercio_mesh::Mesh;
-use tercio_raster::{AmbientOcclusion, Frame, Outputs, RenderError, Settings, Shading};
+use tercio_raster::{Frame, RenderError, Settings, SimdLevel};
 use tercio_scene::{Background, Camera, Scene};
 use tercio_testkit::ray_caster::RayCaster;
 
-/// A box seen from inside, without its front: corners of -1 to 1 in x and y, -1 to 0 in z; with a block on its floor.
-fn room() -> Mesh {
-    let mut mesh = Mesh::default();
-    let mut quad = |a: [f32; 3], b: [f32; 3], c: [f32; 3]| {
-        let first = mesh.positions.len() as u32;
-        let d = std::array::from_fn(|k| a[k] + c[k] - b[k]);
-        mesh.positions.extend([a, b, c, d]);
-        mesh.triangles.extend([[first, first + 1, first + 2], [first, first + 2, first + 3]]);
-    };
-    let mut block = |min: [f32; 3], max: [f32; 3]| {
-        let [[x, y, z], [u, v, w]] = [min, max];
-        quad([x, y, z], [u, y, z], [u, v, z]);
-        quad([x, y, z], [x, y, w], [x, v, w]);
-        quad([u, y, z], [u, y, w], [u, v, w]);
-        quad([x, y, z], [x, y, w], [u, y, w]);
-        quad([x, v, z], [x, v, w], [u, v, w]);
-        if z > -1.0 {
-            quad([x, y, w], [u, y, w], [u, v, w]);
-        }
-    };
-    block([-1.0, -1.0, -1.0], [1.0, 1.0, 0.0]);
-    block([-0.3, -1.0, -0.8], [0.2, -0.5, -0.3]);
-    mesh
-}
-
-fn lit(scene: &mut Scene) {
-    scene.instances[0].surface.base_color = [1.0; 3];
-    scene.background = Background::Solid([0.0, 0.0, 0.0, 1.0]);
-}
-
 /// The share of light that ambient occlusion leaves in each pixel: that of a white unlit surface.
 fn left(scene: &Scene, camera: &Camera, settings: &Settings, occlusion: AmbientOcclusion) -> Frame {
-    let outputs = AmbientOcclusion::NEEDED.with(Outputs { color: true, color16: true, ..Outputs::NONE });
-    let settings = Settings { outputs, shading: Shading::Unlit, ..settings.clone() };
-    let mut frame = draw(scene, camera, &settings);
+    let (mut frame, settings) = draw(scene, camera, settings);
     occlusion.apply(&mut frame, scene, camera, &settings).expect("valid settings");
     frame
 }
@@ -74,11 +43,10 @@ fn by_rays(caster: &RayCaster, at: DVec3, normal: DVec3, radius: f64) -> f64 {
 
 #[test]
 fn it_is_close_to_that_of_rays() {
-    let ball = sphere(24);
+    let ball = ball();
     let mesh = room();
     for (mesh, what) in [(&mesh, "room"), (&ball, "ball")] {
-        let mut plain = scene(mesh);
-        lit(&mut plain);
+        let plain = scene(mesh);
         let camera = perspective([0.4, 0.7, 3.2], [0.0, -0.1, -0.5], 42.0);
         let occlusion = AmbientOcclusion { radius: 0.3, strength: 1.0 };
         let (width, height) = (120, 90);
@@ -114,9 +82,8 @@ fn it_is_close_to_that_of_rays() {
 #[test]
 fn all_planes_are_darkened_alike_and_the_background_is_not() {
     let mut plain = scene(&room());
-    lit(&mut plain);
     plain.background = Background::Solid([0.3, 0.5, 0.7, 0.5]);
-    let camera = perspective([0.4, 0.7, 4.2], [0.0, -0.1, -0.5], 42.0);
+    let camera = into_room();
     let settings = Settings::new(120, 90);
     let with = |strength| left(&plain, &camera, &settings, AmbientOcclusion { radius: 0.3, strength }).planes;
     let (whole, half, none) = (with(1.0), with(0.5), with(0.0));
@@ -160,10 +127,9 @@ fn it_does_not_depend_on_units() {
 
 #[test]
 fn settings_that_are_none_are_errors() {
-    let plain = scene(&sphere(3));
+    let plain = scene(&ball());
     let camera = perspective([0.0, 0.0, 4.0], [0.0; 3], 42.0);
-    let settings = Settings { outputs: AmbientOcclusion::NEEDED, ..Settings::new(8, 8) };
-    let mut frame = draw(&plain, &camera, &settings);
+    let (mut frame, settings) = draw(&plain, &camera, &Settings::new(8, 8));
     for (radius, strength) in
         [(0.0, 1.0), (-1.0, 1.0), (f64::NAN, 1.0), (1.0, -0.1), (1.0, 1.1), (1.0, f32::NAN)]
     {
@@ -171,4 +137,59 @@ fn settings_that_are_none_are_errors() {
         let error = occlusion.apply(&mut frame, &plain, &camera, &settings).expect_err("no picture");
         assert!(matches!(error, RenderError::Setting { .. }), "{error}");
     }
+}
+
+/// Every level, and any number of threads, gives the same bytes.
+#[test]
+fn every_simd_level_gives_the_same_picture() {
+    let plain = scene(&room());
+    for (camera, what) in
+        [(into_room(), "perspective"), (orthographic([0.5, 0.4, 4.0], [0.0; 3], 2.4), "orthographic")]
+    {
+        // Sizes that are no multiples of 16, or odd.
+        for (width, height) in [(101, 67), (33, 48), (1, 1), (16, 2)] {
+            let of = |simd| {
+                left(
+                    &plain,
+                    &camera,
+                    &Settings { simd, ..Settings::new(width, height) },
+                    AmbientOcclusion::default(),
+                )
+            };
+            let expected = of(None);
+            for level in SimdLevel::available() {
+                let difference = of(Some(level)).difference(&expected);
+                assert_eq!(difference, None, "{what}, {width} x {height}, {level}");
+            }
+        }
+    }
+}
+
+/// A part of a picture that is drawn by itself differs only where what occludes it is outside.
+#[test]
+fn there_are_no_seams() {
+    let plain = scene(&room());
+    let draw = |width, height, projected: f64| {
+        let camera = orthographic([0.1, 0.2, 4.0], [0.1, 0.2, 0.0], projected);
+        left(
+            &plain,
+            &camera,
+            &Settings::one_sample(width, height),
+            AmbientOcclusion { radius: 0.1, strength: 1.0 },
+        )
+    };
+    // 4 pixels of the pattern are left out on each side, 40 pixels in all, with pixels of the same size.
+    let (whole, part) = (draw(160, 160, 2.0), draw(80, 80, 1.0));
+    let (mut count, mut darkened) = (0, 0);
+    // The radius is 13 pixels, and the pattern reaches 4 more.
+    for y in 18..62 {
+        for x in 18..62 {
+            let (own, of_whole) =
+                (part.planes.linear[y * 80 + x][0], whole.planes.linear[(y + 40) * 160 + x + 40][0]);
+            assert!((own - of_whole).abs() < 1e-4, "({x}, {y}): {own} {of_whole}");
+            count += 1;
+            darkened += usize::from(own < 0.9);
+        }
+    }
+    assert!(darkened > count / 50, "{darkened} of {count}");
 }

@@ -1,0 +1,147 @@
+//! Options of what happens to light after shading: exposure, tone mapping, and effects on the finished picture.
+
+use clap::{Args, ValueEnum};
+use tercio::effects::{AmbientOcclusion, EyeDome};
+use tercio::raster::{Frame, Outputs, RenderError, Settings, Tone, ToneCurve};
+use tercio::scene::{Camera, Scene};
+
+use super::values;
+
+/// How bright light is compressed.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub enum ToneName {
+    /// Not at all: what is brighter than white is white.
+    None,
+    /// By luminance.
+    Reinhard,
+    /// As film does, with more contrast.
+    Filmic,
+    /// Only bright colours, the others stay as they are.
+    Neutral,
+}
+
+impl From<ToneName> for ToneCurve {
+    fn from(name: ToneName) -> Self {
+        match name {
+            ToneName::None => Self::Clip,
+            ToneName::Reinhard => Self::Reinhard,
+            ToneName::Filmic => Self::Filmic,
+            ToneName::Neutral => Self::Neutral,
+        }
+    }
+}
+
+/// Exposure, tone mapping and effects.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Drawing")]
+pub struct EffectArgs {
+    /// Makes reflected light brighter by this many stops, each a factor of 2, -15 to 15; the background stays as it is
+    /// [default: 0].
+    #[arg(long, value_name = "STOPS", allow_negative_numbers = true, value_parser = stops)]
+    exposure: Option<f64>,
+    /// How light brighter than white is compressed.
+    #[arg(long, value_name = "CURVE", value_enum, default_value_t = ToneName::None)]
+    tone: ToneName,
+    /// Darkens gaps and pockets that little of the surroundings' light can reach, with a strength of 0 to 1.
+    #[arg(long, value_name = "STRENGTH", num_args = 0..=1, default_missing_value = "1", require_equals = true)]
+    #[arg(value_parser = values::share)]
+    ao: Option<f64>,
+    /// How far surfaces darken each other with --ao, in radii of the model [default: 0.1].
+    #[arg(long, value_name = "RADII", allow_negative_numbers = true, value_parser = values::positive, requires = "ao")]
+    ao_radius: Option<f64>,
+    /// Darkens what lies behind something else or slopes away (eye-dome lighting), for dense scans; with a strength of 0 to
+    /// 100, 1 is usual.
+    #[arg(long, value_name = "STRENGTH", num_args = 0..=1, default_missing_value = "1", require_equals = true)]
+    #[arg(value_parser = edl_strength)]
+    edl: Option<f64>,
+    /// Width of the outlines of --edl, 1 to 64 pixels [default: a thousandth of the picture's height].
+    #[arg(long, value_name = "PIXELS", value_parser = clap::value_parser!(u32).range(1..=64), requires = "edl")]
+    edl_radius: Option<u32>,
+}
+
+/// 2 to a power of -15 to 15, the same on every machine: the product of the powers of its binary digits, which are repeated
+/// square roots.
+fn power_of_two(exponent: f64) -> f64 {
+    let mut rest = exponent - exponent.floor();
+    let (mut power, mut root) = (1.0, 2.0f64);
+    for _ in 0..52 {
+        root = root.sqrt();
+        rest *= 2.0;
+        if rest >= 1.0 {
+            rest -= 1.0;
+            power *= root;
+        }
+    }
+    power * 2f64.powi(exponent.floor() as i32)
+}
+
+fn stops(text: &str) -> Result<f64, String> {
+    let stops = values::number(text).ok().filter(|stops| stops.abs() <= 15.0);
+    stops.ok_or_else(|| "expected a number of -15 to 15".into())
+}
+
+fn edl_strength(text: &str) -> Result<f64, String> {
+    let strength = values::number(text).ok().filter(|s| (0.0..=100.0).contains(s));
+    strength.ok_or_else(|| "expected a number of 0 to 100".into())
+}
+
+impl EffectArgs {
+    /// Exposure and tone curve.
+    pub fn tone(&self) -> Tone {
+        Tone { exposure: power_of_two(self.exposure.unwrap_or(0.0)) as f32, curve: self.tone.into() }
+    }
+
+    fn occlusion(&self) -> Option<AmbientOcclusion> {
+        let radius = self.ao_radius.unwrap_or(AmbientOcclusion::default().radius);
+        self.ao.map(|strength| AmbientOcclusion { radius, strength: strength as f32 })
+    }
+
+    fn eye_dome(&self) -> Option<EyeDome> {
+        self.edl.map(|strength| EyeDome { strength: strength as f32, radius: self.edl_radius })
+    }
+
+    /// The planes that the effects need.
+    pub fn needed(&self) -> Outputs {
+        let occlusion = self.occlusion().map_or(Outputs::NONE, |_| AmbientOcclusion::NEEDED);
+        occlusion.with(self.eye_dome().map_or(Outputs::NONE, |_| EyeDome::NEEDED))
+    }
+
+    /// Applies the effects to a finished picture.
+    ///
+    /// # Errors
+    /// [`RenderError`].
+    pub fn apply(
+        &self,
+        frame: &mut Frame,
+        scene: &Scene,
+        camera: &Camera,
+        settings: &Settings,
+    ) -> Result<(), RenderError> {
+        if let Some(occlusion) = self.occlusion() {
+            occlusion.apply(frame, scene, camera, settings)?;
+        }
+        if let Some(eye_dome) = self.eye_dome() {
+            eye_dome.apply(frame, scene, camera, settings)?;
+        }
+        Ok(())
+    }
+
+    /// Whether light is changed after shading, before the effects.
+    pub fn changes_light(&self) -> bool {
+        self.exposure.is_some() || !matches!(self.tone, ToneName::None)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn powers_of_two() {
+        for step in -150..=150 {
+            let exponent = f64::from(step) * 0.1;
+            assert!((power_of_two(exponent) / exponent.exp2() - 1.0).abs() < 1e-14, "{exponent}");
+        }
+        assert_eq!([-15.0, -1.0, 0.0, 3.0].map(power_of_two), [1.0 / 32768.0, 0.5, 1.0, 8.0]);
+    }
+}

@@ -1,0 +1,18 @@
+//! Effects that are computed from a finished picture's planes: they darken what is visible.
+//!
+//! [`AmbientOcclusion`] darkens gaps and pockets, [`EyeDome`] outlines steps of depth. Each pixel is computed from the
+//! finished depths and normals by operations that are the same at every SIMD level, so that the result does not depend on
+//! tiles, threads, ranks or SIMD levels, and there are no seams. The whole picture must be there: a band is not enough.
+//!
+//! [`surface`] holds the visible points, in the camera's axes; [`darken`] takes light away from the planes of colours.
+
+#![forbid(unsafe_code)]
+
+pub mod darken;
+pub mod eye_dome;
+mod lanes;
+pub mod occlusion;
+pub mod surface;
+
+pub use eye_dome::EyeDome;
+pub use occlusion::AmbientOcclusion;

@@ -1,0 +1,82 @@
+//! Ambient occlusion in screen space: darkens what little of the surroundings can reach.
+//!
+//! What occludes a visible point is looked for among the other visible points, along lines of the picture through it: in
+//! the plane of such a line and the line of sight, the surroundings are open above the horizons on both sides, and the
+//! light that enters between them, weighted by its cosine with the normal, has a closed formula. A horizon counts the
+//! less the farther away it is, and not at all beyond the radius. What is hidden, or outside the picture, occludes
+//! nothing. Source: Jimenez, Wu, Pesce and Jarabo, "Practical real-time strategies for accurate indirect occlusion"
+//! (2016).
+//!
+//! [`horizon`] does this for every second pixel of every second row, with lines of 32 directions that alternate in
+//! patterns of 4 x 4; [`smooth`] averages over such a pattern, which has every direction once, along each pixel's tangent
+//! plane. Pixels that have no neighbour in their tangent plane are computed themselves.
+
+mod horizon;
+mod smooth;
+
+use tercio_raster::view::View;
+use tercio_raster::{Frame, Outputs, RenderError, Settings, SimdLevel};
+use tercio_scene::{Camera, Scene};
+
+use crate::darken::darken;
+use crate::surface::Surface;
+
+/// How ambient occlusion looks.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AmbientOcclusion {
+    /// How far surfaces darken each other, relative to the radius of the scene; above 0.
+    pub radius: f64,
+    /// 0 for none to 1: the share of light that is taken from what is wholly occluded.
+    pub strength: f32,
+}
+
+impl Default for AmbientOcclusion {
+    fn default() -> Self {
+        Self { radius: 0.1, strength: 1.0 }
+    }
+}
+
+impl AmbientOcclusion {
+    /// The planes that it needs; frames may have others besides.
+    pub const NEEDED: Outputs = Outputs { linear: true, depth: true, normals: true, ..Outputs::NONE };
+
+    /// Darkens the colours of a finished frame of this scene, camera and settings: its linear plane, and the 8-bit and
+    /// 16-bit planes if it has them.
+    ///
+    /// # Errors
+    /// [`RenderError::Setting`] if radius or strength is out of range; [`RenderError::Camera`].
+    ///
+    /// # Panics
+    /// If the frame does not have the planes [`AmbientOcclusion::NEEDED`] of a whole picture, or this processor does not
+    /// have the SIMD level of the settings.
+    pub fn apply(
+        &self,
+        frame: &mut Frame,
+        scene: &Scene,
+        camera: &Camera,
+        settings: &Settings,
+    ) -> Result<(), RenderError> {
+        let setting = |what, range: &str, value: f64| {
+            Err(RenderError::Setting { what, range: range.into(), value: value.to_string() })
+        };
+        if !(self.radius > 0.0 && self.radius.is_finite()) {
+            return setting("radius of ambient occlusion", "above 0 and finite", self.radius);
+        }
+        if !(0.0..=1.0).contains(&self.strength) {
+            return setting("strength of ambient occlusion", "0 to 1", self.strength.into());
+        }
+        let bounds = scene.bounds();
+        let view = View::new(camera, &bounds, settings.width, settings.height)?;
+        let pixels = settings.width as usize * settings.height as usize;
+        let planes = &mut frame.planes;
+        let is_complete = [planes.linear.len(), planes.depth.len(), planes.normals.len()] == [pixels; 3];
+        assert!(is_complete, "the frame has the planes that ambient occlusion needs");
+        let surface = Surface::new(&view, self.radius * bounds.radius(), planes);
+        let level = settings.simd.unwrap_or_else(SimdLevel::best).level();
+        let level = level.expect("the level with which the picture was drawn");
+        let horizons = horizon::Horizons::new(&surface, &planes.normals, level);
+        let light = smooth::light(&horizons, self.strength, level);
+        darken(planes, &light);
+        Ok(())
+    }
+}

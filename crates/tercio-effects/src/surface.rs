@@ -1,0 +1,53 @@
+//! The visible surface, in the camera's axes: x to the right, y upwards, z towards the viewer.
+
+use rayon::prelude::*;
+use tercio_raster::conventions::SUBPIXELS;
+use tercio_raster::frame::Planes;
+use tercio_raster::view::View;
+
+/// The visible points of a picture. Lengths are in a unit of the caller's.
+pub struct Surface {
+    /// Pixels across.
+    pub width: usize,
+    /// Pixels down.
+    pub height: usize,
+    /// False for an orthographic camera.
+    pub perspective: bool,
+    /// Pixels per unit of length; at a distance of one unit for a perspective camera.
+    pub scale: f32,
+    /// The middle of the projection, in pixels from the upper left corner of the picture.
+    pub middle: [f32; 2],
+    /// The camera's axes in world space.
+    pub axes: [[f32; 3]; 3],
+    /// Distance of each pixel along the line of sight; infinite where nothing is visible.
+    pub depth: Vec<f32>,
+}
+
+impl Surface {
+    /// The surface of a picture with a plane of depths. `unit` is the unit of length, in world units.
+    pub fn new(view: &View, unit: f64, planes: &Planes) -> Self {
+        let per_world_unit = view.scale / f64::from(SUBPIXELS);
+        let axes = [view.basis.right, view.basis.up, -view.basis.forward];
+        let inverse = 1.0 / unit;
+        let mut depth = Vec::new();
+        let scaled = planes.depth.par_iter().with_min_len(1 << 14).map(|&d| (f64::from(d) * inverse) as f32);
+        scaled.collect_into_vec(&mut depth);
+        Self {
+            width: view.width as usize,
+            height: view.height as usize,
+            perspective: view.perspective,
+            scale: if view.perspective { per_world_unit } else { per_world_unit * unit } as f32,
+            middle: view.sight().middle.map(|m| m as f32 / SUBPIXELS as f32),
+            axes: axes.map(|axis| axis.as_vec3().to_array()),
+            depth,
+        }
+    }
+
+    /// A direction in world space, in the camera's axes.
+    #[inline(always)]
+    pub fn to_camera(&self, v: [f32; 3]) -> [f32; 3] {
+        let [x, y, z] = self.axes;
+        let dot = |a: [f32; 3]| (a[0] * v[0] + a[1] * v[1]) + a[2] * v[2];
+        [dot(x), dot(y), dot(z)]
+    }
+}
