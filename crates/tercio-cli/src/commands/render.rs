@@ -95,6 +95,8 @@ struct Done {
     frame: Frame,
     /// The report of every rank, if there are ranks.
     parallel: Option<FrameReport>,
+    /// Of the effects on the finished picture.
+    effect_milliseconds: f64,
     output_milliseconds: f64,
     /// Why nothing was drawn, if that is the case.
     empty: Option<String>,
@@ -170,9 +172,9 @@ impl Render {
         let (mut frame, parallel) = self
             .frame(&loaded.scene, &loaded.camera, settings, drawers)
             .with_context(|| self.model.name())?;
-        self.add_effects(&mut frame, &loaded, settings)?;
+        let effect_milliseconds = self.add_effects(&mut frame, &loaded, settings)?;
         display.stage("writing");
-        self.write(writing, loaded, frame, parallel)
+        Ok(Done { effect_milliseconds, ..self.write(writing, loaded, frame, parallel)? })
     }
 
     /// Settings with the shadows of the scene's lights, if they are requested. Every rank draws the same ones.
@@ -182,10 +184,12 @@ impl Render {
         Ok(Settings { shadows: shadows.with_context(|| self.model.name())?, ..settings.clone() })
     }
 
-    /// Applies the effects that are requested.
-    fn add_effects(&self, frame: &mut Frame, loaded: &Loaded, settings: &Settings) -> Result<()> {
+    /// Applies the effects that are requested; returns the milliseconds that they took.
+    fn add_effects(&self, frame: &mut Frame, loaded: &Loaded, settings: &Settings) -> Result<f64> {
+        let begin = Instant::now();
         let added = self.effects.apply(frame, &loaded.scene, &loaded.camera, settings);
-        added.with_context(|| self.model.name())
+        added.with_context(|| self.model.name())?;
+        Ok(begin.elapsed().as_secs_f64() * 1e3)
     }
 
     /// Whether the picture is drawn in bands, because it is too large to be kept in memory.
@@ -211,7 +215,16 @@ impl Render {
         let all = begin.elapsed().as_secs_f64() * 1e3;
         let output_milliseconds = (all - frame.stats.milliseconds.total).max(0.0);
         let empty = self.reason(&report, &camera, &frame);
-        Ok(Done { report, textures, camera, frame, parallel: None, output_milliseconds, empty })
+        Ok(Done {
+            report,
+            textures,
+            camera,
+            frame,
+            parallel: None,
+            effect_milliseconds: 0.0,
+            output_milliseconds,
+            empty,
+        })
     }
 
     /// Why nothing was drawn, if that is the case.
@@ -252,9 +265,10 @@ impl Render {
         if !writes {
             return Ok(None);
         }
-        self.add_effects(&mut frame, &loaded, settings)?;
+        let effect_milliseconds = self.add_effects(&mut frame, &loaded, settings)?;
         display.stage("writing");
-        self.write(writing, loaded, frame, parallel).map(Some)
+        let done = self.write(writing, loaded, frame, parallel)?;
+        Ok(Some(Done { effect_milliseconds, ..done }))
     }
 
     fn load(&self, writing: &Writing, display: &Display, drawers: Drawers) -> Result<Loaded> {
@@ -358,7 +372,16 @@ impl Render {
         let (written, ()) = rayon::join(write, || drop(scene));
         written?;
         let output_milliseconds = begin.elapsed().as_secs_f64() * 1e3;
-        Ok(Done { report, textures, camera, frame, parallel, output_milliseconds, empty })
+        Ok(Done {
+            report,
+            textures,
+            camera,
+            frame,
+            parallel,
+            effect_milliseconds: 0.0,
+            output_milliseconds,
+            empty,
+        })
     }
 
     fn print_summary(&self, done: &Done) {
@@ -403,6 +426,7 @@ impl Render {
             "parallel": done.parallel,
             "threads": threads,
             "simd": done.frame.stats.simd,
+            "effect_milliseconds": done.effect_milliseconds,
             "output_milliseconds": done.output_milliseconds,
             "total_milliseconds": start.elapsed().as_secs_f64() * 1e3,
             "peak_memory_bytes": memory::peak_bytes(),
