@@ -8,12 +8,6 @@ use tercio_testkit::workspace_root;
 
 use crate::process;
 
-/// The release build, except that it may use shared libraries.
-pub fn tercio() -> Result<PathBuf> {
-    process::run(process::cargo().args(["build", "--release", "--package", "tercio-cli"]))?;
-    Ok(process::target_folder()?.join("release/tercio"))
-}
-
 /// The floor, from `shared/floor` beside the checkout.
 pub fn floor(folder: &Path) -> Result<PathBuf> {
     let shared = tercio_testkit::shared_data().context("../shared is absent")?;

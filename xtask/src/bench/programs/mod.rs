@@ -84,7 +84,7 @@ impl Programs {
         };
         let turning = &[Table::Turning];
         Ok(Self {
-            tercio: build::tercio()?,
+            tercio: process::tercio()?,
             floor: needed(turning).and_then(|()| build::floor(folder)),
             llvmpipe: needed(&[Table::Turning, Table::Cliffs])
                 .and_then(|()| build::rival(folder, "llvmpipe", &["OSMesa"])),
