@@ -9,8 +9,8 @@ use tercio_testkit::Picture;
 
 use super::{SIZE, level};
 
-/// A pixel is at an edge if the ray tracer's picture differs by more than this many levels in the square of 3 x 3 pixels
-/// around it.
+/// A pixel is at an edge if the ray tracer's picture differs by more than this many levels in the square of 3 x 3
+/// pixels around it.
 const EDGE: u8 = 16;
 
 /// The picture of the ray tracer, from several rays per pixel.
@@ -148,8 +148,8 @@ impl Display for Measured {
         let (away, edges) = (&self.away, &self.edges);
         write!(
             f,
-            "away from edges {} pixels, mean {:.3}, largest {} at {:?}, above 32: {}; at edges {}, mean {:.2}, largest {} \
-             at {:?}, above 32: {}",
+            "away from edges {} pixels, mean {:.3}, largest {} at {:?}, above 32: {}; at edges {}, mean {:.2}, largest \
+             {} at {:?}, above 32: {}",
             away.pixels,
             away.mean(),
             away.largest,
@@ -177,8 +177,8 @@ fn is_edge(picture: &Picture, x: u32, y: u32) -> bool {
     (0..3).any(|k| high[k] - low[k] > EDGE)
 }
 
-/// The movement that explains most of the difference, by least squares: a picture moved by d differs by the product of d
-/// with its gradient. Large differences, where other things are visible, do not count.
+/// The movement that explains most of the difference, by least squares: a picture moved by d differs by the product of
+/// d with its gradient. Large differences, where other things are visible, do not count.
 fn shift(ours: &Picture, theirs: &Rays) -> [f64; 2] {
     const LARGEST: f64 = 0.1;
     let width = SIZE.0 as usize;

@@ -7,8 +7,8 @@
 //! * Lights do not fade with distance. A spot light fades by the same polynomial from `falloff`, the edge of the cone,
 //!   to `radius`, if `tightness` is 0.
 //! * Its camera is given by its axes, which makes it independent of the handedness of the coordinates.
-//! * Every pixel is the mean of 4 x 4 rays or more, taken here in linear light: POV-Ray draws a larger picture, without its own
-//!   anti-aliasing.
+//! * Every pixel is the mean of 4 x 4 rays or more, taken here in linear light: POV-Ray draws a larger picture,
+//!   without its own anti-aliasing.
 
 use std::fmt::Write as _;
 use std::path::Path;

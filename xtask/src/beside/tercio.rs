@@ -95,7 +95,8 @@ fn hex([r, g, b]: [u8; 3]) -> String {
     format!("#{r:02x}{g:02x}{b:02x}")
 }
 
-/// A linear colour as an sRGB colour, whose largest component is 255, and a strength: the inverse of `tinted` of the scenes.
+/// A linear colour as an sRGB colour, whose largest component is 255, and a strength: the inverse of `tinted` of the
+/// scenes.
 fn linear(color: [f32; 3]) -> String {
     let strength = color.into_iter().fold(0.0, f32::max);
     format!("{}*{strength}", hex(color.map(|c| super::level(f64::from(c / strength)))))

@@ -44,3 +44,16 @@ pub fn rival(folder: &Path, name: &str, libraries: &[&str]) -> Result<PathBuf> {
     process::run(command.args(libraries.iter().map(|l| format!("-l{l}"))).arg("-lm"))?;
     Ok(program)
 }
+
+/// The Python that `PYTHON` names, or `python3`, if it has VTK's module.
+pub fn vtk() -> Result<PathBuf> {
+    let python = std::env::var_os("PYTHON").unwrap_or_else(|| "python3".into());
+    let has_module = process::output(Command::new(&python).args(["-c", "import vtk"]));
+    has_module.context("the Python of $PYTHON, or python3, has no module vtk")?;
+    Ok(python.into())
+}
+
+/// The program that draws with VTK.
+pub fn vtk_script() -> PathBuf {
+    workspace_root().join("xtask/rivals/vtk_turn.py")
+}
