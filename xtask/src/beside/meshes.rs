@@ -20,10 +20,10 @@ pub fn table() -> Mesh {
     });
     let edge = 1.4 * size;
     let corners = [[-edge, floor, edge], [edge, floor, edge], [edge, floor, -edge], [-edge, floor, -edge]];
-    append(&mut mesh, &quad(corners, [0.0, 1.0, 0.0], 1.0), |p| p);
+    append(&mut mesh, &quad(corners, [0.0, 1.0, 0.0]), |p| p);
     let (top, back) = (floor + size, -0.8 * size);
     let corners = [[-edge, floor, back], [edge, floor, back], [edge, top, back], [-edge, top, back]];
-    append(&mut mesh, &quad(corners, [0.0, 0.0, 1.0], 1.0), |p| p);
+    append(&mut mesh, &quad(corners, [0.0, 0.0, 1.0]), |p| p);
     mesh
 }
 
@@ -43,7 +43,7 @@ pub fn hollow_ball() -> Mesh {
 pub fn floor() -> Mesh {
     let (edge, behind, far) = (30.0, 5.0, -100.0);
     let corners = [[-edge, 0.0, behind], [edge, 0.0, behind], [edge, 0.0, far], [-edge, 0.0, far]];
-    let mut mesh = quad(corners, [0.0, 1.0, 0.0], 1.0);
+    let mut mesh = quad(corners, [0.0, 1.0, 0.0]);
     mesh.texcoords = Some(corners.map(|[x, _, z]| [x * 0.5, -z * 0.5]).to_vec());
     mesh
 }
@@ -64,10 +64,41 @@ pub fn tiles() -> Picture {
     Picture::new(EDGE, EDGE, pixels.collect())
 }
 
+/// A fence on a floor, with the coordinates of [`bars`].
+pub fn fence() -> Mesh {
+    let normal = glam::Vec3::new(-0.3, 0.0, 3.0).normalize().to_array();
+    let corners = [[-1.5, 0.2, 0.0], [1.5, 0.2, 0.3], [1.5, 2.2, 0.3], [-1.5, 2.2, 0.0]];
+    let mut mesh = quad(corners, normal);
+    let floor = [[-3.0, 0.0, 3.0], [3.0, 0.0, 3.0], [3.0, 0.0, -3.0], [-3.0, 0.0, -3.0]];
+    append(&mut mesh, &quad(floor, [0.0, 1.0, 0.0]), |p| p);
+    // The floor shows the middle of the disc, a single colour.
+    let all = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]].into_iter().chain([[0.5, 0.5]; 4]);
+    mesh.texcoords = Some(all.collect());
+    mesh
+}
+
+/// Bars and a disc; everything else is invisible.
+pub fn bars() -> Picture {
+    const EDGE: i32 = 512;
+    let pixel = |x: i32, y: i32| {
+        let (dx, dy) = (2 * x + 1 - EDGE, 2 * y + 1 - EDGE);
+        let is_bar = |c: i32| c / 32 % 4 == 0 || c >= EDGE - 32;
+        match dx * dx + dy * dy {
+            ..40_000 => [190, 190, 180, 255],
+            // The upper left corner has another colour.
+            _ if (is_bar(x) || is_bar(y)) && x + y < 200 => [40, 90, 190, 255],
+            _ if is_bar(x) || is_bar(y) => [180, 70, 50, 255],
+            _ => [180, 70, 50, 0],
+        }
+    };
+    let pixels = (0..EDGE * EDGE).flat_map(|i| pixel(i % EDGE, i / EDGE));
+    Picture::new(EDGE as u32, EDGE as u32, pixels.collect())
+}
+
 /// Two triangles with one normal; `corners` are counter-clockwise.
-fn quad(corners: [[f32; 3]; 4], normal: [f32; 3], scale: f32) -> Mesh {
+fn quad(corners: [[f32; 3]; 4], normal: [f32; 3]) -> Mesh {
     Mesh {
-        positions: corners.map(|c| c.map(|c| c * scale)).to_vec(),
+        positions: corners.to_vec(),
         normals: Some(vec![OctNormal::encode(normal); 4]),
         triangles: vec![[0, 1, 2], [0, 2, 3]],
         ..Mesh::default()

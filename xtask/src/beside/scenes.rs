@@ -20,7 +20,7 @@ pub struct Scene {
     /// Rays of the ray tracer along the edge of a pixel.
     pub rays: u32,
     pub mesh: Mesh,
-    /// The texture of the whole mesh, which has texture coordinates then.
+    /// The texture of the whole mesh, which has texture coordinates then. What is not opaque in it is invisible.
     pub texture: Option<Picture>,
     pub camera: Camera,
     pub lights: Vec<Light>,
@@ -49,7 +49,7 @@ pub struct Files {
 type Maker = fn() -> Scene;
 
 /// All scenes by name.
-pub const SCENES: [(&str, Maker); 11] = [
+pub const SCENES: [(&str, Maker); 12] = [
     ("highlights", highlights),
     ("facets", facets),
     ("lamp-at-the-camera", lamp_at_the_camera),
@@ -61,6 +61,7 @@ pub const SCENES: [(&str, Maker); 11] = [
     ("floor", floor),
     ("cap", cap),
     ("lamp-inside", lamp_inside),
+    ("fence", fence),
 ];
 
 impl Scene {
@@ -271,6 +272,16 @@ fn lamp_inside() -> Scene {
         space: LightSpace::World,
         color: tinted([255, 250, 240], 0.5),
     });
+    scene.has_shadows = true;
+    scene
+}
+
+fn fence() -> Scene {
+    let mut scene = Scene::new("fence, cut out by its texture, and its shadow", meshes::fence(), 0.0, 0.0);
+    scene.texture = Some(meshes::bars());
+    let framing = Framing::new(SIZE.0, SIZE.1);
+    scene.camera = framing.camera_at(DVec3::new(2.0, 3.5, 6.0), DVec3::new(0.2, 0.6, 0.0), None);
+    scene.lights.push(sunlight(-0.5, 1.0, 0.9, tinted([255, 250, 240], 0.8)));
     scene.has_shadows = true;
     scene
 }

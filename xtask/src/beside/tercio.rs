@@ -43,8 +43,9 @@ fn arguments(scene: &Scene) -> Vec<String> {
     all.extend(scene.lights.iter().map(|l| format!("--light={}", light(l))));
     all.push(format!("--background={}", hex(scene.background)));
     all.push(format!("--specular={}", scene.specular));
-    if scene.texture.is_none() {
-        all.push(format!("--color={}", hex(scene.color)));
+    match &scene.texture {
+        Some(_) => all.push("--texture-alpha=cutout".into()),
+        None => all.push(format!("--color={}", hex(scene.color))),
     }
     if scene.opacity < 1.0 {
         all.push(format!("--opacity={}", scene.opacity));

@@ -48,8 +48,8 @@ pub fn rival(folder: &Path, name: &str, libraries: &[&str]) -> Result<PathBuf> {
 /// The Python that `PYTHON` names, or `python3`, if it has VTK's module.
 pub fn vtk() -> Result<PathBuf> {
     let python = std::env::var_os("PYTHON").unwrap_or_else(|| "python3".into());
-    let has_module = process::output(Command::new(&python).args(["-c", "import vtk"]));
-    has_module.context("the Python of $PYTHON, or python3, has no module vtk")?;
+    let has_module = process::output(Command::new(&python).args(["-c", "import vtk"])).is_ok();
+    ensure!(has_module, "the Python of $PYTHON, or python3, has no module vtk");
     Ok(python.into())
 }
 
