@@ -49,7 +49,7 @@ pub struct Files {
 type Maker = fn() -> Scene;
 
 /// All scenes by name.
-pub const SCENES: [(&str, Maker); 12] = [
+pub const SCENES: [(&str, Maker); 13] = [
     ("highlights", highlights),
     ("facets", facets),
     ("lamp-at-the-camera", lamp_at_the_camera),
@@ -57,6 +57,7 @@ pub const SCENES: [(&str, Maker); 12] = [
     ("lamp", lamp),
     ("spot", spot),
     ("wide-spot", wide_spot),
+    ("low-sun", low_sun),
     ("opacity", opacity),
     ("floor", floor),
     ("cap", cap),
@@ -231,6 +232,15 @@ fn spot() -> Scene {
 fn wide_spot() -> Scene {
     let scene = table("shadows of a spot light of 55 degrees", spotlight(0.2, 0.3, 0.2, 55.0));
     Scene { is_shown: false, ..scene }
+}
+
+fn low_sun() -> Scene {
+    let mesh = meshes::model("builtin:terrain@20k");
+    let mut scene = Scene::new("terrain, shadows of a low sun", mesh, -40.0, 35.0);
+    scene.is_shown = false;
+    scene.has_shadows = true;
+    scene.lights.push(sunlight(-1.0, 0.35, 0.2, tinted([255, 250, 240], 0.8)));
+    scene
 }
 
 fn opacity() -> Scene {
