@@ -30,7 +30,7 @@ static void *take(size_t bytes) {
 }
 
 struct options read_options(int argc, char **argv) {
-    struct options o = {.width = 1024, .height = 1024, .threads = 2};
+    struct options o = {.width = 1024, .height = 1024, .threads = 2, .samples = 1, .opacity = 1};
     for (int i = 1; i < argc; i++) {
         const char *value = i + 1 < argc ? argv[i + 1] : "";
         if (!strcmp(argv[i], "--cull")) {
@@ -40,6 +40,12 @@ struct options read_options(int argc, char **argv) {
             i++;
         } else if (!strcmp(argv[i], "--threads")) {
             if (sscanf(value, "%d", &o.threads) != 1) die("--threads wants a number, found \"%s\"", value);
+            i++;
+        } else if (!strcmp(argv[i], "--samples")) {
+            if (sscanf(value, "%d", &o.samples) != 1) die("--samples wants a number, found \"%s\"", value);
+            i++;
+        } else if (!strcmp(argv[i], "--opacity")) {
+            if (sscanf(value, "%lf", &o.opacity) != 1) die("--opacity wants a number, found \"%s\"", value);
             i++;
         } else if (!strcmp(argv[i], "--picture")) {
             o.picture = value;
@@ -52,8 +58,11 @@ struct options read_options(int argc, char **argv) {
             die("%s is not understood", argv[i]);
         }
     }
-    if (!o.views) die("wanted: MODEL.ply VIEWS [--size WxH] [--threads N] [--cull] [--picture FILE.ppm]");
-    if (o.width < 1 || o.height < 1 || o.threads < 1) die("sizes and threads begin with 1");
+    if (!o.views)
+        die("wanted: MODEL.ply VIEWS [--size WxH] [--threads N] [--cull] [--samples N] [--opacity A] "
+            "[--picture FILE.ppm]");
+    if (o.width < 1 || o.height < 1 || o.threads < 1 || o.samples < 1) die("sizes, threads and samples begin with 1");
+    if (!(o.opacity > 0 && o.opacity <= 1)) die("an opacity is above 0 and at most 1");
     return o;
 }
 

@@ -30,10 +30,12 @@ struct views {
     double (*copy)[3]; /* offsets; at least one */
 };
 
-/* The command line: PROGRAM MODEL.ply VIEWS [--size WxH] [--threads N] [--cull] [--picture FILE.ppm]. */
+/* The command line: PROGRAM MODEL.ply VIEWS [--size WxH] [--threads N] [--cull] [--samples N] [--opacity A]
+ * [--picture FILE.ppm]. Embree has one sample per pixel and opaque surfaces only. */
 struct options {
     const char *model, *views, *picture;
-    int width, height, threads;
+    int width, height, threads, samples;
+    double opacity;
     bool cull;
 };
 

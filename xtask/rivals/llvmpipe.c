@@ -30,8 +30,9 @@ static const char *const VERTEX_SHADER =
     "}\n";
 static const char *const FRAGMENT_SHADER =
     "#version 120\n"
+    "uniform float opacity;\n"
     "varying vec4 color;\n"
-    "void main() { gl_FragColor = color; }\n";
+    "void main() { gl_FragColor = vec4(color.rgb, opacity); }\n";
 
 enum { POSITION, NORMAL };
 
@@ -74,6 +75,40 @@ static void upload(const struct mesh *mesh) {
     }
 }
 
+/* Makes everything be drawn with several samples per pixel, and returns the framebuffer of the samples; 0 if a pixel
+ * has one: then it is drawn into our memory. */
+static GLuint multisample(const struct options *options) {
+    if (options->samples == 1) return 0;
+    GLint most;
+    glGetIntegerv(GL_MAX_SAMPLES, &most);
+    if (options->samples > most) die("pixels have at most %d samples", most);
+    GLuint framebuffer, planes[2];
+    glGenFramebuffers(1, &framebuffer);
+    glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
+    glGenRenderbuffers(2, planes);
+    const GLenum formats[2] = {GL_RGBA8, GL_DEPTH_COMPONENT24}, places[2] = {GL_COLOR_ATTACHMENT0, GL_DEPTH_ATTACHMENT};
+    int width = options->width, height = options->height;
+    for (int i = 0; i < 2; i++) {
+        glBindRenderbuffer(GL_RENDERBUFFER, planes[i]);
+        glRenderbufferStorageMultisample(GL_RENDERBUFFER, options->samples, formats[i], width, height);
+        glFramebufferRenderbuffer(GL_FRAMEBUFFER, places[i], GL_RENDERBUFFER, planes[i]);
+    }
+    if (glCheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) die("no framebuffer of samples");
+    GLint samples;
+    glGetIntegerv(GL_SAMPLES, &samples);
+    if (samples != options->samples) die("pixels have %d samples, not %d", samples, options->samples);
+    glEnable(GL_MULTISAMPLE);
+    return framebuffer;
+}
+
+/* Averages the samples of all pixels into our memory. */
+static void resolve(GLuint framebuffer, const struct options *options) {
+    glBindFramebuffer(GL_READ_FRAMEBUFFER, framebuffer);
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, 0);
+    glBlitFramebuffer(0, 0, options->width, options->height, 0, 0, options->width, options->height, GL_COLOR_BUFFER_BIT,
+                      GL_NEAREST);
+}
+
 /* Column-major, for a mesh moved by `offset`. */
 static void clip_from_object(const struct view *v, const double offset[3], double aspect, const double depth[2],
                              GLfloat matrix[16]) {
@@ -91,8 +126,10 @@ static void clip_from_object(const struct view *v, const double offset[3], doubl
     }
 }
 
-static void draw(const struct mesh *mesh, const struct views *views, const struct view *view, double aspect,
-                 const double depth[2], const GLint uniforms[2]) {
+static void draw(const struct mesh *mesh, const struct views *views, const struct view *view,
+                 const struct options *options, const double depth[2], const GLint uniforms[2], GLuint framebuffer) {
+    double aspect = (double)options->width / options->height;
+    if (framebuffer) glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
     glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
     glUniform3f(uniforms[1], -view->forward[0], -view->forward[1], -view->forward[2]);
     for (int copy = 0; copy < views->copies; copy++) {
@@ -101,6 +138,7 @@ static void draw(const struct mesh *mesh, const struct views *views, const struc
         glUniformMatrix4fv(uniforms[0], 1, GL_FALSE, matrix);
         glDrawElements(GL_TRIANGLES, mesh->triangles * 3, GL_UNSIGNED_INT, NULL);
     }
+    if (framebuffer) resolve(framebuffer, options);
     glFinish(); /* OSMesa copies the picture into our memory here. */
 }
 
@@ -133,7 +171,15 @@ int main(int argc, char **argv) {
     glUseProgram(program);
     GLint uniforms[2] = {glGetUniformLocation(program, "clip_from_object"), glGetUniformLocation(program, "to_light")};
     upload(&mesh);
-    glEnable(GL_DEPTH_TEST);
+    glUniform1f(glGetUniformLocation(program, "opacity"), options.opacity);
+    GLuint framebuffer = multisample(&options);
+    if (options.opacity < 1) {
+        /* Every layer, in the order of the file: not the right picture, but the least that blending can take. */
+        glEnable(GL_BLEND);
+        glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+    } else {
+        glEnable(GL_DEPTH_TEST);
+    }
     if (options.cull) glEnable(GL_CULL_FACE);
     glClearColor(0, 0, 0, 0);
 
@@ -145,7 +191,7 @@ int main(int argc, char **argv) {
         double depth[2];
         depth_range(&mesh, &views, view, depth);
         double begin = milliseconds();
-        draw(&mesh, &views, view, (double)options.width / options.height, depth, uniforms);
+        draw(&mesh, &views, view, &options, depth, uniforms, framebuffer);
         frames.milliseconds[n] = milliseconds() - begin;
         frames.pixels[n] = count_pixels(picture, pixels);
     }

@@ -4,6 +4,7 @@
 
 mod aarch64;
 mod bench;
+mod beside;
 mod bless;
 mod counts;
 mod dist;
@@ -43,6 +44,8 @@ enum Command {
     Models(models::Arguments),
     /// Measure speed and print a table
     Bench(bench::Arguments),
+    /// Compare pictures with those of a ray tracer, POV-Ray
+    Beside(beside::Arguments),
     /// Test the renderer as a program of AArch64
     Aarch64(aarch64::Arguments),
     /// Draw the pictures of the README into docs/images/
@@ -58,6 +61,7 @@ fn main() -> ExitCode {
         Command::Counts(arguments) => counts::run(&arguments),
         Command::Models(arguments) => models::run(&arguments),
         Command::Bench(arguments) => bench::run(&arguments),
+        Command::Beside(arguments) => beside::run(&arguments),
         Command::Aarch64(arguments) => aarch64::run_tests(&arguments),
         Command::Figures => figures::run(),
     };

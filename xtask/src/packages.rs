@@ -54,6 +54,13 @@ pub const RIVALS: &[Need] = &[
     Need { package: "libembree-dev", purpose: "Embree", is_there: || has_header("embree3/rtcore.h") },
 ];
 
+/// What `cargo xtask beside` compares with.
+pub const RAY_TRACER: &[Need] = &[Need {
+    package: "povray",
+    purpose: "comparing with a ray tracer",
+    is_there: || find_program("povray").is_some(),
+}];
+
 /// What `cargo xtask aarch64` needs.
 pub const AARCH64: &[Need] = &[
     Need {

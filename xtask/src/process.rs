@@ -49,6 +49,12 @@ pub fn name(command: &Command) -> String {
     program.file_name().unwrap_or(OsStr::new("?")).to_string_lossy().into_owned()
 }
 
+/// tercio: the release build, except that it may use shared libraries.
+pub fn tercio() -> Result<PathBuf> {
+    run(cargo().args(["build", "--release", "--package", "tercio-cli"]))?;
+    Ok(target_folder()?.join("release/tercio"))
+}
+
 /// Cargo's target folder.
 pub fn target_folder() -> Result<PathBuf> {
     static FOLDER: OnceLock<PathBuf> = OnceLock::new();

@@ -120,6 +120,8 @@ impl Scene {
             model: model.path.clone(),
             size: (self.size, self.size),
             frames: effort.frames.min(self.most_frames),
+            samples: 1,
+            opacity: 1.0,
             arguments,
         }
     }

@@ -1,9 +1,9 @@
 //! `cargo xtask bench`: the speed of tercio on this machine, beside that of other programs.
 //!
-//! Three tables: frames of a model that turns ([`turning`]), whole runs from a file to a picture ([`first_picture`]),
-//! and scenes on which renderers are known to be slow ([`cliffs`]). All programs draw the same files from the same
-//! cameras, in turns, so that other load of the machine affects all of them alike, and every ratio is taken within one
-//! turn.
+//! Four tables: frames of a model that turns ([`turning`]), the same with several samples per pixel and with an opacity
+//! ([`samples`]), whole runs from a file to a picture ([`first_picture`]), and scenes on which renderers are known to be
+//! slow ([`cliffs`]). All programs draw the same files from the same cameras, in turns, so that other load of the machine
+//! affects all of them alike, and every ratio is taken within one turn.
 
 mod cliffs;
 mod first_picture;
@@ -11,6 +11,7 @@ mod machine;
 mod programs;
 mod report;
 mod run;
+mod samples;
 mod turning;
 
 use std::collections::BTreeSet;
@@ -36,6 +37,9 @@ pub struct Arguments {
     /// Views in a turn
     #[arg(long, default_value_t = 36, value_parser = clap::value_parser!(u32).range(1..=36))]
     frames: u32,
+    /// The program to measure, instead of one built from this checkout
+    #[arg(long, value_name = "PROGRAM")]
+    tercio: Option<PathBuf>,
     /// Folder of measured.md and runs.jsonl [default: docs/performance]
     #[arg(long, value_name = "FOLDER")]
     output: Option<PathBuf>,
@@ -46,6 +50,8 @@ pub struct Arguments {
 enum Table {
     /// Frames of a model that turns
     Turning,
+    /// The same with 4 samples per pixel, and with an opacity of 0.3
+    Samples,
     /// Whole runs from a file to a picture
     FirstPicture,
     /// Scenes on which renderers are known to be slow
@@ -57,6 +63,7 @@ impl Table {
     fn files(self) -> Vec<&'static str> {
         match self {
             Self::Turning => turning::SUBJECTS.iter().map(|s| s.file).collect(),
+            Self::Samples => samples::SUBJECTS.iter().map(|s| s.file).collect(),
             Self::FirstPicture => first_picture::SUBJECTS.iter().map(|s| s.file).collect(),
             Self::Cliffs => cliffs::SCENES.iter().map(|s| s.file).collect(),
         }
@@ -79,7 +86,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let wanted = |table: &Table| arguments.only.is_empty() || arguments.only.contains(table);
     let tables: Vec<_> = Table::value_variants().iter().copied().filter(wanted).collect();
     let folder = tempfile::tempdir()?;
-    let programs = Programs::build(folder.path(), &tables)?;
+    let programs = Programs::build(folder.path(), &tables, arguments.tercio.clone())?;
     // Each once, in the order of their names: tables share files.
     let files: BTreeSet<_> = tables.iter().flat_map(|table| table.files()).collect();
     let models = models::prepare(folder.path(), &Vec::from_iter(files))?;
@@ -89,6 +96,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     for table in &tables {
         match table {
             Table::Turning => turning::measure(&programs, &models, effort, &mut report)?,
+            Table::Samples => samples::measure(&programs, &models, effort, &mut report)?,
             Table::FirstPicture => first_picture::measure(&programs, &models, effort, &mut report)?,
             Table::Cliffs => cliffs::measure(&programs, &models, effort, &mut report)?,
         }

@@ -18,6 +18,10 @@ pub struct Task {
     pub size: (u32, u32),
     /// Number of views.
     pub frames: u32,
+    /// Samples per pixel.
+    pub samples: u32,
+    /// Opacity of the model, up to 1.
+    pub opacity: f64,
     /// Further arguments of `tercio bench`: position of the camera, number of copies. The other programs use the
     /// cameras that it reports.
     pub arguments: Vec<String>,

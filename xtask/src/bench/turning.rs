@@ -82,6 +82,8 @@ pub fn measure(programs: &Programs, models: &Index, effort: Effort, report: &mut
             model: model.path.clone(),
             size: (1024, 1024),
             frames: effort.frames,
+            samples: 1,
+            opacity: 1.0,
             arguments: Vec::new(),
         };
         let programs_here = programs.available(&PROGRAMS);

@@ -8,12 +8,6 @@ use tercio_testkit::workspace_root;
 
 use crate::process;
 
-/// The release build, except that it may use shared libraries.
-pub fn tercio() -> Result<PathBuf> {
-    process::run(process::cargo().args(["build", "--release", "--package", "tercio-cli"]))?;
-    Ok(process::target_folder()?.join("release/tercio"))
-}
-
 /// The floor, from `shared/floor` beside the checkout.
 pub fn floor(folder: &Path) -> Result<PathBuf> {
     let shared = tercio_testkit::shared_data().context("../shared is absent")?;
@@ -49,4 +43,17 @@ pub fn rival(folder: &Path, name: &str, libraries: &[&str]) -> Result<PathBuf> {
     command.arg(source.join(format!("{name}.c"))).arg(source.join("common.c")).arg("-o").arg(&program);
     process::run(command.args(libraries.iter().map(|l| format!("-l{l}"))).arg("-lm"))?;
     Ok(program)
+}
+
+/// The Python that `PYTHON` names, or `python3`, if it has VTK's module.
+pub fn vtk() -> Result<PathBuf> {
+    let python = std::env::var_os("PYTHON").unwrap_or_else(|| "python3".into());
+    let has_module = process::output(Command::new(&python).args(["-c", "import vtk"])).is_ok();
+    ensure!(has_module, "the Python of $PYTHON, or python3, has no module vtk");
+    Ok(python.into())
+}
+
+/// The program that draws with VTK.
+pub fn vtk_script() -> PathBuf {
+    workspace_root().join("xtask/rivals/vtk_turn.py")
 }

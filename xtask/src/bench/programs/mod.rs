@@ -27,6 +27,8 @@ pub enum Program {
     Llvmpipe { cull_back: bool },
     /// Embree.
     Embree,
+    /// VTK, over Mesa's llvmpipe.
+    Vtk,
 }
 
 /// Threads of the rivals, and of tercio beside them.
@@ -42,6 +44,7 @@ impl Program {
             Self::Floor => "floor, 1 thread".into(),
             Self::Llvmpipe { cull_back } => format!("llvmpipe, {THREADS} threads{}", culled(cull_back)),
             Self::Embree => format!("Embree, {THREADS} threads"),
+            Self::Vtk => format!("VTK, {THREADS} threads"),
         }
     }
 
@@ -50,7 +53,7 @@ impl Program {
         match self {
             Self::Tercio { cull_back, .. } | Self::Llvmpipe { cull_back } => cull_back,
             Self::Floor => true,
-            Self::TercioPlain | Self::Embree => false,
+            Self::TercioPlain | Self::Embree | Self::Vtk => false,
         }
     }
 
@@ -69,14 +72,16 @@ pub struct Programs {
     floor: Result<PathBuf>,
     llvmpipe: Result<PathBuf>,
     embree: Result<PathBuf>,
+    /// The Python that has VTK.
+    vtk: Result<PathBuf>,
 }
 
 impl Programs {
-    /// Builds those that the tables need; the rivals into `folder`.
+    /// Builds those that the tables need; the rivals into `folder`. `tercio` is built unless it is given.
     ///
     /// # Errors
     /// tercio does not build.
-    pub fn build(folder: &Path, tables: &[Table]) -> Result<Self> {
+    pub fn build(folder: &Path, tables: &[Table], tercio: Option<PathBuf>) -> Result<Self> {
         let needed = |by: &[Table]| {
             let needed = tables.iter().any(|table| by.contains(table));
             ensure!(needed, "none of the requested tables has it");
@@ -84,10 +89,11 @@ impl Programs {
         };
         let turning = &[Table::Turning];
         Ok(Self {
-            tercio: build::tercio()?,
+            tercio: tercio.map_or_else(process::tercio, Ok)?,
             floor: needed(turning).and_then(|()| build::floor(folder)),
-            llvmpipe: needed(&[Table::Turning, Table::Cliffs])
+            llvmpipe: needed(&[Table::Turning, Table::Cliffs, Table::Samples])
                 .and_then(|()| build::rival(folder, "llvmpipe", &["OSMesa"])),
+            vtk: needed(&[Table::Samples]).and_then(|()| build::vtk()),
             embree: needed(turning).and_then(|()| build::rival(folder, "embree", &["embree3", "pthread"])),
         })
     }
@@ -99,6 +105,7 @@ impl Programs {
             Program::Floor => self.floor.is_ok(),
             Program::Llvmpipe { .. } => self.llvmpipe.is_ok(),
             Program::Embree => self.embree.is_ok(),
+            Program::Vtk => self.vtk.is_ok(),
         };
         programs.iter().copied().filter(is_there).collect()
     }
@@ -113,7 +120,12 @@ impl Programs {
     /// Which rivals are measured, and why others are not.
     pub fn describe_rivals(&self) -> String {
         let mut text = String::new();
-        let rivals = [("floor", &self.floor), ("llvmpipe", &self.llvmpipe), ("Embree", &self.embree)];
+        let rivals = [
+            ("floor", &self.floor),
+            ("llvmpipe", &self.llvmpipe),
+            ("Embree", &self.embree),
+            ("VTK", &self.vtk),
+        ];
         for (name, rival) in rivals {
             let _ = match rival {
                 Ok(_) => continue,
@@ -149,8 +161,11 @@ impl Programs {
 
     fn tercio_bench(&self, task: &Task, threads: u32) -> Command {
         let mut command = Command::new(&self.tercio);
-        // As the other programs: one sample per pixel.
-        command.arg("bench").arg(&task.model).args(["--json", "--quiet", "--aa", "1"]).args(&task.arguments);
+        command.arg("bench").arg(&task.model).args(["--json", "--quiet"]).args(&task.arguments);
+        command.args(["--aa", &task.samples.to_string()]);
+        if task.opacity < 1.0 {
+            command.args(["--opacity", &task.opacity.to_string()]);
+        }
         command.args(["--frames", &task.frames.to_string(), "--threads", &threads.to_string()]);
         command
     }
@@ -174,7 +189,24 @@ impl Programs {
             Program::Llvmpipe { cull_back } => {
                 let mut command = Command::new(path(&self.llvmpipe)?);
                 command.arg(&task.model).arg(views).args(["--threads", &threads]);
+                command.args([
+                    "--samples",
+                    &task.samples.to_string(),
+                    "--opacity",
+                    &task.opacity.to_string(),
+                ]);
                 command.args(cull_back.then_some("--cull"));
+                command
+            }
+            Program::Vtk => {
+                let mut command = Command::new(path(&self.vtk)?);
+                command.arg(build::vtk_script()).arg(&task.model).arg(views).args(["--threads", &threads]);
+                command.args([
+                    "--samples",
+                    &task.samples.to_string(),
+                    "--opacity",
+                    &task.opacity.to_string(),
+                ]);
                 command
             }
             Program::Embree => {
