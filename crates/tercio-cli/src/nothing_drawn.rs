@@ -151,7 +151,14 @@ mod tests {
         let backend = set(BackEndCounts::default(), |c| c.pixels_visible = 1);
         let stats = set(FrameStats::default(), |c| c.backend = backend);
         let projection = Projection::Orthographic { height: 1.0 };
-        let camera = Camera { eye: DVec3::Z, target: DVec3::ZERO, up: DVec3::Y, projection, near: None };
+        let camera = Camera {
+            eye: DVec3::Z,
+            target: DVec3::ZERO,
+            up: DVec3::Y,
+            projection,
+            near: None,
+            shift: [0.0; 2],
+        };
         assert_eq!(reason(&Aabb::EMPTY, &camera, Cull::Auto, &stats), None);
     }
 
