@@ -147,7 +147,7 @@ impl<'a> Space<'a> {
             size: [view.width as i32, view.height as i32],
             perspective: view.perspective,
             scale: if view.perspective { per_unit } else { per_unit * radius } as f32,
-            middle: [view.width, view.height].map(|n| 0.5 * n as f32),
+            middle: view.middle.map(|n| n as f32 / SUBPIXELS as f32),
             axes: axes.map(|axis| axis.as_vec3().to_array()),
             depth: depth.iter().map(|&d| (f64::from(d) / radius) as f32).collect(),
             normals,
