@@ -135,7 +135,7 @@ mod tests {
     fn why(eye: DVec3, target: DVec3, near: Option<f64>, cull: Cull, frontend: FrontEndCounts) -> String {
         let bounds = Aabb { min: DVec3::splat(-1.0), max: DVec3::splat(1.0) };
         let projection = Projection::Perspective { fov_y: 0.5 };
-        let camera = Camera { eye, target, up: DVec3::Y, projection, near };
+        let camera = Camera { eye, target, up: DVec3::Y, projection, near, shift: [0.0; 2] };
         let stats = set(FrameStats::default(), |c| c.frontend = frontend);
         reason(&bounds, &camera, cull, &stats).unwrap()
     }

@@ -7,6 +7,7 @@ pub mod drawing;
 pub mod light;
 pub mod ranks;
 pub mod sampling;
+pub mod stereo;
 pub mod textures;
 pub mod values;
 pub mod writing;
