@@ -11,6 +11,9 @@
 //! pixels, with the pixels per unit of the tangent of the viewing angle as `scale`: nothing at the distance of the
 //! convergence, where a viewer sees the surface of the display; nearer points are in front of it, farther ones behind.
 //!
+//! Lights that move with the camera move with each eye. Directional ones are then the same for both; points and spots are
+//! half of the eye distance to the side.
+//!
 //! Sources: Woods, Docherty and Koch, "Image distortions in stereoscopic video systems", Proc. SPIE 1915 (1993), for
 //! parallel against converging cameras; the thirtieth is the rule of thumb of stereo photography.
 
