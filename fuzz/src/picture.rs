@@ -140,6 +140,7 @@ fn camera(scene: &Scene, view: usize) -> Camera {
             eye: bounds.center(),
             target: bounds.center() + DVec3::new(0.3, -0.2, 1.0) * bounds.radius().max(1e-300),
             projection: Projection::Perspective { fov_y: 1.5 },
+            shift: [0.3, -0.2],
             ..framed
         },
         _ => Camera { eye: bounds.min + (bounds.max - bounds.min) * 1e-7, ..framed },

@@ -13,6 +13,7 @@ mod progress;
 mod report;
 mod signals;
 mod stdio;
+mod stereo;
 mod threads;
 
 use std::process::ExitCode;

@@ -135,7 +135,7 @@ mod tests {
     fn why(eye: DVec3, target: DVec3, near: Option<f64>, cull: Cull, frontend: FrontEndCounts) -> String {
         let bounds = Aabb { min: DVec3::splat(-1.0), max: DVec3::splat(1.0) };
         let projection = Projection::Perspective { fov_y: 0.5 };
-        let camera = Camera { eye, target, up: DVec3::Y, projection, near };
+        let camera = Camera { eye, target, up: DVec3::Y, projection, near, shift: [0.0; 2] };
         let stats = set(FrameStats::default(), |c| c.frontend = frontend);
         reason(&bounds, &camera, cull, &stats).unwrap()
     }
@@ -151,7 +151,14 @@ mod tests {
         let backend = set(BackEndCounts::default(), |c| c.pixels_visible = 1);
         let stats = set(FrameStats::default(), |c| c.backend = backend);
         let projection = Projection::Orthographic { height: 1.0 };
-        let camera = Camera { eye: DVec3::Z, target: DVec3::ZERO, up: DVec3::Y, projection, near: None };
+        let camera = Camera {
+            eye: DVec3::Z,
+            target: DVec3::ZERO,
+            up: DVec3::Y,
+            projection,
+            near: None,
+            shift: [0.0; 2],
+        };
         assert_eq!(reason(&Aabb::EMPTY, &camera, Cull::Auto, &stats), None);
     }
 

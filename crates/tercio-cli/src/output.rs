@@ -55,10 +55,10 @@ pub fn frame_bytes(outputs: Outputs, (width, height): (u32, u32)) -> u64 {
 pub struct Plan {
     /// The requested planes.
     pub outputs: Outputs,
-    /// The picture.
-    pub picture: Option<(Destination, PictureFormat)>,
-    /// Arrays of numbers.
-    pub arrays: Vec<(Destination, Array)>,
+    /// The picture: one file, or one for each eye.
+    pub picture: Option<(Vec<Destination>, PictureFormat)>,
+    /// Arrays of numbers, likewise.
+    pub arrays: Vec<(Vec<Destination>, Array)>,
     /// Counts and times.
     pub stats: Option<Destination>,
 }
@@ -66,8 +66,9 @@ pub struct Plan {
 impl Plan {
     /// Destinations of pictures and arrays, with their options.
     pub fn frame_outputs(&self) -> impl Iterator<Item = (&'static str, &Destination)> {
-        let picture = self.picture.iter().map(|p| ("--output", &p.0));
-        picture.chain(self.arrays.iter().map(|(destination, array)| (array.option(), destination)))
+        let picture = self.picture.iter().map(|(files, _)| ("--output", files));
+        let all = picture.chain(self.arrays.iter().map(|(files, array)| (array.option(), files)));
+        all.flat_map(|(option, files)| files.iter().map(move |file| (option, file)))
     }
 
     /// All destinations, for the rule of all commands.
@@ -93,7 +94,7 @@ impl Plan {
         let is_png = matches!(self.picture, Some((_, PictureFormat::Png)));
         is_png
             && self.arrays.is_empty()
-            // Ambient occlusion needs the whole picture.
+            // Effects need the whole picture.
             && !self.outputs.linear
             && u64::from(width) * u64::from(height) > tercio::MAX_PIXELS_IN_MEMORY
     }
@@ -109,7 +110,9 @@ impl Plan {
         allow_empty: bool,
         draw: impl FnOnce(&mut dyn Write) -> tercio::Result<FrameStats>,
     ) -> Result<FrameStats> {
-        let Some((destination, _)) = &self.picture else { bail!("there is no picture to write") };
+        let Some([destination, ..]) = self.picture.as_ref().map(|(files, _)| &files[..]) else {
+            bail!("there is no picture to write")
+        };
         let mut stats = FrameStats::default();
         let mut result = Ok(());
         let file = begin(destination, |out| {
@@ -127,18 +130,22 @@ impl Plan {
         Ok(stats)
     }
 
-    /// Writes picture and arrays. Files appear only when all are complete; standard output, pipes and devices receive
-    /// the data as it is produced.
+    /// Writes picture and arrays, of each frame to a file of its own. Files appear only when all are complete; standard
+    /// output, pipes and devices receive the data as it is produced.
     ///
     /// # Errors
     /// The first output that could not be written.
-    pub fn write(&self, frame: &Frame) -> Result<()> {
+    pub fn write(&self, frames: &[Frame]) -> Result<()> {
         let mut files = Vec::new();
-        if let Some((destination, format)) = &self.picture {
-            files.push(begin(destination, |out| Picture::from_frame(frame).write(*format, out))?);
+        if let Some((destinations, format)) = &self.picture {
+            for (destination, frame) in destinations.iter().zip(frames) {
+                files.push(begin(destination, |out| Picture::from_frame(frame).write(*format, out))?);
+            }
         }
-        for (destination, array) in &self.arrays {
-            files.push(begin(destination, |out| Ok(write_array(frame, *array, out)?))?);
+        for (destinations, array) in &self.arrays {
+            for (destination, frame) in destinations.iter().zip(frames) {
+                files.push(begin(destination, |out| Ok(write_array(frame, *array, out)?))?);
+            }
         }
         let destinations = self.frame_outputs().map(|(_, destination)| destination);
         files.into_iter().zip(destinations).try_for_each(|(file, destination)| finish(file, destination))

@@ -21,7 +21,8 @@ fn made() -> (Scene, Camera) {
     let bounds = scene.bounds();
     let eye = bounds.center() + DVec3::new(0.3, 0.4, 0.9) * bounds.radius() * 2.5;
     let projection = Projection::Perspective { fov_y: 0.8 };
-    let camera = Camera { eye, target: bounds.center(), up: DVec3::Y, projection, near: None };
+    let camera =
+        Camera { eye, target: bounds.center(), up: DVec3::Y, projection, near: None, shift: [0.0; 2] };
     (scene, camera)
 }
 

@@ -42,7 +42,14 @@ fn camera(scene: &Scene, radii: f64, orthographic: bool) -> Camera {
     } else {
         Projection::Perspective { fov_y: 0.8 }
     };
-    Camera { eye, target: bounds.center() + DVec3::X * 1e-3, up: DVec3::Y, projection, near: None }
+    Camera {
+        eye,
+        target: bounds.center() + DVec3::X * 1e-3,
+        up: DVec3::Y,
+        projection,
+        near: None,
+        shift: [0.0; 2],
+    }
 }
 
 #[track_caller]

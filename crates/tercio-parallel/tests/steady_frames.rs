@@ -62,6 +62,7 @@ fn memory_is_allocated_for_the_messages_of_one_frame_only() {
         up: glam::DVec3::Y,
         projection: Projection::Perspective { fov_y: 0.8 },
         near: None,
+        shift: [0.0; 2],
     };
     let settings = Settings { tile_size: Some(16), ..Settings::one_sample(160, 120) };
     for organisation in [Organisation::SortFirst, Organisation::SortLast] {

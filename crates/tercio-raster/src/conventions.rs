@@ -2,7 +2,7 @@
 //!
 //! * **World and object space**: right-handed. The front of a triangle is the side from which its corners appear in
 //!   counter-clockwise order.
-//! * **Clip space**: `x`, `y` in sub-pixels times `w`, origin in the middle of the picture, y downwards; `w` is
+//! * **Clip space**: `x`, `y` in sub-pixels times `w`, origin in the middle of the picture (see below), y downwards; `w` is
 //!   the distance along the line of sight in [`View::unit`](crate::view::View::unit) (1 for an orthographic camera).
 //! * **Screen space**: whole sub-pixels, origin at the upper left corner of the picture, y downwards. One pixel
 //!   is [`SUBPIXELS`] sub-pixels; the sample of pixel (i, j) is its centre, at (i, j) * 256 + 128, unless there are
@@ -59,6 +59,8 @@
 //! * **Fragment**: with several samples per pixel, a triangle in a pixel, or at one sample: what is shaded once.
 //! * **Halo**: the pixels around a tile that it draws because its filter needs them.
 //! * **Band**: the rows of a picture that a frame holds.
+//! * **Middle** of the picture: the point where the line of sight meets it, a whole number of sub-pixels from its corner. A
+//!   shifted camera ([`Camera::shift`](tercio_scene::Camera)) has it elsewhere than in the centre, even outside.
 //! * **Winner**: a sample at which a triangle passed the depth test.
 //! * **Look**: the shading features that an instance and the settings require.
 //! * **Part**: one of several equal shares of the clusters, or of the entries of a tile.

@@ -34,7 +34,7 @@
 
 mod backend;
 pub mod binning;
-mod color;
+pub mod color;
 pub mod context;
 pub mod conventions;
 mod error;

@@ -96,8 +96,9 @@ pub(crate) enum LightNumber {
     Wide,
 }
 
-/// How far nearer to the light than a point's plane something must be to shadow it, in texels.
-const TOLERANCE: f32 = 1.0;
+/// How far nearer to the light than a point's plane something must be to shadow it, in texels; more is allowed to texels
+/// aside of the point.
+const TOLERANCE: f32 = 0.5;
 
 /// The steepest plane that is compared, in texels of distance per texel.
 const STEEPEST: f32 = 32.0;
@@ -149,6 +150,8 @@ impl ObjectShadow {
             _ => 0.0,
         };
         let (right, down) = (limited(right), limited(down));
+        // Beyond an inward corner is a surface that is nearer than the plane, the more the farther away and the steeper.
+        let per_texel = 1.0 + 0.5 * ((right.abs() + down.abs()) / texel);
         let middle = 0.5 * map.size as f32;
         let (x, y) = (x + middle, y + middle);
         let is_near = |c: f32| (-2.0..map.size as f32 + 2.0).contains(&c);
@@ -168,7 +171,9 @@ impl ObjectShadow {
                 }
                 let (to_right, to_down) = (column as f32 + 0.5 - x, row as f32 + 0.5 - y);
                 let plane = (nearness + right * to_right) + down * to_down;
-                if map.nearness[(row * size + column) as usize] > plane + TOLERANCE * texel {
+                let aside = if to_right.abs() > to_down.abs() { to_right.abs() } else { to_down.abs() };
+                let tolerance = (TOLERANCE + aside * per_texel) * texel;
+                if map.nearness[(row * size + column) as usize] > plane + tolerance {
                     dark += of_row * of_column;
                 }
             }

@@ -137,7 +137,7 @@ impl Artist<'_> {
 
     fn draw(&mut self, eye: DVec3, towards: DVec3, projection: Projection) -> Result<ShadowMap, RenderError> {
         let up = if towards.y.abs() < 0.9 { DVec3::Y } else { DVec3::Z };
-        let camera = Camera { eye, target: eye + towards, up, projection, near: None };
+        let camera = Camera { eye, target: eye + towards, up, projection, near: None, shift: [0.0; 2] };
         let size = self.settings.width;
         let basis = camera.basis()?;
         let bounds = self.scene.bounds();

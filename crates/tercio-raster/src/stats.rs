@@ -29,7 +29,7 @@ pub struct FrameStats {
 }
 
 impl FrameStats {
-    /// The statistics of two bands of one picture together.
+    /// The statistics of two bands of one picture, or of the pictures of two eyes, together.
     pub fn plus(&self, o: &Self) -> Self {
         let (a, b) = (&self.milliseconds, &o.milliseconds);
         Self {
@@ -53,7 +53,7 @@ impl FrameStats {
 }
 
 impl BinningCounts {
-    /// The counts of two bands of one picture together.
+    /// The counts of two bands of one picture, or of the pictures of two eyes, together.
     pub fn plus(&self, o: &Self) -> Self {
         let (triangles, entries) = (self.triangles + o.triangles, self.entries + o.entries);
         let (clusters, cluster_entries) =

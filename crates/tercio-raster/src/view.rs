@@ -27,6 +27,9 @@ pub struct View {
     pub eye: DVec3,
     /// The camera's axes in world space.
     pub basis: CameraBasis,
+    /// Screen coordinates of the point where the line of sight meets the picture: its middle, unless the camera is
+    /// shifted. No pixel is farther from it than the guard band.
+    pub middle: [i32; 2],
     /// False for an orthographic camera.
     pub perspective: bool,
     /// Sub-pixels per world unit, at distance 1 for a perspective camera.
@@ -89,7 +92,8 @@ impl View {
         let unit = unit_above(size.max(farthest.abs()).max(nearest.abs()).max(near));
         // Rounded as the kernels use it, so that distances computed from depths have no bias.
         let near = if perspective { f64::from((near / unit).max(MIN_NEAR) as f32) * unit } else { near };
-        Ok(Self { width, height, eye: camera.eye, basis, perspective, scale, near, far, unit })
+        let middle = middle(camera, width, height)?;
+        Ok(Self { width, height, eye: camera.eye, basis, middle, perspective, scale, near, far, unit })
     }
 
     /// Distance along the line of sight, in world units, from a depth above 0.
@@ -97,11 +101,6 @@ impl View {
         let d = f64::from(depth);
         let distance = if self.perspective { self.near / d } else { self.far - d * (self.far - self.near) };
         distance as f32
-    }
-
-    /// Screen coordinates of the middle of the picture.
-    fn middle(&self) -> [i32; 2] {
-        [self.width as i32 * SUBPIXELS / 2, self.height as i32 * SUBPIXELS / 2]
     }
 
     /// The view of one instance.
@@ -155,7 +154,7 @@ impl View {
             d: single(d),
             near: (self.near * inverse_unit) as f32,
             weight: if self.perspective { (self.unit / self.near).min(MAX_WEIGHT) as f32 } else { 1.0 },
-            offset: self.middle(),
+            offset: self.middle,
             exact: ClipRows { x, y, w, d },
             viewer: f(viewer),
             eye_from_local: rows(linear * inverse_unit),
@@ -186,11 +185,31 @@ impl View {
             base: f(-b.forward),
             right: f(b.right * -along),
             down: f(b.up * along),
-            middle: self.middle(),
+            middle: self.middle,
             // Half of the square's diagonal, with a margin for rounding.
             spread: (f64::from(SMALL_EXTENT) * std::f64::consts::FRAC_1_SQRT_2 * along * 1.01 + 1e-3) as f32,
         }
     }
+}
+
+/// Where the line of sight meets the picture, in whole sub-pixels: an ordinary and a shifted camera then project with
+/// the same operations, and snap to the same places.
+fn middle(camera: &Camera, width: u32, height: u32) -> Result<[i32; 2], CameraError> {
+    let [right, up] = camera.shift;
+    let per_height = f64::from(height) * f64::from(SUBPIXELS);
+    let mut middle = [0; 2];
+    for (k, (size, shift)) in [(width, right), (height, -up)].into_iter().enumerate() {
+        let size = f64::from(size) * f64::from(SUBPIXELS);
+        let at = 0.5 * size + (shift * per_height).round();
+        // Triangles are clipped at the guard band, which must not be inside the picture.
+        if at.max(size - at) > f64::from(GUARD) {
+            let range = "so small that no pixel is farther than 32768 pixels from the line of sight (for stereo: a \
+                         smaller distance of the eyes, or a larger convergence)";
+            return Err(CameraError::OutOfRange { what: "shift", range, value: camera.shift[k] });
+        }
+        middle[k] = at as i32;
+    }
+    Ok(middle)
 }
 
 /// The directions from points of the picture towards the viewer, in world axes, not normalized:
@@ -203,7 +222,7 @@ pub struct Sight {
     pub right: [f32; 3],
     /// Increment per sub-pixel downwards; zero for an orthographic camera.
     pub down: [f32; 3],
-    /// Screen coordinates of the middle of the picture.
+    /// [`View::middle`].
     pub middle: [i32; 2],
     /// An upper bound of the difference between any direction in a square of [`SMALL_EXTENT`] sub-pixels and the
     /// direction in the middle of the square.
@@ -259,7 +278,7 @@ pub struct ObjectView {
     /// Factor from the depth of a corner to its weight in perspective interpolation: the weight is then 1 / w, or less
     /// for all corners alike if the near plane is very near; 1 for an orthographic camera.
     pub weight: f32,
-    /// Screen coordinates of the middle of the picture.
+    /// [`View::middle`].
     pub offset: [i32; 2],
     /// The same rows in `f64` for positions in mesh coordinates, not relative to the pivot: for clipping and for
     /// cluster tests.

@@ -61,7 +61,7 @@ fn check_inside(mesh: &Mesh, scene: &Scene, camera: &Camera, what: &str) -> usiz
 
 fn towards(eye: DVec3, forward: DVec3, projection: Projection) -> Camera {
     let up = if forward.y.abs() < 0.9 { DVec3::Y } else { DVec3::X };
-    Camera { eye, target: eye + forward, up, projection, near: None }
+    Camera { eye, target: eye + forward, up, projection, near: None, shift: [0.0; 2] }
 }
 
 /// Closed meshes, each with a distance from the origin up to which an eye is certain to be inside.

@@ -271,6 +271,7 @@ fn coverage_converges_to_the_area() {
                 up: DVec3::Y,
                 projection: Projection::Orthographic { height: size },
                 near: None,
+                shift: [0.0; 2],
             };
             let settings = Settings {
                 sampling: Sampling::of(pattern),

@@ -66,6 +66,7 @@ fn check(mesh: &Mesh, exponents: &[i32], what: &str) {
                 up: DVec3::Y,
                 projection: Projection::Perspective { fov_y: 1.2 },
                 near: None,
+                shift: [0.0; 2],
             },
         };
         let mut outputs = Outputs { keys: false, ..everything(1, 1).outputs };

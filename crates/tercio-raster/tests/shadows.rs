@@ -230,6 +230,44 @@ fn curved_surfaces_have_no_acne_at_any_scale() {
     }
 }
 
+/// Where a floor meets a wall and both are lit, the texels beyond the corner show the other one, which is nearer to the
+/// light than the plane of the first, continued.
+#[test]
+fn lit_inward_corners_have_no_dark_line() {
+    let corner = |x: f32, y: f32, z: f32| [x, y, z];
+    let mesh = Mesh {
+        positions: vec![
+            corner(-1.0, 0.0, 0.0),
+            corner(1.0, 0.0, 0.0),
+            corner(1.0, 0.0, 1.0),
+            corner(-1.0, 0.0, 1.0),
+            corner(1.0, 1.0, 0.0),
+            corner(-1.0, 1.0, 0.0),
+        ],
+        triangles: vec![[3, 2, 1], [3, 1, 0], [0, 1, 4], [0, 4, 5]],
+        ..Mesh::default()
+    };
+    let mut scene = scene(&mesh);
+    scene.instances[0].surface.specular = 0.0;
+    let camera = perspective([0.3, 0.8, 1.2], [0.0, 0.05, 0.1], 20.0);
+    for to_light in [DVec3::new(0.2, 1.0, 1.0), DVec3::new(-0.3, 0.7, 1.0), DVec3::new(0.1, 1.0, 0.6)] {
+        scene.lights = vec![Light::Directional { to_light, space: WORLD, color: [1.0; 3] }];
+        let outputs = Outputs { linear: true, ..Outputs::NONE };
+        let plain = Settings { outputs, shading: Shading::Flat, ..Settings::one_sample(200, 150) };
+        for size in [512, 2048] {
+            let dark = shadowed(&scene, &camera, plain.clone(), size);
+            let (plain, dark) = (draw(&scene, &camera, &plain), draw(&scene, &camera, &dark));
+            let lit = plain.planes.linear.iter().zip(&dark.planes.linear).filter(|(plain, _)| plain[1] > 0.1);
+            let (mut count, mut least) = (0, 1.0f32);
+            for (plain, dark) in lit {
+                (count, least) = (count + 1, least.min(dark[1] / plain[1]));
+            }
+            assert!(count > 10_000, "{count}");
+            assert!(least > 0.85, "{to_light}, {size} texels: {least} of the light is left");
+        }
+    }
+}
+
 #[test]
 fn shadows_of_other_lights_are_refused() {
     let mesh = soup(10, 3);

@@ -205,6 +205,7 @@ fn near_objects_in_a_large_scene() {
             up: DVec3::Y,
             projection: Projection::Perspective { fov_y: 1.0 },
             near: None,
+            shift: [0.0; 2],
         };
         // The normals of a triangle's corners are on the same side of its plane, and differ.
         let smooth = |t: &[u32; 3]| {
@@ -247,6 +248,7 @@ fn normals_of_a_large_wall_in_front_of_the_eye() {
                     up: DVec3::new(0.1, 1.0, 0.0),
                     projection: Projection::Perspective { fov_y: 1.0 },
                     near,
+                    shift: [0.0; 2],
                 };
                 for shading in [Shading::Phong, Shading::Gouraud, Shading::Flat] {
                     let what =
@@ -273,7 +275,7 @@ fn depths_from_the_eye_to_the_horizon() {
             let target = eye + DVec3::new(random.between(-0.2, 0.2), random.between(-0.4, 0.2), -1.0);
             let up = DVec3::new(random.between(-1.0, 1.0), 1.0, 0.0);
             let projection = Projection::Perspective { fov_y: 1.0 };
-            let camera = Camera { eye, target, up, projection, near: None };
+            let camera = Camera { eye, target, up, projection, near: None, shift: [0.0; 2] };
             check(&[&mesh], &scene(&mesh), &camera, Shading::Flat, &format!("floor {height} below"));
         }
     }

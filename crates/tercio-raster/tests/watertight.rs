@@ -47,7 +47,7 @@ fn outside(random: &mut Random, center: DVec3, radius: f64, narrowest: f64) -> C
     } else {
         Projection::Orthographic { height: radius * 3.0 * share }
     };
-    Camera { eye, target, up: direction(random).cross(away), projection, near: None }
+    Camera { eye, target, up: direction(random).cross(away), projection, near: None, shift: [0.0; 2] }
 }
 
 fn scaled(mesh: &Mesh, scale: [f64; 3]) -> Mesh {
@@ -102,7 +102,14 @@ fn closed_meshes_have_no_hole_from_inside() {
                 let eye = mesh.origin + direction(&mut random) * random.between(0.0, 0.5);
                 let target = eye + direction(&mut random);
                 let projection = Projection::Perspective { fov_y: random.between(0.01, 2.8) };
-                let camera = Camera { eye, target, up: direction(&mut random), projection, near: None };
+                let camera = Camera {
+                    eye,
+                    target,
+                    up: direction(&mut random),
+                    projection,
+                    near: None,
+                    shift: [0.0; 2],
+                };
                 check_inside(&mesh, &scene, &camera, name);
             }
         }

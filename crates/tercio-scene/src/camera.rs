@@ -22,7 +22,7 @@ pub enum Projection {
 pub struct Camera {
     /// Position of the camera.
     pub eye: DVec3,
-    /// The point at the centre of the picture; must differ from `eye`.
+    /// The point at the centre of the picture, unless there is a shift; must differ from `eye`.
     pub target: DVec3,
     /// The direction that points upwards in the picture; must not be parallel to the line of sight.
     pub up: DVec3,
@@ -31,6 +31,11 @@ pub struct Camera {
     /// Distance of the near plane along the line of sight, world units; `None` lets the renderer choose one that cuts
     /// off nothing visible: at 10^-12 of the scene's radius if the camera is inside the scene.
     pub near: Option<f64>,
+    /// Where the line of sight meets the picture, to the right of its centre and above it, in heights of the picture:
+    /// `[0.0; 2]` for an ordinary camera. Others have an off-axis view volume, as the eyes of a stereo pair do: the
+    /// image plane is moved in itself, and the line of sight stays perpendicular to it. The renderer rounds a shift to
+    /// whole sub-pixels.
+    pub shift: [f64; 2],
 }
 
 /// The camera's axes in world space, orthonormal.
@@ -74,6 +79,11 @@ pub enum CameraError {
         /// The value.
         value: f64,
     },
+    /// A stereo pair of an orthographic camera: moved sideways, it sees the same.
+    #[error(
+        "stereo pictures need a camera with perspective: a parallel projection looks the same to both eyes"
+    )]
+    NoStereo,
 }
 
 impl Camera {
@@ -97,6 +107,9 @@ impl Camera {
         if let Some(near) = self.near.filter(|near| !(*near > 0.0 && near.is_finite())) {
             let range = "above 0 and finite";
             return Err(CameraError::OutOfRange { what: "near distance", range, value: near });
+        }
+        if let Some(&value) = self.shift.iter().find(|shift| !shift.is_finite()) {
+            return Err(CameraError::OutOfRange { what: "shift", range: "finite", value });
         }
         let no_direction = CameraError::NoDirection { eye: self.eye, target: self.target };
         let forward = (self.target - self.eye).try_normalize().ok_or(no_direction)?;

@@ -195,7 +195,7 @@ impl Framing {
             Some(_) => Projection::Perspective { fov_y: self.zoomed_fov(tangent) },
             None => Projection::Orthographic { height: 2.0 * distance * tangent / self.zoom },
         };
-        let mut camera = Camera { eye, target, up, projection, near: None };
+        let mut camera = Camera { eye, target, up, projection, near: None, shift: [0.0; 2] };
         if self.roll != 0.0
             && let Ok(basis) = camera.basis()
         {
@@ -219,7 +219,7 @@ impl Framing {
         let nearest = reach(back);
         let place = |x: f64, y: f64, distance: f64, projection| {
             let target = center + right * x + up * y;
-            Camera { eye: target + back * distance, target, up, projection, near: None }
+            Camera { eye: target + back * distance, target, up, projection, near: None, shift: [0.0; 2] }
         };
         let Some(fov_y) = self.fov_y else {
             let (width, x) = extent(reach(right), reach(-right));

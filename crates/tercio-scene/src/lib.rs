@@ -1,4 +1,4 @@
-//! What is drawn and from where: [`Scene`], [`Camera`], [`Light`], [`Surface`].
+//! What is drawn and from where: [`Scene`], [`Camera`], [`Stereo`], [`Light`], [`Surface`].
 //!
 //! World space is right-handed, any unit; colours are linear light unless a name says sRGB.
 //!
@@ -28,6 +28,7 @@ pub mod framing;
 pub mod light;
 pub mod material;
 pub mod scene;
+pub mod stereo;
 pub mod texture;
 
 pub use camera::{Camera, Projection};
@@ -36,5 +37,6 @@ pub use framing::{Framing, UpAxis, View};
 pub use light::{Light, LightSpace};
 pub use material::{AlphaMode, InstanceMaterials, Material, TextureMap, Wrap};
 pub use scene::{Background, Instance, Scene, Surface};
+pub use stereo::Stereo;
 pub use tercio_mesh::color::{self, srgb_to_linear};
 pub use texture::Texture;

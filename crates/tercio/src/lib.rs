@@ -32,6 +32,7 @@
 //! - [`raster`] draws. A [`Renderer`] keeps its memory from frame to frame.
 //! - [`parallel`] draws with several ranks, which share a frame and send each other messages.
 //! - [`write_png_in_bands`] draws pictures that are larger than memory.
+//! - [`stereo`] makes one picture of those of two eyes, whose cameras [`Stereo`] places.
 //! - [`image`] writes pictures (PNG, PPM, WebP) and arrays (NPY), reads and compares pictures.
 //!
 //! The types that most programs use are also exported here at the root.
@@ -53,6 +54,7 @@ mod error;
 pub mod image;
 mod load;
 mod prepared;
+pub mod stereo;
 mod summary;
 mod textures;
 
@@ -73,7 +75,7 @@ pub use textures::{
 pub use tercio_mesh::{ClusteredMesh, Mesh};
 pub use tercio_parallel::ParallelError;
 pub use tercio_raster::{Frame, RenderError, Renderer, Settings};
-pub use tercio_scene::{Camera, Framing, Instance, Scene};
+pub use tercio_scene::{Camera, Framing, Instance, Scene, Stereo};
 
 pub use tercio_effects as effects;
 pub use tercio_mesh as mesh;

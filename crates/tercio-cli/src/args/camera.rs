@@ -136,6 +136,16 @@ impl CameraArgs {
         UpAxis::from(self.up_axis).front()
     }
 
+    /// Whether the projection is parallel.
+    pub fn is_orthographic(&self) -> bool {
+        self.orthographic
+    }
+
+    /// How much larger the model is shown than without `--zoom`.
+    pub fn zoom(&self) -> f64 {
+        self.zoom
+    }
+
     fn framing(&self, width: u32, height: u32) -> Framing {
         let mut framing = Framing::new(width, height);
         if let Some(view) = self.view {

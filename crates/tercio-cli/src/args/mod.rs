@@ -9,6 +9,7 @@ pub mod environment;
 pub mod light;
 pub mod ranks;
 pub mod sampling;
+pub mod stereo;
 pub mod textures;
 pub mod values;
 pub mod writing;

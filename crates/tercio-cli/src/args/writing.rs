@@ -8,6 +8,7 @@ use tercio::image::{Destination, PictureFormat, WEBP_MAX_SIZE};
 use tercio::raster::Outputs;
 
 use super::drawing::DrawingArgs;
+use super::stereo::StereoArgs;
 use crate::output::{Array, Plan};
 
 /// Bits of a colour component.
@@ -60,12 +61,13 @@ impl WritingArgs {
     ///
     /// # Errors
     /// One sentence, if the options contradict each other.
-    pub fn plan(&self, drawing: &DrawingArgs) -> Result<Plan, String> {
+    pub fn plan(&self, drawing: &DrawingArgs, stereo: &StereoArgs) -> Result<Plan, String> {
+        let size = stereo.picture_size(drawing.size)?;
         let picture = match &self.output {
             Some(path) => {
-                let destination = Destination::from_path(path);
-                let format = self.picture_format(path, &destination, drawing)?;
-                Some((destination, format))
+                let format =
+                    self.picture_format(path, &Destination::from_path(path), size, drawing.is_transparent())?;
+                Some((stereo.destinations("--output", path)?, format))
             }
             None => None,
         };
@@ -74,7 +76,8 @@ impl WritingArgs {
             (&self.output_ids, Array::Ids),
             (&self.output_normals, Array::Normals),
         ];
-        let arrays = arrays.into_iter().filter_map(|(p, a)| Some((Destination::from_path(p.as_ref()?), a)));
+        let arrays = arrays.into_iter().filter_map(|(path, array)| Some((path.as_ref()?, array)));
+        let arrays = arrays.map(|(path, array)| Ok((stereo.destinations(array.option(), path)?, array)));
         let plan = Plan {
             outputs: Outputs {
                 color: picture.is_some() && self.depth == Depth::Eight,
@@ -86,7 +89,7 @@ impl WritingArgs {
                 linear: false,
             },
             picture,
-            arrays: arrays.collect(),
+            arrays: arrays.collect::<Result<_, String>>()?,
             stats: self.stats.as_deref().map(Destination::from_path),
         };
         check_terminal(&plan)?;
@@ -97,7 +100,8 @@ impl WritingArgs {
         &self,
         path: &Path,
         destination: &Destination,
-        drawing: &DrawingArgs,
+        (width, height): (u32, u32),
+        is_transparent: bool,
     ) -> Result<PictureFormat, String> {
         // A link to standard output may have an extension, too.
         let by_name = || match destination {
@@ -107,13 +111,12 @@ impl WritingArgs {
         let format = self.format.or_else(by_name).ok_or_else(|| {
             format!("{}: the extension must be .png, .ppm or .webp (or give --format)", path.display())
         })?;
-        let (width, height) = drawing.size;
         match format {
             PictureFormat::WebP if self.depth == Depth::Sixteen => Err("WebP has no --depth 16".into()),
             PictureFormat::WebP if width.max(height) > WEBP_MAX_SIZE => {
                 Err(format!("a WebP picture has at most {WEBP_MAX_SIZE} pixels a side"))
             }
-            PictureFormat::Ppm if drawing.is_transparent() => {
+            PictureFormat::Ppm if is_transparent => {
                 Err("PPM has no transparency; choose another --background or format".into())
             }
             _ => Ok(format),

@@ -224,7 +224,14 @@ impl Bench {
         // The model's largest extent, at the distance of its centre, fills this part of the shorter side.
         let shorter = f64::from(self.size.0.min(self.size.1)) / f64::from(self.size.1);
         let fov_y = 2.0 * (0.5 / (FILL * shorter) / DISTANCE).atan();
-        Camera { eye, target, up: DVec3::Y, projection: Projection::Perspective { fov_y }, near: None }
+        Camera {
+            eye,
+            target,
+            up: DVec3::Y,
+            projection: Projection::Perspective { fov_y },
+            near: None,
+            shift: [0.0; 2],
+        }
     }
 
     fn report(&self, loaded: &Loaded, cameras: &[Camera], frames: &[FrameStats]) -> String {

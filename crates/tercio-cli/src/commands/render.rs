@@ -10,7 +10,7 @@ use rayon::ThreadPool;
 use serde_json::{Value, json};
 use tercio::parallel::organisation::{Rank, Task};
 use tercio::parallel::{Communicator as _, FrameReport, Organisation, Ranks, between_processes, in_process};
-use tercio::raster::{Frame, Outputs, Renderer, Settings};
+use tercio::raster::{Frame, FrameStats, Outputs, Renderer, Settings};
 use tercio::scene::{Camera, Scene};
 use tercio::{LoadOptions, LoadReport, TextureReport, band_bytes, write_png_in_bands};
 
@@ -21,12 +21,14 @@ use crate::args::effects::EffectArgs;
 use crate::args::environment::EnvironmentArgs;
 use crate::args::ranks::{Drawers, RanksArgs};
 use crate::args::sampling::SamplingArgs;
+use crate::args::stereo::{Cameras, StereoArgs};
 use crate::args::textures::{TextureArgs, TextureLimits};
 use crate::args::writing::WritingArgs;
 use crate::args::{ModelArgs, ProgressMode, RunningArgs};
 use crate::named_files::NamedFiles;
 use crate::output::{Plan, UsageError, frame_bytes, write_text};
 use crate::progress::Display;
+use crate::stereo::{self, ViewReport};
 use crate::{ending, memory, messages, mpi, nothing_drawn, report};
 
 /// Draws a model into a picture file.
@@ -37,6 +39,8 @@ Examples:
   tercio render scan.ply.gz -o scan.png --size 1920x1080 --view front
   tercio render part.stl -o part.webp --up-axis z --crease-angle 40 --background transparent
   tercio render scan.ply --output-depth depth.npy --output-ids ids.npy --stats -
+  tercio render scan.ply -o scan.png --stereo anaglyph
+  tercio render scan.ply -o scan.png --stereo pair --eye-distance 2.5   (scan.left.png, scan.right.png)
   tercio render scan.ply -o scan.png --ranks 4 --organisation sort-last --stats -
   mpirun -n 4 tercio render scan.ply -o scan.png --organisation sort-last   (built with --features mpi)
   zcat scan.obj.gz | tercio render - -o - | display
@@ -51,6 +55,8 @@ pub struct Render {
     writing: WritingArgs,
     #[command(flatten)]
     camera: CameraArgs,
+    #[command(flatten)]
+    stereo: StereoArgs,
     #[command(flatten)]
     clip: ClipArgs,
     #[command(flatten)]
@@ -78,24 +84,32 @@ struct Writing {
     allow_empty: bool,
 }
 
-/// A loaded model and its camera.
+/// A loaded model and its cameras.
 struct Loaded {
     report: LoadReport,
     /// `None` if materials and textures are not used.
     textures: Option<TextureReport>,
     scene: Scene,
-    camera: Camera,
+    cameras: Cameras,
+}
+
+/// The picture of one camera.
+struct Drawn {
+    frame: Frame,
+    /// The report of every rank, if there are ranks.
+    parallel: Option<FrameReport>,
+    /// Of the effects on the finished picture.
+    effect_milliseconds: f64,
 }
 
 /// The results of the work, for `--stats`.
 struct Done {
     report: LoadReport,
     textures: Option<TextureReport>,
-    camera: Camera,
-    frame: Frame,
-    /// The report of every rank, if there are ranks.
-    parallel: Option<FrameReport>,
-    /// Of the effects on the finished picture.
+    cameras: Cameras,
+    /// Counts and times of every camera's picture.
+    views: Vec<ViewReport>,
+    /// Of the effects on the finished pictures.
     effect_milliseconds: f64,
     output_milliseconds: f64,
     /// Why nothing was drawn, if that is the case.
@@ -109,7 +123,8 @@ impl Render {
     /// [`UsageError`] for options that contradict each other, else what went wrong.
     pub fn run(&self) -> Result<ExitCode> {
         let start = Instant::now();
-        let mut plan = self.writing.plan(&self.drawing).map_err(UsageError)?;
+        let mut plan = self.writing.plan(&self.drawing, &self.stereo).map_err(UsageError)?;
+        self.stereo.check(&self.camera, &self.drawing, &plan).map_err(UsageError)?;
         plan.outputs = plan.outputs.with(self.effects.needed());
         let checks = [
             self.drawing.check(&self.effects, &self.environment),
@@ -164,37 +179,51 @@ impl Render {
     fn draw(&self, writing: &Writing, settings: &Settings, drawers: Drawers) -> Result<Done> {
         let display = Display::new(self.running.progress_mode());
         let loaded = self.load(writing, &display, drawers)?;
-        let settings = &self.with_shadows(settings, &loaded, &display)?;
         if self.is_in_bands(&writing.plan, drawers) {
             return self.draw_in_bands(writing, settings, loaded, &display);
         }
-        display.stage("drawing");
-        let (mut frame, parallel) = self
-            .frame(&loaded.scene, &loaded.camera, settings, drawers)
-            .with_context(|| self.model.name())?;
-        let effect_milliseconds = self.add_effects(&mut frame, &loaded, settings)?;
+        let mut drawn = Vec::new();
+        for camera in &loaded.cameras.views {
+            let settings = &self.with_shadows(settings, &loaded.scene, camera, &display)?;
+            display.stage("drawing");
+            let (mut frame, parallel) =
+                self.frame(&loaded.scene, camera, settings, drawers).with_context(|| self.model.name())?;
+            let effect_milliseconds = self.add_effects(&mut frame, &loaded.scene, camera, settings)?;
+            drawn.push(Drawn { frame, parallel, effect_milliseconds });
+        }
         display.stage("writing");
-        Ok(Done { effect_milliseconds, ..self.write(writing, loaded, frame, parallel)? })
+        self.write(writing, loaded, drawn)
     }
 
     /// Settings with the shadows of the scene's lights, if they are requested. Every rank draws the same ones.
-    fn with_shadows(&self, settings: &Settings, loaded: &Loaded, display: &Display) -> Result<Settings> {
+    fn with_shadows(
+        &self,
+        settings: &Settings,
+        scene: &Scene,
+        camera: &Camera,
+        display: &Display,
+    ) -> Result<Settings> {
         display.stage("drawing shadows");
-        let shadows = self.drawing.shadows(&loaded.scene, &loaded.camera, settings);
+        let shadows = self.drawing.shadows(scene, camera, settings);
         Ok(Settings { shadows: shadows.with_context(|| self.model.name())?, ..settings.clone() })
     }
 
     /// Applies the effects that are requested; returns the milliseconds that they took.
-    fn add_effects(&self, frame: &mut Frame, loaded: &Loaded, settings: &Settings) -> Result<f64> {
+    fn add_effects(
+        &self,
+        frame: &mut Frame,
+        scene: &Scene,
+        camera: &Camera,
+        settings: &Settings,
+    ) -> Result<f64> {
         let begin = Instant::now();
-        let added = self.effects.apply(frame, &loaded.scene, &loaded.camera, settings);
-        added.with_context(|| self.model.name())?;
+        self.effects.apply(frame, scene, camera, settings).with_context(|| self.model.name())?;
         Ok(begin.elapsed().as_secs_f64() * 1e3)
     }
 
     /// Whether the picture is drawn in bands, because it is too large to be kept in memory.
     fn is_in_bands(&self, plan: &Plan, drawers: Drawers) -> bool {
-        drawers == Drawers::Alone && plan.is_in_bands(self.drawing.size)
+        drawers == Drawers::Alone && self.stereo.layout().is_none() && plan.is_in_bands(self.drawing.size)
     }
 
     fn draw_in_bands(
@@ -204,35 +233,28 @@ impl Render {
         loaded: Loaded,
         display: &Display,
     ) -> Result<Done> {
-        let Loaded { report, textures, scene, camera } = loaded;
+        let Loaded { report, textures, scene, cameras } = loaded;
+        let camera = &cameras.middle;
+        let settings = &self.with_shadows(settings, &scene, camera, display)?;
         let begin = Instant::now();
         let (progress, allow_empty) = (Some(&*display.progress), writing.allow_empty);
         let stats = writing.plan.write_drawn(&self.model.name(), allow_empty, |out| {
-            write_png_in_bands(&scene, &camera, settings, allow_empty, progress, out)
+            write_png_in_bands(&scene, camera, settings, allow_empty, progress, out)
         })?;
-        let (width, height) = self.drawing.size;
-        let frame = Frame { width, height, stats, ..Frame::default() };
         let all = begin.elapsed().as_secs_f64() * 1e3;
-        let output_milliseconds = (all - frame.stats.milliseconds.total).max(0.0);
-        let empty = self.reason(&report, &camera, &frame);
-        Ok(Done {
-            report,
-            textures,
-            camera,
-            frame,
-            parallel: None,
-            effect_milliseconds: 0.0,
-            output_milliseconds,
-            empty,
-        })
+        let output_milliseconds = (all - stats.milliseconds.total).max(0.0);
+        let empty = self.reason(&report, camera, &stats);
+        let views = vec![ViewReport { stats, parallel: None }];
+        let effect_milliseconds = 0.0;
+        Ok(Done { report, textures, cameras, views, effect_milliseconds, output_milliseconds, empty })
     }
 
     /// Why nothing was drawn, if that is the case.
-    fn reason(&self, report: &LoadReport, camera: &Camera, frame: &Frame) -> Option<String> {
+    fn reason(&self, report: &LoadReport, camera: &Camera, stats: &FrameStats) -> Option<String> {
         if let Some(reason) = report::all_clipped(report) {
             return Some(reason);
         }
-        let empty = nothing_drawn::reason(&report.mesh.bounds, camera, self.drawing.cull(), &frame.stats);
+        let empty = nothing_drawn::reason(&report.mesh.bounds, camera, self.drawing.cull(), stats);
         empty.map(|reason| match report::only(&report.read.not_drawn) {
             Some(only) if report.mesh.triangles == 0 => format!("{reason}, only {only}"),
             _ => reason,
@@ -255,20 +277,26 @@ impl Render {
         }
         let display = Display::new(if writes { self.running.progress_mode() } else { ProgressMode::Never });
         let loaded = self.load(writing, &display, Drawers::Mpi(organisation))?;
-        let settings = &self.with_shadows(settings, &loaded, &display)?;
-        display.stage("drawing");
         let organisation = self.ranks.organisation(organisation, &loaded.scene);
-        let task = Task { organisation, scene: &loaded.scene, camera: &loaded.camera, settings };
-        let (mut own, mut frame) = (Rank::from_pool(pool.clone()), Frame::default());
-        let parallel = between_processes::draw_frame(&mut own, comm, &task, &mut frame)
-            .with_context(|| self.model.name())?;
+        let mut own = Rank::from_pool(pool.clone());
+        let mut drawn = Vec::new();
+        for camera in &loaded.cameras.views {
+            let settings = &self.with_shadows(settings, &loaded.scene, camera, &display)?;
+            display.stage("drawing");
+            let task = Task { organisation, scene: &loaded.scene, camera, settings };
+            let mut frame = Frame::default();
+            let parallel = between_processes::draw_frame(&mut own, comm, &task, &mut frame)
+                .with_context(|| self.model.name())?;
+            if writes {
+                let effect_milliseconds = self.add_effects(&mut frame, &loaded.scene, camera, settings)?;
+                drawn.push(Drawn { frame, parallel, effect_milliseconds });
+            }
+        }
         if !writes {
             return Ok(None);
         }
-        let effect_milliseconds = self.add_effects(&mut frame, &loaded, settings)?;
         display.stage("writing");
-        let done = self.write(writing, loaded, frame, parallel)?;
-        Ok(Some(Done { effect_milliseconds, ..done }))
+        self.write(writing, loaded, drawn).map(Some)
     }
 
     fn load(&self, writing: &Writing, display: &Display, drawers: Drawers) -> Result<Loaded> {
@@ -306,7 +334,8 @@ impl Render {
         self.check_memory(picture.saturating_add(shadows), taken)?;
         self.clip.add_caps(&mut scene, loaded.caps);
         let camera = self.camera.camera_for(&scene, loaded.whole.as_ref(), self.drawing.size);
-        Ok(Loaded { report, textures, scene, camera })
+        let cameras = self.stereo.cameras(camera, self.camera.zoom()).with_context(|| self.model.name())?;
+        Ok(Loaded { report, textures, scene, cameras })
     }
 
     fn frame(
@@ -341,7 +370,9 @@ impl Render {
             let planes = Outputs { keys: true, linear: true, color: false, color16: false, ..plan.outputs };
             samples = frame_bytes(planes, self.drawing.size).saturating_mul(count as u64);
         }
-        bytes.saturating_add(samples).saturating_mul(frames as u64)
+        let further =
+            frame_bytes(plan.outputs, self.drawing.size).saturating_mul(self.stereo.further_frames());
+        bytes.saturating_add(samples).saturating_mul(frames as u64).saturating_add(further)
     }
 
     fn check_memory(&self, picture: u64, model: u64) -> Result<()> {
@@ -356,32 +387,26 @@ impl Render {
     }
 
     /// Writes the outputs, unless nothing was drawn.
-    fn write(
-        &self,
-        writing: &Writing,
-        loaded: Loaded,
-        frame: Frame,
-        parallel: Option<FrameReport>,
-    ) -> Result<Done> {
-        let Loaded { report, textures, scene, camera } = loaded;
-        let empty = self.reason(&report, &camera, &frame);
+    fn write(&self, writing: &Writing, loaded: Loaded, drawn: Vec<Drawn>) -> Result<Done> {
+        let Loaded { report, textures, scene, cameras } = loaded;
+        let mut frames = Vec::new();
+        let (mut views, mut reasons) = (Vec::new(), Vec::new());
+        let effect_milliseconds = drawn.iter().map(|d| d.effect_milliseconds).sum();
+        for (Drawn { frame, parallel, .. }, camera) in drawn.into_iter().zip(&cameras.views) {
+            reasons.push(self.reason(&report, camera, &frame.stats));
+            views.push(ViewReport { stats: frame.stats.clone(), parallel });
+            frames.push(frame);
+        }
+        // What one eye sees is something.
+        let empty = reasons.into_iter().collect::<Option<Vec<_>>>().and_then(|all| all.into_iter().next());
         let begin = Instant::now();
         // A large model takes longer to free than a picture takes to write.
         let is_written = empty.is_none() || writing.allow_empty;
-        let write = || if is_written { writing.plan.write(&frame) } else { Ok(()) };
+        let write = || if is_written { writing.plan.write(&self.stereo.written(frames)?) } else { Ok(()) };
         let (written, ()) = rayon::join(write, || drop(scene));
         written?;
         let output_milliseconds = begin.elapsed().as_secs_f64() * 1e3;
-        Ok(Done {
-            report,
-            textures,
-            camera,
-            frame,
-            parallel,
-            effect_milliseconds: 0.0,
-            output_milliseconds,
-            empty,
-        })
+        Ok(Done { report, textures, cameras, views, effect_milliseconds, output_milliseconds, empty })
     }
 
     fn print_summary(&self, done: &Done) {
@@ -406,26 +431,35 @@ impl Render {
         if let Some(reason) = done.empty.as_ref().filter(|_| self.writing.allow_empty) {
             messages::warning(&format!("{model}: {reason}"));
         }
+        if let Some(eye) = stereo::blind_eye(&done.views) {
+            messages::warning(&format!("{model}: the {eye} eye sees nothing of the model"));
+        }
         if self.running.verbose {
             print_details(done);
         }
     }
 
     fn stats(&self, done: &Done, threads: usize, start: Instant) -> Result<Value> {
+        let frame = stereo::together(&done.views);
+        let (width, height) = self.stereo.picture_size(self.drawing.size).unwrap_or(self.drawing.size);
+        // Those of eyes are with the eyes.
+        let parallel =
+            done.views.first().filter(|_| done.cameras.stereo.is_none()).map(|view| &view.parallel);
         Ok(json!({
             "tercio_version": env!("CARGO_PKG_VERSION"),
             "load": report::load_json(&self.model.name(), &done.report),
             "textures": done.textures.as_ref().map(report::textures_json),
-            "camera": report::camera_json(&done.camera),
+            "camera": report::camera_json(&done.cameras.middle),
+            "stereo": stereo::json(self.stereo.layout(), &done.cameras, &done.views),
             "picture": {
-                "width": done.frame.width,
-                "height": done.frame.height,
+                "width": width,
+                "height": height,
                 "anti_aliasing": self.sampling.json(),
             },
-            "frame": serde_json::to_value(&done.frame.stats)?,
-            "parallel": done.parallel,
+            "frame": serde_json::to_value(&frame)?,
+            "parallel": parallel,
             "threads": threads,
-            "simd": done.frame.stats.simd,
+            "simd": frame.simd,
             "effect_milliseconds": done.effect_milliseconds,
             "output_milliseconds": done.output_milliseconds,
             "total_milliseconds": start.elapsed().as_secs_f64() * 1e3,
@@ -435,7 +469,7 @@ impl Render {
 }
 
 fn print_details(done: &Done) {
-    let Done { report, textures, frame, parallel, output_milliseconds, .. } = done;
+    let Done { report, textures, views, output_milliseconds, .. } = done;
     let times = &report.times;
     messages::note(&format!(
         "{}: {}, {}; read {:.1} ms, clean {:.1}, weld {:.1}, normals {:.1}, clusters {:.1}",
@@ -458,7 +492,7 @@ fn print_details(done: &Done) {
         ));
     }
     report::clipped(report).iter().for_each(|c| messages::note(c));
-    if let Some(FrameReport { messages: sent, bytes, ranks, .. }) = parallel {
+    for FrameReport { messages: sent, bytes, ranks, .. } in views.iter().flat_map(|view| &view.parallel) {
         messages::note(&format!(
             "{} ranks sent {} with {} bytes",
             ranks.len(),
@@ -466,7 +500,7 @@ fn print_details(done: &Done) {
             report::grouped(*bytes)
         ));
     }
-    let stats = &frame.stats;
+    let stats = &stereo::together(views);
     messages::note(&format!(
         "drawn in {:.1} ms ({}, {}): {} set up (counted once a tile and once a clipped \
          piece), {} covered, overdraw {:.2}; written in {output_milliseconds:.1} ms",

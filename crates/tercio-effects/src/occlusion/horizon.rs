@@ -11,7 +11,7 @@ use crate::surface::Surface;
 /// Lines through each point.
 const LINES: usize = 2;
 /// Points that are looked at on each side of a line.
-const STEPS: usize = 5;
+const STEPS: usize = 4;
 /// Pixels along the edge of the pattern in which the directions of the lines alternate.
 pub const PATTERN: usize = 4;
 /// What is less than this above the tangent plane, in radii, occludes nothing: facets of a smooth surface would darken
@@ -20,7 +20,7 @@ const BIAS: f32 = 0.02;
 /// The largest number of pixels in a radius.
 const MAX_RADIUS: f32 = 512.0;
 /// Points on a line are at least this many pixels apart from the middle.
-const MIN_DISTANCE: f32 = 2.0;
+const MIN_DISTANCE: f32 = 1.5;
 
 /// Pixels that the coarse planes have beyond the picture, on each side.
 pub const MARGIN: usize = 4;
@@ -48,7 +48,7 @@ fn rows() -> [Row; PATTERN] {
         let step = |step: usize, x: usize| {
             // Another order than that of the directions.
             let part = (step as f64 + share(x + 2 * y + 1, x + y / 2)) / STEPS as f64;
-            (part * part) as f32
+            part as f32
         };
         Row {
             lines: std::array::from_fn(|l| {
@@ -87,6 +87,15 @@ struct Points<S: Simd> {
     to_viewer: Vec3<S>,
     /// The occlusion's radius, in pixels.
     radius: Lanes<S>,
+}
+
+/// One side of a line through 16 points.
+struct Side<S: Simd> {
+    /// Its direction in the picture: to the right and upwards.
+    direction: [Lanes<S>; 2],
+    /// Of the angle between the line of sight and the normal's part in the plane, positive towards this side.
+    cosine: Lanes<S>,
+    sine: Lanes<S>,
 }
 
 impl<'a> Horizons<'a> {
@@ -203,29 +212,33 @@ impl<'a> Horizons<'a> {
         let (mut occluded, mut all) = (splat(simd, 0.0), splat(simd, 0.0));
         for sign in [1.0, -1.0] {
             let sine = clamp(simd, aside * inverse, -1.0, 1.0) * sign;
-            let lowest = -sine;
-            let highest = self.horizon(simd, points, [right * sign, up * sign], steps, lowest);
-            let open = light_above(simd, lowest, cosine, sine);
-            all += open;
-            occluded += open - light_above(simd, highest, cosine, sine);
+            let side = Side { direction: [right * sign, up * sign], cosine, sine };
+            let (part, whole) = self.of_side(simd, points, &side, steps);
+            all += whole;
+            occluded += part;
         }
         (occluded * length, all * length)
     }
 
-    /// The cosine of the angle between the line of sight and the highest horizon in a direction of the picture; those that
-    /// are farther away count less. `lowest` is that of the tangent plane.
+    /// The same on one side of the points. Each point that is higher than those before it occludes the light between, in
+    /// proportion to how near it is.
     #[inline(always)]
-    fn horizon<S: Simd>(
+    fn of_side<S: Simd>(
         &self,
         simd: S,
         points: &Points<S>,
-        [right, up]: [Lanes<S>; 2],
+        side: &Side<S>,
         steps: &[[f32; LANES]; STEPS],
-        lowest: Lanes<S>,
-    ) -> Lanes<S> {
+    ) -> (Lanes<S>, Lanes<S>) {
         let Points { x, y, position, normal, to_viewer, radius } = points;
+        let &Side { direction: [right, up], cosine, sine } = side;
         let one = splat(simd, 1.0);
-        let mut highest = lowest;
+        // That of the tangent plane.
+        let mut highest = -sine;
+        let all = light_above(simd, highest, cosine, sine);
+        let (mut open, mut occluded) = (all, splat(simd, 0.0));
+        // The squared distance of the last point.
+        let mut before = splat(simd, 0.0);
         for step in steps {
             let distance = load(simd, step) * *radius;
             let distance = clamp(simd, distance, MIN_DISTANCE, MAX_RADIUS);
@@ -243,11 +256,20 @@ impl<'a> Horizons<'a> {
             let square = dot(apart, apart);
             // Not where nothing is visible: infinite, or no number.
             let counts = square.simd_lt(one) & dot(apart, *normal).simd_gt(splat(simd, BIAS));
-            let cosine = dot(apart, *to_viewer) / square.sqrt();
-            let cosine = lowest + (cosine - lowest) * (one - square);
-            highest = (counts & cosine.simd_gt(highest)).select(cosine, highest);
+            let horizon = dot(apart, *to_viewer) / square.sqrt();
+            let rises = counts & horizon.simd_gt(highest);
+            if rises.any_true() {
+                highest = rises.select(horizon, highest);
+                let left = light_above(simd, highest, cosine, sine);
+                // What is between two points is hit between them.
+                let nearer = before.simd_lt(square).select(before, square);
+                let more = (open - left) * (one - (nearer + square) * 0.5);
+                occluded = rises.select(occluded + more, occluded);
+                open = rises.select(left, open);
+            }
+            before = square;
         }
-        highest
+        (occluded, all)
     }
 }
 

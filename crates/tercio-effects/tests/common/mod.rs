@@ -57,7 +57,7 @@ pub fn perspective(eye: [f64; 3], target: [f64; 3], degrees: f64) -> Camera {
 pub fn orthographic(eye: [f64; 3], target: [f64; 3], height: f64) -> Camera {
     let projection = Projection::Orthographic { height };
     let (eye, target, up) = (eye.into(), target.into(), [0.0, 1.0, 0.0].into());
-    Camera { eye, target, up, projection, near: None }
+    Camera { eye, target, up, projection, near: None, shift: [0.0; 2] }
 }
 
 /// The camera on the room that most tests use.

@@ -25,5 +25,12 @@ pub fn camera(bounds: &Aabb, (width, height): (u32, u32), view: u32, views: u32)
     let eye = target + glam::DVec3::new(sin, 0.2, cos) * (DISTANCE * size);
     let shorter = f64::from(width.min(height)) / f64::from(height);
     let fov_y = 2.0 * (0.5 / (FILL * shorter) / DISTANCE).atan();
-    Camera { eye, target, up: glam::DVec3::Y, projection: Projection::Perspective { fov_y }, near: None }
+    Camera {
+        eye,
+        target,
+        up: glam::DVec3::Y,
+        projection: Projection::Perspective { fov_y },
+        near: None,
+        shift: [0.0; 2],
+    }
 }

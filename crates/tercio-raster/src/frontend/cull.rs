@@ -39,8 +39,11 @@ pub fn place(view: &View, object: &ObjectView, cluster: &Cluster) -> Placement {
     let middle = std::array::from_fn(|k| (f64::from(cluster.min[k]) + f64::from(cluster.max[k])) * 0.5);
     let half = std::array::from_fn(|k| (f64::from(cluster.max[k]) - f64::from(cluster.min[k])) * 0.5);
     let rows = &object.exact;
-    // The picture's border with a margin of one pixel, in clip space: |x| <= border * w.
-    let border = [view.width, view.height].map(|n| (f64::from(n) * 0.5 + 1.0) * f64::from(SUBPIXELS));
+    // The picture's borders with a margin of one pixel, in clip space: -before * w <= x <= behind * w.
+    let borders = |size: u32, middle: i32| {
+        let (whole, before) = (f64::from(size) * f64::from(SUBPIXELS), f64::from(middle));
+        [before, whole - before].map(|to_border| to_border + f64::from(SUBPIXELS))
+    };
     let mut inside = true;
     let mut check = |row: [f64; 4]| {
         let (center, reach, slack) = extremes(&row, middle, half);
@@ -58,8 +61,10 @@ pub fn place(view: &View, object: &ObjectView, cluster: &Cluster) -> Placement {
     let combine =
         |factor: f64, row: &[f64; 4], sign: f64| std::array::from_fn(|k| factor * rows.w[k] + sign * row[k]);
     let mut outside = false;
-    for (row, border) in [(&rows.x, border[0]), (&rows.y, border[1])] {
-        for sign in [1.0, -1.0] {
+    for (row, [before, behind]) in
+        [(&rows.x, borders(view.width, view.middle[0])), (&rows.y, borders(view.height, view.middle[1]))]
+    {
+        for (sign, border) in [(1.0, before), (-1.0, behind)] {
             let (center, reach, slack) = extremes(&combine(border, row, sign), middle, half);
             outside |= center + reach < -slack;
             check(combine(f64::from(GUARD) * 0.999, row, sign));

@@ -104,6 +104,7 @@ pub fn perspective(eye: [f64; 3], target: [f64; 3], degrees: f64) -> Camera {
         up: DVec3::new(0.1, 1.0, 0.05),
         projection: Projection::Perspective { fov_y: degrees.to_radians() },
         near: None,
+        shift: [0.0; 2],
     }
 }
 

@@ -59,6 +59,8 @@ pub struct Truth<'a> {
     /// Pixels per world unit (orthographic), or per unit of the tangent of the viewing angle (perspective).
     scale: f64,
     perspective: bool,
+    /// Where the line of sight meets the picture, in pixels.
+    middle: [f64; 2],
     size: [usize; 2],
     near: f64,
     /// The points of a pixel that a frame shows, as distances from its upper left corner in pixels: one value of each
@@ -121,6 +123,7 @@ impl<'a> Truth<'a> {
         let forward = (camera.target - camera.eye).normalize();
         let right = forward.cross(camera.up).normalize();
         let half = f64::from(size[1]) * 0.5;
+        let [shift_right, shift_up] = camera.shift.map(|shift| shift * f64::from(size[1]));
         let (perspective, scale) = match camera.projection {
             Projection::Perspective { fov_y } => (true, half / (fov_y * 0.5).tan()),
             Projection::Orthographic { height } => (false, half * 2.0 / height),
@@ -138,6 +141,7 @@ impl<'a> Truth<'a> {
             forward,
             scale,
             perspective,
+            middle: [f64::from(size[0]) * 0.5 + shift_right, half - shift_up],
             size: size.map(|n| n as usize),
             near: camera.near.unwrap_or(0.0),
             points: vec![[0.5; 2]],
@@ -155,8 +159,8 @@ impl<'a> Truth<'a> {
     /// The ray through a point of the picture, in pixels. The length of its direction is such that distances on the ray
     /// are distances along the line of sight.
     fn ray(&self, x: f64, y: f64) -> (DVec3, DVec3) {
-        let x = (x - self.size[0] as f64 * 0.5) / self.scale;
-        let y = (self.size[1] as f64 * 0.5 - y) / self.scale;
+        let x = (x - self.middle[0]) / self.scale;
+        let y = (self.middle[1] - y) / self.scale;
         let across = self.right * x + self.up * y;
         if self.perspective { (self.eye, self.forward + across) } else { (self.eye + across, self.forward) }
     }

@@ -252,7 +252,7 @@ fn views_file(output: &Value) -> Result<String> {
         let degrees = camera["projection"]["fov_degrees"].as_f64().context("no field of view")?;
         let projection = Projection::Perspective { fov_y: degrees.to_radians() };
         let (eye, target, up) = (vector(&camera["eye"])?, vector(&camera["target"])?, vector(&camera["up"])?);
-        let basis = Camera { eye, target, up, projection, near: None }.basis()?;
+        let basis = Camera { eye, target, up, projection, near: None, shift: [0.0; 2] }.basis()?;
         text += "view";
         for v in [eye, basis.right, basis.up, basis.forward] {
             let _ = write!(text, " {} {} {}", v.x, v.y, v.z);
