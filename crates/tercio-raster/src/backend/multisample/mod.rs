@@ -17,6 +17,7 @@ mod shade;
 mod sink;
 mod stamps;
 mod triangle;
+mod write;
 
 use fearless_simd::Simd;
 use tercio_mesh::cluster::MAX_TRIANGLES;
@@ -252,7 +253,8 @@ fn draw_cluster<S: Simd, T: Tally, K: Sink>(
                 let of = &corners.look_up(simd, numbers);
                 let triangles = SmallTriangles::new(simd, vertices, of, &context.cells, memory.rect);
                 if matches!(size, Size::Tiny | Size::Small) {
-                    hits.scan(simd, &context.cells, &triangles, lanes, memory);
+                    let stride_bits = memory.stride_bits;
+                    hits.scan(simd, &context.cells, &triangles, lanes, first_slot, numbers, stride_bits);
                     hits.test::<S, K>(simd, context, &triangles, first_slot, numbers, memory, counts);
                 } else {
                     let unpacked = Lanes::new(simd, &triangles);
@@ -283,7 +285,10 @@ pub fn finish<S: Simd, T: Tally>(
     outputs: &Outputs,
     tally: &mut T,
 ) {
-    tally.counts().pixels_visible += scratch.memory.visible();
+    tally.counts().pixels_visible += simd.vectorize(
+        #[inline(always)]
+        || scratch.memory.visible(simd),
+    );
     if context.settings.last_stage <= LastStage::Visibility {
         target.write_background();
         return;
