@@ -171,7 +171,10 @@ impl SampleCenters {
                 let double = self.cells.pitch_bits + 1;
                 let x: f32x16<S> = (((sums & 0xfff) << double) + count).to_float();
                 let y: f32x16<S> = ((((sums >> ROW_SHIFT) & 0xfff) << double) + count).to_float();
-                [(x / divisor).to_int::<i32x16<S>>() + to_middle, (y / divisor).to_int::<i32x16<S>>() + to_middle]
+                [
+                    (x / divisor).to_int::<i32x16<S>>() + to_middle,
+                    (y / divisor).to_int::<i32x16<S>>() + to_middle,
+                ]
             },
         )
     }

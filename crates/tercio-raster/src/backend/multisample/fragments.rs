@@ -28,7 +28,8 @@ impl Fragment {
     /// A fragment.
     #[inline(always)]
     pub fn new(slot: u32, pixel: usize, covered: u32) -> Self {
-        Self { slot, pixel: pixel as u16, covered: covered as u16 }
+        // As one number, it is written with one store.
+        bytemuck::cast(u64::from(slot) | (pixel as u64 & 0xffff) << 32 | u64::from(covered) << 48)
     }
 
     /// Is it in front of another one at equal depth? It is if its primitive number is lower. Of two pieces of one clipped

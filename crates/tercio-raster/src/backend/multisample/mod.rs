@@ -39,7 +39,7 @@ use crate::stats::BackEndCounts;
 use memory::SampleMemory;
 use scan::Hits;
 use sink::{Opaque, Sink, Translucent};
-use stamps::Lanes;
+use stamps::{Found, Lanes};
 
 /// The memory that one thread needs to draw a tile with several samples per pixel.
 #[derive(Debug, Default)]
@@ -49,6 +49,7 @@ pub struct Scratch {
     vertices: LocalVertices,
     sieve: Sieve,
     hits: Hits,
+    found: Found,
     table: ClusterTable,
     fragments: Fragments,
     blend_order: blend::Order,
@@ -237,7 +238,7 @@ fn draw_cluster<S: Simd, T: Tally, K: Sink>(
     scratch: &mut Scratch,
     tally: &mut T,
 ) {
-    let Scratch { memory, vertices, sieve, hits, .. } = scratch;
+    let Scratch { memory, vertices, sieve, hits, found, .. } = scratch;
     let first_slot = binned.number * MAX_TRIANGLES as u32;
     let origin = context.cells.origin;
     let corners =
@@ -258,7 +259,7 @@ fn draw_cluster<S: Simd, T: Tally, K: Sink>(
                     hits.test::<S, K>(simd, context, &triangles, first_slot, numbers, memory, counts);
                 } else {
                     let unpacked = Lanes::new(simd, &triangles);
-                    unpacked.draw::<S, K>(simd, context, lanes, first_slot, numbers, memory, counts);
+                    unpacked.draw::<S, K>(simd, context, lanes, first_slot, numbers, found, memory, counts);
                 }
                 continue;
             }

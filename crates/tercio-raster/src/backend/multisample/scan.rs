@@ -8,8 +8,8 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, i32x16, mask32x16};
 
 use super::fragments::Fragment;
-use super::sink::Sink;
 use super::memory::SampleMemory;
+use super::sink::Sink;
 use super::write::InPixel;
 use crate::backend::cluster::{Size, SmallTriangles};
 use crate::context::FrameContext;
@@ -103,13 +103,17 @@ impl Hits {
         slots: &[i32; LANES],
         stride_bits: u32,
     ) {
-        let Self { places, triangles, depths, count, .. } = self;
+        let Self { places, triangles, depths, .. } = self;
+        let count = &mut 0;
         part(
             simd,
             #[inline(always)]
             || {
                 let all = splat_i(simd, cells.mask() as i32);
                 let lanes = mask32x16::from_bitmask(simd, u64::from(lanes));
+                let [across, down_to] = pixels(simd, t, lanes);
+                // Whether a triangle of a few pixels covers one of them cannot be predicted.
+                let is_tiny = across.max(down_to) <= 2;
                 let slots = i32x16::load_array_ref(simd, slots);
                 // What does not exist of four samples is found to be covered as the first cell, and left out.
                 let mut to_sample = [[splat_i(simd, 0); 3]; FEW];
@@ -124,22 +128,15 @@ impl Hits {
                 let down = each3!(K => t.b[K] << bits);
                 let mut row_start = (t.first[1] << stride_bits) + t.first[0];
                 let (mut at_row, mut dy) = (t.c, t.from_anchor[1]);
-                let mut row = 0;
-                loop {
-                    let in_rows = lanes & t.extent[1].simd_ge(splat_i(simd, row));
-                    if !in_rows.any_true() {
-                        break;
-                    }
+                for row in 0..down_to {
+                    let in_row = lanes & t.extent[1].simd_ge(splat_i(simd, row));
                     let mut along_y = [splat(simd, 0.0); FEW];
                     for sample in 0..FEW {
                         along_y[sample] = (dy + offset[sample][1]).to_float::<f32x16<S>>() * t.slope[1];
                     }
-                    let (mut place, mut e, mut dx, mut column) = (row_start, at_row, t.from_anchor[0], 0);
-                    loop {
-                        let in_box = in_rows & t.extent[0].simd_ge(splat_i(simd, column));
-                        if !in_box.any_true() {
-                            break;
-                        }
+                    let (mut place, mut e, mut dx) = (row_start, at_row, t.from_anchor[0]);
+                    for column in 0..across {
+                        let in_box = in_row & t.extent[0].simd_ge(splat_i(simd, column));
                         let mut outside = splat_i(simd, 0);
                         let mut signs = [outside; FEW];
                         for sample in 0..FEW {
@@ -151,7 +148,7 @@ impl Hits {
                         let covered = (outside & all) ^ all;
                         let hits = in_box & covered.simd_gt(splat_i(simd, 0));
                         let hits = hits.to_bitmask() as u32 & 0xffff;
-                        if hits != 0 {
+                        if is_tiny || hits != 0 {
                             append(simd, places, *count, hits, place | (covered << COVERED_SHIFT));
                             append(simd, triangles, *count, hits, slots);
                             for sample in 0..FEW {
@@ -166,15 +163,14 @@ impl Hits {
                         e = each3!(K => e[K] + right[K]);
                         dx += SUBPIXELS;
                         place += 1;
-                        column += 1;
                     }
                     at_row = each3!(K => at_row[K] + down[K]);
                     dy += SUBPIXELS;
                     row_start += 1 << stride_bits;
-                    row += 1;
                 }
             },
         );
+        self.count = *count;
     }
 
     /// With more samples per pixel.
@@ -187,7 +183,8 @@ impl Hits {
         lanes: u32,
         stride_bits: u32,
     ) {
-        let Self { places, triangles, count, to_sample, .. } = self;
+        let Self { places, triangles, to_sample, .. } = self;
+        let count = &mut 0;
         part(
             simd,
             #[inline(always)]
@@ -195,6 +192,9 @@ impl Hits {
                 let zero = splat_i(simd, 0);
                 let all = splat_i(simd, cells.mask() as i32);
                 let lanes = mask32x16::from_bitmask(simd, u64::from(lanes));
+                let [across, down_to] = pixels(simd, t, lanes);
+                // Whether a triangle of a few pixels covers one of them cannot be predicted.
+                let is_tiny = across.max(down_to) <= 2;
                 let to_sample = &mut to_sample[..cells.count];
                 for (to, [x, y]) in to_sample.iter_mut().zip(cells.cells) {
                     *to = each3!(K => (t.a[K] * x + t.b[K] * y).to_array());
@@ -204,44 +204,46 @@ impl Hits {
                 let down = each3!(K => t.b[K] << bits);
                 let mut row_start = (t.first[1] << stride_bits) + t.first[0];
                 let mut at_row = t.c;
-                let mut row = 0;
-                loop {
-                    let in_rows = lanes & t.extent[1].simd_ge(splat_i(simd, row));
-                    if !in_rows.any_true() {
-                        break;
-                    }
-                    let (mut place, mut e, mut column) = (row_start, at_row, 0);
-                    loop {
-                        let in_box = in_rows & t.extent[0].simd_ge(splat_i(simd, column));
-                        if !in_box.any_true() {
-                            break;
-                        }
+                for row in 0..down_to {
+                    let in_row = lanes & t.extent[1].simd_ge(splat_i(simd, row));
+                    let (mut place, mut e) = (row_start, at_row);
+                    for column in 0..across {
+                        let in_box = in_row & t.extent[0].simd_ge(splat_i(simd, column));
                         let mut outside = zero;
-                        for (sample, to) in to_sample.iter().enumerate() {
-                            let at = each3!(K => e[K] + i32x16::load_array_ref(simd, &to[K]));
-                            let any = (at[0] | at[1]) | at[2];
-                            // All bits of a negative number, shifted, are set.
-                            outside |= (any >> 31) & (1 << sample);
+                        // Written out for eight, so that the bits of samples are constants.
+                        for to in to_sample.as_chunks::<8>().0.iter().rev() {
+                            outside = outside << 8;
+                            for sample in 0..8 {
+                                let at = each3!(K => e[K] + i32x16::load_array_ref(simd, &to[sample][K]));
+                                let any = (at[0] | at[1]) | at[2];
+                                // All bits of a negative number, shifted, are set.
+                                outside |= (any >> 31) & (1 << sample);
+                            }
                         }
                         let covered = outside ^ all;
                         let hits = in_box & covered.simd_gt(zero);
                         let hits = hits.to_bitmask() as u32 & 0xffff;
-                        if hits != 0 {
+                        if is_tiny || hits != 0 {
                             append(simd, places, *count, hits, place | (covered << COVERED_SHIFT));
                             let at = column << COLUMN_SHIFT | row << ROW_SHIFT;
-                            append(simd, triangles, *count, hits, i32x16::load_array(simd, LANE_NUMBERS) | at);
+                            append(
+                                simd,
+                                triangles,
+                                *count,
+                                hits,
+                                i32x16::load_array(simd, LANE_NUMBERS) | at,
+                            );
                             *count += hits.count_ones() as usize;
                         }
                         e = each3!(K => e[K] + right[K]);
                         place += 1;
-                        column += 1;
                     }
                     at_row = each3!(K => at_row[K] + down[K]);
                     row_start += 1 << stride_bits;
-                    row += 1;
                 }
             },
         );
+        self.count = *count;
     }
 
     /// Tests the depths of what was found in the same triangles, and adds the fragments that win. `first_slot` is the
@@ -329,4 +331,20 @@ impl Hits {
         }
         counts.samples_covered += u64::from(samples_covered);
     }
+}
+
+/// The largest numbers of pixels across and down in the boxes of the triangles in some lanes.
+#[inline(always)]
+fn pixels<S: Simd>(simd: S, t: &SmallTriangles<S>, lanes: mask32x16<S>) -> [i32; 2] {
+    const MOST: i32 = match Size::Small.max_across() {
+        Some(max) => max,
+        None => 0,
+    };
+    let mut pixels = [1, 1];
+    for (pixels, extent) in pixels.iter_mut().zip(t.extent) {
+        for more in 1..MOST {
+            *pixels += i32::from((lanes & extent.simd_ge(splat_i(simd, more))).any_true());
+        }
+    }
+    pixels
 }

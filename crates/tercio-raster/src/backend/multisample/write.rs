@@ -88,7 +88,8 @@ impl SampleMemory {
     }
 
     /// Depth test of a triangle at 16 consecutive samples, from the first one of a pixel on: keeps the nearer of old and
-    /// new where `covered` has a bit, and adds the fragments that the triangle won.
+    /// new where `covered` has a bit, and adds the fragments that the triangle won. There is no branch on whether it won any,
+    /// which cannot be predicted.
     #[inline(always)]
     pub fn write<S: Simd>(
         &mut self,
@@ -125,9 +126,6 @@ impl SampleMemory {
                 wins.to_bitmask() as u32 & 0xffff
             },
         );
-        if won == 0 {
-            return;
-        }
         if !self.list.has_room() {
             self.list.grow();
         }
@@ -163,7 +161,7 @@ impl SampleMemory {
             for at in 0..4 {
                 new[added as usize % LANES] = Fragment::new(slot, pixel + at, covered >> (4 * at) & 15);
                 in_pixels |= added << (4 * at);
-                added += u32::from(won >> (4 * at) & 15 != 0);
+                added += u32::from(won & 15 << (4 * at) != 0);
             }
         } else {
             let all = u32::MAX >> (32 - (1 << self.count_bits));
