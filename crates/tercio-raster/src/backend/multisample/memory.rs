@@ -9,7 +9,7 @@ use super::layers::Layers;
 use crate::context::FrameContext;
 use crate::sampling::SampleShading;
 use crate::screen::PixelRect;
-use crate::simd::{LANE_NUMBERS, LANES, live_lanes, splat, splat_i};
+use crate::simd::{LANE_NUMBERS, LANES, baseline, live_lanes, splat, splat_i};
 
 /// Depth and fragment of every sample of a tile.
 ///
@@ -128,11 +128,20 @@ impl SampleMemory {
         }
     }
 
-    /// Which fragments are visible at a sample.
-    pub fn visible_fragments(&self) -> Vec<bool> {
-        let mut is_visible = vec![false; self.list.count];
-        for &fragment in self.fragment.iter().filter(|&&f| f != NO_FRAGMENT) {
-            is_visible[fragment as usize] = true;
+    /// Which of the first `count` fragments are visible at a sample.
+    #[inline(always)]
+    pub fn visible_fragments<S: Simd>(&self, simd: S, count: usize) -> Vec<bool> {
+        let mut is_visible = vec![false; count];
+        for fragments in self.fragment.as_chunks::<LANES>().0 {
+            // In most of a tile there are none.
+            let some = u32x16::load_array_ref(simd, fragments).simd_lt(count as u32);
+            if some.any_true() {
+                for &fragment in fragments {
+                    if let Some(is_visible) = is_visible.get_mut(fragment as usize) {
+                        *is_visible = true;
+                    }
+                }
+            }
         }
         is_visible
     }
@@ -141,7 +150,7 @@ impl SampleMemory {
     #[cold]
     #[inline(never)]
     fn compact(&mut self) {
-        let is_visible = self.visible_fragments();
+        let is_visible = self.visible_fragments(baseline(), self.list.count);
         let numbers = self.list.retain(|number| is_visible[number], |_, _| ());
         for fragment in self.fragment.iter_mut().filter(|f| **f != NO_FRAGMENT) {
             *fragment = numbers[*fragment as usize];

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x4, u8x64};
+use fearless_simd::{Simd, f32x4, u8x64, u32x4};
 
 use super::blend::Nearest;
 use super::fragments::NO_FRAGMENT;
@@ -73,13 +73,8 @@ impl Row {
             #[inline(always)]
             || {
                 for (lane, own) in fragments.as_chunks::<N>().0.iter().enumerate().take(LANES) {
-                    let mut drawn = own[0];
-                    for &fragment in own {
-                        drawn &= fragment;
-                    }
-                    // Unless all are `NO_FRAGMENT`, all of whose bits are set.
-                    if drawn != NO_FRAGMENT {
-                        self.colors[lane] = mean_of(simd, own, colors, &background.linear);
+                    if let Some(color) = mean_of(simd, own, colors, &background.linear) {
+                        self.colors[lane] = color;
                         self.drawn |= 1 << lane;
                     }
                 }
@@ -111,23 +106,33 @@ impl Row {
     }
 }
 
-/// [`mean`] of the colours of N samples, from the numbers of their fragments.
+/// [`mean`] of the colours of N samples, from the numbers of their fragments; `None` where nothing was drawn.
 #[inline(always)]
 fn mean_of<S: Simd, const N: usize>(
     simd: S,
     fragments: &[u32; N],
     colors: &[[f32; 4]],
     background: &[f32; 4],
-) -> [f32; 4] {
-    // The mean of equal colours is that colour. No colour is above 1, so that this is also what the sums below amount to:
-    // it saves time where there are many samples.
+) -> Option<[f32; 4]> {
+    let first = fragments[0];
     if N > 4 {
-        let mut differ = 0;
-        for &fragment in fragments {
-            differ |= fragment ^ fragments[0];
+        // The mean of equal colours is that colour. No colour is above 1, so that this is also what the sums below amount
+        // to: it saves time where there are many samples.
+        let mut are_same = u32x4::from_slice(simd, &fragments[..4]).simd_eq(first);
+        for four in fragments.as_chunks::<4>().0 {
+            are_same &= u32x4::load_array_ref(simd, four).simd_eq(first);
         }
-        if differ == 0 {
-            return *colors.get(fragments[0] as usize).unwrap_or(background);
+        if are_same.all_true() {
+            return colors.get(first as usize).copied();
+        }
+    } else {
+        // All bits of `NO_FRAGMENT` are set.
+        let mut all = first;
+        for &fragment in fragments {
+            all &= fragment;
+        }
+        if all == NO_FRAGMENT {
+            return None;
         }
     }
     let mut sums = [f32x4::splat(simd, 0.0); N];
@@ -142,7 +147,7 @@ fn mean_of<S: Simd, const N: usize>(
             sums[i] = sums[2 * i] + sums[2 * i + 1];
         }
     }
-    (sums[0] * (1.0 / N as f32)).to_array()
+    Some((sums[0] * (1.0 / N as f32)).to_array())
 }
 
 /// A sample that contributes to a pixel: see [`Tap`](crate::sampling::Tap).

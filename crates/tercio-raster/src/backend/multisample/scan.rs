@@ -7,7 +7,6 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, i32x16, mask32x16};
 
-use super::fragments::Fragment;
 use super::memory::SampleMemory;
 use super::sink::Sink;
 use super::write::InPixel;
@@ -25,7 +24,7 @@ const CAPACITY: usize = match Size::Small.max_across() {
 };
 /// With at most as many samples per pixel as this, their depths are computed with their coverage.
 const FEW: usize = 4;
-/// Lowest bit of the samples that are covered in a word that has the place of the pixel below, as in [`Fragment`].
+/// Lowest bit of the samples that are covered in a word that has the place of the pixel below, as in [`super::fragments::Fragment`].
 const COVERED_SHIFT: u32 = 16;
 /// Lowest bit of the column and of the row of a pixel in the bounding box of its triangle, in a word with the triangle's lane
 /// below.
@@ -307,7 +306,6 @@ impl Hits {
     ) {
         let mut samples_covered = 0;
         for first in (0..self.count).step_by(LANES) {
-            K::reserve_pixels(memory);
             let mut depths = [[0.0; FEW]; LANES];
             part(
                 simd,
@@ -321,13 +319,11 @@ impl Hits {
                 },
             );
             let last = (first + LANES).min(self.count);
-            let found = self.places[first..last].iter().zip(&self.triangles[first..last]);
-            for ((&place, &slot), depths) in found.zip(&depths) {
-                let (pixel, covered) = (place as usize & 0xffff, place as u32 >> COVERED_SHIFT);
-                samples_covered += covered.count_ones();
-                let new = Fragment::new(slot as u32, pixel, covered);
-                K::in_small_pixel(memory, simd, context, new, depths);
+            let (places, slots) = (&self.places[first..last], &self.triangles[first..last]);
+            for &place in places {
+                samples_covered += (place as u32 >> COVERED_SHIFT).count_ones();
             }
+            K::in_small_pixels(memory, simd, context, places, slots, &depths);
         }
         counts.samples_covered += u64::from(samples_covered);
     }

@@ -188,8 +188,12 @@ pub fn late_fragments<S: Simd>(
     if scratch.memory.list.late == 0 || !is_needed(outputs) {
         return;
     }
-    let is_visible = scratch.memory.visible_fragments();
-    let visible = (0..scratch.memory.list.late).filter(|&number| is_visible[number]);
+    let late = scratch.memory.list.late;
+    let is_visible = simd.vectorize(
+        #[inline(always)]
+        || scratch.memory.visible_fragments(simd, late),
+    );
+    let visible = (0..late).filter(|&number| is_visible[number]);
     late_some::<S, Opaque>(simd, context, visible, scratch, outputs, counts);
 }
 

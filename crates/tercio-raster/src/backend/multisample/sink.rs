@@ -14,14 +14,16 @@ pub trait Sink {
     /// Are triangles drawn that may not be opaque?
     const LAYERS: bool;
 
-    /// Tests the depth of a triangle in one pixel of at most 4 samples; depths are NaN at other samples than those that it
-    /// covers. Precondition: [`Sink::reserve_pixels`].
-    fn in_small_pixel<S: Simd>(
+    /// Tests the depths of at most 16 triangles in one pixel each, of at most 4 samples: the places of the pixels with the
+    /// samples that are covered in the upper 16 bits, the slots of the triangles and their depths, NaN at other samples than
+    /// those that they cover.
+    fn in_small_pixels<S: Simd>(
         memory: &mut SampleMemory,
         simd: S,
         context: &FrameContext,
-        new: Fragment,
-        depths: &[f32; 4],
+        places: &[i32],
+        slots: &[i32],
+        depths: &[[f32; 4]; LANES],
     );
 
     /// Tests the depth of a triangle in one pixel of 8 or 16 samples. Precondition: [`Sink::reserve_pixels`].
@@ -56,14 +58,15 @@ impl Sink for Opaque {
     const LAYERS: bool = false;
 
     #[inline(always)]
-    fn in_small_pixel<S: Simd>(
+    fn in_small_pixels<S: Simd>(
         memory: &mut SampleMemory,
         simd: S,
         context: &FrameContext,
-        new: Fragment,
-        depths: &[f32; 4],
+        places: &[i32],
+        slots: &[i32],
+        depths: &[[f32; 4]; LANES],
     ) {
-        memory.write_4(simd, context, new, f32x4::load_array_ref(simd, depths));
+        memory.write_few(simd, context, places, slots, depths);
     }
 
     #[inline(always)]
@@ -172,16 +175,19 @@ impl Sink for Translucent {
     const LAYERS: bool = true;
 
     #[inline(always)]
-    fn in_small_pixel<S: Simd>(
+    fn in_small_pixels<S: Simd>(
         memory: &mut SampleMemory,
         simd: S,
         context: &FrameContext,
-        new: Fragment,
-        depths: &[f32; 4],
+        places: &[i32],
+        slots: &[i32],
+        depths: &[[f32; 4]; LANES],
     ) {
-        let depth = f32x4::load_array_ref(simd, depths);
-        let front = in_front_4(memory, simd, context, new, depth);
-        add(memory, context, new, front, depths);
+        for ((&place, &slot), depths) in places.iter().zip(slots).zip(depths) {
+            let new = Fragment::at(slot, place);
+            let front = in_front_4(memory, simd, context, new, f32x4::load_array_ref(simd, depths));
+            add(memory, context, new, front, depths);
+        }
     }
 
     #[inline(always)]

@@ -74,6 +74,59 @@ impl SampleMemory {
     write_pixel!(write_8, 8, f32x8, u32x8, mask32x8);
     write_pixel!(write_16, 16, f32x16, u32x16, mask32x16);
 
+    /// [`SampleMemory::write_4`] in at most 16 pixels, one after another: their places with the samples that are covered in
+    /// the upper 16 bits, the slots of their triangles and the depths of their samples.
+    #[inline(always)]
+    pub fn write_few<S: Simd>(
+        &mut self,
+        simd: S,
+        context: &FrameContext,
+        places: &[i32],
+        slots: &[i32],
+        depths: &[[f32; 4]; LANES],
+    ) {
+        self.list.reserve_pixels();
+        let found = places.iter().zip(slots).zip(depths);
+        if self.is_by_sample {
+            for ((&place, &slot), depths) in found {
+                let new = Fragment::at(slot, place);
+                self.write_4(simd, context, new, f32x4::load_array_ref(simd, depths));
+            }
+            return;
+        }
+        // Borrowed once, so that they stay in registers: otherwise every store could change them.
+        let Self { depth, fragment, list, count_bits, .. } = self;
+        let (depth_of, fragment_of, count_bits) = (&mut depth[..], &mut fragment[..], *count_bits);
+        let (fragments, mut count) = (&mut list.fragments[..], list.count);
+        for ((&place, &slot), depths) in found {
+            let first = (place as usize & 0xffff) << count_bits;
+            let new = Fragment::at(slot, place);
+            part(
+                simd,
+                #[inline(always)]
+                || {
+                    let (old_depth, old) =
+                        (&mut depth_of[first..first + 4], &mut fragment_of[first..first + 4]);
+                    let depth = f32x4::load_array_ref(simd, depths);
+                    let before = f32x4::from_slice(simd, old_depth);
+                    let mut wins = depth.simd_gt(before);
+                    let tie = depth.simd_eq(before);
+                    if tie.any_true() {
+                        let ties = tie.to_bitmask() as u32 & 15;
+                        let more = tie_winners(context, ties, |_| new, old, fragments);
+                        wins |= mask32x4::from_bitmask(simd, u64::from(more));
+                    }
+                    wins.select(depth, before).store_slice(old_depth);
+                    let number = u32x4::splat(simd, count as u32);
+                    wins.select(number, u32x4::from_slice(simd, old)).store_slice(old);
+                    fragments[count] = new;
+                    count += usize::from(wins.any_true());
+                },
+            );
+        }
+        list.count = count;
+    }
+
     /// Adds a fragment for every sample that a triangle won, of 16 samples from the first one of a pixel on.
     fn add_by_sample(&mut self, slot: u32, pixel: usize, won: u32) {
         let first = pixel << self.count_bits;
@@ -156,20 +209,27 @@ impl SampleMemory {
             unreachable!("room was made")
         };
         let (mut in_pixels, mut added) = (0, 0);
-        if self.count_bits == 2 {
-            // The most common number of samples, without branches.
-            for at in 0..4 {
-                new[added as usize % LANES] = Fragment::new(slot, pixel + at, covered >> (4 * at) & 15);
-                in_pixels |= added << (4 * at);
-                added += u32::from(won & 15 << (4 * at) != 0);
+        match self.count_bits {
+            // The most common numbers of samples, without branches.
+            2 => {
+                for at in 0..4 {
+                    new[added as usize % LANES] = Fragment::new(slot, pixel + at, covered >> (4 * at) & 15);
+                    in_pixels |= added << (4 * at);
+                    added += u32::from(won & 15 << (4 * at) != 0);
+                }
             }
-        } else {
-            let all = u32::MAX >> (32 - (1 << self.count_bits));
-            for at in 0..LANES >> self.count_bits {
-                let lane = at << self.count_bits;
-                new[added as usize % LANES] = Fragment::new(slot, pixel + at, covered >> lane & all);
-                in_pixels |= added << (4 * at);
-                added += u32::from(won >> lane & all != 0);
+            4 => {
+                new[0] = Fragment::new(slot, pixel, covered);
+                added = u32::from(won != 0);
+            }
+            count_bits => {
+                let all = u32::MAX >> (32 - (1 << count_bits));
+                for at in 0..LANES >> count_bits {
+                    let lane = at << count_bits;
+                    new[added as usize % LANES] = Fragment::new(slot, pixel + at, covered >> lane & all);
+                    in_pixels |= added << (4 * at);
+                    added += u32::from(won >> lane & all != 0);
+                }
             }
         }
         self.list.count += added as usize;
