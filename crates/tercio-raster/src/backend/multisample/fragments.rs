@@ -71,16 +71,16 @@ impl FragmentList {
         (self.count, self.late, self.of_cluster) = (0, 0, 0);
     }
 
-    /// Is there room for [`LANES`] more fragments?
+    /// Is there room for [`LANES`] more fragments? As many remain behind them, because fragments are read 16 at a time.
     #[inline(always)]
     pub fn has_room(&self) -> bool {
-        self.count + LANES <= self.fragments.len()
+        self.count + 2 * LANES <= self.fragments.len()
     }
 
     /// Makes room for the fragments of 16 pixels, also if each of their samples is one.
     #[inline(always)]
     pub fn reserve_pixels(&mut self) {
-        if self.count + LANES * MAX_SAMPLES > self.fragments.len() {
+        if self.count + LANES * (MAX_SAMPLES + 1) > self.fragments.len() {
             self.grow();
         }
     }
@@ -89,7 +89,7 @@ impl FragmentList {
     #[cold]
     #[inline(never)]
     pub fn grow(&mut self) {
-        self.fragments.resize(2 * self.count + MAX_SAMPLES * LANES, Fragment::default());
+        self.fragments.resize(2 * self.count + LANES * (MAX_SAMPLES + 1), Fragment::default());
     }
 
     /// Makes room for this many fragments and their colours, without more memory than that.
@@ -117,7 +117,7 @@ impl FragmentList {
     }
 
     /// Slots of the fragments from number `first` on, and their pixels with the samples in the upper 16 bits. If there are
-    /// fewer than 16, the first is repeated. Precondition: [`FragmentList::resize_shaded`].
+    /// fewer than 16, the first is repeated.
     #[inline(always)]
     pub fn sixteen<S: Simd>(&self, simd: S, first: usize) -> [u32x16<S>; 2] {
         let words: &[u32] = bytemuck::cast_slice(&self.fragments[first..first + LANES]);
@@ -128,14 +128,10 @@ impl FragmentList {
         [live.select(slot, u32x16::splat(simd, words[0])), live.select(place, u32x16::splat(simd, words[1]))]
     }
 
-    /// Makes room for the colours of all fragments, and for their normals if they are requested. Fragments and colours are
-    /// read and written 16 at a time.
+    /// Makes room for the colours of all fragments, which are written 16 at a time, and for their normals if they are
+    /// requested.
     pub fn resize_shaded(&mut self, normals: bool) {
         let room = self.count + LANES;
-        if self.fragments.len() < room {
-            self.fragments.reserve_exact(room - self.fragments.len());
-            self.fragments.resize(room, Fragment::default());
-        }
         self.colors.resize(room.max(self.colors.len()), [0.0; 4]);
         if normals {
             self.normals.resize(self.count.max(self.normals.len()), [0.0; 3]);

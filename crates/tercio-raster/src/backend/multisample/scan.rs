@@ -211,7 +211,7 @@ impl Hits {
                         let mut outside = zero;
                         // Written out for eight, so that the bits of samples are constants.
                         for to in to_sample.as_chunks::<8>().0.iter().rev() {
-                            outside = outside << 8;
+                            outside <<= 8;
                             for sample in 0..8 {
                                 let at = each3!(K => e[K] + i32x16::load_array_ref(simd, &to[sample][K]));
                                 let any = (at[0] | at[1]) | at[2];
