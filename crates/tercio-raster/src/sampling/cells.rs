@@ -182,9 +182,13 @@ impl SampleCenters {
 
 #[cfg(test)]
 mod tests {
-    use super::SampleCenters;
+    use fearless_simd::dispatch;
+    use fearless_simd::prelude::*;
+
+    use super::*;
     use crate::conventions::SAMPLE;
     use crate::sampling::SamplePattern;
+    use crate::settings::SimdLevel;
 
     #[test]
     fn sparse_patterns_have_one_sample_in_each_row_and_column_far_from_each_other() {
@@ -231,6 +235,28 @@ mod tests {
             for mask in 1..=cells.mask() {
                 let expected = cells.center(mask).map(|c| c - SAMPLE);
                 assert_eq!(centers.from_middle(mask as u16), expected, "{pattern}, {mask:b}");
+            }
+        }
+    }
+
+    #[test]
+    fn every_simd_level_has_the_same_centres() {
+        for level in SimdLevel::available() {
+            let level = level.level().unwrap();
+            for pattern in SamplePattern::ALL {
+                let (cells, centers) = (pattern.cells(), SampleCenters::new(&pattern.cells()));
+                for first in (1..=cells.mask()).step_by(LANES) {
+                    let masks: [i32; LANES] =
+                        std::array::from_fn(|lane| (first + lane as u32).min(cells.mask()) as i32);
+                    let [x, y] = dispatch!(level, simd => {
+                        let [x, y] = centers.of_sixteen(simd, i32x16::load_array(simd, masks));
+                        [x.to_array(), y.to_array()]
+                    });
+                    for lane in 0..LANES {
+                        let expected = centers.from_middle(masks[lane] as u16);
+                        assert_eq!([x[lane], y[lane]], expected, "{pattern}, {:b}", masks[lane]);
+                    }
+                }
             }
         }
     }
