@@ -20,10 +20,11 @@ pub fn mean(colors: &mut [[f32; 4]]) -> [f32; 4] {
         count /= 2;
         for i in 0..count {
             let (a, b) = (colors[2 * i], colors[2 * i + 1]);
-            colors[i] = std::array::from_fn(|k| a[k] + b[k]);
+            colors[i] = [a[0] + b[0], a[1] + b[1], a[2] + b[2], a[3] + b[3]];
         }
     }
-    colors[0].map(|c| c * scale)
+    let [r, g, b, alpha] = colors[0];
+    [r * scale, g * scale, b * scale, alpha * scale]
 }
 
 /// The weighted mean of colours, summed in their order.

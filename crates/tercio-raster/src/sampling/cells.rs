@@ -1,6 +1,10 @@
 //! The positions of samples as cells of a grid that divides every pixel.
 
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, f32x16, i32x16};
+
 use crate::conventions::{SUBPIXEL_BITS, SUBPIXELS};
+use crate::simd::{LANES, lookup_128, part};
 
 /// The largest number of samples per pixel.
 pub const MAX_SAMPLES: usize = 16;
@@ -96,43 +100,95 @@ impl SampleCells {
 #[derive(Clone, Debug)]
 pub struct SampleCenters {
     cells: SampleCells,
-    /// The centres of the sets of the first 8 samples, relative to the middle of the pixel.
-    centers: [[i8; 2]; 256],
+    /// The centres of the sets of the first 7 samples, relative to the middle of the pixel: x in the lower 16 bits, y in the
+    /// upper.
+    centers: [i32; 128],
+    /// For the sets of the first and of the last 8 samples: the sums of the columns and of the rows of their cells, and their
+    /// number, from bit 0, [`ROW_SHIFT`] and [`COUNT_SHIFT`] on.
+    sums: [[i32; 256]; 2],
 }
+
+/// Lowest bits of a sum of rows and of a number of samples.
+const ROW_SHIFT: u32 = 12;
+const COUNT_SHIFT: u32 = 24;
 
 impl SampleCenters {
     /// The tables of a pattern.
     pub fn new(cells: &SampleCells) -> Self {
-        let mut centers = [[0; 2]; 256];
-        for mask in 1..=cells.mask().min(255) {
-            centers[mask as usize] = cells.center(mask).map(|c| (c - SUBPIXELS / 2) as i8);
+        let mut centers = [0; 128];
+        for mask in 1..=cells.mask().min(127) {
+            let [x, y] = cells.center(mask).map(|c| c - SUBPIXELS / 2);
+            centers[mask as usize] = (x & 0xffff) | y << 16;
         }
-        Self { cells: *cells, centers }
+        let mut sums = [[0; 256]; 2];
+        for (half, sums) in sums.iter_mut().enumerate() {
+            for mask in 1..256_usize {
+                let sample = mask.trailing_zeros() as usize;
+                let [column, row] = cells.cells[8 * half + sample];
+                sums[mask] = sums[mask & (mask - 1)] + column + (row << ROW_SHIFT) + (1 << COUNT_SHIFT);
+            }
+        }
+        Self { cells: *cells, centers, sums }
     }
 
     /// [`SampleCells::center`], relative to the middle of the pixel.
     #[inline(always)]
     pub fn from_middle(&self, mask: u16) -> [i32; 2] {
-        if mask < 256 {
-            return self.centers[usize::from(mask)].map(i32::from);
+        if let Some(&center) = self.centers.get(usize::from(mask)) {
+            return [center << 16 >> 16, center >> 16];
         }
-        self.of_many(mask)
+        let [low, high] = mask.to_le_bytes().map(usize::from);
+        let sums = self.sums[0][low] + self.sums[1][high];
+        let count = sums >> COUNT_SHIFT;
+        let of_axis = |sum: i32| {
+            (2 * (sum << self.cells.pitch_bits) + count) / (2 * count) + (self.cells.origin - SUBPIXELS / 2)
+        };
+        [of_axis(sums & 0xfff), of_axis(sums >> ROW_SHIFT & 0xfff)]
     }
 
-    #[inline(never)]
-    fn of_many(&self, mask: u16) -> [i32; 2] {
-        match u32::from(mask) == self.cells.mask() {
-            true => [0; 2],
-            false => self.cells.center(u32::from(mask)).map(|c| c - SUBPIXELS / 2),
+    /// [`SampleCenters::from_middle`] of 16 sets, none of them empty.
+    #[inline(always)]
+    pub fn of_sixteen<S: Simd>(&self, simd: S, masks: i32x16<S>) -> [i32x16<S>; 2] {
+        if self.cells.count < 8 {
+            let center = lookup_128(simd, &self.centers, masks);
+            return [(center << 16) >> 16, center >> 16];
         }
+        let (mut sums, masks) = ([0; LANES], masks.to_array());
+        for lane in 0..LANES {
+            let [low, high, ..] = masks[lane].to_le_bytes();
+            sums[lane] = self.sums[0][usize::from(low)] + self.sums[1][usize::from(high)];
+        }
+        part(
+            simd,
+            #[inline(always)]
+            || {
+                let sums = i32x16::load_array(simd, sums);
+                let count = sums >> COUNT_SHIFT;
+                let to_middle = self.cells.origin - SUBPIXELS / 2;
+                // The quotient of whole numbers below 2^13 is truncated correctly: unless it is whole, it is farther from
+                // the next whole number than its rounding error.
+                let divisor: f32x16<S> = (count << 1).to_float();
+                let double = self.cells.pitch_bits + 1;
+                let x: f32x16<S> = (((sums & 0xfff) << double) + count).to_float();
+                let y: f32x16<S> = ((((sums >> ROW_SHIFT) & 0xfff) << double) + count).to_float();
+                [
+                    (x / divisor).to_int::<i32x16<S>>() + to_middle,
+                    (y / divisor).to_int::<i32x16<S>>() + to_middle,
+                ]
+            },
+        )
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::SampleCenters;
+    use fearless_simd::dispatch;
+    use fearless_simd::prelude::*;
+
+    use super::*;
     use crate::conventions::SAMPLE;
     use crate::sampling::SamplePattern;
+    use crate::settings::SimdLevel;
 
     #[test]
     fn sparse_patterns_have_one_sample_in_each_row_and_column_far_from_each_other() {
@@ -179,6 +235,28 @@ mod tests {
             for mask in 1..=cells.mask() {
                 let expected = cells.center(mask).map(|c| c - SAMPLE);
                 assert_eq!(centers.from_middle(mask as u16), expected, "{pattern}, {mask:b}");
+            }
+        }
+    }
+
+    #[test]
+    fn every_simd_level_has_the_same_centres() {
+        for level in SimdLevel::available() {
+            let level = level.level().unwrap();
+            for pattern in SamplePattern::ALL {
+                let (cells, centers) = (pattern.cells(), SampleCenters::new(&pattern.cells()));
+                for first in (1..=cells.mask()).step_by(LANES) {
+                    let masks: [i32; LANES] =
+                        std::array::from_fn(|lane| (first + lane as u32).min(cells.mask()) as i32);
+                    let [x, y] = dispatch!(level, simd => {
+                        let [x, y] = centers.of_sixteen(simd, i32x16::load_array(simd, masks));
+                        [x.to_array(), y.to_array()]
+                    });
+                    for lane in 0..LANES {
+                        let expected = centers.from_middle(masks[lane] as u16);
+                        assert_eq!([x[lane], y[lane]], expected, "{pattern}, {:b}", masks[lane]);
+                    }
+                }
             }
         }
     }

@@ -15,8 +15,8 @@ use std::str::FromStr;
 /// Where the samples of a pixel are.
 ///
 /// Sparse patterns place N samples on a grid of N by N cells, one in each row and each column, well apart. 4 are the
-/// default: strings thinner than a pixel are continuous, and a frame takes about three times as long as with one. Source: Holten-Lund, Design for Scalability in 3D Computer Graphics Architectures (2001),
-/// figure 3.25.
+/// default: strings thinner than a pixel are continuous, and a frame takes about two and a half times as long as with one.
+/// Source: Holten-Lund, Design for Scalability in 3D Computer Graphics Architectures (2001), figure 3.25.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub enum SamplePattern {

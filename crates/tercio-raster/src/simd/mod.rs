@@ -92,6 +92,41 @@ pub fn load<S: Simd>(simd: S, from: &[f32]) -> f32x16<S> {
     f32x16::from_slice(simd, &from[..LANES])
 }
 
+/// Stores four components of 16 vectors, one vector after the other.
+#[inline(always)]
+pub fn store_interleaved<S: Simd>([x, y, z, w]: [f32x16<S>; 4], to: &mut [[f32; 4]; LANES]) {
+    part(
+        x.simd,
+        #[inline(always)]
+        || {
+            let (xz, yw) = ([x.zip_low(z), x.zip_high(z)], [y.zip_low(w), y.zip_high(w)]);
+            let (sixteens, _) = to.as_flattened_mut().as_chunks_mut::<LANES>();
+            xz[0].zip_low(yw[0]).store_slice(&mut sixteens[0]);
+            xz[0].zip_high(yw[0]).store_slice(&mut sixteens[1]);
+            xz[1].zip_low(yw[1]).store_slice(&mut sixteens[2]);
+            xz[1].zip_high(yw[1]).store_slice(&mut sixteens[3]);
+        },
+    );
+}
+
+/// The reverse of [`store_interleaved`].
+#[inline(always)]
+pub fn load_interleaved<S: Simd>(simd: S, from: &[[f32; 4]; LANES]) -> [f32x16<S>; 4] {
+    part(
+        simd,
+        #[inline(always)]
+        || {
+            let sixteens = from.as_flattened();
+            let [a, b] = [load(simd, sixteens), load(simd, &sixteens[LANES..])];
+            let [c, d] = [load(simd, &sixteens[2 * LANES..]), load(simd, &sixteens[3 * LANES..])];
+            let (xz, yw) = ([a.unzip_low(b), c.unzip_low(d)], [a.unzip_high(b), c.unzip_high(d)]);
+            let (x, z) = (xz[0].unzip_low(xz[1]), xz[0].unzip_high(xz[1]));
+            let (y, w) = (yw[0].unzip_low(yw[1]), yw[0].unzip_high(yw[1]));
+            [x, y, z, w]
+        },
+    )
+}
+
 /// Broadcasts a number to 16 lanes.
 #[inline(always)]
 pub fn splat<S: Simd>(simd: S, value: f32) -> f32x16<S> {

@@ -61,6 +61,11 @@ impl Blended {
         (4 * pixel + k) << self.lane_bits | sample
     }
 
+    /// May there be layers?
+    pub fn is_in_use(&self) -> bool {
+        !self.passing.is_empty()
+    }
+
     /// Are there layers at a sample?
     #[inline(always)]
     pub fn is_at(&self, sample: usize) -> bool {

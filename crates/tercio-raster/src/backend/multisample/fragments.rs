@@ -1,14 +1,20 @@
 //! Fragments and lists of them.
 
+use bytemuck::{Pod, Zeroable};
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, mask32x16, u32x16};
+
 use crate::backend::memory::lower_primitive;
 use crate::context::FrameContext;
-use crate::simd::LANES;
+use crate::sampling::MAX_SAMPLES;
+use crate::simd::{LANES, live_lanes};
 
 /// The fragment of a sample where nothing was drawn.
 pub const NO_FRAGMENT: u32 = u32::MAX;
 
-/// A triangle in a pixel.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+/// A triangle in a pixel. In memory, slot, pixel and samples follow each other, so that 16 fragments are read as vectors.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
+#[repr(C)]
 pub struct Fragment {
     /// Slot of the triangle.
     pub slot: u32,
@@ -22,7 +28,14 @@ impl Fragment {
     /// A fragment.
     #[inline(always)]
     pub fn new(slot: u32, pixel: usize, covered: u32) -> Self {
-        Self { slot, pixel: pixel as u16, covered: covered as u16 }
+        // As one number, it is written with one store.
+        bytemuck::cast(u64::from(slot) | (pixel as u64 & 0xffff) << 32 | u64::from(covered) << 48)
+    }
+
+    /// The fragment of a triangle at a place, which has the samples that are covered in the upper 16 bits.
+    #[inline(always)]
+    pub fn at(slot: i32, place: i32) -> Self {
+        bytemuck::cast(u64::from(slot as u32) | u64::from(place as u32) << 32)
     }
 
     /// Is it in front of another one at equal depth? It is if its primitive number is lower. Of two pieces of one clipped
@@ -58,24 +71,32 @@ impl FragmentList {
         (self.count, self.late, self.of_cluster) = (0, 0, 0);
     }
 
-    /// Is there room for [`LANES`] more fragments?
+    /// Is there room for [`LANES`] more fragments? As many remain behind them, because fragments are read 16 at a time.
     #[inline(always)]
     pub fn has_room(&self) -> bool {
-        self.count + LANES <= self.fragments.len()
+        self.count + 2 * LANES <= self.fragments.len()
     }
 
-    /// Makes room for more fragments.
+    /// Makes room for the fragments of 16 pixels, also if each of their samples is one.
+    #[inline(always)]
+    pub fn reserve_pixels(&mut self) {
+        if self.count + LANES * (MAX_SAMPLES + 1) > self.fragments.len() {
+            self.grow();
+        }
+    }
+
+    /// Makes room for more fragments: those of 16 pixels at least.
     #[cold]
     #[inline(never)]
     pub fn grow(&mut self) {
-        self.fragments.resize(2 * self.count + 16 * LANES, Fragment::default());
+        self.fragments.resize(2 * self.count + LANES * (MAX_SAMPLES + 1), Fragment::default());
     }
 
     /// Makes room for this many fragments and their colours, without more memory than that.
     pub fn grow_to(&mut self, count: usize) {
         self.fragments.reserve_exact(count.saturating_sub(self.fragments.len()));
         self.fragments.resize(count.max(self.fragments.len()), Fragment::default());
-        self.colors.reserve_exact(count.saturating_sub(self.colors.len()));
+        self.colors.reserve_exact((count + LANES).saturating_sub(self.colors.len()));
     }
 
     /// Adds a fragment. Precondition: there is room.
@@ -95,9 +116,23 @@ impl FragmentList {
         self.of_cluster = self.count;
     }
 
-    /// Makes room for the colours of all fragments, and for their normals if they are requested.
+    /// Slots of the fragments from number `first` on, and their pixels with the samples in the upper 16 bits. If there are
+    /// fewer than 16, the first is repeated.
+    #[inline(always)]
+    pub fn sixteen<S: Simd>(&self, simd: S, first: usize) -> [u32x16<S>; 2] {
+        let words: &[u32] = bytemuck::cast_slice(&self.fragments[first..first + LANES]);
+        let low = u32x16::from_slice(simd, &words[..LANES]);
+        let high = u32x16::from_slice(simd, &words[LANES..]);
+        let live = mask32x16::from_bitmask(simd, u64::from(live_lanes(self.count - first)));
+        let (slot, place) = (low.unzip_low(high), low.unzip_high(high));
+        [live.select(slot, u32x16::splat(simd, words[0])), live.select(place, u32x16::splat(simd, words[1]))]
+    }
+
+    /// Makes room for the colours of all fragments, which are written 16 at a time, and for their normals if they are
+    /// requested.
     pub fn resize_shaded(&mut self, normals: bool) {
-        self.colors.resize(self.count.max(self.colors.len()), [0.0; 4]);
+        let room = self.count + LANES;
+        self.colors.resize(room.max(self.colors.len()), [0.0; 4]);
         if normals {
             self.normals.resize(self.count.max(self.normals.len()), [0.0; 3]);
         }

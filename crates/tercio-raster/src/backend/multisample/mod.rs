@@ -17,6 +17,7 @@ mod shade;
 mod sink;
 mod stamps;
 mod triangle;
+mod write;
 
 use fearless_simd::Simd;
 use tercio_mesh::cluster::MAX_TRIANGLES;
@@ -38,7 +39,7 @@ use crate::stats::BackEndCounts;
 use memory::SampleMemory;
 use scan::Hits;
 use sink::{Opaque, Sink, Translucent};
-use stamps::Lanes;
+use stamps::{Found, Lanes};
 
 /// The memory that one thread needs to draw a tile with several samples per pixel.
 #[derive(Debug, Default)]
@@ -48,6 +49,7 @@ pub struct Scratch {
     vertices: LocalVertices,
     sieve: Sieve,
     hits: Hits,
+    found: Found,
     table: ClusterTable,
     fragments: Fragments,
     blend_order: blend::Order,
@@ -236,7 +238,7 @@ fn draw_cluster<S: Simd, T: Tally, K: Sink>(
     scratch: &mut Scratch,
     tally: &mut T,
 ) {
-    let Scratch { memory, vertices, sieve, hits, .. } = scratch;
+    let Scratch { memory, vertices, sieve, hits, found, .. } = scratch;
     let first_slot = binned.number * MAX_TRIANGLES as u32;
     let origin = context.cells.origin;
     let corners =
@@ -252,11 +254,12 @@ fn draw_cluster<S: Simd, T: Tally, K: Sink>(
                 let of = &corners.look_up(simd, numbers);
                 let triangles = SmallTriangles::new(simd, vertices, of, &context.cells, memory.rect);
                 if matches!(size, Size::Tiny | Size::Small) {
-                    hits.scan(simd, &context.cells, &triangles, lanes, memory);
+                    let stride_bits = memory.stride_bits;
+                    hits.scan(simd, &context.cells, &triangles, lanes, first_slot, numbers, stride_bits);
                     hits.test::<S, K>(simd, context, &triangles, first_slot, numbers, memory, counts);
                 } else {
                     let unpacked = Lanes::new(simd, &triangles);
-                    unpacked.draw::<S, K>(simd, context, lanes, first_slot, numbers, memory, counts);
+                    unpacked.draw::<S, K>(simd, context, lanes, first_slot, numbers, found, memory, counts);
                 }
                 continue;
             }
@@ -283,7 +286,10 @@ pub fn finish<S: Simd, T: Tally>(
     outputs: &Outputs,
     tally: &mut T,
 ) {
-    tally.counts().pixels_visible += scratch.memory.visible();
+    tally.counts().pixels_visible += simd.vectorize(
+        #[inline(always)]
+        || scratch.memory.visible(simd),
+    );
     if context.settings.last_stage <= LastStage::Visibility {
         target.write_background();
         return;

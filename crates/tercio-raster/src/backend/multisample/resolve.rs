@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x16};
+use fearless_simd::{Simd, f32x4, u8x64, u32x4};
 
 use super::blend::Nearest;
 use super::fragments::NO_FRAGMENT;
@@ -14,7 +14,7 @@ use crate::context::FrameContext;
 use crate::frame::{Outputs, Pixel, Planes, visibility_key};
 use crate::resolve::{color8, mean, set_colors, weighted_mean};
 use crate::sampling::{MAX_SAMPLES, Tap};
-use crate::simd::{LANES, each3};
+use crate::simd::{LANES, load_interleaved, splat};
 
 /// Writes a tile, in which all visible fragments are shaded, to planes that have the background.
 pub fn tile<S: Simd>(
@@ -59,27 +59,95 @@ struct Row {
 }
 
 impl Row {
-    /// Averages the colours of N samples in each pixel, from the numbers of their fragments.
+    /// Averages the colours of N samples in each pixel, from the numbers of their fragments. Not inlined, so that it is
+    /// compiled only once per SIMD level.
     #[inline(never)]
-    fn average<const N: usize>(&mut self, fragments: &[u32], colors: &[[f32; 4]], background: &Pixel) {
-        for (lane, own) in fragments.as_chunks::<N>().0.iter().enumerate().take(LANES) {
-            let first = own[0];
-            if *own == [first; N] {
-                if first != NO_FRAGMENT {
-                    // The mean of equal colours is that colour.
-                    self.colors[lane] = colors[first as usize];
-                    self.drawn |= 1 << lane;
+    fn average<S: Simd, const N: usize>(
+        &mut self,
+        simd: S,
+        fragments: &[u32],
+        colors: &[[f32; 4]],
+        background: &Pixel,
+    ) {
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                for (lane, own) in fragments.as_chunks::<N>().0.iter().enumerate().take(LANES) {
+                    if let Some(color) = mean_of(simd, own, colors, &background.linear) {
+                        self.colors[lane] = color;
+                        self.drawn |= 1 << lane;
+                    }
                 }
-                continue;
+            },
+        );
+    }
+
+    /// Writes the 8-bit colours of the first `count` pixels, where something was drawn.
+    #[inline(always)]
+    fn write<S: Simd>(&self, simd: S, to: &mut [[u8; 4]], count: usize) {
+        let [r, g, b, alpha] = load_interleaved(simd, &self.colors);
+        let levels = opaque(simd, [r, g, b]);
+        let is_opaque = !alpha.simd_lt(splat(simd, 1.0)).to_bitmask() as u32;
+        if self.drawn & is_opaque & 0xffff == 0xffff
+            && let Some(to) = to.first_chunk_mut::<LANES>()
+        {
+            levels.bitcast::<u8x64<S>>().store_slice(to.as_flattened_mut());
+            return;
+        }
+        let levels = levels.to_array();
+        for (lane, to) in to.iter_mut().enumerate().take(count) {
+            if self.drawn >> lane & 1 == 1 {
+                *to = match is_opaque >> lane & 1 {
+                    1 => (levels[lane] as u32).to_le_bytes(),
+                    _ => color8(self.colors[lane]),
+                };
             }
-            let color = |fragment: u32| match fragment {
-                NO_FRAGMENT => background.linear,
-                fragment => colors[fragment as usize],
-            };
-            self.colors[lane] = mean(&mut own.map(color));
-            self.drawn |= 1 << lane;
         }
     }
+}
+
+/// [`mean`] of the colours of N samples, from the numbers of their fragments; `None` where nothing was drawn.
+#[inline(always)]
+fn mean_of<S: Simd, const N: usize>(
+    simd: S,
+    fragments: &[u32; N],
+    colors: &[[f32; 4]],
+    background: &[f32; 4],
+) -> Option<[f32; 4]> {
+    let first = fragments[0];
+    if N > 4 {
+        // The mean of equal colours is that colour. No colour is above 1, so that this is also what the sums below amount
+        // to: it saves time where there are many samples.
+        let mut are_same = u32x4::from_slice(simd, &fragments[..4]).simd_eq(first);
+        for four in fragments.as_chunks::<4>().0 {
+            are_same &= u32x4::load_array_ref(simd, four).simd_eq(first);
+        }
+        if are_same.all_true() {
+            return colors.get(first as usize).copied();
+        }
+    } else {
+        // All bits of `NO_FRAGMENT` are set.
+        let mut all = first;
+        for &fragment in fragments {
+            all &= fragment;
+        }
+        if all == NO_FRAGMENT {
+            return None;
+        }
+    }
+    let mut sums = [f32x4::splat(simd, 0.0); N];
+    for (sum, &fragment) in sums.iter_mut().zip(fragments) {
+        // `NO_FRAGMENT` is beyond the end.
+        *sum = f32x4::load_array_ref(simd, colors.get(fragment as usize).unwrap_or(background));
+    }
+    let mut count = N;
+    while count > 1 {
+        count /= 2;
+        for i in 0..count {
+            sums[i] = sums[2 * i] + sums[2 * i + 1];
+        }
+    }
+    Some((sums[0] * (1.0 / N as f32)).to_array())
 }
 
 /// A sample that contributes to a pixel: see [`Tap`](crate::sampling::Tap).
@@ -150,11 +218,12 @@ impl Tile<'_> {
         if self.steps.is_empty() && !self.context.is_translucent() {
             let first = self.memory.pixel(x0, y) << self.memory.count_bits;
             let fragments = &self.memory.fragment[first..first + (count << self.memory.count_bits)];
-            match 1 << self.memory.count_bits {
-                2 => row.average::<2>(fragments, &self.memory.list.colors, background),
-                4 => row.average::<4>(fragments, &self.memory.list.colors, background),
-                8 => row.average::<8>(fragments, &self.memory.list.colors, background),
-                _ => row.average::<16>(fragments, &self.memory.list.colors, background),
+            let colors = &self.memory.list.colors[..];
+            match self.memory.count_bits {
+                1 => row.average::<S, 2>(simd, fragments, colors, background),
+                2 => row.average::<S, 4>(simd, fragments, colors, background),
+                3 => row.average::<S, 8>(simd, fragments, colors, background),
+                _ => row.average::<S, 16>(simd, fragments, colors, background),
             }
         } else {
             for lane in 0..count {
@@ -167,29 +236,10 @@ impl Tile<'_> {
         if row.drawn == 0 {
             return;
         }
-        let levels = simd.vectorize(
+        simd.vectorize(
             #[inline(always)]
-            || {
-                let linear = each3!(K => {
-                    let mut one = [0.0; LANES];
-                    for (to, color) in one.iter_mut().zip(&row.colors) {
-                        *to = color[K];
-                    }
-                    f32x16::load_array(simd, one)
-                });
-                opaque(simd, linear).to_array()
-            },
+            || row.write(simd, &mut pixels.color[place..], count),
         );
-        for (lane, to) in pixels.color[place..].iter_mut().enumerate().take(count) {
-            let color = row.colors[lane % LANES];
-            if row.drawn >> lane & 1 == 0 {
-                continue;
-            }
-            *to = match color[3] < 1.0 {
-                true => color8(color),
-                false => (levels[lane % LANES] as u32).to_le_bytes(),
-            };
-        }
     }
 
     /// The premultiplied linear colour of a pixel; `None` where nothing was drawn.

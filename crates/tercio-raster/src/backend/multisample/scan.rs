@@ -1,16 +1,20 @@
 //! Coverage and depth tests of triangles of a few pixels: finds the pixels in which 16 triangles cover samples, then
 //! tests the samples of one triangle in one pixel at a time.
+//!
+//! With at most 4 samples per pixel, their depths are computed for 16 triangles at once, too; with more, for the samples of
+//! one pixel at once, which fill a vector.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, i32x16, mask32x16};
+use fearless_simd::{Simd, f32x16, i32x16, mask32x16};
 
-use super::memory::{InPixel, SampleMemory};
+use super::memory::SampleMemory;
 use super::sink::Sink;
+use super::write::InPixel;
 use crate::backend::cluster::{Size, SmallTriangles};
 use crate::context::FrameContext;
 use crate::conventions::SUBPIXELS;
 use crate::sampling::{MAX_SAMPLES, SampleCells};
-use crate::simd::{LANE_NUMBERS, LANES, append, each3, part, splat_i};
+use crate::simd::{LANE_NUMBERS, LANES, append, each3, part, splat, splat_i, store_interleaved};
 use crate::stats::BackEndCounts;
 
 /// The largest number of pixels that 16 triangles can reach.
@@ -18,43 +22,168 @@ const CAPACITY: usize = match Size::Small.max_across() {
     Some(max) => LANES * (max * max) as usize,
     None => 0,
 };
-/// Lowest bit of the lane, of the column and of the row of a pixel in its triangle, in a word with its place below.
-const LANE_SHIFT: u32 = 16;
-const COLUMN_SHIFT: u32 = 20;
-const ROW_SHIFT: u32 = 24;
+/// With at most as many samples per pixel as this, their depths are computed with their coverage.
+const FEW: usize = 4;
+/// Lowest bit of the samples that are covered in a word that has the place of the pixel below, as in [`super::fragments::Fragment`].
+const COVERED_SHIFT: u32 = 16;
+/// Lowest bit of the column and of the row of a pixel in the bounding box of its triangle, in a word with the triangle's lane
+/// below.
+const COLUMN_SHIFT: u32 = 4;
+const ROW_SHIFT: u32 = 8;
 
 /// The pixels in which 16 triangles cover samples.
 #[derive(Debug)]
 pub struct Hits {
-    /// Place of the pixel, lane of the triangle, column and row of the pixel in the triangle's bounding box.
-    packed: [i32; CAPACITY + LANES],
-    /// The samples that the triangle covers, one bit each.
-    covered: [i32; CAPACITY + LANES],
+    /// Place of the pixel, and the samples that the triangle covers, one bit each.
+    places: Queue,
+    /// With a few samples per pixel the slot of the triangle, with more its lane and the pixel's column and row in its bounding
+    /// box.
+    triangles: Queue,
+    /// With a few samples per pixel their depths, as the bits of an `f32`: NaN where they are not covered.
+    depths: [Queue; FEW],
     count: usize,
     /// Increments of the edge functions from the first cell of a pixel to the cells of its samples, by lane; valid for the
     /// samples that a pixel has.
     to_sample: [[[i32; LANES]; 3]; MAX_SAMPLES],
 }
 
+/// Room for all pixels, plus 16 because they are written and read 16 at a time.
+type Queue = [i32; CAPACITY + LANES];
+
 impl Default for Hits {
     fn default() -> Self {
         let zero = [0; CAPACITY + LANES];
-        Self { packed: zero, covered: zero, count: 0, to_sample: [[[0; LANES]; 3]; MAX_SAMPLES] }
+        let to_sample = [[[0; LANES]; 3]; MAX_SAMPLES];
+        Self { places: zero, triangles: zero, depths: [zero; FEW], count: 0, to_sample }
     }
 }
 
 impl Hits {
-    /// Finds the pixels in which the triangles in some lanes cover samples.
-    #[inline(always)]
+    /// Finds the pixels in which the triangles in some lanes cover samples. `first_slot` is the slot of the cluster's first
+    /// triangle, `numbers` are the triangles' numbers in the cluster, and rows of pixels are `1 << stride_bits` apart. Not
+    /// inlined, so that it is compiled only once per SIMD level.
+    #[expect(clippy::too_many_arguments, reason = "one call site; a struct would only rename them")]
+    #[inline(never)]
     pub fn scan<S: Simd>(
         &mut self,
         simd: S,
         cells: &SampleCells,
         t: &SmallTriangles<S>,
         lanes: u32,
-        memory: &SampleMemory,
+        first_slot: u32,
+        numbers: &[u8; LANES],
+        stride_bits: u32,
     ) {
         self.count = 0;
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                let mut slots = [0; LANES];
+                for lane in 0..LANES {
+                    slots[lane] = (first_slot + u32::from(numbers[lane])) as i32;
+                }
+                if cells.count <= FEW {
+                    self.scan_few(simd, cells, t, lanes, &slots, stride_bits);
+                } else {
+                    self.scan_many(simd, cells, t, lanes, stride_bits);
+                }
+            },
+        );
+    }
+
+    /// With a few samples per pixel: finds their depths, too.
+    #[inline(always)]
+    fn scan_few<S: Simd>(
+        &mut self,
+        simd: S,
+        cells: &SampleCells,
+        t: &SmallTriangles<S>,
+        lanes: u32,
+        slots: &[i32; LANES],
+        stride_bits: u32,
+    ) {
+        let Self { places, triangles, depths, .. } = self;
+        let count = &mut 0;
+        part(
+            simd,
+            #[inline(always)]
+            || {
+                let all = splat_i(simd, cells.mask() as i32);
+                let lanes = mask32x16::from_bitmask(simd, u64::from(lanes));
+                let [across, down_to] = pixels(simd, t, lanes);
+                // Whether a triangle of a few pixels covers one of them cannot be predicted.
+                let is_tiny = across.max(down_to) <= 2;
+                let slots = i32x16::load_array_ref(simd, slots);
+                // What does not exist of four samples is found to be covered as the first cell, and left out.
+                let mut to_sample = [[splat_i(simd, 0); 3]; FEW];
+                let mut offset = [[0; 2]; FEW];
+                for sample in 0..FEW {
+                    let [x, y] = cells.cells[sample];
+                    to_sample[sample] = each3!(K => t.a[K] * x + t.b[K] * y);
+                    offset[sample] = [x << cells.pitch_bits, y << cells.pitch_bits];
+                }
+                let bits = cells.cell_bits();
+                let right = each3!(K => t.a[K] << bits);
+                let down = each3!(K => t.b[K] << bits);
+                let mut row_start = (t.first[1] << stride_bits) + t.first[0];
+                let (mut at_row, mut dy) = (t.c, t.from_anchor[1]);
+                for row in 0..down_to {
+                    let in_row = lanes & t.extent[1].simd_ge(splat_i(simd, row));
+                    let mut along_y = [splat(simd, 0.0); FEW];
+                    for sample in 0..FEW {
+                        along_y[sample] = (dy + offset[sample][1]).to_float::<f32x16<S>>() * t.slope[1];
+                    }
+                    let (mut place, mut e, mut dx) = (row_start, at_row, t.from_anchor[0]);
+                    for column in 0..across {
+                        let in_box = in_row & t.extent[0].simd_ge(splat_i(simd, column));
+                        let mut outside = splat_i(simd, 0);
+                        let mut signs = [outside; FEW];
+                        for sample in 0..FEW {
+                            let at = each3!(K => e[K] + to_sample[sample][K]);
+                            // All bits of a negative number, shifted, are set.
+                            signs[sample] = ((at[0] | at[1]) | at[2]) >> 31;
+                            outside |= signs[sample] & (1 << sample);
+                        }
+                        let covered = (outside & all) ^ all;
+                        let hits = in_box & covered.simd_gt(splat_i(simd, 0));
+                        let hits = hits.to_bitmask() as u32 & 0xffff;
+                        if is_tiny || hits != 0 {
+                            append(simd, places, *count, hits, place | (covered << COVERED_SHIFT));
+                            append(simd, triangles, *count, hits, slots);
+                            for sample in 0..FEW {
+                                let along_x = (dx + offset[sample][0]).to_float::<f32x16<S>>() * t.slope[0];
+                                let depth = ((along_x + along_y[sample]) + t.base).max(t.base).min(t.nearest);
+                                // With all bits set it is NaN.
+                                let depth = depth.bitcast::<i32x16<S>>() | signs[sample];
+                                append(simd, &mut depths[sample], *count, hits, depth);
+                            }
+                            *count += hits.count_ones() as usize;
+                        }
+                        e = each3!(K => e[K] + right[K]);
+                        dx += SUBPIXELS;
+                        place += 1;
+                    }
+                    at_row = each3!(K => at_row[K] + down[K]);
+                    dy += SUBPIXELS;
+                    row_start += 1 << stride_bits;
+                }
+            },
+        );
+        self.count = *count;
+    }
+
+    /// With more samples per pixel.
+    #[inline(always)]
+    fn scan_many<S: Simd>(
+        &mut self,
+        simd: S,
+        cells: &SampleCells,
+        t: &SmallTriangles<S>,
+        lanes: u32,
+        stride_bits: u32,
+    ) {
+        let Self { places, triangles, to_sample, .. } = self;
+        let count = &mut 0;
         part(
             simd,
             #[inline(always)]
@@ -62,53 +191,58 @@ impl Hits {
                 let zero = splat_i(simd, 0);
                 let all = splat_i(simd, cells.mask() as i32);
                 let lanes = mask32x16::from_bitmask(simd, u64::from(lanes));
-                let to_sample = &mut self.to_sample[..cells.count];
+                let [across, down_to] = pixels(simd, t, lanes);
+                // Whether a triangle of a few pixels covers one of them cannot be predicted.
+                let is_tiny = across.max(down_to) <= 2;
+                let to_sample = &mut to_sample[..cells.count];
                 for (to, [x, y]) in to_sample.iter_mut().zip(cells.cells) {
                     *to = each3!(K => (t.a[K] * x + t.b[K] * y).to_array());
                 }
                 let bits = cells.cell_bits();
                 let right = each3!(K => t.a[K] << bits);
                 let down = each3!(K => t.b[K] << bits);
-                let lane = i32x16::load_array(simd, LANE_NUMBERS) << LANE_SHIFT;
-                let mut row_start = ((t.first[1] << memory.stride_bits) + t.first[0]) | lane;
+                let mut row_start = (t.first[1] << stride_bits) + t.first[0];
                 let mut at_row = t.c;
-                let mut row = 0;
-                loop {
-                    let in_rows = lanes & t.extent[1].simd_ge(splat_i(simd, row));
-                    if !in_rows.any_true() {
-                        break;
-                    }
-                    let (mut packed, mut e, mut column) = (row_start, at_row, 0);
-                    loop {
-                        let in_box = in_rows & t.extent[0].simd_ge(splat_i(simd, column));
-                        if !in_box.any_true() {
-                            break;
-                        }
+                for row in 0..down_to {
+                    let in_row = lanes & t.extent[1].simd_ge(splat_i(simd, row));
+                    let (mut place, mut e) = (row_start, at_row);
+                    for column in 0..across {
+                        let in_box = in_row & t.extent[0].simd_ge(splat_i(simd, column));
                         let mut outside = zero;
-                        for (sample, to) in to_sample.iter().enumerate() {
-                            let at = each3!(K => e[K] + i32x16::load_array_ref(simd, &to[K]));
-                            let any = (at[0] | at[1]) | at[2];
-                            // All bits of a negative number, shifted, are set.
-                            outside |= (any >> 31) & (1 << sample);
+                        // Written out for eight, so that the bits of samples are constants.
+                        for to in to_sample.as_chunks::<8>().0.iter().rev() {
+                            outside <<= 8;
+                            for sample in 0..8 {
+                                let at = each3!(K => e[K] + i32x16::load_array_ref(simd, &to[sample][K]));
+                                let any = (at[0] | at[1]) | at[2];
+                                // All bits of a negative number, shifted, are set.
+                                outside |= (any >> 31) & (1 << sample);
+                            }
                         }
                         let covered = outside ^ all;
                         let hits = in_box & covered.simd_gt(zero);
                         let hits = hits.to_bitmask() as u32 & 0xffff;
-                        if hits != 0 {
-                            append(simd, &mut self.packed, self.count, hits, packed);
-                            append(simd, &mut self.covered, self.count, hits, covered);
-                            self.count += hits.count_ones() as usize;
+                        if is_tiny || hits != 0 {
+                            append(simd, places, *count, hits, place | (covered << COVERED_SHIFT));
+                            let at = column << COLUMN_SHIFT | row << ROW_SHIFT;
+                            append(
+                                simd,
+                                triangles,
+                                *count,
+                                hits,
+                                i32x16::load_array(simd, LANE_NUMBERS) | at,
+                            );
+                            *count += hits.count_ones() as usize;
                         }
                         e = each3!(K => e[K] + right[K]);
-                        packed += 1 | 1 << COLUMN_SHIFT;
-                        column += 1;
+                        place += 1;
                     }
                     at_row = each3!(K => at_row[K] + down[K]);
-                    row_start += 1 << memory.stride_bits | 1 << ROW_SHIFT;
-                    row += 1;
+                    row_start += 1 << stride_bits;
                 }
             },
         );
+        self.count = *count;
     }
 
     /// Tests the depths of what was found in the same triangles, and adds the fragments that win. `first_slot` is the
@@ -128,27 +262,85 @@ impl Hits {
         if self.count == 0 {
             return;
         }
+        if context.cells.count <= FEW {
+            self.test_few::<S, K>(simd, context, memory, counts);
+            return;
+        }
         let from_anchor = [t.from_anchor[0].to_array(), t.from_anchor[1].to_array()];
         let slope = [t.slope[0].to_array(), t.slope[1].to_array()];
         let (base, nearest) = (t.base.to_array(), t.nearest.to_array());
         let mut samples_covered = 0;
-        for (&packed, &covered) in self.packed[..self.count].iter().zip(&self.covered) {
-            let lane = (packed >> LANE_SHIFT) as usize % LANES;
-            let (column, row) = (packed >> COLUMN_SHIFT & 15, packed >> ROW_SHIFT & 15);
-            let in_pixel = InPixel {
-                pixel: (packed & 0xffff) as usize,
-                covered: covered as u32,
-                slot: first_slot + u32::from(numbers[lane]),
-                from_anchor: [
-                    (from_anchor[0][lane] + column * SUBPIXELS) as f32,
-                    (from_anchor[1][lane] + row * SUBPIXELS) as f32,
-                ],
-                slope: [slope[0][lane], slope[1][lane]],
-                range: [base[lane], nearest[lane]],
-            };
-            samples_covered += covered.count_ones();
-            K::in_pixel(memory, simd, context, &in_pixel);
+        for first in (0..self.count).step_by(LANES) {
+            K::reserve_pixels(memory);
+            let last = (first + LANES).min(self.count);
+            for (&place, &triangle) in self.places[first..last].iter().zip(&self.triangles[first..last]) {
+                let lane = triangle as usize % LANES;
+                let (column, row) = (triangle >> COLUMN_SHIFT & 15, triangle >> ROW_SHIFT);
+                let covered = place as u32 >> COVERED_SHIFT;
+                let in_pixel = InPixel {
+                    pixel: (place & 0xffff) as usize,
+                    covered,
+                    slot: first_slot + u32::from(numbers[lane]),
+                    from_anchor: [
+                        (from_anchor[0][lane] + column * SUBPIXELS) as f32,
+                        (from_anchor[1][lane] + row * SUBPIXELS) as f32,
+                    ],
+                    slope: [slope[0][lane], slope[1][lane]],
+                    range: [base[lane], nearest[lane]],
+                };
+                samples_covered += covered.count_ones();
+                K::in_pixel(memory, simd, context, &in_pixel);
+            }
         }
         counts.samples_covered += u64::from(samples_covered);
     }
+
+    /// [`Hits::test`] with a few samples per pixel.
+    #[inline(always)]
+    fn test_few<S: Simd, K: Sink>(
+        &self,
+        simd: S,
+        context: &FrameContext,
+        memory: &mut SampleMemory,
+        counts: &mut BackEndCounts,
+    ) {
+        let mut samples_covered = 0;
+        for first in (0..self.count).step_by(LANES) {
+            let mut depths = [[0.0; FEW]; LANES];
+            part(
+                simd,
+                #[inline(always)]
+                || {
+                    let mut of_sample = [splat(simd, f32::NAN); FEW];
+                    for (to, from) in of_sample.iter_mut().zip(&self.depths).take(context.cells.count) {
+                        *to = i32x16::from_slice(simd, &from[first..first + LANES]).bitcast();
+                    }
+                    store_interleaved(of_sample, &mut depths);
+                },
+            );
+            let last = (first + LANES).min(self.count);
+            let (places, slots) = (&self.places[first..last], &self.triangles[first..last]);
+            for &place in places {
+                samples_covered += (place as u32 >> COVERED_SHIFT).count_ones();
+            }
+            K::in_small_pixels(memory, simd, context, places, slots, &depths);
+        }
+        counts.samples_covered += u64::from(samples_covered);
+    }
+}
+
+/// The largest numbers of pixels across and down in the boxes of the triangles in some lanes.
+#[inline(always)]
+fn pixels<S: Simd>(simd: S, t: &SmallTriangles<S>, lanes: mask32x16<S>) -> [i32; 2] {
+    const MOST: i32 = match Size::Small.max_across() {
+        Some(max) => max,
+        None => 0,
+    };
+    let mut pixels = [1, 1];
+    for (pixels, extent) in pixels.iter_mut().zip(t.extent) {
+        for more in 1..MOST {
+            *pixels += i32::from((lanes & extent.simd_ge(splat_i(simd, more))).any_true());
+        }
+    }
+    pixels
 }

@@ -1,6 +1,7 @@
 //! Shades the fragments of a tile, 16 at a time.
 
-use fearless_simd::Simd;
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, i32x16};
 use tercio_mesh::cluster::{ClusterView, MAX_TRIANGLES};
 use tercio_scene::Instance;
 
@@ -13,7 +14,7 @@ use crate::backend::shade::{At, Common, Features, FragmentTarget, Look, fetch, l
 use crate::context::FrameContext;
 use crate::frame::Outputs;
 use crate::projection::CornerTable;
-use crate::simd::LANES;
+use crate::simd::{LANES, part};
 use crate::stats::BackEndCounts;
 
 /// Is any plane requested for which fragments are shaded?
@@ -66,7 +67,7 @@ pub fn cluster<S: Simd, K: Sink>(
                 from_middle: vertices.offset_from_middle(&context.lights.sight),
                 facing: table.facing,
             };
-            let work = ClusterFragments { context, number, instance, cluster, at, first };
+            let work = ClusterFragments { context, instance, cluster, at, first };
             if !vertices.is_wide && look.is(Common::<true>) {
                 work.shade::<S, K, _>(simd, Common::<true>, scratch, outputs);
             } else {
@@ -79,7 +80,6 @@ pub fn cluster<S: Simd, K: Sink>(
 /// The fragments of a cluster that are being shaded.
 struct ClusterFragments<'a> {
     context: &'a FrameContext<'a>,
-    number: u32,
     instance: usize,
     cluster: ClusterView<'a>,
     at: At,
@@ -106,12 +106,7 @@ impl ClusterFragments<'_> {
         for first in (self.first..count).step_by(LANES) {
             let last = (first + LANES).min(count);
             fragments.count = last - first;
-            let mut triangles = [0; LANES];
-            for (lane, triangle) in triangles.iter_mut().enumerate() {
-                let number = (first + lane).min(last - 1);
-                gather(context, list, number, lane, fragments);
-                *triangle = (list.fragments[number].slot - self.number * MAX_TRIANGLES as u32) as u8;
-            }
+            let triangles = gather_sixteen(simd, context, list, first, fragments);
             let (numbers, mut corners) = table.look_up(simd, vertices, &corner_table, &triangles);
             if features.position() {
                 table.look_up_positions(simd, &numbers, &mut corners);
@@ -125,7 +120,7 @@ impl ClusterFragments<'_> {
                 table.look_up_materials(simd, scene_instance, cluster, &triangles, &numbers, &mut corners);
             }
             let normals = if outputs.normals { &mut list.normals[first..last] } else { &mut [] };
-            let colors = &mut list.colors[first..last];
+            let Some(colors) = list.colors[first..].first_chunk_mut() else { unreachable!("room was made") };
             let target = &mut FragmentTarget { colors, normals, opacity: surface.opacity };
             if F::ARE_CONSTANT {
                 // The specialized kernel is used only for clusters that are not wide.
@@ -137,6 +132,33 @@ impl ClusterFragments<'_> {
             }
         }
     }
+}
+
+/// Sets the points of all lanes to those of the fragments from number `first` on, and returns the numbers of their triangles
+/// in the cluster.
+#[inline(always)]
+fn gather_sixteen<S: Simd>(
+    simd: S,
+    context: &FrameContext,
+    list: &FragmentList,
+    first: usize,
+    fragments: &mut Fragments,
+) -> [u8; LANES] {
+    let [slot, place] = part(
+        simd,
+        #[inline(always)]
+        || list.sixteen(simd, first),
+    );
+    let places: i32x16<S> = (place & 0xffff).bitcast();
+    places.store_slice(&mut fragments.place);
+    let from_middle = context.centers.of_sixteen(simd, (place >> 16).bitcast());
+    from_middle[0].store_slice(&mut fragments.from_middle[0]);
+    from_middle[1].store_slice(&mut fragments.from_middle[1]);
+    let (mut triangles, slots) = ([0; LANES], slot.to_array());
+    for lane in 0..LANES {
+        triangles[lane] = (slots[lane] % MAX_TRIANGLES as u32) as u8;
+    }
+    triangles
 }
 
 /// Sets the point of a lane to that of a fragment.
@@ -166,8 +188,12 @@ pub fn late_fragments<S: Simd>(
     if scratch.memory.list.late == 0 || !is_needed(outputs) {
         return;
     }
-    let is_visible = scratch.memory.visible_fragments();
-    let visible = (0..scratch.memory.list.late).filter(|&number| is_visible[number]);
+    let late = scratch.memory.list.late;
+    let is_visible = simd.vectorize(
+        #[inline(always)]
+        || scratch.memory.visible_fragments(simd, late),
+    );
+    let visible = (0..late).filter(|&number| is_visible[number]);
     late_some::<S, Opaque>(simd, context, visible, scratch, outputs, counts);
 }
 

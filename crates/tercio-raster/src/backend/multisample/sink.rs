@@ -1,10 +1,11 @@
 //! Where fragments go: opaque ones hide each other, the others become layers. Selected at compile time.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x4, f32x8, f32x16, mask32x4, mask32x8, mask32x16};
+use fearless_simd::{Simd, f32x4, f32x8, f32x16, mask32x8, mask32x16};
 
 use super::fragments::{Fragment, FragmentList};
-use super::memory::{InPixel, SampleMemory, tie_winners};
+use super::memory::SampleMemory;
+use super::write::{InPixel, tie_winners};
 use crate::context::FrameContext;
 use crate::simd::{LANES, part};
 
@@ -13,7 +14,19 @@ pub trait Sink {
     /// Are triangles drawn that may not be opaque?
     const LAYERS: bool;
 
-    /// Tests the depth of a triangle in one pixel.
+    /// Tests the depths of at most 16 triangles in one pixel each, of at most 4 samples: the places of the pixels with the
+    /// samples that are covered in the upper 16 bits, the slots of the triangles and their depths, NaN at other samples than
+    /// those that they cover.
+    fn in_small_pixels<S: Simd>(
+        memory: &mut SampleMemory,
+        simd: S,
+        context: &FrameContext,
+        places: &[i32],
+        slots: &[i32],
+        depths: &[[f32; 4]; LANES],
+    );
+
+    /// Tests the depth of a triangle in one pixel of 8 or 16 samples. Precondition: [`Sink::reserve_pixels`].
     fn in_pixel<S: Simd>(memory: &mut SampleMemory, simd: S, context: &FrameContext, t: &InPixel);
 
     /// Tests the depth of a triangle at 16 consecutive samples, from the first one of a pixel on; `covered` has a bit for
@@ -27,6 +40,9 @@ pub trait Sink {
         depth: f32x16<S>,
         slot: u32,
     );
+
+    /// Makes room for the fragments of 16 pixels.
+    fn reserve_pixels(memory: &mut SampleMemory);
 
     /// The list that fragments are added to.
     fn list(memory: &mut SampleMemory) -> &mut FragmentList;
@@ -42,11 +58,26 @@ impl Sink for Opaque {
     const LAYERS: bool = false;
 
     #[inline(always)]
+    fn in_small_pixels<S: Simd>(
+        memory: &mut SampleMemory,
+        simd: S,
+        context: &FrameContext,
+        places: &[i32],
+        slots: &[i32],
+        depths: &[[f32; 4]; LANES],
+    ) {
+        memory.write_few(simd, context, places, slots, depths);
+    }
+
+    #[inline(always)]
     fn in_pixel<S: Simd>(memory: &mut SampleMemory, simd: S, context: &FrameContext, t: &InPixel) {
-        match memory.count_bits {
-            ..=2 => memory.write_4(simd, context, t),
-            3 => memory.write_8(simd, context, t),
-            _ => memory.write_16(simd, context, t),
+        let new = Fragment::new(t.slot, t.pixel, t.covered);
+        if memory.count_bits == 3 {
+            let depth = depths_8(memory, simd, t);
+            memory.write_8(simd, context, new, depth);
+        } else {
+            let depth = depths_16(memory, simd, t);
+            memory.write_16(simd, context, new, depth);
         }
     }
 
@@ -64,6 +95,11 @@ impl Sink for Opaque {
     }
 
     #[inline(always)]
+    fn reserve_pixels(memory: &mut SampleMemory) {
+        memory.list.reserve_pixels();
+    }
+
+    #[inline(always)]
     fn list(memory: &mut SampleMemory) -> &mut FragmentList {
         &mut memory.list
     }
@@ -77,62 +113,94 @@ impl Sink for Opaque {
 /// Every triangle in front of what is opaque is kept.
 pub struct Translucent;
 
-/// The samples at which a triangle in one pixel is in front of what is opaque, and its depths at the pixel's samples.
-macro_rules! in_front {
+/// The depths of a triangle at the samples of one pixel, NaN where it does not cover them.
+macro_rules! depths {
     ($name:ident, $lanes:literal, $floats:ident, $mask:ident) => {
         #[inline(always)]
-        fn $name<S: Simd>(
-            memory: &SampleMemory,
-            simd: S,
-            context: &FrameContext,
-            t: &InPixel,
-        ) -> (u32, [f32; $lanes]) {
-            let samples = t.pixel << memory.count_bits..(t.pixel << memory.count_bits) + $lanes;
+        fn $name<S: Simd>(memory: &SampleMemory, simd: S, t: &InPixel) -> $floats<S> {
             part(
                 simd,
                 #[inline(always)]
                 || {
                     let dx = $floats::from_slice(simd, &memory.lane_offset[0][..$lanes]) + t.from_anchor[0];
                     let dy = $floats::from_slice(simd, &memory.lane_offset[1][..$lanes]) + t.from_anchor[1];
-                    let [base, nearest] = t.range.map(|depth| $floats::splat(simd, depth));
+                    let base = $floats::splat(simd, t.range[0]);
+                    let nearest = $floats::splat(simd, t.range[1]);
                     let depth = ((dx * t.slope[0] + dy * t.slope[1]) + base).max(base).min(nearest);
-                    let opaque = $floats::from_slice(simd, &memory.depth[samples.clone()]);
                     let covered = $mask::from_bitmask(simd, u64::from(t.covered));
-                    let mut front = (covered & depth.simd_gt(opaque)).to_bitmask() as u32;
-                    let tie = (covered & depth.simd_eq(opaque)).to_bitmask() as u32 & ((1 << $lanes) - 1);
-                    if tie != 0 {
-                        let new = Fragment::new(t.slot, t.pixel, t.covered);
-                        let old = &memory.fragment[samples];
-                        front |= tie_winners(context, tie, |_| new, old, &memory.list.fragments);
-                    }
-                    (front & ((1 << $lanes) - 1), depth.to_array())
+                    covered.select(depth, $floats::splat(simd, f32::NAN))
                 },
             )
         }
     };
 }
-in_front!(in_front_4, 4, f32x4, mask32x4);
-in_front!(in_front_8, 8, f32x8, mask32x8);
-in_front!(in_front_16, 16, f32x16, mask32x16);
+depths!(depths_8, 8, f32x8, mask32x8);
+depths!(depths_16, 16, f32x16, mask32x16);
+
+/// The samples at which a triangle in one pixel is in front of what is opaque, from its depths.
+macro_rules! in_front {
+    ($name:ident, $lanes:literal, $floats:ident) => {
+        #[inline(always)]
+        fn $name<S: Simd>(
+            memory: &SampleMemory,
+            simd: S,
+            context: &FrameContext,
+            new: Fragment,
+            depth: $floats<S>,
+        ) -> u32 {
+            let first = usize::from(new.pixel) << memory.count_bits;
+            let samples = first..first + $lanes;
+            part(
+                simd,
+                #[inline(always)]
+                || {
+                    let opaque = $floats::from_slice(simd, &memory.depth[samples.clone()]);
+                    let mut front = depth.simd_gt(opaque).to_bitmask() as u32;
+                    let tie = depth.simd_eq(opaque).to_bitmask() as u32 & ((1 << $lanes) - 1);
+                    if tie != 0 {
+                        let old = &memory.fragment[samples];
+                        front |= tie_winners(context, tie, |_| new, old, &memory.list.fragments);
+                    }
+                    front & ((1 << $lanes) - 1)
+                },
+            )
+        }
+    };
+}
+in_front!(in_front_4, 4, f32x4);
+in_front!(in_front_8, 8, f32x8);
+in_front!(in_front_16, 16, f32x16);
 
 impl Sink for Translucent {
     const LAYERS: bool = true;
 
     #[inline(always)]
+    fn in_small_pixels<S: Simd>(
+        memory: &mut SampleMemory,
+        simd: S,
+        context: &FrameContext,
+        places: &[i32],
+        slots: &[i32],
+        depths: &[[f32; 4]; LANES],
+    ) {
+        for ((&place, &slot), depths) in places.iter().zip(slots).zip(depths) {
+            let new = Fragment::at(slot, place);
+            let front = in_front_4(memory, simd, context, new, f32x4::load_array_ref(simd, depths));
+            add(memory, context, new, front, depths);
+        }
+    }
+
+    #[inline(always)]
     fn in_pixel<S: Simd>(memory: &mut SampleMemory, simd: S, context: &FrameContext, t: &InPixel) {
-        match memory.count_bits {
-            ..=2 => {
-                let (front, depths) = in_front_4(memory, simd, context, t);
-                add(memory, context, t, front, &depths);
-            }
-            3 => {
-                let (front, depths) = in_front_8(memory, simd, context, t);
-                add(memory, context, t, front, &depths);
-            }
-            _ => {
-                let (front, depths) = in_front_16(memory, simd, context, t);
-                add(memory, context, t, front, &depths);
-            }
+        let new = Fragment::new(t.slot, t.pixel, t.covered);
+        if memory.count_bits == 3 {
+            let depth = depths_8(memory, simd, t);
+            let front = in_front_8(memory, simd, context, new, depth);
+            add(memory, context, new, front, &depth.to_array());
+        } else {
+            let depth = depths_16(memory, simd, t);
+            let front = in_front_16(memory, simd, context, new, depth);
+            add(memory, context, new, front, &depth.to_array());
         }
     }
 
@@ -170,16 +238,14 @@ impl Sink for Translucent {
         while front != 0 {
             let lane = front.trailing_zeros() as usize % LANES;
             let begin = lane & !(count - 1);
-            let t = InPixel {
-                pixel: pixel + (lane >> memory.count_bits),
-                covered: of_pixel(lane),
-                slot,
-                ..InPixel::default()
-            };
-            add(memory, context, &t, front >> begin & all, &depths[begin..]);
+            let new = Fragment::new(slot, pixel + (lane >> memory.count_bits), of_pixel(lane));
+            add(memory, context, new, front >> begin & all, &depths[begin..]);
             front &= !(all << begin);
         }
     }
+
+    #[inline(always)]
+    fn reserve_pixels(_: &mut SampleMemory) {}
 
     #[inline(always)]
     fn list(memory: &mut SampleMemory) -> &mut FragmentList {
@@ -194,19 +260,18 @@ impl Sink for Translucent {
 
 /// Adds a triangle in a pixel as a layer at some of the pixel's samples.
 #[inline(always)]
-fn add(memory: &mut SampleMemory, context: &FrameContext, t: &InPixel, front: u32, depths: &[f32]) {
+fn add(memory: &mut SampleMemory, context: &FrameContext, new: Fragment, front: u32, depths: &[f32]) {
     if front == 0 {
         return;
     }
     if !memory.is_by_sample {
-        let fragment = Fragment::new(t.slot, t.pixel, t.covered);
-        return memory.layers.push(context, fragment, front, depths);
+        return memory.layers.push(context, new, front, depths);
     }
     let mut left = front;
     while left != 0 {
         let sample = left.trailing_zeros() as usize;
         left &= left - 1;
-        let fragment = Fragment::new(t.slot, t.pixel, 1 << sample);
+        let fragment = Fragment { covered: 1 << sample, ..new };
         memory.layers.push(context, fragment, 1 << sample, &depths[sample..sample + 1]);
     }
 }

@@ -11,7 +11,7 @@ use crate::backend::light::Vec3x16;
 use crate::color::encode16;
 use crate::context::FrameContext;
 use crate::frame::{Outputs, Planes, visibility_key};
-use crate::simd::{LANES, each3, splat};
+use crate::simd::{LANES, each3, splat, store_interleaved};
 
 /// Where shaded pixels are written to.
 pub trait Target {
@@ -70,8 +70,8 @@ impl Target for PixelTarget<'_> {
 
 /// Shaded fragments of pixels with several samples.
 pub struct FragmentTarget<'a> {
-    /// Premultiplied linear colours, one for each lane in use.
-    pub colors: &'a mut [[f32; 4]],
+    /// Premultiplied linear colours.
+    pub colors: &'a mut [[f32; 4]; LANES],
     /// Normals, likewise; empty if they are not requested.
     pub normals: &'a mut [[f32; 3]],
     /// Opacity of the surface.
@@ -98,20 +98,13 @@ impl Target for FragmentTarget<'_> {
         normal: Vec3x16<S>,
     ) {
         let mut linear = displayable(simd, linear);
+        let mut opacity = splat(simd, 1.0);
         if features.alpha() || self.opacity < 1.0 {
-            let alpha = alpha * self.opacity;
-            linear = each3!(C => linear[C] * alpha);
-            let [r, g, b] = each3!(C => linear[C].to_array());
-            let alpha = alpha.to_array();
-            for (lane, color) in self.colors.iter_mut().enumerate().take(LANES) {
-                *color = [r[lane], g[lane], b[lane], alpha[lane]];
-            }
-        } else {
-            let [r, g, b] = each3!(C => linear[C].to_array());
-            for (lane, color) in self.colors.iter_mut().enumerate().take(LANES) {
-                *color = [r[lane], g[lane], b[lane], 1.0];
-            }
+            opacity = alpha * self.opacity;
+            linear = each3!(C => linear[C] * opacity);
         }
+        let [r, g, b] = linear;
+        store_interleaved([r, g, b, opacity], self.colors);
         if !self.normals.is_empty() {
             let normal = each3!(A => normal[A].to_array());
             for (lane, to) in self.normals.iter_mut().enumerate().take(LANES) {
