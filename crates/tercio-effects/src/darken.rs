@@ -4,28 +4,43 @@ use rayon::prelude::*;
 use tercio_raster::frame::Planes;
 use tercio_raster::{color8, color16};
 
+use crate::lanes::LANES;
+
+/// Pixels that are darkened together.
+const CHUNK: usize = 1 << 12;
+
 /// Multiplies the premultiplied linear colours of a picture with the light that is left of each pixel, from 0 to 1; and
 /// makes the 8-bit and 16-bit colours anew, where the picture has them. What keeps its light keeps its bytes.
 ///
 /// # Panics
-/// If there are fewer linear colours than lights, or fewer lights than colours.
+/// If there is not one light for each linear colour, or there are fewer lights than colours.
 pub fn darken(planes: &mut Planes, light: &[f32]) {
-    const CHUNK: usize = 1 << 12;
     let Planes { color, color16: wide, linear, .. } = planes;
     assert!(linear.len() == light.len(), "a linear colour for each pixel");
-    let chunks = linear.par_chunks_mut(CHUNK).zip(light.par_chunks(CHUNK));
-    chunks.for_each(|(linear, light)| {
-        for (linear, &light) in linear.iter_mut().zip(light) {
-            let [r, g, b, alpha] = *linear;
-            *linear = if light < 1.0 { [r * light, g * light, b * light, alpha] } else { *linear };
-        }
-    });
-    encode(color, linear, light, color8);
-    encode(wide, linear, light, color16);
+    for_each_darker(linear, linear_of, light);
+    let linear = &*linear;
+    for_each_darker(color, |color, index, _| *color = color8(linear[index]), light);
+    for_each_darker(wide, |color, index, _| *color = color16(linear[index]), light);
 }
 
-/// Encodes the colours of those pixels that lost light.
-fn encode<T: Send>(to: &mut [T], linear: &[[f32; 4]], light: &[f32], encoded: impl Fn([f32; 4]) -> T + Sync) {
-    let pixels = to.par_iter_mut().zip(linear).zip(light).with_min_len(1 << 12);
-    pixels.filter(|(_, light)| **light < 1.0).for_each(|((to, linear), _)| *to = encoded(*linear));
+fn linear_of(color: &mut [f32; 4], _: usize, light: f32) {
+    (0..3).for_each(|k| color[k] *= light);
+}
+
+/// Changes the pixels that lost light, given with their index and light.
+fn for_each_darker<T: Send>(pixels: &mut [T], change: impl Fn(&mut T, usize, f32) + Sync, light: &[f32]) {
+    let chunks = pixels.par_chunks_mut(CHUNK).zip(light.par_chunks(CHUNK)).enumerate();
+    chunks.for_each(|(number, (pixels, light))| {
+        for (part, (pixels, light)) in pixels.chunks_mut(LANES).zip(light.chunks(LANES)).enumerate() {
+            // Most of a picture is background.
+            if light.iter().fold(true, |all, &light| all & (light >= 1.0)) {
+                continue;
+            }
+            for (i, (pixel, &light)) in pixels.iter_mut().zip(light).enumerate() {
+                if light < 1.0 {
+                    change(pixel, number * CHUNK + part * LANES + i, light);
+                }
+            }
+        }
+    });
 }

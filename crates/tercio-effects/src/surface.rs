@@ -29,9 +29,11 @@ impl Surface {
         let per_world_unit = view.scale / f64::from(SUBPIXELS);
         let axes = [view.basis.right, view.basis.up, -view.basis.forward];
         let inverse = 1.0 / unit;
-        let mut depth = Vec::new();
-        let scaled = planes.depth.par_iter().with_min_len(1 << 14).map(|&d| (f64::from(d) * inverse) as f32);
-        scaled.collect_into_vec(&mut depth);
+        let mut depth = vec![0.0; planes.depth.len()];
+        let chunks = depth.par_chunks_mut(1 << 14).zip(planes.depth.par_chunks(1 << 14));
+        chunks.for_each(|(to, from)| {
+            to.iter_mut().zip(from).for_each(|(to, &from)| *to = (f64::from(from) * inverse) as f32);
+        });
         Self {
             width: view.width as usize,
             height: view.height as usize,

@@ -195,3 +195,23 @@ fn there_are_no_seams() {
     }
     assert!(darkened > count / 50, "{darkened} of {count}");
 }
+
+/// The left part of a picture, drawn by a camera with a shift, differs only where what occludes it is outside.
+#[test]
+fn it_follows_the_shift_of_a_camera() {
+    let plain = scene(&room());
+    let occlusion = AmbientOcclusion { radius: 0.05, strength: 1.0 };
+    let camera = into_room();
+    let wide = left(&plain, &camera, &Settings::one_sample(220, 90), occlusion);
+    let shifted = Camera { shift: [50.0 / 90.0, 0.0], ..camera };
+    let part = left(&plain, &shifted, &Settings::one_sample(120, 90), occlusion);
+    let mut darkened = 0;
+    for y in 0..90 {
+        for x in 0..105 {
+            let (own, of_wide) = (part.planes.linear[y * 120 + x][0], wide.planes.linear[y * 220 + x][0]);
+            assert!((own - of_wide).abs() < 1e-3, "({x}, {y}): {own} {of_wide}");
+            darkened += usize::from(own < 0.9);
+        }
+    }
+    assert!(darkened > 100, "{darkened}");
+}

@@ -258,12 +258,16 @@ fn lit_inward_corners_have_no_dark_line() {
             let dark = shadowed(&scene, &camera, plain.clone(), size);
             let (plain, dark) = (draw(&scene, &camera, &plain), draw(&scene, &camera, &dark));
             let lit = plain.planes.linear.iter().zip(&dark.planes.linear).filter(|(plain, _)| plain[1] > 0.1);
-            let (mut count, mut least) = (0, 1.0f32);
+            let (mut count, mut darker, mut least) = (0.0, 0.0, 1.0f32);
             for (plain, dark) in lit {
-                (count, least) = (count + 1, least.min(dark[1] / plain[1]));
+                let left = dark[1] / plain[1];
+                (count, least) = (count + 1.0, least.min(left));
+                darker += f64::from(u8::from(left < 0.95));
             }
-            assert!(count > 10_000, "{count}");
-            assert!(least > 0.85, "{to_light}, {size} texels: {least} of the light is left");
+            assert!(count > 10_000.0, "{count}");
+            // Without room for the other side of the corner, 2 % of the pixels at 512 texels, down to 55 % of the light.
+            let what = format!("{to_light}, {size} texels: {darker} of {count} pixels, down to {least}");
+            assert!(darker < 0.006 * count && least > 0.6, "{what}");
         }
     }
 }

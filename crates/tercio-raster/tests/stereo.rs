@@ -11,9 +11,7 @@ use glam::DVec3;
 use tercio_mesh::{Aabb, Mesh};
 use tercio_raster::frame::{NO_PRIMITIVE, Planes};
 use tercio_raster::view::View;
-use tercio_raster::{
-    AmbientOcclusion, Cull, Frame, Outputs, RenderError, Renderer, Settings, Shading, ShadowMaps,
-};
+use tercio_raster::{Cull, Frame, Outputs, RenderError, Renderer, Settings, Shading, ShadowMaps};
 use tercio_scene::camera::CameraError;
 use tercio_scene::{Background, Camera, Light, LightSpace, Scene, Stereo};
 use truth::Truth;
@@ -142,30 +140,6 @@ fn a_shift_by_whole_pixels_shows_a_part_of_a_larger_picture() {
         let expected = part(&tall, [0, first], [80, 64]);
         assert_same(&expected, &draw(&scene, &camera, &everything(80, 64)), &format!("from row {first}"));
     }
-}
-
-/// Occlusion depends on what is beside a pixel, so pixels near the border differ.
-#[test]
-fn ambient_occlusion_follows_the_shift() {
-    let mesh = soup(600, 33);
-    let scene = before_one_color(&mesh);
-    let camera = perspective([0.5, 1.0, 3.0], [0.0; 3], 40.0);
-    let occlusion = AmbientOcclusion { radius: 0.04, strength: 1.0 };
-    let occluded = |camera: &Camera, settings: &Settings| {
-        let mut frame = draw(&scene, camera, settings);
-        occlusion.apply(&mut frame, &scene, camera, settings).expect("the planes that it needs");
-        frame
-    };
-    let wide = part(&occluded(&camera, &everything(220, 90)), [0, 0], [120, 90]);
-    let shift = [50.0 / 90.0, 0.0];
-    let shifted = occluded(&Camera { shift, ..camera }, &everything(120, 90));
-    let inner = |x: usize, y: usize| (15..105).contains(&x) && (15..75).contains(&y);
-    let differs = |index: &usize| {
-        let [a, b] = [&wide, &shifted].map(|frame| frame.planes.linear[*index]);
-        inner(index % 120, index / 120) && (0..3).any(|k| (a[k] - b[k]).abs() > 0.02)
-    };
-    let different = (0..120 * 90).filter(differs).count();
-    assert!(different < 54, "{different} of 5400 pixels differ");
 }
 
 /// Where a vertex appears in the pictures of both eyes, in sub-pixels, and the scale.

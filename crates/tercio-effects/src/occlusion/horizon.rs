@@ -11,7 +11,7 @@ use crate::surface::Surface;
 /// Lines through each point.
 const LINES: usize = 2;
 /// Points that are looked at on each side of a line.
-const STEPS: usize = 4;
+const STEPS: usize = 5;
 /// Pixels along the edge of the pattern in which the directions of the lines alternate.
 pub const PATTERN: usize = 4;
 /// What is less than this above the tangent plane, in radii, occludes nothing: facets of a smooth surface would darken
@@ -141,7 +141,10 @@ impl<'a> Horizons<'a> {
                 (0..3).for_each(|k| normals[k][lane] = normal[k]);
             }
         }
-        let places = [0, 1].map(|k| pixels.map(|p| p[k] as f32));
+        let mut places = [[0.0; LANES]; 2];
+        for (lane, &[x, y]) in pixels.iter().enumerate() {
+            (places[0][lane], places[1][lane]) = (x as f32, y as f32);
+        }
         dispatch!(level, simd => self.of_lanes(simd, &places, &depth, &normals, row).to_array())
     }
 

@@ -26,7 +26,7 @@ const HEADER_BYTES: u64 = 1 << 26;
 const DECODER_BYTES: u64 = 1 << 24;
 
 /// The formats of textures.
-const FORMATS: &[ImageFormat] = &[
+const FORMATS: [ImageFormat; 7] = [
     ImageFormat::Png,
     ImageFormat::Jpeg,
     ImageFormat::Gif,
