@@ -66,7 +66,8 @@ pub struct Horizons<'a> {
     /// Unit normals in world space.
     pub normals: &'a [[f32; 3]],
     rows: [Row; PATTERN],
-    /// Length of a row of the coarse planes, with margins.
+    /// Length of a row of the coarse planes, with margins. They have every number twice, so that those of neighbouring pixels
+    /// lie in a row.
     pub stride: usize,
     /// Coarse pixels across and down.
     size: [usize; 2],
@@ -102,25 +103,32 @@ impl<'a> Horizons<'a> {
     /// Computes the occlusion of the coarse pixels.
     pub fn new(surface: &'a Surface, normals: &'a [[f32; 3]], level: Level) -> Self {
         let size = [surface.width.div_ceil(2), surface.height.div_ceil(2)];
-        let stride = size[0].next_multiple_of(LANES) + 2 * MARGIN;
+        let stride = 2 * (size[0].next_multiple_of(LANES) + 2 * MARGIN);
         let length = stride * (size[1] + 2 * MARGIN);
         let mut depth = vec![f32::INFINITY; length];
         let lines =
             depth.par_chunks_mut(stride).skip(MARGIN).zip(surface.depth.par_chunks(2 * surface.width));
         lines.with_min_len(16).for_each(|(to, from)| {
             let even = from[..surface.width].iter().step_by(2);
-            to[MARGIN..].iter_mut().zip(even).for_each(|(to, from)| *to = *from);
+            to[2 * MARGIN..]
+                .as_chunks_mut::<2>()
+                .0
+                .iter_mut()
+                .zip(even)
+                .for_each(|(to, from)| *to = [*from; 2]);
         });
         let mut new = Self { surface, normals, rows: rows(), stride, size, depth, occlusion: Vec::new() };
         let mut occlusion = vec![0.0; length];
         let lines = occlusion.par_chunks_mut(stride).skip(MARGIN).take(size[1]).enumerate();
         lines.for_each(|(y, to)| {
             for x in (0..size[0]).step_by(LANES) {
-                let at = (y + MARGIN) * stride + x + MARGIN;
-                if new.depth[at..at + LANES].iter().any(|d| d.is_finite()) {
+                let first = 2 * (x + MARGIN);
+                let at = (y + MARGIN) * stride + first;
+                if new.depth[at..at + 2 * LANES].iter().any(|d| d.is_finite()) {
                     let pixels = std::array::from_fn(|i| [2 * (x + i), 2 * y]);
                     let found = new.of_pixels(&pixels, y % PATTERN, level);
-                    to[x + MARGIN..x + MARGIN + LANES].copy_from_slice(&found);
+                    let to = to[first..].as_chunks_mut::<2>().0;
+                    to.iter_mut().zip(found).for_each(|(to, found)| *to = [found; 2]);
                 }
             }
         });
@@ -252,7 +260,7 @@ impl<'a> Horizons<'a> {
             let at_y = clamp(simd, at_y, -1.0, self.size[1] as f32).floor();
             let column: i32x16<S> = at_x.to_int();
             let line: i32x16<S> = at_y.to_int();
-            let index = (line + MARGIN as i32) * self.stride as i32 + (column + MARGIN as i32);
+            let index = (line + MARGIN as i32) * self.stride as i32 + (column + MARGIN as i32) * 2;
             let depth = gather(simd, &self.depth, index);
             let other = self.position(simd, at_x * 2.0, at_y * 2.0, depth);
             let apart = minus(other, *position);

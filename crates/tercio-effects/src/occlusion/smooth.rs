@@ -1,7 +1,7 @@
 //! From every second pixel to all of them: means over one pattern of directions, along the tangent plane.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Level, Simd, dispatch};
+use fearless_simd::{Level, Simd, dispatch, f32x16};
 use rayon::prelude::*;
 
 use super::horizon::{Horizons, MARGIN, PATTERN};
@@ -9,6 +9,8 @@ use crate::lanes::{LANES, Lanes, dot, load, minus, splat};
 
 /// Coarse pixels on each side of a pixel that are looked at.
 const REACH: usize = PATTERN / 2;
+/// Columns, and rows, of coarse pixels that are looked at.
+const COLUMNS: usize = 2 * REACH + 1;
 /// Neighbours this many pixels' widths from a pixel's tangent plane do not count, nearer ones the more.
 const WIDTHS: f32 = 2.0;
 /// A pixel whose neighbours count less than this, of 16, is computed itself.
@@ -23,6 +25,9 @@ pub fn light(horizons: &Horizons, strength: f32, level: Level) -> Vec<f32> {
         for (chunk, to) in to.chunks_mut(LANES).enumerate() {
             let x = chunk * LANES;
             let Some(neighbours) = Neighbours::of(horizons, x, y) else { continue };
+            if !neighbours.are_occluded(horizons) {
+                continue;
+            }
             let found = dispatch!(level, simd => {
                 let (sum, weight) = neighbours.mean(simd, horizons);
                 (sum.to_array(), weight.to_array())
@@ -91,38 +96,46 @@ impl Neighbours {
         let per_width = splat(simd, 1.0 / WIDTHS) / pixel;
         let (mut sum, mut total) = (none, none);
         let coarse_x = self.x[0] as usize / 2;
-        for row in 0..=2 * REACH {
+        let columns: [_; COLUMNS] = std::array::from_fn(|column| {
+            let at = |lane: usize| (2 * (coarse_x + lane / 2 + column)) as f32 - 2.0 * REACH as f32;
+            [std::array::from_fn(at), std::array::from_fn(|lane| side_weight(column, lane))]
+        });
+        for row in 0..COLUMNS {
             let row_weight = side_weight(row, self.y);
             if row_weight == 0.0 {
                 continue;
             }
-            // Rows and columns of the margins begin before those of the picture.
-            let start = (self.y / 2 + row + MARGIN - REACH) * horizons.stride + coarse_x + MARGIN - REACH;
-            let first_y = splat(simd, 2.0 * (self.y / 2 + row) as f32 - 2.0 * REACH as f32);
-            for column in 0..=2 * REACH {
-                let (depths, occlusions) =
-                    (&horizons.depth[start + column..], &horizons.occlusion[start + column..]);
-                let (mut depth, mut occlusion, mut weight) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
-                for lane in 0..LANES {
-                    depth[lane] = depths[lane / 2];
-                    occlusion[lane] = occlusions[lane / 2];
-                    weight[lane] = side_weight(column, lane) * row_weight;
-                }
-                let at = load(
-                    simd,
-                    &std::array::from_fn(|lane| {
-                        (2 * (coarse_x + lane / 2 + column)) as f32 - 2.0 * REACH as f32
-                    }),
-                );
-                let apart = minus(horizons.position(simd, at, first_y, load(simd, &depth)), position);
+            let start = self.start(horizons, row);
+            let at_y = splat(simd, 2.0 * (self.y / 2 + row) as f32 - 2.0 * REACH as f32);
+            for (column, [at_x, weight]) in columns.iter().enumerate() {
+                let first = start + 2 * column;
+                let depth = f32x16::from_slice(simd, &horizons.depth[first..first + LANES]);
+                let occlusion = f32x16::from_slice(simd, &horizons.occlusion[first..first + LANES]);
+                let apart = minus(horizons.position(simd, load(simd, at_x), at_y, depth), position);
                 let off = dot(apart, normal).abs() * per_width;
                 // Not where nothing is visible: infinite, or no number.
-                let near = off.simd_lt(one).select(one - off, none) * load(simd, &weight);
-                sum += near * load(simd, &occlusion);
+                let near = off.simd_lt(one).select(one - off, none) * (load(simd, weight) * row_weight);
+                sum += near * occlusion;
                 total += near;
             }
         }
         (sum, total)
+    }
+
+    /// The index of the first number of a coarse row around the pixels; margins begin before the picture.
+    #[inline(always)]
+    fn start(&self, horizons: &Horizons, row: usize) -> usize {
+        let x = self.x[0] as usize / 2;
+        (self.y / 2 + row + MARGIN - REACH) * horizons.stride + 2 * (x + MARGIN - REACH)
+    }
+
+    /// Is anything around the pixels occluded?
+    fn are_occluded(&self, horizons: &Horizons) -> bool {
+        (0..COLUMNS).any(|row| {
+            let start = self.start(horizons, row);
+            let around = &horizons.occlusion[start..start + LANES + 4 * REACH];
+            around.iter().fold(false, |any, &occlusion| any | (occlusion > 0.0))
+        })
     }
 }
 
