@@ -46,19 +46,49 @@ fn every_option_changes_the_picture_and_how_it_is_drawn_does_not() {
     assert!(place.read("plain.png") == place.read("none.png"));
 }
 
+/// One side of a sphere is lit: the one that the bright half of the panorama is on, as it turns.
 #[test]
 fn environments_turn() {
     let place = Place::new();
-    let draw = |name: &str, options: &str| {
-        place
-            .run(&format!("{MODEL} -o {name} --environment gradient:#fff,#888,#000 {options}"))
-            .ok_silently();
-        place.read(name)
+    // Bright on the right.
+    let mut sky = hdr(4, 2, [0; 4]);
+    let first = sky.len() - 4 * 8;
+    for pixel in [2, 3, 6, 7] {
+        sky[first + 4 * pixel..first + 4 * pixel + 4].copy_from_slice(&[200, 200, 200, 129]);
+    }
+    // The same format, by its other name.
+    let rgbe = [b"#?RGBE", &sky[10..]].concat();
+    std::fs::write(place.path("sky.hdr"), sky).expect("a file");
+    std::fs::write(place.path("rgbe.hdr"), rgbe).expect("a file");
+    let draw = |options: &str| {
+        let model = "render builtin:sphere@2k --size 64x64 -q -o a.ppm --background #000";
+        place.run(&format!("{model} --environment {options}")).ok_silently();
+        let bytes = place.read("a.ppm");
+        let pixels = bytes[bytes.len() - 64 * 64 * 3..].to_vec();
+        let half = |right: bool| {
+            let of_half = pixels.chunks(3).enumerate().filter(|(i, _)| (i % 64 >= 32) == right);
+            of_half.map(|(_, pixel)| u64::from(pixel[1])).sum::<u64>()
+        };
+        (half(false), half(true), pixels)
     };
-    // A gradient is the same all round, and has another direction with another axis upwards.
-    assert!(draw("a.png", "") == draw("b.png", "--environment-rotation 360"));
-    let eye = "--eye 3,2,10 --up 0,1,0";
-    assert!(draw("a.png", eye) != draw("b.png", &format!("{eye} --up-axis z")));
+    let front = "--view front";
+    let (left, right, expected) = draw(&format!("sky.hdr {front}"));
+    assert!(right > 2 * left, "{left} {right}");
+    let (left, right, _) = draw(&format!("sky.hdr {front} --environment-rotation 180"));
+    assert!(left > 2 * right, "{left} {right}");
+    // Counter-clockwise seen from above: what was on the right is behind, seen from the front.
+    let (_, _, behind) = draw(&format!("sky.hdr {front} --environment-rotation 90"));
+    let (_, _, before) = draw(&format!("sky.hdr {front} --environment-rotation=-90"));
+    let sum = |pixels: &[u8]| pixels.iter().map(|&c| u64::from(c)).sum::<u64>();
+    assert!(sum(&before) > 2 * sum(&behind), "{} {}", sum(&before), sum(&behind));
+    assert!(behind == draw(&format!("sky.hdr {front} --environment-rotation=-270")).2);
+    assert!(expected == draw(&format!("rgbe.hdr {front}")).2);
+    // With another axis upwards, the front is another side, and its right is still on the right.
+    let (left, right, _) = draw(&format!("sky.hdr {front} --up-axis z"));
+    assert!(right > 2 * left, "{left} {right}");
+    // Seen from behind, it is on the left.
+    let (left, right, _) = draw("sky.hdr --view back");
+    assert!(left > 2 * right, "{left} {right}");
 }
 
 #[test]
@@ -77,10 +107,16 @@ fn wrong_values_are_refused() {
         ("--environment gradient --shading unlit", "--environment"),
         ("--tone filmic --shading unlit", "--tone"),
         ("--environment gradient --shadows", "--shadows"),
+        ("--environment -", "--environment"),
+        ("--ao --ao-radius 3", "--ao-radius"),
     ] {
         place.run(&format!("{MODEL} -o a.png {bad}")).failed(2, &[option]);
     }
     assert!(!place.path("a.png").exists());
+    let arrays = "render builtin:teapot@2k --size 120x90 -q --output-depth d.npy";
+    for useless in ["--ao", "--tone filmic", "--environment gradient"] {
+        place.run(&format!("{arrays} {useless}")).failed(2, &["-o"]);
+    }
 }
 
 #[test]
@@ -96,6 +132,11 @@ fn files_that_are_no_panorama_are_refused() {
     ] {
         std::fs::write(place.path(name), bytes).expect("a file");
         place.run(&format!("{MODEL} -o a.png --environment {name}")).failed(1, &[name, words]);
+    }
+    std::fs::write(place.path("large.hdr"), hdr(2048, 1024, [128; 4])).expect("a file");
+    for (limit, word) in [("7M", "memory"), ("40M", "memory")] {
+        let limited = format!("{MODEL} -o a.png --memory-limit {limit} --environment large.hdr");
+        place.run(&limited).failed(1, &["large.hdr", word]);
     }
     place.run(&format!("{MODEL} -o a.png --environment missing.hdr")).failed(1, &["missing.hdr"]);
     place.run(&format!("{MODEL} -o a.png --environment .")).failed(1, &["not a file"]);

@@ -13,10 +13,11 @@ const CHUNK: usize = 1 << 12;
 /// makes the 8-bit and 16-bit colours anew, where the picture has them. What keeps its light keeps its bytes.
 ///
 /// # Panics
-/// If there is not one light for each linear colour, or there are fewer lights than colours.
+/// If the picture has no linear plane of one colour for each light, or other planes of colours with other sizes.
 pub fn darken(planes: &mut Planes, light: &[f32]) {
     let Planes { color, color16: wide, linear, .. } = planes;
     assert!(linear.len() == light.len(), "a linear colour for each pixel");
+    assert!([color.len(), wide.len()].iter().all(|&n| n == 0 || n == light.len()), "a colour for each pixel");
     for_each_darker(linear, linear_of, light);
     let linear = &*linear;
     for_each_darker(color, |color, index, _| *color = color8(linear[index]), light);

@@ -133,7 +133,7 @@ fn settings_that_are_none_are_errors() {
     let camera = perspective([0.0, 0.0, 4.0], [0.0; 3], 42.0);
     let (mut frame, settings) = draw(&plain, &camera, &Settings::new(8, 8));
     for (radius, strength) in
-        [(0.0, 1.0), (-1.0, 1.0), (f64::NAN, 1.0), (1.0, -0.1), (1.0, 1.1), (1.0, f32::NAN)]
+        [(0.0, 1.0), (-1.0, 1.0), (2.1, 1.0), (f64::NAN, 1.0), (1.0, -0.1), (1.0, 1.1), (1.0, f32::NAN)]
     {
         let occlusion = AmbientOcclusion { radius, strength };
         let error = occlusion.apply(&mut frame, &plain, &camera, &settings).expect_err("no picture");

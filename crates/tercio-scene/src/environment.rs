@@ -66,8 +66,8 @@ impl Environment {
     }
 
     /// The diffuse light of each channel for a normal in world space, per reflectance: the irradiance divided by pi, of the
-    /// panorama's spherical harmonics up to the second degree. Nowhere negative: where it would be, the higher degrees have
-    /// less weight.
+    /// panorama's spherical harmonics up to the second degree. Not negative in 98 directions spread over the
+    /// sphere: where it would be, the higher degrees have less weight.
     pub fn diffuse(&self) -> &[Polynomial; 3] {
         &self.diffuse
     }

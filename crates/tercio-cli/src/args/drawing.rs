@@ -85,8 +85,8 @@ impl From<SortingName> for Sorting {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Drawing")]
 pub struct DrawingArgs {
-    /// Size of the picture in pixels, up to 65536x65536. A PNG with more pixels than 8192x8192, without ranks, stereo and
-    /// other outputs, is drawn in bands: little memory is enough.
+    /// Size of the picture in pixels, up to 65536x65536. A PNG with more pixels than 8192x8192, without ranks, stereo,
+    /// --ao, --edl and other outputs, is drawn in bands: little memory is enough.
     #[arg(short, long, value_name = "WxH", value_parser = values::size, default_value = "1280x960")]
     pub size: (u32, u32),
     /// Where lighting is computed.

@@ -1,9 +1,9 @@
 //! Options of what happens to light after shading: exposure, tone mapping, and effects on the finished picture.
 
 use clap::{Args, ValueEnum};
-use tercio::effects::{AmbientOcclusion, EyeDome};
+use tercio::effects::{AmbientOcclusion, EyeDome, add_background};
 use tercio::raster::{Frame, Outputs, RenderError, Settings, Tone, ToneCurve};
-use tercio::scene::{Camera, Scene};
+use tercio::scene::{Background, Camera, Scene};
 
 use super::values;
 
@@ -46,8 +46,8 @@ pub struct EffectArgs {
     #[arg(long, value_name = "STRENGTH", num_args = 0..=1, default_missing_value = "1", require_equals = true)]
     #[arg(value_parser = values::share)]
     ao: Option<f64>,
-    /// How far surfaces darken each other with --ao, in radii of the model [default: 0.1].
-    #[arg(long, value_name = "RADII", allow_negative_numbers = true, value_parser = values::positive, requires = "ao")]
+    /// How far surfaces darken each other with --ao, in radii of the model, at most 2 [default: 0.1].
+    #[arg(long, value_name = "RADII", allow_negative_numbers = true, value_parser = radius, requires = "ao")]
     ao_radius: Option<f64>,
     /// Darkens what lies behind something else or slopes away (eye-dome lighting), for dense scans; with a strength of 0 to
     /// 100, 1 is usual.
@@ -80,6 +80,11 @@ fn stops(text: &str) -> Result<f64, String> {
     stops.ok_or_else(|| "expected a number of -15 to 15".into())
 }
 
+fn radius(text: &str) -> Result<f64, String> {
+    let radius = values::positive(text).ok().filter(|&radius| radius <= 2.0);
+    radius.ok_or_else(|| "expected a number above 0, at most 2".into())
+}
+
 fn edl_strength(text: &str) -> Result<f64, String> {
     let strength = values::number(text).ok().filter(|s| (0.0..=100.0).contains(s));
     strength.ok_or_else(|| "expected a number of 0 to 100".into())
@@ -93,11 +98,13 @@ impl EffectArgs {
 
     fn occlusion(&self) -> Option<AmbientOcclusion> {
         let radius = self.ao_radius.unwrap_or(AmbientOcclusion::default().radius);
-        self.ao.map(|strength| AmbientOcclusion { radius, strength: strength as f32 })
+        let strength = self.ao.filter(|&strength| strength > 0.0);
+        strength.map(|strength| AmbientOcclusion { radius, strength: strength as f32 })
     }
 
     fn eye_dome(&self) -> Option<EyeDome> {
-        self.edl.map(|strength| EyeDome { strength: strength as f32, radius: self.edl_radius })
+        let strength = self.edl.filter(|&strength| strength > 0.0);
+        strength.map(|strength| EyeDome { strength: strength as f32, radius: self.edl_radius })
     }
 
     /// The planes that the effects need.
@@ -106,7 +113,20 @@ impl EffectArgs {
         occlusion.with(self.eye_dome().map_or(Outputs::NONE, |_| EyeDome::NEEDED))
     }
 
-    /// Applies the effects to a finished picture.
+    /// Whether there is an effect on the finished picture.
+    pub fn are_applied(&self) -> bool {
+        self.occlusion().is_some() || self.eye_dome().is_some()
+    }
+
+    /// Bytes of memory that the effects take for a picture, besides it, at most.
+    pub fn bytes(&self, (width, height): (u32, u32)) -> u64 {
+        // Depths, once more with margins, and lights.
+        let pixels = (u64::from(width) + 300) * (u64::from(height) + 300);
+        if self.are_applied() { pixels.saturating_mul(12) } else { 0 }
+    }
+
+    /// Applies the effects to a finished picture, which was drawn on a transparent background, and puts the background
+    /// behind it.
     ///
     /// # Errors
     /// [`RenderError`].
@@ -116,6 +136,7 @@ impl EffectArgs {
         scene: &Scene,
         camera: &Camera,
         settings: &Settings,
+        background: &Background,
     ) -> Result<(), RenderError> {
         if let Some(occlusion) = self.occlusion() {
             occlusion.apply(frame, scene, camera, settings)?;
@@ -123,7 +144,15 @@ impl EffectArgs {
         if let Some(eye_dome) = self.eye_dome() {
             eye_dome.apply(frame, scene, camera, settings)?;
         }
+        if self.are_applied() {
+            add_background(&mut frame.planes, settings.width as usize, background);
+        }
         Ok(())
+    }
+
+    /// Whether any option is given.
+    pub fn are_given(&self) -> bool {
+        self.are_applied() || self.changes_light()
     }
 
     /// Whether light is changed after shading, before the effects.

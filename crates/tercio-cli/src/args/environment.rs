@@ -54,7 +54,7 @@ fn source(text: &str) -> Result<Source, String> {
                 colors.try_into().map_err(|_| "expected gradient:ZENITH,HORIZON,GROUND".to_owned())?;
             Ok(Source::Gradient(colors))
         }
-        _ if text.is_empty() => Err("expected gradient or the name of a file".into()),
+        _ if text.is_empty() || text == "-" => Err("expected gradient or the name of a file".into()),
         _ => Ok(Source::File(text.into())),
     }
 }
@@ -107,7 +107,7 @@ mod tests {
         let colors = [[1.0; 3], [0.0; 3], [1.0, 0.0, 0.0]];
         assert_eq!(source("gradient:#fff,#000,#f00"), Ok(Source::Gradient(colors)));
         assert_eq!(source("sky.hdr"), Ok(Source::File("sky.hdr".into())));
-        for bad in ["", "gradient:", "gradient:#fff", "gradient:#fff,#000,#f00,#f00", "gradient:1,2,3"] {
+        for bad in ["", "-", "gradient:", "gradient:#fff", "gradient:#fff,#000,#f00,#f00", "gradient:1,2,3"] {
             assert!(source(bad).is_err(), "{bad}");
         }
     }

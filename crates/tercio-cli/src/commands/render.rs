@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 use tercio::parallel::organisation::{Rank, Task};
 use tercio::parallel::{Communicator as _, FrameReport, Organisation, Ranks, between_processes, in_process};
 use tercio::raster::{Frame, FrameStats, Outputs, Renderer, Settings};
-use tercio::scene::{Camera, Scene};
+use tercio::scene::{Background, Camera, Scene};
 use tercio::{LoadOptions, LoadReport, TextureReport, band_bytes, write_png_in_bands};
 
 use crate::args::camera::CameraArgs;
@@ -90,6 +90,8 @@ struct Loaded {
     /// `None` if materials and textures are not used.
     textures: Option<TextureReport>,
     scene: Scene,
+    /// That of the picture: effects need a scene without one.
+    background: Background,
     cameras: Cameras,
 }
 
@@ -125,6 +127,10 @@ impl Render {
         let start = Instant::now();
         let mut plan = self.writing.plan(&self.drawing, &self.stereo).map_err(UsageError)?;
         self.stereo.check(&self.camera, &self.drawing, &plan).map_err(UsageError)?;
+        if plan.picture.is_none() && (self.effects.are_given() || self.environment.is_given()) {
+            let what = "--exposure, --tone, --ao, --edl and --environment change the picture only";
+            return Err(UsageError(format!("{what}, which is not written: add -o")).into());
+        }
         plan.outputs = plan.outputs.with(self.effects.needed());
         let checks = [
             self.drawing.check(&self.effects, &self.environment),
@@ -188,7 +194,7 @@ impl Render {
             display.stage("drawing");
             let (mut frame, parallel) =
                 self.frame(&loaded.scene, camera, settings, drawers).with_context(|| self.model.name())?;
-            let effect_milliseconds = self.add_effects(&mut frame, &loaded.scene, camera, settings)?;
+            let effect_milliseconds = self.add_effects(&mut frame, &loaded, camera, settings)?;
             drawn.push(Drawn { frame, parallel, effect_milliseconds });
         }
         display.stage("writing");
@@ -212,12 +218,13 @@ impl Render {
     fn add_effects(
         &self,
         frame: &mut Frame,
-        scene: &Scene,
+        loaded: &Loaded,
         camera: &Camera,
         settings: &Settings,
     ) -> Result<f64> {
         let begin = Instant::now();
-        self.effects.apply(frame, scene, camera, settings).with_context(|| self.model.name())?;
+        let added = self.effects.apply(frame, &loaded.scene, camera, settings, &loaded.background);
+        added.with_context(|| self.model.name())?;
         Ok(begin.elapsed().as_secs_f64() * 1e3)
     }
 
@@ -233,7 +240,7 @@ impl Render {
         loaded: Loaded,
         display: &Display,
     ) -> Result<Done> {
-        let Loaded { report, textures, scene, cameras } = loaded;
+        let Loaded { report, textures, scene, cameras, .. } = loaded;
         let camera = &cameras.middle;
         let settings = &self.with_shadows(settings, &scene, camera, display)?;
         let begin = Instant::now();
@@ -288,7 +295,7 @@ impl Render {
             let parallel = between_processes::draw_frame(&mut own, comm, &task, &mut frame)
                 .with_context(|| self.model.name())?;
             if writes {
-                let effect_milliseconds = self.add_effects(&mut frame, &loaded.scene, camera, settings)?;
+                let effect_milliseconds = self.add_effects(&mut frame, &loaded, camera, settings)?;
                 drawn.push(Drawn { frame, parallel, effect_milliseconds });
             }
         }
@@ -300,6 +307,11 @@ impl Render {
     }
 
     fn load(&self, writing: &Writing, display: &Display, drawers: Drawers) -> Result<Loaded> {
+        // First, because it is read quickly: what is wrong with it should be known at once.
+        if self.environment.is_given() {
+            display.stage("reading the environment");
+        }
+        let environment = self.environment.load(self.camera.front(), self.running.memory_limit())?;
         let options = LoadOptions {
             memory_limit: self.running.memory_limit(),
             progress: Some(&display.progress),
@@ -314,8 +326,12 @@ impl Render {
         let picture = self.frame_bytes(&writing.plan, drawers);
         self.check_memory(picture, report.mesh.bytes)?;
         let mut scene = Scene::from_mesh(loaded.mesh);
-        scene.environment = self.environment.load(self.camera.front(), self.running.memory_limit())?;
+        scene.environment = environment;
         self.drawing.dress(&mut scene);
+        let background = scene.background;
+        if self.effects.are_applied() {
+            scene.background = Background::Solid([0.0; 4]);
+        }
         // Layers of what is not opaque need memory, too.
         let shadows = self.drawing.shadow_bytes(&scene);
         let taken = picture.saturating_add(report.mesh.bytes).saturating_add(shadows);
@@ -335,7 +351,7 @@ impl Render {
         self.clip.add_caps(&mut scene, loaded.caps);
         let camera = self.camera.camera_for(&scene, loaded.whole.as_ref(), self.drawing.size);
         let cameras = self.stereo.cameras(camera, self.camera.zoom()).with_context(|| self.model.name())?;
-        Ok(Loaded { report, textures, scene, cameras })
+        Ok(Loaded { report, textures, scene, background, cameras })
     }
 
     fn frame(
@@ -372,7 +388,9 @@ impl Render {
         }
         let further =
             frame_bytes(plan.outputs, self.drawing.size).saturating_mul(self.stereo.further_frames());
-        bytes.saturating_add(samples).saturating_mul(frames as u64).saturating_add(further)
+        let effects = self.effects.bytes(self.drawing.size);
+        let bytes = bytes.saturating_add(samples).saturating_mul(frames as u64);
+        bytes.saturating_add(further).saturating_add(effects)
     }
 
     fn check_memory(&self, picture: u64, model: u64) -> Result<()> {
@@ -388,7 +406,7 @@ impl Render {
 
     /// Writes the outputs, unless nothing was drawn.
     fn write(&self, writing: &Writing, loaded: Loaded, drawn: Vec<Drawn>) -> Result<Done> {
-        let Loaded { report, textures, scene, cameras } = loaded;
+        let Loaded { report, textures, scene, cameras, .. } = loaded;
         let mut frames = Vec::new();
         let (mut views, mut reasons) = (Vec::new(), Vec::new());
         let effect_milliseconds = drawn.iter().map(|d| d.effect_milliseconds).sum();

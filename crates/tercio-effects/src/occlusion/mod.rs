@@ -24,7 +24,7 @@ use crate::surface::Surface;
 /// How ambient occlusion looks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AmbientOcclusion {
-    /// How far surfaces darken each other, relative to the radius of the scene; above 0.
+    /// How far surfaces darken each other, relative to the radius of the scene; above 0, at most 2.
     pub radius: f64,
     /// 0 for none to 1: the share of light that is taken from what is wholly occluded.
     pub strength: f32,
@@ -59,8 +59,8 @@ impl AmbientOcclusion {
         let setting = |what, range: &str, value: f64| {
             Err(RenderError::Setting { what, range: range.into(), value: value.to_string() })
         };
-        if !(self.radius > 0.0 && self.radius.is_finite()) {
-            return setting("radius of ambient occlusion", "above 0 and finite", self.radius);
+        if !(self.radius > 0.0 && self.radius <= 2.0) {
+            return setting("radius of ambient occlusion", "above 0, at most 2", self.radius);
         }
         if !(0.0..=1.0).contains(&self.strength) {
             return setting("strength of ambient occlusion", "0 to 1", self.strength.into());

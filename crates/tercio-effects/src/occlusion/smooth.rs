@@ -21,7 +21,8 @@ pub fn light(horizons: &Horizons, strength: f32, level: Level) -> Vec<f32> {
     let width = horizons.surface.width;
     let mut light = vec![1.0; horizons.surface.depth.len()];
     light.par_chunks_mut(width).enumerate().for_each(|(y, to)| {
-        let mut alone = Vec::new();
+        // By the column of the pattern, which selects their directions.
+        let mut alone: [Vec<usize>; PATTERN] = Default::default();
         for (chunk, to) in to.chunks_mut(LANES).enumerate() {
             let x = chunk * LANES;
             let Some(neighbours) = Neighbours::of(horizons, x, y) else { continue };
@@ -36,16 +37,19 @@ pub fn light(horizons: &Horizons, strength: f32, level: Level) -> Vec<f32> {
                 match (found.0[lane], found.1[lane]) {
                     _ if !neighbours.depth[lane].is_finite() => {}
                     (sum, weight) if weight >= ENOUGH => *to = 1.0 - strength * (sum / weight),
-                    _ => alone.push(x + lane),
+                    _ => alone[(x + lane) % PATTERN].push(x + lane),
                 }
             }
         }
-        for pixels in alone.chunks(LANES) {
-            // Lanes select directions: pixels take those of their own columns, four after four.
-            let mut places = [[usize::MAX; 2]; LANES];
-            pixels.iter().enumerate().for_each(|(lane, &x)| places[lane] = [x, y]);
+        while alone.iter().any(|pixels| !pixels.is_empty()) {
+            let of_lane: [_; LANES] = std::array::from_fn(|lane| alone[lane % PATTERN].pop());
+            let places = of_lane.map(|x| [x.unwrap_or(usize::MAX), y]);
             let found = horizons.of_pixels(&places, y % PATTERN, level);
-            pixels.iter().zip(found).for_each(|(&x, occlusion)| to[x] = 1.0 - strength * occlusion);
+            for (x, occlusion) in of_lane.into_iter().zip(found) {
+                if let Some(x) = x {
+                    to[x] = 1.0 - strength * occlusion;
+                }
+            }
         }
     });
     light

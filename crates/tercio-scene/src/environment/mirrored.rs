@@ -86,7 +86,8 @@ impl Directions {
             total += weight;
             (0..3).for_each(|k| sum[k] += weight * f64::from(color[k]));
         }
-        if total > 0.0 { sum.map(|sum| (sum / total) as f32) } else { [0.0; 3] }
+        // A small panorama may have no pixel within reach.
+        if total > 0.0 { sum.map(|sum| (sum / total) as f32) } else { self.sharp(around) }
     }
 
     /// The light in a direction: that of the four nearest pixels.

@@ -13,10 +13,18 @@ fn directions() -> impl Iterator<Item = DVec3> {
 
 #[test]
 fn the_same_light_from_everywhere_is_that_light() {
-    let environment = Environment::new(&of(|_| [0.5, 1.0, 2.0]), DMat3::IDENTITY, 1.5).unwrap();
+    let small = |rows: usize| Panorama::new(2 * rows, rows, vec![[0.5, 1.0, 2.0]; 2 * rows * rows]).unwrap();
+    for panorama in [of(|_| [0.5, 1.0, 2.0]), small(1), small(2), small(5)] {
+        let environment = Environment::new(&panorama, DMat3::IDENTITY, 1.5).unwrap();
+        is_the_same_everywhere(&environment, panorama.height() > 100);
+    }
+}
+
+fn is_the_same_everywhere(environment: &Environment, is_fine: bool) {
     for n in directions() {
         for (k, expected) in [0.75, 1.5, 3.0].into_iter().enumerate() {
-            assert!((environment.diffuse()[k].at(n) - expected).abs() < 1e-4);
+            // Of a few pixels, the integral is coarse.
+            assert!(!is_fine || (environment.diffuse()[k].at(n) - expected).abs() < 1e-4);
             for roughness in [0.0, 0.1, 0.3, 0.6, 1.0] {
                 let mirrored = environment.mirrored(n.as_vec3().to_array(), roughness)[k];
                 assert!((f64::from(mirrored) - expected).abs() < 1e-5, "{n} {roughness}: {mirrored}");

@@ -208,11 +208,25 @@ pub fn panorama_from_file(path: &Path, memory_limit: Option<u64>) -> Result<Pano
     if !metadata.is_file() {
         return Err(TextureError::NotAFile.into());
     }
+    let file_bytes = metadata.len();
+    if file_bytes > MAX_FILE_BYTES {
+        return Err(TextureError::FileSize { bytes: file_bytes, limit: MAX_FILE_BYTES }.into());
+    }
+    // Decoding takes more than this, but the size of the picture is not known yet.
+    if let Some(left) = memory_limit.filter(|&limit| file_bytes > limit) {
+        return Err(TextureError::Memory { needed: file_bytes, left }.into());
+    }
     let mut bytes = Vec::new();
     let file = File::open(path).map_err(TextureError::from)?;
-    file.take(MAX_FILE_BYTES + 1).read_to_end(&mut bytes).map_err(TextureError::from)?;
-    if bytes.len() as u64 > MAX_FILE_BYTES {
-        return Err(TextureError::FileSize { bytes: metadata.len(), limit: MAX_FILE_BYTES }.into());
+    file.take(file_bytes).read_to_end(&mut bytes).map_err(TextureError::from)?;
+    panorama_from_bytes(bytes, memory_limit)
+}
+
+/// [`panorama_from_file`] of the bytes of a file.
+fn panorama_from_bytes(mut bytes: Vec<u8>, memory_limit: Option<u64>) -> Result<Panorama, PanoramaFileError> {
+    // The same format, by the name of its program or of its pixels; the decoder knows one of them.
+    if bytes.starts_with(b"#?RGBE") {
+        bytes.splice(..6, *b"#?RADIANCE");
     }
     let format = match image::guess_format(&bytes) {
         Ok(format) if PANORAMA_FORMATS.contains(&format) => format,
