@@ -107,6 +107,7 @@ fn wrong_values_are_refused() {
         ("--environment gradient --shading unlit", "--environment"),
         ("--tone filmic --shading unlit", "--tone"),
         ("--environment gradient --shadows", "--shadows"),
+        ("--environment gradient --environment-rotation 9", "--environment-rotation"),
         ("--environment -", "--environment"),
         ("--ao --ao-radius 3", "--ao-radius"),
     ] {

@@ -151,7 +151,9 @@ impl ObjectShadow {
         };
         let (right, down) = (limited(right), limited(down));
         // Beyond an inward corner is a surface that is nearer than the plane, the more the farther away and the steeper.
-        let per_texel = 1.0 + 0.5 * ((right.abs() + down.abs()) / texel);
+        // At most five texels, so that flat things on a floor keep their shadows in low light.
+        let steepness = (right.abs() + down.abs()) / texel;
+        let per_texel = 1.0 + 0.5 * if steepness < 8.0 { steepness } else { 8.0 };
         let middle = 0.5 * map.size as f32;
         let (x, y) = (x + middle, y + middle);
         let is_near = |c: f32| (-2.0..map.size as f32 + 2.0).contains(&c);

@@ -14,11 +14,14 @@ use glam::{DMat3, DVec3};
 use mirrored::Mirrored;
 pub use panorama::{Panorama, PanoramaError};
 
+use crate::{Light, LightSpace};
+
 /// The light of a panorama, prepared for shading. It is fixed in the world and infinitely far away.
 #[derive(Clone, PartialEq)]
 pub struct Environment {
     diffuse: [Polynomial; 3],
     mirrored: Mirrored,
+    sources: Vec<Light>,
 }
 
 /// A polynomial of second degree of a unit vector.
@@ -61,11 +64,24 @@ impl Environment {
         if !(strength >= 0.0 && brightest <= BRIGHTEST) {
             return Err(PanoramaError::Strength { strength, brightest });
         }
-        let scaled = panorama.scaled(strength);
-        Ok(Self { diffuse: diffuse(&scaled, axes), mirrored: Mirrored::new(&scaled, axes) })
+        let mut rest = panorama.scaled(strength);
+        let source = |(direction, light): (DVec3, [f64; 3])| Light::Directional {
+            to_light: axes * direction,
+            space: LightSpace::World,
+            color: light.map(|c| (c / std::f64::consts::PI) as f32),
+        };
+        let sources = (0..MOST_SOURCES).map_while(|_| rest.take_source()).map(source).collect();
+        Ok(Self { diffuse: diffuse(&rest, axes), mirrored: Mirrored::new(&rest, axes), sources })
     }
 
-    /// The diffuse light of each channel for a normal in world space, per reflectance: the irradiance divided by pi, of the
+    /// Small sources of light that are much brighter than what is around them, such as the sun, as directional lights:
+    /// [`Environment::diffuse`] and [`Environment::mirrored`] are without them. Add them to the lights of the scene, where
+    /// they cast shadows, too.
+    pub fn sources(&self) -> &[Light] {
+        &self.sources
+    }
+
+    /// The diffuse light of each channel, without that of the [sources](Environment::sources), for a normal in world space, per reflectance: the irradiance divided by pi, of the
     /// panorama's spherical harmonics up to the second degree. Not negative in 98 directions spread over the
     /// sphere: where it would be, the higher degrees have less weight.
     pub fn diffuse(&self) -> &[Polynomial; 3] {
@@ -78,6 +94,9 @@ impl Environment {
         self.mirrored.at(direction, roughness)
     }
 }
+
+/// Most small sources of light.
+const MOST_SOURCES: usize = 4;
 
 /// The brightest light.
 const BRIGHTEST: f64 = 1e6;

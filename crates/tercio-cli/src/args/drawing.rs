@@ -240,13 +240,15 @@ impl DrawingArgs {
             surface.roughness = self.roughness.map_or(surface.roughness, |r| r as f32);
             surface.metallic = self.metallic.map_or(surface.metallic, |m| m as f32);
         }
+        let sources = scene.environment.as_ref().map(|environment| environment.sources().to_vec());
         if !self.lights.is_empty() {
             scene.lights = self.lights.iter().flat_map(|l| l.0.clone()).collect();
-        } else if scene.environment.is_some() {
-            scene.lights = Vec::new();
+        } else if sources.is_some() {
+            scene.lights.clear();
         } else if self.shadows.is_some() {
             scene.lights = Light::sunlit_studio();
         }
+        scene.lights.extend(sources.unwrap_or_default());
         scene.background = self.background.unwrap_or(scene.background);
     }
 
@@ -270,9 +272,9 @@ impl DrawingArgs {
         if self.shading == ShadingName::Unlit && environment.is_given() {
             return Err("--environment has no effect with --shading unlit");
         }
-        if self.shadows.is_some() && environment.is_given() && self.lights.is_empty() {
+        if self.shadows.is_some() && environment.is_gradient() && self.lights.is_empty() {
             return Err(
-                "--environment casts no shadows: --shadows needs a light besides, such as --light dir:1,2,1",
+                "a gradient casts no shadows: --shadows needs a light besides, such as --light dir:1,2,1",
             );
         }
         if self.shading == ShadingName::Unlit && self.shadows.is_some() {

@@ -16,7 +16,7 @@ pub enum ToneName {
     Reinhard,
     /// As film does, with more contrast.
     Filmic,
-    /// Only bright colours, the others stay as they are.
+    /// Only bright colours are compressed; the others keep hue and saturation, a little darker.
     Neutral,
 }
 
@@ -42,7 +42,8 @@ pub struct EffectArgs {
     /// How light brighter than white is compressed.
     #[arg(long, value_name = "CURVE", value_enum, default_value_t = ToneName::None)]
     tone: ToneName,
-    /// Darkens gaps and pockets that little of the surroundings' light can reach, with a strength of 0 to 1.
+    /// Darkens gaps and pockets that little of the surroundings' light can reach, with a strength of 0 to 1: all of the
+    /// nearest surface's light, by what is visible around it.
     #[arg(long, value_name = "STRENGTH", num_args = 0..=1, default_missing_value = "1", require_equals = true)]
     #[arg(value_parser = values::share)]
     ao: Option<f64>,

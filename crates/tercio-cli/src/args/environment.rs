@@ -32,7 +32,8 @@ const SKY: [[f32; 3]; 3] = [[0.75, 0.95, 1.25], [1.0, 1.0, 1.0], [0.22, 0.20, 0.
 pub struct EnvironmentArgs {
     /// Lights the model from all around, in place of the default lights: gradient, gradient:ZENITH,HORIZON,GROUND with three
     /// colours, or a panorama file (Radiance HDR, PNG, JPEG, WebP or TIFF; equirectangular, twice as wide as high). Its
-    /// middle is what the front view looks at. With --shading pbr, surfaces mirror it, too.
+    /// middle is what the front view looks at. Suns and other small sources of light in it cast shadows with --shadows. With
+    /// --shading pbr, surfaces mirror it, too. It is not shown as the background.
     #[arg(long, value_name = "WHAT", value_parser = source)]
     environment: Option<Source>,
     /// Factor of the environment's light [default: 1].
@@ -63,6 +64,22 @@ impl EnvironmentArgs {
     /// Whether there is an environment.
     pub fn is_given(&self) -> bool {
         self.environment.is_some()
+    }
+
+    /// Whether the environment is the same all round, without any small source of light.
+    pub fn is_gradient(&self) -> bool {
+        matches!(self.environment, Some(Source::Gradient(_)))
+    }
+
+    /// Options without any effect are reported as a mistake.
+    ///
+    /// # Errors
+    /// What has no effect.
+    pub fn check(&self) -> Result<(), &'static str> {
+        if self.is_gradient() && self.environment_rotation.is_some() {
+            return Err("--environment-rotation has no effect on a gradient, which is the same all round");
+        }
+        Ok(())
     }
 
     /// Adds the panorama to the inputs.

@@ -136,6 +136,7 @@ impl Render {
             self.drawing.check(&self.effects, &self.environment),
             self.textures.check(),
             self.sampling.check(),
+            self.environment.check(),
         ];
         checks.into_iter().collect::<Result<(), _>>().map_err(|e| UsageError(e.into()))?;
         let files = self.environment.named_files(plan.named_files().reads_model(&self.model.model));
@@ -396,7 +397,7 @@ impl Render {
     fn check_memory(&self, picture: u64, model: u64) -> Result<()> {
         match self.running.memory_limit() {
             Some(limit) if picture.saturating_add(model) > limit => bail!(
-                "{}: the picture needs {picture} bytes (with its shadow maps) besides {model} for the model (with its textures), the limit is {limit} bytes ({})",
+                "{}: the picture needs {picture} bytes (with its shadow maps and effects) besides {model} for the model (with its textures), the limit is {limit} bytes ({})",
                 self.model.name(),
                 memory::limit_source()
             ),

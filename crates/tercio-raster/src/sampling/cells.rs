@@ -188,7 +188,7 @@ mod tests {
     use super::*;
     use crate::conventions::SAMPLE;
     use crate::sampling::SamplePattern;
-    use crate::settings::SimdLevel;
+    use crate::simd::SimdLevel;
 
     #[test]
     fn sparse_patterns_have_one_sample_in_each_row_and_column_far_from_each_other() {

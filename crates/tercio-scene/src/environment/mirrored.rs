@@ -12,10 +12,10 @@ pub struct Mirrored {
     maps: Vec<Map>,
 }
 
-/// Roughness, texels along the edge, and the most rows of the panorama that it is made from. Roughnesses are those of
+/// Roughness, texels along the edge (of the sharp map at most), and the most rows of the panorama that it is made from. Roughnesses are those of
 /// [`position`].
 const LEVELS: [(f64, usize, usize); 6] =
-    [(0.0, 256, 512), (0.125, 128, 128), (0.25, 64, 64), (0.5, 32, 32), (0.75, 32, 32), (1.0, 32, 32)];
+    [(0.0, 1024, 1024), (0.125, 192, 128), (0.25, 128, 64), (0.5, 128, 32), (0.75, 96, 32), (1.0, 64, 32)];
 
 /// The place of a roughness between the levels.
 fn position(roughness: f32) -> f32 {
@@ -29,6 +29,7 @@ impl Mirrored {
             while smaller.height() > rows {
                 smaller = smaller.halved();
             }
+            let edge = if roughness > 0.0 { edge } else { edge.min(4 * smaller.height()).max(256) };
             Map::new(&Directions::new(&smaller, axes), roughness, edge)
         });
         Self { maps: maps.into() }

@@ -47,11 +47,14 @@ pub enum PanoramaError {
     },
 }
 
+/// The largest radius of a source of light that is taken out, degrees.
+const SOURCE_DEGREES: f64 = 6.0;
+
 /// Larger panoramas are averaged to this many rows.
-const MOST_ROWS: usize = 512;
+const MOST_ROWS: usize = 1024;
 
 impl Panorama {
-    /// A panorama of these pixels, row by row. One of more than 512 rows is made smaller, by halves.
+    /// A panorama of these pixels, row by row. One of more than 1024 rows is made smaller, by halves.
     ///
     /// # Errors
     /// [`PanoramaError`] for another shape, and for light below 0, above 1e6, or NaN.
@@ -129,6 +132,53 @@ impl Panorama {
             }
         }
         Self { height, pixels }
+    }
+
+    /// Takes a small, very bright source of light out of the panorama, such as the sun: its direction in the panorama's axes,
+    /// and the integral of its light over the solid angle. What is left in its place is as bright as what is around it.
+    /// `None` if there is none whose light is at least a hundredth of all.
+    pub(super) fn take_source(&mut self) -> Option<(DVec3, [f64; 3])> {
+        let brightness = |color: [f32; 3]| color.map(f64::from).iter().sum::<f64>();
+        let (mut all, mut brightest, mut middle) = (0.0, 0.0, DVec3::ZERO);
+        self.for_each(|direction, solid_angle, color| {
+            all += brightness(color) * solid_angle;
+            if brightness(color) > brightest {
+                (brightest, middle) = (brightness(color), direction);
+            }
+        });
+        // The mean around it, outside of the cone that it may fill.
+        let cone = |degrees: f64| sin_cos(degrees.to_radians()).1;
+        let (inner, outer) = (cone(SOURCE_DEGREES), cone(2.0 * SOURCE_DEGREES + 180.0 / self.height as f64));
+        let (mut sum, mut total) = ([0.0; 3], 0.0);
+        self.for_each(|direction, solid_angle, color| {
+            let cosine = direction.dot(middle);
+            if cosine < inner && cosine > outer {
+                total += solid_angle;
+                (0..3).for_each(|k| sum[k] += f64::from(color[k]) * solid_angle);
+            }
+        });
+        if !(total > 0.0) {
+            return None;
+        }
+        let around = sum.map(|sum| (sum / total) as f32);
+        let limit = 4.0 * brightness(around);
+        let (mut light, mut toward, mut taken) = ([0.0; 3], DVec3::ZERO, Vec::new());
+        let mut number = 0;
+        self.for_each(|direction, solid_angle, color| {
+            if direction.dot(middle) >= inner && brightness(color) > limit {
+                let more =
+                    [0, 1, 2].map(|k| (f64::from(color[k]) - f64::from(around[k])).max(0.0) * solid_angle);
+                toward += direction * more.iter().sum::<f64>();
+                (0..3).for_each(|k| light[k] += more[k]);
+                taken.push(number);
+            }
+            number += 1;
+        });
+        if !(light.iter().sum::<f64>() > 0.01 * all) {
+            return None;
+        }
+        taken.into_iter().for_each(|number: usize| self.pixels[number] = around);
+        Some((toward.normalize(), light))
     }
 
     /// Calls `f` with the direction of each pixel's middle, in the panorama's axes; its solid angle; and its colour.
