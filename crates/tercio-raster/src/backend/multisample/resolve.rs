@@ -12,7 +12,7 @@ use super::shade::is_needed;
 use crate::backend::encode::opaque;
 use crate::context::FrameContext;
 use crate::frame::{Outputs, Pixel, Planes, visibility_key};
-use crate::resolve::{color8, mean, set_colors, weighted_mean};
+use crate::resolve::{color8, color16, mean, set_colors, weighted_mean};
 use crate::sampling::{MAX_SAMPLES, Tap};
 use crate::simd::{LANES, load_interleaved, splat};
 
@@ -28,7 +28,7 @@ pub fn tile<S: Simd>(
 ) {
     let tile = Tile::new(context, memory, outputs);
     let own = memory.own;
-    let only_color = *outputs == Outputs { color: true, ..Outputs::NONE };
+    let has_colors = is_needed(outputs);
     for (row, y) in (own.y0..own.y1 + 1).enumerate() {
         let background = &background[row];
         if context.settings.unresolved {
@@ -38,13 +38,12 @@ pub fn tile<S: Simd>(
         for x in (own.x0..own.x1 + 1).step_by(LANES) {
             let place = row * stride + (x - own.x0) as usize;
             let last = (x + LANES as i32 - 1).min(own.x1);
-            if only_color {
+            if has_colors {
                 tile.write_colors(simd, [x, last], y, place, background, pixels);
-                continue;
             }
-            for x in x..last + 1 {
-                if let Some(pixel) = tile.pixel(x, y, background) {
-                    pixels.put(row * stride + (x - own.x0) as usize, &pixel);
+            if tile.has_geometry {
+                for (index, x) in (x..last + 1).enumerate() {
+                    tile.write_geometry(x, y, place + index, pixels);
                 }
             }
         }
@@ -202,7 +201,7 @@ impl Tile<'_> {
         if self.memory.blended.is_at(sample) { self.memory.blended.over(sample, opaque) } else { opaque }
     }
 
-    /// Writes the 8-bit colours of at most 16 pixels of a row, from column x0 to x1.
+    /// Writes the colours of at most 16 pixels of a row, from column x0 to x1.
     #[inline(always)]
     fn write_colors<S: Simd>(
         &self,
@@ -236,10 +235,19 @@ impl Tile<'_> {
         if row.drawn == 0 {
             return;
         }
-        simd.vectorize(
-            #[inline(always)]
-            || row.write(simd, &mut pixels.color[place..], count),
-        );
+        if self.outputs.color {
+            simd.vectorize(
+                #[inline(always)]
+                || row.write(simd, &mut pixels.color[place..], count),
+            );
+        }
+        let drawn = (0..count).filter(|lane| row.drawn >> lane & 1 == 1);
+        if self.outputs.linear {
+            drawn.clone().for_each(|lane| pixels.linear[place + lane] = row.colors[lane]);
+        }
+        if self.outputs.color16 {
+            drawn.for_each(|lane| pixels.color16[place + lane] = color16(row.colors[lane]));
+        }
     }
 
     /// The premultiplied linear colour of a pixel; `None` where nothing was drawn.
@@ -288,27 +296,45 @@ impl Tile<'_> {
         steps.map(move |step| (first.wrapping_add_signed(step.offset), step))
     }
 
-    /// A pixel with all requested planes; `None` where nothing was drawn.
-    fn pixel(&self, x: i32, y: i32, background: &Pixel) -> Option<Pixel> {
-        let mut pixel = *background;
-        if is_needed(self.outputs) {
-            set_colors(&mut pixel, self.linear(x, y, background)?, self.outputs);
+    /// Writes the planes of a pixel that are no colours: of the first of the samples with the largest key.
+    fn write_geometry(&self, x: i32, y: i32, index: usize, pixels: &mut Planes) {
+        let outputs = self.outputs;
+        if let Some(nearest) = self.nearest_in(x, y) {
+            if outputs.depth {
+                pixels.depth[index] = self.context.view.distance(nearest.depth);
+            }
+            if outputs.ids {
+                pixels.ids[index] = self.context.face(nearest.slot);
+            }
+            if outputs.normals {
+                pixels.normals[index] = nearest.normal;
+            }
+            if outputs.keys {
+                pixels.keys[index] = self.key_of(&nearest);
+            }
         }
-        if !self.has_geometry {
-            return Some(pixel);
+        if outputs.keys && !self.steps.is_empty() {
+            let keys = self.contributing(x, y).map(|(sample, _)| self.key(sample));
+            pixels.keys[index] = keys.max().unwrap_or(0);
         }
-        // The first of the samples with the largest key.
-        let key = |sample: &usize| self.key(*sample);
-        let nearest = self.samples(x, y).rev().max_by_key(key).filter(|sample| key(sample) > 0);
-        if let Some(nearest) = nearest {
-            let sample = self.sample(nearest, background);
-            (pixel.depth, pixel.ids, pixel.normals) = (sample.depth, sample.ids, sample.normals);
-            pixel.keys = sample.keys;
+    }
+
+    /// What is nearest in a pixel. Keys compare depths first: primitives are looked up only where depths are the same.
+    fn nearest_in(&self, x: i32, y: i32) -> Option<Nearest> {
+        let mut found: Option<Nearest> = None;
+        for nearest in self.samples(x, y).filter_map(|sample| self.nearest(sample)) {
+            let is_nearer = found.as_ref().is_none_or(|found| {
+                let (own, other) = (nearest.depth.to_bits(), found.depth.to_bits());
+                own > other
+                    || own == other
+                        && nearest.slot != found.slot
+                        && self.key_of(&nearest) > self.key_of(found)
+            });
+            if is_nearer {
+                found = Some(nearest);
+            }
         }
-        if self.outputs.keys && !self.steps.is_empty() {
-            pixel.keys = self.contributing(x, y).map(|(sample, _)| self.key(sample)).max().unwrap_or(0);
-        }
-        Some(pixel)
+        found
     }
 
     /// What is nearest at a sample, opaque or not; `None` where nothing was drawn.
@@ -325,8 +351,11 @@ impl Tile<'_> {
 
     /// The visibility key of a sample; 0 where nothing was drawn.
     fn key(&self, sample: usize) -> u64 {
-        let key = |n: Nearest| visibility_key(n.depth, self.context.primitive(n.slot) as u32);
-        self.nearest(sample).map_or(0, key)
+        self.nearest(sample).map_or(0, |nearest| self.key_of(&nearest))
+    }
+
+    fn key_of(&self, nearest: &Nearest) -> u64 {
+        visibility_key(nearest.depth, self.context.primitive(nearest.slot) as u32)
     }
 
     /// A sample that was drawn, as a pixel.
