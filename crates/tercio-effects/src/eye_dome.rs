@@ -9,10 +9,9 @@
 //! section 2.4, which takes the logarithm of depth instead.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, dispatch, f32x16};
+use fearless_simd::{Level, Simd, dispatch, f32x16};
 use rayon::prelude::*;
-use tercio_raster::view::View;
-use tercio_raster::{Frame, Outputs, RenderError, Settings, SimdLevel};
+use tercio_raster::{Frame, Outputs, RenderError, Settings};
 use tercio_scene::{Camera, Scene};
 
 use crate::darken::darken;
@@ -24,7 +23,7 @@ use crate::surface::Surface;
 pub struct EyeDome {
     /// 0 for none; 1 is usual; finite.
     pub strength: f32,
-    /// Distance of the nearest neighbours that are looked at, in pixels, 1 to 64; `None` for a thousandth of the picture's
+    /// Distance of the nearest neighbours that are looked at, in pixels, 1 to [`EyeDome::MAX_RADIUS`]; `None` for a thousandth of the picture's
     /// height, rounded up.
     pub radius: Option<u32>,
 }
@@ -35,8 +34,6 @@ impl Default for EyeDome {
     }
 }
 
-/// The largest radius.
-const MAX_RADIUS: u32 = 64;
 /// The distances of the neighbours, in radii, and their weights.
 const RINGS: [(usize, f32); 3] = [(1, 4.0 / 7.0), (2, 2.0 / 7.0), (4, 1.0 / 7.0)];
 /// Slopes count up to this.
@@ -45,6 +42,9 @@ const STEEPEST: f32 = 8.0;
 const PER_SLOPE: f32 = 0.5;
 
 impl EyeDome {
+    /// The largest radius.
+    pub const MAX_RADIUS: u32 = 64;
+
     /// The planes that it needs; frames may have others besides.
     pub const NEEDED: Outputs = Outputs { linear: true, depth: true, ..Outputs::NONE };
 
@@ -69,28 +69,20 @@ impl EyeDome {
             let value = self.strength.to_string();
             return setting("strength of eye-dome lighting", "0 or above and finite".into(), value);
         }
-        let radius = self.radius.unwrap_or_else(|| settings.height.div_ceil(1000).clamp(1, MAX_RADIUS));
-        if !(1..=MAX_RADIUS).contains(&radius) {
+        let radius = self.radius.unwrap_or_else(|| settings.height.div_ceil(1000).clamp(1, Self::MAX_RADIUS));
+        if !(1..=Self::MAX_RADIUS).contains(&radius) {
             let what = "radius of eye-dome lighting";
-            return setting(what, format!("1 to {MAX_RADIUS} pixels"), radius.to_string());
+            return setting(what, format!("1 to {} pixels", Self::MAX_RADIUS), radius.to_string());
         }
-        let bounds = scene.bounds();
-        let view = View::new(camera, &bounds, settings.width, settings.height)?;
-        let pixels = settings.width as usize * settings.height as usize;
-        let planes = &mut frame.planes;
-        let is_complete = [planes.linear.len(), planes.depth.len()] == [pixels; 2];
-        assert!(is_complete, "the frame has the planes that eye-dome lighting needs");
-        let surface = Surface::new(&view, bounds.radius().max(f64::MIN_POSITIVE), planes);
-        let light =
-            light(&surface, radius as usize, self.strength, settings.simd.unwrap_or_else(SimdLevel::best));
-        darken(planes, &light);
+        let (surface, level) = Surface::of_frame(frame, scene, camera, settings, 1.0, &Self::NEEDED)?;
+        let light = light(&surface, radius as usize, self.strength, level);
+        darken(&mut frame.planes, &light);
         Ok(())
     }
 }
 
 /// The share of light that is left in each pixel.
-fn light(surface: &Surface, radius: usize, strength: f32, level: SimdLevel) -> Vec<f32> {
-    let level = level.level().expect("the level with which the picture was drawn");
+fn light(surface: &Surface, radius: usize, strength: f32, level: Level) -> Vec<f32> {
     let (width, height) = (surface.width, surface.height);
     let margin = radius * RINGS[RINGS.len() - 1].0;
     let stride = width.next_multiple_of(LANES) + 2 * margin;

@@ -1,9 +1,12 @@
 //! The visible surface, in the camera's axes: x to the right, y upwards, z towards the viewer.
 
+use fearless_simd::Level;
 use rayon::prelude::*;
 use tercio_raster::conventions::SUBPIXELS;
 use tercio_raster::frame::Planes;
 use tercio_raster::view::View;
+use tercio_raster::{Frame, Outputs, RenderError, Settings, SimdLevel};
+use tercio_scene::{Camera, Scene};
 
 /// The visible points of a picture. Lengths are in a unit of the caller's.
 pub struct Surface {
@@ -24,8 +27,41 @@ pub struct Surface {
 }
 
 impl Surface {
+    /// The surface of a finished frame of this scene, camera and settings, and the SIMD level of the settings. The unit of
+    /// length is `radii` times the radius of the scene.
+    ///
+    /// # Errors
+    /// [`RenderError::Camera`].
+    ///
+    /// # Panics
+    /// If the frame does not have the planes `needed` of a whole picture, or this processor does not have the SIMD level.
+    pub fn of_frame(
+        frame: &Frame,
+        scene: &Scene,
+        camera: &Camera,
+        settings: &Settings,
+        radii: f64,
+        needed: &Outputs,
+    ) -> Result<(Self, Level), RenderError> {
+        let bounds = scene.bounds();
+        let view = View::new(camera, &bounds, settings.width, settings.height)?;
+        let pixels = settings.width as usize * settings.height as usize;
+        let planes = &frame.planes;
+        let is_complete = |is_needed: bool, length: usize| !is_needed || length == pixels;
+        assert!(
+            is_complete(needed.linear, planes.linear.len())
+                && is_complete(needed.depth, planes.depth.len())
+                && is_complete(needed.normals, planes.normals.len()),
+            "the frame has the planes that the effect needs"
+        );
+        let level = settings.simd.unwrap_or_else(SimdLevel::best).level();
+        let level = level.expect("the level with which the picture was drawn");
+        let unit = (radii * bounds.radius()).max(f64::MIN_POSITIVE);
+        Ok((Self::new(&view, unit, planes), level))
+    }
+
     /// The surface of a picture with a plane of depths. `unit` is the unit of length, in world units.
-    pub fn new(view: &View, unit: f64, planes: &Planes) -> Self {
+    fn new(view: &View, unit: f64, planes: &Planes) -> Self {
         let per_world_unit = view.scale / f64::from(SUBPIXELS);
         let axes = [view.basis.right, view.basis.up, -view.basis.forward];
         let inverse = 1.0 / unit;

@@ -56,7 +56,8 @@ pub struct EffectArgs {
     #[arg(value_parser = edl_strength)]
     edl: Option<f64>,
     /// Width of the outlines of --edl, 1 to 64 pixels [default: a thousandth of the picture's height].
-    #[arg(long, value_name = "PIXELS", value_parser = clap::value_parser!(u32).range(1..=64), requires = "edl")]
+    #[arg(long, value_name = "PIXELS", requires = "edl")]
+    #[arg(value_parser = clap::value_parser!(u32).range(1..=i64::from(EyeDome::MAX_RADIUS)))]
     edl_radius: Option<u32>,
 }
 
@@ -82,8 +83,8 @@ fn stops(text: &str) -> Result<f64, String> {
 }
 
 fn radius(text: &str) -> Result<f64, String> {
-    let radius = values::positive(text).ok().filter(|&radius| radius <= 2.0);
-    radius.ok_or_else(|| "expected a number above 0, at most 2".into())
+    let radius = values::positive(text).ok().filter(|&radius| radius <= AmbientOcclusion::MAX_RADIUS);
+    radius.ok_or_else(|| format!("expected a number above 0, at most {}", AmbientOcclusion::MAX_RADIUS))
 }
 
 fn edl_strength(text: &str) -> Result<f64, String> {

@@ -14,8 +14,7 @@
 mod horizon;
 mod smooth;
 
-use tercio_raster::view::View;
-use tercio_raster::{Frame, Outputs, RenderError, Settings, SimdLevel};
+use tercio_raster::{Frame, Outputs, RenderError, Settings};
 use tercio_scene::{Camera, Scene};
 
 use crate::darken::darken;
@@ -24,7 +23,8 @@ use crate::surface::Surface;
 /// How ambient occlusion looks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AmbientOcclusion {
-    /// How far surfaces darken each other, relative to the radius of the scene; above 0, at most 2.
+    /// How far surfaces darken each other, relative to the radius of the scene; above 0, at most
+    /// [`AmbientOcclusion::MAX_RADIUS`].
     pub radius: f64,
     /// 0 for none to 1: the share of light that is taken from what is wholly occluded.
     pub strength: f32,
@@ -37,6 +37,9 @@ impl Default for AmbientOcclusion {
 }
 
 impl AmbientOcclusion {
+    /// The largest radius.
+    pub const MAX_RADIUS: f64 = 2.0;
+
     /// The planes that it needs; frames may have others besides.
     pub const NEEDED: Outputs = Outputs { linear: true, depth: true, normals: true, ..Outputs::NONE };
 
@@ -56,24 +59,18 @@ impl AmbientOcclusion {
         camera: &Camera,
         settings: &Settings,
     ) -> Result<(), RenderError> {
-        let setting = |what, range: &str, value: f64| {
-            Err(RenderError::Setting { what, range: range.into(), value: value.to_string() })
+        let setting = |what, range: String, value: f64| {
+            Err(RenderError::Setting { what, range, value: value.to_string() })
         };
-        if !(self.radius > 0.0 && self.radius <= 2.0) {
-            return setting("radius of ambient occlusion", "above 0, at most 2", self.radius);
+        if !(self.radius > 0.0 && self.radius <= Self::MAX_RADIUS) {
+            let range = format!("above 0, at most {}", Self::MAX_RADIUS);
+            return setting("radius of ambient occlusion", range, self.radius);
         }
         if !(0.0..=1.0).contains(&self.strength) {
-            return setting("strength of ambient occlusion", "0 to 1", self.strength.into());
+            return setting("strength of ambient occlusion", "0 to 1".into(), self.strength.into());
         }
-        let bounds = scene.bounds();
-        let view = View::new(camera, &bounds, settings.width, settings.height)?;
-        let pixels = settings.width as usize * settings.height as usize;
+        let (surface, level) = Surface::of_frame(frame, scene, camera, settings, self.radius, &Self::NEEDED)?;
         let planes = &mut frame.planes;
-        let is_complete = [planes.linear.len(), planes.depth.len(), planes.normals.len()] == [pixels; 3];
-        assert!(is_complete, "the frame has the planes that ambient occlusion needs");
-        let surface = Surface::new(&view, self.radius * bounds.radius(), planes);
-        let level = settings.simd.unwrap_or_else(SimdLevel::best).level();
-        let level = level.expect("the level with which the picture was drawn");
         let horizons = horizon::Horizons::new(&surface, &planes.normals, level);
         let light = smooth::light(&horizons, self.strength, level);
         darken(planes, &light);
