@@ -1,6 +1,7 @@
 //! Why ranks could not draw a picture.
 
 use tercio_raster::RenderError;
+use tercio_raster::frame::layers::LayerError;
 
 use crate::comm::CommError;
 use crate::composite::packet::PacketError;
@@ -25,9 +26,9 @@ pub enum ParallelError {
         /// Samples per pixel.
         samples: u32,
     },
-    /// Sort-last was requested for a scene in which something is not opaque.
-    #[error("sort-last composites opaque surfaces only, and the scene has others: sort-first draws them")]
-    Translucent,
+    /// Layers of what is not opaque are not valid.
+    #[error(transparent)]
+    Layers(LayerError),
     /// A message could not be sent or received.
     #[error(transparent)]
     Comm(#[from] CommError),

@@ -17,6 +17,8 @@ pub struct Regions {
     pub columns_per_pixel: u32,
     /// Number of ranks, at least 1.
     pub ranks: usize,
+    /// The regions that are meant, by number: from the first one to before the second one.
+    pub numbers: [u64; 2],
 }
 
 /// A region's columns and rows in a frame.
@@ -43,10 +45,23 @@ impl Regions {
         usize::try_from(self.count()).map_or(self.ranks, |count| count.min(self.ranks))
     }
 
-    /// The regions of a rank, in order.
+    /// The rank that owns a region.
+    pub fn owner(&self, number: u64) -> usize {
+        (number % self.ranks as u64) as usize
+    }
+
+    /// The numbers of the regions of a rank that are meant, in order.
+    pub fn numbers_of(&self, rank: usize) -> impl Iterator<Item = u64> + use<> {
+        let ([first, end], ranks) = (self.numbers, self.ranks as u64);
+        // The first one from there on.
+        let own = first + (rank as u64 + ranks - first % ranks) % ranks;
+        (own..end.min(self.count())).step_by(self.ranks)
+    }
+
+    /// The regions of a rank that are meant, in order.
     pub fn of(&self, rank: usize) -> impl Iterator<Item = Region> + use<> {
         let regions = *self;
-        (rank as u64..self.count()).step_by(self.ranks).map(move |k| {
+        self.numbers_of(rank).map(move |k| {
             let along = |place: u64, size: u32| {
                 let first = place as u32 * regions.edge;
                 first..first.saturating_add(regions.edge).min(size)
@@ -69,13 +84,16 @@ mod tests {
     proptest! {
         #[test]
         fn every_pixel_has_one_owner(
-            width in 1u32..70, height in 1u32..70, edge in 1u32..40, ranks in 1usize..12,
+            width in 1u32..70, height in 1u32..70, edge in 1u32..40, ranks in 1usize..12, cut in 0u64..30,
         ) {
-            let regions = Regions { width, height, edge, columns_per_pixel: 1, ranks };
+            let regions = Regions { width, height, edge, columns_per_pixel: 1, ranks, numbers: [0, u64::MAX] };
             let mut owned = vec![0; (width * height) as usize];
             for rank in 0..ranks {
                 let mut pixels = 0;
-                for Region { x, y } in regions.of(rank) {
+                let [first, rest] = [[0, cut], [cut, u64::MAX]].map(|numbers| Regions { numbers, ..regions });
+                prop_assert!(first.numbers_of(rank).chain(rest.numbers_of(rank)).eq(regions.numbers_of(rank)));
+                prop_assert!(regions.numbers_of(rank).all(|number| regions.owner(number) == rank));
+                for Region { x, y } in first.of(rank).chain(rest.of(rank)) {
                     for y in y {
                         for x in x.clone() {
                             owned[(y * width + x) as usize] += 1;

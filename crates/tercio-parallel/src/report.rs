@@ -70,6 +70,8 @@ pub struct RankPixels {
     pub compared: u64,
     /// Those of them that were nearer than the pixel in the frame.
     pub won: u64,
+    /// Bytes of layers of what is not opaque, sent to other owners.
+    pub layer_bytes: u64,
     /// Drawn pixels of this rank's regions in the finished picture; those that a filter wider than a pixel alone draws are
     /// counted by sort-first only.
     pub visible: u64,

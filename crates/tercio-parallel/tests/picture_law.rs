@@ -102,21 +102,72 @@ fn pixels_of_several_samples() {
     }
 }
 
-/// Sort-first draws layers; sort-last refuses them.
+/// Ranks send the layers of what is not opaque, in one round or in many.
 #[test]
 fn what_is_not_opaque() {
-    let mut scene = with_second_instance(scene("builtin:soup@2k", 128));
+    let opaque = with_second_instance(scene("builtin:soup@2k", 128));
+    let mut scene = opaque.clone();
     scene.instances[0].surface.opacity = 0.4;
-    let camera = camera(&scene, 1.5, false);
-    for settings in [Settings::new(131, 93), Settings::one_sample(70, 93)] {
-        let settings = Settings { outputs: EVERYTHING, ..settings };
-        for count in [1, 2, 3, 5] {
-            let ranks = Ranks { count, threads: 1 + count % 2, organisation: Organisation::SortFirst };
-            check(&scene, &camera, &settings, ranks, "layers");
+    let by_sample = Sampling { shading: SampleShading::Sample, ..Sampling::of(SamplePattern::Sparse2) };
+    let tent = Sampling { filter: Filter::Tent, ..Sampling::of(SamplePattern::Sparse8) };
+    for (sampling, outputs, radii) in [
+        (Sampling::default(), EVERYTHING, 1.5),
+        (Sampling::default(), Outputs::default(), 0.4),
+        (Sampling::NONE, EVERYTHING, 1.5),
+        (by_sample, EVERYTHING, 0.4),
+        (tent, Outputs::default(), 1.5),
+        (Sampling::of(SamplePattern::Sparse16), Outputs { depth: true, ..Outputs::default() }, 1.5),
+        (Sampling::NONE, Outputs { ids: true, color: false, ..Outputs::default() }, 1.5),
+    ] {
+        let camera = camera(&scene, radii, false);
+        for (organisation, count) in BOTH.into_iter().flat_map(|o| [1, 2, 3, 5].map(|count| (o, count))) {
+            // With this little memory every tile is a round, drawn in slices of depth.
+            for layer_memory in [128 << 20, 1] {
+                let settings = Settings { outputs, sampling, layer_memory, ..Settings::new(131, 93) };
+                let ranks = Ranks { count, threads: 1 + count % 2, organisation };
+                let what = format!("{sampling:?}, {radii} radii, {layer_memory} bytes");
+                if sampling == tent {
+                    // Which pixels only the filter draws is counted by sort-first alone.
+                    let expected = Renderer::new().render(&scene, &camera, &settings).expect("a picture");
+                    let (found, _) = draw(ranks, &scene, &camera, &settings).expect("a picture");
+                    assert_same(&expected, &found, &format!("{what}, {ranks:?}"));
+                    continue;
+                }
+                let report = check(&scene, &camera, &settings, ranks, &what);
+                let layers: u64 = report.ranks.iter().map(|rank| rank.pixels.layer_bytes).sum();
+                assert_eq!(layers > 0, organisation == Organisation::SortLast && count > 1, "{what}");
+            }
         }
-        let ranks = Ranks { count: 2, threads: 1, organisation: Organisation::SortLast };
-        let error = draw(ranks, &scene, &camera, &settings).unwrap_err().to_string();
-        assert!(error.contains("opaque surfaces only"), "{error}");
+    }
+    // Small rounds need more messages.
+    let messages = |layer_memory| {
+        let settings = Settings { layer_memory, ..Settings::new(131, 93) };
+        let ranks = Ranks { count: 3, threads: 1, organisation: Organisation::SortLast };
+        check(&scene, &camera(&scene, 1.5, false), &settings, ranks, "rounds").messages
+    };
+    assert!(messages(1) > 2 * messages(128 << 20), "{} and {}", messages(1), messages(128 << 20));
+}
+
+/// Layers of several ranks at the same depth are blended in the order of their primitives.
+#[test]
+fn layers_at_equal_depths() {
+    let mut twice = scene("builtin:teapot@2k", 16);
+    let mut second = twice.instances[0].clone();
+    second.surface.base_color = [1.0, 0.0, 0.0];
+    twice.instances.push(second);
+    for instance in &mut twice.instances {
+        instance.surface.opacity = 0.6;
+    }
+    let camera = camera(&twice, 2.6, false);
+    let settings = Settings { outputs: EVERYTHING, ..Settings::new(100, 80) };
+    let mut swapped = twice.clone();
+    swapped.instances.reverse();
+    let [first, other] =
+        [&twice, &swapped].map(|scene| Renderer::new().render(scene, &camera, &settings).expect("a picture"));
+    assert_ne!(first.planes.color, other.planes.color, "the order does not matter");
+    for count in [2, 3, 8] {
+        let ranks = Ranks { count, threads: 1, organisation: Organisation::SortLast };
+        check(&twice, &camera, &settings, ranks, "equal depths");
     }
 }
 
@@ -282,10 +333,12 @@ proptest! {
         (radii, orthographic) in (0.05f64..4.0, any::<bool>()),
         (tile, cull, shading, sorting) in (0usize..6, 0usize..4, 0usize..4, any::<bool>()),
         (planes, samples) in (0u32..128, 0usize..8),
+        (opacity, little_memory) in (prop_oneof![Just(1.0f32), 0.0f32..1.0], any::<bool>()),
     ) {
         let model = ["builtin:sphere@500", "builtin:teapot@2k", "builtin:soup@300", "builtin:terrain@1k"][model];
         let scene = scene(model, most_triangles);
-        let scene = if second { with_second_instance(scene) } else { scene };
+        let mut scene = if second { with_second_instance(scene) } else { scene };
+        scene.instances[0].surface.opacity = opacity;
         let wants = |bit: u32| planes >> bit & 1 == 1;
         let settings = Settings {
             tile_size: [None, Some(8), Some(16), Some(32), Some(64), Some(128)][tile],
@@ -302,6 +355,7 @@ proptest! {
                 linear: wants(6),
             },
             sampling: Sampling::of(SamplePattern::ALL[samples.saturating_sub(1)]),
+            layer_memory: if little_memory { 1 } else { 128 << 20 },
             ..Settings::new(width, height)
         };
         let organisation = if last { Organisation::SortLast } else { Organisation::SortFirst };

@@ -151,6 +151,11 @@ impl<'a> FrameContext<'a> {
         self.cells.count > 1 || self.is_translucent
     }
 
+    /// Width and height of the picture in pixels.
+    pub fn size(&self) -> [u32; 2] {
+        [self.view.width, self.view.height]
+    }
+
     /// All pixels of the picture.
     #[inline(always)]
     pub fn picture(&self) -> PixelRect {

@@ -182,7 +182,7 @@ impl Renderer {
         );
         let work = Tiles { context, sorted, canvas: &canvas, level: level(context) };
         let tallies = work.draw::<T>(tiles, &mut self.scratch[..memories]);
-        drop(canvas);
+        frame.layers = canvas.into_layers();
         let milliseconds = begin.elapsed().as_secs_f64() * 1e3;
         frame.stats = FrameStats {
             frontend: sorted.counts,

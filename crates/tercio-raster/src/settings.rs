@@ -184,6 +184,10 @@ pub struct Settings {
     /// are composed from those of several ranks; [`resolve_into`](crate::resolve_into) makes the picture, and says which
     /// planes it needs.
     pub unresolved: bool,
+    /// Keeps the layers of what is not opaque apart, as [`Frame::layers`](crate::Frame::layers): the planes of the frame
+    /// then show only what is opaque, and [`blend_layers`](crate::blend_layers) adds the layers of all ranks to them.
+    /// Requires [`Settings::unresolved`].
+    pub separate_layers: bool,
     /// The planes of the frame to draw.
     pub outputs: Outputs,
     /// Pixels along the edge of a tile: 8, 16, 32, 64 or 128; `None` lets the renderer choose.
@@ -231,6 +235,7 @@ impl Settings {
             tone: Tone::NONE,
             band: None,
             unresolved: false,
+            separate_layers: false,
             outputs: Outputs::default(),
             tile_size: None,
             sorting: Sorting::default(),
@@ -337,6 +342,10 @@ impl Settings {
                 let range = "`None` where samples are kept".to_string();
                 return setting("band", range, format!("{band:?}"));
             }
+        }
+        if self.separate_layers && !self.unresolved {
+            let range = "`false` where samples are not kept".to_string();
+            return setting("separate layers", range, "true".into());
         }
         if self.clusters.number >= self.clusters.of {
             let range = format!("below {}", self.clusters.of);

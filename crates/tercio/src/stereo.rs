@@ -69,7 +69,13 @@ pub fn anaglyph(left: &Frame, right: &Frame) -> Result<Frame, ImageError> {
         }),
         ..Planes::default()
     };
-    Ok(Frame { width: left.width, height: left.height, planes, stats: left.stats.plus(&right.stats) })
+    Ok(Frame {
+        width: left.width,
+        height: left.height,
+        planes,
+        stats: left.stats.plus(&right.stats),
+        ..Frame::default()
+    })
 }
 
 /// Dubois' matrices for red and cyan filters, of the left and the right eye: red, green and blue of the anaglyph from
@@ -129,7 +135,13 @@ fn joined(left: &Frame, right: &Frame, in_turn: usize) -> Result<Frame, ImageErr
         ids: plane(&l.ids, &r.ids, in_turn),
         normals: plane(&l.normals, &r.normals, in_turn),
     };
-    Ok(Frame { width: left.width, height: left.height, planes, stats: left.stats.plus(&right.stats) })
+    Ok(Frame {
+        width: left.width,
+        height: left.height,
+        planes,
+        stats: left.stats.plus(&right.stats),
+        ..Frame::default()
+    })
 }
 
 #[cfg(test)]

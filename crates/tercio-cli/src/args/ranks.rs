@@ -75,7 +75,8 @@ impl RanksArgs {
 }
 
 impl RanksArgs {
-    /// How ranks share a frame of this scene: sort-last is no default where it cannot draw the scene.
+    /// How ranks share a frame of this scene: without a request, sort-last only if all is opaque, because it sends every layer
+    /// of what is not.
     pub fn organisation(&self, requested: Organisation, scene: &Scene) -> Organisation {
         let is_opaque = !scene.instances.iter().any(Instance::is_translucent);
         if is_opaque || self.organisation.is_some() { requested } else { Organisation::SortFirst }

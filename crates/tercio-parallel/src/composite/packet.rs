@@ -33,6 +33,12 @@ pub enum PacketError {
         /// Its number of pixels.
         count: u16,
     },
+    /// Layers of a tile that the receiver does not own.
+    #[error("layers of tile {tile}, which belongs to another rank")]
+    Tile {
+        /// The tile.
+        tile: u32,
+    },
 }
 
 /// Appends the drawn pixels of a region, and returns their number. The frame has keys and the planes that are sent.

@@ -1,5 +1,6 @@
 //! Who draws what, and where work is redistributed.
 
+mod rounds;
 mod sort_first;
 mod sort_last;
 
@@ -8,8 +9,9 @@ use std::sync::Arc;
 
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use serde::Serialize;
+use tercio_raster::binning::Sorted;
 use tercio_raster::{Frame, Outputs, Part, RenderError, Renderer, Settings, TileSet};
-use tercio_scene::{Camera, Instance, Scene};
+use tercio_scene::{Camera, Scene};
 
 use crate::comm::Communicator;
 use crate::regions::Regions;
@@ -52,6 +54,8 @@ pub struct Rank {
     keys: Vec<u64>,
     /// The samples that this rank drew, if there are several per pixel and they are composited.
     samples: Frame,
+    /// What it draws in rounds.
+    sorted: Sorted,
 }
 
 /// The input of a frame, the same on all ranks.
@@ -81,7 +85,13 @@ impl Rank {
 
     /// A rank that draws with the threads of a pool. Calls from one of these threads draw without waking another.
     pub fn from_pool(pool: Arc<ThreadPool>) -> Self {
-        Self { pool, renderer: Renderer::new(), keys: Vec::new(), samples: Frame::default() }
+        Self {
+            pool,
+            renderer: Renderer::new(),
+            keys: Vec::new(),
+            samples: Frame::default(),
+            sorted: Sorted::default(),
+        }
     }
 
     /// Its threads. Calls from one of them draw without waking another.
@@ -104,16 +114,13 @@ impl Rank {
         let mut report = RankReport { rank: comm.rank(), ..RankReport::default() };
         task.settings.check()?;
         refuse_parts(task.settings)?;
-        let is_translucent = task.scene.instances.iter().any(Instance::is_translucent);
-        if is_translucent && task.organisation == Organisation::SortLast {
-            return Err(ParallelError::Translucent);
-        }
         let regions = Regions {
             width: task.settings.width,
             height: task.settings.height,
             edge: task.settings.tile_edge(),
             columns_per_pixel: 1,
             ranks: comm.size(),
+            numbers: [0, u64::MAX],
         };
         match task.organisation {
             Organisation::SortFirst => sort_first::draw(self, comm, task, &regions, frame, &mut report)?,
@@ -163,6 +170,7 @@ fn refuse_parts(settings: &Settings) -> Result<(), RenderError> {
     match &settings.band {
         Some(band) => refused("band", format!("{band:?}")),
         None if settings.unresolved => refused("unresolved", "true".into()),
+        None if settings.separate_layers => refused("separate_layers", "true".into()),
         None => Ok(()),
     }
 }

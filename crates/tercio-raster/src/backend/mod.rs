@@ -134,6 +134,10 @@ pub fn run<S: Simd, T: Tally>(
         multisample::draw(simd, context, bins, tile, part, shade, order, multisample, outputs, &mut tally);
         if context.is_translucent() {
             multisample::draw_layers(simd, context, bins, tile, order, multisample, outputs, &mut tally);
+            let kept = multisample.take_kept_layers();
+            if !kept.is_empty() {
+                canvas.keep_layers(tile, kept);
+            }
         }
         multisample::finish(simd, context, multisample, target, pixels, outputs, &mut tally);
         return tally;

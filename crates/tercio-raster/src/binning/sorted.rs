@@ -2,9 +2,11 @@
 
 use bytemuck::{Pod, Zeroable, cast_slice, pod_read_unaligned};
 
+use tercio_mesh::cluster::MAX_TRIANGLES;
+
 use super::{BinnedCluster, Bins};
 use crate::context::FrameContext;
-use crate::screen::{ScreenTriangle, TileGrid, TileSet};
+use crate::screen::{PixelRect, ScreenTriangle, TileGrid, TileSet};
 use crate::stats::{BinningCounts, FrontEndCounts, ratio};
 
 /// Clusters and triangles of a frame, sorted into its tiles.
@@ -97,6 +99,36 @@ impl Sorted {
     /// The counts of the front end.
     pub fn front_end_counts(&self) -> FrontEndCounts {
         self.counts
+    }
+
+    /// An estimate of how many pixels layers cover in each tile, each layer counted: the areas of the clusters and triangles
+    /// that may not be opaque.
+    pub fn layer_pixels(&self, context: &FrameContext) -> Vec<u64> {
+        let of_tile = |tile: u32| {
+            let own = context.grid.rect(tile, context.size());
+            let area = |rect: PixelRect| {
+                let rect = rect.intersect(own);
+                if rect.is_empty() {
+                    0
+                } else {
+                    (rect.x1 - rect.x0 + 1) as u64 * (rect.y1 - rect.y0 + 1) as u64
+                }
+            };
+            let of_bins = |bins: &Bins| {
+                let clusters = bins.clusters_in(tile).iter().filter(|c| context.has_translucency(c.number));
+                let clusters = clusters.map(|c| {
+                    let [x0, x1, y0, y1] = c.rect.map(i32::from);
+                    area(PixelRect { x0, x1, y0, y1 })
+                });
+                let triangles = bins.triangles_in(tile);
+                let triangles = triangles.filter(|t| context.has_translucency(t.slot / MAX_TRIANGLES as u32));
+                let [width, height] = context.size();
+                let triangles = triangles.filter_map(|t| t.pixels(context.cells.origin, width, height));
+                clusters.sum::<u64>() + triangles.map(area).sum::<u64>()
+            };
+            self.bins.iter().map(of_bins).sum()
+        };
+        (0..context.grid.count() as u32).map(of_tile).collect()
     }
 
     /// The counts of binning.

@@ -2,12 +2,13 @@
 //!
 //! To add a plane, add a line to the list below, and write its pixels in the shading kernel and in the reference.
 
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use tercio_scene::{Background, srgb_to_linear};
 
 use super::shared::SharedPlane;
-use super::{Frame, NO_PRIMITIVE};
+use super::{Frame, NO_PRIMITIVE, TileLayers};
 use crate::screen::{PixelRect, TileGrid};
 
 macro_rules! planes {
@@ -282,6 +283,8 @@ pub struct Canvas<'a> {
     background: Vec<Pixel>,
     /// Which tiles have been claimed: each may be written once.
     claimed: Vec<AtomicBool>,
+    /// The layers that are kept, in any order of the tiles.
+    layers: Mutex<Vec<TileLayers>>,
 }
 
 /// A tile of a [`Canvas`] that its owner may write, exclusively.
@@ -317,7 +320,20 @@ impl<'a> Canvas<'a> {
                 .map(|y| Pixel::of_row(&BackgroundRow::new(background, y, height, needs_linear)))
                 .collect(),
             claimed: (0..grid.count()).map(|_| AtomicBool::new(false)).collect(),
+            layers: Mutex::default(),
         }
+    }
+
+    /// Keeps the layers of a tile.
+    pub fn keep_layers(&self, tile: u32, bytes: Vec<u8>) {
+        self.layers.lock().unwrap_or_else(|e| e.into_inner()).push(TileLayers { tile, bytes });
+    }
+
+    /// The layers that were kept, in the order of the tiles.
+    pub fn into_layers(self) -> Vec<TileLayers> {
+        let mut layers = self.layers.into_inner().unwrap_or_else(|e| e.into_inner());
+        layers.sort_unstable_by_key(|of_tile| of_tile.tile);
+        layers
     }
 
     /// The planes of the canvas.

@@ -53,6 +53,15 @@ pub struct Scratch {
     table: ClusterTable,
     fragments: Fragments,
     blend_order: blend::Order,
+    /// The layers of the tile as bytes, if the frame keeps them apart.
+    kept: Vec<u8>,
+}
+
+impl Scratch {
+    /// The layers of the last tile as bytes, if the frame keeps them apart.
+    pub fn take_kept_layers(&mut self) -> Vec<u8> {
+        std::mem::take(&mut self.kept)
+    }
 }
 
 /// Draws a part of a tile's entries. Not inlined, so that it is compiled only once per SIMD level.
@@ -95,9 +104,12 @@ pub fn draw_layers<S: Simd, T: Tally>(
     outputs: &Outputs,
     tally: &mut T,
 ) {
-    let SampleMemory { blended, rect, stride_bits, count_bits, .. } = &mut scratch.memory;
-    let pixels = ((rect.y1 - rect.y0 + 1) as usize) << *stride_bits;
-    blended.clear(pixels, *count_bits, resolve::has_geometry(outputs));
+    let keeps_apart = context.settings.separate_layers;
+    if !keeps_apart {
+        let SampleMemory { blended, rect, stride_bits, count_bits, .. } = &mut scratch.memory;
+        let pixels = ((rect.y1 - rect.y0 + 1) as usize) << *stride_bits;
+        blended.clear(pixels, *count_bits, resolve::has_geometry(outputs));
+    }
     simd.vectorize(
         #[inline(always)]
         || loop {
@@ -109,9 +121,15 @@ pub fn draw_layers<S: Simd, T: Tally>(
                 return;
             }
             shade::late_layers(simd, context, scratch, outputs, tally.counts());
-            let Scratch { memory, blend_order, .. } = &mut *scratch;
-            blend::slice(simd, context, memory, blend_order);
-            if !blend::is_unfinished(memory) || !memory.layers.next_slice() {
+            let Scratch { memory, blend_order, kept, .. } = &mut *scratch;
+            let is_unfinished = if keeps_apart {
+                memory.layers.write_bytes(context, outputs, kept);
+                true
+            } else {
+                blend::slice(simd, context, memory, blend_order);
+                blend::is_unfinished(memory)
+            };
+            if !is_unfinished || !memory.layers.next_slice() {
                 return;
             }
         },
