@@ -298,9 +298,14 @@ fn frames_do_not_affect_later_frames() {
     let mut frame =
         |plain: &Scene, settings: &Settings| renderer.render(plain, &camera, settings).expect("a picture");
     let clear = with_opacity(scene(&mesh), 0.4);
-    for settings in [Settings::new(60, 40), Settings::one_sample(90, 30), Settings::new(20, 70)] {
+    // One thread has the memory of all tiles.
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread");
+    let sixteen = Settings { sampling: Sampling::of(SamplePattern::Sparse16), ..Settings::new(40, 40) };
+    let one = Settings::one_sample(90, 30);
+    for settings in [Settings::new(60, 40), one.clone(), Settings::new(20, 70), one, sixteen] {
         for plain in [&clear, &scene(&mesh), &clear] {
-            assert_same(&draw(plain, &camera, &settings), &frame(plain, &settings), "later frames");
+            let found = pool.install(|| frame(plain, &settings));
+            assert_same(&draw(plain, &camera, &settings), &found, "later frames");
         }
     }
 }

@@ -65,7 +65,12 @@ impl Layers {
     /// Clears the layers for a tile with this many pixels, and begins with the first slice.
     pub fn clear(&mut self, context: &FrameContext, pixels: usize, depths_each: usize) {
         self.slice = Slice::ALL;
-        self.depths_each = depths_each;
+        if depths_each != self.depths_each {
+            // The depths of earlier frames are room for fewer fragments, if each has more of them now.
+            let room = self.depths.len().saturating_sub(LANES) / depths_each;
+            self.list.fragments.truncate(room);
+            self.depths_each = depths_each;
+        }
         // With less, most slices would hold a single triangle. If all that is stored has the same key, nothing is discarded.
         let least = 2 * pixels * if depths_each == 1 { context.cells.count } else { 1 };
         self.most = (context.settings.layer_memory / context.workers / self.bytes_each()).max(least);

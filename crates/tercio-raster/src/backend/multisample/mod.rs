@@ -11,6 +11,7 @@ mod blend;
 mod fragments;
 mod layers;
 pub mod memory;
+mod nearest;
 mod resolve;
 mod scan;
 mod shade;

@@ -8,6 +8,7 @@ use fearless_simd::{Simd, f32x4, u8x64, u32x4};
 use super::blend::Nearest;
 use super::fragments::NO_FRAGMENT;
 use super::memory::SampleMemory;
+use super::nearest::NearestOfRow;
 use super::shade::is_needed;
 use crate::backend::encode::opaque;
 use crate::context::FrameContext;
@@ -42,9 +43,7 @@ pub fn tile<S: Simd>(
                 tile.write_colors(simd, [x, last], y, place, background, pixels);
             }
             if tile.has_geometry {
-                for (index, x) in (x..last + 1).enumerate() {
-                    tile.write_geometry(x, y, place + index, pixels);
-                }
+                tile.write_geometry(simd, [x, last], y, place, pixels);
             }
         }
     }
@@ -296,26 +295,73 @@ impl Tile<'_> {
         steps.map(move |step| (first.wrapping_add_signed(step.offset), step))
     }
 
-    /// Writes the planes of a pixel that are no colours: of the first of the samples with the largest key.
-    fn write_geometry(&self, x: i32, y: i32, index: usize, pixels: &mut Planes) {
-        let outputs = self.outputs;
-        if let Some(nearest) = self.nearest_in(x, y) {
-            if outputs.depth {
-                pixels.depth[index] = self.context.view.distance(nearest.depth);
-            }
-            if outputs.ids {
-                pixels.ids[index] = self.context.face(nearest.slot);
-            }
-            if outputs.normals {
-                pixels.normals[index] = nearest.normal;
-            }
-            if outputs.keys {
-                pixels.keys[index] = self.key_of(&nearest);
+    /// Writes the planes that are no colours of at most 16 pixels of a row, from column x0 to x1.
+    #[inline(always)]
+    fn write_geometry<S: Simd>(
+        &self,
+        simd: S,
+        [x0, x1]: [i32; 2],
+        y: i32,
+        place: usize,
+        pixels: &mut Planes,
+    ) {
+        let (count, outputs) = ((x1 - x0 + 1) as usize, self.outputs);
+        if outputs.keys && !self.steps.is_empty() {
+            for (x, key) in (x0..).zip(&mut pixels.keys[place..place + count]) {
+                *key = self.contributing(x, y).map(|(sample, _)| self.key(sample)).max().unwrap_or(0);
             }
         }
-        if outputs.keys && !self.steps.is_empty() {
-            let keys = self.contributing(x, y).map(|(sample, _)| self.key(sample));
-            pixels.keys[index] = keys.max().unwrap_or(0);
+        let mut nearest = NearestOfRow::default();
+        if self.context.is_translucent() {
+            nearest.undecided = 0xffff;
+        } else {
+            let first = self.memory.pixel(x0, y) << self.memory.count_bits;
+            let samples = first..first + (count << self.memory.count_bits);
+            let (depths, fragments) = (&self.memory.depth[samples.clone()], &self.memory.fragment[samples]);
+            match self.memory.count_bits {
+                0 => nearest.find::<S, 1>(simd, depths, fragments),
+                1 => nearest.find::<S, 2>(simd, depths, fragments),
+                2 => nearest.find::<S, 4>(simd, depths, fragments),
+                3 => nearest.find::<S, 8>(simd, depths, fragments),
+                _ => nearest.find::<S, 16>(simd, depths, fragments),
+            }
+            if outputs.depth && nearest.depth != [0.0; LANES] {
+                simd.vectorize(
+                    #[inline(always)]
+                    || nearest.write_distances(&self.context.view, &mut pixels.depth[place..place + count]),
+                );
+            }
+        }
+        for lane in 0..count {
+            let index = place + lane;
+            if nearest.undecided >> lane & 1 == 1 {
+                if let Some(nearest) = self.nearest_in(x0 + lane as i32, y) {
+                    if outputs.depth {
+                        pixels.depth[index] = self.context.view.distance(nearest.depth);
+                    }
+                    self.write_nearest(&nearest, index, pixels);
+                }
+            } else if let Some(fragment) = self.memory.list.fragments.get(nearest.fragment[lane] as usize) {
+                let normals = &self.memory.list.normals;
+                let normal = normals.get(nearest.fragment[lane] as usize).copied().unwrap_or_default();
+                let nearest = Nearest { depth: nearest.depth[lane], slot: fragment.slot, normal };
+                self.write_nearest(&nearest, index, pixels);
+            }
+        }
+    }
+
+    /// Writes the planes of a pixel that are neither colours nor depth.
+    #[inline(always)]
+    fn write_nearest(&self, nearest: &Nearest, index: usize, pixels: &mut Planes) {
+        let outputs = self.outputs;
+        if outputs.ids {
+            pixels.ids[index] = self.context.face(nearest.slot);
+        }
+        if outputs.normals {
+            pixels.normals[index] = nearest.normal;
+        }
+        if outputs.keys && self.steps.is_empty() {
+            pixels.keys[index] = self.key_of(nearest);
         }
     }
 
