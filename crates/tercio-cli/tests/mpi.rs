@@ -63,6 +63,24 @@ fn a_process_that_fails_ends_the_job() {
 }
 
 #[test]
+fn processes_that_would_draw_different_pictures_end_the_job() {
+    let place = Place::new();
+    let draws = |model: &str, options: &str| format!("render {model} -o a.png --quiet {options}");
+    for (other, says) in [
+        (draws("builtin:teapot@1k", ""), "rank 2 would draw another model"),
+        (draws("model.off", "--size 90x90"), "rank 2 would draw a picture of another size"),
+        (draws("model.off", "--azimuth 10"), "rank 2 would draw another camera"),
+        (draws("model.off", "--color red"), "rank 2 would draw a scene with other"),
+    ] {
+        let outcome = mpirun(&place, &[(2, &draws("model.off", "")), (1, &other)]);
+        assert_eq!(outcome.code, Some(1), "{}", outcome.stderr);
+        let lines: Vec<&str> = outcome.stderr.lines().filter(|l| l.starts_with("error: ")).collect();
+        assert!(matches!(lines[..], [line] if line.contains(says)), "{says}: {}", outcome.stderr);
+        assert_eq!(place.names(), ["model.off"], "a picture is there: {other}");
+    }
+}
+
+#[test]
 fn what_cannot_be_drawn_by_these_processes_is_wrong_usage() {
     let place = Place::new();
     for (arguments, says) in [

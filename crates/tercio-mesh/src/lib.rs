@@ -35,6 +35,7 @@ mod adjacency;
 pub mod blocks;
 pub mod bounds;
 pub mod builtin;
+pub mod checksum;
 pub mod clean;
 pub mod clip;
 pub mod cluster;

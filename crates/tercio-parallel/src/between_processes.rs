@@ -6,6 +6,7 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use tercio_raster::Frame;
 
+use crate::agreement::agree;
 use crate::comm::Communicator;
 use crate::organisation::{Rank, Task};
 use crate::report::FrameReport;
@@ -26,8 +27,11 @@ struct TimedReport {
 /// The ranks' reports are sent after the frame, as JSON: neither their messages nor their time count. The frame's
 /// time begins with the first rank on rank 0's machine.
 ///
+/// Before it is drawn, the ranks compare their tasks.
+///
 /// # Errors
-/// [`ParallelError`] if this rank fails, or another one is gone.
+/// [`ParallelError`] if this rank fails, or another one is gone; on rank 0 [`ParallelError::Differs`] if the tasks are not the
+/// same.
 pub fn draw_frame(
     own: &mut Rank,
     comm: &mut impl Communicator,
@@ -35,7 +39,7 @@ pub fn draw_frame(
     frame: &mut Frame,
 ) -> Result<Option<FrameReport>, ParallelError> {
     let came = machine_clock();
-    comm.barrier()?;
+    agree(comm, task)?;
     let (begin, began) = (Instant::now(), machine_clock());
     let report = own.draw_into(comm, task, frame)?;
     let since_own = begin.elapsed().as_secs_f64() * 1e3;

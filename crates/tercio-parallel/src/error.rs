@@ -3,6 +3,7 @@
 use tercio_raster::RenderError;
 use tercio_raster::frame::layers::LayerError;
 
+use crate::agreement::Matter;
 use crate::comm::CommError;
 use crate::composite::packet::PacketError;
 
@@ -25,6 +26,14 @@ pub enum ParallelError {
         height: u32,
         /// Samples per pixel.
         samples: u32,
+    },
+    /// A rank is going to draw something else than rank 0.
+    #[error("rank {rank} would draw {what} than rank 0: all ranks have to draw the same frame")]
+    Differs {
+        /// The first rank that differs.
+        rank: usize,
+        /// What differs.
+        what: Matter,
     },
     /// Layers of what is not opaque are not valid.
     #[error(transparent)]

@@ -40,6 +40,7 @@
 
 #![forbid(unsafe_code)]
 
+mod agreement;
 pub mod between_processes;
 pub mod comm;
 pub mod composite;
@@ -49,6 +50,7 @@ pub mod organisation;
 pub mod regions;
 pub mod report;
 
+pub use agreement::Matter;
 pub use comm::Communicator;
 pub use error::ParallelError;
 pub use in_process::{Ranks, draw_frames};

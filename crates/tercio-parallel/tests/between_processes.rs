@@ -6,13 +6,13 @@ use glam::DVec3;
 use tercio_mesh::builtin;
 use tercio_mesh::cluster::{PartitionOptions, partition};
 use tercio_parallel::between_processes::draw_frame;
-use tercio_parallel::comm::threads;
+use tercio_parallel::comm::{Communicator as _, threads};
 use tercio_parallel::organisation::{Rank, Task};
 use tercio_parallel::report::RankStages;
-use tercio_parallel::{FrameReport, Organisation, Ranks, in_process};
+use tercio_parallel::{FrameReport, Matter, Organisation, ParallelError, Ranks, in_process};
 use tercio_raster::stats::StageTimes;
-use tercio_raster::{Frame, Settings};
-use tercio_scene::{Camera, Projection, Scene};
+use tercio_raster::{Cull, Frame, Settings, SimdLevel};
+use tercio_scene::{Background, Camera, Projection, Scene};
 
 /// A scene and a camera, made anew as in every process.
 fn made() -> (Scene, Camera) {
@@ -61,4 +61,61 @@ fn picture_and_counts_are_those_of_ranks_in_one_process() {
             assert_eq!(counts(report), counts(expected_report), "{organisation:?}, {count} ranks");
         }
     }
+}
+
+/// A rank's own task.
+struct Own {
+    organisation: Organisation,
+    scene: Scene,
+    camera: Camera,
+    settings: Settings,
+}
+
+/// What rank 0 reports if the last of three ranks changes its task.
+fn reported(change: impl Fn(&mut Own) + Sync) -> Option<Matter> {
+    let results = threads::run(3, |comm| {
+        let (scene, camera) = made();
+        let settings = Settings::new(60, 40);
+        let mut own = Own { organisation: Organisation::SortLast, scene, camera, settings };
+        if comm.rank() == 2 {
+            change(&mut own);
+        }
+        let Own { organisation, scene, camera, settings } = &own;
+        let task = Task { organisation: *organisation, scene, camera, settings };
+        draw_frame(&mut Rank::new(1)?, comm, &task, &mut Frame::default())
+    });
+    match results {
+        Ok(_) => None,
+        Err(ParallelError::Differs { rank: 2, what }) => Some(what),
+        Err(error) => panic!("{error}"),
+    }
+}
+
+#[test]
+fn ranks_that_would_draw_different_frames_end_with_an_error() {
+    let other_mesh = |own: &mut Own| {
+        // One vertex is elsewhere.
+        let mut mesh = builtin::make("builtin:teapot@5k").expect("a model");
+        mesh.positions[77][1] += 1e-3;
+        own.scene.instances[0].mesh = Arc::new(partition(mesh, &PartitionOptions::default()));
+    };
+    assert_eq!(reported(other_mesh), Some(Matter::Models));
+    assert_eq!(reported(|own| own.scene.instances.clear()), Some(Matter::Models));
+    assert_eq!(reported(|own| own.scene.instances[0].surface.specular = 0.3), Some(Matter::Scene));
+    assert_eq!(
+        reported(|own| own.scene.instances[0].world_from_object.translation.x = 1e-9),
+        Some(Matter::Scene)
+    );
+    assert_eq!(reported(|own| own.scene.background = Background::Solid([0.5; 4])), Some(Matter::Scene));
+    assert_eq!(reported(|own| drop(own.scene.lights.pop())), Some(Matter::Scene));
+    assert_eq!(reported(|own| own.camera.eye.x += 1e-9), Some(Matter::Camera));
+    assert_eq!(reported(|own| own.settings.width += 1), Some(Matter::Size));
+    assert_eq!(reported(|own| own.settings.cull = Cull::Back), Some(Matter::Settings));
+    assert_eq!(reported(|own| own.settings.tile_size = Some(8)), Some(Matter::Settings));
+    assert_eq!(reported(|own| own.settings.outputs.depth = true), Some(Matter::Settings));
+    assert_eq!(reported(|own| own.organisation = Organisation::SortFirst), Some(Matter::Organisation));
+    // What may differ from machine to machine.
+    assert_eq!(reported(|own| own.settings.simd = Some(SimdLevel::available()[0])), None);
+    assert_eq!(reported(|own| own.settings.layer_memory = 1), None);
+    assert_eq!(reported(|_| ()), None);
 }

@@ -1,8 +1,9 @@
 //! Textures: pictures on surfaces, with their mipmaps.
 
-use std::sync::LazyLock;
+use std::sync::{LazyLock, OnceLock};
 
 use rayon::prelude::*;
+use tercio_mesh::checksum;
 
 use crate::color::srgb_to_linear;
 
@@ -35,6 +36,8 @@ pub struct Texture {
     levels: Vec<Level>,
     encoding: Encoding,
     is_opaque: bool,
+    /// [`Texture::checksum`], once it was asked for.
+    checksum: OnceLock<u64>,
 }
 
 /// Most texels along an edge, so that coordinates of texels are exact enough in `f32`.
@@ -91,7 +94,7 @@ impl Texture {
         while let Some(last) = levels.last().filter(|l| l.width > 1 || l.height > 1) {
             levels.push(last.smaller());
         }
-        Self { levels, encoding, is_opaque }
+        Self { levels, encoding, is_opaque, checksum: OnceLock::new() }
     }
 
     /// The picture and its mipmaps, the largest first.
@@ -107,6 +110,17 @@ impl Texture {
     /// Is the alpha of all texels 1?
     pub fn is_opaque(&self) -> bool {
         self.is_opaque
+    }
+
+    /// A hash of its texels and what their numbers mean: equal for equal textures, almost certainly different for others.
+    pub fn checksum(&self) -> u64 {
+        *self.checksum.get_or_init(|| {
+            // Smaller levels follow from the first one.
+            let Level { width, height, texels } = &self.levels[0];
+            let texels = checksum::of(bytemuck::cast_slice(texels));
+            let all = [u64::from(*width), u64::from(*height), self.encoding as u64, texels];
+            checksum::of(bytemuck::cast_slice(&all))
+        })
     }
 
     /// Bytes that it takes.

@@ -1,11 +1,13 @@
 //! The mesh that a renderer draws.
 
+use std::sync::OnceLock;
+
 use bytemuck::Zeroable;
 use glam::{DVec3, Vec3};
 
 use super::{Buffer, Cluster, ClusterView, Layout, Line, MAX_TRIANGLES};
 use crate::mesh::power_of_two;
-use crate::{Aabb, FileMaterial};
+use crate::{Aabb, FileMaterial, checksum};
 
 /// A mesh partitioned into clusters; what the renderer draws.
 ///
@@ -37,6 +39,8 @@ pub struct ClusteredMesh {
     pub(crate) triangles: u64,
     /// A cluster is translucent.
     pub(crate) translucent: bool,
+    /// [`ClusteredMesh::checksum`], once it was asked for.
+    pub(crate) checksum: OnceLock<u64>,
 }
 
 impl Default for ClusteredMesh {
@@ -54,6 +58,7 @@ impl Default for ClusteredMesh {
             vertices: 0,
             triangles: 0,
             translucent: false,
+            checksum: OnceLock::new(),
         }
     }
 }
@@ -119,6 +124,20 @@ impl ClusteredMesh {
     #[inline(always)]
     pub fn is_translucent(&self) -> bool {
         self.translucent
+    }
+
+    /// A checksum of the clusters and of the faces' numbers: equal for equal meshes, almost certainly different for others.
+    /// Computed by all threads when it is first asked for, at some gigabytes a second.
+    pub fn checksum(&self) -> u64 {
+        *self.checksum.get_or_init(|| {
+            let faces = self.face_of_triangle.as_deref().map_or(&[][..], bytemuck::cast_slice);
+            let parts = [bytemuck::cast_slice(&self.starts), bytemuck::cast_slice(&self.lines), faces];
+            let sums = parts.map(checksum::of);
+            let place = [self.origin.x, self.origin.y, self.origin.z].map(f64::to_bits);
+            let lengths = parts.map(|part| part.len() as u64);
+            let all = [&sums[..], &lengths, &place, &[self.exponent as u64]].concat();
+            checksum::of(bytemuck::cast_slice(&all))
+        })
     }
 
     /// Number of triangles.

@@ -60,7 +60,7 @@ pub struct Part {
     pub offset: u64,
     /// Its length in bytes.
     pub bytes: u64,
-    /// [`super::checksum::of`] of its bytes.
+    /// [`crate::checksum::of`] of its bytes.
     pub checksum: u64,
 }
 
@@ -76,7 +76,7 @@ pub struct Header {
     pub file_bytes: u64,
     /// The parts, in the order of [`Kind::ALL`].
     pub parts: [Part; Kind::ALL.len()],
-    /// [`super::checksum::of`] of all bytes of the header before this.
+    /// [`crate::checksum::of`] of all bytes of the header before this.
     pub checksum: u64,
 }
 

@@ -3,12 +3,11 @@
 //!
 //! All numbers are little-endian. The file begins with a [`Header`](format::Header), followed by its parts, each from
 //! a multiple of [`format::ALIGNMENT`] bytes on, in the order of [`format::Kind`]. Every part has a checksum, which
-//! is verified before anything of the part is used ([`checksum`]); then [`check`] verifies the properties of the
+//! is verified before anything of the part is used ([`crate::checksum`]); then [`check`] verifies the properties of the
 //! clusters that a renderer relies on. The most that a forged file with correct checksums can do is to show a wrong
 //! picture: bounds and normal cones are not recomputed.
 
 mod check;
-mod checksum;
 mod format;
 mod read;
 mod write;

@@ -7,9 +7,10 @@ use bytemuck::AnyBitPattern;
 use glam::DVec3;
 use memmap2::Mmap;
 
+use super::check;
 use super::format::{ALIGNMENT, Description, Header, Kind, MAGIC, Part, VERSION};
-use super::{check, checksum};
 use crate::ReadError;
+use crate::checksum;
 use crate::cluster::{Buffer, ClusteredMesh};
 use crate::error::{Place, printable};
 use crate::io::ReadOptions;

@@ -2,8 +2,8 @@
 
 use std::io::{self, Write};
 
-use super::checksum;
 use super::format::{ALIGNMENT, Description, Header, Kind, MAGIC, Part, VERSION};
+use crate::checksum;
 use crate::cluster::ClusteredMesh;
 
 /// Writes a mesh; `about` is arbitrary information from the program.

@@ -1,4 +1,4 @@
-//! Checksums of large parts, computed by all threads.
+//! Checksums of large arrays, computed by all threads.
 
 use rayon::prelude::*;
 use twox_hash::XxHash3_64;

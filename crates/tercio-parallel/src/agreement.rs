@@ -1,0 +1,212 @@
+//! Do all ranks draw the same frame? Ranks that load different models, or run with different options, would otherwise compose
+//! a wrong picture, or wait for each other for ever.
+
+use std::fmt;
+
+use bytemuck::{Pod, Zeroable, bytes_of, pod_read_unaligned};
+use tercio_mesh::checksum;
+use tercio_raster::{Part, Settings, TileSet};
+use tercio_scene::{Instance, Scene};
+
+use crate::ParallelError;
+use crate::comm::{CommError, Communicator};
+use crate::organisation::Task;
+
+/// What ranks have to agree on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Matter {
+    /// The version of tercio.
+    Version,
+    /// The number of ranks, and how they share the frame.
+    Organisation,
+    /// Width and height of the picture.
+    Size,
+    /// The meshes.
+    Models,
+    /// Their places, colours, materials and textures, the lights and the background.
+    Scene,
+    /// The camera.
+    Camera,
+    /// Everything else that determines the picture.
+    Settings,
+}
+
+impl Matter {
+    /// All of them, in the order in which they are compared: of several that differ, the first is reported.
+    const ALL: [Self; 7] = [
+        Self::Version,
+        Self::Organisation,
+        Self::Size,
+        Self::Models,
+        Self::Scene,
+        Self::Camera,
+        Self::Settings,
+    ];
+}
+
+impl fmt::Display for Matter {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Version => "another version of tercio",
+            Self::Organisation => "another organisation or number of ranks",
+            Self::Size => "a picture of another size",
+            Self::Models => "another model",
+            Self::Scene => "a scene with other places, colours, materials, textures, lights or background",
+            Self::Camera => "another camera",
+            Self::Settings => "other settings",
+        })
+    }
+}
+
+/// Checksums of a rank's task, in the order of [`Matter::ALL`].
+type Digest = [u64; Matter::ALL.len()];
+
+/// What some consecutive ranks have found out.
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+struct Found {
+    /// The digest of the first of them.
+    digest: Digest,
+    /// The first rank whose digest differs from that, or [`NONE`].
+    differs: u64,
+    /// Its digest.
+    other: Digest,
+}
+
+/// No rank differs.
+const NONE: u64 = u64::MAX;
+
+/// Waits until all ranks have called this, and compares what they are going to draw. The messages, two for each rank but one,
+/// go up and down a binomial tree.
+///
+/// # Errors
+/// On rank 0 [`ParallelError::Differs`], if any rank's task is another one; the others wait until rank 0 is gone, and return
+/// that: so the error is reported once. [`ParallelError::Comm`].
+pub fn agree(comm: &mut impl Communicator, task: &Task) -> Result<(), ParallelError> {
+    if comm.size() == 1 {
+        return Ok(());
+    }
+    agree_on(comm, digest(task, comm.size()))
+}
+
+fn agree_on(comm: &mut impl Communicator, digest: Digest) -> Result<(), ParallelError> {
+    let (rank, size) = (comm.rank(), comm.size());
+    let mut found = Found { digest, differs: NONE, other: Digest::default() };
+    // The children of a rank are those with one more bit, below its own lowest one.
+    let bits = || (0..usize::BITS).map(|bit| 1 << bit).take_while(|bit| rank & bit == 0);
+    let children = || bits().map(|bit| rank + bit).take_while(|&child| child < size);
+    for child in children() {
+        let theirs = read(child, &comm.receive(child)?)?;
+        if found.differs == NONE && theirs.digest != digest {
+            (found.differs, found.other) = (child as u64, theirs.digest);
+        } else if found.differs == NONE {
+            (found.differs, found.other) = (theirs.differs, theirs.other);
+        }
+    }
+    if rank > 0 {
+        let parent = rank & (rank - 1);
+        comm.send(parent, bytes_of(&found).to_vec())?;
+        comm.await_signal(parent)?;
+    } else if found.differs != NONE {
+        let different = (0..digest.len()).find(|&k| found.other[k] != digest[k]).unwrap_or(0);
+        return Err(ParallelError::Differs { rank: found.differs as usize, what: Matter::ALL[different] });
+    }
+    children().try_for_each(|child| comm.signal(child))?;
+    Ok(())
+}
+
+fn read(from: usize, message: &[u8]) -> Result<Found, CommError> {
+    if message.len() == size_of::<Found>() {
+        return Ok(pod_read_unaligned(message));
+    }
+    let reason =
+        format!("{} bytes where the ranks compare their tasks: is it of this version?", message.len());
+    Err(CommError::Transport { rank: from, reason })
+}
+
+fn digest(task: &Task, ranks: usize) -> Digest {
+    let Task { organisation, scene, camera, settings } = *task;
+    let Settings { width, height, .. } = *settings;
+    // What does not change the picture or the messages may differ.
+    let settings = Settings {
+        width: 1,
+        height: 1,
+        tile_size: Some(settings.tile_edge()),
+        shadows: None,
+        clusters: Part::WHOLE,
+        tiles: TileSet::ALL,
+        layer_memory: 0,
+        simd: None,
+        ..settings.clone()
+    };
+    let shadow_bytes = task.settings.shadows.as_ref().map_or(0, |maps| maps.bytes());
+    let text = |matter| match matter {
+        Matter::Version => env!("CARGO_PKG_VERSION").to_string(),
+        Matter::Organisation => format!("{organisation} {ranks}"),
+        Matter::Size => format!("{width} {height}"),
+        Matter::Models => format!("{:?}", scene.instances.iter().map(model).collect::<Vec<_>>()),
+        Matter::Scene => look(scene),
+        Matter::Camera => format!("{camera:?}"),
+        Matter::Settings => format!("{settings:?} {shadow_bytes}"),
+    };
+    Matter::ALL.map(|matter| checksum::of(text(matter).as_bytes()))
+}
+
+fn model(instance: &Instance) -> u64 {
+    instance.mesh.checksum()
+}
+
+fn look(scene: &Scene) -> String {
+    let Scene { instances, lights, environment, background, materials, textures } = scene;
+    let of_instance =
+        |i: &Instance| format!("{:?} {:?} {:?}", i.world_from_object, i.surface, i.mesh.materials);
+    let instances: Vec<String> = instances.iter().map(of_instance).collect();
+    let textures: Vec<u64> = textures.iter().map(|texture| texture.checksum()).collect();
+    format!("{instances:?} {lights:?} {environment:?} {background:?} {materials:?} {textures:?}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::comm::threads;
+
+    /// What rank 0 of so many ranks finds, some of which have another digest.
+    fn found(ranks: usize, others: &[usize], what: usize) -> Result<(), ParallelError> {
+        threads::run(ranks, |comm| {
+            let mut digest = [5; Matter::ALL.len()];
+            digest[what] += u64::from(others.contains(&comm.rank()));
+            agree_on(comm, digest)
+        })
+        .map(|_| ())
+    }
+
+    #[test]
+    fn the_first_rank_that_differs_is_reported() {
+        for ranks in 1..=17 {
+            found(ranks, &[], 0).expect("all agree");
+            for first in 1..ranks {
+                for others in [vec![first], vec![first, ranks - 1], (first..ranks).collect()] {
+                    let what = (first + ranks) % Matter::ALL.len();
+                    let error = found(ranks, &others, what).expect_err("a rank differs");
+                    let ParallelError::Differs { rank, what: reported } = error else { panic!("{error}") };
+                    assert_eq!((rank, reported), (first, Matter::ALL[what]), "{others:?} of {ranks}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn all_ranks_wait_for_the_last_one() {
+        use std::sync::atomic::{AtomicUsize, Ordering};
+        let came = AtomicUsize::new(0);
+        threads::run(9, |comm| {
+            std::thread::sleep(std::time::Duration::from_millis(3 * (comm.rank() as u64 * 5 % 9)));
+            came.fetch_add(1, Ordering::SeqCst);
+            agree_on(comm, Digest::default())?;
+            assert_eq!(came.load(Ordering::SeqCst), 9);
+            Ok(())
+        })
+        .expect("all agree");
+    }
+}
