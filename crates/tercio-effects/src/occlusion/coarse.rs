@@ -1,0 +1,131 @@
+//! Every second pixel of every second row of a frame's depths.
+
+use fearless_simd::prelude::*;
+use fearless_simd::{Level, Simd, dispatch, f32x4};
+use rayon::prelude::*;
+
+use super::pattern::{MAX_RADIUS, PATTERN};
+use crate::lanes::{LANES, Lanes, load_interleaved, load_part, splat};
+use crate::surface::Surface;
+
+/// Coarse pixels along the edge of a block.
+pub const BLOCK: usize = LANES;
+/// Coarse pixels beside the picture, on each side, in which nothing is visible.
+pub const MARGIN: usize = 2;
+/// Coarse pixels of which a row of the planes is a multiple, without the margins.
+const GROUP: usize = 4 * LANES;
+
+/// Coarse pixels: pixels (2x, 2y) of the picture.
+pub struct Coarse {
+    /// Pixels across and down.
+    pub size: [usize; 2],
+    /// Length of a row, with margins.
+    pub stride: usize,
+    /// Depths, in the surface's unit of length; infinite where nothing is visible.
+    pub depth: Vec<f32>,
+    /// The least depth.
+    pub nearest: f32,
+}
+
+impl Coarse {
+    /// Takes them from a frame's depths.
+    pub fn new(surface: &Surface, depth: &[f32], level: Level) -> Self {
+        let size = [surface.width.div_ceil(2), surface.height.div_ceil(2)];
+        let stride = size[0].next_multiple_of(GROUP) + 2 * MARGIN;
+        let mut coarse = vec![f32::INFINITY; stride * (size[1].next_multiple_of(BLOCK) + 2 * MARGIN)];
+        let rows = coarse.par_chunks_mut(stride).skip(MARGIN).zip(depth.par_chunks(2 * surface.width));
+        let nearest = rows.with_min_len(BLOCK).map(|(to, from)| {
+            let to = to[MARGIN..].as_chunks_mut::<LANES>().0;
+            dispatch!(level, simd => even(simd, &from[..surface.width], to, surface.per_world))
+        });
+        let nearest = nearest.reduce(|| f32::INFINITY, f32::min);
+        Self { size, stride, depth: coarse, nearest }
+    }
+
+    /// The index of a coarse pixel, which may be in the margin if numbered from there.
+    pub fn index(&self, x: usize, y: usize) -> usize {
+        (y + MARGIN) * self.stride + MARGIN + x
+    }
+}
+
+/// Every second number of a row, times a factor; returns the least of them.
+#[inline(always)]
+fn even<S: Simd>(simd: S, from: &[f32], to: &mut [[f32; LANES]], factor: f32) -> f32 {
+    let mut least = splat(simd, f32::INFINITY);
+    for (number, to) in to.iter_mut().take(from.len().div_ceil(2 * LANES)).enumerate() {
+        let first = number * 2 * LANES;
+        let low = load_part(simd, from, first, f32::INFINITY);
+        let depth = low.unzip_low(load_part(simd, from, first + LANES, f32::INFINITY)) * factor;
+        least = depth.simd_lt(least).select(depth, least);
+        depth.store_array(to);
+    }
+    least.to_array().into_iter().fold(f32::INFINITY, f32::min)
+}
+
+/// The same depths, apart by the columns of the pattern: whoever looks at the same distance from each fourth pixel finds
+/// what it sees side by side.
+pub struct Interleaved {
+    /// Rows of the picture, each as one row for each column of the pattern.
+    depth: Vec<f32>,
+    /// Coarse pixels beyond the picture, on each side: as far as anything is looked at.
+    margin: usize,
+    /// Length of the rows.
+    stride: usize,
+}
+
+impl Interleaved {
+    /// Arranges depths anew. What is farther away than the radius of the nearest pixel is never looked at.
+    pub fn new(coarse: &Coarse, surface: &Surface, level: Level) -> Self {
+        let scale = surface.scale;
+        let radius = if surface.perspective { scale / coarse.nearest } else { scale };
+        let reach = (radius.min(MAX_RADIUS) * 0.5) as usize + 2;
+        let margin = reach.next_multiple_of(PATTERN);
+        let [across, down] = [coarse.stride - 2 * MARGIN, coarse.size[1].next_multiple_of(BLOCK)];
+        let stride = (across + 2 * margin) / PATTERN;
+        let mut depth = vec![f32::INFINITY; PATTERN * stride * (down + 2 * margin)];
+        let from = coarse.depth.par_chunks(coarse.stride).skip(MARGIN);
+        let rows = depth.par_chunks_mut(PATTERN * stride).skip(margin).zip(from).take(coarse.size[1]);
+        rows.with_min_len(BLOCK).for_each(|(to, from)| {
+            let from = &from[MARGIN..MARGIN + across];
+            dispatch!(level, simd => take_apart(simd, from, to, stride, margin / PATTERN));
+        });
+        Self { depth, margin, stride }
+    }
+
+    /// Numbers from one row to the next one.
+    fn row(&self) -> usize {
+        PATTERN * self.stride
+    }
+
+    /// The index of a coarse pixel.
+    #[inline(always)]
+    pub fn index(&self, x: isize, y: isize) -> usize {
+        let [x, y] = [x, y].map(|at| (at + self.margin as isize) as usize);
+        y * self.row() + x % PATTERN * self.stride + x / PATTERN
+    }
+
+    /// The depths of 4 x 4 pixels of a block, each [`PATTERN`] pixels from the next, row by row.
+    #[inline(always)]
+    pub fn load<S: Simd>(&self, simd: S, first: usize) -> Lanes<S> {
+        let step = PATTERN * self.row();
+        let from = &self.depth[first..first + 3 * step + PATTERN];
+        let upper = four(simd, from, 0).combine(four(simd, from, step));
+        upper.combine(four(simd, from, 2 * step).combine(four(simd, from, 3 * step)))
+    }
+}
+
+#[inline(always)]
+fn four<S: Simd>(simd: S, from: &[f32], first: usize) -> f32x4<S> {
+    f32x4::from_slice(simd, &from[first..first + PATTERN])
+}
+
+#[inline(always)]
+fn take_apart<S: Simd>(simd: S, from: &[f32], to: &mut [f32], stride: usize, margin: usize) {
+    let (groups, _) = from.as_chunks::<PATTERN>().0.as_chunks::<LANES>();
+    for (number, group) in groups.iter().enumerate() {
+        for (column, cells) in load_interleaved(simd, group).into_iter().enumerate() {
+            let first = column * stride + margin + number * LANES;
+            cells.store_slice(&mut to[first..first + LANES]);
+        }
+    }
+}
