@@ -172,15 +172,18 @@ impl Shader<'_> {
         for ring in rings {
             let (straight, diagonal) = (pixels * ring.straight, pixels * ring.diagonal);
             let mut of_ring = none;
-            for (down, right) in [(0, 0), (0, 1), (0, 2), (1, 0), (1, 2), (2, 0), (2, 1), (2, 2)] {
-                let other = if INSIDE {
-                    let first = x + right * ring.distance - ring.distance;
-                    f32x16::from_slice(simd, &ring.rows[down][first..first + LANES])
+            for (row, below) in [(0, true), (1, false), (2, true)] {
+                let [left, middle, right] = if INSIDE {
+                    ring.inside(simd, row, x)
                 } else {
-                    ring.anywhere(simd, down, x + right * ring.distance)
+                    [0, 1, 2].map(|to_right| ring.anywhere(simd, row, x + to_right * ring.distance))
                 };
-                let per_pixel = if down == 1 || right == 1 { straight } else { diagonal };
-                of_ring += clamp(simd, (depth - other) * per_pixel, 0.0, STEEPEST);
+                let slanting = if below { diagonal } else { straight };
+                of_ring += clamp(simd, (depth - left) * slanting, 0.0, STEEPEST);
+                if below {
+                    of_ring += clamp(simd, (depth - middle) * straight, 0.0, STEEPEST);
+                }
+                of_ring += clamp(simd, (depth - right) * slanting, 0.0, STEEPEST);
             }
             sum += of_ring * (ring.weight / 8.0);
         }
@@ -206,6 +209,19 @@ struct Ring<'a> {
 }
 
 impl Ring<'_> {
+    /// Three times 16 depths of a row: to the left of the pixels from the given one on, there, and to the right.
+    #[inline(always)]
+    fn inside<S: Simd>(&self, simd: S, row: usize, x: usize) -> [Lanes<S>; 3] {
+        let depths = &self.rows[row][x - self.distance..x + self.distance + LANES];
+        let (left, middle, right) =
+            (&depths[..LANES], &depths[self.distance..], &depths[2 * self.distance..]);
+        [
+            f32x16::from_slice(simd, left),
+            f32x16::from_slice(simd, &middle[..LANES]),
+            f32x16::from_slice(simd, right),
+        ]
+    }
+
     /// 16 depths of a row from a pixel on that is counted from one distance left of the picture.
     #[inline(always)]
     fn anywhere<S: Simd>(&self, simd: S, row: usize, first: usize) -> Lanes<S> {

@@ -86,10 +86,10 @@ pub fn scaled<S: Simd>(v: Vec3<S>, factor: Lanes<S>) -> Vec3<S> {
     [v[0] * factor, v[1] * factor, v[2] * factor]
 }
 
-/// Limited to a range; NaN becomes `low`.
+/// Limited to a range; NaN becomes `low`. `high` is not 0.
 #[inline(always)]
 pub fn clamp<S: Simd>(simd: S, v: Lanes<S>, low: f32, high: f32) -> Lanes<S> {
-    let (low, high) = (splat(simd, low), splat(simd, high));
-    let v = v.simd_gt(low).select(v, low);
-    v.simd_lt(high).select(v, high)
+    let low = splat(simd, low);
+    // Of the smaller of two numbers, unlike NaN and zeros of both signs, all levels have the same notion.
+    v.simd_gt(low).select(v, low).min(splat(simd, high))
 }

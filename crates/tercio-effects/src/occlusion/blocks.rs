@@ -33,15 +33,22 @@ impl Visible<'_> {
         (self.depth[index], self.normals[index])
     }
 
-    /// Normals of pixels in the camera's axes; anything outside the picture.
+    /// Normals in the camera's axes of `ACROSS` pixels side by side, each `STEP` pixels from the next, and as many rows of
+    /// these as there are lanes for; anything outside the picture.
     #[inline(always)]
-    pub fn normals<S: Simd>(&self, simd: S, pixels: impl Fn(usize) -> [usize; 2]) -> Vec3<S> {
+    pub fn normals<S: Simd, const ACROSS: usize, const STEP: usize>(
+        &self,
+        simd: S,
+        [x, y]: [usize; 2],
+    ) -> Vec3<S> {
         let mut normals = [[0.0; LANES]; 3];
         let last = self.normals.len() - 1;
-        for lane in 0..LANES {
-            let [x, y] = pixels(lane);
-            let normal = self.normals[(y * self.surface.width + x).min(last)];
-            (0..3).for_each(|k| normals[k][lane] = normal[k]);
+        for row in 0..LANES / ACROSS {
+            let first = (y + row * STEP) * self.surface.width + x;
+            for column in 0..ACROSS {
+                let normal = &self.normals[(first + column * STEP).min(last)];
+                (0..3).for_each(|k| normals[k][row * ACROSS + column] = normal[k]);
+            }
         }
         self.surface.to_camera([load(simd, &normals[0]), load(simd, &normals[1]), load(simd, &normals[2])])
     }
@@ -119,7 +126,7 @@ impl<'a> Finder<'a> {
         }
         let radius = (most + least) * 0.5;
         for row in 0..PATTERN {
-            let offsets = Offsets::new(simd, &self.rows[row], radius);
+            let offsets = self.offsets(simd, row, radius);
             let mut columns = [splat(simd, 0.0); PATTERN];
             for column in 0..PATTERN {
                 let at = [first[0] + column, first[1] + row];
@@ -141,23 +148,17 @@ impl<'a> Finder<'a> {
         offsets: &Offsets,
     ) -> Lanes<S> {
         let surface = self.visible.surface;
-        let own = self.interleaved.index(x as isize, y as isize);
+        let own = self.interleaved.index(x, y);
         let depth = self.interleaved.load(simd, own);
         let is_visible = depth.simd_lt(splat(simd, f32::INFINITY));
         if is_visible.all_false() {
             return splat(simd, 0.0);
         }
         let depth = is_visible.select(depth, splat(simd, 1.0));
-        let pixel = |lane: usize| [2 * (x + lane % PATTERN * PATTERN), 2 * (y + lane / PATTERN * PATTERN)];
-        let normal = self.visible.normals(simd, pixel);
+        let normal = self.visible.normals::<_, PATTERN, { 2 * PATTERN }>(simd, [2 * x, 2 * y]);
         let cells = [load(simd, &CELLS[0]) + (2 * x) as f32, load(simd, &CELLS[1]) + (2 * y) as f32];
         let points = Points::new(surface, cells, depth, normal);
-        let around = Beside {
-            interleaved: &self.interleaved,
-            offsets,
-            at: [x as isize, y as isize],
-            inverse: 1.0 / surface.scale,
-        };
+        let around = Beside { interleaved: &self.interleaved, offsets, own, column: x % PATTERN };
         let row = &self.columns[y % PATTERN][x % PATTERN];
         let found = occlusion::<S, PERSPECTIVE>(simd, &points, row, &around);
         is_visible.select(found, splat(simd, 0.0))
@@ -228,21 +229,38 @@ const CELLS: [[f32; LANES]; 2] = {
     cells
 };
 
-/// How many coarse pixels away the points of a row of the pattern look: to the right, and down.
-struct Offsets([[[[i32; LANES]; 2]; STEPS]; LINES]);
+/// Where the points of a row of the pattern look, by line, step, side, and column of the pattern.
+struct Offsets([[[Offset; 2]; STEPS]; LINES]);
 
-impl Offsets {
+#[derive(Clone, Copy)]
+struct Offset {
+    /// In the plane of depths.
+    index: [i32; LANES],
+    /// As [`Points::at`] counts: to the right and upwards.
+    away: [[f32; LANES]; 2],
+}
+
+impl Finder<'_> {
     #[inline(always)]
-    fn new<S: Simd>(simd: S, row: &Row, radius: f32) -> Self {
-        let mut offsets = Self([[[[0; LANES]; 2]; STEPS]; LINES]);
+    fn offsets<S: Simd>(&self, simd: S, row: usize, radius: f32) -> Offsets {
+        let row = &self.rows[row];
+        let per_coarse = 2.0 / self.visible.surface.scale;
+        let none = Offset { index: [0; LANES], away: [[0.0; LANES]; 2] };
+        let mut offsets = Offsets([[[none; 2]; STEPS]; LINES]);
         for line in 0..LINES {
             let [right, up] = [load(simd, &row.lines[line][0]), load(simd, &row.lines[line][1])];
             for step in 0..STEPS {
                 let distance = load(simd, &row.steps[step]) * radius;
                 let distance = clamp(simd, distance, MIN_DISTANCE, MAX_RADIUS) * 0.5;
-                for (axis, along) in [right * distance, -(up * distance)].into_iter().enumerate() {
-                    let nearest: i32x16<S> = (along + 0.5).floor().to_int();
-                    offsets.0[line][step][axis] = nearest.to_array();
+                for side in 0..2 {
+                    let distance = if side == 0 { distance } else { -distance };
+                    // The nearest coarse pixel.
+                    let x = (right * distance + 0.5).floor();
+                    let y = (up * distance + 0.5).floor();
+                    offsets.0[line][step][side] = Offset {
+                        index: self.interleaved.offsets(simd, x.to_int(), (-y).to_int()).to_array(),
+                        away: [(x * per_coarse).to_array(), (y * per_coarse).to_array()],
+                    };
                 }
             }
         }
@@ -254,23 +272,19 @@ impl Offsets {
 struct Beside<'a> {
     interleaved: &'a Interleaved,
     offsets: &'a Offsets,
-    /// The first coarse pixel.
-    at: [isize; 2],
-    /// Units of length per pixel.
-    inverse: f32,
+    /// The index of the first pixel.
+    own: usize,
+    /// Of the pattern.
+    column: usize,
 }
 
 impl<S: Simd> Around<S> for Beside<'_> {
     #[inline(always)]
     fn seen(&self, simd: S, line: usize, side: usize, step: usize) -> ([Lanes<S>; 2], Lanes<S>) {
-        let [right, down] = &self.offsets.0[line][step];
-        let column = self.at[0] as usize % PATTERN;
-        let sign = if side == 0 { 1 } else { -1 };
-        let [right, down] = [right[column] * sign, down[column] * sign];
-        let index = self.interleaved.index(self.at[0] + right as isize, self.at[1] + down as isize);
-        let per_coarse = 2.0 * self.inverse;
-        let away = [right as f32 * per_coarse, down as f32 * -per_coarse];
-        ([splat(simd, away[0]), splat(simd, away[1])], self.interleaved.load(simd, index))
+        let Offset { index, away } = &self.offsets.0[line][step][side];
+        let index = self.own.wrapping_add_signed(index[self.column] as isize);
+        let [right, up] = [splat(simd, away[0][self.column]), splat(simd, away[1][self.column])];
+        ([right, up], self.interleaved.load(simd, index))
     }
 }
 

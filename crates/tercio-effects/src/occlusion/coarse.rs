@@ -1,7 +1,7 @@
 //! Every second pixel of every second row of a frame's depths.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Level, Simd, dispatch, f32x4};
+use fearless_simd::{Level, Simd, dispatch, f32x4, i32x16};
 use rayon::prelude::*;
 
 use super::pattern::{MAX_RADIUS, PATTERN};
@@ -92,27 +92,36 @@ impl Interleaved {
         Self { depth, margin, stride }
     }
 
-    /// Numbers from one row to the next one.
-    fn row(&self) -> usize {
-        PATTERN * self.stride
+    /// The index of a coarse pixel.
+    pub fn index(&self, x: usize, y: usize) -> usize {
+        let [x, y] = [x, y].map(|at| at + self.margin);
+        y * PATTERN * self.stride + x % PATTERN * self.stride + x / PATTERN
     }
 
-    /// The index of a coarse pixel.
+    /// How far apart in the plane are the pixels of the pattern's columns, by lane, and others that are so many coarse pixels
+    /// to the right and below.
     #[inline(always)]
-    pub fn index(&self, x: isize, y: isize) -> usize {
-        let [x, y] = [x, y].map(|at| (at + self.margin as isize) as usize);
-        y * self.row() + x % PATTERN * self.stride + x / PATTERN
+    pub fn offsets<S: Simd>(&self, simd: S, right: i32x16<S>, below: i32x16<S>) -> i32x16<S> {
+        let stride = self.stride as i32;
+        let own = i32x16::load_array(simd, COLUMNS);
+        // Rounded down, also if negative.
+        let x = own + right;
+        let column = (x & (PATTERN as i32 - 1)) - own;
+        (below * PATTERN as i32 + column) * stride + (x >> PATTERN.ilog2())
     }
 
     /// The depths of 4 x 4 pixels of a block, each [`PATTERN`] pixels from the next, row by row.
     #[inline(always)]
     pub fn load<S: Simd>(&self, simd: S, first: usize) -> Lanes<S> {
-        let step = PATTERN * self.row();
+        let step = PATTERN * PATTERN * self.stride;
         let from = &self.depth[first..first + 3 * step + PATTERN];
         let upper = four(simd, from, 0).combine(four(simd, from, step));
         upper.combine(four(simd, from, 2 * step).combine(four(simd, from, 3 * step)))
     }
 }
+
+/// The column of the pattern of each lane.
+const COLUMNS: [i32; LANES] = [0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3];
 
 #[inline(always)]
 fn four<S: Simd>(simd: S, from: &[f32], first: usize) -> f32x4<S> {

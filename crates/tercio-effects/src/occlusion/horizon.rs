@@ -123,10 +123,15 @@ fn of_side<S: Simd, const PERSPECTIVE: bool>(
         let other = if PERSPECTIVE { [x * depth, y * depth, -depth] } else { [x, y, -depth] };
         let apart = minus(other, points.position);
         let square = dot(apart, apart);
-        let toward = if PERSPECTIVE { dot(apart, to_viewer) } else { apart[2] };
-        let horizon = toward / square.sqrt();
         // Not where nothing is visible: infinite, or no number.
         let counts = square.simd_lt(one) & dot(apart, points.normal).simd_gt(splat(simd, BIAS));
+        // As most do on a surface that is convex, or plane.
+        if counts.all_false() {
+            before = square;
+            continue;
+        }
+        let toward = if PERSPECTIVE { dot(apart, to_viewer) } else { apart[2] };
+        let horizon = toward / square.sqrt();
         let rises = counts & horizon.simd_gt(highest);
         let left = light_above(simd, horizon, tilt);
         // What is between two points is hit between them.
@@ -147,7 +152,8 @@ fn of_side<S: Simd, const PERSPECTIVE: bool>(
 #[inline(always)]
 fn light_above<S: Simd>(simd: S, cosine: Lanes<S>, tilt: Tilt<S>) -> Lanes<S> {
     let square = cosine * cosine;
-    let polynomial = ((square * -0.180_654_14 + 0.160_158_28) * square - 0.415_911_24) * square + 2.008_260_2;
+    let upper = square * -0.180_654_14 + 0.160_158_28;
+    let polynomial = upper * (square * square) + (square * -0.415_911_24 + 2.008_260_2);
     let beyond = splat(simd, std::f32::consts::FRAC_PI_2) - cosine * polynomial;
     tilt.cosine * (splat(simd, 1.0) - square) + tilt.sine * beyond
 }

@@ -133,7 +133,7 @@ impl Smoother<'_> {
         }
         let (none, one) = (splat(simd, 0.0), splat(simd, 1.0));
         let depth = is_visible.select(depth, one);
-        let normal = self.finder.visible.normals(simd, |lane| [2 * (x + lane), 2 * y]);
+        let normal = self.finder.visible.normals::<_, LANES, 2>(simd, [2 * x, 2 * y]);
         let pixels = [load(simd, &EVEN) + (2 * x) as f32, splat(simd, (2 * y) as f32)];
         let points = Points::new(surface, pixels, depth, normal);
         // The normal, so long that distances are in `WIDTHS` widths of a pixel at a depth of 1.
@@ -145,18 +145,20 @@ impl Smoother<'_> {
         let (own, a, b, c) = (own * shorter, normal[0] * shorter, normal[1] * shorter, normal[2] * shorter);
         let apart = 2.0 / surface.scale;
         let offset = |number: usize| (number as f32 - REACH as f32) * apart;
+        let aside: [_; COLUMNS] = [a * offset(0), a * offset(1), none, a * offset(3), a * offset(4)];
         let (mut sum, mut total) = (none, none);
         for row in 0..COLUMNS {
             let first = center + row * coarse.stride - REACH * coarse.stride - REACH;
+            let depths = &coarse.depth[first..first + LANES + COLUMNS - 1];
+            let occlusions = &self.occlusion[first..first + LANES + COLUMNS - 1];
             let in_row = (points.at[1] - offset(row)) * b;
             let in_row = in_row + points.at[0] * a;
             let in_row = if PERSPECTIVE { in_row - c } else { in_row - own };
             let (mut inner, mut outer) = ([none; 2], [none; 2]);
             for column in 0..COLUMNS {
-                let from = first + column..first + column + LANES;
-                let depth = f32x16::from_slice(simd, &coarse.depth[from.clone()]);
-                let occlusion = f32x16::from_slice(simd, &self.occlusion[from]);
-                let along = in_row + a * offset(column);
+                let depth = f32x16::from_slice(simd, &depths[column..column + LANES]);
+                let occlusion = f32x16::from_slice(simd, &occlusions[column..column + LANES]);
+                let along = in_row + aside[column];
                 let off = if PERSPECTIVE { depth * along - own } else { along - depth * c };
                 let near = one - off.abs();
                 // Not where nothing is visible: infinite, or no number.
