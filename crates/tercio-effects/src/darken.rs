@@ -9,9 +9,12 @@ use crate::lanes::{LANES, load, load_interleaved, splat, store_interleaved};
 
 /// The planes of colours of some rows of a picture; those of 8 and 16 bits are empty if the picture has none.
 pub struct Colors<'a> {
-    linear: &'a mut [[f32; 4]],
-    narrow: &'a mut [[u8; 4]],
-    wide: &'a mut [[u16; 4]],
+    /// Premultiplied.
+    pub linear: &'a mut [[f32; 4]],
+    /// Of 8 bits.
+    pub narrow: &'a mut [[u8; 4]],
+    /// Of 16 bits.
+    pub wide: &'a mut [[u16; 4]],
 }
 
 /// All colours of a picture of this width, in bands of so many rows, the last of which may have fewer.

@@ -176,7 +176,12 @@ impl Shader<'_> {
                 let [left, middle, right] = if INSIDE {
                     ring.inside(simd, row, x)
                 } else {
-                    [0, 1, 2].map(|to_right| ring.anywhere(simd, row, x + to_right * ring.distance))
+                    let [middle, right] = [x + ring.distance, x + 2 * ring.distance];
+                    [
+                        ring.anywhere(simd, row, x),
+                        ring.anywhere(simd, row, middle),
+                        ring.anywhere(simd, row, right),
+                    ]
                 };
                 let slanting = if below { diagonal } else { straight };
                 of_ring += clamp(simd, (depth - left) * slanting, 0.0, STEEPEST);

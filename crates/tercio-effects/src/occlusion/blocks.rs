@@ -78,13 +78,15 @@ impl<'a> Finder<'a> {
         let mut found = vec![0.0; depth.len()];
         let rows = found[MARGIN * stride..].par_chunks_mut(BLOCK * stride);
         rows.take(size[1].div_ceil(BLOCK)).enumerate().for_each(|(block_y, to)| {
+            let mut offsets =
+                Offsets([[[Offset { index: [0; LANES], away: [[0.0; LANES]; 2] }; 2]; STEPS]; LINES]);
             for block_x in 0..size[0].div_ceil(BLOCK) {
                 let first = [block_x * BLOCK, block_y * BLOCK];
                 let to = &mut to[MARGIN + first[0]..];
                 if self.visible.surface.perspective {
-                    dispatch!(level, simd => self.of_block::<_, true>(simd, first, to, level));
+                    dispatch!(level, simd => self.of_block::<_, true>(simd, first, to, &mut offsets, level));
                 } else {
-                    dispatch!(level, simd => self.of_block::<_, false>(simd, first, to, level));
+                    dispatch!(level, simd => self.of_block::<_, false>(simd, first, to, &mut offsets, level));
                 }
             }
         });
@@ -99,6 +101,7 @@ impl<'a> Finder<'a> {
         simd: S,
         first: [usize; 2],
         to: &mut [f32],
+        offsets: &mut Offsets,
         level: Level,
     ) {
         let stride = self.coarse.stride;
@@ -118,19 +121,19 @@ impl<'a> Finder<'a> {
         }
         let farthest = farthest.to_array().into_iter().fold(0.0, f32::max);
         let scale = self.visible.surface.scale;
-        let [most, least] =
-            [nearest, farthest].map(|d| if PERSPECTIVE { scale / d } else { scale }.min(MAX_RADIUS));
+        let [most, least] = if PERSPECTIVE { [scale / nearest, scale / farthest] } else { [scale; 2] };
+        let [most, least] = [most.min(MAX_RADIUS), least.min(MAX_RADIUS)];
         if most > SIMILAR * least {
             self.one_by_one(first, to, level);
             return;
         }
         let radius = (most + least) * 0.5;
         for row in 0..PATTERN {
-            let offsets = self.offsets(simd, row, radius);
+            self.set_offsets(simd, row, radius, offsets);
             let mut columns = [splat(simd, 0.0); PATTERN];
             for column in 0..PATTERN {
                 let at = [first[0] + column, first[1] + row];
-                columns[column] = self.of_cells::<S, PERSPECTIVE>(simd, at, &offsets);
+                columns[column] = self.of_cells::<S, PERSPECTIVE>(simd, at, offsets);
             }
             for (cell, pixels) in interleaved(columns).into_iter().enumerate() {
                 let first = (cell * PATTERN + row) * stride;
@@ -242,11 +245,9 @@ struct Offset {
 
 impl Finder<'_> {
     #[inline(always)]
-    fn offsets<S: Simd>(&self, simd: S, row: usize, radius: f32) -> Offsets {
+    fn set_offsets<S: Simd>(&self, simd: S, row: usize, radius: f32, offsets: &mut Offsets) {
         let row = &self.rows[row];
         let per_coarse = 2.0 / self.visible.surface.scale;
-        let none = Offset { index: [0; LANES], away: [[0.0; LANES]; 2] };
-        let mut offsets = Offsets([[[none; 2]; STEPS]; LINES]);
         for line in 0..LINES {
             let [right, up] = [load(simd, &row.lines[line][0]), load(simd, &row.lines[line][1])];
             for step in 0..STEPS {
@@ -264,7 +265,6 @@ impl Finder<'_> {
                 }
             }
         }
-        offsets
     }
 }
 
@@ -305,11 +305,12 @@ impl<S: Simd> Around<S> for Anywhere<'_, S> {
         let distance = load(simd, &self.row.steps[step]) * self.radius;
         let distance = clamp(simd, distance, MIN_DISTANCE, MAX_RADIUS);
         let distance = if side == 0 { distance } else { -distance };
-        let [right, up] = [0, 1].map(|axis| load(simd, &self.row.lines[line][axis]) * distance);
+        let [right, up] = &self.row.lines[line];
+        let [right, up] = [load(simd, right) * distance, load(simd, up) * distance];
         // The nearest coarse pixel, in the margin if it is outside.
-        let [across, down] = self.coarse.size.map(|size| size as f32);
-        let x = clamp(simd, (self.pixels[0] + right) * 0.5 + 0.5, -1.0, across).floor();
-        let y = clamp(simd, (self.pixels[1] - up) * 0.5 + 0.5, -1.0, down).floor();
+        let [across, down] = self.coarse.size;
+        let x = clamp(simd, (self.pixels[0] + right) * 0.5 + 0.5, -1.0, across as f32).floor();
+        let y = clamp(simd, (self.pixels[1] - up) * 0.5 + 0.5, -1.0, down as f32).floor();
         let (column, line): (i32x16<S>, i32x16<S>) = (x.to_int(), y.to_int());
         let margin = MARGIN as i32;
         let index = ((line + margin) * self.coarse.stride as i32 + (column + margin)).to_array();

@@ -133,6 +133,10 @@ fn of_side<S: Simd, const PERSPECTIVE: bool>(
         let toward = if PERSPECTIVE { dot(apart, to_viewer) } else { apart[2] };
         let horizon = toward / square.sqrt();
         let rises = counts & horizon.simd_gt(highest);
+        if rises.all_false() {
+            before = square;
+            continue;
+        }
         let left = light_above(simd, horizon, tilt);
         // What is between two points is hit between them.
         let nearer = before.simd_lt(square).select(before, square);

@@ -13,7 +13,7 @@ use super::coarse::{BLOCK, MARGIN};
 use super::horizon::{Points, place};
 use super::pattern::PATTERN;
 use crate::darken::Colors;
-use crate::lanes::{LANES, Lanes, dot, load, load_part, splat};
+use crate::lanes::{LANES, Lanes, dot, load, load_part, scaled, splat};
 
 /// Coarse pixels on each side of a coarse pixel that are looked at.
 const REACH: usize = PATTERN / 2;
@@ -31,6 +31,8 @@ struct Means {
     /// [`MEMBERS`] rows of numbers.
     rows: Vec<f32>,
     length: usize,
+    /// Whether any of 16 is occluded.
+    occluded: Vec<bool>,
 }
 
 /// What [`Means`] have: the occlusion, and four factors of the plane. A pixel's distance from it, in [`WIDTHS`] widths of the
@@ -42,7 +44,8 @@ impl Means {
     /// Of no pixel.
     fn new(columns: usize) -> Self {
         let length = columns.next_multiple_of(LANES) + LANES;
-        let mut new = Self { rows: vec![0.0; MEMBERS * length], length };
+        let mut new =
+            Self { rows: vec![0.0; MEMBERS * length], length, occluded: vec![false; length / LANES] };
         for first in (0..length).step_by(LANES) {
             new.clear(first);
         }
@@ -55,6 +58,7 @@ impl Means {
             let value = if member == 3 { f32::INFINITY } else { 0.0 };
             self.at(member, first).fill(value);
         }
+        self.occluded[first / LANES] = false;
     }
 
     fn at(&mut self, member: usize, first: usize) -> &mut [f32] {
@@ -137,7 +141,7 @@ impl Smoother<'_> {
         let pixels = [load(simd, &EVEN) + (2 * x) as f32, splat(simd, (2 * y) as f32)];
         let points = Points::new(surface, pixels, depth, normal);
         // The normal, so long that distances are in `WIDTHS` widths of a pixel at a depth of 1.
-        let normal = normal.map(|n| n * (surface.scale / WIDTHS));
+        let normal = scaled(normal, splat(simd, surface.scale / WIDTHS));
         let own = dot(points.position, normal);
         let (constant, of_depth) = if PERSPECTIVE { (-normal[2], -own) } else { (-own, -normal[2]) };
         // The same at this pixel's depth.
@@ -145,6 +149,16 @@ impl Smoother<'_> {
         let (own, a, b, c) = (own * shorter, normal[0] * shorter, normal[1] * shorter, normal[2] * shorter);
         let apart = 2.0 / surface.scale;
         let offset = |number: usize| (number as f32 - REACH as f32) * apart;
+        let plane = [normal[0], normal[1], constant, of_depth];
+        let nothing = [none, none, splat(simd, f32::INFINITY), none];
+        for member in 0..MEMBERS - 1 {
+            is_visible.select(plane[member], nothing[member]).store_slice(means.at(member + 1, x));
+        }
+        means.occluded[x / LANES] = self.is_any_occluded(simd, center);
+        if !means.occluded[x / LANES] {
+            none.store_slice(means.at(0, x));
+            return;
+        }
         let aside: [_; COLUMNS] = [a * offset(0), a * offset(1), none, a * offset(3), a * offset(4)];
         let (mut sum, mut total) = (none, none);
         for row in 0..COLUMNS {
@@ -173,12 +187,21 @@ impl Smoother<'_> {
             total += (inner[1] + outer[1] * 0.5) * weight;
         }
         let mean = sum / total;
-        let plane = [normal[0], normal[1], constant, of_depth];
-        let nothing = [none, none, splat(simd, f32::INFINITY), none];
         is_visible.select(mean, none).store_slice(means.at(0, x));
-        for member in 0..MEMBERS - 1 {
-            is_visible.select(plane[member], nothing[member]).store_slice(means.at(member + 1, x));
+    }
+
+    /// Is any coarse pixel occluded that is looked at for 16 of them, from the one of this index on?
+    #[inline(always)]
+    fn is_any_occluded<S: Simd>(&self, simd: S, center: usize) -> bool {
+        let stride = self.finder.coarse.stride;
+        let mut any = splat(simd, 0.0);
+        for row in 0..COLUMNS {
+            let first = center + row * stride - REACH * stride - REACH;
+            let occlusions = &self.occlusion[first..first + LANES + COLUMNS - 1];
+            any += f32x16::from_slice(simd, &occlusions[..LANES]);
+            any += f32x16::from_slice(simd, &occlusions[COLUMNS - 1..]);
         }
+        any.simd_gt(splat(simd, 0.0)).any_true()
     }
 
     /// The light of a row of pixels, of the means of the rows of coarse pixels beside it; less than 0 where none of them is
@@ -203,6 +226,11 @@ impl Smoother<'_> {
                 load_part(simd, depths, x + LANES, f32::INFINITY),
             ];
             if (depth[0].simd_lt(infinite) | depth[1].simd_lt(infinite)).all_false() {
+                light.fill(1.0);
+                continue;
+            }
+            // The last pixel has a neighbour among the next ones.
+            if !means.iter().any(|row| row.occluded[number] | row.occluded[number + 1]) {
                 light.fill(1.0);
                 continue;
             }
