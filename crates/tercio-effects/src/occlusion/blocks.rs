@@ -4,10 +4,10 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd, dispatch, f32x16, i32x16};
 use rayon::prelude::*;
 
-use super::coarse::{BLOCK, Coarse, Interleaved, MARGIN};
+use super::coarse::{BLOCK, Coarse, Interleaved, MARGIN, unpacked};
 use super::horizon::{Around, Points, occlusion};
 use super::pattern::{LINES, MAX_RADIUS, MIN_DISTANCE, PATTERN, Row, STEPS, rows};
-use crate::lanes::{LANES, Lanes, Vec3, clamp, interleaved, load, splat};
+use crate::lanes::{LANES, Lanes, clamp, interleaved, load, splat};
 use crate::surface::Surface;
 
 /// If the radii in a block differ by less than this factor, their mean stands for all.
@@ -31,26 +31,6 @@ impl Visible<'_> {
         }
         let index = y * self.surface.width + x;
         (self.depth[index], self.normals[index])
-    }
-
-    /// Normals in the camera's axes of `ACROSS` pixels side by side, each `STEP` pixels from the next, and as many rows of
-    /// these as there are lanes for; anything outside the picture.
-    #[inline(always)]
-    pub fn normals<S: Simd, const ACROSS: usize, const STEP: usize>(
-        &self,
-        simd: S,
-        [x, y]: [usize; 2],
-    ) -> Vec3<S> {
-        let mut normals = [[0.0; LANES]; 3];
-        let last = self.normals.len() - 1;
-        for row in 0..LANES / ACROSS {
-            let first = (y + row * STEP) * self.surface.width + x;
-            for column in 0..ACROSS {
-                let normal = &self.normals[(first + column * STEP).min(last)];
-                (0..3).for_each(|k| normals[k][row * ACROSS + column] = normal[k]);
-            }
-        }
-        self.surface.to_camera([load(simd, &normals[0]), load(simd, &normals[1]), load(simd, &normals[2])])
     }
 }
 
@@ -131,9 +111,10 @@ impl<'a> Finder<'a> {
         for row in 0..PATTERN {
             self.set_offsets(simd, row, radius, offsets);
             let mut columns = [splat(simd, 0.0); PATTERN];
+            let normals = self.normals_of_row(simd, corner + row * stride);
             for column in 0..PATTERN {
                 let at = [first[0] + column, first[1] + row];
-                columns[column] = self.of_cells::<S, PERSPECTIVE>(simd, at, offsets);
+                columns[column] = self.of_cells::<S, PERSPECTIVE>(simd, at, normals[column], offsets);
             }
             for (cell, pixels) in interleaved(columns).into_iter().enumerate() {
                 let first = (cell * PATTERN + row) * stride;
@@ -142,12 +123,29 @@ impl<'a> Finder<'a> {
         }
     }
 
+    /// The normals of every fourth row of a block from this index on, by the column of the pattern.
+    #[inline(always)]
+    fn normals_of_row<S: Simd>(&self, simd: S, first: usize) -> [i32x16<S>; PATTERN] {
+        let step = PATTERN * self.coarse.stride;
+        let row = |row: usize| &self.coarse.normals[first + row * step..][..LANES];
+        let [a, b] = [i32x16::from_slice(simd, row(0)), i32x16::from_slice(simd, row(1))];
+        let [c, d] = [i32x16::from_slice(simd, row(2)), i32x16::from_slice(simd, row(3))];
+        let (even, odd) = ([a.unzip_low(b), c.unzip_low(d)], [a.unzip_high(b), c.unzip_high(d)]);
+        [
+            even[0].unzip_low(even[1]),
+            odd[0].unzip_low(odd[1]),
+            even[0].unzip_high(even[1]),
+            odd[0].unzip_high(odd[1]),
+        ]
+    }
+
     /// The occlusion of 4 x 4 coarse pixels, each [`PATTERN`] pixels from the next, row by row from the given one.
     #[inline(always)]
     fn of_cells<S: Simd, const PERSPECTIVE: bool>(
         &self,
         simd: S,
         [x, y]: [usize; 2],
+        normals: i32x16<S>,
         offsets: &Offsets,
     ) -> Lanes<S> {
         let surface = self.visible.surface;
@@ -158,9 +156,8 @@ impl<'a> Finder<'a> {
             return splat(simd, 0.0);
         }
         let depth = is_visible.select(depth, splat(simd, 1.0));
-        let normal = self.visible.normals::<_, PATTERN, { 2 * PATTERN }>(simd, [2 * x, 2 * y]);
         let cells = [load(simd, &CELLS[0]) + (2 * x) as f32, load(simd, &CELLS[1]) + (2 * y) as f32];
-        let points = Points::new(surface, cells, depth, normal);
+        let points = Points::new(surface, cells, depth, unpacked(normals));
         let around = Beside { interleaved: &self.interleaved, offsets, own, column: x % PATTERN };
         let row = &self.columns[y % PATTERN][x % PATTERN];
         let found = occlusion::<S, PERSPECTIVE>(simd, &points, row, &around);

@@ -5,7 +5,7 @@ use fearless_simd::{Level, Simd, dispatch, f32x4, i32x16};
 use rayon::prelude::*;
 
 use super::pattern::{MAX_RADIUS, PATTERN};
-use crate::lanes::{LANES, Lanes, load_interleaved, load_part, splat};
+use crate::lanes::{LANES, Lanes, Vec3, load, load_interleaved, load_part, splat};
 use crate::surface::Surface;
 
 /// Coarse pixels along the edge of a block.
@@ -23,23 +23,29 @@ pub struct Coarse {
     pub stride: usize,
     /// Depths, in the surface's unit of length; infinite where nothing is visible.
     pub depth: Vec<f32>,
+    /// Normals in the camera's axes as [`packed`], so that those of a frame, which lie far apart, are fetched once.
+    pub normals: Vec<i32>,
     /// The least depth.
     pub nearest: f32,
 }
 
 impl Coarse {
-    /// Takes them from a frame's depths.
-    pub fn new(surface: &Surface, depth: &[f32], level: Level) -> Self {
+    /// Takes them from a frame's depths, and normals in world space.
+    pub fn new(surface: &Surface, depth: &[f32], normals: &[[f32; 3]], level: Level) -> Self {
         let size = [surface.width.div_ceil(2), surface.height.div_ceil(2)];
         let stride = size[0].next_multiple_of(GROUP) + 2 * MARGIN;
-        let mut coarse = vec![f32::INFINITY; stride * (size[1].next_multiple_of(BLOCK) + 2 * MARGIN)];
-        let rows = coarse.par_chunks_mut(stride).skip(MARGIN).zip(depth.par_chunks(2 * surface.width));
-        let nearest = rows.with_min_len(BLOCK).map(|(to, from)| {
-            let to = to[MARGIN..].as_chunks_mut::<LANES>().0;
-            dispatch!(level, simd => even(simd, &from[..surface.width], to, surface.per_world))
+        let length = stride * (size[1].next_multiple_of(BLOCK) + 2 * MARGIN);
+        let (mut depths, mut packed) = (vec![f32::INFINITY; length], vec![0; length]);
+        let rows = depths.par_chunks_mut(stride).zip(packed.par_chunks_mut(stride)).skip(MARGIN);
+        let from = depth.par_chunks(2 * surface.width).zip(normals.par_chunks(2 * surface.width));
+        let nearest = rows.zip(from).with_min_len(BLOCK).map(|((depths, packed), (depth, normals))| {
+            let depths = depths[MARGIN..].as_chunks_mut::<LANES>().0;
+            let packed = packed[MARGIN..].as_chunks_mut::<LANES>().0;
+            let (depth, normals) = (&depth[..surface.width], &normals[..surface.width]);
+            dispatch!(level, simd => even(simd, surface, (depth, normals), (depths, packed)))
         });
         let nearest = nearest.reduce(|| f32::INFINITY, f32::min);
-        Self { size, stride, depth: coarse, nearest }
+        Self { size, stride, depth: depths, normals: packed, nearest }
     }
 
     /// The index of a coarse pixel, which may be in the margin if numbered from there.
@@ -48,18 +54,61 @@ impl Coarse {
     }
 }
 
-/// Every second number of a row, times a factor; returns the least of them.
+/// Every second depth and normal of a row; returns the least depth.
 #[inline(always)]
-fn even<S: Simd>(simd: S, from: &[f32], to: &mut [[f32; LANES]], factor: f32) -> f32 {
-    let mut least = splat(simd, f32::INFINITY);
-    for (number, to) in to.iter_mut().take(from.len().div_ceil(2 * LANES)).enumerate() {
-        let first = number * 2 * LANES;
-        let low = load_part(simd, from, first, f32::INFINITY);
-        let depth = low.unzip_low(load_part(simd, from, first + LANES, f32::INFINITY)) * factor;
-        least = depth.simd_lt(least).select(depth, least);
-        depth.store_array(to);
+fn even<S: Simd>(
+    simd: S,
+    surface: &Surface,
+    (depth, normals): (&[f32], &[[f32; 3]]),
+    (depths, to): (&mut [[f32; LANES]], &mut [[i32; LANES]]),
+) -> f32 {
+    let infinite = splat(simd, f32::INFINITY);
+    let mut least = infinite;
+    for (number, first) in (0..depth.len()).step_by(2 * LANES).enumerate() {
+        let low = load_part(simd, depth, first, f32::INFINITY);
+        let found = low.unzip_low(load_part(simd, depth, first + LANES, f32::INFINITY)) * surface.per_world;
+        if found.simd_lt(infinite).all_false() {
+            continue;
+        }
+        least = found.simd_lt(least).select(found, least);
+        found.store_array(&mut depths[number]);
+        let mut all = [[0.0; LANES]; 3];
+        for lane in 0..LANES {
+            let normal = &normals[(first + 2 * lane).min(normals.len() - 1)];
+            (0..3).for_each(|k| all[k][lane] = normal[k]);
+        }
+        let normal = surface.to_camera([load(simd, &all[0]), load(simd, &all[1]), load(simd, &all[2])]);
+        packed(normal).store_array(&mut to[number]);
     }
     least.to_array().into_iter().fold(f32::INFINITY, f32::min)
+}
+
+/// Steps of a packed component from 0 to 1.
+const STEPS: f32 = 511.0;
+
+/// Unit vectors with 10 bits for each component: off by a thousandth.
+#[inline(always)]
+fn packed<S: Simd>(v: Vec3<S>) -> i32x16<S> {
+    let [x, y, z] = [rounded(v[0]), rounded(v[1]), rounded(v[2])];
+    (x | (y << 10)) | (z << 20)
+}
+
+#[inline(always)]
+fn rounded<S: Simd>(v: Lanes<S>) -> i32x16<S> {
+    let steps: i32x16<S> = (v * STEPS + (STEPS + 1.5)).to_int();
+    steps & 1023
+}
+
+/// The reverse of [`packed`].
+#[inline(always)]
+pub fn unpacked<S: Simd>(packed: i32x16<S>) -> Vec3<S> {
+    [component(packed & 1023), component((packed >> 10) & 1023), component(packed >> 20)]
+}
+
+#[inline(always)]
+fn component<S: Simd>(steps: i32x16<S>) -> Lanes<S> {
+    let steps: Lanes<S> = steps.to_float();
+    (steps - (STEPS + 1.0)) * (1.0 / STEPS)
 }
 
 /// The same depths, apart by the columns of the pattern: whoever looks at the same distance from each fourth pixel finds

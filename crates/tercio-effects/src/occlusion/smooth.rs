@@ -5,11 +5,11 @@
 //! tangent planes it is. Both are done row by row, so that nothing but the finished colours is kept.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Level, Simd, dispatch, f32x16};
+use fearless_simd::{Level, Simd, dispatch, f32x16, i32x16};
 use rayon::prelude::*;
 
 use super::blocks::Finder;
-use super::coarse::{BLOCK, MARGIN};
+use super::coarse::{BLOCK, MARGIN, unpacked};
 use super::horizon::{Points, place};
 use super::pattern::PATTERN;
 use crate::darken::Colors;
@@ -137,7 +137,7 @@ impl Smoother<'_> {
         }
         let (none, one) = (splat(simd, 0.0), splat(simd, 1.0));
         let depth = is_visible.select(depth, one);
-        let normal = self.finder.visible.normals::<_, LANES, 2>(simd, [2 * x, 2 * y]);
+        let normal = unpacked(i32x16::from_slice(simd, &coarse.normals[center..center + LANES]));
         let pixels = [load(simd, &EVEN) + (2 * x) as f32, splat(simd, (2 * y) as f32)];
         let points = Points::new(surface, pixels, depth, normal);
         // The normal, so long that distances are in `WIDTHS` widths of a pixel at a depth of 1.
