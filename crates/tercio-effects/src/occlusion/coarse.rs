@@ -5,7 +5,7 @@ use fearless_simd::{Level, Simd, dispatch, f32x4, i32x16};
 use rayon::prelude::*;
 
 use super::pattern::{MAX_RADIUS, PATTERN};
-use crate::lanes::{LANES, Lanes, Vec3, load, load_interleaved, load_part, splat};
+use crate::lanes::{LANES, Lanes, Vec3, clamp, load, load_interleaved, load_part, splat};
 use crate::surface::Surface;
 
 /// Coarse pixels along the edge of a block.
@@ -78,7 +78,7 @@ fn even<S: Simd>(
             (0..3).for_each(|k| all[k][lane] = normal[k]);
         }
         let normal = surface.to_camera([load(simd, &all[0]), load(simd, &all[1]), load(simd, &all[2])]);
-        packed(normal).store_array(&mut to[number]);
+        packed(simd, normal).store_array(&mut to[number]);
     }
     least.to_array().into_iter().fold(f32::INFINITY, f32::min)
 }
@@ -88,15 +88,14 @@ const STEPS: f32 = 511.0;
 
 /// Unit vectors with 10 bits for each component: off by a thousandth.
 #[inline(always)]
-fn packed<S: Simd>(v: Vec3<S>) -> i32x16<S> {
-    let [x, y, z] = [rounded(v[0]), rounded(v[1]), rounded(v[2])];
+fn packed<S: Simd>(simd: S, v: Vec3<S>) -> i32x16<S> {
+    let [x, y, z] = [rounded(simd, v[0]), rounded(simd, v[1]), rounded(simd, v[2])];
     (x | (y << 10)) | (z << 20)
 }
 
 #[inline(always)]
-fn rounded<S: Simd>(v: Lanes<S>) -> i32x16<S> {
-    let steps: i32x16<S> = (v * STEPS + (STEPS + 1.5)).to_int();
-    steps & 1023
+fn rounded<S: Simd>(simd: S, v: Lanes<S>) -> i32x16<S> {
+    (clamp(simd, v * STEPS, -STEPS, STEPS) + (STEPS + 1.5)).to_int()
 }
 
 /// The reverse of [`packed`].
@@ -184,6 +183,75 @@ fn take_apart<S: Simd>(simd: S, from: &[f32], to: &mut [f32], stride: usize, mar
         for (column, cells) in load_interleaved(simd, group).into_iter().enumerate() {
             let first = column * stride + margin + number * LANES;
             cells.store_slice(&mut to[first..first + LANES]);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use tercio_raster::SimdLevel;
+
+    use super::*;
+
+    #[test]
+    fn packed_normals_are_off_by_a_thousandth_at_most() {
+        for level in SimdLevel::available() {
+            let level = level.level().expect("available");
+            for k in 0..200 {
+                let at = |lane: usize| -1.0 + (k * LANES + lane) as f32 / (100 * LANES) as f32;
+                let v: [[f32; LANES]; 3] = [
+                    std::array::from_fn(at),
+                    std::array::from_fn(|lane| -at(lane)),
+                    std::array::from_fn(|lane| [0.0, 1.0, -1.0][lane % 3]),
+                ];
+                let found = dispatch!(level, simd => {
+                    let [x, y, z] = unpacked(packed(simd, [load(simd, &v[0]), load(simd, &v[1]), load(simd, &v[2])]));
+                    [x.to_array(), y.to_array(), z.to_array()]
+                });
+                for lane in 0..LANES {
+                    assert!((0..3).all(|k| (found[k][lane] - v[k][lane]).abs() < 1e-3), "{lane}: {v:?}");
+                    assert!(v[2][lane] != 0.0 || found[2][lane] == 0.0);
+                }
+            }
+        }
+    }
+
+    /// The depth of a coarse pixel is where its index says, and what another pixel sees there where the offsets say.
+    #[test]
+    fn interleaved_pixels_are_found_by_index_and_by_offset() {
+        let (width, height) = (75, 41);
+        let surface = Surface {
+            width,
+            height,
+            perspective: false,
+            scale: 30.0,
+            middle: [0.0; 2],
+            axes: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+            per_world: 1.0,
+        };
+        let depth: Vec<_> = (0..width * height).map(|i| 1.0 + i as f32).collect();
+        for level in SimdLevel::available() {
+            let level = level.level().expect("available");
+            let coarse = Coarse::new(&surface, &depth, &vec![[0.0, 0.0, 1.0]; depth.len()], level);
+            let interleaved = Interleaved::new(&coarse, &surface, level);
+            assert_eq!((coarse.size, coarse.nearest), ([38, 21], 1.0));
+            for (x, y) in (0..38).flat_map(|x| (0..21).map(move |y| (x, y))) {
+                let expected = depth[2 * y * width + 2 * x];
+                assert_eq!(coarse.depth[coarse.index(x, y)], expected);
+                assert_eq!(interleaved.depth[interleaved.index(x, y)], expected);
+            }
+            for (right, below) in (-15..=15).flat_map(|x| (-15..=15).map(move |y| (x, y))) {
+                let offsets = dispatch!(level, simd => {
+                    let [right, below] = [i32x16::splat(simd, right), i32x16::splat(simd, below)];
+                    interleaved.offsets(simd, right, below).to_array()
+                });
+                for column in 0..PATTERN {
+                    let (x, y) = (20 + column, 16);
+                    let seen = interleaved.index(x, y).wrapping_add_signed(offsets[column] as isize);
+                    let at = [x as isize + right as isize, y as isize + below as isize].map(|at| at as usize);
+                    assert_eq!(seen, interleaved.index(at[0], at[1]));
+                }
+            }
         }
     }
 }
