@@ -7,7 +7,7 @@
 //! They take light from all of a pixel's colour. Pixels at the edge of a model show some background, too: it keeps its light
 //! if the picture is drawn on a transparent background, and [`add_background`] puts the real one behind it afterwards.
 //!
-//! [`surface`] holds the visible points, in the camera's axes; [`darken`] takes light away from the planes of colours.
+//! [`surface`] says where the visible points are, in the camera's axes; [`darken`] takes light away from rows of colours.
 
 #![forbid(unsafe_code)]
 

@@ -1,14 +1,14 @@
-//! The visible surface, in the camera's axes: x to the right, y upwards, z towards the viewer.
+//! Where the visible surface is, in the camera's axes: x to the right, y upwards, z towards the viewer.
 
-use fearless_simd::Level;
-use rayon::prelude::*;
+use fearless_simd::{Level, Simd};
 use tercio_raster::conventions::SUBPIXELS;
-use tercio_raster::frame::Planes;
 use tercio_raster::view::View;
 use tercio_raster::{Frame, Outputs, RenderError, Settings, SimdLevel};
 use tercio_scene::{Camera, Scene};
 
-/// The visible points of a picture. Lengths are in a unit of the caller's.
+use crate::lanes::{Lanes, Vec3};
+
+/// What makes points of a frame's depths. Lengths are in a unit of the caller's.
 pub struct Surface {
     /// Pixels across.
     pub width: usize,
@@ -22,8 +22,8 @@ pub struct Surface {
     pub middle: [f32; 2],
     /// The camera's axes in world space.
     pub axes: [[f32; 3]; 3],
-    /// Distance of each pixel along the line of sight; infinite where nothing is visible.
-    pub depth: Vec<f32>,
+    /// Units of length per unit of the scene, in which the frame's depths are.
+    pub per_world: f32,
 }
 
 impl Surface {
@@ -57,19 +57,13 @@ impl Surface {
         let level = settings.simd.unwrap_or_else(SimdLevel::best).level();
         let level = level.expect("the level with which the picture was drawn");
         let unit = (radii * bounds.radius()).max(f64::MIN_POSITIVE);
-        Ok((Self::new(&view, unit, planes), level))
+        Ok((Self::new(&view, unit), level))
     }
 
-    /// The surface of a picture with a plane of depths. `unit` is the unit of length, in world units.
-    fn new(view: &View, unit: f64, planes: &Planes) -> Self {
+    /// The surface that a camera sees. `unit` is the unit of length, in world units.
+    fn new(view: &View, unit: f64) -> Self {
         let per_world_unit = view.scale / f64::from(SUBPIXELS);
         let axes = [view.basis.right, view.basis.up, -view.basis.forward];
-        let inverse = 1.0 / unit;
-        let mut depth = vec![0.0; planes.depth.len()];
-        let chunks = depth.par_chunks_mut(1 << 14).zip(planes.depth.par_chunks(1 << 14));
-        chunks.for_each(|(to, from)| {
-            to.iter_mut().zip(from).for_each(|(to, &from)| *to = (f64::from(from) * inverse) as f32);
-        });
         Self {
             width: view.width as usize,
             height: view.height as usize,
@@ -77,15 +71,20 @@ impl Surface {
             scale: if view.perspective { per_world_unit } else { per_world_unit * unit } as f32,
             middle: view.sight().middle.map(|m| m as f32 / SUBPIXELS as f32),
             axes: axes.map(|axis| axis.as_vec3().to_array()),
-            depth,
+            // A scene of denormal size has no finite one.
+            per_world: ((1.0 / unit) as f32).min(f32::MAX),
         }
     }
 
-    /// A direction in world space, in the camera's axes.
+    /// Directions in world space, in the camera's axes.
     #[inline(always)]
-    pub fn to_camera(&self, v: [f32; 3]) -> [f32; 3] {
-        let [x, y, z] = self.axes;
-        let dot = |a: [f32; 3]| (a[0] * v[0] + a[1] * v[1]) + a[2] * v[2];
-        [dot(x), dot(y), dot(z)]
+    pub fn to_camera<S: Simd>(&self, v: Vec3<S>) -> Vec3<S> {
+        let [x, y, z] = &self.axes;
+        [along(x, v), along(y, v), along(z, v)]
     }
+}
+
+#[inline(always)]
+fn along<S: Simd>(axis: &[f32; 3], v: Vec3<S>) -> Lanes<S> {
+    (v[0] * axis[0] + v[1] * axis[1]) + v[2] * axis[2]
 }

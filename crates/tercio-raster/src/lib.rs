@@ -56,6 +56,7 @@ pub mod tally;
 pub mod tone;
 pub mod view;
 
+pub use backend::encode::color8_lanes;
 pub use error::RenderError;
 pub use frame::{Frame, Outputs};
 pub use renderer::Renderer;

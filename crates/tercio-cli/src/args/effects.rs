@@ -122,9 +122,9 @@ impl EffectArgs {
 
     /// Bytes of memory that the effects take for a picture, besides it, at most.
     pub fn bytes(&self, (width, height): (u32, u32)) -> u64 {
-        // Depths, once more with margins, and lights.
-        let pixels = (u64::from(width) + 300) * (u64::from(height) + 300);
-        if self.are_applied() { pixels.saturating_mul(12) } else { 0 }
+        // Depths of every fourth pixel, once more with margins as wide as the largest radius, and what occludes them.
+        let pixels = (u64::from(width) + 1200) * (u64::from(height) + 1200);
+        if self.occlusion().is_some() { pixels.saturating_mul(3) } else { 0 }
     }
 
     /// Applies the effects to a finished picture, which was drawn on a transparent background, and puts the background

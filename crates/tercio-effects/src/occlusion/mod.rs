@@ -7,18 +7,25 @@
 //! nothing. Source: Jimenez, Wu, Pesce and Jarabo, "Practical real-time strategies for accurate indirect occlusion"
 //! (2016).
 //!
-//! [`horizon`] does this for every second pixel of every second row, with lines of 32 directions that alternate in
-//! patterns of 4 x 4; [`smooth`] averages over such a pattern, which has every direction once, along each pixel's tangent
-//! plane. Pixels that have no neighbour in their tangent plane are computed themselves.
+//! [`horizon`] does this for 16 points; [`blocks`] for every second pixel of every second row, with lines of 32 directions
+//! that alternate in patterns of 4 x 4, so that pixels at the same place of the pattern see what lies side by side.
+//! [`smooth`] averages over such a pattern, which has every direction once, along each of these pixels' tangent planes; the
+//! other pixels take the means of their neighbours, or are computed themselves if none is near.
 
+mod blocks;
+mod coarse;
 mod horizon;
+mod pattern;
 mod smooth;
 
 use tercio_raster::{Frame, Outputs, RenderError, Settings};
 use tercio_scene::{Camera, Scene};
 
-use crate::darken::darken;
+use crate::darken::bands;
 use crate::surface::Surface;
+use blocks::{Finder, Visible};
+use coarse::Coarse;
+use smooth::Smoother;
 
 /// How ambient occlusion looks.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -70,10 +77,16 @@ impl AmbientOcclusion {
             return setting("strength of ambient occlusion", "0 to 1".into(), self.strength.into());
         }
         let (surface, level) = Surface::of_frame(frame, scene, camera, settings, self.radius, &Self::NEEDED)?;
+        // The other planes stay as they are while the colours change.
         let planes = &mut frame.planes;
-        let horizons = horizon::Horizons::new(&surface, &planes.normals, level);
-        let light = smooth::light(&horizons, self.strength, level);
-        darken(planes, &light);
+        let (depth, normals) = (std::mem::take(&mut planes.depth), std::mem::take(&mut planes.normals));
+        let visible = Visible { surface: &surface, depth: &depth, normals: &normals };
+        let coarse = Coarse::new(&surface, &depth, &normals, level);
+        let finder = Finder::new(visible, &coarse, level);
+        let occlusion = finder.of_coarse(level);
+        let smoother = Smoother { finder: &finder, occlusion: &occlusion, strength: self.strength, level };
+        smoother.darken(bands(planes, surface.width, smooth::BAND));
+        (planes.depth, planes.normals) = (depth, normals);
         Ok(())
     }
 }

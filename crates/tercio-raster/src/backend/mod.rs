@@ -8,7 +8,7 @@
 
 mod cluster;
 mod corners;
-mod encode;
+pub mod encode;
 mod interpolate;
 mod light;
 mod material;
