@@ -2,6 +2,7 @@
 
 use super::format::{Header, Kind};
 use super::*;
+use crate::checksum;
 use crate::cluster::{ClusteredMesh, PartitionOptions, partition};
 use crate::io::ReadOptions;
 use crate::io::input::{self, Input};
