@@ -206,6 +206,11 @@ impl DrawingArgs {
         }
     }
 
+    /// Is nothing lit?
+    pub fn is_unlit(&self) -> bool {
+        matches!(self.shading, ShadingName::Unlit)
+    }
+
     /// Strength of highlights, if it is given.
     pub fn specular(&self) -> Option<f32> {
         self.specular.map(|strength| strength as f32)

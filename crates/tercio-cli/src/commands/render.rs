@@ -341,6 +341,7 @@ impl Render {
             memory: self.running.memory_limit().map(left),
             progress: &display.progress,
             specular: self.drawing.specular(),
+            is_unlit: self.drawing.is_unlit(),
         };
         let textures = self.textures.load(&mut scene, &self.model.model, &report, &limits);
         if let Some(textures) = &textures {

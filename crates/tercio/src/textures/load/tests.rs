@@ -3,6 +3,7 @@
 use std::fs;
 
 use image::{DynamicImage, ImageFormat, Rgba, RgbaImage};
+use tercio_scene::texture::Encoding;
 
 use super::*;
 use crate::{LoadOptions, texture_folders};
@@ -180,6 +181,93 @@ fn bumps_become_normals_unless_they_are() {
     let (scene, report) = both.load(&TextureOptions::default());
     assert_eq!(report.warnings, ["did not draw the bumps of 1 material with normals, which replace them"]);
     assert!(scene.materials[0].normal_map.is_some());
+}
+
+#[test]
+fn bumps_are_drawn_where_the_normals_are_missing_or_broken() {
+    let library = "newmtl a\nbump b.png\nnorm gone.png\nnewmtl b\nbump -bm 0.5 b.png\nnorm text.png\n";
+    let model = Model::new(library).with("b.png", &[GREY]);
+    fs::write(model.0.path().join("text.png"), "hello").expect("room");
+    let (scene, report) = model.load(&TextureOptions::default());
+    assert_eq!((report.textures, report.files.len(), report.warnings.len()), (1, 2, 1));
+    assert!(report.warnings[0].starts_with("did not draw 2 textures: \"gone.png\""), "{:?}", report.warnings);
+    assert_eq!(scene.materials.iter().filter(|m| m.normal_map.is_some()).count(), 2);
+    assert_eq!(scene.materials[1].normal_scale, 0.5);
+    // A bump map that is missing, too, is part of the same warning.
+    let (scene, report) =
+        Model::new("newmtl a\nbump b.png\nnorm c.png\nnewmtl b\n").load(&TextureOptions::default());
+    let expected = "did not draw 2 textures: \"c.png\" (not found), \"b.png\" (not found)";
+    assert_eq!((report.warnings.as_slice(), scene.materials.len()), ([expected.to_owned()].as_slice(), 0));
+}
+
+#[test]
+fn numbers_and_channels_are_taken_as_stated() {
+    let library = "newmtl a\nmap_Kd -mm 0.2 0.5 a.png\nmap_Ks a.png\nmap_d -imfchan g a.png\nnewmtl b\nmap_Kd a.png\n\
+         map_Bump -imfchan b -mm 0 2 n.png\n";
+    let flat = [128, 128, 255, 255];
+    let model = Model::new(library).with("a.png", &[[255, 51, 0, 255]]).with("n.png", &[flat]);
+    let (scene, report) = model.load(&TextureOptions::default());
+    assert_eq!((report.textures, report.warnings.len()), (4, 0), "{:?}", report.warnings);
+    let texel = |map: Option<tercio_scene::TextureMap>| {
+        let texture = &scene.textures[map.expect("a texture").texture as usize];
+        texture.levels()[0].texels[0]
+    };
+    let [a, b] = &scene.materials[..] else { panic!("{} materials", scene.materials.len()) };
+    let stated = Texture::from_rgba16(1, 1, &[[45875, 19661, 13107, 65535]], Encoding::Srgb);
+    assert_eq!(texel(a.base_color_map), stated.levels()[0].texels[0]);
+    // The alpha is a channel of the diffuse texture, but another one.
+    assert_eq!(texel(a.opacity_map)[0], 51 * 257);
+    assert_eq!(
+        (a.specular_map.map(|map| map.texture), texel(b.base_color_map)[0]),
+        (b.base_color_map.map(|map| map.texture), 65535)
+    );
+    // A channel of normals is a height.
+    assert_eq!((texel(b.normal_map), b.normal_scale), ([32768, 32768, 65535, 65535], 2.0));
+}
+
+#[test]
+fn a_picture_has_a_limited_number_of_uses() {
+    let library: String = (0..100).map(|i| format!("newmtl m{i}\nmap_Kd -mm 0 {i} a.png\n")).collect();
+    let model = Model::new("").with("a.png", &[RED]);
+    let faces: String = (0..100).map(|i| format!("usemtl m{i}\nf 1/1 2/2 3/3\n")).collect();
+    let square = SQUARE.split("usemtl").next().expect("a beginning");
+    fs::write(model.0.path().join("m.mtl"), library).expect("room");
+    fs::write(model.0.path().join("m.obj"), format!("{square}{faces}")).expect("room");
+    let (_, report) = model.load(&TextureOptions::default());
+    assert_eq!(report.textures, 64);
+    assert_eq!(
+        report.warnings,
+        ["did not draw 1 texture: \"a.png\" (more than 64 ways to use it are not drawn)"]
+    );
+}
+
+#[test]
+fn materials_without_light_emit_their_colour() {
+    let library = "newmtl a\nillum 0\nmap_Kd a.png\nmap_Ks gone.png\nnewmtl b\nillum 0\nKd 1 0 0\n";
+    let model = Model::new(library).with("a.png", &[[255, 0, 0, 128]]);
+    let (scene, report) = model.load(&TextureOptions::default());
+    assert_eq!((report.textures, report.warnings.len()), (2, 0), "{:?}", report.warnings);
+    let [a, b] = &scene.materials[..] else { panic!("{} materials", scene.materials.len()) };
+    assert_eq!((a.base_color, b.base_color, b.emissive), ([0.0; 3], [0.0; 3], [1.0, 0.0, 0.0]));
+    // The alpha is that of the diffuse texture, and the light has none.
+    let is_opaque = |map: Option<tercio_scene::TextureMap>| {
+        scene.textures[map.expect("a texture").texture as usize].is_opaque()
+    };
+    assert!(!is_opaque(a.base_color_map) && is_opaque(a.emissive_map));
+    let unlit = TextureOptions { is_unlit: true, ..TextureOptions::default() };
+    let (scene, _) = model.load(&unlit);
+    assert_eq!((scene.materials[0].base_color, scene.materials[1].emissive), ([1.0; 3], [0.0; 3]));
+    // Colours of the vertices take the place of those of materials without textures.
+    let text = fs::read_to_string(model.0.path().join("m.obj")).expect("a model");
+    let colored = text.replace("v 0 0 0\n", "v 0 0 0 1 1 1\n").replace("v 1 0 0\n", "v 1 0 0 1 1 1\n");
+    let colored = colored.replace("v 1 1 0\n", "v 1 1 0 1 1 1\n").replace("v 0 1 0\n", "v 0 1 0 1 1 1\n");
+    fs::write(model.0.path().join("m.obj"), colored).expect("room");
+    let (scene, report) = model.load(&TextureOptions::default());
+    assert_eq!(
+        report.warnings,
+        ["drew 1 material without light (illum 0) with the lit colours of the model"]
+    );
+    assert_eq!((scene.materials[0].base_color, scene.materials[1].emissive), ([0.0; 3], [0.0; 3]));
 }
 
 #[test]
