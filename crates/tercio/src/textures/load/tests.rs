@@ -2,11 +2,13 @@
 
 use std::fs;
 
+use glam::DVec3;
 use image::{DynamicImage, ImageFormat, Rgba, RgbaImage};
 use tercio_scene::texture::Encoding;
+use tercio_scene::{Camera, Light, LightSpace, Projection};
 
 use super::*;
-use crate::{LoadOptions, texture_folders};
+use crate::{LoadOptions, Renderer, Settings, texture_folders};
 
 const SQUARE: &str = "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n\
     usemtl a\nf 1/1 2/2 3/3\nusemtl b\nf 1/1 3/3 4/4\n";
@@ -297,4 +299,53 @@ fn textures_are_nowhere_without_texture_coordinates() {
     assert!(scene.textures.is_empty() && scene.materials.is_empty() && report.warnings.is_empty());
     let loaded = crate::load(model.0.path().join("m.obj")).expect("a model");
     assert_eq!(loaded.report.read.not_drawn.textures, 1);
+}
+
+/// A ramp of heights on a square, drawn: every pixel is lit as a plane with the slope of the ramp.
+#[test]
+fn a_ramp_of_heights_is_lit_as_its_slope() {
+    // White is 4 texels higher than black.
+    let slope = 4.0 * 4.0 / 255.0;
+    let uvs = [("plain", 1.0, 0.0), ("mirrored", -1.0, 0.0), ("turned", 0.0, 1.0)];
+    for (name, du_dx, du_dy) in uvs {
+        let model = Model::new(
+            "newmtl a\nmap_Bump -bm 3 b.png\nKs 0 0 0\nnewmtl b\nmap_Bump -bm 3 b.png\nKs 0 0 0\n",
+        );
+        // u grows along x, against it or along y; v is the direction to its left, or to its right if mirrored.
+        let (dv_dx, dv_dy) = if name == "turned" { (-1.0, 0.0) } else { (0.0, 1.0) };
+        let text = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]
+            .map(|[x, y]: [f64; 2]| format!("vt {} {}", du_dx * x + du_dy * y, dv_dx * x + dv_dy * y));
+        let faces = &SQUARE[SQUARE.find("usemtl").expect("faces")..];
+        let vertices = "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+        fs::write(model.0.path().join("m.obj"), format!("{vertices}{}\n{faces}", text.join("\n")))
+            .expect("room");
+        let ramp = RgbaImage::from_fn(60, 8, |x, _| {
+            let level = 4 * x as u8 + 8;
+            Rgba([level, level, level, 255])
+        });
+        DynamicImage::from(ramp)
+            .save_with_format(model.0.path().join("b.png"), ImageFormat::Png)
+            .expect("room");
+        let (mut scene, report) = model.load(&TextureOptions::default());
+        assert_eq!((report.textures, report.warnings.len()), (1, 0), "{:?}", report.warnings);
+        // Along u, the surface rises; so its normal leans against it.
+        let normal = DVec3::new(-3.0 * slope * du_dx, -3.0 * slope * du_dy, 1.0).normalize();
+        let (eye, target) = (DVec3::new(0.5, 0.5, 2.0), DVec3::new(0.5, 0.5, 0.0));
+        let projection = Projection::Orthographic { height: 0.6 };
+        let camera = Camera { eye, target, up: DVec3::Y, projection, near: None, shift: [0.0; 2] };
+        for to_light in [[1.0, 0.0, 1.0], [-1.0, 0.0, 1.0], [0.0, 1.0, 1.0], [0.0, -1.0, 1.0]] {
+            let to_light = DVec3::from(to_light).normalize();
+            scene.lights = vec![Light::Directional { to_light, space: LightSpace::World, color: [1.0; 3] }];
+            scene.materials.iter_mut().for_each(|m| m.base_color = [1.0; 3]);
+            let mut settings = Settings::one_sample(24, 24);
+            settings.outputs.linear = true;
+            let frame = Renderer::new().render(&scene, &camera, &settings).expect("a picture");
+            let expected = normal.dot(to_light);
+            for linear in &frame.planes.linear {
+                // Normals have 16 bits a component.
+                let error = (f64::from(linear[0]) - expected).abs();
+                assert!(error < 1e-4, "{name}, light {to_light}: {} in place of {expected}", linear[0]);
+            }
+        }
+    }
 }
