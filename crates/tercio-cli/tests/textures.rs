@@ -74,6 +74,22 @@ fn illumination_0_is_a_colour_without_light() {
 }
 
 #[test]
+fn shadows_of_what_is_not_opaque_are_one_warning() {
+    let place = place("d 0.5\n");
+    let draw = |options: &str| {
+        place
+            .run(&format!("render m.obj -o out.png --size 32x24 --view front --light dir:1,1,1 {options}"))
+            .stderr
+    };
+    let warning = "warning: m.obj: what is not opaque casts the shadows of opaque surfaces\n";
+    assert_eq!(draw("--shadows"), warning);
+    assert_eq!(draw("--shadows --stereo side-by-side"), warning);
+    for silent in ["", "--shadows --opacity 0.5", "--shadows --no-mesh-colors"] {
+        assert_eq!(draw(silent), "", "{silent}");
+    }
+}
+
+#[test]
 fn what_cannot_be_drawn_is_one_warning() {
     let place = place("map_Kd gone.png\nmap_Ks folder.png\nmap_Ke text.png\nmap_Pr a.png\n");
     fs::create_dir(place.path("folder.png")).unwrap();
