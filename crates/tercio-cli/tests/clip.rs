@@ -53,12 +53,13 @@ fn caps_have_their_colour() {
     assert_eq!(middle("--clip x:0.5 --clip-cap --color #0f0 --no-mesh-colors"), [0xc8, 0x55, 0x3d]);
     assert_eq!(middle("--clip x:0.5 --color #0f0"), [0, 255, 0], "the inside");
     // As any surface, a cap is lit, seen through and has a face number behind those of the model.
-    place
-        .run("render model.off --output-ids ids.npy --view left --size 9x9 --clip x:0.5 --clip-cap -q")
-        .ok_silently();
-    let ids = place.read("ids.npy");
-    let id = u32::from_le_bytes(ids[ids.len() - 41 * 4..ids.len() - 40 * 4].try_into().unwrap());
-    assert_eq!(id, 8, "the octahedron has faces 0 to 7");
+    for (clip, view) in [("x:0.5", "left"), ("-x:0.5", "right"), ("z:0.5", "back"), ("-z:0.5", "front")] {
+        let options = format!("--output-ids ids.npy --view {view} --size 9x9 --clip={clip} --clip-cap -q");
+        place.run(&format!("render model.off {options}")).ok_silently();
+        let ids = place.read("ids.npy");
+        let id = u32::from_le_bytes(ids[ids.len() - 41 * 4..ids.len() - 40 * 4].try_into().unwrap());
+        assert_eq!(id, 8, "{clip}: the octahedron has faces 0 to 7, whichever are cut away");
+    }
 }
 
 #[test]

@@ -6,6 +6,7 @@ use std::fs;
 
 use common::Place;
 use serde_json::Value;
+use tercio::image::{Picture, Pixels};
 
 const SQUARE: &str = "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n\
     usemtl a\nf 1/1 2/2 3/3 4/4\n";
@@ -46,6 +47,46 @@ fn textures_are_loaded_unless_they_are_not_wanted() {
     assert!(serde_json::from_str::<Value>(bench.text()).unwrap()["textures"].is_null());
     let verbose = place.run("render m.obj -o out.png --size 32x24 --view front -v");
     assert!(verbose.stderr.contains("\n2 textures in 2.") && verbose.code == Some(0), "{}", verbose.stderr);
+}
+
+#[test]
+fn statements_that_are_not_applied_are_one_warning() {
+    let place = place("Tf 0.5 1 1\nmap_Kd -boost 2 a.png\nmap_Ks -boost 2 a.png\nPc 0.5\n");
+    let outcome = place.run("render m.obj -o out.png --size 32x24 --view front");
+    let warning =
+        "warning: m.obj: did not apply of the material library \"m.mtl\": \"tf\", \"-boost\", \"pc\"\n";
+    assert_eq!((outcome.code, outcome.stderr.as_str()), (Some(0), warning));
+}
+
+#[test]
+fn illumination_0_is_a_colour_without_light() {
+    let place = place("illum 0\nKd 1 0.2 0\nKe 1 1 1\nKs 1 1 1\n");
+    for shading in ["phong", "pbr", "unlit"] {
+        let picture = format!("{shading}.png");
+        place
+            .run(&format!("render m.obj -o {picture} --size 32x24 --view front --shading {shading}"))
+            .ok_silently();
+        let Pixels::Eight(pixels) = Picture::from_bytes(&place.read(&picture)).unwrap().pixels else {
+            panic!("8 bits")
+        };
+        assert_eq!(pixels[12 * 32 + 16][..3], [255, 51, 0], "{shading}");
+    }
+}
+
+#[test]
+fn shadows_of_what_is_not_opaque_are_one_warning() {
+    let place = place("d 0.5\n");
+    let draw = |options: &str| {
+        place
+            .run(&format!("render m.obj -o out.png --size 32x24 --view front --light dir:1,1,1 {options}"))
+            .stderr
+    };
+    let warning = "warning: m.obj: what is not opaque casts the shadows of opaque surfaces\n";
+    assert_eq!(draw("--shadows"), warning);
+    assert_eq!(draw("--shadows --stereo side-by-side"), warning);
+    for silent in ["", "--shadows --opacity 0.5", "--shadows --no-mesh-colors"] {
+        assert_eq!(draw(silent), "", "{silent}");
+    }
 }
 
 #[test]

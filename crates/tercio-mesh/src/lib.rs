@@ -57,7 +57,7 @@ pub use blocks::BlockedMesh;
 pub use bounds::Aabb;
 pub use cluster::ClusteredMesh;
 pub use error::{Place, ReadError};
-pub use material::{FileMaterial, FileTexture, FileTextures, TextureRole};
+pub use material::{FileMaterial, FileTexture, FileTextures, TextureChannel, TextureRole};
 pub use mesh::{Attribute, AttributeDomain, Mesh};
 pub use normals::OctNormal;
 pub use progress::Progress;

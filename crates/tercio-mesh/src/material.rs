@@ -26,6 +26,8 @@ pub struct FileMaterial {
     pub roughness: Option<f32>,
     /// 0 for dielectrics to 1 for metals (`Pm`).
     pub metallic: Option<f32>,
+    /// Illumination model (`illum`), 0 to 10: 0 is a colour without light, 1 has no highlights.
+    pub illumination: Option<u8>,
     /// The textures that are drawn.
     pub textures: FileTextures,
     /// File names of all other textures, as in the file: they are not drawn.
@@ -45,6 +47,7 @@ impl Default for FileMaterial {
             emissive: [0.0; 3],
             roughness: None,
             metallic: None,
+            illumination: None,
             textures: FileTextures::default(),
             other_textures: Vec::new(),
         }
@@ -71,12 +74,55 @@ pub struct FileTexture {
     pub scale: [f32; 2],
     /// Factor of heights (`-bm`); finite.
     pub bump_multiplier: f32,
+    /// Added to the numbers of the picture after multiplying them by `gain` (`-mm`); finite.
+    pub base: f32,
+    /// Factor of the numbers of the picture (`-mm`); finite.
+    pub gain: f32,
+    /// Which number of a texel is meant (`-imfchan`), where a texture is a single number.
+    pub channel: Option<TextureChannel>,
+}
+
+/// A number of a texel (`-imfchan`).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub enum TextureChannel {
+    /// Red.
+    Red,
+    /// Green.
+    Green,
+    /// Blue.
+    Blue,
+    /// Opacity, which the manual calls matte.
+    Alpha,
+    /// The mean of red, green and blue.
+    Luminance,
+}
+
+impl TextureChannel {
+    /// The name in JSON, in lower case.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Red => "red",
+            Self::Green => "green",
+            Self::Blue => "blue",
+            Self::Alpha => "alpha",
+            Self::Luminance => "luminance",
+        }
+    }
 }
 
 impl FileTexture {
     /// A repeated texture at the texture coordinates of the mesh.
     pub fn new(file: impl Into<String>) -> Self {
-        Self { file: file.into(), clamp: false, offset: [0.0; 2], scale: [1.0; 2], bump_multiplier: 1.0 }
+        Self {
+            file: file.into(),
+            clamp: false,
+            offset: [0.0; 2],
+            scale: [1.0; 2],
+            bump_multiplier: 1.0,
+            base: 0.0,
+            gain: 1.0,
+            channel: None,
+        }
     }
 }
 
@@ -113,6 +159,11 @@ impl TextureRole {
         Self::Roughness,
         Self::Metallic,
     ];
+
+    /// Is it a single number, not a colour or a direction?
+    pub fn is_number(self) -> bool {
+        matches!(self, Self::Opacity | Self::Bump | Self::Roughness | Self::Metallic)
+    }
 
     /// The name in messages and in JSON, in lower case.
     pub fn name(self) -> &'static str {

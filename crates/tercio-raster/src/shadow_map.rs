@@ -7,7 +7,9 @@ use crate::view::ObjectView;
 
 /// The shadows of a scene's directional, point and spot lights, for one camera if any of these lights moves with it.
 ///
-/// Everything casts shadows except instances whose [`opacity`](tercio_scene::Surface::opacity) is below 1.
+/// Everything casts shadows except instances whose [`opacity`](tercio_scene::Surface::opacity) is below 1, and points whose
+/// alpha is 0. A surface that is blended because of its own alpha, whatever it is, casts the shadow of an opaque one; of one
+/// that is cut out, what is visible casts shadows.
 #[derive(Debug, PartialEq)]
 pub struct ShadowMaps {
     /// Of directional lights, in the order of the scene.

@@ -7,7 +7,7 @@ use common::*;
 use glam::DVec3;
 use tercio_mesh::mesh::power_of_two;
 use tercio_mesh::{Mesh, clean, normals};
-use tercio_raster::{Frame, Outputs, RenderError, Renderer, Settings, Shading};
+use tercio_raster::{Frame, Outputs, RenderError, Renderer, SamplePattern, Sampling, Settings, Shading};
 use tercio_scene::{Camera, Framing, Light, LightSpace, Projection};
 
 const SIZE: [u32; 2] = [160, 120];
@@ -43,13 +43,26 @@ fn pixels(frame: &Frame) -> Vec<Pixel> {
         .collect()
 }
 
+/// How a model is drawn.
+#[derive(Clone, Copy)]
+struct Look {
+    pattern: SamplePattern,
+    opacity: f32,
+}
+
 #[track_caller]
 fn check(mesh: &Mesh, exponents: &[i32], what: &str) {
+    check_look(mesh, exponents, Look { pattern: SamplePattern::Center, opacity: 1.0 }, what);
+}
+
+#[track_caller]
+fn check_look(mesh: &Mesh, exponents: &[i32], look: Look, what: &str) {
     let mut refused = 0;
     let mut picture = |exponent: i32, view: usize, shading: Shading| {
         let mut mesh = scaled(mesh, exponent);
         normals::make_normals(&mut mesh, Some(0.8));
         let mut scene = scene(&mesh);
+        scene.instances[0].surface.opacity = look.opacity;
         scene.lights.push(Light::Point {
             position: DVec3::new(3000.0, 1000.0, 5000.0) * power_of_two(exponent),
             space: LightSpace::World,
@@ -70,7 +83,8 @@ fn check(mesh: &Mesh, exponents: &[i32], what: &str) {
             },
         };
         let mut outputs = Outputs { keys: false, ..everything(1, 1).outputs };
-        let mut settings = Settings { outputs, shading, ..Settings::one_sample(SIZE[0], SIZE[1]) };
+        let sampling = Sampling::of(look.pattern);
+        let mut settings = Settings { outputs, shading, sampling, ..Settings::one_sample(SIZE[0], SIZE[1]) };
         if let Err(error) = Renderer::new().render(&scene, &camera, &settings) {
             let RenderError::Distances { farthest } = error else {
                 panic!("{what} times 2^{exponent}: {error}")
@@ -160,4 +174,23 @@ fn a_few_large_triangles() {
 #[test]
 fn soups() {
     check(&whole_numbers(&soup(900, 8)), &[-149, -100, 100, 114], "soup");
+}
+
+/// With several samples per pixel, and where surfaces are seen through each other.
+#[test]
+fn samples_and_layers() {
+    let opaque = whole_numbers(&sphere(6));
+    let mut random = Random(3);
+    let alpha = opaque.positions.iter().map(|_| [200, 120, 90, (random.next() * 256.0) as u8]).collect();
+    let with_alpha = Mesh { vertex_colors: Some(alpha), ..opaque.clone() };
+    let exponents = [-149, 114];
+    for (mesh, pattern, opacity, name) in [
+        (&opaque, SamplePattern::default(), 1.0, "opaque"),
+        (&opaque, SamplePattern::default(), 0.4, "opacity 0.4"),
+        (&with_alpha, SamplePattern::Sparse16, 0.8, "alpha of vertices"),
+    ] {
+        check_look(mesh, &exponents, Look { pattern, opacity }, &format!("{name}, {pattern:?}"));
+    }
+    let layers = Look { pattern: SamplePattern::Center, opacity: 0.3 };
+    check_look(&whole_numbers(&soup(300, 9)), &exponents, layers, "soup with an opacity of 0.3");
 }

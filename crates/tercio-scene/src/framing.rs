@@ -182,7 +182,6 @@ impl Framing {
     /// Without `up`, the up axis points upwards, or the back of the front view if the line of sight is parallel to
     /// the up axis. The height of an orthographic camera's picture is what a perspective one with the default angle
     /// of view sees at the target.
-    /// default angle of view sees at the target.
     pub fn camera_at(&self, eye: DVec3, target: DVec3, up: Option<DVec3>) -> Camera {
         let front = self.up_axis.front();
         let distance = eye.distance(target);

@@ -33,7 +33,7 @@ pub struct ClipArgs {
     #[arg(long = "clip", value_name = "PLANE", allow_hyphen_values = true, value_parser = clip, long_help = HELP)]
     planes: Vec<Clip>,
     /// Closes the cut of closed models, in a colour. Outlines that are not closed, because the model is not, stay
-    /// open; a warning counts them.
+    /// open; a warning counts them. The faces of the caps are numbered behind those of the whole model.
     #[arg(long, value_name = "COLOR", num_args = 0..=1, default_missing_value = CAP_COLOR, require_equals = true)]
     #[arg(requires = "planes", value_parser = values::linear_color)]
     clip_cap: Option<[f32; 3]>,

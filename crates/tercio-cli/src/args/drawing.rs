@@ -7,7 +7,7 @@ use tercio::Normals;
 use tercio::raster::{
     Binning, Cull, Outputs, RenderError, Settings, Shading, ShadowMaps, SimdLevel, Sorting,
 };
-use tercio::scene::{Background, Camera, Light, Scene};
+use tercio::scene::{AlphaMode, Background, Camera, Instance, Light, Scene};
 
 use super::effects::EffectArgs;
 use super::environment::EnvironmentArgs;
@@ -121,7 +121,8 @@ pub struct DrawingArgs {
     #[arg(long, value_name = "SHARE", allow_negative_numbers = true, value_parser = values::share)]
     metallic: Option<f64>,
     /// Draws the shadows of directional, point and spot lights, from shadow maps with this many texels along an edge, 16 to
-    /// 16384 [default: 2048]. Without --light, the brightest of the default lights becomes a directional one.
+    /// 16384 [default: 2048]. Without --light, the brightest of the default lights becomes a directional one. What shines
+    /// through because of its own alpha casts the shadow of an opaque surface; a model with --opacity below 1 casts none.
     #[arg(long, value_name = "TEXELS", num_args = 0..=1, default_missing_value = "2048", require_equals = true)]
     #[arg(value_parser = clap::value_parser!(u32).range(16..=16384))]
     shadows: Option<u32>,
@@ -206,6 +207,11 @@ impl DrawingArgs {
         }
     }
 
+    /// Is nothing lit?
+    pub fn is_unlit(&self) -> bool {
+        matches!(self.shading, ShadingName::Unlit)
+    }
+
     /// Strength of highlights, if it is given.
     pub fn specular(&self) -> Option<f32> {
         self.specular.map(|strength| strength as f32)
@@ -222,6 +228,14 @@ impl DrawingArgs {
         settings: &Settings,
     ) -> Result<Option<Arc<ShadowMaps>>, RenderError> {
         self.shadows.map(|size| ShadowMaps::draw(scene, camera, settings, size).map(Arc::new)).transpose()
+    }
+
+    /// Why shadows of a scene are too dark, if they are.
+    pub fn shadow_warning(&self, scene: &Scene) -> Option<String> {
+        let is_cut_out = scene.materials.iter().any(|m| matches!(m.alpha_mode, AlphaMode::Cutout(_)));
+        let is_too_dark = |i: &Instance| i.surface.opacity >= 1.0 && i.is_translucent();
+        let any = self.shadows.is_some() && !is_cut_out && scene.instances.iter().any(is_too_dark);
+        any.then(|| "what is not opaque casts the shadows of opaque surfaces".into())
     }
 
     /// Bytes of the shadow maps, at most.

@@ -62,6 +62,8 @@ pub struct TextureLimits<'a> {
     pub progress: &'a Progress,
     /// Strength of all highlights, if given.
     pub specular: Option<f32>,
+    /// Whether nothing is lit.
+    pub is_unlit: bool,
 }
 
 impl TextureArgs {
@@ -104,6 +106,7 @@ impl TextureArgs {
             progress: Some(limits.progress),
             alpha_mode,
             specular: limits.specular,
+            is_unlit: limits.is_unlit,
         };
         Some(options.load(scene, 0, &texture_folders(model, report)))
     }

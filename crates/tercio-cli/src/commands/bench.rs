@@ -170,6 +170,7 @@ impl Bench {
             memory: self.running.memory_limit().map(|limit| limit.saturating_sub(model) / 4 * 3),
             progress: &display.progress,
             specular: self.look.specular(),
+            is_unlit: false,
         };
         let textures = self.textures.load(scene, &self.model.model, report, &limits);
         if let Some(textures) = &textures {

@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 use tercio::glam::DVec3;
 use tercio::image::Destination;
 use tercio::mesh::topology::Topology;
-use tercio::mesh::{AttributeDomain, FileMaterial, FileTexture, TextureRole};
+use tercio::mesh::{AttributeDomain, FileMaterial, FileTexture, TextureChannel, TextureRole};
 use tercio::{AttributeSummary, Inspection, LoadOptions, LoadReport, Normals};
 
 use crate::args::{ModelArgs, RunningArgs};
@@ -87,6 +87,9 @@ fn texture_json(texture: &FileTexture) -> Value {
         "offset": texture.offset,
         "scale": texture.scale,
         "bump_multiplier": texture.bump_multiplier,
+        "base": texture.base,
+        "gain": texture.gain,
+        "channel": texture.channel.map(TextureChannel::name),
     })
 }
 
@@ -118,6 +121,7 @@ fn json(model: &str, loaded: &Inspection) -> Value {
             "name": m.name,
             "diffuse": m.diffuse,
             "opacity": m.opacity,
+            "illumination": m.illumination,
             "specular": m.specular,
             "shininess": m.shininess,
             "emissive": m.emissive,

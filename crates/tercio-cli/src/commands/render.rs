@@ -323,7 +323,7 @@ impl Render {
         let loaded = options.load_if(&self.model.model, |read| -> Result<()> {
             Ok(writing.files.check_companions(&self.model.name(), &read.companions)?)
         })?;
-        let report = loaded.report;
+        let mut report = loaded.report;
         let picture = self.frame_bytes(&writing.plan, drawers);
         self.check_memory(picture, report.mesh.bytes)?;
         let mut scene = Scene::from_mesh(loaded.mesh);
@@ -341,6 +341,7 @@ impl Render {
             memory: self.running.memory_limit().map(left),
             progress: &display.progress,
             specular: self.drawing.specular(),
+            is_unlit: self.drawing.is_unlit(),
         };
         let textures = self.textures.load(&mut scene, &self.model.model, &report, &limits);
         if let Some(textures) = &textures {
@@ -350,6 +351,7 @@ impl Render {
         let taken = report.mesh.bytes.saturating_add(textures.as_ref().map_or(0, |textures| textures.bytes));
         self.check_memory(picture.saturating_add(shadows), taken)?;
         self.clip.add_caps(&mut scene, loaded.caps);
+        report.read.warnings.extend(self.drawing.shadow_warning(&scene));
         let camera = self.camera.camera_for(&scene, loaded.whole.as_ref(), self.drawing.size);
         let cameras = self.stereo.cameras(camera, self.camera.zoom()).with_context(|| self.model.name())?;
         Ok(Loaded { report, textures, scene, background, cameras })

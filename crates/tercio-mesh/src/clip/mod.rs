@@ -30,7 +30,9 @@ pub struct Clipped {
     /// Triangles of which a part is left.
     pub cut: u64,
     /// The caps, if they were requested and there are any: a mesh with the origin and the unit of the clipped one, with
-    /// flat normals that point to what was cut away. The number of a triangle's face is that of its plane.
+    /// flat normals that point to what was cut away. What closes one plane is one face. In a scene in which the caps follow
+    /// the mesh, the number of that face is the number of the plane, from 0, after those of all faces that the mesh had, also
+    /// of those that were cut away.
     pub caps: Option<Mesh>,
     /// Outlines that were capped, of all planes; those that have a point in common count once.
     pub outlines: u64,
@@ -72,6 +74,7 @@ pub enum ClipError {
 /// [`ClipError`] if there are too many pieces; the mesh is then of no use.
 pub fn clip(mesh: &mut Mesh, planes: &[ClipPlane], capped: bool) -> Result<Clipped, ClipError> {
     let before = (mesh.triangles.len(), mesh.positions.len() as u32);
+    let faces = faces(mesh);
     let mut sources = None;
     let mut caps = Caps::new(mesh);
     for (number, plane) in (0..).zip(planes) {
@@ -102,8 +105,16 @@ pub fn clip(mesh: &mut Mesh, planes: &[ClipPlane], capped: bool) -> Result<Clipp
         vertices::inherit(mesh, &sources);
         vertices::drop_unused(mesh);
     }
-    clipped.caps = caps.finish();
+    clipped.caps = caps.finish(faces.saturating_sub(self::faces(mesh)));
     Ok(clipped)
+}
+
+/// How many faces a mesh has, up to the last one of which something is left.
+fn faces(mesh: &Mesh) -> u32 {
+    match &mesh.face_of_triangle {
+        Some(faces) => faces.last().map_or(0, |&last| last.saturating_add(1)),
+        None => mesh.triangles.len() as u32,
+    }
 }
 
 /// Bytes of memory that clipping takes besides the mesh, approximately; caps come on top.
@@ -191,7 +202,9 @@ impl Caps {
         self.weights.extend(cap.weights);
     }
 
-    fn finish(mut self) -> Option<Mesh> {
+    /// The caps, whose faces are numbered from `first`.
+    fn finish(mut self, first: u32) -> Option<Mesh> {
+        self.mesh.face_of_triangle.iter_mut().flatten().for_each(|face| *face = face.saturating_add(first));
         vertices::drop_unused(&mut self.mesh);
         (!self.mesh.triangles.is_empty()).then_some(self.mesh)
     }

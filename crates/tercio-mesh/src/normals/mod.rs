@@ -4,6 +4,13 @@
 //! Source: Thürmer and Wüthrich, "Computing Vertex Normals from Polygonal Facets" (1998). Weighted by the angle at
 //! the vertex, the normal does not depend on how a flat face is split into triangles.
 //!
+//! Weights by area besides the angle keep a large flat face flat where small triangles of a fillet meet it within the crease
+//! angle: of the flat faces of `rear_case.stl`, 27 % of the area has a corner whose normal is off by more than 2 degrees, and
+//! 7 % with the angle times the area. But they bend normals towards larger triangles everywhere else: a cylinder that is cut
+//! unevenly gets a streak (`42400-IDGH.stl`), and normals of moderately uneven tori are wrong by 0.9 degrees in place of 0.5
+//! (root mean square); only those at slivers are better. The area of the whole planar region in place of the triangle's
+//! leaves nothing of the first (0 %), but makes kinks where long and short facets meet. So the angle alone is the weight.
+//!
 //! `smooth` makes the normals of nearly all vertices in a fast pass that reads each triangle once; `creased` handles
 //! the remaining ones precisely. `mend` does the same for single vertices whose normal is broken. Sums are formed in
 //! an order that does not depend on the number of threads.

@@ -52,6 +52,12 @@ pub enum TextureError {
         /// Most names that are looked for.
         most: usize,
     },
+    /// The model uses the picture in too many ways.
+    #[error("more than {most} ways to use it are not drawn")]
+    TooManyReadings {
+        /// Most of them.
+        most: usize,
+    },
     /// The file could not be read.
     #[error(transparent)]
     Io(#[from] io::Error),
@@ -186,9 +192,15 @@ impl Needs {
         }
     }
 
-    /// The same for several textures made of one picture.
-    pub fn of_textures(self, count: u64) -> Self {
-        Self { texture_bytes: self.texture_bytes.saturating_mul(count), ..self }
+    /// The same for several textures made of one picture, some of them perhaps of changed copies of it.
+    pub fn of_textures(self, count: u64, adjusts: bool) -> Self {
+        // 16 bits a channel, one copy at a time; colours without alpha are a second one.
+        let copies = 2 * 8 * u64::from(self.size.0) * u64::from(self.size.1);
+        Self {
+            texture_bytes: self.texture_bytes.saturating_mul(count),
+            decoding_bytes: self.decoding_bytes.saturating_add(if adjusts { copies } else { 0 }),
+            ..self
+        }
     }
 }
 

@@ -1,20 +1,19 @@
 //! Loads the textures of a mesh and gives its instance materials.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Instant;
 
 use rayon::prelude::*;
 use tercio_mesh::{FileMaterial, FileTexture, Progress, TextureRole};
-use tercio_scene::texture::Encoding;
 use tercio_scene::{AlphaMode, InstanceMaterials, Scene, Texture};
 
 use super::TextureError;
 use super::decode::{self, Needs};
 use super::find::Finder;
 use super::material::{self, Maps};
-use super::picture::Picture;
+use super::wanted::{Job, Loaded, MOST_USES, Made, Stock, Wanted};
 
 /// How materials and textures are loaded.
 #[derive(Clone, Copy, Debug, Default)]
@@ -28,6 +27,9 @@ pub struct TextureOptions<'a> {
     pub alpha_mode: AlphaMode,
     /// Strength of all highlights, in place of those that the materials state.
     pub specular: Option<f32>,
+    /// Whether the scene is drawn unlit, so that all materials show their diffuse colour. Otherwise, those that state that
+    /// they are not lit (`illum 0`) emit it.
+    pub is_unlit: bool,
 }
 
 /// What was loaded.
@@ -77,19 +79,32 @@ impl TextureOptions<'_> {
         let mesh = Arc::clone(&scene.instances[instance].mesh);
         // Textures are nowhere on a mesh without texture coordinates; `NotDrawn` counts them.
         let has_textures = mesh.layout().texcoords;
-        let wanted = if has_textures { self.wanted(&mesh.materials, &mut report) } else { Wanted::default() };
-        let loaded = self.pictures(&wanted, folders, &mut report);
+        let stock = if has_textures { self.stock(&mesh.materials, folders, &mut report) } else { Vec::new() };
         let stated = mesh.materials.iter().any(material::states_more_than_a_colour);
-        if stated || !loaded.is_empty() {
+        if stated || stock.iter().any(|stock| !stock.loaded.is_empty()) {
             let first_texture = scene.textures.len();
-            let mut textures = Textures { wanted: &wanted, loaded: &loaded, numbers: HashMap::new(), scene };
+            let mut textures = Textures { stock: &stock, numbers: HashMap::new(), options: self, scene };
             let surface = textures.scene.instances[instance].surface;
             let mut of_mesh = Vec::with_capacity(mesh.materials.len());
+            let layout = mesh.layout();
+            let has_own_colors = layout.vertex_colors || layout.face_colors;
+            let mut lit_nevertheless = 0;
             for file in &mesh.materials {
-                let maps = if has_textures { textures.maps(file) } else { Maps::default() };
+                let mut maps = textures.maps(file);
+                // Colours of the mesh take the place of the material's, and are always lit.
+                if maps.is_unlit && has_own_colors && maps.get(TextureRole::Diffuse).is_none() {
+                    maps.is_unlit = false;
+                    lit_nevertheless += 1;
+                }
                 let material = material::convert(file, &maps, &surface, self);
                 of_mesh.push(textures.scene.materials.len() as u32);
                 textures.scene.materials.push(material);
+            }
+            if lit_nevertheless > 0 {
+                let materials = counted(lit_nevertheless, "material");
+                report.warnings.push(format!(
+                    "drew {materials} without light (illum 0) with the lit colours of the model"
+                ));
             }
             (report.materials, report.textures) = (of_mesh.len() as u64, textures.numbers.len() as u64);
             report.bytes = scene.textures[first_texture..].iter().map(|texture| texture.bytes() as u64).sum();
@@ -104,20 +119,41 @@ impl TextureOptions<'_> {
         self.alpha_mode == AlphaMode::Opaque
     }
 
-    /// The pictures that the materials need.
-    fn wanted(&self, materials: &[FileMaterial], report: &mut TextureReport) -> Wanted {
+    /// The pictures that the materials need, in the order in which a texture is looked for in them.
+    fn stock(
+        &self,
+        materials: &[FileMaterial],
+        folders: &[PathBuf],
+        report: &mut TextureReport,
+    ) -> Vec<Stock> {
+        let mut problems = Problems::default();
         let mut wanted = Wanted::default();
+        for material in materials {
+            for role in TextureRole::ALL {
+                let is_replaced = match role {
+                    TextureRole::Opacity => self.ignores_alpha(),
+                    TextureRole::Bump => material.textures.normal.is_some(),
+                    _ => false,
+                };
+                if !is_replaced && let Some(texture) = self.texture(material, role) {
+                    wanted.add(material, texture, role);
+                }
+            }
+        }
+        let loaded = self.pictures(&wanted, folders, report, &mut problems);
+        let all = Stock { wanted, loaded };
+        // Bumps are needed where there are no normals after all.
+        let mut bumps = Wanted::default();
         let mut hidden_bumps = 0;
         for material in materials {
-            for (role, texture) in material.textures.iter() {
-                let normals = material.textures.normal.as_ref();
-                match role {
-                    TextureRole::Opacity if self.ignores_alpha() => {}
-                    TextureRole::Bump if normals.is_some() => {
-                        hidden_bumps += u64::from(normals.is_some_and(|n| n.file != texture.file));
-                    }
-                    _ => wanted.add(material, texture, role),
-                }
+            let normals = self.texture(material, TextureRole::Normal);
+            let (Some(normals), Some(bump)) = (normals, self.texture(material, TextureRole::Bump)) else {
+                continue;
+            };
+            if all.texture(material, normals, TextureRole::Normal).is_none() {
+                bumps.add(material, bump, TextureRole::Bump);
+            } else if bump.file != normals.file {
+                hidden_bumps += 1;
             }
         }
         if hidden_bumps > 0 {
@@ -126,22 +162,33 @@ impl TextureOptions<'_> {
                 .warnings
                 .push(format!("did not draw the bumps of {materials} with normals, which replace them"));
         }
-        wanted
+        let loaded = self.pictures(&bumps, folders, report, &mut problems);
+        problems.warn(report);
+        vec![all, Stock { wanted: bumps, loaded }]
     }
 
-    /// Finds and decodes the pictures. Returns, for each name that was found, its textures; all that went wrong is
-    /// reported.
-    fn pictures(&self, wanted: &Wanted, folders: &[PathBuf], report: &mut TextureReport) -> Loaded {
+    /// The texture of a material in a role.
+    fn texture<'m>(&self, material: &'m FileMaterial, role: TextureRole) -> Option<&'m FileTexture> {
+        material::texture(material, role, self)
+    }
+
+    /// Finds and decodes the pictures. Returns, for each name that was found, its textures.
+    fn pictures(
+        &self,
+        wanted: &Wanted,
+        folders: &[PathBuf],
+        report: &mut TextureReport,
+        problems: &mut Problems,
+    ) -> Loaded {
         let mut loaded = Loaded::new();
         if wanted.names.is_empty() {
             return loaded;
         }
         if folders.is_empty() {
-            let count = counted(wanted.names.len() as u64, "texture");
-            report.warnings.push(format!("did not look for {count}: the model comes without a folder"));
+            problems.not_looked_for += wanted.names.len() as u64;
             return loaded;
         }
-        let (mut failed, mut substitutes) = (Vec::new(), Vec::new());
+        let mut failed = Vec::new();
         // Several names may lead to the same file.
         let mut files: Vec<Job> = Vec::new();
         let mut by_path: HashMap<PathBuf, usize> = HashMap::new();
@@ -152,34 +199,38 @@ impl TextureOptions<'_> {
                     if found.is_substitute {
                         let instead =
                             found.path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-                        substitutes.push(format!(
+                        problems.substitutes.push(format!(
                             "\"{}\" for \"{}\"",
                             shortened(&instead),
                             shortened(&name.file)
                         ));
                     }
                     let index = *by_path.entry(found.path.clone()).or_insert_with(|| {
-                        files.push(Job { path: found.path, names: Vec::new(), roles: Vec::new() });
+                        files.push(Job { path: found.path, names: Vec::new(), uses: Vec::new() });
                         files.len() - 1
                     });
                     files[index].names.push(number);
-                    name.roles.iter().for_each(|&role| files[index].add(role));
+                    if !name.uses.iter().all(|&needed| files[index].add(needed)) {
+                        failed.push((number, TextureError::TooManyReadings { most: MOST_USES }));
+                    }
                 }
                 Err(error) => failed.push((number, error)),
             }
         }
-        report.files = files.iter().map(|job| job.path.clone()).collect();
+        let known: HashSet<PathBuf> = report.files.iter().cloned().collect();
+        report.files.extend(files.iter().map(|job| job.path.clone()).filter(|path| !known.contains(path)));
         if let Some(progress) = self.progress {
             progress.begin("reading textures", files.len() as u64);
         }
-        let mut invisible = Vec::new();
-        for batch in self.batches(files, &mut failed) {
+        for batch in self.batches(files, &mut problems.kept_bytes, &mut failed) {
             let done: Vec<_> = batch.par_iter().map(|(job, needs)| self.decode(job, needs)).collect();
             for ((job, _), result) in batch.into_iter().zip(done) {
                 match result {
                     Ok(made) => {
                         let name = &wanted.names[job.names[0]].file;
-                        invisible.extend(made.was_invisible.then(|| format!("\"{}\"", shortened(name))));
+                        problems
+                            .invisible
+                            .extend(made.was_invisible.then(|| format!("\"{}\"", shortened(name))));
                         job.names
                             .iter()
                             .for_each(|&number| drop(loaded.insert(number, made.textures.clone())));
@@ -189,27 +240,32 @@ impl TextureOptions<'_> {
             }
         }
         failed.sort_by_key(|(number, _)| *number);
-        let failed: Vec<String> = failed
-            .into_iter()
-            .map(|(number, error)| format!("\"{}\" ({error})", shortened(&wanted.names[number].file)))
-            .collect();
-        warn(report, "did not draw", &failed);
-        warn(report, "took textures with another extension than is named:", &substitutes);
-        warn(report, "ignored the alpha, which is 0 everywhere, of", &invisible);
+        problems.failed.extend(
+            failed
+                .into_iter()
+                .map(|(number, error)| format!("\"{}\" ({error})", shortened(&wanted.names[number].file))),
+        );
         loaded
     }
 
     /// Groups of pictures that may be decoded at the same time without exceeding the memory limit; pictures that would exceed
     /// it alone are left out. This depends on the pictures and their order, not on the number of threads.
-    fn batches(&self, files: Vec<Job>, failed: &mut Vec<(usize, TextureError)>) -> Vec<Vec<(Job, Needs)>> {
+    /// `kept` are the bytes of textures, to which theirs are added.
+    fn batches(
+        &self,
+        files: Vec<Job>,
+        kept: &mut u64,
+        failed: &mut Vec<(usize, TextureError)>,
+    ) -> Vec<Vec<(Job, Needs)>> {
         let mut batches: Vec<Vec<(Job, Needs)>> = Vec::new();
-        let (mut kept, mut in_batch) = (0, 0);
+        let mut in_batch = 0;
         for job in files {
-            let needs = decode::needs_of_file(&job.path).map(|needs| needs.of_textures(job.most_textures()));
-            let needs = needs.and_then(|needs| needs.check(kept, self.memory_limit).map(|()| needs));
+            let needs = decode::needs_of_file(&job.path)
+                .map(|needs| needs.of_textures(job.most_textures(), job.adjusts()));
+            let needs = needs.and_then(|needs| needs.check(*kept, self.memory_limit).map(|()| needs));
             match needs {
                 Ok(needs) => {
-                    let left = self.memory_limit.map_or(u64::MAX, |limit| limit.saturating_sub(kept));
+                    let left = self.memory_limit.map_or(u64::MAX, |limit| limit.saturating_sub(*kept));
                     match batches
                         .last_mut()
                         .filter(|_| in_batch + needs.decoding_bytes <= left - needs.texture_bytes)
@@ -221,7 +277,7 @@ impl TextureOptions<'_> {
                         }
                     }
                     in_batch += needs.decoding_bytes;
-                    kept += needs.texture_bytes;
+                    *kept += needs.texture_bytes;
                 }
                 Err(error) => {
                     self.advance();
@@ -245,159 +301,36 @@ impl TextureOptions<'_> {
     }
 }
 
-/// The textures of each name that was found.
-type Loaded = HashMap<usize, Vec<(Vec<TextureRole>, Arc<Texture>)>>;
-
-/// A picture that materials name.
-#[derive(Debug)]
-struct Name {
-    folder: String,
-    file: String,
-    roles: Vec<TextureRole>,
-}
-
-/// The pictures that materials name, each once.
-#[derive(Debug, Default)]
-struct Wanted {
-    names: Vec<Name>,
-    numbers: HashMap<(String, String), usize>,
-}
-
-impl Wanted {
-    fn add(&mut self, material: &FileMaterial, texture: &FileTexture, role: TextureRole) {
-        let number =
-            *self.numbers.entry((material.folder.clone(), texture.file.clone())).or_insert_with(|| {
-                self.names.push(Name {
-                    folder: material.folder.clone(),
-                    file: texture.file.clone(),
-                    roles: Vec::new(),
-                });
-                self.names.len() - 1
-            });
-        let roles = &mut self.names[number].roles;
-        if !roles.contains(&role) {
-            roles.push(role);
-        }
-    }
-
-    fn number(&self, material: &FileMaterial, texture: &FileTexture) -> Option<usize> {
-        self.numbers.get(&(material.folder.clone(), texture.file.clone())).copied()
-    }
-}
-
-/// A picture file, and what it is needed for.
-#[derive(Debug)]
-struct Job {
-    path: PathBuf,
-    /// The names that lead to it.
-    names: Vec<usize>,
-    roles: Vec<TextureRole>,
-}
-
-/// The textures of a picture.
-struct Made {
-    /// With the roles of each.
-    textures: Vec<(Vec<TextureRole>, Arc<Texture>)>,
-    /// Whether an alpha that is 0 everywhere was ignored.
-    was_invisible: bool,
-}
-
-/// What is made of a picture.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Content {
-    Colors,
-    OpaqueColors,
-    Numbers,
-    Alpha,
-    NormalsOfHeights,
-}
-
-impl Job {
-    fn add(&mut self, role: TextureRole) {
-        if !self.roles.contains(&role) {
-            self.roles.push(role);
-        }
-    }
-
-    /// The number of textures that are made of the picture, at most.
-    fn most_textures(&self) -> u64 {
-        let has = |roles: &[TextureRole]| u64::from(self.roles.iter().any(|role| roles.contains(role)));
-        has(&[TextureRole::Diffuse])
-            + has(&[TextureRole::Specular, TextureRole::Emissive])
-            + has(&[TextureRole::Normal, TextureRole::Roughness, TextureRole::Metallic])
-            + has(&[TextureRole::Opacity])
-            + has(&[TextureRole::Bump])
-    }
-
-    /// Each content that a role needs becomes one texture.
-    fn make(&self, picture: Picture, ignores_alpha: bool) -> Made {
-        let is_diffuse = self.roles.contains(&TextureRole::Diffuse);
-        let was_invisible = is_diffuse && !ignores_alpha && picture.is_invisible();
-        let has_alpha = !ignores_alpha && !picture.is_opaque() && !was_invisible;
-        let content = |role| match role {
-            TextureRole::Diffuse if has_alpha => Content::Colors,
-            TextureRole::Diffuse | TextureRole::Specular | TextureRole::Emissive => Content::OpaqueColors,
-            TextureRole::Opacity if picture.has_opacity_in_alpha() => Content::Alpha,
-            TextureRole::Bump if !picture.holds_normals() => Content::NormalsOfHeights,
-            _ => Content::Numbers,
-        };
-        let mut contents: Vec<(Content, Vec<TextureRole>)> = Vec::new();
-        for &role in &self.roles {
-            match contents.iter_mut().find(|(known, _)| *known == content(role)) {
-                Some((_, roles)) => roles.push(role),
-                None => contents.push((content(role), vec![role])),
-            }
-        }
-        // The alpha is removed last.
-        contents.sort_by_key(|(content, _)| *content == Content::OpaqueColors);
-        let mut picture = picture;
-        let mut textures = Vec::new();
-        for (content, roles) in contents {
-            let texture = match content {
-                Content::Colors => picture.texture(Encoding::Srgb),
-                Content::Numbers => picture.texture(Encoding::Linear),
-                Content::Alpha => picture.texture_of_alpha(),
-                Content::NormalsOfHeights => picture.normals_of_heights(),
-                Content::OpaqueColors => {
-                    picture = picture.into_opaque();
-                    picture.texture(Encoding::Srgb)
-                }
-            };
-            textures.push((roles, Arc::new(texture)));
-        }
-        Made { textures, was_invisible }
-    }
-}
-
 /// Puts textures into a scene, each once, when a material uses it.
 struct Textures<'a> {
-    wanted: &'a Wanted,
-    loaded: &'a Loaded,
+    stock: &'a [Stock],
     /// Numbers in the scene, by address.
     numbers: HashMap<*const Texture, u32>,
+    options: &'a TextureOptions<'a>,
     scene: &'a mut Scene,
 }
 
 impl Textures<'_> {
     fn texture(&self, file: &FileMaterial, role: TextureRole) -> Option<&Arc<Texture>> {
-        let texture = file.textures.get(role)?;
-        let made = self.loaded.get(&self.wanted.number(file, texture)?)?;
-        made.iter().find(|(roles, _)| roles.contains(&role)).map(|(_, texture)| texture)
+        let stated = self.options.texture(file, role)?;
+        self.stock.iter().find_map(|stock| stock.texture(file, stated, role))
     }
 
     /// The textures of a material.
     fn maps(&mut self, file: &FileMaterial) -> Maps {
         let mut maps = Maps::default();
+        maps.is_unlit = material::is_unlit(file, self.options);
+        let diffuse = file.textures.diffuse.as_ref();
         let diffuse_has_alpha =
             self.texture(file, TextureRole::Diffuse).is_some_and(|texture| !texture.is_opaque());
-        for (role, stated) in file.textures.iter() {
+        for role in TextureRole::ALL {
             let is_hidden = match role {
                 // Exporters name the diffuse texture once more when they mean its alpha, which is drawn already if it has
-                // one; its colours are no opacity.
-                TextureRole::Opacity => {
-                    file.textures.diffuse.as_ref().is_some_and(|diffuse| diffuse.file == stated.file)
-                }
-                TextureRole::Bump => file.textures.normal.is_some(),
+                // one; its colours are no opacity, unless one of them is named.
+                TextureRole::Opacity => file.textures.opacity.as_ref().is_some_and(|stated| {
+                    stated.channel.is_none() && diffuse.is_some_and(|d| d.file == stated.file)
+                }),
+                TextureRole::Bump => self.texture(file, TextureRole::Normal).is_some(),
                 _ => false,
             };
             let Some(texture) = self.texture(file, role).filter(|_| !is_hidden).cloned() else { continue };
@@ -410,6 +343,29 @@ impl Textures<'_> {
         }
         maps.has_alpha = diffuse_has_alpha || maps.get(TextureRole::Opacity).is_some();
         maps
+    }
+}
+
+/// What is wrong with the pictures of a model.
+#[derive(Debug, Default)]
+struct Problems {
+    not_looked_for: u64,
+    failed: Vec<String>,
+    substitutes: Vec<String>,
+    invisible: Vec<String>,
+    /// Bytes of the textures made so far.
+    kept_bytes: u64,
+}
+
+impl Problems {
+    fn warn(&self, report: &mut TextureReport) {
+        if self.not_looked_for > 0 {
+            let count = counted(self.not_looked_for, "texture");
+            report.warnings.push(format!("did not look for {count}: the model comes without a folder"));
+        }
+        warn(report, "did not draw", &self.failed);
+        warn(report, "took textures with another extension than is named:", &self.substitutes);
+        warn(report, "ignored the alpha, which is 0 everywhere, of", &self.invisible);
     }
 }
 

@@ -8,12 +8,17 @@ use super::TextureOptions;
 /// Exponent of highlights if a file states only their colour: that of [`Surface`].
 const SHININESS: f32 = 32.0;
 
+/// Most by which slopes are multiplied: the renderer's limit.
+const STEEPEST: f32 = 1e6;
+
 /// The textures of a material, by their numbers in the scene.
 #[derive(Debug, Default)]
 pub struct Maps {
     numbers: [Option<u32>; TextureRole::ALL.len()],
     /// Whether the opacity is not the same everywhere.
     pub has_alpha: bool,
+    /// Whether the material emits its diffuse colour and reflects nothing.
+    pub is_unlit: bool,
 }
 
 impl Maps {
@@ -33,6 +38,28 @@ pub fn states_more_than_a_colour(file: &FileMaterial) -> bool {
         || file.roughness.is_some()
         || file.metallic.is_some()
         || file.emissive != [0.0; 3]
+        || matches!(file.illumination, Some(0 | 1))
+}
+
+/// Is a material a colour without light?
+pub fn is_unlit(file: &FileMaterial, options: &TextureOptions) -> bool {
+    file.illumination == Some(0) && !options.is_unlit
+}
+
+/// The texture of a material in a role. One without light emits its diffuse texture, whose alpha still is that of the
+/// diffuse colour; its other textures have no effect.
+pub fn texture<'m>(
+    file: &'m FileMaterial,
+    role: TextureRole,
+    options: &TextureOptions,
+) -> Option<&'m FileTexture> {
+    match role {
+        TextureRole::Specular if file.illumination == Some(1) => None,
+        _ if !is_unlit(file, options) => file.textures.get(role),
+        TextureRole::Diffuse | TextureRole::Emissive => file.textures.diffuse.as_ref(),
+        TextureRole::Opacity => file.textures.opacity.as_ref(),
+        _ => None,
+    }
 }
 
 /// Converts a material.
@@ -41,7 +68,7 @@ pub fn states_more_than_a_colour(file: &FileMaterial) -> bool {
 /// `Ks`. For the statements that programs have added it says nothing; there, a zero beside a texture, which exporters write
 /// for "not stated", counts as one.
 pub fn convert(file: &FileMaterial, maps: &Maps, surface: &Surface, options: &TextureOptions) -> Material {
-    let map = |role| Some(texture_map(file.textures.get(role)?, maps.get(role)?));
+    let map = |role| Some(texture_map(texture(file, role, options)?, maps.get(role)?));
     let [
         base_color_map,
         opacity_map,
@@ -58,6 +85,8 @@ pub fn convert(file: &FileMaterial, maps: &Maps, surface: &Surface, options: &Te
         // Walter and others, Microfacet Models for Refraction, 2007: the exponent of the lobe that is as wide, for the
         // square of the roughness.
         Some(exponent) => (2.0 / (exponent + 2.0)).sqrt().sqrt(),
+        // Without highlights.
+        None if file.illumination == Some(1) => 1.0,
         None => surface.roughness,
     });
     let unless_zero =
@@ -65,7 +94,7 @@ pub fn convert(file: &FileMaterial, maps: &Maps, surface: &Surface, options: &Te
     let has_emission = file.emissive != [0.0; 3];
     let bumps = normal_map.is_none().then_some(file.textures.bump.as_ref()).flatten();
     let scaled = file.textures.normal.as_ref().filter(|_| normal_map.is_some()).or(bumps);
-    Material {
+    let material = Material {
         base_color,
         base_color_map,
         // A NaN draws nothing less opaque.
@@ -88,8 +117,22 @@ pub fn convert(file: &FileMaterial, maps: &Maps, surface: &Surface, options: &Te
         emissive: if emissive_map.is_some() && !has_emission { [1.0; 3] } else { emissive(file.emissive) },
         emissive_map,
         normal_map: normal_map.or(bump_map),
-        normal_scale: scaled.map_or(1.0, |texture| texture.bump_multiplier),
+        normal_scale: scaled.map_or(1.0, |t| (t.bump_multiplier * t.gain).clamp(-STEEPEST, STEEPEST)),
         occlusion_map: None,
+    };
+    if maps.is_unlit { unlit(material) } else { material }
+}
+
+/// The material that emits the diffuse colour of another and reflects nothing: in physically based shading, that is a black
+/// metal.
+fn unlit(material: Material) -> Material {
+    Material {
+        base_color: [0.0; 3],
+        specular: [0.0; 3],
+        roughness: 1.0,
+        metallic: 1.0,
+        emissive: material.base_color,
+        ..material
     }
 }
 
@@ -120,6 +163,9 @@ fn specular(file: &FileMaterial, has_map: bool, surface: &Surface, options: &Tex
     if let Some(strength) = options.specular {
         return [strength; 3];
     }
+    if file.illumination == Some(1) {
+        return [0.0; 3];
+    }
     let stated = file.specular.or(has_map.then_some([1.0; 3]));
     let lobe = ((file.shininess.unwrap_or(SHININESS) + 8.0) / 40.0).clamp(0.2, 1.0);
     stated.map_or([surface.specular; 3], |color| color.map(|c| 0.4 * linear(c) * lobe))
@@ -144,6 +190,7 @@ mod tests {
     fn converted(file: &FileMaterial, roles: &[TextureRole]) -> Material {
         let mut maps = Maps::default();
         let mut file = file.clone();
+        maps.is_unlit = file.illumination == Some(0);
         for (number, &role) in roles.iter().enumerate() {
             file.textures.get_mut(role).get_or_insert_with(|| FileTexture::new("a.png"));
             maps.set(role, number as u32);
@@ -183,14 +230,15 @@ mod tests {
             clamp: true,
             offset: [0.5, 0.25],
             scale: [2.0, -1.0],
-            bump_multiplier: 0.3,
+            bump_multiplier: 0.2,
+            gain: 1.5,
             ..FileTexture::new("a.png")
         };
         (file.textures.diffuse, file.textures.bump) = (Some(texture.clone()), Some(texture));
         let material = converted(&file, &[TextureRole::Diffuse, TextureRole::Bump]);
         let map = TextureMap { texture: 0, wrap: [Wrap::Clamp; 2], scale: [2.0, -1.0], offset: [0.5, 0.25] };
         assert_eq!(material.base_color_map, Some(map));
-        assert_eq!((material.normal_map.map(|map| map.texture), material.normal_scale), (Some(1), 0.3));
+        assert_eq!((material.normal_map.map(|map| map.texture), material.normal_scale), (Some(1), 0.2 * 1.5));
         let both = converted(&file, &[TextureRole::Bump, TextureRole::Normal]);
         assert_eq!((both.normal_map.map(|map| map.texture), both.normal_scale), (Some(1), 1.0));
     }
@@ -212,6 +260,40 @@ mod tests {
         let overridden = TextureOptions { specular: Some(0.0), ..TextureOptions::default() };
         let file = FileMaterial { specular: white, ..FileMaterial::default() };
         assert_eq!(convert(&file, &Maps::default(), &Surface::default(), &overridden).specular, [0.0; 3]);
+    }
+
+    #[test]
+    fn illumination_models_say_what_is_reflected() {
+        let file = |illumination| FileMaterial {
+            illumination: Some(illumination),
+            diffuse: [1.0, 0.0, 1.0],
+            specular: Some([1.0; 3]),
+            emissive: [0.5; 3],
+            ..FileMaterial::default()
+        };
+        let unlit = converted(&file(0), &[TextureRole::Diffuse, TextureRole::Bump]);
+        assert_eq!((unlit.base_color, unlit.specular, unlit.emissive), ([0.0; 3], [0.0; 3], [1.0; 3]));
+        assert!(unlit.base_color_map.is_some() && unlit.normal_map.is_none());
+        assert_eq!((unlit.metallic, unlit.roughness), (1.0, 1.0));
+        assert_eq!(converted(&file(0), &[]).emissive, [1.0, 0.0, 1.0]);
+        let dull = converted(&file(1), &[]);
+        assert_eq!((dull.specular, dull.roughness, dull.base_color), ([0.0; 3], 1.0, [1.0, 0.0, 1.0]));
+        let usual = FileMaterial { illumination: None, ..file(2) };
+        for illumination in 2..=10 {
+            assert_eq!(converted(&file(illumination), &[]), converted(&usual, &[]));
+        }
+        assert!(states_more_than_a_colour(&FileMaterial {
+            illumination: Some(1),
+            ..FileMaterial::default()
+        }));
+        assert!(!states_more_than_a_colour(&FileMaterial {
+            illumination: Some(2),
+            ..FileMaterial::default()
+        }));
+        // Where everything is unlit, it is a material like the others.
+        let options = TextureOptions { is_unlit: true, ..TextureOptions::default() };
+        assert_eq!(texture(&file(0), TextureRole::Emissive, &options), None);
+        assert!(!is_unlit(&file(0), &options));
     }
 
     #[test]

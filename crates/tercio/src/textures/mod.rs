@@ -1,7 +1,8 @@
 //! Materials and textures of a model: from what its files state to what a renderer draws.
 //!
 //! [`find`] looks for the pictures that a model names, [`decode`] reads them, [`picture`] decides what their numbers
-//! mean, [`bump`] makes normals from heights, [`material`] converts the materials, and [`load`] does it all.
+//! mean, [`bump`] makes normals from heights, [`wanted`] knows which textures are made of a picture, [`material`] converts the
+//! materials, and [`load`] does it all.
 
 mod bump;
 mod decode;
@@ -9,6 +10,7 @@ mod find;
 mod load;
 mod material;
 mod picture;
+mod wanted;
 
 use std::path::{Path, PathBuf};
 

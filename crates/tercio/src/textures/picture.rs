@@ -1,6 +1,7 @@
 //! A decoded picture, and what its numbers may mean.
 
 use rayon::prelude::*;
+use tercio_mesh::TextureChannel;
 use tercio_scene::Texture;
 use tercio_scene::texture::Encoding;
 
@@ -138,6 +139,36 @@ impl Picture {
         self
     }
 
+    /// A copy whose colours are multiplied by `gain` and added to `base` as they are in the file, between black and white.
+    /// With a `channel`, all its colours are that channel, and it is opaque.
+    pub fn adjusted(&self, channel: Option<TextureChannel>, gain: f32, base: f32) -> Self {
+        let level = |c: u16| ((f32::from(c) * gain + base * 65535.0).clamp(0.0, 65535.0) + 0.5) as u16;
+        let texel = |[r, g, b, a]: [u16; 4]| {
+            let grey = |c: u16| [c, c, c, u16::MAX];
+            let [r, g, b, a] = match channel {
+                None => [r, g, b, a],
+                Some(TextureChannel::Red) => grey(r),
+                Some(TextureChannel::Green) => grey(g),
+                Some(TextureChannel::Blue) => grey(b),
+                Some(TextureChannel::Alpha) => grey(a),
+                Some(TextureChannel::Luminance) => {
+                    grey(((u32::from(r) + u32::from(g) + u32::from(b) + 1) / 3) as u16)
+                }
+            };
+            [level(r), level(g), level(b), a]
+        };
+        let pixels: Vec<u16> = match &self.pixels {
+            Pixels::Eight(p) => {
+                let wide = p.as_chunks().0.par_iter().map(|t: &[u8; 4]| texel(t.map(|c| u16::from(c) * 257)));
+                wide.flatten_iter().collect()
+            }
+            Pixels::Sixteen(p) => {
+                p.as_chunks().0.par_iter().map(|t: &[u16; 4]| texel(*t)).flatten_iter().collect()
+            }
+        };
+        Self::new((self.width, self.height), Pixels::Sixteen(pixels))
+    }
+
     /// The texture whose red channel is the alpha of this picture.
     pub fn texture_of_alpha(&self) -> Texture {
         let (width, height) = (self.width, self.height);
@@ -188,6 +219,25 @@ mod tests {
         // Grey of this level would be a direction, too.
         assert!(!picture(&[[200; 4]]).holds_normals());
         assert!(!picture(&[[120, 80, 40, 255], [200, 150, 90, 255]]).holds_normals());
+    }
+
+    #[test]
+    fn numbers_are_scaled_and_channels_taken() {
+        let picture = picture(&[[0, 51, 102, 204], [255, 128, 7, 0]]);
+        let texels = |channel, gain, base| {
+            picture.adjusted(channel, gain, base).texture(Encoding::Linear).levels()[0].texels.clone()
+        };
+        let grey = |level: u16| [level * 257, level * 257, level * 257, 65535];
+        assert_eq!(texels(Some(TextureChannel::Red), 1.0, 0.0), [grey(0), grey(255)]);
+        assert_eq!(texels(Some(TextureChannel::Green), 1.0, 0.0), [grey(51), grey(128)]);
+        assert_eq!(texels(Some(TextureChannel::Blue), 1.0, 0.0), [grey(102), grey(7)]);
+        assert_eq!(texels(Some(TextureChannel::Alpha), 1.0, 0.0), [grey(204), grey(0)]);
+        assert_eq!(texels(Some(TextureChannel::Luminance), 1.0, 0.0), [grey(51), grey(130)]);
+        // Alpha stays as it is, and what is beyond black and white is cut off.
+        let scaled = texels(None, 2.0, -0.2);
+        assert_eq!(scaled[0], [0, 51 * 257, 153 * 257, 204 * 257]);
+        assert_eq!((scaled[1][0], scaled[1][2], scaled[1][3]), (65535, 0, 0));
+        assert_eq!(texels(None, f32::MAX, f32::MAX)[0][0], 65535);
     }
 
     #[test]

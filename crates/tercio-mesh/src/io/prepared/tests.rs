@@ -6,7 +6,10 @@ use crate::checksum;
 use crate::cluster::{ClusteredMesh, PartitionOptions, partition};
 use crate::io::ReadOptions;
 use crate::io::input::{self, Input};
-use crate::{Attribute, AttributeDomain, FileMaterial, FileTexture, FileTextures, Mesh, ReadError, builtin};
+use crate::{
+    Attribute, AttributeDomain, FileMaterial, FileTexture, FileTextures, Mesh, ReadError, TextureChannel,
+    builtin,
+};
 
 /// A mesh with everything that a mesh can have.
 fn mesh() -> Mesh {
@@ -26,10 +29,13 @@ fn mesh() -> Mesh {
             diffuse: [0.1, 1.0 / 3.0, 0.7],
             opacity: 0.3,
             specular: Some([0.1, 0.2, 1.0 / 3.0]),
+            illumination: Some(1),
             textures: FileTextures {
                 diffuse: Some(FileTexture {
                     clamp: true,
                     scale: [0.7, -1.1],
+                    gain: 1.0 / 3.0,
+                    channel: Some(TextureChannel::Alpha),
                     ..FileTexture::new("wood.png")
                 }),
                 ..FileTextures::default()

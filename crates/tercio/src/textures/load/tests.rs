@@ -2,10 +2,13 @@
 
 use std::fs;
 
+use glam::DVec3;
 use image::{DynamicImage, ImageFormat, Rgba, RgbaImage};
+use tercio_scene::texture::Encoding;
+use tercio_scene::{Camera, Light, LightSpace, Projection};
 
 use super::*;
-use crate::{LoadOptions, texture_folders};
+use crate::{LoadOptions, Renderer, Settings, texture_folders};
 
 const SQUARE: &str = "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n\
     usemtl a\nf 1/1 2/2 3/3\nusemtl b\nf 1/1 3/3 4/4\n";
@@ -183,6 +186,93 @@ fn bumps_become_normals_unless_they_are() {
 }
 
 #[test]
+fn bumps_are_drawn_where_the_normals_are_missing_or_broken() {
+    let library = "newmtl a\nbump b.png\nnorm gone.png\nnewmtl b\nbump -bm 0.5 b.png\nnorm text.png\n";
+    let model = Model::new(library).with("b.png", &[GREY]);
+    fs::write(model.0.path().join("text.png"), "hello").expect("room");
+    let (scene, report) = model.load(&TextureOptions::default());
+    assert_eq!((report.textures, report.files.len(), report.warnings.len()), (1, 2, 1));
+    assert!(report.warnings[0].starts_with("did not draw 2 textures: \"gone.png\""), "{:?}", report.warnings);
+    assert_eq!(scene.materials.iter().filter(|m| m.normal_map.is_some()).count(), 2);
+    assert_eq!(scene.materials[1].normal_scale, 0.5);
+    // A bump map that is missing, too, is part of the same warning.
+    let (scene, report) =
+        Model::new("newmtl a\nbump b.png\nnorm c.png\nnewmtl b\n").load(&TextureOptions::default());
+    let expected = "did not draw 2 textures: \"c.png\" (not found), \"b.png\" (not found)";
+    assert_eq!((report.warnings.as_slice(), scene.materials.len()), ([expected.to_owned()].as_slice(), 0));
+}
+
+#[test]
+fn numbers_and_channels_are_taken_as_stated() {
+    let library = "newmtl a\nmap_Kd -mm 0.2 0.5 a.png\nmap_Ks a.png\nmap_d -imfchan g a.png\nnewmtl b\nmap_Kd a.png\n\
+         map_Bump -imfchan b -mm 0 2 n.png\n";
+    let flat = [128, 128, 255, 255];
+    let model = Model::new(library).with("a.png", &[[255, 51, 0, 255]]).with("n.png", &[flat]);
+    let (scene, report) = model.load(&TextureOptions::default());
+    assert_eq!((report.textures, report.warnings.len()), (4, 0), "{:?}", report.warnings);
+    let texel = |map: Option<tercio_scene::TextureMap>| {
+        let texture = &scene.textures[map.expect("a texture").texture as usize];
+        texture.levels()[0].texels[0]
+    };
+    let [a, b] = &scene.materials[..] else { panic!("{} materials", scene.materials.len()) };
+    let stated = Texture::from_rgba16(1, 1, &[[45875, 19661, 13107, 65535]], Encoding::Srgb);
+    assert_eq!(texel(a.base_color_map), stated.levels()[0].texels[0]);
+    // The alpha is a channel of the diffuse texture, but another one.
+    assert_eq!(texel(a.opacity_map)[0], 51 * 257);
+    assert_eq!(
+        (a.specular_map.map(|map| map.texture), texel(b.base_color_map)[0]),
+        (b.base_color_map.map(|map| map.texture), 65535)
+    );
+    // A channel of normals is a height.
+    assert_eq!((texel(b.normal_map), b.normal_scale), ([32768, 32768, 65535, 65535], 2.0));
+}
+
+#[test]
+fn a_picture_has_a_limited_number_of_uses() {
+    let library: String = (0..100).map(|i| format!("newmtl m{i}\nmap_Kd -mm 0 {i} a.png\n")).collect();
+    let model = Model::new("").with("a.png", &[RED]);
+    let faces: String = (0..100).map(|i| format!("usemtl m{i}\nf 1/1 2/2 3/3\n")).collect();
+    let square = SQUARE.split("usemtl").next().expect("a beginning");
+    fs::write(model.0.path().join("m.mtl"), library).expect("room");
+    fs::write(model.0.path().join("m.obj"), format!("{square}{faces}")).expect("room");
+    let (_, report) = model.load(&TextureOptions::default());
+    assert_eq!(report.textures, 64);
+    assert_eq!(
+        report.warnings,
+        ["did not draw 1 texture: \"a.png\" (more than 64 ways to use it are not drawn)"]
+    );
+}
+
+#[test]
+fn materials_without_light_emit_their_colour() {
+    let library = "newmtl a\nillum 0\nmap_Kd a.png\nmap_Ks gone.png\nnewmtl b\nillum 0\nKd 1 0 0\n";
+    let model = Model::new(library).with("a.png", &[[255, 0, 0, 128]]);
+    let (scene, report) = model.load(&TextureOptions::default());
+    assert_eq!((report.textures, report.warnings.len()), (2, 0), "{:?}", report.warnings);
+    let [a, b] = &scene.materials[..] else { panic!("{} materials", scene.materials.len()) };
+    assert_eq!((a.base_color, b.base_color, b.emissive), ([0.0; 3], [0.0; 3], [1.0, 0.0, 0.0]));
+    // The alpha is that of the diffuse texture, and the light has none.
+    let is_opaque = |map: Option<tercio_scene::TextureMap>| {
+        scene.textures[map.expect("a texture").texture as usize].is_opaque()
+    };
+    assert!(!is_opaque(a.base_color_map) && is_opaque(a.emissive_map));
+    let unlit = TextureOptions { is_unlit: true, ..TextureOptions::default() };
+    let (scene, _) = model.load(&unlit);
+    assert_eq!((scene.materials[0].base_color, scene.materials[1].emissive), ([1.0; 3], [0.0; 3]));
+    // Colours of the vertices take the place of those of materials without textures.
+    let text = fs::read_to_string(model.0.path().join("m.obj")).expect("a model");
+    let colored = text.replace("v 0 0 0\n", "v 0 0 0 1 1 1\n").replace("v 1 0 0\n", "v 1 0 0 1 1 1\n");
+    let colored = colored.replace("v 1 1 0\n", "v 1 1 0 1 1 1\n").replace("v 0 1 0\n", "v 0 1 0 1 1 1\n");
+    fs::write(model.0.path().join("m.obj"), colored).expect("room");
+    let (scene, report) = model.load(&TextureOptions::default());
+    assert_eq!(
+        report.warnings,
+        ["drew 1 material without light (illum 0) with the lit colours of the model"]
+    );
+    assert_eq!((scene.materials[0].base_color, scene.materials[1].emissive), ([0.0; 3], [0.0; 3]));
+}
+
+#[test]
 fn textures_of_a_prepared_model_are_beside_it_or_beside_its_origin() {
     let model = Model::new("newmtl a\nmap_Kd a.png\nnewmtl b\nmap_Kd b.png\n").with("a.png", &[RED]);
     let elsewhere = Model::new("").with("b.png", &[GREY]);
@@ -209,4 +299,53 @@ fn textures_are_nowhere_without_texture_coordinates() {
     assert!(scene.textures.is_empty() && scene.materials.is_empty() && report.warnings.is_empty());
     let loaded = crate::load(model.0.path().join("m.obj")).expect("a model");
     assert_eq!(loaded.report.read.not_drawn.textures, 1);
+}
+
+/// A ramp of heights on a square, drawn: every pixel is lit as a plane with the slope of the ramp.
+#[test]
+fn a_ramp_of_heights_is_lit_as_its_slope() {
+    // White is 4 texels higher than black.
+    let slope = 4.0 * 4.0 / 255.0;
+    let uvs = [("plain", 1.0, 0.0), ("mirrored", -1.0, 0.0), ("turned", 0.0, 1.0)];
+    for (name, du_dx, du_dy) in uvs {
+        let model = Model::new(
+            "newmtl a\nmap_Bump -bm 3 b.png\nKs 0 0 0\nnewmtl b\nmap_Bump -bm 3 b.png\nKs 0 0 0\n",
+        );
+        // u grows along x, against it or along y; v is the direction to its left, or to its right if mirrored.
+        let (dv_dx, dv_dy) = if name == "turned" { (-1.0, 0.0) } else { (0.0, 1.0) };
+        let text = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]
+            .map(|[x, y]: [f64; 2]| format!("vt {} {}", du_dx * x + du_dy * y, dv_dx * x + dv_dy * y));
+        let faces = &SQUARE[SQUARE.find("usemtl").expect("faces")..];
+        let vertices = "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+        fs::write(model.0.path().join("m.obj"), format!("{vertices}{}\n{faces}", text.join("\n")))
+            .expect("room");
+        let ramp = RgbaImage::from_fn(60, 8, |x, _| {
+            let level = 4 * x as u8 + 8;
+            Rgba([level, level, level, 255])
+        });
+        DynamicImage::from(ramp)
+            .save_with_format(model.0.path().join("b.png"), ImageFormat::Png)
+            .expect("room");
+        let (mut scene, report) = model.load(&TextureOptions::default());
+        assert_eq!((report.textures, report.warnings.len()), (1, 0), "{:?}", report.warnings);
+        // Along u, the surface rises; so its normal leans against it.
+        let normal = DVec3::new(-3.0 * slope * du_dx, -3.0 * slope * du_dy, 1.0).normalize();
+        let (eye, target) = (DVec3::new(0.5, 0.5, 2.0), DVec3::new(0.5, 0.5, 0.0));
+        let projection = Projection::Orthographic { height: 0.6 };
+        let camera = Camera { eye, target, up: DVec3::Y, projection, near: None, shift: [0.0; 2] };
+        for to_light in [[1.0, 0.0, 1.0], [-1.0, 0.0, 1.0], [0.0, 1.0, 1.0], [0.0, -1.0, 1.0]] {
+            let to_light = DVec3::from(to_light).normalize();
+            scene.lights = vec![Light::Directional { to_light, space: LightSpace::World, color: [1.0; 3] }];
+            scene.materials.iter_mut().for_each(|m| m.base_color = [1.0; 3]);
+            let mut settings = Settings::one_sample(24, 24);
+            settings.outputs.linear = true;
+            let frame = Renderer::new().render(&scene, &camera, &settings).expect("a picture");
+            let expected = normal.dot(to_light);
+            for linear in &frame.planes.linear {
+                // Normals have 16 bits a component.
+                let error = (f64::from(linear[0]) - expected).abs();
+                assert!(error < 1e-4, "{name}, light {to_light}: {} in place of {expected}", linear[0]);
+            }
+        }
+    }
 }

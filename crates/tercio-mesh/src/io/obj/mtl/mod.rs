@@ -2,6 +2,7 @@
 //!
 //! Nothing in a material library prevents a model from being drawn, so errors become warnings.
 
+mod ignored;
 mod statements;
 mod texture;
 

@@ -2,6 +2,7 @@
 
 use std::collections::HashSet;
 
+use super::ignored::Ignored;
 use super::texture;
 use crate::io::companions;
 use crate::io::obj::lines::{Lines, join};
@@ -31,6 +32,11 @@ const TEXTURES: [(&[u8], Option<TextureRole>); 17] = [
     (b"map_rma", None),
 ];
 
+/// Statements without effect here, in lower case, that are not reported: files state them for every material, and nothing
+/// that is drawn depends on them. Ambient light has the diffuse colour; `Ni` and `sharpness` belong to rays that are refracted
+/// and mirrored, `Pcr` and `anisor` to `Pc` and `aniso`; textures are always anti-aliased.
+const WITHOUT_EFFECT: [&[u8]; 6] = [b"ka", b"ni", b"sharpness", b"pcr", b"anisor", b"map_aat"];
+
 /// A material that is being read.
 #[derive(Default)]
 struct Draft {
@@ -42,7 +48,7 @@ struct Draft {
 /// Parses a library and appends its materials; if a name exists already, its first definition is kept. Keywords may be in
 /// upper or lower case.
 pub fn parse(library: &str, text: &[u8], materials: &mut Vec<FileMaterial>, warnings: &mut Vec<String>) {
-    let mut broken = Vec::new();
+    let (mut broken, mut ignored) = (Vec::new(), Ignored::default());
     let mut draft: Option<Draft> = None;
     let mut scratch = Vec::new();
     for line in Lines::new(text, 1) {
@@ -54,7 +60,7 @@ pub fn parse(library: &str, text: &[u8], materials: &mut Vec<FileMaterial>, warn
             materials.extend(draft.take().map(finished));
             let name = String::from_utf8_lossy(value).into_owned();
             draft = Some(Draft { material: FileMaterial { name, ..FileMaterial::default() }, has_d: false });
-        } else if !statement(&mut draft, &keyword, value) {
+        } else if !statement(&mut draft, &keyword, value, &mut ignored) {
             broken.push(line.number);
         }
     }
@@ -68,6 +74,7 @@ pub fn parse(library: &str, text: &[u8], materials: &mut Vec<FileMaterial>, warn
             "did not understand the value in line {first} of the material library \"{library}\"{more}"
         ));
     }
+    warnings.extend(ignored.warning(library));
 }
 
 /// The material, with every other texture once.
@@ -79,14 +86,15 @@ fn finished(draft: Draft) -> FileMaterial {
 }
 
 /// Applies one statement; false if its value is invalid, or if it belongs to no material.
-fn statement(draft: &mut Option<Draft>, keyword: &[u8], value: &[u8]) -> bool {
+fn statement(draft: &mut Option<Draft>, keyword: &[u8], value: &[u8], ignored: &mut Ignored) -> bool {
     let texture = TEXTURES.iter().find(|(name, _)| *name == keyword);
     let Some(draft) = draft else {
-        let is_known = matches!(keyword, b"kd" | b"d" | b"tr" | b"ks" | b"ns" | b"ke" | b"pr" | b"pm");
+        let is_known =
+            matches!(keyword, b"kd" | b"d" | b"tr" | b"ks" | b"ns" | b"ke" | b"pr" | b"pm" | b"illum");
         return !is_known && texture.is_none();
     };
     if let Some((_, role)) = texture {
-        return texture_statement(&mut draft.material, *role, value);
+        return texture_statement(&mut draft.material, *role, value, ignored);
     }
     let material = &mut draft.material;
     let unit = |x: f32| x.clamp(0.0, 1.0);
@@ -116,7 +124,35 @@ fn statement(draft: &mut Option<Draft>, keyword: &[u8], value: &[u8]) -> bool {
             None => return false,
         },
         b"d" => match number(value.strip_prefix(b"-halo").unwrap_or(value)) {
-            Some(x) => (material.opacity, draft.has_d) = (unit(x), true),
+            Some(x) => {
+                (material.opacity, draft.has_d) = (unit(x), true);
+                // An opacity that depends on the angle of view.
+                if value.starts_with(b"-halo") {
+                    ignored.add(b"-halo");
+                }
+            }
+            None => return false,
+        },
+        b"illum" => match number(value) {
+            Some(x) if (0.0..=10.0).contains(&x) && x.fract() == 0.0 => {
+                material.illumination = Some(x as u8);
+                // Above 2 are hints which rays to trace; 10 draws nothing but shadows.
+                if x == 10.0 {
+                    ignored.add(b"illum 10");
+                }
+            }
+            _ => return false,
+        },
+        // The light that a transparent material lets through; exporters write white and black for "not stated".
+        b"tf" => match color(value) {
+            Some(rgb) if rgb == [0.0; 3] || rgb == [1.0; 3] => {}
+            Some(_) => ignored.add(keyword),
+            None => return false,
+        },
+        // Sheen, clear coat and anisotropic highlights.
+        b"ps" | b"pc" | b"aniso" => match number(value) {
+            Some(0.0) => {}
+            Some(_) => ignored.add(keyword),
             None => return false,
         },
         b"tr" => match number(value) {
@@ -125,15 +161,21 @@ fn statement(draft: &mut Option<Draft>, keyword: &[u8], value: &[u8]) -> bool {
             Some(_) => {}
             None => return false,
         },
-        _ => {}
+        _ if keyword.is_empty() || keyword.starts_with(b"#") || WITHOUT_EFFECT.contains(&keyword) => {}
+        _ => ignored.add(keyword),
     }
     true
 }
 
 /// Applies a statement that names a texture; false if it names none. Programs write empty statements for textures that a
 /// material does not have; only that of the diffuse texture is reported, as that of a broken line.
-fn texture_statement(material: &mut FileMaterial, role: Option<TextureRole>, value: &[u8]) -> bool {
-    let Some(texture) = texture::parse(&String::from_utf8_lossy(value)) else {
+fn texture_statement(
+    material: &mut FileMaterial,
+    role: Option<TextureRole>,
+    value: &[u8],
+    ignored: &mut Ignored,
+) -> bool {
+    let Some(texture) = texture::parse(&String::from_utf8_lossy(value), role, ignored) else {
         return role != Some(TextureRole::Diffuse);
     };
     // The last one counts, and the others are said to be not drawn.
@@ -193,7 +235,7 @@ mod tests {
     fn colours_opacities_and_textures_are_read() {
         let (m, w) = parsed(
             "# c\nnewmtl red paint\nKd 1 0.5 0\nd 0.25\nTr 0.9\nmap_Kd -s 1 1 1 -o 0.5 -clamp on my tex.png\n\
-             newmtl b\r\nTr 0.25\r\nKd 0.5\r\nNs 3\nmap_Kd -type sphere a.jpg",
+             newmtl b\r\nTr 0.25\r\nKd 0.5\r\nNs 3\nmap_Kd -cc off a.jpg",
         );
         assert_eq!(w, [""; 0]);
         assert_eq!(m[0].name, "red paint");
@@ -274,5 +316,32 @@ mod tests {
         let (m, w) = parsed("newmtl a\nNs -3\nKs 1 x\nNs inf\nKe\nPr nan\nPm rough\n");
         assert_eq!(m[0], FileMaterial { name: "a".into(), ..FileMaterial::default() });
         assert!(w[0].contains("line 2 of") && w[0].contains("5 more"), "{w:?}");
+    }
+
+    #[test]
+    fn illumination_models_are_read() {
+        let (m, w) = parsed("newmtl a\nillum 0\nnewmtl b\nillum 2\nillum 1\nnewmtl c\nIllum 9\nnewmtl d\n");
+        assert_eq!(m.iter().map(|m| m.illumination).collect::<Vec<_>>(), [Some(0), Some(1), Some(9), None]);
+        assert_eq!(w, [""; 0]);
+        let (m, w) = parsed("illum 1\nnewmtl a\nillum 11\nillum -1\nillum 1.5\nillum\nillum phong\n");
+        assert_eq!((m[0].illumination, w.len()), (None, 1));
+        assert!(w[0].contains("line 1 of") && w[0].ends_with("and in 5 more"), "{w:?}");
+    }
+
+    #[test]
+    fn what_is_not_applied_is_one_warning() {
+        let (_, w) = parsed(
+            "newmtl a\nKa 1 1 1\nNi 1.5\nTf 1 1 1\nPc 0\nmap_Kd -blendu on -boost 0 -type plane a.png\n# Tf\n\nPcr 0.03\n",
+        );
+        assert_eq!(w, [""; 0]);
+        let (_, w) = parsed(
+            "newmtl a\nTf 0.5 1 1\nTF 0.2\nd -halo 0.5\nnewmtl b\nPc 1\nillum 10\nmap_Kd -boost 2 -imfchan r a.png\n\
+             map_Ks -boost 3 b.png\nglow \x1b[2J\n",
+        );
+        let names = "\"tf\", \"-halo\", \"pc\", \"illum 10\", \"-boost\", \"-imfchan\", \"glow\"";
+        assert_eq!(w, [format!("did not apply of the material library \"a.mtl\": {names}")]);
+        let many: String = ('a'..='z').map(|c| format!("{c}{c} 1\n")).collect();
+        let (_, w) = parsed(&format!("newmtl a\n{many}"));
+        assert!(w.len() == 1 && w[0].ends_with("\"gg\", \"hh\", …"), "{w:?}");
     }
 }
