@@ -1,7 +1,7 @@
 //! Why ranks could not draw a picture.
 
 use tercio_raster::RenderError;
-use tercio_raster::frame::layers::LayerError;
+use tercio_raster::frame::FragmentError;
 
 use crate::agreement::Matter;
 use crate::comm::CommError;
@@ -14,19 +14,6 @@ pub enum ParallelError {
     /// A rank failed to draw.
     #[error(transparent)]
     Render(#[from] RenderError),
-    /// The picture has more samples than messages can number.
-    #[error(
-        "{width}x{height} pixels with {samples} samples each: sort-last composites at most 2^32 samples; \
-         sort-first has no such limit"
-    )]
-    Samples {
-        /// Width in pixels.
-        width: u32,
-        /// Height in pixels.
-        height: u32,
-        /// Samples per pixel.
-        samples: u32,
-    },
     /// A rank is going to draw something else than rank 0.
     #[error("rank {rank} would draw {what} than rank 0: all ranks have to draw the same frame")]
     Differs {
@@ -35,9 +22,9 @@ pub enum ParallelError {
         /// What differs.
         what: Matter,
     },
-    /// Layers of what is not opaque are not valid.
+    /// The fragments of a rank are not valid.
     #[error(transparent)]
-    Layers(LayerError),
+    Fragments(#[from] FragmentError),
     /// A message could not be sent or received.
     #[error(transparent)]
     Comm(#[from] CommError),

@@ -13,8 +13,6 @@ pub struct Regions {
     pub height: u32,
     /// Pixels along the edge of a region, at least 1. Regions at the right and lower border may be smaller.
     pub edge: u32,
-    /// Columns of a frame for each pixel, at least 1: several if frames hold samples.
-    pub columns_per_pixel: u32,
     /// Number of ranks, at least 1.
     pub ranks: usize,
     /// The regions that are meant, by number: from the first one to before the second one.
@@ -67,10 +65,7 @@ impl Regions {
                 first..first.saturating_add(regions.edge).min(size)
             };
             let x = along(k % regions.columns(), regions.width);
-            Region {
-                x: x.start * regions.columns_per_pixel..x.end * regions.columns_per_pixel,
-                y: along(k / regions.columns(), regions.height),
-            }
+            Region { x, y: along(k / regions.columns(), regions.height) }
         })
     }
 }
@@ -86,7 +81,7 @@ mod tests {
         fn every_pixel_has_one_owner(
             width in 1u32..70, height in 1u32..70, edge in 1u32..40, ranks in 1usize..12, cut in 0u64..30,
         ) {
-            let regions = Regions { width, height, edge, columns_per_pixel: 1, ranks, numbers: [0, u64::MAX] };
+            let regions = Regions { width, height, edge, ranks, numbers: [0, u64::MAX] };
             let mut owned = vec![0; (width * height) as usize];
             for rank in 0..ranks {
                 let mut pixels = 0;

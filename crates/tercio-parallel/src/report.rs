@@ -60,7 +60,7 @@ pub struct RankStages {
     pub wait: Stage,
 }
 
-/// Counts of a rank's pixels. Sort-last with several samples per pixel sends and compares samples.
+/// Counts of a rank's pixels. Sort-last with several samples per pixel, or layers, sends fragments instead of pixels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct RankPixels {
@@ -70,10 +70,9 @@ pub struct RankPixels {
     pub compared: u64,
     /// Those of them that were nearer than the pixel in the frame.
     pub won: u64,
-    /// Bytes of layers of what is not opaque, sent to other owners.
-    pub layer_bytes: u64,
-    /// Drawn pixels of this rank's regions in the finished picture; those that a filter wider than a pixel alone draws are
-    /// counted by sort-first only.
+    /// Bytes of fragments sent to other owners.
+    pub fragment_bytes: u64,
+    /// Drawn pixels of this rank's regions in the finished picture.
     pub visible: u64,
 }
 

@@ -107,7 +107,7 @@ fn ranks_that_would_draw_different_frames_end_with_an_error() {
         Some(Matter::Scene)
     );
     assert_eq!(reported(|own| own.scene.background = Background::Solid([0.5; 4])), Some(Matter::Scene));
-    assert_eq!(reported(|own| drop(own.scene.lights.pop())), Some(Matter::Scene));
+    assert_eq!(reported(|own| _ = own.scene.lights.pop()), Some(Matter::Scene));
     assert_eq!(reported(|own| own.camera.eye.x += 1e-9), Some(Matter::Camera));
     assert_eq!(reported(|own| own.settings.width += 1), Some(Matter::Size));
     assert_eq!(reported(|own| own.settings.cull = Cull::Back), Some(Matter::Settings));

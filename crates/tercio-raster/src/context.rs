@@ -148,7 +148,7 @@ impl<'a> FrameContext<'a> {
     /// Are pixels made from fragments? Otherwise there is one sample per pixel, at which one opaque triangle is visible.
     #[inline(always)]
     pub fn has_fragments(&self) -> bool {
-        self.cells.count > 1 || self.is_translucent
+        self.cells.count > 1 || self.is_translucent || self.settings.keep_fragments
     }
 
     /// Width and height of the picture in pixels.

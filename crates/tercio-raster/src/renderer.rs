@@ -13,7 +13,7 @@ use crate::backend::{self, Scratch, Stage, TileTask};
 use crate::binning::{Bins, Sorted};
 use crate::context::FrameContext;
 use crate::error::RenderError;
-use crate::frame::{Canvas, Frame};
+use crate::frame::{Canvas, FragmentError, FragmentsOfTile, Frame, Outputs};
 use crate::frontend;
 use crate::screen::TileSet;
 use crate::settings::{LastStage, Part, Settings, SimdLevel};
@@ -155,6 +155,39 @@ impl Renderer {
         self.draw_tiles::<BackEndCounts>(context, sorted, tiles, frame);
     }
 
+    /// Makes pixels from the fragments that several ranks have drawn of the same frame, each a part of its triangles, with
+    /// [`Settings::keep_fragments`]: the picture is the same as if one renderer had drawn everything. Each tile is given at
+    /// most once, with the fragments of all ranks; the pixels of other tiles keep their values.
+    ///
+    /// The settings of this context are those of the ranks, except that they do not keep fragments, and may request keys.
+    ///
+    /// # Errors
+    /// [`FragmentError`] if bytes are not fragments of their tile; other tiles are written.
+    ///
+    /// # Panics
+    /// If the frame does not have the size and the planes of the settings ([`Frame::resize`]), or a tile is given twice.
+    pub fn merge(
+        &mut self,
+        context: &FrameContext,
+        tiles: &[FragmentsOfTile],
+        frame: &mut Frame,
+    ) -> Result<(), FragmentError> {
+        let threads = rayon::current_num_threads();
+        if self.scratch.len() < threads {
+            self.scratch.resize_with(threads, Mutex::default);
+        }
+        let settings = context.settings;
+        let (outputs, background) = (&settings.outputs, &context.scene.background);
+        let canvas = Canvas::new(frame, outputs, background, &context.grid, 1, settings.height, true);
+        let (level, scratch) = (level(context), &self.scratch[..]);
+        tiles.par_iter().with_max_len(1).try_for_each(|tile| {
+            let own = rayon::current_thread_index().unwrap_or(0);
+            // As in `Tiles::draw`, the lock is free.
+            let mut scratch = scratch[own % scratch.len()].lock().unwrap_or_else(|e| e.into_inner());
+            dispatch!(level, simd => backend::merge_tile(simd, context, tile, &mut scratch, &canvas))
+        })
+    }
+
     /// [`Renderer::draw`] with any tally.
     pub(crate) fn draw_tiles<T: DrawTile>(
         &mut self,
@@ -182,7 +215,7 @@ impl Renderer {
         );
         let work = Tiles { context, sorted, canvas: &canvas, level: level(context) };
         let tallies = work.draw::<T>(tiles, &mut self.scratch[..memories]);
-        frame.layers = canvas.into_layers();
+        frame.fragments = canvas.into_fragments();
         let milliseconds = begin.elapsed().as_secs_f64() * 1e3;
         frame.stats = FrameStats {
             frontend: sorted.counts,
@@ -202,7 +235,9 @@ impl Frame {
     pub fn resize(&mut self, settings: &Settings) {
         let rows = settings.rows();
         (self.width, self.height) = (settings.width * settings.elements_per_pixel(), rows.end - rows.start);
-        self.planes.resize(&settings.outputs, self.width as usize * self.height as usize);
+        // Fragments are kept instead of planes.
+        let outputs = if settings.keep_fragments { Outputs::NONE } else { settings.outputs };
+        self.planes.resize(&outputs, self.width as usize * self.height as usize);
     }
 }
 

@@ -1,9 +1,5 @@
 //! From samples to pixels: averages colours in linear light, and selects the nearest sample for everything else.
 
-mod layers;
-
-pub use layers::{LayersOfTile, blend_layers};
-
 use tercio_scene::Scene;
 
 use crate::color::{encode8, encode16};

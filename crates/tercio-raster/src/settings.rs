@@ -184,10 +184,9 @@ pub struct Settings {
     /// are composed from those of several ranks; [`resolve_into`](crate::resolve_into) makes the picture, and says which
     /// planes it needs.
     pub unresolved: bool,
-    /// Keeps the layers of what is not opaque apart, as [`Frame::layers`](crate::Frame::layers): the planes of the frame
-    /// then show only what is opaque, and [`blend_layers`](crate::blend_layers) adds the layers of all ranks to them.
-    /// Requires [`Settings::unresolved`].
-    pub separate_layers: bool,
+    /// Keeps the fragments of the tiles ([`Frame::fragments`](crate::Frame::fragments)), and has no planes. For pictures
+    /// that are made from the fragments of several ranks, by [`Renderer::merge`](crate::Renderer::merge).
+    pub keep_fragments: bool,
     /// The planes of the frame to draw.
     pub outputs: Outputs,
     /// Pixels along the edge of a tile: 8, 16, 32, 64 or 128; `None` lets the renderer choose.
@@ -235,7 +234,7 @@ impl Settings {
             tone: Tone::NONE,
             band: None,
             unresolved: false,
-            separate_layers: false,
+            keep_fragments: false,
             outputs: Outputs::default(),
             tile_size: None,
             sorting: Sorting::default(),
@@ -343,9 +342,9 @@ impl Settings {
                 return setting("band", range, format!("{band:?}"));
             }
         }
-        if self.separate_layers && !self.unresolved {
-            let range = "`false` where samples are not kept".to_string();
-            return setting("separate layers", range, "true".into());
+        if self.keep_fragments && self.unresolved {
+            let range = "`false` where samples are kept".to_string();
+            return setting("keeping fragments", range, "true".into());
         }
         if self.clusters.number >= self.clusters.of {
             let range = format!("below {}", self.clusters.of);

@@ -28,7 +28,7 @@ pub fn collect(
         report.pixels.visible += stages.collect.time(|| {
             let pack_region = |region: Region| {
                 pack(frame, &region, planes, &mut message);
-                shown(frame, &region, regions)
+                shown(frame, &region)
             };
             regions.of(rank).map(pack_region).sum::<u64>()
         });
@@ -36,7 +36,7 @@ pub fn collect(
         return Ok(());
     }
     report.pixels.visible +=
-        stages.collect.time(|| regions.of(0).map(|region| shown(frame, &region, regions)).sum::<u64>());
+        stages.collect.time(|| regions.of(0).map(|region| shown(frame, &region)).sum::<u64>());
     let messages = stages.wait.time(|| comm.gather(regions.owners(), Vec::new()))?;
     for (from, message) in (1..).zip(messages) {
         let done = stages.collect.time(|| unpack(&message, planes, false, frame));
@@ -47,12 +47,11 @@ pub fn collect(
 }
 
 /// Number of drawn pixels in a region.
-fn shown(frame: &Frame, region: &Region, regions: &Regions) -> u64 {
+fn shown(frame: &Frame, region: &Region) -> u64 {
     let row = |y: u32| {
         let first = y as usize * frame.width as usize;
         let keys = &frame.planes.keys[first + region.x.start as usize..first + region.x.end as usize];
-        let pixels = keys.chunks_exact(regions.columns_per_pixel as usize);
-        pixels.map(|keys| u64::from(keys.iter().any(|&key| key != 0))).sum::<u64>()
+        keys.iter().map(|&key| u64::from(key != 0)).sum::<u64>()
     };
     region.y.clone().map(row).sum()
 }

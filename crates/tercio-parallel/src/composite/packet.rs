@@ -33,8 +33,8 @@ pub enum PacketError {
         /// Its number of pixels.
         count: u16,
     },
-    /// Layers of a tile that the receiver does not own.
-    #[error("layers of tile {tile}, which belongs to another rank")]
+    /// Fragments of a tile that the receiver does not own.
+    #[error("fragments of tile {tile}, which belongs to another rank")]
     Tile {
         /// The tile.
         tile: u32,

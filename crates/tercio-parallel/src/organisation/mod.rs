@@ -14,6 +14,7 @@ use tercio_raster::{Frame, Outputs, Part, RenderError, Renderer, Settings, TileS
 use tercio_scene::{Camera, Scene};
 
 use crate::comm::Communicator;
+use crate::composite::collect::clear;
 use crate::regions::Regions;
 use crate::report::RankReport;
 use crate::{ParallelError, report::Stage};
@@ -52,9 +53,9 @@ pub struct Rank {
     renderer: Renderer,
     /// Memory for the keys of a picture whose settings do not request keys.
     keys: Vec<u64>,
-    /// The samples that this rank drew, if there are several per pixel and they are composited.
-    samples: Frame,
-    /// What it draws in rounds.
+    /// The fragments that this rank drew, if fragments are composited.
+    fragments: Frame,
+    /// What it draws them from.
     sorted: Sorted,
 }
 
@@ -89,7 +90,7 @@ impl Rank {
             pool,
             renderer: Renderer::new(),
             keys: Vec::new(),
-            samples: Frame::default(),
+            fragments: Frame::default(),
             sorted: Sorted::default(),
         }
     }
@@ -118,7 +119,6 @@ impl Rank {
             width: task.settings.width,
             height: task.settings.height,
             edge: task.settings.tile_edge(),
-            columns_per_pixel: 1,
             ranks: comm.size(),
             numbers: [0, u64::MAX],
         };
@@ -162,6 +162,22 @@ impl Rank {
     }
 }
 
+/// Fills the regions of other ranks with the background: of these, only drawn pixels are sent.
+fn clear_others(
+    comm: &impl Communicator,
+    regions: &Regions,
+    task: &Task,
+    frame: &mut Frame,
+    report: &mut RankReport,
+) {
+    let others = (0..regions.owners()).filter(|&rank| rank != comm.rank());
+    report.stages.collect.time(|| {
+        for region in others.flat_map(|rank| regions.of(rank)) {
+            clear(frame, &region, &task.scene.background);
+        }
+    });
+}
+
 /// Ranks draw whole pictures.
 fn refuse_parts(settings: &Settings) -> Result<(), RenderError> {
     let refused = |what, value: String| {
@@ -170,7 +186,7 @@ fn refuse_parts(settings: &Settings) -> Result<(), RenderError> {
     match &settings.band {
         Some(band) => refused("band", format!("{band:?}")),
         None if settings.unresolved => refused("unresolved", "true".into()),
-        None if settings.separate_layers => refused("separate_layers", "true".into()),
+        None if settings.keep_fragments => refused("keep_fragments", "true".into()),
         None => Ok(()),
     }
 }

@@ -5,9 +5,9 @@
 
 use tercio_raster::{Frame, Part, TileSet};
 
-use super::{Rank, Task};
+use super::{Rank, Task, clear_others};
 use crate::comm::Communicator;
-use crate::composite::collect::{clear, collect};
+use crate::composite::collect::collect;
 use crate::regions::Regions;
 use crate::{ParallelError, RankReport};
 
@@ -27,11 +27,7 @@ pub(super) fn draw(
     let tiles = TileSet::every(comm.size() as u32, comm.rank() as u32, regions.count() as usize);
     own.draw_part(task, (Part::WHOLE, tiles), frame, report)?;
     if comm.rank() == 0 {
-        report.stages.collect.time(|| {
-            for region in (1..regions.owners()).flat_map(|rank| regions.of(rank)) {
-                clear(frame, &region, &task.scene.background);
-            }
-        });
+        clear_others(comm, regions, task, frame, report);
     }
     collect(comm, regions, &task.settings.outputs, frame, report)
 }

@@ -3,21 +3,19 @@
 //! Rank r of n draws consecutive clusters, the r-th of n shares: neighbours in space, so that they cover a small part
 //! of the picture. Its pixels are sent to the owners of regions with their keys, and from there to rank 0.
 //!
-//! If pixels have several samples, these are sent instead of pixels, and rank 0 makes the picture from them.
-//!
-//! Of what may not be opaque, the owners get all layers, once the opaque surfaces are composited, and blend them. That is done
-//! in rounds, so that memory is bounded.
+//! If pixels have several samples, or not all is opaque, fragments are sent instead of pixels, and their owners make pixels from
+//! them. What is not opaque may have any number of fragments: then that is done in rounds, so that memory is bounded.
 
 use tercio_raster::context::FrameContext;
-use tercio_raster::frame::layers::layer_bytes;
-use tercio_raster::{Frame, FrameStats, Outputs, Part, Settings, TileSet, resolve_into};
+use tercio_raster::frame::fragments::fragment_bytes;
+use tercio_raster::{Frame, FrameStats, Outputs, Part, Settings, TileSet};
 use tercio_scene::Instance;
 
-use super::{Rank, Task, clusters_of, rounds, share};
+use super::{Rank, Task, clear_others, clusters_of, rounds, share};
 use crate::comm::Communicator;
 use crate::composite::collect::collect;
 use crate::composite::direct_send::compose;
-use crate::composite::layers;
+use crate::composite::fragments::exchange;
 use crate::regions::Regions;
 use crate::{ParallelError, RankReport};
 
@@ -38,7 +36,7 @@ pub(super) fn draw(
         return Ok(());
     }
     if task.settings.sampling.pattern.count() > 1 || is_translucent(task) {
-        return draw_samples(own, comm, task, regions, (part, sees), frame, report);
+        return draw_fragments(own, comm, task, regions, (part, sees), frame, report);
     }
     own.draw_part(task, (part, TileSet::ALL), frame, report)?;
     let planes = Outputs { keys: true, ..task.settings.outputs };
@@ -52,7 +50,7 @@ fn is_translucent(task: &Task) -> bool {
 }
 
 /// The same for pixels of several samples, or with layers.
-fn draw_samples(
+fn draw_fragments(
     own: &mut Rank,
     comm: &mut impl Communicator,
     task: &Task,
@@ -61,77 +59,56 @@ fn draw_samples(
     frame: &mut Frame,
     report: &mut RankReport,
 ) -> Result<(), ParallelError> {
-    let Settings { width, height, .. } = *task.settings;
-    let wanted = task.settings.outputs;
-    let has_color = wanted.color || wanted.color16 || wanted.linear;
-    let planes = Outputs { keys: true, linear: has_color, color: false, color16: false, ..wanted };
-    let settings = Settings { unresolved: true, outputs: planes, ..task.settings.clone() };
-    let columns_per_pixel = settings.elements_per_pixel();
-    // Packets number the samples of a picture with 32 bits.
-    let samples = u64::from(width) * u64::from(height) * u64::from(columns_per_pixel);
-    if samples > 1 << 32 {
-        return Err(ParallelError::Samples { width, height, samples: columns_per_pixel });
+    let Task { scene, camera, settings, .. } = *task;
+    if frame.planes.keys.is_empty() {
+        frame.planes.keys = std::mem::take(&mut own.keys);
     }
-    let regions = Regions { columns_per_pixel, ..*regions };
-    let samples_task = Task { settings: &settings, ..*task };
-    let mut samples = std::mem::take(&mut own.samples);
-    if is_translucent(task) {
-        draw_rounds(own, comm, &samples_task, &regions, (part, sees), &mut samples, report)?;
-    } else {
-        own.draw_part(&samples_task, (part, TileSet::ALL), &mut samples, report)?;
-        compose(comm, &regions, &planes, sees, &mut samples, report)?;
-    }
-    collect(comm, &regions, &planes, &mut samples, report)?;
-    if comm.rank() == 0 {
-        report.stages.collect.time(|| resolve_into(&samples, task.scene, task.settings, frame));
-        frame.stats = samples.stats.clone();
-    }
-    own.samples = samples;
-    Ok(())
-}
-
-/// Draws and composites samples and layers, round by round.
-fn draw_rounds(
-    own: &mut Rank,
-    comm: &mut impl Communicator,
-    task: &Task,
-    regions: &Regions,
-    (part, sees): (Part, impl Fn(usize) -> bool),
-    samples: &mut Frame,
-    report: &mut RankReport,
-) -> Result<(), ParallelError> {
-    let Rank { pool, renderer, sorted, .. } = own;
+    let Rank { pool, renderer, sorted, fragments, .. } = own;
+    let threads = pool.current_num_threads();
     // Tiles are the regions, as in `Rank::draw_part`.
-    let tile_size = Some(task.settings.tile_edge());
-    let settings = Settings { clusters: part, separate_layers: true, tile_size, ..task.settings.clone() };
-    let context = FrameContext::new(task.scene, task.camera, &settings, pool.current_num_threads())?;
-    samples.resize(&settings);
-    report.clusters = part.range(clusters_of(task.scene)).len() as u64;
+    let tile_size = Some(settings.tile_edge());
+    let drawing = Settings { clusters: part, keep_fragments: true, tile_size, ..settings.clone() };
+    let outputs = Outputs { keys: true, ..settings.outputs };
+    let merging = Settings { outputs, tile_size, ..settings.clone() };
+    let context = FrameContext::new(scene, camera, &drawing, threads)?;
+    let merged = FrameContext::new(scene, camera, &merging, threads)?;
+    let owns = comm.rank() < regions.owners();
+    if owns {
+        frame.resize(&merging);
+    }
+    fragments.resize(&drawing);
+    report.clusters = part.range(clusters_of(scene)).len() as u64;
     let mut stage = report.stages.draw;
     pool.install(|| stage.time(|| renderer.sort(&context, sorted)));
-    let of_pixel = layer_bytes(&settings.outputs, settings.sampling.pattern.count()) as u64;
-    let layers = sorted.layer_pixels(&context).into_iter().map(|pixels| pixels.saturating_mul(of_pixel));
-    // All of them may be of one rank.
-    let most = settings.layer_memory as u64;
-    let takes_part = |rank: usize| sees(rank) || rank < regions.owners();
-    let rounds = rounds::agree(comm, layers.collect(), most, takes_part, &mut report.stages.wait)?;
+    let mut rounds = vec![0..regions.count()];
+    if is_translucent(task) {
+        let of_pixel = fragment_bytes(&settings.outputs, settings.sampling.pattern.count()) as u64;
+        let layers = sorted.layer_pixels(&context).into_iter().map(|pixels| pixels.saturating_mul(of_pixel));
+        // All of them may be of one rank.
+        let most = settings.layer_memory as u64;
+        let takes_part = |rank: usize| sees(rank) || rank < regions.owners();
+        rounds = rounds::agree(comm, layers.collect(), most, takes_part, &mut report.stages.wait)?;
+    }
     let mut stats: Option<FrameStats> = None;
     for round in rounds {
         let tiles = TileSet::from_fn(context.grid.count(), |tile| round.contains(&tile.into()));
-        pool.install(|| stage.time(|| renderer.draw(&context, sorted, &tiles, samples)));
+        pool.install(|| stage.time(|| renderer.draw(&context, sorted, &tiles, fragments)));
         stats = Some(match stats {
-            None => samples.stats.clone(),
+            None => fragments.stats.clone(),
             Some(mut sum) => {
-                sum.backend = sum.backend.plus(samples.stats.backend);
+                sum.backend = sum.backend.plus(fragments.stats.backend);
                 sum
             }
         });
         let regions = Regions { numbers: [round.start, round.end], ..*regions };
-        compose(comm, &regions, &settings.outputs, &sees, samples, report)?;
-        layers::blend(comm, &regions, &sees, (pool, &context), samples, report)?;
+        let drawn = std::mem::take(&mut fragments.fragments);
+        exchange(comm, &regions, &sees, &drawn, (pool, renderer, &merged), frame, report)?;
     }
     report.stages.draw = stage;
     report.frame = stats.unwrap_or_default();
-    samples.stats = report.frame.clone();
-    Ok(())
+    frame.stats = report.frame.clone();
+    if comm.rank() == 0 {
+        clear_others(comm, regions, task, frame, report);
+    }
+    collect(comm, regions, &settings.outputs, frame, report)
 }

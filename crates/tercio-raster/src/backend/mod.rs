@@ -25,7 +25,7 @@ use fearless_simd::Simd;
 
 use crate::binning::Bins;
 use crate::context::FrameContext;
-use crate::frame::{Canvas, Outputs, Planes};
+use crate::frame::{Canvas, FragmentError, FragmentsOfTile, Outputs, Planes};
 use crate::settings::{LastStage, Part};
 use cluster::ClusterPass;
 use memory::TileMemory;
@@ -94,6 +94,22 @@ pub fn draw_tile<S: Simd, T: Tally>(simd: S, task: TileTask) -> T {
     }
 }
 
+/// Writes a tile from the fragments of several ranks to the picture.
+///
+/// # Errors
+/// [`FragmentError`]; nothing is written then.
+#[inline(always)]
+pub fn merge_tile<S: Simd>(
+    simd: S,
+    context: &FrameContext,
+    tile: &FragmentsOfTile,
+    scratch: &mut Scratch,
+    canvas: &Canvas,
+) -> Result<(), FragmentError> {
+    let Scratch { pixels, multisample, .. } = scratch;
+    multisample::merge(simd, context, tile, multisample, canvas, pixels)
+}
+
 /// Prefetch distance, in clusters.
 const PREFETCH_DISTANCE: usize = 2;
 
@@ -134,10 +150,6 @@ pub fn run<S: Simd, T: Tally>(
         multisample::draw(simd, context, bins, tile, part, shade, order, multisample, outputs, &mut tally);
         if context.is_translucent() {
             multisample::draw_layers(simd, context, bins, tile, order, multisample, outputs, &mut tally);
-            let kept = multisample.take_kept_layers();
-            if !kept.is_empty() {
-                canvas.keep_layers(tile, kept);
-            }
         }
         multisample::finish(simd, context, multisample, target, pixels, outputs, &mut tally);
         return tally;

@@ -1,10 +1,10 @@
 //! The finished picture.
 
-pub mod layers;
+pub mod fragments;
 mod planes;
 mod shared;
 
-pub use layers::TileLayers;
+pub use fragments::{FragmentError, FragmentsOfTile, TileFragments};
 pub use planes::{Canvas, CanvasTile, Outputs, Pixel, Planes};
 
 use crate::stats::FrameStats;
@@ -29,9 +29,9 @@ pub struct Frame {
     pub height: u32,
     /// Its planes, row by row, the upper left pixel first; those that were not requested are empty.
     pub planes: Planes,
-    /// The layers of its tiles, in the order of the tiles, if the settings keep them apart
-    /// ([`Settings::separate_layers`](crate::Settings::separate_layers)); those of tiles without layers are left out.
-    pub layers: Vec<TileLayers>,
+    /// The fragments of its tiles, in the order of the tiles, if they are kept instead of planes
+    /// ([`Settings::keep_fragments`](crate::Settings::keep_fragments)); tiles without fragments are left out.
+    pub fragments: Vec<TileFragments>,
     /// Counts and times.
     pub stats: FrameStats,
 }

@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use tercio_scene::{Background, srgb_to_linear};
 
 use super::shared::SharedPlane;
-use super::{Frame, NO_PRIMITIVE, TileLayers};
+use super::{Frame, NO_PRIMITIVE, TileFragments};
 use crate::screen::{PixelRect, TileGrid};
 
 macro_rules! planes {
@@ -283,13 +283,14 @@ pub struct Canvas<'a> {
     background: Vec<Pixel>,
     /// Which tiles have been claimed: each may be written once.
     claimed: Vec<AtomicBool>,
-    /// The layers that are kept, in any order of the tiles.
-    layers: Mutex<Vec<TileLayers>>,
+    /// The fragments that are kept, in any order of the tiles.
+    fragments: Mutex<Vec<TileFragments>>,
 }
 
 /// A tile of a [`Canvas`] that its owner may write, exclusively.
 pub struct CanvasTile<'a> {
     canvas: &'a Canvas<'a>,
+    tile: u32,
     /// The elements of the planes.
     rect: PixelRect,
 }
@@ -320,20 +321,15 @@ impl<'a> Canvas<'a> {
                 .map(|y| Pixel::of_row(&BackgroundRow::new(background, y, height, needs_linear)))
                 .collect(),
             claimed: (0..grid.count()).map(|_| AtomicBool::new(false)).collect(),
-            layers: Mutex::default(),
+            fragments: Mutex::default(),
         }
     }
 
-    /// Keeps the layers of a tile.
-    pub fn keep_layers(&self, tile: u32, bytes: Vec<u8>) {
-        self.layers.lock().unwrap_or_else(|e| e.into_inner()).push(TileLayers { tile, bytes });
-    }
-
-    /// The layers that were kept, in the order of the tiles.
-    pub fn into_layers(self) -> Vec<TileLayers> {
-        let mut layers = self.layers.into_inner().unwrap_or_else(|e| e.into_inner());
-        layers.sort_unstable_by_key(|of_tile| of_tile.tile);
-        layers
+    /// The fragments that were kept, in the order of the tiles.
+    pub fn into_fragments(self) -> Vec<TileFragments> {
+        let mut fragments = self.fragments.into_inner().unwrap_or_else(|e| e.into_inner());
+        fragments.sort_unstable_by_key(|of_tile| of_tile.tile);
+        fragments
     }
 
     /// The planes of the canvas.
@@ -353,6 +349,7 @@ impl<'a> Canvas<'a> {
         let (count, first_row) = (self.count as i32, self.first_row as i32);
         CanvasTile {
             canvas: self,
+            tile,
             rect: PixelRect {
                 x0: rect.x0 * count,
                 x1: (rect.x1 + 1) * count - 1,
@@ -378,6 +375,14 @@ impl CanvasTile<'_> {
     pub fn write_background(self) {
         // SAFETY: as in `write`.
         unsafe { self.canvas.planes.fill(self.background(), self.rect) };
+    }
+
+    /// Keeps the fragments of the tile, instead of its pixels.
+    pub fn keep(self, bytes: Vec<u8>) {
+        if !bytes.is_empty() {
+            let mut fragments = self.canvas.fragments.lock().unwrap_or_else(|e| e.into_inner());
+            fragments.push(TileFragments { tile: self.tile, bytes });
+        }
     }
 
     /// Copies the pixels to the picture.

@@ -6,6 +6,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x4, f32x8, f32x16, mask32x4, mask32x8, mask32x16};
 
 use super::layers::Layers;
+use super::load::Origin;
 use super::memory::SampleMemory;
 use crate::context::FrameContext;
 use crate::simd::part;
@@ -199,7 +200,7 @@ pub fn is_unfinished(memory: &SampleMemory) -> bool {
 /// Blends all layers of a slice of depth, which are shaded, behind those that were blended before.
 #[inline(always)]
 pub fn slice<S: Simd>(simd: S, context: &FrameContext, memory: &mut SampleMemory, order: &mut Order) {
-    let SampleMemory { layers, blended, rect, count_bits, stride_bits, .. } = memory;
+    let SampleMemory { layers, blended, rect, count_bits, stride_bits, origins, .. } = memory;
     for row in 0..(rect.y1 - rect.y0 + 1) as usize {
         for pixel in row << *stride_bits..(row << *stride_bits) + (rect.x1 - rect.x0 + 1) as usize {
             order.of_pixel.clear();
@@ -219,7 +220,7 @@ pub fn slice<S: Simd>(simd: S, context: &FrameContext, memory: &mut SampleMemory
                     _ => blend_16(simd, layers, &order.of_pixel, pixel, blended),
                 };
             if !is_blended {
-                samples(context, layers, pixel, order, blended);
+                samples((context, origins), layers, pixel, order, blended);
             }
         }
     }
@@ -246,11 +247,21 @@ fn sort(layers: &mut [(f32, u32)]) {
 
 /// Blends the layers of a pixel sample by sample, each in its own order.
 #[inline(never)]
-fn samples(context: &FrameContext, layers: &Layers, pixel: usize, order: &mut Order, blended: &mut Blended) {
+fn samples(
+    (context, origins): (&FrameContext, &[Origin]),
+    layers: &Layers,
+    pixel: usize,
+    order: &mut Order,
+    blended: &mut Blended,
+) {
     let in_front = |a: &(f32, u32), b: &(f32, u32)| {
         b.0.total_cmp(&a.0).then_with(|| {
             let [new, old] = [a, b].map(|layer| &layers.list.fragments[layer.1 as usize]);
-            new.wins_tie(context, old).cmp(&old.wins_tie(context, new)).reverse()
+            let primitive = |slot: u32| origins.get(slot as usize).map(|origin| origin.primitive);
+            match (primitive(new.slot), primitive(old.slot)) {
+                (Some(new), Some(old)) => new.cmp(&old),
+                _ => new.wins_tie(context, old).cmp(&old.wins_tie(context, new)).reverse(),
+            }
         })
     };
     let Order { of_pixel, at_sample } = order;

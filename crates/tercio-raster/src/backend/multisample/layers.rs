@@ -6,7 +6,7 @@
 
 use super::fragments::{Fragment, FragmentList, NO_FRAGMENT};
 use crate::context::FrameContext;
-use crate::frame::layers::{LayerHead, write_layer};
+use crate::frame::fragments::{FragmentHead, write_fragment};
 use crate::frame::{Outputs, visibility_key};
 use crate::simd::LANES;
 
@@ -287,17 +287,16 @@ impl Layers {
             .map(move |sample| (sample, self.depth(number, sample)))
     }
 
-    /// Appends all layers, which are shaded, as bytes ([`crate::frame::layers`]). Precondition: the tile memory has no pixels
-    /// but those of the tile.
+    /// Appends all layers, which are shaded, as bytes ([`crate::frame::fragments`]).
     pub fn write_bytes(&self, context: &FrameContext, outputs: &Outputs, out: &mut Vec<u8>) {
         for number in 0..self.list.count {
             let Fragment { slot, pixel: place, .. } = self.list.fragments[number];
             let (primitive, mask) = (context.primitive(slot) as u32, self.mask(number));
-            let head = LayerHead { primitive, place, mask, color: self.list.colors[number] };
+            let head = FragmentHead { primitive, place, mask, color: self.list.colors[number] };
             if mask != 0 {
                 let normal = self.list.normals.get(number).copied().unwrap_or_default();
                 let depths = self.samples(number).map(|(_, depth)| depth);
-                write_layer(outputs, &head, normal, || context.face(slot), depths, out);
+                write_fragment(outputs, &head, normal, || context.face(slot), depths, out);
             }
         }
     }

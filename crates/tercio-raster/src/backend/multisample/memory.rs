@@ -6,6 +6,7 @@ use fearless_simd::{Simd, f32x16, i32x16, u32x16};
 use super::blend::Blended;
 use super::fragments::{FragmentList, NO_FRAGMENT};
 use super::layers::Layers;
+use super::load::Origin;
 use crate::context::FrameContext;
 use crate::sampling::SampleShading;
 use crate::screen::PixelRect;
@@ -27,6 +28,8 @@ pub struct SampleMemory {
     pub layers: Layers,
     /// What the layers amount to, if the frame may have any.
     pub blended: Blended,
+    /// Where the fragments come from, if these are of several ranks: then their slots are indices into this.
+    pub origins: Vec<Origin>,
     /// The pixels in memory.
     pub rect: PixelRect,
     /// The pixels of the tile that are inside the picture.
@@ -81,6 +84,7 @@ impl SampleMemory {
             self.layers.clear(context, rows << self.stride_bits, depths_each);
         }
         self.blended.clear(0, self.count_bits, false);
+        self.origins.clear();
     }
 
     /// The place of a pixel of the picture.

@@ -10,6 +10,7 @@
 mod blend;
 mod fragments;
 mod layers;
+mod load;
 pub mod memory;
 mod nearest;
 mod resolve;
@@ -31,7 +32,7 @@ use crate::backend::corners::Fragments;
 use crate::backend::tally::Tally;
 use crate::binning::{BinnedCluster, Bins};
 use crate::context::FrameContext;
-use crate::frame::{CanvasTile, Outputs, Planes};
+use crate::frame::{Canvas, CanvasTile, FragmentError, FragmentsOfTile, Outputs, Planes};
 use crate::projection::LocalVertices;
 use crate::screen::{PixelRect, ScreenTriangle};
 use crate::settings::{LastStage, Part};
@@ -54,15 +55,8 @@ pub struct Scratch {
     table: ClusterTable,
     fragments: Fragments,
     blend_order: blend::Order,
-    /// The layers of the tile as bytes, if the frame keeps them apart.
+    /// The layers of the tile as bytes, if the frame keeps fragments.
     kept: Vec<u8>,
-}
-
-impl Scratch {
-    /// The layers of the last tile as bytes, if the frame keeps them apart.
-    pub fn take_kept_layers(&mut self) -> Vec<u8> {
-        std::mem::take(&mut self.kept)
-    }
 }
 
 /// Draws a part of a tile's entries. Not inlined, so that it is compiled only once per SIMD level.
@@ -105,8 +99,8 @@ pub fn draw_layers<S: Simd, T: Tally>(
     outputs: &Outputs,
     tally: &mut T,
 ) {
-    let keeps_apart = context.settings.separate_layers;
-    if !keeps_apart {
+    let keeps = context.settings.keep_fragments;
+    if !keeps {
         let SampleMemory { blended, rect, stride_bits, count_bits, .. } = &mut scratch.memory;
         let pixels = ((rect.y1 - rect.y0 + 1) as usize) << *stride_bits;
         blended.clear(pixels, *count_bits, resolve::has_geometry(outputs));
@@ -123,7 +117,7 @@ pub fn draw_layers<S: Simd, T: Tally>(
             }
             shade::late_layers(simd, context, scratch, outputs, tally.counts());
             let Scratch { memory, blend_order, kept, .. } = &mut *scratch;
-            let is_unfinished = if keeps_apart {
+            let is_unfinished = if keeps {
                 memory.layers.write_bytes(context, outputs, kept);
                 true
             } else {
@@ -314,6 +308,54 @@ pub fn finish<S: Simd, T: Tally>(
         return;
     }
     shade::late_fragments(simd, context, scratch, outputs, tally.counts());
+    if context.settings.keep_fragments {
+        scratch.memory.write_bytes(context, outputs, &mut scratch.kept);
+        target.keep(std::mem::take(&mut scratch.kept));
+        return;
+    }
+    write(simd, context, scratch, target, pixels, outputs);
+}
+
+/// Writes a tile from the fragments of several ranks to the picture.
+///
+/// # Errors
+/// [`FragmentError`]; nothing is written then.
+pub fn merge<S: Simd>(
+    simd: S,
+    context: &FrameContext,
+    tile: &FragmentsOfTile,
+    scratch: &mut Scratch,
+    canvas: &Canvas,
+    pixels: &mut Planes,
+) -> Result<(), FragmentError> {
+    let outputs = canvas.outputs();
+    let Scratch { memory, blend_order, .. } = &mut *scratch;
+    if tile.parts.is_empty() {
+        canvas.claim(tile.tile).write_background();
+        return Ok(());
+    }
+    memory.load(context, tile)?;
+    if context.is_translucent() {
+        let pixels = ((memory.rect.y1 - memory.rect.y0 + 1) as usize) << memory.stride_bits;
+        memory.blended.clear(pixels, memory.count_bits, resolve::has_geometry(outputs));
+        simd.vectorize(
+            #[inline(always)]
+            || blend::slice(simd, context, memory, blend_order),
+        );
+    }
+    write(simd, context, scratch, canvas.claim(tile.tile), pixels, outputs);
+    Ok(())
+}
+
+/// Writes a tile, whose fragments are shaded and blended, to the picture.
+fn write<S: Simd>(
+    simd: S,
+    context: &FrameContext,
+    scratch: &Scratch,
+    target: CanvasTile,
+    pixels: &mut Planes,
+    outputs: &Outputs,
+) {
     let stride = (1 << context.grid.shift) * context.settings.elements_per_pixel() as usize;
     target.clear(pixels, stride);
     let background = target.background();

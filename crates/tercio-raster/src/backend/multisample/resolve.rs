@@ -218,6 +218,7 @@ impl Tile<'_> {
             let fragments = &self.memory.fragment[first..first + (count << self.memory.count_bits)];
             let colors = &self.memory.list.colors[..];
             match self.memory.count_bits {
+                0 => row.average::<S, 1>(simd, fragments, colors, background),
                 1 => row.average::<S, 2>(simd, fragments, colors, background),
                 2 => row.average::<S, 4>(simd, fragments, colors, background),
                 3 => row.average::<S, 8>(simd, fragments, colors, background),
@@ -355,7 +356,7 @@ impl Tile<'_> {
     fn write_nearest(&self, nearest: &Nearest, index: usize, pixels: &mut Planes) {
         let outputs = self.outputs;
         if outputs.ids {
-            pixels.ids[index] = self.context.face(nearest.slot);
+            pixels.ids[index] = self.face(nearest.slot);
         }
         if outputs.normals {
             pixels.normals[index] = nearest.normal;
@@ -400,8 +401,14 @@ impl Tile<'_> {
         self.nearest(sample).map_or(0, |nearest| self.key_of(&nearest))
     }
 
+    /// Number of the face of the triangle in a slot.
+    fn face(&self, slot: u32) -> u32 {
+        let origin = self.memory.origins.get(slot as usize);
+        origin.map_or_else(|| self.context.face(slot), |origin| origin.face)
+    }
+
     fn key_of(&self, nearest: &Nearest) -> u64 {
-        visibility_key(nearest.depth, self.context.primitive(nearest.slot) as u32)
+        visibility_key(nearest.depth, self.memory.primitive(self.context, nearest.slot))
     }
 
     /// A sample that was drawn, as a pixel.
@@ -410,7 +417,7 @@ impl Tile<'_> {
         let mut pixel = Pixel {
             keys: self.key(sample),
             depth: self.context.view.distance(nearest.depth),
-            ids: self.context.face(nearest.slot),
+            ids: self.face(nearest.slot),
             normals: nearest.normal,
             ..*background
         };

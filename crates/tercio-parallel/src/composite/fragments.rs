@@ -1,49 +1,50 @@
-//! Layers of what is not opaque, sent to the owners of their regions, who blend them.
+//! Fragments, sent to the owners of their tiles, who make pixels from them.
 //!
-//! A message holds tiles: the number of a tile (4 bytes), the number of bytes of its layers (8 bytes), and these bytes, which
-//! are those of [`tercio_raster::frame::layers`]. All numbers are little-endian.
+//! A message holds tiles: the number of a tile (4 bytes), the number of bytes of its fragments (8 bytes), and these bytes,
+//! which are those of [`tercio_raster::frame::fragments`]. All numbers are little-endian. Tiles without fragments are left out.
 
 use bytemuck::pod_read_unaligned;
 use rayon::ThreadPool;
-use tercio_raster::frame::TileLayers;
-use tercio_raster::{Frame, blend_layers};
-use tercio_raster::{LayersOfTile, context::FrameContext};
+use tercio_raster::context::FrameContext;
+use tercio_raster::frame::{FragmentsOfTile, TileFragments};
+use tercio_raster::{Frame, Renderer};
 
 use super::packet::PacketError;
 use crate::comm::Communicator;
 use crate::regions::Regions;
 use crate::{ParallelError, RankReport};
 
-/// Bytes before the layers of a tile.
+/// Bytes before the fragments of a tile.
 const TILE_HEAD: usize = 12;
 
-/// Sends the frame's layers in some regions to their owners, and blends those of all ranks over the samples of the rank's own
-/// regions, which are composited already. The threads of the pool blend.
+/// Sends the fragments that this rank has drawn in some regions to their owners, and makes the pixels of its own regions from
+/// those of all ranks.
 ///
-/// `sees(rank)` returns whether a rank drew anything at all: the others send nothing and are not waited for.
+/// `sees(rank)` returns whether a rank drew anything at all: the others send nothing and are not waited for. All ranks have to
+/// agree on it. The threads of the pool merge.
 ///
 /// # Errors
-/// [`ParallelError::Comm`], [`ParallelError::Packet`], [`ParallelError::Layers`].
-pub fn blend(
+/// [`ParallelError::Comm`], [`ParallelError::Packet`], [`ParallelError::Fragments`].
+pub fn exchange(
     comm: &mut impl Communicator,
     regions: &Regions,
     sees: impl Fn(usize) -> bool,
-    (pool, context): (&ThreadPool, &FrameContext),
+    drawn: &[TileFragments],
+    (pool, renderer, context): (&ThreadPool, &mut Renderer, &FrameContext),
     frame: &mut Frame,
     report: &mut RankReport,
 ) -> Result<(), ParallelError> {
     let (rank, size) = (comm.rank(), comm.size());
-    let layers = std::mem::take(&mut frame.layers);
     let stages = &mut report.stages;
     let others = |step: usize| (rank + step) % size;
     if sees(rank) {
         for to in (1..size).map(others).filter(|&to| to < regions.owners()) {
             let mut message = comm.buffer(to);
             stages.compose.time(|| {
-                let of_owner = layers.iter().filter(|of| regions.owner(of.tile.into()) == to);
+                let of_owner = drawn.iter().filter(|of| regions.owner(of.tile.into()) == to);
                 of_owner.for_each(|of_tile| pack(of_tile, &mut message));
             });
-            report.pixels.layer_bytes += message.len() as u64;
+            report.pixels.fragment_bytes += message.len() as u64;
             comm.send(to, message)?;
         }
     }
@@ -54,28 +55,27 @@ pub fn blend(
     for from in (1..size).map(|step| others(size - step)).filter(|&from| sees(from)) {
         messages.push((from, stages.wait.time(|| comm.receive(from))?));
     }
-    let own = layers.iter().map(|of| (of.tile, &of.bytes[..]));
+    let own = drawn.iter().map(|of| (of.tile, &of.bytes[..]));
     let mut parts: Vec<_> =
         own.filter(|of| regions.owner(of.0.into()) == rank).map(|of| (rank, of)).collect();
     for &(from, ref message) in &messages {
         let tiles = unpack(message).map_err(|source| ParallelError::Packet { from, source })?;
         parts.extend(tiles.into_iter().map(|of| (from, of)));
     }
-    let tile = |tile: u64| LayersOfTile { tile: tile as u32, parts: Vec::new() };
-    let mut tiles: Vec<LayersOfTile> = regions.numbers_of(rank).map(tile).collect();
+    let tile = |tile: u64| FragmentsOfTile { tile: tile as u32, parts: Vec::new() };
+    let mut tiles: Vec<FragmentsOfTile> = regions.numbers_of(rank).map(tile).collect();
     for (from, (tile, bytes)) in parts {
         let place = tiles.binary_search_by_key(&tile, |of| of.tile);
         let place = place.map_err(|_| ParallelError::Packet { from, source: PacketError::Tile { tile } })?;
         tiles[place].parts.push(bytes);
     }
-    tiles.retain(|of_tile| !of_tile.parts.is_empty());
-    let blended = pool.install(|| stages.compose.time(|| blend_layers(context, &tiles, frame)));
+    pool.install(|| stages.compose.time(|| renderer.merge(context, &tiles, frame)))?;
     messages.into_iter().for_each(|(from, message)| comm.give_back(from, message));
-    blended.map_err(ParallelError::Layers)
+    Ok(())
 }
 
-/// Appends the layers of a tile to a message.
-fn pack(of_tile: &TileLayers, out: &mut Vec<u8>) {
+/// Appends the fragments of a tile to a message.
+fn pack(of_tile: &TileFragments, out: &mut Vec<u8>) {
     out.reserve(TILE_HEAD + of_tile.bytes.len());
     out.extend(of_tile.tile.to_ne_bytes());
     out.extend((of_tile.bytes.len() as u64).to_ne_bytes());
@@ -106,7 +106,7 @@ mod tests {
         let tiles = [(3, vec![1, 2, 3]), (5, Vec::new()), (u32::MAX, vec![0; 100])];
         let mut message = Vec::new();
         for (tile, bytes) in &tiles {
-            pack(&TileLayers { tile: *tile, bytes: bytes.clone() }, &mut message);
+            pack(&TileFragments { tile: *tile, bytes: bytes.clone() }, &mut message);
         }
         let found = unpack(&message).unwrap();
         assert_eq!(found, tiles.each_ref().map(|(tile, bytes)| (*tile, &bytes[..])));

@@ -1,0 +1,189 @@
+//! Fragments as bytes: those of a tile memory, and a tile memory from those of several ranks.
+
+use super::fragments::{Fragment, NO_FRAGMENT};
+use super::memory::SampleMemory;
+use crate::context::FrameContext;
+use crate::frame::fragments::{FragmentError, FragmentHead, FragmentsOfTile, TileFragment, write_fragment};
+use crate::frame::{Outputs, visibility_key};
+use crate::sampling::MAX_SAMPLES;
+use crate::simd::LANES;
+
+/// The triangle of a fragment that another rank has drawn.
+#[derive(Clone, Copy, Debug)]
+pub struct Origin {
+    /// Number of its primitive.
+    pub primitive: u32,
+    /// Number of its face, if that is requested.
+    pub face: u32,
+}
+
+impl SampleMemory {
+    /// Number of the primitive in a slot.
+    pub fn primitive(&self, context: &FrameContext, slot: u32) -> u32 {
+        let origin = self.origins.get(slot as usize);
+        origin.map_or_else(|| context.primitive(slot) as u32, |origin| origin.primitive)
+    }
+
+    /// Appends the opaque fragments that are visible, which are shaded, as bytes ([`crate::frame::fragments`]).
+    pub fn write_bytes(&self, context: &FrameContext, outputs: &Outputs, out: &mut Vec<u8>) {
+        let count = 1 << self.count_bits;
+        for row in 0..(self.rect.y1 - self.rect.y0 + 1) as usize {
+            let first = row << self.stride_bits;
+            let pixels = first..first + (self.rect.x1 - self.rect.x0 + 1) as usize;
+            for some in pixels.clone().step_by(LANES) {
+                let some = some..(some + LANES).min(pixels.end);
+                let samples = some.start << self.count_bits..some.end << self.count_bits;
+                // Most of a picture that a rank has drawn alone is empty.
+                if self.fragment[samples].iter().fold(NO_FRAGMENT, |all, f| all & f) == NO_FRAGMENT {
+                    continue;
+                }
+                for pixel in some {
+                    let own = pixel << self.count_bits..(pixel << self.count_bits) + count;
+                    self.write_pixel(
+                        context,
+                        outputs,
+                        pixel,
+                        &self.fragment[own.clone()],
+                        &self.depth[own],
+                        out,
+                    );
+                }
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn write_pixel(
+        &self,
+        context: &FrameContext,
+        outputs: &Outputs,
+        pixel: usize,
+        fragments: &[u32],
+        depths: &[f32],
+        out: &mut Vec<u8>,
+    ) {
+        let mut done = 0u32;
+        for (sample, &number) in fragments.iter().enumerate() {
+            if number == NO_FRAGMENT || done >> sample & 1 == 1 {
+                continue;
+            }
+            let mask: u32 = (0..fragments.len()).map(|s| u32::from(fragments[s] == number) << s).sum();
+            done |= mask;
+            let slot = self.list.fragments[number as usize].slot;
+            // Without colours nothing is shaded.
+            let color = self.list.colors.get(number as usize).copied().unwrap_or([0.0, 0.0, 0.0, 1.0]);
+            debug_assert_eq!(color[3], 1.0, "the alpha of what is opaque");
+            let (primitive, place) = (self.primitive(context, slot), pixel as u16);
+            let head = FragmentHead { primitive, place, mask: mask as u16, color };
+            let normal = self.list.normals.get(number as usize).copied().unwrap_or_default();
+            let depths = (0..depths.len()).filter(|s| mask >> s & 1 == 1).map(|s| depths[s]);
+            write_fragment(outputs, &head, normal, || context.face(slot), depths, out);
+        }
+    }
+
+    /// Sets the memory to what all fragments of a tile amount to, except that layers are not blended yet.
+    ///
+    /// # Errors
+    /// [`FragmentError`].
+    pub fn load(&mut self, context: &FrameContext, of: &FragmentsOfTile) -> Result<(), FragmentError> {
+        let (tile, tiles) = (of.tile, context.grid.count());
+        if tile as usize >= tiles {
+            return Err(FragmentError::Tile { tile, tiles });
+        }
+        self.clear(context, tile);
+        let outputs = &context.settings.outputs;
+        let mut layers = Vec::new();
+        for &bytes in &of.parts {
+            let mut rest = bytes;
+            while !rest.is_empty() {
+                let at = bytes.len() - rest.len();
+                let read = TileFragment::read(outputs, rest);
+                let (fragment, behind) = read.ok_or(FragmentError::Short { tile, at })?;
+                rest = behind;
+                let FragmentHead { place, mask, color, .. } = fragment.head;
+                if !self.has_samples(place, mask) {
+                    return Err(FragmentError::Place { tile, at, place, mask });
+                }
+                if color[3] == 1.0 { self.add(&fragment) } else { layers.push(fragment) }
+            }
+        }
+        for layer in layers {
+            self.add_layer(context, &layer);
+        }
+        let list = &mut self.layers.list;
+        list.late = list.count;
+        Ok(())
+    }
+
+    /// Does a pixel in memory have these samples?
+    fn has_samples(&self, place: u16, mask: u16) -> bool {
+        let (row, column) =
+            (i32::from(place) >> self.stride_bits, i32::from(place) & ((1 << self.stride_bits) - 1));
+        let is_inside = row <= self.rect.y1 - self.rect.y0 && column <= self.rect.x1 - self.rect.x0;
+        is_inside && mask != 0 && u32::from(mask) >> (1 << self.count_bits) == 0
+    }
+
+    /// Adds an opaque fragment.
+    fn add(&mut self, fragment: &TileFragment) {
+        let FragmentHead { primitive, place, mask, color } = fragment.head;
+        let number = self.list.count as u32;
+        let mut is_visible = false;
+        for sample in (0..MAX_SAMPLES).filter(|sample| mask >> sample & 1 == 1) {
+            let index = (usize::from(place) << self.count_bits) + sample;
+            let (new, before, old) = (fragment.depth(sample), self.depth[index], self.fragment[index]);
+            let is_first = || old == NO_FRAGMENT || primitive < self.origin_of(old).primitive;
+            if new > before || new == before && is_first() {
+                (self.depth[index], self.fragment[index]) = (new, number);
+                is_visible = true;
+            }
+        }
+        if !is_visible {
+            return;
+        }
+        let slot = self.origins.len() as u32;
+        self.origins.push(Origin { primitive, face: fragment.face });
+        let list = &mut self.list;
+        if !list.has_room() {
+            list.grow();
+        }
+        list.push(Fragment::new(slot, usize::from(place), u32::from(mask)));
+        list.colors.resize(list.fragments.len().max(list.colors.len()), [0.0; 4]);
+        list.normals.resize(list.fragments.len().max(list.normals.len()), [0.0; 3]);
+        (list.colors[number as usize], list.normals[number as usize]) = (color, fragment.normal);
+    }
+
+    /// Where an opaque fragment comes from.
+    fn origin_of(&self, number: u32) -> Origin {
+        self.origins[self.list.fragments[number as usize].slot as usize]
+    }
+
+    /// Adds a fragment that is not opaque, at the samples where nothing opaque is in front of it.
+    fn add_layer(&mut self, context: &FrameContext, fragment: &TileFragment) {
+        let FragmentHead { primitive, place, mask, color } = fragment.head;
+        let mut depths = [0.0; MAX_SAMPLES];
+        let mut visible = 0;
+        for sample in (0..MAX_SAMPLES).filter(|sample| mask >> sample & 1 == 1) {
+            let index = (usize::from(place) << self.count_bits) + sample;
+            let (depth, opaque) = (fragment.depth(sample), self.fragment[index]);
+            // A fragment of one sample has one depth, whichever sample it is.
+            depths[if self.is_by_sample { 0 } else { sample }] = depth;
+            let behind = match opaque {
+                NO_FRAGMENT => 0,
+                opaque => visibility_key(self.depth[index], self.origin_of(opaque).primitive),
+            };
+            visible |= u32::from(visibility_key(depth, primitive) > behind) << sample;
+        }
+        if visible == 0 {
+            return;
+        }
+        let slot = self.origins.len() as u32;
+        self.origins.push(Origin { primitive, face: fragment.face });
+        let number = self.layers.list.count;
+        let new = Fragment::new(slot, usize::from(place), u32::from(mask));
+        self.layers.push(context, new, visible, &depths);
+        let list = &mut self.layers.list;
+        list.colors.resize(list.fragments.len().max(list.colors.len()), [0.0; 4]);
+        list.normals.resize(list.fragments.len().max(list.normals.len()), [0.0; 3]);
+        (list.colors[number], list.normals[number]) = (color, fragment.normal);
+    }
+}
