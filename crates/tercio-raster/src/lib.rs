@@ -60,7 +60,7 @@ pub use backend::encode::color8_lanes;
 pub use error::RenderError;
 pub use frame::{Frame, Outputs};
 pub use renderer::Renderer;
-pub use resolve::{color8, color16, resolve_into};
+pub use resolve::{color8, color16};
 pub use sampling::{Filter, SamplePattern, SampleShading, Sampling};
 pub use screen::TileSet;
 pub use settings::{Binning, Cull, LastStage, Part, Settings, Shading, SimdLevel, Sorting, TextureFilter};

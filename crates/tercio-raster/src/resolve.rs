@@ -1,11 +1,7 @@
-//! From samples to pixels: averages colours in linear light, and selects the nearest sample for everything else.
-
-use tercio_scene::Scene;
+//! From samples to pixels: means of colours in linear light, and their encoding.
 
 use crate::color::{encode8, encode16};
-use crate::frame::{Frame, Outputs, Pixel};
-use crate::sampling::{FilterWeights, MAX_SAMPLES, Tap};
-use crate::settings::Settings;
+use crate::frame::{Outputs, Pixel};
 
 /// The mean of 1, 2, 4, 8 or 16 colours: sums of neighbours, then sums of these. The mean of equal colours is that
 /// colour, also if their sum would overflow.
@@ -67,95 +63,5 @@ pub fn set_colors(pixel: &mut Pixel, linear: [f32; 4], outputs: &Outputs) {
     }
     if outputs.color16 {
         pixel.color16 = color16(linear);
-    }
-}
-
-/// Resolves a frame of samples ([`Settings::unresolved`]) into the picture that the settings request. The frame has keys;
-/// linear colours if the settings request any colour; and depth, ids and normals as the settings request them.
-///
-/// # Panics
-/// If the frame does not have the size of these settings or one of these planes, or the settings request samples or a band.
-pub fn resolve_into(samples: &Frame, scene: &Scene, settings: &Settings, frame: &mut Frame) {
-    let weights = FilterWeights::new(&settings.sampling);
-    let count = settings.sampling.pattern.count();
-    assert!(!settings.unresolved && settings.band.is_none(), "the settings of a whole picture");
-    assert_eq!([samples.width, samples.height], [settings.width * count as u32, settings.height]);
-    let Outputs { color, color16, linear, depth, ids, normals, .. } = settings.outputs;
-    let planes = &samples.planes;
-    let all = samples.width as usize * samples.height as usize;
-    let has = |wanted: bool, length: usize| !wanted || length == all;
-    let is_complete = has(true, planes.keys.len())
-        && has(color || color16 || linear, planes.linear.len())
-        && has(depth, planes.depth.len())
-        && has(ids, planes.ids.len())
-        && has(normals, planes.normals.len());
-    assert!(is_complete, "the frame has the planes that the picture needs");
-    frame.resize(settings);
-    let outputs = &settings.outputs;
-    let size = [settings.width, settings.height].map(|n| n as i32);
-    let source = Source { samples, count, size };
-    for y in 0..size[1] {
-        let background = Pixel::of_background(&scene.background, y as u32, settings.height);
-        for x in 0..size[0] {
-            let pixel = source.pixel([x, y], &weights.taps, &background, outputs);
-            frame.planes.put(y as usize * size[0] as usize + x as usize, &pixel);
-        }
-    }
-}
-
-/// A frame of samples.
-struct Source<'a> {
-    samples: &'a Frame,
-    count: usize,
-    /// Pixels across and down.
-    size: [i32; 2],
-}
-
-impl Source<'_> {
-    /// The index of a sample; `None` if its pixel is outside the picture.
-    fn index(&self, [x, y]: [i32; 2], sample: usize) -> Option<usize> {
-        let inside = (0..self.size[0]).contains(&x) && (0..self.size[1]).contains(&y);
-        inside.then(|| (y as usize * self.size[0] as usize + x as usize) * self.count + sample)
-    }
-
-    fn pixel(&self, at: [i32; 2], taps: &[Tap], background: &Pixel, outputs: &Outputs) -> Pixel {
-        let planes = &self.samples.planes;
-        let first = (at[1] as usize * self.size[0] as usize + at[0] as usize) * self.count;
-        let own = first..first + self.count;
-        let tap_index = |tap: &Tap| self.index([at[0] + tap.pixel[0], at[1] + tap.pixel[1]], tap.sample);
-        let key = match taps {
-            [] => planes.keys[own.clone()].iter().copied().max(),
-            _ => taps.iter().filter_map(tap_index).map(|i| planes.keys[i]).max(),
-        };
-        let key = key.unwrap_or(0);
-        if key == 0 {
-            return *background;
-        }
-        let mut pixel = Pixel { keys: key, ..*background };
-        let needs_color = outputs.color || outputs.color16 || outputs.linear;
-        if needs_color {
-            let linear = match taps {
-                [] => {
-                    let mut colors = [[0.0; 4]; MAX_SAMPLES];
-                    let colors = &mut colors[..self.count];
-                    colors.copy_from_slice(&planes.linear[own.clone()]);
-                    mean(colors)
-                }
-                _ => {
-                    let inside = taps.iter().filter_map(|tap| Some((tap_index(tap)?, tap.weight)));
-                    weighted_mean(inside.map(|(i, weight)| (planes.linear[i], weight)))
-                }
-            };
-            set_colors(&mut pixel, linear, outputs);
-        }
-        // The first of the nearest samples.
-        let nearest = own.rev().max_by_key(|&i| planes.keys[i]).filter(|&i| planes.keys[i] > 0);
-        if let Some(nearest) = nearest {
-            let value = |plane: &[f32]| plane.get(nearest).copied();
-            pixel.depth = value(&planes.depth).unwrap_or(pixel.depth);
-            pixel.ids = planes.ids.get(nearest).copied().unwrap_or(pixel.ids);
-            pixel.normals = planes.normals.get(nearest).copied().unwrap_or(pixel.normals);
-        }
-        pixel
     }
 }

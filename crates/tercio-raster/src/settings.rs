@@ -180,9 +180,8 @@ pub struct Settings {
     /// picture, which requires that [`Settings::tile_size`] is given. For pictures that are larger than memory: bands
     /// below each other are the picture.
     pub band: Option<Range<u32>>,
-    /// Keeps the samples: the frame then has as many columns for each pixel as the pixel has samples. For pictures that
-    /// are composed from those of several ranks; [`resolve_into`](crate::resolve_into) makes the picture, and says which
-    /// planes it needs.
+    /// Keeps the samples: the frame then has as many columns for each pixel as the pixel has samples. For programs that
+    /// filter them themselves, and for tests.
     pub unresolved: bool,
     /// Keeps the fragments of the tiles ([`Frame::fragments`](crate::Frame::fragments)), and has no planes. For pictures
     /// that are made from the fragments of several ranks, by [`Renderer::merge`](crate::Renderer::merge).

@@ -7,7 +7,7 @@ use glam::DVec3;
 use tercio_mesh::{Mesh, OctNormal};
 use tercio_raster::{
     Cull, Filter, Frame, LastStage, Outputs, Renderer, SamplePattern, SampleShading, Sampling, Settings,
-    Shading, SimdLevel, Sorting, resolve_into,
+    Shading, SimdLevel, Sorting,
 };
 use tercio_scene::{Background, Camera, Projection};
 
@@ -168,7 +168,7 @@ fn translucent_backgrounds_and_culling() {
     }
 }
 
-/// A frame of samples is that of the reference, and its resolved picture is that of the renderer.
+/// A frame of samples is that of the reference.
 #[test]
 fn frames_of_samples() {
     let mesh = soup(3_000, 8);
@@ -180,9 +180,6 @@ fn frames_of_samples() {
         let samples = draw(&plain, &camera, &unresolved);
         assert_eq!(samples.width, 61 * sampling.pattern.count() as u32);
         assert_same(&draw_reference(&mesh, &plain, &camera, &unresolved), &samples, &format!("{sampling:?}"));
-        let mut resolved = Frame::default();
-        resolve_into(&samples, &plain, &settings, &mut resolved);
-        assert_same(&draw(&plain, &camera, &settings), &resolved, &format!("{sampling:?}, resolved"));
     }
 }
 

@@ -10,6 +10,7 @@ use rayon::ThreadPool;
 use serde_json::{Value, json};
 use tercio::parallel::organisation::{Rank, Task};
 use tercio::parallel::{Communicator as _, FrameReport, Organisation, Ranks, between_processes, in_process};
+use tercio::raster::frame::fragments::fragment_bytes;
 use tercio::raster::{Frame, FrameStats, Outputs, Renderer, Settings};
 use tercio::scene::{Background, Camera, Scene};
 use tercio::{LoadOptions, LoadReport, TextureReport, band_bytes, write_png_in_bands};
@@ -376,7 +377,7 @@ impl Render {
     }
 
     /// Bytes of the pictures of this process; with their keys if there are ranks. Ranks that composite samples keep
-    /// these, too.
+    /// fragments, too: how many is known only when they are drawn, but a full picture has one in each pixel.
     fn frame_bytes(&self, plan: &Plan, drawers: Drawers) -> u64 {
         if self.is_in_bands(plan, drawers) {
             return band_bytes(&self.drawing.settings(&self.tuning, &self.sampling, plan.outputs));
@@ -384,15 +385,16 @@ impl Render {
         let (frames, keys) = drawers.frames();
         let bytes = frame_bytes(Outputs { keys, ..plan.outputs }, self.drawing.size);
         let count = self.sampling.sampling().pattern.count();
-        let mut samples = 0;
+        let mut fragments = 0;
         if count > 1 && drawers.composites() {
-            let planes = Outputs { keys: true, linear: true, color: false, color16: false, ..plan.outputs };
-            samples = frame_bytes(planes, self.drawing.size).saturating_mul(count as u64);
+            let (width, height) = self.drawing.size;
+            let pixels = u64::from(width) * u64::from(height);
+            fragments = pixels.saturating_mul(fragment_bytes(&plan.outputs, count) as u64);
         }
         let further =
             frame_bytes(plan.outputs, self.drawing.size).saturating_mul(self.stereo.further_frames());
         let effects = self.effects.bytes(self.drawing.size);
-        let bytes = bytes.saturating_add(samples).saturating_mul(frames as u64);
+        let bytes = bytes.saturating_mul(frames as u64).saturating_add(fragments);
         bytes.saturating_add(further).saturating_add(effects)
     }
 

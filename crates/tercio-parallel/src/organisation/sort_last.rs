@@ -6,6 +6,9 @@
 //! If pixels have several samples, or not all is opaque, fragments are sent instead of pixels, and their owners make pixels from
 //! them. What is not opaque may have any number of fragments: then that is done in rounds, so that memory is bounded.
 
+use std::iter;
+use std::ops::Range;
+
 use tercio_raster::context::FrameContext;
 use tercio_raster::frame::fragments::fragment_bytes;
 use tercio_raster::{Frame, FrameStats, Outputs, Part, Settings, TileSet};
@@ -80,7 +83,7 @@ fn draw_fragments(
     report.clusters = part.range(clusters_of(scene)).len() as u64;
     let mut stage = report.stages.draw;
     pool.install(|| stage.time(|| renderer.sort(&context, sorted)));
-    let mut rounds = vec![0..regions.count()];
+    let mut rounds: Vec<Range<u64>> = iter::once(0..regions.count()).collect();
     if is_translucent(task) {
         let of_pixel = fragment_bytes(&settings.outputs, settings.sampling.pattern.count()) as u64;
         let layers = sorted.layer_pixels(&context).into_iter().map(|pixels| pixels.saturating_mul(of_pixel));
