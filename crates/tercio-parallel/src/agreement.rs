@@ -52,7 +52,7 @@ impl fmt::Display for Matter {
             Self::Organisation => "another organisation or number of ranks",
             Self::Size => "a picture of another size",
             Self::Models => "another model",
-            Self::Scene => "a scene with other places, colours, materials, textures, lights or background",
+            Self::Scene => "a scene with other places, colours, materials, textures, light or background",
             Self::Camera => "another camera",
             Self::Settings => "other settings",
         })

@@ -8,7 +8,7 @@ use tercio_raster::Frame;
 
 use crate::agreement::agree;
 use crate::comm::Communicator;
-use crate::organisation::{Rank, Task};
+use crate::organisation::{Rank, Task, region_edge};
 use crate::report::FrameReport;
 use crate::{ParallelError, RankReport};
 
@@ -50,7 +50,8 @@ pub fn draw_frame(
     };
     let milliseconds = since_own + earlier as f64 * 1e-6;
     let ranks = all.into_iter().map(|told| told.report).collect();
-    let report = FrameReport::new(task.organisation, task.settings, milliseconds, ranks);
+    let region = region_edge(task.scene, task.settings);
+    let report = FrameReport::new(task.organisation, region, task.settings, milliseconds, ranks);
     frame.stats = report.stats();
     Ok(Some(report))
 }

@@ -29,7 +29,7 @@ pub enum ParallelError {
     #[error(transparent)]
     Comm(#[from] CommError),
     /// A message does not hold valid pixels.
-    #[error("pixels from rank {from}: {source}")]
+    #[error("a message from rank {from}: {source}")]
     Packet {
         /// The sender.
         from: usize,

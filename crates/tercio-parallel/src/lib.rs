@@ -4,7 +4,7 @@
 //! |---|---|
 //! | [`comm`] | communication between ranks: the [`Communicator`] and its backend in one process |
 //! | [`regions`] | who owns which part of the picture |
-//! | [`composite`] | transfer of pixels: [packed](composite::packet), [composed](composite::direct_send), [collected](composite::collect) |
+//! | [`composite`] | transfer of pixels: [packed](composite::packet), [composed](composite::direct_send), [collected](composite::collect); of several samples or layers, as [fragments](composite::fragments) |
 //! | [`organisation`] | who draws what, and where work is redistributed: sort-first and sort-last |
 //! | [`report`] | counts and times of every rank |
 //! | [`in_process`] | all ranks in one process, a thread each |

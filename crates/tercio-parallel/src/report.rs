@@ -115,14 +115,15 @@ pub struct FrameReport {
 }
 
 impl FrameReport {
-    /// The report of the frame from those of the ranks.
+    /// The report of the frame, with regions of this edge, from those of the ranks.
     pub fn new(
         organisation: Organisation,
+        region: u32,
         settings: &Settings,
         milliseconds: f64,
         ranks: Vec<RankReport>,
     ) -> Self {
-        let (region, samples) = (settings.tile_edge(), settings.sampling.pattern.count() as u64);
+        let samples = settings.sampling.pattern.count() as u64;
         let messages = ranks.iter().map(|r| r.traffic.sent_messages).sum();
         let bytes = ranks.iter().map(|r| r.traffic.sent_bytes).sum();
         Self { organisation, region, milliseconds, messages, bytes, ranks, samples }

@@ -80,7 +80,7 @@ fn shown(frame: &Frame) -> u64 {
     frame.planes.keys.iter().filter(|&&key| key != 0).count() as u64
 }
 
-/// Ranks send samples, or pixels that were made from them.
+/// Ranks send fragments, or pixels that were made from them.
 #[test]
 fn pixels_of_several_samples() {
     let scene = with_second_instance(scene("builtin:soup@2k", 128));
@@ -223,13 +223,18 @@ fn more_ranks_than_clusters_or_regions() {
     let few = scene("builtin:teapot@100", 128);
     let clusters = few.instances[0].mesh.clusters().len();
     assert!(clusters < 9, "{clusters}");
+    let mut clear = few.clone();
+    clear.instances[0].surface.opacity = 0.5;
     let camera = camera(&few, 2.6, false);
     for organisation in BOTH {
         for (width, height) in [(1, 1), (9, 3), (64, 48), (33, 100)] {
             for count in [2, 5, 9] {
-                let settings = Settings { outputs: EVERYTHING, ..Settings::one_sample(width, height) };
                 let ranks = Ranks { count, threads: 1, organisation };
-                check(&few, &camera, &settings, ranks, "few clusters");
+                for settings in [Settings::one_sample(width, height), Settings::new(width, height)] {
+                    let settings = Settings { outputs: EVERYTHING, ..settings };
+                    check(&few, &camera, &settings, ranks, "few clusters");
+                    check(&clear, &camera, &settings, ranks, "few clusters that are not opaque");
+                }
             }
         }
     }
@@ -254,14 +259,23 @@ fn an_empty_scene() {
 fn frames_do_not_affect_later_frames() {
     let scene = with_second_instance(scene("builtin:teapot@6k", 128));
     let cameras: Vec<_> = [2.6, 5.0, 0.4, 30.0].map(|radii| camera(&scene, radii, false)).to_vec();
-    let settings = Settings { tile_size: Some(8), ..Settings::one_sample(90, 70) };
-    for organisation in BOTH {
-        let ranks = Ranks { count: 4, threads: 1, organisation };
-        let reports = tercio_parallel::draw_frames(ranks, &scene, &cameras, &settings, |number, frame| {
-            let expected = Renderer::new().render(&scene, &cameras[number], &settings).expect("a picture");
-            assert_same(&expected, frame, &format!("{organisation:?}, frame {number}"));
-        });
-        assert_eq!(reports.expect("pictures").len(), cameras.len());
+    let mut clear = scene.clone();
+    clear.instances[1].surface.opacity = 0.5;
+    let only_ids = Outputs { ids: true, ..Outputs::NONE };
+    for (organisation, scene) in BOTH.into_iter().flat_map(|o| [(o, &scene), (o, &clear)]) {
+        for settings in [
+            Settings::one_sample(90, 70),
+            Settings::new(90, 70),
+            Settings { outputs: only_ids, layer_memory: 1, ..Settings::new(90, 70) },
+        ] {
+            let settings = Settings { tile_size: Some(8), ..settings };
+            let ranks = Ranks { count: 4, threads: 1, organisation };
+            let reports = tercio_parallel::draw_frames(ranks, scene, &cameras, &settings, |number, frame| {
+                let expected = Renderer::new().render(scene, &cameras[number], &settings).expect("a picture");
+                assert_same(&expected, frame, &format!("{organisation:?}, frame {number}"));
+            });
+            assert_eq!(reports.expect("pictures").len(), cameras.len());
+        }
     }
 }
 
@@ -319,7 +333,7 @@ proptest! {
         (count, threads, last) in (1usize..10, 1usize..4, any::<bool>()),
         (radii, orthographic) in (0.05f64..4.0, any::<bool>()),
         (tile, cull, shading, sorting) in (0usize..6, 0usize..4, 0usize..4, any::<bool>()),
-        (planes, samples) in (0u32..128, 0usize..8),
+        (planes, samples, tent, by_sample) in (0u32..128, 0usize..8, any::<bool>(), any::<bool>()),
         (opacity, little_memory) in (prop_oneof![Just(1.0f32), 0.0f32..1.0], any::<bool>()),
     ) {
         let model = ["builtin:sphere@500", "builtin:teapot@2k", "builtin:soup@300", "builtin:terrain@1k"][model];
@@ -341,7 +355,11 @@ proptest! {
                 keys: wants(5),
                 linear: wants(6),
             },
-            sampling: Sampling::of(SamplePattern::ALL[samples.saturating_sub(1)]),
+            sampling: Sampling {
+                filter: if tent { Filter::Tent } else { Filter::Box },
+                shading: if by_sample { SampleShading::Sample } else { SampleShading::Pixel },
+                ..Sampling::of(SamplePattern::ALL[samples.saturating_sub(1)])
+            },
             layer_memory: if little_memory { 1 } else { 128 << 20 },
             ..Settings::new(width, height)
         };

@@ -162,7 +162,7 @@ impl Renderer {
     /// The settings of this context are those of the ranks, except that they do not keep fragments, and may request keys.
     ///
     /// # Errors
-    /// [`FragmentError`] if bytes are not fragments of their tile; other tiles are written.
+    /// [`FragmentError`] if bytes are not fragments of their tile; some of the other tiles are then not written.
     ///
     /// # Panics
     /// If the frame does not have the size and the planes of the settings ([`Frame::resize`]), or a tile is given twice.

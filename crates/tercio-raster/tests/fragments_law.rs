@@ -5,6 +5,7 @@ mod common;
 use common::{assert_same, draw, everything, perspective, scene, soup, with_second_instance};
 use proptest::prelude::*;
 use tercio_raster::context::FrameContext;
+use tercio_raster::frame::fragments::{FragmentHead, write_fragment};
 use tercio_raster::frame::{FragmentError, FragmentsOfTile, TileFragments};
 use tercio_raster::{
     Filter, Frame, Outputs, Part, Renderer, SamplePattern, SampleShading, Sampling, Settings, SimdLevel,
@@ -79,6 +80,32 @@ fn parts_are_merged_into_the_picture() {
     }
 }
 
+/// What an earlier frame has left in the memory of a renderer does not matter.
+#[test]
+fn a_renderer_that_draws_and_merges_can_be_reused() {
+    let plain = scene(&soup(2_000, 3));
+    let camera = perspective([0.1, 0.2, 2.3], [0.2, 0.0, -1.0], 60.0);
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread");
+    let mut renderer = Renderer::new();
+    for outputs in
+        [Outputs::ALL, Outputs { ids: true, ..Outputs::NONE }, Outputs { depth: true, ..Outputs::NONE }]
+    {
+        for _ in 0..3 {
+            let settings = Settings { outputs, tile_size: Some(32), ..everything(70, 60) };
+            let keeping = Settings { keep_fragments: true, ..settings.clone() };
+            let context = FrameContext::new(&plain, &camera, &settings, 1).expect("a frame");
+            let mut frame = Frame::default();
+            pool.install(|| {
+                let drawn = renderer.render(&plain, &camera, &keeping).expect("fragments").fragments;
+                frame.resize(&settings);
+                renderer.merge(&context, &by_tile(&[drawn], context.grid.count()), &mut frame)
+            })
+            .expect("fragments of these tiles");
+            assert_same(&draw(&plain, &camera, &settings), &frame, &format!("{outputs:?}"));
+        }
+    }
+}
+
 #[test]
 fn fragments_are_the_same_at_every_simd_level() {
     let plain = scene(&soup(2_000, 2));
@@ -126,21 +153,52 @@ fn what_is_not_in_the_tile_is_an_error() {
     assert_eq!(error, Err(FragmentError::Tile { tile: 4, tiles: 4 }));
 }
 
+/// A fragment as bytes: its place, the mask of its samples, what decides on its alpha and depth.
+fn fragment(of: (u16, u16, u8, u32), sampling: &Sampling) -> Vec<u8> {
+    let (place, mask, kind, depth) = of;
+    let mask = mask & ((1u32 << sampling.pattern.count()) - 1) as u16;
+    let alpha = [1.0, 0.5, 0.0, f32::NAN, -3.0, f32::INFINITY][usize::from(kind) % 6];
+    // With a filter that is wider than a pixel, there is room for more pixels in a row.
+    let stride = if sampling.filter == Filter::Tent { 16 } else { 8 };
+    let place = place % 8 * stride + place / 8 % 8;
+    let head = FragmentHead { primitive: depth % 5, place, mask, color: [0.1, 0.2, 0.3, alpha] };
+    // Also what is no depth: NaN, infinity, negative numbers.
+    let depth = if kind < 128 { 0.5 + depth as f32 * 1e-10 } else { f32::from_bits(depth) };
+    let depths = (0..mask.count_ones()).map(|k| depth + k as f32 * 1e-3);
+    let mut bytes = Vec::new();
+    write_fragment(&Outputs::ALL, &head, [0.0, 0.0, 1.0], || 7, depths, &mut bytes);
+    bytes
+}
+
 proptest! {
     #[test]
     fn arbitrary_bytes_never_panic(bytes in prop::collection::vec(any::<u8>(), 0..300), samples in 0usize..6) {
         let plain = scene(&soup(10, 2));
         let camera = perspective([0.1, 0.2, 2.3], [0.2, 0.0, -1.0], 60.0);
-        let sampling = samplings()[samples];
-        let settings = Settings { tile_size: Some(8), sampling, ..everything(8, 8) };
-        // Most pixels do not exist.
-        let mut bytes = bytes;
-        for head in bytes.chunks_mut(30) {
-            if let Some(place) = head.get_mut(4..7) {
-                place.copy_from_slice(&[place[0] % 64, 0, place[2] % 4]);
-            }
-        }
+        let settings = Settings { tile_size: Some(8), sampling: samplings()[samples], ..everything(8, 8) };
         let parts = vec![vec![TileFragments { tile: 0, bytes }]];
         merge(&plain, &camera, &settings, &parts).ok();
+    }
+
+    #[test]
+    fn arbitrary_fragments_never_panic(
+        fragments in prop::collection::vec(any::<(u16, u16, u8, u32)>(), 0..40),
+        samples in 0usize..6,
+        opacity in prop_oneof![Just(1.0f32), Just(0.5)],
+    ) {
+        let mut plain = scene(&soup(10, 2));
+        plain.instances[0].surface.opacity = opacity;
+        let camera = perspective([0.1, 0.2, 2.3], [0.2, 0.0, -1.0], 60.0);
+        let sampling = samplings()[samples];
+        let settings = Settings { tile_size: Some(8), sampling, ..everything(8, 8) };
+        let fragments: Vec<_> = fragments.into_iter().filter(|of| of.1 & 1 == 1).collect();
+        let is_opaque = fragments.iter().all(|of| of.2 % 6 == 0);
+        let bytes = fragments.iter().flat_map(|&of| fragment(of, &sampling)).collect();
+        let merged = merge(&plain, &camera, &settings, &[vec![TileFragments { tile: 0, bytes }]]);
+        match merged {
+            Ok(_) => prop_assert!(is_opaque || opacity < 1.0),
+            Err(FragmentError::Translucent { tile: 0, .. }) => prop_assert!(!is_opaque && opacity == 1.0),
+            Err(error) => return Err(TestCaseError::fail(error.to_string())),
+        }
     }
 }

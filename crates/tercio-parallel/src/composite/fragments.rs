@@ -1,7 +1,7 @@
 //! Fragments, sent to the owners of their tiles, who make pixels from them.
 //!
 //! A message holds tiles: the number of a tile (4 bytes), the number of bytes of its fragments (8 bytes), and these bytes,
-//! which are those of [`tercio_raster::frame::fragments`]. All numbers are little-endian. Tiles without fragments are left out.
+//! which are those of [`tercio_raster::frame::fragments`]. Numbers have the byte order of the machine. Tiles without fragments are left out.
 
 use bytemuck::pod_read_unaligned;
 use rayon::ThreadPool;

@@ -3,7 +3,7 @@
 //! A packet is a sequence of spans, whose number follows from its length. A span is a maximal run of drawn pixels in
 //! a row of one region: the row-major index of the first pixel in the picture (4 bytes); the number of pixels (2
 //! bytes); then plane after plane their samples: keys, 8-bit colour, 16-bit colour, depth, linear colour, ids, normals,
-//! each if it is sent. All numbers are little-endian.
+//! each if it is sent. Numbers have the byte order of the machine.
 
 use bytemuck::pod_read_unaligned;
 use tercio_raster::{Frame, Outputs};
@@ -17,10 +17,10 @@ pub const SPAN_HEAD: usize = 6;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PacketError {
-    /// The bytes end inside a span.
-    #[error("byte {at}: the packet ends inside a span")]
+    /// The bytes end inside a span or tile.
+    #[error("byte {at}: the message ends inside a span or tile")]
     Short {
-        /// Offset of the span.
+        /// Its offset.
         at: usize,
     },
     /// A span has no pixel or leaves the picture.
@@ -34,7 +34,7 @@ pub enum PacketError {
         count: u16,
     },
     /// Fragments of a tile that the receiver does not own.
-    #[error("fragments of tile {tile}, which belongs to another rank")]
+    #[error("fragments of tile {tile}, which another rank owns, or which is of another round")]
     Tile {
         /// The tile.
         tile: u32,

@@ -11,7 +11,7 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 use serde::Serialize;
 use tercio_raster::binning::Sorted;
 use tercio_raster::{Frame, Outputs, Part, RenderError, Renderer, Settings, TileSet};
-use tercio_scene::{Camera, Scene};
+use tercio_scene::{Camera, Instance, Scene};
 
 use crate::comm::Communicator;
 use crate::composite::collect::clear;
@@ -118,11 +118,15 @@ impl Rank {
         let regions = Regions {
             width: task.settings.width,
             height: task.settings.height,
-            edge: task.settings.tile_edge(),
+            edge: region_edge(task.scene, task.settings),
             ranks: comm.size(),
             numbers: [0, u64::MAX],
         };
         match task.organisation {
+            // A filter that is wider than a pixel draws further pixels, which are counted by their keys.
+            _ if comm.size() == 1 && task.settings.sampling.halo() == 0 => {
+                self.draw_alone(task, frame, &mut report)?
+            }
             Organisation::SortFirst => sort_first::draw(self, comm, task, &regions, frame, &mut report)?,
             Organisation::SortLast => sort_last::draw(self, comm, task, &regions, frame, &mut report)?,
         }
@@ -133,11 +137,23 @@ impl Rank {
         Ok(report)
     }
 
+    /// Draws everything: the only rank needs no keys.
+    fn draw_alone(
+        &mut self,
+        task: &Task,
+        frame: &mut Frame,
+        report: &mut RankReport,
+    ) -> Result<(), ParallelError> {
+        self.draw_planes(task, (Part::WHOLE, TileSet::ALL), task.settings.outputs, frame, report)?;
+        report.pixels.visible = report.frame.backend.pixels_visible;
+        Ok(())
+    }
+
     /// Draws a part, with keys.
     fn draw_part(
         &mut self,
         task: &Task,
-        (clusters, tiles): (Part, TileSet),
+        part: (Part, TileSet),
         frame: &mut Frame,
         report: &mut RankReport,
     ) -> Result<(), ParallelError> {
@@ -145,8 +161,19 @@ impl Rank {
             frame.planes.keys = std::mem::take(&mut self.keys);
         }
         let outputs = Outputs { keys: true, ..task.settings.outputs };
+        self.draw_planes(task, part, outputs, frame, report)
+    }
+
+    fn draw_planes(
+        &mut self,
+        task: &Task,
+        (clusters, tiles): (Part, TileSet),
+        outputs: Outputs,
+        frame: &mut Frame,
+        report: &mut RankReport,
+    ) -> Result<(), ParallelError> {
         // Tiles are the regions: the same for every rank, however many threads it has.
-        let tile_size = Some(task.settings.tile_edge());
+        let tile_size = Some(region_edge(task.scene, task.settings));
         let settings = Settings { clusters, tiles, outputs, tile_size, ..task.settings.clone() };
         let Self { pool, renderer, .. } = self;
         report.clusters = clusters.range(clusters_of(task.scene)).len() as u64;
@@ -160,6 +187,18 @@ impl Rank {
         report.frame = frame.stats.clone();
         Ok(())
     }
+}
+
+/// May anything in the scene not be opaque?
+fn is_translucent(scene: &Scene) -> bool {
+    scene.instances.iter().any(Instance::is_translucent)
+}
+
+/// Pixels along the edge of the regions of a frame. Smaller ones for what is not opaque: memory has to hold all fragments of a
+/// region.
+pub(crate) fn region_edge(scene: &Scene, settings: &Settings) -> u32 {
+    let edge = settings.tile_edge();
+    if settings.tile_size.is_none() && is_translucent(scene) { edge.min(32) } else { edge }
 }
 
 /// Fills the regions of other ranks with the background: of these, only drawn pixels are sent.

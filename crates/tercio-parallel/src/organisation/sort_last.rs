@@ -4,23 +4,20 @@
 //! of the picture. Its pixels are sent to the owners of regions with their keys, and from there to rank 0.
 //!
 //! If pixels have several samples, or not all is opaque, fragments are sent instead of pixels, and their owners make pixels from
-//! them. What is not opaque may have any number of fragments: then that is done in rounds, so that memory is bounded.
+//! them. What is not opaque may have any number of fragments: then that is done in rounds of some tiles each.
 
-use std::iter;
-use std::ops::Range;
-
-use tercio_raster::context::FrameContext;
-use tercio_raster::frame::fragments::fragment_bytes;
-use tercio_raster::{Frame, FrameStats, Outputs, Part, Settings, TileSet};
-use tercio_scene::Instance;
-
-use super::{Rank, Task, clear_others, clusters_of, rounds, share};
+use super::rounds::Rounds;
+use super::{Rank, Task, clear_others, clusters_of, is_translucent, share};
 use crate::comm::Communicator;
 use crate::composite::collect::collect;
 use crate::composite::direct_send::compose;
 use crate::composite::fragments::exchange;
 use crate::regions::Regions;
 use crate::{ParallelError, RankReport};
+use tercio_raster::binning::Sorted;
+use tercio_raster::context::FrameContext;
+use tercio_raster::frame::fragments::fragment_bytes;
+use tercio_raster::{Frame, FrameStats, Outputs, Part, SampleShading, Settings, TileSet};
 
 /// A rank's part of a frame.
 pub(super) fn draw(
@@ -38,7 +35,7 @@ pub(super) fn draw(
     if !sees(comm.rank()) && comm.rank() >= regions.owners() {
         return Ok(());
     }
-    if task.settings.sampling.pattern.count() > 1 || is_translucent(task) {
+    if task.settings.sampling.pattern.count() > 1 || is_translucent(task.scene) {
         return draw_fragments(own, comm, task, regions, (part, sees), frame, report);
     }
     own.draw_part(task, (part, TileSet::ALL), frame, report)?;
@@ -47,9 +44,17 @@ pub(super) fn draw(
     collect(comm, regions, &task.settings.outputs, frame, report)
 }
 
-/// May anything in the scene not be opaque?
-fn is_translucent(task: &Task) -> bool {
-    task.scene.instances.iter().any(Instance::is_translucent)
+/// The rounds for what is not opaque.
+fn rounds_of(context: &FrameContext, sorted: &Sorted) -> Rounds {
+    let Settings { sampling, outputs, layer_memory, .. } = context.settings;
+    let count = sampling.pattern.count();
+    let of_pixel = match sampling.shading {
+        SampleShading::Sample => count * fragment_bytes(outputs, 1),
+        _ => fragment_bytes(outputs, count),
+    };
+    let bytes = |pixels: u64| pixels.saturating_mul(of_pixel as u64);
+    // All of a round may be of one rank, and the owner needs as much again.
+    Rounds::new(sorted.layer_pixels(context).into_iter().map(bytes).collect(), *layer_memory as u64 / 2)
 }
 
 /// The same for pixels of several samples, or with layers.
@@ -69,7 +74,7 @@ fn draw_fragments(
     let Rank { pool, renderer, sorted, fragments, .. } = own;
     let threads = pool.current_num_threads();
     // Tiles are the regions, as in `Rank::draw_part`.
-    let tile_size = Some(settings.tile_edge());
+    let tile_size = Some(regions.edge);
     let drawing = Settings { clusters: part, keep_fragments: true, tile_size, ..settings.clone() };
     let outputs = Outputs { keys: true, ..settings.outputs };
     let merging = Settings { outputs, tile_size, ..settings.clone() };
@@ -83,17 +88,11 @@ fn draw_fragments(
     report.clusters = part.range(clusters_of(scene)).len() as u64;
     let mut stage = report.stages.draw;
     pool.install(|| stage.time(|| renderer.sort(&context, sorted)));
-    let mut rounds: Vec<Range<u64>> = iter::once(0..regions.count()).collect();
-    if is_translucent(task) {
-        let of_pixel = fragment_bytes(&settings.outputs, settings.sampling.pattern.count()) as u64;
-        let layers = sorted.layer_pixels(&context).into_iter().map(|pixels| pixels.saturating_mul(of_pixel));
-        // All of them may be of one rank.
-        let most = settings.layer_memory as u64;
-        let takes_part = |rank: usize| sees(rank) || rank < regions.owners();
-        rounds = rounds::agree(comm, layers.collect(), most, takes_part, &mut report.stages.wait)?;
-    }
+    let mut rounds =
+        if is_translucent(task.scene) { rounds_of(&context, sorted) } else { Rounds::whole(regions.count()) };
+    let takes_part = |rank: usize| sees(rank) || rank < regions.owners();
     let mut stats: Option<FrameStats> = None;
-    for round in rounds {
+    while let Some(round) = rounds.next(comm, takes_part, &mut report.stages.wait)? {
         let tiles = TileSet::from_fn(context.grid.count(), |tile| round.contains(&tile.into()));
         pool.install(|| stage.time(|| renderer.draw(&context, sorted, &tiles, fragments)));
         stats = Some(match stats {
@@ -105,6 +104,7 @@ fn draw_fragments(
         });
         let regions = Regions { numbers: [round.start, round.end], ..*regions };
         let drawn = std::mem::take(&mut fragments.fragments);
+        rounds.found(&round, drawn.iter().map(|of_tile| of_tile.bytes.len() as u64).sum());
         exchange(comm, &regions, &sees, &drawn, (pool, renderer, &merged), frame, report)?;
     }
     report.stages.draw = stage;

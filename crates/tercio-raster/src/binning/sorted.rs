@@ -102,7 +102,7 @@ impl Sorted {
     }
 
     /// An estimate of how many pixels layers cover in each tile, each layer counted: the areas of the clusters and triangles
-    /// that may not be opaque.
+    /// that may not be opaque. Triangles of a cluster that lie behind each other count once.
     pub fn layer_pixels(&self, context: &FrameContext) -> Vec<u64> {
         let of_tile = |tile: u32| {
             let own = context.grid.rect(tile, context.size());

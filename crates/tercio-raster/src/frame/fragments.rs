@@ -80,6 +80,14 @@ pub enum FragmentError {
         /// Its samples.
         mask: u16,
     },
+    /// A fragment that is not opaque, in a scene in which everything is.
+    #[error("fragments of tile {tile}, byte {at}: not opaque, in a scene in which everything is")]
+    Translucent {
+        /// The tile.
+        tile: u32,
+        /// Offset of the fragment.
+        at: usize,
+    },
     /// The frame has no such tile.
     #[error("fragments of tile {tile}, but the frame has {tiles} tiles")]
     Tile {

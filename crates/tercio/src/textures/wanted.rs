@@ -189,7 +189,11 @@ impl Job {
         let mut textures = Vec::new();
         for ((content, gain, base, channel), uses) in kinds {
             let texture = if uses[0].adjusts() {
-                let source = if content == Content::Alpha { Some(TextureChannel::Alpha) } else { channel };
+                // The copy has the alpha as numbers.
+                let (source, content) = match content {
+                    Content::Alpha => (Some(TextureChannel::Alpha), Content::Numbers),
+                    _ => (channel, content),
+                };
                 made(&picture.adjusted(source, gain, base), content)
             } else if content == Content::OpaqueColors {
                 picture = picture.into_opaque();

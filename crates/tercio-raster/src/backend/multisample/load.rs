@@ -2,6 +2,7 @@
 
 use super::fragments::{Fragment, NO_FRAGMENT};
 use super::memory::SampleMemory;
+use super::shade::is_needed;
 use crate::context::FrameContext;
 use crate::frame::fragments::{FragmentError, FragmentHead, FragmentsOfTile, TileFragment, write_fragment};
 use crate::frame::{Outputs, visibility_key};
@@ -26,7 +27,7 @@ impl SampleMemory {
 
     /// Appends the opaque fragments that are visible, which are shaded, as bytes ([`crate::frame::fragments`]).
     pub fn write_bytes(&self, context: &FrameContext, outputs: &Outputs, out: &mut Vec<u8>) {
-        let count = 1 << self.count_bits;
+        let (count, is_shaded) = (1 << self.count_bits, is_needed(outputs));
         for row in 0..(self.rect.y1 - self.rect.y0 + 1) as usize {
             let first = row << self.stride_bits;
             let pixels = first..first + (self.rect.x1 - self.rect.x0 + 1) as usize;
@@ -41,7 +42,7 @@ impl SampleMemory {
                     let own = pixel << self.count_bits..(pixel << self.count_bits) + count;
                     self.write_pixel(
                         context,
-                        outputs,
+                        (outputs, is_shaded),
                         pixel,
                         &self.fragment[own.clone()],
                         &self.depth[own],
@@ -56,7 +57,7 @@ impl SampleMemory {
     fn write_pixel(
         &self,
         context: &FrameContext,
-        outputs: &Outputs,
+        (outputs, is_shaded): (&Outputs, bool),
         pixel: usize,
         fragments: &[u32],
         depths: &[f32],
@@ -70,12 +71,12 @@ impl SampleMemory {
             let mask: u32 = (0..fragments.len()).map(|s| u32::from(fragments[s] == number) << s).sum();
             done |= mask;
             let slot = self.list.fragments[number as usize].slot;
-            // Without colours nothing is shaded.
-            let color = self.list.colors.get(number as usize).copied().unwrap_or([0.0, 0.0, 0.0, 1.0]);
+            // What is not shaded has no colour: what is in the list is of an earlier tile.
+            let color = if is_shaded { self.list.colors[number as usize] } else { [0.0, 0.0, 0.0, 1.0] };
             debug_assert_eq!(color[3], 1.0, "the alpha of what is opaque");
             let (primitive, place) = (self.primitive(context, slot), pixel as u16);
             let head = FragmentHead { primitive, place, mask: mask as u16, color };
-            let normal = self.list.normals.get(number as usize).copied().unwrap_or_default();
+            let normal = if outputs.normals { self.list.normals[number as usize] } else { [0.0; 3] };
             let depths = (0..depths.len()).filter(|s| mask >> s & 1 == 1).map(|s| depths[s]);
             write_fragment(outputs, &head, normal, || context.face(slot), depths, out);
         }
@@ -92,23 +93,32 @@ impl SampleMemory {
         }
         self.clear(context, tile);
         let outputs = &context.settings.outputs;
+        let read = |part: usize, at: usize| {
+            let read = TileFragment::read(outputs, &of.parts[part][at..]);
+            read.ok_or(FragmentError::Short { tile, at })
+        };
+        // Layers follow, once it is known what is opaque: there may be many, so only their places are noted.
         let mut layers = Vec::new();
-        for &bytes in &of.parts {
-            let mut rest = bytes;
-            while !rest.is_empty() {
-                let at = bytes.len() - rest.len();
-                let read = TileFragment::read(outputs, rest);
-                let (fragment, behind) = read.ok_or(FragmentError::Short { tile, at })?;
-                rest = behind;
+        for (part, bytes) in of.parts.iter().enumerate() {
+            let mut at = 0;
+            while at < bytes.len() {
+                let (fragment, behind) = read(part, at)?;
                 let FragmentHead { place, mask, color, .. } = fragment.head;
                 if !self.has_samples(place, mask) {
                     return Err(FragmentError::Place { tile, at, place, mask });
                 }
-                if color[3] == 1.0 { self.add(&fragment) } else { layers.push(fragment) }
+                if color[3] == 1.0 {
+                    self.add(outputs, &fragment);
+                } else if context.is_translucent() {
+                    layers.push((part, at));
+                } else {
+                    return Err(FragmentError::Translucent { tile, at });
+                }
+                at = bytes.len() - behind.len();
             }
         }
-        for layer in layers {
-            self.add_layer(context, &layer);
+        for (part, at) in layers {
+            self.add_layer(context, &read(part, at)?.0);
         }
         let list = &mut self.layers.list;
         list.late = list.count;
@@ -124,7 +134,7 @@ impl SampleMemory {
     }
 
     /// Adds an opaque fragment.
-    fn add(&mut self, fragment: &TileFragment) {
+    fn add(&mut self, outputs: &Outputs, fragment: &TileFragment) {
         let FragmentHead { primitive, place, mask, color } = fragment.head;
         let number = self.list.count as u32;
         let mut is_visible = false;
@@ -148,8 +158,11 @@ impl SampleMemory {
         }
         list.push(Fragment::new(slot, usize::from(place), u32::from(mask)));
         list.colors.resize(list.fragments.len().max(list.colors.len()), [0.0; 4]);
-        list.normals.resize(list.fragments.len().max(list.normals.len()), [0.0; 3]);
-        (list.colors[number as usize], list.normals[number as usize]) = (color, fragment.normal);
+        list.colors[number as usize] = color;
+        if outputs.normals {
+            list.normals.resize(list.fragments.len().max(list.normals.len()), [0.0; 3]);
+            list.normals[number as usize] = fragment.normal;
+        }
     }
 
     /// Where an opaque fragment comes from.
@@ -183,7 +196,10 @@ impl SampleMemory {
         self.layers.push(context, new, visible, &depths);
         let list = &mut self.layers.list;
         list.colors.resize(list.fragments.len().max(list.colors.len()), [0.0; 4]);
-        list.normals.resize(list.fragments.len().max(list.normals.len()), [0.0; 3]);
-        (list.colors[number], list.normals[number]) = (color, fragment.normal);
+        list.colors[number] = color;
+        if context.settings.outputs.normals {
+            list.normals.resize(list.fragments.len().max(list.normals.len()), [0.0; 3]);
+            list.normals[number] = fragment.normal;
+        }
     }
 }

@@ -55,7 +55,7 @@ pub struct Scratch {
     table: ClusterTable,
     fragments: Fragments,
     blend_order: blend::Order,
-    /// The layers of the tile as bytes, if the frame keeps fragments.
+    /// The fragments of the tile as bytes, if the frame keeps them.
     kept: Vec<u8>,
 }
 

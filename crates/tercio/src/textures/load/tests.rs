@@ -228,6 +228,18 @@ fn numbers_and_channels_are_taken_as_stated() {
 }
 
 #[test]
+fn opacity_in_the_alpha_of_a_picture_is_scaled_as_stated() {
+    for (statement, expected) in [("map_d al.png", 200 * 257), ("map_d -mm 0 0.5 al.png", 25700)] {
+        let model =
+            Model::new(&format!("newmtl a\n{statement}\nnewmtl b\n")).with("al.png", &[[0, 0, 0, 200]]);
+        let (scene, report) = model.load(&TextureOptions::default());
+        assert_eq!(report.warnings.len(), 0, "{:?}", report.warnings);
+        let map = scene.materials[0].opacity_map.expect("a texture");
+        assert_eq!(scene.textures[map.texture as usize].levels()[0].texels[0][0], expected, "{statement}");
+    }
+}
+
+#[test]
 fn a_picture_has_a_limited_number_of_uses() {
     let library: String = (0..100).map(|i| format!("newmtl m{i}\nmap_Kd -mm 0 {i} a.png\n")).collect();
     let model = Model::new("").with("a.png", &[RED]);
