@@ -70,7 +70,7 @@ fn processes_that_would_draw_different_pictures_end_the_job() {
         (draws("builtin:teapot@1k", ""), "rank 2 would draw another model"),
         (draws("model.off", "--size 90x90"), "rank 2 would draw a picture of another size"),
         (draws("model.off", "--azimuth 10"), "rank 2 would draw another camera"),
-        (draws("model.off", "--color red"), "rank 2 would draw a scene with other"),
+        (draws("model.off", "--color #ff0000"), "rank 2 would draw a scene with other"),
     ] {
         let outcome = mpirun(&place, &[(2, &draws("model.off", "")), (1, &other)]);
         assert_eq!(outcome.code, Some(1), "{}", outcome.stderr);

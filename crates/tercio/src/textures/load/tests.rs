@@ -230,8 +230,8 @@ fn numbers_and_channels_are_taken_as_stated() {
 #[test]
 fn opacity_in_the_alpha_of_a_picture_is_scaled_as_stated() {
     for (statement, expected) in [("map_d al.png", 200 * 257), ("map_d -mm 0 0.5 al.png", 25700)] {
-        let model =
-            Model::new(&format!("newmtl a\n{statement}\nnewmtl b\n")).with("al.png", &[[0, 0, 0, 200]]);
+        let model = Model::new(&format!("newmtl a\n{statement}\nnewmtl b\n"))
+            .with("al.png", &[[0, 0, 0, 200], [0; 4]]);
         let (scene, report) = model.load(&TextureOptions::default());
         assert_eq!(report.warnings.len(), 0, "{:?}", report.warnings);
         let map = scene.materials[0].opacity_map.expect("a texture");
