@@ -15,11 +15,12 @@ mod signals;
 mod stdio;
 mod stereo;
 mod threads;
+mod tips;
 
 use std::process::ExitCode;
 
 use anstream::{AutoStream, ColorChoice};
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory as _, Parser, Subcommand};
 use tercio::image::{Destination, remove_partial_files};
 
 #[global_allocator]
@@ -55,7 +56,10 @@ fn main() -> ExitCode {
     ending::at_end(remove_partial_files);
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
-        Err(answer) => return print_answer(&answer),
+        Err(mut answer) => {
+            tips::add(&mut answer, &Cli::command(), std::env::args_os());
+            return print_answer(&answer);
+        }
     };
     signals::watch();
     memory::begin();

@@ -84,7 +84,9 @@ fn shadows_of_what_is_not_opaque_are_one_warning() {
     let warning = "warning: m.obj: what is not opaque casts the shadows of opaque surfaces\n";
     assert_eq!(draw("--shadows"), warning);
     assert_eq!(draw("--shadows --stereo side-by-side"), warning);
-    for silent in ["", "--shadows --opacity 0.5", "--shadows --no-mesh-colors"] {
+    let none = "warning: m.obj: surfaces with an opacity below 1 cast no shadows\n";
+    assert_eq!(draw("--shadows --opacity 0.5"), none);
+    for silent in ["", "--opacity 0.5", "--shadows --no-mesh-colors"] {
         assert_eq!(draw(silent), "", "{silent}");
     }
 }

@@ -63,10 +63,18 @@ fn wrong_usage_is_reported_before_any_work() {
         ("-o a.png --stats a.png", "a.png"),
         ("--output-depth a.npy --output-ids a.npy", "a.npy"),
         ("--output-depth a.npy --format png", "--output"),
+        ("-o a.png --ao 0.5", "stands after an equals sign: '--ao=0.5'"),
+        ("-o a.png --shadows 1024", "'--shadows=1024'"),
+        ("-o a.png --clip-cap #f00", "'--clip-cap=#f00'"),
     ];
     for (arguments, part) in cases {
         place.run(&format!("render missing.ply {arguments}")).failed(2, &[part]);
     }
+    place.run("render --edl 2 missing.ply -o a.png").failed(2, &["'--edl=2'"]);
+    // What is surplus, not what stands before it.
+    let surplus = place.run("render --ao missing.ply other.ply -o a.png");
+    surplus.failed(2, &["other.ply"]);
+    assert!(!surplus.stderr.contains("equals sign"), "{}", surplus.stderr);
     let levels = if cfg!(target_arch = "x86_64") { "neon" } else { "avx2" };
     place.run(&format!("render missing.ply -o a.png --simd {levels}")).failed(2, &["SIMD level"]);
     assert_eq!(place.names(), ["model.off"]);

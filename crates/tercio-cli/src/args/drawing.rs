@@ -230,12 +230,15 @@ impl DrawingArgs {
         self.shadows.map(|size| ShadowMaps::draw(scene, camera, settings, size).map(Arc::new)).transpose()
     }
 
-    /// Why shadows of a scene are too dark, if they are.
+    /// How shadows of a scene differ from those of what is drawn, if they do.
     pub fn shadow_warning(&self, scene: &Scene) -> Option<String> {
+        self.shadows?;
+        if scene.instances.iter().any(|i| i.surface.opacity < 1.0) {
+            return Some("surfaces with an opacity below 1 cast no shadows".into());
+        }
         let is_cut_out = scene.materials.iter().any(|m| matches!(m.alpha_mode, AlphaMode::Cutout(_)));
-        let is_too_dark = |i: &Instance| i.surface.opacity >= 1.0 && i.is_translucent();
-        let any = self.shadows.is_some() && !is_cut_out && scene.instances.iter().any(is_too_dark);
-        any.then(|| "what is not opaque casts the shadows of opaque surfaces".into())
+        let is_too_dark = !is_cut_out && scene.instances.iter().any(Instance::is_translucent);
+        is_too_dark.then(|| "what is not opaque casts the shadows of opaque surfaces".into())
     }
 
     /// Bytes of the shadow maps, at most.
