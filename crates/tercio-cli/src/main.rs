@@ -3,6 +3,7 @@
 mod args;
 mod commands;
 mod ending;
+mod look;
 mod memory;
 mod messages;
 mod mpi;

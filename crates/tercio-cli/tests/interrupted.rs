@@ -63,7 +63,16 @@ fn a_signal_removes_partial_files_and_ends_the_run() {
         let mut child = stuck(&place, shell(&place, &format!("ulimit -c 0; exec \"$0\" {STUCK}")));
         send(&child, signal);
         // Its output is read only after its end: otherwise it could go on and finish.
-        child.wait().unwrap();
+        let begin = Instant::now();
+        while child.try_wait().unwrap().is_none() {
+            if begin.elapsed() > Duration::from_secs(30) {
+                let _ = child.kill();
+                panic!(
+                    "{signal:?} did not end the run: was it ignored where the tests were started (nohup, &)?"
+                );
+            }
+            thread::sleep(Duration::from_millis(2));
+        }
         let ended = child.wait_with_output().unwrap();
         // A shell reports 128 plus the number.
         assert_eq!(ended.status.signal(), Some(signal.as_raw()), "{:?}", ended.status);

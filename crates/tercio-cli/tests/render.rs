@@ -150,6 +150,8 @@ fn stats_have_their_keys() {
             "anti_aliasing": { "samples": 4, "pattern": "4", "shading": "pixel", "filter": "box" },
         })
     );
+    assert_eq!(stats["look"]["shading"], "phong");
+    assert_eq!(stats["look"]["lights"][0]["kind"], "wide");
     if cfg!(target_os = "linux") {
         assert!(stats["peak_memory_bytes"].as_u64().unwrap() > 1 << 20);
     }
@@ -157,6 +159,46 @@ fn stats_have_their_keys() {
     place.run(&format!("render model.off -o a.png --stats s.json --simd scalar {SMALL}")).ok_silently();
     let stats: serde_json::Value = serde_json::from_slice(&place.read("s.json")).unwrap();
     assert_eq!(stats["simd"], "scalar");
+}
+
+#[test]
+fn statistics_tell_the_look() {
+    let place = Place::new();
+    let options = "--shading pbr --roughness 0.3 --opacity 0.25 --color #ffffff --no-mesh-colors --cull back \
+        --light spot:0,1,2:0,-1,0:20:#808080 --light dir:1,2,3 --shadows=64 --background #000,transparent \
+        --exposure -1 --tone filmic --ao=0.5 --edl --environment gradient --environment-strength 0.5";
+    let outcome = place.run(&format!("render model.off -o a.png --quiet --stats - {SMALL} {options}"));
+    let stats: serde_json::Value = serde_json::from_str(outcome.ok_silently().text()).unwrap();
+    let mut look = stats["look"].clone();
+    let lights = look["lights"].take();
+    let gray = lights[0]["color"][0].as_f64().unwrap();
+    assert!((gray - 0.2158605).abs() < 1e-6, "{gray}");
+    assert_eq!(
+        lights,
+        serde_json::json!([
+            {
+                "kind": "spot", "position": [0.0, 1.0, 2.0], "direction": [0.0, -1.0, 0.0], "space": "world",
+                "angle": 20.0, "color": [gray, gray, gray],
+            },
+            { "kind": "directional", "to_light": [1.0, 2.0, 3.0], "space": "world", "color": [1.0, 1.0, 1.0] },
+        ])
+    );
+    assert_eq!(
+        look,
+        serde_json::json!({
+            "color": [1.0, 1.0, 1.0], "mesh_colors": false, "opacity": 0.25, "specular": 0.2,
+            "roughness": 0.3, "metallic": 0.0, "shading": "pbr", "cull": "back", "shadows": 64, "lights": null,
+            "background": { "top": [0.0, 0.0, 0.0, 1.0], "bottom": [0.0, 0.0, 0.0, 0.0] },
+            "environment": {
+                "source": { "gradient": [[0.75, 0.95, 1.25], [1.0, 1.0, 1.0], [0.22, 0.20, 0.18]] },
+                "strength": 0.5, "rotation": 0.0,
+            },
+            "effects": {
+                "exposure": -1.0, "tone": "filmic", "ao": { "strength": 0.5, "radius": 0.1 },
+                "edl": { "strength": 1.0, "radius": null },
+            },
+        })
+    );
 }
 
 #[test]

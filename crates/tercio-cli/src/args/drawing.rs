@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use clap::{Args, ValueEnum};
+use serde_json::Value;
 use tercio::Normals;
 use tercio::raster::{
     Binning, Cull, Outputs, RenderError, Settings, Shading, ShadowMaps, SimdLevel, Sorting,
@@ -14,6 +15,7 @@ use super::environment::EnvironmentArgs;
 use super::light::{self, LightSpec};
 use super::sampling::SamplingArgs;
 use super::values;
+use crate::look;
 
 /// Where lighting is computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -186,6 +188,15 @@ impl DrawingArgs {
             outputs,
             ..tuning.settings(self.size)
         }
+    }
+
+    /// The look of a scene that was dressed, for reports; `shadows` is the size of shadow maps in texels.
+    pub fn look(&self, scene: &Scene, background: &Background) -> Value {
+        let mut look = look::scene_json(scene, background);
+        look["shading"] = look::name(&self.shading).into();
+        look["cull"] = look::name(&self.cull).into();
+        look["shadows"] = self.shadows.into();
+        look
     }
 
     /// Which triangles are culled by their facing.

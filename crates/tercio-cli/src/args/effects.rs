@@ -1,11 +1,13 @@
 //! Options of what happens to light after shading: exposure, tone mapping, and effects on the finished picture.
 
 use clap::{Args, ValueEnum};
+use serde_json::{Value, json};
 use tercio::effects::{AmbientOcclusion, EyeDome, add_background};
 use tercio::raster::{Frame, Outputs, RenderError, Settings, Tone, ToneCurve};
 use tercio::scene::{Background, Camera, Scene};
 
 use super::values;
+use crate::look;
 
 /// How bright light is compressed.
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -150,6 +152,16 @@ impl EffectArgs {
             add_background(&mut frame.planes, settings.width as usize, background);
         }
         Ok(())
+    }
+
+    /// What was requested, for reports; the radius of --ao is in radii of the model, that of --edl in pixels.
+    pub fn json(&self) -> Value {
+        json!({
+            "exposure": self.exposure.unwrap_or(0.0),
+            "tone": look::name(&self.tone),
+            "ao": self.occlusion().map(|ao| json!({ "strength": self.ao, "radius": ao.radius })),
+            "edl": self.eye_dome().map(|edl| json!({ "strength": self.edl, "radius": edl.radius })),
+        })
     }
 
     /// Whether any option is given.

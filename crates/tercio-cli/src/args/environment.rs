@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use anyhow::{Context, Result};
 use clap::Args;
+use serde_json::{Value, json};
 use tercio::glam::DMat3;
 use tercio::mesh::trig::sin_cos;
 use tercio::panorama_from_file;
@@ -12,6 +13,7 @@ use tercio::scene::camera::CameraBasis;
 use tercio::scene::{Environment, Panorama};
 
 use super::values;
+use crate::look;
 use crate::named_files::NamedFiles;
 
 /// Where the light from all around comes from.
@@ -64,6 +66,21 @@ impl EnvironmentArgs {
     /// Whether there is an environment.
     pub fn is_given(&self) -> bool {
         self.environment.is_some()
+    }
+
+    /// What was requested, for reports.
+    pub fn json(&self) -> Value {
+        let source = self.environment.as_ref().map(|source| match source {
+            Source::Gradient(colors) => json!({ "gradient": colors.map(|color| look::numbers(&color)) }),
+            Source::File(path) => json!({ "file": path.to_string_lossy() }),
+        });
+        source.map_or(Value::Null, |source| {
+            json!({
+                "source": source,
+                "strength": self.environment_strength.unwrap_or(1.0),
+                "rotation": self.environment_rotation.unwrap_or(0.0),
+            })
+        })
     }
 
     /// Whether the environment is the same all round, without any small source of light.

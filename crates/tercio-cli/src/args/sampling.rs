@@ -1,9 +1,10 @@
 //! Options of anti-aliasing.
 
-use clap::builder::PossibleValue;
 use clap::{Args, ValueEnum};
 use serde_json::{Value, json};
 use tercio::raster::{Filter, SamplePattern, SampleShading, Sampling};
+
+use crate::look;
 
 /// How often a triangle is shaded in a pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -58,12 +59,11 @@ impl SamplingArgs {
 
     /// The requested anti-aliasing, for reports.
     pub fn json(&self) -> Value {
-        let name = |value: Option<PossibleValue>| value.map(|value| value.get_name().to_owned());
         json!({
             "samples": self.aa.count(),
             "pattern": self.aa.name(),
-            "shading": name(self.aa_shading.to_possible_value()),
-            "filter": name(self.aa_filter.to_possible_value()),
+            "shading": look::name(&self.aa_shading),
+            "filter": look::name(&self.aa_filter),
         })
     }
 

@@ -93,6 +93,8 @@ struct Loaded {
     scene: Scene,
     /// That of the picture: effects need a scene without one.
     background: Background,
+    /// For `--stats`.
+    look: Value,
     cameras: Cameras,
 }
 
@@ -109,6 +111,7 @@ struct Drawn {
 struct Done {
     report: LoadReport,
     textures: Option<TextureReport>,
+    look: Value,
     cameras: Cameras,
     /// Counts and times of every camera's picture.
     views: Vec<ViewReport>,
@@ -242,7 +245,7 @@ impl Render {
         loaded: Loaded,
         display: &Display,
     ) -> Result<Done> {
-        let Loaded { report, textures, scene, cameras, .. } = loaded;
+        let Loaded { report, textures, scene, look, cameras, .. } = loaded;
         let camera = &cameras.middle;
         let settings = &self.with_shadows(settings, &scene, camera, display)?;
         let begin = Instant::now();
@@ -255,7 +258,7 @@ impl Render {
         let empty = self.reason(&report, camera, &stats);
         let views = vec![ViewReport { stats, parallel: None }];
         let effect_milliseconds = 0.0;
-        Ok(Done { report, textures, cameras, views, effect_milliseconds, output_milliseconds, empty })
+        Ok(Done { report, textures, look, cameras, views, effect_milliseconds, output_milliseconds, empty })
     }
 
     /// Why nothing was drawn, if that is the case.
@@ -355,7 +358,10 @@ impl Render {
         report.read.warnings.extend(self.drawing.shadow_warning(&scene));
         let camera = self.camera.camera_for(&scene, loaded.whole.as_ref(), self.drawing.size);
         let cameras = self.stereo.cameras(camera, self.camera.zoom()).with_context(|| self.model.name())?;
-        Ok(Loaded { report, textures, scene, background, cameras })
+        let mut look = self.drawing.look(&scene, &background);
+        look["environment"] = self.environment.json();
+        look["effects"] = self.effects.json();
+        Ok(Loaded { report, textures, scene, background, look, cameras })
     }
 
     fn frame(
@@ -411,7 +417,7 @@ impl Render {
 
     /// Writes the outputs, unless nothing was drawn.
     fn write(&self, writing: &Writing, loaded: Loaded, drawn: Vec<Drawn>) -> Result<Done> {
-        let Loaded { report, textures, scene, cameras, .. } = loaded;
+        let Loaded { report, textures, scene, look, cameras, .. } = loaded;
         let mut frames = Vec::new();
         let (mut views, mut reasons) = (Vec::new(), Vec::new());
         let effect_milliseconds = drawn.iter().map(|d| d.effect_milliseconds).sum();
@@ -429,7 +435,7 @@ impl Render {
         let (written, ()) = rayon::join(write, || drop(scene));
         written?;
         let output_milliseconds = begin.elapsed().as_secs_f64() * 1e3;
-        Ok(Done { report, textures, cameras, views, effect_milliseconds, output_milliseconds, empty })
+        Ok(Done { report, textures, look, cameras, views, effect_milliseconds, output_milliseconds, empty })
     }
 
     fn print_summary(&self, done: &Done) {
@@ -479,6 +485,7 @@ impl Render {
                 "height": height,
                 "anti_aliasing": self.sampling.json(),
             },
+            "look": done.look,
             "frame": serde_json::to_value(&frame)?,
             "parallel": parallel,
             "threads": threads,
