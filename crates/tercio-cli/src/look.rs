@@ -4,7 +4,8 @@ use clap::ValueEnum;
 use serde_json::{Value, json};
 use tercio::scene::{Background, Light, LightSpace, Scene};
 
-/// The look of a scene whose instances were all given the same surface; colours are linear RGB, or RGBA.
+/// The look of a scene whose instances were all given the same surface; colours are linear RGB,
+/// those of the background sRGB with alpha.
 pub fn scene_json(scene: &Scene, background: &Background) -> Value {
     let surface = scene.instances.first().map(|instance| &instance.surface);
     json!({
