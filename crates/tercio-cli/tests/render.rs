@@ -165,9 +165,9 @@ fn stats_have_their_keys() {
 fn statistics_tell_the_look() {
     let place = Place::new();
     let options = "--shading pbr --roughness 0.3 --opacity 0.25 --color #ffffff --no-mesh-colors --cull back \
-        --light spot:0,1,2:0,-1,0:20:#808080 --light dir:1,2,3 --shadows=64 --background #000,transparent \
+        --light spot:0,1,2:0,-1,0:20:#808080 --light dir:1,2,3 --shadows=64 --background #000000,#ffffff00 \
         --exposure -1 --tone filmic --ao=0.5 --edl --environment gradient --environment-strength 0.5";
-    let outcome = place.run(&format!("render model.off -o a.png --quiet --stats - {SMALL} {options}"));
+    let outcome = place.run(&format!("render model.off -o a.png --stats - {SMALL} {options}"));
     let stats: serde_json::Value = serde_json::from_str(outcome.ok_silently().text()).unwrap();
     let mut look = stats["look"].clone();
     let lights = look["lights"].take();
@@ -188,7 +188,7 @@ fn statistics_tell_the_look() {
         serde_json::json!({
             "color": [1.0, 1.0, 1.0], "mesh_colors": false, "opacity": 0.25, "specular": 0.2,
             "roughness": 0.3, "metallic": 0.0, "shading": "pbr", "cull": "back", "shadows": 64, "lights": null,
-            "background": { "top": [0.0, 0.0, 0.0, 1.0], "bottom": [0.0, 0.0, 0.0, 0.0] },
+            "background": { "top": [0.0, 0.0, 0.0, 1.0], "bottom": [1.0, 1.0, 1.0, 0.0] },
             "environment": {
                 "source": { "gradient": [[0.75, 0.95, 1.25], [1.0, 1.0, 1.0], [0.22, 0.20, 0.18]] },
                 "strength": 0.5, "rotation": 0.0,
