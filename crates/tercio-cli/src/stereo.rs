@@ -1,11 +1,11 @@
 //! What `--stats` and messages say about the pictures of two eyes.
 
-use clap::ValueEnum;
 use serde_json::{Value, json};
 use tercio::parallel::FrameReport;
 use tercio::raster::FrameStats;
 
 use crate::args::stereo::{Cameras, StereoName};
+use crate::args::values;
 use crate::report;
 
 /// Counts and times of one camera's picture.
@@ -50,7 +50,7 @@ pub fn json(layout: Option<StereoName>, cameras: &Cameras, views: &[ViewReport])
         })
     });
     json!({
-        "layout": layout.to_possible_value().map(|value| value.get_name().to_owned()),
+        "layout": values::name(&layout),
         "eye_distance": stereo.eye_distance,
         "convergence": stereo.convergence,
         "eyes": eyes.collect::<Vec<_>>(),

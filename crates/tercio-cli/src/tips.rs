@@ -11,9 +11,8 @@ pub fn add(error: &mut Error, program: &Command, arguments: impl Iterator<Item =
     if error.kind() != ErrorKind::UnknownArgument || error.get(ContextKind::Suggested).is_some() {
         return;
     }
-    let surplus = match error.get(ContextKind::InvalidArg) {
-        Some(ContextValue::String(surplus)) => surplus.clone(),
-        _ => return,
+    let Some(ContextValue::String(surplus)) = error.get(ContextKind::InvalidArg) else {
+        return;
     };
     let arguments: Vec<_> = arguments.skip(1).map(|a| a.to_string_lossy().into_owned()).collect();
     let Some(command) = arguments.first().and_then(|name| program.find_subcommand(name)) else {

@@ -20,23 +20,33 @@ fn partial_files(place: &Place) -> usize {
     place.names().iter().filter(|name| name.ends_with(".part")).count()
 }
 
+/// Waits until a condition holds: false if that takes more than half a minute, which must fail a test, not hang all tests.
+fn comes_true(mut condition: impl FnMut() -> bool) -> bool {
+    let begin = Instant::now();
+    while !condition() {
+        if begin.elapsed() > Duration::from_secs(30) {
+            return false;
+        }
+        thread::sleep(Duration::from_millis(2));
+    }
+    true
+}
+
 /// Starts a run that has a partial file and blocks; its output exists already.
 fn stuck(place: &Place, mut command: Command) -> Child {
     fs::write(place.path("a.png"), "old").unwrap();
     let mut child =
         command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("the program starts");
-    let begin = Instant::now();
-    while partial_files(place) == 0 {
-        // A run that never gets there must fail the test, not hang all tests.
-        let ended = child.try_wait().unwrap();
-        let is_late = begin.elapsed() > Duration::from_secs(30);
-        if ended.is_some() || is_late {
-            let _ = child.kill();
-            let output = child.wait_with_output().unwrap();
-            let words = String::from_utf8_lossy(&output.stderr);
-            panic!("no partial file after {:?}, {}: {words}", begin.elapsed(), output.status);
-        }
-        thread::sleep(Duration::from_millis(2));
+    let mut has_ended = false;
+    let blocks = comes_true(|| {
+        let is_writing = partial_files(place) > 0;
+        has_ended = !is_writing && child.try_wait().unwrap().is_some();
+        is_writing || has_ended
+    });
+    if !blocks || has_ended {
+        let _ = child.kill();
+        let output = child.wait_with_output().unwrap();
+        panic!("no partial file, {}: {}", output.status, String::from_utf8_lossy(&output.stderr));
     }
     child
 }
@@ -63,15 +73,9 @@ fn a_signal_removes_partial_files_and_ends_the_run() {
         let mut child = stuck(&place, shell(&place, &format!("ulimit -c 0; exec \"$0\" {STUCK}")));
         send(&child, signal);
         // Its output is read only after its end: otherwise it could go on and finish.
-        let begin = Instant::now();
-        while child.try_wait().unwrap().is_none() {
-            if begin.elapsed() > Duration::from_secs(30) {
-                let _ = child.kill();
-                panic!(
-                    "{signal:?} did not end the run: was it ignored where the tests were started (nohup, &)?"
-                );
-            }
-            thread::sleep(Duration::from_millis(2));
+        if !comes_true(|| child.try_wait().unwrap().is_some()) {
+            let _ = child.kill();
+            panic!("{signal:?} did not end the run: was it ignored where the tests were started (nohup, &)?");
         }
         let ended = child.wait_with_output().unwrap();
         // A shell reports 128 plus the number.

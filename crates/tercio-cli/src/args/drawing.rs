@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use clap::{Args, ValueEnum};
-use serde_json::Value;
+use serde_json::{Value, json};
 use tercio::Normals;
 use tercio::raster::{
     Binning, Cull, Outputs, RenderError, Settings, Shading, ShadowMaps, SimdLevel, Sorting,
@@ -190,13 +190,32 @@ impl DrawingArgs {
         }
     }
 
-    /// The look of a scene that was dressed, for reports; `shadows` is the size of shadow maps in texels.
-    pub fn look(&self, scene: &Scene, background: &Background) -> Value {
-        let mut look = look::scene_json(scene, background);
-        look["shading"] = look::name(&self.shading).into();
-        look["cull"] = look::name(&self.cull).into();
-        look["shadows"] = self.shadows.into();
-        look
+    /// The look of a scene that was dressed, for reports: colours in linear RGB, those of the background in sRGB with
+    /// alpha; the size of shadow maps in texels.
+    pub fn look(
+        &self,
+        scene: &Scene,
+        background: &Background,
+        environment: &EnvironmentArgs,
+        effects: &EffectArgs,
+    ) -> Value {
+        // That of the model; caps follow.
+        let surface = scene.instances.first().map(|instance| &instance.surface);
+        json!({
+            "shading": values::name(&self.shading),
+            "cull": values::name(&self.cull),
+            "color": surface.map(|s| look::numbers(&s.base_color)),
+            "mesh_colors": surface.map(|s| s.use_mesh_colors),
+            "opacity": surface.map(|s| look::number(s.opacity)),
+            "specular": surface.map(|s| look::number(s.specular)),
+            "roughness": surface.map(|s| look::number(s.roughness)),
+            "metallic": surface.map(|s| look::number(s.metallic)),
+            "lights": scene.lights.iter().map(look::light_json).collect::<Value>(),
+            "shadows": self.shadows,
+            "background": look::background_json(background),
+            "environment": environment.json(),
+            "effects": effects.json(),
+        })
     }
 
     /// Which triangles are culled by their facing.

@@ -7,7 +7,6 @@ use tercio::raster::{Frame, Outputs, RenderError, Settings, Tone, ToneCurve};
 use tercio::scene::{Background, Camera, Scene};
 
 use super::values;
-use crate::look;
 
 /// How bright light is compressed.
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -158,7 +157,7 @@ impl EffectArgs {
     pub fn json(&self) -> Value {
         json!({
             "exposure": self.exposure.unwrap_or(0.0),
-            "tone": look::name(&self.tone),
+            "tone": values::name(&self.tone),
             "ao": self.occlusion().map(|ao| json!({ "strength": self.ao, "radius": ao.radius })),
             "edl": self.eye_dome().map(|edl| json!({ "strength": self.edl, "radius": edl.radius })),
         })

@@ -4,7 +4,7 @@ use clap::{Args, ValueEnum};
 use serde_json::{Value, json};
 use tercio::raster::{Filter, SamplePattern, SampleShading, Sampling};
 
-use crate::look;
+use super::values;
 
 /// How often a triangle is shaded in a pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -62,8 +62,8 @@ impl SamplingArgs {
         json!({
             "samples": self.aa.count(),
             "pattern": self.aa.name(),
-            "shading": look::name(&self.aa_shading),
-            "filter": look::name(&self.aa_filter),
+            "shading": values::name(&self.aa_shading),
+            "filter": values::name(&self.aa_filter),
         })
     }
 

@@ -1,5 +1,6 @@
 //! Syntax of sizes, colours, points and amounts of memory on the command line.
 
+use clap::ValueEnum;
 use tercio::glam::DVec3;
 use tercio::scene::{Background, srgb_to_linear};
 
@@ -9,6 +10,11 @@ const ZOOM: (f64, f64) = (0.001, 1e6);
 
 /// Squares of coordinates must not overflow.
 const FARTHEST: f64 = 1e100;
+
+/// The name of an option's value on the command line.
+pub fn name(value: &impl ValueEnum) -> Option<String> {
+    value.to_possible_value().map(|value| value.get_name().to_owned())
+}
 
 /// `WxH`, pixels.
 pub fn size(text: &str) -> Result<(u32, u32), String> {

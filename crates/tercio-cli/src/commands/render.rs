@@ -358,9 +358,7 @@ impl Render {
         report.read.warnings.extend(self.drawing.shadow_warning(&scene));
         let camera = self.camera.camera_for(&scene, loaded.whole.as_ref(), self.drawing.size);
         let cameras = self.stereo.cameras(camera, self.camera.zoom()).with_context(|| self.model.name())?;
-        let mut look = self.drawing.look(&scene, &background);
-        look["environment"] = self.environment.json();
-        look["effects"] = self.effects.json();
+        let look = self.drawing.look(&scene, &background, &self.environment, &self.effects);
         Ok(Loaded { report, textures, scene, background, look, cameras })
     }
 

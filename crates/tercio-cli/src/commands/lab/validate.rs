@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use std::sync::Arc;
 
 use anyhow::Result;
-use clap::{Args, ValueEnum};
+use clap::Args;
 use rayon::ThreadPool;
 use serde_json::{Value, json};
 use tercio::image::Destination;
@@ -236,8 +236,8 @@ impl Validate {
             let ranks: Vec<String> = self.ranks.iter().map(ToString::to_string).collect();
             let _ = write!(text, " --ranks {}", ranks.join(","));
         }
-        if let Some(name) = self.organisation.as_ref().and_then(ValueEnum::to_possible_value) {
-            let _ = write!(text, " --organisation {}", name.get_name());
+        if let Some(name) = self.organisation.as_ref().and_then(values::name) {
+            let _ = write!(text, " --organisation {name}");
         }
         if matches!(self.sorting, SortingName::Triangles) {
             text.push_str(" --sorting triangles");
