@@ -7,25 +7,29 @@ use std::time::Instant;
 
 use anyhow::Result;
 use clap::Args;
+use rayon::ThreadPool;
 use serde_json::{Value, json};
 use tercio::glam::DVec3;
 use tercio::image::Destination;
 use tercio::mesh::cluster::{PartitionOptions, partition};
 use tercio::mesh::{Aabb, ClusteredMesh, Mesh};
+use tercio::parallel::organisation::{Rank, Task};
+use tercio::parallel::{Communicator, FrameReport, Organisation, Ranks, between_processes, draw_frames};
 use tercio::raster::{Frame, FrameStats, LastStage, Renderer, Settings};
 use tercio::scene::{Camera, Projection, Scene};
 use tercio::{LoadOptions, LoadReport, Model, Normals, TextureReport};
 
 use crate::args::bench::{Copies, LookName, StageName, StillArgs};
 use crate::args::drawing::{CullName, TuningArgs};
+use crate::args::ranks::{Drawers, RanksArgs};
 use crate::args::sampling::SamplingArgs;
 use crate::args::textures::{TextureArgs, TextureLimits};
-use crate::args::{ModelArgs, RunningArgs, values};
+use crate::args::{ModelArgs, ProgressMode, RunningArgs, values};
 use crate::named_files::NamedFiles;
 use crate::output::{UsageError, write_text};
 use crate::progress::Display;
 use crate::report::{self, camera_json, grouped};
-use crate::{ending, memory, messages};
+use crate::{ending, memory, messages, mpi};
 
 /// Measures how fast a model is drawn: loads it once, then draws views evenly round its vertical axis.
 ///
@@ -36,6 +40,7 @@ use crate::{ending, memory, messages};
 Examples:
   tercio bench builtin:gyroid@5.4M
   tercio bench dragon.ply --subdivide 2 --threads 2 --json
+  mpirun -n 4 tercio bench dragon.ply --threads 1 --organisation sort-first
 
 Exit code: 0 success, 1 error, 2 wrong usage.")]
 pub struct Bench {
@@ -77,6 +82,8 @@ pub struct Bench {
     #[command(flatten)]
     tuning: TuningArgs,
     #[command(flatten)]
+    ranks: RanksArgs,
+    #[command(flatten)]
     running: RunningArgs,
 }
 
@@ -109,14 +116,52 @@ impl Bench {
         let files = NamedFiles::default().reads_model(&self.model.model).prints();
         files.ready()?;
         ending::name_model(self.model.name());
-        let pool = self.running.pool()?;
-        let text = pool.install(|| self.measure(&files))?;
-        write_text(&Destination::Stdout, &text)?;
+        let pool = Arc::new(self.running.pool()?);
+        let processes = mpi::processes();
+        let drawers = self.ranks.drawers(processes)?;
+        let stops_early = self.toss.is_some();
+        if stops_early && drawers != Drawers::Alone {
+            return Err(UsageError("--toss: ranks draw whole frames".into()).into());
+        }
+        let text = match drawers {
+            Drawers::Mpi(_) if processes.is_some_and(|p| p > 1) && self.model.is_standard_input() => {
+                return Err(UsageError("standard input reaches one rank only: name a file".into()).into());
+            }
+            Drawers::Mpi(organisation) => {
+                let work = |comm: &mut mpi::Comm| {
+                    let is_first = comm.rank() == 0;
+                    let draw = |scene: &Scene, cameras: &[Camera], settings: &Settings| {
+                        draw_as_rank(comm, &pool, (scene, cameras, settings, organisation))
+                    };
+                    self.measure(&files, is_first, draw)
+                };
+                pool.install(|| mpi::run(work))?
+            }
+            _ => {
+                let ranks = drawers.in_process(pool.current_num_threads());
+                let draw = |scene: &Scene, cameras: &[Camera], settings: &Settings| match ranks {
+                    None => draw_alone(scene, cameras, settings),
+                    Some(ranks) => draw_with_ranks(ranks, scene, cameras, settings),
+                };
+                pool.install(|| self.measure(&files, true, draw))?
+            }
+        };
+        // Only rank 0 of a job has something to report.
+        if let Some(text) = text {
+            write_text(&Destination::Stdout, &text)?;
+        }
         Ok(ExitCode::SUCCESS)
     }
 
-    fn measure(&self, files: &NamedFiles) -> Result<String> {
-        let display = Display::new(self.running.progress_mode());
+    /// Loads the model and measures; `draw` draws a frame for each camera. If this is not the first rank of a job, it returns
+    /// nothing.
+    fn measure(
+        &self,
+        files: &NamedFiles,
+        is_first: bool,
+        draw: impl FnOnce(&Scene, &[Camera], &Settings) -> Result<Frames>,
+    ) -> Result<Option<String>> {
+        let display = Display::new(if is_first { self.running.progress_mode() } else { ProgressMode::Never });
         let options = LoadOptions {
             memory_limit: self.running.memory_limit(),
             progress: Some(&display.progress),
@@ -142,19 +187,11 @@ impl Bench {
             texture_filter: self.textures.filter(),
             ..self.tuning.settings(self.size)
         };
-        let mut renderer = Renderer::new();
-        let mut frame = Frame::default();
-        // The first frame allocates the memory that later frames reuse.
-        renderer.render_into(&scene, &cameras[0], &settings, &mut frame)?;
-        let mut frames = Vec::new();
-        for camera in &cameras {
-            renderer.render_into(&scene, camera, &settings, &mut frame)?;
-            frames.push(frame.stats.clone());
-        }
+        let frames = draw(&scene, &cameras, &settings)?;
         drop(display);
         let loaded =
             Loaded { scene: &scene, copies: &copies, textures: textures.as_ref(), load_ms, partition_ms };
-        Ok(self.report(&loaded, &cameras, &frames))
+        Ok(is_first.then(|| self.report(&loaded, &cameras, &frames)))
     }
 
     /// Loads the materials and textures of the model. Their warnings are printed: what is missing makes frames faster.
@@ -235,7 +272,8 @@ impl Bench {
         }
     }
 
-    fn report(&self, loaded: &Loaded, cameras: &[Camera], frames: &[FrameStats]) -> String {
+    fn report(&self, loaded: &Loaded, cameras: &[Camera], frames: &Frames) -> String {
+        let Frames { stats: frames, reports } = frames;
         let &Loaded { scene, copies, textures, load_ms, partition_ms } = loaded;
         let mesh = &scene.instances[0].mesh;
         let triangles = mesh.triangle_count() as u64 * scene.instances.len() as u64;
@@ -268,6 +306,7 @@ impl Bench {
                 "views": cameras.iter().zip(frames).map(|(c, f)| view_json(c, f)).collect::<Vec<_>>(),
                 "peak_memory_bytes": memory::peak_bytes(),
                 "last_frame": last,
+                "last_frame_of_ranks": reports.last(),
             });
             if let (Value::Object(value), Value::Object(spread)) = (&mut value, total.json()) {
                 value.extend(spread);
@@ -286,6 +325,16 @@ impl Bench {
             last.simd,
             last.tile_size
         );
+        if let Some(last) = reports.last() {
+            let _ = writeln!(
+                text,
+                "{} ranks, {}; last frame: {} messages, {} bytes",
+                last.ranks.len(),
+                last.organisation,
+                grouped(last.messages),
+                grouped(last.bytes)
+            );
+        }
         let _ = writeln!(text, "load {load_ms:.1} ms, partition {partition_ms:.1} ms");
         for (name, s) in [("frame", &total), ("front end", &front), ("back end", &back)] {
             let _ =
@@ -294,6 +343,57 @@ impl Bench {
         let _ = writeln!(text, "{rate:.1} million triangles/s");
         text
     }
+}
+
+/// The frames that were drawn.
+#[derive(Default)]
+struct Frames {
+    /// One a frame.
+    stats: Vec<FrameStats>,
+    /// Those of ranks, if there are any.
+    reports: Vec<FrameReport>,
+}
+
+impl Frames {
+    fn of_ranks(reports: Vec<FrameReport>) -> Self {
+        Self { stats: reports.iter().map(FrameReport::stats).collect(), reports }
+    }
+}
+
+/// The cameras, the first of them twice: the first frame allocates the memory that later frames reuse.
+fn with_first_frame(cameras: &[Camera]) -> Vec<Camera> {
+    cameras.iter().take(1).chain(cameras).copied().collect()
+}
+
+fn draw_alone(scene: &Scene, cameras: &[Camera], settings: &Settings) -> Result<Frames> {
+    let (mut renderer, mut frame, mut frames) = (Renderer::new(), Frame::default(), Frames::default());
+    for camera in with_first_frame(cameras) {
+        renderer.render_into(scene, &camera, settings, &mut frame)?;
+        frames.stats.push(frame.stats.clone());
+    }
+    frames.stats.remove(0);
+    Ok(frames)
+}
+
+fn draw_with_ranks(ranks: Ranks, scene: &Scene, cameras: &[Camera], settings: &Settings) -> Result<Frames> {
+    let mut reports = draw_frames(ranks, scene, &with_first_frame(cameras), settings, |_, _| ())?;
+    reports.remove(0);
+    Ok(Frames::of_ranks(reports))
+}
+
+/// The frames of a rank of an MPI job, empty except on rank 0.
+fn draw_as_rank(
+    comm: &mut mpi::Comm,
+    pool: &Arc<ThreadPool>,
+    (scene, cameras, settings, organisation): (&Scene, &[Camera], &Settings, Organisation),
+) -> Result<Frames> {
+    let (mut own, mut frame, mut reports) = (Rank::from_pool(pool.clone()), Frame::default(), Vec::new());
+    for camera in with_first_frame(cameras) {
+        let task = Task { organisation, scene, camera: &camera, settings };
+        reports.extend(between_processes::draw_frame(&mut own, comm, &task, &mut frame)?);
+    }
+    reports.drain(..reports.len().min(1));
+    Ok(Frames::of_ranks(reports))
 }
 
 /// The scene, and the time of loading and partitioning it.
