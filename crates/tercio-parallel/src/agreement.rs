@@ -126,7 +126,7 @@ fn read(from: usize, message: &[u8]) -> Result<Found, CommError> {
 }
 
 fn digest(task: &Task, ranks: usize) -> Digest {
-    let Task { organisation, scene, camera, settings } = *task;
+    let Task { sharing, scene, camera, settings } = *task;
     let Settings { width, height, .. } = *settings;
     // What does not change the picture or the messages may differ.
     let settings = Settings {
@@ -143,7 +143,7 @@ fn digest(task: &Task, ranks: usize) -> Digest {
     let shadow_bytes = task.settings.shadows.as_ref().map_or(0, |maps| maps.bytes());
     let text = |matter| match matter {
         Matter::Version => env!("CARGO_PKG_VERSION").to_string(),
-        Matter::Organisation => format!("{organisation} {ranks}"),
+        Matter::Organisation => format!("{sharing:?} {ranks}"),
         Matter::Size => format!("{width} {height}"),
         Matter::Models => format!("{:?}", scene.instances.iter().map(model).collect::<Vec<_>>()),
         Matter::Scene => look(scene),

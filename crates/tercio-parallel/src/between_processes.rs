@@ -51,7 +51,7 @@ pub fn draw_frame(
     let milliseconds = since_own + earlier as f64 * 1e-6;
     let ranks = all.into_iter().map(|told| told.report).collect();
     let region = region_edge(task.scene, task.settings);
-    let report = FrameReport::new(task.organisation, region, task.settings, milliseconds, ranks);
+    let report = FrameReport::new(task.sharing, region, task.settings, milliseconds, ranks);
     frame.stats = report.stats();
     Ok(Some(report))
 }

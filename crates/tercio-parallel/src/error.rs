@@ -1,6 +1,7 @@
 //! Why ranks could not draw a picture.
 
 use tercio_raster::RenderError;
+use tercio_raster::binning::SortedError;
 use tercio_raster::frame::FragmentError;
 
 use crate::agreement::Matter;
@@ -35,6 +36,14 @@ pub enum ParallelError {
         from: usize,
         /// What is wrong.
         source: PacketError,
+    },
+    /// A message does not hold valid bins of the frame.
+    #[error("a message from rank {from}: {source}")]
+    Bins {
+        /// The sender.
+        from: usize,
+        /// What is wrong.
+        source: SortedError,
     },
     /// A rank's report of a frame cannot be written, or cannot be parsed by rank 0.
     #[error("the report of rank {rank}: {source}")]

@@ -10,7 +10,7 @@ use crate::comm::Communicator;
 use crate::comm::threads::{self, ThreadComm};
 use crate::organisation::{Rank, Task, region_edge};
 use crate::report::FrameReport;
-use crate::{Organisation, ParallelError};
+use crate::{ParallelError, Sharing};
 
 /// Ranks in this process.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -20,7 +20,7 @@ pub struct Ranks {
     /// Number of threads of each rank, at least 1.
     pub threads: usize,
     /// How they share a frame.
-    pub organisation: Organisation,
+    pub sharing: Sharing,
 }
 
 /// Draws one frame per camera and returns the reports. `picture` gets each picture, with the number of its camera,
@@ -46,7 +46,7 @@ pub fn draw_frames(
         for (number, camera) in cameras.iter().enumerate() {
             comm.barrier()?;
             let begin = Instant::now();
-            let task = Task { organisation: ranks.organisation, scene, camera, settings };
+            let task = Task { sharing: ranks.sharing, scene, camera, settings };
             let report = own.draw_into(comm, &task, &mut frame)?;
             reports.push((report, begin, Instant::now()));
             if comm.rank() == 0 {
@@ -70,13 +70,7 @@ pub fn draw_frames(
         let whole = all.first().map(|first| first.2).zip(begin).map(|(end, begin)| end - begin);
         let milliseconds = whole.map_or(0.0, |whole| whole.as_secs_f64() * 1e3);
         let ranks_of_frame = all.into_iter().map(|rank| rank.0).collect();
-        FrameReport::new(
-            ranks.organisation,
-            region_edge(scene, settings),
-            settings,
-            milliseconds,
-            ranks_of_frame,
-        )
+        FrameReport::new(ranks.sharing, region_edge(scene, settings), settings, milliseconds, ranks_of_frame)
     };
     Ok(cameras.iter().map(frame).collect())
 }

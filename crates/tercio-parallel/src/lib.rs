@@ -3,9 +3,9 @@
 //! | module | what |
 //! |---|---|
 //! | [`comm`] | communication between ranks: the [`Communicator`] and its backend in one process |
-//! | [`regions`] | who owns which part of the picture |
-//! | [`composite`] | transfer of pixels: [packed](composite::packet), [composed](composite::direct_send), [collected](composite::collect); of several samples or layers, as [fragments](composite::fragments) |
-//! | [`organisation`] | who draws what, and where work is redistributed: sort-first and sort-last |
+//! | [`division`] | who draws which tiles |
+//! | [`composite`] | what several ranks have drawn of the same tiles: [packed](composite::packet), [exchanged](composite::exchange) in the order of a [strategy](composite::strategy), merged |
+//! | [`organisation`] | who draws what, and where work is redistributed: sort-first, sort-middle, sort-last, sort-twice |
 //! | [`report`] | counts and times of every rank |
 //! | [`in_process`] | all ranks in one process, a thread each |
 //! | [`between_processes`] | the same where every rank is a process of its own |
@@ -28,7 +28,7 @@
 //! let settings = Settings::new(160, 120);
 //! let camera = settings.framing().camera_for_scene(&scene);
 //!
-//! let ranks = Ranks { count: 3, threads: 1, organisation: Organisation::SortLast };
+//! let ranks = Ranks { count: 3, threads: 1, sharing: Organisation::SortLast.into() };
 //! let (frame, report) = in_process::draw(ranks, &scene, &camera, &settings)?;
 //! assert_eq!(report.ranks.len(), 3);
 //! assert!(report.bytes > 0);
@@ -44,15 +44,17 @@ mod agreement;
 pub mod between_processes;
 pub mod comm;
 pub mod composite;
+pub mod division;
 mod error;
 pub mod in_process;
 pub mod organisation;
-pub mod regions;
 pub mod report;
 
 pub use agreement::Matter;
 pub use comm::Communicator;
+pub use composite::Composition;
+pub use division::Division;
 pub use error::ParallelError;
 pub use in_process::{Ranks, draw_frames};
-pub use organisation::Organisation;
+pub use organisation::{Organisation, Sharing};
 pub use report::{FrameReport, RankReport};

@@ -7,7 +7,9 @@ use tercio_raster::stats::{BackEndCounts, FrontEndCounts};
 use tercio_raster::{FrameStats, Settings};
 
 use crate::comm::Traffic;
-use crate::organisation::Organisation;
+use crate::composite::Composition;
+use crate::division::Division;
+use crate::organisation::{Organisation, Sharing};
 
 /// A stage of a rank's work.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -50,9 +52,11 @@ fn busy_milliseconds() -> Option<f64> {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct RankStages {
-    /// Drawing its share.
+    /// Drawing its share: front end and back end.
     pub draw: Stage,
-    /// Packing pixels for other owners, and compositing those from other ranks.
+    /// Dividing the picture; writing bins for other ranks of its group, and reading those from them.
+    pub redistribute: Stage,
+    /// Packing pixels for other owners, and merging those from other ranks.
     pub compose: Stage,
     /// Packing finished pixels for rank 0; there, unpacking them.
     pub collect: Stage,
@@ -60,19 +64,19 @@ pub struct RankStages {
     pub wait: Stage,
 }
 
-/// Counts of a rank's pixels. Sort-last with several samples per pixel, or layers, sends fragments instead of pixels.
+/// Counts of a rank's pixels. If pixels have several samples, or layers, fragments are composited instead of pixels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct RankPixels {
-    /// Sent to other owners with their keys.
+    /// Sent to other ranks with their keys.
     pub sent: u64,
-    /// Received from other ranks and compared.
+    /// Received from other ranks with their keys.
     pub compared: u64,
-    /// Those of them that were nearer than the pixel in the frame.
+    /// Those of them that were nearer than what this rank had.
     pub won: u64,
-    /// Bytes of fragments sent to other owners.
+    /// Bytes of fragments sent to other ranks.
     pub fragment_bytes: u64,
-    /// Drawn pixels of this rank's regions in the finished picture.
+    /// Drawn pixels of the tiles that this rank finished.
     pub visible: u64,
 }
 
@@ -86,6 +90,8 @@ pub struct RankReport {
     pub clusters: u64,
     /// Counts and times of its renderer; all zero if it had nothing to draw.
     pub frame: FrameStats,
+    /// Bytes of bins sent to other ranks of its group.
+    pub bin_bytes: u64,
     /// Counts of pixels.
     pub pixels: RankPixels,
     /// Counts of messages.
@@ -98,9 +104,13 @@ pub struct RankReport {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct FrameReport {
-    /// How they shared it.
+    /// Where they redistributed work.
     pub organisation: Organisation,
-    /// Pixels along the edge of a region.
+    /// How tiles were divided.
+    pub division: Division,
+    /// How pixels were composited.
+    pub composition: Composition,
+    /// Pixels along the edge of a tile.
     pub region: u32,
     /// Milliseconds from the beginning of the first rank until the picture was complete on rank 0.
     pub milliseconds: f64,
@@ -115,9 +125,9 @@ pub struct FrameReport {
 }
 
 impl FrameReport {
-    /// The report of the frame, with regions of this edge, from those of the ranks.
+    /// The report of the frame, with tiles of this edge, from those of the ranks.
     pub fn new(
-        organisation: Organisation,
+        sharing: Sharing,
         region: u32,
         settings: &Settings,
         milliseconds: f64,
@@ -126,7 +136,8 @@ impl FrameReport {
         let samples = settings.sampling.pattern.count() as u64;
         let messages = ranks.iter().map(|r| r.traffic.sent_messages).sum();
         let bytes = ranks.iter().map(|r| r.traffic.sent_bytes).sum();
-        Self { organisation, region, milliseconds, messages, bytes, ranks, samples }
+        let Sharing { organisation, division, composition } = sharing;
+        Self { organisation, division, composition, region, milliseconds, messages, bytes, ranks, samples }
     }
 
     /// Number of drawn pixels in the picture.
@@ -140,7 +151,7 @@ impl FrameReport {
     pub fn stats(&self) -> FrameStats {
         let Some(first) = self.ranks.first() else { return FrameStats::default() };
         let mut stats = first.frame.clone();
-        if self.organisation == Organisation::SortLast {
+        if self.organisation != Organisation::SortFirst {
             let counts = self.ranks.iter().map(|r| r.frame.frontend);
             stats.frontend = counts.fold(FrontEndCounts::default(), FrontEndCounts::plus);
         }

@@ -44,7 +44,12 @@ fn picture_and_counts_are_those_of_ranks_in_one_process() {
             let settings = Settings { tile_size: Some(64), ..Settings::one_sample(150, 100) };
             let results = threads::run(count, |comm| {
                 let (scene, camera) = made();
-                let task = Task { organisation, scene: &scene, camera: &camera, settings: &settings };
+                let task = Task {
+                    sharing: organisation.into(),
+                    scene: &scene,
+                    camera: &camera,
+                    settings: &settings,
+                };
                 let (mut own, mut frame) = (Rank::new(1)?, Frame::default());
                 let report = draw_frame(&mut own, comm, &task, &mut frame)?;
                 Ok(report.map(|report| (frame, report)))
@@ -53,7 +58,7 @@ fn picture_and_counts_are_those_of_ranks_in_one_process() {
             let (frame, report) = results.next().flatten().expect("rank 0 has the picture");
             assert!(results.all(|r| r.is_none()), "others have a report");
             let (scene, camera) = made();
-            let ranks = Ranks { count, threads: 1, organisation };
+            let ranks = Ranks { count, threads: 1, sharing: organisation.into() };
             let (expected, expected_report) =
                 in_process::draw(ranks, &scene, &camera, &settings).expect("a picture");
             assert!(frame.planes.color == expected.planes.color, "{organisation:?}, {count} ranks");
@@ -81,7 +86,7 @@ fn reported(change: impl Fn(&mut Own) + Sync) -> Option<Matter> {
             change(&mut own);
         }
         let Own { organisation, scene, camera, settings } = &own;
-        let task = Task { organisation: *organisation, scene, camera, settings };
+        let task = Task { sharing: (*organisation).into(), scene, camera, settings };
         draw_frame(&mut Rank::new(1)?, comm, &task, &mut Frame::default())
     });
     match results {

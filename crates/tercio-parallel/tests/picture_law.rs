@@ -7,7 +7,7 @@ use proptest::prelude::*;
 use tercio_mesh::builtin;
 use tercio_mesh::cluster::{PartitionOptions, partition};
 use tercio_parallel::in_process::draw;
-use tercio_parallel::{FrameReport, Organisation, Ranks};
+use tercio_parallel::{Composition, Division, FrameReport, Organisation, RankReport, Ranks, Sharing};
 use tercio_raster::{
     Cull, Filter, Frame, Outputs, Renderer, SamplePattern, SampleShading, Sampling, Settings, Shading,
     Sorting,
@@ -15,7 +15,14 @@ use tercio_raster::{
 use tercio_scene::{Camera, Instance, Projection, Scene};
 
 const EVERYTHING: Outputs = Outputs::ALL;
-const BOTH: [Organisation; 2] = [Organisation::SortFirst, Organisation::SortLast];
+/// With groups that leave a smaller one.
+const ALL: [Organisation; 5] = [
+    Organisation::SortFirst,
+    Organisation::SortMiddle,
+    Organisation::SortLast,
+    Organisation::SortTwice { group: 2 },
+    Organisation::SortTwice { group: 3 },
+];
 
 fn scene(model: &str, most_triangles: usize) -> Scene {
     let mesh = builtin::make(model).expect("a model");
@@ -65,8 +72,7 @@ fn check(scene: &Scene, camera: &Camera, settings: &Settings, ranks: Ranks, what
     let (found, report) = draw(ranks, scene, camera, settings).expect("a picture");
     let what = format!("{what}, {ranks:?}, {}x{}", settings.width, settings.height);
     assert_same(&expected, &found, &what);
-    let counted = |s: &Settings, k: &Frame| if s.outputs.keys { shown(k) } else { report.pixels_visible() };
-    assert_eq!(report.pixels_visible(), counted(settings, &expected), "{what}");
+    assert_eq!(report.pixels_visible(), expected.stats.backend.pixels_visible, "{what}");
     assert_eq!(found.stats.backend.pixels_visible, report.pixels_visible());
     let taken = |of: fn(&tercio_parallel::comm::Traffic) -> u64| -> u64 {
         report.ranks.iter().map(|r| of(&r.traffic)).sum()
@@ -74,10 +80,6 @@ fn check(scene: &Scene, camera: &Camera, settings: &Settings, ranks: Ranks, what
     assert_eq!((taken(|t| t.taken_messages), taken(|t| t.taken_bytes)), (report.messages, report.bytes));
     assert!(ranks.count > 1 || report.messages == 0, "{what}: one rank sends messages to itself");
     report
-}
-
-fn shown(frame: &Frame) -> u64 {
-    frame.planes.keys.iter().filter(|&&key| key != 0).count() as u64
 }
 
 /// Ranks send fragments, or pixels that were made from them.
@@ -91,10 +93,10 @@ fn pixels_of_several_samples() {
     ] {
         for (outputs, radii) in [(EVERYTHING, 2.6), (Outputs::default(), 0.4)] {
             let camera = camera(&scene, radii, false);
-            for organisation in BOTH {
+            for organisation in ALL {
                 for count in [1, 2, 3, 5] {
                     let settings = Settings { outputs, sampling, ..Settings::new(131, 93) };
-                    let ranks = Ranks { count, threads: 1 + count % 2, organisation };
+                    let ranks = Ranks { count, threads: 1 + count % 2, sharing: organisation.into() };
                     check(&scene, &camera, &settings, ranks, &format!("{sampling:?}"));
                 }
             }
@@ -120,22 +122,22 @@ fn what_is_not_opaque() {
         (Sampling::NONE, Outputs { ids: true, color: false, ..Outputs::default() }, 1.5),
     ] {
         let camera = camera(&scene, radii, false);
-        for (organisation, count) in BOTH.into_iter().flat_map(|o| [1, 2, 3, 5].map(|count| (o, count))) {
+        for (organisation, count) in ALL.into_iter().flat_map(|o| [1, 2, 3, 5].map(|count| (o, count))) {
             // With this little memory every tile is a round, drawn in slices of depth.
             for layer_memory in [128 << 20, 1] {
                 let settings = Settings { outputs, sampling, layer_memory, ..Settings::new(131, 93) };
-                let ranks = Ranks { count, threads: 1 + count % 2, organisation };
+                let ranks = Ranks { count, threads: 1 + count % 2, sharing: organisation.into() };
                 let what = format!("{sampling:?}, {radii} radii, {layer_memory} bytes");
                 let report = check(&scene, &camera, &settings, ranks, &what);
                 let layers: u64 = report.ranks.iter().map(|rank| rank.pixels.fragment_bytes).sum();
-                assert_eq!(layers > 0, organisation == Organisation::SortLast && count > 1, "{what}");
+                assert_eq!(layers > 0, organisation.composites(count), "{what}");
             }
         }
     }
     // Small rounds need more messages.
     let messages = |layer_memory| {
         let settings = Settings { layer_memory, ..Settings::new(131, 93) };
-        let ranks = Ranks { count: 3, threads: 1, organisation: Organisation::SortLast };
+        let ranks = Ranks { count: 3, threads: 1, sharing: Organisation::SortLast.into() };
         check(&scene, &camera(&scene, 1.5, false), &settings, ranks, "rounds").messages
     };
     assert!(messages(1) > 2 * messages(128 << 20), "{} and {}", messages(1), messages(128 << 20));
@@ -159,7 +161,7 @@ fn layers_at_equal_depths() {
         [&twice, &swapped].map(|scene| Renderer::new().render(scene, &camera, &settings).expect("a picture"));
     assert_ne!(first.planes.color, other.planes.color, "the order does not matter");
     for count in [2, 3, 8] {
-        let ranks = Ranks { count, threads: 1, organisation: Organisation::SortLast };
+        let ranks = Ranks { count, threads: 1, sharing: Organisation::SortLast.into() };
         check(&twice, &camera, &settings, ranks, "equal depths");
     }
 }
@@ -172,9 +174,9 @@ fn filters_wider_than_a_pixel() {
     let sampling = Sampling { filter: Filter::Tent, ..Sampling::default() };
     let settings = Settings { outputs: EVERYTHING, sampling, ..Settings::new(131, 93) };
     let expected = Renderer::new().render(&scene, &camera, &settings).expect("a picture");
-    for organisation in BOTH {
+    for organisation in ALL {
         for count in [1, 2, 5] {
-            let ranks = Ranks { count, threads: 1, organisation };
+            let ranks = Ranks { count, threads: 1, sharing: organisation.into() };
             let (found, _) = draw(ranks, &scene, &camera, &settings).expect("a picture");
             assert_same(&expected, &found, &format!("{ranks:?}"));
         }
@@ -187,12 +189,44 @@ fn every_number_of_ranks() {
         let scene = with_second_instance(scene(model, 128));
         for (radii, orthographic) in [(2.6, false), (0.4, false), (2.0, true)] {
             let camera = camera(&scene, radii, orthographic);
-            for organisation in BOTH {
+            for organisation in ALL {
                 for count in 1..=9 {
                     let settings = Settings { outputs: EVERYTHING, ..Settings::one_sample(131, 93) };
-                    let ranks = Ranks { count, threads: 1 + count % 2, organisation };
+                    let ranks = Ranks { count, threads: 1 + count % 2, sharing: organisation.into() };
                     check(&scene, &camera, &settings, ranks, model);
                 }
+            }
+        }
+    }
+}
+
+/// Every way to divide the picture and to composite, in pixels, fragments and layers.
+#[test]
+fn every_division_and_composition() {
+    let opaque = with_second_instance(scene("builtin:gyroid@4k", 64));
+    let mut clear = opaque.clone();
+    clear.instances[1].surface.opacity = 0.5;
+    let camera = camera(&opaque, 2.0, false);
+    for (scene, settings) in [
+        (&opaque, Settings::one_sample(131, 93)),
+        (&opaque, Settings::new(131, 93)),
+        (&clear, Settings::new(131, 93)),
+    ] {
+        let settings = Settings { tile_size: Some(16), ..settings };
+        let expected = Renderer::new().render(scene, &camera, &settings).expect("a picture");
+        for count in [2, 5, 8, 11] {
+            let draw = |sharing: Sharing| {
+                let ranks = Ranks { count, threads: 1, sharing };
+                let (found, _) = draw(ranks, scene, &camera, &settings).expect("a picture");
+                assert_same(&expected, &found, &format!("{ranks:?}"));
+            };
+            for division in Division::ALL {
+                draw(Sharing { division, ..Organisation::SortFirst.into() });
+                draw(Sharing { division, ..Organisation::SortMiddle.into() });
+            }
+            for composition in Composition::ALL.into_iter().chain([2, 3].map(Composition::RadixK)) {
+                draw(Sharing { composition, ..Organisation::SortLast.into() });
+                draw(Sharing { composition, ..Organisation::SortTwice { group: 3 }.into() });
             }
         }
     }
@@ -209,9 +243,9 @@ fn among_equal_depths_the_lower_primitive_is_seen() {
     let camera = camera(&first, 2.6, false);
     let settings = Settings { outputs: EVERYTHING, ..Settings::one_sample(100, 80) };
     let expected = Renderer::new().render(&first, &camera, &settings).expect("a picture");
-    for organisation in BOTH {
+    for organisation in ALL {
         for count in [2, 3, 8] {
-            let ranks = Ranks { count, threads: 1, organisation };
+            let ranks = Ranks { count, threads: 1, sharing: organisation.into() };
             let (found, _) = draw(ranks, &twice, &camera, &settings).expect("a picture");
             assert_same(&expected, &found, &format!("{ranks:?}"));
         }
@@ -226,10 +260,10 @@ fn more_ranks_than_clusters_or_regions() {
     let mut clear = few.clone();
     clear.instances[0].surface.opacity = 0.5;
     let camera = camera(&few, 2.6, false);
-    for organisation in BOTH {
+    for organisation in ALL {
         for (width, height) in [(1, 1), (9, 3), (64, 48), (33, 100)] {
             for count in [2, 5, 9] {
-                let ranks = Ranks { count, threads: 1, organisation };
+                let ranks = Ranks { count, threads: 1, sharing: organisation.into() };
                 for settings in [Settings::one_sample(width, height), Settings::new(width, height)] {
                     let settings = Settings { outputs: EVERYTHING, ..settings };
                     check(&few, &camera, &settings, ranks, "few clusters");
@@ -245,12 +279,18 @@ fn an_empty_scene() {
     let mut empty = scene("builtin:teapot@1k", 128);
     empty.instances.clear();
     let camera = Camera { eye: DVec3::Z, ..camera(&scene("builtin:teapot@1k", 128), 2.0, false) };
-    for organisation in BOTH {
+    for organisation in ALL {
         for count in [1, 3] {
             let settings = Settings { outputs: EVERYTHING, ..Settings::one_sample(40, 30) };
-            let report =
-                check(&empty, &camera, &settings, Ranks { count, threads: 1, organisation }, "nothing");
-            assert_eq!((report.bytes, report.pixels_visible()), (0, 0));
+            let report = check(
+                &empty,
+                &camera,
+                &settings,
+                Ranks { count, threads: 1, sharing: organisation.into() },
+                "nothing",
+            );
+            let sent = |r: &RankReport| r.pixels.sent + r.pixels.fragment_bytes + r.bin_bytes;
+            assert_eq!((report.ranks.iter().map(sent).sum::<u64>(), report.pixels_visible()), (0, 0));
         }
     }
 }
@@ -262,14 +302,14 @@ fn frames_do_not_affect_later_frames() {
     let mut clear = scene.clone();
     clear.instances[1].surface.opacity = 0.5;
     let only_ids = Outputs { ids: true, ..Outputs::NONE };
-    for (organisation, scene) in BOTH.into_iter().flat_map(|o| [(o, &scene), (o, &clear)]) {
+    for (organisation, scene) in ALL.into_iter().flat_map(|o| [(o, &scene), (o, &clear)]) {
         for settings in [
             Settings::one_sample(90, 70),
             Settings::new(90, 70),
             Settings { outputs: only_ids, layer_memory: 1, ..Settings::new(90, 70) },
         ] {
             let settings = Settings { tile_size: Some(8), ..settings };
-            let ranks = Ranks { count: 4, threads: 1, organisation };
+            let ranks = Ranks { count: 4, threads: 1, sharing: organisation.into() };
             let reports = tercio_parallel::draw_frames(ranks, scene, &cameras, &settings, |number, frame| {
                 let expected = Renderer::new().render(scene, &cameras[number], &settings).expect("a picture");
                 assert_same(&expected, frame, &format!("{organisation:?}, frame {number}"));
@@ -285,10 +325,12 @@ fn sort_last_shares_the_clusters_and_sort_first_the_picture() {
     let camera = camera(&scene, 2.6, false);
     let settings = Settings { outputs: EVERYTHING, tile_size: Some(32), ..Settings::one_sample(256, 192) };
     let clusters = scene.instances[0].mesh.clusters().len() as u64;
-    let ranks = |organisation| Ranks { count: 4, threads: 1, organisation };
+    let ranks = |organisation: Organisation| Ranks { count: 4, threads: 1, sharing: organisation.into() };
     let last = check(&scene, &camera, &settings, ranks(Organisation::SortLast), "gyroid");
     assert_eq!(last.ranks.iter().map(|r| r.clusters).sum::<u64>(), clusters);
-    assert_eq!((last.messages, last.region), (4 * 3 + 3, 32));
+    // Which tiles are touched, two messages of each rank; pixels, at most one to each other rank; and finished pixels.
+    assert!((4 * 2 + 3..=4 * 2 + 4 * 3 + 3).contains(&last.messages), "{}", last.messages);
+    assert_eq!(last.region, 32);
     let (sent, compared): (u64, u64) =
         last.ranks.iter().fold((0, 0), |sum, r| (sum.0 + r.pixels.sent, sum.1 + r.pixels.compared));
     assert!(sent == compared && sent > 0);
@@ -305,8 +347,8 @@ fn sort_last_shares_the_clusters_and_sort_first_the_picture() {
 fn errors_are_returned_by_the_rank_that_fails() {
     let scene = scene("builtin:teapot@1k", 128);
     let camera = camera(&scene, 2.6, false);
-    for organisation in BOTH {
-        let ranks = Ranks { count: 3, threads: 1, organisation };
+    for organisation in ALL {
+        let ranks = Ranks { count: 3, threads: 1, sharing: organisation.into() };
         let wide = Settings { width: 0, ..Settings::one_sample(8, 8) };
         let error = draw(ranks, &scene, &camera, &wide).unwrap_err().to_string();
         assert!(error.contains("width must be 1 to"), "{error}");
@@ -330,11 +372,12 @@ proptest! {
     fn any_setting(
         (model, most_triangles, second) in (0usize..4, 1usize..129, any::<bool>()),
         (width, height) in (1u32..150, 1u32..150),
-        (count, threads, last) in (1usize..10, 1usize..4, any::<bool>()),
+        (count, threads, organisation, group) in (1usize..10, 1usize..4, 0usize..4, 1usize..6),
         (radii, orthographic) in (0.05f64..4.0, any::<bool>()),
         (tile, cull, shading, sorting) in (0usize..6, 0usize..4, 0usize..4, any::<bool>()),
         (planes, samples, tent, by_sample) in (0u32..128, 0usize..8, any::<bool>(), any::<bool>()),
         (opacity, little_memory) in (prop_oneof![Just(1.0f32), 0.0f32..1.0], any::<bool>()),
+        (division, composition, radix) in (0usize..5, 0usize..5, 2u32..6),
     ) {
         let model = ["builtin:sphere@500", "builtin:teapot@2k", "builtin:soup@300", "builtin:terrain@1k"][model];
         let scene = scene(model, most_triangles);
@@ -363,8 +406,18 @@ proptest! {
             layer_memory: if little_memory { 1 } else { 128 << 20 },
             ..Settings::new(width, height)
         };
-        let organisation = if last { Organisation::SortLast } else { Organisation::SortFirst };
+        let organisation = [
+            Organisation::SortFirst,
+            Organisation::SortMiddle,
+            Organisation::SortLast,
+            Organisation::SortTwice { group },
+        ][organisation];
+        let composition = match Composition::ALL[composition] {
+            Composition::RadixK(_) => Composition::RadixK(radix),
+            composition => composition,
+        };
+        let sharing = Sharing { organisation, division: Division::ALL[division], composition };
         let camera = camera(&scene, radii, orthographic);
-        check(&scene, &camera, &settings, Ranks { count, threads, organisation }, model);
+        check(&scene, &camera, &settings, Ranks { count, threads, sharing }, model);
     }
 }

@@ -212,6 +212,13 @@ impl<'a> FrameContext<'a> {
         (instance, cluster, slot as usize % MAX_TRIANGLES)
     }
 
+    /// The number of the first primitive of a cluster's instance, and the cluster, which has the numbers of its triangles
+    /// in the instance.
+    pub fn primitives_of(&self, cluster: u32) -> (u64, ClusterView<'a>) {
+        let (instance, cluster) = self.cluster(cluster);
+        (self.first_primitive[instance], cluster)
+    }
+
     /// The primitive number of the triangle in a slot, which breaks ties of depth.
     #[cold]
     pub fn primitive(&self, slot: u32) -> u64 {

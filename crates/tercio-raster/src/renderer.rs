@@ -122,6 +122,12 @@ impl Renderer {
         counts.reduce(FrontEndCounts::default, FrontEndCounts::plus)
     }
 
+    /// An estimate of the work in each tile of the frame, in any unit; it depends on nothing but scene, camera, and size
+    /// of picture and tiles. It looks at some thousands of clusters, whatever the size of the scene.
+    pub fn estimate_load(context: &FrameContext) -> Vec<u64> {
+        frontend::estimate_load(context)
+    }
+
     /// The back end: draws a set of the frame's tiles from what was sorted into them. The pixels of other tiles keep
     /// their values.
     ///
@@ -155,11 +161,26 @@ impl Renderer {
         self.draw_tiles::<BackEndCounts>(context, sorted, tiles, frame);
     }
 
+    /// Fills a set of the frame's tiles with the background. The pixels of other tiles keep their values.
+    ///
+    /// # Panics
+    /// If the frame does not have the size and the planes of the settings ([`Frame::resize`]).
+    pub fn clear(&self, context: &FrameContext, tiles: &TileSet, frame: &mut Frame) {
+        let settings = context.settings;
+        let (outputs, background) = (&settings.outputs, &context.scene.background);
+        let count = settings.elements_per_pixel();
+        let (grid, height) = (&context.grid, settings.height);
+        let canvas = Canvas::new(frame, outputs, background, grid, count, height, outputs.linear);
+        let tiles = (0..grid.count() as u32).into_par_iter().filter(|&tile| tiles.contains(tile));
+        tiles.for_each(|tile| canvas.claim(tile).write_background());
+    }
+
     /// Makes pixels from the fragments that several ranks have drawn of the same frame, each a part of its triangles, with
     /// [`Settings::keep_fragments`]: the picture is the same as if one renderer had drawn everything. Each tile is given at
     /// most once, with the fragments of all ranks; the pixels of other tiles keep their values.
     ///
     /// The settings of this context are those of the ranks, except that they do not keep fragments, and may request keys.
+    /// Returns the number of pixels in which something is drawn.
     ///
     /// # Errors
     /// [`FragmentError`] if bytes are not fragments of their tile; some of the other tiles are then not written.
@@ -171,7 +192,7 @@ impl Renderer {
         context: &FrameContext,
         tiles: &[FragmentsOfTile],
         frame: &mut Frame,
-    ) -> Result<(), FragmentError> {
+    ) -> Result<u64, FragmentError> {
         let threads = rayon::current_num_threads();
         if self.scratch.len() < threads {
             self.scratch.resize_with(threads, Mutex::default);
@@ -180,12 +201,13 @@ impl Renderer {
         let (outputs, background) = (&settings.outputs, &context.scene.background);
         let canvas = Canvas::new(frame, outputs, background, &context.grid, 1, settings.height, true);
         let (level, scratch) = (level(context), &self.scratch[..]);
-        tiles.par_iter().with_max_len(1).try_for_each(|tile| {
+        let merged = tiles.par_iter().with_max_len(1).map(|tile| {
             let own = rayon::current_thread_index().unwrap_or(0);
             // As in `Tiles::draw`, the lock is free.
             let mut scratch = scratch[own % scratch.len()].lock().unwrap_or_else(|e| e.into_inner());
             dispatch!(level, simd => backend::merge_tile(simd, context, tile, &mut scratch, &canvas))
-        })
+        });
+        merged.try_reduce(|| 0, |sum, pixels| Ok(sum + pixels))
     }
 
     /// [`Renderer::draw`] with any tally.

@@ -280,11 +280,13 @@ fn parts_of_the_clusters_make_up_the_picture() {
     }
     for number in 0..5 {
         let part = draw(&both, &camera, &Settings { clusters: Part { number, of: 5 }, ..settings.clone() });
-        let keys = part.planes.keys.iter().zip(&composed.planes.keys);
-        let wins: Vec<bool> = keys.map(|(part, composed)| part > composed).collect();
-        let mut bytes = Vec::new();
-        part.planes.write_bytes(&settings.outputs, 0..wins.len(), &mut bytes);
-        composed.planes.read_bytes(&settings.outputs, &bytes, &wins, 0);
+        for pixel in 0..part.planes.keys.len() {
+            if part.planes.keys[pixel] > composed.planes.keys[pixel] {
+                let mut bytes = Vec::new();
+                part.planes.write_bytes(&settings.outputs, pixel..pixel + 1, &mut bytes);
+                composed.planes.read_bytes(&settings.outputs, &bytes, pixel..pixel + 1);
+            }
+        }
     }
     assert_same(&expected, &composed, "5 parts");
 }

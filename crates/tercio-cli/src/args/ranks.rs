@@ -1,7 +1,7 @@
 //! Options of how ranks share a frame.
 
 use clap::{Args, ValueEnum};
-use tercio::parallel::{Organisation, Ranks};
+use tercio::parallel::{Composition, Division, Organisation, Ranks, Sharing};
 use tercio::scene::{Instance, Scene};
 
 use crate::output::UsageError;
@@ -14,17 +14,42 @@ pub const MAX_RANKS: usize = 256;
 pub enum OrganisationName {
     /// Ranks share the picture: each draws only in its tiles, and only the clusters that reach them.
     SortFirst,
+    /// Ranks share the clusters, sort them into tiles, and send them to the ranks that own the tiles.
+    SortMiddle,
     /// Ranks share the clusters: their pictures are composited.
     SortLast,
+    /// Sort-middle in groups of --group ranks, whose pictures are composited.
+    SortTwice,
 }
 
-impl From<OrganisationName> for Organisation {
-    fn from(name: OrganisationName) -> Self {
-        match name {
-            OrganisationName::SortFirst => Self::SortFirst,
-            OrganisationName::SortLast => Self::SortLast,
-        }
-    }
+/// How the tiles of the picture are divided among ranks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum DivisionName {
+    /// Scattered, with about the same work for each rank.
+    Balanced,
+    /// Tile k, row by row, belongs to rank k modulo the number of ranks.
+    Interleaved,
+    /// Strips across the picture, with about the same work.
+    Rows,
+    /// Strips down the picture, with about the same work.
+    Columns,
+    /// Compact parts, with about the same work.
+    Blocks,
+}
+
+/// How the pictures of ranks are composited.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum CompositionName {
+    /// Each rank sends its part of a tile straight to the tile's owner.
+    DirectSend,
+    /// Pairs of ranks exchange halves.
+    BinarySwap,
+    /// Groups of up to --radix ranks exchange parts.
+    RadixK,
+    /// Half of the ranks send all that they have to the others, until one has everything.
+    Tree,
+    /// One rank after another adds its part.
+    Ring,
 }
 
 /// Ranks.
@@ -39,6 +64,19 @@ pub struct RanksArgs {
     /// How ranks share a frame [default: sort-last; sort-first if the model is not opaque].
     #[arg(long, value_name = "HOW", value_enum)]
     organisation: Option<OrganisationName>,
+    /// Ranks of a group of sort-twice; the last group may be smaller [default: about the square root of their number].
+    #[arg(long, value_name = "N", value_parser = parse_ranks)]
+    group: Option<usize>,
+    /// How the tiles of the picture are divided: for sort-first, sort-middle, and inside the groups of sort-twice [default:
+    /// balanced].
+    #[arg(long, value_name = "HOW", value_enum)]
+    division: Option<DivisionName>,
+    /// How pictures are composited: for sort-last, and between the groups of sort-twice [default: direct-send].
+    #[arg(long, value_name = "HOW", value_enum)]
+    composition: Option<CompositionName>,
+    /// Largest number of ranks that exchange parts in a round of --composition radix-k, at least 2 [default: 4].
+    #[arg(long, value_name = "K", value_parser = clap::value_parser!(u32).range(2..=MAX_RANKS as i64))]
+    radix: Option<u32>,
 }
 
 /// Who draws a frame.
@@ -47,9 +85,9 @@ pub enum Drawers {
     /// This process, without ranks.
     Alone,
     /// This many ranks of this process.
-    InProcess(usize, Organisation),
+    InProcess(usize, Sharing),
     /// The processes that mpirun started.
-    Mpi(Organisation),
+    Mpi(Sharing),
 }
 
 impl RanksArgs {
@@ -58,41 +96,108 @@ impl RanksArgs {
     /// # Errors
     /// [`UsageError`] if the options request other ranks than those of the job.
     pub fn drawers(&self, processes: Option<usize>) -> Result<Drawers, UsageError> {
-        let organisation = self.organisation.unwrap_or(OrganisationName::SortLast).into();
         let has_others = processes.is_some_and(|p| p > 1);
         match (self.ranks, processes) {
             (Some(ranks), Some(processes)) if has_others && ranks != processes => Err(UsageError(format!(
                 "--ranks {ranks}: mpirun started {processes} processes, which are the ranks"
             ))),
-            (Some(ranks), _) if !has_others => Ok(Drawers::InProcess(ranks, organisation)),
-            (_, Some(_)) if has_others || self.organisation.is_some() => Ok(Drawers::Mpi(organisation)),
-            (None, None) if self.organisation.is_some() => Err(UsageError(
-                "--organisation says how ranks share a frame: it needs --ranks N, or mpirun -n N".into(),
-            )),
+            (Some(ranks), _) if !has_others => Ok(Drawers::InProcess(ranks, self.sharing(ranks)?)),
+            (_, Some(processes)) if has_others || self.option().is_some() => {
+                Ok(Drawers::Mpi(self.sharing(processes)?))
+            }
+            (None, None) => match self.option() {
+                Some(option) => Err(UsageError(format!(
+                    "{option} says how ranks share a frame: it needs --ranks N, or mpirun -n N"
+                ))),
+                None => Ok(Drawers::Alone),
+            },
             _ => Ok(Drawers::Alone),
         }
     }
-}
 
-impl RanksArgs {
+    /// The first option that says how ranks share a frame, if there is one.
+    fn option(&self) -> Option<&'static str> {
+        [
+            (self.organisation.is_some(), "--organisation"),
+            (self.group.is_some(), "--group"),
+            (self.division.is_some(), "--division"),
+            (self.composition.is_some(), "--composition"),
+            (self.radix.is_some(), "--radix"),
+        ]
+        .into_iter()
+        .find_map(|(is_given, option)| is_given.then_some(option))
+    }
+
+    /// How this many ranks share a frame.
+    fn sharing(&self, ranks: usize) -> Result<Sharing, UsageError> {
+        let organisation = match self.organisation.unwrap_or(OrganisationName::SortLast) {
+            OrganisationName::SortFirst => Organisation::SortFirst,
+            OrganisationName::SortMiddle => Organisation::SortMiddle,
+            OrganisationName::SortLast => Organisation::SortLast,
+            OrganisationName::SortTwice => {
+                let square_root = (1..).find(|root| root * root >= ranks).unwrap_or(ranks);
+                Organisation::SortTwice { group: self.group.unwrap_or(square_root) }
+            }
+        };
+        let name = organisation.name();
+        let unused = |option, why: &str| Err(UsageError(format!("{option}: {name} {why}")));
+        let is_twice = matches!(organisation, Organisation::SortTwice { .. });
+        if self.group.is_some() && !is_twice {
+            return unused("--group", "has no groups of ranks; --organisation sort-twice has");
+        }
+        if self.division.is_some() && organisation == Organisation::SortLast {
+            return unused("--division", "does not divide the picture");
+        }
+        let composites = is_twice || organisation == Organisation::SortLast;
+        if (self.composition.is_some() || self.radix.is_some()) && !composites {
+            return unused("--composition", "does not composite pictures");
+        }
+        let composition = match self.composition {
+            Some(CompositionName::RadixK) => Composition::RadixK(self.radix.unwrap_or(4)),
+            _ if self.radix.is_some() => {
+                return Err(UsageError("--radix is for --composition radix-k".into()));
+            }
+            None | Some(CompositionName::DirectSend) => Composition::DirectSend,
+            Some(CompositionName::BinarySwap) => Composition::BinarySwap,
+            Some(CompositionName::Tree) => Composition::Tree,
+            Some(CompositionName::Ring) => Composition::Ring,
+        };
+        let division = match self.division.unwrap_or(DivisionName::Balanced) {
+            DivisionName::Balanced => Division::Balanced,
+            DivisionName::Interleaved => Division::Interleaved,
+            DivisionName::Rows => Division::Rows,
+            DivisionName::Columns => Division::Columns,
+            DivisionName::Blocks => Division::Blocks,
+        };
+        Ok(Sharing { organisation, division, composition })
+    }
+
     /// How ranks share a frame of this scene: without a request, sort-last only if all is opaque, because it sends every layer
     /// of what is not.
-    pub fn organisation(&self, requested: Organisation, scene: &Scene) -> Organisation {
+    pub fn sharing_of(&self, requested: Sharing, scene: &Scene) -> Sharing {
         let is_opaque = !scene.instances.iter().any(Instance::is_translucent);
-        if is_opaque || self.organisation.is_some() { requested } else { Organisation::SortFirst }
+        if is_opaque || self.organisation.is_some() {
+            return requested;
+        }
+        Sharing { organisation: Organisation::SortFirst, ..requested }
     }
 }
 
 impl Drawers {
     /// The ranks of this process, if there are any, sharing `threads` threads.
     pub fn in_process(self, threads: usize) -> Option<Ranks> {
-        let Self::InProcess(count, organisation) = self else { return None };
-        Some(Ranks { count, threads: (threads / count).max(1), organisation })
+        let Self::InProcess(count, sharing) = self else { return None };
+        Some(Ranks { count, threads: (threads / count).max(1), sharing })
     }
 
     /// Whether ranks composite their pictures.
     pub fn composites(self) -> bool {
-        matches!(self, Self::InProcess(_, Organisation::SortLast) | Self::Mpi(Organisation::SortLast))
+        match self {
+            Self::Alone => false,
+            Self::InProcess(_, sharing) | Self::Mpi(sharing) => {
+                matches!(sharing.organisation, Organisation::SortLast | Organisation::SortTwice { .. })
+            }
+        }
     }
 
     /// Number of frames that this process keeps at the same time, and whether with their keys.
@@ -114,26 +219,65 @@ pub fn parse_ranks(text: &str) -> Result<usize, String> {
 mod tests {
     use super::*;
 
-    fn drawers(
-        ranks: Option<usize>,
-        organisation: Option<OrganisationName>,
-        processes: Option<usize>,
-    ) -> Result<Drawers, String> {
-        RanksArgs { ranks, organisation }.drawers(processes).map_err(|e| e.0)
+    /// Options as they are written.
+    #[derive(clap::Parser)]
+    struct Line {
+        #[command(flatten)]
+        ranks: RanksArgs,
+    }
+
+    fn drawers(options: &str, processes: Option<usize>) -> Result<Drawers, String> {
+        let line = std::iter::once("tercio").chain(options.split_whitespace());
+        let parsed = <Line as clap::Parser>::try_parse_from(line).map_err(|e| e.to_string())?;
+        parsed.ranks.drawers(processes).map_err(|e| e.0)
     }
 
     #[test]
     fn processes_of_mpirun_are_the_ranks() {
         use Organisation::{SortFirst, SortLast};
-        let first = Some(OrganisationName::SortFirst);
-        assert_eq!(drawers(None, None, None), Ok(Drawers::Alone));
-        assert_eq!(drawers(None, None, Some(1)), Ok(Drawers::Alone));
-        assert_eq!(drawers(None, None, Some(4)), Ok(Drawers::Mpi(SortLast)));
-        assert_eq!(drawers(Some(4), None, Some(4)), Ok(Drawers::Mpi(SortLast)));
-        assert_eq!(drawers(None, first, Some(1)), Ok(Drawers::Mpi(SortFirst)));
-        assert_eq!(drawers(Some(3), first, None), Ok(Drawers::InProcess(3, SortFirst)));
-        assert_eq!(drawers(Some(3), None, Some(1)), Ok(Drawers::InProcess(3, SortLast)));
-        assert!(drawers(Some(3), None, Some(4)).unwrap_err().contains("mpirun started 4"));
-        assert!(drawers(None, first, None).unwrap_err().contains("--ranks"));
+        assert_eq!(drawers("", None), Ok(Drawers::Alone));
+        assert_eq!(drawers("", Some(1)), Ok(Drawers::Alone));
+        assert_eq!(drawers("", Some(4)), Ok(Drawers::Mpi(SortLast.into())));
+        assert_eq!(drawers("--ranks 4", Some(4)), Ok(Drawers::Mpi(SortLast.into())));
+        assert_eq!(drawers("--organisation sort-first", Some(1)), Ok(Drawers::Mpi(SortFirst.into())));
+        let three = "--ranks 3 --organisation sort-first";
+        assert_eq!(drawers(three, None), Ok(Drawers::InProcess(3, SortFirst.into())));
+        assert_eq!(drawers("--ranks 3", Some(1)), Ok(Drawers::InProcess(3, SortLast.into())));
+        assert!(drawers("--ranks 3", Some(4)).unwrap_err().contains("mpirun started 4"));
+        for option in
+            ["--organisation sort-first", "--group 2", "--division rows", "--composition tree", "--radix 4"]
+        {
+            let error = drawers(option, None).unwrap_err();
+            assert!(error.contains("--ranks") && error.starts_with(&option[..7]), "{error}");
+        }
+    }
+
+    #[test]
+    fn options_that_have_no_effect_are_refused() {
+        let sharing = |options: &str| match drawers(&format!("--ranks 10 {options}"), None) {
+            Ok(Drawers::InProcess(10, sharing)) => Ok(sharing),
+            Ok(other) => panic!("{other:?}"),
+            Err(error) => Err(error),
+        };
+        let twice = |group| Sharing::from(Organisation::SortTwice { group });
+        assert_eq!(sharing("--organisation sort-twice"), Ok(twice(4)));
+        assert_eq!(sharing("--organisation sort-twice --group 3"), Ok(twice(3)));
+        let composition = Composition::RadixK(3);
+        let last = Sharing { composition, ..Organisation::SortLast.into() };
+        assert_eq!(sharing("--composition radix-k --radix 3"), Ok(last));
+        let division = Division::Rows;
+        let middle = Sharing { division, ..Organisation::SortMiddle.into() };
+        assert_eq!(sharing("--organisation sort-middle --division rows"), Ok(middle));
+        for (options, reason) in [
+            ("--group 3", "sort-last has no groups"),
+            ("--division rows", "sort-last does not divide"),
+            ("--organisation sort-middle --composition tree", "sort-middle does not composite"),
+            ("--organisation sort-first --radix 3", "sort-first does not composite"),
+            ("--composition tree --radix 3", "--radix is for"),
+            ("--radix 1", "1 is not in 2..=256"),
+        ] {
+            let error = sharing(options).unwrap_err();
+            assert!(error.contains(reason), "{options}: {error}");
+        }
     }
 }

@@ -14,7 +14,7 @@ use tercio::image::Destination;
 use tercio::mesh::cluster::{PartitionOptions, partition};
 use tercio::mesh::{Aabb, ClusteredMesh, Mesh};
 use tercio::parallel::organisation::{Rank, Task};
-use tercio::parallel::{Communicator, FrameReport, Organisation, Ranks, between_processes, draw_frames};
+use tercio::parallel::{Communicator, FrameReport, Ranks, Sharing, between_processes, draw_frames};
 use tercio::raster::{Frame, FrameStats, LastStage, Renderer, Settings};
 use tercio::scene::{Camera, Projection, Scene};
 use tercio::{LoadOptions, LoadReport, Model, Normals, TextureReport};
@@ -127,11 +127,11 @@ impl Bench {
             Drawers::Mpi(_) if processes.is_some_and(|p| p > 1) && self.model.is_standard_input() => {
                 return Err(UsageError("standard input reaches one rank only: name a file".into()).into());
             }
-            Drawers::Mpi(organisation) => {
+            Drawers::Mpi(sharing) => {
                 let work = |comm: &mut mpi::Comm| {
                     let is_first = comm.rank() == 0;
                     let draw = |scene: &Scene, cameras: &[Camera], settings: &Settings| {
-                        draw_as_rank(comm, &pool, (scene, cameras, settings, organisation))
+                        draw_as_rank(comm, &pool, (scene, cameras, settings, sharing))
                     };
                     self.measure(&files, is_first, draw)
                 };
@@ -385,11 +385,11 @@ fn draw_with_ranks(ranks: Ranks, scene: &Scene, cameras: &[Camera], settings: &S
 fn draw_as_rank(
     comm: &mut mpi::Comm,
     pool: &Arc<ThreadPool>,
-    (scene, cameras, settings, organisation): (&Scene, &[Camera], &Settings, Organisation),
+    (scene, cameras, settings, sharing): (&Scene, &[Camera], &Settings, Sharing),
 ) -> Result<Frames> {
     let (mut own, mut frame, mut reports) = (Rank::from_pool(pool.clone()), Frame::default(), Vec::new());
     for camera in with_first_frame(cameras) {
-        let task = Task { organisation, scene, camera: &camera, settings };
+        let task = Task { sharing, scene, camera: &camera, settings };
         reports.extend(between_processes::draw_frame(&mut own, comm, &task, &mut frame)?);
     }
     reports.drain(..reports.len().min(1));

@@ -9,7 +9,7 @@ use clap::Args;
 use rayon::ThreadPool;
 use serde_json::{Value, json};
 use tercio::parallel::organisation::{Rank, Task};
-use tercio::parallel::{Communicator as _, FrameReport, Organisation, Ranks, between_processes, in_process};
+use tercio::parallel::{Communicator as _, FrameReport, Ranks, Sharing, between_processes, in_process};
 use tercio::raster::frame::fragments::fragment_bytes;
 use tercio::raster::{Frame, FrameStats, Outputs, Renderer, Settings};
 use tercio::scene::{Background, Camera, Scene};
@@ -158,11 +158,11 @@ impl Render {
         ending::name_model(self.model.name());
         let pool = Arc::new(self.running.pool()?);
         let done = match drawers {
-            Drawers::Mpi(organisation) => {
+            Drawers::Mpi(sharing) => {
                 if processes.is_some_and(|p| p > 1) && self.model.is_standard_input() {
                     return Err(UsageError("standard input reaches one rank only: name a file".into()).into());
                 }
-                let work = |comm: &mut _| self.draw_as_rank(comm, &pool, &writing, &settings, organisation);
+                let work = |comm: &mut _| self.draw_as_rank(comm, &pool, &writing, &settings, sharing);
                 pool.install(|| mpi::run(work))?
             }
             _ => {
@@ -281,21 +281,21 @@ impl Render {
         pool: &Arc<ThreadPool>,
         writing: &Writing,
         settings: &Settings,
-        organisation: Organisation,
+        sharing: Sharing,
     ) -> Result<Option<Done>> {
         let writes = comm.rank() == 0;
         if writes {
             writing.files.check_places()?;
         }
         let display = Display::new(if writes { self.running.progress_mode() } else { ProgressMode::Never });
-        let loaded = self.load(writing, &display, Drawers::Mpi(organisation))?;
-        let organisation = self.ranks.organisation(organisation, &loaded.scene);
+        let loaded = self.load(writing, &display, Drawers::Mpi(sharing))?;
+        let sharing = self.ranks.sharing_of(sharing, &loaded.scene);
         let mut own = Rank::from_pool(pool.clone());
         let mut drawn = Vec::new();
         for camera in &loaded.cameras.views {
             let settings = &self.with_shadows(settings, &loaded.scene, camera, &display)?;
             display.stage("drawing");
-            let task = Task { organisation, scene: &loaded.scene, camera, settings };
+            let task = Task { sharing, scene: &loaded.scene, camera, settings };
             let mut frame = Frame::default();
             let parallel = between_processes::draw_frame(&mut own, comm, &task, &mut frame)
                 .with_context(|| self.model.name())?;
@@ -372,8 +372,7 @@ impl Render {
         Ok(match drawers.in_process(rayon::current_num_threads()) {
             None => (Renderer::new().render(scene, camera, settings)?, None),
             Some(ranks) => {
-                let organisation = self.ranks.organisation(ranks.organisation, scene);
-                let ranks = Ranks { organisation, ..ranks };
+                let ranks = Ranks { sharing: self.ranks.sharing_of(ranks.sharing, scene), ..ranks };
                 let (frame, report) = in_process::draw(ranks, scene, camera, settings)?;
                 (frame, Some(report))
             }

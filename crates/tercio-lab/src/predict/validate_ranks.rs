@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use rayon::ThreadPool;
 use serde::Serialize;
-use tercio_parallel::{Communicator, Organisation, ParallelError};
+use tercio_parallel::{Communicator, Division, Organisation, ParallelError};
 use tercio_raster::Settings;
 use tercio_scene::{Camera, Scene};
 
@@ -178,7 +178,8 @@ impl<'a> Place<'a> {
     ) -> Result<Vec<View<'a>>, RanksError> {
         let model = self.model;
         let view = |camera| {
-            let work = RanksWork::count(&model.scene, &camera, &self.settings(), self.how)?;
+            let work =
+                RanksWork::count(&model.scene, &camera, &self.settings(), (self.how.0, self.how.1.into()))?;
             let predicted = predict(machine, costs, &work, processors).map_err(PredictError::from)?;
             let measured = MeasuredRanks::default();
             Ok(View { model, camera, work, predicted, measured, differing: Vec::new(), compared: 0 })
@@ -267,7 +268,8 @@ pub fn follow(
     for _ in 0..o.rounds.max(1) {
         for place in table.places() {
             let ((ranks, organisation), size) = (place.how, place.size);
-            let sharing = Sharing { organisation, ranks, size, edge: place.settings().tile_edge() };
+            let edge = place.settings().tile_edge();
+            let sharing = Sharing { organisation, division: Division::default(), ranks, size, edge };
             for camera in place.cameras() {
                 MeasuredRanks::draw_between(
                     (&mut *comm, pool),

@@ -142,4 +142,37 @@ pub trait Communicator {
         }
         Ok(Vec::new())
     }
+
+    /// Sends a block of bytes of each rank to all others: returns those of all ranks, in their order. All blocks have the same
+    /// length. In round k every rank sends what it has, at most 2^k blocks, to the one 2^k before it (Bruck et al. 1997): so each
+    /// sends log2 of the ranks messages, rounded up, with all blocks but one.
+    ///
+    /// # Errors
+    /// [`CommError`], also if the blocks of other ranks have another length.
+    fn all_gather(&mut self, block: Vec<u8>) -> Result<Vec<Vec<u8>>, CommError> {
+        let (rank, size, length) = (self.rank(), self.size(), block.len());
+        // The blocks of this rank and those behind it.
+        let mut have = block;
+        let mut step = 1;
+        while step < size {
+            let blocks = step.min(size - step);
+            let mut message = self.buffer((rank + size - step) % size);
+            message.extend_from_slice(&have[..blocks * length]);
+            self.send((rank + size - step) % size, message)?;
+            let from = (rank + step) % size;
+            let message = self.receive(from)?;
+            if message.len() != blocks * length {
+                let reason = format!("{} bytes, expected {blocks} blocks of {length}", message.len());
+                return Err(CommError::Transport { rank: from, reason });
+            }
+            have.extend_from_slice(&message);
+            self.give_back(from, message);
+            step *= 2;
+        }
+        let block_of = |of: usize| {
+            let first = (of + size - rank) % size * length;
+            have[first..first + length].to_vec()
+        };
+        Ok((0..size).map(block_of).collect())
+    }
 }

@@ -1,56 +1,99 @@
 //! Ranks as threads of one process.
 
 use std::any::Any;
+use std::collections::{HashMap, VecDeque};
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard};
 
 use super::{CommError, Communicator, Traffic};
 use crate::ParallelError;
 
-/// A rank's ends of the channels. When it is dropped, also by a panic, the others notice that the rank is gone.
+/// A rank's access to the mailboxes. When it is dropped, also by a panic, the others notice that the rank is gone.
 #[derive(Debug)]
 pub struct ThreadComm {
     rank: usize,
-    /// To each rank; the entry of this rank is unused.
-    to: Vec<Sender<Vec<u8>>>,
-    /// From each rank.
-    from: Vec<Receiver<Vec<u8>>>,
-    /// To each rank: its messages after they were read, for reuse.
-    read: Vec<Sender<Vec<u8>>>,
-    /// From each rank: this rank's messages to it after they were read. No more than were ever in transit at once.
-    spare: Vec<Receiver<Vec<u8>>>,
+    /// One for each rank.
+    mailboxes: Arc<[Mailbox]>,
     traffic: Traffic,
+}
+
+/// What a rank has received. Memory grows with the messages and those who sent them, not with the number of ranks.
+#[derive(Debug, Default)]
+struct Mailbox {
+    content: Mutex<Content>,
+    /// The rank waits for this.
+    changed: Condvar,
+    is_gone: AtomicBool,
+}
+
+#[derive(Debug, Default)]
+struct Content {
+    /// Messages by sender.
+    messages: HashMap<usize, VecDeque<Vec<u8>>>,
+    /// This rank's messages, by receiver, after they were read. No more than were ever in transit at once.
+    spare: HashMap<usize, Vec<Vec<u8>>>,
+}
+
+impl Mailbox {
+    fn lock(&self) -> MutexGuard<'_, Content> {
+        self.content.lock().unwrap_or_else(|e| e.into_inner())
+    }
+
+    fn is_gone(&self) -> bool {
+        self.is_gone.load(Ordering::SeqCst)
+    }
 }
 
 impl ThreadComm {
     /// Communicators of some ranks, in their order.
     pub fn for_ranks(ranks: usize) -> Vec<Self> {
-        let mut comms: Vec<Self> = (0..ranks)
-            .map(|rank| Self {
-                rank,
-                to: Vec::new(),
-                from: Vec::new(),
-                read: Vec::new(),
-                spare: Vec::new(),
-                traffic: Traffic::default(),
-            })
-            .collect();
-        for from in 0..ranks {
-            for to in 0..ranks {
-                let (sender, receiver) = channel();
-                comms[from].to.push(sender);
-                comms[to].from.push(receiver);
-                let (sender, receiver) = channel();
-                comms[from].read.push(sender);
-                comms[to].spare.push(receiver);
-            }
-        }
-        comms
+        let mailboxes: Arc<[Mailbox]> = (0..ranks).map(|_| Mailbox::default()).collect();
+        let comm = |rank| Self { rank, mailboxes: mailboxes.clone(), traffic: Traffic::default() };
+        (0..ranks).map(comm).collect()
     }
 
     fn check(&self, rank: usize) -> Result<(), CommError> {
-        let size = self.to.len();
+        let size = self.mailboxes.len();
         if rank < size && rank != self.rank { Ok(()) } else { Err(CommError::NoPartner { rank, size }) }
+    }
+
+    fn put(&self, to: usize, message: Vec<u8>) -> Result<(), CommError> {
+        self.check(to)?;
+        let mailbox = &self.mailboxes[to];
+        if mailbox.is_gone() {
+            return Err(CommError::Gone { rank: to });
+        }
+        mailbox.lock().messages.entry(self.rank).or_default().push_back(message);
+        mailbox.changed.notify_one();
+        Ok(())
+    }
+
+    fn take(&self, from: usize) -> Result<Vec<u8>, CommError> {
+        self.check(from)?;
+        let own = &self.mailboxes[self.rank];
+        let mut content = own.lock();
+        loop {
+            if let Some(message) = content.messages.get_mut(&from).and_then(VecDeque::pop_front) {
+                return Ok(message);
+            }
+            // After the messages that it sent before it ended.
+            if self.mailboxes[from].is_gone() {
+                return Err(CommError::Gone { rank: from });
+            }
+            content = own.changed.wait(content).unwrap_or_else(|e| e.into_inner());
+        }
+    }
+}
+
+impl Drop for ThreadComm {
+    fn drop(&mut self) {
+        self.mailboxes[self.rank].is_gone.store(true, Ordering::SeqCst);
+        for other in &self.mailboxes[..] {
+            // Whoever looked before is waiting when the lock is free, and is woken.
+            drop(other.lock());
+            other.changed.notify_one();
+        }
     }
 }
 
@@ -60,36 +103,35 @@ impl Communicator for ThreadComm {
     }
 
     fn size(&self) -> usize {
-        self.to.len()
+        self.mailboxes.len()
     }
 
     fn send(&mut self, to: usize, message: Vec<u8>) -> Result<(), CommError> {
-        self.check(to)?;
         let bytes = message.len() as u64;
-        self.to[to].send(message).map_err(|_| CommError::Gone { rank: to })?;
+        self.put(to, message)?;
         self.traffic.sent_messages += 1;
         self.traffic.sent_bytes += bytes;
         Ok(())
     }
 
     fn receive(&mut self, from: usize) -> Result<Vec<u8>, CommError> {
-        self.check(from)?;
-        let message = self.from[from].recv().map_err(|_| CommError::Gone { rank: from })?;
+        let message = self.take(from)?;
         self.traffic.taken_messages += 1;
         self.traffic.taken_bytes += message.len() as u64;
         Ok(message)
     }
 
     fn buffer(&mut self, to: usize) -> Vec<u8> {
-        let mut buffer = self.spare.get(to).and_then(|spare| spare.try_recv().ok()).unwrap_or_default();
+        let spare = self.mailboxes[self.rank].lock().spare.get_mut(&to).and_then(Vec::pop);
+        let mut buffer = spare.unwrap_or_default();
         buffer.clear();
         buffer
     }
 
     fn give_back(&mut self, from: usize, message: Vec<u8>) {
         // A rank that is gone needs no memory.
-        if let Some(read) = self.read.get(from) {
-            read.send(message).ok();
+        if let Some(sender) = self.mailboxes.get(from).filter(|sender| !sender.is_gone()) {
+            sender.lock().spare.entry(self.rank).or_default().push(message);
         }
     }
 
@@ -98,13 +140,11 @@ impl Communicator for ThreadComm {
     }
 
     fn signal(&mut self, to: usize) -> Result<(), CommError> {
-        self.check(to)?;
-        self.to[to].send(Vec::new()).map_err(|_| CommError::Gone { rank: to })
+        self.put(to, Vec::new())
     }
 
     fn await_signal(&mut self, from: usize) -> Result<(), CommError> {
-        self.check(from)?;
-        self.from[from].recv().map(drop).map_err(|_| CommError::Gone { rank: from })
+        self.take(from).map(drop)
     }
 }
 

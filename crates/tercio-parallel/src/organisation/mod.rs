@@ -1,33 +1,54 @@
 //! Who draws what, and where work is redistributed.
+//!
+//! A frame of ranks has the same steps in every organisation ([`frame`]):
+//!
+//! | step | sort-first | sort-middle | sort-last | sort-twice |
+//! |---|---|---|---|---|
+//! | front end | all clusters, own tiles | own clusters | own clusters | own clusters |
+//! | [redistribute](redistribute) bins | – | to the owners of tiles | – | to the owners of tiles in the rank's group |
+//! | draw | own tiles | own tiles | all tiles | own tiles in the group |
+//! | [composite](crate::composite) | – | – | between ranks | between groups |
+//! | [collect](collect) pixels | on rank 0 | on rank 0 | on rank 0 | on rank 0 |
+//!
+//! So sort-middle and sort-last are sort-twice with groups of all ranks, and of one.
 
+mod collect;
+mod frame;
+mod redistribute;
 mod rounds;
-mod sort_first;
-mod sort_last;
 
 use std::fmt;
+use std::ops::Range;
 use std::sync::Arc;
 
 use rayon::{ThreadPool, ThreadPoolBuilder};
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 use tercio_raster::binning::Sorted;
-use tercio_raster::{Frame, Outputs, Part, RenderError, Renderer, Settings, TileSet};
+use tercio_raster::{Frame, RenderError, Renderer, Settings};
 use tercio_scene::{Camera, Instance, Scene};
 
+use crate::ParallelError;
 use crate::comm::Communicator;
-use crate::composite::collect::clear;
-use crate::regions::Regions;
-use crate::report::RankReport;
-use crate::{ParallelError, report::Stage};
+use crate::composite::Composition;
+use crate::division::Division;
+use crate::report::{RankReport, Stage};
 
 /// Where work is redistributed between ranks.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Organisation {
-    /// Before the front end: every rank draws the clusters that reach its regions, and only there.
+    /// Before the front end: every rank draws the clusters that reach its tiles, and only there.
     SortFirst,
+    /// Between front end and back end: every rank sorts a share of the clusters into tiles, and sends what is in them to the
+    /// tiles' owners, which draw them.
+    SortMiddle,
     /// After the back end: every rank draws a share of the clusters, and the pictures are composited.
     SortLast,
+    /// Both: sort-middle in groups of this many ranks (the last group may be smaller), sort-last between the groups.
+    SortTwice {
+        /// Ranks of a group.
+        group: usize,
+    },
 }
 
 impl Organisation {
@@ -35,15 +56,66 @@ impl Organisation {
     pub fn name(self) -> &'static str {
         match self {
             Self::SortFirst => "sort-first",
+            Self::SortMiddle => "sort-middle",
             Self::SortLast => "sort-last",
+            Self::SortTwice { .. } => "sort-twice",
         }
+    }
+
+    /// The number of ranks that share the tiles of the picture, at least 1: all ranks but in sort-last and sort-twice.
+    pub fn group(self, ranks: usize) -> usize {
+        match self {
+            Self::SortFirst | Self::SortMiddle => ranks,
+            Self::SortLast => 1,
+            Self::SortTwice { group } => group.clamp(1, ranks.max(1)),
+        }
+    }
+
+    /// Are pictures of several of this many ranks composited?
+    pub fn composites(self, ranks: usize) -> bool {
+        self.group(ranks) < ranks
     }
 }
 
 impl fmt::Display for Organisation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
+        f.write_str(self.name())?;
+        match self {
+            Self::SortTwice { group } => write!(f, "-{group}"),
+            _ => Ok(()),
+        }
     }
+}
+
+impl Serialize for Organisation {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(self)
+    }
+}
+
+/// How ranks share a frame. The picture does not depend on it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct Sharing {
+    /// Where work is redistributed.
+    pub organisation: Organisation,
+    /// How tiles are divided among the ranks that draw different ones; without meaning for sort-last.
+    pub division: Division,
+    /// How pixels of the same tiles are composited; without meaning for sort-first and sort-middle.
+    pub composition: Composition,
+}
+
+impl From<Organisation> for Sharing {
+    /// The organisation with the usual division and composition.
+    fn from(organisation: Organisation) -> Self {
+        Self { organisation, division: Division::default(), composition: Composition::default() }
+    }
+}
+
+/// The ranks, consecutive ones, that share the tiles of the picture with a rank.
+pub fn group_of(organisation: Organisation, ranks: usize, rank: usize) -> Range<usize> {
+    let size = organisation.group(ranks);
+    let first = rank / size * size;
+    first..(first + size).min(ranks)
 }
 
 /// A rank's renderer and threads, kept from frame to frame.
@@ -55,7 +127,7 @@ pub struct Rank {
     keys: Vec<u64>,
     /// The fragments that this rank drew, if fragments are composited.
     fragments: Frame,
-    /// What it draws them from.
+    /// What it draws from.
     sorted: Sorted,
 }
 
@@ -63,7 +135,7 @@ pub struct Rank {
 #[derive(Clone, Copy, Debug)]
 pub struct Task<'a> {
     /// How ranks share it.
-    pub organisation: Organisation,
+    pub sharing: Sharing,
     /// The whole scene. Its meshes are in shared memory here; a rank reads only the parts of them that it draws.
     pub scene: &'a Scene,
     /// The camera.
@@ -115,76 +187,31 @@ impl Rank {
         let mut report = RankReport { rank: comm.rank(), ..RankReport::default() };
         task.settings.check()?;
         refuse_parts(task.settings)?;
-        let regions = Regions {
-            width: task.settings.width,
-            height: task.settings.height,
-            edge: region_edge(task.scene, task.settings),
-            ranks: comm.size(),
-            numbers: [0, u64::MAX],
-        };
-        match task.organisation {
-            // A filter that is wider than a pixel draws further pixels, which are counted by their keys.
-            _ if comm.size() == 1 && task.settings.sampling.halo() == 0 => {
-                self.draw_alone(task, frame, &mut report)?
-            }
-            Organisation::SortFirst => sort_first::draw(self, comm, task, &regions, frame, &mut report)?,
-            Organisation::SortLast => sort_last::draw(self, comm, task, &regions, frame, &mut report)?,
-        }
-        if comm.rank() == 0 && !task.settings.outputs.keys {
-            self.keys = std::mem::take(&mut frame.planes.keys);
+        if comm.size() == 1 {
+            self.draw_alone(task, frame, &mut report)?;
+        } else {
+            frame::draw(self, comm, task, frame, &mut report)?;
         }
         report.traffic = comm.traffic().since(before);
         Ok(report)
     }
 
-    /// Draws everything: the only rank needs no keys.
+    /// Draws everything, as a renderer without ranks.
     fn draw_alone(
         &mut self,
         task: &Task,
         frame: &mut Frame,
         report: &mut RankReport,
     ) -> Result<(), ParallelError> {
-        self.draw_planes(task, (Part::WHOLE, TileSet::ALL), task.settings.outputs, frame, report)?;
-        report.pixels.visible = report.frame.backend.pixels_visible;
-        Ok(())
-    }
-
-    /// Draws a part, with keys.
-    fn draw_part(
-        &mut self,
-        task: &Task,
-        part: (Part, TileSet),
-        frame: &mut Frame,
-        report: &mut RankReport,
-    ) -> Result<(), ParallelError> {
-        if frame.planes.keys.is_empty() {
-            frame.planes.keys = std::mem::take(&mut self.keys);
-        }
-        let outputs = Outputs { keys: true, ..task.settings.outputs };
-        self.draw_planes(task, part, outputs, frame, report)
-    }
-
-    fn draw_planes(
-        &mut self,
-        task: &Task,
-        (clusters, tiles): (Part, TileSet),
-        outputs: Outputs,
-        frame: &mut Frame,
-        report: &mut RankReport,
-    ) -> Result<(), ParallelError> {
-        // Tiles are the regions: the same for every rank, however many threads it has.
-        let tile_size = Some(region_edge(task.scene, task.settings));
-        let settings = Settings { clusters, tiles, outputs, tile_size, ..task.settings.clone() };
+        let settings =
+            Settings { tile_size: Some(region_edge(task.scene, task.settings)), ..task.settings.clone() };
         let Self { pool, renderer, .. } = self;
-        report.clusters = clusters.range(clusters_of(task.scene)).len() as u64;
-        let (stage, drawn) = pool.install(|| {
-            let mut stage = Stage::default();
-            let drawn = stage.time(|| renderer.render_into(task.scene, task.camera, &settings, frame));
-            (stage, drawn)
-        });
-        drawn?;
+        let mut stage = Stage::default();
+        pool.install(|| stage.time(|| renderer.render_into(task.scene, task.camera, &settings, frame)))?;
+        report.clusters = u64::from(clusters_of(task.scene));
         report.stages.draw = stage;
         report.frame = frame.stats.clone();
+        report.pixels.visible = report.frame.backend.pixels_visible;
         Ok(())
     }
 }
@@ -194,27 +221,11 @@ fn is_translucent(scene: &Scene) -> bool {
     scene.instances.iter().any(Instance::is_translucent)
 }
 
-/// Pixels along the edge of the regions of a frame. Smaller ones for what is not opaque: memory has to hold all fragments of a
-/// region.
-pub(crate) fn region_edge(scene: &Scene, settings: &Settings) -> u32 {
+/// Pixels along the edge of the tiles of a frame, which are the same for every rank, however many threads it has. Smaller ones
+/// for what is not opaque: memory has to hold all fragments of a tile.
+pub fn region_edge(scene: &Scene, settings: &Settings) -> u32 {
     let edge = settings.tile_edge();
     if settings.tile_size.is_none() && is_translucent(scene) { edge.min(32) } else { edge }
-}
-
-/// Fills the regions of other ranks with the background: of these, only drawn pixels are sent.
-fn clear_others(
-    comm: &impl Communicator,
-    regions: &Regions,
-    task: &Task,
-    frame: &mut Frame,
-    report: &mut RankReport,
-) {
-    let others = (0..regions.owners()).filter(|&rank| rank != comm.rank());
-    report.stages.collect.time(|| {
-        for region in others.flat_map(|rank| regions.of(rank)) {
-            clear(frame, &region, &task.scene.background);
-        }
-    });
 }
 
 /// Ranks draw whole pictures.
@@ -228,11 +239,6 @@ fn refuse_parts(settings: &Settings) -> Result<(), RenderError> {
         None if settings.keep_fragments => refused("keep_fragments", "true".into()),
         None => Ok(()),
     }
-}
-
-/// This rank's share of clusters or tiles.
-fn share(comm: &impl Communicator) -> Part {
-    Part { number: comm.rank() as u32, of: comm.size() as u32 }
 }
 
 /// Number of clusters of all instances; if there are too many to number, the renderer returns an error.

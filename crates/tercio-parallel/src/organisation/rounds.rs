@@ -1,4 +1,4 @@
-//! In which rounds ranks draw what is not opaque.
+//! In which rounds ranks draw what is not opaque and composited.
 //!
 //! Fragments are kept until their owner has merged them, and there may be any number. So a frame is drawn in rounds, each a range
 //! of tiles that have about as many, of all ranks together, as memory may hold; at least one tile. How many there are is
@@ -15,7 +15,7 @@ use crate::report::Stage;
 
 /// The rounds of a frame, as one rank goes through them.
 pub struct Rounds {
-    /// Estimated bytes of this rank's fragments in each tile.
+    /// Estimated bytes of this rank's fragments in each of the tiles.
     estimates: Vec<u64>,
     /// Tiles of earlier rounds.
     done: usize,
@@ -34,8 +34,8 @@ impl Rounds {
     }
 
     /// One round of this many tiles.
-    pub fn whole(tiles: u64) -> Self {
-        Self { is_whole: true, ..Self::new(vec![0; tiles as usize], 0) }
+    pub fn whole(tiles: usize) -> Self {
+        Self { is_whole: true, ..Self::new(vec![0; tiles], 0) }
     }
 
     /// Agrees on the next round: a range of tiles, or `None` after the last one. `takes_part(rank)` returns whether a rank
@@ -48,7 +48,7 @@ impl Rounds {
         comm: &mut impl Communicator,
         takes_part: impl Fn(usize) -> bool,
         wait: &mut Stage,
-    ) -> Result<Option<Range<u64>>, ParallelError> {
+    ) -> Result<Option<Range<usize>>, ParallelError> {
         let start = self.done;
         let rest = &self.estimates[start..];
         if rest.is_empty() {
@@ -56,7 +56,7 @@ impl Rounds {
         }
         if self.is_whole {
             self.done = self.estimates.len();
-            return Ok(Some(0..self.done as u64));
+            return Ok(Some(0..self.done));
         }
         let (estimated, found) = self.earlier;
         // Nothing is known of the first round: it is smaller.
@@ -88,12 +88,12 @@ impl Rounds {
             length
         };
         self.done += length;
-        Ok(Some(start as u64..self.done as u64))
+        Ok(Some(start..self.done))
     }
 
     /// Notes how many bytes of fragments this rank had in a round.
-    pub fn found(&mut self, round: &Range<u64>, bytes: u64) {
-        let estimates = &self.estimates[round.start as usize..round.end as usize];
+    pub fn found(&mut self, round: &Range<usize>, bytes: u64) {
+        let estimates = &self.estimates[round.clone()];
         let estimated = estimates.iter().fold(0, |sum: u64, &bytes| sum.saturating_add(bytes));
         self.earlier = (self.earlier.0.saturating_add(estimated), self.earlier.1.saturating_add(bytes));
     }
@@ -139,7 +139,7 @@ mod tests {
     }
 
     /// The rounds of each of four ranks, of which one does not take part; every tile has `times` as many bytes as estimated.
-    fn rounds(most: u64, times: u64) -> Vec<Option<Vec<Range<u64>>>> {
+    fn rounds(most: u64, times: u64) -> Vec<Option<Vec<Range<usize>>>> {
         let found = threads::run(4, |comm| {
             if comm.rank() == 2 {
                 return Ok(None);
@@ -147,7 +147,7 @@ mod tests {
             let each = comm.rank() as u64 + 1;
             let (mut own, mut all) = (Rounds::new(vec![each; 12], most), Vec::new());
             while let Some(round) = own.next(comm, |rank| rank != 2, &mut Stage::default())? {
-                own.found(&round, times * each * (round.end - round.start));
+                own.found(&round, times * each * round.len() as u64);
                 all.push(round);
             }
             Ok(Some(all))

@@ -6,7 +6,10 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x8, f32x16, i32x16, mask32x16, u32x4, u32x8, u32x16};
 
+use tercio_mesh::cluster::MAX_TRIANGLES;
+
 use crate::context::{FrameContext, NO_SLOT};
+use crate::frame::visibility_key;
 use crate::screen::PixelRect;
 use crate::simd::{LANE_NUMBERS, LANES, part, splat, splat_i};
 
@@ -134,6 +137,35 @@ impl TileMemory {
     #[inline(always)]
     pub fn last_column_of_stamps<const WIDTH: usize>(&self) -> i32 {
         (self.stride() - WIDTH) as i32
+    }
+
+    /// Writes the visibility keys of the drawn pixels, if `keys` has any: it is either empty or has one for each sample of the
+    /// tile that is inside the picture, with the tile's stride.
+    pub fn write_keys(&self, context: &FrameContext, keys: &mut [u64]) {
+        let width = (self.last[0] - self.corner[0] + 1) as usize;
+        // Neighbours are often of the same cluster.
+        let (mut located, mut cluster) = (NO_SLOT, None);
+        let rows = keys.chunks_exact_mut(self.stride()).enumerate();
+        for (row, keys) in rows {
+            let first = row * self.stride();
+            let samples = self.slot[first..first + width].iter().zip(&self.depth[first..first + width]);
+            for (key, (&slot, &depth)) in keys.iter_mut().zip(samples) {
+                if slot == NO_SLOT {
+                    continue;
+                }
+                let number = slot / MAX_TRIANGLES as u32;
+                let (first_primitive, cluster) = match cluster {
+                    Some(found) if number == located => found,
+                    _ => {
+                        let found = context.primitives_of(number);
+                        (located, cluster) = (number, Some(found));
+                        found
+                    }
+                };
+                let primitive = first_primitive + u64::from(cluster.primitive(slot as usize % MAX_TRIANGLES));
+                *key = visibility_key(depth, primitive as u32);
+            }
+        }
     }
 
     /// The samples, for writing.

@@ -94,7 +94,8 @@ pub fn draw_tile<S: Simd, T: Tally>(simd: S, task: TileTask) -> T {
     }
 }
 
-/// Writes a tile from the fragments of several ranks to the picture.
+/// Writes a tile from the fragments of several ranks to the picture, and returns the number of pixels in which something is
+/// drawn.
 ///
 /// # Errors
 /// [`FragmentError`]; nothing is written then.
@@ -105,7 +106,7 @@ pub fn merge_tile<S: Simd>(
     tile: &FragmentsOfTile,
     scratch: &mut Scratch,
     canvas: &Canvas,
-) -> Result<(), FragmentError> {
+) -> Result<u64, FragmentError> {
     let Scratch { pixels, multisample, .. } = scratch;
     multisample::merge(simd, context, tile, multisample, canvas, pixels)
 }
@@ -120,6 +121,12 @@ enum Shade {
     Immediate,
     /// When all of the tile is drawn.
     Deferred,
+}
+
+/// The planes that shading writes. Keys are those of the samples that are visible in the end: written once, not whenever a
+/// pixel is shaded, they leave the fastest kernels usable.
+fn shaded_outputs(canvas: &Canvas) -> Outputs {
+    Outputs { keys: false, ..*canvas.outputs() }
 }
 
 /// Draws one tile from all bins and writes it to the picture.
@@ -156,9 +163,13 @@ pub fn run<S: Simd, T: Tally>(
     }
     let stride = 1 << memory::stride_bits(context);
     target.clear(&mut scratch.pixels, stride);
-    draw(simd, context, bins, tile, Part::WHOLE, Shade::Immediate, scratch, canvas.outputs(), &mut tally);
+    let shaded = &shaded_outputs(canvas);
+    draw(simd, context, bins, tile, Part::WHOLE, Shade::Immediate, scratch, shaded, &mut tally);
     if triangles > 0 && last > LastStage::Visibility {
-        shade::tile(simd, context, &scratch.tile, &mut scratch.pixels, canvas.outputs(), &mut tally);
+        shade::tile(simd, context, &scratch.tile, &mut scratch.pixels, shaded, &mut tally);
+    }
+    if last > LastStage::Visibility {
+        scratch.tile.write_keys(context, &mut scratch.pixels.keys);
     }
     tally.counts().pixels_visible += scratch.tile.visible();
     target.write(&scratch.pixels, stride);
@@ -177,7 +188,7 @@ pub fn run_part<S: Simd, T: Tally>(
     canvas: &Canvas,
 ) -> T {
     let mut tally = T::default();
-    let (shade, outputs) = (Shade::Deferred, canvas.outputs());
+    let (shade, outputs) = (Shade::Deferred, &shaded_outputs(canvas));
     if context.has_fragments() {
         let Scratch { order, multisample, .. } = scratch;
         multisample::draw(simd, context, bins, tile, part, shade, order, multisample, outputs, &mut tally);
@@ -213,7 +224,8 @@ pub fn finish<S: Simd, T: Tally>(
     }
     let stride = 1 << memory::stride_bits(context);
     target.clear(&mut scratch.pixels, stride);
-    shade::tile(simd, context, &scratch.tile, &mut scratch.pixels, canvas.outputs(), &mut tally);
+    shade::tile(simd, context, &scratch.tile, &mut scratch.pixels, &shaded_outputs(canvas), &mut tally);
+    scratch.tile.write_keys(context, &mut scratch.pixels.keys);
     target.write(&scratch.pixels, stride);
     tally
 }

@@ -91,6 +91,11 @@ impl Sorted {
         self.bins.iter().map(|bins| bins.fill(tile)).sum()
     }
 
+    /// The tiles that have entries; nothing can be drawn in the others.
+    pub fn tiles_with_entries(&self, grid: &TileGrid) -> TileSet {
+        TileSet::from_fn(grid.count(), |tile| self.fill(tile) > 0)
+    }
+
     /// Bytes of the bins that are in use.
     pub(crate) fn bytes_used(&self) -> u64 {
         self.bins.iter().map(Bins::bytes_used).sum()

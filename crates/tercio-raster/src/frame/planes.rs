@@ -39,6 +39,12 @@ macro_rules! planes {
                 Self { $($name: self.$name || other.$name,)* }
             }
 
+            /// Bytes per pixel of each plane, in order.
+            pub fn plane_bytes(&self) -> impl Iterator<Item = usize> + use<> {
+                let planes = [$((self.$name, size_of::<$type>()),)*];
+                planes.into_iter().filter_map(|(is_wanted, bytes)| is_wanted.then_some(bytes))
+            }
+
             /// Bytes per pixel of all planes together.
             pub fn pixel_bytes(&self) -> usize {
                 0 $(+ if self.$name { size_of::<$type>() } else { 0 })*
@@ -54,7 +60,7 @@ macro_rules! planes {
         impl Planes {
             /// Resizes the requested planes to this many pixels and empties the others. The values are unspecified.
             pub(crate) fn resize(&mut self, outputs: &Outputs, pixels: usize) {
-                $(self.$name.resize(if outputs.$name { pixels } else { 0 }, <$type>::default());)*
+                $(resize(&mut self.$name, if outputs.$name { pixels } else { 0 });)*
             }
 
             /// Sets a pixel in the planes that are present.
@@ -81,23 +87,39 @@ macro_rules! planes {
                 })*
             }
 
-            /// Reads bytes of [`Planes::write_bytes`] into the pixels from index `first` on; pixels for which `takes`
-            /// is false keep their values.
+            /// Reads bytes of [`Planes::write_bytes`] into a range of pixels.
             ///
             /// # Panics
-            /// If a requested plane does not have these pixels, or there are not enough bytes.
-            pub fn read_bytes(&mut self, outputs: &Outputs, mut bytes: &[u8], takes: &[bool], first: usize) {
+            /// If a requested plane does not have these pixels, or the number of bytes is another one.
+            pub fn read_bytes(&mut self, outputs: &Outputs, mut bytes: &[u8], range: std::ops::Range<usize>) {
                 $(if outputs.$name {
-                    let (own, rest) = bytes.split_at(takes.len() * size_of::<$type>());
+                    let values = &mut self.$name[range.clone()];
+                    let (own, rest) = bytes.split_at(size_of_val(values));
                     bytes = rest;
-                    let values = self.$name[first..first + takes.len()].iter_mut();
-                    for ((value, sample), &takes) in values.zip(own.chunks_exact(size_of::<$type>())).zip(takes) {
-                        if takes {
-                            *value = bytemuck::pod_read_unaligned(sample);
-                        }
+                    bytemuck::cast_slice_mut(values).copy_from_slice(own);
+                })*
+                assert!(bytes.is_empty(), "{} bytes more than the planes have", bytes.len());
+            }
+
+            /// Which of a range of pixels, in any of the requested planes, are not bit for bit those of `pixel`: `differs`
+            /// has one entry for each of them.
+            ///
+            /// # Panics
+            /// If a requested plane does not have these pixels.
+            pub fn differ_from(
+                &self,
+                outputs: &Outputs,
+                range: std::ops::Range<usize>,
+                pixel: &Pixel,
+                differs: &mut [bool],
+            ) {
+                differs.fill(false);
+                $(if outputs.$name {
+                    // Without early exits, so that this is vectorised.
+                    for (differs, value) in differs.iter_mut().zip(&self.$name[range.clone()]) {
+                        *differs |= bits(value) != bits(&pixel.$name);
                     }
                 })*
-                let _ = bytes;
             }
 
             /// Describes the first plane in which two frames differ, and returns the index of the first pixel that
@@ -134,8 +156,18 @@ macro_rules! planes {
         impl Pixel {
             /// The background pixel of row `y` in a picture of this height.
             pub fn of_background(background: &Background, y: u32, height: u32) -> Self {
-                let row = BackgroundRow::new(background, y, height, true);
-                Self::of_row(&row)
+                Self::of_row(&BackgroundRow::new(background, y, height, true))
+            }
+
+            /// The background pixel of each of some rows of a picture of this height; its linear colour is valid if
+            /// `needs_linear`.
+            pub fn of_background_rows(
+                background: &Background,
+                rows: std::ops::Range<u32>,
+                height: u32,
+                needs_linear: bool,
+            ) -> Vec<Self> {
+                rows.map(|y| Self::of_row(&BackgroundRow::new(background, y, height, needs_linear))).collect()
             }
 
             fn of_row(row: &BackgroundRow) -> Self {
@@ -205,6 +237,23 @@ planes! {
     /// The unit normals in world space that the picture is lit with: see [`crate::conventions`]. Except for rounding
     /// errors, none points away from the viewer; zero where nothing was drawn.
     normals: [f32; 3], wanted: false, background: _row => [0.0; 3];
+}
+
+/// The bits of a value of a plane, of at most 16 bytes.
+#[inline(always)]
+fn bits<T: bytemuck::NoUninit>(value: &T) -> u128 {
+    let mut bits = [0; 16];
+    bits[..size_of::<T>()].copy_from_slice(bytemuck::bytes_of(value));
+    u128::from_ne_bytes(bits)
+}
+
+/// Resizes a plane. Memory that has to be allocated is not touched: the system clears a page when it is first written.
+fn resize<T: bytemuck::Zeroable + Copy + Default>(plane: &mut Vec<T>, pixels: usize) {
+    if plane.capacity() < pixels {
+        *plane = bytemuck::zeroed_vec(pixels);
+    } else {
+        plane.resize(pixels, T::default());
+    }
 }
 
 /// The background of a row. Gradients are interpolated in sRGB, as graphics programs do.
@@ -317,9 +366,7 @@ impl<'a> Canvas<'a> {
             size: [frame.width / count, height],
             count,
             first_row,
-            background: rows
-                .map(|y| Pixel::of_row(&BackgroundRow::new(background, y, height, needs_linear)))
-                .collect(),
+            background: Pixel::of_background_rows(background, rows, height, needs_linear),
             claimed: (0..grid.count()).map(|_| AtomicBool::new(false)).collect(),
             fragments: Mutex::default(),
         }

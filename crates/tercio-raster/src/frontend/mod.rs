@@ -6,6 +6,7 @@
 //! bins the rest one by one.
 
 mod cull;
+mod load;
 mod triangles;
 
 use std::ops::Range;
@@ -19,6 +20,7 @@ use crate::settings::{LastStage, Sorting};
 use crate::simd::LANES;
 use crate::stats::FrontEndCounts;
 use cull::{ClusterLanes, ClusterTests, Placement};
+pub use load::estimate as estimate_load;
 use triangles::TrianglePass;
 
 /// The output of one batch of clusters.

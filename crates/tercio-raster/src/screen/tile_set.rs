@@ -60,6 +60,11 @@ impl TileSet {
         self.0.is_none()
     }
 
+    /// The tiles, in a picture of this many tiles, that are in the set, in order.
+    pub fn numbers(&self, tiles: usize) -> impl Iterator<Item = u32> + '_ {
+        (0..tiles as u32).filter(|&tile| self.contains(tile))
+    }
+
     /// Number of tiles of the picture that the set is made for; `None` if it is valid for any picture.
     pub fn tiles(&self) -> Option<usize> {
         self.0.as_ref().map(|subset| subset.tiles)

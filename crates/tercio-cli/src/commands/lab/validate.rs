@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use std::sync::Arc;
 
 use anyhow::Result;
-use clap::Args;
+use clap::{Args, ValueEnum};
 use rayon::ThreadPool;
 use serde_json::{Value, json};
 use tercio::image::Destination;
@@ -21,7 +21,7 @@ use super::measured::Measured;
 use super::plan::load_scene;
 use super::validate_ranks::{self, Who};
 use crate::args::drawing::SortingName;
-use crate::args::ranks::{OrganisationName, parse_ranks};
+use crate::args::ranks::parse_ranks;
 use crate::args::{ModelArgs, ProgressMode, RunningArgs, values};
 use crate::named_files::NamedFiles;
 use crate::output::UsageError;
@@ -71,7 +71,7 @@ pub struct Validate {
     ranks: Vec<usize>,
     /// How ranks share a frame [default: both].
     #[arg(long, value_name = "HOW", value_enum)]
-    organisation: Option<OrganisationName>,
+    organisation: Option<PredictedName>,
     /// What is sorted into tiles.
     #[arg(long, value_name = "WHAT", value_enum, default_value_t = SortingName::Clusters)]
     sorting: SortingName,
@@ -84,6 +84,15 @@ pub struct Validate {
     output: Option<PathBuf>,
     #[command(flatten)]
     running: RunningArgs,
+}
+
+/// The organisations of ranks that are predicted from the renderer's own counts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum PredictedName {
+    /// Ranks share the picture.
+    SortFirst,
+    /// Ranks share the clusters: their pictures are composited.
+    SortLast,
 }
 
 impl Validate {
@@ -195,7 +204,8 @@ impl Validate {
 
     fn how(&self, ranks: &[usize]) -> Vec<(usize, Organisation)> {
         let organisations: Vec<Organisation> = match self.organisation {
-            Some(one) => vec![one.into()],
+            Some(PredictedName::SortFirst) => vec![Organisation::SortFirst],
+            Some(PredictedName::SortLast) => vec![Organisation::SortLast],
             None => vec![Organisation::SortFirst, Organisation::SortLast],
         };
         ranks.iter().flat_map(|&ranks| organisations.iter().map(move |&o| (ranks, o))).collect()

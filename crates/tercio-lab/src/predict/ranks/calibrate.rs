@@ -5,11 +5,11 @@ use std::sync::Arc;
 use tercio_mesh::builtin;
 use tercio_mesh::cluster::{PartitionOptions, partition};
 use tercio_parallel::Organisation;
-use tercio_raster::Settings;
+use tercio_raster::{Outputs, Settings};
 use tercio_scene::{Camera, Scene};
 
 use super::RanksError;
-use super::exchange::{Charges, Exchange, ExchangeCosts, KINDS, OPERATIONS};
+use super::exchange::{Charges, Exchange, ExchangeCosts, KINDS, OPERATIONS, keys, missed};
 use super::measure::MeasuredRanks;
 use super::renderer::RanksWork;
 use crate::machines::{Machine, Sourced};
@@ -35,8 +35,9 @@ struct Picture {
     scene: Arc<Scene>,
     camera: Camera,
     settings: Settings,
-    /// Seconds on one thread, without keys.
+    /// Seconds on one thread, without keys and with them.
     alone: f64,
+    keyed: f64,
     shared: Vec<Shared>,
 }
 
@@ -46,16 +47,20 @@ impl Picture {
         let mut shared = Vec::new();
         for ranks in RANKS {
             for organisation in [Organisation::SortFirst, Organisation::SortLast] {
-                let work = RanksWork::count(&scene, &camera, &settings, (ranks, organisation))?;
+                let work = RanksWork::count(&scene, &camera, &settings, (ranks, organisation.into()))?;
                 shared.push(Shared { work, measured: MeasuredRanks::default() });
             }
         }
-        Ok(Self { scene, camera, settings, alone: f64::INFINITY, shared })
+        Ok(Self { scene, camera, settings, alone: f64::INFINITY, keyed: f64::INFINITY, shared })
     }
 
     fn draw(&mut self, frames: u32) -> Result<(), RanksError> {
         let alone = measure_alone(&self.scene, &self.camera, &self.settings, 1, frames, Clock::Processor)?;
         self.alone = self.alone.min(alone.seconds);
+        let outputs = Outputs { keys: true, ..self.settings.outputs };
+        let settings = Settings { outputs, ..self.settings.clone() };
+        let keyed = measure_alone(&self.scene, &self.camera, &settings, 1, frames, Clock::Processor)?;
+        self.keyed = self.keyed.min(keyed.seconds);
         for shared in &mut self.shared {
             let sharing = &shared.work.sharing;
             shared.measured.add(MeasuredRanks::draw(&self.scene, &self.camera, sharing, frames)?);
@@ -63,14 +68,13 @@ impl Picture {
         Ok(())
     }
 
-    /// The work of keys of one rank, and the additional seconds of drawing with them. Both frames include the other
-    /// stages: collecting scans all keys and leaves other lines in the caches than drawing does.
-    fn keys(&self, cache: f64) -> impl Iterator<Item = (Charges, f64)> {
-        let alone = self.shared.iter().filter(|shared| shared.work.sharing.ranks == 1);
-        alone.map(move |Shared { work, measured }| {
-            let exchange = Exchange::new(&work.sharing, &work.messages, &work.drawing, (1, cache), false);
-            (exchange.keys(0), measured.busy(0, |stages| stages.draw) - self.alone)
-        })
+    /// The work of keys, and the additional seconds of drawing with them.
+    fn keys(&self, cache: f64) -> Option<(Charges, f64)> {
+        let alone = self.shared.iter().find(|shared| shared.work.sharing.ranks == 1)?;
+        let drawn = &alone.work.drawing[0];
+        // The picture, with keys.
+        let missed = missed(drawn.pixels as f64 * 12.0 + drawn.bytes_touched as f64, cache);
+        Some((keys(drawn.pixels, drawn.pixels_visible, missed), self.keyed - self.alone))
     }
 }
 
@@ -85,15 +89,16 @@ impl Shared {
         };
         let mut stages = Vec::new();
         for rank in 0..ranks {
-            let packing = (0..ranks).filter_map(|to| exchange.packing(rank, to));
+            if ranks == 1 {
+                continue;
+            }
+            let packing = std::iter::once(exchange.packing(rank));
             let composing = (0..ranks).filter_map(|from| exchange.composing(from, rank));
             stages.push((sum(&mut packing.chain(composing)), self.measured.busy(rank, |s| s.compose)));
-            if rank < work.sharing.owners() {
-                let others = if rank == 0 { 1..work.sharing.owners() } else { 0..0 };
-                let collecting = others.map(|from| exchange.collecting(from));
-                let all = sum(&mut std::iter::once(exchange.finishing(rank)).chain(collecting));
-                stages.push((all, self.measured.busy(rank, |s| s.collect)));
-            }
+            let others = if rank == 0 { 1..ranks } else { 0..0 };
+            let collecting = others.map(|from| exchange.collecting(from));
+            let all = sum(&mut std::iter::once(exchange.finishing(rank)).chain(collecting));
+            stages.push((all, self.measured.busy(rank, |s| s.collect)));
         }
         stages
     }
@@ -120,7 +125,7 @@ pub fn measure(frames: u32, rounds: u32) -> Result<ExchangeCosts, RanksError> {
     let cache = cache_bytes(3).map_or(f64::INFINITY, |bytes| bytes as f64);
     let mut costs = [0.0; KINDS];
     // If something else disturbed the machine, keys may seem to take no time.
-    let of_keys = pictures.iter().flat_map(|p| p.keys(cache)).filter(|k| k.1 > 1e-6);
+    let of_keys = pictures.iter().filter_map(|p| p.keys(cache)).filter(|k| k.1 > 1e-6);
     let (rows, times): (Vec<_>, Vec<_>) = of_keys.map(|k| (k.0[..OF_KEYS].to_vec(), k.1)).unzip();
     place(&mut costs[..OF_KEYS], &rows, &times);
     let stages = pictures.iter().flat_map(|p| &p.shared).flat_map(|s| s.stages(cache));

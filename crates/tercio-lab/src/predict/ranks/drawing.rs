@@ -8,8 +8,18 @@ use super::traffic::Sharing;
 use crate::predict::PredictError;
 use crate::predict::counts::{Counters, count_into};
 
-/// Counts a rank's part of a frame and draws it, with keys; `None` if the rank has neither clusters to draw nor regions
-/// to own. `settings` are those of the whole frame.
+/// What a rank has drawn.
+pub struct Drawing {
+    /// Its work, of which that for pixels is that of the tiles in which there may be something.
+    pub counters: Counters,
+    /// The numbers of these tiles.
+    pub touched: Vec<u32>,
+    /// The picture, with keys.
+    pub frame: Frame,
+}
+
+/// Counts a rank's part of a frame and draws it. `settings` are those of the whole frame; `owners` has the owner of each tile
+/// in sort-first.
 ///
 /// # Errors
 /// What makes the frame impossible to draw.
@@ -18,25 +28,26 @@ pub fn drawing(
     camera: &Camera,
     settings: &Settings,
     sharing: &Sharing,
+    owners: &[u32],
     rank: usize,
-) -> Result<Option<(Counters, Frame)>, PredictError> {
-    let owners = sharing.owners();
-    let clusters = scene.instances.iter().map(|i| i.mesh.clusters().len() as u32).sum();
-    let part = Part { number: rank as u32, of: sharing.ranks as u32 };
+) -> Result<Drawing, PredictError> {
     let outputs = Outputs { keys: true, ..settings.outputs };
-    let settings = Settings { outputs, ..settings.clone() };
+    let settings = Settings { outputs, tile_size: Some(sharing.edge), ..settings.clone() };
     let settings = match sharing.organisation {
-        Organisation::SortLast if part.range(clusters).is_empty() && rank >= owners => return Ok(None),
-        Organisation::SortLast => Settings { clusters: part, ..settings },
-        Organisation::SortFirst if rank >= owners => return Ok(None),
+        Organisation::SortLast => {
+            let part = Part { number: rank as u32, of: sharing.ranks as u32 };
+            Settings { clusters: part, ..settings }
+        }
         Organisation::SortFirst => {
-            let edge = settings.tile_edge();
-            let tiles = TileSet::every(part.of, part.number, settings.tiles_of(edge));
-            Settings { tiles, tile_size: Some(edge), ..settings }
+            let tiles = TileSet::from_fn(owners.len(), |tile| owners[tile as usize] as usize == rank);
+            Settings { tiles, ..settings }
         }
         other => return Err(PredictError::Organisation(other)),
     };
     let mut frame = Frame::default();
     let counted = count_into(scene, camera, &settings, 1, &mut frame)?;
-    Ok(Some((counted.frame, frame)))
+    let is_touched = |tile: &u32| counted.tiles[*tile as usize].counters.tiles_used > 0;
+    let touched: Vec<u32> = (0..counted.tiles.len() as u32).filter(is_touched).collect();
+    let pixels = touched.iter().map(|&tile| sharing.pixels_of(tile)).sum();
+    Ok(Drawing { counters: Counters { pixels, ..counted.frame }, touched, frame })
 }

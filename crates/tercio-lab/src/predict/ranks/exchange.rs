@@ -5,7 +5,6 @@ use serde::Serialize;
 use super::traffic::{Messages, Pixels, Sharing};
 use crate::machines::{Machine, MachineError, Operation};
 use crate::predict::counts::Counters;
-use tercio_parallel::Organisation;
 
 /// Bytes of a line of memory, of a key and of a colour.
 const LINE: f64 = 64.0;
@@ -87,7 +86,6 @@ pub struct Exchange<'a> {
     sharing: &'a Sharing,
     messages: &'a Messages,
     drawing: &'a [Counters],
-    owned: Vec<u64>,
     /// Whether the receiver of a message has a copy of its own.
     copied: bool,
     /// The share of the lines of pictures and messages that no cache holds.
@@ -104,8 +102,7 @@ impl<'a> Exchange<'a> {
         (together, cache): (usize, f64),
         copied: bool,
     ) -> Self {
-        let owned = sharing.owned();
-        let mut exchange = Self { sharing, messages, drawing, owned, copied, missed: 0.0 };
+        let mut exchange = Self { sharing, messages, drawing, copied, missed: 0.0 };
         let bytes: u64 = (0..sharing.ranks).map(|rank| exchange.memory(rank).total()).sum();
         let share = together.clamp(1, sharing.ranks) as f64 / sharing.ranks as f64;
         exchange.missed = missed(bytes as f64 * share, cache);
@@ -115,57 +112,52 @@ impl<'a> Exchange<'a> {
     /// Memory of a rank.
     pub fn memory(&self, rank: usize) -> RankMemory {
         let drawn = &self.drawing[rank];
-        // Rank 0 has the whole picture in the end; a rank of sort-last draws anywhere in it.
-        let pixels = match self.sharing.organisation {
-            Organisation::SortFirst if rank > 0 => drawn.pixels,
-            _ if rank > 0 && drawn.pixels == 0 => 0,
-            _ => self.sharing.pixels(),
-        };
+        // Rank 0 has the whole picture in the end; others write the tiles only in which they have drawn something.
+        let colors = if rank == 0 { self.sharing.pixels() } else { drawn.pixels };
         RankMemory {
-            picture: pixels * (KEY + COLOR) as u64,
+            picture: colors * COLOR as u64 + self.messages.shared[rank].1 * KEY as u64,
             messages: self.messages.counts(rank).bytes
                 + if self.copied { self.messages.bytes_taken(rank) } else { 0 },
             model: drawn.bytes_touched,
         }
     }
 
-    /// Keys while a rank draws.
+    /// Keys while a rank draws, in tiles that other ranks draw, too.
     pub fn keys(&self, rank: usize) -> Charges {
-        keys(&self.drawing[rank], self.missed)
+        let (drawn, pixels) = self.messages.shared[rank];
+        keys(pixels, drawn.pixels, self.missed)
     }
 
-    /// Packing what a rank sends to another for compositing. `None` if it sends nothing.
-    pub fn packing(&self, from: usize, to: usize) -> Option<Charges> {
-        let pixels = self.messages.between(from, to)?;
-        Some(self.packed(pixels, self.owned[to], true))
+    /// Packing what a rank has drawn in tiles that other ranks draw, too.
+    pub fn packing(&self, rank: usize) -> Charges {
+        let (drawn, scanned) = self.messages.shared[rank];
+        self.packed(drawn, scanned, true)
     }
 
-    /// Compositing what a rank receives from another. `None` if it receives nothing.
+    /// Merging what a rank receives from another. `None` if it receives nothing.
     pub fn composing(&self, from: usize, rank: usize) -> Option<Charges> {
         Some(self.unpacked(self.messages.between(from, rank)?, true))
     }
 
-    /// An owner's part of collecting the finished pixels: others pack them; rank 0 scans its own, and clears the pixels
-    /// of its picture in which the other owners drew nothing.
+    /// A rank's part of collecting the finished pixels: others pack them; rank 0 clears the pixels of its picture that it has
+    /// not drawn, and unpacks what it has composited.
     pub fn finishing(&self, rank: usize) -> Charges {
+        let finished = &self.messages.finished[rank];
         if rank > 0 {
-            return self.packed(self.messages.finished[rank], self.owned[rank], false);
+            let mut charges = self.packed(finished.shown, finished.scanned, false);
+            charges[9] += 2.0 * finished.composited.bytes() as f64 / LINE * self.missed;
+            return charges;
         }
-        let own = self.owned[0] as f64;
-        let cleared = match self.sharing.organisation {
-            Organisation::SortFirst => self.sharing.pixels() as f64 - own,
-            _ => 0.0,
-        };
-        let mut charges = [0.0; KINDS];
-        charges[3] = own;
+        let mut charges = self.unpacked(finished.composited, false);
+        let cleared = (self.sharing.pixels() - finished.scanned) as f64;
         charges[8] = cleared;
-        charges[9] = (own * KEY + cleared * (KEY + COLOR)) / LINE * self.missed;
+        charges[9] += cleared * COLOR / LINE * self.missed;
         charges
     }
 
-    /// Rank 0 puts an owner's pixels into the picture.
+    /// Rank 0 puts another rank's pixels into the picture.
     pub fn collecting(&self, from: usize) -> Charges {
-        self.unpacked(self.messages.finished[from], false)
+        self.unpacked(self.messages.finished[from].sent(), false)
     }
 
     fn packed(&self, sent: Pixels, scanned: u64, keys: bool) -> Charges {
@@ -174,8 +166,13 @@ impl<'a> Exchange<'a> {
         charges[3] = scanned;
         charges[4] = sent.spans as f64;
         charges[5] = samples;
-        let colors = sent.pixels as f64 * COLOR;
-        charges[9] = (scanned * KEY + colors + sent.bytes(keys) as f64) / LINE * self.missed;
+        // Keys are scanned, or colours that are compared with the background.
+        let (read, bytes) = if keys {
+            (scanned * KEY + sent.pixels as f64 * COLOR, sent.keyed_bytes())
+        } else {
+            (scanned * COLOR, sent.bytes())
+        };
+        charges[9] = (read + bytes as f64) / LINE * self.missed;
         charges
     }
 
@@ -183,8 +180,13 @@ impl<'a> Exchange<'a> {
         let mut charges = [0.0; KINDS];
         charges[6] = taken.spans as f64;
         charges[7] = samples(taken, keys);
-        let picture = taken.pixels as f64 * if keys { KEY + COLOR } else { COLOR };
-        charges[9] = (taken.bytes(keys) as f64 + picture) / LINE * self.missed;
+        // Packets are merged into others.
+        let (bytes, written) = if keys {
+            (taken.keyed_bytes(), taken.pixels as f64 * (KEY + COLOR))
+        } else {
+            (taken.bytes(), taken.pixels as f64 * COLOR)
+        };
+        charges[9] = (bytes as f64 + written) / LINE * self.missed;
         charges
     }
 }
@@ -199,18 +201,20 @@ pub fn missed(bytes: f64, cache: f64) -> f64 {
     if bytes > 0.0 { (1.0 - CACHE_SHARE * cache / bytes).max(0.0) } else { 0.0 }
 }
 
-/// The keys of a picture, or of its drawn part.
-pub fn keys(drawn: &Counters, missed: f64) -> Charges {
-    let pixels = drawn.pixels as f64;
+/// The keys of tiles with so many pixels, of which so many show something.
+pub fn keys(pixels: u64, drawn: u64, missed: f64) -> Charges {
     let mut charges = [0.0; KINDS];
-    charges[0] = pixels;
-    charges[1] = drawn.pixels_shaded as f64;
-    charges[2] = pixels * KEY / LINE * missed;
+    charges[0] = pixels as f64;
+    charges[1] = drawn as f64;
+    charges[2] = pixels as f64 * KEY / LINE * missed;
     charges
 }
 
 #[cfg(test)]
 mod tests {
+    use tercio_parallel::{Division, Organisation};
+
+    use super::super::traffic::Finished;
     use super::*;
 
     #[test]
@@ -221,34 +225,49 @@ mod tests {
 
     #[test]
     fn ranks_pack_what_others_receive() {
-        let sharing = Sharing { organisation: Organisation::SortLast, ranks: 2, size: (32, 16), edge: 16 };
-        let pixels = |spans, pixels| Pixels { spans, pixels };
+        let (organisation, division) = (Organisation::SortLast, Division::default());
+        let sharing = Sharing { organisation, division, ranks: 2, size: (32, 32), edge: 16 };
+        let pixels = |spans, pixels| Pixels { spans, pixels, tiles: 1 };
+        let finished = |scanned, shown, composited, is_sent| {
+            let visible = 90;
+            Finished { scanned, shown, composited, visible, is_sent }
+        };
+        // Two of four tiles are composited, each rank owns one of them and one that it has drawn alone.
         let messages = Messages {
             triangles: vec![1, 1],
+            gathered: (1, 8),
+            shared: vec![(pixels(7, 70), 512), (pixels(3, 30), 512)],
             composed: vec![vec![None, Some(pixels(3, 30))], vec![Some(pixels(1, 10)), None]],
-            finished: vec![pixels(4, 40), pixels(5, 50)],
+            finished: vec![
+                finished(256, pixels(4, 40), pixels(6, 60), false),
+                finished(256, pixels(5, 50), pixels(2, 20), true),
+            ],
         };
-        let drawn = Counters { pixels: 512, pixels_shaded: 40, bytes_touched: 1000, ..Counters::default() };
+        let drawn = Counters { pixels: 768, bytes_touched: 1000, ..Counters::default() };
         let drawing = [drawn; 2];
         let exchange = Exchange::new(&sharing, &messages, &drawing, (2, 0.0), false);
         assert_eq!(exchange.missed, 1.0);
         let lines = |bytes: f64| bytes / 64.0;
-        // 256 pixels of the other are scanned, 30 of them are sent with key and colour.
-        let packing = exchange.packing(0, 1).unwrap();
-        assert_eq!(packing[3..6], [256.0, 3.0, 60.0]);
-        assert_eq!(packing[9], lines(256.0 * 8.0 + 30.0 * 4.0 + 3.0 * 6.0 + 30.0 * 12.0));
+        assert_eq!(exchange.keys(0)[..3], [512.0, 70.0, 64.0]);
+        let packing = exchange.packing(0);
+        assert_eq!(packing[3..6], [512.0, 7.0, 140.0]);
+        assert_eq!(packing[9], lines(512.0 * 8.0 + 70.0 * 4.0 + 7.0 * 6.0 + 70.0 * 12.0 + 12.0));
         let composing = exchange.composing(0, 1).unwrap();
-        assert_eq!((composing[6], composing[7]), (packing[4], packing[5]));
-        assert_eq!(exchange.packing(0, 0), None);
+        assert_eq!((composing[6], composing[7]), (3.0, 60.0));
+        assert_eq!(exchange.composing(0, 0), None);
         // Finished colours without keys.
         assert_eq!(exchange.finishing(1)[3..6], [256.0, 5.0, 50.0]);
-        assert_eq!(exchange.collecting(1)[6..8], [5.0, 50.0]);
-        assert_eq!((exchange.finishing(0)[3], exchange.finishing(0)[8]), (256.0, 0.0));
-        assert_eq!(exchange.keys(0)[..3], [512.0, 40.0, 64.0]);
+        assert_eq!(exchange.collecting(1)[6..8], [7.0, 70.0]);
+        let finishing = exchange.finishing(0);
+        assert_eq!((finishing[3], finishing[6..9].to_vec()), (0.0, vec![6.0, 60.0, 768.0]));
         let memory = exchange.memory(0);
-        assert_eq!(memory, RankMemory { picture: 512 * 12, messages: 18 + 360, model: 1000 });
-        // If messages are copied, rank 0 also has those it receives: 10 pixels with keys, 50 finished ones.
+        let sent = 8 + 12 + 3 * 6 + 30 * 12;
+        assert_eq!(memory, RankMemory { picture: 1024 * 4 + 512 * 8, messages: sent, model: 1000 });
+        assert_eq!(exchange.memory(1).picture, 768 * 4 + 512 * 8);
+        // If messages are copied, rank 0 also has those it receives: 10 pixels with keys, 70 finished ones.
         let copied = Exchange::new(&sharing, &messages, &drawing, (2, 0.0), true).memory(0);
-        assert_eq!(copied, RankMemory { messages: memory.messages + 6 + 120 + 30 + 200, ..memory });
+        let taken = 8 + 12 + 6 + 120 + 7 * 6 + 70 * 4;
+        assert_eq!(copied, RankMemory { messages: sent + taken, ..memory });
+        assert_eq!(messages.total(), (2 + 2 + 1, 2 * 8 + 390 + 138 + 322));
     }
 }

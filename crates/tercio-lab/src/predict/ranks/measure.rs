@@ -38,7 +38,7 @@ impl MeasuredRanks {
     ) -> Result<Self, ParallelError> {
         let settings = settings(sharing);
         let cameras = vec![*camera; frames.max(1) as usize + WARM_UP];
-        let ranks = Ranks { count: sharing.ranks, threads: 1, organisation: sharing.organisation };
+        let ranks = Ranks { count: sharing.ranks, threads: 1, sharing: sharing.of_ranks() };
         // Rank 0 reads the counts while the others wait for the next frame.
         let seen = Mutex::new(Vec::new());
         let look = || seen.lock().unwrap_or_else(|e| e.into_inner()).push(Usage::now());
@@ -61,7 +61,7 @@ impl MeasuredRanks {
         frames: u32,
     ) -> Result<Self, ParallelError> {
         let settings = settings(sharing);
-        let task = Task { organisation: sharing.organisation, scene, camera, settings: &settings };
+        let task = Task { sharing: sharing.of_ranks(), scene, camera, settings: &settings };
         let (mut own, mut frame) = (Rank::from_pool(pool.clone()), Frame::default());
         let (mut reports, mut seen) = (Vec::new(), Vec::new());
         for _ in 0..frames.max(1) as usize + WARM_UP {

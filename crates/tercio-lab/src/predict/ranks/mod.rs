@@ -26,7 +26,7 @@ pub mod simulated;
 pub mod traffic;
 
 use serde::Serialize;
-use tercio_parallel::{Organisation as RendererOrganisation, ParallelError};
+use tercio_parallel::{Division, Organisation as RendererOrganisation, ParallelError, Sharing};
 use tercio_raster::Settings;
 use tercio_scene::{Camera, Scene};
 
@@ -80,8 +80,8 @@ pub enum Simulated {
     /// The renderer has no such organisation.
     #[error("the renderer sorts first or last")]
     Organisation,
-    /// Regions are assigned to ranks round-robin.
-    #[error("the renderer assigns regions round-robin")]
+    /// Regions are interleaved.
+    #[error("the renderer has interleaved regions, but no runs of consecutive ones of the same number")]
     Assignment,
     /// Regions are the renderer's tiles.
     #[error("the renderer's regions are tiles of 8, 16, 32, 64 or 128 pixels")]
@@ -155,7 +155,8 @@ pub fn predict(
     let settings =
         Settings { tile_size: plan.region.or(picture.settings.tile_size), ..picture.settings.clone() };
     let costs = ExchangeCosts::of(machine)?;
-    let work = RanksWork::count(picture.scene, picture.camera, &settings, (plan.ranks, organisation))?;
+    let sharing = Sharing { division: Division::Interleaved, ..organisation.into() };
+    let work = RanksWork::count(picture.scene, picture.camera, &settings, (plan.ranks, sharing))?;
     let processors = machine.processors.count.whole() as usize;
     Ok(Ok(renderer::predict(machine, &costs, &work, processors)?))
 }

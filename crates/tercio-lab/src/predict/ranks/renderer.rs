@@ -2,7 +2,8 @@
 
 use serde::Serialize;
 use tercio_parallel::Organisation;
-use tercio_raster::Settings;
+use tercio_raster::context::FrameContext;
+use tercio_raster::{Renderer, Settings};
 use tercio_scene::{Camera, Scene};
 
 use super::drawing::drawing;
@@ -35,19 +36,27 @@ impl RanksWork {
         scene: &Scene,
         camera: &Camera,
         settings: &Settings,
-        (ranks, organisation): (usize, Organisation),
+        (ranks, sharing): (usize, tercio_parallel::Sharing),
     ) -> Result<Self, PredictError> {
-        let size = (settings.width, settings.height);
-        let sharing = Sharing { organisation, ranks, size, edge: settings.tile_edge() };
-        let mut traffic = Traffic::new(&sharing);
-        let mut drawn = vec![Counters::default(); ranks];
-        for (rank, counters) in drawn.iter_mut().enumerate() {
-            if let Some((counted, frame)) = drawing(scene, camera, settings, &sharing, rank)? {
-                traffic.add(rank, counted.triangles, &frame.planes.keys);
-                *counters = counted;
-            }
+        let sharing = Sharing {
+            organisation: sharing.organisation,
+            division: sharing.division,
+            ranks,
+            size: (settings.width, settings.height),
+            edge: settings.tile_edge(),
+        };
+        let settings = Settings { tile_size: Some(sharing.edge), ..settings.clone() };
+        let context = FrameContext::new(scene, camera, &settings, 1)?;
+        let load = Renderer::estimate_load(&context);
+        let owners = sharing.division.owners(&context.grid, &load, ranks);
+        let mut traffic = Traffic::new(&sharing, &scene.background);
+        let mut drawn = Vec::new();
+        for rank in 0..ranks {
+            let drawing = drawing(scene, camera, &settings, &sharing, &owners, rank)?;
+            traffic.add(&drawing);
+            drawn.push(drawing.counters);
         }
-        Ok(Self { sharing, messages: traffic.finish(), drawing: drawn })
+        Ok(Self { messages: traffic.finish(&owners), sharing, drawing: drawn })
     }
 }
 
@@ -223,9 +232,8 @@ struct Costs<'a> {
 /// The steps of a rank, as the renderer takes them.
 fn program(costs: &Costs, work: &RanksWork, exchange: &Exchange, rank: usize) -> Vec<Step> {
     let Costs { machine, exchange: costs, message, byte } = *costs;
-    let (ranks, owners) = (work.sharing.ranks, work.sharing.owners());
+    let ranks = work.sharing.ranks;
     let messages = &work.messages;
-    let bytes = |from, to| messages.between(from, to).map_or(0, |p| p.bytes(true));
     let mut steps = Vec::new();
     let send = |steps: &mut Vec<Step>, to: usize, bytes: u64| {
         steps.extend([Step::Work(Stage::Message, message), Step::Send { to, bytes }]);
@@ -234,34 +242,51 @@ fn program(costs: &Costs, work: &RanksWork, exchange: &Exchange, rank: usize) ->
         let seconds = message + byte * bytes as f64;
         steps.extend([Step::Take { from }, Step::Work(Stage::Message, seconds)]);
     };
-    let drawn = &work.drawing[rank];
-    if drawn.pixels > 0 {
-        let seconds = FrameTime::on_one_thread(machine, drawn).total() + costs.seconds(&exchange.keys(rank));
-        steps.push(Step::Work(Stage::Draw, seconds));
+    // Between front end and back end; the front end is charged with drawing, behind it.
+    for (distance, bytes) in gathering(messages, ranks) {
+        send(&mut steps, (rank + ranks - distance) % ranks, bytes);
+        take(&mut steps, (rank + distance) % ranks, bytes);
     }
+    let seconds =
+        FrameTime::on_one_thread(machine, &work.drawing[rank]).total() + costs.seconds(&exchange.keys(rank));
+    steps.push(Step::Work(Stage::Draw, seconds));
+    if ranks == 1 {
+        return steps;
+    }
+    steps.push(Step::Work(Stage::Compose, costs.seconds(&exchange.packing(rank))));
     for to in (1..ranks).map(|step| (rank + step) % ranks) {
-        let Some(packing) = exchange.packing(rank, to) else { continue };
-        steps.push(Step::Work(Stage::Compose, costs.seconds(&packing)));
-        send(&mut steps, to, bytes(rank, to));
+        if let Some(pixels) = messages.between(rank, to) {
+            send(&mut steps, to, pixels.keyed_bytes());
+        }
     }
     for from in (1..ranks).map(|step| (rank + ranks - step) % ranks) {
-        let Some(composing) = exchange.composing(from, rank) else { continue };
-        take(&mut steps, from, bytes(from, rank));
+        let Some(pixels) = messages.between(from, rank) else { continue };
+        take(&mut steps, from, pixels.keyed_bytes());
+        let composing = exchange.composing(from, rank).unwrap_or_default();
         steps.push(Step::Work(Stage::Compose, costs.seconds(&composing)));
     }
-    if rank >= owners {
-        return steps;
+    let finished = &messages.finished;
+    if rank == 0 || finished[rank].is_sent {
+        steps.push(Step::Work(Stage::Collect, costs.seconds(&exchange.finishing(rank))));
     }
-    steps.push(Step::Work(Stage::Collect, costs.seconds(&exchange.finishing(rank))));
-    if rank > 0 {
-        send(&mut steps, 0, messages.finished[rank].bytes(false));
-        return steps;
+    if finished[rank].is_sent {
+        send(&mut steps, 0, finished[rank].sent().bytes());
     }
-    // All messages are received before the first is unpacked.
-    (1..owners).for_each(|from| take(&mut steps, from, messages.finished[from].bytes(false)));
-    let unpacking = (1..owners).map(|from| costs.seconds(&exchange.collecting(from)));
-    steps.extend(unpacking.map(|seconds| Step::Work(Stage::Collect, seconds)));
+    for from in (1..ranks).filter(|&from| rank == 0 && finished[from].is_sent) {
+        take(&mut steps, from, finished[from].sent().bytes());
+        steps.push(Step::Work(Stage::Collect, costs.seconds(&exchange.collecting(from))));
+    }
     steps
+}
+
+/// The messages in which every rank learns which tiles the others have drawn: how far they go, and their bytes.
+fn gathering(messages: &Messages, ranks: usize) -> impl Iterator<Item = (usize, u64)> {
+    let (rounds, bytes) = messages.gathered;
+    let block = bytes / (ranks as u64 - 1).max(1);
+    (0..rounds).map(move |round| {
+        let distance = 1 << round;
+        (distance, block * distance.min(ranks - distance) as u64)
+    })
 }
 
 /// The network as seen by all messages of a frame: with the bandwidth of its busiest links, converted to that of the
@@ -271,9 +296,12 @@ fn on_network(network: &NetworkModel, work: &RanksWork) -> Wires {
     let mut links = Links::new(network.topology, ranks);
     let mut ports = Links::new(crate::machines::Topology::Crossbar, ranks);
     for from in 0..ranks {
-        let composed = (0..ranks).filter_map(|to| Some((to, work.messages.between(from, to)?.bytes(true))));
-        let finished = work.messages.finished.get(from).filter(|_| from > 0).map(|p| (0, p.bytes(false)));
-        for (to, bytes) in composed.chain(finished) {
+        let composed = (0..ranks).filter_map(|to| Some((to, work.messages.between(from, to)?.keyed_bytes())));
+        let finished =
+            Some(&work.messages.finished[from]).filter(|f| f.is_sent).map(|f| (0, f.sent().bytes()));
+        let gathered = gathering(&work.messages, ranks);
+        let gathered = gathered.map(|(distance, bytes)| ((from + ranks - distance) % ranks, bytes));
+        for (to, bytes) in composed.chain(finished).chain(gathered) {
             links.send(from, to, bytes);
             ports.send(from, to, bytes);
         }

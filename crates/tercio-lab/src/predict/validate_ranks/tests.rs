@@ -27,7 +27,8 @@ fn counts_are_those_of_the_ranks() {
         for organisation in [Organisation::SortFirst, Organisation::SortLast] {
             for ranks in [1, 2, 3, 7] {
                 let settings = Settings::one_sample(size.0, size.1);
-                let work = RanksWork::count(&scene, &camera, &settings, (ranks, organisation)).unwrap();
+                let work =
+                    RanksWork::count(&scene, &camera, &settings, (ranks, organisation.into())).unwrap();
                 let measured = MeasuredRanks::draw(&scene, &camera, &work.sharing, 1).unwrap();
                 let report = &measured.reports[0];
                 for (rank, theirs) in report.ranks.iter().enumerate() {
@@ -69,7 +70,8 @@ fn rows_are_what_is_predicted_and_compare_every_frame() {
                 let of_view = |view| {
                     let camera = views::camera(&models[0].bounds, size, view, 2);
                     let settings = Settings::one_sample(size.0, size.1);
-                    let work = RanksWork::count(&models[0].scene, &camera, &settings, how).unwrap();
+                    let work = RanksWork::count(&models[0].scene, &camera, &settings, (how.0, how.1.into()))
+                        .unwrap();
                     predict(&machine, &costs, &work, 2).unwrap().total()
                 };
                 let mean = (of_view(0) + of_view(1)) / 2.0;

@@ -52,6 +52,35 @@ fn rank_0_gathers_in_order() {
 }
 
 #[test]
+fn every_rank_gets_the_blocks_of_all() {
+    for ranks in 1..=17 {
+        let gathered = run(ranks, |comm| {
+            let block = vec![comm.rank() as u8, 7];
+            let all = comm.all_gather(block)?;
+            Ok((all, comm.traffic()))
+        });
+        let expected: Vec<Vec<u8>> = (0..ranks as u8).map(|rank| vec![rank, 7]).collect();
+        for (all, traffic) in gathered.unwrap() {
+            assert_eq!(all, expected);
+            let messages = u64::from(ranks.next_power_of_two().trailing_zeros());
+            assert_eq!((traffic.sent_messages, traffic.sent_bytes), (messages, 2 * (ranks as u64 - 1)));
+        }
+    }
+    let error = run(2, |comm| Ok(comm.all_gather(vec![0; comm.rank()])?)).unwrap_err().to_string();
+    assert!(error.contains("blocks of"), "{error}");
+}
+
+#[test]
+fn a_thousand_ranks() {
+    let sums = run(1024, |comm| {
+        let all = comm.all_gather((comm.rank() as u64).to_ne_bytes().to_vec())?;
+        comm.barrier()?;
+        Ok(all.iter().map(|block| u64::from_ne_bytes(block[..].try_into().expect("8 bytes"))).sum::<u64>())
+    });
+    assert!(sums.unwrap().iter().all(|&sum| sum == 1023 * 1024 / 2));
+}
+
+#[test]
 fn a_panic_blocks_no_rank_and_is_reported() {
     let error = run(5, |comm| {
         assert!(comm.rank() != 3, "no paper");

@@ -316,7 +316,8 @@ pub fn finish<S: Simd, T: Tally>(
     write(simd, context, scratch, target, pixels, outputs);
 }
 
-/// Writes a tile from the fragments of several ranks to the picture.
+/// Writes a tile from the fragments of several ranks to the picture, and returns the number of pixels in which something is
+/// drawn.
 ///
 /// # Errors
 /// [`FragmentError`]; nothing is written then.
@@ -327,12 +328,12 @@ pub fn merge<S: Simd>(
     scratch: &mut Scratch,
     canvas: &Canvas,
     pixels: &mut Planes,
-) -> Result<(), FragmentError> {
+) -> Result<u64, FragmentError> {
     let outputs = canvas.outputs();
     let Scratch { memory, blend_order, .. } = &mut *scratch;
     if tile.parts.is_empty() {
         canvas.claim(tile.tile).write_background();
-        return Ok(());
+        return Ok(0);
     }
     memory.load(context, tile)?;
     if context.is_translucent() {
@@ -343,8 +344,12 @@ pub fn merge<S: Simd>(
             || blend::slice(simd, context, memory, blend_order),
         );
     }
+    let visible = simd.vectorize(
+        #[inline(always)]
+        || memory.visible(simd),
+    );
     write(simd, context, scratch, canvas.claim(tile.tile), pixels, outputs);
-    Ok(())
+    Ok(visible)
 }
 
 /// Writes a tile, whose fragments are shaded and blended, to the picture.

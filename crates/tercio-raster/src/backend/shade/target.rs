@@ -10,7 +10,7 @@ use crate::backend::encode::opaque;
 use crate::backend::light::Vec3x16;
 use crate::color::encode16;
 use crate::context::FrameContext;
-use crate::frame::{Outputs, Planes, visibility_key};
+use crate::frame::{Outputs, Planes};
 use crate::simd::{LANES, each3, splat, store_interleaved};
 
 /// Where shaded pixels are written to.
@@ -181,12 +181,6 @@ fn write_geometry<S: Simd>(
     if outputs.ids {
         for lane in lanes.clone() {
             pixels.ids[fragments.place[lane] as usize] = context.face(fragments.slot[lane]);
-        }
-    }
-    if outputs.keys {
-        for lane in lanes.clone() {
-            let primitive = context.primitive(fragments.slot[lane]) as u32;
-            pixels.keys[fragments.place[lane] as usize] = visibility_key(fragments.depth[lane], primitive);
         }
     }
     if outputs.normals {

@@ -16,19 +16,17 @@ fn work(ranks: usize, organisation: Organisation) -> RanksWork {
     let size = (200, 150);
     let camera = views::camera(&bounds, size, 1, 7);
     let settings = Settings { tile_size: Some(16), ..Settings::one_sample(size.0, size.1) };
-    RanksWork::count(&scene, &camera, &settings, (ranks, organisation)).unwrap()
+    RanksWork::count(&scene, &camera, &settings, (ranks, organisation.into())).unwrap()
 }
 
 #[test]
-fn one_rank_draws_as_one_thread_and_makes_keys() {
+fn one_rank_draws_as_one_thread() {
     let machine = builtin("two-core-2026").unwrap().unwrap();
     for organisation in [Organisation::SortFirst, Organisation::SortLast] {
         let work = work(1, organisation);
         let frame = predict(&machine, &COSTS, &work, 2).unwrap();
-        let exchange = Exchange::new(&work.sharing, &work.messages, &work.drawing, (1, f64::INFINITY), false);
-        let more = COSTS.seconds(&exchange.keys(0)) + COSTS.seconds(&exchange.finishing(0));
         let alone = FrameTime::on_one_thread(&machine, &work.drawing[0]).total();
-        assert!((frame.total() - alone - more).abs() < 1e-9, "{} {alone} {more}", frame.total());
+        assert!((frame.total() - alone).abs() < 1e-9, "{} {alone}", frame.total());
         assert_eq!((frame.messages, frame.bytes), (0, 0));
     }
 }
@@ -75,7 +73,7 @@ fn a_network_takes_time_and_one_memory_takes_none() {
     assert!(seconds(1e-3, 1e15) >= fast + 4e-3, "{} {fast}", seconds(1e-3, 1e15));
     // Everything that the owners send to rank 0 passes its port.
     let (_, bytes) = work.messages.total();
-    let collected: u64 = work.messages.finished[1..].iter().map(|p| p.bytes(false)).sum();
+    let collected: u64 = work.messages.finished[1..].iter().map(|f| f.sent().bytes()).sum();
     let slow = seconds(0.0, 1e6);
     assert!(slow >= collected as f64 / 1e6 && slow < fast + 2.0 * bytes as f64 / 1e6, "{slow}");
 
@@ -116,9 +114,12 @@ fn a_ring_is_as_slow_as_its_busiest_link() {
     let mut machine = builtin("cluster-64").unwrap().unwrap();
     let mut work = work(RANKS, Organisation::SortLast);
     // All ranks send each other the same.
-    let pixels = |from, to| (from != to).then_some(super::super::traffic::Pixels { spans: 0, pixels: 1000 });
+    let pixels = |from, to| {
+        (from != to).then_some(super::super::traffic::Pixels { pixels: 1000, ..Default::default() })
+    };
     work.messages.composed = (0..RANKS).map(|from| (0..RANKS).map(|to| pixels(from, to)).collect()).collect();
-    work.messages.finished.fill(super::super::traffic::Pixels::default());
+    work.messages.finished.fill(super::super::traffic::Finished::default());
+    work.messages.gathered = (0, 0);
     let mut seconds_of_a_byte = |topology| {
         let network = machine.network.as_mut().unwrap();
         network.topology = topology;

@@ -1,0 +1,198 @@
+//! Parts of tiles, sent between ranks and merged, in the rounds of a strategy.
+//!
+//! A message holds tiles: the number of a tile (4 bytes), the number of bytes of its content (8 bytes), and these bytes: a
+//! [packet](super::packet) with keys, or [fragments](tercio_raster::frame::fragments). Numbers have the byte order of the machine.
+//! Tiles in which nothing was drawn are left out.
+
+use std::collections::BTreeMap;
+
+use bytemuck::pod_read_unaligned;
+use rayon::ThreadPool;
+use rayon::prelude::*;
+use tercio_raster::Outputs;
+
+use super::packet::{self, Merged, PacketError};
+use super::strategy::{Composition, Shared};
+use crate::comm::Communicator;
+use crate::{ParallelError, RankReport};
+
+/// Bytes before the content of a tile.
+pub const TILE_HEAD: usize = 12;
+
+/// The contents of tiles, by number.
+pub type Parts = BTreeMap<u32, Vec<u8>>;
+
+/// What the parts of a tile are.
+#[derive(Clone, Copy, Debug)]
+pub enum Content {
+    /// Packets of these planes, which include keys, of a picture of this width.
+    Pixels {
+        /// The planes.
+        planes: Outputs,
+        /// Pixels.
+        width: u32,
+    },
+    /// Fragments.
+    Fragments,
+}
+
+impl Content {
+    /// Adds another rank's part of a tile.
+    fn merge(&self, own: &mut Vec<u8>, theirs: &[u8]) -> Result<Merged, PacketError> {
+        match self {
+            Self::Fragments => {
+                own.extend_from_slice(theirs);
+                Ok(Merged::default())
+            }
+            Self::Pixels { planes, width } => {
+                let (both, merged) = packet::merge(own, theirs, planes, *width)?;
+                *own = both;
+                Ok(merged)
+            }
+        }
+    }
+}
+
+/// Brings all parts of the shared tiles to one rank each ([`Composition::owners`]): this rank has `parts`, and gets those of the
+/// tiles that it owns, merged. Ranks that have none of the tiles need not call this. The threads of the pool merge.
+///
+/// # Errors
+/// [`ParallelError::Comm`], [`ParallelError::Packet`].
+pub fn exchange(
+    comm: &mut impl Communicator,
+    composition: Composition,
+    shared: &Shared,
+    mut parts: Parts,
+    content: Content,
+    pool: &ThreadPool,
+    report: &mut RankReport,
+) -> Result<Parts, ParallelError> {
+    let Ok(place) = shared.ranks.binary_search(&comm.rank()) else { return Ok(parts) };
+    let stages = &mut report.stages;
+    for round in composition.rounds(shared, place) {
+        for (to, tiles) in round.sends {
+            let to = shared.ranks[to];
+            let mut message = comm.buffer(to);
+            stages.compose.time(|| {
+                tiles.iter().filter_map(|tile| parts.remove_entry(tile)).for_each(|(tile, bytes)| {
+                    if let Content::Pixels { planes, .. } = &content {
+                        // The bytes were made, or checked, here.
+                        report.pixels.sent += packet::count_pixels(&bytes, planes).unwrap_or(0);
+                    }
+                    put(tile, &bytes, &mut message);
+                });
+            });
+            if matches!(content, Content::Fragments) {
+                report.pixels.fragment_bytes += message.len() as u64;
+            }
+            comm.send(to, message)?;
+        }
+        let mut messages = Vec::new();
+        for from in round.receives {
+            let from = shared.ranks[from];
+            messages.push((from, stages.wait.time(|| comm.receive(from))?));
+        }
+        let merged = stages.compose.time(|| take_in(&mut parts, &messages, shared.tiles, content, pool))?;
+        report.pixels.compared += merged.pixels;
+        report.pixels.won += merged.won;
+        messages.into_iter().for_each(|(from, message)| comm.give_back(from, message));
+    }
+    Ok(parts)
+}
+
+/// A tile, its content, and that of other ranks.
+type Incoming<'a> = (u32, Vec<u8>, Vec<(usize, &'a [u8])>);
+
+/// Merges the tiles of messages into those that this rank has.
+fn take_in(
+    parts: &mut Parts,
+    messages: &[(usize, Vec<u8>)],
+    tiles: &[u32],
+    content: Content,
+    pool: &ThreadPool,
+) -> Result<Merged, ParallelError> {
+    let mut incoming: BTreeMap<u32, Vec<(usize, &[u8])>> = BTreeMap::new();
+    for &(from, ref message) in messages {
+        let malformed = |source| ParallelError::Packet { from, source };
+        for (tile, bytes) in take_apart(message).map_err(malformed)? {
+            if tiles.binary_search(&tile).is_err() {
+                return Err(malformed(PacketError::Tile { tile }));
+            }
+            incoming.entry(tile).or_default().push((from, bytes));
+        }
+    }
+    let mut work: Vec<Incoming> = Vec::new();
+    for (tile, theirs) in incoming {
+        work.push((tile, parts.remove(&tile).unwrap_or_default(), theirs));
+    }
+    let merge = |(_, own, theirs): &mut Incoming| {
+        let mut sum = Merged::default();
+        for &(from, bytes) in &*theirs {
+            let merged =
+                content.merge(own, bytes).map_err(|source| ParallelError::Packet { from, source })?;
+            sum = Merged { pixels: sum.pixels + merged.pixels, won: sum.won + merged.won };
+        }
+        Ok(sum)
+    };
+    let add = |a: Merged, b: Merged| Ok(Merged { pixels: a.pixels + b.pixels, won: a.won + b.won });
+    let merged =
+        pool.install(|| work.par_iter_mut().with_max_len(1).map(merge).try_reduce(Merged::default, add));
+    parts.extend(work.into_iter().map(|(tile, own, _)| (tile, own)));
+    merged
+}
+
+/// Appends a tile to a message.
+fn put(tile: u32, bytes: &[u8], out: &mut Vec<u8>) {
+    out.reserve(TILE_HEAD + bytes.len());
+    out.extend(tile.to_ne_bytes());
+    out.extend((bytes.len() as u64).to_ne_bytes());
+    out.extend_from_slice(bytes);
+}
+
+/// The tiles of a message.
+fn take_apart(message: &[u8]) -> Result<Vec<(u32, &[u8])>, PacketError> {
+    let (mut tiles, mut rest) = (Vec::new(), message);
+    while !rest.is_empty() {
+        let short = PacketError::Short { at: message.len() - rest.len() };
+        let (head, body) = rest.split_at_checked(TILE_HEAD).ok_or(short)?;
+        let (tile, length): (u32, u64) = (pod_read_unaligned(&head[..4]), pod_read_unaligned(&head[4..]));
+        let length = usize::try_from(length).map_err(|_| short)?;
+        let (bytes, behind) = body.split_at_checked(length).ok_or(short)?;
+        tiles.push((tile, bytes));
+        rest = behind;
+    }
+    Ok(tiles)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tiles_are_taken_apart_as_they_were_put_together() {
+        let tiles = [(3, vec![1, 2, 3]), (5, Vec::new()), (u32::MAX, vec![0; 100])];
+        let mut message = Vec::new();
+        for (tile, bytes) in &tiles {
+            put(*tile, bytes, &mut message);
+        }
+        let found = take_apart(&message).unwrap();
+        assert_eq!(found, tiles.each_ref().map(|(tile, bytes)| (*tile, &bytes[..])));
+        assert_eq!(take_apart(&message[..20]), Err(PacketError::Short { at: 15 }));
+        assert_eq!(take_apart(&message[..14]), Err(PacketError::Short { at: 0 }));
+        let endless = [&7u32.to_ne_bytes()[..], &u64::MAX.to_ne_bytes()].concat();
+        assert_eq!(take_apart(&endless), Err(PacketError::Short { at: 0 }));
+    }
+
+    #[test]
+    fn tiles_that_nobody_sends_are_refused() {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread");
+        let mut message = Vec::new();
+        put(4, &[1], &mut message);
+        let take = |tiles: &[u32]| {
+            take_in(&mut Parts::new(), &[(2, message.clone())], tiles, Content::Fragments, &pool)
+        };
+        assert!(take(&[4]).is_ok());
+        let error = take(&[3, 5]).unwrap_err().to_string();
+        assert!(error.contains("rank 2") && error.contains("tile 4"), "{error}");
+    }
+}

@@ -1,0 +1,238 @@
+//! In which order ranks exchange what they have drawn of the same tiles, one strategy per file.
+//!
+//! A strategy is a schedule: it says which tiles a rank sends to which other one in each round. What is sent, and how it is
+//! merged, does not depend on it ([`super::exchange`]).
+
+mod binary_swap;
+mod direct_send;
+mod radix_k;
+mod ring;
+mod tree;
+
+use std::fmt;
+
+use serde::{Serialize, Serializer};
+
+use super::Touched;
+
+/// How ranks composite what they have drawn of the same tiles.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Composition {
+    /// Every rank sends its part of a tile straight to the tile's owner, one of the ranks that drew something in it.
+    #[default]
+    DirectSend,
+    /// In each round two ranks exchange halves of what they have (Ma et al. 1994). What the ranks beyond a power of two have is
+    /// sent to others first.
+    BinarySwap,
+    /// In each round groups of up to this many ranks, at least 2, exchange parts of what they have, as in direct send (Peterka
+    /// et al. 2009). A number of ranks with larger prime factors has groups of these sizes, too.
+    RadixK(u32),
+    /// In each round half of the ranks send all that they have to the others, until one has everything: a binomial tree.
+    Tree,
+    /// One rank after another adds what it has to a picture that passes through all of them (document 000, chapter 6).
+    Ring,
+}
+
+impl Composition {
+    /// All of them, one radix.
+    pub const ALL: [Self; 5] = [Self::DirectSend, Self::BinarySwap, Self::RadixK(4), Self::Tree, Self::Ring];
+
+    fn strategy(self) -> Box<dyn Strategy> {
+        match self {
+            Self::DirectSend => Box::new(direct_send::DirectSend),
+            Self::BinarySwap => Box::new(binary_swap::BinarySwap),
+            Self::RadixK(radix) => Box::new(radix_k::RadixK { radix }),
+            Self::Tree => Box::new(tree::Tree),
+            Self::Ring => Box::new(ring::Ring),
+        }
+    }
+
+    /// What rank number `place` of the tiles' ranks does.
+    pub fn rounds(self, shared: &Shared, place: usize) -> Vec<Round> {
+        self.strategy().rounds(shared, place)
+    }
+
+    /// The place, among the ranks of the tiles, of the rank that has each tile in the end.
+    pub fn owners(self, shared: &Shared) -> Vec<usize> {
+        self.strategy().owners(shared)
+    }
+}
+
+impl fmt::Display for Composition {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::DirectSend => f.write_str("direct-send"),
+            Self::BinarySwap => f.write_str("binary-swap"),
+            Self::RadixK(radix) => write!(f, "radix-{radix}"),
+            Self::Tree => f.write_str("tree"),
+            Self::Ring => f.write_str("ring"),
+        }
+    }
+}
+
+impl Serialize for Composition {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(self)
+    }
+}
+
+/// Tiles that several ranks have drawn, and these ranks.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Shared<'a> {
+    /// The tiles, in order.
+    pub tiles: &'a [u32],
+    /// The ranks that have any of them, in order. Strategies count them by their places in this list.
+    pub ranks: &'a [usize],
+    /// Which of them each rank has.
+    pub touched: &'a Touched,
+}
+
+/// What one rank does in a round: it sends, then receives. Ranks are given by their places in [`Shared::ranks`].
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Round {
+    /// Receivers, in the order in which it sends, and the tiles that are sent: all that the rank has of them.
+    pub sends: Vec<(usize, Vec<u32>)>,
+    /// Senders, in the order in which it receives.
+    pub receives: Vec<usize>,
+}
+
+/// A way to bring all parts of every tile to one rank.
+trait Strategy {
+    /// What the rank at a place does.
+    fn rounds(&self, shared: &Shared, place: usize) -> Vec<Round>;
+
+    /// The place of the rank that has each tile in the end, in the order of the tiles.
+    fn owners(&self, shared: &Shared) -> Vec<usize>;
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::{HashMap, HashSet};
+
+    use proptest::prelude::*;
+
+    use super::*;
+
+    /// Plays all rounds: afterwards each owner must have every rank's part of its tiles, exactly once, and nobody anything else.
+    /// Returns the messages, as numbers of sender, receiver, and tiles.
+    fn play(composition: Composition, shared: &Shared) -> Vec<(usize, usize, Vec<u32>)> {
+        let count = shared.ranks.len();
+        // What each rank has: of each tile, the ranks whose parts it is merged from.
+        let mut have: Vec<HashMap<u32, Vec<usize>>> = vec![HashMap::new(); count];
+        for (have, &rank) in have.iter_mut().zip(shared.ranks) {
+            for &tile in shared.tiles.iter().filter(|&&tile| shared.touched.is_touched(rank, tile)) {
+                have.insert(tile, vec![rank]);
+            }
+        }
+        let schedules: Vec<_> = (0..count).map(|place| composition.rounds(shared, place)).collect();
+        let (mut done, mut messages) = (vec![0; count], Vec::new());
+        let mut transit: HashMap<(usize, usize), Vec<HashMap<u32, Vec<usize>>>> = HashMap::new();
+        let mut sent = HashSet::new();
+        loop {
+            let mut moved = false;
+            for place in 0..count {
+                let Some(round) = schedules[place].get(done[place]) else { continue };
+                if sent.insert((place, done[place])) {
+                    moved = true;
+                    for (to, tiles) in &round.sends {
+                        let parts = tiles.iter().filter_map(|tile| have[place].remove_entry(tile)).collect();
+                        transit.entry((place, *to)).or_default().push(parts);
+                        messages.push((place, *to, tiles.clone()));
+                    }
+                }
+                let arrived =
+                    |from: &usize| transit.get(&(*from, place)).is_some_and(|queue| !queue.is_empty());
+                if round.receives.iter().all(arrived) {
+                    moved = true;
+                    for from in &round.receives {
+                        let queue = transit.get_mut(&(*from, place)).expect("arrived");
+                        for (tile, parts) in queue.remove(0) {
+                            have[place].entry(tile).or_default().extend(parts);
+                        }
+                    }
+                    done[place] += 1;
+                }
+            }
+            if !moved {
+                break;
+            }
+        }
+        assert!(
+            done.iter().zip(&schedules).all(|(done, rounds)| *done == rounds.len()),
+            "{composition}: a deadlock"
+        );
+        assert!(transit.values().all(Vec::is_empty), "{composition}: a message that nobody receives");
+        for (&tile, owner) in shared.tiles.iter().zip(composition.owners(shared)) {
+            let mut parts = have[owner].remove(&tile).expect("the owner has the tile");
+            parts.sort_unstable();
+            let expected: Vec<usize> = shared.touched.ranks_of(tile).collect();
+            assert_eq!(parts, expected, "{composition}, tile {tile}");
+        }
+        assert!(have.iter().all(HashMap::is_empty), "{composition}: parts without an owner");
+        messages
+    }
+
+    /// Touched tiles as bits, at most 64 of them.
+    fn touched(of_rank: &[u64]) -> Touched {
+        Touched::new(64, of_rank.iter().map(|&bits| move |tile: u32| bits >> tile & 1 == 1))
+    }
+
+    proptest! {
+        #[test]
+        fn all_parts_of_a_tile_reach_one_rank(
+            of_rank in prop::collection::vec(prop_oneof![Just(0), any::<u64>(), Just(u64::MAX)], 1..40),
+            radix in 2u32..9,
+        ) {
+            let touched = touched(&of_rank);
+            let tiles = touched.shared();
+            let ranks = touched.ranks_of_any(&tiles);
+            let shared = Shared { tiles: &tiles, ranks: &ranks, touched: &touched };
+            for composition in Composition::ALL.into_iter().chain([Composition::RadixK(radix)]) {
+                if ranks.len() > 1 {
+                    play(composition, &shared);
+                }
+            }
+        }
+    }
+
+    /// Messages and tiles sent by all of 2^k ranks that each touch everything, against the formulas of the literature.
+    #[test]
+    fn messages_and_bytes_are_those_of_the_formulas() {
+        for k in 1..6 {
+            let count = 1usize << k;
+            let touched = touched(&vec![u64::MAX; count]);
+            let (tiles, ranks): (Vec<u32>, Vec<usize>) = (touched.shared(), (0..count).collect());
+            let shared = Shared { tiles: &tiles, ranks: &ranks, touched: &touched };
+            let sent = |composition| {
+                let messages = play(composition, &shared);
+                (messages.len(), messages.iter().map(|(_, _, tiles)| tiles.len()).sum::<usize>())
+            };
+            // Every rank sends (1 - 1/n) of the picture, in n - 1 messages, or in log2 n.
+            assert_eq!(sent(Composition::DirectSend), (count * (count - 1), 64 * (count - 1)));
+            assert_eq!(sent(Composition::BinarySwap), (count * k, 64 * (count - 1)));
+            assert_eq!(sent(Composition::RadixK(2)), sent(Composition::BinarySwap));
+            assert_eq!(sent(Composition::RadixK(32)), sent(Composition::DirectSend));
+            // The whole picture, n - 1 times.
+            assert_eq!(sent(Composition::Tree), (count - 1, 64 * (count - 1)));
+            assert_eq!(sent(Composition::Ring), (count - 1, 64 * (count - 1)));
+        }
+    }
+
+    #[test]
+    fn rounds_are_as_many_as_the_formulas_say() {
+        let touched = touched(&[u64::MAX; 24]);
+        let tiles = touched.shared();
+        let rounds = |composition: Composition, count: usize| {
+            let ranks: Vec<usize> = (0..count).collect();
+            let shared = Shared { tiles: &tiles, ranks: &ranks, touched: &touched };
+            (0..count).map(|place| composition.rounds(&shared, place).len()).max().unwrap()
+        };
+        assert_eq!([8, 16].map(|n| rounds(Composition::BinarySwap, n)), [3, 4]);
+        // One more for the ranks beyond a power of two.
+        assert_eq!([9, 15, 17].map(|n| rounds(Composition::BinarySwap, n)), [4, 4, 5]);
+        // 4 * 4, 4 * 3 * 2, 7, 4 * 2.
+        assert_eq!([16, 24, 7, 8].map(|n| rounds(Composition::RadixK(4), n)), [2, 3, 1, 2]);
+        assert_eq!([7, 8, 9].map(|n| rounds(Composition::Tree, n)), [3, 3, 4]);
+    }
+}

@@ -1,0 +1,110 @@
+//! Finished pixels, sent to rank 0.
+//!
+//! Only pixels that differ from the background are sent: rank 0 fills the tiles of the others with it first.
+
+use rayon::prelude::*;
+use tercio_raster::context::FrameContext;
+use tercio_raster::frame::Pixel;
+use tercio_raster::{Frame, Outputs};
+
+use super::Rank;
+use crate::comm::Communicator;
+use crate::composite::exchange::Parts;
+use crate::composite::packet::{pack_shown, unpack, without_keys};
+use crate::{ParallelError, RankReport};
+
+/// What a rank has finished.
+pub struct Finished<'a> {
+    /// Tiles whose pixels in the frame are those of the picture.
+    pub tiles: &'a [u32],
+    /// Further tiles as packets of the frame's planes, and keys.
+    pub packets: Parts,
+}
+
+/// Sends the finished tiles of this rank to rank 0.
+///
+/// # Errors
+/// [`ParallelError::Comm`], [`ParallelError::Packet`].
+pub fn send(
+    own: &Rank,
+    comm: &mut impl Communicator,
+    context: &FrameContext,
+    finished: &Finished,
+    frame: &Frame,
+    report: &mut RankReport,
+) -> Result<(), ParallelError> {
+    let outputs = &context.settings.outputs;
+    let mut message = comm.buffer(0);
+    let packed = report.stages.collect.time(|| {
+        let rows = 0..frame.height;
+        let background =
+            &Pixel::of_background_rows(&context.scene.background, rows, frame.height, outputs.linear);
+        let pack = |tile: &u32, out: &mut Vec<u8>| {
+            pack_shown(frame, context.grid.rect(*tile, context.size()), background, outputs, out);
+        };
+        if own.pool.current_num_threads() == 1 {
+            finished.tiles.iter().for_each(|tile| pack(tile, &mut message));
+        } else {
+            let packed = |tile| {
+                let mut packet = Vec::new();
+                pack(tile, &mut packet);
+                packet
+            };
+            let packets: Vec<Vec<u8>> = own.pool.install(|| finished.tiles.par_iter().map(packed).collect());
+            packets.iter().for_each(|packet| message.extend_from_slice(packet));
+        }
+        strip(finished, outputs, &mut message)
+    });
+    report.pixels.visible += packed.map_err(|source| ParallelError::Packet { from: comm.rank(), source })?;
+    comm.send(0, message)?;
+    Ok(())
+}
+
+/// Appends the packets without keys, unless these are requested, and returns the number of their pixels.
+fn strip(
+    finished: &Finished,
+    outputs: &Outputs,
+    message: &mut Vec<u8>,
+) -> Result<u64, crate::composite::packet::PacketError> {
+    let mut pixels = 0;
+    let planes = Outputs { keys: true, ..*outputs };
+    for packet in finished.packets.values() {
+        let begin = message.len();
+        pixels += without_keys(packet, &planes, message)?;
+        if outputs.keys {
+            message.truncate(begin);
+            message.extend_from_slice(packet);
+        }
+    }
+    Ok(pixels)
+}
+
+/// Completes the picture on rank 0, whose frame has the tiles that it drew, from the messages of the `senders`.
+///
+/// # Errors
+/// [`ParallelError::Comm`], [`ParallelError::Packet`].
+pub fn receive(
+    comm: &mut impl Communicator,
+    context: &FrameContext,
+    finished: &Finished,
+    senders: impl Iterator<Item = usize>,
+    frame: &mut Frame,
+    report: &mut RankReport,
+) -> Result<(), ParallelError> {
+    let outputs = context.settings.outputs;
+    let stages = &mut report.stages;
+    let own = stages.collect.time(|| {
+        let mut message = Vec::new();
+        let pixels = strip(finished, &outputs, &mut message)?;
+        unpack(&message, &outputs, frame)?;
+        Ok(pixels)
+    });
+    report.pixels.visible += own.map_err(|source| ParallelError::Packet { from: comm.rank(), source })?;
+    for from in senders {
+        let message = stages.wait.time(|| comm.receive(from))?;
+        let done = stages.collect.time(|| unpack(&message, &outputs, frame));
+        done.map_err(|source| ParallelError::Packet { from, source })?;
+        comm.give_back(from, message);
+    }
+    Ok(())
+}

@@ -1,0 +1,285 @@
+//! The steps of a frame, as one of several ranks takes them.
+
+use std::time::Instant;
+
+use rayon::prelude::*;
+use tercio_raster::context::FrameContext;
+use tercio_raster::frame::fragments::fragment_bytes;
+use tercio_raster::frame::{FragmentsOfTile, TileFragments};
+use tercio_raster::{Frame, FrameStats, Outputs, Part, Renderer, SampleShading, Settings, TileSet};
+
+use super::collect::{self, Finished};
+use super::redistribute::redistribute;
+use super::rounds::Rounds;
+use super::{Organisation, Rank, Task, clusters_of, group_of, is_translucent, region_edge};
+use crate::comm::Communicator;
+use crate::composite::exchange::{Content, Parts, exchange};
+use crate::composite::packet::pack_drawn;
+use crate::composite::{Shared, Touched};
+use crate::division::tiles_of;
+use crate::{ParallelError, RankReport};
+
+/// A rank's part of a frame of several ranks.
+pub fn draw(
+    own: &mut Rank,
+    comm: &mut impl Communicator,
+    task: &Task,
+    frame: &mut Frame,
+    report: &mut RankReport,
+) -> Result<(), ParallelError> {
+    let Task { sharing, scene, camera, settings } = *task;
+    let (rank, size) = (comm.rank(), comm.size());
+    let shares_clusters = sharing.organisation != Organisation::SortFirst;
+    let part = if shares_clusters { Part { number: rank as u32, of: size as u32 } } else { Part::WHOLE };
+    let threads = own.pool.current_num_threads();
+    let tile_size = Some(region_edge(scene, settings));
+    let whole = Settings { clusters: part, tiles: TileSet::ALL, tile_size, ..settings.clone() };
+    let mut context = FrameContext::new(scene, camera, &whole, threads)?;
+    let tiles = context.grid.count();
+    report.clusters = part.range(clusters_of(scene)).len() as u64;
+
+    let group = group_of(sharing.organisation, size, rank);
+    let mut owners = vec![0; tiles];
+    if group.len() > 1 {
+        owners = report.stages.redistribute.time(|| {
+            let needs_load = sharing.division.needs_load();
+            let load = if needs_load { Renderer::estimate_load(&context) } else { Vec::new() };
+            sharing.division.owners(&context.grid, &load, group.len())
+        });
+    }
+    let own_tiles = tiles_of(&owners, rank - group.start);
+    if !shares_clusters {
+        context.grid.drawn = own_tiles.clone();
+    }
+    own.sort(&context, report);
+    if shares_clusters && group.len() > 1 {
+        redistribute(comm, &group, &owners, &context, &mut own.sorted, report)?;
+    }
+    let sorted_into = own.sorted.tiles_with_entries(&context.grid);
+    let is_touched = |tile: u32| own_tiles.contains(tile) && sorted_into.contains(tile);
+
+    // Rank 0 has the whole picture in the end.
+    frame.resize(&whole);
+    if !sharing.organisation.composites(size) {
+        let finished: Vec<u32> = (0..tiles as u32).filter(|&tile| is_touched(tile)).collect();
+        own.draw_finished(&context, &finished, frame, report);
+        let has_tiles = |rank: &usize| owners.contains(&(*rank as u32));
+        let finished = Finished { tiles: &finished, packets: Parts::new() };
+        return finish(own, comm, &context, finished, has_tiles, frame, report);
+    }
+
+    let touched = Touched::gather(comm, tiles, is_touched, &mut report.stages.wait)?;
+    let shared = touched.shared();
+    let mut finished: Vec<u32> =
+        (0..tiles as u32).filter(|&tile| is_touched(tile) && shared.binary_search(&tile).is_err()).collect();
+    own.draw_finished(&context, &finished, frame, report);
+    let has_fragments = settings.sampling.pattern.count() > 1 || is_translucent(scene);
+    let ranks = touched.ranks_of_any(&shared);
+    let all = Shared { tiles: &shared, ranks: &ranks, touched: &touched };
+    let (packets, owns) = if has_fragments {
+        composite_fragments(own, comm, task, (&context, part), &all, &mut finished, frame, report)?
+    } else {
+        composite_pixels(own, comm, task, (&context, part), &all, frame, report)?
+    };
+    let finished = Finished { tiles: &finished, packets };
+    let sends = |rank: &usize| touched.has_sole(*rank, &shared) || owns.contains(rank);
+    finish(own, comm, &context, finished, sends, frame, report)
+}
+
+/// Brings finished tiles to rank 0; `sends` returns which ranks have some.
+fn finish(
+    own: &mut Rank,
+    comm: &mut impl Communicator,
+    context: &FrameContext,
+    finished: Finished,
+    sends: impl Fn(&usize) -> bool,
+    frame: &mut Frame,
+    report: &mut RankReport,
+) -> Result<(), ParallelError> {
+    let rank = comm.rank();
+    if rank > 0 {
+        if sends(&rank) {
+            collect::send(own, comm, context, &finished, frame, report)?;
+        }
+        return Ok(());
+    }
+    report.stages.collect.time(|| {
+        let is_drawn =
+            TileSet::from_fn(context.grid.count(), |tile| finished.tiles.binary_search(&tile).is_ok());
+        let others = TileSet::from_fn(context.grid.count(), |tile| !is_drawn.contains(tile));
+        own.pool.install(|| own.renderer.clear(context, &others, frame));
+    });
+    let senders = (1..comm.size()).filter(sends);
+    collect::receive(comm, context, &finished, senders, frame, report)?;
+    frame.stats = report.frame.clone();
+    Ok(())
+}
+
+impl Rank {
+    /// The front end.
+    fn sort(&mut self, context: &FrameContext, report: &mut RankReport) {
+        let Self { pool, renderer, sorted, .. } = self;
+        let stage = &mut report.stages.draw;
+        let begin = Instant::now();
+        pool.install(|| stage.time(|| renderer.sort(context, sorted)));
+        report.frame.milliseconds.frontend = begin.elapsed().as_secs_f64() * 1e3;
+    }
+
+    /// Draws tiles as they are in the picture.
+    fn draw_finished(
+        &mut self,
+        context: &FrameContext,
+        tiles: &[u32],
+        frame: &mut Frame,
+        report: &mut RankReport,
+    ) {
+        self.draw_tiles(context, tiles, frame, report);
+        report.pixels.visible = report.frame.backend.pixels_visible;
+    }
+
+    /// Draws some tiles; their counts are added to the report.
+    fn draw_tiles(
+        &mut self,
+        context: &FrameContext,
+        tiles: &[u32],
+        frame: &mut Frame,
+        report: &mut RankReport,
+    ) {
+        let set = TileSet::from_fn(context.grid.count(), |tile| tiles.binary_search(&tile).is_ok());
+        let Self { pool, renderer, sorted, .. } = self;
+        let stage = &mut report.stages.draw;
+        pool.install(|| stage.time(|| renderer.draw(context, sorted, &set, frame)));
+        report.frame = plus(std::mem::take(&mut report.frame), &frame.stats);
+    }
+}
+
+/// The counts of two parts of a frame that were drawn from the same bins.
+fn plus(before: FrameStats, drawn: &FrameStats) -> FrameStats {
+    let mut stats = drawn.clone();
+    stats.backend = before.backend.plus(stats.backend);
+    stats.milliseconds.backend += before.milliseconds.backend;
+    stats.milliseconds.frontend = before.milliseconds.frontend;
+    stats.milliseconds.total = stats.milliseconds.frontend + stats.milliseconds.backend;
+    stats
+}
+
+/// What was composited: packets of the tiles that this rank owns, and all ranks that own tiles.
+type Composited = (Parts, Vec<usize>);
+
+/// Draws the shared tiles, and composites their pixels.
+fn composite_pixels(
+    own: &mut Rank,
+    comm: &mut impl Communicator,
+    task: &Task,
+    (context, part): (&FrameContext, Part),
+    shared: &Shared,
+    frame: &mut Frame,
+    report: &mut RankReport,
+) -> Result<Composited, ParallelError> {
+    let planes = Outputs { keys: true, ..task.settings.outputs };
+    let settings = Settings { outputs: planes, clusters: part, ..context.settings.clone() };
+    let keyed = FrameContext::new(task.scene, task.camera, &settings, own.pool.current_num_threads())?;
+    if frame.planes.keys.is_empty() {
+        frame.planes.keys = std::mem::take(&mut own.keys);
+    }
+    frame.resize(&settings);
+    let rank = comm.rank();
+    let tiles: Vec<u32> =
+        shared.tiles.iter().copied().filter(|&tile| shared.touched.is_touched(rank, tile)).collect();
+    own.draw_tiles(&keyed, &tiles, frame, report);
+    let parts = report.stages.compose.time(|| {
+        let drawn = &*frame;
+        let pack = |&tile: &u32| {
+            let mut packet = Vec::new();
+            pack_drawn(drawn, keyed.grid.rect(tile, keyed.size()), &planes, &mut packet);
+            (tile, packet)
+        };
+        let packets: Vec<(u32, Vec<u8>)> =
+            own.pool.install(|| tiles.par_iter().with_max_len(1).map(pack).collect());
+        packets.into_iter().filter(|(_, packet)| !packet.is_empty()).collect()
+    });
+    if !task.settings.outputs.keys {
+        own.keys = std::mem::take(&mut frame.planes.keys);
+    }
+    let content = Content::Pixels { planes, width: task.settings.width };
+    let composition = task.sharing.composition;
+    let packets = exchange(comm, composition, shared, parts, content, &own.pool, report)?;
+    let owners = composition.owners(shared);
+    Ok((packets, owners.into_iter().map(|place| shared.ranks[place]).collect()))
+}
+
+/// Draws the shared tiles, and composites their fragments, in rounds; what this rank owns of them is finished in the frame
+/// then.
+#[expect(clippy::too_many_arguments, reason = "one call site; a struct would only rename them")]
+fn composite_fragments(
+    own: &mut Rank,
+    comm: &mut impl Communicator,
+    task: &Task,
+    (context, part): (&FrameContext, Part),
+    shared: &Shared,
+    finished: &mut Vec<u32>,
+    frame: &mut Frame,
+    report: &mut RankReport,
+) -> Result<Composited, ParallelError> {
+    let settings = Settings { keep_fragments: true, clusters: part, ..context.settings.clone() };
+    let drawing = FrameContext::new(task.scene, task.camera, &settings, own.pool.current_num_threads())?;
+    let mut fragments = std::mem::take(&mut own.fragments);
+    fragments.resize(&settings);
+    let (rank, composition) = (comm.rank(), task.sharing.composition);
+    let mut owners = Vec::new();
+    let mut rounds = match is_translucent(task.scene) {
+        true => rounds_of(&drawing, own, rank, shared),
+        false => Rounds::whole(shared.tiles.len()),
+    };
+    // Rank 0 leads the rounds.
+    let takes_part = |rank: usize| rank == 0 || shared.ranks.binary_search(&rank).is_ok();
+    while takes_part(rank) {
+        let Some(round) = rounds.next(comm, takes_part, &mut report.stages.wait)? else { break };
+        let tiles = &shared.tiles[round.clone()];
+        let touched: Vec<u32> =
+            tiles.iter().copied().filter(|&tile| shared.touched.is_touched(rank, tile)).collect();
+        own.draw_tiles(&drawing, &touched, &mut fragments, report);
+        let drawn = std::mem::take(&mut fragments.fragments);
+        rounds.found(&round, drawn.iter().map(|of_tile| of_tile.bytes.len() as u64).sum());
+        let parts = drawn.into_iter().map(|TileFragments { tile, bytes }| (tile, bytes)).collect();
+        let ranks = shared.touched.ranks_of_any(tiles);
+        let of_round = Shared { tiles, ranks: &ranks, touched: shared.touched };
+        let merged = exchange(comm, composition, &of_round, parts, Content::Fragments, &own.pool, report)?;
+        let of_tiles: Vec<usize> =
+            composition.owners(&of_round).into_iter().map(|place| ranks[place]).collect();
+        let owned: Vec<FragmentsOfTile> = tiles
+            .iter()
+            .zip(&of_tiles)
+            .filter(|(_, owner)| **owner == rank)
+            .map(|(&tile, _)| FragmentsOfTile {
+                tile,
+                parts: merged.get(&tile).map(|bytes| &bytes[..]).into_iter().collect(),
+            })
+            .collect();
+        let Rank { pool, renderer, .. } = own;
+        let stage = &mut report.stages.compose;
+        report.pixels.visible += pool.install(|| stage.time(|| renderer.merge(context, &owned, frame)))?;
+        finished.extend(owned.iter().map(|of| of.tile));
+        owners.extend(of_tiles);
+    }
+    own.fragments = fragments;
+    finished.sort_unstable();
+    Ok((Parts::new(), owners))
+}
+
+/// The rounds for what is not opaque.
+fn rounds_of(drawing: &FrameContext, own: &Rank, rank: usize, shared: &Shared) -> Rounds {
+    let Settings { sampling, outputs, layer_memory, .. } = drawing.settings;
+    let count = sampling.pattern.count();
+    let of_pixel = match sampling.shading {
+        SampleShading::Sample => count * fragment_bytes(outputs, 1),
+        _ => fragment_bytes(outputs, count),
+    };
+    let pixels = own.sorted.layer_pixels(drawing);
+    // There may be entries in tiles that other ranks of its group draw.
+    let is_drawn = |tile: u32| shared.touched.is_touched(rank, tile);
+    let bytes =
+        |&tile: &u32| if is_drawn(tile) { pixels[tile as usize].saturating_mul(of_pixel as u64) } else { 0 };
+    // All of a round may be of one rank, and the owner needs as much again.
+    Rounds::new(shared.tiles.iter().map(bytes).collect(), *layer_memory as u64 / 2)
+}

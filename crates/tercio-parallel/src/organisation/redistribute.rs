@@ -1,0 +1,54 @@
+//! Sort-middle: what the front ends of a group's ranks have sorted into tiles is sent to the tiles' owners.
+//!
+//! Clusters travel as their numbers, bounds and depths, 16 bytes for about a hundred triangles, because every rank has the
+//! meshes; triangles that were binned one by one as they are on the screen ([`Sorted::write_bytes`]).
+
+use std::ops::Range;
+
+use tercio_raster::binning::Sorted;
+use tercio_raster::context::FrameContext;
+
+use crate::comm::Communicator;
+use crate::division::tiles_of;
+use crate::{ParallelError, RankReport};
+
+/// Exchanges bins between the ranks of a group: afterwards `sorted` has what all of them sorted into this rank's tiles.
+/// `owners` has the owner of each tile, by its place in the group.
+///
+/// # Errors
+/// [`ParallelError::Comm`], [`ParallelError::Bins`].
+pub fn redistribute(
+    comm: &mut impl Communicator,
+    group: &Range<usize>,
+    owners: &[u32],
+    context: &FrameContext,
+    sorted: &mut Sorted,
+    report: &mut RankReport,
+) -> Result<(), ParallelError> {
+    let (own, count) = (comm.rank() - group.start, group.len());
+    let stages = &mut report.stages;
+    // Every rank begins with the next one, so that no rank gets all messages at once.
+    for other in (1..count).map(|step| (own + step) % count) {
+        let to = group.start + other;
+        let mut message = comm.buffer(to);
+        stages.redistribute.time(|| {
+            let tiles = tiles_of(owners, other);
+            if tiles.numbers(context.grid.count()).any(|tile| sorted.fill(tile) > 0) {
+                sorted.write_bytes(&context.grid, &tiles, &mut message);
+            }
+        });
+        report.bin_bytes += message.len() as u64;
+        comm.send(to, message)?;
+    }
+    for other in (1..count).map(|step| (own + count - step) % count) {
+        let from = group.start + other;
+        let message = stages.wait.time(|| comm.receive(from))?;
+        // An empty message: the other has nothing in these tiles.
+        if !message.is_empty() {
+            let read = stages.redistribute.time(|| sorted.read_bytes(context, &message));
+            read.map_err(|source| ParallelError::Bins { from, source })?;
+        }
+        comm.give_back(from, message);
+    }
+    Ok(())
+}
