@@ -8,7 +8,7 @@ use tercio_raster::Frame;
 
 use crate::agreement::agree;
 use crate::comm::Communicator;
-use crate::organisation::{Rank, Task, region_edge};
+use crate::organisation::{Rank, Task, tile_edge};
 use crate::report::FrameReport;
 use crate::{ParallelError, RankReport};
 
@@ -49,8 +49,8 @@ pub fn draw_frame(
         None => 0,
     };
     let milliseconds = since_own + earlier as f64 * 1e-6;
-    let ranks = all.into_iter().map(|told| told.report).collect();
-    let region = region_edge(task.scene, task.settings);
+    let ranks: Vec<RankReport> = all.into_iter().map(|told| told.report).collect();
+    let region = tile_edge(task.scene, task.settings, task.sharing.organisation, ranks.len());
     let report = FrameReport::new(task.sharing, region, task.settings, milliseconds, ranks);
     frame.stats = report.stats();
     Ok(Some(report))

@@ -8,7 +8,7 @@ use tercio_scene::{Camera, Scene};
 
 use crate::comm::Communicator;
 use crate::comm::threads::{self, ThreadComm};
-use crate::organisation::{Rank, Task, region_edge};
+use crate::organisation::{Rank, Task, tile_edge};
 use crate::report::FrameReport;
 use crate::{ParallelError, Sharing};
 
@@ -70,7 +70,8 @@ pub fn draw_frames(
         let whole = all.first().map(|first| first.2).zip(begin).map(|(end, begin)| end - begin);
         let milliseconds = whole.map_or(0.0, |whole| whole.as_secs_f64() * 1e3);
         let ranks_of_frame = all.into_iter().map(|rank| rank.0).collect();
-        FrameReport::new(ranks.sharing, region_edge(scene, settings), settings, milliseconds, ranks_of_frame)
+        let edge = tile_edge(scene, settings, ranks.sharing.organisation, ranks.count);
+        FrameReport::new(ranks.sharing, edge, settings, milliseconds, ranks_of_frame)
     };
     Ok(cameras.iter().map(frame).collect())
 }

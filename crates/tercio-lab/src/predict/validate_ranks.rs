@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 use rayon::ThreadPool;
 use serde::Serialize;
+use tercio_parallel::organisation::tile_edge;
 use tercio_parallel::{Communicator, Division, Organisation, ParallelError};
 use tercio_raster::Settings;
 use tercio_scene::{Camera, Scene};
@@ -268,7 +269,7 @@ pub fn follow(
     for _ in 0..o.rounds.max(1) {
         for place in table.places() {
             let ((ranks, organisation), size) = (place.how, place.size);
-            let edge = place.settings().tile_edge();
+            let edge = tile_edge(&place.model.scene, &place.settings(), organisation, ranks);
             let sharing = Sharing { organisation, division: Division::default(), ranks, size, edge };
             for camera in place.cameras() {
                 MeasuredRanks::draw_between(

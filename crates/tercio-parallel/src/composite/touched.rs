@@ -95,7 +95,7 @@ mod tests {
     #[test]
     fn all_ranks_know_what_each_of_them_touches() {
         const TILES: usize = 130;
-        let touches = |rank: usize| move |tile: u32| tile as usize % (rank + 2) == 0;
+        let touches = |rank: usize| move |tile: u32| (tile as usize).is_multiple_of(rank + 2);
         for ranks in 1..8 {
             let expected = Touched::new(TILES, (0..ranks).map(touches));
             let found = threads::run(ranks, |comm| {

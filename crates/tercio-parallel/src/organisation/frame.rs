@@ -11,7 +11,7 @@ use tercio_raster::{Frame, FrameStats, Outputs, Part, Renderer, SampleShading, S
 use super::collect::{self, Finished};
 use super::redistribute::redistribute;
 use super::rounds::Rounds;
-use super::{Organisation, Rank, Task, clusters_of, group_of, is_translucent, region_edge};
+use super::{Organisation, Rank, Task, clusters_of, group_of, is_translucent, tile_edge};
 use crate::comm::Communicator;
 use crate::composite::exchange::{Content, Parts, exchange};
 use crate::composite::packet::pack_drawn;
@@ -32,7 +32,7 @@ pub fn draw(
     let shares_clusters = sharing.organisation != Organisation::SortFirst;
     let part = if shares_clusters { Part { number: rank as u32, of: size as u32 } } else { Part::WHOLE };
     let threads = own.pool.current_num_threads();
-    let tile_size = Some(region_edge(scene, settings));
+    let tile_size = Some(tile_edge(scene, settings, sharing.organisation, size));
     let whole = Settings { clusters: part, tiles: TileSet::ALL, tile_size, ..settings.clone() };
     let mut context = FrameContext::new(scene, camera, &whole, threads)?;
     let tiles = context.grid.count();

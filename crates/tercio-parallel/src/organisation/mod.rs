@@ -203,8 +203,10 @@ impl Rank {
         frame: &mut Frame,
         report: &mut RankReport,
     ) -> Result<(), ParallelError> {
-        let settings =
-            Settings { tile_size: Some(region_edge(task.scene, task.settings)), ..task.settings.clone() };
+        let settings = Settings {
+            tile_size: Some(tile_edge(task.scene, task.settings, task.sharing.organisation, 1)),
+            ..task.settings.clone()
+        };
         let Self { pool, renderer, .. } = self;
         let mut stage = Stage::default();
         pool.install(|| stage.time(|| renderer.render_into(task.scene, task.camera, &settings, frame)))?;
@@ -221,11 +223,27 @@ fn is_translucent(scene: &Scene) -> bool {
     scene.instances.iter().any(Instance::is_translucent)
 }
 
-/// Pixels along the edge of the tiles of a frame, which are the same for every rank, however many threads it has. Smaller ones
-/// for what is not opaque: memory has to hold all fragments of a tile.
-pub fn region_edge(scene: &Scene, settings: &Settings) -> u32 {
-    let edge = settings.tile_edge();
-    if settings.tile_size.is_none() && is_translucent(scene) { edge.min(32) } else { edge }
+/// Tiles for each rank, if ranks share the picture: enough to give all of them about the same work.
+const TILES_PER_RANK: usize = 32;
+/// Tiles do not get smaller than this for more ranks.
+const SMALLEST_TILE: u32 = 32;
+
+/// Pixels along the edge of the tiles of a frame, which are the same for every rank, however many threads it has. Unless the
+/// settings choose it, it is smaller if many ranks share the picture, and for what is not opaque: memory has to hold all
+/// fragments of a tile.
+pub fn tile_edge(scene: &Scene, settings: &Settings, organisation: Organisation, ranks: usize) -> u32 {
+    let mut edge = settings.tile_edge();
+    if settings.tile_size.is_some() {
+        return edge;
+    }
+    let sharing_tiles = organisation.group(ranks);
+    while sharing_tiles > 1
+        && edge > SMALLEST_TILE
+        && settings.tiles_of(edge) < TILES_PER_RANK * sharing_tiles
+    {
+        edge /= 2;
+    }
+    if is_translucent(scene) { edge.min(32) } else { edge }
 }
 
 /// Ranks draw whole pictures.

@@ -11,47 +11,60 @@ use crate::view::{ObjectView, View};
 const SAMPLES: u32 = 4096;
 
 /// The work of a covered pixel in that of a triangle.
-const WORK_OF_PIXEL: u64 = 2;
+const WORK_OF_PIXEL: f64 = 1.0;
 
-/// Estimates the work in each tile: triangles, and pixels that they cover, in units of a triangle. Tiles that seem to be
-/// empty have 0. The same on every machine, and for every number of threads.
+/// The share of a cluster's work that is done even where it is hidden: only whole clusters are found to be.
+const WORK_OF_HIDDEN: f64 = 0.5;
+/// The share of the box of a cluster on the screen that its triangles cover.
+const COVERED_OF_BOX: f64 = 0.3;
+
+/// Estimates the work in each tile: triangles that are not hidden, and pixels that they cover, in units of a triangle. Tiles
+/// that seem to be empty have 0. The same on every machine, and for every number of threads.
 pub fn estimate(context: &FrameContext) -> Vec<u64> {
     let (grid, size) = (&context.grid, context.size());
     let step = context.clusters().div_ceil(SAMPLES).max(1);
-    let mut triangles = vec![0u64; grid.count()];
-    let mut pixels = vec![0u64; grid.count()];
+    let mut found = Vec::new();
     for number in (0..context.clusters()).step_by(step as usize) {
         let (instance, index) = context.locate(number);
         let cluster = &context.scene.instances[instance].mesh.clusters()[index];
-        let Some([x0, x1, y0, y1]) = extent(&context.view, &context.objects[instance], cluster) else {
-            continue;
-        };
-        let across = (x1 - x0 + 1) as u64 * (y1 - y0 + 1) as u64;
-        let [column0, column1, row0, row1] = grid.tiles_that_need([x0, x1, y0, y1]);
+        let object = &context.objects[instance];
+        if let Some((distance, pixels)) = extent(&context.view, object, cluster) {
+            found.push((distance, number, pixels, cluster.triangles));
+        }
+    }
+    // Front to back, so that what is hidden counts less.
+    found.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    let mut work = vec![0.0; grid.count()];
+    let (mut hidden, mut pixels) = (vec![0.0; grid.count()], vec![0.0; grid.count()]);
+    for (_, _, rect @ [x0, x1, y0, y1], triangles) in found {
+        let across = f64::from(x1 - x0 + 1) * f64::from(y1 - y0 + 1);
+        let triangles = f64::from(triangles) * f64::from(step);
+        let [column0, column1, row0, row1] = grid.tiles_that_need(rect);
         for (column, row) in (row0..=row1).flat_map(|row| (column0..=column1).map(move |c| (c, row))) {
             let tile = grid.number(column, row);
             let own = grid.rect(tile, size);
             let overlap = |a0: u32, a1: u32, b0: i32, b1: i32| {
-                u64::from((a1.min(b1 as u32) + 1).saturating_sub(a0.max(b0 as u32)))
+                f64::from((a1.min(b1 as u32) + 1).saturating_sub(a0.max(b0 as u32)))
             };
             let covered = overlap(x0, x1, own.x0, own.x1) * overlap(y0, y1, own.y0, own.y1);
-            let of_cluster = u64::from(cluster.triangles) * u64::from(step);
+            let of_tile = f64::from(own.x1 - own.x0 + 1) * f64::from(own.y1 - own.y0 + 1);
+            let hidden = &mut hidden[tile as usize];
+            let seen: f64 = 1.0 - *hidden;
             // A cluster in several tiles is projected in each; its triangles are drawn where they lie.
-            triangles[tile as usize] += of_cluster / 4 + of_cluster * covered * 3 / (across * 4);
-            pixels[tile as usize] += covered * u64::from(step);
+            let of_cluster = triangles * (0.25 + 0.75 * covered / across);
+            work[tile as usize] += of_cluster * (WORK_OF_HIDDEN + (1.0 - WORK_OF_HIDDEN) * seen);
+            let pixels = &mut pixels[tile as usize];
+            *pixels = f64::min(*pixels + covered * f64::from(step), of_tile);
+            *hidden = (*hidden + seen * (covered * f64::from(step) * COVERED_OF_BOX / of_tile)).min(1.0);
         }
     }
-    let work = |(tile, (triangles, pixels)): (usize, (u64, u64))| {
-        let own = grid.rect(tile as u32, size);
-        let most = (own.x1 - own.x0 + 1) as u64 * (own.y1 - own.y0 + 1) as u64;
-        triangles + pixels.min(most) * WORK_OF_PIXEL
-    };
-    triangles.into_iter().zip(pixels).enumerate().map(work).collect()
+    let sum = |(work, pixels): (f64, f64)| (work + pixels * WORK_OF_PIXEL).ceil() as u64;
+    work.into_iter().zip(pixels).map(sum).collect()
 }
 
-/// First and last column, first and last row of the pixels inside the picture that a cluster may reach, approximately;
-/// `None` if there are none.
-fn extent(view: &View, object: &ObjectView, cluster: &Cluster) -> Option<[u32; 4]> {
+/// The distance of a cluster, in any unit, and first and last column, first and last row of the pixels inside the picture that it
+/// may reach, approximately; `None` if there are none.
+fn extent(view: &View, object: &ObjectView, cluster: &Cluster) -> Option<(f64, [u32; 4])> {
     let middle: [f64; 3] =
         std::array::from_fn(|k| (f64::from(cluster.min[k]) + f64::from(cluster.max[k])) * 0.5);
     let half: [f64; 3] =
@@ -80,5 +93,6 @@ fn extent(view: &View, object: &ObjectView, cluster: &Cluster) -> Option<[u32; 4
     };
     let [x0, x1] = along(&object.exact.x, view.middle[0], view.width)?;
     let [y0, y1] = along(&object.exact.y, view.middle[1], view.height)?;
-    Some([x0, x1, y0, y1])
+    let distance = if view.perspective { w } else { -range(&object.exact.d).0 };
+    Some((distance, [x0, x1, y0, y1]))
 }

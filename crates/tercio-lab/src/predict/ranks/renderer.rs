@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 use tercio_parallel::Organisation;
+use tercio_parallel::organisation::tile_edge;
 use tercio_raster::context::FrameContext;
 use tercio_raster::{Renderer, Settings};
 use tercio_scene::{Camera, Scene};
@@ -43,7 +44,7 @@ impl RanksWork {
             division: sharing.division,
             ranks,
             size: (settings.width, settings.height),
-            edge: settings.tile_edge(),
+            edge: tile_edge(scene, settings, sharing.organisation, ranks),
         };
         let settings = Settings { tile_size: Some(sharing.edge), ..settings.clone() };
         let context = FrameContext::new(scene, camera, &settings, 1)?;

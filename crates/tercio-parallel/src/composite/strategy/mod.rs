@@ -114,12 +114,15 @@ mod tests {
 
     use super::*;
 
+    /// Of each tile, the ranks whose parts it is merged from.
+    type Parts = HashMap<u32, Vec<usize>>;
+
     /// Plays all rounds: afterwards each owner must have every rank's part of its tiles, exactly once, and nobody anything else.
     /// Returns the messages, as numbers of sender, receiver, and tiles.
     fn play(composition: Composition, shared: &Shared) -> Vec<(usize, usize, Vec<u32>)> {
         let count = shared.ranks.len();
-        // What each rank has: of each tile, the ranks whose parts it is merged from.
-        let mut have: Vec<HashMap<u32, Vec<usize>>> = vec![HashMap::new(); count];
+        // What each rank has.
+        let mut have: Vec<Parts> = vec![Parts::new(); count];
         for (have, &rank) in have.iter_mut().zip(shared.ranks) {
             for &tile in shared.tiles.iter().filter(|&&tile| shared.touched.is_touched(rank, tile)) {
                 have.insert(tile, vec![rank]);
@@ -127,7 +130,7 @@ mod tests {
         }
         let schedules: Vec<_> = (0..count).map(|place| composition.rounds(shared, place)).collect();
         let (mut done, mut messages) = (vec![0; count], Vec::new());
-        let mut transit: HashMap<(usize, usize), Vec<HashMap<u32, Vec<usize>>>> = HashMap::new();
+        let mut transit: HashMap<(usize, usize), Vec<Parts>> = HashMap::new();
         let mut sent = HashSet::new();
         loop {
             let mut moved = false;
