@@ -2,7 +2,6 @@
 
 use clap::{Args, ValueEnum};
 use tercio::parallel::{Composition, Division, Organisation, Ranks, Sharing};
-use tercio::scene::{Instance, Scene};
 
 use crate::output::UsageError;
 
@@ -62,7 +61,7 @@ pub struct RanksArgs {
     /// mpirun started are ranks without this option.
     #[arg(long, value_name = "N", value_parser = parse_ranks)]
     ranks: Option<usize>,
-    /// How ranks share a frame [default: sort-last; sort-first if the model is not opaque].
+    /// How ranks share a frame [default: sort-middle].
     #[arg(long, value_name = "HOW", value_enum)]
     organisation: Option<OrganisationName>,
     /// Ranks of a group of sort-twice; the last group may be smaller [default: about the square root of their number].
@@ -131,7 +130,7 @@ impl RanksArgs {
 
     /// How this many ranks share a frame.
     fn sharing(&self, ranks: usize) -> Result<Sharing, UsageError> {
-        let organisation = match self.organisation.unwrap_or(OrganisationName::SortLast) {
+        let organisation = match self.organisation.unwrap_or(OrganisationName::SortMiddle) {
             OrganisationName::SortFirst => Organisation::SortFirst,
             OrganisationName::SortMiddle => Organisation::SortMiddle,
             OrganisationName::SortLast => Organisation::SortLast,
@@ -171,16 +170,6 @@ impl RanksArgs {
             DivisionName::Blocks => Division::Blocks,
         };
         Ok(Sharing { organisation, division, composition })
-    }
-
-    /// How ranks share a frame of this scene: without a request, sort-last only if all is opaque, because it sends every layer
-    /// of what is not.
-    pub fn sharing_of(&self, requested: Sharing, scene: &Scene) -> Sharing {
-        let is_opaque = !scene.instances.iter().any(Instance::is_translucent);
-        if is_opaque || self.organisation.is_some() {
-            return requested;
-        }
-        Sharing { organisation: Organisation::SortFirst, ..requested }
     }
 }
 
@@ -235,15 +224,15 @@ mod tests {
 
     #[test]
     fn processes_of_mpirun_are_the_ranks() {
-        use Organisation::{SortFirst, SortLast};
+        use Organisation::{SortFirst, SortMiddle};
         assert_eq!(drawers("", None), Ok(Drawers::Alone));
         assert_eq!(drawers("", Some(1)), Ok(Drawers::Alone));
-        assert_eq!(drawers("", Some(4)), Ok(Drawers::Mpi(SortLast.into())));
-        assert_eq!(drawers("--ranks 4", Some(4)), Ok(Drawers::Mpi(SortLast.into())));
+        assert_eq!(drawers("", Some(4)), Ok(Drawers::Mpi(SortMiddle.into())));
+        assert_eq!(drawers("--ranks 4", Some(4)), Ok(Drawers::Mpi(SortMiddle.into())));
         assert_eq!(drawers("--organisation sort-first", Some(1)), Ok(Drawers::Mpi(SortFirst.into())));
         let three = "--ranks 3 --organisation sort-first";
         assert_eq!(drawers(three, None), Ok(Drawers::InProcess(3, SortFirst.into())));
-        assert_eq!(drawers("--ranks 3", Some(1)), Ok(Drawers::InProcess(3, SortLast.into())));
+        assert_eq!(drawers("--ranks 3", Some(1)), Ok(Drawers::InProcess(3, SortMiddle.into())));
         assert!(drawers("--ranks 3", Some(4)).unwrap_err().contains("mpirun started 4"));
         for option in
             ["--organisation sort-first", "--group 2", "--division rows", "--composition tree", "--radix 4"]
@@ -265,16 +254,16 @@ mod tests {
         assert_eq!(sharing("--organisation sort-twice --group 3"), Ok(twice(3)));
         let composition = Composition::RadixK(3);
         let last = Sharing { composition, ..Organisation::SortLast.into() };
-        assert_eq!(sharing("--composition radix-k --radix 3"), Ok(last));
+        assert_eq!(sharing("--organisation sort-last --composition radix-k --radix 3"), Ok(last));
         let division = Division::Rows;
         let middle = Sharing { division, ..Organisation::SortMiddle.into() };
         assert_eq!(sharing("--organisation sort-middle --division rows"), Ok(middle));
         for (options, reason) in [
-            ("--group 3", "sort-last has no groups"),
-            ("--division rows", "sort-last does not divide"),
+            ("--group 3", "sort-middle has no groups"),
+            ("--organisation sort-last --division rows", "sort-last does not divide"),
             ("--organisation sort-middle --composition tree", "sort-middle does not composite"),
             ("--organisation sort-first --radix 3", "sort-first does not composite"),
-            ("--composition tree --radix 3", "--radix is for"),
+            ("--organisation sort-last --composition tree --radix 3", "--radix is for"),
             ("--radix 1", "1 is not in 2..=256"),
         ] {
             let error = sharing(options).unwrap_err();

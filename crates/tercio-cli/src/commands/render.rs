@@ -9,7 +9,7 @@ use clap::Args;
 use rayon::ThreadPool;
 use serde_json::{Value, json};
 use tercio::parallel::organisation::{Rank, Task};
-use tercio::parallel::{Communicator as _, FrameReport, Ranks, Sharing, between_processes, in_process};
+use tercio::parallel::{Communicator as _, FrameReport, Sharing, between_processes, in_process};
 use tercio::raster::frame::fragments::fragment_bytes;
 use tercio::raster::{Frame, FrameStats, Outputs, Renderer, Settings};
 use tercio::scene::{Background, Camera, Scene};
@@ -289,7 +289,6 @@ impl Render {
         }
         let display = Display::new(if writes { self.running.progress_mode() } else { ProgressMode::Never });
         let loaded = self.load(writing, &display, Drawers::Mpi(sharing))?;
-        let sharing = self.ranks.sharing_of(sharing, &loaded.scene);
         let mut own = Rank::from_pool(pool.clone());
         let mut drawn = Vec::new();
         for camera in &loaded.cameras.views {
@@ -372,7 +371,6 @@ impl Render {
         Ok(match drawers.in_process(rayon::current_num_threads()) {
             None => (Renderer::new().render(scene, camera, settings)?, None),
             Some(ranks) => {
-                let ranks = Ranks { sharing: self.ranks.sharing_of(ranks.sharing, scene), ..ranks };
                 let (frame, report) = in_process::draw(ranks, scene, camera, settings)?;
                 (frame, Some(report))
             }
