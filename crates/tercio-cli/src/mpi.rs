@@ -3,7 +3,7 @@
 use anyhow::Result;
 
 pub use ranks::{Comm, library, machine, run};
-pub use tercio_mpi::processes;
+pub use tercio_mpi::{local_processes, processes};
 
 /// With the feature `mpi`.
 #[cfg(feature = "mpi")]

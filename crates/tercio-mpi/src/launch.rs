@@ -14,6 +14,26 @@ pub fn processes() -> Option<usize> {
     processes_by(|name| env::var(name).ok())
 }
 
+/// Where launchers store the number of processes that they started on this machine: Open MPI; MPICH, Intel MPI and others of
+/// its family; MVAPICH2.
+const LOCAL_VARIABLES: [&str; 3] =
+    ["OMPI_COMM_WORLD_LOCAL_SIZE", "MPI_LOCALNRANKS", "MV2_COMM_WORLD_LOCAL_SIZE"];
+
+/// Number of processes of the job on this machine, including this one; 1 if it is not known. A Slurm step says it only if
+/// all machines have the same number.
+pub fn local_processes() -> usize {
+    local_processes_by(|name| env::var(name).ok())
+}
+
+fn local_processes_by(value: impl Fn(&str) -> Option<String>) -> usize {
+    let Some(all) = processes_by(&value) else { return 1 };
+    let number = |text: &str| text.trim().parse().ok().filter(|&n: &usize| n > 0);
+    let by_launcher = LOCAL_VARIABLES.into_iter().find_map(|name| number(&value(name)?));
+    // "4" or "4(x2)": four on each of two machines.
+    let by_slurm = || number(value("SLURM_STEP_TASKS_PER_NODE")?.split('(').next()?);
+    by_launcher.or_else(by_slurm).unwrap_or(1).min(all)
+}
+
 fn processes_by(value: impl Fn(&str) -> Option<String>) -> Option<usize> {
     let number = |name: &str| value(name)?.trim().parse().ok().filter(|&n: &usize| n > 0);
     let by_pmix = || value("PMIX_RANK").and_then(|_| number("SLURM_STEP_NUM_TASKS"));
@@ -34,6 +54,23 @@ mod tests {
         assert_eq!(of(&[("PMI_SIZE", "64"), ("PMI_RANK", "3")]), Some(64));
         assert_eq!(of(&[("MV2_COMM_WORLD_SIZE", "1")]), Some(1));
         assert_eq!(of(&[("PMIX_RANK", "1"), ("SLURM_STEP_NUM_TASKS", "8")]), Some(8));
+    }
+
+    #[test]
+    fn processes_of_this_machine_are_counted() {
+        let local = |variables: &[(&str, &str)]| {
+            local_processes_by(|name| variables.iter().find(|v| v.0 == name).map(|v| v.1.to_string()))
+        };
+        assert_eq!(local(&[]), 1);
+        assert_eq!(local(&[("OMPI_COMM_WORLD_SIZE", "8"), ("OMPI_COMM_WORLD_LOCAL_SIZE", "4")]), 4);
+        assert_eq!(local(&[("PMI_SIZE", "8"), ("MPI_LOCALNRANKS", "2")]), 2);
+        let step =
+            |tasks| [("PMIX_RANK", "1"), ("SLURM_STEP_NUM_TASKS", "8"), ("SLURM_STEP_TASKS_PER_NODE", tasks)];
+        assert_eq!(["4(x2)", "8", "", "x"].map(|tasks| local(&step(tasks))), [4, 8, 1, 1]);
+        // Without a job, of a launcher that says nothing, or more than all.
+        assert_eq!(local(&[("OMPI_COMM_WORLD_LOCAL_SIZE", "4")]), 1);
+        assert_eq!(local(&[("PMI_SIZE", "8")]), 1);
+        assert_eq!(local(&[("PMI_SIZE", "2"), ("MPI_LOCALNRANKS", "64")]), 2);
     }
 
     #[test]

@@ -53,4 +53,4 @@ mod waiting;
 pub use comm::MpiComm;
 #[cfg(feature = "mpi")]
 pub use job::{StartError, run};
-pub use launch::processes;
+pub use launch::{local_processes, processes};

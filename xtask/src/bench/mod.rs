@@ -2,12 +2,13 @@
 //!
 //! Four tables: frames of a model that turns ([`turning`]), the same with several samples per pixel and with an opacity
 //! ([`samples`]), whole runs from a file to a picture ([`first_picture`]), and scenes on which renderers are known to be
-//! slow ([`cliffs`]). All programs draw the same files from the same cameras, in turns, so that other load of the machine
+//! slow ([`cliffs`]). `cargo xtask bench parallel` measures ranks instead ([`parallel`]). All programs draw the same files from the same cameras, in turns, so that other load of the machine
 //! affects all of them alike, and every ratio is taken within one turn.
 
 mod cliffs;
 mod first_picture;
 mod machine;
+mod parallel;
 mod programs;
 mod report;
 mod run;
@@ -28,8 +29,11 @@ use report::Report;
 /// Arguments of `cargo xtask bench`.
 #[derive(clap::Args)]
 pub struct Arguments {
+    /// What to measure instead of the tables of measured.md
+    #[arg(value_enum)]
+    instead: Option<Instead>,
     /// Measure these tables only, and write nothing unless --output is given
-    #[arg(long, value_enum, value_delimiter = ',')]
+    #[arg(long, value_enum, value_delimiter = ',', conflicts_with = "instead")]
     only: Vec<Table>,
     /// Turns of every program
     #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=1000))]
@@ -43,6 +47,13 @@ pub struct Arguments {
     /// Folder of measured.md and runs.jsonl [default: docs/performance]
     #[arg(long, value_name = "FOLDER")]
     output: Option<PathBuf>,
+}
+
+/// What is measured by itself.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Instead {
+    /// Ranks: every organisation, division and composition, written to parallel.md
+    Parallel,
 }
 
 /// A part of what is measured.
@@ -82,6 +93,9 @@ struct Effort {
 /// # Errors
 /// Something does not build or does not run, or two programs draw different pictures.
 pub fn run(arguments: &Arguments) -> Result<()> {
+    if let Some(Instead::Parallel) = arguments.instead {
+        return parallel::run(arguments);
+    }
     packages::provide(packages::RIVALS);
     let wanted = |table: &Table| arguments.only.is_empty() || arguments.only.contains(table);
     let tables: Vec<_> = Table::value_variants().iter().copied().filter(wanted).collect();

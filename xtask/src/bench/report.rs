@@ -99,10 +99,17 @@ impl Report {
 
     /// Writes `measured.md` and `runs.jsonl` into a folder.
     pub fn write(&self, folder: &Path) -> Result<()> {
-        std::fs::create_dir_all(folder)?;
-        std::fs::write(folder.join("measured.md"), &self.text)?;
+        self.write_text(folder, "measured.md")?;
         std::fs::write(folder.join("runs.jsonl"), &self.raw)?;
-        println!("written: {}/measured.md and runs.jsonl", folder.display());
+        println!("written: {}/runs.jsonl", folder.display());
+        Ok(())
+    }
+
+    /// Writes the tables into a file of a folder.
+    pub fn write_text(&self, folder: &Path, name: &str) -> Result<()> {
+        std::fs::create_dir_all(folder)?;
+        std::fs::write(folder.join(name), &self.text)?;
+        println!("written: {}/{name}", folder.display());
         Ok(())
     }
 }

@@ -29,13 +29,15 @@ enum Source {
     ControlGroup,
     AddressSpace,
     Data,
+    Share,
 }
 
 /// A limit in bytes.
 type Limit = (u64, Source);
 
 impl Source {
-    const ALL: [Self; 5] = [Self::Option, Self::Machine, Self::ControlGroup, Self::AddressSpace, Self::Data];
+    const ALL: [Self; 6] =
+        [Self::Option, Self::Machine, Self::ControlGroup, Self::AddressSpace, Self::Data, Self::Share];
 
     fn words(self) -> &'static str {
         match self {
@@ -44,6 +46,7 @@ impl Source {
             Self::ControlGroup => "what the control groups leave",
             Self::AddressSpace => "what ulimit -v leaves",
             Self::Data => "what ulimit -d leaves",
+            Self::Share => "what the machine has available, divided by the processes of the job on it",
         }
     }
 }

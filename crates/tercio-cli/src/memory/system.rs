@@ -4,6 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use super::{Limit, Source};
+use crate::mpi;
 
 /// The peak resident size so far in bytes; `None` where the system does not report it.
 pub fn peak_bytes() -> Option<u64> {
@@ -11,14 +12,18 @@ pub fn peak_bytes() -> Option<u64> {
     line(&fs::read_to_string("/proc/self/status").ok()?, "VmHWM:")
 }
 
-/// Bytes that this process can still take: the minimum of what the system has available, its control groups allow and
-/// its own limits leave; `None` where the system does not report it.
+/// Bytes that this process can still take: the minimum of what the system has available, its control groups allow (both divided
+/// by the processes of an MPI job on the machine) and its own limits leave; `None` where the system does not report it.
 pub fn limit() -> Option<Limit> {
     let machine = fs::read_to_string("/proc/meminfo").ok().and_then(|text| line(&text, "MemAvailable:"));
     let groups = fs::read_to_string("/proc/self/cgroup").unwrap_or_default();
     let groups = left_in_groups(Path::new("/sys/fs/cgroup"), &groups);
     let limits = [(machine, Source::Machine), (groups, Source::ControlGroup)];
-    let limits = limits.into_iter().filter_map(|(bytes, source)| Some((bytes?, source)));
+    let processes = mpi::local_processes() as u64;
+    let limits = limits.into_iter().filter_map(|(bytes, source)| match processes {
+        1 => Some((bytes?, source)),
+        _ => Some((bytes? / processes, Source::Share)),
+    });
     limits.chain(own_limits()).min()
 }
 

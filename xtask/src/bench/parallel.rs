@@ -1,0 +1,162 @@
+//! Ranks: every organisation, division and composition with 2 to 64 ranks of one process, and two processes of an MPI job
+//! against one thread.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use anyhow::{Context as _, Result};
+use serde_json::Value;
+use tercio_testkit::workspace_root;
+
+use super::report::{Bar, Report, digits};
+use super::{Arguments, machine};
+use crate::{packages, process};
+
+/// Models of about a million triangles: a solid that covers a fifth of the picture, one with many layers, and one that fills it.
+const MODELS: [&str; 3] = ["builtin:teapot@1M", "builtin:gyroid@1M", "builtin:terrain@1M"];
+
+const RANKS: [usize; 5] = [2, 4, 8, 16, 64];
+
+/// Ways to share a frame, as options.
+const WAYS: [&str; 14] = [
+    "--organisation sort-first",
+    "--organisation sort-middle",
+    "--organisation sort-middle --division interleaved",
+    "--organisation sort-middle --division rows",
+    "--organisation sort-middle --division columns",
+    "--organisation sort-middle --division blocks",
+    "--organisation sort-last",
+    "--organisation sort-last --composition binary-swap",
+    "--organisation sort-last --composition radix-k --radix 4",
+    "--organisation sort-last --composition radix-k --radix 8",
+    "--organisation sort-last --composition tree",
+    "--organisation sort-last --composition ring",
+    "--organisation sort-twice",
+    "--organisation sort-twice --composition binary-swap",
+];
+
+/// The organisations that two processes are measured with.
+const ORGANISATIONS: [&str; 3] = ["sort-first", "sort-middle", "sort-last"];
+
+/// Measures and writes `parallel.md`.
+///
+/// # Errors
+/// tercio does not build, or fails.
+pub fn run(arguments: &Arguments) -> Result<()> {
+    let mpi = packages::check_mpi();
+    let program = match &arguments.tercio {
+        Some(program) => program.clone(),
+        None => build(mpi.is_ok())?,
+    };
+    let mut report = Report::new(machine::of(&simd(&program)?, "cargo xtask bench parallel")?);
+    for model in MODELS {
+        virtual_ranks(&program, model, arguments, &mut report)?;
+    }
+    match mpi {
+        Ok(()) => two_processes(&program, arguments, &mut report)?,
+        Err(missing) => report.note(&format!("Processes were not measured: {missing:#}.")),
+    }
+    report.note_load();
+    println!("{}", report.markdown());
+    let folder = arguments.output.clone().unwrap_or_else(|| workspace_root().join("docs/performance"));
+    report.write_text(&folder, "parallel.md")
+}
+
+fn build(with_mpi: bool) -> Result<PathBuf> {
+    let features: &[&str] = if with_mpi { &["--features", "mpi"] } else { &[] };
+    process::run(process::cargo().args(["build", "--release", "--package", "tercio-cli"]).args(features))?;
+    Ok(process::target_folder()?.join("release/tercio"))
+}
+
+fn simd(program: &Path) -> Result<String> {
+    let output = bench(Command::new(program), "builtin:sphere@1k", "--size 8x8", 1)?;
+    Ok(output["simd"].as_str().context("tercio bench names no SIMD level")?.to_owned())
+}
+
+/// Runs `tercio bench`, which the command begins with.
+fn bench(mut command: Command, model: &str, options: &str, frames: u32) -> Result<Value> {
+    command.args(["bench", model, "--json", "--quiet", "--frames", &frames.to_string()]);
+    let text = process::output(command.args(options.split_whitespace()))?;
+    serde_json::from_str(&text).context("reading what tercio bench printed")
+}
+
+/// The table of a model.
+fn virtual_ranks(program: &Path, model: &str, arguments: &Arguments, report: &mut Report) -> Result<()> {
+    let introduction = format!(
+        "1920x1080, 4 samples per pixel. Of each number of ranks: megabytes that they send in the last frame, all together; \
+         triangles drawn, most over mean; and milliseconds of a frame, the median of {} views, with all ranks on this \
+         machine's processors.",
+        arguments.frames
+    );
+    let columns = RANKS.map(|ranks| format!("{ranks}: MB, imbalance, ms"));
+    let columns: Vec<&str> = std::iter::once("options").chain(columns.iter().map(String::as_str)).collect();
+    report.table(model, &introduction, &columns);
+    let alone = bench(Command::new(program), model, "--size 1920x1080", arguments.frames)?;
+    for way in WAYS {
+        let mut cells = vec![format!("`{way}`")];
+        for ranks in RANKS {
+            eprintln!("{model}, {ranks} ranks, {way}");
+            let options = format!("--size 1920x1080 --ranks {ranks} {way}");
+            let measured = bench(Command::new(program), model, &options, arguments.frames)?;
+            let last = &measured["last_frame_of_ranks"];
+            let megabytes = last["bytes"].as_f64().unwrap_or(f64::NAN) / 1e6;
+            let median = measured["median_ms"].as_f64().unwrap_or(f64::NAN);
+            cells.push(format!("{}, {}, {}", digits(megabytes), digits(imbalance(last)), digits(median)));
+        }
+        report.row(&cells);
+    }
+    let median = alone["median_ms"].as_f64().unwrap_or(f64::NAN);
+    report.note(&format!("Without ranks, with all threads: {} ms.", digits(median)));
+    Ok(())
+}
+
+/// Triangles drawn, most over mean.
+fn imbalance(frame: &Value) -> f64 {
+    let ranks = frame["ranks"].as_array().map(Vec::as_slice).unwrap_or_default();
+    let drawn = ranks.iter().filter_map(|rank| rank["frame"]["backend"]["triangles_drawn"].as_f64());
+    let (most, sum) = drawn.fold((0.0f64, 0.0), |(most, sum), n| (most.max(n), sum + n));
+    most * ranks.len() as f64 / sum
+}
+
+/// Two processes against one thread, in turns.
+fn two_processes(program: &Path, arguments: &Arguments, report: &mut Report) -> Result<()> {
+    // Where the real model is, it is the one that the aims are for.
+    let dragon = tercio_testkit::shared_data().map(|data| data.join("meshes/ply/dragon_vrip.ply.gz"));
+    let dragon = dragon.filter(|path| path.is_file()).map(|path| path.display().to_string());
+    let (title, model, split) = match &dragon {
+        Some(path) => ("dragon split twice", path.as_str(), "--subdivide 2"),
+        None => ("builtin:teapot@13.9M", "builtin:teapot@13.9M", ""),
+    };
+    let introduction = format!(
+        "{title}, 1024x1024: two processes of mpirun, one thread each, bound to processors of their own, against one thread \
+         without ranks: the median, over {} turns, of the ratio of the medians of {} views.",
+        arguments.rounds, arguments.frames
+    );
+    report.table("Two processes", &introduction, &["samples", "organisation", "times as fast", "bar", ""]);
+    for samples in [1, 4] {
+        let mut ratios = vec![Vec::new(); ORGANISATIONS.len()];
+        for round in 0..arguments.rounds {
+            eprintln!("{title}, {samples} samples, turn {} of {}", round + 1, arguments.rounds);
+            let options = format!("{split} --aa {samples} --threads 1");
+            let median = |command, options: &str| {
+                let measured = bench(command, model, options, arguments.frames)?;
+                measured["median_ms"].as_f64().context("tercio bench reports no median")
+            };
+            let alone = median(Command::new(program), &options)?;
+            for (organisation, ratios) in ORGANISATIONS.iter().zip(&mut ratios) {
+                let mut command = Command::new("mpirun");
+                if process::is_root() {
+                    command.arg("--allow-run-as-root");
+                }
+                command.args(["-n", "2"]).arg(program);
+                ratios.push(alone / median(command, &format!("{options} --organisation {organisation}"))?);
+            }
+        }
+        for (organisation, mut ratios) in ORGANISATIONS.iter().zip(ratios) {
+            ratios.sort_by(f64::total_cmp);
+            let ratio = ratios[ratios.len() / 2];
+            report.judge(&samples.to_string(), organisation, ratio, Bar::Least(1.7));
+        }
+    }
+    Ok(())
+}
