@@ -10,7 +10,7 @@ use tercio_scene::{Instance, Scene};
 
 use crate::ParallelError;
 use crate::comm::{CommError, Communicator};
-use crate::organisation::Task;
+use crate::organisation::{Task, tile_edge};
 
 /// What ranks have to agree on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -132,7 +132,7 @@ fn digest(task: &Task, ranks: usize) -> Digest {
     let settings = Settings {
         width: 1,
         height: 1,
-        tile_size: Some(settings.tile_edge()),
+        tile_size: Some(tile_edge(scene, settings, sharing.organisation, ranks)),
         shadows: None,
         clusters: Part::WHOLE,
         tiles: TileSet::ALL,

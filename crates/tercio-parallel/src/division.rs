@@ -80,34 +80,42 @@ impl fmt::Display for Division {
 
 /// Each tile, in order of decreasing load, to the rank with the least load so far.
 fn balanced(load: &[u64], ranks: usize) -> Vec<u32> {
+    let work = works(load);
     let mut tiles: Vec<u32> = (0..load.len() as u32).collect();
     tiles.sort_by_key(|&tile| Reverse(load[tile as usize]));
-    // Among equal loads the rank with fewer tiles, so that empty tiles are divided, too.
-    let mut idle: BinaryHeap<Reverse<(u64, u32, u32)>> =
-        (0..ranks as u32).map(|rank| Reverse((0, 0, rank))).collect();
+    let mut idle: BinaryHeap<Reverse<(u128, u32)>> =
+        (0..ranks as u32).map(|rank| Reverse((0, rank))).collect();
     let mut owners = vec![0; load.len()];
     for tile in tiles {
         let Some(mut least) = idle.peek_mut() else { unreachable!("there is at least one rank") };
-        let Reverse((sum, count, rank)) = *least;
+        let Reverse((sum, rank)) = *least;
         owners[tile as usize] = rank;
-        *least = Reverse((sum.saturating_add(load[tile as usize]), count + 1, rank));
+        *least = Reverse((sum + work[tile as usize], rank));
     }
     owners
+}
+
+/// The work in each tile, in another unit: a sixteenth of the mean more, because a load is an estimate, and tiles that seem to be
+/// empty may not be.
+fn works(load: &[u64]) -> Vec<u128> {
+    let sum: u128 = load.iter().map(|&load| u128::from(load)).sum();
+    let unit = 16 * load.len() as u128;
+    load.iter().map(|&load| unit * u128::from(load) + sum + 1).collect()
 }
 
 /// Cuts the tiles, sorted by a key, into runs of about the same load.
 fn runs(load: &[u64], ranks: usize, key: impl Fn(u32) -> u64) -> Vec<u32> {
     let mut tiles: Vec<u32> = (0..load.len() as u32).collect();
     tiles.sort_by_key(|&tile| key(tile));
-    // A little for each tile, so that pictures without any work are divided evenly.
-    let work = |tile: u32| u128::from(load[tile as usize]) * 64 + 1;
-    let total: u128 = tiles.iter().map(|&tile| work(tile)).sum();
+    let work = works(load);
+    let total: u128 = work.iter().sum();
     let (mut before, mut owners) = (0, vec![0; load.len()]);
     for tile in tiles {
+        let work = work[tile as usize];
         // The rank in whose share of the work the middle of the tile's lies.
-        let middle = 2 * before + work(tile);
+        let middle = 2 * before + work;
         owners[tile as usize] = (middle * ranks as u128 / (2 * total)).min(ranks as u128 - 1) as u32;
-        before += work(tile);
+        before += work;
     }
     owners
 }
@@ -156,8 +164,9 @@ mod tests {
                 prop_assert!(!scattered || load.contains(&0) || used == ranks.min(grid.count()));
                 if division.needs_load() {
                     let (mean, largest) = (load.iter().sum::<u64>() / ranks as u64, *load.iter().max().unwrap());
-                    // No rank begins a tile when it has its share already.
-                    prop_assert!(sums.iter().all(|&sum| sum <= mean + largest + 1), "{division}: {sums:?}");
+                    // No rank begins a tile when it has its share already; empty tiles count for a sixteenth of the mean.
+                    let most = mean + mean / 8 + 2 * largest + 1;
+                    prop_assert!(sums.iter().all(|&sum| sum <= most), "{division}: {sums:?}");
                 }
             }
         }
@@ -175,6 +184,20 @@ mod tests {
         assert_eq!(owners, [0, 0, 1, 1, 0, 0, 1, 1, 2, 2, 3, 3, 2, 2, 3, 3]);
         let owners = Division::Columns.owners(&grid(4, 4), &[5; 16], 2);
         assert_eq!(owners, [0, 0, 1, 1].repeat(4));
+    }
+
+    #[test]
+    fn tiles_that_seem_to_be_empty_are_divided_among_those_that_are_not() {
+        let load: Vec<u64> = (0..400).map(|tile| if tile % 3 == 0 { 100 + tile % 7 } else { 0 }).collect();
+        for division in Division::ALL {
+            let owners = division.owners(&grid(20, 20), &load, 8);
+            let empty = |rank: u32| {
+                let of_rank = owners.iter().zip(&load).filter(|(owner, load)| **owner == rank && **load == 0);
+                of_rank.count()
+            };
+            let counts: Vec<usize> = (0..8).map(empty).collect();
+            assert!(counts.iter().all(|count| (20..=50).contains(count)), "{division}: {counts:?}");
+        }
     }
 
     #[test]

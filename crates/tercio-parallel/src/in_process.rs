@@ -1,4 +1,4 @@
-//! Ranks in one process: one thread each, messages through channels.
+//! Ranks in one process: one thread each, messages in shared memory.
 
 use std::sync::Mutex;
 use std::time::Instant;

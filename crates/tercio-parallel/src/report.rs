@@ -48,7 +48,7 @@ fn busy_milliseconds() -> Option<f64> {
     None
 }
 
-/// The stages of a rank, in order.
+/// The stages of a rank.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct RankStages {

@@ -7,9 +7,11 @@ use tercio_mesh::builtin;
 use tercio_mesh::cluster::{PartitionOptions, partition};
 use tercio_parallel::between_processes::draw_frame;
 use tercio_parallel::comm::{Communicator as _, threads};
-use tercio_parallel::organisation::{Rank, Task};
+use tercio_parallel::organisation::{Rank, Task, tile_edge};
 use tercio_parallel::report::RankStages;
-use tercio_parallel::{FrameReport, Matter, Organisation, ParallelError, Ranks, in_process};
+use tercio_parallel::{
+    Composition, Division, FrameReport, Matter, Organisation, ParallelError, Ranks, Sharing, in_process,
+};
 use tercio_raster::stats::StageTimes;
 use tercio_raster::{Cull, Frame, Settings, SimdLevel};
 use tercio_scene::{Background, Camera, Projection, Scene};
@@ -38,7 +40,12 @@ fn counts(mut report: FrameReport) -> FrameReport {
 
 #[test]
 fn picture_and_counts_are_those_of_ranks_in_one_process() {
-    for organisation in [Organisation::SortFirst, Organisation::SortLast] {
+    for organisation in [
+        Organisation::SortFirst,
+        Organisation::SortMiddle,
+        Organisation::SortLast,
+        Organisation::SortTwice { group: 2 },
+    ] {
         for count in [1, 2, 3, 7] {
             // So few regions that the last ranks own none.
             let settings = Settings { tile_size: Some(64), ..Settings::one_sample(150, 100) };
@@ -70,7 +77,7 @@ fn picture_and_counts_are_those_of_ranks_in_one_process() {
 
 /// A rank's own task.
 struct Own {
-    organisation: Organisation,
+    sharing: Sharing,
     scene: Scene,
     camera: Camera,
     settings: Settings,
@@ -81,12 +88,12 @@ fn reported(change: impl Fn(&mut Own) + Sync) -> Option<Matter> {
     let results = threads::run(3, |comm| {
         let (scene, camera) = made();
         let settings = Settings::new(60, 40);
-        let mut own = Own { organisation: Organisation::SortLast, scene, camera, settings };
+        let mut own = Own { sharing: Organisation::SortLast.into(), scene, camera, settings };
         if comm.rank() == 2 {
             change(&mut own);
         }
-        let Own { organisation, scene, camera, settings } = &own;
-        let task = Task { sharing: (*organisation).into(), scene, camera, settings };
+        let Own { sharing, scene, camera, settings } = &own;
+        let task = Task { sharing: *sharing, scene, camera, settings };
         draw_frame(&mut Rank::new(1)?, comm, &task, &mut Frame::default())
     });
     match results {
@@ -118,9 +125,36 @@ fn ranks_that_would_draw_different_frames_end_with_an_error() {
     assert_eq!(reported(|own| own.settings.cull = Cull::Back), Some(Matter::Settings));
     assert_eq!(reported(|own| own.settings.tile_size = Some(8)), Some(Matter::Settings));
     assert_eq!(reported(|own| own.settings.outputs.depth = true), Some(Matter::Settings));
-    assert_eq!(reported(|own| own.organisation = Organisation::SortFirst), Some(Matter::Organisation));
+    let sharing = |change: fn(&mut Sharing)| reported(move |own| change(&mut own.sharing));
+    assert_eq!(sharing(|own| own.organisation = Organisation::SortFirst), Some(Matter::Organisation));
+    assert_eq!(sharing(|own| own.division = Division::Rows), Some(Matter::Organisation));
+    assert_eq!(sharing(|own| own.composition = Composition::RadixK(3)), Some(Matter::Organisation));
     // What may differ from machine to machine.
     assert_eq!(reported(|own| own.settings.simd = Some(SimdLevel::available()[0])), None);
     assert_eq!(reported(|own| own.settings.layer_memory = 1), None);
     assert_eq!(reported(|_| ()), None);
+}
+
+/// Ranks that share the picture choose smaller tiles than one of them would, unless they are told which.
+#[test]
+fn ranks_with_tiles_of_different_sizes_end_with_an_error() {
+    const RANKS: usize = 6;
+    let drawn = |chosen: Option<u32>| {
+        threads::run(RANKS, |comm| {
+            let (scene, camera) = made();
+            let tile_size = chosen.filter(|_| comm.rank() > 0);
+            let settings = Settings { tile_size, ..Settings::one_sample(800, 600) };
+            let sharing = Organisation::SortFirst.into();
+            let task = Task { sharing, scene: &scene, camera: &camera, settings: &settings };
+            draw_frame(&mut Rank::new(1)?, comm, &task, &mut Frame::default())
+        })
+    };
+    let (scene, _) = made();
+    let settings = Settings::one_sample(800, 600);
+    let edge = tile_edge(&scene, &settings, Organisation::SortFirst, RANKS);
+    assert_eq!((settings.tile_edge(), edge), (64, 32));
+    assert_eq!(tile_edge(&scene, &settings, Organisation::SortLast, RANKS), 64);
+    assert!(drawn(Some(edge)).is_ok(), "the same tiles");
+    let error = drawn(Some(64)).err();
+    assert!(matches!(error, Some(ParallelError::Differs { rank: 1, what: Matter::Settings })), "{error:?}");
 }

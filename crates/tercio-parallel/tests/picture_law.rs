@@ -279,18 +279,18 @@ fn an_empty_scene() {
     let mut empty = scene("builtin:teapot@1k", 128);
     empty.instances.clear();
     let camera = Camera { eye: DVec3::Z, ..camera(&scene("builtin:teapot@1k", 128), 2.0, false) };
-    for organisation in ALL {
-        for count in [1, 3] {
-            let settings = Settings { outputs: EVERYTHING, ..Settings::one_sample(40, 30) };
-            let report = check(
-                &empty,
-                &camera,
-                &settings,
-                Ranks { count, threads: 1, sharing: organisation.into() },
-                "nothing",
-            );
-            let sent = |r: &RankReport| r.pixels.sent + r.pixels.fragment_bytes + r.bin_bytes;
-            assert_eq!((report.ranks.iter().map(sent).sum::<u64>(), report.pixels_visible()), (0, 0));
+    let with = |organisation: Organisation| Sharing::from(organisation);
+    let composited =
+        Composition::ALL.map(|composition| Sharing { composition, ..with(Organisation::SortLast) });
+    for sharing in ALL.map(with).into_iter().chain(composited) {
+        for count in [1, 2, 3] {
+            for settings in [Settings::one_sample(40, 30), Settings::new(40, 30)] {
+                let settings = Settings { outputs: EVERYTHING, ..settings };
+                let ranks = Ranks { count, threads: 1, sharing };
+                let report = check(&empty, &camera, &settings, ranks, "nothing");
+                let sent = |r: &RankReport| r.pixels.sent + r.pixels.fragment_bytes + r.bin_bytes;
+                assert_eq!((report.ranks.iter().map(sent).sum::<u64>(), report.pixels_visible()), (0, 0));
+            }
         }
     }
 }
@@ -355,6 +355,7 @@ fn errors_are_returned_by_the_rank_that_fails() {
         for refused in [
             Settings { band: Some(0..64), tile_size: Some(64), ..Settings::new(128, 128) },
             Settings { unresolved: true, ..Settings::new(128, 128) },
+            Settings { keep_fragments: true, ..Settings::new(128, 128) },
         ] {
             let error = draw(ranks, &scene, &camera, &refused).unwrap_err().to_string();
             assert!(error.contains("ranks draw whole pictures"), "{error}");

@@ -3,7 +3,7 @@
 mod common;
 
 use common::{assert_same, draw, everything, perspective, scene, soup, with_second_instance};
-use tercio_raster::binning::{Sorted, SortedError};
+use tercio_raster::binning::{Numbering, Sorted, SortedError};
 use tercio_raster::context::FrameContext;
 use tercio_raster::{Frame, Part, Renderer, Settings, Sorting, TileSet};
 
@@ -35,9 +35,10 @@ fn bins_sent_as_bytes_give_the_same_picture() {
                 let context = FrameContext::new(&both, &camera, &part, 2).unwrap();
                 let mut sorted = Sorted::default();
                 renderer.sort(&context, &mut sorted);
+                let mut numbering = Numbering::default();
                 for to in 0..3 {
-                    let mut message = Vec::new();
-                    sorted.write_bytes(&context.grid, &own(to), &mut message);
+                    let (mut message, tiles) = (Vec::new(), own(to).numbers(tiles).collect::<Vec<_>>());
+                    sorted.write_bytes(&context.grid, &tiles, &mut numbering, &mut message);
                     messages[to as usize].push(message);
                 }
             }
@@ -49,9 +50,8 @@ fn bins_sent_as_bytes_give_the_same_picture() {
                 let context = FrameContext::new(&both, &camera, &settings, 1).unwrap();
                 let mut sorted = Sorted::default();
                 // The order of the messages does not matter.
-                for message in messages.iter().rev() {
-                    sorted.read_bytes(&context, message).expect("what was written");
-                }
+                let messages = messages.iter().rev().map(|message| &message[..]);
+                sorted.read_bytes(&context, messages).expect("what was written");
                 renderer.draw(&context, &sorted, &own, &mut frame);
             }
             assert_same(&expected, &frame, &format!("{tile_size}, {sorting:?}"));
@@ -70,21 +70,29 @@ fn invalid_bytes_are_refused() {
     let mut renderer = Renderer::new();
     renderer.sort(&context, &mut sorted);
     let mut bytes = Vec::new();
-    sorted.write_bytes(&context.grid, &TileSet::ALL, &mut bytes);
+    let tiles: Vec<u32> = (0..context.grid.count() as u32).collect();
+    sorted.write_bytes(&context.grid, &tiles, &mut Numbering::default(), &mut bytes);
     let mut found = Sorted::default();
-    let read = |bytes: &[u8]| Sorted::default().read_bytes(&context, bytes);
-    assert_eq!(found.read_bytes(&context, &bytes), Ok(()));
+    // The second of two messages is the one that is not valid.
+    let read = |invalid: &[u8]| {
+        let error = Sorted::default().read_bytes(&context, [&bytes[..], invalid]);
+        error.map_err(|(number, error)| {
+            assert_eq!(number, 1);
+            error
+        })
+    };
+    assert_eq!(found.read_bytes(&context, [&bytes[..], &[]]), Ok(()));
     assert_eq!(
         (0..30).map(|tile| found.fill(tile)).sum::<u64>(),
         (0..30).map(|tile| sorted.fill(tile)).sum::<u64>()
     );
 
-    for length in (0..bytes.len()).step_by(13) {
+    for length in (1..bytes.len()).step_by(13) {
         assert_eq!(read(&bytes[..length]), Err(SortedError::Length { bytes: length }));
     }
     let other = settings(16, Sorting::Triangles);
     let other = FrameContext::new(&scene, &camera, &other, 1).unwrap();
-    assert!(matches!(Sorted::default().read_bytes(&other, &bytes), Err(SortedError::Grid { .. })));
+    assert!(matches!(Sorted::default().read_bytes(&other, [&bytes[..]]), Err((0, SortedError::Grid { .. }))));
     // Whichever word of the bytes is altered, the bytes are refused or can be drawn.
     let (mut refused, mut frame) = (0, Frame::default());
     frame.resize(&all);
@@ -93,10 +101,10 @@ fn invalid_bytes_are_refused() {
             let mut altered = bytes.clone();
             altered[at..at + 4].copy_from_slice(&value.to_ne_bytes());
             let mut sorted = Sorted::default();
-            match sorted.read_bytes(&context, &altered) {
+            match sorted.read_bytes(&context, [&altered[..]]) {
                 Ok(()) if at % 64 == 0 => renderer.draw(&context, &sorted, &TileSet::ALL, &mut frame),
                 Ok(()) => {}
-                Err(error) => {
+                Err((_, error)) => {
                     refused += 1;
                     assert!(!error.to_string().is_empty());
                 }

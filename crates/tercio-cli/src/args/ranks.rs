@@ -149,8 +149,10 @@ impl RanksArgs {
             return unused("--division", "does not divide the picture");
         }
         let composites = is_twice || organisation == Organisation::SortLast;
-        if (self.composition.is_some() || self.radix.is_some()) && !composites {
-            return unused("--composition", "does not composite pictures");
+        let of_composition =
+            [(self.composition.is_some(), "--composition"), (self.radix.is_some(), "--radix")];
+        if let Some((_, option)) = of_composition.into_iter().find(|(is_given, _)| *is_given && !composites) {
+            return unused(option, "does not composite pictures");
         }
         let composition = match self.composition {
             Some(CompositionName::RadixK) => Composition::RadixK(self.radix.unwrap_or(4)),
@@ -184,18 +186,17 @@ impl Drawers {
     pub fn composites(self) -> bool {
         match self {
             Self::Alone => false,
-            Self::InProcess(_, sharing) | Self::Mpi(sharing) => {
-                matches!(sharing.organisation, Organisation::SortLast | Organisation::SortTwice { .. })
-            }
+            Self::InProcess(count, sharing) => sharing.organisation.composites(count),
+            // As many processes as there may be.
+            Self::Mpi(sharing) => sharing.organisation.composites(usize::MAX),
         }
     }
 
     /// Number of frames that this process keeps at the same time, and whether with their keys.
     pub fn frames(self) -> (usize, bool) {
         match self {
-            Self::Alone => (1, false),
-            Self::InProcess(count, _) => (count, true),
-            Self::Mpi(_) => (1, true),
+            Self::InProcess(count, _) => (count, self.composites()),
+            Self::Alone | Self::Mpi(_) => (1, self.composites()),
         }
     }
 }
@@ -262,7 +263,7 @@ mod tests {
             ("--group 3", "sort-middle has no groups"),
             ("--organisation sort-last --division rows", "sort-last does not divide"),
             ("--organisation sort-middle --composition tree", "sort-middle does not composite"),
-            ("--organisation sort-first --radix 3", "sort-first does not composite"),
+            ("--organisation sort-first --radix 3", "--radix: sort-first does not composite"),
             ("--organisation sort-last --composition tree --radix 3", "--radix is for"),
             ("--radix 1", "1 is not in 2..=256"),
         ] {

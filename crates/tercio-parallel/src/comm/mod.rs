@@ -156,9 +156,8 @@ pub trait Communicator {
         let mut step = 1;
         while step < size {
             let blocks = step.min(size - step);
-            let mut message = self.buffer((rank + size - step) % size);
-            message.extend_from_slice(&have[..blocks * length]);
-            self.send((rank + size - step) % size, message)?;
+            // Not from a buffer: those are for large messages.
+            self.send((rank + size - step) % size, have[..blocks * length].to_vec())?;
             let from = (rank + step) % size;
             let message = self.receive(from)?;
             if message.len() != blocks * length {
@@ -166,7 +165,6 @@ pub trait Communicator {
                 return Err(CommError::Transport { rank: from, reason });
             }
             have.extend_from_slice(&message);
-            self.give_back(from, message);
             step *= 2;
         }
         let block_of = |of: usize| {

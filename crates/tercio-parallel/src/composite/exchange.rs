@@ -69,19 +69,14 @@ pub fn exchange(
 ) -> Result<Parts, ParallelError> {
     let Ok(place) = shared.ranks.binary_search(&comm.rank()) else { return Ok(parts) };
     let stages = &mut report.stages;
+    let mut last_sender = comm.rank();
     for round in composition.rounds(shared, place) {
         for (to, tiles) in round.sends {
             let to = shared.ranks[to];
             let mut message = comm.buffer(to);
-            stages.compose.time(|| {
-                tiles.iter().filter_map(|tile| parts.remove_entry(tile)).for_each(|(tile, bytes)| {
-                    if let Content::Pixels { planes, .. } = &content {
-                        // The bytes were made, or checked, here.
-                        report.pixels.sent += packet::count_pixels(&bytes, planes).unwrap_or(0);
-                    }
-                    put(tile, &bytes, &mut message);
-                });
-            });
+            let sent = stages.compose.time(|| put_all(&tiles, &mut parts, content, &mut message));
+            report.pixels.sent +=
+                sent.map_err(|source| ParallelError::Packet { from: comm.rank(), source })?;
             if matches!(content, Content::Fragments) {
                 report.pixels.fragment_bytes += message.len() as u64;
             }
@@ -95,9 +90,32 @@ pub fn exchange(
         let merged = stages.compose.time(|| take_in(&mut parts, &messages, shared.tiles, content, pool))?;
         report.pixels.compared += merged.pixels;
         report.pixels.won += merged.won;
+        messages.iter().for_each(|(from, _)| last_sender = *from);
         messages.into_iter().for_each(|(from, message)| comm.give_back(from, message));
     }
-    Ok(parts)
+    let owners = composition.owners(shared);
+    let is_owned = |tile: &u32| shared.tiles.binary_search(tile).is_ok_and(|at| owners[at] == place);
+    match parts.keys().find(|tile| !is_owned(tile)) {
+        Some(&tile) => Err(ParallelError::Packet { from: last_sender, source: PacketError::Tile { tile } }),
+        None => Ok(parts),
+    }
+}
+
+/// Moves the parts of some tiles into a message, and returns their number of pixels.
+fn put_all(
+    tiles: &[u32],
+    parts: &mut Parts,
+    content: Content,
+    message: &mut Vec<u8>,
+) -> Result<u64, PacketError> {
+    let mut pixels = 0;
+    for (tile, bytes) in tiles.iter().filter_map(|tile| parts.remove_entry(tile)) {
+        if let Content::Pixels { planes, .. } = &content {
+            pixels += packet::count_pixels(&bytes, planes)?;
+        }
+        put(tile, &bytes, message);
+    }
+    Ok(pixels)
 }
 
 /// A tile, its content, and that of other ranks.

@@ -56,10 +56,8 @@ pub fn pack_drawn(frame: &Frame, tile: PixelRect, planes: &Outputs, out: &mut Ve
     for (mut at, end) in rows(frame, tile) {
         while let Some(skipped) = first_drawn(&frame.planes.keys[at..end]) {
             let first = at + skipped;
-            // A span's length is a 16-bit number; tiles are narrower than that.
-            let most = (end - first).min(usize::from(u16::MAX));
-            let count =
-                frame.planes.keys[first..first + most].iter().position(|&key| key == 0).unwrap_or(most);
+            let keys = &frame.planes.keys[first..end];
+            let count = keys.iter().position(|&key| key == 0).unwrap_or(keys.len());
             at = first + count;
             put_span(frame, first, count, planes, out);
             pixels += count as u64;
@@ -101,6 +99,7 @@ fn first_drawn(keys: &[u64]) -> Option<usize> {
     keys[skipped..].iter().position(|&key| key != 0).map(|k| skipped + k)
 }
 
+/// Precondition: `count` is at most 65,535; tiles are narrower.
 fn put_head(first: usize, count: usize, out: &mut Vec<u8>) {
     out.extend((first as u32).to_ne_bytes());
     out.extend((count as u16).to_ne_bytes());
@@ -256,7 +255,9 @@ pub fn merge(
         let is_next = [rest[0].start == start, rest[1].start == start];
         let behind = |k: usize| if is_next[k] { rest[k].end } else { rest[k].start };
         let end = behind(0).min(behind(1));
-        if start != run.end || start.is_multiple_of(width.max(1) as usize) {
+        // Runs end with a row, and are no longer than a 16-bit number.
+        let is_longer = run.len() + (end - start) > usize::from(u16::MAX);
+        if start != run.end || start.is_multiple_of(width.max(1) as usize) || is_longer {
             put(&run, &mut pieces, &mut second_wins);
             run = start..start;
         }

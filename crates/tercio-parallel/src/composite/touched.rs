@@ -3,7 +3,6 @@
 
 use bytemuck::{cast_slice, pod_read_unaligned};
 
-use super::packet::PacketError;
 use crate::ParallelError;
 use crate::comm::Communicator;
 use crate::report::Stage;
@@ -25,7 +24,7 @@ impl Touched {
     /// Exchanges the tiles of all ranks; all of them have to call this with the same number of tiles.
     ///
     /// # Errors
-    /// [`ParallelError::Comm`], [`ParallelError::Packet`].
+    /// [`ParallelError::Comm`].
     pub fn gather(
         comm: &mut impl Communicator,
         tiles: usize,
@@ -33,15 +32,9 @@ impl Touched {
         wait: &mut Stage,
     ) -> Result<Self, ParallelError> {
         let own = cast_slice(&bits(tiles, own)).to_vec();
-        let length = own.len();
         let all = wait.time(|| comm.all_gather(own))?;
-        let read = |(from, bytes): (usize, Vec<u8>)| {
-            let words = bytes.chunks_exact(size_of::<u64>()).map(pod_read_unaligned).collect();
-            let malformed = ParallelError::Packet { from, source: PacketError::Short { at: bytes.len() } };
-            if bytes.len() == length { Ok(words) } else { Err(malformed) }
-        };
-        let of_rank = all.into_iter().enumerate().map(read).collect::<Result<_, _>>()?;
-        Ok(Self { tiles, of_rank })
+        let words = |bytes: Vec<u8>| bytes.chunks_exact(size_of::<u64>()).map(pod_read_unaligned).collect();
+        Ok(Self { tiles, of_rank: all.into_iter().map(words).collect() })
     }
 
     /// May a rank have drawn something in a tile?

@@ -104,9 +104,8 @@ fn finish(
         return Ok(());
     }
     report.stages.collect.time(|| {
-        let is_drawn =
-            TileSet::from_fn(context.grid.count(), |tile| finished.tiles.binary_search(&tile).is_ok());
-        let others = TileSet::from_fn(context.grid.count(), |tile| !is_drawn.contains(tile));
+        let is_drawn = |tile: u32| finished.tiles.binary_search(&tile).is_ok();
+        let others = TileSet::from_fn(context.grid.count(), |tile| !is_drawn(tile));
         own.pool.install(|| own.renderer.clear(context, &others, frame));
     });
     let senders = (1..comm.size()).filter(sends);

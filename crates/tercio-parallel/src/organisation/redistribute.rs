@@ -5,11 +5,10 @@
 
 use std::ops::Range;
 
-use tercio_raster::binning::Sorted;
+use tercio_raster::binning::{Numbering, Sorted};
 use tercio_raster::context::FrameContext;
 
 use crate::comm::Communicator;
-use crate::division::tiles_of;
 use crate::{ParallelError, RankReport};
 
 /// Exchanges bins between the ranks of a group: afterwards `sorted` has what all of them sorted into this rank's tiles.
@@ -27,28 +26,28 @@ pub fn redistribute(
 ) -> Result<(), ParallelError> {
     let (own, count) = (comm.rank() - group.start, group.len());
     let stages = &mut report.stages;
+    let mut tiles = vec![Vec::new(); count];
+    for (tile, &owner) in (0..).zip(owners) {
+        tiles[owner as usize].push(tile);
+    }
+    let mut numbering = Numbering::default();
     // Every rank begins with the next one, so that no rank gets all messages at once.
     for other in (1..count).map(|step| (own + step) % count) {
         let to = group.start + other;
         let mut message = comm.buffer(to);
-        stages.redistribute.time(|| {
-            let tiles = tiles_of(owners, other);
-            if tiles.numbers(context.grid.count()).any(|tile| sorted.fill(tile) > 0) {
-                sorted.write_bytes(&context.grid, &tiles, &mut message);
-            }
-        });
+        let tiles = &tiles[other];
+        stages.redistribute.time(|| sorted.write_bytes(&context.grid, tiles, &mut numbering, &mut message));
         report.bin_bytes += message.len() as u64;
         comm.send(to, message)?;
     }
+    let mut messages = Vec::new();
     for other in (1..count).map(|step| (own + count - step) % count) {
         let from = group.start + other;
-        let message = stages.wait.time(|| comm.receive(from))?;
-        // An empty message: the other has nothing in these tiles.
-        if !message.is_empty() {
-            let read = stages.redistribute.time(|| sorted.read_bytes(context, &message));
-            read.map_err(|source| ParallelError::Bins { from, source })?;
-        }
-        comm.give_back(from, message);
+        messages.push((from, stages.wait.time(|| comm.receive(from))?));
     }
+    let bytes = messages.iter().map(|(_, message)| &message[..]);
+    let read = stages.redistribute.time(|| sorted.read_bytes(context, bytes));
+    read.map_err(|(number, source)| ParallelError::Bins { from: messages[number].0, source })?;
+    messages.into_iter().for_each(|(from, message)| comm.give_back(from, message));
     Ok(())
 }

@@ -11,7 +11,7 @@ mod lists;
 mod sorted;
 
 use lists::TileLists;
-pub use sorted::{Sorted, SortedError};
+pub use sorted::{Numbering, Sorted, SortedError};
 
 use bytemuck::{Pod, Zeroable};
 

@@ -162,26 +162,24 @@ impl Sorted {
     }
 
     /// Appends the bins of some tiles as bytes, for the rank that draws these tiles of the same frame. Its machine must
-    /// have the same byte order.
+    /// have the same byte order. `numbering` is memory that is reused from message to message of the same bins.
     ///
     /// The bytes are a header, the headers of the tiles that have entries, all triangles, then by tile the indices of
-    /// its triangles, then by tile its clusters.
+    /// its triangles, then by tile its clusters. There are no bytes at all if none of the tiles has entries.
     ///
     /// # Panics
     /// If there are 2^32 entries or more.
-    pub fn write_bytes(&self, grid: &TileGrid, tiles: &TileSet, out: &mut Vec<u8>) {
-        const UNSEEN: u32 = u32::MAX;
-        let mut numbers: Vec<Vec<u32>> = self.bins.iter().map(|b| vec![UNSEEN; b.triangles.len()]).collect();
+    pub fn write_bytes(&self, grid: &TileGrid, tiles: &[u32], numbering: &mut Numbering, out: &mut Vec<u8>) {
+        numbering.begin(&self.bins);
         let (mut heads, mut triangles) = (Vec::<TileHead>::new(), Vec::<ScreenTriangle>::new());
         let (mut entries, mut clusters) = (Vec::<u32>::new(), Vec::<BinnedCluster>::new());
-        let wanted = (0..grid.count() as u32).filter(|&tile| tiles.contains(tile) && self.fill(tile) > 0);
-        for tile in wanted {
+        for &tile in tiles {
             let before = (entries.len(), clusters.len());
-            for (bins, numbers) in self.bins.iter().zip(&mut numbers) {
+            for (bins, numbers) in self.bins.iter().zip(&mut numbering.of_bins) {
                 for &number in bins.triangle_lists.tile(tile) {
-                    let own = &mut numbers[number as usize];
-                    if *own == UNSEEN {
-                        *own = triangles.len() as u32;
+                    let (message, own) = &mut numbers[number as usize];
+                    if *message != numbering.message {
+                        (*message, *own) = (numbering.message, triangles.len() as u32);
                         triangles.push(bins.triangles[number as usize]);
                     }
                     entries.push(*own);
@@ -189,7 +187,12 @@ impl Sorted {
                 clusters.extend(bins.clusters_in(tile));
             }
             let (triangles, clusters) = (entries.len() - before.0, clusters.len() - before.1);
-            heads.push(TileHead { tile, triangles: triangles as u32, clusters: clusters as u32 });
+            if triangles + clusters > 0 {
+                heads.push(TileHead { tile, triangles: triangles as u32, clusters: clusters as u32 });
+            }
+        }
+        if heads.is_empty() {
+            return;
         }
         let count = |length: usize| u32::try_from(length).expect("fewer than 2^32 entries");
         let head = Head {
@@ -210,58 +213,98 @@ impl Sorted {
         out.extend_from_slice(cast_slice(&clusters));
     }
 
-    /// Adds bins from the bytes of [`Sorted::write_bytes`]. Tiles that are not drawn with the frame's settings are
+    /// Adds bins from messages of [`Sorted::write_bytes`]. Tiles that are not drawn with the frame's settings are
     /// skipped.
     ///
     /// # Errors
-    /// [`SortedError`]; nothing is added then.
-    pub fn read_bytes(&mut self, context: &FrameContext, bytes: &[u8]) -> Result<(), SortedError> {
-        let length = SortedError::Length { bytes: bytes.len() };
-        let mut rest = bytes;
-        let head: Head = pod_read_unaligned(take(&mut rest, size_of::<Head>(), 1).ok_or(length)?);
-        let grid = &context.grid;
-        if (head.shift, head.columns, head.rows) != (grid.shift, grid.columns, grid.rows) {
-            let (found, expected) = ([head.columns, head.rows], [grid.columns, grid.rows]);
-            return Err(SortedError::Grid { found, expected, shift: head.shift });
+    /// The number of the first message that is not valid, and why; nothing is added then.
+    pub fn read_bytes<'m>(
+        &mut self,
+        context: &FrameContext,
+        messages: impl IntoIterator<Item = &'m [u8]>,
+    ) -> Result<(), (usize, SortedError)> {
+        // One for all messages: each has tables of all tiles.
+        let mut bins = Bins::default();
+        for (number, bytes) in messages.into_iter().enumerate().filter(|(_, bytes)| !bytes.is_empty()) {
+            read_into(&mut bins, context, bytes).map_err(|error| (number, error))?;
         }
-        let tiles = elements::<TileHead>(&mut rest, head.tiles).ok_or(length)?;
-        let triangles = elements::<ScreenTriangle>(&mut rest, head.triangles).ok_or(length)?;
-        let entries = elements::<u32>(&mut rest, head.triangle_entries).ok_or(length)?;
-        let clusters = elements::<BinnedCluster>(&mut rest, head.cluster_entries).ok_or(length)?;
-        let sum = |of: fn(&TileHead) -> u32| tiles.iter().map(|tile| u64::from(of(tile))).sum::<u64>();
-        if !rest.is_empty()
-            || sum(|tile| tile.triangles) != u64::from(head.triangle_entries)
-            || sum(|tile| tile.clusters) != u64::from(head.cluster_entries)
-        {
-            return Err(length);
-        }
-        let number = |what, number| SortedError::Number { what, number };
-        if let Some(t) = triangles.iter().find(|t| !context.has_slot(t.slot) || !t.is_in_range()) {
-            return Err(number("triangle", t.slot));
-        }
-        if let Some(c) = clusters.iter().find(|c| c.number >= context.clusters()) {
-            return Err(number("cluster", c.number));
-        }
-        if let Some(&entry) = entries.iter().find(|&&entry| entry >= head.triangles) {
-            return Err(number("triangle", entry));
-        }
-        if let Some(tile) = tiles.iter().find(|tile| tile.tile as usize >= grid.count()) {
-            return Err(number("tile", tile.tile));
-        }
-        let mut bins = Bins { triangles, clusters: u64::from(head.cluster_entries), ..Bins::default() };
-        let (mut entries, mut clusters) = (entries.into_iter(), clusters.into_iter());
-        for tile in tiles {
-            for entry in entries.by_ref().take(tile.triangles as usize) {
-                bins.triangle_lists.push(grid, tile.tile, entry);
-            }
-            for cluster in clusters.by_ref().take(tile.clusters as usize) {
-                bins.cluster_lists.push(grid, tile.tile, cluster);
-            }
-        }
-        bins.sort(grid);
+        bins.sort(&context.grid);
         self.bins.push(bins);
         Ok(())
     }
+}
+
+/// Which triangles a message has already: memory for [`Sorted::write_bytes`].
+#[derive(Debug, Default)]
+pub struct Numbering {
+    /// The number of the message.
+    message: u32,
+    /// For each triangle of each of the bins, the last message that it is in, and its number there.
+    of_bins: Vec<Vec<(u32, u32)>>,
+}
+
+impl Numbering {
+    /// Begins a message from these bins.
+    fn begin(&mut self, bins: &[Bins]) {
+        let fits = self.of_bins.len() == bins.len()
+            && self.of_bins.iter().zip(bins).all(|(numbers, bins)| numbers.len() == bins.triangles.len());
+        if !fits || self.message == u32::MAX {
+            self.message = 0;
+            self.of_bins = bins.iter().map(|bins| vec![(0, 0); bins.triangles.len()]).collect();
+        }
+        self.message += 1;
+    }
+}
+
+/// Adds the entries of a message, which are not sorted yet.
+fn read_into(bins: &mut Bins, context: &FrameContext, bytes: &[u8]) -> Result<(), SortedError> {
+    let length = SortedError::Length { bytes: bytes.len() };
+    let mut rest = bytes;
+    let head: Head = pod_read_unaligned(take(&mut rest, size_of::<Head>(), 1).ok_or(length)?);
+    let grid = &context.grid;
+    if (head.shift, head.columns, head.rows) != (grid.shift, grid.columns, grid.rows) {
+        let (found, expected) = ([head.columns, head.rows], [grid.columns, grid.rows]);
+        return Err(SortedError::Grid { found, expected, shift: head.shift });
+    }
+    let tiles = elements::<TileHead>(&mut rest, head.tiles).ok_or(length)?;
+    let triangles = elements::<ScreenTriangle>(&mut rest, head.triangles).ok_or(length)?;
+    let entries = elements::<u32>(&mut rest, head.triangle_entries).ok_or(length)?;
+    let clusters = elements::<BinnedCluster>(&mut rest, head.cluster_entries).ok_or(length)?;
+    let sum = |of: fn(&TileHead) -> u32| tiles.iter().map(|tile| u64::from(of(tile))).sum::<u64>();
+    if !rest.is_empty()
+        || sum(|tile| tile.triangles) != u64::from(head.triangle_entries)
+        || sum(|tile| tile.clusters) != u64::from(head.cluster_entries)
+    {
+        return Err(length);
+    }
+    let number = |what, number| SortedError::Number { what, number };
+    if let Some(t) = triangles.iter().find(|t| !context.has_slot(t.slot) || !t.is_in_range()) {
+        return Err(number("triangle", t.slot));
+    }
+    if let Some(c) = clusters.iter().find(|c| c.number >= context.clusters()) {
+        return Err(number("cluster", c.number));
+    }
+    if let Some(&entry) = entries.iter().find(|&&entry| entry >= head.triangles) {
+        return Err(number("triangle", entry));
+    }
+    if let Some(tile) = tiles.iter().find(|tile| tile.tile as usize >= grid.count()) {
+        return Err(number("tile", tile.tile));
+    }
+    // Those of earlier messages come first.
+    let first = u32::try_from(bins.triangles.len()).map_err(|_| length)?;
+    first.checked_add(head.triangles).ok_or(length)?;
+    bins.triangles.extend(triangles);
+    bins.clusters += u64::from(head.cluster_entries);
+    let (mut entries, mut clusters) = (entries.into_iter(), clusters.into_iter());
+    for tile in tiles {
+        for entry in entries.by_ref().take(tile.triangles as usize) {
+            bins.triangle_lists.push(grid, tile.tile, first + entry);
+        }
+        for cluster in clusters.by_ref().take(tile.clusters as usize) {
+            bins.cluster_lists.push(grid, tile.tile, cluster);
+        }
+    }
+    Ok(())
 }
 
 /// Takes the first `count` elements of `bytes` bytes each; `None` if there are fewer.

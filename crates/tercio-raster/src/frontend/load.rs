@@ -10,6 +10,9 @@ use crate::view::{ObjectView, View};
 /// At most about this many clusters are looked at, evenly spread over the scene.
 const SAMPLES: u32 = 4096;
 
+/// At most about so many tiles are visited for all of them together: where clusters are large, fewer are looked at.
+const MOST_VISITS: u64 = 1 << 17;
+
 /// The work of a covered pixel in that of a triangle.
 const WORK_OF_PIXEL: f64 = 1.0;
 
@@ -17,6 +20,16 @@ const WORK_OF_PIXEL: f64 = 1.0;
 const WORK_OF_HIDDEN: f64 = 0.5;
 /// The share of the box of a cluster on the screen that its triangles cover.
 const COVERED_OF_BOX: f64 = 0.3;
+
+/// A cluster that may be visible.
+struct Found {
+    /// In any unit.
+    distance: f64,
+    number: u32,
+    /// First and last column, first and last row of pixels.
+    rect: [u32; 4],
+    triangles: f64,
+}
 
 /// Estimates the work in each tile: triangles that are not hidden, and pixels that they cover, in units of a triangle. Tiles
 /// that seem to be empty have 0. The same on every machine, and for every number of threads.
@@ -28,17 +41,24 @@ pub fn estimate(context: &FrameContext) -> Vec<u64> {
         let (instance, index) = context.locate(number);
         let cluster = &context.scene.instances[instance].mesh.clusters()[index];
         let object = &context.objects[instance];
-        if let Some((distance, pixels)) = extent(&context.view, object, cluster) {
-            found.push((distance, number, pixels, cluster.triangles));
+        if let Some((distance, rect)) = extent(&context.view, object, cluster) {
+            found.push(Found { distance, number, rect, triangles: f64::from(cluster.triangles) });
         }
     }
+    let visits = |of: &Found| {
+        let [column0, column1, row0, row1] = grid.tiles_that_need(of.rect);
+        u64::from(column1 - column0 + 1) * u64::from((row1 + 1).saturating_sub(row0))
+    };
+    let skipped = found.iter().map(visits).sum::<u64>().div_ceil(MOST_VISITS).max(1);
+    let mut found: Vec<Found> = found.into_iter().step_by(skipped as usize).collect();
+    let step = f64::from(step) * skipped as f64;
     // Front to back, so that what is hidden counts less.
-    found.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    found.sort_unstable_by(|a, b| a.distance.total_cmp(&b.distance).then(a.number.cmp(&b.number)));
     let mut work = vec![0.0; grid.count()];
     let (mut hidden, mut pixels) = (vec![0.0; grid.count()], vec![0.0; grid.count()]);
-    for (_, _, rect @ [x0, x1, y0, y1], triangles) in found {
+    for Found { rect: rect @ [x0, x1, y0, y1], triangles, .. } in found {
         let across = f64::from(x1 - x0 + 1) * f64::from(y1 - y0 + 1);
-        let triangles = f64::from(triangles) * f64::from(step);
+        let triangles = triangles * step;
         let [column0, column1, row0, row1] = grid.tiles_that_need(rect);
         for (column, row) in (row0..=row1).flat_map(|row| (column0..=column1).map(move |c| (c, row))) {
             let tile = grid.number(column, row);
@@ -54,16 +74,15 @@ pub fn estimate(context: &FrameContext) -> Vec<u64> {
             let of_cluster = triangles * (0.25 + 0.75 * covered / across);
             work[tile as usize] += of_cluster * (WORK_OF_HIDDEN + (1.0 - WORK_OF_HIDDEN) * seen);
             let pixels = &mut pixels[tile as usize];
-            *pixels = f64::min(*pixels + covered * f64::from(step), of_tile);
-            *hidden = (*hidden + seen * (covered * f64::from(step) * COVERED_OF_BOX / of_tile)).min(1.0);
+            *pixels = f64::min(*pixels + covered * step, of_tile);
+            *hidden = (*hidden + seen * (covered * step * COVERED_OF_BOX / of_tile)).min(1.0);
         }
     }
     let sum = |(work, pixels): (f64, f64)| (work + pixels * WORK_OF_PIXEL).ceil() as u64;
     work.into_iter().zip(pixels).map(sum).collect()
 }
 
-/// The distance of a cluster, in any unit, and first and last column, first and last row of the pixels inside the picture that it
-/// may reach, approximately; `None` if there are none.
+/// The distance of a cluster, and the pixels inside the picture that it may reach, approximately; `None` if there are none.
 fn extent(view: &View, object: &ObjectView, cluster: &Cluster) -> Option<(f64, [u32; 4])> {
     let middle: [f64; 3] =
         std::array::from_fn(|k| (f64::from(cluster.min[k]) + f64::from(cluster.max[k])) * 0.5);
@@ -95,4 +114,43 @@ fn extent(view: &View, object: &ObjectView, cluster: &Cluster) -> Option<(f64, [
     let [y0, y1] = along(&object.exact.y, view.middle[1], view.height)?;
     let distance = if view.perspective { w } else { -range(&object.exact.d).0 };
     Some((distance, [x0, x1, y0, y1]))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use tercio_mesh::builtin;
+    use tercio_mesh::cluster::{PartitionOptions, partition};
+    use tercio_scene::Scene;
+
+    use crate::Settings;
+    use crate::binning::Sorted;
+    use crate::context::FrameContext;
+    use crate::renderer::Renderer;
+
+    /// The estimate is positive where there are bins, and has about their shares of the triangles.
+    #[test]
+    fn the_estimate_follows_the_bins() {
+        for (model, tolerance) in
+            [("builtin:gyroid@60k", 0.35), ("builtin:terrain@60k", 0.35), ("builtin:soup@3k", 0.6)]
+        {
+            let mesh = builtin::make(model).expect("a model");
+            let scene = Scene::from_mesh(Arc::new(partition(mesh, &PartitionOptions::default())));
+            let settings = Settings { tile_size: Some(64), ..Settings::one_sample(640, 480) };
+            let camera = settings.framing().camera_for_scene(&scene);
+            let context = FrameContext::new(&scene, &camera, &settings, 1).expect("a frame");
+            let load = Renderer::estimate_load(&context);
+            let mut sorted = Sorted::default();
+            Renderer::new().sort(&context, &mut sorted);
+            let fills: Vec<u64> = (0..context.grid.count() as u32).map(|tile| sorted.fill(tile)).collect();
+            let (all, of_bins) = (load.iter().sum::<u64>() as f64, fills.iter().sum::<u64>() as f64);
+            let mut apart = 0.0;
+            for (tile, (&load, &fill)) in load.iter().zip(&fills).enumerate() {
+                assert!(load > 0 || fill == 0, "{model}: tile {tile} seems to be empty");
+                apart += (load as f64 / all - fill as f64 / of_bins).abs();
+            }
+            assert!(apart < tolerance, "{model}: the shares differ by {apart}");
+        }
+    }
 }

@@ -18,7 +18,7 @@ impl RadixK {
             let radix = (self.radix.max(2) as usize).min(count);
             let fitting = (2..=radix).rev().find(|size| count.is_multiple_of(*size));
             let prime = || (radix + 1..=count).find(|size| count.is_multiple_of(*size));
-            let size = fitting.or_else(prime).unwrap_or(count);
+            let Some(size) = fitting.or_else(prime) else { unreachable!("a number divides itself") };
             sizes.push(size);
             count /= size;
         }
