@@ -26,7 +26,7 @@ pub mod simulated;
 pub mod traffic;
 
 use serde::Serialize;
-use tercio_parallel::{Division, Organisation as RendererOrganisation, ParallelError, Sharing};
+use tercio_parallel::{Organisation as RendererOrganisation, ParallelError};
 use tercio_raster::Settings;
 use tercio_scene::{Camera, Scene};
 
@@ -62,7 +62,8 @@ pub struct Plan {
     pub organisation: Organisation,
     /// Ranks.
     pub ranks: usize,
-    /// Pixels along the edge of a region; `None` is the largest that gives every rank a region.
+    /// Pixels along the edge of a region; `None` is the renderer's own choice, or the largest that gives every rank a region of a
+    /// simulated machine.
     pub region: Option<u32>,
     /// Who gets which region.
     pub assignment: Assignment,
@@ -77,11 +78,11 @@ pub enum Simulated {
     /// It was requested.
     #[error("as requested")]
     Asked,
-    /// The renderer has no such organisation.
-    #[error("the renderer sorts first or last")]
+    /// Its messages are not counted.
+    #[error("of the renderer's organisations, only the messages of sort-first and sort-last are counted")]
     Organisation,
-    /// Regions are interleaved.
-    #[error("the renderer has interleaved regions, but no runs of consecutive ones of the same number")]
+    /// Tiles are scattered.
+    #[error("runs of as many tiles each are not predicted: the renderer divides tiles by their work")]
     Assignment,
     /// Regions are the renderer's tiles.
     #[error("the renderer's regions are tiles of 8, 16, 32, 64 or 128 pixels")]
@@ -155,8 +156,9 @@ pub fn predict(
     let settings =
         Settings { tile_size: plan.region.or(picture.settings.tile_size), ..picture.settings.clone() };
     let costs = ExchangeCosts::of(machine)?;
-    let sharing = Sharing { division: Division::Interleaved, ..organisation.into() };
-    let work = RanksWork::count(picture.scene, picture.camera, &settings, (plan.ranks, sharing))?;
+    // Scattered by the work in the tiles, as ranks do without options.
+    let how = (plan.ranks, organisation.into());
+    let work = RanksWork::count(picture.scene, picture.camera, &settings, how)?;
     let processors = machine.processors.count.whole() as usize;
     Ok(Ok(renderer::predict(machine, &costs, &work, processors)?))
 }

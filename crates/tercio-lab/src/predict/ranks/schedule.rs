@@ -15,7 +15,7 @@ const SLICE: f64 = 3e-3;
 pub enum Stage {
     /// Drawing its share.
     Draw,
-    /// Packing for owners of regions, compositing what it receives.
+    /// Packing what is composited, merging what it receives.
     Compose,
     /// Packing for rank 0, unpacking there.
     Collect,

@@ -118,7 +118,7 @@ pub struct RankCounts {
     pub sent: u64,
     /// Pixels that it composites.
     pub compared: u64,
-    /// Pixels of its regions that show something in the end.
+    /// Pixels of the tiles that it finishes in which something is drawn.
     pub visible: u64,
     /// Messages that it sends.
     pub messages: u64,
