@@ -232,6 +232,26 @@ fn every_division_and_composition() {
     }
 }
 
+/// More ranks than clusters and tiles, and more than a machine has processors.
+#[test]
+fn a_thousand_ranks() {
+    let scene = with_second_instance(scene("builtin:gyroid@4k", 4));
+    let camera = camera(&scene, 2.0, false);
+    let settings = Settings { tile_size: Some(8), ..Settings::one_sample(160, 120) };
+    for organisation in [
+        Organisation::SortFirst,
+        Organisation::SortMiddle,
+        Organisation::SortLast,
+        Organisation::SortTwice { group: 32 },
+    ] {
+        let ranks = Ranks { count: 1024, threads: 1, sharing: organisation.into() };
+        check(&scene, &camera, &settings, ranks, "a thousand ranks");
+    }
+    let composition = Composition::RadixK(8);
+    let sharing = Sharing { composition, ..Organisation::SortLast.into() };
+    check(&scene, &camera, &settings, Ranks { count: 1024, threads: 1, sharing }, "a thousand ranks");
+}
+
 #[test]
 fn among_equal_depths_the_lower_primitive_is_seen() {
     // The same model twice at the same position, in another colour: every sample is a tie between ranks.
