@@ -4,6 +4,7 @@ use serde_json::{Value, json};
 use tercio::glam::DVec3;
 use tercio::mesh::Aabb;
 use tercio::mesh::io::{NotDrawn, Translucent};
+use tercio::parallel::{FrameReport, RankReport};
 use tercio::scene::{Camera, Projection};
 use tercio::{LoadReport, TextureReport};
 
@@ -203,6 +204,50 @@ pub fn repairs(report: &LoadReport) -> Vec<String> {
     ];
     let found = counts.into_iter().filter(|c| c.0 > 0);
     found.map(|(n, what, how)| format!("{} {how}", counted(n, what))).collect()
+}
+
+/// The work, messages and milliseconds of each rank, in columns.
+pub fn table_of_ranks(frame: &FrameReport) -> Vec<String> {
+    let titles = [
+        "rank",
+        "clusters",
+        "triangles",
+        "visible",
+        "sent",
+        "bytes",
+        "taken",
+        "bytes",
+        "draw",
+        "redistribute",
+        "composite",
+        "collect",
+        "wait ms",
+    ];
+    let of_rank = |rank: &RankReport| {
+        let (stages, traffic) = (&rank.stages, &rank.traffic);
+        let counts = [
+            rank.rank as u64,
+            rank.clusters,
+            rank.frame.backend.triangles_drawn,
+            rank.pixels.visible,
+            traffic.sent_messages,
+            traffic.sent_bytes,
+            traffic.taken_messages,
+            traffic.taken_bytes,
+        ];
+        let times = [stages.draw, stages.redistribute, stages.compose, stages.collect, stages.wait];
+        let times = times.map(|stage| format!("{:.1}", stage.milliseconds));
+        counts.map(grouped).into_iter().chain(times).collect()
+    };
+    let titles = titles.map(String::from).to_vec();
+    let rows: Vec<Vec<String>> = std::iter::once(titles).chain(frame.ranks.iter().map(of_rank)).collect();
+    let width = |column: usize| rows.iter().map(|row| row[column].len()).max().unwrap_or(0);
+    let widths: Vec<usize> = (0..rows[0].len()).map(width).collect();
+    let line = |row: &Vec<String>| {
+        let cells = row.iter().zip(&widths).map(|(cell, &width)| format!("{cell:>width$}"));
+        cells.collect::<Vec<_>>().join("  ")
+    };
+    rows.iter().map(line).collect()
 }
 
 /// A number with thousands separators: 1,234,567.

@@ -225,6 +225,30 @@ fn npy(bytes: &[u8]) -> (String, Vec<usize>, &[u8]) {
 }
 
 #[test]
+fn verbose_output_has_a_line_for_each_rank() {
+    let place = Place::new();
+    let outcome = place.run(
+        "render builtin:teapot@2k -o a.png --size 90x60 --ranks 3 --organisation sort-twice --group 2 -v",
+    );
+    assert_eq!(outcome.code, Some(0), "{}", outcome.stderr);
+    let lines: Vec<&str> = outcome.stderr.lines().collect();
+    let title =
+        lines.iter().position(|line| line.contains("clusters") && line.contains("wait ms")).expect("a table");
+    assert!(lines[title - 1].contains("3 ranks, sort-twice-2, sent "), "{}", lines[title - 1]);
+    let column = |line: &str, number: usize| line.split_whitespace().rev().nth(12 - number).map(String::from);
+    for (rank, line) in lines[title + 1..title + 4].iter().enumerate() {
+        assert_eq!(column(line, 0), Some(rank.to_string()), "{line}");
+    }
+    let sum = |number: usize| -> u64 {
+        let cells = lines[title + 1..title + 4].iter().filter_map(|line| column(line, number));
+        cells.map(|cell| cell.replace(',', "").parse::<u64>().expect("a number")).sum()
+    };
+    // What is sent is received.
+    assert_eq!((sum(4), sum(5)), (sum(6), sum(7)));
+    assert!(sum(4) > 0);
+}
+
+#[test]
 fn verbose_output_says_how_triangles_are_counted() {
     let place = Place::new();
     // Every tile of 8 pixels that a triangle reaches sets it up again.

@@ -517,13 +517,15 @@ fn print_details(done: &Done) {
         ));
     }
     report::clipped(report).iter().for_each(|c| messages::note(c));
-    for FrameReport { messages: sent, bytes, ranks, .. } in views.iter().flat_map(|view| &view.parallel) {
+    for frame in views.iter().flat_map(|view| &view.parallel) {
         messages::note(&format!(
-            "{} ranks sent {} with {} bytes",
-            ranks.len(),
-            report::counted(*sent, "message"),
-            report::grouped(*bytes)
+            "{} ranks, {}, sent {} with {} bytes",
+            frame.ranks.len(),
+            frame.organisation,
+            report::counted(frame.messages, "message"),
+            report::grouped(frame.bytes)
         ));
+        report::table_of_ranks(frame).iter().for_each(|line| messages::note(line));
     }
     let stats = &stereo::together(views);
     messages::note(&format!(
