@@ -52,6 +52,17 @@ enum Command {
     Lab(commands::lab::Lab),
 }
 
+impl Command {
+    /// Do the processes of an MPI job run it together?
+    fn runs_as_job(&self) -> bool {
+        match self {
+            Self::Render(_) | Self::Bench(_) => true,
+            Self::Lab(lab) => lab.runs_as_job(),
+            Self::Prepare(_) | Self::Info(_) | Self::Compare(_) => false,
+        }
+    }
+}
+
 fn main() -> ExitCode {
     ending::prepare();
     ending::at_end(remove_partial_files);
@@ -64,6 +75,14 @@ fn main() -> ExitCode {
     };
     signals::watch();
     memory::begin();
+    if !cli.command.runs_as_job() && mpi::processes().is_some_and(|processes| processes > 1) {
+        // Once, not by each of them.
+        if mpi::is_first() {
+            let text = "mpirun started several processes, but this command is not run by several together";
+            fail(&output::UsageError(text.into()).into(), 2);
+        }
+        return ExitCode::from(2);
+    }
     let (result, failure) = match cli.command {
         Command::Render(command) => (command.run(), 1),
         Command::Prepare(command) => (command.run(), 1),

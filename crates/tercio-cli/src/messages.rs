@@ -2,6 +2,7 @@
 
 use std::io::{self, Write};
 
+use anstream::adapter::strip_str;
 use anstream::{AutoStream, ColorChoice};
 use anstyle::{AnsiColor, Style};
 use anyhow::Error;
@@ -54,12 +55,16 @@ pub fn warning(text: &str) {
 /// A line for `-v`.
 pub fn note(text: &str) {
     // A closed standard error is no reason to fail.
-    let _ = writeln!(io::stderr().lock(), "{text}");
+    let _ = io::stderr().lock().write_all(format!("{text}\n").as_bytes());
 }
 
 /// Coloured like usage errors: on terminals with colours, unless NO_COLOR is set; everywhere if CLICOLOR_FORCE is.
 fn say(style: Style, kind: &str, text: &str) {
     // File names may contain line breaks, but a message is one line.
     let text: Vec<_> = text.lines().map(str::trim).filter(|l| !l.is_empty()).collect();
-    let _ = writeln!(anstream::stderr().lock(), "{style}{kind}:{style:#} {}", text.join(" "));
+    let line = format!("{style}{kind}:{style:#} {}\n", text.join(" "));
+    let is_coloured = AutoStream::choice(&io::stderr()) != ColorChoice::Never;
+    let line = if is_coloured { line } else { strip_str(&line).to_string() };
+    // At once, so that lines of several processes do not mix. A closed standard error is no reason to fail.
+    let _ = io::stderr().lock().write_all(line.as_bytes());
 }

@@ -2,15 +2,19 @@
 
 use anyhow::Result;
 
-pub use ranks::{Comm, library, machine, run};
-pub use tercio_mpi::{local_processes, processes};
+pub use ranks::{Comm, library, machine, run, watch};
+pub use tercio_mpi::{is_first, local_processes, processes};
 
 /// With the feature `mpi`.
 #[cfg(feature = "mpi")]
 mod ranks {
+    use std::time::Duration;
+
     use anyhow::Error;
     use tercio::image::remove_partial_files;
+    use tercio::parallel::Communicator as _;
     pub use tercio_mpi::MpiComm as Comm;
+    use tercio_mpi::Patience;
 
     use super::Result;
     use crate::messages;
@@ -23,6 +27,21 @@ mod ranks {
     /// Name and version of the MPI library.
     pub fn library(comm: &Comm) -> String {
         comm.library()
+    }
+
+    /// After this time a rank says which one it waits for.
+    const SILENCE: Duration = Duration::from_secs(10);
+
+    /// From now on this rank says which one it waits for, if it waits for long, and fails after the `timeout`.
+    pub fn watch(comm: &mut Comm, timeout: Option<Duration>) {
+        let rank = comm.rank();
+        let notice = move |from| {
+            let seconds = SILENCE.as_secs();
+            let text =
+                format!("rank {rank} has waited {seconds} s for rank {from} (--timeout ends such a job)");
+            messages::warning(&text);
+        };
+        comm.set_patience(Patience { silence: SILENCE, notice: Box::new(notice), timeout });
     }
 
     /// Runs this rank's part of the work of a job, once. If it fails, the rank prints why and ends the job.
@@ -42,6 +61,8 @@ mod ranks {
 /// Without the feature.
 #[cfg(not(feature = "mpi"))]
 mod ranks {
+    use std::time::Duration;
+
     use anyhow::bail;
     use tercio::parallel::Communicator;
     use tercio::parallel::comm::{CommError, Traffic};
@@ -89,6 +110,11 @@ mod ranks {
 
     /// Name and version of the MPI library.
     pub fn library(comm: &Comm) -> String {
+        match *comm {}
+    }
+
+    /// Says which rank a rank waits for.
+    pub fn watch(comm: &mut Comm, _: Option<Duration>) {
         match *comm {}
     }
 

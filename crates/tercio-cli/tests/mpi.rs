@@ -42,10 +42,7 @@ fn the_picture_does_not_depend_on_processes() {
             let stats: serde_json::Value = serde_json::from_str(outcome.text()).unwrap();
             let (parallel, n) = (&stats["parallel"], count as u64);
             let ranks = parallel["ranks"].as_array().unwrap();
-            assert_eq!(
-                (parallel["organisation"].as_str().map(|o| o.starts_with(organisation)), ranks.len()),
-                (Some(true), count)
-            );
+            assert_eq!((parallel["organisation"].as_str(), ranks.len()), (Some(organisation), count));
             let messages = match organisation {
                 "sort-first" => n - 1..=n - 1,
                 "sort-middle" => n * n - 1..=n * n - 1,
@@ -71,6 +68,46 @@ fn a_process_that_fails_ends_the_job() {
     let line = outcome.stderr.lines().find(|l| l.starts_with("error: ")).unwrap_or_default();
     assert!(line.contains("rank 2: ") && line.contains("missing.off"), "{}", outcome.stderr);
     assert_eq!(place.names(), ["model.off"], "a picture is there though a part of it is missing");
+}
+
+/// Rank 1 reads a pipe into which nobody writes.
+#[test]
+#[cfg(unix)]
+fn a_silent_rank_is_named_and_ends_the_job_on_request() {
+    let place = Place::new();
+    let made = Command::new("mkfifo").arg(place.path("pipe.off")).status();
+    assert!(made.expect("mkfifo starts").success());
+    let draws = |model: &str| format!("render {model} -o a.png --quiet --timeout 2.5");
+    let outcome = mpirun(&place, &[(1, &draws("model.off")), (1, &draws("pipe.off"))]);
+    assert_eq!(outcome.code, Some(1), "{}", outcome.stderr);
+    let line = outcome.stderr.lines().find(|line| line.starts_with("error: ")).unwrap_or_default();
+    assert!(
+        line.contains("rank 0: ") && line.contains("rank 1 has been silent for 2 s"),
+        "{}",
+        outcome.stderr
+    );
+    assert!(!place.names().contains(&"a.png".to_string()), "a picture");
+}
+
+#[test]
+fn a_picture_goes_through_mpirun() {
+    let place = Place::new();
+    place.run("render builtin:teapot@2k --size 60x40 -o alone.png").ok_silently();
+    let outcome = mpirun(&place, &[(2, "render builtin:teapot@2k --size 60x40 -o - --quiet")]);
+    assert_eq!(outcome.code, Some(0), "{}", outcome.stderr);
+    assert!(outcome.stdout == place.read("alone.png"), "{} bytes", outcome.stdout.len());
+}
+
+#[test]
+fn commands_that_are_no_job_say_so_once() {
+    let place = Place::new();
+    for command in ["prepare model.off -o a.tercio", "info model.off", "lab check"] {
+        let outcome = mpirun(&place, &[(3, command)]);
+        assert_ne!(outcome.code, Some(0), "{command}");
+        let lines = outcome.stderr.lines().filter(|line| line.contains("this command is not run by several"));
+        assert_eq!(lines.count(), 1, "{}", outcome.stderr);
+    }
+    assert_eq!(place.names(), ["model.off"]);
 }
 
 #[test]

@@ -234,7 +234,7 @@ fn verbose_output_has_a_line_for_each_rank() {
     let lines: Vec<&str> = outcome.stderr.lines().collect();
     let title =
         lines.iter().position(|line| line.contains("clusters") && line.contains("wait ms")).expect("a table");
-    assert!(lines[title - 1].contains("3 ranks, sort-twice-2, sent "), "{}", lines[title - 1]);
+    assert!(lines[title - 1].contains("3 ranks, sort-twice in groups of 2, sent "), "{}", lines[title - 1]);
     let column = |line: &str, number: usize| line.split_whitespace().rev().nth(12 - number).map(String::from);
     for (rank, line) in lines[title + 1..title + 4].iter().enumerate() {
         assert_eq!(column(line, 0), Some(rank.to_string()), "{line}");

@@ -2,6 +2,7 @@
 
 use std::collections::VecDeque;
 use std::fmt;
+use std::time::Duration;
 
 use tercio_parallel::comm::{CommError, Communicator, Traffic};
 
@@ -35,6 +36,24 @@ pub struct MpiComm {
     spare: Spare,
     traffic: Traffic,
     part_bytes: usize,
+    patience: Patience,
+}
+
+/// What happens if a rank waits for long: the other one may be stopped, or its memory swapped out.
+pub struct Patience {
+    /// After this time of one wait `notice` is called, once.
+    pub silence: Duration,
+    /// Gets the rank that is waited for.
+    pub notice: Box<dyn FnMut(usize)>,
+    /// After this time the wait ends with [`CommError::Silent`], if it is given.
+    pub timeout: Option<Duration>,
+}
+
+impl Default for Patience {
+    /// Waits for ever, without notice.
+    fn default() -> Self {
+        Self { silence: Duration::MAX, notice: Box::new(|_| ()), timeout: None }
+    }
 }
 
 /// Messages from a rank that were not requested yet.
@@ -53,12 +72,25 @@ impl MpiComm {
         // A frame sends and receives one or two messages per rank.
         let spare = Spare::new(4 * link.size());
         let traffic = Traffic::default();
-        Self { link, outgoing: Vec::new(), arrived, spare, traffic, part_bytes: PART_BYTES }
+        Self {
+            link,
+            outgoing: Vec::new(),
+            arrived,
+            spare,
+            traffic,
+            part_bytes: PART_BYTES,
+            patience: Patience::default(),
+        }
     }
 
     /// Sends messages in parts of at most this many bytes, 1 to 2^31 - 1, instead of 2^30. Ranks need not agree.
     pub fn set_part_bytes(&mut self, bytes: usize) {
         self.part_bytes = bytes;
+    }
+
+    /// What happens if this rank waits for long. The end of the job, where ranks wait until all are done, is not meant.
+    pub fn set_patience(&mut self, patience: Patience) {
+        self.patience = patience;
     }
 
     /// Name of the machine that this rank runs on, as reported by MPI.
@@ -140,7 +172,15 @@ impl MpiComm {
         mut is_it: impl FnMut(&mut Arrived) -> Option<T>,
     ) -> Result<T, CommError> {
         self.check(from)?;
-        until(|| {
+        let mut noticed = false;
+        until(|waited| {
+            if waited >= self.patience.silence && !noticed {
+                noticed = true;
+                (self.patience.notice)(from);
+            }
+            if self.patience.timeout.is_some_and(|timeout| waited >= timeout) {
+                return Err(CommError::Silent { rank: from, seconds: waited.as_secs() });
+            }
             loop {
                 if let Some(it) = is_it(&mut self.arrived[from]) {
                     return Ok(Some(it));
@@ -165,7 +205,7 @@ impl MpiComm {
             self.outgoing.push(outgoing.map_err(transport(to))?);
         }
         self.arrived[rank].has_left = true;
-        until(|| {
+        until(|_| {
             while let Some(Envelope { from, .. }) = self.take(None)? {
                 self.arrived[from].messages.clear();
             }

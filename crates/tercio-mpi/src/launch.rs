@@ -14,6 +14,18 @@ pub fn processes() -> Option<usize> {
     processes_by(|name| env::var(name).ok())
 }
 
+/// Where launchers store the number of a process.
+const RANK_VARIABLES: [&str; 4] = ["OMPI_COMM_WORLD_RANK", "PMI_RANK", "MV2_COMM_WORLD_RANK", "PMIX_RANK"];
+
+/// Is this the first process of its job, or in none? True if that is not known.
+pub fn is_first() -> bool {
+    is_first_by(|name| env::var(name).ok())
+}
+
+fn is_first_by(value: impl Fn(&str) -> Option<String>) -> bool {
+    RANK_VARIABLES.into_iter().find_map(value).is_none_or(|rank| rank.trim() == "0")
+}
+
 /// Where launchers store the number of processes that they started on this machine: Open MPI; MPICH, Intel MPI and others of
 /// its family; MVAPICH2.
 const LOCAL_VARIABLES: [&str; 3] =
@@ -54,6 +66,15 @@ mod tests {
         assert_eq!(of(&[("PMI_SIZE", "64"), ("PMI_RANK", "3")]), Some(64));
         assert_eq!(of(&[("MV2_COMM_WORLD_SIZE", "1")]), Some(1));
         assert_eq!(of(&[("PMIX_RANK", "1"), ("SLURM_STEP_NUM_TASKS", "8")]), Some(8));
+    }
+
+    #[test]
+    fn the_first_process_is_known() {
+        let is_first = |rank: Option<(&str, &str)>| {
+            is_first_by(|name| rank.filter(|r| r.0 == name).map(|r| r.1.to_string()))
+        };
+        assert!(is_first(None) && is_first(Some(("OMPI_COMM_WORLD_RANK", "0"))));
+        assert!(!is_first(Some(("PMI_RANK", "3"))) && !is_first(Some(("PMIX_RANK", "10"))));
     }
 
     #[test]

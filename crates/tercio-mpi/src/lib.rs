@@ -50,7 +50,7 @@ mod spare;
 mod waiting;
 
 #[cfg(feature = "mpi")]
-pub use comm::MpiComm;
+pub use comm::{MpiComm, Patience};
 #[cfg(feature = "mpi")]
 pub use job::{StartError, run};
-pub use launch::{local_processes, processes};
+pub use launch::{is_first, local_processes, processes};

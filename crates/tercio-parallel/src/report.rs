@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use serde::{Deserialize, Serialize};
-use tercio_raster::stats::{BackEndCounts, FrontEndCounts};
+use tercio_raster::stats::{BackEndCounts, FrontEndCounts, StageTimes};
 use tercio_raster::{FrameStats, Settings};
 
 use crate::comm::Traffic;
@@ -106,10 +106,13 @@ pub struct RankReport {
 pub struct FrameReport {
     /// Where they redistributed work.
     pub organisation: Organisation,
-    /// How tiles were divided.
-    pub division: Division,
-    /// How pixels were composited.
-    pub composition: Composition,
+    /// Ranks of a group of sort-twice.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub group: Option<usize>,
+    /// How tiles were divided, if ranks shared the picture.
+    pub division: Option<Division>,
+    /// How pixels were composited, if they were.
+    pub composition: Option<Composition>,
     /// Pixels along the edge of a tile.
     pub region: u32,
     /// Milliseconds from the beginning of the first rank until the picture was complete on rank 0.
@@ -137,7 +140,22 @@ impl FrameReport {
         let messages = ranks.iter().map(|r| r.traffic.sent_messages).sum();
         let bytes = ranks.iter().map(|r| r.traffic.sent_bytes).sum();
         let Sharing { organisation, division, composition } = sharing;
-        Self { organisation, division, composition, region, milliseconds, messages, bytes, ranks, samples }
+        let count = ranks.len();
+        let group = matches!(organisation, Organisation::SortTwice { .. }).then(|| organisation.group(count));
+        let division = (organisation.group(count) > 1).then_some(division);
+        let composition = organisation.composites(count).then_some(composition);
+        Self {
+            organisation,
+            group,
+            division,
+            composition,
+            region,
+            milliseconds,
+            messages,
+            bytes,
+            ranks,
+            samples,
+        }
     }
 
     /// Number of drawn pixels in the picture.
@@ -147,7 +165,7 @@ impl FrameReport {
 
     /// The statistics as if one renderer had drawn the frame: the work of all ranks, visible pixels counted once. In
     /// sort-first every rank tests every cluster, so the counts of the front end are rank 0's. Bins are those of rank
-    /// 0.
+    /// 0. The times of front end and back end are those of the slowest rank.
     pub fn stats(&self) -> FrameStats {
         let Some(first) = self.ranks.first() else { return FrameStats::default() };
         let mut stats = first.frame.clone();
@@ -159,6 +177,11 @@ impl FrameReport {
         let mut sum = counts.fold(BackEndCounts::default(), BackEndCounts::plus);
         sum.pixels_visible = self.pixels_visible();
         stats.backend = sum.finish(self.samples);
+        let slowest = |of: fn(&StageTimes) -> f64| {
+            self.ranks.iter().map(|r| of(&r.frame.milliseconds)).fold(0.0, f64::max)
+        };
+        stats.milliseconds.frontend = slowest(|times| times.frontend);
+        stats.milliseconds.backend = slowest(|times| times.backend);
         stats.milliseconds.total = self.milliseconds;
         stats.threads = self.ranks.iter().map(|r| r.frame.threads).sum();
         stats

@@ -1,8 +1,11 @@
 //! Options of how ranks share a frame.
 
+use std::time::Duration;
+
 use clap::{Args, ValueEnum};
 use tercio::parallel::{Composition, Division, Organisation, Ranks, Sharing};
 
+use crate::args::values;
 use crate::output::UsageError;
 
 /// The largest number of ranks.
@@ -57,12 +60,12 @@ pub enum CompositionName {
 #[command(next_help_heading = "Ranks (the picture stays the same)")]
 pub struct RanksArgs {
     /// Draws with this many ranks, 1 to 256: threads of this process that share nothing but the model and send each
-    /// other messages, as the processes of a cluster do. They share the threads of --threads. Processes that
+    /// other messages, as the processes of a cluster do. They share the threads of --threads, but each has at least one. Processes that
     /// mpirun started are ranks without this option.
     #[arg(long, value_name = "N", value_parser = parse_ranks)]
     ranks: Option<usize>,
     /// How ranks share a frame [default: sort-middle].
-    #[arg(long, value_name = "HOW", value_enum)]
+    #[arg(long, visible_alias = "organization", value_name = "HOW", value_enum)]
     organisation: Option<OrganisationName>,
     /// Ranks of a group of sort-twice; the last group may be smaller [default: about the square root of their number].
     #[arg(long, value_name = "N", value_parser = parse_ranks)]
@@ -77,6 +80,10 @@ pub struct RanksArgs {
     /// Largest number of ranks that exchange parts in a round of --composition radix-k, at least 2 [default: 4].
     #[arg(long, value_name = "K", value_parser = clap::value_parser!(u32).range(2..=MAX_RANKS as i64))]
     radix: Option<u32>,
+    /// Ends an MPI job in which a rank waits for another one for longer than this, in seconds. After 10 seconds a rank says which
+    /// one it waits for; without this option it goes on waiting.
+    #[arg(long, value_name = "SECONDS", value_parser = values::positive)]
+    timeout: Option<f64>,
 }
 
 /// Who draws a frame.
@@ -101,13 +108,16 @@ impl RanksArgs {
             (Some(ranks), Some(processes)) if has_others && ranks != processes => Err(UsageError(format!(
                 "--ranks {ranks}: mpirun started {processes} processes, which are the ranks"
             ))),
+            (Some(_), _) if !has_others && self.timeout.is_some() => Err(UsageError(
+                "--timeout is for processes that mpirun started: ranks of one process are not stopped one by one".into(),
+            )),
             (Some(ranks), _) if !has_others => Ok(Drawers::InProcess(ranks, self.sharing(ranks)?)),
             (_, Some(processes)) if has_others || self.option().is_some() => {
                 Ok(Drawers::Mpi(self.sharing(processes)?))
             }
             (None, None) => match self.option() {
                 Some(option) => Err(UsageError(format!(
-                    "{option} says how ranks share a frame: it needs --ranks N, or mpirun -n N"
+                    "{option} is for ranks: it needs --ranks N, or mpirun -n N"
                 ))),
                 None => Ok(Drawers::Alone),
             },
@@ -123,9 +133,16 @@ impl RanksArgs {
             (self.division.is_some(), "--division"),
             (self.composition.is_some(), "--composition"),
             (self.radix.is_some(), "--radix"),
+            (self.timeout.is_some(), "--timeout"),
         ]
         .into_iter()
         .find_map(|(is_given, option)| is_given.then_some(option))
+    }
+
+    /// How long a rank waits for another one.
+    pub fn timeout(&self) -> Option<Duration> {
+        // Longer times than there are: for ever.
+        self.timeout.and_then(|seconds| Duration::try_from_secs_f64(seconds).ok())
     }
 
     /// How this many ranks share a frame.
@@ -144,6 +161,9 @@ impl RanksArgs {
         let is_twice = matches!(organisation, Organisation::SortTwice { .. });
         if self.group.is_some() && !is_twice {
             return unused("--group", "has no groups of ranks; --organisation sort-twice has");
+        }
+        if let Some(group) = self.group.filter(|&group| group > ranks) {
+            return Err(UsageError(format!("--group {group}: there are {ranks} ranks")));
         }
         if self.division.is_some() && organisation == Organisation::SortLast {
             return unused("--division", "does not divide the picture");
@@ -266,6 +286,9 @@ mod tests {
             ("--organisation sort-first --radix 3", "--radix: sort-first does not composite"),
             ("--organisation sort-last --composition tree --radix 3", "--radix is for"),
             ("--radix 1", "1 is not in 2..=256"),
+            ("--organisation sort-twice --group 11", "--group 11: there are 10 ranks"),
+            ("--timeout 5", "--timeout is for processes"),
+            ("--timeout 0", "--timeout"),
         ] {
             let error = sharing(options).unwrap_err();
             assert!(error.contains(reason), "{options}: {error}");

@@ -9,6 +9,7 @@ use tercio::raster::Outputs;
 
 use super::drawing::DrawingArgs;
 use super::stereo::StereoArgs;
+use crate::mpi;
 use crate::output::{Array, Plan};
 
 /// Bits of a colour component.
@@ -126,7 +127,9 @@ impl WritingArgs {
 
 fn check_terminal(plan: &Plan) -> Result<(), String> {
     let binary = plan.frame_outputs().any(|(_, destination)| *destination == Destination::Stdout);
-    if binary && io::stdout().is_terminal() {
+    // mpirun gives its processes terminals, and passes on what they write.
+    let is_in_job = mpi::processes().is_some_and(|processes| processes > 1);
+    if binary && !is_in_job && io::stdout().is_terminal() {
         return Err("a picture makes no sense on a terminal; send standard output elsewhere".into());
     }
     Ok(())

@@ -129,6 +129,7 @@ impl Bench {
             }
             Drawers::Mpi(sharing) => {
                 let work = |comm: &mut mpi::Comm| {
+                    mpi::watch(comm, self.ranks.timeout());
                     let is_first = comm.rank() == 0;
                     let draw = |scene: &Scene, cameras: &[Camera], settings: &Settings| {
                         draw_as_rank(comm, &pool, (scene, cameras, settings, sharing))

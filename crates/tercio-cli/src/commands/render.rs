@@ -283,6 +283,7 @@ impl Render {
         settings: &Settings,
         sharing: Sharing,
     ) -> Result<Option<Done>> {
+        mpi::watch(comm, self.ranks.timeout());
         let writes = comm.rank() == 0;
         if writes {
             writing.files.check_places()?;

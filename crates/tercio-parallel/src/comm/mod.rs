@@ -43,6 +43,14 @@ pub enum CommError {
         /// The rank.
         rank: usize,
     },
+    /// The other rank sent nothing for longer than a rank was to wait.
+    #[error("rank {rank} has been silent for {seconds} s: it may be stopped, or still read its model")]
+    Silent {
+        /// The rank.
+        rank: usize,
+        /// The seconds.
+        seconds: u64,
+    },
     /// There is no such rank, or it is this one.
     #[error(
         "rank {rank} is not a valid peer: there are {size} ranks, and a rank cannot exchange messages with itself"

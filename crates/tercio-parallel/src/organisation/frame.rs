@@ -148,14 +148,14 @@ impl Rank {
         let Self { pool, renderer, sorted, .. } = self;
         let stage = &mut report.stages.draw;
         pool.install(|| stage.time(|| renderer.draw(context, sorted, &set, frame)));
-        report.frame = plus(std::mem::take(&mut report.frame), &frame.stats);
+        report.frame = plus(std::mem::take(&mut report.frame), &frame.stats, context.cells.count as u64);
     }
 }
 
 /// The counts of two parts of a frame that were drawn from the same bins.
-fn plus(before: FrameStats, drawn: &FrameStats) -> FrameStats {
+fn plus(before: FrameStats, drawn: &FrameStats, samples: u64) -> FrameStats {
     let mut stats = drawn.clone();
-    stats.backend = before.backend.plus(stats.backend);
+    stats.backend = before.backend.plus(stats.backend).finish(samples);
     stats.milliseconds.backend += before.milliseconds.backend;
     stats.milliseconds.frontend = before.milliseconds.frontend;
     stats.milliseconds.total = stats.milliseconds.frontend + stats.milliseconds.backend;

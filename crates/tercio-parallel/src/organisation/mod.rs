@@ -81,7 +81,7 @@ impl fmt::Display for Organisation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.name())?;
         match self {
-            Self::SortTwice { group } => write!(f, "-{group}"),
+            Self::SortTwice { group } => write!(f, " in groups of {group}"),
             _ => Ok(()),
         }
     }
@@ -89,12 +89,12 @@ impl fmt::Display for Organisation {
 
 impl Serialize for Organisation {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.collect_str(self)
+        serializer.serialize_str(self.name())
     }
 }
 
 /// How ranks share a frame. The picture does not depend on it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Sharing {
     /// Where work is redistributed.
     pub organisation: Organisation,

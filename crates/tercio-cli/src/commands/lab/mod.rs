@@ -41,6 +41,11 @@ enum Command {
 }
 
 impl Lab {
+    /// Do the processes of an MPI job run it together?
+    pub fn runs_as_job(&self) -> bool {
+        matches!(self.command, Command::Calibrate(_) | Command::Validate(_))
+    }
+
     /// Runs the subcommand.
     ///
     /// # Errors
