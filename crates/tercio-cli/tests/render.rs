@@ -336,7 +336,7 @@ fn the_picture_does_not_depend_on_ranks() {
         let messages = match parallel["organisation"].as_str() {
             Some("sort-first") => count - 1..=count - 1,
             Some("sort-middle") => (count + 1) * (count - 1)..=(count + 1) * (count - 1),
-            _ => 2 * count + 1..=6 * count,
+            _ => 2 * count + 1..=8 * count,
         };
         assert!(
             messages.contains(&parallel["messages"].as_u64().unwrap()),

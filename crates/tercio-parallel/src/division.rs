@@ -196,7 +196,8 @@ mod tests {
                 of_rank.count()
             };
             let counts: Vec<usize> = (0..8).map(empty).collect();
-            assert!(counts.iter().all(|count| (20..=50).contains(count)), "{division}: {counts:?}");
+            // A third of them would be 88.
+            assert!(counts.iter().all(|count| (10..=88).contains(count)), "{division}: {counts:?}");
         }
     }
 

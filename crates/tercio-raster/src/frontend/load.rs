@@ -105,8 +105,12 @@ fn extent(view: &View, object: &ObjectView, cluster: &Cluster) -> Option<(f64, [
             return Some([0, size - 1]);
         }
         let (center, reach) = range(row);
-        let pixel = |at: f64| (at / w + f64::from(middle)) / f64::from(SUBPIXELS);
-        let (first, last) = (pixel(center - reach).floor(), pixel(center + reach).floor());
+        let pixel = |at: f64, w: f64| (at / w + f64::from(middle)) / f64::from(SUBPIXELS);
+        // Bounds of a quotient: by the nearest point where they are away from the middle of the projection.
+        let (low, high) = (center - reach, center + reach);
+        let (nearest, farthest) = (w - deviation, w + deviation);
+        let first = pixel(low, if low < 0.0 { nearest } else { farthest }).floor();
+        let last = pixel(high, if high > 0.0 { nearest } else { farthest }).floor();
         let reaches = last >= 0.0 && first < f64::from(size);
         reaches.then(|| [first.max(0.0) as u32, (last.max(0.0) as u32).min(size - 1)])
     };
@@ -114,43 +118,4 @@ fn extent(view: &View, object: &ObjectView, cluster: &Cluster) -> Option<(f64, [
     let [y0, y1] = along(&object.exact.y, view.middle[1], view.height)?;
     let distance = if view.perspective { w } else { -range(&object.exact.d).0 };
     Some((distance, [x0, x1, y0, y1]))
-}
-
-#[cfg(test)]
-mod tests {
-    use std::sync::Arc;
-
-    use tercio_mesh::builtin;
-    use tercio_mesh::cluster::{PartitionOptions, partition};
-    use tercio_scene::Scene;
-
-    use crate::Settings;
-    use crate::binning::Sorted;
-    use crate::context::FrameContext;
-    use crate::renderer::Renderer;
-
-    /// The estimate is positive where there are bins, and has about their shares of the triangles.
-    #[test]
-    fn the_estimate_follows_the_bins() {
-        for (model, tolerance) in
-            [("builtin:gyroid@60k", 0.35), ("builtin:terrain@60k", 0.35), ("builtin:soup@3k", 0.6)]
-        {
-            let mesh = builtin::make(model).expect("a model");
-            let scene = Scene::from_mesh(Arc::new(partition(mesh, &PartitionOptions::default())));
-            let settings = Settings { tile_size: Some(64), ..Settings::one_sample(640, 480) };
-            let camera = settings.framing().camera_for_scene(&scene);
-            let context = FrameContext::new(&scene, &camera, &settings, 1).expect("a frame");
-            let load = Renderer::estimate_load(&context);
-            let mut sorted = Sorted::default();
-            Renderer::new().sort(&context, &mut sorted);
-            let fills: Vec<u64> = (0..context.grid.count() as u32).map(|tile| sorted.fill(tile)).collect();
-            let (all, of_bins) = (load.iter().sum::<u64>() as f64, fills.iter().sum::<u64>() as f64);
-            let mut apart = 0.0;
-            for (tile, (&load, &fill)) in load.iter().zip(&fills).enumerate() {
-                assert!(load > 0 || fill == 0, "{model}: tile {tile} seems to be empty");
-                apart += (load as f64 / all - fill as f64 / of_bins).abs();
-            }
-            assert!(apart < tolerance, "{model}: the shares differ by {apart}");
-        }
-    }
 }

@@ -1,0 +1,68 @@
+//! The estimate of the work in each tile, by which ranks divide the picture.
+
+use std::sync::Arc;
+
+use tercio_mesh::builtin;
+use tercio_mesh::cluster::{PartitionOptions, partition};
+use tercio_raster::binning::Sorted;
+use tercio_raster::context::FrameContext;
+use tercio_raster::{Renderer, Settings};
+use tercio_scene::{Camera, Projection, Scene};
+
+/// The estimate, and the entries of the bins, of each tile.
+fn load_and_fill(scene: &Scene, camera: &Camera, settings: &Settings) -> (Vec<u64>, Vec<u64>) {
+    let context = FrameContext::new(scene, camera, settings, 1).expect("a frame");
+    let load = Renderer::estimate_load(&context);
+    let mut sorted = Sorted::default();
+    Renderer::new().sort(&context, &mut sorted);
+    let fill = (0..context.grid.count() as u32).map(|tile| sorted.fill(tile)).collect();
+    (load, fill)
+}
+
+/// Tiles with entries have work, and about their share of it.
+#[test]
+fn the_estimate_follows_the_bins() {
+    for model in ["builtin:gyroid@60k", "builtin:terrain@60k", "builtin:teapot@900k"] {
+        let mesh = builtin::make(model).expect("a model");
+        let scene = Scene::from_mesh(Arc::new(partition(mesh, &PartitionOptions::default())));
+        let settings = Settings { tile_size: Some(64), ..Settings::one_sample(640, 480) };
+        let perspective = settings.framing().camera_for_scene(&scene);
+        let height = scene.bounds().radius() * 1.5;
+        let parallel = Camera { projection: Projection::Orthographic { height }, ..perspective };
+        for camera in [perspective, parallel] {
+            let (load, fill) = load_and_fill(&scene, &camera, &settings);
+            let tiles = load.len() as f64;
+            let (work, entries) = (load.iter().sum::<u64>() as f64, fill.iter().sum::<u64>() as f64);
+            let (mut apart, mut of_even_shares, mut unseen) = (0.0, 0.0, 0);
+            for (&load, &fill) in load.iter().zip(&fill) {
+                unseen += if load == 0 { fill } else { 0 };
+                apart += (load as f64 / work - fill as f64 / entries).abs();
+                of_even_shares += (1.0 / tiles - fill as f64 / entries).abs();
+            }
+            assert!(unseen as f64 <= 0.005 * entries, "{model}: {unseen} of {entries} entries are not seen");
+            // Hidden clusters have entries, too, but less work.
+            assert!(
+                apart < 0.6 * of_even_shares,
+                "{model}: the shares differ by {apart}, even ones by {of_even_shares}"
+            );
+        }
+    }
+}
+
+/// Where all clusters are large, few of them are looked at, and stand for the others.
+#[test]
+fn large_clusters_do_not_take_long() {
+    let mesh = builtin::make("builtin:soup@300k").expect("a model");
+    let scene = Scene::from_mesh(Arc::new(partition(
+        mesh,
+        &PartitionOptions { max_triangles: 64, ..Default::default() },
+    )));
+    let settings = Settings { tile_size: Some(32), ..Settings::one_sample(3840, 2160) };
+    let camera = settings.framing().camera_for_scene(&scene);
+    let context = FrameContext::new(&scene, &camera, &settings, 1).expect("a frame");
+    let load = Renderer::estimate_load(&context);
+    // As many as the scene has, within a factor: what is hidden counts half.
+    let triangles = scene.instances[0].mesh.triangle_count() as u64;
+    let work = load.iter().sum::<u64>();
+    assert!(work > triangles / 8, "{work} for {triangles} triangles");
+}
