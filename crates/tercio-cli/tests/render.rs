@@ -350,7 +350,7 @@ fn the_picture_does_not_depend_on_ranks() {
     for ranks in ["--ranks 0", "--ranks 257", "--ranks many"] {
         place.run(&format!("{model} -o a.png {ranks}")).failed(2, &["expected 1 to 256"]);
     }
-    place.run(&format!("{model} -o a.png --ranks 99 --memory-limit 20M")).failed(1, &["--memory-limit"]);
+    place.run(&format!("{model} -o a.png --ranks 256 --memory-limit 20M")).failed(1, &["--memory-limit"]);
 }
 
 /// Visible pixels of the owners after compositing.
