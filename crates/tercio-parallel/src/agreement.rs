@@ -9,7 +9,7 @@ use tercio_raster::{Part, Settings, TileSet};
 use tercio_scene::{Instance, Scene};
 
 use crate::ParallelError;
-use crate::comm::{CommError, Communicator};
+use crate::comm::{CommError, Communicator, children, parent};
 use crate::organisation::{Task, tile_edge};
 
 /// What ranks have to agree on.
@@ -93,10 +93,7 @@ pub fn agree(comm: &mut impl Communicator, task: &Task) -> Result<(), ParallelEr
 fn agree_on(comm: &mut impl Communicator, digest: Digest) -> Result<(), ParallelError> {
     let (rank, size) = (comm.rank(), comm.size());
     let mut found = Found { digest, differs: NONE, other: Digest::default() };
-    // The children of a rank are those with one more bit, below its own lowest one.
-    let bits = || (0..usize::BITS).map(|bit| 1 << bit).take_while(|bit| rank & bit == 0);
-    let children = || bits().map(|bit| rank + bit).take_while(|&child| child < size);
-    for child in children() {
+    for child in children(rank, size) {
         let theirs = read(child, &comm.receive(child)?)?;
         if found.differs == NONE && theirs.digest != digest {
             (found.differs, found.other) = (child as u64, theirs.digest);
@@ -105,14 +102,14 @@ fn agree_on(comm: &mut impl Communicator, digest: Digest) -> Result<(), Parallel
         }
     }
     if rank > 0 {
-        let parent = rank & (rank - 1);
+        let parent = parent(rank);
         comm.send(parent, bytes_of(&found).to_vec())?;
         comm.await_signal(parent)?;
     } else if found.differs != NONE {
         let different = (0..digest.len()).find(|&k| found.other[k] != digest[k]).unwrap_or(0);
         return Err(ParallelError::Differs { rank: found.differs as usize, what: Matter::ALL[different] });
     }
-    children().try_for_each(|child| comm.signal(child))?;
+    children(rank, size).try_for_each(|child| comm.signal(child))?;
     Ok(())
 }
 

@@ -135,7 +135,7 @@ fn ranks_that_would_draw_different_frames_end_with_an_error() {
     assert_eq!(reported(|_| ()), None);
 }
 
-/// Ranks that share the picture choose smaller tiles than one of them would, unless they are told which.
+/// Ranks that share the picture choose smaller tiles than one of them would, unless the settings choose the size.
 #[test]
 fn ranks_with_tiles_of_different_sizes_end_with_an_error() {
     const RANKS: usize = 6;

@@ -21,6 +21,7 @@ use clap::{Args, ValueEnum};
 use rayon::ThreadPool;
 use tercio::image::StandardStream;
 
+use crate::output::UsageError;
 use crate::threads::MAX_THREADS;
 use crate::{memory, threads};
 
@@ -47,6 +48,17 @@ impl ModelArgs {
     /// True if the model comes from standard input, which reaches one process only.
     pub fn is_standard_input(&self) -> bool {
         self.model.as_os_str() == "-" || StandardStream::from_path(&self.model) == Some(StandardStream::Input)
+    }
+
+    /// Checks that all processes of an MPI job can read the model.
+    ///
+    /// # Errors
+    /// [`UsageError`] if there are several and it comes from standard input.
+    pub fn check_reaches_all(&self, processes: Option<usize>) -> Result<(), UsageError> {
+        if processes.is_some_and(|p| p > 1) && self.is_standard_input() {
+            return Err(UsageError("standard input reaches one rank only: name a file".into()));
+        }
+        Ok(())
     }
 
     /// The model's name in messages, the same as in those of the reader.

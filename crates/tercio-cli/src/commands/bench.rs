@@ -124,10 +124,8 @@ impl Bench {
             return Err(UsageError("--toss: ranks draw whole frames".into()).into());
         }
         let text = match drawers {
-            Drawers::Mpi(_) if processes.is_some_and(|p| p > 1) && self.model.is_standard_input() => {
-                return Err(UsageError("standard input reaches one rank only: name a file".into()).into());
-            }
             Drawers::Mpi(sharing) => {
+                self.model.check_reaches_all(processes)?;
                 let work = |comm: &mut mpi::Comm| {
                     mpi::watch(comm, self.ranks.timeout());
                     let is_first = comm.rank() == 0;

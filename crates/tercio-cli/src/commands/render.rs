@@ -159,9 +159,7 @@ impl Render {
         let pool = Arc::new(self.running.pool()?);
         let done = match drawers {
             Drawers::Mpi(sharing) => {
-                if processes.is_some_and(|p| p > 1) && self.model.is_standard_input() {
-                    return Err(UsageError("standard input reaches one rank only: name a file".into()).into());
-                }
+                self.model.check_reaches_all(processes)?;
                 let work = |comm: &mut _| self.draw_as_rank(comm, &pool, &writing, &settings, sharing);
                 pool.install(|| mpi::run(work))?
             }

@@ -71,6 +71,17 @@ pub enum CommError {
     },
 }
 
+/// The children of a rank in the binomial tree of `size` ranks: those with one more bit, below its own lowest one.
+pub(crate) fn children(rank: usize, size: usize) -> impl Iterator<Item = usize> {
+    let bits = (0..usize::BITS).map(|bit| 1 << bit).take_while(move |bit| rank & bit == 0);
+    bits.map(move |bit| rank + bit).take_while(move |&child| child < size)
+}
+
+/// The parent of a rank above 0 in the binomial tree.
+pub(crate) fn parent(rank: usize) -> usize {
+    rank & (rank - 1)
+}
+
 /// A rank's access to the other ranks.
 pub trait Communicator {
     /// This rank's number, below [`Communicator::size`].

@@ -10,7 +10,7 @@ use tercio_raster::{Frame, Outputs};
 use super::Rank;
 use crate::comm::Communicator;
 use crate::composite::exchange::Parts;
-use crate::composite::packet::{pack_shown, unpack, without_keys};
+use crate::composite::packet::{PacketError, count_pixels, pack_shown, unpack, without_keys};
 use crate::{ParallelError, RankReport};
 
 /// What a rank has finished.
@@ -61,19 +61,15 @@ pub fn send(
 }
 
 /// Appends the packets without keys, unless these are requested, and returns the number of their pixels.
-fn strip(
-    finished: &Finished,
-    outputs: &Outputs,
-    message: &mut Vec<u8>,
-) -> Result<u64, crate::composite::packet::PacketError> {
+fn strip(finished: &Finished, outputs: &Outputs, message: &mut Vec<u8>) -> Result<u64, PacketError> {
     let mut pixels = 0;
     let planes = Outputs { keys: true, ..*outputs };
     for packet in finished.packets.values() {
-        let begin = message.len();
-        pixels += without_keys(packet, &planes, message)?;
         if outputs.keys {
-            message.truncate(begin);
+            pixels += count_pixels(packet, &planes)?;
             message.extend_from_slice(packet);
+        } else {
+            pixels += without_keys(packet, &planes, message)?;
         }
     }
     Ok(pixels)

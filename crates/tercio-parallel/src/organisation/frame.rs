@@ -56,22 +56,26 @@ pub fn draw(
         redistribute(comm, &group, &owners, &context, &mut own.sorted, report)?;
     }
     let sorted_into = own.sorted.tiles_with_entries(&context.grid);
-    let is_touched = |tile: u32| own_tiles.contains(tile) && sorted_into.contains(tile);
+    let own_touched: Vec<u32> = own_tiles.numbers(tiles).filter(|&tile| sorted_into.contains(tile)).collect();
 
     // Rank 0 has the whole picture in the end.
     frame.resize(&whole);
     if !sharing.organisation.composites(size) {
-        let finished: Vec<u32> = (0..tiles as u32).filter(|&tile| is_touched(tile)).collect();
-        own.draw_finished(&context, &finished, frame, report);
+        own.draw_finished(&context, &own_touched, frame, report);
         let has_tiles = |rank: &usize| owners.contains(&(*rank as u32));
-        let finished = Finished { tiles: &finished, packets: Parts::new() };
+        let finished = Finished { tiles: &own_touched, packets: Parts::new() };
         return finish(own, comm, &context, finished, has_tiles, frame, report);
     }
 
-    let touched = Touched::gather(comm, tiles, is_touched, &mut report.stages.wait)?;
+    let touched = Touched::gather(
+        comm,
+        tiles,
+        |tile| own_touched.binary_search(&tile).is_ok(),
+        &mut report.stages.wait,
+    )?;
     let shared = touched.shared();
-    let mut finished: Vec<u32> =
-        (0..tiles as u32).filter(|&tile| is_touched(tile) && shared.binary_search(&tile).is_err()).collect();
+    let mut finished = own_touched;
+    finished.retain(|tile| shared.binary_search(tile).is_err());
     own.draw_finished(&context, &finished, frame, report);
     let has_fragments = settings.sampling.pattern.count() > 1 || is_translucent(scene);
     let ranks = touched.ranks_of_any(&shared);
@@ -182,9 +186,7 @@ fn composite_pixels(
         frame.planes.keys = std::mem::take(&mut own.keys);
     }
     frame.resize(&settings);
-    let rank = comm.rank();
-    let tiles: Vec<u32> =
-        shared.tiles.iter().copied().filter(|&tile| shared.touched.is_touched(rank, tile)).collect();
+    let tiles = shared.tiles_of(comm.rank());
     own.draw_tiles(&keyed, &tiles, frame, report);
     let parts = report.stages.compose.time(|| {
         let drawn = &*frame;
@@ -235,14 +237,13 @@ fn composite_fragments(
     while takes_part(rank) {
         let Some(round) = rounds.next(comm, takes_part, &mut report.stages.wait)? else { break };
         let tiles = &shared.tiles[round.clone()];
-        let touched: Vec<u32> =
-            tiles.iter().copied().filter(|&tile| shared.touched.is_touched(rank, tile)).collect();
+        let ranks = shared.touched.ranks_of_any(tiles);
+        let of_round = Shared { tiles, ranks: &ranks, touched: shared.touched };
+        let touched = of_round.tiles_of(rank);
         own.draw_tiles(&drawing, &touched, &mut fragments, report);
         let drawn = std::mem::take(&mut fragments.fragments);
         rounds.found(&round, drawn.iter().map(|of_tile| of_tile.bytes.len() as u64).sum());
         let parts = drawn.into_iter().map(|TileFragments { tile, bytes }| (tile, bytes)).collect();
-        let ranks = shared.touched.ranks_of_any(tiles);
-        let of_round = Shared { tiles, ranks: &ranks, touched: shared.touched };
         let merged = exchange(comm, composition, &of_round, parts, Content::Fragments, &own.pool, report)?;
         let of_tiles: Vec<usize> =
             composition.owners(&of_round).into_iter().map(|place| ranks[place]).collect();

@@ -297,7 +297,7 @@ impl<'a> Traffic<'a> {
         let has =
             |rank: usize, tile: u32| self.in_tiles[rank].binary_search_by_key(&tile, |of| of.tile).is_ok();
         let touched = Touched::new(tiles, (0..ranks).map(|rank| move |tile| has(rank, tile)));
-        let is_composited = sharing.organisation == Organisation::SortLast && ranks > 1;
+        let is_composited = sharing.organisation.composites(ranks);
         let shared_tiles = if is_composited { touched.shared() } else { Vec::new() };
         let is_shared = |tile: u32| shared_tiles.binary_search(&tile).is_ok();
         let mut owns = vec![false; ranks];

@@ -88,6 +88,13 @@ pub struct Shared<'a> {
     pub touched: &'a Touched,
 }
 
+impl Shared<'_> {
+    /// Those of the tiles that a rank has.
+    pub fn tiles_of(&self, rank: usize) -> Vec<u32> {
+        self.tiles.iter().copied().filter(|&tile| self.touched.is_touched(rank, tile)).collect()
+    }
+}
+
 /// What one rank does in a round: it sends, then receives. Ranks are given by their places in [`Shared::ranks`].
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Round {
@@ -124,9 +131,7 @@ mod tests {
         // What each rank has.
         let mut have: Vec<Parts> = vec![Parts::new(); count];
         for (have, &rank) in have.iter_mut().zip(shared.ranks) {
-            for &tile in shared.tiles.iter().filter(|&&tile| shared.touched.is_touched(rank, tile)) {
-                have.insert(tile, vec![rank]);
-            }
+            have.extend(shared.tiles_of(rank).into_iter().map(|tile| (tile, vec![rank])));
         }
         let schedules: Vec<_> = (0..count).map(|place| composition.rounds(shared, place)).collect();
         let (mut done, mut messages) = (vec![0; count], Vec::new());
