@@ -109,10 +109,9 @@ impl Validate {
             Who::Threads => self.threads(&pool)?,
             Who::Ranks => self.ranks(&pool)?,
             Who::Processes(count) => {
-                if count > 1 && self.models.iter().any(|m| ModelArgs { model: m.clone() }.is_standard_input())
-                {
-                    return Err(UsageError("standard input reaches one rank only: name a file".into()).into());
-                }
+                let check =
+                    |model: &PathBuf| ModelArgs { model: model.clone() }.check_reaches_all(Some(count));
+                self.models.iter().try_for_each(check)?;
                 // A rank draws with one thread, the one that MPI was initialised on.
                 let own = Arc::new(threads::pool(Some(1))?);
                 own.install(|| mpi::run(|comm| self.processes(&pool, &own, comm)))?
