@@ -4,6 +4,7 @@
 //! Everything else, including the collectives, is built on that, so that a backend is small and all traffic is
 //! counted in one place.
 
+pub mod collective;
 pub mod threads;
 
 use serde::{Deserialize, Serialize};
