@@ -48,6 +48,7 @@ pub mod division;
 mod error;
 pub mod in_process;
 pub mod organisation;
+pub mod parts;
 pub mod report;
 
 pub use agreement::Matter;

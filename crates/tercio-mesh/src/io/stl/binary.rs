@@ -78,7 +78,8 @@ pub fn read(input: &Input, options: &ReadOptions) -> Result<ReadModel, ReadError
         p.begin("parsing", records.len() as u64 * RECORD as u64);
     }
 
-    let origin = choose_origin(&bounds(input, records));
+    let coordinates = bounds(input, records);
+    let origin = options.origin.unwrap_or_else(|| choose_origin(&coordinates));
     let mut positions = vec![[0.0f32; 3]; records.len() * 3];
     positions.par_chunks_mut(BATCH * 3).zip(records.par_chunks(BATCH)).for_each(|(positions, records)| {
         for (slots, record) in positions.as_chunks_mut::<3>().0.iter_mut().zip(records) {
@@ -106,7 +107,7 @@ pub fn read(input: &Input, options: &ReadOptions) -> Result<ReadModel, ReadError
         warnings,
         ..ReadReport::default()
     };
-    Ok(ReadModel { mesh, report })
+    Ok(ReadModel { mesh, coordinates, report })
 }
 
 /// The number at an offset of a record.
@@ -138,13 +139,17 @@ fn bounds(input: &Input, records: &[Record]) -> Aabb {
         .reduce(|| Aabb::EMPTY, Aabb::union)
 }
 
+/// The two bytes after the vertices.
+pub(super) fn attribute(record: &Record) -> u16 {
+    u16::from_le_bytes([record[RECORD - 2], record[RECORD - 1]])
+}
+
 /// Colours in the attribute bytes, if they are there beyond doubt.
 ///
 /// Two incompatible conventions exist. VisCAM and SolidView set bit 15 where a facet has a colour and store blue in
 /// the lowest bits. Materialise Magics states a default colour after `COLOR=` in the header, *clears* bit 15 where a
 /// facet has its own, and stores red in the lowest bits. Other programs write arbitrary values here.
 fn colors(input: &Input, header: &[u8], records: &[Record]) -> Option<Vec<[u8; 4]>> {
-    let attribute = |r: &Record| u16::from_le_bytes([r[RECORD - 2], r[RECORD - 1]]);
     let all = |holds: fn(u16) -> bool| {
         records.par_chunks(BATCH).all(|records| {
             let all = records.iter().all(|r| holds(attribute(r)));
