@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use tercio_mesh::ClusteredMesh;
 use tercio_mesh::cluster::{ClusterView, MAX_TRIANGLES};
-use tercio_scene::{AlphaMode, Camera, Instance, Light, Scene};
+use tercio_scene::{AlphaMode, Camera, Instance, Light, Scene, Share};
 
 use crate::conventions::SUBPIXELS;
 use crate::error::RenderError;
@@ -86,12 +86,13 @@ impl<'a> FrameContext<'a> {
         let mut first_cluster = vec![0];
         let (mut first_primitive, mut first_face) = (Vec::new(), Vec::new());
         let (mut clusters, mut triangles, mut faces) = (0u64, 0u64, 0u64);
-        for Instance { mesh, .. } in &scene.instances {
-            first_primitive.push(triangles);
-            first_face.push(faces);
-            clusters += mesh.clusters().len() as u64;
-            triangles += mesh.triangle_count() as u64;
-            faces += faces_of(mesh);
+        for instance in &scene.instances {
+            let own = share_of(instance)?;
+            first_primitive.push(triangles.saturating_add(own.first_triangle));
+            first_face.push(faces.saturating_add(own.first_face));
+            clusters += instance.mesh.clusters().len() as u64;
+            triangles = triangles.saturating_add(own.triangles);
+            faces = faces.saturating_add(own.faces);
             first_cluster.push(clusters.min(u64::from(u32::MAX)) as u32);
         }
         let numbered = u64::from(NO_SLOT) / MAX_TRIANGLES as u64;
@@ -228,10 +229,8 @@ impl<'a> FrameContext<'a> {
 
     /// The number of the input face of the triangle in a slot, as stored in the ids of a frame.
     pub fn face(&self, slot: u32) -> u32 {
-        let (instance, cluster, triangle) = self.locate_slot(slot);
-        let mesh = &self.scene.instances[instance].mesh;
-        let primitive = cluster.primitive(triangle);
-        let face = mesh.face_of_triangle.as_ref().map_or(primitive, |faces| faces[primitive as usize]);
+        let (instance, cluster) = self.locate(slot / MAX_TRIANGLES as u32);
+        let face = self.scene.instances[instance].mesh.face(cluster, slot as usize % MAX_TRIANGLES);
         (self.first_face[instance] + u64::from(face)) as u32
     }
 }
@@ -283,6 +282,25 @@ pub fn check_range(scene: &Scene, settings: &Settings, view: &View) -> Result<()
         return Err(RenderError::Distances { farthest: view.far });
     }
     Ok(())
+}
+
+/// The share of its model that an instance has; a mesh that is not a part of one is its own model.
+///
+/// # Errors
+/// [`RenderError::Setting`] if the triangles of the mesh cannot be those of the share.
+fn share_of(instance: &Instance) -> Result<Share, RenderError> {
+    let (mesh, own) = (&instance.mesh, instance.mesh.triangle_count() as u64);
+    let Some(share) = instance.share else {
+        return Ok(Share { first_triangle: 0, triangles: own, first_face: 0, faces: faces_of(mesh) });
+    };
+    if share.first_triangle.saturating_add(own) > share.triangles || share.first_face > share.faces {
+        return Err(RenderError::Setting {
+            what: "share of an instance",
+            range: "a range of the model's triangles".into(),
+            value: format!("{own} triangles as {share:?}"),
+        });
+    }
+    Ok(share)
 }
 
 /// Number of input faces that a mesh's triangles come from.

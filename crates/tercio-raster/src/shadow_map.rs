@@ -62,6 +62,13 @@ impl ShadowMaps {
         maps.sum::<u64>() + square(size)
     }
 
+    /// The texels of all maps, in an order that depends on nothing but the lights: how near to the light the nearest surface is,
+    /// the larger the nearer. The maps of a scene are the maxima of those of its parts, if these have the bounds of the whole.
+    pub fn nearness_mut(&mut self) -> impl Iterator<Item = &mut [f32]> {
+        let near = self.near.iter_mut().flat_map(|maps| &mut maps.faces);
+        self.distant.iter_mut().chain(near).map(|map| &mut map.nearness[..])
+    }
+
     /// Texels along the edge of a face of a point light's cube.
     pub(crate) fn size_of_face(size: u32) -> u32 {
         size.div_ceil(2).max(128)

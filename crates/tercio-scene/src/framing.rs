@@ -156,26 +156,25 @@ impl Framing {
     ///
     /// The camera is the same however the meshes are split into clusters.
     pub fn camera_for_scene(&self, scene: &Scene) -> Camera {
-        let bounds = drawable(&scene.bounds());
-        if scene.bounds() != bounds {
-            return self.camera(&bounds);
+        self.camera_for_reach(&scene.bounds(), |direction, from| scene.reach(direction, from))
+    }
+
+    /// The camera of [`Framing::camera_for_scene`] for vertices that need not be in one place: they have these world-space
+    /// bounds, and `reach(direction, from)` is the largest `direction . (p - from)` of all vertices `p`. The directions in
+    /// which it is called, and how often, depend on nothing but the framing, the bounds and what it returns.
+    pub fn camera_for_reach(&self, bounds: &Aabb, reach: impl Fn(DVec3, DVec3) -> f64) -> Camera {
+        let framed = drawable(bounds);
+        if *bounds != framed {
+            return self.camera(&framed);
         }
-        let center = bounds.center();
-        self.fit(&bounds, |direction| {
-            let reach = scene.instances.iter().map(|i| i.reach(direction, center));
-            reach.fold(f64::NEG_INFINITY, f64::max)
-        })
+        let center = framed.center();
+        self.fit(&framed, |direction| reach(direction, center))
     }
 
     /// The camera of [`Framing::camera_for_scene`] for a scene of one mesh at the position given by its file, of which
     /// only the extent is known.
     pub fn camera_for_extent(&self, extent: &Extent) -> Camera {
-        let bounds = drawable(&extent.bounds());
-        if extent.bounds() != bounds {
-            return self.camera(&bounds);
-        }
-        let center = bounds.center();
-        self.fit(&bounds, |direction| extent.reach(direction, center))
+        self.camera_for_reach(&extent.bounds(), |direction, from| extent.reach(direction, from))
     }
 
     /// A camera at `eye` that looks at `target`, with the roll, zoom and projection of this framing.

@@ -36,7 +36,7 @@ pub use environment::{Environment, Panorama, PanoramaError};
 pub use framing::{Framing, UpAxis, View};
 pub use light::{Light, LightSpace};
 pub use material::{AlphaMode, InstanceMaterials, Material, TextureMap, Wrap};
-pub use scene::{Background, Instance, Scene, Surface};
+pub use scene::{Background, Instance, Scene, Share, Surface};
 pub use stereo::Stereo;
 pub use tercio_mesh::color::{self, srgb_to_linear};
 pub use texture::Texture;

@@ -175,6 +175,16 @@ impl InstanceMaterials {
         Arc::new(Self { of_mesh, translucent, is_translucent })
     }
 
+    /// The same materials for another part of the model that the instance's mesh is a part of. `is_translucent`: may any triangle
+    /// of the whole model be less than opaque?
+    pub fn for_part(&self, mesh: &ClusteredMesh, scene: &Scene, is_translucent: bool) -> Arc<Self> {
+        // Indices that are too large are found when the scene is drawn.
+        let is_there = self.of_mesh.iter().all(|&m| (m as usize) < scene.materials.len());
+        let of_part = is_there.then(|| Self::new(mesh, self.of_mesh.clone(), scene));
+        let translucent = of_part.map_or_else(Vec::new, |of_part| of_part.translucent.clone());
+        Arc::new(Self { of_mesh: self.of_mesh.clone(), translucent, is_translucent })
+    }
+
     /// Are they made for this mesh, and are their materials in this scene?
     pub fn fit(&self, mesh: &ClusteredMesh, scene: &Scene) -> bool {
         let is_there = |material: &u32| (*material as usize) < scene.materials.len();
@@ -192,7 +202,7 @@ impl InstanceMaterials {
         self.translucent[cluster]
     }
 
-    /// May any triangle be less than opaque?
+    /// May any triangle be less than opaque? Of the whole model if they are [for a part](Self::for_part) of one.
     pub fn is_translucent(&self) -> bool {
         self.is_translucent
     }

@@ -38,16 +38,32 @@ pub struct Instance {
     /// Materials and textures; without them, the materials of the mesh are plain colours. Unused if
     /// [`Surface::use_mesh_colors`] is not set.
     pub materials: Option<Arc<InstanceMaterials>>,
+    /// Where the mesh lies in its model, if it is a [part](ClusteredMesh::as_part_of) of one that several ranks hold.
+    pub share: Option<Share>,
+}
+
+/// A rank's share of a model that several ranks hold. The shares are ranges of the model's triangles in the order of the ranks;
+/// they may be empty.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Share {
+    /// Number in the whole model of the mesh's primitive 0: the triangles that the ranks before this one have.
+    pub first_triangle: u64,
+    /// Triangles of the whole model.
+    pub triangles: u64,
+    /// Number in the whole model of the mesh's input face 0.
+    pub first_face: u64,
+    /// Input faces of the whole model.
+    pub faces: u64,
 }
 
 impl Instance {
     /// The mesh at the position given by its file.
     pub fn new(mesh: impl Into<Arc<ClusteredMesh>>) -> Self {
         let (world_from_object, surface) = (DAffine3::IDENTITY, Surface::default());
-        Self { mesh: mesh.into(), world_from_object, surface, materials: None }
+        Self { mesh: mesh.into(), world_from_object, surface, materials: None, share: None }
     }
 
-    /// World-space bounds.
+    /// World-space bounds; of the whole model if the mesh is a part of one.
     pub fn bounds(&self) -> Aabb {
         let own = self.mesh.bounds;
         if own.is_empty() || self.world_from_object == DAffine3::IDENTITY {
@@ -58,7 +74,7 @@ impl Instance {
         bounds
     }
 
-    /// Is any triangle not certainly opaque?
+    /// Is any triangle not certainly opaque? Of the whole model if the mesh, and the materials, are a part of one.
     pub fn is_translucent(&self) -> bool {
         let of_materials = || self.materials.as_ref().is_some_and(|m| m.is_translucent());
         self.surface.opacity < 1.0
@@ -66,7 +82,8 @@ impl Instance {
     }
 
     /// Support function of the vertices: the largest `direction . (p - from)` of all world-space vertices `p`; minus
-    /// infinity if there are none. The same however the mesh is split into clusters.
+    /// infinity if there are none. The same however the mesh is split into clusters; of a model in parts, the largest of those
+    /// of its parts.
     pub fn reach(&self, direction: DVec3, from: DVec3) -> f64 {
         let mesh = &*self.mesh;
         let d = self.world_from_object.matrix3.transpose() * direction;
@@ -159,5 +176,15 @@ impl Scene {
     /// World-space bounds of all instances.
     pub fn bounds(&self) -> Aabb {
         self.instances.iter().fold(Aabb::EMPTY, |b, i| b.union(i.bounds()))
+    }
+
+    /// Support function of the vertices of all instances; see [`Instance::reach`].
+    pub fn reach(&self, direction: DVec3, from: DVec3) -> f64 {
+        self.instances.iter().map(|i| i.reach(direction, from)).fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    /// Is any mesh a part of a model that several ranks hold?
+    pub fn is_in_parts(&self) -> bool {
+        self.instances.iter().any(|i| i.share.is_some())
     }
 }

@@ -19,12 +19,16 @@ pub struct ClusteredMesh {
     pub origin: DVec3,
     /// log2 of the length of a unit of the positions; see [`crate::Mesh::exponent`].
     pub exponent: i32,
-    /// World-space bounds of the vertices that triangles use.
+    /// World-space bounds of the vertices that triangles use; of the whole model if the mesh is a
+    /// [part](ClusteredMesh::as_part_of) of one.
     pub bounds: Aabb,
     /// Materials that the file names.
     pub materials: Vec<FileMaterial>,
     /// Input face of each primitive, in the order of the mesh (not of the clusters).
     pub face_of_triangle: Option<Buffer<u32>>,
+    /// Input face of each triangle by its slot (`cluster * MAX_TRIANGLES + local number`): in place of `face_of_triangle` where
+    /// the mesh has clusters of several parts of a model, so that primitives are not numbered without gaps.
+    pub(crate) face_of_slot: Option<Vec<u32>>,
     /// What the clusters hold.
     pub(crate) layout: Layout,
     /// The heads, which are also the first bytes of every stretch: all that culling needs.
@@ -37,7 +41,7 @@ pub struct ClusteredMesh {
     pub(crate) vertices: u64,
     /// Triangles of all clusters.
     pub(crate) triangles: u64,
-    /// A cluster is translucent.
+    /// A cluster is translucent; of the whole model if the mesh is a part of one.
     pub(crate) translucent: bool,
     /// [`ClusteredMesh::checksum`], once it was asked for.
     pub(crate) checksum: OnceLock<u64>,
@@ -51,6 +55,7 @@ impl Default for ClusteredMesh {
             bounds: Aabb::EMPTY,
             materials: Vec::new(),
             face_of_triangle: None,
+            face_of_slot: None,
             layout: Layout::default(),
             clusters: Buffer::default(),
             starts: vec![0].into(),
@@ -120,13 +125,15 @@ impl ClusteredMesh {
         Aabb { min: local(self.bounds.min), max: local(self.bounds.max) }
     }
 
-    /// Is any triangle not opaque by the colours of the mesh (triangle colours, else vertex colours, else materials)?
+    /// Is any triangle not opaque by the colours of the mesh (triangle colours, else vertex colours, else materials)? Of the
+    /// whole model if the mesh is a [part](ClusteredMesh::as_part_of) of one.
     #[inline(always)]
     pub fn is_translucent(&self) -> bool {
         self.translucent
     }
 
-    /// A checksum of the clusters and of the faces' numbers: equal for equal meshes, almost certainly different for others.
+    /// A checksum of the clusters and of the faces' numbers: equal for equal meshes, almost certainly different for others; of
+    /// the whole model if the mesh is a [part](ClusteredMesh::as_part_of) of one.
     /// Computed by all threads when it is first asked for, at some gigabytes a second.
     pub fn checksum(&self) -> u64 {
         *self.checksum.get_or_init(|| {
@@ -160,6 +167,20 @@ impl ClusteredMesh {
         self.cluster(slot / MAX_TRIANGLES).primitive(slot % MAX_TRIANGLES)
     }
 
+    /// Number of the input face that a triangle of a cluster comes from, counted from the first of this mesh.
+    ///
+    /// # Panics
+    /// If there is no such cluster or triangle.
+    #[inline]
+    pub fn face(&self, cluster: usize, triangle: usize) -> u32 {
+        let primitive = self.cluster(cluster).primitive(triangle);
+        match (&self.face_of_triangle, &self.face_of_slot) {
+            (Some(faces), _) => faces[primitive as usize],
+            (None, None) => primitive,
+            (None, Some(faces)) => faces[cluster * MAX_TRIANGLES + triangle],
+        }
+    }
+
     /// Every triangle in the order of the clusters: its primitive number and its corners relative to
     /// `origin`, the corner with the lowest mesh vertex number first.
     pub fn triangles(&self) -> impl Iterator<Item = (u32, [[f32; 3]; 3])> + '_ {
@@ -188,6 +209,7 @@ impl ClusteredMesh {
             + self.starts.owned_bytes()
             + self.lines.owned_bytes()
             + self.face_of_triangle.as_ref().map_or(0, Buffer::owned_bytes)
+            + self.face_of_slot.as_ref().map_or(0, |faces| faces.capacity() * size_of::<u32>())
             + self.materials.capacity() * size_of::<FileMaterial>()
     }
 }

@@ -7,20 +7,25 @@
 //! The modules in the order of the work: [`partition`] is the entry point, [`crate::blocks`] bring neighbouring
 //! triangles together, `runs` or `grow` (with the `rim` of the open cluster) splits a block into clusters, `gather`
 //! writes their memory (`layout` defines it), `bounds` computes each cluster's box and cone. [`cone`] holds the
-//! culling tests that a renderer makes with them.
+//! culling tests that a renderer makes with them. A mesh may be a `part` of a model that several processes hold; `transfer`
+//! writes clusters of a part as bytes and makes a mesh of those from several parts, after `check` has verified what a
+//! renderer relies on.
 
 mod bounds;
 mod buffer;
+pub(crate) mod check;
 mod clustered;
 mod cone;
 mod gather;
 mod grow;
 mod head;
 mod layout;
+mod part;
 mod partition;
 mod rim;
 mod runs;
 mod shuffle;
+mod transfer;
 mod view;
 
 pub use crate::blocks::Order;
@@ -28,7 +33,9 @@ pub use buffer::{Buffer, Line};
 pub use clustered::ClusteredMesh;
 pub use head::Cluster;
 pub use layout::Layout;
+pub use part::Whole;
 pub use partition::{PartitionOptions, partition, partition_blocks};
+pub use transfer::{Assembly, TransferError, write_clusters};
 pub use view::ClusterView;
 
 /// The most vertices in a cluster: what a renderer keeps transformed in vector registers.

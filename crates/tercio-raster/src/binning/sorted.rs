@@ -96,6 +96,25 @@ impl Sorted {
         TileSet::from_fn(grid.count(), |tile| self.fill(tile) > 0)
     }
 
+    /// Numbers of the clusters that have entries in any of these tiles, as a whole or triangle by triangle; in ascending order,
+    /// each once.
+    pub fn clusters_in(&self, tiles: &[u32]) -> Vec<u32> {
+        let mut found = Vec::new();
+        // Triangles of a cluster often follow each other.
+        let mut add = |number: u32| {
+            if found.last() != Some(&number) {
+                found.push(number);
+            }
+        };
+        for (bins, &tile) in self.bins.iter().flat_map(|bins| tiles.iter().map(move |tile| (bins, tile))) {
+            bins.clusters_in(tile).iter().for_each(|cluster| add(cluster.number));
+            bins.triangles_in(tile).for_each(|triangle| add(triangle.slot / MAX_TRIANGLES as u32));
+        }
+        found.sort_unstable();
+        found.dedup();
+        found
+    }
+
     /// Bytes of the bins that are in use.
     pub(crate) fn bytes_used(&self) -> u64 {
         self.bins.iter().map(Bins::bytes_used).sum()

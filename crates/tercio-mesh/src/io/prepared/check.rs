@@ -3,8 +3,7 @@
 use rayon::prelude::*;
 
 use super::format::Kind;
-use crate::FileMaterial;
-use crate::cluster::{Cluster, ClusterView, ClusteredMesh, Layout, Line, MAX_TRIANGLES, MAX_VERTICES};
+use crate::cluster::{ClusteredMesh, Layout, MAX_TRIANGLES, MAX_VERTICES, check};
 
 /// The wrong part, what was expected in it, what was found.
 pub type Wrong = (Kind, String, String);
@@ -27,8 +26,7 @@ pub fn sizes(mesh: &ClusteredMesh) -> Result<(), Wrong> {
     let mut triangles = 0;
     for (number, head) in mesh.clusters.iter().enumerate() {
         let (vertices, own) = (usize::from(head.vertices), usize::from(head.triangles));
-        let fits = (1..=MAX_VERTICES).contains(&vertices) && (1..=MAX_TRIANGLES).contains(&own);
-        if !fits || head.number_bits > 32 {
+        if !check::has_valid_counts(head) {
             let expected = format!(
                 "1 to {MAX_VERTICES} vertices and 1 to {MAX_TRIANGLES} triangles in cluster {number}"
             );
@@ -64,40 +62,6 @@ pub fn clusters(mesh: &ClusteredMesh) -> Result<(), Wrong> {
         (Kind::Lines, format!("{expected} of cluster {number}"), "others".to_owned())
     };
     mesh.clusters.par_iter().enumerate().with_min_len(64).try_for_each(|(number, head)| {
-        cluster(&mesh.cluster(number), head, triangles, &mesh.materials).map_err(|e| wrong(number, e))
+        check::cluster(&mesh.cluster(number), head, triangles, &mesh.materials).map_err(|e| wrong(number, e))
     })
-}
-
-/// Describes what is wrong with a cluster, if anything is.
-fn cluster(
-    view: &ClusterView,
-    head: &Cluster,
-    triangles: u64,
-    materials: &[FileMaterial],
-) -> Result<(), &'static str> {
-    let line = view.first_line()[0];
-    if line.0[..size_of::<Cluster>()] != *bytemuck::bytes_of(head)
-        || line.0[size_of::<Cluster>()..] != [0; Line::BYTES - size_of::<Cluster>()]
-    {
-        return Err("the head");
-    }
-    for (axis, values) in view.positions().into_iter().enumerate() {
-        let (least, most) = (head.min[axis], head.max[axis]);
-        // False for NaN, too.
-        let inside = values.iter().fold(true, |all, &v| all & (v >= least) & (v <= most));
-        if !inside || !least.is_finite() || !most.is_finite() {
-            return Err("vertices inside of the box");
-        }
-    }
-    let most = view.corners().into_iter().flatten().fold(0, |most, &corner| most.max(corner));
-    if most >= head.vertices {
-        return Err("corners that are vertices");
-    }
-    if head.is_translucent() != view.is_translucent(materials) {
-        return Err("the flag of translucent colours");
-    }
-    if view.greatest_primitive() >= triangles {
-        return Err("primitive numbers below the number of triangles");
-    }
-    Ok(())
 }
