@@ -60,7 +60,8 @@ pub struct Ghosts {
 impl Ghosts {
     /// None, with the arrays that a part has.
     pub fn of(mesh: &Mesh) -> Self {
-        let attributes = mesh.attributes.iter().map(|a| tercio_mesh::Attribute { values: Vec::new(), ..a.clone() });
+        let attributes =
+            mesh.attributes.iter().map(|a| tercio_mesh::Attribute { values: Vec::new(), ..a.clone() });
         let vertices = Mesh {
             normals: mesh.normals.as_ref().map(|_| Vec::new()),
             vertex_colors: mesh.vertex_colors.as_ref().map(|_| Vec::new()),
@@ -103,7 +104,10 @@ impl Ghosts {
             attribute.values.extend(reader.take::<f32>(vertices)?);
         }
         if !reader.rest.is_empty() {
-            return Err(malformed(from, format!("{} bytes after the triangles at a seam", reader.rest.len())));
+            return Err(malformed(
+                from,
+                format!("{} bytes after the triangles at a seam", reader.rest.len()),
+            ));
         }
         Ok(())
     }

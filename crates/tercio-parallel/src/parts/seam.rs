@@ -168,9 +168,8 @@ fn shared_positions(
         let &[min, max] = &values[..] else { return Err(malformed(from, "a box of another size")) };
         others.push((min, max));
     }
-    let meets = |p: [f32; 3]| {
-        others.iter().any(|(min, max)| (0..3).all(|k| min[k] <= p[k] && p[k] <= max[k]))
-    };
+    let meets =
+        |p: [f32; 3]| others.iter().any(|(min, max)| (0..3).all(|k| min[k] <= p[k] && p[k] <= max[k]));
     let mut candidates: Vec<u64> = (0..mesh.positions.len())
         .into_par_iter()
         .with_min_len(1 << 14)

@@ -64,7 +64,8 @@ impl<'a> Faces<'a> {
         let Some(corners) = faces.list(&INDEX_LISTS) else {
             return Err(refusal(input, "a PLY file without faces"));
         };
-        let first = vertex.checked_mul(vertices.count as usize).and_then(|size| size.checked_add(header.body));
+        let first =
+            vertex.checked_mul(vertices.count as usize).and_then(|size| size.checked_add(header.body));
         let first = first.filter(|&first| first <= bytes.len()).ok_or_else(|| {
             let expected = format!("{} vertices of {vertex} bytes", vertices.count);
             let found = format!("{} bytes", bytes.len() - header.body);

@@ -31,6 +31,8 @@ pub struct Share {
     /// The faces of the share, as a file of their own.
     input: Input,
     format: Format,
+    /// The colour of all faces, if it does not follow from them.
+    color: Option<[u8; 4]>,
     /// The number in the file of each of its vertices, in ascending order; `None` if the corners of faces are the vertices.
     pub vertices: Option<Vec<u32>>,
 }
@@ -106,15 +108,18 @@ impl<'a> Shareable<'a> {
         marks: u64,
         options: &ReadOptions,
     ) -> Result<Share, ReadError> {
-        let (bytes, vertices) = match &self.kind {
+        match &self.kind {
             Kind::Ply(faces) => {
                 let (bytes, vertices) = faces.take(range, is_uniform, options)?;
-                (bytes, Some(vertices))
+                let (input, vertices) = (self.part(bytes, options)?, Some(vertices));
+                Ok(Share { input, format: Format::Ply, color: None, vertices })
             }
-            Kind::Stl(facets) => (facets.take(range, marks, options)?, None),
-        };
-        let format = if vertices.is_some() { Format::Ply } else { Format::Stl };
-        Ok(Share { input: self.part(bytes, options)?, format, vertices })
+            Kind::Stl(facets) => {
+                let input = self.part(facets.take(range, marks, options)?, options)?;
+                let color = facets.plain_color(range, marks);
+                Ok(Share { input, format: Format::Stl, color, vertices: None })
+            }
+        }
     }
 
     /// Bounds, in file coordinates, of one of `of` ranges of the file's vertices, used or not; of STL, all vertices are used,
@@ -149,6 +154,9 @@ impl Share {
             _ => stl::share::read(&self.input, options),
         }?;
         model.report.file_bytes = self.input.file_bytes;
+        if let Some(color) = self.color {
+            model.mesh.face_colors = Some(vec![color; model.mesh.triangles.len()]);
+        }
         Ok(model)
     }
 }
