@@ -1,0 +1,58 @@
+//! Do the parts of a scene make whole models? Otherwise the picture would be wrong.
+
+use bytemuck::{Pod, Zeroable, cast_slice, pod_read_unaligned};
+use tercio_scene::{Instance, Scene};
+
+use super::PartsError;
+use crate::ParallelError;
+use crate::comm::{CommError, Communicator};
+
+/// A rank's part of an instance.
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+struct Held {
+    first: u64,
+    triangles: u64,
+    /// Triangles of the whole model.
+    of: u64,
+    /// 1 if the instance may be less than opaque.
+    translucent: u64,
+}
+
+/// Checks that the shares of all ranks are ranges of the triangles of the same models, without gaps, in the order of the ranks,
+/// and that ranks agree on what is opaque. All ranks have to call this if any instance of their scenes has a share.
+///
+/// # Errors
+/// [`PartsError`] on all ranks, [`ParallelError::Comm`].
+pub fn check(comm: &mut impl Communicator, scene: &Scene) -> Result<(), ParallelError> {
+    let held = |(number, instance): (usize, &Instance)| {
+        let share = instance.share.ok_or(PartsError::Whole { instance: number })?;
+        let (first, triangles, of) =
+            (share.first_triangle, instance.mesh.triangle_count() as u64, share.triangles);
+        Ok(Held { first, triangles, of, translucent: instance.is_translucent().into() })
+    };
+    let own: Vec<Held> = scene.instances.iter().enumerate().map(held).collect::<Result<_, PartsError>>()?;
+    let blocks = comm.all_gather(cast_slice(&own).to_vec())?;
+    let read = |block: &Vec<u8>| block.chunks_exact(size_of::<Held>()).map(pod_read_unaligned).collect();
+    let all: Vec<Vec<Held>> = blocks.iter().map(read).collect();
+    if let Some(rank) = all.iter().position(|held| held.len() != own.len()) {
+        let reason = format!("parts of {} instances, expected {}", all[rank].len(), own.len());
+        return Err(CommError::Transport { rank, reason }.into());
+    }
+    for (instance, Held { of, translucent, .. }) in all[0].iter().copied().enumerate() {
+        let mut next = 0u64;
+        for (rank, held) in all.iter().map(|held| held[instance]).enumerate() {
+            let end = next.saturating_add(held.triangles);
+            let is_complete = rank + 1 < all.len() || end == of;
+            if held.first != next || held.of != of || !is_complete {
+                let Held { first, triangles, of, .. } = held;
+                return Err(PartsError::Share { instance, rank, first, triangles, of }.into());
+            }
+            if held.translucent != translucent {
+                return Err(PartsError::Translucency { instance, rank }.into());
+            }
+            next = end;
+        }
+    }
+    Ok(())
+}
