@@ -150,8 +150,9 @@ fn digest(task: &Task, ranks: usize) -> Digest {
     Matter::ALL.map(|matter| checksum::of(text(matter).as_bytes()))
 }
 
-fn model(instance: &Instance) -> u64 {
-    instance.mesh.checksum()
+/// Of a model in parts, what all parts have in common.
+fn model(instance: &Instance) -> (u64, Option<(u64, u64)>) {
+    (instance.mesh.checksum(), instance.share.map(|share| (share.triangles, share.faces)))
 }
 
 fn look(scene: &Scene) -> String {

@@ -1,5 +1,6 @@
 //! Why ranks could not draw a picture.
 
+use tercio_mesh::cluster::TransferError;
 use tercio_raster::RenderError;
 use tercio_raster::binning::SortedError;
 use tercio_raster::frame::FragmentError;
@@ -7,6 +8,7 @@ use tercio_raster::frame::FragmentError;
 use crate::agreement::Matter;
 use crate::comm::CommError;
 use crate::composite::packet::PacketError;
+use crate::parts::PartsError;
 
 /// Why ranks could not draw a picture.
 #[derive(Debug, thiserror::Error)]
@@ -44,6 +46,17 @@ pub enum ParallelError {
         from: usize,
         /// What is wrong.
         source: SortedError,
+    },
+    /// The meshes of the ranks are not parts of the same models.
+    #[error(transparent)]
+    Parts(#[from] PartsError),
+    /// A message does not hold valid clusters, or they cannot be written.
+    #[error("a message from rank {from}: {source}")]
+    Clusters {
+        /// The sender.
+        from: usize,
+        /// What is wrong.
+        source: TransferError,
     },
     /// A rank's report of a frame cannot be written, or cannot be parsed by rank 0.
     #[error("the report of rank {rank}: {source}")]

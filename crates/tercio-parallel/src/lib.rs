@@ -6,6 +6,7 @@
 //! | [`division`] | who draws which tiles |
 //! | [`composite`] | what several ranks have drawn of the same tiles: [packed](composite::packet), [exchanged](composite::exchange) in the order of a [strategy](composite::strategy), merged |
 //! | [`organisation`] | who draws what, and where work is redistributed: sort-first, sort-middle, sort-last, sort-twice |
+//! | [`parts`] | models of which every rank holds a part |
 //! | [`report`] | counts and times of every rank |
 //! | [`in_process`] | all ranks in one process, a thread each |
 //! | [`between_processes`] | the same where every rank is a process of its own |
@@ -58,4 +59,5 @@ pub use division::Division;
 pub use error::ParallelError;
 pub use in_process::{Ranks, draw_frames};
 pub use organisation::{Organisation, Sharing};
+pub use parts::PartsError;
 pub use report::{FrameReport, RankReport};

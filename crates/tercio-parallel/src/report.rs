@@ -92,6 +92,9 @@ pub struct RankReport {
     pub frame: FrameStats,
     /// Bytes of bins sent to other ranks of its group.
     pub bin_bytes: u64,
+    /// Bytes of clusters sent to other ranks of its group; only if models are in parts and the group has other ranks.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cluster_bytes: Option<u64>,
     /// Counts of pixels.
     pub pixels: RankPixels,
     /// Counts of messages.
@@ -164,12 +167,12 @@ impl FrameReport {
     }
 
     /// The statistics as if one renderer had drawn the frame: the work of all ranks, visible pixels counted once. In
-    /// sort-first every rank tests every cluster, so the counts of the front end are rank 0's. Bins are those of rank
+    /// sort-first every rank tests every cluster, so the counts of the front end are rank 0's, unless models are in parts. Bins are those of rank
     /// 0. The times of front end and back end are those of the slowest rank.
     pub fn stats(&self) -> FrameStats {
         let Some(first) = self.ranks.first() else { return FrameStats::default() };
         let mut stats = first.frame.clone();
-        if self.organisation != Organisation::SortFirst {
+        if self.organisation != Organisation::SortFirst || first.cluster_bytes.is_some() {
             let counts = self.ranks.iter().map(|r| r.frame.frontend);
             stats.frontend = counts.fold(FrontEndCounts::default(), FrontEndCounts::plus);
         }

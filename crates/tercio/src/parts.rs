@@ -311,7 +311,8 @@ fn of_prepared(
     let (prepared, whole) = parts.take(rank, size, &hashes).map_err(LoadError::from)?;
     agree(comm, whole.checksum, "another prepared model")?;
     let loaded = prepared::loaded(input, prepared, start)?;
-    Ok(LoadedPart { loaded, share: Share { first_triangle: 0, triangles, first_face: 0, faces } })
+    let share = Share { first_triangle: 0, triangles, first_face: 0, faces, has_whole_numbers: true };
+    Ok(LoadedPart { loaded, share })
 }
 
 /// Fails if the parts do not have the same arrays.

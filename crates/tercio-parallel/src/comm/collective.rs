@@ -1,6 +1,10 @@
 //! Collective operations, built on messages between two ranks: every rank of the communicator calls them, in the same
 //! order and with the same arguments where these are not a rank's own data.
 
+use std::ops::Range;
+
+use bytemuck::{Pod, cast_slice, pod_read_unaligned};
+
 use super::{CommError, Communicator, children, parent};
 
 /// Sends the message of rank 0 to all ranks, along a binomial tree; the messages that other ranks pass are not used.
@@ -59,6 +63,61 @@ pub fn all_max<const N: usize>(comm: &mut impl Communicator, own: [f64; N]) -> R
 /// [`CommError`].
 pub fn all_sum<const N: usize>(comm: &mut impl Communicator, own: [u64; N]) -> Result<[u64; N], CommError> {
     all_reduce(comm, own, |a, b| std::array::from_fn(|k| a[k].saturating_add(b[k])))
+}
+
+/// Combines the arrays of some consecutive ranks, element by element: `own` is the result on all of them then. They have the same
+/// length; the other ranks do not call this. The messages go up and down a binomial tree, in the byte order of the machine.
+/// `combine` has to be associative and commutative.
+///
+/// # Errors
+/// [`CommError`], also if ranks have arrays of different lengths.
+///
+/// # Panics
+/// If this rank is not one of `members`.
+pub fn all_reduce_among<T: Pod>(
+    comm: &mut impl Communicator,
+    members: &Range<usize>,
+    own: &mut [T],
+    combine: impl Fn(T, T) -> T,
+) -> Result<(), CommError> {
+    assert!(members.contains(&comm.rank()), "a rank that is not a member takes part");
+    let (place, count) = (comm.rank() - members.start, members.len());
+    let mut below: Vec<usize> = children(place, count).map(|child| members.start + child).collect();
+    for &child in &below {
+        let theirs = comm.receive(child)?;
+        let elements = elements(child, &theirs, own.len())?;
+        own.iter_mut().zip(elements).for_each(|(own, theirs)| *own = combine(*own, theirs));
+        comm.give_back(child, theirs);
+    }
+    let message = |comm: &mut _, to: usize, own: &[T]| {
+        let mut message = Communicator::buffer(comm, to);
+        message.extend_from_slice(cast_slice(own));
+        Communicator::send(comm, to, message)
+    };
+    if place > 0 {
+        let parent = members.start + parent(place);
+        message(comm, parent, own)?;
+        let all = comm.receive(parent)?;
+        let elements = elements(parent, &all, own.len())?;
+        own.iter_mut().zip(elements).for_each(|(own, all)| *own = all);
+        comm.give_back(parent, all);
+    }
+    // The child with the largest subtree first.
+    below.reverse();
+    below.into_iter().try_for_each(|child| message(comm, child, own))
+}
+
+/// The elements of a message, of any alignment.
+fn elements<T: Pod>(
+    from: usize,
+    message: &[u8],
+    count: usize,
+) -> Result<impl Iterator<Item = T> + use<'_, T>, CommError> {
+    if message.len() != count * size_of::<T>() {
+        let reason = format!("{} bytes, expected {count} elements of {}", message.len(), size_of::<T>());
+        return Err(CommError::Transport { rank: from, reason });
+    }
+    Ok(message.chunks_exact(size_of::<T>()).map(pod_read_unaligned))
 }
 
 /// The sums of the numbers of the ranks before this one, and of all ranks; they saturate.
@@ -149,6 +208,28 @@ mod tests {
                 assert_eq!(scan, ([rank * rank.saturating_sub(1) / 2], [all]));
             }
         }
+    }
+
+    #[test]
+    fn arrays_of_some_ranks_are_combined() {
+        for (size, members) in [(1, 0..1), (5, 0..5), (9, 2..9), (9, 3..4), (17, 1..14)] {
+            let got = threads::run(size, |comm| {
+                let mut own = [comm.rank() as u32, 1, 100 - comm.rank() as u32];
+                if members.contains(&comm.rank()) {
+                    all_reduce_among(comm, &members, &mut own, u32::max)?;
+                }
+                Ok(own)
+            });
+            for (rank, found) in got.expect("no errors").into_iter().enumerate() {
+                let (last, first) =
+                    if members.contains(&rank) { (members.end - 1, members.start) } else { (rank, rank) };
+                assert_eq!(found, [last as u32, 1, 100 - first as u32], "rank {rank} of {size}, {members:?}");
+            }
+        }
+        let lengths = threads::run(2, |comm| {
+            Ok(all_reduce_among(comm, &(0..2), &mut vec![0u8; comm.rank()], u8::max)?)
+        });
+        assert!(lengths.expect_err("lengths differ").to_string().contains("expected 0 elements"));
     }
 
     #[test]

@@ -6,13 +6,16 @@ use rayon::prelude::*;
 use tercio_raster::context::FrameContext;
 use tercio_raster::frame::fragments::fragment_bytes;
 use tercio_raster::frame::{FragmentsOfTile, TileFragments};
+use tercio_raster::stats::FrontEndCounts;
 use tercio_raster::{Frame, FrameStats, Outputs, Part, Renderer, SampleShading, Settings, TileSet};
 
+use super::clusters;
 use super::collect::{self, Finished};
 use super::redistribute::redistribute;
 use super::rounds::Rounds;
 use super::{Organisation, Rank, Task, clusters_of, group_of, is_translucent, tile_edge};
 use crate::comm::Communicator;
+use crate::comm::collective::all_reduce_among;
 use crate::composite::exchange::{Content, Parts, exchange};
 use crate::composite::packet::pack_drawn;
 use crate::composite::{Shared, Touched};
@@ -27,9 +30,24 @@ pub fn draw(
     frame: &mut Frame,
     report: &mut RankReport,
 ) -> Result<(), ParallelError> {
+    if let Some(counts) = draw_steps(own, comm, task, frame, report)? {
+        (report.frame.frontend, frame.stats.frontend) = (counts, counts);
+    }
+    Ok(())
+}
+
+/// Takes the steps. Returns the counts of the front end over this rank's own clusters, if it sorted those of other ranks, too.
+fn draw_steps(
+    own: &mut Rank,
+    comm: &mut impl Communicator,
+    task: &Task,
+    frame: &mut Frame,
+    report: &mut RankReport,
+) -> Result<Option<FrontEndCounts>, ParallelError> {
     let Task { sharing, scene, camera, settings } = *task;
     let (rank, size) = (comm.rank(), comm.size());
-    let shares_clusters = sharing.organisation != Organisation::SortFirst;
+    let in_parts = scene.is_in_parts();
+    let shares_clusters = sharing.organisation != Organisation::SortFirst && !in_parts;
     let part = if shares_clusters { Part { number: rank as u32, of: size as u32 } } else { Part::WHOLE };
     let threads = own.pool.current_num_threads();
     let tile_size = Some(tile_edge(scene, settings, sharing.organisation, size));
@@ -41,14 +59,30 @@ pub fn draw(
     let group = group_of(sharing.organisation, size, rank);
     let mut owners = vec![0; tiles];
     if group.len() > 1 {
-        owners = report.stages.redistribute.time(|| {
-            let needs_load = sharing.division.needs_load();
-            let load = if needs_load { Renderer::estimate_load(&context) } else { Vec::new() };
-            sharing.division.owners(&context.grid, &load, group.len())
-        });
+        let stages = &mut report.stages;
+        let needs_load = sharing.division.needs_load();
+        let mut load = Vec::new();
+        if needs_load {
+            load = stages.redistribute.time(|| Renderer::estimate_load(&context));
+        }
+        if needs_load && in_parts {
+            stages.wait.time(|| all_reduce_among(comm, &group, &mut load, u64::saturating_add))?;
+        }
+        owners = stages.redistribute.time(|| sharing.division.owners(&context.grid, &load, group.len()));
     }
     let own_tiles = tiles_of(&owners, rank - group.start);
-    if !shares_clusters {
+    // Of models in parts, the clusters of this rank's tiles, which are then sorted into these.
+    let gathered;
+    let (mut scene, mut counts) = (scene, None);
+    if in_parts && group.len() > 1 {
+        own.sort(&context, report);
+        counts = Some(own.sorted.front_end_counts());
+        gathered = clusters::exchange(comm, &group, &owners, &context, &own.sorted, &own.pool, report)?;
+        scene = &gathered;
+        context = FrameContext::new(scene, camera, &whole, threads)?;
+    }
+    let task = &Task { scene, ..*task };
+    if !shares_clusters && group.len() > 1 {
         context.grid.drawn = own_tiles.clone();
     }
     own.sort(&context, report);
@@ -64,7 +98,8 @@ pub fn draw(
         own.draw_finished(&context, &own_touched, frame, report);
         let has_tiles = |rank: &usize| owners.contains(&(*rank as u32));
         let finished = Finished { tiles: &own_touched, packets: Parts::new() };
-        return finish(own, comm, &context, finished, has_tiles, frame, report);
+        finish(own, comm, &context, finished, has_tiles, frame, report)?;
+        return Ok(counts);
     }
 
     let touched = Touched::gather(
@@ -87,7 +122,8 @@ pub fn draw(
     };
     let finished = Finished { tiles: &finished, packets };
     let sends = |rank: &usize| touched.has_sole(*rank, &shared) || owns.contains(rank);
-    finish(own, comm, &context, finished, sends, frame, report)
+    finish(own, comm, &context, finished, sends, frame, report)?;
+    Ok(counts)
 }
 
 /// Brings finished tiles to rank 0; `sends` returns which ranks have some.

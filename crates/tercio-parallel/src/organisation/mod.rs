@@ -11,7 +11,12 @@
 //! | [collect](collect) pixels | on rank 0 | on rank 0 | on rank 0 | on rank 0 |
 //!
 //! So sort-middle and sort-last are sort-twice with groups of all ranks, and of one.
+//!
+//! If models are in [parts](crate::parts), "own clusters" are those that a rank holds. Where ranks of a group share the picture,
+//! each sorts its own clusters into all tiles, and [sends](clusters) those of other owners' tiles; then it goes on as in
+//! sort-first, with the clusters of its own tiles.
 
+mod clusters;
 mod collect;
 mod frame;
 mod redistribute;
@@ -31,6 +36,7 @@ use crate::ParallelError;
 use crate::comm::Communicator;
 use crate::composite::Composition;
 use crate::division::Division;
+use crate::parts;
 use crate::report::{RankReport, Stage};
 
 /// Where work is redistributed between ranks.
@@ -136,7 +142,8 @@ pub struct Rank {
 pub struct Task<'a> {
     /// How ranks share it.
     pub sharing: Sharing,
-    /// The whole scene. Its meshes are in shared memory here; a rank reads only the parts of them that it draws.
+    /// The whole scene. Its meshes are in shared memory here; a rank reads only the parts of them that it draws. Or a scene whose
+    /// meshes are this rank's [parts](crate::parts) of models.
     pub scene: &'a Scene,
     /// The camera.
     pub camera: &'a Camera,
@@ -187,6 +194,9 @@ impl Rank {
         let mut report = RankReport { rank: comm.rank(), ..RankReport::default() };
         task.settings.check()?;
         refuse_parts(task.settings)?;
+        if task.scene.is_in_parts() {
+            parts::check::check(comm, task.scene)?;
+        }
         if comm.size() == 1 {
             self.draw_alone(task, frame, &mut report)?;
         } else {

@@ -26,10 +26,7 @@ pub fn redistribute(
 ) -> Result<(), ParallelError> {
     let (own, count) = (comm.rank() - group.start, group.len());
     let stages = &mut report.stages;
-    let mut tiles = vec![Vec::new(); count];
-    for (tile, &owner) in (0..).zip(owners) {
-        tiles[owner as usize].push(tile);
-    }
+    let tiles = tiles_of_owners(owners, count);
     let mut numbering = Numbering::default();
     // Every rank begins with the next one, so that no rank gets all messages at once.
     for other in (1..count).map(|step| (own + step) % count) {
@@ -50,4 +47,13 @@ pub fn redistribute(
     read.map_err(|(number, source)| ParallelError::Bins { from: messages[number].0, source })?;
     messages.into_iter().for_each(|(from, message)| comm.give_back(from, message));
     Ok(())
+}
+
+/// The tiles of each of so many owners, in order.
+pub fn tiles_of_owners(owners: &[u32], count: usize) -> Vec<Vec<u32>> {
+    let mut tiles = vec![Vec::new(); count];
+    for (tile, &owner) in (0..).zip(owners) {
+        tiles[owner as usize].push(tile);
+    }
+    tiles
 }

@@ -1,6 +1,5 @@
 //! What ranks find out about their parts before they have clusters.
 
-use glam::DVec3;
 use tercio_mesh::Aabb;
 
 use super::PartsError;
@@ -16,7 +15,7 @@ pub fn bounds_of_all(comm: &mut impl Communicator, own: &Aabb) -> Result<Aabb, P
     // The least coordinate is minus the largest of the negative ones; empty bounds reach from infinity to minus infinity.
     let (min, max) = (-own.min, own.max);
     let all = all_max(comm, [min.x, min.y, min.z, max.x, max.y, max.z])?;
-    Ok(Aabb { min: -DVec3::new(all[0], all[1], all[2]), max: DVec3::new(all[3], all[4], all[5]) })
+    Ok(Aabb { min: [-all[0], -all[1], -all[2]].into(), max: [all[3], all[4], all[5]].into() })
 }
 
 /// Fails on all ranks if a rank passes another number than rank 0; `what` says then what it has in place of that of rank 0.
