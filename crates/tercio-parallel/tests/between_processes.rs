@@ -6,7 +6,7 @@ use glam::DVec3;
 use tercio_mesh::builtin;
 use tercio_mesh::cluster::{PartitionOptions, partition};
 use tercio_parallel::between_processes::draw_frame;
-use tercio_parallel::comm::{Communicator as _, threads};
+use tercio_parallel::comm::{CommError, Communicator as _, threads};
 use tercio_parallel::organisation::{Rank, Task, tile_edge};
 use tercio_parallel::report::RankStages;
 use tercio_parallel::{
@@ -157,4 +157,40 @@ fn ranks_with_tiles_of_different_sizes_end_with_an_error() {
     assert!(drawn(Some(edge)).is_ok(), "the same tiles");
     let error = drawn(Some(64)).err();
     assert!(matches!(error, Some(ParallelError::Differs { rank: 1, what: Matter::Settings })), "{error:?}");
+}
+
+/// Without a comparison of their tasks, ranks notice by the first message that theirs differ.
+#[test]
+fn a_message_of_another_frame_is_an_error() {
+    const ORGANISATIONS: [Organisation; 4] = [
+        Organisation::SortFirst,
+        Organisation::SortMiddle,
+        Organisation::SortLast,
+        Organisation::SortTwice { group: 2 },
+    ];
+    let (scene, camera) = made();
+    let settings = Settings { tile_size: Some(16), ..Settings::one_sample(150, 100) };
+    let other = Camera { near: Some(1e-3), ..camera };
+    let drawn = |organisation: Organisation, camera_of_2: &Camera, ahead: bool| {
+        threads::run(3, |comm| {
+            let own_camera = if comm.rank() == 2 { camera_of_2 } else { &camera };
+            let sharing = organisation.into();
+            let task = Task { sharing, scene: &scene, camera: own_camera, settings: &settings };
+            let mut own = Rank::new(1)?;
+            if ahead && comm.rank() == 2 {
+                // This rank counts one frame more than the others.
+                let mut alone = threads::ThreadComm::for_ranks(1).remove(0);
+                own.draw_into(&mut alone, &task, &mut Frame::default())?;
+            }
+            own.draw_into(comm, &task, &mut Frame::default())
+        })
+    };
+    for organisation in ORGANISATIONS {
+        assert!(drawn(organisation, &camera, false).is_ok());
+        for (camera, ahead, says) in [(&other, false, "of another task"), (&camera, true, "of frame ")] {
+            let error = drawn(organisation, camera, ahead).expect_err("rank 2 draws something else");
+            let ParallelError::Comm(CommError::Unexpected { found, .. }) = error else { panic!("{error}") };
+            assert!(found.contains(says), "{organisation:?}: {found}");
+        }
+    }
 }

@@ -5,8 +5,10 @@
 //! counted in one place.
 
 pub mod collective;
+mod kind;
 pub mod threads;
 
+pub use kind::Kind;
 use serde::{Deserialize, Serialize};
 
 /// Messages that a rank sent and received, not counting those of [`Communicator::barrier`].
@@ -61,6 +63,16 @@ pub enum CommError {
         rank: usize,
         /// The number of ranks.
         size: usize,
+    },
+    /// The other rank sent something else than what is its turn: it draws another frame, or is of another version.
+    #[error("rank {rank} sent {found}, expected {expected}: do all ranks draw the same frames?")]
+    Unexpected {
+        /// The sender.
+        rank: usize,
+        /// What was expected.
+        expected: String,
+        /// What it sent.
+        found: String,
     },
     /// The transport of messages failed.
     #[error("a message to or from rank {rank}: {reason}")]

@@ -9,10 +9,11 @@ use tercio_raster::frame::{FragmentsOfTile, TileFragments};
 use tercio_raster::{Frame, FrameStats, Outputs, Part, Renderer, SampleShading, Settings, TileSet};
 
 use super::collect::{self, Finished};
+use super::envelope::FrameComm;
 use super::redistribute::redistribute;
 use super::rounds::Rounds;
 use super::{Organisation, Rank, Task, clusters_of, group_of, is_translucent, tile_edge};
-use crate::comm::Communicator;
+use crate::comm::{Communicator, Kind};
 use crate::composite::exchange::{Content, Parts, exchange};
 use crate::composite::packet::pack_drawn;
 use crate::composite::{Shared, Touched};
@@ -22,7 +23,7 @@ use crate::{ParallelError, RankReport};
 /// A rank's part of a frame of several ranks.
 pub fn draw(
     own: &mut Rank,
-    comm: &mut impl Communicator,
+    comm: &mut FrameComm<'_, impl Communicator>,
     task: &Task,
     frame: &mut Frame,
     report: &mut RankReport,
@@ -53,6 +54,7 @@ pub fn draw(
     }
     own.sort(&context, report);
     if shares_clusters && group.len() > 1 {
+        comm.begin(Kind::Bins);
         redistribute(comm, &group, &owners, &context, &mut own.sorted, report)?;
     }
     let sorted_into = own.sorted.tiles_with_entries(&context.grid);
@@ -67,6 +69,7 @@ pub fn draw(
         return finish(own, comm, &context, finished, has_tiles, frame, report);
     }
 
+    comm.begin(Kind::Touched);
     let touched = Touched::gather(
         comm,
         tiles,
@@ -93,13 +96,14 @@ pub fn draw(
 /// Brings finished tiles to rank 0; `sends` returns which ranks have some.
 fn finish(
     own: &mut Rank,
-    comm: &mut impl Communicator,
+    comm: &mut FrameComm<'_, impl Communicator>,
     context: &FrameContext,
     finished: Finished,
     sends: impl Fn(&usize) -> bool,
     frame: &mut Frame,
     report: &mut RankReport,
 ) -> Result<(), ParallelError> {
+    comm.begin(Kind::Finished);
     let rank = comm.rank();
     if rank > 0 {
         if sends(&rank) {
@@ -172,7 +176,7 @@ type Composited = (Parts, Vec<usize>);
 /// Draws the shared tiles, and composites their pixels.
 fn composite_pixels(
     own: &mut Rank,
-    comm: &mut impl Communicator,
+    comm: &mut FrameComm<'_, impl Communicator>,
     task: &Task,
     (context, part): (&FrameContext, Part),
     shared: &Shared,
@@ -204,6 +208,7 @@ fn composite_pixels(
     }
     let content = Content::Pixels { planes, width: task.settings.width };
     let composition = task.sharing.composition;
+    comm.begin(Kind::Pixels);
     let packets = exchange(comm, composition, shared, parts, content, &own.pool, report)?;
     let owners = composition.owners(shared);
     Ok((packets, owners.into_iter().map(|place| shared.ranks[place]).collect()))
@@ -214,7 +219,7 @@ fn composite_pixels(
 #[expect(clippy::too_many_arguments, reason = "one call site; a struct would only rename them")]
 fn composite_fragments(
     own: &mut Rank,
-    comm: &mut impl Communicator,
+    comm: &mut FrameComm<'_, impl Communicator>,
     task: &Task,
     (context, part): (&FrameContext, Part),
     shared: &Shared,
@@ -235,6 +240,7 @@ fn composite_fragments(
     // Rank 0 leads the rounds.
     let takes_part = |rank: usize| rank == 0 || shared.ranks.binary_search(&rank).is_ok();
     while takes_part(rank) {
+        comm.begin(Kind::Round);
         let Some(round) = rounds.next(comm, takes_part, &mut report.stages.wait)? else { break };
         let tiles = &shared.tiles[round.clone()];
         let ranks = shared.touched.ranks_of_any(tiles);
@@ -244,6 +250,7 @@ fn composite_fragments(
         let drawn = std::mem::take(&mut fragments.fragments);
         rounds.found(&round, drawn.iter().map(|of_tile| of_tile.bytes.len() as u64).sum());
         let parts = drawn.into_iter().map(|TileFragments { tile, bytes }| (tile, bytes)).collect();
+        comm.begin(Kind::Fragments);
         let merged = exchange(comm, composition, &of_round, parts, Content::Fragments, &own.pool, report)?;
         let of_tiles: Vec<usize> =
             composition.owners(&of_round).into_iter().map(|place| ranks[place]).collect();

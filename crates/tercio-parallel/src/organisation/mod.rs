@@ -10,9 +10,12 @@
 //! | [composite](crate::composite) | – | – | between ranks | between groups |
 //! | [collect](collect) pixels | on rank 0 | on rank 0 | on rank 0 | on rank 0 |
 //!
+//! Each message of a frame says what it is ([envelope]).
+//!
 //! So sort-middle and sort-last are sort-twice with groups of all ranks, and of one.
 
 mod collect;
+pub mod envelope;
 mod frame;
 mod redistribute;
 mod rounds;
@@ -28,10 +31,12 @@ use tercio_raster::{Frame, RenderError, Renderer, Settings};
 use tercio_scene::{Camera, Instance, Scene};
 
 use crate::ParallelError;
+use crate::agreement::frame_digest;
 use crate::comm::Communicator;
 use crate::composite::Composition;
 use crate::division::Division;
 use crate::report::{RankReport, Stage};
+use envelope::FrameComm;
 
 /// Where work is redistributed between ranks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -129,6 +134,8 @@ pub struct Rank {
     fragments: Frame,
     /// What it draws from.
     sorted: Sorted,
+    /// The frames so far, modulo 2^32: all ranks draw the same ones.
+    frames: u32,
 }
 
 /// The input of a frame, the same on all ranks.
@@ -164,6 +171,7 @@ impl Rank {
             keys: Vec::new(),
             fragments: Frame::default(),
             sorted: Sorted::default(),
+            frames: 0,
         }
     }
 
@@ -187,10 +195,13 @@ impl Rank {
         let mut report = RankReport { rank: comm.rank(), ..RankReport::default() };
         task.settings.check()?;
         refuse_parts(task.settings)?;
-        if comm.size() == 1 {
+        let comm_size = comm.size();
+        self.frames = self.frames.wrapping_add(1);
+        if comm_size == 1 {
             self.draw_alone(task, frame, &mut report)?;
         } else {
-            frame::draw(self, comm, task, frame, &mut report)?;
+            let mut framed = FrameComm::new(comm, self.frames, frame_digest(task, comm_size));
+            frame::draw(self, &mut framed, task, frame, &mut report)?;
         }
         report.traffic = comm.traffic().since(before);
         Ok(report)
