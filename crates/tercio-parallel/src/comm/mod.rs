@@ -4,10 +4,12 @@
 //! Everything else, including the collectives, is built on that, so that a backend is small and all traffic is
 //! counted in one place.
 
+mod awaited;
 pub mod collective;
 mod kind;
 pub mod threads;
 
+pub use awaited::{Awaited, RankNames, ReadySenders};
 pub use kind::Kind;
 use serde::{Deserialize, Serialize};
 
@@ -46,11 +48,16 @@ pub enum CommError {
         /// The rank.
         rank: usize,
     },
-    /// The other rank sent nothing for longer than a rank was to wait.
-    #[error("rank {rank} has been silent for {seconds} s: it may be stopped, or still read its model")]
+    /// Other ranks sent nothing for longer than a rank was to wait.
+    #[error(
+        "{ranks} {} been silent for {seconds} s: {} may be stopped, or still read {} model",
+        if ranks.count() == 1 { "has" } else { "have" },
+        if ranks.count() == 1 { "it" } else { "they" },
+        if ranks.count() == 1 { "its" } else { "their" },
+    )]
     Silent {
-        /// The rank.
-        rank: usize,
+        /// The ranks.
+        ranks: RankNames,
         /// The seconds.
         seconds: u64,
     },
@@ -114,6 +121,21 @@ pub trait Communicator {
     /// # Errors
     /// [`CommError`]; never waits for a rank that is gone.
     fn receive(&mut self, from: usize) -> Result<Vec<u8>, CommError>;
+
+    /// Waits for a message of any awaited rank, which is not awaited any longer then; returns the rank, too. The ones that
+    /// arrived first are received first, if the backend knows.
+    ///
+    /// # Errors
+    /// [`CommError`], also if an awaited rank is gone; never waits for that.
+    ///
+    /// # Panics
+    /// If no rank is awaited.
+    fn receive_any(&mut self, awaited: &mut Awaited) -> Result<(usize, Vec<u8>), CommError> {
+        let Some(first) = awaited.first() else { panic!("no rank is awaited") };
+        let message = self.receive(first)?;
+        awaited.remove(first);
+        Ok((first, message))
+    }
 
     /// An empty buffer for a message to a rank: memory of an earlier message to it, if it was returned.
     fn buffer(&mut self, to: usize) -> Vec<u8> {

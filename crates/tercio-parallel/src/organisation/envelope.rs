@@ -7,7 +7,7 @@
 
 use std::fmt;
 
-use crate::comm::{CommError, Communicator, Kind, Traffic};
+use crate::comm::{Awaited, CommError, Communicator, Kind, Traffic};
 
 /// Bytes behind the content of a message of a frame.
 pub const TRAILER: usize = 16;
@@ -102,6 +102,11 @@ impl<C: Communicator> Communicator for FrameComm<'_, C> {
     fn receive(&mut self, from: usize) -> Result<Vec<u8>, CommError> {
         let message = self.inner.receive(from)?;
         self.open(from, message)
+    }
+
+    fn receive_any(&mut self, awaited: &mut Awaited) -> Result<(usize, Vec<u8>), CommError> {
+        let (from, message) = self.inner.receive_any(awaited)?;
+        Ok((from, self.open(from, message)?))
     }
 
     fn buffer(&mut self, to: usize) -> Vec<u8> {
