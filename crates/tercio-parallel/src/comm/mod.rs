@@ -7,10 +7,12 @@
 mod awaited;
 pub mod collective;
 mod kind;
+mod observed;
 pub mod threads;
 
 pub use awaited::{Awaited, RankNames, ReadySenders};
 pub use kind::Kind;
+pub use observed::{Observed, PartnerTraffic};
 use serde::{Deserialize, Serialize};
 
 /// Messages that a rank sent and received, not counting those of [`Communicator::barrier`].
@@ -27,6 +29,26 @@ pub struct Traffic {
 }
 
 impl Traffic {
+    /// The same messages as their other ends count them.
+    pub fn reversed(self) -> Self {
+        Self {
+            sent_messages: self.taken_messages,
+            sent_bytes: self.taken_bytes,
+            taken_messages: self.sent_messages,
+            taken_bytes: self.sent_bytes,
+        }
+    }
+
+    /// The sum of two counts.
+    pub fn plus(self, o: Self) -> Self {
+        Self {
+            sent_messages: self.sent_messages + o.sent_messages,
+            sent_bytes: self.sent_bytes + o.sent_bytes,
+            taken_messages: self.taken_messages + o.taken_messages,
+            taken_bytes: self.taken_bytes + o.taken_bytes,
+        }
+    }
+
     /// The difference to an earlier count.
     pub fn since(self, earlier: Self) -> Self {
         Self {

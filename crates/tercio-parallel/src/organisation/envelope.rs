@@ -7,7 +7,7 @@
 
 use std::fmt;
 
-use crate::comm::{Awaited, CommError, Communicator, Kind, Traffic};
+use crate::comm::{Awaited, CommError, Communicator, Kind, Observed, PartnerTraffic, Traffic};
 
 /// Bytes behind the content of a message of a frame.
 pub const TRAILER: usize = 16;
@@ -15,7 +15,7 @@ pub const TRAILER: usize = 16;
 /// A rank's access to the other ranks for the messages of one frame. Collectives are messages, too; signals are not.
 #[derive(Debug)]
 pub struct FrameComm<'a, C> {
-    inner: &'a mut C,
+    inner: Observed<'a, C>,
     label: Label,
 }
 
@@ -55,12 +55,19 @@ impl fmt::Display for Label {
 impl<'a, C: Communicator> FrameComm<'a, C> {
     /// For the messages of a frame with this number, modulo 2^32, and a task with this digest: the same on all ranks.
     pub fn new(inner: &'a mut C, frame: u32, task: u64) -> Self {
-        Self { inner, label: Label { kind: Kind::Touched, frame, task } }
+        let kind = Kind::Touched;
+        Self { inner: Observed::new(inner, kind), label: Label { kind, frame, task } }
     }
 
     /// From now on messages of this kind are sent, and expected.
     pub fn begin(&mut self, kind: Kind) {
         self.label.kind = kind;
+        self.inner.begin(kind);
+    }
+
+    /// The counts of the messages, trailers included.
+    pub fn finish(self) -> Vec<PartnerTraffic> {
+        self.inner.finish()
     }
 
     /// The content of a message.

@@ -136,6 +136,7 @@ pub struct Rank {
     sorted: Sorted,
     /// The frames so far, modulo 2^32: all ranks draw the same ones.
     frames: u32,
+    tells_partners: bool,
 }
 
 /// The input of a frame, the same on all ranks.
@@ -172,12 +173,23 @@ impl Rank {
             fragments: Frame::default(),
             sorted: Sorted::default(),
             frames: 0,
+            tells_partners: true,
         }
     }
 
     /// Its threads. Calls from one of them draw without waking another.
     pub fn pool(&self) -> Arc<ThreadPool> {
         self.pool.clone()
+    }
+
+    /// Whether [`draw_frame`](crate::between_processes::draw_frame) tells rank 0 the counts of messages by partner, as it does
+    /// at first. If many frames are drawn with many ranks, these are much to send for each.
+    pub fn tell_partners(&mut self, tells: bool) {
+        self.tells_partners = tells;
+    }
+
+    pub(crate) fn tells_partners(&self) -> bool {
+        self.tells_partners
     }
 
     /// Does this rank's part of a frame; all ranks of the communicator have to do theirs. On rank 0 `frame` is then
@@ -202,6 +214,7 @@ impl Rank {
         } else {
             let mut framed = FrameComm::new(comm, self.frames, frame_digest(task, comm_size));
             frame::draw(self, &mut framed, task, frame, &mut report)?;
+            report.partners = framed.finish();
         }
         report.traffic = comm.traffic().since(before);
         Ok(report)
