@@ -246,6 +246,18 @@ fn verbose_output_has_a_line_for_each_rank() {
     // What is sent is received.
     assert_eq!((sum(4), sum(5)), (sum(6), sum(7)));
     assert!(sum(4) > 0);
+    // By kind, and from each rank to each other one.
+    let titled = |title: &str| lines.iter().position(|line| line.contains(title)).expect("a table");
+    let number = |cell: &str| cell.replace(',', "").parse::<u64>().ok();
+    let kinds = &lines[titled("messages  ")..titled("bytes from, to")];
+    let of_kinds = kinds.iter().filter_map(|line| number(line.split_whitespace().last()?)).sum::<u64>();
+    let from = titled("bytes from, to") + 1;
+    let cells = lines[from..from + 3].iter().flat_map(|line| line.split_whitespace().rev().take(3));
+    let partners = cells.filter_map(number).sum::<u64>();
+    assert_eq!((of_kinds, partners), (sum(5), sum(5)), "{}", outcome.stderr);
+    assert!(
+        kinds.iter().any(|line| line.contains("bins")) && kinds.iter().any(|line| line.contains("barrier"))
+    );
 }
 
 #[test]

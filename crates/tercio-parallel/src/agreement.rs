@@ -122,7 +122,21 @@ fn read(from: usize, message: &[u8]) -> Result<Found, CommError> {
     Err(CommError::Transport { rank: from, reason })
 }
 
+/// A digest of those parts of a task that take no time to read: how it is shared, camera and settings. Messages of a frame have
+/// it, so that one of another task is no part of this picture.
+pub fn frame_digest(task: &Task, ranks: usize) -> u64 {
+    let parts = [Matter::Version, Matter::Organisation, Matter::Size, Matter::Camera, Matter::Settings];
+    let text = texts(task, ranks);
+    checksum::of(parts.map(text).concat().as_bytes())
+}
+
 fn digest(task: &Task, ranks: usize) -> Digest {
+    let text = texts(task, ranks);
+    Matter::ALL.map(|matter| checksum::of(text(matter).as_bytes()))
+}
+
+/// What ranks have to agree on, in words.
+fn texts(task: &Task, ranks: usize) -> impl Fn(Matter) -> String {
     let Task { sharing, scene, camera, settings } = *task;
     let Settings { width, height, .. } = *settings;
     // What does not change the picture or the messages may differ.
@@ -138,7 +152,7 @@ fn digest(task: &Task, ranks: usize) -> Digest {
         ..settings.clone()
     };
     let shadow_bytes = task.settings.shadows.as_ref().map_or(0, |maps| maps.bytes());
-    let text = |matter| match matter {
+    move |matter| match matter {
         Matter::Version => env!("CARGO_PKG_VERSION").to_string(),
         Matter::Organisation => format!("{sharing:?} {ranks}"),
         Matter::Size => format!("{width} {height}"),
@@ -146,8 +160,7 @@ fn digest(task: &Task, ranks: usize) -> Digest {
         Matter::Scene => look(scene),
         Matter::Camera => format!("{camera:?}"),
         Matter::Settings => format!("{settings:?} {shadow_bytes}"),
-    };
-    Matter::ALL.map(|matter| checksum::of(text(matter).as_bytes()))
+    }
 }
 
 /// Of a model in parts, what all parts have in common.

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use tercio_raster::Frame;
 
 use crate::agreement::agree;
-use crate::comm::Communicator;
+use crate::comm::{Communicator, Kind, Observed, PartnerTraffic};
 use crate::organisation::{Rank, Task, tile_edge};
 use crate::report::FrameReport;
 use crate::{ParallelError, RankReport};
@@ -39,11 +39,32 @@ pub fn draw_frame(
     frame: &mut Frame,
 ) -> Result<Option<FrameReport>, ParallelError> {
     let came = machine_clock();
-    agree(comm, task)?;
+    let mut agreeing = Observed::new(comm, Kind::Agreement);
+    agree(&mut agreeing, task)?;
+    let agreed = agreeing.finish();
     let (begin, began) = (Instant::now(), machine_clock());
-    let report = own.draw_into(comm, task, frame)?;
+    let mut report = own.draw_into(comm, task, frame)?;
     let since_own = begin.elapsed().as_secs_f64() * 1e3;
-    let Some(all) = tell(comm, TimedReport { began, report })? else { return Ok(None) };
+    if own.tells_partners() {
+        report.add_partners(agreed);
+    } else {
+        report.partners = Vec::new();
+    }
+    let mut telling = Observed::new(comm, Kind::Report);
+    let Some(mut all) = tell(&mut telling, TimedReport { began, report })? else { return Ok(None) };
+    if own.tells_partners() {
+        // The senders could not count these.
+        for with in telling.finish() {
+            let PartnerTraffic { partner, kind, traffic } = with;
+            all[partner].report.add_partners([PartnerTraffic {
+                partner: 0,
+                kind,
+                traffic: traffic.reversed(),
+            }]);
+            all[0].report.partners.push(with);
+        }
+        all[0].report.add_partners([]);
+    }
     let earlier = match came.zip(began) {
         Some((came, began)) => began - first(came, began, all.iter().filter_map(|told| told.began)),
         None => 0,

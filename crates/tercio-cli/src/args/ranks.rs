@@ -49,6 +49,9 @@ pub enum CompositionName {
     BinarySwap,
     /// Groups of up to --radix ranks exchange parts.
     RadixK,
+    /// Groups of ranks are joined by twos and threes, whose members exchange parts.
+    #[value(name = "2-3-swap")]
+    TwoThreeSwap,
     /// Half of the ranks send all that they have to the others, until one has everything.
     Tree,
     /// One rank after another adds its part.
@@ -181,6 +184,7 @@ impl RanksArgs {
             }
             None | Some(CompositionName::DirectSend) => Composition::DirectSend,
             Some(CompositionName::BinarySwap) => Composition::BinarySwap,
+            Some(CompositionName::TwoThreeSwap) => Composition::TwoThreeSwap,
             Some(CompositionName::Tree) => Composition::Tree,
             Some(CompositionName::Ring) => Composition::Ring,
         };
@@ -276,6 +280,8 @@ mod tests {
         let composition = Composition::RadixK(3);
         let last = Sharing { composition, ..Organisation::SortLast.into() };
         assert_eq!(sharing("--organisation sort-last --composition radix-k --radix 3"), Ok(last));
+        let last = Sharing { composition: Composition::TwoThreeSwap, ..Organisation::SortLast.into() };
+        assert_eq!(sharing("--organisation sort-last --composition 2-3-swap"), Ok(last));
         let division = Division::Rows;
         let middle = Sharing { division, ..Organisation::SortMiddle.into() };
         assert_eq!(sharing("--organisation sort-middle --division rows"), Ok(middle));

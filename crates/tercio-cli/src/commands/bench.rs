@@ -387,8 +387,10 @@ fn draw_as_rank(
     (scene, cameras, settings, sharing): (&Scene, &[Camera], &Settings, Sharing),
 ) -> Result<Frames> {
     let (mut own, mut frame, mut reports) = (Rank::from_pool(pool.clone()), Frame::default(), Vec::new());
-    for camera in with_first_frame(cameras) {
+    for (number, camera) in with_first_frame(cameras).into_iter().enumerate() {
         let task = Task { sharing, scene, camera: &camera, settings };
+        // The counts by partner of the last frame are reported; it is number `cameras.len()`.
+        own.tell_partners(number == cameras.len());
         reports.extend(between_processes::draw_frame(&mut own, comm, &task, &mut frame)?);
     }
     reports.drain(..reports.len().min(1));

@@ -524,7 +524,8 @@ fn print_details(done: &Done) {
             report::counted(frame.messages, "message"),
             report::grouped(frame.bytes)
         ));
-        report::table_of_ranks(frame).iter().for_each(|line| messages::note(line));
+        let tables = report::table_of_ranks(frame).into_iter().chain(report::tables_of_partners(frame));
+        tables.for_each(|line| messages::note(&line));
     }
     let stats = &stereo::together(views);
     messages::note(&format!(
