@@ -87,7 +87,21 @@ pub fn agree(comm: &mut impl Communicator, task: &Task) -> Result<(), ParallelEr
     if comm.size() == 1 {
         return Ok(());
     }
-    agree_on(comm, digest(task, comm.size()))
+    let how = format!("{:?} {}", task.sharing, comm.size());
+    agree_on(comm, digest(task, comm.size(), how))
+}
+
+/// The same before the organisation is known: the ranks compare how they are going to choose it instead, which is no way to
+/// share a frame. What the task says about that is ignored.
+///
+/// # Errors
+/// As [`agree`].
+pub fn agree_to_choose(comm: &mut impl Communicator, task: &Task, how: &str) -> Result<(), ParallelError> {
+    if comm.size() == 1 {
+        return Ok(());
+    }
+    let how = format!("{how} {}", comm.size());
+    agree_on(comm, digest(task, comm.size(), how))
 }
 
 fn agree_on(comm: &mut impl Communicator, digest: Digest) -> Result<(), ParallelError> {
@@ -122,7 +136,8 @@ fn read(from: usize, message: &[u8]) -> Result<Found, CommError> {
     Err(CommError::Transport { rank: from, reason })
 }
 
-fn digest(task: &Task, ranks: usize) -> Digest {
+/// `how` is what is compared of the organisation.
+fn digest(task: &Task, ranks: usize, how: String) -> Digest {
     let Task { sharing, scene, camera, settings } = *task;
     let Settings { width, height, .. } = *settings;
     // What does not change the picture or the messages may differ.
@@ -140,7 +155,7 @@ fn digest(task: &Task, ranks: usize) -> Digest {
     let shadow_bytes = task.settings.shadows.as_ref().map_or(0, |maps| maps.bytes());
     let text = |matter| match matter {
         Matter::Version => env!("CARGO_PKG_VERSION").to_string(),
-        Matter::Organisation => format!("{sharing:?} {ranks}"),
+        Matter::Organisation => how.clone(),
         Matter::Size => format!("{width} {height}"),
         Matter::Models => format!("{:?}", scene.instances.iter().map(model).collect::<Vec<_>>()),
         Matter::Scene => look(scene),
