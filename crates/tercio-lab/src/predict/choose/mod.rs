@@ -148,7 +148,7 @@ pub fn choose(picture: &Picture, job: Job, limits: &Limits) -> Result<Choice, Pr
 /// Pixels along the edge of the tiles of an organisation; if there were very many, larger ones stand for them.
 fn edge_for(picture: &Picture, organisation: Organisation, ranks: usize) -> u32 {
     let mut edge = tile_edge(picture.scene, picture.settings, organisation, ranks);
-    let most = MOST_TILES.max(4 * ranks);
+    let most = MOST_TILES.max(8 * ranks);
     while edge < 128 && picture.settings.tiles_of(edge) > most {
         edge *= 2;
     }

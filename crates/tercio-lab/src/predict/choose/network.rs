@@ -50,10 +50,10 @@ const LARGE_TRIPS: usize = 3;
 const SMALL: usize = 8;
 const SMALL_TRIPS: usize = 12;
 /// After this time with a partner no further message is sent to it.
-const ENOUGH: Duration = Duration::from_millis(2);
+const ENOUGH: Duration = Duration::from_micros(500);
 
-/// Sends messages there and back between rank 0 and the next, the middle and the last rank, for at most some milliseconds each
-/// (on a network on which one message takes longer, until three have come back). All ranks have to call this; rank 0 gets the
+/// Sends messages there and back between rank 0 and the next, the middle and the last rank, for about a millisecond each (where
+/// messages take longer, until three small and three large ones have come back). All ranks have to call this; rank 0 gets the
 /// cost, the others `None`, and so does rank 0 if it is alone.
 ///
 /// # Errors

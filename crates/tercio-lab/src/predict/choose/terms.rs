@@ -74,16 +74,28 @@ pub struct Stage<'a> {
 }
 
 impl Stage<'_> {
-    /// Seconds of work that ranks do at the same time: those of the busiest one, or of all on all processors.
+    /// Seconds of work that ranks do at the same time, each with its threads. If there are more threads than processors, all ranks
+    /// that still have work get the same share of them; those with the most work are alone in the end.
     pub fn work(&self, of_ranks: impl Iterator<Item = f64>) -> f64 {
-        let (most, sum) = of_ranks.fold((0.0f64, 0.0), |(most, sum), work| (most.max(work), sum + work));
-        (most / self.threads.min(self.processors)).max(sum / self.processors)
+        let mut works: Vec<f64> = of_ranks.collect();
+        works.sort_unstable_by(f64::total_cmp);
+        let (mut seconds, mut done, mut left) = (0.0, 0.0, works.len() as f64);
+        for work in works {
+            seconds += (work - done) * self.slowdown(left);
+            (done, left) = (work, left - 1.0);
+        }
+        seconds
+    }
+
+    /// Seconds for a second of work on one thread, while this many ranks work.
+    fn slowdown(&self, ranks: f64) -> f64 {
+        (1.0 / self.threads.min(self.processors)).max(ranks / self.processors)
     }
 
     /// Seconds of work that this many ranks share evenly.
     pub fn evenly(&self, work: f64, ranks: usize) -> f64 {
         let ranks = ranks.max(1) as f64;
-        (work / ranks / self.threads.min(self.processors)).max(work / self.processors)
+        work / ranks * self.slowdown(ranks)
     }
 
     /// Seconds of an exchange: its work, the bytes through the ports of the busiest rank, and a latency.
@@ -114,5 +126,37 @@ impl Stage<'_> {
             Source::Constants => self.network.latency,
             Source::Measured { .. } => self.network.latency.min(BUSY),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::machines;
+
+    #[test]
+    fn ranks_share_processors_until_they_are_done() {
+        let machine = machines::load(crate::predict::choose::MACHINE).expect("built in");
+        let settings = tercio_raster::Settings::new(8, 8);
+        let rates = &Rates::of(&machine, &settings, false);
+        let network = Network::in_process(&machine).expect("it has a network");
+        let seconds = |threads: f64, processors: f64, works: &[f64]| {
+            let stage = Stage { rates, network, threads, processors };
+            stage.work(works.iter().copied())
+        };
+        let near = |a: f64, b: f64| assert!((a - b).abs() < 1e-12, "{a} {b}");
+        // As many processors as ranks: the busiest one.
+        near(seconds(1.0, 4.0, &[3.0, 1.0, 2.0, 0.5]), 3.0);
+        near(seconds(1.0, 99.0, &[3.0, 1.0]), 3.0);
+        // One processor: all work.
+        near(seconds(1.0, 1.0, &[3.0, 1.0, 2.0]), 6.0);
+        // Two: even work is divided, the last rank is alone with what it has more.
+        near(seconds(1.0, 2.0, &[1.0; 6]), 3.0);
+        near(seconds(1.0, 2.0, &[1.0, 1.0, 1.0, 5.0]), 2.0 + 4.0);
+        // Threads of a rank divide its work.
+        near(seconds(2.0, 4.0, &[4.0, 2.0]), 2.0);
+        near(seconds(4.0, 2.0, &[4.0]), 2.0);
+        let stage = Stage { rates, network, threads: 2.0, processors: 3.0 };
+        near(stage.evenly(6.0, 3), seconds(2.0, 3.0, &[2.0; 3]));
     }
 }
