@@ -120,14 +120,18 @@ impl Limits {
     }
 }
 
-/// Sizes of the groups of sort-twice: powers of two and divisors; of many ranks, three powers of two around the square root.
+/// Up to so many ranks groups of all divisors of their number are compared, too.
+const FEW: usize = 16;
+
+/// Sizes of the groups of sort-twice: powers of two; of few ranks divisors, too; of many, three powers of two around the square
+/// root.
 fn group_sizes(ranks: usize) -> Vec<usize> {
     let inside = 2..ranks;
     if ranks > MANY {
         let middle = 1 << (ranks.ilog2() / 2);
         return [middle / 4, middle, middle * 4].into_iter().filter(|size| inside.contains(size)).collect();
     }
-    inside.filter(|&size| size.is_power_of_two() || ranks.is_multiple_of(size)).collect()
+    inside.filter(|&size| size.is_power_of_two() || ranks <= FEW && ranks.is_multiple_of(size)).collect()
 }
 
 #[cfg(test)]

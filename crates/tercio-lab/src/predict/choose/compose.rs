@@ -65,7 +65,7 @@ impl SharedTiles {
                 if extra > 0 {
                     // These send all that they have to others first.
                     let all_of_one = self.after(1, count) / count as f64;
-                    all = all.plus(transfer(stage, extra, 1.0, all_of_one));
+                    all = all.plus(transfer(stage, extra, 1.0, all_of_one, 1.0));
                 }
                 all
             }
@@ -96,7 +96,7 @@ impl SharedTiles {
             *steps += self.tiles.len() as u64;
             let has = self.after(merged, count) / count as f64;
             let share = (size - 1) as f64 / size as f64;
-            all = all.plus(transfer(stage, count, (size - 1) as f64, has * share * self.unevenness()));
+            all = all.plus(transfer(stage, count, (size - 1) as f64, has * share, self.unevenness()));
             merged *= size;
         }
         // Fragments are only concatenated before.
@@ -112,7 +112,7 @@ impl SharedTiles {
             *steps += self.tiles.len() as u64;
             let holders = count.div_ceil(merged);
             let has = self.after(merged, count) / holders as f64;
-            all = all.plus(transfer(stage, (holders / 2).max(1), 1.0, has));
+            all = all.plus(transfer(stage, (holders / 2).max(1), 1.0, has, 1.0));
             merged *= 2;
         }
         let merging = if stage.rates.fragments { self.sum() * stage.rates.merged } else { 0.0 };
@@ -125,7 +125,7 @@ impl SharedTiles {
         let merged: f64 = self.tiles.iter().map(|tile| tile.merged).sum();
         for done in 1..count {
             let has = (self.sum() * done as f64 / count as f64).min(merged);
-            all = all.plus(transfer(stage, 1, 1.0, has));
+            all = all.plus(transfer(stage, 1, 1.0, has, 1.0));
         }
         let merging = if stage.rates.fragments { self.sum() * stage.rates.merged } else { 0.0 };
         all.seconds += stage.evenly(merging, 1);
@@ -144,12 +144,13 @@ impl SharedTiles {
     }
 }
 
-/// This many ranks send this many pixels or fragments each, in messages to as many others, which merge them.
-fn transfer(stage: &Stage, ranks: usize, messages: f64, shown: f64) -> Composited {
+/// This many ranks send this many pixels or fragments each, in messages to as many others, which merge them; the busiest one
+/// has `uneven` times as many.
+fn transfer(stage: &Stage, ranks: usize, messages: f64, shown: f64, uneven: f64) -> Composited {
     let bytes = shown * stage.rates.composited_bytes;
     let merging = if stage.rates.fragments { 0.0 } else { shown * stage.rates.merged };
-    let work = merging + 2.0 * bytes * stage.rates.byte;
-    let load = Load { messages, out: bytes, into: bytes, work };
+    let work = (merging + 2.0 * bytes * stage.rates.byte) * uneven;
+    let load = Load { messages, out: bytes * uneven, into: bytes * uneven, work };
     let seconds = stage.exchange_evenly(&load, ranks);
     let sent = Sums { messages: messages * ranks as f64, bytes: bytes * ranks as f64 };
     Composited { seconds, sent }

@@ -2,7 +2,6 @@
 
 use tercio_parallel::division::Division;
 use tercio_parallel::{Organisation, Sharing};
-use tercio_raster::screen::TileGrid;
 
 use super::compose::{SharedTile, SharedTiles};
 use super::rates::{BIN_HEAD, BIN_TILE, TILE_HEAD};
@@ -13,14 +12,16 @@ use super::tiles::{Part, Tiles, covered};
 pub struct Grouped<'a> {
     /// The tiles.
     pub tiles: &'a Tiles,
-    /// Where they are.
-    pub grid: &'a TileGrid,
     /// Ranks.
     pub ranks: usize,
     /// Ranks of a group; the last group may have fewer.
     pub group: usize,
     /// What groups have in tiles.
-    pub parts: Vec<Part>,
+    pub parts: &'a [Part],
+    /// The owner of each tile, by its place in the group.
+    pub owners: &'a [u32],
+    /// The same in the last group.
+    pub owners_of_last: &'a [u32],
 }
 
 /// The same for one division: the terms that do not depend on the composition.
@@ -54,26 +55,21 @@ impl Grouped<'_> {
     ) -> Divided {
         let rates = stage.rates;
         let (ranks, tiles) = (self.ranks, self.tiles);
-        let of_full = tiles.owners(self.grid, division, self.group);
         let last = self.groups() - 1;
-        let shorter = self.length_of(last);
-        let of_last = (shorter < self.group).then(|| tiles.owners(self.grid, division, shorter));
         *steps += (tiles.load.len() + 2 * self.parts.len()) as u64;
         let rank_of = |part: &Part| {
             let group = part.group as usize;
-            let owners = of_last.as_ref().filter(|_| group == last).unwrap_or(&of_full);
+            let owners = if group == last { self.owners_of_last } else { self.owners };
             group * self.group + owners[part.tile as usize] as usize
         };
 
         let mut in_tile = vec![SharedTile { ranks: 0.0, sum: 0.0, merged: 0.0 }; tiles.load.len()];
         let mut area = vec![0.0; tiles.load.len()];
-        for part in &self.parts {
+        for part in self.parts {
             let tile = &mut in_tile[part.tile as usize];
             tile.ranks += 1.0;
             tile.sum += part.shown;
-            // The area that is covered so if it is scattered.
-            let of_tile = tiles.pixels[part.tile as usize];
-            area[part.tile as usize] += -of_tile * (-(part.pixels / of_tile).min(0.999_999)).ln_1p();
+            area[part.tile as usize] += part.area;
         }
         let (mut draw, mut sorting, mut bins) = (vec![0.0; ranks], vec![0.0; ranks], vec![0.0; ranks]);
         let mut shared = SharedTiles {
@@ -83,7 +79,7 @@ impl Grouped<'_> {
             tiles: Vec::new(),
         };
         let mut finished = vec![0.0; ranks];
-        for part in &self.parts {
+        for part in self.parts {
             let (rank, tile) = (rank_of(part), &in_tile[part.tile as usize]);
             draw[rank] += part.triangles * rates.triangle + part.shown * rates.shown;
             sorting[rank] += part.sorting;

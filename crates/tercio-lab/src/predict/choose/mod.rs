@@ -162,6 +162,8 @@ struct Seen {
     tiles: Tiles,
     /// By the size of groups.
     parts: Vec<(usize, Vec<tiles::Part>)>,
+    /// By division and the number of ranks that share the tiles.
+    owners: Vec<((Division, usize), Vec<u32>)>,
     divided: Vec<((bool, usize, Division), Divided)>,
 }
 
@@ -183,7 +185,24 @@ impl Seen {
         let effort = if ranks > MANY { EFFORT_OF_MANY } else { EFFORT };
         let tiles = Tiles::of(&context, effort, ranks, rates);
         *steps += (2 * tiles.entries() + tiles.load.len()) as u64;
-        Ok(Self { edge, grid: context.grid.clone(), tiles, parts: Vec::new(), divided: Vec::new() })
+        Ok(Self {
+            edge,
+            grid: context.grid.clone(),
+            tiles,
+            parts: Vec::new(),
+            owners: Vec::new(),
+            divided: Vec::new(),
+        })
+    }
+
+    /// Where the owners of the tiles are in the list of them, if so many ranks share the tiles.
+    fn owners(&mut self, division: Division, ranks: usize, steps: &mut u64) -> usize {
+        self.owners.iter().position(|(of, _)| *of == (division, ranks)).unwrap_or_else(|| {
+            *steps += self.tiles.load.len() as u64;
+            let owners = self.tiles.owners(&self.grid, division, ranks);
+            self.owners.push(((division, ranks), owners));
+            self.owners.len() - 1
+        })
     }
 
     /// The picture, divided; once for all compositions.
@@ -205,10 +224,17 @@ impl Seen {
             self.parts.push((group, self.tiles.parts(group, stage.rates)));
             self.parts.len() - 1
         });
-        let parts = std::mem::take(&mut self.parts[number].1);
-        let grouped = Grouped { tiles: &self.tiles, grid: &self.grid, ranks, group, parts };
+        let shorter = ranks - (ranks.div_ceil(group) - 1) * group;
+        let [full, last] = [group, shorter].map(|sharing| self.owners(division, sharing, steps));
+        let grouped = Grouped {
+            tiles: &self.tiles,
+            ranks,
+            group,
+            parts: &self.parts[number].1,
+            owners: &self.owners[full].1,
+            owners_of_last: &self.owners[last].1,
+        };
         let divided = grouped.divide(organisation, division, stage, steps);
-        self.parts[number].1 = grouped.parts;
         self.divided.push((key, divided));
         &self.divided[self.divided.len() - 1].1
     }

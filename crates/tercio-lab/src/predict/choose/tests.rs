@@ -153,6 +153,7 @@ fn choosing_among_many_ranks_takes_few_steps() {
 /// Bytes that are predicted are within a factor of 3 of those that ranks send.
 #[test]
 fn predicted_bytes_are_about_those_that_are_sent() {
+    let mut wrong = Vec::new();
     for model in ["builtin:teapot@30k", "builtin:gyroid@60k", "builtin:terrain@30k"] {
         let (scene, camera) = made(model, SIZE);
         for settings in [Settings::one_sample(SIZE.0, SIZE.1), Settings::new(SIZE.0, SIZE.1)] {
@@ -171,12 +172,15 @@ fn predicted_bytes_are_about_those_that_are_sent() {
                     let (_, report) = in_process::draw(ranks, &scene, &camera, &settings).expect("a frame");
                     let ratio = candidate.sent.bytes / report.bytes as f64;
                     let what = format!("{model}, {} samples, {:?}", report.samples, candidate.sharing);
-                    assert!((1.0 / 3.0..3.0).contains(&ratio), "{what}: {ratio} of {}", report.bytes);
+                    if !(1.0 / 3.0..3.0).contains(&ratio) {
+                        wrong.push(format!("{what}: {ratio} of {}", report.bytes));
+                    }
                 }
                 assert!(done.len() > 3);
             }
         }
     }
+    assert!(wrong.is_empty(), "{wrong:#?}");
 }
 
 #[test]

@@ -59,6 +59,8 @@ pub struct Part {
     pub group: u32,
     /// Triangles that are drawn.
     pub triangles: f64,
+    /// Pixels inside the boxes of its clusters; where boxes overlap, several times.
+    pub area: f64,
     /// Pixels that show something.
     pub pixels: f64,
     /// Pixels, or fragments if these are composited.
@@ -204,8 +206,8 @@ impl Sum {
         } else {
             pixels
         };
-        let Self { tile, triangles, bytes: bin_bytes, sorting, .. } = *self;
-        Part { tile, group, triangles, pixels, shown, bin_bytes, sorting }
+        let Self { tile, triangles, area, bytes: bin_bytes, sorting, .. } = *self;
+        Part { tile, group, triangles, area, pixels, shown, bin_bytes, sorting }
     }
 }
 
