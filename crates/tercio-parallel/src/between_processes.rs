@@ -6,7 +6,7 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use tercio_raster::Frame;
 
-use crate::agreement::agree;
+use crate::agreement::{agree, agree_to_choose};
 use crate::comm::{Communicator, Kind, Observed, PartnerTraffic};
 use crate::organisation::{Rank, Task, tile_edge};
 use crate::report::FrameReport;
@@ -75,6 +75,16 @@ pub fn draw_frame(
     let report = FrameReport::new(task.sharing, region, task.settings, milliseconds, ranks);
     frame.stats = report.stats();
     Ok(Some(report))
+}
+
+/// Waits until all ranks have called this, and compares what they are going to draw, before they choose together how they share
+/// it: `how` says how they choose, and must not be that of a rank that chooses in another way. The sharing of the task has no
+/// meaning. A rank that calls [`draw_frame`] instead differs, too, and no rank waits for ever.
+///
+/// # Errors
+/// On rank 0 [`ParallelError::Differs`]; [`ParallelError::Comm`].
+pub fn compare(comm: &mut impl Communicator, task: &Task, how: &str) -> Result<(), ParallelError> {
+    agree_to_choose(comm, task, how)
 }
 
 /// Gathers the values of all ranks, in their order, on rank 0; the others get `None`. They are sent as JSON, and all
