@@ -249,6 +249,7 @@ fn numbered(
     start: Instant,
 ) -> Result<LoadedPart, Error> {
     let share = number(comm, &mut mesh, faces)?;
+    report.mesh.bounds = mesh.bounds;
     report.times.total = milliseconds(start);
     let loaded = Loaded { mesh: Arc::new(mesh), caps: None, whole: None, report };
     Ok(LoadedPart { loaded, share })

@@ -2,6 +2,7 @@
 
 use clap::{Args, ValueEnum};
 use tercio::glam::DVec3;
+use tercio::parallel::{Communicator, ParallelError, parts};
 use tercio::scene::camera::CameraBasis;
 use tercio::scene::framing::Extent;
 use tercio::scene::{Camera, Framing, Scene, UpAxis, View};
@@ -129,6 +130,24 @@ impl CameraArgs {
             (None, None) => framing.camera_for_scene(scene),
         };
         Camera { near: self.near, ..camera }
+    }
+
+    /// The camera for a scene of which each rank has a part; all ranks have to call this.
+    ///
+    /// # Errors
+    /// Another rank is gone.
+    pub fn camera_of_parts(
+        &self,
+        comm: &mut impl Communicator,
+        scene: &Scene,
+        (width, height): (u32, u32),
+    ) -> Result<Camera, ParallelError> {
+        if self.eye.is_some() {
+            // The bounds are those of all parts.
+            return Ok(self.camera(scene, (width, height)));
+        }
+        let camera = parts::camera_for_scene(comm, &self.framing(width, height), scene)?;
+        Ok(Camera { near: self.near, ..camera })
     }
 
     /// The axes of the front view.

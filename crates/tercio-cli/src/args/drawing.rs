@@ -5,6 +5,7 @@ use std::sync::Arc;
 use clap::{Args, ValueEnum};
 use serde_json::{Value, json};
 use tercio::Normals;
+use tercio::parallel::{Communicator, ParallelError, parts};
 use tercio::raster::{
     Binning, Cull, Outputs, RenderError, Settings, Shading, ShadowMaps, SimdLevel, Sorting,
 };
@@ -258,6 +259,21 @@ impl DrawingArgs {
         settings: &Settings,
     ) -> Result<Option<Arc<ShadowMaps>>, RenderError> {
         self.shadows.map(|size| ShadowMaps::draw(scene, camera, settings, size).map(Arc::new)).transpose()
+    }
+
+    /// The shadow maps of a scene of which each rank has a part; all ranks have to call this.
+    ///
+    /// # Errors
+    /// As [`DrawingArgs::shadows`], or another rank is gone.
+    pub fn shadows_of_parts(
+        &self,
+        comm: &mut impl Communicator,
+        scene: &Scene,
+        camera: &Camera,
+        settings: &Settings,
+    ) -> Result<Option<Arc<ShadowMaps>>, ParallelError> {
+        let draw = |size| parts::shadow_maps(comm, scene, camera, settings, size).map(Arc::new);
+        self.shadows.map(draw).transpose()
     }
 
     /// How shadows of a scene differ from those of what is drawn, if they do.

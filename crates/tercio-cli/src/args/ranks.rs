@@ -71,7 +71,7 @@ pub struct RanksArgs {
     /// mpirun started are ranks without this option.
     #[arg(long, value_name = "N", value_parser = parse_ranks)]
     ranks: Option<usize>,
-    /// How ranks share a frame [default: sort-middle].
+    /// How ranks share a frame [default: sort-middle; with --parts, sort-last].
     #[arg(long, visible_alias = "organization", value_name = "HOW", value_enum)]
     organisation: Option<OrganisationName>,
     /// Ranks of a group of sort-twice; the last group may be smaller [default: about the square root of their number].
@@ -87,6 +87,10 @@ pub struct RanksArgs {
     /// Largest number of ranks that exchange parts in a round of --composition radix-k, at least 2 [default: 4].
     #[arg(long, value_name = "K", value_parser = clap::value_parser!(u32).range(2..=MAX_RANKS as i64))]
     radix: Option<u32>,
+    /// Each process of an MPI job loads a part of the model only, and they draw all of it. They share one file (a prepared
+    /// model, binary PLY or binary STL), or each has its own: part_{rank}.ply.
+    #[arg(long)]
+    parts: bool,
     /// Ends an MPI job in which a rank waits for another one for longer than this, in seconds. After 10 seconds a rank says which
     /// one it waits for; without this option it goes on waiting.
     #[arg(long, value_name = "SECONDS", value_parser = values::positive)]
@@ -137,6 +141,9 @@ impl RanksArgs {
             (Some(_), _) if !has_others && self.timeout.is_some() => Err(UsageError(
                 "--timeout is for processes that mpirun started: ranks of one process are not stopped one by one".into(),
             )),
+            (Some(_), _) if !has_others && self.parts => Err(UsageError(
+                "--parts is for processes that mpirun started: ranks of one process share its memory".into(),
+            )),
             (Some(ranks), _) if !has_others => Ok(Drawers::InProcess(ranks, self.how(ranks)?)),
             (_, Some(processes)) if has_others || self.option().is_some() => {
                 Ok(Drawers::Mpi(self.how(processes)?))
@@ -159,10 +166,16 @@ impl RanksArgs {
             (self.division.is_some(), "--division"),
             (self.composition.is_some(), "--composition"),
             (self.radix.is_some(), "--radix"),
+            (self.parts, "--parts"),
             (self.timeout.is_some(), "--timeout"),
         ]
         .into_iter()
         .find_map(|(is_given, option)| is_given.then_some(option))
+    }
+
+    /// Whether each rank loads a part of the model.
+    pub fn parts(&self) -> bool {
+        self.parts
     }
 
     /// How long a rank waits for another one.
@@ -177,13 +190,20 @@ impl RanksArgs {
             return Err(UsageError(format!("--group {group}: there are {ranks} ranks")));
         }
         let division = self.division.map(DivisionName::division);
-        let organisation = match self.organisation.unwrap_or(OrganisationName::SortMiddle) {
+        // Of models in parts, pixels are fewer bytes than triangles, as a rule.
+        let usual = if self.parts { OrganisationName::SortLast } else { OrganisationName::SortMiddle };
+        let organisation = match self.organisation.unwrap_or(usual) {
             OrganisationName::SortFirst => Organisation::SortFirst,
             OrganisationName::SortMiddle => Organisation::SortMiddle,
             OrganisationName::SortLast => Organisation::SortLast,
             OrganisationName::SortTwice => {
                 let square_root = (1..).find(|root| root * root >= ranks).unwrap_or(ranks);
                 Organisation::SortTwice { group: self.group.unwrap_or(square_root) }
+            }
+            OrganisationName::Auto if self.parts => {
+                return Err(UsageError(
+                    "--organisation auto counts whole models: with --parts, name an organisation".into(),
+                ));
             }
             OrganisationName::Auto => {
                 let limits = Limits { group: self.group, division, composition: self.composition()? };
@@ -295,7 +315,12 @@ mod tests {
         assert_eq!(drawers(three, None), Ok(Drawers::InProcess(3, first)));
         assert_eq!(drawers("--ranks 3", Some(1)), Ok(Drawers::InProcess(3, middle)));
         assert!(drawers("--ranks 3", Some(4)).unwrap_err().contains("mpirun started 4"));
+        let last = How::As(Organisation::SortLast.into());
+        assert_eq!(drawers("--parts", Some(2)), Ok(Drawers::Mpi(last)));
+        let auto = drawers("--parts --organisation auto", Some(2)).unwrap_err();
+        assert!(auto.contains("name an organisation"), "{auto}");
         for option in [
+            "--parts",
             "--organisation sort-first",
             "--organisation auto",
             "--group 2",
@@ -341,6 +366,7 @@ mod tests {
             ("--radix 1", "1 is not in 2..=256"),
             ("--organisation sort-twice --group 11", "--group 11: there are 10 ranks"),
             ("--timeout 5", "--timeout is for processes"),
+            ("--parts", "--parts is for processes"),
             ("--timeout 0", "--timeout"),
         ] {
             let error = sharing(options).unwrap_err();

@@ -120,6 +120,9 @@ impl Bench {
         let pool = Arc::new(self.running.pool()?);
         let processes = mpi::processes();
         let drawers = self.ranks.drawers(processes)?;
+        if self.ranks.parts() {
+            return Err(UsageError("--parts is for tercio render: bench loads whole models".into()).into());
+        }
         let stops_early = self.toss.is_some();
         if stops_early && drawers != Drawers::Alone {
             return Err(UsageError("--toss: ranks draw whole frames".into()).into());

@@ -1,5 +1,6 @@
 //! `tercio render`: from a model file to a picture.
 
+use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::time::Instant;
@@ -8,12 +9,14 @@ use anyhow::{Context, Result, bail};
 use clap::Args;
 use rayon::ThreadPool;
 use serde_json::{Value, json};
+use tercio::mesh::io::ReadReport;
 use tercio::parallel::organisation::{Rank, Task};
-use tercio::parallel::{Communicator as _, FrameReport, between_processes, in_process};
+use tercio::parallel::parts::share_materials;
+use tercio::parallel::{Communicator, FrameReport, between_processes, in_process};
 use tercio::raster::frame::fragments::fragment_bytes;
 use tercio::raster::{Frame, FrameStats, Outputs, Renderer, Settings};
 use tercio::scene::{Background, Camera, Scene};
-use tercio::{LoadOptions, LoadReport, TextureReport, band_bytes, write_png_in_bands};
+use tercio::{LoadOptions, LoadReport, LoadedPart, TextureReport, band_bytes, parts, write_png_in_bands};
 use tercio_lab::predict::choose::Choice;
 
 use crate::args::camera::CameraArgs;
@@ -45,6 +48,7 @@ Examples:
   tercio render scan.ply -o scan.png --stereo pair --eye-distance 2.5   (scan.left.png, scan.right.png)
   tercio render scan.ply -o scan.png --ranks 4 --organisation sort-last --stats -
   mpirun -n 4 tercio render scan.ply -o scan.png --organisation sort-last   (built with --features mpi)
+  mpirun -n 4 tercio render 'part_{rank}.ply' -o scan.png --parts   (no rank holds the whole model)
   zcat scan.obj.gz | tercio render - -o - | display
 
 Colours are #rrggbb, #rgb or #rrggbbaa; the # may be left out. Files are replaced only when the new
@@ -146,7 +150,9 @@ impl Render {
             self.environment.check(),
         ];
         checks.into_iter().collect::<Result<(), _>>().map_err(|e| UsageError(e.into()))?;
-        let files = self.environment.named_files(plan.named_files().reads_model(&self.model.model));
+        let processes = mpi::processes();
+        let files = self.models(processes).iter().fold(plan.named_files(), |files, m| files.reads_model(m));
+        let files = self.environment.named_files(files);
         files.check()?;
         let writing = Writing { plan, files, allow_empty: self.writing.allow_empty };
         let mut settings = self.drawing.settings(&self.tuning, &self.sampling, writing.plan.outputs);
@@ -156,7 +162,6 @@ impl Render {
         settings.texture_filter = self.textures.filter();
         settings.tone = self.effects.tone();
         settings.check().map_err(|e| UsageError(e.to_string()))?;
-        let processes = mpi::processes();
         let drawers = self.ranks.drawers(processes)?;
         ending::name_model(self.model.name());
         let pool = Arc::new(self.running.pool()?);
@@ -190,13 +195,14 @@ impl Render {
 
     fn draw(&self, writing: &Writing, settings: &Settings, drawers: Drawers) -> Result<Done> {
         let display = Display::new(self.running.progress_mode());
-        let loaded = self.load(writing, &display, drawers)?;
+        let loaded = self.load(writing, &display, drawers, None::<&mut mpi::Comm>)?;
         if self.is_in_bands(&writing.plan, drawers) {
             return self.draw_in_bands(writing, settings, loaded, &display);
         }
         let (mut drawn, mut choice, mut drawers) = (Vec::new(), None, drawers);
         for camera in &loaded.cameras.views {
-            let settings = &self.with_shadows(settings, &loaded.scene, camera, &display)?;
+            let none = None::<&mut mpi::Comm>;
+            let settings = &self.with_shadows(settings, &loaded.scene, camera, &display, none)?;
             display.stage("drawing");
             let (mut frame, parallel, chosen) =
                 self.frame(&loaded.scene, camera, settings, drawers).with_context(|| self.model.name())?;
@@ -212,17 +218,23 @@ impl Render {
         self.write(writing, loaded, drawn, choice)
     }
 
-    /// Settings with the shadows of the scene's lights, if they are requested. Every rank draws the same ones.
+    /// Settings with the shadows of the scene's lights, if they are requested. Every rank draws the same ones; if there are `parts`,
+    /// the ranks that have the others, those of its own.
     fn with_shadows(
         &self,
         settings: &Settings,
         scene: &Scene,
         camera: &Camera,
         display: &Display,
+        parts: Option<&mut impl Communicator>,
     ) -> Result<Settings> {
         display.stage("drawing shadows");
-        let shadows = self.drawing.shadows(scene, camera, settings);
-        Ok(Settings { shadows: shadows.with_context(|| self.model.name())?, ..settings.clone() })
+        let name = || self.model.name();
+        let shadows = match parts {
+            None => self.drawing.shadows(scene, camera, settings).with_context(name)?,
+            Some(comm) => self.drawing.shadows_of_parts(comm, scene, camera, settings).with_context(name)?,
+        };
+        Ok(Settings { shadows, ..settings.clone() })
     }
 
     /// Applies the effects that are requested; returns the milliseconds that they took.
@@ -253,7 +265,7 @@ impl Render {
     ) -> Result<Done> {
         let Loaded { report, textures, scene, look, cameras, .. } = loaded;
         let camera = &cameras.middle;
-        let settings = &self.with_shadows(settings, &scene, camera, display)?;
+        let settings = &self.with_shadows(settings, &scene, camera, display, None::<&mut mpi::Comm>)?;
         let begin = Instant::now();
         let (progress, allow_empty) = (Some(&*display.progress), writing.allow_empty);
         let stats = writing.plan.write_drawn(&self.model.name(), allow_empty, |out| {
@@ -305,11 +317,13 @@ impl Render {
             writing.files.check_places()?;
         }
         let display = Display::new(if writes { self.running.progress_mode() } else { ProgressMode::Never });
-        let loaded = self.load(writing, &display, Drawers::Mpi(how))?;
+        let in_parts = self.ranks.parts();
+        let loaded = self.load(writing, &display, Drawers::Mpi(how), in_parts.then_some(&mut *comm))?;
         let mut own = Rank::from_pool(pool.clone());
         let (mut drawn, mut choice) = (Vec::new(), None);
         for camera in &loaded.cameras.views {
-            let settings = &self.with_shadows(settings, &loaded.scene, camera, &display)?;
+            let parts = in_parts.then_some(&mut *comm);
+            let settings = &self.with_shadows(settings, &loaded.scene, camera, &display, parts)?;
             display.stage("drawing");
             let picture = (&loaded.scene, camera, settings);
             let (sharing, chosen) = organisation::between(comm, how, pool.current_num_threads(), picture)
@@ -332,7 +346,26 @@ impl Render {
         self.write(writing, loaded, drawn, choice).map(Some)
     }
 
-    fn load(&self, writing: &Writing, display: &Display, drawers: Drawers) -> Result<Loaded> {
+    /// The files of the model: of all ranks, if each has its own.
+    fn models(&self, processes: Option<usize>) -> Vec<PathBuf> {
+        let model = &self.model.model;
+        if !self.ranks.parts() {
+            return vec![model.clone()];
+        }
+        let ranks = 0..processes.unwrap_or(1);
+        let mut files: Vec<PathBuf> = ranks.map(|rank| parts::file_of_rank(model, rank)).collect();
+        files.dedup();
+        files
+    }
+
+    /// Loads the model, or this rank's part of it if there are `parts`, the ranks that load the others.
+    fn load(
+        &self,
+        writing: &Writing,
+        display: &Display,
+        drawers: Drawers,
+        mut parts: Option<&mut impl Communicator>,
+    ) -> Result<Loaded> {
         // First, because it is read quickly: what is wrong with it should be known at once.
         if self.environment.is_given() {
             display.stage("reading the environment");
@@ -345,13 +378,22 @@ impl Render {
             clip: self.clip.clipping(),
             ..LoadOptions::default()
         };
-        let loaded = options.load_if(&self.model.model, |read| -> Result<()> {
+        let check = |read: &ReadReport| -> Result<()> {
             Ok(writing.files.check_companions(&self.model.name(), &read.companions)?)
-        })?;
+        };
+        let (loaded, share) = match &mut parts {
+            None => (options.load_if(&self.model.model, check)?, None),
+            Some(comm) => {
+                let LoadedPart { loaded, share, .. } = options.load_part(*comm, &self.model.model)?;
+                check(&loaded.report.read)?;
+                (loaded, Some(share))
+            }
+        };
         let mut report = loaded.report;
         let picture = self.frame_bytes(&writing.plan, drawers);
         self.check_memory(picture, report.mesh.bytes)?;
         let mut scene = Scene::from_mesh(loaded.mesh);
+        scene.instances[0].share = share;
         scene.environment = environment;
         self.drawing.dress(&mut scene);
         let background = scene.background;
@@ -373,11 +415,17 @@ impl Render {
             // They are not always where the model says.
             writing.files.check_companions(&self.model.name(), &textures.files)?;
         }
+        if let Some(comm) = &mut parts {
+            share_materials(*comm, &mut scene)?;
+        }
         let taken = report.mesh.bytes.saturating_add(textures.as_ref().map_or(0, |textures| textures.bytes));
         self.check_memory(picture.saturating_add(shadows), taken)?;
         self.clip.add_caps(&mut scene, loaded.caps);
         report.read.warnings.extend(self.drawing.shadow_warning(&scene));
-        let camera = self.camera.camera_for(&scene, loaded.whole.as_ref(), self.drawing.size);
+        let camera = match parts {
+            None => self.camera.camera_for(&scene, loaded.whole.as_ref(), self.drawing.size),
+            Some(comm) => self.camera.camera_of_parts(comm, &scene, self.drawing.size)?,
+        };
         let cameras = self.stereo.cameras(camera, self.camera.zoom()).with_context(|| self.model.name())?;
         let look = self.drawing.look(&scene, &background, &self.environment, &self.effects);
         Ok(Loaded { report, textures, scene, background, look, cameras })
