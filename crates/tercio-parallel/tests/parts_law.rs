@@ -283,7 +283,13 @@ fn parts_of_any_size() {
 
 #[test]
 fn shadows() {
-    let mesh = model("builtin:gyroid@2k", u8::MAX);
+    // What is invisible casts none.
+    for alpha in [u8::MAX, 100, 0] {
+        shadows_of(&model("builtin:gyroid@2k", alpha));
+    }
+}
+
+fn shadows_of(mesh: &Mesh) {
     let dress = |scene: &mut Scene| {
         twice(scene);
         let center = scene.bounds().center();
@@ -292,7 +298,7 @@ fn shadows() {
         let space = tercio_scene::LightSpace::World;
         scene.lights.push(Light::Point { position, color: [0.3; 3], space });
     };
-    let scene = whole(&mesh, dress);
+    let scene = whole(mesh, dress);
     let camera = camera(&scene.bounds(), 2.6);
     let settings = settings(SamplePattern::Sparse4);
     let maps = Arc::new(ShadowMaps::draw(&scene, &camera, &settings, 64).expect("maps"));
@@ -301,7 +307,7 @@ fn shadows() {
     let bright = Renderer::new().render(&scene, &camera, &settings).expect("a picture");
     assert_ne!(expected.planes.color, bright.planes.color, "there are shadows");
     for (ranks, organisation) in [1, 2, 5].into_iter().flat_map(|ranks| ALL.map(|o| (ranks, o))) {
-        let parts = split_evenly(&mesh, ranks);
+        let parts = split_evenly(mesh, ranks);
         let frames = threads::run(ranks, |comm| {
             let scene = in_parts(comm, &parts, dress)?;
             let found = Arc::new(parts::shadow_maps(comm, &scene, &camera, &settings, 64)?);
