@@ -34,7 +34,7 @@ pub fn draw_bytes(bytes: &[u8]) {
         details: number.is_multiple_of(7),
         ..LoadOptions::default()
     };
-    let read = ReadOptions { memory_limit: options.memory_limit, progress: None };
+    let read = ReadOptions { memory_limit: options.memory_limit, progress: None, ..ReadOptions::default() };
     let input = || Input::from_bytes("fuzz", bytes.to_vec(), &read);
     let loaded = input().map(|input| options.load_input(&input));
     let plain = input().map(|input| options.load_mesh_input(&input));
@@ -99,7 +99,7 @@ pub fn draw_bytes(bytes: &[u8]) {
 /// # Panics
 /// If reading or drawing does.
 pub fn draw_prepared(bytes: &[u8]) {
-    let options = ReadOptions { memory_limit: Some(MEMORY_LIMIT), progress: None };
+    let options = ReadOptions { memory_limit: Some(MEMORY_LIMIT), progress: None, ..ReadOptions::default() };
     let Ok(input) = Input::from_bytes("fuzz", bytes.to_vec(), &options) else { return };
     let mesh = match prepared::read(&input, &options) {
         Ok(prepared) => prepared.mesh,

@@ -9,6 +9,7 @@ mod messages;
 mod mpi;
 mod named_files;
 mod nothing_drawn;
+mod organisation;
 mod output;
 mod progress;
 mod report;

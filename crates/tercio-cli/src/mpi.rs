@@ -13,6 +13,7 @@ mod ranks {
     use anyhow::Error;
     use tercio::image::remove_partial_files;
     use tercio::parallel::Communicator as _;
+    use tercio::parallel::comm::RankNames;
     pub use tercio_mpi::MpiComm as Comm;
     use tercio_mpi::Patience;
 
@@ -35,10 +36,9 @@ mod ranks {
     /// From now on this rank says which one it waits for, if it waits for long, and fails after the `timeout`.
     pub fn watch(comm: &mut Comm, timeout: Option<Duration>) {
         let rank = comm.rank();
-        let notice = move |from| {
+        let notice = move |from: &RankNames| {
             let seconds = SILENCE.as_secs();
-            let text =
-                format!("rank {rank} has waited {seconds} s for rank {from} (--timeout ends such a job)");
+            let text = format!("rank {rank} has waited {seconds} s for {from} (--timeout ends such a job)");
             messages::warning(&text);
         };
         comm.set_patience(Patience { silence: SILENCE, notice: Box::new(notice), timeout });

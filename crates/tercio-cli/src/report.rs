@@ -240,9 +240,48 @@ pub fn table_of_ranks(frame: &FrameReport) -> Vec<String> {
         counts.map(grouped).into_iter().chain(times).collect()
     };
     let titles = titles.map(String::from).to_vec();
-    let rows: Vec<Vec<String>> = std::iter::once(titles).chain(frame.ranks.iter().map(of_rank)).collect();
+    aligned(std::iter::once(titles).chain(frame.ranks.iter().map(of_rank)).collect())
+}
+
+/// Most ranks of a table of messages.
+const MOST_PARTNERS: usize = 12;
+
+/// Messages and bytes by what they are for; then the bytes that each rank sends to each other one, if there are counts by
+/// partner. Of many ranks the first are in the table.
+pub fn tables_of_partners(frame: &FrameReport) -> Vec<String> {
+    let by_kind = frame.by_kind();
+    if by_kind.is_empty() {
+        return Vec::new();
+    }
+    let titles = ["messages", "sent", "bytes"].map(String::from).to_vec();
+    let of_kind = by_kind
+        .iter()
+        .map(|(kind, sent)| vec![kind.to_string(), grouped(sent.sent_messages), grouped(sent.sent_bytes)]);
+    let mut lines = aligned(std::iter::once(titles).chain(of_kind).collect());
+    let shown = frame.ranks.len().min(MOST_PARTNERS);
+    let mut titles = vec!["bytes from, to".to_string()];
+    titles.extend((0..shown).map(|rank| rank.to_string()));
+    let of_rank = |rank: &RankReport| {
+        let mut bytes = vec![0; shown];
+        for with in rank.partners.iter().filter(|with| with.partner < shown) {
+            bytes[with.partner] += with.traffic.sent_bytes;
+        }
+        let cells = bytes.into_iter().enumerate();
+        let cells = cells.map(|(to, bytes)| if to == rank.rank { "-".into() } else { grouped(bytes) });
+        std::iter::once(rank.rank.to_string()).chain(cells).collect()
+    };
+    let rows = std::iter::once(titles).chain(frame.ranks.iter().take(shown).map(of_rank));
+    lines.extend(aligned(rows.collect()));
+    if shown < frame.ranks.len() {
+        lines.push(format!("(the first {shown} of {} ranks; --stats has all)", frame.ranks.len()));
+    }
+    lines
+}
+
+/// The rows of a table, whose cells are aligned to the right. All rows have as many cells.
+fn aligned(rows: Vec<Vec<String>>) -> Vec<String> {
     let width = |column: usize| rows.iter().map(|row| row[column].len()).max().unwrap_or(0);
-    let widths: Vec<usize> = (0..rows[0].len()).map(width).collect();
+    let widths: Vec<usize> = (0..rows.first().map_or(0, Vec::len)).map(width).collect();
     let line = |row: &Vec<String>| {
         let cells = row.iter().zip(&widths).map(|(cell, &width)| format!("{cell:>width$}"));
         cells.collect::<Vec<_>>().join("  ")

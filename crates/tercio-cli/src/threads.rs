@@ -98,6 +98,21 @@ fn allowed() -> usize {
     limit(own, std::env::var("SLURM_CPUS_PER_TASK").ok().as_deref())
 }
 
+/// Processors that this process may use, however many threads it has.
+pub fn of_process() -> usize {
+    allowed()
+}
+
+/// Processors of all processes of an MPI job together, if there are as many for each as for this one.
+pub fn of_job(processes: usize) -> usize {
+    let local = mpi::local_processes().max(1);
+    match of_machine() {
+        // More processes than processors.
+        Some(all) if all < local => (all * processes / local).max(1),
+        _ => allowed() * processes,
+    }
+}
+
 /// Of the `system` processors that this process may use, its share if there are so many processes of a job on the machine.
 /// Those that a launcher has bound to processors of their own keep them: then the `launcher` itself may use more, all of which
 /// the processes share.

@@ -61,6 +61,34 @@ fn the_picture_does_not_depend_on_processes() {
 }
 
 #[test]
+fn processes_choose_together() {
+    let place = Place::new();
+    let model = "render builtin:teapot@5k --size 200x150 --threads 1";
+    place.run(&format!("{model} -o alone.png")).ok_silently();
+    for count in [1, 2, 4] {
+        let arguments = format!("{model} -o ranks.png --organisation auto --stats -");
+        let outcome = mpirun(&place, &[(count, &arguments)]).ok_silently();
+        assert!(place.read("alone.png") == place.read("ranks.png"), "{count} processes");
+        let stats: serde_json::Value = serde_json::from_str(outcome.text()).unwrap();
+        let choice = &stats["choice"];
+        assert_eq!(choice["candidates"][0]["organisation"], stats["parallel"]["organisation"]);
+        // Alone there is nobody to send a message to.
+        assert_eq!(choice["network"]["measured_here"], count > 1, "{choice}");
+        assert_eq!(choice["network"]["bandwidth"].as_f64().is_some_and(|bytes| bytes > 1e5), count > 1);
+    }
+    // One process was started with an organisation.
+    let of = |organisation: &str| format!("{model} -o other.png --quiet --organisation {organisation}");
+    for how in [["auto", "sort-middle"], ["sort-middle", "auto"], ["auto", "auto --division rows"]] {
+        let [first, second] = how.map(of);
+        let outcome = mpirun(&place, &[(1, &first), (1, &second)]);
+        assert_eq!(outcome.code, Some(1), "{}", outcome.stderr);
+        let errors = outcome.stderr.lines().filter(|line| line.starts_with("error: "));
+        let errors: Vec<&str> = errors.collect();
+        assert!(errors.len() == 1 && errors[0].contains("another organisation"), "{}", outcome.stderr);
+    }
+}
+
+#[test]
 fn a_process_that_fails_ends_the_job() {
     let place = Place::new();
     let draws = |model: &str| format!("render {model} -o a.png --quiet");

@@ -246,6 +246,85 @@ fn verbose_output_has_a_line_for_each_rank() {
     // What is sent is received.
     assert_eq!((sum(4), sum(5)), (sum(6), sum(7)));
     assert!(sum(4) > 0);
+    // By kind, and from each rank to each other one.
+    let titled = |title: &str| lines.iter().position(|line| line.contains(title)).expect("a table");
+    let number = |cell: &str| cell.replace(',', "").parse::<u64>().ok();
+    let kinds = &lines[titled("messages  ")..titled("bytes from, to")];
+    let of_kinds = kinds.iter().filter_map(|line| number(line.split_whitespace().last()?)).sum::<u64>();
+    let from = titled("bytes from, to") + 1;
+    let cells = lines[from..from + 3].iter().flat_map(|line| line.split_whitespace().rev().take(3));
+    let partners = cells.filter_map(number).sum::<u64>();
+    assert_eq!((of_kinds, partners), (sum(5), sum(5)), "{}", outcome.stderr);
+    assert!(
+        kinds.iter().any(|line| line.contains("bins")) && kinds.iter().any(|line| line.contains("barrier"))
+    );
+}
+
+#[test]
+fn auto_chooses_how_ranks_share_the_picture_and_says_why() {
+    let place = Place::new();
+    let model = "render builtin:teapot@5k --size 200x150";
+    place.run(&format!("{model} -o alone.png")).ok_silently();
+    for (ranks, limits) in
+        [(1, ""), (2, ""), (5, ""), (4, "--composition tree"), (3, "--group 2 --division rows")]
+    {
+        let auto = format!("{model} -o a.png --ranks {ranks} --organisation auto {limits}");
+        let outcome = place.run(&format!("{auto} --stats -")).ok_silently();
+        assert!(place.read("alone.png") == place.read("a.png"), "{auto}");
+        let stats: serde_json::Value = serde_json::from_str(outcome.text()).unwrap();
+        let (choice, parallel) = (&stats["choice"], &stats["parallel"]);
+        assert_eq!((&choice["ranks"], &choice["network"]["measured_here"]), (&ranks.into(), &false.into()));
+        assert!(
+            choice["choosing_milliseconds"].as_f64().unwrap() > 0.0
+                && choice["processors"].as_u64() > Some(0)
+        );
+        let candidates = choice["candidates"].as_array().unwrap();
+        let time = |candidate: &serde_json::Value| candidate["milliseconds"].as_f64().unwrap();
+        assert!(candidates.is_sorted_by(|a, b| time(a) <= time(b)), "{auto}: {candidates:?}");
+        for candidate in candidates {
+            let terms = ["front_end", "exchange", "draw", "composite", "collect"];
+            let sum: f64 = terms.iter().map(|term| candidate[term].as_f64().unwrap()).sum();
+            assert!((sum - time(candidate)).abs() < 1e-9 * sum, "{candidate}");
+            assert!(candidate["bytes"].as_f64().is_some() && candidate["messages"].as_f64().is_some());
+        }
+        // What was drawn is what was chosen, and its options draw the same.
+        let first = &candidates[0];
+        for key in ["organisation", "group"] {
+            assert_eq!(first[key], parallel.get(key).cloned().unwrap_or_default(), "{auto}: {first}");
+        }
+        let options = first["options"].as_str().unwrap();
+        assert!(limits.is_empty() || limits.split(" --").all(|limit| options.contains(limit)), "{options}");
+        place.run(&format!("{model} -o b.png --ranks {ranks} {options}")).ok_silently();
+        assert!(place.read("a.png") == place.read("b.png"), "{options}");
+        let outcome = place.run(&format!("{auto} -v"));
+        let lines: Vec<&str> = outcome.stderr.lines().collect();
+        let chose =
+            lines.iter().position(|line| line.contains(&format!("chose {options} of "))).expect("why");
+        assert!(lines[chose + 1].contains("not measured"), "{}", lines[chose + 1]);
+        assert!(lines[chose + 2].contains("predicted ms") && lines[chose + 2].contains("composite"));
+        assert!(lines[chose + 3].ends_with(options), "{}", lines[chose + 3]);
+    }
+    // Nothing was chosen.
+    let outcome = place.run(&format!("{model} -o a.png --ranks 2 --stats -")).ok_silently();
+    let stats: serde_json::Value = serde_json::from_str(outcome.text()).unwrap();
+    assert_eq!(stats.get("choice"), Some(&serde_json::Value::Null));
+}
+
+#[test]
+fn auto_refuses_what_leaves_it_no_choice() {
+    let place = Place::new();
+    let auto = "render model.off -o a.png --organisation auto";
+    place.run(auto).failed(2, &["--organisation", "--ranks N"]);
+    for (options, reason) in [
+        (
+            "--ranks 2 --division rows --composition tree",
+            "sort-twice, which needs 3 ranks or more: there are 2",
+        ),
+        ("--ranks 2 --group 3", "--group 3: there are 2 ranks"),
+        ("--ranks 4 --radix 3", "--radix is for --composition radix-k"),
+    ] {
+        place.run(&format!("{auto} {options}")).failed(2, &[reason]);
+    }
 }
 
 #[test]

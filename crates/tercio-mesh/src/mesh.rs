@@ -1,5 +1,7 @@
 //! The indexed triangle mesh.
 
+use std::ops::Range;
+
 use glam::DVec3;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -93,6 +95,23 @@ impl Mesh {
         self.exponent += shift;
     }
 
+    /// Keeps only these triangles, and what belongs to them. No vertex is removed.
+    ///
+    /// # Panics
+    /// If there are no such triangles, or an array of the mesh is too short.
+    pub fn keep_triangles(&mut self, range: Range<usize>) {
+        fn keep<T>(array: &mut Vec<T>, range: &Range<usize>) {
+            array.truncate(range.end);
+            array.drain(..range.start);
+        }
+        keep(&mut self.triangles, &range);
+        self.face_colors.iter_mut().for_each(|a| keep(a, &range));
+        self.triangle_materials.iter_mut().for_each(|a| keep(a, &range));
+        self.face_of_triangle.iter_mut().for_each(|a| keep(a, &range));
+        let of_triangles = self.attributes.iter_mut().filter(|a| a.domain == AttributeDomain::Triangle);
+        of_triangles.for_each(|a| keep(&mut a.values, &range));
+    }
+
     /// World-space bounds of all vertices, used by a triangle or not.
     pub fn bounds(&self) -> Aabb {
         let (min, max) = self.positions.par_chunks(1 << 16).map(ranges).reduce(
@@ -124,7 +143,7 @@ impl Mesh {
 }
 
 /// Absolute values of the largest coordinate for which calculations in `f32` neither overflow nor underflow.
-pub(crate) const SAFE_MAGNITUDES: std::ops::Range<f32> = (1.0 / (1u64 << 40) as f32)..(1u64 << 40) as f32;
+pub(crate) const SAFE_MAGNITUDES: Range<f32> = (1.0 / (1u64 << 40) as f32)..(1u64 << 40) as f32;
 
 /// Bias of the exponent of `f64`, which is stored above the 52 bits of the fraction.
 const EXPONENT_BIAS: i32 = 1023;
@@ -184,6 +203,13 @@ pub fn choose_origin(bounds: &Aabb) -> DVec3 {
 /// Positions relative to the origin of [`choose_origin`], from file coordinates. Non-finite positions do not affect
 /// the choice and stay non-finite.
 pub fn localize(points: &[[f64; 3]]) -> (DVec3, Vec<[f32; 3]>) {
+    let (_, origin, positions) = localize_at(points, None);
+    (origin, positions)
+}
+
+/// As [`localize`], relative to another origin if there is one. The bounds of the finite positions, in file coordinates, come
+/// first.
+pub fn localize_at(points: &[[f64; 3]], origin: Option<DVec3>) -> (Aabb, DVec3, Vec<[f32; 3]>) {
     let bounds = points
         .par_chunks(1 << 16)
         .map(|chunk| {
@@ -192,7 +218,7 @@ pub fn localize(points: &[[f64; 3]]) -> (DVec3, Vec<[f32; 3]>) {
             b
         })
         .reduce(|| Aabb::EMPTY, Aabb::union);
-    let origin = choose_origin(&bounds);
+    let origin = origin.unwrap_or_else(|| choose_origin(&bounds));
     let local = points
         .par_iter()
         .map(|&p| {
@@ -200,7 +226,7 @@ pub fn localize(points: &[[f64; 3]]) -> (DVec3, Vec<[f32; 3]>) {
             [q.x as f32, q.y as f32, q.z as f32]
         })
         .collect();
-    (origin, local)
+    (bounds, origin, local)
 }
 
 #[cfg(test)]

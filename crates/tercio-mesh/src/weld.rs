@@ -122,7 +122,7 @@ fn keep_firsts<T: Copy>(array: &mut Vec<T>, same: &[u32]) {
 
 /// The bits of a position, with -0 stored as 0.
 #[inline]
-pub(crate) fn position_bits(p: [f32; 3]) -> [u32; 3] {
+pub fn position_bits(p: [f32; 3]) -> [u32; 3] {
     p.map(|x| if x == 0.0 { 0 } else { x.to_bits() })
 }
 

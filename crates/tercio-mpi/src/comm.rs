@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 use std::fmt;
 use std::time::Duration;
 
-use tercio_parallel::comm::{CommError, Communicator, Traffic};
+use tercio_parallel::comm::{Awaited, CommError, Communicator, RankNames, ReadySenders, Traffic};
 
 use crate::raw::{Envelope, Failed, Link, Outgoing};
 use crate::spare::Spare;
@@ -32,6 +32,10 @@ pub struct MpiComm {
     outgoing: Vec<Outgoing>,
     /// Received from each rank.
     arrived: Vec<Arrived>,
+    /// Who has sent messages.
+    ready: ReadySenders,
+    /// Ranks whose last message has arrived.
+    left: Vec<usize>,
     /// Memory of messages that were sent or read, for reuse.
     spare: Spare,
     traffic: Traffic,
@@ -43,8 +47,8 @@ pub struct MpiComm {
 pub struct Patience {
     /// After this time of one wait `notice` is called, once.
     pub silence: Duration,
-    /// Gets the rank that is waited for.
-    pub notice: Box<dyn FnMut(usize)>,
+    /// Gets the rank, or the ranks of any of which a message is waited for.
+    pub notice: Box<dyn FnMut(&RankNames)>,
     /// After this time the wait ends with [`CommError::Silent`], if it is given.
     pub timeout: Option<Duration>,
 }
@@ -76,6 +80,8 @@ impl MpiComm {
             link,
             outgoing: Vec::new(),
             arrived,
+            ready: ReadySenders::default(),
+            left: Vec::new(),
             spare,
             traffic,
             part_bytes: PART_BYTES,
@@ -156,9 +162,15 @@ impl MpiComm {
         if let Some(Envelope { from, tag }) = taken {
             let arrived = &mut self.arrived[from];
             match tag {
-                MESSAGE => arrived.messages.push_back(std::mem::take(&mut arrived.unfinished)),
+                MESSAGE => {
+                    arrived.messages.push_back(std::mem::take(&mut arrived.unfinished));
+                    self.ready.arrived(from);
+                }
                 SIGNAL => arrived.signals += 1,
-                FAREWELL => arrived.has_left = true,
+                FAREWELL => {
+                    arrived.has_left = true;
+                    self.left.push(from);
+                }
                 _ => {}
             }
         }
@@ -172,27 +184,58 @@ impl MpiComm {
         mut is_it: impl FnMut(&mut Arrived) -> Option<T>,
     ) -> Result<T, CommError> {
         self.check(from)?;
+        self.wait_until(
+            || from.into(),
+            |comm| loop {
+                if let Some(it) = is_it(&mut comm.arrived[from]) {
+                    return Ok(Some(it));
+                }
+                if comm.arrived[from].has_left {
+                    return Err(CommError::Gone { rank: from });
+                }
+                if comm.take(Some(from))?.is_none() {
+                    return Ok(None);
+                }
+            },
+        )
+    }
+
+    /// Polls until there is an answer, with a notice and an end if it takes too long; `names` are the ranks that are waited
+    /// for.
+    fn wait_until<T>(
+        &mut self,
+        names: impl Fn() -> RankNames,
+        mut poll: impl FnMut(&mut Self) -> Result<Option<T>, CommError>,
+    ) -> Result<T, CommError> {
         let mut noticed = false;
         until(|waited| {
             if waited >= self.patience.silence && !noticed {
                 noticed = true;
-                (self.patience.notice)(from);
+                (self.patience.notice)(&names());
             }
             if self.patience.timeout.is_some_and(|timeout| waited >= timeout) {
-                return Err(CommError::Silent { rank: from, seconds: waited.as_secs() });
+                return Err(CommError::Silent { ranks: names(), seconds: waited.as_secs() });
             }
-            loop {
-                if let Some(it) = is_it(&mut self.arrived[from]) {
-                    return Ok(Some(it));
-                }
-                if self.arrived[from].has_left {
-                    return Err(CommError::Gone { rank: from });
-                }
-                if self.take(Some(from))?.is_none() {
-                    return Ok(None);
-                }
-            }
+            poll(self)
         })
+    }
+
+    /// The next message of an awaited rank, if one has arrived.
+    fn poll_any(&mut self, awaited: &mut Awaited) -> Result<Option<(usize, Vec<u8>)>, CommError> {
+        loop {
+            let Self { arrived, ready, .. } = self;
+            let has_message = |sender: usize| !arrived[sender].messages.is_empty();
+            if let Some(from) = ready.next(awaited, has_message) {
+                return Ok(arrived[from].messages.pop_front().map(|message| (from, message)));
+            }
+            if let Some(&rank) = self.left.iter().find(|rank| awaited.contains(**rank)) {
+                return Err(CommError::Gone { rank });
+            }
+            // Messages of others are queued.
+            if self.take(None)?.is_none() {
+                return Ok(None);
+            }
+        }
     }
 
     /// Tells the others that no more messages follow, and waits until all others have done the same and all messages
@@ -242,6 +285,16 @@ impl Communicator for MpiComm {
         self.traffic.taken_messages += 1;
         self.traffic.taken_bytes += message.len() as u64;
         Ok(message)
+    }
+
+    fn receive_any(&mut self, awaited: &mut Awaited) -> Result<(usize, Vec<u8>), CommError> {
+        assert!(!awaited.is_empty(), "no rank is awaited");
+        awaited.check(self.rank(), self.size())?;
+        let names = awaited.names();
+        let (from, message) = self.wait_until(|| names.clone(), |comm| comm.poll_any(awaited))?;
+        self.traffic.taken_messages += 1;
+        self.traffic.taken_bytes += message.len() as u64;
+        Ok((from, message))
     }
 
     fn buffer(&mut self, _: usize) -> Vec<u8> {

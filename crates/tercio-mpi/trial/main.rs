@@ -12,12 +12,13 @@ use tercio_parallel::{Communicator as _, ParallelError};
 /// A trial and its name.
 type Trial = (&'static str, fn(&mut MpiComm) -> Result<(), ParallelError>);
 
-const TRIALS: [Trial; 9] = [
+const TRIALS: [Trial; 10] = [
     ("order", trials::order),
     ("everybody-sends-first", trials::everybody_sends_first),
     ("parts", trials::parts),
     ("barrier", trials::barrier),
     ("gather", trials::gather),
+    ("any", trials::any),
     ("not-taken", trials::not_taken),
     ("error", trials::error),
     ("panic", trials::panic),

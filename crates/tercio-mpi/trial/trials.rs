@@ -4,7 +4,7 @@ use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use tercio_mpi::MpiComm;
 use tercio_parallel::ParallelError;
-use tercio_parallel::comm::{CommError, Communicator, Traffic};
+use tercio_parallel::comm::{Awaited, CommError, Communicator, Traffic};
 
 type Outcome = Result<(), ParallelError>;
 
@@ -122,6 +122,45 @@ pub fn gather(comm: &mut MpiComm) -> Outcome {
         let expected: Vec<_> = (1..senders).map(|r| bytes(r, 10 * r)).collect();
         assert_eq!(gathered, if rank == 0 { expected } else { Vec::new() });
     }
+    Ok(())
+}
+
+/// Rank 0 receives messages of all others in whichever order they arrive, those that were queued before, too; the ones that
+/// it does not await stay queued.
+pub fn any(comm: &mut MpiComm) -> Outcome {
+    let (rank, size) = (comm.rank(), comm.size());
+    if rank > 0 {
+        // The last rank first.
+        if rank + 1 < size {
+            comm.await_signal(rank + 1)?;
+        }
+        comm.send(0, bytes(rank, 100 * rank))?;
+        comm.send(0, bytes(rank + 1, 0))?;
+        if rank > 1 {
+            comm.signal(rank - 1)?;
+        }
+        comm.signal(0)?;
+        return Ok(());
+    }
+    if size > 1 {
+        // So all messages of rank 1 are queued.
+        comm.await_signal(1)?;
+    }
+    for round in 0..2 {
+        let mut awaited = Awaited::new((1..size).filter(|&from| round == 0 || from % 2 == 1));
+        while !awaited.is_empty() {
+            let (from, message) = comm.receive_any(&mut awaited)?;
+            assert!(!awaited.contains(from) && (1..size).contains(&from));
+            let expected = if round == 0 { bytes(from, 100 * from) } else { Vec::new() };
+            assert!(message == expected, "round {round}, rank {from}: {} bytes", message.len());
+        }
+    }
+    for from in (1..size).filter(|from| from % 2 == 0) {
+        assert_eq!(comm.receive(from)?, Vec::<u8>::new());
+    }
+    assert_eq!(comm.traffic().taken_messages as usize, 2 * (size - 1));
+    let mut stranger = Awaited::new([size]);
+    assert_eq!(comm.receive_any(&mut stranger), Err(CommError::NoPartner { rank: size, size }));
     Ok(())
 }
 

@@ -87,7 +87,21 @@ pub fn agree(comm: &mut impl Communicator, task: &Task) -> Result<(), ParallelEr
     if comm.size() == 1 {
         return Ok(());
     }
-    agree_on(comm, digest(task, comm.size()))
+    let how = format!("{:?} {}", task.sharing, comm.size());
+    agree_on(comm, digest(task, comm.size(), how))
+}
+
+/// The same before the organisation is known: the ranks compare how they are going to choose it instead, which is no way to
+/// share a frame. What the task says about that is ignored.
+///
+/// # Errors
+/// As [`agree`].
+pub fn agree_to_choose(comm: &mut impl Communicator, task: &Task, how: &str) -> Result<(), ParallelError> {
+    if comm.size() == 1 {
+        return Ok(());
+    }
+    let how = format!("{how} {}", comm.size());
+    agree_on(comm, digest(task, comm.size(), how))
 }
 
 fn agree_on(comm: &mut impl Communicator, digest: Digest) -> Result<(), ParallelError> {
@@ -122,7 +136,22 @@ fn read(from: usize, message: &[u8]) -> Result<Found, CommError> {
     Err(CommError::Transport { rank: from, reason })
 }
 
-fn digest(task: &Task, ranks: usize) -> Digest {
+/// A digest of those parts of a task that take no time to read: how it is shared, camera and settings. Messages of a frame have
+/// it, so that one of another task is no part of this picture.
+pub fn frame_digest(task: &Task, ranks: usize) -> u64 {
+    let parts = [Matter::Version, Matter::Organisation, Matter::Size, Matter::Camera, Matter::Settings];
+    let text = texts(task, ranks, format!("{:?} {ranks}", task.sharing));
+    checksum::of(parts.map(text).concat().as_bytes())
+}
+
+/// `how` is what is compared of the organisation.
+fn digest(task: &Task, ranks: usize, how: String) -> Digest {
+    let text = texts(task, ranks, how);
+    Matter::ALL.map(|matter| checksum::of(text(matter).as_bytes()))
+}
+
+/// What ranks have to agree on, in words.
+fn texts(task: &Task, ranks: usize, how: String) -> impl Fn(Matter) -> String {
     let Task { sharing, scene, camera, settings } = *task;
     let Settings { width, height, .. } = *settings;
     // What does not change the picture or the messages may differ.
@@ -138,16 +167,15 @@ fn digest(task: &Task, ranks: usize) -> Digest {
         ..settings.clone()
     };
     let shadow_bytes = task.settings.shadows.as_ref().map_or(0, |maps| maps.bytes());
-    let text = |matter| match matter {
+    move |matter| match matter {
         Matter::Version => env!("CARGO_PKG_VERSION").to_string(),
-        Matter::Organisation => format!("{sharing:?} {ranks}"),
+        Matter::Organisation => how.clone(),
         Matter::Size => format!("{width} {height}"),
         Matter::Models => format!("{:?}", scene.instances.iter().map(model).collect::<Vec<_>>()),
         Matter::Scene => look(scene),
         Matter::Camera => format!("{camera:?}"),
         Matter::Settings => format!("{settings:?} {shadow_bytes}"),
-    };
-    Matter::ALL.map(|matter| checksum::of(text(matter).as_bytes()))
+    }
 }
 
 /// Of a model in parts, what all parts have in common.

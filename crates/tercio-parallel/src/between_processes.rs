@@ -6,8 +6,8 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use tercio_raster::Frame;
 
-use crate::agreement::agree;
-use crate::comm::Communicator;
+use crate::agreement::{agree, agree_to_choose};
+use crate::comm::{Communicator, Kind, Observed, PartnerTraffic};
 use crate::organisation::{Rank, Task, tile_edge};
 use crate::report::FrameReport;
 use crate::{ParallelError, RankReport};
@@ -39,11 +39,32 @@ pub fn draw_frame(
     frame: &mut Frame,
 ) -> Result<Option<FrameReport>, ParallelError> {
     let came = machine_clock();
-    agree(comm, task)?;
+    let mut agreeing = Observed::new(comm, Kind::Agreement);
+    agree(&mut agreeing, task)?;
+    let agreed = agreeing.finish();
     let (begin, began) = (Instant::now(), machine_clock());
-    let report = own.draw_into(comm, task, frame)?;
+    let mut report = own.draw_into(comm, task, frame)?;
     let since_own = begin.elapsed().as_secs_f64() * 1e3;
-    let Some(all) = tell(comm, TimedReport { began, report })? else { return Ok(None) };
+    if own.tells_partners() {
+        report.add_partners(agreed);
+    } else {
+        report.partners = Vec::new();
+    }
+    let mut telling = Observed::new(comm, Kind::Report);
+    let Some(mut all) = tell(&mut telling, TimedReport { began, report })? else { return Ok(None) };
+    if own.tells_partners() {
+        // The senders could not count these.
+        for with in telling.finish() {
+            let PartnerTraffic { partner, kind, traffic } = with;
+            all[partner].report.add_partners([PartnerTraffic {
+                partner: 0,
+                kind,
+                traffic: traffic.reversed(),
+            }]);
+            all[0].report.partners.push(with);
+        }
+        all[0].report.add_partners([]);
+    }
     let earlier = match came.zip(began) {
         Some((came, began)) => began - first(came, began, all.iter().filter_map(|told| told.began)),
         None => 0,
@@ -54,6 +75,16 @@ pub fn draw_frame(
     let report = FrameReport::new(task.sharing, region, task.settings, milliseconds, ranks);
     frame.stats = report.stats();
     Ok(Some(report))
+}
+
+/// Waits until all ranks have called this, and compares what they are going to draw, before they choose together how they share
+/// it: `how` says how they choose, and must not be that of a rank that chooses in another way. The sharing of the task has no
+/// meaning. A rank that calls [`draw_frame`] instead differs, too, and no rank waits for ever.
+///
+/// # Errors
+/// On rank 0 [`ParallelError::Differs`]; [`ParallelError::Comm`].
+pub fn compare(comm: &mut impl Communicator, task: &Task, how: &str) -> Result<(), ParallelError> {
+    agree_to_choose(comm, task, how)
 }
 
 /// Gathers the values of all ranks, in their order, on rank 0; the others get `None`. They are sent as JSON, and all

@@ -6,10 +6,10 @@ use std::time::Instant;
 use tercio_raster::{Frame, Settings};
 use tercio_scene::{Camera, Scene};
 
-use crate::comm::Communicator;
 use crate::comm::threads::{self, ThreadComm};
+use crate::comm::{Communicator, Kind, Observed};
 use crate::organisation::{Rank, Task, tile_edge};
-use crate::report::FrameReport;
+use crate::report::{FrameReport, RankReport};
 use crate::{ParallelError, Sharing};
 
 /// Ranks in this process.
@@ -23,7 +23,7 @@ pub struct Ranks {
     pub sharing: Sharing,
 }
 
-/// Draws one frame per camera and returns the reports. `picture` gets each picture, with the number of its camera,
+/// Draws one frame per camera and returns the reports, the last one with [counts by partner](RankReport::partners). `picture` gets each picture, with the number of its camera,
 /// and may take its contents.
 ///
 /// # Errors
@@ -42,12 +42,19 @@ pub fn draw_frames(
     let settings = &Settings { layer_memory, ..settings.clone() };
     let draw = |comm: &mut ThreadComm, own: &mut Rank| {
         let mut frame = Frame::default();
-        let mut reports = Vec::new();
+        let mut reports: Vec<(RankReport, Instant, Instant)> = Vec::new();
         for (number, camera) in cameras.iter().enumerate() {
-            comm.barrier()?;
+            let mut waiting = Observed::new(comm, Kind::Barrier);
+            waiting.barrier()?;
+            let signals = waiting.finish();
             let begin = Instant::now();
             let task = Task { sharing: ranks.sharing, scene, camera, settings };
-            let report = own.draw_into(comm, &task, &mut frame)?;
+            let mut report = own.draw_into(comm, &task, &mut frame)?;
+            report.add_partners(signals);
+            // As many counts as ranks, for each rank.
+            if let Some((earlier, ..)) = reports.last_mut() {
+                earlier.partners = Vec::new();
+            }
             reports.push((report, begin, Instant::now()));
             if comm.rank() == 0 {
                 picture(number, &mut frame);

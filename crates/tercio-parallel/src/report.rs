@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use tercio_raster::stats::{BackEndCounts, FrontEndCounts, StageTimes};
 use tercio_raster::{FrameStats, Settings};
 
-use crate::comm::Traffic;
+use crate::comm::{Kind, PartnerTraffic, Traffic};
 use crate::composite::Composition;
 use crate::division::Division;
 use crate::organisation::{Organisation, Sharing};
@@ -99,8 +99,22 @@ pub struct RankReport {
     pub pixels: RankPixels,
     /// Counts of messages.
     pub traffic: Traffic,
+    /// The same by the other rank and by what messages are for, with those of agreement, barriers and the report itself,
+    /// which [`Self::traffic`] does not count; in the order of ranks, then of kinds. Empty where only earlier frames than the
+    /// last one are meant, and for one rank. The farewell at the end of a job, an empty message to each other process, is not
+    /// in it.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub partners: Vec<PartnerTraffic>,
     /// Times.
     pub stages: RankStages,
+}
+
+impl RankReport {
+    /// Adds counts of other messages.
+    pub(crate) fn add_partners(&mut self, others: impl IntoIterator<Item = PartnerTraffic>) {
+        self.partners.extend(others);
+        self.partners.sort_by_key(|with| (with.partner, with.kind));
+    }
 }
 
 /// Report of all ranks for a frame.
@@ -164,6 +178,17 @@ impl FrameReport {
     /// Number of drawn pixels in the picture.
     pub fn pixels_visible(&self) -> u64 {
         self.ranks.iter().map(|r| r.pixels.visible).sum()
+    }
+
+    /// Messages that were sent, and their bytes, by what they are for, in the order of a frame; without kinds that were not
+    /// sent.
+    pub fn by_kind(&self) -> Vec<(Kind, Traffic)> {
+        let mut all = Kind::ALL.map(|kind| (kind, Traffic::default()));
+        for with in self.ranks.iter().flat_map(|rank| &rank.partners) {
+            let (_, sum) = &mut all[with.kind.number() as usize];
+            *sum = sum.plus(with.traffic);
+        }
+        all.into_iter().filter(|(_, sum)| *sum != Traffic::default()).collect()
     }
 
     /// The statistics as if one renderer had drawn the frame: the work of all ranks, visible pixels counted once. In

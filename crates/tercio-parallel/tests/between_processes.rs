@@ -6,7 +6,7 @@ use glam::DVec3;
 use tercio_mesh::builtin;
 use tercio_mesh::cluster::{PartitionOptions, partition};
 use tercio_parallel::between_processes::draw_frame;
-use tercio_parallel::comm::{Communicator as _, threads};
+use tercio_parallel::comm::{CommError, Communicator as _, Kind, Traffic, threads};
 use tercio_parallel::organisation::{Rank, Task, tile_edge};
 use tercio_parallel::report::RankStages;
 use tercio_parallel::{
@@ -34,6 +34,9 @@ fn counts(mut report: FrameReport) -> FrameReport {
     for rank in &mut report.ranks {
         rank.stages = RankStages::default();
         rank.frame.milliseconds = StageTimes::default();
+        // Threads of one process wait for each other, processes agree and report.
+        let is_control = |kind| matches!(kind, Kind::Agreement | Kind::Barrier | Kind::Report);
+        rank.partners.retain(|with| !is_control(with.kind));
     }
     report
 }
@@ -72,6 +75,62 @@ fn picture_and_counts_are_those_of_ranks_in_one_process() {
             assert_eq!(frame.stats.backend, expected.stats.backend);
             assert_eq!(counts(report), counts(expected_report), "{organisation:?}, {count} ranks");
         }
+    }
+}
+
+/// What one rank has sent another one is what that has received, of every kind; and it is what the ranks count in all.
+#[test]
+fn partners_count_the_same_messages() {
+    const RANKS: usize = 5;
+    let settings = Settings { tile_size: Some(16), ..Settings::new(150, 100) };
+    for organisation in
+        [Organisation::SortMiddle, Organisation::SortLast, Organisation::SortTwice { group: 2 }]
+    {
+        let drawn = |tells: bool| {
+            let mut reports = threads::run(RANKS, |comm| {
+                let (mut scene, camera) = made();
+                scene.instances[0].surface.opacity = 0.5;
+                let sharing = organisation.into();
+                let task = Task { sharing, scene: &scene, camera: &camera, settings: &settings };
+                let mut own = Rank::new(1)?;
+                own.tell_partners(tells);
+                draw_frame(&mut own, comm, &task, &mut Frame::default())
+            });
+            reports.as_mut().expect("a picture").remove(0).expect("rank 0 has the report")
+        };
+        assert!(drawn(false).ranks.iter().all(|rank| rank.partners.is_empty()));
+        let report = drawn(true);
+        let with = |rank: usize, partner: usize, kind: Kind| {
+            let found =
+                report.ranks[rank].partners.iter().find(|of| (of.partner, of.kind) == (partner, kind));
+            found.map(|of| of.traffic).unwrap_or_default()
+        };
+        for kind in Kind::ALL {
+            for (rank, partner) in (0..RANKS).flat_map(|rank| (0..RANKS).map(move |other| (rank, other))) {
+                assert_eq!(with(rank, partner, kind), with(partner, rank, kind).reversed(), "{kind:?}");
+            }
+        }
+        let is_control = |kind: Kind| matches!(kind, Kind::Agreement | Kind::Barrier | Kind::Report);
+        for rank in &report.ranks {
+            let of_frame = rank.partners.iter().filter(|of| !is_control(of.kind));
+            assert_eq!(of_frame.fold(Traffic::default(), |sum, of| sum.plus(of.traffic)), rank.traffic);
+        }
+        let kinds: Vec<Kind> = report.by_kind().into_iter().map(|of| of.0).collect();
+        for (kind, is_sent) in [
+            (Kind::Agreement, true),
+            (Kind::Touched, organisation.composites(RANKS)),
+            (Kind::Bins, organisation.group(RANKS) > 1),
+            (Kind::Round, organisation.composites(RANKS)),
+            (Kind::Pixels, false),
+            (Kind::Fragments, organisation.composites(RANKS)),
+            (Kind::Finished, true),
+            (Kind::Report, true),
+        ] {
+            assert_eq!(kinds.contains(&kind), is_sent, "{organisation:?}, {kind:?}");
+        }
+        let agreement = |rank: usize| with(rank, 0, Kind::Agreement);
+        // A child tells its parent once, and is told once.
+        assert_eq!((agreement(1).sent_messages, agreement(1).taken_messages), (1, 1));
     }
 }
 
@@ -157,4 +216,40 @@ fn ranks_with_tiles_of_different_sizes_end_with_an_error() {
     assert!(drawn(Some(edge)).is_ok(), "the same tiles");
     let error = drawn(Some(64)).err();
     assert!(matches!(error, Some(ParallelError::Differs { rank: 1, what: Matter::Settings })), "{error:?}");
+}
+
+/// Without a comparison of their tasks, ranks notice by the first message that theirs differ.
+#[test]
+fn a_message_of_another_frame_is_an_error() {
+    const ORGANISATIONS: [Organisation; 4] = [
+        Organisation::SortFirst,
+        Organisation::SortMiddle,
+        Organisation::SortLast,
+        Organisation::SortTwice { group: 2 },
+    ];
+    let (scene, camera) = made();
+    let settings = Settings { tile_size: Some(16), ..Settings::one_sample(150, 100) };
+    let other = Camera { near: Some(1e-3), ..camera };
+    let drawn = |organisation: Organisation, camera_of_2: &Camera, ahead: bool| {
+        threads::run(3, |comm| {
+            let own_camera = if comm.rank() == 2 { camera_of_2 } else { &camera };
+            let sharing = organisation.into();
+            let task = Task { sharing, scene: &scene, camera: own_camera, settings: &settings };
+            let mut own = Rank::new(1)?;
+            if ahead && comm.rank() == 2 {
+                // This rank counts one frame more than the others.
+                let mut alone = threads::ThreadComm::for_ranks(1).remove(0);
+                own.draw_into(&mut alone, &task, &mut Frame::default())?;
+            }
+            own.draw_into(comm, &task, &mut Frame::default())
+        })
+    };
+    for organisation in ORGANISATIONS {
+        assert!(drawn(organisation, &camera, false).is_ok());
+        for (camera, ahead, says) in [(&other, false, "of another task"), (&camera, true, "of frame ")] {
+            let error = drawn(organisation, camera, ahead).expect_err("rank 2 draws something else");
+            let ParallelError::Comm(CommError::Unexpected { found, .. }) = error else { panic!("{error}") };
+            assert!(found.contains(says), "{organisation:?}: {found}");
+        }
+    }
 }

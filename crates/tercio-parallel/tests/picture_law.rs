@@ -398,7 +398,7 @@ proptest! {
         (tile, cull, shading, sorting) in (0usize..6, 0usize..4, 0usize..4, any::<bool>()),
         (planes, samples, tent, by_sample) in (0u32..128, 0usize..8, any::<bool>(), any::<bool>()),
         (opacity, little_memory) in (prop_oneof![Just(1.0f32), 0.0f32..1.0], any::<bool>()),
-        (division, composition, radix) in (0usize..5, 0usize..5, 2u32..6),
+        (division, composition, radix) in (0..Division::ALL.len(), 0..Composition::ALL.len(), 2u32..6),
     ) {
         let model = ["builtin:sphere@500", "builtin:teapot@2k", "builtin:soup@300", "builtin:terrain@1k"][model];
         let scene = scene(model, most_triangles);

@@ -291,7 +291,8 @@ pub fn check_range(scene: &Scene, settings: &Settings, view: &View) -> Result<()
 fn share_of(instance: &Instance) -> Result<Share, RenderError> {
     let (mesh, own) = (&instance.mesh, instance.mesh.triangle_count() as u64);
     let Some(share) = instance.share else {
-        return Ok(Share { first_triangle: 0, triangles: own, first_face: 0, faces: faces_of(mesh) });
+        let (triangles, faces) = (own, faces_of(mesh));
+        return Ok(Share { first_triangle: 0, triangles, first_face: 0, faces, has_whole_numbers: true });
     };
     if share.first_triangle.saturating_add(own) > share.triangles || share.first_face > share.faces {
         return Err(RenderError::Setting {

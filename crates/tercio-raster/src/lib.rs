@@ -7,7 +7,7 @@
 //!
 //! [`screen`] is the screen-space geometry that all of them share, [`conventions`] lists their conventions, `simd`
 //! holds the code that depends on the SIMD level. [`stats`] are the counts that come with every picture; [`tally`]
-//! makes finer ones, for performance predictions.
+//! makes finer ones, for performance predictions, and [`survey`] is what is known of a frame before it is drawn.
 //!
 //! # Example
 //!
@@ -52,6 +52,7 @@ mod shadow_map;
 mod shadows;
 mod simd;
 pub mod stats;
+pub mod survey;
 pub mod tally;
 pub mod tone;
 pub mod view;

@@ -54,6 +54,9 @@ pub struct Share {
     pub first_face: u64,
     /// Input faces of the whole model.
     pub faces: u64,
+    /// Primitives and faces have the numbers of the whole model in the mesh already, as in a part of a prepared model: they need
+    /// not be a range then, and `first_triangle` and `first_face` are 0.
+    pub has_whole_numbers: bool,
 }
 
 impl Instance {

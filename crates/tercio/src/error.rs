@@ -5,6 +5,7 @@ use std::io;
 use tercio_mesh::ReadError;
 use tercio_mesh::builtin::BuiltinError;
 use tercio_parallel::ParallelError;
+use tercio_parallel::comm::CommError;
 use tercio_raster::RenderError;
 use tercio_scene::camera::CameraError;
 
@@ -57,6 +58,12 @@ impl From<ReadError> for Error {
 impl From<BuiltinError> for Error {
     fn from(error: BuiltinError) -> Self {
         Self::Load(error.into())
+    }
+}
+
+impl From<CommError> for Error {
+    fn from(error: CommError) -> Self {
+        Self::Parallel(error.into())
     }
 }
 

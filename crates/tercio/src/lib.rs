@@ -30,7 +30,8 @@
 //! - [`TextureOptions::load`] gives a scene the materials that a model names, with their textures.
 //! - [`scene`] places meshes in the world, lights them and frames them with a camera.
 //! - [`raster`] draws. A [`Renderer`] keeps its memory from frame to frame.
-//! - [`parallel`] draws with several ranks, which share a frame and send each other messages.
+//! - [`parallel`] draws with several ranks, which share a frame and send each other messages; [`LoadOptions::load_part`] loads
+//!   for each of them a part of a model.
 //! - [`write_png_in_bands`] draws pictures that are larger than memory.
 //! - [`stereo`] makes one picture of those of two eyes, whose cameras [`Stereo`] places.
 //! - [`image`] writes pictures (PNG, PPM, WebP) and arrays (NPY), reads and compares pictures.
@@ -53,6 +54,7 @@ mod clipping;
 mod error;
 pub mod image;
 mod load;
+pub mod parts;
 mod prepared;
 pub mod stereo;
 mod summary;
@@ -65,6 +67,7 @@ pub use image::{ImageError, Picture};
 pub use load::{
     Inspection, LoadError, LoadOptions, LoadReport, LoadTimes, Loaded, LoadedMesh, Model, Normals, load,
 };
+pub use parts::LoadedPart;
 pub use prepared::Origin;
 pub use summary::{AttributeSummary, MeshSummary};
 pub use textures::{

@@ -337,7 +337,11 @@ impl<'a> Source<'a> {
             return Ok(Self::Builtin(name));
         }
         begin(options, "reading", 0);
-        let options = ReadOptions { memory_limit: options.memory_limit, progress: options.progress };
+        let options = ReadOptions {
+            memory_limit: options.memory_limit,
+            progress: options.progress,
+            ..ReadOptions::default()
+        };
         Ok(Self::File(io::input::open(model, &options)?))
     }
 
@@ -501,7 +505,11 @@ fn make_normals(mesh: &mut Mesh, crease_angle: Option<f64>, options: &LoadOption
 }
 
 fn read_input(input: &Input, options: &LoadOptions) -> Result<(Mesh, ReadReport), LoadError> {
-    let options = ReadOptions { memory_limit: options.memory_limit, progress: options.progress };
+    let options = ReadOptions {
+        memory_limit: options.memory_limit,
+        progress: options.progress,
+        ..ReadOptions::default()
+    };
     begin_stage(options.progress, "reading", 0);
     let model = io::read_input(input, &options)?;
     Ok((model.mesh, model.report))
@@ -554,7 +562,7 @@ fn make_builtin(name: &str, options: &LoadOptions) -> Result<(Mesh, ReadReport),
     Ok((mesh, report))
 }
 
-fn check_size(model: &Path, mesh: &Mesh) -> Result<(), LoadError> {
+pub(crate) fn check_size(model: &Path, mesh: &Mesh) -> Result<(), LoadError> {
     let counts = [("vertices", mesh.positions.len() as u64), ("triangles", mesh.triangles.len() as u64)];
     match counts.into_iter().find(|(_, count)| *count > MAX_ELEMENTS) {
         Some((what, count)) => {
@@ -567,7 +575,7 @@ fn check_size(model: &Path, mesh: &Mesh) -> Result<(), LoadError> {
 /// The mesh, and the most memory that one of the next steps takes in addition: joining vertices, which distributes
 /// them with their hashes; the triangles at each vertex; or the triangles in blocks, with their order and a normal
 /// per vertex. The additional memory for creases and seams depends on the model.
-fn preparation_bytes(mesh: &Mesh, is_soup: bool, options: &LoadOptions) -> u64 {
+pub(crate) fn preparation_bytes(mesh: &Mesh, is_soup: bool, options: &LoadOptions) -> u64 {
     let (vertices, triangles) = (mesh.positions.len() as u64, mesh.triangles.len() as u64);
     let joining = if is_soup { 24 * vertices } else { 0 };
     let edges = if options.details { 16 * vertices + 12 * triangles } else { 0 };
@@ -581,8 +589,13 @@ fn partition_bytes(mesh: &MeshSummary) -> u64 {
     mesh.bytes + mesh.bytes / 2 + mesh.bytes
 }
 
-fn check_memory(model: &Path, options: &LoadOptions, what: &str, needed: u64) -> Result<(), LoadError> {
-    let limit = ReadOptions { memory_limit: options.memory_limit, progress: None };
+pub(crate) fn check_memory(
+    model: &Path,
+    options: &LoadOptions,
+    what: &str,
+    needed: u64,
+) -> Result<(), LoadError> {
+    let limit = ReadOptions { memory_limit: options.memory_limit, progress: None, ..ReadOptions::default() };
     Ok(limit.check_memory(&model.display().to_string(), what, needed)?)
 }
 

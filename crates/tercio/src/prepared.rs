@@ -69,8 +69,21 @@ impl Loaded {
 
 /// Loads a prepared model.
 pub(crate) fn load(input: &Input, options: &LoadOptions, start: Instant) -> Result<Loaded, LoadError> {
-    let read = ReadOptions { memory_limit: options.memory_limit, progress: options.progress };
-    let prepared::Prepared { mesh, about } = prepared::read(input, &read)?;
+    let read = ReadOptions {
+        memory_limit: options.memory_limit,
+        progress: options.progress,
+        ..ReadOptions::default()
+    };
+    loaded(input, prepared::read(input, &read)?, start)
+}
+
+/// A prepared model, or a part of it, that was read since `start`.
+pub(crate) fn loaded(
+    input: &Input,
+    prepared: prepared::Prepared,
+    start: Instant,
+) -> Result<Loaded, LoadError> {
+    let prepared::Prepared { mesh, about } = prepared;
     let About { mut origin, mut report } =
         serde_json::from_slice(&about).map_err(|error| ReadError::Malformed {
             file: input.name.clone(),

@@ -2,12 +2,14 @@
 //!
 //! Four tables: frames of a model that turns ([`turning`]), the same with several samples per pixel and with an opacity
 //! ([`samples`]), whole runs from a file to a picture ([`first_picture`]), and scenes on which renderers are known to be
-//! slow ([`cliffs`]). `cargo xtask bench parallel` measures ranks instead ([`parallel`]). All programs draw the same files from the same cameras, in turns, so that other load of the machine
-//! affects all of them alike, and every ratio is taken within one turn.
+//! slow ([`cliffs`]). `cargo xtask bench parallel` measures ranks instead ([`parallel`]), `cargo xtask bench organisations` what
+//! `--organisation auto` chooses ([`organisations`]). All programs draw the same files from the same cameras, in turns, so that
+//! other load of the machine affects all of them alike, and every ratio is taken within one turn.
 
 mod cliffs;
 mod first_picture;
 mod machine;
+mod organisations;
 mod parallel;
 mod programs;
 mod report;
@@ -54,6 +56,8 @@ pub struct Arguments {
 enum Instead {
     /// Ranks: every organisation, division and composition, written to parallel.md
     Parallel,
+    /// What --organisation auto chooses, against the fastest, written to organisations.md
+    Organisations,
 }
 
 /// A part of what is measured.
@@ -93,8 +97,10 @@ struct Effort {
 /// # Errors
 /// Something does not build or does not run, or two programs draw different pictures.
 pub fn run(arguments: &Arguments) -> Result<()> {
-    if let Some(Instead::Parallel) = arguments.instead {
-        return parallel::run(arguments);
+    match arguments.instead {
+        Some(Instead::Parallel) => return parallel::run(arguments),
+        Some(Instead::Organisations) => return organisations::run(arguments),
+        None => {}
     }
     packages::provide(packages::RIVALS);
     let wanted = |table: &Table| arguments.only.is_empty() || arguments.only.contains(table);

@@ -62,22 +62,34 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     report.write_text(&folder, "parallel.md")
 }
 
-fn build(with_mpi: bool) -> Result<PathBuf> {
+/// Builds the program, with MPI or without.
+pub fn build(with_mpi: bool) -> Result<PathBuf> {
     let features: &[&str] = if with_mpi { &["--features", "mpi"] } else { &[] };
     process::run(process::cargo().args(["build", "--release", "--package", "tercio-cli"]).args(features))?;
     Ok(process::target_folder()?.join("release/tercio"))
 }
 
-fn simd(program: &Path) -> Result<String> {
+/// The SIMD level that the program uses here.
+pub fn simd(program: &Path) -> Result<String> {
     let output = bench(Command::new(program), "builtin:sphere@1k", "--size 8x8", 1)?;
     Ok(output["simd"].as_str().context("tercio bench names no SIMD level")?.to_owned())
 }
 
 /// Runs `tercio bench`, which the command begins with.
-fn bench(mut command: Command, model: &str, options: &str, frames: u32) -> Result<Value> {
+pub fn bench(mut command: Command, model: &str, options: &str, frames: u32) -> Result<Value> {
     command.args(["bench", model, "--json", "--quiet", "--frames", &frames.to_string()]);
     let text = process::output(command.args(options.split_whitespace()))?;
     serde_json::from_str(&text).context("reading what tercio bench printed")
+}
+
+/// Runs the program as an MPI job of so many processes.
+pub fn mpirun(program: &Path, processes: usize) -> Command {
+    let mut command = Command::new("mpirun");
+    if process::is_root() {
+        command.arg("--allow-run-as-root");
+    }
+    command.args(["-n", &processes.to_string()]).arg(program);
+    command
 }
 
 /// The table of a model.
@@ -144,11 +156,7 @@ fn two_processes(program: &Path, arguments: &Arguments, report: &mut Report) -> 
             };
             let alone = median(Command::new(program), &options)?;
             for (organisation, ratios) in ORGANISATIONS.iter().zip(&mut ratios) {
-                let mut command = Command::new("mpirun");
-                if process::is_root() {
-                    command.arg("--allow-run-as-root");
-                }
-                command.args(["-n", "2"]).arg(program);
+                let command = mpirun(program, 2);
                 ratios.push(alone / median(command, &format!("{options} --organisation {organisation}"))?);
             }
         }

@@ -3,7 +3,8 @@
 use std::time::Duration;
 
 use clap::{Args, ValueEnum};
-use tercio::parallel::{Composition, Division, Organisation, Ranks, Sharing};
+use tercio::parallel::{Composition, Division, Organisation, Sharing};
+use tercio_lab::predict::choose::candidates::Limits;
 
 use crate::args::values;
 use crate::output::UsageError;
@@ -23,6 +24,9 @@ pub enum OrganisationName {
     SortLast,
     /// Sort-middle in groups of --group ranks, whose pictures are composited.
     SortTwice,
+    /// The one that should be the fastest, by a model of the laboratory; -v says why. --group, --division, --composition and
+    /// --radix limit what is compared.
+    Auto,
 }
 
 /// How the tiles of the picture are divided among ranks.
@@ -49,6 +53,9 @@ pub enum CompositionName {
     BinarySwap,
     /// Groups of up to --radix ranks exchange parts.
     RadixK,
+    /// Groups of ranks are joined by twos and threes, whose members exchange parts.
+    #[value(name = "2-3-swap")]
+    TwoThreeSwap,
     /// Half of the ranks send all that they have to the others, until one has everything.
     Tree,
     /// One rank after another adds its part.
@@ -92,9 +99,28 @@ pub enum Drawers {
     /// This process, without ranks.
     Alone,
     /// This many ranks of this process.
-    InProcess(usize, Sharing),
+    InProcess(usize, How),
     /// The processes that mpirun started.
-    Mpi(Sharing),
+    Mpi(How),
+}
+
+/// How ranks share a frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum How {
+    /// So.
+    As(Sharing),
+    /// As is chosen when the scene is known.
+    Auto(Limits),
+}
+
+impl How {
+    /// Whether ranks may composite their pictures.
+    fn may_composite(self, ranks: usize) -> bool {
+        match self {
+            Self::As(sharing) => sharing.organisation.composites(ranks),
+            Self::Auto(_) => ranks > 1,
+        }
+    }
 }
 
 impl RanksArgs {
@@ -111,9 +137,9 @@ impl RanksArgs {
             (Some(_), _) if !has_others && self.timeout.is_some() => Err(UsageError(
                 "--timeout is for processes that mpirun started: ranks of one process are not stopped one by one".into(),
             )),
-            (Some(ranks), _) if !has_others => Ok(Drawers::InProcess(ranks, self.sharing(ranks)?)),
+            (Some(ranks), _) if !has_others => Ok(Drawers::InProcess(ranks, self.how(ranks)?)),
             (_, Some(processes)) if has_others || self.option().is_some() => {
-                Ok(Drawers::Mpi(self.sharing(processes)?))
+                Ok(Drawers::Mpi(self.how(processes)?))
             }
             (None, None) => match self.option() {
                 Some(option) => Err(UsageError(format!(
@@ -146,7 +172,11 @@ impl RanksArgs {
     }
 
     /// How this many ranks share a frame.
-    fn sharing(&self, ranks: usize) -> Result<Sharing, UsageError> {
+    fn how(&self, ranks: usize) -> Result<How, UsageError> {
+        if let Some(group) = self.group.filter(|&group| group > ranks) {
+            return Err(UsageError(format!("--group {group}: there are {ranks} ranks")));
+        }
+        let division = self.division.map(DivisionName::division);
         let organisation = match self.organisation.unwrap_or(OrganisationName::SortMiddle) {
             OrganisationName::SortFirst => Organisation::SortFirst,
             OrganisationName::SortMiddle => Organisation::SortMiddle,
@@ -155,6 +185,12 @@ impl RanksArgs {
                 let square_root = (1..).find(|root| root * root >= ranks).unwrap_or(ranks);
                 Organisation::SortTwice { group: self.group.unwrap_or(square_root) }
             }
+            OrganisationName::Auto => {
+                let limits = Limits { group: self.group, division, composition: self.composition()? };
+                let some = limits.candidates(ranks);
+                some.map_err(|none| UsageError(format!("--organisation auto: {none}")))?;
+                return Ok(How::Auto(limits));
+            }
         };
         let name = organisation.name();
         let unused = |option, why: &str| Err(UsageError(format!("{option}: {name} {why}")));
@@ -162,10 +198,7 @@ impl RanksArgs {
         if self.group.is_some() && !is_twice {
             return unused("--group", "has no groups of ranks; --organisation sort-twice has");
         }
-        if let Some(group) = self.group.filter(|&group| group > ranks) {
-            return Err(UsageError(format!("--group {group}: there are {ranks} ranks")));
-        }
-        if self.division.is_some() && organisation == Organisation::SortLast {
+        if division.is_some() && organisation == Organisation::SortLast {
             return unused("--division", "does not divide the picture");
         }
         let composites = is_twice || organisation == Organisation::SortLast;
@@ -174,41 +207,47 @@ impl RanksArgs {
         if let Some((_, option)) = of_composition.into_iter().find(|(is_given, _)| *is_given && !composites) {
             return unused(option, "does not composite pictures");
         }
-        let composition = match self.composition {
-            Some(CompositionName::RadixK) => Composition::RadixK(self.radix.unwrap_or(4)),
+        let (division, composition) = (division.unwrap_or_default(), self.composition()?.unwrap_or_default());
+        Ok(How::As(Sharing { organisation, division, composition }))
+    }
+
+    /// The composition, if one is requested.
+    fn composition(&self) -> Result<Option<Composition>, UsageError> {
+        Ok(match self.composition {
+            Some(CompositionName::RadixK) => Some(Composition::RadixK(self.radix.unwrap_or(4))),
             _ if self.radix.is_some() => {
                 return Err(UsageError("--radix is for --composition radix-k".into()));
             }
-            None | Some(CompositionName::DirectSend) => Composition::DirectSend,
-            Some(CompositionName::BinarySwap) => Composition::BinarySwap,
-            Some(CompositionName::Tree) => Composition::Tree,
-            Some(CompositionName::Ring) => Composition::Ring,
-        };
-        let division = match self.division.unwrap_or(DivisionName::Balanced) {
-            DivisionName::Balanced => Division::Balanced,
-            DivisionName::Interleaved => Division::Interleaved,
-            DivisionName::Rows => Division::Rows,
-            DivisionName::Columns => Division::Columns,
-            DivisionName::Blocks => Division::Blocks,
-        };
-        Ok(Sharing { organisation, division, composition })
+            None => None,
+            Some(CompositionName::DirectSend) => Some(Composition::DirectSend),
+            Some(CompositionName::BinarySwap) => Some(Composition::BinarySwap),
+            Some(CompositionName::TwoThreeSwap) => Some(Composition::TwoThreeSwap),
+            Some(CompositionName::Tree) => Some(Composition::Tree),
+            Some(CompositionName::Ring) => Some(Composition::Ring),
+        })
+    }
+}
+
+impl DivisionName {
+    fn division(self) -> Division {
+        match self {
+            Self::Balanced => Division::Balanced,
+            Self::Interleaved => Division::Interleaved,
+            Self::Rows => Division::Rows,
+            Self::Columns => Division::Columns,
+            Self::Blocks => Division::Blocks,
+        }
     }
 }
 
 impl Drawers {
-    /// The ranks of this process, if there are any, sharing `threads` threads.
-    pub fn in_process(self, threads: usize) -> Option<Ranks> {
-        let Self::InProcess(count, sharing) = self else { return None };
-        Some(Ranks { count, threads: (threads / count).max(1), sharing })
-    }
-
-    /// Whether ranks composite their pictures.
+    /// Whether ranks may composite their pictures.
     pub fn composites(self) -> bool {
         match self {
             Self::Alone => false,
-            Self::InProcess(count, sharing) => sharing.organisation.composites(count),
+            Self::InProcess(count, how) => how.may_composite(count),
             // As many processes as there may be.
-            Self::Mpi(sharing) => sharing.organisation.composites(usize::MAX),
+            Self::Mpi(how) => how.may_composite(usize::MAX),
         }
     }
 
@@ -248,16 +287,22 @@ mod tests {
         use Organisation::{SortFirst, SortMiddle};
         assert_eq!(drawers("", None), Ok(Drawers::Alone));
         assert_eq!(drawers("", Some(1)), Ok(Drawers::Alone));
-        assert_eq!(drawers("", Some(4)), Ok(Drawers::Mpi(SortMiddle.into())));
-        assert_eq!(drawers("--ranks 4", Some(4)), Ok(Drawers::Mpi(SortMiddle.into())));
-        assert_eq!(drawers("--organisation sort-first", Some(1)), Ok(Drawers::Mpi(SortFirst.into())));
+        let (first, middle) = (How::As(SortFirst.into()), How::As(SortMiddle.into()));
+        assert_eq!(drawers("", Some(4)), Ok(Drawers::Mpi(middle)));
+        assert_eq!(drawers("--ranks 4", Some(4)), Ok(Drawers::Mpi(middle)));
+        assert_eq!(drawers("--organisation sort-first", Some(1)), Ok(Drawers::Mpi(first)));
         let three = "--ranks 3 --organisation sort-first";
-        assert_eq!(drawers(three, None), Ok(Drawers::InProcess(3, SortFirst.into())));
-        assert_eq!(drawers("--ranks 3", Some(1)), Ok(Drawers::InProcess(3, SortMiddle.into())));
+        assert_eq!(drawers(three, None), Ok(Drawers::InProcess(3, first)));
+        assert_eq!(drawers("--ranks 3", Some(1)), Ok(Drawers::InProcess(3, middle)));
         assert!(drawers("--ranks 3", Some(4)).unwrap_err().contains("mpirun started 4"));
-        for option in
-            ["--organisation sort-first", "--group 2", "--division rows", "--composition tree", "--radix 4"]
-        {
+        for option in [
+            "--organisation sort-first",
+            "--organisation auto",
+            "--group 2",
+            "--division rows",
+            "--composition tree",
+            "--radix 4",
+        ] {
             let error = drawers(option, None).unwrap_err();
             assert!(error.contains("--ranks") && error.starts_with(&option[..7]), "{error}");
         }
@@ -266,7 +311,7 @@ mod tests {
     #[test]
     fn options_that_have_no_effect_are_refused() {
         let sharing = |options: &str| match drawers(&format!("--ranks 10 {options}"), None) {
-            Ok(Drawers::InProcess(10, sharing)) => Ok(sharing),
+            Ok(Drawers::InProcess(10, How::As(sharing))) => Ok(sharing),
             Ok(other) => panic!("{other:?}"),
             Err(error) => Err(error),
         };
@@ -276,6 +321,8 @@ mod tests {
         let composition = Composition::RadixK(3);
         let last = Sharing { composition, ..Organisation::SortLast.into() };
         assert_eq!(sharing("--organisation sort-last --composition radix-k --radix 3"), Ok(last));
+        let last = Sharing { composition: Composition::TwoThreeSwap, ..Organisation::SortLast.into() };
+        assert_eq!(sharing("--organisation sort-last --composition 2-3-swap"), Ok(last));
         let division = Division::Rows;
         let middle = Sharing { division, ..Organisation::SortMiddle.into() };
         assert_eq!(sharing("--organisation sort-middle --division rows"), Ok(middle));
@@ -283,7 +330,13 @@ mod tests {
             ("--group 3", "sort-middle has no groups"),
             ("--organisation sort-last --division rows", "sort-last does not divide"),
             ("--organisation sort-middle --composition tree", "sort-middle does not composite"),
+            (
+                "--organisation sort-first --composition radix-k --radix 3",
+                "--composition: sort-first does not composite",
+            ),
             ("--organisation sort-first --radix 3", "--radix: sort-first does not composite"),
+            ("--organisation auto --group 11", "--group 11: there are 10 ranks"),
+            ("--organisation auto --radix 3", "--radix is for"),
             ("--organisation sort-last --composition tree --radix 3", "--radix is for"),
             ("--radix 1", "1 is not in 2..=256"),
             ("--organisation sort-twice --group 11", "--group 11: there are 10 ranks"),
@@ -293,5 +346,20 @@ mod tests {
             let error = sharing(options).unwrap_err();
             assert!(error.contains(reason), "{options}: {error}");
         }
+    }
+
+    #[test]
+    fn options_besides_auto_limit_what_it_compares() {
+        let auto = |options: &str| drawers(&format!("--ranks 4 --organisation auto {options}"), None);
+        let limits = |limits| Ok(Drawers::InProcess(4, How::Auto(limits)));
+        assert_eq!(auto(""), limits(Limits::default()));
+        let (division, composition) = (Some(Division::Rows), Some(Composition::RadixK(3)));
+        assert_eq!(auto("--division rows"), limits(Limits { division, ..Limits::default() }));
+        let both = "--division rows --composition radix-k --radix 3 --group 2";
+        assert_eq!(auto(both), limits(Limits { group: Some(2), division, composition }));
+        assert_eq!(drawers("--organisation auto", Some(3)), Ok(Drawers::Mpi(How::Auto(Limits::default()))));
+        let two = drawers("--ranks 2 --organisation auto --division rows --composition tree", None);
+        let error = two.unwrap_err();
+        assert!(error.contains("sort-twice, which needs 3 ranks or more: there are 2"), "{error}");
     }
 }

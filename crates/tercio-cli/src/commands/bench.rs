@@ -14,14 +14,15 @@ use tercio::image::Destination;
 use tercio::mesh::cluster::{PartitionOptions, partition};
 use tercio::mesh::{Aabb, ClusteredMesh, Mesh};
 use tercio::parallel::organisation::{Rank, Task};
-use tercio::parallel::{Communicator, FrameReport, Ranks, Sharing, between_processes, draw_frames};
+use tercio::parallel::{Communicator, FrameReport, Ranks, between_processes, draw_frames};
 use tercio::raster::{Frame, FrameStats, LastStage, Renderer, Settings};
 use tercio::scene::{Camera, Projection, Scene};
 use tercio::{LoadOptions, LoadReport, Model, Normals, TextureReport};
+use tercio_lab::predict::choose::Choice;
 
 use crate::args::bench::{Copies, LookName, StageName, StillArgs};
 use crate::args::drawing::{CullName, TuningArgs};
-use crate::args::ranks::{Drawers, RanksArgs};
+use crate::args::ranks::{Drawers, How, RanksArgs};
 use crate::args::sampling::SamplingArgs;
 use crate::args::textures::{TextureArgs, TextureLimits};
 use crate::args::{ModelArgs, ProgressMode, RunningArgs, values};
@@ -29,7 +30,7 @@ use crate::named_files::NamedFiles;
 use crate::output::{UsageError, write_text};
 use crate::progress::Display;
 use crate::report::{self, camera_json, grouped};
-use crate::{ending, memory, messages, mpi};
+use crate::{ending, memory, messages, mpi, organisation};
 
 /// Measures how fast a model is drawn: loads it once, then draws views evenly round its vertical axis.
 ///
@@ -124,23 +125,29 @@ impl Bench {
             return Err(UsageError("--toss: ranks draw whole frames".into()).into());
         }
         let text = match drawers {
-            Drawers::Mpi(sharing) => {
+            Drawers::Mpi(how) => {
                 self.model.check_reaches_all(processes)?;
                 let work = |comm: &mut mpi::Comm| {
                     mpi::watch(comm, self.ranks.timeout());
                     let is_first = comm.rank() == 0;
                     let draw = |scene: &Scene, cameras: &[Camera], settings: &Settings| {
-                        draw_as_rank(comm, &pool, (scene, cameras, settings, sharing))
+                        draw_as_rank(comm, &pool, (scene, cameras, settings, how))
                     };
                     self.measure(&files, is_first, draw)
                 };
                 pool.install(|| mpi::run(work))?
             }
             _ => {
-                let ranks = drawers.in_process(pool.current_num_threads());
-                let draw = |scene: &Scene, cameras: &[Camera], settings: &Settings| match ranks {
-                    None => draw_alone(scene, cameras, settings),
-                    Some(ranks) => draw_with_ranks(ranks, scene, cameras, settings),
+                let threads = pool.current_num_threads();
+                let draw = |scene: &Scene, cameras: &[Camera], settings: &Settings| {
+                    // Chosen once, for the first view.
+                    match organisation::in_process(drawers, threads, (scene, &cameras[0], settings))? {
+                        None => draw_alone(scene, cameras, settings),
+                        Some((ranks, choice)) => {
+                            let frames = draw_with_ranks(ranks, scene, cameras, settings)?;
+                            Ok(Frames { choice, ..frames })
+                        }
+                    }
                 };
                 pool.install(|| self.measure(&files, true, draw))?
             }
@@ -190,6 +197,9 @@ impl Bench {
         drop(display);
         let loaded =
             Loaded { scene: &scene, copies: &copies, textures: textures.as_ref(), load_ms, partition_ms };
+        if is_first && self.running.verbose {
+            frames.choice.iter().for_each(organisation::print);
+        }
         Ok(is_first.then(|| self.report(&loaded, &cameras, &frames)))
     }
 
@@ -272,7 +282,7 @@ impl Bench {
     }
 
     fn report(&self, loaded: &Loaded, cameras: &[Camera], frames: &Frames) -> String {
-        let Frames { stats: frames, reports } = frames;
+        let Frames { stats: frames, reports, choice } = frames;
         let &Loaded { scene, copies, textures, load_ms, partition_ms } = loaded;
         let mesh = &scene.instances[0].mesh;
         let triangles = mesh.triangle_count() as u64 * scene.instances.len() as u64;
@@ -306,6 +316,7 @@ impl Bench {
                 "peak_memory_bytes": memory::peak_bytes(),
                 "last_frame": last,
                 "last_frame_of_ranks": reports.last(),
+                "choice": choice.as_ref().map(organisation::json),
             });
             if let (Value::Object(value), Value::Object(spread)) = (&mut value, total.json()) {
                 value.extend(spread);
@@ -351,11 +362,13 @@ struct Frames {
     stats: Vec<FrameStats>,
     /// Those of ranks, if there are any.
     reports: Vec<FrameReport>,
+    /// Why ranks share the frames as they do, if that was chosen.
+    choice: Option<Choice>,
 }
 
 impl Frames {
     fn of_ranks(reports: Vec<FrameReport>) -> Self {
-        Self { stats: reports.iter().map(FrameReport::stats).collect(), reports }
+        Self { stats: reports.iter().map(FrameReport::stats).collect(), reports, choice: None }
     }
 }
 
@@ -384,15 +397,19 @@ fn draw_with_ranks(ranks: Ranks, scene: &Scene, cameras: &[Camera], settings: &S
 fn draw_as_rank(
     comm: &mut mpi::Comm,
     pool: &Arc<ThreadPool>,
-    (scene, cameras, settings, sharing): (&Scene, &[Camera], &Settings, Sharing),
+    (scene, cameras, settings, how): (&Scene, &[Camera], &Settings, How),
 ) -> Result<Frames> {
+    let picture = (scene, &cameras[0], settings);
+    let (sharing, choice) = organisation::between(comm, how, pool.current_num_threads(), picture)?;
     let (mut own, mut frame, mut reports) = (Rank::from_pool(pool.clone()), Frame::default(), Vec::new());
-    for camera in with_first_frame(cameras) {
+    for (number, camera) in with_first_frame(cameras).into_iter().enumerate() {
         let task = Task { sharing, scene, camera: &camera, settings };
+        // The counts by partner of the last frame are reported; it is number `cameras.len()`.
+        own.tell_partners(number == cameras.len());
         reports.extend(between_processes::draw_frame(&mut own, comm, &task, &mut frame)?);
     }
     reports.drain(..reports.len().min(1));
-    Ok(Frames::of_ranks(reports))
+    Ok(Frames { choice, ..Frames::of_ranks(reports) })
 }
 
 /// The scene, and the time of loading and partitioning it.

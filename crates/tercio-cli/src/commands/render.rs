@@ -9,18 +9,19 @@ use clap::Args;
 use rayon::ThreadPool;
 use serde_json::{Value, json};
 use tercio::parallel::organisation::{Rank, Task};
-use tercio::parallel::{Communicator as _, FrameReport, Sharing, between_processes, in_process};
+use tercio::parallel::{Communicator as _, FrameReport, between_processes, in_process};
 use tercio::raster::frame::fragments::fragment_bytes;
 use tercio::raster::{Frame, FrameStats, Outputs, Renderer, Settings};
 use tercio::scene::{Background, Camera, Scene};
 use tercio::{LoadOptions, LoadReport, TextureReport, band_bytes, write_png_in_bands};
+use tercio_lab::predict::choose::Choice;
 
 use crate::args::camera::CameraArgs;
 use crate::args::clip::ClipArgs;
 use crate::args::drawing::{DrawingArgs, TuningArgs};
 use crate::args::effects::EffectArgs;
 use crate::args::environment::EnvironmentArgs;
-use crate::args::ranks::{Drawers, RanksArgs};
+use crate::args::ranks::{Drawers, How, RanksArgs};
 use crate::args::sampling::SamplingArgs;
 use crate::args::stereo::{Cameras, StereoArgs};
 use crate::args::textures::{TextureArgs, TextureLimits};
@@ -30,7 +31,7 @@ use crate::named_files::NamedFiles;
 use crate::output::{Plan, UsageError, frame_bytes, write_text};
 use crate::progress::Display;
 use crate::stereo::{self, ViewReport};
-use crate::{ending, memory, messages, mpi, nothing_drawn, report};
+use crate::{ending, memory, messages, mpi, nothing_drawn, organisation, report};
 
 /// Draws a model into a picture file.
 #[derive(Debug, Args)]
@@ -113,6 +114,8 @@ struct Done {
     textures: Option<TextureReport>,
     look: Value,
     cameras: Cameras,
+    /// Why ranks share the frame as they do, if that was chosen.
+    choice: Option<Choice>,
     /// Counts and times of every camera's picture.
     views: Vec<ViewReport>,
     /// Of the effects on the finished pictures.
@@ -158,9 +161,9 @@ impl Render {
         ending::name_model(self.model.name());
         let pool = Arc::new(self.running.pool()?);
         let done = match drawers {
-            Drawers::Mpi(sharing) => {
+            Drawers::Mpi(how) => {
                 self.model.check_reaches_all(processes)?;
-                let work = |comm: &mut _| self.draw_as_rank(comm, &pool, &writing, &settings, sharing);
+                let work = |comm: &mut _| self.draw_as_rank(comm, &pool, &writing, &settings, how);
                 pool.install(|| mpi::run(work))?
             }
             _ => {
@@ -191,17 +194,22 @@ impl Render {
         if self.is_in_bands(&writing.plan, drawers) {
             return self.draw_in_bands(writing, settings, loaded, &display);
         }
-        let mut drawn = Vec::new();
+        let (mut drawn, mut choice, mut drawers) = (Vec::new(), None, drawers);
         for camera in &loaded.cameras.views {
             let settings = &self.with_shadows(settings, &loaded.scene, camera, &display)?;
             display.stage("drawing");
-            let (mut frame, parallel) =
+            let (mut frame, parallel, chosen) =
                 self.frame(&loaded.scene, camera, settings, drawers).with_context(|| self.model.name())?;
+            if let (Some(chosen), Drawers::InProcess(count, _)) = (chosen, drawers) {
+                // The second eye sees almost the same.
+                drawers = Drawers::InProcess(count, How::As(chosen.sharing()));
+                choice = Some(chosen);
+            }
             let effect_milliseconds = self.add_effects(&mut frame, &loaded, camera, settings)?;
             drawn.push(Drawn { frame, parallel, effect_milliseconds });
         }
         display.stage("writing");
-        self.write(writing, loaded, drawn)
+        self.write(writing, loaded, drawn, choice)
     }
 
     /// Settings with the shadows of the scene's lights, if they are requested. Every rank draws the same ones.
@@ -255,8 +263,18 @@ impl Render {
         let output_milliseconds = (all - stats.milliseconds.total).max(0.0);
         let empty = self.reason(&report, camera, &stats);
         let views = vec![ViewReport { stats, parallel: None }];
-        let effect_milliseconds = 0.0;
-        Ok(Done { report, textures, look, cameras, views, effect_milliseconds, output_milliseconds, empty })
+        let (effect_milliseconds, choice) = (0.0, None);
+        Ok(Done {
+            report,
+            textures,
+            look,
+            cameras,
+            choice,
+            views,
+            effect_milliseconds,
+            output_milliseconds,
+            empty,
+        })
     }
 
     /// Why nothing was drawn, if that is the case.
@@ -279,7 +297,7 @@ impl Render {
         pool: &Arc<ThreadPool>,
         writing: &Writing,
         settings: &Settings,
-        sharing: Sharing,
+        mut how: How,
     ) -> Result<Option<Done>> {
         mpi::watch(comm, self.ranks.timeout());
         let writes = comm.rank() == 0;
@@ -287,12 +305,17 @@ impl Render {
             writing.files.check_places()?;
         }
         let display = Display::new(if writes { self.running.progress_mode() } else { ProgressMode::Never });
-        let loaded = self.load(writing, &display, Drawers::Mpi(sharing))?;
+        let loaded = self.load(writing, &display, Drawers::Mpi(how))?;
         let mut own = Rank::from_pool(pool.clone());
-        let mut drawn = Vec::new();
+        let (mut drawn, mut choice) = (Vec::new(), None);
         for camera in &loaded.cameras.views {
             let settings = &self.with_shadows(settings, &loaded.scene, camera, &display)?;
             display.stage("drawing");
+            let picture = (&loaded.scene, camera, settings);
+            let (sharing, chosen) = organisation::between(comm, how, pool.current_num_threads(), picture)
+                .with_context(|| self.model.name())?;
+            how = How::As(sharing);
+            choice = choice.or(chosen);
             let task = Task { sharing, scene: &loaded.scene, camera, settings };
             let mut frame = Frame::default();
             let parallel = between_processes::draw_frame(&mut own, comm, &task, &mut frame)
@@ -306,7 +329,7 @@ impl Render {
             return Ok(None);
         }
         display.stage("writing");
-        self.write(writing, loaded, drawn).map(Some)
+        self.write(writing, loaded, drawn, choice).map(Some)
     }
 
     fn load(&self, writing: &Writing, display: &Display, drawers: Drawers) -> Result<Loaded> {
@@ -366,12 +389,13 @@ impl Render {
         camera: &Camera,
         settings: &Settings,
         drawers: Drawers,
-    ) -> Result<(Frame, Option<FrameReport>)> {
-        Ok(match drawers.in_process(rayon::current_num_threads()) {
-            None => (Renderer::new().render(scene, camera, settings)?, None),
-            Some(ranks) => {
+    ) -> Result<(Frame, Option<FrameReport>, Option<Choice>)> {
+        let threads = rayon::current_num_threads();
+        Ok(match organisation::in_process(drawers, threads, (scene, camera, settings))? {
+            None => (Renderer::new().render(scene, camera, settings)?, None, None),
+            Some((ranks, choice)) => {
                 let (frame, report) = in_process::draw(ranks, scene, camera, settings)?;
-                (frame, Some(report))
+                (frame, Some(report), choice)
             }
         })
     }
@@ -410,7 +434,13 @@ impl Render {
     }
 
     /// Writes the outputs, unless nothing was drawn.
-    fn write(&self, writing: &Writing, loaded: Loaded, drawn: Vec<Drawn>) -> Result<Done> {
+    fn write(
+        &self,
+        writing: &Writing,
+        loaded: Loaded,
+        drawn: Vec<Drawn>,
+        choice: Option<Choice>,
+    ) -> Result<Done> {
         let Loaded { report, textures, scene, look, cameras, .. } = loaded;
         let mut frames = Vec::new();
         let (mut views, mut reasons) = (Vec::new(), Vec::new());
@@ -429,7 +459,17 @@ impl Render {
         let (written, ()) = rayon::join(write, || drop(scene));
         written?;
         let output_milliseconds = begin.elapsed().as_secs_f64() * 1e3;
-        Ok(Done { report, textures, look, cameras, views, effect_milliseconds, output_milliseconds, empty })
+        Ok(Done {
+            report,
+            textures,
+            look,
+            cameras,
+            choice,
+            views,
+            effect_milliseconds,
+            output_milliseconds,
+            empty,
+        })
     }
 
     fn print_summary(&self, done: &Done) {
@@ -482,6 +522,7 @@ impl Render {
             "look": done.look,
             "frame": serde_json::to_value(&frame)?,
             "parallel": parallel,
+            "choice": done.choice.as_ref().map(organisation::json),
             "threads": threads,
             "simd": frame.simd,
             "effect_milliseconds": done.effect_milliseconds,
@@ -516,6 +557,7 @@ fn print_details(done: &Done) {
         ));
     }
     report::clipped(report).iter().for_each(|c| messages::note(c));
+    done.choice.iter().for_each(organisation::print);
     for frame in views.iter().flat_map(|view| &view.parallel) {
         messages::note(&format!(
             "{} ranks, {}, sent {} with {} bytes",
@@ -524,7 +566,8 @@ fn print_details(done: &Done) {
             report::counted(frame.messages, "message"),
             report::grouped(frame.bytes)
         ));
-        report::table_of_ranks(frame).iter().for_each(|line| messages::note(line));
+        let tables = report::table_of_ranks(frame).into_iter().chain(report::tables_of_partners(frame));
+        tables.for_each(|line| messages::note(&line));
     }
     let stats = &stereo::together(views);
     messages::note(&format!(

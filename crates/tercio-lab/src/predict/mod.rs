@@ -7,6 +7,7 @@
 //! | [`boxes`] | its triangles as boxes of samples, for simulated ranks |
 //! | [`frame`] | times from counts and costs: one process with several threads |
 //! | [`ranks`] | the same for ranks that share a frame |
+//! | [`choose`] | how ranks share a frame, chosen before it is drawn: `--organisation auto` |
 //! | [`advise`] | the best organisation for a machine and a model, and why |
 //! | [`measure`] | the real renderer's counters and times |
 //! | [`usage`] | page faults and context switches |
@@ -21,6 +22,7 @@
 pub mod advise;
 pub mod boxes;
 pub mod calibrate;
+pub mod choose;
 pub mod counts;
 pub mod fit;
 pub mod frame;
@@ -57,4 +59,7 @@ pub enum PredictError {
     /// The renderer's ranks share a frame in a way without a model.
     #[error("there is no model of {0} ranks of the renderer")]
     Organisation(tercio_parallel::Organisation),
+    /// What was decided leaves no way to share a frame.
+    #[error(transparent)]
+    NoCandidate(#[from] choose::candidates::NoCandidate),
 }

@@ -4,6 +4,7 @@ mod drops;
 mod quick;
 
 use std::collections::HashMap;
+use std::ops::Range;
 
 use fearless_simd::{Level, dispatch};
 use rayon::prelude::*;
@@ -63,6 +64,59 @@ enum Fault {
 ///
 /// If a triangle's vertex does not exist, or an array of the mesh is too short.
 pub fn clean(mesh: &mut Mesh) -> Cleaned {
+    let Drops { mut found, drops, .. } = find_drops(mesh, 0..mesh.triangles.len());
+    let (non_finite, largest) = mend_positions(&mut mesh.positions);
+    found.non_finite_vertices = non_finite;
+    if !drops.is_empty() {
+        drops::drop_triangles(mesh, &drops);
+    }
+    // Vertices that no triangle uses do not count. Nearly always one triangle shows that there is nothing to do.
+    let first = mesh.triangles.first().map_or(0.0, |&t| largest_of(mesh, t));
+    if !SAFE_MAGNITUDES.contains(&largest) || !SAFE_MAGNITUDES.contains(&first) {
+        mesh.bring_into_range(largest_used(mesh, &(0..mesh.triangles.len())));
+    }
+    found
+}
+
+/// What [`clean_part`] did.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct CleanedPart {
+    /// Counts of the part's own triangles, and the non-finite vertices of all.
+    pub found: Cleaned,
+    /// The part's own triangles now.
+    pub own: Range<usize>,
+    /// The largest absolute value of a coordinate of them.
+    pub largest: f32,
+}
+
+/// As [`clean`], for a part of a model, whose triangles are `own`, with those of other parts around it. The unit stays: it
+/// depends on the whole model ([`Mesh::bring_into_range`]).
+///
+/// # Panics
+/// As [`clean`].
+pub fn clean_part(mesh: &mut Mesh, own: Range<usize>) -> CleanedPart {
+    let Drops { mut found, drops } = find_drops(mesh, own.clone());
+    (found.non_finite_vertices, _) = mend_positions(&mut mesh.positions);
+    let before = |end: usize| end - drops.partition_point(|&t| (t as usize) < end);
+    let own = before(own.start)..before(own.end);
+    if !drops.is_empty() {
+        drops::drop_triangles(mesh, &drops);
+    }
+    let largest = largest_used(mesh, &own);
+    CleanedPart { found, own, largest }
+}
+
+/// Triangles that cannot be drawn.
+struct Drops {
+    /// Counts of some of the triangles.
+    found: Cleaned,
+    /// The numbers of all, in ascending order.
+    drops: Vec<u32>,
+}
+
+/// Finds the triangles that are dropped, and counts those in `counted`.
+fn find_drops(mesh: &Mesh, counted: Range<usize>) -> Drops {
     let mut found = Cleaned::default();
     let level = Level::new();
     let positions = &mesh.positions;
@@ -89,28 +143,22 @@ pub fn clean(mesh: &mut Mesh) -> Cleaned {
         let mut kept = stitching(mesh, &flat, &faulty).into_iter();
         faults.retain(|f| !matches!(f.1, Fault::Flat(_)) || !kept.next().unwrap_or(false));
     }
-    for (_, fault) in &faults {
+    let is_counted = |t: u32| counted.contains(&(t as usize));
+    for (_, fault) in faults.iter().filter(|fault| is_counted(fault.0)) {
         match fault {
             Fault::NonFinite => found.non_finite_triangles += 1,
             Fault::DuplicateCorner => found.duplicate_corner += 1,
             Fault::Flat(_) => found.degenerate += 1,
         }
     }
-    found.stitching_kept = flat.len() as u64 - found.degenerate;
-    let (non_finite, largest) = mend_positions(&mut mesh.positions);
-    found.non_finite_vertices = non_finite;
-    if !faults.is_empty() {
-        let drops: Vec<u32> = faults.iter().map(|f| f.0).collect();
-        drops::drop_triangles(mesh, &drops);
-    }
-    // Vertices that no triangle uses do not count. Nearly always one triangle shows that there is nothing to do.
-    let first = mesh.triangles.first().map_or(0.0, |&t| largest_of(mesh, t));
-    if !SAFE_MAGNITUDES.contains(&largest) || !SAFE_MAGNITUDES.contains(&first) {
-        let used = mesh.triangles.par_iter().with_min_len(CHUNK).map(|&t| largest_of(mesh, t));
-        let largest = used.reduce(|| 0.0, f32::max);
-        mesh.bring_into_range(largest);
-    }
-    found
+    found.stitching_kept = flat.iter().filter(|flat| is_counted(flat.0)).count() as u64 - found.degenerate;
+    Drops { found, drops: faults.iter().map(|f| f.0).collect() }
+}
+
+/// The largest absolute value of a coordinate of some triangles.
+fn largest_used(mesh: &Mesh, triangles: &Range<usize>) -> f32 {
+    let used = mesh.triangles[triangles.clone()].par_iter().with_min_len(CHUNK);
+    used.map(|&t| largest_of(mesh, t)).reduce(|| 0.0, f32::max)
 }
 
 /// The largest absolute value of a coordinate of a triangle.

@@ -70,6 +70,22 @@ impl<T: AnyBitPattern> Buffer<T> {
         Some(Self::Mapped(Arc::clone(file), range))
     }
 
+    /// Some of the elements; those in a file are not copied.
+    ///
+    /// # Panics
+    /// If there are no such elements.
+    pub(crate) fn part(&self, elements: Range<usize>) -> Self {
+        let size = size_of::<T>();
+        match self {
+            Self::Mapped(file, range) => {
+                assert!(elements.end * size <= range.len(), "elements of the buffer");
+                let first = range.start;
+                Self::Mapped(Arc::clone(file), first + elements.start * size..first + elements.end * size)
+            }
+            _ => Self::Owned(self[elements].to_vec()),
+        }
+    }
+
     /// Bytes in memory of its own, not in a file.
     pub fn owned_bytes(&self) -> usize {
         match self {

@@ -429,7 +429,7 @@ mod tests {
 
     #[test]
     fn scans_in_pieces_equal_scans_of_the_whole() {
-        let options = ReadOptions { memory_limit: Some(1), progress: None };
+        let options = ReadOptions { memory_limit: Some(1), progress: None, ..ReadOptions::default() };
         for length in [0, 1, RELEASE_STEP - 1, RELEASE_STEP, RELEASE_STEP + 1, 12 * RELEASE_STEP + 7] {
             for marked in [None, Some(0), Some(length / 2), length.checked_sub(1)] {
                 let mut bytes = vec![0; length];

@@ -7,6 +7,7 @@ pub mod obj;
 pub mod off;
 pub mod ply;
 pub mod prepared;
+pub mod share;
 mod sniff;
 pub mod stl;
 pub mod text;
@@ -14,10 +15,11 @@ mod translucent;
 
 use std::path::{Path, PathBuf};
 
+use glam::DVec3;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::{Mesh, OctNormal, Progress, ReadError};
+use crate::{Aabb, Mesh, OctNormal, Progress, ReadError};
 pub use companions::relative;
 use input::Input;
 pub use not_drawn::NotDrawn;
@@ -31,6 +33,10 @@ pub struct ReadOptions<'a> {
     pub memory_limit: Option<u64>,
     /// Receives the progress of reading.
     pub progress: Option<&'a Progress>,
+    /// The [origin](Mesh::origin) of the mesh, in file coordinates; chosen from the vertices if it is `None`.
+    pub origin: Option<DVec3>,
+    /// The file is a part of a model: what depends on the whole of it is left to [`share::Facts::settle`].
+    pub is_part: bool,
 }
 
 impl ReadOptions<'_> {
@@ -86,11 +92,13 @@ pub struct ReadReport {
 /// A mesh and what was found while it was read. The mesh is as the file holds it: not cleaned, not welded, without
 /// generated normals. Positions may be non-finite; indices are in range. A normal that the file leaves out, or gives
 /// as zero or not finite, is [`OctNormal::NONE`]; [`crate::normals::mend_normals`] replaces it.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct ReadModel {
     /// The mesh.
     pub mesh: Mesh,
+    /// Bounds of all vertices with finite coordinates, in file coordinates.
+    pub coordinates: Aabb,
     /// What was found.
     pub report: ReadReport,
 }
@@ -118,26 +126,34 @@ pub fn read_input(input: &Input, options: &ReadOptions) -> Result<ReadModel, Rea
     }?;
     model.report.file_bytes = input.file_bytes;
     model.report.warnings.splice(0..0, input.warnings.iter().cloned());
-    warn_of_normals(&mut model);
+    if options.is_part {
+        return Ok(model);
+    }
+    if warn_of_normals(&mut model) {
+        model.mesh.normals = None;
+    }
+    count_all(&mut model);
+    Ok(model)
+}
+
+/// Counts what is not drawn and what is not opaque; what is invisible everywhere becomes opaque.
+fn count_all(model: &mut ReadModel) {
     model.report.not_drawn.count_mesh(&model.mesh, model.report.faces);
     let (translucent, warning) = Translucent::count(&mut model.mesh);
     model.report.translucent = translucent;
     model.report.warnings.extend(warning);
-    Ok(model)
 }
 
-/// Warns of normals that are missing, zero or not finite. If no valid one is left, the mesh gets no normals.
-fn warn_of_normals(model: &mut ReadModel) {
-    let Some(normals) = &model.mesh.normals else { return };
+/// Warns of normals that are missing, zero or not finite. Returns whether no valid one is left.
+fn warn_of_normals(model: &mut ReadModel) -> bool {
+    let Some(normals) = &model.mesh.normals else { return false };
     let broken = normals.par_iter().filter(|n| **n == OctNormal::NONE).count();
     let (all, are) = (normals.len(), if broken == 1 { "is" } else { "are" });
     if broken == 0 {
-        return;
+        return false;
     }
     model.report.warnings.push(format!(
         "{broken} of {all} normals {are} missing, zero or not finite; made from the triangles instead"
     ));
-    if broken == all {
-        model.mesh.normals = None;
-    }
+    broken == all
 }

@@ -21,6 +21,14 @@ impl Translucent {
     /// Counts. An alpha that is 0 everywhere cannot be meant, as nothing would be visible: it becomes 1, and a warning
     /// is returned.
     pub(super) fn count(mesh: &mut Mesh) -> (Self, Option<String>) {
+        match Self::look(mesh) {
+            (_, true) => (Self::default(), Some(Self::make_opaque(mesh))),
+            (counts, false) => (counts, None),
+        }
+    }
+
+    /// Counts, and whether there are colours, and all of them have an alpha of 0.
+    pub(super) fn look(mesh: &Mesh) -> (Self, bool) {
         let mut counts = Self::default();
         let all;
         match (&mesh.face_colors, &mesh.vertex_colors) {
@@ -40,16 +48,17 @@ impl Translucent {
                 all = counts.materials > 0 && of_faces.iter().all(|number| opacity(number) == 0.0);
             }
         }
-        if !all {
-            return (counts, None);
-        }
+        (counts, all)
+    }
+
+    /// Makes everything opaque; returns the warning.
+    pub(super) fn make_opaque(mesh: &mut Mesh) -> String {
         let colors = mesh.face_colors.as_mut().or(mesh.vertex_colors.as_mut());
         match colors {
             Some(colors) => colors.iter_mut().for_each(|color| color[3] = u8::MAX),
             None => mesh.materials.iter_mut().for_each(|material| material.opacity = 1.0),
         }
-        let warning = "everything is fully transparent (alpha or opacity 0 everywhere); drawn opaque";
-        (Self::default(), Some(warning.into()))
+        "everything is fully transparent (alpha or opacity 0 everywhere); drawn opaque".into()
     }
 }
 

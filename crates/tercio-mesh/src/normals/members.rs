@@ -1,7 +1,7 @@
 //! A set of vertices.
 
 /// A set of vertex numbers that can return the rank of each of its members.
-pub(super) struct Members {
+pub(crate) struct Members {
     words: Vec<u64>,
     /// Number of members before each word.
     before: Vec<u32>,

@@ -18,7 +18,7 @@
 mod creased;
 mod faces;
 mod fan;
-mod members;
+pub(crate) mod members;
 mod mend;
 mod oct;
 mod smooth;

@@ -114,10 +114,16 @@ struct Left {
     doubtful: Vec<u32>,
 }
 
+/// Adding this to an angle and subtracting it rounds the angle to a multiple of 2^-48, the distance of the numbers from 16 to
+/// 32. Sums of such numbers below 32 are exact.
+const ROUNDING: f64 = 24.0;
+
 /// Sums over the triangles around a vertex.
 #[derive(Clone, Copy)]
 struct Ring {
-    /// Unit normals, weighted by the angle at the vertex, and the angles.
+    /// Unit normals, weighted by the angle at the vertex, and the angles. All terms are multiples of 2^-48, so sums up to 9,
+    /// the largest that a normal is made from, are exact: they do not depend on how the triangles are divided into blocks, or
+    /// among ranks.
     sum: [f64; 4],
     /// Sum of the hashes of the next corner of each triangle minus those of the previous one: zero if every edge at
     /// the vertex is the next of one triangle and the previous of another, as in closed rings.
@@ -148,7 +154,7 @@ impl Ring {
     fn add(&mut self, normal: [f64; 4], angle: f64, next: u64, previous: u64) {
         self.ends = self.ends.wrapping_add(next).wrapping_sub(previous);
         for k in 0..4 {
-            self.sum[k] += normal[k] * angle;
+            self.sum[k] += (normal[k] * angle + ROUNDING) - ROUNDING;
             let n = normal[k] as f32;
             self.low[k] = if n < self.low[k] { n } else { self.low[k] };
             self.high[k] = if n > self.high[k] { n } else { self.high[k] };

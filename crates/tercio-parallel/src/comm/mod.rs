@@ -4,9 +4,15 @@
 //! Everything else, including the collectives, is built on that, so that a backend is small and all traffic is
 //! counted in one place.
 
+mod awaited;
 pub mod collective;
+mod kind;
+mod observed;
 pub mod threads;
 
+pub use awaited::{Awaited, RankNames, ReadySenders};
+pub use kind::Kind;
+pub use observed::{Observed, PartnerTraffic};
 use serde::{Deserialize, Serialize};
 
 /// Messages that a rank sent and received, not counting those of [`Communicator::barrier`].
@@ -23,6 +29,26 @@ pub struct Traffic {
 }
 
 impl Traffic {
+    /// The same messages as their other ends count them.
+    pub fn reversed(self) -> Self {
+        Self {
+            sent_messages: self.taken_messages,
+            sent_bytes: self.taken_bytes,
+            taken_messages: self.sent_messages,
+            taken_bytes: self.sent_bytes,
+        }
+    }
+
+    /// The sum of two counts.
+    pub fn plus(self, o: Self) -> Self {
+        Self {
+            sent_messages: self.sent_messages + o.sent_messages,
+            sent_bytes: self.sent_bytes + o.sent_bytes,
+            taken_messages: self.taken_messages + o.taken_messages,
+            taken_bytes: self.taken_bytes + o.taken_bytes,
+        }
+    }
+
     /// The difference to an earlier count.
     pub fn since(self, earlier: Self) -> Self {
         Self {
@@ -44,11 +70,16 @@ pub enum CommError {
         /// The rank.
         rank: usize,
     },
-    /// The other rank sent nothing for longer than a rank was to wait.
-    #[error("rank {rank} has been silent for {seconds} s: it may be stopped, or still read its model")]
+    /// Other ranks sent nothing for longer than a rank was to wait.
+    #[error(
+        "{ranks} {} been silent for {seconds} s: {} may be stopped, or still read {} model",
+        if ranks.count() == 1 { "has" } else { "have" },
+        if ranks.count() == 1 { "it" } else { "they" },
+        if ranks.count() == 1 { "its" } else { "their" },
+    )]
     Silent {
-        /// The rank.
-        rank: usize,
+        /// The ranks.
+        ranks: RankNames,
         /// The seconds.
         seconds: u64,
     },
@@ -61,6 +92,16 @@ pub enum CommError {
         rank: usize,
         /// The number of ranks.
         size: usize,
+    },
+    /// The other rank sent something else than what is its turn: it draws another frame, or is of another version.
+    #[error("rank {rank} sent {found}, expected {expected}: do all ranks draw the same frames?")]
+    Unexpected {
+        /// The sender.
+        rank: usize,
+        /// What was expected.
+        expected: String,
+        /// What it sent.
+        found: String,
     },
     /// The transport of messages failed.
     #[error("a message to or from rank {rank}: {reason}")]
@@ -102,6 +143,21 @@ pub trait Communicator {
     /// # Errors
     /// [`CommError`]; never waits for a rank that is gone.
     fn receive(&mut self, from: usize) -> Result<Vec<u8>, CommError>;
+
+    /// Waits for a message of any awaited rank, which is not awaited any longer then; returns the rank, too. The ones that
+    /// arrived first are received first, if the backend knows.
+    ///
+    /// # Errors
+    /// [`CommError`], also if an awaited rank is gone; never waits for that.
+    ///
+    /// # Panics
+    /// If no rank is awaited.
+    fn receive_any(&mut self, awaited: &mut Awaited) -> Result<(usize, Vec<u8>), CommError> {
+        let Some(first) = awaited.first() else { panic!("no rank is awaited") };
+        let message = self.receive(first)?;
+        awaited.remove(first);
+        Ok((first, message))
+    }
 
     /// An empty buffer for a message to a rank: memory of an earlier message to it, if it was returned.
     fn buffer(&mut self, to: usize) -> Vec<u8> {

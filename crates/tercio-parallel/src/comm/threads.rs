@@ -6,7 +6,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard};
 
-use super::{CommError, Communicator, Traffic};
+use super::{Awaited, CommError, Communicator, ReadySenders, Traffic};
 use crate::ParallelError;
 
 /// A rank's access to the mailboxes. When it is dropped, also by a panic, the others notice that the rank is gone.
@@ -33,6 +33,10 @@ struct Content {
     messages: HashMap<usize, VecDeque<Vec<u8>>>,
     /// This rank's messages, by receiver, after they were read. No more than were ever in transit at once.
     spare: HashMap<usize, Vec<Vec<u8>>>,
+    /// Who has sent messages.
+    ready: ReadySenders,
+    /// Ranks that ended.
+    gone: Vec<usize>,
 }
 
 impl Mailbox {
@@ -64,7 +68,10 @@ impl ThreadComm {
         if mailbox.is_gone() {
             return Err(CommError::Gone { rank: to });
         }
-        mailbox.lock().messages.entry(self.rank).or_default().push_back(message);
+        let mut content = mailbox.lock();
+        content.messages.entry(self.rank).or_default().push_back(message);
+        content.ready.arrived(self.rank);
+        drop(content);
         mailbox.changed.notify_one();
         Ok(())
     }
@@ -84,6 +91,31 @@ impl ThreadComm {
             content = own.changed.wait(content).unwrap_or_else(|e| e.into_inner());
         }
     }
+
+    fn take_any(&self, awaited: &mut Awaited) -> Result<(usize, Vec<u8>), CommError> {
+        assert!(!awaited.is_empty(), "no rank is awaited");
+        let own = &self.mailboxes[self.rank];
+        let mut content = own.lock();
+        loop {
+            if let Some(received) = content.take_any(awaited) {
+                return Ok(received);
+            }
+            if let Some(&rank) = content.gone.iter().find(|rank| awaited.contains(**rank)) {
+                return Err(CommError::Gone { rank });
+            }
+            content = own.changed.wait(content).unwrap_or_else(|e| e.into_inner());
+        }
+    }
+}
+
+impl Content {
+    /// The next message of an awaited rank, if one has arrived.
+    fn take_any(&mut self, awaited: &mut Awaited) -> Option<(usize, Vec<u8>)> {
+        let Self { messages, ready, .. } = self;
+        let has_message = |sender| messages.get(&sender).is_some_and(|queue| !queue.is_empty());
+        let from = ready.next(awaited, has_message)?;
+        Some((from, messages.get_mut(&from)?.pop_front()?))
+    }
 }
 
 impl Drop for ThreadComm {
@@ -91,7 +123,7 @@ impl Drop for ThreadComm {
         self.mailboxes[self.rank].is_gone.store(true, Ordering::SeqCst);
         for other in &self.mailboxes[..] {
             // Whoever looked before is waiting when the lock is free, and is woken.
-            drop(other.lock());
+            other.lock().gone.push(self.rank);
             other.changed.notify_one();
         }
     }
@@ -119,6 +151,14 @@ impl Communicator for ThreadComm {
         self.traffic.taken_messages += 1;
         self.traffic.taken_bytes += message.len() as u64;
         Ok(message)
+    }
+
+    fn receive_any(&mut self, awaited: &mut Awaited) -> Result<(usize, Vec<u8>), CommError> {
+        awaited.check(self.rank, self.mailboxes.len())?;
+        let (from, message) = self.take_any(awaited)?;
+        self.traffic.taken_messages += 1;
+        self.traffic.taken_bytes += message.len() as u64;
+        Ok((from, message))
     }
 
     fn buffer(&mut self, to: usize) -> Vec<u8> {

@@ -113,7 +113,7 @@ impl Gathered<'_> {
             let expected = "opaque materials, as in the model";
             return Err(wrong((cluster, TransferError::Cluster { cluster, expected })));
         }
-        let share = Some(Share { first_triangle: 0, first_face: 0, ..share });
+        let share = Some(Share { first_triangle: 0, first_face: 0, has_whole_numbers: true, ..share });
         Ok(Instance { mesh: Arc::new(mesh), materials, share, ..instance.clone() })
     }
 }

@@ -8,7 +8,7 @@ use tercio_raster::frame::Pixel;
 use tercio_raster::{Frame, Outputs};
 
 use super::Rank;
-use crate::comm::Communicator;
+use crate::comm::{Awaited, Communicator};
 use crate::composite::exchange::Parts;
 use crate::composite::packet::{PacketError, count_pixels, pack_shown, unpack, without_keys};
 use crate::{ParallelError, RankReport};
@@ -96,8 +96,10 @@ pub fn receive(
         Ok(pixels)
     });
     report.pixels.visible += own.map_err(|source| ParallelError::Packet { from: comm.rank(), source })?;
-    for from in senders {
-        let message = stages.wait.time(|| comm.receive(from))?;
+    // In the order of arrival: a rank that is late delays nobody.
+    let mut awaited = Awaited::new(senders);
+    while !awaited.is_empty() {
+        let (from, message) = stages.wait.time(|| comm.receive_any(&mut awaited))?;
         let done = stages.collect.time(|| unpack(&message, &outputs, frame));
         done.map_err(|source| ParallelError::Packet { from, source })?;
         comm.give_back(from, message);

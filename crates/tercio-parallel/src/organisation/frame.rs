@@ -11,11 +11,12 @@ use tercio_raster::{Frame, FrameStats, Outputs, Part, Renderer, SampleShading, S
 
 use super::clusters;
 use super::collect::{self, Finished};
+use super::envelope::FrameComm;
 use super::redistribute::redistribute;
 use super::rounds::Rounds;
 use super::{Organisation, Rank, Task, clusters_of, group_of, is_translucent, tile_edge};
-use crate::comm::Communicator;
 use crate::comm::collective::all_reduce_among;
+use crate::comm::{Communicator, Kind};
 use crate::composite::exchange::{Content, Parts, exchange};
 use crate::composite::packet::pack_drawn;
 use crate::composite::{Shared, Touched};
@@ -25,7 +26,7 @@ use crate::{ParallelError, RankReport};
 /// A rank's part of a frame of several ranks.
 pub fn draw(
     own: &mut Rank,
-    comm: &mut impl Communicator,
+    comm: &mut FrameComm<'_, impl Communicator>,
     task: &Task,
     frame: &mut Frame,
     report: &mut RankReport,
@@ -39,7 +40,7 @@ pub fn draw(
 /// Takes the steps. Returns the counts of the front end over this rank's own clusters, if it sorted those of other ranks, too.
 fn draw_steps(
     own: &mut Rank,
-    comm: &mut impl Communicator,
+    comm: &mut FrameComm<'_, impl Communicator>,
     task: &Task,
     frame: &mut Frame,
     report: &mut RankReport,
@@ -66,6 +67,7 @@ fn draw_steps(
             load = stages.redistribute.time(|| Renderer::estimate_load(&context));
         }
         if needs_load && in_parts {
+            comm.begin(Kind::Load);
             stages.wait.time(|| all_reduce_among(comm, &group, &mut load, u64::saturating_add))?;
         }
         owners = stages.redistribute.time(|| sharing.division.owners(&context.grid, &load, group.len()));
@@ -77,6 +79,7 @@ fn draw_steps(
     if in_parts && group.len() > 1 {
         own.sort(&context, report);
         counts = Some(own.sorted.front_end_counts());
+        comm.begin(Kind::Clusters);
         gathered = clusters::exchange(comm, &group, &owners, &context, &own.sorted, &own.pool, report)?;
         scene = &gathered;
         context = FrameContext::new(scene, camera, &whole, threads)?;
@@ -87,6 +90,7 @@ fn draw_steps(
     }
     own.sort(&context, report);
     if shares_clusters && group.len() > 1 {
+        comm.begin(Kind::Bins);
         redistribute(comm, &group, &owners, &context, &mut own.sorted, report)?;
     }
     let sorted_into = own.sorted.tiles_with_entries(&context.grid);
@@ -102,6 +106,7 @@ fn draw_steps(
         return Ok(counts);
     }
 
+    comm.begin(Kind::Touched);
     let touched = Touched::gather(
         comm,
         tiles,
@@ -129,13 +134,14 @@ fn draw_steps(
 /// Brings finished tiles to rank 0; `sends` returns which ranks have some.
 fn finish(
     own: &mut Rank,
-    comm: &mut impl Communicator,
+    comm: &mut FrameComm<'_, impl Communicator>,
     context: &FrameContext,
     finished: Finished,
     sends: impl Fn(&usize) -> bool,
     frame: &mut Frame,
     report: &mut RankReport,
 ) -> Result<(), ParallelError> {
+    comm.begin(Kind::Finished);
     let rank = comm.rank();
     if rank > 0 {
         if sends(&rank) {
@@ -208,7 +214,7 @@ type Composited = (Parts, Vec<usize>);
 /// Draws the shared tiles, and composites their pixels.
 fn composite_pixels(
     own: &mut Rank,
-    comm: &mut impl Communicator,
+    comm: &mut FrameComm<'_, impl Communicator>,
     task: &Task,
     (context, part): (&FrameContext, Part),
     shared: &Shared,
@@ -240,6 +246,7 @@ fn composite_pixels(
     }
     let content = Content::Pixels { planes, width: task.settings.width };
     let composition = task.sharing.composition;
+    comm.begin(Kind::Pixels);
     let packets = exchange(comm, composition, shared, parts, content, &own.pool, report)?;
     let owners = composition.owners(shared);
     Ok((packets, owners.into_iter().map(|place| shared.ranks[place]).collect()))
@@ -250,7 +257,7 @@ fn composite_pixels(
 #[expect(clippy::too_many_arguments, reason = "one call site; a struct would only rename them")]
 fn composite_fragments(
     own: &mut Rank,
-    comm: &mut impl Communicator,
+    comm: &mut FrameComm<'_, impl Communicator>,
     task: &Task,
     (context, part): (&FrameContext, Part),
     shared: &Shared,
@@ -271,6 +278,7 @@ fn composite_fragments(
     // Rank 0 leads the rounds.
     let takes_part = |rank: usize| rank == 0 || shared.ranks.binary_search(&rank).is_ok();
     while takes_part(rank) {
+        comm.begin(Kind::Round);
         let Some(round) = rounds.next(comm, takes_part, &mut report.stages.wait)? else { break };
         let tiles = &shared.tiles[round.clone()];
         let ranks = shared.touched.ranks_of_any(tiles);
@@ -280,6 +288,7 @@ fn composite_fragments(
         let drawn = std::mem::take(&mut fragments.fragments);
         rounds.found(&round, drawn.iter().map(|of_tile| of_tile.bytes.len() as u64).sum());
         let parts = drawn.into_iter().map(|TileFragments { tile, bytes }| (tile, bytes)).collect();
+        comm.begin(Kind::Fragments);
         let merged = exchange(comm, composition, &of_round, parts, Content::Fragments, &own.pool, report)?;
         let of_tiles: Vec<usize> =
             composition.owners(&of_round).into_iter().map(|place| ranks[place]).collect();

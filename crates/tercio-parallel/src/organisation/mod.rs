@@ -10,6 +10,8 @@
 //! | [composite](crate::composite) | – | – | between ranks | between groups |
 //! | [collect](collect) pixels | on rank 0 | on rank 0 | on rank 0 | on rank 0 |
 //!
+//! Each message of a frame says what it is ([envelope]).
+//!
 //! So sort-middle and sort-last are sort-twice with groups of all ranks, and of one.
 //!
 //! If models are in [parts], "own clusters" are those that a rank holds. Where ranks of a group share the picture,
@@ -18,6 +20,7 @@
 
 mod clusters;
 mod collect;
+pub mod envelope;
 mod frame;
 mod redistribute;
 mod rounds;
@@ -33,11 +36,13 @@ use tercio_raster::{Frame, RenderError, Renderer, Settings};
 use tercio_scene::{Camera, Instance, Scene};
 
 use crate::ParallelError;
+use crate::agreement::frame_digest;
 use crate::comm::Communicator;
 use crate::composite::Composition;
 use crate::division::Division;
 use crate::parts;
 use crate::report::{RankReport, Stage};
+use envelope::FrameComm;
 
 /// Where work is redistributed between ranks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -135,6 +140,9 @@ pub struct Rank {
     fragments: Frame,
     /// What it draws from.
     sorted: Sorted,
+    /// The frames so far, modulo 2^32: all ranks draw the same ones.
+    frames: u32,
+    tells_partners: bool,
 }
 
 /// The input of a frame, the same on all ranks.
@@ -171,12 +179,24 @@ impl Rank {
             keys: Vec::new(),
             fragments: Frame::default(),
             sorted: Sorted::default(),
+            frames: 0,
+            tells_partners: true,
         }
     }
 
     /// Its threads. Calls from one of them draw without waking another.
     pub fn pool(&self) -> Arc<ThreadPool> {
         self.pool.clone()
+    }
+
+    /// Whether [`draw_frame`](crate::between_processes::draw_frame) tells rank 0 the counts of messages by partner, as it does
+    /// at first. If many frames are drawn with many ranks, these are much to send for each.
+    pub fn tell_partners(&mut self, tells: bool) {
+        self.tells_partners = tells;
+    }
+
+    pub(crate) fn tells_partners(&self) -> bool {
+        self.tells_partners
     }
 
     /// Does this rank's part of a frame; all ranks of the communicator have to do theirs. On rank 0 `frame` is then
@@ -197,10 +217,14 @@ impl Rank {
         if task.scene.is_in_parts() {
             parts::check::check(comm, task.scene)?;
         }
-        if comm.size() == 1 {
+        let ranks = comm.size();
+        self.frames = self.frames.wrapping_add(1);
+        if ranks == 1 {
             self.draw_alone(task, frame, &mut report)?;
         } else {
-            frame::draw(self, comm, task, frame, &mut report)?;
+            let mut framed = FrameComm::new(comm, self.frames, frame_digest(task, ranks));
+            frame::draw(self, &mut framed, task, frame, &mut report)?;
+            report.partners = framed.finish();
         }
         report.traffic = comm.traffic().since(before);
         Ok(report)

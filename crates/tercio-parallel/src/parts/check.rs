@@ -17,10 +17,12 @@ struct Held {
     of: u64,
     /// 1 if the instance may be less than opaque.
     translucent: u64,
+    /// 1 if the triangles have the numbers of the whole model, and need not be a range.
+    numbered: u64,
 }
 
 /// Checks that the shares of all ranks are ranges of the triangles of the same models, without gaps, in the order of the ranks,
-/// and that ranks agree on what is opaque. All ranks have to call this if any instance of their scenes has a share.
+/// or have the numbers of the whole and are as many as it has; and that ranks agree on what is opaque. All ranks have to call this if any instance of their scenes has a share.
 ///
 /// # Errors
 /// [`PartsError`] on all ranks, [`ParallelError::Comm`].
@@ -29,7 +31,8 @@ pub fn check(comm: &mut impl Communicator, scene: &Scene) -> Result<(), Parallel
         let share = instance.share.ok_or(PartsError::Whole { instance: number })?;
         let (first, triangles, of) =
             (share.first_triangle, instance.mesh.triangle_count() as u64, share.triangles);
-        Ok(Held { first, triangles, of, translucent: instance.is_translucent().into() })
+        let (translucent, numbered) = (instance.is_translucent().into(), share.has_whole_numbers.into());
+        Ok(Held { first, triangles, of, translucent, numbered })
     };
     let own: Vec<Held> = scene.instances.iter().enumerate().map(held).collect::<Result<_, PartsError>>()?;
     let blocks = comm.all_gather(cast_slice(&own).to_vec())?;
@@ -39,12 +42,13 @@ pub fn check(comm: &mut impl Communicator, scene: &Scene) -> Result<(), Parallel
         let reason = format!("parts of {} instances, expected {}", all[rank].len(), own.len());
         return Err(CommError::Transport { rank, reason }.into());
     }
-    for (instance, Held { of, translucent, .. }) in all[0].iter().copied().enumerate() {
+    for (instance, Held { of, translucent, numbered, .. }) in all[0].iter().copied().enumerate() {
         let mut next = 0u64;
         for (rank, held) in all.iter().map(|held| held[instance]).enumerate() {
             let end = next.saturating_add(held.triangles);
             let is_complete = rank + 1 < all.len() || end == of;
-            if held.first != next || held.of != of || !is_complete {
+            let first = if numbered > 0 { 0 } else { next };
+            if (held.first, held.of, held.numbered) != (first, of, numbered) || !is_complete {
                 let Held { first, triangles, of, .. } = held;
                 return Err(PartsError::Share { instance, rank, first, triangles, of }.into());
             }

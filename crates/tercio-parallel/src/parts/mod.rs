@@ -2,6 +2,9 @@
 //!
 //! | module | what |
 //! |---|---|
+//! | [`common`] | what ranks find out about their parts before they have clusters |
+//! | [`seam`] | the triangles of other ranks around a part, so that normals come out as those of the whole model |
+//! | `ghosts` | these triangles as messages |
 //! | [`numbering`] | what the parts of a model have to know of the whole |
 //! | [`check`] | do the parts of a scene make whole models? |
 //! | [`camera`] | the camera that frames all parts |
@@ -13,12 +16,24 @@
 
 pub mod camera;
 pub mod check;
+pub mod common;
+mod ghosts;
 pub mod numbering;
+pub mod seam;
 pub mod shadows;
 
 pub use camera::camera_for_scene;
+pub use common::{agree, bounds_of_all};
 pub use numbering::{number, share_materials};
 pub use shadows::shadow_maps;
+
+use crate::ParallelError;
+use crate::comm::CommError;
+
+/// The error for a message that is not valid.
+fn malformed(from: usize, reason: impl Into<String>) -> ParallelError {
+    CommError::Transport { rank: from, reason: reason.into() }.into()
+}
 
 /// Why parts do not make a model.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

@@ -88,7 +88,7 @@ pub fn number(
     }
     // As the whole model's, without faces behind the last one that has a triangle.
     let (mut share, mut first_face) =
-        (Share { first_triangle: 0, triangles: 0, first_face: 0, faces: 0 }, 0u64);
+        (Share { first_triangle: 0, triangles: 0, first_face: 0, faces: 0, has_whole_numbers: false }, 0u64);
     for (number, of) in all.iter().enumerate() {
         if number == rank {
             (share.first_triangle, share.first_face) = (share.triangles, first_face);

@@ -212,6 +212,7 @@ pub fn keys(pixels: u64, drawn: u64, missed: f64) -> Charges {
 
 #[cfg(test)]
 mod tests {
+    use tercio_parallel::organisation::envelope::TRAILER;
     use tercio_parallel::{Division, Organisation};
 
     use super::super::traffic::Finished;
@@ -261,13 +262,15 @@ mod tests {
         let finishing = exchange.finishing(0);
         assert_eq!((finishing[3], finishing[6..9].to_vec()), (0.0, vec![6.0, 60.0, 768.0]));
         let memory = exchange.memory(0);
-        let sent = 8 + 12 + 3 * 6 + 30 * 12;
+        let trailer = TRAILER as u64;
+        // Two messages, and below three.
+        let sent = 8 + 12 + 3 * 6 + 30 * 12 + 2 * trailer;
         assert_eq!(memory, RankMemory { picture: 1024 * 4 + 512 * 8, messages: sent, model: 1000 });
         assert_eq!(exchange.memory(1).picture, 768 * 4 + 512 * 8);
         // If messages are copied, rank 0 also has those it receives: 10 pixels with keys, 70 finished ones.
         let copied = Exchange::new(&sharing, &messages, &drawing, (2, 0.0), true).memory(0);
-        let taken = 8 + 12 + 6 + 120 + 7 * 6 + 70 * 4;
+        let taken = 8 + 12 + 6 + 120 + 7 * 6 + 70 * 4 + 3 * trailer;
         assert_eq!(copied, RankMemory { messages: sent + taken, ..memory });
-        assert_eq!(messages.total(), (2 + 2 + 1, 2 * 8 + 390 + 138 + 322));
+        assert_eq!(messages.total(), (2 + 2 + 1, 2 * 8 + 390 + 138 + 322 + 5 * trailer));
     }
 }

@@ -63,6 +63,7 @@ impl MeasuredRanks {
         let settings = settings(sharing);
         let task = Task { sharing: sharing.of_ranks(), scene, camera, settings: &settings };
         let (mut own, mut frame) = (Rank::from_pool(pool.clone()), Frame::default());
+        own.tell_partners(false);
         let (mut reports, mut seen) = (Vec::new(), Vec::new());
         for _ in 0..frames.max(1) as usize + WARM_UP {
             reports.extend(between_processes::draw_frame(&mut own, comm, &task, &mut frame)?);

@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 use tercio_parallel::Organisation;
+use tercio_parallel::organisation::envelope::TRAILER;
 use tercio_parallel::organisation::tile_edge;
 use tercio_raster::context::FrameContext;
 use tercio_raster::{Renderer, Settings};
@@ -236,11 +237,12 @@ fn program(costs: &Costs, work: &RanksWork, exchange: &Exchange, rank: usize) ->
     let ranks = work.sharing.ranks;
     let messages = &work.messages;
     let mut steps = Vec::new();
-    let send = |steps: &mut Vec<Step>, to: usize, bytes: u64| {
+    let send = |steps: &mut Vec<Step>, to: usize, content: u64| {
+        let bytes = content + TRAILER as u64;
         steps.extend([Step::Work(Stage::Message, message), Step::Send { to, bytes }]);
     };
-    let take = |steps: &mut Vec<Step>, from: usize, bytes: u64| {
-        let seconds = message + byte * bytes as f64;
+    let take = |steps: &mut Vec<Step>, from: usize, content: u64| {
+        let seconds = message + byte * (content + TRAILER as u64) as f64;
         steps.extend([Step::Take { from }, Step::Work(Stage::Message, seconds)]);
     };
     // Between front end and back end; the front end is charged with drawing, behind it.
@@ -280,7 +282,7 @@ fn program(costs: &Costs, work: &RanksWork, exchange: &Exchange, rank: usize) ->
     steps
 }
 
-/// The messages in which every rank learns which tiles the others have drawn: how far they go, and their bytes.
+/// The messages in which every rank learns which tiles the others have drawn: how far they go, and the bytes of their contents.
 fn gathering(messages: &Messages, ranks: usize) -> impl Iterator<Item = (usize, u64)> {
     let (rounds, bytes) = messages.gathered;
     let block = bytes / (ranks as u64 - 1).max(1);
@@ -302,7 +304,8 @@ fn on_network(network: &NetworkModel, work: &RanksWork) -> Wires {
             Some(&work.messages.finished[from]).filter(|f| f.is_sent).map(|f| (0, f.sent().bytes()));
         let gathered = gathering(&work.messages, ranks);
         let gathered = gathered.map(|(distance, bytes)| ((from + ranks - distance) % ranks, bytes));
-        for (to, bytes) in composed.chain(finished).chain(gathered) {
+        for (to, content) in composed.chain(finished).chain(gathered) {
+            let bytes = content + TRAILER as u64;
             links.send(from, to, bytes);
             ports.send(from, to, bytes);
         }

@@ -5,6 +5,7 @@
 //! * In sort-last all ranks first learn which tiles each of them may have drawn something in: one bit a tile, in words of 8 bytes.
 //! * A span, a row of neighbouring pixels of one tile that show something, is sent as 6 bytes, 4 for every pixel's
 //!   colour, and 8 for its key where it still has to be composited. What is composited is preceded by 12 bytes a tile.
+//! * Every message ends with a trailer of 16 bytes that says what it is.
 //! * Tiles of one rank are not composited. The others are sent to one of their ranks
 //!   ([`tercio_parallel::Composition::DirectSend`]).
 
@@ -12,6 +13,7 @@ use serde::Serialize;
 use tercio_parallel::composite::exchange::TILE_HEAD;
 use tercio_parallel::composite::packet::SPAN_HEAD;
 use tercio_parallel::composite::{Shared, Touched};
+use tercio_parallel::organisation::envelope::TRAILER;
 use tercio_parallel::{Composition, Division, Organisation, RankReport};
 use tercio_raster::frame::Pixel;
 use tercio_raster::screen::{PixelRect, TileGrid};
@@ -179,7 +181,7 @@ impl Finished {
 pub struct Messages {
     /// Triangles that each rank processes.
     pub triangles: Vec<u64>,
-    /// Messages and bytes by which each rank learns which tiles the others have drawn.
+    /// Messages by which each rank learns which tiles the others have drawn, and the bytes of their contents.
     pub gathered: (u64, u64),
     /// What each rank has drawn in tiles of several ranks, and the pixels of these tiles.
     pub shared: Vec<(Pixels, u64)>,
@@ -213,6 +215,7 @@ impl Messages {
             counts.messages += 1;
             counts.bytes += own.sent().bytes();
         }
+        counts.bytes += counts.messages * TRAILER as u64;
         counts
     }
 
@@ -220,8 +223,9 @@ impl Messages {
     pub fn bytes_taken(&self, rank: usize) -> u64 {
         let composed = (0..self.composed.len()).filter_map(|from| self.between(from, rank));
         let finished = self.finished.iter().filter(|f| rank == 0 && f.is_sent);
-        let gathered = self.gathered.1;
-        composed.map(|p| p.keyed_bytes()).chain(finished.map(|f| f.sent().bytes())).sum::<u64>() + gathered
+        let contents = composed.map(|p| p.keyed_bytes()).chain(finished.map(|f| f.sent().bytes()));
+        let (messages, gathered) = self.gathered;
+        contents.map(|bytes| bytes + TRAILER as u64).sum::<u64>() + gathered + messages * TRAILER as u64
     }
 
     /// Messages and bytes of all ranks.

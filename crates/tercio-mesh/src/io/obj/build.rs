@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use crate::error::{Place, counted, printable};
 use crate::io::{NotDrawn, ReadModel, ReadOptions, ReadReport, Translucent, input::Input};
-use crate::mesh::{Attribute, AttributeDomain, MAX_ELEMENTS, localize};
+use crate::mesh::{Attribute, AttributeDomain, MAX_ELEMENTS, localize_at};
 use crate::polygon::Triangulator;
 use crate::{FileMaterial, Mesh, OctNormal, ReadError};
 
@@ -105,7 +105,8 @@ pub fn build(input: &Input, options: &ReadOptions, parsed: Parsed) -> Result<Rea
     drop(vertices);
     drop(normals);
     (mesh.triangles, mesh.face_of_triangle) = triangles(&mut chunks, &positions, triangle_count as usize);
-    (mesh.origin, mesh.positions) = localize(&positions);
+    let coordinates;
+    (coordinates, mesh.origin, mesh.positions) = localize_at(&positions, options.origin);
     drop(positions);
 
     add_names(input, &chunks, &mut mesh);
@@ -121,7 +122,7 @@ pub fn build(input: &Input, options: &ReadOptions, parsed: Parsed) -> Result<Rea
         companions,
         warnings,
     };
-    Ok(ReadModel { mesh, report })
+    Ok(ReadModel { mesh, coordinates, report })
 }
 
 fn not_drawn(chunks: &[Chunk]) -> NotDrawn {

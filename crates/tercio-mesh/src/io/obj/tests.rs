@@ -303,7 +303,7 @@ fn one_is_reported_in_the_singular() {
 
 #[test]
 fn memory_is_checked_before_it_is_taken() {
-    let options = ReadOptions { memory_limit: Some(1000), progress: None };
+    let options = ReadOptions { memory_limit: Some(1000), progress: None, ..ReadOptions::default() };
     let text = SQUARE.repeat(8);
     let result = read(&input(text.as_bytes()), &options);
     assert!(matches!(result, Err(ReadError::MemoryLimit { .. })), "{result:?}");

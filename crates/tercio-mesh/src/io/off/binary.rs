@@ -105,7 +105,8 @@ pub fn read(
     }
     let dialect = if header.dialect() == "OFF" { String::new() } else { format!("{}, ", header.dialect()) };
     let order = if layout.big_endian { "" } else { " little-endian" };
-    Ok(body::model(input, header, vertices, faces, format!("OFF, {dialect}binary{order}")))
+    let format = format!("OFF, {dialect}binary{order}");
+    Ok(body::model(input, options.origin, header, vertices, faces, format))
 }
 
 impl Layout {

@@ -1,9 +1,11 @@
 //! Vertices and faces of ASCII files, and the mesh that is made of them.
 
+use glam::DVec3;
+
 use crate::error::{counted, expected_vertex, ignored_empty_faces};
 use crate::io::text::Cursor;
 use crate::io::{NotDrawn, ReadModel, ReadOptions, ReadReport, Translucent, input::Input};
-use crate::mesh::{MAX_ELEMENTS, localize};
+use crate::mesh::{MAX_ELEMENTS, localize_at};
 use crate::polygon::Triangulator;
 use crate::{Mesh, OctNormal, ReadError};
 
@@ -113,7 +115,7 @@ pub fn read(
         header.warnings.push(warning);
     }
     let format = if header.dialect() == "OFF" { String::new() } else { format!(", {}", header.dialect()) };
-    Ok(model(input, header, vertices, faces, format!("OFF{format}")))
+    Ok(model(input, options.origin, header, vertices, faces, format!("OFF{format}")))
 }
 
 /// Checks the counts, before memory is taken.
@@ -134,7 +136,14 @@ pub fn check_counts(input: &Input, options: &ReadOptions, header: &Header) -> Re
 }
 
 /// Makes the mesh.
-pub fn model(input: &Input, header: Header, vertices: Vertices, faces: Faces, format: String) -> ReadModel {
+pub fn model(
+    input: &Input,
+    origin: Option<DVec3>,
+    header: Header,
+    vertices: Vertices,
+    faces: Faces,
+    format: String,
+) -> ReadModel {
     let mut warnings = header.warnings;
     if faces.empty > 0 {
         warnings.push(ignored_empty_faces(faces.empty));
@@ -150,7 +159,7 @@ pub fn model(input: &Input, header: Header, vertices: Vertices, faces: Faces, fo
     let face_colors = faces.colors.bytes().map(|colors| {
         faces.faces.iter().map(|&f| colors.get(f as usize).copied().unwrap_or([255; 4])).collect()
     });
-    let (origin, positions) = localize(&vertices.positions);
+    let (coordinates, origin, positions) = localize_at(&vertices.positions, origin);
     let mesh = Mesh {
         origin,
         positions,
@@ -171,7 +180,7 @@ pub fn model(input: &Input, header: Header, vertices: Vertices, faces: Faces, fo
         companions: Vec::new(),
         warnings,
     };
-    ReadModel { mesh, report }
+    ReadModel { mesh, coordinates, report }
 }
 
 fn read_vertices(

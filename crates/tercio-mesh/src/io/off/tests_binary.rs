@@ -145,7 +145,7 @@ fn errors_state_the_byte_and_come_before_memory_is_taken() {
     assert_eq!(change(19, 2), ("0, 1, 3 or 4 components of a face's colour".into(), "2".into()));
     assert_eq!(change(25, 5).1, "5");
     assert!(try_read(b"OFF BINARY\n".to_vec()).is_err());
-    let options = ReadOptions { memory_limit: Some(300), progress: None };
+    let options = ReadOptions { memory_limit: Some(300), progress: None, ..ReadOptions::default() };
     let input = Input::from_bytes("a.off", square().as_binary(true, true), &options).unwrap();
     assert!(matches!(read(&input, &options), Err(ReadError::MemoryLimit { .. })));
 }

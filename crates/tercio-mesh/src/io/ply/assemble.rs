@@ -15,7 +15,7 @@ use super::table::{Column, Table};
 use super::wedges;
 use crate::error::{ReadError, counted, ignored_empty_faces};
 use crate::io::{ReadModel, ReadReport, companions};
-use crate::mesh::{MAX_ELEMENTS, choose_origin, localize};
+use crate::mesh::{MAX_ELEMENTS, choose_origin, localize_at};
 use crate::{Aabb, Attribute, AttributeDomain, FileMaterial, FileTexture, FileTextures, Mesh};
 
 /// Assembles the mesh.
@@ -26,7 +26,7 @@ pub(super) fn model(
     tables: Vec<Table>,
     folder: Option<&Path>,
 ) -> Result<ReadModel, ReadError> {
-    let (mut mesh, mut report) = (Mesh::default(), ReadReport::default());
+    let (mut mesh, mut report, mut coordinates) = (Mesh::default(), ReadReport::default(), Aabb::EMPTY);
     let of_role = |wanted: Role, tables: &mut Vec<(Plan, Table)>| {
         tables.iter().position(|(p, _)| p.role == wanted).map(|i| tables.swap_remove(i))
     };
@@ -38,7 +38,7 @@ pub(super) fn model(
     }
 
     if let Some((plan, table)) = of_role(Role::Vertices, &mut tables) {
-        vertices(job, &mut mesh, &plan, table)?;
+        coordinates = vertices(job, &mut mesh, &plan, table)?;
     }
     let mut triangles = Triangles::default();
     let mut faces = 0;
@@ -86,16 +86,20 @@ pub(super) fn model(
         // Without texture coordinates they cannot be drawn.
         report.not_drawn.textures = header.textures.iter().collect::<HashSet<_>>().len() as u64;
     }
-    Ok(ReadModel { mesh, report })
+    Ok(ReadModel { mesh, coordinates, report })
 }
 
-fn vertices(job: &Job, mesh: &mut Mesh, plan: &Plan, table: Table) -> Result<(), ReadError> {
+/// Returns the bounds of the coordinates.
+fn vertices(job: &Job, mesh: &mut Mesh, plan: &Plan, table: Table) -> Result<Aabb, ReadError> {
+    let (mut coordinates, origin) = (Aabb::EMPTY, job.options.origin);
     for (field, column) in plan.fields.iter().zip(table.columns) {
         match column {
-            Column::Points32(points) => (mesh.origin, mesh.positions) = centered(points),
+            Column::Points32(points) => {
+                (coordinates, mesh.origin, mesh.positions) = centered(points, origin);
+            }
             Column::Points64(points) => {
                 job.reserve("positions", 12 * points.len() as u64)?;
-                (mesh.origin, mesh.positions) = localize(&points);
+                (coordinates, mesh.origin, mesh.positions) = localize_at(&points, origin);
             }
             Column::Normals(normals) => mesh.normals = Some(normals),
             Column::Colors(colors, broken) => {
@@ -109,7 +113,7 @@ fn vertices(job: &Job, mesh: &mut Mesh, plan: &Plan, table: Table) -> Result<(),
             }
         }
     }
-    Ok(())
+    Ok(coordinates)
 }
 
 fn warn_of_colors(job: &Job, broken: AtomicU64, whose: &str) {
@@ -119,8 +123,8 @@ fn warn_of_colors(job: &Job, broken: AtomicU64, whose: &str) {
     }
 }
 
-/// As [`localize`], for `f32`, in place.
-fn centered(mut points: Vec<[f32; 3]>) -> (DVec3, Vec<[f32; 3]>) {
+/// As [`localize_at`], for `f32`, in place.
+fn centered(mut points: Vec<[f32; 3]>, origin: Option<DVec3>) -> (Aabb, DVec3, Vec<[f32; 3]>) {
     let world = |p: &[f32; 3]| DVec3::new(p[0].into(), p[1].into(), p[2].into());
     let bounds = points
         .par_chunks(1 << 16)
@@ -130,11 +134,11 @@ fn centered(mut points: Vec<[f32; 3]>) -> (DVec3, Vec<[f32; 3]>) {
             bounds
         })
         .reduce(|| Aabb::EMPTY, Aabb::union);
-    let origin = choose_origin(&bounds);
+    let origin = origin.unwrap_or_else(|| choose_origin(&bounds));
     if origin != DVec3::ZERO {
         points.par_iter_mut().for_each(|p| *p = (world(p) - origin).as_vec3().to_array());
     }
-    (origin, points)
+    (bounds, origin, points)
 }
 
 fn split_wedges(job: &Job, mesh: &mut Mesh, table: &mut Table) -> Result<(), ReadError> {

@@ -49,7 +49,7 @@ pub(super) fn find(
 }
 
 /// The layout that follows from the first instance, if all others agree.
-fn uniform(binary: &Binary, element: &Element, rows: usize, at: usize) -> Option<(Layout, usize)> {
+pub(super) fn uniform(binary: &Binary, element: &Element, rows: usize, at: usize) -> Option<(Layout, usize)> {
     let body = binary.bytes.get(at..)?;
     let mut stride = 0usize;
     let (mut offsets, mut lengths, mut lists) = (Vec::new(), Vec::new(), Vec::new());

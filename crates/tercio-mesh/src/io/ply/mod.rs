@@ -16,6 +16,7 @@ mod header;
 mod layout;
 mod plan;
 mod row;
+pub(super) mod share;
 mod table;
 #[cfg(test)]
 mod tests;

@@ -100,7 +100,7 @@ impl Plan {
     }
 }
 
-const INDEX_LISTS: [&str; 3] = ["vertex_indices", "vertex_index", "vertex_indexes"];
+pub(super) const INDEX_LISTS: [&str; 3] = ["vertex_indices", "vertex_index", "vertex_indexes"];
 const COLORS: [[&str; 4]; 3] = [
     ["red", "green", "blue", "alpha"],
     ["diffuse_red", "diffuse_green", "diffuse_blue", "diffuse_alpha"],

@@ -12,7 +12,7 @@ mod format;
 mod read;
 mod write;
 
-pub use read::{Prepared, is_prepared, read};
+pub use read::{Parts, Prepared, is_prepared, read};
 pub use write::write;
 
 #[cfg(test)]

@@ -11,7 +11,7 @@ use super::check;
 use super::format::{ALIGNMENT, Description, Header, Kind, MAGIC, Part, VERSION};
 use crate::ReadError;
 use crate::checksum;
-use crate::cluster::{Buffer, ClusteredMesh};
+use crate::cluster::{Buffer, ClusteredMesh, Whole};
 use crate::error::{Place, printable};
 use crate::io::ReadOptions;
 use crate::io::input::Input;
@@ -38,43 +38,128 @@ pub fn is_prepared(bytes: &[u8]) -> bool {
 /// A file that is not a prepared model of this version, that was shortened or altered, or whose copy would exceed the
 /// memory limit.
 pub fn read(input: &Input, options: &ReadOptions) -> Result<Prepared, ReadError> {
-    let file = File { name: &input.name, bytes: input.bytes(), map: input.map() };
-    if file.map.is_none() {
-        let copied = file.bytes.len() as u64;
-        options.check_memory(file.name, "the prepared model and its copy", 2 * copied)?;
-    }
-    let header = file.header()?;
-    let parts = file.parts(&header)?;
-    for (kind, part) in Kind::ALL.into_iter().zip(&header.parts) {
-        if !checksum::matches(&file.bytes[parts[kind as usize].clone()], part.checksum) {
-            return Err(file.broken(
-                part.offset,
-                format!("{} as they were written", kind.name()),
-                "other bytes",
-            ));
+    let all = Parts::open(input, options)?;
+    let hashes = all.hashes(0, 1);
+    Ok(all.take(0, 1, &hashes)?.0)
+}
+
+/// A prepared model of which several ranks read a part each. All bytes are verified: those of the clusters once by all ranks
+/// together, everything else by each.
+pub struct Parts<'a> {
+    input: &'a Input,
+    file: File<'a>,
+    header: Header,
+    parts: Vec<Range<usize>>,
+    mesh: ClusteredMesh,
+}
+
+impl<'a> Parts<'a> {
+    /// Reads and verifies everything but the clusters.
+    ///
+    /// # Errors
+    /// As [`read`].
+    pub fn open(input: &'a Input, options: &ReadOptions) -> Result<Self, ReadError> {
+        let file = File { name: &input.name, bytes: input.bytes(), map: input.map() };
+        if file.map.is_none() {
+            let copied = file.bytes.len() as u64;
+            options.check_memory(file.name, "the prepared model and its copy", 2 * copied)?;
         }
+        let header = file.header()?;
+        let parts = file.parts(&header)?;
+        for kind in Kind::ALL.into_iter().filter(|kind| *kind != Kind::Lines) {
+            let part = &header.parts[kind as usize];
+            if !checksum::matches(&file.bytes[parts[kind as usize].clone()], part.checksum) {
+                return Err(file.altered(kind, part));
+            }
+        }
+        let part = |kind: Kind| &parts[kind as usize];
+        let description: Description = serde_json::from_slice(&file.bytes[part(Kind::Description).clone()])
+            .map_err(|error| {
+            let at = header.parts[Kind::Description as usize].offset;
+            file.broken(at, "a description of the mesh", error)
+        })?;
+        let faces: Buffer<u32> = file.array(part(Kind::Faces), Kind::Faces)?;
+        let mut mesh = ClusteredMesh {
+            origin: DVec3::from_array(description.origin),
+            exponent: description.exponent,
+            materials: description.materials,
+            layout: description.layout,
+            clusters: file.array(part(Kind::Heads), Kind::Heads)?,
+            starts: file.array(part(Kind::Starts), Kind::Starts)?,
+            face_of_triangle: (!faces.is_empty()).then_some(faces),
+            lines: file.array(part(Kind::Lines), Kind::Lines)?,
+            ..ClusteredMesh::default()
+        };
+        check::sizes(&mesh).map_err(|wrong| file.wrong(&header, wrong))?;
+        mesh.sum_up();
+        Ok(Self { input, file, header, parts, mesh })
     }
-    let part = |kind: Kind| &parts[kind as usize];
-    let at = |kind: Kind| header.parts[kind as usize].offset;
-    let description: Description = serde_json::from_slice(&file.bytes[part(Kind::Description).clone()])
-        .map_err(|error| file.broken(at(Kind::Description), "a description of the mesh", error))?;
-    let faces: Buffer<u32> = file.array(part(Kind::Faces), Kind::Faces)?;
-    let mut mesh = ClusteredMesh {
-        origin: DVec3::from_array(description.origin),
-        exponent: description.exponent,
-        materials: description.materials,
-        layout: description.layout,
-        clusters: file.array(part(Kind::Heads), Kind::Heads)?,
-        starts: file.array(part(Kind::Starts), Kind::Starts)?,
-        face_of_triangle: (!faces.is_empty()).then_some(faces),
-        lines: file.array(part(Kind::Lines), Kind::Lines)?,
-        ..ClusteredMesh::default()
-    };
-    check::sizes(&mesh)
-        .and_then(|()| check::clusters(&mesh))
-        .map_err(|(kind, expected, found)| file.broken(at(kind), expected, found))?;
-    mesh.sum_up();
-    Ok(Prepared { mesh, about: file.bytes[part(Kind::About).clone()].to_vec() })
+
+    /// The hashes of the clusters' bytes that one of `of` ranks verifies; those of all ranks, in order, are what
+    /// [`Parts::take`] needs.
+    ///
+    /// # Panics
+    /// If there is no such rank.
+    pub fn hashes(&self, rank: usize, of: usize) -> Vec<u64> {
+        assert!(rank < of, "a rank of {of}");
+        let bytes = &self.file.bytes[self.parts[Kind::Lines as usize].clone()];
+        let chunks = bytes.len().div_ceil(checksum::CHUNK);
+        let at = |rank: usize| (chunks * rank / of * checksum::CHUNK).min(bytes.len());
+        let whole = of == 1;
+        // Another rank draws from these bytes, or this one, which maps them again.
+        checksum::of_each_chunk(&bytes[at(rank)..at(rank + 1)], |chunk| {
+            if !whole {
+                self.input.finished(chunk);
+            }
+        })
+    }
+
+    /// The clusters of one of `of` ranks, and what describes the whole model. `hashes` are those of all ranks.
+    ///
+    /// # Errors
+    /// As [`read`].
+    ///
+    /// # Panics
+    /// If there is no such rank.
+    pub fn take(self, rank: usize, of: usize, hashes: &[u64]) -> Result<(Prepared, Whole), ReadError> {
+        assert!(rank < of, "a rank of {of}");
+        let Self { file, header, parts, mut mesh, .. } = self;
+        let lines = &header.parts[Kind::Lines as usize];
+        if !cfg!(fuzzing) && checksum::of_chunks(hashes) != lines.checksum {
+            return Err(file.altered(Kind::Lines, lines));
+        }
+        let whole =
+            Whole { bounds: mesh.bounds, translucent: mesh.is_translucent(), checksum: header.checksum };
+        if of > 1 {
+            let count = mesh.clusters.len();
+            let own = count * rank / of..count * (rank + 1) / of;
+            let triangles = mesh.triangles;
+            mesh.clusters = mesh.clusters.part(own.clone());
+            mesh.starts = mesh.starts.part(own.start..own.end + 1);
+            mesh.sum_up();
+            check::clusters(&mesh, triangles).map_err(|wrong| file.wrong(&header, wrong))?;
+            mesh = mesh.as_part_of(&whole);
+        } else {
+            check::clusters(&mesh, mesh.triangles).map_err(|wrong| file.wrong(&header, wrong))?;
+        }
+        let about = file.bytes[parts[Kind::About as usize].clone()].to_vec();
+        Ok((Prepared { mesh, about }, whole))
+    }
+
+    /// Triangles of the whole model.
+    pub fn triangles(&self) -> u64 {
+        self.mesh.triangles
+    }
+
+    /// Input faces of the whole model.
+    pub fn faces(&self) -> u64 {
+        let last = self
+            .mesh
+            .face_of_triangle
+            .as_deref()
+            .map(|faces| faces.last().map_or(0, |&last| u64::from(last) + 1));
+        last.unwrap_or(self.mesh.triangles)
+    }
 }
 
 /// A file that is being read.
@@ -85,6 +170,16 @@ struct File<'a> {
 }
 
 impl File<'_> {
+    /// The error for a part whose bytes do not have their checksum.
+    fn altered(&self, kind: Kind, part: &Part) -> ReadError {
+        self.broken(part.offset, format!("{} as they were written", kind.name()), "other bytes")
+    }
+
+    /// The error for a mesh that is not valid.
+    fn wrong(&self, header: &Header, (kind, expected, found): check::Wrong) -> ReadError {
+        self.broken(header.parts[kind as usize].offset, expected, found)
+    }
+
     fn broken(&self, byte: u64, expected: impl ToString, found: impl ToString) -> ReadError {
         ReadError::Malformed {
             file: self.name.into(),

@@ -92,7 +92,7 @@ fn what_was_written_is_read_back() {
 
         let file = tempfile::NamedTempFile::new().expect("a temporary file");
         std::fs::write(file.path(), &bytes).expect("room for it");
-        let options = ReadOptions { memory_limit: Some(1), progress: None };
+        let options = ReadOptions { memory_limit: Some(1), progress: None, ..ReadOptions::default() };
         let input = input::open(file.path(), &options).expect("the file");
         let mapped = read(&input, &options).expect("a prepared model").mesh;
         drop(input);

@@ -9,7 +9,7 @@ use crate::error::{Place, counted};
 use crate::io::obj::transcode;
 use crate::io::text::{Cursor, find};
 use crate::io::{ReadModel, ReadOptions, ReadReport, input::Input};
-use crate::mesh::localize;
+use crate::mesh::localize_at;
 use crate::{Mesh, ReadError};
 
 use super::{check_facets, soup};
@@ -118,7 +118,7 @@ fn read_parts(input: &Input, options: &ReadOptions, texts: &[&[u8]]) -> Result<R
     for part in parts {
         points.extend(part.points);
     }
-    let (origin, positions) = localize(&points);
+    let (coordinates, origin, positions) = localize_at(&points, options.origin);
     let mesh = Mesh { origin, positions, triangles: soup(facets as usize), ..Mesh::default() };
     let report = ReadReport {
         format: "STL, ASCII".into(),
@@ -127,7 +127,7 @@ fn read_parts(input: &Input, options: &ReadOptions, texts: &[&[u8]]) -> Result<R
         warnings,
         ..ReadReport::default()
     };
-    Ok(ReadModel { mesh, report })
+    Ok(ReadModel { mesh, coordinates, report })
 }
 
 /// Counts without parsing; worth its time only if memory is limited.

@@ -78,7 +78,8 @@ pub fn read(input: &Input, options: &ReadOptions) -> Result<ReadModel, ReadError
         p.begin("parsing", records.len() as u64 * RECORD as u64);
     }
 
-    let origin = choose_origin(&bounds(input, records));
+    let coordinates = bounds(input, records);
+    let origin = options.origin.unwrap_or_else(|| choose_origin(&coordinates));
     let mut positions = vec![[0.0f32; 3]; records.len() * 3];
     positions.par_chunks_mut(BATCH * 3).zip(records.par_chunks(BATCH)).for_each(|(positions, records)| {
         for (slots, record) in positions.as_chunks_mut::<3>().0.iter_mut().zip(records) {
@@ -106,7 +107,7 @@ pub fn read(input: &Input, options: &ReadOptions) -> Result<ReadModel, ReadError
         warnings,
         ..ReadReport::default()
     };
-    Ok(ReadModel { mesh, report })
+    Ok(ReadModel { mesh, coordinates, report })
 }
 
 /// The number at an offset of a record.
@@ -119,6 +120,17 @@ pub(super) fn float(record: &Record, at: usize) -> f32 {
 #[inline]
 pub(super) fn vertices(record: &Record) -> [[f32; 3]; 3] {
     std::array::from_fn(|corner| std::array::from_fn(|k| float(record, 12 + 12 * corner + 4 * k)))
+}
+
+/// The default colour that Materialise Magics states in the header.
+pub(super) fn default_color(header: &[u8]) -> Option<[u8; 4]> {
+    let at = header.windows(6).position(|w| w == b"COLOR=")?;
+    Some(header.get(at + 6..at + 10).map_or([255; 4], |c| [c[0], c[1], c[2], c[3]]))
+}
+
+/// The colour of a facet whose attribute bytes are zero, if others have colours. With a default colour, zero is black.
+pub(super) fn color_of_zero(has_default: bool) -> [u8; 4] {
+    if has_default { [0, 0, 0, 255] } else { [255; 4] }
 }
 
 fn bounds(input: &Input, records: &[Record]) -> Aabb {
@@ -138,13 +150,17 @@ fn bounds(input: &Input, records: &[Record]) -> Aabb {
         .reduce(|| Aabb::EMPTY, Aabb::union)
 }
 
+/// The two bytes after the vertices.
+pub(super) fn attribute(record: &Record) -> u16 {
+    u16::from_le_bytes([record[RECORD - 2], record[RECORD - 1]])
+}
+
 /// Colours in the attribute bytes, if they are there beyond doubt.
 ///
 /// Two incompatible conventions exist. VisCAM and SolidView set bit 15 where a facet has a colour and store blue in
 /// the lowest bits. Materialise Magics states a default colour after `COLOR=` in the header, *clears* bit 15 where a
 /// facet has its own, and stores red in the lowest bits. Other programs write arbitrary values here.
 fn colors(input: &Input, header: &[u8], records: &[Record]) -> Option<Vec<[u8; 4]>> {
-    let attribute = |r: &Record| u16::from_le_bytes([r[RECORD - 2], r[RECORD - 1]]);
     let all = |holds: fn(u16) -> bool| {
         records.par_chunks(BATCH).all(|records| {
             let all = records.iter().all(|r| holds(attribute(r)));
@@ -164,16 +180,12 @@ fn colors(input: &Input, header: &[u8], records: &[Record]) -> Option<Vec<[u8; 4
         return None;
     }
     let five = |a: u16, shift: u32| ((u32::from(a >> shift & 31) * 255 + 15) / 31) as u8;
-    if let Some(at) = header.windows(6).position(|w| w == b"COLOR=") {
-        let default = match header.get(at + 6..at + 10) {
-            Some(&[r, g, b, a]) => [r, g, b, a],
-            _ => [255; 4],
-        };
+    if let Some(default) = default_color(header) {
         let color = |a| if a & 0x8000 != 0 { default } else { [five(a, 0), five(a, 5), five(a, 10), 255] };
         return Some(spread(&color));
     }
     // A value that is neither zero nor marked as a colour shows that the bytes have another meaning.
     let has_meaning = all(|a| a == 0 || a & 0x8000 != 0);
-    let color = |a| if a == 0 { [255; 4] } else { [five(a, 10), five(a, 5), five(a, 0), 255] };
+    let color = |a| if a == 0 { color_of_zero(false) } else { [five(a, 10), five(a, 5), five(a, 0), 255] };
     has_meaning.then(|| spread(&color))
 }

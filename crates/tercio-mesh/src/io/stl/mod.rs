@@ -8,6 +8,7 @@
 mod ascii;
 mod binary;
 mod evidence;
+pub(super) mod share;
 
 pub use evidence::is_beyond_doubt;
 

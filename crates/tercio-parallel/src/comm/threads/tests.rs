@@ -127,3 +127,77 @@ fn memory_of_messages_returns_to_the_sender() {
     assert_eq!(comms[0].buffer(2).capacity(), 0, "only once");
     assert_eq!(comms[0].traffic(), Traffic { sent_messages: 1, sent_bytes: 1000, ..Traffic::default() });
 }
+
+#[test]
+fn messages_of_any_rank_are_received_in_the_order_of_arrival() {
+    const RANKS: usize = 9;
+    let order = [3, 8, 1, 7, 2];
+    let received = run(RANKS, |comm| {
+        let rank = comm.rank();
+        if let Some(at) = order.iter().position(|&sender| sender == rank) {
+            // One after another.
+            if at > 0 {
+                comm.await_signal(order[at - 1])?;
+            }
+            comm.send(0, vec![rank as u8])?;
+            comm.send(0, vec![100 + rank as u8])?;
+            match order.get(at + 1) {
+                Some(&next) => comm.signal(next)?,
+                None => comm.signal(0)?,
+            }
+        }
+        if rank == 4 {
+            comm.send(0, vec![4])?;
+        }
+        if rank > 0 {
+            comm.barrier()?;
+            return Ok(Vec::new());
+        }
+        // The last signal follows all messages, but those of rank 2, which are before it in the same queue.
+        let mut all = Vec::new();
+        for _ in 0..2 {
+            let mut awaited = Awaited::new(order);
+            while !awaited.is_empty() {
+                let (from, message) = comm.receive_any(&mut awaited)?;
+                assert!(!awaited.contains(from));
+                all.push((from, message[0]));
+            }
+        }
+        comm.await_signal(2)?;
+        assert_eq!(comm.receive(4)?, [4]);
+        comm.barrier()?;
+        assert_eq!((comm.traffic().taken_messages, comm.traffic().taken_bytes), (11, 11));
+        Ok(all)
+    });
+    let received = received.unwrap().remove(0);
+    let first: Vec<(usize, u8)> = order.map(|rank| (rank, rank as u8)).to_vec();
+    assert_eq!(received[..5], first);
+    let mut second = received[5..].to_vec();
+    second.sort_unstable();
+    assert_eq!(second, [1, 2, 3, 7, 8].map(|rank| (rank, 100 + rank as u8)));
+}
+
+#[test]
+fn an_awaited_rank_that_is_gone_is_an_error_after_the_messages_that_came() {
+    run(4, |comm| {
+        match comm.rank() {
+            1 => comm.send(0, vec![1])?,
+            // Waits until rank 0 is done.
+            3 => assert!(comm.receive(0).is_err()),
+            0 => {
+                // Both are gone then.
+                assert_eq!(comm.receive(2), Err(CommError::Gone { rank: 2 }));
+                let mut awaited = Awaited::new([1, 2, 3]);
+                assert_eq!(comm.receive_any(&mut awaited), Ok((1, vec![1])));
+                assert_eq!(comm.receive_any(&mut awaited), Err(CommError::Gone { rank: 2 }));
+                let mut stranger = Awaited::new([3, 4]);
+                assert_eq!(comm.receive_any(&mut stranger), Err(CommError::NoPartner { rank: 4, size: 4 }));
+                let mut own = Awaited::new([0, 3]);
+                assert_eq!(comm.receive_any(&mut own), Err(CommError::NoPartner { rank: 0, size: 4 }));
+            }
+            _ => {}
+        }
+        Ok(())
+    })
+    .unwrap();
+}

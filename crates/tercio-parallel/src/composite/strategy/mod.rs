@@ -8,6 +8,7 @@ mod direct_send;
 mod radix_k;
 mod ring;
 mod tree;
+mod two_three_swap;
 
 use std::fmt;
 
@@ -28,6 +29,9 @@ pub enum Composition {
     /// In each round groups of up to this many ranks, at least 2, exchange parts of what they have, as in direct send (Peterka
     /// et al. 2009). A number of ranks with larger prime factors has groups of these sizes, too.
     RadixK(u32),
+    /// In each round groups of ranks are joined by twos and threes, and their members exchange parts: log2 of the ranks rounds,
+    /// rounded down, for any number of ranks (Yu, Wang and Ma 2008).
+    TwoThreeSwap,
     /// In each round half of the ranks send all that they have to the others, until one has everything: a binomial tree.
     Tree,
     /// One rank after another adds what it has to a picture that passes through all of them (document 000, chapter 6).
@@ -36,13 +40,15 @@ pub enum Composition {
 
 impl Composition {
     /// All of them, one radix.
-    pub const ALL: [Self; 5] = [Self::DirectSend, Self::BinarySwap, Self::RadixK(4), Self::Tree, Self::Ring];
+    pub const ALL: [Self; 6] =
+        [Self::DirectSend, Self::BinarySwap, Self::RadixK(4), Self::TwoThreeSwap, Self::Tree, Self::Ring];
 
     fn strategy(self) -> Box<dyn Strategy> {
         match self {
             Self::DirectSend => Box::new(direct_send::DirectSend),
             Self::BinarySwap => Box::new(binary_swap::BinarySwap),
             Self::RadixK(radix) => Box::new(radix_k::RadixK { radix }),
+            Self::TwoThreeSwap => Box::new(two_three_swap::TwoThreeSwap),
             Self::Tree => Box::new(tree::Tree),
             Self::Ring => Box::new(ring::Ring),
         }
@@ -65,6 +71,7 @@ impl fmt::Display for Composition {
             Self::DirectSend => f.write_str("direct-send"),
             Self::BinarySwap => f.write_str("binary-swap"),
             Self::RadixK(radix) => write!(f, "radix-{radix}"),
+            Self::TwoThreeSwap => f.write_str("2-3-swap"),
             Self::Tree => f.write_str("tree"),
             Self::Ring => f.write_str("ring"),
         }
@@ -218,6 +225,7 @@ mod tests {
             assert_eq!(sent(Composition::DirectSend), (count * (count - 1), 64 * (count - 1)));
             assert_eq!(sent(Composition::BinarySwap), (count * k, 64 * (count - 1)));
             assert_eq!(sent(Composition::RadixK(2)), sent(Composition::BinarySwap));
+            assert_eq!(sent(Composition::TwoThreeSwap), sent(Composition::BinarySwap));
             assert_eq!(sent(Composition::RadixK(32)), sent(Composition::DirectSend));
             // The whole picture, n - 1 times.
             assert_eq!(sent(Composition::Tree), (count - 1, 64 * (count - 1)));
@@ -240,5 +248,6 @@ mod tests {
         // 4 * 4, 4 * 3 * 2, 7, 4 * 2.
         assert_eq!([16, 24, 7, 8].map(|n| rounds(Composition::RadixK(4), n)), [2, 3, 1, 2]);
         assert_eq!([7, 8, 9].map(|n| rounds(Composition::Tree, n)), [3, 3, 4]);
+        assert_eq!([3, 7, 8, 15, 16].map(|n| rounds(Composition::TwoThreeSwap, n)), [1, 2, 3, 3, 4]);
     }
 }

@@ -37,7 +37,7 @@ impl Strategy for RadixK {
 }
 
 /// Part `number` of `of` about equal parts of a range.
-fn part(range: &Range<usize>, number: usize, of: usize) -> Range<usize> {
+pub fn part(range: &Range<usize>, number: usize, of: usize) -> Range<usize> {
     let at = |number: usize| range.start + range.len() * number / of;
     at(number)..at(number + 1)
 }

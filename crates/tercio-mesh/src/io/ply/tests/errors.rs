@@ -125,7 +125,7 @@ fn the_memory_limit_holds() {
         let bytes = encode(encoding, &[vertices(&points), faces(&vec![vec![0, 1, 2]; 10_000])]);
         let held = bytes.len() as u64;
         let read_with = |limit| {
-            let options = ReadOptions { memory_limit: Some(limit), progress: None };
+            let options = ReadOptions { memory_limit: Some(limit), progress: None, ..ReadOptions::default() };
             read(&Input::from_bytes("test.ply", bytes.clone(), &ReadOptions::default()).unwrap(), &options)
         };
         assert!(matches!(read_with(held + 100_000), Err(ReadError::MemoryLimit { .. })), "{encoding}");

@@ -1,0 +1,184 @@
+//! The ways to share a frame that are compared.
+
+use tercio_parallel::{Composition, Division, Organisation, Sharing};
+
+/// Above this many ranks fewer candidates are compared, so that choosing does not take longer than it gains.
+pub const MANY: usize = 64;
+
+/// What the caller has decided already: only ways that use it are candidates.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Limits {
+    /// Ranks of a group: only sort-twice.
+    pub group: Option<usize>,
+    /// How tiles are divided: not sort-last, which does not divide the picture.
+    pub division: Option<Division>,
+    /// How pictures are composited: only sort-last and sort-twice.
+    pub composition: Option<Composition>,
+}
+
+/// No way to share a frame fits the limits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum NoCandidate {
+    /// There are not so many ranks.
+    #[error("groups of {group} ranks: there are {ranks} ranks")]
+    Group {
+        /// Ranks of a group.
+        group: usize,
+        /// Ranks.
+        ranks: usize,
+    },
+    /// Only sort-twice divides and composites, and needs three ranks for that.
+    #[error(
+        "a division of the picture together with a composition is for sort-twice, which needs 3 ranks or more: there are \
+         {ranks}"
+    )]
+    TooFewToDoBoth {
+        /// Ranks.
+        ranks: usize,
+    },
+}
+
+impl Limits {
+    /// The candidates for so many ranks, at least 1, simple ones first: of equally fast ones the first is taken. Never empty.
+    ///
+    /// The serial ring is none unless it is asked for: a tree has the same work in fewer rounds.
+    ///
+    /// # Errors
+    /// [`NoCandidate`].
+    pub fn candidates(&self, ranks: usize) -> Result<Vec<Sharing>, NoCandidate> {
+        let ranks = ranks.max(1);
+        if let Some(group) = self.group.filter(|&group| group > ranks || group == 0) {
+            return Err(NoCandidate::Group { group, ranks });
+        }
+        let mut found = Vec::new();
+        for organisation in self.organisations(ranks) {
+            let divides = organisation != Organisation::SortLast;
+            let composites = matches!(organisation, Organisation::SortLast | Organisation::SortTwice { .. });
+            if self.division.is_some() && !divides || self.composition.is_some() && !composites {
+                continue;
+            }
+            let usual = Sharing::from(organisation);
+            let divisions = if divides { self.divisions(organisation, ranks) } else { vec![usual.division] };
+            let compositions = if composites { self.compositions(ranks) } else { vec![usual.composition] };
+            for &composition in &compositions {
+                let with = |&division: &Division| Sharing { organisation, division, composition };
+                found.extend(divisions.iter().map(with));
+            }
+        }
+        if found.is_empty() { Err(NoCandidate::TooFewToDoBoth { ranks }) } else { Ok(found) }
+    }
+
+    fn organisations(&self, ranks: usize) -> Vec<Organisation> {
+        use Organisation::{SortFirst, SortLast, SortMiddle, SortTwice};
+        if let Some(group) = self.group {
+            return vec![SortTwice { group }];
+        }
+        if ranks == 1 {
+            // All are the same; one that has what was decided.
+            let both = self.division.is_some() && self.composition.is_some();
+            return vec![if both {
+                SortTwice { group: 1 }
+            } else if self.composition.is_some() {
+                SortLast
+            } else {
+                SortMiddle
+            }];
+        }
+        let groups = group_sizes(ranks).into_iter().map(|group| SortTwice { group });
+        [SortMiddle, SortFirst, SortLast].into_iter().chain(groups).collect()
+    }
+
+    fn divisions(&self, organisation: Organisation, ranks: usize) -> Vec<Division> {
+        use Division::{Balanced, Blocks, Interleaved};
+        if let Some(division) = self.division {
+            return vec![division];
+        }
+        if ranks == 1 {
+            return vec![Balanced];
+        }
+        match organisation {
+            Organisation::SortTwice { .. } => vec![Balanced, Interleaved],
+            _ if ranks > MANY => vec![Balanced, Interleaved, Blocks],
+            _ => Division::ALL.to_vec(),
+        }
+    }
+
+    fn compositions(&self, ranks: usize) -> Vec<Composition> {
+        if let Some(composition) = self.composition {
+            return vec![composition];
+        }
+        let mut all = vec![Composition::DirectSend];
+        if ranks > 1 {
+            all.push(Composition::Tree);
+        }
+        if ranks > 2 {
+            all.push(Composition::BinarySwap);
+        }
+        // With up to 4 ranks radix 4 is direct send, with up to 8 radix 8.
+        all.extend([4, 8].into_iter().filter(|&radix| ranks > radix as usize).map(Composition::RadixK));
+        all
+    }
+}
+
+/// Up to so many ranks groups of all divisors of their number are compared, too.
+const FEW: usize = 16;
+
+/// Sizes of the groups of sort-twice: powers of two; of few ranks divisors, too; of many, three powers of two around the square
+/// root.
+fn group_sizes(ranks: usize) -> Vec<usize> {
+    let inside = 2..ranks;
+    if ranks > MANY {
+        let middle = 1 << (ranks.ilog2() / 2);
+        return [middle / 4, middle, middle * 4].into_iter().filter(|size| inside.contains(size)).collect();
+    }
+    inside.filter(|&size| size.is_power_of_two() || ranks <= FEW && ranks.is_multiple_of(size)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const NONE: Limits = Limits { group: None, division: None, composition: None };
+
+    #[test]
+    fn candidates_are_different_and_fewer_for_many_ranks() {
+        for ranks in [1, 2, 3, 4, 6, 16, 48, 64, 65, 256, 1000, 1024] {
+            let all = NONE.candidates(ranks).expect("there are always some");
+            for (number, one) in all.iter().enumerate() {
+                assert!(!all[..number].contains(one), "{ranks}: {one:?} twice");
+                assert!(one.organisation.group(ranks) <= ranks);
+            }
+            assert_eq!(all[0], Organisation::SortMiddle.into());
+            assert!(all.len() <= if ranks > MANY { 45 } else { 90 }, "{ranks}: {}", all.len());
+        }
+        assert_eq!(NONE.candidates(1).map(|all| all.len()), Ok(1));
+        assert_eq!(group_sizes(6), [2, 3, 4]);
+        assert_eq!(group_sizes(1024), [8, 32, 128]);
+    }
+
+    #[test]
+    fn what_was_decided_is_kept() {
+        let rows = Limits { division: Some(Division::Rows), ..NONE };
+        let all = rows.candidates(4).expect("some");
+        assert!(all.iter().all(|c| c.division == Division::Rows && c.organisation != Organisation::SortLast));
+        let tree = Limits { composition: Some(Composition::Tree), ..NONE };
+        let all = tree.candidates(4).expect("some");
+        assert!(all.iter().all(|c| c.composition == Composition::Tree && c.organisation.composites(4)));
+        let both = Limits { division: Some(Division::Rows), ..tree };
+        let all = both.candidates(3).expect("sort-twice");
+        assert_eq!(
+            all,
+            [Sharing {
+                division: Division::Rows,
+                composition: Composition::Tree,
+                organisation: Organisation::SortTwice { group: 2 }
+            }]
+        );
+        assert_eq!(both.candidates(2), Err(NoCandidate::TooFewToDoBoth { ranks: 2 }));
+        assert_eq!(both.candidates(1).map(|all| all.len()), Ok(1));
+        let group = Limits { group: Some(5), ..NONE };
+        assert_eq!(group.candidates(4), Err(NoCandidate::Group { group: 5, ranks: 4 }));
+        let twice = Organisation::SortTwice { group: 5 };
+        assert!(group.candidates(8).expect("some").iter().all(|c| c.organisation == twice));
+    }
+}

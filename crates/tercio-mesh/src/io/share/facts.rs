@@ -1,0 +1,52 @@
+//! What depends on the whole of a model.
+
+use rayon::prelude::*;
+
+use crate::OctNormal;
+use crate::io::{ReadModel, Translucent, count_all, warn_of_normals};
+
+/// What the parts of a model have to know of all of them together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Facts {
+    /// A part has a valid normal in the file.
+    pub has_normals: bool,
+    /// A part has colours that are not invisible, or has none at all.
+    pub is_visible: bool,
+}
+
+impl Facts {
+    /// Those of a part that was read with [`ReadOptions::is_part`](crate::io::ReadOptions::is_part).
+    pub fn of(model: &ReadModel) -> Self {
+        let normals = model.mesh.normals.as_deref().unwrap_or_default();
+        let has_normals = normals.par_iter().any(|n| *n != OctNormal::NONE);
+        // A part without triangles does not decide.
+        let is_visible = !model.mesh.triangles.is_empty() && !Translucent::look(&model.mesh).1;
+        Self { has_normals, is_visible }
+    }
+
+    /// As a number; those of several parts are combined with *or*.
+    pub fn bits(self) -> u64 {
+        u64::from(self.has_normals) | u64::from(self.is_visible) << 1
+    }
+
+    /// From [`Facts::bits`].
+    pub fn from_bits(bits: u64) -> Self {
+        Self { has_normals: bits & 1 > 0, is_visible: bits & 2 > 0 }
+    }
+
+    /// Does with a part what the reader does with a whole model: normals of which none is valid are dropped, an alpha of 0
+    /// everywhere becomes 1, and what is not drawn and not opaque is counted. These are the facts of all parts together.
+    pub fn settle(self, model: &mut ReadModel) {
+        warn_of_normals(model);
+        let count = model.mesh.positions.len();
+        let normals = model.mesh.normals.take();
+        // A part may have no valid normal, although others have.
+        model.mesh.normals =
+            self.has_normals.then(|| normals.unwrap_or_else(|| vec![OctNormal::NONE; count]));
+        if !self.is_visible {
+            return count_all(model);
+        }
+        model.report.not_drawn.count_mesh(&model.mesh, model.report.faces);
+        model.report.translucent = Translucent::look(&model.mesh).0;
+    }
+}

@@ -1,0 +1,144 @@
+//! Which clusters may be seen, and in which tiles, from the bounds of some of them: what ranks know of a frame before they
+//! draw it.
+
+use tercio_mesh::cluster::Cluster;
+
+use crate::context::FrameContext;
+use crate::conventions::SUBPIXELS;
+use crate::view::{ObjectView, View};
+
+/// The share of the box of a cluster on the screen that its triangles cover.
+pub const COVERED_OF_BOX: f64 = 0.3;
+
+/// How much of a scene is looked at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Effort {
+    /// At most about this many clusters, evenly spread over the scene; at least 1.
+    pub clusters: u32,
+    /// At most about so many tiles for all of them together: where clusters are large, fewer are looked at.
+    pub visits: u64,
+}
+
+/// A cluster that may be visible.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Seen {
+    /// Its number.
+    pub number: u32,
+    /// From the eye, in any unit.
+    pub distance: f64,
+    /// First and last column, first and last row of the pixels that it may reach, inside the picture.
+    pub rect: [u32; 4],
+    /// Its triangles.
+    pub triangles: f64,
+}
+
+/// A cluster in one of the tiles that it may reach. It stands for [`Survey::step`] clusters like it, whose work this is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Visit {
+    /// The tile.
+    pub tile: u32,
+    /// Triangles: those that lie in the tile, and a quarter of all, because a cluster in several tiles is projected in each.
+    pub triangles: f64,
+    /// Pixels of the tile inside the box of the cluster on the screen.
+    pub pixels: f64,
+    /// Pixels of the tile.
+    pub of_tile: f64,
+}
+
+/// Some of the clusters that may be visible, front to back; those at equal distances in the order of their numbers.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Survey {
+    /// The clusters.
+    pub seen: Vec<Seen>,
+    /// How many clusters of the scene each of them stands for.
+    pub step: f64,
+    /// How many clusters were looked at, visible or not.
+    pub looked_at: u32,
+}
+
+impl Survey {
+    /// Looks at some of the clusters of a scene. The same on every machine.
+    pub fn of(context: &FrameContext, effort: Effort) -> Self {
+        let step = context.clusters().div_ceil(effort.clusters.max(1)).max(1);
+        let mut seen = Vec::new();
+        for number in (0..context.clusters()).step_by(step as usize) {
+            let (instance, index) = context.locate(number);
+            let cluster = &context.scene.instances[instance].mesh.clusters()[index];
+            let object = &context.objects[instance];
+            if let Some((distance, rect)) = extent(&context.view, object, cluster) {
+                seen.push(Seen { distance, number, rect, triangles: f64::from(cluster.triangles) });
+            }
+        }
+        let visits = |of: &Seen| {
+            let [column0, column1, row0, row1] = context.grid.tiles_that_need(of.rect);
+            u64::from(column1 - column0 + 1) * u64::from((row1 + 1).saturating_sub(row0))
+        };
+        let all = seen.iter().map(visits).sum::<u64>();
+        let skipped = all.div_ceil(effort.visits.max(1)).max(1);
+        let mut seen: Vec<Seen> = seen.into_iter().step_by(skipped as usize).collect();
+        seen.sort_unstable_by(|a, b| a.distance.total_cmp(&b.distance).then(a.number.cmp(&b.number)));
+        let looked_at = context.clusters().div_ceil(step);
+        Self { seen, step: f64::from(step) * skipped as f64, looked_at }
+    }
+
+    /// Passes every tile that each of the clusters may reach, in the order of the clusters. The context may be one of another
+    /// grid than that of the survey, of the same picture.
+    pub fn visits(&self, context: &FrameContext, mut each: impl FnMut(&Seen, Visit)) {
+        let (grid, size, step) = (&context.grid, context.size(), self.step);
+        for seen in &self.seen {
+            let Seen { rect: rect @ [x0, x1, y0, y1], triangles, .. } = *seen;
+            let across = f64::from(x1 - x0 + 1) * f64::from(y1 - y0 + 1);
+            let triangles = triangles * step;
+            let [column0, column1, row0, row1] = grid.tiles_that_need(rect);
+            for (column, row) in (row0..=row1).flat_map(|row| (column0..=column1).map(move |c| (c, row))) {
+                let tile = grid.number(column, row);
+                let own = grid.rect(tile, size);
+                let overlap = |a0: u32, a1: u32, b0: i32, b1: i32| {
+                    f64::from((a1.min(b1 as u32) + 1).saturating_sub(a0.max(b0 as u32)))
+                };
+                let covered = overlap(x0, x1, own.x0, own.x1) * overlap(y0, y1, own.y0, own.y1);
+                let of_tile = f64::from(own.x1 - own.x0 + 1) * f64::from(own.y1 - own.y0 + 1);
+                let triangles = triangles * (0.25 + 0.75 * covered / across);
+                each(seen, Visit { tile, triangles, pixels: covered * step, of_tile });
+            }
+        }
+    }
+}
+
+/// The distance of a cluster, and the pixels inside the picture that it may reach, approximately; `None` if there are none.
+fn extent(view: &View, object: &ObjectView, cluster: &Cluster) -> Option<(f64, [u32; 4])> {
+    let middle: [f64; 3] =
+        std::array::from_fn(|k| (f64::from(cluster.min[k]) + f64::from(cluster.max[k])) * 0.5);
+    let half: [f64; 3] =
+        std::array::from_fn(|k| (f64::from(cluster.max[k]) - f64::from(cluster.min[k])) * 0.5);
+    let range = |row: &[f64; 4]| {
+        let center = ((row[0] * middle[0] + row[1] * middle[1]) + row[2] * middle[2]) + row[3];
+        let reach = (row[0].abs() * half[0] + row[1].abs() * half[1]) + row[2].abs() * half[2];
+        (center, reach)
+    };
+    let (w, deviation) = range(&object.exact.w);
+    let near = if view.perspective { f64::from(object.near) } else { 0.0 };
+    if w + deviation <= near {
+        return None;
+    }
+    // Where it crosses the near plane it may be anywhere.
+    let crosses = w - deviation <= near;
+    let along = |row: &[f64; 4], middle: i32, size: u32| {
+        if crosses {
+            return Some([0, size - 1]);
+        }
+        let (center, reach) = range(row);
+        let pixel = |at: f64, w: f64| (at / w + f64::from(middle)) / f64::from(SUBPIXELS);
+        // Bounds of a quotient: by the nearest point where they are away from the middle of the projection.
+        let (low, high) = (center - reach, center + reach);
+        let (nearest, farthest) = (w - deviation, w + deviation);
+        let first = pixel(low, if low < 0.0 { nearest } else { farthest }).floor();
+        let last = pixel(high, if high > 0.0 { nearest } else { farthest }).floor();
+        let reaches = last >= 0.0 && first < f64::from(size);
+        reaches.then(|| [first.max(0.0) as u32, (last.max(0.0) as u32).min(size - 1)])
+    };
+    let [x0, x1] = along(&object.exact.x, view.middle[0], view.width)?;
+    let [y0, y1] = along(&object.exact.y, view.middle[1], view.height)?;
+    let distance = if view.perspective { w } else { -range(&object.exact.d).0 };
+    Some((distance, [x0, x1, y0, y1]))
+}
