@@ -56,40 +56,28 @@ pub fn exchange(
         sent += message.len() as u64;
         comm.send(to, message)?;
     }
-    let mut message = Vec::new();
-    write(&tiles[own], &mut message)?;
+    let mut of_own = Vec::new();
+    write(&tiles[own], &mut of_own)?;
     report.cluster_bytes = Some(sent);
 
-    let mut gathered = Vec::new();
+    let mut gathered: Vec<Gathered> = Vec::new();
     for (instance, share) in scene.instances.iter().zip(&shares) {
         let faces = has_faces.then_some(share.faces);
-        gathered.push(Gathered {
-            assembly: Assembly::new(&instance.mesh, share.triangles, faces),
-            ends: Vec::new(),
-        });
+        let assembly = Assembly::new(&instance.mesh, share.triangles, faces);
+        gathered.push(Gathered { instance, share: *share, assembly, ends: Vec::new() });
     }
     let stages = &mut report.stages;
-    stages.redistribute.time(|| read(&mut gathered, rank, &message))?;
+    stages.redistribute.time(|| read(&mut gathered, rank, &of_own))?;
+    drop(of_own);
     for other in (1..count).map(|step| (own + count - step) % count) {
         let from = group.start + other;
         let message = stages.wait.time(|| comm.receive(from))?;
         stages.redistribute.time(|| read(&mut gathered, from, &message))?;
         comm.give_back(from, message);
     }
-    let instances = stages.redistribute.time(|| {
-        let finish = |((instance, share), of): ((&Instance, &Share), Gathered)| {
-            let Gathered { assembly, ends } = of;
-            let mesh = pool.install(|| assembly.finish()).map_err(|(cluster, source)| {
-                let sender = ends.iter().find(|(_, end)| cluster < *end);
-                ParallelError::Clusters { from: sender.map_or(rank, |(from, _)| *from), source }
-            })?;
-            let materials = instance.materials.as_ref().map(|m| m.for_part(&mesh, scene, m.is_translucent()));
-            let share = Some(Share { first_triangle: 0, first_face: 0, has_whole_numbers: true, ..*share });
-            Ok(Instance { mesh: Arc::new(mesh), materials, share, ..instance.clone() })
-        };
-        let all = scene.instances.iter().zip(&shares).zip(gathered);
-        all.map(finish).collect::<Result<Vec<_>, ParallelError>>()
-    })?;
+    let finish = |of: Gathered| of.finish(scene, pool);
+    let instances =
+        stages.redistribute.time(|| gathered.into_iter().map(finish).collect::<Result<_, _>>())?;
     Ok(Scene {
         instances,
         lights: scene.lights.clone(),
@@ -102,9 +90,32 @@ pub fn exchange(
 
 /// Clusters of an instance from several ranks.
 struct Gathered<'a> {
+    instance: &'a Instance,
+    share: Share,
     assembly: Assembly<'a>,
     /// Each sender, and the number of clusters after its own.
     ends: Vec<(usize, usize)>,
+}
+
+impl Gathered<'_> {
+    /// The instance with the clusters, all of which are checked.
+    fn finish(self, scene: &Scene, pool: &ThreadPool) -> Result<Instance, ParallelError> {
+        let Self { instance, share, assembly, ends } = self;
+        let wrong = |(cluster, source): (usize, TransferError)| {
+            let from = ends.iter().find(|(_, end)| cluster < *end).map_or(0, |(from, _)| *from);
+            ParallelError::Clusters { from, source }
+        };
+        let mesh = pool.install(|| assembly.finish()).map_err(wrong)?;
+        let materials = instance.materials.as_ref().map(|m| m.for_part(&mesh, scene, m.is_translucent()));
+        if let Some(materials) = materials.as_ref().filter(|m| !m.is_translucent())
+            && let Some(cluster) = (0..mesh.clusters().len()).find(|&c| materials.is_cluster_translucent(c))
+        {
+            let expected = "opaque materials, as in the model";
+            return Err(wrong((cluster, TransferError::Cluster { cluster, expected })));
+        }
+        let share = Some(Share { first_triangle: 0, first_face: 0, has_whole_numbers: true, ..share });
+        Ok(Instance { mesh: Arc::new(mesh), materials, share, ..instance.clone() })
+    }
 }
 
 fn shares_of(scene: &Scene) -> Result<Vec<Share>, PartsError> {
@@ -143,7 +154,7 @@ fn read(gathered: &mut [Gathered], from: usize, message: &[u8]) -> Result<(), Pa
         let reason = format!("{} bytes that are not clusters of {instances} instances", message.len());
         CommError::Transport { rank: from, reason }
     };
-    for Gathered { assembly, ends } in gathered {
+    for Gathered { assembly, ends, .. } in gathered {
         let (head, behind) = rest.split_first_chunk::<SECTION_HEAD>().ok_or_else(wrong)?;
         let bytes = usize::try_from(u64::from_le_bytes(*head)).map_err(|_| wrong())?;
         let (clusters, behind) = behind.split_at_checked(bytes).ok_or_else(wrong)?;

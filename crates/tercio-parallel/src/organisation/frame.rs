@@ -167,7 +167,7 @@ impl Rank {
         let stage = &mut report.stages.draw;
         let begin = Instant::now();
         pool.install(|| stage.time(|| renderer.sort(context, sorted)));
-        report.frame.milliseconds.frontend = begin.elapsed().as_secs_f64() * 1e3;
+        report.frame.milliseconds.frontend += begin.elapsed().as_secs_f64() * 1e3;
     }
 
     /// Draws tiles as they are in the picture.

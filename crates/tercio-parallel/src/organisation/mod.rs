@@ -14,7 +14,7 @@
 //!
 //! So sort-middle and sort-last are sort-twice with groups of all ranks, and of one.
 //!
-//! If models are in [parts](crate::parts), "own clusters" are those that a rank holds. Where ranks of a group share the picture,
+//! If models are in [parts], "own clusters" are those that a rank holds. Where ranks of a group share the picture,
 //! each sorts its own clusters into all tiles, and [sends](clusters) those of other owners' tiles; then it goes on as in
 //! sort-first, with the clusters of its own tiles.
 
@@ -151,7 +151,7 @@ pub struct Task<'a> {
     /// How ranks share it.
     pub sharing: Sharing,
     /// The whole scene. Its meshes are in shared memory here; a rank reads only the parts of them that it draws. Or a scene whose
-    /// meshes are this rank's [parts](crate::parts) of models.
+    /// meshes are this rank's [parts] of models.
     pub scene: &'a Scene,
     /// The camera.
     pub camera: &'a Camera,
