@@ -244,3 +244,72 @@ fn processes_count_and_send_what_is_predicted() {
         .run("lab validate model.off --machine two-core-2026 --organisation sort-last")
         .failed(2, &["--ranks"]);
 }
+
+/// A binary PLY file of a height field with a fold, `n` by `n` points; the quads of some rows only.
+fn field(n: u32, rows: std::ops::Range<u32>) -> Vec<u8> {
+    let (first, last) = (rows.start, rows.end + 1);
+    let mut out = format!(
+        "ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty float x\nproperty float y\nproperty float z\n\
+         element face {}\nproperty list uchar uint vertex_indices\nend_header\n",
+        (last - first) * n,
+        rows.len() as u32 * (n - 1)
+    )
+    .into_bytes();
+    for y in first..last {
+        for x in 0..n {
+            let (u, v) = (x as f32 / n as f32, y as f32 / n as f32);
+            let height = if u < v { (u - v) * 0.5 } else { (u * 9.0) * (v * 7.0) * 0.004 };
+            out.extend([u, v, height].iter().flat_map(|c| c.to_le_bytes()));
+        }
+    }
+    for y in 0..rows.len() as u32 {
+        for x in 0..n - 1 {
+            let v = y * n + x;
+            out.push(4);
+            out.extend([v, v + 1, v + n + 1, v + n].iter().flat_map(|v| v.to_le_bytes()));
+        }
+    }
+    out
+}
+
+#[test]
+fn processes_with_parts_of_a_model_draw_the_whole() {
+    let place = Place::new();
+    const N: u32 = 90;
+    std::fs::write(place.path("whole.ply"), field(N, 0..N - 1)).unwrap();
+    place.run("prepare whole.ply -o whole.tercio").ok_silently();
+    let look = "--size 160x120 --threads 1 --shadows --aa 4";
+    let outputs =
+        |name: &str| format!("-o {name}.png --output-ids {name}.ids.npy --output-normals {name}.n.npy");
+    place.run(&format!("render whole.ply {look} {}", outputs("alone"))).ok_silently();
+    let compare = |model: &str, count: usize, options: &str| {
+        let arguments = format!("render {model} {look} {} --parts {options}", outputs("ranks"));
+        mpirun(&place, &[(count, &arguments)]).ok_silently();
+        for file in ["png", "ids.npy", "n.npy"] {
+            let [alone, ranks] = ["alone", "ranks"].map(|name| place.read(&format!("{name}.{file}")));
+            assert!(alone == ranks, "{model}, {count} processes, {options}: {file}");
+            std::fs::remove_file(place.path(&format!("ranks.{file}"))).unwrap();
+        }
+    };
+    for options in
+        ["", "--organisation sort-middle", "--organisation sort-first", "--organisation sort-twice --group 2"]
+    {
+        compare("whole.ply", 3, options);
+        compare("whole.tercio", 3, options);
+    }
+    compare("whole.ply", 1, "");
+    // Files of their own: those at a seam have vertices at the same places.
+    for rank in 0..3 {
+        let rows = (N - 1) * rank / 3..(N - 1) * (rank + 1) / 3;
+        std::fs::write(place.path(&format!("part_{rank}.ply")), field(N, rows)).unwrap();
+    }
+    // One model of these would have more vertices, but the same triangles.
+    compare("part_{rank}.ply", 3, "--opacity 1");
+
+    let wrong = mpirun(&place, &[(2, "render model.off -o a.png --quiet --parts")]);
+    assert_eq!(wrong.code, Some(1), "{}", wrong.stderr);
+    assert!(wrong.stderr.contains("an OFF file in parts"), "{}", wrong.stderr);
+    let own = mpirun(&place, &[(2, "render part_{rank}.ply -o part_1.ply --quiet --parts")]);
+    assert!(own.code != Some(0) && own.stderr.contains("part_1.ply"), "{}", own.stderr);
+    assert!(place.read("part_1.ply").starts_with(b"ply"), "the model is still there");
+}
