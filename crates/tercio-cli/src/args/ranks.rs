@@ -13,7 +13,6 @@ use crate::output::UsageError;
 pub const MAX_RANKS: usize = 256;
 
 /// Where work is redistributed between ranks.
-#[expect(clippy::enum_variant_names, reason = "the terms of the field")]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum OrganisationName {
     /// Ranks share the picture: each draws only in its tiles, and only the clusters that reach them.

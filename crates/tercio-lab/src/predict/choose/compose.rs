@@ -110,9 +110,13 @@ impl SharedTiles {
         let mut merged = 1;
         while merged < count {
             *steps += self.tiles.len() as u64;
-            let holders = count.div_ceil(merged);
-            let has = self.after(merged, count) / holders as f64;
-            all = all.plus(transfer(stage, (holders / 2).max(1), 1.0, has, 1.0));
+            // The last sender may have what fewer ranks had.
+            let senders = (merged..count).step_by(2 * merged);
+            let number = senders.clone().count();
+            let sent: usize = senders.map(|sender| merged.min(count - sender)).sum();
+            let has = self.after(merged, count) * sent as f64 / (count * number.max(1)) as f64;
+            let uneven = (merged * number) as f64 / sent.max(1) as f64;
+            all = all.plus(transfer(stage, number, 1.0, has, uneven));
             merged *= 2;
         }
         let merging = if stage.rates.fragments { self.sum() * stage.rates.merged } else { 0.0 };

@@ -12,6 +12,9 @@ const MOST_TILES: u64 = 16;
 const LARGE: u32 = 255;
 /// The share of a cluster's triangles that is drawn even where it is hidden.
 const DRAWN_HIDDEN: f64 = 0.5;
+/// The share of the box of a cluster in which it shows something, for the pixels that are sent; [`COVERED_OF_BOX`] is that of what
+/// hides others.
+const SHOWN_OF_BOX: f64 = 0.6;
 /// Fragments at the edges of triangles, for each square root of a pixel and of a triangle that is seen in it.
 const EDGES: f64 = 1.2;
 
@@ -59,7 +62,7 @@ pub struct Part {
     pub group: u32,
     /// Triangles that are drawn.
     pub triangles: f64,
-    /// Pixels inside the boxes of its clusters; where boxes overlap, several times.
+    /// Pixels that its clusters show, each for itself: where they overlap, several times.
     pub area: f64,
     /// Pixels that show something.
     pub pixels: f64,
@@ -191,16 +194,16 @@ impl Sum {
         let seen = if rates.translucent { 1.0 } else { 1.0 - self.hidden };
         self.triangles += entry.triangles * (DRAWN_HIDDEN + (1.0 - DRAWN_HIDDEN) * seen);
         self.seen += entry.triangles * seen;
-        self.area += entry.pixels;
+        self.area += entry.pixels * SHOWN_OF_BOX;
         self.hidden = (self.hidden + seen * entry.pixels * COVERED_OF_BOX / of_tile).min(1.0);
         self.bytes += entry.bytes;
         self.sorting += entry.sorting;
     }
 
     fn part(&self, group: u32, of_tile: f64, rates: &Rates) -> Part {
-        // As if the boxes were scattered in the tile.
+        // As if what the clusters show were scattered in the tile.
         let pixels = covered(self.area, of_tile);
-        let layers = if rates.translucent { self.area * COVERED_OF_BOX } else { pixels };
+        let layers = if rates.translucent { self.area * (COVERED_OF_BOX / SHOWN_OF_BOX) } else { pixels };
         let shown = if rates.fragments {
             (layers + EDGES * (layers * self.seen).sqrt()).min(layers * rates.samples)
         } else {
@@ -211,7 +214,7 @@ impl Sum {
     }
 }
 
-/// Pixels of a tile that boxes of so many pixels in all cover, if they are scattered in it.
+/// Pixels of a tile that are covered by what has so many pixels in all, if it is scattered in the tile.
 pub fn covered(area: f64, of_tile: f64) -> f64 {
     of_tile * -(-area / of_tile).exp_m1()
 }
