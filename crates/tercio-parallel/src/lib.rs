@@ -7,6 +7,7 @@
 //! | [`composite`] | what several ranks have drawn of the same tiles: [packed](composite::packet), [exchanged](composite::exchange) in the order of a [strategy](composite::strategy), merged |
 //! | [`organisation`] | who draws what, and where work is redistributed: sort-first, sort-middle, sort-last, sort-twice |
 //! | [`report`] | counts and times of every rank |
+//! | [`trace`] | when each rank did what |
 //! | [`in_process`] | all ranks in one process, a thread each |
 //! | [`between_processes`] | the same where every rank is a process of its own |
 //!
@@ -42,6 +43,7 @@
 
 mod agreement;
 pub mod between_processes;
+mod clock;
 pub mod comm;
 pub mod composite;
 pub mod division;
@@ -49,6 +51,7 @@ mod error;
 pub mod in_process;
 pub mod organisation;
 pub mod report;
+pub mod trace;
 
 pub use agreement::Matter;
 pub use comm::Communicator;
@@ -58,3 +61,4 @@ pub use error::ParallelError;
 pub use in_process::{Ranks, draw_frames};
 pub use organisation::{Organisation, Sharing};
 pub use report::{FrameReport, RankReport};
+pub use trace::Trace;

@@ -9,6 +9,7 @@ use clap::Args;
 use rayon::ThreadPool;
 use serde_json::{Value, json};
 use tercio::parallel::organisation::{Rank, Task};
+use tercio::parallel::trace::{Span, Step, Trace, now};
 use tercio::parallel::{Communicator as _, FrameReport, Sharing, between_processes, in_process};
 use tercio::raster::frame::fragments::fragment_bytes;
 use tercio::raster::{Frame, FrameStats, Outputs, Renderer, Settings};
@@ -43,6 +44,7 @@ Examples:
   tercio render scan.ply -o scan.png --stereo anaglyph
   tercio render scan.ply -o scan.png --stereo pair --eye-distance 2.5   (scan.left.png, scan.right.png)
   tercio render scan.ply -o scan.png --ranks 4 --organisation sort-last --stats -
+  tercio render scan.ply -o scan.png --ranks 4 --trace trace.json   (for ui.perfetto.dev)
   mpirun -n 4 tercio render scan.ply -o scan.png --organisation sort-last   (built with --features mpi)
   zcat scan.obj.gz | tercio render - -o - | display
 
@@ -120,6 +122,8 @@ struct Done {
     output_milliseconds: f64,
     /// Why nothing was drawn, if that is the case.
     empty: Option<String>,
+    /// When each rank did what, if that is recorded.
+    trace: Option<Trace>,
 }
 
 impl Render {
@@ -143,7 +147,8 @@ impl Render {
             self.environment.check(),
         ];
         checks.into_iter().collect::<Result<(), _>>().map_err(|e| UsageError(e.into()))?;
-        let files = self.environment.named_files(plan.named_files().reads_model(&self.model.model));
+        let files = self.ranks.named_files(plan.named_files()).reads_model(&self.model.model);
+        let files = self.environment.named_files(files);
         files.check()?;
         let writing = Writing { plan, files, allow_empty: self.writing.allow_empty };
         let mut settings = self.drawing.settings(&self.tuning, &self.sampling, writing.plan.outputs);
@@ -176,6 +181,9 @@ impl Render {
             let stats = self.stats(&done, pool.current_num_threads(), start)?;
             write_text(destination, &format!("{stats:#}\n"))?;
         }
+        if let (Some(destination), Some(trace)) = (self.ranks.trace(), &done.trace) {
+            write_text(&destination, &format!("{}\n", trace.json()))?;
+        }
         match &done.empty {
             Some(reason) if !writing.allow_empty => {
                 let model = self.model.name();
@@ -187,21 +195,27 @@ impl Render {
 
     fn draw(&self, writing: &Writing, settings: &Settings, drawers: Drawers) -> Result<Done> {
         let display = Display::new(self.running.progress_mode());
+        let begin = now();
         let loaded = self.load(writing, &display, drawers)?;
+        let mut trace = self.ranks.trace().map(|_| Trace::default());
+        if let Some(trace) = &mut trace {
+            trace.add(0, Step::Load, 0, Span::since(begin));
+        }
         if self.is_in_bands(&writing.plan, drawers) {
-            return self.draw_in_bands(writing, settings, loaded, &display);
+            return self.draw_in_bands(writing, settings, loaded, &display, trace);
         }
         let mut drawn = Vec::new();
         for camera in &loaded.cameras.views {
             let settings = &self.with_shadows(settings, &loaded.scene, camera, &display)?;
             display.stage("drawing");
-            let (mut frame, parallel) =
-                self.frame(&loaded.scene, camera, settings, drawers).with_context(|| self.model.name())?;
+            let (mut frame, parallel) = self
+                .frame(&loaded.scene, camera, settings, drawers, &mut trace)
+                .with_context(|| self.model.name())?;
             let effect_milliseconds = self.add_effects(&mut frame, &loaded, camera, settings)?;
             drawn.push(Drawn { frame, parallel, effect_milliseconds });
         }
         display.stage("writing");
-        self.write(writing, loaded, drawn)
+        self.write(writing, loaded, drawn, trace)
     }
 
     /// Settings with the shadows of the scene's lights, if they are requested. Every rank draws the same ones.
@@ -242,21 +256,35 @@ impl Render {
         settings: &Settings,
         loaded: Loaded,
         display: &Display,
+        mut trace: Option<Trace>,
     ) -> Result<Done> {
         let Loaded { report, textures, scene, look, cameras, .. } = loaded;
         let camera = &cameras.middle;
         let settings = &self.with_shadows(settings, &scene, camera, display)?;
-        let begin = Instant::now();
+        let (begin, began) = (Instant::now(), now());
         let (progress, allow_empty) = (Some(&*display.progress), writing.allow_empty);
         let stats = writing.plan.write_drawn(&self.model.name(), allow_empty, |out| {
             write_png_in_bands(&scene, camera, settings, allow_empty, progress, out)
         })?;
         let all = begin.elapsed().as_secs_f64() * 1e3;
+        if let Some(trace) = &mut trace {
+            trace.add(0, Step::Draw, 1, Span::since(began));
+        }
         let output_milliseconds = (all - stats.milliseconds.total).max(0.0);
         let empty = self.reason(&report, camera, &stats);
         let views = vec![ViewReport { stats, parallel: None }];
         let effect_milliseconds = 0.0;
-        Ok(Done { report, textures, look, cameras, views, effect_milliseconds, output_milliseconds, empty })
+        Ok(Done {
+            report,
+            textures,
+            look,
+            cameras,
+            views,
+            effect_milliseconds,
+            output_milliseconds,
+            empty,
+            trace,
+        })
     }
 
     /// Why nothing was drawn, if that is the case.
@@ -287,8 +315,13 @@ impl Render {
             writing.files.check_places()?;
         }
         let display = Display::new(if writes { self.running.progress_mode() } else { ProgressMode::Never });
+        let begin = now();
         let loaded = self.load(writing, &display, Drawers::Mpi(sharing))?;
         let mut own = Rank::from_pool(pool.clone());
+        if self.ranks.trace().is_some() {
+            own.record();
+            own.record_step(Step::Load, 0, Span::since(begin));
+        }
         let mut drawn = Vec::new();
         for camera in &loaded.cameras.views {
             let settings = &self.with_shadows(settings, &loaded.scene, camera, &display)?;
@@ -302,11 +335,13 @@ impl Render {
                 drawn.push(Drawn { frame, parallel, effect_milliseconds });
             }
         }
+        let records = self.ranks.trace().is_some();
+        let trace = if records { between_processes::gather_trace(&mut own, comm)? } else { None };
         if !writes {
             return Ok(None);
         }
         display.stage("writing");
-        self.write(writing, loaded, drawn).map(Some)
+        self.write(writing, loaded, drawn, trace).map(Some)
     }
 
     fn load(&self, writing: &Writing, display: &Display, drawers: Drawers) -> Result<Loaded> {
@@ -366,14 +401,30 @@ impl Render {
         camera: &Camera,
         settings: &Settings,
         drawers: Drawers,
+        trace: &mut Option<Trace>,
     ) -> Result<(Frame, Option<FrameReport>)> {
-        Ok(match drawers.in_process(rayon::current_num_threads()) {
-            None => (Renderer::new().render(scene, camera, settings)?, None),
-            Some(ranks) => {
+        let recorded;
+        let drawn = match (drawers.in_process(rayon::current_num_threads()), &trace) {
+            (None, _) => {
+                let begin = now();
+                let frame = Renderer::new().render(scene, camera, settings)?;
+                recorded = Trace::of_one(Step::Draw, Span::since(begin));
+                (frame, None)
+            }
+            (Some(ranks), None) => {
                 let (frame, report) = in_process::draw(ranks, scene, camera, settings)?;
+                return Ok((frame, Some(report)));
+            }
+            (Some(ranks), Some(_)) => {
+                let (frame, report, of_ranks) = in_process::record(ranks, scene, camera, settings)?;
+                recorded = of_ranks;
                 (frame, Some(report))
             }
-        })
+        };
+        if let Some(trace) = trace {
+            trace.append(recorded);
+        }
+        Ok(drawn)
     }
 
     /// Bytes of the pictures of this process; with their keys if there are ranks. Ranks that composite samples keep
@@ -410,7 +461,13 @@ impl Render {
     }
 
     /// Writes the outputs, unless nothing was drawn.
-    fn write(&self, writing: &Writing, loaded: Loaded, drawn: Vec<Drawn>) -> Result<Done> {
+    fn write(
+        &self,
+        writing: &Writing,
+        loaded: Loaded,
+        drawn: Vec<Drawn>,
+        trace: Option<Trace>,
+    ) -> Result<Done> {
         let Loaded { report, textures, scene, look, cameras, .. } = loaded;
         let mut frames = Vec::new();
         let (mut views, mut reasons) = (Vec::new(), Vec::new());
@@ -429,7 +486,17 @@ impl Render {
         let (written, ()) = rayon::join(write, || drop(scene));
         written?;
         let output_milliseconds = begin.elapsed().as_secs_f64() * 1e3;
-        Ok(Done { report, textures, look, cameras, views, effect_milliseconds, output_milliseconds, empty })
+        Ok(Done {
+            report,
+            textures,
+            look,
+            cameras,
+            views,
+            effect_milliseconds,
+            output_milliseconds,
+            empty,
+            trace,
+        })
     }
 
     fn print_summary(&self, done: &Done) {

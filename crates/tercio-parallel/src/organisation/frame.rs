@@ -126,9 +126,10 @@ impl Rank {
     /// The front end.
     fn sort(&mut self, context: &FrameContext, report: &mut RankReport) {
         let Self { pool, renderer, sorted, .. } = self;
-        let stage = &mut report.stages.draw;
+        let stages = &mut report.stages;
         let begin = Instant::now();
-        pool.install(|| stage.time(|| renderer.sort(context, sorted)));
+        pool.install(|| stages.front_end.time(|| renderer.sort(context, sorted)));
+        stages.draw.add(&stages.front_end);
         report.frame.milliseconds.frontend = begin.elapsed().as_secs_f64() * 1e3;
     }
 
