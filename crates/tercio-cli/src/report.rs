@@ -235,7 +235,7 @@ pub fn table_of_ranks(frame: &FrameReport) -> Vec<String> {
             traffic.taken_messages,
             traffic.taken_bytes,
         ];
-        let times = [stages.draw, stages.redistribute, stages.compose, stages.collect, stages.wait];
+        let times = [&stages.draw, &stages.redistribute, &stages.compose, &stages.collect, &stages.wait];
         let times = times.map(|stage| format!("{:.1}", stage.milliseconds));
         counts.map(grouped).into_iter().chain(times).collect()
     };

@@ -54,3 +54,36 @@ fn copies_are_drawn_and_reported() {
     assert!(eight["views"][0]["camera"]["eye"][2].as_f64() > one["views"][0]["camera"]["eye"][2].as_f64());
     place.run("bench model.off --copies 0").failed(2, &["--copies"]);
 }
+
+#[test]
+fn frames_of_ranks_are_recorded_and_the_last_one_is_counted_by_partner() {
+    let place = Place::new();
+    for (ranks, count) in [("--ranks 3 --organisation sort-middle", 3), ("", 1)] {
+        let report = bench(&place, &format!("--frames 4 --trace t.json {ranks}"));
+        let trace: Value = serde_json::from_slice(&place.read("t.json")).expect("JSON");
+        let events = trace["traceEvents"].as_array().expect("events");
+        let drawn = |rank: u64, frame: u64| {
+            let is_it = |event: &&Value| {
+                event["name"] == "draw" && event["pid"] == rank && event["args"]["frame"] == frame
+            };
+            events.iter().filter(is_it).count()
+        };
+        // With the first frame, which is not measured.
+        for (rank, frame) in (0..count).flat_map(|rank| (1..6).map(move |frame| (rank, frame))) {
+            assert_eq!(drawn(rank, frame), 1, "rank {rank}, frame {frame}");
+        }
+        assert_eq!((drawn(0, 0), drawn(0, 6)), (0, 0));
+        let last = &report["last_frame_of_ranks"];
+        assert_eq!(last.is_null(), count == 1);
+        for (number, rank) in last["ranks"].as_array().into_iter().flatten().enumerate() {
+            let sum = |key: &str| -> u64 {
+                let partners = rank["partners"].as_array().expect("partners").iter();
+                let of_frame = partners.filter(|with| with["kind"] != "barrier");
+                of_frame.map(|with| with[key].as_u64().expect("a number")).sum()
+            };
+            for key in ["sent_messages", "sent_bytes", "taken_messages", "taken_bytes"] {
+                assert_eq!(rank["traffic"][key], sum(key), "rank {number}: {key}");
+            }
+        }
+    }
+}

@@ -437,3 +437,52 @@ fn visible(parallel: &serde_json::Value) -> u64 {
     let ranks = parallel["ranks"].as_array().unwrap();
     ranks.iter().map(|rank| rank["pixels"]["visible"].as_u64().unwrap()).sum()
 }
+
+/// The names of the steps of each rank in a trace, after checks of its form.
+fn steps_of_ranks(trace: &[u8]) -> Vec<Vec<String>> {
+    let trace: serde_json::Value = serde_json::from_slice(trace).expect("JSON");
+    let mut ranks = Vec::new();
+    for event in trace["traceEvents"].as_array().expect("events") {
+        let rank = event["pid"].as_u64().expect("a rank") as usize;
+        match event["ph"].as_str() {
+            Some("M") => ranks.resize(rank + 1, Vec::new()),
+            Some("X") => {
+                let times = ["ts", "dur"].map(|key| event[key].as_f64().expect("microseconds"));
+                assert!(times.iter().all(|&time| (0.0..600e6).contains(&time)), "{event}");
+                ranks[rank].push(event["name"].as_str().expect("a name").to_string());
+            }
+            other => panic!("{other:?}"),
+        }
+    }
+    ranks
+}
+
+#[test]
+fn a_trace_shows_what_each_rank_did() {
+    let place = Place::new();
+    let draws = "render builtin:teapot@2k --size 90x60 --quiet";
+    place.run(&format!("{draws} -o plain.png")).ok_silently();
+    let traced = format!("{draws} -o a.png --ranks 3 --organisation sort-last --trace trace.json");
+    place.run(&traced).ok_silently();
+    assert!(place.read("plain.png") == place.read("a.png"));
+    let ranks = steps_of_ranks(&place.read("trace.json"));
+    assert_eq!(ranks.len(), 3);
+    assert_eq!(ranks[0][0], "load");
+    for (rank, steps) in ranks.iter().enumerate() {
+        for step in ["front end", "draw", "composite", "collect", "wait"] {
+            assert!(steps.iter().any(|found| found == step), "rank {rank}: {step} is not in {steps:?}");
+        }
+    }
+    // Without ranks there is one, which draws twice for two eyes.
+    place.run(&format!("{draws} -o a.png --stereo anaglyph --trace trace.json")).ok_silently();
+    assert_eq!(steps_of_ranks(&place.read("trace.json")), [["load", "draw", "draw"]]);
+    // An output like others.
+    let same = format!("{draws} -o a.png --stats s.json --trace ./s.json");
+    place.run(&same).failed(2, &["--trace", "the same file"]);
+    place.run("render model.off -o a.png --trace model.off").failed(2, &["must not be an input"]);
+    place.run(&format!("{draws} -o - --trace -")).failed(2, &["only one output can go to standard output"]);
+    place.run(&format!("{draws} -o a.png --trace missing/t.json")).failed(1, &["missing"]);
+    let before = place.names();
+    place.run("render missing.off -o b.png --trace b.json").failed(1, &["missing.off"]);
+    assert_eq!(place.names(), before, "a trace of nothing");
+}

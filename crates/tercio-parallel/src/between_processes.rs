@@ -7,9 +7,11 @@ use serde::{Deserialize, Serialize};
 use tercio_raster::Frame;
 
 use crate::agreement::{agree, agree_to_choose};
+use crate::clock::{clocks_ahead, machine_clock, now};
 use crate::comm::{Communicator, Kind, Observed, PartnerTraffic};
 use crate::organisation::{Rank, Task, tile_edge};
 use crate::report::FrameReport;
+use crate::trace::{Step, Trace};
 use crate::{ParallelError, RankReport};
 
 /// What a rank reports to rank 0.
@@ -40,7 +42,8 @@ pub fn draw_frame(
 ) -> Result<Option<FrameReport>, ParallelError> {
     let came = machine_clock();
     let mut agreeing = Observed::new(comm, Kind::Agreement);
-    agree(&mut agreeing, task)?;
+    let number = own.frames().wrapping_add(1);
+    own.timed(Step::Agree, number, || agree(&mut agreeing, task))?;
     let agreed = agreeing.finish();
     let (begin, began) = (Instant::now(), machine_clock());
     let mut report = own.draw_into(comm, task, frame)?;
@@ -51,7 +54,8 @@ pub fn draw_frame(
         report.partners = Vec::new();
     }
     let mut telling = Observed::new(comm, Kind::Report);
-    let Some(mut all) = tell(&mut telling, TimedReport { began, report })? else { return Ok(None) };
+    let told = own.timed(Step::Report, number, || tell(&mut telling, TimedReport { began, report }))?;
+    let Some(mut all) = told else { return Ok(None) };
     if own.tells_partners() {
         // The senders could not count these.
         for with in telling.finish() {
@@ -110,15 +114,16 @@ pub fn tell<T: Serialize + DeserializeOwned>(
     std::iter::once(Ok(own)).chain(others).collect::<Result<Vec<T>, _>>().map(Some)
 }
 
-/// Nanoseconds of a clock that all processes of a machine share, if there is one.
-fn machine_clock() -> Option<u64> {
-    #[cfg(unix)]
-    {
-        let t = rustix::time::clock_gettime(rustix::time::ClockId::Monotonic);
-        Some(u64::try_from(t.tv_sec).ok()? * 1_000_000_000 + u64::try_from(t.tv_nsec).ok()?)
-    }
-    #[cfg(not(unix))]
-    None
+/// Gathers what all ranks did when on rank 0, by its clock, and ends the recording ([`Rank::record`]); the others get `None`. All
+/// ranks have to call this, after their frames.
+///
+/// # Errors
+/// [`ParallelError`] if a rank is gone, or its answer is not valid.
+pub fn gather_trace(own: &mut Rank, comm: &mut impl Communicator) -> Result<Option<Trace>, ParallelError> {
+    let ahead = clocks_ahead(comm, now)?;
+    let Some(mut ranks) = tell(comm, own.take_timeline())? else { return Ok(None) };
+    ranks.iter_mut().zip(ahead).for_each(|(rank, ahead)| rank.shift(ahead));
+    Ok(Some(Trace { ranks }))
 }
 
 /// When the first rank began. If ranks share processors, rank 0 may be the last, but no rank begins before rank 0 has
@@ -139,14 +144,5 @@ mod tests {
         // Clocks of other machines.
         assert_eq!(first(&[7, 190]), 190);
         assert_eq!(first(&[99, 1 << 60]), 200);
-    }
-
-    #[test]
-    #[cfg(unix)]
-    fn the_clock_of_the_machine_runs_at_the_same_rate_as_others() {
-        let (begin, began) = (Instant::now(), machine_clock().unwrap());
-        std::thread::sleep(std::time::Duration::from_millis(20));
-        let passed = machine_clock().unwrap() - began;
-        assert!((20_000_000..=begin.elapsed().as_nanos() as u64).contains(&passed), "{passed}");
     }
 }

@@ -10,6 +10,7 @@ use crate::comm::threads::{self, ThreadComm};
 use crate::comm::{Communicator, Kind, Observed};
 use crate::organisation::{Rank, Task, tile_edge};
 use crate::report::{FrameReport, RankReport};
+use crate::trace::{Step, Timeline, Trace};
 use crate::{ParallelError, Sharing};
 
 /// Ranks in this process.
@@ -23,8 +24,8 @@ pub struct Ranks {
     pub sharing: Sharing,
 }
 
-/// Draws one frame per camera and returns the reports, the last one with [counts by partner](RankReport::partners). `picture` gets each picture, with the number of its camera,
-/// and may take its contents.
+/// Draws one frame per camera and returns the reports, the last one with [counts by partner](RankReport::partners).
+/// `picture` gets each picture, with the number of its camera, and may take its contents.
 ///
 /// # Errors
 /// [`ParallelError`]: that of the first rank that failed.
@@ -38,6 +39,34 @@ pub fn draw_frames(
     settings: &Settings,
     picture: impl Fn(usize, &mut Frame) + Sync,
 ) -> Result<Vec<FrameReport>, ParallelError> {
+    Ok(frames(ranks, scene, cameras, settings, picture, false)?.0)
+}
+
+/// [`draw_frames`], and when each rank did what.
+///
+/// # Errors
+/// As [`draw_frames`].
+///
+/// # Panics
+/// If there are no ranks.
+pub fn record_frames(
+    ranks: Ranks,
+    scene: &Scene,
+    cameras: &[Camera],
+    settings: &Settings,
+    picture: impl Fn(usize, &mut Frame) + Sync,
+) -> Result<(Vec<FrameReport>, Trace), ParallelError> {
+    frames(ranks, scene, cameras, settings, picture, true)
+}
+
+fn frames(
+    ranks: Ranks,
+    scene: &Scene,
+    cameras: &[Camera],
+    settings: &Settings,
+    picture: impl Fn(usize, &mut Frame) + Sync,
+    records: bool,
+) -> Result<(Vec<FrameReport>, Trace), ParallelError> {
     let layer_memory = settings.layer_memory / ranks.count.max(1);
     let settings = &Settings { layer_memory, ..settings.clone() };
     let draw = |comm: &mut ThreadComm, own: &mut Rank| {
@@ -45,7 +74,8 @@ pub fn draw_frames(
         let mut reports: Vec<(RankReport, Instant, Instant)> = Vec::new();
         for (number, camera) in cameras.iter().enumerate() {
             let mut waiting = Observed::new(comm, Kind::Barrier);
-            waiting.barrier()?;
+            let number_of_frame = own.frames().wrapping_add(1);
+            own.timed(Step::Wait, number_of_frame, || waiting.barrier())?;
             let signals = waiting.finish();
             let begin = Instant::now();
             let task = Task { sharing: ranks.sharing, scene, camera, settings };
@@ -60,14 +90,18 @@ pub fn draw_frames(
                 picture(number, &mut frame);
             }
         }
-        Ok(reports)
+        Ok((reports, own.take_timeline()))
     };
-    let reports = threads::run(ranks.count, |comm| {
+    let drawn = threads::run(ranks.count, |comm| {
         let mut own = Rank::new(ranks.threads)?;
+        if records {
+            own.record();
+        }
         // All work of a rank runs on its own threads: it is not passed between pools, and no thread searches for more
         // work.
         own.pool().install(|| draw(comm, &mut own))
     })?;
+    let (reports, timelines): (Vec<_>, Vec<Timeline>) = drawn.into_iter().unzip();
     // Transpose: from a list per rank to a list per frame.
     let mut of_ranks: Vec<_> = reports.into_iter().map(Vec::into_iter).collect();
     let frame = |_| {
@@ -80,7 +114,7 @@ pub fn draw_frames(
         let edge = tile_edge(scene, settings, ranks.sharing.organisation, ranks.count);
         FrameReport::new(ranks.sharing, edge, settings, milliseconds, ranks_of_frame)
     };
-    Ok(cameras.iter().map(frame).collect())
+    Ok((cameras.iter().map(frame).collect(), Trace { ranks: timelines }))
 }
 
 /// Draws one picture; its stats are [`FrameReport::stats`].
@@ -96,12 +130,40 @@ pub fn draw(
     camera: &Camera,
     settings: &Settings,
 ) -> Result<(Frame, FrameReport), ParallelError> {
+    let (frame, report, _) = picture(ranks, scene, camera, settings, false)?;
+    Ok((frame, report))
+}
+
+/// [`draw`], and when each rank did what.
+///
+/// # Errors
+/// As [`draw_frames`].
+///
+/// # Panics
+/// If there are no ranks.
+pub fn record(
+    ranks: Ranks,
+    scene: &Scene,
+    camera: &Camera,
+    settings: &Settings,
+) -> Result<(Frame, FrameReport, Trace), ParallelError> {
+    picture(ranks, scene, camera, settings, true)
+}
+
+fn picture(
+    ranks: Ranks,
+    scene: &Scene,
+    camera: &Camera,
+    settings: &Settings,
+    records: bool,
+) -> Result<(Frame, FrameReport, Trace), ParallelError> {
     let drawn = Mutex::new(Frame::default());
-    let reports = draw_frames(ranks, scene, &[*camera], settings, |_, frame| {
+    let keep = |_, frame: &mut Frame| {
         *drawn.lock().unwrap_or_else(|e| e.into_inner()) = std::mem::take(frame);
-    })?;
+    };
+    let (reports, trace) = frames(ranks, scene, &[*camera], settings, keep, records)?;
     let mut frame = drawn.into_inner().unwrap_or_else(|e| e.into_inner());
     let Some(report) = reports.into_iter().next() else { unreachable!("one camera makes one frame") };
     frame.stats = report.stats();
-    Ok((frame, report))
+    Ok((frame, report, trace))
 }

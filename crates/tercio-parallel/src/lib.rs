@@ -8,6 +8,7 @@
 //! | [`organisation`] | who draws what, and where work is redistributed: sort-first, sort-middle, sort-last, sort-twice |
 //! | [`parts`] | models of which every rank holds a part |
 //! | [`report`] | counts and times of every rank |
+//! | [`trace`] | when each rank did what |
 //! | [`in_process`] | all ranks in one process, a thread each |
 //! | [`between_processes`] | the same where every rank is a process of its own |
 //!
@@ -43,6 +44,7 @@
 
 mod agreement;
 pub mod between_processes;
+mod clock;
 pub mod comm;
 pub mod composite;
 pub mod division;
@@ -51,6 +53,7 @@ pub mod in_process;
 pub mod organisation;
 pub mod parts;
 pub mod report;
+pub mod trace;
 
 pub use agreement::Matter;
 pub use comm::Communicator;
@@ -61,3 +64,4 @@ pub use in_process::{Ranks, draw_frames};
 pub use organisation::{Organisation, Sharing};
 pub use parts::PartsError;
 pub use report::{FrameReport, RankReport};
+pub use trace::Trace;

@@ -10,9 +10,10 @@ use crate::comm::{Kind, PartnerTraffic, Traffic};
 use crate::composite::Composition;
 use crate::division::Division;
 use crate::organisation::{Organisation, Sharing};
+use crate::trace::{Span, Step, Timeline, now};
 
 /// A stage of a rank's work.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct Stage {
     /// Wall time in milliseconds.
@@ -20,11 +21,15 @@ pub struct Stage {
     /// Processor time in milliseconds of the rank's thread (while it draws, of one of its threads): what the stage
     /// takes if ranks do not share processors. If the system does not report it, wall time.
     pub busy_milliseconds: f64,
+    /// When its parts ran, if that is recorded.
+    #[serde(skip)]
+    spans: Option<Vec<Span>>,
 }
 
 impl Stage {
     /// Runs a part of the stage, and adds its time.
     pub fn time<T>(&mut self, work: impl FnOnce() -> T) -> T {
+        let begin_of_span = self.spans.is_some().then(now);
         let (begin, busy) = (Instant::now(), busy_milliseconds());
         let result = work();
         let wall = begin.elapsed().as_secs_f64() * 1e3;
@@ -33,7 +38,14 @@ impl Stage {
             (Some(before), Some(after)) => after - before,
             _ => wall,
         };
+        if let (Some(spans), Some(begin)) = (&mut self.spans, begin_of_span) {
+            spans.push(Span::since(begin));
+        }
         result
+    }
+
+    fn recording() -> Self {
+        Self { spans: Some(Vec::new()), ..Self::default() }
     }
 }
 
@@ -49,7 +61,7 @@ fn busy_milliseconds() -> Option<f64> {
 }
 
 /// The stages of a rank.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct RankStages {
     /// Drawing its share: front end and back end.
@@ -62,6 +74,38 @@ pub struct RankStages {
     pub collect: Stage,
     /// Waiting for messages.
     pub wait: Stage,
+    /// The front end, whose times are in those of drawing, too.
+    #[serde(skip)]
+    pub(crate) front_end: Stage,
+}
+
+impl RankStages {
+    /// Stages that record when their parts run.
+    pub(crate) fn recording() -> Self {
+        Self {
+            draw: Stage::recording(),
+            redistribute: Stage::recording(),
+            compose: Stage::recording(),
+            collect: Stage::recording(),
+            wait: Stage::recording(),
+            front_end: Stage::recording(),
+        }
+    }
+
+    /// Moves what was recorded of a frame into a timeline.
+    pub(crate) fn record(&mut self, frame: u32, timeline: &mut Timeline) {
+        let stages = [
+            (Step::FrontEnd, &mut self.front_end),
+            (Step::Draw, &mut self.draw),
+            (Step::Redistribute, &mut self.redistribute),
+            (Step::Composite, &mut self.compose),
+            (Step::Collect, &mut self.collect),
+            (Step::Wait, &mut self.wait),
+        ];
+        for (step, stage) in stages {
+            stage.spans.take().into_iter().flatten().for_each(|span| timeline.add(step, frame, span));
+        }
+    }
 }
 
 /// Counts of a rank's pixels. If pixels have several samples, or layers, fragments are composited instead of pixels.

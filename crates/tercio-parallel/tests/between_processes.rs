@@ -5,10 +5,11 @@ use std::sync::Arc;
 use glam::DVec3;
 use tercio_mesh::builtin;
 use tercio_mesh::cluster::{PartitionOptions, partition};
-use tercio_parallel::between_processes::draw_frame;
+use tercio_parallel::between_processes::{draw_frame, gather_trace};
 use tercio_parallel::comm::{CommError, Communicator as _, Kind, Traffic, threads};
 use tercio_parallel::organisation::{Rank, Task, tile_edge};
 use tercio_parallel::report::RankStages;
+use tercio_parallel::trace::{Span, Step, now};
 use tercio_parallel::{
     Composition, Division, FrameReport, Matter, Organisation, ParallelError, Ranks, Sharing, in_process,
 };
@@ -132,6 +133,59 @@ fn partners_count_the_same_messages() {
         // A child tells its parent once, and is told once.
         assert_eq!((agreement(1).sent_messages, agreement(1).taken_messages), (1, 1));
     }
+}
+
+/// Each rank does one thing at a time, and what it does in a frame is in the frame.
+#[test]
+fn what_ranks_do_when_is_recorded_on_request() {
+    let settings = Settings { tile_size: Some(16), ..Settings::one_sample(150, 100) };
+    let begin = now();
+    let trace = threads::run(4, |comm| {
+        let (scene, camera) = made();
+        let sharing = Organisation::SortTwice { group: 2 }.into();
+        let task = Task { sharing, scene: &scene, camera: &camera, settings: &settings };
+        let mut own = Rank::new(2)?;
+        // Nothing is recorded of the first frame.
+        draw_frame(&mut own, comm, &task, &mut Frame::default())?;
+        own.record();
+        own.record_step(Step::Load, 0, Span { begin, end: begin + 1 });
+        for _ in 0..2 {
+            draw_frame(&mut own, comm, &task, &mut Frame::default())?;
+        }
+        gather_trace(&mut own, comm)
+    });
+    let mut trace = trace.expect("pictures").into_iter();
+    let ranks = trace.next().flatten().expect("rank 0 has the trace").ranks;
+    assert!(trace.all(|other| other.is_none()) && ranks.len() == 4);
+    for (rank, timeline) in ranks.into_iter().enumerate() {
+        let mut events = timeline.events;
+        events.sort_by_key(|event| event.span.begin);
+        assert_eq!((events[0].step, events[0].frame), (Step::Load, 0));
+        for pair in events.windows(2) {
+            assert!(pair[0].span.end <= pair[1].span.begin, "rank {rank}: {pair:?}");
+            assert!(pair[0].frame <= pair[1].frame, "rank {rank}: {pair:?}");
+        }
+        assert!(events.iter().all(|event| (begin..=now()).contains(&event.span.end)));
+        for frame in [2, 3] {
+            let steps: Vec<Step> = events.iter().filter(|e| e.frame == frame).map(|e| e.step).collect();
+            assert_eq!((steps.first(), steps.last()), (Some(&Step::Agree), Some(&Step::Report)));
+            for step in
+                [Step::FrontEnd, Step::Redistribute, Step::Draw, Step::Composite, Step::Collect, Step::Wait]
+            {
+                assert!(steps.contains(&step), "rank {rank}, frame {frame}: {step:?} is not in {steps:?}");
+            }
+        }
+    }
+    // In one process there is nothing to agree on or to report.
+    let (scene, camera) = made();
+    let ranks = Ranks { count: 2, threads: 1, sharing: Organisation::SortFirst.into() };
+    let (frame, report, trace) = in_process::record(ranks, &scene, &camera, &settings).expect("a picture");
+    let (expected, not_recorded) = in_process::draw(ranks, &scene, &camera, &settings).expect("a picture");
+    assert!(frame.planes.color == expected.planes.color);
+    assert_eq!(counts(report), counts(not_recorded));
+    let has = |rank: usize, step: Step| trace.ranks[rank].events.iter().any(|event| event.step == step);
+    assert!((0..2).all(|rank| has(rank, Step::FrontEnd) && has(rank, Step::Draw) && has(rank, Step::Wait)));
+    assert!(!has(0, Step::Agree) && !has(1, Step::Report));
 }
 
 /// A rank's own task.

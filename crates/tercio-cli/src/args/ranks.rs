@@ -1,12 +1,15 @@
 //! Options of how ranks share a frame.
 
+use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::{Args, ValueEnum};
+use tercio::image::Destination;
 use tercio::parallel::{Composition, Division, Organisation, Sharing};
 use tercio_lab::predict::choose::candidates::Limits;
 
 use crate::args::values;
+use crate::named_files::NamedFiles;
 use crate::output::UsageError;
 
 /// The largest number of ranks.
@@ -94,6 +97,11 @@ pub struct RanksArgs {
     /// one it waits for; without this option it goes on waiting.
     #[arg(long, value_name = "SECONDS", value_parser = values::positive)]
     timeout: Option<f64>,
+    /// Writes when each rank loaded, agreed, sorted, redistributed, drew, composited, collected, waited and reported, in Chrome's
+    /// trace event format, for about:tracing or ui.perfetto.dev; `-` for standard output. All processes of a job need it; rank 0
+    /// writes. Without ranks there is one.
+    #[arg(long, value_name = "FILE")]
+    trace: Option<PathBuf>,
 }
 
 /// Who draws a frame.
@@ -175,6 +183,19 @@ impl RanksArgs {
     /// Whether each rank loads a part of the model.
     pub fn parts(&self) -> bool {
         self.parts
+    }
+
+    /// Where to write when each rank did what.
+    pub fn trace(&self) -> Option<Destination> {
+        self.trace.as_deref().map(Destination::from_path)
+    }
+
+    /// Adds the files that these options name.
+    pub fn named_files(&self, files: NamedFiles) -> NamedFiles {
+        match self.trace() {
+            Some(destination) => files.writes("--trace", &destination),
+            None => files,
+        }
     }
 
     /// How long a rank waits for another one.

@@ -13,7 +13,9 @@ use tercio::glam::DVec3;
 use tercio::image::Destination;
 use tercio::mesh::cluster::{PartitionOptions, partition};
 use tercio::mesh::{Aabb, ClusteredMesh, Mesh};
+use tercio::parallel::in_process::record_frames;
 use tercio::parallel::organisation::{Rank, Task};
+use tercio::parallel::trace::{Span, Step, Trace, now};
 use tercio::parallel::{Communicator, FrameReport, Ranks, between_processes, draw_frames};
 use tercio::raster::{Frame, FrameStats, LastStage, Renderer, Settings};
 use tercio::scene::{Camera, Projection, Scene};
@@ -114,7 +116,7 @@ impl Bench {
     /// What went wrong.
     pub fn run(&self) -> Result<ExitCode> {
         self.textures.check().and_then(|()| self.sampling.check()).map_err(|e| UsageError(e.into()))?;
-        let files = NamedFiles::default().reads_model(&self.model.model).prints();
+        let files = self.ranks.named_files(NamedFiles::default().reads_model(&self.model.model)).prints();
         files.ready()?;
         ending::name_model(self.model.name());
         let pool = Arc::new(self.running.pool()?);
@@ -133,8 +135,8 @@ impl Bench {
                 let work = |comm: &mut mpi::Comm| {
                     mpi::watch(comm, self.ranks.timeout());
                     let is_first = comm.rank() == 0;
-                    let draw = |scene: &Scene, cameras: &[Camera], settings: &Settings| {
-                        draw_as_rank(comm, &pool, (scene, cameras, settings, how))
+                    let draw = |scene: &Scene, cameras: &[Camera], settings: &Settings, load| {
+                        draw_as_rank(comm, &pool, (scene, cameras, settings, how), load)
                     };
                     self.measure(&files, is_first, draw)
                 };
@@ -142,12 +144,12 @@ impl Bench {
             }
             _ => {
                 let threads = pool.current_num_threads();
-                let draw = |scene: &Scene, cameras: &[Camera], settings: &Settings| {
+                let draw = |scene: &Scene, cameras: &[Camera], settings: &Settings, load| {
                     // Chosen once, for the first view.
                     match organisation::in_process(drawers, threads, (scene, &cameras[0], settings))? {
-                        None => draw_alone(scene, cameras, settings),
+                        None => draw_alone(scene, cameras, settings, load),
                         Some((ranks, choice)) => {
-                            let frames = draw_with_ranks(ranks, scene, cameras, settings)?;
+                            let frames = draw_with_ranks(ranks, scene, cameras, settings, load)?;
                             Ok(Frames { choice, ..frames })
                         }
                     }
@@ -162,14 +164,15 @@ impl Bench {
         Ok(ExitCode::SUCCESS)
     }
 
-    /// Loads the model and measures; `draw` draws a frame for each camera. If this is not the first rank of a job, it returns
+    /// Loads the model and measures; `draw` draws a frame for each camera, and gets the time of loading if it is to record. If this is not the first rank of a job, it returns
     /// nothing.
     fn measure(
         &self,
         files: &NamedFiles,
         is_first: bool,
-        draw: impl FnOnce(&Scene, &[Camera], &Settings) -> Result<Frames>,
+        draw: impl FnOnce(&Scene, &[Camera], &Settings, Option<Span>) -> Result<Frames>,
     ) -> Result<Option<String>> {
+        let began = now();
         let display = Display::new(if is_first { self.running.progress_mode() } else { ProgressMode::Never });
         let options = LoadOptions {
             memory_limit: self.running.memory_limit(),
@@ -196,8 +199,12 @@ impl Bench {
             texture_filter: self.textures.filter(),
             ..self.tuning.settings(self.size)
         };
-        let frames = draw(&scene, &cameras, &settings)?;
+        let load = self.ranks.trace().map(|_| Span::since(began));
+        let frames = draw(&scene, &cameras, &settings, load)?;
         drop(display);
+        if let (Some(destination), Some(trace)) = (self.ranks.trace(), &frames.trace) {
+            write_text(&destination, &format!("{}\n", trace.json()))?;
+        }
         let loaded =
             Loaded { scene: &scene, copies: &copies, textures: textures.as_ref(), load_ms, partition_ms };
         if is_first && self.running.verbose {
@@ -285,7 +292,7 @@ impl Bench {
     }
 
     fn report(&self, loaded: &Loaded, cameras: &[Camera], frames: &Frames) -> String {
-        let Frames { stats: frames, reports, choice } = frames;
+        let Frames { stats: frames, reports, choice, .. } = frames;
         let &Loaded { scene, copies, textures, load_ms, partition_ms } = loaded;
         let mesh = &scene.instances[0].mesh;
         let triangles = mesh.triangle_count() as u64 * scene.instances.len() as u64;
@@ -367,11 +374,13 @@ struct Frames {
     reports: Vec<FrameReport>,
     /// Why ranks share the frames as they do, if that was chosen.
     choice: Option<Choice>,
+    /// When each rank did what, with the first frame that is not measured; if it is recorded, and on rank 0.
+    trace: Option<Trace>,
 }
 
 impl Frames {
-    fn of_ranks(reports: Vec<FrameReport>) -> Self {
-        Self { stats: reports.iter().map(FrameReport::stats).collect(), reports, choice: None }
+    fn of_ranks(reports: Vec<FrameReport>, trace: Option<Trace>) -> Self {
+        Self { stats: reports.iter().map(FrameReport::stats).collect(), reports, choice: None, trace }
     }
 }
 
@@ -380,20 +389,47 @@ fn with_first_frame(cameras: &[Camera]) -> Vec<Camera> {
     cameras.iter().take(1).chain(cameras).copied().collect()
 }
 
-fn draw_alone(scene: &Scene, cameras: &[Camera], settings: &Settings) -> Result<Frames> {
+fn draw_alone(scene: &Scene, cameras: &[Camera], settings: &Settings, load: Option<Span>) -> Result<Frames> {
     let (mut renderer, mut frame, mut frames) = (Renderer::new(), Frame::default(), Frames::default());
+    frames.trace = load.map(of_loading);
     for camera in with_first_frame(cameras) {
+        let begin = now();
         renderer.render_into(scene, &camera, settings, &mut frame)?;
+        if let Some(trace) = &mut frames.trace {
+            trace.append(Trace::of_one(Step::Draw, Span::since(begin)));
+        }
         frames.stats.push(frame.stats.clone());
     }
     frames.stats.remove(0);
     Ok(frames)
 }
 
-fn draw_with_ranks(ranks: Ranks, scene: &Scene, cameras: &[Camera], settings: &Settings) -> Result<Frames> {
-    let mut reports = draw_frames(ranks, scene, &with_first_frame(cameras), settings, |_, _| ())?;
+/// A trace of loading by the first rank, or by the process for all of its ranks.
+fn of_loading(span: Span) -> Trace {
+    let mut trace = Trace::default();
+    trace.add(0, Step::Load, 0, span);
+    trace
+}
+
+fn draw_with_ranks(
+    ranks: Ranks,
+    scene: &Scene,
+    cameras: &[Camera],
+    settings: &Settings,
+    load: Option<Span>,
+) -> Result<Frames> {
+    let cameras = with_first_frame(cameras);
+    let mut trace = load.map(of_loading);
+    let mut reports = match &mut trace {
+        None => draw_frames(ranks, scene, &cameras, settings, |_, _| ())?,
+        Some(trace) => {
+            let (reports, recorded) = record_frames(ranks, scene, &cameras, settings, |_, _| ())?;
+            trace.append(recorded);
+            reports
+        }
+    };
     reports.remove(0);
-    Ok(Frames::of_ranks(reports))
+    Ok(Frames::of_ranks(reports, trace))
 }
 
 /// The frames of a rank of an MPI job, empty except on rank 0.
@@ -401,10 +437,15 @@ fn draw_as_rank(
     comm: &mut mpi::Comm,
     pool: &Arc<ThreadPool>,
     (scene, cameras, settings, how): (&Scene, &[Camera], &Settings, How),
+    load: Option<Span>,
 ) -> Result<Frames> {
     let picture = (scene, &cameras[0], settings);
     let (sharing, choice) = organisation::between(comm, how, pool.current_num_threads(), picture)?;
     let (mut own, mut frame, mut reports) = (Rank::from_pool(pool.clone()), Frame::default(), Vec::new());
+    if let Some(load) = load {
+        own.record();
+        own.record_step(Step::Load, 0, load);
+    }
     for (number, camera) in with_first_frame(cameras).into_iter().enumerate() {
         let task = Task { sharing, scene, camera: &camera, settings };
         // The counts by partner of the last frame are reported; it is number `cameras.len()`.
@@ -412,7 +453,8 @@ fn draw_as_rank(
         reports.extend(between_processes::draw_frame(&mut own, comm, &task, &mut frame)?);
     }
     reports.drain(..reports.len().min(1));
-    Ok(Frames { choice, ..Frames::of_ranks(reports) })
+    let trace = if load.is_some() { between_processes::gather_trace(&mut own, comm)? } else { None };
+    Ok(Frames { choice, ..Frames::of_ranks(reports, trace) })
 }
 
 /// The scene, and the time of loading and partitioning it.

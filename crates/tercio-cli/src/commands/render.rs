@@ -12,6 +12,7 @@ use serde_json::{Value, json};
 use tercio::mesh::io::ReadReport;
 use tercio::parallel::organisation::{Rank, Task};
 use tercio::parallel::parts::share_materials;
+use tercio::parallel::trace::{Span, Step, Trace, now};
 use tercio::parallel::{Communicator, FrameReport, between_processes, in_process};
 use tercio::raster::frame::fragments::fragment_bytes;
 use tercio::raster::{Frame, FrameStats, Outputs, Renderer, Settings};
@@ -47,6 +48,7 @@ Examples:
   tercio render scan.ply -o scan.png --stereo anaglyph
   tercio render scan.ply -o scan.png --stereo pair --eye-distance 2.5   (scan.left.png, scan.right.png)
   tercio render scan.ply -o scan.png --ranks 4 --organisation sort-last --stats -
+  tercio render scan.ply -o scan.png --ranks 4 --trace trace.json   (for ui.perfetto.dev)
   mpirun -n 4 tercio render scan.ply -o scan.png --organisation sort-last   (built with --features mpi)
   mpirun -n 4 tercio render 'part_{rank}.ply' -o scan.png --parts   (no rank holds the whole model)
   zcat scan.obj.gz | tercio render - -o - | display
@@ -127,6 +129,8 @@ struct Done {
     output_milliseconds: f64,
     /// Why nothing was drawn, if that is the case.
     empty: Option<String>,
+    /// When each rank did what, if that is recorded.
+    trace: Option<Trace>,
 }
 
 impl Render {
@@ -151,7 +155,8 @@ impl Render {
         ];
         checks.into_iter().collect::<Result<(), _>>().map_err(|e| UsageError(e.into()))?;
         let processes = mpi::processes();
-        let files = self.models(processes).iter().fold(plan.named_files(), |files, m| files.reads_model(m));
+        let files = self.ranks.named_files(plan.named_files());
+        let files = self.models(processes).iter().fold(files, |files, m| files.reads_model(m));
         let files = self.environment.named_files(files);
         files.check()?;
         let writing = Writing { plan, files, allow_empty: self.writing.allow_empty };
@@ -184,6 +189,9 @@ impl Render {
             let stats = self.stats(&done, pool.current_num_threads(), start)?;
             write_text(destination, &format!("{stats:#}\n"))?;
         }
+        if let (Some(destination), Some(trace)) = (self.ranks.trace(), &done.trace) {
+            write_text(&destination, &format!("{}\n", trace.json()))?;
+        }
         match &done.empty {
             Some(reason) if !writing.allow_empty => {
                 let model = self.model.name();
@@ -195,17 +203,23 @@ impl Render {
 
     fn draw(&self, writing: &Writing, settings: &Settings, drawers: Drawers) -> Result<Done> {
         let display = Display::new(self.running.progress_mode());
+        let begin = now();
         let loaded = self.load(writing, &display, drawers, None::<&mut mpi::Comm>)?;
+        let mut trace = self.ranks.trace().map(|_| Trace::default());
+        if let Some(trace) = &mut trace {
+            trace.add(0, Step::Load, 0, Span::since(begin));
+        }
         if self.is_in_bands(&writing.plan, drawers) {
-            return self.draw_in_bands(writing, settings, loaded, &display);
+            return self.draw_in_bands(writing, settings, loaded, &display, trace);
         }
         let (mut drawn, mut choice, mut drawers) = (Vec::new(), None, drawers);
         for camera in &loaded.cameras.views {
             let none = None::<&mut mpi::Comm>;
             let settings = &self.with_shadows(settings, &loaded.scene, camera, &display, none)?;
             display.stage("drawing");
-            let (mut frame, parallel, chosen) =
-                self.frame(&loaded.scene, camera, settings, drawers).with_context(|| self.model.name())?;
+            let (mut frame, parallel, chosen) = self
+                .frame(&loaded.scene, camera, settings, drawers, &mut trace)
+                .with_context(|| self.model.name())?;
             if let (Some(chosen), Drawers::InProcess(count, _)) = (chosen, drawers) {
                 // The second eye sees almost the same.
                 drawers = Drawers::InProcess(count, How::As(chosen.sharing()));
@@ -215,7 +229,7 @@ impl Render {
             drawn.push(Drawn { frame, parallel, effect_milliseconds });
         }
         display.stage("writing");
-        self.write(writing, loaded, drawn, choice)
+        self.write(writing, loaded, drawn, choice, trace)
     }
 
     /// Settings with the shadows of the scene's lights, if they are requested. Every rank draws the same ones; if there are `parts`,
@@ -262,16 +276,20 @@ impl Render {
         settings: &Settings,
         loaded: Loaded,
         display: &Display,
+        mut trace: Option<Trace>,
     ) -> Result<Done> {
         let Loaded { report, textures, scene, look, cameras, .. } = loaded;
         let camera = &cameras.middle;
         let settings = &self.with_shadows(settings, &scene, camera, display, None::<&mut mpi::Comm>)?;
-        let begin = Instant::now();
+        let (begin, began) = (Instant::now(), now());
         let (progress, allow_empty) = (Some(&*display.progress), writing.allow_empty);
         let stats = writing.plan.write_drawn(&self.model.name(), allow_empty, |out| {
             write_png_in_bands(&scene, camera, settings, allow_empty, progress, out)
         })?;
         let all = begin.elapsed().as_secs_f64() * 1e3;
+        if let Some(trace) = &mut trace {
+            trace.add(0, Step::Draw, 1, Span::since(began));
+        }
         let output_milliseconds = (all - stats.milliseconds.total).max(0.0);
         let empty = self.reason(&report, camera, &stats);
         let views = vec![ViewReport { stats, parallel: None }];
@@ -286,6 +304,7 @@ impl Render {
             effect_milliseconds,
             output_milliseconds,
             empty,
+            trace,
         })
     }
 
@@ -318,8 +337,13 @@ impl Render {
         }
         let display = Display::new(if writes { self.running.progress_mode() } else { ProgressMode::Never });
         let in_parts = self.ranks.parts();
+        let begin = now();
         let loaded = self.load(writing, &display, Drawers::Mpi(how), in_parts.then_some(&mut *comm))?;
         let mut own = Rank::from_pool(pool.clone());
+        if self.ranks.trace().is_some() {
+            own.record();
+            own.record_step(Step::Load, 0, Span::since(begin));
+        }
         let (mut drawn, mut choice) = (Vec::new(), None);
         for camera in &loaded.cameras.views {
             let parts = in_parts.then_some(&mut *comm);
@@ -339,11 +363,13 @@ impl Render {
                 drawn.push(Drawn { frame, parallel, effect_milliseconds });
             }
         }
+        let records = self.ranks.trace().is_some();
+        let trace = if records { between_processes::gather_trace(&mut own, comm)? } else { None };
         if !writes {
             return Ok(None);
         }
         display.stage("writing");
-        self.write(writing, loaded, drawn, choice).map(Some)
+        self.write(writing, loaded, drawn, choice, trace).map(Some)
     }
 
     /// The files of the model: of all ranks, if each has its own.
@@ -437,15 +463,31 @@ impl Render {
         camera: &Camera,
         settings: &Settings,
         drawers: Drawers,
+        trace: &mut Option<Trace>,
     ) -> Result<(Frame, Option<FrameReport>, Option<Choice>)> {
         let threads = rayon::current_num_threads();
-        Ok(match organisation::in_process(drawers, threads, (scene, camera, settings))? {
-            None => (Renderer::new().render(scene, camera, settings)?, None, None),
-            Some((ranks, choice)) => {
+        let recorded;
+        let drawn = match (organisation::in_process(drawers, threads, (scene, camera, settings))?, &trace) {
+            (None, _) => {
+                let begin = now();
+                let frame = Renderer::new().render(scene, camera, settings)?;
+                recorded = Trace::of_one(Step::Draw, Span::since(begin));
+                (frame, None, None)
+            }
+            (Some((ranks, choice)), None) => {
                 let (frame, report) = in_process::draw(ranks, scene, camera, settings)?;
+                return Ok((frame, Some(report), choice));
+            }
+            (Some((ranks, choice)), Some(_)) => {
+                let (frame, report, of_ranks) = in_process::record(ranks, scene, camera, settings)?;
+                recorded = of_ranks;
                 (frame, Some(report), choice)
             }
-        })
+        };
+        if let Some(trace) = trace {
+            trace.append(recorded);
+        }
+        Ok(drawn)
     }
 
     /// Bytes of the pictures of this process; with their keys if there are ranks. Ranks that composite samples keep
@@ -488,6 +530,7 @@ impl Render {
         loaded: Loaded,
         drawn: Vec<Drawn>,
         choice: Option<Choice>,
+        trace: Option<Trace>,
     ) -> Result<Done> {
         let Loaded { report, textures, scene, look, cameras, .. } = loaded;
         let mut frames = Vec::new();
@@ -517,6 +560,7 @@ impl Render {
             effect_milliseconds,
             output_milliseconds,
             empty,
+            trace,
         })
     }
 

@@ -63,9 +63,9 @@ impl StageSeconds {
     }
 
     fn measured(ranks: usize, measured: &MeasuredRanks, clock: Clock) -> Self {
-        let draw = |rank| measured.busy(rank, |s| s.draw);
-        let compose = |rank| measured.busy(rank, |s| s.compose);
-        let collect = |rank| measured.busy(rank, |s| s.collect);
+        let draw = |rank| measured.busy(rank, |s| &s.draw);
+        let compose = |rank| measured.busy(rank, |s| &s.compose);
+        let collect = |rank| measured.busy(rank, |s| &s.collect);
         let busiest = |of: &dyn Fn(usize) -> f64| (0..ranks).map(of).fold(0.0, f64::max);
         Self {
             draw: busiest(&draw),

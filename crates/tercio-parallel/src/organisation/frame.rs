@@ -164,9 +164,13 @@ impl Rank {
     /// The front end.
     fn sort(&mut self, context: &FrameContext, report: &mut RankReport) {
         let Self { pool, renderer, sorted, .. } = self;
-        let stage = &mut report.stages.draw;
+        let stages = &mut report.stages;
         let begin = Instant::now();
-        pool.install(|| stage.time(|| renderer.sort(context, sorted)));
+        // Of models in parts there are two sorts.
+        let before = (stages.front_end.milliseconds, stages.front_end.busy_milliseconds);
+        pool.install(|| stages.front_end.time(|| renderer.sort(context, sorted)));
+        stages.draw.milliseconds += stages.front_end.milliseconds - before.0;
+        stages.draw.busy_milliseconds += stages.front_end.busy_milliseconds - before.1;
         report.frame.milliseconds.frontend += begin.elapsed().as_secs_f64() * 1e3;
     }
 

@@ -41,7 +41,8 @@ use crate::comm::Communicator;
 use crate::composite::Composition;
 use crate::division::Division;
 use crate::parts;
-use crate::report::{RankReport, Stage};
+use crate::report::{RankReport, RankStages};
+use crate::trace::{Span, Step, Timeline, timed};
 use envelope::FrameComm;
 
 /// Where work is redistributed between ranks.
@@ -143,6 +144,8 @@ pub struct Rank {
     /// The frames so far, modulo 2^32: all ranks draw the same ones.
     frames: u32,
     tells_partners: bool,
+    /// What this rank did when, if that is recorded.
+    timeline: Option<Timeline>,
 }
 
 /// The input of a frame, the same on all ranks.
@@ -181,6 +184,7 @@ impl Rank {
             sorted: Sorted::default(),
             frames: 0,
             tells_partners: true,
+            timeline: None,
         }
     }
 
@@ -193,6 +197,33 @@ impl Rank {
     /// at first. If many frames are drawn with many ranks, these are much to send for each.
     pub fn tell_partners(&mut self, tells: bool) {
         self.tells_partners = tells;
+    }
+
+    /// From now on it is recorded what this rank does when.
+    pub fn record(&mut self) {
+        self.timeline.get_or_insert_default();
+    }
+
+    /// Records something else that this rank did, of a frame or, with number 0, of none.
+    pub fn record_step(&mut self, step: Step, frame: u32, span: Span) {
+        if let Some(timeline) = &mut self.timeline {
+            timeline.add(step, frame, span);
+        }
+    }
+
+    /// What was recorded so far, and ends the recording.
+    pub fn take_timeline(&mut self) -> Timeline {
+        self.timeline.take().unwrap_or_default()
+    }
+
+    /// Runs work of a frame, and records it if that is done.
+    pub(crate) fn timed<T>(&mut self, step: Step, frame: u32, work: impl FnOnce() -> T) -> T {
+        timed(&mut self.timeline, step, frame, work)
+    }
+
+    /// The number of frames so far, modulo 2^32.
+    pub(crate) fn frames(&self) -> u32 {
+        self.frames
     }
 
     pub(crate) fn tells_partners(&self) -> bool {
@@ -212,6 +243,9 @@ impl Rank {
     ) -> Result<RankReport, ParallelError> {
         let before = comm.traffic();
         let mut report = RankReport { rank: comm.rank(), ..RankReport::default() };
+        if self.timeline.is_some() {
+            report.stages = RankStages::recording();
+        }
         task.settings.check()?;
         refuse_parts(task.settings)?;
         if task.scene.is_in_parts() {
@@ -227,6 +261,9 @@ impl Rank {
             report.partners = framed.finish();
         }
         report.traffic = comm.traffic().since(before);
+        if let Some(timeline) = &mut self.timeline {
+            report.stages.record(self.frames, timeline);
+        }
         Ok(report)
     }
 
@@ -242,10 +279,9 @@ impl Rank {
             ..task.settings.clone()
         };
         let Self { pool, renderer, .. } = self;
-        let mut stage = Stage::default();
+        let stage = &mut report.stages.draw;
         pool.install(|| stage.time(|| renderer.render_into(task.scene, task.camera, &settings, frame)))?;
         report.clusters = u64::from(clusters_of(task.scene));
-        report.stages.draw = stage;
         report.frame = frame.stats.clone();
         report.pixels.visible = report.frame.backend.pixels_visible;
         Ok(())

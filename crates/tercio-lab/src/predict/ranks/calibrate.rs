@@ -94,11 +94,11 @@ impl Shared {
             }
             let packing = std::iter::once(exchange.packing(rank));
             let composing = (0..ranks).filter_map(|from| exchange.composing(from, rank));
-            stages.push((sum(&mut packing.chain(composing)), self.measured.busy(rank, |s| s.compose)));
+            stages.push((sum(&mut packing.chain(composing)), self.measured.busy(rank, |s| &s.compose)));
             let others = if rank == 0 { 1..ranks } else { 0..0 };
             let collecting = others.map(|from| exchange.collecting(from));
             let all = sum(&mut std::iter::once(exchange.finishing(rank)).chain(collecting));
-            stages.push((all, self.measured.busy(rank, |s| s.collect)));
+            stages.push((all, self.measured.busy(rank, |s| &s.collect)));
         }
         stages
     }

@@ -80,7 +80,7 @@ impl MeasuredRanks {
     }
 
     /// Seconds of processor time of a rank's stage, the minimum over the frames.
-    pub fn busy(&self, rank: usize, of: impl Fn(&RankStages) -> Stage) -> f64 {
+    pub fn busy(&self, rank: usize, of: impl Fn(&RankStages) -> &Stage) -> f64 {
         let of_frame = |r: &FrameReport| of(&r.ranks[rank].stages).busy_milliseconds * 1e-3;
         self.reports.iter().map(of_frame).fold(f64::INFINITY, f64::min)
     }

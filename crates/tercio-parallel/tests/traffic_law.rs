@@ -1,0 +1,227 @@
+//! Messages and bytes of whole frames, against a count of the pixels that travel. The count knows the formats (a trailer of 16
+//! bytes, spans of 6 bytes, 4 for a colour, 8 for a key, 12 for a tile), but shares no code with what writes them: pixels are
+//! counted in pictures that a renderer has drawn alone.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use tercio_mesh::builtin;
+use tercio_mesh::cluster::{PartitionOptions, partition};
+use tercio_parallel::comm::Kind;
+use tercio_parallel::composite::{Shared, Touched};
+use tercio_parallel::in_process::draw;
+use tercio_parallel::{Composition, Division, FrameReport, Organisation, Ranks, Sharing};
+use tercio_raster::binning::Sorted;
+use tercio_raster::context::FrameContext;
+use tercio_raster::{Frame, Outputs, Part, Renderer, Settings};
+use tercio_scene::{Background, Camera, Projection, Scene};
+
+const TRAILER: u64 = 16;
+const SIZE: (u32, u32) = (150, 110);
+const EDGE: u32 = 16;
+
+fn made(model: &str) -> (Scene, Camera) {
+    let mesh = builtin::make(model).expect("a model");
+    let mut scene = Scene::from_mesh(Arc::new(partition(mesh, &PartitionOptions::default())));
+    // No surface has this colour.
+    scene.background = Background::Solid([0.0, 1.0, 0.0, 1.0]);
+    let bounds = scene.bounds();
+    let camera = Camera {
+        eye: bounds.center() + glam::DVec3::new(0.3, 0.4, 0.9) * bounds.radius() * 2.6,
+        target: bounds.center(),
+        up: glam::DVec3::Y,
+        projection: Projection::Perspective { fov_y: 0.8 },
+        near: None,
+        shift: [0.0; 2],
+    };
+    (scene, camera)
+}
+
+fn settings() -> Settings {
+    Settings { tile_size: Some(EDGE), ..Settings::one_sample(SIZE.0, SIZE.1) }
+}
+
+const ACROSS: u32 = SIZE.0.div_ceil(EDGE);
+const TILES: usize = (ACROSS * SIZE.1.div_ceil(EDGE)) as usize;
+
+/// Pixels of a tile, row by row: which of them are to be sent.
+type Pixels = Vec<Vec<bool>>;
+
+/// The pixels of a tile for which something holds.
+fn pixels(tile: u32, holds: impl Fn(usize) -> bool) -> Pixels {
+    let (x0, y0) = (tile % ACROSS * EDGE, tile / ACROSS * EDGE);
+    let row = |y: u32| (x0..(x0 + EDGE).min(SIZE.0)).map(|x| holds((y * SIZE.0 + x) as usize)).collect();
+    (y0..(y0 + EDGE).min(SIZE.1)).map(row).collect()
+}
+
+/// Bytes of pixels with so many bytes each.
+fn bytes(pixels: &Pixels, of_pixel: u64) -> u64 {
+    let of_row = |row: &Vec<bool>| {
+        let starts = (0..row.len()).filter(|&x| row[x] && (x == 0 || !row[x - 1])).count() as u64;
+        6 * starts + of_pixel * row.iter().filter(|&&sent| sent).count() as u64
+    };
+    pixels.iter().map(of_row).sum()
+}
+
+/// Messages and bytes that each rank sends.
+type Sent = Vec<(u64, u64)>;
+
+fn sent(report: &FrameReport) -> Sent {
+    report.ranks.iter().map(|rank| (rank.traffic.sent_messages, rank.traffic.sent_bytes)).collect()
+}
+
+/// What a renderer alone draws with a part of the clusters, and the tiles in which its front end finds something.
+fn drawn(scene: &Scene, camera: &Camera, part: Part) -> (Frame, Vec<bool>) {
+    let outputs = Outputs { keys: true, ..settings().outputs };
+    let settings = Settings { clusters: part, outputs, ..settings() };
+    let frame = Renderer::new().render(scene, camera, &settings).expect("a picture");
+    let context = FrameContext::new(scene, camera, &settings, 1).expect("a context");
+    let mut sorted = Sorted::default();
+    Renderer::new().sort(&context, &mut sorted);
+    let found = sorted.tiles_with_entries(&context.grid);
+    (frame, (0..TILES as u32).map(|tile| found.contains(tile)).collect())
+}
+
+/// Is a pixel not the background?
+fn is_shown(frame: &Frame, pixel: usize) -> bool {
+    frame.planes.color[pixel] != [0, 255, 0, 255]
+}
+
+fn report(scene: &Scene, camera: &Camera, count: usize, sharing: Sharing) -> FrameReport {
+    let (_, report) =
+        draw(Ranks { count, threads: 1, sharing }, scene, camera, &settings()).expect("a picture");
+    report
+}
+
+const MODELS: [&str; 3] = ["builtin:teapot@3k", "builtin:soup@500", "builtin:sphere@100"];
+
+#[test]
+fn sort_first_and_sort_middle_send_what_their_tiles_show() {
+    for model in MODELS {
+        let (scene, camera) = made(model);
+        let (whole, _) = drawn(&scene, &camera, Part::WHOLE);
+        for count in [1, 2, 3, 7, TILES + 2] {
+            // Tile k belongs to rank k modulo the number of ranks.
+            let mut finished: Sent = vec![(0, 0); count];
+            for tile in 0..TILES as u32 {
+                let (messages, sum) = &mut finished[tile as usize % count];
+                if tile as usize % count > 0 {
+                    *messages = 1;
+                    *sum += bytes(&pixels(tile, |pixel| is_shown(&whole, pixel)), 4);
+                }
+            }
+            finished.iter_mut().for_each(|(messages, sum)| *sum += *messages * TRAILER);
+            let division = Division::Interleaved;
+            let first = Sharing { division, ..Organisation::SortFirst.into() };
+            assert_eq!(sent(&report(&scene, &camera, count, first)), finished, "{model}, {count} ranks");
+            // The same after each has sent bins to each other.
+            let middle =
+                report(&scene, &camera, count, Sharing { division, ..Organisation::SortMiddle.into() });
+            let others = count as u64 - 1;
+            let with_bins = finished.iter().zip(&middle.ranks).map(|((messages, bytes), rank)| {
+                (messages + others, bytes + rank.bin_bytes + others * TRAILER)
+            });
+            assert_eq!(sent(&middle), with_bins.collect::<Vec<_>>(), "{model}, {count} ranks");
+            let bins = middle.by_kind().into_iter().find(|of| of.0 == Kind::Bins).map(|of| of.1);
+            let (messages, all) = bins.map_or((0, 0), |bins| (bins.sent_messages, bins.sent_bytes));
+            let contents: u64 = middle.ranks.iter().map(|rank| rank.bin_bytes).sum();
+            assert_eq!((messages, all), (count as u64 * others, contents + messages * TRAILER));
+        }
+    }
+}
+
+/// What each rank sends for compositing, and what each has of the shared tiles in the end: the messages of the schedule are
+/// played with the pixels that each rank has drawn.
+fn composited(
+    composition: Composition,
+    shared: &Shared,
+    frames: &[Frame],
+) -> (Sent, Vec<HashMap<u32, Pixels>>) {
+    let drawn_in = |rank: usize, tile: u32| pixels(tile, |pixel| frames[rank].planes.keys[pixel] != 0);
+    let mut have: Vec<HashMap<u32, Pixels>> = vec![HashMap::new(); shared.ranks.len()];
+    for (have, &rank) in have.iter_mut().zip(shared.ranks) {
+        let own = shared.tiles_of(rank).into_iter().map(|tile| (tile, drawn_in(rank, tile)));
+        have.extend(own.filter(|(_, pixels)| bytes(pixels, 12) > 0));
+    }
+    let mut sent: Sent = vec![(0, 0); frames.len()];
+    let schedules: Vec<_> = (0..have.len()).map(|place| composition.rounds(shared, place)).collect();
+    let mut transit: HashMap<(usize, usize), Vec<Vec<(u32, Pixels)>>> = HashMap::new();
+    // Of each rank: rounds done, and whether it has sent what it sends in the next one.
+    let mut at = vec![(0, false); have.len()];
+    while at.iter().zip(&schedules).any(|(at, rounds)| at.0 < rounds.len()) {
+        let before = at.clone();
+        for place in 0..have.len() {
+            let Some(round) = schedules[place].get(at[place].0) else { continue };
+            if !at[place].1 {
+                at[place].1 = true;
+                for (to, tiles) in &round.sends {
+                    let parts: Vec<_> =
+                        tiles.iter().filter_map(|tile| have[place].remove_entry(tile)).collect();
+                    let (messages, sum) = &mut sent[shared.ranks[place]];
+                    *messages += 1;
+                    *sum += TRAILER + parts.iter().map(|(_, pixels)| 12 + bytes(pixels, 12)).sum::<u64>();
+                    transit.entry((place, *to)).or_default().push(parts);
+                }
+            }
+            let has_come = |from: &usize| transit.get(&(*from, place)).is_some_and(|queue| !queue.is_empty());
+            if round.receives.iter().all(has_come) {
+                for from in &round.receives {
+                    for (tile, theirs) in transit.get_mut(&(*from, place)).expect("it has come").remove(0) {
+                        let own = have[place].entry(tile).or_insert_with(|| pixels(tile, |_| false));
+                        let both = own.iter_mut().flatten().zip(theirs.into_iter().flatten());
+                        both.for_each(|(own, theirs)| *own |= theirs);
+                    }
+                }
+                at[place] = (at[place].0 + 1, false);
+            }
+        }
+        assert_ne!(at, before, "{composition}: a deadlock");
+    }
+    (sent, have)
+}
+
+#[test]
+fn sort_last_sends_what_each_composition_moves() {
+    let mut with_pixels = 0;
+    for model in MODELS {
+        let (scene, camera) = made(model);
+        for count in [2, 3, 5, 8] {
+            let of_rank = |number| drawn(&scene, &camera, Part { number: number as u32, of: count as u32 });
+            let (frames, found): (Vec<_>, Vec<_>) = (0..count).map(of_rank).unzip();
+            let touched = Touched::new(TILES, found.iter().map(|found| |tile: u32| found[tile as usize]));
+            let ranks_of = |tile: u32| (0..count).filter(|&rank| found[rank][tile as usize]).count();
+            let tiles: Vec<u32> = (0..TILES as u32).filter(|&tile| ranks_of(tile) > 1).collect();
+            let ranks: Vec<usize> =
+                (0..count).filter(|&rank| tiles.iter().any(|&tile| found[rank][tile as usize])).collect();
+            let shared = Shared { tiles: &tiles, ranks: &ranks, touched: &touched };
+            for composition in Composition::ALL.into_iter().chain([Composition::RadixK(2)]) {
+                let (mut expected, have) = composited(composition, &shared, &frames);
+                with_pixels +=
+                    expected.iter().filter(|(messages, bytes)| *bytes > messages * TRAILER).count();
+                let owners = composition.owners(&shared);
+                for (rank, (messages, sum)) in expected.iter_mut().enumerate() {
+                    // One bit a tile, in words of 8 bytes, of all others, in as many messages as a tree has levels.
+                    let levels = u64::from(count.next_power_of_two().trailing_zeros());
+                    *messages += levels;
+                    *sum += levels * TRAILER + (count as u64 - 1) * TILES.div_ceil(64) as u64 * 8;
+                    let sole =
+                        (0..TILES as u32).filter(|&tile| found[rank][tile as usize] && ranks_of(tile) == 1);
+                    let sole: Vec<u32> = sole.collect();
+                    let place = ranks.iter().position(|&of| of == rank);
+                    let owns = place.is_some_and(|place| owners.contains(&place));
+                    if rank > 0 && (owns || !sole.is_empty()) {
+                        *messages += 1;
+                        let shown =
+                            |tile: &u32| bytes(&pixels(*tile, |pixel| is_shown(&frames[rank], pixel)), 4);
+                        let merged = place.map_or(0, |place| have[place].values().map(|p| bytes(p, 4)).sum());
+                        *sum += TRAILER + sole.iter().map(shown).sum::<u64>() + merged;
+                    }
+                }
+                let sharing = Sharing { composition, ..Organisation::SortLast.into() };
+                let found = report(&scene, &camera, count, sharing);
+                assert_eq!(sent(&found), expected, "{model}, {count} ranks, {composition}");
+            }
+        }
+    }
+    assert!(with_pixels > 100, "{with_pixels} ranks send pixels");
+}
