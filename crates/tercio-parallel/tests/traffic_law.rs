@@ -105,7 +105,7 @@ fn sort_first_and_sort_middle_send_what_their_tiles_show() {
             let mut finished: Sent = vec![(0, 0); count];
             for tile in 0..TILES as u32 {
                 let (messages, sum) = &mut finished[tile as usize % count];
-                if tile as usize % count > 0 {
+                if !(tile as usize).is_multiple_of(count) {
                     *messages = 1;
                     *sum += bytes(&pixels(tile, |pixel| is_shown(&whole, pixel)), 4);
                 }

@@ -168,8 +168,7 @@ impl<'a> Faces<'a> {
             _ if row == self.count() => end,
             Layout::Uniform { stride, .. } => self.first + row * stride,
             Layout::Ragged { starts } => {
-                let behind = (0..row % BLOCK).fold(starts[row / BLOCK], |at, _| at + self.bytes_of(at));
-                behind
+                (0..row % BLOCK).fold(starts[row / BLOCK], |at, _| at + self.bytes_of(at))
             }
         };
         Ok(at(range.start)..at(range.end))

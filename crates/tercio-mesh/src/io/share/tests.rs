@@ -40,8 +40,11 @@ fn ply(big: bool, vertices: u32, faces: &[Vec<u32>]) -> Vec<u8> {
     out
 }
 
+/// A part, and the numbers of its vertices in the file.
+type Part = (ReadModel, Option<Vec<u32>>);
+
 /// The parts of a file.
-fn parts(input: &Input, of: usize) -> Result<Vec<(ReadModel, Option<Vec<u32>>)>, ReadError> {
+fn parts(input: &Input, of: usize) -> Result<Vec<Part>, ReadError> {
     let shareable = Shareable::open(input)?;
     let ranges: Vec<_> = (0..of).map(|k| shareable.range(k, of)).collect();
     let uniform = ranges.iter().all(|range| shareable.is_uniform(range));

@@ -56,7 +56,9 @@ impl<'a> Facets<'a> {
     /// Which rules the attribute bytes follow.
     pub fn marks(&self, range: &Range<usize>) -> u64 {
         let all = |holds: fn(u16) -> bool| self.records[range.clone()].iter().all(|r| holds(attribute(r)));
-        u64::from(all(|a| a == 0)) * ZERO | u64::from(all(|a| a == 0 || a & 0x8000 != 0)) * COLOR
+        let zero = if all(|a| a == 0) { ZERO } else { 0 };
+        let color = if all(|a| a == 0 || a & 0x8000 != 0) { COLOR } else { 0 };
+        zero | color
     }
 
     /// The colour of all of some facets, if their attribute bytes say nothing, but those of others are colours. `marks` are those
