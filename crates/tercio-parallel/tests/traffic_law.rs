@@ -63,6 +63,9 @@ fn bytes(pixels: &Pixels, of_pixel: u64) -> u64 {
     pixels.iter().map(of_row).sum()
 }
 
+/// Parts of tiles.
+type Message = Vec<(u32, Pixels)>;
+
 /// Messages and bytes that each rank sends.
 type Sent = Vec<(u64, u64)>;
 
@@ -104,8 +107,9 @@ fn sort_first_and_sort_middle_send_what_their_tiles_show() {
             // Tile k belongs to rank k modulo the number of ranks.
             let mut finished: Sent = vec![(0, 0); count];
             for tile in 0..TILES as u32 {
-                let (messages, sum) = &mut finished[tile as usize % count];
-                if !(tile as usize).is_multiple_of(count) {
+                let owner = tile as usize % count;
+                let (messages, sum) = &mut finished[owner];
+                if owner > 0 {
                     *messages = 1;
                     *sum += bytes(&pixels(tile, |pixel| is_shown(&whole, pixel)), 4);
                 }
@@ -145,7 +149,7 @@ fn composited(
     }
     let mut sent: Sent = vec![(0, 0); frames.len()];
     let schedules: Vec<_> = (0..have.len()).map(|place| composition.rounds(shared, place)).collect();
-    let mut transit: HashMap<(usize, usize), Vec<Vec<(u32, Pixels)>>> = HashMap::new();
+    let mut transit: HashMap<(usize, usize), Vec<Message>> = HashMap::new();
     // Of each rank: rounds done, and whether it has sent what it sends in the next one.
     let mut at = vec![(0, false); have.len()];
     while at.iter().zip(&schedules).any(|(at, rounds)| at.0 < rounds.len()) {
