@@ -153,7 +153,9 @@ fn hard() -> Mesh {
     mesh.triangles.push([first, first + 1, first + 2]);
     // A step that has no factor in common with the number of triangles.
     let count = mesh.triangles.len();
-    let step = (count / 3..).find(|step| (2..=*step).all(|d| step % d > 0 || !count.is_multiple_of(d))).expect("a step");
+    let step = (count / 3..)
+        .find(|step| (2..=*step).all(|d| step % d > 0 || !count.is_multiple_of(d)))
+        .expect("a step");
     let near = mesh.triangles.clone();
     for (number, t) in mesh.triangles.iter_mut().enumerate() {
         if number % 5 == 0 {

@@ -3,6 +3,7 @@
 use tercio_mesh::{ClusteredMesh, FileMaterial, Mesh};
 use tercio_parallel::comm::threads::{self, ThreadComm};
 use tercio_parallel::comm::{CommError, Communicator, Traffic};
+use tercio_parallel::organisation::envelope::TRAILER;
 use tercio_parallel::organisation::{Rank, Task};
 use tercio_parallel::{Organisation, ParallelError, PartsError, Ranks, in_process, parts};
 use tercio_raster::Frame;
@@ -93,7 +94,10 @@ impl<F: Fn(&mut Vec<u8>)> Communicator for Damaging<'_, F> {
     fn send(&mut self, to: usize, mut message: Vec<u8>) -> Result<(), CommError> {
         // Clusters are by far the longest messages.
         if self.rank() == 1 && to == 2 && message.len() > 1000 {
+            // What the message is stays at its end.
+            let trailer = message.split_off(message.len() - TRAILER);
             (self.damage)(&mut message);
+            message.extend(trailer);
         }
         self.comm.send(to, message)
     }
