@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use clap::{Args, ValueEnum};
 use tercio::image::Destination;
+use tercio::parallel::trace::now;
 use tercio::parallel::{Composition, Division, Organisation, Sharing};
 use tercio_lab::predict::choose::candidates::Limits;
 
@@ -188,6 +189,12 @@ impl RanksArgs {
     /// Where to write when each rank did what.
     pub fn trace(&self) -> Option<Destination> {
         self.trace.as_deref().map(Destination::from_path)
+    }
+
+    /// When something begins, if it is recorded: the clock of the machine is read only then, because valgrind cannot read it in the
+    /// static program.
+    pub fn now(&self) -> Option<u64> {
+        self.trace.as_ref().map(|_| now())
     }
 
     /// Adds the files that these options name.

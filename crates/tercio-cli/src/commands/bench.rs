@@ -172,7 +172,7 @@ impl Bench {
         is_first: bool,
         draw: impl FnOnce(&Scene, &[Camera], &Settings, Option<Span>) -> Result<Frames>,
     ) -> Result<Option<String>> {
-        let began = now();
+        let began = self.ranks.now();
         let display = Display::new(if is_first { self.running.progress_mode() } else { ProgressMode::Never });
         let options = LoadOptions {
             memory_limit: self.running.memory_limit(),
@@ -199,7 +199,7 @@ impl Bench {
             texture_filter: self.textures.filter(),
             ..self.tuning.settings(self.size)
         };
-        let load = self.ranks.trace().map(|_| Span::since(began));
+        let load = began.map(Span::since);
         let frames = draw(&scene, &cameras, &settings, load)?;
         drop(display);
         if let (Some(destination), Some(trace)) = (self.ranks.trace(), &frames.trace) {
@@ -393,9 +393,9 @@ fn draw_alone(scene: &Scene, cameras: &[Camera], settings: &Settings, load: Opti
     let (mut renderer, mut frame, mut frames) = (Renderer::new(), Frame::default(), Frames::default());
     frames.trace = load.map(of_loading);
     for camera in with_first_frame(cameras) {
-        let begin = now();
+        let begin = frames.trace.as_ref().map(|_| now());
         renderer.render_into(scene, &camera, settings, &mut frame)?;
-        if let Some(trace) = &mut frames.trace {
+        if let (Some(trace), Some(begin)) = (&mut frames.trace, begin) {
             trace.append(Trace::of_one(Step::Draw, Span::since(begin)));
         }
         frames.stats.push(frame.stats.clone());

@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 use tercio::mesh::io::ReadReport;
 use tercio::parallel::organisation::{Rank, Task};
 use tercio::parallel::parts::share_materials;
-use tercio::parallel::trace::{Span, Step, Trace, now};
+use tercio::parallel::trace::{Span, Step, Trace};
 use tercio::parallel::{Communicator, FrameReport, between_processes, in_process};
 use tercio::raster::frame::fragments::fragment_bytes;
 use tercio::raster::{Frame, FrameStats, Outputs, Renderer, Settings};
@@ -203,12 +203,13 @@ impl Render {
 
     fn draw(&self, writing: &Writing, settings: &Settings, drawers: Drawers) -> Result<Done> {
         let display = Display::new(self.running.progress_mode());
-        let begin = now();
+        let begin = self.ranks.now();
         let loaded = self.load(writing, &display, drawers, None::<&mut mpi::Comm>)?;
-        let mut trace = self.ranks.trace().map(|_| Trace::default());
-        if let Some(trace) = &mut trace {
+        let mut trace = begin.map(|begin| {
+            let mut trace = Trace::default();
             trace.add(0, Step::Load, 0, Span::since(begin));
-        }
+            trace
+        });
         if self.is_in_bands(&writing.plan, drawers) {
             return self.draw_in_bands(writing, settings, loaded, &display, trace);
         }
@@ -281,13 +282,13 @@ impl Render {
         let Loaded { report, textures, scene, look, cameras, .. } = loaded;
         let camera = &cameras.middle;
         let settings = &self.with_shadows(settings, &scene, camera, display, None::<&mut mpi::Comm>)?;
-        let (begin, began) = (Instant::now(), now());
+        let (begin, began) = (Instant::now(), self.ranks.now());
         let (progress, allow_empty) = (Some(&*display.progress), writing.allow_empty);
         let stats = writing.plan.write_drawn(&self.model.name(), allow_empty, |out| {
             write_png_in_bands(&scene, camera, settings, allow_empty, progress, out)
         })?;
         let all = begin.elapsed().as_secs_f64() * 1e3;
-        if let Some(trace) = &mut trace {
+        if let (Some(trace), Some(began)) = (&mut trace, began) {
             trace.add(0, Step::Draw, 1, Span::since(began));
         }
         let output_milliseconds = (all - stats.milliseconds.total).max(0.0);
@@ -337,10 +338,10 @@ impl Render {
         }
         let display = Display::new(if writes { self.running.progress_mode() } else { ProgressMode::Never });
         let in_parts = self.ranks.parts();
-        let begin = now();
+        let begin = self.ranks.now();
         let loaded = self.load(writing, &display, Drawers::Mpi(how), in_parts.then_some(&mut *comm))?;
         let mut own = Rank::from_pool(pool.clone());
-        if self.ranks.trace().is_some() {
+        if let Some(begin) = begin {
             own.record();
             own.record_step(Step::Load, 0, Span::since(begin));
         }
@@ -466,11 +467,12 @@ impl Render {
         trace: &mut Option<Trace>,
     ) -> Result<(Frame, Option<FrameReport>, Option<Choice>)> {
         let threads = rayon::current_num_threads();
+        let begin = self.ranks.now();
         let recorded;
         let drawn = match (organisation::in_process(drawers, threads, (scene, camera, settings))?, &trace) {
             (None, _) => {
-                let begin = now();
                 let frame = Renderer::new().render(scene, camera, settings)?;
+                let Some(begin) = begin else { return Ok((frame, None, None)) };
                 recorded = Trace::of_one(Step::Draw, Span::since(begin));
                 (frame, None, None)
             }
