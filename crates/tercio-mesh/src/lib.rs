@@ -4,7 +4,7 @@
 //! in [`polygon`]), [`clean`] drops what cannot be drawn, [`weld`] joins the corners of triangle soups, [`normals`]
 //! makes missing normals, [`blocks`] bring neighbouring triangles together, and [`cluster`] splits the mesh into the
 //! small pieces that the renderer culls and transforms. [`topology`] analyses a mesh, [`builtin`] makes models
-//! without a file.
+//! without a file, and [`arrays`] are those of a program.
 //!
 //! Positions are in object space: `world = origin + position`, with the origin in `f64`, so that a model far from
 //! zero keeps its detail in `f32`.
@@ -32,6 +32,7 @@
 //! ```
 
 mod adjacency;
+pub mod arrays;
 pub mod blocks;
 pub mod bounds;
 pub mod builtin;
@@ -48,6 +49,7 @@ pub mod mesh;
 pub mod normals;
 pub mod polygon;
 pub mod progress;
+pub mod strokes;
 pub mod subdivide;
 pub mod topology;
 pub mod trig;

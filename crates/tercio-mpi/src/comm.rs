@@ -4,8 +4,10 @@ use std::collections::VecDeque;
 use std::fmt;
 use std::time::Duration;
 
+use mpi::ffi::MPI_Comm;
 use tercio_parallel::comm::{Awaited, CommError, Communicator, RankNames, ReadySenders, Traffic};
 
+use crate::StartError;
 use crate::raw::{Envelope, Failed, Link, Outgoing};
 use crate::spare::Spare;
 use crate::waiting::until;
@@ -87,6 +89,34 @@ impl MpiComm {
             part_bytes: PART_BYTES,
             patience: Patience::default(),
         }
+    }
+
+    /// Access to the other processes of a communicator that belongs to the program, which has initialized MPI; all of them have to
+    /// call this. Messages are sent over a duplicate, so that they never meet those of the program.
+    ///
+    /// It is [closed](Self::close), or dropped, before MPI is finalized.
+    ///
+    /// # Errors
+    /// [`StartError`].
+    ///
+    /// # Safety
+    /// The handle is that of a live communicator of processes (not between groups), of the MPI library that this one was built with;
+    /// and this thread is the one that may call MPI, unless all may ([`mpi::Threading::Multiple`]).
+    pub unsafe fn duplicate(of: MPI_Comm) -> Result<Self, StartError> {
+        if !mpi::environment::is_initialized() || mpi::environment::is_finalized() {
+            return Err(StartError::Missing);
+        }
+        // SAFETY: as required from the caller.
+        let link = unsafe { Link::of_handle(of) };
+        link.map(Self::new).map_err(|Failed(reason)| StartError::Failed(reason))
+    }
+
+    /// Waits until all processes of the communicator have called this, or dropped it.
+    ///
+    /// # Errors
+    /// [`CommError`] if MPI fails.
+    pub fn close(mut self) -> Result<(), CommError> {
+        self.leave()
     }
 
     /// Sends messages in parts of at most this many bytes, 1 to 2^31 - 1, instead of 2^30. Ranks need not agree.
@@ -242,6 +272,9 @@ impl MpiComm {
     /// are transferred; messages that were not requested are dropped. So no rank waits for one that has ended.
     pub(crate) fn leave(&mut self) -> Result<(), CommError> {
         let (rank, size) = (self.rank(), self.size());
+        if self.arrived[rank].has_left {
+            return Ok(());
+        }
         for step in 1..size {
             let to = (rank + step) % size;
             let outgoing = self.link.send(to, (PART, FAREWELL), Vec::new(), PART_BYTES);
@@ -323,6 +356,14 @@ impl Communicator for MpiComm {
             arrived.signals = arrived.signals.checked_sub(1)?;
             Some(())
         })
+    }
+}
+
+impl Drop for MpiComm {
+    /// So that the others get an error if they wait for this rank.
+    fn drop(&mut self) {
+        // An error is one of the end only: there is nobody to tell it.
+        self.leave().ok();
     }
 }
 

@@ -22,6 +22,9 @@ pub enum StartError {
     /// The library was built without threads.
     #[error("the MPI library does not allow threads beside the one that calls it")]
     Threads,
+    /// The program has not initialized MPI, or has finalized it.
+    #[error("MPI is not initialized in this process")]
+    Missing,
     /// A call failed.
     #[error("{0}")]
     Failed(String),

@@ -7,7 +7,7 @@ use std::mem::MaybeUninit;
 
 use mpi::ffi;
 use mpi::topology::SimpleCommunicator;
-use mpi::traits::{AsRaw as _, Communicator as _};
+use mpi::traits::{AsRaw as _, Communicator as _, FromRaw as _};
 
 /// A communicator of this program alone: it gets no messages of other libraries, and its errors are returned.
 pub struct Link {
@@ -45,7 +45,24 @@ fn check(call: &str, code: c_int) -> Result<(), Failed> {
 impl Link {
     /// A duplicate of a communicator; all its ranks have to make one.
     pub fn new(of: &SimpleCommunicator) -> Result<Self, Failed> {
-        let comm = of.duplicate();
+        Self::own(of.duplicate())
+    }
+
+    /// The same of a communicator of the program that this library is part of.
+    ///
+    /// # Safety
+    /// The handle is that of a live communicator of processes, and this thread may call MPI.
+    pub unsafe fn of_handle(of: ffi::MPI_Comm) -> Result<Self, Failed> {
+        // SAFETY: the handle is a constant of the library.
+        let mut comm = unsafe { ffi::RSMPI_COMM_NULL };
+        // SAFETY: the caller guarantees the handle, and the destination is ours.
+        check("MPI_Comm_dup", unsafe { ffi::MPI_Comm_dup(of, &mut comm) })?;
+        // SAFETY: the communicator was just made, and nobody else has its handle.
+        Self::own(unsafe { SimpleCommunicator::from_raw(comm) })
+    }
+
+    /// A communicator that nobody else uses.
+    fn own(comm: SimpleCommunicator) -> Result<Self, Failed> {
         // SAFETY: the communicator was just made, and the handler is one of the library's own.
         let code = unsafe { ffi::MPI_Comm_set_errhandler(comm.as_raw(), ffi::RSMPI_ERRORS_RETURN) };
         check("MPI_Comm_set_errhandler", code)?;

@@ -3,6 +3,7 @@
 use std::sync::Mutex;
 use std::time::Instant;
 
+use rayon::ThreadPoolBuilder;
 use tercio_raster::{Frame, Settings};
 use tercio_scene::{Camera, Scene};
 
@@ -93,13 +94,16 @@ fn frames(
         Ok((reports, own.take_timeline()))
     };
     let drawn = threads::run(ranks.count, |comm| {
-        let mut own = Rank::new(ranks.threads)?;
+        let mut own = Rank::new();
         if records {
             own.record();
         }
         // All work of a rank runs on its own threads: it is not passed between pools, and no thread searches for more
         // work.
-        own.pool().install(|| draw(comm, &mut own))
+        let threads = ranks.threads.max(1);
+        let pool = ThreadPoolBuilder::new().num_threads(threads).build();
+        let pool = pool.map_err(|source| ParallelError::Threads { threads, source })?;
+        pool.install(|| draw(comm, &mut own))
     })?;
     let (reports, timelines): (Vec<_>, Vec<Timeline>) = drawn.into_iter().unzip();
     // Transpose: from a list per rank to a list per frame.

@@ -61,7 +61,7 @@ fn picture_and_counts_are_those_of_ranks_in_one_process() {
                     camera: &camera,
                     settings: &settings,
                 };
-                let (mut own, mut frame) = (Rank::new(1)?, Frame::default());
+                let (mut own, mut frame) = (Rank::new(), Frame::default());
                 let report = draw_frame(&mut own, comm, &task, &mut frame)?;
                 Ok(report.map(|report| (frame, report)))
             });
@@ -93,7 +93,7 @@ fn partners_count_the_same_messages() {
                 scene.instances[0].surface.opacity = 0.5;
                 let sharing = organisation.into();
                 let task = Task { sharing, scene: &scene, camera: &camera, settings: &settings };
-                let mut own = Rank::new(1)?;
+                let mut own = Rank::new();
                 own.tell_partners(tells);
                 draw_frame(&mut own, comm, &task, &mut Frame::default())
             });
@@ -144,7 +144,7 @@ fn what_ranks_do_when_is_recorded_on_request() {
         let (scene, camera) = made();
         let sharing = Organisation::SortTwice { group: 2 }.into();
         let task = Task { sharing, scene: &scene, camera: &camera, settings: &settings };
-        let mut own = Rank::new(2)?;
+        let mut own = Rank::new();
         // Nothing is recorded of the first frame.
         draw_frame(&mut own, comm, &task, &mut Frame::default())?;
         own.record();
@@ -207,7 +207,7 @@ fn reported(change: impl Fn(&mut Own) + Sync) -> Option<Matter> {
         }
         let Own { sharing, scene, camera, settings } = &own;
         let task = Task { sharing: *sharing, scene, camera, settings };
-        draw_frame(&mut Rank::new(1)?, comm, &task, &mut Frame::default())
+        draw_frame(&mut Rank::new(), comm, &task, &mut Frame::default())
     });
     match results {
         Ok(_) => None,
@@ -259,7 +259,7 @@ fn ranks_with_tiles_of_different_sizes_end_with_an_error() {
             let settings = Settings { tile_size, ..Settings::one_sample(800, 600) };
             let sharing = Organisation::SortFirst.into();
             let task = Task { sharing, scene: &scene, camera: &camera, settings: &settings };
-            draw_frame(&mut Rank::new(1)?, comm, &task, &mut Frame::default())
+            draw_frame(&mut Rank::new(), comm, &task, &mut Frame::default())
         })
     };
     let (scene, _) = made();
@@ -289,7 +289,7 @@ fn a_message_of_another_frame_is_an_error() {
             let own_camera = if comm.rank() == 2 { camera_of_2 } else { &camera };
             let sharing = organisation.into();
             let task = Task { sharing, scene: &scene, camera: own_camera, settings: &settings };
-            let mut own = Rank::new(1)?;
+            let mut own = Rank::new();
             if ahead && comm.rank() == 2 {
                 // This rank counts one frame more than the others.
                 let mut alone = threads::ThreadComm::for_ranks(1).remove(0);

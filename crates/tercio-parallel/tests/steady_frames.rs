@@ -74,7 +74,7 @@ fn memory_is_allocated_for_the_messages_of_one_frame_only() {
         let task = Task { sharing: organisation.into(), scene: &scene, camera: &camera, settings: &settings };
         const FRAMES: usize = 10;
         let counted = run(3, |comm| {
-            let (mut own, mut frame) = (Rank::new(1)?, Frame::default());
+            let (mut own, mut frame) = (Rank::new(), Frame::default());
             let mut watched = Watched { inner: comm, fresh: 0, sent: 0 };
             for _ in 0..FRAMES {
                 own.draw_into(&mut watched, &task, &mut frame)?;

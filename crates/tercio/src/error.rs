@@ -9,8 +9,8 @@ use tercio_parallel::comm::CommError;
 use tercio_raster::RenderError;
 use tercio_scene::camera::CameraError;
 
-use crate::LoadError;
 use crate::image::ImageError;
+use crate::{LoadError, SessionError};
 
 /// Any error between a model file and its picture.
 ///
@@ -38,6 +38,9 @@ pub enum Error {
     /// A picture could not be drawn by several ranks.
     #[error(transparent)]
     Parallel(#[from] ParallelError),
+    /// A session could not do something.
+    #[error(transparent)]
+    Session(#[from] SessionError),
     /// A picture could not be written, read or compared.
     #[error(transparent)]
     Image(#[from] ImageError),

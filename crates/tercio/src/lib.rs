@@ -32,6 +32,7 @@
 //! - [`raster`] draws. A [`Renderer`] keeps its memory from frame to frame.
 //! - [`parallel`] draws with several ranks, which share a frame and send each other messages; [`LoadOptions::load_part`] loads
 //!   for each of them a part of a model.
+//! - [`Session`] draws what a program computes, alone or with other processes that have parts of it.
 //! - [`write_png_in_bands`] draws pictures that are larger than memory.
 //! - [`stereo`] makes one picture of those of two eyes, whose cameras [`Stereo`] places.
 //! - [`image`] writes pictures (PNG, PPM, WebP) and arrays (NPY), reads and compares pictures.
@@ -56,6 +57,7 @@ pub mod image;
 mod load;
 pub mod parts;
 mod prepared;
+pub mod session;
 pub mod stereo;
 mod summary;
 mod textures;
@@ -69,6 +71,7 @@ pub use load::{
 };
 pub use parts::LoadedPart;
 pub use prepared::Origin;
+pub use session::{PartId, Session, SessionError};
 pub use summary::{AttributeSummary, MeshSummary};
 pub use textures::{
     PanoramaFileError, TextureError, TextureOptions, TextureReport, panorama_from_file, texture_folders,

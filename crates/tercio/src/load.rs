@@ -5,6 +5,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use serde::{Deserialize, Serialize};
+use tercio_mesh::arrays::ArraysError;
 use tercio_mesh::builtin::{self, BuiltinError};
 use tercio_mesh::clean::{self, Cleaned};
 use tercio_mesh::cluster::{self, ClusteredMesh, Order, PartitionOptions};
@@ -170,6 +171,9 @@ pub enum LoadError {
     /// There is no such built-in model.
     #[error(transparent)]
     Builtin(#[from] BuiltinError),
+    /// Arrays of a program do not make a mesh.
+    #[error(transparent)]
+    Arrays(#[from] ArraysError),
     /// A model could not be clipped.
     #[error("{model}: {error}")]
     Clip {

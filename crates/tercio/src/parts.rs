@@ -5,20 +5,19 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
+use tercio_mesh::arrays::Arrays;
 use tercio_mesh::cluster::{self, Order, PartitionOptions};
 use tercio_mesh::io::input::{self, Input};
 use tercio_mesh::io::prepared::is_prepared;
 use tercio_mesh::io::share::{Facts, Shareable};
-use tercio_mesh::io::{self, ReadModel, ReadOptions};
+use tercio_mesh::io::{self, ReadModel, ReadOptions, ReadReport};
 use tercio_mesh::mesh::choose_origin;
 use tercio_mesh::{Aabb, BlockedMesh, Mesh, builtin, clean, normals, weld};
-use tercio_parallel::Communicator;
-#[cfg(doc)]
-use tercio_parallel::ParallelError;
 use tercio_parallel::comm::CommError;
 use tercio_parallel::comm::collective::{all_max, all_reduce, all_sum, exclusive_sum};
 use tercio_parallel::parts::seam::{self, Numbers, VertexNumbers};
 use tercio_parallel::parts::{agree, bounds_of_all, number};
+use tercio_parallel::{Communicator, ParallelError, PartsError};
 use tercio_scene::{Instance, Share};
 
 use crate::load::{check_memory, check_size, preparation_bytes};
@@ -72,6 +71,22 @@ impl LoadOptions<'_> {
     ) -> Result<LoadedPart, Error> {
         load(comm, model.as_ref(), self)
     }
+
+    /// Makes this rank's part of a model from arrays, together with the other ranks, which have to call this with theirs. The model
+    /// is that of all triangles in the order of the ranks; surfaces of several ranks are joined where they have vertices at the same
+    /// position. A part may be empty. The arrays are copied.
+    ///
+    /// All ranks that have vertices give normals, or none of them does, and the same for colours.
+    ///
+    /// # Errors
+    /// [`LoadError::Arrays`] on a rank whose arrays do not make a mesh, and [`PartsError::Failed`] on the others;
+    /// [`PartsError::Differs`] if only some have normals or colours, [`PartsError::TooLarge`]: on all ranks, which may go on after
+    /// that. [`LoadError::MemoryLimit`](LoadError) and [`ParallelError::Comm`] on one rank.
+    pub fn load_arrays(&self, comm: &mut impl Communicator, arrays: &Arrays) -> Result<LoadedPart, Error> {
+        let start = Instant::now();
+        let raw = of_arrays(comm, arrays)?;
+        finish(comm, Path::new("arrays"), raw, self, start)
+    }
 }
 
 fn load(comm: &mut impl Communicator, model: &Path, options: &LoadOptions) -> Result<LoadedPart, Error> {
@@ -103,7 +118,8 @@ fn load(comm: &mut impl Communicator, model: &Path, options: &LoadOptions) -> Re
 
 /// A part before anything was repaired.
 struct Raw {
-    model: ReadModel,
+    mesh: Mesh,
+    read: ReadReport,
     numbers: Numbers,
     /// Input faces.
     faces: u64,
@@ -129,7 +145,47 @@ fn share_of_file(comm: &mut impl Communicator, input: Input, options: &ReadOptio
     let (before, _) = exclusive_sum(comm, [triangles])?;
     let vertex_numbers = share.vertices.map_or(VertexNumbers::From(first), VertexNumbers::List);
     let numbers = Numbers { first_triangle: before[0], vertices: vertex_numbers };
-    Ok(Raw { model, numbers, faces, vertices })
+    let ReadModel { mesh, report: read, .. } = model;
+    Ok(Raw { mesh, read, numbers, faces, vertices })
+}
+
+/// Arrays that are this rank's own.
+fn of_arrays(comm: &mut impl Communicator, arrays: &Arrays) -> Result<Raw, Error> {
+    const WRONG: u64 = 1;
+    const NORMALS: u64 = 2;
+    const COLORS: u64 = 4;
+    let checked = arrays.check();
+    let mut own = if checked.is_err() { WRONG } else { 0 };
+    own |= if arrays.normals.is_some() { NORMALS } else { 0 };
+    own |= if arrays.vertex_colors.is_some() { COLORS } else { 0 };
+    let block = [own, arrays.positions.len() as u64].map(u64::to_le_bytes).concat();
+    let mut all = Vec::new();
+    for (rank, block) in comm.all_gather(block)?.iter().enumerate() {
+        let &[has, vertices] = block.as_chunks().0 else {
+            return Err(CommError::Transport { rank, reason: "what its arrays have".into() }.into());
+        };
+        all.push((u64::from_le_bytes(has), u64::from_le_bytes(vertices)));
+    }
+    checked.map_err(LoadError::from)?;
+    if let Some(rank) = all.iter().position(|(has, _)| has & WRONG > 0) {
+        return Err(ParallelError::from(PartsError::Failed { rank }).into());
+    }
+    // An empty part has what the others have.
+    let mut of_vertices = all.iter().enumerate().filter(|(_, (_, vertices))| *vertices > 0);
+    let has = of_vertices.next().map_or(0, |(_, (has, _))| *has);
+    if let Some((rank, _)) = of_vertices.find(|(_, (other, _))| *other != has) {
+        let what = "other normals or colours";
+        return Err(ParallelError::from(PartsError::Differs { rank, what }).into());
+    }
+    let bounds = bounds_of_all(comm, &arrays.bounds())?;
+    let mut mesh = arrays.mesh(choose_origin(&bounds));
+    if arrays.positions.is_empty() {
+        mesh.normals = (has & NORMALS > 0).then(Vec::new);
+        mesh.vertex_colors = (has & COLORS > 0).then(Vec::new);
+    }
+    let (faces, vertices) = (mesh.triangles.len() as u64, all.iter().map(|(_, vertices)| vertices).sum());
+    let numbers = Numbers::consecutive(comm, &mesh)?;
+    Ok(Raw { mesh, read: ReadReport::default(), numbers, faces, vertices })
 }
 
 /// A file that is this rank's own.
@@ -140,7 +196,8 @@ fn own_file(comm: &mut impl Communicator, input: &Input, options: &ReadOptions) 
     let last =
         model.mesh.face_of_triangle.as_ref().map(|faces| faces.last().map_or(0, |&last| u64::from(last) + 1));
     let faces = last.unwrap_or(model.mesh.triangles.len() as u64);
-    Ok(Raw { model, numbers, faces, vertices })
+    let ReadModel { mesh, report: read, .. } = model;
+    Ok(Raw { mesh, read, numbers, faces, vertices })
 }
 
 /// Reads a part, with the origin of the whole model, and settles what depends on that. `unused` are the coordinates of vertices
@@ -172,7 +229,7 @@ fn finish(
     options: &LoadOptions,
     start: Instant,
 ) -> Result<LoadedPart, Error> {
-    let Raw { model: ReadModel { mut mesh, report: read, .. }, numbers, faces, vertices } = raw;
+    let Raw { mut mesh, read, numbers, faces, vertices } = raw;
     let mut report = LoadReport { read, file_normals: mesh.normals.is_some(), ..LoadReport::default() };
     report.times.read = milliseconds(start);
     check_size(path, &mesh)?;

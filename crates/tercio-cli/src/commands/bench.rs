@@ -7,7 +7,6 @@ use std::time::Instant;
 
 use anyhow::Result;
 use clap::Args;
-use rayon::ThreadPool;
 use serde_json::{Value, json};
 use tercio::glam::DVec3;
 use tercio::image::Destination;
@@ -119,7 +118,7 @@ impl Bench {
         let files = self.ranks.named_files(NamedFiles::default().reads_model(&self.model.model)).prints();
         files.ready()?;
         ending::name_model(self.model.name());
-        let pool = Arc::new(self.running.pool()?);
+        let pool = self.running.pool()?;
         let processes = mpi::processes();
         let drawers = self.ranks.drawers(processes)?;
         if self.ranks.parts() {
@@ -136,7 +135,7 @@ impl Bench {
                     mpi::watch(comm, self.ranks.timeout());
                     let is_first = comm.rank() == 0;
                     let draw = |scene: &Scene, cameras: &[Camera], settings: &Settings, load| {
-                        draw_as_rank(comm, &pool, (scene, cameras, settings, how), load)
+                        draw_as_rank(comm, (scene, cameras, settings, how), load)
                     };
                     self.measure(&files, is_first, draw)
                 };
@@ -435,13 +434,12 @@ fn draw_with_ranks(
 /// The frames of a rank of an MPI job, empty except on rank 0.
 fn draw_as_rank(
     comm: &mut mpi::Comm,
-    pool: &Arc<ThreadPool>,
     (scene, cameras, settings, how): (&Scene, &[Camera], &Settings, How),
     load: Option<Span>,
 ) -> Result<Frames> {
     let picture = (scene, &cameras[0], settings);
-    let (sharing, choice) = organisation::between(comm, how, pool.current_num_threads(), picture)?;
-    let (mut own, mut frame, mut reports) = (Rank::from_pool(pool.clone()), Frame::default(), Vec::new());
+    let (sharing, choice) = organisation::between(comm, how, rayon::current_num_threads(), picture)?;
+    let (mut own, mut frame, mut reports) = (Rank::new(), Frame::default(), Vec::new());
     if let Some(load) = load {
         own.record();
         own.record_step(Step::Load, 0, load);

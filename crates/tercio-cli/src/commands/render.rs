@@ -2,12 +2,10 @@
 
 use std::path::PathBuf;
 use std::process::ExitCode;
-use std::sync::Arc;
 use std::time::Instant;
 
 use anyhow::{Context, Result, bail};
 use clap::Args;
-use rayon::ThreadPool;
 use serde_json::{Value, json};
 use tercio::mesh::io::ReadReport;
 use tercio::parallel::organisation::{Rank, Task};
@@ -169,11 +167,11 @@ impl Render {
         settings.check().map_err(|e| UsageError(e.to_string()))?;
         let drawers = self.ranks.drawers(processes)?;
         ending::name_model(self.model.name());
-        let pool = Arc::new(self.running.pool()?);
+        let pool = self.running.pool()?;
         let done = match drawers {
             Drawers::Mpi(how) => {
                 self.model.check_reaches_all(processes)?;
-                let work = |comm: &mut _| self.draw_as_rank(comm, &pool, &writing, &settings, how);
+                let work = |comm: &mut _| self.draw_as_rank(comm, &writing, &settings, how);
                 pool.install(|| mpi::run(work))?
             }
             _ => {
@@ -326,7 +324,6 @@ impl Render {
     fn draw_as_rank(
         &self,
         comm: &mut mpi::Comm,
-        pool: &Arc<ThreadPool>,
         writing: &Writing,
         settings: &Settings,
         mut how: How,
@@ -340,7 +337,7 @@ impl Render {
         let in_parts = self.ranks.parts();
         let begin = self.ranks.now();
         let loaded = self.load(writing, &display, Drawers::Mpi(how), in_parts.then_some(&mut *comm))?;
-        let mut own = Rank::from_pool(pool.clone());
+        let mut own = Rank::new();
         if let Some(begin) = begin {
             own.record();
             own.record_step(Step::Load, 0, Span::since(begin));
@@ -351,7 +348,7 @@ impl Render {
             let settings = &self.with_shadows(settings, &loaded.scene, camera, &display, parts)?;
             display.stage("drawing");
             let picture = (&loaded.scene, camera, settings);
-            let (sharing, chosen) = organisation::between(comm, how, pool.current_num_threads(), picture)
+            let (sharing, chosen) = organisation::between(comm, how, rayon::current_num_threads(), picture)
                 .with_context(|| self.model.name())?;
             how = How::As(sharing);
             choice = choice.or(chosen);

@@ -3,9 +3,6 @@
 //! ranks with one thread each, by the model of [`renderer`](super::ranks::renderer) that `tercio lab predict` and
 //! `advise` use.
 
-use std::sync::Arc;
-
-use rayon::ThreadPool;
 use serde::Serialize;
 use tercio_parallel::organisation::tile_edge;
 use tercio_parallel::{Communicator, Division, Organisation, ParallelError};
@@ -260,11 +257,7 @@ pub fn compare(
 ///
 /// # Errors
 /// [`ParallelError`].
-pub fn follow(
-    comm: &mut impl Communicator,
-    pool: &Arc<ThreadPool>,
-    table: Table,
-) -> Result<(), ParallelError> {
+pub fn follow(comm: &mut impl Communicator, table: Table) -> Result<(), ParallelError> {
     let o = table.options;
     for _ in 0..o.rounds.max(1) {
         for place in table.places() {
@@ -272,13 +265,7 @@ pub fn follow(
             let edge = tile_edge(&place.model.scene, &place.settings(), organisation, ranks);
             let sharing = Sharing { organisation, division: Division::default(), ranks, size, edge };
             for camera in place.cameras() {
-                MeasuredRanks::draw_between(
-                    (&mut *comm, pool),
-                    &place.model.scene,
-                    &camera,
-                    &sharing,
-                    o.frames,
-                )?;
+                MeasuredRanks::draw_between(comm, &place.model.scene, &camera, &sharing, o.frames)?;
             }
         }
     }

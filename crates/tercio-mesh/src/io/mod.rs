@@ -19,6 +19,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
+use crate::strokes::Strokes;
 use crate::{Aabb, Mesh, OctNormal, Progress, ReadError};
 pub use companions::relative;
 use input::Input;
@@ -97,6 +98,8 @@ pub struct ReadReport {
 pub struct ReadModel {
     /// The mesh.
     pub mesh: Mesh,
+    /// Lines and points of the file.
+    pub strokes: Strokes,
     /// Bounds of all vertices with finite coordinates, in file coordinates.
     pub coordinates: Aabb,
     /// What was found.

@@ -50,6 +50,11 @@ impl Mailbox {
 }
 
 impl ThreadComm {
+    /// The communicator of the only rank.
+    pub fn alone() -> Self {
+        Self { rank: 0, mailboxes: [Mailbox::default()].into(), traffic: Traffic::default() }
+    }
+
     /// Communicators of some ranks, in their order.
     pub fn for_ranks(ranks: usize) -> Vec<Self> {
         let mailboxes: Arc<[Mailbox]> = (0..ranks).map(|_| Mailbox::default()).collect();

@@ -7,7 +7,6 @@
 use std::collections::BTreeMap;
 
 use bytemuck::pod_read_unaligned;
-use rayon::ThreadPool;
 use rayon::prelude::*;
 use tercio_raster::Outputs;
 
@@ -54,7 +53,7 @@ impl Content {
 }
 
 /// Brings all parts of the shared tiles to one rank each ([`Composition::owners`]): this rank has `parts`, and gets those of the
-/// tiles that it owns, merged. Ranks that have none of the tiles need not call this. The threads of the pool merge.
+/// tiles that it owns, merged. Ranks that have none of the tiles need not call this.
 ///
 /// # Errors
 /// [`ParallelError::Comm`], [`ParallelError::Packet`].
@@ -64,7 +63,6 @@ pub fn exchange(
     shared: &Shared,
     mut parts: Parts,
     content: Content,
-    pool: &ThreadPool,
     report: &mut RankReport,
 ) -> Result<Parts, ParallelError> {
     let Ok(place) = shared.ranks.binary_search(&comm.rank()) else { return Ok(parts) };
@@ -87,7 +85,7 @@ pub fn exchange(
             let from = shared.ranks[from];
             messages.push((from, stages.wait.time(|| comm.receive(from))?));
         }
-        let merged = stages.compose.time(|| take_in(&mut parts, &messages, shared.tiles, content, pool))?;
+        let merged = stages.compose.time(|| take_in(&mut parts, &messages, shared.tiles, content))?;
         report.pixels.compared += merged.pixels;
         report.pixels.won += merged.won;
         messages.iter().for_each(|(from, _)| last_sender = *from);
@@ -127,7 +125,6 @@ fn take_in(
     messages: &[(usize, Vec<u8>)],
     tiles: &[u32],
     content: Content,
-    pool: &ThreadPool,
 ) -> Result<Merged, ParallelError> {
     let mut incoming: BTreeMap<u32, Vec<(usize, &[u8])>> = BTreeMap::new();
     for &(from, ref message) in messages {
@@ -153,8 +150,7 @@ fn take_in(
         Ok(sum)
     };
     let add = |a: Merged, b: Merged| Ok(Merged { pixels: a.pixels + b.pixels, won: a.won + b.won });
-    let merged =
-        pool.install(|| work.par_iter_mut().with_max_len(1).map(merge).try_reduce(Merged::default, add));
+    let merged = work.par_iter_mut().with_max_len(1).map(merge).try_reduce(Merged::default, add);
     parts.extend(work.into_iter().map(|(tile, own, _)| (tile, own)));
     merged
 }
@@ -203,12 +199,10 @@ mod tests {
 
     #[test]
     fn tiles_that_nobody_sends_are_refused() {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread");
         let mut message = Vec::new();
         put(4, &[1], &mut message);
-        let take = |tiles: &[u32]| {
-            take_in(&mut Parts::new(), &[(2, message.clone())], tiles, Content::Fragments, &pool)
-        };
+        let take =
+            |tiles: &[u32]| take_in(&mut Parts::new(), &[(2, message.clone())], tiles, Content::Fragments);
         assert!(take(&[4]).is_ok());
         let error = take(&[3, 5]).unwrap_err().to_string();
         assert!(error.contains("rank 2") && error.contains("tile 4"), "{error}");

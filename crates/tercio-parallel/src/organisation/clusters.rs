@@ -6,7 +6,6 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use rayon::ThreadPool;
 use tercio_mesh::cluster::{Assembly, TransferError, write_clusters};
 use tercio_raster::binning::Sorted;
 use tercio_raster::context::FrameContext;
@@ -32,7 +31,6 @@ pub fn exchange(
     owners: &[u32],
     context: &FrameContext,
     sorted: &Sorted,
-    pool: &ThreadPool,
     report: &mut RankReport,
 ) -> Result<Scene, ParallelError> {
     let (scene, has_faces) = (context.scene, context.settings.outputs.ids);
@@ -75,7 +73,7 @@ pub fn exchange(
         stages.redistribute.time(|| read(&mut gathered, from, &message))?;
         comm.give_back(from, message);
     }
-    let finish = |of: Gathered| of.finish(scene, pool);
+    let finish = |of: Gathered| of.finish(scene);
     let instances =
         stages.redistribute.time(|| gathered.into_iter().map(finish).collect::<Result<_, _>>())?;
     Ok(Scene {
@@ -99,13 +97,13 @@ struct Gathered<'a> {
 
 impl Gathered<'_> {
     /// The instance with the clusters, all of which are checked.
-    fn finish(self, scene: &Scene, pool: &ThreadPool) -> Result<Instance, ParallelError> {
+    fn finish(self, scene: &Scene) -> Result<Instance, ParallelError> {
         let Self { instance, share, assembly, ends } = self;
         let wrong = |(cluster, source): (usize, TransferError)| {
             let from = ends.iter().find(|(_, end)| cluster < *end).map_or(0, |(from, _)| *from);
             ParallelError::Clusters { from, source }
         };
-        let mesh = pool.install(|| assembly.finish()).map_err(wrong)?;
+        let mesh = assembly.finish().map_err(wrong)?;
         let materials = instance.materials.as_ref().map(|m| m.for_part(&mesh, scene, m.is_translucent()));
         if let Some(materials) = materials.as_ref().filter(|m| !m.is_translucent())
             && let Some(cluster) = (0..mesh.clusters().len()).find(|&c| materials.is_cluster_translucent(c))

@@ -7,7 +7,6 @@ use tercio_raster::context::FrameContext;
 use tercio_raster::frame::Pixel;
 use tercio_raster::{Frame, Outputs};
 
-use super::Rank;
 use crate::comm::{Awaited, Communicator};
 use crate::composite::exchange::Parts;
 use crate::composite::packet::{PacketError, count_pixels, pack_shown, unpack, without_keys};
@@ -26,7 +25,6 @@ pub struct Finished<'a> {
 /// # Errors
 /// [`ParallelError::Comm`], [`ParallelError::Packet`].
 pub fn send(
-    own: &Rank,
     comm: &mut impl Communicator,
     context: &FrameContext,
     finished: &Finished,
@@ -42,7 +40,7 @@ pub fn send(
         let pack = |tile: &u32, out: &mut Vec<u8>| {
             pack_shown(frame, context.grid.rect(*tile, context.size()), background, outputs, out);
         };
-        if own.pool.current_num_threads() == 1 {
+        if rayon::current_num_threads() == 1 {
             finished.tiles.iter().for_each(|tile| pack(tile, &mut message));
         } else {
             let packed = |tile| {
@@ -50,7 +48,7 @@ pub fn send(
                 pack(tile, &mut packet);
                 packet
             };
-            let packets: Vec<Vec<u8>> = own.pool.install(|| finished.tiles.par_iter().map(packed).collect());
+            let packets: Vec<Vec<u8>> = finished.tiles.par_iter().map(packed).collect();
             packets.iter().for_each(|packet| message.extend_from_slice(packet));
         }
         strip(finished, outputs, &mut message)

@@ -3,6 +3,7 @@
 use std::time::Instant;
 
 use rayon::prelude::*;
+use rayon::scope;
 use tercio_raster::context::FrameContext;
 use tercio_raster::frame::fragments::fragment_bytes;
 use tercio_raster::frame::{FragmentsOfTile, TileFragments};
@@ -50,7 +51,7 @@ fn draw_steps(
     let in_parts = scene.is_in_parts();
     let shares_clusters = sharing.organisation != Organisation::SortFirst && !in_parts;
     let part = if shares_clusters { Part { number: rank as u32, of: size as u32 } } else { Part::WHOLE };
-    let threads = own.pool.current_num_threads();
+    let threads = rayon::current_num_threads();
     let tile_size = Some(tile_edge(scene, settings, sharing.organisation, size));
     let whole = Settings { clusters: part, tiles: TileSet::ALL, tile_size, ..settings.clone() };
     let mut context = FrameContext::new(scene, camera, &whole, threads)?;
@@ -80,7 +81,7 @@ fn draw_steps(
         own.sort(&context, report);
         counts = Some(own.sorted.front_end_counts());
         comm.begin(Kind::Clusters);
-        gathered = clusters::exchange(comm, &group, &owners, &context, &own.sorted, &own.pool, report)?;
+        gathered = clusters::exchange(comm, &group, &owners, &context, &own.sorted, report)?;
         scene = &gathered;
         context = FrameContext::new(scene, camera, &whole, threads)?;
     }
@@ -145,14 +146,14 @@ fn finish(
     let rank = comm.rank();
     if rank > 0 {
         if sends(&rank) {
-            collect::send(own, comm, context, &finished, frame, report)?;
+            collect::send(comm, context, &finished, frame, report)?;
         }
         return Ok(());
     }
     report.stages.collect.time(|| {
         let is_drawn = |tile: u32| finished.tiles.binary_search(&tile).is_ok();
         let others = TileSet::from_fn(context.grid.count(), |tile| !is_drawn(tile));
-        own.pool.install(|| own.renderer.clear(context, &others, frame));
+        own.renderer.clear(context, &others, frame);
     });
     let senders = (1..comm.size()).filter(sends);
     collect::receive(comm, context, &finished, senders, frame, report)?;
@@ -163,12 +164,12 @@ fn finish(
 impl Rank {
     /// The front end.
     fn sort(&mut self, context: &FrameContext, report: &mut RankReport) {
-        let Self { pool, renderer, sorted, .. } = self;
+        let Self { renderer, sorted, .. } = self;
         let stages = &mut report.stages;
         let begin = Instant::now();
         // Of models in parts there are two sorts.
         let before = (stages.front_end.milliseconds, stages.front_end.busy_milliseconds);
-        pool.install(|| stages.front_end.time(|| renderer.sort(context, sorted)));
+        scope(|_| stages.front_end.time(|| renderer.sort(context, sorted)));
         stages.draw.milliseconds += stages.front_end.milliseconds - before.0;
         stages.draw.busy_milliseconds += stages.front_end.busy_milliseconds - before.1;
         report.frame.milliseconds.frontend += begin.elapsed().as_secs_f64() * 1e3;
@@ -195,9 +196,9 @@ impl Rank {
         report: &mut RankReport,
     ) {
         let set = TileSet::from_fn(context.grid.count(), |tile| tiles.binary_search(&tile).is_ok());
-        let Self { pool, renderer, sorted, .. } = self;
+        let Self { renderer, sorted, .. } = self;
         let stage = &mut report.stages.draw;
-        pool.install(|| stage.time(|| renderer.draw(context, sorted, &set, frame)));
+        scope(|_| stage.time(|| renderer.draw(context, sorted, &set, frame)));
         report.frame = plus(std::mem::take(&mut report.frame), &frame.stats, context.cells.count as u64);
     }
 }
@@ -227,7 +228,7 @@ fn composite_pixels(
 ) -> Result<Composited, ParallelError> {
     let planes = Outputs { keys: true, ..task.settings.outputs };
     let settings = Settings { outputs: planes, clusters: part, ..context.settings.clone() };
-    let keyed = FrameContext::new(task.scene, task.camera, &settings, own.pool.current_num_threads())?;
+    let keyed = FrameContext::new(task.scene, task.camera, &settings, rayon::current_num_threads())?;
     if frame.planes.keys.is_empty() {
         frame.planes.keys = std::mem::take(&mut own.keys);
     }
@@ -241,8 +242,7 @@ fn composite_pixels(
             pack_drawn(drawn, keyed.grid.rect(tile, keyed.size()), &planes, &mut packet);
             (tile, packet)
         };
-        let packets: Vec<(u32, Vec<u8>)> =
-            own.pool.install(|| tiles.par_iter().with_max_len(1).map(pack).collect());
+        let packets: Vec<(u32, Vec<u8>)> = tiles.par_iter().with_max_len(1).map(pack).collect();
         packets.into_iter().filter(|(_, packet)| !packet.is_empty()).collect()
     });
     if !task.settings.outputs.keys {
@@ -251,7 +251,7 @@ fn composite_pixels(
     let content = Content::Pixels { planes, width: task.settings.width };
     let composition = task.sharing.composition;
     comm.begin(Kind::Pixels);
-    let packets = exchange(comm, composition, shared, parts, content, &own.pool, report)?;
+    let packets = exchange(comm, composition, shared, parts, content, report)?;
     let owners = composition.owners(shared);
     Ok((packets, owners.into_iter().map(|place| shared.ranks[place]).collect()))
 }
@@ -270,7 +270,7 @@ fn composite_fragments(
     report: &mut RankReport,
 ) -> Result<Composited, ParallelError> {
     let settings = Settings { keep_fragments: true, clusters: part, ..context.settings.clone() };
-    let drawing = FrameContext::new(task.scene, task.camera, &settings, own.pool.current_num_threads())?;
+    let drawing = FrameContext::new(task.scene, task.camera, &settings, rayon::current_num_threads())?;
     let mut fragments = std::mem::take(&mut own.fragments);
     fragments.resize(&settings);
     let (rank, composition) = (comm.rank(), task.sharing.composition);
@@ -293,7 +293,7 @@ fn composite_fragments(
         rounds.found(&round, drawn.iter().map(|of_tile| of_tile.bytes.len() as u64).sum());
         let parts = drawn.into_iter().map(|TileFragments { tile, bytes }| (tile, bytes)).collect();
         comm.begin(Kind::Fragments);
-        let merged = exchange(comm, composition, &of_round, parts, Content::Fragments, &own.pool, report)?;
+        let merged = exchange(comm, composition, &of_round, parts, Content::Fragments, report)?;
         let of_tiles: Vec<usize> =
             composition.owners(&of_round).into_iter().map(|place| ranks[place]).collect();
         let owned: Vec<FragmentsOfTile> = tiles
@@ -305,9 +305,8 @@ fn composite_fragments(
                 parts: merged.get(&tile).map(|bytes| &bytes[..]).into_iter().collect(),
             })
             .collect();
-        let Rank { pool, renderer, .. } = own;
         let stage = &mut report.stages.compose;
-        report.pixels.visible += pool.install(|| stage.time(|| renderer.merge(context, &owned, frame)))?;
+        report.pixels.visible += scope(|_| stage.time(|| own.renderer.merge(context, &owned, frame)))?;
         finished.extend(owned.iter().map(|of| of.tile));
         owners.extend(of_tiles);
     }

@@ -27,9 +27,7 @@ mod rounds;
 
 use std::fmt;
 use std::ops::Range;
-use std::sync::Arc;
 
-use rayon::{ThreadPool, ThreadPoolBuilder};
 use serde::{Serialize, Serializer};
 use tercio_raster::binning::Sorted;
 use tercio_raster::{Frame, RenderError, Renderer, Settings};
@@ -130,10 +128,10 @@ pub fn group_of(organisation: Organisation, ranks: usize, rank: usize) -> Range<
     first..(first + size).min(ranks)
 }
 
-/// A rank's renderer and threads, kept from frame to frame.
-#[derive(Debug)]
+/// A rank's renderer, kept from frame to frame. It draws in the rayon pool in which it is called; calls from one of its threads draw
+/// without waking another.
+#[derive(Debug, Default)]
 pub struct Rank {
-    pool: Arc<ThreadPool>,
     renderer: Renderer,
     /// Memory for the keys of a picture whose settings do not request keys.
     keys: Vec<u64>,
@@ -143,7 +141,7 @@ pub struct Rank {
     sorted: Sorted,
     /// The frames so far, modulo 2^32: all ranks draw the same ones.
     frames: u32,
-    tells_partners: bool,
+    omits_partners: bool,
     /// What this rank did when, if that is recorded.
     timeline: Option<Timeline>,
 }
@@ -164,39 +162,15 @@ pub struct Task<'a> {
 }
 
 impl Rank {
-    /// A rank that draws with this many threads, at least 1.
-    ///
-    /// # Errors
-    /// [`ParallelError::Threads`].
-    pub fn new(threads: usize) -> Result<Self, ParallelError> {
-        let pool = ThreadPoolBuilder::new().num_threads(threads.max(1)).build();
-        let pool = pool.map_err(|source| ParallelError::Threads { threads, source })?;
-        Ok(Self::from_pool(Arc::new(pool)))
-    }
-
-    /// A rank that draws with the threads of a pool. Calls from one of these threads draw without waking another.
-    pub fn from_pool(pool: Arc<ThreadPool>) -> Self {
-        Self {
-            pool,
-            renderer: Renderer::new(),
-            keys: Vec::new(),
-            fragments: Frame::default(),
-            sorted: Sorted::default(),
-            frames: 0,
-            tells_partners: true,
-            timeline: None,
-        }
-    }
-
-    /// Its threads. Calls from one of them draw without waking another.
-    pub fn pool(&self) -> Arc<ThreadPool> {
-        self.pool.clone()
+    /// A rank that has not drawn anything yet.
+    pub fn new() -> Self {
+        Self::default()
     }
 
     /// Whether [`draw_frame`](crate::between_processes::draw_frame) tells rank 0 the counts of messages by partner, as it does
     /// at first. If many frames are drawn with many ranks, these are much to send for each.
     pub fn tell_partners(&mut self, tells: bool) {
-        self.tells_partners = tells;
+        self.omits_partners = !tells;
     }
 
     /// From now on it is recorded what this rank does when.
@@ -227,7 +201,7 @@ impl Rank {
     }
 
     pub(crate) fn tells_partners(&self) -> bool {
-        self.tells_partners
+        !self.omits_partners
     }
 
     /// Does this rank's part of a frame; all ranks of the communicator have to do theirs. On rank 0 `frame` is then
@@ -278,9 +252,9 @@ impl Rank {
             tile_size: Some(tile_edge(task.scene, task.settings, task.sharing.organisation, 1)),
             ..task.settings.clone()
         };
-        let Self { pool, renderer, .. } = self;
         let stage = &mut report.stages.draw;
-        pool.install(|| stage.time(|| renderer.render_into(task.scene, task.camera, &settings, frame)))?;
+        let draw = || self.renderer.render_into(task.scene, task.camera, &settings, frame);
+        rayon::scope(|_| stage.time(draw))?;
         report.clusters = u64::from(clusters_of(task.scene));
         report.frame = frame.stats.clone();
         report.pixels.visible = report.frame.backend.pixels_visible;

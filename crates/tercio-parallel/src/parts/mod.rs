@@ -47,6 +47,12 @@ pub enum PartsError {
         /// What differs.
         what: &'static str,
     },
+    /// A rank could not make its part; it has the reason.
+    #[error("rank {rank} could not make its part of a model")]
+    Failed {
+        /// The first rank that failed.
+        rank: usize,
+    },
     /// The model has more triangles or faces than 32-bit numbers can count.
     #[error(
         "the parts have {triangles} triangles and {faces} faces together: at most {} of each can be numbered",

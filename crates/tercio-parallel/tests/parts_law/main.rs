@@ -36,7 +36,7 @@ fn draw(
     let results = threads::run(parts.len(), |comm| {
         let scene = in_parts(comm, parts, &dress)?;
         let task = Task { sharing, scene: &scene, camera, settings };
-        let (mut own, mut frame) = (Rank::new(1)?, Frame::default());
+        let (mut own, mut frame) = (Rank::new(), Frame::default());
         let report = draw_frame(&mut own, comm, &task, &mut frame)?;
         Ok(report.map(|report| (frame, report)))
     })?;
@@ -208,7 +208,7 @@ fn shadows_of(mesh: &Mesh) {
             let sharing = organisation.into();
             let task = Task { sharing, scene: &scene, camera: &camera, settings: &settings };
             let mut frame = Frame::default();
-            draw_frame(&mut Rank::new(1)?, comm, &task, &mut frame)?;
+            draw_frame(&mut Rank::new(), comm, &task, &mut frame)?;
             Ok(frame)
         });
         assert_eq!(frames.expect("pictures")[0].difference(&expected), None, "{ranks} ranks, {organisation}");

@@ -52,7 +52,7 @@ fn parts_that_do_not_make_a_model_are_refused() {
             change(comm.rank(), &mut scene);
             let sharing = Organisation::SortLast.into();
             let task = Task { sharing, scene: &scene, camera: &camera, settings: &settings };
-            Rank::new(1)?.draw_into(comm, &task, &mut Frame::default())
+            Rank::new().draw_into(comm, &task, &mut Frame::default())
         });
         match drawn.expect_err("no model") {
             ParallelError::Parts(error) => error,
@@ -127,7 +127,7 @@ fn damaged_messages_are_errors() {
             let sharing = Organisation::SortMiddle.into();
             let task = Task { sharing, scene: &scene, camera: &camera, settings: &settings };
             let comm = &mut Damaging { comm, damage };
-            Rank::new(1)?.draw_into(comm, &task, &mut Frame::default())
+            Rank::new().draw_into(comm, &task, &mut Frame::default())
         })
     };
     let length = std::sync::atomic::AtomicUsize::new(0);

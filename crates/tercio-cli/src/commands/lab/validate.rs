@@ -3,7 +3,6 @@
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::sync::Arc;
 
 use anyhow::Result;
 use clap::{Args, ValueEnum};
@@ -113,8 +112,8 @@ impl Validate {
                     |model: &PathBuf| ModelArgs { model: model.clone() }.check_reaches_all(Some(count));
                 self.models.iter().try_for_each(check)?;
                 // A rank draws with one thread, the one that MPI was initialised on.
-                let own = Arc::new(threads::pool(Some(1))?);
-                own.install(|| mpi::run(|comm| self.processes(&pool, &own, comm)))?
+                let own = threads::pool(Some(1))?;
+                own.install(|| mpi::run(|comm| self.processes(&pool, comm)))?
             }
         };
         Ok(ExitCode::from(u8::from(!holds)))
@@ -169,9 +168,9 @@ impl Validate {
         validate_ranks::write(&rows, self.json, &output)
     }
 
-    /// Compares the processes of a job, each of which draws with its `own` thread. Rank 0 reports; the others only
+    /// Compares the processes of a job, each of which draws with the thread that calls this. Rank 0 reports; the others only
     /// draw.
-    fn processes(&self, pool: &ThreadPool, own: &Arc<ThreadPool>, comm: &mut mpi::Comm) -> Result<bool> {
+    fn processes(&self, pool: &ThreadPool, comm: &mut mpi::Comm) -> Result<bool> {
         let reports = comm.rank() == 0;
         let machine = load(&self.machine)?.over_mpi()?;
         let mode = if reports { self.running.progress_mode() } else { ProgressMode::Never };
@@ -179,14 +178,14 @@ impl Validate {
         let how = self.how(&[comm.size()]);
         if !reports {
             let models = self.load_models(pool, mode)?;
-            ranks::follow(comm, own, self.table(&models, &how, processors))?;
+            ranks::follow(comm, self.table(&models, &how, processors))?;
             return Ok(true);
         }
         let output = self.measured(Some(comm.size()), &machine.summary)?;
         let models = self.load_models(pool, mode)?;
         let display = Display::new(mode);
         let table = self.table(&models, &how, processors);
-        let rows = validate_ranks::of_processes(&machine, table, (comm, own), &display)?;
+        let rows = validate_ranks::of_processes(&machine, table, comm, &display)?;
         drop(display);
         validate_ranks::write(&rows, self.json, &output)
     }

@@ -2,10 +2,8 @@
 
 use std::collections::BTreeSet;
 use std::fmt::Write;
-use std::sync::Arc;
 
 use anyhow::Result;
-use rayon::ThreadPool;
 use serde_json::{Value, json};
 use tercio::parallel::Communicator as _;
 use tercio_lab::machines::Machine;
@@ -83,12 +81,12 @@ pub fn of_this_process(machine: &Machine, table: Table, display: &Display) -> Re
 pub fn of_processes(
     machine: &Machine,
     table: Table,
-    (comm, pool): (&mut mpi::Comm, &Arc<ThreadPool>),
+    comm: &mut mpi::Comm,
     display: &Display,
 ) -> Result<Vec<Row>> {
     let costs = costs(machine, table, display)?;
     let draw = |scene: &_, camera: &_, sharing: &_, frames| {
-        MeasuredRanks::draw_between((&mut *comm, pool), scene, camera, sharing, frames)
+        MeasuredRanks::draw_between(comm, scene, camera, sharing, frames)
     };
     Ok(compare(machine, &costs, table, draw, begin(table, display))?)
 }

@@ -196,7 +196,7 @@ fn all_ranks_choose_the_same_and_draw_it() {
             let (sharing, choice) = chosen.map_err(of_ranks)?;
             let task = Task { sharing, scene: &scene, camera: &camera, settings: &settings };
             let mut frame = Frame::default();
-            let report = between_processes::draw_frame(&mut Rank::new(1)?, comm, &task, &mut frame)?;
+            let report = between_processes::draw_frame(&mut Rank::new(), comm, &task, &mut frame)?;
             assert_eq!((choice.is_some(), report.is_some()), (comm.rank() == 0, comm.rank() == 0));
             if let Some(choice) = choice {
                 assert_eq!(choice.sharing(), sharing);
@@ -229,8 +229,7 @@ fn ranks_that_differ_end() {
                 let sharing = Organisation::SortMiddle.into();
                 let task = Task { sharing, scene: &scene, camera: &camera, settings: &settings };
                 let mut frame = Frame::default();
-                return between_processes::draw_frame(&mut Rank::new(1)?, comm, &task, &mut frame)
-                    .map(|_| ());
+                return between_processes::draw_frame(&mut Rank::new(), comm, &task, &mut frame).map(|_| ());
             }
             let limits = match is_odd && how == "limits" {
                 true => Limits { division: Some(Division::Rows), ..Limits::default() },

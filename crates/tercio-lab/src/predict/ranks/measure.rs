@@ -1,9 +1,8 @@
 //! Measures ranks that draw, threads of this process or processes: their times, counters, and page faults and context
 //! switches.
 
-use std::sync::{Arc, Mutex};
+use std::sync::Mutex;
 
-use rayon::ThreadPool;
 use tercio_parallel::organisation::{Rank, Task};
 use tercio_parallel::report::{RankStages, Stage};
 use tercio_parallel::{Communicator, FrameReport, ParallelError, Ranks, between_processes, draw_frames};
@@ -49,12 +48,12 @@ impl MeasuredRanks {
     }
 
     /// The same with processes: all of them call this with the same picture, and rank 0 gets the frames. Each of them
-    /// draws with the threads of its pool, usually only the calling thread.
+    /// draws with the threads of the pool that this is called in, usually only the calling thread.
     ///
     /// # Errors
     /// [`ParallelError`].
     pub fn draw_between(
-        (comm, pool): (&mut impl Communicator, &Arc<ThreadPool>),
+        comm: &mut impl Communicator,
         scene: &Scene,
         camera: &Camera,
         sharing: &Sharing,
@@ -62,7 +61,7 @@ impl MeasuredRanks {
     ) -> Result<Self, ParallelError> {
         let settings = settings(sharing);
         let task = Task { sharing: sharing.of_ranks(), scene, camera, settings: &settings };
-        let (mut own, mut frame) = (Rank::from_pool(pool.clone()), Frame::default());
+        let (mut own, mut frame) = (Rank::new(), Frame::default());
         own.tell_partners(false);
         let (mut reports, mut seen) = (Vec::new(), Vec::new());
         for _ in 0..frames.max(1) as usize + WARM_UP {

@@ -85,7 +85,6 @@ fn rows_are_what_is_predicted_and_compare_every_frame() {
 #[test]
 fn the_ranks_of_a_job_follow_rank_0() {
     use tercio_parallel::comm::threads;
-    use tercio_parallel::organisation::Rank;
 
     const RANKS: usize = 3;
     let (mut machine, costs, models) = small();
@@ -95,12 +94,11 @@ fn the_ranks_of_a_job_follow_rank_0() {
     let options = Options { views: 2, frames: 2, rounds: 2, processors: 2, clock: Clock::Wall };
     let table = Table { models: &models, sizes: &[(99, 77), (64, 80)], how: &how, options };
     let all = threads::run(RANKS, |comm| {
-        let own = Rank::new(1)?.pool();
         if comm.rank() > 0 {
-            return follow(comm, &own, table).map(|()| Vec::new());
+            return follow(comm, table).map(|()| Vec::new());
         }
         let draw = |scene: &Scene, camera: &Camera, sharing: &Sharing, frames| {
-            MeasuredRanks::draw_between((&mut *comm, &own), scene, camera, sharing, frames)
+            MeasuredRanks::draw_between(comm, scene, camera, sharing, frames)
         };
         compare(&machine, &costs, table, draw, || ()).map_err(|e| match e {
             RanksError::Parallel(error) => error,

@@ -9,6 +9,7 @@ use crate::error::{Place, counted, printable};
 use crate::io::{NotDrawn, ReadModel, ReadOptions, ReadReport, Translucent, input::Input};
 use crate::mesh::{Attribute, AttributeDomain, MAX_ELEMENTS, localize_at};
 use crate::polygon::Triangulator;
+use crate::strokes::Strokes;
 use crate::{FileMaterial, Mesh, OctNormal, ReadError};
 
 use super::faces::NONE;
@@ -122,7 +123,7 @@ pub fn build(input: &Input, options: &ReadOptions, parsed: Parsed) -> Result<Rea
         companions,
         warnings,
     };
-    Ok(ReadModel { mesh, coordinates, report })
+    Ok(ReadModel { mesh, strokes: Strokes::default(), coordinates, report })
 }
 
 fn not_drawn(chunks: &[Chunk]) -> NotDrawn {

@@ -7,6 +7,7 @@ use crate::io::text::Cursor;
 use crate::io::{NotDrawn, ReadModel, ReadOptions, ReadReport, Translucent, input::Input};
 use crate::mesh::{MAX_ELEMENTS, localize_at};
 use crate::polygon::Triangulator;
+use crate::strokes::Strokes;
 use crate::{Mesh, OctNormal, ReadError};
 
 use super::header::{Header, float, integer, line_is_over};
@@ -180,7 +181,7 @@ pub fn model(
         companions: Vec::new(),
         warnings,
     };
-    ReadModel { mesh, coordinates, report }
+    ReadModel { mesh, strokes: Strokes::default(), coordinates, report }
 }
 
 fn read_vertices(

@@ -16,6 +16,7 @@ use super::wedges;
 use crate::error::{ReadError, counted, ignored_empty_faces};
 use crate::io::{ReadModel, ReadReport, companions};
 use crate::mesh::{MAX_ELEMENTS, choose_origin, localize_at};
+use crate::strokes::Strokes;
 use crate::{Aabb, Attribute, AttributeDomain, FileMaterial, FileTexture, FileTextures, Mesh};
 
 /// Assembles the mesh.
@@ -86,7 +87,7 @@ pub(super) fn model(
         // Without texture coordinates they cannot be drawn.
         report.not_drawn.textures = header.textures.iter().collect::<HashSet<_>>().len() as u64;
     }
-    Ok(ReadModel { mesh, coordinates, report })
+    Ok(ReadModel { mesh, strokes: Strokes::default(), coordinates, report })
 }
 
 /// Returns the bounds of the coordinates.

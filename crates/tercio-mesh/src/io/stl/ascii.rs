@@ -10,6 +10,7 @@ use crate::io::obj::transcode;
 use crate::io::text::{Cursor, find};
 use crate::io::{ReadModel, ReadOptions, ReadReport, input::Input};
 use crate::mesh::localize_at;
+use crate::strokes::Strokes;
 use crate::{Mesh, ReadError};
 
 use super::{check_facets, soup};
@@ -127,7 +128,7 @@ fn read_parts(input: &Input, options: &ReadOptions, texts: &[&[u8]]) -> Result<R
         warnings,
         ..ReadReport::default()
     };
-    Ok(ReadModel { mesh, coordinates, report })
+    Ok(ReadModel { mesh, strokes: Strokes::default(), coordinates, report })
 }
 
 /// Counts without parsing; worth its time only if memory is limited.

@@ -11,6 +11,7 @@ use rayon::prelude::*;
 use crate::error::{Place, counted};
 use crate::io::{ReadModel, ReadOptions, ReadReport, input::Input};
 use crate::mesh::choose_origin;
+use crate::strokes::Strokes;
 use crate::{Aabb, Mesh, ReadError};
 
 use super::{check_facets, evidence, soup};
@@ -107,7 +108,7 @@ pub fn read(input: &Input, options: &ReadOptions) -> Result<ReadModel, ReadError
         warnings,
         ..ReadReport::default()
     };
-    Ok(ReadModel { mesh, coordinates, report })
+    Ok(ReadModel { mesh, strokes: Strokes::default(), coordinates, report })
 }
 
 /// The number at an offset of a record.
