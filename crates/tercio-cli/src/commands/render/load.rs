@@ -1,0 +1,139 @@
+//! From the options to a scene and its cameras.
+
+use std::path::PathBuf;
+
+use anyhow::{Context, Result, bail};
+use tercio::mesh::io::ReadReport;
+use tercio::parallel::Communicator;
+use tercio::parallel::parts::share_materials;
+use tercio::raster::Outputs;
+use tercio::raster::frame::fragments::fragment_bytes;
+use tercio::scene::{Background, Scene};
+use tercio::{LoadOptions, LoadedPart, band_bytes, parts};
+
+use super::{Loaded, Render, Writing};
+use crate::args::ranks::Drawers;
+use crate::args::textures::TextureLimits;
+use crate::memory;
+use crate::output::{Plan, frame_bytes};
+use crate::progress::Display;
+
+impl Render {
+    /// The files of the model: of all ranks, if each has its own.
+    pub(super) fn models(&self, processes: Option<usize>) -> Vec<PathBuf> {
+        let model = &self.model.model;
+        if !self.ranks.parts() {
+            return vec![model.clone()];
+        }
+        let ranks = 0..processes.unwrap_or(1);
+        let mut files: Vec<PathBuf> = ranks.map(|rank| parts::file_of_rank(model, rank)).collect();
+        files.dedup();
+        files
+    }
+
+    /// Loads the model, or this rank's part of it if there are `parts`, the ranks that load the others.
+    pub(super) fn load(
+        &self,
+        writing: &Writing,
+        display: &Display,
+        drawers: Drawers,
+        mut parts: Option<&mut impl Communicator>,
+    ) -> Result<Loaded> {
+        // First, because it is read quickly: what is wrong with it should be known at once.
+        if self.environment.is_given() {
+            display.stage("reading the environment");
+        }
+        let environment = self.environment.load(self.camera.front(), self.running.memory_limit())?;
+        let options = LoadOptions {
+            memory_limit: self.running.memory_limit(),
+            progress: Some(&display.progress),
+            normals: self.drawing.normals(writing.plan.outputs),
+            clip: self.clip.clipping(),
+            ..LoadOptions::default()
+        };
+        let check = |read: &ReadReport| -> Result<()> {
+            Ok(writing.files.check_companions(&self.model.name(), &read.companions)?)
+        };
+        let (loaded, share) = match &mut parts {
+            None => (options.load_if(&self.model.model, check)?, None),
+            Some(comm) => {
+                let LoadedPart { loaded, share, .. } = options.load_part(*comm, &self.model.model)?;
+                check(&loaded.report.read)?;
+                (loaded, Some(share))
+            }
+        };
+        let mut report = loaded.report;
+        let picture = self.frame_bytes(&writing.plan, drawers);
+        self.check_memory(picture, report.mesh.bytes)?;
+        let mut scene = Scene::from_mesh(loaded.mesh);
+        scene.instances[0].share = share;
+        scene.environment = environment;
+        self.drawing.dress(&mut scene);
+        let background = scene.background;
+        if self.effects.are_applied() {
+            scene.background = Background::Solid([0.0; 4]);
+        }
+        // Layers of what is not opaque need memory, too.
+        let shadows = self.drawing.shadow_bytes(&scene);
+        let taken = picture.saturating_add(report.mesh.bytes).saturating_add(shadows);
+        let left = |limit: u64| limit.saturating_sub(taken) / 4 * 3;
+        let limits = TextureLimits {
+            memory: self.running.memory_limit().map(left),
+            progress: &display.progress,
+            specular: self.drawing.specular(),
+            is_unlit: self.drawing.is_unlit(),
+        };
+        let textures = self.textures.load(&mut scene, &self.model.model, &report, &limits);
+        if let Some(textures) = &textures {
+            // They are not always where the model says.
+            writing.files.check_companions(&self.model.name(), &textures.files)?;
+        }
+        if let Some(comm) = &mut parts {
+            share_materials(*comm, &mut scene)?;
+        }
+        let taken = report.mesh.bytes.saturating_add(textures.as_ref().map_or(0, |textures| textures.bytes));
+        self.check_memory(picture.saturating_add(shadows), taken)?;
+        self.clip.add_caps(&mut scene, loaded.caps);
+        report.read.warnings.extend(self.drawing.shadow_warning(&scene));
+        let camera = match parts {
+            None => self.camera.camera_for(&scene, loaded.whole.as_ref(), self.drawing.size),
+            Some(comm) => self.camera.camera_of_parts(comm, &scene, self.drawing.size)?,
+        };
+        let cameras = self.stereo.cameras(camera, self.camera.zoom()).with_context(|| self.model.name())?;
+        let look = self.drawing.look(&scene, &background, &self.environment, &self.effects);
+        Ok(Loaded { report, textures, scene, background, look, cameras })
+    }
+
+    /// Bytes of the pictures of this process; with their keys if there are ranks. Ranks that composite samples keep
+    /// fragments, too: how many is known only when they are drawn, but a full picture has one in each pixel.
+    pub(super) fn frame_bytes(&self, plan: &Plan, drawers: Drawers) -> u64 {
+        if self.is_in_bands(plan, drawers) {
+            return band_bytes(&self.drawing.settings(&self.tuning, &self.sampling, plan.outputs));
+        }
+        let (frames, keys) = drawers.frames();
+        let bytes = frame_bytes(Outputs { keys, ..plan.outputs }, self.drawing.size);
+        let count = self.sampling.sampling().pattern.count();
+        let mut fragments = 0;
+        if count > 1 && drawers.composites() {
+            let (width, height) = self.drawing.size;
+            let pixels = u64::from(width) * u64::from(height);
+            fragments = pixels.saturating_mul(fragment_bytes(&plan.outputs, count) as u64);
+        }
+        let further =
+            frame_bytes(plan.outputs, self.drawing.size).saturating_mul(self.stereo.further_frames());
+        let effects = self.effects.bytes(self.drawing.size);
+        let bytes = bytes.saturating_mul(frames as u64).saturating_add(fragments);
+        bytes.saturating_add(further).saturating_add(effects)
+    }
+
+    pub(super) fn check_memory(&self, picture: u64, model: u64) -> Result<()> {
+        match self.running.memory_limit() {
+            Some(limit) if picture.saturating_add(model) > limit => bail!(
+                "{}: the picture needs {picture} bytes (with its shadow maps and effects) besides {model} for the model (with its textures), the limit is {limit} bytes ({})",
+                self.model.name(),
+                memory::limit_source()
+            ),
+            _ => Ok(()),
+        }
+    }
+}
