@@ -13,6 +13,7 @@ mod organisation;
 mod output;
 mod progress;
 mod report;
+mod series;
 mod signals;
 mod stdio;
 mod stereo;

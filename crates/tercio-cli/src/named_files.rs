@@ -1,5 +1,6 @@
 //! The files that a command line names. The rule for all commands: no output is an input or another output.
 
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 use anyhow::Result;
@@ -72,29 +73,31 @@ impl NamedFiles {
     /// # Errors
     /// [`UsageError`] with both names.
     pub fn check(&self) -> Result<(), UsageError> {
-        for (number, (output, destination)) in self.written.iter().enumerate() {
-            for (other, other_destination) in &self.written[..number] {
-                if (destination, other_destination) == (&Destination::Stdout, &Destination::Stdout) {
-                    let words = [&other.words, &output.words];
-                    return Err(UsageError(format!(
-                        "{} and {}: only one output can go to standard output",
-                        words[0], words[1]
-                    )));
-                }
-                if let (Some(a), Some(b)) = (&output.identity, &other.identity)
-                    && a.differs_in_case_alone(b)
-                {
-                    return Err(UsageError(format!(
-                        "{} and {} differ by upper and lower case alone, and may be the same file: choose other names",
-                        other.words, output.words
-                    )));
-                }
-                if same(output, other) {
-                    return Err(UsageError(format!(
-                        "{} and {} are the same file: each output needs a file of its own",
-                        other.words, output.words
-                    )));
-                }
+        let (mut files, mut names) = (HashMap::new(), HashMap::new());
+        let mut standard_output: Option<&Named> = None;
+        for (output, destination) in &self.written {
+            if *destination == Destination::Stdout
+                && let Some(other) = standard_output.replace(output)
+            {
+                return Err(UsageError(format!(
+                    "{} and {}: only one output can go to standard output",
+                    other.words, output.words
+                )));
+            }
+            let Some(identity) = &output.identity else { continue };
+            if let Some(other) = files.insert(identity, output) {
+                return Err(UsageError(format!(
+                    "{} and {} are the same file: each output needs a file of its own",
+                    other.words, output.words
+                )));
+            }
+            if let Some(key) = identity.name_in_any_case()
+                && let Some(other) = names.insert(key, output)
+            {
+                return Err(UsageError(format!(
+                    "{} and {} differ by upper and lower case alone, and may be the same file: choose other names",
+                    other.words, output.words
+                )));
             }
         }
         self.check_against(&self.read)
@@ -105,7 +108,7 @@ impl NamedFiles {
     /// # Errors
     /// [`UsageError`] with both names.
     pub fn check_companions(&self, model: &str, companions: &[PathBuf]) -> Result<(), UsageError> {
-        if self.written.iter().all(|(output, _)| output.identity.is_none()) {
+        if companions.is_empty() || self.written.iter().all(|(output, _)| output.identity.is_none()) {
             return Ok(());
         }
         // A missing file cannot be overwritten.
@@ -118,8 +121,11 @@ impl NamedFiles {
     }
 
     fn check_against(&self, read: &[Named]) -> Result<(), UsageError> {
-        let pairs = self.written.iter().flat_map(|(output, _)| read.iter().map(move |input| (output, input)));
-        match pairs.into_iter().find(|(output, input)| same(output, input)) {
+        let known = |named: &'_ Named| named.identity.clone();
+        let inputs: HashMap<_, _> = read.iter().filter_map(|input| Some((known(input)?, input))).collect();
+        let of_output =
+            |(output, _): &'_ (Named, Destination)| inputs.get(output.identity.as_ref()?).copied();
+        match self.written.iter().find_map(|written| Some((&written.0, of_output(written)?))) {
             Some((output, input)) => Err(UsageError(format!(
                 "{} and {} are the same file: an output must not be an input",
                 output.words, input.words
@@ -144,8 +150,4 @@ impl NamedFiles {
     pub fn check_places(&self) -> Result<()> {
         self.written.iter().try_for_each(|(_, destination)| output::check(destination))
     }
-}
-
-fn same(a: &Named, b: &Named) -> bool {
-    a.identity.is_some() && a.identity == b.identity
 }

@@ -8,6 +8,7 @@ use tercio::Loaded;
 use tercio::image::{Destination, ImageError, OutputFile, Picture, PictureFormat, npy};
 use tercio::raster::{Frame, FrameStats, Outputs};
 
+use crate::args::series::OutputFormat;
 use crate::named_files::NamedFiles;
 use crate::stdio;
 
@@ -51,12 +52,14 @@ pub fn frame_bytes(outputs: Outputs, (width, height): (u32, u32)) -> u64 {
 }
 
 /// The outputs and their destinations.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Plan {
     /// The requested planes.
     pub outputs: Outputs,
     /// The picture: one file, or one for each eye.
     pub picture: Option<(Vec<Destination>, PictureFormat)>,
+    /// The film of all pictures.
+    pub film: Option<(Destination, OutputFormat)>,
     /// Arrays of numbers, likewise.
     pub arrays: Vec<(Vec<Destination>, Array)>,
     /// Counts and times.
@@ -66,16 +69,22 @@ pub struct Plan {
 impl Plan {
     /// Destinations of pictures and arrays, with their options.
     pub fn frame_outputs(&self) -> impl Iterator<Item = (&'static str, &Destination)> {
+        let film = self.film.iter().map(|(file, _)| ("--output", file));
+        film.chain(self.files())
+    }
+
+    /// Those of pictures of their own, and of arrays.
+    pub fn files(&self) -> impl Iterator<Item = (&'static str, &Destination)> {
         let picture = self.picture.iter().map(|(files, _)| ("--output", files));
         let all = picture.chain(self.arrays.iter().map(|(files, array)| (array.option(), files)));
         all.flat_map(|(option, files)| files.iter().map(move |file| (option, file)))
     }
 
-    /// All destinations, for the rule of all commands.
-    pub fn named_files(&self) -> NamedFiles {
+    /// All destinations, for the rule of all commands, added to `files`.
+    pub fn named_files(&self, files: NamedFiles) -> NamedFiles {
         let stats = self.stats.iter().map(|destination| ("--stats", destination));
         let all = self.frame_outputs().chain(stats);
-        all.fold(NamedFiles::default(), |files, (option, destination)| files.writes(option, destination))
+        all.fold(files, |files, (option, destination)| files.writes(option, destination))
     }
 
     /// What happened to the files because nothing was written.
@@ -147,7 +156,7 @@ impl Plan {
                 files.push(begin(destination, |out| Ok(write_array(frame, *array, out)?))?);
             }
         }
-        let destinations = self.frame_outputs().map(|(_, destination)| destination);
+        let destinations = self.files().map(|(_, destination)| destination);
         files.into_iter().zip(destinations).try_for_each(|(file, destination)| finish(file, destination))
     }
 }
@@ -254,7 +263,8 @@ fn write_array(frame: &Frame, array: Array, out: &mut dyn Write) -> io::Result<(
     }
 }
 
-fn name(destination: &Destination) -> String {
+/// The name of an output in messages.
+pub fn name(destination: &Destination) -> String {
     match destination {
         Destination::Stdout => "standard output".into(),
         Destination::File(path) => path.display().to_string(),

@@ -2,6 +2,7 @@
 
 use std::io::{self, IsTerminal};
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::sync::mpsc::{self, Receiver, RecvTimeoutError, Sender};
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
@@ -18,11 +19,16 @@ const REDRAW: Duration = Duration::from_millis(100);
 /// Time between lines.
 const NEXT_LINE: Duration = Duration::from_secs(1);
 
+/// The stage of a series of pictures.
+const PICTURES: &str = "pictures";
+
 /// Shows the progress until it is dropped; nothing if it would not be seen.
 #[derive(Debug)]
 pub struct Display {
     /// Updated by the work.
     pub progress: Arc<Progress>,
+    /// Whether pictures are counted, and stages inside of them are not shown.
+    counts_pictures: AtomicBool,
     shower: Option<(Sender<()>, JoinHandle<()>)>,
 }
 
@@ -51,12 +57,20 @@ impl Display {
             // If no thread can be started, there is no display, but the work goes on.
             Some((stop, thread::Builder::new().spawn(work).ok()?))
         });
-        Self { progress, shower }
+        Self { progress, counts_pictures: AtomicBool::new(false), shower }
     }
 
     /// Names the current stage, for work whose amount is unknown.
     pub fn stage(&self, name: &'static str) {
-        self.progress.begin(name, 0);
+        if !self.counts_pictures.load(Relaxed) {
+            self.progress.begin(name, 0);
+        }
+    }
+
+    /// From now on so many finished pictures are counted, and nothing else.
+    pub fn pictures(&self, count: u64) {
+        self.progress.begin(PICTURES, count);
+        self.counts_pictures.store(true, Relaxed);
     }
 }
 
@@ -78,7 +92,11 @@ fn draw(progress: &Progress, stopped: &Receiver<()>) {
 }
 
 fn draw_once(bar: &ProgressBar, (stage, done, total): (&'static str, u64, u64)) {
-    let template = if total > 0 { "{msg} {bar:40} {percent:>3}% {eta}" } else { "{msg} {spinner}" };
+    let template = match total {
+        0 => "{msg} {spinner}",
+        _ if stage == PICTURES => "{msg} {bar:40} {pos}/{len}, {per_sec}, {eta} left",
+        _ => "{msg} {bar:40} {percent:>3}% {eta}",
+    };
     if let Ok(style) = ProgressStyle::with_template(template) {
         bar.set_style(style);
     }
@@ -104,6 +122,7 @@ fn write_lines(progress: &Progress, stopped: &Receiver<()>) {
 fn line((stage, done, total): (&'static str, u64, u64)) -> String {
     match total {
         0 => format!("progress: {stage}"),
+        _ if stage == PICTURES => format!("progress: {stage}, {done} of {total}"),
         _ => format!("progress: {stage}, {} %", u128::from(done.min(total)) * 100 / u128::from(total)),
     }
 }

@@ -6,6 +6,7 @@
 use glam::DVec3;
 
 mod extent;
+mod turntable;
 
 pub use extent::Extent;
 
@@ -92,6 +93,9 @@ pub struct Framing {
     pub fov_y: Option<f64>,
     /// The part of the picture's width or height, whichever is tighter, that the model fills at zoom 1.
     pub fill: f64,
+    /// Whether the model also has to be inside that part after the camera was [turned](Camera::turned) round the up axis by
+    /// any angle. The camera then looks at a point on the axis through the middle of the model.
+    pub all_round: bool,
 }
 
 impl Default for Framing {
@@ -106,6 +110,7 @@ impl Default for Framing {
             aspect: 4.0 / 3.0,
             fov_y: Some(Self::FOV_Y),
             fill: 0.9,
+            all_round: false,
         }
     }
 }
@@ -149,7 +154,8 @@ impl Framing {
     pub fn camera(&self, bounds: &Aabb) -> Camera {
         let bounds = drawable(bounds);
         let half = bounds.size() * 0.5;
-        self.fit(&bounds, |direction| direction.abs().dot(half))
+        let camera = self.fit(&bounds, |direction| self.reach_of_seen(direction, |d| d.abs().dot(half)));
+        self.aimed(camera, bounds.center())
     }
 
     /// The camera that frames the vertices of a scene, which fills the picture better than their box does.
@@ -168,7 +174,8 @@ impl Framing {
             return self.camera(&framed);
         }
         let center = framed.center();
-        self.fit(&framed, |direction| reach(direction, center))
+        let camera = self.fit(&framed, |direction| self.reach_of_seen(direction, |d| reach(d, center)));
+        self.aimed(camera, center)
     }
 
     /// The camera of [`Framing::camera_for_scene`] for a scene of one mesh at the position given by its file, of which
@@ -329,7 +336,7 @@ fn rolled(basis: CameraBasis, roll: f64) -> CameraBasis {
 }
 
 /// Sine and cosine, exact at quarter turns, so that named views look exactly along the axes.
-fn sin_cos_degrees(degrees: f64) -> (f64, f64) {
+pub(crate) fn sin_cos_degrees(degrees: f64) -> (f64, f64) {
     let turned = degrees.rem_euclid(360.0);
     if turned == 0.0 {
         (0.0, 1.0)

@@ -34,8 +34,10 @@
 //!   for each of them a part of a model.
 //! - [`Session`] draws what a program computes, alone or with other processes that have parts of it.
 //! - [`write_png_in_bands`] draws pictures that are larger than memory.
+//! - [`camera_path`] reads the keyframes of a moving camera, [`CameraPath`] interpolates them.
 //! - [`stereo`] makes one picture of those of two eyes, whose cameras [`Stereo`] places.
-//! - [`image`] writes pictures (PNG, PPM, WebP) and arrays (NPY), reads and compares pictures.
+//! - [`image`] writes pictures (PNG, PPM, WebP), films ([`image::film`]: GIF, APNG, Y4M) and arrays (NPY), reads and compares
+//!   pictures.
 //!
 //! The types that most programs use are also exported here at the root.
 //!
@@ -51,6 +53,7 @@
 #![forbid(unsafe_code)]
 
 mod bands;
+pub mod camera_path;
 mod clipping;
 mod error;
 pub mod image;
@@ -81,7 +84,7 @@ pub use textures::{
 pub use tercio_mesh::{ClusteredMesh, Mesh};
 pub use tercio_parallel::ParallelError;
 pub use tercio_raster::{Frame, RenderError, Renderer, Settings};
-pub use tercio_scene::{Camera, Framing, Instance, Scene, Stereo};
+pub use tercio_scene::{Camera, CameraPath, Framing, Instance, Scene, Stereo};
 
 pub use tercio_effects as effects;
 pub use tercio_mesh as mesh;

@@ -12,7 +12,7 @@ use tercio::scene::{Camera, Framing, Light, Scene};
 use super::values;
 
 /// A fixed camera: every frame shows the same view.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 pub struct StillArgs {
     /// Position of the camera in every frame, instead of moving round the model.
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = values::vector)]

@@ -10,7 +10,7 @@ use tercio::scene::{Camera, Framing, Scene, UpAxis, View};
 use super::values;
 
 /// A view by name.
-#[derive(Clone, Copy, Debug, ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum NamedView {
     /// From the front.
     Front,
@@ -25,6 +25,7 @@ pub enum NamedView {
     /// From below.
     Bottom,
     /// From above, front and right, at equal angles to the axes.
+    #[value(alias = "isometric")]
     Iso,
 }
 
@@ -64,12 +65,13 @@ impl From<Axis> for UpAxis {
 }
 
 /// Position and projection of the camera. By default it frames the model.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Camera")]
 pub struct CameraArgs {
-    /// A view by name.
-    #[arg(long, value_name = "NAME", value_enum, conflicts_with_all = ["azimuth", "elevation", "eye"])]
-    view: Option<NamedView>,
+    /// A view by name; several, as in front,top,iso or with several --view, make a picture each.
+    #[arg(long, value_name = "NAME", value_enum, value_delimiter = ',')]
+    #[arg(conflicts_with_all = ["azimuth", "elevation", "eye"])]
+    view: Vec<NamedView>,
     /// Degrees round the up axis; 0 is the front, positive turns the camera to its right [default: 15].
     #[arg(long, value_name = "DEG", allow_negative_numbers = true, value_parser = values::number)]
     #[arg(conflicts_with = "eye")]
@@ -114,12 +116,21 @@ pub struct CameraArgs {
 impl CameraArgs {
     /// The camera for a scene in a picture of this size.
     pub fn camera(&self, scene: &Scene, size: (u32, u32)) -> Camera {
-        self.camera_for(scene, None, size)
+        self.camera_for(scene, None, &self.framing(size))
+    }
+
+    /// The views by name.
+    pub fn views(&self) -> &[NamedView] {
+        &self.view
+    }
+
+    /// These options with one view.
+    pub fn with_view(&self, view: NamedView) -> Self {
+        Self { view: vec![view], ..self.clone() }
     }
 
     /// The camera for a scene, or for all of a model of which a part is in it.
-    pub fn camera_for(&self, scene: &Scene, whole: Option<&Extent>, (width, height): (u32, u32)) -> Camera {
-        let framing = self.framing(width, height);
+    pub fn camera_for(&self, scene: &Scene, whole: Option<&Extent>, framing: &Framing) -> Camera {
         let camera = match (self.eye, whole) {
             (Some(eye), _) => {
                 let bounds = whole.map_or_else(|| scene.bounds(), Extent::bounds);
@@ -140,19 +151,24 @@ impl CameraArgs {
         &self,
         comm: &mut impl Communicator,
         scene: &Scene,
-        (width, height): (u32, u32),
+        framing: &Framing,
     ) -> Result<Camera, ParallelError> {
         if self.eye.is_some() {
             // The bounds are those of all parts.
-            return Ok(self.camera(scene, (width, height)));
+            return Ok(self.camera_for(scene, None, framing));
         }
-        let camera = parts::camera_for_scene(comm, &self.framing(width, height), scene)?;
+        let camera = parts::camera_for_scene(comm, framing, scene)?;
         Ok(Camera { near: self.near, ..camera })
     }
 
     /// The axes of the front view.
     pub fn front(&self) -> CameraBasis {
         UpAxis::from(self.up_axis).front()
+    }
+
+    /// What is nearer is left out.
+    pub fn near(&self) -> Option<f64> {
+        self.near
     }
 
     /// Whether the projection is parallel.
@@ -165,9 +181,10 @@ impl CameraArgs {
         self.zoom
     }
 
-    fn framing(&self, width: u32, height: u32) -> Framing {
+    /// How the camera is placed for a picture of this size.
+    pub fn framing(&self, (width, height): (u32, u32)) -> Framing {
         let mut framing = Framing::new(width, height);
-        if let Some(view) = self.view {
+        if let Some(&view) = self.view.first() {
             framing = framing.with_view(view.into());
         }
         framing.up_axis = self.up_axis.into();

@@ -26,7 +26,7 @@ The camera frames the whole model, so that pictures of different cuts fit. Trian
 the cut is exact. A model from `tercio prepare` cannot be cut.";
 
 /// Where the model is cut.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Clipping")]
 pub struct ClipArgs {
     /// Cuts the model at a plane X,Y,Z,D, or at a part of its bounds, such as x:0.5 or -z:40%; --help has more.

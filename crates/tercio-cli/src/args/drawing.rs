@@ -85,7 +85,7 @@ impl From<SortingName> for Sorting {
 }
 
 /// The look of the model.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Drawing")]
 pub struct DrawingArgs {
     /// Size of the picture in pixels, up to 65536x65536. A PNG with more pixels than 8192x8192, without ranks, stereo,
@@ -136,7 +136,7 @@ pub struct DrawingArgs {
 }
 
 /// Options that change only the speed. The picture is the same.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Tuning (the picture stays the same)")]
 pub struct TuningArgs {
     /// SIMD level: sse2, sse4.2, avx2, avx512 or neon; scalar if compiled in [default: the best of this processor].
@@ -246,6 +246,11 @@ impl DrawingArgs {
     /// Strength of highlights, if it is given.
     pub fn specular(&self) -> Option<f32> {
         self.specular.map(|strength| strength as f32)
+    }
+
+    /// Whether shadows are requested.
+    pub fn casts_shadows(&self) -> bool {
+        self.shadows.is_some()
     }
 
     /// The shadows of a scene's lights, if they are requested.

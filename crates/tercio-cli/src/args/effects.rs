@@ -33,7 +33,7 @@ impl From<ToneName> for ToneCurve {
 }
 
 /// Exposure, tone mapping and effects.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Drawing")]
 pub struct EffectArgs {
     /// Makes reflected light brighter by this many stops, each a factor of 2, -15 to 15; the background stays as it is

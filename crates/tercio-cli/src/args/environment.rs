@@ -29,7 +29,7 @@ enum Source {
 const SKY: [[f32; 3]; 3] = [[0.75, 0.95, 1.25], [1.0, 1.0, 1.0], [0.22, 0.20, 0.18]];
 
 /// Light from all around.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Drawing")]
 pub struct EnvironmentArgs {
     /// Lights the model from all around, in place of the default lights: gradient, gradient:ZENITH,HORIZON,GROUND with three

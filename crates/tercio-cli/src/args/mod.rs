@@ -9,6 +9,7 @@ pub mod environment;
 pub mod light;
 pub mod ranks;
 pub mod sampling;
+pub mod series;
 pub mod stereo;
 pub mod textures;
 pub mod values;
@@ -37,7 +38,7 @@ pub enum ProgressMode {
 }
 
 /// The model that a command works on.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 pub struct ModelArgs {
     /// A file (PLY, OBJ, STL or OFF, each also gzip-compressed; or a model from `tercio prepare`), `-` for
     /// standard input, or builtin:NAME@COUNT, such as builtin:teapot@1M (teapot, gyroid, terrain, sphere, soup).
@@ -68,7 +69,7 @@ impl ModelArgs {
 }
 
 /// Resources that a command may use, and how much it prints.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Running")]
 pub struct RunningArgs {
     /// Number of threads, 1 to 256 [default: as many as the process may use: affinity, cgroup quota,

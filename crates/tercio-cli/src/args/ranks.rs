@@ -66,7 +66,7 @@ pub enum CompositionName {
 }
 
 /// Ranks.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Ranks (the picture stays the same)")]
 pub struct RanksArgs {
     /// Draws with this many ranks, 1 to 256: threads of this process that share nothing but the model and send each

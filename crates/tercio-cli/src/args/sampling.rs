@@ -25,7 +25,7 @@ enum FilterName {
 }
 
 /// Anti-aliasing.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Anti-aliasing")]
 pub struct SamplingArgs {
     /// Samples per pixel: 1, 2, 4, 8 or 16, well spread; 2x2 or 4x4 on a grid.

@@ -29,7 +29,7 @@ pub enum StereoName {
 }
 
 /// Pictures for two eyes.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Stereo")]
 pub struct StereoArgs {
     /// Draws the model for both eyes, each with all pixels of --size. The eyes look in parallel, and their pictures are

@@ -37,7 +37,7 @@ pub enum TextureFilterName {
 }
 
 /// Materials and textures of the model.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Textures")]
 pub struct TextureArgs {
     /// Draws materials in their plain colours, without textures and highlights of their own.

@@ -8,9 +8,11 @@ use tercio::image::{Destination, PictureFormat, WEBP_MAX_SIZE};
 use tercio::raster::Outputs;
 
 use super::drawing::DrawingArgs;
-use super::stereo::StereoArgs;
+use super::series::OutputFormat;
+use super::stereo::{StereoArgs, StereoName};
 use crate::mpi;
 use crate::output::{Array, Plan};
+use crate::series::pattern::{self, Names};
 
 /// Bits of a colour component.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -24,16 +26,19 @@ pub enum Depth {
 }
 
 /// The outputs.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Writing")]
 pub struct WritingArgs {
-    /// The picture: .png, .ppm or .webp (lossless), or `-` for standard output.
+    /// The picture: .png, .ppm or .webp (lossless), or `-` for standard output. For series {frame} or {:04} stands for the
+    /// number of a picture, {view} for its view, {name} for its model; or a film: .gif, .apng, .y4m, and .mp4 or .webm, which
+    /// need ffmpeg.
     #[arg(short, long, value_name = "FILE")]
     #[arg(required_unless_present_any = ["output_depth", "output_ids", "output_normals"])]
     output: Option<PathBuf>,
-    /// Format of the picture: png, ppm or webp [default: by the extension; png for `-`].
+    /// Format of the picture (png, ppm or webp) or film (gif, apng, y4m, rgb, mp4 ...) [default: by the extension; png for
+    /// `-`].
     #[arg(long, value_name = "FORMAT", requires = "output")]
-    format: Option<PictureFormat>,
+    format: Option<OutputFormat>,
     /// Bits of a colour component; 16 in PNG and PPM only.
     #[arg(long, value_name = "BITS", value_enum, default_value_t = Depth::Eight)]
     depth: Depth,
@@ -64,14 +69,19 @@ impl WritingArgs {
     /// One sentence, if the options contradict each other.
     pub fn plan(&self, drawing: &DrawingArgs, stereo: &StereoArgs) -> Result<Plan, String> {
         let size = stereo.picture_size(drawing.size)?;
-        let picture = match &self.output {
-            Some(path) => {
-                let format =
-                    self.picture_format(path, &Destination::from_path(path), size, drawing.is_transparent())?;
-                Some((stereo.destinations("--output", path)?, format))
+        let (mut picture, mut film) = (None, None);
+        if let Some(path) = &self.output {
+            match self.output_format(path, &Destination::from_path(path), size, drawing.is_transparent())? {
+                OutputFormat::Picture(format) => {
+                    picture = Some((stereo.destinations("--output", path)?, format));
+                }
+                _ if stereo.layout() == Some(StereoName::Pair) => {
+                    return Err("--stereo pair makes two pictures of each; for a film choose side-by-side, over-under or anaglyph".into());
+                }
+                format => film = Some((Destination::from_path(path), format)),
             }
-            None => None,
-        };
+        }
+        let is_drawn = picture.is_some() || film.is_some();
         let arrays = [
             (&self.output_depth, Array::Depth),
             (&self.output_ids, Array::Ids),
@@ -81,8 +91,8 @@ impl WritingArgs {
         let arrays = arrays.map(|(path, array)| Ok((stereo.destinations(array.option(), path)?, array)));
         let plan = Plan {
             outputs: Outputs {
-                color: picture.is_some() && self.depth == Depth::Eight,
-                color16: picture.is_some() && self.depth == Depth::Sixteen,
+                color: is_drawn && self.depth == Depth::Eight,
+                color16: is_drawn && self.depth == Depth::Sixteen,
                 depth: self.output_depth.is_some(),
                 ids: self.output_ids.is_some(),
                 normals: self.output_normals.is_some(),
@@ -90,6 +100,7 @@ impl WritingArgs {
                 linear: false,
             },
             picture,
+            film,
             arrays: arrays.collect::<Result<_, String>>()?,
             stats: self.stats.as_deref().map(Destination::from_path),
         };
@@ -97,22 +108,63 @@ impl WritingArgs {
         Ok(plan)
     }
 
-    fn picture_format(
+    /// These options, with the placeholders of their names filled in.
+    ///
+    /// # Errors
+    /// One sentence, for a placeholder that is not known.
+    pub fn named(&self, names: &Names, is_last: bool) -> Result<Self, String> {
+        let fill = |path: &Option<PathBuf>| -> Result<Option<PathBuf>, String> {
+            path.as_ref().map(|path| pattern::expand(path, names, is_last)).transpose()
+        };
+        // There is one file of statistics, not one a picture.
+        let of_model = Names { frame: None, view: None, step: None, ..names.clone() };
+        let stats = self.stats.as_ref().map(|path| pattern::expand(path, &of_model, is_last)).transpose()?;
+        Ok(Self {
+            output: fill(&self.output)?,
+            output_depth: fill(&self.output_depth)?,
+            output_ids: fill(&self.output_ids)?,
+            output_normals: fill(&self.output_normals)?,
+            stats,
+            ..self.clone()
+        })
+    }
+
+    /// Whether an output's name has this placeholder.
+    pub fn has_placeholder(&self, name: &str) -> bool {
+        let outputs = [&self.output, &self.output_depth, &self.output_ids, &self.output_normals];
+        outputs.into_iter().flatten().any(|path| pattern::has(path, name))
+    }
+
+    /// Whether the output is a film.
+    pub fn is_film(&self) -> bool {
+        let by_name = || self.output.as_deref().and_then(OutputFormat::from_path);
+        self.format.or_else(by_name).is_some_and(OutputFormat::is_film)
+    }
+
+    fn output_format(
         &self,
         path: &Path,
         destination: &Destination,
         (width, height): (u32, u32),
         is_transparent: bool,
-    ) -> Result<PictureFormat, String> {
+    ) -> Result<OutputFormat, String> {
         // A link to standard output may have an extension, too.
         let by_name = || match destination {
-            Destination::Stdout => Some(PictureFormat::from_path(path).unwrap_or(PictureFormat::Png)),
-            Destination::File(path) => PictureFormat::from_path(path),
+            Destination::Stdout => {
+                Some(OutputFormat::from_path(path).unwrap_or(OutputFormat::Picture(PictureFormat::Png)))
+            }
+            Destination::File(path) => OutputFormat::from_path(path),
         };
         let format = self.format.or_else(by_name).ok_or_else(|| {
             format!("{}: the extension must be .png, .ppm or .webp (or give --format)", path.display())
         })?;
-        match format {
+        let OutputFormat::Picture(of_picture) = format else {
+            return match self.depth {
+                Depth::Sixteen => Err("films have no --depth 16".into()),
+                Depth::Eight => Ok(format),
+            };
+        };
+        match of_picture {
             PictureFormat::WebP if self.depth == Depth::Sixteen => Err("WebP has no --depth 16".into()),
             PictureFormat::WebP if width.max(height) > WEBP_MAX_SIZE => {
                 Err(format!("a WebP picture has at most {WEBP_MAX_SIZE} pixels a side"))

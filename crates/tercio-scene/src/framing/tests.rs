@@ -186,3 +186,27 @@ fn a_scene_is_framed_by_its_vertices_not_its_box() {
     let nothing = Scene::default();
     assert!(Framing::default().camera_for_scene(&nothing).basis().is_ok());
 }
+
+#[test]
+fn a_model_stays_in_the_picture_while_the_camera_turns_round_it() {
+    // Long, thin, and not in the middle of the world.
+    let bounds = Aabb { min: DVec3::new(10.0, -2.0, 3.0), max: DVec3::new(18.0, 1.0, 3.5) };
+    for (fov_y, up_axis) in [(Some(30.0), UpAxis::Y), (None, UpAxis::Z), (Some(90.0), UpAxis::X)] {
+        for elevation in [0.0, 18.0, -60.0, 90.0] {
+            let framing = Framing { fov_y, up_axis, elevation, all_round: true, ..Framing::new(160, 90) };
+            let camera = framing.camera(&bounds);
+            let up = up_axis.front().up;
+            let off = camera.target - bounds.center();
+            assert!((off - up * off.dot(up)).length() < 1e-9, "the axis goes through the middle: {off}");
+            let mut largest = 0f64;
+            for step in 0..180 {
+                let turned = camera.turned(up, f64::from(step) * 2.0);
+                for corner in bounds.corners() {
+                    let (x, y) = project(&turned, framing.aspect, corner);
+                    largest = largest.max(x.abs()).max(y.abs());
+                }
+            }
+            assert!((0.895..0.906).contains(&largest), "{largest} {fov_y:?} {up_axis:?} {elevation}");
+        }
+    }
+}

@@ -9,10 +9,10 @@ use super::output::{Destination, folder_of, resolve};
 ///
 /// Only files have an identity. Pipes, terminals and devices such as `/dev/null` may be written to by several at
 /// once.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct FileIdentity(Which);
 
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
 enum Which {
     There(system::Number),
     /// A file that does not exist yet: the folder and the name in it.
@@ -48,6 +48,14 @@ impl FileIdentity {
                     && name.map(str::to_lowercase) == other_name.map(str::to_lowercase)
             }
             _ => false,
+        }
+    }
+
+    /// The same for files of one folder that do not exist yet and whose names differ in nothing but case; `None` for others.
+    pub fn name_in_any_case(&self) -> Option<impl Eq + std::hash::Hash + use<>> {
+        match &self.0 {
+            Which::NotYet(folder, name) => Some((folder.clone(), name.to_str()?.to_lowercase())),
+            Which::There(_) => None,
         }
     }
 

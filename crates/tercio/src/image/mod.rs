@@ -4,6 +4,7 @@
 //! numbers, normals) for programs. [`OutputFile`] replaces a file only when the new one is complete.
 
 mod compare;
+pub mod film;
 mod identity;
 pub mod npy;
 mod output;
@@ -195,6 +196,20 @@ impl<'a> Picture<'a> {
         let mut file = OutputFile::create(&Destination::File(path.into()))?;
         self.write(format, &mut file)?;
         Ok(file.commit()?)
+    }
+
+    /// The same picture with 8 bits a component.
+    fn to_eight(&self) -> Picture<'_> {
+        let pixels = match &self.pixels {
+            Pixels::Eight(pixels) => Cow::Borrowed(&**pixels),
+            // To the nearest step.
+            Pixels::Sixteen(pixels) => pixels
+                .par_iter()
+                .map(|p| p.map(|v| ((u32::from(v) + 128) / 257) as u8))
+                .collect::<Vec<_>>()
+                .into(),
+        };
+        Picture { width: self.width, height: self.height, pixels: Pixels::Eight(pixels) }
     }
 
     /// `width * height` as a length, for readers that must not trust a header.

@@ -118,6 +118,14 @@ impl OutputFile {
         Self(Target::Direct(BufWriter::with_capacity(1 << 16, target)))
     }
 
+    /// The temporary file, for another program that fills it; `None` if the output is written directly.
+    pub fn temporary_path(&self) -> Option<&Path> {
+        match &self.0 {
+            Target::Temporary { file, .. } => Some(file.get_ref().path()),
+            Target::Direct(_) => None,
+        }
+    }
+
     /// Makes what was written visible under its final name.
     ///
     /// # Errors

@@ -117,7 +117,7 @@ impl Write for KeepsError<'_> {
     }
 }
 
-fn write_error(error: png::EncodingError) -> ImageError {
+pub(super) fn write_error(error: png::EncodingError) -> ImageError {
     match error {
         png::EncodingError::IoError(e) => ImageError::Io(e),
         other => ImageError::Io(io::Error::other(other)),

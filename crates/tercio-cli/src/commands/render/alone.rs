@@ -7,75 +7,116 @@ use tercio::raster::{Frame, Renderer, Settings};
 use tercio::scene::{Camera, Scene};
 use tercio_lab::predict::choose::Choice;
 
-use super::{Done, Drawn, Render, Writing};
+use super::series::{Running, Series};
+use super::{Done, Drawn, Job, Loaded, Render};
 use crate::args::ranks::{Drawers, How};
 use crate::progress::Display;
 use crate::{mpi, organisation};
 
+/// Draws frames, and keeps what is the same for all of them.
+pub(super) struct Artist {
+    renderer: Renderer,
+    pub drawers: Drawers,
+    /// Why ranks share frames as they do, if that was chosen.
+    pub choice: Option<Choice>,
+    pub trace: Option<Trace>,
+}
+
+impl Artist {
+    pub fn new(drawers: Drawers, trace: Option<Trace>) -> Self {
+        Self { renderer: Renderer::new(), drawers, choice: None, trace }
+    }
+}
+
 impl Render {
-    pub(super) fn draw(&self, writing: &Writing, settings: &Settings, drawers: Drawers) -> Result<Done> {
-        let display = Display::new(self.running.progress_mode());
+    pub(super) fn draw(&self, job: &Job, display: &Display) -> Result<Done> {
         let begin = self.ranks.now();
-        let loaded = self.load(writing, &display, drawers, None::<&mut mpi::Comm>)?;
-        let mut trace = begin.map(|begin| {
+        let mut loaded = self.load(job, display, None::<&mut mpi::Comm>)?;
+        let trace = begin.map(|begin| {
             let mut trace = Trace::default();
             trace.add(0, Step::Load, 0, Span::since(begin));
             trace
         });
-        if self.is_in_bands(&writing.plan, drawers) {
-            return self.draw_in_bands(writing, settings, loaded, &display, trace);
-        }
-        let (mut drawn, mut choice, mut drawers) = (Vec::new(), None, drawers);
-        for camera in &loaded.cameras.views {
-            let none = None::<&mut mpi::Comm>;
-            let settings = &self.with_shadows(settings, &loaded.scene, camera, &display, none)?;
-            display.stage("drawing");
-            let (mut frame, parallel, chosen) = self
-                .frame(&loaded.scene, camera, settings, drawers, &mut trace)
-                .with_context(|| self.model.name())?;
-            if let (Some(chosen), Drawers::InProcess(count, _)) = (chosen, drawers) {
-                // The second eye sees almost the same.
-                drawers = Drawers::InProcess(count, How::As(chosen.sharing()));
-                choice = Some(chosen);
-            }
-            let effect_milliseconds = self.add_effects(&mut frame, &loaded, camera, settings)?;
-            drawn.push(Drawn { frame, parallel, effect_milliseconds });
-        }
-        display.stage("writing");
-        self.write(writing, loaded, drawn, choice, trace)
+        let mut artist = Artist::new(job.drawers, trace);
+        let series = if self.is_in_bands(&job.writing.plan, job.drawers) {
+            self.draw_in_bands(job, &loaded, display, &mut artist)?
+        } else {
+            let mut running = Running::new(self, job, display)?;
+            self.begin_pictures(job, display);
+            running.draw(self, &mut loaded, 0, |loaded, camera, frame| {
+                self.draw_one(job, loaded, camera, display, &mut artist, frame)
+            })?;
+            running.finish()?
+        };
+        Ok(done(loaded, series, artist.choice, artist.trace))
     }
 
-    pub(super) fn frame(
+    /// Shows the progress of several pictures, if there are several.
+    pub(super) fn begin_pictures(&self, job: &Job, display: &Display) {
+        if job.writing.is_series {
+            display.pictures(job.writing.pictures.len() as u64);
+        }
+    }
+
+    /// One picture of one camera, with its effects.
+    pub(super) fn draw_one(
+        &self,
+        job: &Job,
+        loaded: &Loaded,
+        camera: &Camera,
+        display: &Display,
+        artist: &mut Artist,
+        mut frame: Frame,
+    ) -> Result<Drawn> {
+        let settings =
+            &self.with_shadows(&job.settings, &loaded.scene, camera, display, None::<&mut mpi::Comm>)?;
+        display.stage("drawing");
+        let parallel = self
+            .frame(&loaded.scene, camera, settings, artist, &mut frame)
+            .with_context(|| self.model.name())?;
+        let effect_milliseconds = self.add_effects(&mut frame, loaded, camera, settings)?;
+        display.stage("writing");
+        Ok(Drawn { frame, parallel, effect_milliseconds })
+    }
+
+    fn frame(
         &self,
         scene: &Scene,
         camera: &Camera,
         settings: &Settings,
-        drawers: Drawers,
-        trace: &mut Option<Trace>,
-    ) -> Result<(Frame, Option<FrameReport>, Option<Choice>)> {
+        artist: &mut Artist,
+        frame: &mut Frame,
+    ) -> Result<Option<FrameReport>> {
         let threads = rayon::current_num_threads();
         let begin = self.ranks.now();
-        let recorded;
-        let drawn = match (organisation::in_process(drawers, threads, (scene, camera, settings))?, &trace) {
-            (None, _) => {
-                let frame = Renderer::new().render(scene, camera, settings)?;
-                let Some(begin) = begin else { return Ok((frame, None, None)) };
-                recorded = Trace::of_one(Step::Draw, Span::since(begin));
-                (frame, None, None)
+        let chosen = organisation::in_process(artist.drawers, threads, (scene, camera, settings))?;
+        let Some((ranks, choice)) = chosen else {
+            artist.renderer.render_into(scene, camera, settings, frame)?;
+            if let (Some(trace), Some(begin)) = (&mut artist.trace, begin) {
+                trace.append(Trace::of_one(Step::Draw, Span::since(begin)));
             }
-            (Some((ranks, choice)), None) => {
-                let (frame, report) = in_process::draw(ranks, scene, camera, settings)?;
-                return Ok((frame, Some(report), choice));
-            }
-            (Some((ranks, choice)), Some(_)) => {
-                let (frame, report, of_ranks) = in_process::record(ranks, scene, camera, settings)?;
-                recorded = of_ranks;
-                (frame, Some(report), choice)
-            }
+            return Ok(None);
         };
-        if let Some(trace) = trace {
-            trace.append(recorded);
+        if let (Some(choice), Drawers::InProcess(count, _)) = (choice, artist.drawers) {
+            // Other cameras see almost the same.
+            artist.drawers = Drawers::InProcess(count, How::As(choice.sharing()));
+            artist.choice = Some(choice);
         }
-        Ok(drawn)
+        let report;
+        if let Some(trace) = &mut artist.trace {
+            let of_ranks;
+            (*frame, report, of_ranks) = in_process::record(ranks, scene, camera, settings)?;
+            trace.append(of_ranks);
+        } else {
+            (*frame, report) = in_process::draw(ranks, scene, camera, settings)?;
+        }
+        Ok(Some(report))
     }
+}
+
+/// All results.
+pub(super) fn done(loaded: Loaded, series: Series, choice: Option<Choice>, trace: Option<Trace>) -> Done {
+    let Loaded { report, textures, look, .. } = loaded;
+    let Series { shots, found, output_milliseconds, empty } = series;
+    Done { report, textures, look, choice, shots, found, output_milliseconds, empty, trace }
 }

@@ -3,15 +3,17 @@
 use std::time::Instant;
 
 use anyhow::Result;
-use tercio::parallel::trace::{Span, Step, Trace};
-use tercio::raster::Settings;
+use tercio::parallel::trace::{Span, Step};
 use tercio::write_png_in_bands;
 
-use super::{Done, Loaded, Render, Writing};
+use super::alone::Artist;
+use super::series::Series;
+use super::{Job, Loaded, Render, Shot};
 use crate::args::ranks::Drawers;
 use crate::mpi;
 use crate::output::Plan;
 use crate::progress::Display;
+use crate::series::whole;
 use crate::stereo::ViewReport;
 
 impl Render {
@@ -22,39 +24,45 @@ impl Render {
 
     pub(super) fn draw_in_bands(
         &self,
-        writing: &Writing,
-        settings: &Settings,
-        loaded: Loaded,
+        job: &Job,
+        loaded: &Loaded,
         display: &Display,
-        mut trace: Option<Trace>,
-    ) -> Result<Done> {
-        let Loaded { report, textures, scene, look, cameras, .. } = loaded;
-        let camera = &cameras.middle;
-        let settings = &self.with_shadows(settings, &scene, camera, display, None::<&mut mpi::Comm>)?;
-        let (begin, began) = (Instant::now(), self.ranks.now());
-        let (progress, allow_empty) = (Some(&*display.progress), writing.allow_empty);
-        let stats = writing.plan.write_drawn(&self.model.name(), allow_empty, |out| {
-            write_png_in_bands(&scene, camera, settings, allow_empty, progress, out)
-        })?;
-        let all = begin.elapsed().as_secs_f64() * 1e3;
-        if let (Some(trace), Some(began)) = (&mut trace, began) {
-            trace.add(0, Step::Draw, 1, Span::since(began));
+        artist: &mut Artist,
+    ) -> Result<Series> {
+        let writing = &job.writing;
+        let mut series = Series { shots: Vec::new(), found: 0, output_milliseconds: 0.0, empty: None };
+        for (number, (cameras, plan)) in loaded.cameras.iter().zip(&writing.pictures).enumerate() {
+            if self.series.resume && whole::is_there(plan, self.written_size()) {
+                series.found += 1;
+                continue;
+            }
+            let camera = &cameras.middle;
+            let none = None::<&mut mpi::Comm>;
+            let settings = &self.with_shadows(&job.settings, &loaded.scene, camera, display, none)?;
+            let (begin, began) = (Instant::now(), self.ranks.now());
+            // One that shows nothing is left out at the beginning of a series only.
+            let may_be_empty = writing.allow_empty || number > 0;
+            let progress = Some(&*display.progress);
+            let stats = plan.write_drawn(&self.model.name(), may_be_empty, |out| {
+                write_png_in_bands(&loaded.scene, camera, settings, may_be_empty, progress, out)
+            })?;
+            let all = begin.elapsed().as_secs_f64() * 1e3;
+            if let (Some(trace), Some(began)) = (&mut artist.trace, began) {
+                trace.add(0, Step::Draw, number as u32 + 1, Span::since(began));
+            }
+            series.output_milliseconds += (all - stats.milliseconds.total).max(0.0);
+            let empty = self.reason(&loaded.report, camera, &stats);
+            if number == 0 {
+                series.empty.clone_from(&empty);
+            }
+            let is_nothing = empty.is_some() && !may_be_empty;
+            let views = vec![ViewReport { stats, parallel: None }];
+            let cameras = cameras.clone();
+            series.shots.push(Shot { number, cameras, views, effect_milliseconds: 0.0, empty });
+            if is_nothing {
+                break;
+            }
         }
-        let output_milliseconds = (all - stats.milliseconds.total).max(0.0);
-        let empty = self.reason(&report, camera, &stats);
-        let views = vec![ViewReport { stats, parallel: None }];
-        let (effect_milliseconds, choice) = (0.0, None);
-        Ok(Done {
-            report,
-            textures,
-            look,
-            cameras,
-            choice,
-            views,
-            effect_milliseconds,
-            output_milliseconds,
-            empty,
-            trace,
-        })
+        Ok(series)
     }
 }

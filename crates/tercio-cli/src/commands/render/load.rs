@@ -1,17 +1,15 @@
 //! From the options to a scene and its cameras.
 
-use std::path::PathBuf;
-
-use anyhow::{Context, Result, bail};
+use anyhow::{Result, bail};
 use tercio::mesh::io::ReadReport;
 use tercio::parallel::Communicator;
 use tercio::parallel::parts::share_materials;
 use tercio::raster::Outputs;
 use tercio::raster::frame::fragments::fragment_bytes;
 use tercio::scene::{Background, Scene};
-use tercio::{LoadOptions, LoadedPart, band_bytes, parts};
+use tercio::{LoadOptions, LoadedPart, band_bytes};
 
-use super::{Loaded, Render, Writing};
+use super::{Job, Loaded, Render};
 use crate::args::ranks::Drawers;
 use crate::args::textures::TextureLimits;
 use crate::memory;
@@ -19,26 +17,14 @@ use crate::output::{Plan, frame_bytes};
 use crate::progress::Display;
 
 impl Render {
-    /// The files of the model: of all ranks, if each has its own.
-    pub(super) fn models(&self, processes: Option<usize>) -> Vec<PathBuf> {
-        let model = &self.model.model;
-        if !self.ranks.parts() {
-            return vec![model.clone()];
-        }
-        let ranks = 0..processes.unwrap_or(1);
-        let mut files: Vec<PathBuf> = ranks.map(|rank| parts::file_of_rank(model, rank)).collect();
-        files.dedup();
-        files
-    }
-
     /// Loads the model, or this rank's part of it if there are `parts`, the ranks that load the others.
     pub(super) fn load(
         &self,
-        writing: &Writing,
+        job: &Job,
         display: &Display,
-        drawers: Drawers,
         mut parts: Option<&mut impl Communicator>,
     ) -> Result<Loaded> {
+        let writing = &job.writing;
         // First, because it is read quickly: what is wrong with it should be known at once.
         if self.environment.is_given() {
             display.stage("reading the environment");
@@ -63,7 +49,7 @@ impl Render {
             }
         };
         let mut report = loaded.report;
-        let picture = self.frame_bytes(&writing.plan, drawers);
+        let picture = self.picture_bytes(job);
         self.check_memory(picture, report.mesh.bytes)?;
         let mut scene = Scene::from_mesh(loaded.mesh);
         scene.instances[0].share = share;
@@ -95,13 +81,20 @@ impl Render {
         self.check_memory(picture.saturating_add(shadows), taken)?;
         self.clip.add_caps(&mut scene, loaded.caps);
         report.read.warnings.extend(self.drawing.shadow_warning(&scene));
-        let camera = match parts {
-            None => self.camera.camera_for(&scene, loaded.whole.as_ref(), self.drawing.size),
-            Some(comm) => self.camera.camera_of_parts(comm, &scene, self.drawing.size)?,
-        };
-        let cameras = self.stereo.cameras(camera, self.camera.zoom()).with_context(|| self.model.name())?;
+        let cameras = self.cameras(&job.motion, &scene, loaded.whole.as_ref(), parts)?;
         let look = self.drawing.look(&scene, &background, &self.environment, &self.effects);
         Ok(Loaded { report, textures, scene, background, look, cameras })
+    }
+
+    /// Bytes of all pictures that are in memory at a time.
+    fn picture_bytes(&self, job: &Job) -> u64 {
+        let bytes = self.frame_bytes(&job.writing.plan, job.drawers);
+        let waiting = if job.writing.is_series && !self.is_in_bands(&job.writing.plan, job.drawers) {
+            bytes.saturating_mul(self.room(job) as u64)
+        } else {
+            0
+        };
+        bytes.saturating_add(waiting)
     }
 
     /// Bytes of the pictures of this process; with their keys if there are ranks. Ranks that composite samples keep

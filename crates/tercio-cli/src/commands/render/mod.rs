@@ -2,13 +2,20 @@
 
 mod alone;
 mod bands;
+mod batch;
+mod cameras;
 mod job;
 mod load;
+mod models;
 mod picture;
+mod plan;
+mod series;
+mod steps;
 mod summary;
-mod write;
 
+use std::path::PathBuf;
 use std::process::ExitCode;
+use std::sync::Arc;
 use std::time::Instant;
 
 use anyhow::{Result, bail};
@@ -16,7 +23,7 @@ use clap::Args;
 use serde_json::Value;
 use tercio::parallel::FrameReport;
 use tercio::parallel::trace::Trace;
-use tercio::raster::Frame;
+use tercio::raster::{Frame, Settings};
 use tercio::scene::{Background, Scene};
 use tercio::{LoadReport, TextureReport};
 use tercio_lab::predict::choose::Choice;
@@ -28,23 +35,33 @@ use crate::args::effects::EffectArgs;
 use crate::args::environment::EnvironmentArgs;
 use crate::args::ranks::{Drawers, RanksArgs};
 use crate::args::sampling::SamplingArgs;
+use crate::args::series::{Motion, SeriesArgs};
 use crate::args::stereo::{Cameras, StereoArgs};
 use crate::args::textures::TextureArgs;
 use crate::args::writing::WritingArgs;
 use crate::args::{ModelArgs, RunningArgs};
 use crate::named_files::NamedFiles;
-use crate::output::{Plan, UsageError, write_text};
+use crate::output::write_text;
+use crate::progress::Display;
 use crate::stereo::ViewReport;
 use crate::{ending, mpi};
 
+use models::Models;
+use plan::Writing;
+
 /// Draws a model into a picture file.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 #[command(after_help = "\
 Examples:
   tercio render builtin:teapot@1M -o teapot.png
   tercio render scan.ply.gz -o scan.png --size 1920x1080 --view front
   tercio render part.stl -o part.webp --up-axis z --crease-angle 40 --background transparent
   tercio render scan.ply --output-depth depth.npy --output-ids ids.npy --stats -
+  tercio render scan.ply -o turn.gif --turntable 90 --size 640x480
+  tercio render scan.ply -o 'frame_{:04}.png' --turntable 360 --resume
+  tercio render scan.ply -o '{view}.png' --view front,left,top,iso
+  tercio render *.stl -o 'thumbs/{name}.png' --size 256x256
+  tercio render step_*.ply -o steps.mp4 --fps 30
   tercio render scan.ply -o scan.png --stereo anaglyph
   tercio render scan.ply -o scan.png --stereo pair --eye-distance 2.5   (scan.left.png, scan.right.png)
   tercio render scan.ply -o scan.png --ranks 4 --organisation sort-last --stats -
@@ -59,10 +76,15 @@ one is whole, also if the run is interrupted; an output must not be an input. Ex
 pub struct Render {
     #[command(flatten)]
     model: ModelArgs,
+    /// More models: one picture each, with {name} in the output's name; or the steps of a series, with {frame} in it, or a film.
+    #[arg(value_name = "MODELS")]
+    more: Vec<PathBuf>,
     #[command(flatten)]
     writing: WritingArgs,
     #[command(flatten)]
     camera: CameraArgs,
+    #[command(flatten)]
+    series: SeriesArgs,
     #[command(flatten)]
     stereo: StereoArgs,
     #[command(flatten)]
@@ -85,11 +107,12 @@ pub struct Render {
     running: RunningArgs,
 }
 
-/// The outputs, and all files that the command line names.
-struct Writing {
-    plan: Plan,
-    files: NamedFiles,
-    allow_empty: bool,
+/// Everything that is known before a model is loaded.
+struct Job {
+    writing: Writing,
+    motion: Motion,
+    settings: Settings,
+    drawers: Drawers,
 }
 
 /// A loaded model and its cameras.
@@ -102,7 +125,8 @@ struct Loaded {
     background: Background,
     /// For `--stats`.
     look: Value,
-    cameras: Cameras,
+    /// Those of every shot.
+    cameras: Vec<Cameras>,
 }
 
 /// The picture of one camera.
@@ -114,20 +138,31 @@ struct Drawn {
     effect_milliseconds: f64,
 }
 
+/// What is known of a shot after it was drawn: of a picture, or of those of two eyes.
+struct Shot {
+    /// Its number in the series.
+    number: usize,
+    cameras: Cameras,
+    /// Counts and times of every camera's picture.
+    views: Vec<ViewReport>,
+    /// Of the effects on the finished pictures.
+    effect_milliseconds: f64,
+    /// Why nothing was drawn, if that is the case.
+    empty: Option<String>,
+}
+
 /// The results of the work, for `--stats`.
 struct Done {
     report: LoadReport,
     textures: Option<TextureReport>,
     look: Value,
-    cameras: Cameras,
     /// Why ranks share the frame as they do, if that was chosen.
     choice: Option<Choice>,
-    /// Counts and times of every camera's picture.
-    views: Vec<ViewReport>,
-    /// Of the effects on the finished pictures.
-    effect_milliseconds: f64,
+    shots: Vec<Shot>,
+    /// Shots that `--resume` found.
+    found: usize,
     output_milliseconds: f64,
-    /// Why nothing was drawn, if that is the case.
+    /// Why nothing was written, if that is the case.
     empty: Option<String>,
     /// When each rank did what, if that is recorded.
     trace: Option<Trace>,
@@ -137,67 +172,80 @@ impl Render {
     /// Runs the command.
     ///
     /// # Errors
-    /// [`UsageError`] for options that contradict each other, else what went wrong.
+    /// Usage errors for options that contradict each other, else what went wrong.
     pub fn run(&self) -> Result<ExitCode> {
+        match self.models()? {
+            Models::One => self.run_one(),
+            Models::Batch(models) => self.run_batch(&models),
+            Models::Steps(models) => self.run_steps(&models),
+        }
+    }
+
+    fn run_one(&self) -> Result<ExitCode> {
         let start = Instant::now();
-        let mut plan = self.writing.plan(&self.drawing, &self.stereo).map_err(UsageError)?;
-        self.stereo.check(&self.camera, &self.drawing, &plan).map_err(UsageError)?;
-        if plan.picture.is_none() && (self.effects.are_given() || self.environment.is_given()) {
-            let what = "--exposure, --tone, --ao, --edl and --environment change the picture only";
-            return Err(UsageError(format!("{what}, which is not written: add -o")).into());
-        }
-        plan.outputs = plan.outputs.with(self.effects.needed());
-        let checks = [
-            self.drawing.check(&self.effects, &self.environment),
-            self.textures.check(),
-            self.sampling.check(),
-            self.environment.check(),
-        ];
-        checks.into_iter().collect::<Result<(), _>>().map_err(|e| UsageError(e.into()))?;
-        let processes = mpi::processes();
-        let files = self.ranks.named_files(plan.named_files());
-        let files = self.models(processes).iter().fold(files, |files, m| files.reads_model(m));
-        let files = self.environment.named_files(files);
+        let job = self.job(None)?;
+        let files = self.named_files(&job, NamedFiles::default());
         files.check()?;
-        let writing = Writing { plan, files, allow_empty: self.writing.allow_empty };
-        let mut settings = self.drawing.settings(&self.tuning, &self.sampling, writing.plan.outputs);
-        if let Some(limit) = self.running.memory_limit() {
-            settings.layer_memory = settings.layer_memory.min((limit / 4) as usize);
-        }
-        settings.texture_filter = self.textures.filter();
-        settings.tone = self.effects.tone();
-        settings.check().map_err(|e| UsageError(e.to_string()))?;
-        let drawers = self.ranks.drawers(processes)?;
+        let job = Job { writing: Writing { files: Arc::new(files), ..job.writing }, ..job };
         ending::name_model(self.model.name());
         let pool = self.running.pool()?;
-        let done = match drawers {
+        let done = match job.drawers {
             Drawers::Mpi(how) => {
-                self.model.check_reaches_all(processes)?;
-                let work = |comm: &mut _| self.draw_as_rank(comm, &writing, &settings, how);
+                self.model.check_reaches_all(mpi::processes())?;
+                let work = |comm: &mut _| self.draw_as_rank(comm, &job, how);
                 pool.install(|| mpi::run(work))?
             }
             _ => {
-                writing.files.check_places()?;
-                Some(pool.install(|| self.draw(&writing, &settings, drawers))?)
+                job.writing.files.check_places()?;
+                job.writing.check_film()?;
+                let display = Display::new(self.running.progress_mode());
+                Some(pool.install(|| self.draw(&job, &display))?)
             }
         };
         // Only rank 0 has something to report.
         let Some(done) = done else { return Ok(ExitCode::SUCCESS) };
         self.print_summary(&done);
+        self.finish(&job, &done, pool.current_num_threads(), start)?;
+        Ok(ExitCode::SUCCESS)
+    }
+
+    /// Writes what is known of a run.
+    ///
+    /// # Errors
+    /// Nothing was drawn, though it should have been.
+    fn finish(&self, job: &Job, done: &Done, threads: usize, start: Instant) -> Result<()> {
+        self.finish_steps(job, done, None, threads, start)
+    }
+
+    /// The same for a series of models, of which these were loaded.
+    ///
+    /// # Errors
+    /// As [`Render::finish`].
+    fn finish_steps(
+        &self,
+        job: &Job,
+        done: &Done,
+        loads: Option<Vec<Value>>,
+        threads: usize,
+        start: Instant,
+    ) -> Result<()> {
         // The statistics are written, too: they show why nothing was drawn.
-        if let Some(destination) = &writing.plan.stats {
-            let stats = self.stats(&done, pool.current_num_threads(), start)?;
+        if let Some(destination) = &job.writing.plan.stats {
+            let mut stats = self.stats(job, done, threads, start)?;
+            if let Some(loads) = loads {
+                stats["load"] = loads.into();
+            }
             write_text(destination, &format!("{stats:#}\n"))?;
         }
         if let (Some(destination), Some(trace)) = (self.ranks.trace(), &done.trace) {
             write_text(&destination, &format!("{}\n", trace.json()))?;
         }
         match &done.empty {
-            Some(reason) if !writing.allow_empty => {
+            Some(reason) if !job.writing.allow_empty => {
                 let model = self.model.name();
-                bail!("{model}: {reason}; {} (--allow-empty writes that)", writing.plan.left_out())
+                bail!("{model}: {reason}; {} (--allow-empty writes that)", job.writing.plan.left_out())
             }
-            _ => Ok(ExitCode::SUCCESS),
+            _ => Ok(()),
         }
     }
 }

@@ -23,7 +23,9 @@ impl Render {
         display: &Display,
         parts: Option<&mut impl Communicator>,
     ) -> Result<Settings> {
-        display.stage("drawing shadows");
+        if self.drawing.casts_shadows() {
+            display.stage("drawing shadows");
+        }
         let name = || self.model.name();
         let shadows = match parts {
             None => self.drawing.shadows(scene, camera, settings).with_context(name)?,

@@ -4,53 +4,83 @@ use std::time::Instant;
 
 use anyhow::Result;
 use serde_json::{Value, json};
+use tercio::raster::FrameStats;
+use tercio::{LoadReport, TextureReport};
 
-use super::{Done, Render};
-use crate::{memory, messages, organisation, report, stereo};
+use super::{Done, Job, Render, Shot};
+use crate::{memory, messages, organisation, output, report, stereo};
 
 impl Render {
     pub(super) fn print_summary(&self, done: &Done) {
         if self.running.quiet {
             return;
         }
+        self.print_warnings(&done.report, done.textures.as_ref());
+        self.print_views(done);
+    }
+
+    /// Warnings about a model.
+    pub(super) fn print_warnings(&self, of_model: &LoadReport, textures: Option<&TextureReport>) {
+        if self.running.quiet {
+            return;
+        }
         let model = self.model.name();
-        let of_textures = done.textures.iter().flat_map(|textures| textures.warnings.clone());
-        for warning in report::warnings(&done.report).into_iter().chain(of_textures) {
+        let of_textures = textures.iter().flat_map(|textures| textures.warnings.clone());
+        for warning in report::warnings(of_model).into_iter().chain(of_textures) {
             messages::warning(&format!("{model}: {warning}"));
         }
         // For a model without triangles, the error lists its other content.
-        if let Some(list) = report::not_drawn(&done.report.read.not_drawn)
-            && done.report.mesh.triangles > 0
+        if let Some(list) = report::not_drawn(&of_model.read.not_drawn)
+            && of_model.mesh.triangles > 0
         {
-            let drawn = report::drawn(&done.report.read.not_drawn);
+            let drawn = report::drawn(&of_model.read.not_drawn);
             messages::warning(&format!("{model}: not drawn: {list} ({drawn})"));
         }
-        if let Some(why) = report::unused_crease_angle(self.drawing.crease_angle, &done.report) {
+        if let Some(why) = report::unused_crease_angle(self.drawing.crease_angle, of_model) {
             messages::warning(&format!("{model}: {why}"));
         }
+    }
+
+    /// Warnings about pictures, and details.
+    pub(super) fn print_views(&self, done: &Done) {
+        if self.running.quiet {
+            return;
+        }
+        let model = self.model.name();
         if let Some(reason) = done.empty.as_ref().filter(|_| self.writing.allow_empty) {
             messages::warning(&format!("{model}: {reason}"));
         }
-        if let Some(eye) = stereo::blind_eye(&done.views) {
-            messages::warning(&format!("{model}: the {eye} eye sees nothing of the model"));
+        let blind = done.shots.iter().find_map(|shot| Some((shot.number, stereo::blind_eye(&shot.views)?)));
+        if let Some((number, eye)) = blind {
+            let place = if done.shots.len() > 1 { format!(" in picture {number}") } else { String::new() };
+            messages::warning(&format!("{model}: the {eye} eye sees nothing of the model{place}"));
+        }
+        let empty: Vec<&Shot> = done.shots.iter().filter(|shot| shot.empty.is_some()).collect();
+        if let (Some(first), None) = (empty.first(), &done.empty) {
+            let (number, count, all) = (first.number, empty.len(), done.shots.len());
+            let reason = first.empty.as_deref().unwrap_or_default();
+            messages::warning(&format!(
+                "{model}: {count} of {all} pictures show nothing of the model, picture {number} is the first: {reason}"
+            ));
         }
         if self.running.verbose {
             print_details(done);
         }
     }
 
-    pub(super) fn stats(&self, done: &Done, threads: usize, start: Instant) -> Result<Value> {
-        let frame = stereo::together(&done.views);
-        let (width, height) = self.stereo.picture_size(self.drawing.size).unwrap_or(self.drawing.size);
+    /// The counts and times of a run. A series has those of all pictures together, and `pictures` with those of each.
+    pub(super) fn stats(&self, job: &Job, done: &Done, threads: usize, start: Instant) -> Result<Value> {
+        let frame = done.frames();
+        let (width, height) = self.written_size();
+        let only = done.shots.first().filter(|_| !job.writing.is_series);
         // Those of eyes are with the eyes.
-        let parallel =
-            done.views.first().filter(|_| done.cameras.stereo.is_none()).map(|view| &view.parallel);
-        Ok(json!({
+        let parallel = only.filter(|shot| shot.cameras.stereo.is_none()).and_then(|shot| shot.views.first());
+        let mut stats = json!({
             "tercio_version": env!("CARGO_PKG_VERSION"),
             "load": report::load_json(&self.model.name(), &done.report),
             "textures": done.textures.as_ref().map(report::textures_json),
-            "camera": report::camera_json(&done.cameras.middle),
-            "stereo": stereo::json(self.stereo.layout(), &done.cameras, &done.views),
+            "camera": only.map(|shot| report::camera_json(&shot.cameras.middle)),
+            "stereo": only.map(|shot| stereo::json(self.stereo.layout(), &shot.cameras, &shot.views)),
             "picture": {
                 "width": width,
                 "height": height,
@@ -58,20 +88,55 @@ impl Render {
             },
             "look": done.look,
             "frame": serde_json::to_value(&frame)?,
-            "parallel": parallel,
+            "parallel": parallel.map(|view| &view.parallel),
             "choice": done.choice.as_ref().map(organisation::json),
             "threads": threads,
             "simd": frame.simd,
-            "effect_milliseconds": done.effect_milliseconds,
+            "effect_milliseconds": done.shots.iter().map(|shot| shot.effect_milliseconds).sum::<f64>(),
             "output_milliseconds": done.output_milliseconds,
             "total_milliseconds": start.elapsed().as_secs_f64() * 1e3,
             "peak_memory_bytes": memory::peak_bytes(),
-        }))
+        });
+        if job.writing.is_series {
+            let pictures = done.shots.iter().map(|shot| self.shot_json(job, shot));
+            stats["pictures"] = pictures.collect();
+            stats["pictures_found"] = done.found.into();
+        }
+        Ok(stats)
+    }
+
+    /// One picture of a series.
+    fn shot_json(&self, job: &Job, shot: &Shot) -> Value {
+        let plan = &job.writing.pictures[shot.number];
+        let parallel = shot.views.first().filter(|_| shot.cameras.stereo.is_none());
+        json!({
+            "number": shot.number,
+            "files": plan.files().map(|(_, file)| output::name(file)).collect::<Vec<_>>(),
+            "empty": shot.empty,
+            "camera": report::camera_json(&shot.cameras.middle),
+            "stereo": stereo::json(self.stereo.layout(), &shot.cameras, &shot.views),
+            "frame": stereo::together(&shot.views),
+            "parallel": parallel.map(|view| &view.parallel),
+            "effect_milliseconds": shot.effect_milliseconds,
+        })
+    }
+
+    /// Width and height of a picture that is written.
+    pub(super) fn written_size(&self) -> (u32, u32) {
+        self.stereo.picture_size(self.drawing.size).unwrap_or(self.drawing.size)
+    }
+}
+
+impl Done {
+    /// Counts and times of all frames together.
+    fn frames(&self) -> FrameStats {
+        let all = self.shots.iter().map(|shot| stereo::together(&shot.views));
+        all.reduce(|all, stats| all.plus(&stats)).unwrap_or_default()
     }
 }
 
 fn print_details(done: &Done) {
-    let Done { report, textures, views, output_milliseconds, .. } = done;
+    let Done { report, textures, shots, output_milliseconds, .. } = done;
     let times = &report.times;
     messages::note(&format!(
         "{}: {}, {}; read {:.1} ms, clean {:.1}, weld {:.1}, normals {:.1}, clusters {:.1}",
@@ -95,7 +160,9 @@ fn print_details(done: &Done) {
     }
     report::clipped(report).iter().for_each(|c| messages::note(c));
     done.choice.iter().for_each(organisation::print);
-    for frame in views.iter().flat_map(|view| &view.parallel) {
+    // Those of the first picture stand for all of a series.
+    let first = shots.first().map_or(&[][..], |shot| &shot.views);
+    for frame in first.iter().flat_map(|view| &view.parallel) {
         messages::note(&format!(
             "{} ranks, {}, sent {} with {} bytes",
             frame.ranks.len(),
@@ -106,7 +173,14 @@ fn print_details(done: &Done) {
         let tables = report::table_of_ranks(frame).into_iter().chain(report::tables_of_partners(frame));
         tables.for_each(|line| messages::note(&line));
     }
-    let stats = &stereo::together(views);
+    let stats = &done.frames();
+    if shots.len() > 1 {
+        messages::note(&format!(
+            "{} drawn, {} found",
+            report::counted(shots.len() as u64, "picture"),
+            done.found
+        ));
+    }
     messages::note(&format!(
         "drawn in {:.1} ms ({}, {}): {} set up (counted once a tile and once a clipped \
          piece), {} covered, overdraw {:.2}; written in {output_milliseconds:.1} ms",

@@ -1,0 +1,157 @@
+//! Many models with outputs of their own.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
+use std::thread;
+use std::time::Instant;
+
+use anyhow::{Context, Result};
+use rayon::{ThreadPool, ThreadPoolBuilder};
+
+use super::{Job, Render, Writing};
+use crate::args::ProgressMode;
+use crate::args::ranks::Drawers;
+use crate::named_files::NamedFiles;
+use crate::output::UsageError;
+use crate::progress::Display;
+use crate::report::counted;
+use crate::series::pattern::{self, Names};
+use crate::{ending, messages};
+
+/// Files of fewer bytes are drawn side by side, a thread each; compressed ones count four times.
+const SMALL: u64 = 8 << 20;
+/// What a small model takes in memory, for each byte of its file.
+const BYTES_PER_BYTE: u64 = 40;
+
+/// A model of a batch, and what is to be done with it.
+struct Item {
+    render: Render,
+    job: Job,
+    /// Bytes of its file, if it is small.
+    small: Option<u64>,
+}
+
+impl Render {
+    /// Draws all models, each for itself. One that cannot be drawn does not stop the others.
+    pub(super) fn run_batch(&self, models: &[PathBuf]) -> Result<ExitCode> {
+        let start = Instant::now();
+        if self.ranks.trace().is_some() {
+            return Err(UsageError("--trace records one model: name one".into()).into());
+        }
+        let items = models.iter().map(|model| self.item(model)).collect::<Result<Vec<_>>>()?;
+        let named = |files, item: &Item| item.render.named_files(&item.job, files);
+        let files = items.iter().fold(NamedFiles::default(), named);
+        files.check()?;
+        files.check_places()?;
+        items[0].job.writing.check_film()?;
+        let files = Arc::new(files);
+        let with_files = |item: Item| {
+            let writing = Writing { files: Arc::clone(&files), ..item.job.writing };
+            Item { job: Job { writing, ..item.job }, ..item }
+        };
+        let items: Vec<Item> = items.into_iter().map(with_files).collect();
+        ending::name_model(format!("one of {} models", items.len()));
+        let pool = self.running.pool()?;
+        let display = Display::new(self.running.progress_mode());
+        display.pictures(items.len() as u64);
+        let failed = AtomicUsize::new(0);
+        let draw = |item: &Item, threads: usize| {
+            if let Err(error) = item.draw(threads) {
+                messages::error(&error);
+                failed.fetch_add(1, Relaxed);
+            }
+            display.progress.advance(1);
+        };
+        // The large ones first, with all threads.
+        items.iter().filter(|item| item.small.is_none()).for_each(|item| {
+            pool.install(|| draw(item, pool.current_num_threads()));
+        });
+        let small: Vec<&Item> = items.iter().filter(|item| item.small.is_some()).collect();
+        side_by_side(&small, self.workers(&small, pool.current_num_threads()), |item| draw(item, 1))?;
+        drop(display);
+        let failed = failed.into_inner();
+        if !self.running.quiet {
+            let (all, seconds) = (items.len(), start.elapsed().as_secs_f64());
+            let of_failed = if failed > 0 { format!(", {failed} failed") } else { String::new() };
+            let drawn = counted((all - failed) as u64, "model");
+            messages::note(&format!("{drawn} of {all} drawn{of_failed}, in {seconds:.1} s"));
+        }
+        Ok(if failed > 0 { ExitCode::from(1) } else { ExitCode::SUCCESS })
+    }
+
+    fn item(&self, model: &Path) -> Result<Item> {
+        let mut render = self.with_model(model);
+        let names = Names { name: Some(pattern::name_of(model)), ..Names::default() };
+        render.writing = render.writing.named(&names, false).map_err(UsageError)?;
+        let job = render.job(None)?;
+        if matches!(job.drawers, Drawers::Mpi(_)) {
+            let text = "the processes of mpirun draw one model together: name one";
+            return Err(UsageError(text.into()).into());
+        }
+        if render.model.is_standard_input() {
+            return Err(UsageError("standard input is one model: name it alone".into()).into());
+        }
+        let length = fs::metadata(model).ok().filter(|m| m.is_file()).map(|m| m.len());
+        let is_packed = model.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("gz"));
+        let length = length.map(|length| if is_packed { length.saturating_mul(4) } else { length });
+        let small = length.filter(|&length| length < SMALL && job.drawers == Drawers::Alone);
+        Ok(Item { render, job, small })
+    }
+
+    /// How many small models may be in memory at a time.
+    fn workers(&self, small: &[&Item], threads: usize) -> usize {
+        let Some(largest) = small.iter().filter_map(|item| item.small).max() else { return 1 };
+        let frame = small.iter().map(|i| i.render.frame_bytes(&i.job.writing.plan, i.job.drawers)).max();
+        let one = largest * BYTES_PER_BYTE + frame.unwrap_or(0).saturating_mul(4);
+        let most = self.running.memory_limit().map_or(u64::MAX, |limit| limit / 2 / one.max(1));
+        threads.min(most as usize).min(small.len()).max(1)
+    }
+}
+
+impl Item {
+    fn draw(&self, threads: usize) -> Result<()> {
+        let start = Instant::now();
+        let silent = Display::new(ProgressMode::Never);
+        let done = self.render.draw(&self.job, &silent)?;
+        self.render.print_summary(&done);
+        self.render.finish(&self.job, &done, threads, start)
+    }
+}
+
+/// Works on all items, on so many threads, each of which is a pool of its own: parallel work inside of an item runs on its thread,
+/// and no thread that waits begins another item.
+fn side_by_side(items: &[&Item], workers: usize, work: impl Fn(&Item) + Sync) -> Result<()> {
+    let next = AtomicUsize::new(0);
+    let of_worker = || -> Result<()> {
+        let pool: ThreadPool = ThreadPoolBuilder::new()
+            .num_threads(1)
+            .use_current_thread()
+            .build()
+            .context("cannot start a thread")?;
+        pool.install(|| {
+            while let Some(item) = items.get(next.fetch_add(1, Relaxed)) {
+                work(item);
+            }
+        });
+        Ok(())
+    };
+    thread::scope(|scope| {
+        let started: Vec<_> =
+            (0..workers).map(|_| thread::Builder::new().spawn_scoped(scope, of_worker)).collect();
+        // Those that could be started do the work of the others.
+        let mut result = Ok(());
+        let mut any = false;
+        for worker in started {
+            match worker.map(|worker| worker.join()) {
+                Ok(Ok(Ok(()))) => any = true,
+                Ok(Ok(Err(error))) => result = Err(error),
+                Ok(Err(panic)) => std::panic::resume_unwind(panic),
+                Err(error) => result = Err(error).context("cannot start a thread"),
+            }
+        }
+        if any { Ok(()) } else { result }
+    })
+}

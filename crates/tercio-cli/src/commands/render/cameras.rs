@@ -1,0 +1,70 @@
+//! The cameras of all shots of a model.
+
+use anyhow::{Context, Result, bail};
+use tercio::parallel::Communicator;
+use tercio::scene::framing::Extent;
+use tercio::scene::{Camera, Framing, Scene};
+
+use super::Render;
+use crate::args::camera::CameraArgs;
+use crate::args::series::Motion;
+use crate::args::stereo::Cameras;
+
+impl Render {
+    /// The cameras of all shots, those of eyes included. If each rank has a part of the scene, all ranks have to call this.
+    ///
+    /// # Errors
+    /// A camera that cannot be used; another rank is gone.
+    pub(super) fn cameras(
+        &self,
+        motion: &Motion,
+        scene: &Scene,
+        whole: Option<&Extent>,
+        mut parts: Option<&mut impl Communicator>,
+    ) -> Result<Vec<Cameras>> {
+        let mut place = |options: &CameraArgs, framing: &Framing| -> Result<Camera> {
+            Ok(match &mut parts {
+                None => options.camera_for(scene, whole, framing),
+                Some(comm) => options.camera_of_parts(*comm, scene, framing)?,
+            })
+        };
+        let framing = self.camera.framing(self.drawing.size);
+        let cameras = match motion {
+            Motion::Still => vec![place(&self.camera, &framing)?],
+            Motion::Views(views) => {
+                let of_view = |&view| {
+                    let options = self.camera.with_view(view);
+                    place(&options, &options.framing(self.drawing.size))
+                };
+                views.iter().map(of_view).collect::<Result<_>>()?
+            }
+            Motion::Turntable(count) => {
+                let first = place(&self.camera, &Framing { all_round: true, ..framing })?;
+                let up = framing.up_axis.front().up;
+                let turned = |number| first.turned(up, 360.0 * f64::from(number) / f64::from(*count));
+                (0..*count).map(turned).collect()
+            }
+            Motion::Path(keys, count) => {
+                // The target is that of a camera that frames the model: its middle.
+                let bounds = whole.map_or_else(|| scene.bounds(), Extent::bounds);
+                let (up, fov) = (framing.up_axis.front().up, framing.fov_y.unwrap_or(Framing::FOV_Y));
+                let path = Motion::path(keys, bounds.center(), up, fov).map_err(anyhow::Error::msg)?;
+                let near = self.camera.near();
+                let at = |time| {
+                    let key = path.at(time);
+                    let framing = Framing { fov_y: framing.fov_y.map(|_| key.fov_y), ..framing };
+                    Camera { near, ..framing.camera_at(key.eye, key.target, Some(key.up)) }
+                };
+                path.times(*count as usize).map(at).collect()
+            }
+        };
+        if let Motion::Path(..) | Motion::Turntable(_) = motion
+            && let Some((number, error)) =
+                cameras.iter().enumerate().find_map(|(number, c)| Some((number, c.basis().err()?)))
+        {
+            bail!("{}: picture {number}: {error}", self.model.name());
+        }
+        let of_eyes = |camera| self.stereo.cameras(camera, self.camera.zoom());
+        cameras.into_iter().map(|c| of_eyes(c).with_context(|| self.model.name())).collect()
+    }
+}

@@ -1,0 +1,148 @@
+//! What several models on the command line are: a batch, or the steps of a series.
+
+use std::cmp::Ordering;
+use std::path::{Path, PathBuf};
+
+use super::Render;
+use crate::output::UsageError;
+use crate::tips;
+
+/// The models of a run.
+pub(super) enum Models {
+    /// One model.
+    One,
+    /// Many, each with outputs of its own.
+    Batch(Vec<PathBuf>),
+    /// Many, drawn one after the other with one camera into one series.
+    Steps(Vec<PathBuf>),
+}
+
+impl Render {
+    /// The models, in the order of the command line; those of a pattern with * in natural order.
+    pub(super) fn models(&self) -> Result<Models, UsageError> {
+        let named = std::iter::once(&self.model.model).chain(&self.more);
+        let mut models = Vec::new();
+        for path in named {
+            match expanded(path)? {
+                Some(found) => models.extend(found),
+                None => models.push(path.clone()),
+            }
+        }
+        let is_batch = self.writing.has_placeholder("name");
+        if models.len() == 1 && models[0] == self.model.model {
+            return Ok(Models::One);
+        }
+        if is_batch {
+            return Ok(Models::Batch(models));
+        }
+        let is_numbered = self.writing.has_placeholder("") || self.writing.has_placeholder("step");
+        if is_numbered || self.writing.is_film() {
+            // Shells sort step_10 before step_9.
+            models.sort_by(|a, b| natural(&a.to_string_lossy(), &b.to_string_lossy()));
+            return Ok(Models::Steps(models));
+        }
+        let second = models.get(1).unwrap_or(&models[0]).display();
+        let count = models.len();
+        let text = tips::surplus_model(&models).unwrap_or_else(|| {
+            format!("{count} models (the second is {second}) need names of their own: {{name}} in the output stands for that of the model, as in {{name}}.png; with {{frame}} or a film they are the steps of a series")
+        });
+        Err(UsageError(text))
+    }
+
+    /// These options for another model.
+    pub(super) fn with_model(&self, model: &Path) -> Self {
+        let mut other = self.clone();
+        other.model.model = model.into();
+        other.more = Vec::new();
+        other
+    }
+}
+
+/// The files that match a pattern with `*` or `?` in its last part, in natural order; `None` for the name of a file. Most shells
+/// have done that already.
+fn expanded(path: &Path) -> Result<Option<Vec<PathBuf>>, UsageError> {
+    let pattern = path.file_name().and_then(|name| name.to_str()).filter(|name| name.contains(['*', '?']));
+    let Some(pattern) = pattern.filter(|_| !path.exists()) else { return Ok(None) };
+    let folder = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let entries = folder.read_dir().map_err(|e| UsageError(format!("{}: {e}", folder.display())))?;
+    let names = entries.filter_map(|entry| entry.ok()?.file_name().into_string().ok());
+    let is_hidden = |name: &str| name.starts_with('.') && !pattern.starts_with('.');
+    let mut names: Vec<String> = names.filter(|name| matches(pattern, name) && !is_hidden(name)).collect();
+    if names.is_empty() {
+        return Err(UsageError(format!("{}: there is no such file", path.display())));
+    }
+    names.sort_by(|a, b| natural(a, b));
+    Ok(Some(names.iter().map(|name| path.with_file_name(name)).collect()))
+}
+
+/// Whether a name matches a pattern, in which `*` stands for anything and `?` for one character.
+fn matches(pattern: &str, name: &str) -> bool {
+    let (pattern, name): (Vec<char>, Vec<char>) = (pattern.chars().collect(), name.chars().collect());
+    let (mut p, mut n, mut star) = (0, 0, None);
+    while n < name.len() {
+        match pattern.get(p) {
+            Some('*') => {
+                star = Some((p, n));
+                p += 1;
+            }
+            Some(&c) if c == '?' || c == name[n] => (p, n) = (p + 1, n + 1),
+            _ => match star {
+                // The last star takes one character more.
+                Some((at, from)) => {
+                    star = Some((at, from + 1));
+                    (p, n) = (at + 1, from + 1);
+                }
+                None => return false,
+            },
+        }
+    }
+    pattern[p..].iter().all(|&c| c == '*')
+}
+
+/// The order of names in which step_9 is before step_10: digits are compared as numbers.
+pub(super) fn natural(a: &str, b: &str) -> Ordering {
+    let (mut a, mut b) = (a, b);
+    loop {
+        let digits = |s: &str| s.len() - s.trim_start_matches(|c: char| c.is_ascii_digit()).len();
+        let (of_a, of_b) = (digits(a), digits(b));
+        if of_a > 0 && of_b > 0 {
+            let (number_a, number_b) = (a[..of_a].trim_start_matches('0'), b[..of_b].trim_start_matches('0'));
+            // Without zeros before it, the longer number is the larger one.
+            let order =
+                number_a.len().cmp(&number_b.len()).then(number_a.cmp(number_b)).then(of_a.cmp(&of_b));
+            if order != Ordering::Equal {
+                return order;
+            }
+            (a, b) = (&a[of_a..], &b[of_b..]);
+            continue;
+        }
+        let (mut chars_a, mut chars_b) = (a.chars(), b.chars());
+        match (chars_a.next(), chars_b.next()) {
+            (Some(x), Some(y)) if x == y => (a, b) = (chars_a.as_str(), chars_b.as_str()),
+            (x, y) => return x.cmp(&y),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_in_names_are_numbers() {
+        let mut names =
+            ["s10.ply", "s9.ply", "s009.ply", "t1", "s", "s9b", "s9.obj", "s90000000000000000000000"];
+        names.sort_by(|a, b| natural(a, b));
+        let sorted =
+            ["s", "s9.obj", "s9.ply", "s9b", "s009.ply", "s10.ply", "s90000000000000000000000", "t1"];
+        assert_eq!(names, sorted);
+    }
+
+    #[test]
+    fn stars_and_question_marks_match() {
+        let good = [("*.stl", "a.stl"), ("a*b*c", "aXbYbZc"), ("?.x", "é.x"), ("*", ""), ("a**", "a")];
+        assert!(good.iter().all(|(pattern, name)| matches(pattern, name)));
+        let bad = [("*.stl", "a.stlx"), ("a*b", "ac"), ("?", ""), ("a", "ab"), ("", "a")];
+        assert!(bad.iter().all(|(pattern, name)| !matches(pattern, name)));
+    }
+}

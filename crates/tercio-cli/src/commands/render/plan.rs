@@ -1,0 +1,175 @@
+//! From the options to what is written, before anything is read.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use anyhow::Result;
+use tercio::image::film::Film;
+
+use super::{Job, Render};
+use crate::args::series::{Motion, OutputFormat};
+use crate::args::values;
+use crate::mpi;
+use crate::named_files::NamedFiles;
+use crate::output::{Plan, UsageError};
+use crate::series::film::{FOR_FFMPEG, FilmPlan};
+use crate::series::pattern::{self, Names};
+
+/// The outputs, and all files that the command line names.
+pub(super) struct Writing {
+    /// What is drawn; the files of the first picture; the film and the statistics.
+    pub plan: Plan,
+    /// The files of every picture.
+    pub pictures: Vec<Plan>,
+    pub film: Option<FilmPlan>,
+    pub files: Arc<NamedFiles>,
+    pub allow_empty: bool,
+    /// Whether there are several pictures, or one in the form of several.
+    pub is_series: bool,
+}
+
+impl Writing {
+    /// Checks that the film can be written.
+    ///
+    /// # Errors
+    /// Those of [`FilmPlan::check`].
+    pub fn check_film(&self) -> Result<()> {
+        self.film.as_ref().map_or(Ok(()), FilmPlan::check)
+    }
+}
+
+impl Render {
+    /// What is to be done, for one model or for so many steps of a series.
+    ///
+    /// # Errors
+    /// [`UsageError`] for options that contradict each other.
+    pub(super) fn job(&self, steps: Option<usize>) -> Result<Job> {
+        let motion = self.series.motion(&self.camera)?;
+        if steps.is_some() && matches!(motion, Motion::Turntable(_) | Motion::Path(..)) {
+            let text = "a series of models has one camera: leave out --turntable and --camera-path, or name one model";
+            return Err(UsageError(text.into()).into());
+        }
+        let mut writing = self.plan_writing(&motion, steps).map_err(UsageError)?;
+        let plan = &mut writing.plan;
+        self.stereo.check(&self.camera, &self.drawing, plan).map_err(UsageError)?;
+        let has_picture = plan.picture.is_some() || plan.film.is_some();
+        if !has_picture && (self.effects.are_given() || self.environment.is_given()) {
+            let what = "--exposure, --tone, --ao, --edl and --environment change the picture only";
+            return Err(UsageError(format!("{what}, which is not written: add -o")).into());
+        }
+        plan.outputs = plan.outputs.with(self.effects.needed());
+        let checks = [
+            self.drawing.check(&self.effects, &self.environment),
+            self.textures.check(),
+            self.sampling.check(),
+            self.environment.check(),
+        ];
+        checks.into_iter().collect::<Result<(), _>>().map_err(|e| UsageError(e.into()))?;
+        let mut settings = self.drawing.settings(&self.tuning, &self.sampling, writing.plan.outputs);
+        if let Some(limit) = self.running.memory_limit() {
+            settings.layer_memory = settings.layer_memory.min((limit / 4) as usize);
+        }
+        settings.texture_filter = self.textures.filter();
+        settings.tone = self.effects.tone();
+        settings.check().map_err(|e| UsageError(e.to_string()))?;
+        let processes = mpi::processes();
+        let drawers = self.ranks.drawers(processes)?;
+        if self.series.resume && processes.is_some_and(|p| p > 1) {
+            let text = "--resume is not possible with several processes of mpirun: they would have to agree on what is there";
+            return Err(UsageError(text.into()).into());
+        }
+        Ok(Job { writing, motion, settings, drawers })
+    }
+
+    fn plan_writing(&self, motion: &Motion, steps: Option<usize>) -> Result<Writing, String> {
+        let (views, is_series) = (motion.count(), motion.is_series() || steps.is_some());
+        let count = views * steps.unwrap_or(1);
+        let names = |number: usize| Names {
+            frame: is_series.then_some(number),
+            view: match motion {
+                Motion::Views(views) => values::name(&views[number % views.len()]),
+                _ => self.camera.views().first().and_then(values::name),
+            },
+            step: steps.map(|_| number / views),
+            name: Some(pattern::name_of(&self.model.model)),
+        };
+        let planned = |number: usize| -> Result<Plan, String> {
+            self.writing.named(&names(number), true)?.plan(&self.drawing, &self.stereo)
+        };
+        let plan = planned(0)?;
+        let format = plan.film.as_ref().map(|(_, format)| *format);
+        self.series.check(is_series, format)?;
+        let film = match &plan.film {
+            None => None,
+            Some(_) if !is_series => {
+                return Err(
+                    "a film needs several pictures: give --turntable N, --camera-path FILE or several models"
+                        .into(),
+                );
+            }
+            Some((destination, format)) => {
+                let (width, height) = self.stereo.picture_size(self.drawing.size)?;
+                let film = Film {
+                    format: match format {
+                        OutputFormat::Film(format) => *format,
+                        _ => FOR_FFMPEG,
+                    },
+                    width,
+                    height,
+                    pictures: count as u32,
+                    rate: self.series.rate(),
+                    plays: self.series.plays(),
+                    is_translucent: self.drawing.is_transparent(),
+                };
+                let film = FilmPlan { destination: destination.clone(), format: *format, film };
+                film.film.check()?;
+                Some(film)
+            }
+        };
+        let mut pictures = vec![Plan { stats: None, film: None, ..plan.clone() }];
+        for number in 1..count {
+            let other = Plan { stats: None, film: None, ..planned(number)? };
+            if number == 1
+                && let Some((option, file)) =
+                    pictures[0].files().zip(other.files()).find_map(|(a, b)| (a == b).then_some(a))
+            {
+                let name = crate::output::name(file);
+                let example = "such as frame_{:04}.png";
+                let films = if matches!(format, None) && option == "--output" {
+                    ", or be a film (.gif, .apng, .y4m, .mp4, or - with --format y4m)"
+                } else {
+                    ""
+                };
+                return Err(format!(
+                    "{option} {name}: {count} pictures need a number in their name, {example}{films}"
+                ));
+            }
+            pictures.push(other);
+        }
+        let allow_empty = self.writing.allow_empty;
+        Ok(Writing { plan, pictures, film, files: Arc::default(), allow_empty, is_series })
+    }
+
+    /// All files of a job, added to `files`.
+    pub(super) fn named_files(&self, job: &Job, files: NamedFiles) -> NamedFiles {
+        let Plan { film, stats, .. } = &job.writing.plan;
+        let files = film.iter().fold(files, |files, (destination, _)| files.writes("--output", destination));
+        let files = stats.iter().fold(files, |files, destination| files.writes("--stats", destination));
+        let files = job.writing.pictures.iter().fold(files, |files, plan| plan.named_files(files));
+        let files = self.ranks.named_files(files);
+        let files = self.files_of_model().iter().fold(files, |files, m| files.reads_model(m));
+        self.series.named_files(self.environment.named_files(files))
+    }
+
+    /// The files of the model: of all ranks, if each has its own.
+    fn files_of_model(&self) -> Vec<PathBuf> {
+        let model = &self.model.model;
+        if !self.ranks.parts() {
+            return vec![model.clone()];
+        }
+        let ranks = 0..mpi::processes().unwrap_or(1);
+        let mut files: Vec<PathBuf> = ranks.map(|rank| tercio::parts::file_of_rank(model, rank)).collect();
+        files.dedup();
+        files
+    }
+}

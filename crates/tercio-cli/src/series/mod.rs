@@ -1,0 +1,6 @@
+//! Series: many pictures of one model, or of many, in files of their own or in a film.
+
+pub mod film;
+pub mod pattern;
+pub mod pipeline;
+pub mod whole;

@@ -1,0 +1,185 @@
+//! Names of many outputs from one: `frame_{:04}.png`, `{view}.png`, `thumbs/{name}.png`.
+
+use std::path::{Path, PathBuf};
+
+/// What a name may say about a picture.
+#[derive(Clone, Debug, Default)]
+pub struct Names {
+    /// `{}` or `{frame}`: the number of the picture in its series, counted from 0.
+    pub frame: Option<usize>,
+    /// `{view}`: the name of the view.
+    pub view: Option<String>,
+    /// `{step}`: the number of the model in a series of models, counted from 0.
+    pub step: Option<usize>,
+    /// `{name}`: the name of the model's file without folder and ending.
+    pub name: Option<String>,
+}
+
+const KNOWN: [&str; 5] = ["", "frame", "view", "step", "name"];
+
+/// A piece of a pattern.
+enum Piece<'a> {
+    Text(&'a str),
+    /// A name between braces, and the digits that a number has at least.
+    Place(&'a str, usize),
+}
+
+/// The pieces of a text; an error if there are placeholders, but not of these names and forms.
+fn pieces(text: &str) -> Result<Vec<Piece<'_>>, String> {
+    let mut pieces = Vec::new();
+    let mut rest = text;
+    while let Some(open) = rest.find(['{', '}']) {
+        let (before, after) = rest.split_at(open);
+        pieces.push(Piece::Text(before));
+        if after.starts_with("{{") || after.starts_with("}}") {
+            pieces.push(Piece::Text(&after[..1]));
+            rest = &after[2..];
+            continue;
+        }
+        let inner = after.strip_prefix('{').and_then(|after| after.split_once('}'));
+        let Some((inner, after)) = inner else {
+            return Err(format!("\"{text}\": a brace without the other one; {{{{ and }}}} stand for braces"));
+        };
+        let (name, width) = inner.split_once(':').map_or((inner, None), |(name, width)| (name, Some(width)));
+        let width = match width {
+            None => 0,
+            Some(digits) => digits.parse().ok().filter(|&n: &usize| n <= 20).ok_or_else(|| {
+                format!(
+                    "\"{text}\": {{{inner}}}: expected a number of digits behind the colon, as in {{:04}}"
+                )
+            })?,
+        };
+        if !KNOWN.contains(&name) {
+            return Err(format!(
+                "\"{text}\": there is no {{{name}}}: expected {{}}, {{frame}}, {{view}}, {{step}} or {{name}}, numbers also as {{:04}}"
+            ));
+        }
+        pieces.push(Piece::Place(name, width));
+        rest = after;
+    }
+    pieces.push(Piece::Text(rest));
+    Ok(pieces)
+}
+
+/// Whether a path has a placeholder of this name; "" also stands for `{frame}`.
+pub fn has(path: &Path, name: &str) -> bool {
+    let pieces = path.to_str().map_or_else(|| Ok(Vec::new()), pieces).unwrap_or_default();
+    pieces.iter().any(|piece| match piece {
+        Piece::Text(_) => false,
+        Piece::Place(found, _) => *found == name || (name.is_empty() && *found == "frame"),
+    })
+}
+
+/// Whether a path has any placeholder. Braces around anything else are part of a name.
+fn has_any(path: &Path) -> bool {
+    let text = path.to_str().unwrap_or_default();
+    KNOWN.iter().any(|name| text.contains(&format!("{{{name}}}")) || text.contains(&format!("{{{name}:")))
+}
+
+/// The path with its placeholders filled in; what is not known stays as it is.
+///
+/// # Errors
+/// One sentence, for a placeholder that does not exist, or that is not known if there is nothing to fill in later.
+pub fn expand(path: &Path, names: &Names, is_last: bool) -> Result<PathBuf, String> {
+    if !has_any(path) {
+        return Ok(path.into());
+    }
+    let text = path.to_str().unwrap_or_default();
+    let mut out = String::new();
+    for piece in pieces(text)? {
+        match piece {
+            // Braces stay doubled until the last pass.
+            Piece::Text(brace @ ("{" | "}")) if !is_last => out.push_str(&brace.repeat(2)),
+            Piece::Text(text) => out.push_str(text),
+            Piece::Place(name, width) => {
+                let filled = match name {
+                    "view" => names.view.clone(),
+                    "name" => names.name.clone(),
+                    "step" => names.step.map(|n| format!("{n:0width$}")),
+                    _ => names.frame.map(|n| format!("{n:0width$}")),
+                };
+                match filled {
+                    // The names of files may have braces, too.
+                    Some(filled) if !is_last => out.push_str(&filled.replace('{', "{{").replace('}', "}}")),
+                    Some(filled) => out.push_str(&filled),
+                    None if is_last => return Err(format!("\"{text}\": {}", unknown(name))),
+                    None if width > 0 => out.push_str(&format!("{{{name}:{width}}}")),
+                    None => out.push_str(&format!("{{{name}}}")),
+                }
+            }
+        }
+    }
+    Ok(out.into())
+}
+
+fn unknown(name: &str) -> &'static str {
+    match name {
+        "view" => "{view} needs --view",
+        "step" => "{step} numbers a series of models, and there is one model",
+        "name" => "{name} is the name of a model",
+        _ => {
+            "{frame} numbers a series of pictures, and there is one picture: give --turntable, --camera-path, several --view or several models"
+        }
+    }
+}
+
+/// The name of a model for `{name}`: that of its file without folder, without the ending of a compressed file, and without
+/// that of its format.
+pub fn name_of(model: &Path) -> String {
+    let text = model.to_string_lossy();
+    if let Some(builtin) = text.strip_prefix("builtin:") {
+        return builtin.into();
+    }
+    if text == "-" {
+        return "stdin".into();
+    }
+    let name = model.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let is_gz = name.len() > 3 && name.to_ascii_lowercase().ends_with(".gz");
+    let name = if is_gz { &name[..name.len() - 3] } else { &name };
+    Path::new(name).file_stem().unwrap_or_default().to_string_lossy().into_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn filled(pattern: &str) -> Result<String, String> {
+        let names =
+            Names { frame: Some(7), view: Some("top".into()), step: Some(3), name: Some("a{b".into()) };
+        expand(Path::new(pattern), &names, true).map(|p| p.to_string_lossy().into_owned())
+    }
+
+    #[test]
+    fn placeholders_are_filled_in() {
+        for (pattern, expected) in [
+            ("frame_{:04}.png", "frame_0007.png"),
+            ("{frame:2}-{view}.png", "07-top.png"),
+            ("{}{step}{name}", "73a{b"),
+            ("{name}/{{x}}.png", "a{b/{x}.png"),
+            // No placeholder: the name of a file.
+            ("plain{1}.png", "plain{1}.png"),
+        ] {
+            assert_eq!(filled(pattern).as_deref(), Ok(expected));
+        }
+        for bad in ["{}{other}", "{:x}.png", "{frame", "{}{", "{:99}"] {
+            assert!(filled(bad).is_err() || bad == "{frame", "{bad}");
+        }
+    }
+
+    #[test]
+    fn what_is_not_known_yet_is_filled_in_later() {
+        let first = Names { name: Some("a{b".into()), ..Names::default() };
+        let path = expand(Path::new("{name}_{:03}_{view}_{{}}{name}"), &first, false).unwrap();
+        let second = Names { frame: Some(5), view: Some("top".into()), ..Names::default() };
+        let path = expand(&path, &second, true).unwrap();
+        assert_eq!(path, Path::new("a{b_005_top_{}a{b"));
+        assert!(expand(Path::new("{view}.png"), &Names::default(), true).unwrap_err().contains("--view"));
+    }
+
+    #[test]
+    fn models_have_names() {
+        let names = ["a/b.ply.gz", "c.stl", "d", "builtin:teapot@1M", "-", "e.f.obj", ".gz"];
+        let expected = ["b", "c", "d", "teapot@1M", "stdin", "e.f", ".gz"];
+        assert_eq!(names.map(|n| name_of(Path::new(n))), expected);
+    }
+}

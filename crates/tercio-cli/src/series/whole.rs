@@ -1,0 +1,65 @@
+//! Which outputs of an interrupted series are there and whole.
+
+use std::fs::File;
+use std::io::{Read, Seek, SeekFrom};
+use std::path::Path;
+
+use tercio::image::{Destination, PictureFormat};
+
+use crate::output::{Array, Plan};
+
+/// Whether all outputs of a picture are there, are of this size, and end as such files end. Files appear only when they are
+/// whole; this finds those of another command, or that something else has cut.
+pub fn is_there(plan: &Plan, size: (u32, u32)) -> bool {
+    let pictures = plan.picture.iter().flat_map(|(files, format)| files.iter().map(move |f| (f, *format)));
+    let arrays = plan.arrays.iter().flat_map(|(files, array)| files.iter().map(move |f| (f, *array)));
+    let of_file = |destination: &Destination, check: &dyn Fn(&Path) -> Option<bool>| match destination {
+        Destination::Stdout => false,
+        Destination::File(path) => check(path).unwrap_or(false),
+    };
+    pictures.into_iter().all(|(file, format)| of_file(file, &|path| is_picture(path, format, size)))
+        && arrays.into_iter().all(|(file, array)| of_file(file, &|path| is_array(path, array, size)))
+}
+
+fn is_picture(path: &Path, format: PictureFormat, (width, height): (u32, u32)) -> Option<bool> {
+    let mut file = File::open(path).ok()?;
+    let length = file.metadata().ok()?.len();
+    let mut head = [0; 33];
+    Some(match format {
+        PictureFormat::Png => {
+            file.read_exact(&mut head).ok()?;
+            let mut tail = [0; 12];
+            file.seek(SeekFrom::End(-12)).ok()?;
+            file.read_exact(&mut tail).ok()?;
+            let number = |at: usize| u32::from_be_bytes([head[at], head[at + 1], head[at + 2], head[at + 3]]);
+            head.starts_with(b"\x89PNG\r\n\x1a\n")
+                && (number(16), number(20)) == (width, height)
+                && tail == *b"\0\0\0\0IEND\xaeB`\x82"
+        }
+        PictureFormat::Ppm => {
+            let start = |most: u32| format!("P6\n{width} {height}\n{most}\n").into_bytes();
+            let pixels = u64::from(width) * u64::from(height) * 3;
+            file.read(&mut head).ok()?;
+            [(start(255), pixels), (start(65535), pixels * 2)]
+                .iter()
+                .any(|(start, bytes)| head.starts_with(start) && length == start.len() as u64 + bytes)
+        }
+        _ => {
+            // WebP: its size is not where all variants have it; its length is.
+            file.read_exact(&mut head[..12]).ok()?;
+            let riff = u64::from(u32::from_le_bytes([head[4], head[5], head[6], head[7]]));
+            head.starts_with(b"RIFF") && head[8..12] == *b"WEBP" && length == riff + 8
+        }
+    })
+}
+
+fn is_array(path: &Path, array: Array, (width, height): (u32, u32)) -> Option<bool> {
+    let mut file = File::open(path).ok()?;
+    let length = file.metadata().ok()?.len();
+    let mut head = [0; 10];
+    file.read_exact(&mut head).ok()?;
+    let values = if matches!(array, Array::Normals) { 3 } else { 1 };
+    let bytes = u64::from(width) * u64::from(height) * values * 4;
+    let header = 10 + u64::from(u16::from_le_bytes([head[8], head[9]]));
+    Some(head.starts_with(b"\x93NUMPY\x01\x00") && length == header + bytes)
+}
