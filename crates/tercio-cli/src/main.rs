@@ -14,6 +14,7 @@ mod output;
 mod progress;
 mod report;
 mod series;
+mod short;
 mod signals;
 mod stdio;
 mod stereo;
@@ -23,7 +24,7 @@ mod tips;
 use std::process::ExitCode;
 
 use anstream::{AutoStream, ColorChoice};
-use clap::{CommandFactory as _, Parser, Subcommand};
+use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 use tercio::image::{Destination, remove_partial_files};
 
 #[global_allocator]
@@ -52,6 +53,8 @@ enum Command {
     Compare(commands::compare::Compare),
     Bench(commands::bench::Bench),
     Lab(commands::lab::Lab),
+    Completions(commands::definition::Completions),
+    Man(commands::definition::Man),
 }
 
 impl Command {
@@ -60,18 +63,28 @@ impl Command {
         match self {
             Self::Render(_) | Self::Bench(_) => true,
             Self::Lab(lab) => lab.runs_as_job(),
-            Self::Prepare(_) | Self::Info(_) | Self::Compare(_) => false,
+            Self::Prepare(_) | Self::Info(_) | Self::Compare(_) | Self::Completions(_) | Self::Man(_) => {
+                false
+            }
         }
     }
+}
+
+/// The one definition of all commands and options.
+fn definition() -> clap::Command {
+    short::with_short_help(Cli::command())
 }
 
 fn main() -> ExitCode {
     ending::prepare();
     ending::at_end(remove_partial_files);
-    let cli = match Cli::try_parse() {
+    let program = definition();
+    let arguments = short::with_command(&program, std::env::args_os());
+    let parsed = program.clone().try_get_matches_from(&arguments);
+    let cli = match parsed.and_then(|matches| Cli::from_arg_matches(&matches)) {
         Ok(cli) => cli,
         Err(mut answer) => {
-            tips::add(&mut answer, &Cli::command(), std::env::args_os());
+            tips::add(&mut answer, &program, arguments.into_iter());
             return print_answer(&answer);
         }
     };
@@ -91,6 +104,8 @@ fn main() -> ExitCode {
         Command::Info(command) => (command.run(), 1),
         Command::Bench(command) => (command.run(), 1),
         Command::Lab(command) => (command.run(), 1),
+        Command::Completions(command) => (command.run(), 1),
+        Command::Man(command) => (command.run(), 1),
         // As with cmp and diff, exit code 1 means that the pictures differ.
         Command::Compare(command) => {
             ending::set_code(2);

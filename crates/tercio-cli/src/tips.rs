@@ -3,8 +3,8 @@
 use std::ffi::OsString;
 use std::path::PathBuf;
 
+use clap::Command;
 use clap::error::{ContextKind, ContextValue, Error, ErrorKind};
-use clap::{Command, CommandFactory as _};
 
 /// Adds to an error about a surplus argument that an option takes its value after `=`, if one stands before what looks
 /// like its value: `--ao 0.5` is `--ao` without a value, and one more model.
@@ -22,8 +22,10 @@ pub fn add(error: &mut Error, program: &Command, arguments: impl Iterator<Item =
 
 /// Why there are too many models, if one of them is the value of an option.
 pub fn surplus_model(models: &[PathBuf]) -> Option<String> {
+    let program = crate::definition();
+    let arguments = crate::short::with_command(&program, std::env::args_os());
     let models: Vec<_> = models.iter().map(|model| model.to_string_lossy()).collect();
-    let tip = equals_tip(&crate::Cli::command(), std::env::args_os(), models.get(1)?)?;
+    let tip = equals_tip(&program, arguments.into_iter(), models.get(1)?)?;
     Some(format!("unexpected argument '{}': {tip}", models[1]))
 }
 

@@ -2,6 +2,7 @@
 
 use clap::{Args, ValueEnum};
 use tercio::glam::DVec3;
+use tercio::mesh::trig::atan2;
 use tercio::parallel::{Communicator, ParallelError, parts};
 use tercio::scene::camera::CameraBasis;
 use tercio::scene::framing::Extent;
@@ -44,7 +45,7 @@ impl From<NamedView> for View {
 }
 
 /// An axis of the world.
-#[derive(Clone, Copy, Debug, ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Axis {
     /// +x up, the front seen from +z.
     X,
@@ -62,6 +63,28 @@ impl From<Axis> for UpAxis {
             Axis::Z => Self::Z,
         }
     }
+}
+
+/// `--up`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Up {
+    /// Of the picture.
+    Vector(DVec3),
+    /// Of the model.
+    Axis(Axis),
+}
+
+fn up(text: &str) -> Result<Up, String> {
+    let axis = match text.trim_start_matches('+') {
+        "X" | "x" => Axis::X,
+        "Y" | "y" => Axis::Y,
+        "Z" | "z" => Axis::Z,
+        _ => {
+            let vector = values::vector(text).map_err(|_| "expected three numbers X,Y,Z, or +X, +Y or +Z");
+            return Ok(Up::Vector(vector?));
+        }
+    };
+    Ok(Up::Axis(axis))
 }
 
 /// Position and projection of the camera. By default it frames the model.
@@ -88,9 +111,13 @@ pub struct CameraArgs {
     #[arg(long, value_name = "FACTOR", allow_negative_numbers = true, value_parser = values::zoom)]
     #[arg(default_value = "1", hide_default_value = true)]
     zoom: f64,
-    /// The axis that points upwards.
-    #[arg(long, value_name = "AXIS", value_enum, default_value_t = Axis::Y)]
-    up_axis: Axis,
+    /// The axis that points upwards [default: y; of STL, z].
+    #[arg(long, value_name = "AXIS", value_enum)]
+    up_axis: Option<Axis>,
+    /// Direction in which the camera looks at the model that it frames, instead of --azimuth and --elevation.
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = values::vector)]
+    #[arg(conflicts_with_all = ["view", "azimuth", "elevation", "eye"])]
+    camera_direction: Option<DVec3>,
     /// Position of the camera, instead of framing the model.
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = values::vector)]
     eye: Option<DVec3>,
@@ -98,10 +125,9 @@ pub struct CameraArgs {
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = values::vector)]
     #[arg(requires = "eye")]
     target: Option<DVec3>,
-    /// What points upwards in the picture of a camera at --eye [default: the up axis].
-    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = values::vector)]
-    #[arg(requires = "eye")]
-    up: Option<DVec3>,
+    /// What points upwards in the picture of a camera at --eye [default: the up axis]; or +X, +Y or +Z for --up-axis.
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = up)]
+    up: Option<Up>,
     /// Vertical angle of view at zoom 1, degrees [default: 30].
     #[arg(long, value_name = "DEG", allow_negative_numbers = true, value_parser = values::field_of_view)]
     fov: Option<f64>,
@@ -135,7 +161,7 @@ impl CameraArgs {
             (Some(eye), _) => {
                 let bounds = whole.map_or_else(|| scene.bounds(), Extent::bounds);
                 let target = self.target.unwrap_or_else(|| bounds.center());
-                framing.camera_at(eye, target, self.up)
+                framing.camera_at(eye, target, self.up_vector())
             }
             (None, Some(whole)) => framing.camera_for_extent(whole),
             (None, None) => framing.camera_for_scene(scene),
@@ -161,9 +187,61 @@ impl CameraArgs {
         Ok(Camera { near: self.near, ..camera })
     }
 
+    /// Finds options that have no effect.
+    ///
+    /// # Errors
+    /// One sentence.
+    pub fn check(&self) -> Result<(), &'static str> {
+        if matches!(self.up, Some(Up::Vector(_))) && self.eye.is_none() {
+            return Err("--up X,Y,Z needs --eye; --up +Z, or --up-axis z, turns the model that is framed");
+        }
+        if matches!(self.up, Some(Up::Axis(_))) && self.up_axis.is_some() {
+            return Err("--up +Z and --up-axis say the same: give one of them");
+        }
+        if self.camera_direction == Some(DVec3::ZERO) {
+            return Err("--camera-direction must not be 0,0,0");
+        }
+        Ok(())
+    }
+
+    fn up_vector(&self) -> Option<DVec3> {
+        match self.up {
+            Some(Up::Vector(up)) => Some(up),
+            _ => None,
+        }
+    }
+
+    fn given_axis(&self) -> Option<Axis> {
+        match self.up {
+            Some(Up::Axis(axis)) => Some(axis),
+            _ => self.up_axis,
+        }
+    }
+
+    /// Whether the up axis is given.
+    pub fn has_up_axis(&self) -> bool {
+        self.given_axis().is_some()
+    }
+
+    /// These options for a model of a format, in the words of its reader: STL and other formats of CAD stand on the plane of x and
+    /// y unless an axis is given.
+    pub fn for_format(&self, format: &str) -> Self {
+        let usual = if format.starts_with("STL") { Axis::Z } else { Axis::Y };
+        Self {
+            up_axis: Some(self.given_axis().unwrap_or(usual)),
+            up: self.up_vector().map(Up::Vector),
+            ..self.clone()
+        }
+    }
+
+    /// The axis that points upwards.
+    pub fn up_axis(&self) -> UpAxis {
+        self.given_axis().unwrap_or(Axis::Y).into()
+    }
+
     /// The axes of the front view.
     pub fn front(&self) -> CameraBasis {
-        UpAxis::from(self.up_axis).front()
+        self.up_axis().front()
     }
 
     /// What is nearer is left out.
@@ -187,7 +265,13 @@ impl CameraArgs {
         if let Some(&view) = self.view.first() {
             framing = framing.with_view(view.into());
         }
-        framing.up_axis = self.up_axis.into();
+        framing.up_axis = self.up_axis();
+        if let Some(direction) = self.camera_direction {
+            let (front, back) = (self.front(), -direction);
+            let (right, away, up) = (back.dot(front.right), -back.dot(front.forward), back.dot(front.up));
+            framing.azimuth = atan2(right, away).to_degrees();
+            framing.elevation = atan2(up, (right * right + away * away).sqrt()).to_degrees();
+        }
         framing.azimuth = self.azimuth.unwrap_or(framing.azimuth);
         framing.elevation = self.elevation.unwrap_or(framing.elevation);
         framing.roll = self.roll;

@@ -90,7 +90,7 @@ impl From<SortingName> for Sorting {
 pub struct DrawingArgs {
     /// Size of the picture in pixels, up to 65536x65536. A PNG with more pixels than 8192x8192, without ranks, stereo,
     /// --ao, --edl and other outputs, is drawn in bands: little memory is enough.
-    #[arg(short, long, value_name = "WxH", value_parser = values::size, default_value = "1280x960")]
+    #[arg(short, long, alias = "resolution", value_name = "WxH", value_parser = values::size, default_value = "1280x960")]
     pub size: (u32, u32),
     /// Where lighting is computed.
     #[arg(long, value_name = "HOW", value_enum, default_value_t = ShadingName::Phong)]
@@ -112,7 +112,7 @@ pub struct DrawingArgs {
     #[arg(long, value_name = "ALPHA", allow_negative_numbers = true, value_parser = values::opacity)]
     opacity: Option<f64>,
     /// A colour, two colours TOP,BOTTOM for a gradient, or transparent.
-    #[arg(long, value_name = "COLOR", value_parser = values::background)]
+    #[arg(long, aliases = ["bg-color", "background-color"], value_name = "COLOR", value_parser = values::background)]
     background: Option<Background>,
     /// Strength of highlights, 0 for none.
     #[arg(long, value_name = "STRENGTH", allow_negative_numbers = true, value_parser = values::not_negative)]

@@ -52,7 +52,10 @@ fn source(text: &str) -> Result<Source, String> {
     match text.split_once(':').map_or((text, None), |(kind, rest)| (kind, Some(rest))) {
         ("gradient", None) => Ok(Source::Gradient(SKY)),
         ("gradient", Some(colors)) => {
-            let colors: Vec<_> = colors.split(',').map(values::linear_color).collect::<Result<_, _>>()?;
+            let colors: Vec<_> = values::between_commas(colors)
+                .into_iter()
+                .map(values::linear_color)
+                .collect::<Result<_, _>>()?;
             let colors =
                 colors.try_into().map_err(|_| "expected gradient:ZENITH,HORIZON,GROUND".to_owned())?;
             Ok(Source::Gradient(colors))

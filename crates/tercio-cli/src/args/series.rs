@@ -17,7 +17,7 @@ use crate::named_files::NamedFiles;
 use crate::output::UsageError;
 
 /// The most pictures of a series.
-pub const MOST_PICTURES: u32 = 1_000_000;
+pub const MOST_PICTURES: u32 = 100_000;
 /// The largest file of keyframes.
 const LARGEST_PATH: u64 = 64 << 20;
 
@@ -31,7 +31,7 @@ pub struct SeriesArgs {
     turntable: Option<u32>,
     /// Moves the camera smoothly through the keyframes of a CSV, JSON or TOML file: time in seconds, eye and, if they are not
     /// those of the other options, target, up and fov. A path whose last keyframe has the camera of the first is closed.
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["turntable", "view", "azimuth", "elevation", "eye", "target", "up"])]
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["turntable", "view", "azimuth", "elevation", "camera_direction", "eye", "target"])]
     camera_path: Option<PathBuf>,
     /// Number of pictures of --camera-path [default: one for each frame of --fps].
     #[arg(long, value_name = "N", requires = "camera_path")]

@@ -16,10 +16,10 @@ pub fn name(value: &impl ValueEnum) -> Option<String> {
     value.to_possible_value().map(|value| value.get_name().to_owned())
 }
 
-/// `WxH`, pixels.
+/// `WxH` or `W,H`, pixels.
 pub fn size(text: &str) -> Result<(u32, u32), String> {
     let part = |s: &str| s.parse().ok().filter(|n| (1..=tercio::raster::settings::MAX_SIZE).contains(n));
-    text.split_once(['x', 'X'])
+    text.split_once(['x', 'X', ','])
         .and_then(|(w, h)| Some((part(w)?, part(h)?)))
         .ok_or_else(|| format!("expected WIDTHxHEIGHT, 1 to {} each", tercio::raster::settings::MAX_SIZE))
 }
@@ -120,10 +120,30 @@ fn hex(text: &str) -> Option<[u8; 4]> {
     }
 }
 
+/// A colour as in CSS: hexadecimal, by name, `rgb(...)`, `hsl(...)` and so on.
+pub fn color(text: &str) -> Result<[u8; 4], String> {
+    let css = || csscolorparser::parse(text).ok().map(|color| color.to_rgba8());
+    hex(text).or_else(css).ok_or_else(|| {
+        format!("expected a colour such as #c0ffee, white, steelblue or rgb(255, 128, 0), found \"{text}\"")
+    })
+}
+
+/// The parts of a text between the commas that are not in brackets.
+pub fn between_commas(text: &str) -> Vec<&str> {
+    let mut depth = 0i32;
+    let is_comma = |c: char| {
+        depth += i32::from(c == '(') - i32::from(c == ')');
+        c == ',' && depth <= 0
+    };
+    text.split(is_comma).map(str::trim).collect()
+}
+
 /// An opaque sRGB colour, as linear light.
 pub fn linear_color(text: &str) -> Result<[f32; 3], String> {
-    let color = hex(text).filter(|c| c[3] == 255);
-    let [r, g, b, _] = color.ok_or_else(|| format!("expected a colour such as #c0ffee, found \"{text}\""))?;
+    let [r, g, b, alpha] = color(text)?;
+    if alpha < 255 {
+        return Err(format!("expected an opaque colour, found \"{text}\""));
+    }
     Ok([r, g, b].map(|v| srgb_to_linear(f64::from(v) / 255.0) as f32))
 }
 
@@ -132,13 +152,11 @@ pub fn background(text: &str) -> Result<Background, String> {
     if text == "transparent" {
         return Ok(Background::Solid([0.0; 4]));
     }
-    let color = |s: &str| {
-        let found = hex(s).map(|c| c.map(|v| f32::from(v) / 255.0));
-        found.ok_or_else(|| format!("expected a colour such as #c0ffee, found \"{s}\""))
-    };
-    match text.split_once(',') {
-        Some((top, bottom)) => Ok(Background::Gradient { top: color(top)?, bottom: color(bottom)? }),
-        None => Ok(Background::Solid(color(text)?)),
+    let color = |s: &str| color(s).map(|c| c.map(|v| f32::from(v) / 255.0));
+    match between_commas(text)[..] {
+        [one] => Ok(Background::Solid(color(one)?)),
+        [top, bottom] => Ok(Background::Gradient { top: color(top)?, bottom: color(bottom)? }),
+        _ => Err("expected one colour, or two for a gradient: TOP,BOTTOM".into()),
     }
 }
 
@@ -177,8 +195,13 @@ mod tests {
     fn colors() {
         assert_eq!(linear_color("#ffffff"), Ok([1.0; 3]));
         assert_eq!(linear_color("000"), Ok([0.0; 3]));
+        assert_eq!(linear_color("white"), linear_color("#fff"));
+        assert_eq!(linear_color("SteelBlue"), linear_color("#4682b4"));
+        assert_eq!(linear_color("rgb(255, 128, 0)"), linear_color("ff8000"));
         assert!((linear_color("#808080").unwrap()[0] - 0.2158605).abs() < 1e-6);
-        for bad in ["", "#", "#12", "#ggg", "#fffffff", "#ffffff80", "red", "ééé"] {
+        for bad in
+            ["", "#", "#12", "#ggg", "#fffffff", "#ffffff80", "reddish", "ééé", "rgb(1,2", "rgba(1,2,3,0.5)"]
+        {
             assert!(linear_color(bad).is_err(), "{bad}");
         }
     }
@@ -189,6 +212,7 @@ mod tests {
         assert_eq!(background("#fff"), Ok(Background::Solid([1.0; 4])));
         let gradient = Background::Gradient { top: [1.0; 4], bottom: [0.0, 0.0, 0.0, 0.0] };
         assert_eq!(background("#ffffff,#00000000"), Ok(gradient));
-        assert!(background("#fff,").is_err());
+        assert_eq!(background("white,rgba(0,0,0,0)"), Ok(gradient));
+        assert!(background("#fff,").is_err() && background("red,green,blue").is_err());
     }
 }

@@ -7,7 +7,8 @@ use std::process::ExitCode;
 
 use anyhow::{Context, Result};
 use clap::Args;
-use tercio::image::{Destination, Difference, Picture, PictureFormat, compare};
+use serde_json::json;
+use tercio::image::{Destination, Difference, Picture, PictureFormat, Similarity, compare, similarity};
 
 use crate::args::values;
 use crate::named_files::NamedFiles;
@@ -38,6 +39,9 @@ pub struct Compare {
     /// Writes a picture of the differences: black where there is none, white where it is largest.
     #[arg(long, value_name = "FILE")]
     diff: Option<PathBuf>,
+    /// Writes JSON with stable keys: psnr_db is null for equal pictures, ssim for pictures below 11 x 11 pixels.
+    #[arg(long, conflicts_with = "quiet")]
+    json: bool,
     /// Print errors only; the exit code has the result.
     #[arg(short, long)]
     quiet: bool,
@@ -80,7 +84,10 @@ impl Compare {
         }
         let same = difference.largest_of_all() <= self.threshold;
         if !self.quiet {
-            write_text(&Destination::Stdout, &text(&difference))?;
+            let similarity = similarity(&a, &b).with_context(names)?;
+            let text =
+                if self.json { json(&difference, &similarity, same) } else { text(&difference, &similarity) };
+            write_text(&Destination::Stdout, &text)?;
         }
         Ok(if same { ExitCode::SUCCESS } else { ExitCode::from(1) })
     }
@@ -98,13 +105,30 @@ fn read(path: &Path) -> Result<Picture<'static>> {
     Picture::from_bytes(&bytes.with_context(name)?).with_context(name)
 }
 
-fn text(d: &Difference) -> String {
+fn json(d: &Difference, similarity: &Similarity, same: bool) -> String {
+    let channels = |[red, green, blue, alpha]: [f64; 4]| json!({ "red": red, "green": green, "blue": blue, "alpha": alpha });
+    let value = json!({
+        "same": same,
+        "pixels": d.pixels,
+        "differing_pixels": d.differing,
+        "largest_difference": d.largest_of_all(),
+        "largest_differences": channels(d.largest),
+        "mean_difference": d.mean_of_all(),
+        "mean_differences": channels(d.mean),
+        // JSON has no infinity.
+        "psnr_db": similarity.psnr.is_finite().then_some(similarity.psnr),
+        "ssim": similarity.ssim,
+    });
+    format!("{value:#}\n")
+}
+
+fn text(d: &Difference, similarity: &Similarity) -> String {
     let percent = d.differing as f64 * 100.0 / d.pixels.max(1) as f64;
     let channels = |v: [f64; 4]| {
         format!("(red {}, green {}, blue {}, alpha {})", short(v[0]), short(v[1]), short(v[2]), short(v[3]))
     };
     format!(
-        "differing pixels    {} of {} ({} %)\nlargest difference  {} {}\nmean difference     {} {}\n",
+        "differing pixels    {} of {} ({} %)\nlargest difference  {} {}\nmean difference     {} {}\nPSNR                {}\nSSIM                {}\n",
         grouped(d.differing),
         grouped(d.pixels),
         short(percent),
@@ -112,6 +136,10 @@ fn text(d: &Difference) -> String {
         channels(d.largest),
         short(d.mean_of_all()),
         channels(d.mean),
+        if similarity.psnr.is_finite() { format!("{:.2} dB", similarity.psnr) } else { "infinite".into() },
+        similarity
+            .ssim
+            .map_or_else(|| "not defined below 11 x 11 pixels".into(), |ssim| format!("{ssim:.6}")),
     )
 }
 

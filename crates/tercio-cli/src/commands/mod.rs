@@ -2,6 +2,7 @@
 
 pub mod bench;
 pub mod compare;
+pub mod definition;
 pub mod info;
 pub mod lab;
 pub mod prepare;

@@ -11,6 +11,7 @@ mod output;
 mod partial;
 pub(crate) mod png;
 mod ppm;
+mod quality;
 mod stream;
 mod webp;
 
@@ -27,6 +28,7 @@ pub use compare::{Difference, compare};
 pub use identity::FileIdentity;
 pub use output::{Destination, OutputFile};
 pub use partial::remove_partial_files;
+pub use quality::{Similarity, similarity};
 pub use stream::StandardStream;
 
 /// The largest width and height of a WebP picture.

@@ -163,6 +163,10 @@ impl Workload {
             });
         }
         let model = self.load(&self.source, files)?;
+        if self.camera.views().len() > 1 {
+            return Err(UsageError("a workload has one view: give one --view".into()).into());
+        }
+        self.camera.check().map_err(|e| UsageError(e.into()))?;
         let camera = self.camera.camera(model.scene(), self.size);
         Ok(match format {
             Format::Boxes => Scene::Boxes(model.boxes(&camera, self.size)?),

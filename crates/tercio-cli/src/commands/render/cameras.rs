@@ -11,13 +11,14 @@ use crate::args::series::Motion;
 use crate::args::stereo::Cameras;
 
 impl Render {
-    /// The cameras of all shots, those of eyes included. If each rank has a part of the scene, all ranks have to call this.
+    /// The cameras of all shots, those of eyes included; `options` are those for the model's format. If each rank has a part of the scene, all ranks have to call this.
     ///
     /// # Errors
     /// A camera that cannot be used; another rank is gone.
     pub(super) fn cameras(
         &self,
         motion: &Motion,
+        options: &CameraArgs,
         scene: &Scene,
         whole: Option<&Extent>,
         mut parts: Option<&mut impl Communicator>,
@@ -28,18 +29,18 @@ impl Render {
                 Some(comm) => options.camera_of_parts(*comm, scene, framing)?,
             })
         };
-        let framing = self.camera.framing(self.drawing.size);
+        let framing = options.framing(self.drawing.size);
         let cameras = match motion {
-            Motion::Still => vec![place(&self.camera, &framing)?],
+            Motion::Still => vec![place(options, &framing)?],
             Motion::Views(views) => {
                 let of_view = |&view| {
-                    let options = self.camera.with_view(view);
-                    place(&options, &options.framing(self.drawing.size))
+                    let of_view = options.with_view(view);
+                    place(&of_view, &of_view.framing(self.drawing.size))
                 };
                 views.iter().map(of_view).collect::<Result<_>>()?
             }
             Motion::Turntable(count) => {
-                let first = place(&self.camera, &Framing { all_round: true, ..framing })?;
+                let first = place(options, &Framing { all_round: true, ..framing })?;
                 let up = framing.up_axis.front().up;
                 let turned = |number| first.turned(up, 360.0 * f64::from(number) / f64::from(*count));
                 (0..*count).map(turned).collect()
@@ -49,7 +50,7 @@ impl Render {
                 let bounds = whole.map_or_else(|| scene.bounds(), Extent::bounds);
                 let (up, fov) = (framing.up_axis.front().up, framing.fov_y.unwrap_or(Framing::FOV_Y));
                 let path = Motion::path(keys, bounds.center(), up, fov).map_err(anyhow::Error::msg)?;
-                let near = self.camera.near();
+                let near = options.near();
                 let at = |time| {
                     let key = path.at(time);
                     let framing = Framing { fov_y: framing.fov_y.map(|_| key.fov_y), ..framing };

@@ -53,7 +53,13 @@ impl Render {
         self.check_memory(picture, report.mesh.bytes)?;
         let mut scene = Scene::from_mesh(loaded.mesh);
         scene.instances[0].share = share;
-        scene.environment = environment;
+        let camera = self.camera.for_format(&report.read.format);
+        scene.environment = if camera.up_axis() == self.camera.up_axis() {
+            environment
+        } else {
+            // It was turned for another axis.
+            self.environment.load(camera.front(), self.running.memory_limit())?
+        };
         self.drawing.dress(&mut scene);
         let background = scene.background;
         if self.effects.are_applied() {
@@ -81,7 +87,7 @@ impl Render {
         self.check_memory(picture.saturating_add(shadows), taken)?;
         self.clip.add_caps(&mut scene, loaded.caps);
         report.read.warnings.extend(self.drawing.shadow_warning(&scene));
-        let cameras = self.cameras(&job.motion, &scene, loaded.whole.as_ref(), parts)?;
+        let cameras = self.cameras(&job.motion, &camera, &scene, loaded.whole.as_ref(), parts)?;
         let look = self.drawing.look(&scene, &background, &self.environment, &self.effects);
         Ok(Loaded { report, textures, scene, background, look, cameras })
     }

@@ -70,7 +70,8 @@ Examples:
   mpirun -n 4 tercio render 'part_{rank}.ply' -o scan.png --parts   (no rank holds the whole model)
   zcat scan.obj.gz | tercio render - -o - | display
 
-Colours are #rrggbb, #rgb or #rrggbbaa; the # may be left out. Files are replaced only when the new
+Colours are those of CSS: #rrggbb, #rgb or #rrggbbaa (the # may be left out), names such as steelblue,
+rgb(255, 128, 0). The word render may be left out: tercio scan.ply -o scan.png. Files are replaced only when the new
 one is whole, also if the run is interrupted; an output must not be an input. Exit code: 0 success,
 1 error or nothing drawn (see --allow-empty), 2 wrong usage.")]
 pub struct Render {

@@ -59,6 +59,7 @@ impl Render {
         }
         plan.outputs = plan.outputs.with(self.effects.needed());
         let checks = [
+            self.camera.check(),
             self.drawing.check(&self.effects, &self.environment),
             self.textures.check(),
             self.sampling.check(),

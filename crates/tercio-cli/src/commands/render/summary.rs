@@ -5,6 +5,7 @@ use std::time::Instant;
 use anyhow::Result;
 use serde_json::{Value, json};
 use tercio::raster::FrameStats;
+use tercio::scene::UpAxis;
 use tercio::{LoadReport, TextureReport};
 
 use super::{Done, Job, Render, Shot};
@@ -64,6 +65,11 @@ impl Render {
             ));
         }
         if self.running.verbose {
+            if !self.camera.has_up_axis()
+                && self.camera.for_format(&done.report.read.format).up_axis() == UpAxis::Z
+            {
+                messages::note("z is up, as in other programs for STL (--up-axis)");
+            }
             print_details(done);
         }
     }

@@ -1,0 +1,106 @@
+//! What makes a command line short: the command that need not be named, and the short help.
+
+use std::ffi::{OsStr, OsString};
+use std::path::Path;
+
+use clap::Command;
+
+/// The options of `render` that its short help lists; --help lists all.
+const RENDER: [&str; 22] = [
+    "model",
+    "more",
+    "output",
+    "size",
+    "view",
+    "azimuth",
+    "elevation",
+    "zoom",
+    "up_axis",
+    "eye",
+    "target",
+    "orthographic",
+    "turntable",
+    "camera_path",
+    "fps",
+    "stereo",
+    "shading",
+    "color",
+    "opacity",
+    "background",
+    "threads",
+    "verbose",
+];
+
+/// The definition with a short help that fits a screen.
+pub fn with_short_help(program: Command) -> Command {
+    program.mut_subcommand("render", |render| {
+        let render = render.mut_args(|argument| {
+            let is_listed = RENDER.contains(&argument.get_id().as_str());
+            argument.hide_short_help(!is_listed)
+        });
+        // Examples are part of the long help.
+        let examples = render.get_after_help().cloned().unwrap_or_default();
+        let more = "--help lists all options: series and films, light, effects, data, clipping, outputs, ranks, tuning.";
+        render.after_help(more).after_long_help(examples)
+    })
+}
+
+/// The arguments, with the word `render` where it was left out: `tercio MODEL -o PICTURE`.
+pub fn with_command(program: &Command, arguments: impl Iterator<Item = OsString>) -> Vec<OsString> {
+    let mut arguments: Vec<OsString> = arguments.collect();
+    if arguments.get(1).is_some_and(|first| means_render(program, first)) {
+        arguments.insert(1, "render".into());
+    }
+    arguments
+}
+
+fn means_render(program: &Command, first: &OsStr) -> bool {
+    let text = first.to_string_lossy();
+    if program.find_subcommand(first).is_some()
+        || ["help", "-h", "--help", "-V", "--version"].contains(&&*text)
+    {
+        return false;
+    }
+    // A mistyped command has none of these, and the parser has a tip for it.
+    text.starts_with('-')
+        || text.starts_with("builtin:")
+        || text.contains(['.', '/', '\\', '*'])
+        || Path::new(first).exists()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_word_render_may_be_left_out() {
+        let program = crate::definition();
+        let means = |first: &str| means_render(&program, first.as_ref());
+        assert!(["a.ply", "builtin:teapot@1M", "-o", "-", "../a", "*.stl"].into_iter().all(means));
+        assert!(!["render", "info", "rendr", "help", "--help", "-V", "bench"].into_iter().any(means));
+    }
+
+    #[test]
+    fn the_short_help_fits_a_screen_and_the_long_one_has_everything() {
+        let mut program = crate::definition().max_term_width(100);
+        program.build();
+        let render = program.find_subcommand_mut("render").unwrap();
+        let short = render.render_help().to_string();
+        assert!(short.lines().count() <= 60, "{} lines:\n{short}", short.lines().count());
+        let long = render.render_long_help().to_string();
+        for option in ["--tile-size", "--organisation", "--turntable", "--ao", "Examples:"] {
+            assert!(
+                long.contains(option) && (option == "--turntable" || !short.contains(option)),
+                "{option}"
+            );
+        }
+        for id in RENDER {
+            assert!(render.get_arguments().any(|a| a.get_id() == id), "{id}");
+        }
+    }
+
+    #[test]
+    fn the_definition_is_consistent() {
+        crate::definition().debug_assert();
+    }
+}
