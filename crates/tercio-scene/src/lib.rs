@@ -23,6 +23,7 @@
 #![forbid(unsafe_code)]
 
 pub mod camera;
+pub mod color_map;
 pub mod environment;
 pub mod framing;
 pub mod light;
@@ -32,6 +33,7 @@ pub mod stereo;
 pub mod texture;
 
 pub use camera::{Camera, Projection};
+pub use color_map::{ColorMap, DataColors};
 pub use environment::{Environment, Panorama, PanoramaError};
 pub use framing::{Framing, UpAxis, View};
 pub use light::{Light, LightSpace};
