@@ -24,6 +24,7 @@
 
 pub mod camera;
 pub mod color_map;
+pub mod data;
 pub mod environment;
 pub mod framing;
 pub mod light;
@@ -34,6 +35,7 @@ pub mod texture;
 
 pub use camera::{Camera, Projection};
 pub use color_map::{ColorMap, DataColors};
+pub use data::{DataReader, DataSource, SurfaceData};
 pub use environment::{Environment, Panorama, PanoramaError};
 pub use framing::{Framing, UpAxis, View};
 pub use light::{Light, LightSpace};
