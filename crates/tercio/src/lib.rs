@@ -52,6 +52,7 @@
 
 mod bands;
 mod clipping;
+pub mod data;
 mod error;
 pub mod image;
 mod load;

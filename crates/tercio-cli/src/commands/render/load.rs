@@ -47,7 +47,7 @@ impl Render {
         let options = LoadOptions {
             memory_limit: self.running.memory_limit(),
             progress: Some(&display.progress),
-            normals: self.drawing.normals(writing.plan.outputs),
+            normals: self.data.normals(self.drawing.normals(writing.plan.outputs)),
             clip: self.clip.clipping(),
             ..LoadOptions::default()
         };
@@ -69,6 +69,8 @@ impl Render {
         scene.instances[0].share = share;
         scene.environment = environment;
         self.drawing.dress(&mut scene);
+        let up = self.camera.front().up;
+        self.data.apply(&mut scene, up, parts.as_deref_mut()).with_context(|| self.model.name())?;
         let background = scene.background;
         if self.effects.are_applied() {
             scene.background = Background::Solid([0.0; 4]);
@@ -100,7 +102,8 @@ impl Render {
             Some(comm) => self.camera.camera_of_parts(comm, &scene, self.drawing.size)?,
         };
         let cameras = self.stereo.cameras(camera, self.camera.zoom()).with_context(|| self.model.name())?;
-        let look = self.drawing.look(&scene, &background, &self.environment, &self.effects);
+        let mut look = self.drawing.look(&scene, &background, &self.environment, &self.effects);
+        look["data"] = self.data.json(&scene);
         Ok(Loaded { report, textures, scene, background, look, cameras })
     }
 

@@ -23,6 +23,7 @@ use tercio_lab::predict::choose::Choice;
 
 use crate::args::camera::CameraArgs;
 use crate::args::clip::ClipArgs;
+use crate::args::data::DataArgs;
 use crate::args::drawing::{DrawingArgs, TuningArgs};
 use crate::args::effects::EffectArgs;
 use crate::args::environment::EnvironmentArgs;
@@ -45,6 +46,7 @@ Examples:
   tercio render scan.ply.gz -o scan.png --size 1920x1080 --view front
   tercio render part.stl -o part.webp --up-axis z --crease-angle 40 --background transparent
   tercio render scan.ply --output-depth depth.npy --output-ids ids.npy --stats -
+  tercio render scan.ply -o scan.png --color-by quality --colormap turbo --range 2%,98% --isolines 9
   tercio render scan.ply -o scan.png --stereo anaglyph
   tercio render scan.ply -o scan.png --stereo pair --eye-distance 2.5   (scan.left.png, scan.right.png)
   tercio render scan.ply -o scan.png --ranks 4 --organisation sort-last --stats -
@@ -69,6 +71,8 @@ pub struct Render {
     clip: ClipArgs,
     #[command(flatten)]
     drawing: DrawingArgs,
+    #[command(flatten)]
+    data: DataArgs,
     #[command(flatten)]
     environment: EnvironmentArgs,
     #[command(flatten)]
@@ -142,8 +146,9 @@ impl Render {
         let start = Instant::now();
         let mut plan = self.writing.plan(&self.drawing, &self.stereo).map_err(UsageError)?;
         self.stereo.check(&self.camera, &self.drawing, &plan).map_err(UsageError)?;
-        if plan.picture.is_none() && (self.effects.are_given() || self.environment.is_given()) {
-            let what = "--exposure, --tone, --ao, --edl and --environment change the picture only";
+        let changes_picture = self.effects.are_given() || self.environment.is_given() || self.data.is_given();
+        if plan.picture.is_none() && changes_picture {
+            let what = "--exposure, --tone, --ao, --edl, --environment and --color-by change the picture only";
             return Err(UsageError(format!("{what}, which is not written: add -o")).into());
         }
         plan.outputs = plan.outputs.with(self.effects.needed());
@@ -154,10 +159,11 @@ impl Render {
             self.environment.check(),
         ];
         checks.into_iter().collect::<Result<(), _>>().map_err(|e| UsageError(e.into()))?;
+        self.data.check()?;
         let processes = mpi::processes();
         let files = self.ranks.named_files(plan.named_files());
         let files = self.models(processes).iter().fold(files, |files, m| files.reads_model(m));
-        let files = self.environment.named_files(files);
+        let files = self.data.named_files(self.environment.named_files(files));
         files.check()?;
         let writing = Writing { plan, files, allow_empty: self.writing.allow_empty };
         let mut settings = self.drawing.settings(&self.tuning, &self.sampling, writing.plan.outputs);
