@@ -7,7 +7,7 @@ use clap::Args;
 use serde_json::{Value, json};
 use tercio::Normals;
 use tercio::data::{
-    DataError, DataOptions, Ends, IsolineOptions, RangeEnd, ScaleOption, Statistics, needs_normals,
+    DataOptions, Ends, IsolineOptions, Made, RangeEnd, ScaleOption, Statistics, needs_normals,
 };
 use tercio::glam::DVec3;
 use tercio::parallel::Communicator;
@@ -23,7 +23,8 @@ use crate::output::UsageError;
 #[command(next_help_heading = "Data")]
 pub struct DataArgs {
     /// Colours the model by an attribute (tercio info lists them; of a vector, its magnitude), NAME:COMPONENT, NAME:magnitude, or
-    /// NAME:rgb for colours; or by what is made of the model: @elevation, @normal, @normal:x (y, z), @face.
+    /// NAME:rgb for colours; or by what is made of the model: @elevation, @normal, @normal:x (y, z), @curvature,
+    /// @component, @face.
     #[arg(long, value_name = "NAME", aliases = ["scalars", "coloring-array"])]
     color_by: Option<String>,
     /// Colours of the range, by a name that matplotlib or ParaView know (viridis, coolwarm, turbo, Set1, ...; _r reverses one),
@@ -199,6 +200,11 @@ impl DataArgs {
             Some(name) if needs_normals(name) && wanted == Normals::File => Normals::default(),
             _ => wanted,
         }
+    }
+
+    /// The attribute that has to be made when the model is read.
+    pub fn made(&self) -> Option<Made> {
+        self.color_by.as_deref().and_then(Made::of_name)
     }
 
     fn map(&self) -> Result<Option<ColorMap>> {

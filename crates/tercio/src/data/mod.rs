@@ -1,5 +1,6 @@
 //! Surfaces coloured by their data: from the name of an attribute to [`SurfaceData`].
 
+mod made;
 mod name;
 mod range;
 
@@ -9,6 +10,7 @@ use glam::DVec3;
 use tercio_scene::color_map::{Category, ColorMap, DataColors, Isolines, Scale};
 use tercio_scene::{DataReader, Instance, SurfaceData};
 
+pub use made::Made;
 pub use name::{available, needs_normals};
 pub use range::{Ends, RangeEnd, Statistics};
 
@@ -26,7 +28,8 @@ pub use range::{Ends, RangeEnd, Statistics};
 #[derive(Clone, Debug, PartialEq)]
 pub struct DataOptions {
     /// The name of an attribute (of the components of a vector: its magnitude), `NAME:COMPONENT`, `NAME:magnitude`, or `NAME:rgb`
-    /// for colours; or what is made: `@elevation`, `@normal`, `@normal:x`, `@normal:y`, `@normal:z`, `@face`.
+    /// for colours; or what is made: `@elevation`, `@normal`, `@normal:x`, `@normal:y`, `@normal:z`, `@face`; with [`LoadOptions::make`](crate::LoadOptions::make)
+    /// `@curvature` and `@component`, whose colours are those of categories.
     pub by: String,
     /// The colours; `None` for viridis, or Set1 or tab20 for categories.
     pub map: Option<ColorMap>,
@@ -100,6 +103,9 @@ pub enum DataError {
     /// No normals for `@normal`.
     #[error("the model has no normals for @normal")]
     NoNormals,
+    /// Not made while the model was read.
+    #[error("{0} is made when a whole model is read: not of a prepared one, and not of parts")]
+    NotMade(String),
     /// No numbers.
     #[error("\"{0}\" has no finite value, so its colours have no range (--range MIN,MAX gives one)")]
     NoNumbers(String),
@@ -195,8 +201,13 @@ impl DataOptions {
         if self.isolines.is_some() && is_at_triangles {
             return Err(DataError::ConstantIsolines(self.by.clone()).into());
         }
+        let is_plain = self.range == Ends::default() && self.bands.is_none();
         let colors = match &self.categories {
             Some(labels) => self.category_colors(labels, &reader, instance)?,
+            None if self.by == Made::Component.name() && is_plain => {
+                let few = self.category_colors(&[], &reader, instance);
+                few.or_else(|_| self.range_colors(&statistics, &reader, instance))?
+            }
             None => self.range_colors(&statistics, &reader, instance)?,
         };
         Ok(Arc::new(SurfaceData::Mapped { source, colors: Arc::new(colors) }))

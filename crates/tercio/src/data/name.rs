@@ -43,7 +43,9 @@ pub fn available(layout: &Layout) -> Vec<String> {
             None => all.push(format!("{name} ({})", domain(*d))),
         }
     }
-    all.extend(["@elevation", "@normal", "@face"].map(String::from));
+    let made = ["@elevation", "@normal", "@face", "@curvature", "@component"];
+    let is_new = |name: &&str| !layout.attributes.iter().any(|(other, _)| other == name);
+    all.extend(made.into_iter().filter(is_new).map(String::from));
     all
 }
 
@@ -150,6 +152,7 @@ fn made(
             None => Err(no_component(&["x", "y", "z", "rgb"])),
         },
         ("@elevation" | "@face", Some(_)) => Err(no_component(&[])),
+        ("@curvature" | "@component", None) => Err(DataError::NotMade(array.into())),
         _ => Err(DataError::Unknown { name: name.into(), available: available(layout) }),
     }
 }

@@ -49,6 +49,7 @@ impl Render {
             progress: Some(&display.progress),
             normals: self.data.normals(self.drawing.normals(writing.plan.outputs)),
             clip: self.clip.clipping(),
+            make: self.data.made(),
             ..LoadOptions::default()
         };
         let check = |read: &ReadReport| -> Result<()> {
