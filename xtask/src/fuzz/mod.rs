@@ -50,6 +50,8 @@ enum Target {
     Picture,
     /// Prepared models, and a small picture of them
     Prepared,
+    /// Colour maps
+    ColorMap,
 }
 
 impl Target {
@@ -62,6 +64,7 @@ impl Target {
             Self::SniffRead => "sniff_read",
             Self::Picture => "picture",
             Self::Prepared => "prepared",
+            Self::ColorMap => "color_map",
         }
     }
 }

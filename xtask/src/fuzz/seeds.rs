@@ -38,7 +38,7 @@ fn extensions(target: Target) -> &'static [&'static str] {
         Target::Off => &["off"],
         Target::SniffRead => &["ply", "obj", "stl", "off", "gz"],
         Target::Picture => &["ply", "obj", "stl", "off"],
-        Target::Prepared => &[],
+        Target::Prepared | Target::ColorMap => &[],
     }
 }
 
@@ -72,12 +72,24 @@ fn made(target: Target) -> Vec<Vec<u8>> {
         Target::Off => off(),
         Target::Picture => [ply(), obj(), stl(), off()].concat(),
         Target::Prepared => prepared(),
+        Target::ColorMap => color_maps(),
         Target::SniffRead => {
             let plain = [ply(), obj(), stl(), off()].concat();
             let packed: Vec<_> = plain.iter().map(|bytes| gzip(bytes)).collect();
             [plain, packed].concat()
         }
     }
+}
+
+fn color_maps() -> Vec<Vec<u8>> {
+    let json = br#"[{"Name": "m", "RGBPoints": [-1, 0, 0, 0, 0, 1, 0.5, 0, 1, 1, 1, 1]}]"#;
+    let lists: [&[u8]; 4] = [
+        b"#000000\n#ff8000\n",
+        b"r,g,b\n0, 0, 0\n1, 0.5, 1\n",
+        b"# map\n0 0 0 0\n5 1 0 0\n9 1 1 1\n",
+        b"0 0 0\n255 128 9",
+    ];
+    lists.into_iter().chain([&json[..]]).map(<[u8]>::to_vec).collect()
 }
 
 fn gzip(bytes: &[u8]) -> Vec<u8> {
