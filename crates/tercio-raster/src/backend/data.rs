@@ -84,6 +84,8 @@ fn interpolated<S: Simd>(simd: S, at: &Interpolation<S>, corners: &Corners<S>) -
             let high = c.simd_gt(high).select(c, high);
             let v = v.simd_lt(low).select(low, v);
             let v = v.simd_gt(high).select(high, v);
+            // Infinity less infinity is not a number.
+            let v = (a.simd_eq(b) & b.simd_eq(c)).select(a, v);
             let is_number = v.simd_eq(v) & (a.simd_eq(a) & (b.simd_eq(b) & c.simd_eq(c)));
             (is_number.select(v, splat(simd, 0.0)), is_number)
         },

@@ -62,7 +62,9 @@ pub fn colors_of(
     } else {
         let value = (a + weight[1] * (b - a)) + weight[2] * (c - a);
         let [low, high] = [values.into_iter().fold(a, f32::min), values.into_iter().fold(a, f32::max)];
-        let value = if value < low {
+        let value = if a == b && b == c {
+            a
+        } else if value < low {
             low
         } else if value > high {
             high
