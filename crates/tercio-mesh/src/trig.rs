@@ -1,4 +1,4 @@
-//! Trigonometry with the same bits on every platform.
+//! Trigonometry, logarithms and powers with the same bits on every platform.
 //!
 //! `f64::sin` and similar functions come from the platform's mathematical library and differ in the last bit from one
 //! to the next, which would make a picture depend on the machine. These use only `+ - * /` and `sqrt`, which IEEE 754
@@ -126,6 +126,53 @@ pub fn acos_coarse(x: f64) -> f64 {
     if x < 0.0 { PI - half } else { half }
 }
 
+/// The logarithm to base 2; minus infinity for 0, NaN below. The error is below 1e-15 of the result, or of 1 if that is less.
+pub fn log2(x: f64) -> f64 {
+    if !(x > 0.0 && x < f64::INFINITY) {
+        return if x == 0.0 {
+            f64::NEG_INFINITY
+        } else if x > 0.0 {
+            x
+        } else {
+            f64::NAN
+        };
+    }
+    // Subnormal numbers are brought into the range in which the exponent counts.
+    let (x, shift) = if x < f64::MIN_POSITIVE { (x * (1u64 << 54) as f64, -54) } else { (x, 0) };
+    let bits = x.to_bits();
+    let mut exponent = (bits >> 52) as i32 - 1023 + shift;
+    let mut m = f64::from_bits(bits & ((1 << 52) - 1) | 1.0f64.to_bits());
+    if m > std::f64::consts::SQRT_2 {
+        (m, exponent) = (m * 0.5, exponent + 1);
+    }
+    // ln m = 2 artanh s, and |s| < 0.1716.
+    let s = (m - 1.0) / (m + 1.0);
+    let s2 = s * s;
+    let mut sum = 0.0;
+    for n in (0..12).rev() {
+        sum = sum * s2 + 1.0 / f64::from(2 * n + 1);
+    }
+    f64::from(exponent) + (2.0 * s * sum) * std::f64::consts::LOG2_E
+}
+
+/// 2 to the power of a number. The relative error is below 1e-15; what is too small becomes 0.
+pub fn exp2(x: f64) -> f64 {
+    if x.is_nan() || x >= 1024.0 {
+        return if x.is_nan() { x } else { f64::INFINITY };
+    } else if x < -1022.0 {
+        return 0.0;
+    }
+    let whole = (x + 0.5).floor();
+    let y = (x - whole) * std::f64::consts::LN_2;
+    let mut sum = 1.0;
+    for n in (1..16).rev() {
+        sum = 1.0 + sum * y / f64::from(n);
+    }
+    // In two steps, because 2^1024 is infinite, and the product may yet be finite.
+    (sum * crate::mesh::power_of_two(whole as i32 / 2))
+        * crate::mesh::power_of_two(whole as i32 - whole as i32 / 2)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -144,6 +191,36 @@ mod tests {
             prop_assert!((acos(c) - c.acos()).abs() < 1e-15);
             prop_assert!((acos_coarse(c) - c.acos()).abs() < 3e-8);
         }
+    }
+
+    proptest! {
+        #[test]
+        fn logarithms_and_powers_are_right(x in -1000f64..1000.0, m in 0.5f64..2.0) {
+            let power = exp2(x);
+            prop_assert!((power / x.exp2() - 1.0).abs() < 1e-15 * (1.0 + x.abs()), "{power}");
+            prop_assert!((log2(power) - power.log2()).abs() <= 1e-15 * x.abs().max(1.0));
+            prop_assert!((log2(m) - m.log2()).abs() < 1e-15);
+        }
+    }
+
+    #[test]
+    fn logarithms_of_unusual_numbers_are_right() {
+        for (x, expected) in [
+            (0.0, f64::NEG_INFINITY),
+            (f64::INFINITY, f64::INFINITY),
+            (1.0, 0.0),
+            (8.0, 3.0),
+            (5e-324, -1074.0),
+        ] {
+            assert_eq!(log2(x), expected, "{x}");
+        }
+        assert!(log2(-1.0).is_nan() && log2(f64::NAN).is_nan() && exp2(f64::NAN).is_nan());
+        assert_eq!(
+            [exp2(0.0), exp2(10.0), exp2(-1022.0), exp2(1023.0)],
+            [1.0, 1024.0, f64::MIN_POSITIVE, 1023f64.exp2()]
+        );
+        assert_eq!([exp2(1024.0), exp2(-2000.0)], [f64::INFINITY, 0.0]);
+        assert!((exp2(1023.75) / 1023.75f64.exp2() - 1.0).abs() < 1e-12);
     }
 
     #[test]

@@ -232,6 +232,18 @@ fn ranks_that_would_draw_different_frames_end_with_an_error() {
         Some(Matter::Scene)
     );
     assert_eq!(reported(|own| own.scene.background = Background::Solid([0.5; 4])), Some(Matter::Scene));
+    let shows = |band: u32| {
+        move |own: &mut Own| {
+            let map = tercio_scene::ColorMap::named("viridis").expect("a known map");
+            let mut colors = tercio_scene::DataColors::new("x", map, [0.0, 1.0]);
+            // Two of the three ranks draw without data.
+            colors.bands = Some(band);
+            let source = tercio_scene::DataSource::Face;
+            let data = tercio_scene::SurfaceData::Mapped { source, colors: Arc::new(colors) };
+            own.scene.instances[0].data = Some(Arc::new(data));
+        }
+    };
+    assert_eq!(reported(shows(3)), Some(Matter::Scene));
     assert_eq!(reported(|own| _ = own.scene.lights.pop()), Some(Matter::Scene));
     assert_eq!(reported(|own| own.camera.eye.x += 1e-9), Some(Matter::Camera));
     assert_eq!(reported(|own| own.settings.width += 1), Some(Matter::Size));

@@ -143,6 +143,38 @@ fn what_is_not_opaque() {
     assert!(messages(1) > 2 * messages(128 << 20), "{} and {}", messages(1), messages(128 << 20));
 }
 
+/// Surfaces that show data, opaque and not.
+#[test]
+fn colors_by_data() {
+    let mut mesh = builtin::make("builtin:soup@2k").expect("a model");
+    let values = (0..mesh.positions.len()).map(|v| (v * 37 % 101) as f32).collect();
+    let (name, domain) = ("x".into(), tercio_mesh::AttributeDomain::Vertex);
+    mesh.attributes.push(tercio_mesh::Attribute { name, domain, values });
+    let plain = Scene::from_mesh(Arc::new(partition(mesh, &PartitionOptions::default())));
+    let map = tercio_scene::ColorMap::named("turbo").expect("a known map");
+    for opacities in [vec![], vec![0.2, 1.0]] {
+        let lines =
+            tercio_scene::color_map::Isolines { values: vec![50.0], color: [0, 0, 0, 255], width: 2.0 };
+        let colors = tercio_scene::DataColors {
+            opacities,
+            isolines: Some(lines),
+            ..tercio_scene::DataColors::new("x", map.clone(), [10.0, 90.0])
+        };
+        for source in [tercio_scene::DataSource::Attribute(0), tercio_scene::DataSource::Along(DVec3::Y)] {
+            let mut scene = plain.clone();
+            let data = tercio_scene::SurfaceData::Mapped { source, colors: Arc::new(colors.clone()) };
+            scene.instances[0].data = Some(Arc::new(data));
+            let scene = with_second_instance(scene);
+            let camera = camera(&scene, 1.5, false);
+            for (organisation, count) in ALL.into_iter().flat_map(|o| [2, 3].map(|count| (o, count))) {
+                let settings = Settings { outputs: EVERYTHING, ..Settings::new(101, 73) };
+                let ranks = Ranks { count, threads: 1, sharing: organisation.into() };
+                check(&scene, &camera, &settings, ranks, "data");
+            }
+        }
+    }
+}
+
 /// Layers of several ranks at the same depth are blended in the order of their primitives.
 #[test]
 fn layers_at_equal_depths() {

@@ -7,6 +7,7 @@ use tercio_mesh::cluster::{ClusterView, MAX_TRIANGLES};
 use tercio_scene::{AlphaMode, Camera, Instance, Light, Scene, Share};
 
 use crate::conventions::SUBPIXELS;
+use crate::data::{DataTable, check_data};
 use crate::error::RenderError;
 use crate::lighting::LightRig;
 use crate::sampling::{FilterWeights, SampleCells, SampleCenters, SampleShading};
@@ -35,6 +36,8 @@ pub struct FrameContext<'a> {
     /// Does shading need more than the common kernels do, whatever the instance: physically based shading, shadows, or spot
     /// lights?
     pub is_elaborate: bool,
+    /// Of each instance that shows data, how values become colours.
+    pub data: Vec<Option<DataTable>>,
     /// The tiles.
     pub grid: TileGrid,
     /// The samples of a pixel.
@@ -101,6 +104,7 @@ impl<'a> FrameContext<'a> {
         }
         check_range(scene, settings, &view)?;
         check_light(scene)?;
+        check_data(scene)?;
         let objects: Vec<ObjectView> = scene.instances.iter().map(|i| view.object(i)).collect();
         let lights = LightRig::new(&scene.lights, scene.environment.as_ref(), &view);
         let shadows = shadows_on(scene, &objects, camera, settings)?;
@@ -114,6 +118,7 @@ impl<'a> FrameContext<'a> {
             lights,
             shadows,
             is_elaborate,
+            data: scene.instances.iter().map(DataTable::of).collect(),
             grid,
             cells: settings.sampling.pattern.cells(),
             centers: SampleCenters::new(&settings.sampling.pattern.cells()),
@@ -140,10 +145,11 @@ impl<'a> FrameContext<'a> {
     #[inline(always)]
     pub fn has_translucency(&self, cluster: u32) -> bool {
         let (instance, number) = self.locate(cluster);
-        let Instance { mesh, surface, materials, .. } = &self.scene.instances[instance];
-        let of_materials = || materials.as_ref().is_some_and(|m| m.is_cluster_translucent(number));
-        surface.opacity < 1.0
-            || surface.use_mesh_colors && (mesh.clusters()[number].is_translucent() || of_materials())
+        let instance = &self.scene.instances[instance];
+        let of_materials = || instance.materials.as_ref().is_some_and(|m| m.is_cluster_translucent(number));
+        instance.surface.opacity < 1.0
+            || instance
+                .colors_are_translucent(instance.mesh.clusters()[number].is_translucent() || of_materials())
     }
 
     /// Are pixels made from fragments? Otherwise there is one sample per pixel, at which one opaque triangle is visible.

@@ -37,6 +37,7 @@ pub mod binning;
 pub mod color;
 pub mod context;
 pub mod conventions;
+mod data;
 mod error;
 pub mod frame;
 mod frontend;

@@ -23,6 +23,8 @@
 #![forbid(unsafe_code)]
 
 pub mod camera;
+pub mod color_map;
+pub mod data;
 pub mod environment;
 pub mod framing;
 pub mod light;
@@ -33,6 +35,8 @@ pub mod stereo;
 pub mod texture;
 
 pub use camera::{Camera, Projection};
+pub use color_map::{ColorMap, DataColors};
+pub use data::{DataReader, DataSource, SurfaceData};
 pub use environment::{Environment, Panorama, PanoramaError};
 pub use framing::{Framing, UpAxis, View};
 pub use light::{Light, LightSpace};

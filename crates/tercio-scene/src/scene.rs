@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use tercio_mesh::cluster::Cluster;
 use tercio_mesh::{Aabb, ClusteredMesh};
 
-use crate::{Environment, InstanceMaterials, Light, Material, Texture};
+use crate::{Environment, InstanceMaterials, Light, Material, SurfaceData, Texture};
 
 /// Everything that is drawn.
 #[derive(Clone, Debug, Default)]
@@ -38,6 +38,8 @@ pub struct Instance {
     /// Materials and textures; without them, the materials of the mesh are plain colours. Unused if
     /// [`Surface::use_mesh_colors`] is not set.
     pub materials: Option<Arc<InstanceMaterials>>,
+    /// Data that its colours show, in place of those of the mesh, of materials and of textures.
+    pub data: Option<Arc<SurfaceData>>,
     /// Where the mesh lies in its model, if it is a [part](ClusteredMesh::as_part_of) of one that several ranks hold.
     pub share: Option<Share>,
 }
@@ -63,7 +65,7 @@ impl Instance {
     /// The mesh at the position given by its file.
     pub fn new(mesh: impl Into<Arc<ClusteredMesh>>) -> Self {
         let (world_from_object, surface) = (DAffine3::IDENTITY, Surface::default());
-        Self { mesh: mesh.into(), world_from_object, surface, materials: None, share: None }
+        Self { mesh: mesh.into(), world_from_object, surface, materials: None, data: None, share: None }
     }
 
     /// World-space bounds; of the whole model if the mesh is a part of one.
@@ -81,7 +83,22 @@ impl Instance {
     pub fn is_translucent(&self) -> bool {
         let of_materials = || self.materials.as_ref().is_some_and(|m| m.is_translucent());
         self.surface.opacity < 1.0
-            || self.surface.use_mesh_colors && (self.mesh.is_translucent() || of_materials())
+            || self.colors_are_translucent(self.mesh.is_translucent() || of_materials())
+    }
+
+    /// Is it drawn in the colours of its mesh, materials and textures?
+    #[inline(always)]
+    pub fn uses_mesh_colors(&self) -> bool {
+        self.surface.use_mesh_colors && self.data.is_none()
+    }
+
+    /// May the colours that it is drawn in be less than opaque, if those of its mesh and materials are `of_mesh`?
+    #[inline(always)]
+    pub fn colors_are_translucent(&self, of_mesh: bool) -> bool {
+        match &self.data {
+            Some(data) => data.is_translucent(),
+            None => self.surface.use_mesh_colors && of_mesh,
+        }
     }
 
     /// Support function of the vertices: the largest `direction . (p - from)` of all world-space vertices `p`; minus

@@ -55,6 +55,7 @@
 mod bands;
 pub mod camera_path;
 mod clipping;
+pub mod data;
 mod error;
 pub mod image;
 mod load;

@@ -20,6 +20,7 @@ use tercio_mesh::clip::ClipError;
 use tercio_scene::framing::Extent;
 
 use crate::clipping::{self, ClipReport, Clipping};
+use crate::data::Made;
 use crate::{AttributeSummary, MeshSummary, Origin, prepared};
 
 /// Which normals a loaded mesh has.
@@ -58,6 +59,8 @@ pub struct LoadOptions<'a> {
     pub details: bool,
     /// Where the model is clipped, after its normals are made; `None` for the whole model.
     pub clip: Option<Clipping<'a>>,
+    /// An attribute that is made of the mesh before it is clipped. A prepared model, and parts, have none.
+    pub make: Option<Made>,
 }
 
 /// Wall time of each stage in milliseconds; 0 for one that was not needed.
@@ -546,6 +549,12 @@ fn read_and_repair<E: From<LoadError>>(
         report.times.weld = milliseconds(start);
     }
 
+    if let Some(made) = options.make {
+        let needed = MeshSummary::bytes_of(&mesh) + made.needed_bytes(&mesh);
+        check_memory(model, options, "the model and its data", needed)?;
+        begin(options, "making data", 0);
+        made.add_to(&mut mesh);
+    }
     if options.details {
         begin(options, "looking at edges", 0);
         let start = Instant::now();

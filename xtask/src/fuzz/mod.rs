@@ -52,6 +52,8 @@ enum Target {
     Prepared,
     /// Keyframes of a camera
     CameraPath,
+    /// Colour maps
+    ColorMap,
 }
 
 impl Target {
@@ -65,6 +67,7 @@ impl Target {
             Self::Picture => "picture",
             Self::Prepared => "prepared",
             Self::CameraPath => "camera_path",
+            Self::ColorMap => "color_map",
         }
     }
 }

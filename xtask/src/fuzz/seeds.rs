@@ -38,7 +38,7 @@ fn extensions(target: Target) -> &'static [&'static str] {
         Target::Off => &["off"],
         Target::SniffRead => &["ply", "obj", "stl", "off", "gz"],
         Target::Picture => &["ply", "obj", "stl", "off"],
-        Target::Prepared | Target::CameraPath => &[],
+        Target::Prepared | Target::CameraPath | Target::ColorMap => &[],
     }
 }
 
@@ -73,6 +73,7 @@ fn made(target: Target) -> Vec<Vec<u8>> {
         Target::Picture => [ply(), obj(), stl(), off()].concat(),
         Target::Prepared => prepared(),
         Target::CameraPath => camera_path(),
+        Target::ColorMap => color_maps(),
         Target::SniffRead => {
             let plain = [ply(), obj(), stl(), off()].concat();
             let packed: Vec<_> = plain.iter().map(|bytes| gzip(bytes)).collect();
@@ -87,6 +88,17 @@ fn camera_path() -> Vec<Vec<u8>> {
     let json = r#"{"keyframes": [{"time": 0, "eye": [1, 2, 3]}, {"time": 1e1, "eye": [-1, 2, 3], "target": [0, 0, 0], "up": [0, 0, 1], "fov": 45}]}"#;
     let toml = "[[keyframes]]\ntime = 0\neye = [0, 1, 5]\n\n[[keyframes]]\ntime = 1.25\neye = [5, 1, 0]\nfov = 20\n";
     [csv, json, toml].map(|text| text.as_bytes().to_vec()).to_vec()
+}
+
+fn color_maps() -> Vec<Vec<u8>> {
+    let json = br#"[{"Name": "m", "RGBPoints": [-1, 0, 0, 0, 0, 1, 0.5, 0, 1, 1, 1, 1]}]"#;
+    let lists: [&[u8]; 4] = [
+        b"#000000\n#ff8000\n",
+        b"r,g,b\n0, 0, 0\n1, 0.5, 1\n",
+        b"# map\n0 0 0 0\n5 1 0 0\n9 1 1 1\n",
+        b"0 0 0\n255 128 9",
+    ];
+    lists.into_iter().chain([&json[..]]).map(<[u8]>::to_vec).collect()
 }
 
 fn gzip(bytes: &[u8]) -> Vec<u8> {

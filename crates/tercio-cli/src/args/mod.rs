@@ -3,6 +3,7 @@
 pub mod bench;
 pub mod camera;
 pub mod clip;
+pub mod data;
 pub mod drawing;
 pub mod effects;
 pub mod environment;

@@ -93,7 +93,7 @@ impl TextureArgs {
         report: &LoadReport,
         limits: &TextureLimits,
     ) -> Option<TextureReport> {
-        if self.no_textures || !scene.instances[0].surface.use_mesh_colors {
+        if self.no_textures || !scene.instances[0].uses_mesh_colors() {
             return None;
         }
         let alpha_mode = match self.texture_alpha {

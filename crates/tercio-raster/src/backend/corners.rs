@@ -2,14 +2,15 @@
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, i32x16, mask32x16, u32x16};
-use tercio_mesh::cluster::ClusterView;
-use tercio_mesh::{ClusteredMesh, Mesh};
-use tercio_scene::{Instance, Surface};
+use tercio_mesh::cluster::{ClusterView, MAX_TRIANGLES};
+use tercio_mesh::{AttributeDomain, ClusteredMesh, Mesh};
+use tercio_scene::{Instance, Surface, SurfaceData};
 
 use super::light::{Vec3x16, beside, normalize};
 use super::material::{NO_MATERIAL, has_materials};
 use crate::color::DECODE;
 use crate::context::FrameContext;
+use crate::data::DataTable;
 use crate::projection::project;
 use crate::simd::{LANES, each3, part, splat, splat_i};
 use crate::view::ObjectView;
@@ -63,6 +64,8 @@ pub enum ColorSource {
     Vertex,
     /// One per triangle: its own or its material's.
     Triangle,
+    /// Of values at the corners, mapped after interpolation.
+    Data,
 }
 
 impl ColorSource {
@@ -70,7 +73,13 @@ impl ColorSource {
     pub fn of(instance: &Instance) -> Self {
         let Instance { mesh, surface, .. } = instance;
         let layout = mesh.layout();
-        if !surface.use_mesh_colors {
+        if let Some(data) = &instance.data {
+            match (&**data, data.domain(layout)) {
+                (SurfaceData::Mapped { .. }, _) => Self::Data,
+                (SurfaceData::Direct { .. }, AttributeDomain::Vertex) => Self::Vertex,
+                (SurfaceData::Direct { .. }, AttributeDomain::Triangle) => Self::Triangle,
+            }
+        } else if !surface.use_mesh_colors {
             Self::Base
         } else if layout.face_colors {
             Self::Triangle
@@ -84,8 +93,55 @@ impl ColorSource {
     }
 }
 
-/// Linear colour and alpha of a triangle with [`ColorSource::Triangle`], given by its number in its cluster.
-pub fn triangle_color(
+/// The cluster of an instance whose pixels are shaded.
+#[derive(Clone, Copy)]
+pub struct Colored<'a> {
+    pub instance: &'a Instance,
+    /// How data become colours, if the instance shows data.
+    pub data: Option<&'a DataTable>,
+    /// The number of the cluster in the mesh.
+    pub number: usize,
+    pub cluster: ClusterView<'a>,
+}
+
+impl<'a> Colored<'a> {
+    /// The cluster with this number in the frame.
+    #[inline(always)]
+    pub fn new(context: &'a FrameContext, cluster: u32) -> Self {
+        let (instance, number) = context.locate(cluster);
+        let data = context.data[instance].as_ref();
+        let instance = &context.scene.instances[instance];
+        Self { instance, data, number, cluster: instance.mesh.cluster(number) }
+    }
+
+    /// The linear colour and alpha of each vertex with [`ColorSource::Vertex`], one after the other.
+    #[inline(always)]
+    pub fn each_vertex_color(&self, mut see: impl FnMut(usize, [f32; 4])) {
+        if let Some(data) = self.data {
+            (0..self.cluster.vertices()).for_each(|v| see(v, data.vertex_color(&self.cluster, v)));
+        } else if let Some(colors) = self.cluster.vertex_colors() {
+            colors.iter().enumerate().for_each(|(v, &color)| see(v, with_alpha(color)));
+        }
+    }
+
+    /// Linear colour and alpha of a triangle with [`ColorSource::Triangle`].
+    pub fn triangle_color(&self, triangle: usize) -> [f32; 4] {
+        let Instance { mesh, surface, .. } = self.instance;
+        match self.data {
+            Some(data) => data.triangle_color(mesh, self.number, &self.cluster, triangle),
+            None => triangle_color(mesh, &self.cluster, surface, triangle),
+        }
+    }
+
+    /// Have its colours an alpha?
+    #[inline(always)]
+    pub fn has_alpha(&self) -> bool {
+        self.instance.colors_are_translucent(self.instance.mesh.is_translucent())
+    }
+}
+
+/// Linear colour and alpha of a triangle of a mesh, given by its number in its cluster.
+fn triangle_color(
     mesh: &ClusteredMesh,
     cluster: &ClusterView,
     surface: &Surface,
@@ -141,6 +197,8 @@ pub struct Corners<S: Simd> {
     pub color: [Vec3x16<S>; 3],
     /// Alpha of the colours; valid only if they have one.
     pub alpha: [f32x16<S>; 3],
+    /// Values of data; valid only with [`ColorSource::Data`].
+    pub value: [f32x16<S>; 3],
     /// Texture coordinates; valid only if [`Corners::has_uv`].
     pub uv: [[f32x16<S>; 2]; 3],
     /// The mesh has texture coordinates, and the shading needs them.
@@ -167,6 +225,7 @@ impl<S: Simd> Corners<S> {
             normal: [[zero; 3]; 3],
             color: [[zero; 3]; 3],
             alpha: [zero; 3],
+            value: [zero; 3],
             uv: [[zero; 2]; 3],
             has_uv: false,
             material: [NO_MATERIAL; LANES],
@@ -180,7 +239,6 @@ impl<S: Simd> Corners<S> {
         let scene_instance = &context.scene.instances[instance];
         let colors = ColorSource::of(scene_instance);
         let has_materials = has_materials(scene_instance);
-        let mesh = &*scene_instance.mesh;
         let slots = u32x16::load_array_ref(simd, slots);
         let mut corners = Self::new(simd);
         let mut packed = [splat_i(simd, 0); 3];
@@ -191,7 +249,8 @@ impl<S: Simd> Corners<S> {
             let slot = slots[left.trailing_zeros() as usize % LANES];
             let same = slots.simd_eq(u32x16::splat(simd, slot));
             left &= !(same.to_bitmask() as u32);
-            let (_, cluster, triangle) = context.locate_slot(slot);
+            let colored = Colored::new(context, slot / MAX_TRIANGLES as u32);
+            let (cluster, triangle) = (colored.cluster, slot as usize % MAX_TRIANGLES);
             corners.normals_agree &= cluster.head().normals_agree();
             let numbers = cluster.corners_of(triangle);
             for k in 0..3 {
@@ -203,15 +262,24 @@ impl<S: Simd> Corners<S> {
                     let normal = splat_i(simd, normals[v].0 as i32);
                     packed[k] = same.select(normal, packed[k]);
                 }
-                if let (ColorSource::Vertex, Some(c)) = (colors, cluster.vertex_colors()) {
-                    corners.set_color(k, same, with_alpha(c[v]));
+                if colors == ColorSource::Vertex {
+                    let color = match (colored.data, cluster.vertex_colors()) {
+                        (Some(data), _) => data.vertex_color(&cluster, v),
+                        (None, Some(c)) => with_alpha(c[v]),
+                        (None, None) => [0.0; 4],
+                    };
+                    corners.set_color(k, same, color);
+                }
+                if let (ColorSource::Data, Some(data)) = (colors, colored.data) {
+                    let value = data.value(&colored.instance.mesh, colored.number, &cluster, triangle, v);
+                    corners.value[k] = same.select(splat(simd, value), corners.value[k]);
                 }
             }
             if has_materials {
                 corners.set_material(simd, scene_instance, &cluster, triangle, same);
             }
             if colors == ColorSource::Triangle {
-                let color = triangle_color(mesh, &cluster, &scene_instance.surface, triangle);
+                let color = colored.triangle_color(triangle);
                 (0..3).for_each(|k| corners.set_color(k, same, color));
             }
         }

@@ -8,6 +8,7 @@
 
 mod cluster;
 mod corners;
+mod data;
 pub mod encode;
 mod interpolate;
 mod light;

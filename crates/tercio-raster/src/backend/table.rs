@@ -2,14 +2,12 @@
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, i32x16};
-use tercio_mesh::ClusteredMesh;
 use tercio_mesh::cluster::{ClusterView, MAX_VERTICES};
-use tercio_scene::{Instance, Surface};
+use tercio_scene::Instance;
 
-use super::corners::{ColorSource, Corners, material_number, scaled, triangle_color, unit_normal};
+use super::corners::{ColorSource, Colored, Corners, material_number, scaled, unit_normal};
 use super::light::Vec3x16;
 use super::shade::Facing;
-use crate::color::DECODE;
 use crate::context::FrameContext;
 use crate::conventions::SMALL_EXTENT;
 use crate::projection::{CornerNumbers, CornerTable, LocalVertices};
@@ -29,6 +27,8 @@ pub struct ClusterTable {
     color: [[i32; MAX_VERTICES]; 3],
     /// Alpha of the colours, likewise.
     alpha: [i32; MAX_VERTICES],
+    /// Values of data, likewise.
+    value: [i32; MAX_VERTICES],
     /// Texture coordinates, likewise.
     uv: [[i32; MAX_VERTICES]; 2],
 }
@@ -37,7 +37,7 @@ impl Default for ClusterTable {
     fn default() -> Self {
         let zero = [[0; MAX_VERTICES]; 3];
         let (facing, alpha, uv) = (Facing::default(), zero[0], [zero[0]; 2]);
-        Self { position: zero, normal: zero, facing, color: zero, alpha, uv }
+        Self { position: zero, normal: zero, facing, color: zero, alpha, value: zero[0], uv }
     }
 }
 
@@ -132,16 +132,27 @@ impl ClusterTable {
         }));
     }
 
-    /// Loads the vertex colours of a cluster, if it has any.
+    /// Loads the vertex colours of a cluster, or the values of data at its vertices, if they are needed.
     #[inline(always)]
-    pub fn load_colors(&mut self, cluster: &ClusterView) {
-        let Some(colors) = cluster.vertex_colors() else { return };
-        let decode = &**DECODE;
-        for (v, color) in colors.iter().enumerate() {
-            for k in 0..3 {
-                self.color[k][v % MAX_VERTICES] = decode[usize::from(color[k])].to_bits() as i32;
+    pub fn load_colors(&mut self, of: &Colored, colors: ColorSource) {
+        match (colors, of.data) {
+            (ColorSource::Vertex, _) => of.each_vertex_color(
+                #[inline(always)]
+                |v, color| {
+                    for k in 0..3 {
+                        self.color[k][v % MAX_VERTICES] = color[k].to_bits() as i32;
+                    }
+                    self.alpha[v % MAX_VERTICES] = color[3].to_bits() as i32;
+                },
+            ),
+            (ColorSource::Data, Some(data)) => {
+                let mut values = [0.0; MAX_VERTICES];
+                data.read_vertices(&of.cluster, &mut values);
+                for (to, value) in self.value.iter_mut().zip(values) {
+                    *to = value.to_bits() as i32;
+                }
             }
-            self.alpha[v % MAX_VERTICES] = (f32::from(color[3]) / 255.0).to_bits() as i32;
+            _ => {}
         }
     }
 
@@ -180,13 +191,13 @@ impl ClusterTable {
         }
     }
 
-    /// Looks up the colours of the corners of 16 triangles, given by their numbers in the cluster and the vertex
-    /// numbers of their corners. Precondition: vertex colours, if they are used, are loaded.
+    /// Looks up the colours of the corners of 16 triangles, or values of data there, given by their numbers in the cluster and
+    /// the vertex numbers of their corners. Precondition: what is at vertices is loaded.
     #[inline(always)]
     pub fn look_up_colors<S: Simd>(
         &self,
         simd: S,
-        (mesh, cluster, surface): (&ClusteredMesh, &ClusterView, &Surface),
+        of: &Colored,
         triangles: &[u8; LANES],
         numbers: &CornerNumbers,
         colors: ColorSource,
@@ -196,20 +207,34 @@ impl ClusterTable {
             ColorSource::Base => {}
             ColorSource::Vertex => {
                 found.color = each3!(K => each3!(C => lookup(simd, &self.color[C], &numbers[K]).bitcast()));
-                if mesh.is_translucent() {
+                if of.has_alpha() {
                     found.alpha = each3!(K => lookup(simd, &self.alpha, &numbers[K]).bitcast());
                 }
             }
             ColorSource::Triangle => {
                 let mut colors = [[0.0; LANES]; 4];
                 for lane in 0..LANES {
-                    let color = triangle_color(mesh, cluster, surface, usize::from(triangles[lane]));
+                    let color = of.triangle_color(usize::from(triangles[lane]));
                     for k in 0..4 {
                         colors[k][lane] = color[k];
                     }
                 }
                 found.color = [each3!(C => load(simd, &colors[C])); 3];
                 found.alpha = [load(simd, &colors[3]); 3];
+            }
+            ColorSource::Data => {
+                let Some(data) = of.data else { return };
+                found.value = match data.is_at_triangles() {
+                    false => each3!(K => lookup(simd, &self.value, &numbers[K]).bitcast()),
+                    true => {
+                        let mut values = [0.0; LANES];
+                        for lane in 0..LANES {
+                            let triangle = usize::from(triangles[lane]);
+                            values[lane] = data.value(&of.instance.mesh, of.number, &of.cluster, triangle, 0);
+                        }
+                        [load(simd, &values); 3]
+                    }
+                };
             }
         }
     }

@@ -27,7 +27,7 @@ pub struct Evaluated {
 /// The material of a triangle.
 pub fn material_of(scene: &Scene, instance: &Instance, mesh: &Mesh, triangle: usize) -> Material {
     let of_triangle = mesh.triangle_materials.as_ref().map_or(Mesh::NO_MATERIAL, |m| m[triangle]);
-    let uses_own = instance.surface.use_mesh_colors;
+    let uses_own = instance.uses_mesh_colors();
     let number = instance.materials.as_ref().filter(|_| uses_own).and_then(|m| m.of_triangle(of_triangle));
     match number {
         Some(number) => scene.materials[number as usize].clone(),

@@ -6,6 +6,7 @@
 //! shadow map says of a point, which tests hold against rays.
 //! Coverage, depth, visibility, shading and the filter it implements by itself.
 
+mod data;
 mod material;
 mod resolve;
 mod shading;
@@ -15,6 +16,7 @@ use tercio_mesh::Mesh;
 use tercio_scene::{Camera, Instance, Scene};
 
 use crate::context::{check_light, check_range, shadows_on};
+use crate::data::{DataTable, check_data};
 use crate::conventions::SUBPIXELS;
 use crate::error::RenderError;
 use crate::frame::{Frame, Pixel, visibility_key};
@@ -55,6 +57,7 @@ pub fn render(
     let view = View::new(camera, &scene.bounds(), settings.width, settings.height)?;
     check_range(scene, settings, &view)?;
     check_light(scene)?;
+    check_data(scene)?;
     let objects: Vec<ObjectView> = scene.instances.iter().map(|i| view.object(i)).collect();
     let cells = settings.sampling.pattern.cells();
     let is_opaque = !scene.instances.iter().any(Instance::is_translucent);
@@ -94,6 +97,7 @@ pub fn render(
 
     let lights = LightRig::new(&scene.lights, scene.environment.as_ref(), &view);
     let shadows = shadows_on(scene, &objects, camera, settings)?;
+    let data: Vec<Option<DataTable>> = scene.instances.iter().map(DataTable::of).collect();
     let first_faces = first_faces(meshes);
     let first_primitives = first_primitives(meshes);
     let mut shaded_samples = Vec::with_capacity(samples.len());
@@ -118,6 +122,7 @@ pub fn render(
                 object,
                 &lights,
                 shadows.get(layer.instance),
+                data[layer.instance].as_ref(),
                 settings,
                 at,
             );

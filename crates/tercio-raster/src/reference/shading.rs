@@ -3,11 +3,13 @@
 use tercio_mesh::{Mesh, OctNormal};
 use tercio_scene::{Scene, Surface};
 
+use super::data::{colors_of, direct_alphas, direct_colors};
 use super::material::{bumped, evaluate, lights as seen_lights, material_of, phong, physical};
 use super::texture::TexturePoint;
 use crate::color::DECODE;
 use crate::context::is_elaborate;
 use crate::conventions::{SMALL_EXTENT, SUBPIXELS};
+use crate::data::DataTable;
 use crate::lighting::{LightRig, WideLight};
 use crate::projection::clip::{barycentric_change, barycentrics_unclipped};
 use crate::sampling::SampleShading;
@@ -84,6 +86,7 @@ pub fn shade(
     object: &ObjectView,
     lights: &LightRig,
     shadows: Option<&ObjectShadows>,
+    data: Option<&DataTable>,
     settings: &Settings,
     sample: [i32; 2],
 ) -> Shaded {
@@ -131,7 +134,18 @@ pub fn shade(
         _ => plane,
     };
     let normal = unit(normal, to_viewer);
-    let has_materials = instance.materials.is_some() && surface.use_mesh_colors;
+    // The colour and alpha of data or of the mesh, if the surface does not have its own.
+    let of_data = data.and_then(|data| colors_of(data, mesh, triangle, weight, [right, down], settings));
+    let corner_colors = |has_own: bool| match data {
+        Some(data) => direct_colors(data, mesh, triangle),
+        None if has_own => corner_colors(mesh, triangle, surface),
+        None => None,
+    };
+    let corner_alphas = || match data {
+        Some(data) => direct_alphas(data, mesh, triangle),
+        None => corner_alphas(mesh, triangle, surface),
+    };
+    let has_materials = instance.materials.is_some() && instance.uses_mesh_colors();
     if has_materials || is_elaborate(settings, lights) {
         let texcoords = mesh.texcoords.as_ref().map(|t| corners.map(|v| t[v]));
         let point = texcoords.map(|t| {
@@ -139,11 +153,8 @@ pub fn shade(
             let change = |by: Vec3| [0, 1].map(|k| dot(by, t.map(|t| t[k] - uv[k])));
             TexturePoint { uv, right: change(right), down: change(down) }
         });
-        let color = corner_colors(mesh, triangle, surface)
-            .filter(|_| has_own_colors(mesh) || !has_materials)
-            .map(mix3);
-        let own = color
-            .map(|color| (color, corner_alphas(mesh, triangle, surface).map_or(1.0, |a| alpha(a, weight))));
+        let color = corner_colors(has_own_colors(mesh) || !has_materials).map(mix3);
+        let own = color.map(|color| (color, corner_alphas().map_or(1.0, |a| alpha(a, weight)))).or(of_data);
         let material = material_of(scene, instance, mesh, triangle);
         let m = evaluate(scene, &material, settings.texture_filter, point.as_ref(), own);
         let mut lit_normal = normal;
@@ -172,9 +183,10 @@ pub fn shade(
         let [r, g, b] = toned(light, settings).map(|c| shown(c) * alpha);
         return Shaded { linear: [r, g, b, alpha], normal };
     }
-    let albedo = match corner_colors(mesh, triangle, surface) {
-        Some(colors) => mix3(colors),
-        None => surface.base_color,
+    let albedo = match (of_data, corner_colors(true)) {
+        (Some((color, _)), _) => color,
+        (None, Some(colors)) => mix3(colors),
+        (None, None) => surface.base_color,
     };
     let linear = match shading {
         Shading::Unlit => albedo,
@@ -196,8 +208,8 @@ pub fn shade(
             each(|k| albedo[k] * diffuse[k] + specular[k])
         }
     };
-    let alpha = corner_alphas(mesh, triangle, surface).map_or(1.0, |a| alpha(a, weight));
-    let alpha = alpha * surface.opacity;
+    let own_alpha = || corner_alphas().map_or(1.0, |a| alpha(a, weight));
+    let alpha = of_data.map_or_else(own_alpha, |(_, alpha)| alpha) * surface.opacity;
     let [r, g, b] = toned(linear, settings).map(|c| shown(c) * alpha);
     Shaded { linear: [r, g, b, alpha], normal }
 }
@@ -264,12 +276,17 @@ struct Interpolation {
     down: [f32; 3],
 }
 
-fn interpolation(object: &ObjectView, p: [Vec3; 3], sample: [i32; 2], settings: &Settings) -> Interpolation {
-    // Samples that are shaded by themselves are closer to each other than pixels.
-    let step = match settings.sampling.shading {
+/// Distance of the points at which a surface is shaded, in sub-pixels. Samples that are shaded by themselves are closer to each
+/// other than pixels.
+pub fn shading_distance(settings: &Settings) -> f32 {
+    match settings.sampling.shading {
         SampleShading::Pixel => SUBPIXELS as f32,
         SampleShading::Sample => SUBPIXELS as f32 / (settings.sampling.pattern.count() as f32).sqrt(),
-    };
+    }
+}
+
+fn interpolation(object: &ObjectView, p: [Vec3; 3], sample: [i32; 2], settings: &Settings) -> Interpolation {
+    let step = shading_distance(settings);
     let v = p.map(|p| object.project(p));
     if v.iter().any(|v| !v.inside) {
         let from_middle = [0, 1].map(|k| f64::from(sample[k]) - f64::from(object.offset[k]));

@@ -1,6 +1,6 @@
 //! From the options to a scene and its cameras.
 
-use anyhow::{Result, bail};
+use anyhow::{Context as _, Result, bail};
 use tercio::mesh::io::ReadReport;
 use tercio::parallel::Communicator;
 use tercio::parallel::parts::share_materials;
@@ -33,8 +33,9 @@ impl Render {
         let options = LoadOptions {
             memory_limit: self.running.memory_limit(),
             progress: Some(&display.progress),
-            normals: self.drawing.normals(writing.plan.outputs),
+            normals: self.data.normals(self.drawing.normals(writing.plan.outputs)),
             clip: self.clip.clipping(),
+            make: self.data.made(),
             ..LoadOptions::default()
         };
         let check = |read: &ReadReport| -> Result<()> {
@@ -61,6 +62,8 @@ impl Render {
             self.environment.load(camera.front(), self.running.memory_limit())?
         };
         self.drawing.dress(&mut scene);
+        let up = camera.front().up;
+        self.data.apply(&mut scene, up, parts.as_deref_mut()).with_context(|| self.model.name())?;
         let background = scene.background;
         if self.effects.are_applied() {
             scene.background = Background::Solid([0.0; 4]);
@@ -88,7 +91,8 @@ impl Render {
         self.clip.add_caps(&mut scene, loaded.caps);
         report.read.warnings.extend(self.drawing.shadow_warning(&scene));
         let cameras = self.cameras(&job.motion, &camera, &scene, loaded.whole.as_ref(), parts)?;
-        let look = self.drawing.look(&scene, &background, &self.environment, &self.effects);
+        let mut look = self.drawing.look(&scene, &background, &self.environment, &self.effects);
+        look["data"] = self.data.json(&scene);
         Ok(Loaded { report, textures, scene, background, look, cameras })
     }
 

@@ -30,6 +30,7 @@ use tercio_lab::predict::choose::Choice;
 
 use crate::args::camera::CameraArgs;
 use crate::args::clip::ClipArgs;
+use crate::args::data::DataArgs;
 use crate::args::drawing::{DrawingArgs, TuningArgs};
 use crate::args::effects::EffectArgs;
 use crate::args::environment::EnvironmentArgs;
@@ -62,6 +63,7 @@ Examples:
   tercio render scan.ply -o '{view}.png' --view front,left,top,iso
   tercio render *.stl -o 'thumbs/{name}.png' --size 256x256
   tercio render step_*.ply -o steps.mp4 --fps 30
+  tercio render scan.ply -o scan.png --color-by quality --colormap turbo --range 2%,98% --isolines 9
   tercio render scan.ply -o scan.png --stereo anaglyph
   tercio render scan.ply -o scan.png --stereo pair --eye-distance 2.5   (scan.left.png, scan.right.png)
   tercio render scan.ply -o scan.png --ranks 4 --organisation sort-last --stats -
@@ -92,6 +94,8 @@ pub struct Render {
     clip: ClipArgs,
     #[command(flatten)]
     drawing: DrawingArgs,
+    #[command(flatten)]
+    data: DataArgs,
     #[command(flatten)]
     environment: EnvironmentArgs,
     #[command(flatten)]

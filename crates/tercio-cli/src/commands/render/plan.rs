@@ -53,8 +53,9 @@ impl Render {
         let plan = &mut writing.plan;
         self.stereo.check(&self.camera, &self.drawing, plan).map_err(UsageError)?;
         let has_picture = plan.picture.is_some() || plan.film.is_some();
-        if !has_picture && (self.effects.are_given() || self.environment.is_given()) {
-            let what = "--exposure, --tone, --ao, --edl and --environment change the picture only";
+        let changes_picture = self.effects.are_given() || self.environment.is_given() || self.data.is_given();
+        if !has_picture && changes_picture {
+            let what = "--exposure, --tone, --ao, --edl, --environment and --color-by change the picture only";
             return Err(UsageError(format!("{what}, which is not written: add -o")).into());
         }
         plan.outputs = plan.outputs.with(self.effects.needed());
@@ -66,6 +67,7 @@ impl Render {
             self.environment.check(),
         ];
         checks.into_iter().collect::<Result<(), _>>().map_err(|e| UsageError(e.into()))?;
+        self.data.check()?;
         let mut settings = self.drawing.settings(&self.tuning, &self.sampling, writing.plan.outputs);
         if let Some(limit) = self.running.memory_limit() {
             settings.layer_memory = settings.layer_memory.min((limit / 4) as usize);
@@ -159,7 +161,7 @@ impl Render {
         let files = job.writing.pictures.iter().fold(files, |files, plan| plan.named_files(files));
         let files = self.ranks.named_files(files);
         let files = self.files_of_model().iter().fold(files, |files, m| files.reads_model(m));
-        self.series.named_files(self.environment.named_files(files))
+        self.series.named_files(self.data.named_files(self.environment.named_files(files)))
     }
 
     /// The files of the model: of all ranks, if each has its own.

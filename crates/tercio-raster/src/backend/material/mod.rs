@@ -13,6 +13,7 @@ use fearless_simd::{f32x16, i32x16};
 use tercio_scene::Instance;
 
 use super::corners::{ColorSource, Corners};
+use super::data;
 use super::interpolate::Interpolation;
 use super::light::{Vec3x16, beside, normalize};
 use super::shade::{seen_plane, to_eye};
@@ -35,7 +36,7 @@ pub fn is_used(context: &FrameContext, instance: usize) -> bool {
 
 /// Does an instance use scene-wide materials?
 pub fn has_materials(instance: &Instance) -> bool {
-    instance.materials.is_some() && instance.surface.use_mesh_colors
+    instance.materials.is_some() && instance.uses_mesh_colors()
 }
 
 /// What the kernel knows about 16 pixels.
@@ -76,9 +77,17 @@ pub fn shade<S: Simd>(
                 position: from_pivot,
                 plane: seen_plane(simd, object, corners.position, pixels.at.clockwise),
             };
-            let has_alpha = context.scene.instances[instance].mesh.is_translucent();
+            let has_alpha = {
+                let instance = &context.scene.instances[instance];
+                instance.colors_are_translucent(instance.mesh.is_translucent())
+            };
             let own = match pixels.colors {
                 ColorSource::Base => None,
+                ColorSource::Data => {
+                    let (color, alpha) = data::colors(simd, context, instance, pixels.sample, pixels.at, corners);
+                    let color = each3!(C => color[C].to_array());
+                    Some(Own { color, alpha: alpha.to_array() })
+                }
                 _ => Some(Own {
                     color: pixels.at.mix(corners.color).map(
                         #[inline(always)]

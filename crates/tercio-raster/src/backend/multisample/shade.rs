@@ -3,12 +3,11 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, i32x16};
 use tercio_mesh::cluster::{ClusterView, MAX_TRIANGLES};
-use tercio_scene::Instance;
 
 use super::Scratch;
 use super::fragments::FragmentList;
 use super::sink::{Opaque, Sink, Translucent};
-use crate::backend::corners::{ColorSource, Corners, Fragments};
+use crate::backend::corners::{ColorSource, Colored, Corners, Fragments};
 use crate::backend::material::has_materials;
 use crate::backend::shade::{At, Common, Features, FragmentTarget, Look, fetch, late, shade, shade_inline};
 use crate::context::FrameContext;
@@ -54,9 +53,8 @@ pub fn cluster<S: Simd, K: Sink>(
             if look.position() {
                 table.load_positions(simd, &cluster);
             }
-            if look.colors() == ColorSource::Vertex {
-                table.load_colors(&cluster);
-            }
+            let colored = Colored::new(context, number);
+            table.load_colors(&colored, look.colors());
             if look.materials() {
                 table.load_texcoords(simd, &cluster);
             }
@@ -67,7 +65,7 @@ pub fn cluster<S: Simd, K: Sink>(
                 from_middle: vertices.offset_from_middle(&context.lights.sight),
                 facing: table.facing,
             };
-            let work = ClusterFragments { context, instance, cluster, at, first };
+            let work = ClusterFragments { context, instance, cluster, colored, at, first };
             if !vertices.is_wide && look.is(Common::<true>) {
                 work.shade::<S, K, _>(simd, Common::<true>, scratch, outputs);
             } else {
@@ -82,6 +80,7 @@ struct ClusterFragments<'a> {
     context: &'a FrameContext<'a>,
     instance: usize,
     cluster: ClusterView<'a>,
+    colored: Colored<'a>,
     at: At,
     first: usize,
 }
@@ -99,7 +98,7 @@ impl ClusterFragments<'_> {
         let list = K::list(memory);
         let (context, instance, at) = (self.context, self.instance, self.at);
         let scene_instance = &context.scene.instances[instance];
-        let Instance { mesh, surface, .. } = scene_instance;
+        let surface = &scene_instance.surface;
         let corner_table = CornerTable::new(&self.cluster);
         let count = list.count;
         list.resize_shaded(outputs.normals);
@@ -112,7 +111,7 @@ impl ClusterFragments<'_> {
                 table.look_up_positions(simd, &numbers, &mut corners);
             }
             if features.colors() != ColorSource::Base {
-                let of = (&**mesh, &self.cluster, surface);
+                let of = &self.colored;
                 table.look_up_colors(simd, of, &triangles, &numbers, features.colors(), &mut corners);
             }
             if features.materials() && has_materials(scene_instance) {

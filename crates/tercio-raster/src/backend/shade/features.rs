@@ -65,17 +65,18 @@ impl Look {
     /// [`Cluster::NORMALS_AGREE`](tercio_mesh::cluster::Cluster::NORMALS_AGREE).
     #[inline(always)]
     pub fn new(context: &FrameContext, instance: usize, normals_agree: bool, outputs: &Outputs) -> Self {
-        let Instance { mesh, surface, materials, .. } = &context.scene.instances[instance];
+        let own = &context.scene.instances[instance];
+        let Instance { mesh, surface, materials, .. } = own;
         let shading = context.settings.shading;
         let normals = mesh.layout().normals;
         let may_shine_through =
             mesh.is_translucent() || materials.as_ref().is_some_and(|m| m.is_translucent());
         Self {
             shading,
-            colors: ColorSource::of(&context.scene.instances[instance]),
+            colors: ColorSource::of(own),
             normals,
             plane: needs_plane(context, instance, normals_agree),
-            alpha: surface.use_mesh_colors && may_shine_through,
+            alpha: own.colors_are_translucent(may_shine_through),
             materials: material::is_used(context, instance),
             near_lights: !context.lights.near.is_empty(),
             highlights: surface.specular > 0.0,

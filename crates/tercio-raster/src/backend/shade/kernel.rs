@@ -9,7 +9,7 @@ use super::target::Target;
 use crate::backend::corners::{ColorSource, Corners, Fragments, to_world};
 use crate::backend::interpolate::Interpolation;
 use crate::backend::light::{Vec3x16, bend, beside, diffuse, normalize, reflect, towards_viewer};
-use crate::backend::{material, tone};
+use crate::backend::{data, material, tone};
 use crate::context::FrameContext;
 use crate::conventions::{SAMPLE, SUBPIXELS};
 use crate::projection::relative;
@@ -132,14 +132,21 @@ pub fn shade_inline<S: Simd, F: Features, T: Target>(
         return;
     }
 
+    let mut alpha = splat(simd, 1.0);
     let albedo: Vec3x16<S> = match features.colors() {
         ColorSource::Base => each3!(C => splat(simd, surface.base_color[C])),
-        _ => at.mix(corners.color),
+        ColorSource::Vertex | ColorSource::Triangle => {
+            if features.alpha() {
+                alpha = at.alpha(corners.alpha);
+            }
+            at.mix(corners.color)
+        }
+        ColorSource::Data => {
+            let (color, opacity) = data::colors(simd, context, instance, sample, &at, corners);
+            alpha = opacity;
+            color
+        }
     };
-    let mut alpha = splat(simd, 1.0);
-    if features.alpha() {
-        alpha = at.alpha(corners.alpha);
-    }
     let lit: Vec3x16<S> = match features.shading() {
         Shading::Unlit | Shading::Physical => albedo,
         Shading::Flat | Shading::Phong if !features.highlights() && !features.near_lights() => {

@@ -12,10 +12,9 @@ mod target;
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, u32x16};
 use tercio_mesh::cluster::{ClusterView, MAX_TRIANGLES};
-use tercio_scene::Instance;
 
 use super::cluster::ClusterPass;
-use super::corners::{ColorSource, Corners, Fragments};
+use super::corners::{ColorSource, Colored, Corners, Fragments};
 use super::material::has_materials;
 use super::memory::TileMemory;
 use super::table::ClusterTable;
@@ -193,6 +192,7 @@ struct Won<'a> {
     number: u32,
     instance: usize,
     cluster: ClusterView<'a>,
+    colored: Colored<'a>,
     memory: &'a TileMemory,
     at: At,
 }
@@ -224,9 +224,8 @@ pub fn winners<S: Simd>(
             if look.position() {
                 table.load_positions(simd, &cluster);
             }
-            if look.colors() == ColorSource::Vertex {
-                table.load_colors(&cluster);
-            }
+            let colored = Colored::new(context, number);
+            table.load_colors(&colored, look.colors());
             if look.materials() {
                 table.load_texcoords(simd, &cluster);
             }
@@ -237,7 +236,7 @@ pub fn winners<S: Simd>(
                 from_middle: pass.vertices.offset_from_middle(&context.lights.sight),
                 facing: table.facing,
             };
-            let won = Won { context, number, instance, cluster, memory, at };
+            let won = Won { context, number, instance, cluster, colored, memory, at };
             let is_common = !pass.vertices.is_wide;
             if is_common && look.is(Common::<true>) {
                 won.shade(simd, Common::<true>, pass, scratch, pixels, outputs);
@@ -263,7 +262,6 @@ impl Won<'_> {
     ) {
         let WinnerScratch { table, fragments } = scratch;
         let scene_instance = &self.context.scene.instances[self.instance];
-        let Instance { mesh, surface, .. } = scene_instance;
         let corner_table = CornerTable::new(&self.cluster);
         let count = pass.winners.len();
         for first in (0..count).step_by(LANES) {
@@ -275,7 +273,7 @@ impl Won<'_> {
                 table.look_up_positions(simd, &numbers, &mut corners);
             }
             if features.colors() != ColorSource::Base {
-                let of = (&**mesh, &self.cluster, surface);
+                let of = &self.colored;
                 table.look_up_colors(simd, of, &triangles, &numbers, features.colors(), &mut corners);
             }
             if features.materials() && has_materials(scene_instance) {

@@ -1,0 +1,358 @@
+//! Options of colours by data.
+
+use std::path::Path;
+
+use anyhow::{Context, Result, bail};
+use clap::Args;
+use serde_json::{Value, json};
+use tercio::Normals;
+use tercio::data::{
+    DataOptions, Ends, IsolineOptions, Made, RangeEnd, ScaleOption, Statistics, needs_normals,
+};
+use tercio::glam::DVec3;
+use tercio::parallel::Communicator;
+use tercio::scene::color_map::{ColorMap, Scale};
+use tercio::scene::{DataColors, Scene, SurfaceData};
+
+use super::values;
+use crate::named_files::NamedFiles;
+use crate::output::UsageError;
+
+/// Colours by data.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Data")]
+pub struct DataArgs {
+    /// Colours the model by an attribute (tercio info lists them; of a vector, its magnitude), NAME:COMPONENT, NAME:magnitude, or
+    /// NAME:rgb for colours; or by what is made of the model: @elevation, @normal, @normal:x (y, z), @curvature,
+    /// @component, @face.
+    #[arg(long, value_name = "NAME", aliases = ["scalars", "coloring-array"])]
+    color_by: Option<String>,
+    /// Colours of the range, by a name that matplotlib or ParaView know (viridis, coolwarm, turbo, Set1, ...; _r reverses one),
+    /// or a file with a colour a line, or ParaView's JSON [default: viridis; of categories Set1 or tab20].
+    #[arg(long, value_name = "NAME", aliases = ["cmap", "color-map"], requires = "color_by")]
+    colormap: Option<String>,
+    /// Ends of the range: values, or percentiles such as 2%,98%; an empty one is that of the data [default: the least and the
+    /// greatest finite value].
+    #[arg(long, value_name = "MIN,MAX", aliases = ["clim", "coloring-range"], requires = "color_by")]
+    #[arg(allow_hyphen_values = true, value_parser = ends)]
+    range: Option<Ends>,
+    /// Spreads the logarithms of values, which have to be above 0.
+    #[arg(long, requires = "color_by", conflicts_with = "symlog")]
+    log: bool,
+    /// Spreads logarithms on both sides of 0, and what is closer to 0 than a threshold evenly [default: a thousandth of the
+    /// greatest absolute value of the range].
+    #[arg(long, value_name = "THRESHOLD", num_args = 0..=1, default_missing_value = "auto", require_equals = true)]
+    #[arg(value_parser = threshold, requires = "color_by")]
+    symlog: Option<Threshold>,
+    /// Bands of one colour each, 1 to 65536, in place of a smooth transition.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=65536), requires = "color_by")]
+    bands: Option<u32>,
+    /// Lines of equal value: how many, spread evenly over the range, or their values with commas (a single one ends with a comma).
+    #[arg(long, value_name = "N|V1,V2", allow_hyphen_values = true, value_parser = isolines, requires = "color_by")]
+    isolines: Option<Lines>,
+    /// Colour of the lines of --isolines [default: #000000].
+    #[arg(long, value_name = "COLOR", value_parser = values::color, requires = "isolines")]
+    isoline_color: Option<[u8; 4]>,
+    /// Width of the lines of --isolines in pixels, 0 to 1000 [default: 1.5].
+    #[arg(long, value_name = "PIXELS", value_parser = width, requires = "isolines")]
+    isoline_width: Option<f64>,
+    /// Colour of what is not a number [default: #a0a0a0].
+    #[arg(long, value_name = "COLOR", value_parser = values::color, requires = "color_by")]
+    nan_color: Option<[u8; 4]>,
+    /// Colour of values below the range [default: that of its lower end].
+    #[arg(long, value_name = "COLOR", value_parser = values::color, requires = "color_by")]
+    below_color: Option<[u8; 4]>,
+    /// Colour of values above the range [default: that of its upper end].
+    #[arg(long, value_name = "COLOR", value_parser = values::color, requires = "color_by")]
+    above_color: Option<[u8; 4]>,
+    /// Opacities, 0 to 1, spread evenly over the range and linear between them, such as 0,1.
+    #[arg(long, value_name = "O1,O2", value_parser = opacities, requires = "color_by")]
+    opacity_map: Option<Opacities>,
+    /// Values are names, not quantities, and each different one (at most 4096) has its own colour; those at vertices are not
+    /// interpolated. Labels for the scalar bar may follow: --categories=1=bone,4=skin.
+    #[arg(long, value_name = "V=LABEL", num_args = 0..=1, default_missing_value = "", require_equals = true)]
+    #[arg(value_parser = labels, requires = "color_by")]
+    #[arg(conflicts_with_all = ["range", "log", "symlog", "bands", "isolines", "below_color", "above_color", "opacity_map"])]
+    categories: Option<Labels>,
+}
+
+/// `--symlog`.
+#[derive(Clone, Copy, Debug)]
+struct Threshold(Option<f64>);
+
+/// `--isolines`.
+#[derive(Clone, Debug)]
+struct Lines(Result<Vec<f64>, u32>);
+
+/// `--opacity-map`.
+#[derive(Clone, Debug)]
+struct Opacities(Vec<f32>);
+
+/// `--categories`.
+#[derive(Clone, Debug)]
+struct Labels(Vec<(f32, String)>);
+
+fn ends(text: &str) -> Result<Ends, String> {
+    let expected =
+        || "expected MIN,MAX: numbers, percentiles such as 2%, or nothing for those of the data".to_owned();
+    let end = |text: &str| match (text.trim(), text.trim().strip_suffix('%')) {
+        ("", _) => Ok(RangeEnd::OfData),
+        (_, Some(percent)) => {
+            let share = values::number(percent.trim()).ok().map(|p| p / 100.0);
+            share.filter(|s| (0.0..=1.0).contains(s)).map(RangeEnd::Percentile).ok_or_else(expected)
+        }
+        (value, None) => values::number(value).map(RangeEnd::At).map_err(|_| expected()),
+    };
+    let (low, high) = text.split_once(',').ok_or_else(expected)?;
+    let ends = Ends { low: end(low)?, high: end(high)? };
+    match (ends.low, ends.high) {
+        (RangeEnd::At(low), RangeEnd::At(high)) | (RangeEnd::Percentile(low), RangeEnd::Percentile(high))
+            if low >= high =>
+        {
+            Err("expected MIN below MAX".into())
+        }
+        _ => Ok(ends),
+    }
+}
+
+fn threshold(text: &str) -> Result<Threshold, String> {
+    match text {
+        "auto" => Ok(Threshold(None)),
+        _ => values::positive(text).map(|value| Threshold(Some(value))),
+    }
+}
+
+fn isolines(text: &str) -> Result<Lines, String> {
+    const EXPECTED: &str = "expected how many, 1 to 256, or at most 256 numbers with commas between";
+    if let Ok(count) = text.trim().parse::<u32>() {
+        return if (1..=256).contains(&count) { Ok(Lines(Err(count))) } else { Err(EXPECTED.into()) };
+    }
+    let words = text.split(',').map(str::trim).filter(|word| !word.is_empty());
+    let values: Result<Vec<f64>, String> = words.map(values::number).collect();
+    match values {
+        Ok(values) if (1..=256).contains(&values.len()) => Ok(Lines(Ok(values))),
+        _ => Err(EXPECTED.into()),
+    }
+}
+
+fn width(text: &str) -> Result<f64, String> {
+    let width = values::number(text).ok().filter(|w| (0.0..=1000.0).contains(w));
+    width.ok_or_else(|| "expected a width of 0 to 1000 pixels".into())
+}
+
+fn opacities(text: &str) -> Result<Opacities, String> {
+    let all: Result<Vec<f64>, String> = text.split(',').map(|word| values::opacity(word.trim())).collect();
+    all.map(|all| Opacities(all.into_iter().map(|o| o as f32).collect()))
+}
+
+fn labels(text: &str) -> Result<Labels, String> {
+    let label = |word: &str| {
+        let (value, label) = word.split_once('=').ok_or("expected labels such as 1=bone,4=skin")?;
+        Ok((values::number(value.trim())? as f32, label.trim().to_owned()))
+    };
+    let words = text.split(',').filter(|word| !word.is_empty());
+    words.map(label).collect::<Result<_, String>>().map(Labels)
+}
+
+/// The file that the name of a colour map means, if it is not a known one.
+fn file(name: &str) -> Option<&Path> {
+    ColorMap::named(name)
+        .is_none()
+        .then(|| Path::new(name))
+        .filter(|path| path.exists() || name.contains(['/', '.']))
+}
+
+impl DataArgs {
+    /// Is the model coloured by data?
+    pub fn is_given(&self) -> bool {
+        self.color_by.is_some()
+    }
+
+    /// Names that are not known are reported as a mistake.
+    ///
+    /// # Errors
+    /// [`UsageError`].
+    pub fn check(&self) -> Result<(), UsageError> {
+        match &self.colormap {
+            Some(name) if ColorMap::named(name).is_none() && file(name).is_none() => {
+                let names: Vec<&str> = ColorMap::names().collect();
+                let known = names.join(", ");
+                let text = format!(
+                    "there is no colour map \"{name}\", and no file of that name; there are {known}; _r reverses one"
+                );
+                Err(UsageError(text))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Adds the file of the colour map to the inputs.
+    pub fn named_files(&self, files: NamedFiles) -> NamedFiles {
+        match self.colormap.as_deref().and_then(file) {
+            Some(path) => files.reads("the colour map", path),
+            None => files,
+        }
+    }
+
+    /// Normals that the model shall have, if `wanted` are those for drawing.
+    pub fn normals(&self, wanted: Normals) -> Normals {
+        match &self.color_by {
+            Some(name) if needs_normals(name) && wanted == Normals::File => Normals::default(),
+            _ => wanted,
+        }
+    }
+
+    /// The attribute that has to be made when the model is read.
+    pub fn made(&self) -> Option<Made> {
+        self.color_by.as_deref().and_then(Made::of_name)
+    }
+
+    fn map(&self) -> Result<Option<ColorMap>> {
+        let Some(name) = &self.colormap else { return Ok(None) };
+        if let Some(map) = ColorMap::named(name) {
+            return Ok(Some(map));
+        }
+        let map = std::fs::read(name).map_err(anyhow::Error::from);
+        let map = map.and_then(|text| Ok(ColorMap::parse(name, &text)?));
+        map.map(Some).with_context(|| format!("{name} as a colour map"))
+    }
+
+    fn changes_map(&self) -> bool {
+        self.colormap.is_some()
+            || self.range.is_some()
+            || self.log
+            || self.symlog.is_some()
+            || self.bands.is_some()
+            || self.isolines.is_some()
+            || self.nan_color.is_some()
+            || self.below_color.is_some()
+            || self.above_color.is_some()
+            || self.opacity_map.is_some()
+            || self.categories.is_some()
+    }
+
+    /// Colours the first instance of a scene by its data; together with the ranks that have the other parts of it, if there are
+    /// `parts`.
+    ///
+    /// # Errors
+    /// Data that are not there, with a list of those that are.
+    pub fn apply(&self, scene: &mut Scene, up: DVec3, parts: Option<&mut impl Communicator>) -> Result<()> {
+        let Some(by) = &self.color_by else { return Ok(()) };
+        let scale = match self.symlog {
+            _ if self.log => ScaleOption::Log,
+            Some(Threshold(threshold)) => ScaleOption::SymmetricLog(threshold),
+            None => ScaleOption::Linear,
+        };
+        let isolines = self.isolines.as_ref().map(|lines| IsolineOptions {
+            at: lines.0.clone(),
+            color: self.isoline_color.unwrap_or([0, 0, 0, 255]),
+            width: self.isoline_width.unwrap_or(1.5) as f32,
+        });
+        let options = DataOptions {
+            map: self.map()?,
+            range: self.range.unwrap_or_default(),
+            scale,
+            bands: self.bands,
+            isolines,
+            nan: self.nan_color.unwrap_or(DataColors::NAN),
+            below: self.below_color,
+            above: self.above_color,
+            opacities: self.opacity_map.as_ref().map_or_else(Vec::new, |map| map.0.clone()),
+            categories: self.categories.as_ref().map(|labels| labels.0.clone()),
+            up,
+            ..DataOptions::new(by)
+        };
+        let is_of_part = matches!(options.range.low, RangeEnd::Percentile(_))
+            || matches!(options.range.high, RangeEnd::Percentile(_))
+            || options.categories.is_some();
+        if parts.is_some() && is_of_part {
+            let text = "percentiles and --categories need the whole model, which no rank has with --parts";
+            return Err(UsageError(text.into()).into());
+        }
+        let instance = &mut scene.instances[0];
+        let of_all = |own: Statistics| match parts {
+            Some(comm) => of_all_parts(comm, own),
+            None => Ok(own),
+        };
+        let data = options.data_with::<anyhow::Error>(instance, of_all)?;
+        if matches!(*data, SurfaceData::Direct { .. }) && self.changes_map() {
+            bail!("\"{by}\" are colours: --colormap, --range and what belongs to them have no effect");
+        }
+        instance.data = Some(data);
+        Ok(())
+    }
+
+    /// What the colours show, for reports.
+    pub fn json(&self, scene: &Scene) -> Value {
+        let data = scene.instances.first().and_then(|instance| instance.data.as_deref());
+        let Some(SurfaceData::Mapped { colors, .. }) = data else {
+            return data.map_or(Value::Null, |_| json!({ "by": self.color_by, "colors": "direct" }));
+        };
+        let scale = match colors.scale {
+            Scale::Linear => json!("linear"),
+            Scale::Log => json!("log"),
+            Scale::SymmetricLog { threshold } => json!({ "symmetric_log": threshold }),
+        };
+        let categories: Vec<Value> = colors
+            .categories
+            .iter()
+            .map(|c| json!({ "value": c.value, "label": c.label, "color": c.color }))
+            .collect();
+        json!({
+            "by": self.color_by,
+            "colormap": colors.map.name(),
+            "range": colors.range,
+            "scale": scale,
+            "bands": colors.bands,
+            "isolines": colors.isolines.as_ref().map(|lines| &lines.values),
+            "categories": categories,
+        })
+    }
+}
+
+/// The statistics of all parts of a model.
+fn of_all_parts(comm: &mut impl Communicator, own: Statistics) -> Result<Statistics> {
+    const NONE: f64 = f64::NEG_INFINITY;
+    let ends =
+        |range: Option<[f32; 2]>| range.map_or([NONE; 2], |[low, high]| [-f64::from(low), f64::from(high)]);
+    let ([a, b], [c, d]) = (ends(own.finite), ends(own.positive));
+    let all = tercio::parallel::comm::collective::all_max(comm, [a, b, c, d])?;
+    let range = |low: f64, high: f64| (high > NONE).then_some([-low as f32, high as f32]);
+    let mut statistics = Statistics::default();
+    (statistics.finite, statistics.positive) = (range(all[0], all[1]), range(all[2], all[3]));
+    Ok(statistics)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ranges() {
+        let at = RangeEnd::At;
+        assert_eq!(ends("-1,2e3"), Ok(Ends { low: at(-1.0), high: at(2000.0) }));
+        assert_eq!(
+            ends("2%, 98%"),
+            Ok(Ends { low: RangeEnd::Percentile(0.02), high: RangeEnd::Percentile(0.98) })
+        );
+        assert_eq!(ends("0,"), Ok(Ends { low: at(0.0), high: RangeEnd::OfData }));
+        for bad in ["", "1", "2,1", "1,1", "a,b", "1,2,3", "101%,", "nan,1"] {
+            assert!(ends(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn lists() {
+        assert_eq!(isolines("7").map(|l| l.0), Ok(Err(7)));
+        assert_eq!(isolines("7,").map(|l| l.0), Ok(Ok(vec![7.0])));
+        assert_eq!(isolines("-1,0.5").map(|l| l.0), Ok(Ok(vec![-1.0, 0.5])));
+        assert_eq!(labels("1=bone, 4=a=b").map(|l| l.0), Ok(vec![(1.0, "bone".into()), (4.0, "a=b".into())]));
+        assert_eq!(opacities("0,1").map(|o| o.0), Ok(vec![0.0, 1.0]));
+        assert!(
+            isolines("0").is_err()
+                && isolines("1,x").is_err()
+                && labels("bone").is_err()
+                && opacities("2").is_err()
+        );
+    }
+}

@@ -1,0 +1,109 @@
+//! Colours by data, as a user draws them.
+
+mod common;
+
+use std::fs;
+
+use common::Place;
+
+/// Two squares side by side, of two triangles each: quality 0 at the left border to 8 at the right one, a number for each face,
+/// and one that is not a number.
+const MODEL: &str = "ply\nformat ascii 1.0\nelement vertex 6\nproperty float x\nproperty float y\nproperty float z\n\
+    property float quality\nproperty float red_v\nproperty float odd\nelement face 2\n\
+    property list uchar int vertex_indices\nproperty int part\nend_header\n\
+    0 0 0 0 1 1\n2 0 0 4 1 1\n4 0 0 8 1 nan\n0 2 0 0 1 1\n2 2 0 4 1 1\n4 2 0 8 1 2\n\
+    4 0 1 4 3 7\n4 1 2 5 4 9\n";
+
+const VIEW: &str =
+    "--view front --projection orthographic --shading unlit --background #fff --size 64x32 --aa 1";
+
+#[test]
+fn values_become_colors() {
+    let place = Place::new();
+    fs::write(place.path("a.ply"), MODEL).unwrap();
+    let render = |options: &str| {
+        place.run(&format!("render a.ply -o a.ppm -q {VIEW} {options}")).ok_silently();
+        let picture = place.read("a.ppm");
+        let pixels = &picture[picture.len() - 64 * 32 * 3..];
+        let row: Vec<[u8; 3]> = (0..64).map(|x| [0, 1, 2].map(|k| pixels[3 * (64 * 16 + x) + k])).collect();
+        let on_model = row.iter().position(|c| *c != [255; 3]).unwrap()
+            ..64 - row.iter().rev().position(|c| *c != [255; 3]).unwrap();
+        row[on_model].to_vec()
+    };
+    let different = |row: &[[u8; 3]]| {
+        let mut row = row.to_vec();
+        row.dedup();
+        row
+    };
+    let smooth = render("--color-by quality --colormap gray --range 0,9");
+    let is_even = |(i, c): (usize, &[u8; 3])| {
+        (f64::from(c[0]) - (i as f64 + 0.5) * 8.0 / 9.0 * 255.0 / smooth.len() as f64).abs() < 3.5
+    };
+    assert!(smooth.iter().enumerate().all(is_even), "{smooth:?}");
+    assert_eq!(different(&render("--color-by quality --bands 2 --colormap bwr")), [[0, 0, 255], [255, 0, 0]]);
+    assert_eq!(different(&render("--scalars part --cmap bwr --clim 7,9")), [[0, 0, 255], [255, 0, 0]]);
+    assert_eq!(different(&render("--color-by part --categories=7=bone")), [[228, 26, 28], [55, 126, 184]]);
+    assert_eq!(different(&render("--color-by @face --colormap bwr")), [[0, 0, 255], [255, 0, 0]]);
+    let beyond = "--range 2,6 --bands 2 --below-color #010203 --above-color #040506 --colormap bwr";
+    let beyond = render(&format!("--color-by quality {beyond}"));
+    assert_eq!(different(&beyond), [[1, 2, 3], [0, 0, 255], [255, 0, 0], [4, 5, 6]]);
+    assert!(render("--color-by odd --nan-color #0a0b0c").contains(&[10, 11, 12]));
+    fs::write(place.path("map.txt"), "# mine\n10 20 30\n200 20 30\n").unwrap();
+    assert_eq!(
+        different(&render("--color-by quality --bands 2 --colormap map.txt")),
+        [[10, 20, 30], [200, 20, 30]]
+    );
+    // Half of black and half of white in linear light.
+    assert_eq!(
+        different(&render("--color-by quality --range 100,200 --colormap gray --opacity-map 0.5,1")),
+        [[188; 3]]
+    );
+}
+
+#[test]
+fn what_is_wrong_is_told_with_what_there_is() {
+    let place = Place::new();
+    fs::write(place.path("a.ply"), MODEL).unwrap();
+    let run = |options: &str| place.run(&format!("render a.ply -o a.png --size 20x20 {options}"));
+    run("--color-by q").failed(
+        1,
+        &["a.ply: there is no attribute \"q\"", "quality (vertices)", "part (triangles)", "@elevation"],
+    );
+    run("--color-by quality:3").failed(1, &["a.ply: \"quality\" has no component \"3\"", "magnitude"]);
+    run("--color-by quality --log --range 0,1").failed(1, &["range above 0"]);
+    run("--color-by @normal --bands 3").failed(1, &["are colours"]);
+    run("--color-by part --isolines 3").failed(1, &["isolines need values at vertices"]);
+    run("--colormap viridis").failed(2, &["--color-by"]);
+    run("--color-by quality --colormap virridis")
+        .failed(2, &["no colour map \"virridis\"", "viridis, magma", "Set1"]);
+    run("--color-by quality --range 3,1").failed(2, &["MIN below MAX"]);
+    run("--color-by quality --categories --log").failed(2, &["--log"]);
+    fs::write(place.path("map.txt"), "10 20 30\nred\n").unwrap();
+    run("--color-by quality --colormap map.txt").failed(1, &["map.txt as a colour map", "line 2", "`red`"]);
+    fs::write(place.path("map.txt"), "0 0 0\n1 1 1\n").unwrap();
+    place
+        .run("render a.ply -o map.txt --format ppm --color-by quality --colormap map.txt")
+        .failed(2, &["map.txt"]);
+    assert!(!place.names().contains(&"a.png".into()));
+}
+
+#[test]
+fn the_picture_does_not_depend_on_how_it_is_drawn() {
+    let place = Place::new();
+    let model = "render builtin:terrain@2k --color-by @elevation --isolines 7 --bands 12 --size 120x90 -q";
+    place.run(&format!("{model} -o a.png")).ok_silently();
+    for how in [
+        "--ranks 3 --organisation sort-last",
+        "--ranks 2 --organisation sort-first",
+        "--threads 1 --tile-size 8",
+    ] {
+        place.run(&format!("{model} -o b.png {how}")).ok_silently();
+        assert!(place.read("a.png") == place.read("b.png"), "{how}");
+    }
+    place.run("prepare builtin:terrain@2k -o a.tercio -q").ok_silently();
+    place.run(&format!("{} -o b.png", model.replace("builtin:terrain@2k", "a.tercio"))).ok_silently();
+    assert!(place.read("a.png") == place.read("b.png"), "prepared");
+    place.run("render a.tercio -o b.png --color-by @curvature").failed(1, &["not of a prepared one"]);
+    place.run("render builtin:sphere@2k -o b.png -q --size 20x20 --color-by @curvature").ok_silently();
+    place.run("render builtin:soup@2k -o b.png -q --size 20x20 --color-by @component").ok_silently();
+}

@@ -1,0 +1,235 @@
+//! Pictures of surfaces that show data: every path draws the bytes of the reference.
+
+mod common;
+
+use std::sync::Arc;
+
+use common::*;
+use glam::DVec3;
+use tercio_mesh::{Attribute, AttributeDomain, Mesh};
+use tercio_raster::{
+    Outputs, RenderError, Renderer, SamplePattern, SampleShading, Sampling, Settings, Shading, SimdLevel,
+};
+use tercio_scene::color_map::{Category, Isolines, Scale};
+use tercio_scene::{Camera, ColorMap, DataColors, DataSource, Light, Scene, SurfaceData};
+
+const SPECIAL: [f32; 6] = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 3e38, -3e38, 1e-40];
+
+/// A mesh with four attributes at vertices and one at triangles: numbers of -1 to 2, some of them special.
+fn with_data(mut mesh: Mesh, special: f64, seed: u64) -> Mesh {
+    let mut random = Random(seed);
+    let mut value = || match random.next() {
+        r if r < special => SPECIAL[(r / special * SPECIAL.len() as f64) as usize],
+        _ => random.between(-1.0, 2.0) as f32,
+    };
+    for k in 0..5 {
+        let (domain, count) = match k {
+            4 => (AttributeDomain::Triangle, mesh.triangles.len()),
+            _ => (AttributeDomain::Vertex, mesh.positions.len()),
+        };
+        let values = (0..count).map(|_| value()).collect();
+        mesh.attributes.push(Attribute { name: format!("v:{k}"), domain, values });
+    }
+    mesh
+}
+
+fn colors(map: &str) -> DataColors {
+    DataColors::new("x", ColorMap::named(map).expect("a known map"), [-0.5, 1.5])
+}
+
+fn mapped(source: DataSource, colors: DataColors) -> SurfaceData {
+    SurfaceData::Mapped { source, colors: Arc::new(colors) }
+}
+
+/// Every source with every kind of map.
+fn kinds() -> Vec<(&'static str, SurfaceData)> {
+    let lines = |width| Some(Isolines { values: vec![-0.2, 0.4, 1.0], color: [20, 10, 0, 200], width });
+    let category = |value: f32| Category { value, label: String::new(), color: [value as u8, 90, 20, 255] };
+    let direct = |components: &[usize]| SurfaceData::Direct {
+        components: components.iter().map(|&n| DataSource::Attribute(n)).collect(),
+        scale: 0.5,
+        offset: 0.1,
+    };
+    let attribute = DataSource::Attribute;
+    vec![
+        ("smooth", mapped(attribute(0), colors("viridis"))),
+        ("cells", mapped(attribute(4), DataColors { bands: Some(7), ..colors("RdBu_r") })),
+        (
+            "log",
+            mapped(attribute(1), DataColors { scale: Scale::Log, range: [1e-3, 2.0], ..colors("turbo") }),
+        ),
+        (
+            "both logs",
+            mapped(
+                attribute(1),
+                DataColors {
+                    scale: Scale::SymmetricLog { threshold: 0.01 },
+                    below: Some([1, 2, 3, 255]),
+                    above: Some([250, 2, 3, 255]),
+                    isolines: lines(2.5),
+                    ..colors("coolwarm")
+                },
+            ),
+        ),
+        (
+            "length",
+            mapped(
+                DataSource::Magnitude(vec![0, 1, 2]),
+                DataColors { isolines: lines(1.0), ..colors("Set1") },
+            ),
+        ),
+        (
+            "height",
+            mapped(
+                DataSource::Along(DVec3::new(0.6, 0.8, 0.0)),
+                DataColors { bands: Some(5), ..colors("jet") },
+            ),
+        ),
+        ("normal", mapped(DataSource::Normal(DVec3::Z), colors("gray"))),
+        (
+            "faces",
+            mapped(
+                DataSource::Face,
+                DataColors {
+                    categories: (0..200).step_by(3).map(|v| category(v as f32)).collect(),
+                    ..colors("Set1")
+                },
+            ),
+        ),
+        (
+            "opacity",
+            mapped(
+                attribute(2),
+                DataColors { opacities: vec![0.0, 0.3, 1.0], isolines: lines(1.5), ..colors("plasma") },
+            ),
+        ),
+        ("colours", direct(&[0, 1, 2])),
+        ("colours with alpha", direct(&[0, 1, 2, 3])),
+    ]
+}
+
+fn showing(mesh: &Mesh, data: SurfaceData) -> Scene {
+    let mut scene = scene(mesh);
+    scene.instances[0].data = Some(Arc::new(data));
+    scene
+}
+
+fn camera() -> Camera {
+    perspective([0.5, 1.0, 3.0], [0.0; 3], 40.0)
+}
+
+fn check_all(mesh: &Mesh, scene: &Scene, camera: &Camera, settings: &Settings, what: &str) {
+    let expected = draw_reference(mesh, scene, camera, settings);
+    let check = |s: Settings, name: String| {
+        assert_same(&expected, &draw(scene, camera, &s), &format!("{what}, {name}"));
+    };
+    for simd in SimdLevel::available() {
+        check(Settings { simd: Some(simd), ..settings.clone() }, simd.to_string());
+    }
+    for tile_size in [8, 128] {
+        check(Settings { tile_size: Some(tile_size), ..settings.clone() }, format!("tiles of {tile_size}"));
+    }
+    with_threads(3, || check(settings.clone(), "3 threads".into()));
+}
+
+#[test]
+fn every_source_and_every_map() {
+    let mesh = with_data(soup(2_000, 1), 0.02, 2);
+    let smooth = Settings { outputs: Outputs::ALL, ..Settings::new(55, 40) };
+    for (name, data) in kinds() {
+        let scene = showing(&mesh, data);
+        for settings in [everything(75, 58), smooth.clone()] {
+            check_all(&mesh, &scene, &camera(), &settings, name);
+        }
+    }
+}
+
+#[test]
+fn every_shading_and_sampling() {
+    let mesh = with_data(soup(1_500, 3), 0.0, 4);
+    let colored = |number: usize| showing(&mesh, kinds()[number].1.clone());
+    for number in [3, 8, 9] {
+        let mut scene = colored(number);
+        // Every kind of light.
+        scene.lights.push(Light::headlight([0.3, 0.2, 0.4]));
+        let (position, space) = (DVec3::new(1.0, 2.0, 0.5), tercio_scene::LightSpace::World);
+        scene.lights.push(Light::Point { position, space, color: [0.2, 0.5, 0.3] });
+        for shading in [Shading::Flat, Shading::Gouraud, Shading::Unlit, Shading::Physical] {
+            let settings = Settings { shading, ..everything(60, 44) };
+            check_all(&mesh, &scene, &camera(), &settings, &format!("{number}, {shading:?}"));
+        }
+        for (pattern, shading) in
+            [(SamplePattern::ALL[1], SampleShading::Pixel), (SamplePattern::ALL[2], SampleShading::Sample)]
+        {
+            let sampling = Sampling { shading, ..Sampling::of(pattern) };
+            let settings = Settings { sampling, tile_size: Some(16), ..everything(50, 38) };
+            check_all(&mesh, &scene, &camera(), &settings, &format!("{number}, {settings:?}"));
+        }
+    }
+}
+
+#[test]
+fn what_is_clipped_and_other_instances() {
+    let mesh = with_data(soup(1_500, 5), 0.01, 6);
+    let inside = perspective([0.1, 0.2, 0.3], [1.0, 0.0, -1.0], 75.0);
+    let flat = orthographic([0.5, 1.0, 3.0], [0.0; 3], 1.0);
+    for number in [3, 5, 6, 8] {
+        let mut scene = with_second_instance(showing(&mesh, kinds()[number].1.clone()));
+        check_all(&mesh, &scene, &inside, &everything(71, 57), "inside");
+        // The other instance has its own colours, and its own opacity.
+        scene.instances[1].data = None;
+        scene.instances[0].surface.opacity = 0.6;
+        check_all(&mesh, &scene, &flat, &everything(60, 44), "two instances");
+    }
+}
+
+#[test]
+fn data_replace_colours_that_are_not_opaque() {
+    let mut mesh = with_data(soup(800, 7), 0.0, 8);
+    mesh.vertex_colors.iter_mut().flatten().for_each(|color| color[3] = 90);
+    let scene = showing(&mesh, kinds()[0].1.clone());
+    assert!(!scene.instances[0].is_translucent());
+    check_all(&mesh, &scene, &camera(), &everything(60, 44), "opaque data");
+    let opaque = Mesh { vertex_colors: None, ..mesh.clone() };
+    let expected = draw(&showing(&opaque, kinds()[0].1.clone()), &camera(), &everything(60, 44));
+    assert_same(&expected, &draw(&scene, &camera(), &everything(60, 44)), "without colours");
+}
+
+#[test]
+fn data_that_are_not_there_are_refused() {
+    let mesh = with_data(soup(10, 9), 0.0, 10);
+    let none = Mesh { normals: None, ..mesh.clone() };
+    let bad = |colors: DataColors| mapped(DataSource::Attribute(0), colors);
+    let plain = || colors("gray");
+    for (data, wrong) in [
+        (mapped(DataSource::Attribute(5), plain()), "data of an instance"),
+        (mapped(DataSource::Magnitude(vec![0, 4]), plain()), "data of an instance"),
+        (mapped(DataSource::Magnitude(vec![]), plain()), "data of an instance"),
+        (mapped(DataSource::Normal(DVec3::X), plain()), "data of an instance"),
+        (bad(DataColors { range: [1.0, 1.0], ..plain() }), "range of data"),
+        (bad(DataColors { range: [f64::NAN, 1.0], ..plain() }), "range of data"),
+        (bad(DataColors { range: [-3e38, 3e38], ..plain() }), "range of data"),
+        (bad(DataColors { scale: Scale::Log, ..plain() }), "range of data on a logarithmic scale"),
+        (
+            bad(DataColors { scale: Scale::SymmetricLog { threshold: 0.0 }, ..plain() }),
+            "threshold of a symmetric logarithm",
+        ),
+        (bad(DataColors { bands: Some(0), ..plain() }), "number of bands"),
+        (bad(DataColors { opacities: vec![2.0], ..plain() }), "opacity of data"),
+        (
+            bad(DataColors {
+                isolines: Some(Isolines { values: vec![f64::NAN], color: [0; 4], width: 1.0 }),
+                ..plain()
+            }),
+            "isolines",
+        ),
+    ] {
+        let scene = showing(&none, data);
+        let error = Renderer::new().render(&scene, &camera(), &everything(10, 10)).unwrap_err();
+        assert!(matches!(error, RenderError::Setting { what, .. } if what == wrong), "{wrong}: {error}");
+        assert_eq!(
+            tercio_raster::reference::render(&[&none], &scene, &camera(), &everything(10, 10)).unwrap_err(),
+            error
+        );
+    }
+}

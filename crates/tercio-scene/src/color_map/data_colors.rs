@@ -1,0 +1,164 @@
+//! The colours of data: what a surface and its scalar bar share.
+
+use super::{ColorMap, Scale, rounded};
+
+/// How values become colours. Colours are sRGB with linear alpha.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DataColors {
+    /// What the values are: the title of a scalar bar.
+    pub title: String,
+    /// The colours of the range.
+    pub map: ColorMap,
+    /// How the range is spread over the map.
+    pub scale: Scale,
+    /// The values at the ends of the map; finite, the first is below the second; both above 0 for a logarithm.
+    pub range: [f64; 2],
+    /// Number of bands of one colour each, evenly spaced on the scale; `None` for a smooth transition.
+    pub bands: Option<u32>,
+    /// Lines of equal value.
+    pub isolines: Option<Isolines>,
+    /// The colour of what is not a number.
+    pub nan: [u8; 4],
+    /// The colour of values below the range; that of its lower end if there is none.
+    pub below: Option<[u8; 4]>,
+    /// The colour of values above the range; that of its upper end if there is none.
+    pub above: Option<[u8; 4]>,
+    /// Opacities, 0 to 1, evenly spaced over the map and linear between them; none for 1 everywhere.
+    pub opacities: Vec<f32>,
+    /// Values that are names rather than quantities, in ascending order, each with its own colour; other values have the colour of
+    /// NaN. Range, scale, bands, and the colours below and above are not used then.
+    pub categories: Vec<Category>,
+}
+
+/// A value that stands for something.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Category {
+    /// The value of the data.
+    pub value: f32,
+    /// What it is called.
+    pub label: String,
+    /// Its colour.
+    pub color: [u8; 4],
+}
+
+/// Lines of equal value on a surface.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Isolines {
+    /// Their values.
+    pub values: Vec<f64>,
+    /// Their colour.
+    pub color: [u8; 4],
+    /// Their width in pixels.
+    pub width: f32,
+}
+
+impl DataColors {
+    /// The colour of what is not a number, if no other is asked for: a gray that no usual map has at one of its ends.
+    pub const NAN: [u8; 4] = [160, 160, 160, 255];
+
+    /// A linear, smooth, opaque map of a range.
+    pub fn new(title: &str, map: ColorMap, range: [f64; 2]) -> Self {
+        Self {
+            title: title.to_owned(),
+            map,
+            scale: Scale::default(),
+            range,
+            bands: None,
+            isolines: None,
+            nan: Self::NAN,
+            below: None,
+            above: None,
+            opacities: Vec::new(),
+            categories: Vec::new(),
+        }
+    }
+
+    /// The place of a value in the colour map: 0 at the lower end of the range to 1 at the upper one, less and more beyond; NaN
+    /// for NaN.
+    pub fn position(&self, value: f64) -> f64 {
+        if value.is_nan() {
+            return f64::NAN;
+        }
+        if self.scale == Scale::Log && value <= 0.0 {
+            return f64::NEG_INFINITY;
+        }
+        let [low, high] = self.range.map(|end| self.scale.forward(end));
+        (self.scale.forward(value) - low) / (high - low)
+    }
+
+    /// The value at a place in the colour map: the inverse of [`DataColors::position`].
+    pub fn value_at(&self, position: f64) -> f64 {
+        let [low, high] = self.range.map(|end| self.scale.forward(end));
+        match position {
+            0.0 => self.range[0],
+            1.0 => self.range[1],
+            _ => self.scale.back(low + (high - low) * position),
+        }
+    }
+
+    /// Number of areas of one colour each in the range: bands, or the colours of a categorical map; `None` for a smooth transition.
+    pub fn steps(&self) -> Option<u32> {
+        self.bands.or_else(|| self.map.is_categorical().then(|| self.map.len() as u32))
+    }
+
+    /// The values between which a band has one colour, from the lower end of the range to the upper one; empty for a smooth
+    /// transition.
+    pub fn boundaries(&self) -> Vec<f64> {
+        self.steps()
+            .map_or_else(Vec::new, |n| (0..=n).map(|i| self.value_at(f64::from(i) / f64::from(n))).collect())
+    }
+
+    /// The colour of a place in the map, 0 to 1, with bands and opacities: what a scalar bar shows there.
+    pub fn color_at(&self, position: f64) -> [u8; 4] {
+        let t = if position > 0.0 { position.min(1.0) } else { 0.0 };
+        let t = match self.steps() {
+            Some(n) => self.band_color_place((t * f64::from(n)).min(f64::from(n) - 1.0).floor(), n),
+            None => t,
+        };
+        let [r, g, b] = rounded(self.map.at(t));
+        [r, g, b, (self.opacity_at(t) * 255.0 + 0.5) as u8]
+    }
+
+    /// The place in the map whose colour a band has: the first band has that of the lower end, the last that of the upper end; a
+    /// categorical map has its colours one by one.
+    pub fn band_color_place(&self, band: f64, bands: u32) -> f64 {
+        let bands = f64::from(bands);
+        match (self.map.is_categorical(), bands > 1.0) {
+            (true, _) => (band + 0.5) / bands,
+            (false, true) => band / (bands - 1.0),
+            (false, false) => 0.5,
+        }
+    }
+
+    /// The opacity at a place in the map, 0 to 1.
+    pub fn opacity_at(&self, position: f64) -> f64 {
+        let Some(last) = self.opacities.len().checked_sub(1) else { return 1.0 };
+        let place = position.clamp(0.0, 1.0) * last as f64;
+        let (below, share) = (place.floor() as usize, place - place.floor());
+        let [a, b] = [below, below + 1].map(|i| f64::from(self.opacities[i.min(last)]));
+        a + (b - a) * share
+    }
+
+    /// The colour of a value.
+    pub fn color(&self, value: f64) -> [u8; 4] {
+        if !self.categories.is_empty() {
+            let found =
+                self.categories.binary_search_by(|category| f64::from(category.value).total_cmp(&value));
+            return found.map_or(self.nan, |i| self.categories[i].color);
+        }
+        let position = self.position(value);
+        match (self.below, self.above) {
+            _ if position.is_nan() => self.nan,
+            (Some(below), _) if position < 0.0 => below,
+            (_, Some(above)) if position > 1.0 => above,
+            _ => self.color_at(position),
+        }
+    }
+
+    /// May any value be drawn less than opaque?
+    pub fn is_translucent(&self) -> bool {
+        let ends = [Some(self.nan), self.below, self.above].into_iter().flatten();
+        let of_categories = self.categories.iter().map(|category| category.color);
+        self.opacities.iter().any(|&o| o < 1.0) || ends.chain(of_categories).any(|color| color[3] < 255)
+    }
+}

@@ -1,0 +1,208 @@
+//! Surfaces that show data: [`SurfaceData`].
+
+use std::sync::Arc;
+
+use glam::{DMat3, DVec3};
+use tercio_mesh::cluster::{ClusterView, Layout};
+use tercio_mesh::{AttributeDomain, ClusteredMesh};
+
+use crate::{DataColors, Instance};
+
+/// What the colours of a surface show instead of its own.
+#[derive(Clone, Debug, PartialEq)]
+pub enum SurfaceData {
+    /// Values, interpolated over each triangle before they become colours.
+    Mapped {
+        /// The values.
+        source: DataSource,
+        /// Their colours.
+        colors: Arc<DataColors>,
+    },
+    /// Colours themselves: `value * scale + offset` are sRGB components, 0 to 1, and linear alpha.
+    Direct {
+        /// Red, green, blue and, if there are four, alpha; all of them at vertices, or all of them at triangles.
+        components: Vec<DataSource>,
+        /// What values are multiplied by.
+        scale: f32,
+        /// What is added then.
+        offset: f32,
+    },
+}
+
+/// A number at each vertex or triangle of a mesh.
+#[derive(Clone, Debug, PartialEq)]
+pub enum DataSource {
+    /// An attribute by its number in [`Layout::attributes`].
+    Attribute(usize),
+    /// The length of the vector whose components are these attributes, all at vertices, or all at triangles.
+    Magnitude(Vec<usize>),
+    /// The world-space coordinate of the vertices along a unit vector.
+    Along(DVec3),
+    /// The component of the vertices' unit normals along a unit vector of world space. The mesh has normals.
+    Normal(DVec3),
+    /// The number of the input face that a triangle came from, counted from the first of the model.
+    Face,
+}
+
+impl SurfaceData {
+    /// May it be less than opaque anywhere?
+    pub fn is_translucent(&self) -> bool {
+        match self {
+            Self::Mapped { colors, .. } => colors.is_translucent(),
+            Self::Direct { components, .. } => components.len() > 3,
+        }
+    }
+
+    /// Where its values are; that of its first source if they should differ.
+    pub fn domain(&self, layout: &Layout) -> AttributeDomain {
+        match self {
+            Self::Mapped { source, .. } => source.domain(layout),
+            Self::Direct { components, .. } => {
+                components.first().map_or(AttributeDomain::Vertex, |source| source.domain(layout))
+            }
+        }
+    }
+}
+
+impl DataSource {
+    /// Does a mesh have what it names, in one domain?
+    pub fn fits(&self, layout: &Layout) -> bool {
+        match self {
+            Self::Attribute(number) => *number < layout.attributes.len(),
+            Self::Magnitude(numbers) => {
+                let domain = |n: &usize| layout.attributes.get(*n).map(|a| a.1);
+                let first = numbers.first().and_then(domain);
+                first.is_some() && numbers.iter().all(|n| domain(n) == first)
+            }
+            Self::Normal(_) => layout.normals,
+            Self::Along(_) | Self::Face => true,
+        }
+    }
+
+    /// Whether its values are at vertices or at triangles.
+    ///
+    /// # Panics
+    /// If there is no such attribute.
+    pub fn domain(&self, layout: &Layout) -> AttributeDomain {
+        match self {
+            Self::Attribute(number) => layout.attributes[*number].1,
+            Self::Magnitude(numbers) => layout.attributes[numbers[0]].1,
+            Self::Along(_) | Self::Normal(_) => AttributeDomain::Vertex,
+            Self::Face => AttributeDomain::Triangle,
+        }
+    }
+}
+
+/// A [`DataSource`] made ready to be read, cluster by cluster, for one instance.
+#[derive(Clone, Debug)]
+pub struct DataReader {
+    source: DataSource,
+    /// Of the coordinate along a direction: its value at the mesh's origin, and its change along the axes of the mesh's positions.
+    base: f64,
+    slope: DVec3,
+    /// Brings normals to world space.
+    normals: DMat3,
+    /// Of the whole model.
+    first_face: u64,
+}
+
+impl DataReader {
+    /// For the mesh of an instance.
+    pub fn new(source: &DataSource, instance: &Instance) -> Self {
+        let to_world = instance.world_from_object;
+        let (mut base, mut slope) = (0.0, DVec3::ZERO);
+        if let DataSource::Along(direction) = source {
+            base = direction.dot(to_world.transform_point3(instance.mesh.origin));
+            slope = to_world.matrix3.transpose() * *direction * instance.mesh.unit();
+        }
+        let m = to_world.matrix3;
+        let normals = if m == DMat3::IDENTITY { m } else { m.inverse().transpose() };
+        let first_face = instance.share.map_or(0, |share| share.first_face);
+        Self { source: source.clone(), base, slope, normals, first_face }
+    }
+
+    /// The value of a vertex with this position in mesh coordinates, this normal if the mesh has normals, and these attributes.
+    pub fn of_vertex(
+        &self,
+        position: [f32; 3],
+        normal: Option<[f32; 3]>,
+        attribute: impl Fn(usize) -> f32,
+    ) -> f32 {
+        match &self.source {
+            DataSource::Along(_) => {
+                let [x, y, z] = position.map(f64::from);
+                (self.base + ((x * self.slope.x + y * self.slope.y) + z * self.slope.z)) as f32
+            }
+            DataSource::Normal(axis) => {
+                let Some(n) = normal else { return f32::NAN };
+                let n = self.normals * DVec3::from(n.map(f64::from));
+                (axis.dot(n) / n.length()) as f32
+            }
+            _ => self.of_attributes(attribute),
+        }
+    }
+
+    /// The value of a triangle of this input face of the mesh, and with these attributes.
+    pub fn of_triangle(&self, face: u32, attribute: impl Fn(usize) -> f32) -> f32 {
+        match &self.source {
+            DataSource::Face => (self.first_face + u64::from(face)) as f32,
+            _ => self.of_attributes(attribute),
+        }
+    }
+
+    fn of_attributes(&self, attribute: impl Fn(usize) -> f32) -> f32 {
+        match &self.source {
+            DataSource::Attribute(number) => attribute(*number),
+            DataSource::Magnitude(numbers) => {
+                let square = |n: &usize| f64::from(attribute(*n)) * f64::from(attribute(*n));
+                numbers.iter().map(square).sum::<f64>().sqrt() as f32
+            }
+            _ => f32::NAN,
+        }
+    }
+
+    /// The values of the vertices of a cluster, not padded. Precondition: they are at vertices.
+    pub fn read_vertices(&self, cluster: &ClusterView, to: &mut [f32]) {
+        let count = cluster.vertices().min(to.len());
+        if let DataSource::Attribute(number) = &self.source {
+            to[..count].copy_from_slice(&cluster.attribute(*number)[..count]);
+            return;
+        }
+        let normals = cluster.normals();
+        for (v, to) in to[..count].iter_mut().enumerate() {
+            let normal = normals.map(|n| n[v].decode());
+            *to = self.of_vertex(cluster.position(v), normal, |number| cluster.attribute(number)[v]);
+        }
+    }
+
+    /// The value of one vertex of a cluster. Precondition: values are at vertices.
+    pub fn vertex(&self, cluster: &ClusterView, v: usize) -> f32 {
+        let normal = cluster.normals().map(|n| n[v].decode());
+        self.of_vertex(cluster.position(v), normal, |number| cluster.attribute(number)[v])
+    }
+
+    /// The value of a triangle, given by its number in a cluster, which has this number in the mesh. Precondition: values are at
+    /// triangles.
+    pub fn triangle(
+        &self,
+        mesh: &ClusteredMesh,
+        number: usize,
+        cluster: &ClusterView,
+        triangle: usize,
+    ) -> f32 {
+        let face = if self.source == DataSource::Face { mesh.face(number, triangle) } else { 0 };
+        self.of_triangle(face, |number| cluster.attribute(number)[triangle])
+    }
+
+    /// Calls `see` with the value of every vertex or triangle of a mesh, by cluster: vertices in several clusters are seen several
+    /// times.
+    pub fn each(&self, mesh: &ClusteredMesh, cluster: usize, mut see: impl FnMut(f32)) {
+        let view = mesh.cluster(cluster);
+        match self.source.domain(mesh.layout()) {
+            AttributeDomain::Vertex => (0..view.vertices()).for_each(|v| see(self.vertex(&view, v))),
+            AttributeDomain::Triangle => {
+                (0..view.triangles()).for_each(|t| see(self.triangle(mesh, cluster, &view, t)));
+            }
+        }
+    }
+}

@@ -1,0 +1,314 @@
+//! Surfaces coloured by their data: from the name of an attribute to [`SurfaceData`].
+
+mod made;
+mod name;
+mod range;
+
+use std::sync::Arc;
+
+use glam::DVec3;
+use tercio_scene::color_map::{Category, ColorMap, DataColors, Isolines, Scale};
+use tercio_scene::{DataReader, Instance, SurfaceData};
+
+pub use made::Made;
+pub use name::{available, needs_normals};
+pub use range::{Ends, RangeEnd, Statistics};
+
+/// How a surface is coloured by its data.
+///
+/// ```
+/// use tercio::data::DataOptions;
+///
+/// let model = tercio::load("builtin:terrain@1k")?;
+/// let mut scene = tercio::Scene::from_mesh(model.mesh);
+/// let data = DataOptions::new("@elevation").data(&scene.instances[0])?;
+/// scene.instances[0].data = Some(data);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct DataOptions {
+    /// The name of an attribute (of the components of a vector: its magnitude), `NAME:COMPONENT`, `NAME:magnitude`, or `NAME:rgb`
+    /// for colours; or what is made: `@elevation`, `@normal`, `@normal:x`, `@normal:y`, `@normal:z`, `@face`; with [`LoadOptions::make`](crate::LoadOptions::make)
+    /// `@curvature` and `@component`, whose colours are those of categories.
+    pub by: String,
+    /// The colours; `None` for viridis, or Set1 or tab20 for categories.
+    pub map: Option<ColorMap>,
+    /// The ends of the range.
+    pub range: Ends,
+    /// How it is spread over the colours.
+    pub scale: ScaleOption,
+    /// Bands of one colour each.
+    pub bands: Option<u32>,
+    /// Lines of equal value.
+    pub isolines: Option<IsolineOptions>,
+    /// The colour of what is not a number.
+    pub nan: [u8; 4],
+    /// The colours beyond the range; `None` for those of its ends.
+    pub below: Option<[u8; 4]>,
+    /// As `below`.
+    pub above: Option<[u8; 4]>,
+    /// Opacities, spread evenly over the colours.
+    pub opacities: Vec<f32>,
+    /// Values are categories; some of them have labels.
+    pub categories: Option<Vec<(f32, String)>>,
+    /// Where up is, for `@elevation`.
+    pub up: DVec3,
+}
+
+/// A [`Scale`] whose parameters may follow from the data.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum ScaleOption {
+    /// Even.
+    #[default]
+    Linear,
+    /// By logarithms.
+    Log,
+    /// By logarithms beyond a threshold; `None` for a thousandth of the largest absolute value of the range.
+    SymmetricLog(Option<f64>),
+}
+
+/// Which lines of equal value are drawn.
+#[derive(Clone, Debug, PartialEq)]
+pub struct IsolineOptions {
+    /// Their values; or this many, spread evenly over the range, without its ends.
+    pub at: Result<Vec<f64>, u32>,
+    /// Their colour.
+    pub color: [u8; 4],
+    /// Their width in pixels.
+    pub width: f32,
+}
+
+/// Why a surface cannot be coloured so.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum DataError {
+    /// No such attribute.
+    #[error("there is no attribute \"{name}\"; there are {}", list(available))]
+    Unknown {
+        /// The name.
+        name: String,
+        /// What there is.
+        available: Vec<String>,
+    },
+    /// An attribute without that component.
+    #[error("\"{name}\" has no component \"{component}\"; it has {}", list(available))]
+    Component {
+        /// The name of the attribute.
+        name: String,
+        /// That of the component.
+        component: String,
+        /// What there is.
+        available: Vec<String>,
+    },
+    /// No normals for `@normal`.
+    #[error("the model has no normals for @normal")]
+    NoNormals,
+    /// Not made while the model was read.
+    #[error("{0} is made when a whole model is read: not of a prepared one, and not of parts")]
+    NotMade(String),
+    /// No numbers.
+    #[error("\"{0}\" has no finite value, so its colours have no range (--range MIN,MAX gives one)")]
+    NoNumbers(String),
+    /// A range that is none.
+    #[error("the range of \"{name}\" would be {low} to {high}, and has to ascend")]
+    Range {
+        /// The name of the data.
+        name: String,
+        /// The lower end.
+        low: f64,
+        /// The upper end.
+        high: f64,
+    },
+    /// A logarithm of what is not above 0.
+    #[error(
+        "a logarithmic scale needs a range above 0, \"{name}\" has {low} to {high} (--symlog has both signs)"
+    )]
+    NotPositive {
+        /// The name of the data.
+        name: String,
+        /// The lower end.
+        low: f64,
+        /// The upper end.
+        high: f64,
+    },
+    /// Too many categories.
+    #[error("\"{0}\" has more than {MOST_CATEGORIES} different values, too many for categories")]
+    TooManyCategories(String),
+    /// Lines on something constant.
+    #[error("isolines need values at vertices, those of \"{0}\" are at triangles, and constant there")]
+    ConstantIsolines(String),
+}
+
+/// Different values that may be categories.
+pub const MOST_CATEGORIES: usize = 1 << 12;
+
+fn list(names: &[String]) -> String {
+    if names.is_empty() { "none".into() } else { names.join(", ") }
+}
+
+impl DataOptions {
+    /// Viridis over the range of the finite values.
+    pub fn new(by: &str) -> Self {
+        Self {
+            by: by.into(),
+            map: None,
+            range: Ends::default(),
+            scale: ScaleOption::default(),
+            bands: None,
+            isolines: None,
+            nan: DataColors::NAN,
+            below: None,
+            above: None,
+            opacities: Vec::new(),
+            categories: None,
+            up: DVec3::Y,
+        }
+    }
+
+    /// The data of an instance, for [`Instance::data`].
+    ///
+    /// # Errors
+    /// [`DataError`], which lists what there is.
+    pub fn data(&self, instance: &Instance) -> Result<Arc<SurfaceData>, DataError> {
+        self.data_with(instance, |statistics| Ok(statistics))
+    }
+
+    /// As [`DataOptions::data`], with statistics that `of_all` makes from those of this instance: of a model in parts, those of all
+    /// parts.
+    ///
+    /// # Errors
+    /// [`DataError`], and those of `of_all`.
+    pub fn data_with<E: From<DataError>>(
+        &self,
+        instance: &Instance,
+        of_all: impl FnOnce(Statistics) -> Result<Statistics, E>,
+    ) -> Result<Arc<SurfaceData>, E> {
+        let layout = instance.mesh.layout();
+        let found = name::find(&self.by, layout, self.up)?;
+        let source = match found {
+            name::Found::Values(source) => source,
+            name::Found::Colors { components, is_signed } => {
+                let (scale, offset) = match is_signed {
+                    true => (0.5, 0.5),
+                    false => (range::color_scale(instance, &components), 0.0),
+                };
+                return Ok(Arc::new(SurfaceData::Direct { components, scale, offset }));
+            }
+        };
+        let reader = DataReader::new(&source, instance);
+        let statistics = of_all(Statistics::of(&reader, &instance.mesh))?;
+        let is_at_triangles = source.domain(layout) == tercio_mesh::AttributeDomain::Triangle;
+        if self.isolines.is_some() && is_at_triangles {
+            return Err(DataError::ConstantIsolines(self.by.clone()).into());
+        }
+        let is_plain = self.range == Ends::default() && self.bands.is_none();
+        let colors = match &self.categories {
+            Some(labels) => self.category_colors(labels, &reader, instance)?,
+            None if self.by == Made::Component.name() && is_plain => {
+                let few = self.category_colors(&[], &reader, instance);
+                few.or_else(|_| self.range_colors(&statistics, &reader, instance))?
+            }
+            None => self.range_colors(&statistics, &reader, instance)?,
+        };
+        Ok(Arc::new(SurfaceData::Mapped { source, colors: Arc::new(colors) }))
+    }
+
+    fn range_colors(
+        &self,
+        s: &Statistics,
+        reader: &DataReader,
+        instance: &Instance,
+    ) -> Result<DataColors, DataError> {
+        let is_log = self.scale == ScaleOption::Log;
+        let automatic = if is_log { s.positive } else { s.finite };
+        let given = |end: RangeEnd| matches!(end, RangeEnd::At(_));
+        let is_given = given(self.range.low) && given(self.range.high);
+        let finite = match automatic.or(s.finite) {
+            Some(finite) => finite,
+            None if is_given => [0.0; 2],
+            None => return Err(DataError::NoNumbers(self.by.clone())),
+        };
+        let end = |end: RangeEnd, of_data: f32| match end {
+            RangeEnd::OfData => f64::from(of_data),
+            RangeEnd::At(value) => value,
+            RangeEnd::Percentile(share) => {
+                f64::from(range::percentile(reader, &instance.mesh, share, is_log))
+            }
+        };
+        let [mut low, mut high] = [end(self.range.low, finite[0]), end(self.range.high, finite[1])];
+        let name = || self.by.clone();
+        if is_log && !(low > 0.0 && high > 0.0) {
+            return Err(DataError::NotPositive { name: name(), low, high });
+        }
+        if low == high && !is_given {
+            // All values are the same: it gets the middle colour.
+            let half = if low == 0.0 { 0.5 } else { low.abs() * 0.5 };
+            (low, high) = (low - half, high + half);
+        }
+        if !((low as f32) < high as f32) {
+            return Err(DataError::Range { name: name(), low, high });
+        }
+        let map = self.map.clone().unwrap_or_else(|| known("viridis"));
+        let mut colors = DataColors::new(&self.by, map, [low, high]);
+        colors.scale = match self.scale {
+            ScaleOption::Linear => Scale::Linear,
+            ScaleOption::Log => Scale::Log,
+            ScaleOption::SymmetricLog(threshold) => {
+                let threshold = threshold.unwrap_or_else(|| low.abs().max(high.abs()) * 1e-3);
+                Scale::SymmetricLog { threshold }
+            }
+        };
+        (colors.bands, colors.nan, colors.below, colors.above) =
+            (self.bands, self.nan, self.below, self.above);
+        colors.opacities.clone_from(&self.opacities);
+        colors.isolines = self.isolines.as_ref().map(|lines| {
+            let values = match &lines.at {
+                Ok(values) => values.clone(),
+                Err(count) => {
+                    let intervals = f64::from(*count) + 1.0;
+                    (1..=*count).map(|i| colors.value_at(f64::from(i) / intervals)).collect()
+                }
+            };
+            Isolines { values, color: lines.color, width: lines.width }
+        });
+        Ok(colors)
+    }
+
+    fn category_colors(
+        &self,
+        labels: &[(f32, String)],
+        reader: &DataReader,
+        instance: &Instance,
+    ) -> Result<DataColors, DataError> {
+        let found = range::different(reader, &instance.mesh, MOST_CATEGORIES);
+        let mut values = found.ok_or_else(|| DataError::TooManyCategories(self.by.clone()))?;
+        values.extend(labels.iter().map(|(value, _)| *value));
+        // -0 is 0.
+        values.iter_mut().for_each(|value| *value += 0.0);
+        values.sort_by(f32::total_cmp);
+        values.dedup();
+        let default = || known(if values.len() <= 9 { "Set1" } else { "tab20" });
+        let map = self.map.clone().unwrap_or_else(default);
+        let category = |(number, &value): (usize, &f32)| {
+            let label = labels.iter().find(|(of, _)| *of == value).map(|(_, label)| label.clone());
+            let [r, g, b] = map.category(number).map(|c| (c * 255.0 + 0.5) as u8);
+            Category { value, label: label.unwrap_or_else(|| value.to_string()), color: [r, g, b, 255] }
+        };
+        let categories = values.iter().enumerate().map(category).collect();
+        let ends = [values.first(), values.last()].map(|value| f64::from(*value.unwrap_or(&0.0)));
+        let mut colors = DataColors::new(&self.by, map, [ends[0], ends[1].max(ends[0] + 1.0)]);
+        (colors.categories, colors.nan) = (categories, self.nan);
+        if colors.categories.is_empty() {
+            return Err(DataError::NoNumbers(self.by.clone()));
+        }
+        Ok(colors)
+    }
+}
+
+/// A colour map that is always there.
+fn known(name: &str) -> ColorMap {
+    ColorMap::named(name).unwrap_or_else(|| unreachable!("{name} is a known map"))
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,158 @@
+//! From a name to the data that it means.
+
+use glam::DVec3;
+use tercio_mesh::AttributeDomain;
+use tercio_mesh::cluster::Layout;
+use tercio_scene::DataSource;
+
+use super::DataError;
+
+/// What a name means.
+#[derive(Debug, PartialEq)]
+pub enum Found {
+    /// Values.
+    Values(DataSource),
+    /// Colours; signed ones are from -1 to 1.
+    Colors { components: Vec<DataSource>, is_signed: bool },
+}
+
+/// Names of the components of a vector.
+const AXES: [&str; 4] = ["x", "y", "z", "w"];
+
+/// Does this name need normals?
+pub fn needs_normals(name: &str) -> bool {
+    name == "@normal" || name.starts_with("@normal:")
+}
+
+/// What surfaces of a mesh can be coloured by, in words.
+pub fn available(layout: &Layout) -> Vec<String> {
+    let domain = |d: AttributeDomain| if d == AttributeDomain::Vertex { "vertices" } else { "triangles" };
+    let mut all: Vec<String> = Vec::new();
+    for (name, d) in &layout.attributes {
+        // Of the components of a vector, the vector is named once.
+        let array = name.strip_suffix(":0").filter(|array| vector(array, layout).len() > 1);
+        let is_other = name.rsplit_once(':').is_some_and(|(array, n)| {
+            n != "0" && n.parse::<usize>().is_ok_and(|n| n < vector(array, layout).len())
+        });
+        match array {
+            Some(array) => {
+                let count = vector(array, layout).len();
+                all.push(format!("{array} ({}, {count} components)", domain(*d)));
+            }
+            None if is_other => {}
+            None => all.push(format!("{name} ({})", domain(*d))),
+        }
+    }
+    let made = ["@elevation", "@normal", "@face", "@curvature", "@component"];
+    let is_new = |name: &&str| !layout.attributes.iter().any(|(other, _)| other == name);
+    all.extend(made.into_iter().filter(is_new).map(String::from));
+    all
+}
+
+/// The attributes that are the components of a vector: `NAME:0`, `NAME:1` and so on, or `NAME_x`, `NAME_y`, or `NAMEx`, `NAMEy`.
+fn vector(name: &str, layout: &Layout) -> Vec<usize> {
+    type Naming = fn(&str, usize) -> String;
+    let namings: [Naming; 4] = [
+        |name, k| format!("{name}:{k}"),
+        |name, k| format!("{name}_{k}"),
+        |name, k| format!("{name}_{}", AXES.get(k).unwrap_or(&"?")),
+        |name, k| format!("{name}{}", AXES.get(k).unwrap_or(&"?")),
+    ];
+    let find = |wanted: String, domain: Option<AttributeDomain>| {
+        let is_it =
+            |(name, d): &(String, AttributeDomain)| *name == wanted && domain.is_none_or(|of| of == *d);
+        layout.attributes.iter().position(is_it)
+    };
+    for naming in namings {
+        let Some(first) = find(naming(name, 0), None) else { continue };
+        let domain = Some(layout.attributes[first].1);
+        let rest = (1..).map_while(|k| find(naming(name, k), domain));
+        let all: Vec<usize> = std::iter::once(first).chain(rest).collect();
+        if all.len() > 1 {
+            return all;
+        }
+    }
+    Vec::new()
+}
+
+/// The data of a name.
+///
+/// # Errors
+/// [`DataError::Unknown`], [`DataError::Component`], [`DataError::NoNormals`].
+pub fn find(name: &str, layout: &Layout, up: DVec3) -> Result<Found, DataError> {
+    let attribute = |wanted: &str| layout.attributes.iter().position(|(name, _)| name == wanted);
+    // A name may have a colon in it.
+    if let Some(number) = attribute(name) {
+        return Ok(Found::Values(DataSource::Attribute(number)));
+    }
+    let (array, component) = match name.rsplit_once(':') {
+        Some((array, component)) => (array, Some(component)),
+        None => (name, None),
+    };
+    if array.starts_with('@') {
+        return made(name, array, component, layout, up);
+    }
+    let all = vector(array, layout);
+    let single = attribute(array);
+    let unknown = || DataError::Unknown { name: name.into(), available: available(layout) };
+    let values = |number: usize| Ok(Found::Values(DataSource::Attribute(number)));
+    match (component, single) {
+        (None, None) if !all.is_empty() => Ok(Found::Values(DataSource::Magnitude(all))),
+        (None, _) => Err(unknown()),
+        (Some("0" | "magnitude"), Some(number)) => values(number),
+        (Some("magnitude"), None) if !all.is_empty() => Ok(Found::Values(DataSource::Magnitude(all))),
+        (Some("rgb" | "rgba" | "direct"), None) if (3..=4).contains(&all.len()) => {
+            let components = all.into_iter().map(DataSource::Attribute).collect();
+            Ok(Found::Colors { components, is_signed: false })
+        }
+        (Some(component), single) => {
+            let number = component.parse().ok().or_else(|| AXES.iter().position(|axis| *axis == component));
+            if let Some(&attribute) = number.and_then(|number: usize| all.get(number)) {
+                return values(attribute);
+            }
+            if all.is_empty() && single.is_none() {
+                return Err(unknown());
+            }
+            let mut there: Vec<String> = (0..all.len().max(1)).map(|k| k.to_string()).collect();
+            there.push("magnitude".into());
+            if (3..=4).contains(&all.len()) {
+                there.push("rgb".into());
+            }
+            Err(DataError::Component { name: array.into(), component: component.into(), available: there })
+        }
+    }
+}
+
+/// Data that are made of the mesh itself.
+fn made(
+    name: &str,
+    array: &str,
+    component: Option<&str>,
+    layout: &Layout,
+    up: DVec3,
+) -> Result<Found, DataError> {
+    let axes = [DVec3::X, DVec3::Y, DVec3::Z];
+    let axis =
+        |component: &str| AXES.iter().zip(axes).find(|(name, _)| **name == component).map(|(_, axis)| axis);
+    let no_component = |there: &[&str]| DataError::Component {
+        name: array.into(),
+        component: component.unwrap_or_default().into(),
+        available: there.iter().map(|&c| c.into()).collect(),
+    };
+    match (array, component) {
+        ("@elevation", None) => Ok(Found::Values(DataSource::Along(up))),
+        ("@face", None) => Ok(Found::Values(DataSource::Face)),
+        ("@normal", _) if !layout.normals => Err(DataError::NoNormals),
+        ("@normal", None | Some("rgb")) => {
+            let components = axes.map(DataSource::Normal).to_vec();
+            Ok(Found::Colors { components, is_signed: true })
+        }
+        ("@normal", Some(component)) => match axis(component) {
+            Some(axis) => Ok(Found::Values(DataSource::Normal(axis))),
+            None => Err(no_component(&["x", "y", "z", "rgb"])),
+        },
+        ("@elevation" | "@face", Some(_)) => Err(no_component(&[])),
+        ("@curvature" | "@component", None) => Err(DataError::NotMade(array.into())),
+        _ => Err(DataError::Unknown { name: name.into(), available: available(layout) }),
+    }
+}

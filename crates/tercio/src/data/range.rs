@@ -1,0 +1,146 @@
+//! The range of values that triangles use. Vertices in several clusters count several times.
+
+use rayon::prelude::*;
+use tercio_mesh::ClusteredMesh;
+use tercio_scene::{DataReader, DataSource, Instance};
+
+/// An end of the range that colours cover.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum RangeEnd {
+    /// The least or the greatest finite value; on a logarithmic scale, of those above 0.
+    #[default]
+    OfData,
+    /// A value.
+    At(f64),
+    /// The value that this share of the values, 0 to 1, is at most.
+    Percentile(f64),
+}
+
+/// Both ends of a range.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Ends {
+    /// The lower one.
+    pub low: RangeEnd,
+    /// The upper one.
+    pub high: RangeEnd,
+}
+
+/// What is known of some values.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Statistics {
+    /// The least and the greatest finite value; `None` if there is none.
+    pub finite: Option<[f32; 2]>,
+    /// Of those above 0.
+    pub positive: Option<[f32; 2]>,
+}
+
+impl Statistics {
+    /// Of the values of a mesh.
+    pub(super) fn of(reader: &DataReader, mesh: &ClusteredMesh) -> Self {
+        let add = |mut all: Self, cluster: usize| {
+            reader.each(mesh, cluster, |value| all = all.and(Self::of_value(value)));
+            all
+        };
+        let clusters = (0..mesh.clusters().len()).into_par_iter().with_min_len(64);
+        clusters.fold(Self::default, add).reduce(Self::default, Self::and)
+    }
+
+    fn of_value(value: f32) -> Self {
+        let finite = value.is_finite().then_some([value; 2]);
+        Self { finite, positive: finite.filter(|_| value > 0.0) }
+    }
+
+    /// Those of two sets together.
+    #[must_use]
+    pub fn and(self, other: Self) -> Self {
+        let both = |a: Option<[f32; 2]>, b: Option<[f32; 2]>| match (a, b) {
+            (Some(a), Some(b)) => Some([a[0].min(b[0]), a[1].max(b[1])]),
+            (a, b) => a.or(b),
+        };
+        Self { finite: both(self.finite, other.finite), positive: both(self.positive, other.positive) }
+    }
+}
+
+/// A number that sorts as the value does.
+fn key(value: f32) -> u32 {
+    let bits = value.to_bits();
+    if bits >> 31 == 1 { !bits } else { bits | 1 << 31 }
+}
+
+fn value(key: u32) -> f32 {
+    f32::from_bits(if key >> 31 == 1 { key & !(1 << 31) } else { !key })
+}
+
+/// The value that this share of the finite values is at most (the nearest one: no mean of two); of those above 0 if `positive`. 0 if
+/// there is none.
+pub(super) fn percentile(reader: &DataReader, mesh: &ClusteredMesh, share: f64, positive: bool) -> f32 {
+    const HALF: usize = 1 << 16;
+    // Counts by the upper half of the key, then, of those with the half that is looked for, by the lower one.
+    let count = |upper: Option<u32>| {
+        let add = |mut counts: Vec<u64>, cluster: usize| {
+            reader.each(mesh, cluster, |value| {
+                let key = key(value);
+                let is_counted = value.is_finite() && (!positive || value > 0.0);
+                match upper {
+                    None if is_counted => counts[(key >> 16) as usize] += 1,
+                    Some(upper) if is_counted && key >> 16 == upper => counts[(key & 0xffff) as usize] += 1,
+                    _ => {}
+                }
+            });
+            counts
+        };
+        let sum = |mut a: Vec<u64>, b: Vec<u64>| {
+            a.iter_mut().zip(b).for_each(|(a, b)| *a += b);
+            a
+        };
+        let none = || vec![0; HALF];
+        (0..mesh.clusters().len()).into_par_iter().with_min_len(1024).fold(none, add).reduce(none, sum)
+    };
+    let coarse = count(None);
+    let all: u64 = coarse.iter().sum();
+    if all == 0 {
+        return 0.0;
+    }
+    let mut left = (share.clamp(0.0, 1.0) * (all - 1) as f64 + 0.5) as u64;
+    let mut find = |counts: &[u64]| {
+        for (number, count) in counts.iter().enumerate() {
+            if left < *count {
+                return number as u32;
+            }
+            left -= count;
+        }
+        unreachable!("there are more values than are skipped")
+    };
+    let upper = find(&coarse);
+    let lower = find(&count(Some(upper)));
+    value(upper << 16 | lower)
+}
+
+/// The different values, unsorted; `None` if there are more than `most`. What is not a number is left out.
+pub(super) fn different(reader: &DataReader, mesh: &ClusteredMesh, most: usize) -> Option<Vec<f32>> {
+    let merge = |mut a: Vec<u32>, b: &[u32]| {
+        a.extend(b);
+        a.sort_unstable();
+        a.dedup();
+        (a.len() <= most).then_some(a)
+    };
+    let of_cluster = |cluster: usize| {
+        let mut values = Vec::new();
+        reader.each(mesh, cluster, |value| values.extend((!value.is_nan()).then(|| key(value + 0.0))));
+        values.sort_unstable();
+        values.dedup();
+        values
+    };
+    let clusters = (0..mesh.clusters().len()).into_par_iter().with_min_len(64);
+    let all = clusters
+        .try_fold(Vec::new, |all, cluster| merge(all, &of_cluster(cluster)))
+        .try_reduce(Vec::new, |a, b| merge(a, &b))?;
+    Some(all.into_iter().map(value).collect())
+}
+
+/// What the components of colours are multiplied by: 1 if none is above 1, else 1/255.
+pub(super) fn color_scale(instance: &Instance, components: &[DataSource]) -> f32 {
+    let of = |source: &DataSource| Statistics::of(&DataReader::new(source, instance), &instance.mesh).finite;
+    let most = components.iter().filter_map(of).map(|[_, high]| high).fold(0.0, f32::max);
+    if most > 1.0 { 1.0 / 255.0 } else { 1.0 }
+}

@@ -1,0 +1,128 @@
+use tercio_mesh::cluster::{PartitionOptions, partition};
+use tercio_mesh::{Attribute, AttributeDomain, Mesh, builtin};
+
+use super::*;
+
+fn model(attributes: &[(&str, AttributeDomain, &dyn Fn(usize) -> f32)]) -> Instance {
+    let mut mesh = builtin::make("builtin:sphere@500").expect("a model");
+    for (name, domain, value) in attributes {
+        let count = match domain {
+            AttributeDomain::Vertex => mesh.positions.len(),
+            AttributeDomain::Triangle => mesh.triangles.len(),
+        };
+        let values = (0..count).map(value).collect();
+        mesh.attributes.push(Attribute { name: (*name).into(), domain: *domain, values });
+    }
+    Instance::new(partition(mesh, &PartitionOptions::default()))
+}
+
+fn colors(options: &DataOptions, instance: &Instance) -> Result<DataColors, DataError> {
+    options.data(instance).map(|data| match &*data {
+        SurfaceData::Mapped { colors, .. } => (**colors).clone(),
+        SurfaceData::Direct { .. } => panic!("not values"),
+    })
+}
+
+const V: AttributeDomain = AttributeDomain::Vertex;
+const T: AttributeDomain = AttributeDomain::Triangle;
+
+#[test]
+fn names_find_attributes_components_and_colors() {
+    let zero = |_: usize| 0.0f32;
+    let names = [("p", V), ("v:0", V), ("v:1", V), ("v:2", V), ("w_x", T), ("w_y", T), ("a:b", T)];
+    let instance = model(&names.map(|(name, domain)| (name, domain, &zero as &dyn Fn(usize) -> f32)));
+    let layout = instance.mesh.layout();
+    let find = |name: &str| name::find(name, layout, DVec3::Z);
+    let values = |source| Ok(name::Found::Values(source));
+    assert_eq!(find("p"), values(tercio_scene::DataSource::Attribute(0)));
+    assert_eq!(find("p:magnitude"), find("p"));
+    assert_eq!(find("v"), values(tercio_scene::DataSource::Magnitude(vec![1, 2, 3])));
+    assert_eq!(find("v:magnitude"), find("v"));
+    for (name, number) in [("v:1", 2), ("v:z", 3), ("w:y", 5), ("w_x", 4), ("a:b", 6)] {
+        assert_eq!(find(name), values(tercio_scene::DataSource::Attribute(number)), "{name}");
+    }
+    let is_colors =
+        |found| matches!(found, Ok(name::Found::Colors { components, .. }) if components.len() == 3);
+    assert!(is_colors(find("v:rgb")) && is_colors(find("@normal")));
+    assert_eq!(find("@elevation"), values(tercio_scene::DataSource::Along(DVec3::Z)));
+    let error = |name: &str| find(name).expect_err(name).to_string();
+    let all = "p (vertices), v (vertices, 3 components), w_x (triangles), w_y (triangles), a:b (triangles)";
+    let all = format!("{all}, @elevation, @normal, @face, @curvature, @component");
+    assert_eq!(error("q"), format!("there is no attribute \"q\"; there are {all}"));
+    assert!(error("@q").contains(&all) && error("q:1").contains(&all));
+    assert_eq!(error("v:3"), "\"v\" has no component \"3\"; it has 0, 1, 2, magnitude, rgb");
+    assert_eq!(error("p:1"), "\"p\" has no component \"1\"; it has 0, magnitude");
+    assert!(error("@curvature").contains("prepared"));
+    assert!(error("@normal:w").contains("x, y, z, rgb"));
+}
+
+#[test]
+fn ranges_follow_from_finite_values() {
+    let odd = |i: usize| match i % 7 {
+        0 => f32::NAN,
+        1 => f32::INFINITY,
+        2 => -3.0,
+        _ => (i % 100) as f32,
+    };
+    let instance = model(&[("odd", V, &odd), ("nan", V, &|_| f32::NAN), ("same", T, &|_| 4.0)]);
+    let mut options = DataOptions::new("odd");
+    assert_eq!(colors(&options, &instance).map(|c| c.range), Ok([-3.0, 99.0]));
+    options.scale = ScaleOption::Log;
+    assert_eq!(colors(&options, &instance).map(|c| c.range), Ok([1.0, 99.0]));
+    options.range.low = RangeEnd::At(-1.0);
+    assert!(matches!(colors(&options, &instance), Err(DataError::NotPositive { .. })));
+    options.scale = ScaleOption::SymmetricLog(None);
+    let symmetric = colors(&options, &instance).expect("a range");
+    assert_eq!((symmetric.range, symmetric.scale), ([-1.0, 99.0], Scale::SymmetricLog { threshold: 0.099 }));
+    options.range.low = RangeEnd::At(100.0);
+    assert!(matches!(colors(&options, &instance), Err(DataError::Range { .. })));
+    assert!(matches!(colors(&DataOptions::new("nan"), &instance), Err(DataError::NoNumbers(_))));
+    assert_eq!(colors(&DataOptions::new("same"), &instance).map(|c| c.range), Ok([2.0, 6.0]));
+}
+
+#[test]
+fn percentiles_are_those_of_sorted_values() {
+    let values = |i: usize| ((i * 7919) % 1009) as f32 - 300.0;
+    let instance = model(&[("x", T, &values)]);
+    let mut sorted: Vec<f32> = (0..instance.mesh.triangle_count()).map(values).collect();
+    sorted.sort_by(f32::total_cmp);
+    for share in [0.0, 0.02, 0.25, 0.5, 0.98, 1.0] {
+        let mut options = DataOptions::new("x");
+        options.range = Ends { low: RangeEnd::Percentile(share), high: RangeEnd::At(2000.0) };
+        let expected = sorted[(share * (sorted.len() - 1) as f64 + 0.5) as usize];
+        assert_eq!(colors(&options, &instance).map(|c| c.range[0]), Ok(f64::from(expected)), "{share}");
+    }
+}
+
+#[test]
+fn categories_are_the_values_that_there_are() {
+    let instance = model(&[("material", T, &|i| [3.0, 1.0, -0.0, 0.0][i % 4]), ("many", V, &|i| i as f32)]);
+    let mut options = DataOptions::new("material");
+    options.categories = Some(vec![(1.0, "bone".into()), (7.0, "skin".into())]);
+    let found = colors(&options, &instance).expect("categories");
+    let labels: Vec<&str> = found.categories.iter().map(|c| &*c.label).collect();
+    assert_eq!(labels, ["0", "bone", "3", "skin"]);
+    assert_eq!(found.color(1.0), [55, 126, 184, 255], "the second colour of Set1");
+    let mesh = builtin::make("builtin:sphere@20k").expect("a model");
+    let values = (0..mesh.positions.len()).map(|i| i as f32).collect();
+    let many = Attribute { name: "many".into(), domain: V, values };
+    let mesh = Mesh { attributes: vec![many], ..mesh };
+    options.by = "many".into();
+    let instance = Instance::new(partition(mesh, &PartitionOptions::default()));
+    assert!(matches!(colors(&options, &instance), Err(DataError::TooManyCategories(_))));
+}
+
+#[test]
+fn isolines_are_even_on_the_scale() {
+    let instance = model(&[("x", V, &|i| 1.0 + i as f32)]);
+    let mut options = DataOptions::new("x");
+    options.range = Ends { low: RangeEnd::At(1.0), high: RangeEnd::At(10_000.0) };
+    options.scale = ScaleOption::Log;
+    options.isolines = Some(IsolineOptions { at: Err(3), color: [0, 0, 0, 255], width: 1.0 });
+    let lines = colors(&options, &instance).map(|c| c.isolines.expect("lines").values).expect("a range");
+    for (line, expected) in lines.iter().zip([10.0, 100.0, 1000.0]) {
+        assert!((line / expected - 1.0).abs() < 1e-12, "{lines:?}");
+    }
+    options.by = "@face".into();
+    assert!(matches!(colors(&options, &instance), Err(DataError::ConstantIsolines(_))));
+}
