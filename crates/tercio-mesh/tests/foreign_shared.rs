@@ -11,7 +11,8 @@ use tercio_mesh::io::{ReadOptions, read, read_input};
 
 /// Extensions of models, compressed or not.
 const MODELS: [&str; 14] = [
-    "ply", "obj", "stl", "off", "ply.gz", "obj.gz", "stl.gz", "off.gz", "vtk", "vtp", "vtu", "vti", "vts", "vtr",
+    "ply", "obj", "stl", "off", "ply.gz", "obj.gz", "stl.gz", "off.gz", "vtk", "vtp", "vtu", "vti", "vts",
+    "vtr",
 ];
 
 /// All files under a folder without an extension of a model.

@@ -22,10 +22,17 @@ fn indices(job: &Job, numbers: &Numbers, points: u64, limit: u64) -> Result<Vec<
 }
 
 /// A list as files before version 5 hold it: the number of points of each cell, then these.
-pub fn counted_list(job: &Job, what: &str, cells: u64, numbers: &Numbers, limit: u64) -> Result<CellList, ReadError> {
+pub fn counted_list(
+    job: &Job,
+    what: &str,
+    cells: u64,
+    numbers: &Numbers,
+    limit: u64,
+) -> Result<CellList, ReadError> {
     let size = numbers.len() as u64;
     if cells > size {
-        let (expected, found) = (format!("at least {cells} numbers of {what}"), format!("only {size} of them"));
+        let (expected, found) =
+            (format!("at least {cells} numbers of {what}"), format!("only {size} of them"));
         return Err(job.malformed(numbers.place(0), expected, found));
     }
     let first = numbers.index(0).unwrap_or(0);
@@ -59,7 +66,11 @@ pub fn counted_list(job: &Job, what: &str, cells: u64, numbers: &Numbers, limit:
     }
     if at < numbers.len() {
         let expected = format!("{} numbers of {what}, as it announces", numbers.len());
-        return Err(job.malformed(numbers.place(at), expected, format!("the end of the last cell after {at}")));
+        return Err(job.malformed(
+            numbers.place(at),
+            expected,
+            format!("the end of the last cell after {at}"),
+        ));
     }
     let ends = if is_uniform {
         Ends::Uniform { corners: first as usize, cells: cells as usize }
@@ -80,7 +91,11 @@ pub fn offset_list(
 ) -> Result<CellList, ReadError> {
     let skipped = usize::from(has_zero && offsets.len() > 0);
     if skipped > 0 && offsets.index(0) != Some(0) {
-        return Err(job.malformed(offsets.place(0), format!("a 0 as the first offset of {what}"), found(offsets, 0)));
+        return Err(job.malformed(
+            offsets.place(0),
+            format!("a 0 as the first offset of {what}"),
+            found(offsets, 0),
+        ));
     }
     let cells = offsets.len() - skipped;
     let points = connectivity.len() as u64;
@@ -149,7 +164,9 @@ pub fn unstructured(
         };
         if let Some(wrong) = wrong {
             let expected = match shape {
-                Shape::Polyhedron => format!("the faces of cell {i}, a polyhedron, each its number of points and these"),
+                Shape::Polyhedron => {
+                    format!("the faces of cell {i}, a polyhedron, each its number of points and these")
+                }
                 _ => expected_vertex(points),
             };
             return Err(job.malformed(types.place(i), expected, wrong));
@@ -162,7 +179,9 @@ pub fn unstructured(
 fn polyhedron(stream: &[u32], points: u64) -> Option<String> {
     let Some((&faces, mut rest)) = stream.split_first() else { return Some("none".into()) };
     for face in 0..faces {
-        let Some((&corners, tail)) = rest.split_first() else { return Some(format!("{face} faces of {faces}")) };
+        let Some((&corners, tail)) = rest.split_first() else {
+            return Some(format!("{face} faces of {faces}"));
+        };
         let Some((nodes, tail)) = tail.split_at_checked(corners as usize) else {
             return Some(format!("a face of {corners} points, of which {} are there", tail.len()));
         };

@@ -18,7 +18,10 @@ pub enum Shape {
     /// Four corners row by row.
     Pixel,
     /// A face with so many corners, and nodes between them.
-    Face { corners: u8, nodes: u8 },
+    Face {
+        corners: u8,
+        nodes: u8,
+    },
     /// As many nodes between corners as corners.
     QuadraticPolygon,
     Volume(&'static Volume),
@@ -125,8 +128,8 @@ pub const POLYHEDRON: u8 = 42;
 /// The shape of a type; `None` if VTK has no such type.
 pub fn shape(cell_type: u8) -> Option<Shape> {
     use Shape::{
-        CurvedLine, Empty, Face, HigherOrder, Line, Pixel, Points, Polygon, Polyhedron, QuadraticPolygon, Strip,
-        Unsupported, Volume,
+        CurvedLine, Empty, Face, HigherOrder, Line, Pixel, Points, Polygon, Polyhedron, QuadraticPolygon,
+        Strip, Unsupported, Volume,
     };
     Some(match cell_type {
         0 => Empty,

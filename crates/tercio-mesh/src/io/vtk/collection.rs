@@ -69,7 +69,11 @@ impl Found {
         let dots = if self.missing_count > self.missing.len() { ", …" } else { "" };
         let files = counted(self.missing_count as u64, "file");
         if parts.is_empty() {
-            return Err(job.malformed(Place::File, format!("its files beside it ({names}{dots})"), "none of them"));
+            return Err(job.malformed(
+                Place::File,
+                format!("its files beside it ({names}{dots})"),
+                "none of them",
+            ));
         }
         self.warnings.push(format!("{files} of the model not found: {names}{dots}"));
         Ok(())
@@ -80,7 +84,9 @@ impl Found {
 fn collect(job: &Job, root: &Element, found: &mut Found, names: &mut Vec<String>) {
     if root.attribute("type") == Some("Collection") {
         let sets: Vec<&Element> = root.children.iter().flat_map(|c| c.children_named("DataSet")).collect();
-        let time = |set: &Element| set.attribute("timestep").and_then(|t| t.trim().parse::<f64>().ok()).unwrap_or(0.0);
+        let time = |set: &Element| {
+            set.attribute("timestep").and_then(|t| t.trim().parse::<f64>().ok()).unwrap_or(0.0)
+        };
         let mut times: Vec<f64> = sets.iter().map(|set| time(set)).collect();
         times.sort_by(f64::total_cmp);
         times.dedup();

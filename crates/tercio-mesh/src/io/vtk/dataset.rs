@@ -60,7 +60,12 @@ impl<'a> Job<'a> {
     }
 
     #[cold]
-    pub fn malformed(&self, place: Place, expected: impl Into<String>, found: impl Into<String>) -> ReadError {
+    pub fn malformed(
+        &self,
+        place: Place,
+        expected: impl Into<String>,
+        found: impl Into<String>,
+    ) -> ReadError {
         ReadError::Malformed {
             file: self.file().into(),
             place,
@@ -91,7 +96,10 @@ impl Use {
         let is = |names: &[&str]| names.iter().any(|n| name.eq_ignore_ascii_case(n));
         if components == 3 && scalar.is_real() && is(&["normals", "normal"]) {
             Self::Normals
-        } else if scalar == Scalar::U8 && matches!(components, 3 | 4) && is(&["rgb", "rgba", "color", "colors"]) {
+        } else if scalar == Scalar::U8
+            && matches!(components, 3 | 4)
+            && is(&["rgb", "rgba", "color", "colors"])
+        {
             Self::Colors
         } else {
             Self::Attribute
@@ -117,8 +125,15 @@ impl Array<'_> {
 pub enum Points<'a> {
     Listed(Numbers<'a>),
     /// Columns of the matrix from numbers along the axes to coordinates, and the first point.
-    Uniform { axes: [[f64; 3]; 3], first: [f64; 3], from: [i64; 3], dims: [u64; 3] },
-    Rectilinear { axes: [Numbers<'a>; 3] },
+    Uniform {
+        axes: [[f64; 3]; 3],
+        first: [f64; 3],
+        from: [i64; 3],
+        dims: [u64; 3],
+    },
+    Rectilinear {
+        axes: [Numbers<'a>; 3],
+    },
 }
 
 impl Points<'_> {
@@ -133,15 +148,15 @@ impl Points<'_> {
     /// A point in file coordinates.
     pub fn get(&self, point: u32) -> [f64; 3] {
         let point = point as usize;
-        let split = |x: usize, y: usize| [point % x.max(1), point / x.max(1) % y.max(1), point / (x * y).max(1)];
+        let split =
+            |x: usize, y: usize| [point % x.max(1), point / x.max(1) % y.max(1), point / (x * y).max(1)];
         match self {
             Self::Listed(numbers) => [0, 1, 2].map(|k| numbers.double(3 * point + k)),
             Self::Uniform { axes, first, from, dims } => {
                 let ijk = split(dims[0] as usize, dims[1] as usize);
                 let along = [0, 1, 2].map(|k| from[k] as f64 + ijk[k] as f64);
-                [0, 1, 2].map(|c| {
-                    first[c] + axes[0][c] * along[0] + axes[1][c] * along[1] + axes[2][c] * along[2]
-                })
+                [0, 1, 2]
+                    .map(|c| first[c] + axes[0][c] * along[0] + axes[1][c] * along[1] + axes[2][c] * along[2])
             }
             Self::Rectilinear { axes } => {
                 let ijk = split(axes[0].len(), axes[1].len());
@@ -161,7 +176,10 @@ pub struct CellList {
 /// Where cells end in a list.
 pub enum Ends {
     /// All have as many points.
-    Uniform { corners: usize, cells: usize },
+    Uniform {
+        corners: usize,
+        cells: usize,
+    },
     Each(Vec<u64>),
 }
 
@@ -232,6 +250,8 @@ impl Cells {
 impl<'a> Array<'a> {
     /// The array of this name whose numbers say which cells are ghosts.
     pub fn ghosts<'b>(arrays: &'b [Array<'a>]) -> Option<&'b Array<'a>> {
-        arrays.iter().find(|a| matches!(a.name.as_str(), "vtkGhostType" | "vtkGhostLevels") && a.components == 1)
+        arrays
+            .iter()
+            .find(|a| matches!(a.name.as_str(), "vtkGhostType" | "vtkGhostLevels") && a.components == 1)
     }
 }

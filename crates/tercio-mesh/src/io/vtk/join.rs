@@ -69,7 +69,11 @@ pub fn join(file: &str, parts: Vec<Part>, origin: Option<DVec3>) -> Result<ReadM
     let (.., stroke_positions) = localize_at(&whole.strokes.positions, Some(origin));
     let is_identity = whole.cells.as_ref().is_none_or(|cells| cells.iter().zip(0..).all(|(&c, i)| c == i))
         && whole.triangles.len() as u64 == cell_count;
-    let cells = if is_identity { None } else { whole.cells.or_else(|| Some((0..whole.triangles.len() as u32).collect())) };
+    let cells = if is_identity {
+        None
+    } else {
+        whole.cells.or_else(|| Some((0..whole.triangles.len() as u32).collect()))
+    };
     let strokes = Strokes {
         origin,
         positions: stroke_positions,
@@ -170,7 +174,9 @@ fn append_attributes(
     for attribute in part {
         let same = whole.iter_mut().find(|a| a.name == attribute.name && a.domain == attribute.domain);
         match same {
-            Some(all) if all.values.len() == lengths(attribute.domain).0 => all.values.extend(attribute.values),
+            Some(all) if all.values.len() == lengths(attribute.domain).0 => {
+                all.values.extend(attribute.values)
+            }
             Some(_) => {}
             None => {
                 let mut values = vec![f32::NAN; lengths(attribute.domain).0];

@@ -42,7 +42,11 @@ pub fn looks_like_xml(bytes: &[u8]) -> bool {
             [b'<', b'?', ..] => b"?>",
             [b'<', b'!', b'-', b'-', ..] => b"-->",
             [b'<', b'!', ..] => b">",
-            _ => return rest.strip_prefix(b"<VTKFile").is_some_and(|r| r.first().is_some_and(u8::is_ascii_whitespace)),
+            _ => {
+                return rest
+                    .strip_prefix(b"<VTKFile")
+                    .is_some_and(|r| r.first().is_some_and(u8::is_ascii_whitespace));
+            }
         };
         match rest.windows(end.len()).position(|w| w == end) {
             Some(at) => rest = rest[at + end.len()..].trim_ascii_start(),

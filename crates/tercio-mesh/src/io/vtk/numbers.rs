@@ -80,16 +80,46 @@ real!(f32, f64);
 macro_rules! typed {
     ($scalar:expr, $t:ident => $body:expr) => {
         match $scalar {
-            Scalar::I8 => { type $t = i8; $body }
-            Scalar::U8 => { type $t = u8; $body }
-            Scalar::I16 => { type $t = i16; $body }
-            Scalar::U16 => { type $t = u16; $body }
-            Scalar::I32 => { type $t = i32; $body }
-            Scalar::U32 => { type $t = u32; $body }
-            Scalar::I64 => { type $t = i64; $body }
-            Scalar::U64 => { type $t = u64; $body }
-            Scalar::F32 => { type $t = f32; $body }
-            Scalar::F64 => { type $t = f64; $body }
+            Scalar::I8 => {
+                type $t = i8;
+                $body
+            }
+            Scalar::U8 => {
+                type $t = u8;
+                $body
+            }
+            Scalar::I16 => {
+                type $t = i16;
+                $body
+            }
+            Scalar::U16 => {
+                type $t = u16;
+                $body
+            }
+            Scalar::I32 => {
+                type $t = i32;
+                $body
+            }
+            Scalar::U32 => {
+                type $t = u32;
+                $body
+            }
+            Scalar::I64 => {
+                type $t = i64;
+                $body
+            }
+            Scalar::U64 => {
+                type $t = u64;
+                $body
+            }
+            Scalar::F32 => {
+                type $t = f32;
+                $body
+            }
+            Scalar::F64 => {
+                type $t = f64;
+                $body
+            }
         }
     };
 }
@@ -195,8 +225,11 @@ impl Numbers<'_> {
             let size = numbers.scalar.bytes();
             let limit = limit.min(1 << 32);
             let mut values = vec![0u32; numbers.len()];
-            let wrong = values.par_chunks_mut(CHUNK).zip(numbers.bytes.par_chunks(CHUNK * size)).enumerate().map(
-                |(chunk, (values, bytes))| {
+            let wrong = values
+                .par_chunks_mut(CHUNK)
+                .zip(numbers.bytes.par_chunks(CHUNK * size))
+                .enumerate()
+                .map(|(chunk, (values, bytes))| {
                     numbers.consumed(bytes.len());
                     let mut good = true;
                     for (value, bytes) in values.iter_mut().zip(bytes.chunks_exact(size)) {
@@ -207,12 +240,10 @@ impl Numbers<'_> {
                     if good {
                         return usize::MAX;
                     }
-                    let is_wrong = |b: &[u8]| {
-                        T::read(b, numbers.big_endian).index().is_none_or(|index| index >= limit)
-                    };
+                    let is_wrong =
+                        |b: &[u8]| T::read(b, numbers.big_endian).index().is_none_or(|index| index >= limit);
                     CHUNK * chunk + bytes.chunks_exact(size).position(is_wrong).unwrap_or_default()
-                },
-            );
+                });
             match wrong.min() {
                 Some(wrong) if wrong < usize::MAX => Err(wrong),
                 _ => Ok(values),
@@ -223,7 +254,12 @@ impl Numbers<'_> {
 
     /// One component of tuples of `of`, as `f32`: of all tuples, or of those with these numbers.
     pub fn component(&self, component: usize, of: usize, tuples: Option<&[u32]>) -> Vec<f32> {
-        fn convert<T: Number>(numbers: &Numbers, component: usize, of: usize, tuples: Option<&[u32]>) -> Vec<f32> {
+        fn convert<T: Number>(
+            numbers: &Numbers,
+            component: usize,
+            of: usize,
+            tuples: Option<&[u32]>,
+        ) -> Vec<f32> {
             let size = numbers.scalar.bytes();
             let (stride, first) = (of * size, component * size);
             let count = numbers.len() / of.max(1);
@@ -239,12 +275,14 @@ impl Numbers<'_> {
                     },
                 ),
                 Some(tuples) => {
-                    values.par_chunks_mut(CHUNK).zip(tuples.par_chunks(CHUNK)).for_each(|(values, tuples)| {
-                        numbers.consumed(tuples.len() * stride);
-                        for (value, &tuple) in values.iter_mut().zip(tuples) {
-                            *value = read(numbers.bytes.get(tuple as usize * stride + first..));
-                        }
-                    });
+                    values.par_chunks_mut(CHUNK).zip(tuples.par_chunks(CHUNK)).for_each(
+                        |(values, tuples)| {
+                            numbers.consumed(tuples.len() * stride);
+                            for (value, &tuple) in values.iter_mut().zip(tuples) {
+                                *value = read(numbers.bytes.get(tuple as usize * stride + first..));
+                            }
+                        },
+                    );
                 }
             }
             values

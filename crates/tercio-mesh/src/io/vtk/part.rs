@@ -44,13 +44,13 @@ pub struct Strokes {
 /// # Errors
 /// Too many elements, or too little memory.
 pub fn make(job: &Job, mut data: DataSet) -> Result<Part, ReadError> {
-    for (arrays, count, what) in [
-        (&data.point_data, data.points.count(), "points"),
-        (&data.cell_data, data.cells.count(), "cells"),
-    ] {
+    for (arrays, count, what) in
+        [(&data.point_data, data.points.count(), "points"), (&data.cell_data, data.cells.count(), "cells")]
+    {
         for array in arrays {
             if array.tuples() != count {
-                let expected = format!("{count} tuples of array {:?}, one for each of the {what}", array.name);
+                let expected =
+                    format!("{count} tuples of array {:?}, one for each of the {what}", array.name);
                 return Err(job.malformed(array.numbers.place(0), expected, array.tuples().to_string()));
             }
         }
@@ -71,7 +71,10 @@ pub fn make(job: &Job, mut data: DataSet) -> Result<Part, ReadError> {
     let per_vertex = 24 + 12 + 4 * (components(&data.point_data) + 4);
     let needed = count.saturating_mul(per_vertex) + triangles.saturating_mul(4 * components(&data.cell_data));
     let of_strokes = per_vertex + 4 * components(&data.cell_data) + 20;
-    job.reserve("its vertices and their data", needed.saturating_add(stroke_vertices.saturating_mul(of_strokes)))?;
+    job.reserve(
+        "its vertices and their data",
+        needed.saturating_add(stroke_vertices.saturating_mul(of_strokes)),
+    )?;
 
     let strokes = strokes(job, &data, &surface)?;
     let mut part = Part {
@@ -91,9 +94,19 @@ pub fn make(job: &Job, mut data: DataSet) -> Result<Part, ReadError> {
     }
     for array in &data.point_data {
         match array.r#use {
-            Use::Normals => part.normals = Some(array.numbers.tuples(array.components, kept, OctNormalOf::from).into_iter().map(|n| n.0).collect()),
+            Use::Normals => {
+                part.normals = Some(
+                    array
+                        .numbers
+                        .tuples(array.components, kept, OctNormalOf::from)
+                        .into_iter()
+                        .map(|n| n.0)
+                        .collect(),
+                )
+            }
             Use::Texcoords => {
-                let texcoords = array.numbers.tuples(array.components, kept, |[u, v]: [f64; 2]| [u as f32, v as f32]);
+                let texcoords =
+                    array.numbers.tuples(array.components, kept, |[u, v]: [f64; 2]| [u as f32, v as f32]);
                 part.texcoords = Some(texcoords);
             }
             Use::Colors => part.vertex_colors = Some(colors(array, kept)),
@@ -157,13 +170,17 @@ fn keep_used(job: &Job, surface: &mut Surface, points: u64) -> Result<Vec<u32>, 
 
 fn positions(points: &Points, kept: Option<&[u32]>) -> Positions {
     match (points, kept) {
-        (Points::Listed(numbers), None) if numbers.scalar == Scalar::F32 => Positions::Single(numbers.points32()),
+        (Points::Listed(numbers), None) if numbers.scalar == Scalar::F32 => {
+            Positions::Single(numbers.points32())
+        }
         (Points::Listed(numbers), Some(_)) if numbers.scalar == Scalar::F32 => {
             Positions::Single(numbers.tuples(3, kept, |p: [f64; 3]| p.map(|c| c as f32)))
         }
         (Points::Listed(numbers), _) => Positions::Double(numbers.tuples(3, kept, |p: [f64; 3]| p)),
         (_, Some(kept)) => Positions::Double(kept.par_iter().map(|&p| points.get(p)).collect()),
-        (_, None) => Positions::Double((0..points.count() as u32).into_par_iter().map(|p| points.get(p)).collect()),
+        (_, None) => {
+            Positions::Double((0..points.count() as u32).into_par_iter().map(|p| points.get(p)).collect())
+        }
     }
 }
 
@@ -182,7 +199,13 @@ fn colors(array: &Array, elements: Option<&[u32]>) -> Vec<[u8; 4]> {
 }
 
 /// Appends the components of an array as attributes.
-fn attributes(job: &Job, array: &Array, domain: AttributeDomain, elements: Option<&[u32]>, to: &mut Vec<Attribute>) {
+fn attributes(
+    job: &Job,
+    array: &Array,
+    domain: AttributeDomain,
+    elements: Option<&[u32]>,
+    to: &mut Vec<Attribute>,
+) {
     if array.numbers.has_large_integers() {
         job.warn(format!("whole numbers above 16777216 of {:?} are rounded to 24 bits", array.name));
     }
@@ -201,7 +224,11 @@ fn strokes(job: &Job, data: &DataSet, surface: &Surface) -> Result<Strokes, Read
         return Ok(strokes);
     }
     if count as u64 > crate::mesh::MAX_ELEMENTS {
-        return Err(ReadError::TooMany { file: job.file().into(), what: "points of lines", count: count as u64 });
+        return Err(ReadError::TooMany {
+            file: job.file().into(),
+            what: "points of lines",
+            count: count as u64,
+        });
     }
     let mut points = surface.lines.clone();
     let mut cells = Vec::with_capacity(count);

@@ -86,7 +86,11 @@ impl<'a> Parser<'_, 'a> {
         // Each takes a digit and a blank.
         if count > text.len() as u64 / 2 + 1 {
             let found = format!("{} up to the end of the file", counted(text.len() as u64, "byte"));
-            return Err(self.job.malformed(self.place(), format!("{} of {what}", counted(count, "number")), found));
+            return Err(self.job.malformed(
+                self.place(),
+                format!("{} of {what}", counted(count, "number")),
+                found,
+            ));
         }
         self.job.reserve(what, count * scalar.bytes() as u64)?;
         let mut bytes = Vec::with_capacity(count as usize * scalar.bytes());

@@ -31,7 +31,9 @@ impl<'a> Data<'a> {
     /// Reads what follows a keyword, if it is one of arrays.
     pub fn read(&mut self, parser: &mut Parser<'_, 'a>, keyword: &str) -> Result<bool, ReadError> {
         match keyword {
-            "POINT_DATA" => self.now = Some((Domain::Points, parser.count("the number of points with data")?)),
+            "POINT_DATA" => {
+                self.now = Some((Domain::Points, parser.count("the number of points with data")?))
+            }
             "CELL_DATA" => self.now = Some((Domain::Cells, parser.count("the number of cells with data")?)),
             "METADATA" => skip_metadata(parser),
             "FIELD" => self.field(parser)?,
@@ -45,7 +47,8 @@ impl<'a> Data<'a> {
             "SCALARS" => {
                 let name = name(parser.word("the name of an array")?);
                 let kind = parser.scalar_type()?;
-                let components = if parser.cursor.line_is_over() { 1 } else { parser.count("a number of components")? };
+                let components =
+                    if parser.cursor.line_is_over() { 1 } else { parser.count("a number of components")? };
                 let mut ahead = parser.cursor.clone();
                 ahead.skip_space();
                 if ahead.word().eq_ignore_ascii_case(b"LOOKUP_TABLE") {
@@ -108,7 +111,8 @@ impl<'a> Data<'a> {
         let components = checked(parser, components)?;
         let numbers = parser.numbers(&format!("array {name:?}"), tuples.saturating_mul(components), kind)?;
         let components = components as usize;
-        let mut array = Array { r#use: Use::of(&name, components, numbers.scalar), name, components, numbers };
+        let mut array =
+            Array { r#use: Use::of(&name, components, numbers.scalar), name, components, numbers };
         set(&mut array);
         self.push(domain, array);
         Ok(())

@@ -15,11 +15,11 @@ use std::borrow::Cow;
 use super::dataset::{DataSet, Job};
 use super::join;
 use super::part::{self, Part};
+use crate::ReadError;
 use crate::error::Place;
 use crate::io::obj::transcode;
 use crate::io::text::Cursor;
 use crate::io::{ReadModel, ReadOptions, input::Input};
-use crate::ReadError;
 use data::Data;
 use geometry::Geometry;
 

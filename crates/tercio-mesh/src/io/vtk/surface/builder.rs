@@ -72,8 +72,16 @@ impl<'a> Builder<'a> {
                 [[a, ab, ca], [ab, b, bc], [ca, bc, c], [bc, ca, ab]].into_iter().for_each(|t| self.push(t));
             }
             (3, &[a, b, c, ab, bc, ca, middle]) => {
-                [[a, ab, middle], [middle, ab, bc], [middle, bc, ca], [a, middle, ca], [ab, b, bc], [ca, bc, c]]
-                    .into_iter().for_each(|t| self.push(t));
+                [
+                    [a, ab, middle],
+                    [middle, ab, bc],
+                    [middle, bc, ca],
+                    [a, middle, ca],
+                    [ab, b, bc],
+                    [ca, bc, c],
+                ]
+                .into_iter()
+                .for_each(|t| self.push(t));
             }
             (4, &[a, b, c, d, ab, bc, cd, da]) => {
                 [[a, ab, da], [ab, b, bc], [bc, c, cd], [cd, d, da]].into_iter().for_each(|t| self.push(t));
@@ -81,9 +89,12 @@ impl<'a> Builder<'a> {
             }
             (4, &[a, b, c, d, ab, bc, cd, da, middle]) => {
                 [[a, ab, middle, da], [ab, b, bc, middle], [middle, bc, c, cd], [da, middle, cd, d]]
-                    .into_iter().for_each(|quad| self.polygon(&quad));
+                    .into_iter()
+                    .for_each(|quad| self.polygon(&quad));
             }
-            (4, &[a, b, c, d, ab, cd]) => [[a, ab, cd, d], [ab, b, c, cd]].into_iter().for_each(|q| self.polygon(&q)),
+            (4, &[a, b, c, d, ab, cd]) => {
+                [[a, ab, cd, d], [ab, b, c, cd]].into_iter().for_each(|q| self.polygon(&q))
+            }
             _ => self.polygon(nodes),
         }
     }

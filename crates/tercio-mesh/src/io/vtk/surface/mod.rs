@@ -221,7 +221,8 @@ impl<'a> Extraction<'a> {
             let are = if not_drawn == 1 { "is" } else { "are" };
             job.warn(format!("{} {are} not drawn, of a type such as {what}", counted(not_drawn, "cell")));
         }
-        let higher = types.iter().filter(|&&t| matches!(cells::shape(t), Some(Shape::HigherOrder(_)))).count();
+        let higher =
+            types.iter().filter(|&&t| matches!(cells::shape(t), Some(Shape::HigherOrder(_)))).count();
         if higher > 0 {
             let cells = counted(higher as u64, "cell");
             let are = if higher == 1 { "is" } else { "are" };

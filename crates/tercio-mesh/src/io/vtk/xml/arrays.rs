@@ -157,7 +157,8 @@ fn from_base64(
         };
         job.reserve("an array", 2 * bytes as u64)?;
         decode(text).ok_or_else(|| {
-            let odd = text.iter().position(|b| !b.is_ascii_alphanumeric() && !b"+/=".contains(b)).unwrap_or(0);
+            let odd =
+                text.iter().position(|b| !b.is_ascii_alphanumeric() && !b"+/=".contains(b)).unwrap_or(0);
             let found = printable(text.get(odd..(odd + 8).min(text.len())).unwrap_or_default());
             job.malformed(place, format!("array {name:?} in base64"), found)
         })
@@ -233,21 +234,25 @@ fn blocks(
     job.reserve("a decompressed array", all)?;
     job.input.consumed(at);
     let mut data = vec![0; all as usize];
-    let wrong = data
-        .par_chunks_mut(block as usize)
-        .zip(&compressed)
-        .enumerate()
-        .find_map_first(|(index, (to, from))| decompress(compressor, from, to).err().map(|error| (index, error)));
+    let wrong = data.par_chunks_mut(block as usize).zip(&compressed).enumerate().find_map_first(
+        |(index, (to, from))| decompress(compressor, from, to).err().map(|error| (index, error)),
+    );
     match wrong {
         None => Ok(data),
         Some((index, error)) => {
-            let expected = format!("block {index} of {count} of array {name:?}, compressed by {}", compressor.name());
+            let expected =
+                format!("block {index} of {count} of array {name:?}, compressed by {}", compressor.name());
             Err(job.malformed(place, expected, error))
         }
     }
 }
 
-fn ascii<'a>(job: &Job<'a>, text: &'a [u8], element: &Element, scalar: Scalar) -> Result<Numbers<'a>, ReadError> {
+fn ascii<'a>(
+    job: &Job<'a>,
+    text: &'a [u8],
+    element: &Element,
+    scalar: Scalar,
+) -> Result<Numbers<'a>, ReadError> {
     // Pieces end before a blank.
     let mut pieces = Vec::new();
     let mut rest = text;
@@ -295,7 +300,9 @@ fn ascii<'a>(job: &Job<'a>, text: &'a [u8], element: &Element, scalar: Scalar) -
             }
         }
     }
-    let Place::Line(first) = line(job, element.text.start) else { return Err(job.malformed(Place::File, "", "")) };
+    let Place::Line(first) = line(job, element.text.start) else {
+        return Err(job.malformed(Place::File, "", ""));
+    };
     let (source, big_endian) = (Source::Text(text, first), cfg!(target_endian = "big"));
     Ok(Numbers { bytes: bytes.into(), scalar, big_endian, source, input: None })
 }

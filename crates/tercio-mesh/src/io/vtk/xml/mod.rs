@@ -65,7 +65,8 @@ pub fn encoding_name(document: &Document) -> String {
 
 fn encoding(job: &Job, document: &Document) -> Result<Encoding, ReadError> {
     let root = &document.root;
-    let malformed = |expected: &str, found: &str| job.malformed(line(job, root.at), expected, format!("{found:?}"));
+    let malformed =
+        |expected: &str, found: &str| job.malformed(line(job, root.at), expected, format!("{found:?}"));
     let big_endian = match root.attribute("byte_order") {
         Some("LittleEndian") | None => false,
         Some("BigEndian") => true,
@@ -76,12 +77,13 @@ fn encoding(job: &Job, document: &Document) -> Result<Encoding, ReadError> {
         Some("UInt64") => 8,
         Some(other) => return Err(malformed("header_type=\"UInt32\" or \"UInt64\"", other)),
     };
-    let compressor = match root.attribute("compressor").filter(|name| !name.is_empty()) {
-        None => None,
-        Some(name) => Some(
-            Compressor::named(name).ok_or_else(|| malformed("the compressor vtkZLib-, vtkLZ4- or vtkLZMADataCompressor", name))?,
-        ),
-    };
+    let compressor =
+        match root.attribute("compressor").filter(|name| !name.is_empty()) {
+            None => None,
+            Some(name) => Some(Compressor::named(name).ok_or_else(|| {
+                malformed("the compressor vtkZLib-, vtkLZ4- or vtkLZMADataCompressor", name)
+            })?),
+        };
     Ok(Encoding { big_endian, word, compressor, appended: document.appended })
 }
 
@@ -161,7 +163,8 @@ impl<'a> Reader<'_, 'a> {
         }
         // Arrays of what there is nothing of may be left out or hold anything.
         let keep = |count: u64, arrays: Vec<Array<'a>>| if count == 0 { Vec::new() } else { arrays };
-        let (point_data, cell_data) = (keep(points.count(), point_data), keep(Cells::count(&cells), cell_data));
+        let (point_data, cell_data) =
+            (keep(points.count(), point_data), keep(Cells::count(&cells), cell_data));
         Ok(Some(DataSet { points, cells, point_data, cell_data }))
     }
 }

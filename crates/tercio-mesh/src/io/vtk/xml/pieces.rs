@@ -65,8 +65,13 @@ impl<'a> Reader<'_, 'a> {
                         (Points::Rectilinear { axes }, Cells::Structured(dims))
                     }
                     _ => {
-                        let expected = format!("{}, {} and {} coordinates for Extent", dims[0], dims[1], dims[2]);
-                        return Err(self.job.malformed(line(self.job, piece.at), expected, "other numbers of them"));
+                        let expected =
+                            format!("{}, {} and {} coordinates for Extent", dims[0], dims[1], dims[2]);
+                        return Err(self.job.malformed(
+                            line(self.job, piece.at),
+                            expected,
+                            "other numbers of them",
+                        ));
                     }
                 }
             }
@@ -109,7 +114,11 @@ impl<'a> Reader<'_, 'a> {
             }
             (Some(count), None) => {
                 let place = line(self.job, piece.at);
-                Err(self.job.malformed(place, format!("{count} points, as NumberOfPoints says"), "no array of points"))
+                Err(self.job.malformed(
+                    place,
+                    format!("{count} points, as NumberOfPoints says"),
+                    "no array of points",
+                ))
             }
         }
     }
@@ -136,7 +145,11 @@ impl<'a> Reader<'_, 'a> {
                 None | Some(0) => Ok(CellList::default()),
                 Some(n) => {
                     let expected = format!("{n} cells in {parent}, as {count} says");
-                    Err(self.job.malformed(line(self.job, piece.at), expected, "no offsets or no connectivity"))
+                    Err(self.job.malformed(
+                        line(self.job, piece.at),
+                        expected,
+                        "no offsets or no connectivity",
+                    ))
                 }
             };
         };
@@ -157,7 +170,11 @@ impl<'a> Reader<'_, 'a> {
             self.job.reserve("the faces of polyhedra", 4 * faces.len() as u64 + 8 * cells as u64)?;
             let all = faces.len() as u64;
             let connectivity = faces.indices(u32::MAX.into()).map_err(|at| {
-                self.job.malformed(faces.place(at), "a number of points, or a point", faces.double(at).to_string())
+                self.job.malformed(
+                    faces.place(at),
+                    "a number of points, or a point",
+                    faces.double(at).to_string(),
+                )
             })?;
             let (mut ends, mut before) = (Vec::with_capacity(cells), 0u64);
             for cell in 0..cells {
@@ -175,13 +192,17 @@ impl<'a> Reader<'_, 'a> {
             }
             return Ok(Some(CellList { ends: Ends::Each(ends), connectivity }));
         }
-        let (Some(connectivity), Some(offsets)) = (array("face_connectivity")?, array("face_offsets")?) else {
+        let (Some(connectivity), Some(offsets)) = (array("face_connectivity")?, array("face_offsets")?)
+        else {
             return Ok(None);
         };
-        let (Some(to_faces), Some(cell_offsets)) = (array("polyhedron_to_faces")?, array("polyhedron_offsets")?) else {
+        let (Some(to_faces), Some(cell_offsets)) =
+            (array("polyhedron_to_faces")?, array("polyhedron_offsets")?)
+        else {
             return Ok(None);
         };
-        let faces = build::offset_list(self.job, "face_connectivity", &offsets, &connectivity, false, points)?;
+        let faces =
+            build::offset_list(self.job, "face_connectivity", &offsets, &connectivity, false, points)?;
         let list = build::offset_list(
             self.job,
             "polyhedron_to_faces",
@@ -225,7 +246,12 @@ impl<'a> Reader<'_, 'a> {
         Err(self.job.malformed(line(self.job, piece.at), expected, format!("{text:?}")))
     }
 
-    fn attribute_numbers(&self, element: &Element, name: &str, default: &[f64]) -> Result<Vec<f64>, ReadError> {
+    fn attribute_numbers(
+        &self,
+        element: &Element,
+        name: &str,
+        default: &[f64],
+    ) -> Result<Vec<f64>, ReadError> {
         let Some(text) = element.attribute(name) else { return Ok(default.to_vec()) };
         let numbers: Vec<f64> = text.split_whitespace().filter_map(|n| n.parse().ok()).collect();
         if numbers.len() == default.len() {

@@ -98,25 +98,37 @@ pub fn parse(job: &Job) -> Result<Document, ReadError> {
             }
             if open.len() >= DEEPEST {
                 let found = "deeper ones";
-                return Err(job.malformed(line(job, before), format!("elements nested {DEEPEST} deep at most"), found));
+                return Err(job.malformed(
+                    line(job, before),
+                    format!("elements nested {DEEPEST} deep at most"),
+                    found,
+                ));
             }
         }
         match event {
-            Event::Start(start) | Event::Empty(start) if start.name().as_ref().as_bytes_of() == b"AppendedData" => {
+            Event::Start(start) | Event::Empty(start)
+                if start.name().as_ref().as_bytes_of() == b"AppendedData" =>
+            {
                 let encoding = element(&start, before, after).attribute("encoding").map(str::to_owned);
                 let base64 = match encoding.as_deref() {
                     Some("raw") => false,
                     Some("base64") | None => true,
                     Some(other) => {
                         let place = line(job, before);
-                        return Err(job.malformed(place, "encoding=\"raw\" or \"base64\"", format!("{other:?}")));
+                        return Err(job.malformed(
+                            place,
+                            "encoding=\"raw\" or \"base64\"",
+                            format!("{other:?}"),
+                        ));
                     }
                 };
                 let rest = bytes.get(after..).unwrap_or_default();
                 let blanks = rest.iter().take_while(|b| b.is_ascii_whitespace()).count();
                 if rest.get(blanks) != Some(&b'_') {
                     let place = Place::Byte((after + blanks) as u64);
-                    let found = crate::error::printable(rest.get(blanks..(blanks + 8).min(rest.len())).unwrap_or_default());
+                    let found = crate::error::printable(
+                        rest.get(blanks..(blanks + 8).min(rest.len())).unwrap_or_default(),
+                    );
                     return Err(job.malformed(place, "an underscore before the appended data", found));
                 }
                 appended = Some((after + blanks + 1, base64));
