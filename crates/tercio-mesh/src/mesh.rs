@@ -55,14 +55,24 @@ pub enum AttributeDomain {
 }
 
 /// A named scalar array.
+///
+/// An array of several components, such as vectors of VTK, is one attribute a component, named `NAME:0`, `NAME:1` and
+/// so on ([`Attribute::component_name`]), one after the other. Values that are not numbers stay NaN.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Attribute {
-    /// The name in the file.
+    /// The name in the file; of components see above.
     pub name: String,
     /// Whether the values belong to vertices or to triangles.
     pub domain: AttributeDomain,
     /// One value per element; integers above 2^24 are rounded to `f32`.
     pub values: Vec<f32>,
+}
+
+impl Attribute {
+    /// The name of a component of an array with so many: that of the array if it has one component only.
+    pub fn component_name(array: &str, component: usize, of: usize) -> String {
+        if of == 1 { array.into() } else { format!("{array}:{component}") }
+    }
 }
 
 impl Mesh {
@@ -227,6 +237,27 @@ pub fn localize_at(points: &[[f64; 3]], origin: Option<DVec3>) -> (Aabb, DVec3, 
         })
         .collect();
     (bounds, origin, local)
+}
+
+/// As [`localize_at`], for `f32`, in place.
+pub(crate) fn localize_single_at(
+    mut points: Vec<[f32; 3]>,
+    origin: Option<DVec3>,
+) -> (Aabb, DVec3, Vec<[f32; 3]>) {
+    let world = |p: &[f32; 3]| DVec3::new(p[0].into(), p[1].into(), p[2].into());
+    let bounds = points
+        .par_chunks(1 << 16)
+        .map(|chunk| {
+            let mut bounds = Aabb::EMPTY;
+            chunk.iter().map(world).filter(|p| p.is_finite()).for_each(|p| bounds.add(p));
+            bounds
+        })
+        .reduce(|| Aabb::EMPTY, Aabb::union);
+    let origin = origin.unwrap_or_else(|| choose_origin(&bounds));
+    if origin != DVec3::ZERO {
+        points.par_iter_mut().for_each(|p| *p = (world(p) - origin).as_vec3().to_array());
+    }
+    (bounds, origin, points)
 }
 
 #[cfg(test)]

@@ -10,7 +10,10 @@ use tercio_mesh::io::input::Input;
 use tercio_mesh::io::{ReadOptions, read, read_input};
 
 /// Extensions of models, compressed or not.
-const MODELS: [&str; 8] = ["ply", "obj", "stl", "off", "ply.gz", "obj.gz", "stl.gz", "off.gz"];
+const MODELS: [&str; 14] = [
+    "ply", "obj", "stl", "off", "ply.gz", "obj.gz", "stl.gz", "off.gz", "vtk", "vtp", "vtu", "vti", "vts",
+    "vtr",
+];
 
 /// All files under a folder without an extension of a model.
 fn others(folder: &Path, found: &mut Vec<PathBuf>) {

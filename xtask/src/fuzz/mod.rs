@@ -44,6 +44,8 @@ enum Target {
     Stl,
     /// The OFF reader
     Off,
+    /// The readers of VTK's files
+    Vtk,
     /// Decompression, the choice of the reader, and the reader
     SniffRead,
     /// Loading with all its steps, and a small picture from three renderers that must agree
@@ -63,6 +65,7 @@ impl Target {
             Self::Obj => "obj",
             Self::Stl => "stl",
             Self::Off => "off",
+            Self::Vtk => "vtk",
             Self::SniffRead => "sniff_read",
             Self::Picture => "picture",
             Self::Prepared => "prepared",

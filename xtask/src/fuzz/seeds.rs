@@ -36,6 +36,7 @@ fn extensions(target: Target) -> &'static [&'static str] {
         Target::Obj => &["obj"],
         Target::Stl => &["stl"],
         Target::Off => &["off"],
+        Target::Vtk => &["vtk", "vtp", "vtu", "vti", "vts", "vtr"],
         Target::SniffRead => &["ply", "obj", "stl", "off", "gz"],
         Target::Picture => &["ply", "obj", "stl", "off"],
         Target::Prepared | Target::CameraPath | Target::ColorMap => &[],
@@ -70,12 +71,13 @@ fn made(target: Target) -> Vec<Vec<u8>> {
         Target::Obj => obj(),
         Target::Stl => stl(),
         Target::Off => off(),
-        Target::Picture => [ply(), obj(), stl(), off()].concat(),
+        Target::Vtk => vtk(),
+        Target::Picture => [ply(), obj(), stl(), off(), vtk()].concat(),
         Target::Prepared => prepared(),
         Target::CameraPath => camera_path(),
         Target::ColorMap => color_maps(),
         Target::SniffRead => {
-            let plain = [ply(), obj(), stl(), off()].concat();
+            let plain = [ply(), obj(), stl(), off(), vtk()].concat();
             let packed: Vec<_> = plain.iter().map(|bytes| gzip(bytes)).collect();
             [plain, packed].concat()
         }
@@ -310,6 +312,73 @@ fn off() -> Vec<Vec<u8>> {
     files.push(binary_off("CNOFF", &normal_and_color, true, true));
     files.push(binary_off("ST4OFF", &[1.0, 0.5, 0.25], true, true));
     files.push(binary_off("nOFF 5", &[1.0, 2.0], true, true));
+    files
+}
+
+/// Polygons, a volume and grids, in text and in binary.
+fn vtk() -> Vec<Vec<u8>> {
+    let legacy =
+        |kind: &str, body: &str| format!("# vtk DataFile Version 3.0\na seed\n{kind}\nDATASET {body}");
+    let points: String = CORNERS.iter().map(|[x, y, z]| format!("{x} {y} {z}\n")).collect();
+    let faces: String = FACES.iter().map(|[a, b, c]| format!("3 {a} {b} {c}\n")).collect();
+    let data = "CELL_DATA 4\nSCALARS id int 1\nLOOKUP_TABLE default\n1 2 3 4\nPOINT_DATA 4\nVECTORS v float\n\
+                1 0 0 0 1 0 0 0 1 nan 0 0\nFIELD f 1\nt 1 4 double\n1 2 3 4\nMETADATA\nCOMPONENT_NAMES\nt\n\n";
+    let polygons = format!(
+        "POLYDATA\nPOINTS 4 float\n{points}VERTICES 1 2\n1 0\nLINES 1 3\n2 0 1\nPOLYGONS 4 16\n{faces}\
+         TRIANGLE_STRIPS 1 5\n4 0 1 2 3\n"
+    );
+    let tetra =
+        format!("UNSTRUCTURED_GRID\nPOINTS 4 double\n{points}CELLS 1 5\n4 0 1 2 3\nCELL_TYPES 1\n10\n");
+    let offsets = format!(
+        "POLYDATA\nPOINTS 4 float\n{points}POLYGONS 5 12\nOFFSETS vtktypeint64\n0 3 6 9 12\nCONNECTIVITY \
+         vtktypeint64\n0 2 1 0 1 3 1 2 3 2 0 3\n{data}"
+    );
+    let grid = "STRUCTURED_POINTS\nDIMENSIONS 2 2 2\nORIGIN 0 0 0\nSPACING 1 2 3\nPOINT_DATA 8\nSCALARS s char\n\
+                LOOKUP_TABLE default\n1 2 3 4 5 6 7 8\n";
+    let lines = "RECTILINEAR_GRID\nDIMENSIONS 2 3 1\nX_COORDINATES 2 float\n0 1\nY_COORDINATES 3 float\n0 1 4\n\
+                 Z_COORDINATES 1 float\n0\n";
+    let mut files: Vec<Vec<u8>> =
+        [&polygons, &tetra, &offsets, grid, lines].map(|body| legacy("ASCII", body).into_bytes()).into();
+    let mut binary = legacy("BINARY", "POLYDATA\nPOINTS 4 float\n").into_bytes();
+    binary.extend(CORNERS.as_flattened().iter().flat_map(|x| x.to_be_bytes()));
+    binary.extend(b"\nPOLYGONS 4 16\n");
+    binary.extend(FACES.iter().flat_map(|&[a, b, c]| [3, a, b, c]).flat_map(|n| u32::from(n).to_be_bytes()));
+    files.push(binary);
+    let array =
+        |kind: &str, name: &str, rest: &str| format!("<DataArray type=\"{kind}\" Name=\"{name}\" {rest}");
+    let corners: String = FACES.iter().flatten().map(|c| format!("{c} ")).collect();
+    let text = |kind: &str, name: &str, n: u8, text: &str| {
+        array(kind, name, &format!("NumberOfComponents=\"{n}\" format=\"ascii\">{text}</DataArray>"))
+    };
+    files.push(
+        format!(
+            "<VTKFile type=\"PolyData\"><PolyData><Piece NumberOfPoints=\"4\" NumberOfPolys=\"4\"><PointData>{}\
+             </PointData><Points>{}</Points><Polys>{}{}</Polys></Piece></PolyData></VTKFile>",
+            text("Float64", "t", 1, "1 2 nan 4"),
+            text("Float32", "Points", 3, &points),
+            text("Int64", "connectivity", 1, &corners),
+            text("Int32", "offsets", 1, "3 6 9 12")
+        )
+        .into_bytes(),
+    );
+    let appended = |at: usize| format!("format=\"appended\" offset=\"{at}\"/>");
+    let mut raw = format!(
+        "<VTKFile type=\"PolyData\" byte_order=\"LittleEndian\"><PolyData><Piece NumberOfPoints=\"4\" \
+         NumberOfPolys=\"4\"><Points>{}</Points><Polys>{}{}</Polys></Piece></PolyData><AppendedData \
+         encoding=\"raw\">_",
+        array("Float32", "Points", &format!("NumberOfComponents=\"3\" {}", appended(0))),
+        array("UInt8", "connectivity", &appended(52)),
+        array("UInt8", "offsets", &appended(68))
+    )
+    .into_bytes();
+    raw.extend(48u32.to_le_bytes());
+    raw.extend(CORNERS.as_flattened().iter().flat_map(|x| x.to_le_bytes()));
+    raw.extend(12u32.to_le_bytes());
+    raw.extend(FACES.as_flattened());
+    raw.extend(4u32.to_le_bytes());
+    raw.extend([3, 6, 9, 12]);
+    raw.extend(b"</AppendedData></VTKFile>");
+    files.push(raw);
     files
 }
 

@@ -12,6 +12,7 @@ mod sniff;
 pub mod stl;
 pub mod text;
 mod translucent;
+pub mod vtk;
 
 use std::path::{Path, PathBuf};
 
@@ -67,6 +68,10 @@ pub enum Format {
     Stl,
     /// Geomview object file format and its dialects.
     Off,
+    /// Legacy files of VTK.
+    Vtk,
+    /// XML files of VTK, and collections of them.
+    VtkXml,
 }
 
 /// What a reader found besides the mesh itself.
@@ -125,6 +130,8 @@ pub fn read_input(input: &Input, options: &ReadOptions) -> Result<ReadModel, Rea
         Some(Format::Obj) => obj::read(input, options),
         Some(Format::Stl) => stl::read(input, options),
         Some(Format::Off) => off::read(input, options),
+        Some(Format::Vtk) => vtk::read_legacy(input, options),
+        Some(Format::VtkXml) => vtk::read_xml(input, options),
         None => return Err(sniff::refusal(input)),
     }?;
     model.report.file_bytes = input.file_bytes;

@@ -31,6 +31,19 @@ impl<'a> Cursor<'a> {
         &self.bytes[self.at..]
     }
 
+    /// Moves over bytes that are no text and returns them; fewer at the end. Line ends in them do not count.
+    pub fn take(&mut self, count: usize) -> &'a [u8] {
+        let rest = self.rest();
+        let taken = &rest[..count.min(rest.len())];
+        self.at += taken.len();
+        taken
+    }
+
+    /// Moves back over bytes of this line that were read last.
+    pub fn step_back(&mut self, count: usize) {
+        self.at = self.at.saturating_sub(count);
+    }
+
     /// True at the end.
     pub fn is_at_end(&self) -> bool {
         self.at == self.bytes.len()

@@ -49,7 +49,16 @@ pub fn check(name: &str, model: &ReadModel) {
     assert!(mesh.texcoords.as_ref().is_none_or(|t| t.len() == vertices), "{name}: texcoords");
     assert!(mesh.vertex_colors.as_ref().is_none_or(|c| c.len() == vertices), "{name}: vertex colours");
     assert!(mesh.face_colors.as_ref().is_none_or(|c| c.len() == triangles), "{name}: face colours");
-    assert!(mesh.attributes.iter().all(|a| a.values.len() == triangles), "{name}: attributes");
+    let elements = |a: &tercio_mesh::Attribute| match a.domain {
+        tercio_mesh::AttributeDomain::Vertex => vertices,
+        tercio_mesh::AttributeDomain::Triangle => triangles,
+    };
+    assert!(mesh.attributes.iter().all(|a| a.values.len() == elements(a)), "{name}: attributes");
+    let strokes = &model.strokes;
+    let ends = strokes.segments.iter().flatten().chain(&strokes.points);
+    assert!({ ends }.all(|&v| (v as usize) < strokes.positions.len()), "{name}: strokes");
+    let whole = |a: &tercio_mesh::Attribute| a.values.len() == strokes.positions.len();
+    assert!(strokes.attributes.iter().all(whole), "{name}: attributes of strokes");
     if let Some(faces) = &mesh.face_of_triangle {
         assert_eq!(faces.len(), triangles, "{name}: faces");
         assert!(

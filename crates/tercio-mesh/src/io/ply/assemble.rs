@@ -4,7 +4,6 @@ use std::collections::HashSet;
 use std::path::Path;
 use std::sync::atomic::AtomicU64;
 
-use glam::DVec3;
 use rayon::prelude::*;
 
 use super::Job;
@@ -15,7 +14,7 @@ use super::table::{Column, Table};
 use super::wedges;
 use crate::error::{ReadError, counted, ignored_empty_faces};
 use crate::io::{ReadModel, ReadReport, companions};
-use crate::mesh::{MAX_ELEMENTS, choose_origin, localize_at};
+use crate::mesh::{MAX_ELEMENTS, localize_at, localize_single_at};
 use crate::strokes::Strokes;
 use crate::{Aabb, Attribute, AttributeDomain, FileMaterial, FileTexture, FileTextures, Mesh};
 
@@ -96,7 +95,7 @@ fn vertices(job: &Job, mesh: &mut Mesh, plan: &Plan, table: Table) -> Result<Aab
     for (field, column) in plan.fields.iter().zip(table.columns) {
         match column {
             Column::Points32(points) => {
-                (coordinates, mesh.origin, mesh.positions) = centered(points, origin);
+                (coordinates, mesh.origin, mesh.positions) = localize_single_at(points, origin);
             }
             Column::Points64(points) => {
                 job.reserve("positions", 12 * points.len() as u64)?;
@@ -122,24 +121,6 @@ fn warn_of_colors(job: &Job, broken: AtomicU64, whose: &str) {
     if broken > 0 {
         job.warn(format!("set {} of {whose} that were not finite to white", counted(broken, "colour")));
     }
-}
-
-/// As [`localize_at`], for `f32`, in place.
-fn centered(mut points: Vec<[f32; 3]>, origin: Option<DVec3>) -> (Aabb, DVec3, Vec<[f32; 3]>) {
-    let world = |p: &[f32; 3]| DVec3::new(p[0].into(), p[1].into(), p[2].into());
-    let bounds = points
-        .par_chunks(1 << 16)
-        .map(|chunk| {
-            let mut bounds = Aabb::EMPTY;
-            chunk.iter().map(world).filter(|p| p.is_finite()).for_each(|p| bounds.add(p));
-            bounds
-        })
-        .reduce(|| Aabb::EMPTY, Aabb::union);
-    let origin = origin.unwrap_or_else(|| choose_origin(&bounds));
-    if origin != DVec3::ZERO {
-        points.par_iter_mut().for_each(|p| *p = (world(p) - origin).as_vec3().to_array());
-    }
-    (bounds, origin, points)
 }
 
 fn split_wedges(job: &Job, mesh: &mut Mesh, table: &mut Table) -> Result<(), ReadError> {

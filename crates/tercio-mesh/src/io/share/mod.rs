@@ -48,6 +48,7 @@ impl<'a> Shareable<'a> {
             Some(Format::Stl) => Kind::Stl(stl::share::Facets::open(input)?),
             Some(Format::Obj) => return Err(refusal(input, "an OBJ file")),
             Some(Format::Off) => return Err(refusal(input, "an OFF file")),
+            Some(Format::Vtk | Format::VtkXml) => return Err(refusal(input, "a VTK file")),
             None => return Err(sniff::refusal(input)),
         };
         Ok(Self { input, kind })

@@ -18,7 +18,7 @@ mod tests;
 mod words;
 
 use super::input::Input;
-use super::{Format, obj, off, ply, stl};
+use super::{Format, obj, off, ply, stl, vtk};
 use crate::ReadError;
 use crate::error::printable;
 
@@ -27,6 +27,10 @@ pub fn sniff(input: &Input) -> Option<Format> {
     let bytes = input.bytes();
     if stl::is_beyond_doubt(input) {
         Some(Format::Stl)
+    } else if vtk::looks_like_legacy(bytes) {
+        Some(Format::Vtk)
+    } else if vtk::looks_like_xml(bytes) {
+        Some(Format::VtkXml)
     } else if magic::name(bytes).is_some() || words::comment_name(bytes).is_some() {
         None
     } else if ply::looks_like(input) {

@@ -13,7 +13,6 @@ const COMMENTS: &[(&str, &str)] = &[
     ("#VRML V", "a VRML world"),
     ("#X3D V", "an X3D world"),
     ("#Inventor V", "an Open Inventor scene"),
-    ("# vtk DataFile", "a VTK file"),
     ("#usda", "a USD scene"),
     ("# .PCD", "a PCD point cloud"),
     ("#?RADIANCE", "a Radiance picture"),
@@ -133,7 +132,6 @@ fn xml(text: &[u8]) -> &'static str {
     #[rustfmt::skip]
     const ROOTS: &[(&str, &str)] = &[
         ("<COLLADA", "a COLLADA scene"),
-        ("<VTKFile", "a VTK XML file"),
         ("<X3D", "an X3D world"),
         ("<svg", "an SVG picture"),
         ("<html", "an HTML page"),

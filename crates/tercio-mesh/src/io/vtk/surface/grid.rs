@@ -1,0 +1,69 @@
+//! The outside of structured grids.
+
+use super::Surface;
+use super::builder::Builder;
+use crate::ReadError;
+use crate::io::vtk::cells::{self, Shape};
+use crate::io::vtk::dataset::{Job, Points};
+
+/// Number of cells along an axis with so many points.
+fn along(points: u64) -> u64 {
+    if points > 1 { points - 1 } else { points }
+}
+
+/// A cell of a grid: points, lines, quadrilaterals or hexahedra.
+pub fn cell(dims: [u64; 3], cell: usize, buffer: &mut [u32; 8]) -> (Shape, &[u32]) {
+    let number = cell as u64;
+    let [x, y, _] = dims.map(along);
+    let at = [number % x.max(1), number / x.max(1) % y.max(1), number / (x * y).max(1)];
+    let steps = [1, dims[0], dims[0] * dims[1]];
+    let first: u64 = at.iter().zip(steps).map(|(n, step)| n * step).sum();
+    let used: Vec<u64> = steps.iter().zip(dims).filter(|&(_, n)| n > 1).map(|(&step, _)| step).collect();
+    let (shape, corners): (Shape, &[u64]) = match used[..] {
+        [] => (Shape::Points, &[0]),
+        [a] => (Shape::Line, &[0, a]),
+        [a, b] => (Shape::Polygon, &[0, a, a + b, b]),
+        _ => {
+            let [a, b, c] = steps;
+            let corners = [0, a, a + b, b, c, a + c, a + b + c, b + c];
+            buffer.iter_mut().zip(corners).for_each(|(slot, n)| *slot = (first + n) as u32);
+            return (cells::shape(cells::HEXAHEDRON_CELL).unwrap_or(Shape::Empty), &buffer[..]);
+        }
+    };
+    buffer.iter_mut().zip(corners).for_each(|(slot, n)| *slot = (first + n) as u32);
+    (shape, &buffer[..corners.len()])
+}
+
+/// The faces at the borders of a grid in the order of its cells.
+pub fn outer(job: &Job, dims: [u64; 3], points: &Points) -> Result<Surface, ReadError> {
+    let [x, y, z] = dims.map(along);
+    let is_solid = dims.iter().all(|&n| n > 1);
+    let faces = if is_solid { 2 * (x * y + y * z + z * x) } else { x * y * z };
+    job.reserve("the surface of its grid", 2 * 16 * 2 * faces)?;
+    job.begin("extracting the surface", z);
+    let mut builder = Builder::new(points);
+    let mut buffer = [0; 8];
+    for k in 0..z {
+        for j in 0..y {
+            let whole_row = !is_solid || j == 0 || j + 1 == y || k == 0 || k + 1 == z;
+            let step = if whole_row { 1 } else { (x - 1).max(1) };
+            for i in (0..x).step_by(step as usize) {
+                let number = i + x * (j + y * k);
+                let (shape, nodes) = cell(dims, number as usize, &mut buffer);
+                builder.cell = number as u32;
+                let Shape::Volume(volume) = shape else {
+                    builder.flat(shape, nodes);
+                    continue;
+                };
+                // In the order of the faces of a hexahedron.
+                let open = [i == 0, i + 1 == x, j == 0, j + 1 == y, k == 0, k + 1 == z];
+                for (face, _) in volume.faces.iter().zip(open).filter(|(_, open)| *open) {
+                    let corners = [0, 1, 2, 3].map(|c| nodes[face.nodes[c] as usize]);
+                    builder.polygon(&corners);
+                }
+            }
+        }
+        job.advance(1);
+    }
+    Ok(Surface { cells: Some(builder.cells), ..builder.surface })
+}

@@ -1,0 +1,251 @@
+//! From cells to triangles, lines and points: faces with two dimensions are triangulated, and of volumes those faces
+//! are kept that no other volume has.
+//!
+//! As VTK's surface filter does at its default level of subdivision, faces of quadratic cells are split once, through
+//! the nodes between their corners.
+
+mod builder;
+mod grid;
+mod volumes;
+
+use rayon::prelude::*;
+
+use super::cells::{self, Shape};
+use super::dataset::{Array, Cells, DataSet, Ends, Job};
+use crate::ReadError;
+use crate::error::counted;
+use crate::mesh::MAX_ELEMENTS;
+use builder::Builder;
+
+/// Cells that a task looks at.
+const CHUNK: usize = 1 << 13;
+
+/// Bits of `vtkGhostType`: the cell belongs to another piece, or is not there.
+const DUPLICATE: u64 = 1;
+const HIDDEN: u64 = 32;
+
+/// What is drawn of a data set, with the numbers of its points and cells.
+#[derive(Default)]
+pub struct Surface {
+    pub triangles: Vec<[u32; 3]>,
+    /// The cell of each triangle; `None` where it has the same number.
+    pub cells: Option<Vec<u32>>,
+    /// Points of all lines, one after the other.
+    pub lines: Vec<u32>,
+    /// Where each line ends, and its cell.
+    pub line_ends: Vec<(u64, u32)>,
+    /// Points that are drawn, and their cells.
+    pub dots: Vec<[u32; 2]>,
+}
+
+/// How a cell takes part.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Part {
+    Whole,
+    /// Its faces are those of a neighbour, but not drawn.
+    Ghost,
+    Gone,
+}
+
+/// Extracts the surface.
+///
+/// # Errors
+/// Too many cells or points, or too little memory.
+pub fn extract(job: &Job, data: &mut DataSet) -> Result<Surface, ReadError> {
+    for (what, count) in [("points", data.points.count()), ("cells", data.cells.count())] {
+        if count > MAX_ELEMENTS {
+            return Err(ReadError::TooMany { file: job.file().into(), what, count });
+        }
+    }
+    let has_ghosts = Array::ghosts(&data.cell_data).is_some();
+    match &mut data.cells {
+        Cells::Structured(dims) if !has_ghosts => return grid::outer(job, *dims, &data.points),
+        Cells::Poly([verts, lines, polygons, strips]) if !has_ghosts => {
+            let others = [verts, lines, strips].iter().map(|l| l.len()).sum::<usize>();
+            if let (0, Ends::Uniform { corners: 3, .. }) = (others, &polygons.ends) {
+                // They are triangles already.
+                let (triangles, _) = polygons.connectivity.as_chunks::<3>();
+                job.reserve("triangles", 12 * triangles.len() as u64)?;
+                let triangles = triangles.to_vec();
+                polygons.connectivity = Vec::new();
+                return Ok(Surface { triangles, ..Surface::default() });
+            }
+        }
+        _ => {}
+    }
+    Extraction::new(data).run(job)
+}
+
+/// Looks at cells one by one.
+pub(super) struct Extraction<'a> {
+    data: &'a DataSet<'a>,
+    ghosts: Option<&'a Array<'a>>,
+    count: usize,
+}
+
+impl<'a> Extraction<'a> {
+    fn new(data: &'a DataSet<'a>) -> Self {
+        Self { data, ghosts: Array::ghosts(&data.cell_data), count: data.cells.count() as usize }
+    }
+
+    fn part(&self, cell: usize) -> Part {
+        let Some(ghosts) = self.ghosts else { return Part::Whole };
+        let bits = ghosts.numbers.index(cell).unwrap_or(0);
+        match ghosts.name.as_str() {
+            "vtkGhostLevels" if bits > 0 => Part::Ghost,
+            "vtkGhostLevels" => Part::Whole,
+            _ if bits & HIDDEN > 0 => Part::Gone,
+            _ if bits & DUPLICATE > 0 => Part::Ghost,
+            _ => Part::Whole,
+        }
+    }
+
+    /// Type, and nodes of a cell.
+    fn cell<'b>(&'b self, cell: usize, buffer: &'b mut [u32; 8]) -> (Shape, &'b [u32]) {
+        match &self.data.cells {
+            Cells::Poly(lists) => {
+                let mut number = cell;
+                let shapes = [Shape::Points, Shape::Line, Shape::Polygon, Shape::Strip];
+                for (list, shape) in lists.iter().zip(shapes) {
+                    if number < list.len() {
+                        return (shape, list.get(number));
+                    }
+                    number -= list.len();
+                }
+                (Shape::Empty, &[])
+            }
+            Cells::Unstructured { types, list, polyhedra } => {
+                let shape = types.get(cell).and_then(|&t| cells::shape(t)).unwrap_or(Shape::Empty);
+                match shape {
+                    Shape::Polyhedron if polyhedra.len() > 0 => (shape, polyhedra.get(cell)),
+                    Shape::HigherOrder(linear) => {
+                        let shape = cells::shape(linear).unwrap_or(Shape::Empty);
+                        (shape, list.get(cell).get(..shape.nodes().0.max(2)).unwrap_or_default())
+                    }
+                    _ => (shape, list.get(cell)),
+                }
+            }
+            Cells::Structured(dims) => grid::cell(*dims, cell, buffer),
+        }
+    }
+
+    /// Calls `each` with the number of corners and the nodes of every face of a volume.
+    fn faces(shape: Shape, nodes: &[u32], mut each: impl FnMut(usize, &[u32])) {
+        match shape {
+            Shape::Volume(volume) => {
+                let mut of_face = [0; 9];
+                for face in volume.faces {
+                    let slots = of_face.iter_mut().zip(face.nodes);
+                    slots.for_each(|(slot, &n)| *slot = nodes.get(n as usize).copied().unwrap_or_default());
+                    each(face.corners.into(), &of_face[..face.nodes.len()]);
+                }
+            }
+            Shape::Polyhedron => {
+                let mut rest = nodes.get(1..).unwrap_or_default();
+                while let Some((&corners, tail)) = rest.split_first() {
+                    let Some((face, tail)) = tail.split_at_checked(corners as usize) else { return };
+                    each(face.len(), face);
+                    rest = tail;
+                }
+            }
+            _ => {}
+        }
+    }
+
+    fn run(&self, job: &Job) -> Result<Surface, ReadError> {
+        job.begin("extracting the surface", self.count as u64);
+        let hidden = volumes::Hidden::find(self, job)?;
+        let chunks = self.count.div_ceil(CHUNK);
+        let cells = |chunk: usize| chunk * CHUNK..((chunk + 1) * CHUNK).min(self.count);
+        let nodes: u64 = (0..chunks)
+            .into_par_iter()
+            .map(|chunk| {
+                let (mut buffer, mut nodes) = ([0; 8], 0);
+                let mut number = hidden.first(chunk);
+                for cell in cells(chunk) {
+                    let part = self.part(cell);
+                    let (shape, all) = self.cell(cell, &mut buffer);
+                    match shape {
+                        _ if part == Part::Gone => {}
+                        Shape::Volume(_) | Shape::Polyhedron => Self::faces(shape, all, |_, face| {
+                            nodes += if hidden.is(number) { 0 } else { face.len() as u64 };
+                            number += 1;
+                        }),
+                        _ => nodes += all.len() as u64,
+                    }
+                }
+                nodes
+            })
+            .sum();
+        // Triangles and their cells, at first in pieces.
+        job.reserve("the surface of its cells", nodes.saturating_mul(2 * 16))?;
+        let pieces: Vec<(Surface, Vec<u32>, u64)> = (0..chunks)
+            .into_par_iter()
+            .map(|chunk| {
+                let mut builder = Builder::new(&self.data.points);
+                let (mut buffer, mut number) = ([0; 8], hidden.first(chunk));
+                for cell in cells(chunk) {
+                    let part = self.part(cell);
+                    if part == Part::Gone {
+                        continue;
+                    }
+                    let (shape, nodes) = self.cell(cell, &mut buffer);
+                    builder.cell = cell as u32;
+                    match shape {
+                        Shape::Volume(_) | Shape::Polyhedron => Self::faces(shape, nodes, |corners, face| {
+                            if part == Part::Whole && !hidden.is(number) {
+                                builder.face(corners, face);
+                            }
+                            number += 1;
+                        }),
+                        _ if part == Part::Ghost => {}
+                        _ => builder.flat(shape, nodes),
+                    }
+                }
+                job.advance(cells(chunk).len() as u64);
+                (builder.surface, builder.cells, builder.not_drawn)
+            })
+            .collect();
+        self.warn(job, pieces.iter().map(|p| p.2).sum());
+        Ok(Surface::join(pieces))
+    }
+
+    fn warn(&self, job: &Job, not_drawn: u64) {
+        let Cells::Unstructured { types, .. } = &self.data.cells else { return };
+        if not_drawn > 0 {
+            let of = |t: &u8| match cells::shape(*t) {
+                Some(Shape::Unsupported(what)) => Some(what),
+                _ => None,
+            };
+            let what = types.iter().find_map(of).unwrap_or("a cell");
+            let are = if not_drawn == 1 { "is" } else { "are" };
+            job.warn(format!("{} {are} not drawn, of a type such as {what}", counted(not_drawn, "cell")));
+        }
+        let higher =
+            types.iter().filter(|&&t| matches!(cells::shape(t), Some(Shape::HigherOrder(_)))).count();
+        if higher > 0 {
+            let cells = counted(higher as u64, "cell");
+            let are = if higher == 1 { "is" } else { "are" };
+            job.warn(format!("{cells} of a higher order {are} drawn straight from corner to corner"));
+        }
+    }
+}
+
+impl Surface {
+    /// Joins pieces in their order.
+    fn join(pieces: Vec<(Surface, Vec<u32>, u64)>) -> Self {
+        fn flat<T: Copy>(parts: Vec<&[T]>) -> Vec<T> {
+            parts.concat()
+        }
+        let triangles = flat(pieces.iter().map(|p| &p.0.triangles[..]).collect());
+        let cells = flat(pieces.iter().map(|p| &p.1[..]).collect());
+        let lines = flat(pieces.iter().map(|p| &p.0.lines[..]).collect());
+        let dots = flat(pieces.iter().map(|p| &p.0.dots[..]).collect());
+        let (mut line_ends, mut before) = (Vec::new(), 0);
+        for (piece, ..) in &pieces {
+            line_ends.extend(piece.line_ends.iter().map(|&(end, cell)| (end + before, cell)));
+            before += piece.lines.len() as u64;
+        }
+        Self { triangles, cells: Some(cells), lines, line_ends, dots }
+    }
+}

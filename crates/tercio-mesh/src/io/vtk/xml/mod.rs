@@ -1,0 +1,175 @@
+//! XML files of VTK (`.vtp`, `.vtu`, `.vti`, `.vts`, `.vtr`) and collections of them.
+//!
+//! Elements name arrays, whose numbers are text, base64, or appended to the elements; they may be compressed in
+//! blocks. A library parses the elements; appended data are read where they are.
+//!
+//! Source: VTK XML Formats (docs.vtk.org); `vtkXMLWriter` and `vtkXMLDataReader` of VTK 9.
+
+mod arrays;
+mod base64;
+mod compress;
+mod pieces;
+pub mod tree;
+
+use super::dataset::{Array, Cells, DataSet, Job, Use};
+use super::part::{self, Part};
+use crate::ReadError;
+use arrays::Encoding;
+use compress::Compressor;
+use tree::{Document, Element, line};
+
+/// What a file is.
+pub enum Kind {
+    /// A data set, with the name of its kind.
+    Data(&'static str),
+    /// A collection of files.
+    Collection(&'static str),
+}
+
+/// The kind of a file.
+///
+/// # Errors
+/// [`ReadError::Unsupported`] for those that are not read.
+pub fn kind(job: &Job, document: &Document) -> Result<Kind, ReadError> {
+    let root = &document.root;
+    let kind = root.attribute("type").unwrap_or("without a type");
+    Ok(match kind {
+        "PolyData" => Kind::Data("polygonal data"),
+        "UnstructuredGrid" => Kind::Data("unstructured grid"),
+        "ImageData" => Kind::Data("image data"),
+        "StructuredGrid" => Kind::Data("structured grid"),
+        "RectilinearGrid" => Kind::Data("rectilinear grid"),
+        "PPolyData" | "PUnstructuredGrid" | "PImageData" | "PStructuredGrid" | "PRectilinearGrid" => {
+            Kind::Collection("parallel pieces")
+        }
+        "Collection" => Kind::Collection("collection"),
+        "vtkMultiBlockDataSet" => Kind::Collection("blocks"),
+        "vtkPartitionedDataSet" | "vtkPartitionedDataSetCollection" => Kind::Collection("partitions"),
+        _ => return Err(job.unsupported(line(job, root.at), format!("VTK's data set {kind}"))),
+    })
+}
+
+/// How the arrays of a file are encoded, in words, for the report.
+pub fn encoding_name(document: &Document) -> String {
+    let compressor = document.root.attribute("compressor").and_then(Compressor::named);
+    let mut words = match document.appended {
+        Some((_, true)) => "appended base64".to_owned(),
+        Some((_, false)) => "appended raw".to_owned(),
+        None => "inline".to_owned(),
+    };
+    if let Some(compressor) = compressor {
+        words += &format!(", {}", compressor.name());
+    }
+    words
+}
+
+fn encoding(job: &Job, document: &Document) -> Result<Encoding, ReadError> {
+    let root = &document.root;
+    let malformed =
+        |expected: &str, found: &str| job.malformed(line(job, root.at), expected, format!("{found:?}"));
+    let big_endian = match root.attribute("byte_order") {
+        Some("LittleEndian") | None => false,
+        Some("BigEndian") => true,
+        Some(other) => return Err(malformed("byte_order=\"LittleEndian\" or \"BigEndian\"", other)),
+    };
+    let word = match root.attribute("header_type") {
+        Some("UInt32") | None => 4,
+        Some("UInt64") => 8,
+        Some(other) => return Err(malformed("header_type=\"UInt32\" or \"UInt64\"", other)),
+    };
+    let compressor =
+        match root.attribute("compressor").filter(|name| !name.is_empty()) {
+            None => None,
+            Some(name) => Some(Compressor::named(name).ok_or_else(|| {
+                malformed("the compressor vtkZLib-, vtkLZ4- or vtkLZMADataCompressor", name)
+            })?),
+        };
+    Ok(Encoding { big_endian, word, compressor, appended: document.appended })
+}
+
+/// All pieces of a file with a data set.
+///
+/// # Errors
+/// Any [`ReadError`].
+pub fn parts(job: &Job, document: &Document) -> Result<Vec<Part>, ReadError> {
+    let reader = Reader { job, encoding: encoding(job, document)? };
+    let root = &document.root;
+    let kind = root.attribute("type").unwrap_or_default();
+    let Some(data) = root.child(kind) else {
+        return Err(job.malformed(line(job, root.at), format!("the element {kind}"), "none"));
+    };
+    job.begin("reading pieces", data.children_named("Piece").count() as u64);
+    let mut parts = Vec::new();
+    for piece in data.children_named("Piece") {
+        if let Some(set) = reader.piece(kind, data, piece)? {
+            parts.push(part::make(job, set)?);
+        }
+        job.advance(1);
+    }
+    Ok(parts)
+}
+
+/// Reads the pieces of a file.
+struct Reader<'j, 'a> {
+    job: &'j Job<'a>,
+    encoding: Encoding,
+}
+
+impl<'a> Reader<'_, 'a> {
+    /// The arrays of points or of cells of a piece.
+    fn data(&self, piece: &Element, name: &str) -> Result<Vec<Array<'a>>, ReadError> {
+        let Some(data) = piece.child(name) else { return Ok(Vec::new()) };
+        let mut arrays = Vec::new();
+        for element in data.children_named("DataArray") {
+            // Of several times the first one.
+            if element.attribute("TimeStep").is_some_and(|t| t.trim() != "0") {
+                continue;
+            }
+            let Some(scalar) = arrays::scalar(self.job, element)? else { continue };
+            let components = match element.attribute("NumberOfComponents").map(|n| n.trim().parse::<u32>()) {
+                None => 1,
+                Some(Ok(n)) if (1..=1 << 16).contains(&n) => n as usize,
+                _ => {
+                    let place = line(self.job, element.at);
+                    let found = format!("{:?}", element.attribute("NumberOfComponents").unwrap_or_default());
+                    return Err(self.job.malformed(place, "NumberOfComponents from 1 to 65536", found));
+                }
+            };
+            let numbers = arrays::numbers(self.job, &self.encoding, element, scalar)?;
+            let name = element.attribute("Name").unwrap_or("unnamed").to_owned();
+            let is = |role: &str| data.attribute(role) == Some(&name);
+            let r#use = if is("Normals") && components == 3 {
+                Use::Normals
+            } else if is("TCoords") && components >= 2 {
+                Use::Texcoords
+            } else if is("Scalars") && scalar == arrays_byte() && matches!(components, 3 | 4) {
+                Use::Colors
+            } else {
+                Use::of(&name, components, scalar)
+            };
+            arrays.push(Array { name, components, numbers, r#use });
+        }
+        Ok(arrays)
+    }
+
+    fn piece(&self, kind: &str, data: &Element, piece: &Element) -> Result<Option<DataSet<'a>>, ReadError> {
+        let Some((points, cells)) = self.geometry(kind, data, piece)? else { return Ok(None) };
+        let point_data = self.data(piece, "PointData")?;
+        let mut cell_data = self.data(piece, "CellData")?;
+        for array in &mut cell_data {
+            if array.r#use != Use::Colors {
+                array.r#use = Use::Attribute;
+            }
+        }
+        // Arrays of what there is nothing of may be left out or hold anything.
+        let keep = |count: u64, arrays: Vec<Array<'a>>| if count == 0 { Vec::new() } else { arrays };
+        let (point_data, cell_data) =
+            (keep(points.count(), point_data), keep(Cells::count(&cells), cell_data));
+        Ok(Some(DataSet { points, cells, point_data, cell_data }))
+    }
+}
+
+/// The type of colours.
+fn arrays_byte() -> super::numbers::Scalar {
+    super::numbers::Scalar::U8
+}

@@ -1,0 +1,216 @@
+//! The elements of an XML file, up to the data that are appended to them.
+
+use std::ops::Range;
+
+use quick_xml::Reader;
+use quick_xml::events::{BytesStart, Event};
+
+use crate::ReadError;
+use crate::error::Place;
+use crate::io::vtk::dataset::Job;
+
+/// Deepest nesting of elements.
+const DEEPEST: usize = 64;
+
+/// Bytes of memory that an element takes with its attributes, about.
+const ELEMENT_BYTES: u64 = 512;
+
+/// An element.
+pub struct Element {
+    pub name: String,
+    attributes: Vec<(String, String)>,
+    pub children: Vec<Element>,
+    /// Bytes of the file with its first text.
+    pub text: Range<usize>,
+    /// Where it begins in the file.
+    pub at: usize,
+}
+
+/// The elements of a file.
+pub struct Document {
+    pub root: Element,
+    /// Where appended data begin, and whether they are base64.
+    pub appended: Option<(usize, bool)>,
+}
+
+impl Element {
+    pub fn attribute(&self, name: &str) -> Option<&str> {
+        self.attributes.iter().find(|(n, _)| n == name).map(|(_, value)| value.as_str())
+    }
+
+    pub fn child(&self, name: &str) -> Option<&Element> {
+        self.children.iter().find(|c| c.name == name)
+    }
+
+    pub fn children_named<'b>(&'b self, name: &'b str) -> impl Iterator<Item = &'b Element> {
+        self.children.iter().filter(move |c| c.name == name)
+    }
+}
+
+/// The line with a byte of the file.
+pub fn line(job: &Job, at: usize) -> Place {
+    let before = job.input.bytes().get(..at).unwrap_or_default();
+    Place::Line(1 + before.iter().filter(|&&b| b == b'\n').count() as u64)
+}
+
+/// Reads the elements of a file.
+///
+/// # Errors
+/// What is no well-formed XML in UTF-8, and too little memory.
+pub fn parse(job: &Job) -> Result<Document, ReadError> {
+    const APPENDED: &str = "<AppendedData";
+    let bytes = job.input.bytes();
+    // Appended data need not be text.
+    let text = match std::str::from_utf8(bytes) {
+        Ok(text) => text,
+        Err(error) => {
+            let valid = bytes.get(..error.valid_up_to()).unwrap_or_default();
+            let text = std::str::from_utf8(valid).unwrap_or_default();
+            if !text.contains(APPENDED) {
+                let place = line(job, error.valid_up_to());
+                return Err(job.malformed(place, "text in UTF-8", "bytes that are none"));
+            }
+            text
+        }
+    };
+    let markup = match text.find(APPENDED) {
+        Some(at) => {
+            let end = text[at..].find('>').map_or(text.len(), |end| at + end + 1);
+            &text[..end]
+        }
+        None => text,
+    };
+    let mark = if markup.starts_with('\u{feff}') { 3 } else { 0 };
+    let mut reader = Reader::from_str(&markup[mark..]);
+    let mut open: Vec<Element> = Vec::new();
+    let (mut root, mut appended, mut elements) = (None, None, 0u64);
+    while root.is_none() {
+        let before = mark + reader.buffer_position() as usize;
+        let event = reader.read_event().map_err(|error| {
+            let place = line(job, mark + reader.error_position() as usize);
+            job.malformed(place, "well-formed XML", error.to_string())
+        })?;
+        let after = mark + reader.buffer_position() as usize;
+        if matches!(event, Event::Start(_) | Event::Empty(_)) {
+            elements += 1;
+            if elements.is_multiple_of(1024) {
+                job.reserve("the elements of its XML", 1024 * ELEMENT_BYTES)?;
+            }
+            if open.len() >= DEEPEST {
+                let found = "deeper ones";
+                return Err(job.malformed(
+                    line(job, before),
+                    format!("elements nested {DEEPEST} deep at most"),
+                    found,
+                ));
+            }
+        }
+        match event {
+            Event::Start(start) | Event::Empty(start)
+                if start.name().as_ref().as_bytes_of() == b"AppendedData" =>
+            {
+                let encoding = element(&start, before, after).attribute("encoding").map(str::to_owned);
+                let base64 = match encoding.as_deref() {
+                    Some("raw") => false,
+                    Some("base64") | None => true,
+                    Some(other) => {
+                        let place = line(job, before);
+                        return Err(job.malformed(
+                            place,
+                            "encoding=\"raw\" or \"base64\"",
+                            format!("{other:?}"),
+                        ));
+                    }
+                };
+                let rest = bytes.get(after..).unwrap_or_default();
+                let blanks = rest.iter().take_while(|b| b.is_ascii_whitespace()).count();
+                if rest.get(blanks) != Some(&b'_') {
+                    let place = Place::Byte((after + blanks) as u64);
+                    let found = crate::error::printable(
+                        rest.get(blanks..(blanks + 8).min(rest.len())).unwrap_or_default(),
+                    );
+                    return Err(job.malformed(place, "an underscore before the appended data", found));
+                }
+                appended = Some((after + blanks + 1, base64));
+                // Nothing but data follows.
+                while let Some(done) = open.pop() {
+                    close(&mut open, &mut root, done);
+                }
+                break;
+            }
+            Event::Start(start) => open.push(element(&start, before, after)),
+            Event::Empty(start) => {
+                let done = element(&start, before, after);
+                close(&mut open, &mut root, done);
+            }
+            Event::End(_) => {
+                if let Some(done) = open.pop() {
+                    close(&mut open, &mut root, done);
+                }
+            }
+            Event::Text(_) => {
+                if let Some(now) = open.last_mut().filter(|e| e.text.is_empty())
+                    && bytes.get(before..after).is_some_and(|t| t.iter().any(|b| !b.is_ascii_whitespace()))
+                {
+                    now.text = before..after;
+                    job.input.consumed(after - before);
+                }
+            }
+            Event::Eof => {
+                let place = line(job, after);
+                let expected = match open.last() {
+                    Some(open) => format!("the end of element {}", open.name),
+                    None => "the element VTKFile".into(),
+                };
+                return Err(job.malformed(place, expected, "the end of the file"));
+            }
+            _ => {}
+        }
+    }
+    match root {
+        Some(root) if root.name == "VTKFile" => Ok(Document { root, appended }),
+        _ => Err(job.malformed(Place::Line(1), "the element VTKFile", "another one")),
+    }
+}
+
+fn close(open: &mut [Element], root: &mut Option<Element>, done: Element) {
+    match open.last_mut() {
+        Some(parent) => parent.children.push(done),
+        None => *root = Some(done),
+    }
+}
+
+/// Bytes of a name, whatever the library keeps it in.
+trait AsBytesOf {
+    fn as_bytes_of(&self) -> &[u8];
+}
+
+impl AsBytesOf for [u8] {
+    fn as_bytes_of(&self) -> &[u8] {
+        self
+    }
+}
+
+impl AsBytesOf for str {
+    fn as_bytes_of(&self) -> &[u8] {
+        self.as_bytes()
+    }
+}
+
+fn element(start: &BytesStart, at: usize, after: usize) -> Element {
+    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+    let mut all = start.attributes();
+    let attributes = all.with_checks(false).flatten().map(|attribute| {
+        let value = attribute.value.as_ref();
+        let value = quick_xml::escape::unescape(value).map_or_else(|_| value.to_owned(), |v| v.into_owned());
+        (text(attribute.key.as_ref().as_bytes_of()), value)
+    });
+    let attributes = attributes.collect();
+    Element {
+        name: text(start.name().as_ref().as_bytes_of()),
+        attributes,
+        children: Vec::new(),
+        text: after..after,
+        at,
+    }
+}
