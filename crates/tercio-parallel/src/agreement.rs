@@ -185,8 +185,9 @@ fn model(instance: &Instance) -> (u64, Option<(u64, u64)>) {
 
 fn look(scene: &Scene) -> String {
     let Scene { instances, lights, environment, background, materials, textures } = scene;
-    let of_instance =
-        |i: &Instance| format!("{:?} {:?} {:?} {:?}", i.world_from_object, i.surface, i.mesh.materials, i.data);
+    let of_instance = |i: &Instance| {
+        format!("{:?} {:?} {:?} {:?}", i.world_from_object, i.surface, i.mesh.materials, i.data)
+    };
     let instances: Vec<String> = instances.iter().map(of_instance).collect();
     let textures: Vec<u64> = textures.iter().map(|texture| texture.checksum()).collect();
     format!("{instances:?} {lights:?} {environment:?} {background:?} {materials:?} {textures:?}")

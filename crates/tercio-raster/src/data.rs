@@ -367,7 +367,10 @@ mod tests {
                 let nearest = (t * INTERVALS as f64 + 0.5).floor() / INTERVALS as f64;
                 let (a, b) = (map.at(t), map.at(nearest));
                 let worst = (0..3).map(|k| (a[k] - b[k]).abs() * 255.0).fold(0.0, f64::max);
-                assert!(worst < if name.starts_with("gist_") { 2.0 } else { 0.6 }, "{name} at {t}: {worst} levels");
+                assert!(
+                    worst < if name.starts_with("gist_") { 2.0 } else { 0.6 },
+                    "{name} at {t}: {worst} levels"
+                );
             }
         }
     }

@@ -19,7 +19,7 @@ use crate::named_files::NamedFiles;
 use crate::output::UsageError;
 
 /// Colours by data.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Data")]
 pub struct DataArgs {
     /// Colours the model by an attribute (tercio info lists them; of a vector, its magnitude), NAME:COMPONENT, NAME:magnitude, or

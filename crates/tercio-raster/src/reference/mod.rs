@@ -16,8 +16,8 @@ use tercio_mesh::Mesh;
 use tercio_scene::{Camera, Instance, Scene};
 
 use crate::context::{check_light, check_range, shadows_on};
-use crate::data::{DataTable, check_data};
 use crate::conventions::SUBPIXELS;
+use crate::data::{DataTable, check_data};
 use crate::error::RenderError;
 use crate::frame::{Frame, Pixel, visibility_key};
 use crate::lighting::LightRig;

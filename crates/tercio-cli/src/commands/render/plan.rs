@@ -55,7 +55,8 @@ impl Render {
         let has_picture = plan.picture.is_some() || plan.film.is_some();
         let changes_picture = self.effects.are_given() || self.environment.is_given() || self.data.is_given();
         if !has_picture && changes_picture {
-            let what = "--exposure, --tone, --ao, --edl, --environment and --color-by change the picture only";
+            let what =
+                "--exposure, --tone, --ao, --edl, --environment and --color-by change the picture only";
             return Err(UsageError(format!("{what}, which is not written: add -o")).into());
         }
         plan.outputs = plan.outputs.with(self.effects.needed());

@@ -84,7 +84,8 @@ pub fn shade<S: Simd>(
             let own = match pixels.colors {
                 ColorSource::Base => None,
                 ColorSource::Data => {
-                    let (color, alpha) = data::colors(simd, context, instance, pixels.sample, pixels.at, corners);
+                    let (color, alpha) =
+                        data::colors(simd, context, instance, pixels.sample, pixels.at, corners);
                     let color = each3!(C => color[C].to_array());
                     Some(Own { color, alpha: alpha.to_array() })
                 }
