@@ -85,7 +85,8 @@ fn made(target: Target) -> Vec<Vec<u8>> {
 fn camera_path() -> Vec<Vec<u8>> {
     let csv = "# turn\ntime,eye_x,eye_y,eye_z,target_x,target_y,target_z,up_x,up_y,up_z,fov\n0,0,0,5,0,0,0,0,1,0,30\n1.5,5,0,0,,,,,,,\n2,0,0,5,0,0,0,0,1,0,30\n";
     let json = r#"{"keyframes": [{"time": 0, "eye": [1, 2, 3]}, {"time": 1e1, "eye": [-1, 2, 3], "target": [0, 0, 0], "up": [0, 0, 1], "fov": 45}]}"#;
-    let toml = "[[keyframes]]\ntime = 0\neye = [0, 1, 5]\n\n[[keyframes]]\ntime = 1.25\neye = [5, 1, 0]\nfov = 20\n";
+    let toml =
+        "[[keyframes]]\ntime = 0\neye = [0, 1, 5]\n\n[[keyframes]]\ntime = 1.25\neye = [5, 1, 0]\nfov = 20\n";
     [csv, json, toml].map(|text| text.as_bytes().to_vec()).to_vec()
 }
 
