@@ -42,8 +42,8 @@ fn every_picture_of_a_series_has_the_bytes_that_its_camera_gives_alone() {
         place.run(&format!("render model.off -o alone.png {SMALL} {alone}")).ok_silently();
         assert!(place.read("alone.png") == *frame, "picture {n}");
     }
-    // The same with ranks, and with other numbers of threads.
-    for more in ["--ranks 2", "--threads 1", "--threads 3 --simd scalar"] {
+    // The same with ranks, and from other numbers of threads.
+    for more in ["--ranks 2", "--threads 1", "--threads 3"] {
         assert!(turntable(&place, &format!("--elevation 25 {more}")) == frames, "{more}");
     }
     // Views are those that single runs draw.

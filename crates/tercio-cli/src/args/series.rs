@@ -46,6 +46,9 @@ pub struct SeriesArgs {
     /// Draws only the pictures of a series whose files are not there or not whole, after an interrupted run of the same command.
     #[arg(long)]
     pub resume: bool,
+    /// Draws again whenever the file of the model changes, until the program is interrupted.
+    #[arg(long, conflicts_with = "resume")]
+    pub watch: bool,
 }
 
 /// A format of the output: of one picture, or of a film.

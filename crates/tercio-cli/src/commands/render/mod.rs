@@ -12,6 +12,7 @@ mod plan;
 mod series;
 mod steps;
 mod summary;
+mod watch;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -179,6 +180,10 @@ impl Render {
     /// # Errors
     /// Usage errors for options that contradict each other, else what went wrong.
     pub fn run(&self) -> Result<ExitCode> {
+        if self.series.watch { self.watch() } else { self.run_once() }
+    }
+
+    fn run_once(&self) -> Result<ExitCode> {
         match self.models()? {
             Models::One => self.run_one(),
             Models::Batch(models) => self.run_batch(&models),

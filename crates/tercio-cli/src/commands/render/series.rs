@@ -11,6 +11,7 @@ use tercio::raster::Frame;
 use tercio::scene::{Camera, Scene};
 
 use super::{Drawn, Job, Loaded, Render, Shot};
+use crate::args::ranks::Drawers;
 use crate::args::stereo::StereoArgs;
 use crate::progress::Display;
 use crate::series::film::FilmOutput;
@@ -90,6 +91,8 @@ pub(super) struct Running<'a> {
     output: Output<'a>,
     room: usize,
     series: Series,
+    /// Whether others draw the same pictures together with this process: then all are drawn, even if they are not wanted any more.
+    is_shared: bool,
 }
 
 impl<'a> Running<'a> {
@@ -108,7 +111,8 @@ impl<'a> Running<'a> {
             microseconds: AtomicU64::new(0),
         };
         let series = Series { shots: Vec::new(), found: 0, output_milliseconds: 0.0, empty: None };
-        Ok(Self { output, room: render.room(job), series })
+        let is_shared = matches!(job.drawers, Drawers::Mpi(_));
+        Ok(Self { output, room: render.room(job), series, is_shared })
     }
 
     /// Draws all shots of a model with `draw`, which gets the memory of another frame, and writes them; `first` is the number of
@@ -123,7 +127,7 @@ impl<'a> Running<'a> {
         first: usize,
         mut draw: impl FnMut(&Loaded, &Camera, Frame) -> Result<Drawn>,
     ) -> Result<bool> {
-        let (output, series) = (&self.output, &mut self.series);
+        let (output, series, is_shared) = (&self.output, &mut self.series, self.is_shared);
         let is_found = |shot: usize| {
             render.series.resume && whole::is_there(&output.job.writing.pictures[shot], render.written_size())
         };
@@ -135,9 +139,14 @@ impl<'a> Running<'a> {
         let mut goes_on = true;
         let next = |_| -> Result<Option<Frames>> {
             let is_closed = output.film.as_ref().is_some_and(FilmOutput::is_closed);
-            let shot = wanted.next().filter(|_| goes_on && !is_closed);
+            goes_on &= !is_closed;
+            if !goes_on && is_shared {
+                for camera in wanted.by_ref().flat_map(|shot| loaded.cameras[shot - first].views.clone()) {
+                    draw(loaded, &camera, output.spare())?;
+                }
+            }
+            let shot = wanted.next().filter(|_| goes_on);
             let Some(shot) = shot else {
-                goes_on &= !is_closed;
                 // A large model takes longer to free than a picture takes to write.
                 loaded.scene = Scene::default();
                 return Ok(None);
@@ -163,6 +172,13 @@ impl<'a> Running<'a> {
             series.shots.push(Shot { number: shot, cameras, views, effect_milliseconds, empty });
             if is_nothing && !output.job.writing.allow_empty {
                 goes_on = false;
+                for camera in wanted
+                    .by_ref()
+                    .filter(|_| is_shared)
+                    .flat_map(|s| loaded.cameras[s - first].views.clone())
+                {
+                    draw(loaded, &camera, output.spare())?;
+                }
                 loaded.scene = Scene::default();
                 return Ok(None);
             }

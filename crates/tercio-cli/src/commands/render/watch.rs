@@ -1,0 +1,64 @@
+//! `--watch`: draws again whenever a model changes.
+
+use std::fs;
+use std::process::ExitCode;
+use std::thread;
+use std::time::{Duration, SystemTime};
+
+use anyhow::Result;
+
+use super::Render;
+use super::models::Models;
+use crate::messages;
+use crate::output::UsageError;
+
+/// Time between looks at the files.
+const PAUSE: Duration = Duration::from_millis(200);
+
+/// When a file was written last, and its length; `None` while it is not there.
+type Stamp = Option<(SystemTime, u64)>;
+
+impl Render {
+    /// Draws, and again whenever a model's file changes, until the program is interrupted. Errors are printed, and the next change
+    /// is waited for.
+    pub(super) fn watch(&self) -> Result<ExitCode> {
+        let mpi = crate::mpi::processes().is_some_and(|processes| processes > 1);
+        if mpi || self.model.is_standard_input() {
+            let text = "--watch needs one process, and models in files";
+            return Err(UsageError(text.into()).into());
+        }
+        loop {
+            let drawn = self.stamps();
+            match self.run_once() {
+                Err(error) if error.is::<UsageError>() => return Err(error),
+                Err(error) => messages::error(&error),
+                Ok(_) => {}
+            }
+            if !self.running.quiet {
+                messages::note("waiting for a change of the model; Ctrl+C ends");
+            }
+            let mut before = drawn.clone();
+            loop {
+                thread::sleep(PAUSE);
+                let now = self.stamps();
+                // A file that is still being written changes from look to look.
+                if now != drawn && now == before && now.iter().all(Option::is_some) {
+                    break;
+                }
+                before = now;
+            }
+        }
+    }
+
+    fn stamps(&self) -> Vec<Stamp> {
+        let models = match self.models() {
+            Ok(Models::Batch(models) | Models::Steps(models)) => models,
+            _ => vec![self.model.model.clone()],
+        };
+        let stamp = |path| {
+            let metadata = fs::metadata(path).ok()?;
+            Some((metadata.modified().ok()?, metadata.len()))
+        };
+        models.iter().map(stamp).collect()
+    }
+}
