@@ -66,7 +66,7 @@ impl Look {
     #[inline(always)]
     pub fn new(context: &FrameContext, instance: usize, normals_agree: bool, outputs: &Outputs) -> Self {
         let Instance { mesh, surface, materials, .. } = &context.scene.instances[instance];
-        let shading = context.settings.shading;
+        let shading = context.shading_of(instance);
         let normals = mesh.layout().normals;
         let may_shine_through =
             mesh.is_translucent() || materials.as_ref().is_some_and(|m| m.is_translucent());
