@@ -35,6 +35,7 @@
 //! - [`Session`] draws what a program computes, alone or with other processes that have parts of it.
 //! - [`write_png_in_bands`] draws pictures that are larger than memory.
 //! - [`stereo`] makes one picture of those of two eyes, whose cameras [`Stereo`] places.
+//! - [`strokes`] makes lines, edges and points a part of a scene.
 //! - [`image`] writes pictures (PNG, PPM, WebP) and arrays (NPY), reads and compares pictures.
 //!
 //! The types that most programs use are also exported here at the root.
@@ -59,6 +60,7 @@ pub mod parts;
 mod prepared;
 pub mod session;
 pub mod stereo;
+pub mod strokes;
 mod summary;
 mod textures;
 

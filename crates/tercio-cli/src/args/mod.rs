@@ -10,6 +10,7 @@ pub mod light;
 pub mod ranks;
 pub mod sampling;
 pub mod stereo;
+pub mod strokes;
 pub mod textures;
 pub mod values;
 pub mod writing;

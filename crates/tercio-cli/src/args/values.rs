@@ -120,6 +120,11 @@ fn hex(text: &str) -> Option<[u8; 4]> {
     }
 }
 
+/// An sRGB colour with alpha.
+pub fn rgba(text: &str) -> Result<[u8; 4], String> {
+    hex(text).ok_or_else(|| format!("expected a colour such as #c0ffee, found \"{text}\""))
+}
+
 /// An opaque sRGB colour, as linear light.
 pub fn linear_color(text: &str) -> Result<[f32; 3], String> {
     let color = hex(text).filter(|c| c[3] == 255);

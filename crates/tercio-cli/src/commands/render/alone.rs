@@ -30,15 +30,17 @@ impl Render {
             let none = None::<&mut mpi::Comm>;
             let settings = &self.with_shadows(settings, &loaded.scene, camera, &display, none)?;
             display.stage("drawing");
+            let scene = &*self.with_strokes(&loaded, camera)?;
             let (mut frame, parallel, chosen) = self
-                .frame(&loaded.scene, camera, settings, drawers, &mut trace)
+                .frame(scene, camera, settings, drawers, &mut trace)
                 .with_context(|| self.model.name())?;
             if let (Some(chosen), Drawers::InProcess(count, _)) = (chosen, drawers) {
                 // The second eye sees almost the same.
                 drawers = Drawers::InProcess(count, How::As(chosen.sharing()));
                 choice = Some(chosen);
             }
-            let effect_milliseconds = self.add_effects(&mut frame, &loaded, camera, settings)?;
+            let effect_milliseconds =
+                self.add_effects(&mut frame, (scene, &loaded.background), camera, settings)?;
             drawn.push(Drawn { frame, parallel, effect_milliseconds });
         }
         display.stage("writing");

@@ -28,9 +28,16 @@ impl Render {
         display: &Display,
         mut trace: Option<Trace>,
     ) -> Result<Done> {
-        let Loaded { report, textures, scene, look, cameras, .. } = loaded;
+        let settings = &self.with_shadows(
+            settings,
+            &loaded.scene,
+            &loaded.cameras.middle,
+            display,
+            None::<&mut mpi::Comm>,
+        )?;
+        let scene = self.with_strokes(&loaded, &loaded.cameras.middle)?.into_owned();
+        let Loaded { report, textures, look, cameras, .. } = loaded;
         let camera = &cameras.middle;
-        let settings = &self.with_shadows(settings, &scene, camera, display, None::<&mut mpi::Comm>)?;
         let (begin, began) = (Instant::now(), self.ranks.now());
         let (progress, allow_empty) = (Some(&*display.progress), writing.allow_empty);
         let stats = writing.plan.write_drawn(&self.model.name(), allow_empty, |out| {

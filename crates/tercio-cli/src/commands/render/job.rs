@@ -41,17 +41,19 @@ impl Render {
             let parts = in_parts.then_some(&mut *comm);
             let settings = &self.with_shadows(settings, &loaded.scene, camera, &display, parts)?;
             display.stage("drawing");
-            let picture = (&loaded.scene, camera, settings);
+            let scene = &*self.with_strokes(&loaded, camera)?;
+            let picture = (scene, camera, settings);
             let (sharing, chosen) = organisation::between(comm, how, rayon::current_num_threads(), picture)
                 .with_context(|| self.model.name())?;
             how = How::As(sharing);
             choice = choice.or(chosen);
-            let task = Task { sharing, scene: &loaded.scene, camera, settings };
+            let task = Task { sharing, scene, camera, settings };
             let mut frame = Frame::default();
             let parallel = between_processes::draw_frame(&mut own, comm, &task, &mut frame)
                 .with_context(|| self.model.name())?;
             if writes {
-                let effect_milliseconds = self.add_effects(&mut frame, &loaded, camera, settings)?;
+                let effect_milliseconds =
+                    self.add_effects(&mut frame, (scene, &loaded.background), camera, settings)?;
                 drawn.push(Drawn { frame, parallel, effect_milliseconds });
             }
         }

@@ -69,6 +69,7 @@ impl Render {
         scene.instances[0].share = share;
         scene.environment = environment;
         self.drawing.dress(&mut scene);
+        self.strokes.dress(&mut scene);
         let background = scene.background;
         if self.effects.are_applied() {
             scene.background = Background::Solid([0.0; 4]);
@@ -95,13 +96,15 @@ impl Render {
         self.check_memory(picture.saturating_add(shadows), taken)?;
         self.clip.add_caps(&mut scene, loaded.caps);
         report.read.warnings.extend(self.drawing.shadow_warning(&scene));
+        let file = self.strokes_of(&mut report, loaded.strokes);
         let camera = match parts {
-            None => self.camera.camera_for(&scene, loaded.whole.as_ref(), self.drawing.size),
+            None => self.camera.camera_with(&scene, loaded.whole.as_ref(), &file, self.drawing.size),
             Some(comm) => self.camera.camera_of_parts(comm, &scene, self.drawing.size)?,
         };
         let cameras = self.stereo.cameras(camera, self.camera.zoom()).with_context(|| self.model.name())?;
         let look = self.drawing.look(&scene, &background, &self.environment, &self.effects);
-        Ok(Loaded { report, textures, scene, background, look, cameras })
+        let drawable = self.drawable(&scene, file, picture.saturating_add(taken))?;
+        Ok(Loaded { report, textures, scene, drawable, background, look, cameras })
     }
 
     /// Bytes of the pictures of this process; with their keys if there are ranks. Ranks that composite samples keep

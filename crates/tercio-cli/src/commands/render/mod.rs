@@ -5,6 +5,7 @@ mod bands;
 mod job;
 mod load;
 mod picture;
+mod strokes;
 mod summary;
 mod write;
 
@@ -21,6 +22,7 @@ use tercio::scene::{Background, Scene};
 use tercio::{LoadReport, TextureReport};
 use tercio_lab::predict::choose::Choice;
 
+use self::strokes::Drawable;
 use crate::args::camera::CameraArgs;
 use crate::args::clip::ClipArgs;
 use crate::args::drawing::{DrawingArgs, TuningArgs};
@@ -29,6 +31,7 @@ use crate::args::environment::EnvironmentArgs;
 use crate::args::ranks::{Drawers, RanksArgs};
 use crate::args::sampling::SamplingArgs;
 use crate::args::stereo::{Cameras, StereoArgs};
+use crate::args::strokes::StrokeArgs;
 use crate::args::textures::TextureArgs;
 use crate::args::writing::WritingArgs;
 use crate::args::{ModelArgs, RunningArgs};
@@ -70,6 +73,8 @@ pub struct Render {
     #[command(flatten)]
     drawing: DrawingArgs,
     #[command(flatten)]
+    strokes: StrokeArgs,
+    #[command(flatten)]
     environment: EnvironmentArgs,
     #[command(flatten)]
     effects: EffectArgs,
@@ -98,6 +103,7 @@ struct Loaded {
     /// `None` if materials and textures are not used.
     textures: Option<TextureReport>,
     scene: Scene,
+    drawable: Drawable,
     /// That of the picture: effects need a scene without one.
     background: Background,
     /// For `--stats`.
@@ -149,6 +155,7 @@ impl Render {
         plan.outputs = plan.outputs.with(self.effects.needed());
         let checks = [
             self.drawing.check(&self.effects, &self.environment),
+            self.strokes.check(self.ranks.parts()),
             self.textures.check(),
             self.sampling.check(),
             self.environment.check(),

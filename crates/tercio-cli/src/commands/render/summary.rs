@@ -19,10 +19,10 @@ impl Render {
             messages::warning(&format!("{model}: {warning}"));
         }
         // For a model without triangles, the error lists its other content.
-        if let Some(list) = report::not_drawn(&done.report.read.not_drawn)
-            && done.report.mesh.triangles > 0
+        if let Some(list) = report::not_drawn(&report::left(&done.report))
+            && (done.report.mesh.triangles > 0 || done.empty.is_none())
         {
-            let drawn = report::drawn(&done.report.read.not_drawn);
+            let drawn = report::drawn(&report::left(&done.report));
             messages::warning(&format!("{model}: not drawn: {list} ({drawn})"));
         }
         if let Some(why) = report::unused_crease_angle(self.drawing.crease_angle, &done.report) {
@@ -57,6 +57,7 @@ impl Render {
                 "anti_aliasing": self.sampling.json(),
             },
             "look": done.look,
+            "strokes": self.strokes.json(),
             "frame": serde_json::to_value(&frame)?,
             "parallel": parallel,
             "choice": done.choice.as_ref().map(organisation::json),
