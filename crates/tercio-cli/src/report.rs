@@ -74,7 +74,9 @@ pub fn load_json(model: &str, report: &LoadReport) -> Value {
             "welded_vertices": report.welded.unwrap_or(0),
         },
         "clipped": report.clipped,
-        "not_drawn": not_drawn_json(&report.read.not_drawn),
+        "lines": report.lines,
+        "points": report.points,
+        "not_drawn": not_drawn_json(&left(report)),
         "translucent": report.read.translucent,
         "warnings": report.read.warnings,
         "milliseconds": report.times,
@@ -143,10 +145,25 @@ pub fn warnings(report: &LoadReport) -> Vec<String> {
     all
 }
 
+/// What the file contains that is not drawn. Readers count all lines and points; those that were loaded are drawn.
+pub fn left(report: &LoadReport) -> NotDrawn {
+    let mut left = report.read.not_drawn;
+    left.lines = left.lines.saturating_sub(report.lines);
+    left.points = left.points.saturating_sub(report.points);
+    left
+}
+
 /// What the file contains that is not drawn, in words.
 pub fn not_drawn(n: &NotDrawn) -> Option<String> {
     let textures = (n.textures > 0).then(|| counted(n.textures, "texture"));
     let list: Vec<_> = shapes(n).chain(textures).collect();
+    (!list.is_empty()).then(|| list.join(", "))
+}
+
+/// Lines and points that are drawn besides triangles, in words.
+pub fn lines_and_points(report: &LoadReport) -> Option<String> {
+    let all = [(report.lines, "line segment"), (report.points, "point")];
+    let list: Vec<_> = all.into_iter().filter(|n| n.0 > 0).map(|(n, what)| counted(n, what)).collect();
     (!list.is_empty()).then(|| list.join(", "))
 }
 

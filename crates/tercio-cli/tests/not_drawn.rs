@@ -38,8 +38,7 @@ fn json_of(text: &str) -> Value {
 #[test]
 fn what_is_not_drawn_is_reported_once() {
     let place = place();
-    let cases =
-        [("m.obj", "2 points, 1 line, 1 free-form curve, 2 textures"), ("clear.ply", "2 lines, 1 texture")];
+    let cases = [("m.obj", "1 free-form curve, 2 textures"), ("clear.ply", "1 texture")];
     for (model, list) in cases {
         let warning =
             format!("warning: {model}: not drawn: {list} (tercio draws triangles, and textures of ");
@@ -54,7 +53,7 @@ fn what_is_not_drawn_is_reported_once() {
     assert!(!place.run("info model.off").ok_silently().text().contains("not drawn"));
 
     let expected = json!({
-        "points": 2, "lines": 1, "curves": 1, "surfaces": 0, "textures": 2,
+        "points": 0, "lines": 0, "curves": 1, "surfaces": 0, "textures": 2,
     });
     let info = json_of(place.run("info m.obj --json -q").ok_silently().text());
     assert_eq!(info["not_drawn"], expected);
@@ -66,10 +65,11 @@ fn what_is_not_drawn_is_reported_once() {
 #[test]
 fn a_model_of_points_and_lines_says_so() {
     let place = place();
-    for (model, only) in [("cloud.ply", "4 points"), ("lines.off", "1 point, 1 line")] {
-        place
-            .run(&format!("render {model} -o a.png"))
-            .failed(1, &["no triangles", &format!("only {only}"), "--allow-empty"]);
+    place
+        .run("render lines.off -o a.png")
+        .failed(1, &["no triangles", "only 1 point, 1 line", "--allow-empty"]);
+    place.run("render cloud.ply -o a.png").ok_silently();
+    for model in ["cloud.ply", "lines.off"] {
         let info = place.run(&format!("info {model}")).ok_silently();
         assert!(
             info.text().contains("there are no triangles") && !info.text().contains("closed"),
@@ -85,7 +85,7 @@ fn a_model_of_points_and_lines_says_so() {
 fn an_empty_picture_replaces_nothing_unless_requested() {
     let place = place();
     let cases = [
-        ("cloud.ply", "the model has no triangles"),
+        ("lines.off", "the model has no triangles"),
         ("model.off --eye 0,0,5 --target 0,0,9", "behind the camera"),
         ("model.off --eye 0,0,5 --target 9,0,5", "outside the picture"),
         ("model.off --near 1000", "--near is 1000"),

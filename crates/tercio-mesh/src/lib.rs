@@ -41,6 +41,7 @@ pub mod clean;
 pub mod clip;
 pub mod cluster;
 pub mod color;
+pub mod edges;
 pub mod error;
 mod hash;
 pub mod io;

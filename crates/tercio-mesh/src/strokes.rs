@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::{Aabb, Attribute};
+use crate::{Aabb, Attribute, AttributeDomain, Mesh};
 
 /// Line segments and points in object space, with vertices of their own.
 #[derive(Clone, Debug, Default)]
@@ -28,6 +28,44 @@ impl Strokes {
         self.segments.is_empty() && self.points.is_empty()
     }
 
+    /// Lines and points between vertices of a mesh as it was read: these are copied, with their colours and attributes.
+    ///
+    /// # Panics
+    /// If there is no such vertex.
+    pub fn of_vertices(mesh: &Mesh, mut segments: Vec<[u32; 2]>, mut points: Vec<u32>) -> Self {
+        if segments.is_empty() && points.is_empty() {
+            return Self::default();
+        }
+        let mut numbers = vec![u32::MAX; mesh.positions.len()];
+        let mut used = Vec::new();
+        for vertex in segments.as_flattened_mut().iter_mut().chain(&mut points) {
+            let number = &mut numbers[*vertex as usize];
+            if *number == u32::MAX {
+                *number = used.len() as u32;
+                used.push(*vertex);
+            }
+            *vertex = *number;
+        }
+        let of_vertices = mesh.attributes.iter().filter(|a| a.domain == AttributeDomain::Vertex);
+        let attributes = of_vertices.map(|a| Attribute { values: pick(&a.values, &used), ..a.clone() });
+        Self {
+            origin: mesh.origin,
+            positions: pick(&mesh.positions, &used),
+            colors: mesh.vertex_colors.as_ref().map(|colors| pick(colors, &used)),
+            attributes: attributes.collect(),
+            segments,
+            points,
+        }
+    }
+
+    /// Position of a vertex in object space.
+    ///
+    /// # Panics
+    /// If there is no such vertex.
+    pub fn position(&self, vertex: u32) -> DVec3 {
+        self.origin + DVec3::from(self.positions[vertex as usize].map(f64::from))
+    }
+
     /// Bounds, in object space, of the vertices with finite coordinates.
     pub fn bounds(&self) -> Aabb {
         let mut bounds = Aabb::EMPTY;
@@ -35,6 +73,10 @@ impl Strokes {
         points.for_each(|p| bounds.add(self.origin + p));
         bounds
     }
+}
+
+fn pick<T: Copy>(values: &[T], numbers: &[u32]) -> Vec<T> {
+    numbers.iter().map(|&number| values[number as usize]).collect()
 }
 
 #[cfg(test)]

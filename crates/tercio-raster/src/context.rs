@@ -135,6 +135,12 @@ impl<'a> FrameContext<'a> {
         })
     }
 
+    /// Where lighting of an instance is computed.
+    #[inline(always)]
+    pub fn shading_of(&self, instance: usize) -> Shading {
+        self.settings.shading.of(&self.scene.instances[instance].surface)
+    }
+
     /// May any triangle of the scene not be opaque?
     #[inline(always)]
     pub fn is_translucent(&self) -> bool {

@@ -4,7 +4,7 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use tercio_scene::Framing;
+use tercio_scene::{Framing, Surface};
 
 use crate::error::RenderError;
 use crate::frame::Outputs;
@@ -107,6 +107,14 @@ pub enum Shading {
     Unlit,
     /// At every pixel, with the interpolated normal, from roughness and metallicity.
     Physical,
+}
+
+impl Shading {
+    /// How a surface is shaded in a picture with this shading.
+    #[inline(always)]
+    pub fn of(self, surface: &Surface) -> Self {
+        if surface.unlit { Self::Unlit } else { self }
+    }
 }
 
 /// How textures are sampled.

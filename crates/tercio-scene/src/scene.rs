@@ -148,6 +148,8 @@ pub struct Surface {
     pub roughness: f32,
     /// 0 for dielectrics to 1 for metals, in physically based shading.
     pub metallic: f32,
+    /// Shows its plain colours, whatever the light and the shading of the picture; they are not tone-mapped either.
+    pub unlit: bool,
 }
 
 impl Default for Surface {
@@ -163,6 +165,7 @@ impl Default for Surface {
             shininess_log2,
             roughness,
             metallic,
+            unlit: false,
         }
     }
 }

@@ -36,6 +36,7 @@
 //! - [`write_png_in_bands`] draws pictures that are larger than memory.
 //! - [`camera_path`] reads the keyframes of a moving camera, [`CameraPath`] interpolates them.
 //! - [`stereo`] makes one picture of those of two eyes, whose cameras [`Stereo`] places.
+//! - [`strokes`] makes lines, edges and points a part of a scene.
 //! - [`image`] writes pictures (PNG, PPM, WebP), films ([`image::film`]: GIF, APNG, Y4M) and arrays (NPY), reads and compares
 //!   pictures.
 //!
@@ -63,6 +64,7 @@ pub mod parts;
 mod prepared;
 pub mod session;
 pub mod stereo;
+pub mod strokes;
 mod summary;
 mod textures;
 

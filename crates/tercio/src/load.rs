@@ -13,6 +13,7 @@ use tercio_mesh::io::input::Input;
 use tercio_mesh::io::prepared::is_prepared;
 use tercio_mesh::io::{self, ReadOptions, ReadReport};
 use tercio_mesh::mesh::MAX_ELEMENTS;
+use tercio_mesh::strokes::Strokes;
 use tercio_mesh::topology::{self, Topology};
 use tercio_mesh::{BlockedMesh, FileMaterial, Mesh, Progress, ReadError, normals, weld};
 
@@ -92,6 +93,12 @@ pub struct LoadTimes {
 pub struct LoadReport {
     /// What the reader found.
     pub read: ReadReport,
+    /// Line segments of the file that are drawn.
+    #[serde(skip)]
+    pub lines: u64,
+    /// Points of the file that are drawn.
+    #[serde(skip)]
+    pub points: u64,
     /// What was dropped because it cannot be drawn.
     pub cleaned: Cleaned,
     /// Vertices joined with others, if the model was a triangle soup.
@@ -128,6 +135,9 @@ pub struct Loaded {
     pub caps: Option<Arc<ClusteredMesh>>,
     /// The extent of the whole model, if it was clipped: for a camera that does not depend on that.
     pub whole: Option<Extent>,
+    /// Lines and points of the file, which are not clipped; [`crate::strokes`] draws them. A prepared model, and a part of a
+    /// model, has none.
+    pub strokes: Strokes,
     /// What was found and done.
     pub report: LoadReport,
 }
@@ -237,9 +247,9 @@ impl LoadOptions<'_> {
             return Ok(loaded);
         }
         cut(model, self, start, move || {
-            let (mesh, report) = source.read(self)?;
-            accept(&report)?;
-            Ok((mesh, report))
+            let read = source.read(self)?;
+            accept(&read.report)?;
+            Ok(read)
         })
     }
 
@@ -332,6 +342,13 @@ fn open_path(model: &Path, options: &LoadOptions) -> Result<Model, LoadError> {
     })
 }
 
+/// What was read.
+struct Read {
+    mesh: Mesh,
+    strokes: Strokes,
+    report: ReadReport,
+}
+
 /// Where a model is read from.
 enum Source<'a> {
     Builtin(&'a str),
@@ -361,7 +378,7 @@ impl<'a> Source<'a> {
     }
 
     /// Reads the mesh; the file is closed.
-    fn read(self, options: &LoadOptions) -> Result<(Mesh, ReadReport), LoadError> {
+    fn read(self, options: &LoadOptions) -> Result<Read, LoadError> {
         match self {
             Self::Builtin(name) => make_builtin(name, options),
             Self::File(input) => read_input(&input, options),
@@ -374,11 +391,12 @@ fn cut<E: From<LoadError>>(
     model: &Path,
     options: &LoadOptions,
     all: Instant,
-    read: impl FnOnce() -> Result<(Mesh, ReadReport), E>,
+    read: impl FnOnce() -> Result<Read, E>,
 ) -> Result<Loaded, E> {
-    let (mut mesh, mut report) = read_and_repair(model, options, all, read)?;
+    let (mut mesh, strokes, mut report) = read_and_repair(model, options, all, read)?;
     if options.clip.is_some() {
-        return Ok(clipped(model, options, all, mesh, report)?);
+        let clipped = clipped(model, options, all, mesh, report)?;
+        return Ok(Loaded { strokes, ..clipped });
     }
     let wanted = wanted_normals(&mesh, options);
     if let Some(crease_angle @ None) = wanted {
@@ -406,7 +424,7 @@ fn cut<E: From<LoadError>>(
     report.mesh = MeshSummary::from_blocks(&blocks);
     let mesh = clusters(model, options, blocks, &mut report)?;
     report.times.total = milliseconds(all);
-    Ok(Loaded { mesh, caps: None, whole: None, report })
+    Ok(Loaded { mesh, caps: None, whole: None, strokes, report })
 }
 
 /// The clusters of a mesh that is summarised already.
@@ -445,7 +463,7 @@ fn clipped(
     let mesh = sorted(mesh)?;
     let caps = caps.map(sorted).transpose()?;
     report.times.total = milliseconds(all);
-    Ok(Loaded { mesh, caps, whole, report })
+    Ok(Loaded { mesh, caps, whole, strokes: Strokes::default(), report })
 }
 
 /// All stages from reading to normals.
@@ -453,9 +471,9 @@ fn uncut(
     model: &Path,
     options: &LoadOptions,
     all: Instant,
-    read: impl FnOnce() -> Result<(Mesh, ReadReport), LoadError>,
+    read: impl FnOnce() -> Result<Read, LoadError>,
 ) -> Result<LoadedMesh, LoadError> {
-    let (mesh, report) = read_and_repair(model, options, all, read)?;
+    let (mesh, _, report) = read_and_repair(model, options, all, read)?;
     let (mut loaded, _) = finished(model, options, mesh, report)?;
     loaded.report.times.total = milliseconds(all);
     Ok(loaded)
@@ -511,7 +529,7 @@ fn make_normals(mesh: &mut Mesh, crease_angle: Option<f64>, options: &LoadOption
     report.times.normals = milliseconds(start);
 }
 
-fn read_input(input: &Input, options: &LoadOptions) -> Result<(Mesh, ReadReport), LoadError> {
+fn read_input(input: &Input, options: &LoadOptions) -> Result<Read, LoadError> {
     let options = ReadOptions {
         memory_limit: options.memory_limit,
         progress: options.progress,
@@ -519,7 +537,7 @@ fn read_input(input: &Input, options: &LoadOptions) -> Result<(Mesh, ReadReport)
     };
     begin_stage(options.progress, "reading", 0);
     let model = io::read_input(input, &options)?;
-    Ok((model.mesh, model.report))
+    Ok(Read { mesh: model.mesh, strokes: model.strokes, report: model.report })
 }
 
 /// All stages before the normals.
@@ -527,10 +545,12 @@ fn read_and_repair<E: From<LoadError>>(
     model: &Path,
     options: &LoadOptions,
     start: Instant,
-    read: impl FnOnce() -> Result<(Mesh, ReadReport), E>,
-) -> Result<(Mesh, LoadReport), E> {
-    let (mut mesh, read) = read()?;
-    let mut report = LoadReport { read, file_normals: mesh.normals.is_some(), ..LoadReport::default() };
+    read: impl FnOnce() -> Result<Read, E>,
+) -> Result<(Mesh, Strokes, LoadReport), E> {
+    let Read { mut mesh, strokes, report: read } = read()?;
+    let (lines, points) = (strokes.segments.len() as u64, strokes.points.len() as u64);
+    let file_normals = mesh.normals.is_some();
+    let mut report = LoadReport { read, lines, points, file_normals, ..LoadReport::default() };
     report.times.read = milliseconds(start);
     check_size(model, &mesh)?;
     // Tested before cleaning, which may leave vertices that no triangle uses.
@@ -562,17 +582,17 @@ fn read_and_repair<E: From<LoadError>>(
         report.attributes = mesh.attributes.iter().map(AttributeSummary::from_attribute).collect();
         report.times.topology = milliseconds(start);
     }
-    Ok((mesh, report))
+    Ok((mesh, strokes, report))
 }
 
-fn make_builtin(name: &str, options: &LoadOptions) -> Result<(Mesh, ReadReport), LoadError> {
+fn make_builtin(name: &str, options: &LoadOptions) -> Result<Read, LoadError> {
     begin(options, "making the model", 0);
     check_memory(name.as_ref(), options, "the model", builtin::needed_bytes(name)?)?;
     let mesh = builtin::make(name)?;
     let mut report = ReadReport::default();
     report.format = "built-in".into();
     report.faces = mesh.triangles.len() as u64;
-    Ok((mesh, report))
+    Ok(Read { mesh, strokes: Strokes::default(), report })
 }
 
 pub(crate) fn check_size(model: &Path, mesh: &Mesh) -> Result<(), LoadError> {

@@ -12,6 +12,7 @@ use tercio_mesh::io::prepared::is_prepared;
 use tercio_mesh::io::share::{Facts, Shareable};
 use tercio_mesh::io::{self, ReadModel, ReadOptions, ReadReport};
 use tercio_mesh::mesh::choose_origin;
+use tercio_mesh::strokes::Strokes;
 use tercio_mesh::{Aabb, BlockedMesh, Mesh, builtin, clean, normals, weld};
 use tercio_parallel::comm::CommError;
 use tercio_parallel::comm::collective::{all_max, all_reduce, all_sum, exclusive_sum};
@@ -308,7 +309,8 @@ fn numbered(
     let share = number(comm, &mut mesh, faces)?;
     report.mesh.bounds = mesh.bounds;
     report.times.total = milliseconds(start);
-    let loaded = Loaded { mesh: Arc::new(mesh), caps: None, whole: None, report };
+    let loaded =
+        Loaded { mesh: Arc::new(mesh), caps: None, whole: None, strokes: Strokes::default(), report };
     Ok(LoadedPart { loaded, share })
 }
 

@@ -8,6 +8,7 @@ use std::time::Instant;
 use serde::{Deserialize, Serialize};
 use tercio_mesh::io::input::Input;
 use tercio_mesh::io::{ReadOptions, prepared};
+use tercio_mesh::strokes::Strokes;
 use tercio_mesh::{Place, ReadError};
 
 use crate::{LoadError, LoadOptions, LoadReport, LoadTimes, Loaded};
@@ -98,7 +99,7 @@ pub(crate) fn loaded(
     report.prepared = Some(origin);
     report.mesh.bounds = mesh.bounds;
     report.mesh.bytes = mesh.memory_bytes() as u64;
-    Ok(Loaded { mesh: Arc::new(mesh), caps: None, whole: None, report })
+    Ok(Loaded { mesh: Arc::new(mesh), caps: None, whole: None, strokes: Strokes::default(), report })
 }
 
 /// The error for a use that needs the mesh of a prepared model.

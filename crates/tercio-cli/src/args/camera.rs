@@ -2,6 +2,7 @@
 
 use clap::{Args, ValueEnum};
 use tercio::glam::DVec3;
+use tercio::mesh::strokes::Strokes;
 use tercio::mesh::trig::atan2;
 use tercio::parallel::{Communicator, ParallelError, parts};
 use tercio::scene::camera::CameraBasis;
@@ -165,6 +166,35 @@ impl CameraArgs {
             }
             (None, Some(whole)) => framing.camera_for_extent(whole),
             (None, None) => framing.camera_for_scene(scene),
+        };
+        Camera { near: self.near, ..camera }
+    }
+
+    /// As [`CameraArgs::camera_for`], of a model that also has lines and points.
+    pub fn camera_with(
+        &self,
+        scene: &Scene,
+        whole: Option<&Extent>,
+        strokes: &Strokes,
+        framing: &Framing,
+    ) -> Camera {
+        if strokes.is_empty() {
+            return self.camera_for(scene, whole, framing);
+        }
+        let strokes = Extent::of_strokes(strokes);
+        let bounds = whole.map_or_else(|| scene.bounds(), Extent::bounds).union(strokes.bounds());
+        let camera = match self.eye {
+            Some(eye) => {
+                framing.camera_at(eye, self.target.unwrap_or_else(|| bounds.center()), self.up_vector())
+            }
+            None => framing.camera_for_reach(&bounds, |direction, from| {
+                let surface = match whole {
+                    Some(whole) => whole.reach(direction, from),
+                    None => scene.reach(direction, from),
+                };
+                // Without triangles that is not a number.
+                strokes.reach(direction, from).max(surface)
+            }),
         };
         Camera { near: self.near, ..camera }
     }

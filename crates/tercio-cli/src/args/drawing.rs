@@ -243,6 +243,11 @@ impl DrawingArgs {
         matches!(self.shading, ShadingName::Unlit)
     }
 
+    /// The colour of the model, if it is given.
+    pub fn color(&self) -> Option<[f32; 3]> {
+        self.color
+    }
+
     /// Strength of highlights, if it is given.
     pub fn specular(&self) -> Option<f32> {
         self.specular.map(|strength| strength as f32)

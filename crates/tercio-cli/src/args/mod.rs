@@ -12,6 +12,7 @@ pub mod ranks;
 pub mod sampling;
 pub mod series;
 pub mod stereo;
+pub mod strokes;
 pub mod textures;
 pub mod values;
 pub mod writing;

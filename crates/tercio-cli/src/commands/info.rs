@@ -198,7 +198,10 @@ fn text(model: &str, loaded: &Inspection) -> String {
     if let Some(list) = report::translucent(&report.read.translucent) {
         rows.push(("not opaque", list));
     }
-    if let Some(list) = report::not_drawn(&report.read.not_drawn) {
+    if let Some(list) = report::lines_and_points(report) {
+        rows.push(("besides", list));
+    }
+    if let Some(list) = report::not_drawn(&report::left(report)) {
         rows.push(("not drawn", list));
     }
     if mesh.triangles == 0 {

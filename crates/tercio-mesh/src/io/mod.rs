@@ -148,7 +148,11 @@ pub fn read_input(input: &Input, options: &ReadOptions) -> Result<ReadModel, Rea
 
 /// Counts what is not drawn and what is not opaque; what is invisible everywhere becomes opaque.
 fn count_all(model: &mut ReadModel) {
-    model.report.not_drawn.count_mesh(&model.mesh, model.report.faces);
+    let is_cloud = model.report.not_drawn.count_mesh(&model.mesh, model.report.faces);
+    if is_cloud && model.strokes.is_empty() {
+        let points = (0..model.mesh.positions.len() as u32).collect();
+        model.strokes = Strokes::of_vertices(&model.mesh, Vec::new(), points);
+    }
     let (translucent, warning) = Translucent::count(&mut model.mesh);
     model.report.translucent = translucent;
     model.report.warnings.extend(warning);

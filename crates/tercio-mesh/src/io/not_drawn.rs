@@ -29,8 +29,8 @@ impl NotDrawn {
         *self == Self::default()
     }
 
-    /// Counts what the mesh itself shows: textures, and vertices that are nothing but points.
-    pub(super) fn count_mesh(&mut self, mesh: &Mesh, faces: u64) {
+    /// Counts what the mesh itself shows: textures, and vertices that are nothing but points. Returns whether they are.
+    pub(super) fn count_mesh(&mut self, mesh: &Mesh, faces: u64) -> bool {
         let drawn: HashSet<&String> = match mesh.texcoords {
             Some(_) => mesh
                 .materials
@@ -46,6 +46,7 @@ impl NotDrawn {
         if is_cloud {
             self.points = mesh.positions.len() as u64;
         }
+        is_cloud
     }
 }
 

@@ -28,8 +28,8 @@ pub struct Shaded {
 pub type Vec3 = [f32; 3];
 
 /// Light after tone mapping; unlit colours are not mapped.
-fn toned(light: Vec3, settings: &Settings) -> Vec3 {
-    if settings.shading == Shading::Unlit || settings.tone == Tone::NONE {
+fn toned(light: Vec3, shading: Shading, settings: &Settings) -> Vec3 {
+    if shading == Shading::Unlit || settings.tone == Tone::NONE {
         return light;
     }
     settings.tone.map(light)
@@ -91,7 +91,7 @@ pub fn shade(
     sample: [i32; 2],
 ) -> Shaded {
     let instance = &scene.instances[instance];
-    let (surface, shading) = (&instance.surface, settings.shading);
+    let (surface, shading) = (&instance.surface, settings.shading.of(&instance.surface));
     let corners = Mesh::canonical(mesh.triangles[triangle]).map(|v| v as usize);
     let p = corners.map(|v| mesh.positions[v]);
     let Interpolation { area, scale, weight, right, down } = interpolation(object, p, sample, settings);
@@ -180,7 +180,7 @@ pub fn shade(
             Shading::Physical => physical(lights, &seen, &m, lit_normal, to_viewer),
         };
         let alpha = m.alpha * surface.opacity;
-        let [r, g, b] = toned(light, settings).map(|c| shown(c) * alpha);
+        let [r, g, b] = toned(light, shading, settings).map(|c| shown(c) * alpha);
         return Shaded { linear: [r, g, b, alpha], normal };
     }
     let albedo = match (of_data, corner_colors(true)) {
@@ -210,7 +210,7 @@ pub fn shade(
     };
     let own_alpha = || corner_alphas().map_or(1.0, |a| alpha(a, weight));
     let alpha = of_data.map_or_else(own_alpha, |(_, alpha)| alpha) * surface.opacity;
-    let [r, g, b] = toned(linear, settings).map(|c| shown(c) * alpha);
+    let [r, g, b] = toned(linear, shading, settings).map(|c| shown(c) * alpha);
     Shaded { linear: [r, g, b, alpha], normal }
 }
 

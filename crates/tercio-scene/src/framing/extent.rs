@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 use rayon::prelude::*;
+use tercio_mesh::strokes::Strokes;
 use tercio_mesh::{Aabb, Mesh};
 
 /// The vertices of a model, for a camera that frames all of it although a part is drawn.
@@ -28,13 +29,27 @@ impl Extent {
         Self { origin: mesh.origin, unit: mesh.unit(), points: points.positions, bounds }
     }
 
+    /// The finite vertices of lines and points.
+    ///
+    /// # Panics
+    /// If a vertex of them does not exist.
+    pub fn of_strokes(strokes: &Strokes) -> Self {
+        let used = strokes.segments.as_flattened().iter().chain(&strokes.points);
+        let points: Vec<[f32; 3]> = used
+            .map(|&v| strokes.positions[v as usize])
+            .filter(|p| p.iter().all(|c| c.is_finite()))
+            .collect();
+        let mesh = Mesh { origin: strokes.origin, positions: points, ..Mesh::default() };
+        Self { origin: strokes.origin, unit: 1.0, bounds: mesh.bounds(), points: mesh.positions }
+    }
+
     /// World-space bounds; empty if no triangle uses a vertex.
     pub fn bounds(&self) -> Aabb {
         self.bounds
     }
 
     /// As [`Instance::reach`](crate::Instance::reach), with the same bits.
-    pub(super) fn reach(&self, direction: DVec3, from: DVec3) -> f64 {
+    pub fn reach(&self, direction: DVec3, from: DVec3) -> f64 {
         let d = direction;
         let along = |p: &[f32; 3]| {
             let p = p.map(f64::from);

@@ -71,10 +71,11 @@ impl Render {
         let settings =
             &self.with_shadows(&job.settings, &loaded.scene, camera, display, None::<&mut mpi::Comm>)?;
         display.stage("drawing");
-        let parallel = self
-            .frame(&loaded.scene, camera, settings, artist, &mut frame)
-            .with_context(|| self.model.name())?;
-        let effect_milliseconds = self.add_effects(&mut frame, loaded, camera, settings)?;
+        let scene = &*self.with_strokes(loaded, camera)?;
+        let parallel =
+            self.frame(scene, camera, settings, artist, &mut frame).with_context(|| self.model.name())?;
+        let effect_milliseconds =
+            self.add_effects(&mut frame, (scene, &loaded.background), camera, settings)?;
         display.stage("writing");
         Ok(Drawn { frame, parallel, effect_milliseconds })
     }

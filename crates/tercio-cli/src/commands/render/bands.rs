@@ -39,12 +39,13 @@ impl Render {
             let camera = &cameras.middle;
             let none = None::<&mut mpi::Comm>;
             let settings = &self.with_shadows(&job.settings, &loaded.scene, camera, display, none)?;
+            let scene = self.with_strokes(loaded, camera)?;
             let (begin, began) = (Instant::now(), self.ranks.now());
             // One that shows nothing is left out at the beginning of a series only.
             let may_be_empty = writing.allow_empty || number > 0;
             let progress = Some(&*display.progress);
             let stats = plan.write_drawn(&self.model.name(), may_be_empty, |out| {
-                write_png_in_bands(&loaded.scene, camera, settings, may_be_empty, progress, out)
+                write_png_in_bands(&scene, camera, settings, may_be_empty, progress, out)
             })?;
             let all = begin.elapsed().as_secs_f64() * 1e3;
             if let (Some(trace), Some(began)) = (&mut artist.trace, began) {

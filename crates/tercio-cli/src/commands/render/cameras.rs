@@ -1,6 +1,7 @@
 //! The cameras of all shots of a model.
 
 use anyhow::{Context, Result, bail};
+use tercio::mesh::strokes::Strokes;
 use tercio::parallel::Communicator;
 use tercio::scene::framing::Extent;
 use tercio::scene::{Camera, Framing, Scene};
@@ -19,13 +20,13 @@ impl Render {
         &self,
         motion: &Motion,
         options: &CameraArgs,
-        scene: &Scene,
+        (scene, strokes): (&Scene, &Strokes),
         whole: Option<&Extent>,
         mut parts: Option<&mut impl Communicator>,
     ) -> Result<Vec<Cameras>> {
         let mut place = |options: &CameraArgs, framing: &Framing| -> Result<Camera> {
             Ok(match &mut parts {
-                None => options.camera_for(scene, whole, framing),
+                None => options.camera_with(scene, whole, strokes, framing),
                 Some(comm) => options.camera_of_parts(*comm, scene, framing)?,
             })
         };
@@ -47,7 +48,7 @@ impl Render {
             }
             Motion::Path(keys, count) => {
                 // The target is that of a camera that frames the model: its middle.
-                let bounds = whole.map_or_else(|| scene.bounds(), Extent::bounds);
+                let bounds = whole.map_or_else(|| scene.bounds(), Extent::bounds).union(strokes.bounds());
                 let (up, fov) = (framing.up_axis.front().up, framing.fov_y.unwrap_or(Framing::FOV_Y));
                 let path = Motion::path(keys, bounds.center(), up, fov).map_err(anyhow::Error::msg)?;
                 let near = options.near();

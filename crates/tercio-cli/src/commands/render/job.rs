@@ -40,17 +40,19 @@ impl Render {
             let parts = in_parts.then_some(&mut *comm);
             let settings = &self.with_shadows(&job.settings, &loaded.scene, camera, &display, parts)?;
             display.stage("drawing");
-            let picture = (&loaded.scene, camera, settings);
+            let scene = &*self.with_strokes(loaded, camera)?;
+            let picture = (scene, camera, settings);
             let (sharing, chosen) = organisation::between(comm, how, rayon::current_num_threads(), picture)
                 .with_context(|| self.model.name())?;
             how = How::As(sharing);
             choice = choice.take().or(chosen);
-            let task = Task { sharing, scene: &loaded.scene, camera, settings };
+            let task = Task { sharing, scene, camera, settings };
             let parallel = between_processes::draw_frame(&mut own, comm, &task, &mut frame)
                 .with_context(|| self.model.name())?;
             let mut effect_milliseconds = 0.0;
             if writes {
-                effect_milliseconds = self.add_effects(&mut frame, loaded, camera, settings)?;
+                effect_milliseconds =
+                    self.add_effects(&mut frame, (scene, &loaded.background), camera, settings)?;
             }
             Ok(Drawn { frame, parallel, effect_milliseconds })
         };

@@ -64,6 +64,7 @@ impl Render {
         self.drawing.dress(&mut scene);
         let up = camera.front().up;
         self.data.apply(&mut scene, up, parts.as_deref_mut()).with_context(|| self.model.name())?;
+        self.strokes.dress(&mut scene);
         let background = scene.background;
         if self.effects.are_applied() {
             scene.background = Background::Solid([0.0; 4]);
@@ -90,10 +91,12 @@ impl Render {
         self.check_memory(picture.saturating_add(shadows), taken)?;
         self.clip.add_caps(&mut scene, loaded.caps);
         report.read.warnings.extend(self.drawing.shadow_warning(&scene));
-        let cameras = self.cameras(&job.motion, &camera, &scene, loaded.whole.as_ref(), parts)?;
+        let file = self.strokes_of(&mut report, loaded.strokes);
+        let cameras = self.cameras(&job.motion, &camera, (&scene, &file), loaded.whole.as_ref(), parts)?;
         let mut look = self.drawing.look(&scene, &background, &self.environment, &self.effects);
         look["data"] = self.data.json(&scene);
-        Ok(Loaded { report, textures, scene, background, look, cameras })
+        let drawable = self.drawable(&scene, file, picture.saturating_add(taken))?;
+        Ok(Loaded { report, textures, scene, drawable, background, look, cameras })
     }
 
     /// Bytes of all pictures that are in memory at a time.

@@ -11,6 +11,7 @@ mod picture;
 mod plan;
 mod series;
 mod steps;
+mod strokes;
 mod summary;
 mod watch;
 
@@ -29,6 +30,7 @@ use tercio::scene::{Background, Scene};
 use tercio::{LoadReport, TextureReport};
 use tercio_lab::predict::choose::Choice;
 
+use self::strokes::Drawable;
 use crate::args::camera::CameraArgs;
 use crate::args::clip::ClipArgs;
 use crate::args::data::DataArgs;
@@ -39,6 +41,7 @@ use crate::args::ranks::{Drawers, RanksArgs};
 use crate::args::sampling::SamplingArgs;
 use crate::args::series::{Motion, SeriesArgs};
 use crate::args::stereo::{Cameras, StereoArgs};
+use crate::args::strokes::StrokeArgs;
 use crate::args::textures::TextureArgs;
 use crate::args::writing::WritingArgs;
 use crate::args::{ModelArgs, RunningArgs};
@@ -98,6 +101,8 @@ pub struct Render {
     #[command(flatten)]
     data: DataArgs,
     #[command(flatten)]
+    strokes: StrokeArgs,
+    #[command(flatten)]
     environment: EnvironmentArgs,
     #[command(flatten)]
     effects: EffectArgs,
@@ -127,6 +132,7 @@ struct Loaded {
     /// `None` if materials and textures are not used.
     textures: Option<TextureReport>,
     scene: Scene,
+    drawable: Drawable,
     /// That of the picture: effects need a scene without one.
     background: Background,
     /// For `--stats`.

@@ -6,9 +6,9 @@ use anyhow::{Context, Result};
 use tercio::LoadReport;
 use tercio::parallel::Communicator;
 use tercio::raster::{Frame, FrameStats, Settings};
-use tercio::scene::{Camera, Scene};
+use tercio::scene::{Background, Camera, Scene};
 
-use super::{Loaded, Render};
+use super::Render;
 use crate::progress::Display;
 use crate::{nothing_drawn, report};
 
@@ -38,12 +38,12 @@ impl Render {
     pub(super) fn add_effects(
         &self,
         frame: &mut Frame,
-        loaded: &Loaded,
+        (scene, background): (&Scene, &Background),
         camera: &Camera,
         settings: &Settings,
     ) -> Result<f64> {
         let begin = Instant::now();
-        let added = self.effects.apply(frame, &loaded.scene, camera, settings, &loaded.background);
+        let added = self.effects.apply(frame, scene, camera, settings, background);
         added.with_context(|| self.model.name())?;
         Ok(begin.elapsed().as_secs_f64() * 1e3)
     }
@@ -53,8 +53,14 @@ impl Render {
         if let Some(reason) = report::all_clipped(report) {
             return Some(reason);
         }
+        if stats.frontend.triangles_in == 0 && self.strokes_are_beside(report) {
+            return Some(
+                "nothing was drawn: lines, edges and points are outside the picture, or there are none"
+                    .into(),
+            );
+        }
         let empty = nothing_drawn::reason(&report.mesh.bounds, camera, self.drawing.cull(), stats);
-        empty.map(|reason| match report::only(&report.read.not_drawn) {
+        empty.map(|reason| match report::only(&report::left(report)) {
             Some(only) if report.mesh.triangles == 0 => format!("{reason}, only {only}"),
             _ => reason,
         })

@@ -63,6 +63,7 @@ impl Render {
         let checks = [
             self.camera.check(),
             self.drawing.check(&self.effects, &self.environment),
+            self.strokes.check(self.ranks.parts()),
             self.textures.check(),
             self.sampling.check(),
             self.environment.check(),

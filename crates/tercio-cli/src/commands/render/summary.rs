@@ -31,10 +31,11 @@ impl Render {
             messages::warning(&format!("{model}: {warning}"));
         }
         // For a model without triangles, the error lists its other content.
-        if let Some(list) = report::not_drawn(&of_model.read.not_drawn)
-            && of_model.mesh.triangles > 0
+        let left = report::left(of_model);
+        if let Some(list) = report::not_drawn(&left)
+            && (of_model.mesh.triangles > 0 || of_model.lines + of_model.points > 0)
         {
-            let drawn = report::drawn(&of_model.read.not_drawn);
+            let drawn = report::drawn(&left);
             messages::warning(&format!("{model}: not drawn: {list} ({drawn})"));
         }
         if let Some(why) = report::unused_crease_angle(self.drawing.crease_angle, of_model) {
@@ -93,6 +94,7 @@ impl Render {
                 "anti_aliasing": self.sampling.json(),
             },
             "look": done.look,
+            "strokes": self.strokes.json(),
             "frame": serde_json::to_value(&frame)?,
             "parallel": parallel.map(|view| &view.parallel),
             "choice": done.choice.as_ref().map(organisation::json),

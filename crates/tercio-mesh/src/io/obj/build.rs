@@ -110,6 +110,7 @@ pub fn build(input: &Input, options: &ReadOptions, parsed: Parsed) -> Result<Rea
     (coordinates, mesh.origin, mesh.positions) = localize_at(&positions, options.origin);
     drop(positions);
 
+    let strokes = strokes(&mut chunks, &mesh, &mut warnings);
     add_names(input, &chunks, &mut mesh);
     let mut companions = Vec::new();
     add_materials(input, &chunks, &mut mesh, &mut companions, &mut warnings);
@@ -123,7 +124,19 @@ pub fn build(input: &Input, options: &ReadOptions, parsed: Parsed) -> Result<Rea
         companions,
         warnings,
     };
-    Ok(ReadModel { mesh, strokes: Strokes::default(), coordinates, report })
+    Ok(ReadModel { mesh, strokes, coordinates, report })
+}
+
+/// The lines and points of the file.
+fn strokes(chunks: &mut [Chunk], mesh: &Mesh, warnings: &mut Vec<String>) -> Strokes {
+    let broken: u64 = chunks.iter().map(|c| c.not_vertices).sum();
+    if broken > 0 {
+        let are = if broken == 1 { "is no vertex" } else { "are no vertices" };
+        warnings.push(format!("{} of lines and points (l, p) {are}", counted(broken, "end")));
+    }
+    let segments = chunks.iter_mut().flat_map(|c| std::mem::take(&mut c.segments)).collect();
+    let points = chunks.iter_mut().flat_map(|c| std::mem::take(&mut c.dots)).collect();
+    Strokes::of_vertices(mesh, segments, points)
 }
 
 fn not_drawn(chunks: &[Chunk]) -> NotDrawn {

@@ -150,6 +150,13 @@ fn integer(bytes: &[u8]) -> Option<(i64, usize)> {
     parse_integer(bytes)
 }
 
+/// The vertex number of a word of an `l` or `p` line; what follows a slash is not read.
+pub fn vertex_number(word: &[u8], seen: &Counts, total: &Counts) -> Option<u32> {
+    let (number, length) = integer(word)?;
+    let is_whole = matches!(word.get(length), None | Some(b'/'));
+    resolve(number, seen.vertices, total.vertices).filter(|_| is_whole)
+}
+
 /// Converts an index of the file (1 is the first, -1 the last before this line) to a zero-based index.
 ///
 /// Indices may refer to elements that follow later in the file: the specification forbids it, but files do it, and it

@@ -3,7 +3,7 @@
 use crate::OctNormal;
 use crate::error::{Place, ReadError, printable};
 
-use super::faces::Corners;
+use super::faces::{Corners, vertex_number};
 use super::lines::{Counts, Kind, Line, Lines, join, kind};
 
 /// Keywords that do not affect what is drawn; among them all that refine a curve or a surface.
@@ -81,6 +81,12 @@ pub struct Chunk<'a> {
     pub points: u64,
     /// Number of `l` lines
     pub lines: u64,
+    /// Vertex numbers of the segments of `l` lines.
+    pub segments: Vec<[u32; 2]>,
+    /// Vertex numbers of `p` lines.
+    pub dots: Vec<u32>,
+    /// Words of these lines that are no numbers of vertices.
+    pub not_vertices: u64,
     /// `curv` and `curv2`
     pub curves: u64,
     /// `surf`
@@ -154,7 +160,7 @@ pub fn parse<'a>(bytes: &'a [u8], context: &Context, slots: Slots) -> Result<Chu
                     chunk.first_small_face.get_or_insert(line.number);
                 }
             }
-            Kind::Other => other(&mut chunk, line, &mut words),
+            Kind::Other => other(&mut chunk, line, &mut words, (&seen, &context.total)),
         }
         chunk.odd_numbers += words.odd;
     }
@@ -188,7 +194,7 @@ fn vertex(words: &mut Words) -> Result<([f64; 3], Option<[f32; 4]>), ReadError> 
 }
 
 #[cold]
-fn other<'a>(chunk: &mut Chunk<'a>, line: Line<'a>, words: &mut Words) {
+fn other<'a>(chunk: &mut Chunk<'a>, line: Line<'a>, words: &mut Words, (seen, total): (&Counts, &Counts)) {
     let next_face = chunk.corners.faces();
     let text = line.text.trim_ascii();
     let keyword = text.split(u8::is_ascii_whitespace).next().unwrap_or_default();
@@ -202,13 +208,25 @@ fn other<'a>(chunk: &mut Chunk<'a>, line: Line<'a>, words: &mut Words) {
         b"g" => chunk.groups.push((next_face, name)),
         b"o" => chunk.objects.push((next_face, name)),
         b"mtllib" => chunk.libraries.push(name),
-        b"l" => chunk.lines += 1,
+        b"l" => {
+            words.word();
+            chunk.lines += 1;
+            let mut last = None;
+            while !words.is_over() {
+                let next = vertex_number(words.word(), seen, total);
+                chunk.not_vertices += u64::from(next.is_none());
+                chunk.segments.extend(last.zip(next).map(<[u32; 2]>::from));
+                last = next;
+            }
+        }
         b"curv" | b"curv2" => chunk.curves += 1,
         b"surf" => chunk.surfaces += 1,
         b"p" => {
             words.word();
             while !words.is_over() {
-                words.word();
+                let vertex = vertex_number(words.word(), seen, total);
+                chunk.not_vertices += u64::from(vertex.is_none());
+                chunk.dots.extend(vertex);
                 chunk.points += 1;
             }
         }

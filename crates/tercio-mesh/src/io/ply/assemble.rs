@@ -86,7 +86,30 @@ pub(super) fn model(
         // Without texture coordinates they cannot be drawn.
         report.not_drawn.textures = header.textures.iter().collect::<HashSet<_>>().len() as u64;
     }
-    Ok(ReadModel { mesh, strokes: Strokes::default(), coordinates, report })
+    let mut strokes = Strokes::default();
+    if let Some((_, table)) = of_role(Role::Lines, &mut tables) {
+        strokes = lines(job, &mesh, table)?;
+    }
+    Ok(ReadModel { mesh, strokes, coordinates, report })
+}
+
+/// The lines of an edge element.
+fn lines(job: &Job, mesh: &Mesh, table: Table) -> Result<Strokes, ReadError> {
+    let vertices = mesh.positions.len();
+    let number = |v: f64| Some(v as u32).filter(|&n| f64::from(n) == v && (n as usize) < vertices);
+    let mut segments = Vec::new();
+    for column in table.columns {
+        let Column::Points64(rows) = column else { continue };
+        job.reserve("edges", 8 * rows.len() as u64 + 20 * vertices as u64)?;
+        let all = rows.len();
+        segments.extend(rows.into_iter().filter_map(|[a, b, _]| Some([number(a)?, number(b)?])));
+        let broken = (all - segments.len()) as u64;
+        if broken > 0 {
+            let name = if broken == 1 { "names a vertex" } else { "name vertices" };
+            job.warn(format!("ignored {}, which {name} that do not exist", counted(broken, "edge")));
+        }
+    }
+    Ok(Strokes::of_vertices(mesh, segments, Vec::new()))
 }
 
 /// Returns the bounds of the coordinates.

@@ -12,6 +12,8 @@ pub(super) enum Role {
     Faces,
     /// Triangle strips; -1 begins a new one.
     Strips,
+    /// Edges: lines between two vertices.
+    Lines,
     /// Skipped.
     Skipped,
 }
@@ -129,6 +131,7 @@ pub(super) fn make(
             "vertex" => Role::Vertices,
             "face" => Role::Faces,
             "tristrips" => Role::Strips,
+            "edge" if lines(element).is_some() && plans.iter().all(|p| p.role != Role::Lines) => Role::Lines,
             _ => Role::Skipped,
         };
         let place = Place::Line(element.line);
@@ -139,6 +142,7 @@ pub(super) fn make(
         let what = match role {
             Role::Vertices => "vertices",
             Role::Strips => "triangle strips",
+            Role::Lines => "edges",
             _ => "faces",
         };
         if role != Role::Skipped && element.count > MAX_ELEMENTS {
@@ -172,7 +176,8 @@ pub(super) fn make(
                 plan.fields = face_fields(element);
             }
             Role::Strips => plan.corners = element.list(&INDEX_LISTS),
-            // Edges are counted as ignored lines.
+            Role::Lines => plan.fields.extend(lines(element)),
+            // Edges that name no vertices are counted as ignored lines.
             Role::Skipped if element.name != "edge" && element.count > 0 => {
                 elements.warn(warnings, || {
                     format!("ignored {} of element {}", counted(element.count, "instance"), element.name)
@@ -223,6 +228,11 @@ fn vertex_fields(file: &str, element: &Element) -> Result<Vec<Field>, ReadError>
     fields.extend(TEXCOORDS.iter().find_map(|names| field(element, Kind::Texcoords, names, 2)));
     add_attributes(element, &mut fields);
     Ok(fields)
+}
+
+/// Both vertex numbers of an edge, as a field of two numbers.
+fn lines(element: &Element) -> Option<Field> {
+    field(element, Kind::Points64, &["vertex1", "vertex2"], 2)
 }
 
 fn face_fields(element: &Element) -> Vec<Field> {

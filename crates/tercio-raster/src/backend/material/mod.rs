@@ -107,7 +107,7 @@ pub fn shade<S: Simd>(
                 normal = normal::bumped(simd, context, instance, pixels, &evaluated);
             }
             let to_viewer = normalize(simd, pixels.to_viewer, beside(simd, rig));
-            let lit = match context.settings.shading {
+            let lit = match context.shading_of(instance) {
                 Shading::Unlit => each3!(C => load(simd, &evaluated.albedo[C])),
                 Shading::Physical => {
                     light::physical(simd, rig, shadows, &evaluated, normal, to_viewer, position)

@@ -67,7 +67,7 @@ impl Look {
     pub fn new(context: &FrameContext, instance: usize, normals_agree: bool, outputs: &Outputs) -> Self {
         let own = &context.scene.instances[instance];
         let Instance { mesh, surface, materials, .. } = own;
-        let shading = context.settings.shading;
+        let shading = context.shading_of(instance);
         let normals = mesh.layout().normals;
         let may_shine_through =
             mesh.is_translucent() || materials.as_ref().is_some_and(|m| m.is_translucent());

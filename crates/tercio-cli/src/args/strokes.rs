@@ -1,0 +1,240 @@
+//! Options of lines, edges and points.
+
+use clap::{Args, ValueEnum};
+use serde_json::{Value, json};
+use tercio::mesh::edges::Selection;
+use tercio::scene::color::linear_to_srgb;
+use tercio::scene::{Background, Scene, Surface, srgb_to_linear};
+use tercio::strokes::{Length, Pen, PointShape};
+
+use super::values;
+
+/// What of the model is drawn.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum ModeName {
+    /// The surface.
+    #[default]
+    Surface,
+    /// All edges, and no surface: hidden ones are seen, too.
+    Wireframe,
+    /// The edges that the surface does not hide, on a surface in the colour of the background.
+    HiddenLine,
+    /// The vertices, and no surface.
+    Points,
+    /// Feature edges, and no surface.
+    Edges,
+}
+
+/// Which edges are drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum EdgesName {
+    /// All edges of polygons.
+    All,
+    /// Edges at which the surface is bent by more than --feature-angle, and those of boundary.
+    Feature,
+    /// Edges of one triangle, and those of more than two.
+    Boundary,
+    /// Edges between what the camera sees from its front and from its back, and those of boundary.
+    Silhouette,
+}
+
+/// How points look.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum ShapeName {
+    /// Squares.
+    Square,
+    /// Discs.
+    #[default]
+    Round,
+    /// Lit spheres, with their true depth.
+    Sphere,
+}
+
+/// How lines and points of a file are drawn.
+pub struct Pens {
+    /// Lines.
+    pub lines: Pen,
+    /// Points.
+    pub points: Pen,
+}
+
+/// Lines, edges and points.
+#[derive(Clone, Debug, Args)]
+#[command(next_help_heading = "Lines and points")]
+pub struct StrokeArgs {
+    /// What of the model is drawn; lines and points of the file always are.
+    #[arg(long, value_name = "WHAT", value_enum, default_value_t = ModeName::Surface)]
+    mode: ModeName,
+    /// Draws edges on the surface, or chooses those of --mode [default: all; feature for --mode edges].
+    #[arg(long, value_name = "WHICH", num_args = 0..=1, default_missing_value = "all", require_equals = true)]
+    #[arg(value_enum)]
+    edges: Option<EdgesName>,
+    /// Width of lines and edges: pixels of the picture, or with a u units of the model (0.1u) [default: 1.5; edges on a
+    /// surface 1].
+    #[arg(long, value_name = "WIDTH", value_parser = length)]
+    line_width: Option<Length>,
+    /// Diameter of points: pixels of the picture, or with a u units of the model (0.1u) [default: 3].
+    #[arg(long, value_name = "SIZE", value_parser = length)]
+    point_size: Option<Length>,
+    /// How points look.
+    #[arg(long, value_name = "SHAPE", value_enum, default_value_t = ShapeName::Round)]
+    point_shape: ShapeName,
+    /// Colour of edges, also translucent (#rrggbbaa); where these overlap, they are denser [default: #202428].
+    #[arg(long, value_name = "COLOR", value_parser = values::color)]
+    edge_color: Option<[u8; 4]>,
+    /// Edges are features where the surface is bent by more than this many degrees [default: 30].
+    #[arg(long, value_name = "DEG", allow_negative_numbers = true, value_parser = values::crease_angle)]
+    feature_angle: Option<f64>,
+}
+
+impl StrokeArgs {
+    /// Options without any effect are reported as a mistake, and those that are not possible.
+    pub fn check(&self, in_parts: bool) -> Result<(), &'static str> {
+        if in_parts && (self.selection().is_some() || self.mode != ModeName::Surface) {
+            return Err(
+                "--mode and --edges are not possible with --parts: the edges of a part are not those of the model",
+            );
+        }
+        if self.mode == ModeName::Points && self.edges.is_some() {
+            return Err("--edges has no effect with --mode points");
+        }
+        if self.edge_color.is_some() && self.selection().is_none() {
+            return Err("--edge-color has no effect without --edges or a --mode with edges");
+        }
+        if self.feature_angle.is_some() && !matches!(self.selection(), Some(Selection::Feature(_))) {
+            return Err("--feature-angle has no effect without --edges=feature");
+        }
+        Ok(())
+    }
+
+    /// Which edges are drawn, if any.
+    pub fn selection(&self) -> Option<Selection> {
+        let default = match self.mode {
+            ModeName::Surface | ModeName::Points => None,
+            ModeName::Wireframe | ModeName::HiddenLine => Some(EdgesName::All),
+            ModeName::Edges => Some(EdgesName::Feature),
+        };
+        Some(match self.edges.or(default)? {
+            EdgesName::All => Selection::All,
+            EdgesName::Feature => Selection::Feature(self.feature_angle.unwrap_or(30.0).to_radians()),
+            EdgesName::Boundary => Selection::Boundary,
+            EdgesName::Silhouette => Selection::Silhouette,
+        })
+    }
+
+    /// Is the surface drawn?
+    pub fn has_surface(&self) -> bool {
+        matches!(self.mode, ModeName::Surface | ModeName::HiddenLine)
+    }
+
+    /// Are the vertices drawn as points?
+    pub fn has_vertices(&self) -> bool {
+        self.mode == ModeName::Points
+    }
+
+    /// How edges are drawn.
+    pub fn edge_pen(&self) -> Pen {
+        let width = if self.mode == ModeName::Surface { 1.0 } else { 1.5 };
+        let color = self.edge_color.unwrap_or(INK);
+        Pen { width: self.line_width.unwrap_or(Length::Pixels(width)), color }
+    }
+
+    /// How lines and points without colours of their own are drawn, if the model has this linear colour.
+    pub fn pens(&self, color: Option<[f32; 3]>) -> Pens {
+        let byte = |c: f32| (linear_to_srgb(f64::from(c)) * 255.0).round() as u8;
+        let opaque = |[r, g, b]: [f32; 3]| [byte(r), byte(g), byte(b), 0xff];
+        let ink = color.map_or(INK, opaque);
+        // Light makes the form of spheres visible, which needs a colour that is not dark.
+        let of_points = match self.point_shape {
+            ShapeName::Sphere => opaque(color.unwrap_or(Surface::default().base_color)),
+            ShapeName::Square | ShapeName::Round => ink,
+        };
+        Pens {
+            lines: Pen { width: self.line_width.unwrap_or(Length::Pixels(1.5)), color: ink },
+            points: Pen { width: self.point_size.unwrap_or(Length::Pixels(3.0)), color: of_points },
+        }
+    }
+
+    /// Are only silhouettes drawn, of the edges between two triangles?
+    pub fn is_silhouette(&self) -> bool {
+        self.edges == Some(EdgesName::Silhouette)
+    }
+
+    /// How points look.
+    pub fn shape(&self) -> PointShape {
+        match self.point_shape {
+            ShapeName::Square => PointShape::Square,
+            ShapeName::Round => PointShape::Round,
+            ShapeName::Sphere => PointShape::Sphere,
+        }
+    }
+
+    /// Gives a dressed scene the look of hidden-line pictures: paper.
+    pub fn dress(&self, scene: &mut Scene) {
+        if self.mode != ModeName::HiddenLine {
+            return;
+        }
+        if scene.background == Background::default() {
+            scene.background = Background::Solid([1.0; 4]);
+        }
+        let paper = match scene.background {
+            Background::Solid(color) if color[3] > 0.0 => color,
+            Background::Solid(_) => [1.0; 4],
+            Background::Gradient { top, bottom } => [0, 1, 2, 3].map(|k| 0.5 * (top[k] + bottom[k])),
+        };
+        let [r, g, b, _] = paper.map(|c| srgb_to_linear(f64::from(c)) as f32);
+        for instance in &mut scene.instances {
+            let surface = &mut instance.surface;
+            (surface.base_color, surface.use_mesh_colors, surface.unlit) = ([r, g, b], false, true);
+        }
+    }
+
+    /// For reports.
+    pub fn json(&self) -> Value {
+        json!({
+            "mode": values::name(&self.mode),
+            "edges": self.selection().map(|selection| match selection {
+                Selection::All => "all",
+                Selection::Feature(_) => "feature",
+                Selection::Boundary => "boundary",
+                Selection::Silhouette => "silhouette",
+            }),
+            "point_shape": values::name(&self.point_shape),
+        })
+    }
+}
+
+/// A number above 0, of pixels, or of units with a `u` behind it.
+fn length(text: &str) -> Result<Length, String> {
+    let text = text.trim();
+    let (number, is_units) = match text.strip_suffix('u') {
+        Some(number) => (number, true),
+        None => (text.strip_suffix("px").unwrap_or(text), false),
+    };
+    match values::positive(number) {
+        Ok(units) if is_units => Ok(Length::Units(units)),
+        Ok(pixels) if pixels <= MOST_PIXELS => Ok(Length::Pixels(pixels)),
+        _ => Err(format!("expected pixels, above 0 and at most {MOST_PIXELS}, or units such as 0.1u")),
+    }
+}
+
+/// Wider lines are areas.
+const MOST_PIXELS: f64 = 1024.0;
+
+/// Dark: it is seen on models and on the default background.
+const INK: [u8; 4] = [0x20, 0x24, 0x28, 0xff];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lengths_are_pixels_or_units() {
+        assert_eq!(length("2"), Ok(Length::Pixels(2.0)));
+        assert_eq!(length("1.5px"), Ok(Length::Pixels(1.5)));
+        assert_eq!(length("0.25u"), Ok(Length::Units(0.25)));
+        for bad in ["", "0", "-1", "u", "2000", "nan", "1e400u", "3mm"] {
+            assert!(length(bad).is_err(), "{bad}");
+        }
+    }
+}

@@ -1,0 +1,359 @@
+//! Lines, edges and points against computations in `f64` that share no code with them, and under the picture law.
+
+mod common;
+
+use std::fmt::Write as _;
+use std::fs;
+
+use common::Place;
+use tercio::glam::{DVec2, DVec3};
+use tercio_testkit::ray_caster::RayCaster;
+
+const WIDTH: usize = 160;
+const HEIGHT: usize = 120;
+
+/// A picture of three bytes a pixel.
+struct Picture(Vec<u8>);
+
+impl Picture {
+    fn render(place: &Place, arguments: &str) -> Self {
+        let command = format!("render {arguments} --size {WIDTH}x{HEIGHT} -o a.ppm -q");
+        let outcome = place.run(&command);
+        assert_eq!(outcome.code, Some(0), "{command}: {}", outcome.stderr);
+        let bytes = place.read("a.ppm");
+        Self(bytes[bytes.len() - 3 * WIDTH * HEIGHT..].to_vec())
+    }
+
+    fn at(&self, x: usize, y: usize) -> [u8; 3] {
+        let at = 3 * (y * WIDTH + x);
+        [self.0[at], self.0[at + 1], self.0[at + 2]]
+    }
+}
+
+/// The camera of the options, written a second time.
+#[derive(Clone, Copy)]
+struct Eye {
+    eye: DVec3,
+    axes: [DVec3; 3],
+    orthographic: Option<f64>,
+}
+
+impl Eye {
+    const FOV: f64 = 30.0;
+
+    fn new(eye: DVec3, target: DVec3) -> Self {
+        let forward = (target - eye).normalize();
+        let right = forward.cross(DVec3::Y).normalize();
+        Self { eye, axes: [right, right.cross(forward), forward], orthographic: None }
+    }
+
+    fn options(&self) -> String {
+        let (e, t) = (self.eye, self.eye + self.axes[2] * 4.0);
+        let more = if self.orthographic.is_some() { " --orthographic" } else { "" };
+        format!("--eye {},{},{} --target {},{},{}{more}", e.x, e.y, e.z, t.x, t.y, t.z)
+    }
+
+    fn screen(&self, p: DVec3) -> DVec2 {
+        let [right, up, forward] = self.axes.map(|axis| axis.dot(p - self.eye));
+        let tangent = (0.5 * Self::FOV).to_radians().tan();
+        let scale = match self.orthographic {
+            None => 0.5 * HEIGHT as f64 / tangent / forward,
+            Some(height) => HEIGHT as f64 / height,
+        };
+        DVec2::new(0.5 * WIDTH as f64 + right * scale, 0.5 * HEIGHT as f64 - up * scale)
+    }
+}
+
+/// A small random number generator, the same on every machine.
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    fn point(&mut self, reach: f64) -> DVec3 {
+        DVec3::new(self.next(), self.next(), self.next()) * (2.0 * reach) - reach
+    }
+}
+
+fn distance(p: DVec2, [a, b]: [DVec2; 2]) -> f64 {
+    let along = b - a;
+    let t = if along == DVec2::ZERO {
+        0.0
+    } else {
+        ((p - a).dot(along) / along.length_squared()).clamp(0.0, 1.0)
+    };
+    p.distance(a + t * along)
+}
+
+/// Every pixel is drawn where its middle is nearer than half of the width to a line, or to a point, and only there.
+#[test]
+fn lines_and_points_cover_what_is_near_them() {
+    let place = Place::new();
+    let mut random = Random(7);
+    let center = DVec3::new(0.3, -0.2, 0.1);
+    let views = [(5.0, false), (2.2, false), (4.0, true)];
+    for (view, (far, orthographic)) in views.into_iter().enumerate() {
+        let mut eye = Eye::new(center + DVec3::new(0.4, 0.5, 1.0).normalize() * far, center);
+        // As high as what a camera with the default angle sees at its target.
+        eye.orthographic = orthographic.then(|| 8.0 * (0.5 * Eye::FOV).to_radians().tan());
+        for width in [1.0, 1.5, 3.0, 17.0] {
+            let lines: Vec<[DVec3; 2]> = (0..12).map(|_| [random.point(1.0), random.point(1.0)]).collect();
+            let points: Vec<DVec3> = (0..12).map(|_| random.point(1.0)).collect();
+            let mut obj = String::new();
+            for p in lines.as_flattened().iter().chain(&points) {
+                writeln!(obj, "v {} {} {}", p.x, p.y, p.z).unwrap();
+            }
+            for k in 0..lines.len() {
+                writeln!(obj, "l {} {}", 2 * k + 1, 2 * k + 2).unwrap();
+            }
+            let first = 2 * lines.len() + 1;
+            (first..first + points.len()).for_each(|k| writeln!(obj, "p {k}").unwrap());
+            fs::write(place.path("lines.obj"), &obj).unwrap();
+            let options = format!(
+                "lines.obj {} --line-width {width} --point-size {} --aa 1 --background #000 --color #fff",
+                eye.options(),
+                2.0 * width
+            );
+            let picture = Picture::render(&place, &options);
+            let lines: Vec<[DVec2; 2]> = lines.iter().map(|l| l.map(|p| eye.screen(p))).collect();
+            let points: Vec<DVec2> = points.iter().map(|&p| eye.screen(p)).collect();
+            let (mut inside, mut outside) = (0, 0);
+            for y in 0..HEIGHT {
+                for x in 0..WIDTH {
+                    let p = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
+                    let line =
+                        lines.iter().map(|&l| distance(p, l) - 0.5 * width).fold(f64::INFINITY, f64::min);
+                    let point = points.iter().map(|&q| p.distance(q) - width).fold(f64::INFINITY, f64::min);
+                    let beyond = line.min(point);
+                    let drawn = picture.at(x, y) != [0; 3];
+                    // Round ends and discs are polygons with errors of a tenth of a pixel.
+                    if beyond < -0.11 {
+                        inside += 1;
+                        assert!(drawn, "view {view}, width {width}: {x}, {y} is empty, {beyond} inside");
+                    } else if beyond > 0.1 {
+                        outside += 1;
+                        assert!(!drawn, "view {view}, width {width}: {x}, {y} is drawn, {beyond} outside");
+                    }
+                }
+            }
+            assert!(inside > 500 && outside > 2000, "{inside} inside, {outside} outside");
+        }
+    }
+}
+
+/// A triangle mesh of a test, with its edges.
+struct Model {
+    name: &'static str,
+    vertices: Vec<DVec3>,
+    faces: Vec<Vec<usize>>,
+}
+
+impl Model {
+    /// A sheet of squares over x and z, with a height.
+    fn sheet(name: &'static str, n: usize, place: impl Fn(f64, f64) -> DVec3) -> Self {
+        let at = |k: usize| k as f64 / n as f64 * 2.0 - 1.0;
+        let vertices =
+            (0..=n).flat_map(|j| (0..=n).map(move |i| (i, j))).map(|(i, j)| place(at(i), at(j))).collect();
+        let m = n + 1;
+        let square =
+            |(i, j): (usize, usize)| vec![j * m + i, (j + 1) * m + i, (j + 1) * m + i + 1, j * m + i + 1];
+        let faces = (0..n).flat_map(|j| (0..n).map(move |i| (i, j))).map(square).collect();
+        Self { name, vertices, faces }
+    }
+
+    /// A box with corners.
+    fn plate(name: &'static str, size: DVec3, at: DVec3) -> Self {
+        let corner = |k: usize| {
+            DVec3::from([0, 1, 2].map(|axis| if k >> axis & 1 == 0 { -1.0 } else { 1.0 })) * size + at
+        };
+        let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+        Self {
+            name,
+            vertices: (0..8).map(corner).collect(),
+            faces: faces.iter().map(|f| f.to_vec()).collect(),
+        }
+    }
+
+    /// A sphere of squares on a cube.
+    fn sphere(name: &'static str, n: usize, radius: f64) -> Self {
+        let mut all = Self { name, vertices: Vec::new(), faces: Vec::new() };
+        for side in 0..6 {
+            let (axis, sign) = (side / 2, if side % 2 == 0 { 1.0 } else { -1.0 });
+            let face = Self::sheet(name, n, |u, v| {
+                let mut p = [0.0; 3];
+                (p[axis], p[(axis + 1) % 3], p[(axis + 2) % 3]) = (sign, v * sign, u);
+                DVec3::from(p) * (radius / (1.0 + (u * u + v * v)).sqrt())
+            });
+            let first = all.vertices.len();
+            all.vertices.extend(face.vertices);
+            all.faces.extend(face.faces.iter().map(|f| f.iter().map(|v| v + first).collect()));
+        }
+        all
+    }
+
+    fn obj(&self) -> String {
+        let mut text = String::new();
+        self.vertices.iter().for_each(|p| writeln!(text, "v {:?} {:?} {:?}", p.x, p.y, p.z).unwrap());
+        for face in &self.faces {
+            let corners: Vec<String> = face.iter().map(|v| (v + 1).to_string()).collect();
+            writeln!(text, "f {}", corners.join(" ")).unwrap();
+        }
+        text
+    }
+
+    fn edges(&self) -> Vec<[DVec3; 2]> {
+        let of_face = |f: &Vec<usize>| (0..f.len()).map(|k| [f[k], f[(k + 1) % f.len()]]).collect::<Vec<_>>();
+        self.faces.iter().flat_map(of_face).map(|e| e.map(|v| self.vertices[v])).collect()
+    }
+
+    fn caster(&self) -> RayCaster {
+        let p = |v: usize| self.vertices[v].to_array();
+        let of_face =
+            |f: &Vec<usize>| (1..f.len() - 1).map(|k| [p(f[0]), p(f[k]), p(f[k + 1])]).collect::<Vec<_>>();
+        RayCaster::new(self.faces.iter().flat_map(of_face).collect())
+    }
+}
+
+/// Where the ray caster sees an edge, it is drawn, whole; where it sees none within the width, none shines through.
+#[test]
+fn edges_are_seen_where_nothing_hides_them() {
+    let wave = |x: f64, z: f64| DVec3::new(x, 0.25 * (4.0 * x).sin() * (3.0 * z).cos(), z);
+    let flat = |x: f64, z: f64| DVec3::new(x, 0.0, z);
+    let far = DVec3::new(4e6, 5e6, -3e6);
+    let front = DVec3::new(0.5, 0.6, 1.0);
+    let cases = [
+        (Model::sheet("wave", 12, wave), front, 5.0, DVec3::ZERO),
+        (Model::sheet("flat", 10, flat), front, 5.0, DVec3::ZERO),
+        (Model::sheet("grazing", 6, flat), DVec3::new(0.1, 0.05, 1.0), 5.0, DVec3::ZERO),
+        (Model::sheet("almost from the side", 6, flat), DVec3::new(0.3, 0.012, 1.0), 5.0, DVec3::ZERO),
+        (Model::plate("cube", DVec3::ONE, DVec3::ZERO), front, 7.0, DVec3::ZERO),
+        (Model::plate("plate", DVec3::new(1.0, 0.01, 1.0), DVec3::ZERO), front, 5.0, DVec3::ZERO),
+        (
+            Model::plate("long", DVec3::new(0.5, 0.5, 40.0), DVec3::ZERO),
+            DVec3::new(0.1, 0.08, 1.0),
+            46.0,
+            DVec3::ZERO,
+        ),
+        (Model::plate("far away", DVec3::ONE, far), front, 7.0, far),
+        (Model::sphere("sphere", 8, 1.0), front, 5.0, DVec3::ZERO),
+        (Model::sphere("tiny", 8, 1e-7), front, 5e-7, DVec3::ZERO),
+        (Model::sphere("huge", 8, 1e9), front, 5e9, DVec3::ZERO),
+    ];
+    let place = Place::new();
+    for (model, direction, away, target) in cases {
+        let eye = Eye::new(target + direction.normalize() * away, target);
+        fs::write(place.path("m.obj"), model.obj()).unwrap();
+        let options = format!("m.obj {} --edges --edge-color #f00 --line-width 2 --aa 1", eye.options());
+        let picture = Picture::render(&place, &options);
+        let is_red = |x: usize, y: usize| picture.at(x, y) == [255, 0, 0];
+        let caster = model.caster();
+        // Distance of what a ray hits first, in lengths of the direction.
+        let hit = |direction: DVec3| {
+            caster
+                .first_hit(eye.eye.to_array(), direction.to_array(), 0.0)
+                .map_or(f64::INFINITY, |hit| hit.distance)
+        };
+        let pixel = |x: usize, y: usize| {
+            let tangent = (0.5 * Eye::FOV).to_radians().tan() * 2.0 / HEIGHT as f64;
+            let [right, up, forward] = eye.axes;
+            let (x, y) = (x as f64 + 0.5 - 0.5 * WIDTH as f64, y as f64 + 0.5 - 0.5 * HEIGHT as f64);
+            forward + right * (x * tangent) - up * (y * tangent)
+        };
+        let size = 2.0 * (0.5 * Eye::FOV).to_radians().tan() / HEIGHT as f64;
+        let mut near = vec![false; WIDTH * HEIGHT];
+        let (mut seen, mut missing) = (0, 0);
+        for [a, b] in model.edges() {
+            let steps = (eye.screen(a).distance(eye.screen(b)) * 4.0).ceil().max(2.0) as usize;
+            for step in 0..=steps {
+                let p = a.lerp(b, step as f64 / steps as f64);
+                let s = eye.screen(p);
+                // The point itself, or the surface a hundredth of a pixel beside it.
+                let is_seen = [(0.0, 0.0), (0.02, 0.0), (-0.02, 0.0), (0.0, 0.02), (0.0, -0.02)].iter().any(
+                    |&(x, y)| {
+                        let direction = p
+                            + (eye.axes[0] * x + eye.axes[1] * y) * size * (p - eye.eye).dot(eye.axes[2])
+                            - eye.eye;
+                        hit(direction) >= 1.0 - 1e-6
+                    },
+                );
+                if !is_seen {
+                    continue;
+                }
+                let (x, y) = (s.x.floor() as isize, s.y.floor() as isize);
+                for (x, y) in (-2..=2).flat_map(|i| (-2..=2).map(move |j| (x + i, y + j))) {
+                    if (0..WIDTH as isize).contains(&x) && (0..HEIGHT as isize).contains(&y) {
+                        let beyond = DVec2::new(x as f64 + 0.5, y as f64 + 0.5).distance(s) - 1.0;
+                        near[y as usize * WIDTH + x as usize] |= beyond < 0.15;
+                    }
+                }
+                if s.x < 0.0 || s.y < 0.0 || s.x >= WIDTH as f64 || s.y >= HEIGHT as f64 {
+                    continue;
+                }
+                let (x, y) = (x as usize, y as usize);
+                // What is nearer at the middle of the pixel by more than two pixels, hides it there.
+                let depth = (p - eye.eye).dot(eye.axes[2]);
+                let is_free = hit(pixel(x, y)) > depth * (1.0 - 2.0 * size);
+                if is_free && DVec2::new(x as f64 + 0.5, y as f64 + 0.5).distance(s) < 0.75 {
+                    seen += 1;
+                    missing += usize::from(!is_red(x, y));
+                }
+            }
+        }
+        let places = (0..WIDTH * HEIGHT).map(|k| (k % WIDTH, k / WIDTH));
+        let through: Vec<_> = places.filter(|&(x, y)| is_red(x, y) && !near[y * WIDTH + x]).collect();
+        assert!(seen > 100, "{}: {seen} seen", model.name);
+        eprintln!("{}: {missing} of {seen} missing, shining through {}", model.name, through.len());
+        assert!(missing == 0, "{}: {missing} of {seen} are not drawn", model.name);
+        assert!(through.is_empty(), "{}: {through:?} shine through", model.name);
+    }
+}
+
+/// The same bytes from every number of threads and ranks, tile size and order of work, with samples and translucent lines.
+#[test]
+fn strokes_obey_the_picture_law() {
+    let place = Place::new();
+    let looks = [
+        "builtin:teapot@2k --edges=feature --edge-color #20408080 --line-width 3 --aa 4",
+        "builtin:sphere@500 --mode hidden-line --aa 1",
+        "builtin:gyroid@1k --mode points --point-shape sphere --aa 4",
+        "builtin:teapot@1k --mode wireframe --edges=silhouette --stereo anaglyph",
+    ];
+    let ways = [
+        "--threads 1 --tile-size 8",
+        "--threads 3 --sorting triangles --simd scalar",
+        "--no-cluster-culling --binning bbox --tile-size 128",
+        "--ranks 3 --organisation sort-last",
+        "--ranks 4 --organisation sort-twice",
+        "--ranks 2 --organisation sort-middle",
+        "--ranks 2 --organisation sort-first",
+    ];
+    for look in looks {
+        let expected = Picture::render(&place, look);
+        assert!(expected.0.iter().any(|&c| c < 100), "{look}: nothing dark");
+        for way in ways {
+            assert!(Picture::render(&place, &format!("{look} {way}")).0 == expected.0, "{look} {way}");
+        }
+    }
+}
+
+#[test]
+fn options_without_effect_are_mistakes() {
+    let place = Place::new();
+    let cases = [
+        ("--mode points --edges", "--edges has no effect"),
+        ("--edge-color #f00", "--edge-color has no effect"),
+        ("--edges --feature-angle 20", "--feature-angle has no effect"),
+        ("--line-width 0", "expected pixels"),
+        ("--edges=some", "all, feature, boundary, silhouette"),
+        ("--mode faces", "surface, wireframe, hidden-line, points, edges"),
+    ];
+    for (options, reason) in cases {
+        place.run(&format!("render model.off -o a.png {options}")).failed(2, &[reason]);
+    }
+    place
+        .run("render model.off -o a.png --mode edges --edges=boundary")
+        .failed(1, &["nothing was drawn", "edges"]);
+}

@@ -1,0 +1,164 @@
+//! Finds the edges of an indexed mesh.
+
+use rayon::prelude::*;
+
+use super::{Edge, EdgeKind, Edges, Selection};
+use crate::Mesh;
+use crate::adjacency::Adjacency;
+use crate::trig::sin_cos;
+use crate::weld::position_representatives;
+
+/// A triangle at an edge, seen from the end with the lower number.
+#[derive(Clone, Copy)]
+struct Beside {
+    /// The other end.
+    to: u32,
+    triangle: u32,
+    /// Number of the corner of the triangle at which the edge begins.
+    corner: u8,
+    apex: u32,
+    /// Whether the triangle runs towards the other end.
+    away: bool,
+}
+
+/// An edge, and its place in the order: three times its first triangle, plus a corner of it.
+type Placed = (u64, Edge);
+
+/// What was found in a part of the mesh.
+#[derive(Default)]
+struct Found {
+    edges: Vec<Placed>,
+    /// Edges at which an odd number of triangles meets, or not as many run one way as the other.
+    open: u64,
+}
+
+/// The selected edges; `face` is the polygon that a triangle comes from. The edges of a triangle are in the order of its corners,
+/// of which `turned` says which one is first.
+pub fn edges(
+    mesh: &Mesh,
+    selection: Selection,
+    face: impl Fn(u32) -> u32 + Sync,
+    turned: impl Fn([u32; 3]) -> [u32; 3] + Sync,
+) -> Edges {
+    let same = position_representatives(mesh);
+    let around = Adjacency::new(&mesh.triangles, mesh.positions.len(), |v| same[v as usize]);
+    let finder = Finder { mesh, same: &same, around: &around, face, turned, selection };
+    let found = (0..mesh.positions.len() as u32)
+        .into_par_iter()
+        .with_min_len(1 << 12)
+        .fold(
+            || (Found::default(), Vec::new()),
+            |(mut found, mut scratch), v| {
+                finder.at_vertex(v, &mut scratch, &mut found);
+                (found, scratch)
+            },
+        )
+        .map(|(found, _)| found)
+        .reduce(Found::default, |mut a, b| {
+            a.edges.extend(b.edges);
+            Found { open: a.open + b.open, ..a }
+        });
+    drop(around);
+    let mut placed = found.edges;
+    placed.par_sort_unstable_by_key(|edge| edge.0);
+
+    // Vertices in the order in which edges use them, whatever their numbers in the mesh.
+    let mut numbers = vec![Edge::NONE; mesh.positions.len()];
+    let mut positions = Vec::new();
+    let mut number = |v: u32| {
+        let known = &mut numbers[v as usize];
+        if *known == Edge::NONE {
+            *known = positions.len() as u32;
+            positions.push(mesh.positions[v as usize]);
+        }
+        *known
+    };
+    let list = placed.into_iter().map(|(_, edge)| Edge {
+        ends: edge.ends.map(&mut number),
+        apexes: edge.apexes.map(|v| if v == Edge::NONE { v } else { number(v) }),
+        ..edge
+    });
+    let list = list.collect();
+    let is_solid = found.open == 0 && !mesh.triangles.is_empty();
+    Edges { origin: mesh.origin, exponent: mesh.exponent, positions, list, is_solid }
+}
+
+struct Finder<'a, F, T> {
+    mesh: &'a Mesh,
+    same: &'a [u32],
+    around: &'a Adjacency,
+    face: F,
+    turned: T,
+    selection: Selection,
+}
+
+impl<F: Fn(u32) -> u32, T: Fn([u32; 3]) -> [u32; 3]> Finder<'_, F, T> {
+    /// Finds the edges from a vertex to those with higher numbers.
+    fn at_vertex(&self, v: u32, scratch: &mut Vec<Beside>, found: &mut Found) {
+        scratch.clear();
+        for &triangle in self.around.at(v as usize) {
+            let c = (self.turned)(self.mesh.triangles[triangle as usize]).map(|v| self.same[v as usize]);
+            if c[0] == c[1] || c[1] == c[2] || c[2] == c[0] {
+                continue;
+            }
+            for corner in 0..3 {
+                let (from, to, apex) = (c[corner], c[(corner + 1) % 3], c[(corner + 2) % 3]);
+                let corner = corner as u8;
+                if from == v && to > v {
+                    scratch.push(Beside { to, triangle, corner, apex, away: true });
+                } else if to == v && from > v {
+                    scratch.push(Beside { to: from, triangle, corner, apex, away: false });
+                }
+            }
+        }
+        scratch.sort_unstable_by_key(|beside| (beside.to, beside.triangle));
+        for group in scratch.chunk_by(|a, b| a.to == b.to) {
+            self.edge(v, group, found);
+        }
+    }
+
+    /// Adds an edge, if it is selected, with all triangles at it.
+    fn edge(&self, v: u32, group: &[Beside], found: &mut Found) {
+        let away = group.iter().filter(|beside| beside.away).count();
+        found.open += u64::from(2 * away != group.len());
+        let kind = match group.len() {
+            1 => EdgeKind::Boundary,
+            2 => EdgeKind::Inner,
+            _ => EdgeKind::NonManifold,
+        };
+        if let [a, b] = group
+            && ((self.face)(a.triangle) == (self.face)(b.triangle) || !self.is_selected(v, a, b))
+        {
+            return;
+        }
+        for pair in group.chunks(2) {
+            let first = pair[0];
+            let ends = if first.away { [v, first.to] } else { [first.to, v] };
+            let apexes = [first.apex, pair.get(1).map_or(Edge::NONE, |second| second.apex)];
+            let place = 3 * u64::from(first.triangle) + u64::from(first.corner);
+            found.edges.push((place, Edge { ends, apexes, kind }));
+        }
+    }
+
+    /// Is an edge between two triangles selected?
+    fn is_selected(&self, v: u32, a: &Beside, b: &Beside) -> bool {
+        let bend = match self.selection {
+            Selection::All => return true,
+            Selection::Boundary => return false,
+            Selection::Feature(angle) => angle,
+            Selection::Silhouette => 0.0,
+        };
+        let at = |v: u32| glam::DVec3::from(self.mesh.positions[v as usize].map(f64::from));
+        let (from, along) = (at(v), at(a.to) - at(v));
+        // Normals as if both triangles ran along the edge in opposite directions, however they are wound.
+        let (m, n) = (along.cross(at(a.apex) - from), (at(b.apex) - from).cross(along));
+        // The angle between them, exact for small ones, too. A triangle without area has no direction.
+        let (sin, cos) = (m.cross(n).length(), m.dot(n));
+        if self.selection == Selection::Silhouette {
+            // What is flat up to rounding is never a silhouette.
+            return sin > 1e-9 * cos.abs() || cos < 0.0;
+        }
+        let (sin_bend, cos_bend) = sin_cos(bend.clamp(0.0, std::f64::consts::PI));
+        sin * cos_bend - cos * sin_bend > 0.0
+    }
+}

@@ -1,0 +1,107 @@
+//! The edges of a mesh, each once: those of polygons, features, borders.
+//!
+//! Vertices are identified by position, as in [`topology`](crate::topology), so that a seam in the normals or texture
+//! coordinates is not a border. Diagonals of triangulated polygons are no edges. What is found does not depend on how the
+//! mesh is split into clusters, nor on the number of threads.
+
+mod find;
+mod sources;
+
+use glam::DVec3;
+
+use crate::mesh::power_of_two;
+use crate::{ClusteredMesh, Mesh};
+
+/// Which edges of a mesh.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Selection {
+    /// All edges of polygons.
+    All,
+    /// Edges at which the surface is bent by more than so many radians, and those of [`Selection::Boundary`].
+    Feature(f64),
+    /// Edges of one triangle, and those of more than two.
+    Boundary,
+    /// Edges that may be on the silhouette for some camera: all at which the surface is bent, and those of
+    /// [`Selection::Boundary`].
+    Silhouette,
+}
+
+/// What meets at an edge.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum EdgeKind {
+    /// One triangle.
+    Boundary,
+    /// Two triangles.
+    Inner,
+    /// More than two triangles. Such an edge is listed once for every two of them.
+    NonManifold,
+}
+
+/// An edge of a mesh.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Edge {
+    /// Vertex numbers of its ends, in the order in which the first of its triangles runs along it.
+    pub ends: [u32; 2],
+    /// Vertex numbers of the third corners of its first two triangles; [`Edge::NONE`] where there is no second one.
+    pub apexes: [u32; 2],
+    /// What meets there.
+    pub kind: EdgeKind,
+}
+
+impl Edge {
+    /// The number of a corner that does not exist.
+    pub const NONE: u32 = u32::MAX;
+}
+
+/// Edges with vertices of their own.
+#[derive(Clone, Debug, Default)]
+pub struct Edges {
+    /// Position in object space of the point that [`Edges::positions`] are relative to.
+    pub origin: DVec3,
+    /// log2 of the length of a unit of the positions.
+    pub exponent: i32,
+    /// Positions of the vertices that edges use.
+    pub positions: Vec<[f32; 3]>,
+    /// The edges, in the order of their first triangles.
+    pub list: Vec<Edge>,
+    /// The whole mesh is closed and consistently wound: it separates an inside from an outside, so that from outside only
+    /// front faces are seen.
+    pub is_solid: bool,
+}
+
+impl Edges {
+    /// The selected edges of a mesh.
+    ///
+    /// # Panics
+    /// If a triangle's vertex does not exist.
+    pub fn of_mesh(mesh: &Mesh, selection: Selection) -> Self {
+        sources::of_mesh(mesh, selection)
+    }
+
+    /// The selected edges of a mesh that was split into clusters: those of the mesh as it was before.
+    pub fn of_clusters(mesh: &ClusteredMesh, selection: Selection) -> Self {
+        sources::of_clusters(mesh, selection)
+    }
+
+    /// The most bytes that [`Edges::of_clusters`] takes.
+    pub fn needed_bytes(mesh: &ClusteredMesh) -> u64 {
+        let (vertices, triangles) = (mesh.vertex_count() as u64, mesh.triangle_count() as u64);
+        // Positions, their representatives with a hash table, corners, triangles at vertices, and edges with their order:
+        // of a closed mesh three for two triangles, of a soup three a triangle.
+        vertices * (12 + 4 + 24 + 16) + triangles * (12 + 12 + 3 * 56)
+    }
+
+    /// Position of a vertex in object space.
+    pub fn position(&self, vertex: u32) -> DVec3 {
+        let p = DVec3::from(self.positions[vertex as usize].map(f64::from));
+        self.origin + p * power_of_two(self.exponent)
+    }
+
+    /// How many edges there are of one kind; edges of more than two triangles are counted once for every two.
+    pub fn count(&self, kind: EdgeKind) -> usize {
+        self.list.iter().filter(|edge| edge.kind == kind).count()
+    }
+}
+
+#[cfg(test)]
+mod tests;

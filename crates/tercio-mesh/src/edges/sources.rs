@@ -1,0 +1,49 @@
+//! Edges of an indexed mesh, and of one in clusters.
+
+use rayon::prelude::*;
+
+use super::{Edges, Selection, find};
+use crate::{ClusteredMesh, Mesh};
+
+pub fn of_mesh(mesh: &Mesh, selection: Selection) -> Edges {
+    let face = mesh.face_of_triangle.as_deref();
+    find::edges(mesh, selection, |t| face.map_or(t, |faces| faces[t as usize]), Mesh::canonical)
+}
+
+/// Rebuilds the indexed mesh. Its vertices have other numbers, which the result does not depend on; triangles have the same.
+pub fn of_clusters(mesh: &ClusteredMesh, selection: Selection) -> Edges {
+    let clusters = mesh.clusters().len();
+    let mut firsts = Vec::with_capacity(clusters);
+    let (mut vertices, mut triangles) = (0u32, 0u32);
+    for head in mesh.clusters() {
+        firsts.push((vertices, triangles));
+        vertices += u32::from(head.vertices);
+        triangles += u32::from(head.triangles);
+    }
+    let positions: Vec<[f32; 3]> = (0..clusters)
+        .into_par_iter()
+        .flat_map_iter(|number| {
+            let cluster = mesh.cluster(number);
+            let [x, y, z] = cluster.positions();
+            (0..cluster.vertices()).map(move |v| [x[v], y[v], z[v]])
+        })
+        .collect();
+    let mut numbered: Vec<(u32, u32, [u32; 3])> = firsts
+        .par_iter()
+        .enumerate()
+        .flat_map_iter(|(number, &(first, _))| {
+            let cluster = mesh.cluster(number);
+            (0..cluster.triangles()).map(move |t| {
+                let corners = cluster.corners_of(t).map(|corner| first + u32::from(corner));
+                (cluster.primitive(t), mesh.face(number, t), corners)
+            })
+        })
+        .collect();
+    numbered.par_sort_unstable_by_key(|triangle| triangle.0);
+    let faces: Vec<u32> = numbered.par_iter().map(|triangle| triangle.1).collect();
+    let triangles = numbered.into_par_iter().map(|triangle| triangle.2).collect();
+    let indexed =
+        Mesh { origin: mesh.origin, exponent: mesh.exponent, positions, triangles, ..Mesh::default() };
+    // Clusters have canonical triangles already, in the numbers of the mesh.
+    find::edges(&indexed, selection, |t| faces[t as usize], |corners| corners)
+}

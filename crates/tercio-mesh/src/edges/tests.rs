@@ -1,0 +1,66 @@
+use super::*;
+use crate::cluster::{PartitionOptions, partition};
+use crate::{builtin, topology};
+
+/// A cube of six squares, each of two triangles.
+fn cube() -> Mesh {
+    let positions = (0..8).map(|i| [i & 1, i >> 1 & 1, i >> 2].map(|c| c as f32)).collect();
+    let squares = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    let triangles = squares.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
+    let face_of_triangle = Some((0..12).map(|t| t / 2).collect());
+    Mesh { positions, triangles, face_of_triangle, ..Mesh::default() }
+}
+
+#[test]
+fn a_cube_has_twelve_edges_of_each_kind_that_it_has() {
+    let mut mesh = cube();
+    for selection in [Selection::All, Selection::Feature(1.57), Selection::Silhouette] {
+        let edges = Edges::of_mesh(&mesh, selection);
+        assert!(edges.is_solid);
+        assert_eq!((edges.list.len(), edges.count(EdgeKind::Inner), edges.positions.len()), (12, 12, 8));
+    }
+    assert!(Edges::of_mesh(&mesh, Selection::Feature(1.58)).list.is_empty());
+    assert!(Edges::of_mesh(&mesh, Selection::Boundary).list.is_empty());
+    // Without polygons, the diagonals are edges, but not features.
+    mesh.face_of_triangle = None;
+    assert_eq!(Edges::of_mesh(&mesh, Selection::All).list.len(), 18);
+    assert_eq!(Edges::of_mesh(&mesh, Selection::Silhouette).list.len(), 12);
+    // One triangle less, and one that is wound the other way.
+    mesh.triangles.pop();
+    mesh.triangles[0].swap(0, 1);
+    let edges = Edges::of_mesh(&mesh, Selection::Boundary);
+    assert_eq!((edges.list.len(), edges.is_solid), (3, false));
+    assert_eq!(Edges::of_mesh(&mesh, Selection::Feature(0.5)).list.len(), 13, "12, and the diagonal");
+}
+
+#[test]
+fn an_edge_of_three_triangles_is_there_whatever_the_angle() {
+    let positions = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, 1.0]];
+    let triangles = vec![[0, 1, 2], [1, 0, 3], [0, 1, 4]];
+    let edges = Edges::of_mesh(&Mesh { positions, triangles, ..Mesh::default() }, Selection::Boundary);
+    assert_eq!((edges.count(EdgeKind::NonManifold), edges.count(EdgeKind::Boundary)), (2, 6));
+}
+
+/// Counts agree with the topology and with Euler's formula, before and after partition into clusters.
+#[test]
+fn edges_are_those_of_the_topology_however_the_mesh_is_split() {
+    for name in ["builtin:sphere@2k", "builtin:teapot@3k", "builtin:gyroid@5k"] {
+        let mesh = builtin::make(name).expect("a built-in model");
+        let topology = topology::analyze(&mesh);
+        for selection in [Selection::All, Selection::Feature(0.3), Selection::Boundary] {
+            let edges = Edges::of_mesh(&mesh, selection);
+            if selection == Selection::All {
+                assert_eq!(edges.list.len() as u64, topology.edges, "{name}");
+                let euler = topology.euler_characteristic() - topology.triangles as i64;
+                assert_eq!(topology.vertices as i64 - edges.list.len() as i64, euler);
+            }
+            assert_eq!(edges.count(EdgeKind::Boundary) as u64, topology.boundary_edges, "{name}");
+            for max_triangles in [128, 17] {
+                let options = PartitionOptions { max_triangles, ..PartitionOptions::default() };
+                let split = Edges::of_clusters(&partition(mesh.clone(), &options), selection);
+                assert_eq!((&split.list, &split.positions), (&edges.list, &edges.positions), "{name}");
+                assert_eq!(split.is_solid, edges.is_solid);
+            }
+        }
+    }
+}
