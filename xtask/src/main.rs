@@ -6,11 +6,13 @@ mod aarch64;
 mod bench;
 mod beside;
 mod bless;
+mod capi;
 mod counts;
 mod dist;
 mod elf;
 mod figures;
 mod fuzz;
+mod header;
 mod libtest;
 mod models;
 mod packages;
@@ -48,6 +50,10 @@ enum Command {
     Beside(beside::Arguments),
     /// Test the renderer as a program of AArch64
     Aarch64(aarch64::Arguments),
+    /// Build the libraries for C, and install them with their header
+    Capi(capi::Arguments),
+    /// Make the header of the C interface again
+    Header,
     /// Draw the pictures of the README into docs/images/
     Figures,
 }
@@ -63,6 +69,8 @@ fn main() -> ExitCode {
         Command::Bench(arguments) => bench::run(&arguments),
         Command::Beside(arguments) => beside::run(&arguments),
         Command::Aarch64(arguments) => aarch64::run_tests(&arguments),
+        Command::Capi(arguments) => capi::run(&arguments),
+        Command::Header => header::run(),
         Command::Figures => figures::run(),
     };
     match result {

@@ -107,7 +107,8 @@ fn tests() -> Counts {
 /// Checks of the feature `mpi`. All packages are selected, so that those without the feature are built as in the steps
 /// before, and need no rebuild.
 fn mpi() -> Counts {
-    const FEATURES: [&str; 2] = ["--features", "tercio-mpi/mpi,tercio-cli/mpi"];
+    const FEATURES: [&str; 2] =
+        ["--features", "tercio-mpi/mpi,tercio-cli/mpi,tercio-capi/mpi,tercio-capi/library"];
     if let Err(missing) = packages::check_mpi() {
         if on_ci() {
             return one(Err(missing.context("on CI ranks over MPI may not be skipped")));
@@ -117,9 +118,14 @@ fn mpi() -> Counts {
     }
     let mut lints = cargo();
     lints
-        .args(["clippy", "--package", "tercio-mpi", "--package", "tercio-cli", "--all-targets"])
+        .args(["clippy", "--package", "tercio-mpi", "--package", "tercio-cli", "--package", "tercio-capi"])
+        .arg("--all-targets")
         .args(FEATURES);
     let mut counts = one(run_command(lints.args(["--", "-D", "warnings"])));
+    // What the tests start, or compile C programs with.
+    let mut examples = cargo();
+    examples.args(["build", "--workspace", "--example", "wave", "--example", "tercio"]).args(FEATURES);
+    counts += one(run_command(&mut examples));
     let mut tests = cargo();
     tests.args(["test", "--workspace", "--no-fail-fast", "--test", "mpi"]).args(FEATURES);
     counts += count_tests(&mut tests, &mut io::stdout()).unwrap_or_else(|error| one(Err(error)));

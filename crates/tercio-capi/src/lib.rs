@@ -9,11 +9,23 @@
 #![allow(non_camel_case_types, reason = "the names are those of C")]
 
 mod arrays;
+mod camera;
 mod error;
+mod parts;
+mod picture;
 mod session;
 mod threads;
+mod values;
 
 pub use arrays::tercio_arrays;
+pub use camera::{tercio_fit_camera, tercio_set_camera, tercio_set_up_axis};
 pub use error::{tercio_last_error, tercio_version};
-pub use session::*;
+pub use parts::{
+    tercio_add, tercio_remove, tercio_set_surface, tercio_set_transform, tercio_show, tercio_update,
+};
+pub use picture::{tercio_pixels, tercio_render, tercio_save, tercio_set_background, tercio_set_picture};
+pub use session::{
+    tercio_close, tercio_open, tercio_open_mpi, tercio_seconds_spent, tercio_session,
+    tercio_set_organisation, tercio_set_timeout,
+};
 pub use threads::tercio_set_threads;

@@ -24,7 +24,7 @@ pub fn start_default() -> Result<(), Box<dyn Error>> {
 }
 
 fn start(requested: usize) -> Result<(), Box<dyn Error>> {
-    let threads = if requested > 0 { requested } else { share_of_machine() };
+    let threads = if requested > 0 { requested } else { tercio_mpi::own_processors() };
     let mut fixed = THREADS.lock().unwrap_or_else(|e| e.into_inner());
     match *fixed {
         Some(running) if running == threads => Ok(()),
@@ -41,14 +41,4 @@ fn start(requested: usize) -> Result<(), Box<dyn Error>> {
             Ok(())
         }
     }
-}
-
-/// The processors of this process: those of the machine, shared by the processes of a job on it.
-fn share_of_machine() -> usize {
-    let processors = std::thread::available_parallelism().map_or(1, usize::from);
-    #[cfg(feature = "mpi")]
-    let processes = tercio_mpi::local_processes();
-    #[cfg(not(feature = "mpi"))]
-    let processes = 1;
-    (processors / processes.max(1)).max(1)
 }

@@ -3,7 +3,7 @@
 use anyhow::Result;
 
 pub use ranks::{Comm, library, machine, run, watch};
-pub use tercio_mpi::{is_first, local_processes, processes};
+pub use tercio_mpi::{is_first, local_processes, own_processors, processes};
 
 /// With the feature `mpi`.
 #[cfg(feature = "mpi")]

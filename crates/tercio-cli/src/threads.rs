@@ -45,15 +45,6 @@ mod processor {
         sched_getaffinity(None).map_or(0, |allowed| (0..processor).filter(|&i| allowed.is_set(i)).count())
     }
 
-    /// The number of processors that the process that started this one may use, unless a quota leaves this process fewer than its
-    /// own affinity mask has.
-    pub fn of_launcher() -> Option<usize> {
-        let own = sched_getaffinity(None).ok()?.count() as usize;
-        let has_quota = std::thread::available_parallelism().is_ok_and(|all| usize::from(all) < own);
-        let launcher = sched_getaffinity(rustix::process::getppid()).ok()?;
-        (!has_quota).then_some(launcher.count() as usize)
-    }
-
     /// The processor in a thread's `stat`: field 39. The second field, a name in brackets, may contain spaces.
     pub(super) fn in_stat(stat: &str) -> Option<usize> {
         let (_, fields) = stat.rsplit_once(')')?;
@@ -83,19 +74,12 @@ mod processor {
         0
     }
 
-    pub fn of_launcher() -> Option<usize> {
-        None
-    }
-
     pub fn move_to(_: usize) {}
 }
 
 /// The number that affinity mask, cgroup quota, batch system and the other processes of an MPI job on this machine leave.
 fn allowed() -> usize {
-    // On Linux the standard library reads sched_getaffinity and the quotas of cgroup v1 and v2.
-    let system = std::thread::available_parallelism().map_or(1, usize::from);
-    let own = share(system, processor::of_launcher(), mpi::local_processes());
-    limit(own, std::env::var("SLURM_CPUS_PER_TASK").ok().as_deref())
+    limit(mpi::own_processors(), std::env::var("SLURM_CPUS_PER_TASK").ok().as_deref())
 }
 
 /// Processors that this process may use, however many threads it has.
@@ -111,14 +95,6 @@ pub fn of_job(processes: usize) -> usize {
         Some(all) if all < local => (all * processes / local).max(1),
         _ => allowed() * processes,
     }
-}
-
-/// Of the `system` processors that this process may use, its share if there are so many processes of a job on the machine.
-/// Those that a launcher has bound to processors of their own keep them: then the `launcher` itself may use more, all of which
-/// the processes share.
-fn share(system: usize, launcher: Option<usize>, processes: usize) -> usize {
-    let all = launcher.map_or(system, |launcher| launcher.max(system));
-    system.min(all / processes.max(1)).max(1)
 }
 
 /// Processors of the machine, whether this process may use them or not, where Linux reports them.
@@ -144,7 +120,7 @@ fn limit(system: usize, slurm: Option<&str>) -> usize {
 
 #[cfg(test)]
 mod tests {
-    use super::{limit, processors, share};
+    use super::{limit, processors};
 
     #[cfg(target_os = "linux")]
     #[test]
@@ -161,18 +137,6 @@ mod tests {
     fn lists_of_processors_are_counted() {
         assert_eq!(["0\n", "0-3", "0-3,8,10-11\n"].map(processors), [Some(1), Some(4), Some(7)]);
         assert_eq!(["", "a-b", "3-1"].map(processors), [None; 3]);
-    }
-
-    #[test]
-    fn processes_of_one_machine_share_its_processors() {
-        // Alone; not bound; bound to a core, to half of the machine, to more than there is for each.
-        assert_eq!(share(16, Some(16), 1), 16);
-        assert_eq!([2, 3, 16, 40].map(|processes| share(16, Some(16), processes)), [8, 5, 1, 1]);
-        assert_eq!(share(1, Some(16), 4), 1);
-        assert_eq!([2, 4].map(|processes| share(8, Some(16), processes)), [8, 4]);
-        // A launcher that may use less, or is not known.
-        assert_eq!(share(16, Some(1), 4), 4);
-        assert_eq!(share(16, None, 4), 4);
     }
 
     #[test]

@@ -42,6 +42,7 @@ pub mod comm;
 #[cfg(feature = "mpi")]
 pub mod job;
 pub mod launch;
+mod processors;
 #[cfg(feature = "mpi")]
 mod raw;
 #[cfg(feature = "mpi")]
@@ -54,3 +55,4 @@ pub use comm::{MpiComm, Patience};
 #[cfg(feature = "mpi")]
 pub use job::{StartError, run};
 pub use launch::{is_first, local_processes, processes};
+pub use processors::own_processors;

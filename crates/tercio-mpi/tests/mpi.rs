@@ -1,5 +1,7 @@
 //! Jobs of `mpirun`. Ranks share the processors of the machine, however few it has.
 
+use std::fs;
+use std::path::Path;
 use std::process::{Command, Output};
 
 /// Seconds after which a job is assumed to hang.
@@ -95,4 +97,43 @@ fn a_rank_that_panics_ends_the_job() {
 #[test]
 fn a_rank_that_ends_early_is_gone() {
     fails("early-end", "rank 0 is gone");
+}
+
+/// The example, as one process with some threads, or as a job.
+fn wave(ranks: usize, is_job: bool, folder: &Path) -> Vec<Vec<u8>> {
+    let program = std::env::current_exe().expect("this program's path");
+    let program =
+        program.parent().and_then(Path::parent).expect("the profile's folder").join("examples/wave");
+    assert!(
+        program.is_file(),
+        "no example: cargo build --workspace --example wave --features tercio-mpi/mpi"
+    );
+    let mut command = Command::new("timeout");
+    command.args(["--kill-after=10", HANGS]);
+    if is_job {
+        command.args(["mpirun", "--oversubscribe", "-n", &ranks.to_string()]);
+    }
+    command.arg(program).args("--steps 6 --every 3 --cells 24 --size 160x120".split(' '));
+    if !is_job {
+        command.args(["--ranks", &ranks.to_string()]);
+    }
+    command.arg("--pictures").arg(folder);
+    command.env("OMPI_ALLOW_RUN_AS_ROOT", "1").env("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1");
+    let output = command.output().expect("timeout and mpirun start");
+    let shown = text(&output.stdout);
+    assert_eq!(output.status.code(), Some(0), "{shown}{}", text(&output.stderr));
+    assert!(shown.contains("elapsed seconds: ") && shown.contains("processor seconds: "), "{shown}");
+    assert!(shown.contains(&format!("6 steps of 24 x 24 cells on {ranks} ranks, 2 pictures")), "{shown}");
+    ["wave-00003.png", "wave-00006.png"].map(|name| fs::read(folder.join(name)).expect("a picture")).into()
+}
+
+#[test]
+fn a_simulation_draws_itself_while_it_runs() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let alone = wave(1, false, &folder.path().join("alone"));
+    assert!(alone[0] != alone[1], "nothing moves");
+    for (ranks, is_job) in [(3, false), (40, false), (1, true), (2, true), (3, true)] {
+        let pictures = wave(ranks, is_job, &folder.path().join(format!("{ranks}-{is_job}")));
+        assert!(pictures == alone, "{ranks} ranks, processes: {is_job}");
+    }
 }

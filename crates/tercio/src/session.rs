@@ -36,11 +36,15 @@
 //! # Ok::<(), tercio::Error>(())
 //! ```
 
+mod call;
+
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use call::Function;
 use glam::DAffine3;
 use tercio_mesh::arrays::Arrays;
+use tercio_parallel::comm::CommError;
 use tercio_parallel::comm::threads::ThreadComm;
 use tercio_parallel::organisation::{Rank, Task};
 use tercio_parallel::{
@@ -49,6 +53,8 @@ use tercio_parallel::{
 use tercio_raster::{Frame, Settings, ShadowMaps};
 use tercio_scene::light::Light;
 use tercio_scene::{Background, Camera, Environment, Framing, Instance, Scene, Surface};
+
+pub use call::Call;
 
 use crate::{Error, LoadOptions, Normals};
 
@@ -75,6 +81,18 @@ pub enum SessionError {
     /// There is no such part, or it was removed.
     #[error("there is no part {}", .0.0)]
     NoPart(PartId),
+    /// Ranks called different functions, or with different parts.
+    #[error(
+        "rank {rank} called {theirs}, and rank 0 {first}: collective functions are called by all ranks, in the same order"
+    )]
+    Calls {
+        /// The first rank that differs from rank 0.
+        rank: usize,
+        /// What it called.
+        theirs: Call,
+        /// What rank 0 called.
+        first: Call,
+    },
     /// An earlier call left the ranks at different places.
     #[error("the session failed before: {0}")]
     Failed(String),
@@ -84,9 +102,9 @@ pub enum SessionError {
 ///
 /// Functions that the documentation calls *collective* have to be called by all ranks, in the same order and with the same
 /// parts, camera and settings; each passes its own arrays. They work in the rayon pool they are called in, and send and receive
-/// messages on the calling thread.
+/// messages on the calling thread. Ranks compare what they call: if one calls another function, all get [`SessionError::Calls`].
 ///
-/// An error that all ranks get, as for arrays that make no mesh on one of them, changes nothing. After any other error of a
+/// An error that all ranks get, as for arrays that make no mesh on one of them, or a part that none has, changes nothing. After any other error of a
 /// collective function the session is of no use any more: it returns [`SessionError::Failed`] from then on, and when it is dropped, or
 /// [taken apart](Self::into_comm) and its communicator closed, the other ranks get an error instead of waiting.
 #[derive(Debug)]
@@ -137,7 +155,7 @@ impl<C: Communicator> Session<C> {
     /// # Errors
     /// As [`LoadOptions::load_arrays`].
     pub fn add(&mut self, arrays: &Arrays) -> Result<PartId, Error> {
-        self.timed(|session| {
+        self.timed(Function::Add, None, |session| {
             let instance = session.instance(arrays)?;
             let id = PartId(session.next_part);
             session.scene.instances.insert(session.parts.len(), instance);
@@ -152,7 +170,7 @@ impl<C: Communicator> Session<C> {
     /// # Errors
     /// [`SessionError::NoPart`], and as [`LoadOptions::load_arrays`]: the part is unchanged then.
     pub fn update(&mut self, part: PartId, arrays: &Arrays) -> Result<(), Error> {
-        self.timed(|session| {
+        self.timed(Function::Update, Some(part), |session| {
             let place = session.place(part)?;
             let Instance { mesh, share, .. } = session.instance(arrays)?;
             let instance = &mut session.scene.instances[place];
@@ -177,7 +195,7 @@ impl<C: Communicator> Session<C> {
     /// # Errors
     /// As [`Self::add`].
     pub fn show(&mut self, arrays: &Arrays) -> Result<(), Error> {
-        self.timed(|session| {
+        self.timed(Function::Show, None, |session| {
             let instance = session.instance(arrays)?;
             session.scene.instances.push(instance);
             Ok(())
@@ -232,7 +250,9 @@ impl<C: Communicator> Session<C> {
     /// # Errors
     /// [`ParallelError::Comm`].
     pub fn camera(&mut self, framing: &Framing) -> Result<Camera, Error> {
-        self.timed(|session| Ok(parts::camera_for_scene(&mut session.comm, framing, &session.scene)?))
+        self.timed(Function::Camera, None, |session| {
+            Ok(parts::camera_for_scene(&mut session.comm, framing, &session.scene)?)
+        })
     }
 
     /// The shadows of all parts, for [`Settings::shadows`], in maps of `size` times `size` texels. Collective.
@@ -245,7 +265,7 @@ impl<C: Communicator> Session<C> {
         settings: &Settings,
         size: u32,
     ) -> Result<ShadowMaps, Error> {
-        self.timed(|session| {
+        self.timed(Function::ShadowMaps, None, |session| {
             Ok(parts::shadow_maps(&mut session.comm, &session.scene, camera, settings, size)?)
         })
     }
@@ -257,8 +277,8 @@ impl<C: Communicator> Session<C> {
     /// [`RenderError`](tercio_raster::RenderError) for settings that are not valid; [`ParallelError`], on rank 0
     /// [`ParallelError::Differs`] if the ranks have set different things.
     pub fn render(&mut self, camera: &Camera, settings: &Settings) -> Result<Option<&Frame>, Error> {
-        self.timed(|session| {
-            // Before any message: all ranks have the same.
+        self.timed(Function::Render, None, |session| {
+            // All ranks have the same.
             settings.check()?;
             let Self { comm, own, scene, frame, sharing, .. } = session;
             let task = Task { sharing: *sharing, scene, camera, settings };
@@ -302,17 +322,39 @@ impl<C: Communicator> Session<C> {
         Ok(options.load_arrays(&mut self.comm, arrays)?.instance())
     }
 
+    /// Fails on all ranks if they call different functions.
+    fn compare(&mut self, own: Call) -> Result<(), Error> {
+        let blocks = self.comm.all_gather(own.bytes())?;
+        let Some(rank) = blocks.iter().position(|block| *block != blocks[0]) else { return Ok(()) };
+        let call = |rank: usize| {
+            let reason = || "it is in no function of a session".to_owned();
+            Call::of_bytes(&blocks[rank]).ok_or_else(|| CommError::Transport { rank, reason: reason() })
+        };
+        Err(SessionError::Calls { rank, theirs: call(rank)?, first: call(0)? }.into())
+    }
+
     fn place(&self, part: PartId) -> Result<usize, SessionError> {
         self.parts.iter().position(|&id| id == part).ok_or(SessionError::NoPart(part))
     }
 
-    /// Runs a collective function, adds its time, and remembers if it failed in a way that other ranks do not know of.
-    fn timed<T>(&mut self, work: impl FnOnce(&mut Self) -> Result<T, Error>) -> Result<T, Error> {
+    /// Runs a collective function if all ranks do, adds its time, and remembers if it failed in a way that other ranks do not know of.
+    fn timed<T>(
+        &mut self,
+        function: Function,
+        part: Option<PartId>,
+        work: impl FnOnce(&mut Self) -> Result<T, Error>,
+    ) -> Result<T, Error> {
         if let Some(earlier) = &self.failed {
             return Err(SessionError::Failed(earlier.clone()).into());
         }
         let begin = Instant::now();
-        let done = work(self);
+        let part = part.map(|id| (id.0, self.place(id).is_ok()));
+        self.failed = Some("a function panicked".into());
+        let done = match self.compare(Call { function, part }) {
+            Ok(()) => work(self),
+            Err(error) => Err(error),
+        };
+        self.failed = None;
         self.spent += begin.elapsed();
         if let Err(error) = &done
             && !is_known_to_all(error)
@@ -326,7 +368,7 @@ impl<C: Communicator> Session<C> {
 /// Do all ranks get this error, or one that says that a rank got it, at the same place?
 fn is_known_to_all(error: &Error) -> bool {
     match error {
-        Error::Session(_) | Error::Render(_) => true,
+        Error::Session(SessionError::NoPart(_)) | Error::Render(_) => true,
         Error::Load(error) => matches!(error, crate::LoadError::Arrays(_)),
         Error::Parallel(error) => matches!(error, ParallelError::Parts(_)),
         _ => false,

@@ -227,3 +227,31 @@ fn ranks_that_set_different_things_fail_and_do_not_wait() {
     assert!(errors[0].starts_with("rank 2 would draw a scene with other places"), "{}", errors[0]);
     assert!(errors[1..].iter().all(|error| error.ends_with("is gone")), "{errors:?}");
 }
+
+#[test]
+fn ranks_that_call_different_functions_get_an_error() {
+    for ranks in [2, 3, 6] {
+        let errors = threads::run(ranks, |comm| {
+            let (rank, last) = (comm.rank(), comm.size() - 1);
+            let mut session = Session::new(std::mem::replace(comm, ThreadComm::alone()));
+            let strip = Strip::new(rank, comm.size().max(1), 0.0);
+            let part = session.add(&strip.arrays()).expect("a part");
+            let error = if rank == last {
+                session.remove(part).expect("the part");
+                session.update(part, &strip.arrays()).expect_err("it was removed")
+            } else {
+                session.update(part, &strip.arrays()).expect_err("the last rank does not have it")
+            };
+            session.camera(&Settings::new(8, 8).framing()).expect_err("the session failed");
+            Ok(error.to_string())
+        });
+        for error in errors.expect("ranks") {
+            let expected = format!(
+                "rank {} called update of part 0, which it does not have, and rank 0 update of part 0: \
+                 collective functions are called by all ranks, in the same order",
+                ranks - 1
+            );
+            assert_eq!(error, expected);
+        }
+    }
+}

@@ -250,3 +250,58 @@ pub trait Communicator {
         Ok((0..size).map(block_of).collect())
     }
 }
+
+/// So that what takes a communicator can be lent one.
+impl<C: Communicator + ?Sized> Communicator for &mut C {
+    fn rank(&self) -> usize {
+        (**self).rank()
+    }
+
+    fn size(&self) -> usize {
+        (**self).size()
+    }
+
+    fn send(&mut self, to: usize, message: Vec<u8>) -> Result<(), CommError> {
+        (**self).send(to, message)
+    }
+
+    fn receive(&mut self, from: usize) -> Result<Vec<u8>, CommError> {
+        (**self).receive(from)
+    }
+
+    fn receive_any(&mut self, awaited: &mut Awaited) -> Result<(usize, Vec<u8>), CommError> {
+        (**self).receive_any(awaited)
+    }
+
+    fn buffer(&mut self, to: usize) -> Vec<u8> {
+        (**self).buffer(to)
+    }
+
+    fn give_back(&mut self, from: usize, message: Vec<u8>) {
+        (**self).give_back(from, message);
+    }
+
+    fn traffic(&self) -> Traffic {
+        (**self).traffic()
+    }
+
+    fn signal(&mut self, to: usize) -> Result<(), CommError> {
+        (**self).signal(to)
+    }
+
+    fn await_signal(&mut self, from: usize) -> Result<(), CommError> {
+        (**self).await_signal(from)
+    }
+
+    fn barrier(&mut self) -> Result<(), CommError> {
+        (**self).barrier()
+    }
+
+    fn gather(&mut self, senders: usize, message: Vec<u8>) -> Result<Vec<Vec<u8>>, CommError> {
+        (**self).gather(senders, message)
+    }
+
+    fn all_gather(&mut self, block: Vec<u8>) -> Result<Vec<Vec<u8>>, CommError> {
+        (**self).all_gather(block)
+    }
+}
