@@ -163,7 +163,7 @@ static struct tercio_arrays bodies(void) {
         uint8_t cold[3] = {(uint8_t)(60 + 170 * t), (uint8_t)(130 + 110 * t), 255};
         for (int c = 0; c < 6; c++) {
             for (int k = 0; k < 3; k++) {
-                positions[6 * b + c][k] = (float)(place[k][i] + 0.011 * CORNERS[c][k]);
+                positions[6 * b + c][k] = (float)(place[k][i] + 0.014 * CORNERS[c][k]);
                 normals[6 * b + c][k] = CORNERS[c][k];
                 colors[6 * b + c][k] = i < n / 2 ? warm[k] : cold[k];
             }
@@ -263,7 +263,7 @@ int main(int argc, char **argv) {
     MPI_Comm_size(MPI_COMM_WORLD, &processes);
     int steps = 2000, every = 10, wide = 1024, high = 768, wrong = 0;
     const char *folder = NULL;
-    n = 4096;
+    n = 6000;
     for (int a = 1; a < argc; a += 2) {
         const char *name = argv[a], *value = a + 1 < argc ? argv[a + 1] : "";
         char more;
@@ -276,7 +276,7 @@ int main(int argc, char **argv) {
     }
     if (wrong) {
         if (rank == 0)
-            fprintf(stderr, "usage: galaxies [--bodies 4096] [--steps 2000] [--every 10] [--size 1024x768] [--pictures FOLDER]\n");
+            fprintf(stderr, "usage: galaxies [--bodies 6000] [--steps 2000] [--every 10] [--size 1024x768] [--pictures FOLDER]\n");
         MPI_Finalize();
         return 2;
     }
@@ -298,7 +298,7 @@ int main(int argc, char **argv) {
     MPI_Comm comm = MPI_COMM_WORLD;
     tercio_session *session = tercio_open_mpi(&comm);
     check(session == NULL);
-    const double night[4] = {0.02, 0.03, 0.06, 1}, eye[3] = {0, -5.5, 3.6}, middle[3] = {0, 0, 0}, up[3] = {0, 0, 1};
+    const double night[4] = {0.02, 0.03, 0.06, 1}, eye[3] = {0, -6.6, 4.2}, middle[3] = {0, 0, 0}, up[3] = {0, 0, 1};
     check(tercio_set_picture(session, (uint32_t)wide, (uint32_t)high, 0));
     check(tercio_set_background(session, night));
     check(tercio_set_camera(session, eye, middle, up, 35));

@@ -3,7 +3,7 @@
 //!
 //! Functions return 0, or another number if they failed; [`tercio_last_error`] has the reason then. Those that are called
 //! *collective* have to be called by all processes of a session, in the same order and with the same values, except for arrays.
-//! A panic of the library is an error like any other.
+//! A panic of the library is an error like any other. `unsafe` is what reads and writes through the pointers of the program.
 
 // The names are those of C.
 #![allow(non_camel_case_types, reason = "the names are those of C")]
