@@ -12,7 +12,7 @@ use crate::values::values;
 /// Which axis points upwards for [`tercio_fit_camera`]: 'x', 'y', which is the default, or 'z'.
 ///
 /// # Safety
-/// As [`tercio_set_timeout`].
+/// As [`tercio_set_timeout`](crate::tercio_set_timeout).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn tercio_set_up_axis(session: *mut tercio_session, axis: c_char) -> c_int {
     let set = |session: &mut tercio_session| {
@@ -32,7 +32,7 @@ pub unsafe extern "C" fn tercio_set_up_axis(session: *mut tercio_session, axis: 
 /// picture. Collective. The camera stays until it is placed again; without a camera the first picture gets one that fits.
 ///
 /// # Safety
-/// As [`tercio_set_timeout`].
+/// As [`tercio_set_timeout`](crate::tercio_set_timeout).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn tercio_fit_camera(
     session: *mut tercio_session,

@@ -81,7 +81,7 @@ pub unsafe extern "C" fn tercio_update(
 /// Removes a part; its number is not used again.
 ///
 /// # Safety
-/// As [`tercio_set_timeout`].
+/// As [`tercio_set_timeout`](crate::tercio_set_timeout).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn tercio_remove(session: *mut tercio_session, part: u32) -> c_int {
     let id = PartId::from_number(part);

@@ -31,7 +31,7 @@ pub unsafe extern "C" fn tercio_set_background(session: *mut tercio_session, rgb
 /// default.
 ///
 /// # Safety
-/// As [`tercio_set_timeout`].
+/// As [`tercio_set_timeout`](crate::tercio_set_timeout).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn tercio_set_picture(
     session: *mut tercio_session,
@@ -63,7 +63,7 @@ pub unsafe extern "C" fn tercio_set_picture(
 /// Draws a picture of all parts, and of what is shown. Collective. Rank 0 of the communicator gets it.
 ///
 /// # Safety
-/// As [`tercio_set_timeout`].
+/// As [`tercio_set_timeout`](crate::tercio_set_timeout).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn tercio_render(session: *mut tercio_session) -> c_int {
     let render = |session: &mut tercio_session| {
