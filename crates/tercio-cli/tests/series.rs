@@ -218,7 +218,7 @@ fn what_makes_no_series_is_refused_before_the_model_is_read() {
         ("-o a.gif --turntable 2 --resume", &["--resume"]),
         ("-o a.png --resume", &["--resume"]),
         ("-o a.y4m --turntable 2 --loop 3", &["--loop"]),
-        ("-o {view}.png --view top,top", &["same file"]),
+        ("-o {view}.png --view top,top", &["2 pictures"]),
         ("-o {}.png --view top,front --turntable 3", &["--turntable turns one view"]),
         ("-o a.gif --turntable 2 --depth 16", &["--depth 16"]),
         ("-o a.gif --turntable 2 --stereo pair", &["--stereo pair"]),
