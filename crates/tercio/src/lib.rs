@@ -89,6 +89,7 @@ pub use tercio_parallel::ParallelError;
 pub use tercio_raster::{Frame, RenderError, Renderer, Settings};
 pub use tercio_scene::{Camera, CameraPath, Framing, Instance, Scene, Stereo};
 
+pub use tercio_annotate as annotate;
 pub use tercio_effects as effects;
 pub use tercio_mesh as mesh;
 pub use tercio_parallel as parallel;
