@@ -227,7 +227,7 @@ mod tests {
 
     #[test]
     fn the_font_has_what_science_writes() {
-        let text = "ÄéßŁΑΩαβµΔ∂∇∑∫√∞≤≥≠≈±×·÷°′″⁰¹²³⁴⁵⁶⁷⁸⁹⁺⁻⁼⁽⁾ⁿ₀₁₂₃₄₅₆₇₈₉₊₋−–—…“”‘’€Ω℃ℓ←↑→↓½";
+        let text = "ÄéßŁΑΩαβµΔ∂∑∫√∞≤≥≠≈±×·÷°′″⁰¹²³⁴⁵⁶⁷⁸⁹⁺⁻⁼⁽⁾ⁿ₀₁₂₃₄₅₆₇₈₉₊₋−–—…“”‘’€Ω℃ℓ←↑→↓½";
         assert_eq!(covers(text), Ok(()));
         assert_eq!(covers("a\n漢"), Err('漢'));
     }

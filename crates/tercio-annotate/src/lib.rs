@@ -5,13 +5,25 @@
 //! machine: no mathematical function of the system is used.
 #![forbid(unsafe_code)]
 
+pub mod axes_box;
+pub mod bar;
+pub mod caption;
+pub mod floor;
 pub mod font;
+pub mod layout;
 pub mod number;
 pub mod outline;
 pub mod overlay;
+pub mod project;
+pub mod scale_bar;
 pub mod ticks;
+pub mod triad;
 
+pub use bar::ScalarBar;
+pub use caption::Caption;
 pub use font::{Direction, Line};
+pub use layout::{Layout, Place, Placed};
 pub use number::NumberFormat;
 pub use outline::Outline;
+pub use project::Projector;
 pub use overlay::{ColorAt, Overlay, Paint};

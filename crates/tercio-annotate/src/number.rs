@@ -71,7 +71,7 @@ impl NumberFormat {
 }
 
 /// Digits and the power of ten of a number, rounded to so many digits after the point.
-fn scientific(value: f64, digits: usize) -> (String, i32) {
+pub(crate) fn scientific(value: f64, digits: usize) -> (String, i32) {
     let text = format!("{value:.digits$e}");
     let (mantissa, exponent) = text.split_once('e').unwrap_or((&text, "0"));
     (mantissa.to_owned(), exponent.parse().unwrap_or(0))
@@ -79,7 +79,12 @@ fn scientific(value: f64, digits: usize) -> (String, i32) {
 
 /// The power of ten of a number's first digit; 0 for 0.
 pub fn exponent_of(value: f64) -> i32 {
-    if value == 0.0 || !value.is_finite() { 0 } else { scientific(value, 17).1 }
+    if value == 0.0 || !value.is_finite() {
+        return 0;
+    }
+    // The shortest digits that mean this number: 1e23 is a little less than that.
+    let text = format!("{value:e}");
+    text.split_once('e').and_then(|(_, exponent)| exponent.parse().ok()).unwrap_or(0)
 }
 
 /// With so many digits after the point.
@@ -109,7 +114,8 @@ pub fn with_power(mantissa: &str, exponent: i32) -> String {
 
 /// 10 with its exponent above.
 pub fn power_of_ten(exponent: i32) -> String {
-    let raised = exponent.to_string().chars().map(|c| match c {
+    let exponent = exponent.to_string();
+    let raised = exponent.chars().map(|c| match c {
         '-' => '⁻',
         '1' => '¹',
         '2' => '²',

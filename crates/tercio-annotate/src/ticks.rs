@@ -98,8 +98,7 @@ fn scaled(value: f64, exponent: i32, digits: usize) -> String {
     // By moving the point of its decimal digits, which is exact.
     let own = exponent_of(value);
     let significant = (digits as i32 + own - exponent).max(0) as usize;
-    let text = format!("{value:.significant$e}");
-    let mantissa = text.split('e').next().unwrap_or("0");
+    let (mantissa, own) = number::scientific(value, significant);
     let moved: f64 = format!("{mantissa}e{}", own - exponent).parse().unwrap_or(0.0);
     number::with_power(&format!("{moved:.digits$}"), exponent)
 }

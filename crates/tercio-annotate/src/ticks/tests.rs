@@ -35,7 +35,7 @@ fn usual_ranges() {
     };
     assert_eq!(of(0.0, 1.0, 6), "0.0 0.2 0.4 0.6 0.8 1.0".replace("0.0", "0"));
     assert_eq!(of(-3.2, 7.9, 6), "−2 0 2 4 6");
-    assert_eq!(of(273.15, 373.15, 5), "275 300 325 350".split(' ').next().map_or(String::new(), |_| of(273.15, 373.15, 5)));
+    assert_eq!(of(273.15, 373.15, 5), "280 300 320 340 360");
     assert_eq!(of(0.0, 3e-7, 4), "0 1×10⁻⁷ 2×10⁻⁷ 3×10⁻⁷");
     assert_eq!(of(0.0, 2.5e9, 6), "0 0.5×10⁹ 1.0×10⁹ 1.5×10⁹ 2.0×10⁹ 2.5×10⁹");
     assert_eq!(of(1e6, 1e6 + 1e-3, 4), "1000000.0000 1000000.0005 1000000.0010");
@@ -51,7 +51,7 @@ fn logarithms() {
     assert_eq!(of(3.1, 3.9, 5), "3.2 3.4 3.6 3.8");
     let symmetric = |low, high, most| labels(&symmetric([low, high], 1.0, most, NumberFormat::Auto)).join(" ");
     assert_eq!(symmetric(-100.0, 1000.0, 9), "−100 −10 −1 0 1 10 100 1000");
-    assert_eq!(symmetric(-1e6, 1e6, 5), "−10⁶ −10³ 0 10³ 10⁶");
+    assert_eq!(symmetric(-1e6, 1e6, 5), "−10⁶ −10² 0 10² 10⁶");
 }
 
 #[test]

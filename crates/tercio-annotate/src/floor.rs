@@ -1,0 +1,59 @@
+//! A grid on the floor, below a model.
+
+use glam::DVec3;
+
+use crate::layout::Layout;
+use crate::number;
+use crate::overlay::{Overlay, Paint};
+use crate::outline::Outline;
+use crate::project::Projector;
+
+/// The lines of the grid are at multiples of this many units, about a tenth of the larger side of the floor.
+pub fn step(size: f64) -> Option<f64> {
+    let wanted = size * 0.1;
+    if !wanted.is_normal() {
+        return None;
+    }
+    let exponent = number::exponent_of(wanted);
+    let lengths = [(1, exponent), (2, exponent), (5, exponent), (1, exponent + 1)];
+    let length = |(digit, exponent): (i32, i32)| format!("{digit}e{exponent}").parse().ok();
+    lengths.into_iter().filter_map(length).find(|&length: &f64| length >= wanted)
+}
+
+/// Adds a grid at the lower end of a box on the axis that points upwards: behind the picture if it is seen from above, onto it if
+/// from below. All of the model is on the same side of it, so that this hides exactly what the model hides. Returns the distance
+/// of its lines.
+pub fn add(
+    layout: &mut Layout,
+    behind: &mut Overlay,
+    projector: &Projector,
+    [min, max]: [DVec3; 2],
+    up: usize,
+) -> Option<f64> {
+    let [a, b] = [(up + 1) % 3, (up + 2) % 3];
+    let size = (max - min)[a].max((max - min)[b]);
+    let Some(step) = step(size) else {
+        layout.leave_out("grid");
+        return None;
+    };
+    let from_below = projector.sees(up, min[up], false);
+    // Whole cells, and one more on each side.
+    let ends = [a, b].map(|k| [(min[k] / step).floor() - 1.0, (max[k] / step).ceil() + 1.0]);
+    let (mut color, width) = (layout.color, layout.line);
+    color[3] *= 0.35;
+    let overlay = if from_below { &mut layout.overlay } else { behind };
+    for (k, other) in [(0, 1), (1, 0)] {
+        let (axis, along) = ([a, b][k], [a, b][other]);
+        let count = (ends[k][1] - ends[k][0]) as usize;
+        for number in 0..=count.min(64) {
+            let [mut p, mut q] = [min; 2];
+            p[axis] = (ends[k][0] + number as f64) * step;
+            q[axis] = p[axis];
+            (p[along], q[along]) = (ends[other][0] * step, ends[other][1] * step);
+            if let Some([p, q]) = projector.line(p, q) {
+                overlay.fill(Outline::stroke(p, q, width), Paint::Solid(color));
+            }
+        }
+    }
+    Some(step)
+}
