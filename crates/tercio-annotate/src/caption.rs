@@ -19,13 +19,18 @@ impl Caption {
         Self { text: text.to_owned(), place: Place { x: 0.5, y: 0.0 }, size: 1.35 }
     }
 
+    /// What it is, for reports.
+    pub(crate) fn what(&self) -> String {
+        format!("text \"{}\"", self.text.chars().take(40).collect::<String>())
+    }
+
     /// Adds it to a picture.
     pub fn add(&self, layout: &mut Layout) {
         let [left, top, right, bottom] = layout.area();
         let em = layout.em * self.size;
         let most_lines = ((bottom - top) * 0.5 / (em * crate::font::LINE)).max(1.0) as usize;
         let block = TextBlock::fit(&self.text, em, right - left, most_lines);
-        let what = format!("text \"{}\"", self.text.chars().take(40).collect::<String>());
+        let what = self.what();
         let is_empty = block.lines.iter().all(crate::font::Line::is_empty);
         match layout.find(block.size, self.place).filter(|_| !is_empty) {
             Some(rect) => {

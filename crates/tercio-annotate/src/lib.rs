@@ -5,6 +5,7 @@
 //! machine: no mathematical function of the system is used.
 #![forbid(unsafe_code)]
 
+pub mod annotation;
 pub mod axes_box;
 pub mod bar;
 pub mod caption;
@@ -19,6 +20,7 @@ pub mod scale_bar;
 pub mod ticks;
 pub mod triad;
 
+pub use annotation::{Annotation, LaidOut};
 pub use bar::ScalarBar;
 pub use caption::Caption;
 pub use font::{Direction, Line};

@@ -1,0 +1,233 @@
+use proptest::prelude::*;
+use tercio_scene::Projection;
+use tercio_scene::color_map::{Category, ColorMap, DataColors, Scale};
+
+use super::*;
+use crate::layout::overlap;
+
+fn camera(eye: DVec3, projection: Projection) -> Camera {
+    Camera { eye, target: DVec3::ZERO, up: DVec3::Y, projection, near: None, shift: [0.0; 2] }
+}
+
+fn bar(range: [f64; 2], scale: Scale) -> ScalarBar {
+    let map = ColorMap::named("viridis").expect("a known map");
+    let mut colors = DataColors::new("p", map, range);
+    colors.scale = scale;
+    ScalarBar {
+        colors,
+        title: "Pressure (Pa)".into(),
+        format: NumberFormat::Auto,
+        place: Place::named("right").expect("a place"),
+        is_upright: true,
+        shows_nan: true,
+    }
+}
+
+/// No two boxes overlap, nothing is drawn outside of the picture, and boxes contain what is drawn.
+fn check(annotation: &Annotation, camera: &Camera, size: (u32, u32), bounds: [DVec3; 2]) -> LaidOut {
+    let laid_out = annotation.lay_out(camera, size, bounds, 1).expect("a camera");
+    let (w, h) = (f64::from(size.0), f64::from(size.1));
+    for (number, a) in laid_out.placed.iter().enumerate() {
+        let [left, top, right, bottom] = a.rect;
+        assert!(left >= 0.0 && top >= 0.0 && right <= w && bottom <= h, "{size:?}: {a:?} leaves the picture");
+        for b in &laid_out.placed[number + 1..] {
+            assert!(!overlap(&a.rect, &b.rect, 0.0), "{size:?}: {a:?} and {b:?}");
+        }
+    }
+    // Ink of text and bars, not lines of the floor.
+    if !annotation.grid
+        && let Some([left, top, right, bottom]) = laid_out.onto.bounds()
+    {
+        let inside = left >= -0.5 && top >= -0.5 && right <= w + 0.5 && bottom <= h + 0.5;
+        assert!(inside, "{size:?}: ink at {:?}", [left, top, right, bottom]);
+    }
+    laid_out
+}
+
+fn sizes() -> impl Strategy<Value = (u32, u32)> {
+    prop_oneof![
+        Just((64, 64)),
+        Just((300, 200)),
+        Just((1024, 768)),
+        Just((200, 1200)),
+        Just((8192, 8192)),
+        (64u32..1500, 64u32..1500)
+    ]
+}
+
+fn ranges() -> impl Strategy<Value = [f64; 2]> {
+    prop_oneof![
+        Just([1e-300, 1e300]),
+        Just([-1e300, 1e300]),
+        Just([1e-300, 3e-300]),
+        Just([1e6, 1e6 + 1e-3]),
+        Just([-1e6 - 1e-3, -1e6]),
+        Just([0.0, 1.0]),
+        (-1e9f64..1e9, 1e-6f64..1e9).prop_map(|(low, span)| [low, low + span]),
+        (-12i32..12).prop_map(|e| [0.0, 2.5 * 10f64.powi(e)]),
+    ]
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(400))]
+    #[test]
+    fn nothing_overlaps_or_leaves_the_picture(
+        size in sizes(), range in ranges(), log in any::<u8>(), place in 0usize..9, is_upright in any::<bool>(),
+        ends in any::<[bool; 3]>(), title in "[A-Za-z αβ²()]{0,60}", scale in 0.5f64..3.0, bands in 0u32..14,
+        direction in any::<[i8; 3]>(), caption in "[a-z ]{0,80}", flags in any::<[bool; 4]>(),
+    ) {
+        let kind = match log % 3 {
+            1 if range[0] > 0.0 => Scale::Log,
+            2 => Scale::SymmetricLog { threshold: (range[1].abs() * 1e-3).max(1e-300) },
+            _ => Scale::Linear,
+        };
+        let mut bar = bar(range, kind);
+        let name = Place::names().nth(place).expect("a place");
+        (bar.place, bar.is_upright, bar.shows_nan) = (Place::named(name).expect("a place"), is_upright, ends[2]);
+        bar.colors.below = ends[0].then_some([255, 0, 0, 255]);
+        bar.colors.above = ends[1].then_some([255, 0, 255, 255]);
+        bar.colors.bands = (bands > 0).then_some(bands);
+        bar.title.clone_from(&title);
+        if bands == 13 {
+            let color = [9, 9, 9, 255];
+            bar.colors.categories = (0..24).map(|i| Category { value: i as f32, label: format!("{title} {i}"), color }).collect();
+        }
+        let captions = vec![
+            Caption::title(&title),
+            Caption { text: caption, place: Place { x: 1.0, y: 1.0 }, size: 1.0 },
+        ];
+        let annotation = Annotation {
+            captions,
+            bar: Some(bar),
+            axes: flags[0].then_some(Place { x: 0.0, y: 1.0 }),
+            scale_bar: flags[1].then(|| (Place { x: 1.0, y: 1.0 }, "mm".into())),
+            bounds: flags[2],
+            grid: flags[3],
+            text_scale: scale,
+            color: DARK,
+        };
+        let eye = DVec3::from_array(direction.map(f64::from)) + DVec3::new(0.5, 0.25, 0.375);
+        let camera = camera(eye.normalize() * 7.0, Projection::Perspective { fov_y: 0.5 });
+        check(&annotation, &camera, size, [DVec3::splat(-1.0), DVec3::new(1.0, 2.0, 1.0)]);
+    }
+}
+
+/// What is asked for is there where there is room.
+#[test]
+fn usual_pictures_have_all_of_it() {
+    for size in [(300, 200), (640, 480), (1024, 768), (1920, 1080), (8192, 8192)] {
+        let annotation = Annotation {
+            captions: vec![Caption::title("Wing")],
+            bar: Some(bar([-1.0, 2.0], Scale::Linear)),
+            axes: Some(Place { x: 0.0, y: 1.0 }),
+            scale_bar: Some((Place { x: 1.0, y: 1.0 }, String::new())),
+            ..Annotation::default()
+        };
+        let camera = camera(DVec3::new(1.0, 2.0, 7.0), Projection::Orthographic { height: 3.0 });
+        let laid_out = check(&annotation, &camera, size, [DVec3::splat(-1.0), DVec3::splat(1.0)]);
+        assert_eq!(laid_out.left_out, Vec::<String>::new(), "{size:?}");
+        assert_eq!(laid_out.placed.len(), 4);
+    }
+    let camera = camera(DVec3::new(1.0, 2.0, 7.0), Projection::Orthographic { height: 3.0 });
+    let annotation = Annotation { bar: Some(bar([0.0, 1.0], Scale::Linear)), ..Annotation::default() };
+    let laid_out = check(&annotation, &camera, (64, 64), [DVec3::splat(-1.0), DVec3::splat(1.0)]);
+    assert_eq!(laid_out.left_out, Vec::<String>::new(), "a bar even in a small picture");
+}
+
+/// Twice the size is the same layout, twice as large, up to whole pixels.
+#[test]
+fn the_layout_grows_with_the_picture() {
+    let annotation = Annotation {
+        captions: vec![Caption::title("Wing"), Caption { text: "a\nb".into(), place: Place { x: 0.0, y: 0.0 }, size: 1.0 }],
+        bar: Some(bar([-1.0, 2.0], Scale::Linear)),
+        axes: Some(Place { x: 0.0, y: 1.0 }),
+        ..Annotation::default()
+    };
+    let camera = camera(DVec3::new(1.0, 2.0, 7.0), Projection::Orthographic { height: 3.0 });
+    let at = |size| check(&annotation, &camera, size, [DVec3::splat(-1.0), DVec3::splat(1.0)]).placed;
+    for (a, b) in at((1024, 768)).iter().zip(at((8192, 6144))) {
+        assert_eq!(a.what, b.what);
+        for k in 0..4 {
+            assert!((a.rect[k] * 8.0 - b.rect[k]).abs() < 24.0, "{a:?} {b:?}");
+        }
+    }
+}
+
+/// A point that a camera shows somewhere in a small picture is at the same place in the free part of the large one.
+#[test]
+fn margins_move_the_camera() {
+    let annotation = Annotation {
+        captions: vec![Caption::title("Wing")],
+        bar: Some(bar([-1.0, 2.0], Scale::Linear)),
+        bounds: true,
+        ..Annotation::default()
+    };
+    let size = (800, 600);
+    let [left, top, right, bottom] = annotation.margins(size.0, size.1);
+    assert!(right > 60.0 && top > 20.0 && left > 10.0 && bottom > 10.0);
+    let room = annotation.room(size);
+    assert_eq!(room, (800 - (left + right) as u32, 600 - (top + bottom) as u32));
+    for projection in [Projection::Perspective { fov_y: 0.7 }, Projection::Orthographic { height: 5.0 }] {
+        let camera = camera(DVec3::new(3.0, 2.0, 9.0), projection);
+        let small = Projector::new(&camera, [f64::from(room.0), f64::from(room.1)]).expect("a camera");
+        let large = Projector::new(&annotation.make_room(&camera, size), [800.0, 600.0]).expect("a camera");
+        for p in [DVec3::ZERO, DVec3::new(1.0, -0.5, 0.25), DVec3::new(-1.0, 1.0, 2.0)] {
+            let (a, b) = (small.point(p).expect("seen"), large.point(p).expect("seen"));
+            assert!((a[0] + left - b[0]).abs() < 0.01 && (a[1] + top - b[1]).abs() < 0.01, "{a:?} {b:?}");
+        }
+    }
+}
+
+/// A scale bar is as long as the model's edge of that length is in the picture.
+#[test]
+fn scale_bars_are_true() {
+    for projection in [Projection::Perspective { fov_y: 0.7 }, Projection::Orthographic { height: 5.0 }] {
+        let camera = camera(DVec3::new(0.0, 0.0, 9.0), projection);
+        let annotation = Annotation { scale_bar: Some((Place { x: 1.0, y: 1.0 }, "mm".into())), ..Annotation::default() };
+        let laid_out = check(&annotation, &camera, (1000, 700), [DVec3::splat(-1.0), DVec3::splat(1.0)]);
+        let scale = laid_out.scale.expect("there is room");
+        let projector = Projector::new(&camera, [1000.0, 700.0]).expect("a camera");
+        let [a, b] = [0.0, scale.units].map(|x| projector.point(DVec3::new(x, 0.0, 0.0)).expect("seen"));
+        assert!((b[0] - a[0] - scale.pixels).abs() < 1e-9, "{scale:?}");
+        assert!(scale.pixels > 90.0 && scale.pixels <= 250.0, "{scale:?}");
+        // The ink is that long.
+        let line = crate::scale_bar::round_length(projector.pixels_per_unit(), 250.0).expect("a length");
+        assert_eq!(line, scale);
+    }
+}
+
+/// The arms of the axes point where points that are moved along the axes go.
+#[test]
+fn axes_point_along_the_axes() {
+    for eye in [DVec3::new(3.0, 2.0, 9.0), DVec3::new(-5.0, 0.3, -1.0), DVec3::new(0.1, -9.0, 0.2)] {
+        let camera = camera(eye, Projection::Orthographic { height: 5.0 });
+        let projector = Projector::new(&camera, [800.0, 600.0]).expect("a camera");
+        for arm in crate::triad::arms(&projector, 1.0) {
+            let axis = match arm.name {
+                "x" => DVec3::X,
+                "y" => DVec3::Y,
+                _ => DVec3::Z,
+            };
+            let [a, b] = [DVec3::ZERO, axis].map(|p| projector.point(p).expect("seen"));
+            let scale = projector.pixels_per_unit();
+            for k in 0..2 {
+                assert!(((b[k] - a[k]) / scale - arm.tip[k]).abs() < 1e-12);
+            }
+            assert_eq!(arm.depth > 0.0, axis.dot(-eye) > 0.0, "{}", arm.name);
+        }
+    }
+}
+
+/// Lines behind the model are not nearer than any of its points.
+#[test]
+fn the_box_is_behind_the_model() {
+    let bounds = [DVec3::new(1e6, -2.0, 0.0), DVec3::new(1e6 + 3.0, 2.0, 1.0)];
+    let mut camera = camera(DVec3::new(1e6 + 9.0, 7.0, 8.0), Projection::Perspective { fov_y: 0.6 });
+    camera.target = (bounds[0] + bounds[1]) * 0.5;
+    let annotation = Annotation { bounds: true, grid: true, ..Annotation::default() };
+    let laid_out = check(&annotation, &camera, (1024, 768), bounds);
+    let numbers = laid_out.placed.iter().filter(|placed| placed.what.starts_with("number")).count();
+    assert!(numbers >= 6, "{:?}", laid_out.placed);
+    assert_eq!(laid_out.grid_step, Some(0.5));
+    assert!(!laid_out.behind.is_empty());
+}
