@@ -21,14 +21,15 @@ pub fn step(size: f64) -> Option<f64> {
 }
 
 /// Adds a grid at the lower end of a box on the axis that points upwards: behind the picture if it is seen from above, onto it if
-/// from below. All of the model is on the same side of it, so that this hides exactly what the model hides. Returns the distance
-/// of its lines.
+/// from below. All of the model is on the same side of it, so that this hides exactly what the model hides. It reaches a cell
+/// beyond the box, or to its border if it `is_in_box`. Returns the distance of its lines.
 pub fn add(
     layout: &mut Layout,
     behind: &mut Overlay,
     projector: &Projector,
     [min, max]: [DVec3; 2],
     up: usize,
+    is_in_box: bool,
 ) -> Option<f64> {
     let [a, b] = [(up + 1) % 3, (up + 2) % 3];
     let size = (max - min)[a].max((max - min)[b]);
@@ -38,18 +39,21 @@ pub fn add(
     };
     let from_below = projector.sees(up, min[up], false);
     // Whole cells, and one more on each side.
-    let ends = [a, b].map(|k| [(min[k] / step).floor() - 1.0, (max[k] / step).ceil() + 1.0]);
+    let whole = |k: usize| [(min[k] / step).floor() - 1.0, (max[k] / step).ceil() + 1.0];
+    let inside = |k: usize| [(min[k] / step).ceil(), (max[k] / step).floor()];
+    let lines = [a, b].map(|k| if is_in_box { inside(k) } else { whole(k) });
+    let ends = [a, b].map(|k| if is_in_box { [min[k], max[k]] } else { whole(k).map(|end| end * step) });
     let (mut color, width) = (layout.color, layout.line);
     color[3] *= 0.35;
     let overlay = if from_below { &mut layout.overlay } else { behind };
     for (k, other) in [(0, 1), (1, 0)] {
         let (axis, along) = ([a, b][k], [a, b][other]);
-        let count = (ends[k][1] - ends[k][0]) as usize;
+        let count = (lines[k][1] - lines[k][0]).max(0.0) as usize;
         for number in 0..=count.min(64) {
             let [mut p, mut q] = [min; 2];
-            p[axis] = (ends[k][0] + number as f64) * step;
+            p[axis] = (lines[k][0] + number as f64) * step;
             q[axis] = p[axis];
-            (p[along], q[along]) = (ends[other][0] * step, ends[other][1] * step);
+            (p[along], q[along]) = (ends[other][0], ends[other][1]);
             if let Some([p, q]) = projector.line(p, q) {
                 overlay.fill(Outline::stroke(p, q, width), Paint::Solid(color));
             }

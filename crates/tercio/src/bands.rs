@@ -1,6 +1,7 @@
 //! Pictures that are larger than memory: drawn in bands of rows, each of which is written before the next is drawn.
 
 use std::io::Write;
+use std::ops::Range;
 
 use tercio_mesh::Progress;
 use tercio_raster::context::FrameContext;
@@ -38,6 +39,26 @@ pub fn write_png_in_bands(
     settings: &Settings,
     allow_empty: bool,
     progress: Option<&Progress>,
+    out: &mut dyn Write,
+) -> Result<FrameStats> {
+    write_png_in_bands_with(scene, camera, settings, allow_empty, progress, |_, _| {}, out)
+}
+
+/// As [`write_png_in_bands`]; `finish` draws onto each band before it is written, and gets the rows of the picture that it has.
+/// It leaves opaque what is opaque.
+///
+/// # Errors
+/// As [`write_png_in_bands`].
+///
+/// # Panics
+/// As [`write_png_in_bands`].
+pub fn write_png_in_bands_with(
+    scene: &Scene,
+    camera: &Camera,
+    settings: &Settings,
+    allow_empty: bool,
+    progress: Option<&Progress>,
+    finish: impl Fn(&mut Frame, Range<u32>),
     out: &mut dyn Write,
 ) -> Result<FrameStats> {
     let Outputs { color, color16, .. } = settings.outputs;
@@ -84,6 +105,7 @@ pub fn write_png_in_bands(
                 if number >= drawn {
                     count(&frame);
                 }
+                finish(&mut frame, bands[number].rows());
                 write(&Picture::from_frame(&frame))?;
             }
             Ok(())

@@ -68,7 +68,7 @@ pub mod strokes;
 mod summary;
 mod textures;
 
-pub use bands::{MAX_PIXELS_IN_MEMORY, band_bytes, write_png_in_bands};
+pub use bands::{MAX_PIXELS_IN_MEMORY, band_bytes, write_png_in_bands, write_png_in_bands_with};
 pub use clipping::{ClipReport, Clipping};
 pub use error::{Error, Result};
 pub use image::{ImageError, Picture};

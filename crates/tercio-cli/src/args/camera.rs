@@ -2,6 +2,7 @@
 
 use clap::{Args, ValueEnum};
 use tercio::glam::DVec3;
+use tercio::mesh::Aabb;
 use tercio::mesh::strokes::Strokes;
 use tercio::mesh::trig::atan2;
 use tercio::parallel::{Communicator, ParallelError, parts};
@@ -267,6 +268,16 @@ impl CameraArgs {
     /// The axis that points upwards.
     pub fn up_axis(&self) -> UpAxis {
         self.given_axis().unwrap_or(Axis::Y).into()
+    }
+
+    /// The camera that frames a box.
+    pub fn camera_for_box(&self, bounds: &Aabb, framing: &Framing) -> Camera {
+        Camera { near: self.near, ..framing.camera(bounds) }
+    }
+
+    /// Whether the camera is placed so that it frames the model.
+    pub fn frames_model(&self) -> bool {
+        self.eye.is_none()
     }
 
     /// The axes of the front view.

@@ -2,9 +2,9 @@
 
 use clap::{Args, ValueEnum};
 use serde_json::{Value, json};
-use tercio::effects::{AmbientOcclusion, EyeDome, add_background};
+use tercio::effects::{AmbientOcclusion, EyeDome};
 use tercio::raster::{Frame, Outputs, RenderError, Settings, Tone, ToneCurve};
-use tercio::scene::{Background, Camera, Scene};
+use tercio::scene::{Camera, Scene};
 
 use super::values;
 
@@ -128,8 +128,7 @@ impl EffectArgs {
         if self.occlusion().is_some() { pixels.saturating_mul(3) } else { 0 }
     }
 
-    /// Applies the effects to a finished picture, which was drawn on a transparent background, and puts the background
-    /// behind it.
+    /// Applies the effects to a finished picture, which was drawn on a transparent background.
     ///
     /// # Errors
     /// [`RenderError`].
@@ -139,16 +138,12 @@ impl EffectArgs {
         scene: &Scene,
         camera: &Camera,
         settings: &Settings,
-        background: &Background,
     ) -> Result<(), RenderError> {
         if let Some(occlusion) = self.occlusion() {
             occlusion.apply(frame, scene, camera, settings)?;
         }
         if let Some(eye_dome) = self.eye_dome() {
             eye_dome.apply(frame, scene, camera, settings)?;
-        }
-        if self.are_applied() {
-            add_background(&mut frame.planes, settings.width as usize, background);
         }
         Ok(())
     }

@@ -1,5 +1,6 @@
 //! Options that commands share, and the syntax of their values.
 
+pub mod annotation;
 pub mod bench;
 pub mod camera;
 pub mod clip;

@@ -4,7 +4,8 @@ use std::time::Instant;
 
 use anyhow::Result;
 use tercio::parallel::trace::{Span, Step};
-use tercio::write_png_in_bands;
+use tercio::raster::Frame;
+use tercio::write_png_in_bands_with;
 
 use super::alone::Artist;
 use super::series::Series;
@@ -40,12 +41,14 @@ impl Render {
             let none = None::<&mut mpi::Comm>;
             let settings = &self.with_shadows(&job.settings, &loaded.scene, camera, display, none)?;
             let scene = self.with_strokes(loaded, camera)?;
+            let (width, onto) = (self.drawing.size.0, self.lay_out(&loaded.annotated, camera)?.onto);
             let (begin, began) = (Instant::now(), self.ranks.now());
             // One that shows nothing is left out at the beginning of a series only.
             let may_be_empty = writing.allow_empty || number > 0;
             let progress = Some(&*display.progress);
             let stats = plan.write_drawn(&self.model.name(), may_be_empty, |out| {
-                write_png_in_bands(&scene, camera, settings, may_be_empty, progress, out)
+                let finish = |frame: &mut Frame, rows| onto.draw(&mut frame.planes, width, rows);
+                write_png_in_bands_with(&scene, camera, settings, may_be_empty, progress, finish, out)
             })?;
             let all = begin.elapsed().as_secs_f64() * 1e3;
             if let (Some(trace), Some(began)) = (&mut artist.trace, began) {

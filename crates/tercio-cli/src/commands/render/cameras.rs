@@ -1,6 +1,7 @@
 //! The cameras of all shots of a model.
 
 use anyhow::{Context, Result, bail};
+use tercio::annotate::Annotation;
 use tercio::mesh::strokes::Strokes;
 use tercio::parallel::Communicator;
 use tercio::scene::framing::Extent;
@@ -22,21 +23,30 @@ impl Render {
         options: &CameraArgs,
         (scene, strokes): (&Scene, &Strokes),
         whole: Option<&Extent>,
+        annotation: &Annotation,
         mut parts: Option<&mut impl Communicator>,
     ) -> Result<Vec<Cameras>> {
+        // Beside the annotation, where the camera is placed.
+        let frames_model = options.frames_model() && !matches!(motion, Motion::Path(..));
+        let size = if frames_model { annotation.room(self.drawing.size) } else { self.drawing.size };
         let mut place = |options: &CameraArgs, framing: &Framing| -> Result<Camera> {
             Ok(match &mut parts {
+                // All of the box has to be in the picture, not only the model.
+                _ if annotation.bounds && frames_model => {
+                    let bounds = whole.map_or_else(|| scene.bounds(), Extent::bounds);
+                    options.camera_for_box(&bounds.union(strokes.bounds()), framing)
+                }
                 None => options.camera_with(scene, whole, strokes, framing),
                 Some(comm) => options.camera_of_parts(*comm, scene, framing)?,
             })
         };
-        let framing = options.framing(self.drawing.size);
-        let cameras = match motion {
+        let framing = options.framing(size);
+        let cameras: Vec<Camera> = match motion {
             Motion::Still => vec![place(options, &framing)?],
             Motion::Views(views) => {
                 let of_view = |&view| {
                     let of_view = options.with_view(view);
-                    place(&of_view, &of_view.framing(self.drawing.size))
+                    place(&of_view, &of_view.framing(size))
                 };
                 views.iter().map(of_view).collect::<Result<_>>()?
             }
@@ -66,7 +76,10 @@ impl Render {
         {
             bail!("{}: picture {number}: {error}", self.model.name());
         }
+        let with_room = |camera: Camera| {
+            if frames_model { annotation.make_room(&camera, self.drawing.size) } else { camera }
+        };
         let of_eyes = |camera| self.stereo.cameras(camera, self.camera.zoom());
-        cameras.into_iter().map(|c| of_eyes(c).with_context(|| self.model.name())).collect()
+        cameras.into_iter().map(|c| of_eyes(with_room(c)).with_context(|| self.model.name())).collect()
     }
 }

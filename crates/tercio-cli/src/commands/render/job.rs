@@ -52,7 +52,7 @@ impl Render {
             let mut effect_milliseconds = 0.0;
             if writes {
                 effect_milliseconds =
-                    self.add_effects(&mut frame, (scene, &loaded.background), camera, settings)?;
+                    self.add_effects(&mut frame, (scene, loaded), camera, settings)?;
             }
             Ok(Drawn { frame, parallel, effect_milliseconds })
         };

@@ -6,10 +6,13 @@ use tercio::parallel::Communicator;
 use tercio::parallel::parts::share_materials;
 use tercio::raster::Outputs;
 use tercio::raster::frame::fragments::fragment_bytes;
+use tercio::scene::framing::Extent;
 use tercio::scene::{Background, Scene};
 use tercio::{LoadOptions, LoadedPart, band_bytes};
 
+use super::annotate::Annotated;
 use super::{Job, Loaded, Render};
+use crate::args::annotation;
 use crate::args::ranks::Drawers;
 use crate::args::textures::TextureLimits;
 use crate::memory;
@@ -66,7 +69,7 @@ impl Render {
         self.data.apply(&mut scene, up, parts.as_deref_mut()).with_context(|| self.model.name())?;
         self.strokes.dress(&mut scene);
         let background = scene.background;
-        if self.effects.are_applied() {
+        if self.needs_transparency() {
             scene.background = Background::Solid([0.0; 4]);
         }
         // Layers of what is not opaque need memory, too.
@@ -92,11 +95,22 @@ impl Render {
         self.clip.add_caps(&mut scene, loaded.caps);
         report.read.warnings.extend(self.drawing.shadow_warning(&scene));
         let file = self.strokes_of(&mut report, loaded.strokes);
-        let cameras = self.cameras(&job.motion, &camera, (&scene, &file), loaded.whole.as_ref(), parts)?;
+        let annotation = self.annotation.annotation(&scene, &background);
+        let whole = loaded.whole.as_ref();
+        let cameras = self.cameras(&job.motion, &camera, (&scene, &file), whole, &annotation, parts)?;
+        let bounds = scene.bounds().union(Extent::of_strokes(&file).bounds());
+        let up = (0..3).find(|&axis| up[axis] > 0.5).unwrap_or(1);
+        let annotated = Annotated { annotation, bounds: [bounds.min, bounds.max], up };
         let mut look = self.drawing.look(&scene, &background, &self.environment, &self.effects);
         look["data"] = self.data.json(&scene);
+        if let Some(camera) = cameras.first().and_then(|cameras| cameras.views.first()) {
+            let laid_out = self.lay_out(&annotated, camera)?;
+            look["annotation"] = annotation::json(&laid_out);
+            let left_out = laid_out.left_out.iter().map(|what| format!("no room in the picture for: {what}"));
+            report.read.warnings.extend(left_out);
+        }
         let drawable = self.drawable(&scene, file, picture.saturating_add(taken))?;
-        Ok(Loaded { report, textures, scene, drawable, background, look, cameras })
+        Ok(Loaded { report, textures, scene, drawable, background, look, annotated, cameras })
     }
 
     /// Bytes of all pictures that are in memory at a time.

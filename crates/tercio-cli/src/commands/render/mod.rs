@@ -1,6 +1,7 @@
 //! `tercio render`: from a model file to a picture.
 
 mod alone;
+mod annotate;
 mod bands;
 mod batch;
 mod cameras;
@@ -31,6 +32,8 @@ use tercio::{LoadReport, TextureReport};
 use tercio_lab::predict::choose::Choice;
 
 use self::strokes::Drawable;
+use self::annotate::Annotated;
+use crate::args::annotation::AnnotationArgs;
 use crate::args::camera::CameraArgs;
 use crate::args::clip::ClipArgs;
 use crate::args::data::DataArgs;
@@ -107,6 +110,8 @@ pub struct Render {
     #[command(flatten)]
     effects: EffectArgs,
     #[command(flatten)]
+    annotation: AnnotationArgs,
+    #[command(flatten)]
     textures: TextureArgs,
     #[command(flatten)]
     sampling: SamplingArgs,
@@ -137,6 +142,7 @@ struct Loaded {
     background: Background,
     /// For `--stats`.
     look: Value,
+    annotated: Annotated,
     /// Those of every shot.
     cameras: Vec<Cameras>,
 }

@@ -4,11 +4,13 @@ use std::time::Instant;
 
 use anyhow::{Context, Result};
 use tercio::LoadReport;
+use tercio::annotate::LaidOut;
+use tercio::effects::add_background;
 use tercio::parallel::Communicator;
 use tercio::raster::{Frame, FrameStats, Settings};
-use tercio::scene::{Background, Camera, Scene};
+use tercio::scene::{Camera, Scene};
 
-use super::Render;
+use super::{Loaded, Render};
 use crate::progress::Display;
 use crate::{nothing_drawn, report};
 
@@ -34,17 +36,28 @@ impl Render {
         Ok(Settings { shadows, ..settings.clone() })
     }
 
-    /// Applies the effects that are requested; returns the milliseconds that they took.
+    /// Applies the effects that are requested, and the annotation; returns the milliseconds that they took.
     pub(super) fn add_effects(
         &self,
         frame: &mut Frame,
-        (scene, background): (&Scene, &Background),
+        (scene, loaded): (&Scene, &Loaded),
         camera: &Camera,
         settings: &Settings,
     ) -> Result<f64> {
         let begin = Instant::now();
-        let added = self.effects.apply(frame, scene, camera, settings, background);
+        let added = self.effects.apply(frame, scene, camera, settings);
         added.with_context(|| self.model.name())?;
+        let (width, height) = self.drawing.size;
+        // Without a picture there are only arrays.
+        let has_picture = settings.outputs.color || settings.outputs.color16;
+        let annotation = if has_picture { self.lay_out(&loaded.annotated, camera)? } else { LaidOut::default() };
+        if !annotation.behind.is_empty() {
+            annotation.behind.draw_behind(&mut frame.planes, width, height);
+        }
+        if self.needs_transparency() {
+            add_background(&mut frame.planes, width as usize, &loaded.background);
+        }
+        annotation.onto.draw(&mut frame.planes, width, 0..height);
         Ok(begin.elapsed().as_secs_f64() * 1e3)
     }
 
