@@ -116,7 +116,8 @@ impl Annotation {
             laid_out.scale = scale_bar::add(&mut layout, &projector, unit, *place);
         }
         if self.grid && has_box {
-            laid_out.grid_step = floor::add(&mut layout, &mut laid_out.behind, &projector, bounds, up, self.bounds);
+            laid_out.grid_step =
+                floor::add(&mut layout, &mut laid_out.behind, &projector, bounds, up, self.bounds);
         }
         if self.bounds && has_box {
             axes_box::add(&mut layout, &mut laid_out.behind, &projector, bounds, NumberFormat::Auto);

@@ -125,7 +125,10 @@ fn add_numbers(
         let distance = em * 0.25 + out[0].abs() * half[0] + out[1].abs() * half[1];
         let center = [end[0] + out[0] * distance, end[1] + out[1] * distance];
         let rect = [center[0] - half[0], center[1] - half[1], center[0] + half[0], center[1] + half[1]];
-        let inside = rect[0] >= 1.0 && rect[1] >= 1.0 && rect[2] <= layout.size[0] - 1.0 && rect[3] <= layout.size[1] - 1.0;
+        let inside = rect[0] >= 1.0
+            && rect[1] >= 1.0
+            && rect[2] <= layout.size[0] - 1.0
+            && rect[3] <= layout.size[1] - 1.0;
         let is_free = layout.placed.iter().all(|other| !overlap(&other.rect, &rect, em * 0.3));
         if !inside || !is_free {
             continue;
@@ -147,7 +150,10 @@ fn add_numbers(
     for share in [0.5, 0.4, 0.6, 0.25, 0.75] {
         let at = [0, 1].map(|k| p[k] + (q[k] - p[k]) * share + out[k] * distance);
         let rect = [at[0] - half[0], at[1] - half[1], at[0] + half[0], at[1] + half[1]];
-        let inside = rect[0] >= 1.0 && rect[1] >= 1.0 && rect[2] <= layout.size[0] - 1.0 && rect[3] <= layout.size[1] - 1.0;
+        let inside = rect[0] >= 1.0
+            && rect[1] >= 1.0
+            && rect[2] <= layout.size[0] - 1.0
+            && rect[3] <= layout.size[1] - 1.0;
         if inside && layout.placed.iter().all(|other| !overlap(&other.rect, &rect, em * 0.3)) {
             let place = [rect[0], rect[3]].map(f64::round);
             layout.overlay.text(&name, place, em, Direction::Right, layout.color);

@@ -55,7 +55,8 @@ struct Parts {
 impl ScalarBar {
     /// Adds it to a picture.
     pub fn add(&self, layout: &mut Layout) {
-        let placed = if self.colors.categories.is_empty() { self.add_scale(layout) } else { self.add_list(layout) };
+        let placed =
+            if self.colors.categories.is_empty() { self.add_scale(layout) } else { self.add_list(layout) };
         match placed {
             Some(rect) => layout.keep("bar", rect),
             None => layout.leave_out("bar"),
@@ -165,9 +166,19 @@ impl ScalarBar {
         }
         let title = (!title.is_empty()).then(|| TextBlock::fit(title, em, room[0], 2));
         let above = title.as_ref().map_or(0.0, |title| title.size[1] + em * 0.3);
-        let width = (length + ends + nan + 2.0 * beyond).max(title.as_ref().map_or(0.0, |title| title.size[0]));
+        let width =
+            (length + ends + nan + 2.0 * beyond).max(title.as_ref().map_or(0.0, |title| title.size[0]));
         let size = [whole(width), whole(above + thickness + em * (0.5 + ASCENT + DESCENT))];
-        (size[1] <= room[1]).then_some(Parts { em, title, is_turned: false, ticks, length, thickness, has_nan, size })
+        (size[1] <= room[1]).then_some(Parts {
+            em,
+            title,
+            is_turned: false,
+            ticks,
+            length,
+            thickness,
+            has_nan,
+            size,
+        })
     }
 
     /// Whether labels of a level bar do not touch each other.
@@ -209,7 +220,8 @@ impl ScalarBar {
                 let y = (bottom - thickness).round();
                 [body[0], y, body[0] + thickness, y + thickness]
             } else {
-                let x = left + (body[0] - below - left - thickness - em * (1.4 + Line::new(NO_DATA).width)).max(0.0);
+                let x = left
+                    + (body[0] - below - left - thickness - em * (1.4 + Line::new(NO_DATA).width)).max(0.0);
                 [x.round(), body[1], x.round() + thickness, body[3]]
             };
             layout.overlay.rectangle(swatch, Paint::Solid(linear(self.colors.nan)));
@@ -226,7 +238,11 @@ impl ScalarBar {
                 layout.overlay.text(line, at, title.em, Direction::Up, color);
             }
             Some(title) => {
-                let align = if self.is_upright { if self.place.x > 0.5 && title.size[0] >= right - left - 1.0 { 1.0 } else { 0.0 } } else { 0.5 };
+                let align = if self.is_upright {
+                    if self.place.x > 0.5 && title.size[0] >= right - left - 1.0 { 1.0 } else { 0.0 }
+                } else {
+                    0.5
+                };
                 let x = left + (right - left - title.size[0]) * align;
                 layout.draw_text(title, [x, top], if self.is_upright { 0.0 } else { 0.5 }, color);
             }

@@ -4,8 +4,8 @@ use glam::DVec3;
 
 use crate::layout::Layout;
 use crate::number;
-use crate::overlay::{Overlay, Paint};
 use crate::outline::Outline;
+use crate::overlay::{Overlay, Paint};
 use crate::project::Projector;
 
 /// The lines of the grid are at multiples of this many units, about a tenth of the larger side of the floor.

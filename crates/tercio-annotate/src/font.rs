@@ -13,7 +13,8 @@ use ttf_parser::{Face, GlyphId, OutlineBuilder, Tag};
 use crate::outline::Outline;
 
 static FONT: LazyLock<Font> = LazyLock::new(|| {
-    let face = Face::parse(include_bytes!("../font/Inter-Medium.ttf"), 0).expect("the font inside the program");
+    let face =
+        Face::parse(include_bytes!("../font/Inter-Medium.ttf"), 0).expect("the font inside the program");
     Font { kerning: lookups(&face, b"kern"), marks: lookups(&face, b"mark"), face }
 });
 

@@ -112,7 +112,8 @@ impl Layout {
     /// Finds room for a box: at its place, or above or below what is there already. `None` if there is none.
     pub fn find(&self, [width, height]: [f64; 2], place: Place) -> Option<Rect> {
         let [left, top, right, bottom] = self.area();
-        let [x, y] = [left + (right - left - width) * place.x, top + (bottom - top - height) * place.y].map(f64::round);
+        let [x, y] = [left + (right - left - width) * place.x, top + (bottom - top - height) * place.y]
+            .map(f64::round);
         if x < left - 0.5 || x + width > right + 0.5 {
             return None;
         }
@@ -125,7 +126,9 @@ impl Layout {
                 if rect[1] < top - 0.5 || rect[3] > bottom + 0.5 {
                     return None;
                 }
-                let Some(other) = self.placed.iter().find(|other| overlap(&other.rect, &rect, self.margin * 0.5)) else {
+                let Some(other) =
+                    self.placed.iter().find(|other| overlap(&other.rect, &rect, self.margin * 0.5))
+                else {
                     return Some(rect);
                 };
                 let gap = self.margin * 0.5 + 1.0;
@@ -197,7 +200,8 @@ impl TextBlock {
 
     /// A text in at most this width and this number of lines: broken between words, then smaller, then cut off with an ellipsis.
     pub fn fit(text: &str, em: f64, width: f64, most_lines: usize) -> Self {
-        let broken = |em: f64| -> Vec<String> { text.lines().flat_map(|line| break_line(line, width / em)).collect() };
+        let broken =
+            |em: f64| -> Vec<String> { text.lines().flat_map(|line| break_line(line, width / em)).collect() };
         let fits = |lines: &[String], em: f64| {
             lines.len() <= most_lines && lines.iter().all(|line| Line::new(line).width * em <= width)
         };

@@ -28,7 +28,8 @@ impl FromStr for NumberFormat {
         if text == "auto" {
             return Ok(Self::Auto);
         }
-        let error = || format!("expected auto, or a format such as .3g, %.2f or .1e (at most {MOST_DIGITS} digits)");
+        let error =
+            || format!("expected auto, or a format such as .3g, %.2f or .1e (at most {MOST_DIGITS} digits)");
         let format = text.strip_prefix('%').unwrap_or(text);
         let format = format.strip_prefix('.').ok_or_else(error)?;
         let kind = format.chars().last().ok_or_else(error)?;
@@ -156,7 +157,9 @@ pub fn parse(text: &str) -> Option<f64> {
         '¹' => '1',
         '²' => '2',
         '³' => '3',
-        other => char::from_u32((other as u32).wrapping_sub('⁰' as u32).wrapping_add('0' as u32)).unwrap_or('x'),
+        other => {
+            char::from_u32((other as u32).wrapping_sub('⁰' as u32).wrapping_add('0' as u32)).unwrap_or('x')
+        }
     });
     format!("{mantissa}e{}", lowered.collect::<String>()).parse().ok()
 }

@@ -206,7 +206,10 @@ mod tests {
                     });
                     let expected = inside.count() as f64 / (FINE * FINE) as f64;
                     let found = first.and_then(|f| cover.get(x.checked_sub(f)?)).copied().unwrap_or(0.0);
-                    assert!((f64::from(found) - expected).abs() < 0.05, "{corners:?} {x} {row} {found} {expected}");
+                    assert!(
+                        (f64::from(found) - expected).abs() < 0.05,
+                        "{corners:?} {x} {row} {found} {expected}"
+                    );
                 }
             }
         }

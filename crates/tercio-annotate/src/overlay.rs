@@ -75,9 +75,10 @@ impl Overlay {
 
     /// Left, upper, right and lower border of all shapes.
     pub fn bounds(&self) -> Option<[f64; 4]> {
-        self.shapes.iter().map(|shape| shape.bounds).reduce(|a, b| {
-            [a[0].min(b[0]), a[1].min(b[1]), a[2].max(b[2]), a[3].max(b[3])]
-        })
+        self.shapes
+            .iter()
+            .map(|shape| shape.bounds)
+            .reduce(|a, b| [a[0].min(b[0]), a[1].min(b[1]), a[2].max(b[2]), a[3].max(b[3])])
     }
 
     /// Draws onto the colours of a band of rows of a picture of this width: in linear light, on the colours that the picture has,

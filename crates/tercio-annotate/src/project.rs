@@ -56,7 +56,8 @@ impl Projector {
             return Some([self.middle[0] + p.x * self.scale, self.middle[1] + p.y * self.scale]);
         }
         let factor = self.scale / p.z;
-        (p.z > 0.0 && factor.is_finite()).then(|| [self.middle[0] + p.x * factor, self.middle[1] + p.y * factor])
+        (p.z > 0.0 && factor.is_finite())
+            .then(|| [self.middle[0] + p.x * factor, self.middle[1] + p.y * factor])
     }
 
     /// What is seen of a line between two points.

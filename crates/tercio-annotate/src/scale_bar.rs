@@ -27,7 +27,8 @@ pub fn round_length(pixels_per_unit: f64, most: f64) -> Option<ScaleLength> {
     let exponent = number::exponent_of(longest);
     let lengths = [(5, exponent), (2, exponent), (1, exponent), (5, exponent - 1)];
     let length = |(digit, exponent): (i32, i32)| format!("{digit}e{exponent}").parse().ok();
-    let units = lengths.into_iter().filter_map(length).find(|&length: &f64| length <= longest && length > 0.0)?;
+    let units =
+        lengths.into_iter().filter_map(length).find(|&length: &f64| length <= longest && length > 0.0)?;
     Some(ScaleLength { units, pixels: units * pixels_per_unit })
 }
 

@@ -66,7 +66,8 @@ fn multiples(
 /// Both ends of a range, with as many digits as it takes to tell them apart.
 fn ends([low, high]: [f64; 2], format: NumberFormat) -> Vec<Tick> {
     let digits = (3..=17).find(|&digits| {
-        let distance = |v: f64| number::parse(&number::general(v, digits)).map_or(f64::INFINITY, |p| (p - v).abs());
+        let distance =
+            |v: f64| number::parse(&number::general(v, digits)).map_or(f64::INFINITY, |p| (p - v).abs());
         distance(low).max(distance(high)) <= (high - low) * 0.01
     });
     let print = |value| match format {
@@ -123,7 +124,8 @@ pub fn logarithmic([low, high]: [f64; 2], most: usize, format: NumberFormat) -> 
         // A range may have no power that is a multiple; then the first is labelled, and so on from there.
         let from = if powers.iter().filter(|e| is_labelled(**e)).count() < 2 { powers[0] } else { 0 };
         for &e in &powers {
-            let label = if (e - from).rem_euclid(every) == 0 { of_power(e, is_plain, format) } else { String::new() };
+            let label =
+                if (e - from).rem_euclid(every) == 0 { of_power(e, is_plain, format) } else { String::new() };
             ticks.push(Tick { value: power(1, e), label });
         }
     } else {

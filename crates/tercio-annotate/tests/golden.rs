@@ -28,13 +28,21 @@ fn camera(eye: [f64; 3], target: [f64; 3], up: DVec3) -> Camera {
     Camera { eye: eye.into(), target: target.into(), up, projection, near: None, shift: [0.0; 2] }
 }
 
-fn check(name: &str, annotation: &Annotation, camera: &Camera, bounds: [[f64; 3]; 2], size: (u32, u32), paper: [u8; 4]) {
+fn check(
+    name: &str,
+    annotation: &Annotation,
+    camera: &Camera,
+    bounds: [[f64; 3]; 2],
+    size: (u32, u32),
+    paper: [u8; 4],
+) {
     let camera = annotation.make_room(camera, size);
     let laid_out = annotation.lay_out(&camera, size, bounds.map(DVec3::from), 2).expect("a camera");
     assert_eq!(laid_out.left_out, Vec::<String>::new(), "{name}");
     let (width, height) = size;
     let pixels = width as usize * height as usize;
-    let mut planes = Planes { color: vec![paper; pixels], linear: vec![[0.0; 4]; pixels], ..Planes::default() };
+    let mut planes =
+        Planes { color: vec![paper; pixels], linear: vec![[0.0; 4]; pixels], ..Planes::default() };
     if !laid_out.behind.is_empty() {
         laid_out.behind.draw_behind(&mut planes, width, height);
         let paper = paper.map(|v| tercio_scene::srgb_to_linear(f64::from(v) / 255.0) as f32);

@@ -20,9 +20,8 @@ fn the_projection_is_that_of_the_renderer() {
                 let v = p - view.eye;
                 let w = if view.perspective { v.dot(view.basis.forward) } else { 1.0 };
                 let across = [v.dot(view.basis.right), -v.dot(view.basis.up)];
-                let expected = [0, 1].map(|k| {
-                    (f64::from(view.middle[k]) + across[k] * view.scale / w) / f64::from(SUBPIXELS)
-                });
+                let expected = [0, 1]
+                    .map(|k| (f64::from(view.middle[k]) + across[k] * view.scale / w) / f64::from(SUBPIXELS));
                 let found = projector.point(p).expect("seen");
                 assert!((0..2).all(|k| (found[k] - expected[k]).abs() < 1e-9), "{found:?} {expected:?}");
             }

@@ -24,10 +24,14 @@ fn it_does_not_depend_on_how_the_picture_is_drawn() {
     assert!(place.read("plain.png") != place.read("bar.png"), "a bar by default");
     place.run(&format!("{MODEL} -o a.png {ALL} --stats s.json")).ok_silently();
     assert!(place.read("bar.png") != place.read("a.png"));
-    for (i, options) in
-        ["--threads 1 --tile-size 8", "--ranks 3", "--ranks 2 --organisation sort-first", "--output-depth d.npy"]
-            .into_iter()
-            .enumerate()
+    for (i, options) in [
+        "--threads 1 --tile-size 8",
+        "--ranks 3",
+        "--ranks 2 --organisation sort-first",
+        "--output-depth d.npy",
+    ]
+    .into_iter()
+    .enumerate()
     {
         place.run(&format!("{MODEL} -o {i}.png {ALL} {options}")).ok_silently();
         assert!(place.read("a.png") == place.read(&format!("{i}.png")), "{options}");
@@ -38,7 +42,14 @@ fn it_does_not_depend_on_how_the_picture_is_drawn() {
         assert!(drawn.iter().any(|one| one["what"] == what), "{what}: {drawn:?}");
     }
     // Each eye has its own, and so have effects and 16 bits.
-    for options in ["--stereo anaglyph", "--depth 16", "--ao", "--ao --depth 16", "--orthographic", "--background transparent"] {
+    for options in [
+        "--stereo anaglyph",
+        "--depth 16",
+        "--ao",
+        "--ao --depth 16",
+        "--orthographic",
+        "--background transparent",
+    ] {
         place.run(&format!("{MODEL} -o b.png {ALL} {options}")).ok_silently();
         assert!(place.read("a.png") != place.read("b.png"), "{options}");
     }

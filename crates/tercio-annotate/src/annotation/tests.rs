@@ -138,7 +138,10 @@ fn usual_pictures_have_all_of_it() {
 #[test]
 fn the_layout_grows_with_the_picture() {
     let annotation = Annotation {
-        captions: vec![Caption::title("Wing"), Caption { text: "a\nb".into(), place: Place { x: 0.0, y: 0.0 }, size: 1.0 }],
+        captions: vec![
+            Caption::title("Wing"),
+            Caption { text: "a\nb".into(), place: Place { x: 0.0, y: 0.0 }, size: 1.0 },
+        ],
         bar: Some(bar([-1.0, 2.0], Scale::Linear)),
         axes: Some(Place { x: 0.0, y: 1.0 }),
         ..Annotation::default()
@@ -183,7 +186,8 @@ fn margins_move_the_camera() {
 fn scale_bars_are_true() {
     for projection in [Projection::Perspective { fov_y: 0.7 }, Projection::Orthographic { height: 5.0 }] {
         let camera = camera(DVec3::new(0.0, 0.0, 9.0), projection);
-        let annotation = Annotation { scale_bar: Some((Place { x: 1.0, y: 1.0 }, "mm".into())), ..Annotation::default() };
+        let annotation =
+            Annotation { scale_bar: Some((Place { x: 1.0, y: 1.0 }, "mm".into())), ..Annotation::default() };
         let laid_out = check(&annotation, &camera, (1000, 700), [DVec3::splat(-1.0), DVec3::splat(1.0)]);
         let scale = laid_out.scale.expect("there is room");
         let projector = Projector::new(&camera, [1000.0, 700.0]).expect("a camera");

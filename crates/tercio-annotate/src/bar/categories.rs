@@ -40,7 +40,8 @@ impl ScalarBar {
         let swatch = (em * 1.15).round().max(2.0);
         let step = (em * 1.5).ceil();
         let (text_left, left_out) = (swatch + em * 0.5, entries.len() - most);
-        let title = (!self.title.trim().is_empty()).then(|| TextBlock::fit(self.title.trim(), em, room[0], 2));
+        let title =
+            (!self.title.trim().is_empty()).then(|| TextBlock::fit(self.title.trim(), em, room[0], 2));
         let above = title.as_ref().map_or(0.0, |title| title.size[1] + em * 0.5).ceil();
         let more = format!("and {left_out} more");
         let rows = most + usize::from(left_out > 0);

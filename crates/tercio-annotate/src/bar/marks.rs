@@ -22,7 +22,9 @@ impl ScalarBar {
         };
         // Formats with few digits may print several numbers alike.
         let mut last = None;
-        let is_new = |tick: &Tick| tick.label.is_empty() || last.replace(tick.label.clone()).as_ref() != Some(&tick.label);
+        let is_new = |tick: &Tick| {
+            tick.label.is_empty() || last.replace(tick.label.clone()).as_ref() != Some(&tick.label)
+        };
         ticks.into_iter().filter(is_new).collect()
     }
 

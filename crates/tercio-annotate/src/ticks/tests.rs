@@ -49,7 +49,8 @@ fn logarithms() {
     assert_eq!(of(1e-9, 1e3, 5), "10⁻⁹ 10⁻⁶ 10⁻³ 10⁰ 10³");
     assert_eq!(of(1.0, 20.0, 8), "1 2 5 10 20");
     assert_eq!(of(3.1, 3.9, 5), "3.2 3.4 3.6 3.8");
-    let symmetric = |low, high, most| labels(&symmetric([low, high], 1.0, most, NumberFormat::Auto)).join(" ");
+    let symmetric =
+        |low, high, most| labels(&symmetric([low, high], 1.0, most, NumberFormat::Auto)).join(" ");
     assert_eq!(symmetric(-100.0, 1000.0, 9), "−100 −10 −1 0 1 10 100 1000");
     assert_eq!(symmetric(-1e6, 1e6, 5), "−10⁶ −10² 0 10² 10⁶");
 }

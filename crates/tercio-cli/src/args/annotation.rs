@@ -38,7 +38,13 @@ pub struct AnnotationArgs {
     #[arg(long, value_name = "UNIT", value_parser = text, requires = "color_by", conflicts_with = "no_bar")]
     bar_unit: Option<String>,
     /// How the scalar bar's numbers are printed: auto, or as in C: .3g, %.2f, .1e.
-    #[arg(long, value_name = "FORMAT", default_value = "auto", requires = "color_by", conflicts_with = "no_bar")]
+    #[arg(
+        long,
+        value_name = "FORMAT",
+        default_value = "auto",
+        requires = "color_by",
+        conflicts_with = "no_bar"
+    )]
     bar_format: NumberFormat,
     /// How the scalar bar stands [default: horizontal at the top and at the bottom, else vertical].
     #[arg(long, value_name = "NAME", value_enum, requires = "color_by", conflicts_with = "no_bar")]
@@ -87,7 +93,8 @@ fn text(text: &str) -> Result<String, String> {
         return Err(format!("expected at most {MOST} characters"));
     }
     let text = text.replace("\\n", "\n");
-    let missing = |c| format!("the font has no \"{c}\" (Latin, Greek, punctuation, mathematics, arrows, superscripts)");
+    let missing =
+        |c| format!("the font has no \"{c}\" (Latin, Greek, punctuation, mathematics, arrows, superscripts)");
     font::covers(&text).map_err(missing)?;
     Ok(text)
 }
