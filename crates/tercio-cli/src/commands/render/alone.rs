@@ -74,8 +74,7 @@ impl Render {
         let scene = &*self.with_strokes(loaded, camera)?;
         let parallel =
             self.frame(scene, camera, settings, artist, &mut frame).with_context(|| self.model.name())?;
-        let effect_milliseconds =
-            self.add_effects(&mut frame, (scene, loaded), camera, settings)?;
+        let effect_milliseconds = self.add_effects(&mut frame, (scene, loaded), camera, settings)?;
         display.stage("writing");
         Ok(Drawn { frame, parallel, effect_milliseconds })
     }

@@ -51,8 +51,7 @@ impl Render {
                 .with_context(|| self.model.name())?;
             let mut effect_milliseconds = 0.0;
             if writes {
-                effect_milliseconds =
-                    self.add_effects(&mut frame, (scene, loaded), camera, settings)?;
+                effect_milliseconds = self.add_effects(&mut frame, (scene, loaded), camera, settings)?;
             }
             Ok(Drawn { frame, parallel, effect_milliseconds })
         };

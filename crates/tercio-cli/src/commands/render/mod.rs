@@ -31,8 +31,8 @@ use tercio::scene::{Background, Scene};
 use tercio::{LoadReport, TextureReport};
 use tercio_lab::predict::choose::Choice;
 
-use self::strokes::Drawable;
 use self::annotate::Annotated;
+use self::strokes::Drawable;
 use crate::args::annotation::AnnotationArgs;
 use crate::args::camera::CameraArgs;
 use crate::args::clip::ClipArgs;

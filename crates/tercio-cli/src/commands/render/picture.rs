@@ -50,7 +50,8 @@ impl Render {
         let (width, height) = self.drawing.size;
         // Without a picture there are only arrays.
         let has_picture = settings.outputs.color || settings.outputs.color16;
-        let annotation = if has_picture { self.lay_out(&loaded.annotated, camera)? } else { LaidOut::default() };
+        let annotation =
+            if has_picture { self.lay_out(&loaded.annotated, camera)? } else { LaidOut::default() };
         if !annotation.behind.is_empty() {
             annotation.behind.draw_behind(&mut frame.planes, width, height);
         }

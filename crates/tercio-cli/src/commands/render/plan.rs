@@ -53,10 +53,12 @@ impl Render {
         let plan = &mut writing.plan;
         self.stereo.check(&self.camera, &self.drawing, plan).map_err(UsageError)?;
         let has_picture = plan.picture.is_some() || plan.film.is_some();
-        let changes_picture = self.effects.are_given() || self.environment.is_given() || self.data.is_given() || self.annotation.is_given();
+        let changes_picture = self.effects.are_given()
+            || self.environment.is_given()
+            || self.data.is_given()
+            || self.annotation.is_given();
         if !has_picture && changes_picture {
-            let what =
-                "--exposure, --tone, --ao, --edl, --environment, --color-by and annotation change the picture only";
+            let what = "--exposure, --tone, --ao, --edl, --environment, --color-by and annotation change the picture only";
             return Err(UsageError(format!("{what}, which is not written: add -o")).into());
         }
         plan.outputs = plan.outputs.with(self.effects.needed()).with(self.annotation.needed());
