@@ -6,7 +6,7 @@ use common::Place;
 use tercio::Picture;
 use tercio::image::Pixels;
 
-const MODEL: &str = "render builtin:teapot@2k --size 200x150 -q --color-by @elevation";
+const MODEL: &str = "render builtin:teapot@2k --size 320x240 -q --color-by @elevation";
 const ALL: &str = "--title Teapot --text bottom:below --axes --scale-bar=mm --bounds --grid --bar-unit m";
 
 /// Width, and 8-bit pixels.
@@ -82,9 +82,9 @@ fn the_scale_bar_is_true() {
         let length = scale["length"].as_f64().expect("a number");
         assert!((seen as f64 / 6.0 - pixels / length).abs() < 0.4, "{seen} pixels for 6, {scale}");
         // And its ink: the longest dark run in the lower part of the picture.
-        let (width, pixels) = picture(&place, "a.png");
+        let (width, colors) = picture(&place, "a.png");
         let is_dark = |pixel: &&[u8; 4]| pixel[..3].iter().all(|v| *v < 100);
-        let rows = pixels[width * 360..].chunks(width);
+        let rows = colors[width * 360..].chunks(width);
         let longest = rows.map(|row| row.iter().filter(is_dark).count()).max().expect("rows");
         assert!((longest as f64 - pixels).abs() <= 1.5, "{longest} pixels of ink, {scale}");
     }
