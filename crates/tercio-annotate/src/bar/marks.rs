@@ -41,7 +41,9 @@ impl ScalarBar {
         };
         let digits = (1..17).find(|&digits| is_close(digits)).unwrap_or(17);
         let print = |value| match self.format {
-            NumberFormat::Auto if is_plain => number::without_zeros(&number::fixed(value, after_point as usize)),
+            NumberFormat::Auto if is_plain => {
+                number::without_zeros(&number::fixed(value, after_point as usize))
+            }
             NumberFormat::Auto => number::general(value, digits),
             format => format.print(value),
         };
