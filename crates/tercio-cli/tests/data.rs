@@ -15,7 +15,7 @@ const MODEL: &str = "ply\nformat ascii 1.0\nelement vertex 6\nproperty float x\n
     4 0 1 4 3 7\n4 1 2 5 4 9\n";
 
 const VIEW: &str =
-    "--view front --projection orthographic --shading unlit --background #fff --size 64x32 --aa 1";
+    "--view front --orthographic --no-bar --shading unlit --background #fff --size 64x32 --aa 1";
 
 #[test]
 fn values_become_colors() {
