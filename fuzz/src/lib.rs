@@ -30,7 +30,7 @@ pub fn read_bytes(read: Read, bytes: &[u8]) {
     }
 }
 
-fn check(ReadModel { mesh, .. }: &ReadModel) {
+fn check(ReadModel { mesh, strokes, .. }: &ReadModel) {
     let (vertices, triangles) = (mesh.positions.len(), mesh.triangles.len());
     assert!(mesh.triangles.as_flattened().iter().all(|&v| (v as usize) < vertices), "index outside");
     let belongs = |what: &str, length: Option<usize>, elements: usize| {
@@ -42,6 +42,12 @@ fn check(ReadModel { mesh, .. }: &ReadModel) {
     belongs("texture coordinates", mesh.texcoords.as_ref().map(Vec::len), vertices);
     belongs("triangle materials", mesh.triangle_materials.as_ref().map(Vec::len), triangles);
     belongs("face numbers", mesh.face_of_triangle.as_ref().map(Vec::len), triangles);
+    let drawn = strokes.segments.as_flattened().iter().chain(&strokes.points);
+    assert!({ drawn }.all(|&v| (v as usize) < strokes.positions.len()), "index of a line or point outside");
+    belongs("colours of strokes", strokes.colors.as_ref().map(Vec::len), strokes.positions.len());
+    for attribute in &strokes.attributes {
+        belongs(&attribute.name, Some(attribute.values.len()), strokes.positions.len());
+    }
     for attribute in &mesh.attributes {
         let elements = match attribute.domain {
             AttributeDomain::Vertex => vertices,

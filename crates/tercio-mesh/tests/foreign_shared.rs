@@ -10,9 +10,9 @@ use tercio_mesh::io::input::Input;
 use tercio_mesh::io::{ReadOptions, read, read_input};
 
 /// Extensions of models, compressed or not.
-const MODELS: [&str; 14] = [
-    "ply", "obj", "stl", "off", "ply.gz", "obj.gz", "stl.gz", "off.gz", "vtk", "vtp", "vtu", "vti", "vts",
-    "vtr",
+const MODELS: [&str; 15] = [
+    "ply", "obj", "stl", "off", "ply.gz", "obj.gz", "stl.gz", "off.gz", "pcd", "vtk", "vtp", "vtu", "vti",
+    "vts", "vtr",
 ];
 
 /// All files under a folder without an extension of a model.

@@ -46,6 +46,8 @@ enum Target {
     Off,
     /// The readers of VTK's files
     Vtk,
+    /// The PCD reader
+    Pcd,
     /// Decompression, the choice of the reader, and the reader
     SniffRead,
     /// Loading with all its steps, and a small picture from three renderers that must agree
@@ -66,6 +68,7 @@ impl Target {
             Self::Stl => "stl",
             Self::Off => "off",
             Self::Vtk => "vtk",
+            Self::Pcd => "pcd",
             Self::SniffRead => "sniff_read",
             Self::Picture => "picture",
             Self::Prepared => "prepared",

@@ -36,6 +36,7 @@ fn extensions(target: Target) -> &'static [&'static str] {
         Target::Obj => &["obj"],
         Target::Stl => &["stl"],
         Target::Off => &["off"],
+        Target::Pcd => &["pcd"],
         Target::Vtk => &["vtk", "vtp", "vtu", "vti", "vts", "vtr"],
         Target::SniffRead => &["ply", "obj", "stl", "off", "gz"],
         Target::Picture => &["ply", "obj", "stl", "off"],
@@ -72,6 +73,7 @@ fn made(target: Target) -> Vec<Vec<u8>> {
         Target::Stl => stl(),
         Target::Off => off(),
         Target::Vtk => vtk(),
+        Target::Pcd => pcd(),
         Target::Picture => [ply(), obj(), stl(), off(), vtk()].concat(),
         Target::Prepared => prepared(),
         Target::CameraPath => camera_path(),
@@ -314,6 +316,23 @@ fn off() -> Vec<Vec<u8>> {
     files.push(binary_off("ST4OFF", &[1.0, 0.5, 0.25], true, true));
     files.push(binary_off("nOFF 5", &[1.0, 2.0], true, true));
     files
+}
+
+/// Two points in each encoding.
+fn pcd() -> Vec<Vec<u8>> {
+    let header = |data: &str| {
+        format!(
+            "# .PCD v0.7\nVERSION 0.7\nFIELDS x y z rgb\nSIZE 4 4 4 4\nTYPE F F F U\nCOUNT 1 1 1 1\nWIDTH 2\n\
+             HEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS 2\nDATA {data}\n"
+        )
+        .into_bytes()
+    };
+    let packed = [&[36, 0, 0, 0, 32, 0, 0, 0, 15][..], &[1; 16], &[15], &[2; 16]].concat();
+    vec![
+        [header("ascii"), b"0 0 1 255\n1 nan 2 65280\n".to_vec()].concat(),
+        [header("binary"), vec![0x3f; 32]].concat(),
+        [header("binary_compressed"), packed].concat(),
+    ]
 }
 
 /// Polygons, a volume and grids, in text and in binary.

@@ -5,6 +5,7 @@ pub mod input;
 mod not_drawn;
 pub mod obj;
 pub mod off;
+pub mod pcd;
 pub mod ply;
 pub mod prepared;
 pub mod share;
@@ -72,6 +73,8 @@ pub enum Format {
     Vtk,
     /// XML files of VTK, and collections of them.
     VtkXml,
+    /// Point clouds of the Point Cloud Library.
+    Pcd,
 }
 
 /// What a reader found besides the mesh itself.
@@ -132,6 +135,7 @@ pub fn read_input(input: &Input, options: &ReadOptions) -> Result<ReadModel, Rea
         Some(Format::Off) => off::read(input, options),
         Some(Format::Vtk) => vtk::read_legacy(input, options),
         Some(Format::VtkXml) => vtk::read_xml(input, options),
+        Some(Format::Pcd) => pcd::read(input, options),
         None => return Err(sniff::refusal(input)),
     }?;
     model.report.file_bytes = input.file_bytes;

@@ -49,6 +49,7 @@ impl<'a> Shareable<'a> {
             Some(Format::Obj) => return Err(refusal(input, "an OBJ file")),
             Some(Format::Off) => return Err(refusal(input, "an OFF file")),
             Some(Format::Vtk | Format::VtkXml) => return Err(refusal(input, "a VTK file")),
+            Some(Format::Pcd) => return Err(refusal(input, "a PCD file")),
             None => return Err(sniff::refusal(input)),
         };
         Ok(Self { input, kind })

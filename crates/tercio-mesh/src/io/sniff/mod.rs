@@ -18,7 +18,7 @@ mod tests;
 mod words;
 
 use super::input::Input;
-use super::{Format, obj, off, ply, stl, vtk};
+use super::{Format, obj, off, pcd, ply, stl, vtk};
 use crate::ReadError;
 use crate::error::printable;
 
@@ -31,6 +31,8 @@ pub fn sniff(input: &Input) -> Option<Format> {
         Some(Format::Vtk)
     } else if vtk::looks_like_xml(bytes) {
         Some(Format::VtkXml)
+    } else if pcd::looks_like(bytes) {
+        Some(Format::Pcd)
     } else if magic::name(bytes).is_some() || words::comment_name(bytes).is_some() {
         None
     } else if ply::looks_like(input) {

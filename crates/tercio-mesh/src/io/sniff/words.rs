@@ -14,7 +14,6 @@ const COMMENTS: &[(&str, &str)] = &[
     ("#X3D V", "an X3D world"),
     ("#Inventor V", "an Open Inventor scene"),
     ("#usda", "a USD scene"),
-    ("# .PCD", "a PCD point cloud"),
     ("#?RADIANCE", "a Radiance picture"),
     ("#!/", "a script"),
 ];

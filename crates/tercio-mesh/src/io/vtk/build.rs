@@ -6,6 +6,9 @@ use super::numbers::Numbers;
 use crate::ReadError;
 use crate::error::expected_vertex;
 
+/// Numbers between two reports that they were read.
+const STEP: usize = 1 << 15;
+
 /// The error for a number that is no point.
 fn no_point(job: &Job, numbers: &Numbers, at: usize, points: u64) -> ReadError {
     job.malformed(numbers.place(at), expected_vertex(points), found(numbers, at))
@@ -38,12 +41,17 @@ pub fn counted_list(
     let first = numbers.index(0).unwrap_or(0);
     let is_uniform = cells > 0
         && first.checked_add(1).and_then(|n| n.checked_mul(cells)) == Some(size)
-        && (0..cells as usize).all(|cell| numbers.index(cell * (first as usize + 1)) == Some(first));
+        && (0..cells as usize).all(|cell| {
+            if cell.is_multiple_of(STEP) {
+                numbers.consumed(4 * STEP);
+            }
+            numbers.index(cell * (first as usize + 1)) == Some(first)
+        });
     let flat = size - cells;
     job.reserve("the points of its cells", 4 * flat + if is_uniform { 0 } else { 8 * cells })?;
     let mut connectivity = Vec::with_capacity(flat as usize);
     let mut ends = Vec::with_capacity(if is_uniform { 0 } else { cells as usize });
-    let mut at = 0;
+    let (mut at, mut reported) = (0, 0);
     for cell in 0..cells {
         let left = numbers.len() - at;
         let count = match numbers.index(at).filter(|_| left > 0) {
@@ -60,6 +68,10 @@ pub fn counted_list(
             }
         }
         at += count + 1;
+        if at - reported > STEP {
+            numbers.consumed(4 * (at - reported));
+            reported = at;
+        }
         if !is_uniform {
             ends.push(connectivity.len() as u64);
         }

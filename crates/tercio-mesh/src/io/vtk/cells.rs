@@ -229,6 +229,6 @@ mod tests {
                 assert_eq!((back, again), (1, 1), "{cell_type}: edge {a}-{b} by {mid:?}");
             }
         }
-        assert_eq!(volumes, 15);
+        assert_eq!(volumes, 16);
     }
 }

@@ -40,7 +40,7 @@ pub struct Found {
 /// Any [`ReadError`] of a file that is found, and if none is.
 pub fn parts(job: &Job, document: &Document, found: &mut Found) -> Result<Vec<Part>, ReadError> {
     let mut names = Vec::new();
-    collect(job, &document.root, found, &mut names);
+    collect(&document.root, found, &mut names);
     let Some(base) = job.input.base.clone() else {
         let what = "a collection of files without a folder, where they would be looked for,";
         return Err(job.unsupported(Place::File, what));
@@ -81,7 +81,7 @@ impl Found {
 }
 
 /// The names of files in a collection.
-fn collect(job: &Job, root: &Element, found: &mut Found, names: &mut Vec<String>) {
+fn collect(root: &Element, found: &mut Found, names: &mut Vec<String>) {
     if root.attribute("type") == Some("Collection") {
         let sets: Vec<&Element> = root.children.iter().flat_map(|c| c.children_named("DataSet")).collect();
         let time = |set: &Element| {
@@ -103,7 +103,7 @@ fn collect(job: &Job, root: &Element, found: &mut Found, names: &mut Vec<String>
         if matches!(child.name.as_str(), "Piece" | "DataSet") {
             names.extend(child.attribute(attribute).filter(|name| !name.is_empty()).map(str::to_owned));
         }
-        collect(job, child, found, names);
+        collect(child, found, names);
     }
 }
 

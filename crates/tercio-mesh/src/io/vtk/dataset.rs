@@ -35,6 +35,13 @@ impl<'a> Job<'a> {
         Ok(())
     }
 
+    /// All of the file will be in memory at once.
+    pub fn count_all(&self) -> Result<(), ReadError> {
+        let before = self.input.held_bytes();
+        self.input.count_all();
+        self.reserve("the file", self.input.held_bytes().saturating_sub(before))
+    }
+
     pub fn warn(&self, warning: String) {
         if let Ok(mut warnings) = self.warnings.lock()
             && !warnings.contains(&warning)

@@ -81,7 +81,6 @@ pub fn join(file: &str, parts: Vec<Part>, origin: Option<DVec3>) -> Result<ReadM
         attributes: whole.strokes.attributes,
         segments: whole.strokes.segments,
         points: whole.strokes.points,
-        ..Strokes::default()
     };
     let mut report = ReadReport::default();
     report.not_drawn.lines = strokes.segments.len() as u64;

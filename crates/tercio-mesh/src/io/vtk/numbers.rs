@@ -213,7 +213,8 @@ impl Numbers<'_> {
         typed!(self.scalar, T => T::read(bytes, self.big_endian).index())
     }
 
-    fn consumed(&self, bytes: usize) {
+    /// Reports that so many of its bytes were read.
+    pub fn consumed(&self, bytes: usize) {
         if let Some(input) = self.input {
             input.consumed(bytes);
         }

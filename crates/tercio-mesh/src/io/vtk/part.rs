@@ -89,7 +89,8 @@ pub fn make(job: &Job, mut data: DataSet) -> Result<Part, ReadError> {
         attributes: Vec::new(),
         strokes,
     };
-    if part.triangles.is_empty() {
+    // Vertices are left without triangles only where the file holds points and no cells.
+    if part.triangles.is_empty() && !all_points {
         return Ok(part);
     }
     for array in &data.point_data {

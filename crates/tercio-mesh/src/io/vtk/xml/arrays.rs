@@ -60,6 +60,11 @@ pub fn numbers<'a>(
     let bytes = job.input.bytes();
     let name = element.attribute("Name").unwrap_or("without a name");
     let text = bytes.get(element.text.clone()).unwrap_or_default();
+    let is_raw = encoding.compressor.is_none() && encoding.appended.is_some_and(|(_, base64)| !base64);
+    if !is_raw || !text.is_empty() {
+        // Longer parts than may be in memory are decoded at once.
+        job.count_all()?;
+    }
     let (bytes, place) = match element.attribute("format").unwrap_or("ascii") {
         "ascii" => return ascii(job, text, element, scalar),
         "binary" => {

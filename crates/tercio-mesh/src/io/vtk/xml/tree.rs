@@ -58,28 +58,9 @@ pub fn line(job: &Job, at: usize) -> Place {
 /// # Errors
 /// What is no well-formed XML in UTF-8, and too little memory.
 pub fn parse(job: &Job) -> Result<Document, ReadError> {
-    const APPENDED: &str = "<AppendedData";
     let bytes = job.input.bytes();
     // Appended data need not be text.
-    let text = match std::str::from_utf8(bytes) {
-        Ok(text) => text,
-        Err(error) => {
-            let valid = bytes.get(..error.valid_up_to()).unwrap_or_default();
-            let text = std::str::from_utf8(valid).unwrap_or_default();
-            if !text.contains(APPENDED) {
-                let place = line(job, error.valid_up_to());
-                return Err(job.malformed(place, "text in UTF-8", "bytes that are none"));
-            }
-            text
-        }
-    };
-    let markup = match text.find(APPENDED) {
-        Some(at) => {
-            let end = text[at..].find('>').map_or(text.len(), |end| at + end + 1);
-            &text[..end]
-        }
-        None => text,
-    };
+    let markup = markup(job, bytes)?;
     let mark = if markup.starts_with('\u{feff}') { 3 } else { 0 };
     let mut reader = Reader::from_str(&markup[mark..]);
     let mut open: Vec<Element> = Vec::new();
@@ -171,6 +152,23 @@ pub fn parse(job: &Job) -> Result<Document, ReadError> {
         Some(root) if root.name == "VTKFile" => Ok(Document { root, appended }),
         _ => Err(job.malformed(Place::Line(1), "the element VTKFile", "another one")),
     }
+}
+
+/// The text up to the data that are appended to it.
+fn markup<'a>(job: &Job<'a>, bytes: &'a [u8]) -> Result<&'a str, ReadError> {
+    let mut end = 0;
+    while let Some(at) = job.input.position(&bytes[end..], |b| b == b'<') {
+        end += at + 1;
+        if bytes[end..].starts_with(b"AppendedData") {
+            end += bytes[end..].iter().position(|&b| b == b'>').map_or(bytes.len() - end, |n| n + 1);
+            break;
+        }
+    }
+    let is_appended = bytes[..end].ends_with(b">");
+    let markup = if is_appended { &bytes[..end] } else { bytes };
+    std::str::from_utf8(markup).map_err(|error| {
+        job.malformed(line(job, error.valid_up_to()), "text in UTF-8", "bytes that are none")
+    })
 }
 
 fn close(open: &mut [Element], root: &mut Option<Element>, done: Element) {

@@ -1,0 +1,9 @@
+//! The PCD reader.
+
+#![no_main]
+
+use libfuzzer_sys::fuzz_target;
+use tercio_fuzz::read_bytes;
+use tercio_mesh::io::pcd;
+
+fuzz_target!(|bytes: &[u8]| read_bytes(pcd::read, bytes));
