@@ -41,7 +41,7 @@ pub unsafe extern "C" fn tercio_fit_camera(
     zoom: f64,
 ) -> c_int {
     let fit = |session: &mut tercio_session| {
-        if !azimuth.is_finite() || !elevation.is_finite() || !(zoom > 0.0 && zoom.is_finite()) {
+        if !(azimuth.is_finite() && elevation.is_finite() && zoom.is_finite() && zoom > 0.0) {
             return Err("angles must be finite, and the zoom above 0".into());
         }
         let framing = Framing { azimuth, elevation, zoom, ..session.framing() };

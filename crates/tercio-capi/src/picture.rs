@@ -100,10 +100,15 @@ pub unsafe extern "C" fn tercio_pixels(
         let found =
             frame.map_or((ptr::null(), 0, 0), |f| (f.planes.color.as_ptr().cast::<u8>(), f.width, f.height));
         // SAFETY: as required from the caller.
-        unsafe {
-            pixels.as_mut().map(|pixels| *pixels = found.0);
-            width.as_mut().map(|width| *width = found.1);
-            height.as_mut().map(|height| *height = found.2);
+        let (pixels, width, height) = unsafe { (pixels.as_mut(), width.as_mut(), height.as_mut()) };
+        if let Some(pixels) = pixels {
+            *pixels = found.0;
+        }
+        if let Some(width) = width {
+            *width = found.1;
+        }
+        if let Some(height) = height {
+            *height = found.2;
         }
         Ok(())
     };

@@ -30,6 +30,7 @@ pub struct tercio_session {
 
 /// The session of either kind of processes.
 #[derive(Debug)]
+#[allow(clippy::large_enum_variant, reason = "there are few sessions, and each is in a box")]
 pub(crate) enum Ranks {
     Alone(Session<ThreadComm>),
     #[cfg(feature = "mpi")]

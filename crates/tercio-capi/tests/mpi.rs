@@ -59,8 +59,11 @@ fn run(program: &Path, processes: usize, arguments: &[&str]) -> Output {
     output
 }
 
+/// Positions, colours and triangles.
+type Saddle = (Vec<[f64; 3]>, Vec<[u8; 4]>, Vec<[u32; 3]>);
+
 /// The saddle of `check.c`, whole.
-fn saddle(scale: f64, lift: f64) -> (Vec<[f64; 3]>, Vec<[u8; 4]>, Vec<[u32; 3]>) {
+fn saddle(scale: f64, lift: f64) -> Saddle {
     let (mut positions, mut colors, mut triangles) = (Vec::new(), Vec::new(), Vec::new());
     for y in 0..25 {
         for x in 0..25 {
@@ -82,8 +85,7 @@ fn expected(folder: &Path) -> Vec<[u8; 4]> {
     let mut settings = Settings::new(160, 120);
     settings.sampling = Sampling::of(SamplePattern::Sparse4);
     *session.background_mut() = Background::Solid([0.2, 0.3, 0.4, 1.0]);
-    let arrays = |(positions, colors, triangles): &(Vec<[f64; 3]>, Vec<[u8; 4]>, Vec<[u32; 3]>),
-                  then: &mut dyn FnMut(&Arrays)| {
+    let arrays = |(positions, colors, triangles): &Saddle, then: &mut dyn FnMut(&Arrays)| {
         then(&Arrays { vertex_colors: Some(colors), ..Arrays::new(Positions::F64(positions), triangles) });
     };
     arrays(&saddle(2.0, 0.0), &mut |arrays| _ = session.add(arrays).expect("a part"));
