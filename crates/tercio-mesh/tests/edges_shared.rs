@@ -26,11 +26,7 @@ fn edges_are_as_many_as_vtk_finds() {
         weld::weld(&mut mesh);
         let all = Edges::of_mesh(&mesh, Selection::All);
         let features = Edges::of_mesh(&mesh, Selection::Feature(30f64.to_radians()));
-        let found = [
-            all.list.len(),
-            all.count(EdgeKind::Boundary),
-            all.count(EdgeKind::NonManifold),
-        ];
+        let found = [all.list.len(), all.count(EdgeKind::Boundary), all.count(EdgeKind::NonManifold)];
         assert_eq!((found, features.count(EdgeKind::Inner)), (expected, bent), "{name}");
     }
 }
