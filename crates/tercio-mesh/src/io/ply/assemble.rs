@@ -105,8 +105,12 @@ fn lines(job: &Job, mesh: &Mesh, table: Table) -> Result<Strokes, ReadError> {
         segments.extend(rows.into_iter().filter_map(|[a, b, _]| Some([number(a)?, number(b)?])));
         let broken = (all - segments.len()) as u64;
         if broken > 0 {
-            let name = if broken == 1 { "names a vertex" } else { "name vertices" };
-            job.warn(format!("ignored {}, which {name} that do not exist", counted(broken, "edge")));
+            let name = if broken == 1 {
+                "names a vertex that does not exist"
+            } else {
+                "name vertices that do not exist"
+            };
+            job.warn(format!("ignored {}, which {name}", counted(broken, "edge")));
         }
     }
     Ok(Strokes::of_vertices(mesh, segments, Vec::new()))
