@@ -131,7 +131,12 @@ impl FilmOutput {
     /// The system's reason; what ffmpeg says.
     pub fn finish(self) -> Result<()> {
         let writer = self.writer.into_inner().map_err(|_| anyhow!("{}: is broken", self.name))?;
-        let finished = if self.is_closed.into_inner() { Ok(()) } else { writer.finish() };
+        let finished = if self.is_closed.into_inner() {
+            drop(writer);
+            Ok(())
+        } else {
+            writer.finish()
+        };
         match finished {
             Err(ImageError::Io(error)) if error.kind() == io::ErrorKind::BrokenPipe => {}
             finished => finished.with_context(|| self.name.clone())?,
