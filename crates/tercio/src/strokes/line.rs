@@ -16,7 +16,7 @@ use super::{Length, Pen};
 /// Distance of an end from the true one, in pixels, at most.
 const ROUNDNESS: f64 = 0.1;
 /// Beyond what a face reaches, its strip does not come nearer than this many times the width.
-const STEEPEST: f64 = 10.0;
+const STEEPEST: f64 = 40.0;
 /// Share of a pixel, times the slope, by which a strip is in front of its face.
 const AHEAD: f64 = 1.0 / 32.0;
 /// Slopes above this one, in pixels of depth per pixel, count as this one.
