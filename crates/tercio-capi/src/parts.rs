@@ -29,7 +29,12 @@ unsafe fn with_arrays<T>(
         Ok(arrays) => Ok(make(&arrays)?),
         Err(error) => {
             let no_mesh = Arrays::new(Positions::F32(&[]), &[[0; 3]]);
-            make(&no_mesh).map_or_else(|_| Err(error), |_| Err("arrays without vertices were a mesh".into()))
+            match make(&no_mesh) {
+                Err(tercio::Error::Load(tercio::LoadError::Arrays(_))) => Err(error),
+                // The session failed in another way, which matters more.
+                Err(other) => Err(other.into()),
+                Ok(_) => Err("arrays without vertices were a mesh".into()),
+            }
         }
     }
 }

@@ -94,17 +94,18 @@ impl MpiComm {
     /// Access to the other processes of a communicator that belongs to the program, which has initialized MPI; all of them have to
     /// call this. Messages are sent over a duplicate, so that they never meet those of the program.
     ///
-    /// It is [closed](Self::close), or dropped, before MPI is finalized.
-    ///
     /// # Errors
     /// [`StartError`].
     ///
     /// # Safety
-    /// The handle is that of a live communicator of processes (not between groups), of the MPI library that this one was built with;
+    /// It is [closed](Self::close), or dropped, before MPI is finalized. The handle is that of a live communicator of processes (not between groups), of the MPI library that this one was built with;
     /// and this thread is the one that may call MPI, unless all may ([`mpi::Threading::Multiple`]).
     pub unsafe fn duplicate(of: MPI_Comm) -> Result<Self, StartError> {
         if !mpi::environment::is_initialized() || mpi::environment::is_finalized() {
             return Err(StartError::Missing);
+        }
+        if mpi::environment::threading_support() < mpi::Threading::Funneled {
+            return Err(StartError::Threads);
         }
         // SAFETY: as required from the caller.
         let link = unsafe { Link::of_handle(of) };
@@ -275,12 +276,13 @@ impl MpiComm {
         if self.arrived[rank].has_left {
             return Ok(());
         }
+        // First, so that nothing is sent twice if this fails and the communicator is dropped then.
+        self.arrived[rank].has_left = true;
         for step in 1..size {
             let to = (rank + step) % size;
             let outgoing = self.link.send(to, (PART, FAREWELL), Vec::new(), PART_BYTES);
             self.outgoing.push(outgoing.map_err(transport(to))?);
         }
-        self.arrived[rank].has_left = true;
         until(|_| {
             while let Some(Envelope { from, .. }) = self.take(None)? {
                 self.arrived[from].messages.clear();
@@ -345,6 +347,19 @@ impl Communicator for MpiComm {
 
     fn traffic(&self) -> Traffic {
         self.traffic
+    }
+
+    fn flush(&mut self) -> Result<(), CommError> {
+        self.forget_sent()?;
+        let Some(first) = self.outgoing.first().map(|outgoing| outgoing.to) else { return Ok(()) };
+        self.wait_until(
+            || first.into(),
+            |comm| {
+                while comm.take(None)?.is_some() {}
+                comm.forget_sent()?;
+                Ok(comm.outgoing.is_empty().then_some(()))
+            },
+        )
     }
 
     fn signal(&mut self, to: usize) -> Result<(), CommError> {

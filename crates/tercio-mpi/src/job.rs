@@ -19,8 +19,10 @@ pub enum StartError {
     /// A process can initialize MPI only once.
     #[error("MPI was already initialized in this process")]
     Twice,
-    /// The library was built without threads.
-    #[error("the MPI library does not allow threads beside the one that calls it")]
+    /// The library was built without threads, or the program has initialized it without.
+    #[error(
+        "MPI does not allow threads beside the one that calls it: initialize it with MPI_Init_thread and MPI_THREAD_FUNNELED"
+    )]
     Threads,
     /// The program has not initialized MPI, or has finalized it.
     #[error("MPI is not initialized in this process")]

@@ -50,7 +50,7 @@ use tercio_parallel::organisation::{Rank, Task};
 use tercio_parallel::{
     Communicator, FrameReport, Organisation, ParallelError, Sharing, between_processes, parts,
 };
-use tercio_raster::{Frame, Settings, ShadowMaps};
+use tercio_raster::{Frame, RenderError, Settings, ShadowMaps};
 use tercio_scene::light::Light;
 use tercio_scene::{Background, Camera, Environment, Framing, Instance, Scene, Surface};
 
@@ -266,6 +266,8 @@ impl<C: Communicator> Session<C> {
         size: u32,
     ) -> Result<ShadowMaps, Error> {
         self.timed(Function::ShadowMaps, None, |session| {
+            settings.check()?;
+            camera.basis().map_err(RenderError::from)?;
             Ok(parts::shadow_maps(&mut session.comm, &session.scene, camera, settings, size)?)
         })
     }
@@ -280,12 +282,15 @@ impl<C: Communicator> Session<C> {
         self.timed(Function::Render, None, |session| {
             // All ranks have the same.
             settings.check()?;
+            camera.basis().map_err(RenderError::from)?;
             let Self { comm, own, scene, frame, sharing, .. } = session;
             let task = Task { sharing: *sharing, scene, camera, settings };
             let drawn = between_processes::draw_frame(own, comm, &task, frame);
             session.scene.instances.truncate(session.parts.len());
             session.report = None;
             session.report = drawn?;
+            // The program may compute for long now.
+            session.comm.flush()?;
             Ok(())
         })?;
         Ok(self.frame())

@@ -67,7 +67,8 @@ int main(int argc, char **argv) {
     if (is_alone) {
         s = tercio_open();
     } else {
-        MPI_Init(&argc, &argv);
+        int threads_allowed;
+        MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &threads_allowed);
         MPI_Comm_rank(MPI_COMM_WORLD, &rank);
         MPI_Comm_size(MPI_COMM_WORLD, &processes);
         MPI_Comm comm = MPI_COMM_WORLD;

@@ -127,7 +127,8 @@ impl<F: Fn(u32) -> u32, T: Fn([u32; 3]) -> [u32; 3]> Finder<'_, F, T> {
             _ => EdgeKind::NonManifold,
         };
         if let [a, b] = group
-            && ((self.face)(a.triangle) == (self.face)(b.triangle) || !self.is_selected(v, a, b))
+            && ((self.face)(a.triangle) == (self.face)(b.triangle) && self.is_diagonal(v, a, b)
+                || !self.is_selected(v, a, b))
         {
             return;
         }
@@ -138,6 +139,15 @@ impl<F: Fn(u32) -> u32, T: Fn([u32; 3]) -> [u32; 3]> Finder<'_, F, T> {
             let place = 3 * u64::from(first.triangle) + u64::from(first.corner);
             found.edges.push((place, Edge { ends, apexes, kind }));
         }
+    }
+
+    /// Is an edge between two triangles of the same face inside a polygon? Cells with a volume, and strips, have several polygons,
+    /// which are told apart by a bend of 60 degrees and more.
+    fn is_diagonal(&self, v: u32, a: &Beside, b: &Beside) -> bool {
+        let at = |v: u32| glam::DVec3::from(self.mesh.positions[v as usize].map(f64::from));
+        let (from, along) = (at(v), at(a.to) - at(v));
+        let (m, n) = (along.cross(at(a.apex) - from), (at(b.apex) - from).cross(along));
+        m.dot(n) >= 0.5 * m.length() * n.length()
     }
 
     /// Is an edge between two triangles selected?

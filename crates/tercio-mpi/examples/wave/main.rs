@@ -52,6 +52,13 @@ fn main() -> tercio::Result<()> {
     if tercio_mpi::processes().is_some() {
         return over_mpi(&options);
     }
+    #[cfg(not(feature = "mpi"))]
+    if tercio_mpi::processes().is_some_and(|processes| processes > 1) {
+        eprintln!(
+            "error: built without MPI: cargo build --release -p tercio-mpi --features mpi --example wave"
+        );
+        std::process::exit(2);
+    }
     let results = threads::run(options.ranks, |comm| Ok(simulate(comm, &options)))?;
     results.into_iter().collect()
 }

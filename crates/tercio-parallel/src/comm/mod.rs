@@ -159,6 +159,15 @@ pub trait Communicator {
         Ok((first, message))
     }
 
+    /// Waits until the messages that this rank has sent need nothing more from it: before it does other work for long, while which
+    /// no message moves. Others are received from meanwhile.
+    ///
+    /// # Errors
+    /// [`CommError`].
+    fn flush(&mut self) -> Result<(), CommError> {
+        Ok(())
+    }
+
     /// An empty buffer for a message to a rank: memory of an earlier message to it, if it was returned.
     fn buffer(&mut self, to: usize) -> Vec<u8> {
         let _ = to;
@@ -271,6 +280,10 @@ impl<C: Communicator + ?Sized> Communicator for &mut C {
 
     fn receive_any(&mut self, awaited: &mut Awaited) -> Result<(usize, Vec<u8>), CommError> {
         (**self).receive_any(awaited)
+    }
+
+    fn flush(&mut self) -> Result<(), CommError> {
+        (**self).flush()
     }
 
     fn buffer(&mut self, to: usize) -> Vec<u8> {

@@ -134,7 +134,12 @@ fn one(job: &Job, path: &Path, name: &str, found: &mut Found) -> Result<Vec<Part
         }
         other => other?,
     };
+    if found.companions.len() >= companions::MOST {
+        // Every file that is read must be known: no output may replace it.
+        found.companions.push(path.to_path_buf());
+    }
     let inner = Job::new(&input, &options);
+    let before = found.held;
     found.open.push(whole());
     let parts = if looks_like_legacy(input.bytes()) {
         super::legacy::part(&inner)?.into_iter().collect()
@@ -148,7 +153,8 @@ fn one(job: &Job, path: &Path, name: &str, found: &mut Found) -> Result<Vec<Part
         return Err(inner.unsupported(Place::File, "a file of a collection that is none of VTK"));
     };
     found.open.pop();
-    found.held += parts.iter().map(Part::bytes).sum::<u64>();
+    // Those of a collection in it have added their own.
+    found.held = before + parts.iter().map(Part::bytes).sum::<u64>();
     let warnings = inner.into_warnings().into_iter().map(|warning| format!("{name}: {warning}"));
     found.warnings.extend(warnings.take(MOST_NAMES));
     Ok(parts)

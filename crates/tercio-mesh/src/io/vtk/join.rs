@@ -1,5 +1,7 @@
 //! Joins parts to one model.
 
+use std::collections::HashSet;
+
 use glam::DVec3;
 
 use super::part::{Part, Positions};
@@ -23,6 +25,31 @@ impl Part {
             Positions::Double(positions) => positions.len(),
         }
     }
+}
+
+/// Bytes of memory that joining parts takes, about.
+pub fn needed_bytes(parts: &[Part]) -> u64 {
+    let (mut vertices, mut triangles, mut ends) = (0u64, 0u64, 0u64);
+    let (mut of_vertices, mut of_triangles, mut of_ends) = (HashSet::new(), HashSet::new(), HashSet::new());
+    for part in parts {
+        vertices += part.vertices() as u64;
+        triangles += part.triangles.len() as u64;
+        ends += part.strokes.positions.len() as u64;
+        of_ends.extend(part.strokes.attributes.iter().map(|a| a.name.as_str()));
+        for attribute in &part.attributes {
+            let names = match attribute.domain {
+                AttributeDomain::Vertex => &mut of_vertices,
+                AttributeDomain::Triangle => &mut of_triangles,
+            };
+            names.insert(attribute.name.as_str());
+        }
+    }
+    // What one part has is filled in for all others.
+    let values = [(of_vertices, vertices), (of_triangles, triangles), (of_ends, ends)];
+    let filled =
+        values.iter().map(|(names, count)| 4 * names.len() as u64 * count).fold(0, u64::saturating_add);
+    // Growing arrays may take twice their size.
+    parts.iter().map(|p| 3 * p.bytes()).fold(filled.saturating_mul(2), u64::saturating_add)
 }
 
 /// Joins parts in their order. Faces are numbered by cells, one part after the other.

@@ -75,8 +75,7 @@ pub fn read_xml(input: &Input, options: &ReadOptions) -> Result<ReadModel, ReadE
         }
     };
     if parts.len() > 1 {
-        // Growing arrays may take twice their size.
-        job.reserve("its pieces as one", parts.iter().map(|p| 3 * p.bytes()).sum())?;
+        job.reserve("its pieces as one", join::needed_bytes(&parts))?;
     }
     let mut model = join::join(job.file(), parts, options.origin)?;
     model.report.format = format;

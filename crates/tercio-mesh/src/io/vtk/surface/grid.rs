@@ -37,6 +37,10 @@ pub fn cell(dims: [u64; 3], cell: usize, buffer: &mut [u32; 8]) -> (Shape, &[u32
 /// The faces at the borders of a grid in the order of its cells.
 pub fn outer(job: &Job, dims: [u64; 3], points: &Points) -> Result<Surface, ReadError> {
     let [x, y, z] = dims.map(along);
+    if x == 0 || y == 0 || z == 0 {
+        // The other axes may be as long as numbers allow.
+        return Ok(Surface { cells: Some(Vec::new()), ..Surface::default() });
+    }
     let is_solid = dims.iter().all(|&n| n > 1);
     let faces = if is_solid { 2 * (x * y + y * z + z * x) } else { x * y * z };
     job.reserve("the surface of its grid", 2 * 16 * 2 * faces)?;

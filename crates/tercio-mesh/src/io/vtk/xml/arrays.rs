@@ -185,8 +185,9 @@ fn from_base64(
     let front = part(0, encoding.word)?;
     let length = word(encoding, &front, 0).and_then(size).ok_or_else(too_long)?;
     let head = characters(encoding.word).unwrap_or(0);
-    // Some writers end the head with padding.
-    if text.get(..head).is_some_and(|t| t.contains(&b'=')) && text.len() > head {
+    // Some writers end the head with padding: one of 4 bytes with two characters of it, one of 8 bytes with one.
+    let padding: &[u8] = if encoding.word == 4 { b"==" } else { b"=" };
+    if text.get(..head).is_some_and(|t| t.ends_with(padding)) && text.len() > head {
         let mut bytes = part(head, length)?;
         bytes.truncate(length);
         return Ok(bytes);

@@ -7,6 +7,7 @@ use crate::ReadError;
 use crate::io::vtk::build;
 use crate::io::vtk::dataset::{CellList, Cells, Ends, Points};
 use crate::io::vtk::numbers::Numbers;
+use crate::mesh::MAX_ELEMENTS;
 
 impl<'a> Reader<'_, 'a> {
     /// Points and cells of a piece; `None` if it holds none.
@@ -214,6 +215,10 @@ impl<'a> Reader<'_, 'a> {
         // A face may be listed by several cells.
         let size = |face: &u32| faces.get(*face as usize).len() as u64 + 1;
         let needed = list.connectivity.iter().map(size).sum::<u64>() + cells as u64;
+        if needed > MAX_ELEMENTS {
+            let what = "points of faces of polyhedra";
+            return Err(ReadError::TooMany { file: self.job.file().into(), what, count: needed });
+        }
         self.job.reserve("the faces of polyhedra", 4 * needed + 8 * cells as u64)?;
         let mut stream = Vec::with_capacity(needed as usize);
         let mut ends = Vec::with_capacity(cells);

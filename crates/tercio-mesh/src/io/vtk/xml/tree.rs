@@ -77,6 +77,10 @@ pub fn parse(job: &Job) -> Result<Document, ReadError> {
             if elements.is_multiple_of(1024) {
                 job.reserve("the elements of its XML", 1024 * ELEMENT_BYTES)?;
             }
+            if after - before > ELEMENT_BYTES as usize {
+                // Attributes take more memory than they have characters.
+                job.reserve("the attributes of an element", 32 * (after - before) as u64)?;
+            }
             if open.len() >= DEEPEST {
                 let found = "deeper ones";
                 return Err(job.malformed(
