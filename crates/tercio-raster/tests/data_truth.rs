@@ -163,7 +163,7 @@ fn isolines_lie_where_the_value_is_and_are_as_wide_everywhere() {
         };
         let slope = ((right - v) / 0.05).hypot((down - v) / 0.05);
         let distance = (v - line).abs().min((v + 0.5).abs()) / slope;
-        let cover = (width / 2.0 + 0.5 - distance).clamp(0.0, 1.0);
+        let cover = (f64::from(width) / 2.0 + 0.5 - distance).clamp(0.0, 1.0);
         let [r, g, ..] = frame.planes.color[(y * SIZE[0] + x) as usize];
         // The surface is 127 or 128 in sRGB, 0.212 in linear light.
         let linear = |c: u8| {
