@@ -6,7 +6,7 @@ use std::path::Path;
 use clap::Command;
 
 /// The options of `render` that its short help lists; --help lists all.
-const RENDER: [&str; 22] = [
+const RENDER: [&str; 17] = [
     "model",
     "more",
     "output",
@@ -17,17 +17,12 @@ const RENDER: [&str; 22] = [
     "zoom",
     "up_axis",
     "eye",
-    "target",
-    "orthographic",
     "turntable",
     "camera_path",
-    "fps",
-    "stereo",
     "shading",
     "color",
     "opacity",
     "background",
-    "threads",
     "verbose",
 ];
 

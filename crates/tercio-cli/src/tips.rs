@@ -9,13 +9,16 @@ use clap::error::{ContextKind, ContextValue, Error, ErrorKind};
 /// Adds to an error about a surplus argument that an option takes its value after `=`, if one stands before what looks
 /// like its value: `--ao 0.5` is `--ao` without a value, and one more model.
 pub fn add(error: &mut Error, program: &Command, arguments: impl Iterator<Item = OsString>) {
-    if error.kind() != ErrorKind::UnknownArgument || error.get(ContextKind::Suggested).is_some() {
+    if error.get(ContextKind::Suggested).is_some() {
         return;
     }
-    let Some(ContextValue::String(surplus)) = error.get(ContextKind::InvalidArg) else {
-        return;
+    // The value may also have been read as one of several models, where another option is missing.
+    let surplus = match (error.kind(), error.get(ContextKind::InvalidArg)) {
+        (ErrorKind::UnknownArgument, Some(ContextValue::String(surplus))) => surplus.clone(),
+        (ErrorKind::MissingRequiredArgument, _) => String::new(),
+        _ => return,
     };
-    if let Some(tip) = equals_tip(program, arguments, surplus) {
+    if let Some(tip) = equals_tip(program, arguments, &surplus) {
         error.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![tip.into()]));
     }
 }

@@ -50,7 +50,7 @@ fn wrong_usage_is_reported_before_any_work() {
         ("-o a.png --near -1", "--near"),
         ("-o a.png --light sun", "--light"),
         ("-o a.png --shading unlit --light head", "--light"),
-        ("-o a.png --color red", "--color"),
+        ("-o a.png --color reddish", "--color"),
         ("-o a.png --tile-size 17", "tile size"),
         ("-o a.png --simd mmx", "--simd"),
         ("-o a.png --memory-limit lots", "--memory-limit"),

@@ -88,8 +88,10 @@ impl From<SortingName> for Sorting {
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Drawing")]
 pub struct DrawingArgs {
-    /// Size of the picture in pixels, up to 65536x65536. A PNG with more pixels than 8192x8192, without ranks, stereo,
-    /// --ao, --edl and other outputs, is drawn in bands: little memory is enough.
+    /// Size of the picture in pixels, up to 65536x65536.
+    ///
+    /// A PNG with more pixels than 8192x8192, without ranks, stereo, --ao, --edl and other outputs, is drawn in bands: little
+    /// memory is enough.
     #[arg(short, long, alias = "resolution", value_name = "WxH", value_parser = values::size, default_value = "1280x960")]
     pub size: (u32, u32),
     /// Where lighting is computed.
@@ -107,8 +109,10 @@ pub struct DrawingArgs {
     /// Draws everything in --color, whatever colours, materials and textures the model has.
     #[arg(long)]
     no_mesh_colors: bool,
-    /// Opacity of the model, 0 to 1. What it covers shines through, in linear light and in the right order, however many
-    /// layers there are. The alpha of the model's colours and materials is drawn without this option, too.
+    /// Opacity of the model, 0 to 1.
+    ///
+    /// What it covers shines through, in linear light and in the right order, however many layers there are. The alpha of the
+    /// model's colours and materials is drawn without this option, too.
     #[arg(long, value_name = "ALPHA", allow_negative_numbers = true, value_parser = values::opacity)]
     opacity: Option<f64>,
     /// A colour, two colours TOP,BOTTOM for a gradient, or transparent.

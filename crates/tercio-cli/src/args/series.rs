@@ -25,12 +25,16 @@ const LARGEST_PATH: u64 = 64 << 20;
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Series of pictures")]
 pub struct SeriesArgs {
-    /// Draws N pictures of one full turn of the camera round the up axis through what it looks at, in equal steps. The model
-    /// stays in the picture all round. The output is a film, or has a number in its name: frame_{:04}.png.
+    /// Draws N pictures of one full turn of the camera round the model.
+    ///
+    /// The camera turns in equal steps round the up axis through what it looks at, and the model stays in the picture all round. The
+    /// output is a film, or has a number in its name: frame_{:04}.png.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST_PICTURES)))]
     turntable: Option<u32>,
-    /// Moves the camera smoothly through the keyframes of a CSV, JSON or TOML file: time in seconds, eye and, if they are not
-    /// those of the other options, target, up and fov. A path whose last keyframe has the camera of the first is closed.
+    /// Moves the camera smoothly through the keyframes of a CSV, JSON or TOML file.
+    ///
+    /// Columns or keys are time in seconds, eye (eye_x, eye_y, eye_z in CSV) and, if they are not those of the other options,
+    /// target, up and fov. A path whose last keyframe has the camera of the first is closed.
     #[arg(long, value_name = "FILE", conflicts_with_all = ["turntable", "view", "azimuth", "elevation", "camera_direction", "eye", "target"])]
     camera_path: Option<PathBuf>,
     /// Number of pictures of --camera-path [default: one for each frame of --fps].

@@ -29,9 +29,11 @@ pub enum Depth {
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Writing")]
 pub struct WritingArgs {
-    /// The picture: .png, .ppm or .webp (lossless), or `-` for standard output. For series {frame} or {:04} stands for the
-    /// number of a picture, {view} for its view, {name} for its model; or a film: .gif, .apng, .y4m, and .mp4 or .webm, which
-    /// need ffmpeg.
+    /// The picture (.png, .ppm, .webp), `-` for standard output, or a film (.gif, .apng, .y4m, .mp4).
+    ///
+    /// WebP is lossless. For series {frame} or {:04} in the name stands for the number of a picture, {view} for its view, {step}
+    /// for the number of its model, and {name} for the name of its model. Films are .gif, .apng, .y4m, and .mp4, .webm, .mkv and
+    /// .mov, which need ffmpeg.
     #[arg(short, long, value_name = "FILE")]
     #[arg(required_unless_present_any = ["output_depth", "output_ids", "output_normals"])]
     output: Option<PathBuf>,

@@ -43,7 +43,7 @@ prop_compose! {
         aspect in (-4.0f64..4.0).prop_map(f64::exp2),
         fov_y in proptest::option::of(1.0..120.0),
     ) -> Framing {
-        Framing { up_axis, azimuth, elevation, roll, zoom: 1.0, aspect, fov_y, fill: 0.9 }
+        Framing { up_axis, azimuth, elevation, roll, zoom: 1.0, aspect, fov_y, fill: 0.9, all_round: false }
     }
 }
 
