@@ -195,7 +195,7 @@ fn scale_bars_are_true() {
         assert!((b[0] - a[0] - scale.pixels).abs() < 1e-9, "{scale:?}");
         assert!(scale.pixels > 90.0 && scale.pixels <= 250.0, "{scale:?}");
         // The ink is that long.
-        let line = round_length(projector.pixels_per_unit(), 250.0).expect("a length");
+        let line = scale_bar::round_length(projector.pixels_per_unit(), 250.0).expect("a length");
         assert_eq!(line, scale);
     }
 }
@@ -206,7 +206,7 @@ fn axes_point_along_the_axes() {
     for eye in [DVec3::new(3.0, 2.0, 9.0), DVec3::new(-5.0, 0.3, -1.0), DVec3::new(0.1, -9.0, 0.2)] {
         let camera = camera(eye, Projection::Orthographic { height: 5.0 });
         let projector = Projector::new(&camera, [800.0, 600.0]).expect("a camera");
-        for arm in arms(&projector, 1.0) {
+        for arm in triad::arms(&projector, 1.0) {
             let axis = match arm.name {
                 "x" => DVec3::X,
                 "y" => DVec3::Y,
