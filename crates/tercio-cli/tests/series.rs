@@ -121,7 +121,7 @@ fn ffmpeg_gets_the_pixels_and_its_failure_is_told() {
     run(&format!("render model.off -o a.mp4 --turntable 6 {SMALL}")).ok_silently();
     let expected: Vec<u8> = frames.iter().flat_map(|f| pixels(f)).flat_map(|p| [p[0], p[1], p[2]]).collect();
     assert!(place.read("a.mp4") == expected);
-    run(&format!("render model.off -o b.mp4 --turntable 6 --size 63x48")).failed(2, &["even width"]);
+    run("render model.off -o b.mp4 --turntable 6 --size 63x48").failed(2, &["even width"]);
     make("#!/bin/sh\n[ \"$1\" = -version ] && exit 0\necho 'no encoder' >&2\nexit 3\n");
     run(&format!("render model.off -o b.mp4 --turntable 6 {SMALL}")).failed(1, &["b.mp4", "no encoder"]);
     make("#!/bin/sh\nexit 1\n");

@@ -142,7 +142,7 @@ mod tests {
 
     impl Stages<usize, usize> for Slow {
         fn encode(&self, number: usize, drawn: usize) -> Result<usize> {
-            thread::sleep(Duration::from_millis(if number % 3 == 0 { 6 } else { 1 }));
+            thread::sleep(Duration::from_millis(if number.is_multiple_of(3) { 6 } else { 1 }));
             if self.bad == Some(number) {
                 bail!("picture {number} is bad");
             }

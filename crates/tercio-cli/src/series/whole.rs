@@ -39,7 +39,8 @@ fn is_picture(path: &Path, format: PictureFormat, (width, height): (u32, u32)) -
         PictureFormat::Ppm => {
             let start = |most: u32| format!("P6\n{width} {height}\n{most}\n").into_bytes();
             let pixels = u64::from(width) * u64::from(height) * 3;
-            file.read(&mut head).ok()?;
+            let mut head = Vec::new();
+            file.take(33).read_to_end(&mut head).ok()?;
             [(start(255), pixels), (start(65535), pixels * 2)]
                 .iter()
                 .any(|(start, bytes)| head.starts_with(start) && length == start.len() as u64 + bytes)

@@ -170,7 +170,7 @@ impl DataOptions {
     /// # Errors
     /// [`DataError`], which lists what there is.
     pub fn data(&self, instance: &Instance) -> Result<Arc<SurfaceData>, DataError> {
-        self.data_with(instance, |statistics| Ok(statistics))
+        self.data_with(instance, Ok)
     }
 
     /// As [`DataOptions::data`], with statistics that `of_all` makes from those of this instance: of a model in parts, those of all

@@ -3,7 +3,10 @@ use tercio_mesh::{Attribute, AttributeDomain, Mesh, builtin};
 
 use super::*;
 
-fn model(attributes: &[(&str, AttributeDomain, &dyn Fn(usize) -> f32)]) -> Instance {
+/// The name of an attribute, where its values are, and the value of each element.
+type Made<'a> = (&'a str, AttributeDomain, &'a dyn Fn(usize) -> f32);
+
+fn model(attributes: &[Made]) -> Instance {
     let mut mesh = builtin::make("builtin:sphere@500").expect("a model");
     for (name, domain, value) in attributes {
         let count = match domain {

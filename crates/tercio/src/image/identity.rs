@@ -54,7 +54,7 @@ impl FileIdentity {
     /// The same for files of one folder that do not exist yet and whose names differ in nothing but case; `None` for others.
     pub fn name_in_any_case(&self) -> Option<impl Eq + std::hash::Hash + use<>> {
         match &self.0 {
-            Which::NotYet(folder, name) => Some((folder.clone(), name.to_str()?.to_lowercase())),
+            Which::NotYet(folder, name) => Some((*folder, name.to_str()?.to_lowercase())),
             Which::There(_) => None,
         }
     }

@@ -142,7 +142,7 @@ impl Render {
             {
                 let name = crate::output::name(file);
                 let example = "such as frame_{:04}.png";
-                let films = if matches!(format, None) && option == "--output" {
+                let films = if format.is_none() && option == "--output" {
                     ", or be a film (.gif, .apng, .y4m, .mp4, or - with --format y4m)"
                 } else {
                     ""
