@@ -17,7 +17,7 @@ fn place_with(names: &[&str]) -> Place {
 fn one_bad_file_does_not_stop_the_others() {
     let place = place_with(&["a.off", "b.off", "c.off"]);
     std::fs::write(place.path("bad.off"), "OFF\n3 1 0\n0 0 0\n").unwrap();
-    std::fs::write(place.path("none.off"), "OFF\n3 0 0\n0 0 0\n1 0 0\n0 1 0\n").unwrap();
+    std::fs::write(place.path("none.off"), "OFF\n3 1 0\n0 0 0\n1 0 0\n2 0 0\n3 0 1 2\n").unwrap();
     // The pattern is expanded here, not by a shell.
     let outcome = place.run(&format!("render *.off -o {{name}}.png {SMALL}"));
     assert_eq!(outcome.code, Some(1), "{}", outcome.stderr);

@@ -120,7 +120,7 @@ fn bad_planes_are_usage_errors() {
         ("--clip x:1.5", ["--clip", "0 to 1"]),
         ("--clip u:0.5", ["--clip", "x, y or z"]),
         ("--clip-cap", ["--clip", "required"]),
-        ("--clip x:0.5 --clip-cap=red", ["--clip-cap", "a colour"]),
+        ("--clip x:0.5 --clip-cap=reddish", ["--clip-cap", "a colour"]),
     ] {
         place.run(&format!("render model.off -o a.png {clip}")).failed(2, &parts);
     }

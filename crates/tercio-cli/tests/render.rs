@@ -188,6 +188,7 @@ fn statistics_tell_the_look() {
         serde_json::json!({
             "color": [1.0, 1.0, 1.0], "mesh_colors": false, "opacity": 0.25, "specular": 0.2,
             "roughness": 0.3, "metallic": 0.0, "shading": "pbr", "cull": "back", "shadows": 64, "lights": null,
+            "data": null, "annotation": null,
             "background": { "top": [0.0, 0.0, 0.0, 1.0], "bottom": [1.0, 1.0, 1.0, 0.0] },
             "environment": {
                 "source": { "gradient": [[0.75, 0.95, 1.25], [1.0, 1.0, 1.0], [0.22, 0.20, 0.18]] },

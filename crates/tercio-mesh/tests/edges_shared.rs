@@ -7,13 +7,13 @@ use tercio_mesh::{clean, weld};
 
 /// File; all edges, edges of one triangle, edges of more than two triangles; bent ones. VTK counts 8 more of these in
 /// 42400-IDGH.stl, at triangles without area, and 18 more in shark.ply, where it compares normals of polygons that are not flat,
-/// not of the triangles at the edge.
+/// not of the triangles at the edge. Eleven of its quads are folded by more than 80 degrees: there, edges are found along the fold.
 const COUNTS: [(&str, [usize; 3], usize); 5] = [
     ("stl/gears.stl", [29139, 0, 0], 5200),
     ("stl/featuretype.STL", [5502, 576, 0], 1435),
     ("stl/42400-IDGH.stl", [16554, 0, 0], 2099 - 8),
     ("stl/multibody.stl", [48, 0, 0], 28),
-    ("ply/shark.ply", [5120, 0, 0], 880 - 18),
+    ("ply/shark.ply", [5120 + 11, 0, 0], 880 - 18 + 11),
 ];
 
 #[test]

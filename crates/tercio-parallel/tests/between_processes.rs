@@ -35,6 +35,8 @@ fn counts(mut report: FrameReport) -> FrameReport {
     for rank in &mut report.ranks {
         rank.stages = RankStages::default();
         rank.frame.milliseconds = StageTimes::default();
+        // Each draws in the pool that it is called in.
+        rank.frame.threads = 0;
         // Threads of one process wait for each other, processes agree and report.
         let is_control = |kind| matches!(kind, Kind::Agreement | Kind::Barrier | Kind::Report);
         rank.partners.retain(|with| !is_control(with.kind));

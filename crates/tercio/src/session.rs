@@ -30,7 +30,8 @@
 //!     };
 //!     if let Some(frame) = session.render(&camera, &settings)? {
 //!         let picture = Picture::from_frame(frame);
-//!         assert!(picture.pixels.iter().any(|pixel| *pixel != picture.pixels[0]));
+//!         assert_eq!((picture.width, picture.height), (160, 120));
+//!         assert!(frame.planes.color.iter().any(|pixel| *pixel != frame.planes.color[0]));
 //!     }
 //! }
 //! # Ok::<(), tercio::Error>(())

@@ -187,6 +187,9 @@ impl AnnotationArgs {
 
 /// What was drawn, for reports.
 pub fn json(laid_out: &LaidOut) -> Value {
+    if laid_out.placed.is_empty() && laid_out.left_out.is_empty() && laid_out.grid_step.is_none() {
+        return Value::Null;
+    }
     let placed: Vec<Value> =
         laid_out.placed.iter().map(|placed| json!({ "what": placed.what, "box": placed.rect })).collect();
     json!({

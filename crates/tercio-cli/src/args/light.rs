@@ -134,7 +134,7 @@ mod tests {
             "dir",
             "dir:0,0,0",
             "dir:1,2",
-            "point:1,2,3:blue",
+            "point:1,2,3:bluish",
             "head:*-1",
             "head:*",
             "spot:1,2,3",

@@ -16,7 +16,9 @@ use crate::output::write_text;
 Examples:
   tercio completions bash > ~/.local/share/bash-completion/completions/tercio
   tercio completions zsh > ~/.zfunc/_tercio
-  tercio completions fish > ~/.config/fish/completions/tercio.fish")]
+  tercio completions fish > ~/.config/fish/completions/tercio.fish
+
+Exit code: 0 success, 1 error, 2 wrong usage.")]
 pub struct Completions {
     /// The shell.
     #[arg(value_enum)]
@@ -41,7 +43,9 @@ impl Completions {
 Examples:
   tercio man | man -l -
   tercio man render > tercio-render.1
-  tercio man --all /usr/local/share/man/man1")]
+  tercio man --all /usr/local/share/man/man1
+
+Exit code: 0 success, 1 error, 2 wrong usage.")]
 pub struct Man {
     /// The command, such as render [default: tercio itself].
     command: Option<String>,

@@ -92,6 +92,9 @@ struct Finder<'a, F, T> {
     selection: Selection,
 }
 
+/// Cosine of 80 degrees.
+const COS_80: f64 = 0.1736;
+
 impl<F: Fn(u32) -> u32, T: Fn([u32; 3]) -> [u32; 3]> Finder<'_, F, T> {
     /// Finds the edges from a vertex to those with higher numbers.
     fn at_vertex(&self, v: u32, scratch: &mut Vec<Beside>, found: &mut Found) {
@@ -142,12 +145,12 @@ impl<F: Fn(u32) -> u32, T: Fn([u32; 3]) -> [u32; 3]> Finder<'_, F, T> {
     }
 
     /// Is an edge between two triangles of the same face inside a polygon? Cells with a volume, and strips, have several polygons,
-    /// which are told apart by a bend of 60 degrees and more.
+    /// which are told apart by a bend of 80 degrees and more: hardly a polygon is folded like that.
     fn is_diagonal(&self, v: u32, a: &Beside, b: &Beside) -> bool {
         let at = |v: u32| glam::DVec3::from(self.mesh.positions[v as usize].map(f64::from));
         let (from, along) = (at(v), at(a.to) - at(v));
         let (m, n) = (along.cross(at(a.apex) - from), (at(b.apex) - from).cross(along));
-        m.dot(n) >= 0.5 * m.length() * n.length()
+        m.dot(n) >= COS_80 * m.length() * n.length()
     }
 
     /// Is an edge between two triangles selected?

@@ -21,6 +21,9 @@ fn a_cube_has_twelve_edges_of_each_kind_that_it_has() {
     }
     assert!(Edges::of_mesh(&mesh, Selection::Feature(1.58)).list.is_empty());
     assert!(Edges::of_mesh(&mesh, Selection::Boundary).list.is_empty());
+    // As one cell, the surface of a hexahedron.
+    mesh.face_of_triangle = Some(vec![0; 12]);
+    assert_eq!(Edges::of_mesh(&mesh, Selection::All).list.len(), 12);
     // Without polygons, the diagonals are edges, but not features.
     mesh.face_of_triangle = None;
     assert_eq!(Edges::of_mesh(&mesh, Selection::All).list.len(), 18);
