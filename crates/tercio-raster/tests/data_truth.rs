@@ -43,10 +43,22 @@ fn ray(camera: &Camera, [x, y]: [f64; 2]) -> (DVec3, DVec3) {
 
 /// What is visible at a point of the picture: the interpolated value; `None` beside the model and near edges of triangles.
 fn seen(caster: &RayCaster, values: &[[f64; 3]], camera: &Camera, at: [f64; 2], rim: f64) -> Option<f64> {
+    seen_in(caster, values, camera, at, rim).map(|(_, value)| value)
+}
+
+/// As [`seen`], with the triangle.
+fn seen_in(
+    caster: &RayCaster,
+    values: &[[f64; 3]],
+    camera: &Camera,
+    at: [f64; 2],
+    rim: f64,
+) -> Option<(usize, f64)> {
     let (from, towards) = ray(camera, at);
     let hit = caster.first_hit(from.to_array(), towards.to_array(), 0.0)?;
     let of = values[hit.triangle];
-    hit.weight.iter().all(|&w| w > rim).then(|| (0..3).map(|k| hit.weight[k] * of[k]).sum())
+    let is_inside = hit.weight.iter().all(|&w| w > rim);
+    is_inside.then(|| (hit.triangle, (0..3).map(|k| hit.weight[k] * of[k]).sum()))
 }
 
 struct Model {
@@ -156,11 +168,17 @@ fn isolines_lie_where_the_value_is_and_are_as_wide_everywhere() {
     for (x, y) in (1..SIZE[1] - 1).flat_map(|y| (1..SIZE[0] - 1).map(move |x| (x, y))) {
         let value = |dx: f64, dy: f64| {
             let at = [f64::from(x) + 0.5 + dx, f64::from(y) + 0.5 + dy];
-            seen(&model.caster, &model.values, camera, at, 0.05)
+            seen_in(&model.caster, &model.values, camera, at, 0.05)
         };
-        let (Some(v), Some(right), Some(down)) = (value(0.0, 0.0), value(0.05, 0.0), value(0.0, 0.05)) else {
+        let [Some((triangle, v)), Some((in_right, right)), Some((in_down, down))] =
+            [value(0.0, 0.0), value(0.05, 0.0), value(0.0, 0.05)]
+        else {
             continue;
         };
+        // At the rim of the sphere triangles are thinner than that, and the next one has another slope.
+        if (in_right, in_down) != (triangle, triangle) {
+            continue;
+        }
         let slope = ((right - v) / 0.05).hypot((down - v) / 0.05);
         let distance = (v - line).abs().min((v + 0.5).abs()) / slope;
         let cover = (f64::from(width) / 2.0 + 0.5 - distance).clamp(0.0, 1.0);
