@@ -144,8 +144,9 @@ impl<F: Fn(u32) -> u32, T: Fn([u32; 3]) -> [u32; 3]> Finder<'_, F, T> {
         }
     }
 
-    /// Is an edge between two triangles of the same face inside a polygon? Cells with a volume, and strips, have several polygons,
-    /// which are told apart by a bend of 80 degrees and more: hardly a polygon is folded like that.
+    /// Is an edge between two triangles of the same face a diagonal of a polygon? A face of the model may be a volume cell or a
+    /// strip, which has several polygons: where it bends by at least 80 degrees, its edge is a real one. Polygons that are folded so
+    /// sharply are rare.
     fn is_diagonal(&self, v: u32, a: &Beside, b: &Beside) -> bool {
         let at = |v: u32| glam::DVec3::from(self.mesh.positions[v as usize].map(f64::from));
         let (from, along) = (at(v), at(a.to) - at(v));

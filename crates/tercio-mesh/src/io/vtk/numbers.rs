@@ -79,47 +79,15 @@ real!(f32, f64);
 /// Runs an expression with the type of a [`Scalar`].
 macro_rules! typed {
     ($scalar:expr, $t:ident => $body:expr) => {
+        typed!(@each $scalar, $t => $body;
+            I8 i8, U8 u8, I16 i16, U16 u16, I32 i32, U32 u32, I64 i64, U64 u64, F32 f32, F64 f64)
+    };
+    (@each $scalar:expr, $t:ident => $body:expr; $($name:ident $own:ty),*) => {
         match $scalar {
-            Scalar::I8 => {
-                type $t = i8;
+            $(Scalar::$name => {
+                type $t = $own;
                 $body
-            }
-            Scalar::U8 => {
-                type $t = u8;
-                $body
-            }
-            Scalar::I16 => {
-                type $t = i16;
-                $body
-            }
-            Scalar::U16 => {
-                type $t = u16;
-                $body
-            }
-            Scalar::I32 => {
-                type $t = i32;
-                $body
-            }
-            Scalar::U32 => {
-                type $t = u32;
-                $body
-            }
-            Scalar::I64 => {
-                type $t = i64;
-                $body
-            }
-            Scalar::U64 => {
-                type $t = u64;
-                $body
-            }
-            Scalar::F32 => {
-                type $t = f32;
-                $body
-            }
-            Scalar::F64 => {
-                type $t = f64;
-                $body
-            }
+            })*
         }
     };
 }
