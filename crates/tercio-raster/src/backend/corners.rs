@@ -114,13 +114,13 @@ impl<'a> Colored<'a> {
         Self { instance, data, number, cluster: instance.mesh.cluster(number) }
     }
 
-    /// The linear colour and alpha of each vertex with [`ColorSource::Vertex`], one after the other.
+    /// Linear colour and alpha of a vertex with [`ColorSource::Vertex`].
     #[inline(always)]
-    pub fn each_vertex_color(&self, mut see: impl FnMut(usize, [f32; 4])) {
-        if let Some(data) = self.data {
-            (0..self.cluster.vertices()).for_each(|v| see(v, data.vertex_color(&self.cluster, v)));
-        } else if let Some(colors) = self.cluster.vertex_colors() {
-            colors.iter().enumerate().for_each(|(v, &color)| see(v, with_alpha(color)));
+    pub fn vertex_color(&self, vertex: usize) -> [f32; 4] {
+        match (self.data, self.cluster.vertex_colors()) {
+            (Some(data), _) => data.vertex_color(&self.cluster, vertex),
+            (None, Some(colors)) => with_alpha(colors[vertex]),
+            (None, None) => [0.0; 4],
         }
     }
 
@@ -193,12 +193,11 @@ pub struct Corners<S: Simd> {
     pub are_near: bool,
     /// Normals after [`unit_normal`] and [`scaled`]; valid only if the mesh has normals.
     pub normal: [Vec3x16<S>; 3],
-    /// Linear colours; valid only if the mesh has colours.
+    /// Linear colours; valid only if the mesh has colours. With [`ColorSource::Data`] there are values instead: see
+    /// [`Self::values`].
     pub color: [Vec3x16<S>; 3],
     /// Alpha of the colours; valid only if they have one.
     pub alpha: [f32x16<S>; 3],
-    /// Values of data; valid only with [`ColorSource::Data`].
-    pub value: [f32x16<S>; 3],
     /// Texture coordinates; valid only if [`Corners::has_uv`].
     pub uv: [[f32x16<S>; 2]; 3],
     /// The mesh has texture coordinates, and the shading needs them.
@@ -225,12 +224,21 @@ impl<S: Simd> Corners<S> {
             normal: [[zero; 3]; 3],
             color: [[zero; 3]; 3],
             alpha: [zero; 3],
-            value: [zero; 3],
             uv: [[zero; 2]; 3],
             has_uv: false,
             material: [NO_MATERIAL; LANES],
             normals_agree: false,
         }
+    }
+
+    /// Values of data. They share the memory of the colours that they are mapped to later: corners are cleared for every 16
+    /// pixels.
+    #[inline(always)]
+    pub fn values(&self) -> [f32x16<S>; 3] {
+        self.color.map(
+            #[inline(always)]
+            |color| color[0],
+        )
     }
 
     /// Fetches the corners of all lanes. Precondition: all slots belong to `instance`.
@@ -263,16 +271,12 @@ impl<S: Simd> Corners<S> {
                     packed[k] = same.select(normal, packed[k]);
                 }
                 if colors == ColorSource::Vertex {
-                    let color = match (colored.data, cluster.vertex_colors()) {
-                        (Some(data), _) => data.vertex_color(&cluster, v),
-                        (None, Some(c)) => with_alpha(c[v]),
-                        (None, None) => [0.0; 4],
-                    };
-                    corners.set_color(k, same, color);
+                    corners.set_color(k, same, colored.vertex_color(v));
                 }
                 if let (ColorSource::Data, Some(data)) = (colors, colored.data) {
                     let value = data.value(&colored.instance.mesh, colored.number, &cluster, triangle, v);
-                    corners.value[k] = same.select(splat(simd, value), corners.value[k]);
+                    let values = &mut corners.color[k][0];
+                    *values = same.select(splat(simd, value), *values);
                 }
             }
             if has_materials {

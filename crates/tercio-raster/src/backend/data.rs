@@ -24,48 +24,38 @@ pub fn colors<S: Simd>(
 ) -> (Vec3x16<S>, f32x16<S>) {
     simd.vectorize(
         #[inline(always)]
-        || colors_inline(simd, context, instance, sample, at, corners),
+        || {
+            let zero = splat(simd, 0.0);
+            let Some(data) = &context.data[instance] else { return ([zero; 3], splat(simd, 1.0)) };
+            let mapping = &data.mapping;
+            let (value, is_number) = interpolated(simd, at, corners);
+            let index = if mapping.categories.is_empty() {
+                index(simd, mapping, value, is_number)
+            } else {
+                category(simd, mapping, at, corners)
+            };
+            let index = index.to_array();
+            let mut found = [[0.0; 4]; LANES];
+            for lane in 0..LANES {
+                if let Some(entry) = mapping.entries.get(index[lane] as usize) {
+                    found[lane] = *entry;
+                }
+            }
+            let [r, g, b, alpha] = load_interleaved(simd, &found);
+            if mapping.isolines.is_empty() {
+                return ([r, g, b], alpha);
+            }
+            let object = &context.objects[instance];
+            let gradients = at.gradients(simd, context, object, sample, corners);
+            let to_pixels = context.shading_distance / SUBPIXELS as f32;
+            let cover = line_cover(simd, mapping, value, gradients, corners, to_pixels);
+            let cover = is_number.select(cover, zero);
+            let whole = alpha + (splat(simd, 1.0) - alpha) * cover;
+            let share = whole.simd_gt(zero).select(cover / whole, zero);
+            let color = [r, g, b];
+            (each3!(C => color[C] + (splat(simd, mapping.line[C]) - color[C]) * share), whole)
+        },
     )
-}
-
-#[inline(always)]
-fn colors_inline<S: Simd>(
-    simd: S,
-    context: &FrameContext,
-    instance: usize,
-    sample: [i32x16<S>; 2],
-    at: &Interpolation<S>,
-    corners: &Corners<S>,
-) -> (Vec3x16<S>, f32x16<S>) {
-    let zero = splat(simd, 0.0);
-    let Some(data) = &context.data[instance] else { return ([zero; 3], splat(simd, 1.0)) };
-    let mapping = &data.mapping;
-    let (value, is_number) = interpolated(simd, at, corners);
-    let index = if mapping.categories.is_empty() {
-        index(simd, mapping, value, is_number)
-    } else {
-        category(simd, mapping, at, corners)
-    };
-    let index = index.to_array();
-    let mut found = [[0.0; 4]; LANES];
-    for lane in 0..LANES {
-        if let Some(entry) = mapping.entries.get(index[lane] as usize) {
-            found[lane] = *entry;
-        }
-    }
-    let [r, g, b, alpha] = load_interleaved(simd, &found);
-    if mapping.isolines.is_empty() {
-        return ([r, g, b], alpha);
-    }
-    let object = &context.objects[instance];
-    let gradients = at.gradients(simd, context, object, sample, corners);
-    let to_pixels = context.shading_distance / SUBPIXELS as f32;
-    let cover = line_cover(simd, mapping, value, gradients, corners, to_pixels);
-    let cover = is_number.select(cover, zero);
-    let whole = alpha + (splat(simd, 1.0) - alpha) * cover;
-    let share = whole.simd_gt(zero).select(cover / whole, zero);
-    let color = [r, g, b];
-    (each3!(C => color[C] + (splat(simd, mapping.line[C]) - color[C]) * share), whole)
 }
 
 /// The values at the points, not beyond those of the corners and exactly theirs if they have the same, and the lanes where all
@@ -76,7 +66,7 @@ fn interpolated<S: Simd>(simd: S, at: &Interpolation<S>, corners: &Corners<S>) -
         simd,
         #[inline(always)]
         || {
-            let [a, b, c] = corners.value;
+            let [a, b, c] = corners.values();
             let v = (a + at.weight[1] * (b - a)) + at.weight[2] * (c - a);
             let low = b.simd_lt(a).select(b, a);
             let low = c.simd_lt(low).select(c, low);
@@ -154,10 +144,10 @@ fn log2<S: Simd>(simd: S, x: f32x16<S>) -> f32x16<S> {
 /// The entries of categories: those of the corners that are nearest by their weights.
 #[inline(always)]
 fn category<S: Simd>(simd: S, mapping: &Mapping, at: &Interpolation<S>, corners: &Corners<S>) -> i32x16<S> {
-    let [a, b, c] = at.weight;
+    let ([a, b, c], values) = (at.weight, corners.values());
     let is_second = b.simd_gt(a);
-    let (weight, value) = (is_second.select(b, a), is_second.select(corners.value[1], corners.value[0]));
-    let value = c.simd_gt(weight).select(corners.value[2], value).to_array();
+    let (weight, value) = (is_second.select(b, a), is_second.select(values[1], values[0]));
+    let value = c.simd_gt(weight).select(values[2], value).to_array();
     let mut found = [mapping.special[0]; LANES];
     for lane in 0..LANES {
         let number = mapping.categories.partition_point(|&category| category < value[lane]);
@@ -183,7 +173,8 @@ fn line_cover<S: Simd>(
         #[inline(always)]
         || {
             let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
-            let of: [f32x16<S>; 3] = each3!(K => corners.value[K] - value);
+            let values = corners.values();
+            let of: [f32x16<S>; 3] = each3!(K => values[K] - value);
             let [right, down] = gradients;
             let x = (right[0] * of[0] + right[1] * of[1]) + right[2] * of[2];
             let y = (down[0] * of[0] + down[1] * of[1]) + down[2] * of[2];

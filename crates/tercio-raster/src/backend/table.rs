@@ -23,12 +23,10 @@ pub struct ClusterTable {
     normal: [[i32; MAX_VERTICES]; 3],
     /// What is known about all normals interpolated in the cluster; nothing if the cluster is wide.
     pub facing: Facing,
-    /// Linear colours, likewise; valid only if the mesh has vertex colours.
+    /// Linear colours, likewise; valid only if the mesh has vertex colours. With [`ColorSource::Data`], values in the first array.
     color: [[i32; MAX_VERTICES]; 3],
     /// Alpha of the colours, likewise.
     alpha: [i32; MAX_VERTICES],
-    /// Values of data, likewise.
-    value: [i32; MAX_VERTICES],
     /// Texture coordinates, likewise.
     uv: [[i32; MAX_VERTICES]; 2],
 }
@@ -37,7 +35,7 @@ impl Default for ClusterTable {
     fn default() -> Self {
         let zero = [[0; MAX_VERTICES]; 3];
         let (facing, alpha, uv) = (Facing::default(), zero[0], [zero[0]; 2]);
-        Self { position: zero, normal: zero, facing, color: zero, alpha, value: zero[0], uv }
+        Self { position: zero, normal: zero, facing, color: zero, alpha, uv }
     }
 }
 
@@ -136,19 +134,19 @@ impl ClusterTable {
     #[inline(always)]
     pub fn load_colors(&mut self, of: &Colored, colors: ColorSource) {
         match (colors, of.data) {
-            (ColorSource::Vertex, _) => of.each_vertex_color(
-                #[inline(always)]
-                |v, color| {
+            (ColorSource::Vertex, _) => {
+                for v in 0..of.cluster.vertices() {
+                    let color = of.vertex_color(v);
                     for k in 0..3 {
                         self.color[k][v % MAX_VERTICES] = color[k].to_bits() as i32;
                     }
                     self.alpha[v % MAX_VERTICES] = color[3].to_bits() as i32;
-                },
-            ),
+                }
+            }
             (ColorSource::Data, Some(data)) => {
                 let mut values = [0.0; MAX_VERTICES];
                 data.read_vertices(&of.cluster, &mut values);
-                for (to, value) in self.value.iter_mut().zip(values) {
+                for (to, value) in self.color[0].iter_mut().zip(values) {
                     *to = value.to_bits() as i32;
                 }
             }
@@ -224,8 +222,8 @@ impl ClusterTable {
             }
             ColorSource::Data => {
                 let Some(data) = of.data else { return };
-                found.value = match data.is_at_triangles() {
-                    false => each3!(K => lookup(simd, &self.value, &numbers[K]).bitcast()),
+                let values: [f32x16<S>; 3] = match data.is_at_triangles() {
+                    false => each3!(K => lookup(simd, &self.color[0], &numbers[K]).bitcast()),
                     true => {
                         let mut values = [0.0; LANES];
                         for lane in 0..LANES {
@@ -235,6 +233,7 @@ impl ClusterTable {
                         [load(simd, &values); 3]
                     }
                 };
+                each3!(K => found.color[K][0] = values[K]);
             }
         }
     }
