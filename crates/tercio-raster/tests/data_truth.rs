@@ -10,7 +10,7 @@ use glam::DVec3;
 use tercio_mesh::{Attribute, AttributeDomain, Mesh};
 use tercio_raster::{Frame, Outputs, Settings, Shading};
 use tercio_scene::color_map::{Isolines, Scale};
-use tercio_scene::{Camera, ColorMap, DataColors, DataSource, Projection, SurfaceData};
+use tercio_scene::{Camera, ColorMap, DataColors, DataSource, SurfaceData};
 use tercio_testkit::ray_caster::RayCaster;
 
 const SIZE: [u32; 2] = [160, 120];
@@ -21,24 +21,6 @@ fn cameras() -> [Camera; 3] {
         perspective([0.1, 0.2, 1.3], [0.2, 0.1, 0.0], 70.0),
         orthographic([1.0, -2.0, 0.7], [0.0; 3], 2.2),
     ]
-}
-
-fn ray(camera: &Camera, [x, y]: [f64; 2]) -> (DVec3, DVec3) {
-    let forward = (camera.target - camera.eye).normalize();
-    let right = forward.cross(camera.up).normalize();
-    let up = right.cross(forward);
-    let [width, height] = SIZE.map(f64::from);
-    let (across, above) = (x - width / 2.0, height / 2.0 - y);
-    match camera.projection {
-        Projection::Perspective { fov_y } => {
-            let per_pixel = 2.0 * (fov_y / 2.0).tan() / height;
-            (camera.eye, forward + (right * across + up * above) * per_pixel)
-        }
-        Projection::Orthographic { height: world } => {
-            let per_pixel = world / height;
-            (camera.eye + (right * across + up * above) * per_pixel, forward)
-        }
-    }
 }
 
 /// What is visible at a point of the picture: the interpolated value; `None` beside the model and near edges of triangles.
@@ -54,7 +36,7 @@ fn seen_in(
     at: [f64; 2],
     rim: f64,
 ) -> Option<(usize, f64)> {
-    let (from, towards) = ray(camera, at);
+    let (from, towards) = ray(camera, SIZE, at);
     let hit = caster.first_hit(from.to_array(), towards.to_array(), 0.0)?;
     let of = values[hit.triangle];
     let is_inside = hit.weight.iter().all(|&w| w > rim);

@@ -10,9 +10,7 @@ use glam::{DVec2, DVec3};
 use tercio_mesh::{FileMaterial, Mesh};
 use tercio_raster::{Outputs, Settings, Shading, TextureFilter};
 use tercio_scene::texture::Encoding;
-use tercio_scene::{
-    Background, Camera, InstanceMaterials, Material, Projection, Scene, Texture, TextureMap, Wrap,
-};
+use tercio_scene::{Background, Camera, InstanceMaterials, Material, Scene, Texture, TextureMap, Wrap};
 
 type Color = [f64; 3];
 
@@ -100,22 +98,8 @@ fn textured(mesh: &Mesh, texture: Texture) -> Scene {
 }
 
 /// Texture coordinates where the ray through a point of the picture meets the square's plane, if it meets the square.
-fn seen(camera: &Camera, size: [u32; 2], [x, y]: [f64; 2], repeats: f64) -> Option<DVec2> {
-    let forward = (camera.target - camera.eye).normalize();
-    let right = forward.cross(camera.up).normalize();
-    let up = right.cross(forward);
-    let [width, height] = size.map(f64::from);
-    let (across, above) = (x - width / 2.0, height / 2.0 - y);
-    let (from, towards) = match camera.projection {
-        Projection::Perspective { fov_y } => {
-            let per_pixel = 2.0 * (fov_y / 2.0).tan() / height;
-            (camera.eye, forward + (right * across + up * above) * per_pixel)
-        }
-        Projection::Orthographic { height: world } => {
-            let per_pixel = world / height;
-            (camera.eye + (right * across + up * above) * per_pixel, forward)
-        }
-    };
+fn seen(camera: &Camera, size: [u32; 2], at: [f64; 2], repeats: f64) -> Option<DVec2> {
+    let (from, towards) = ray(camera, size, at);
     let hit = from - towards * (from.z / towards.z);
     let is_inside = hit.x.abs() < 1.0 && hit.y.abs() < 1.0 && (hit - from).dot(towards) > 0.0;
     is_inside.then(|| (DVec2::new(hit.x, hit.y) + 1.0) * 0.5 * repeats)

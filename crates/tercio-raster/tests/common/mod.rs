@@ -302,3 +302,22 @@ pub fn check_all(mesh: &Mesh, plain: &Scene, camera: &Camera, settings: &Setting
         check(s, format!("slices, {sorting:?}"));
     }
 }
+
+/// The ray through a point of a picture of this size, in pixels from its upper left corner: where it begins, and its direction.
+pub fn ray(camera: &Camera, size: [u32; 2], [x, y]: [f64; 2]) -> (DVec3, DVec3) {
+    let forward = (camera.target - camera.eye).normalize();
+    let right = forward.cross(camera.up).normalize();
+    let up = right.cross(forward);
+    let [width, height] = size.map(f64::from);
+    let (across, above) = (x - width / 2.0, height / 2.0 - y);
+    match camera.projection {
+        Projection::Perspective { fov_y } => {
+            let per_pixel = 2.0 * (fov_y / 2.0).tan() / height;
+            (camera.eye, forward + (right * across + up * above) * per_pixel)
+        }
+        Projection::Orthographic { height: world } => {
+            let per_pixel = world / height;
+            (camera.eye + (right * across + up * above) * per_pixel, forward)
+        }
+    }
+}
