@@ -1,6 +1,6 @@
 //! Options of the light from all around.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use anyhow::{Context, Result};
@@ -110,27 +110,38 @@ impl EnvironmentArgs {
         }
     }
 
-    /// Reads and prepares the environment, if there is one; `front` are the axes of the front view.
+    /// Reads the environment, if there is one.
     ///
     /// # Errors
-    /// A file that is no panorama, light out of range.
-    pub fn load(&self, front: CameraBasis, memory_limit: Option<u64>) -> Result<Option<Arc<Environment>>> {
-        let Some(source) = &self.environment else { return Ok(None) };
-        let name = |path: &Path| path.display().to_string();
-        let (panorama, name) = match source {
-            Source::File(path) => {
-                (panorama_from_file(path, memory_limit).with_context(|| name(path))?, name(path))
+    /// A file that is no panorama.
+    pub fn read(&self, memory_limit: Option<u64>) -> Result<Option<Panorama>> {
+        Ok(match &self.environment {
+            None => None,
+            Some(Source::File(path)) => {
+                let read = panorama_from_file(path, memory_limit);
+                Some(read.with_context(|| path.display().to_string())?)
             }
-            Source::Gradient([zenith, horizon, ground]) => {
-                (Panorama::gradient(*zenith, *horizon, *ground)?, "the gradient".into())
+            Some(Source::Gradient([zenith, horizon, ground])) => {
+                Some(Panorama::gradient(*zenith, *horizon, *ground)?)
             }
+        })
+    }
+
+    /// Prepares the environment that was read; `front` are the axes of the front view.
+    ///
+    /// # Errors
+    /// Light out of range.
+    pub fn place(&self, panorama: &Panorama, front: CameraBasis) -> Result<Arc<Environment>> {
+        let name = match &self.environment {
+            Some(Source::File(path)) => path.display().to_string(),
+            _ => "the gradient".into(),
         };
         let angle = self.environment_rotation.unwrap_or(0.0).rem_euclid(360.0).to_radians();
         let (sine, cosine) = sin_cos(angle);
         let (right, back) = (front.right, -front.forward);
         let axes = DMat3::from_cols(right * cosine - back * sine, front.up, back * cosine + right * sine);
         let strength = self.environment_strength.unwrap_or(1.0);
-        Ok(Some(Arc::new(Environment::new(&panorama, axes, strength).context(name)?)))
+        Ok(Arc::new(Environment::new(panorama, axes, strength).context(name)?))
     }
 }
 

@@ -32,7 +32,7 @@ impl Render {
         if self.environment.is_given() {
             display.stage("reading the environment");
         }
-        let environment = self.environment.load(self.camera.front(), self.running.memory_limit())?;
+        let panorama = self.environment.read(self.running.memory_limit())?;
         let options = LoadOptions {
             memory_limit: self.running.memory_limit(),
             progress: Some(&display.progress),
@@ -58,12 +58,8 @@ impl Render {
         let mut scene = Scene::from_mesh(loaded.mesh);
         scene.instances[0].share = share;
         let camera = self.camera.for_format(&report.read.format);
-        scene.environment = if camera.up_axis() == self.camera.up_axis() {
-            environment
-        } else {
-            // It was turned for another axis.
-            self.environment.load(camera.front(), self.running.memory_limit())?
-        };
+        let place = |panorama| self.environment.place(&panorama, camera.front());
+        scene.environment = panorama.map(place).transpose()?;
         self.drawing.dress(&mut scene);
         let up = camera.front().up;
         self.data.apply(&mut scene, up, parts.as_deref_mut()).with_context(|| self.model.name())?;
