@@ -1,8 +1,8 @@
 //! The box of a model, with numbers along its edges.
 //!
-//! Drawn are the edges that are behind the model: those of a face whose outer side is not seen. All of the model is before the plane
-//! of such a face, so that the box is drawn behind the picture and hidden exactly where the model hides it. Numbers stand at edges
-//! of the box's outline, outside of it, where no part of the model can be.
+//! Only edges of back faces are drawn. The whole model is in front of the plane of each of them, so the box is composited behind the
+//! finished picture, and the model occludes it exactly. Tick labels are placed outside the silhouette of the box, where no part of
+//! the model can be.
 
 use glam::DVec3;
 

@@ -26,7 +26,7 @@ pub struct ScalarBar {
     pub format: NumberFormat,
     /// Where it is.
     pub place: Place,
-    /// Whether it stands upright, with the largest number above.
+    /// Whether it is vertical, with the largest number above.
     pub is_upright: bool,
     /// Whether the colour of what is no number is shown.
     pub shows_nan: bool,

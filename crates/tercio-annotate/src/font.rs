@@ -1,7 +1,7 @@
 //! The font inside the program, and lines of text set in it.
 //!
 //! Inter (Medium, SIL Open Font License, see `font/LICENSE.txt`), reduced to Latin, Greek, punctuation, mathematics, arrows,
-//! superscripts and subscripts, with figures of one width. Pairs are kerned, and combining marks stand where the font places
+//! superscripts and subscripts, with figures of one width. Pairs are kerned, and combining marks are placed where the font places
 //! them on their base (x̄); the font has no script that needs more of a shaper than that.
 
 use std::sync::LazyLock;
@@ -124,7 +124,7 @@ impl Font {
         self.kerning.iter().map(|lookup| i32::from(of_pair(lookup, first, second).unwrap_or(0))).sum()
     }
 
-    /// Where a mark stands relative to its base; `None` if it is no mark.
+    /// Where a mark is placed relative to its base; `None` if it is no mark.
     fn mark_on(&self, base: GlyphId, mark: GlyphId) -> Option<[i32; 2]> {
         self.marks.iter().find_map(|lookup| {
             lookup.subtables.into_iter::<PositioningSubtable>().find_map(|subtable| {

@@ -10,7 +10,7 @@ use tercio::scene::{Background, Scene, SurfaceData, srgb_to_linear};
 
 use super::values;
 
-/// How a scalar bar stands.
+/// The orientation of a scalar bar.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Orientation {
     /// With the largest number above.
@@ -46,7 +46,7 @@ pub struct AnnotationArgs {
         conflicts_with = "no_bar"
     )]
     bar_format: NumberFormat,
-    /// How the scalar bar stands [default: horizontal at the top and at the bottom, else vertical].
+    /// Orientation of the scalar bar [default: horizontal at the top and at the bottom, else vertical].
     #[arg(long, value_name = "NAME", value_enum, requires = "color_by", conflicts_with = "no_bar")]
     bar_orientation: Option<Orientation>,
     /// A title above the picture's middle; \n begins a line.

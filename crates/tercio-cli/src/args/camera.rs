@@ -254,8 +254,8 @@ impl CameraArgs {
         self.given_axis().is_some()
     }
 
-    /// These options for a model of a format, in the words of its reader: STL and other formats of CAD stand on the plane of x and
-    /// y unless an axis is given.
+    /// These options for a model of a format, in the words of its reader: STL has z up, other formats
+    /// y, unless an axis is given.
     pub fn for_format(&self, format: &str) -> Self {
         let usual = if format.starts_with("STL") { Axis::Z } else { Axis::Y };
         Self {

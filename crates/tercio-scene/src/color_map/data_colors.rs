@@ -30,7 +30,7 @@ pub struct DataColors {
     pub categories: Vec<Category>,
 }
 
-/// A value that stands for something.
+/// A category: a value with a label.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Category {
     /// The value of the data.
