@@ -120,6 +120,11 @@ impl NamedFiles {
         self.check_against(&there.map(named).collect::<Vec<_>>())
     }
 
+    /// Does any output replace a file?
+    pub fn replaces_any(&self) -> bool {
+        self.written.iter().any(|(_, to)| matches!(to, Destination::File(path) if path.is_file()))
+    }
+
     fn check_against(&self, read: &[Named]) -> Result<(), UsageError> {
         let known = |named: &'_ Named| named.identity.clone();
         let inputs: HashMap<_, _> = read.iter().filter_map(|input| Some((known(input)?, input))).collect();

@@ -52,6 +52,35 @@ fn outputs_that_would_be_one_file_are_refused_before_anything_is_drawn() {
     assert_eq!(place.names(), ["a.obj", "a.off", "b.off"]);
 }
 
+/// A picture of one model is drawn before a texture of another one is read.
+#[test]
+fn textures_of_other_models_are_not_replaced() {
+    let place = place_with(&["a.off"]);
+    let write = |name: &str, text: &str| std::fs::write(place.path(name), text).unwrap();
+    write("b.obj", "mtllib b.mtl\nusemtl m\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/1\n");
+    write("a.png", "a texture, or what is left of one");
+    let found_as = ["a.png", "textures/a.png", "C:\\work\\a.png"];
+    for name in found_as {
+        write("b.mtl", &format!("newmtl m\nmap_Kd {name}\n"));
+        let refused =
+            |command: &str| place.run(command).failed(2, &["a.png", "an output must not be an input"]);
+        refused(&format!("render a.off b.obj -o {{name}}.png {SMALL}"));
+        place.run("prepare b.obj -o c.tercio --quiet").ok_silently();
+        refused(&format!("render a.off c.tercio -o {{name}}.png {SMALL}"));
+        std::fs::copy(place.path("a.png"), place.path("t_0.png")).unwrap();
+        write("b.mtl", &format!("newmtl m\nmap_Kd {}\n", name.replace("a.png", "t_0.png")));
+        place
+            .run(&format!("render a.off b.obj -o t_{{step}}.png {SMALL}"))
+            .failed(2, &["t_0.png", "an output must not be an input"]);
+        assert_eq!(place.read("a.png"), b"a texture, or what is left of one", "{name}");
+        assert_eq!(place.read("t_0.png"), place.read("a.png"), "{name}");
+    }
+    // Pictures of models without such files are replaced.
+    place.run(&format!("render a.off -o a.png --quiet {SMALL}")).ok_silently();
+    place.run(&format!("render a.off b.obj -o {{name}}.webp --quiet {SMALL}"));
+    assert!(place.read("a.png").starts_with(b"\x89PNG"));
+}
+
 #[test]
 fn short_ways_and_names_of_other_programs_mean_the_same() {
     let place = place_with(&["a.off"]);

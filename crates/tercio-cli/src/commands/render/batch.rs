@@ -55,6 +55,7 @@ impl Render {
         let items: Vec<Item> = items.into_iter().map(with_files).collect();
         ending::name_model(format!("one of {} models", items.len()));
         let pool = self.running.pool()?;
+        pool.install(|| self.check_companions(&files, models))?;
         let display = Display::new(self.running.progress_mode());
         display.pictures(items.len() as u64);
         let failed = AtomicUsize::new(0);

@@ -5,6 +5,7 @@ mod annotate;
 mod bands;
 mod batch;
 mod cameras;
+mod companions;
 mod job;
 mod load;
 mod models;

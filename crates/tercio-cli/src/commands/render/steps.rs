@@ -39,6 +39,7 @@ impl Render {
         job.writing.check_film()?;
         ending::name_model(first.model.name());
         let pool = self.running.pool()?;
+        pool.install(|| self.check_companions(&job.writing.files, models))?;
         let (done, loads) = pool.install(|| first.draw_steps(&job, models))?;
         first.print_views(&done);
         first.finish_steps(&job, &done, Some(loads), pool.current_num_threads(), start)?;
