@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 
-pub use ranks::{Comm, library, machine, run, watch};
+pub use ranks::{Comm, library, run, watch};
 pub use tercio_mpi::{is_first, local_processes, own_processors, processes};
 
 /// With the feature `mpi`.
@@ -19,11 +19,6 @@ mod ranks {
 
     use super::Result;
     use crate::messages;
-
-    /// Name of the machine that a rank runs on.
-    pub fn machine(comm: &Comm) -> String {
-        comm.machine()
-    }
 
     /// Name and version of the MPI library.
     pub fn library(comm: &Comm) -> String {
@@ -90,6 +85,10 @@ mod ranks {
             match *self {}
         }
 
+        fn receive_within(&mut self, _: usize, _: Duration) -> Result<Option<Vec<u8>>, CommError> {
+            match *self {}
+        }
+
         fn traffic(&self) -> Traffic {
             match *self {}
         }
@@ -101,11 +100,6 @@ mod ranks {
         fn await_signal(&mut self, _: usize) -> Result<(), CommError> {
             match *self {}
         }
-    }
-
-    /// Name of the machine that a rank runs on.
-    pub fn machine(comm: &Comm) -> String {
-        match *comm {}
     }
 
     /// Name and version of the MPI library.

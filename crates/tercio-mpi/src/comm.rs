@@ -130,11 +130,6 @@ impl MpiComm {
         self.patience = patience;
     }
 
-    /// Name of the machine that this rank runs on, as reported by MPI.
-    pub fn machine(&self) -> String {
-        mpi::environment::processor_name().unwrap_or_else(|_| "unknown".into())
-    }
-
     /// Name and version of the MPI library.
     pub fn library(&self) -> String {
         let text = mpi::environment::library_version().unwrap_or_else(|_| "unknown".into());
@@ -215,20 +210,26 @@ impl MpiComm {
         mut is_it: impl FnMut(&mut Arrived) -> Option<T>,
     ) -> Result<T, CommError> {
         self.check(from)?;
-        self.wait_until(
-            || from.into(),
-            |comm| loop {
-                if let Some(it) = is_it(&mut comm.arrived[from]) {
-                    return Ok(Some(it));
-                }
-                if comm.arrived[from].has_left {
-                    return Err(CommError::Gone { rank: from });
-                }
-                if comm.take(Some(from))?.is_none() {
-                    return Ok(None);
-                }
-            },
-        )
+        self.wait_until(|| from.into(), |comm| comm.poll(from, &mut is_it))
+    }
+
+    /// What `is_it` returns from the messages of a rank, if it returns something from those that have arrived.
+    fn poll<T>(
+        &mut self,
+        from: usize,
+        mut is_it: impl FnMut(&mut Arrived) -> Option<T>,
+    ) -> Result<Option<T>, CommError> {
+        loop {
+            if let Some(it) = is_it(&mut self.arrived[from]) {
+                return Ok(Some(it));
+            }
+            if self.arrived[from].has_left {
+                return Err(CommError::Gone { rank: from });
+            }
+            if self.take(Some(from))?.is_none() {
+                return Ok(None);
+            }
+        }
     }
 
     /// Polls until there is an answer, with a notice and an end if it takes too long; `names` are the ranks that are waited
@@ -307,6 +308,11 @@ impl Communicator for MpiComm {
         self.arrived.len()
     }
 
+    /// As reported by MPI.
+    fn machine(&self) -> String {
+        mpi::environment::processor_name().unwrap_or_else(|_| "unknown".into())
+    }
+
     fn send(&mut self, to: usize, message: Vec<u8>) -> Result<(), CommError> {
         let bytes = message.len() as u64;
         self.begin(to, MESSAGE, message)?;
@@ -319,6 +325,19 @@ impl Communicator for MpiComm {
         let message = self.wait(from, |arrived| arrived.messages.pop_front())?;
         self.traffic.taken_messages += 1;
         self.traffic.taken_bytes += message.len() as u64;
+        Ok(message)
+    }
+
+    fn receive_within(&mut self, from: usize, time: Duration) -> Result<Option<Vec<u8>>, CommError> {
+        self.check(from)?;
+        let message = until(|waited| {
+            let message = self.poll(from, |arrived| arrived.messages.pop_front())?;
+            Ok((message.is_some() || waited >= time).then_some(message))
+        })?;
+        if let Some(message) = &message {
+            self.traffic.taken_messages += 1;
+            self.traffic.taken_bytes += message.len() as u64;
+        }
         Ok(message)
     }
 

@@ -66,6 +66,16 @@ fn rank_0_gathers_in_order() {
 }
 
 #[test]
+fn ranks_are_divided_into_groups() {
+    passes("groups");
+}
+
+#[test]
+fn messages_are_waited_for_as_long_as_requested() {
+    passes("within");
+}
+
+#[test]
 fn messages_are_received_from_any_rank() {
     passes("any");
 }

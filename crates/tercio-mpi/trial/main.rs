@@ -12,12 +12,14 @@ use tercio_parallel::{Communicator as _, ParallelError};
 /// A trial and its name.
 type Trial = (&'static str, fn(&mut MpiComm) -> Result<(), ParallelError>);
 
-const TRIALS: [Trial; 10] = [
+const TRIALS: [Trial; 12] = [
     ("order", trials::order),
     ("everybody-sends-first", trials::everybody_sends_first),
     ("parts", trials::parts),
     ("barrier", trials::barrier),
     ("gather", trials::gather),
+    ("groups", trials::groups),
+    ("within", trials::within),
     ("any", trials::any),
     ("not-taken", trials::not_taken),
     ("error", trials::error),

@@ -1,10 +1,11 @@
 //! The trials, each run by all ranks of a job.
 
-use std::time::{Duration, SystemTime, UNIX_EPOCH};
+use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 use tercio_mpi::MpiComm;
 use tercio_parallel::ParallelError;
-use tercio_parallel::comm::{Awaited, CommError, Communicator, Traffic};
+use tercio_parallel::comm::collective::all_sum;
+use tercio_parallel::comm::{Awaited, CommError, Communicator, Group, Traffic};
 
 type Outcome = Result<(), ParallelError>;
 
@@ -122,6 +123,46 @@ pub fn gather(comm: &mut MpiComm) -> Outcome {
         let expected: Vec<_> = (1..senders).map(|r| bytes(r, 10 * r)).collect();
         assert_eq!(gathered, if rank == 0 { expected } else { Vec::new() });
     }
+    Ok(())
+}
+
+/// Ranks are divided into groups, whose collectives do not meet each other; all are on one machine.
+pub fn groups(comm: &mut MpiComm) -> Outcome {
+    let (rank, size) = (comm.rank(), comm.size());
+    assert_eq!(Group::of_machine(comm)?.size(), size);
+    let mut group = Group::split(comm, rank as u64 % 2, (size - rank) as u64)?;
+    let members: Vec<usize> = (0..size).rev().filter(|other| other % 2 == rank % 2).collect();
+    assert_eq!(group.members(), members);
+    let [sum] = all_sum(&mut group, [rank as u64])?;
+    assert_eq!(sum, members.iter().sum::<usize>() as u64);
+    group.barrier()?;
+    let all = group.all_gather(vec![rank as u8])?.concat();
+    assert_eq!(all, members.iter().map(|&member| member as u8).collect::<Vec<_>>());
+    Ok(())
+}
+
+/// Messages that have not arrived are waited for no longer than that; those that have are received without waiting.
+pub fn within(comm: &mut MpiComm) -> Outcome {
+    let (rank, size) = (comm.rank(), comm.size());
+    let (to, from) = ((rank + 1) % size, (rank + size - 1) % size);
+    if size == 1 {
+        let none = comm.receive_within(0, Duration::ZERO);
+        assert_eq!(none, Err(CommError::NoPartner { rank: 0, size }));
+        return Ok(());
+    }
+    let begin = Instant::now();
+    assert_eq!(comm.receive_within(from, Duration::ZERO)?, None);
+    assert_eq!(comm.receive_within(from, Duration::from_millis(20))?, None);
+    assert!(begin.elapsed() >= Duration::from_millis(20));
+    comm.barrier()?;
+    comm.send(to, bytes(rank, 3_000_000))?;
+    assert!(comm.receive_within(from, Duration::MAX)? == Some(bytes(from, 3_000_000)));
+    // A signal follows the second message, which has arrived then.
+    comm.send(to, bytes(rank, 10))?;
+    comm.signal(to)?;
+    comm.await_signal(from)?;
+    assert_eq!(comm.receive_within(from, Duration::ZERO)?, Some(bytes(from, 10)));
+    assert_eq!(comm.traffic().taken_messages, 2);
     Ok(())
 }
 

@@ -1,6 +1,7 @@
 //! A frame like the one before allocates no memory for messages.
 
 use std::sync::Arc;
+use std::time::Duration;
 
 use tercio_mesh::builtin;
 use tercio_mesh::cluster::{PartitionOptions, partition};
@@ -31,6 +32,9 @@ impl Communicator for Watched<'_> {
     }
     fn receive(&mut self, from: usize) -> Result<Vec<u8>, CommError> {
         self.inner.receive(from)
+    }
+    fn receive_within(&mut self, from: usize, time: Duration) -> Result<Option<Vec<u8>>, CommError> {
+        self.inner.receive_within(from, time)
     }
     fn buffer(&mut self, to: usize) -> Vec<u8> {
         let buffer = self.inner.buffer(to);

@@ -161,6 +161,10 @@ mod tests {
             Ok(std::mem::take(&mut self.message))
         }
 
+        fn receive_within(&mut self, from: usize, _: Duration) -> Result<Option<Vec<u8>>, CommError> {
+            self.receive(from).map(Some)
+        }
+
         fn traffic(&self) -> Traffic {
             self.traffic
         }

@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use tercio::parallel::Communicator;
 use tercio::parallel::comm::CommError;
-use tercio::parallel::comm::collective::all_reduce_among;
+use tercio::parallel::comm::collective::all_reduce_arrays;
 
 /// Speed of the waves by length of a step, in cells: an explicit method would be unstable above 0.7.
 const COURANT: f64 = 15.0;
@@ -144,7 +144,7 @@ impl Membrane {
             let of_row = |(a, b): (&[f64], &[f64])| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
             rows.map(|row| (of_row(row) * scale) as i128).sum::<i128>()
         });
-        all_reduce_among(comm, &(0..self.ranks), &mut sums, |a, b| a + b)?;
+        all_reduce_arrays(comm, &mut sums, |a, b| a + b)?;
         Ok(sums.map(|sum| sum as f64 / scale))
     }
 

@@ -21,6 +21,12 @@ impl Awaited {
         Self { ranks: ranks.into_iter().collect(), number: NEXT.fetch_add(1, Ordering::Relaxed) }
     }
 
+    /// The same of ranks with other numbers.
+    pub(crate) fn map(&self, number: impl Fn(usize) -> usize) -> Self {
+        // The number of the series stays: the backend continues it.
+        Self { ranks: self.ranks.iter().map(|&rank| number(rank)).collect(), number: self.number }
+    }
+
     /// Whether all messages have been received.
     pub fn is_empty(&self) -> bool {
         self.ranks.is_empty()

@@ -1,8 +1,6 @@
 //! Collective operations, built on messages between two ranks: every rank of the communicator calls them, in the same
 //! order and with the same arguments where these are not a rank's own data.
 
-use std::ops::Range;
-
 use bytemuck::{Pod, cast_slice, pod_read_unaligned};
 
 use super::{CommError, Communicator, children, parent};
@@ -36,14 +34,14 @@ pub fn all_reduce<const N: usize>(
     let mut all = own;
     for child in children(rank, comm.size()) {
         let theirs = comm.receive(child)?;
-        all = combine(all, numbers(child, &theirs)?);
+        all = combine(all, numbers(comm.outer_rank(child), &theirs)?);
     }
     let bytes = |numbers: &[u64; N]| numbers.iter().flat_map(|n| n.to_le_bytes()).collect::<Vec<u8>>();
     if rank > 0 {
         comm.send(parent(rank), bytes(&all))?;
     }
     let all = broadcast(comm, bytes(&all))?;
-    numbers(0, &all)
+    numbers(comm.outer_rank(0), &all)
 }
 
 /// The largest of the ranks' numbers, none of which may be NaN; of coordinates, lengths and the like.
@@ -65,27 +63,21 @@ pub fn all_sum<const N: usize>(comm: &mut impl Communicator, own: [u64; N]) -> R
     all_reduce(comm, own, |a, b| std::array::from_fn(|k| a[k].saturating_add(b[k])))
 }
 
-/// Combines the arrays of some consecutive ranks, element by element: `own` is the result on all of them then. They have the same
-/// length; the other ranks do not call this. The messages go up and down a binomial tree, in the byte order of the machine.
-/// `combine` has to be associative and commutative.
+/// Combines the arrays of all ranks, element by element: `own` is the result on all of them then. They have the same length. The
+/// messages go up and down a binomial tree, in the byte order of the machine. `combine` has to be associative and commutative.
 ///
 /// # Errors
 /// [`CommError`], also if ranks have arrays of different lengths.
-///
-/// # Panics
-/// If this rank is not one of `members`.
-pub fn all_reduce_among<T: Pod>(
+pub fn all_reduce_arrays<T: Pod>(
     comm: &mut impl Communicator,
-    members: &Range<usize>,
     own: &mut [T],
     combine: impl Fn(T, T) -> T,
 ) -> Result<(), CommError> {
-    assert!(members.contains(&comm.rank()), "a rank that is not a member takes part");
-    let (place, count) = (comm.rank() - members.start, members.len());
-    let mut below: Vec<usize> = children(place, count).map(|child| members.start + child).collect();
+    let rank = comm.rank();
+    let mut below: Vec<usize> = children(rank, comm.size()).collect();
     for &child in &below {
         let theirs = comm.receive(child)?;
-        let elements = elements(child, &theirs, own.len())?;
+        let elements = elements(comm.outer_rank(child), &theirs, own.len())?;
         own.iter_mut().zip(elements).for_each(|(own, theirs)| *own = combine(*own, theirs));
         comm.give_back(child, theirs);
     }
@@ -94,11 +86,11 @@ pub fn all_reduce_among<T: Pod>(
         message.extend_from_slice(cast_slice(own));
         Communicator::send(comm, to, message)
     };
-    if place > 0 {
-        let parent = members.start + parent(place);
+    if rank > 0 {
+        let parent = parent(rank);
         message(comm, parent, own)?;
         let all = comm.receive(parent)?;
-        let elements = elements(parent, &all, own.len())?;
+        let elements = elements(comm.outer_rank(parent), &all, own.len())?;
         own.iter_mut().zip(elements).for_each(|(own, all)| *own = all);
         comm.give_back(parent, all);
     }
@@ -132,7 +124,7 @@ pub fn exclusive_sum<const N: usize>(
     let (rank, blocks) = (comm.rank(), comm.all_gather(block)?);
     let mut sums = ([0; N], [0; N]);
     for (from, block) in blocks.iter().enumerate() {
-        let theirs = numbers::<N>(from, block)?;
+        let theirs = numbers::<N>(comm.outer_rank(from), block)?;
         let add = |sum: [u64; N]| std::array::from_fn(|k| theirs[k].saturating_add(sum[k]));
         if from < rank {
             sums.0 = add(sums.0);
@@ -183,7 +175,7 @@ fn numbers<const N: usize>(from: usize, message: &[u8]) -> Result<[u64; N], Comm
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::comm::threads;
+    use crate::comm::{Group, threads};
 
     #[test]
     fn all_ranks_get_the_message_of_rank_0() {
@@ -216,7 +208,7 @@ mod tests {
             let got = threads::run(size, |comm| {
                 let mut own = [comm.rank() as u32, 1, 100 - comm.rank() as u32];
                 if members.contains(&comm.rank()) {
-                    all_reduce_among(comm, &members, &mut own, u32::max)?;
+                    all_reduce_arrays(&mut Group::new(comm, members.clone()), &mut own, u32::max)?;
                 }
                 Ok(own)
             });
@@ -226,9 +218,8 @@ mod tests {
                 assert_eq!(found, [last as u32, 1, 100 - first as u32], "rank {rank} of {size}, {members:?}");
             }
         }
-        let lengths = threads::run(2, |comm| {
-            Ok(all_reduce_among(comm, &(0..2), &mut vec![0u8; comm.rank()], u8::max)?)
-        });
+        let lengths =
+            threads::run(2, |comm| Ok(all_reduce_arrays(comm, &mut vec![0u8; comm.rank()], u8::max)?));
         assert!(lengths.expect_err("lengths differ").to_string().contains("expected 0 elements"));
     }
 

@@ -6,13 +6,17 @@
 
 mod awaited;
 pub mod collective;
+mod group;
 mod kind;
 mod observed;
 pub mod threads;
 
 pub use awaited::{Awaited, RankNames, ReadySenders};
+pub use group::Group;
 pub use kind::Kind;
 pub use observed::{Observed, PartnerTraffic};
+use std::time::Duration;
+
 use serde::{Deserialize, Serialize};
 
 /// Messages that a rank sent and received, not counting those of [`Communicator::barrier`].
@@ -132,6 +136,16 @@ pub trait Communicator {
     /// Number of ranks, at least 1.
     fn size(&self) -> usize;
 
+    /// What errors call a rank: its number among all ranks, if this is a [`Group`] of them.
+    fn outer_rank(&self, rank: usize) -> usize {
+        rank
+    }
+
+    /// Name of the machine that this rank runs on, the same for all its ranks; empty if all ranks are on one.
+    fn machine(&self) -> String {
+        String::new()
+    }
+
     /// Sends a message, which may be empty. Does not wait until it is received.
     ///
     /// # Errors
@@ -143,6 +157,12 @@ pub trait Communicator {
     /// # Errors
     /// [`CommError`]; never waits for a rank that is gone.
     fn receive(&mut self, from: usize) -> Result<Vec<u8>, CommError>;
+
+    /// Waits at most so long for the next message of a rank, or, for no time at all, returns one that has arrived; `None` if there is none.
+    ///
+    /// # Errors
+    /// [`CommError`]; never waits for a rank that is gone.
+    fn receive_within(&mut self, from: usize, time: Duration) -> Result<Option<Vec<u8>>, CommError>;
 
     /// Waits for a message of any awaited rank, which is not awaited any longer then; returns the rank, too. The ones that
     /// arrived first are received first, if the backend knows.
@@ -247,7 +267,7 @@ pub trait Communicator {
             let message = self.receive(from)?;
             if message.len() != blocks * length {
                 let reason = format!("{} bytes, expected {blocks} blocks of {length}", message.len());
-                return Err(CommError::Transport { rank: from, reason });
+                return Err(CommError::Transport { rank: self.outer_rank(from), reason });
             }
             have.extend_from_slice(&message);
             step *= 2;
@@ -270,12 +290,24 @@ impl<C: Communicator + ?Sized> Communicator for &mut C {
         (**self).size()
     }
 
+    fn outer_rank(&self, rank: usize) -> usize {
+        (**self).outer_rank(rank)
+    }
+
+    fn machine(&self) -> String {
+        (**self).machine()
+    }
+
     fn send(&mut self, to: usize, message: Vec<u8>) -> Result<(), CommError> {
         (**self).send(to, message)
     }
 
     fn receive(&mut self, from: usize) -> Result<Vec<u8>, CommError> {
         (**self).receive(from)
+    }
+
+    fn receive_within(&mut self, from: usize, time: Duration) -> Result<Option<Vec<u8>>, CommError> {
+        (**self).receive_within(from, time)
     }
 
     fn receive_any(&mut self, awaited: &mut Awaited) -> Result<(usize, Vec<u8>), CommError> {

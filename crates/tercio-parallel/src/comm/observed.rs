@@ -1,6 +1,7 @@
 //! Counts of messages by partner and kind.
 
 use std::collections::BTreeMap;
+use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 
@@ -69,6 +70,14 @@ impl<C: Communicator> Communicator for Observed<'_, C> {
         self.inner.size()
     }
 
+    fn outer_rank(&self, rank: usize) -> usize {
+        self.inner.outer_rank(rank)
+    }
+
+    fn machine(&self) -> String {
+        self.inner.machine()
+    }
+
     fn send(&mut self, to: usize, message: Vec<u8>) -> Result<(), CommError> {
         let bytes = message.len() as u64;
         self.inner.send(to, message)?;
@@ -82,10 +91,22 @@ impl<C: Communicator> Communicator for Observed<'_, C> {
         Ok(message)
     }
 
+    fn receive_within(&mut self, from: usize, time: Duration) -> Result<Option<Vec<u8>>, CommError> {
+        let message = self.inner.receive_within(from, time)?;
+        if let Some(message) = &message {
+            self.taken(from, message.len() as u64);
+        }
+        Ok(message)
+    }
+
     fn receive_any(&mut self, awaited: &mut Awaited) -> Result<(usize, Vec<u8>), CommError> {
         let (from, message) = self.inner.receive_any(awaited)?;
         self.taken(from, message.len() as u64);
         Ok((from, message))
+    }
+
+    fn flush(&mut self) -> Result<(), CommError> {
+        self.inner.flush()
     }
 
     fn buffer(&mut self, to: usize) -> Vec<u8> {

@@ -5,6 +5,7 @@ use std::collections::{HashMap, VecDeque};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard};
+use std::time::{Duration, Instant};
 
 use super::{Awaited, CommError, Communicator, ReadySenders, Traffic};
 use crate::ParallelError;
@@ -82,18 +83,35 @@ impl ThreadComm {
     }
 
     fn take(&self, from: usize) -> Result<Vec<u8>, CommError> {
+        loop {
+            if let Some(message) = self.take_until(from, None)? {
+                return Ok(message);
+            }
+        }
+    }
+
+    /// The next message of a rank; `None` after a deadline, if there is one.
+    fn take_until(&self, from: usize, deadline: Option<Instant>) -> Result<Option<Vec<u8>>, CommError> {
         self.check(from)?;
         let own = &self.mailboxes[self.rank];
         let mut content = own.lock();
         loop {
             if let Some(message) = content.messages.get_mut(&from).and_then(VecDeque::pop_front) {
-                return Ok(message);
+                return Ok(Some(message));
             }
             // After the messages that it sent before it ended.
             if self.mailboxes[from].is_gone() {
                 return Err(CommError::Gone { rank: from });
             }
-            content = own.changed.wait(content).unwrap_or_else(|e| e.into_inner());
+            let Some(deadline) = deadline else {
+                content = own.changed.wait(content).unwrap_or_else(|e| e.into_inner());
+                continue;
+            };
+            let left = deadline.saturating_duration_since(Instant::now());
+            if left.is_zero() {
+                return Ok(None);
+            }
+            content = own.changed.wait_timeout(content, left).unwrap_or_else(|e| e.into_inner()).0;
         }
     }
 
@@ -155,6 +173,19 @@ impl Communicator for ThreadComm {
         let message = self.take(from)?;
         self.traffic.taken_messages += 1;
         self.traffic.taken_bytes += message.len() as u64;
+        Ok(message)
+    }
+
+    fn receive_within(&mut self, from: usize, time: Duration) -> Result<Option<Vec<u8>>, CommError> {
+        // A time beyond what clocks count has no end.
+        let message = match Instant::now().checked_add(time) {
+            Some(deadline) => self.take_until(from, Some(deadline))?,
+            None => Some(self.take(from)?),
+        };
+        if let Some(message) = &message {
+            self.traffic.taken_messages += 1;
+            self.traffic.taken_bytes += message.len() as u64;
+        }
         Ok(message)
     }
 

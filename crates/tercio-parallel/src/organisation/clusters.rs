@@ -3,7 +3,6 @@
 //! A message has a section for each instance of the scene: the number of its bytes (8 bytes, little-endian), then its clusters
 //! ([`tercio_mesh::cluster::write_clusters`]), with the numbers of their faces if ids are drawn.
 
-use std::ops::Range;
 use std::sync::Arc;
 
 use tercio_mesh::cluster::{Assembly, TransferError, write_clusters};
@@ -12,7 +11,7 @@ use tercio_raster::context::FrameContext;
 use tercio_scene::{Instance, Scene, Share};
 
 use super::redistribute::tiles_of_owners;
-use crate::comm::{CommError, Communicator};
+use crate::comm::{CommError, Communicator, Group};
 use crate::parts::PartsError;
 use crate::{ParallelError, RankReport};
 
@@ -21,13 +20,12 @@ const SECTION_HEAD: usize = size_of::<u64>();
 
 /// Exchanges clusters between the ranks of a group, each of which has sorted those of its own parts into all tiles: returns the
 /// scene with the clusters of all of them that may reach this rank's tiles. Their primitives and faces have their numbers in the
-/// whole models. `owners` has the owner of each tile, by its place in the group.
+/// whole models. `owners` has the owner of each tile, a rank of the group.
 ///
 /// # Errors
 /// [`ParallelError::Comm`], [`ParallelError::Clusters`], [`PartsError::Whole`].
 pub fn exchange(
-    comm: &mut impl Communicator,
-    group: &Range<usize>,
+    group: &mut Group<'_, impl Communicator>,
     owners: &[u32],
     context: &FrameContext,
     sorted: &Sorted,
@@ -35,8 +33,8 @@ pub fn exchange(
 ) -> Result<Scene, ParallelError> {
     let (scene, has_faces) = (context.scene, context.settings.outputs.ids);
     let shares = shares_of(scene)?;
-    let (rank, count) = (comm.rank(), group.len());
-    let own = rank - group.start;
+    let (own, count) = (group.rank(), group.size());
+    let rank = group.outer_rank(own);
     let tiles = tiles_of_owners(owners, count);
     let stages = &mut report.stages;
     let mut write = |tiles: &[u32], message: &mut Vec<u8>| {
@@ -47,12 +45,11 @@ pub fn exchange(
     };
     let mut sent = 0;
     // Every rank begins with the next one, so that no rank gets all messages at once.
-    for other in (1..count).map(|step| (own + step) % count) {
-        let to = group.start + other;
-        let mut message = comm.buffer(to);
-        write(&tiles[other], &mut message)?;
+    for to in (1..count).map(|step| (own + step) % count) {
+        let mut message = group.buffer(to);
+        write(&tiles[to], &mut message)?;
         sent += message.len() as u64;
-        comm.send(to, message)?;
+        group.send(to, message)?;
     }
     let mut of_own = Vec::new();
     write(&tiles[own], &mut of_own)?;
@@ -67,11 +64,10 @@ pub fn exchange(
     let stages = &mut report.stages;
     stages.redistribute.time(|| read(&mut gathered, rank, &of_own))?;
     drop(of_own);
-    for other in (1..count).map(|step| (own + count - step) % count) {
-        let from = group.start + other;
-        let message = stages.wait.time(|| comm.receive(from))?;
-        stages.redistribute.time(|| read(&mut gathered, from, &message))?;
-        comm.give_back(from, message);
+    for from in (1..count).map(|step| (own + count - step) % count) {
+        let message = stages.wait.time(|| group.receive(from))?;
+        stages.redistribute.time(|| read(&mut gathered, group.outer_rank(from), &message))?;
+        group.give_back(from, message);
     }
     let finish = |of: Gathered| of.finish(scene);
     let instances =

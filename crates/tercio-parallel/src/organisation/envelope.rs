@@ -6,6 +6,7 @@
 //! wrong picture otherwise.
 
 use std::fmt;
+use std::time::Duration;
 
 use crate::comm::{Awaited, CommError, Communicator, Kind, Observed, PartnerTraffic, Traffic};
 
@@ -99,6 +100,14 @@ impl<C: Communicator> Communicator for FrameComm<'_, C> {
         self.inner.size()
     }
 
+    fn outer_rank(&self, rank: usize) -> usize {
+        self.inner.outer_rank(rank)
+    }
+
+    fn machine(&self) -> String {
+        self.inner.machine()
+    }
+
     fn send(&mut self, to: usize, mut message: Vec<u8>) -> Result<(), CommError> {
         // Large messages fill their memory: its size is not to be doubled for the trailer.
         message.reserve_exact(TRAILER);
@@ -111,9 +120,17 @@ impl<C: Communicator> Communicator for FrameComm<'_, C> {
         self.open(from, message)
     }
 
+    fn receive_within(&mut self, from: usize, time: Duration) -> Result<Option<Vec<u8>>, CommError> {
+        self.inner.receive_within(from, time)?.map(|message| self.open(from, message)).transpose()
+    }
+
     fn receive_any(&mut self, awaited: &mut Awaited) -> Result<(usize, Vec<u8>), CommError> {
         let (from, message) = self.inner.receive_any(awaited)?;
         Ok((from, self.open(from, message)?))
+    }
+
+    fn flush(&mut self) -> Result<(), CommError> {
+        self.inner.flush()
     }
 
     fn buffer(&mut self, to: usize) -> Vec<u8> {

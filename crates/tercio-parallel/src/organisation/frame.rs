@@ -16,8 +16,8 @@ use super::envelope::FrameComm;
 use super::redistribute::redistribute;
 use super::rounds::Rounds;
 use super::{Organisation, Rank, Task, clusters_of, group_of, is_translucent, tile_edge};
-use crate::comm::collective::all_reduce_among;
-use crate::comm::{Communicator, Kind};
+use crate::comm::collective::all_reduce_arrays;
+use crate::comm::{Communicator, Group, Kind};
 use crate::composite::exchange::{Content, Parts, exchange};
 use crate::composite::packet::pack_drawn;
 use crate::composite::{Shared, Touched};
@@ -58,9 +58,10 @@ fn draw_steps(
     let tiles = context.grid.count();
     report.clusters = part.range(clusters_of(scene)).len() as u64;
 
-    let group = group_of(sharing.organisation, size, rank);
+    // The ranks that share the tiles with this one.
+    let members = group_of(sharing.organisation, size, rank);
     let mut owners = vec![0; tiles];
-    if group.len() > 1 {
+    if members.len() > 1 {
         let stages = &mut report.stages;
         let needs_load = sharing.division.needs_load();
         let mut load = Vec::new();
@@ -69,30 +70,32 @@ fn draw_steps(
         }
         if needs_load && in_parts {
             comm.begin(Kind::Load);
-            stages.wait.time(|| all_reduce_among(comm, &group, &mut load, u64::saturating_add))?;
+            let mut group = Group::new(comm, members.clone());
+            stages.wait.time(|| all_reduce_arrays(&mut group, &mut load, u64::saturating_add))?;
         }
-        owners = stages.redistribute.time(|| sharing.division.owners(&context.grid, &load, group.len()));
+        owners = stages.redistribute.time(|| sharing.division.owners(&context.grid, &load, members.len()));
     }
-    let own_tiles = tiles_of(&owners, rank - group.start);
+    let own_tiles = tiles_of(&owners, rank - members.start);
     // Of models in parts, the clusters of this rank's tiles, which are then sorted into these.
     let gathered;
     let (mut scene, mut counts) = (scene, None);
-    if in_parts && group.len() > 1 {
+    if in_parts && members.len() > 1 {
         own.sort(&context, report);
         counts = Some(own.sorted.front_end_counts());
         comm.begin(Kind::Clusters);
-        gathered = clusters::exchange(comm, &group, &owners, &context, &own.sorted, report)?;
+        let mut group = Group::new(comm, members.clone());
+        gathered = clusters::exchange(&mut group, &owners, &context, &own.sorted, report)?;
         scene = &gathered;
         context = FrameContext::new(scene, camera, &whole, threads)?;
     }
     let task = &Task { scene, ..*task };
-    if !shares_clusters && group.len() > 1 {
+    if !shares_clusters && members.len() > 1 {
         context.grid.drawn = own_tiles.clone();
     }
     own.sort(&context, report);
-    if shares_clusters && group.len() > 1 {
+    if shares_clusters && members.len() > 1 {
         comm.begin(Kind::Bins);
-        redistribute(comm, &group, &owners, &context, &mut own.sorted, report)?;
+        redistribute(&mut Group::new(comm, members.clone()), &owners, &context, &mut own.sorted, report)?;
     }
     let sorted_into = own.sorted.tiles_with_entries(&context.grid);
     let own_touched: Vec<u32> = own_tiles.numbers(tiles).filter(|&tile| sorted_into.contains(tile)).collect();

@@ -3,49 +3,48 @@
 //! Clusters travel as their numbers, bounds and depths, 16 bytes for about a hundred triangles, because every rank has the
 //! meshes; triangles that were binned one by one as they are on the screen ([`Sorted::write_bytes`]).
 
-use std::ops::Range;
-
 use tercio_raster::binning::{Numbering, Sorted};
 use tercio_raster::context::FrameContext;
 
-use crate::comm::Communicator;
+use crate::comm::{Communicator, Group};
 use crate::{ParallelError, RankReport};
 
 /// Exchanges bins between the ranks of a group: afterwards `sorted` has what all of them sorted into this rank's tiles.
-/// `owners` has the owner of each tile, by its place in the group.
+/// `owners` has the owner of each tile, a rank of the group.
 ///
 /// # Errors
 /// [`ParallelError::Comm`], [`ParallelError::Bins`].
 pub fn redistribute(
-    comm: &mut impl Communicator,
-    group: &Range<usize>,
+    group: &mut Group<'_, impl Communicator>,
     owners: &[u32],
     context: &FrameContext,
     sorted: &mut Sorted,
     report: &mut RankReport,
 ) -> Result<(), ParallelError> {
-    let (own, count) = (comm.rank() - group.start, group.len());
+    let (own, count) = (group.rank(), group.size());
     let stages = &mut report.stages;
     let tiles = tiles_of_owners(owners, count);
     let mut numbering = Numbering::default();
     // Every rank begins with the next one, so that no rank gets all messages at once.
-    for other in (1..count).map(|step| (own + step) % count) {
-        let to = group.start + other;
-        let mut message = comm.buffer(to);
-        let tiles = &tiles[other];
+    for to in (1..count).map(|step| (own + step) % count) {
+        let mut message = group.buffer(to);
+        let tiles = &tiles[to];
         stages.redistribute.time(|| sorted.write_bytes(&context.grid, tiles, &mut numbering, &mut message));
         report.bin_bytes += message.len() as u64;
-        comm.send(to, message)?;
+        group.send(to, message)?;
     }
     let mut messages = Vec::new();
-    for other in (1..count).map(|step| (own + count - step) % count) {
-        let from = group.start + other;
-        messages.push((from, stages.wait.time(|| comm.receive(from))?));
+    for from in (1..count).map(|step| (own + count - step) % count) {
+        messages.push((from, stages.wait.time(|| group.receive(from))?));
     }
     let bytes = messages.iter().map(|(_, message)| &message[..]);
     let read = stages.redistribute.time(|| sorted.read_bytes(context, bytes));
-    read.map_err(|(number, source)| ParallelError::Bins { from: messages[number].0, source })?;
-    messages.into_iter().for_each(|(from, message)| comm.give_back(from, message));
+    let wrong = |(number, source): (usize, _)| ParallelError::Bins {
+        from: group.outer_rank(messages[number].0),
+        source,
+    };
+    read.map_err(wrong)?;
+    messages.into_iter().for_each(|(from, message)| group.give_back(from, message));
     Ok(())
 }
 

@@ -10,7 +10,7 @@ use tercio_scene::{Scene, Share};
 use super::PartsError;
 use crate::ParallelError;
 use crate::comm::Communicator;
-use crate::comm::collective::all_reduce_among;
+use crate::comm::collective::all_reduce_arrays;
 
 /// What the other ranks have to know of a part.
 #[derive(Clone, Copy, Pod, Zeroable)]
@@ -125,8 +125,7 @@ pub fn share_materials(comm: &mut impl Communicator, scene: &mut Scene) -> Resul
     let of_instance =
         |i: &tercio_scene::Instance| u8::from(i.materials.as_ref().is_some_and(|m| m.is_translucent()));
     let mut translucent: Vec<u8> = scene.instances.iter().map(of_instance).collect();
-    let all = 0..comm.size();
-    all_reduce_among(comm, &all, &mut translucent, u8::max)?;
+    all_reduce_arrays(comm, &mut translucent, u8::max)?;
     for (number, is_translucent) in translucent.into_iter().enumerate() {
         let instance = &scene.instances[number];
         if let (Some(materials), Some(_)) = (&instance.materials, instance.share) {

@@ -6,7 +6,7 @@ use tercio_scene::{Camera, Scene};
 
 use crate::ParallelError;
 use crate::comm::Communicator;
-use crate::comm::collective::all_reduce_among;
+use crate::comm::collective::all_reduce_arrays;
 
 /// Texels that are sent at a time, so that messages take little memory: 1 MiB.
 const BLOCK: usize = 1 << 18;
@@ -27,12 +27,11 @@ pub fn shadow_maps(
     size: u32,
 ) -> Result<ShadowMaps, ParallelError> {
     let mut maps = ShadowMaps::draw(scene, camera, settings, size)?;
-    let ranks = 0..comm.size();
     for texels in maps.nearness_mut() {
         for block in texels.chunks_mut(BLOCK) {
             // The order of 0 and -0 does not depend on the order of ranks.
             let nearest = |a: f32, b: f32| if b.total_cmp(&a).is_gt() { b } else { a };
-            all_reduce_among(comm, &ranks, block, nearest)?;
+            all_reduce_arrays(comm, block, nearest)?;
         }
     }
     Ok(maps)

@@ -1,5 +1,7 @@
 //! Parts that do not belong together, and messages that are damaged, are errors.
 
+use std::time::Duration;
+
 use tercio_mesh::{ClusteredMesh, FileMaterial, Mesh};
 use tercio_parallel::comm::threads::{self, ThreadComm};
 use tercio_parallel::comm::{CommError, Communicator, Traffic};
@@ -103,6 +105,9 @@ impl<F: Fn(&mut Vec<u8>)> Communicator for Damaging<'_, F> {
     }
     fn receive(&mut self, from: usize) -> Result<Vec<u8>, CommError> {
         self.comm.receive(from)
+    }
+    fn receive_within(&mut self, from: usize, time: Duration) -> Result<Option<Vec<u8>>, CommError> {
+        self.comm.receive_within(from, time)
     }
     fn traffic(&self) -> Traffic {
         self.comm.traffic()

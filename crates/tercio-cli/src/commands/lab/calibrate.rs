@@ -141,7 +141,7 @@ fn over_mpi(comm: &mut mpi::Comm, destination: &Destination) -> Result<Option<Ne
         check(destination)?;
     }
     let measured = measure(comm, Way::Copied)?;
-    let own = mpi::machine(comm).into_bytes();
+    let own = comm.machine().into_bytes();
     let other = comm.gather(2, own.clone())?.into_iter().next();
     Ok(measured.map(|measured| {
         let (machines, hop) = if other.is_some_and(|name| name == own) {

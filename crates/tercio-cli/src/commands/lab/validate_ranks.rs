@@ -58,7 +58,7 @@ impl Who {
 /// # Errors
 /// A rank has ended.
 pub fn processors(comm: &mut mpi::Comm, own: usize) -> Result<usize> {
-    let name = mpi::machine(comm).into_bytes();
+    let name = comm.machine().into_bytes();
     let others = comm.gather(comm.size(), name.clone())?;
     let machines = others.into_iter().chain([name]).collect::<BTreeSet<_>>().len();
     let all = comm.size() * own;
