@@ -98,7 +98,7 @@ proptest! {
         ];
         let annotation = Annotation {
             captions,
-            bar: Some(bar),
+            bars: vec![bar],
             axes: flags[0].then_some(Place { x: 0.0, y: 1.0 }),
             scale_bar: flags[1].then(|| (Place { x: 1.0, y: 1.0 }, "mm".into())),
             bounds: flags[2],
@@ -118,7 +118,7 @@ fn usual_pictures_have_all_of_it() {
     for size in [(300, 200), (640, 480), (1024, 768), (1920, 1080), (8192, 8192)] {
         let annotation = Annotation {
             captions: vec![Caption::title("Wing")],
-            bar: Some(bar([-1.0, 2.0], Scale::Linear)),
+            bars: vec![bar([-1.0, 2.0], Scale::Linear)],
             axes: Some(Place { x: 0.0, y: 1.0 }),
             scale_bar: Some((Place { x: 1.0, y: 1.0 }, String::new())),
             ..Annotation::default()
@@ -129,7 +129,7 @@ fn usual_pictures_have_all_of_it() {
         assert_eq!(laid_out.placed.len(), 4);
     }
     let camera = camera(DVec3::new(1.0, 2.0, 7.0), Projection::Orthographic { height: 3.0 });
-    let annotation = Annotation { bar: Some(bar([0.0, 1.0], Scale::Linear)), ..Annotation::default() };
+    let annotation = Annotation { bars: vec![bar([0.0, 1.0], Scale::Linear)], ..Annotation::default() };
     let laid_out = check(&annotation, &camera, (64, 64), [DVec3::splat(-1.0), DVec3::splat(1.0)]);
     assert_eq!(laid_out.left_out, Vec::<String>::new(), "a bar even in a small picture");
 }
@@ -142,7 +142,7 @@ fn the_layout_grows_with_the_picture() {
             Caption::title("Wing"),
             Caption { text: "a\nb".into(), place: Place { x: 0.0, y: 0.0 }, size: 1.0 },
         ],
-        bar: Some(bar([-1.0, 2.0], Scale::Linear)),
+        bars: vec![bar([-1.0, 2.0], Scale::Linear)],
         axes: Some(Place { x: 0.0, y: 1.0 }),
         ..Annotation::default()
     };
@@ -161,7 +161,7 @@ fn the_layout_grows_with_the_picture() {
 fn margins_move_the_camera() {
     let annotation = Annotation {
         captions: vec![Caption::title("Wing")],
-        bar: Some(bar([-1.0, 2.0], Scale::Linear)),
+        bars: vec![bar([-1.0, 2.0], Scale::Linear)],
         bounds: true,
         ..Annotation::default()
     };

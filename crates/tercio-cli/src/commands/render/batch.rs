@@ -43,7 +43,7 @@ impl Render {
         }
         let items = models.iter().map(|model| self.item(model)).collect::<Result<Vec<_>>>()?;
         let named = |files, item: &Item| item.render.named_files(&item.job, files);
-        let files = items.iter().fold(NamedFiles::default(), named);
+        let files = self.saved_files(items.iter().fold(NamedFiles::default(), named));
         files.check()?;
         files.check_places()?;
         items[0].job.writing.check_film()?;

@@ -60,7 +60,7 @@ impl Render {
 
 /// The files that match a pattern with `*` or `?` in its last part, in natural order; `None` for the name of a file. Most shells
 /// have done that already.
-fn expanded(path: &Path) -> Result<Option<Vec<PathBuf>>, UsageError> {
+pub fn expanded(path: &Path) -> Result<Option<Vec<PathBuf>>, UsageError> {
     let pattern = path.file_name().and_then(|name| name.to_str()).filter(|name| name.contains(['*', '?']));
     let Some(pattern) = pattern.filter(|_| !path.exists()) else { return Ok(None) };
     let folder = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
@@ -76,7 +76,7 @@ fn expanded(path: &Path) -> Result<Option<Vec<PathBuf>>, UsageError> {
 }
 
 /// Whether a name matches a pattern, in which `*` stands for anything and `?` for one character.
-fn matches(pattern: &str, name: &str) -> bool {
+pub fn matches(pattern: &str, name: &str) -> bool {
     let (pattern, name): (Vec<char>, Vec<char>) = (pattern.chars().collect(), name.chars().collect());
     let (mut p, mut n, mut star) = (0, 0, None);
     while n < name.len() {
