@@ -44,7 +44,7 @@ impl Render {
         let second = models.get(1).unwrap_or(&models[0]).display();
         let count = models.len();
         let text = tips::surplus_model(&models).unwrap_or_else(|| {
-            format!("{count} models (the second is {second}) need names of their own: {{name}} in the output stands for that of the model, as in {{name}}.png; with {{frame}} or a film they are the steps of a series")
+            format!("{count} models (the second is {second}) need names of their own: {{name}} in the output stands for that of the model, as in {{name}}.png; with {{frame}} or a film they are the steps of a series, with --together one picture")
         });
         Err(UsageError(text))
     }
