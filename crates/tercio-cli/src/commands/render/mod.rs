@@ -78,6 +78,9 @@ Examples:
   tercio render *.stl -o 'thumbs/{name}.png' --size 256x256
   tercio render step_*.ply -o steps.mp4 --fps 30
   tercio render scan.ply -o scan.png --color-by quality --colormap turbo --range 2%,98% --isolines 9
+  tercio render bone.ply --color ivory --with 'skin.stl;opacity=0.3' -o both.png
+  tercio render a.ply b.ply c.ply --together -o all.png --save-scene all.toml
+  tercio render all.toml -o all.png   (docs/scenes.md has what a scene file may say)
   tercio render scan.ply -o scan.png --stereo anaglyph
   tercio render scan.ply -o scan.png --stereo pair --eye-distance 2.5   (scan.left.png, scan.right.png)
   tercio render scan.ply -o scan.png --ranks 4 --organisation sort-last --stats -
