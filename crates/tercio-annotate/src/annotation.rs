@@ -151,7 +151,10 @@ impl Annotation {
         let mut margins = [0.0f64; 4];
         let bar_of = |what: &str| {
             let numbered = self.bars.iter().enumerate();
-            numbered.map(|(number, bar)| (bar_name(number), bar)).find(|(name, _)| name == what).map(|(_, bar)| bar)
+            numbered
+                .map(|(number, bar)| (bar_name(number), bar))
+                .find(|(name, _)| name == what)
+                .map(|(_, bar)| bar)
         };
         for Placed { what, rect: [left, top, right, bottom] } in &layout.placed {
             let bar = bar_of(what);

@@ -144,7 +144,8 @@ impl Layout {
             .map(f64::round);
         let middle = (left + right) * 0.5;
         let to_the_left = place.x > 0.5;
-        let is_in_half = |x: f64| if to_the_left { x >= middle } else { place.x == 0.5 || x + width <= middle };
+        let is_in_half =
+            |x: f64| if to_the_left { x >= middle } else { place.x == 0.5 || x + width <= middle };
         if y < top - 0.5 || y + height > bottom + 0.5 {
             return None;
         }
@@ -154,7 +155,8 @@ impl Layout {
                 return None;
             }
             let gap = self.margin * 0.5 + 1.0;
-            let Some(other) = self.placed.iter().find(|other| overlap(&other.rect, &rect, self.margin * 0.5)) else {
+            let Some(other) = self.placed.iter().find(|other| overlap(&other.rect, &rect, self.margin * 0.5))
+            else {
                 return Some(rect);
             };
             x = if to_the_left { other.rect[0] - gap - width } else { other.rect[2] + gap };

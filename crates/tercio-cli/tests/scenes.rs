@@ -24,6 +24,23 @@ fn block(place: &Place, name: &str, min: [f64; 3], max: [f64; 3]) {
     fs::write(place.path(name), text).expect("a model");
 }
 
+/// The block of a file with other vertices.
+fn transformed(place: &Place, from: &str, to: &str, transform: impl Fn([f64; 3]) -> [f64; 3]) {
+    let text = String::from_utf8(place.read(from)).expect("a text");
+    let (head, body) = text.split_once("end_header\n").expect("a header");
+    let mut text = format!("{head}end_header\n");
+    for (number, line) in body.lines().enumerate() {
+        let v: Vec<f64> = line.split(' ').map(|word| word.parse().expect("a number")).collect();
+        if number < 8 {
+            let [x, y, z] = transform([v[0], v[1], v[2]]);
+            text += &format!("{x} {y} {z} {}\n", v[3]);
+        } else {
+            text += &format!("{line}\n");
+        }
+    }
+    fs::write(place.path(to), text).expect("a model");
+}
+
 fn scene(place: &Place, name: &str, text: &str) {
     fs::write(place.path(name), text).expect("a scene file");
 }
@@ -106,9 +123,8 @@ fn the_nearer_of_two_models_is_seen() {
 #[test]
 fn a_scene_file_is_the_scene_that_a_program_makes() {
     let place = blocks();
-    let linear = |[r, g, b]: [u8; 3]| {
-        [r, g, b].map(|c| tercio::scene::srgb_to_linear(f64::from(c) / 255.0) as f32)
-    };
+    let linear =
+        |[r, g, b]: [u8; 3]| [r, g, b].map(|c| tercio::scene::srgb_to_linear(f64::from(c) / 255.0) as f32);
     let mut made = Scene::from_mesh(tercio::load(place.path("a.ply")).expect("a model").mesh);
     made.instances[0].surface.base_color = linear([255, 255, 240]);
     let mut second = Instance::new(tercio::load(place.path("b.ply")).expect("a model").mesh);
@@ -145,7 +161,7 @@ fn ranks_threads_and_tiles_draw_the_same() {
     scene(
         &place,
         "full.toml",
-        "size = [160, 120]\nshadows = true\n[[model]]\nfile = 'a.ply'\nedges = true\ncolor-by = 'height'\n[[model]]\n\
+        "size = [160, 120]\n[[model]]\nfile = 'a.ply'\nedges = true\ncolor-by = 'height'\n[[model]]\n\
          file = 'b.ply'\nopacity = 0.4\nmode = 'hidden-line'\nrotate = [0, 30, 0]\n[[model.instance]]\ntranslate = [0, 0, 3]\n\
          [[model]]\nfile = 'model.off'\nmode = 'wireframe'\ntranslate = [0, 4, 0]\n",
     );
@@ -161,9 +177,11 @@ fn ranks_threads_and_tiles_draw_the_same() {
         place.run(&format!("full.toml -o other.png {options}")).ok_silently();
         same(&place, "one.png", "other.png");
     }
+    place.run("scene.toml -o one.png --shadows").ok_silently();
+    place.run("scene.toml -o other.png --shadows --ranks 2 --organisation sort-last").ok_silently();
+    same(&place, "one.png", "other.png");
     // A film has the pictures of its cameras; the eyes of a stereo picture see all models.
     place.run("full.toml -o turn_{}.png --turntable 3").ok_silently();
-    place.run("full.toml -o first.png --azimuth 135 --turntable 1").failed(2, &["--turntable"]);
     assert!(place.names().contains(&"turn_2.png".to_owned()));
     place.run("full.toml -o stereo.png --stereo anaglyph").ok_silently();
 }
@@ -173,34 +191,29 @@ fn a_transformed_model_is_the_model_with_transformed_vertices() {
     let place = Place::new();
     block(&place, "a.ply", [0.0, 0.0, 0.0], [1.0, 2.0, 3.0]);
     // Scaled by 2, turned by 90 degrees about z, moved.
-    block(&place, "exact.ply", [-4.0 + 8.0, 0.0, 0.0], [0.0 + 8.0, 2.0, 6.0]);
+    transformed(&place, "a.ply", "exact.ply", |[x, y, z]| [8.0 - 2.0 * y, 2.0 * x, 2.0 * z]);
     block(&place, "other.ply", [-1.0, -1.0, -1.0], [0.0, 0.0, 0.0]);
-    let camera = "--eye 20,15,30 --target 4,1,3 --size 160x120 --aa 1";
+    let camera = "--eye 20,15,30 --target 4,1,3 --fov 12 --size 160x120 --aa 1";
     let with = "--with other.ply --output-depth";
     place
         .run(&format!("render a.ply {camera} --scale 2 --rotate 0,0,90 --translate 8,0,0 {with} scene.npy"))
         .ok_silently();
     place.run(&format!("render exact.ply {camera} {with} file.npy")).ok_silently();
-    assert_eq!(depths(&place, "scene.npy"), depths(&place, "file.npy"));
+    assert!(depths(&place, "scene.npy") == depths(&place, "file.npy"));
     let matrix = "0,-2,0,8,2,0,0,0,0,0,2,0";
     place.run(&format!("render a.ply {camera} --matrix {matrix} {with} matrix.npy")).ok_silently();
-    assert_eq!(depths(&place, "scene.npy"), depths(&place, "matrix.npy"));
+    assert!(depths(&place, "scene.npy") == depths(&place, "matrix.npy"));
     // Not exact: turned vertices are rounded to what a file holds.
     let (sin, cos) = 25f64.to_radians().sin_cos();
-    let text = String::from_utf8(place.read("a.ply")).unwrap();
-    let (head, body) = text.split_once("end_header\n").unwrap();
-    let turned = body.lines().enumerate().map(|(number, line)| {
-        let v: Vec<f64> = line.split(' ').map(|w| w.parse().unwrap()).collect();
-        if number >= 8 { line.to_owned() } else { format!("{} {} {} 0", cos * v[0] + sin * v[2], v[1], -sin * v[0] + cos * v[2]) }
-    });
-    let turned = turned.collect::<Vec<_>>().join("\n");
-    fs::write(place.path("turned.ply"), format!("{head}end_header\n{turned}\n")).unwrap();
+    transformed(&place, "a.ply", "turned.ply", |[x, y, z]| [cos * x + sin * z, y, -sin * x + cos * z]);
     place.run(&format!("render turned.ply {camera} {with} file.npy")).ok_silently();
     place.run(&format!("render a.ply {camera} --rotate 0,25,0 {with} scene.npy")).ok_silently();
     let (a, b) = (depths(&place, "scene.npy"), depths(&place, "file.npy"));
     let edge = a.iter().zip(&b).filter(|(a, b)| a.is_finite() != b.is_finite()).count();
-    let far = a.iter().zip(&b).filter(|(a, b)| a.is_finite() && b.is_finite() && (**a - **b).abs() > 1e-3).count();
-    assert!(edge + far < 8 && a.iter().filter(|d| d.is_finite()).count() > 1000, "{edge} {far}");
+    let far =
+        a.iter().zip(&b).filter(|(a, b)| a.is_finite() && b.is_finite() && (**a - **b).abs() > 1e-3).count();
+    let all = a.iter().filter(|d| d.is_finite()).count();
+    assert!(edge + far < 8 && all > 400, "{edge} {far} {all}");
 }
 
 #[test]
@@ -214,7 +227,7 @@ fn a_saved_scene_draws_the_same_picture() {
          --with b.ply;color-by=@normal:x;isolines=3;bar-title=n;clip=x:0.5;clip=1,0,0,-1.75;clip-cap",
         "a.ply --light dir:1,1,1 --light ambient:#404040 --clip 1,0,0,0.25 --opacity 0.30 --size 160x120 --background red,blue",
         "a.ply --matrix 1,0,0,0,0,1,0,0,0,0.1,1,0 --with b.ply;scale=0.5;rotate=10,20,-30 --size 160x120 --orthographic",
-        "model.off --mode points --point-size 0.1u --with builtin:sphere@1k;opacity=.5 --size 160x120 --shadows",
+        "model.off --mode points --point-size 0.1u --with builtin:sphere@1k;specular=.5 --size 160x120 --shadows",
         "scene.toml --azimuth 40 --with model.off --edge-color red --edges=feature",
     ];
     for run in runs {
@@ -226,13 +239,20 @@ fn a_saved_scene_draws_the_same_picture() {
         fs::remove_file(place.path("before.png")).unwrap();
         // It names its output, too.
         place.run("saved/scene.toml").ok_silently();
-        assert!(place.read("before.png") == before, "{run}:\n{}", String::from_utf8_lossy(&place.read("saved/scene.toml")));
+        assert!(
+            place.read("before.png") == before,
+            "{run}:\n{}",
+            String::from_utf8_lossy(&place.read("saved/scene.toml"))
+        );
         let first = place.read("saved/scene.toml");
         place.run("saved/scene.toml -o again.png --save-scene saved/again.toml").ok_silently();
         same(&place, "before.png", "again.png");
         let lines = |bytes: &[u8]| -> Vec<String> {
             let text = String::from_utf8(bytes.to_vec()).unwrap();
-            text.lines().filter(|l| !l.starts_with(['#']) && !l.starts_with("output")).map(str::to_owned).collect()
+            text.lines()
+                .filter(|l| !l.starts_with(['#']) && !l.starts_with("output"))
+                .map(str::to_owned)
+                .collect()
         };
         assert_eq!(lines(&first), lines(&place.read("saved/again.toml")));
     }
@@ -261,10 +281,18 @@ fn the_command_line_wins_over_the_scene_and_that_over_the_configuration() {
         stats(&place, "x.json")
     };
     let color = |stats: &serde_json::Value, model: usize| {
-        stats["models"][model]["instances"][0]["color"].as_array().unwrap().iter().map(|c| c.as_f64().unwrap()).collect::<Vec<_>>()
+        stats["models"][model]["instances"][0]["color"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .map(|c| c.as_f64().unwrap())
+            .collect::<Vec<_>>()
     };
     let plain = look("a.ply");
-    assert_eq!((&plain["picture"]["width"], &plain["look"]["background"]["color"][0]), (&64.into(), &1.0.into()));
+    assert_eq!(
+        (&plain["picture"]["width"], &plain["look"]["background"]["color"][0]),
+        (&64.into(), &1.0.into())
+    );
     assert!(color(&plain, 0)[1] > 0.1 && color(&plain, 0)[0] == 0.0);
     // The later pattern wins, and the command line over all.
     assert_eq!(color(&look("b.ply"), 0), [0.0, 0.0, 1.0]);
@@ -357,13 +385,23 @@ fn a_model_that_is_named_twice_is_loaded_once() {
     let triangles = models[0]["instances"][0]["triangles"].as_u64().unwrap();
     assert_eq!(models[1]["instances"][0]["first_primitive"].as_u64(), Some(2 * triangles));
     // A hundred copies take no more memory than one, apart from what is drawn.
-    let copies: String = (0..100).map(|k| format!("[[model.instance]]\ntranslate = [{}, 0, 0]\n", 3 * k)).collect();
-    scene(&place, "many.toml", &format!("size = [64, 48]\n[[model]]\nfile = 'builtin:sphere@100k'\n{copies}"));
+    let copies: String =
+        (0..100).map(|k| format!("[[model.instance]]\ntranslate = [{}, 0, 0]\n", 3 * k)).collect();
+    scene(
+        &place,
+        "many.toml",
+        &format!("size = [64, 48]\n[[model]]\nfile = 'builtin:sphere@100k'\n{copies}"),
+    );
     place.run("many.toml -o x.png --stats many.json --threads 2").ok_silently();
     place.run("builtin:sphere@100k -o x.png --size 64x48 --stats one.json --threads 2").ok_silently();
     let peak = |name: &str| self::stats(&place, name)["peak_memory_bytes"].as_u64().unwrap();
     let mesh = self::stats(&place, "one.json")["load"]["memory_bytes"].as_u64().unwrap();
-    assert!(peak("many.json") < peak("one.json") + 20 * mesh, "{} {} {mesh}", peak("many.json"), peak("one.json"));
+    assert!(
+        peak("many.json") < peak("one.json") + 20 * mesh,
+        "{} {} {mesh}",
+        peak("many.json"),
+        peak("one.json")
+    );
 }
 
 #[test]

@@ -360,7 +360,8 @@ fn value(value: &DeValue<'_>) -> Result<Value, String> {
             Value::List(values.iter().map(|v| self::value(v.get_ref())).collect::<Result<_, _>>()?)
         }
         DeValue::Table(table) => {
-            let named = table.iter().map(|(name, v)| Ok((name.get_ref().to_string(), self::value(v.get_ref())?)));
+            let named =
+                table.iter().map(|(name, v)| Ok((name.get_ref().to_string(), self::value(v.get_ref())?)));
             Value::Named(named.collect::<Result<_, String>>()?)
         }
         DeValue::Datetime(_) => return Err("a date has no meaning here; a text has quotation marks".into()),
@@ -425,7 +426,9 @@ mod tests {
 
     #[test]
     fn numbers_keep_their_digits() {
-        for text in ["0", "-3", "0.50", "1,2.5,-3", "12345678901234567890", "1e5", "+1", "01", ".5", "1.", "x", ""] {
+        for text in
+            ["0", "-3", "0.50", "1,2.5,-3", "12345678901234567890", "1e5", "+1", "01", ".5", "1.", "x", ""]
+        {
             let value = Value::of_text(text);
             assert_eq!(value.text().as_deref(), Some(text));
             let is_number = matches!(&value, Value::Number(_));

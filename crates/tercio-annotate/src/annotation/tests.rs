@@ -148,7 +148,10 @@ fn several_bars_are_side_by_side() {
             let annotation = Annotation { bars: vec![one.clone(); count], ..Annotation::default() };
             let laid_out = check(&annotation, &camera, size, bounds);
             assert_eq!((laid_out.placed.len(), laid_out.left_out.len()), (count, 0), "{name}");
-            assert!(laid_out.placed.iter().all(|p| p.rect[1 - axis] == laid_out.placed[0].rect[1 - axis]), "{name}");
+            assert!(
+                laid_out.placed.iter().all(|p| p.rect[1 - axis] == laid_out.placed[0].rect[1 - axis]),
+                "{name}"
+            );
             annotation.margins(size.0, size.1).iter().sum::<f64>()
         };
         let (single, double) = (margin(1), margin(2));

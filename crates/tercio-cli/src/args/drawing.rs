@@ -290,14 +290,14 @@ impl DrawingArgs {
         self.shadows.map(draw).transpose()
     }
 
-    /// How shadows of a scene differ from those of what is drawn, if they do.
-    pub fn shadow_warning(&self, scene: &Scene) -> Option<String> {
+    /// How shadows of instances of a scene differ from those of what is drawn, if they do.
+    pub fn shadow_warning(&self, scene: &Scene, instances: &[Instance]) -> Option<String> {
         self.shadows?;
-        if scene.instances.iter().any(|i| i.surface.opacity < 1.0) {
+        if instances.iter().any(|i| i.surface.opacity < 1.0) {
             return Some("surfaces with an opacity below 1 cast no shadows".into());
         }
         let is_cut_out = scene.materials.iter().any(|m| matches!(m.alpha_mode, AlphaMode::Cutout(_)));
-        let is_too_dark = !is_cut_out && scene.instances.iter().any(Instance::is_translucent);
+        let is_too_dark = !is_cut_out && instances.iter().any(Instance::is_translucent);
         is_too_dark.then(|| "what is not opaque casts the shadows of opaque surfaces".into())
     }
 

@@ -51,10 +51,7 @@ pub fn matrix(text: &str) -> Result<DAffine3, String> {
         return Err("expected 0,0,0,1 as the last row: lines stay parallel".into());
     }
     let column = |k: usize| DVec3::new(numbers[k], numbers[4 + k], numbers[8 + k]);
-    checked(DAffine3 {
-        matrix3: DMat3::from_cols(column(0), column(1), column(2)),
-        translation: column(3),
-    })
+    checked(DAffine3 { matrix3: DMat3::from_cols(column(0), column(1), column(2)), translation: column(3) })
 }
 
 /// A transform that leaves a model its three dimensions.
@@ -183,7 +180,9 @@ mod tests {
         for bad in ["0", "1,0,1", "x", "1,2", "inf", "1e200", ""] {
             assert!(scale(bad).is_err(), "{bad}");
         }
-        for bad in ["1,0,0", "1,0,0,0,0,1,0,0,1,1,0,0", "1,0,0,0,0,1,0,0,0,0,1,0,0,0,1,1", "1,0,0,0,0,1,0,0,0,0,1,x"] {
+        for bad in
+            ["1,0,0", "1,0,0,0,0,1,0,0,1,1,0,0", "1,0,0,0,0,1,0,0,0,0,1,0,0,0,1,1", "1,0,0,0,0,1,0,0,0,0,1,x"]
+        {
             assert!(matrix(bad).is_err(), "{bad}");
         }
     }

@@ -101,7 +101,8 @@ impl Defaults {
                     to.set(name, given.clone());
                     let all = of_model.clone().over(&of_picture, definition);
                     let arguments = all.arguments(&member.files, definition);
-                    let has_effect = definition.parse(&arguments).is_ok_and(|render| render.check_options().is_ok());
+                    let has_effect =
+                        definition.parse(&arguments).is_ok_and(|render| render.check_options().is_ok());
                     if has_effect {
                         (*picture, member.settings) = (of_picture, of_model);
                         used.push(name.clone());
@@ -114,7 +115,11 @@ impl Defaults {
             }
             let list = |names: &[String]| if names.is_empty() { "nothing".into() } else { names.join(", ") };
             let open: Vec<String> = open.into_iter().map(|(name, _)| name).collect();
-            let without = if open.is_empty() { String::new() } else { format!("; without effect here: {}", list(&open)) };
+            let without = if open.is_empty() {
+                String::new()
+            } else {
+                format!("; without effect here: {}", list(&open))
+            };
             notes.push(format!("{}: {} from {}{without}", model.display(), list(&used), self.path.display()));
         }
         notes

@@ -68,7 +68,8 @@ impl Definition {
             }
             loose = loose.arg(loosely(option));
         }
-        let models = Arg::new("models").num_args(0..).action(ArgAction::Append).value_parser(value_parser!(PathBuf));
+        let models =
+            Arg::new("models").num_args(0..).action(ArgAction::Append).value_parser(value_parser!(PathBuf));
         Self { loose: loose.disable_help_flag(true).arg(models), strict }
     }
 
@@ -149,11 +150,13 @@ impl Definition {
     /// # Errors
     /// One sentence.
     pub fn given(&mut self, name: &str, value: &Value) -> Result<(String, Given), String> {
-        let option = self.find(name).ok_or_else(|| format!("there is no such option{}", self.like(name, &[])))?;
+        let option =
+            self.find(name).ok_or_else(|| format!("there is no such option{}", self.like(name, &[])))?;
         let long = option.get_long().unwrap_or_default().to_owned();
         let takes_value = option.get_action().takes_values();
         let needs_value = takes_value && option.get_num_args().is_none_or(|count| count.min_values() > 0);
-        let repeats = matches!(option.get_action(), ArgAction::Append) && option.get_value_delimiter().is_none();
+        let repeats =
+            matches!(option.get_action(), ArgAction::Append) && option.get_value_delimiter().is_none();
         let text = |value: &Value| value.text().ok_or("true and false are not part of a list");
         let given = match value {
             Value::Flag(false) => Given::Off,
@@ -195,7 +198,8 @@ impl Definition {
 fn loosely(option: &Arg) -> Arg {
     // Names of the parser are static. They are made once a run, or whenever a watched scene changes.
     let kept = |name: &str| -> &'static str { Box::leak(name.to_owned().into_boxed_str()) };
-    let mut loose = Arg::new(option.get_id().clone()).allow_hyphen_values(option.is_allow_hyphen_values_set());
+    let mut loose =
+        Arg::new(option.get_id().clone()).allow_hyphen_values(option.is_allow_hyphen_values_set());
     if let Some(long) = option.get_long() {
         loose = loose.long(kept(long));
     }

@@ -99,7 +99,9 @@ pub fn render(arguments: &[OsString]) -> Result<Option<Render>> {
     let mut is_together = is_together;
     if has_scene {
         let [file] = &models[..] else {
-            return Err(UsageError("a scene file (.toml) names its models itself: name it alone".into()).into());
+            return Err(
+                UsageError("a scene file (.toml) names its models itself: name it alone".into()).into()
+            );
         };
         origin.files.push((SCENE, file.clone()));
         let scene = tables::read(file, &mut definition)?;
@@ -109,7 +111,10 @@ pub fn render(arguments: &[OsString]) -> Result<Option<Render>> {
         picture = picture.over(&of_picture, &definition);
         members = scene.members;
         if members.is_empty() {
-            bail!("{}: there are no models: expected [[model]] tables, or models = [\"a.ply\"]", file.display());
+            bail!(
+                "{}: there are no models: expected [[model]] tables, or models = [\"a.ply\"]",
+                file.display()
+            );
         }
         for member in &mut members {
             let table = std::mem::take(&mut member.settings);
@@ -171,7 +176,8 @@ fn apart(members: &[Member]) -> Result<Vec<Member>> {
 
 /// Colours that are well told apart, on bright and on dark backgrounds and by people who do not see all colours.
 const PALETTE: [&str; 10] = [
-    "#6f9fd8", "#e8a33d", "#5fb88a", "#d9705f", "#9d86cf", "#c9c04a", "#d98cc0", "#58b9c4", "#a8805c", "#a9b0b8",
+    "#6f9fd8", "#e8a33d", "#5fb88a", "#d9705f", "#9d86cf", "#c9c04a", "#d98cc0", "#58b9c4", "#a8805c",
+    "#a9b0b8",
 ];
 
 /// Gives each model that has no other colour one of its own.

@@ -8,16 +8,8 @@ use tercio::scene_file::Value;
 use super::definition::Definition;
 
 /// Options whose values are names of files.
-const FILES: [&str; 8] = [
-    "output",
-    "output-depth",
-    "output-ids",
-    "output-normals",
-    "stats",
-    "trace",
-    "camera-path",
-    "save-scene",
-];
+const FILES: [&str; 8] =
+    ["output", "output-depth", "output-ids", "output-normals", "stats", "trace", "camera-path", "save-scene"];
 
 /// Whether the value of an option names a file.
 pub fn is_file(option: &str, text: &str) -> bool {
@@ -59,11 +51,17 @@ pub fn relative(path: &Path, folder: &Path) -> PathBuf {
         return path.into();
     };
     let parts = |path: &Path| -> Option<Vec<std::ffi::OsString>> {
-        // Names with .. mean something else where folders are links.
-        let mut parts = Vec::new();
+        let mut parts: Vec<std::ffi::OsString> = Vec::new();
         for component in path.components() {
             match component {
-                Component::ParentDir => return None,
+                Component::ParentDir => {
+                    // From a link, .. leads elsewhere.
+                    let folder: PathBuf = parts.iter().collect();
+                    if std::fs::symlink_metadata(folder).is_ok_and(|m| m.file_type().is_symlink()) {
+                        return None;
+                    }
+                    parts.pop();
+                }
                 Component::CurDir => {}
                 other => parts.push(other.as_os_str().to_owned()),
             }
@@ -88,12 +86,18 @@ mod tests {
     #[test]
     fn names_are_relative_to_the_file_where_that_is_possible() {
         let check = |path: &str, folder: &str, expected: &str| {
-            assert_eq!(relative(path.as_ref(), folder.as_ref()), PathBuf::from(expected), "{path} in {folder}");
+            assert_eq!(
+                relative(path.as_ref(), folder.as_ref()),
+                PathBuf::from(expected),
+                "{path} in {folder}"
+            );
         };
         check("a.ply", "", "a.ply");
         check("a.ply", "scenes", "../a.ply");
         check("scenes/a.ply", "scenes", "a.ply");
         check("./scenes/x/a.ply", "scenes", "x/a.ply");
+        check("./scenes/../b/a.ply", "b", "a.ply");
+        check("scenes/../a.ply", "scenes", "../a.ply");
         check("builtin:teapot@1k", "scenes", "builtin:teapot@1k");
         check("-", "scenes", "-");
         check("/data/a.ply", "scenes", "/data/a.ply");

@@ -76,7 +76,9 @@ pub fn read(path: &Path, definition: &mut Definition) -> Result<Scene> {
     for setting in &scene.settings {
         if setting.key == "models" {
             if !scene.models.is_empty() {
-                return Err(source.wrong(setting, "there are [[model]] tables, too: name all models in one way"));
+                return Err(
+                    source.wrong(setting, "there are [[model]] tables, too: name all models in one way")
+                );
             }
             let files = names(&source, setting)?;
             members.push(Member { files, ..Member::default() });
@@ -164,7 +166,8 @@ fn placement(source: &Source, table: &Table, definition: &Definition) -> Result<
             }
             ("no-mesh-colors", ..) => return Err(wrong("expected true or false".into())),
             (key, ..) => {
-                let known = "an instance has translate, rotate, scale, matrix, color, opacity and no-mesh-colors";
+                let known =
+                    "an instance has translate, rotate, scale, matrix, color, opacity and no-mesh-colors";
                 let text = match definition.class(key) {
                     Some(_) => format!("is no option of an instance: {known}"),
                     None => format!("there is no such option: {known}"),
@@ -175,7 +178,10 @@ fn placement(source: &Source, table: &Table, definition: &Definition) -> Result<
     }
     if placement.place.is_twice() {
         let line = table.line;
-        bail!("{}: line {line}: [[model.instance]]: matrix stands alone, without translate, rotate and scale", source.path.display());
+        bail!(
+            "{}: line {line}: [[model.instance]]: matrix stands alone, without translate, rotate and scale",
+            source.path.display()
+        );
     }
     Ok(placement)
 }

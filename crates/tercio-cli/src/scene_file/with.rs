@@ -27,7 +27,9 @@ pub fn read(text: &str, definition: &mut Definition) -> Result<Member, UsageErro
         let key = key.trim_start_matches("--");
         match definition.class(key) {
             Some(Class::Model) => {}
-            Some(_) => return Err(wrong(format!("{key} is an option of the whole picture: it stands by itself"))),
+            Some(_) => {
+                return Err(wrong(format!("{key} is an option of the whole picture: it stands by itself")));
+            }
             None => {
                 return Err(wrong(format!("there is no option {key}{}", definition.like(key, &[]))));
             }

@@ -27,7 +27,8 @@ use crate::{ending, memory};
 
 /// Do two scalar bars show the same?
 fn is_same(a: &ScalarBar, b: &ScalarBar) -> bool {
-    (&a.colors, &a.title, a.format, a.place, a.is_upright) == (&b.colors, &b.title, b.format, b.place, b.is_upright)
+    (&a.colors, &a.title, a.format, a.place, a.is_upright)
+        == (&b.colors, &b.title, b.format, b.place, b.is_upright)
 }
 
 /// A model that was read, perhaps for several models of the picture.
@@ -100,7 +101,9 @@ impl Render {
             }
             scene.instances.push(instance);
             // Layers of what is not opaque need memory, too.
-            let left = |limit: u64| limit.saturating_sub(picture.saturating_add(taken).saturating_add(shadows)) / 4 * 3;
+            let left = |limit: u64| {
+                limit.saturating_sub(picture.saturating_add(taken).saturating_add(shadows)) / 4 * 3
+            };
             let limits = TextureLimits {
                 memory: self.running.memory_limit().map(left),
                 progress: &display.progress,
@@ -108,8 +111,7 @@ impl Render {
                 is_unlit: self.drawing.is_unlit(),
             };
             let mut report = file.loaded.report.clone();
-            let textures =
-                member.textures.load((&mut scene, begin), &member.model.model, &report, &limits);
+            let textures = member.textures.load((&mut scene, begin), &member.model.model, &report, &limits);
             if let Some(textures) = &textures {
                 // They are not always where the model says.
                 writing.files.check_companions(&member.model.name(), &textures.files)?;
@@ -137,7 +139,10 @@ impl Render {
             share_materials(*comm, &mut scene)?;
         }
         self.check_memory(picture.saturating_add(shadows), taken)?;
-        models[0].report.read.warnings.extend(self.drawing.shadow_warning(&scene));
+        for model in &mut models {
+            let own = &scene.instances[model.instances.clone()];
+            model.report.read.warnings.extend(self.drawing.shadow_warning(&scene, own));
+        }
         let annotation = self.annotation.annotation(bars, &background);
         let mut subject = Subject::default();
         for (model, &number) in models.iter().zip(&file_of) {

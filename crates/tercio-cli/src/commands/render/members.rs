@@ -10,9 +10,9 @@ use tercio::scene::framing::Extent;
 use tercio::scene::{Instance, Scene};
 use tercio::{LoadReport, TextureReport};
 
+use super::Render;
 use super::strokes::Drawable;
 use super::subject::{Subject, placed};
-use super::Render;
 use crate::args::place::PlaceArgs;
 use crate::{look, report};
 

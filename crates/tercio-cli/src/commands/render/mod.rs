@@ -27,11 +27,11 @@ use std::time::Instant;
 use anyhow::{Result, bail};
 use clap::Args;
 use serde_json::Value;
+use tercio::LoadReport;
 use tercio::image::Destination;
 use tercio::parallel::FrameReport;
 use tercio::parallel::trace::Trace;
 use tercio::raster::{Frame, Settings};
-use tercio::LoadReport;
 use tercio::scene::{Background, Scene};
 use tercio_lab::predict::choose::Choice;
 
