@@ -154,11 +154,26 @@ fn is_plain_number(text: &str) -> bool {
     let (whole, fraction) = digits.split_once('.').map_or((digits, None), |(w, f)| (w, Some(f)));
     let are_digits = |text: &str| !text.is_empty() && text.bytes().all(|b| b.is_ascii_digit());
     let is_whole = are_digits(whole) && (whole.len() == 1 || !whole.starts_with('0')) && whole.len() <= 18;
-    is_whole && fraction.is_none_or(are_digits)
+    // Integers have no negative zero.
+    is_whole && fraction.is_none_or(are_digits) && text != "-0"
 }
 
+/// A text on one line, which keys have to be on.
 fn quoted(text: &str) -> String {
-    toml::Value::String(text.into()).to_string()
+    let mut out = String::from("\"");
+    for c in text.chars() {
+        match c {
+            '"' | '\\' => out.extend(['\\', c]),
+            '\n' => out.push_str("\\n"),
+            '\t' => out.push_str("\\t"),
+            c if c.is_control() => {
+                let _ = write!(out, "\\u{:04X}", u32::from(c));
+            }
+            c => out.push(c),
+        }
+    }
+    out.push('"');
+    out
 }
 
 fn key(name: &str) -> String {
@@ -426,9 +441,21 @@ mod tests {
 
     #[test]
     fn numbers_keep_their_digits() {
-        for text in
-            ["0", "-3", "0.50", "1,2.5,-3", "12345678901234567890", "1e5", "+1", "01", ".5", "1.", "x", ""]
-        {
+        for text in [
+            "0",
+            "-3",
+            "0.50",
+            "1,2.5,-3",
+            "-0",
+            "12345678901234567890",
+            "1e5",
+            "+1",
+            "01",
+            ".5",
+            "1.",
+            "x",
+            "",
+        ] {
             let value = Value::of_text(text);
             assert_eq!(value.text().as_deref(), Some(text));
             let is_number = matches!(&value, Value::Number(_));

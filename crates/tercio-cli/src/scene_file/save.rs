@@ -49,6 +49,9 @@ pub fn text(picture: &Settings, members: &[Member], to: &Path) -> Result<String>
     Ok(format!("# Written by tercio {version}: tercio render {file} draws it again.\n{}", scene.to_toml()))
 }
 
+/// What is said about one run, not about the picture.
+const OF_A_RUN: [&str; 6] = ["save-scene", "verbose", "quiet", "progress", "watch", "resume"];
+
 fn setting(key: &str, value: Value) -> Setting {
     Setting { key: key.into(), value, line: 0 }
 }
@@ -62,7 +65,7 @@ fn utf8(text: &OsStr) -> Result<String> {
 
 fn settings(settings: &Settings, folder: &Path) -> Result<Vec<Setting>> {
     let mut all = Vec::new();
-    for (name, given) in settings.iter().filter(|(name, _)| *name != "save-scene") {
+    for (name, given) in settings.iter().filter(|(name, _)| !OF_A_RUN.contains(name)) {
         let one = |text: &std::ffi::OsString| -> Result<Value> {
             let text = utf8(text)?;
             if paths::is_file(name, &text) {
