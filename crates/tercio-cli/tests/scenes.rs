@@ -437,6 +437,12 @@ fn batches_and_series_draw_added_models_in_every_picture() {
     place.run("a.ply b.ply -o x.png").failed(2, &["--together", "{name}"]);
     place.run("a.ply b.ply model.off --together -o t.png --size 64x48 --stats t.json").ok_silently();
     assert_eq!(stats(&place, "t.json")["models"].as_array().unwrap().len(), 3);
-    // Textures and outputs: no output replaces a model of the scene.
+    let series = place.run("a.ply model.off -o s_{}.png --size 64x48 --with -");
+    series.failed(2, &["standard input is read once"]);
+    place.run("a.ply model.off -o s_{name}.png --size 64x48 --with -").failed(2, &["standard input"]);
+    let input = place.read("b.ply");
+    place.run_with_input("a.ply -o piped.png --size 64x48 --with -", &input).ok_silently();
+    same(&place, "piped.png", "one.png");
+    // No output replaces a model of the scene.
     place.run("a.ply --with b.ply -o b.ply --format png").failed(2, &["the same file"]);
 }

@@ -40,7 +40,7 @@ fn extensions(target: Target) -> &'static [&'static str] {
         Target::Vtk => &["vtk", "vtp", "vtu", "vti", "vts", "vtr"],
         Target::SniffRead => &["ply", "obj", "stl", "off", "gz"],
         Target::Picture => &["ply", "obj", "stl", "off"],
-        Target::Prepared | Target::CameraPath | Target::ColorMap => &[],
+        Target::Prepared | Target::CameraPath | Target::ColorMap | Target::SceneFile => &[],
     }
 }
 

@@ -92,7 +92,7 @@ impl Render {
             let text = "the processes of mpirun draw one model together: name one";
             return Err(UsageError(text.into()).into());
         }
-        if render.model.is_standard_input() {
+        if render.members().any(|member| member.model.is_standard_input()) {
             return Err(UsageError("standard input is one model: name it alone".into()).into());
         }
         let length = fs::metadata(model).ok().filter(|m| m.is_file()).map(|m| m.len());

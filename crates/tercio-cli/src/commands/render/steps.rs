@@ -27,6 +27,10 @@ impl Render {
             let text = "the processes of mpirun draw one model together: name one, or use --ranks";
             return Err(UsageError(text.into()).into());
         }
+        if self.others.iter().any(|member| member.model.is_standard_input()) {
+            let text = "standard input is read once: a model that is in every picture of a series is in a file";
+            return Err(UsageError(text.into()).into());
+        }
         if self.is_in_bands(&job.writing.plan, job.drawers) {
             let text = "pictures that are drawn in bands have one model: choose a smaller --size";
             return Err(UsageError(text.into()).into());

@@ -24,7 +24,7 @@ impl Render {
     /// is waited for.
     pub(super) fn watch(&self) -> Result<ExitCode> {
         let mpi = crate::mpi::processes().is_some_and(|processes| processes > 1);
-        if mpi || self.model.is_standard_input() {
+        if mpi || self.members().any(|member| member.model.is_standard_input()) {
             let text = "--watch needs one process, and models in files";
             return Err(UsageError(text.into()).into());
         }
