@@ -18,8 +18,8 @@ use crate::{axes_box, floor, scale_bar, triad};
 pub struct Annotation {
     /// Titles and captions.
     pub captions: Vec<Caption>,
-    /// The scalar bar.
-    pub bar: Option<ScalarBar>,
+    /// The scalar bars: several of them side by side, where they have the same place.
+    pub bars: Vec<ScalarBar>,
     /// Where the directions of the model's axes are shown.
     pub axes: Option<Place>,
     /// Where a line of a round length is shown, and the unit of lengths.
@@ -39,7 +39,7 @@ impl Default for Annotation {
     fn default() -> Self {
         Self {
             captions: Vec::new(),
-            bar: None,
+            bars: Vec::new(),
             axes: None,
             scale_bar: None,
             bounds: false,
@@ -81,11 +81,16 @@ pub struct LaidOut {
 /// No margin leaves less of the picture's width or height than this.
 const LEAST_ROOM: f64 = 0.4;
 
+/// What a scalar bar is called in [`Placed`]: `bar`, `bar 2` and so on.
+fn bar_name(number: usize) -> String {
+    if number == 0 { "bar".into() } else { format!("bar {}", number + 1) }
+}
+
 impl Annotation {
     /// Whether there is nothing to draw.
     pub fn is_empty(&self) -> bool {
-        let Self { captions, bar, axes, scale_bar, .. } = self;
-        captions.is_empty() && bar.is_none() && axes.is_none() && scale_bar.is_none() && !self.is_behind()
+        let Self { captions, bars, axes, scale_bar, .. } = self;
+        captions.is_empty() && bars.is_empty() && axes.is_none() && scale_bar.is_none() && !self.is_behind()
     }
 
     /// Whether something is drawn behind the model: the picture has to be drawn on a transparent background then.
@@ -132,8 +137,8 @@ impl Annotation {
         for caption in &self.captions {
             caption.add(&mut layout);
         }
-        if let Some(bar) = &self.bar {
-            bar.add(&mut layout);
+        for (number, bar) in self.bars.iter().enumerate() {
+            bar.add(&mut layout, &bar_name(number));
         }
         layout
     }
@@ -144,11 +149,18 @@ impl Annotation {
         let layout = self.fixed(width, height);
         let [w, h] = layout.size;
         let mut margins = [0.0f64; 4];
-        let bar = self.bar.as_ref();
+        let bar_of = |what: &str| {
+            let numbered = self.bars.iter().enumerate();
+            numbered
+                .map(|(number, bar)| (bar_name(number), bar))
+                .find(|(name, _)| name == what)
+                .map(|(_, bar)| bar)
+        };
         for Placed { what, rect: [left, top, right, bottom] } in &layout.placed {
+            let bar = bar_of(what);
             let place = match bar {
-                Some(bar) if what == "bar" => bar.place,
-                _ => {
+                Some(bar) => bar.place,
+                None => {
                     let own = self.captions.iter().find(|caption| caption.what() == *what);
                     // Only what is in the middle of a border: there is room in corners.
                     match own.map(|caption| caption.place) {
@@ -157,7 +169,7 @@ impl Annotation {
                     }
                 }
             };
-            let is_upright = what == "bar" && bar.is_some_and(|bar| bar.is_upright);
+            let is_upright = bar.is_some_and(|bar| bar.is_upright);
             if is_upright && place.x == 1.0 {
                 margins[2] = margins[2].max(w - left);
             } else if is_upright && place.x == 0.0 {

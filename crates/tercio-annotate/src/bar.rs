@@ -53,13 +53,13 @@ struct Parts {
 }
 
 impl ScalarBar {
-    /// Adds it to a picture.
-    pub fn add(&self, layout: &mut Layout) {
+    /// Adds it to a picture, where it is called `name`.
+    pub fn add(&self, layout: &mut Layout, name: &str) {
         let placed =
             if self.colors.categories.is_empty() { self.add_scale(layout) } else { self.add_list(layout) };
         match placed {
-            Some(rect) => layout.keep("bar", rect),
-            None => layout.leave_out("bar"),
+            Some(rect) => layout.keep(name, rect),
+            None => layout.leave_out(name),
         }
     }
 
@@ -77,7 +77,7 @@ impl ScalarBar {
                         [(right - left) * share, room[1]]
                     };
                     let parts = self.parts(layout.em * shrink, room, has_nan, has_title);
-                    let found = parts.and_then(|parts| Some((layout.find(parts.size, self.place)?, parts)));
+                    let found = parts.and_then(|parts| Some((self.find(layout, parts.size)?, parts)));
                     if let Some((rect, parts)) = found {
                         self.draw(layout, &parts, rect);
                         return Some(rect);
@@ -86,6 +86,12 @@ impl ScalarBar {
             }
         }
         None
+    }
+
+    /// Room for a box of this size at its place; beside another bar that is there.
+    fn find(&self, layout: &Layout, size: [f64; 2]) -> Option<Rect> {
+        let beside = || if self.is_upright { layout.find_beside(size, self.place) } else { None };
+        layout.find(size, self.place).or_else(beside)
     }
 
     /// Lays the bar out in a room of this width and height, from its upper left corner; `None` if it does not fit.

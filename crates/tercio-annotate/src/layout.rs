@@ -137,6 +137,32 @@ impl Layout {
         })
     }
 
+    /// Finds room for a box beside what is at its place already, in the nearer half of the picture. `None` if there is none.
+    pub fn find_beside(&self, [width, height]: [f64; 2], place: Place) -> Option<Rect> {
+        let [left, top, right, bottom] = self.area();
+        let [mut x, y] = [left + (right - left - width) * place.x, top + (bottom - top - height) * place.y]
+            .map(f64::round);
+        let middle = (left + right) * 0.5;
+        let to_the_left = place.x > 0.5;
+        let is_in_half =
+            |x: f64| if to_the_left { x >= middle } else { place.x == 0.5 || x + width <= middle };
+        if y < top - 0.5 || y + height > bottom + 0.5 {
+            return None;
+        }
+        loop {
+            let rect = [x, y, x + width, y + height];
+            if x < left - 0.5 || x + width > right + 0.5 || !is_in_half(x) {
+                return None;
+            }
+            let gap = self.margin * 0.5 + 1.0;
+            let Some(other) = self.placed.iter().find(|other| overlap(&other.rect, &rect, self.margin * 0.5))
+            else {
+                return Some(rect);
+            };
+            x = if to_the_left { other.rect[0] - gap - width } else { other.rect[2] + gap };
+        }
+    }
+
     /// Keeps a box for something.
     pub fn keep(&mut self, what: &str, rect: Rect) {
         self.placed.push(Placed { what: what.to_owned(), rect });

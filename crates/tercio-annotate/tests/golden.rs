@@ -77,7 +77,7 @@ fn golden_bar_beside_a_box() {
             Caption::title("Static pressure, α = 4.5°"),
             Caption { text: "step 1200\nt = 0.35 s".into(), place: place("top-left"), size: 1.0 },
         ],
-        bar: Some(bar),
+        bars: vec![bar],
         axes: Some(place("bottom-left")),
         scale_bar: Some((place("bottom-right"), "mm".into())),
         bounds: true,
@@ -96,7 +96,7 @@ fn golden_small_and_dark() {
     bar.shows_nan = true;
     let annotation = Annotation {
         captions: vec![Caption::title("Turbulence")],
-        bar: Some(bar),
+        bars: vec![bar],
         axes: Some(place("bottom-left")),
         color: tercio_annotate::annotation::BRIGHT,
         ..Annotation::default()
@@ -111,7 +111,7 @@ fn golden_bands_below_on_nothing() {
     (bar.place, bar.is_upright) = (place("bottom"), false);
     bar.colors.bands = Some(8);
     bar.colors.above = Some([0, 0, 0, 255]);
-    let annotation = Annotation { bar: Some(bar), ..Annotation::default() };
+    let annotation = Annotation { bars: vec![bar], ..Annotation::default() };
     let camera = camera([6.0, -9.0, 5.0], [0.0; 3], DVec3::Z);
     check("bands-below", &annotation, &camera, [[-1.0; 3], [1.0; 3]], (640, 200), [0; 4]);
 }
@@ -128,11 +128,11 @@ fn golden_categories_and_a_long_title() {
             Category { value: i as f32, label: names[i].into(), color: [r, g, b, 255] }
         })
         .collect();
-    let annotation = Annotation { bar: Some(categories), ..Annotation::default() };
+    let annotation = Annotation { bars: vec![categories], ..Annotation::default() };
     let camera = camera([6.0, -9.0, 5.0], [0.0; 3], DVec3::Z);
     check("categories", &annotation, &camera, [[-1.0; 3], [1.0; 3]], (320, 240), [255; 4]);
     let mut turned = bar("cividis", [1e6, 1e6 + 1e-3], "Turbulent kinetic energy (m²/s²)");
     turned.colors.scale = Scale::Linear;
-    let annotation = Annotation { bar: Some(turned), ..Annotation::default() };
+    let annotation = Annotation { bars: vec![turned], ..Annotation::default() };
     check("turned-title", &annotation, &camera, [[-1.0; 3], [1.0; 3]], (320, 400), [255; 4]);
 }

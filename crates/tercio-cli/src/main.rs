@@ -13,6 +13,7 @@ mod organisation;
 mod output;
 mod progress;
 mod report;
+mod scene_file;
 mod series;
 mod short;
 mod signals;
@@ -80,6 +81,11 @@ fn main() -> ExitCode {
     ending::at_end(remove_partial_files);
     let program = definition();
     let arguments = short::with_command(&program, std::env::args_os());
+    match scene_file::render(&arguments) {
+        Ok(None) => {}
+        Ok(Some(render)) => return run(Cli { command: Command::Render(Box::new(render)) }),
+        Err(error) => return fail(&error, 1),
+    }
     let parsed = program.clone().try_get_matches_from(&arguments);
     let cli = match parsed.and_then(|matches| Cli::from_arg_matches(&matches)) {
         Ok(cli) => cli,
@@ -88,6 +94,10 @@ fn main() -> ExitCode {
             return print_answer(&answer);
         }
     };
+    run(cli)
+}
+
+fn run(cli: Cli) -> ExitCode {
     signals::watch();
     memory::begin();
     if !cli.command.runs_as_job() && mpi::processes().is_some_and(|processes| processes > 1) {

@@ -89,7 +89,7 @@ fn a_signal_removes_partial_files_and_ends_the_run() {
 /// A shell that runs a script, with the program as `$0`.
 fn shell(place: &Place, script: &str) -> Command {
     let mut shell = Command::new("sh");
-    shell.current_dir(place.path("")).stdin(Stdio::null());
+    shell.current_dir(place.path("")).stdin(Stdio::null()).env("TERCIO_CONFIG", "none");
     shell.args(["-c", script, env!("CARGO_BIN_EXE_tercio")]);
     shell
 }

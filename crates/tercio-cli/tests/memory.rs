@@ -14,7 +14,7 @@ fn limited(place: &Place, kibibytes: u32, arguments: &str) -> Outcome {
     let program = env!("CARGO_BIN_EXE_tercio");
     shell.args(["-c", &format!("ulimit -v {kibibytes}; exec {program} {arguments}")]);
     // Many threads would have no room for their stacks.
-    shell.env("SLURM_CPUS_PER_TASK", "2");
+    shell.env("SLURM_CPUS_PER_TASK", "2").env("TERCIO_CONFIG", "none");
     shell.current_dir(place.path("")).stdin(Stdio::null()).output().expect("a shell").into()
 }
 

@@ -18,7 +18,10 @@ fn mpirun(place: &Place, processes: &[(usize, &str)]) -> Outcome {
         command.args((number > 0).then_some(":")).arg("-n").arg(count.to_string());
         command.arg(env!("CARGO_BIN_EXE_tercio")).args(arguments.split_whitespace());
     }
-    command.env("OMPI_ALLOW_RUN_AS_ROOT", "1").env("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1");
+    command
+        .env("TERCIO_CONFIG", "none")
+        .env("OMPI_ALLOW_RUN_AS_ROOT", "1")
+        .env("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1");
     command.output().expect("timeout and mpirun start").into()
 }
 

@@ -41,6 +41,7 @@ fn render(file: &Path, picture: &Path) -> (i32, String) {
             "ulimit -v {ADDRESS_SPACE} && exec \"$0\" render \"$1\" -o \"$2\" --size 64x48 --threads 2 --allow-empty"
         ))
         .args([Path::new(env!("CARGO_BIN_EXE_tercio")), file, picture])
+        .env("TERCIO_CONFIG", "none")
         .stdin(Stdio::null())
         .stdout(Stdio::null())
         .stderr(Stdio::piped())

@@ -11,7 +11,13 @@ use common::{Outcome, Place};
 fn shell(place: &Place, arguments: &str, redirection: &str) -> Outcome {
     let mut command = Command::new("sh");
     command.args(["-c", &format!("\"$0\" {arguments} {redirection}"), env!("CARGO_BIN_EXE_tercio")]);
-    command.current_dir(place.path("")).stdin(Stdio::null()).output().expect("a shell").into()
+    command
+        .env("TERCIO_CONFIG", "none")
+        .current_dir(place.path(""))
+        .stdin(Stdio::null())
+        .output()
+        .expect("a shell")
+        .into()
 }
 
 #[test]

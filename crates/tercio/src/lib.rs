@@ -35,6 +35,7 @@
 //! - [`Session`] draws what a program computes, alone or with other processes that have parts of it.
 //! - [`write_png_in_bands`] draws pictures that are larger than memory.
 //! - [`camera_path`] reads the keyframes of a moving camera, [`CameraPath`] interpolates them.
+//! - [`scene_file`] reads and writes files of settings for several models, and configuration files.
 //! - [`stereo`] makes one picture of those of two eyes, whose cameras [`Stereo`] places.
 //! - [`strokes`] makes lines, edges and points a part of a scene.
 //! - [`image`] writes pictures (PNG, PPM, WebP), films ([`image::film`]: GIF, APNG, Y4M) and arrays (NPY), reads and compares
@@ -62,6 +63,7 @@ pub mod image;
 mod load;
 pub mod parts;
 mod prepared;
+pub mod scene_file;
 pub mod session;
 pub mod stereo;
 pub mod strokes;

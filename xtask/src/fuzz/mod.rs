@@ -58,6 +58,8 @@ enum Target {
     CameraPath,
     /// Colour maps
     ColorMap,
+    /// Scene files and configurations
+    SceneFile,
 }
 
 impl Target {
@@ -74,6 +76,7 @@ impl Target {
             Self::Prepared => "prepared",
             Self::CameraPath => "camera_path",
             Self::ColorMap => "color_map",
+            Self::SceneFile => "scene_file",
         }
     }
 }

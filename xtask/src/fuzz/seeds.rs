@@ -40,7 +40,7 @@ fn extensions(target: Target) -> &'static [&'static str] {
         Target::Vtk => &["vtk", "vtp", "vtu", "vti", "vts", "vtr"],
         Target::SniffRead => &["ply", "obj", "stl", "off", "gz"],
         Target::Picture => &["ply", "obj", "stl", "off"],
-        Target::Prepared | Target::CameraPath | Target::ColorMap => &[],
+        Target::Prepared | Target::CameraPath | Target::ColorMap | Target::SceneFile => &[],
     }
 }
 
@@ -78,6 +78,7 @@ fn made(target: Target) -> Vec<Vec<u8>> {
         Target::Prepared => prepared(),
         Target::CameraPath => camera_path(),
         Target::ColorMap => color_maps(),
+        Target::SceneFile => scene_files(),
         Target::SniffRead => {
             let plain = [ply(), obj(), stl(), off(), vtk()].concat();
             let packed: Vec<_> = plain.iter().map(|bytes| gzip(bytes)).collect();
@@ -93,6 +94,15 @@ fn camera_path() -> Vec<Vec<u8>> {
     let toml =
         "[[keyframes]]\ntime = 0\neye = [0, 1, 5]\n\n[[keyframes]]\ntime = 1.25\neye = [5, 1, 0]\nfov = 20\n";
     [csv, json, toml].map(|text| text.as_bytes().to_vec()).to_vec()
+}
+
+/// A scene, another one written inline, and a configuration.
+fn scene_files() -> Vec<Vec<u8>> {
+    let scene = "# parts\nsize = [640, 480]\nview = \"iso\"\nlight = [\"head\", \"dir:1,1,0\"]\n\n[[model]]\nfile = \"a.ply\"\n\
+                 opacity = 0.5\n[[model.instance]]\ntranslate = [1, -2.5e3, 0x1f]\n[[model]]\nfile = 'b.stl'\nedges = true\n";
+    let inline = "model = [{ file = 'a', instance = [{ scale = 2 }], categories = { 1 = \"bone\" } }]\n";
+    let configuration = "background = 'white'\n[pattern.\"*.stl\"]\nup-axis = 'z'\n";
+    [scene, inline, configuration].map(|text| text.as_bytes().to_vec()).to_vec()
 }
 
 fn color_maps() -> Vec<Vec<u8>> {

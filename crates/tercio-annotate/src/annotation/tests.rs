@@ -74,7 +74,7 @@ proptest! {
     fn nothing_overlaps_or_leaves_the_picture(
         size in sizes(), range in ranges(), log in any::<u8>(), place in 0usize..9, is_upright in any::<bool>(),
         ends in any::<[bool; 3]>(), title in "[A-Za-z αβ²()]{0,60}", scale in 0.5f64..3.0, bands in 0u32..14,
-        direction in any::<[i8; 3]>(), caption in "[a-z ]{0,80}", flags in any::<[bool; 4]>(),
+        direction in any::<[i8; 3]>(), count in 1usize..5, caption in "[a-z ]{0,80}", flags in any::<[bool; 4]>(),
     ) {
         let kind = match log % 3 {
             1 if range[0] > 0.0 => Scale::Log,
@@ -98,7 +98,7 @@ proptest! {
         ];
         let annotation = Annotation {
             captions,
-            bar: Some(bar),
+            bars: vec![bar; count],
             axes: flags[0].then_some(Place { x: 0.0, y: 1.0 }),
             scale_bar: flags[1].then(|| (Place { x: 1.0, y: 1.0 }, "mm".into())),
             bounds: flags[2],
@@ -118,7 +118,7 @@ fn usual_pictures_have_all_of_it() {
     for size in [(300, 200), (640, 480), (1024, 768), (1920, 1080), (8192, 8192)] {
         let annotation = Annotation {
             captions: vec![Caption::title("Wing")],
-            bar: Some(bar([-1.0, 2.0], Scale::Linear)),
+            bars: vec![bar([-1.0, 2.0], Scale::Linear)],
             axes: Some(Place { x: 0.0, y: 1.0 }),
             scale_bar: Some((Place { x: 1.0, y: 1.0 }, String::new())),
             ..Annotation::default()
@@ -129,9 +129,40 @@ fn usual_pictures_have_all_of_it() {
         assert_eq!(laid_out.placed.len(), 4);
     }
     let camera = camera(DVec3::new(1.0, 2.0, 7.0), Projection::Orthographic { height: 3.0 });
-    let annotation = Annotation { bar: Some(bar([0.0, 1.0], Scale::Linear)), ..Annotation::default() };
+    let annotation = Annotation { bars: vec![bar([0.0, 1.0], Scale::Linear)], ..Annotation::default() };
     let laid_out = check(&annotation, &camera, (64, 64), [DVec3::splat(-1.0), DVec3::splat(1.0)]);
     assert_eq!(laid_out.left_out, Vec::<String>::new(), "a bar even in a small picture");
+}
+
+/// Bars with the same place are beside each other, and the model is framed beside all of them.
+#[test]
+fn several_bars_are_side_by_side() {
+    let camera = camera(DVec3::new(1.0, 2.0, 7.0), Projection::Orthographic { height: 3.0 });
+    let bounds = [DVec3::splat(-1.0), DVec3::splat(1.0)];
+    for (name, axis) in [("right", 0), ("left", 0), ("bottom", 1), ("top", 1)] {
+        let place = Place::named(name).expect("a place");
+        let mut one = bar([0.0, 1.0], Scale::Linear);
+        (one.place, one.is_upright) = (place, axis == 0);
+        let size = (1024, 768);
+        let margin = |count: usize| {
+            let annotation = Annotation { bars: vec![one.clone(); count], ..Annotation::default() };
+            let laid_out = check(&annotation, &camera, size, bounds);
+            assert_eq!((laid_out.placed.len(), laid_out.left_out.len()), (count, 0), "{name}");
+            assert!(
+                laid_out.placed.iter().all(|p| p.rect[1 - axis] == laid_out.placed[0].rect[1 - axis]),
+                "{name}"
+            );
+            annotation.margins(size.0, size.1).iter().sum::<f64>()
+        };
+        let (single, double) = (margin(1), margin(2));
+        assert!(double > 1.9 * single, "{name}: {single} {double}");
+    }
+    // Half of the picture stays free; what finds no room is told.
+    let many = Annotation { bars: vec![bar([0.0, 1.0], Scale::Linear); 20], ..Annotation::default() };
+    let laid_out = check(&many, &camera, (640, 480), bounds);
+    assert!(laid_out.placed.iter().all(|placed| placed.rect[0] >= 320.0));
+    assert_eq!(laid_out.placed.len() + laid_out.left_out.len(), 20);
+    assert_eq!(laid_out.left_out.last().map(String::as_str), Some("bar 20"));
 }
 
 /// Twice the size is the same layout, twice as large, up to whole pixels.
@@ -142,7 +173,7 @@ fn the_layout_grows_with_the_picture() {
             Caption::title("Wing"),
             Caption { text: "a\nb".into(), place: Place { x: 0.0, y: 0.0 }, size: 1.0 },
         ],
-        bar: Some(bar([-1.0, 2.0], Scale::Linear)),
+        bars: vec![bar([-1.0, 2.0], Scale::Linear)],
         axes: Some(Place { x: 0.0, y: 1.0 }),
         ..Annotation::default()
     };
@@ -161,7 +192,7 @@ fn the_layout_grows_with_the_picture() {
 fn margins_move_the_camera() {
     let annotation = Annotation {
         captions: vec![Caption::title("Wing")],
-        bar: Some(bar([-1.0, 2.0], Scale::Linear)),
+        bars: vec![bar([-1.0, 2.0], Scale::Linear)],
         bounds: true,
         ..Annotation::default()
     };

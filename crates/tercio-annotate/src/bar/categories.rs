@@ -54,7 +54,7 @@ impl ScalarBar {
         let more = (left_out > 0).then(|| fit(&more));
         let widest = labels.iter().chain(&more).fold(0.0f64, |width, label| width.max(label.size[0]));
         let width = (text_left + widest).max(title.as_ref().map_or(0.0, |title| title.size[0])).ceil();
-        let rect = layout.find([width, height], self.place)?;
+        let rect = self.find(layout, [width, height])?;
         let color = layout.color;
         if let Some(title) = &title {
             layout.draw_text(title, [rect[0], rect[1]], 0.0, color);

@@ -6,7 +6,7 @@ use tercio::annotate::annotation::readable_on;
 use tercio::annotate::{Annotation, Caption, LaidOut, NumberFormat, Place, ScalarBar, font};
 use tercio::raster::Outputs;
 use tercio::scene::color_map::DataColors;
-use tercio::scene::{Background, Scene, SurfaceData, srgb_to_linear};
+use tercio::scene::{Background, Instance, SurfaceData, srgb_to_linear};
 
 use super::values;
 
@@ -136,8 +136,16 @@ impl AnnotationArgs {
         Outputs { linear: self.is_behind(), ..Outputs::NONE }
     }
 
-    /// What is drawn onto the picture of a scene on this background.
-    pub fn annotation(&self, scene: &Scene, background: &Background) -> Annotation {
+    /// The scalar bar of a model, if it has one.
+    pub fn bar(&self, model: &Instance) -> Option<ScalarBar> {
+        match model.data.as_deref() {
+            Some(SurfaceData::Mapped { colors, .. }) if !self.no_bar => Some(self.scalar_bar(colors)),
+            _ => None,
+        }
+    }
+
+    /// What is drawn onto the picture of models with these scalar bars, on this background.
+    pub fn annotation(&self, bars: Vec<ScalarBar>, background: &Background) -> Annotation {
         let behind = match *background {
             Background::Solid(color) => linear(color),
             Background::Gradient { top, bottom } => {
@@ -147,14 +155,9 @@ impl AnnotationArgs {
         };
         let color = self.text_color.map(|color| linear(color.map(|v| f32::from(v) / 255.0)));
         let title = self.title.as_deref().map(Caption::title);
-        let data = scene.instances.first().and_then(|instance| instance.data.as_deref());
-        let bar = match data {
-            Some(SurfaceData::Mapped { colors, .. }) if !self.no_bar => Some(self.scalar_bar(colors)),
-            _ => None,
-        };
         Annotation {
             captions: title.into_iter().chain(self.text.iter().cloned()).collect(),
-            bar,
+            bars,
             axes: self.axes,
             scale_bar: self.scale_bar.as_ref().map(|unit| (Place { x: 1.0, y: 1.0 }, unit.clone())),
             bounds: self.bounds,

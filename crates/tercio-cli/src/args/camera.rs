@@ -3,11 +3,9 @@
 use clap::{Args, ValueEnum};
 use tercio::glam::DVec3;
 use tercio::mesh::Aabb;
-use tercio::mesh::strokes::Strokes;
 use tercio::mesh::trig::atan2;
 use tercio::parallel::{Communicator, ParallelError, parts};
 use tercio::scene::camera::CameraBasis;
-use tercio::scene::framing::Extent;
 use tercio::scene::{Camera, Framing, Scene, UpAxis, View};
 
 use super::values;
@@ -144,7 +142,7 @@ pub struct CameraArgs {
 impl CameraArgs {
     /// The camera for a scene in a picture of this size.
     pub fn camera(&self, scene: &Scene, size: (u32, u32)) -> Camera {
-        self.camera_for(scene, None, &self.framing(size))
+        self.camera_for(&scene.bounds(), |d, from| scene.reach(d, from), &self.framing(size))
     }
 
     /// The views by name.
@@ -157,45 +155,18 @@ impl CameraArgs {
         Self { view: vec![view], ..self.clone() }
     }
 
-    /// The camera for a scene, or for all of a model of which a part is in it.
-    pub fn camera_for(&self, scene: &Scene, whole: Option<&Extent>, framing: &Framing) -> Camera {
-        let camera = match (self.eye, whole) {
-            (Some(eye), _) => {
-                let bounds = whole.map_or_else(|| scene.bounds(), Extent::bounds);
-                let target = self.target.unwrap_or_else(|| bounds.center());
-                framing.camera_at(eye, target, self.up_vector())
-            }
-            (None, Some(whole)) => framing.camera_for_extent(whole),
-            (None, None) => framing.camera_for_scene(scene),
-        };
-        Camera { near: self.near, ..camera }
-    }
-
-    /// As [`CameraArgs::camera_for`], of a model that also has lines and points.
-    pub fn camera_with(
+    /// The camera for what has these bounds and this [reach](Scene::reach).
+    pub fn camera_for(
         &self,
-        scene: &Scene,
-        whole: Option<&Extent>,
-        strokes: &Strokes,
+        bounds: &Aabb,
+        reach: impl Fn(DVec3, DVec3) -> f64,
         framing: &Framing,
     ) -> Camera {
-        if strokes.is_empty() {
-            return self.camera_for(scene, whole, framing);
-        }
-        let strokes = Extent::of_strokes(strokes);
-        let bounds = whole.map_or_else(|| scene.bounds(), Extent::bounds).union(strokes.bounds());
         let camera = match self.eye {
             Some(eye) => {
                 framing.camera_at(eye, self.target.unwrap_or_else(|| bounds.center()), self.up_vector())
             }
-            None => framing.camera_for_reach(&bounds, |direction, from| {
-                let surface = match whole {
-                    Some(whole) => whole.reach(direction, from),
-                    None => scene.reach(direction, from),
-                };
-                // Without triangles that is not a number.
-                strokes.reach(direction, from).max(surface)
-            }),
+            None => framing.camera_for_reach(bounds, reach),
         };
         Camera { near: self.near, ..camera }
     }
@@ -212,7 +183,7 @@ impl CameraArgs {
     ) -> Result<Camera, ParallelError> {
         if self.eye.is_some() {
             // The bounds are those of all parts.
-            return Ok(self.camera_for(scene, None, framing));
+            return Ok(self.camera_for(&scene.bounds(), |_, _| 0.0, framing));
         }
         let camera = parts::camera_for_scene(comm, framing, scene)?;
         Ok(Camera { near: self.near, ..camera })

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use clap::Args;
 use tercio::glam::DVec3;
 use tercio::mesh::clip::{Axis, Clip, ClipPlane};
-use tercio::scene::{Instance, Scene};
+use tercio::scene::Instance;
 use tercio::{Clipping, ClusteredMesh};
 
 use super::values;
@@ -46,14 +46,13 @@ impl ClipArgs {
         (!self.planes.is_empty()).then_some(clipping)
     }
 
-    /// Adds the caps to a scene whose first instance is dressed: they have its surface, in their own colour.
-    pub fn add_caps(&self, scene: &mut Scene, caps: Option<Arc<ClusteredMesh>>) {
-        if let (Some(base_color), Some(caps), Some(model)) = (self.clip_cap, caps, scene.instances.first()) {
-            let mut instance = Instance::new(caps);
-            instance.surface = model.surface;
-            (instance.surface.base_color, instance.surface.use_mesh_colors) = (base_color, false);
-            scene.instances.push(instance);
-        }
+    /// The caps of a model: they have the surface of its instance, in their own colour, and its place.
+    pub fn caps(&self, model: &Instance, caps: Option<Arc<ClusteredMesh>>) -> Option<Instance> {
+        let (base_color, caps) = (self.clip_cap?, caps?);
+        let mut instance = Instance::new(caps);
+        (instance.surface, instance.world_from_object) = (model.surface, model.world_from_object);
+        (instance.surface.base_color, instance.surface.use_mesh_colors) = (base_color, false);
+        Some(instance)
     }
 }
 

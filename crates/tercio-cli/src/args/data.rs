@@ -12,7 +12,7 @@ use tercio::data::{
 use tercio::glam::DVec3;
 use tercio::parallel::Communicator;
 use tercio::scene::color_map::{ColorMap, Scale};
-use tercio::scene::{DataColors, Scene, SurfaceData};
+use tercio::scene::{DataColors, Instance, SurfaceData};
 
 use super::values;
 use crate::named_files::NamedFiles;
@@ -231,12 +231,16 @@ impl DataArgs {
             || self.categories.is_some()
     }
 
-    /// Colours the first instance of a scene by its data; together with the ranks that have the other parts of it, if there are
-    /// `parts`.
+    /// Colours an instance by its data; together with the ranks that have the other parts of it, if there are `parts`.
     ///
     /// # Errors
     /// Data that are not there, with a list of those that are.
-    pub fn apply(&self, scene: &mut Scene, up: DVec3, parts: Option<&mut impl Communicator>) -> Result<()> {
+    pub fn apply(
+        &self,
+        instance: &mut Instance,
+        up: DVec3,
+        parts: Option<&mut impl Communicator>,
+    ) -> Result<()> {
         let Some(by) = &self.color_by else { return Ok(()) };
         let scale = match self.symlog {
             _ if self.log => ScaleOption::Log,
@@ -269,7 +273,6 @@ impl DataArgs {
             let text = "percentiles and --categories need the whole model, which no rank has with --parts";
             return Err(UsageError(text.into()).into());
         }
-        let instance = &mut scene.instances[0];
         let of_all = |own: Statistics| match parts {
             Some(comm) => of_all_parts(comm, own),
             None => Ok(own),
@@ -283,8 +286,8 @@ impl DataArgs {
     }
 
     /// What the colours show, for reports.
-    pub fn json(&self, scene: &Scene) -> Value {
-        let data = scene.instances.first().and_then(|instance| instance.data.as_deref());
+    pub fn json(&self, instance: Option<&Instance>) -> Value {
+        let data = instance.and_then(|instance| instance.data.as_deref());
         let Some(SurfaceData::Mapped { colors, .. }) = data else {
             return data.map_or(Value::Null, |_| json!({ "by": self.color_by, "colors": "direct" }));
         };

@@ -9,7 +9,7 @@ use tercio::parallel::{Communicator, ParallelError, parts};
 use tercio::raster::{
     Binning, Cull, Outputs, RenderError, Settings, Shading, ShadowMaps, SimdLevel, Sorting,
 };
-use tercio::scene::{AlphaMode, Background, Camera, Instance, Light, Scene};
+use tercio::scene::{AlphaMode, Background, Camera, Instance, Light, Scene, Surface};
 
 use super::effects::EffectArgs;
 use super::environment::EnvironmentArgs;
@@ -290,14 +290,14 @@ impl DrawingArgs {
         self.shadows.map(draw).transpose()
     }
 
-    /// How shadows of a scene differ from those of what is drawn, if they do.
-    pub fn shadow_warning(&self, scene: &Scene) -> Option<String> {
+    /// How shadows of instances of a scene differ from those of what is drawn, if they do.
+    pub fn shadow_warning(&self, scene: &Scene, instances: &[Instance]) -> Option<String> {
         self.shadows?;
-        if scene.instances.iter().any(|i| i.surface.opacity < 1.0) {
+        if instances.iter().any(|i| i.surface.opacity < 1.0) {
             return Some("surfaces with an opacity below 1 cast no shadows".into());
         }
         let is_cut_out = scene.materials.iter().any(|m| matches!(m.alpha_mode, AlphaMode::Cutout(_)));
-        let is_too_dark = !is_cut_out && scene.instances.iter().any(Instance::is_translucent);
+        let is_too_dark = !is_cut_out && instances.iter().any(Instance::is_translucent);
         is_too_dark.then(|| "what is not opaque casts the shadows of opaque surfaces".into())
     }
 
@@ -306,17 +306,22 @@ impl DrawingArgs {
         self.shadows.map_or(0, |size| ShadowMaps::needed_bytes(&scene.lights, size))
     }
 
-    /// Sets lights, colours and background of a scene. An environment replaces the default lights.
-    pub fn dress(&self, scene: &mut Scene) {
-        for instance in &mut scene.instances {
-            let surface = &mut instance.surface;
-            surface.base_color = self.color.unwrap_or(surface.base_color);
-            surface.use_mesh_colors = !self.no_mesh_colors;
-            surface.opacity = self.opacity.map_or(surface.opacity, |alpha| alpha as f32);
-            surface.specular = self.specular().unwrap_or(surface.specular);
-            surface.roughness = self.roughness.map_or(surface.roughness, |r| r as f32);
-            surface.metallic = self.metallic.map_or(surface.metallic, |m| m as f32);
+    /// The surface of the model.
+    pub fn surface(&self) -> Surface {
+        let usual = Surface::default();
+        Surface {
+            base_color: self.color.unwrap_or(usual.base_color),
+            use_mesh_colors: !self.no_mesh_colors,
+            opacity: self.opacity.map_or(usual.opacity, |alpha| alpha as f32),
+            specular: self.specular().unwrap_or(usual.specular),
+            roughness: self.roughness.map_or(usual.roughness, |r| r as f32),
+            metallic: self.metallic.map_or(usual.metallic, |m| m as f32),
+            ..usual
         }
+    }
+
+    /// Sets lights and background of a scene. An environment replaces the default lights.
+    pub fn dress(&self, scene: &mut Scene) {
         let sources = scene.environment.as_ref().map(|environment| environment.sources().to_vec());
         if !self.lights.is_empty() {
             scene.lights = self.lights.iter().flat_map(|l| l.0.clone()).collect();

@@ -4,7 +4,7 @@ use clap::{Args, ValueEnum};
 use serde_json::{Value, json};
 use tercio::mesh::edges::Selection;
 use tercio::scene::color::linear_to_srgb;
-use tercio::scene::{Background, Scene, Surface, srgb_to_linear};
+use tercio::scene::{Background, Surface, srgb_to_linear};
 use tercio::strokes::{Length, Pen, PointShape};
 
 use super::values;
@@ -169,24 +169,25 @@ impl StrokeArgs {
         }
     }
 
-    /// Gives a dressed scene the look of hidden-line pictures: paper.
-    pub fn dress(&self, scene: &mut Scene) {
+    /// The background of a hidden-line picture, if none is given: paper.
+    pub fn dress_background(&self, background: &mut Background) {
+        if self.mode == ModeName::HiddenLine && *background == Background::default() {
+            *background = Background::Solid([1.0; 4]);
+        }
+    }
+
+    /// Gives the surface of a hidden-line picture on this background its look: paper.
+    pub fn dress_surface(&self, surface: &mut Surface, background: &Background) {
         if self.mode != ModeName::HiddenLine {
             return;
         }
-        if scene.background == Background::default() {
-            scene.background = Background::Solid([1.0; 4]);
-        }
-        let paper = match scene.background {
+        let paper = match *background {
             Background::Solid(color) if color[3] > 0.0 => color,
             Background::Solid(_) => [1.0; 4],
             Background::Gradient { top, bottom } => [0, 1, 2, 3].map(|k| 0.5 * (top[k] + bottom[k])),
         };
         let [r, g, b, _] = paper.map(|c| srgb_to_linear(f64::from(c)) as f32);
-        for instance in &mut scene.instances {
-            let surface = &mut instance.surface;
-            (surface.base_color, surface.use_mesh_colors, surface.unlit) = ([r, g, b], false, true);
-        }
+        (surface.base_color, surface.use_mesh_colors, surface.unlit) = ([r, g, b], false, true);
     }
 
     /// For reports.

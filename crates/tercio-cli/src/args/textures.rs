@@ -85,15 +85,15 @@ impl TextureArgs {
         Ok(())
     }
 
-    /// Gives the first instance of a scene the materials and textures of its model; `None` if they are not used.
+    /// Gives an instance of a scene the materials and textures of its model; `None` if they are not used.
     pub fn load(
         &self,
-        scene: &mut Scene,
+        (scene, number): (&mut Scene, usize),
         model: &Path,
         report: &LoadReport,
         limits: &TextureLimits,
     ) -> Option<TextureReport> {
-        if self.no_textures || !scene.instances[0].uses_mesh_colors() {
+        if self.no_textures || !scene.instances[number].uses_mesh_colors() {
             return None;
         }
         let alpha_mode = match self.texture_alpha {
@@ -108,6 +108,6 @@ impl TextureArgs {
             specular: limits.specular,
             is_unlit: limits.is_unlit,
         };
-        Some(options.load(scene, 0, &texture_folders(model, report)))
+        Some(options.load(scene, number, &texture_folders(model, report)))
     }
 }

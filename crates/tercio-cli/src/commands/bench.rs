@@ -227,7 +227,7 @@ impl Bench {
             specular: self.look.specular(),
             is_unlit: false,
         };
-        let textures = self.textures.load(scene, &self.model.model, report, &limits);
+        let textures = self.textures.load((scene, 0), &self.model.model, report, &limits);
         if let Some(textures) = &textures {
             files.check_companions(&self.model.name(), &textures.files)?;
             let warnings = textures.warnings.iter().filter(|_| !self.running.quiet);

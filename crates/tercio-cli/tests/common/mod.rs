@@ -98,5 +98,7 @@ impl Place {
 fn command(folder: &Path, arguments: &str) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_tercio"));
     command.current_dir(folder).args(arguments.split_whitespace()).stdin(Stdio::null());
+    // That of the machine must not change what is tested.
+    command.env("TERCIO_CONFIG", "none");
     command
 }

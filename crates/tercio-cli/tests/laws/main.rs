@@ -36,7 +36,7 @@ fn run(folder: &Path, command: &mut Command) -> Run {
 fn tercio(arguments: &str, model: &str) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_tercio"));
     let (name, rest) = arguments.split_once(' ').unwrap_or((arguments, ""));
-    command.args([name, model]).args(rest.split_whitespace());
+    command.args([name, model]).args(rest.split_whitespace()).env("TERCIO_CONFIG", "none");
     command
 }
 

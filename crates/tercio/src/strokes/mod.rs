@@ -137,10 +137,10 @@ fn is_inside(eye: &Eye, edges: &Edges, world_from_object: &DAffine3) -> bool {
     bounds.is_empty() || at.cmpge(bounds.min).all() && at.cmple(bounds.max).all()
 }
 
-/// The lines of a file as instances for the camera of `eye`, in colours of their own if they have any.
-pub fn lines(eye: &Eye, strokes: &Strokes, pen: &Pen) -> Vec<Instance> {
+/// The lines of a file, at a place in the world, as instances for the camera of `eye`, in colours of their own if they have any.
+pub fn lines(eye: &Eye, strokes: &Strokes, world_from_object: &DAffine3, pen: &Pen) -> Vec<Instance> {
     sheet::draw(eye, &plain(), &strokes.segments, |sheet, &ends| {
-        let [a, b] = ends.map(|v| strokes.position(v));
+        let [a, b] = ends.map(|v| world_from_object.transform_point3(strokes.position(v)));
         if a.is_finite() && b.is_finite() {
             line::draw(
                 sheet,
@@ -152,10 +152,16 @@ pub fn lines(eye: &Eye, strokes: &Strokes, pen: &Pen) -> Vec<Instance> {
     })
 }
 
-/// The points of a file as instances for the camera of `eye`, in colours of their own if they have any.
-pub fn points(eye: &Eye, strokes: &Strokes, shape: PointShape, pen: &Pen) -> Vec<Instance> {
+/// The points of a file, at a place in the world, as instances for the camera of `eye`, in colours of their own if they have any.
+pub fn points(
+    eye: &Eye,
+    strokes: &Strokes,
+    world_from_object: &DAffine3,
+    shape: PointShape,
+    pen: &Pen,
+) -> Vec<Instance> {
     sheet::draw(eye, &of_points(shape), &strokes.points, |sheet, &v| {
-        let p = strokes.position(v);
+        let p = world_from_object.transform_point3(strokes.position(v));
         if p.is_finite() {
             point::draw(sheet, eye.eye_space(p), shape, pen, color(strokes, v, pen));
         }

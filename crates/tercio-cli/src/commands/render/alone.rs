@@ -116,7 +116,7 @@ impl Render {
 
 /// All results.
 pub(super) fn done(loaded: Loaded, series: Series, choice: Option<Choice>, trace: Option<Trace>) -> Done {
-    let Loaded { report, textures, look, .. } = loaded;
+    let Loaded { reports: models, look, .. } = loaded;
     let Series { shots, found, output_milliseconds, empty } = series;
-    Done { report, textures, look, choice, shots, found, output_milliseconds, empty, trace }
+    Done { models, look, choice, shots, found, output_milliseconds, empty, trace }
 }

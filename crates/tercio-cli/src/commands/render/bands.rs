@@ -55,7 +55,7 @@ impl Render {
                 trace.add(0, Step::Draw, number as u32 + 1, Span::since(began));
             }
             series.output_milliseconds += (all - stats.milliseconds.total).max(0.0);
-            let empty = self.reason(&loaded.report, camera, &stats);
+            let empty = self.reason(&loaded.together, camera, &stats);
             if number == 0 {
                 series.empty.clone_from(&empty);
             }

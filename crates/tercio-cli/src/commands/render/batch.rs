@@ -43,7 +43,7 @@ impl Render {
         }
         let items = models.iter().map(|model| self.item(model)).collect::<Result<Vec<_>>>()?;
         let named = |files, item: &Item| item.render.named_files(&item.job, files);
-        let files = items.iter().fold(NamedFiles::default(), named);
+        let files = self.saved_files(items.iter().fold(NamedFiles::default(), named));
         files.check()?;
         files.check_places()?;
         items[0].job.writing.check_film()?;
@@ -92,7 +92,7 @@ impl Render {
             let text = "the processes of mpirun draw one model together: name one";
             return Err(UsageError(text.into()).into());
         }
-        if render.model.is_standard_input() {
+        if render.members().any(|member| member.model.is_standard_input()) {
             return Err(UsageError("standard input is one model: name it alone".into()).into());
         }
         let length = fs::metadata(model).ok().filter(|m| m.is_file()).map(|m| m.len());

@@ -2,12 +2,11 @@
 
 use anyhow::{Context, Result, bail};
 use tercio::annotate::Annotation;
-use tercio::mesh::strokes::Strokes;
 use tercio::parallel::Communicator;
-use tercio::scene::framing::Extent;
 use tercio::scene::{Camera, Framing, Scene};
 
 use super::Render;
+use super::subject::Subject;
 use crate::args::camera::CameraArgs;
 use crate::args::series::Motion;
 use crate::args::stereo::Cameras;
@@ -21,8 +20,7 @@ impl Render {
         &self,
         motion: &Motion,
         options: &CameraArgs,
-        (scene, strokes): (&Scene, &Strokes),
-        whole: Option<&Extent>,
+        (scene, subject): (&Scene, &Subject),
         annotation: &Annotation,
         mut parts: Option<&mut impl Communicator>,
     ) -> Result<Vec<Cameras>> {
@@ -32,11 +30,8 @@ impl Render {
         let mut place = |options: &CameraArgs, framing: &Framing| -> Result<Camera> {
             Ok(match &mut parts {
                 // All of the box has to be in the picture, not only the model.
-                _ if annotation.bounds && frames_model => {
-                    let bounds = whole.map_or_else(|| scene.bounds(), Extent::bounds);
-                    options.camera_for_box(&bounds.union(strokes.bounds()), framing)
-                }
-                None => options.camera_with(scene, whole, strokes, framing),
+                _ if annotation.bounds && frames_model => options.camera_for_box(&subject.bounds(), framing),
+                None => options.camera_for(&subject.bounds(), |d, from| subject.reach(d, from), framing),
                 Some(comm) => options.camera_of_parts(*comm, scene, framing)?,
             })
         };
@@ -58,7 +53,7 @@ impl Render {
             }
             Motion::Path(keys, count) => {
                 // The target is that of a camera that frames the model: its middle.
-                let bounds = whole.map_or_else(|| scene.bounds(), Extent::bounds).union(strokes.bounds());
+                let bounds = subject.bounds();
                 let (up, fov) = (framing.up_axis.front().up, framing.fov_y.unwrap_or(Framing::FOV_Y));
                 let path = Motion::path(keys, bounds.center(), up, fov).map_err(anyhow::Error::msg)?;
                 let near = options.near();

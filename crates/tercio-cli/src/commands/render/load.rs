@@ -1,26 +1,47 @@
 //! From the options to a scene and its cameras.
 
+use std::sync::Arc;
+
 use anyhow::{Context as _, Result, bail};
+use tercio::annotate::ScalarBar;
 use tercio::mesh::io::ReadReport;
+use tercio::mesh::strokes::Strokes;
 use tercio::parallel::Communicator;
 use tercio::parallel::parts::share_materials;
 use tercio::raster::Outputs;
 use tercio::raster::frame::fragments::fragment_bytes;
-use tercio::scene::framing::Extent;
-use tercio::scene::{Background, Scene};
+use tercio::scene::{Background, Instance, Light, Scene, scene::Share};
 use tercio::{LoadOptions, LoadedPart, band_bytes};
 
 use super::annotate::Annotated;
+use super::members::{self, OfModel};
+use super::strokes::Drawable;
+use super::subject::Subject;
 use super::{Job, Loaded, Render};
 use crate::args::annotation;
 use crate::args::ranks::Drawers;
 use crate::args::textures::TextureLimits;
-use crate::memory;
 use crate::output::{Plan, frame_bytes};
 use crate::progress::Display;
+use crate::{ending, memory};
+
+/// Do two scalar bars show the same?
+fn is_same(a: &ScalarBar, b: &ScalarBar) -> bool {
+    (&a.colors, &a.title, a.format, a.place, a.is_upright)
+        == (&b.colors, &b.title, b.format, b.place, b.is_upright)
+}
+
+/// A model that was read, perhaps for several models of the picture.
+struct Opened {
+    /// What was read, and how.
+    key: String,
+    loaded: tercio::Loaded,
+    share: Option<Share>,
+    strokes: Arc<Strokes>,
+}
 
 impl Render {
-    /// Loads the model, or this rank's part of it if there are `parts`, the ranks that load the others.
+    /// Loads the models, or this rank's part of the one if there are `parts`, the ranks that load the others.
     pub(super) fn load(
         &self,
         job: &Job,
@@ -33,80 +54,164 @@ impl Render {
             display.stage("reading the environment");
         }
         let panorama = self.environment.read(self.running.memory_limit())?;
-        let options = LoadOptions {
-            memory_limit: self.running.memory_limit(),
-            progress: Some(&display.progress),
-            normals: self.data.normals(self.drawing.normals(writing.plan.outputs)),
-            clip: self.clip.clipping(),
-            make: self.data.made(),
-            ..LoadOptions::default()
-        };
-        let check = |read: &ReadReport| -> Result<()> {
-            Ok(writing.files.check_companions(&self.model.name(), &read.companions)?)
-        };
-        let (loaded, share) = match &mut parts {
-            None => (options.load_if(&self.model.model, check)?, None),
-            Some(comm) => {
-                let LoadedPart { loaded, share, .. } = options.load_part(*comm, &self.model.model)?;
-                check(&loaded.report.read)?;
-                (loaded, Some(share))
-            }
-        };
-        let mut report = loaded.report;
         let picture = self.picture_bytes(job);
-        self.check_memory(picture, report.mesh.bytes)?;
-        let mut scene = Scene::from_mesh(loaded.mesh);
-        scene.instances[0].share = share;
-        let camera = self.camera.for_format(&report.read.format);
+        let (mut files, mut file_of) = (Vec::<Opened>::new(), Vec::new());
+        let mut taken = 0u64;
+        for member in self.members() {
+            let key = member.key(job);
+            let number = files.iter().position(|file| file.key == key);
+            file_of.push(number.unwrap_or(files.len()));
+            if number.is_none() {
+                let opened = member.open(job, display, parts.as_deref_mut(), (key, taken))?;
+                taken = taken.saturating_add(opened.loaded.report.mesh.bytes);
+                member.check_memory(picture, taken)?;
+                files.push(opened);
+            }
+        }
+        // The first model says where up is.
+        let camera = self.camera.for_format(&files[0].loaded.report.read.format);
+        let mut scene = Scene { lights: Light::studio(), ..Scene::default() };
         let place = |panorama| self.environment.place(&panorama, camera.front());
         scene.environment = panorama.map(place).transpose()?;
         self.drawing.dress(&mut scene);
-        let up = camera.front().up;
-        self.data.apply(&mut scene, up, parts.as_deref_mut()).with_context(|| self.model.name())?;
-        self.strokes.dress(&mut scene);
+        self.members().for_each(|member| member.strokes.dress_background(&mut scene.background));
         let background = scene.background;
         if self.needs_transparency() {
             scene.background = Background::Solid([0.0; 4]);
         }
-        // Layers of what is not opaque need memory, too.
         let shadows = self.drawing.shadow_bytes(&scene);
-        let taken = picture.saturating_add(report.mesh.bytes).saturating_add(shadows);
-        let left = |limit: u64| limit.saturating_sub(taken) / 4 * 3;
-        let limits = TextureLimits {
-            memory: self.running.memory_limit().map(left),
-            progress: &display.progress,
-            specular: self.drawing.specular(),
-            is_unlit: self.drawing.is_unlit(),
-        };
-        let textures = self.textures.load(&mut scene, &self.model.model, &report, &limits);
-        if let Some(textures) = &textures {
-            // They are not always where the model says.
-            writing.files.check_companions(&self.model.name(), &textures.files)?;
+        let up = camera.front().up;
+        let (mut models, mut bars): (Vec<OfModel>, Vec<ScalarBar>) = (Vec::new(), Vec::new());
+        for (member, &number) in self.members().zip(&file_of) {
+            let file = &files[number];
+            let place = member.place.transform();
+            let begin = scene.instances.len();
+            let mut instance = Instance::new(Arc::clone(&file.loaded.mesh));
+            instance.share = file.share;
+            (instance.world_from_object, instance.surface) = (place, member.drawing.surface());
+            member
+                .data
+                .apply(&mut instance, up, parts.as_deref_mut())
+                .with_context(|| member.model.name())?;
+            member.strokes.dress_surface(&mut instance.surface, &background);
+            if let Some(bar) = member.annotation.bar(&instance)
+                && !bars.iter().any(|other| is_same(other, &bar))
+            {
+                bars.push(bar);
+            }
+            scene.instances.push(instance);
+            // Layers of what is not opaque need memory, too.
+            let left = |limit: u64| {
+                limit.saturating_sub(picture.saturating_add(taken).saturating_add(shadows)) / 4 * 3
+            };
+            let limits = TextureLimits {
+                memory: self.running.memory_limit().map(left),
+                progress: &display.progress,
+                specular: member.drawing.specular(),
+                is_unlit: self.drawing.is_unlit(),
+            };
+            let mut report = file.loaded.report.clone();
+            let textures = member.textures.load((&mut scene, begin), &member.model.model, &report, &limits);
+            if let Some(textures) = &textures {
+                // They are not always where the model says.
+                writing.files.check_companions(&member.model.name(), &textures.files)?;
+                taken = taken.saturating_add(textures.bytes);
+            }
+            let caps = member.clip.caps(&scene.instances[begin], file.loaded.caps.clone());
+            scene.instances.extend(caps);
+            let own = scene.instances[begin..].to_vec();
+            for placement in &member.placements {
+                let copies = own.iter().enumerate().map(|(k, instance)| placement.of(instance, k == 0));
+                scene.instances.extend(copies);
+            }
+            let others = member.placements.iter().map(|placement| placement.place.transform() * place);
+            let strokes = member.strokes_of(&mut report, Arc::clone(&file.strokes));
+            models.push(OfModel {
+                report,
+                textures,
+                shares_with: file_of[..models.len()].iter().position(|&other| other == number),
+                places: std::iter::once(place).chain(others).collect(),
+                instances: begin..scene.instances.len(),
+                drawable: Drawable::of_file(strokes),
+            });
         }
         if let Some(comm) = &mut parts {
             share_materials(*comm, &mut scene)?;
         }
-        let taken = report.mesh.bytes.saturating_add(textures.as_ref().map_or(0, |textures| textures.bytes));
         self.check_memory(picture.saturating_add(shadows), taken)?;
-        self.clip.add_caps(&mut scene, loaded.caps);
-        report.read.warnings.extend(self.drawing.shadow_warning(&scene));
-        let file = self.strokes_of(&mut report, loaded.strokes);
-        let annotation = self.annotation.annotation(&scene, &background);
-        let whole = loaded.whole.as_ref();
-        let cameras = self.cameras(&job.motion, &camera, (&scene, &file), whole, &annotation, parts)?;
-        let bounds = scene.bounds().union(Extent::of_strokes(&file).bounds());
+        for model in &mut models {
+            let own = &scene.instances[model.instances.clone()];
+            model.report.read.warnings.extend(self.drawing.shadow_warning(&scene, own));
+        }
+        let annotation = self.annotation.annotation(bars, &background);
+        let mut subject = Subject::default();
+        for (model, &number) in models.iter().zip(&file_of) {
+            model.frame_in(&mut subject, &scene, files[number].loaded.whole.as_ref());
+        }
+        let cameras = self.cameras(&job.motion, &camera, (&scene, &subject), &annotation, parts)?;
+        drop(subject);
+        let bounds = models.iter().fold(scene.bounds(), |bounds, model| bounds.union(model.stroke_bounds()));
         let up = (0..3).find(|&axis| up[axis] > 0.5).unwrap_or(1);
         let annotated = Annotated { annotation, bounds: [bounds.min, bounds.max], up };
         let mut look = self.drawing.look(&scene, &background, &self.environment, &self.effects);
-        look["data"] = self.data.json(&scene);
+        look["data"] = self.data.json(scene.instances.first());
         if let Some(camera) = cameras.first().and_then(|cameras| cameras.views.first()) {
             let laid_out = self.lay_out(&annotated, camera)?;
             look["annotation"] = annotation::json(&laid_out);
             let left_out = laid_out.left_out.iter().map(|what| format!("no room in the picture for: {what}"));
-            report.read.warnings.extend(left_out);
+            models[0].report.read.warnings.extend(left_out);
         }
-        let drawable = self.drawable(&scene, file, picture.saturating_add(taken))?;
-        Ok(Loaded { report, textures, scene, drawable, background, look, annotated, cameras })
+        for (member, model) in self.members().zip(&mut models) {
+            let instance = &scene.instances[model.instances.start];
+            member.find_edges(&mut model.drawable, instance, picture.saturating_add(taken))?;
+        }
+        let reports = self.model_reports(&models, &scene);
+        let together = members::together(&models, &scene);
+        Ok(Loaded { scene, models, reports, together, background, look, annotated, cameras })
+    }
+
+    /// Whether two models are one that is loaded once.
+    fn key(&self, job: &Job) -> String {
+        let options = self.load_options(job, 0);
+        format!("{:?} {:?} {:?} {:?}", self.model.model, options.normals, options.clip, options.make)
+    }
+
+    /// Options for loading when so many bytes are taken.
+    fn load_options(&self, job: &Job, taken: u64) -> LoadOptions<'_> {
+        LoadOptions {
+            memory_limit: self.running.memory_limit().map(|limit| limit.saturating_sub(taken)),
+            normals: self.data.normals(self.drawing.normals(job.writing.plan.outputs)),
+            clip: self.clip.clipping(),
+            make: self.data.made(),
+            ..LoadOptions::default()
+        }
+    }
+
+    /// Reads this model.
+    fn open(
+        &self,
+        job: &Job,
+        display: &Display,
+        parts: Option<&mut impl Communicator>,
+        (key, taken): (String, u64),
+    ) -> Result<Opened> {
+        if taken > 0 {
+            ending::name_model(self.model.name());
+        }
+        let options = LoadOptions { progress: Some(&display.progress), ..self.load_options(job, taken) };
+        let check = |read: &ReadReport| -> Result<()> {
+            Ok(job.writing.files.check_companions(&self.model.name(), &read.companions)?)
+        };
+        let (mut loaded, share) = match parts {
+            None => (options.load_if(&self.model.model, check)?, None),
+            Some(comm) => {
+                let LoadedPart { loaded, share, .. } = options.load_part(comm, &self.model.model)?;
+                check(&loaded.report.read)?;
+                (loaded, Some(share))
+            }
+        };
+        let strokes = Arc::new(std::mem::take(&mut loaded.strokes));
+        Ok(Opened { key, loaded, share, strokes })
     }
 
     /// Bytes of all pictures that are in memory at a time.

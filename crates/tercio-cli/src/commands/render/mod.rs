@@ -8,12 +8,14 @@ mod cameras;
 mod companions;
 mod job;
 mod load;
-mod models;
+pub mod members;
+pub mod models;
 mod picture;
 mod plan;
 mod series;
 mod steps;
 mod strokes;
+mod subject;
 mod summary;
 mod watch;
 
@@ -25,15 +27,16 @@ use std::time::Instant;
 use anyhow::{Result, bail};
 use clap::Args;
 use serde_json::Value;
+use tercio::LoadReport;
+use tercio::image::Destination;
 use tercio::parallel::FrameReport;
 use tercio::parallel::trace::Trace;
 use tercio::raster::{Frame, Settings};
 use tercio::scene::{Background, Scene};
-use tercio::{LoadReport, TextureReport};
 use tercio_lab::predict::choose::Choice;
 
 use self::annotate::Annotated;
-use self::strokes::Drawable;
+use self::members::{ModelReport, OfModel, Placement};
 use crate::args::annotation::AnnotationArgs;
 use crate::args::camera::CameraArgs;
 use crate::args::clip::ClipArgs;
@@ -41,8 +44,10 @@ use crate::args::data::DataArgs;
 use crate::args::drawing::{DrawingArgs, TuningArgs};
 use crate::args::effects::EffectArgs;
 use crate::args::environment::EnvironmentArgs;
+use crate::args::place::PlaceArgs;
 use crate::args::ranks::{Drawers, RanksArgs};
 use crate::args::sampling::SamplingArgs;
+use crate::args::scene::SceneArgs;
 use crate::args::series::{Motion, SeriesArgs};
 use crate::args::stereo::{Cameras, StereoArgs};
 use crate::args::strokes::StrokeArgs;
@@ -52,6 +57,7 @@ use crate::args::{ModelArgs, RunningArgs};
 use crate::named_files::NamedFiles;
 use crate::output::write_text;
 use crate::progress::Display;
+use crate::scene_file::Origin;
 use crate::stereo::ViewReport;
 use crate::{ending, mpi};
 
@@ -72,6 +78,9 @@ Examples:
   tercio render *.stl -o 'thumbs/{name}.png' --size 256x256
   tercio render step_*.ply -o steps.mp4 --fps 30
   tercio render scan.ply -o scan.png --color-by quality --colormap turbo --range 2%,98% --isolines 9
+  tercio render bone.ply --color ivory --with 'skin.stl;opacity=0.3' -o both.png
+  tercio render a.ply b.ply c.ply --together -o all.png --save-scene all.toml
+  tercio render all.toml -o all.png   (docs/scenes.md has what a scene file may say)
   tercio render scan.ply -o scan.png --stereo anaglyph
   tercio render scan.ply -o scan.png --stereo pair --eye-distance 2.5   (scan.left.png, scan.right.png)
   tercio render scan.ply -o scan.png --ranks 4 --organisation sort-last --stats -
@@ -122,6 +131,19 @@ pub struct Render {
     ranks: RanksArgs,
     #[command(flatten)]
     running: RunningArgs,
+    #[command(flatten)]
+    place: PlaceArgs,
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    /// The other models of the picture. Their options of the picture are those of this one.
+    #[arg(skip)]
+    pub others: Vec<Self>,
+    /// Further places of the model.
+    #[arg(skip)]
+    pub placements: Vec<Placement>,
+    /// Where the options come from, besides the command line.
+    #[arg(skip)]
+    pub origin: Origin,
 }
 
 /// Everything that is known before a model is loaded.
@@ -132,13 +154,14 @@ struct Job {
     drawers: Drawers,
 }
 
-/// A loaded model and its cameras.
+/// Loaded models and their cameras.
 struct Loaded {
-    report: LoadReport,
-    /// `None` if materials and textures are not used.
-    textures: Option<TextureReport>,
     scene: Scene,
-    drawable: Drawable,
+    models: Vec<OfModel>,
+    /// What is said about each model.
+    reports: Vec<ModelReport>,
+    /// What is said about all of them together.
+    together: LoadReport,
     /// That of the picture: effects need a scene without one.
     background: Background,
     /// For `--stats`.
@@ -172,8 +195,7 @@ struct Shot {
 
 /// The results of the work, for `--stats`.
 struct Done {
-    report: LoadReport,
-    textures: Option<TextureReport>,
+    models: Vec<ModelReport>,
     look: Value,
     /// Why ranks share the frame as they do, if that was chosen.
     choice: Option<Choice>,
@@ -197,24 +219,31 @@ impl Render {
     }
 
     fn run_once(&self) -> Result<ExitCode> {
-        match self.models()? {
+        let code = match self.models()? {
             Models::One => self.run_one(),
             Models::Batch(models) => self.run_batch(&models),
             Models::Steps(models) => self.run_steps(&models),
+        }?;
+        if let (Some(path), Some(text)) = (&self.scene.save_scene, &self.origin.saved)
+            && mpi::is_first()
+        {
+            write_text(&Destination::from_path(path), text)?;
         }
+        Ok(code)
     }
 
     fn run_one(&self) -> Result<ExitCode> {
         let start = Instant::now();
         let job = self.job(None)?;
-        let files = self.named_files(&job, NamedFiles::default());
+        let files = self.saved_files(self.named_files(&job, NamedFiles::default()));
         files.check()?;
         let job = Job { writing: Writing { files: Arc::new(files), ..job.writing }, ..job };
         ending::name_model(self.model.name());
         let pool = self.running.pool()?;
         let done = match job.drawers {
             Drawers::Mpi(how) => {
-                self.model.check_reaches_all(mpi::processes())?;
+                self.members()
+                    .try_for_each(|member| member.model.check_reaches_all(mpi::processes()))?;
                 let work = |comm: &mut _| self.draw_as_rank(comm, &job, how);
                 pool.install(|| mpi::run(work))?
             }

@@ -44,7 +44,7 @@ impl Render {
         let second = models.get(1).unwrap_or(&models[0]).display();
         let count = models.len();
         let text = tips::surplus_model(&models).unwrap_or_else(|| {
-            format!("{count} models (the second is {second}) need names of their own: {{name}} in the output stands for that of the model, as in {{name}}.png; with {{frame}} or a film they are the steps of a series")
+            format!("{count} models (the second is {second}) need names of their own: {{name}} in the output stands for that of the model, as in {{name}}.png; with {{frame}} or a film they are the steps of a series, with --together one picture")
         });
         Err(UsageError(text))
     }
@@ -60,7 +60,7 @@ impl Render {
 
 /// The files that match a pattern with `*` or `?` in its last part, in natural order; `None` for the name of a file. Most shells
 /// have done that already.
-fn expanded(path: &Path) -> Result<Option<Vec<PathBuf>>, UsageError> {
+pub fn expanded(path: &Path) -> Result<Option<Vec<PathBuf>>, UsageError> {
     let pattern = path.file_name().and_then(|name| name.to_str()).filter(|name| name.contains(['*', '?']));
     let Some(pattern) = pattern.filter(|_| !path.exists()) else { return Ok(None) };
     let folder = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
@@ -76,7 +76,7 @@ fn expanded(path: &Path) -> Result<Option<Vec<PathBuf>>, UsageError> {
 }
 
 /// Whether a name matches a pattern, in which `*` stands for anything and `?` for one character.
-fn matches(pattern: &str, name: &str) -> bool {
+pub fn matches(pattern: &str, name: &str) -> bool {
     let (pattern, name): (Vec<char>, Vec<char>) = (pattern.chars().collect(), name.chars().collect());
     let (mut p, mut n, mut star) = (0, 0, None);
     while n < name.len() {

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use anyhow::Result;
+use tercio::image::Destination;
 use tercio::image::film::Film;
 
 use super::{Job, Render};
@@ -55,23 +56,22 @@ impl Render {
         let has_picture = plan.picture.is_some() || plan.film.is_some();
         let changes_picture = self.effects.are_given()
             || self.environment.is_given()
-            || self.data.is_given()
+            || self.members().any(|member| member.data.is_given())
             || self.annotation.is_given();
         if !has_picture && changes_picture {
             let what = "--exposure, --tone, --ao, --edl, --environment, --color-by and annotation change the picture only";
             return Err(UsageError(format!("{what}, which is not written: add -o")).into());
         }
         plan.outputs = plan.outputs.with(self.effects.needed()).with(self.annotation.needed());
-        let checks = [
-            self.camera.check(),
-            self.drawing.check(&self.effects, &self.environment),
-            self.strokes.check(self.ranks.parts()),
-            self.textures.check(),
-            self.sampling.check(),
-            self.environment.check(),
-        ];
-        checks.into_iter().collect::<Result<(), _>>().map_err(|e| UsageError(e.into()))?;
-        self.data.check()?;
+        self.check_options()?;
+        for member in &self.others {
+            let named = |UsageError(text)| UsageError(format!("{}: {text}", member.model.name()));
+            member.check_options().map_err(named)?;
+        }
+        if self.ranks.parts() && !(self.others.is_empty() && self.placements.is_empty()) {
+            let text = "--parts draws one model, of which each process has a part: several models are drawn without it";
+            return Err(UsageError(text.into()).into());
+        }
         let mut settings = self.drawing.settings(&self.tuning, &self.sampling, writing.plan.outputs);
         if let Some(limit) = self.running.memory_limit() {
             settings.layer_memory = settings.layer_memory.min((limit / 4) as usize);
@@ -86,6 +86,23 @@ impl Render {
             return Err(UsageError(text.into()).into());
         }
         Ok(Job { writing, motion, settings, drawers })
+    }
+
+    /// Finds options that have no effect.
+    ///
+    /// # Errors
+    /// [`UsageError`].
+    pub(crate) fn check_options(&self) -> Result<(), UsageError> {
+        let checks = [
+            self.camera.check(),
+            self.drawing.check(&self.effects, &self.environment),
+            self.strokes.check(self.ranks.parts()),
+            self.textures.check(),
+            self.sampling.check(),
+            self.environment.check(),
+        ];
+        checks.into_iter().collect::<Result<(), _>>().map_err(|e| UsageError(e.into()))?;
+        self.data.check()
     }
 
     fn plan_writing(&self, motion: &Motion, steps: Option<usize>) -> Result<Writing, String> {
@@ -165,7 +182,16 @@ impl Render {
         let files = job.writing.pictures.iter().fold(files, |files, plan| plan.named_files(files));
         let files = self.ranks.named_files(files);
         let files = self.files_of_model().iter().fold(files, |files, m| files.reads_model(m));
-        self.series.named_files(self.data.named_files(self.environment.named_files(files)))
+        let files = self.others.iter().fold(files, |files, m| files.reads_model(&m.model.model));
+        let files = self.members().fold(files, |files, member| member.data.named_files(files));
+        let files = self.origin.named_files(files);
+        self.series.named_files(self.environment.named_files(files))
+    }
+
+    /// The scene file that is written, added to `files`.
+    pub(super) fn saved_files(&self, files: NamedFiles) -> NamedFiles {
+        let saved = self.scene.save_scene.as_deref().map(Destination::from_path);
+        saved.iter().fold(files, |files, saved| files.writes("--save-scene", saved))
     }
 
     /// The files of the model: of all ranks, if each has its own.

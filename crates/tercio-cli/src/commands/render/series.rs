@@ -156,7 +156,7 @@ impl<'a> Running<'a> {
             let mut effect_milliseconds = 0.0;
             for camera in &cameras.views {
                 let drawn = draw(loaded, camera, output.spare())?;
-                reasons.push(render.reason(&loaded.report, camera, &drawn.frame.stats));
+                reasons.push(render.reason(&loaded.together, camera, &drawn.frame.stats));
                 views.push(ViewReport { stats: drawn.frame.stats.clone(), parallel: drawn.parallel });
                 effect_milliseconds += drawn.effect_milliseconds;
                 frames.push(drawn.frame);

@@ -27,11 +27,15 @@ impl Render {
             let text = "the processes of mpirun draw one model together: name one, or use --ranks";
             return Err(UsageError(text.into()).into());
         }
+        if self.others.iter().any(|member| member.model.is_standard_input()) {
+            let text = "standard input is read once: a model that is in every picture of a series is in a file";
+            return Err(UsageError(text.into()).into());
+        }
         if self.is_in_bands(&job.writing.plan, job.drawers) {
             let text = "pictures that are drawn in bands have one model: choose a smaller --size";
             return Err(UsageError(text.into()).into());
         }
-        let files = first.named_files(&job, NamedFiles::default());
+        let files = self.saved_files(first.named_files(&job, NamedFiles::default()));
         let files = models[1..].iter().fold(files, |files, model| files.reads_model(model));
         files.check()?;
         files.check_places()?;
@@ -58,8 +62,8 @@ impl Render {
             let step = self.with_model(model);
             ending::name_model(step.model.name());
             let mut loaded = step.load(job, &silent, None::<&mut mpi::Comm>)?;
-            step.print_warnings(&loaded.report, loaded.textures.as_ref());
-            loads.push(report::load_json(&step.model.name(), &loaded.report));
+            step.print_warnings(&loaded.reports);
+            loads.push(report::load_json(&step.model.name(), &loaded.reports[0].report));
             let views = loaded.cameras.len();
             let (_, cameras) = first.get_or_insert_with(|| (None, loaded.cameras.clone()));
             loaded.cameras.clone_from(cameras);

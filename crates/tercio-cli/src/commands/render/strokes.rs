@@ -1,86 +1,116 @@
-//! Lines, edges and points of the model, for one camera.
+//! Lines, edges and points of the models, for one camera.
 
 use std::borrow::Cow;
+use std::sync::Arc;
 
 use anyhow::{Context, Result};
 use tercio::LoadReport;
 use tercio::mesh::edges::Edges;
 use tercio::mesh::strokes::Strokes;
 use tercio::raster::view::View;
-use tercio::scene::{Camera, Scene};
+use tercio::scene::{Camera, Instance, Scene};
 use tercio::strokes::{self, Eye};
 
+use super::members::OfModel;
+use super::subject::placed;
 use super::{Loaded, Render};
 
-/// What is drawn besides the surface.
+/// What is drawn of a model besides the surface.
 pub(super) struct Drawable {
     /// Lines and points of the file.
-    pub file: Strokes,
+    pub file: Arc<Strokes>,
     edges: Option<Edges>,
+}
+
+impl Drawable {
+    /// Lines and points of a file, until edges are found.
+    pub fn of_file(file: Arc<Strokes>) -> Self {
+        Self { file, edges: None }
+    }
 }
 
 impl Render {
     /// The lines and points of the file that are drawn. Those of a model that is clipped are not, and the report says so.
-    pub(super) fn strokes_of(&self, report: &mut LoadReport, strokes: Strokes) -> Strokes {
+    pub(super) fn strokes_of(&self, report: &mut LoadReport, strokes: Arc<Strokes>) -> Arc<Strokes> {
         if self.clip.clipping().is_none() {
             return strokes;
         }
         (report.lines, report.points) = (0, 0);
-        Strokes::default()
+        Arc::default()
     }
 
     /// If no triangle was drawn, is that because of where strokes are?
     pub(super) fn strokes_are_beside(&self, report: &LoadReport) -> bool {
-        report.lines + report.points > 0 || report.mesh.triangles > 0 && !self.strokes.has_surface()
+        let has_no_surface = self.members().any(|member| !member.strokes.has_surface());
+        report.lines + report.points > 0 || report.mesh.triangles > 0 && has_no_surface
     }
 
-    /// The edges of a scene's model, if they are drawn, beside lines and points of its file.
-    pub(super) fn drawable(&self, scene: &Scene, file: Strokes, taken: u64) -> Result<Drawable> {
-        let model = scene.instances.first();
-        let edges = match (self.strokes.selection(), model) {
-            (Some(selection), Some(model)) => {
-                self.check_memory(taken, Edges::needed_bytes(&model.mesh))?;
-                Some(Edges::of_clusters(&model.mesh, selection))
-            }
-            _ => None,
-        };
-        Ok(Drawable { file, edges })
+    /// Finds the edges of the model of an instance, if they are drawn.
+    pub(super) fn find_edges(&self, drawable: &mut Drawable, model: &Instance, taken: u64) -> Result<()> {
+        if let Some(selection) = self.strokes.selection() {
+            self.check_memory(taken, Edges::needed_bytes(&model.mesh))?;
+            drawable.edges = Some(Edges::of_clusters(&model.mesh, selection));
+        }
+        Ok(())
+    }
+
+    /// Is nothing of the model drawn but its surface?
+    fn is_plain(&self, of_model: &OfModel) -> bool {
+        let Drawable { file, edges } = &of_model.drawable;
+        file.is_empty() && edges.is_none() && !self.strokes.has_vertices() && self.strokes.has_surface()
     }
 
     /// The scene with strokes for a camera.
     pub(super) fn with_strokes<'a>(&self, loaded: &'a Loaded, camera: &Camera) -> Result<Cow<'a, Scene>> {
-        let Loaded { scene, drawable: Drawable { file, edges }, .. } = loaded;
-        let (has_surface, has_vertices) = (self.strokes.has_surface(), self.strokes.has_vertices());
-        if file.is_empty() && edges.is_none() && !has_vertices && has_surface {
+        let Loaded { scene, models, .. } = loaded;
+        let all = || self.members().zip(models);
+        if all().all(|(member, of_model)| member.is_plain(of_model)) {
             return Ok(Cow::Borrowed(scene));
         }
         let (width, height) = self.drawing.size;
-        let bounds = scene.bounds().union(file.bounds());
+        let bounds = all().fold(scene.bounds(), |bounds, (_, of_model)| {
+            let own = of_model.drawable.file.bounds();
+            of_model.places.iter().fold(bounds, |bounds, place| bounds.union(placed(&own, place)))
+        });
         let view = View::new(camera, &bounds, width, height).with_context(|| self.model.name())?;
         let eye = Eye::new(view);
-        let mut drawn = scene.clone();
-        if !has_surface {
-            drawn.instances.clear();
+        let with_surface = all().filter(|(member, _)| member.strokes.has_surface());
+        let surfaces = with_surface.flat_map(|(_, of_model)| &scene.instances[of_model.instances.clone()]);
+        let mut drawn = Scene {
+            instances: surfaces.cloned().collect(),
+            lights: scene.lights.clone(),
+            environment: scene.environment.clone(),
+            background: scene.background,
+            materials: scene.materials.clone(),
+            textures: scene.textures.clone(),
+        };
+        for (member, of_model) in all() {
+            let instances = &scene.instances[of_model.instances.clone()];
+            drawn.instances.extend(member.strokes_for(&eye, of_model, instances));
         }
-        if let (Some(model), Some(edges)) = (scene.instances.first(), edges) {
-            let (pen, only) = (self.strokes.edge_pen(), self.strokes.is_silhouette());
-            drawn.instances.extend(strokes::edges(&eye, edges, &model.world_from_object, &pen, only));
-        }
-        let pens = self.strokes.pens(self.drawing.color());
-        if has_vertices {
-            for model in &scene.instances {
-                let (mesh, place) = (&model.mesh, &model.world_from_object);
-                drawn.instances.extend(strokes::vertices(
-                    &eye,
-                    mesh,
-                    place,
-                    self.strokes.shape(),
-                    &pens.points,
-                ));
+        Ok(Cow::Owned(drawn))
+    }
+
+    /// The strokes of this model, which has these instances.
+    fn strokes_for(&self, eye: &Eye, of_model: &OfModel, instances: &[Instance]) -> Vec<Instance> {
+        let Drawable { file, edges } = &of_model.drawable;
+        let mut drawn = Vec::new();
+        for place in &of_model.places {
+            if let Some(edges) = edges {
+                let (pen, only) = (self.strokes.edge_pen(), self.strokes.is_silhouette());
+                drawn.extend(strokes::edges(eye, edges, place, &pen, only));
             }
         }
-        drawn.instances.extend(strokes::lines(&eye, file, &pens.lines));
-        drawn.instances.extend(strokes::points(&eye, file, self.strokes.shape(), &pens.points));
-        Ok(Cow::Owned(drawn))
+        let pens = self.strokes.pens(self.drawing.color());
+        if self.strokes.has_vertices() {
+            for Instance { mesh, world_from_object: place, .. } in instances {
+                drawn.extend(strokes::vertices(eye, mesh, place, self.strokes.shape(), &pens.points));
+            }
+        }
+        for place in &of_model.places {
+            drawn.extend(strokes::lines(eye, file, place, &pens.lines));
+            drawn.extend(strokes::points(eye, file, place, self.strokes.shape(), &pens.points));
+        }
+        drawn
     }
 }

@@ -6,8 +6,8 @@ use anyhow::Result;
 use serde_json::{Value, json};
 use tercio::raster::FrameStats;
 use tercio::scene::UpAxis;
-use tercio::{LoadReport, TextureReport};
 
+use super::members::ModelReport;
 use super::{Done, Job, Render, Shot};
 use crate::{memory, messages, organisation, output, report, stereo};
 
@@ -16,15 +16,18 @@ impl Render {
         if self.running.quiet {
             return;
         }
-        self.print_warnings(&done.report, done.textures.as_ref());
+        self.print_warnings(&done.models);
         self.print_views(done);
     }
 
-    /// Warnings about a model.
-    pub(super) fn print_warnings(&self, of_model: &LoadReport, textures: Option<&TextureReport>) {
-        if self.running.quiet {
-            return;
+    /// Warnings about the models.
+    pub(super) fn print_warnings(&self, models: &[ModelReport]) {
+        if !self.running.quiet {
+            self.members().zip(models).for_each(|(member, of_model)| member.print_warnings_of(of_model));
         }
+    }
+
+    fn print_warnings_of(&self, ModelReport { report: of_model, textures, .. }: &ModelReport) {
         let model = self.model.name();
         let of_textures = textures.iter().flat_map(|textures| textures.warnings.clone());
         for warning in report::warnings(of_model).into_iter().chain(of_textures) {
@@ -67,10 +70,14 @@ impl Render {
         }
         if self.running.verbose {
             if !self.camera.has_up_axis()
-                && self.camera.for_format(&done.report.read.format).up_axis() == UpAxis::Z
+                && self.camera.for_format(&done.models[0].report.read.format).up_axis() == UpAxis::Z
             {
                 messages::note("z is up, as in other programs for STL (--up-axis)");
             }
+            self.origin.notes.iter().for_each(|note| messages::note(note));
+            self.members().zip(&done.models).for_each(|(member, of_model)| {
+                print_loading(of_model, (!self.others.is_empty()).then(|| member.model.name()));
+            });
             print_details(done);
         }
     }
@@ -84,8 +91,9 @@ impl Render {
         let parallel = only.filter(|shot| shot.cameras.stereo.is_none()).and_then(|shot| shot.views.first());
         let mut stats = json!({
             "tercio_version": env!("CARGO_PKG_VERSION"),
-            "load": report::load_json(&self.model.name(), &done.report),
-            "textures": done.textures.as_ref().map(report::textures_json),
+            "load": report::load_json(&self.model.name(), &done.models[0].report),
+            "textures": done.models[0].textures.as_ref().map(report::textures_json),
+            "models": done.models.iter().map(|model| &model.json).collect::<Vec<_>>(),
             "camera": only.map(|shot| report::camera_json(&shot.cameras.middle)),
             "stereo": only.map(|shot| stereo::json(self.stereo.layout(), &shot.cameras, &shot.views)),
             "picture": {
@@ -143,11 +151,12 @@ impl Done {
     }
 }
 
-fn print_details(done: &Done) {
-    let Done { report, textures, shots, output_milliseconds, .. } = done;
+/// What was loaded of a model; with its name, if there are several.
+fn print_loading(ModelReport { report, textures, .. }: &ModelReport, name: Option<String>) {
     let times = &report.times;
     messages::note(&format!(
-        "{}: {}, {}; read {:.1} ms, clean {:.1}, weld {:.1}, normals {:.1}, clusters {:.1}",
+        "{}{}: {}, {}; read {:.1} ms, clean {:.1}, weld {:.1}, normals {:.1}, clusters {:.1}",
+        name.map_or_else(String::new, |name| format!("{name}: ")),
         report.read.format,
         report::counted(report.mesh.triangles, "triangle"),
         report::counted(report.mesh.vertices, "vertex"),
@@ -167,6 +176,10 @@ fn print_details(done: &Done) {
         ));
     }
     report::clipped(report).iter().for_each(|c| messages::note(c));
+}
+
+fn print_details(done: &Done) {
+    let Done { shots, output_milliseconds, .. } = done;
     done.choice.iter().for_each(organisation::print);
     // Those of the first picture stand for all of a series.
     let first = shots.first().map_or(&[][..], |shot| &shot.views);

@@ -1,0 +1,161 @@
+//! The models of one picture.
+
+use std::borrow::Cow;
+use std::ops::Range;
+
+use serde_json::{Value, json};
+use tercio::glam::DAffine3;
+use tercio::mesh::Aabb;
+use tercio::scene::framing::Extent;
+use tercio::scene::{Instance, Scene};
+use tercio::{LoadReport, TextureReport};
+
+use super::Render;
+use super::strokes::Drawable;
+use super::subject::{Subject, placed};
+use crate::args::place::PlaceArgs;
+use crate::{look, report};
+
+/// A further place of a model.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Placement {
+    /// Applied after the transform of the model itself.
+    pub place: PlaceArgs,
+    /// Linear RGB, if it is not that of the model.
+    pub color: Option<[f32; 3]>,
+    /// If it is not that of the model.
+    pub opacity: Option<f64>,
+    /// Whether it is drawn in `color`, whatever colours the model has.
+    pub no_mesh_colors: bool,
+}
+
+impl Placement {
+    /// The copy of an instance, which is the model itself or its caps.
+    pub(super) fn of(&self, instance: &Instance, is_model: bool) -> Instance {
+        let mut copy = instance.clone();
+        copy.world_from_object = self.place.transform() * copy.world_from_object;
+        let surface = &mut copy.surface;
+        surface.opacity = self.opacity.map_or(surface.opacity, |opacity| opacity as f32);
+        if is_model && !surface.unlit {
+            surface.base_color = self.color.unwrap_or(surface.base_color);
+            surface.use_mesh_colors &= !self.no_mesh_colors;
+        }
+        copy
+    }
+}
+
+/// A loaded model of the picture.
+pub(super) struct OfModel {
+    pub report: LoadReport,
+    /// `None` if materials and textures are not used.
+    pub textures: Option<TextureReport>,
+    /// The number of the model in the picture whose mesh this one shares, if it was loaded already.
+    pub shares_with: Option<usize>,
+    /// Where it is.
+    pub places: Vec<DAffine3>,
+    /// The numbers of its instances in the scene.
+    pub instances: Range<usize>,
+    pub drawable: Drawable,
+}
+
+impl OfModel {
+    /// Adds it to what the camera frames: all of a model that is clipped.
+    pub fn frame_in<'a>(&self, subject: &mut Subject<'a>, scene: &'a Scene, whole: Option<&'a Extent>) {
+        match whole {
+            Some(whole) => {
+                self.places.iter().for_each(|&place| subject.add_extent(Cow::Borrowed(whole), place));
+            }
+            None => scene.instances[self.instances.clone()].iter().for_each(|i| subject.add_instance(i)),
+        }
+        if !self.drawable.file.is_empty() {
+            let strokes = Extent::of_strokes(&self.drawable.file);
+            self.places.iter().for_each(|&place| subject.add_extent(Cow::Owned(strokes.clone()), place));
+        }
+    }
+
+    /// The box of the lines and points that are drawn.
+    pub fn stroke_bounds(&self) -> Aabb {
+        let own = Extent::of_strokes(&self.drawable.file).bounds();
+        self.places.iter().fold(Aabb::EMPTY, |bounds, place| bounds.union(placed(&own, place)))
+    }
+}
+
+/// What is said about a model when the scene is gone.
+#[derive(Clone)]
+pub(super) struct ModelReport {
+    pub report: LoadReport,
+    pub textures: Option<TextureReport>,
+    /// Its instances, for `--stats`.
+    pub json: Value,
+}
+
+impl Render {
+    /// The models of the picture, each with its options.
+    pub(super) fn members(&self) -> impl Iterator<Item = &Self> + Clone {
+        std::iter::once(self).chain(&self.others)
+    }
+
+    /// What is said about each model.
+    pub(super) fn model_reports(&self, models: &[OfModel], scene: &Scene) -> Vec<ModelReport> {
+        let (mut primitives, mut faces) = (0, 0);
+        let mut of_model = |(number, (member, model)): (usize, (&Self, &OfModel))| {
+            let mut instances = Vec::new();
+            for instance in &scene.instances[model.instances.clone()] {
+                let drawn = member.strokes.has_surface();
+                instances.push(instance_json(instance, drawn.then_some((primitives, faces))));
+                if drawn {
+                    primitives += instance.mesh.triangle_count() as u64;
+                    faces += faces_of(instance);
+                }
+            }
+            let mut json = report::load_json(&member.model.name(), &model.report);
+            json["number"] = number.into();
+            json["mesh_of"] = model.shares_with.into();
+            if model.shares_with.is_some() {
+                json["memory_bytes"] = 0.into();
+            }
+            json["textures"] = model.textures.as_ref().map(report::textures_json).into();
+            json["data"] = member.data.json(scene.instances.get(model.instances.start));
+            json["strokes"] = member.strokes.json();
+            json["instances"] = instances.into();
+            ModelReport { report: model.report.clone(), textures: model.textures.clone(), json }
+        };
+        self.members().zip(models).enumerate().map(&mut of_model).collect()
+    }
+}
+
+/// An instance, and the numbers of its first triangle and its first face in the picture, if it is drawn.
+fn instance_json(instance: &Instance, first: Option<(u64, u64)>) -> Value {
+    json!({
+        "transform": crate::args::place::json(&instance.world_from_object),
+        "triangles": instance.mesh.triangle_count(),
+        "faces": faces_of(instance),
+        "first_primitive": first.map(|first| first.0),
+        "first_face": first.map(|first| first.1),
+        "color": look::numbers(&instance.surface.base_color),
+        "mesh_colors": instance.surface.use_mesh_colors,
+        "opacity": look::number(instance.surface.opacity),
+    })
+}
+
+/// Input faces that count in the numbers of `--output-ids`.
+fn faces_of(instance: &Instance) -> u64 {
+    instance.share.map_or_else(|| tercio::raster::context::faces_of(&instance.mesh), |share| share.faces)
+}
+
+/// What the reports of all models say together, for the question why nothing was drawn.
+pub(super) fn together(models: &[OfModel], scene: &Scene) -> LoadReport {
+    let mut all = models.first().map(|model| model.report.clone()).unwrap_or_default();
+    if models.len() > 1 || models.iter().any(|model| model.places != [DAffine3::IDENTITY]) {
+        all.mesh.bounds = scene.bounds();
+    }
+    for OfModel { report, .. } in models.iter().skip(1) {
+        all.mesh.triangles += report.mesh.triangles;
+        all.lines += report.lines;
+        all.points += report.points;
+        let left = &report.read.not_drawn;
+        all.read.not_drawn.points += left.points;
+        all.read.not_drawn.lines += left.lines;
+    }
+    all
+}

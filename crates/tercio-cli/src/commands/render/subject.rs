@@ -1,0 +1,75 @@
+//! What the camera frames: the instances of all models, whole models of which a part is drawn, and lines and points.
+
+use std::borrow::Cow;
+
+use tercio::glam::{DAffine3, DVec3};
+use tercio::mesh::Aabb;
+use tercio::scene::Instance;
+use tercio::scene::framing::Extent;
+
+/// Everything that is framed.
+#[derive(Default)]
+pub(super) struct Subject<'a> {
+    pieces: Vec<Piece<'a>>,
+}
+
+enum Piece<'a> {
+    Instance(&'a Instance),
+    /// At a place in the world.
+    Extent(Cow<'a, Extent>, DAffine3),
+}
+
+impl<'a> Subject<'a> {
+    /// Adds an instance.
+    pub fn add_instance(&mut self, instance: &'a Instance) {
+        self.pieces.push(Piece::Instance(instance));
+    }
+
+    /// Adds an extent at a place.
+    pub fn add_extent(&mut self, extent: Cow<'a, Extent>, world_from_object: DAffine3) {
+        self.pieces.push(Piece::Extent(extent, world_from_object));
+    }
+
+    /// World-space bounds.
+    pub fn bounds(&self) -> Aabb {
+        self.pieces.iter().fold(Aabb::EMPTY, |bounds, piece| bounds.union(piece.bounds()))
+    }
+
+    /// See [`Instance::reach`].
+    pub fn reach(&self, direction: DVec3, from: DVec3) -> f64 {
+        // Without vertices that is not a number.
+        self.pieces.iter().fold(f64::NEG_INFINITY, |far, piece| far.max(piece.reach(direction, from)))
+    }
+}
+
+impl Piece<'_> {
+    fn bounds(&self) -> Aabb {
+        match self {
+            Self::Instance(instance) => instance.bounds(),
+            Self::Extent(extent, place) => placed(&extent.bounds(), place),
+        }
+    }
+
+    fn reach(&self, direction: DVec3, from: DVec3) -> f64 {
+        match self {
+            Self::Instance(instance) => instance.reach(direction, from),
+            Self::Extent(extent, place) if *place == DAffine3::IDENTITY => extent.reach(direction, from),
+            Self::Extent(extent, place) => {
+                // Relative to a point of the extent, so that nothing is lost far from the origin.
+                let middle = extent.bounds().center();
+                let own = extent.reach(place.matrix3.transpose() * direction, middle);
+                own + direction.dot(place.transform_point3(middle) - from)
+            }
+        }
+    }
+}
+
+/// The box of a box at a place.
+pub(super) fn placed(bounds: &Aabb, place: &DAffine3) -> Aabb {
+    if bounds.is_empty() || *place == DAffine3::IDENTITY {
+        return *bounds;
+    }
+    let mut all = Aabb::EMPTY;
+    bounds.corners().into_iter().for_each(|corner| all.add(place.transform_point3(corner)));
+    all
+}
