@@ -35,7 +35,7 @@ pub fn with_short_help(program: Command) -> Command {
         });
         // Examples are part of the long help.
         let examples = render.get_after_help().cloned().unwrap_or_default();
-        let more = "--help lists all options: series and films, light, effects, data, annotation, clipping, outputs, ranks, tuning.";
+        let more = "--help lists all options: series and films, several models and scene files, light, effects, data, annotation, clipping, outputs, ranks, tuning.";
         render.after_help(more).after_long_help(examples)
     })
 }

@@ -32,6 +32,11 @@ fn place(config: Option<Given>) -> Option<(PathBuf, bool)> {
     Some((folder.join("tercio/config.toml"), false))
 }
 
+/// Whether there is a configuration if the command line does not say so.
+pub fn is_there() -> bool {
+    place(None).is_some_and(|(path, is_named)| is_named || path.is_file())
+}
+
 impl Defaults {
     /// Reads the configuration, if there is one.
     ///

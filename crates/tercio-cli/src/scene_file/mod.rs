@@ -67,6 +67,16 @@ fn is_scene(path: &Path) -> bool {
     path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml"))
 }
 
+/// Whether options may come from elsewhere, at a glance: as a rule they do not, and the definition is made only once.
+fn may_have_other_sources(arguments: &[OsString]) -> bool {
+    const OPTIONS: [&str; 4] = ["--with", "--together", "--save-scene", "--config"];
+    let means_other = |argument: &OsString| {
+        is_scene(Path::new(argument))
+            || OPTIONS.iter().any(|option| argument.to_string_lossy().starts_with(option))
+    };
+    arguments.iter().any(means_other) || configuration::is_there()
+}
+
 /// The command that the arguments of `tercio render` mean if there are other sources of options; `None` if there are none,
 /// or if the arguments are wrong, which their usual parser reports.
 ///
@@ -74,6 +84,9 @@ fn is_scene(path: &Path) -> bool {
 /// A file that cannot be read or is wrong; settings that contradict each other.
 pub fn render(arguments: &[OsString]) -> Result<Option<Render>> {
     if arguments.get(1).is_none_or(|command| command != "render") {
+        return Ok(None);
+    }
+    if !may_have_other_sources(arguments) {
         return Ok(None);
     }
     let mut definition = Definition::new();

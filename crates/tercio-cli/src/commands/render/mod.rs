@@ -242,8 +242,7 @@ impl Render {
         let pool = self.running.pool()?;
         let done = match job.drawers {
             Drawers::Mpi(how) => {
-                self.members()
-                    .try_for_each(|member| member.model.check_reaches_all(mpi::processes()))?;
+                self.members().try_for_each(|member| member.model.check_reaches_all(mpi::processes()))?;
                 let work = |comm: &mut _| self.draw_as_rank(comm, &job, how);
                 pool.install(|| mpi::run(work))?
             }

@@ -28,7 +28,8 @@ impl Render {
             return Err(UsageError(text.into()).into());
         }
         if self.others.iter().any(|member| member.model.is_standard_input()) {
-            let text = "standard input is read once: a model that is in every picture of a series is in a file";
+            let text =
+                "standard input is read once: a model that is in every picture of a series is in a file";
             return Err(UsageError(text.into()).into());
         }
         if self.is_in_bands(&job.writing.plan, job.drawers) {
