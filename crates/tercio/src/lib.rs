@@ -37,7 +37,7 @@
 //! - [`camera_path`] reads the keyframes of a moving camera, [`CameraPath`] interpolates them.
 //! - [`stereo`] makes one picture of those of two eyes, whose cameras [`Stereo`] places.
 //! - [`strokes`] makes lines, edges and points a part of a scene.
-//! - [`image`] writes pictures (PNG, PPM, WebP), films ([`image::film`]: GIF, APNG, Y4M) and arrays (NPY), reads and compares
+//! - [`image`] writes pictures (PNG, PPM, WebP, JPEG), films ([`image::film`]: GIF, APNG, WebP, Y4M) and arrays (NPY), reads and compares
 //!   pictures.
 //!
 //! The types that most programs use are also exported here at the root.
