@@ -1,6 +1,7 @@
 //! From the options to a scene and its cameras.
 
 use anyhow::{Context as _, Result, bail};
+use tercio::glam::DVec3;
 use tercio::mesh::io::ReadReport;
 use tercio::parallel::Communicator;
 use tercio::parallel::parts::share_materials;
@@ -39,6 +40,7 @@ impl Render {
             normals: self.data.normals(self.drawing.normals(writing.plan.outputs)),
             clip: self.clip.clipping(),
             make: self.data.made(),
+            step: self.model.moment.map(|moment| moment.number),
             ..LoadOptions::default()
         };
         let check = |read: &ReadReport| -> Result<()> {
@@ -53,6 +55,7 @@ impl Render {
             }
         };
         let mut report = loaded.report;
+        report.read.warnings.extend(self.model.moment.and_then(|moment| self.series.other_time(moment)));
         let picture = self.picture_bytes(job);
         self.check_memory(picture, report.mesh.bytes)?;
         let mut scene = Scene::from_mesh(loaded.mesh);
@@ -93,10 +96,13 @@ impl Render {
         let file = self.strokes_of(&mut report, loaded.strokes);
         let annotation = self.annotation.annotation(&scene, &background);
         let whole = loaded.whole.as_ref();
-        let cameras = self.cameras(&job.motion, &camera, (&scene, &file), whole, &annotation, parts)?;
+        let names = if self.annotation.has_placeholders() { writing.names.clone() } else { Vec::new() };
+        let mut annotated = Annotated { annotation, names, shot: 0, bounds: [DVec3::ZERO; 2], up: 0 };
+        let cameras =
+            self.cameras(&job.motion, &camera, (&scene, &file), whole, &annotated.of_picture(), parts)?;
         let bounds = scene.bounds().union(Extent::of_strokes(&file).bounds());
-        let up = (0..3).find(|&axis| up[axis] > 0.5).unwrap_or(1);
-        let annotated = Annotated { annotation, bounds: [bounds.min, bounds.max], up };
+        annotated.bounds = [bounds.min, bounds.max];
+        annotated.up = (0..3).find(|&axis| up[axis] > 0.5).unwrap_or(1);
         let mut look = self.drawing.look(&scene, &background, &self.environment, &self.effects);
         look["data"] = self.data.json(&scene);
         if let Some(camera) = cameras.first().and_then(|cameras| cameras.views.first()) {
