@@ -12,6 +12,7 @@ mod models;
 mod picture;
 mod plan;
 mod series;
+mod sheet;
 mod steps;
 mod strokes;
 mod summary;
@@ -55,6 +56,8 @@ use crate::progress::Display;
 use crate::stereo::ViewReport;
 use crate::{ending, mpi};
 
+pub use sheet::{EXAMPLES, Sheet};
+
 use models::Models;
 use plan::Writing;
 
@@ -71,6 +74,7 @@ Examples:
   tercio render scan.ply -o '{view}.png' --view front,left,top,iso
   tercio render *.stl -o 'thumbs/{name}.png' --size 256x256
   tercio render step_*.ply -o steps.mp4 --fps 30
+  tercio render run.pvd -o run.webp --color-by pressure --title 't = {time:.2f} s'
   tercio render scan.ply -o scan.png --color-by quality --colormap turbo --range 2%,98% --isolines 9
   tercio render scan.ply -o scan.png --stereo anaglyph
   tercio render scan.ply -o scan.png --stereo pair --eye-distance 2.5   (scan.left.png, scan.right.png)
@@ -198,15 +202,15 @@ impl Render {
 
     fn run_once(&self) -> Result<ExitCode> {
         match self.models()? {
-            Models::One => self.run_one(),
+            Models::One(model) => self.with_model(&model).run_one(),
             Models::Batch(models) => self.run_batch(&models),
-            Models::Steps(models) => self.run_steps(&models),
+            Models::Steps(steps) => self.run_steps(&steps),
         }
     }
 
     fn run_one(&self) -> Result<ExitCode> {
         let start = Instant::now();
-        let job = self.job(None)?;
+        let job = self.job(&[])?;
         let files = self.named_files(&job, NamedFiles::default());
         files.check()?;
         let job = Job { writing: Writing { files: Arc::new(files), ..job.writing }, ..job };
