@@ -12,6 +12,7 @@ mod dist;
 mod elf;
 mod figures;
 mod fuzz;
+mod gallery;
 mod header;
 mod libtest;
 mod models;
@@ -56,6 +57,8 @@ enum Command {
     Header,
     /// Draw the pictures of the README into docs/images/
     Figures,
+    /// Draw the pictures of docs/gallery.md, and write that page from docs/gallery.toml
+    Gallery(gallery::Arguments),
 }
 
 fn main() -> ExitCode {
@@ -72,6 +75,7 @@ fn main() -> ExitCode {
         Command::Capi(arguments) => capi::run(&arguments),
         Command::Header => header::run(),
         Command::Figures => figures::run(),
+        Command::Gallery(arguments) => gallery::run(&arguments),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

@@ -49,6 +49,7 @@ struct Cli {
 #[derive(Debug, Subcommand)]
 enum Command {
     Render(Box<commands::render::Render>),
+    Sheet(Box<commands::render::Sheet>),
     Prepare(commands::prepare::Prepare),
     Info(commands::info::Info),
     Compare(commands::compare::Compare),
@@ -64,9 +65,12 @@ impl Command {
         match self {
             Self::Render(_) | Self::Bench(_) => true,
             Self::Lab(lab) => lab.runs_as_job(),
-            Self::Prepare(_) | Self::Info(_) | Self::Compare(_) | Self::Completions(_) | Self::Man(_) => {
-                false
-            }
+            Self::Sheet(_)
+            | Self::Prepare(_)
+            | Self::Info(_)
+            | Self::Compare(_)
+            | Self::Completions(_)
+            | Self::Man(_) => false,
         }
     }
 }
@@ -110,6 +114,7 @@ fn run(cli: Cli) -> ExitCode {
     }
     let (result, failure) = match cli.command {
         Command::Render(command) => (command.run(), 1),
+        Command::Sheet(command) => (command.run(), 1),
         Command::Prepare(command) => (command.run(), 1),
         Command::Info(command) => (command.run(), 1),
         Command::Bench(command) => (command.run(), 1),

@@ -5,6 +5,8 @@ use std::path::Path;
 
 use clap::Command;
 
+use crate::commands::render::EXAMPLES;
+
 /// The options of `render` that its short help lists; --help lists all.
 const RENDER: [&str; 17] = [
     "model",
@@ -28,6 +30,27 @@ const RENDER: [&str; 17] = [
 
 /// The definition with a short help that fits a screen.
 pub fn with_short_help(program: Command) -> Command {
+    let program = program.mut_subcommand("sheet", |sheet| {
+        let sheet = sheet.mut_args(|argument| {
+            let id = argument.get_id().as_str();
+            let is_listed = RENDER.contains(&id) || ["columns", "caption"].contains(&id);
+            let argument = argument.hide_short_help(!is_listed);
+            // Small pictures, on paper.
+            match argument.get_id().as_str() {
+                "size" => argument.default_value("256x256"),
+                "background" => argument.default_value("#ffffff"),
+                "more" => argument.help("More models"),
+                "output" => {
+                    let help = "The sheet (.png, .jpg, .webp, .ppm), or `-` for standard output";
+                    argument.help(help).long_help(help)
+                }
+                _ => argument,
+            }
+        });
+        let about = "Draws many models, or many views of one, into one picture: a contact sheet";
+        let more = "--help lists all options, which are those of render, and has examples.";
+        sheet.about(about).long_about(about).after_help(more).after_long_help(EXAMPLES)
+    });
     program.mut_subcommand("render", |render| {
         let render = render.mut_args(|argument| {
             let is_listed = RENDER.contains(&argument.get_id().as_str());

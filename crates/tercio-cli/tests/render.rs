@@ -22,6 +22,15 @@ fn every_format_is_written_and_holds_the_same_picture() {
     assert_eq!((pictures[0].width, pictures[0].height), (64, 48));
     pictures.iter().for_each(|p| assert_eq!(p, &pictures[0]));
 
+    place.run(&format!("render model.off -o a.jpg {SMALL}")).ok_silently();
+    place.run(&format!("render model.off -o rough.jpeg --quality 20 {SMALL}")).ok_silently();
+    place.run(&format!("render model.off -o named --format jpg --quality 90 {SMALL}")).ok_silently();
+    assert!(place.read("named") == place.read("a.jpg"), "90 is the default");
+    assert!(place.read("rough.jpeg").len() < place.read("a.jpg").len());
+    let jpeg = Picture::from_bytes(&place.read("a.jpg")).unwrap();
+    let similarity = tercio::image::similarity(&jpeg, &pictures[0]).unwrap();
+    assert!(similarity.psnr > 36.0, "{similarity:?}");
+
     place.run(&format!("render model.off -o deep.png --depth 16 {SMALL}")).ok_silently();
     assert!(matches!(Picture::from_bytes(&place.read("deep.png")).unwrap().pixels, Pixels::Sixteen(_)));
     place.run(&format!("render model.off -o clear.png --background transparent {SMALL}")).ok_silently();

@@ -61,7 +61,7 @@ fn every_picture_of_a_series_has_the_bytes_that_its_camera_gives_alone() {
 fn films_hold_the_frames() {
     let place = Place::new();
     let frames: Vec<Vec<[u8; 4]>> = turntable(&place, "").iter().map(|f| pixels(f)).collect();
-    for name in ["a.gif", "a.apng", "a.y4m"] {
+    for name in ["a.gif", "a.apng", "a.webp", "a.y4m"] {
         place.run(&format!("render model.off -o {name} --turntable 6 --fps 10 {SMALL}")).ok_silently();
     }
     let bytes = place.read("a.apng");
@@ -70,6 +70,9 @@ fn films_hold_the_frames() {
     let mut options = gif::DecodeOptions::new();
     options.set_color_output(gif::ColorOutput::RGBA);
     let mut gif = options.read_info(&bytes[..]).unwrap();
+    let bytes = place.read("a.webp");
+    let mut webp = image_webp::WebPDecoder::new(Cursor::new(&bytes)).unwrap();
+    assert_eq!(webp.num_frames(), 6);
     let y4m = place.read("a.y4m");
     let header = y4m.iter().position(|&b| b == b'\n').unwrap() + 1;
     assert!(y4m.starts_with(b"YUV4MPEG2 W64 H48 F10:1 "));
@@ -80,6 +83,8 @@ fn films_hold_the_frames() {
         apng.next_frame(&mut shown).unwrap();
         let expected: Vec<u8> = frame.iter().flat_map(|p| [p[0], p[1], p[2]]).collect();
         assert!(shown == expected, "picture {n} of the APNG");
+        assert_eq!(webp.read_frame(&mut shown).unwrap(), 100);
+        assert!(shown == expected, "picture {n} of the WebP");
         let shown = gif.read_next_frame().unwrap().unwrap();
         assert_eq!(shown.delay, 10);
         let squares: f64 = frame

@@ -27,7 +27,7 @@ fn wrong_usage_is_reported_before_any_work() {
     let place = Place::new();
     let cases = [
         ("", "--output"),
-        ("-o a.jpg", "extension must be .png, .ppm or .webp"),
+        ("-o a.bmp", "extension must be .png, .ppm, .webp or .jpg"),
         ("-o a", "extension"),
         ("-o a.png --size 0x5", "--size"),
         ("-o a.png --size 65537x5", "--size"),
@@ -59,6 +59,11 @@ fn wrong_usage_is_reported_before_any_work() {
         ("-o a.webp --size 16385x1", "WebP"),
         ("-o a.ppm --background transparent", "transparency"),
         ("-o a.ppm --background #fff,#ffffff00", "transparency"),
+        ("-o a.jpg --background transparent", "JPEG has no transparency"),
+        ("-o a.jpg --depth 16", "JPEG has no --depth 16"),
+        ("-o a.jpg --quality 0", "--quality"),
+        ("-o a.png --quality 50", "--quality is for JPEG"),
+        ("-o a.webp --turntable 4 --size 20000x10", "16384"),
         ("-o - --stats -", "standard output"),
         ("-o a.png --stats a.png", "a.png"),
         ("--output-depth a.npy --output-ids a.npy", "a.npy"),
@@ -90,7 +95,7 @@ fn commands_without_their_arguments_are_refused() {
             .run(&format!("compare a.png b.png --threshold {threshold}"))
             .failed(2, &["--threshold", "0 to 255"]);
     }
-    place.run("compare a.png b.png --diff d.jpg").failed(2, &["d.jpg"]);
+    place.run("compare a.png b.png --diff d.bmp").failed(2, &["d.bmp"]);
 }
 
 #[cfg(not(feature = "mpi"))]

@@ -292,6 +292,18 @@ fn collections_are_one_model_and_name_what_is_missing() {
     let first = open("t.pvd").unwrap();
     assert_eq!(first.mesh.triangles.len(), 6);
     assert_eq!(first.report.warnings, ["holds 2 times, of which the first is read, 1"]);
+    // One that no output may replace, though it is of another time.
+    assert!(first.report.companions.iter().any(|c| c.ends_with("m.vtm")), "{:?}", first.report.companions);
+    let at = |step| read(folder.path().join("t.pvd"), &ReadOptions { step: Some(step), ..options });
+    let (first, second) = (at(0).unwrap(), at(1).unwrap());
+    assert_eq!((first.mesh.triangles.len(), second.mesh.triangles.len()), (6, 12));
+    assert!(first.report.warnings.is_empty(), "{:?}", first.report.warnings);
+    assert!(at(2).unwrap_err().to_string().contains("a time of number 2, found 2 times"));
+    let times = |name: &str| {
+        let input = tercio_mesh::io::input::open(folder.path().join(name), &options).unwrap();
+        tercio_mesh::io::vtk::times(&input, &options).unwrap()
+    };
+    assert_eq!((times("t.pvd"), times("m.vtm"), times("a.vtk")), (vec![1.0, 2.0], vec![], vec![]));
     let message = |name| open(name).expect_err(name).to_string();
     assert!(message("self.pvd").contains("a collection inside itself"), "{}", message("self.pvd"));
     assert!(

@@ -1,7 +1,7 @@
 //! Shared by the tests; never part of a release.
 //!
 //! [`data`] finds the models beside the checkout, [`picture`] reads, writes and compares pictures, and [`golden`]
-//! compares a test's picture with the accepted one. [`ray_caster`] computes what a picture should show, without any
+//! compares a test's picture with the accepted one, and [`gallery`] those of the documentation. [`ray_caster`] computes what a picture should show, without any
 //! code of the renderer. Pictures are plain RGBA8 slices, so that every crate, including the renderer, can use this one
 //! in its tests.
 //!
@@ -20,6 +20,7 @@
 #![forbid(unsafe_code)]
 
 pub mod data;
+pub mod gallery;
 pub mod golden;
 pub mod picture;
 pub mod ray_caster;

@@ -38,7 +38,7 @@
 //! - [`scene_file`] reads and writes files of settings for several models, and configuration files.
 //! - [`stereo`] makes one picture of those of two eyes, whose cameras [`Stereo`] places.
 //! - [`strokes`] makes lines, edges and points a part of a scene.
-//! - [`image`] writes pictures (PNG, PPM, WebP), films ([`image::film`]: GIF, APNG, Y4M) and arrays (NPY), reads and compares
+//! - [`image`] writes pictures (PNG, PPM, WebP, JPEG), films ([`image::film`]: GIF, APNG, WebP, Y4M) and arrays (NPY), reads and compares
 //!   pictures.
 //!
 //! The types that most programs use are also exported here at the root.

@@ -62,6 +62,8 @@ pub struct LoadOptions<'a> {
     pub clip: Option<Clipping<'a>>,
     /// An attribute that is made of the mesh before it is clipped. A prepared model, and parts, have none.
     pub make: Option<Made>,
+    /// Which of the times of a collection is loaded, counted from 0; the first one, with a warning, if it is `None`.
+    pub step: Option<usize>,
 }
 
 /// Wall time of each stage in milliseconds; 0 for one that was not needed.
@@ -533,6 +535,7 @@ fn read_input(input: &Input, options: &LoadOptions) -> Result<Read, LoadError> {
     let options = ReadOptions {
         memory_limit: options.memory_limit,
         progress: options.progress,
+        step: options.step,
         ..ReadOptions::default()
     };
     begin_stage(options.progress, "reading", 0);

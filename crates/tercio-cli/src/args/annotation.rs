@@ -9,6 +9,7 @@ use tercio::scene::color_map::DataColors;
 use tercio::scene::{Background, Instance, SurfaceData, srgb_to_linear};
 
 use super::values;
+use crate::series::pattern::{self, Names};
 
 /// The orientation of a scalar bar.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -49,10 +50,11 @@ pub struct AnnotationArgs {
     /// Orientation of the scalar bar [default: horizontal at the top and at the bottom, else vertical].
     #[arg(long, value_name = "NAME", value_enum, requires = "color_by", conflicts_with = "no_bar")]
     bar_orientation: Option<Orientation>,
-    /// A title above the picture's middle; \n begins a line.
+    /// A title above the picture's middle; \n begins a line, and {name}, {frame}, {view}, {step} and {time} (or {time:.2f}) stand for
+    /// what they do in the names of outputs.
     #[arg(long, value_name = "TEXT", value_parser = text, allow_hyphen_values = true)]
     title: Option<String>,
-    /// A text in the picture, several times; PLACE as with --bar [default: top-left]; \n begins a line.
+    /// A text in the picture, several times; PLACE as with --bar [default: top-left]; \n and placeholders as in --title.
     #[arg(long, value_name = "[PLACE:]TEXT", value_parser = caption, allow_hyphen_values = true)]
     text: Vec<Caption>,
     /// The directions of the model's axes, in a corner of the picture [default: bottom-left].
@@ -88,7 +90,11 @@ fn place(name: &str) -> Result<Place, String> {
 /// Most characters of a text.
 const MOST: usize = 4096;
 
-fn text(text: &str) -> Result<String, String> {
+/// A text that the font has.
+///
+/// # Errors
+/// One sentence: the character that it does not have.
+pub fn text(text: &str) -> Result<String, String> {
     if text.chars().count() > MOST {
         return Err(format!("expected at most {MOST} characters"));
     }
@@ -116,6 +122,17 @@ fn linear([r, g, b, alpha]: [f32; 4]) -> [f32; 4] {
     [r, g, b, alpha]
 }
 
+/// The mean light of a background.
+fn mean_of(background: &Background) -> [f32; 4] {
+    match *background {
+        Background::Solid(color) => linear(color),
+        Background::Gradient { top, bottom } => {
+            let (top, bottom) = (linear(top), linear(bottom));
+            std::array::from_fn(|k| (top[k] + bottom[k]) * 0.5)
+        }
+    }
+}
+
 impl AnnotationArgs {
     /// Whether anything is asked for, besides the scalar bar that data have by default.
     pub fn is_given(&self) -> bool {
@@ -129,6 +146,40 @@ impl AnnotationArgs {
     /// Whether something is drawn behind the model: its picture is drawn on a transparent background then.
     pub fn is_behind(&self) -> bool {
         self.bounds || self.grid
+    }
+
+    /// The title, which is that of a whole sheet, and not of its parts.
+    pub fn take_title(&mut self) -> Option<String> {
+        self.title.take()
+    }
+
+    /// The factor of all text.
+    pub fn text_scale(&self) -> f64 {
+        self.text_scale
+    }
+
+    /// Linear light of text on a background, and of that.
+    pub fn text_and_ground(&self, background: &Background) -> [[f32; 4]; 2] {
+        let ground = mean_of(background);
+        let color = self.text_color.map(|color| linear(color.map(|v| f32::from(v) / 255.0)));
+        [color.unwrap_or_else(|| readable_on(ground)), ground]
+    }
+
+    /// Whether texts differ from picture to picture.
+    pub fn has_placeholders(&self) -> bool {
+        self.title
+            .iter()
+            .chain(self.text.iter().map(|caption| &caption.text))
+            .any(|text| pattern::has_any(text))
+    }
+
+    /// Checks that what placeholders of the texts stand for is known.
+    ///
+    /// # Errors
+    /// One sentence.
+    pub fn check_texts(&self, names: &Names) -> Result<(), String> {
+        let texts = self.title.iter().chain(self.text.iter().map(|caption| &caption.text));
+        texts.map(|text| pattern::expand_text(text, names, true)).try_for_each(|text| text.map(drop))
     }
 
     /// The planes that are needed.
@@ -146,14 +197,7 @@ impl AnnotationArgs {
 
     /// What is drawn onto the picture of models with these scalar bars, on this background.
     pub fn annotation(&self, bars: Vec<ScalarBar>, background: &Background) -> Annotation {
-        let behind = match *background {
-            Background::Solid(color) => linear(color),
-            Background::Gradient { top, bottom } => {
-                let (top, bottom) = (linear(top), linear(bottom));
-                std::array::from_fn(|k| (top[k] + bottom[k]) * 0.5)
-            }
-        };
-        let color = self.text_color.map(|color| linear(color.map(|v| f32::from(v) / 255.0)));
+        let [color, _] = self.text_and_ground(background);
         let title = self.title.as_deref().map(Caption::title);
         Annotation {
             captions: title.into_iter().chain(self.text.iter().cloned()).collect(),
@@ -163,7 +207,7 @@ impl AnnotationArgs {
             bounds: self.bounds,
             grid: self.grid,
             text_scale: self.text_scale,
-            color: color.unwrap_or_else(|| readable_on(behind)),
+            color,
         }
     }
 
@@ -186,6 +230,23 @@ impl AnnotationArgs {
             shows_nan: colors.nan != DataColors::NAN,
         }
     }
+}
+
+/// The annotation of one picture: with what the placeholders of its texts stand for there.
+pub fn of_picture(annotation: &Annotation, names: &Names) -> Annotation {
+    let mut annotation = annotation.clone();
+    for caption in &mut annotation.captions {
+        // Checked before.
+        if let Ok(text) = pattern::expand_text(&caption.text, names, true) {
+            caption.text = shown(&text);
+        }
+    }
+    annotation
+}
+
+/// A text with what the font has of it: names of files may have any characters.
+pub fn shown(text: &str) -> String {
+    text.chars().map(|c| if font::covers(c.encode_utf8(&mut [0; 4])).is_ok() { c } else { '?' }).collect()
 }
 
 /// What was drawn, for reports.

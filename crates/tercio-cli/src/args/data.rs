@@ -3,11 +3,11 @@
 use std::path::Path;
 
 use anyhow::{Context, Result, bail};
-use clap::Args;
+use clap::{Args, ValueEnum};
 use serde_json::{Value, json};
 use tercio::Normals;
 use tercio::data::{
-    DataOptions, Ends, IsolineOptions, Made, RangeEnd, ScaleOption, Statistics, needs_normals,
+    DataError, DataOptions, Ends, IsolineOptions, Made, RangeEnd, ScaleOption, Statistics, needs_normals,
 };
 use tercio::glam::DVec3;
 use tercio::parallel::Communicator;
@@ -74,6 +74,48 @@ pub struct DataArgs {
     #[arg(value_parser = labels, requires = "color_by")]
     #[arg(conflicts_with_all = ["range", "log", "symlog", "bands", "isolines", "below_color", "above_color", "opacity_map"])]
     categories: Option<Labels>,
+    /// Whose values the range of a series of models covers, where it follows from the data: all of them are read before the first
+    /// one is drawn, so that a colour means the same in all pictures; or only the first one; or each has its own.
+    #[arg(long, value_name = "STEPS", value_enum, default_value_t = RangeOver::All, requires = "color_by")]
+    range_over: RangeOver,
+    /// Of the series that the model belongs to.
+    #[arg(skip)]
+    of_series: Option<Statistics>,
+}
+
+/// `--range-over`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum RangeOver {
+    /// All models.
+    All,
+    /// The first one.
+    First,
+    /// Each for itself.
+    Each,
+}
+
+/// What the colours of a series of models have in common.
+#[derive(Clone, Debug, Default)]
+pub struct Survey {
+    statistics: Statistics,
+    range: Option<[f64; 2]>,
+    categories: Vec<(f32, String)>,
+}
+
+impl Survey {
+    /// That of two sets of models together.
+    #[must_use]
+    pub fn and(mut self, other: Self) -> Self {
+        self.statistics = self.statistics.and(other.statistics);
+        self.range = match (self.range, other.range) {
+            (Some(a), Some(b)) => Some([a[0].min(b[0]), a[1].max(b[1])]),
+            (a, b) => a.or(b),
+        };
+        self.categories.extend(other.categories);
+        self.categories.sort_by(|a, b| a.0.total_cmp(&b.0));
+        self.categories.dedup_by(|a, b| a.0 == b.0);
+        self
+    }
 }
 
 /// `--symlog`.
@@ -231,17 +273,9 @@ impl DataArgs {
             || self.categories.is_some()
     }
 
-    /// Colours an instance by its data; together with the ranks that have the other parts of it, if there are `parts`.
-    ///
-    /// # Errors
-    /// Data that are not there, with a list of those that are.
-    pub fn apply(
-        &self,
-        instance: &mut Instance,
-        up: DVec3,
-        parts: Option<&mut impl Communicator>,
-    ) -> Result<()> {
-        let Some(by) = &self.color_by else { return Ok(()) };
+    /// How surfaces are coloured, where up is there.
+    fn options(&self, up: DVec3) -> Result<Option<DataOptions>> {
+        let Some(by) = &self.color_by else { return Ok(None) };
         let scale = match self.symlog {
             _ if self.log => ScaleOption::Log,
             Some(Threshold(threshold)) => ScaleOption::SymmetricLog(threshold),
@@ -252,7 +286,7 @@ impl DataArgs {
             color: self.isoline_color.unwrap_or([0, 0, 0, 255]),
             width: self.isoline_width.unwrap_or(1.5) as f32,
         });
-        let options = DataOptions {
+        Ok(Some(DataOptions {
             map: self.map()?,
             range: self.range.unwrap_or_default(),
             scale,
@@ -265,7 +299,71 @@ impl DataArgs {
             categories: self.categories.as_ref().map(|labels| labels.0.clone()),
             up,
             ..DataOptions::new(by)
+        }))
+    }
+
+    /// Whose values the colours of a series depend on; `None` if on those of no model.
+    pub fn range_over(&self) -> Option<RangeOver> {
+        let is_given = |range: &Ends| matches!((range.low, range.high), (RangeEnd::At(_), RangeEnd::At(_)));
+        let follows = self.is_given() && !self.range.as_ref().is_some_and(is_given);
+        follows.then_some(self.range_over)
+    }
+
+    /// What the colours of an instance depend on.
+    ///
+    /// # Errors
+    /// Data that are not there. Those without a finite value are none: other models of the series may have some.
+    pub fn survey(&self, instance: &Instance, up: DVec3) -> Result<Survey> {
+        let Some(options) = self.options(up)? else { return Ok(Survey::default()) };
+        let mut survey = Survey::default();
+        let of_all = |own: Statistics| {
+            survey.statistics = own;
+            Ok(own)
         };
+        let data = options.data_with::<DataError>(instance, of_all);
+        match data.as_deref() {
+            Ok(SurfaceData::Mapped { colors, .. }) => {
+                survey.range = Some(colors.range);
+                let categories = colors.categories.iter();
+                survey.categories = categories.map(|c| (c.value, c.label.clone())).collect();
+            }
+            Ok(_)
+            | Err(DataError::NoNumbers(_) | DataError::NotPositive { .. } | DataError::Range { .. }) => {}
+            Err(error) => return Err(error.clone().into()),
+        }
+        Ok(survey)
+    }
+
+    /// These options for a model of a series of which that is known.
+    #[must_use]
+    pub fn of_series(&self, survey: &Survey) -> Self {
+        let mut own = self.clone();
+        own.of_series = Some(survey.statistics);
+        if own.categories.is_some() {
+            own.categories = Some(Labels(survey.categories.clone()));
+        }
+        if let (Some(ends), Some(range)) = (&mut own.range, survey.range) {
+            // Those of all models lie between the least and the greatest of each.
+            let at = |end: RangeEnd, value: f64| match end {
+                RangeEnd::Percentile(_) => RangeEnd::At(value),
+                end => end,
+            };
+            *ends = Ends { low: at(ends.low, range[0]), high: at(ends.high, range[1]) };
+        }
+        own
+    }
+
+    /// Colours an instance by its data; together with the ranks that have the other parts of it, if there are `parts`.
+    ///
+    /// # Errors
+    /// Data that are not there, with a list of those that are.
+    pub fn apply(
+        &self,
+        instance: &mut Instance,
+        up: DVec3,
+        parts: Option<&mut impl Communicator>,
+    ) -> Result<()> {
+        let Some(options) = self.options(up)? else { return Ok(()) };
         let is_of_part = matches!(options.range.low, RangeEnd::Percentile(_))
             || matches!(options.range.high, RangeEnd::Percentile(_))
             || options.categories.is_some();
@@ -275,10 +373,11 @@ impl DataArgs {
         }
         let of_all = |own: Statistics| match parts {
             Some(comm) => of_all_parts(comm, own),
-            None => Ok(own),
+            None => Ok(self.of_series.unwrap_or(own)),
         };
         let data = options.data_with::<anyhow::Error>(instance, of_all)?;
         if matches!(*data, SurfaceData::Direct { .. }) && self.changes_map() {
+            let by = &options.by;
             bail!("\"{by}\" are colours: --colormap, --range and what belongs to them have no effect");
         }
         instance.data = Some(data);

@@ -48,6 +48,18 @@ pub struct ModelArgs {
     /// A file (PLY, OBJ, STL, OFF, VTK or PCD, each also gzip-compressed; or a model from `tercio prepare`), `-` for
     /// standard input, or builtin:NAME@COUNT, such as builtin:teapot@1M (teapot, gyroid, terrain, sphere, soup).
     pub model: PathBuf,
+    /// Which of the times of a collection is meant.
+    #[arg(skip)]
+    pub moment: Option<Moment>,
+}
+
+/// One of the times of a collection.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Moment {
+    /// Its number, counted from 0.
+    pub number: usize,
+    /// The time.
+    pub time: f64,
 }
 
 impl ModelArgs {

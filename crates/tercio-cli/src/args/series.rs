@@ -13,6 +13,7 @@ use tercio::image::film::{FilmFormat, FrameRate};
 use tercio::scene::Keyframe;
 
 use super::camera::{CameraArgs, NamedView};
+use super::{Moment, values};
 use crate::named_files::NamedFiles;
 use crate::output::UsageError;
 
@@ -44,9 +45,16 @@ pub struct SeriesArgs {
     /// Pictures a second of films and camera paths, such as 25, 12.5 or 30000/1001.
     #[arg(long, value_name = "RATE", default_value = "25")]
     fps: FrameRate,
-    /// How often a GIF or APNG is shown; 0 for ever [default: 0].
+    /// How often a GIF, WebP or APNG is shown; 0 for ever [default: 0].
     #[arg(long = "loop", value_name = "TIMES")]
     plays: Option<u16>,
+    /// Which of the times of a collection (.pvd) is drawn, by its number, counted from 0; without this, a film or numbered pictures
+    /// show all of them.
+    #[arg(long, value_name = "N", conflicts_with = "time")]
+    step: Option<usize>,
+    /// Which of the times of a collection (.pvd) is drawn: the one nearest to T.
+    #[arg(long, value_name = "T", allow_hyphen_values = true, value_parser = values::number)]
+    time: Option<f64>,
     /// Draws only the pictures of a series whose files are not there or not whole, after an interrupted run of the same command.
     #[arg(long)]
     pub resume: bool,
@@ -189,6 +197,55 @@ impl SeriesArgs {
         Ok(Motion::Path(keys, count))
     }
 
+    /// Whether the camera moves round one model.
+    pub fn moves_camera(&self) -> bool {
+        self.turntable.is_some() || self.camera_path.is_some()
+    }
+
+    /// Whether one of the times of a collection is chosen.
+    pub fn chooses_time(&self) -> bool {
+        self.step.is_some() || self.time.is_some()
+    }
+
+    /// The chosen one of these times of a model.
+    ///
+    /// # Errors
+    /// One sentence: there are no times, or not so many.
+    pub fn chosen(&self, model: &Path, times: &[f64]) -> Result<Option<Moment>, String> {
+        if !self.chooses_time() {
+            return Ok(None);
+        }
+        let name = model.display();
+        let [first, .., last] = times else {
+            return match times {
+                [time] => Ok(Some(Moment { number: 0, time: *time })),
+                _ => Err(format!(
+                    "{name}: --step and --time choose one of the times of a collection (.pvd), and it has none"
+                )),
+            };
+        };
+        let number = match (self.step, self.time) {
+            (Some(step), _) if step >= times.len() => {
+                let most = times.len() - 1;
+                return Err(format!(
+                    "{name}: --step {step}: its steps are 0 to {most} (times {first} to {last})"
+                ));
+            }
+            (Some(step), _) => step,
+            (None, time) => {
+                let distance = |number: &usize| (times[*number] - time.unwrap_or(0.0)).abs();
+                (0..times.len()).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(0)
+            }
+        };
+        Ok(Some(Moment { number, time: times[number] }))
+    }
+
+    /// What is to be told if the chosen time is not exactly the one that is asked for.
+    pub fn other_time(&self, moment: Moment) -> Option<String> {
+        let asked = self.time.filter(|asked| (asked - moment.time).abs() > 1e-9 * asked.abs().max(1e-300))?;
+        Some(format!("has no time {asked}; the nearest is {}, step {}", moment.time, moment.number))
+    }
+
     /// Adds the files that these options name.
     pub fn named_files(&self, files: NamedFiles) -> NamedFiles {
         match &self.camera_path {
@@ -222,9 +279,10 @@ impl SeriesArgs {
                 "--resume continues a series: give --turntable, --camera-path or several views".into()
             );
         }
-        let may_loop = matches!(film, Some(OutputFormat::Film(FilmFormat::Gif | FilmFormat::Apng)));
+        let may_loop =
+            matches!(film, Some(OutputFormat::Film(FilmFormat::Gif | FilmFormat::Apng | FilmFormat::WebP)));
         if self.plays.is_some() && !may_loop {
-            return Err("--loop is for GIF and APNG".into());
+            return Err("--loop is for GIF, WebP and APNG".into());
         }
         Ok(())
     }

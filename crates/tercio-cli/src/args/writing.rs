@@ -4,7 +4,8 @@ use std::io::{self, IsTerminal};
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use tercio::image::{Destination, PictureFormat, WEBP_MAX_SIZE};
+use tercio::image::film::FilmFormat;
+use tercio::image::{Destination, JPEG_MAX_SIZE, PictureFormat, WEBP_MAX_SIZE};
 use tercio::raster::Outputs;
 
 use super::drawing::DrawingArgs;
@@ -29,18 +30,21 @@ pub enum Depth {
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Writing")]
 pub struct WritingArgs {
-    /// The picture (.png, .ppm, .webp), `-` for standard output, or a film (.gif, .apng, .y4m, .mp4).
+    /// The picture (.png, .jpg, .webp, .ppm), `-` for standard output, or a film (.gif, .webp, .apng, .mp4, .y4m).
     ///
-    /// WebP is lossless. For series {frame} or {:04} in the name stands for the number of a picture, {view} for its view, {step}
-    /// for the number of its model, and {name} for the name of its model. Films are .gif, .apng, .y4m, and .mp4, .webm, .mkv and
+    /// WebP is lossless, and a film for several pictures with one name. For series {frame} or {:04} in the name stands for the number of a picture, {view} for its view, {step}
+    /// for the number of its model, and {name} for the name of its model. Films are .gif, .webp, .apng, .y4m, and .mp4, .webm, .mkv and
     /// .mov, which need ffmpeg.
     #[arg(short, long, value_name = "FILE")]
     #[arg(required_unless_present_any = ["output_depth", "output_ids", "output_normals"])]
     output: Option<PathBuf>,
-    /// Format of the picture (png, ppm or webp) or film (gif, apng, y4m, rgb, mp4 ...) [default: by the extension; png for
-    /// `-`].
+    /// Format of the picture (png, ppm, webp or jpeg) or film (gif, webp, apng, y4m, rgb, mp4 ...) [default: by the extension;
+    /// png for `-`].
     #[arg(long, value_name = "FORMAT", requires = "output")]
     format: Option<OutputFormat>,
+    /// Quality of JPEG pictures, 1 to 100. Chroma is never subsampled [default: 90].
+    #[arg(long, value_name = "1..100", value_parser = clap::value_parser!(u8).range(1..=100))]
+    quality: Option<u8>,
     /// Bits of a colour component; 16 in PNG and PPM only.
     #[arg(long, value_name = "BITS", value_enum, default_value_t = Depth::Eight)]
     depth: Depth,
@@ -65,15 +69,23 @@ pub struct WritingArgs {
 }
 
 impl WritingArgs {
-    /// The outputs and their destinations.
+    /// The outputs and their destinations; `in_one` if the name is that of several pictures.
     ///
     /// # Errors
     /// One sentence, if the options contradict each other.
-    pub fn plan(&self, drawing: &DrawingArgs, stereo: &StereoArgs) -> Result<Plan, String> {
+    pub fn plan(&self, drawing: &DrawingArgs, stereo: &StereoArgs, in_one: bool) -> Result<Plan, String> {
         let size = stereo.picture_size(drawing.size)?;
         let (mut picture, mut film) = (None, None);
         if let Some(path) = &self.output {
-            match self.output_format(path, &Destination::from_path(path), size, drawing.is_transparent())? {
+            let format =
+                self.output_format(path, &Destination::from_path(path), size, drawing.is_transparent())?;
+            match format {
+                // Several pictures in one file.
+                OutputFormat::Picture(PictureFormat::WebP)
+                    if in_one && stereo.layout() != Some(StereoName::Pair) =>
+                {
+                    film = Some((Destination::from_path(path), OutputFormat::Film(FilmFormat::WebP)));
+                }
                 OutputFormat::Picture(format) => {
                     picture = Some((stereo.destinations("--output", path)?, format));
                 }
@@ -131,6 +143,13 @@ impl WritingArgs {
         })
     }
 
+    /// Those of a picture that is part of a sheet, one of several of its model if there are `several`: it is not written.
+    pub fn of_cell(&self, several: bool) -> Self {
+        let output = Some(if several { "{frame}.png" } else { "cell.png" }.into());
+        let (format, quality, stats) = (None, None, None);
+        Self { output, format, quality, stats, ..self.clone() }
+    }
+
     /// Whether an output's name has this placeholder.
     pub fn has_placeholder(&self, name: &str) -> bool {
         let outputs = [&self.output, &self.output_depth, &self.output_ids, &self.output_normals];
@@ -139,8 +158,19 @@ impl WritingArgs {
 
     /// Whether the output is a film.
     pub fn is_film(&self) -> bool {
-        let by_name = || self.output.as_deref().and_then(OutputFormat::from_path);
-        self.format.or_else(by_name).is_some_and(OutputFormat::is_film)
+        let format = self.given_format();
+        let is_webp = format == Some(OutputFormat::Picture(PictureFormat::WebP));
+        format.is_some_and(OutputFormat::is_film) || (is_webp && !self.is_numbered())
+    }
+
+    /// Whether the pictures of a series have names of their own.
+    pub fn is_numbered(&self) -> bool {
+        let has = |path: &PathBuf| ["", "view", "step"].iter().any(|name| pattern::has(path, name));
+        self.output.as_ref().is_some_and(has)
+    }
+
+    fn given_format(&self) -> Option<OutputFormat> {
+        self.format.or_else(|| self.output.as_deref().and_then(OutputFormat::from_path))
     }
 
     fn output_format(
@@ -158,8 +188,12 @@ impl WritingArgs {
             Destination::File(path) => OutputFormat::from_path(path),
         };
         let format = self.format.or_else(by_name).ok_or_else(|| {
-            format!("{}: the extension must be .png, .ppm or .webp (or give --format)", path.display())
+            format!("{}: the extension must be .png, .ppm, .webp or .jpg (or give --format)", path.display())
         })?;
+        let is_jpeg = matches!(format, OutputFormat::Picture(PictureFormat::Jpeg { .. }));
+        if self.quality.is_some() && !is_jpeg {
+            return Err("--quality is for JPEG; other pictures are exact".into());
+        }
         let OutputFormat::Picture(of_picture) = format else {
             return match self.depth {
                 Depth::Sixteen => Err("films have no --depth 16".into()),
@@ -171,8 +205,19 @@ impl WritingArgs {
             PictureFormat::WebP if width.max(height) > WEBP_MAX_SIZE => {
                 Err(format!("a WebP picture has at most {WEBP_MAX_SIZE} pixels a side"))
             }
-            PictureFormat::Ppm if is_transparent => {
-                Err("PPM has no transparency; choose another --background or format".into())
+            PictureFormat::Ppm | PictureFormat::Jpeg { .. } if is_transparent => {
+                let name = of_picture.name().to_uppercase();
+                Err(format!("{name} has no transparency; choose another --background or format"))
+            }
+            PictureFormat::Jpeg { .. } if self.depth == Depth::Sixteen => {
+                Err("JPEG has no --depth 16".into())
+            }
+            PictureFormat::Jpeg { .. } if width.max(height) > JPEG_MAX_SIZE => {
+                Err(format!("a JPEG picture has at most {JPEG_MAX_SIZE} pixels a side"))
+            }
+            PictureFormat::Jpeg { .. } => {
+                let quality = self.quality.unwrap_or(PictureFormat::JPEG_QUALITY);
+                Ok(OutputFormat::Picture(PictureFormat::Jpeg { quality }))
             }
             _ => Ok(format),
         }

@@ -29,7 +29,7 @@ Examples:
 Exit code: 0 if no component differs by more than the threshold, 1 if one does, 2 on errors (also for
 pictures of different sizes).")]
 pub struct Compare {
-    /// A picture: PNG, PPM or WebP; `-` for standard input.
+    /// A picture: PNG, PPM, WebP or JPEG; `-` for standard input.
     a: PathBuf,
     /// Another one of the same size.
     b: PathBuf,
@@ -68,7 +68,7 @@ impl Compare {
         let mut diff = None;
         if let Some(path) = &self.diff {
             let format = PictureFormat::from_path(path).ok_or_else(|| {
-                UsageError(format!("{}: the extension must be .png, .ppm or .webp", path.display()))
+                UsageError(format!("{}: the extension must be .png, .ppm, .webp or .jpg", path.display()))
             })?;
             let destination = Destination::File(path.clone());
             files = files.writes("--diff", &destination);

@@ -57,7 +57,7 @@ impl FilmPlan {
             Ok(status) if status.success() => Ok(()),
             Ok(status) => bail!("{container} is written by ffmpeg, and 'ffmpeg -version' failed ({status})"),
             Err(error) => bail!(
-                "{container} is written by ffmpeg, which cannot be started ({error}): install it, or write .gif, .apng or .y4m"
+                "{container} is written by ffmpeg, which cannot be started ({error}): install it, or write .gif, .webp, .apng or .y4m"
             ),
         }
     }

@@ -3,4 +3,5 @@
 pub mod film;
 pub mod pattern;
 pub mod pipeline;
+pub mod sheet;
 pub mod whole;

@@ -1,4 +1,4 @@
-//! Names of many outputs from one: `frame_{:04}.png`, `{view}.png`, `thumbs/{name}.png`.
+//! Names of many outputs from one: `frame_{:04}.png`, `{view}.png`, `thumbs/{name}.png`; and texts in pictures that differ so.
 
 use std::path::{Path, PathBuf};
 
@@ -13,15 +13,56 @@ pub struct Names {
     pub step: Option<usize>,
     /// `{name}`: the name of the model's file without folder and ending.
     pub name: Option<String>,
+    /// `{time}`: the time of the model in its collection.
+    pub time: Option<f64>,
 }
 
-const KNOWN: [&str; 5] = ["", "frame", "view", "step", "name"];
+const KNOWN: [&str; 6] = ["", "frame", "view", "step", "name", "time"];
 
 /// A piece of a pattern.
 enum Piece<'a> {
     Text(&'a str),
-    /// A name between braces, and the digits that a number has at least.
-    Place(&'a str, usize),
+    /// A name between braces, and the form of its number.
+    Place(&'a str, Form),
+}
+
+/// How a number is written.
+#[derive(Clone, Copy)]
+struct Form {
+    /// So many characters at least: zeros before it.
+    width: usize,
+    /// So many digits after the point, of a time.
+    digits: Option<usize>,
+}
+
+impl Form {
+    /// `04`, or of a time also `.2` or `.2f`.
+    fn parse(text: &str, is_time: bool) -> Option<Self> {
+        let (width, digits) =
+            text.split_once('.').map_or((text, None), |(width, digits)| (width, Some(digits)));
+        if digits.is_some() && !is_time {
+            return None;
+        }
+        let number = |text: &str| text.parse().ok().filter(|&n: &usize| n <= 20);
+        let width = if width.is_empty() && digits.is_some() { 0 } else { number(width)? };
+        let digits = match digits {
+            Some(digits) => Some(number(digits.strip_suffix('f').unwrap_or(digits))?),
+            None => None,
+        };
+        Some(Self { width, digits })
+    }
+
+    fn time(self, time: f64) -> String {
+        let Self { width, digits } = self;
+        match digits {
+            Some(digits) => format!("{time:0width$.digits$}"),
+            None => {
+                // 0.1 + 0.2 is 0.3 in most files.
+                let short: f64 = format!("{time:.11e}").parse().unwrap_or(time);
+                format!("{short:0width$}")
+            }
+        }
+    }
 }
 
 /// The pieces of a text; an error if there are placeholders, but not of these names and forms.
@@ -41,20 +82,20 @@ fn pieces(text: &str) -> Result<Vec<Piece<'_>>, String> {
             return Err(format!("\"{text}\": a brace without the other one; {{{{ and }}}} stand for braces"));
         };
         let (name, width) = inner.split_once(':').map_or((inner, None), |(name, width)| (name, Some(width)));
-        let width = match width {
-            None => 0,
-            Some(digits) => digits.parse().ok().filter(|&n: &usize| n <= 20).ok_or_else(|| {
+        let form = match width {
+            None => Form { width: 0, digits: None },
+            Some(form) => Form::parse(form, name == "time").ok_or_else(|| {
                 format!(
-                    "\"{text}\": {{{inner}}}: expected a number of digits behind the colon, as in {{:04}}"
+                    "\"{text}\": {{{inner}}}: expected a number of digits behind the colon, as in {{:04}} or {{time:.2}}"
                 )
             })?,
         };
         if !KNOWN.contains(&name) {
             return Err(format!(
-                "\"{text}\": there is no {{{name}}}: expected {{}}, {{frame}}, {{view}}, {{step}} or {{name}}, numbers also as {{:04}}"
+                "\"{text}\": there is no {{{name}}}: expected {{}}, {{frame}}, {{view}}, {{step}}, {{time}} or {{name}}, numbers also as {{:04}}"
             ));
         }
-        pieces.push(Piece::Place(name, width));
+        pieces.push(Piece::Place(name, form));
         rest = after;
     }
     pieces.push(Piece::Text(rest));
@@ -70,9 +111,8 @@ pub fn has(path: &Path, name: &str) -> bool {
     })
 }
 
-/// Whether a path has any placeholder. Braces around anything else are part of a name.
-fn has_any(path: &Path) -> bool {
-    let text = path.to_str().unwrap_or_default();
+/// Whether a text has any placeholder. Braces around anything else are part of it.
+pub fn has_any(text: &str) -> bool {
     KNOWN.iter().any(|name| text.contains(&format!("{{{name}}}")) || text.contains(&format!("{{{name}:")))
 }
 
@@ -81,21 +121,34 @@ fn has_any(path: &Path) -> bool {
 /// # Errors
 /// One sentence, for a placeholder that does not exist, or that is not known if there is nothing to fill in later.
 pub fn expand(path: &Path, names: &Names, is_last: bool) -> Result<PathBuf, String> {
-    if !has_any(path) {
+    let text = path.to_str().unwrap_or_default();
+    if !has_any(text) {
         return Ok(path.into());
     }
-    let text = path.to_str().unwrap_or_default();
+    expand_text(text, names, is_last).map(PathBuf::from)
+}
+
+/// The text with its placeholders filled in; what is not known stays as it is, unless it `is_last`.
+///
+/// # Errors
+/// As [`expand`].
+pub fn expand_text(text: &str, names: &Names, is_last: bool) -> Result<String, String> {
+    if !has_any(text) {
+        return Ok(text.to_owned());
+    }
     let mut out = String::new();
     for piece in pieces(text)? {
         match piece {
             // Braces stay doubled until the last pass.
             Piece::Text(brace @ ("{" | "}")) if !is_last => out.push_str(&brace.repeat(2)),
             Piece::Text(text) => out.push_str(text),
-            Piece::Place(name, width) => {
+            Piece::Place(name, form) => {
+                let width = form.width;
                 let filled = match name {
                     "view" => names.view.clone(),
                     "name" => names.name.clone(),
                     "step" => names.step.map(|n| format!("{n:0width$}")),
+                    "time" => names.time.map(|time| form.time(time)),
                     _ => names.frame.map(|n| format!("{n:0width$}")),
                 };
                 match filled {
@@ -103,13 +156,16 @@ pub fn expand(path: &Path, names: &Names, is_last: bool) -> Result<PathBuf, Stri
                     Some(filled) if !is_last => out.push_str(&filled.replace('{', "{{").replace('}', "}}")),
                     Some(filled) => out.push_str(&filled),
                     None if is_last => return Err(format!("\"{text}\": {}", unknown(name))),
+                    None if form.digits.is_some() => {
+                        out.push_str(&format!("{{{name}:{width}.{}}}", form.digits.unwrap_or(0)));
+                    }
                     None if width > 0 => out.push_str(&format!("{{{name}:{width}}}")),
                     None => out.push_str(&format!("{{{name}}}")),
                 }
             }
         }
     }
-    Ok(out.into())
+    Ok(out)
 }
 
 fn unknown(name: &str) -> &'static str {
@@ -117,6 +173,7 @@ fn unknown(name: &str) -> &'static str {
         "view" => "{view} needs --view",
         "step" => "{step} numbers a series of models, and there is one model",
         "name" => "{name} is the name of a model",
+        "time" => "{time} is one of the times of a collection (.pvd), and the model is none",
         _ => {
             "{frame} numbers a series of pictures, and there is one picture: give --turntable, --camera-path, several --view or several models"
         }
@@ -144,8 +201,13 @@ mod tests {
     use super::*;
 
     fn filled(pattern: &str) -> Result<String, String> {
-        let names =
-            Names { frame: Some(7), view: Some("top".into()), step: Some(3), name: Some("a{b".into()) };
+        let names = Names {
+            frame: Some(7),
+            view: Some("top".into()),
+            step: Some(3),
+            name: Some("a{b".into()),
+            time: Some(0.1 + 0.2),
+        };
         expand(Path::new(pattern), &names, true).map(|p| p.to_string_lossy().into_owned())
     }
 
@@ -156,12 +218,13 @@ mod tests {
             ("{frame:2}-{view}.png", "07-top.png"),
             ("{}{step}{name}", "73a{b"),
             ("{name}/{{x}}.png", "a{b/{x}.png"),
+            ("t{time}_{time:.2f}_{time:07.3}", "t0.3_0.30_000.300"),
             // No placeholder: the name of a file.
             ("plain{1}.png", "plain{1}.png"),
         ] {
             assert_eq!(filled(pattern).as_deref(), Ok(expected));
         }
-        for bad in ["{}{other}", "{:x}.png", "{frame", "{}{", "{:99}"] {
+        for bad in ["{}{other}", "{:x}.png", "{frame", "{}{", "{:99}", "{:.2}", "{time:x}", "{time:.}"] {
             assert!(filled(bad).is_err() || bad == "{frame", "{bad}");
         }
     }

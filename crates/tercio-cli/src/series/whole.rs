@@ -45,6 +45,20 @@ fn is_picture(path: &Path, format: PictureFormat, (width, height): (u32, u32)) -
                 .iter()
                 .any(|(start, bytes)| head.starts_with(start) && length == start.len() as u64 + bytes)
         }
+        PictureFormat::Jpeg { .. } => {
+            let mut bytes = Vec::new();
+            // The size is in the head, after the tables that the encoder writes before it.
+            (&file).take(4096).read_to_end(&mut bytes).ok()?;
+            let frame = bytes.windows(4).position(|w| w == [0xff, 0xc0, 0, 17])?;
+            let number =
+                |at: usize| Some(u32::from(u16::from_be_bytes([*bytes.get(at)?, *bytes.get(at + 1)?])));
+            let mut tail = [0; 2];
+            file.seek(SeekFrom::End(-2)).ok()?;
+            file.read_exact(&mut tail).ok()?;
+            bytes.starts_with(&[0xff, 0xd8])
+                && (number(frame + 7)?, number(frame + 5)?) == (width, height)
+                && tail == [0xff, 0xd9]
+        }
         _ => {
             // WebP: its size is not where all variants have it; its length is.
             file.read_exact(&mut head[..12]).ok()?;

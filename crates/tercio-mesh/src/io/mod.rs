@@ -40,6 +40,9 @@ pub struct ReadOptions<'a> {
     pub origin: Option<DVec3>,
     /// The file is a part of a model: what depends on the whole of it is left to [`share::Facts::settle`].
     pub is_part: bool,
+    /// Which of the [times](vtk::times) of a collection is read, counted from 0; the first one, with a warning, if it is `None`. Other
+    /// files have one time, whatever this is.
+    pub step: Option<usize>,
 }
 
 impl ReadOptions<'_> {

@@ -1,11 +1,12 @@
 //! Picture files: writing, reading, comparing.
 //!
-//! [`Picture`] is what a viewer shows, in PNG, PPM or WebP; [`npy`] stores arrays of numbers (depth, primitive
+//! [`Picture`] is what a viewer shows, in PNG, PPM, WebP or JPEG; [`npy`] stores arrays of numbers (depth, primitive
 //! numbers, normals) for programs. [`OutputFile`] replaces a file only when the new one is complete.
 
 mod compare;
 pub mod film;
 mod identity;
+mod jpeg;
 pub mod npy;
 mod output;
 mod partial;
@@ -33,6 +34,8 @@ pub use stream::StandardStream;
 
 /// The largest width and height of a WebP picture.
 pub const WEBP_MAX_SIZE: u32 = 16384;
+/// The largest width and height of a JPEG picture.
+pub const JPEG_MAX_SIZE: u32 = 65535;
 
 /// A format of picture files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -44,11 +47,19 @@ pub enum PictureFormat {
     Ppm,
     /// Lossless WebP, 8 bits, with transparency, at most 16384 pixels per side.
     WebP,
+    /// JPEG, baseline, 8 bits, without transparency, at most 65535 pixels per side. Chroma is not subsampled: thin coloured lines
+    /// stay sharp.
+    Jpeg {
+        /// 1 (small files) to 100 (good pictures), the scale of the Independent JPEG Group.
+        quality: u8,
+    },
 }
 
 impl PictureFormat {
-    /// All formats.
-    pub const ALL: [Self; 3] = [Self::Png, Self::Ppm, Self::WebP];
+    /// The quality of JPEG pictures where none is given.
+    pub const JPEG_QUALITY: u8 = 90;
+    /// All formats; JPEG with its default quality.
+    pub const ALL: [Self; 4] = [Self::Png, Self::Ppm, Self::WebP, Self::Jpeg { quality: Self::JPEG_QUALITY }];
 
     /// The name, which is also the extension of its files.
     pub fn name(self) -> &'static str {
@@ -56,6 +67,7 @@ impl PictureFormat {
             Self::Png => "png",
             Self::Ppm => "ppm",
             Self::WebP => "webp",
+            Self::Jpeg { .. } => "jpeg",
         }
     }
 
@@ -75,6 +87,7 @@ impl FromStr for PictureFormat {
     type Err = String;
 
     fn from_str(s: &str) -> Result<Self, String> {
+        let s = if s == "jpg" { "jpeg" } else { s };
         Self::ALL.into_iter().find(|f| f.name() == s).ok_or_else(|| {
             let names: Vec<_> = Self::ALL.iter().map(|f| f.name()).collect();
             format!("expected one of {}, found \"{s}\"", names.join(", "))
@@ -90,10 +103,10 @@ pub enum ImageError {
     #[error(transparent)]
     Io(#[from] io::Error),
     /// The file name does not have the extension of a picture format.
-    #[error("the extension of a picture must be .png, .ppm or .webp")]
+    #[error("the extension of a picture must be .png, .ppm, .webp or .jpg")]
     UnknownExtension,
     /// The content is of no supported format.
-    #[error("not a picture that tercio reads (PNG, PPM, WebP)")]
+    #[error("not a picture that tercio reads (PNG, PPM, WebP, JPEG)")]
     UnknownFormat,
     /// The content violates its format.
     #[error("broken {format} picture: {reason}")]
@@ -164,9 +177,15 @@ impl<'a> Picture<'a> {
 
     /// True if every pixel is fully opaque. Opaque pictures are written without an alpha channel.
     pub fn is_opaque(&self) -> bool {
+        // All pixels of a piece, whatever they are: leaving at the first one keeps the compiler from using vectors.
+        const PIECE: usize = 1 << 15;
         match &self.pixels {
-            Pixels::Eight(p) => p.par_iter().with_min_len(1 << 16).all(|p| p[3] == u8::MAX),
-            Pixels::Sixteen(p) => p.par_iter().with_min_len(1 << 16).all(|p| p[3] == u16::MAX),
+            Pixels::Eight(p) => {
+                p.par_chunks(PIECE).all(|p| p.iter().fold(u8::MAX, |all, p| all & p[3]) == u8::MAX)
+            }
+            Pixels::Sixteen(p) => {
+                p.par_chunks(PIECE).all(|p| p.iter().fold(u16::MAX, |all, p| all & p[3]) == u16::MAX)
+            }
         }
     }
 
@@ -179,6 +198,7 @@ impl<'a> Picture<'a> {
             PictureFormat::Png => png::write(self, out),
             PictureFormat::Ppm => ppm::write(self, out),
             PictureFormat::WebP => webp::write(self, out),
+            PictureFormat::Jpeg { quality } => jpeg::write(self, quality, out),
         }
     }
 
@@ -221,7 +241,7 @@ impl<'a> Picture<'a> {
 }
 
 impl Picture<'static> {
-    /// Reads a PNG, PPM or WebP picture from a file; the format is found by content.
+    /// Reads a PNG, PPM, WebP or JPEG picture from a file; the format is found by content.
     ///
     /// # Errors
     /// [`ImageError::File`], which names the file; its source is the system's reason, or an error of
@@ -232,7 +252,7 @@ impl Picture<'static> {
         bytes.and_then(|bytes| Self::from_bytes(&bytes)).map_err(|source| source.in_file(path))
     }
 
-    /// Reads a PNG, PPM or WebP picture from memory; the format is found by content.
+    /// Reads a PNG, PPM, WebP or JPEG picture from memory; the format is found by content.
     ///
     /// # Errors
     /// [`ImageError::UnknownFormat`], [`ImageError::Malformed`].
@@ -243,6 +263,8 @@ impl Picture<'static> {
             ppm::read(bytes)
         } else if bytes.starts_with(b"RIFF") && bytes.get(8..12) == Some(b"WEBP") {
             webp::read(bytes)
+        } else if bytes.starts_with(&[0xff, 0xd8, 0xff]) {
+            jpeg::read(bytes)
         } else {
             Err(ImageError::UnknownFormat)
         }

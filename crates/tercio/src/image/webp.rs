@@ -15,10 +15,18 @@ pub(super) fn write(picture: &Picture, out: &mut dyn Write) -> Result<(), ImageE
     if picture.width.max(picture.height) > WEBP_MAX_SIZE {
         return cannot_hold("more than 16384 pixels a side");
     }
-    let opaque = picture.is_opaque();
-    let color = if opaque { ColorType::Rgb8 } else { ColorType::Rgba8 };
+    write_with_alpha(picture, !picture.is_opaque(), out)
+}
+
+/// Writes 8 bits a component, with or without alpha.
+pub(super) fn write_with_alpha(
+    picture: &Picture,
+    alpha: bool,
+    out: &mut dyn Write,
+) -> Result<(), ImageError> {
+    let color = if alpha { ColorType::Rgba8 } else { ColorType::Rgb8 };
     let encoder = WebPEncoder::new(out);
-    encoder.encode(&samples(picture, opaque), picture.width, picture.height, color).map_err(|e| match e {
+    encoder.encode(&samples(picture, !alpha), picture.width, picture.height, color).map_err(|e| match e {
         EncodingError::IoError(e) => ImageError::Io(e),
         other => ImageError::Io(std::io::Error::other(other)),
     })

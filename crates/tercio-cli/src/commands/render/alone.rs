@@ -39,7 +39,7 @@ impl Render {
         });
         let mut artist = Artist::new(job.drawers, trace);
         let series = if self.is_in_bands(&job.writing.plan, job.drawers) {
-            self.draw_in_bands(job, &loaded, display, &mut artist)?
+            self.draw_in_bands(job, &mut loaded, display, &mut artist)?
         } else {
             let mut running = Running::new(self, job, display)?;
             self.begin_pictures(job, display);

@@ -11,6 +11,7 @@ use super::alone::Artist;
 use super::series::Series;
 use super::{Job, Loaded, Render, Shot};
 use crate::args::ranks::Drawers;
+use crate::args::stereo::Cameras;
 use crate::mpi;
 use crate::output::Plan;
 use crate::progress::Display;
@@ -26,13 +27,16 @@ impl Render {
     pub(super) fn draw_in_bands(
         &self,
         job: &Job,
-        loaded: &Loaded,
+        loaded: &mut Loaded,
         display: &Display,
         artist: &mut Artist,
     ) -> Result<Series> {
         let writing = &job.writing;
         let mut series = Series { shots: Vec::new(), found: 0, output_milliseconds: 0.0, empty: None };
-        for (number, (cameras, plan)) in loaded.cameras.iter().zip(&writing.pictures).enumerate() {
+        let all: Vec<Cameras> = loaded.cameras.clone();
+        for (number, (cameras, plan)) in all.iter().zip(&writing.pictures).enumerate() {
+            loaded.annotated.shot = number;
+            let loaded = &*loaded;
             if self.series.resume && whole::is_there(plan, self.written_size()) {
                 series.found += 1;
                 continue;

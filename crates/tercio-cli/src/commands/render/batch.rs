@@ -27,11 +27,11 @@ const SMALL: u64 = 8 << 20;
 const BYTES_PER_BYTE: u64 = 40;
 
 /// A model of a batch, and what is to be done with it.
-struct Item {
-    render: Render,
-    job: Job,
+pub(super) struct Item {
+    pub render: Render,
+    pub job: Job,
     /// Bytes of its file, if it is small.
-    small: Option<u64>,
+    pub small: Option<u64>,
 }
 
 impl Render {
@@ -84,10 +84,30 @@ impl Render {
     }
 
     fn item(&self, model: &Path) -> Result<Item> {
-        let mut render = self.with_model(model);
+        let mut render = self.with_model(&self.at_chosen_time(model)?);
         let names = Names { name: Some(pattern::name_of(model)), ..Names::default() };
         render.writing = render.writing.named(&names, false).map_err(UsageError)?;
-        let job = render.job(None)?;
+        Item::new(render)
+    }
+
+    /// How many small models may be in memory at a time.
+    pub(super) fn workers(&self, small: &[&Item], threads: usize) -> usize {
+        let Some(largest) = small.iter().filter_map(|item| item.small).max() else { return 1 };
+        let frame = small.iter().map(|i| i.render.frame_bytes(&i.job.writing.plan, i.job.drawers)).max();
+        let one = largest * BYTES_PER_BYTE + frame.unwrap_or(0).saturating_mul(4);
+        let most = self.running.memory_limit().map_or(u64::MAX, |limit| limit / 2 / one.max(1));
+        threads.min(most as usize).min(small.len()).max(1)
+    }
+}
+
+impl Item {
+    /// One model with its options.
+    ///
+    /// # Errors
+    /// [`UsageError`]: wrong options, or a model that is not one of many.
+    pub(super) fn new(render: Render) -> Result<Self> {
+        let job = render.job(&[])?;
+        let model = &render.model.model;
         if matches!(job.drawers, Drawers::Mpi(_)) {
             let text = "the processes of mpirun draw one model together: name one";
             return Err(UsageError(text.into()).into());
@@ -102,17 +122,6 @@ impl Render {
         Ok(Item { render, job, small })
     }
 
-    /// How many small models may be in memory at a time.
-    fn workers(&self, small: &[&Item], threads: usize) -> usize {
-        let Some(largest) = small.iter().filter_map(|item| item.small).max() else { return 1 };
-        let frame = small.iter().map(|i| i.render.frame_bytes(&i.job.writing.plan, i.job.drawers)).max();
-        let one = largest * BYTES_PER_BYTE + frame.unwrap_or(0).saturating_mul(4);
-        let most = self.running.memory_limit().map_or(u64::MAX, |limit| limit / 2 / one.max(1));
-        threads.min(most as usize).min(small.len()).max(1)
-    }
-}
-
-impl Item {
     fn draw(&self, threads: usize) -> Result<()> {
         let start = Instant::now();
         let silent = Display::new(ProgressMode::Never);
@@ -124,7 +133,7 @@ impl Item {
 
 /// Works on all items, on so many threads, each of which is a pool of its own: parallel work inside of an item runs on its thread,
 /// and no thread that waits begins another item.
-fn side_by_side(items: &[&Item], workers: usize, work: impl Fn(&Item) + Sync) -> Result<()> {
+pub(super) fn side_by_side<T: Sync>(items: &[T], workers: usize, work: impl Fn(&T) + Sync) -> Result<()> {
     let next = AtomicUsize::new(0);
     let of_worker = || -> Result<()> {
         let pool: ThreadPool = ThreadPoolBuilder::new()

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use anyhow::{Context as _, Result, bail};
 use tercio::annotate::ScalarBar;
+use tercio::glam::DVec3;
 use tercio::mesh::io::ReadReport;
 use tercio::mesh::strokes::Strokes;
 use tercio::parallel::Communicator;
@@ -111,6 +112,8 @@ impl Render {
                 is_unlit: self.drawing.is_unlit(),
             };
             let mut report = file.loaded.report.clone();
+            let of_another = member.model.moment.and_then(|moment| self.series.other_time(moment));
+            report.read.warnings.extend(of_another);
             let textures = member.textures.load((&mut scene, begin), &member.model.model, &report, &limits);
             if let Some(textures) = &textures {
                 // They are not always where the model says.
@@ -148,11 +151,14 @@ impl Render {
         for (model, &number) in models.iter().zip(&file_of) {
             model.frame_in(&mut subject, &scene, files[number].loaded.whole.as_ref());
         }
-        let cameras = self.cameras(&job.motion, &camera, (&scene, &subject), &annotation, parts)?;
+        let names = if self.annotation.has_placeholders() { writing.names.clone() } else { Vec::new() };
+        let mut annotated = Annotated { annotation, names, shot: 0, bounds: [DVec3::ZERO; 2], up: 0 };
+        let cameras =
+            self.cameras(&job.motion, &camera, (&scene, &subject), &annotated.of_picture(), parts)?;
         drop(subject);
         let bounds = models.iter().fold(scene.bounds(), |bounds, model| bounds.union(model.stroke_bounds()));
-        let up = (0..3).find(|&axis| up[axis] > 0.5).unwrap_or(1);
-        let annotated = Annotated { annotation, bounds: [bounds.min, bounds.max], up };
+        annotated.bounds = [bounds.min, bounds.max];
+        annotated.up = (0..3).find(|&axis| up[axis] > 0.5).unwrap_or(1);
         let mut look = self.drawing.look(&scene, &background, &self.environment, &self.effects);
         look["data"] = self.data.json(scene.instances.first());
         if let Some(camera) = cameras.first().and_then(|cameras| cameras.views.first()) {
@@ -173,7 +179,8 @@ impl Render {
     /// Whether two models are one that is loaded once.
     fn key(&self, job: &Job) -> String {
         let options = self.load_options(job, 0);
-        format!("{:?} {:?} {:?} {:?}", self.model.model, options.normals, options.clip, options.make)
+        let LoadOptions { normals, clip, make, step, .. } = options;
+        format!("{:?} {normals:?} {clip:?} {make:?} {step:?}", self.model.model)
     }
 
     /// Options for loading when so many bytes are taken.
@@ -183,6 +190,7 @@ impl Render {
             normals: self.data.normals(self.drawing.normals(job.writing.plan.outputs)),
             clip: self.clip.clipping(),
             make: self.data.made(),
+            step: self.model.moment.map(|moment| moment.number),
             ..LoadOptions::default()
         }
     }

@@ -13,6 +13,7 @@ pub mod models;
 mod picture;
 mod plan;
 mod series;
+mod sheet;
 mod steps;
 mod strokes;
 mod subject;
@@ -61,6 +62,8 @@ use crate::scene_file::Origin;
 use crate::stereo::ViewReport;
 use crate::{ending, mpi};
 
+pub use sheet::{EXAMPLES, Sheet};
+
 use models::Models;
 use plan::Writing;
 
@@ -77,6 +80,7 @@ Examples:
   tercio render scan.ply -o '{view}.png' --view front,left,top,iso
   tercio render *.stl -o 'thumbs/{name}.png' --size 256x256
   tercio render step_*.ply -o steps.mp4 --fps 30
+  tercio render run.pvd -o run.webp --color-by pressure --title 't = {time:.2f} s'
   tercio render scan.ply -o scan.png --color-by quality --colormap turbo --range 2%,98% --isolines 9
   tercio render bone.ply --color ivory --with 'skin.stl;opacity=0.3' -o both.png
   tercio render a.ply b.ply c.ply --together -o all.png --save-scene all.toml
@@ -220,9 +224,9 @@ impl Render {
 
     fn run_once(&self) -> Result<ExitCode> {
         let code = match self.models()? {
-            Models::One => self.run_one(),
+            Models::One(model) => self.with_model(&model).run_one(),
             Models::Batch(models) => self.run_batch(&models),
-            Models::Steps(models) => self.run_steps(&models),
+            Models::Steps(steps) => self.run_steps(&steps),
         }?;
         if let (Some(path), Some(text)) = (&self.scene.save_scene, &self.origin.saved)
             && mpi::is_first()
@@ -234,7 +238,7 @@ impl Render {
 
     fn run_one(&self) -> Result<ExitCode> {
         let start = Instant::now();
-        let job = self.job(None)?;
+        let job = self.job(&[])?;
         let files = self.saved_files(self.named_files(&job, NamedFiles::default()));
         files.check()?;
         let job = Job { writing: Writing { files: Arc::new(files), ..job.writing }, ..job };

@@ -1,58 +1,118 @@
-//! What several models on the command line are: a batch, or the steps of a series.
+//! What the models on the command line are: one, a batch, or the steps of a series, which may be the times of a collection.
 
 use std::cmp::Ordering;
 use std::path::{Path, PathBuf};
 
+use anyhow::Result;
+use tercio::mesh::io::{ReadOptions, input, vtk};
+
 use super::Render;
+use crate::args::{ModelArgs, Moment};
 use crate::output::UsageError;
 use crate::tips;
 
 /// The models of a run.
 pub(super) enum Models {
     /// One model.
-    One,
+    One(ModelArgs),
     /// Many, each with outputs of its own.
     Batch(Vec<PathBuf>),
     /// Many, drawn one after the other with one camera into one series.
-    Steps(Vec<PathBuf>),
+    Steps(Vec<ModelArgs>),
 }
 
 impl Render {
     /// The models, in the order of the command line; those of a pattern with * in natural order.
-    pub(super) fn models(&self) -> Result<Models, UsageError> {
-        let named = std::iter::once(&self.model.model).chain(&self.more);
-        let mut models = Vec::new();
-        for path in named {
-            match expanded(path)? {
-                Some(found) => models.extend(found),
-                None => models.push(path.clone()),
-            }
-        }
+    ///
+    /// # Errors
+    /// Models that need names of their own; a collection of times that cannot be read.
+    pub(super) fn models(&self) -> Result<Models> {
+        let mut models = self.listed()?;
         let is_batch = self.writing.has_placeholder("name");
+        let of_steps = self.writing.has_placeholder("step") || self.writing.has_placeholder("time");
+        let is_series = of_steps || self.writing.has_placeholder("") || self.writing.is_film();
         if models.len() == 1 && models[0] == self.model.model {
-            return Ok(Models::One);
+            let shows_all = of_steps || (is_series && !self.series.moves_camera());
+            if shows_all && !self.series.chooses_time() {
+                let steps = self.steps_of(&models[0])?;
+                if steps.len() > 1 {
+                    return Ok(Models::Steps(steps));
+                }
+            }
+            return self.at_chosen_time(&models[0]).map(Models::One);
         }
         if is_batch {
             return Ok(Models::Batch(models));
         }
-        let is_numbered = self.writing.has_placeholder("") || self.writing.has_placeholder("step");
-        if is_numbered || self.writing.is_film() {
+        if is_series {
             // Shells sort step_10 before step_9.
             models.sort_by(|a, b| natural(&a.to_string_lossy(), &b.to_string_lossy()));
-            return Ok(Models::Steps(models));
+            let steps = models.iter().map(|model| self.steps_of(model)).collect::<Result<Vec<_>>>()?;
+            return Ok(Models::Steps(steps.concat()));
         }
         let second = models.get(1).unwrap_or(&models[0]).display();
         let count = models.len();
         let text = tips::surplus_model(&models).unwrap_or_else(|| {
             format!("{count} models (the second is {second}) need names of their own: {{name}} in the output stands for that of the model, as in {{name}}.png; with {{frame}} or a film they are the steps of a series, with --together one picture")
         });
-        Err(UsageError(text))
+        Err(UsageError(text).into())
+    }
+
+    /// All models of the command line, those of patterns one by one.
+    ///
+    /// # Errors
+    /// A pattern that no file matches.
+    pub(super) fn listed(&self) -> Result<Vec<PathBuf>, UsageError> {
+        let mut models = Vec::new();
+        for path in std::iter::once(&self.model.model).chain(&self.more) {
+            match expanded(path)? {
+                Some(found) => models.extend(found),
+                None => models.push(path.clone()),
+            }
+        }
+        Ok(models)
+    }
+
+    /// The model, at the time that is chosen, if one is.
+    ///
+    /// # Errors
+    /// A [`UsageError`] if the model does not have that; a collection of times that cannot be read.
+    pub(super) fn at_chosen_time(&self, model: &Path) -> Result<ModelArgs> {
+        let mut moment = None;
+        if self.series.chooses_time() {
+            moment = self.series.chosen(model, &self.times(model)?).map_err(UsageError)?;
+        }
+        Ok(ModelArgs { model: model.into(), moment })
+    }
+
+    /// The times of a model, in order, each as a model; or the model itself, if it has no times or one is chosen.
+    pub(super) fn steps_of(&self, model: &Path) -> Result<Vec<ModelArgs>> {
+        if self.series.chooses_time() {
+            return Ok(vec![self.at_chosen_time(model)?]);
+        }
+        let times = self.times(model)?;
+        if times.is_empty() {
+            return Ok(vec![ModelArgs { model: model.into(), moment: None }]);
+        }
+        let moment =
+            |(number, time)| ModelArgs { model: model.into(), moment: Some(Moment { number, time }) };
+        Ok(times.into_iter().enumerate().map(moment).collect())
+    }
+
+    /// The times of a collection; none of other files.
+    fn times(&self, model: &Path) -> Result<Vec<f64>> {
+        let is_collection = model.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("pvd"));
+        if !is_collection {
+            return Ok(Vec::new());
+        }
+        let options = ReadOptions { memory_limit: self.running.memory_limit(), ..ReadOptions::default() };
+        Ok(vtk::times(&input::open(model, &options)?, &options)?)
     }
 
     /// These options for another model.
-    pub(super) fn with_model(&self, model: &Path) -> Self {
+    pub(super) fn with_model(&self, model: &ModelArgs) -> Self {
         let mut other = self.clone();
-        other.model.model = model.into();
+        other.model = model.clone();
         other.more = Vec::new();
         other
     }

@@ -9,7 +9,7 @@ use tercio::image::film::Film;
 
 use super::{Job, Render};
 use crate::args::series::{Motion, OutputFormat};
-use crate::args::values;
+use crate::args::{ModelArgs, values};
 use crate::mpi;
 use crate::named_files::NamedFiles;
 use crate::output::{Plan, UsageError};
@@ -22,6 +22,8 @@ pub(super) struct Writing {
     pub plan: Plan,
     /// The files of every picture.
     pub pictures: Vec<Plan>,
+    /// What placeholders stand for in each of them.
+    pub names: Vec<Names>,
     pub film: Option<FilmPlan>,
     pub files: Arc<NamedFiles>,
     pub allow_empty: bool,
@@ -40,13 +42,13 @@ impl Writing {
 }
 
 impl Render {
-    /// What is to be done, for one model or for so many steps of a series.
+    /// What is to be done, for one model or for the steps of a series.
     ///
     /// # Errors
     /// [`UsageError`] for options that contradict each other.
-    pub(super) fn job(&self, steps: Option<usize>) -> Result<Job> {
+    pub(super) fn job(&self, steps: &[ModelArgs]) -> Result<Job> {
         let motion = self.series.motion(&self.camera)?;
-        if steps.is_some() && matches!(motion, Motion::Turntable(_) | Motion::Path(..)) {
+        if !steps.is_empty() && matches!(motion, Motion::Turntable(_) | Motion::Path(..)) {
             let text = "a series of models has one camera: leave out --turntable and --camera-path, or name one model";
             return Err(UsageError(text.into()).into());
         }
@@ -105,20 +107,26 @@ impl Render {
         self.data.check()
     }
 
-    fn plan_writing(&self, motion: &Motion, steps: Option<usize>) -> Result<Writing, String> {
-        let (views, is_series) = (motion.count(), motion.is_series() || steps.is_some());
-        let count = views * steps.unwrap_or(1);
+    fn plan_writing(&self, motion: &Motion, steps: &[ModelArgs]) -> Result<Writing, String> {
+        let (views, is_series) = (motion.count(), motion.is_series() || !steps.is_empty());
+        let count = views * steps.len().max(1);
+        let model = |number: usize| steps.get(number / views).unwrap_or(&self.model);
         let names = |number: usize| Names {
             frame: is_series.then_some(number),
             view: match motion {
                 Motion::Views(views) => values::name(&views[number % views.len()]),
                 _ => self.camera.views().first().and_then(values::name),
             },
-            step: steps.map(|_| number / views),
-            name: Some(pattern::name_of(&self.model.model)),
+            step: match steps {
+                [] => self.model.moment.map(|moment| moment.number),
+                _ => Some(number / views),
+            },
+            name: Some(pattern::name_of(&model(number).model)),
+            time: model(number).moment.map(|moment| moment.time),
         };
+        let in_one = is_series && !self.writing.is_numbered();
         let planned = |number: usize| -> Result<Plan, String> {
-            self.writing.named(&names(number), true)?.plan(&self.drawing, &self.stereo)
+            self.writing.named(&names(number), true)?.plan(&self.drawing, &self.stereo, in_one)
         };
         let plan = planned(0)?;
         let format = plan.film.as_ref().map(|(_, format)| *format);
@@ -160,7 +168,7 @@ impl Render {
                 let name = crate::output::name(file);
                 let example = "such as frame_{:04}.png";
                 let films = if format.is_none() && option == "--output" {
-                    ", or be a film (.gif, .apng, .y4m, .mp4, or - with --format y4m)"
+                    ", or be a film (.gif, .webp, .apng, .mp4, or - with --format y4m)"
                 } else {
                     ""
                 };
@@ -171,7 +179,9 @@ impl Render {
             pictures.push(other);
         }
         let allow_empty = self.writing.allow_empty;
-        Ok(Writing { plan, pictures, film, files: Arc::default(), allow_empty, is_series })
+        let names: Vec<Names> = (0..count).map(names).collect();
+        names.iter().try_for_each(|names| self.annotation.check_texts(names))?;
+        Ok(Writing { plan, pictures, names, film, files: Arc::default(), allow_empty, is_series })
     }
 
     /// All files of a job, added to `files`.

@@ -151,6 +151,7 @@ impl<'a> Running<'a> {
                 loaded.scene = Scene::default();
                 return Ok(None);
             };
+            loaded.annotated.shot = shot;
             let cameras = loaded.cameras[shot - first].clone();
             let (mut frames, mut views, mut reasons) = (Vec::new(), Vec::new(), Vec::new());
             let mut effect_milliseconds = 0.0;

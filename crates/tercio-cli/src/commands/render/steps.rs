@@ -5,13 +5,16 @@ use std::process::ExitCode;
 use std::sync::Arc;
 use std::time::Instant;
 
-use anyhow::{Result, bail};
+use anyhow::{Context as _, Result, bail};
+use tercio::scene::Instance;
+use tercio::{LoadOptions, Normals};
 
 use super::alone::{Artist, done};
 use super::series::Running;
 use super::{Done, Job, Render, Writing};
-use crate::args::ProgressMode;
+use crate::args::data::{RangeOver, Survey};
 use crate::args::ranks::Drawers;
+use crate::args::{ModelArgs, ProgressMode};
 use crate::named_files::NamedFiles;
 use crate::output::UsageError;
 use crate::progress::Display;
@@ -19,10 +22,10 @@ use crate::{ending, mpi, report};
 
 impl Render {
     /// Draws the models one after the other. All have the camera of the first one.
-    pub(super) fn run_steps(&self, models: &[PathBuf]) -> Result<ExitCode> {
+    pub(super) fn run_steps(&self, steps: &[ModelArgs]) -> Result<ExitCode> {
         let start = Instant::now();
-        let first = self.with_model(&models[0]);
-        let job = first.job(Some(models.len()))?;
+        let first = self.with_model(&steps[0]);
+        let job = first.job(steps)?;
         if matches!(job.drawers, Drawers::Mpi(_)) {
             let text = "the processes of mpirun draw one model together: name one, or use --ranks";
             return Err(UsageError(text.into()).into());
@@ -37,6 +40,9 @@ impl Render {
             return Err(UsageError(text.into()).into());
         }
         let files = self.saved_files(first.named_files(&job, NamedFiles::default()));
+        let mut models: Vec<PathBuf> = steps.iter().map(|step| step.model.clone()).collect();
+        // The times of a collection are one file.
+        models.dedup();
         let files = models[1..].iter().fold(files, |files, model| files.reads_model(model));
         files.check()?;
         files.check_places()?;
@@ -44,23 +50,27 @@ impl Render {
         job.writing.check_film()?;
         ending::name_model(first.model.name());
         let pool = self.running.pool()?;
-        pool.install(|| self.check_companions(&job.writing.files, models))?;
-        let (done, loads) = pool.install(|| first.draw_steps(&job, models))?;
+        pool.install(|| self.check_companions(&job.writing.files, &models))?;
+        let (done, loads) = pool.install(|| first.draw_steps(&job, steps))?;
         first.print_views(&done);
         first.finish_steps(&job, &done, Some(loads), pool.current_num_threads(), start)?;
         Ok(ExitCode::SUCCESS)
     }
 
-    fn draw_steps(&self, job: &Job, models: &[PathBuf]) -> Result<(Done, Vec<serde_json::Value>)> {
+    fn draw_steps(&self, job: &Job, steps: &[ModelArgs]) -> Result<(Done, Vec<serde_json::Value>)> {
         let display = Display::new(self.running.progress_mode());
+        let survey = self.survey(steps, &display)?;
         self.begin_pictures(job, &display);
         let mut running = Running::new(self, job, &display)?;
         let mut artist = Artist::new(job.drawers, self.ranks.now().map(|_| Default::default()));
         // The stages of loading are not shown: pictures are counted.
         let silent = Display::new(ProgressMode::Never);
         let (mut first, mut loads) = (None, Vec::new());
-        for (number, model) in models.iter().enumerate() {
-            let step = self.with_model(model);
+        for (number, model) in steps.iter().enumerate() {
+            let mut step = self.with_model(model);
+            if let Some(survey) = &survey {
+                step.data = step.data.of_series(survey);
+            }
             ending::name_model(step.model.name());
             let mut loaded = step.load(job, &silent, None::<&mut mpi::Comm>)?;
             step.print_warnings(&loaded.reports);
@@ -80,5 +90,33 @@ impl Render {
         }
         let Some((Some(loaded), _)) = first else { bail!("there is no model") };
         Ok((done(loaded, running.finish()?, artist.choice, artist.trace), loads))
+    }
+
+    /// What the colours of all steps depend on, if they shall mean the same in all pictures: the models are read for that.
+    pub(super) fn survey(&self, steps: &[ModelArgs], display: &Display) -> Result<Option<Survey>> {
+        let models = match self.data.range_over() {
+            None | Some(RangeOver::Each) => return Ok(None),
+            Some(RangeOver::First) => &steps[..1],
+            Some(RangeOver::All) => steps,
+        };
+        display.progress.begin("finding the range of all steps", models.len() as u64);
+        let mut all = Survey::default();
+        for model in models {
+            ending::name_model(model.name());
+            let options = LoadOptions {
+                memory_limit: self.running.memory_limit(),
+                normals: self.data.normals(Normals::File),
+                clip: self.clip.clipping(),
+                make: self.data.made(),
+                step: model.moment.map(|moment| moment.number),
+                ..LoadOptions::default()
+            };
+            let loaded = options.load(&model.model)?;
+            let up = self.camera.for_format(&loaded.report.read.format).front().up;
+            let survey = self.data.survey(&Instance::new(loaded.mesh), up);
+            all = all.and(survey.with_context(|| model.name())?);
+            display.progress.advance(1);
+        }
+        Ok(Some(all))
     }
 }

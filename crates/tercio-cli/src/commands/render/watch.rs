@@ -61,7 +61,8 @@ impl Render {
 
     fn stamps(&self) -> Vec<Stamp> {
         let models = match self.models() {
-            Ok(Models::Batch(models) | Models::Steps(models)) => models,
+            Ok(Models::Batch(models)) => models,
+            Ok(Models::Steps(steps)) => steps.into_iter().map(|step| step.model).collect(),
             _ => vec![self.model.model.clone()],
         };
         let stamp = |path: &Path| {

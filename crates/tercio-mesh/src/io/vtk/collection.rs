@@ -1,7 +1,7 @@
 //! Several files as one model: the pieces of parallel programs, blocks, and series of times.
 //!
 //! Files are looked for beside the one that names them. Those that are not found are named in a warning; it is an
-//! error if none is found. Of a series of times the first one is read.
+//! error if none is found. Of a series of times one is read, the first if none is chosen.
 
 use std::path::{Path, PathBuf};
 
@@ -39,13 +39,14 @@ pub struct Found {
 /// # Errors
 /// Any [`ReadError`] of a file that is found, and if none is.
 pub fn parts(job: &Job, document: &Document, found: &mut Found) -> Result<Vec<Part>, ReadError> {
-    let mut names = Vec::new();
-    collect(&document.root, found, &mut names);
+    let (mut names, mut others) = (Vec::new(), Vec::new());
+    collect(job, &document.root, found, &mut names, &mut others)?;
     let Some(base) = job.input.base.clone() else {
         let what = "a collection of files without a folder, where they would be looked for,";
         return Err(job.unsupported(Place::File, what));
     };
-    companions::note(&mut found.companions, &base, names.iter());
+    // Those of other times, too: no output may replace what is drawn later.
+    companions::note(&mut found.companions, &base, names.iter().chain(&others));
     let mut parts = Vec::new();
     job.begin("reading files", names.len() as u64);
     for name in &names {
@@ -80,31 +81,67 @@ impl Found {
     }
 }
 
-/// The names of files in a collection.
-fn collect(root: &Element, found: &mut Found, names: &mut Vec<String>) {
-    if root.attribute("type") == Some("Collection") {
-        let sets: Vec<&Element> = root.children.iter().flat_map(|c| c.children_named("DataSet")).collect();
-        let time = |set: &Element| {
-            set.attribute("timestep").and_then(|t| t.trim().parse::<f64>().ok()).unwrap_or(0.0)
-        };
-        let mut times: Vec<f64> = sets.iter().map(|set| time(set)).collect();
-        times.sort_by(f64::total_cmp);
-        times.dedup();
-        if let [first, _, ..] = times[..] {
-            let warning = format!("holds {} times, of which the first is read, {first}", times.len());
-            found.warnings.push(warning);
+/// The names of files in a collection: those of the chosen time, and those of others.
+fn collect(
+    job: &Job,
+    root: &Element,
+    found: &mut Found,
+    names: &mut Vec<String>,
+    others: &mut Vec<String>,
+) -> Result<(), ReadError> {
+    if is_timed(root) {
+        let times = times(root);
+        let chosen = times.get(job.options.step.unwrap_or(0)).copied();
+        match (job.options.step, &times[..]) {
+            (Some(step), _) if chosen.is_none() => {
+                let found = format!("{} times", times.len());
+                return Err(job.malformed(Place::File, format!("a time of number {step}"), found));
+            }
+            (None, [first, _, ..]) => {
+                let warning = format!("holds {} times, of which the first is read, {first}", times.len());
+                found.warnings.push(warning);
+            }
+            _ => {}
         }
-        let of_first = sets.into_iter().filter(|set| times.first() == Some(&time(set)));
-        names.extend(of_first.filter_map(|set| set.attribute("file")).map(str::to_owned));
-        return;
+        for set in sets(root) {
+            let list = if Some(time(set)) == chosen { &mut *names } else { &mut *others };
+            list.extend(set.attribute("file").map(str::to_owned));
+        }
+        return Ok(());
     }
     for child in &root.children {
         let attribute = if child.name == "Piece" { "Source" } else { "file" };
         if matches!(child.name.as_str(), "Piece" | "DataSet") {
             names.extend(child.attribute(attribute).filter(|name| !name.is_empty()).map(str::to_owned));
         }
-        collect(child, found, names);
+        collect(job, child, found, names, others)?;
     }
+    Ok(())
+}
+
+fn is_timed(root: &Element) -> bool {
+    root.attribute("type") == Some("Collection")
+}
+
+fn sets(root: &Element) -> impl Iterator<Item = &Element> {
+    root.children.iter().flat_map(|child| child.children_named("DataSet"))
+}
+
+fn time(set: &Element) -> f64 {
+    let time = set.attribute("timestep").and_then(|t| t.trim().parse().ok());
+    time.filter(|t: &f64| t.is_finite()).unwrap_or(0.0)
+}
+
+/// The times of a collection, each once, in ascending order.
+pub fn times(root: &Element) -> Vec<f64> {
+    if !is_timed(root) {
+        return Vec::new();
+    }
+    // 0 and -0 are the same time.
+    let mut times: Vec<f64> = sets(root).map(|set| time(set) + 0.0).collect();
+    times.sort_by(f64::total_cmp);
+    times.dedup();
+    times
 }
 
 /// Reads the parts of one file of a collection.
@@ -122,6 +159,8 @@ fn one(job: &Job, path: &Path, name: &str, found: &mut Found) -> Result<Vec<Part
     let options = ReadOptions {
         memory_limit: job.options.memory_limit.map(|limit| limit.saturating_sub(found.held)),
         progress: None,
+        // Chosen in the outer one.
+        step: None,
         ..*job.options
     };
     let input = match input::open(path, &options) {

@@ -85,6 +85,19 @@ pub fn read_xml(input: &Input, options: &ReadOptions) -> Result<ReadModel, ReadE
     Ok(model)
 }
 
+/// The times of a collection (`.pvd`), each once, in ascending order; none for other files. The files of the collection are not
+/// read. [`ReadOptions::step`] chooses one.
+///
+/// # Errors
+/// A file that begins as one of XML and is none.
+pub fn times(input: &Input, options: &ReadOptions) -> Result<Vec<f64>, ReadError> {
+    if !looks_like_xml(input.bytes()) {
+        return Ok(Vec::new());
+    }
+    let job = Job::new(input, options);
+    Ok(collection::times(&xml::tree::parse(&job)?.root))
+}
+
 /// Reads a legacy file.
 ///
 /// # Errors

@@ -6,6 +6,7 @@
 mod apng;
 mod gif;
 mod palette;
+mod webp;
 mod y4m;
 
 use std::fmt;
@@ -14,7 +15,7 @@ use std::path::Path;
 use std::str::FromStr;
 
 use super::png::samples;
-use super::{ImageError, Picture};
+use super::{ImageError, Picture, WEBP_MAX_SIZE};
 
 /// A format of films.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -24,6 +25,8 @@ pub enum FilmFormat {
     Gif,
     /// Animated PNG: exact colours, with transparency.
     Apng,
+    /// Animated WebP: exact colours, with transparency, at most 16384 pixels per side.
+    WebP,
     /// Uncompressed YUV4MPEG2 for video encoders: 8 bits, no chroma subsampling (C444), BT.709, 16 to 235.
     Y4m,
     /// Red, green and blue of all pixels, 8 bits each, and nothing else.
@@ -32,13 +35,14 @@ pub enum FilmFormat {
 
 impl FilmFormat {
     /// All formats.
-    pub const ALL: [Self; 4] = [Self::Gif, Self::Apng, Self::Y4m, Self::Rgb];
+    pub const ALL: [Self; 5] = [Self::Gif, Self::Apng, Self::WebP, Self::Y4m, Self::Rgb];
 
     /// The name, which is also the extension of its files.
     pub fn name(self) -> &'static str {
         match self {
             Self::Gif => "gif",
             Self::Apng => "apng",
+            Self::WebP => "webp",
             Self::Y4m => "y4m",
             Self::Rgb => "rgb",
         }
@@ -133,9 +137,9 @@ pub struct Film {
     pub pictures: u32,
     /// Pictures a second.
     pub rate: FrameRate,
-    /// How often it is shown, in GIF and APNG; 0 for ever.
+    /// How often it is shown, in GIF, APNG and WebP; 0 for ever.
     pub plays: u16,
-    /// Whether pictures may be translucent, in APNG.
+    /// Whether pictures may be translucent, in APNG and WebP.
     pub is_translucent: bool,
 }
 
@@ -163,7 +167,10 @@ impl Film {
             FilmFormat::Gif if self.width.max(self.height) > 65535 => {
                 Err("a GIF has at most 65535 pixels a side".into())
             }
-            FilmFormat::Apng => Ok(()),
+            FilmFormat::WebP if self.width.max(self.height) > WEBP_MAX_SIZE => {
+                Err(format!("a WebP has at most {WEBP_MAX_SIZE} pixels a side"))
+            }
+            FilmFormat::Apng | FilmFormat::WebP => Ok(()),
             format if self.is_translucent => {
                 let name = format.name().to_uppercase();
                 Err(format!("{name} has no transparency; choose another --background or format"))
@@ -175,7 +182,7 @@ impl Film {
     /// Encodes a picture, which is the film's `number`-th, counted from 0.
     ///
     /// # Errors
-    /// [`ImageError::SizesDiffer`] if it has another size.
+    /// [`ImageError::SizesDiffer`] if it has another size; those of an encoder.
     pub fn encode(&self, picture: &Picture, number: u32) -> Result<EncodedPicture, ImageError> {
         let (own, other) = ([self.width, self.height], [picture.width, picture.height]);
         if own != other {
@@ -185,6 +192,7 @@ impl Film {
         Ok(EncodedPicture(match self.format {
             FilmFormat::Gif => Encoded::Gif(Box::new(gif::encode(self, &eight, number))),
             FilmFormat::Apng => Encoded::Bytes(samples(&eight, !self.is_translucent)),
+            FilmFormat::WebP => Encoded::Bytes(webp::encode(self, &eight, number)?),
             FilmFormat::Y4m => Encoded::Bytes(y4m::encode(&eight)),
             FilmFormat::Rgb => Encoded::Bytes(samples(&eight, true)),
         }))
@@ -198,6 +206,7 @@ impl Film {
         Ok(FilmWriter(match self.format {
             FilmFormat::Gif => Writer::Gif(gif::begin(self, out)?),
             FilmFormat::Apng => Writer::Apng(apng::begin(self, out)?),
+            FilmFormat::WebP => Writer::WebP(webp::begin(self, out)?),
             FilmFormat::Y4m => Writer::Y4m(y4m::begin(self, out)?),
             FilmFormat::Rgb => Writer::Rgb(out),
         }))
@@ -211,6 +220,7 @@ pub struct FilmWriter<W: Write>(Writer<W>);
 enum Writer<W: Write> {
     Gif(::gif::Encoder<W>),
     Apng(::png::Writer<W>),
+    WebP(webp::Waiting<W>),
     Y4m(W),
     Rgb(W),
 }
@@ -230,6 +240,7 @@ impl<W: Write> FilmWriter<W> {
         match (&mut self.0, &picture.0) {
             (Writer::Gif(out), Encoded::Gif(frame)) => gif::append(out, frame),
             (Writer::Apng(out), Encoded::Bytes(bytes)) => apng::append(out, bytes),
+            (Writer::WebP(out), Encoded::Bytes(bytes)) => out.append(bytes),
             (Writer::Y4m(out), Encoded::Bytes(bytes)) => y4m::append(out, bytes),
             (Writer::Rgb(out), Encoded::Bytes(bytes)) => Ok(out.write_all(bytes)?),
             _ => Err(ImageError::Io(std::io::Error::other("a picture of another film"))),
@@ -244,6 +255,7 @@ impl<W: Write> FilmWriter<W> {
         match self.0 {
             Writer::Gif(out) => gif::finish(out),
             Writer::Apng(out) => apng::finish(out),
+            Writer::WebP(out) => out.finish(),
             Writer::Y4m(mut out) | Writer::Rgb(mut out) => Ok(out.flush()?),
         }
     }

@@ -12,6 +12,15 @@ fn picture(number: u32) -> Picture<'static> {
     Picture { width: 40, height: 30, pixels: Pixels::Eight((0..1200).map(pixel).collect::<Vec<_>>().into()) }
 }
 
+/// The pixels of a picture, which are translucent in a translucent film.
+fn translucent(number: u32, is_translucent: bool) -> Vec<[u8; 4]> {
+    let mut pixels = eight(&picture(number));
+    if is_translucent {
+        pixels.iter_mut().enumerate().for_each(|(i, p)| p[3] = (i * 7 + number as usize) as u8);
+    }
+    pixels
+}
+
 fn eight(picture: &Picture) -> Vec<[u8; 4]> {
     match &picture.pixels {
         Pixels::Eight(pixels) => pixels.to_vec(),
@@ -28,7 +37,9 @@ fn written(film: &Film) -> Vec<u8> {
     let mut bytes = Vec::new();
     let mut writer = film.begin(&mut bytes).unwrap();
     for number in 0..film.pictures {
-        writer.append(&film.encode(&picture(number), number).unwrap()).unwrap();
+        let pixels = Pixels::Eight(translucent(number, film.is_translucent).into());
+        let picture = Picture { pixels, ..picture(number) };
+        writer.append(&film.encode(&picture, number).unwrap()).unwrap();
     }
     writer.finish().unwrap();
     bytes
@@ -49,9 +60,33 @@ fn an_apng_holds_the_pictures_exactly_and_their_times() {
             let frame = reader.info().frame_control().unwrap();
             assert_eq!((frame.delay_num, frame.delay_den), (1, 30));
             let expected: Vec<u8> =
-                eight(&picture(number)).iter().flat_map(|p| p[..channels].to_vec()).collect();
+                translucent(number, is_translucent).iter().flat_map(|p| p[..channels].to_vec()).collect();
             assert!(bytes == expected, "picture {number}");
         }
+    }
+}
+
+#[test]
+fn an_animated_webp_holds_the_pictures_exactly_and_their_times() {
+    for is_translucent in [false, true] {
+        let film = Film { plays: 3, is_translucent, ..film(FilmFormat::WebP) };
+        let bytes = written(&film);
+        assert_eq!(bytes.len() as u32, u32::from_le_bytes(bytes[4..8].try_into().unwrap()) + 8);
+        let mut decoder = image_webp::WebPDecoder::new(Cursor::new(bytes)).unwrap();
+        assert!(decoder.is_animated() && decoder.has_alpha() == is_translucent);
+        assert_eq!((decoder.dimensions(), decoder.num_frames()), ((40, 30), 4));
+        assert_eq!(decoder.loop_count(), image_webp::LoopCount::Times(3.try_into().unwrap()));
+        let channels = if is_translucent { 4 } else { 3 };
+        let mut times = Vec::new();
+        for number in 0..4 {
+            let mut shown = vec![0; decoder.output_buffer_size().unwrap()];
+            times.push(decoder.read_frame(&mut shown).unwrap());
+            let expected: Vec<u8> =
+                translucent(number, is_translucent).iter().flat_map(|p| p[..channels].to_vec()).collect();
+            assert!(shown == expected, "picture {number}");
+        }
+        // 33.3 milliseconds each, which do not add up to an error.
+        assert_eq!(times, [33, 34, 33, 33]);
     }
 }
 

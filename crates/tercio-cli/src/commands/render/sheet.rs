@@ -1,0 +1,318 @@
+//! `tercio sheet`: many small pictures in one, with their names below them.
+
+use std::fmt::Write as _;
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Instant;
+
+use anyhow::{Context as _, Result, bail};
+use clap::Args;
+use tercio::image::{Destination, JPEG_MAX_SIZE, Picture, PictureFormat, Pixels, WEBP_MAX_SIZE};
+use tercio::raster::Frame;
+use tercio::scene::Scene;
+
+use super::alone::Artist;
+use super::batch::{Item, side_by_side};
+use super::{Job, Render};
+use crate::args::annotation::{shown, text};
+use crate::args::ranks::Drawers;
+use crate::args::series::Motion;
+use crate::args::{ModelArgs, ProgressMode};
+use crate::named_files::NamedFiles;
+use crate::output::{UsageError, name, write_picture};
+use crate::progress::Display;
+use crate::report::counted;
+use crate::series::pattern::{self, Names};
+use crate::series::sheet::{Look, Paper};
+use crate::{ending, messages, mpi};
+
+/// The examples of the help.
+pub const EXAMPLES: &str = "\
+Examples:
+  tercio sheet *.stl -o parts.png
+  tercio sheet scan.ply -o views.png --view front,left,top,iso --size 400x300 --columns 2
+  tercio sheet scan.ply -o turn.jpg --turntable 12
+  tercio sheet run.pvd -o steps.png --color-by pressure --title 'Pressure'
+
+All options of render are understood: --size is that of one picture, and --title is that of the sheet. A model that cannot be
+drawn gets a place that says so, and the exit code is 1 then.";
+
+/// Draws many models, or many views of one, into one picture: a contact sheet.
+#[derive(Clone, Debug, Args)]
+pub struct Sheet {
+    #[command(flatten)]
+    render: Render,
+    /// Number of columns [default: so that the sheet is about as wide as a screen].
+    #[arg(long, value_name = "N", help_heading = "Sheet", value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    columns: Option<u32>,
+    /// What is written below each picture, with {name}, {view}, {frame}, {step} and {time}; nothing for an empty one [default:
+    /// what the pictures differ in].
+    #[arg(long, value_name = "TEXT", help_heading = "Sheet", value_parser = text)]
+    caption: Option<String>,
+}
+
+/// The pictures of one model: of its views, or of its times.
+struct Group {
+    /// That of the first time.
+    item: Item,
+    /// The times, at least one.
+    steps: Vec<(Render, Job)>,
+    /// The number of its first picture on the sheet.
+    first: usize,
+    captions: Vec<String>,
+}
+
+impl Sheet {
+    /// Runs the command.
+    ///
+    /// # Errors
+    /// Usage errors for options that make no sheet, else what went wrong; nothing could be drawn.
+    pub fn run(&self) -> Result<ExitCode> {
+        let start = Instant::now();
+        let mut render = self.render.clone();
+        let title = render.annotation.take_title();
+        let (destination, format) = self.output(&render).map_err(UsageError)?;
+        let models = render.listed()?;
+        let groups = self.groups(&render, &models)?;
+        let count = groups.last().map_or(0, |group| group.first + group.captions.len());
+        let paper = self.paper(&render, title.as_deref(), count, format).map_err(UsageError)?;
+        let files = NamedFiles::default().writes("--output", &destination);
+        let files = models.iter().fold(files, |files, model| files.reads_model(model));
+        let files = render.data.named_files(render.environment.named_files(files));
+        let files = Arc::new(render.series.named_files(files));
+        files.check()?;
+        files.check_places()?;
+        ending::name_model(format!("one of {} models", models.len()));
+        let pool = render.running.pool()?;
+        paper.check_memory(render.running.memory_limit())?;
+        pool.install(|| render.check_companions(&files, &models))?;
+        let display = Display::new(render.running.progress_mode());
+        let prepare = |group: Group| group.prepared(&files, &display);
+        let groups: Vec<Group> = pool.install(|| groups.into_iter().map(prepare).collect());
+        display.pictures(count as u64);
+        let (paper, failed) = (Mutex::new(paper), AtomicUsize::new(0));
+        let draw = |group: &Group| {
+            let cells = group.first..group.first + group.captions.len();
+            if let Err(error) = group.draw(&paper, &display) {
+                failed.fetch_add(1, Relaxed);
+                let mut paper = paper.lock().unwrap_or_else(PoisonError::into_inner);
+                let words = reason(&group.item.render, &error);
+                cells.for_each(|cell| paper.tell(cell, &words));
+                messages::error(&error);
+            }
+        };
+        // As in a batch: the large ones first, with all threads.
+        pool.install(|| groups.iter().filter(|group| group.item.small.is_none()).for_each(draw));
+        let small: Vec<&Group> = groups.iter().filter(|group| group.item.small.is_some()).collect();
+        let items: Vec<&Item> = small.iter().map(|group| &group.item).collect();
+        let workers = render.workers(&items, pool.current_num_threads());
+        side_by_side(&small, workers, |group| draw(group))?;
+        drop(display);
+        let (failed, all) = (failed.into_inner(), groups.len());
+        if failed == all {
+            bail!("nothing was drawn, and {} was not written", name(&destination));
+        }
+        let mut paper = paper.into_inner().unwrap_or_else(PoisonError::into_inner);
+        for group in &groups {
+            group.captions.iter().enumerate().for_each(|(n, text)| paper.caption(group.first + n, text));
+        }
+        let picture = pool.install(|| paper.finish());
+        pool.install(|| write_picture(&destination, &picture, format))?;
+        if !render.running.quiet {
+            let of_failed = if failed > 0 { format!(", {failed} failed") } else { String::new() };
+            let (drawn, seconds) = (counted((all - failed) as u64, "model"), start.elapsed().as_secs_f64());
+            messages::note(&format!(
+                "{drawn} of {all} drawn{of_failed}, {count} pictures on a sheet of {}x{}, in {seconds:.1} s",
+                picture.width, picture.height
+            ));
+        }
+        Ok(if failed > 0 { ExitCode::from(1) } else { ExitCode::SUCCESS })
+    }
+
+    /// Where the sheet is written.
+    fn output(&self, render: &Render) -> Result<(Destination, PictureFormat), String> {
+        let plan = render.writing.plan(&render.drawing, &render.stereo, false)?;
+        if plan.film.is_some() {
+            return Err("a sheet is a picture: choose .png, .jpg, .webp or .ppm".into());
+        }
+        if !plan.arrays.is_empty() || plan.stats.is_some() || plan.outputs.color16 {
+            return Err("a sheet is a picture of 8 bits a component: leave out --output-depth, --output-ids, --output-normals, --stats and --depth 16".into());
+        }
+        if render.series.resume || render.series.watch || render.ranks.trace().is_some() {
+            return Err("--resume, --watch and --trace make no sheet".into());
+        }
+        match plan.picture {
+            Some((files, format)) if files.len() == 1 => Ok((files[0].clone(), format)),
+            _ => Err("a sheet is one picture: --stereo pair makes two".into()),
+        }
+    }
+
+    /// The models with what is drawn of each.
+    fn groups(&self, render: &Render, models: &[PathBuf]) -> Result<Vec<Group>> {
+        let motion = render.series.motion(&render.camera)?;
+        let mut groups = Vec::new();
+        let mut first = 0;
+        for model in models {
+            let steps = match &motion {
+                Motion::Turntable(_) | Motion::Path(..) => vec![render.at_chosen_time(model)?],
+                _ => render.steps_of(model)?,
+            };
+            let of_step = |step: &ModelArgs| {
+                let mut of_step = render.with_model(step);
+                of_step.writing = of_step.writing.of_cell(motion.is_series());
+                of_step
+            };
+            let item = Item::new(of_step(&steps[0]))?;
+            if matches!(item.job.drawers, Drawers::Mpi(_)) {
+                return Err(UsageError("mpirun draws no sheet together: start one process".into()).into());
+            }
+            let of_step = |step: &ModelArgs| {
+                let render = of_step(step);
+                let job = render.job(&[])?;
+                Ok((render, job))
+            };
+            let steps: Vec<(Render, Job)> = steps.iter().map(of_step).collect::<Result<_>>()?;
+            let mut captions = Vec::new();
+            for (number, (_, job)) in steps.iter().enumerate() {
+                for names in &job.writing.names {
+                    let frame = Some(first + captions.len());
+                    let step = if steps.len() > 1 { Some(number) } else { names.step };
+                    let names = Names { frame, step, ..names.clone() };
+                    let text = self.caption_of(&names, models.len() > 1, steps.len() > 1, &job.motion);
+                    captions.push(shown(&text.map_err(UsageError)?));
+                }
+            }
+            let end = first + captions.len();
+            groups.push(Group { item, steps, first, captions });
+            first = end;
+        }
+        Ok(groups)
+    }
+
+    /// What is written below a picture.
+    fn caption_of(
+        &self,
+        names: &Names,
+        models: bool,
+        times: bool,
+        motion: &Motion,
+    ) -> Result<String, String> {
+        if let Some(text) = &self.caption {
+            return pattern::expand_text(text, names, true);
+        }
+        let view = match motion {
+            Motion::Views(_) => names.view.clone(),
+            Motion::Turntable(count) => {
+                let number = names.frame.unwrap_or(0) as u32 % count;
+                Some(format!("{}°", (f64::from(number) * 3600.0 / f64::from(*count)).round() / 10.0))
+            }
+            Motion::Path(..) => names.frame.map(|frame| frame.to_string()),
+            Motion::Still => None,
+        };
+        let time = names.time.filter(|_| times).map(|_| pattern::expand_text("t = {time}", names, true));
+        let time = time.transpose()?;
+        let is_alone = view.is_none() && time.is_none();
+        let name = names.name.clone().filter(|_| models || is_alone);
+        Ok([name, time, view].into_iter().flatten().collect::<Vec<_>>().join(", "))
+    }
+
+    fn paper(
+        &self,
+        render: &Render,
+        title: Option<&str>,
+        count: usize,
+        format: PictureFormat,
+    ) -> Result<Paper, String> {
+        let mut scene = Scene::default();
+        render.drawing.dress(&mut scene);
+        let [text, ground] = render.annotation.text_and_ground(&scene.background);
+        let look = Look {
+            cell: render.written_size(),
+            columns: self.columns,
+            has_captions: self.caption.as_deref() != Some(""),
+            title: title.map(str::to_owned),
+            text_scale: render.annotation.text_scale(),
+            text,
+            ground,
+        };
+        let paper = Paper::new(&look, count);
+        let (width, height) = paper.size();
+        let most = match format {
+            PictureFormat::WebP => WEBP_MAX_SIZE,
+            PictureFormat::Jpeg { .. } => JPEG_MAX_SIZE,
+            _ => 1 << 20,
+        };
+        if width.max(height) > most {
+            return Err(format!(
+                "a sheet of {count} pictures would have {width}x{height} pixels, the most in {format} are {most} a side: choose a smaller --size"
+            ));
+        }
+        Ok(paper)
+    }
+}
+
+/// Why a model could not be drawn, without its name, which is below the picture.
+fn reason(render: &Render, error: &anyhow::Error) -> String {
+    let mut words = String::new();
+    let _ = write!(words, "{error:#}");
+    let model = format!("{}: ", render.model.name());
+    words.strip_prefix(&model).map_or_else(|| words.clone(), str::to_owned)
+}
+
+impl Group {
+    /// With all files of the run, and with what the colours of all times have in common.
+    fn prepared(mut self, files: &Arc<NamedFiles>, display: &Display) -> Self {
+        if self.steps.len() > 1 {
+            let models: Vec<ModelArgs> = self.steps.iter().map(|(render, _)| render.model.clone()).collect();
+            // A model that cannot be read is told of where it is drawn.
+            if let Ok(Some(survey)) = self.item.render.survey(&models, display) {
+                self.steps.iter_mut().for_each(|(render, _)| render.data = render.data.of_series(&survey));
+            }
+        }
+        for (_, job) in &mut self.steps {
+            job.writing.files = Arc::clone(files);
+        }
+        self
+    }
+
+    /// Draws all pictures onto the paper.
+    fn draw(&self, paper: &Mutex<Paper>, display: &Display) -> Result<()> {
+        let silent = Display::new(ProgressMode::Never);
+        let mut cameras = None;
+        let mut cell = self.first;
+        for (render, job) in &self.steps {
+            let mut loaded = render.load(job, &silent, None::<&mut mpi::Comm>)?;
+            render.print_warnings(&loaded.reports);
+            // All times have the camera of the first one.
+            loaded.cameras.clone_from(cameras.get_or_insert_with(|| loaded.cameras.clone()));
+            let mut artist = Artist::new(job.drawers, None);
+            let mut spare = Frame::default();
+            for (shot, cameras) in loaded.cameras.clone().iter().enumerate() {
+                loaded.annotated.shot = shot;
+                let (mut frames, mut reasons) = (Vec::new(), Vec::new());
+                for camera in &cameras.views {
+                    let frame = std::mem::take(&mut spare);
+                    let drawn = render.draw_one(job, &loaded, camera, &silent, &mut artist, frame)?;
+                    reasons.push(render.reason(&loaded.together, camera, &drawn.frame.stats));
+                    frames.push(drawn.frame);
+                }
+                let mut reasons = reasons.into_iter().flatten();
+                if let Some(reason) = reasons.next().filter(|_| shot == 0 && !job.writing.allow_empty) {
+                    bail!("{}: {reason}", render.model.name());
+                }
+                drop(reasons);
+                let mut frames = render.stereo.written(frames).with_context(|| render.model.name())?;
+                let Some(frame) = frames.pop() else { continue };
+                let picture = Picture::from_frame(&frame);
+                let Pixels::Eight(pixels) = &picture.pixels else { continue };
+                paper.lock().unwrap_or_else(PoisonError::into_inner).put(cell, pixels);
+                spare = frame;
+                cell += 1;
+                display.progress.advance(1);
+            }
+        }
+        Ok(())
+    }
+}

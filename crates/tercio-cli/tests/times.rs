@@ -1,0 +1,138 @@
+//! Collections of times from the outside: the steps of a simulation as series, films and single pictures.
+
+mod common;
+
+use std::io::Cursor;
+
+use common::Place;
+
+/// The same camera for all pictures.
+const VIEW: &str = "--size 48x36 --quiet --eye 0,0,9 --target 0,0,0";
+
+/// A collection of three times, in another order than theirs: a triangle that grows, with a value at each corner.
+fn place() -> Place {
+    let place = Place::new();
+    for (name, size) in [("a", 1), ("b", 2), ("c", 3)] {
+        let text = format!(
+            "# vtk DataFile Version 3.0\n{name}\nASCII\nDATASET POLYDATA\nPOINTS 3 float\n0 0 0\n{size} 0 0\n0 {size} 0\n\
+             POLYGONS 1 4\n3 0 1 2\nPOINT_DATA 3\nSCALARS p float 1\nLOOKUP_TABLE default\n{size} 2 3\n\
+             SCALARS kind int 1\nLOOKUP_TABLE default\n{size} {size} {size}\n"
+        );
+        std::fs::write(place.path(&format!("{name}.vtk")), text).unwrap();
+    }
+    let set =
+        |time: &str, file: &str| format!("<DataSet timestep=\"{time}\" part=\"0\" file=\"{file}.vtk\"/>");
+    let sets = [set("0.30000000000000004", "c"), set("0.1", "a"), set("0.25", "b")].concat();
+    let text = format!(
+        "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\"><Collection>{sets}</Collection></VTKFile>"
+    );
+    std::fs::write(place.path("run.pvd"), text).unwrap();
+    place
+}
+
+fn draw(place: &Place, arguments: &str) -> Vec<u8> {
+    place.run(&format!("render {arguments} -o alone.png {VIEW}")).ok_silently();
+    place.read("alone.png")
+}
+
+#[test]
+fn numbered_pictures_and_films_show_all_times_in_their_order() {
+    let place = place();
+    place.run(&format!("render run.pvd -o f_{{:02}}.png {VIEW}")).ok_silently();
+    place.run(&format!("render run.pvd -o t{{time}}_{{step}}_{{time:.1f}}.png {VIEW}")).ok_silently();
+    place.run(&format!("render run.pvd -o film.webp {VIEW}")).ok_silently();
+    place.run(&format!("render run.pvd -o film.gif {VIEW}")).ok_silently();
+    let film = place.read("film.webp");
+    let mut film = image_webp::WebPDecoder::new(Cursor::new(&film)).unwrap();
+    assert_eq!(film.num_frames(), 3);
+    let names = ["t0.1_0_0.1.png", "t0.25_1_0.2.png", "t0.3_2_0.3.png"];
+    for (number, (file, name)) in ["a", "b", "c"].into_iter().zip(names).enumerate() {
+        let alone = draw(&place, &format!("{file}.vtk"));
+        assert!(place.read(&format!("f_{number:02}.png")) == alone, "{file}");
+        assert!(place.read(name) == alone, "{name}");
+        let picture = tercio::image::Picture::from_bytes(&alone).unwrap();
+        let tercio::image::Pixels::Eight(pixels) = picture.pixels else { panic!("8 bits") };
+        let mut shown = vec![0; film.output_buffer_size().unwrap()];
+        film.read_frame(&mut shown).unwrap();
+        let expected: Vec<u8> = pixels.iter().flat_map(|p| [p[0], p[1], p[2]]).collect();
+        assert!(shown == expected, "{file} in the film");
+    }
+    // All have the camera of the first one, if none is given.
+    place.run("render run.pvd -o g{}.png --size 48x36 --quiet --view front").ok_silently();
+    place.run("render a.vtk b.vtk c.vtk -o h{}.png --size 48x36 --quiet --view front").ok_silently();
+    assert!((0..3).all(|n| place.read(&format!("g{n}.png")) == place.read(&format!("h{n}.png"))));
+}
+
+#[test]
+fn one_time_is_chosen_by_number_or_by_the_nearest_time() {
+    let place = place();
+    let all = ["a", "b", "c"].map(|file| draw(&place, &format!("{file}.vtk")));
+    for (option, number) in
+        [("--step 0", 0), ("--step 2", 2), ("--time 0.25", 1), ("--time 7", 2), ("--time -1", 0)]
+    {
+        assert!(draw(&place, &format!("run.pvd {option}")) == all[number], "{option}");
+    }
+    let near = place.run("render run.pvd --time 0.26 -o n.png --size 48x36");
+    assert!(near.stderr.contains("has no time 0.26; the nearest is 0.25, step 1"), "{}", near.stderr);
+    let first = place.run("render run.pvd -o n.png --size 48x36");
+    assert!(first.stderr.contains("holds 3 times, of which the first is read, 0.1"), "{}", first.stderr);
+    place.run("render run.pvd -o n.png --step 3").failed(2, &["--step 3", "its steps are 0 to 2"]);
+    place.run("render model.off -o n.png --step 0").failed(2, &["model.off", "none", "--step and --time"]);
+    place.run("render run.pvd -o n.png --step 0 --time 1").failed(2, &["--time"]);
+    // What is drawn later is not replaced before.
+    let before = place.read("c.vtk");
+    place.run("render run.pvd -o c.vtk --format png --size 48x36 --step 0").failed(2, &["c.vtk"]);
+    assert!(place.read("c.vtk") == before);
+}
+
+#[test]
+fn a_colour_means_the_same_at_all_times() {
+    let place = place();
+    let series = |more: &str| -> [Vec<u8>; 3] {
+        place.run(&format!("render run.pvd -o s{{}}.png --color-by {more} --no-bar {VIEW}")).ok_silently();
+        [0, 1, 2].map(|n| place.read(&format!("s{n}.png")))
+    };
+    let each = |options: [&str; 3]| -> [Vec<u8>; 3] {
+        let file = |n: usize| ["a", "b", "c"][n];
+        [0, 1, 2].map(|n| draw(&place, &format!("{}.vtk --no-bar --color-by {}", file(n), options[n])))
+    };
+    // Values are 1 2 3, 2 2 3 and 3 2 3.
+    let all = series("p");
+    assert!(all == each(["p --range 1,3"; 3]), "all times have one range");
+    assert!(series("p --range 0%,100%") == all);
+    assert!(series("p --range ,3") == all);
+    assert!(series("p --log") == each(["p --log --range 1,3"; 3]));
+    assert!(series("p --range-over each") == each(["p"; 3]));
+    assert!(each(["p"; 3]) != all);
+    assert!(series("p --range 2,4") == each(["p --range 2,4"; 3]));
+    let kinds = series("kind --categories=2=two");
+    assert!(kinds == each(["kind --categories=1=1,2=two,3=3"; 3]), "and one list of categories");
+    place
+        .run(&format!("render run.pvd -o s{{}}.png --color-by q {VIEW}"))
+        .failed(1, &["run.pvd", "there is no attribute \"q\""]);
+    // By the first one: the last time has only one value, above all of it.
+    let text = place.read("a.vtk");
+    let text = String::from_utf8(text).unwrap().replace("\n1 2 3\n", "\n1 2 1.5\n");
+    std::fs::write(place.path("a.vtk"), text).unwrap();
+    assert!(series("p --range-over first") == each(["p --range 1,2"; 3]));
+}
+
+#[test]
+fn texts_tell_time_step_and_name() {
+    let place = place();
+    let texts = "--title {name},{time:.2f} --text bottom-left:{step}/{frame:03}";
+    place.run(&format!("render run.pvd -o s{{}}.png {texts} {VIEW}")).ok_silently();
+    for (number, (file, time)) in [("a", "0.10"), ("b", "0.25"), ("c", "0.30")].into_iter().enumerate() {
+        let same = format!("{file}.vtk --title run,{time} --text bottom-left:{number}/00{number}");
+        assert!(draw(&place, &same) == place.read(&format!("s{number}.png")), "{same}");
+    }
+    let one = draw(&place, "run.pvd --step 1 --title {time}-{step}");
+    assert!(one == draw(&place, "b.vtk --title 0.25-1"));
+    // A turntable counts, and other braces are text.
+    place.run("render model.off -o s{}.png --turntable 2 --text {frame} --size 48x36 --quiet").ok_silently();
+    assert!(place.read("s0.png") != place.read("s1.png"));
+    assert!(draw(&place, "b.vtk --title {x}") != draw(&place, "b.vtk"));
+    place.run("render b.vtk -o s.png --title {time}").failed(2, &["{time}", "collection"]);
+    place.run("render b.vtk -o s.png --text {frame}").failed(2, &["{frame}"]);
+    place.run("render run.pvd -o s{}.png --title {time:x}").failed(2, &["{time:x}"]);
+}
