@@ -36,7 +36,8 @@
 //! - [`write_png_in_bands`] draws pictures that are larger than memory.
 //! - [`camera_path`] reads the keyframes of a moving camera, [`CameraPath`] interpolates them.
 //! - [`stereo`] makes one picture of those of two eyes, whose cameras [`Stereo`] places.
-//! - [`strokes`] makes lines, edges and points a part of a scene.
+//! - [`strokes`] makes lines, edges and points a part of a scene; [`vector`] makes them drawings (SVG, PDF), cut where the surface
+//!   hides them.
 //! - [`image`] writes pictures (PNG, PPM, WebP), films ([`image::film`]: GIF, APNG, Y4M) and arrays (NPY), reads and compares
 //!   pictures.
 //!
@@ -67,6 +68,7 @@ pub mod stereo;
 pub mod strokes;
 mod summary;
 mod textures;
+pub mod vector;
 
 pub use bands::{MAX_PIXELS_IN_MEMORY, band_bytes, write_png_in_bands, write_png_in_bands_with};
 pub use clipping::{ClipReport, Clipping};

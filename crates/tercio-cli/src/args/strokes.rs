@@ -2,7 +2,7 @@
 
 use clap::{Args, ValueEnum};
 use serde_json::{Value, json};
-use tercio::mesh::edges::Selection;
+use tercio::mesh::edges::{EdgeKind, Edges, Selection};
 use tercio::scene::color::linear_to_srgb;
 use tercio::scene::{Background, Scene, Surface, srgb_to_linear};
 use tercio::strokes::{Length, Pen, PointShape};
@@ -23,6 +23,9 @@ pub enum ModeName {
     Points,
     /// Feature edges, and no surface.
     Edges,
+    /// The data of --color-by without light: bands of one colour (10, or as many as --bands or --isolines say) with lines between
+    /// them.
+    Contours,
 }
 
 /// Which edges are drawn.
@@ -34,6 +37,8 @@ pub enum EdgesName {
     Feature,
     /// Edges of one triangle, and those of more than two.
     Boundary,
+    /// Edges of more than two triangles.
+    NonManifold,
     /// Edges between what the camera sees from its front and from its back, and those of boundary.
     Silhouette,
 }
@@ -110,21 +115,43 @@ impl StrokeArgs {
     /// Which edges are drawn, if any.
     pub fn selection(&self) -> Option<Selection> {
         let default = match self.mode {
-            ModeName::Surface | ModeName::Points => None,
+            ModeName::Surface | ModeName::Points | ModeName::Contours => None,
             ModeName::Wireframe | ModeName::HiddenLine => Some(EdgesName::All),
             ModeName::Edges => Some(EdgesName::Feature),
         };
         Some(match self.edges.or(default)? {
             EdgesName::All => Selection::All,
             EdgesName::Feature => Selection::Feature(self.feature_angle.unwrap_or(30.0).to_radians()),
-            EdgesName::Boundary => Selection::Boundary,
+            EdgesName::Boundary | EdgesName::NonManifold => Selection::Boundary,
             EdgesName::Silhouette => Selection::Silhouette,
         })
     }
 
     /// Is the surface drawn?
     pub fn has_surface(&self) -> bool {
-        matches!(self.mode, ModeName::Surface | ModeName::HiddenLine)
+        matches!(self.mode, ModeName::Surface | ModeName::HiddenLine | ModeName::Contours)
+    }
+
+    /// Does the picture have lines alone, without shaded surfaces?
+    pub fn has_lines(&self) -> bool {
+        !matches!(self.mode, ModeName::Surface | ModeName::Points)
+    }
+
+    /// Do surfaces hide lines?
+    pub fn hides(&self) -> bool {
+        self.has_surface()
+    }
+
+    /// Are contours of data drawn?
+    pub fn is_contours(&self) -> bool {
+        self.mode == ModeName::Contours
+    }
+
+    /// Leaves out edges that were found with those that are wanted.
+    pub fn retain(&self, edges: &mut Edges) {
+        if self.edges == Some(EdgesName::NonManifold) {
+            edges.list.retain(|edge| edge.kind == EdgeKind::NonManifold);
+        }
     }
 
     /// Are the vertices drawn as points?
@@ -134,7 +161,7 @@ impl StrokeArgs {
 
     /// How edges are drawn.
     pub fn edge_pen(&self) -> Pen {
-        let width = if self.mode == ModeName::Surface { 1.0 } else { 1.5 };
+        let width = if matches!(self.mode, ModeName::Surface | ModeName::Contours) { 1.0 } else { 1.5 };
         let color = self.edge_color.unwrap_or(INK);
         Pen { width: self.line_width.unwrap_or(Length::Pixels(width)), color }
     }
@@ -196,6 +223,7 @@ impl StrokeArgs {
             "edges": self.selection().map(|selection| match selection {
                 Selection::All => "all",
                 Selection::Feature(_) => "feature",
+                Selection::Boundary if self.edges == Some(EdgesName::NonManifold) => "non-manifold",
                 Selection::Boundary => "boundary",
                 Selection::Silhouette => "silhouette",
             }),

@@ -64,6 +64,7 @@ impl Render {
         let up = camera.front().up;
         self.data.apply(&mut scene, up, parts.as_deref_mut()).with_context(|| self.model.name())?;
         self.strokes.dress(&mut scene);
+        self.dress_contours(&mut scene);
         let background = scene.background;
         if self.needs_transparency() {
             scene.background = Background::Solid([0.0; 4]);

@@ -15,6 +15,7 @@ mod series;
 mod steps;
 mod strokes;
 mod summary;
+mod vector;
 mod watch;
 
 use std::path::PathBuf;
@@ -29,6 +30,7 @@ use tercio::parallel::FrameReport;
 use tercio::parallel::trace::Trace;
 use tercio::raster::{Frame, Settings};
 use tercio::scene::{Background, Scene};
+use tercio::vector::Page;
 use tercio::{LoadReport, TextureReport};
 use tercio_lab::predict::choose::Choice;
 
@@ -72,6 +74,7 @@ Examples:
   tercio render *.stl -o 'thumbs/{name}.png' --size 256x256
   tercio render step_*.ply -o steps.mp4 --fps 30
   tercio render scan.ply -o scan.png --color-by quality --colormap turbo --range 2%,98% --isolines 9
+  tercio render part.stl -o part.svg --mode hidden-line --edges=feature
   tercio render scan.ply -o scan.png --stereo anaglyph
   tercio render scan.ply -o scan.png --stereo pair --eye-distance 2.5   (scan.left.png, scan.right.png)
   tercio render scan.ply -o scan.png --ranks 4 --organisation sort-last --stats -
@@ -151,6 +154,8 @@ struct Loaded {
 /// The picture of one camera.
 struct Drawn {
     frame: Frame,
+    /// The drawing, in place of a picture.
+    page: Option<Page>,
     /// The report of every rank, if there are ranks.
     parallel: Option<FrameReport>,
     /// Of the effects on the finished picture.

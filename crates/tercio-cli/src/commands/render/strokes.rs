@@ -19,6 +19,13 @@ pub(super) struct Drawable {
     edges: Option<Edges>,
 }
 
+impl Drawable {
+    /// Edges of the model, if they are drawn.
+    pub fn edges(&self) -> Option<&Edges> {
+        self.edges.as_ref()
+    }
+}
+
 impl Render {
     /// The lines and points of the file that are drawn. Those of a model that is clipped are not, and the report says so.
     pub(super) fn strokes_of(&self, report: &mut LoadReport, strokes: Strokes) -> Strokes {
@@ -40,7 +47,10 @@ impl Render {
         let edges = match (self.strokes.selection(), model) {
             (Some(selection), Some(model)) => {
                 self.check_memory(taken, Edges::needed_bytes(&model.mesh))?;
-                Some(Edges::of_clusters(&model.mesh, selection))
+                let mut edges = Edges::of_clusters(&model.mesh, selection);
+                self.strokes.retain(&mut edges);
+                self.report_edges(&edges);
+                Some(edges)
             }
             _ => None,
         };

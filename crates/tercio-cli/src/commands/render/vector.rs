@@ -1,0 +1,181 @@
+//! Drawings of lines: what of a model becomes an SVG or PDF.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use anyhow::{Context, Result};
+use tercio::mesh::AttributeDomain;
+use tercio::raster::Frame;
+use tercio::raster::view::View;
+use tercio::scene::color_map::Isolines;
+use tercio::scene::{Background, Camera, Instance, Scene, SurfaceData};
+use tercio::strokes::{Eye, Length};
+use tercio::vector::{Hiders, Page, Sketch, areas};
+
+use super::{Drawn, Loaded, Render};
+use crate::output::Plan;
+
+/// Bands of contours, if nothing else is said.
+const BANDS: u32 = 10;
+/// Width of contours in pixels.
+const WIDTH: f32 = 1.5;
+
+impl Render {
+    /// Options that do not go together with drawings of lines, or with contours.
+    ///
+    /// # Errors
+    /// One sentence.
+    pub(super) fn check_vector(&self, plan: &Plan) -> Result<(), String> {
+        if self.strokes.is_contours() && !self.data.is_given() {
+            return Err("--mode contours shows data: name them with --color-by".into());
+        }
+        self.data.check_isolines(self.strokes.is_contours())?;
+        let Some((_, format)) = &plan.drawing else { return Ok(()) };
+        let name = format.name().to_uppercase();
+        if !self.strokes.has_lines() {
+            return Err(format!(
+                "{name} holds lines, not surfaces: give --mode hidden-line, wireframe, edges or contours, or choose .png, .ppm or .webp"
+            ));
+        }
+        if !plan.arrays.is_empty() {
+            return Err(format!(
+                "--output-depth, --output-ids and --output-normals do not go together with {name}"
+            ));
+        }
+        if self.effects.are_given() {
+            return Err(format!("--exposure, --tone, --ao and --edl have no effect on the lines of {name}"));
+        }
+        if self.annotation.is_behind() && self.strokes.hides() {
+            return Err(format!(
+                "--bounds and --grid are drawn behind surfaces, which {name} does not have: leave them out, or give --mode wireframe or edges"
+            ));
+        }
+        Ok(())
+    }
+
+    /// Gives a dressed scene the look of contours: no light, bands of one colour, and lines between them.
+    pub(super) fn dress_contours(&self, scene: &mut Scene) {
+        if !self.strokes.is_contours() {
+            return;
+        }
+        for instance in &mut scene.instances {
+            instance.surface.unlit = true;
+            let domain = instance.data.as_ref().map(|data| data.domain(instance.mesh.layout()));
+            let Some(data) = &mut instance.data else { continue };
+            let SurfaceData::Mapped { colors, .. } = Arc::make_mut(data) else { continue };
+            if !colors.categories.is_empty() {
+                continue;
+            }
+            let colors = Arc::make_mut(colors);
+            let between = |colors: &tercio::scene::DataColors, bands: u32| -> Vec<f64> {
+                (1..bands).map(|i| colors.value_at(f64::from(i) / f64::from(bands))).collect()
+            };
+            match &colors.isolines {
+                // Lines that are spread evenly are the limits of bands.
+                Some(lines) => {
+                    let bands = lines.values.len() as u32 + 1;
+                    if colors.bands.is_none() && lines.values == between(colors, bands) {
+                        colors.bands = Some(bands);
+                    }
+                }
+                None => {
+                    let bands = colors.steps().unwrap_or(BANDS);
+                    if colors.steps().is_none() {
+                        colors.bands = Some(bands);
+                    }
+                    let values = between(colors, bands);
+                    if domain == Some(AttributeDomain::Vertex) && !values.is_empty() {
+                        let color = self.data.isoline_color().unwrap_or([0, 0, 0, 255]);
+                        let width = self.data.isoline_width().map_or(WIDTH, |width| width as f32);
+                        colors.isolines = Some(Isolines { values, color, width });
+                    }
+                }
+            }
+        }
+    }
+
+    /// The drawing of one camera.
+    pub(super) fn draw_page(&self, loaded: &Loaded, camera: &Camera, mut frame: Frame) -> Result<Drawn> {
+        let begin = Instant::now();
+        let Loaded { scene, drawable, .. } = loaded;
+        let (width, height) = self.drawing.size;
+        let bounds = scene.bounds().union(drawable.file.bounds());
+        let view = View::new(camera, &bounds, width, height).with_context(|| self.model.name())?;
+        let eye = Eye::new(view);
+        let pens = self.strokes.pens(self.drawing.color());
+        let edge_pen = self.strokes.edge_pen();
+        let hiders = if self.strokes.hides() {
+            self.check_memory(Hiders::needed_bytes(scene), loaded.report.mesh.bytes)?;
+            let widths = [edge_pen.width, pens.lines.width, pens.points.width];
+            Some(Hiders::of_scene(&eye, scene, Sketch::margin(&eye, &widths)))
+        } else {
+            None
+        };
+        let mut sketch = Sketch::new(&eye, hiders.as_ref());
+        if self.strokes.is_contours() {
+            scene.instances.iter().for_each(|instance| self.add_contours(&mut sketch, instance));
+        }
+        if let (Some(model), Some(edges)) = (scene.instances.first(), drawable.edges()) {
+            sketch.edges(edges, &model.world_from_object, &edge_pen, self.strokes.is_silhouette());
+        }
+        sketch.lines(&drawable.file, &pens.lines);
+        sketch.points(&drawable.file, self.strokes.shape(), &pens.points);
+        let mut page = sketch.page(Some(paper(&loaded.background)));
+        let annotation = self.lay_out(&loaded.annotated, camera)?;
+        page.shapes.splice(0..0, areas(&annotation.behind));
+        page.shapes.extend(areas(&annotation.onto));
+        frame = Frame { planes: Default::default(), stats: Default::default(), ..frame };
+        frame.stats.threads = rayon::current_num_threads();
+        frame.stats.milliseconds.total = begin.elapsed().as_secs_f64() * 1e3;
+        Ok(Drawn { frame, page: Some(page), parallel: None, effect_milliseconds: 0.0 })
+    }
+
+    /// Lines of equal value, each in the colour that it has in the map.
+    fn add_contours(&self, sketch: &mut Sketch, instance: &Instance) {
+        let Some(SurfaceData::Mapped { colors, .. }) = instance.data.as_deref() else { return };
+        let Some(lines) = &colors.isolines else { return };
+        let mut values = lines.values.clone();
+        values.sort_by(f64::total_cmp);
+        values.dedup();
+        let smooth = tercio::scene::DataColors { bands: None, ..(**colors).clone() };
+        let color = |value: f64| self.data.isoline_color().unwrap_or_else(|| smooth.color(value));
+        let values: Vec<_> = values.into_iter().map(|value| (value, color(value))).collect();
+        sketch.contours(instance, &values, Length::Pixels(f64::from(lines.width)));
+    }
+
+    /// Says how many edges of each kind are drawn.
+    pub(super) fn report_edges(&self, edges: &tercio::mesh::edges::Edges) {
+        use tercio::mesh::edges::EdgeKind::{Boundary, Inner, NonManifold};
+        if !self.running.verbose {
+            return;
+        }
+        // Those of more than two triangles are listed once for every two.
+        let mut ends: Vec<_> = edges.list.iter().filter(|e| e.kind == NonManifold).map(|e| e.ends).collect();
+        ends.iter_mut().for_each(|ends| ends.sort_unstable());
+        ends.sort_unstable();
+        ends.dedup();
+        crate::messages::note(&format!(
+            "edges: {} of two triangles, {} of one (boundary), {} of more (non-manifold){}",
+            crate::report::grouped(edges.count(Inner) as u64),
+            crate::report::grouped(edges.count(Boundary) as u64),
+            crate::report::grouped(ends.len() as u64),
+            if self.strokes.is_silhouette() { ", of which those on the silhouette are drawn" } else { "" },
+        ));
+    }
+}
+
+/// The colour of the page: white, unless another one is asked for.
+fn paper(background: &Background) -> [u8; 4] {
+    let color = match *background {
+        background if background == Background::default() => [1.0; 4],
+        Background::Solid(color) => color,
+        Background::Gradient { top, bottom } => [0, 1, 2, 3].map(|k: usize| 0.5 * (top[k] + bottom[k])),
+    };
+    color.map(|c| (c.clamp(0.0, 1.0) * 255.0).round() as u8)
+}
+
+/// Why a drawing has no line.
+pub(super) fn page_reason(page: &Page) -> Option<String> {
+    (page.line_count() == 0)
+        .then(|| "nothing was drawn: no line is visible in the picture, or there are none".into())
+}
