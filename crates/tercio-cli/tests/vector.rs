@@ -177,8 +177,8 @@ fn sheet() -> String {
 fn contours_are_bands_with_lines_between() {
     let place = Place::new();
     fs::write(place.path("sheet.vtk"), sheet()).unwrap();
-    // 8 units are 160 pixels: a unit is 20.
-    let camera = "--orthographic --eye 4,4,10 --target 4,4,0 --size 200x180 --zoom 1 --no-bar";
+    // All of it is in the picture.
+    let camera = "--orthographic --eye 4,4,20 --target 4,4,0 --size 200x180 --no-bar";
     let options = "--mode contours --color-by x --bands 4 --edges=boundary";
     place.run(&format!("render sheet.vtk -o a.svg {options} {camera}")).ok_silently();
     let svg = String::from_utf8(place.read("a.svg")).unwrap();
