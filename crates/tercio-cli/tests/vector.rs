@@ -60,6 +60,13 @@ fn of_a_cube_nine_edges_are_drawn() {
         .run(&format!("render cube.off -o c.svg --mode hidden-line --edges=silhouette {camera}"))
         .ok_silently();
     assert_eq!(pieces(&String::from_utf8(place.read("c.svg")).unwrap()).len(), 6);
+    // Sets of edges, none twice.
+    for (which, count) in [("feature,silhouette", 9), ("silhouette,boundary", 6), ("all,silhouette", 9)] {
+        place
+            .run(&format!("render cube.off -o c.svg --mode hidden-line --edges={which} {camera}"))
+            .ok_silently();
+        assert_eq!(pieces(&String::from_utf8(place.read("c.svg")).unwrap()).len(), count, "{which}");
+    }
     // White paper, or the colour that is asked for.
     assert!(svg.contains("<rect width=\"300\" height=\"200\" fill=\"#ffffff\"/>"));
     place

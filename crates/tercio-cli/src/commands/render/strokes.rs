@@ -16,14 +16,8 @@ use super::{Loaded, Render};
 pub(super) struct Drawable {
     /// Lines and points of the file.
     pub file: Strokes,
-    edges: Option<Edges>,
-}
-
-impl Drawable {
-    /// Edges of the model, if they are drawn.
-    pub fn edges(&self) -> Option<&Edges> {
-        self.edges.as_ref()
-    }
+    /// Edges, and whether only those on the silhouette are drawn.
+    pub edges: Vec<(Edges, bool)>,
 }
 
 impl Render {
@@ -44,16 +38,15 @@ impl Render {
     /// The edges of a scene's model, if they are drawn, beside lines and points of its file.
     pub(super) fn drawable(&self, scene: &Scene, file: Strokes, taken: u64) -> Result<Drawable> {
         let model = scene.instances.first();
-        let edges = match (self.strokes.selection(), model) {
-            (Some(selection), Some(model)) => {
-                self.check_memory(taken, Edges::needed_bytes(&model.mesh))?;
-                let mut edges = Edges::of_clusters(&model.mesh, selection);
-                self.strokes.retain(&mut edges);
-                self.report_edges(&edges);
-                Some(edges)
+        let edges = match model.filter(|_| self.strokes.has_edges()) {
+            Some(model) => {
+                let needed = Edges::needed_bytes(&model.mesh).saturating_mul(self.strokes.searches());
+                self.check_memory(taken, needed)?;
+                self.strokes.edges_of(&model.mesh)
             }
-            _ => None,
+            None => Vec::new(),
         };
+        self.report_edges(&edges);
         Ok(Drawable { file, edges })
     }
 
@@ -61,7 +54,7 @@ impl Render {
     pub(super) fn with_strokes<'a>(&self, loaded: &'a Loaded, camera: &Camera) -> Result<Cow<'a, Scene>> {
         let Loaded { scene, drawable: Drawable { file, edges }, .. } = loaded;
         let (has_surface, has_vertices) = (self.strokes.has_surface(), self.strokes.has_vertices());
-        if file.is_empty() && edges.is_none() && !has_vertices && has_surface {
+        if file.is_empty() && edges.is_empty() && !has_vertices && has_surface {
             return Ok(Cow::Borrowed(scene));
         }
         let (width, height) = self.drawing.size;
@@ -72,9 +65,12 @@ impl Render {
         if !has_surface {
             drawn.instances.clear();
         }
-        if let (Some(model), Some(edges)) = (scene.instances.first(), edges) {
-            let (pen, only) = (self.strokes.edge_pen(), self.strokes.is_silhouette());
-            drawn.instances.extend(strokes::edges(&eye, edges, &model.world_from_object, &pen, only));
+        if let Some(model) = scene.instances.first() {
+            let pen = self.strokes.edge_pen();
+            for (edges, only_silhouette) in edges {
+                let place = &model.world_from_object;
+                drawn.instances.extend(strokes::edges(&eye, edges, place, &pen, *only_silhouette));
+            }
         }
         let pens = self.strokes.pens(self.drawing.color());
         if has_vertices {

@@ -5,6 +5,7 @@ use std::time::Instant;
 
 use anyhow::{Context, Result};
 use tercio::mesh::AttributeDomain;
+use tercio::mesh::edges::{EdgeKind, Edges};
 use tercio::raster::Frame;
 use tercio::raster::view::View;
 use tercio::scene::color_map::Isolines;
@@ -13,7 +14,9 @@ use tercio::strokes::{Eye, Length};
 use tercio::vector::{Hiders, Page, Sketch, areas};
 
 use super::{Drawn, Loaded, Render};
+use crate::messages;
 use crate::output::Plan;
+use crate::report::grouped;
 
 /// Bands of contours, if nothing else is said.
 const BANDS: u32 = 10;
@@ -115,8 +118,10 @@ impl Render {
         if self.strokes.is_contours() {
             scene.instances.iter().for_each(|instance| self.add_contours(&mut sketch, instance));
         }
-        if let (Some(model), Some(edges)) = (scene.instances.first(), drawable.edges()) {
-            sketch.edges(edges, &model.world_from_object, &edge_pen, self.strokes.is_silhouette());
+        if let Some(model) = scene.instances.first() {
+            for (edges, only_silhouette) in &drawable.edges {
+                sketch.edges(edges, &model.world_from_object, &edge_pen, *only_silhouette);
+            }
         }
         sketch.lines(&drawable.file, &pens.lines);
         sketch.points(&drawable.file, self.strokes.shape(), &pens.points);
@@ -143,24 +148,26 @@ impl Render {
         sketch.contours(instance, &values, Length::Pixels(f64::from(lines.width)));
     }
 
-    /// Says how many edges of each kind are drawn.
-    pub(super) fn report_edges(&self, edges: &tercio::mesh::edges::Edges) {
-        use tercio::mesh::edges::EdgeKind::{Boundary, Inner, NonManifold};
+    /// Says how many edges of each kind there are, of those that are drawn.
+    pub(super) fn report_edges(&self, edges: &[(Edges, bool)]) {
         if !self.running.verbose {
             return;
         }
-        // Those of more than two triangles are listed once for every two.
-        let mut ends: Vec<_> = edges.list.iter().filter(|e| e.kind == NonManifold).map(|e| e.ends).collect();
-        ends.iter_mut().for_each(|ends| ends.sort_unstable());
-        ends.sort_unstable();
-        ends.dedup();
-        crate::messages::note(&format!(
-            "edges: {} of two triangles, {} of one (boundary), {} of more (non-manifold){}",
-            crate::report::grouped(edges.count(Inner) as u64),
-            crate::report::grouped(edges.count(Boundary) as u64),
-            crate::report::grouped(ends.len() as u64),
-            if self.strokes.is_silhouette() { ", of which those on the silhouette are drawn" } else { "" },
-        ));
+        for (edges, only_silhouette) in edges {
+            // Those of more than two triangles are listed once for every two.
+            let several = edges.list.iter().filter(|e| e.kind == EdgeKind::NonManifold).map(|e| e.ends);
+            let mut ends: Vec<_> = several.collect();
+            ends.iter_mut().for_each(|ends| ends.sort_unstable());
+            ends.sort_unstable();
+            ends.dedup();
+            messages::note(&format!(
+                "edges: {} of two triangles, {} of one (boundary), {} of more (non-manifold){}",
+                grouped(edges.count(EdgeKind::Inner) as u64),
+                grouped(edges.count(EdgeKind::Boundary) as u64),
+                grouped(ends.len() as u64),
+                if *only_silhouette { "; of those of two, the ones on the silhouette are drawn" } else { "" },
+            ));
+        }
     }
 }
 
