@@ -28,7 +28,9 @@ pub struct Sketch<'a> {
     shapes: Vec<Shape>,
 }
 
-/// What is drawn of a segment.
+/// What is drawn of a segment: a piece of a line, and its width.
+type Piece = ([DVec2; 2], f64);
+/// Those of one style.
 type Pieces = Vec<[DVec2; 2]>;
 
 impl<'a> Sketch<'a> {
@@ -161,14 +163,14 @@ impl<'a> Sketch<'a> {
     /// Adds what is visible of segments in eye space.
     fn add(&mut self, ends: &[[DVec3; 2]], color: impl Fn(usize) -> [u8; 4], width: Length) {
         let (eye, hiders) = (self.eye, self.hiders);
-        let visible = |&ends: &[DVec3; 2]| -> Vec<([DVec2; 2], f64)> {
+        let visible = |&ends: &[DVec3; 2]| -> Vec<Piece> {
             let is_finite = ends.iter().all(|p| p.is_finite());
             let margin = Self::margin(eye, &[width]);
             let Some(ends) = is_finite.then(|| eye.clip(ends, margin)).flatten() else { return Vec::new() };
             let parts = hiders.map_or_else(|| vec![[0.0, 1.0]], |hiders| hiders.visible(ends));
             parts.into_iter().flat_map(|part| pieces(eye, ends, part, width)).collect()
         };
-        let all: Vec<Vec<Vec<([DVec2; 2], f64)>>> =
+        let all: Vec<Vec<Vec<Piece>>> =
             ends.par_chunks(CHUNK).map(|chunk| chunk.iter().map(visible).collect()).collect();
         // By style, in the order in which styles appear.
         let mut numbers: HashMap<([u8; 4], u64), usize> = HashMap::new();
@@ -217,7 +219,7 @@ impl<'a> Sketch<'a> {
 }
 
 /// A visible part of a segment on the screen: one piece, or several if its width changes. What is seen end-on is left out.
-fn pieces(eye: &Eye, [p, q]: [DVec3; 2], [from, to]: [f64; 2], width: Length) -> Vec<([DVec2; 2], f64)> {
+fn pieces(eye: &Eye, [p, q]: [DVec3; 2], [from, to]: [f64; 2], width: Length) -> Vec<Piece> {
     let at = |t: f64| match t {
         t if t <= 0.0 => p,
         t if t >= 1.0 => q,
