@@ -90,6 +90,28 @@ impl Outline {
         })
     }
 
+    /// The polygons of a closed outline. Level edges are not kept: those that are missing are put back, perhaps together with
+    /// others there and back again, which enclose nothing.
+    pub fn polygons(&self) -> Vec<Vec<[f64; 2]>> {
+        let mut polygons: Vec<Vec<[f64; 2]>> = Vec::new();
+        for &[from, to] in &self.edges {
+            match polygons.last_mut() {
+                Some(polygon) if polygon.last() == Some(&from) => polygon.push(to),
+                // A level edge.
+                Some(polygon) if polygon.last().is_some_and(|last| last[1] == from[1]) => {
+                    polygon.extend([from, to]);
+                }
+                _ => polygons.push(vec![from, to]),
+            }
+        }
+        for polygon in &mut polygons {
+            if polygon.len() > 1 && polygon.first() == polygon.last() {
+                polygon.pop();
+            }
+        }
+        polygons
+    }
+
     /// A closed outline that can be drawn.
     pub fn closed(mut self) -> Self {
         self.close();
@@ -212,6 +234,24 @@ mod tests {
                     );
                 }
             }
+        }
+    }
+
+    /// Polygons that are taken out and put in again cover the same.
+    #[test]
+    fn polygons_are_those_that_were_put_in() {
+        let mut outline = Outline::polygon(&[[2.0, 1.0], [5.0, 1.0], [5.0, 3.0], [2.0, 3.0]]);
+        // Two more that begin and end at the same height, the second one a hole.
+        outline.add(Outline::polygon(&[[8.0, 1.0], [12.0, 1.0], [12.0, 4.5], [8.0, 4.5]]));
+        outline.add(Outline::polygon(&[[9.0, 4.0], [11.0, 4.0], [11.0, 1.0], [9.0, 1.5]]));
+        let outline = outline.closed();
+        let mut again = Outline::default();
+        outline.polygons().iter().for_each(|corners| again.add(Outline::polygon(corners)));
+        let again = again.closed();
+        for row in 0..6 {
+            let (mut cover, mut cover_again) = (Vec::new(), Vec::new());
+            assert_eq!(outline.cover(row, 16, &mut cover), again.cover(row, 16, &mut cover_again));
+            assert_eq!(cover, cover_again);
         }
     }
 

@@ -81,6 +81,12 @@ impl Overlay {
             .reduce(|a, b| [a[0].min(b[0]), a[1].min(b[1]), a[2].max(b[2]), a[3].max(b[3])])
     }
 
+    /// The polygons of each shape, in the order of drawing: what any of them encloses is filled, and those in the opposite direction
+    /// are holes.
+    pub fn areas(&self) -> impl Iterator<Item = (Vec<Vec<[f64; 2]>>, &Paint)> {
+        self.shapes.iter().map(|shape| (shape.outline.polygons(), &shape.paint))
+    }
+
     /// Draws onto the colours of a band of rows of a picture of this width: in linear light, on the colours that the picture has,
     /// of 8 or 16 bits. What is not drawn on keeps its bytes.
     ///

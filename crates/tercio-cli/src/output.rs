@@ -7,6 +7,7 @@ use anyhow::{Context, Result, bail};
 use tercio::Loaded;
 use tercio::image::{Destination, ImageError, OutputFile, Picture, PictureFormat, npy};
 use tercio::raster::{Frame, FrameStats, Outputs};
+use tercio::vector::{Page, VectorFormat};
 
 use crate::args::series::OutputFormat;
 use crate::named_files::NamedFiles;
@@ -58,6 +59,8 @@ pub struct Plan {
     pub outputs: Outputs,
     /// The picture: one file, or one for each eye.
     pub picture: Option<(Vec<Destination>, PictureFormat)>,
+    /// The drawing of lines, in place of a picture.
+    pub drawing: Option<(Destination, VectorFormat)>,
     /// The film of all pictures.
     pub film: Option<(Destination, OutputFormat)>,
     /// Arrays of numbers, likewise.
@@ -76,8 +79,9 @@ impl Plan {
     /// Those of pictures of their own, and of arrays.
     pub fn files(&self) -> impl Iterator<Item = (&'static str, &Destination)> {
         let picture = self.picture.iter().map(|(files, _)| ("--output", files));
+        let drawing = self.drawing.iter().map(|(file, _)| ("--output", file));
         let all = picture.chain(self.arrays.iter().map(|(files, array)| (array.option(), files)));
-        all.flat_map(|(option, files)| files.iter().map(move |file| (option, file)))
+        drawing.chain(all.flat_map(|(option, files)| files.iter().map(move |file| (option, file))))
     }
 
     /// All destinations, for the rule of all commands, added to `files`.
@@ -137,6 +141,16 @@ impl Plan {
             finish(file, destination)?;
         }
         Ok(stats)
+    }
+
+    /// Writes a drawing.
+    ///
+    /// # Errors
+    /// The system's reason why it could not be written.
+    pub fn write_drawing(&self, page: &Page) -> Result<()> {
+        let Some((destination, format)) = &self.drawing else { return Ok(()) };
+        let file = begin(destination, |out| Ok(page.write(*format, out)?))?;
+        finish(file, destination)
     }
 
     /// Writes picture and arrays, of each frame to a file of its own. Files appear only when all are complete; standard

@@ -348,7 +348,7 @@ fn options_without_effect_are_mistakes() {
         ("--edge-color #f00", "--edge-color has no effect"),
         ("--edges --feature-angle 20", "--feature-angle has no effect"),
         ("--line-width 0", "expected pixels"),
-        ("--edges=some", "all, feature, boundary, silhouette"),
+        ("--edges=some", "all, feature, boundary, non-manifold, silhouette"),
         ("--mode faces", "surface, wireframe, hidden-line, points, edges"),
     ];
     for (options, reason) in cases {

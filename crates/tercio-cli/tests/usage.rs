@@ -27,7 +27,7 @@ fn wrong_usage_is_reported_before_any_work() {
     let place = Place::new();
     let cases = [
         ("", "--output"),
-        ("-o a.bmp", "extension must be .png, .ppm, .webp or .jpg"),
+        ("-o a.bmp", "extension must be .png, .ppm, .webp, .jpg, .svg or .pdf"),
         ("-o a", "extension"),
         ("-o a.png --size 0x5", "--size"),
         ("-o a.png --size 65537x5", "--size"),

@@ -37,7 +37,8 @@
 //! - [`camera_path`] reads the keyframes of a moving camera, [`CameraPath`] interpolates them.
 //! - [`scene_file`] reads and writes files of settings for several models, and configuration files.
 //! - [`stereo`] makes one picture of those of two eyes, whose cameras [`Stereo`] places.
-//! - [`strokes`] makes lines, edges and points a part of a scene.
+//! - [`strokes`] makes lines, edges and points a part of a scene; [`vector`] makes them drawings (SVG, PDF), cut where the surface
+//!   hides them.
 //! - [`image`] writes pictures (PNG, PPM, WebP, JPEG), films ([`image::film`]: GIF, APNG, WebP, Y4M) and arrays (NPY), reads and compares
 //!   pictures.
 //!
@@ -69,6 +70,7 @@ pub mod stereo;
 pub mod strokes;
 mod summary;
 mod textures;
+pub mod vector;
 
 pub use bands::{MAX_PIXELS_IN_MEMORY, band_bytes, write_png_in_bands, write_png_in_bands_with};
 pub use clipping::{ClipReport, Clipping};

@@ -50,11 +50,11 @@ pub struct DataArgs {
     /// Lines of equal value: how many, spread evenly over the range, or their values with commas (a single one ends with a comma).
     #[arg(long, value_name = "N|V1,V2", allow_hyphen_values = true, value_parser = isolines, requires = "color_by")]
     isolines: Option<Lines>,
-    /// Colour of the lines of --isolines [default: #000000].
-    #[arg(long, value_name = "COLOR", value_parser = values::color, requires = "isolines")]
+    /// Colour of the lines of --isolines and --mode contours [default: #000000; in SVG and PDF that of their value].
+    #[arg(long, value_name = "COLOR", value_parser = values::color, requires = "color_by")]
     isoline_color: Option<[u8; 4]>,
-    /// Width of the lines of --isolines in pixels, 0 to 1000 [default: 1.5].
-    #[arg(long, value_name = "PIXELS", value_parser = width, requires = "isolines")]
+    /// Width of the lines of --isolines and --mode contours in pixels, 0 to 1000 [default: 1.5].
+    #[arg(long, value_name = "PIXELS", value_parser = width, requires = "color_by")]
     isoline_width: Option<f64>,
     /// Colour of what is not a number [default: #a0a0a0].
     #[arg(long, value_name = "COLOR", value_parser = values::color, requires = "color_by")]
@@ -226,6 +226,31 @@ impl DataArgs {
             }
             _ => Ok(()),
         }
+    }
+
+    /// Options of isolines without any are reported as a mistake.
+    ///
+    /// # Errors
+    /// One sentence.
+    pub fn check_isolines(&self, is_contours: bool) -> Result<(), String> {
+        let is_given = self.isoline_color.is_some() || self.isoline_width.is_some();
+        if is_given && self.isolines.is_none() && !is_contours {
+            return Err(
+                "--isoline-color and --isoline-width have no effect without --isolines or --mode contours"
+                    .into(),
+            );
+        }
+        Ok(())
+    }
+
+    /// The colour of isolines, if it is given.
+    pub fn isoline_color(&self) -> Option<[u8; 4]> {
+        self.isoline_color
+    }
+
+    /// Their width in pixels, if it is given.
+    pub fn isoline_width(&self) -> Option<f64> {
+        self.isoline_width
     }
 
     /// Adds the file of the colour map to the inputs.

@@ -11,6 +11,7 @@ use tercio::glam::DVec3;
 use tercio::image::PictureFormat;
 use tercio::image::film::{FilmFormat, FrameRate};
 use tercio::scene::Keyframe;
+use tercio::vector::VectorFormat;
 
 use super::camera::{CameraArgs, NamedView};
 use super::{Moment, values};
@@ -68,6 +69,8 @@ pub struct SeriesArgs {
 pub enum OutputFormat {
     /// A picture.
     Picture(PictureFormat),
+    /// A drawing of lines.
+    Vector(VectorFormat),
     /// A film that tercio writes.
     Film(FilmFormat),
     /// A film that ffmpeg makes, in a container of this name.
@@ -87,7 +90,7 @@ impl OutputFormat {
 
     /// Whether it is one of films.
     pub fn is_film(self) -> bool {
-        !matches!(self, Self::Picture(_))
+        !matches!(self, Self::Picture(_) | Self::Vector(_))
     }
 }
 
@@ -97,10 +100,13 @@ impl FromStr for OutputFormat {
     fn from_str(s: &str) -> Result<Self, String> {
         let film = || s.parse().ok().map(Self::Film);
         let container = || CONTAINERS.into_iter().find(|c| *c == s).map(Self::Ffmpeg);
-        s.parse().ok().map(Self::Picture).or_else(film).or_else(container).ok_or_else(|| {
+        let drawing = || s.parse().ok().map(Self::Vector);
+        let picture = s.parse().ok().map(Self::Picture);
+        picture.or_else(drawing).or_else(film).or_else(container).ok_or_else(|| {
             let pictures = PictureFormat::ALL.map(PictureFormat::name).join(", ");
             let films = FilmFormat::ALL.map(FilmFormat::name).join(", ");
-            format!("expected {pictures}, or of films {films}, {}, found \"{s}\"", CONTAINERS.join(", "))
+            let drawings = VectorFormat::ALL.map(VectorFormat::name).join(", ");
+            format!("expected {pictures}, of drawings of lines {drawings}, or of films {films}, {}, found \"{s}\"", CONTAINERS.join(", "))
         })
     }
 }

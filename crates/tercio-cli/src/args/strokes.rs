@@ -1,8 +1,11 @@
 //! Options of lines, edges and points.
 
+use std::collections::HashSet;
+
 use clap::{Args, ValueEnum};
 use serde_json::{Value, json};
-use tercio::mesh::edges::Selection;
+use tercio::mesh::ClusteredMesh;
+use tercio::mesh::edges::{Edge, EdgeKind, Edges, Selection};
 use tercio::scene::color::linear_to_srgb;
 use tercio::scene::{Background, Surface, srgb_to_linear};
 use tercio::strokes::{Length, Pen, PointShape};
@@ -23,6 +26,9 @@ pub enum ModeName {
     Points,
     /// Feature edges, and no surface.
     Edges,
+    /// The data of --color-by without light: bands of one colour (10, or as many as --bands or --isolines say) with lines between
+    /// them.
+    Contours,
 }
 
 /// Which edges are drawn.
@@ -34,6 +40,8 @@ pub enum EdgesName {
     Feature,
     /// Edges of one triangle, and those of more than two.
     Boundary,
+    /// Edges of more than two triangles.
+    NonManifold,
     /// Edges between what the camera sees from its front and from its back, and those of boundary.
     Silhouette,
 }
@@ -66,9 +74,10 @@ pub struct StrokeArgs {
     #[arg(long, value_name = "WHAT", value_enum, default_value_t = ModeName::Surface)]
     mode: ModeName,
     /// Draws edges on the surface, or chooses those of --mode [default: all; feature for --mode edges].
+    /// Several with commas: --edges=feature,silhouette.
     #[arg(long, value_name = "WHICH", num_args = 0..=1, default_missing_value = "all", require_equals = true)]
-    #[arg(value_enum)]
-    edges: Option<EdgesName>,
+    #[arg(value_enum, value_delimiter = ',')]
+    edges: Option<Vec<EdgesName>>,
     /// Width of lines and edges: pixels of the picture, or with a u units of the model (0.1u) [default: 1.5; edges on a
     /// surface 1].
     #[arg(long, value_name = "WIDTH", value_parser = length)]
@@ -90,7 +99,7 @@ pub struct StrokeArgs {
 impl StrokeArgs {
     /// Options without any effect are reported as a mistake, and those that are not possible.
     pub fn check(&self, in_parts: bool) -> Result<(), &'static str> {
-        if in_parts && (self.selection().is_some() || self.mode != ModeName::Surface) {
+        if in_parts && (self.has_edges() || self.mode != ModeName::Surface) {
             return Err(
                 "--mode and --edges are not possible with --parts: the edges of a part are not those of the model",
             );
@@ -98,33 +107,103 @@ impl StrokeArgs {
         if self.mode == ModeName::Points && self.edges.is_some() {
             return Err("--edges has no effect with --mode points");
         }
-        if self.edge_color.is_some() && self.selection().is_none() {
+        if self.edge_color.is_some() && !self.has_edges() {
             return Err("--edge-color has no effect without --edges or a --mode with edges");
         }
-        if self.feature_angle.is_some() && !matches!(self.selection(), Some(Selection::Feature(_))) {
+        if self.feature_angle.is_some() && !self.names().contains(&EdgesName::Feature) {
             return Err("--feature-angle has no effect without --edges=feature");
         }
         Ok(())
     }
 
-    /// Which edges are drawn, if any.
-    pub fn selection(&self) -> Option<Selection> {
-        let default = match self.mode {
-            ModeName::Surface | ModeName::Points => None,
-            ModeName::Wireframe | ModeName::HiddenLine => Some(EdgesName::All),
-            ModeName::Edges => Some(EdgesName::Feature),
-        };
-        Some(match self.edges.or(default)? {
-            EdgesName::All => Selection::All,
-            EdgesName::Feature => Selection::Feature(self.feature_angle.unwrap_or(30.0).to_radians()),
-            EdgesName::Boundary => Selection::Boundary,
-            EdgesName::Silhouette => Selection::Silhouette,
-        })
+    /// Which edges are drawn.
+    fn names(&self) -> Vec<EdgesName> {
+        match (&self.edges, self.mode) {
+            (Some(names), _) => names.clone(),
+            (None, ModeName::Surface | ModeName::Points | ModeName::Contours) => Vec::new(),
+            (None, ModeName::Wireframe | ModeName::HiddenLine) => vec![EdgesName::All],
+            (None, ModeName::Edges) => vec![EdgesName::Feature],
+        }
+    }
+
+    /// Which edges are drawn besides silhouettes: what includes most of what is wanted.
+    fn plain(&self) -> Option<EdgesName> {
+        // Silhouettes have all edges of one and of more than two triangles.
+        let order = [EdgesName::All, EdgesName::Feature, EdgesName::Boundary, EdgesName::NonManifold];
+        let names = self.names();
+        let found = order.into_iter().find(|name| names.contains(name));
+        found.filter(|name| *name != EdgesName::NonManifold || !names.contains(&EdgesName::Silhouette))
+    }
+
+    /// Are edges drawn?
+    pub fn has_edges(&self) -> bool {
+        !self.names().is_empty()
+    }
+
+    /// How many times edges are searched for.
+    pub fn searches(&self) -> u64 {
+        u64::from(self.plain().is_some()) + u64::from(self.has_silhouette())
+    }
+
+    fn has_silhouette(&self) -> bool {
+        self.names().contains(&EdgesName::Silhouette) && self.plain() != Some(EdgesName::All)
+    }
+
+    /// The edges of a mesh that are drawn, and of the last ones, if true, only those on the silhouette. No edge is listed twice.
+    pub fn edges_of(&self, mesh: &ClusteredMesh) -> Vec<(Edges, bool)> {
+        let mut all = Vec::new();
+        if let Some(plain) = self.plain() {
+            let angle = self.feature_angle.unwrap_or(30.0).to_radians();
+            let mut edges = Edges::of_clusters(
+                mesh,
+                match plain {
+                    EdgesName::All => Selection::All,
+                    EdgesName::Feature => Selection::Feature(angle),
+                    _ => Selection::Boundary,
+                },
+            );
+            if plain == EdgesName::NonManifold {
+                edges.list.retain(|edge| edge.kind == EdgeKind::NonManifold);
+            }
+            all.push((edges, false));
+        }
+        if self.has_silhouette() {
+            let mut edges = Edges::of_clusters(mesh, Selection::Silhouette);
+            if let Some((plain, _)) = all.first() {
+                // Both have a mesh's positions as they are.
+                let ends = |edges: &Edges, edge: &Edge| {
+                    let mut ends = edge.ends.map(|v| edges.positions[v as usize].map(f32::to_bits));
+                    ends.sort_unstable();
+                    ends
+                };
+                let known: HashSet<_> = plain.list.iter().map(|edge| ends(plain, edge)).collect();
+                let keeps =
+                    |edge: &Edge| edge.kind == EdgeKind::Inner && !known.contains(&ends(&edges, edge));
+                edges.list = edges.list.iter().copied().filter(keeps).collect();
+            }
+            all.push((edges, true));
+        }
+        all
     }
 
     /// Is the surface drawn?
     pub fn has_surface(&self) -> bool {
-        matches!(self.mode, ModeName::Surface | ModeName::HiddenLine)
+        matches!(self.mode, ModeName::Surface | ModeName::HiddenLine | ModeName::Contours)
+    }
+
+    /// Does the picture have lines alone, without shaded surfaces?
+    pub fn has_lines(&self) -> bool {
+        !matches!(self.mode, ModeName::Surface | ModeName::Points)
+    }
+
+    /// Do surfaces hide lines?
+    pub fn hides(&self) -> bool {
+        self.has_surface()
+    }
+
+    /// Are contours of data drawn?
+    pub fn is_contours(&self) -> bool {
+        self.mode == ModeName::Contours
     }
 
     /// Are the vertices drawn as points?
@@ -134,7 +213,7 @@ impl StrokeArgs {
 
     /// How edges are drawn.
     pub fn edge_pen(&self) -> Pen {
-        let width = if self.mode == ModeName::Surface { 1.0 } else { 1.5 };
+        let width = if matches!(self.mode, ModeName::Surface | ModeName::Contours) { 1.0 } else { 1.5 };
         let color = self.edge_color.unwrap_or(INK);
         Pen { width: self.line_width.unwrap_or(Length::Pixels(width)), color }
     }
@@ -153,11 +232,6 @@ impl StrokeArgs {
             lines: Pen { width: self.line_width.unwrap_or(Length::Pixels(1.5)), color: ink },
             points: Pen { width: self.point_size.unwrap_or(Length::Pixels(3.0)), color: of_points },
         }
-    }
-
-    /// Are only silhouettes drawn, of the edges between two triangles?
-    pub fn is_silhouette(&self) -> bool {
-        self.edges == Some(EdgesName::Silhouette)
     }
 
     /// How points look.
@@ -194,11 +268,8 @@ impl StrokeArgs {
     pub fn json(&self) -> Value {
         json!({
             "mode": values::name(&self.mode),
-            "edges": self.selection().map(|selection| match selection {
-                Selection::All => "all",
-                Selection::Feature(_) => "feature",
-                Selection::Boundary => "boundary",
-                Selection::Silhouette => "silhouette",
+            "edges": self.has_edges().then(|| {
+                self.names().iter().map(values::name).collect::<Option<Vec<_>>>().map(|names| names.join(","))
             }),
             "point_shape": values::name(&self.point_shape),
         })

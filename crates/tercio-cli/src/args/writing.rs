@@ -30,16 +30,19 @@ pub enum Depth {
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Writing")]
 pub struct WritingArgs {
-    /// The picture (.png, .jpg, .webp, .ppm), `-` for standard output, or a film (.gif, .webp, .apng, .mp4, .y4m).
+    /// The picture (.png, .jpg, .webp, .ppm), `-` for standard output, a drawing of lines (.svg, .pdf), or a film (.gif, .webp,
+    /// .apng, .mp4, .y4m).
     ///
-    /// WebP is lossless, and a film for several pictures with one name. For series {frame} or {:04} in the name stands for the number of a picture, {view} for its view, {step}
-    /// for the number of its model, and {name} for the name of its model. Films are .gif, .webp, .apng, .y4m, and .mp4, .webm, .mkv and
+    /// WebP is lossless, and a film for several pictures with one name. SVG and PDF have the lines of --mode hidden-line, wireframe,
+    /// edges or contours as vectors, cut where they are hidden. For series {frame} or {:04} in the name stands for the number of a
+    /// picture, {view} for its view, {step} for the number of its model, and {name} for the name of its model. Films are .gif, .webp,
+    /// .apng, .y4m, and .mp4, .webm, .mkv and
     /// .mov, which need ffmpeg.
     #[arg(short, long, value_name = "FILE")]
     #[arg(required_unless_present_any = ["output_depth", "output_ids", "output_normals"])]
     output: Option<PathBuf>,
-    /// Format of the picture (png, ppm, webp or jpeg) or film (gif, webp, apng, y4m, rgb, mp4 ...) [default: by the extension;
-    /// png for `-`].
+    /// Format of the picture (png, ppm, webp or jpeg), drawing (svg or pdf) or film (gif, webp, apng, y4m, rgb, mp4 ...)
+    /// [default: by the extension; png for `-`].
     #[arg(long, value_name = "FORMAT", requires = "output")]
     format: Option<OutputFormat>,
     /// Quality of JPEG pictures, 1 to 100. Chroma is never subsampled [default: 90].
@@ -75,7 +78,7 @@ impl WritingArgs {
     /// One sentence, if the options contradict each other.
     pub fn plan(&self, drawing: &DrawingArgs, stereo: &StereoArgs, in_one: bool) -> Result<Plan, String> {
         let size = stereo.picture_size(drawing.size)?;
-        let (mut picture, mut film) = (None, None);
+        let (mut picture, mut drawn, mut film) = (None, None, None);
         if let Some(path) = &self.output {
             let format =
                 self.output_format(path, &Destination::from_path(path), size, drawing.is_transparent())?;
@@ -89,6 +92,10 @@ impl WritingArgs {
                 OutputFormat::Picture(format) => {
                     picture = Some((stereo.destinations("--output", path)?, format));
                 }
+                OutputFormat::Vector(_) if stereo.layout().is_some() => {
+                    return Err("--stereo makes pictures of pixels: an SVG or PDF has one camera".into());
+                }
+                OutputFormat::Vector(format) => drawn = Some((Destination::from_path(path), format)),
                 _ if stereo.layout() == Some(StereoName::Pair) => {
                     return Err("--stereo pair makes two pictures of each; for a film choose side-by-side, over-under or anaglyph".into());
                 }
@@ -114,6 +121,7 @@ impl WritingArgs {
                 linear: false,
             },
             picture,
+            drawing: drawn,
             film,
             arrays: arrays.collect::<Result<_, String>>()?,
             stats: self.stats.as_deref().map(Destination::from_path),
@@ -188,7 +196,10 @@ impl WritingArgs {
             Destination::File(path) => OutputFormat::from_path(path),
         };
         let format = self.format.or_else(by_name).ok_or_else(|| {
-            format!("{}: the extension must be .png, .ppm, .webp or .jpg (or give --format)", path.display())
+            format!(
+                "{}: the extension must be .png, .ppm, .webp, .jpg, .svg or .pdf (or give --format)",
+                path.display()
+            )
         })?;
         let is_jpeg = matches!(format, OutputFormat::Picture(PictureFormat::Jpeg { .. }));
         if self.quality.is_some() && !is_jpeg {
@@ -196,7 +207,7 @@ impl WritingArgs {
         }
         let OutputFormat::Picture(of_picture) = format else {
             return match self.depth {
-                Depth::Sixteen => Err("films have no --depth 16".into()),
+                Depth::Sixteen => Err("films and drawings of lines have no --depth 16".into()),
                 Depth::Eight => Ok(format),
             };
         };

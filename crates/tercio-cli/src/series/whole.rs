@@ -5,6 +5,7 @@ use std::io::{Read, Seek, SeekFrom};
 use std::path::Path;
 
 use tercio::image::{Destination, PictureFormat};
+use tercio::vector::VectorFormat;
 
 use crate::output::{Array, Plan};
 
@@ -17,7 +18,9 @@ pub fn is_there(plan: &Plan, size: (u32, u32)) -> bool {
         Destination::Stdout => false,
         Destination::File(path) => check(path).unwrap_or(false),
     };
-    pictures.into_iter().all(|(file, format)| of_file(file, &|path| is_picture(path, format, size)))
+    let drawing = plan.drawing.as_ref();
+    drawing.is_none_or(|(file, format)| of_file(file, &|path| is_drawing(path, *format, size)))
+        && pictures.into_iter().all(|(file, format)| of_file(file, &|path| is_picture(path, format, size)))
         && arrays.into_iter().all(|(file, array)| of_file(file, &|path| is_array(path, array, size)))
 }
 
@@ -65,6 +68,23 @@ fn is_picture(path: &Path, format: PictureFormat, (width, height): (u32, u32)) -
             let riff = u64::from(u32::from_le_bytes([head[4], head[5], head[6], head[7]]));
             head.starts_with(b"RIFF") && head[8..12] == *b"WEBP" && length == riff + 8
         }
+    })
+}
+
+/// Its size is known of an SVG only.
+fn is_drawing(path: &Path, format: VectorFormat, (width, height): (u32, u32)) -> Option<bool> {
+    let mut file = File::open(path).ok()?;
+    let mut head = Vec::new();
+    Read::by_ref(&mut file).take(200).read_to_end(&mut head).ok()?;
+    file.seek(SeekFrom::End(-7)).ok()?;
+    let mut tail = Vec::new();
+    file.read_to_end(&mut tail).ok()?;
+    Some(match format {
+        VectorFormat::Svg => {
+            let size = format!("width=\"{width}\" height=\"{height}\"");
+            tail == b"</svg>\n" && String::from_utf8_lossy(&head).contains(&size)
+        }
+        VectorFormat::Pdf => head.starts_with(b"%PDF-") && tail.trim_ascii_end().ends_with(b"%%EOF"),
     })
 }
 

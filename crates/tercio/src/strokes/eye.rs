@@ -104,18 +104,29 @@ impl Eye {
         if self.view.perspective { -p } else { DVec3::NEG_Z }
     }
 
+    /// Is it a perspective camera?
+    pub fn is_perspective(&self) -> bool {
+        self.view.perspective
+    }
+
+    /// The distance at which the picture begins.
+    pub fn near(&self) -> f64 {
+        self.view.near * (1.0 + 1e-6)
+    }
+
+    /// How far a point in eye space is inside of the near plane, in world units, and of each border of the picture with so many
+    /// pixels beside it, in pixels, times z for a perspective camera.
+    pub(crate) fn inside(&self, p: DVec3, margin: f64) -> [f64; 5] {
+        let (width, height) = (f64::from(self.view.width), f64::from(self.view.height));
+        let w = if self.view.perspective { p.z } else { 1.0 };
+        let (x, y) = (p.x * self.scale + self.middle.x * w, p.y * self.scale + self.middle.y * w);
+        let beyond = margin * w;
+        [p.z - self.near(), x + beyond, width * w - x + beyond, y + beyond, height * w - y + beyond]
+    }
+
     /// The part of a segment in eye space that is in front of the near plane and less than `margin` pixels beside the picture.
     pub fn clip(&self, [p, q]: [DVec3; 2], margin: f64) -> Option<[DVec3; 2]> {
-        let (width, height) = (f64::from(self.view.width), f64::from(self.view.height));
-        // How far a point is inside of each border, in pixels times z for a perspective camera.
-        let inside = |p: DVec3| {
-            let w = if self.view.perspective { p.z } else { 1.0 };
-            let (x, y) = (p.x * self.scale + self.middle.x * w, p.y * self.scale + self.middle.y * w);
-            let beyond = margin * w;
-            let near = p.z - self.view.near * (1.0 + 1e-6);
-            [near, x + beyond, width * w - x + beyond, y + beyond, height * w - y + beyond]
-        };
-        let (a, b) = (inside(p), inside(q));
+        let (a, b) = (self.inside(p, margin), self.inside(q, margin));
         let (mut from, mut to) = (0.0f64, 1.0f64);
         for (a, b) in a.into_iter().zip(b) {
             match (a >= 0.0, b >= 0.0) {

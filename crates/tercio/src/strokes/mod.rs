@@ -47,7 +47,7 @@ pub enum Length {
 
 impl Length {
     /// In pixels, at a distance from the eye.
-    fn pixels(self, eye: &Eye, z: f64) -> f64 {
+    pub(crate) fn pixels(self, eye: &Eye, z: f64) -> f64 {
         match self {
             Self::Pixels(pixels) => pixels,
             Self::Units(units) => units / eye.pixel(z),

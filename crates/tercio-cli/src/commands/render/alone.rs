@@ -68,6 +68,10 @@ impl Render {
         artist: &mut Artist,
         mut frame: Frame,
     ) -> Result<Drawn> {
+        if job.writing.plan.drawing.is_some() {
+            display.stage("drawing");
+            return self.draw_page(loaded, camera, frame);
+        }
         let settings =
             &self.with_shadows(&job.settings, &loaded.scene, camera, display, None::<&mut mpi::Comm>)?;
         display.stage("drawing");
@@ -76,7 +80,7 @@ impl Render {
             self.frame(scene, camera, settings, artist, &mut frame).with_context(|| self.model.name())?;
         let effect_milliseconds = self.add_effects(&mut frame, (scene, loaded), camera, settings)?;
         display.stage("writing");
-        Ok(Drawn { frame, parallel, effect_milliseconds })
+        Ok(Drawn { frame, page: None, parallel, effect_milliseconds })
     }
 
     fn frame(

@@ -53,7 +53,7 @@ impl Render {
             if writes {
                 effect_milliseconds = self.add_effects(&mut frame, (scene, loaded), camera, settings)?;
             }
-            Ok(Drawn { frame, parallel, effect_milliseconds })
+            Ok(Drawn { frame, page: None, parallel, effect_milliseconds })
         };
         let mut series = None;
         if writes {

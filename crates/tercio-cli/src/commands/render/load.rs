@@ -95,6 +95,7 @@ impl Render {
                 .apply(&mut instance, up, parts.as_deref_mut())
                 .with_context(|| member.model.name())?;
             member.strokes.dress_surface(&mut instance.surface, &background);
+            member.dress_contours(&mut instance);
             if let Some(bar) = member.annotation.bar(&instance)
                 && !bars.iter().any(|other| is_same(other, &bar))
             {

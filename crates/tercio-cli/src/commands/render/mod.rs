@@ -18,6 +18,7 @@ mod steps;
 mod strokes;
 mod subject;
 mod summary;
+mod vector;
 mod watch;
 
 use std::path::PathBuf;
@@ -34,6 +35,7 @@ use tercio::parallel::FrameReport;
 use tercio::parallel::trace::Trace;
 use tercio::raster::{Frame, Settings};
 use tercio::scene::{Background, Scene};
+use tercio::vector::Page;
 use tercio_lab::predict::choose::Choice;
 
 use self::annotate::Annotated;
@@ -85,6 +87,7 @@ Examples:
   tercio render bone.ply --color ivory --with 'skin.stl;opacity=0.3' -o both.png
   tercio render a.ply b.ply c.ply --together -o all.png --save-scene all.toml
   tercio render all.toml -o all.png   (docs/scenes.md has what a scene file may say)
+  tercio render part.stl -o part.svg --mode hidden-line --edges=feature,silhouette
   tercio render scan.ply -o scan.png --stereo anaglyph
   tercio render scan.ply -o scan.png --stereo pair --eye-distance 2.5   (scan.left.png, scan.right.png)
   tercio render scan.ply -o scan.png --ranks 4 --organisation sort-last --stats -
@@ -178,6 +181,8 @@ struct Loaded {
 /// The picture of one camera.
 struct Drawn {
     frame: Frame,
+    /// The drawing, in place of a picture.
+    page: Option<Page>,
     /// The report of every rank, if there are ranks.
     parallel: Option<FrameReport>,
     /// Of the effects on the finished picture.

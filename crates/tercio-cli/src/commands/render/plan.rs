@@ -8,6 +8,7 @@ use tercio::image::Destination;
 use tercio::image::film::Film;
 
 use super::{Job, Render};
+use crate::args::ranks::Drawers;
 use crate::args::series::{Motion, OutputFormat};
 use crate::args::{ModelArgs, values};
 use crate::mpi;
@@ -55,7 +56,7 @@ impl Render {
         let mut writing = self.plan_writing(&motion, steps).map_err(UsageError)?;
         let plan = &mut writing.plan;
         self.stereo.check(&self.camera, &self.drawing, plan).map_err(UsageError)?;
-        let has_picture = plan.picture.is_some() || plan.film.is_some();
+        let has_picture = plan.picture.is_some() || plan.drawing.is_some() || plan.film.is_some();
         let changes_picture = self.effects.are_given()
             || self.environment.is_given()
             || self.members().any(|member| member.data.is_given())
@@ -64,7 +65,10 @@ impl Render {
             let what = "--exposure, --tone, --ao, --edl, --environment, --color-by and annotation change the picture only";
             return Err(UsageError(format!("{what}, which is not written: add -o")).into());
         }
-        plan.outputs = plan.outputs.with(self.effects.needed()).with(self.annotation.needed());
+        if plan.drawing.is_none() {
+            plan.outputs = plan.outputs.with(self.effects.needed()).with(self.annotation.needed());
+        }
+        self.check_vector(plan).map_err(UsageError)?;
         self.check_options()?;
         for member in &self.others {
             let named = |UsageError(text)| UsageError(format!("{}: {text}", member.model.name()));
@@ -86,6 +90,12 @@ impl Render {
         if self.series.resume && processes.is_some_and(|p| p > 1) {
             let text = "--resume is not possible with several processes of mpirun: they would have to agree on what is there";
             return Err(UsageError(text.into()).into());
+        }
+        if writing.plan.drawing.is_some() && drawers != Drawers::Alone {
+            return Err(UsageError(
+                "an SVG or PDF is drawn by one process, without --ranks and mpirun".into(),
+            )
+            .into());
         }
         Ok(Job { writing, motion, settings, drawers })
     }

@@ -9,7 +9,9 @@ use tercio::image::Picture;
 use tercio::image::film::EncodedPicture;
 use tercio::raster::Frame;
 use tercio::scene::{Camera, Scene};
+use tercio::vector::Page;
 
+use super::vector::page_reason;
 use super::{Drawn, Job, Loaded, Render, Shot};
 use crate::args::ranks::Drawers;
 use crate::args::stereo::StereoArgs;
@@ -26,6 +28,7 @@ const MOST_IN_WORK: usize = 32;
 pub(super) struct Frames {
     shot: usize,
     frames: Vec<Frame>,
+    page: Option<Page>,
 }
 
 /// Where pictures go when they are drawn.
@@ -48,6 +51,9 @@ impl Output<'_> {
 impl Stages<Frames, Option<EncodedPicture>> for Output<'_> {
     fn encode(&self, _: usize, drawn: Frames) -> Result<Option<EncodedPicture>> {
         let begin = Instant::now();
+        if let Some(page) = &drawn.page {
+            self.job.writing.pictures[drawn.shot].write_drawing(page)?;
+        }
         let frames = self.stereo.written(drawn.frames)?;
         self.job.writing.pictures[drawn.shot].write(&frames)?;
         let film = self.job.writing.film.as_ref().zip(frames.first());
@@ -154,10 +160,14 @@ impl<'a> Running<'a> {
             loaded.annotated.shot = shot;
             let cameras = loaded.cameras[shot - first].clone();
             let (mut frames, mut views, mut reasons) = (Vec::new(), Vec::new(), Vec::new());
-            let mut effect_milliseconds = 0.0;
+            let (mut effect_milliseconds, mut page) = (0.0, None);
             for camera in &cameras.views {
                 let drawn = draw(loaded, camera, output.spare())?;
-                reasons.push(render.reason(&loaded.together, camera, &drawn.frame.stats));
+                reasons.push(match &drawn.page {
+                    Some(page) => page_reason(page),
+                    None => render.reason(&loaded.together, camera, &drawn.frame.stats),
+                });
+                page = drawn.page;
                 views.push(ViewReport { stats: drawn.frame.stats.clone(), parallel: drawn.parallel });
                 effect_milliseconds += drawn.effect_milliseconds;
                 frames.push(drawn.frame);
@@ -183,7 +193,7 @@ impl<'a> Running<'a> {
                 loaded.scene = Scene::default();
                 return Ok(None);
             }
-            Ok(Some(Frames { shot, frames }))
+            Ok(Some(Frames { shot, frames, page }))
         };
         pipeline::run(self.room, output, next)?;
         Ok(goes_on)

@@ -19,13 +19,14 @@ use super::{Loaded, Render};
 pub(super) struct Drawable {
     /// Lines and points of the file.
     pub file: Arc<Strokes>,
-    edges: Option<Edges>,
+    /// Edges, and whether only those on the silhouette are drawn.
+    pub edges: Vec<(Edges, bool)>,
 }
 
 impl Drawable {
     /// Lines and points of a file, until edges are found.
     pub fn of_file(file: Arc<Strokes>) -> Self {
-        Self { file, edges: None }
+        Self { file, edges: Vec::new() }
     }
 }
 
@@ -47,17 +48,29 @@ impl Render {
 
     /// Finds the edges of the model of an instance, if they are drawn.
     pub(super) fn find_edges(&self, drawable: &mut Drawable, model: &Instance, taken: u64) -> Result<()> {
-        if let Some(selection) = self.strokes.selection() {
-            self.check_memory(taken, Edges::needed_bytes(&model.mesh))?;
-            drawable.edges = Some(Edges::of_clusters(&model.mesh, selection));
+        if self.strokes.has_edges() {
+            let needed = Edges::needed_bytes(&model.mesh).saturating_mul(self.strokes.searches());
+            self.check_memory(taken, needed)?;
+            drawable.edges = self.strokes.edges_of(&model.mesh);
         }
+        self.report_edges(&drawable.edges);
         Ok(())
     }
 
     /// Is nothing of the model drawn but its surface?
     fn is_plain(&self, of_model: &OfModel) -> bool {
         let Drawable { file, edges } = &of_model.drawable;
-        file.is_empty() && edges.is_none() && !self.strokes.has_vertices() && self.strokes.has_surface()
+        file.is_empty() && edges.is_empty() && !self.strokes.has_vertices() && self.strokes.has_surface()
+    }
+
+    /// The view of a camera, with all that is drawn between its planes.
+    pub(super) fn view(&self, loaded: &Loaded, camera: &Camera) -> Result<View> {
+        let (width, height) = self.drawing.size;
+        let bounds = loaded.models.iter().fold(loaded.scene.bounds(), |bounds, of_model| {
+            let own = of_model.drawable.file.bounds();
+            of_model.places.iter().fold(bounds, |bounds, place| bounds.union(placed(&own, place)))
+        });
+        View::new(camera, &bounds, width, height).with_context(|| self.model.name())
     }
 
     /// The scene with strokes for a camera.
@@ -67,13 +80,7 @@ impl Render {
         if all().all(|(member, of_model)| member.is_plain(of_model)) {
             return Ok(Cow::Borrowed(scene));
         }
-        let (width, height) = self.drawing.size;
-        let bounds = all().fold(scene.bounds(), |bounds, (_, of_model)| {
-            let own = of_model.drawable.file.bounds();
-            of_model.places.iter().fold(bounds, |bounds, place| bounds.union(placed(&own, place)))
-        });
-        let view = View::new(camera, &bounds, width, height).with_context(|| self.model.name())?;
-        let eye = Eye::new(view);
+        let eye = Eye::new(self.view(loaded, camera)?);
         let with_surface = all().filter(|(member, _)| member.strokes.has_surface());
         let surfaces = with_surface.flat_map(|(_, of_model)| &scene.instances[of_model.instances.clone()]);
         let mut drawn = Scene {
@@ -96,9 +103,8 @@ impl Render {
         let Drawable { file, edges } = &of_model.drawable;
         let mut drawn = Vec::new();
         for place in &of_model.places {
-            if let Some(edges) = edges {
-                let (pen, only) = (self.strokes.edge_pen(), self.strokes.is_silhouette());
-                drawn.extend(strokes::edges(eye, edges, place, &pen, only));
+            for (edges, only_silhouette) in edges {
+                drawn.extend(strokes::edges(eye, edges, place, &self.strokes.edge_pen(), *only_silhouette));
             }
         }
         let pens = self.strokes.pens(self.drawing.color());

@@ -202,6 +202,15 @@ fn print_details(done: &Done) {
             done.found
         ));
     }
+    // Drawings of lines have no pixels, and nothing was rasterized.
+    if stats.simd.is_empty() {
+        messages::note(&format!(
+            "drawn in {:.1} ms ({}), written in {output_milliseconds:.1} ms",
+            stats.milliseconds.total,
+            report::counted(stats.threads as u64, "thread"),
+        ));
+        return;
+    }
     messages::note(&format!(
         "drawn in {:.1} ms ({}, {}): {} set up (counted once a tile and once a clipped \
          piece), {} covered, overdraw {:.2}; written in {output_milliseconds:.1} ms",

@@ -1,0 +1,105 @@
+//! Pages as SVG.
+
+use std::fmt::Write as _;
+use std::io::{self, Write};
+
+use glam::DVec2;
+
+use super::page::{Cap, Page, Shape, fixed, push_fixed};
+
+/// Text that is collected before it is written.
+const BUFFER: usize = 1 << 16;
+
+/// Writes a page.
+pub fn write(page: &Page, out: &mut dyn Write) -> io::Result<()> {
+    let mut text = String::new();
+    let [width, height] = page.size.map(|length| {
+        let mut text = String::new();
+        push_fixed(&mut text, fixed(length));
+        text
+    });
+    let _ = write!(
+        text,
+        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" \
+         height=\"{height}\" viewBox=\"0 0 {width} {height}\">\n"
+    );
+    if let Some(color) = page.background.filter(|color| color[3] > 0) {
+        let _ = writeln!(text, "<rect width=\"{width}\" height=\"{height}\"{}/>", paint("fill", color));
+    }
+    for shape in &page.shapes {
+        match shape {
+            Shape::Lines { style, lines } => {
+                let cap = match style.cap {
+                    Cap::Round => "round",
+                    Cap::Square => "square",
+                };
+                let _ = write!(text, "<path fill=\"none\"{} stroke-width=\"", paint("stroke", style.color));
+                push_fixed(&mut text, fixed(style.width).max(1));
+                let _ = write!(text, "\" stroke-linecap=\"{cap}\" stroke-linejoin=\"round\" d=\"");
+                for line in lines {
+                    let (is_closed, points) = match line[..] {
+                        [first, .., last] if line.len() > 3 && first == last => {
+                            (true, &line[..line.len() - 1])
+                        }
+                        _ => (false, &line[..]),
+                    };
+                    push_path(&mut text, points, is_closed);
+                    flush(&mut text, out)?;
+                }
+            }
+            Shape::Area { color, polygons } => {
+                let _ = write!(text, "<path{} d=\"", paint("fill", *color));
+                for polygon in polygons {
+                    push_path(&mut text, polygon, true);
+                    flush(&mut text, out)?;
+                }
+            }
+        }
+        text.push_str("\"/>\n");
+    }
+    text.push_str("</svg>\n");
+    out.write_all(text.as_bytes())
+}
+
+fn flush(text: &mut String, out: &mut dyn Write) -> io::Result<()> {
+    if text.len() >= BUFFER {
+        out.write_all(text.as_bytes())?;
+        text.clear();
+    }
+    Ok(())
+}
+
+fn paint(what: &str, [r, g, b, alpha]: [u8; 4]) -> String {
+    let color = format!(" {what}=\"#{r:02x}{g:02x}{b:02x}\"");
+    if alpha == 0xff {
+        return color;
+    }
+    let mut opacity = String::new();
+    push_fixed(&mut opacity, fixed(f64::from(alpha) / 255.0));
+    format!("{color} {what}-opacity=\"{opacity}\"")
+}
+
+/// A line, each point relative to the one before.
+fn push_path(text: &mut String, points: &[DVec2], is_closed: bool) {
+    let mut last = [0i64; 2];
+    for (number, point) in points.iter().enumerate() {
+        let here = point.to_array().map(fixed);
+        text.push_str(match number {
+            0 => "M",
+            1 => "l",
+            _ => " ",
+        });
+        let step = if number == 0 { here } else { [here[0] - last[0], here[1] - last[1]] };
+        push_fixed(text, step[0]);
+        text.push(' ');
+        push_fixed(text, step[1]);
+        last = here;
+    }
+    match points.len() {
+        0 => {}
+        // A line without length has its ends.
+        1 => text.push_str("h0"),
+        _ if is_closed => text.push('z'),
+        _ => {}
+    }
+}
