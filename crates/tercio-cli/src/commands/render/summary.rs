@@ -69,7 +69,7 @@ impl Render {
             if !self.camera.has_up_axis()
                 && self.camera.for_format(&done.report.read.format).up_axis() == UpAxis::Z
             {
-                messages::note("z is up, as in other programs for STL (--up-axis)");
+                messages::note("z is up, as in other programs for models of this format (--up-axis)");
             }
             print_details(done);
         }
