@@ -58,6 +58,7 @@ pub mod camera_path;
 mod clipping;
 pub mod data;
 mod error;
+pub mod glyphs;
 pub mod image;
 mod load;
 pub mod parts;

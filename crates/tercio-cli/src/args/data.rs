@@ -7,9 +7,10 @@ use clap::Args;
 use serde_json::{Value, json};
 use tercio::Normals;
 use tercio::data::{
-    DataOptions, Ends, IsolineOptions, Made, RangeEnd, ScaleOption, Statistics, needs_normals,
+    DataOptions, Ends, IsolineOptions, Made, RangeEnd, ScaleOption, Statistics, StrokeData, needs_normals,
 };
 use tercio::glam::DVec3;
+use tercio::mesh::strokes::Strokes;
 use tercio::parallel::Communicator;
 use tercio::scene::color_map::{ColorMap, Scale};
 use tercio::scene::{DataColors, Scene, SurfaceData};
@@ -22,8 +23,8 @@ use crate::output::UsageError;
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Data")]
 pub struct DataArgs {
-    /// Colours the model by an attribute (tercio info lists them; of a vector, its magnitude), NAME:COMPONENT, NAME:magnitude, or
-    /// NAME:rgb for colours; or by what is made of the model: @elevation, @normal, @normal:x (y, z), @curvature,
+    /// Colours the model, its lines and points by an attribute (tercio info lists them; of a vector, its magnitude),
+    /// NAME:COMPONENT, NAME:magnitude, or NAME:rgb for colours; NAME@point and NAME@cell where both have the name [default: point]; or by what is made of the model: @elevation, @normal, @normal:x (y, z), @curvature,
     /// @component, @face.
     #[arg(long, value_name = "NAME", aliases = ["scalars", "coloring-array"])]
     color_by: Option<String>,
@@ -194,12 +195,10 @@ impl DataArgs {
         }
     }
 
-    /// Normals that the model shall have, if `wanted` are those for drawing.
-    pub fn normals(&self, wanted: Normals) -> Normals {
-        match &self.color_by {
-            Some(name) if needs_normals(name) && wanted == Normals::File => Normals::default(),
-            _ => wanted,
-        }
+    /// Normals that the model shall have, if `wanted` are those for drawing, and glyphs show a vector of this name.
+    pub fn normals(&self, wanted: Normals, glyphs: Option<&str>) -> Normals {
+        let is_needed = self.color_by.as_deref().into_iter().chain(glyphs).any(needs_normals);
+        if is_needed && wanted == Normals::File { Normals::default() } else { wanted }
     }
 
     /// The attribute that has to be made when the model is read.
@@ -231,13 +230,19 @@ impl DataArgs {
             || self.categories.is_some()
     }
 
-    /// Colours the first instance of a scene by its data; together with the ranks that have the other parts of it, if there are
+    /// Colours the first instance of a scene by its data, and returns the data of lines and points; together with the ranks that have the other parts of it, if there are
     /// `parts`.
     ///
     /// # Errors
     /// Data that are not there, with a list of those that are.
-    pub fn apply(&self, scene: &mut Scene, up: DVec3, parts: Option<&mut impl Communicator>) -> Result<()> {
-        let Some(by) = &self.color_by else { return Ok(()) };
+    pub fn apply(
+        &self,
+        scene: &mut Scene,
+        up: DVec3,
+        strokes: &Strokes,
+        parts: Option<&mut impl Communicator>,
+    ) -> Result<Option<StrokeData>> {
+        let Some(by) = &self.color_by else { return Ok(None) };
         let scale = match self.symlog {
             _ if self.log => ScaleOption::Log,
             Some(Threshold(threshold)) => ScaleOption::SymmetricLog(threshold),
@@ -274,12 +279,14 @@ impl DataArgs {
             Some(comm) => of_all_parts(comm, own),
             None => Ok(own),
         };
-        let data = options.data_with::<anyhow::Error>(instance, of_all)?;
-        if matches!(*data, SurfaceData::Direct { .. }) && self.changes_map() {
+        let data = options.data_of_model::<anyhow::Error>(instance, strokes, of_all)?;
+        let is_direct = matches!(data.surface.as_deref(), Some(SurfaceData::Direct { .. }))
+            || matches!(data.strokes, Some(StrokeData::Direct(_)));
+        if is_direct && self.changes_map() {
             bail!("\"{by}\" are colours: --colormap, --range and what belongs to them have no effect");
         }
-        instance.data = Some(data);
-        Ok(())
+        instance.data = data.surface;
+        Ok(data.strokes)
     }
 
     /// What the colours show, for reports.

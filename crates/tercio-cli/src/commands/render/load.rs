@@ -36,7 +36,9 @@ impl Render {
         let options = LoadOptions {
             memory_limit: self.running.memory_limit(),
             progress: Some(&display.progress),
-            normals: self.data.normals(self.drawing.normals(writing.plan.outputs)),
+            normals: self
+                .data
+                .normals(self.drawing.normals(writing.plan.outputs), self.strokes.glyph_vector()),
             clip: self.clip.clipping(),
             make: self.data.made(),
             ..LoadOptions::default()
@@ -62,7 +64,9 @@ impl Render {
         scene.environment = panorama.map(place).transpose()?;
         self.drawing.dress(&mut scene);
         let up = camera.front().up;
-        self.data.apply(&mut scene, up, parts.as_deref_mut()).with_context(|| self.model.name())?;
+        let file = self.strokes_of(&mut report, loaded.strokes);
+        let data = self.data.apply(&mut scene, up, &file, parts.as_deref_mut());
+        let data = data.with_context(|| self.model.name())?;
         self.strokes.dress(&mut scene);
         let background = scene.background;
         if self.needs_transparency() {
@@ -90,7 +94,6 @@ impl Render {
         self.check_memory(picture.saturating_add(shadows), taken)?;
         self.clip.add_caps(&mut scene, loaded.caps);
         report.read.warnings.extend(self.drawing.shadow_warning(&scene));
-        let file = self.strokes_of(&mut report, loaded.strokes);
         let annotation = self.annotation.annotation(&scene, &background);
         let whole = loaded.whole.as_ref();
         let cameras = self.cameras(&job.motion, &camera, (&scene, &file), whole, &annotation, parts)?;
@@ -105,7 +108,7 @@ impl Render {
             let left_out = laid_out.left_out.iter().map(|what| format!("no room in the picture for: {what}"));
             report.read.warnings.extend(left_out);
         }
-        let drawable = self.drawable(&scene, file, picture.saturating_add(taken))?;
+        let drawable = self.drawable(&scene, (file, data), picture.saturating_add(taken))?;
         Ok(Loaded { report, textures, scene, drawable, background, look, annotated, cameras })
     }
 
