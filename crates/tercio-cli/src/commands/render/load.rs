@@ -96,8 +96,11 @@ impl Render {
         report.read.warnings.extend(self.drawing.shadow_warning(&scene));
         let annotation = self.annotation.annotation(&scene, &background);
         let whole = loaded.whole.as_ref();
-        let cameras = self.cameras(&job.motion, &camera, (&scene, &file), whole, &annotation, parts)?;
-        let bounds = scene.bounds().union(Extent::of_strokes(&file).bounds());
+        let drawable = self.drawable(&scene, (file, data), picture.saturating_add(taken))?;
+        let framed = drawable.framed();
+        let cameras = self.cameras(&job.motion, &camera, (&scene, &framed), whole, &annotation, parts)?;
+        let bounds = scene.bounds().union(Extent::of_strokes(&framed).bounds());
+        drop(framed);
         let up = (0..3).find(|&axis| up[axis] > 0.5).unwrap_or(1);
         let annotated = Annotated { annotation, bounds: [bounds.min, bounds.max], up };
         let mut look = self.drawing.look(&scene, &background, &self.environment, &self.effects);
@@ -108,7 +111,6 @@ impl Render {
             let left_out = laid_out.left_out.iter().map(|what| format!("no room in the picture for: {what}"));
             report.read.warnings.extend(left_out);
         }
-        let drawable = self.drawable(&scene, (file, data), picture.saturating_add(taken))?;
         Ok(Loaded { report, textures, scene, drawable, background, look, annotated, cameras })
     }
 

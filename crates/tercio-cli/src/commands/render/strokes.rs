@@ -6,9 +6,9 @@ use anyhow::{Context, Result, bail};
 use tercio::LoadReport;
 use tercio::data::StrokeData;
 use tercio::glyphs::{self, Glyphs};
-use tercio::mesh::AttributeDomain;
 use tercio::mesh::edges::Edges;
 use tercio::mesh::strokes::Strokes;
+use tercio::mesh::{Aabb, AttributeDomain};
 use tercio::raster::view::View;
 use tercio::scene::{Camera, Instance, Scene};
 use tercio::strokes::{self, Eye, LineShape};
@@ -24,6 +24,19 @@ pub(super) struct Drawable {
     data: Option<StrokeData>,
     edges: Option<Edges>,
     glyphs: Option<Glyphs>,
+}
+
+impl Drawable {
+    /// What has to be in the picture besides the surface: lines and points of the file, and the ends of glyphs.
+    pub fn framed(&self) -> Cow<'_, Strokes> {
+        let Some(glyphs) = &self.glyphs else { return Cow::Borrowed(&self.file) };
+        let mut framed = Strokes { origin: self.file.origin, ..Strokes::default() };
+        framed.positions.clone_from(&self.file.positions);
+        let ends = glyphs.list.iter().flat_map(|glyph| [glyph.place, glyph.place + glyph.vector]);
+        framed.positions.extend(ends.map(|p| (p - framed.origin).as_vec3().to_array()));
+        framed.points = (0..framed.positions.len() as u32).collect();
+        Cow::Owned(framed)
+    }
 }
 
 impl Render {
@@ -88,7 +101,8 @@ impl Render {
             return Ok(Cow::Borrowed(scene));
         }
         let (width, height) = self.drawing.size;
-        let bounds = scene.bounds().union(file.bounds());
+        let of_glyphs = glyphs.as_ref().map_or(Aabb::EMPTY, Glyphs::bounds);
+        let bounds = scene.bounds().union(file.bounds()).union(of_glyphs);
         let view = View::new(camera, &bounds, width, height).with_context(|| self.model.name())?;
         let eye = Eye::new(view);
         let mut drawn = scene.clone();
