@@ -49,7 +49,7 @@ pub enum ReadError {
     },
     /// The content is of no supported format.
     #[error(
-        "{file}: not a model that tercio reads (PLY, OBJ, STL, OFF, VTK, PCD, each also gzip-compressed); it begins with {begins}"
+        "{file}: not a model that tercio reads (PLY, OBJ, STL, OFF, VTK, PCD, LAS, LAZ, point clouds as text, each also gzip-compressed); it begins with {begins}"
     )]
     UnknownFormat {
         /// File name as the user gave it.
@@ -59,7 +59,7 @@ pub enum ReadError {
     },
     /// The content is of a known but unsupported format.
     #[error(
-        "{file}: this is {what}, which tercio does not read (it reads PLY, OBJ, STL, OFF, VTK, PCD, each also gzip-compressed)"
+        "{file}: this is {what}, which tercio does not read (it reads PLY, OBJ, STL, OFF, VTK, PCD, LAS, LAZ, point clouds as text, each also gzip-compressed)"
     )]
     Unread {
         /// File name as the user gave it.

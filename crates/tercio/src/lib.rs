@@ -23,7 +23,7 @@
 //!
 //! # Overview of the library
 //!
-//! - [`load`] reads a model (PLY, OBJ, STL, OFF, VTK, PCD, each also gzip-compressed, or a built-in one), repairs it, makes
+//! - [`load`] reads a model (PLY, OBJ, STL, OFF, VTK, PCD, LAS, LAZ, point clouds as text, each also gzip-compressed, or a built-in one), repairs it, makes
 //!   missing normals and splits it into clusters, which is what a renderer draws. A model that was prepared by
 //!   [`Loaded::write_prepared`] is mapped instead. [`LoadOptions`] has the limits, the progress and the choice of
 //!   normals, and loads from memory or only up to the [`Mesh`] itself.
@@ -60,6 +60,7 @@ pub mod camera_path;
 mod clipping;
 pub mod data;
 mod error;
+pub mod glyphs;
 pub mod image;
 mod load;
 pub mod parts;

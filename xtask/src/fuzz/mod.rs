@@ -48,6 +48,10 @@ enum Target {
     Vtk,
     /// The PCD reader
     Pcd,
+    /// The LAS and LAZ reader
+    Las,
+    /// The reader of point clouds as text
+    Xyz,
     /// Decompression, the choice of the reader, and the reader
     SniffRead,
     /// Loading with all its steps, and a small picture from three renderers that must agree
@@ -71,6 +75,8 @@ impl Target {
             Self::Off => "off",
             Self::Vtk => "vtk",
             Self::Pcd => "pcd",
+            Self::Las => "las",
+            Self::Xyz => "xyz",
             Self::SniffRead => "sniff_read",
             Self::Picture => "picture",
             Self::Prepared => "prepared",

@@ -37,6 +37,8 @@ fn extensions(target: Target) -> &'static [&'static str] {
         Target::Stl => &["stl"],
         Target::Off => &["off"],
         Target::Pcd => &["pcd"],
+        Target::Las => &["las", "laz"],
+        Target::Xyz => &["xyz", "pts", "txt", "csv"],
         Target::Vtk => &["vtk", "vtp", "vtu", "vti", "vts", "vtr"],
         Target::SniffRead => &["ply", "obj", "stl", "off", "gz"],
         Target::Picture => &["ply", "obj", "stl", "off"],
@@ -74,13 +76,15 @@ fn made(target: Target) -> Vec<Vec<u8>> {
         Target::Off => off(),
         Target::Vtk => vtk(),
         Target::Pcd => pcd(),
+        Target::Las => las(),
+        Target::Xyz => xyz(),
         Target::Picture => [ply(), obj(), stl(), off(), vtk()].concat(),
         Target::Prepared => prepared(),
         Target::CameraPath => camera_path(),
         Target::ColorMap => color_maps(),
         Target::SceneFile => scene_files(),
         Target::SniffRead => {
-            let plain = [ply(), obj(), stl(), off(), vtk()].concat();
+            let plain = [ply(), obj(), stl(), off(), vtk(), las(), xyz()].concat();
             let packed: Vec<_> = plain.iter().map(|bytes| gzip(bytes)).collect();
             [plain, packed].concat()
         }
@@ -343,6 +347,64 @@ fn pcd() -> Vec<Vec<u8>> {
         [header("binary"), vec![0x3f; 32]].concat(),
         [header("binary_compressed"), packed].concat(),
     ]
+}
+
+/// Three points in every format, not compressed, and a compressed file whose points are damaged.
+fn las() -> Vec<Vec<u8>> {
+    let sizes = [20u16, 28, 26, 34, 57, 63, 30, 36, 38, 59, 67];
+    let file = |format: u8, size: u16, laszip: &[u8]| {
+        let mut bytes = vec![0; 375];
+        let begin = 375 + if laszip.is_empty() { 0 } else { 54 + laszip.len() as u32 };
+        let mut put = |at: usize, with: &[u8]| bytes[at..at + with.len()].copy_from_slice(with);
+        put(0, b"LASF");
+        put(24, &[1, 4]);
+        put(94, &375u16.to_le_bytes());
+        put(96, &begin.to_le_bytes());
+        put(100, &u32::from(!laszip.is_empty()).to_le_bytes());
+        put(104, &[format]);
+        put(105, &size.to_le_bytes());
+        put(107, &3u32.to_le_bytes());
+        (0..3).for_each(|k| put(131 + 8 * k, &0.01f64.to_le_bytes()));
+        put(247, &3u64.to_le_bytes());
+        if !laszip.is_empty() {
+            let head = [
+                &[0, 0][..],
+                b"laszip encoded\0\0",
+                &22204u16.to_le_bytes(),
+                &[laszip.len() as u8, 0],
+                &[0; 32],
+            ];
+            bytes.extend(head.concat());
+            bytes.extend(laszip);
+        }
+        bytes.extend((0..3 * size).map(|i| (i % 7) as u8));
+        bytes
+    };
+    let plain = sizes.iter().zip(0..).map(|(&size, format)| file(format, size, &[]));
+    let item = |kind: u16, size: u16, version: u16| [kind, size, version].map(u16::to_le_bytes).concat();
+    let laszip = |compressor: u8, items: &[u8]| {
+        let head = [
+            &[compressor, 0, 0, 0, 2, 2, 0, 0, 0, 0, 0, 0][..],
+            &50_000u32.to_le_bytes(),
+            &[255; 16],
+            &[1, 0],
+        ];
+        [&head.concat()[..], items].concat()
+    };
+    let packed = [file(0x80, 20, &laszip(1, &item(6, 20, 2))), file(0x86, 30, &laszip(3, &item(10, 30, 3)))];
+    plain.chain(packed).collect()
+}
+
+/// Text clouds of several dialects.
+fn xyz() -> Vec<Vec<u8>> {
+    let texts = [
+        "0 0 0\n1 0 0\n0 1 nan\n",
+        "2\n0 0 0 -5 255 0 9\n1 0 0 7 0 1 2\n",
+        "//X,Y,Z,R,G,B,Intensity\n0,0,0,1,2,3,0.5\n1,0,2,1,2,3,\n",
+        "x;y;z;name\n1;2;3;a\n4;5;6;b\n",
+        "# c\n0 0 0 255 0 0 0 0 1\n0 1 0 255 0 0 0 0 1\n1 1 0 255 0 0 0 0 1\n",
+    ];
+    texts.map(|text| text.as_bytes().to_vec()).to_vec()
 }
 
 /// Polygons, a volume and grids, in text and in binary.

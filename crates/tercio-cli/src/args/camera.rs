@@ -111,7 +111,7 @@ pub struct CameraArgs {
     #[arg(long, value_name = "FACTOR", allow_negative_numbers = true, value_parser = values::zoom)]
     #[arg(default_value = "1", hide_default_value = true)]
     zoom: f64,
-    /// The axis that points upwards [default: y; of STL, z].
+    /// The axis that points upwards [default: y; of STL, LAS, LAZ and point clouds as text, z].
     #[arg(long, value_name = "AXIS", value_enum)]
     up_axis: Option<Axis>,
     /// Direction in which the camera looks at the model that it frames, instead of --azimuth and --elevation.
@@ -225,10 +225,14 @@ impl CameraArgs {
         self.given_axis().is_some()
     }
 
-    /// These options for a model of a format, in the words of its reader: STL has z up, other formats
+    /// These options for a model of a format, in the words of its reader: STL, LAS, LAZ and text clouds have z up, other formats
     /// y, unless an axis is given.
     pub fn for_format(&self, format: &str) -> Self {
-        let usual = if format.starts_with("STL") { Axis::Z } else { Axis::Y };
+        let usual = if ["STL", "LAS", "LAZ", "text"].iter().any(|f| format.starts_with(f)) {
+            Axis::Z
+        } else {
+            Axis::Y
+        };
         Self {
             up_axis: Some(self.given_axis().unwrap_or(usual)),
             up: self.up_vector().map(Up::Vector),

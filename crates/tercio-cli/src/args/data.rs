@@ -7,9 +7,11 @@ use clap::{Args, ValueEnum};
 use serde_json::{Value, json};
 use tercio::Normals;
 use tercio::data::{
-    DataError, DataOptions, Ends, IsolineOptions, Made, RangeEnd, ScaleOption, Statistics, needs_normals,
+    DataError, DataOptions, Ends, IsolineOptions, Made, RangeEnd, ScaleOption, Statistics, StrokeData,
+    needs_normals,
 };
 use tercio::glam::DVec3;
+use tercio::mesh::strokes::Strokes;
 use tercio::parallel::Communicator;
 use tercio::scene::color_map::{ColorMap, Scale};
 use tercio::scene::{DataColors, Instance, SurfaceData};
@@ -22,8 +24,8 @@ use crate::output::UsageError;
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Data")]
 pub struct DataArgs {
-    /// Colours the model by an attribute (tercio info lists them; of a vector, its magnitude), NAME:COMPONENT, NAME:magnitude, or
-    /// NAME:rgb for colours; or by what is made of the model: @elevation, @normal, @normal:x (y, z), @curvature,
+    /// Colours the model, its lines and points by an attribute (tercio info lists them; of a vector, its magnitude),
+    /// NAME:COMPONENT, NAME:magnitude, or NAME:rgb for colours; NAME@point and NAME@cell where both have the name [default: point]; or by what is made of the model: @elevation, @normal, @normal:x (y, z), @curvature,
     /// @component, @face.
     #[arg(long, value_name = "NAME", aliases = ["scalars", "coloring-array"])]
     color_by: Option<String>,
@@ -261,12 +263,10 @@ impl DataArgs {
         }
     }
 
-    /// Normals that the model shall have, if `wanted` are those for drawing.
-    pub fn normals(&self, wanted: Normals) -> Normals {
-        match &self.color_by {
-            Some(name) if needs_normals(name) && wanted == Normals::File => Normals::default(),
-            _ => wanted,
-        }
+    /// Normals that the model shall have, if `wanted` are those for drawing, and glyphs show a vector of this name.
+    pub fn normals(&self, wanted: Normals, glyphs: Option<&str>) -> Normals {
+        let is_needed = self.color_by.as_deref().into_iter().chain(glyphs).any(needs_normals);
+        if is_needed && wanted == Normals::File { Normals::default() } else { wanted }
     }
 
     /// The attribute that has to be made when the model is read.
@@ -334,27 +334,35 @@ impl DataArgs {
         follows.then_some(self.range_over)
     }
 
-    /// What the colours of an instance depend on.
+    /// What the colours of an instance, and of its lines and points, depend on.
     ///
     /// # Errors
     /// Data that are not there. Those without a finite value are none: other models of the series may have some.
-    pub fn survey(&self, instance: &Instance, up: DVec3) -> Result<Survey> {
+    pub fn survey(&self, instance: &Instance, strokes: &Strokes, up: DVec3) -> Result<Survey> {
         let Some(options) = self.options(up)? else { return Ok(Survey::default()) };
         let mut survey = Survey::default();
         let of_all = |own: Statistics| {
             survey.statistics = own;
             Ok(own)
         };
-        let data = options.data_with::<DataError>(instance, of_all);
-        match data.as_deref() {
-            Ok(SurfaceData::Mapped { colors, .. }) => {
-                survey.range = Some(colors.range);
-                let categories = colors.categories.iter();
-                survey.categories = categories.map(|c| (c.value, c.label.clone())).collect();
+        match options.data_of_model::<DataError>(instance, strokes, of_all) {
+            Ok(data) => {
+                let of_surface = match data.surface.as_deref() {
+                    Some(SurfaceData::Mapped { colors, .. }) => Some(colors),
+                    _ => None,
+                };
+                let of_strokes = match &data.strokes {
+                    Some(StrokeData::Mapped { colors, .. }) => Some(colors),
+                    _ => None,
+                };
+                if let Some(colors) = of_surface.or(of_strokes) {
+                    survey.range = Some(colors.range);
+                    let categories = colors.categories.iter();
+                    survey.categories = categories.map(|c| (c.value, c.label.clone())).collect();
+                }
             }
-            Ok(_)
-            | Err(DataError::NoNumbers(_) | DataError::NotPositive { .. } | DataError::Range { .. }) => {}
-            Err(error) => return Err(error.clone().into()),
+            Err(DataError::NoNumbers(_) | DataError::NotPositive { .. } | DataError::Range { .. }) => {}
+            Err(error) => return Err(error.into()),
         }
         Ok(survey)
     }
@@ -378,7 +386,8 @@ impl DataArgs {
         own
     }
 
-    /// Colours an instance by its data; together with the ranks that have the other parts of it, if there are `parts`.
+    /// Colours an instance by its data, and returns the data of its lines and points; together with the ranks that have the other
+    /// parts of it, if there are `parts`.
     ///
     /// # Errors
     /// Data that are not there, with a list of those that are.
@@ -386,9 +395,10 @@ impl DataArgs {
         &self,
         instance: &mut Instance,
         up: DVec3,
+        strokes: &Strokes,
         parts: Option<&mut impl Communicator>,
-    ) -> Result<()> {
-        let Some(options) = self.options(up)? else { return Ok(()) };
+    ) -> Result<Option<StrokeData>> {
+        let Some(options) = self.options(up)? else { return Ok(None) };
         let is_of_part = matches!(options.range.low, RangeEnd::Percentile(_))
             || matches!(options.range.high, RangeEnd::Percentile(_))
             || options.categories.is_some();
@@ -400,13 +410,15 @@ impl DataArgs {
             Some(comm) => of_all_parts(comm, own),
             None => Ok(self.of_series.unwrap_or(own)),
         };
-        let data = options.data_with::<anyhow::Error>(instance, of_all)?;
-        if matches!(*data, SurfaceData::Direct { .. }) && self.changes_map() {
+        let data = options.data_of_model::<anyhow::Error>(instance, strokes, of_all)?;
+        let is_direct = matches!(data.surface.as_deref(), Some(SurfaceData::Direct { .. }))
+            || matches!(data.strokes, Some(StrokeData::Direct(_)));
+        if is_direct && self.changes_map() {
             let by = &options.by;
             bail!("\"{by}\" are colours: --colormap, --range and what belongs to them have no effect");
         }
-        instance.data = Some(data);
-        Ok(())
+        instance.data = data.surface;
+        Ok(data.strokes)
     }
 
     /// What the colours show, for reports.

@@ -45,7 +45,7 @@ pub enum ProgressMode {
 /// The model that a command works on.
 #[derive(Clone, Debug, Args)]
 pub struct ModelArgs {
-    /// A file (PLY, OBJ, STL, OFF, VTK or PCD, each also gzip-compressed; or a model from `tercio prepare`), `-` for
+    /// A file (PLY, OBJ, STL, OFF, VTK, PCD, LAS, LAZ or a point cloud as text, each also gzip-compressed; or a model from `tercio prepare`), `-` for
     /// standard input, or builtin:NAME@COUNT, such as builtin:teapot@1M (teapot, gyroid, terrain, sphere, soup).
     pub model: PathBuf,
     /// Which of the times of a collection is meant.

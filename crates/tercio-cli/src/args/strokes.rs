@@ -4,11 +4,12 @@ use std::collections::HashSet;
 
 use clap::{Args, ValueEnum};
 use serde_json::{Value, json};
+use tercio::glyphs::{GlyphOptions, GlyphShape};
 use tercio::mesh::ClusteredMesh;
 use tercio::mesh::edges::{Edge, EdgeKind, Edges, Selection};
 use tercio::scene::color::linear_to_srgb;
 use tercio::scene::{Background, Surface, srgb_to_linear};
-use tercio::strokes::{Length, Pen, PointShape};
+use tercio::strokes::{Length, LineShape, Pen, PointShape};
 
 use super::values;
 
@@ -58,6 +59,30 @@ pub enum ShapeName {
     Sphere,
 }
 
+/// How lines look.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum LineName {
+    /// Strips that face the camera.
+    #[default]
+    Flat,
+    /// Lit, round tubes, with their true depth.
+    Tube,
+}
+
+/// How glyphs look.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum GlyphName {
+    /// Arrows from the place to the end of the vector.
+    #[default]
+    Arrow,
+    /// Lines from the place to the end of the vector.
+    Line,
+    /// Spheres around the place, as large as the vector is long.
+    Sphere,
+    /// Cones from the place to the end of the vector.
+    Cone,
+}
+
 /// How lines and points of a file are drawn.
 pub struct Pens {
     /// Lines.
@@ -79,9 +104,12 @@ pub struct StrokeArgs {
     #[arg(value_enum, value_delimiter = ',')]
     edges: Option<Vec<EdgesName>>,
     /// Width of lines and edges: pixels of the picture, or with a u units of the model (0.1u) [default: 1.5; edges on a
-    /// surface 1].
+    /// surface 1; tubes 4].
     #[arg(long, value_name = "WIDTH", value_parser = length)]
     line_width: Option<Length>,
+    /// How lines and edges look; tubes need a width of some pixels, or in units of the model.
+    #[arg(long, value_name = "SHAPE", value_enum, default_value_t = LineName::Flat)]
+    line_shape: LineName,
     /// Diameter of points: pixels of the picture, or with a u units of the model (0.1u) [default: 3].
     #[arg(long, value_name = "SIZE", value_parser = length)]
     point_size: Option<Length>,
@@ -91,9 +119,39 @@ pub struct StrokeArgs {
     /// Colour of edges, also translucent (#rrggbbaa); where these overlap, they are denser [default: #202428].
     #[arg(long, value_name = "COLOR", value_parser = values::color)]
     edge_color: Option<[u8; 4]>,
+    /// Draws glyphs of a vector: an attribute of two or three components, as --color-by names it, or @normal. They are at the vertices,
+    /// at the middle of triangles for data of cells, or at lines and points where only these have it.
+    #[arg(long, value_name = "NAME")]
+    glyphs: Option<String>,
+    /// How glyphs look.
+    #[arg(long, value_name = "SHAPE", value_enum, default_value_t = GlyphName::Arrow, hide_short_help = true)]
+    #[arg(requires = "glyphs")]
+    glyph: GlyphName,
+    /// Length of glyphs per length of vectors, in units of the model; auto: the longest is about as long as glyphs are apart.
+    #[arg(long, value_name = "S|auto", value_parser = scale, default_value = "auto", hide_short_help = true)]
+    #[arg(requires = "glyphs")]
+    glyph_scale: Scale,
+    /// One glyph for every N places, spread evenly; 1 for all of them [default: at most 2000 glyphs].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..), hide_short_help = true)]
+    #[arg(requires = "glyphs")]
+    glyph_every: Option<u32>,
+    /// Colour of glyphs [default: that of the data of --color-by at their places, or else dark].
+    #[arg(long, value_name = "COLOR", value_parser = values::color, hide_short_help = true, requires = "glyphs")]
+    glyph_color: Option<[u8; 4]>,
     /// Edges are features where the surface is bent by more than this many degrees [default: 30].
     #[arg(long, value_name = "DEG", allow_negative_numbers = true, value_parser = values::crease_angle)]
     feature_angle: Option<f64>,
+}
+
+/// `--glyph-scale`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Scale(Option<f64>);
+
+fn scale(text: &str) -> Result<Scale, String> {
+    match text.trim() {
+        "auto" => Ok(Scale(None)),
+        number => values::positive(number).map(|scale| Scale(Some(scale))),
+    }
 }
 
 impl StrokeArgs {
@@ -104,8 +162,16 @@ impl StrokeArgs {
                 "--mode and --edges are not possible with --parts: the edges of a part are not those of the model",
             );
         }
+        if in_parts && self.glyphs.is_some() {
+            return Err(
+                "--glyphs is not possible with --parts: which places have one depends on all of them",
+            );
+        }
         if self.mode == ModeName::Points && self.edges.is_some() {
             return Err("--edges has no effect with --mode points");
+        }
+        if self.line_shape == LineName::Tube && self.has_silhouette() {
+            return Err("--line-shape tube has no silhouettes: --edges=silhouette are lines");
         }
         if self.edge_color.is_some() && !self.has_edges() {
             return Err("--edge-color has no effect without --edges or a --mode with edges");
@@ -213,24 +279,66 @@ impl StrokeArgs {
 
     /// How edges are drawn.
     pub fn edge_pen(&self) -> Pen {
-        let width = if matches!(self.mode, ModeName::Surface | ModeName::Contours) { 1.0 } else { 1.5 };
-        let color = self.edge_color.unwrap_or(INK);
+        let is_tube = self.line_shape == LineName::Tube;
+        let width = match self.mode {
+            _ if is_tube => TUBE,
+            ModeName::Surface | ModeName::Contours => 1.0,
+            _ => 1.5,
+        };
+        let color = self.edge_color.unwrap_or_else(|| if is_tube { opaque(None) } else { INK });
         Pen { width: self.line_width.unwrap_or(Length::Pixels(width)), color }
     }
 
     /// How lines and points without colours of their own are drawn, if the model has this linear colour.
     pub fn pens(&self, color: Option<[f32; 3]>) -> Pens {
-        let byte = |c: f32| (linear_to_srgb(f64::from(c)) * 255.0).round() as u8;
-        let opaque = |[r, g, b]: [f32; 3]| [byte(r), byte(g), byte(b), 0xff];
-        let ink = color.map_or(INK, opaque);
-        // Light makes the form of spheres visible, which needs a colour that is not dark.
+        let ink = color.map_or(INK, |color| opaque(Some(color)));
+        // Light makes the form of spheres and tubes visible, which needs a colour that is not dark.
         let of_points = match self.point_shape {
-            ShapeName::Sphere => opaque(color.unwrap_or(Surface::default().base_color)),
+            ShapeName::Sphere => opaque(color),
             ShapeName::Square | ShapeName::Round => ink,
         };
+        let (width, of_lines) = match self.line_shape {
+            LineName::Tube => (TUBE, opaque(color)),
+            LineName::Flat => (1.5, ink),
+        };
         Pens {
-            lines: Pen { width: self.line_width.unwrap_or(Length::Pixels(1.5)), color: ink },
+            lines: Pen { width: self.line_width.unwrap_or(Length::Pixels(width)), color: of_lines },
             points: Pen { width: self.point_size.unwrap_or(Length::Pixels(3.0)), color: of_points },
+        }
+    }
+
+    /// Is anything drawn as a body in space, which a drawing of lines cannot hold?
+    pub fn has_bodies(&self) -> bool {
+        self.glyphs.is_some() || self.line_shape == LineName::Tube
+    }
+
+    /// Which glyphs are drawn, if any.
+    pub fn glyphs(&self) -> Option<GlyphOptions> {
+        let shape = match self.glyph {
+            GlyphName::Arrow => GlyphShape::Arrow,
+            GlyphName::Line => GlyphShape::Line,
+            GlyphName::Sphere => GlyphShape::Sphere,
+            GlyphName::Cone => GlyphShape::Cone,
+        };
+        let (scale, every, color) = (self.glyph_scale.0, self.glyph_every, self.glyph_color);
+        self.glyphs.as_ref().map(|by| GlyphOptions { shape, scale, every, color, ..GlyphOptions::new(by) })
+    }
+
+    /// The name of the vector of glyphs.
+    pub fn glyph_vector(&self) -> Option<&str> {
+        self.glyphs.as_deref()
+    }
+
+    /// How glyphs without a colour are drawn.
+    pub fn glyph_pen(&self) -> Pen {
+        Pen { width: self.line_width.unwrap_or(Length::Pixels(1.5)), color: INK }
+    }
+
+    /// How lines look.
+    pub fn line_shape(&self) -> LineShape {
+        match self.line_shape {
+            LineName::Flat => LineShape::Flat,
+            LineName::Tube => LineShape::Tube,
         }
     }
 
@@ -271,6 +379,8 @@ impl StrokeArgs {
             "edges": self.has_edges().then(|| {
                 self.names().iter().map(values::name).collect::<Option<Vec<_>>>().map(|names| names.join(","))
             }),
+            "glyphs": self.glyphs,
+            "line_shape": values::name(&self.line_shape),
             "point_shape": values::name(&self.point_shape),
         })
     }
@@ -289,6 +399,16 @@ fn length(text: &str) -> Result<Length, String> {
         _ => Err(format!("expected pixels, above 0 and at most {MOST_PIXELS}, or units such as 0.1u")),
     }
 }
+
+/// A linear colour, or that of surfaces, in bytes.
+fn opaque(color: Option<[f32; 3]>) -> [u8; 4] {
+    let byte = |c: f32| (linear_to_srgb(f64::from(c)) * 255.0).round() as u8;
+    let [r, g, b] = color.unwrap_or(Surface::default().base_color);
+    [byte(r), byte(g), byte(b), 0xff]
+}
+
+/// Width of tubes in pixels, unless it is given.
+const TUBE: f64 = 4.0;
 
 /// Wider lines are areas.
 const MOST_PIXELS: f64 = 1024.0;

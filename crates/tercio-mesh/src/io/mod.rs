@@ -2,6 +2,7 @@
 
 mod companions;
 pub mod input;
+pub mod las;
 mod not_drawn;
 pub mod obj;
 pub mod off;
@@ -14,6 +15,7 @@ pub mod stl;
 pub mod text;
 mod translucent;
 pub mod vtk;
+pub mod xyz;
 
 use std::path::{Path, PathBuf};
 
@@ -78,6 +80,10 @@ pub enum Format {
     VtkXml,
     /// Point clouds of the Point Cloud Library.
     Pcd,
+    /// Point clouds of laser scanners, LAS or LAZ.
+    Las,
+    /// Point clouds as text.
+    Xyz,
 }
 
 /// What a reader found besides the mesh itself.
@@ -139,6 +145,8 @@ pub fn read_input(input: &Input, options: &ReadOptions) -> Result<ReadModel, Rea
         Some(Format::Vtk) => vtk::read_legacy(input, options),
         Some(Format::VtkXml) => vtk::read_xml(input, options),
         Some(Format::Pcd) => pcd::read(input, options),
+        Some(Format::Las) => las::read(input, options),
+        Some(Format::Xyz) => xyz::read(input, options),
         None => return Err(sniff::refusal(input)),
     }?;
     model.report.file_bytes = input.file_bytes;

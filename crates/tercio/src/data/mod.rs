@@ -3,16 +3,22 @@
 mod made;
 mod name;
 mod range;
+mod strokes;
 
 use std::sync::Arc;
 
 use glam::DVec3;
+use tercio_mesh::AttributeDomain;
+use tercio_mesh::strokes::Strokes;
 use tercio_scene::color_map::{Category, ColorMap, DataColors, Isolines, Scale};
-use tercio_scene::{DataReader, Instance, SurfaceData};
+use tercio_scene::{DataReader, DataSource, Instance, SurfaceData};
 
 pub use made::Made;
-pub use name::{available, needs_normals};
+pub use name::{available, direction, needs_normals};
+use range::Values;
 pub use range::{Ends, RangeEnd, Statistics};
+pub(crate) use strokes::layout as stroke_layout;
+pub use strokes::{ModelData, StrokeData};
 
 /// How a surface is coloured by its data.
 ///
@@ -29,7 +35,8 @@ pub use range::{Ends, RangeEnd, Statistics};
 pub struct DataOptions {
     /// The name of an attribute (of the components of a vector: its magnitude), `NAME:COMPONENT`, `NAME:magnitude`, or `NAME:rgb`
     /// for colours; or what is made: `@elevation`, `@normal`, `@normal:x`, `@normal:y`, `@normal:z`, `@face`; with [`LoadOptions::make`](crate::LoadOptions::make)
-    /// `@curvature` and `@component`, whose colours are those of categories.
+    /// `@curvature` and `@component`, whose colours are those of categories. `NAME@point` and `NAME@cell` are attributes of vertices and
+    /// of triangles alone; where both have the name, it means that of the vertices.
     pub by: String,
     /// The colours; `None` for viridis, or Set1 or tab20 for categories.
     pub map: Option<ColorMap>,
@@ -100,6 +107,14 @@ pub enum DataError {
         /// What there is.
         available: Vec<String>,
     },
+    /// No such vector.
+    #[error("there is no vector \"{name}\" of two or three components; there are {}", list(available))]
+    NoVector {
+        /// The name.
+        name: String,
+        /// What there is.
+        available: Vec<String>,
+    },
     /// No normals for `@normal`.
     #[error("the model has no normals for @normal")]
     NoNormals,
@@ -135,7 +150,7 @@ pub enum DataError {
     #[error("\"{0}\" has more than {MOST_CATEGORIES} different values, too many for categories")]
     TooManyCategories(String),
     /// Lines on something constant.
-    #[error("isolines need values at vertices, those of \"{0}\" are at triangles, and constant there")]
+    #[error("isolines need values at vertices of a surface, those of \"{0}\" are elsewhere")]
     ConstantIsolines(String),
 }
 
@@ -183,42 +198,101 @@ impl DataOptions {
         instance: &Instance,
         of_all: impl FnOnce(Statistics) -> Result<Statistics, E>,
     ) -> Result<Arc<SurfaceData>, E> {
+        let data = self.data_of_model(instance, &Strokes::default(), of_all)?;
+        data.surface.ok_or_else(|| DataError::NoNumbers(self.by.clone()).into())
+    }
+
+    /// The data of a model's surface and of the lines and points of its file, in the same colours. The range is that of all of them.
+    /// One of both may be without these data; then it keeps colours of its own.
+    ///
+    /// # Errors
+    /// [`DataError`], and those of `of_all`.
+    pub fn data_of_model<E: From<DataError>>(
+        &self,
+        instance: &Instance,
+        strokes: &Strokes,
+        of_all: impl FnOnce(Statistics) -> Result<Statistics, E>,
+    ) -> Result<ModelData, E> {
         let layout = instance.mesh.layout();
-        let found = name::find(&self.by, layout, self.up)?;
-        let source = match found {
-            name::Found::Values(source) => source,
-            name::Found::Colors { components, is_signed } => {
-                let (scale, offset) = match is_signed {
-                    true => (0.5, 0.5),
-                    false => (range::color_scale(instance, &components), 0.0),
-                };
-                return Ok(Arc::new(SurfaceData::Direct { components, scale, offset }));
-            }
+        let on_strokes = strokes::find(&self.by, strokes, self.up);
+        // A surface without triangles counts only where there is nothing else.
+        let is_cloud = !strokes.is_empty() && instance.mesh.clusters().is_empty();
+        let on_surface = match name::find(&self.by, layout, self.up) {
+            Ok(found) if !is_cloud || on_strokes.is_none() => Some(found),
+            Ok(_) => None,
+            Err(_) if on_strokes.is_some() => None,
+            Err(error) => return Err(strokes::list_those_of(error, strokes, is_cloud).into()),
         };
-        let reader = DataReader::new(&source, instance);
-        let statistics = of_all(Statistics::of(&reader, &instance.mesh))?;
-        let is_at_triangles = source.domain(layout) == tercio_mesh::AttributeDomain::Triangle;
-        if self.isolines.is_some() && is_at_triangles {
+        let reader = |source: &DataSource| (DataReader::new(source, instance), &*instance.mesh);
+        let source = match (&on_surface, &on_strokes) {
+            (Some(name::Found::Colors { .. }), _) | (None, Some(name::Found::Colors { .. })) => {
+                return Ok(self.direct(instance, strokes, on_surface, on_strokes));
+            }
+            (Some(name::Found::Values(source)), _) => Some(source.clone()),
+            (None, _) => None,
+        };
+        let others = match &on_strokes {
+            Some(name::Found::Values(source)) => Some(strokes::values(source, strokes)),
+            _ => None,
+        };
+        let values =
+            Values { surface: source.as_ref().map(reader), others: others.as_deref().unwrap_or_default() };
+        let statistics = of_all(Statistics::of(&values))?;
+        let is_constant = |source: &DataSource| source.domain(layout) == AttributeDomain::Triangle;
+        if self.isolines.is_some() && source.as_ref().is_none_or(is_constant) {
             return Err(DataError::ConstantIsolines(self.by.clone()).into());
         }
         let is_plain = self.range == Ends::default() && self.bands.is_none();
         let colors = match &self.categories {
-            Some(labels) => self.category_colors(labels, &reader, instance)?,
+            Some(labels) => self.category_colors(labels, &values)?,
             None if self.by == Made::Component.name() && is_plain => {
-                let few = self.category_colors(&[], &reader, instance);
-                few.or_else(|_| self.range_colors(&statistics, &reader, instance))?
+                let few = self.category_colors(&[], &values);
+                few.or_else(|_| self.range_colors(&statistics, &values))?
             }
-            None => self.range_colors(&statistics, &reader, instance)?,
+            None => self.range_colors(&statistics, &values)?,
         };
-        Ok(Arc::new(SurfaceData::Mapped { source, colors: Arc::new(colors) }))
+        let of_strokes = others.map(|values| StrokeData::Mapped {
+            values,
+            colors: Arc::new(DataColors { isolines: None, ..colors.clone() }),
+        });
+        // The bar shows the colours of the surface, also where it has no triangles.
+        let source = source.or_else(|| is_cloud.then_some(DataSource::Along(self.up)));
+        let colors = Arc::new(colors);
+        let surface = source.map(|source| Arc::new(SurfaceData::Mapped { source, colors }));
+        Ok(ModelData { surface, strokes: of_strokes })
     }
 
-    fn range_colors(
+    /// Colours themselves.
+    fn direct(
         &self,
-        s: &Statistics,
-        reader: &DataReader,
         instance: &Instance,
-    ) -> Result<DataColors, DataError> {
+        strokes: &Strokes,
+        on_surface: Option<name::Found>,
+        on_strokes: Option<name::Found>,
+    ) -> ModelData {
+        let colors = |found: Option<name::Found>| match found {
+            Some(name::Found::Colors { components, is_signed }) => Some((components, is_signed)),
+            _ => None,
+        };
+        let (on_surface, on_strokes) = (colors(on_surface), colors(on_strokes));
+        let of_strokes: Option<Vec<Vec<f32>>> = on_strokes.map(|(components, _)| {
+            components.iter().map(|source| strokes::values(source, strokes)).collect()
+        });
+        let of_surface = on_surface.iter().flat_map(|(components, _)| components).map(|source| Values {
+            surface: Some((DataReader::new(source, instance), &*instance.mesh)),
+            others: &[],
+        });
+        let others = of_strokes.iter().flatten().map(|others| Values { surface: None, others });
+        let is_signed = on_surface.as_ref().is_some_and(|(_, is_signed)| *is_signed);
+        let (scale, offset) =
+            if is_signed { (0.5, 0.5) } else { (range::color_scale(of_surface.chain(others)), 0.0) };
+        let surface =
+            on_surface.map(|(components, _)| Arc::new(SurfaceData::Direct { components, scale, offset }));
+        let strokes = of_strokes.map(|components| strokes::direct(&components, scale, offset));
+        ModelData { surface, strokes }
+    }
+
+    fn range_colors(&self, s: &Statistics, values: &Values) -> Result<DataColors, DataError> {
         let is_log = self.scale == ScaleOption::Log;
         let automatic = if is_log { s.positive } else { s.finite };
         let given = |end: RangeEnd| matches!(end, RangeEnd::At(_));
@@ -231,9 +305,7 @@ impl DataOptions {
         let end = |end: RangeEnd, of_data: f32| match end {
             RangeEnd::OfData => f64::from(of_data),
             RangeEnd::At(value) => value,
-            RangeEnd::Percentile(share) => {
-                f64::from(range::percentile(reader, &instance.mesh, share, is_log))
-            }
+            RangeEnd::Percentile(share) => f64::from(range::percentile(values, share, is_log)),
         };
         let [mut low, mut high] = [end(self.range.low, finite[0]), end(self.range.high, finite[1])];
         let name = || self.by.clone();
@@ -274,13 +346,8 @@ impl DataOptions {
         Ok(colors)
     }
 
-    fn category_colors(
-        &self,
-        labels: &[(f32, String)],
-        reader: &DataReader,
-        instance: &Instance,
-    ) -> Result<DataColors, DataError> {
-        let found = range::different(reader, &instance.mesh, MOST_CATEGORIES);
+    fn category_colors(&self, labels: &[(f32, String)], values: &Values) -> Result<DataColors, DataError> {
+        let found = range::different(values, MOST_CATEGORIES);
         let mut values = found.ok_or_else(|| DataError::TooManyCategories(self.by.clone()))?;
         values.extend(labels.iter().map(|(value, _)| *value));
         // -0 is 0.

@@ -51,6 +51,45 @@ pub fn available(layout: &Layout) -> Vec<String> {
 
 /// The attributes that are the components of a vector: `NAME:0`, `NAME:1` and so on, or `NAME_x`, `NAME_y`, or `NAMEx`, `NAMEy`.
 fn vector(name: &str, layout: &Layout) -> Vec<usize> {
+    vector_of(name, None, layout)
+}
+
+/// The name without `@point` or `@cell`, and what these select.
+fn selected(name: &str) -> (&str, Option<AttributeDomain>) {
+    if let Some(name) = name.strip_suffix("@point") {
+        (name, Some(AttributeDomain::Vertex))
+    } else if let Some(name) = name.strip_suffix("@cell") {
+        (name, Some(AttributeDomain::Triangle))
+    } else {
+        (name, None)
+    }
+}
+
+/// The components of a vector in two or three dimensions, for glyphs.
+///
+/// # Errors
+/// [`DataError::Unknown`], with a list of the vectors that there are.
+pub fn direction(name: &str, layout: &Layout) -> Result<Vec<usize>, DataError> {
+    let (array, domain) = selected(name);
+    let all = vector_of(array, domain, layout);
+    if (2..=3).contains(&all.len()) {
+        return Ok(all);
+    }
+    let mut there: Vec<String> = Vec::new();
+    for (attribute, _) in &layout.attributes {
+        let ends = [":0", "_0", "_x", "x"];
+        let arrays = ends.iter().filter_map(|end| attribute.strip_suffix(end));
+        let is_vector = |array: &&str| (2..=3).contains(&vector(array, layout).len());
+        let new = arrays.filter(is_vector).find(|array| !there.iter().any(|t| t == array));
+        there.extend(new.map(String::from));
+    }
+    if layout.normals {
+        there.push("@normal".into());
+    }
+    Err(DataError::NoVector { name: name.into(), available: there })
+}
+
+fn vector_of(name: &str, only: Option<AttributeDomain>, layout: &Layout) -> Vec<usize> {
     type Naming = fn(&str, usize) -> String;
     let namings: [Naming; 4] = [
         |name, k| format!("{name}:{k}"),
@@ -59,9 +98,12 @@ fn vector(name: &str, layout: &Layout) -> Vec<usize> {
         |name, k| format!("{name}{}", AXES.get(k).unwrap_or(&"?")),
     ];
     let find = |wanted: String, domain: Option<AttributeDomain>| {
-        let is_it =
-            |(name, d): &(String, AttributeDomain)| *name == wanted && domain.is_none_or(|of| of == *d);
-        layout.attributes.iter().position(is_it)
+        let at =
+            |of: AttributeDomain| layout.attributes.iter().position(|(name, d)| *name == wanted && of == *d);
+        match domain.or(only) {
+            Some(domain) => at(domain),
+            None => at(AttributeDomain::Vertex).or_else(|| at(AttributeDomain::Triangle)),
+        }
     };
     for naming in namings {
         let Some(first) = find(naming(name, 0), None) else { continue };
@@ -80,7 +122,15 @@ fn vector(name: &str, layout: &Layout) -> Vec<usize> {
 /// # Errors
 /// [`DataError::Unknown`], [`DataError::Component`], [`DataError::NoNormals`].
 pub fn find(name: &str, layout: &Layout, up: DVec3) -> Result<Found, DataError> {
-    let attribute = |wanted: &str| layout.attributes.iter().position(|(name, _)| name == wanted);
+    let is_whole = layout.attributes.iter().any(|(known, _)| known == name);
+    let (whole, (name, domain)) = (name, if is_whole { (name, None) } else { selected(name) });
+    let attribute = |wanted: &str| {
+        let at = |of: AttributeDomain| layout.attributes.iter().position(|(n, d)| n == wanted && *d == of);
+        match domain {
+            Some(domain) => at(domain),
+            None => at(AttributeDomain::Vertex).or_else(|| at(AttributeDomain::Triangle)),
+        }
+    };
     // A name may have a colon in it.
     if let Some(number) = attribute(name) {
         return Ok(Found::Values(DataSource::Attribute(number)));
@@ -92,9 +142,9 @@ pub fn find(name: &str, layout: &Layout, up: DVec3) -> Result<Found, DataError> 
     if array.starts_with('@') {
         return made(name, array, component, layout, up);
     }
-    let all = vector(array, layout);
+    let all = vector_of(array, domain, layout);
     let single = attribute(array);
-    let unknown = || DataError::Unknown { name: name.into(), available: available(layout) };
+    let unknown = || DataError::Unknown { name: whole.into(), available: available(layout) };
     let values = |number: usize| Ok(Found::Values(DataSource::Attribute(number)));
     match (component, single) {
         (None, None) if !all.is_empty() => Ok(Found::Values(DataSource::Magnitude(all))),

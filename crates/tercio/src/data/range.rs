@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 use tercio_mesh::ClusteredMesh;
-use tercio_scene::{DataReader, DataSource, Instance};
+use tercio_scene::DataReader;
 
 /// An end of the range that colours cover.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -25,6 +25,37 @@ pub struct Ends {
     pub high: RangeEnd,
 }
 
+/// Values of a surface, and of what else is drawn in the same colours.
+pub(super) struct Values<'a> {
+    pub surface: Option<(DataReader, &'a ClusteredMesh)>,
+    pub others: &'a [f32],
+}
+
+/// Values of others in a piece.
+const PIECE: usize = 1 << 13;
+
+impl Values<'_> {
+    /// Clusters of the surface, then pieces of the others.
+    fn pieces(&self) -> usize {
+        self.clusters() + self.others.len().div_ceil(PIECE)
+    }
+
+    fn clusters(&self) -> usize {
+        self.surface.as_ref().map_or(0, |(_, mesh)| mesh.clusters().len())
+    }
+
+    /// Calls `see` with every value of a piece.
+    fn each(&self, piece: usize, mut see: impl FnMut(f32)) {
+        match (&self.surface, piece.checked_sub(self.clusters())) {
+            (Some((reader, mesh)), None) => reader.each(mesh, piece, see),
+            (_, piece) => {
+                let others = self.others.chunks(PIECE).nth(piece.unwrap_or(0)).unwrap_or_default();
+                others.iter().for_each(|&value| see(value));
+            }
+        }
+    }
+}
+
 /// What is known of some values.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Statistics {
@@ -35,14 +66,14 @@ pub struct Statistics {
 }
 
 impl Statistics {
-    /// Of the values of a mesh.
-    pub(super) fn of(reader: &DataReader, mesh: &ClusteredMesh) -> Self {
-        let add = |mut all: Self, cluster: usize| {
-            reader.each(mesh, cluster, |value| all = all.and(Self::of_value(value)));
+    /// Of some values.
+    pub(super) fn of(values: &Values) -> Self {
+        let add = |mut all: Self, piece: usize| {
+            values.each(piece, |value| all = all.and(Self::of_value(value)));
             all
         };
-        let clusters = (0..mesh.clusters().len()).into_par_iter().with_min_len(64);
-        clusters.fold(Self::default, add).reduce(Self::default, Self::and)
+        let pieces = (0..values.pieces()).into_par_iter().with_min_len(64);
+        pieces.fold(Self::default, add).reduce(Self::default, Self::and)
     }
 
     fn of_value(value: f32) -> Self {
@@ -73,12 +104,12 @@ fn value(key: u32) -> f32 {
 
 /// The value that this share of the finite values is at most (the nearest one: no mean of two); of those above 0 if `positive`. 0 if
 /// there is none.
-pub(super) fn percentile(reader: &DataReader, mesh: &ClusteredMesh, share: f64, positive: bool) -> f32 {
+pub(super) fn percentile(values: &Values, share: f64, positive: bool) -> f32 {
     const HALF: usize = 1 << 16;
     // Counts by the upper half of the key, then, of those with the half that is looked for, by the lower one.
     let count = |upper: Option<u32>| {
-        let add = |mut counts: Vec<u64>, cluster: usize| {
-            reader.each(mesh, cluster, |value| {
+        let add = |mut counts: Vec<u64>, piece: usize| {
+            values.each(piece, |value| {
                 let key = key(value);
                 let is_counted = value.is_finite() && (!positive || value > 0.0);
                 match upper {
@@ -94,7 +125,7 @@ pub(super) fn percentile(reader: &DataReader, mesh: &ClusteredMesh, share: f64, 
             a
         };
         let none = || vec![0; HALF];
-        (0..mesh.clusters().len()).into_par_iter().with_min_len(1024).fold(none, add).reduce(none, sum)
+        (0..values.pieces()).into_par_iter().with_min_len(1024).fold(none, add).reduce(none, sum)
     };
     let coarse = count(None);
     let all: u64 = coarse.iter().sum();
@@ -117,30 +148,30 @@ pub(super) fn percentile(reader: &DataReader, mesh: &ClusteredMesh, share: f64, 
 }
 
 /// The different values, unsorted; `None` if there are more than `most`. What is not a number is left out.
-pub(super) fn different(reader: &DataReader, mesh: &ClusteredMesh, most: usize) -> Option<Vec<f32>> {
+pub(super) fn different(values: &Values, most: usize) -> Option<Vec<f32>> {
     let merge = |mut a: Vec<u32>, b: &[u32]| {
         a.extend(b);
         a.sort_unstable();
         a.dedup();
         (a.len() <= most).then_some(a)
     };
-    let of_cluster = |cluster: usize| {
-        let mut values = Vec::new();
-        reader.each(mesh, cluster, |value| values.extend((!value.is_nan()).then(|| key(value + 0.0))));
-        values.sort_unstable();
-        values.dedup();
-        values
+    let of_piece = |piece: usize| {
+        let mut keys = Vec::new();
+        values.each(piece, |value| keys.extend((!value.is_nan()).then(|| key(value + 0.0))));
+        keys.sort_unstable();
+        keys.dedup();
+        keys
     };
-    let clusters = (0..mesh.clusters().len()).into_par_iter().with_min_len(64);
-    let all = clusters
-        .try_fold(Vec::new, |all, cluster| merge(all, &of_cluster(cluster)))
+    let pieces = (0..values.pieces()).into_par_iter().with_min_len(64);
+    let all = pieces
+        .try_fold(Vec::new, |all, piece| merge(all, &of_piece(piece)))
         .try_reduce(Vec::new, |a, b| merge(a, &b))?;
     Some(all.into_iter().map(value).collect())
 }
 
 /// What the components of colours are multiplied by: 1 if none is above 1, else 1/255.
-pub(super) fn color_scale(instance: &Instance, components: &[DataSource]) -> f32 {
-    let of = |source: &DataSource| Statistics::of(&DataReader::new(source, instance), &instance.mesh).finite;
-    let most = components.iter().filter_map(of).map(|[_, high]| high).fold(0.0, f32::max);
+pub(super) fn color_scale<'a>(components: impl IntoIterator<Item = Values<'a>>) -> f32 {
+    let of = |values: Values| Statistics::of(&values).finite;
+    let most = components.into_iter().filter_map(of).map(|[_, high]| high).fold(0.0, f32::max);
     if most > 1.0 { 1.0 / 255.0 } else { 1.0 }
 }

@@ -37,17 +37,17 @@ fn names_find_attributes_components_and_colors() {
     let layout = instance.mesh.layout();
     let find = |name: &str| name::find(name, layout, DVec3::Z);
     let values = |source| Ok(name::Found::Values(source));
-    assert_eq!(find("p"), values(tercio_scene::DataSource::Attribute(0)));
+    assert_eq!(find("p"), values(DataSource::Attribute(0)));
     assert_eq!(find("p:magnitude"), find("p"));
-    assert_eq!(find("v"), values(tercio_scene::DataSource::Magnitude(vec![1, 2, 3])));
+    assert_eq!(find("v"), values(DataSource::Magnitude(vec![1, 2, 3])));
     assert_eq!(find("v:magnitude"), find("v"));
     for (name, number) in [("v:1", 2), ("v:z", 3), ("w:y", 5), ("w_x", 4), ("a:b", 6)] {
-        assert_eq!(find(name), values(tercio_scene::DataSource::Attribute(number)), "{name}");
+        assert_eq!(find(name), values(DataSource::Attribute(number)), "{name}");
     }
     let is_colors =
         |found| matches!(found, Ok(name::Found::Colors { components, .. }) if components.len() == 3);
     assert!(is_colors(find("v:rgb")) && is_colors(find("@normal")));
-    assert_eq!(find("@elevation"), values(tercio_scene::DataSource::Along(DVec3::Z)));
+    assert_eq!(find("@elevation"), values(DataSource::Along(DVec3::Z)));
     let error = |name: &str| find(name).expect_err(name).to_string();
     let all = "p (vertices), v (vertices, 3 components), w_x (triangles), w_y (triangles), a:b (triangles)";
     let all = format!("{all}, @elevation, @normal, @face, @curvature, @component");

@@ -99,6 +99,11 @@ impl Eye {
         DVec2::new(f64::from(self.view.width), f64::from(self.view.height))
     }
 
+    /// A point in eye space, in world axes relative to [`Eye::origin`].
+    pub fn local(&self, p: DVec3) -> DVec3 {
+        self.world_axes(DVec3::new(p.x, p.y, p.z - self.origin))
+    }
+
     /// The direction from a point in eye space to the viewer.
     pub fn to_viewer(&self, p: DVec3) -> DVec3 {
         if self.view.perspective { -p } else { DVec3::NEG_Z }
@@ -126,6 +131,16 @@ impl Eye {
 
     /// The part of a segment in eye space that is in front of the near plane and less than `margin` pixels beside the picture.
     pub fn clip(&self, [p, q]: [DVec3; 2], margin: f64) -> Option<[DVec3; 2]> {
+        let at = |t: f64| match t {
+            t if t <= 0.0 => p,
+            t if t >= 1.0 => q,
+            t => p.lerp(q, t),
+        };
+        self.clip_shares([p, q], margin).map(|shares| shares.map(at))
+    }
+
+    /// The same as shares of the way from the first end to the second.
+    pub fn clip_shares(&self, [p, q]: [DVec3; 2], margin: f64) -> Option<[f64; 2]> {
         let (a, b) = (self.inside(p, margin), self.inside(q, margin));
         let (mut from, mut to) = (0.0f64, 1.0f64);
         for (a, b) in a.into_iter().zip(b) {
@@ -137,16 +152,7 @@ impl Eye {
                 (false, false) => return None,
             }
         }
-        let at = |t: f64| {
-            if t <= 0.0 {
-                p
-            } else if t >= 1.0 {
-                q
-            } else {
-                p.lerp(q, t)
-            }
-        };
-        (from <= to).then(|| [at(from), at(to)])
+        (from <= to).then_some([from, to])
     }
 
     /// The error of depths by rounding, as a distance, at most.

@@ -10,7 +10,7 @@ use glam::{DVec2, DVec3};
 use tercio_mesh::trig::{acos, sin_cos};
 
 use super::eye::Eye;
-use super::sheet::Sheet;
+use super::sheet::{Ink, Sheet};
 use super::{Length, Pen};
 
 /// Distance of an end from the true one, in pixels, at most.
@@ -65,13 +65,16 @@ struct Half {
 }
 
 /// Draws a line.
-pub fn draw(sheet: &mut Sheet, line: &Line, pen: &Pen, colors: [[u8; 4]; 2]) {
+pub fn draw(sheet: &mut Sheet, line: &Line, pen: &Pen, inks: [Ink; 2]) {
     let eye = sheet.eye();
     let margin = match pen.width {
         Length::Pixels(width) => width + 2.0,
         Length::Units(_) => eye.size().max_element(),
     };
-    let Some(ends) = eye.clip(line.ends, margin) else { return };
+    let (Some(ends), Some(shares)) = (eye.clip(line.ends, margin), eye.clip_shares(line.ends, margin)) else {
+        return;
+    };
+    let inks = shares.map(|share| inks[0].lerp(inks[1], share.clamp(0.0, 1.0)));
     let end = |p: DVec3| End { screen: eye.screen(p), radius: 0.5 * pen.width.pixels(eye, p.z), z: p.z };
     let ends3 = ends;
     let ends = ends.map(end);
@@ -96,12 +99,12 @@ pub fn draw(sheet: &mut Sheet, line: &Line, pen: &Pen, colors: [[u8; 4]; 2]) {
     };
     if line.hides_back && is_back(0) && is_back(1) && ends.iter().all(|end| end.radius > 0.0) {
         for face in faces.into_iter().flatten() {
-            on_its_face(sheet, &ends, ends3, &face, normal * face.side, colors);
+            on_its_face(sheet, &ends, ends3, &face, normal * face.side, inks);
         }
         return;
     }
     let halves = [1.0, -1.0].map(|side| half(eye, &ends, &faces, normal, side));
-    strips(sheet, &ends, along, &halves, colors, line.apexes != [None; 2]);
+    strips(sheet, &ends, along, &halves, inks, line.apexes != [None; 2]);
 }
 
 /// A triangle beside a line; `None` if it is seen edge-on.
@@ -159,7 +162,7 @@ fn strips(
     ends: &[End; 2],
     along: DVec2,
     halves: &[Half; 2],
-    colors: [[u8; 4]; 2],
+    inks: [Ink; 2],
     is_joined: bool,
 ) {
     let eye = sheet.eye();
@@ -168,9 +171,9 @@ fn strips(
         let by = halves[0].ahead[k].max(halves[1].ahead[k]);
         let nearness = eye.nearness(ahead_of(end.z, by));
         steps[k] = rounds(end.radius, is_joined);
-        middles[k] = sheet.vertex(end.screen, nearness, colors[k]);
+        middles[k] = sheet.vertex(end.screen, nearness, inks[k]);
         let out = along * if k == 0 { -end.radius } else { end.radius };
-        tips[k] = if steps[k] > 0 { sheet.vertex(end.screen + out, nearness, colors[k]) } else { 0 };
+        tips[k] = if steps[k] > 0 { sheet.vertex(end.screen + out, nearness, inks[k]) } else { 0 };
     }
     for (half, side) in halves.iter().zip([1.0, -1.0]) {
         let turned = |[a, b, c]: [u32; 3]| if side > 0.0 { [a, b, c] } else { [a, c, b] };
@@ -185,7 +188,7 @@ fn strips(
                 let angle = std::f64::consts::FRAC_PI_2 * f64::from(step) / f64::from(steps[k].max(1));
                 let (sin, cos) = if step >= steps[k] { (1.0, 0.0) } else { sin_cos(angle) };
                 let offset = (outwards * cos + along.perp() * (side * sin)) * end.radius;
-                let next = sheet.vertex(end.screen + offset, middle + (rim - middle) * sin, colors[k]);
+                let next = sheet.vertex(end.screen + offset, middle + (rim - middle) * sin, inks[k]);
                 if steps[k] > 0 {
                     let corners = if k == 1 { [middles[k], last, next] } else { [middles[k], next, last] };
                     sheet.triangle(turned(corners));
@@ -215,7 +218,7 @@ fn on_its_face(
     ends3: [DVec3; 2],
     face: &Face,
     outwards: DVec2,
-    colors: [[u8; 4]; 2],
+    inks: [Ink; 2],
 ) {
     let eye = sheet.eye();
     let Some([_, apex]) = eye.clip([ends3[0], face.apex], f64::INFINITY).filter(|part| part[1] == face.apex)
@@ -237,7 +240,7 @@ fn on_its_face(
     let share = |k: usize| (ends[k].radius / height).min(1.0);
     let corners = [(0, 0.0), (1, 0.0), (1, share(1)), (0, share(0))].map(|(k, share)| {
         let (screen, nearness) = at(k, share);
-        sheet.vertex(screen, nearness, colors[k])
+        sheet.vertex(screen, nearness, inks[k])
     });
     let [a, b, c, d] =
         if face.side > 0.0 { corners } else { [corners[1], corners[0], corners[3], corners[2]] };

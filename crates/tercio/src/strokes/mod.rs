@@ -22,19 +22,29 @@
 //! Where strokes that are not opaque overlap, each of them is a layer of its own: the picture is denser there.
 
 mod eye;
+mod glyph;
 mod line;
 mod point;
 mod sheet;
+mod tube;
+
+use std::sync::Arc;
 
 use glam::{DAffine3, DVec3};
+use rayon::prelude::*;
 use tercio_mesh::edges::Edges;
 use tercio_mesh::mesh::power_of_two;
 use tercio_mesh::strokes::Strokes;
-use tercio_mesh::{Aabb, ClusteredMesh};
-use tercio_scene::{Instance, Surface};
+use tercio_mesh::{Aabb, AttributeDomain};
+use tercio_scene::{DataReader, Instance, Surface, SurfaceData};
 
 pub use eye::Eye;
+pub(crate) use glyph::is_shown;
+pub use glyph::{GlyphShape, draw as glyphs};
 use line::Line;
+use sheet::{Ink, Look};
+
+use crate::data::StrokeData;
 
 /// A length on the picture or in the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,6 +63,16 @@ impl Length {
             Self::Units(units) => units / eye.pixel(z),
         }
     }
+}
+
+/// How lines look.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum LineShape {
+    /// Strips parallel to the picture.
+    #[default]
+    Flat,
+    /// Round tubes, lit, with their true depth, joined by spheres.
+    Tube,
 }
 
 /// How points look.
@@ -87,9 +107,14 @@ pub struct Segment {
     pub color: [u8; 4],
 }
 
-/// The surface of strokes: their plain colours.
-fn plain() -> Surface {
-    Surface { unlit: true, specular: 0.0, ..Surface::default() }
+/// Strokes in plain colours.
+fn plain() -> Look {
+    Look { surface: Surface { unlit: true, specular: 0.0, ..Surface::default() }, colors: None }
+}
+
+/// Strokes with a form.
+fn lit() -> Look {
+    Look { surface: Surface { specular: 0.1, ..Surface::default() }, colors: None }
 }
 
 /// Line segments as instances for the camera of `eye`.
@@ -97,7 +122,7 @@ pub fn segments(eye: &Eye, segments: &[Segment]) -> Vec<Instance> {
     sheet::draw(eye, &plain(), segments, |sheet, segment| {
         let pen = Pen { width: segment.width, color: segment.color };
         let ends = segment.ends.map(|p| eye.eye_space(p));
-        line::draw(sheet, &free(ends), &pen, [segment.color; 2]);
+        line::draw(sheet, &free(ends), &pen, [segment.color.into(); 2]);
     })
 }
 
@@ -125,8 +150,40 @@ pub fn edges(
             apexes.swap(0, 1);
         }
         let line = Line { ends, apexes, hides_back, only_silhouette };
-        line::draw(sheet, &line, pen, [pen.color; 2]);
+        line::draw(sheet, &line, pen, [pen.color.into(); 2]);
     })
+}
+
+/// Edges of an instance's mesh as tubes for the camera of `eye`.
+pub fn edge_tubes(eye: &Eye, edges: &Edges, world_from_object: &DAffine3, pen: &Pen) -> Vec<Instance> {
+    let at = |v: u32| world_from_object.transform_point3(edges.position(v));
+    let segments: Vec<[u32; 2]> = edges.list.iter().map(|edge| edge.ends).collect();
+    tubes(eye, &lit(), &segments, at, |_| pen.color.into(), pen)
+}
+
+/// Tubes between points of the world, and spheres at these points.
+fn tubes(
+    eye: &Eye,
+    look: &Look,
+    segments: &[[u32; 2]],
+    at: impl Fn(u32) -> DVec3 + Sync,
+    ink: impl Fn(u32) -> Ink + Sync,
+    pen: &Pen,
+) -> Vec<Instance> {
+    let is_there = |ends: &[u32; 2]| ends.iter().all(|&v| at(v).is_finite());
+    let mut joints: Vec<u32> =
+        segments.par_iter().filter(|ends| is_there(ends)).flatten_iter().copied().collect();
+    joints.par_sort_unstable();
+    joints.dedup();
+    let mut instances = sheet::draw(eye, look, segments, |sheet, ends| {
+        if is_there(ends) {
+            tube::draw(sheet, ends.map(|v| eye.eye_space(at(v))), pen, ends.map(&ink));
+        }
+    });
+    instances.extend(sheet::draw(eye, look, &joints, |sheet, &v| {
+        point::draw(sheet, eye.eye_space(at(v)), PointShape::Sphere, pen, ink(v));
+    }));
+    instances
 }
 
 /// Is the eye in the box of the edges?
@@ -137,71 +194,117 @@ fn is_inside(eye: &Eye, edges: &Edges, world_from_object: &DAffine3) -> bool {
     bounds.is_empty() || at.cmpge(bounds.min).all() && at.cmple(bounds.max).all()
 }
 
-/// The lines of a file, at a place in the world, as instances for the camera of `eye`, in colours of their own if they have any.
-pub fn lines(eye: &Eye, strokes: &Strokes, world_from_object: &DAffine3, pen: &Pen) -> Vec<Instance> {
-    sheet::draw(eye, &plain(), &strokes.segments, |sheet, &ends| {
-        let [a, b] = ends.map(|v| world_from_object.transform_point3(strokes.position(v)));
-        if a.is_finite() && b.is_finite() {
-            line::draw(
-                sheet,
-                &free([a, b].map(|p| eye.eye_space(p))),
-                pen,
-                ends.map(|v| color(strokes, v, pen)),
-            );
+/// The lines of a file, at a place in the world, as instances for the camera of `eye`, in the colours of `data`, if there are any, or
+/// else in colours of their own if they have any.
+pub fn lines(
+    eye: &Eye,
+    (strokes, world_from_object): (&Strokes, &DAffine3),
+    shape: LineShape,
+    pen: &Pen,
+    data: Option<&StrokeData>,
+) -> Vec<Instance> {
+    let at = |v: u32| world_from_object.transform_point3(strokes.position(v));
+    let ink = |v: u32| ink(strokes, v, pen, data);
+    match shape {
+        LineShape::Tube => {
+            let look = colored(lit(), data);
+            tubes(eye, &look, &strokes.segments, at, ink, pen)
         }
-    })
+        LineShape::Flat => sheet::draw(eye, &colored(plain(), data), &strokes.segments, |sheet, &ends| {
+            let [a, b] = ends.map(at);
+            if a.is_finite() && b.is_finite() {
+                line::draw(sheet, &free([a, b].map(|p| eye.eye_space(p))), pen, ends.map(ink));
+            }
+        }),
+    }
 }
 
-/// The points of a file, at a place in the world, as instances for the camera of `eye`, in colours of their own if they have any.
+/// The points of a file, at a place in the world, as instances for the camera of `eye`, in the colours of `data`, if there are any, or
+/// else in colours of their own if they have any.
 pub fn points(
     eye: &Eye,
-    strokes: &Strokes,
-    world_from_object: &DAffine3,
+    (strokes, world_from_object): (&Strokes, &DAffine3),
     shape: PointShape,
     pen: &Pen,
+    data: Option<&StrokeData>,
 ) -> Vec<Instance> {
-    sheet::draw(eye, &of_points(shape), &strokes.points, |sheet, &v| {
+    sheet::draw(eye, &colored(of_points(shape), data), &strokes.points, |sheet, &v| {
         let p = world_from_object.transform_point3(strokes.position(v));
         if p.is_finite() {
-            point::draw(sheet, eye.eye_space(p), shape, pen, color(strokes, v, pen));
+            point::draw(sheet, eye.eye_space(p), shape, pen, ink(strokes, v, pen, data));
         }
     })
 }
 
-/// The vertices of an instance's mesh as points, each once for every cluster that it is in.
-pub fn vertices(
-    eye: &Eye,
-    mesh: &ClusteredMesh,
-    world_from_object: &DAffine3,
-    shape: PointShape,
-    pen: &Pen,
-) -> Vec<Instance> {
+/// The vertices of an instance's mesh as points, each once for every cluster that it is in, in the colours of the instance's data, if
+/// there are any at vertices, or else of the mesh.
+pub fn vertices(eye: &Eye, instance: &Instance, shape: PointShape, pen: &Pen) -> Vec<Instance> {
+    let (mesh, place) = (&instance.mesh, &instance.world_from_object);
     let unit = power_of_two(mesh.exponent);
+    let data = instance.data.as_deref().filter(|data| data.domain(mesh.layout()) == AttributeDomain::Vertex);
+    let (mut look, mut readers) = (of_points(shape), Vec::new());
+    let (mut scale, mut offset) = (1.0, 0.0);
+    match data {
+        Some(SurfaceData::Mapped { source, colors }) => {
+            readers.push(DataReader::new(source, instance));
+            look.colors = Some(Arc::clone(colors));
+        }
+        Some(SurfaceData::Direct { components, scale: times, offset: plus }) => {
+            readers.extend(components.iter().map(|source| DataReader::new(source, instance)));
+            (scale, offset) = (*times, *plus);
+        }
+        None => {}
+    }
+    let byte = |value: f32| ((value * scale + offset).clamp(0.0, 1.0) * 255.0 + 0.5) as u8;
+    let is_mapped = look.colors.is_some();
     let numbers: Vec<usize> = (0..mesh.clusters().len()).collect();
     // Chunks of clusters have as many points as chunks of points.
-    let chunks: Vec<&[usize]> = numbers.chunks(512).collect();
-    let sheets = chunks.iter().flat_map(|numbers| {
+    let sheets = numbers.par_chunks(512).flat_map_iter(|numbers| {
         let points = numbers.iter().flat_map(|&number| {
             let cluster = mesh.cluster(number);
-            let color = move |v: usize| cluster.vertex_colors().map_or(pen.color, |colors| colors[v]);
-            let at = move |v: usize| mesh.origin + DVec3::from(cluster.position(v).map(f64::from)) * unit;
-            (0..cluster.vertices()).map(move |v| (at(v), color(v)))
+            let at = |v: usize| mesh.origin + DVec3::from(cluster.position(v).map(f64::from)) * unit;
+            let ink = |v: usize| {
+                let value = |reader: &DataReader| reader.vertex(&cluster, v);
+                match &readers[..] {
+                    [reader] if is_mapped => Ink { color: pen.color, value: value(reader) },
+                    [] => cluster.vertex_colors().map_or(pen.color, |colors| colors[v]).into(),
+                    all => {
+                        let byte = |k: usize| all.get(k).map_or(255, |reader| byte(value(reader)));
+                        Ink::from(std::array::from_fn(byte))
+                    }
+                }
+            };
+            (0..cluster.vertices()).map(|v| (at(v), ink(v))).collect::<Vec<_>>()
         });
-        let points: Vec<(DVec3, [u8; 4])> = points.collect();
-        sheet::draw(eye, &of_points(shape), &points, |sheet, &(p, color)| {
-            point::draw(sheet, eye.eye_space(world_from_object.transform_point3(p)), shape, pen, color);
+        let points: Vec<(DVec3, Ink)> = points.collect();
+        sheet::draw(eye, &look, &points, |sheet, &(p, ink)| {
+            point::draw(sheet, eye.eye_space(place.transform_point3(p)), shape, pen, ink);
         })
     });
     sheets.collect()
 }
 
-fn of_points(shape: PointShape) -> Surface {
+fn of_points(shape: PointShape) -> Look {
     match shape {
-        PointShape::Sphere => Surface { specular: 0.1, ..Surface::default() },
+        PointShape::Sphere => lit(),
         PointShape::Square | PointShape::Round => plain(),
     }
 }
 
-fn color(strokes: &Strokes, vertex: u32, pen: &Pen) -> [u8; 4] {
-    strokes.colors.as_ref().map_or(pen.color, |colors| colors[vertex as usize])
+/// A look in the colours of data.
+fn colored(look: Look, data: Option<&StrokeData>) -> Look {
+    match data {
+        Some(StrokeData::Mapped { colors, .. }) => Look { colors: Some(Arc::clone(colors)), ..look },
+        _ => look,
+    }
+}
+
+/// The colour of a vertex.
+fn ink(strokes: &Strokes, vertex: u32, pen: &Pen, data: Option<&StrokeData>) -> Ink {
+    let own = strokes.colors.as_ref().map_or(pen.color, |colors| colors[vertex as usize]);
+    match data {
+        Some(StrokeData::Mapped { values, .. }) => Ink { color: own, value: values[vertex as usize] },
+        Some(StrokeData::Direct(colors)) => colors[vertex as usize].into(),
+        None => own.into(),
+    }
 }

@@ -1,15 +1,49 @@
 //! Triangles that face the camera, on the way to instances of the scene.
 
+use std::sync::Arc;
+
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use tercio_mesh::cluster::{Order, PartitionOptions, partition};
-use tercio_mesh::{Mesh, OctNormal};
-use tercio_scene::{Instance, Surface};
+use tercio_mesh::{Attribute, AttributeDomain, Mesh, OctNormal};
+use tercio_scene::{DataColors, DataSource, Instance, Surface, SurfaceData};
 
 use super::eye::Eye;
 
 /// Strokes that become one instance: it bounds the memory of what is not yet split into clusters.
 const CHUNK: usize = 1 << 15;
+
+/// The colour of a vertex: itself, or a value that becomes a colour when it is drawn.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ink {
+    /// sRGB and linear alpha.
+    pub color: [u8; 4],
+    pub value: f32,
+}
+
+impl Ink {
+    /// Between two, in the way of a line.
+    pub fn lerp(self, other: Self, share: f64) -> Self {
+        let mix = |a: f64, b: f64| a + (b - a) * share;
+        let byte = |k: usize| mix(self.color[k].into(), other.color[k].into()).round() as u8;
+        let value = mix(self.value.into(), other.value.into()) as f32;
+        Self { color: std::array::from_fn(byte), value }
+    }
+}
+
+impl From<[u8; 4]> for Ink {
+    fn from(color: [u8; 4]) -> Self {
+        Self { color, value: f32::NAN }
+    }
+}
+
+/// How the triangles of strokes look.
+#[derive(Clone, Debug)]
+pub struct Look {
+    pub surface: Surface,
+    /// What the values of vertices mean, in place of their colours.
+    pub colors: Option<Arc<DataColors>>,
+}
 
 /// Triangles with colours.
 pub struct Sheet<'a> {
@@ -17,13 +51,13 @@ pub struct Sheet<'a> {
     positions: Vec<[f32; 3]>,
     normals: Vec<OctNormal>,
     triangles: Vec<[u32; 3]>,
-    colors: Vec<[u8; 4]>,
+    inks: Vec<Ink>,
 }
 
 impl<'a> Sheet<'a> {
     fn new(eye: &'a Eye) -> Self {
-        let (positions, normals, triangles, colors) = Default::default();
-        Self { eye, positions, normals, triangles, colors }
+        let (positions, normals, triangles, inks) = Default::default();
+        Self { eye, positions, normals, triangles, inks }
     }
 
     /// The camera.
@@ -32,19 +66,19 @@ impl<'a> Sheet<'a> {
     }
 
     /// Adds a vertex at a place of the screen and a nearness; returns its number.
-    pub fn vertex(&mut self, screen: DVec2, nearness: f64, color: [u8; 4]) -> u32 {
-        self.vertex_at(self.eye.place(screen, self.eye.distance(nearness)), color)
+    pub fn vertex(&mut self, screen: DVec2, nearness: f64, ink: Ink) -> u32 {
+        self.vertex_at(self.eye.place(screen, self.eye.distance(nearness)), ink)
     }
 
     /// Adds a vertex with a normal, in world axes relative to the origin of the eye.
-    pub fn vertex_with_normal(&mut self, p: DVec3, normal: DVec3, color: [u8; 4]) -> u32 {
+    pub fn vertex_with_normal(&mut self, p: DVec3, normal: DVec3, ink: Ink) -> u32 {
         self.normals.push(OctNormal::from_vector(normal.to_array()));
-        self.vertex_at(p, color)
+        self.vertex_at(p, ink)
     }
 
-    fn vertex_at(&mut self, p: DVec3, color: [u8; 4]) -> u32 {
+    fn vertex_at(&mut self, p: DVec3, ink: Ink) -> u32 {
         self.positions.push(p.as_vec3().to_array());
-        self.colors.push(color);
+        self.inks.push(ink);
         self.positions.len() as u32 - 1
     }
 
@@ -60,7 +94,7 @@ impl<'a> Sheet<'a> {
     }
 
     /// The mesh, unless it is empty.
-    fn instance(self, surface: &Surface) -> Option<Instance> {
+    fn instance(self, look: &Look) -> Option<Instance> {
         if self.triangles.is_empty() {
             return None;
         }
@@ -72,27 +106,36 @@ impl<'a> Sheet<'a> {
             origin: self.eye.origin(),
             positions: self.positions,
             triangles: self.triangles,
-            vertex_colors: Some(self.colors),
+            vertex_colors: look.colors.is_none().then(|| self.inks.iter().map(|ink| ink.color).collect()),
+            attributes: look.colors.iter().map(|_| values(&self.inks)).collect(),
             normals: (!self.normals.is_empty()).then_some(self.normals),
             ..Mesh::default()
         };
         mesh.bring_into_range(largest);
         let options = PartitionOptions { order: Order::Auto, ..PartitionOptions::default() };
-        Some(Instance { surface: *surface, ..Instance::new(partition(mesh, &options)) })
+        let data = look.colors.as_ref().map(|colors| {
+            Arc::new(SurfaceData::Mapped { source: DataSource::Attribute(0), colors: Arc::clone(colors) })
+        });
+        Some(Instance { surface: look.surface, data, ..Instance::new(partition(mesh, &options)) })
     }
+}
+
+fn values(inks: &[Ink]) -> Attribute {
+    let values = inks.iter().map(|ink| ink.value).collect();
+    Attribute { name: "data".into(), domain: AttributeDomain::Vertex, values }
 }
 
 /// Draws strokes onto sheets, in parallel; the sheets, in order, as instances.
 pub fn draw<T: Sync>(
     eye: &Eye,
-    surface: &Surface,
+    look: &Look,
     strokes: &[T],
     draw: impl Fn(&mut Sheet, &T) + Sync,
 ) -> Vec<Instance> {
     let chunk = |strokes: &[T]| {
         let mut sheet = Sheet::new(eye);
         strokes.iter().for_each(|stroke| draw(&mut sheet, stroke));
-        sheet.instance(surface)
+        sheet.instance(look)
     };
     strokes.par_chunks(CHUNK).filter_map(chunk).collect()
 }

@@ -136,14 +136,14 @@ fn lines_are_cut_where_closed_forms_say() {
     near(visible([0.5, 0.3, 1.0], [0.5, 0.3, 1.0]), &[[0.0, 1.0]]);
     // An orthographic camera: what is behind is hidden up to 1.
     let flat = camera([0.0, 0.0, 10.0], [0.0; 3], Projection::Orthographic { height: 12.0 });
-    let eye = super::tests::eye(&flat, &all);
+    let eye = self::eye(&flat, &all);
     let hiders = Hiders::of_triangles(&eye, &triangles, 1e-7, 8.0);
     let visible = |a: [f64; 3], b: [f64; 3]| hiders.visible([a, b].map(|p| eye.eye_space(p.into())));
     near(visible([-4.0, 0.3, -5.0], [4.0, 0.3, -7.0]), &[[0.0, 3.0 / 8.0], [5.0 / 8.0, 1.0]]);
     near(visible([-2.0, 0.1, 4.0], [1.0, 0.2, -3.0]), &[[0.0, 3.0 / 7.0]]);
     // The near plane cuts off the box's front: what is in the box is seen.
     let cut = Camera { near: Some(10.5), ..in_front };
-    let eye = super::tests::eye(&cut, &all);
+    let eye = self::eye(&cut, &all);
     let hiders = Hiders::of_triangles(&eye, &triangles, 1e-7, 8.0);
     let visible = |a: [f64; 3], b: [f64; 3]| hiders.visible([a, b].map(|p| eye.eye_space(p.into())));
     near(visible([-0.3, 0.3, -0.8], [0.3, 0.3, -0.9]), &[[0.0, 1.0]]);
@@ -290,11 +290,11 @@ fn broken_scenes_are_drawn() {
     let mut random = Random(3);
     let odd = [0.0, -0.0, f64::NAN, f64::INFINITY, 1e300, 1e-300, 7.0, -7.0, 1.0];
     for round in 0..200 {
-        let mut coordinate = |random: &mut Random| {
+        let coordinate = |random: &mut Random| {
             let r = random.next();
             if r < -0.5 { odd[((r + 1.0) * 18.0) as usize % odd.len()] } else { r * 3.0 }
         };
-        let mut point = |random: &mut Random| DVec3::from_array([(); 3].map(|()| coordinate(random)));
+        let point = |random: &mut Random| DVec3::from_array([(); 3].map(|()| coordinate(random)));
         let mut triangles: Vec<[DVec3; 3]> = (0..30).map(|_| [(); 3].map(|()| point(&mut random))).collect();
         // Without area, and through the eye.
         triangles.extend([[DVec3::X; 3], [DVec3::ZERO, DVec3::X, DVec3::X * 2.0]]);

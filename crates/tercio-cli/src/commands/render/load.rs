@@ -90,10 +90,12 @@ impl Render {
             let mut instance = Instance::new(Arc::clone(&file.loaded.mesh));
             instance.share = file.share;
             (instance.world_from_object, instance.surface) = (place, member.drawing.surface());
-            member
-                .data
-                .apply(&mut instance, up, parts.as_deref_mut())
-                .with_context(|| member.model.name())?;
+            let mut report = file.loaded.report.clone();
+            let of_another = member.model.moment.and_then(|moment| self.series.other_time(moment));
+            report.read.warnings.extend(of_another);
+            let strokes = member.strokes_of(&mut report, Arc::clone(&file.strokes));
+            let data = member.data.apply(&mut instance, up, &strokes, parts.as_deref_mut());
+            let data = data.with_context(|| member.model.name())?;
             member.strokes.dress_surface(&mut instance.surface, &background);
             member.dress_contours(&mut instance);
             if let Some(bar) = member.annotation.bar(&instance)
@@ -112,9 +114,6 @@ impl Render {
                 specular: member.drawing.specular(),
                 is_unlit: self.drawing.is_unlit(),
             };
-            let mut report = file.loaded.report.clone();
-            let of_another = member.model.moment.and_then(|moment| self.series.other_time(moment));
-            report.read.warnings.extend(of_another);
             let textures = member.textures.load((&mut scene, begin), &member.model.model, &report, &limits);
             if let Some(textures) = &textures {
                 // They are not always where the model says.
@@ -129,14 +128,13 @@ impl Render {
                 scene.instances.extend(copies);
             }
             let others = member.placements.iter().map(|placement| placement.place.transform() * place);
-            let strokes = member.strokes_of(&mut report, Arc::clone(&file.strokes));
             models.push(OfModel {
                 report,
                 textures,
                 shares_with: file_of[..models.len()].iter().position(|&other| other == number),
                 places: std::iter::once(place).chain(others).collect(),
                 instances: begin..scene.instances.len(),
-                drawable: Drawable::of_file(strokes),
+                drawable: Drawable::of_file(strokes, data),
             });
         }
         if let Some(comm) = &mut parts {
@@ -146,6 +144,15 @@ impl Render {
         for model in &mut models {
             let own = &scene.instances[model.instances.clone()];
             model.report.read.warnings.extend(self.drawing.shadow_warning(&scene, own));
+        }
+        for (member, model) in self.members().zip(&mut models) {
+            let instance = &scene.instances[model.instances.start];
+            member.find_strokes(
+                &mut model.drawable,
+                instance,
+                &model.places,
+                picture.saturating_add(taken),
+            )?;
         }
         let annotation = self.annotation.annotation(bars, &background);
         let mut subject = Subject::default();
@@ -168,10 +175,6 @@ impl Render {
             let left_out = laid_out.left_out.iter().map(|what| format!("no room in the picture for: {what}"));
             models[0].report.read.warnings.extend(left_out);
         }
-        for (member, model) in self.members().zip(&mut models) {
-            let instance = &scene.instances[model.instances.start];
-            member.find_edges(&mut model.drawable, instance, picture.saturating_add(taken))?;
-        }
         let reports = self.model_reports(&models, &scene);
         let together = members::together(&models, &scene);
         Ok(Loaded { scene, models, reports, together, background, look, annotated, cameras })
@@ -188,7 +191,9 @@ impl Render {
     fn load_options(&self, job: &Job, taken: u64) -> LoadOptions<'_> {
         LoadOptions {
             memory_limit: self.running.memory_limit().map(|limit| limit.saturating_sub(taken)),
-            normals: self.data.normals(self.drawing.normals(job.writing.plan.outputs)),
+            normals: self
+                .data
+                .normals(self.drawing.normals(job.writing.plan.outputs), self.strokes.glyph_vector()),
             clip: self.clip.clipping(),
             make: self.data.made(),
             step: self.model.moment.map(|moment| moment.number),

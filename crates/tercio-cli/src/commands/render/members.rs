@@ -5,7 +5,9 @@ use std::ops::Range;
 
 use serde_json::{Value, json};
 use tercio::glam::DAffine3;
+use tercio::glyphs::Glyphs;
 use tercio::mesh::Aabb;
+use tercio::mesh::strokes::Strokes;
 use tercio::scene::framing::Extent;
 use tercio::scene::{Instance, Scene};
 use tercio::{LoadReport, TextureReport};
@@ -71,13 +73,27 @@ impl OfModel {
             let strokes = Extent::of_strokes(&self.drawable.file);
             self.places.iter().for_each(|&place| subject.add_extent(Cow::Owned(strokes.clone()), place));
         }
+        for glyphs in &self.drawable.glyphs {
+            subject.add_extent(Cow::Owned(Extent::of_strokes(&ends_of(glyphs))), DAffine3::IDENTITY);
+        }
     }
 
-    /// The box of the lines and points that are drawn.
+    /// The box of the lines, points and glyphs that are drawn.
     pub fn stroke_bounds(&self) -> Aabb {
         let own = Extent::of_strokes(&self.drawable.file).bounds();
-        self.places.iter().fold(Aabb::EMPTY, |bounds, place| bounds.union(placed(&own, place)))
+        let placed = self.places.iter().map(|place| placed(&own, place));
+        let of_glyphs = self.drawable.glyphs.iter().map(Glyphs::bounds);
+        placed.chain(of_glyphs).fold(Aabb::EMPTY, |all, bounds| all.union(bounds))
     }
+}
+
+/// The ends of glyphs, as points in world space.
+fn ends_of(glyphs: &Glyphs) -> Strokes {
+    let ends = || glyphs.list.iter().flat_map(|glyph| [glyph.place, glyph.place + glyph.vector]);
+    let origin = ends().next().unwrap_or_default();
+    let positions: Vec<[f32; 3]> = ends().map(|p| (p - origin).as_vec3().to_array()).collect();
+    let points = (0..positions.len() as u32).collect();
+    Strokes { origin, positions, points, ..Strokes::default() }
 }
 
 /// What is said about a model when the scene is gone.

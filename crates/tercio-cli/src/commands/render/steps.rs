@@ -105,7 +105,7 @@ impl Render {
             ending::name_model(model.name());
             let options = LoadOptions {
                 memory_limit: self.running.memory_limit(),
-                normals: self.data.normals(Normals::File),
+                normals: self.data.normals(Normals::File, None),
                 clip: self.clip.clipping(),
                 make: self.data.made(),
                 step: model.moment.map(|moment| moment.number),
@@ -113,7 +113,7 @@ impl Render {
             };
             let loaded = options.load(&model.model)?;
             let up = self.camera.for_format(&loaded.report.read.format).front().up;
-            let survey = self.data.survey(&Instance::new(loaded.mesh), up);
+            let survey = self.data.survey(&Instance::new(loaded.mesh), &loaded.strokes, up);
             all = all.and(survey.with_context(|| model.name())?);
             display.progress.advance(1);
         }

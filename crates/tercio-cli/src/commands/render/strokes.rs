@@ -3,30 +3,39 @@
 use std::borrow::Cow;
 use std::sync::Arc;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use tercio::LoadReport;
+use tercio::data::StrokeData;
+use tercio::glam::DAffine3;
+use tercio::glyphs::{self, Glyphs};
+use tercio::mesh::AttributeDomain;
 use tercio::mesh::edges::Edges;
 use tercio::mesh::strokes::Strokes;
 use tercio::raster::view::View;
 use tercio::scene::{Camera, Instance, Scene};
-use tercio::strokes::{self, Eye};
+use tercio::strokes::{self, Eye, LineShape};
 
 use super::members::OfModel;
 use super::subject::placed;
 use super::{Loaded, Render};
+use crate::messages;
 
 /// What is drawn of a model besides the surface.
 pub(super) struct Drawable {
     /// Lines and points of the file.
     pub file: Arc<Strokes>,
+    /// What their colours show.
+    pub data: Option<StrokeData>,
     /// Edges, and whether only those on the silhouette are drawn.
     pub edges: Vec<(Edges, bool)>,
+    /// Glyphs in world space, of each place.
+    pub glyphs: Vec<Glyphs>,
 }
 
 impl Drawable {
-    /// Lines and points of a file, until edges are found.
-    pub fn of_file(file: Arc<Strokes>) -> Self {
-        Self { file, edges: Vec::new() }
+    /// Lines and points of a file, until edges and glyphs are found.
+    pub fn of_file(file: Arc<Strokes>, data: Option<StrokeData>) -> Self {
+        Self { file, data, edges: Vec::new(), glyphs: Vec::new() }
     }
 }
 
@@ -46,29 +55,55 @@ impl Render {
         report.lines + report.points > 0 || report.mesh.triangles > 0 && has_no_surface
     }
 
-    /// Finds the edges of the model of an instance, if they are drawn.
-    pub(super) fn find_edges(&self, drawable: &mut Drawable, model: &Instance, taken: u64) -> Result<()> {
+    /// Finds the edges and the glyphs of the model of an instance at some places, if they are drawn.
+    pub(super) fn find_strokes(
+        &self,
+        drawable: &mut Drawable,
+        model: &Instance,
+        places: &[DAffine3],
+        taken: u64,
+    ) -> Result<()> {
+        let domain = model.data.as_ref().map(|data| data.domain(model.mesh.layout()));
+        let is_at_cells = domain == Some(AttributeDomain::Triangle) && !model.mesh.clusters().is_empty();
+        if self.strokes.has_vertices() && is_at_cells {
+            let name = self.model.name();
+            bail!("{name}: --mode points shows data of vertices, those of --color-by are at faces");
+        }
         if self.strokes.has_edges() {
             let needed = Edges::needed_bytes(&model.mesh).saturating_mul(self.strokes.searches());
             self.check_memory(taken, needed)?;
             drawable.edges = self.strokes.edges_of(&model.mesh);
         }
         self.report_edges(&drawable.edges);
+        if let Some(options) = self.strokes.glyphs() {
+            self.check_memory(taken, glyph_bytes(model, &drawable.file))?;
+            for &place in places {
+                let placed = Instance { world_from_object: place, ..model.clone() };
+                let glyphs = options.glyphs(&placed, &drawable.file, drawable.data.as_ref());
+                drawable.glyphs.push(glyphs.with_context(|| self.model.name())?);
+            }
+        }
+        if let Some(glyphs) = drawable.glyphs.first().filter(|_| self.running.verbose) {
+            messages::note(&told(glyphs));
+        }
         Ok(())
     }
 
     /// Is nothing of the model drawn but its surface?
     fn is_plain(&self, of_model: &OfModel) -> bool {
-        let Drawable { file, edges } = &of_model.drawable;
-        file.is_empty() && edges.is_empty() && !self.strokes.has_vertices() && self.strokes.has_surface()
+        let Drawable { file, edges, glyphs, .. } = &of_model.drawable;
+        let has_strokes = !file.is_empty() || !edges.is_empty() || !glyphs.is_empty();
+        !has_strokes && !self.strokes.has_vertices() && self.strokes.has_surface()
     }
 
     /// The view of a camera, with all that is drawn between its planes.
     pub(super) fn view(&self, loaded: &Loaded, camera: &Camera) -> Result<View> {
         let (width, height) = self.drawing.size;
         let bounds = loaded.models.iter().fold(loaded.scene.bounds(), |bounds, of_model| {
-            let own = of_model.drawable.file.bounds();
-            of_model.places.iter().fold(bounds, |bounds, place| bounds.union(placed(&own, place)))
+            let Drawable { file, glyphs, .. } = &of_model.drawable;
+            let own = file.bounds();
+            let placed = of_model.places.iter().map(|place| placed(&own, place));
+            placed.chain(glyphs.iter().map(Glyphs::bounds)).fold(bounds, |all, other| all.union(other))
         });
         View::new(camera, &bounds, width, height).with_context(|| self.model.name())
     }
@@ -100,23 +135,53 @@ impl Render {
 
     /// The strokes of this model, which has these instances.
     fn strokes_for(&self, eye: &Eye, of_model: &OfModel, instances: &[Instance]) -> Vec<Instance> {
-        let Drawable { file, edges } = &of_model.drawable;
+        let Drawable { file, data, edges, glyphs } = &of_model.drawable;
+        let (line_shape, shape) = (self.strokes.line_shape(), self.strokes.shape());
         let mut drawn = Vec::new();
+        let pen = self.strokes.edge_pen();
         for place in &of_model.places {
             for (edges, only_silhouette) in edges {
-                drawn.extend(strokes::edges(eye, edges, place, &self.strokes.edge_pen(), *only_silhouette));
+                drawn.extend(match line_shape {
+                    LineShape::Flat => strokes::edges(eye, edges, place, &pen, *only_silhouette),
+                    LineShape::Tube => strokes::edge_tubes(eye, edges, place, &pen),
+                });
             }
         }
         let pens = self.strokes.pens(self.drawing.color());
         if self.strokes.has_vertices() {
-            for Instance { mesh, world_from_object: place, .. } in instances {
-                drawn.extend(strokes::vertices(eye, mesh, place, self.strokes.shape(), &pens.points));
+            for instance in instances {
+                drawn.extend(strokes::vertices(eye, instance, shape, &pens.points));
             }
         }
         for place in &of_model.places {
-            drawn.extend(strokes::lines(eye, file, place, &pens.lines));
-            drawn.extend(strokes::points(eye, file, place, self.strokes.shape(), &pens.points));
+            drawn.extend(strokes::lines(eye, (file, place), line_shape, &pens.lines, data.as_ref()));
+            drawn.extend(strokes::points(eye, (file, place), shape, &pens.points, data.as_ref()));
+        }
+        for glyphs in glyphs {
+            drawn.extend(glyphs::draw(eye, glyphs, &self.strokes.glyph_pen()));
         }
         drawn
     }
+}
+
+/// Bytes that the places of glyphs take while some of them are chosen.
+fn glyph_bytes(model: &Instance, file: &Strokes) -> u64 {
+    let vertices = model.mesh.clusters().len() as u64 * 128;
+    (vertices + file.positions.len() as u64) * 128
+}
+
+/// How many glyphs there are, and why not more.
+fn told(glyphs: &Glyphs) -> String {
+    let Glyphs { zero, not_finite, places, scale, .. } = glyphs;
+    let drawn = glyphs.list.len();
+    let mut text = format!(
+        "{drawn} glyphs at {places} places (--glyph-every), {scale:.4} times as long as their vectors"
+    );
+    if *zero > 0 {
+        text += &format!("; {zero} vectors are 0");
+    }
+    if *not_finite > 0 {
+        text += &format!("; {not_finite} are not numbers");
+    }
+    text
 }

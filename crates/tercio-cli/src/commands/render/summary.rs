@@ -72,7 +72,7 @@ impl Render {
             if !self.camera.has_up_axis()
                 && self.camera.for_format(&done.models[0].report.read.format).up_axis() == UpAxis::Z
             {
-                messages::note("z is up, as in other programs for STL (--up-axis)");
+                messages::note("z is up, as in other programs for models of this format (--up-axis)");
             }
             self.origin.notes.iter().for_each(|note| messages::note(note));
             self.members().zip(&done.models).for_each(|(member, of_model)| {

@@ -1,11 +1,14 @@
 //! Drawings of lines: what of a model becomes an SVG or PDF.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 use std::time::Instant;
 
 use anyhow::Result;
+use tercio::data::StrokeData;
 use tercio::mesh::AttributeDomain;
 use tercio::mesh::edges::{EdgeKind, Edges};
+use tercio::mesh::strokes::Strokes;
 use tercio::raster::Frame;
 use tercio::scene::color_map::Isolines;
 use tercio::scene::{Background, Camera, DataColors, Instance, Scene, SurfaceData};
@@ -41,6 +44,11 @@ impl Render {
         if !self.members().all(|member| member.strokes.has_lines()) {
             return Err(format!(
                 "{name} holds lines, not surfaces: give --mode hidden-line, wireframe, edges or contours, or choose .png, .ppm or .webp"
+            ));
+        }
+        if self.members().any(|member| member.strokes.has_bodies()) {
+            return Err(format!(
+                "{name} holds lines: --glyphs and --line-shape tube draw bodies; choose .png, .ppm or .webp"
             ));
         }
         if !plan.arrays.is_empty() {
@@ -146,7 +154,8 @@ impl Render {
         if self.strokes.is_contours() {
             instances.for_each(|instance| self.add_contours(sketch, instance));
         }
-        let Drawable { file, edges } = &of_model.drawable;
+        let Drawable { file, data, edges, .. } = &of_model.drawable;
+        let file = &*in_colors_of(data.as_ref(), file);
         let pens = self.strokes.pens(self.drawing.color());
         for place in &of_model.places {
             for (edges, only_silhouette) in edges {
@@ -191,6 +200,18 @@ impl Render {
             ));
         }
     }
+}
+
+/// Lines and points in the colours of data.
+fn in_colors_of<'a>(data: Option<&StrokeData>, file: &'a Strokes) -> Cow<'a, Strokes> {
+    let colors = match data {
+        None => return Cow::Borrowed(file),
+        Some(StrokeData::Direct(colors)) => colors.clone(),
+        Some(StrokeData::Mapped { values, colors }) => {
+            values.iter().map(|&value| colors.color(f64::from(value))).collect()
+        }
+    };
+    Cow::Owned(Strokes { colors: Some(colors), ..file.clone() })
 }
 
 /// The colour of the page: white, unless another one is asked for.

@@ -50,6 +50,8 @@ impl<'a> Shareable<'a> {
             Some(Format::Off) => return Err(refusal(input, "an OFF file")),
             Some(Format::Vtk | Format::VtkXml) => return Err(refusal(input, "a VTK file")),
             Some(Format::Pcd) => return Err(refusal(input, "a PCD file")),
+            Some(Format::Las) => return Err(refusal(input, "a LAS file")),
+            Some(Format::Xyz) => return Err(refusal(input, "a point cloud as text")),
             None => return Err(sniff::refusal(input)),
         };
         Ok(Self { input, kind })

@@ -18,7 +18,7 @@ mod tests;
 mod words;
 
 use super::input::Input;
-use super::{Format, obj, off, pcd, ply, stl, vtk};
+use super::{Format, las, obj, off, pcd, ply, stl, vtk, xyz};
 use crate::ReadError;
 use crate::error::printable;
 
@@ -33,6 +33,8 @@ pub fn sniff(input: &Input) -> Option<Format> {
         Some(Format::VtkXml)
     } else if pcd::looks_like(bytes) {
         Some(Format::Pcd)
+    } else if las::looks_like(bytes) {
+        Some(Format::Las)
     } else if magic::name(bytes).is_some() || words::comment_name(bytes).is_some() {
         None
     } else if ply::looks_like(input) {
@@ -43,6 +45,8 @@ pub fn sniff(input: &Input) -> Option<Format> {
         Some(Format::Stl)
     } else if obj::looks_like(input) {
         Some(Format::Obj)
+    } else if words::name(bytes).is_none() && xyz::looks_like(input) {
+        Some(Format::Xyz)
     } else {
         None
     }

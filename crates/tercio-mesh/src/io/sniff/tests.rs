@@ -193,7 +193,7 @@ fn known_formats_are_named() {
         (b"%PDF-1.7\n", "a PDF document"),
     ] {
         let expected = format!(
-            "a: this is {name}, which tercio does not read (it reads PLY, OBJ, STL, OFF, VTK, PCD, each also gzip-compressed)"
+            "a: this is {name}, which tercio does not read (it reads PLY, OBJ, STL, OFF, VTK, PCD, LAS, LAZ, point clouds as text, each also gzip-compressed)"
         );
         assert_eq!(rejected(bytes), expected);
         let input = Input::from_bytes("a", bytes.to_vec(), &ReadOptions::default()).unwrap();

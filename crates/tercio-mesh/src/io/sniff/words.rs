@@ -31,7 +31,7 @@ const WORDS: &[(&str, &str)] = &[
     ("ISO-10303-21", "a STEP model"),
     ("$MeshFormat", "a Gmsh mesh"),
     ("MeshVersionFormatted", "a Medit mesh"),
-    ("LASF", "a LAS point cloud"),
+    ("LASF", "the beginning of a LAS point cloud"),
     ("ASTM-E57", "an E57 point cloud"),
     ("VOX ", "a MagicaVoxel model"),
     ("NRRD000", "an NRRD volume"),

@@ -1,0 +1,124 @@
+//! What points become.
+
+use super::header::{Header, Layout, f64_at, u16_at};
+use crate::{Attribute, AttributeDomain};
+
+/// Points, by what they have.
+#[derive(Debug)]
+pub struct Columns {
+    layout: Layout,
+    positions: Vec<[i32; 3]>,
+    colors: Vec<[u16; 3]>,
+    intensity: Vec<u16>,
+    returns: Vec<[u8; 2]>,
+    classes: Vec<u8>,
+    sources: Vec<u16>,
+    times: Vec<f64>,
+    nir: Vec<u16>,
+}
+
+impl Columns {
+    pub fn new(layout: Layout) -> Self {
+        Self {
+            layout,
+            positions: Vec::new(),
+            colors: Vec::new(),
+            intensity: Vec::new(),
+            returns: Vec::new(),
+            classes: Vec::new(),
+            sources: Vec::new(),
+            times: Vec::new(),
+            nir: Vec::new(),
+        }
+    }
+
+    /// Bytes of memory for every point, also of what it becomes.
+    pub fn bytes_of_a_point(&self) -> u64 {
+        let layout = &self.layout;
+        let if_there = |place: Option<usize>, bytes: u64| place.map_or(0, |_| bytes);
+        19 + 20 + if_there(layout.rgb, 10) + if_there(layout.gps, 12) + if_there(layout.nir, 6)
+    }
+
+    /// Adds the record of a point.
+    #[inline]
+    pub fn add(&mut self, record: &[u8]) {
+        let number = |at: usize| u16_at(record, at).unwrap_or(0);
+        let byte = |at: usize| record.get(at).copied().unwrap_or(0);
+        let axis = |k: usize| {
+            let bytes: Option<[u8; 4]> = record.get(4 * k..).and_then(|r| r.first_chunk().copied());
+            bytes.map_or(0, i32::from_le_bytes)
+        };
+        self.positions.push([axis(0), axis(1), axis(2)]);
+        self.intensity.push(number(12));
+        let returns = byte(14);
+        if self.layout.is_new {
+            self.returns.push([returns & 15, returns >> 4]);
+            self.classes.push(byte(16));
+            self.sources.push(number(20));
+        } else {
+            self.returns.push([returns & 7, returns >> 3 & 7]);
+            self.classes.push(byte(15) & 31);
+            self.sources.push(number(18));
+        }
+        if let Some(at) = self.layout.gps {
+            self.times.push(f64_at(record, at).unwrap_or(0.0));
+        }
+        if let Some(at) = self.layout.rgb {
+            self.colors.push([number(at), number(at + 2), number(at + 4)]);
+        }
+        if let Some(at) = self.layout.nir {
+            self.nir.push(number(at));
+        }
+    }
+
+    /// Adds the points of other columns behind these.
+    pub fn append(&mut self, other: Self) {
+        self.positions.extend(other.positions);
+        self.colors.extend(other.colors);
+        self.intensity.extend(other.intensity);
+        self.returns.extend(other.returns);
+        self.classes.extend(other.classes);
+        self.sources.extend(other.sources);
+        self.times.extend(other.times);
+        self.nir.extend(other.nir);
+    }
+
+    /// The positions, in the coordinates of the file. They are not kept.
+    pub fn points(&mut self, header: &Header) -> Vec<[f64; 3]> {
+        let (scale, offset) = (header.scale, header.offset);
+        let point = |p: [i32; 3]| [0, 1, 2].map(|k| f64::from(p[k]) * scale[k] + offset[k]);
+        std::mem::take(&mut self.positions).into_iter().map(point).collect()
+    }
+
+    /// The colours, unless all of them are 0. They are not kept.
+    pub fn colors(&mut self) -> Option<Vec<[u8; 4]>> {
+        let colors = std::mem::take(&mut self.colors);
+        let most = colors.iter().flatten().copied().max().unwrap_or(0);
+        // The specification has 16 bits; many programs write 8 of them.
+        let shift = if most > 255 { 8 } else { 0 };
+        let color = |[r, g, b]: [u16; 3]| [(r >> shift) as u8, (g >> shift) as u8, (b >> shift) as u8, 255];
+        (most > 0).then(|| colors.into_iter().map(color).collect())
+    }
+
+    /// All other values.
+    pub fn attributes(self) -> Vec<Attribute> {
+        let first = self.times.iter().copied().filter(|t| t.is_finite()).fold(f64::INFINITY, f64::min);
+        let of_u16 = |values: &[u16]| values.iter().map(|&v| f32::from(v)).collect::<Vec<f32>>();
+        let of_returns = |k: usize| self.returns.iter().map(|r| f32::from(r[k])).collect();
+        let all = [
+            ("intensity", of_u16(&self.intensity)),
+            ("return_number", of_returns(0)),
+            ("number_of_returns", of_returns(1)),
+            ("classification", self.classes.iter().map(|&c| f32::from(c)).collect()),
+            ("point_source_id", of_u16(&self.sources)),
+            ("gps_time", self.times.iter().map(|t| (t - first) as f32).collect()),
+            ("nir", of_u16(&self.nir)),
+        ];
+        let is_there = [true, true, true, true, true, self.layout.gps.is_some(), self.layout.nir.is_some()];
+        let attribute = |(name, values): (&str, Vec<f32>)| {
+            let (name, domain) = (name.into(), AttributeDomain::Vertex);
+            Attribute { name, domain, values }
+        };
+        all.into_iter().zip(is_there).filter(|(_, is)| *is).map(|(all, _)| attribute(all)).collect()
+    }
+}

@@ -1,0 +1,90 @@
+//! Data of lines and points.
+
+use std::sync::Arc;
+
+use glam::DVec3;
+use rayon::prelude::*;
+use tercio_mesh::cluster::Layout;
+use tercio_mesh::strokes::Strokes;
+use tercio_scene::{DataColors, DataSource, SurfaceData};
+
+use super::DataError;
+use super::name::{self, Found, available};
+
+/// What the colours of a model show.
+#[derive(Clone, Debug)]
+pub struct ModelData {
+    /// Those of its surface, for [`Instance::data`](tercio_scene::Instance::data).
+    pub surface: Option<Arc<SurfaceData>>,
+    /// Those of its lines and points, for [`crate::strokes`].
+    pub strokes: Option<StrokeData>,
+}
+
+/// What the colours of lines and points show.
+#[derive(Clone, Debug)]
+pub enum StrokeData {
+    /// Values, interpolated along each line before they become colours.
+    Mapped {
+        /// One per vertex of the strokes.
+        values: Vec<f32>,
+        /// Their colours.
+        colors: Arc<DataColors>,
+    },
+    /// Colours themselves, one per vertex of the strokes: sRGB and linear alpha.
+    Direct(Vec<[u8; 4]>),
+}
+
+/// What strokes store, as that of a surface.
+pub fn layout(strokes: &Strokes) -> Layout {
+    let attributes = strokes.attributes.iter().map(|a| (a.name.clone(), a.domain)).collect();
+    Layout { attributes, ..Layout::default() }
+}
+
+/// The data of a name; `None` if strokes do not have them.
+pub(super) fn find(name: &str, strokes: &Strokes, up: DVec3) -> Option<Found> {
+    let found = name::find(name, &layout(strokes), up).ok().filter(|_| !strokes.is_empty())?;
+    (found != Found::Values(DataSource::Face)).then_some(found)
+}
+
+/// The error with what lines and points have, too.
+pub(super) fn list_those_of(error: DataError, strokes: &Strokes, is_cloud: bool) -> DataError {
+    let DataError::Unknown { name, available: of_surface } = error else { return error };
+    let is_made = |name: &String| name.starts_with('@');
+    let of_strokes: Vec<String> = match strokes.is_empty() {
+        true => Vec::new(),
+        false => available(&layout(strokes))
+            .into_iter()
+            .filter(|n| !is_made(n) && !of_surface.contains(n))
+            .collect(),
+    };
+    let mut all: Vec<String> =
+        of_strokes.into_iter().map(|name| name.replace("(vertices", "(lines and points")).collect();
+    all.extend(of_surface.into_iter().filter(|name| !is_cloud || name == "@elevation"));
+    DataError::Unknown { name, available: all }
+}
+
+/// The values of all vertices.
+pub(super) fn values(source: &DataSource, strokes: &Strokes) -> Vec<f32> {
+    let count = strokes.positions.len();
+    let of = |number: usize| &strokes.attributes[number].values;
+    match source {
+        DataSource::Attribute(number) => of(*number).clone(),
+        DataSource::Magnitude(numbers) => {
+            let square = |v: usize, n: usize| f64::from(of(n)[v]) * f64::from(of(n)[v]);
+            let length = |v: usize| numbers.iter().map(|&n| square(v, n)).sum::<f64>().sqrt() as f32;
+            (0..count).into_par_iter().map(length).collect()
+        }
+        DataSource::Along(up) => {
+            (0..count).into_par_iter().map(|v| up.dot(strokes.position(v as u32)) as f32).collect()
+        }
+        DataSource::Normal(_) | DataSource::Face => vec![f32::NAN; count],
+    }
+}
+
+/// Colours of three or four components.
+pub(super) fn direct(components: &[Vec<f32>], scale: f32, offset: f32) -> StrokeData {
+    let byte = |v: f32| ((v * scale + offset).clamp(0.0, 1.0) * 255.0 + 0.5) as u8;
+    let count = components.iter().map(Vec::len).min().unwrap_or(0);
+    let color = |v: usize| std::array::from_fn(|k| components.get(k).map_or(255, |values| byte(values[v])));
+    StrokeData::Direct((0..count).map(color).collect())
+}
