@@ -24,7 +24,7 @@ fn camera(eye: [f64; 3], target: [f64; 3], projection: Projection) -> Camera {
 
 const WIDE: Projection = Projection::Perspective { fov_y: 0.8 };
 
-fn eye(camera: &Camera, bounds: &Aabb) -> Eye {
+fn seen_by(camera: &Camera, bounds: &Aabb) -> Eye {
     Eye::new(View::new(camera, bounds, 400, 300).expect("a camera"))
 }
 
@@ -67,7 +67,7 @@ fn of_a_cube_nine_edges_are_visible() {
     let edges = Edges::of_mesh(&mesh, Selection::All);
     let scene = Scene::from_mesh(clustered(mesh));
     for projection in [WIDE, Projection::Orthographic { height: 3.0 }] {
-        let eye = eye(&camera([4.0, 3.0, 5.0], [0.5; 3], projection), &scene.bounds());
+        let eye = seen_by(&camera([4.0, 3.0, 5.0], [0.5; 3], projection), &scene.bounds());
         let hiders = Hiders::of_scene(&eye, &scene, Sketch::MARGIN);
         let visible = |edge: &tercio_mesh::edges::Edge| {
             hiders.visible(edge.ends.map(|v| eye.eye_space(edges.position(v))))
@@ -89,8 +89,10 @@ fn of_a_cube_nine_edges_are_visible() {
         assert!(lines.len() <= 4, "{lines:?}");
     }
     // Exactly from the front, what is behind is behind the front's own edges, and four edges are points.
-    let eye =
-        eye(&camera([0.5, 0.5, 5.0], [0.5; 3], Projection::Orthographic { height: 3.0 }), &scene.bounds());
+    let eye = seen_by(
+        &camera([0.5, 0.5, 5.0], [0.5; 3], Projection::Orthographic { height: 3.0 }),
+        &scene.bounds(),
+    );
     let hiders = Hiders::of_scene(&eye, &scene, Sketch::MARGIN);
     for only_silhouette in [false, true] {
         let mut sketch = Sketch::new(&eye, Some(&hiders));
@@ -111,7 +113,7 @@ fn lines_are_cut_where_closed_forms_say() {
             assert!((a - b).abs() <= 1e-12, "{found:?} {expected:?}");
         }
     };
-    let eye = eye(&in_front, &all);
+    let eye = seen_by(&in_front, &all);
     let hiders = Hiders::of_triangles(&eye, &triangles, 1e-7, 8.0);
     let visible = |a: [f64; 3], b: [f64; 3]| hiders.visible([a, b].map(|p| eye.eye_space(p.into())));
     // Behind the box: its front is 9 away and reaches to 1, the line is 15 away.
@@ -136,14 +138,14 @@ fn lines_are_cut_where_closed_forms_say() {
     near(visible([0.5, 0.3, 1.0], [0.5, 0.3, 1.0]), &[[0.0, 1.0]]);
     // An orthographic camera: what is behind is hidden up to 1.
     let flat = camera([0.0, 0.0, 10.0], [0.0; 3], Projection::Orthographic { height: 12.0 });
-    let eye = self::eye(&flat, &all);
+    let eye = seen_by(&flat, &all);
     let hiders = Hiders::of_triangles(&eye, &triangles, 1e-7, 8.0);
     let visible = |a: [f64; 3], b: [f64; 3]| hiders.visible([a, b].map(|p| eye.eye_space(p.into())));
     near(visible([-4.0, 0.3, -5.0], [4.0, 0.3, -7.0]), &[[0.0, 3.0 / 8.0], [5.0 / 8.0, 1.0]]);
     near(visible([-2.0, 0.1, 4.0], [1.0, 0.2, -3.0]), &[[0.0, 3.0 / 7.0]]);
     // The near plane cuts off the box's front: what is in the box is seen.
     let cut = Camera { near: Some(10.5), ..in_front };
-    let eye = self::eye(&cut, &all);
+    let eye = seen_by(&cut, &all);
     let hiders = Hiders::of_triangles(&eye, &triangles, 1e-7, 8.0);
     let visible = |a: [f64; 3], b: [f64; 3]| hiders.visible([a, b].map(|p| eye.eye_space(p.into())));
     near(visible([-0.3, 0.3, -0.8], [0.3, 0.3, -0.9]), &[[0.0, 1.0]]);
@@ -193,7 +195,7 @@ fn what_is_visible_is_what_rays_see() {
         let at = if round % 4 == 3 { random.point(1.0) } else { random.point(1.0).normalize() * 7.0 };
         let projection =
             if round % 2 == 0 { WIDE } else { Projection::Orthographic { height: 4.0 + random.next() } };
-        let eye = eye(
+        let eye = seen_by(
             &camera(at.into(), random.point(0.5).into(), projection),
             &bounds(triangles.iter().flatten().copied()),
         );
@@ -251,7 +253,7 @@ fn drawings_turn_with_the_scene() {
             near: None,
             shift: [0.0; 2],
         };
-        let eye = eye(&camera, &bounds(placed.iter().flatten().copied()));
+        let eye = seen_by(&camera, &bounds(placed.iter().flatten().copied()));
         let hiders = Hiders::of_triangles(&eye, &placed, 1e-8 * scale, 8.0);
         let mut sketch = Sketch::new(&eye, Some(&hiders));
         let side = |t: &[DVec3; 3], k: usize| Segment {
@@ -300,7 +302,7 @@ fn broken_scenes_are_drawn() {
         triangles.extend([[DVec3::X; 3], [DVec3::ZERO, DVec3::X, DVec3::X * 2.0]]);
         triangles.push([DVec3::new(0.0, 0.0, 7.0), DVec3::X, DVec3::Y]);
         let projection = if round % 2 == 0 { WIDE } else { Projection::Orthographic { height: 4.0 } };
-        let eye = eye(
+        let eye = seen_by(
             &camera([0.0, 0.0, 7.0], [0.0; 3], projection),
             &bounds([DVec3::splat(-3.0), DVec3::splat(3.0)]),
         );
@@ -338,7 +340,7 @@ fn files_are_the_same_for_all_threads() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
         pool.install(|| {
             let scene = Scene::from_mesh(mesh.clone());
-            let eye = eye(&camera([4.0, 5.0, 9.0], [0.0; 3], WIDE), &scene.bounds());
+            let eye = seen_by(&camera([4.0, 5.0, 9.0], [0.0; 3], WIDE), &scene.bounds());
             let hiders = Hiders::of_scene(&eye, &scene, Sketch::MARGIN);
             let mut sketch = Sketch::new(&eye, Some(&hiders));
             let edges = Edges::of_clusters(&scene.instances[0].mesh, Selection::All);
@@ -366,7 +368,7 @@ fn lines_on_a_sphere_are_circles() {
     let middle = box_.center();
     let at = middle + DVec3::Z * 10.0 * radius;
     let flat = Projection::Orthographic { height: 3.0 * radius };
-    let eye = eye(&Camera { up: DVec3::Y, ..camera(at.into(), middle.into(), flat) }, &box_);
+    let eye = seen_by(&Camera { up: DVec3::Y, ..camera(at.into(), middle.into(), flat) }, &box_);
     // 300 pixels are 3 radii.
     let (r, center) = (100.0, DVec2::new(200.0, 150.0));
     let hiders = Hiders::of_scene(&eye, &scene, Sketch::MARGIN);
@@ -434,7 +436,7 @@ fn a_contour_on_a_plane_is_one_line() {
     let source = DataSource::Along(direction);
     scene.instances[0].data = Some(Arc::new(SurfaceData::Mapped { source, colors }));
     let camera = camera([6.0, 6.0, 20.0], [6.0, 6.0, 0.0], Projection::Orthographic { height: 15.0 });
-    let eye = eye(&camera, &scene.bounds());
+    let eye = seen_by(&camera, &scene.bounds());
     let hiders = Hiders::of_scene(&eye, &scene, Sketch::MARGIN);
     let mut sketch = Sketch::new(&eye, Some(&hiders));
     // 0.6 x + 0.8 y = 9.7 enters at y = 12 and leaves at x = 12.
@@ -511,7 +513,7 @@ fn svg_and_pdf_say_the_same() {
 #[test]
 fn widths_in_units_grow_towards_the_viewer() {
     let all = bounds([DVec3::splat(-9.0), DVec3::splat(9.0)]);
-    let eye = eye(&camera([0.0, 0.0, 10.0], [0.0; 3], WIDE), &all);
+    let eye = seen_by(&camera([0.0, 0.0, 10.0], [0.0; 3], WIDE), &all);
     let mut sketch = Sketch::new(&eye, None);
     let ends = [DVec3::new(-1.0, 0.0, 5.0), DVec3::new(1.0, 0.5, -5.0)];
     sketch.segments(&[Segment { ends, width: Length::Units(0.1), color: [0; 4] }]);
@@ -538,7 +540,7 @@ fn instances_hide_where_they_are() {
     };
     let scene = Scene { instances: vec![instance], ..Scene::default() };
     let flat = camera([0.0, 0.0, 10.0], [0.0; 3], Projection::Orthographic { height: 12.0 });
-    let eye = eye(&flat, &scene.bounds());
+    let eye = seen_by(&flat, &scene.bounds());
     let hiders = Hiders::of_scene(&eye, &scene, Sketch::MARGIN);
     let found = hiders.visible([[-4.0, 0.0, -3.0], [4.0, 0.0, -3.0]].map(|p| eye.eye_space(p.into())));
     assert_eq!(found.len(), 2);
