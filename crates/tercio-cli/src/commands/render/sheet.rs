@@ -37,7 +37,7 @@ Examples:
   tercio sheet run.pvd -o steps.png --color-by pressure --title 'Pressure'
 
 All options of render are understood: --size is that of one picture, and --title is that of the sheet. A model that cannot be
-drawn gets a place that says so, and the exit code is 1 then.";
+drawn gets a place that says so. Exit code: 0 success, 1 error or a model that could not be drawn, 2 wrong usage.";
 
 /// Draws many models, or many views of one, into one picture: a contact sheet.
 #[derive(Clone, Debug, Args)]
