@@ -232,7 +232,9 @@ impl DataOptions {
             (None, _) => None,
         };
         let others = match &on_strokes {
-            Some(name::Found::Values(source)) => Some(strokes::values(source, strokes)),
+            Some(name::Found::Values(source)) => {
+                Some(strokes::values(source, strokes, &instance.world_from_object))
+            }
             _ => None,
         };
         let values =
@@ -276,7 +278,8 @@ impl DataOptions {
         };
         let (on_surface, on_strokes) = (colors(on_surface), colors(on_strokes));
         let of_strokes: Option<Vec<Vec<f32>>> = on_strokes.map(|(components, _)| {
-            components.iter().map(|source| strokes::values(source, strokes)).collect()
+            let values = |source| strokes::values(source, strokes, &instance.world_from_object);
+            components.iter().map(values).collect()
         });
         let of_surface = on_surface.iter().flat_map(|(components, _)| components).map(|source| Values {
             surface: Some((DataReader::new(source, instance), &*instance.mesh)),

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use glam::DVec3;
+use glam::{DAffine3, DVec3};
 use rayon::prelude::*;
 use tercio_mesh::cluster::Layout;
 use tercio_mesh::strokes::Strokes;
@@ -63,8 +63,8 @@ pub(super) fn list_those_of(error: DataError, strokes: &Strokes, is_cloud: bool)
     DataError::Unknown { name, available: all }
 }
 
-/// The values of all vertices.
-pub(super) fn values(source: &DataSource, strokes: &Strokes) -> Vec<f32> {
+/// The values of all vertices, at a place in the world.
+pub(super) fn values(source: &DataSource, strokes: &Strokes, place: &DAffine3) -> Vec<f32> {
     let count = strokes.positions.len();
     let of = |number: usize| &strokes.attributes[number].values;
     match source {
@@ -75,7 +75,8 @@ pub(super) fn values(source: &DataSource, strokes: &Strokes) -> Vec<f32> {
             (0..count).into_par_iter().map(length).collect()
         }
         DataSource::Along(up) => {
-            (0..count).into_par_iter().map(|v| up.dot(strokes.position(v as u32)) as f32).collect()
+            let at = |v: usize| place.transform_point3(strokes.position(v as u32));
+            (0..count).into_par_iter().map(|v| up.dot(at(v)) as f32).collect()
         }
         DataSource::Normal(_) | DataSource::Face => vec![f32::NAN; count],
     }

@@ -129,3 +129,21 @@ fn isolines_are_even_on_the_scale() {
     options.by = "@face".into();
     assert!(matches!(colors(&options, &instance), Err(DataError::ConstantIsolines(_))));
 }
+
+#[test]
+fn elevations_of_lines_and_points_are_those_of_their_place() {
+    let mut instance = model(&[]);
+    let turn = glam::DQuat::from_rotation_x(std::f64::consts::FRAC_PI_2);
+    instance.world_from_object = glam::DAffine3::from_rotation_translation(turn, DVec3::new(1.0, 2.0, 3.0));
+    let positions = vec![[0.0, 1.0, 0.0], [2.0, 0.0, -1.0]];
+    let strokes = Strokes { origin: DVec3::X, positions, points: vec![0, 1], ..Strokes::default() };
+    let options = DataOptions { up: DVec3::Y, ..DataOptions::new("@elevation") };
+    let data = options.data_of_model::<DataError>(&instance, &strokes, Ok).expect("elevations");
+    let Some(StrokeData::Mapped { values, .. }) = data.strokes else { panic!("no data of points") };
+    // A quarter turn takes z to -y.
+    let expected = [2.0f32, 3.0];
+    assert!(
+        values.iter().zip(expected).all(|(value, expected)| (value - expected).abs() < 1e-6),
+        "{values:?}"
+    );
+}
