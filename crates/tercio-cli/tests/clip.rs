@@ -176,3 +176,33 @@ fn shared_models_are_clipped() {
     }
     assert!(drawn > 3, "{drawn} models");
 }
+
+/// A cloud, and a line: both are cut, and the camera stays that of the whole.
+#[test]
+fn points_and_lines_are_cut() {
+    let place = Place::new();
+    std::fs::write(place.path("cloud.xyz"), "0 0 0\n1 0 0\n2 0 0\n3 0 0\n4 0 0\n0 0 2\n4 0 2\n").unwrap();
+    let line = "# vtk DataFile Version 3.0\nline\nASCII\nDATASET POLYDATA\nPOINTS 2 float\n0 0 0 4 0 2\nLINES 1 3 2 0 1\n";
+    std::fs::write(place.path("line.vtk"), line).unwrap();
+    for (model, options) in
+        [("cloud.xyz", "--point-size 5 --point-shape square"), ("line.vtk", "--line-width 5")]
+    {
+        let draw = |clip: &str| {
+            let look = "--view front --up-axis z --color #000 --aa 1";
+            place.run(&format!("render {model} -o a.ppm {look} {options} {LOOK} {clip}")).ok_silently();
+            pixels(&place.read("a.ppm"))
+        };
+        let (whole, cut) = (draw(""), draw("--clip x:0.6"));
+        for (number, (whole, cut)) in whole.iter().zip(&cut).enumerate() {
+            // The rightmost columns are as before, and the left half is empty.
+            let column = number % 60;
+            if column < 30 {
+                assert_eq!(*cut, [255; 3], "{model}, column {column}");
+            } else if column > 45 {
+                assert_eq!(cut, whole, "{model}, column {column}");
+            }
+        }
+        let count = |pixels: &[[u8; 3]]| pixels.iter().filter(|p| **p != [255; 3]).count();
+        assert!(count(&cut) > 20 && count(&cut) < count(&whole), "{model}");
+    }
+}

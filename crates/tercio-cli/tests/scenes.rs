@@ -257,7 +257,9 @@ fn a_saved_scene_draws_the_same_picture() {
         assert_eq!(lines(&first), lines(&place.read("saved/again.toml")));
     }
     place.run("scene.toml -o a.png --save-scene scene.toml").failed(2, &["the same file"]);
-    place.run("a.ply -o a.png --save-scene b.ply --with b.ply").failed(2, &["the same file"]);
+    place.run("a.ply -o a.png --save-scene b.ply --with b.ply").failed(2, &["b.ply", ".toml"]);
+    scene(&place, "c.toml", "size = [64, 48]\n");
+    place.run("a.ply -o a.png --save-scene c.toml --config c.toml").failed(2, &["the same file"]);
     // A series and a batch.
     place.run("a.ply b.ply -o s_{:02}.png --size 64x48 --save-scene saved/series.toml").ok_silently();
     let step = place.read("s_01.png");
@@ -445,4 +447,42 @@ fn batches_and_series_draw_added_models_in_every_picture() {
     same(&place, "piped.png", "one.png");
     // No output replaces a model of the scene.
     place.run("a.ply --with b.ply -o b.ply --format png").failed(2, &["the same file"]);
+}
+
+/// The patterns of the configuration are compared with each model of a batch, and its picture is the one that the model has alone.
+#[test]
+fn each_model_of_a_batch_has_the_defaults_of_its_name() {
+    let place = blocks();
+    let text = "[pattern.'b*']\ncolor = 'blue'\nview = 'top'\nsize = '40x30'\n";
+    scene(&place, "config.toml", text);
+    let run = |arguments: &str| {
+        place.run(&format!("{arguments} --config config.toml -q --size 64x48")).ok_silently()
+    };
+    for order in ["a.ply b.ply", "b.ply a.ply"] {
+        run(&format!("render {order} -o all_{{name}}.png"));
+        for name in ["a", "b"] {
+            run(&format!("render {name}.ply -o alone_{name}.png"));
+            same(&place, &format!("all_{name}.png"), &format!("alone_{name}.png"));
+        }
+        assert!(place.read("all_a.png") != place.read("all_b.png"));
+    }
+}
+
+/// What would contradict the command line, or the kind of its output, is left out.
+#[test]
+fn defaults_that_cannot_be_used_are_left_out() {
+    let place = blocks();
+    let text = "quality = 50\nbackground = 'transparent'\ndepth = 16\nranks = 2\nao = true\nmode = 'contours'\nsize = '40x30'\n";
+    scene(&place, "config.toml", text);
+    let run = |arguments: &str| {
+        place.run(&format!("render a.ply {arguments} --config config.toml -q")).ok_silently()
+    };
+    run("-o a.png");
+    assert_eq!(&place.read("a.png")[24..26], [16, 6], "16 bits, with alpha");
+    run("-o a.jpg");
+    run("-o a.svg --mode hidden-line");
+    assert!(String::from_utf8(place.read("a.svg")).unwrap().contains("width=\"40\" height=\"30\""));
+    scene(&place, "other.toml", "output = 'b.png'\n");
+    place.run("render a.ply -o c.png --config other.toml").failed(1, &["other.toml: line 1: output"]);
+    place.run("render a.ply -o c.png --save-scene a.txt").failed(2, &["a.txt", ".toml"]);
 }

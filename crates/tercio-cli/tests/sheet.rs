@@ -158,6 +158,10 @@ fn what_makes_no_sheet_is_refused_before_models_are_read() {
         ("none.off -o a.webp --size 9000x10 --columns 3 none.off none.off", &["webp", "16384"]),
         ("none.off -o a.png --caption {time}", &["{time}"]),
         ("none.off -o a.png --columns 0", &["--columns"]),
+        ("none.off -o a.png --with model.off", &["--with"]),
+        ("none.off -o a.png --together", &["--together"]),
+        ("none.off -o a.png --save-scene a.toml", &["--save-scene"]),
+        ("none.off -o a.png --config none", &["--config"]),
         ("none.off", &["--output"]),
         ("model.off -o model.off --format png", &["an output must not be an input"]),
     ] {

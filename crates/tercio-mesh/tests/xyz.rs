@@ -65,6 +65,9 @@ fn columns_without_names_mean_what_their_number_and_values_say() {
     let normal =
         [("normal:0", &[0.0, -1.0, 0.0][..]), ("normal:1", &[0.6, 0.0, 0.0]), ("normal:2", &[0.8, 0.0, 1.0])];
     assert_eq!((model.strokes.colors.is_none(), attributes(&model)), (true, normal.to_vec()));
+    // Along the axes.
+    let model = read(&lines(["0 0 1", "0 1 0", "1 0 0"]));
+    assert_eq!((model.strokes.colors.is_none(), attributes(&model)[0].0), (true, "normal:0"));
     let model = read(&lines(["255 0 1 0 0 1", "2 3 4 0 1 0", "5 6 7 1 0 0"]));
     assert_eq!(attributes(&model)[2], ("normal:2", &[1.0, 0.0, 0.0][..]));
     let model = read(&lines(["1 2.5", "3 4", "5 6"]));
@@ -82,6 +85,14 @@ fn columns_with_names() {
     let intensity = &model.strokes.attributes[1];
     assert!(intensity.name == "intensity" && intensity.values[0] == 0.25 && intensity.values[1].is_nan());
     assert_eq!(model.report.warnings, ["left out columns that are not numbers: note"]);
+    // The last name may have blanks.
+    for text in
+        ["//X Y Z R G B Scalar field\n1 2 3 9 8 7 0.5\n", "#X Y Z R G B Scalar field\n1 2 3 9 8 7 0.5\n"]
+    {
+        let model = read(text);
+        assert_eq!(model.strokes.colors, Some(vec![[9, 8, 7, 255]]), "{text}");
+        assert_eq!(attributes(&model), [("Scalar field", &[0.5][..])]);
+    }
     // Fractions, and 16 bits.
     let of = |rgb: &str| read(&format!("x y z r g b\n0 0 0 {rgb}\n")).strokes.colors.unwrap()[0];
     assert_eq!([of("0.5 1 0"), of("65535 0 32768")], [[128, 255, 0, 255], [255, 0, 128, 255]]);

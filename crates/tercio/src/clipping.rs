@@ -1,9 +1,10 @@
 //! Clipping of a model while it is loaded.
 
 use serde::Serialize;
-use tercio_mesh::clip::{self, Clip};
+use tercio_mesh::clip::{self, Clip, ClipPlane};
 use tercio_mesh::io::input::Input;
-use tercio_mesh::{Mesh, Place, ReadError};
+use tercio_mesh::strokes::Strokes;
+use tercio_mesh::{Aabb, Mesh, Place, ReadError};
 use tercio_scene::framing::Extent;
 
 use crate::{LoadError, LoadOptions, prepared};
@@ -16,6 +17,66 @@ pub struct Clipping<'a> {
     pub planes: &'a [Clip],
     /// Whether cuts of closed parts of the model are capped.
     pub caps: bool,
+}
+
+impl Clipping<'_> {
+    /// The part of a model's lines and points that is kept. Fractions refer to `bounds`. Where a line is cut, it gets a vertex with a
+    /// colour and values between those of its ends.
+    ///
+    /// # Errors
+    /// [`LoadError`] if a plane cannot be placed in these bounds.
+    pub fn clip_strokes(&self, strokes: &Strokes, bounds: &Aabb, model: &str) -> Result<Strokes, LoadError> {
+        let mut kept = strokes.clone();
+        if bounds.is_empty() {
+            return Ok(kept);
+        }
+        for clip in self.planes {
+            let plane = clip.plane(bounds);
+            let plane =
+                plane.ok_or_else(|| unsupported(model, "a clip plane across a model of this size".into()))?;
+            cut_strokes(&mut kept, &plane);
+        }
+        Ok(kept)
+    }
+}
+
+/// Removes what is on the other side of a plane.
+fn cut_strokes(strokes: &mut Strokes, plane: &ClipPlane) {
+    let distance = |strokes: &Strokes, v: u32| plane.distance(strokes.position(v));
+    // What is not a number stays: it is not drawn anyway.
+    let is_kept = |distance: f64| !(distance < 0.0);
+    let points = std::mem::take(&mut strokes.points);
+    strokes.points = points.into_iter().filter(|&v| is_kept(distance(strokes, v))).collect();
+    for mut ends in std::mem::take(&mut strokes.segments) {
+        let [a, b] = ends.map(|v| distance(strokes, v));
+        match (is_kept(a), is_kept(b)) {
+            (true, true) => {}
+            (false, false) => continue,
+            (keeps_first, _) => {
+                let end = usize::from(keeps_first);
+                ends[end] = vertex_between(strokes, ends, a / (a - b));
+            }
+        }
+        strokes.segments.push(ends);
+    }
+}
+
+/// Adds a vertex at a share of the way between two others.
+fn vertex_between(strokes: &mut Strokes, [a, b]: [u32; 2], share: f64) -> u32 {
+    let (a, b) = (a as usize, b as usize);
+    let mix = |a: f32, b: f32| (f64::from(a) + (f64::from(b) - f64::from(a)) * share) as f32;
+    let position = [0, 1, 2].map(|k: usize| mix(strokes.positions[a][k], strokes.positions[b][k]));
+    strokes.positions.push(position);
+    if let Some(colors) = &mut strokes.colors {
+        let color =
+            [0, 1, 2, 3].map(|k: usize| mix(f32::from(colors[a][k]), f32::from(colors[b][k])).round() as u8);
+        colors.push(color);
+    }
+    for attribute in &mut strokes.attributes {
+        let value = mix(attribute.values[a], attribute.values[b]);
+        attribute.values.push(value);
+    }
+    (strokes.positions.len() - 1) as u32
 }
 
 /// What was cut away.
@@ -145,6 +206,38 @@ mod tests {
             let kept = old.filter(|(p, n)| all.contains(&(p.map(f32::to_bits), **n))).count();
             assert!(kept > 50, "{kept}");
         }
+    }
+
+    #[test]
+    fn lines_are_cut_and_points_kept_or_not() {
+        let positions = vec![[0.0, 0.0, 0.0], [4.0, 2.0, 0.0], [4.0, 0.0, 0.0], [f32::NAN, 0.0, 0.0]];
+        let attribute = tercio_mesh::Attribute {
+            name: "t".into(),
+            domain: tercio_mesh::AttributeDomain::Vertex,
+            values: vec![0.0, 8.0, 8.0, 1.0],
+        };
+        let strokes = Strokes {
+            origin: glam::DVec3::X,
+            positions,
+            colors: Some(vec![[0, 0, 0, 255], [200, 100, 0, 255], [0; 4], [0; 4]]),
+            attributes: vec![attribute],
+            segments: vec![[0, 1], [1, 0], [1, 2], [0, 0]],
+            points: vec![0, 1, 2, 3],
+        };
+        let bounds = Aabb { min: glam::DVec3::X, max: glam::DVec3::new(5.0, 2.0, 0.0) };
+        let planes = [Clip::Fraction { axis: Axis::X, fraction: 0.25, keeps_lower: false }];
+        let kept =
+            Clipping { planes: &planes, caps: false }.clip_strokes(&strokes, &bounds, "a").expect("planes");
+        assert_eq!(kept.points, [1, 2, 3]);
+        assert_eq!(kept.segments, [[4, 1], [1, 5], [1, 2]]);
+        for v in [4, 5] {
+            assert_eq!(kept.positions[v], [1.0, 0.5, 0.0]);
+            assert_eq!(kept.attributes[0].values[v], 2.0);
+            assert_eq!(kept.colors.as_ref().expect("colours")[v], [50, 25, 0, 255]);
+        }
+        let none =
+            Clipping { planes: &planes, caps: false }.clip_strokes(&Strokes::default(), &Aabb::EMPTY, "a");
+        assert!(none.expect("nothing").is_empty());
     }
 
     #[test]

@@ -254,7 +254,7 @@ type Found = (Vec<Candidate>, Option<std::sync::Arc<tercio_scene::DataColors>>);
 fn distinct(mut all: Vec<Candidate>) -> Vec<Candidate> {
     let key = |c: &Candidate| {
         let bits = |v: DVec3| v.to_array().map(|c| (c + 0.0).to_bits());
-        (bits(c.place), bits(c.vector), c.value.to_bits())
+        (bits(c.place), bits(c.vector), c.value.to_bits(), c.color)
     };
     all.par_sort_unstable_by_key(key);
     all.dedup_by_key(|c| key(c));

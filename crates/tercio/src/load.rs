@@ -4,6 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
 
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use tercio_mesh::arrays::ArraysError;
 use tercio_mesh::builtin::{self, BuiltinError};
@@ -550,7 +551,8 @@ fn read_and_repair<E: From<LoadError>>(
     start: Instant,
     read: impl FnOnce() -> Result<Read, E>,
 ) -> Result<(Mesh, Strokes, LoadReport), E> {
-    let Read { mut mesh, strokes, report: read } = read()?;
+    let Read { mut mesh, strokes, report: mut read } = read()?;
+    read.warnings.extend(strokes_without_place(&strokes));
     let (lines, points) = (strokes.segments.len() as u64, strokes.points.len() as u64);
     let file_normals = mesh.normals.is_some();
     let mut report = LoadReport { read, lines, points, file_normals, ..LoadReport::default() };
@@ -586,6 +588,18 @@ fn read_and_repair<E: From<LoadError>>(
         report.times.topology = milliseconds(start);
     }
     Ok((mesh, strokes, report))
+}
+
+/// Says how many lines and points cannot be drawn.
+fn strokes_without_place(strokes: &Strokes) -> Option<String> {
+    let is_there = |v: &u32| strokes.positions[*v as usize].iter().all(|c| c.is_finite());
+    let points = strokes.points.par_iter().filter(|v| !is_there(v)).count();
+    let lines = strokes.segments.par_iter().filter(|ends| !ends.iter().all(is_there)).count();
+    let count =
+        |n: usize, what: &str| (n > 0).then(|| format!("{n} {what}{}", if n == 1 { "" } else { "s" }));
+    let list: Vec<String> = [count(points, "point"), count(lines, "line")].into_iter().flatten().collect();
+    (!list.is_empty())
+        .then(|| format!("not drawn: {} with coordinates that are not finite numbers", list.join(", ")))
 }
 
 fn make_builtin(name: &str, options: &LoadOptions) -> Result<Read, LoadError> {

@@ -29,3 +29,16 @@ pub struct SceneArgs {
     #[arg(long, value_name = "FILE")]
     config: Option<PathBuf>,
 }
+
+impl SceneArgs {
+    /// An option that is given, if any.
+    pub fn given(&self) -> Option<&'static str> {
+        let all = [
+            (!self.with.is_empty(), "--with"),
+            (self.together, "--together"),
+            (self.save_scene.is_some(), "--save-scene"),
+            (self.config.is_some(), "--config"),
+        ];
+        all.into_iter().find_map(|(is_given, name)| is_given.then_some(name))
+    }
+}

@@ -262,6 +262,12 @@ impl StrokeArgs {
         !matches!(self.mode, ModeName::Surface | ModeName::Points)
     }
 
+    /// Can anything show data: the surface, unless it is a drawing of lines, or contours, points, lines of the file, or glyphs?
+    pub fn shows_data(&self, is_drawing: bool, has_file: bool) -> bool {
+        let of_surface = self.has_surface() && !is_drawing;
+        of_surface || self.is_contours() || self.has_vertices() || has_file || self.glyphs.is_some()
+    }
+
     /// Do surfaces hide lines?
     pub fn hides(&self) -> bool {
         self.has_surface()

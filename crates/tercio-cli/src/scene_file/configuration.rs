@@ -13,6 +13,7 @@ use super::tables::{Source, bytes};
 use crate::commands::render::models::matches;
 
 /// What a configuration says.
+#[derive(Debug)]
 pub struct Defaults {
     pub path: PathBuf,
     settings: Settings,
@@ -53,6 +54,10 @@ impl Defaults {
             let mut own = Settings::default();
             for setting in settings {
                 match definition.class(&setting.key) {
+                    // What is written where is said for every picture.
+                    Some(_) if setting.key.starts_with("output") => {
+                        return Err(source.wrong(setting, "is said on the command line, or in a scene file"));
+                    }
                     Some(Class::CommandLine) => {
                         return Err(source.wrong(setting, "is said on the command line only"));
                     }
@@ -96,6 +101,13 @@ impl Defaults {
                 }
             }
             let mut used = Vec::new();
+            let starts = |picture: &Settings, of_model: &Settings, definition: &mut Definition| {
+                let all = of_model.clone().over(picture, definition);
+                let render = definition.parse(&all.arguments(&member.files, definition)).ok()?;
+                render.check_options().is_ok().then(|| render.can_start())
+            };
+            // If it cannot start without defaults, that is reported when it does.
+            let can_start = starts(picture, &member.settings, definition) == Some(true);
             // One may need another one that comes later.
             loop {
                 let before = open.len();
@@ -104,10 +116,8 @@ impl Defaults {
                     let (mut of_picture, mut of_model) = (picture.clone(), member.settings.clone());
                     let to = if is_of_model { &mut of_model } else { &mut of_picture };
                     to.set(name, given.clone());
-                    let all = of_model.clone().over(&of_picture, definition);
-                    let arguments = all.arguments(&member.files, definition);
-                    let has_effect =
-                        definition.parse(&arguments).is_ok_and(|render| render.check_options().is_ok());
+                    let started = starts(&of_picture, &of_model, definition);
+                    let has_effect = started.is_some_and(|starts| starts || !can_start);
                     if has_effect {
                         (*picture, member.settings) = (of_picture, of_model);
                         used.push(name.clone());

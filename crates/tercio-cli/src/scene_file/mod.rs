@@ -13,6 +13,7 @@ mod with;
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use anyhow::{Result, bail};
 
@@ -36,12 +37,36 @@ pub struct Origin {
     files: Vec<(&'static str, PathBuf)>,
     /// The text for `--save-scene`.
     pub saved: Option<String>,
+    /// What was said before the configuration, whose patterns may say something else of each model of a batch.
+    sources: Option<Arc<Sources>>,
+}
+
+/// What was said elsewhere than in the configuration, and the configuration.
+#[derive(Debug)]
+struct Sources {
+    picture: Settings,
+    members: Vec<Member>,
+    defaults: Defaults,
 }
 
 impl Origin {
     /// Adds the files that were read.
     pub fn named_files(&self, files: NamedFiles) -> NamedFiles {
         self.files.iter().fold(files, |files, (what, path)| files.reads(what, path))
+    }
+
+    /// The options for one model of several that have a picture each; `None` if they are the same for all.
+    ///
+    /// # Errors
+    /// As [`render`].
+    pub fn for_model(&self, model: &Path) -> Result<Option<Render>> {
+        let Some(sources) = &self.sources else { return Ok(None) };
+        let mut definition = Definition::new();
+        let (mut picture, mut members) = (sources.picture.clone(), sources.members.clone());
+        members[0].files = vec![model.to_path_buf()];
+        let notes = sources.defaults.apply(&mut picture, &mut members, &mut definition);
+        let origin = Self { notes, sources: None, ..self.clone() };
+        parsed(&picture, &members, origin, &mut definition).map(Some)
     }
 
     /// The scene file, if there is one.
@@ -143,18 +168,34 @@ pub fn render(arguments: &[OsString]) -> Result<Option<Render>> {
     for text in with.iter().flat_map(Given::texts) {
         members.push(with::read(&text, &mut definition)?);
     }
-    if let Some(defaults) = &defaults {
-        origin.notes = defaults.apply(&mut picture, &mut members, &mut definition);
+    if let Some(defaults) = defaults {
+        let sources = Sources { picture: picture.clone(), members: members.clone(), defaults };
+        origin.notes = sources.defaults.apply(&mut picture, &mut members, &mut definition);
+        origin.sources = Some(Arc::new(sources));
     }
     if is_saved {
         let to = own_path(&picture);
+        if !is_scene(&to) {
+            let text = format!("--save-scene {}: the name of a scene file ends with .toml", to.display());
+            return Err(UsageError(text).into());
+        }
         origin.saved = Some(save::text(&picture, &members, &to)?);
     }
+    parsed(&picture, &members, origin, &mut definition).map(Some)
+}
+
+/// The command of the settings of a picture and of its models.
+fn parsed(
+    picture: &Settings,
+    members: &[Member],
+    origin: Origin,
+    definition: &mut Definition,
+) -> Result<Render> {
     let scene = origin.scene_file().map(Path::to_path_buf);
     let mut parsed = Vec::new();
-    for member in &members {
-        let all = member.settings.clone().over(&picture, &definition);
-        let arguments = all.arguments(&member.files, &definition);
+    for member in members {
+        let all = member.settings.clone().over(picture, definition);
+        let arguments = all.arguments(&member.files, definition);
         let mut render = definition.parse(&arguments).map_err(|error| {
             let model = member.files.first().filter(|_| members.len() > 1).or(scene.as_ref());
             let text = definition::sentence(&error);
@@ -166,7 +207,7 @@ pub fn render(arguments: &[OsString]) -> Result<Option<Render>> {
     let mut parsed = parsed.into_iter();
     let Some(mut first) = parsed.next() else { bail!("there is no model") };
     (first.others, first.origin) = (parsed.collect(), origin);
-    Ok(Some(first))
+    Ok(first)
 }
 
 /// Where the scene is saved.

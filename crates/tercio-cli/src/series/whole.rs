@@ -71,11 +71,10 @@ fn is_picture(path: &Path, format: PictureFormat, (width, height): (u32, u32)) -
     })
 }
 
-/// Its size is known of an SVG only.
 fn is_drawing(path: &Path, format: VectorFormat, (width, height): (u32, u32)) -> Option<bool> {
     let mut file = File::open(path).ok()?;
     let mut head = Vec::new();
-    Read::by_ref(&mut file).take(200).read_to_end(&mut head).ok()?;
+    Read::by_ref(&mut file).take(400).read_to_end(&mut head).ok()?;
     file.seek(SeekFrom::End(-7)).ok()?;
     let mut tail = Vec::new();
     file.read_to_end(&mut tail).ok()?;
@@ -84,7 +83,14 @@ fn is_drawing(path: &Path, format: VectorFormat, (width, height): (u32, u32)) ->
             let size = format!("width=\"{width}\" height=\"{height}\"");
             tail == b"</svg>\n" && String::from_utf8_lossy(&head).contains(&size)
         }
-        VectorFormat::Pdf => head.starts_with(b"%PDF-") && tail.trim_ascii_end().ends_with(b"%%EOF"),
+        VectorFormat::Pdf => {
+            // 72 points an inch, of 96 pixels.
+            let [width, height] = [width, height].map(|pixels| f64::from(pixels) * 0.75);
+            let size = format!("/MediaBox [0 0 {width} {height}]");
+            head.starts_with(b"%PDF-")
+                && String::from_utf8_lossy(&head).contains(&size)
+                && tail.trim_ascii_end().ends_with(b"%%EOF")
+        }
     })
 }
 

@@ -1,5 +1,5 @@
-//! JPEG through the `image` crate, which has the decoder for textures: baseline, without subsampling of chroma, integers only, so
-//! that the bytes are the same on every machine.
+//! JPEG through the `image` crate, which has the decoder for textures: baseline, without subsampling of chroma.
+//! Its arithmetic, of integers and single divisions, gives the same bytes on every machine.
 
 use std::io::{Cursor, Write};
 

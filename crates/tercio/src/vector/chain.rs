@@ -5,6 +5,9 @@ use glam::DVec2;
 /// A point closer than this to the line through its neighbours is left out, in pixels.
 const STRAIGHT: f64 = 1e-9;
 
+/// Lines end where more pieces than this meet.
+const MOST_MEETING: usize = 64;
+
 /// A place on the screen, as a key.
 type Key = [u64; 2];
 
@@ -43,9 +46,13 @@ fn follow(pieces: &[[DVec2; 2]], ends: &[(Key, u32)], used: &mut [bool], line: &
         let along = (last - before).normalize_or_zero();
         let at = key(last);
         let from = ends.partition_point(|end| end.0 < at);
-        let here = ends[from..].iter().take_while(|end| end.0 == at);
+        let here = &ends[from..from + ends[from..].partition_point(|end| end.0 == at)];
+        // A star: which two of its pieces are one line is of no interest, and looking for them at each would take quadratic time.
+        if here.len() > MOST_MEETING {
+            return;
+        }
         let mut best: Option<(f64, u32)> = None;
-        for &(_, end) in here.filter(|end| !used[end.1 as usize / 2]) {
+        for &(_, end) in here.iter().filter(|end| !used[end.1 as usize / 2]) {
             let other = pieces[end as usize / 2][1 - end as usize % 2];
             let turn = along.dot((other - last).normalize_or_zero());
             if best.is_none_or(|(most, _)| turn > most) {
@@ -96,7 +103,10 @@ mod tests {
         let cross =
             [[middle, at(0.0, 0.5)], [at(0.5, 1.0), middle], [middle, at(1.0, 0.5)], [middle, at(0.5, -0.0)]];
         let lines = join(&cross);
-        assert_eq!(lines, [[at(1.0, 0.5), at(0.0, 0.5)], [at(0.5, 1.0), at(0.5, 0.0)]].map(|l| l.to_vec()));
+        assert_eq!(lines, [[at(0.0, 0.5), at(1.0, 0.5)], [at(0.5, 0.0), at(0.5, 1.0)]].map(|l| l.to_vec()));
+        // A star of many pieces stays as it is.
+        let star: Vec<[DVec2; 2]> = (0..100).map(|k| [middle, at(f64::from(k), 9.0)]).collect();
+        assert_eq!(join(&star).len(), star.len());
         assert_eq!(join(&[[middle, middle]]), [vec![middle, middle]]);
         assert!(join(&[]).is_empty());
     }

@@ -197,7 +197,7 @@ impl<'a> Sketch<'a> {
         let visible = |&p: &DVec3| {
             let width = three_digits(width.pixels(eye, p.z));
             let is_seen = p.is_finite()
-                && eye.clip([p, p], (0.5 * width).clamp(0.0, Self::MARGIN)).is_some()
+                && eye.clip([p, p], 0.5 * width).is_some()
                 && hiders.is_none_or(|hiders| !hiders.visible([p, p]).is_empty());
             is_seen.then(|| (eye.screen(p), width))
         };

@@ -84,7 +84,9 @@ impl Render {
     }
 
     fn item(&self, model: &Path) -> Result<Item> {
-        let mut render = self.with_model(&self.at_chosen_time(model)?);
+        let own = self.origin.for_model(model)?;
+        let options = own.as_ref().unwrap_or(self);
+        let mut render = options.with_model(&options.at_chosen_time(model)?);
         let names = Names { name: Some(pattern::name_of(model)), ..Names::default() };
         render.writing = render.writing.named(&names, false).map_err(UsageError)?;
         Item::new(render)

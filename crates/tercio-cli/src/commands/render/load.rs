@@ -93,9 +93,17 @@ impl Render {
             let mut report = file.loaded.report.clone();
             let of_another = member.model.moment.and_then(|moment| self.series.other_time(moment));
             report.read.warnings.extend(of_another);
-            let strokes = member.strokes_of(&mut report, Arc::clone(&file.strokes));
+            let strokes = member.strokes_of(file.loaded.whole.as_ref(), Arc::clone(&file.strokes))?;
             let data = member.data.apply(&mut instance, up, &strokes, parts.as_deref_mut());
-            let data = data.with_context(|| member.model.name())?;
+            let mut data = data.with_context(|| member.model.name())?;
+            let is_drawing = job.writing.plan.drawing.is_some();
+            if instance.data.is_some() && !member.strokes.shows_data(is_drawing, !strokes.is_empty()) {
+                (instance.data, data) = (None, None);
+                report
+                    .read
+                    .warnings
+                    .push("nothing shows the data of --color-by: edges have one colour".into());
+            }
             member.strokes.dress_surface(&mut instance.surface, &background);
             member.dress_contours(&mut instance);
             if let Some(bar) = member.annotation.bar(&instance)
@@ -157,7 +165,8 @@ impl Render {
         let annotation = self.annotation.annotation(bars, &background);
         let mut subject = Subject::default();
         for (model, &number) in models.iter().zip(&file_of) {
-            model.frame_in(&mut subject, &scene, files[number].loaded.whole.as_ref());
+            let file = &files[number];
+            model.frame_in(&mut subject, &scene, (file.loaded.whole.as_ref(), &file.strokes));
         }
         let names = if self.annotation.has_placeholders() { writing.names.clone() } else { Vec::new() };
         let mut annotated = Annotated { annotation, names, shot: 0, bounds: [DVec3::ZERO; 2], up: 0 };

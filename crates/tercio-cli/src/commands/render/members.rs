@@ -61,16 +61,21 @@ pub(super) struct OfModel {
 }
 
 impl OfModel {
-    /// Adds it to what the camera frames: all of a model that is clipped.
-    pub fn frame_in<'a>(&self, subject: &mut Subject<'a>, scene: &'a Scene, whole: Option<&'a Extent>) {
+    /// Adds it to what the camera frames: all of a model that is clipped, and all lines and points of its `file`.
+    pub fn frame_in<'a>(
+        &self,
+        subject: &mut Subject<'a>,
+        scene: &'a Scene,
+        (whole, file): (Option<&'a Extent>, &Strokes),
+    ) {
         match whole {
             Some(whole) => {
                 self.places.iter().for_each(|&place| subject.add_extent(Cow::Borrowed(whole), place));
             }
             None => scene.instances[self.instances.clone()].iter().for_each(|i| subject.add_instance(i)),
         }
-        if !self.drawable.file.is_empty() {
-            let strokes = Extent::of_strokes(&self.drawable.file);
+        if !file.is_empty() {
+            let strokes = Extent::of_strokes(file);
             self.places.iter().for_each(|&place| subject.add_extent(Cow::Owned(strokes.clone()), place));
         }
         for glyphs in &self.drawable.glyphs {

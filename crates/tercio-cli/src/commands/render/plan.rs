@@ -7,6 +7,7 @@ use anyhow::Result;
 use tercio::image::Destination;
 use tercio::image::film::Film;
 
+use super::models::Models;
 use super::{Job, Render};
 use crate::args::ranks::Drawers;
 use crate::args::series::{Motion, OutputFormat};
@@ -98,6 +99,20 @@ impl Render {
             .into());
         }
         Ok(Job { writing, motion, settings, drawers })
+    }
+
+    /// Do the options go together, as far as that is known before a model is read? An added model alone need not.
+    pub(crate) fn can_start(&self) -> bool {
+        let starts = |render: &Self, steps: &[ModelArgs]| render.job(steps).is_ok();
+        match self.models() {
+            Ok(Models::One(model)) => starts(&self.with_model(&model), &[]),
+            Ok(Models::Steps(steps)) => starts(&self.with_model(&steps[0]), &steps),
+            Ok(Models::Batch(models)) => {
+                let model = ModelArgs { model: models[0].clone(), ..self.model.clone() };
+                starts(&self.with_model(&model), &[])
+            }
+            Err(_) => false,
+        }
     }
 
     /// Finds options that have no effect.

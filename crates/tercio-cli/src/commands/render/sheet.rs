@@ -36,7 +36,7 @@ Examples:
   tercio sheet scan.ply -o turn.jpg --turntable 12
   tercio sheet run.pvd -o steps.png --color-by pressure --title 'Pressure'
 
-All options of render are understood: --size is that of one picture, and --title is that of the sheet. A model that cannot be
+The options of render for single pictures are understood: --size is that of one picture, and --title is that of the sheet. A model that cannot be
 drawn gets a place that says so. Exit code: 0 success, 1 error or a model that could not be drawn, 2 wrong usage.";
 
 /// Draws many models, or many views of one, into one picture: a contact sheet.
@@ -71,6 +71,10 @@ impl Sheet {
     /// Usage errors for options that make no sheet, else what went wrong; nothing could be drawn.
     pub fn run(&self) -> Result<ExitCode> {
         let start = Instant::now();
+        if let Some(option) = self.render.scene.given() {
+            let text = format!("{option} is for tercio render: a sheet has a picture of each model");
+            return Err(UsageError(text).into());
+        }
         let mut render = self.render.clone();
         let title = render.annotation.take_title();
         let (destination, format) = self.output(&render).map_err(UsageError)?;

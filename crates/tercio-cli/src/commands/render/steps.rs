@@ -113,7 +113,9 @@ impl Render {
             };
             let loaded = options.load(&model.model)?;
             let up = self.camera.for_format(&loaded.report.read.format).front().up;
-            let survey = self.data.survey(&Instance::new(loaded.mesh), &loaded.strokes, up);
+            let place = self.place.transform();
+            let instance = Instance { world_from_object: place, ..Instance::new(loaded.mesh) };
+            let survey = self.data.survey(&instance, &loaded.strokes, up);
             all = all.and(survey.with_context(|| model.name())?);
             display.progress.advance(1);
         }

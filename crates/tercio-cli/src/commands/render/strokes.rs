@@ -12,6 +12,7 @@ use tercio::mesh::AttributeDomain;
 use tercio::mesh::edges::Edges;
 use tercio::mesh::strokes::Strokes;
 use tercio::raster::view::View;
+use tercio::scene::framing::Extent;
 use tercio::scene::{Camera, Instance, Scene};
 use tercio::strokes::{self, Eye, LineShape};
 
@@ -40,13 +41,13 @@ impl Drawable {
 }
 
 impl Render {
-    /// The lines and points of the file that are drawn. Those of a model that is clipped are not, and the report says so.
-    pub(super) fn strokes_of(&self, report: &mut LoadReport, strokes: Arc<Strokes>) -> Arc<Strokes> {
-        if self.clip.clipping().is_none() {
-            return strokes;
-        }
-        (report.lines, report.points) = (0, 0);
-        Arc::default()
+    /// The lines and points of the file that are drawn: those that are not cut away. Planes across a part of the model refer to the
+    /// bounds of its surface, if it has one.
+    pub(super) fn strokes_of(&self, whole: Option<&Extent>, strokes: Arc<Strokes>) -> Result<Arc<Strokes>> {
+        let Some(clipping) = self.clip.clipping().filter(|_| !strokes.is_empty()) else { return Ok(strokes) };
+        let bounds = whole.map(Extent::bounds).filter(|bounds| !bounds.is_empty());
+        let bounds = bounds.unwrap_or_else(|| strokes.bounds());
+        Ok(Arc::new(clipping.clip_strokes(&strokes, &bounds, &self.model.name())?))
     }
 
     /// If no triangle was drawn, is that because of where strokes are?

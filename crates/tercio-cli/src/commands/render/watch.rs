@@ -70,6 +70,9 @@ impl Render {
             Some((metadata.modified().ok()?, metadata.len()))
         };
         let others = self.others.iter().map(|other| &other.model.model);
-        models.iter().chain(others).map(PathBuf::as_path).chain(self.origin.scene_file()).map(stamp).collect()
+        // Models that are made do not change.
+        let is_file = |path: &&Path| !path.to_string_lossy().starts_with("builtin:");
+        let all = models.iter().chain(others).map(PathBuf::as_path).chain(self.origin.scene_file());
+        all.filter(is_file).map(stamp).collect()
     }
 }

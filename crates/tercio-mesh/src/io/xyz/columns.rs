@@ -27,7 +27,10 @@ pub fn meaning(front: &Front, columns: Vec<Vec<f32>>) -> (Option<Vec<[u8; 4]>>, 
             rest.get(from..from + 3).is_some_and(|three| three.iter().all(|(_, v)| v.iter().all(is)))
         };
         let is_byte: fn(&f32) -> bool = |v| (0.0..=255.0).contains(v) && v.fract() == 0.0;
-        if let Some(first) = first.filter(|&first| are(first, is_byte, &rest)) {
+        // Bytes of colours are not all 0 or 1; normals along the axes are.
+        let is_small: fn(&f32) -> bool = |v| *v <= 1.0;
+        let are_colors = |first: usize| are(first, is_byte, &rest) && !are(first, is_small, &rest);
+        if let Some(first) = first.filter(|&first| are_colors(first)) {
             for (k, (_, values)) in rest.drain(first..first + 3).enumerate() {
                 colors[k] = Some(values);
             }

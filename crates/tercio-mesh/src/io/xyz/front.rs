@@ -184,7 +184,8 @@ impl Front {
                 continue;
             }
             // Names behind a comment need not be those of the columns.
-            let columns = match names.take_if(|names| names.len() == fields.len()) {
+            let names = names.take().map(|names| joined(names, fields.len()));
+            let columns = match names.filter(|names| names.len() == fields.len()) {
                 Some(names) => named(names, &fields),
                 None => unnamed(fields.len()),
             };
@@ -221,6 +222,15 @@ impl Front {
             _ => None,
         })
     }
+}
+
+/// Names of so many columns: the last one may have blanks in it.
+fn joined(mut names: Vec<String>, columns: usize) -> Vec<String> {
+    if columns > 0 && names.len() > columns {
+        let rest = names.split_off(columns - 1);
+        names.push(rest.join(" "));
+    }
+    names
 }
 
 fn is_plain(column: &Column) -> bool {
