@@ -28,6 +28,11 @@ pub fn prepare() {
     let _ = PREFIX.set(messages::error_prefix());
     std::panic::set_hook(Box::new(|panic| {
         let mut line = Line::error();
+        // A library that panics when data are damaged has found them.
+        if let Some(damage) = tercio::mesh::guard::damage() {
+            line.put(format_args!("{damage}"));
+            finish(line);
+        }
         line.mistake(panic);
         // Empty unless RUST_BACKTRACE is set.
         let trace = std::backtrace::Backtrace::capture();

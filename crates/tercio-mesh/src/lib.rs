@@ -43,6 +43,7 @@ pub mod cluster;
 pub mod color;
 pub mod edges;
 pub mod error;
+pub mod guard;
 mod hash;
 pub mod io;
 pub mod material;

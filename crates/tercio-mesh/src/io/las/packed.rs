@@ -2,7 +2,6 @@
 //! chunks, their places, and the sizes of layers.
 
 use std::io::Cursor;
-use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use laz::laszip::ChunkTable;
 use laz::record::{LayeredPointRecordDecompressor, RecordDecompressor, SequentialPointRecordDecompressor};
@@ -14,7 +13,10 @@ use super::columns::Columns;
 use super::header::{Header, u16_at, u32_at, u64_at};
 use crate::ReadError;
 use crate::error::{Place, counted};
+use crate::guard::guarded;
 use crate::io::input::Input;
+
+const DAMAGED: &str = "damaged data";
 
 /// A part that is compressed by itself.
 struct Chunk<'a> {
@@ -53,20 +55,27 @@ pub fn read(
     let chunks = match kind {
         _ if header.points == 0 => Vec::new(),
         1 => vec![Chunk { at: header.begin, bytes: data, points: header.points as usize }],
-        2 | 3 => chunks(bytes, header, &vlr).map_err(|(at, expected, found)| wrong(at, &expected, found))?,
+        2 | 3 => {
+            let mistaken = |(at, expected, found): Mistake| wrong(at, &expected, found);
+            // So has the reader of the table.
+            let damaged = wrong(header.begin, "compressed points with a table of chunks", DAMAGED.into());
+            guarded(damaged, || chunks(bytes, header, &vlr).map_err(mistaken))?
+        }
         _ => return Err(wrong(from, "compression 1, 2 or 3", kind.to_string())),
     };
     let group = rayon::current_num_threads() * 4;
     for group in chunks.chunks(group) {
         let read = |chunk: &Chunk| {
             let mut own = Columns::new(header.layout);
+            let expected = counted(chunk.points as u64, "compressed point");
+            let damaged = |found: String| wrong(chunk.at, &expected, found);
             // The decompressor has no checks of its own for every damage.
-            let unpack = AssertUnwindSafe(|| chunk.unpack(vlr.items(), is_layered, header.record, &mut own));
-            let result = catch_unwind(unpack).unwrap_or_else(|_| Err("damaged data".into()));
+            let result = guarded(damaged(DAMAGED.into()), || {
+                chunk.unpack(vlr.items(), is_layered, header.record, &mut own).map_err(damaged)
+            });
             advance(chunk.points);
             input.consumed(chunk.bytes.len());
-            let expected = counted(chunk.points as u64, "compressed point");
-            result.map(|()| own).map_err(|found| wrong(chunk.at, &expected, found))
+            result.map(|()| own)
         };
         let pieces: Vec<Result<Columns, ReadError>> = group.par_iter().map(read).collect();
         for piece in pieces {
@@ -102,8 +111,7 @@ fn chunks<'a>(bytes: &'a [u8], header: &Header, vlr: &LazVlr) -> Result<Vec<Chun
     }
     let mut source = Cursor::new(bytes.get(table..).unwrap_or_default());
     let is_variable = vlr.uses_variable_size_chunks();
-    let entries = catch_unwind(AssertUnwindSafe(|| ChunkTable::read(&mut source, is_variable)))
-        .unwrap_or_else(|_| Err(std::io::Error::other("damaged data")))
+    let entries = ChunkTable::read(&mut source, is_variable)
         .map_err(|error| (table, format!("a table of {count} chunks"), error.to_string()))?;
     let mut chunks = Vec::new();
     let (mut at, mut left) = (first, header.points);
