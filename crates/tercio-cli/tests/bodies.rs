@@ -6,7 +6,7 @@ mod common;
 use std::fmt::Write as _;
 use std::fs;
 
-use common::Place;
+use common::{Place, Random};
 use tercio::glam::{DVec2, DVec3};
 use tercio::scene::DataColors;
 use tercio::scene::color_map::ColorMap;
@@ -51,19 +51,6 @@ impl Eye {
     }
 }
 
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    fn point(&mut self) -> DVec3 {
-        DVec3::new(self.next(), self.next(), self.next()) * 2.0 - 1.0
-    }
-}
-
 /// The first meeting of a ray with a sphere.
 fn meet_sphere(from: DVec3, ray: DVec3, middle: DVec3, radius: f64) -> Option<f64> {
     let m = from - middle;
@@ -105,8 +92,8 @@ fn tubes_and_spheres_are_where_rays_meet_them() {
     ] {
         let eye = Eye::new(eye, DVec3::ZERO);
         // A line with corners, another one by itself, points.
-        let corners: Vec<DVec3> = (0..7).map(|_| random.point()).collect();
-        let points: Vec<DVec3> = (0..6).map(|_| random.point()).collect();
+        let corners: Vec<DVec3> = (0..7).map(|_| random.point(1.0)).collect();
+        let points: Vec<DVec3> = (0..6).map(|_| random.point(1.0)).collect();
         let mut obj = String::new();
         corners.iter().chain(&points).for_each(|p| writeln!(obj, "v {} {} {}", p.x, p.y, p.z).unwrap());
         obj += "l 1 2 3 4 5\nl 6 7\np 8 9 10 11 12 13\n";
@@ -281,7 +268,7 @@ fn glyphs_reach_to_the_ends_of_their_vectors() {
     let arrows: Vec<[DVec3; 2]> = (0..9)
         .map(|k| {
             let at = DVec3::new(f64::from(k % 3) - 1.0, f64::from(k / 3) - 1.0, 0.4 * random.next());
-            [at, random.point().normalize() * (0.3 + 0.5 * random.next())]
+            [at, random.point(1.0).normalize() * (0.3 + 0.5 * random.next())]
         })
         .collect();
     let mut text = "x,y,z,w_x,w_y,w_z\n".to_owned();

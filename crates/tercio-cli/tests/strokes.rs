@@ -5,7 +5,7 @@ mod common;
 use std::fmt::Write as _;
 use std::fs;
 
-use common::Place;
+use common::{Place, Random};
 use tercio::glam::{DVec2, DVec3};
 use tercio_testkit::ray_caster::RayCaster;
 
@@ -61,20 +61,6 @@ impl Eye {
             Some(height) => HEIGHT as f64 / height,
         };
         DVec2::new(0.5 * WIDTH as f64 + right * scale, 0.5 * HEIGHT as f64 - up * scale)
-    }
-}
-
-/// A small random number generator, the same on every machine.
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    fn point(&mut self, reach: f64) -> DVec3 {
-        DVec3::new(self.next(), self.next(), self.next()) * (2.0 * reach) - reach
     }
 }
 

@@ -157,7 +157,7 @@ fn several_bars_are_side_by_side() {
         let (single, double) = (margin(1), margin(2));
         assert!(double > 1.9 * single, "{name}: {single} {double}");
     }
-    // Half of the picture stays free; what finds no room is told.
+    // Half of the picture stays free; what finds no room is listed.
     let many = Annotation { bars: vec![bar([0.0, 1.0], Scale::Linear); 20], ..Annotation::default() };
     let laid_out = check(&many, &camera, (640, 480), bounds);
     assert!(laid_out.placed.iter().all(|placed| placed.rect[0] >= 320.0));

@@ -102,3 +102,19 @@ fn command(folder: &Path, arguments: &str) -> Command {
     command.env("TERCIO_CONFIG", "none");
     command
 }
+
+/// A small random number generator, the same on every machine.
+pub struct Random(pub u64);
+
+impl Random {
+    /// From 0 to 1.
+    pub fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    /// With coordinates from `-reach` to `reach`.
+    pub fn point(&mut self, reach: f64) -> tercio::glam::DVec3 {
+        tercio::glam::DVec3::new(self.next(), self.next(), self.next()) * (2.0 * reach) - reach
+    }
+}
