@@ -13,9 +13,9 @@ use tercio::image::{Destination, JPEG_MAX_SIZE, Picture, PictureFormat, Pixels, 
 use tercio::raster::Frame;
 use tercio::scene::Scene;
 
+use super::Render;
 use super::alone::Artist;
 use super::batch::{Item, side_by_side};
-use super::{Job, Render};
 use crate::args::annotation::{shown, text};
 use crate::args::ranks::Drawers;
 use crate::args::series::Motion;
@@ -55,10 +55,8 @@ pub struct Sheet {
 
 /// The pictures of one model: of its views, or of its times.
 struct Group {
-    /// That of the first time.
-    item: Item,
     /// The times, at least one.
-    steps: Vec<(Render, Job)>,
+    steps: Vec<Item>,
     /// The number of its first picture on the sheet.
     first: usize,
     captions: Vec<String>,
@@ -102,15 +100,15 @@ impl Sheet {
             if let Err(error) = group.draw(&paper, &display) {
                 failed.fetch_add(1, Relaxed);
                 let mut paper = paper.lock().unwrap_or_else(PoisonError::into_inner);
-                let words = reason(&group.item.render, &error);
+                let words = reason(&group.steps[0].render, &error);
                 cells.for_each(|cell| paper.tell(cell, &words));
                 messages::error(&error);
             }
         };
         // As in a batch: the large ones first, with all threads.
-        pool.install(|| groups.iter().filter(|group| group.item.small.is_none()).for_each(draw));
-        let small: Vec<&Group> = groups.iter().filter(|group| group.item.small.is_some()).collect();
-        let items: Vec<&Item> = small.iter().map(|group| &group.item).collect();
+        pool.install(|| groups.iter().filter(|group| group.steps[0].small.is_none()).for_each(draw));
+        let small: Vec<&Group> = groups.iter().filter(|group| group.steps[0].small.is_some()).collect();
+        let items: Vec<&Item> = small.iter().map(|group| &group.steps[0]).collect();
         let workers = render.workers(&items, pool.current_num_threads());
         side_by_side(&small, workers, |group| draw(group))?;
         drop(display);
@@ -166,20 +164,14 @@ impl Sheet {
             let of_step = |step: &ModelArgs| {
                 let mut of_step = render.with_model(step);
                 of_step.writing = of_step.writing.of_cell(motion.is_series());
-                of_step
+                Item::new(of_step)
             };
-            let item = Item::new(of_step(&steps[0]))?;
-            if matches!(item.job.drawers, Drawers::Mpi(_)) {
+            let steps: Vec<Item> = steps.iter().map(of_step).collect::<Result<_>>()?;
+            if matches!(steps[0].job.drawers, Drawers::Mpi(_)) {
                 return Err(UsageError("mpirun draws no sheet together: start one process".into()).into());
             }
-            let of_step = |step: &ModelArgs| {
-                let render = of_step(step);
-                let job = render.job(&[])?;
-                Ok((render, job))
-            };
-            let steps: Vec<(Render, Job)> = steps.iter().map(of_step).collect::<Result<_>>()?;
             let mut captions = Vec::new();
-            for (number, (_, job)) in steps.iter().enumerate() {
+            for (number, Item { job, .. }) in steps.iter().enumerate() {
                 for names in &job.writing.names {
                     let frame = Some(first + captions.len());
                     let step = if steps.len() > 1 { Some(number) } else { names.step };
@@ -189,7 +181,7 @@ impl Sheet {
                 }
             }
             let end = first + captions.len();
-            groups.push(Group { item, steps, first, captions });
+            groups.push(Group { steps, first, captions });
             first = end;
         }
         Ok(groups)
@@ -269,13 +261,15 @@ impl Group {
     /// With all files of the run, and with what the colours of all times have in common.
     fn prepared(mut self, files: &Arc<NamedFiles>, display: &Display) -> Self {
         if self.steps.len() > 1 {
-            let models: Vec<ModelArgs> = self.steps.iter().map(|(render, _)| render.model.clone()).collect();
-            // A model that cannot be read is told of where it is drawn.
-            if let Ok(Some(survey)) = self.item.render.survey(&models, display) {
-                self.steps.iter_mut().for_each(|(render, _)| render.data = render.data.of_series(&survey));
+            let models: Vec<ModelArgs> = self.steps.iter().map(|step| step.render.model.clone()).collect();
+            // An error in a model is reported when that is drawn.
+            if let Ok(Some(survey)) = self.steps[0].render.survey(&models, display) {
+                for Item { render, .. } in &mut self.steps {
+                    render.data = render.data.of_series(&survey);
+                }
             }
         }
-        for (_, job) in &mut self.steps {
+        for Item { job, .. } in &mut self.steps {
             job.writing.files = Arc::clone(files);
         }
         self
@@ -286,7 +280,7 @@ impl Group {
         let silent = Display::new(ProgressMode::Never);
         let mut cameras = None;
         let mut cell = self.first;
-        for (render, job) in &self.steps {
+        for Item { render, job, .. } in &self.steps {
             let mut loaded = render.load(job, &silent, None::<&mut mpi::Comm>)?;
             render.print_warnings(&loaded.reports);
             // All times have the camera of the first one.
