@@ -2,7 +2,7 @@
 
 use glam::DVec2;
 use tercio_annotate::{Overlay, Paint};
-use tercio_mesh::color::linear_to_srgb;
+use tercio_mesh::color::srgb_bytes;
 
 use super::page::Shape;
 
@@ -60,7 +60,6 @@ fn cut(polygon: &[DVec2], inside: impl Fn(DVec2) -> f64) -> Vec<DVec2> {
 
 /// sRGB of linear light.
 fn bytes([r, g, b, alpha]: [f32; 4]) -> [u8; 4] {
-    let byte = |share: f64| (share.clamp(0.0, 1.0) * 255.0).round() as u8;
-    let [r, g, b] = [r, g, b].map(|c| byte(linear_to_srgb(f64::from(c.clamp(0.0, 1.0)))));
-    [r, g, b, byte(f64::from(alpha))]
+    let [r, g, b] = srgb_bytes([r, g, b]);
+    [r, g, b, (f64::from(alpha).clamp(0.0, 1.0) * 255.0).round() as u8]
 }

@@ -1,5 +1,7 @@
 //! A drawing: lines, dots and areas on a page.
 
+use std::io::{self, Write};
+
 use glam::DVec2;
 
 /// How a line ends, and what a line of one point is.
@@ -76,7 +78,7 @@ pub(super) fn fixed(c: f64) -> i64 {
 
 /// Appends ten-thousandths as a decimal number.
 pub(super) fn push_fixed(out: &mut String, number: i64) {
-    use std::fmt::Write;
+    use std::fmt::Write as _;
     let (whole, rest) = (number.unsigned_abs() / 10_000, number.unsigned_abs() % 10_000);
     let sign = if number < 0 { "-" } else { "" };
     // Writing to a string cannot fail.
@@ -87,4 +89,28 @@ pub(super) fn push_fixed(out: &mut String, number: i64) {
             write!(out, "{sign}{whole}.{}", digits.trim_end_matches('0'))
         }
     };
+}
+
+/// A decimal number with at most four decimals.
+pub(super) fn number(value: f64) -> String {
+    let mut text = String::new();
+    push_fixed(&mut text, fixed(value));
+    text
+}
+
+/// Does a line end where it begins?
+pub(super) fn is_closed(line: &[DVec2]) -> bool {
+    line.len() > 3 && line.first() == line.last()
+}
+
+/// Text that is collected before it is written.
+const BUFFER: usize = 1 << 16;
+
+/// Writes text that has become long.
+pub(super) fn flush(text: &mut String, out: &mut dyn Write) -> io::Result<()> {
+    if text.len() >= BUFFER {
+        out.write_all(text.as_bytes())?;
+        text.clear();
+    }
+    Ok(())
 }

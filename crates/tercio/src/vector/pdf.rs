@@ -7,7 +7,7 @@ use flate2::Compression;
 use flate2::write::ZlibEncoder;
 use glam::DVec2;
 
-use super::page::{Cap, Page, Shape, fixed, push_fixed};
+use super::page::{Cap, Page, Shape, fixed, flush, is_closed, number, push_fixed};
 
 /// Writes a page.
 pub fn write(page: &Page, out: &mut dyn Write) -> io::Result<()> {
@@ -56,13 +56,6 @@ pub fn write(page: &Page, out: &mut dyn Write) -> io::Result<()> {
     out.write_all(&file)
 }
 
-/// A number with at most four decimals.
-fn number(value: f64) -> String {
-    let mut text = String::new();
-    push_fixed(&mut text, fixed(value));
-    text
-}
-
 /// The opacities of what is on a page.
 fn alphas(page: &Page) -> Vec<u8> {
     let of_shapes = page.shapes.iter().map(|shape| match shape {
@@ -98,7 +91,7 @@ fn write_content(page: &Page, alphas: &[u8], out: &mut dyn Write) -> io::Result<
                 let width = number(style.width.max(1e-4));
                 write!(out, "{}{width} w\n{cap} J\n", color(style.color, "RG"))?;
                 for line in lines {
-                    let is_closed = line.len() > 3 && line.first() == line.last();
+                    let is_closed = is_closed(line);
                     push_path(&mut text, if is_closed { &line[1..] } else { line });
                     text.push_str(if is_closed { "h\n" } else { "" });
                     flush(&mut text, out)?;
@@ -115,14 +108,6 @@ fn write_content(page: &Page, alphas: &[u8], out: &mut dyn Write) -> io::Result<
                 writeln!(out, "{text}f")?;
             }
         }
-    }
-    Ok(())
-}
-
-fn flush(text: &mut String, out: &mut dyn Write) -> io::Result<()> {
-    if text.len() >= 1 << 16 {
-        out.write_all(text.as_bytes())?;
-        text.clear();
     }
     Ok(())
 }

@@ -5,19 +5,12 @@ use std::io::{self, Write};
 
 use glam::DVec2;
 
-use super::page::{Cap, Page, Shape, fixed, push_fixed};
-
-/// Text that is collected before it is written.
-const BUFFER: usize = 1 << 16;
+use super::page::{Cap, Page, Shape, fixed, flush, is_closed, number, push_fixed};
 
 /// Writes a page.
 pub fn write(page: &Page, out: &mut dyn Write) -> io::Result<()> {
     let mut text = String::new();
-    let [width, height] = page.size.map(|length| {
-        let mut text = String::new();
-        push_fixed(&mut text, fixed(length));
-        text
-    });
+    let [width, height] = page.size.map(number);
     let _ = write!(
         text,
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" \
@@ -37,13 +30,8 @@ pub fn write(page: &Page, out: &mut dyn Write) -> io::Result<()> {
                 push_fixed(&mut text, fixed(style.width).max(1));
                 let _ = write!(text, "\" stroke-linecap=\"{cap}\" stroke-linejoin=\"round\" d=\"");
                 for line in lines {
-                    let (is_closed, points) = match line[..] {
-                        [first, .., last] if line.len() > 3 && first == last => {
-                            (true, &line[..line.len() - 1])
-                        }
-                        _ => (false, &line[..]),
-                    };
-                    push_path(&mut text, points, is_closed);
+                    let is_closed = is_closed(line);
+                    push_path(&mut text, &line[..line.len() - usize::from(is_closed)], is_closed);
                     flush(&mut text, out)?;
                 }
             }
@@ -61,22 +49,12 @@ pub fn write(page: &Page, out: &mut dyn Write) -> io::Result<()> {
     out.write_all(text.as_bytes())
 }
 
-fn flush(text: &mut String, out: &mut dyn Write) -> io::Result<()> {
-    if text.len() >= BUFFER {
-        out.write_all(text.as_bytes())?;
-        text.clear();
-    }
-    Ok(())
-}
-
 fn paint(what: &str, [r, g, b, alpha]: [u8; 4]) -> String {
     let color = format!(" {what}=\"#{r:02x}{g:02x}{b:02x}\"");
     if alpha == 0xff {
         return color;
     }
-    let mut opacity = String::new();
-    push_fixed(&mut opacity, fixed(f64::from(alpha) / 255.0));
-    format!("{color} {what}-opacity=\"{opacity}\"")
+    format!("{color} {what}-opacity=\"{}\"", number(f64::from(alpha) / 255.0))
 }
 
 /// A line, each point relative to the one before.
