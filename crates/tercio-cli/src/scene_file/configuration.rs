@@ -53,20 +53,11 @@ impl Defaults {
         let mut all = |settings: &[Setting]| -> Result<Settings> {
             let mut own = Settings::default();
             for setting in settings {
-                match definition.class(&setting.key) {
-                    // What is written where is said for every picture.
-                    Some(_) if setting.key.starts_with("output") => {
-                        return Err(source.wrong(setting, "is said on the command line, or in a scene file"));
-                    }
-                    Some(Class::CommandLine) => {
-                        return Err(source.wrong(setting, "is said on the command line only"));
-                    }
-                    Some(_) => source.add(setting, &mut own, definition)?,
-                    None => {
-                        let like = definition.like(&setting.key, &["pattern"]);
-                        return Err(source.wrong(setting, &format!("there is no such option{like}")));
-                    }
+                // What is written where is said for every picture.
+                if setting.key.starts_with("output") && definition.class(&setting.key).is_some() {
+                    return Err(source.wrong(setting, "is said on the command line, or in a scene file"));
                 }
+                source.add_any(setting, &mut own, definition, &["pattern"])?;
             }
             Ok(own)
         };
@@ -75,6 +66,11 @@ impl Defaults {
             read.patterns.iter().map(|(pattern, table)| Ok((pattern.clone(), all(&table.settings)?)));
         let patterns = patterns.collect::<Result<_>>()?;
         Ok(Some(Self { path, settings, patterns }))
+    }
+
+    /// Whether it may say something else of another model.
+    pub fn has_patterns(&self) -> bool {
+        !self.patterns.is_empty()
     }
 
     /// Adds the defaults that have an effect to the options of a picture and its models; those that need an option that

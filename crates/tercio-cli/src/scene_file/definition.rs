@@ -53,16 +53,19 @@ const OF_COMMAND_LINE: [&str; 5] = ["with", "config", "save-scene", "help", "ver
 /// The definition of the options of `render`.
 pub struct Definition {
     strict: Command,
-    /// The same options, with any values and in any combination.
-    loose: Command,
 }
 
 impl Definition {
     pub fn new() -> Self {
         let mut strict = Render::augment_args(Command::new("render"));
         strict.build();
+        Self { strict }
+    }
+
+    /// The same options, with any values and in any combination.
+    fn loose(&self) -> Command {
         let mut loose = Command::new("render").disable_version_flag(true);
-        for option in strict.get_arguments() {
+        for option in self.strict.get_arguments() {
             if option.is_positional() {
                 continue;
             }
@@ -70,12 +73,12 @@ impl Definition {
         }
         let models =
             Arg::new("models").num_args(0..).action(ArgAction::Append).value_parser(value_parser!(PathBuf));
-        Self { loose: loose.disable_help_flag(true).arg(models), strict }
+        loose.disable_help_flag(true).arg(models)
     }
 
     /// The settings and models of a command line that begins with `render`; `None` if it is wrong, or asks for help.
-    pub fn command_line(&mut self, arguments: &[OsString]) -> Option<(Settings, Vec<PathBuf>)> {
-        let matches = self.loose.try_get_matches_from_mut(arguments).ok()?;
+    pub fn command_line(&self, arguments: &[OsString]) -> Option<(Settings, Vec<PathBuf>)> {
+        let matches = self.loose().try_get_matches_from(arguments).ok()?;
         let mut settings = Settings::default();
         for option in self.strict.get_arguments() {
             let (Some(name), id) = (option.get_long(), option.get_id().as_str()) else { continue };
@@ -118,6 +121,15 @@ impl Definition {
         } else {
             Class::Picture
         })
+    }
+
+    /// What an option of a file is of.
+    ///
+    /// # Errors
+    /// One sentence, if there is no such option: what there is that is like it, of options and `others`.
+    pub fn class_or_like(&self, name: &str, others: &[&str]) -> Result<Class, String> {
+        let unknown = || format!("there is no such option{}", self.like(name, others));
+        self.class(name).ok_or_else(unknown)
     }
 
     /// Whether two options contradict each other.

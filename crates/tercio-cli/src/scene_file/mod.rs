@@ -171,7 +171,7 @@ pub fn render(arguments: &[OsString]) -> Result<Option<Render>> {
     if let Some(defaults) = defaults {
         let sources = Sources { picture: picture.clone(), members: members.clone(), defaults };
         origin.notes = sources.defaults.apply(&mut picture, &mut members, &mut definition);
-        origin.sources = Some(Arc::new(sources));
+        origin.sources = sources.defaults.has_patterns().then(|| Arc::new(sources));
     }
     if is_saved {
         let to = own_path(&picture);

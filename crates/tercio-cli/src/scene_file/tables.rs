@@ -62,6 +62,24 @@ impl Source<'_> {
         to.set(&name, given);
         Ok(())
     }
+
+    /// Adds a setting of a picture or of all its models; `others` are keys that are no options.
+    ///
+    /// # Errors
+    /// As [`Source::add`]; a setting that no file has.
+    pub fn add_any(
+        &self,
+        setting: &Setting,
+        to: &mut Settings,
+        definition: &mut Definition,
+        others: &[&str],
+    ) -> Result<()> {
+        let class = definition.class_or_like(&setting.key, others);
+        if class.map_err(|reason| self.wrong(setting, &reason))? == Class::CommandLine {
+            return Err(self.wrong(setting, "is said on the command line only"));
+        }
+        self.add(setting, to, definition)
+    }
 }
 
 /// Reads a scene file.
@@ -84,16 +102,7 @@ pub fn read(path: &Path, definition: &mut Definition) -> Result<Scene> {
             members.push(Member { files, ..Member::default() });
             continue;
         }
-        match definition.class(&setting.key) {
-            Some(Class::CommandLine) => {
-                return Err(source.wrong(setting, "is said on the command line only"));
-            }
-            Some(_) => source.add(setting, &mut settings, definition)?,
-            None => {
-                let like = definition.like(&setting.key, &["models", "model"]);
-                return Err(source.wrong(setting, &format!("there is no such option{like}")));
-            }
-        }
+        source.add_any(setting, &mut settings, definition, &["models", "model"])?;
     }
     for table in &scene.models {
         members.push(member(&source, table, definition)?);
@@ -123,17 +132,12 @@ fn member(source: &Source, table: &ModelTable, definition: &mut Definition) -> R
             member.files = vec![file.clone()];
             continue;
         }
-        match definition.class(&setting.key) {
-            Some(Class::Model) => source.add(setting, &mut member.settings, definition)?,
-            Some(_) => {
-                let text = "is an option of the whole picture: it stands before the first [[model]]";
-                return Err(source.wrong(setting, text));
-            }
-            None => {
-                let like = definition.like(&setting.key, &["file", "instance"]);
-                return Err(source.wrong(setting, &format!("there is no such option{like}")));
-            }
+        let class = definition.class_or_like(&setting.key, &["file", "instance"]);
+        if class.map_err(|reason| source.wrong(setting, &reason))? != Class::Model {
+            let text = "is an option of the whole picture: it stands before the first [[model]]";
+            return Err(source.wrong(setting, text));
         }
+        source.add(setting, &mut member.settings, definition)?;
     }
     if member.files.is_empty() {
         bail!("{}: line {}: [[model]]: expected a file = \"...\"", source.path.display(), table.line);
