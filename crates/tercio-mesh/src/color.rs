@@ -24,6 +24,11 @@ pub fn linear_to_srgb(linear: f64) -> f64 {
     1.055 * (root.sqrt() * nth_root::<3>(root)) - 0.055
 }
 
+/// sRGB bytes of linear light, which is cut to 0 to 1.
+pub fn srgb_bytes(linear: [f32; 3]) -> [u8; 3] {
+    linear.map(|c| (linear_to_srgb(f64::from(c).clamp(0.0, 1.0)) * 255.0).round() as u8)
+}
+
 /// The N-th root of a number from 0 to 1 by Newton's method from above, where it decreases without overshooting.
 fn nth_root<const N: i32>(x: f64) -> f64 {
     let n = f64::from(N);

@@ -66,6 +66,22 @@ pub fn sin_cos(angle: f64) -> (f64, f64) {
     }
 }
 
+/// Sine and cosine of an angle in degrees, exact at quarter turns, so that named views look exactly along the axes.
+pub fn sin_cos_degrees(degrees: f64) -> (f64, f64) {
+    let turned = degrees.rem_euclid(360.0);
+    if turned == 0.0 {
+        (0.0, 1.0)
+    } else if turned == 90.0 {
+        (1.0, 0.0)
+    } else if turned == 180.0 {
+        (0.0, -1.0)
+    } else if turned == 270.0 {
+        (-1.0, 0.0)
+    } else {
+        sin_cos(turned.to_radians())
+    }
+}
+
 /// The angle of the vector (x, y) to the x axis, -pi to pi; 0 for the zero vector.
 pub fn atan2(y: f64, x: f64) -> f64 {
     let (ay, ax) = (y.abs(), x.abs());

@@ -135,8 +135,8 @@ impl Framing {
     /// above) or "towards the front" (from below).
     pub fn basis(&self) -> CameraBasis {
         let front = self.up_axis.front();
-        let (sin_a, cos_a) = sin_cos_degrees(self.azimuth);
-        let (sin_e, cos_e) = sin_cos_degrees(self.elevation);
+        let (sin_a, cos_a) = trig::sin_cos_degrees(self.azimuth);
+        let (sin_e, cos_e) = trig::sin_cos_degrees(self.elevation);
         let towards_eye = front.right * sin_a - front.forward * cos_a;
         let back = towards_eye * cos_e + front.up * sin_e;
         let level = CameraBasis {
@@ -327,27 +327,11 @@ fn half_tangent(degrees: f64) -> f64 {
 }
 
 fn rolled(basis: CameraBasis, roll: f64) -> CameraBasis {
-    let (sin, cos) = sin_cos_degrees(roll);
+    let (sin, cos) = trig::sin_cos_degrees(roll);
     CameraBasis {
         right: basis.right * cos + basis.up * sin,
         up: basis.up * cos - basis.right * sin,
         forward: basis.forward,
-    }
-}
-
-/// Sine and cosine, exact at quarter turns, so that named views look exactly along the axes.
-pub(crate) fn sin_cos_degrees(degrees: f64) -> (f64, f64) {
-    let turned = degrees.rem_euclid(360.0);
-    if turned == 0.0 {
-        (0.0, 1.0)
-    } else if turned == 90.0 {
-        (1.0, 0.0)
-    } else if turned == 180.0 {
-        (0.0, -1.0)
-    } else if turned == 270.0 {
-        (-1.0, 0.0)
-    } else {
-        trig::sin_cos(turned.to_radians())
     }
 }
 

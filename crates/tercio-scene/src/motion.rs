@@ -5,9 +5,9 @@
 //! So the path passes through every keyframe without a jump of speed, and is straight between two keyframes alone.
 
 use glam::DVec3;
+use tercio_mesh::trig::sin_cos_degrees;
 
 use crate::Camera;
-use crate::framing::sin_cos_degrees;
 
 impl Camera {
     /// This camera after a turn by so many degrees round the line through its target along `axis`, a unit vector:

@@ -190,6 +190,16 @@ impl Default for Background {
     }
 }
 
+impl Background {
+    /// The colour, or that between both of a transition.
+    pub fn middle(&self) -> [f32; 4] {
+        match *self {
+            Self::Solid(color) => color,
+            Self::Gradient { top, bottom } => [0, 1, 2, 3].map(|k| 0.5 * (top[k] + bottom[k])),
+        }
+    }
+}
+
 impl Scene {
     /// One mesh at the position given by its file, under [`Light::studio`], on the default background.
     pub fn from_mesh(mesh: impl Into<Arc<ClusteredMesh>>) -> Self {

@@ -184,7 +184,7 @@ impl GlyphOptions {
                 let of = |k: usize| numbers.get(k).map_or(0.0, |&n| f64::from(cluster.attribute(n)[element]));
                 to_world.matrix3 * DVec3::new(of(0), of(1), of(2))
             };
-            let at = |v: usize| mesh.origin + DVec3::from(cluster.position(v).map(f64::from)) * mesh.unit();
+            let at = |v: usize| mesh.position(&cluster, v);
             match domain {
                 AttributeDomain::Vertex => (0..cluster.vertices())
                     .map(|v| Candidate {

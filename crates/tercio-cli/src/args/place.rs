@@ -3,7 +3,7 @@
 use clap::Args;
 use serde_json::{Value, json};
 use tercio::glam::{DAffine3, DMat3, DVec3};
-use tercio::mesh::trig::sin_cos;
+use tercio::mesh::trig::sin_cos_degrees;
 
 use super::values;
 
@@ -65,18 +65,6 @@ fn checked(transform: DAffine3) -> Result<DAffine3, String> {
         return Err("expected a transform that can be undone: this one makes the model flat".into());
     }
     Ok(transform)
-}
-
-/// Sine and cosine, exact at quarter turns.
-fn sin_cos_degrees(degrees: f64) -> (f64, f64) {
-    let turned = degrees.rem_euclid(360.0);
-    match turned {
-        0.0 => (0.0, 1.0),
-        90.0 => (1.0, 0.0),
-        180.0 => (0.0, -1.0),
-        270.0 => (-1.0, 0.0),
-        _ => sin_cos(turned.to_radians()),
-    }
 }
 
 /// The turn about x, then y, then z.

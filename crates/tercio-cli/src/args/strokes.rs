@@ -6,8 +6,8 @@ use clap::{Args, ValueEnum};
 use serde_json::{Value, json};
 use tercio::glyphs::{GlyphOptions, GlyphShape};
 use tercio::mesh::ClusteredMesh;
+use tercio::mesh::color::srgb_bytes;
 use tercio::mesh::edges::{Edge, EdgeKind, Edges, Selection};
-use tercio::scene::color::linear_to_srgb;
 use tercio::scene::{Background, Surface, srgb_to_linear};
 use tercio::strokes::{Length, LineShape, Pen, PointShape};
 
@@ -268,11 +268,6 @@ impl StrokeArgs {
         of_surface || self.is_contours() || self.has_vertices() || has_file || self.glyphs.is_some()
     }
 
-    /// Do surfaces hide lines?
-    pub fn hides(&self) -> bool {
-        self.has_surface()
-    }
-
     /// Are contours of data drawn?
     pub fn is_contours(&self) -> bool {
         self.mode == ModeName::Contours
@@ -370,9 +365,8 @@ impl StrokeArgs {
             return;
         }
         let paper = match *background {
-            Background::Solid(color) if color[3] > 0.0 => color,
-            Background::Solid(_) => [1.0; 4],
-            Background::Gradient { top, bottom } => [0, 1, 2, 3].map(|k| 0.5 * (top[k] + bottom[k])),
+            Background::Solid([.., alpha]) if alpha <= 0.0 => [1.0; 4],
+            other => other.middle(),
         };
         let [r, g, b, _] = paper.map(|c| srgb_to_linear(f64::from(c)) as f32);
         (surface.base_color, surface.use_mesh_colors, surface.unlit) = ([r, g, b], false, true);
@@ -408,9 +402,8 @@ fn length(text: &str) -> Result<Length, String> {
 
 /// A linear colour, or that of surfaces, in bytes.
 fn opaque(color: Option<[f32; 3]>) -> [u8; 4] {
-    let byte = |c: f32| (linear_to_srgb(f64::from(c)) * 255.0).round() as u8;
-    let [r, g, b] = color.unwrap_or(Surface::default().base_color);
-    [byte(r), byte(g), byte(b), 0xff]
+    let [r, g, b] = srgb_bytes(color.unwrap_or(Surface::default().base_color));
+    [r, g, b, 0xff]
 }
 
 /// Width of tubes in pixels, unless it is given.

@@ -4,7 +4,7 @@ use std::ffi::OsStr;
 use std::path::Path;
 
 use anyhow::{Result, bail};
-use tercio::scene::color::linear_to_srgb;
+use tercio::mesh::color::srgb_bytes;
 use tercio::scene_file::{ModelTable, SceneFile, Setting, Table, Value};
 
 use super::layers::{Given, Settings};
@@ -96,7 +96,7 @@ fn instance(placement: &Placement) -> Table {
     }
     if let Some(color) = placement.color {
         // Colours are read from 8 bits.
-        let [r, g, b] = color.map(|c| (linear_to_srgb(f64::from(c)) * 255.0).round() as u8);
+        let [r, g, b] = srgb_bytes(color);
         settings.push(setting("color", Value::Text(format!("#{r:02x}{g:02x}{b:02x}"))));
     }
     if let Some(opacity) = placement.opacity {

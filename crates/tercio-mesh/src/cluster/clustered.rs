@@ -119,6 +119,14 @@ impl ClusteredMesh {
         power_of_two(self.exponent)
     }
 
+    /// Position of a vertex of one of its clusters in object space.
+    ///
+    /// # Panics
+    /// If the cluster has no such vertex.
+    pub fn position(&self, cluster: &ClusterView, vertex: usize) -> DVec3 {
+        self.origin + DVec3::from(cluster.position(vertex).map(f64::from)) * self.unit()
+    }
+
     /// [`ClusteredMesh::bounds`] in the coordinates of the positions: relative to `origin`, in units of 2^`exponent`.
     pub fn local_bounds(&self) -> Aabb {
         let local = |p: DVec3| (p - self.origin) / self.unit();

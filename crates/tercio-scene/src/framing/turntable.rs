@@ -1,8 +1,9 @@
 //! Framing of a model round which the camera turns.
 
 use glam::DVec3;
+use tercio_mesh::trig;
 
-use super::{Framing, sin_cos_degrees};
+use super::Framing;
 use crate::Camera;
 
 /// Directions round the axis in which a model is measured: between two of them it reaches farther by half a percent at most.
@@ -19,7 +20,7 @@ impl Framing {
         let up = direction.dot(front.up);
         let across = (direction - front.up * up).length();
         let at = |number: u32| {
-            let (sin, cos) = sin_cos_degrees(360.0 * f64::from(number) / f64::from(DIRECTIONS));
+            let (sin, cos) = trig::sin_cos_degrees(360.0 * f64::from(number) / f64::from(DIRECTIONS));
             reach((front.right * cos + front.forward * sin) * across + front.up * up)
         };
         // Along the axis, all directions are the same one.

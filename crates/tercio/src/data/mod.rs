@@ -16,6 +16,7 @@ use tercio_scene::{DataReader, DataSource, Instance, SurfaceData};
 pub use made::Made;
 pub use name::{available, direction, needs_normals};
 use range::Values;
+pub(crate) use range::sort_key;
 pub use range::{Ends, RangeEnd, Statistics};
 pub(crate) use strokes::layout as stroke_layout;
 pub use strokes::{ModelData, StrokeData};

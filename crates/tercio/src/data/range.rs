@@ -93,7 +93,7 @@ impl Statistics {
 }
 
 /// A number that sorts as the value does.
-fn key(value: f32) -> u32 {
+pub fn sort_key(value: f32) -> u32 {
     let bits = value.to_bits();
     if bits >> 31 == 1 { !bits } else { bits | 1 << 31 }
 }
@@ -110,7 +110,7 @@ pub(super) fn percentile(values: &Values, share: f64, positive: bool) -> f32 {
     let count = |upper: Option<u32>| {
         let add = |mut counts: Vec<u64>, piece: usize| {
             values.each(piece, |value| {
-                let key = key(value);
+                let key = sort_key(value);
                 let is_counted = value.is_finite() && (!positive || value > 0.0);
                 match upper {
                     None if is_counted => counts[(key >> 16) as usize] += 1,
@@ -157,7 +157,7 @@ pub(super) fn different(values: &Values, most: usize) -> Option<Vec<f32>> {
     };
     let of_piece = |piece: usize| {
         let mut keys = Vec::new();
-        values.each(piece, |value| keys.extend((!value.is_nan()).then(|| key(value + 0.0))));
+        values.each(piece, |value| keys.extend((!value.is_nan()).then(|| sort_key(value + 0.0))));
         keys.sort_unstable();
         keys.dedup();
         keys

@@ -33,7 +33,6 @@ use std::sync::Arc;
 use glam::{DAffine3, DVec3};
 use rayon::prelude::*;
 use tercio_mesh::edges::Edges;
-use tercio_mesh::mesh::power_of_two;
 use tercio_mesh::strokes::Strokes;
 use tercio_mesh::{Aabb, AttributeDomain};
 use tercio_scene::{DataReader, Instance, Surface, SurfaceData};
@@ -240,7 +239,6 @@ pub fn points(
 /// there are any at vertices, or else of the mesh.
 pub fn vertices(eye: &Eye, instance: &Instance, shape: PointShape, pen: &Pen) -> Vec<Instance> {
     let (mesh, place) = (&instance.mesh, &instance.world_from_object);
-    let unit = power_of_two(mesh.exponent);
     let data = instance.data.as_deref().filter(|data| data.domain(mesh.layout()) == AttributeDomain::Vertex);
     let (mut look, mut readers) = (of_points(shape), Vec::new());
     let (mut scale, mut offset) = (1.0, 0.0);
@@ -262,7 +260,6 @@ pub fn vertices(eye: &Eye, instance: &Instance, shape: PointShape, pen: &Pen) ->
     let sheets = numbers.par_chunks(512).flat_map_iter(|numbers| {
         let points = numbers.iter().flat_map(|&number| {
             let cluster = mesh.cluster(number);
-            let at = |v: usize| mesh.origin + DVec3::from(cluster.position(v).map(f64::from)) * unit;
             let ink = |v: usize| {
                 let value = |reader: &DataReader| reader.vertex(&cluster, v);
                 match &readers[..] {
@@ -274,7 +271,7 @@ pub fn vertices(eye: &Eye, instance: &Instance, shape: PointShape, pen: &Pen) ->
                     }
                 }
             };
-            (0..cluster.vertices()).map(|v| (at(v), ink(v))).collect::<Vec<_>>()
+            (0..cluster.vertices()).map(|v| (mesh.position(&cluster, v), ink(v))).collect::<Vec<_>>()
         });
         let points: Vec<(DVec3, Ink)> = points.collect();
         sheet::draw(eye, &look, &points, |sheet, &(p, ink)| {

@@ -3,7 +3,6 @@
 use glam::DVec3;
 use rayon::prelude::*;
 use tercio_mesh::AttributeDomain;
-use tercio_mesh::mesh::power_of_two;
 use tercio_scene::data::DataReader;
 use tercio_scene::{Instance, SurfaceData};
 
@@ -21,17 +20,13 @@ pub fn contours(instance: &Instance, values: &[f64]) -> Vec<Piece> {
         return Vec::new();
     }
     let reader = DataReader::new(source, instance);
-    let unit = power_of_two(mesh.exponent);
     let pieces: Vec<Vec<Piece>> = (0..mesh.clusters().len())
         .into_par_iter()
         .map(|number| {
             let cluster = mesh.cluster(number);
             let mut data = vec![0.0f32; cluster.vertices()];
             reader.read_vertices(&cluster, &mut data);
-            let at = |v: usize| {
-                let p = mesh.origin + DVec3::from(cluster.position(v).map(f64::from)) * unit;
-                instance.world_from_object.transform_point3(p)
-            };
+            let at = |v: usize| instance.world_from_object.transform_point3(mesh.position(&cluster, v));
             let mut pieces = Vec::new();
             for t in 0..cluster.triangles() {
                 let corners = cluster.corners_of(t).map(usize::from);

@@ -7,6 +7,7 @@ use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
 use super::hiders::Hiders;
+use crate::data::sort_key;
 use crate::strokes::Eye;
 
 /// How far beyond its outline a triangle is in cells, in pixels: above all rounding on the screen.
@@ -100,7 +101,7 @@ impl Grids {
         let Some(polygon) = polygon(hiders.eye(), corners, margin) else { return };
         let extent = (polygon.high - polygon.low).max_element();
         let level = &self.levels[self.level(extent, polygon.thickness())];
-        let near = u64::from(ordered((nearest as f32).next_down()));
+        let near = u64::from(sort_key((nearest as f32).next_down()));
         let place = |p: DVec2| ((p - self.corner) / level.size).floor();
         let (low, high) = (place(polygon.low - BESIDE), place(polygon.high + BESIDE));
         let limit = |c: f64, count: i64| (c.max(0.0) as i64).min(count - 1);
@@ -159,12 +160,6 @@ impl Grids {
             }
         }
     }
-}
-
-/// A number whose order is that of the distances.
-fn ordered(z: f32) -> u32 {
-    let bits = z.to_bits();
-    if bits >> 31 == 1 { !bits } else { bits | 1 << 31 }
 }
 
 impl Polygon {

@@ -6,7 +6,6 @@
 
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
-use tercio_mesh::mesh::power_of_two;
 use tercio_scene::{Instance, Scene};
 
 use super::grid::Grids;
@@ -79,15 +78,11 @@ impl Hiders {
 
     fn add(&mut self, instance: &Instance) {
         let (mesh, place) = (&instance.mesh, &instance.world_from_object);
-        let unit = power_of_two(mesh.exponent);
         let clusters = mesh.clusters().len();
         let eye = &self.eye;
         let of_cluster = |number: usize| {
             let cluster = mesh.cluster(number);
-            let at = |v: usize| {
-                let p = mesh.origin + DVec3::from(cluster.position(v).map(f64::from)) * unit;
-                eye.eye_space(place.transform_point3(p))
-            };
+            let at = |v: usize| eye.eye_space(place.transform_point3(mesh.position(&cluster, v)));
             let largest =
                 (0..cluster.vertices()).flat_map(|v| cluster.position(v)).fold(0.0f32, |m, c| m.max(c.abs()));
             let corners: Vec<[u32; 3]> =
@@ -96,7 +91,7 @@ impl Hiders {
         };
         let parts: Vec<_> = (0..clusters).into_par_iter().map(of_cluster).collect();
         let largest = parts.iter().map(|part| part.2).fold(0.0, f32::max);
-        let touch = f64::from(largest) * unit * stretch(place) * OF_POSITIONS;
+        let touch = f64::from(largest) * mesh.unit() * stretch(place) * OF_POSITIONS;
         for (points, corners, _) in parts {
             let first = self.points.len() as u32;
             self.points.extend(points);

@@ -121,16 +121,12 @@ impl<'a> Sketch<'a> {
 
     /// Adds the vertices of a mesh as points.
     pub fn vertices(&mut self, mesh: &ClusteredMesh, place: &DAffine3, shape: PointShape, pen: &Pen) {
-        let unit = power_of_two(mesh.exponent);
         let eye = self.eye;
         let mut places: Vec<DVec3> = (0..mesh.clusters().len())
             .into_par_iter()
             .flat_map_iter(|number| {
                 let cluster = mesh.cluster(number);
-                let at = move |v: usize| {
-                    let p = mesh.origin + DVec3::from(cluster.position(v).map(f64::from)) * unit;
-                    eye.eye_space(place.transform_point3(p))
-                };
+                let at = |v: usize| eye.eye_space(place.transform_point3(mesh.position(&cluster, v)));
                 (0..cluster.vertices()).map(at).collect::<Vec<_>>()
             })
             .collect();

@@ -59,7 +59,7 @@ impl Render {
         if self.effects.are_given() {
             return Err(format!("--exposure, --tone, --ao and --edl have no effect on the lines of {name}"));
         }
-        if self.annotation.is_behind() && self.members().any(|member| member.strokes.hides()) {
+        if self.annotation.is_behind() && self.members().any(|member| member.strokes.has_surface()) {
             return Err(format!(
                 "--bounds and --grid are drawn behind surfaces, which {name} does not have: leave them out, or give --mode wireframe or edges"
             ));
@@ -110,7 +110,7 @@ impl Render {
         let eye = Eye::new(self.view(loaded, camera)?);
         let all = || self.members().zip(models);
         let instances = |of_model: &OfModel| scene.instances[of_model.instances.clone()].iter();
-        let surfaces = all().filter(|(member, _)| member.strokes.hides());
+        let surfaces = all().filter(|(member, _)| member.strokes.has_surface());
         let surfaces = Scene {
             instances: surfaces.flat_map(|(_, of_model)| instances(of_model)).cloned().collect(),
             ..Scene::default()
@@ -216,11 +216,7 @@ fn in_colors_of<'a>(data: Option<&StrokeData>, file: &'a Strokes) -> Cow<'a, Str
 
 /// The colour of the page: white, unless another one is asked for.
 fn paper(background: &Background) -> [u8; 4] {
-    let color = match *background {
-        background if background == Background::default() => [1.0; 4],
-        Background::Solid(color) => color,
-        Background::Gradient { top, bottom } => [0, 1, 2, 3].map(|k: usize| 0.5 * (top[k] + bottom[k])),
-    };
+    let color = if *background == Background::default() { [1.0; 4] } else { background.middle() };
     color.map(|c| (c.clamp(0.0, 1.0) * 255.0).round() as u8)
 }
 
