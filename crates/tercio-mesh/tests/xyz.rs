@@ -93,6 +93,15 @@ fn columns_with_names() {
         assert_eq!(model.strokes.colors, Some(vec![[9, 8, 7, 255]]), "{text}");
         assert_eq!(attributes(&model), [("Scalar field", &[0.5][..])]);
     }
+    // Empty fields are no numbers, also the last ones of a line, as tables of pandas have them.
+    let model = read("x,y,z,a,b\n1,2,3,4,\n5,6,7,,\n,8,9,1,2\n");
+    let [a, b] = [0, 1].map(|k| &model.strokes.attributes[k].values);
+    assert!(a[0] == 4.0 && a[1].is_nan() && a[2] == 1.0 && b[0].is_nan() && b[1].is_nan() && b[2] == 2.0);
+    let place = model.strokes.positions[2];
+    assert!(place[0].is_nan() && model.strokes.positions[1] == [5.0, 6.0, 7.0], "{place:?}");
+    // A delimiter at the end of all lines is no column.
+    let model = read("x,y,z,a,\n1,2,3,4,\n5,6,7,8,\n");
+    assert_eq!(attributes(&model), [("a", &[4.0, 8.0][..])]);
     // Fractions, and 16 bits.
     let of = |rgb: &str| read(&format!("x y z r g b\n0 0 0 {rgb}\n")).strokes.colors.unwrap()[0];
     assert_eq!([of("0.5 1 0"), of("65535 0 32768")], [[128, 255, 0, 255], [255, 0, 128, 255]]);
@@ -144,6 +153,11 @@ fn damaged_files_say_where() {
     assert_eq!(with("1 2"), "a: line 301: expected number 3 of 3, found the end of the line");
     assert_eq!(with("1 2 3 4"), "a: line 301: expected 3 numbers in the line, found \"4\"");
     assert_eq!(with("1 two 3"), "a: line 301: expected number 2 of 3, found \"two\"");
+    // Near the beginning, too: after ten points, names or a number of points.
+    let few: String = good.lines().take(10).map(|line| format!("{line}\n")).collect();
+    assert_eq!(wrong(&format!("{few}1 2 x\n")), "a: line 11: expected number 3 of 3, found \"x\"");
+    assert_eq!(wrong("x,y,z\n1,2,3\n1,2\n"), "a: line 3: expected number 3 of 3, found the end of the line");
+    assert_eq!(wrong("2\n1 2 3\n1 2 3 4\n"), "a: line 3: expected 3 numbers in the line, found \"4\"");
     assert_eq!(wrong("4\n1 2 3\n4 5 6\n"), "a: expected 4 points, found 2 of them");
     let limit = ReadOptions { memory_limit: Some(20_000), ..ReadOptions::default() };
     let input = Input::from_bytes("a", good.repeat(10).into_bytes(), &ReadOptions::default()).unwrap();

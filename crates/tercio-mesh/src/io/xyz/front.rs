@@ -6,6 +6,9 @@ pub const FRONT: usize = 1 << 16;
 /// Lines that decide.
 const ENOUGH: usize = 200;
 
+/// After so many lines of points a text is a cloud; a line that is none is an error in it.
+const SURE: usize = 10;
+
 /// Most columns.
 const MOST: usize = 256;
 
@@ -70,8 +73,9 @@ impl Delimiter {
         Some(line.get(..end).unwrap_or_default().trim_ascii())
     }
 
-    /// All fields of a trimmed line.
-    fn fields(self, line: &[u8]) -> Vec<&[u8]> {
+    /// All fields of a trimmed line, of which so many are expected. A delimiter at the end of a line is no further field
+    /// unless one is missing.
+    fn fields(self, line: &[u8], expected: usize) -> Vec<&[u8]> {
         let mut rest = Some(line);
         let mut fields = Vec::new();
         while let Some(field) = self.field(&mut rest) {
@@ -80,8 +84,7 @@ impl Delimiter {
                 break;
             }
         }
-        // A delimiter at the end of lines is no further column.
-        if fields.len() > 1 && fields.last().is_some_and(|f| f.is_empty()) {
+        if fields.len() > 1 && fields.len() != expected && fields.last().is_some_and(|f| f.is_empty()) {
             fields.pop();
         }
         fields
@@ -151,10 +154,15 @@ impl Front {
                 if line.is_empty() || is_comment(line) {
                     continue;
                 }
-                seen += 1;
                 if !front.holds(line) {
+                    let is_sure =
+                        front.has_names || front.count.is_some() || seen >= SURE || names_axes(text);
+                    if is_sure {
+                        break;
+                    }
                     return None;
                 }
+                seen += 1;
                 continue;
             }
             looked_at += 1;
@@ -178,7 +186,7 @@ impl Front {
                 }
             }
             let delimiter = Delimiter::of(line);
-            let fields = delimiter.fields(line);
+            let fields = delimiter.fields(line, names.as_ref().map_or(0, Vec::len));
             if let (None, Some(of_line)) = (&names, header(line)) {
                 names = Some(of_line);
                 continue;
@@ -193,7 +201,13 @@ impl Front {
                 && columns.iter().any(|c| !matches!(c, Column::Axis(_)) && !is_plain(c));
             let front = Self { delimiter, columns, has_names, count, begin, lines: before };
             let most = if front.has_names { MOST } else { MOST_UNNAMED };
-            if fields.len() < 3 || fields.len() > most || !front.holds(line) {
+            // That the first point has no place says nothing of the file.
+            let is_placed = front
+                .columns
+                .iter()
+                .zip(&fields)
+                .all(|(column, field)| !matches!(column, Column::Axis(_)) || !field.is_empty());
+            if fields.len() < 3 || fields.len() > most || !is_placed || !front.holds(line) {
                 return None;
             }
             seen = 1;
@@ -206,11 +220,10 @@ impl Front {
 
     /// Has a line the columns?
     fn holds(&self, line: &[u8]) -> bool {
-        let fields = self.delimiter.fields(line);
+        let fields = self.delimiter.fields(line, self.columns.len());
         let is_right = |(field, column): (&&[u8], &Column)| match column {
             Column::LeftOut(_) => true,
-            Column::Axis(_) => fast_float2::parse::<f64, _>(field).is_ok(),
-            _ => number(field).is_some(),
+            Column::Axis(_) | Column::Color(_) | Column::Value(_) => number(field).is_some(),
         };
         fields.len() == self.columns.len() && fields.iter().zip(&self.columns).all(is_right)
     }
@@ -247,7 +260,7 @@ fn names_axes(text: &[u8]) -> bool {
 
 /// The names of a line, if those of the axes are among them.
 fn header(line: &[u8]) -> Option<Vec<String>> {
-    let fields = Delimiter::of(line).fields(line);
+    let fields = Delimiter::of(line).fields(line, 0);
     let name = |f: &&[u8]| String::from_utf8_lossy(f).trim_matches(['"', '\'']).trim().to_owned();
     let names: Vec<String> = fields.iter().map(name).collect();
     let has = |axis: &str| names.iter().filter(|n| n.eq_ignore_ascii_case(axis)).count() == 1;

@@ -10,6 +10,8 @@
 //! position of six, are the components of `normal` if none is greater than 1. A column left over is `value`, several are
 //! `value:0`, `value:1` and so on.
 //!
+//! An empty field between commas, semicolons or tabs is no number (NaN); a point without a coordinate is counted and not drawn.
+//!
 //! Points become [strokes](crate::strokes). The text is parsed in parallel, in pieces of whole lines.
 
 mod columns;
@@ -25,7 +27,8 @@ use crate::{Mesh, ReadError};
 use front::Front;
 
 /// Does the content look like a point cloud? Every line of its front has as many numbers as the others, three at least; there are
-/// three such lines, or a line before them that says what or how many they are.
+/// three such lines, or a line before them that says what or how many they are. After ten of them, or such a line before, another
+/// line is an error in a cloud.
 pub fn looks_like(input: &Input) -> bool {
     Front::of(&transcode::front(input.bytes(), front::FRONT), input.bytes().len() > front::FRONT).is_some()
 }

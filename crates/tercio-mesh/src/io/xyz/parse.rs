@@ -104,9 +104,9 @@ fn some(bytes: &[u8], front: &Front, values: usize) -> Result<Table, Wrong> {
             let Some(field) = front.delimiter.field(&mut rest) else { return Err(wrong(expected(), b"")) };
             match column {
                 Column::LeftOut(_) => {}
-                Column::Axis(axis) => match fast_float2::parse(field) {
-                    Ok(number) => point[*axis] = number,
-                    Err(_) => return Err(wrong(expected(), field)),
+                Column::Axis(axis) => match number(field) {
+                    Some(number) => point[*axis] = number,
+                    None => return Err(wrong(expected(), field)),
                 },
                 Column::Color(_) | Column::Value(_) => {
                     let Some(number) = number(field) else { return Err(wrong(expected(), field)) };
