@@ -105,7 +105,8 @@ fn not_drawn_json(n: &NotDrawn) -> Value {
     })
 }
 
-fn bounds_json(bounds: &Aabb) -> Value {
+/// Corners, size and centre of a box; null if it is empty.
+pub fn bounds_json(bounds: &Aabb) -> Value {
     if bounds.is_empty() {
         return Value::Null;
     }

@@ -70,3 +70,28 @@ fn counts_of_defects_have_the_right_singular_or_plural() {
     let normals = warnings("v 0 0 0\nv 1 0 0\nv 1 1 0\nvn 0 0 1\nvn 0 0 0\nf 1//1 2//1 3//2\n");
     assert!(normals.contains("1 of 3 normals is missing, zero or not finite"), "{normals}");
 }
+
+#[test]
+fn lines_and_points_have_bounds_and_attributes() {
+    let place = Place::new();
+    std::fs::write(place.path("cloud.csv"), "x,y,z,red,green,blue,height\n1,2,3,255,0,0,-1\n5,6,8,0,9,0,4\n")
+        .expect("a cloud");
+    let outcome = place.run("info cloud.csv --json").ok_silently();
+    let info: serde_json::Value = serde_json::from_str(outcome.text()).unwrap();
+    let strokes = &info["lines_and_points"];
+    assert_eq!(strokes["bounds"]["min"], serde_json::json!([1.0, 2.0, 3.0]));
+    assert_eq!(strokes["bounds"]["size"], serde_json::json!([4.0, 4.0, 5.0]));
+    assert_eq!(strokes["colors"], true);
+    let height = &strokes["attributes"][0];
+    assert_eq!(height["name"], "height");
+    assert_eq!((&height["min"], &height["max"]), (&(-1.0).into(), &4.0.into()));
+    let outcome = place.run("info cloud.csv").ok_silently();
+    for part in ["2 points", "colours of lines and points", "height (lines and points): -1 to 4"] {
+        assert!(outcome.text().contains(part), "{part} is not in {}", outcome.text());
+    }
+    assert!(!outcome.text().contains("none\n"), "{}", outcome.text());
+
+    let outcome = place.run("info model.off --json").ok_silently();
+    let info: serde_json::Value = serde_json::from_str(outcome.text()).unwrap();
+    assert!(info["lines_and_points"].is_null());
+}

@@ -83,7 +83,7 @@ pub use load::{
 pub use parts::LoadedPart;
 pub use prepared::Origin;
 pub use session::{PartId, Session, SessionError};
-pub use summary::{AttributeSummary, MeshSummary};
+pub use summary::{AttributeSummary, MeshSummary, StrokesSummary};
 pub use textures::{
     PanoramaFileError, TextureError, TextureOptions, TextureReport, panorama_from_file, texture_folders,
     texture_from_bytes,

@@ -23,7 +23,7 @@ use tercio_scene::framing::Extent;
 
 use crate::clipping::{self, ClipReport, Clipping};
 use crate::data::Made;
-use crate::{AttributeSummary, MeshSummary, Origin, prepared};
+use crate::{AttributeSummary, MeshSummary, Origin, StrokesSummary, prepared};
 
 /// Which normals a loaded mesh has.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -116,6 +116,9 @@ pub struct LoadReport {
     pub topology: Option<Topology>,
     /// Ranges of the attributes, if requested.
     pub attributes: Vec<AttributeSummary>,
+    /// Bounds and attributes of the lines and points, if requested and if there are any.
+    #[serde(skip)]
+    pub strokes: Option<StrokesSummary>,
     /// What was cut away, if clipping was requested.
     #[serde(skip)]
     pub clipped: Option<ClipReport>,
@@ -585,6 +588,7 @@ fn read_and_repair<E: From<LoadError>>(
         let start = Instant::now();
         report.topology = Some(topology::analyze(&mesh));
         report.attributes = mesh.attributes.iter().map(AttributeSummary::from_attribute).collect();
+        report.strokes = StrokesSummary::from_strokes(&strokes);
         report.times.topology = milliseconds(start);
     }
     Ok((mesh, strokes, report))

@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
+use tercio_mesh::strokes::Strokes;
 use tercio_mesh::{Aabb, Attribute, AttributeDomain, BlockedMesh, Mesh};
 
 /// The contents of a mesh in numbers.
@@ -140,6 +141,29 @@ impl AttributeSummary {
             range: (nans < attribute.values.len() as u64).then_some((min, max)),
             nans,
         }
+    }
+}
+
+/// The contents of the lines and points of a model.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct StrokesSummary {
+    /// Object-space bounds of their vertices with finite coordinates.
+    pub bounds: Aabb,
+    /// Whether there is a colour per vertex.
+    pub colors: bool,
+    /// Their attributes, which are of vertices.
+    pub attributes: Vec<AttributeSummary>,
+}
+
+impl StrokesSummary {
+    /// The summary of lines and points; `None` if there are none.
+    pub fn from_strokes(strokes: &Strokes) -> Option<Self> {
+        (!strokes.is_empty()).then(|| Self {
+            bounds: strokes.bounds(),
+            colors: strokes.colors.is_some(),
+            attributes: strokes.attributes.iter().map(AttributeSummary::from_attribute).collect(),
+        })
     }
 }
 

@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 use tercio::glam::DVec3;
 use tercio::image::Destination;
 use tercio::mesh::topology::Topology;
-use tercio::mesh::{AttributeDomain, FileMaterial, FileTexture, TextureChannel, TextureRole};
+use tercio::mesh::{Aabb, AttributeDomain, FileMaterial, FileTexture, TextureChannel, TextureRole};
 use tercio::{AttributeSummary, Inspection, LoadOptions, LoadReport, Normals};
 
 use crate::args::{ModelArgs, RunningArgs};
@@ -18,6 +18,9 @@ use crate::output::write_text;
 use crate::progress::Display;
 use crate::report::{self, grouped};
 use crate::{ending, memory, messages};
+
+/// What is described, and how.
+type Row = (&'static str, String);
 
 /// Describes what a model file contains.
 #[derive(Debug, Args)]
@@ -103,8 +106,7 @@ fn texture_list(material: &FileMaterial) -> String {
     drawn.chain(others).collect()
 }
 
-fn json(model: &str, loaded: &Inspection) -> Value {
-    let mut value = report::load_json(model, &loaded.report);
+fn attributes_json(attributes: &[AttributeSummary]) -> Value {
     let attribute = |a: &AttributeSummary| {
         json!({
             "name": a.name,
@@ -114,6 +116,11 @@ fn json(model: &str, loaded: &Inspection) -> Value {
             "nans": a.nans,
         })
     };
+    attributes.iter().map(attribute).collect()
+}
+
+fn json(model: &str, loaded: &Inspection) -> Value {
+    let mut value = report::load_json(model, &loaded.report);
     let material = |m: &FileMaterial| {
         let textures =
             m.textures.iter().map(|(role, texture)| (role.name().to_owned(), texture_json(texture)));
@@ -133,7 +140,14 @@ fn json(model: &str, loaded: &Inspection) -> Value {
         })
     };
     value["tercio_version"] = env!("CARGO_PKG_VERSION").into();
-    value["attributes"] = loaded.report.attributes.iter().map(attribute).collect();
+    value["attributes"] = attributes_json(&loaded.report.attributes);
+    value["lines_and_points"] = loaded.report.strokes.as_ref().map_or(Value::Null, |strokes| {
+        json!({
+            "bounds": report::bounds_json(&strokes.bounds),
+            "colors": strokes.colors,
+            "attributes": attributes_json(&strokes.attributes),
+        })
+    });
     value["materials"] = loaded.materials.iter().map(material).collect();
     value["topology"] = topology(&loaded.report).map_or(Value::Null, |t| {
         json!({
@@ -154,10 +168,27 @@ fn topology(report: &LoadReport) -> Option<&Topology> {
     report.topology.as_ref().filter(|_| report.mesh.triangles > 0)
 }
 
+/// The row of an attribute.
+fn attribute(a: &AttributeSummary, of: &str) -> Row {
+    let range = a.range.map_or("no numbers".into(), |(min, max)| format!("{min} to {max}"));
+    let nans = if a.nans > 0 { format!(", {} NaN", grouped(a.nans)) } else { String::new() };
+    ("attribute", format!("{} ({of}): {range}{nans}", a.name))
+}
+
+/// Rows of bounds.
+fn extent(bounds: &Aabb) -> Vec<Row> {
+    if bounds.is_empty() {
+        return vec![("bounds", "none".into())];
+    }
+    let size = bounds.size();
+    let point = |p: DVec3| report::point(p, size.max_element());
+    vec![("bounds", format!("{} to {}", point(bounds.min), point(bounds.max))), ("size", point(size))]
+}
+
 fn text(model: &str, loaded: &Inspection) -> String {
     let report = &loaded.report;
     let mesh = &report.mesh;
-    let mut rows = vec![
+    let mut rows: Vec<Row> = vec![
         ("model", model.to_owned()),
         ("format", report.read.format.clone()),
         ("faces", grouped(report.read.faces)),
@@ -171,35 +202,34 @@ fn text(model: &str, loaded: &Inspection) -> String {
         let size = report::size(origin.file_bytes);
         rows.insert(1, ("prepared", format!("{size}, from {} by {}", origin.model, origin.program)));
     }
-    if mesh.bounds.is_empty() {
-        rows.push(("bounds", "none".into()));
-    } else {
-        let size = mesh.bounds.size();
-        let point = |p: DVec3| report::point(p, size.max_element());
-        rows.push(("bounds", format!("{} to {}", point(mesh.bounds.min), point(mesh.bounds.max))));
-        rows.push(("size", point(size)));
+    // Where there are only lines and points, theirs follow.
+    if mesh.triangles > 0 || report.strokes.is_none() {
+        rows.extend(extent(&mesh.bounds));
+        let present = [
+            (mesh.normals, "normals"),
+            (mesh.vertex_colors, "vertex colours"),
+            (mesh.face_colors, "face colours"),
+            (mesh.texcoords, "texture coordinates"),
+        ];
+        let present: Vec<_> = present.iter().filter(|p| p.0).map(|p| p.1).collect();
+        rows.push(("holds", if present.is_empty() { "positions only".into() } else { present.join(", ") }));
     }
-    let present = [
-        (mesh.normals, "normals"),
-        (mesh.vertex_colors, "vertex colours"),
-        (mesh.face_colors, "face colours"),
-        (mesh.texcoords, "texture coordinates"),
-    ];
-    let present: Vec<_> = present.iter().filter(|p| p.0).map(|p| p.1).collect();
-    rows.push(("holds", if present.is_empty() { "positions only".into() } else { present.join(", ") }));
     for material in &loaded.materials {
         rows.push(("material", format!("{}{}", material.name, texture_list(material))));
     }
-    for a in &report.attributes {
-        let range = a.range.map_or("no numbers".into(), |(min, max)| format!("{min} to {max}"));
-        let nans = if a.nans > 0 { format!(", {} NaN", grouped(a.nans)) } else { String::new() };
-        rows.push(("attribute", format!("{} ({}): {range}{nans}", a.name, domain(a.domain))));
-    }
+    rows.extend(report.attributes.iter().map(|a| attribute(a, domain(a.domain))));
     if let Some(list) = report::translucent(&report.read.translucent) {
         rows.push(("not opaque", list));
     }
     if let Some(list) = report::lines_and_points(report) {
         rows.push(("besides", list));
+    }
+    if let Some(strokes) = &report.strokes {
+        rows.extend(extent(&strokes.bounds));
+        if strokes.colors {
+            rows.push(("holds", "colours of lines and points".into()));
+        }
+        rows.extend(strokes.attributes.iter().map(|a| attribute(a, "lines and points")));
     }
     if let Some(list) = report::not_drawn(&report::left(report)) {
         rows.push(("not drawn", list));
