@@ -65,9 +65,11 @@ pub enum Standing {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Basis {
-    /// A formula or a simulation computes it.
+    /// The document's own formula computes it.
     #[default]
     Computed,
+    /// Something else than the document's formula computes it: it is counted, listed or simulated.
+    Counted,
     /// It was measured on a scene that is lost; it is read from the scan, and the reading is checked against the cost
     /// model.
     Read,

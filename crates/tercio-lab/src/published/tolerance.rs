@@ -21,8 +21,10 @@ pub enum ToleranceSource {
     RoundedInput,
     /// The authors' program added in single precision.
     SinglePrecision,
-    /// The number compared with is a mean of random samples.
+    /// The number compared with is a mean of random samples, or ours is.
     Sampling,
+    /// The number compared with is read from a plot or a damaged cell.
+    Scan,
     /// Nothing is printed; what is compared with has this many digits.
     ExpectedDigits,
 }
@@ -38,6 +40,7 @@ impl ToleranceSource {
             Self::RoundedInput => "an input is rounded in print",
             Self::SinglePrecision => "summed in single precision",
             Self::Sampling => "mean of random samples",
+            Self::Scan => "reading of the scan",
             Self::ExpectedDigits => "digits of the number compared with",
         }
     }

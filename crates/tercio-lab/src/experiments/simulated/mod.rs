@@ -7,6 +7,7 @@ pub(super) mod mcmanus;
 pub(super) mod ortega;
 pub(super) mod parks;
 pub(super) mod ring;
+pub(super) mod sections;
 
 use super::ExperimentError;
 use crate::workloads::projection::Model;

@@ -1,10 +1,11 @@
 //! Document 002: processors of splitter, interlace and hybrid.
 
 use super::super::{
-    Axis, Cell, Comparison, Document, Experiment, ExperimentError, Findings, Plot, Series, Table,
+    Axis, Cell, Comparison, Document, Experiment, ExperimentError, Findings, Fit, Plot, Series, Table,
 };
 use super::model_polygons;
-use crate::simulators::parks::figure_15::{SCREEN, polygons};
+use crate::published::ToleranceSource;
+use crate::simulators::parks::figure_15::{SCREEN, polygons, polygons_moved};
 use crate::simulators::parks::{Costs, Machine, Polygon, SceneRun, simulate};
 
 const SIZE: (u32, u32) = (SCREEN, SCREEN);
@@ -47,6 +48,27 @@ const RUNWAY: &str = "The scene is lost and rebuilt from what appendix C says of
 
 fn run(machine: Machine, polygons: &[Polygon]) -> Result<SceneRun, ExperimentError> {
     Ok(simulate(&machine, &Costs::pdp11(), SIZE, polygons)?)
+}
+
+/// Small polygons' places in the pattern of an interlace machine, which is at most 4 by 4.
+pub(super) fn places() -> impl Iterator<Item = [i32; 2]> {
+    (0..16).map(|i| [i % 4 - 2, i / 4 - 2])
+}
+
+/// The least and the most cycles over the places of the small polygons: of a processor, or of the slowest.
+fn by_places(machine: Machine, processor: Option<usize>) -> Result<[f64; 2], ExperimentError> {
+    let mut range = [f64::MAX, f64::MIN];
+    for place in places() {
+        let run = run(machine, &polygons_moved(place))?;
+        let cycles = processor.map_or_else(|| run.slowest().1, |number| run.cycles[number]);
+        range = [range[0].min(cycles), range[1].max(cycles)];
+    }
+    Ok(range)
+}
+
+/// Whether a range holds a number.
+fn holds([low, high]: [f64; 2], number: f64) -> bool {
+    (low..=high).contains(&number)
 }
 
 /// A processor of appendix C: name, machine, its number, and what is printed: N, V, S (processed), P, total.
@@ -94,6 +116,10 @@ fn appendix_c() -> Result<Findings, ExperimentError> {
     let pairs: Vec<[String; 2]> = names.iter().map(|n| [(*n).to_owned(), format!("{n} published")]).collect();
     columns.extend(pairs.iter().flatten().map(|n| (n.as_str(), "")));
     let mut table = Table::new("processors", &columns);
+    let mut ranges = Table::new(
+        "places",
+        &[("processor", ""), ("published", "cycle"), ("least", "cycle"), ("most", "cycle")],
+    );
     let scene = polygons();
     let (mut comparison, mut ours_points, mut printed_points) = (Comparison::new(), Vec::new(), Vec::new());
     for (place, listed) in APPENDIX_C.iter().enumerate() {
@@ -104,9 +130,28 @@ fn appendix_c() -> Result<Findings, ExperimentError> {
         let mut row = vec![Cell::from(listed.name)];
         row.extend(ours.iter().zip(listed.printed).flat_map(|(o, p)| [Cell::from(*o), p.into()]));
         table.push_row(row);
-        // Totals were summed in single precision, with errors of up to 4.2 cycles; C.2 lacks a pixel of 21 cycles.
-        let tolerance = if listed.built { 30.0 } else { 0.02 * listed.printed[4] };
-        comparison.add(listed.name, ours[4], listed.printed[4], tolerance);
+        let printed = listed.printed[4];
+        if listed.built {
+            // Totals were summed in single precision, with errors of up to 4.2 cycles; C.2 lacks a pixel of 21 cycles.
+            let tolerance = if listed.name.starts_with("C.2") { 26.0 } else { 5.0 };
+            comparison.add_constructed(
+                listed.name,
+                ours[4],
+                printed,
+                tolerance,
+                ToleranceSource::SinglePrecision,
+            );
+        } else {
+            let range = by_places(listed.machine, Some(listed.number))?;
+            ranges.push([listed.name.into(), printed.into(), range[0].into(), range[1].into()]);
+            comparison.claim(
+                format!(
+                    "{}: {printed} lies between {:.0} and {:.0}, ours for 16 places of the small polygons",
+                    listed.name, range[0], range[1]
+                ),
+                holds(range, printed),
+            );
+        }
         ours_points.push((place as f64 + 1.0, ours[4]));
         printed_points.push((place as f64 + 1.0, listed.printed[4]));
     }
@@ -121,18 +166,16 @@ fn appendix_c() -> Result<Findings, ExperimentError> {
         ],
     };
     Ok(Findings {
-        tables: vec![table],
+        tables: vec![table, ranges],
         plots: vec![plot],
         remarks: vec![
             RUNWAY.into(),
-            "C.1, C.2, C.4 and C.5 hold by construction of the scene, to 30 cycles. C.3, C.6, C.7 and C.8 depend on where \
-             small polygons fall in the pattern; 2 % is allowed for them."
+            "C.1, C.2, C.4 and C.5 hold by construction of the scene. C.3, C.6, C.7 and C.8 depend on where small polygons \
+             fall in the pattern: they are moved to each of its 16 places. Polygons without a line on a processor are \
+             charged one segment, which the document does not say."
                 .into(),
         ],
-        verdict: comparison.verdict_after(
-            "polygons without a line on a processor are charged one segment, which the document does not say; the scene \
-             is rebuilt from statistics.",
-        ),
+        verdict: comparison.verdict(),
     })
 }
 
@@ -153,13 +196,24 @@ fn figure_15() -> Result<Findings, ExperimentError> {
     for ((name, machine), printed) in Machine::PUBLISHED.into_iter().zip(printed) {
         let (slowest, cycles) = run(machine, &scene)?.slowest();
         table.push([name.into(), (cycles / 1e6).into(), printed.into(), (slowest as f64).into()]);
-        comparison.add(name, cycles / 1e6, printed, 0.02 * printed);
+        let range = by_places(machine, None)?.map(|cycles| cycles / 1e6);
+        let half_digit = if printed < 1.0 { 0.0005 } else { 0.005 };
+        if range[0] == range[1] {
+            comparison.add_constructed(name, cycles / 1e6, printed, half_digit, ToleranceSource::LastDigit);
+        } else {
+            let wider = [range[0] - half_digit, range[1] + half_digit];
+            let what = format!(
+                "{name}: {printed} lies between {:.3} and {:.3}, ours for 16 places",
+                range[0], range[1]
+            );
+            comparison.claim(what, holds(wider, printed));
+        }
     }
     Ok(Findings {
         tables: vec![table],
         plots: Vec::new(),
         remarks: vec![RUNWAY.into()],
-        verdict: comparison.verdict_after("the scene is rebuilt from the statistics of appendix C."),
+        verdict: comparison.verdict(),
     })
 }
 
@@ -197,8 +251,7 @@ fn processors() -> Result<Findings, ExperimentError> {
     // Polygons and vertices alone: N G_t + V V_t.
     let floor = Costs::pdp11().cycles(248, 731, 0, 0) / 1e6;
     comparison.claim("interlace stays above its fixed cost", interlace.iter().all(|p| p.1 > floor));
-    // Section 4.5 extrapolates that polygon overhead takes 75 % at 256 processors; its own rule gives 89 %.
-    comparison.add("fixed share of interlace at 256 processors", floor / interlace[4].1, 0.8, 0.1);
+    let share = floor / interlace[4].1;
     let plot = Plot {
         name: "times".into(),
         title: "Time of the runway against the number of processors".into(),
@@ -214,10 +267,19 @@ fn processors() -> Result<Findings, ExperimentError> {
             "The document's figures 13 and 14 are sketches without numbers. Its conclusion: interlace for few processors, \
              splitter for hundreds, and little between them at 16."
                 .into(),
+            format!(
+                "Polygons and vertices take {:.0} % of an interlace processor's time at 256 processors; the document \
+                 extrapolates 75 % for its scenes.",
+                100.0 * share
+            ),
         ],
         verdict: comparison.qualitative("Figures 13 and 14 are sketches, and the scene is rebuilt."),
     })
 }
+
+/// The inputs of figures 22 and 23, two views of the shuttle.
+const PLACES: [&str; 2] =
+    ["side of the object's picture in figure 22", "side of the object's picture in figure 23"];
 
 fn objects() -> Result<Findings, ExperimentError> {
     let mut table = Table::new(
@@ -234,6 +296,20 @@ fn objects() -> Result<Findings, ExperimentError> {
         ("object in the middle", object(SIZE)?),
         ("cargo bay", walls()),
     ];
+    // How evenly an object is spread over the quarters depends on its place: the side of the picture that it fills.
+    let mut places = Table::new("places", &[("picture", "px"), ("splitter-4 over interlace-4", "")]);
+    let mut ratios = Vec::new();
+    for side in (256..=512).step_by(32) {
+        let scene = object((side, side))?;
+        let [interlace, splitter] = [Machine::PUBLISHED[1], Machine::PUBLISHED[2]]
+            .map(|(_, machine)| run(machine, &scene).map(|r| r.slowest().1));
+        ratios.push((f64::from(side), splitter? / interlace?));
+    }
+    ratios.iter().for_each(|p| places.push([p.0.into(), p.1.into()]));
+    for (figure, printed) in [("2.10 over 1.24, figure 22", "1.69"), ("2.21 over 1.18, figure 23", "1.87")] {
+        let number = format!("splitter-4 takes {printed} of interlace-4 ({figure})");
+        comparison.fit(Fit::new(number, PLACES[usize::from(printed == "1.87")], printed, ratios.clone()));
+    }
     for (name, scene) in scenes {
         let mut times = Vec::new();
         for (machine_name, machine) in Machine::PUBLISHED {
@@ -247,16 +323,14 @@ fn objects() -> Result<Findings, ExperimentError> {
             times.push(cycles);
         }
         let [interlace, splitter] = [times[1], times[2]];
-        match name {
-            "object at one side" => comparison.claim("uneven: interlace-4 is faster", interlace < splitter),
-            "cargo bay" => {
-                comparison.claim("even: splitter-4 is at most 5 % slower", splitter < 1.05 * interlace);
-            }
-            _ => (),
+        if name == "cargo bay" {
+            // 1.97 against 2.01 and 1.83 against 2.02 million cycles.
+            let says = format!("even: splitter-4 is faster ({:.3} of interlace-4)", splitter / interlace);
+            comparison.claim(says, splitter < interlace);
         }
     }
     Ok(Findings {
-        tables: vec![table],
+        tables: vec![table, places],
         plots: Vec::new(),
         remarks: vec![
             "A teapot of about 400 triangles at one side of the screen stands for the shuttle seen from outside (figures 22 \
