@@ -1,6 +1,6 @@
 //! A time model fitted on one row of a table and tested on the others.
 
-use super::speed::{CM5, CM200, Partition, ROWS, TABLES, time};
+use super::speed::{Partition, ROWS, TABLES, time};
 use crate::experiments::facts::Facts;
 use crate::experiments::{
     Axis, Comparison, Document, Experiment, ExperimentError, Findings, Plot, Series, Table,
@@ -110,6 +110,7 @@ fn points(
 
 #[cfg(test)]
 mod tests {
+    use super::super::speed::{CM5, CM200};
     use super::*;
 
     #[test]
