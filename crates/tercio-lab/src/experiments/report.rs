@@ -6,7 +6,7 @@ use std::path::Path;
 use super::files::{self, WriteError};
 use super::{Document, Outcome};
 use crate::predict::quoted::{self, Quoted, QuotedRow};
-use crate::published::Check;
+use crate::published::{Agreement, Check, summary};
 
 /// Writes `report.md` and `index.html` into `directory`, beside the experiments' folders.
 ///
@@ -74,8 +74,13 @@ fn overview(outcomes: &[Outcome], checks: &[Check], to: &mut impl Format) {
     };
     to.heading(2, "Overview", None);
     to.table(&["place", "experiment", "verdict"], &outcomes.iter().map(row).collect::<Vec<_>>());
-    let hold = checks.iter().filter(|c| c.holds).count();
-    to.paragraph(&format!("Of {} published numbers, {hold} hold; see the end of the page.", checks.len()));
+    let of = |(class, count): (Agreement, usize)| format!("{count} {}", class.text());
+    let classes: Vec<_> = summary(checks).into_iter().map(of).collect();
+    to.paragraph(&format!(
+        "Of {} numbers of the documents: {}; see the end of the page.",
+        checks.len(),
+        classes.join(", ")
+    ));
 }
 
 fn experiment(outcome: &Outcome, to: &mut impl Format) {
@@ -133,27 +138,28 @@ fn quoted_frames<R: QuotedRow>(title: &str, table: Result<Quoted<R>, toml::de::E
 fn published_numbers(checks: &[Check], to: &mut impl Format) {
     to.heading(2, "Published numbers", None);
     to.paragraph(
-        "Expected is what a correct computation gives; it differs from what is printed where the document or its scan \
-         is wrong. Numbers marked as read are measurements on lost scenes, taken from the scan.",
+        "Ours is compared with what is printed. Where a document or its scan is wrong, ours contradicts the print, and \
+         the last column says why, in our reading. Numbers that are read from the scan are measurements on lost scenes; \
+         nothing computes them.",
     );
     let row = |c: &Check| {
         let n = &c.number;
         let unit = n.unit.as_deref().map_or(String::new(), |u| format!(" {u}"));
         let ours = c.ours.as_ref().map_or_else(ToString::to_string, |v| format!("{v}{unit}"));
-        let read = if c.is_computed() { "" } else { " (read)" };
         [
-            format!("{}{read}", n.id),
+            n.id.clone(),
             format!("{} {}", n.document, n.place),
-            n.printed.as_ref().map_or(String::new(), |v| format!("{v}{unit}")),
-            format!("{}{unit}", n.expected),
+            c.print().map_or(String::new(), |_| format!("{}{unit}", c.print_text())),
             ours,
-            if c.holds { "holds" } else { "does not hold" }.to_owned(),
+            format!("{} ({})", n.tolerance, c.tolerance_text()),
+            c.agreement().text().to_owned(),
+            n.why.clone().unwrap_or_default(),
         ]
         .map(Text::from)
         .into()
     };
     let rows: Vec<Vec<Text>> = checks.iter().map(row).collect();
-    to.table(&["number", "place", "printed", "expected", "ours", "status"], &rows);
+    to.table(&["number", "place", "printed", "ours", "tolerance", "class", "why"], &rows);
 }
 
 /// Markdown (CommonMark with tables).

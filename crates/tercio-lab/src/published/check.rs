@@ -1,6 +1,6 @@
 //! Compares computed values with the expected ones.
 
-use super::{Basis, Number};
+use super::Number;
 use crate::models::registry::{self, ModelError, Value};
 use crate::units::scale;
 
@@ -38,13 +38,6 @@ fn compute(number: &Number) -> Result<Value, ModelError> {
     let factor =
         scale(unit, model.unit).ok_or_else(|| ModelError::Undefined { id: model.id, reason: reason() })?;
     Ok(ours.divided_by(factor))
-}
-
-impl Check {
-    /// Whether the value is computed, not read from the scan.
-    pub fn is_computed(&self) -> bool {
-        self.number.basis == Basis::Computed
-    }
 }
 
 #[cfg(test)]

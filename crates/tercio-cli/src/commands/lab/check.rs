@@ -7,21 +7,23 @@ use anyhow::Result;
 use clap::Args;
 use serde_json::{Value as Json, json};
 use tercio::image::Destination;
-use tercio_lab::published::{self, Check as Checked};
+use tercio_lab::published::{self, Agreement, Check as Checked};
 
 use crate::output::write_text;
 
 /// Recomputes every published number of the five documents.
 #[derive(Debug, Args)]
 #[command(after_help = "\
-A number holds if the formula or simulator it belongs to gives the expected value within the tolerance.
+Each number is of one of four classes: it agrees with print; nothing is printed, and it agrees with an independent
+computation; it contradicts print, with our reading of why; or it is read from the scan and not computed. A number that
+is none of these is unexplained. Tolerances say where they come from.
 
 Examples:
   tercio lab check
   tercio lab check E5 H2.15
   tercio lab check --json
 
-Exit code: 0 all hold, 1 some do not or an error, 2 wrong usage.")]
+Exit code: 0 every number has its class, 1 some are unexplained or an error, 2 wrong usage.")]
 pub struct Check {
     /// Only numbers whose ID begins with this.
     #[arg(value_name = "ID")]
@@ -48,12 +50,8 @@ impl Check {
         let checks: Vec<_> = all.into_iter().filter(is_requested).collect();
         let text = if self.json { format!("{:#}\n", json(&checks)) } else { text(&checks) };
         write_text(&Destination::Stdout, &text)?;
-        Ok(ExitCode::from(u8::from(checks.iter().any(|c| !c.holds))))
+        Ok(ExitCode::from(u8::from(checks.iter().any(|c| c.agreement() == Agreement::Unexplained))))
     }
-}
-
-fn status(check: &Checked) -> &'static str {
-    if check.holds { "holds" } else { "does not hold" }
 }
 
 fn json(checks: &[Checked]) -> Json {
@@ -64,16 +62,18 @@ fn json(checks: &[Checked]) -> Json {
             "document": number.document,
             "place": number.place,
             "unit": number.unit,
-            "expected": number.expected,
+            "class": check.agreement(),
+            "printed": number.printed,
+            "as_printed": number.as_printed,
             "ours": check.ours.as_ref().ok(),
             "error": check.ours.as_ref().err().map(ToString::to_string),
+            "expected": number.expected,
             "tolerance": number.tolerance,
-            "printed": number.printed,
+            "tolerance_from": number.tolerance_source(),
+            "why": number.why,
             "standing": number.standing,
-            "basis": number.basis,
             "by": number.model,
             "given": number.given,
-            "status": status(check),
         })
     };
     checks.iter().map(one).collect()
@@ -86,25 +86,27 @@ fn text(checks: &[Checked]) -> String {
         let number = &check.number;
         let unit = number.unit.as_deref().map_or(String::new(), |u| format!(" {u}"));
         let ours = check.ours.as_ref().map_or_else(ToString::to_string, ToString::to_string);
+        let printed = check.print().map_or_else(
+            || "nothing printed".to_owned(),
+            |_| format!("printed {}{unit}", check.print_text()),
+        );
         // Writing into a string cannot fail.
         let _ = writeln!(
             text,
-            "{:13}  {:width$}  expected {}{unit}, ours {ours}{unit}, tolerance {}  ({})",
-            status(check),
+            "{:32}  {:width$}  {printed}, ours {ours}{unit}, tolerance {} ({}); {}",
+            check.agreement().text(),
             number.id,
-            number.expected,
             number.tolerance,
+            check.tolerance_text(),
             number.model,
         );
-    }
-    let hold = checks.iter().filter(|c| c.holds).count();
-    let read = checks.iter().filter(|c| !c.is_computed()).count();
-    let _ = write!(text, "{hold} of {} hold", checks.len());
-    let _ = match read {
-        0 => writeln!(text),
-        _ => {
-            writeln!(text, "; {read} of them are tables of lost scenes, read from the scan by the cost model")
+        if let Some(why) = &number.why {
+            let _ = writeln!(text, "    {why}");
         }
-    };
+    }
+    let _ = writeln!(text, "{} numbers:", checks.len());
+    for (class, count) in published::summary(checks) {
+        let _ = writeln!(text, "{count:5}  {}", class.text());
+    }
     text
 }

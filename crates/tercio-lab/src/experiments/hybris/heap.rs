@@ -6,6 +6,7 @@ use crate::experiments::{
 };
 use crate::machines;
 use crate::models::overlap;
+use crate::published::ToleranceSource;
 use crate::simulators::hybris::front_end::Tiles;
 use crate::simulators::hybris::heap::{BankMapping, HeapLayout};
 use crate::simulators::hybris::{FrontEnd, Partition, Scene};
@@ -48,11 +49,25 @@ fn measured_overlap() -> Result<Findings, ExperimentError> {
         // A box of w pixels meets 1 + (w - 1)/S tiles on average over its positions on the pixel grid.
         let tile = Length::new(edge.into());
         let boxes = done.nodes.iter().filter_map(|t| t.rounded_box());
-        let (sum, count) = boxes.fold((0.0, 0.0), |(sum, count), b| {
+        // The places of the boxes are one sample of all: a box of w pixels has a tile more with probability p, the
+        // remainder of (w - 1)/S, so that its variance is p (1 - p).
+        let (sum, count, variance) = boxes.fold((0.0, 0.0, 0.0), |(sum, count, variance), b| {
             let side = |first: i32, end: i32| Length::new(f64::from(end - first - 1));
-            (sum + overlap::boxes_in_squares(tile, side(b.x0, b.x1), side(b.y0, b.y1)).get(), count + 1.0)
+            let both = [side(b.x0, b.x1), side(b.y0, b.y1)];
+            let of_side = |side: Length| {
+                let ratio = side.get() / f64::from(edge);
+                let p = ratio.fract();
+                (1.0 + ratio, p * (1.0 - p))
+            };
+            let [(mx, vx), (my, vy)] = both.map(of_side);
+            let tiles = overlap::boxes_in_squares(tile, both[0], both[1]).get();
+            (sum + tiles, count + 1.0, variance + vx * vy + vx * my * my + vy * mx * mx)
         });
         let (ours, equation) = (done.counts.overlap(), sum / count);
+        // Neighbouring triangles share their places, so that there are fewer independent places than boxes: one a
+        // partition.
+        let independent = scene.partitions.len() as f64;
+        let error = 3.0 * (variance / count / independent).sqrt();
         table.push([
             tile.get().into(),
             (done.counts.nodes as f64).into(),
@@ -60,7 +75,7 @@ fn measured_overlap() -> Result<Findings, ExperimentError> {
             ours.into(),
             equation.into(),
         ]);
-        comparison.add(format!("tile {edge}"), ours, equation, 0.02 * equation);
+        comparison.add(format!("tile {edge}"), ours, equation, error, ToleranceSource::Sampling);
         counted.push((tile.get(), ours));
         predicted.push((tile.get(), equation));
     }

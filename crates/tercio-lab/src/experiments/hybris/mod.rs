@@ -1,5 +1,6 @@
 //! Figures and tables of document 001.
 
+pub mod counted;
 pub mod engines;
 pub mod heap;
 pub mod overlap;

@@ -24,8 +24,8 @@ pub(crate) const EXPERIMENTS: &[Experiment] = &[
     },
 ];
 
-const TILES: [u32; 6] = [8, 16, 32, 64, 128, 256];
-const AREAS: [u32; 6] = [1, 4, 16, 64, 256, 1024];
+pub(super) const TILES: [u32; 6] = [8, 16, 32, 64, 128, 256];
+pub(super) const AREAS: [u32; 6] = [1, 4, 16, 64, 256, 1024];
 const RHO: Ratio = Ratio::new(3.0);
 
 fn by_tile_and_area() -> Result<Findings, ExperimentError> {

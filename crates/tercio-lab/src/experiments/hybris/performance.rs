@@ -17,6 +17,20 @@ pub(crate) const EXPERIMENTS: &[Experiment] = &[
         run: sizes,
     },
     Experiment {
+        id: "hybris-sec-2-1-2",
+        document: Document::Hybris,
+        place: "sections 2.1.2 and 4.2.1",
+        title: "Bandwidths of memories and buses",
+        run: bandwidths,
+    },
+    Experiment {
+        id: "hybris-sec-4-5-2",
+        document: Document::Hybris,
+        place: "equation 4.1, section 4.5.2",
+        title: "Video timing",
+        run: video,
+    },
+    Experiment {
         id: "hybris-fig-4-11",
         document: Document::Hybris,
         place: "figure 4.11",
@@ -72,6 +86,26 @@ fn sizes() -> Result<Findings, ExperimentError> {
         plots: Vec::new(),
         remarks: Vec::new(),
         verdict: Comparison::of_published(&of)?.verdict(),
+    })
+}
+
+fn bandwidths() -> Result<Findings, ExperimentError> {
+    let of = ["H2-kyro", "H2-gf2u", "H4-agp="];
+    Ok(Findings {
+        tables: vec![beside_ours("bandwidths", &["H2-kyro", "H2-gf2u", "H4-agp"])?],
+        plots: Vec::new(),
+        remarks: Vec::new(),
+        verdict: Comparison::verdict_of_published(&of, "128 bits at 175 MHz are 2.8 GB/s.")?,
+    })
+}
+
+fn video() -> Result<Findings, ExperimentError> {
+    let of = ["H4.1a", "H4.1b", "H4-vga"];
+    Ok(Findings {
+        tables: vec![beside_ours("video", &of)?],
+        plots: Vec::new(),
+        remarks: Vec::new(),
+        verdict: Comparison::verdict_of_published(&of, "a line of 640 pixels takes 25.42 microseconds.")?,
     })
 }
 

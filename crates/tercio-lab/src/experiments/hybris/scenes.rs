@@ -20,7 +20,12 @@ pub const REMARK: &str = "The document's models are not part of this program: a 
 
 /// A built-in model in partitions of 500 triangles, projected.
 pub fn scene(model: &str) -> Result<Scene, ExperimentError> {
+    scene_of_size(model, SCREEN)
+}
+
+/// The same in a picture of another size.
+pub fn scene_of_size(model: &str, size: (u32, u32)) -> Result<Scene, ExperimentError> {
     let mesh = builtin::make(model)?;
-    let camera = views::camera(&mesh.bounds(), SCREEN, 0, 1);
-    Ok(project(&mesh, &camera, SCREEN)?)
+    let camera = views::camera(&mesh.bounds(), size, 0, 1);
+    Ok(project(&mesh, &camera, size)?)
 }

@@ -233,7 +233,7 @@ fn slopes() -> Result<Findings, ExperimentError> {
             optimum::optimal_side(area).get(),
             optimum::misread_optimal_side(area, PER_SECOND)?.get()
         )],
-        verdict: Comparison::verdict_of_published(&["M-eq11", "M-fig7", "M-12", "M-14"], correction)?,
+        verdict: Comparison::verdict_of_published(&["M-eq11", "M-fig7", "M-12"], correction)?,
     })
 }
 

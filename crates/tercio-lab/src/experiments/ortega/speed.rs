@@ -32,22 +32,23 @@ pub(crate) const EXPERIMENTS: &[Experiment] = &[
 ];
 
 /// A partition as the tables name it, with its processors.
-type Partition = (&'static str, f64);
+pub(super) type Partition = (&'static str, f64);
 
-const CM200: [Partition; 3] = [("16K", 16_384.0), ("32K", 32_768.0), ("64K", 65_536.0)];
-const CM5: [Partition; 5] = [("32", 32.0), ("64", 64.0), ("128", 128.0), ("256", 256.0), ("512", 512.0)];
+pub(super) const CM200: [Partition; 3] = [("16K", 16_384.0), ("32K", 32_768.0), ("64K", 65_536.0)];
+pub(super) const CM5: [Partition; 5] =
+    [("32", 32.0), ("64", 64.0), ("128", 128.0), ("256", 256.0), ("512", 512.0)];
 /// The tables: number, polygons, partitions. The text swaps 3 and 4; the captions are right.
-const TABLES: [(u32, &str, &[Partition]); 4] = [
+pub(super) const TABLES: [(u32, &str, &[Partition]); 4] = [
     (1, "small polygons on the CM-200", &CM200),
     (2, "large polygons on the CM-200", &CM200),
     (3, "small polygons on the CM-5", &CM5),
     (4, "large polygons on the CM-5", &CM5),
 ];
 /// Rows without their labels, which are lost; slowest first.
-const ROWS: [u32; 3] = [1, 2, 3];
+pub(super) const ROWS: [u32; 3] = [1, 2, 3];
 
 /// The time in a cell.
-fn time(facts: &Facts, table: u32, row: u32, partition: &str) -> Result<Seconds, ExperimentError> {
+pub(super) fn time(facts: &Facts, table: u32, row: u32, partition: &str) -> Result<Seconds, ExperimentError> {
     Ok(Seconds::new(facts.given(&format!("O-T{table}-r{row}-{partition}"), "t")?))
 }
 

@@ -4,9 +4,11 @@
 //! statistics that a document prints, or by random ones; each experiment names its replacement.
 
 pub(super) mod mcmanus;
+pub(super) mod objects;
 pub(super) mod ortega;
 pub(super) mod parks;
 pub(super) mod ring;
+pub(super) mod sections;
 
 use super::ExperimentError;
 use crate::workloads::projection::Model;

@@ -250,7 +250,7 @@ mod tests {
 
     #[test]
     fn a_misread_digit_is_found_by_the_law_of_the_interlace() {
-        let table = read(["3.75", "1.57", "2.16", ".761", "1.06", ".94"], 498.0, [3.91, 0.629]);
+        let table = read(["3.75", "1.57", "?", ".761", "1.06", ".94"], 498.0, [3.91, 0.629]);
         assert_eq!(table[I4], 1.37);
     }
 

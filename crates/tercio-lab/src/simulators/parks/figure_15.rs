@@ -133,17 +133,23 @@ fn fit(polygons: &mut [Small], target: u64, widest: i32) {
 
 /// The scene, y upwards: landscape, runway, the third largest, then the small ones.
 pub fn polygons() -> Vec<Polygon> {
+    polygons_moved([0, 0])
+}
+
+/// The same with the small polygons moved by some pixels inside their quarters: their places are not known. Those that
+/// touch a quarter from above are moved only sideways.
+pub fn polygons_moved([dx, dy]: [i32; 2]) -> Vec<Polygon> {
     let landscape = placed(&[[0, 0], [511, 0], [511, 301], [0, 301]], [0, 0]);
     let runway = placed(&[[0, 0], [511, 0], [511, 49], [281, 279], [230, 279], [0, 49]], [0, 0]);
     let third = placed(&[[0, 0], [111, 42], [51, 72], [0, 72]], [400, 207]);
 
     let in_micro_7 = MICRO_7_PIXELS - 128 * 128 - (1..=49).sum::<u64>() - pixels(&third, 256);
-    let mut low = spread(&IN_MICRO_7, [386, 130], [15, 11], 8);
+    let mut low = spread(&IN_MICRO_7, [386 + dx, 130 + dy], [15, 11], 8);
     fit(&mut low, in_micro_7, 14);
 
     let large: u64 = [&landscape, &runway, &third].iter().map(|p| pixels(p, i32::MAX)).sum();
-    let mut high = spread(&TOUCHING, [258, 255], [5, 0], 21);
-    high.extend(spread(&ABOVE, [389, 261], [9, 17], 13));
+    let mut high = spread(&TOUCHING, [258 + dx, 255], [5, 0], 21);
+    high.extend(spread(&ABOVE, [389 + dx, 261 + dy], [9, 17], 13));
     fit(&mut high, PIXELS - large - in_micro_7, 8);
 
     let small = low.iter().chain(&high).map(Small::polygon);

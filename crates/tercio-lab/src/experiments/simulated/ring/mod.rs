@@ -1,7 +1,9 @@
 //! Document 000, chapters 4 to 6: the figures from its simulator.
 
+mod appendix_a;
 mod distribution;
 mod duplication;
+mod line_locked;
 mod load;
 mod sort_twice;
 
@@ -54,6 +56,26 @@ pub(in crate::experiments) const EXPERIMENTS: &[Experiment] = &[
         "Sort-twice against sort-middle: whole frames",
         sort_twice::frames,
     ),
+    experiment(
+        "eldridge-chapter-7",
+        "chapter 7, section 8.2",
+        "The line-locked renderer: lines of a picture and whole video frames",
+        line_locked::renderer,
+    ),
+    experiment(
+        "eldridge-fig-7-1",
+        "figures 7-1 to 7-4",
+        "Four pictures: rates and busiest processors",
+        line_locked::pictures,
+    ),
+    experiment("eldridge-fig-a-2", "figure A-2", "A screen map for four processors", appendix_a::screen_map),
+    experiment(
+        "eldridge-fig-a-6",
+        "figure A-6",
+        "A polygon's way in strides of 4 and 1",
+        appendix_a::strides,
+    ),
+    experiment("eldridge-fig-a-7", "figure A-7", "Destinations with groups", appendix_a::groups),
 ];
 
 /// The remark about all scenes here.
@@ -70,6 +92,33 @@ fn scenes() -> Result<Vec<(&'static str, BoxScene)>, ExperimentError> {
         ("like the crocodile", clumped(34_404, 25_270, 30.0).boxes()),
         ("like Beethoven", clumped(5_030, 4_021, 30.0).boxes()),
     ])
+}
+
+/// Deviations of the columns that are tried: the document's scenes are lost, and how far their polygons are clumped is not
+/// stated.
+const DEVIATIONS: [f64; 9] = [8.0, 12.0, 16.0, 20.0, 25.0, 30.0, 40.0, 60.0, 100.0];
+
+/// The document's scenes as (name, polygons, visible ones), with what is called their clumping.
+const DOCUMENTED: [(&str, u32, u32, &str); 3] = [
+    ("like the teapot", 9_408, 6_294, "deviation of the teapot's columns"),
+    ("like the crocodile", 34_404, 25_270, "deviation of the crocodile's columns"),
+    ("like Beethoven", 5_030, 4_021, "deviation of Beethoven's columns"),
+];
+
+/// A quantity of one of the document's scenes by its clumping.
+fn by_clumping(
+    polygons: u32,
+    visible: u32,
+    quantity: impl Fn(&BoxScene) -> Result<f64, ExperimentError> + Sync,
+) -> Result<Vec<(f64, f64)>, ExperimentError> {
+    sweep(&DEVIATIONS, |&deviation| {
+        Ok((deviation, quantity(&clumped(polygons, visible, deviation).boxes())?))
+    })
+}
+
+/// Adds the points of a sweep to a table.
+fn record(table: &mut Table, scene: &str, points: &[(f64, f64)]) {
+    points.iter().for_each(|p| table.push([scene.into(), p.0.into(), p.1.into()]));
 }
 
 fn clumped(polygons: u32, visible: u32, deviation: f64) -> Distribution {

@@ -1,0 +1,158 @@
+//! How computed numbers relate to the print: four classes, found by comparing.
+
+use serde::Serialize;
+
+use super::tolerance::last_digit;
+use super::{Basis, Check};
+use crate::models::registry::Value;
+
+/// How a computed number relates to the document.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Agreement {
+    /// It is the printed number, within the tolerance.
+    AgreesWithPrint,
+    /// The document prints no number here; ours is compared with an independent computation.
+    NotPrinted,
+    /// It is not the printed number; the row says why, in our reading.
+    ContradictsPrint,
+    /// It is a reading of the damaged scan, not a computation.
+    Read,
+    /// It is neither the printed number nor the corrected one, or the difference is not explained: a mistake of ours.
+    Unexplained,
+}
+
+impl Agreement {
+    /// All classes, in the order of a summary.
+    pub const ALL: [Self; 5] =
+        [Self::AgreesWithPrint, Self::NotPrinted, Self::ContradictsPrint, Self::Read, Self::Unexplained];
+
+    /// The class in words.
+    pub fn text(self) -> &'static str {
+        match self {
+            Self::AgreesWithPrint => "agrees with print",
+            Self::NotPrinted => "not printed",
+            Self::ContradictsPrint => "contradicts print",
+            Self::Read => "read from the scan, not computed",
+            Self::Unexplained => "unexplained",
+        }
+    }
+}
+
+impl Check {
+    /// How the computed number relates to the print. Nothing but the numbers decides, except whether a value is a
+    /// reading.
+    pub fn agreement(&self) -> Agreement {
+        let number = &self.number;
+        let Ok(ours) = &self.ours else { return Agreement::Unexplained };
+        if !self.holds {
+            return Agreement::Unexplained;
+        }
+        if number.basis == Basis::Read {
+            return Agreement::Read;
+        }
+        let Some(print) = self.print() else { return Agreement::NotPrinted };
+        if ours.agrees_with(print, number.tolerance) {
+            Agreement::AgreesWithPrint
+        } else if number.why.is_some() && is_beyond_rounding(ours, print) {
+            Agreement::ContradictsPrint
+        } else {
+            Agreement::Unexplained
+        }
+    }
+
+    /// The printed number, or what the printed equation gives.
+    pub fn print(&self) -> Option<&Value> {
+        self.number.printed.as_ref().or(self.number.as_printed.as_ref())
+    }
+
+    /// What is printed, in words.
+    pub fn print_text(&self) -> String {
+        match (&self.number.printed, &self.number.as_printed) {
+            (Some(printed), _) => printed.to_string(),
+            (None, Some(value)) => format!("the equation gives {value}"),
+            (None, None) => "nothing".into(),
+        }
+    }
+
+    /// Where the tolerance comes from, in words.
+    pub fn tolerance_text(&self) -> &'static str {
+        self.number.tolerance_source().map_or("not explained", super::ToleranceSource::text)
+    }
+}
+
+/// How many checks are of each class, classes without any left out.
+pub fn summary(checks: &[Check]) -> Vec<(Agreement, usize)> {
+    let count = |class| checks.iter().filter(|c| c.agreement() == class).count();
+    Agreement::ALL.map(|class| (class, count(class))).into_iter().filter(|c| c.1 > 0).collect()
+}
+
+/// Whether a number is farther from the print than rounding of its last digit explains.
+fn is_beyond_rounding(ours: &Value, print: &Value) -> bool {
+    match (ours.as_number(), print.as_number(), last_digit(print)) {
+        (Some(ours), Some(print), Some(digit)) => (ours - print).abs() > 0.5 * digit,
+        _ => ours != print,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::published::{Standing, check, check_all, numbers};
+
+    fn row(id: &str) -> super::super::Number {
+        numbers().unwrap().into_iter().find(|n| n.id == id).unwrap()
+    }
+
+    #[test]
+    fn every_number_has_one_of_the_four_classes() {
+        let checks = check_all().unwrap();
+        let of = |class| checks.iter().filter(|c| c.agreement() == class).collect::<Vec<_>>();
+        let ids = |class| of(class).iter().map(|c| c.number.id.clone()).collect::<Vec<_>>();
+        assert!(ids(Agreement::Unexplained).is_empty(), "{:?}", ids(Agreement::Unexplained));
+        let sizes = Agreement::ALL.map(|class| of(class).len());
+        assert_eq!(sizes, [368, 133, 28, 10, 0]);
+        assert_eq!(sizes.iter().sum::<usize>(), checks.len());
+        for check in &checks {
+            let contradicted = check.agreement() == Agreement::ContradictsPrint;
+            let marked = check.number.standing == Standing::Contradicted || check.number.as_printed.is_some();
+            assert_eq!(contradicted, marked, "{}", check.number.id);
+        }
+    }
+
+    #[test]
+    fn a_contradiction_is_found_not_declared() {
+        // If the document had printed 24, the same row would agree, whatever its standing says.
+        let mut number = row("E4.2-sl-dense");
+        assert_eq!(check(number.clone()).agreement(), Agreement::ContradictsPrint);
+        number.printed = Some(Value::Number(24.0));
+        assert_eq!(check(number.clone()).agreement(), Agreement::AgreesWithPrint);
+        number.printed = None;
+        assert_eq!(check(number).agreement(), Agreement::NotPrinted);
+    }
+
+    #[test]
+    fn a_difference_without_a_reason_is_unexplained() {
+        let mut number = row("E4.2-sl-dense");
+        number.why = None;
+        assert_eq!(check(number).agreement(), Agreement::Unexplained);
+        let mut misprinted = row("E5.6");
+        misprinted.printed = Some(Value::Number(27.9));
+        assert_eq!(check(misprinted).agreement(), Agreement::Unexplained);
+    }
+
+    #[test]
+    fn a_difference_that_rounding_explains_is_no_contradiction() {
+        let beyond = |ours, print| is_beyond_rounding(&Value::Number(ours), &Value::Number(print));
+        assert!(!beyond(27.3552, 27.36) && beyond(27.3452, 27.36));
+    }
+
+    #[test]
+    fn a_reading_is_never_called_computed() {
+        assert_eq!(check(row("P-fig16")).agreement(), Agreement::Read);
+        // Nor is a cell that the scan does not show a reading.
+        let cells = row("P-fig19").expected;
+        let Value::List(cells) = cells else { panic!("a list") };
+        assert!(cells[2].as_number().is_some_and(f64::is_nan));
+    }
+}
