@@ -44,6 +44,16 @@ pub enum MachineError {
         /// The section or number.
         what: String,
     },
+    /// More processors than the machine may have.
+    #[error("machine \"{machine}\": expected at most {most} processors, found {found}")]
+    TooMany {
+        /// Which machine.
+        machine: String,
+        /// The most that it may have.
+        most: u64,
+        /// The number requested.
+        found: u64,
+    },
 }
 
 impl MachineError {
