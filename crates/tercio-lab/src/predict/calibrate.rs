@@ -20,7 +20,7 @@ use super::hardware::{cache_bytes, composite_seconds, memory_bandwidth};
 use super::measure::{Clock, measure};
 use super::{PredictError, fit, messages, views};
 use crate::machines::{
-    DataKind, Machine, Network, Operation, Processors, ScreenDivision, Sorting, SortingClass, Sourced,
+    Control, DataKind, Machine, Network, Operation, Processors, ScreenDivision, Sorting, SortingClass, Sourced,
 };
 
 /// Models that costs are fitted to.
@@ -216,6 +216,7 @@ fn description(o: Options, mpi: Option<Network>) -> Result<Machine, PredictError
         },
         processors: Processors {
             count: count(o.threads),
+            control: Control::default(),
             at_most: None,
             clock: None,
             memory: None,
@@ -226,6 +227,8 @@ fn description(o: Options, mpi: Option<Network>) -> Result<Machine, PredictError
             serial: None,
         },
         screen: None,
+        node: None,
+        calibration: None,
         network: Some(messages::between_threads()?),
         mpi,
         bytes: BTreeMap::from([

@@ -59,6 +59,9 @@ pub enum PredictError {
     /// The renderer's ranks share a frame in a way without a model.
     #[error("there is no model of {0} ranks of the renderer")]
     Organisation(tercio_parallel::Organisation),
+    /// Groups do not divide a SIMD ring.
+    #[error(transparent)]
+    Ring(#[from] crate::simulators::ring::AlgorithmError),
     /// What was decided leaves no way to share a frame.
     #[error(transparent)]
     NoCandidate(#[from] choose::candidates::NoCandidate),

@@ -12,7 +12,7 @@ use super::drawing::drawing;
 use super::exchange::{Exchange, ExchangeCosts, RankMemory};
 use super::schedule::{Played, Stage, Step, Wires, play};
 use super::traffic::{Messages, Sharing, Traffic};
-use crate::machines::{Machine, MachineError};
+use crate::machines::{Machine, MachineError, Topology};
 use crate::predict::PredictError;
 use crate::predict::counts::Counters;
 use crate::predict::frame::{Caches, FrameTime};
@@ -196,15 +196,19 @@ pub fn predict(
     let cache = (together, Caches::of(machine, 1).shared);
     let copied = carrier != Carrier::Threads;
     let exchange = Exchange::new(sharing, &work.messages, &work.drawing, cache, copied);
-    let network = machine.need(machine.network.as_ref(), "network")?;
-    let network = NetworkModel::of(network, None);
+    let network = NetworkModel::of(machine, None)?;
     let wires = match carrier {
         Carrier::Network => on_network(&network, work),
         Carrier::Threads => Wires { latency: 0.0, bandwidth: f64::INFINITY, sleeps: false },
         Carrier::Processes => Wires { latency: 0.0, bandwidth: f64::INFINITY, sleeps: true },
     };
     let byte = if carrier == Carrier::Processes { 1.0 / network.bandwidth } else { 0.0 };
-    let costs = Costs { machine, exchange: costs, message: network.message, byte };
+    // Ranks of one node exchange messages in its memory only.
+    let message = match network.node {
+        Some(node) if ranks <= node.processors => node.message,
+        _ => network.message,
+    };
+    let costs = Costs { machine, exchange: costs, message, byte };
     let programs: Vec<Vec<Step>> = (0..ranks).map(|rank| program(&costs, work, &exchange, rank)).collect();
     let played = play(&programs, processors, wires);
     let (messages, bytes) = work.messages.total();
@@ -292,12 +296,12 @@ fn gathering(messages: &Messages, ranks: usize) -> impl Iterator<Item = (usize, 
     })
 }
 
-/// The network as seen by all messages of a frame: with the bandwidth of its busiest links, converted to that of the
-/// ports, and the latency of its longest path.
+/// The network as seen by all messages of a frame: with the bandwidth at which its busiest links, inside a node or
+/// between nodes, pass what the busiest port passes, and the latency of its longest path.
 fn on_network(network: &NetworkModel, work: &RanksWork) -> Wires {
     let ranks = work.sharing.ranks;
-    let mut links = Links::new(network.topology, ranks);
-    let mut ports = Links::new(crate::machines::Topology::Crossbar, ranks);
+    let mut links = Links::new(network, ranks);
+    let mut ports = Links::new(&NetworkModel { topology: Topology::Crossbar, node: None, ..*network }, ranks);
     for from in 0..ranks {
         let composed = (0..ranks).filter_map(|to| Some((to, work.messages.between(from, to)?.keyed_bytes())));
         let finished =
@@ -311,11 +315,13 @@ fn on_network(network: &NetworkModel, work: &RanksWork) -> Wires {
         }
     }
     let (links, ports) = (links.traffic(), ports.traffic());
-    let crowded =
-        if ports.busiest_link > 0.0 { (links.busiest_link / ports.busiest_link).max(1.0) } else { 1.0 };
+    let seconds = network.seconds_of_links(&links);
+    // Without nodes, no faster than a port.
+    let fastest = if network.node.is_some() { f64::INFINITY } else { network.bandwidth };
+    let inside = network.node.map_or(0.0, |node| f64::from(links.inside.most_hops) * node.hop);
     Wires {
-        latency: f64::from(links.most_hops) * network.hop,
-        bandwidth: network.bandwidth / crowded,
+        latency: f64::from(links.most_hops) * network.hop + inside,
+        bandwidth: if seconds > 0.0 { (ports.busiest_link / seconds).min(fastest) } else { fastest },
         sleeps: true,
     }
 }
