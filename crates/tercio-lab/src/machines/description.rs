@@ -221,8 +221,20 @@ impl Machine {
     /// # Errors
     /// [`MachineError::TooMany`].
     pub fn may_have(&self, processors: usize) -> Result<(), MachineError> {
-        let (most, found) = (self.most_processors(), processors as u64);
-        if found <= most { Ok(()) } else { Err(MachineError::TooMany { machine: self.name.clone(), most, found }) }
+        self.at_most("processors", self.most_processors(), processors)
+    }
+
+    fn at_most(&self, what: &'static str, most: u64, found: usize) -> Result<(), MachineError> {
+        let (machine, found) = (self.name.clone(), found as u64);
+        if found <= most { Ok(()) } else { Err(MachineError::TooMany { machine, what, most, found }) }
+    }
+
+    /// Checks that so many processors may share a memory.
+    ///
+    /// # Errors
+    /// [`MachineError::TooMany`].
+    pub fn may_share_memory(&self, processors: usize) -> Result<(), MachineError> {
+        self.at_most("processors that share a memory", self.most_threads(), processors)
     }
 
     /// Checks that one operation of each kind of work has a cost, which may be 0.

@@ -37,7 +37,7 @@ pub enum MachineError {
         what: String,
     },
     /// The description lacks a required part.
-    #[error("machine \"{machine}\": {what} is needed here, and its description has none")]
+    #[error("machine \"{machine}\": needed here, and missing in its description: {what}")]
     Missing {
         /// Which machine.
         machine: String,
@@ -45,10 +45,12 @@ pub enum MachineError {
         what: String,
     },
     /// More processors than the machine may have.
-    #[error("machine \"{machine}\": expected at most {most} processors, found {found}")]
+    #[error("machine \"{machine}\": expected at most {most} {what}, found {found}")]
     TooMany {
         /// Which machine.
         machine: String,
+        /// Processors, or those that share a memory.
+        what: &'static str,
         /// The most that it may have.
         most: u64,
         /// The number requested.

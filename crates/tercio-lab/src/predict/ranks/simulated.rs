@@ -141,6 +141,7 @@ mod tests {
         let plan = Plan {
             organisation: Organisation::SortMiddle,
             ranks: 1,
+            threads: 1,
             region: None,
             assignment: Assignment::Interleaved,
             topology: None,

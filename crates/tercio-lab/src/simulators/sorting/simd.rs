@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use super::network::Traffic;
 use super::organisation::{Computing, Organisation, Setting, SortReport};
-use crate::machines::{Control, Machine, MachineError, ScreenDivision, Topology};
+use crate::machines::{Control, Delivery, Machine, MachineError, ScreenDivision, Topology};
 use crate::simulators::ring::{self, Algorithm, AlgorithmError, RingRun};
 use crate::workloads::{BoxScene, PixelBox, ScreenMap};
 
@@ -84,6 +84,7 @@ pub fn simulate(
         most_hops: u32::try_from(run.composite_passes * group as u64).unwrap_or(u32::MAX),
         ..Traffic::default()
     };
+    let delivered = delivery(&machine, s);
     let most_received = u64::from(run.received.iter().copied().max().unwrap_or(0));
     let own = u64::from(s.width) * u64::from(s.height) / group as u64;
     Ok(SortReport {
@@ -98,12 +99,25 @@ pub fn simulate(
         },
         composition,
         composition_seconds: seconds(run.composite_instructions),
-        // Such a machine writes its picture to a display: descriptions say so.
-        delivery: Traffic::default(),
-        delivery_seconds: 0.0,
+        delivery: delivered.0,
+        delivery_seconds: seconds(delivered.1),
         overlap: run.copies as f64 / run.visible.max(1) as f64,
         most_bytes_kept: most_received * s.costs.descriptor + own * s.costs.sample,
     })
+}
+
+/// Traffic of the finished picture, and instructions: processor 0 takes a pixel from its neighbour in every pass.
+fn delivery(machine: &ring::Machine, s: &Setting) -> (Traffic, u64) {
+    if s.network.delivery == Delivery::Display {
+        return (Traffic::default(), 0);
+    }
+    let pixels = u64::from(s.width) * u64::from(s.height);
+    let passes = pixels - pixels / u64::from(machine.processors.max(1));
+    let bytes = passes * s.costs.delivered;
+    let most_hops = machine.processors.saturating_sub(1);
+    let traffic =
+        Traffic { messages: passes, bytes, busiest_link: bytes as f64, most_hops, ..Traffic::default() };
+    (traffic, passes * machine.pixel_pass(1))
 }
 
 fn sent(s: &Setting, first: bool) -> u64 {
@@ -183,6 +197,19 @@ mod tests {
         // 32 bits a cycle: half as many words, rounded up for a pixel of 6 bytes.
         let words = ring::Machine { descriptor_words: 21, pixel_words: 2, ..ring::Machine::princeton_engine() };
         assert_eq!(magic, words);
+    }
+
+    #[test]
+    fn a_picture_for_processor_0_passes_its_neighbour() {
+        let description = builtin("princeton-engine").unwrap().unwrap();
+        let mut setting = Setting::of(&description, 4, (64, 32), None).unwrap();
+        let delivered = |setting: &Setting| {
+            sorting::simulate(&scene(), Organisation::SortMiddle, setting).unwrap().delivery_seconds
+        };
+        assert_eq!(delivered(&setting), 0.0, "it writes to the display");
+        setting.network.delivery = Delivery::FirstProcessor;
+        // Three quarters of 2,048 pixels, 24 instructions a pass.
+        assert!((delivered(&setting) - 1536.0 * 24.0 / 14e6).abs() < 1e-12);
     }
 
     #[test]
