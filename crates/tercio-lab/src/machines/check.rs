@@ -2,8 +2,8 @@
 
 use super::description::Machine;
 use super::error::MachineError;
-use crate::units::Count;
 use super::sourced::{Cost, Sourced};
+use crate::units::Count;
 
 /// An invalid number, with its section and key.
 pub(super) struct Wrong {

@@ -243,9 +243,8 @@ impl Machine {
     /// [`MachineError::Missing`] with the names of the costs of all kinds of work that have none.
     pub fn need_costs(&self, kinds: &[&[Operation]]) -> Result<(), MachineError> {
         let without = kinds.iter().filter(|kind| kind.iter().all(|o| !self.costs.contains_key(o)));
-        let names = without.map(|kind| {
-            kind.iter().map(|o| format!("costs.{}", o.name())).collect::<Vec<_>>().join(" or ")
-        });
+        let names = without
+            .map(|kind| kind.iter().map(|o| format!("costs.{}", o.name())).collect::<Vec<_>>().join(" or "));
         let names: Vec<_> = names.collect();
         self.need(names.is_empty().then_some(&()), &names.join(", ")).map(|()| ())
     }
@@ -254,7 +253,11 @@ impl Machine {
     ///
     /// # Errors
     /// [`MachineError::Missing`] with all of them.
-    pub fn need_all(&self, mut parts: Vec<String>, costs: Result<(), MachineError>) -> Result<(), MachineError> {
+    pub fn need_all(
+        &self,
+        mut parts: Vec<String>,
+        costs: Result<(), MachineError>,
+    ) -> Result<(), MachineError> {
         match costs {
             Err(MachineError::Missing { what, .. }) => parts.push(what),
             other => other?,

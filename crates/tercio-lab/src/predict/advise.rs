@@ -9,9 +9,9 @@ use serde::Serialize;
 
 use super::PredictError;
 use super::counts::Counters;
+use super::frame::FrameTime;
 use super::ranks::renderer::{RankSeconds, RanksFrame};
 use super::ranks::simulated::SimulatedFrame;
-use super::frame::FrameTime;
 use super::ranks::{MOST_RANKS, Picture, Plan, Simulated, TILE_EDGES, on_threads, predict, simulate};
 use crate::machines::{Control, Machine, Topology};
 use crate::simulators::sorting::{Assignment, Organisation};
@@ -236,7 +236,11 @@ impl Advice {
         ranks.sort_unstable();
         ranks.dedup();
         let ranks: Vec<_> = ranks.iter().map(|(r, t)| format!("{r} x {t}")).collect();
-        let ranks = if ranks.is_empty() { "no ranks".into() } else { format!("ranks x threads {}", ranks.join(", ")) };
+        let ranks = if ranks.is_empty() {
+            "no ranks".into()
+        } else {
+            format!("ranks x threads {}", ranks.join(", "))
+        };
         format!(
             "compared are up to {threads} threads of one process, and {ranks}, in sort-first and sort-last with direct \
              send; the renderer's sort-middle, sort-twice and other divisions and compositions are not"
@@ -250,7 +254,10 @@ fn milliseconds(seconds: f64) -> String {
 
 fn why_rendered(best: &Rendered, compared: usize) -> String {
     let total = milliseconds(best.frame.total());
-    let plan = format!("{} is fastest of the {compared} plans of the renderer compared, {total} a frame", best.describe());
+    let plan = format!(
+        "{} is fastest of the {compared} plans of the renderer compared, {total} a frame",
+        best.describe()
+    );
     match &best.frame {
         Frame::Threads(time) => format!(
             "{plan}: front end {}, geometry {}, rasterization {}, shading {}, memory {}, picture {}; busiest over mean \
@@ -493,6 +500,9 @@ mod tests {
             let plans = plans(&machine, 2, None);
             advise(&machine, picture, &counters(1), &scene(1), (&[], &plans)).unwrap_err()
         });
-        assert!(error.to_string().contains("missing in its description: network, bytes.primitive"), "{error}");
+        assert!(
+            error.to_string().contains("missing in its description: network, bytes.primitive"),
+            "{error}"
+        );
     }
 }

@@ -265,7 +265,10 @@ mod tests {
                 Err(error) => {
                     let error = error.to_string();
                     assert!(machine.costs.is_empty(), "{error}");
-                    assert!(error.contains("costs.polygon or ") && error.contains("costs.pixel or "), "{error}");
+                    assert!(
+                        error.contains("costs.polygon or ") && error.contains("costs.pixel or "),
+                        "{error}"
+                    );
                 }
             }
         }

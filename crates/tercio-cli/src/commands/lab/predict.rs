@@ -245,7 +245,9 @@ impl Predict {
             s.geometry.imbalance(),
             s.raster.imbalance()
         );
-        for (name, t) in [("redistribution", s.redistribution), ("composition", s.composition), ("delivery", s.delivery)] {
+        for (name, t) in
+            [("redistribution", s.redistribution), ("composition", s.composition), ("delivery", s.delivery)]
+        {
             let _ = writeln!(
                 text,
                 "{name}: {} bytes in {} messages, busiest link {:.0} bytes, longest way {} hops",

@@ -11,7 +11,9 @@ pub mod optimum;
 use crate::models;
 use crate::models::overlap;
 use crate::models::registry::Model;
-use crate::units::{Count, Cycles, Hertz, Length, Pixels, PolygonRate, Polygons, Ratio, Seconds, SquareInches};
+use crate::units::{
+    Count, Cycles, Hertz, Length, Pixels, PolygonRate, Polygons, Ratio, Seconds, SquareInches,
+};
 
 /// Area of one pixel processor, square inches (equation 1).
 pub(crate) const PIXEL_PROCESSOR: f64 = 0.000_871;

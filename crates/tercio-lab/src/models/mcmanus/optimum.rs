@@ -223,7 +223,10 @@ mod tests {
         use crate::models::registry::{Arguments, Value, evaluate};
         let with = |t: Value| {
             let n = ("N".to_owned(), Value::Number(100.0));
-            evaluate("mcmanus.7", &Arguments::from([n, ("A".to_owned(), Value::Number(16.0)), ("T".to_owned(), t)]))
+            evaluate(
+                "mcmanus.7",
+                &Arguments::from([n, ("A".to_owned(), Value::Number(16.0)), ("T".to_owned(), t)]),
+            )
         };
         let megahertz = with(Value::Text("1 MHz".into()));
         assert!(megahertz.is_ok(), "{megahertz:?}");

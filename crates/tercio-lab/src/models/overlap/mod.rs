@@ -264,7 +264,8 @@ mod tests {
 
     #[test]
     fn a_shape_is_not_larger_than_its_box() {
-        let met = |area| exact_by_box(Length::new(8.0), Length::new(4.0), Length::new(5.0), Pixels::new(area));
+        let met =
+            |area| exact_by_box(Length::new(8.0), Length::new(4.0), Length::new(5.0), Pixels::new(area));
         // 1 + 9/8 + 20/64.
         assert_eq!(met(20.0).unwrap().get(), 2.4375);
         assert!(met(21.0).unwrap_err().contains("w h = 20, found 21"));

@@ -9,10 +9,10 @@ use serde::Serialize;
 
 use super::Plan;
 use crate::machines::{Machine, MachineError, Operation};
+use crate::predict::PredictError;
 use crate::predict::counts::Counters;
 use crate::predict::frame::{FrameTime, knows_clusters};
 use crate::simulators::sorting::organisation::{Setting, simulate};
-use crate::predict::PredictError;
 use crate::simulators::sorting::{Costs, Organisation, SortReport};
 use crate::workloads::BoxScene;
 

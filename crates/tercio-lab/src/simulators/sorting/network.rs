@@ -77,7 +77,8 @@ impl NetworkModel {
     /// Seconds of a phase of communication.
     pub fn seconds(&self, traffic: &Traffic) -> f64 {
         let of_node = |node: NodeModel| {
-            f64::from(traffic.inside.most_hops) * node.hop + traffic.inside.most_messages as f64 * node.message
+            f64::from(traffic.inside.most_hops) * node.hop
+                + traffic.inside.most_messages as f64 * node.message
         };
         self.seconds_of_links(traffic)
             + f64::from(traffic.most_hops) * self.hop

@@ -68,11 +68,15 @@ impl Costs {
         let sizes = [DataKind::Primitive, DataKind::Descriptor, DataKind::Sample];
         let without = sizes.iter().filter(|kind| bytes(**kind).is_none());
         let without: Vec<_> = without.map(|kind| format!("bytes.{}", kind.name())).collect();
-        let of_costs =
-            machine.need_costs(&[&[Polygon, PolygonSetUp, ClusterDrawn], &[Operation::Pixel], &[Operation::CompositePixel]]);
+        let of_costs = machine.need_costs(&[
+            &[Polygon, PolygonSetUp, ClusterDrawn],
+            &[Operation::Pixel],
+            &[Operation::CompositePixel],
+        ]);
         machine.need_all(without, of_costs)?;
         let [vertices, polygons] = CLUSTER;
-        let of_cluster: f64 = [Cluster, ClusterEntry, ClusterDrawn].map(|o| machine.seconds_or_0(o)).iter().sum();
+        let of_cluster: f64 =
+            [Cluster, ClusterEntry, ClusterDrawn].map(|o| machine.seconds_or_0(o)).iter().sum();
         let of_cluster = of_cluster + vertices * machine.seconds_or_0(Vertex);
         Ok(Self {
             polygon: machine.seconds(Polygon).unwrap_or(if machine.seconds(ClusterDrawn).is_some() {
@@ -260,7 +264,11 @@ impl Work {
 ///
 /// # Panics
 /// If there are no processors or the screen has no pixel.
-pub fn simulate(scene: &BoxScene, organisation: Organisation, s: &Setting) -> Result<SortReport, AlgorithmError> {
+pub fn simulate(
+    scene: &BoxScene,
+    organisation: Organisation,
+    s: &Setting,
+) -> Result<SortReport, AlgorithmError> {
     let n = s.processors;
     assert!(n > 0, "at least one processor");
     let group = match organisation {
@@ -379,7 +387,12 @@ struct Composed {
 
 /// Composites the pictures of the groups and delivers the result, round by round.
 fn compose(whole: Regions, group: usize, s: &Setting) -> Composed {
-    let groups = Groups { processors: s.processors, size: group, whole, last: s.regions((s.processors % group).max(1)) };
+    let groups = Groups {
+        processors: s.processors,
+        size: group,
+        whole,
+        last: s.regions((s.processors % group).max(1)),
+    };
     let mut composed = Composed::default();
     groups.compose(|step, transfers| {
         if step == Step::Delivery && s.network.delivery == Delivery::Display {

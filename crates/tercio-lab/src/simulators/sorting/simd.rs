@@ -182,7 +182,10 @@ mod tests {
             let run = ring::simulate(&machine, &algorithm, &map, &scene).unwrap();
             let class = sorting::simulate(&scene, organisation, &setting).unwrap();
             let near = |ours: f64, instructions: u64| {
-                assert!((ours - instructions as f64 / clock).abs() < 1e-9, "{organisation:?}: {ours} {instructions}");
+                assert!(
+                    (ours - instructions as f64 / clock).abs() < 1e-9,
+                    "{organisation:?}: {ours} {instructions}"
+                );
             };
             near(class.geometry.seconds, run.geometry.instructions);
             near(class.redistribution_seconds + class.composition_seconds, run.communication());
@@ -195,7 +198,8 @@ mod tests {
     fn the_successor_has_the_same_words_and_instructions() {
         let magic = ring::Machine::of(&builtin("magic-1").unwrap().unwrap()).unwrap();
         // 32 bits a cycle: half as many words, rounded up for a pixel of 6 bytes.
-        let words = ring::Machine { descriptor_words: 21, pixel_words: 2, ..ring::Machine::princeton_engine() };
+        let words =
+            ring::Machine { descriptor_words: 21, pixel_words: 2, ..ring::Machine::princeton_engine() };
         assert_eq!(magic, words);
     }
 

@@ -20,7 +20,7 @@ use crate::progress::Display;
 #[derive(Debug, Args)]
 #[command(after_help = "\
 What each processor computes and what each link carries is counted exactly; times are those of the busiest
-processor and the busiest link; a machine whose description says 'control = "simd"' runs by the rules of
+processor and the busiest link; a machine whose processors are 'simd' runs by the rules of
 'tercio lab simulate ring'. The finished picture is delivered to processor 0, or to a display. Costs, bytes and network are the machine's: to change them, write its description
 to a file ('tercio lab machines NAME'), edit it and name the file. Lists are combined with one another, on all cores.
 
@@ -182,7 +182,8 @@ fn screen(machine: &Machine) -> Option<(u32, u32)> {
 
 fn table(machine: &Machine, size: (u32, u32), runs: &[((Organisation, Setting), SortReport)]) -> String {
     let mut text = format!("{}, screen of {}x{} pixels; milliseconds\n", machine.name, size.0, size.1);
-    let head = ["geometry", "to owners", "raster", "composing", "delivery", "frame"].map(|name| format!(" {name:>11}"));
+    let head = ["geometry", "to owners", "raster", "composing", "delivery", "frame"]
+        .map(|name| format!(" {name:>11}"));
     let _ = writeln!(
         text,
         "{:14} {:>10} {:>6} {:11}{} {:>8} {:>9} {:>14} {:>13}",
@@ -225,7 +226,9 @@ fn table(machine: &Machine, size: (u32, u32), runs: &[((Organisation, Setting), 
             report.overlap,
             report.raster.imbalance(),
             report.redistribution.bytes + report.composition.bytes + report.delivery.bytes,
-            report.redistribution.busiest_link + report.composition.busiest_link + report.delivery.busiest_link,
+            report.redistribution.busiest_link
+                + report.composition.busiest_link
+                + report.delivery.busiest_link,
         );
     }
     let missing = uncharged(runs);
