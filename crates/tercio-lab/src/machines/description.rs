@@ -246,7 +246,7 @@ impl Machine {
         let names = without
             .map(|kind| kind.iter().map(|o| format!("costs.{}", o.name())).collect::<Vec<_>>().join(" or "));
         let names: Vec<_> = names.collect();
-        self.need(names.is_empty().then_some(&()), &names.join(", ")).map(|()| ())
+        self.need(names.is_empty().then_some(&()), &names.join(", ")).copied()
     }
 
     /// Joins parts that are missing with the costs that [`Machine::need_costs`] misses.
@@ -262,7 +262,7 @@ impl Machine {
             Err(MachineError::Missing { what, .. }) => parts.push(what),
             other => other?,
         }
-        self.need(parts.is_empty().then_some(&()), &parts.join(", ")).map(|()| ())
+        self.need(parts.is_empty().then_some(&()), &parts.join(", ")).copied()
     }
 
     /// The machine with MPI messages between its ranks: `mpi` becomes its network.
