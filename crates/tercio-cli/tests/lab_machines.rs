@@ -29,7 +29,7 @@ fn predictions_are_reproducible() {
     let place = Place::new();
     for command in [
         "lab predict model.off --size 64x64 --ranks 2",
-        "lab predict model.off --size 64x64 --ranks 6 --organisation sort-twice --group 2 --json",
+        "lab predict model.off --size 64x64 --ranks 6 --organisation sort-twice --group 4 --machine server-128 --json",
         "lab advise model.off --size 64x64 --ranks 16 --machine cluster-64 --network ring",
         "lab simulate hybris model.off --size 64x64 --machine hybris-asic-two-engines",
     ] {
@@ -38,5 +38,45 @@ fn predictions_are_reproducible() {
         assert_eq!(once.text(), again.text(), "{command}");
         assert!(!once.text().is_empty());
     }
-    place.run("lab predict model.off --machine voodoo-sli -O sort-last").failed(1, &["network is needed"]);
+    place
+        .run("lab predict model.off --machine voodoo-sli -O sort-last")
+        .failed(1, &["missing in its description: costs.polygon or"]);
+}
+
+#[test]
+fn advice_searches_threads_and_ranks_with_threads() {
+    let place = Place::new();
+    let advice = place.run("lab advise model.off --size 64x64 --ranks 4 --machine server-128").ok_silently();
+    let text = advice.text();
+    assert!(text.contains("up to 4 threads of one process, and ranks x threads 2 x 2, 4 x 1"), "{text}");
+    assert!(text.contains("is fastest of the 35 plans of the renderer compared"), "{text}");
+    place
+        .run("lab advise model.off --size 64x64 --ranks 3 --machine two-core-2026")
+        .failed(1, &["expected at most 2 processors, found 3"]);
+}
+
+#[test]
+fn software_has_no_tile_engines_and_nothing_has_no_rate() {
+    let place = Place::new();
+    let software =
+        place.run("lab simulate hybris model.off --size 64x64 --machine hybris-single-cpu").ok_silently();
+    let text = software.text();
+    assert!(
+        text.contains("software:") && !text.contains("tile engines") && !text.contains("set-up span"),
+        "{text}"
+    );
+    let one = place.run("lab simulate hybris model.off --size 1x1 --machine hybris-asic").ok_silently();
+    assert!(!one.text().contains("inf"), "{}", one.text());
+}
+
+#[test]
+fn a_description_with_absurd_numbers_is_refused() {
+    let place = Place::new();
+    let text = place.run("lab machines server-128").ok_silently().text().to_string();
+    let absurd = text.replacen("value = \"128\"", "value = \"99999999999\"", 1);
+    assert_ne!(text, absurd);
+    std::fs::write(place.path("absurd.toml"), absurd).unwrap();
+    place
+        .run("lab predict model.off --size 16x16 --machine absurd.toml")
+        .failed(1, &["absurd.toml:", "processors.count: expected at most 1048576, found 99999999999"]);
 }

@@ -63,11 +63,10 @@ fn boxes_are_sorted_on_any_machine_in_sweeps() {
     // Four regions of 8x8 pixels on four processors: polygon 0 lies in all of them, polygon 1 in the last.
     let boxes = "NumPolygons=3\n1 (6,6) (9,9)\n1 (12,12) (12,12)\n0 (1,1) (2,2)\n";
     std::fs::write(place.path("two.boxes"), boxes).unwrap();
-    let command =
-        "lab simulate sorting two.boxes --size 16x16 --processors 4 -O sort-middle,sort-last --json";
+    let command = "lab simulate sorting two.boxes --size 16x16 --machine server-128 --processors 4 -O sort-middle,sort-last --json";
     let value: serde_json::Value = serde_json::from_str(place.run(command).ok_silently().text()).unwrap();
     let runs = value["runs"].as_array().unwrap();
-    assert_eq!((value["machine"].as_str(), runs.len()), (Some("Princeton Engine"), 2));
+    assert_eq!((value["machine"].as_str(), runs.len()), (Some("A server of 128 cores"), 2));
     let (middle, last) = (&runs[0], &runs[1]);
     assert_eq!(middle["report"]["overlap"], 2.5);
     assert_eq!(middle["report"]["redistribution"]["messages"], 4);
@@ -78,8 +77,8 @@ fn boxes_are_sorted_on_any_machine_in_sweeps() {
     assert_eq!(last["report"]["redistribution"]["messages"], 0);
     for run in runs {
         let phases = ["geometry", "raster"].map(|p| run["report"][p]["seconds"].as_f64().unwrap());
-        let sent =
-            ["redistribution_seconds", "composition_seconds"].map(|p| run["report"][p].as_f64().unwrap());
+        let sent = ["redistribution_seconds", "composition_seconds", "delivery_seconds"]
+            .map(|p| run["report"][p].as_f64().unwrap());
         let sum = phases.iter().chain(&sent).sum::<f64>();
         assert!((run["total_seconds"].as_f64().unwrap() / sum - 1.0).abs() < 1e-12, "{run}");
     }
@@ -90,9 +89,12 @@ fn boxes_are_sorted_on_any_machine_in_sweeps() {
     let one = place.run(&format!("{sweep} --threads 1")).ok_silently();
     let four = place.run(&format!("{sweep} --threads 4")).ok_silently();
     assert_eq!(one.text(), four.text());
-    // Which costs a fit leaves out may change with the description; tercio's machines have no costs of polygons.
+    // Which costs a fit leaves out may change with the description; tercio's machines have no costs of polygons,
+    // which take their share of a cluster.
     let last = one.text().lines().last().unwrap_or_default();
-    assert!(last.contains("charges nothing for polygon, polygon-set-up"), "{last}");
+    assert!(last.ends_with("charges nothing for polygon-set-up"), "{last}");
+    let unbatched = place.run(&format!("{sweep} --unbatched")).ok_silently();
+    assert_ne!(one.text(), unbatched.text());
     // Lines for machine, columns and uncharged work; four settings of the regions except for sort-last.
     assert_eq!(one.text().lines().count(), 3 + 2 * (4 * (1 + 1 + 2) + 1), "{}", one.text());
 }
@@ -114,8 +116,23 @@ fn mistakes_are_reported() {
         .failed(1, &["duplication that divides the 1024 processors"]);
     let sorting = |more: &str| place.run(&format!("lab simulate sorting {more}"));
     sorting("bad.boxes").failed(1, &["bad.boxes: line 2: expected a last pixel"]);
-    sorting("good.boxes --machine sgi-gtx")
-        .failed(1, &["machine \"Silicon Graphics GTX\": network is needed"]);
+    sorting("good.boxes --machine sgi-gtx").failed(
+        1,
+        &["machine \"Silicon Graphics GTX\": needed here, and missing in its description: network, "],
+    );
+    for machine in ["pomegranate", "voodoo-sli", "cm-200", "mcmanus-array"] {
+        sorting(&format!("good.boxes --machine {machine}"))
+            .failed(1, &["costs.pixel, costs.composite-pixel"]);
+    }
+    sorting("good.boxes --processors 4096").failed(1, &["expected at most 2048 processors, found 4096"]);
+    sorting("good.boxes -O sort-twice -g 3")
+        .failed(1, &["a group that divides the 1024 processors, found 3"]);
+    place
+        .run("lab predict model.off --machine pomegranate --size 16x16")
+        .failed(1, &["costs.polygon or", "costs.pixel or"]);
+    place
+        .run("lab predict model.off --machine two-core-2026 -n 3 --size 16x16")
+        .failed(1, &["expected at most 2 processors that share a memory, found 3"]);
     sorting("good.boxes --machine nothing").failed(1, &["no machine \"nothing\""]);
     sorting("good.boxes --size 30000x30000").failed(1, &["expected a screen of at most"]);
     assert_eq!(sorting("good.boxes --processors 0").code, Some(2));

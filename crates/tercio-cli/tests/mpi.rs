@@ -180,7 +180,8 @@ fn messages_over_mpi_are_measured_and_predicted_with() {
     let place = Place::new();
     // The third process has nothing to measure, and only rank 0 writes.
     let outcome =
-        mpirun(&place, &[(3, "lab calibrate --frames 1 --rounds 1 -o m.toml --quiet")]).ok_silently();
+        mpirun(&place, &[(3, "lab calibrate --frames 1 --rounds 2 --accept-noise -o m.toml --quiet")])
+            .ok_silently();
     assert_eq!(outcome.text(), "");
     let described = |what: &str| -> serde_json::Value {
         serde_json::from_str(place.run(&format!("lab {what} --json")).ok_silently().text()).unwrap()
@@ -212,7 +213,8 @@ fn messages_over_mpi_are_measured_and_predicted_with() {
 #[test]
 fn processes_count_and_send_what_is_predicted() {
     let place = Place::new();
-    mpirun(&place, &[(2, "lab calibrate --frames 1 --rounds 1 -o m.toml --quiet")]).ok_silently();
+    mpirun(&place, &[(2, "lab calibrate --frames 1 --rounds 2 --accept-noise -o m.toml --quiet")])
+        .ok_silently();
     let validate = "lab validate builtin:gyroid@3k model.off --machine m.toml --sizes 120x90,64x64 --views 2 \
                     --frames 2 --rounds 2 -o rows.toml --json --threads 1";
     for count in [2, 3] {

@@ -3,6 +3,7 @@
 use super::description::Machine;
 use super::error::MachineError;
 use super::sourced::{Cost, Sourced};
+use crate::units::Count;
 
 /// An invalid number, with its section and key.
 pub(super) struct Wrong {
@@ -47,8 +48,21 @@ fn positive<Q>(section: &'static str, key: &str, number: Option<&Sourced<Q>>) ->
     }
 }
 
+/// The largest number of anything that is counted, processors above all: what the simulators are made for.
+pub const MOST: u64 = 1 << 20;
+
+fn simulated(section: &'static str, key: &str, number: Option<&Sourced<Count>>) -> Result<(), Wrong> {
+    match number {
+        Some(n) if n.whole() > MOST => {
+            Err(Wrong::new(section, key, format!("expected at most {MOST}, found {}", n.text)))
+        }
+        _ => Ok(()),
+    }
+}
+
 /// Finds the first invalid number.
 pub(super) fn check(m: &Machine) -> Result<(), Wrong> {
+    counts(m)?;
     let p = &m.processors;
     positive("processors", "count", Some(&p.count))?;
     positive("processors", "clock", p.clock.as_ref())?;
@@ -75,6 +89,44 @@ pub(super) fn check(m: &Machine) -> Result<(), Wrong> {
         Some((o, c)) if p.clock.is_none() => {
             Err(Wrong::new("costs", o.name(), format!("\"{c}\" needs processors.clock, which is missing")))
         }
+        _ => Ok(()),
+    }
+}
+
+/// Numbers that simulators reserve memory by, and nodes.
+fn counts(m: &Machine) -> Result<(), Wrong> {
+    let p = &m.processors;
+    simulated("processors", "count", Some(&p.count))?;
+    simulated("processors", "at-most", p.at_most.as_ref())?;
+    if let Some(most) = p.at_most.as_ref().filter(|most| most.value < p.count.value) {
+        let what = format!("expected at least processors.count = {}, found {most}", p.count);
+        return Err(Wrong::new("processors", "at-most", what));
+    }
+    simulated("screen", "width", m.screen.as_ref().map(|s| &s.width))?;
+    simulated("screen", "height", m.screen.as_ref().map(|s| &s.height))?;
+    simulated("heap", "heaps", m.heap.as_ref().map(|h| &h.heaps))?;
+    simulated("sdram", "banks", m.sdram.as_ref().map(|s| &s.banks))?;
+    if let Some(e) = &m.tile_engine {
+        let counts = [
+            ("engines", &e.engines),
+            ("fifo", &e.fifo),
+            ("fifo-after-broadcast", &e.fifo_after_broadcast),
+            ("output", &e.output),
+        ];
+        counts.iter().try_for_each(|(key, count)| simulated("tile-engine", key, Some(count)))?;
+    }
+    positive("node", "bandwidth", m.node.as_ref().map(|n| &n.bandwidth))?;
+    match (&p.per_node, &m.node) {
+        (Some(_), None) => Err(Wrong::new(
+            "processors",
+            "per-node",
+            "expected a section node, the network inside a node, found none".into(),
+        )),
+        (None, Some(_)) => Err(Wrong::new(
+            "node",
+            "bandwidth",
+            "expected processors.per-node, the processors of a node, found none".into(),
+        )),
         _ => Ok(()),
     }
 }

@@ -8,9 +8,9 @@ use serde::{Deserialize, Serialize};
 
 use super::check::check;
 use super::error::MachineError;
-use super::kinds::{ScreenDivision, SortingClass, Topology};
+use super::kinds::{Control, Delivery, Packing, ScreenDivision, SortingClass, Topology};
 use super::operations::Operation;
-use super::sections::{Heap, Sdram, TileEngine, Transfer};
+use super::sections::{Calibration, Heap, Sdram, TileEngine, Transfer};
 use super::sourced::{Cost, Sourced};
 use super::{NAMES, builtin};
 use crate::units::{Bytes, BytesPerSecond, Count, Hertz, PolygonRate, Ratio, Seconds};
@@ -30,9 +30,12 @@ pub struct Machine {
     /// Its screen, if a document gives it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub screen: Option<Screen>,
-    /// Its network.
+    /// Its network; between nodes, if there is a section `node`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub network: Option<Network>,
+    /// The network between the processors of one node (`processors.per-node`): its memory.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub node: Option<Network>,
     /// The network as measured with MPI messages, if it was measured in addition to messages between threads, which are
     /// `network`.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -55,6 +58,9 @@ pub struct Machine {
     /// Bus from the host.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub transfer: Option<Transfer>,
+    /// How the numbers were measured, if `tercio lab calibrate` measured them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub calibration: Option<Calibration>,
     /// Polygon rates that its makers or a document claim or measured, by name.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub claims: BTreeMap<String, Sourced<PolygonRate>>,
@@ -80,7 +86,10 @@ pub struct Sorting {
 pub struct Processors {
     /// Their number.
     pub count: Sourced<Count>,
-    /// The largest number that a document or the maker considers.
+    /// Who decides what they do next: `mimd` by default.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub control: Control,
+    /// The largest number that a document or the maker considers; `count` by default.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub at_most: Option<Sourced<Count>>,
     /// Their clock.
@@ -98,7 +107,7 @@ pub struct Processors {
     /// Cache that the processors share.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub shared_cache: Option<Sourced<Bytes>>,
-    /// Processors that share one memory; all of them by default.
+    /// Processors that share one memory, which the section `node` describes; all of them by default.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub per_node: Option<Sourced<Count>>,
     /// Share of a frame's work that runs on one processor only.
@@ -128,6 +137,16 @@ pub struct Network {
     pub hop: Sourced<Seconds>,
     /// Time that a processor spends on every message.
     pub message: Sourced<Seconds>,
+    /// How polygons are packed into messages: `one-a-destination` by default.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub packing: Packing,
+    /// Where the finished picture goes: to the `first-processor` by default.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub delivery: Delivery,
+}
+
+fn is_default<T: Default + PartialEq>(value: &T) -> bool {
+    *value == T::default()
 }
 
 /// What is sent or stored.
@@ -140,6 +159,8 @@ pub enum DataKind {
     Descriptor,
     /// A pixel of a partial picture with its depth.
     Sample,
+    /// A pixel of the finished picture; 4 B by default, a colour.
+    Pixel,
 }
 
 impl DataKind {
@@ -149,6 +170,7 @@ impl DataKind {
             Self::Primitive => "primitive",
             Self::Descriptor => "descriptor",
             Self::Sample => "sample",
+            Self::Pixel => "pixel",
         }
     }
 }
@@ -181,6 +203,66 @@ impl Machine {
     /// [`MachineError::Missing`] with the name of the part.
     pub fn need<'a, T>(&self, part: Option<&'a T>, what: &str) -> Result<&'a T, MachineError> {
         part.ok_or_else(|| MachineError::Missing { machine: self.name.clone(), what: what.into() })
+    }
+
+    /// The largest number of processors that it may have.
+    pub fn most_processors(&self) -> u64 {
+        let p = &self.processors;
+        p.at_most.as_ref().map_or(p.count.whole(), |most| most.whole().max(p.count.whole()))
+    }
+
+    /// The largest number of processors that share a memory.
+    pub fn most_threads(&self) -> u64 {
+        self.processors.per_node.as_ref().map_or(self.most_processors(), Sourced::whole)
+    }
+
+    /// Checks that the machine may have so many processors.
+    ///
+    /// # Errors
+    /// [`MachineError::TooMany`].
+    pub fn may_have(&self, processors: usize) -> Result<(), MachineError> {
+        self.at_most("processors", self.most_processors(), processors)
+    }
+
+    fn at_most(&self, what: &'static str, most: u64, found: usize) -> Result<(), MachineError> {
+        let (machine, found) = (self.name.clone(), found as u64);
+        if found <= most { Ok(()) } else { Err(MachineError::TooMany { machine, what, most, found }) }
+    }
+
+    /// Checks that so many processors may share a memory.
+    ///
+    /// # Errors
+    /// [`MachineError::TooMany`].
+    pub fn may_share_memory(&self, processors: usize) -> Result<(), MachineError> {
+        self.at_most("processors that share a memory", self.most_threads(), processors)
+    }
+
+    /// Checks that one operation of each kind of work has a cost, which may be 0.
+    ///
+    /// # Errors
+    /// [`MachineError::Missing`] with the names of the costs of all kinds of work that have none.
+    pub fn need_costs(&self, kinds: &[&[Operation]]) -> Result<(), MachineError> {
+        let without = kinds.iter().filter(|kind| kind.iter().all(|o| !self.costs.contains_key(o)));
+        let names = without
+            .map(|kind| kind.iter().map(|o| format!("costs.{}", o.name())).collect::<Vec<_>>().join(" or "));
+        let names: Vec<_> = names.collect();
+        self.need(names.is_empty().then_some(&()), &names.join(", ")).copied()
+    }
+
+    /// Joins parts that are missing with the costs that [`Machine::need_costs`] misses.
+    ///
+    /// # Errors
+    /// [`MachineError::Missing`] with all of them.
+    pub fn need_all(
+        &self,
+        mut parts: Vec<String>,
+        costs: Result<(), MachineError>,
+    ) -> Result<(), MachineError> {
+        match costs {
+            Err(MachineError::Missing { what, .. }) => parts.push(what),
+            other => other?,
+        }
+        self.need(parts.is_empty().then_some(&()), &parts.join(", ")).copied()
     }
 
     /// The machine with MPI messages between its ranks: `mpi` becomes its network.

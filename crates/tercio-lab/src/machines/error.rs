@@ -37,12 +37,24 @@ pub enum MachineError {
         what: String,
     },
     /// The description lacks a required part.
-    #[error("machine \"{machine}\": {what} is needed here, and its description has none")]
+    #[error("machine \"{machine}\": needed here, and missing in its description: {what}")]
     Missing {
         /// Which machine.
         machine: String,
         /// The section or number.
         what: String,
+    },
+    /// More processors than the machine may have.
+    #[error("machine \"{machine}\": expected at most {most} {what}, found {found}")]
+    TooMany {
+        /// Which machine.
+        machine: String,
+        /// Processors, or those that share a memory.
+        what: &'static str,
+        /// The most that it may have.
+        most: u64,
+        /// The number requested.
+        found: u64,
     },
 }
 

@@ -108,3 +108,36 @@ impl Topology {
         }
     }
 }
+
+/// Who decides what the processors do next.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Control {
+    /// Every processor runs a program of its own.
+    #[default]
+    Mimd,
+    /// All processors execute the same instruction: a pass of a ring moves all slots at once.
+    Simd,
+}
+
+/// How polygons are packed into messages.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Packing {
+    /// One message for every destination, with all of its polygons.
+    #[default]
+    OneADestination,
+    /// One message for every polygon and destination.
+    OneAPolygon,
+}
+
+/// Where the finished picture goes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Delivery {
+    /// Processor 0 receives it from all others.
+    #[default]
+    FirstProcessor,
+    /// Every processor writes its part to the display, at no cost to the network.
+    Display,
+}

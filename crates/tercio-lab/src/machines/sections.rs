@@ -1,9 +1,9 @@
-//! Sections that only some machines have: the parts of Hybris, and buses.
+//! Sections that only some machines have: the parts of Hybris, buses, and how a machine was measured.
 
 use serde::{Deserialize, Serialize};
 
 use super::sourced::Sourced;
-use crate::units::{Bytes, BytesPerSecond, Count, Cycles, Seconds};
+use crate::units::{Bytes, BytesPerSecond, Count, Cycles, Ratio, Seconds};
 
 /// The bucket sorted triangle heap of document 001, 3.5.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -63,4 +63,24 @@ pub struct Transfer {
     pub bandwidth: Sourced<BytesPerSecond>,
     /// Bytes moved by one transfer.
     pub block: Sourced<Bytes>,
+}
+
+/// How `tercio lab calibrate` measured a machine.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+pub struct Calibration {
+    /// The day, year first.
+    pub date: String,
+    /// The processor, as the operating system names it.
+    pub processor: String,
+    /// The version of tercio.
+    pub version: String,
+    /// Frames that the costs were fitted to, each the fastest of several.
+    pub frames: Sourced<Count>,
+    /// Root of the mean square of the residuals: fitted over measured time of a frame, minus 1.
+    pub residual: Sourced<Ratio>,
+    /// The largest of them, without its sign.
+    pub worst_residual: Sourced<Ratio>,
+    /// Median over the frames of the spread of their rounds: slowest over fastest, minus 1.
+    pub spread: Sourced<Ratio>,
 }

@@ -63,6 +63,12 @@ fn mistakes_are_reported_with_file_and_line() {
     assert!(whole.starts_with("m.toml:12:") && whole.contains("whole number"), "{whole}");
     let clock = error("clock = { value = \"100 MHz\", source = \"000, 1\" }\n", "");
     assert!(clock.starts_with("m.toml:15:1: costs.pixel"), "{clock}");
+    let many = error("value = 4", "value = \"99999999999\"");
+    assert!(many.starts_with("m.toml:12:1: processors.count: expected at most 1048576"), "{many}");
+    let fewer = error("[costs]", "at-most = { value = 3, source = \"000\" }\n[costs]");
+    assert!(fewer.starts_with("m.toml:15:1: processors.at-most: expected at least"), "{fewer}");
+    let node = error("[costs]", "per-node = { value = 2, source = \"000\" }\n[costs]");
+    assert!(node.starts_with("m.toml:15:1: processors.per-node: expected a section node"), "{node}");
     let broken = error("[costs]", "[costs");
     assert!(broken.starts_with("m.toml:15:"), "{broken}");
 }
@@ -106,4 +112,43 @@ fn a_machine_may_have_an_mpi_network_beside_that_of_its_threads() {
     assert!(error.starts_with(&format!("m.toml:{line}:")) && error.contains("bandwidth"), "{error}");
     let error = parse("m.toml", &text.replace("3 GB/s", "3 s")).unwrap_err().to_string();
     assert!(error.starts_with(&format!("m.toml:{line}:")), "{error}");
+}
+
+/// The values of a description that another file quotes, by section and key, with their sources.
+fn numbers(name: &str) -> Vec<(String, String, String)> {
+    let text = builtin(name).unwrap().unwrap().to_toml().unwrap();
+    let table: toml::Table = text.parse().unwrap();
+    let sections = table.iter().filter_map(|(section, keys)| Some((section, keys.as_table()?)));
+    let of_section = |(section, keys): (&String, &toml::Table)| {
+        let section = section.clone();
+        let number = move |(key, number): (&String, &toml::Value)| {
+            let text = |what: &str| number.get(what)?.as_str().map(str::to_owned);
+            Some((format!("{section}.{key}"), text("value")?, text("source")?))
+        };
+        keys.iter().filter_map(number).collect::<Vec<_>>()
+    };
+    sections.flat_map(of_section).collect()
+}
+
+/// A number whose source is "a core for a core of X", or "as X", is that of X.
+#[test]
+fn numbers_quoted_from_another_machine_follow_it() {
+    let mut compared = 0;
+    for name in NAMES {
+        for (key, value, source) in numbers(name) {
+            let Some(other) = NAMES.iter().find(|n| {
+                source.ends_with(&format!("a core for a core of {n}")) || source.ends_with(&format!("as {n}"))
+            }) else {
+                continue;
+            };
+            // The memory of a node is what threads of one process exchange messages in.
+            let theirs = key.replacen("node.", "network.", 1);
+            let theirs = if key == "processors.per-node" { "processors.count".into() } else { theirs };
+            let found = numbers(other).into_iter().find(|n| n.0 == theirs);
+            let found = found.unwrap_or_else(|| panic!("{name}: {other} has no {theirs}"));
+            assert_eq!(value, found.1, "{name}: {key} is quoted from {other}");
+            compared += 1;
+        }
+    }
+    assert!(compared > 60, "{compared}");
 }

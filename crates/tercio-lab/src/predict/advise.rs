@@ -1,7 +1,7 @@
 //! The best organisation for a machine and a model: all candidates are predicted, the fastest is explained.
 //!
-//! If there is a model of the renderer's ranks for a plan ([`Plan::by_renderer`]), the advice is about the renderer and
-//! comes from it. The simulator of the sorting classes then estimates the others, comparable only with its own figures.
+//! If a machine has the costs of the renderer and its ranks ([`Plan::by_renderer`]), the advice is about the renderer and
+//! comes from the models of its threads and ranks. The simulator of the sorting classes then estimates the others, comparable only with its own figures.
 //! Without such a model, the advice is the simulator's.
 
 use rayon::prelude::*;
@@ -9,26 +9,93 @@ use serde::Serialize;
 
 use super::PredictError;
 use super::counts::Counters;
+use super::frame::FrameTime;
 use super::ranks::renderer::{RankSeconds, RanksFrame};
 use super::ranks::simulated::SimulatedFrame;
-use super::ranks::{Picture, Plan, TILE_EDGES, predict, simulate};
-use crate::machines::{Machine, Topology};
+use super::ranks::{MOST_RANKS, Picture, Plan, Simulated, TILE_EDGES, on_threads, predict, simulate};
+use crate::machines::{Control, Machine, Topology};
 use crate::simulators::sorting::{Assignment, Organisation};
 use crate::workloads::BoxScene;
 
-/// A frame predicted by the model of the renderer's ranks.
+/// A frame predicted by the models that are compared with the renderer.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Rendered {
-    /// How the ranks share it.
-    pub plan: Plan,
+    /// How the processors share it.
+    pub plan: RenderedPlan,
     /// The prediction.
-    pub frame: RanksFrame,
+    pub frame: Frame,
+}
+
+/// How the renderer uses processors.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum RenderedPlan {
+    /// One process with threads.
+    Threads {
+        /// Threads.
+        threads: usize,
+        /// Pixels along the edge of a tile.
+        region: u32,
+    },
+    /// Ranks, of one thread or several.
+    Ranks(Plan),
+}
+
+/// A predicted frame of the renderer.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum Frame {
+    /// Of threads.
+    Threads(FrameTime),
+    /// Of ranks.
+    Ranks(RanksFrame),
+}
+
+impl Frame {
+    /// Seconds of the frame.
+    pub fn total(&self) -> f64 {
+        match self {
+            Self::Threads(time) => time.total(),
+            Self::Ranks(frame) => frame.total(),
+        }
+    }
+
+    /// The parts of rank 0's frame; a process without ranks only draws.
+    fn phases(&self) -> [(&'static str, f64); 6] {
+        match self {
+            Self::Threads(time) => {
+                let [draw, rest @ ..] = RanksFrame::PHASES;
+                let rest = rest.map(|name| (name, 0.0));
+                [(draw, time.total()), rest[0], rest[1], rest[2], rest[3], rest[4]]
+            }
+            Self::Ranks(frame) => frame.phases(),
+        }
+    }
 }
 
 impl Rendered {
     /// The plan in words.
     pub fn describe(&self) -> String {
-        format!("{}, regions of {} pixels", class(self.plan.organisation), self.frame.region)
+        match self.plan {
+            RenderedPlan::Threads { threads, region } => {
+                format!("threads, {threads} of one process, regions of {region} pixels")
+            }
+            RenderedPlan::Ranks(plan) => {
+                let region = match &self.frame {
+                    Frame::Ranks(frame) => frame.region,
+                    Frame::Threads(_) => 0,
+                };
+                let (class, ranks, threads) = (class(plan.organisation), plan.ranks, plan.threads);
+                format!("{class}, {ranks} ranks of {threads} threads, regions of {region} pixels")
+            }
+        }
+    }
+
+    fn class(&self) -> &'static str {
+        match self.plan {
+            RenderedPlan::Threads { .. } => "threads",
+            RenderedPlan::Ranks(plan) => class(plan.organisation),
+        }
     }
 }
 
@@ -41,11 +108,12 @@ pub struct Advice {
     pub simulated: Vec<SimulatedFrame>,
 }
 
-/// The candidates: the four classes, groups of every power of two, regions of 16 to 128 pixels and the largest
-/// possible, both assignments.
-pub fn plans(ranks: usize, topology: Option<Topology>) -> Vec<Plan> {
+/// The candidates of the simulator: the four classes, groups of every power of two, regions of 16 to 128 pixels and the
+/// largest possible, both assignments. Groups of a SIMD machine divide its processors.
+pub fn plans(machine: &Machine, ranks: usize, topology: Option<Topology>) -> Vec<Plan> {
     let mut organisations = vec![Organisation::SortFirst, Organisation::SortMiddle, Organisation::SortLast];
-    let groups = (1..usize::BITS).map(|bit| 1usize << bit).take_while(|g| *g < ranks);
+    let divides = |g: &usize| machine.processors.control == Control::Mimd || ranks.is_multiple_of(*g);
+    let groups = (1..usize::BITS).map(|bit| 1usize << bit).take_while(|g| *g < ranks).filter(divides);
     organisations.extend(groups.map(Organisation::SortTwice));
     let mut plans = Vec::new();
     for organisation in organisations {
@@ -54,7 +122,7 @@ pub fn plans(ranks: usize, topology: Option<Topology>) -> Vec<Plan> {
                 // An owner of the whole picture needs no regions.
                 let divided = organisation != Organisation::SortLast;
                 if divided || (region.is_none() && assignment == Assignment::Interleaved) {
-                    plans.push(Plan { organisation, ranks, region, assignment, topology });
+                    plans.push(Plan { organisation, ranks, threads: 1, region, assignment, topology });
                 }
             }
         }
@@ -62,34 +130,65 @@ pub fn plans(ranks: usize, topology: Option<Topology>) -> Vec<Plan> {
     plans
 }
 
-/// The plans that the renderer supports: both organisations, with tiles of every size.
-pub fn renderer_plans(ranks: usize) -> Vec<Plan> {
-    let of_region = |region| {
-        [Organisation::SortFirst, Organisation::SortLast].map(|organisation| {
-            let assignment = Assignment::Interleaved;
-            Plan { organisation, ranks, region: Some(region), assignment, topology: None }
-        })
-    };
-    TILE_EDGES.into_iter().flat_map(of_region).collect()
+/// The plans of the renderer on up to so many processors of a machine, with tiles of every size: 1, 2, 4 ... threads of
+/// one process, and ranks with threads, sort-first and sort-last, that use all of the processors.
+pub fn renderer_plans(machine: &Machine, processors: usize) -> Vec<RenderedPlan> {
+    let powers = (0..usize::BITS).map(|bit| 1usize << bit).take_while(|&number| number < processors);
+    let numbers: Vec<usize> = powers.chain([processors]).collect();
+    let share = |threads: usize| threads as u64 <= machine.most_threads();
+    let mut plans = Vec::new();
+    for region in TILE_EDGES {
+        let threads = numbers.iter().filter(|&&threads| share(threads));
+        plans.extend(threads.map(|&threads| RenderedPlan::Threads { threads, region }));
+        for &ranks in &numbers {
+            let threads = processors / ranks;
+            if ranks == 1 || ranks > MOST_RANKS || !processors.is_multiple_of(ranks) || !share(threads) {
+                continue;
+            }
+            for organisation in [Organisation::SortFirst, Organisation::SortLast] {
+                let (region, assignment) = (Some(region), Assignment::Interleaved);
+                plans.push(RenderedPlan::Ranks(Plan {
+                    organisation,
+                    ranks,
+                    threads,
+                    region,
+                    assignment,
+                    topology: None,
+                }));
+            }
+        }
+    }
+    plans
 }
 
-/// Predicts plans: each that the renderer supports by its model, all by the simulator.
+/// Why a machine has no predictions of the renderer's frames, if so.
+pub fn why_not(machine: &Machine, topology: Option<Topology>) -> Option<Simulated> {
+    let (organisation, assignment) = (Organisation::SortFirst, Assignment::Interleaved);
+    Plan { organisation, ranks: 1, threads: 1, region: None, assignment, topology }.by_renderer(machine).err()
+}
+
+/// Predicts plans: those of the renderer by its models, all others by the simulator.
 ///
 /// # Errors
-/// As [`predict`] and [`simulate`].
+/// As [`predict`], [`on_threads`] and [`simulate`].
 pub fn advise(
     machine: &Machine,
     picture: &Picture,
     counters: &Counters,
     boxes: &BoxScene,
-    (rendered, simulated): (&[Plan], &[Plan]),
+    (rendered, simulated): (&[RenderedPlan], &[Plan]),
 ) -> Result<Advice, PredictError> {
     let mut renderer = Vec::new();
-    for plan in rendered {
+    let rendered = if why_not(machine, None).is_none() { rendered } else { &[] };
+    for &plan in rendered {
         // Ranks are counted on all threads of this process.
-        if let Ok(frame) = predict(machine, picture, plan)? {
-            renderer.push(Rendered { plan: *plan, frame });
-        }
+        let frame = match plan {
+            RenderedPlan::Threads { threads, region } => {
+                Some(Frame::Threads(on_threads(machine, picture, Some(region), threads)?))
+            }
+            RenderedPlan::Ranks(of_ranks) => predict(machine, picture, &of_ranks)?.ok().map(Frame::Ranks),
+        };
+        renderer.extend(frame.map(|frame| Rendered { plan, frame }));
     }
     let size = (picture.settings.width, picture.settings.height);
     let simulated: Result<Vec<SimulatedFrame>, _> =
@@ -106,8 +205,9 @@ impl Advice {
     pub fn explanation(&self) -> Vec<String> {
         let mut lines = Vec::new();
         if let Some(best) = self.renderer.first() {
-            lines.push(why_rendered(best));
-            let of_class = |r: &Rendered| (class(r.plan.organisation), r.frame.total(), r.describe());
+            lines.push(why_rendered(best, self.renderer.len()));
+            lines.push(self.searched());
+            let of_class = |r: &Rendered| (r.class(), r.frame.total(), r.describe());
             let phases = |k: usize| self.renderer[k].frame.phases().to_vec();
             lines.extend(others(&self.renderer.iter().map(of_class).collect::<Vec<_>>(), phases));
             lines.push("the rest is from the simulator of the sorting classes, another model".into());
@@ -122,31 +222,74 @@ impl Advice {
     }
 }
 
+impl Advice {
+    /// What the plans of the renderer are, and what it has besides.
+    fn searched(&self) -> String {
+        let mut ranks = Vec::new();
+        let mut threads = 1;
+        for rendered in &self.renderer {
+            match rendered.plan {
+                RenderedPlan::Threads { threads: some, .. } => threads = threads.max(some),
+                RenderedPlan::Ranks(plan) => ranks.push((plan.ranks, plan.threads)),
+            }
+        }
+        ranks.sort_unstable();
+        ranks.dedup();
+        let ranks: Vec<_> = ranks.iter().map(|(r, t)| format!("{r} x {t}")).collect();
+        let ranks = if ranks.is_empty() {
+            "no ranks".into()
+        } else {
+            format!("ranks x threads {}", ranks.join(", "))
+        };
+        format!(
+            "compared are up to {threads} threads of one process, and {ranks}, in sort-first and sort-last with direct \
+             send; the renderer's sort-middle, sort-twice and other divisions and compositions are not"
+        )
+    }
+}
+
 fn milliseconds(seconds: f64) -> String {
     format!("{:.3} ms", seconds * 1e3)
 }
 
-fn why_rendered(best: &Rendered) -> String {
-    let f = &best.frame;
-    let (name, seconds) = longest(&f.phases());
-    format!(
-        "{} is fastest of what the renderer has, {} a frame: rank 0 spends most on {name}, {}; busiest over mean rank \
-         {:.2} in drawing and {:.2} in all; {} bytes in {} messages; {} bytes in the rank that needs most",
-        best.describe(),
-        milliseconds(f.total()),
-        milliseconds(seconds),
-        f.imbalance(|r| r.draw),
-        f.imbalance(RankSeconds::busy),
-        f.bytes,
-        f.messages,
-        f.memory.total(),
-    )
+fn why_rendered(best: &Rendered, compared: usize) -> String {
+    let total = milliseconds(best.frame.total());
+    let plan = format!(
+        "{} is fastest of the {compared} plans of the renderer compared, {total} a frame",
+        best.describe()
+    );
+    match &best.frame {
+        Frame::Threads(time) => format!(
+            "{plan}: front end {}, geometry {}, rasterization {}, shading {}, memory {}, picture {}; busiest over mean \
+             thread {:.2}",
+            milliseconds(time.front_end),
+            milliseconds(time.geometry),
+            milliseconds(time.raster),
+            milliseconds(time.shading),
+            milliseconds(time.memory),
+            milliseconds(time.picture),
+            time.imbalance,
+        ),
+        Frame::Ranks(f) => {
+            let (name, seconds) = longest(&f.phases());
+            format!(
+                "{plan}: rank 0 spends most on {name}, {}; busiest over mean rank {:.2} in drawing and {:.2} in all; {} \
+                 bytes in {} messages; {} bytes in the rank that needs most",
+                milliseconds(seconds),
+                f.imbalance(|r| r.draw),
+                f.imbalance(RankSeconds::busy),
+                f.bytes,
+                f.messages,
+                f.memory.total(),
+            )
+        }
+    }
 }
 
 fn why_simulated(best: &SimulatedFrame) -> String {
     let (name, seconds) = longest(&best.phases());
     format!(
-        "{} is fastest, {} a frame: its longest phase is {name} with {}; busiest over mean rank {:.2} in geometry and \
+        "{} is fastest of the classes simulated, {} a frame: its longest phase is {name} with {}; busiest over mean rank {:.2} in geometry and \
          {:.2} in rasterization",
         describe(&best.plan),
         milliseconds(best.total()),
@@ -261,7 +404,7 @@ mod tests {
     #[test]
     fn the_first_plan_is_the_fastest_and_the_others_are_explained() {
         let machine = builtin("princeton-engine").unwrap().unwrap();
-        let plans = (renderer_plans(64), plans(64, None));
+        let plans = (renderer_plans(&machine, 64), plans(&machine, 64, None));
         let advice = picture((1024, 1024), |picture| {
             advise(&machine, picture, &counters(3000), &scene(3000), (&plans.0, &plans.1)).unwrap()
         });
@@ -279,7 +422,7 @@ mod tests {
 
     #[test]
     fn what_the_renderer_has_is_explained_by_its_own_model() {
-        let machine = builtin("two-core-2026").unwrap().unwrap();
+        let machine = builtin("server-128").unwrap().unwrap();
         let (scene, bounds) =
             crate::predict::calibrate::prepare(tercio_mesh::builtin::make("builtin:gyroid@5k").unwrap());
         let (camera, settings) = (
@@ -287,30 +430,79 @@ mod tests {
             tercio_raster::Settings::one_sample(160, 120),
         );
         let picture = Picture { scene: &scene, camera: &camera, settings: &settings };
-        let plans = (renderer_plans(4), plans(4, None));
+        let plans = (renderer_plans(&machine, 4), plans(&machine, 4, None));
         let advice =
             advise(&machine, &picture, &counters(100), &self::scene(100), (&plans.0, &plans.1)).unwrap();
         assert_eq!(advice.renderer.len(), plans.0.len());
         assert!(advice.renderer.windows(2).all(|w| w[0].frame.total() <= w[1].frame.total()));
         for Rendered { plan, frame } in &advice.renderer {
-            assert_eq!(predict(&machine, &picture, plan).unwrap().as_ref(), Ok(frame), "{plan:?}");
+            let again = match *plan {
+                RenderedPlan::Threads { threads, region } => {
+                    Frame::Threads(on_threads(&machine, &picture, Some(region), threads).unwrap())
+                }
+                RenderedPlan::Ranks(of_ranks) => {
+                    Frame::Ranks(predict(&machine, &picture, &of_ranks).unwrap().unwrap())
+                }
+            };
+            assert_eq!(&again, frame, "{plan:?}");
         }
         let lines = advice.explanation();
         let best = &advice.renderer[0];
         assert!(lines[0].starts_with(&best.describe()), "{lines:?}");
         assert!(lines[0].contains(&milliseconds(best.frame.total())), "{lines:?}");
-        assert!(lines[0].contains(&format!("{} bytes in {}", best.frame.bytes, best.frame.messages)));
-        // The renderer's other class, the separator, four classes of the simulator.
-        assert_eq!(lines.len(), 2 + 1 + 4, "{lines:?}");
+        // The search covers threads, and ranks with threads: a plan of each is there, and the best is the best of all.
+        for (ranks, threads) in [(1, 1), (1, 2), (1, 4), (2, 2), (4, 1)] {
+            let is_it = |r: &Rendered| match r.plan {
+                RenderedPlan::Threads { threads: t, .. } => (1, t) == (ranks, threads),
+                RenderedPlan::Ranks(plan) => (plan.ranks, plan.threads) == (ranks, threads),
+            };
+            assert!(advice.renderer.iter().any(is_it), "{ranks} ranks of {threads} threads");
+        }
+        assert!(!lines.iter().any(|l| l.contains("what the renderer has")), "{lines:?}");
+        assert!(lines[1].contains("4 threads") && lines[1].contains("2 x 2, 4 x 1"), "{lines:?}");
+        // The best, the search, two other classes, the separator, four classes of the simulator.
+        assert_eq!(lines.len(), 2 + 2 + 1 + 4, "{lines:?}");
     }
 
     #[test]
-    fn a_machine_without_a_network_is_reported() {
-        let machine = builtin("voodoo-sli").unwrap().unwrap();
+    fn ranks_of_several_threads_draw_faster_than_ranks_of_one() {
+        let machine = builtin("server-128").unwrap().unwrap();
+        let (scene, bounds) =
+            crate::predict::calibrate::prepare(tercio_mesh::builtin::make("builtin:gyroid@20k").unwrap());
+        let (camera, settings) = (
+            crate::predict::views::camera(&bounds, (320, 240), 0, 1),
+            tercio_raster::Settings::one_sample(320, 240),
+        );
+        let picture = Picture { scene: &scene, camera: &camera, settings: &settings };
+        for organisation in [Organisation::SortFirst, Organisation::SortLast] {
+            let draw = |threads| {
+                let (region, assignment) = (Some(16), Assignment::Interleaved);
+                let plan = Plan { organisation, ranks: 2, threads, region, assignment, topology: None };
+                let frame = predict(&machine, &picture, &plan).unwrap().unwrap();
+                (frame.busiest_and_mean(|r| r.draw).0, frame.bytes, frame.messages)
+            };
+            let (one, four) = (draw(1), draw(4));
+            assert_eq!((one.1, one.2), (four.1, four.2), "threads send nothing");
+            assert!(four.0 < one.0 && four.0 > one.0 / 4.0, "{four:?} {one:?}");
+        }
+    }
+
+    #[test]
+    fn missing_parts_and_too_many_processors_are_reported() {
+        let machine = builtin("server-128").unwrap().unwrap();
         let error = picture((64, 64), |picture| {
-            let plans = plans(2, None);
+            let plans = plans(&machine, 129, None);
             advise(&machine, picture, &counters(1), &scene(1), (&[], &plans)).unwrap_err()
         });
-        assert!(error.to_string().contains("network is needed"), "{error}");
+        assert!(error.to_string().contains("expected at most 128 processors, found 129"), "{error}");
+        let machine = builtin("voodoo-sli").unwrap().unwrap();
+        let error = picture((64, 64), |picture| {
+            let plans = plans(&machine, 2, None);
+            advise(&machine, picture, &counters(1), &scene(1), (&[], &plans)).unwrap_err()
+        });
+        assert!(
+            error.to_string().contains("missing in its description: network, bytes.primitive"),
+            "{error}"
+        );
     }
 }

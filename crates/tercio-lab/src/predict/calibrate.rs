@@ -5,6 +5,7 @@
 //! few large triangles and many small ones, one layer and many, closed surfaces and triangle soups, smaller and larger
 //! than the caches, sorted by clusters and by triangles. So each cost dominates some frames.
 
+use std::cmp::Ordering;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -16,11 +17,13 @@ use tercio_scene::{Camera, Scene};
 
 use super::counts::{Counted, Counters, count};
 use super::frame::{Caches, FrameTime, charges};
-use super::hardware::{cache_bytes, composite_seconds, memory_bandwidth};
+use super::hardware::{cache_bytes, composite_seconds, memory_bandwidth, processor_name};
 use super::measure::{Clock, measure};
+use super::quoted::date::today;
 use super::{PredictError, fit, messages, views};
 use crate::machines::{
-    DataKind, Machine, Network, Operation, Processors, ScreenDivision, Sorting, SortingClass, Sourced,
+    self, Control, DataKind, Machine, Network, Operation, Processors, ScreenDivision, Sorting, SortingClass,
+    Sourced,
 };
 
 /// Models that costs are fitted to.
@@ -57,10 +60,13 @@ pub struct Options {
     pub threads: usize,
     /// Frames in a round; the fastest counts.
     pub frames: u32,
-    /// Rounds through all pictures: other users of the machine do not disturb every one.
+    /// Rounds through all pictures, at least 2: other users of the machine do not disturb every one, and their spread
+    /// shows whether they do.
     pub rounds: u32,
     /// Which clock times frames. Processor time ignores threads that wait, so the serial share comes out too small.
     pub clock: Clock,
+    /// Whether a measurement is kept that is still too noisy when it was repeated.
+    pub accept_noise: bool,
 }
 
 /// A measured frame and its counts.
@@ -72,8 +78,10 @@ pub struct Sample {
     pub settings: Settings,
     /// Its counts on one thread.
     pub counted: Counted,
-    /// Seconds on one thread.
+    /// Seconds on one thread, of the fastest frame of all rounds.
     pub seconds: f64,
+    /// Those of the slowest round's fastest frame.
+    pub slowest: f64,
     /// Seconds predicted by the fitted costs.
     pub fitted: f64,
     /// For whole frames: seconds on all threads.
@@ -89,30 +97,102 @@ pub struct Calibration {
     pub samples: Vec<Sample>,
 }
 
+/// What a calibration reports while it runs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Progress<'a> {
+    /// What is measured next.
+    Next(&'a str),
+    /// Why the rounds are repeated: the machine was too busy.
+    Repeated(&'a str),
+}
+
+/// How often rounds are repeated on a machine that is too busy.
+const REPEATS: u32 = 2;
+
 /// Measures this machine. `mpi` is the network over MPI, if the caller has [measured](messages::measure) it with its
-/// ranks. `progress` is called with the name of what is measured next.
+/// ranks. If the measurement is too noisy, the rounds are repeated twice.
 ///
 /// # Errors
-/// [`PredictError`].
+/// [`PredictError`]; [`PredictError::Noisy`] if it is still too noisy then.
 pub fn calibrate(
     o: Options,
     mpi: Option<Network>,
-    mut progress: impl FnMut(&str),
+    mut progress: impl FnMut(Progress<'_>),
 ) -> Result<Calibration, PredictError> {
     let mut pictures = Vec::new();
     for model in MODELS {
-        progress(model);
+        progress(Progress::Next(model));
         // Built-in names; a model that cannot be made is skipped.
         let Ok(mesh) = builtin::make(model) else { continue };
         pictures.extend(pictures_of(model, mesh)?);
     }
-    for round in 0..o.rounds.max(1) {
-        progress(&format!("round {} of {}", round + 1, o.rounds.max(1)));
-        pictures.iter_mut().try_for_each(|p| p.draw(o))?;
+    let rounds = o.rounds.max(2);
+    let mut repeats = 0;
+    loop {
+        pictures.iter_mut().for_each(|p| p.sample.slowest = 0.0);
+        for round in 0..rounds {
+            progress(Progress::Next(&format!("round {} of {rounds}", round + 1)));
+            pictures.iter_mut().try_for_each(|p| p.draw(o))?;
+        }
+        progress(Progress::Next("memory and messages"));
+        let samples = pictures.iter().map(|p| p.sample.clone()).collect();
+        let calibration = fitted(description(o, mpi.clone())?, samples, o.threads);
+        let Some(noise) = noise(&calibration.machine) else { return Ok(calibration) };
+        if repeats == REPEATS {
+            return if o.accept_noise { Ok(calibration) } else { Err(PredictError::Noisy(noise)) };
+        }
+        repeats += 1;
+        progress(Progress::Repeated(&noise));
     }
-    let mut samples: Vec<Sample> = pictures.into_iter().map(|p| p.sample).collect();
-    progress("memory and messages");
-    let mut machine = description(o, mpi)?;
+}
+
+/// The largest median spread of the rounds, root mean square of the residuals, and serial share of a measurement that
+/// is not too noisy.
+const MOST_SPREAD: f64 = 0.25;
+const MOST_RESIDUAL: f64 = 0.4;
+const MOST_SERIAL: f64 = 0.5;
+
+/// Why a measurement is too noisy, if it is.
+fn noise(machine: &Machine) -> Option<String> {
+    let c = machine.calibration.as_ref()?;
+    let serial = machine.processors.serial.as_ref().map_or(0.0, |s| s.value);
+    let values = [
+        ("the rounds spread by", c.spread.value, MOST_SPREAD),
+        ("the costs miss the frames by", c.residual.value, MOST_RESIDUAL),
+        ("the serial share is", serial, MOST_SERIAL),
+    ];
+    // A number that is none is too large, too.
+    let too_large =
+        values.into_iter().filter(|(_, value, most)| value.partial_cmp(most).is_none_or(Ordering::is_gt));
+    let words: Vec<_> = too_large
+        .map(|(what, value, most)| format!("{what} {:.1} %, more than {:.0} %", value * 100.0, most * 100.0))
+        .collect();
+    (!words.is_empty()).then(|| words.join("; "))
+}
+
+/// The measurement of the costs: day, processor, version, residuals and spread.
+fn quality(samples: &[Sample]) -> machines::Calibration {
+    let residuals = || samples.iter().map(|s| s.fitted / s.seconds - 1.0);
+    let of_all = (residuals().map(|r| r * r).sum::<f64>() / samples.len().max(1) as f64).sqrt();
+    let worst = residuals().map(f64::abs).fold(0.0, f64::max);
+    let mut spreads: Vec<f64> = samples.iter().map(|s| s.slowest / s.seconds - 1.0).collect();
+    spreads.sort_by(f64::total_cmp);
+    let spread = spreads.get(spreads.len() / 2).copied().unwrap_or(0.0);
+    let measured = || "measured by tercio lab calibrate".to_string();
+    let share = |value: f64| Sourced::new(value, format!("{:.2} %", value * 100.0), measured());
+    machines::Calibration {
+        date: today(),
+        processor: processor_name(),
+        version: env!("CARGO_PKG_VERSION").into(),
+        frames: Sourced::new(samples.len() as f64, samples.len().to_string(), measured()),
+        residual: share(of_all),
+        worst_residual: share(worst),
+        spread: share(spread),
+    }
+}
+
+/// Fits the costs to the samples and adds them to a description.
+fn fitted(mut machine: Machine, mut samples: Vec<Sample>, threads: usize) -> Calibration {
     let caches = Caches::of(&machine, 1);
     let rows: Vec<Vec<f64>> =
         samples.iter().map(|s| charges(&s.counted.frame, caches).map(|c| c.2).to_vec()).collect();
@@ -128,10 +208,11 @@ pub fn calibrate(
         let text = format!("{:.4} ns", seconds * 1e9);
         machine.costs.insert(operation, Sourced::new(seconds, text, source.clone()));
     }
-    let serial = serial_share(&machine, &samples, o.threads);
+    let serial = serial_share(&machine, &samples, threads);
     let measured = "measured by tercio lab calibrate".to_string();
     machine.processors.serial = Some(Sourced::new(serial, format!("{:.2} %", serial * 100.0), measured));
-    Ok(Calibration { machine, samples })
+    machine.calibration = Some(quality(&samples));
+    Calibration { machine, samples }
 }
 
 /// The picture of a sample.
@@ -156,8 +237,15 @@ fn pictures_of(model: &str, mesh: Mesh) -> Result<Vec<Picture>, PredictError> {
             let settings = Settings { sorting, last_stage, ..Settings::one_sample(size.0, size.1) };
             let counted = count(&scene, &camera, &settings, 1)?;
             let seconds = f64::INFINITY;
-            let sample =
-                Sample { model: model.into(), settings, counted, seconds, fitted: 0.0, together: None };
+            let sample = Sample {
+                model: model.into(),
+                settings,
+                counted,
+                seconds,
+                slowest: 0.0,
+                fitted: 0.0,
+                together: None,
+            };
             pictures.push(Picture { scene: scene.clone(), camera, sample });
         }
     }
@@ -176,6 +264,7 @@ impl Picture {
         let together = if whole && o.threads > 1 { Some(seconds(o.threads)?) } else { None };
         let alone = seconds(1)?;
         self.sample.seconds = self.sample.seconds.min(alone);
+        self.sample.slowest = self.sample.slowest.max(alone);
         self.sample.together = together.map(|t| self.sample.together.map_or(t, |before| before.min(t)));
         Ok(())
     }
@@ -216,6 +305,7 @@ fn description(o: Options, mpi: Option<Network>) -> Result<Machine, PredictError
         },
         processors: Processors {
             count: count(o.threads),
+            control: Control::default(),
             at_most: None,
             clock: None,
             memory: None,
@@ -226,6 +316,8 @@ fn description(o: Options, mpi: Option<Network>) -> Result<Machine, PredictError
             serial: None,
         },
         screen: None,
+        node: None,
+        calibration: None,
         network: Some(messages::between_threads()?),
         mpi,
         bytes: BTreeMap::from([
@@ -274,6 +366,7 @@ mod tests {
                 settings: Settings::one_sample(8, 8),
                 counted: Counted { frame, tiles: vec![tile; 2] },
                 seconds,
+                slowest: seconds,
                 fitted: 0.0,
                 together: Some(together),
             };
@@ -294,12 +387,59 @@ mod tests {
     }
 
     fn machine() -> Machine {
-        crate::machines::builtin("two-core-2026").unwrap().unwrap()
+        machines::builtin("two-core-2026").unwrap().unwrap()
+    }
+
+    /// A frame of this many hidden clusters, measured in some rounds.
+    fn sample(clusters_hidden: u64, seconds: f64, slowest: f64, together: f64) -> Sample {
+        let frame = Counters { clusters_hidden, ..Counters::default() };
+        let counted = Counted { frame, tiles: Vec::new() };
+        let (settings, together) = (Settings::one_sample(8, 8), Some(together));
+        Sample { model: "x".into(), settings, counted, seconds, slowest, fitted: 0.0, together }
+    }
+
+    #[test]
+    fn residuals_and_spread_are_part_of_the_description() {
+        let empty = || Machine { costs: BTreeMap::new(), ..machine() };
+        // A millisecond for a thousand clusters, and for the second frame a tenth more; rounds 10 % apart.
+        let samples = [(1000, 1e-3), (2000, 2.2e-3), (3000, 3e-3)];
+        let samples = samples.map(|(n, seconds)| sample(n, seconds, seconds * 1.1, seconds / 2.0)).to_vec();
+        let calibration = fitted(empty(), samples, 2);
+        assert_eq!(noise(&calibration.machine), None);
+        let text = calibration.machine.to_toml().unwrap();
+        let again = parse("this.toml", &text).unwrap_or_else(|e| panic!("{e}\n{text}")).calibration.unwrap();
+        assert_eq!((again.frames.whole(), again.spread.text.as_str()), (3, "10.00 %"));
+        let residuals = calibration.samples.iter().map(|s| s.fitted / s.seconds - 1.0);
+        let worst = residuals.clone().map(f64::abs).fold(0.0, f64::max);
+        let squares = (residuals.map(|r| r * r).sum::<f64>() / 3.0).sqrt();
+        assert!(worst > 0.01 && (again.worst_residual.value - worst).abs() < 1e-4, "{again:?}");
+        assert!((again.residual.value - squares).abs() < 1e-4, "{again:?}");
+        assert_eq!(again.version, env!("CARGO_PKG_VERSION"));
+        assert!(again.date.as_str() > "2026-01-01" && !again.processor.is_empty());
+    }
+
+    #[test]
+    fn noisy_measurements_are_refused_with_the_reason() {
+        let empty = || Machine { costs: BTreeMap::new(), ..machine() };
+        let of_all = |samples: Vec<Sample>| noise(&fitted(empty(), samples, 2).machine);
+        // Frames of 1, 2 and 4 ms, with the slowest round and all threads together in proportion.
+        let scaled = |slowest: f64, together: f64| {
+            let of = |n: u64| sample(1000 * n, 1e-3 * n as f64, slowest * n as f64, together * n as f64);
+            of_all([1, 2, 4].map(of).to_vec())
+        };
+        assert_eq!(scaled(1.1e-3, 0.55e-3), None);
+        // All threads together as slow as one: a serial share of 100 % is no property of a machine.
+        let busy = scaled(1e-3, 1e-3).expect("too noisy");
+        assert!(busy.contains("the serial share is 100.0 %, more than 50 %"), "{busy}");
+        let spread = scaled(2e-3, 0.5e-3).expect("too noisy");
+        assert!(spread.contains("the rounds spread by 100.0 %, more than 25 %"), "{spread}");
+        let fit = vec![sample(1000, 1e-3, 1e-3, 0.5e-3), sample(1000, 1e-2, 1e-2, 0.5e-2)];
+        assert!(of_all(fit).expect("too noisy").contains("the costs miss the frames by"));
     }
 
     #[test]
     fn what_is_measured_is_a_description() {
-        let options = Options { threads: 2, frames: 1, rounds: 1, clock: Clock::Wall };
+        let options = Options { threads: 2, frames: 1, rounds: 1, clock: Clock::Wall, accept_noise: false };
         let measured = messages::Measured { latency: 1.5e-6, bandwidth: 4.25e9 };
         let mpi = messages::network(measured, "over MPI", "one machine");
         for mpi in [None, Some(mpi)] {
@@ -318,7 +458,7 @@ mod tests {
 
     #[test]
     fn frames_of_a_model_are_drawn_and_counted_in_all_variants() {
-        let options = Options { threads: 2, frames: 1, rounds: 1, clock: Clock::Wall };
+        let options = Options { threads: 2, frames: 1, rounds: 1, clock: Clock::Wall, accept_noise: false };
         let mesh = builtin::make("builtin:teapot@2k").unwrap();
         let mut pictures = pictures_of("builtin:teapot@2k", mesh).unwrap();
         assert_eq!(pictures.len(), VARIANTS.len() * SIZES.len());

@@ -4,7 +4,7 @@ use serde::Serialize;
 use tercio_raster::tally::batches;
 
 use super::counts::{Counted, Counters, TileWork};
-use crate::machines::{Machine, Operation};
+use crate::machines::{Machine, MachineError, Operation};
 
 /// Which part of a frame a cost belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -94,6 +94,19 @@ pub fn charges(c: &Counters, caches: Caches) -> [(Phase, Operation, f64); 27] {
 /// Whether clusters have a cost. The documents' machines have costs of polygons only.
 pub fn knows_clusters(machine: &Machine) -> bool {
     machine.seconds(Operation::ClusterDrawn).is_some()
+}
+
+/// Checks that a description has costs of geometry and of rasterization. Others may be missing: a fit that made them
+/// zero leaves them out.
+///
+/// # Errors
+/// [`MachineError::Missing`] with the names of those that would do.
+pub fn need_costs(machine: &Machine) -> Result<(), MachineError> {
+    use Operation as O;
+    machine.need_costs(&[
+        &[O::Polygon, O::PolygonSetUp, O::Vertex, O::ClusterDrawn],
+        &[O::Pixel, O::Stamp, O::Segment, O::SampleStep],
+    ])
 }
 
 /// A predicted frame in seconds.
@@ -229,6 +242,36 @@ mod tests {
         near(share(&[tile(4, false), tile(4, false), tile(4, false)], 2), 8.0 / 12.0);
         near(share(&[tile(2, false), tile(8, false), tile(2, false)], 4), 8.0 / 12.0);
         near(share(&[tile(2, false), tile(8, true), tile(2, false)], 4), 4.0 / 12.0);
+    }
+
+    #[test]
+    fn machines_without_costs_are_refused_with_the_keys_that_are_missing() {
+        for name in crate::machines::NAMES {
+            let machine = builtin(name).unwrap().unwrap();
+            let seconds = FrameTime::on_one_thread(
+                &machine,
+                &Counters {
+                    clusters_drawn: 9,
+                    vertices: 9,
+                    triangles_apart: 9,
+                    triangles_binned: 9,
+                    samples_covered: 9,
+                    stamps: 9,
+                    ..Counters::default()
+                },
+            );
+            match need_costs(&machine) {
+                Ok(()) => assert!(seconds.total() > 0.0, "{name} has costs of nothing"),
+                Err(error) => {
+                    let error = error.to_string();
+                    assert!(machine.costs.is_empty(), "{error}");
+                    assert!(
+                        error.contains("costs.polygon or ") && error.contains("costs.pixel or "),
+                        "{error}"
+                    );
+                }
+            }
+        }
     }
 
     #[test]

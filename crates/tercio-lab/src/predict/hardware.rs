@@ -18,6 +18,13 @@ pub fn cache_bytes(level: u32) -> Option<u64> {
     cache_size(&of(index, "size")?)
 }
 
+/// The name of the first processor as Linux reports it, or else its architecture.
+pub fn processor_name() -> String {
+    let info = fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let name = info.lines().find_map(|line| Some(line.strip_prefix("model name")?.split_once(':')?.1.trim()));
+    name.filter(|name| !name.is_empty()).unwrap_or(std::env::consts::ARCH).to_string()
+}
+
 /// A size in the format of Linux: 48K, 32768K, 2M.
 fn cache_size(text: &str) -> Option<u64> {
     let (number, unit) = match text.strip_suffix('K') {

@@ -5,7 +5,7 @@ use std::time::Instant;
 use tercio_parallel::ParallelError;
 use tercio_parallel::comm::{CommError, Communicator, threads};
 
-use crate::machines::{Network, Sourced, Topology};
+use crate::machines::{Delivery, Network, Packing, Sourced, Topology};
 
 /// Bytes of a small message, whose time is the latency.
 pub const SMALL: usize = 8;
@@ -114,6 +114,8 @@ pub fn network(measured: Measured, between: &str, hop: &str) -> Network {
         bandwidth: Sourced::new(bandwidth.0, bandwidth.1, of_bandwidth),
         hop: Sourced::new(0.0, "0 s".into(), hop.into()),
         message: Sourced::new(latency.0, latency.1, of_latency),
+        packing: Packing::default(),
+        delivery: Delivery::default(),
     }
 }
 

@@ -59,6 +59,15 @@ pub enum PredictError {
     /// The renderer's ranks share a frame in a way without a model.
     #[error("there is no model of {0} ranks of the renderer")]
     Organisation(tercio_parallel::Organisation),
+    /// A calibration on a machine that was too busy.
+    #[error(
+        "this machine is too busy to be measured: {0}; measure it when it is idle, with more --rounds, or with --clock \
+         processor"
+    )]
+    Noisy(String),
+    /// Groups do not divide a SIMD ring.
+    #[error(transparent)]
+    Ring(#[from] crate::simulators::ring::AlgorithmError),
     /// What was decided leaves no way to share a frame.
     #[error(transparent)]
     NoCandidate(#[from] choose::candidates::NoCandidate),

@@ -7,18 +7,18 @@ use anyhow::Result;
 use clap::Args;
 use serde_json::{Value, json};
 use tercio::image::Destination;
-use tercio_lab::predict::advise::{Advice, advise, describe, plans, renderer_plans};
-use tercio_lab::predict::ranks::{Plan, Simulated};
+use tercio_lab::predict::advise::{Advice, advise, describe, plans, renderer_plans, why_not};
+use tercio_lab::predict::ranks::Simulated;
 
 use super::plan::{MachineArgs, PictureArgs};
 use super::predict::ranks;
 use crate::args::RunningArgs;
 use crate::output::write_text;
 
-/// Searches organisation, group size, region size and assignment for a machine and a model, and says why.
+/// Searches threads, ranks, organisation, group size, region size and assignment for a machine and a model, and says why.
 ///
-/// Organisations that the renderer has are predicted with the model that 'tercio lab validate --ranks' compares with
-/// it. The simulator of the sorting classes covers all classes; its figures are comparable with each other only.
+/// Of the renderer, threads of one process are compared with ranks of one thread and of several, in sort-first and
+/// sort-last, by the models that 'tercio lab validate' compares with it. The simulator of the sorting classes covers all classes; its figures are comparable with each other only.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -31,7 +31,7 @@ pub struct Advise {
     picture: PictureArgs,
     #[command(flatten)]
     machine: MachineArgs,
-    /// Ranks [default: all processors of the machine].
+    /// Processors: ranks times threads [default: all of the machine].
     #[arg(short = 'n', long, value_name = "N", value_parser = ranks)]
     ranks: Option<usize>,
     /// Number of the best plans to list.
@@ -53,20 +53,18 @@ impl Advise {
         self.picture.ready(&self.machine)?;
         let machine = self.machine.machine()?;
         let ranks = self.ranks.unwrap_or(machine.processors.count.whole() as usize);
+        machine.may_have(ranks)?;
         let pool = self.running.pool()?;
         let advice = pool.install(|| -> Result<_> {
             let c = self.picture.count(&self.running, &machine, 1)?;
             let topology = self.machine.topology();
             // Only the simulator supports a network other than the machine's.
-            let rendered = if topology.is_none() { renderer_plans(ranks) } else { Vec::new() };
-            let simulated = plans(ranks, topology);
+            let rendered = if topology.is_none() { renderer_plans(&machine, ranks) } else { Vec::new() };
+            let simulated = plans(&machine, ranks, topology);
             let counters = &c.counted.frame;
             Ok(advise(&machine, &c.picture(), counters, &c.boxes()?, (&rendered, &simulated))?)
         })?;
-        let why_not = renderer_plans(ranks)
-            .iter()
-            .map(|plan| Plan { topology: self.machine.topology(), ..*plan })
-            .find_map(|plan| plan.by_renderer(&machine).err());
+        let why_not = why_not(&machine, self.machine.topology());
         let text = match self.json {
             true => self.json_text(&machine.name, ranks, &advice, why_not),
             false => self.text(&machine.name, ranks, &advice, why_not),
@@ -86,7 +84,7 @@ impl Advise {
             .take(top)
             .map(|p| json!({ "plan": describe(&p.plan), "total_seconds": p.total(), "prediction": p }));
         let value = json!({
-            "machine": machine, "ranks": ranks,
+            "machine": machine, "processors": ranks,
             "renderer": {
                 "plans_compared": advice.renderer.len(), "best": rendered.collect::<Value>(), "why_not": why_not,
             },
@@ -100,7 +98,7 @@ impl Advise {
 
     fn text(&self, machine: &str, ranks: usize, advice: &Advice, why_not: Option<Simulated>) -> String {
         let top = self.top.max(1);
-        let mut text = format!("{machine}, {ranks} ranks\n");
+        let mut text = format!("{machine}, {ranks} processors\n");
         // Writing into a string cannot fail.
         let _ = match why_not {
             Some(reason) => writeln!(text, "no prediction by the model of the renderer's ranks: {reason}"),

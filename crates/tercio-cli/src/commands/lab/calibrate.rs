@@ -8,7 +8,7 @@ use clap::{Args, ValueEnum};
 use tercio::image::Destination;
 use tercio::parallel::Communicator as _;
 use tercio_lab::machines::Network;
-use tercio_lab::predict::calibrate::{Options, calibrate};
+use tercio_lab::predict::calibrate::{Options, Progress, calibrate};
 use tercio_lab::predict::measure::Clock;
 use tercio_lab::predict::messages::{Way, measure, network};
 use tercio_lab::predict::ranks;
@@ -24,7 +24,8 @@ use crate::{messages, mpi, threads};
 #[command(after_help = "\
 Costs are fitted to frames of built-in models on one thread, whole ones and ones that end at earlier stages; the
 serial share follows from the whole frames on all threads. Costs of ranks are fitted to frames of one, two and
-three of them. Messages are sent back and forth: half the median round trip of small ones is the latency, that of
+three of them. Residuals of the fit, spread of the rounds, day, processor and version are in the section calibration.
+A measurement that is too noisy is repeated, and refused if that does not help. Messages are sent back and forth: half the median round trip of small ones is the latency, that of
 large ones gives the bandwidth. Those between threads of one process are the section network. mpirun with two
 processes or more measures the section mpi first, between ranks 0 and 1; then all ranks except 0, which writes,
 end. mpirun may bind a process to one processor: with --bind-to none rank 0 can use its whole machine.
@@ -43,12 +44,15 @@ pub struct Calibrate {
     /// Frames of each picture; the fastest counts.
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=1000))]
     frames: u32,
-    /// Rounds through all pictures.
-    #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    /// Rounds through all pictures, at least 2.
+    #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(2..=1000))]
     rounds: u32,
     /// Which clock times frames; processor time does not see threads that wait.
     #[arg(long, value_name = "CLOCK", value_enum, default_value_t = ClockName::Wall)]
     clock: ClockName,
+    /// Writes the description even if the measurement is too noisy; its section calibration says how noisy.
+    #[arg(long)]
+    accept_noise: bool,
     #[command(flatten)]
     running: RunningArgs,
 }
@@ -95,6 +99,7 @@ impl Calibrate {
             frames: self.frames,
             rounds: self.rounds,
             clock: self.clock.into(),
+            accept_noise: self.accept_noise,
         };
         let bound = threads::of_machine().filter(|&all| mpi.is_some() && all > options.threads);
         if let Some(all) = bound.filter(|_| self.running.threads.is_none() && !self.running.quiet) {
@@ -103,13 +108,15 @@ impl Calibrate {
                 options.threads
             ));
         }
-        let progress = |what: &str| {
-            if self.running.verbose {
-                messages::note(what);
+        let progress = |what: Progress<'_>| match what {
+            Progress::Next(what) if self.running.verbose => messages::note(what),
+            Progress::Repeated(why) if !self.running.quiet => {
+                messages::warning(&format!("the machine is busy, so it is measured again: {why}"));
             }
+            _ => {}
         };
         let mut calibration = pool.install(|| calibrate(options, mpi, progress))?;
-        progress("ranks");
+        progress(Progress::Next("ranks"));
         let costs = ranks::calibrate::measure(self.frames, self.rounds)?;
         ranks::calibrate::describe(
             &costs,

@@ -8,7 +8,7 @@ use clap::{Args, ValueEnum};
 use serde_json::json;
 use tercio::image::Destination;
 use tercio_lab::predict::advise::describe;
-use tercio_lab::predict::frame::FrameTime;
+use tercio_lab::predict::frame::{FrameTime, need_costs};
 use tercio_lab::predict::ranks::renderer::{Carrier, RankSeconds, RanksFrame};
 use tercio_lab::predict::ranks::simulated::SimulatedFrame;
 use tercio_lab::predict::ranks::{Plan, Simulated, predict, simulate};
@@ -38,7 +38,7 @@ pub struct Predict {
     /// How ranks share a frame.
     #[arg(short = 'O', long, value_name = "CLASS", value_enum, default_value_t = OrganisationName::Threads)]
     organisation: OrganisationName,
-    /// Ranks, or threads [default: all processors of the machine].
+    /// Ranks, or threads [default: all processors of the machine; of threads, all that share a memory].
     #[arg(short = 'n', long, value_name = "N", value_parser = ranks)]
     ranks: Option<usize>,
     /// Ranks of a group of sort-twice.
@@ -87,9 +87,16 @@ impl Predict {
     pub fn run(&self) -> Result<ExitCode> {
         self.picture.ready(&self.machine)?;
         let machine = self.machine.machine()?;
-        let ranks = self.ranks.unwrap_or(machine.processors.count.whole() as usize);
+        need_costs(&machine)?;
+        let on_threads = self.organisation == OrganisationName::Threads;
+        let count = machine.processors.count.whole();
+        let own = if on_threads { count.min(machine.most_threads()) } else { count };
+        let ranks = self.ranks.unwrap_or(own as usize);
+        if on_threads {
+            machine.may_share_memory(ranks)?;
+        }
         let pool = self.running.pool()?;
-        let threads = if self.organisation == OrganisationName::Threads { ranks } else { 1 };
+        let threads = if on_threads { ranks } else { 1 };
         let counted = pool.install(|| self.picture.count(&self.running, &machine, threads))?;
         let organisation = match self.organisation {
             OrganisationName::Threads => {
@@ -104,7 +111,7 @@ impl Predict {
         };
         let assignment = if self.blocks { Assignment::Blocks } else { Assignment::Interleaved };
         let topology = self.machine.topology();
-        let plan = Plan { organisation, ranks, region: self.region, assignment, topology };
+        let plan = Plan { organisation, ranks, threads: 1, region: self.region, assignment, topology };
         let rendered = match self.simulate {
             true => Err(Simulated::Asked),
             false => pool.install(|| predict(&machine, &counted.picture(), &plan))?,
@@ -238,7 +245,9 @@ impl Predict {
             s.geometry.imbalance(),
             s.raster.imbalance()
         );
-        for (name, t) in [("redistribution", s.redistribution), ("composition", s.composition)] {
+        for (name, t) in
+            [("redistribution", s.redistribution), ("composition", s.composition), ("delivery", s.delivery)]
+        {
             let _ = writeln!(
                 text,
                 "{name}: {} bytes in {} messages, busiest link {:.0} bytes, longest way {} hops",

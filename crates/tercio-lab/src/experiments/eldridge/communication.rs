@@ -221,3 +221,16 @@ fn copies() -> Result<Findings, ExperimentError> {
         verdict: Comparison::verdict_of_published(&["E5.8", "E5.9=", "E5.10"], correction)?,
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::published;
+
+    #[test]
+    fn numbers_of_figure_5_9_are_not_counted_under_figure_5_6() {
+        let of_equation = |id: &str| ["E5.8", "E5.9", "E5.10"].iter().any(|prefix| id.starts_with(prefix));
+        for number in published::numbers().unwrap().into_iter().filter(|n| of_equation(&n.id)) {
+            assert!(!number.place.contains("5-9"), "{} is of {}", number.id, number.place);
+        }
+    }
+}

@@ -7,7 +7,7 @@ use crate::experiments::{
 };
 use crate::machines::{Topology, load};
 use crate::predict::views;
-use crate::simulators::sorting::{Assignment, Costs, NetworkModel, Organisation, Setting, sweep};
+use crate::simulators::sorting::{Organisation, Setting, sweep};
 use crate::workloads::projection::Model;
 
 pub(crate) const EXPERIMENTS: &[Experiment] = &[Experiment {
@@ -30,8 +30,6 @@ const CLASSES: [(&str, Organisation); 4] = [
 
 fn classes() -> Result<Findings, ExperimentError> {
     let machine = load("cluster-64")?;
-    let network = machine.need(machine.network.as_ref(), "network")?;
-    let costs = Costs::of(&machine)?;
     let mesh = builtin::make(MODEL)?;
     let camera = views::camera(&mesh.bounds(), SIZE, 0, 1);
     let boxes = Model::new(mesh).boxes(&camera, SIZE)?;
@@ -45,6 +43,7 @@ fn classes() -> Result<Findings, ExperimentError> {
             ("redistribution", "ms"),
             ("rasterization", "ms"),
             ("composition", "ms"),
+            ("delivery", "ms"),
             ("frame", "ms"),
             ("overlap", ""),
             ("bytes", "B"),
@@ -55,21 +54,12 @@ fn classes() -> Result<Findings, ExperimentError> {
     let mut plans = Vec::new();
     for topology in NETWORKS {
         for (_, organisation) in CLASSES {
-            plans.extend((0..=20).step_by(4).map(|power| {
-                let setting = Setting {
-                    width: SIZE.0,
-                    height: SIZE.1,
-                    processors: 1 << power,
-                    region: None,
-                    assignment: Assignment::Interleaved,
-                    network: NetworkModel::of(network, Some(topology)),
-                    costs,
-                };
-                (organisation, setting)
-            }));
+            for power in (0..=20).step_by(4) {
+                plans.push((organisation, Setting::of(&machine, 1 << power, SIZE, Some(topology))?));
+            }
         }
     }
-    let reports = sweep(&boxes, &plans, || ());
+    let reports = sweep(&boxes, &plans, || ())?;
     for (topology, of_network) in NETWORKS.into_iter().zip(reports.chunks(reports.len() / NETWORKS.len())) {
         let mut plot = Plot::new(
             topology.name(),
@@ -91,9 +81,10 @@ fn classes() -> Result<Findings, ExperimentError> {
                     (r.redistribution_seconds * 1e3).into(),
                     (r.raster.seconds * 1e3).into(),
                     (r.composition_seconds * 1e3).into(),
+                    (r.delivery_seconds * 1e3).into(),
                     (r.seconds() * 1e3).into(),
                     r.overlap.into(),
-                    ((r.redistribution.bytes + r.composition.bytes) as f64).into(),
+                    ((r.redistribution.bytes + r.composition.bytes + r.delivery.bytes) as f64).into(),
                 ]);
                 points.push((processors, r.seconds() * 1e3));
                 if organisation == Organisation::SortLast {

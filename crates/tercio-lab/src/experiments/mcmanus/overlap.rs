@@ -6,7 +6,7 @@ use crate::experiments::{
     Axis, Comparison, Document, Experiment, ExperimentError, Findings, Plot, Series, Table,
 };
 use crate::models::{mcmanus, overlap};
-use crate::units::{Count, Length, Pixels, Polygons};
+use crate::units::{Count, Hertz, Length, Pixels, Polygons};
 
 pub(crate) const EXPERIMENTS: &[Experiment] = &[
     Experiment {
@@ -122,7 +122,7 @@ fn places() -> Result<Findings, ExperimentError> {
 
 fn predicted_rate() -> Result<Findings, ExperimentError> {
     let facts = Facts::load()?;
-    let per_second = Count::new(1e6);
+    let per_second = Hertz::new(1e6);
     let mut table = Table::new(
         "rates",
         &[("side", "px"), ("equation 7", "polygon/s"), ("measured", "polygon/s"), ("deviation", "%")],

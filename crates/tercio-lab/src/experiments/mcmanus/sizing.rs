@@ -6,7 +6,7 @@ use crate::experiments::{
     Axis, Comparison, Document, Experiment, ExperimentError, Findings, Plot, Series, Table,
 };
 use crate::models::mcmanus::{self, optimum};
-use crate::units::{Count, Cycles, Length, Pixels, Polygons, SquareInches};
+use crate::units::{Cycles, Hertz, Length, Pixels, Polygons, SquareInches};
 
 pub(crate) const EXPERIMENTS: &[Experiment] = &[
     Experiment {
@@ -54,7 +54,7 @@ pub(crate) const EXPERIMENTS: &[Experiment] = &[
 ];
 
 /// Raster cycles a second.
-const PER_SECOND: Count = Count::new(1e6);
+const PER_SECOND: Hertz = Hertz::new(1e6);
 
 fn areas() -> Result<Findings, ExperimentError> {
     let facts = Facts::load()?;

@@ -11,7 +11,9 @@ pub mod optimum;
 use crate::models;
 use crate::models::overlap;
 use crate::models::registry::Model;
-use crate::units::{Count, Cycles, Length, Pixels, PolygonRate, Polygons, Ratio, Seconds, SquareInches};
+use crate::units::{
+    Count, Cycles, Hertz, Length, Pixels, PolygonRate, Polygons, Ratio, Seconds, SquareInches,
+};
 
 /// Area of one pixel processor, square inches (equation 1).
 pub(crate) const PIXEL_PROCESSOR: f64 = 0.000_871;
@@ -28,7 +30,7 @@ pub fn measured_overlap(cycles: Cycles, polygons: Polygons) -> Ratio {
 }
 
 /// Polygons a second of one array that takes `cycles` for `polygons` (table 2).
-pub fn measured_rate(cycles: Cycles, polygons: Polygons, per_second: Count) -> PolygonRate {
+pub fn measured_rate(cycles: Cycles, polygons: Polygons, per_second: Hertz) -> PolygonRate {
     PolygonRate::new(per_second.get() * polygons.get() / cycles.get())
 }
 
@@ -87,7 +89,7 @@ pub fn overlap_of_places(side: Length, width: Length) -> Ratio {
 }
 
 /// Equation 7: P(A), polygons a second of an array.
-pub fn rate(side: Length, area: Pixels, per_second: Count) -> PolygonRate {
+pub fn rate(side: Length, area: Pixels, per_second: Hertz) -> PolygonRate {
     PolygonRate::new(per_second.get() / overlap_of_area(side, area).get())
 }
 
@@ -100,7 +102,7 @@ pub fn general_purpose_rate(
     processors: Count,
     side: Length,
     area: Pixels,
-    per_second: Count,
+    per_second: Hertz,
 ) -> Result<PolygonRate, String> {
     let arrays = processors.get() / (side.get() * side.get());
     if arrays < 1.0 {
@@ -117,7 +119,7 @@ pub fn general_purpose_rate_as_printed(
     processors: Count,
     side: Length,
     area: Pixels,
-    per_second: Count,
+    per_second: Hertz,
 ) -> Result<PolygonRate, String> {
     if side.get() > processors.get() {
         return Err(format!("A: expected at most X = {processors}, found {side}"));
@@ -188,7 +190,7 @@ pub(crate) const MODELS: &[Model] = models! {
     "mcmanus.measured-overlap", "table 1", "regions per polygon from raster cycles":
         measured_overlap["R_A": Cycles, "polygons": Polygons] -> Ratio;
     "mcmanus.measured-rate", "table 2", "polygons a second from raster cycles":
-        measured_rate["R_A": Cycles, "polygons": Polygons, "T": Count = CYCLES] -> PolygonRate;
+        measured_rate["R_A": Cycles, "polygons": Polygons, "T": Hertz = CYCLES] -> PolygonRate;
     "mcmanus.geometry-area", "eq 1", "area of a geometry engine":
         geometry_area["P": PolygonRate] -> SquareInches;
     "mcmanus.array-area", "eq 1", "area of an array of pixel processors":
@@ -206,12 +208,12 @@ pub(crate) const MODELS: &[Model] = models! {
     "mcmanus.6-of-places", "eq 6", "regions per polygon from these":
         overlap_of_places["A": Length where 1.0, "w": Length where 1.0] -> Ratio;
     "mcmanus.7", "eq 7", "P(A), polygons a second of an array":
-        rate["A": Length where 1.0, "N": Pixels where 1.0, "T": Count = CYCLES] -> PolygonRate;
+        rate["A": Length where 1.0, "N": Pixels where 1.0, "T": Hertz = CYCLES] -> PolygonRate;
     "mcmanus.14", "eq 14", "polygons a second of X processors as arrays of side A; printed with X / A, divided":
-        general_purpose_rate["X": Count, "A": Length where 1.0, "N": Pixels where 1.0, "T": Count = CYCLES]
+        general_purpose_rate["X": Count, "A": Length where 1.0, "N": Pixels where 1.0, "T": Hertz = CYCLES]
             -> Result<PolygonRate, String>;
     "mcmanus.14-as-printed", "eq 14", "the same as printed, divided by X / A":
-        general_purpose_rate_as_printed["X": Count, "A": Length where 1.0, "N": Pixels where 1.0, "T": Count = CYCLES]
+        general_purpose_rate_as_printed["X": Count, "A": Length where 1.0, "N": Pixels where 1.0, "T": Hertz = CYCLES]
             -> Result<PolygonRate, String>;
     "mcmanus.frame-time", "3", "time of a frame":
         frame_time["R_A": Cycles, "renderers": Count, "cycle": Seconds = 1e-6] -> Seconds;
@@ -252,7 +254,7 @@ mod tests {
     #[test]
     fn small_arrays_win_without_overhead() {
         let of = |a: f64| {
-            general_purpose_rate(Count::new(65536.0), Length::new(a), Pixels::new(23.91), Count::new(1e6))
+            general_purpose_rate(Count::new(65536.0), Length::new(a), Pixels::new(23.91), Hertz::new(1e6))
         };
         let rates: Vec<_> = [1.0, 4.0, 16.0, 256.0].iter().map(|a| of(*a).unwrap().get()).collect();
         assert!(rates.windows(2).all(|w| w[0] > w[1]), "{rates:?}");
@@ -261,7 +263,7 @@ mod tests {
             Count::new(16.0),
             Length::new(17.0),
             Pixels::new(23.91),
-            Count::new(1e6),
+            Hertz::new(1e6),
         );
         assert!(printed.is_err());
     }

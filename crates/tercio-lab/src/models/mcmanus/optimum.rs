@@ -3,7 +3,7 @@
 use super::{CYCLES, GEOMETRY_BASE, GEOMETRY_SLOPE, PIXEL_PROCESSOR, measured_rate, rate, renderer_area};
 use crate::models;
 use crate::models::registry::Model;
-use crate::units::{Count, Cycles, Length, Pixels, PolygonRate, Polygons, SquareInches};
+use crate::units::{Cycles, Hertz, Length, Pixels, PolygonRate, Polygons, SquareInches};
 
 /// The largest array of the tables.
 const LARGEST: u32 = 512;
@@ -14,13 +14,13 @@ const LARGEST_SIDE: f64 = 4096.0;
 
 /// Increase in polygons a second per pixel of side: P'(A) = 2 T A (s - 1) / (A + s - 1)^3 with s = sqrt N. This is the
 /// true derivative of equation 7, which equation 11 was meant to be.
-pub fn rate_slope(side: Length, area: Pixels, per_second: Count) -> f64 {
+pub fn rate_slope(side: Length, area: Pixels, per_second: Hertz) -> f64 {
     let (a, s) = (side.get(), area.get().sqrt());
     2.0 * per_second.get() * a * (s - 1.0) / (a + s - 1.0).powi(3)
 }
 
 /// Equation 12: R'(A), increase in square inches per pixel of side, with the true P'.
-pub fn area_slope(side: Length, area: Pixels, per_second: Count) -> f64 {
+pub fn area_slope(side: Length, area: Pixels, per_second: Hertz) -> f64 {
     area_slope_with(side, rate_slope(side, area, per_second))
 }
 
@@ -32,7 +32,7 @@ pub fn area_slope(side: Length, area: Pixels, per_second: Count) -> f64 {
 pub fn rate_of_silicon(
     silicon: SquareInches,
     area: Pixels,
-    per_second: Count,
+    per_second: Hertz,
 ) -> Result<PolygonRate, String> {
     let taken = |a: f64| {
         let side = Length::new(a);
@@ -46,14 +46,14 @@ pub fn rate_of_silicon(
 }
 
 /// Equation 8: L, polygons a second per square inch if renderers of this size are replicated.
-pub fn replication_slope(side: Length, area: Pixels, per_second: Count) -> f64 {
+pub fn replication_slope(side: Length, area: Pixels, per_second: Hertz) -> f64 {
     let p = rate(side, area, per_second);
     p.get() / renderer_area(side, p).get()
 }
 
 /// Equation 10: P'(A)/R'(A), increase in polygons a second per additional square inch of one renderer, with the true
 /// P'.
-pub fn growth_slope(side: Length, area: Pixels, per_second: Count) -> f64 {
+pub fn growth_slope(side: Length, area: Pixels, per_second: Hertz) -> f64 {
     rate_slope(side, area, per_second) / area_slope(side, area, per_second)
 }
 
@@ -71,7 +71,7 @@ pub fn optimal_side(area: Pixels) -> Length {
 ///
 /// # Errors
 /// Boxes so small or so large that the optimum does not lie between 1 and 4096.
-pub fn optimal_side_by_search(area: Pixels, per_second: Count) -> Result<Length, String> {
+pub fn optimal_side_by_search(area: Pixels, per_second: Hertz) -> Result<Length, String> {
     bisect(|a| {
         let side = Length::new(a);
         replication_slope(side, area, per_second) - growth_slope(side, area, per_second)
@@ -79,7 +79,7 @@ pub fn optimal_side_by_search(area: Pixels, per_second: Count) -> Result<Length,
 }
 
 /// The side among powers of two from 1 to 512 with the least area per polygon a second, by equation 7 (table 3).
-pub fn optimal_power_of_two(area: Pixels, per_second: Count) -> Length {
+pub fn optimal_power_of_two(area: Pixels, per_second: Hertz) -> Length {
     cheapest(powers_of_two().map(|side| (side, rate(side, area, per_second).get())))
 }
 
@@ -90,7 +90,7 @@ pub fn optimal_power_of_two(area: Pixels, per_second: Count) -> Length {
 pub fn optimal_measured(
     cycles: Vec<Cycles>,
     polygons: Polygons,
-    per_second: Count,
+    per_second: Hertz,
 ) -> Result<Length, String> {
     let sides: Vec<_> = powers_of_two().collect();
     if sides.len() != cycles.len() {
@@ -127,7 +127,7 @@ fn misread_cubic(a: f64, area: Pixels) -> [f64; 2] {
 /// Equation 11 with its coefficients restored: T times a quotient whose denominator is the square of the cubic of
 /// [`misread_overlap`]. The document prints a = 1.5575 (1.5625), b without - 5, the tail of e as that of f, "2N = 4
 /// sqrt N" for j, and 2 sqrt N (6 sqrt N) for k. It is not the derivative of equation 7: see [`rate_slope`].
-pub fn misread_rate_slope(side: Length, area: Pixels, per_second: Count) -> f64 {
+pub fn misread_rate_slope(side: Length, area: Pixels, per_second: Hertz) -> f64 {
     let (n, s) = (area.get(), area.get().sqrt());
     let (a, b, f) = (1.5625, 3.75 * s - 5.0, 4.0 * n * s - 8.0 * n);
     let (j, k) = (2.0 * n - 4.0 * s, 6.0 * s);
@@ -135,7 +135,7 @@ pub fn misread_rate_slope(side: Length, area: Pixels, per_second: Count) -> f64 
 }
 
 /// Equation 11 with the coefficients as printed; the second sign of j, a minus that became "=", is read as a minus.
-pub fn misread_rate_slope_as_printed(side: Length, area: Pixels, per_second: Count) -> f64 {
+pub fn misread_rate_slope_as_printed(side: Length, area: Pixels, per_second: Hertz) -> f64 {
     let (n, s) = (area.get(), area.get().sqrt());
     let (a, b, f) = (1.5575, 3.75 * s, 4.0 * n * s - 8.0 * s + 10.0 * n);
     let (j, k) = (2.0 * n - 4.0 * s, 2.0 * s);
@@ -143,7 +143,7 @@ pub fn misread_rate_slope_as_printed(side: Length, area: Pixels, per_second: Cou
 }
 
 /// Equation 11 with its undisputed coefficients; the disputed ones are parameters.
-fn quotient(side: Length, area: Pixels, per_second: Count, [a, b, f]: [f64; 3], [j, k]: [f64; 2]) -> f64 {
+fn quotient(side: Length, area: Pixels, per_second: Hertz, [a, b, f]: [f64; 3], [j, k]: [f64; 2]) -> f64 {
     let (x, n, s) = (side.get(), area.get(), area.get().sqrt());
     let c = 4.75 * n - 11.0 * s + 4.0;
     let (d, e) = (3.0 * n * s - 10.0 * n + 13.0 * s, n * n - 4.0 * n * s - 8.0 * s + 10.0 * n);
@@ -156,7 +156,7 @@ fn quotient(side: Length, area: Pixels, per_second: Count, [a, b, f]: [f64; 3], 
 ///
 /// # Errors
 /// As [`optimal_side_by_search`].
-pub fn misread_optimal_side(area: Pixels, per_second: Count) -> Result<Length, String> {
+pub fn misread_optimal_side(area: Pixels, per_second: Hertz) -> Result<Length, String> {
     bisect(|a| {
         let side = Length::new(a);
         let p = PolygonRate::new(per_second.get() / misread_overlap(side, area));
@@ -183,31 +183,31 @@ fn bisect(of: impl Fn(f64) -> f64) -> Result<Length, String> {
 
 pub(crate) const MODELS: &[Model] = models! {
     "mcmanus.rate-slope", "eq 11", "P'(A), the true derivative of equation 7":
-        rate_slope["A": Length where 1.0, "N": Pixels where 1.0, "T": Count = CYCLES] -> f64;
+        rate_slope["A": Length where 1.0, "N": Pixels where 1.0, "T": Hertz = CYCLES] -> f64;
     "mcmanus.8", "eq 8", "L, polygons a second per square inch of replicated renderers":
-        replication_slope["A": Length where 1.0, "N": Pixels where 1.0, "T": Count = CYCLES] -> f64;
+        replication_slope["A": Length where 1.0, "N": Pixels where 1.0, "T": Hertz = CYCLES] -> f64;
     "mcmanus.9", "eq 9", "P(R), polygons a second of one renderer by its area of silicon":
-        rate_of_silicon["R": SquareInches, "N": Pixels where 1.0, "T": Count = CYCLES] -> Result<PolygonRate, String>;
+        rate_of_silicon["R": SquareInches, "N": Pixels where 1.0, "T": Hertz = CYCLES] -> Result<PolygonRate, String>;
     "mcmanus.10", "eq 10", "P'/R', polygons a second more per square inch more of one renderer":
-        growth_slope["A": Length where 1.0, "N": Pixels where 1.0, "T": Count = CYCLES] -> f64;
+        growth_slope["A": Length where 1.0, "N": Pixels where 1.0, "T": Hertz = CYCLES] -> f64;
     "mcmanus.11", "eq 11", "equation 11 with its coefficients restored; not the derivative of equation 7":
-        misread_rate_slope["A": Length where 1.0, "N": Pixels where 1.0, "T": Count = CYCLES] -> f64;
+        misread_rate_slope["A": Length where 1.0, "N": Pixels where 1.0, "T": Hertz = CYCLES] -> f64;
     "mcmanus.11-as-printed", "eq 11", "equation 11 with the coefficients as printed":
-        misread_rate_slope_as_printed["A": Length where 1.0, "N": Pixels where 1.0, "T": Count = CYCLES] -> f64;
+        misread_rate_slope_as_printed["A": Length where 1.0, "N": Pixels where 1.0, "T": Hertz = CYCLES] -> f64;
     "mcmanus.11-overlap", "eq 11", "the overlap that equation 11 is derived from":
         misread_overlap["A": Length where 1.0, "N": Pixels where 1.0] -> f64;
     "mcmanus.12", "eq 12", "R'(A) with the true derivative":
-        area_slope["A": Length where 1.0, "N": Pixels where 1.0, "T": Count = CYCLES] -> f64;
+        area_slope["A": Length where 1.0, "N": Pixels where 1.0, "T": Hertz = CYCLES] -> f64;
     "mcmanus.13", "eq 13", "optimal side of an array, closed form":
         optimal_side["N": Pixels where 1.0] -> Length;
     "mcmanus.13-by-search", "eq 13", "optimal side of an array, by search":
-        optimal_side_by_search["N": Pixels where 1.0, "T": Count = CYCLES] -> Result<Length, String>;
+        optimal_side_by_search["N": Pixels where 1.0, "T": Hertz = CYCLES] -> Result<Length, String>;
     "mcmanus.13-of-11", "fig 7", "optimal side by equation 11 and its own overlap":
-        misread_optimal_side["N": Pixels where 1.0, "T": Count = CYCLES] -> Result<Length, String>;
+        misread_optimal_side["N": Pixels where 1.0, "T": Hertz = CYCLES] -> Result<Length, String>;
     "mcmanus.optimal-power-of-two", "table 3", "best side in powers of two, by equation 7":
-        optimal_power_of_two["N": Pixels where 1.0, "T": Count = CYCLES] -> Length;
+        optimal_power_of_two["N": Pixels where 1.0, "T": Hertz = CYCLES] -> Length;
     "mcmanus.optimal-measured", "5.1", "best side in powers of two, by measured raster cycles":
-        optimal_measured["R_A": Vec<Cycles>, "polygons": Polygons, "T": Count = CYCLES] -> Result<Length, String>;
+        optimal_measured["R_A": Vec<Cycles>, "polygons": Polygons, "T": Hertz = CYCLES] -> Result<Length, String>;
 };
 
 #[cfg(test)]
@@ -216,7 +216,22 @@ mod tests {
 
     use super::*;
 
-    const T: Count = Count::new(1e6);
+    const T: Hertz = Hertz::new(1e6);
+
+    #[test]
+    fn raster_cycles_a_second_are_a_clock_rate() {
+        use crate::models::registry::{Arguments, Value, evaluate};
+        let with = |t: Value| {
+            let n = ("N".to_owned(), Value::Number(100.0));
+            evaluate(
+                "mcmanus.7",
+                &Arguments::from([n, ("A".to_owned(), Value::Number(16.0)), ("T".to_owned(), t)]),
+            )
+        };
+        let megahertz = with(Value::Text("1 MHz".into()));
+        assert!(megahertz.is_ok(), "{megahertz:?}");
+        assert_eq!(megahertz, with(Value::Number(1e6)));
+    }
 
     proptest! {
         #[test]

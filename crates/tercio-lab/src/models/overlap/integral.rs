@@ -181,7 +181,7 @@ mod tests {
             let [w, h] = [0, 1].map(|k| Length::new(box_of(k).1 - box_of(k).0));
             let tile = Length::new(8.0);
             let counted = placed_shapes(tile, shape.to_vec(), Count::new(64.0)).unwrap().get();
-            let closed = exact_by_box(tile, w, h, Pixels::new(doubled.abs() / 2.0)).get();
+            let closed = exact_by_box(tile, w, h, Pixels::new(doubled.abs() / 2.0)).unwrap().get();
             prop_assert!((counted / closed - 1.0).abs() < 0.02, "{} {}", counted, closed);
         }
     }

@@ -71,7 +71,7 @@ pub fn corner(rho: Ratio) -> Ratio {
 
 /// Document 001, equation 2.8: tiles that the triangle itself meets, by the side `s` of its square box.
 pub fn exact_by_side(tile: Length, s: Length, rho: Ratio) -> Ratio {
-    exact_by_box(tile, s, s, Pixels::new(s.get() * s.get() / rho.get()))
+    exact_of(tile, s, s, Pixels::new(s.get() * s.get() / rho.get()))
 }
 
 /// The factor of s^2/S^2 in equation 2.8: the excess of [`corner`] over 3.
@@ -82,13 +82,25 @@ pub fn corner_excess(rho: Ratio) -> Ratio {
 /// Document 001, equation 2.9: tiles that a triangle of `area` meets, `rho` as in [`bounding_boxes`].
 pub fn exact(tile: Length, area: Pixels, rho: Ratio) -> Ratio {
     let s = Length::new((rho.get() * area.get()).sqrt());
-    exact_by_box(tile, s, s, area)
+    exact_of(tile, s, s, area)
 }
 
 /// Document 001, equation 2.10, in general: tiles that a convex shape with box `w` by `h` and `area` meets. Exact for
 /// any convex shape of any size, since it is the area of the shape's Minkowski sum with a tile over the tile's; the
 /// document derives it for boxes within a tile only.
-pub fn exact_by_box(tile: Length, w: Length, h: Length, area: Pixels) -> Ratio {
+///
+/// # Errors
+/// An area larger than the box.
+pub fn exact_by_box(tile: Length, w: Length, h: Length, area: Pixels) -> Result<Ratio, String> {
+    let of_box = w.get() * h.get();
+    // Rounding in binary must not decide about a shape that fills its box.
+    if area.get() > of_box * (1.0 + 4.0 * f64::EPSILON) {
+        return Err(format!("a: expected at most the area of the box, w h = {of_box}, found {}", area.get()));
+    }
+    Ok(exact_of(tile, w, h, area))
+}
+
+fn exact_of(tile: Length, w: Length, h: Length, area: Pixels) -> Ratio {
     let s = tile.get();
     Ratio::new(1.0 + (w.get() + h.get()) / s + area.get() / (s * s))
 }
@@ -154,7 +166,7 @@ pub(crate) const MODELS: &[Model] = models! {
     "overlap.2.9", "001 eq 2.9", "square tiles that a triangle of area a meets":
         exact["S": Length, "a": Pixels, "rho": Ratio where 1.0 = BOX_TO_TRIANGLE] -> Ratio;
     "overlap.2.10", "001 eq 2.10", "square tiles that a convex shape with box w by h and area a meets":
-        exact_by_box["S": Length, "w": Length, "h": Length, "a": Pixels] -> Ratio;
+        exact_by_box["S": Length, "w": Length, "h": Length, "a": Pixels] -> Result<Ratio, String>;
     "overlap.2.11", "001 eq 2.11", "2.4 minus 2.9":
         difference["S": Length, "a": Pixels, "rho": Ratio where 1.0 = BOX_TO_TRIANGLE] -> Ratio;
     "overlap.pixel-boxes", "003 eq 2 to 6", "regions of side A that a square box of w whole pixels meets":
@@ -231,7 +243,7 @@ mod tests {
         #[test]
         fn a_rectangle_is_its_own_box(s in 1.0f64..300.0, w in 0.0f64..500.0, h in 0.0f64..500.0) {
             let (s, wl, hl) = (Length::new(s), Length::new(w), Length::new(h));
-            let general = exact_by_box(s, wl, hl, Pixels::new(w * h)).get();
+            let general = exact_by_box(s, wl, hl, Pixels::new(w * h)).unwrap().get();
             prop_assert!((general / boxes_in_squares(s, wl, hl).get() - 1.0).abs() < 1e-12);
         }
 
@@ -248,6 +260,15 @@ mod tests {
             let at = |r: f64| boxes_by_aspect(Pixels::new(area), Ratio::new(r), Length::new(s)).get();
             prop_assert!(at(aspect) >= at(1.0) * (1.0 - 1e-12));
         }
+    }
+
+    #[test]
+    fn a_shape_is_not_larger_than_its_box() {
+        let met =
+            |area| exact_by_box(Length::new(8.0), Length::new(4.0), Length::new(5.0), Pixels::new(area));
+        // 1 + 9/8 + 20/64.
+        assert_eq!(met(20.0).unwrap().get(), 2.4375);
+        assert!(met(21.0).unwrap_err().contains("w h = 20, found 21"));
     }
 
     #[test]

@@ -6,12 +6,14 @@ use tercio_scene::{Camera, Scene};
 
 use super::traffic::Sharing;
 use crate::predict::PredictError;
-use crate::predict::counts::{Counters, count_into};
+use crate::predict::counts::{Counters, TileWork, count_into};
 
 /// What a rank has drawn.
 pub struct Drawing {
     /// Its work, of which that for pixels is that of the tiles in which there may be something.
     pub counters: Counters,
+    /// The work in each of these tiles, if several threads share it.
+    pub tiles: Vec<TileWork>,
     /// The numbers of these tiles.
     pub touched: Vec<u32>,
     /// The picture, with keys.
@@ -19,7 +21,7 @@ pub struct Drawing {
 }
 
 /// Counts a rank's part of a frame and draws it. `settings` are those of the whole frame; `owners` has the owner of each tile
-/// in sort-first.
+/// in sort-first. The rank has some threads.
 ///
 /// # Errors
 /// What makes the frame impossible to draw.
@@ -29,7 +31,7 @@ pub fn drawing(
     settings: &Settings,
     sharing: &Sharing,
     owners: &[u32],
-    rank: usize,
+    (rank, threads): (usize, usize),
 ) -> Result<Drawing, PredictError> {
     let outputs = Outputs { keys: true, ..settings.outputs };
     let settings = Settings { outputs, tile_size: Some(sharing.edge), ..settings.clone() };
@@ -45,9 +47,11 @@ pub fn drawing(
         other => return Err(PredictError::Organisation(other)),
     };
     let mut frame = Frame::default();
-    let counted = count_into(scene, camera, &settings, 1, &mut frame)?;
+    let counted = count_into(scene, camera, &settings, threads, &mut frame)?;
     let is_touched = |tile: &u32| counted.tiles[*tile as usize].counters.tiles_used > 0;
     let touched: Vec<u32> = (0..counted.tiles.len() as u32).filter(is_touched).collect();
     let pixels = touched.iter().map(|&tile| sharing.pixels_of(tile)).sum();
-    Ok(Drawing { counters: Counters { pixels, ..counted.frame }, touched, frame })
+    let of_threads: &[u32] = if threads > 1 { &touched } else { &[] };
+    let tiles = of_threads.iter().map(|&tile| counted.tiles[tile as usize]).collect();
+    Ok(Drawing { counters: Counters { pixels, ..counted.frame }, tiles, touched, frame })
 }

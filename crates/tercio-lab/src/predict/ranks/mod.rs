@@ -31,7 +31,8 @@ use tercio_raster::Settings;
 use tercio_scene::{Camera, Scene};
 
 use super::PredictError;
-use super::counts::Counters;
+use super::counts::{Counters, count};
+use super::frame::{FrameTime, need_costs};
 use crate::machines::{Machine, Topology};
 use crate::simulators::sorting::{Assignment, Organisation};
 use crate::workloads::BoxScene;
@@ -62,6 +63,8 @@ pub struct Plan {
     pub organisation: Organisation,
     /// Ranks.
     pub ranks: usize,
+    /// Threads of each; the simulator has one.
+    pub threads: usize,
     /// Pixels along the edge of a region; `None` is the renderer's own choice, or the largest that gives every rank a region of a
     /// simulated machine.
     pub region: Option<u32>,
@@ -139,8 +142,25 @@ pub struct Picture<'a> {
     pub settings: &'a Settings,
 }
 
+/// Predicts a frame of one process of some threads, with its counts.
+///
+/// # Errors
+/// [`PredictError`]: costs are missing, no memory is shared by so many processors, or the picture cannot be drawn.
+pub fn on_threads(
+    machine: &Machine,
+    picture: &Picture,
+    region: Option<u32>,
+    threads: usize,
+) -> Result<FrameTime, PredictError> {
+    need_costs(machine)?;
+    machine.may_share_memory(threads)?;
+    let settings = Settings { tile_size: region.or(picture.settings.tile_size), ..picture.settings.clone() };
+    let counted = count(picture.scene, picture.camera, &settings, threads)?;
+    Ok(FrameTime::on_threads(machine, &counted, threads))
+}
+
 /// Predicts a frame of the renderer's ranks; `None` with the reason if only the simulator supports it. Ranks that share
-/// a memory share the machine's processors, too.
+/// a memory share the machine's processors, too; there may be fewer processors than ranks.
 ///
 /// # Errors
 /// [`PredictError`].
@@ -155,10 +175,15 @@ pub fn predict(
     };
     let settings =
         Settings { tile_size: plan.region.or(picture.settings.tile_size), ..picture.settings.clone() };
+    need_costs(machine)?;
+    if machine.processors.per_node.is_some() {
+        machine.may_have(plan.ranks * plan.threads.max(1))?;
+    }
+    machine.may_share_memory(plan.threads)?;
     let costs = ExchangeCosts::of(machine)?;
     // Scattered by the work in the tiles, as ranks do without options.
     let how = (plan.ranks, organisation.into());
-    let work = RanksWork::count(picture.scene, picture.camera, &settings, how)?;
+    let work = RanksWork::with_threads(picture.scene, picture.camera, &settings, how, plan.threads.max(1))?;
     let processors = machine.processors.count.whole() as usize;
     Ok(Ok(renderer::predict(machine, &costs, &work, processors)?))
 }
@@ -166,7 +191,7 @@ pub fn predict(
 /// Simulates a frame.
 ///
 /// # Errors
-/// A machine without a network or without the sizes of messages.
+/// As [`simulated::predict`].
 pub fn simulate(
     machine: &Machine,
     counters: &Counters,
@@ -174,5 +199,5 @@ pub fn simulate(
     size: (u32, u32),
     plan: &Plan,
 ) -> Result<SimulatedFrame, PredictError> {
-    Ok(simulated::predict(machine, counters, boxes, size, *plan)?)
+    simulated::predict(machine, counters, boxes, size, *plan)
 }

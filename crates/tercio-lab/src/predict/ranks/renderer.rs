@@ -12,9 +12,9 @@ use super::drawing::drawing;
 use super::exchange::{Exchange, ExchangeCosts, RankMemory};
 use super::schedule::{Played, Stage, Step, Wires, play};
 use super::traffic::{Messages, Sharing, Traffic};
-use crate::machines::{Machine, MachineError};
+use crate::machines::{Machine, MachineError, Topology};
 use crate::predict::PredictError;
-use crate::predict::counts::Counters;
+use crate::predict::counts::{Counted, Counters, TileWork};
 use crate::predict::frame::{Caches, FrameTime};
 use crate::simulators::sorting::network::{Links, NetworkModel};
 
@@ -27,10 +27,14 @@ pub struct RanksWork {
     pub messages: Messages,
     /// The work of each one's renderer.
     pub drawing: Vec<Counters>,
+    /// Threads of each rank.
+    pub threads: usize,
+    /// The work in the tiles of each rank, if it has several threads.
+    pub tiles: Vec<Vec<TileWork>>,
 }
 
 impl RanksWork {
-    /// Counts a frame. `settings` are those of the whole frame.
+    /// Counts a frame of ranks of one thread each. `settings` are those of the whole frame.
     ///
     /// # Errors
     /// What makes the frame impossible to draw.
@@ -38,7 +42,21 @@ impl RanksWork {
         scene: &Scene,
         camera: &Camera,
         settings: &Settings,
+        how: (usize, tercio_parallel::Sharing),
+    ) -> Result<Self, PredictError> {
+        Self::with_threads(scene, camera, settings, how, 1)
+    }
+
+    /// The same for ranks of some threads each.
+    ///
+    /// # Errors
+    /// What makes the frame impossible to draw.
+    pub fn with_threads(
+        scene: &Scene,
+        camera: &Camera,
+        settings: &Settings,
         (ranks, sharing): (usize, tercio_parallel::Sharing),
+        threads: usize,
     ) -> Result<Self, PredictError> {
         let sharing = Sharing {
             organisation: sharing.organisation,
@@ -48,17 +66,28 @@ impl RanksWork {
             edge: tile_edge(scene, settings, sharing.organisation, ranks),
         };
         let settings = Settings { tile_size: Some(sharing.edge), ..settings.clone() };
-        let context = FrameContext::new(scene, camera, &settings, 1)?;
+        let context = FrameContext::new(scene, camera, &settings, threads)?;
         let load = Renderer::estimate_load(&context);
         let owners = sharing.division.owners(&context.grid, &load, ranks);
         let mut traffic = Traffic::new(&sharing, &scene.background);
-        let mut drawn = Vec::new();
+        let (mut drawn, mut tiles) = (Vec::new(), Vec::new());
         for rank in 0..ranks {
-            let drawing = drawing(scene, camera, &settings, &sharing, &owners, rank)?;
+            let drawing = drawing(scene, camera, &settings, &sharing, &owners, (rank, threads))?;
             traffic.add(&drawing);
             drawn.push(drawing.counters);
+            tiles.push(drawing.tiles);
         }
-        Ok(Self { messages: traffic.finish(&owners), sharing, drawing: drawn })
+        Ok(Self { messages: traffic.finish(&owners), sharing, drawing: drawn, threads, tiles })
+    }
+
+    /// Seconds in which a rank draws, without keys.
+    fn drawing_seconds(&self, machine: &Machine, rank: usize) -> f64 {
+        let frame = self.drawing[rank];
+        if self.threads == 1 {
+            return FrameTime::on_one_thread(machine, &frame).total();
+        }
+        let counted = Counted { frame, tiles: self.tiles[rank].clone() };
+        FrameTime::on_threads(machine, &counted, self.threads).total()
     }
 }
 
@@ -141,6 +170,10 @@ pub struct RanksFrame {
 }
 
 impl RanksFrame {
+    /// Names of the parts of a frame, in the order in which they occur.
+    pub const PHASES: [&'static str; 6] =
+        ["drawing", "composing", "collecting", "messages", "waiting", "queueing"];
+
     /// Seconds until rank 0 has the picture.
     pub fn total(&self) -> f64 {
         self.ranks.first().map_or(0.0, |first| first.end)
@@ -163,21 +196,15 @@ impl RanksFrame {
     /// [`Self::total`].
     pub fn phases(&self) -> [(&'static str, f64); 6] {
         let first = self.ranks.first().copied().unwrap_or_default();
-        [
-            ("drawing", first.draw),
-            ("composing", first.compose),
-            ("collecting", first.collect),
-            ("messages", first.message),
-            ("waiting", first.wait),
-            ("queueing", first.queue),
-        ]
+        let seconds = [first.draw, first.compose, first.collect, first.message, first.wait, first.queue];
+        std::array::from_fn(|k| (Self::PHASES[k], seconds[k]))
     }
 }
 
-/// Predicts a frame of ranks of one thread each.
+/// Predicts a frame of ranks. Threads of a rank share its drawing, packing and merging of tiles.
 ///
-/// If the description has a number of processors that share a memory, each rank is assumed to be alone in its memory:
-/// messages take the network's time, and only a rank's own memory has to fit into the cache. Otherwise ranks share
+/// If the description has a number of processors that share a memory, consecutive ranks fill one node after the other:
+/// messages take the time of the network, or of their node, and the ranks of a node share its cache. Otherwise ranks share
 /// caches, there may be fewer `processors` than ranks, and messages stay in memory: threads of one process hand it
 /// over, over MPI ([`Machine::over_mpi`]) the receiver copies the message, at the bandwidth of the network. The serial
 /// share of a description is that of threads that divide one frame; ranks have nothing to divide.
@@ -192,21 +219,28 @@ pub fn predict(
 ) -> Result<RanksFrame, MachineError> {
     let (sharing, ranks) = (&work.sharing, work.sharing.ranks);
     let carrier = Carrier::of(machine);
-    let together = if carrier == Carrier::Network { 1 } else { ranks };
+    let mut network = NetworkModel::of(machine, None)?;
+    if let Some(node) = &mut network.node {
+        node.processors = (node.processors / work.threads).max(1);
+    }
+    let together = network.node.map_or(ranks, |node| node.processors.min(ranks));
     let cache = (together, Caches::of(machine, 1).shared);
     let copied = carrier != Carrier::Threads;
     let exchange = Exchange::new(sharing, &work.messages, &work.drawing, cache, copied);
-    let network = machine.need(machine.network.as_ref(), "network")?;
-    let network = NetworkModel::of(network, None);
     let wires = match carrier {
         Carrier::Network => on_network(&network, work),
         Carrier::Threads => Wires { latency: 0.0, bandwidth: f64::INFINITY, sleeps: false },
         Carrier::Processes => Wires { latency: 0.0, bandwidth: f64::INFINITY, sleeps: true },
     };
     let byte = if carrier == Carrier::Processes { 1.0 / network.bandwidth } else { 0.0 };
-    let costs = Costs { machine, exchange: costs, message: network.message, byte };
+    // Ranks of one node exchange messages in its memory only.
+    let message = match network.node {
+        Some(node) if ranks <= node.processors => node.message,
+        _ => network.message,
+    };
+    let costs = Costs { machine, exchange: costs, message, byte };
     let programs: Vec<Vec<Step>> = (0..ranks).map(|rank| program(&costs, work, &exchange, rank)).collect();
-    let played = play(&programs, processors, wires);
+    let played = play(&programs, (processors / work.threads).max(1), wires);
     let (messages, bytes) = work.messages.total();
     let memory = (0..ranks).map(|rank| exchange.memory(rank)).max_by_key(RankMemory::total);
     Ok(RanksFrame {
@@ -250,13 +284,13 @@ fn program(costs: &Costs, work: &RanksWork, exchange: &Exchange, rank: usize) ->
         send(&mut steps, (rank + ranks - distance) % ranks, bytes);
         take(&mut steps, (rank + distance) % ranks, bytes);
     }
-    let seconds =
-        FrameTime::on_one_thread(machine, &work.drawing[rank]).total() + costs.seconds(&exchange.keys(rank));
+    let threads = work.threads as f64;
+    let seconds = work.drawing_seconds(machine, rank) + costs.seconds(&exchange.keys(rank)) / threads;
     steps.push(Step::Work(Stage::Draw, seconds));
     if ranks == 1 {
         return steps;
     }
-    steps.push(Step::Work(Stage::Compose, costs.seconds(&exchange.packing(rank))));
+    steps.push(Step::Work(Stage::Compose, costs.seconds(&exchange.packing(rank)) / threads));
     for to in (1..ranks).map(|step| (rank + step) % ranks) {
         if let Some(pixels) = messages.between(rank, to) {
             send(&mut steps, to, pixels.keyed_bytes());
@@ -266,7 +300,7 @@ fn program(costs: &Costs, work: &RanksWork, exchange: &Exchange, rank: usize) ->
         let Some(pixels) = messages.between(from, rank) else { continue };
         take(&mut steps, from, pixels.keyed_bytes());
         let composing = exchange.composing(from, rank).unwrap_or_default();
-        steps.push(Step::Work(Stage::Compose, costs.seconds(&composing)));
+        steps.push(Step::Work(Stage::Compose, costs.seconds(&composing) / threads));
     }
     let finished = &messages.finished;
     if rank == 0 || finished[rank].is_sent {
@@ -292,12 +326,12 @@ fn gathering(messages: &Messages, ranks: usize) -> impl Iterator<Item = (usize, 
     })
 }
 
-/// The network as seen by all messages of a frame: with the bandwidth of its busiest links, converted to that of the
-/// ports, and the latency of its longest path.
+/// The network as seen by all messages of a frame: with the bandwidth at which its busiest links, inside a node or
+/// between nodes, pass what the busiest port passes, and the latency of its longest path.
 fn on_network(network: &NetworkModel, work: &RanksWork) -> Wires {
     let ranks = work.sharing.ranks;
-    let mut links = Links::new(network.topology, ranks);
-    let mut ports = Links::new(crate::machines::Topology::Crossbar, ranks);
+    let mut links = Links::new(network, ranks);
+    let mut ports = Links::new(&NetworkModel { topology: Topology::Crossbar, node: None, ..*network }, ranks);
     for from in 0..ranks {
         let composed = (0..ranks).filter_map(|to| Some((to, work.messages.between(from, to)?.keyed_bytes())));
         let finished =
@@ -311,11 +345,13 @@ fn on_network(network: &NetworkModel, work: &RanksWork) -> Wires {
         }
     }
     let (links, ports) = (links.traffic(), ports.traffic());
-    let crowded =
-        if ports.busiest_link > 0.0 { (links.busiest_link / ports.busiest_link).max(1.0) } else { 1.0 };
+    let seconds = network.seconds_of_links(&links);
+    // Without nodes, no faster than a port.
+    let fastest = if network.node.is_some() { f64::INFINITY } else { network.bandwidth };
+    let inside = network.node.map_or(0.0, |node| f64::from(links.inside.most_hops) * node.hop);
     Wires {
-        latency: f64::from(links.most_hops) * network.hop,
-        bandwidth: network.bandwidth / crowded,
+        latency: f64::from(links.most_hops) * network.hop + inside,
+        bandwidth: if seconds > 0.0 { (ports.busiest_link / seconds).min(fastest) } else { fastest },
         sleeps: true,
     }
 }

@@ -9,10 +9,11 @@ use serde::Serialize;
 
 use super::Plan;
 use crate::machines::{Machine, MachineError, Operation};
+use crate::predict::PredictError;
 use crate::predict::counts::Counters;
 use crate::predict::frame::{FrameTime, knows_clusters};
 use crate::simulators::sorting::organisation::{Setting, simulate};
-use crate::simulators::sorting::{Costs, NetworkModel, Organisation, SortReport};
+use crate::simulators::sorting::{Costs, Organisation, SortReport};
 use crate::workloads::BoxScene;
 
 /// A simulated frame of ranks; seconds.
@@ -35,7 +36,7 @@ impl SimulatedFrame {
     }
 
     /// The phases by name, in their order.
-    pub fn phases(&self) -> [(&'static str, f64); 6] {
+    pub fn phases(&self) -> [(&'static str, f64); 7] {
         let s = &self.sorting;
         [
             ("geometry", s.geometry.seconds),
@@ -44,6 +45,7 @@ impl SimulatedFrame {
             ("shading", self.shading),
             ("picture", self.picture),
             ("composition", s.composition_seconds),
+            ("delivery", s.delivery_seconds),
         ]
     }
 }
@@ -79,26 +81,19 @@ impl Work {
 /// Predicts a frame.
 ///
 /// # Errors
-/// A machine without a network or without the sizes of messages.
+/// A machine without a network, the sizes of messages or costs, or that cannot have so many processors; groups that do
+/// not divide a SIMD ring.
 pub fn predict(
     machine: &Machine,
     counters: &Counters,
     boxes: &BoxScene,
-    (width, height): (u32, u32),
+    size: (u32, u32),
     plan: Plan,
-) -> Result<SimulatedFrame, MachineError> {
-    let network = machine.need(machine.network.as_ref(), "network")?;
+) -> Result<SimulatedFrame, PredictError> {
+    let setting = Setting::of(machine, plan.ranks, size, plan.topology)?;
     let work = Work::of(machine, counters, boxes)?;
-    let setting = Setting {
-        width,
-        height,
-        processors: plan.ranks,
-        region: plan.region,
-        assignment: plan.assignment,
-        network: NetworkModel::of(network, plan.topology),
-        costs: work.costs,
-    };
-    let sorting = simulate(boxes, plan.organisation, &setting);
+    let setting = Setting { region: plan.region, assignment: plan.assignment, costs: work.costs, ..setting };
+    let sorting = simulate(boxes, plan.organisation, &setting)?;
     let ranks = plan.ranks as f64;
     let parts = match plan.organisation {
         Organisation::SortLast => 1.0,
@@ -146,6 +141,7 @@ mod tests {
         let plan = Plan {
             organisation: Organisation::SortMiddle,
             ranks: 1,
+            threads: 1,
             region: None,
             assignment: Assignment::Interleaved,
             topology: None,

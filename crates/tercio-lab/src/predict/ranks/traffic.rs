@@ -270,7 +270,7 @@ impl<'a> Traffic<'a> {
 
     /// Adds the next rank.
     pub fn add(&mut self, drawing: &Drawing) {
-        let Drawing { counters, touched, frame } = drawing;
+        let Drawing { counters, touched, frame, .. } = drawing;
         let (width, Frame { planes, .. }) = (self.sharing.size.0, frame);
         self.triangles.push(counters.triangles);
         let in_tile = |&tile: &u32| {

@@ -1,9 +1,12 @@
 //! The costs of a ring machine, and the parameters of its algorithm (document 000, tables 4.2, 4.3 and A.1).
 
+use serde::Serialize;
+
 use super::compositing;
+use crate::machines::{self, DataKind, MachineError, Operation};
 
 /// A ring of processors. Costs are in instructions; the machine is SIMD, so they are also cycles of its clock.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Machine {
     /// n: processors.
     pub processors: u32,
@@ -36,6 +39,32 @@ impl Machine {
             pixel_words: 3,
             pixel_overhead: 15,
         }
+    }
+
+    /// The ring of a description. A word is what a link carries in a cycle.
+    ///
+    /// # Errors
+    /// [`MachineError::Missing`] without clock, network or the sizes of descriptors and samples.
+    pub fn of(machine: &machines::Machine) -> Result<Self, MachineError> {
+        let clock = machine.clock()?;
+        let network = machine.need(machine.network.as_ref(), "network")?;
+        let word = network.bandwidth.value / clock;
+        let cycles = |seconds: f64| (seconds * clock).round() as u64;
+        let words = |kind: DataKind| {
+            let bytes = machine.need(machine.bytes.get(&kind), &format!("bytes.{}", kind.name()))?;
+            Ok::<_, MachineError>((bytes.value / word).ceil() as u64)
+        };
+        let cost = |operation| cycles(machine.seconds_or_0(operation));
+        Ok(Self {
+            processors: machine.processors.count.whole() as u32,
+            examine_polygon: cost(Operation::Polygon),
+            finish_polygon: cost(Operation::PolygonSetUp),
+            descriptor_words: words(DataKind::Descriptor)?,
+            pass_overhead: cycles(network.message.value),
+            raster_pixel: cost(Operation::Pixel),
+            pixel_words: words(DataKind::Sample)?,
+            pixel_overhead: cost(Operation::CompositePixel),
+        })
     }
 
     /// Instructions of one pass of descriptors over `stride` processors: (2 + d) a + b (section 5.3).

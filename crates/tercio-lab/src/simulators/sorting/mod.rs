@@ -12,12 +12,16 @@
 //! |---|---|
 //! | [`network`] | ring, mesh, fat tree, crossbar: who shares which link |
 //! | [`regions`] | who owns which part of the screen |
+//! | [`composition`] | how the groups' pictures become one, and how that is delivered |
+//! | [`simd`] | rings that execute one instruction at a time |
 //! | [`organisation`] | the four classes, phase by phase |
 
+pub mod composition;
 pub mod network;
 pub mod organisation;
 pub mod regions;
+pub mod simd;
 
-pub use network::{Links, NetworkModel, Traffic};
+pub use network::{Links, NetworkModel, NodeModel, Traffic};
 pub use organisation::{Computing, Costs, Organisation, Setting, SortReport, simulate, sweep};
 pub use regions::{Assignment, Regions};

@@ -5,12 +5,33 @@
 
 use serde::Serialize;
 
-use crate::machines::{self, Topology};
+use crate::machines::{self, Delivery, Machine, MachineError, Packing, Topology};
 
 /// A network of some processors.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct NetworkModel {
-    /// Its shape.
+    /// Its shape; with nodes, that of the network between them.
+    pub topology: Topology,
+    /// Bytes a second of one link in one direction.
+    pub bandwidth: f64,
+    /// Seconds of a hop.
+    pub hop: f64,
+    /// Seconds that a processor spends on every message it sends or receives.
+    pub message: f64,
+    /// How polygons are packed into messages.
+    pub packing: Packing,
+    /// Where the finished picture goes.
+    pub delivery: Delivery,
+    /// Consecutive processors that share a memory; `None` if each has a link of its own.
+    pub node: Option<NodeModel>,
+}
+
+/// The processors of a node, and the network inside it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct NodeModel {
+    /// Processors.
+    pub processors: usize,
+    /// Shape of their network.
     pub topology: Topology,
     /// Bytes a second of one link in one direction.
     pub bandwidth: f64,
@@ -21,25 +42,53 @@ pub struct NetworkModel {
 }
 
 impl NetworkModel {
-    /// The network of a description, in another shape if one is given.
-    pub fn of(network: &machines::Network, topology: Option<Topology>) -> Self {
-        Self {
+    /// The network of a machine; between nodes, or else between processors, in another shape if one is given.
+    ///
+    /// # Errors
+    /// [`MachineError::Missing`] without a network.
+    pub fn of(machine: &Machine, topology: Option<Topology>) -> Result<Self, MachineError> {
+        let network = machine.need(machine.network.as_ref(), "network")?;
+        let node = machine.node.as_ref().zip(machine.processors.per_node.as_ref());
+        let of_node = |(node, processors): (&machines::Network, &machines::Sourced<_>)| NodeModel {
+            processors: processors.whole().max(1) as usize,
+            topology: node.topology,
+            bandwidth: node.bandwidth.value,
+            hop: node.hop.value,
+            message: node.message.value,
+        };
+        Ok(Self {
             topology: topology.unwrap_or(network.topology),
             bandwidth: network.bandwidth.value,
             hop: network.hop.value,
             message: network.message.value,
-        }
+            packing: network.packing,
+            delivery: network.delivery,
+            node: node.map(of_node),
+        })
+    }
+
+    /// Seconds in which the busiest links pass their bytes. Links inside nodes and between them are busy at the same
+    /// time.
+    pub fn seconds_of_links(&self, traffic: &Traffic) -> f64 {
+        let inside = self.node.map_or(0.0, |node| traffic.inside.busiest_link / node.bandwidth);
+        inside.max(traffic.busiest_link / self.bandwidth)
     }
 
     /// Seconds of a phase of communication.
     pub fn seconds(&self, traffic: &Traffic) -> f64 {
-        traffic.busiest_link / self.bandwidth
+        let of_node = |node: NodeModel| {
+            f64::from(traffic.inside.most_hops) * node.hop
+                + traffic.inside.most_messages as f64 * node.message
+        };
+        self.seconds_of_links(traffic)
             + f64::from(traffic.most_hops) * self.hop
             + traffic.most_messages as f64 * self.message
+            + self.node.map_or(0.0, of_node)
     }
 }
 
-/// Counts of a communication phase.
+/// Counts of a communication phase. Those of links, hops and messages of one processor are of the network between
+/// nodes, or between processors if there are no nodes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Traffic {
     /// Messages between different processors.
@@ -52,17 +101,39 @@ pub struct Traffic {
     pub most_hops: u32,
     /// The largest number of messages that one processor sends, or that one receives.
     pub most_messages: u64,
+    /// The part inside nodes.
+    pub inside: Inside,
+}
+
+/// Counts of a communication phase inside nodes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Inside {
+    /// Bytes.
+    pub bytes: u64,
+    /// Bytes on the busiest link of any node.
+    pub busiest_link: f64,
+    /// Links of the longest path.
+    pub most_hops: u32,
+    /// The largest number of messages that one processor sends to its node, or receives from it.
+    pub most_messages: u64,
 }
 
 impl Traffic {
     /// The sum of two phases, one after the other.
     pub fn then(self, o: Self) -> Self {
+        let (a, b) = (self.inside, o.inside);
         Self {
             messages: self.messages + o.messages,
             bytes: self.bytes + o.bytes,
             busiest_link: self.busiest_link + o.busiest_link,
             most_hops: self.most_hops + o.most_hops,
             most_messages: self.most_messages + o.most_messages,
+            inside: Inside {
+                bytes: a.bytes + b.bytes,
+                busiest_link: a.busiest_link + b.busiest_link,
+                most_hops: a.most_hops + b.most_hops,
+                most_messages: a.most_messages + b.most_messages,
+            },
         }
     }
 }
@@ -70,11 +141,89 @@ impl Traffic {
 /// The links of a network, to which messages are added.
 #[derive(Clone, Debug)]
 pub struct Links {
-    loads: Loads,
-    sent: Vec<u32>,
-    taken: Vec<u32>,
+    /// Between nodes, or between processors.
+    between: Level,
+    /// Processors of a node, and the links of each.
+    nodes: Option<(usize, Vec<Level>)>,
+    /// Messages of each processor to and from others of its node, then to and from other nodes.
+    sent: [Vec<u32>; 2],
+    taken: [Vec<u32>; 2],
     messages: u64,
     bytes: u64,
+    bytes_inside: u64,
+}
+
+impl Links {
+    /// Idle links between `processors`, which are numbered node by node, along the ring, row by row through the mesh,
+    /// and from left to right below the tree.
+    pub fn new(network: &NetworkModel, processors: usize) -> Self {
+        let n = processors.max(1);
+        let none = || [vec![0; n], vec![0; n]];
+        let (between, nodes) = match network.node {
+            None => (Level::new(network.topology, n), None),
+            Some(node) => {
+                let starts = (0..n).step_by(node.processors);
+                let levels = starts.map(|first| Level::new(node.topology, node.processors.min(n - first)));
+                let levels: Vec<_> = levels.collect();
+                (Level::new(network.topology, levels.len()), Some((node.processors, levels)))
+            }
+        };
+        Self { between, nodes, sent: none(), taken: none(), messages: 0, bytes: 0, bytes_inside: 0 }
+    }
+
+    /// Adds a message; one to the sender itself costs nothing.
+    ///
+    /// # Panics
+    /// If there is no such processor.
+    pub fn send(&mut self, from: usize, to: usize, bytes: u64) {
+        if from == to {
+            return;
+        }
+        self.messages += 1;
+        self.bytes += bytes;
+        let level = match &mut self.nodes {
+            Some((p, nodes)) if from / *p == to / *p => {
+                nodes[from / *p].send(from % *p, to % *p, bytes);
+                self.bytes_inside += bytes;
+                0
+            }
+            nodes => {
+                let p = nodes.as_ref().map_or(1, |nodes| nodes.0);
+                self.between.send(from / p, to / p, bytes);
+                1
+            }
+        };
+        self.sent[level][from] += 1;
+        self.taken[level][to] += 1;
+    }
+
+    /// The counts of all messages.
+    pub fn traffic(&self) -> Traffic {
+        let most = |level: usize| {
+            u64::from(self.sent[level].iter().chain(&self.taken[level]).copied().max().unwrap_or(0))
+        };
+        let nodes = || self.nodes.iter().flat_map(|nodes| &nodes.1);
+        Traffic {
+            messages: self.messages,
+            bytes: self.bytes,
+            busiest_link: self.between.busiest_link(),
+            most_hops: self.between.most_hops,
+            most_messages: most(1),
+            inside: Inside {
+                bytes: self.bytes_inside,
+                busiest_link: nodes().map(Level::busiest_link).fold(0.0, f64::max),
+                most_hops: nodes().map(|level| level.most_hops).max().unwrap_or(0),
+                most_messages: most(0),
+            },
+        }
+    }
+}
+
+/// The links of one level: between nodes, or inside a node.
+#[derive(Clone, Debug)]
+struct Level {
+    loads: Loads,
+    ends: usize,
     most_hops: u32,
 }
 
@@ -93,11 +242,9 @@ enum Loads {
     Shared(u64),
 }
 
-impl Links {
-    /// Idle links between `processors`, which are numbered along the ring, row by row through the mesh, and from left
-    /// to right below the tree.
-    pub fn new(topology: Topology, processors: usize) -> Self {
-        let n = processors.max(1);
+impl Level {
+    fn new(topology: Topology, ends: usize) -> Self {
+        let n = ends.max(1);
         let loads = match topology {
             // A path may pass number 0: the line is unrolled to twice its length.
             Topology::Ring => Loads::Ring([vec![0; 2 * n + 1], vec![0; 2 * n + 1]]),
@@ -113,22 +260,11 @@ impl Links {
             Topology::Crossbar => Loads::Crossbar([vec![0; n], vec![0; n]]),
             Topology::Bus | Topology::Memory => Loads::Shared(0),
         };
-        Self { loads, sent: vec![0; n], taken: vec![0; n], messages: 0, bytes: 0, most_hops: 0 }
+        Self { loads, ends: n, most_hops: 0 }
     }
 
-    /// Adds a message; one to the sender itself costs nothing.
-    ///
-    /// # Panics
-    /// If there is no such processor.
-    pub fn send(&mut self, from: usize, to: usize, bytes: u64) {
-        if from == to {
-            return;
-        }
-        self.sent[from] += 1;
-        self.taken[to] += 1;
-        self.messages += 1;
-        self.bytes += bytes;
-        let n = self.sent.len();
+    fn send(&mut self, from: usize, to: usize, bytes: u64) {
+        let n = self.ends;
         let hops = match &mut self.loads {
             Loads::Ring(lines) => {
                 let up = (to + n - from) % n;
@@ -172,11 +308,11 @@ impl Links {
         self.most_hops = self.most_hops.max(hops as u32);
     }
 
-    /// The counts of all messages.
-    pub fn traffic(&self) -> Traffic {
-        let busiest_link = match &self.loads {
+    /// Bytes on the busiest link, divided by its capacity relative to a plain link.
+    fn busiest_link(&self) -> f64 {
+        match &self.loads {
             Loads::Ring(lines) => {
-                let n = self.sent.len();
+                let n = self.ends;
                 lines.iter().map(|l| busiest_of_ring(l, n)).max().unwrap_or(0) as f64
             }
             Loads::Mesh { side, rows, columns } => {
@@ -192,13 +328,6 @@ impl Links {
             }
             Loads::Crossbar(ports) => ports.iter().flatten().copied().max().unwrap_or(0) as f64,
             Loads::Shared(all) => *all as f64,
-        };
-        Traffic {
-            messages: self.messages,
-            bytes: self.bytes,
-            busiest_link,
-            most_hops: self.most_hops,
-            most_messages: self.sent.iter().chain(&self.taken).copied().max().unwrap_or(0).into(),
         }
     }
 }
@@ -273,9 +402,32 @@ mod tests {
     }
 
     fn traffic(topology: Topology, n: usize, messages: &[(usize, usize, u64)]) -> Traffic {
-        let mut links = Links::new(topology, n);
+        let mut links = Links::new(&plain(topology), n);
         messages.iter().for_each(|&(from, to, bytes)| links.send(from, to, bytes));
         links.traffic()
+    }
+
+    fn plain(topology: Topology) -> NetworkModel {
+        let (packing, delivery) = (Packing::default(), Delivery::default());
+        NetworkModel { topology, bandwidth: 1.0, hop: 0.0, message: 0.0, packing, delivery, node: None }
+    }
+
+    #[test]
+    fn messages_inside_a_node_use_no_link_between_nodes() {
+        let topology = Topology::Crossbar;
+        let node = NodeModel { processors: 4, topology, bandwidth: 10.0, hop: 0.0, message: 1.0 };
+        let network = NetworkModel { message: 100.0, node: Some(node), ..plain(topology) };
+        let mut links = Links::new(&network, 10);
+        links.send(0, 3, 70);
+        let inside = links.traffic();
+        assert_eq!((inside.busiest_link, inside.inside.busiest_link, inside.inside.bytes), (0.0, 70.0, 70));
+        assert_eq!(network.seconds(&inside), 7.0 + 1.0);
+        // Processors of a node share its one link: from node 0 to node 1 and node 2, which has two processors.
+        links.send(1, 5, 30);
+        links.send(2, 9, 20);
+        let both = links.traffic();
+        assert_eq!((both.messages, both.bytes, both.busiest_link, both.most_messages), (3, 120, 50.0, 1));
+        assert_eq!(network.seconds(&both), 50.0 + 100.0 + 1.0);
     }
 
     #[test]

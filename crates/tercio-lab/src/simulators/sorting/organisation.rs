@@ -1,14 +1,18 @@
 //! The four sorting classes, phase by phase.
 //!
 //! Sort-middle is sort-twice with one group, sort-last is sort-twice with groups of one processor, so one function
-//! does the three. Sources: document 000, chapters 4 and 6 and appendix A; document 001, 2.3.
+//! does the three. In every class the finished picture is delivered. Machines whose processors all execute the same
+//! instruction, in a ring, run by the rules of [`super::simd`]. Sources: document 000, chapters 4 and 6 and appendix A; document 001, 2.3.
 
 use rayon::prelude::*;
 use serde::Serialize;
 
+use super::composition::{Groups, Step};
 use super::network::{Links, NetworkModel, Traffic};
 use super::regions::{Assignment, Regions};
-use crate::machines::{DataKind, Machine, MachineError, Operation};
+use super::simd::{self, Simd};
+use crate::machines::{DataKind, Delivery, Machine, MachineError, Operation, Packing};
+use crate::simulators::ring::AlgorithmError;
 use crate::workloads::{BoxScene, PixelBox};
 
 /// Where polygons and pixels are redistributed.
@@ -45,27 +49,49 @@ pub struct Costs {
     pub descriptor: u64,
     /// Bytes of a pixel with its depth.
     pub sample: u64,
+    /// Bytes of a pixel of the finished picture.
+    pub delivered: u64,
 }
 
+/// Vertices and triangles of a full cluster of the renderer.
+const CLUSTER: [f64; 2] = [64.0, 128.0];
+
 impl Costs {
-    /// The costs of a description; operations without a cost in it cost nothing.
+    /// The costs of a description. A machine that is charged for clusters transforms a polygon for its share of a full
+    /// one.
     ///
     /// # Errors
-    /// [`MachineError::Missing`] without the sizes of messages.
+    /// [`MachineError::Missing`] without the sizes of messages, or without costs of geometry, pixels or composition.
     pub fn of(machine: &Machine) -> Result<Self, MachineError> {
-        let bytes = |kind: DataKind| {
-            let what = format!("bytes.{}", kind.name());
-            machine.need(machine.bytes.get(&kind), &what).map(|b| b.value.ceil() as u64)
-        };
+        use Operation::{Cluster, ClusterDrawn, ClusterEntry, Polygon, PolygonSetUp, Vertex};
+        let bytes = |kind: DataKind| machine.bytes.get(&kind).map(|b| b.value.ceil() as u64);
+        let sizes = [DataKind::Primitive, DataKind::Descriptor, DataKind::Sample];
+        let without = sizes.iter().filter(|kind| bytes(**kind).is_none());
+        let without: Vec<_> = without.map(|kind| format!("bytes.{}", kind.name())).collect();
+        let of_costs = machine.need_costs(&[
+            &[Polygon, PolygonSetUp, ClusterDrawn],
+            &[Operation::Pixel],
+            &[Operation::CompositePixel],
+        ]);
+        machine.need_all(without, of_costs)?;
+        let [vertices, polygons] = CLUSTER;
+        let of_cluster: f64 =
+            [Cluster, ClusterEntry, ClusterDrawn].map(|o| machine.seconds_or_0(o)).iter().sum();
+        let of_cluster = of_cluster + vertices * machine.seconds_or_0(Vertex);
         Ok(Self {
-            polygon: machine.seconds_or_0(Operation::Polygon),
-            set_up: machine.seconds_or_0(Operation::PolygonSetUp),
+            polygon: machine.seconds(Polygon).unwrap_or(if machine.seconds(ClusterDrawn).is_some() {
+                of_cluster / polygons
+            } else {
+                0.0
+            }),
+            set_up: machine.seconds_or_0(PolygonSetUp),
             entry: machine.seconds_or_0(Operation::Entry) + machine.seconds_or_0(Operation::DrawnEntry),
             pixel: machine.seconds_or_0(Operation::Pixel),
             composite: machine.seconds_or_0(Operation::CompositePixel),
-            primitive: bytes(DataKind::Primitive)?,
-            descriptor: bytes(DataKind::Descriptor)?,
-            sample: bytes(DataKind::Sample)?,
+            primitive: bytes(DataKind::Primitive).unwrap_or(0),
+            descriptor: bytes(DataKind::Descriptor).unwrap_or(0),
+            sample: bytes(DataKind::Sample).unwrap_or(0),
+            delivered: bytes(DataKind::Pixel).unwrap_or(4),
         })
     }
 
@@ -92,7 +118,7 @@ pub struct Computing {
 }
 
 impl Computing {
-    fn of(times: impl Iterator<Item = f64>, processors: usize) -> Self {
+    pub(super) fn of(times: impl Iterator<Item = f64>, processors: usize) -> Self {
         let (mut seconds, mut sum) = (0.0f64, 0.0);
         for t in times {
             seconds = seconds.max(t);
@@ -126,6 +152,10 @@ pub struct SortReport {
     pub composition: Traffic,
     /// Seconds of that, merging included.
     pub composition_seconds: f64,
+    /// Traffic of the finished picture.
+    pub delivery: Traffic,
+    /// Seconds of that.
+    pub delivery_seconds: f64,
     /// Rasterized polygons a visible polygon: the overlap.
     pub overlap: f64,
     /// Largest number of bytes that a processor stores: polygons that it rasterizes and its part of the picture.
@@ -135,7 +165,11 @@ pub struct SortReport {
 impl SortReport {
     /// The whole frame, one phase after another.
     pub fn seconds(&self) -> f64 {
-        self.geometry.seconds + self.redistribution_seconds + self.raster.seconds + self.composition_seconds
+        self.geometry.seconds
+            + self.redistribution_seconds
+            + self.raster.seconds
+            + self.composition_seconds
+            + self.delivery_seconds
     }
 }
 
@@ -156,10 +190,41 @@ pub struct Setting {
     pub network: NetworkModel,
     /// The costs.
     pub costs: Costs,
+    /// The rules of a ring that executes one instruction at a time; `None` for processors with programs of their own.
+    pub simd: Option<Simd>,
 }
 
 impl Setting {
-    fn regions(&self, owners: usize) -> Regions {
+    /// The settings of a machine, with the largest regions, interleaved, on a screen of some pixels.
+    ///
+    /// # Errors
+    /// [`MachineError`]: costs, bytes or a network are missing; the machine cannot have so many processors.
+    pub fn of(
+        machine: &Machine,
+        processors: usize,
+        (width, height): (u32, u32),
+        topology: Option<crate::machines::Topology>,
+    ) -> Result<Self, MachineError> {
+        machine.may_have(processors)?;
+        let costs = Costs::of(machine);
+        if machine.network.is_none() {
+            machine.need_all(vec!["network".into()], costs.map(|_| ()))?;
+            unreachable!("the network is missing");
+        }
+        let network = NetworkModel::of(machine, topology)?;
+        Ok(Self {
+            width,
+            height,
+            processors,
+            region: None,
+            assignment: Assignment::Interleaved,
+            network,
+            costs: costs?,
+            simd: Simd::of(machine, network.topology)?,
+        })
+    }
+
+    pub(super) fn regions(&self, owners: usize) -> Regions {
         let fitting = Regions::fitting(self.width, self.height, owners, self.assignment);
         self.region.map_or(fitting, |edge| Regions { edge: edge.max(1), ..fitting })
     }
@@ -194,9 +259,16 @@ impl Work {
 /// Simulates a frame. Polygon k starts on processor k modulo the number of processors; a polygon's pixels are those of
 /// its box, as in document 000, appendix A. Parts outside the screen are ignored.
 ///
+/// # Errors
+/// [`AlgorithmError`] if groups do not divide a SIMD ring.
+///
 /// # Panics
 /// If there are no processors or the screen has no pixel.
-pub fn simulate(scene: &BoxScene, organisation: Organisation, s: &Setting) -> SortReport {
+pub fn simulate(
+    scene: &BoxScene,
+    organisation: Organisation,
+    s: &Setting,
+) -> Result<SortReport, AlgorithmError> {
     let n = s.processors;
     assert!(n > 0, "at least one processor");
     let group = match organisation {
@@ -204,27 +276,36 @@ pub fn simulate(scene: &BoxScene, organisation: Organisation, s: &Setting) -> So
         Organisation::SortLast => 1,
         Organisation::SortTwice(g) => g.clamp(1, n),
     };
+    if let Some(simd) = &s.simd {
+        return simd::simulate(scene, organisation, group, s, simd);
+    }
     let (work, traffic, visible) = sort(scene, organisation == Organisation::SortFirst, group, s);
     let entries: u64 = work.entries.iter().map(|&e| u64::from(e)).sum();
-    let (composition, merged) = compose(group, s);
-    let picture = u64::from(s.width) * u64::from(s.height) / group as u64 * s.costs.sample;
+    let whole = s.regions(group);
+    let picture = whole.owned().into_iter().max().unwrap_or(0) * s.costs.sample;
+    let composed = compose(whole, group, s);
     let most_entries = u64::from(work.entries.iter().copied().max().unwrap_or(0));
-    SortReport {
+    Ok(SortReport {
         organisation,
         processors: n,
         geometry: work.geometry(&s.costs),
         redistribution: traffic,
         redistribution_seconds: s.network.seconds(&traffic),
         raster: work.raster(&s.costs),
-        composition,
-        composition_seconds: s.network.seconds(&composition) + merged as f64 * s.costs.composite,
+        composition: composed.composition,
+        composition_seconds: composed.composition_seconds,
+        delivery: composed.delivery,
+        delivery_seconds: s.network.seconds(&composed.delivery),
         overlap: if visible == 0 { 0.0 } else { entries as f64 / visible as f64 },
         most_bytes_kept: most_entries * s.costs.descriptor + picture,
-    }
+    })
 }
 
 /// Simulates a frame with each of many settings, on the cores of the current pool; the reports are in the order of the
 /// settings. `finished` is called after each, in any order.
+///
+/// # Errors
+/// As [`simulate`].
 ///
 /// # Panics
 /// As [`simulate`].
@@ -232,7 +313,7 @@ pub fn sweep(
     scene: &BoxScene,
     settings: &[(Organisation, Setting)],
     finished: impl Fn() + Sync,
-) -> Vec<SortReport> {
+) -> Result<Vec<SortReport>, AlgorithmError> {
     let run = |(organisation, setting): &(Organisation, Setting)| {
         let report = simulate(scene, *organisation, setting);
         finished();
@@ -246,11 +327,13 @@ fn sort(scene: &BoxScene, before_geometry: bool, group: usize, s: &Setting) -> (
     let n = s.processors;
     let screen = PixelBox::screen(s.width, s.height);
     let mut work = Work::none(n);
-    let mut links = Links::new(s.network.topology, n);
+    let mut links = Links::new(&s.network, n);
     let mut visible = 0;
     // A smaller last group divides the screen among its own processors.
     let (whole, rest) = (s.regions(group), s.regions((n % group).max(1)));
     let mut owners: Vec<usize> = Vec::new();
+    let bytes = if before_geometry { s.costs.primitive } else { s.costs.descriptor };
+    let mut sent = Vec::new();
     for (number, polygon) in scene.boxes.iter().enumerate() {
         let home = number % n;
         if !before_geometry {
@@ -280,48 +363,58 @@ fn sort(scene: &BoxScene, before_geometry: bool, group: usize, s: &Setting) -> (
                 work.transformed[owner] += 1;
                 work.set_up[owner] += 1;
             }
-            let bytes = if before_geometry { s.costs.primitive } else { s.costs.descriptor };
-            links.send(home, owner, bytes);
+            match s.network.packing {
+                Packing::OneAPolygon => links.send(home, owner, bytes),
+                Packing::OneADestination if home != owner => sent.push((home as u32, owner as u32)),
+                Packing::OneADestination => {}
+            }
         }
+    }
+    sent.sort_unstable();
+    for of_pair in sent.chunk_by(|a, b| a == b) {
+        links.send(of_pair[0].0 as usize, of_pair[0].1 as usize, of_pair.len() as u64 * bytes);
     }
     (work, links.traffic(), visible)
 }
 
-/// Composites the pictures of the groups by binary swap: processors with the same position in their groups halve their
-/// part of the picture in every round and exchange the halves, with the nearest partner while the halves are large. If
-/// the number of groups is no power of two, the excess groups first send their whole part to others. Returns the
-/// traffic and the pixels that a processor merges, one round after another.
-fn compose(group: usize, s: &Setting) -> (Traffic, u64) {
-    let groups = s.processors / group;
-    if groups <= 1 {
-        return (Traffic::default(), 0);
-    }
-    let pixels = u64::from(s.width) * u64::from(s.height);
-    let mut part = pixels.div_ceil(group as u64);
-    let swapping = 1usize << groups.ilog2();
-    let (mut traffic, mut merged) = (Traffic::default(), 0);
-    let mut round = |pairs: &mut dyn Iterator<Item = (usize, usize)>, both: bool, part: u64| {
-        let mut links = Links::new(s.network.topology, s.processors);
-        for (a, b) in pairs {
-            for member in 0..group {
-                links.send(a * group + member, b * group + member, part * s.costs.sample);
-                if both {
-                    links.send(b * group + member, a * group + member, part * s.costs.sample);
-                }
-            }
-        }
-        traffic = traffic.then(links.traffic());
-        merged += part;
+/// What composition and delivery send, and how long composition takes.
+#[derive(Default)]
+struct Composed {
+    composition: Traffic,
+    composition_seconds: f64,
+    delivery: Traffic,
+}
+
+/// Composites the pictures of the groups and delivers the result, round by round.
+fn compose(whole: Regions, group: usize, s: &Setting) -> Composed {
+    let groups = Groups {
+        processors: s.processors,
+        size: group,
+        whole,
+        last: s.regions((s.processors % group).max(1)),
     };
-    if swapping < groups {
-        round(&mut (swapping..groups).map(|g| (g, g - swapping)), false, part);
-    }
-    for bit in 0..swapping.ilog2() {
-        part = part.div_ceil(2);
-        let pairs = (0..swapping).filter(|g| g >> bit & 1 == 0).map(|g| (g, g | 1 << bit));
-        round(&mut { pairs }, true, part);
-    }
-    (traffic, merged)
+    let mut composed = Composed::default();
+    groups.compose(|step, transfers| {
+        if step == Step::Delivery && s.network.delivery == Delivery::Display {
+            return;
+        }
+        let mut links = Links::new(&s.network, s.processors);
+        let bytes = if step == Step::Delivery { s.costs.delivered } else { s.costs.sample };
+        let mut merged = std::collections::HashMap::new();
+        for t in transfers {
+            links.send(t.from, t.to, t.pixels * bytes);
+            *merged.entry(t.to).or_insert(0) += t.pixels;
+        }
+        let traffic = links.traffic();
+        if step == Step::Delivery {
+            composed.delivery = traffic;
+        } else {
+            let most = merged.values().copied().max().unwrap_or(0) as f64;
+            composed.composition = composed.composition.then(traffic);
+            composed.composition_seconds += s.network.seconds(&traffic) + most * s.costs.composite;
+        }
+    });
+    composed
 }
 
 #[cfg(test)]

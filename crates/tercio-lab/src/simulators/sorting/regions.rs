@@ -59,6 +59,21 @@ impl Regions {
         }) as usize
     }
 
+    /// The pixels of a region.
+    pub fn pixels(&self, region: u64) -> PixelBox {
+        let (column, row) = ((region % self.columns()) as u32, (region / self.columns()) as u32);
+        let [x0, y0] = [column * self.edge, row * self.edge];
+        let [x1, y1] = [(x0 + self.edge).min(self.width), (y0 + self.edge).min(self.height)];
+        PixelBox { x0: x0 as i32, y0: y0 as i32, x1: x1 as i32 - 1, y1: y1 as i32 - 1 }
+    }
+
+    /// The number of pixels of every owner.
+    pub fn owned(&self) -> Vec<u64> {
+        let mut owned = vec![0; self.owners];
+        (0..self.count()).for_each(|region| owned[self.owner(region)] += self.pixels(region).area());
+        owned
+    }
+
     /// Every region that a box touches, with the number of the box's pixels in it. The box is inside the screen.
     pub fn touched(&self, pixels: PixelBox) -> impl Iterator<Item = (u64, u64)> {
         let (edge, columns) = (self.edge as i32, self.columns());

@@ -100,26 +100,29 @@ fn text(name: &str, f: &HybrisFrame) -> String {
         "heap: {} entries, {:.3} a triangle, {} buffers, {} bytes",
         c.entries, f.overlap, f.buffers, f.heap_bytes
     );
-    let _ = writeln!(
-        t,
-        "tile engines: {} tiles, {} pixels, {} cycles ({:.2} a triangle), {:.3} ms, imbalance {:.3}",
-        f.back_end.tiles_used,
-        total.pixels,
-        f.back_end.cycles,
-        total.cycles_per_triangle(),
-        f.back_end_seconds * 1e3,
-        f.back_end.imbalance()
-    );
-    let names = ["set-up triangle", "draw triangle", "set-up span", "draw span"];
-    for (name, s) in names.iter().zip(total.stages) {
-        let share = |n: u64| 100.0 * n as f64 / (s.busy + s.stalled + s.starved).max(1) as f64;
+    // In software there are none.
+    if f.software.is_none() {
         let _ = writeln!(
             t,
-            "  {name:16} busy {:5.1} %, stalled {:5.1} %, starved {:5.1} %",
-            share(s.busy),
-            share(s.stalled),
-            share(s.starved)
+            "tile engines: {} tiles, {} pixels, {} cycles ({:.2} a triangle), {:.3} ms, imbalance {:.3}",
+            f.back_end.tiles_used,
+            total.pixels,
+            f.back_end.cycles,
+            total.cycles_per_triangle(),
+            f.back_end_seconds * 1e3,
+            f.back_end.imbalance()
         );
+        let names = ["set-up triangle", "draw triangle", "set-up span", "draw span"];
+        for (name, s) in names.iter().zip(total.stages) {
+            let share = |n: u64| 100.0 * n as f64 / (s.busy + s.stalled + s.starved).max(1) as f64;
+            let _ = writeln!(
+                t,
+                "  {name:16} busy {:5.1} %, stalled {:5.1} %, starved {:5.1} %",
+                share(s.busy),
+                share(s.stalled),
+                share(s.starved)
+            );
+        }
     }
     if let Some(p) = f.pages {
         let _ = writeln!(
@@ -142,6 +145,11 @@ fn text(name: &str, f: &HybrisFrame) -> String {
             s.front, s.back, s.serial
         );
     }
-    let _ = writeln!(t, "frame: {:.3} ms, {:.2} a second", f.seconds() * 1e3, 1.0 / f.seconds());
+    let _ = match f.seconds() {
+        seconds if seconds > 0.0 => {
+            writeln!(t, "frame: {:.3} ms, {:.2} a second", seconds * 1e3, 1.0 / seconds)
+        }
+        _ => writeln!(t, "frame: nothing is drawn, which takes no time"),
+    };
     t
 }

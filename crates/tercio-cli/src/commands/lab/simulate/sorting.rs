@@ -6,10 +6,8 @@ use std::path::PathBuf;
 use anyhow::{Result, bail};
 use clap::{Args, ValueEnum};
 use serde_json::{Value, json};
-use tercio_lab::machines::{Machine, Operation, load};
-use tercio_lab::simulators::sorting::{
-    Assignment, Costs, NetworkModel, Organisation, Setting, SortReport, sweep,
-};
+use tercio_lab::machines::{Machine, Operation, Packing, load};
+use tercio_lab::simulators::sorting::{Assignment, Organisation, Setting, SortReport, sweep};
 use tercio_lab::workloads::{MAX_SCREEN_PIXELS, PolygonScene};
 
 use super::super::plan::NetworkName;
@@ -22,7 +20,8 @@ use crate::progress::Display;
 #[derive(Debug, Args)]
 #[command(after_help = "\
 What each processor computes and what each link carries is counted exactly; times are those of the busiest
-processor and the busiest link. Costs, bytes and network are the machine's: to change them, write its description
+processor and the busiest link; a machine whose processors are 'simd' runs by the rules of
+'tercio lab simulate ring'. The finished picture is delivered to processor 0, or to a display. Costs, bytes and network are the machine's: to change them, write its description
 to a file ('tercio lab machines NAME'), edit it and name the file. Lists are combined with one another, on all cores.
 
 Examples:
@@ -61,6 +60,10 @@ pub struct Sorting {
     /// Another network than the machine's, with the machine's bandwidth and latency.
     #[arg(long, value_name = "SHAPE", value_enum)]
     network: Option<NetworkName>,
+    /// A message for every polygon and destination, instead of one for all polygons of a destination [default: as the
+    /// machine's description says].
+    #[arg(long)]
+    unbatched: bool,
     /// Writes JSON with stable keys.
     #[arg(long)]
     json: bool,
@@ -108,23 +111,24 @@ impl Sorting {
         let pool = self.running.pool()?;
         let display = Display::new(self.running.progress_mode());
         display.progress.begin("settings", plans.len() as u64);
-        let reports = pool.install(|| sweep(&scene, &plans, || display.progress.advance(1)));
+        let reports = pool.install(|| sweep(&scene, &plans, || display.progress.advance(1)))?;
         drop(display);
         let runs: Vec<_> = plans.into_iter().zip(reports).collect();
         Ok(if self.json { self.as_json(&machine, &runs) } else { table(&machine, size, &runs) })
     }
 
     /// All combinations of the requested values, without those that make no difference.
-    fn plans(&self, machine: &Machine, (width, height): (u32, u32)) -> Result<Vec<(Organisation, Setting)>> {
-        let network = machine.need(machine.network.as_ref(), "network")?;
-        let network = NetworkModel::of(network, self.network.map(Into::into));
-        let costs = Costs::of(machine)?;
+    fn plans(&self, machine: &Machine, size: (u32, u32)) -> Result<Vec<(Organisation, Setting)>> {
         let own = [machine.processors.count.whole() as usize];
         let counts = if self.processors.is_empty() { &own[..] } else { &self.processors };
         let edges: Vec<_> =
             if self.region.is_empty() { vec![None] } else { self.region.iter().copied().map(Some).collect() };
         let mut plans = Vec::new();
         for &processors in counts {
+            let mut of_machine = Setting::of(machine, processors, size, self.network.map(Into::into))?;
+            if self.unbatched {
+                of_machine.network.packing = Packing::OneAPolygon;
+            }
             for organisation in self.organisations() {
                 for (&region, assignment) in
                     edges.iter().flat_map(|e| self.assignment.iter().map(move |a| (e, a)))
@@ -133,7 +137,7 @@ impl Sorting {
                         AssignmentName::Interleaved => Assignment::Interleaved,
                         AssignmentName::Blocks => Assignment::Blocks,
                     };
-                    let setting = Setting { width, height, processors, region, assignment, network, costs };
+                    let setting = Setting { region, assignment, ..of_machine };
                     plans.push((organisation, setting));
                     // An owner of the whole screen needs no regions.
                     if organisation == Organisation::SortLast {
@@ -178,7 +182,8 @@ fn screen(machine: &Machine) -> Option<(u32, u32)> {
 
 fn table(machine: &Machine, size: (u32, u32), runs: &[((Organisation, Setting), SortReport)]) -> String {
     let mut text = format!("{}, screen of {}x{} pixels; milliseconds\n", machine.name, size.0, size.1);
-    let head = ["geometry", "to owners", "raster", "composing", "frame"].map(|name| format!(" {name:>11}"));
+    let head = ["geometry", "to owners", "raster", "composing", "delivery", "frame"]
+        .map(|name| format!(" {name:>11}"));
     let _ = writeln!(
         text,
         "{:14} {:>10} {:>6} {:11}{} {:>8} {:>9} {:>14} {:>13}",
@@ -209,6 +214,7 @@ fn table(machine: &Machine, size: (u32, u32), runs: &[((Organisation, Setting), 
             report.redistribution_seconds,
             report.raster.seconds,
             report.composition_seconds,
+            report.delivery_seconds,
             report.seconds(),
         ];
         let times = seconds.map(|s| format!(" {:11.4}", s * 1e3)).concat();
@@ -219,8 +225,10 @@ fn table(machine: &Machine, size: (u32, u32), runs: &[((Organisation, Setting), 
             report.processors,
             report.overlap,
             report.raster.imbalance(),
-            report.redistribution.bytes + report.composition.bytes,
-            report.redistribution.busiest_link + report.composition.busiest_link,
+            report.redistribution.bytes + report.composition.bytes + report.delivery.bytes,
+            report.redistribution.busiest_link
+                + report.composition.busiest_link
+                + report.delivery.busiest_link,
         );
     }
     let missing = uncharged(runs);

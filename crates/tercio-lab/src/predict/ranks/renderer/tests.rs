@@ -60,6 +60,8 @@ fn a_network_takes_time_and_one_memory_takes_none() {
     let work = work(4, Organisation::SortLast);
     let seconds = |latency: f64, bandwidth: f64| {
         let mut machine = cluster.clone();
+        // Every rank is a node.
+        machine.processors.per_node.as_mut().unwrap().value = 1.0;
         let network = machine.network.as_mut().unwrap();
         network.hop.value = latency;
         network.bandwidth.value = bandwidth;
@@ -121,12 +123,11 @@ fn a_ring_is_as_slow_as_its_busiest_link() {
     work.messages.finished.fill(super::super::traffic::Finished::default());
     work.messages.gathered = (0, 0);
     let mut seconds_of_a_byte = |topology| {
-        let network = machine.network.as_mut().unwrap();
-        network.topology = topology;
-        1.0 / on_network(&NetworkModel::of(network, None), &work).bandwidth
+        machine.processors.per_node.as_mut().unwrap().value = 1.0;
+        1.0 / on_network(&NetworkModel::of(&machine, Some(topology)).unwrap(), &work).bandwidth
     };
-    let crossbar = seconds_of_a_byte(crate::machines::Topology::Crossbar);
-    let ring = seconds_of_a_byte(crate::machines::Topology::Ring);
+    let crossbar = seconds_of_a_byte(Topology::Crossbar);
+    let ring = seconds_of_a_byte(Topology::Ring);
     // A port passes 23 messages. Paths of 1 to 12 links, 144 together per rank, use two links per rank: 72 messages
     // each, or up to 78 if all messages to the opposite rank go in the same direction.
     assert!((72.0 / 23.0 - 1e-9..=78.0 / 23.0 + 1e-9).contains(&(ring / crossbar)), "{ring} {crossbar}");

@@ -13,6 +13,7 @@ const COSTS: Costs = Costs {
     primitive: 48,
     descriptor: 84,
     sample: 8,
+    delivered: 4,
 };
 
 fn setting(processors: usize, topology: Topology) -> Setting {
@@ -22,9 +23,22 @@ fn setting(processors: usize, topology: Topology) -> Setting {
         processors,
         region: None,
         assignment: Assignment::Interleaved,
-        network: NetworkModel { topology, bandwidth: 1.0, hop: 0.0, message: 0.0 },
+        network: NetworkModel {
+            topology,
+            bandwidth: 1.0,
+            hop: 0.0,
+            message: 0.0,
+            packing: Packing::OneADestination,
+            delivery: Delivery::FirstProcessor,
+            node: None,
+        },
         costs: COSTS,
+        simd: None,
     }
+}
+
+fn simulate(scene: &BoxScene, organisation: Organisation, s: &Setting) -> SortReport {
+    super::simulate(scene, organisation, s).unwrap()
 }
 
 fn scene(boxes: &[(i32, i32, i32, i32)]) -> BoxScene {
@@ -45,6 +59,41 @@ fn sort_middle_by_hand() {
     assert_eq!((r.redistribution.messages, r.redistribution.bytes), (4, 4 * 84));
     assert_eq!(r.redistribution_seconds, 3.0 * 84.0);
     assert_eq!(r.composition_seconds, 0.0);
+    // Three owners deliver a quarter of the picture each.
+    assert_eq!((r.delivery.messages, r.delivery.bytes, r.delivery_seconds), (3, 3 * 4096, 3.0 * 4096.0));
+}
+
+#[test]
+fn polygons_for_one_destination_share_a_message() {
+    // Eight polygons in the last of four regions, two of them on each processor.
+    let scene = scene(&[(40, 40, 40, 40); 8]);
+    let mut s = setting(4, Topology::Crossbar);
+    s.network.message = 1000.0;
+    let batched = simulate(&scene, Organisation::SortMiddle, &s);
+    assert_eq!((batched.redistribution.messages, batched.redistribution.bytes), (3, 6 * 84));
+    assert_eq!(batched.redistribution_seconds, 6.0 * 84.0 + 3.0 * 1000.0);
+    s.network.packing = Packing::OneAPolygon;
+    let single = simulate(&scene, Organisation::SortMiddle, &s);
+    assert_eq!((single.redistribution.messages, single.redistribution.bytes), (6, 6 * 84));
+    assert_eq!(single.redistribution_seconds, 6.0 * 84.0 + 6.0 * 1000.0);
+}
+
+#[test]
+fn a_smaller_last_group_is_composited() {
+    let r = simulate(&scene(&[(0, 0, 1, 1)]), Organisation::SortTwice(4), &setting(5, Topology::Crossbar));
+    // Processor 4 has a whole picture, of which four owners each take a quarter; three of them deliver theirs.
+    assert_eq!((r.composition.messages, r.composition.bytes), (4, 4096 * 8));
+    assert_eq!(r.composition_seconds, 4096.0 * 8.0 + 1024.0 * 0.25);
+    assert_eq!(r.delivery.bytes, 3 * 1024 * 4);
+}
+
+#[test]
+fn a_display_takes_the_picture_without_messages() {
+    let mut s = setting(4, Topology::Crossbar);
+    s.network.delivery = Delivery::Display;
+    let r = simulate(&scene(&[(0, 0, 1, 1)]), Organisation::SortLast, &s);
+    assert_eq!((r.delivery, r.delivery_seconds), (Traffic::default(), 0.0));
+    assert!(r.composition.bytes > 0);
 }
 
 #[test]
@@ -108,7 +157,7 @@ proptest! {
         for o in [Organisation::SortFirst, Organisation::SortTwice(g)] {
             let r = simulate(&scene, o, &Setting { costs: only_pixels, ..setting(n, Topology::FatTree) });
             prop_assert!((r.raster.mean * n as f64 - 0.5 * pixels as f64).abs() < 1e-6);
-            prop_assert!(n > 1 || (r.redistribution.bytes == 0 && r.composition.bytes == 0));
+            prop_assert!(n > 1 || (r.redistribution.bytes == 0 && r.composition.bytes == 0 && r.delivery.bytes == 0));
         }
     }
 }
