@@ -16,7 +16,7 @@ use crate::progress::Display;
 /// Reproduces published figures and tables: data, plot and verdict of each.
 #[derive(Debug, Args)]
 #[command(after_help = "\
-Each experiment has a folder with its data (CSV), its plots (SVG) and verdict.json. Without ID all are run,
+Each experiment has a folder with its data (CSV), its plots (SVG, PDF) and verdict.json. Without ID all are run,
 and a report joins them: index.html and report.md.
 
 Examples:

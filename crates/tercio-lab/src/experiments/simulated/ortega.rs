@@ -92,7 +92,7 @@ fn findings(processors: &[u64], published: [&[f64]; 2]) -> Result<Findings, Expe
         }
         last.push(ours[ours.len() - 1].1);
         series.push(Series::line_points(*name, ours));
-        series.push(Series::line_points(format!("{name}, published"), theirs).published());
+        series.push(Series::line_points(format!("{name}, published"), theirs).published_for(*name));
     }
     let linear = processors[processors.len() - 1] as f64 / processors[0] as f64;
     let mut comparison = Comparison::new();
