@@ -17,7 +17,7 @@ use crate::progress::Display;
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Each experiment has a folder with its data (CSV), its plots (SVG, PDF) and verdict.json. Without ID all are run,
-and a report joins them: index.html and report.md.
+and a report joins them: index.html, with a page for each document, and report.md.
 
 Examples:
   tercio lab reproduce -o report

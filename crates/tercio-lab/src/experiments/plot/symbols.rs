@@ -103,7 +103,7 @@ pub(super) fn dashed(line: &[DVec2], pattern: &[f64]) -> Vec<Vec<DVec2>> {
 /// Lines across the rectangle from `low` to `high`, of a direction and distance of the series `kind`.
 pub(super) fn hatching(kind: usize, low: DVec2, high: DVec2) -> Vec<Vec<DVec2>> {
     let directions = [dvec2(1.0, -1.0), dvec2(1.0, 1.0), dvec2(1.0, 0.0), dvec2(0.0, 1.0)];
-    let distance = if kind / directions.len() % 2 == 0 { 4.0 } else { 8.0 };
+    let distance = if (kind / directions.len()).is_multiple_of(2) { 4.0 } else { 8.0 };
     let along = directions[kind % directions.len()].normalize();
     let across = along.perp();
     let reach = (high - low).abs().length();
