@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use serde_json::json;
 use tercio::image::{Destination, OutputFile};
+use tercio::vector::VectorFormat;
 
 use super::{Experiment, Findings};
 
@@ -21,19 +22,16 @@ pub enum WriteError {
         #[source]
         source: std::io::Error,
     },
-    /// A plot could not be drawn.
-    #[error("{0}")]
-    Plot(String),
 }
 
-/// Writes `text` atomically: the whole file or nothing.
-pub(super) fn write(path: &Path, text: &str) -> Result<(), WriteError> {
+/// Writes `content` atomically: the whole file or nothing.
+pub(super) fn write(path: &Path, content: impl AsRef<[u8]>) -> Result<(), WriteError> {
     let io = |source| WriteError::Io { path: path.into(), source };
     if let Some(parent) = path.parent() {
         fs::create_dir_all(parent).map_err(io)?;
     }
     let mut file = OutputFile::create(&Destination::File(path.into())).map_err(io)?;
-    file.write_all(text.as_bytes()).and_then(|()| file.commit()).map_err(io)
+    file.write_all(content.as_ref()).and_then(|()| file.commit()).map_err(io)
 }
 
 /// Writes tables, plots and the verdict into the experiment's folder under `directory`.
@@ -44,10 +42,12 @@ pub(super) fn write_findings(
 ) -> Result<(), WriteError> {
     let folder = directory.join(experiment.id);
     for table in &findings.tables {
-        write(&folder.join(format!("{}.csv", table.name)), &table.to_csv())?;
+        write(&folder.join(format!("{}.csv", table.name)), table.to_csv())?;
     }
     for plot in &findings.plots {
-        write(&folder.join(format!("{}.svg", plot.name)), &plot.to_svg().map_err(WriteError::Plot)?)?;
+        for format in VectorFormat::ALL {
+            write(&folder.join(format!("{}.{}", plot.name, format.name())), plot.to_file(format))?;
+        }
     }
     let verdict = json!({
         "id": experiment.id,
@@ -60,5 +60,5 @@ pub(super) fn write_findings(
         "tables": findings.tables.iter().map(|t| format!("{}.csv", t.name)).collect::<Vec<_>>(),
         "plots": findings.plots.iter().map(|p| format!("{}.svg", p.name)).collect::<Vec<_>>(),
     });
-    write(&folder.join("verdict.json"), &format!("{verdict:#}\n"))
+    write(&folder.join("verdict.json"), format!("{verdict:#}\n"))
 }

@@ -30,7 +30,7 @@ pub use comparison::Comparison;
 pub use facts::Facts;
 pub use files::WriteError;
 pub use hidden::Fit;
-pub use plot::{Axis, Mark, Plot, Role, Scale, Series};
+pub use plot::{Axis, Categories, Mark, Plot, Role, Scale, Series};
 pub use table::{Cell, Column, Table};
 pub use verdict::Verdict;
 
@@ -156,7 +156,7 @@ pub fn all() -> impl Iterator<Item = Experiment> {
 }
 
 /// Runs `experiments` on the cores of the current pool and writes each into its folder under `directory`: one CSV file
-/// per table, one SVG file per plot, and `verdict.json`. `finished` is called after each, in any order.
+/// per table, an SVG and a PDF file per plot, and `verdict.json`. `finished` is called after each, in any order.
 ///
 /// The outcomes are in the order of `experiments`; a failing experiment does not stop the others.
 ///
@@ -271,12 +271,16 @@ mod tests {
         let ids: BTreeSet<_> = experiments.iter().map(|e| e.id).collect();
         assert_eq!(ids.len(), experiments.len(), "names are folders");
         let outcomes = reproduce(&experiments, directory.path(), |_| {}).unwrap();
+        let mut colliding = Vec::new();
         for outcome in &outcomes {
             let id = outcome.experiment.id;
             let findings = outcome.findings.as_ref().unwrap_or_else(|e| panic!("{id}: {e}"));
             assert!(findings.tables.iter().all(|t| !t.rows.is_empty()), "{id} has an empty table");
             for plot in &findings.plots {
-                assert!(directory.path().join(id).join(format!("{}.svg", plot.name)).is_file());
+                let file = |extension| directory.path().join(id).join(format!("{}.{extension}", plot.name));
+                assert!(file("svg").is_file() && file("pdf").is_file());
+                let collisions = plot.collisions().into_iter().map(|c| format!("{id}/{}: {c}", plot.name));
+                colliding.extend(collisions);
             }
         }
         let found: Vec<_> = outcomes
@@ -290,6 +294,7 @@ mod tests {
             let lines: Vec<_> = lines.map(|(o, f)| format!("{f:?}, // {}", text(o))).collect();
             panic!("verdicts that are not in the list:\n{}", lines.join("\n"));
         }
+        assert!(colliding.is_empty(), "{colliding:#?}");
         report::write(&outcomes, &published::check_all().unwrap(), directory.path()).unwrap();
         let page = std::fs::read_to_string(directory.path().join("index.html")).unwrap();
         let markdown = std::fs::read_to_string(directory.path().join("report.md")).unwrap();

@@ -43,6 +43,7 @@ mod sketch;
 mod svg;
 #[cfg(test)]
 mod tests;
+mod text;
 
 use std::io::{self, Write};
 use std::path::Path;
@@ -52,6 +53,7 @@ pub use annotation::areas;
 pub use hiders::Hiders;
 pub use page::{Cap, Page, Shape, Style};
 pub use sketch::Sketch;
+pub use text::{Anchor, Text, text_width};
 
 /// The format of a drawing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -4,6 +4,8 @@ use std::io::{self, Write};
 
 use glam::DVec2;
 
+use super::text::Text;
+
 /// How a line ends, and what a line of one point is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Cap {
@@ -42,6 +44,8 @@ pub enum Shape {
         /// Their corners, in pixels.
         polygons: Vec<Vec<DVec2>>,
     },
+    /// A line of text.
+    Text(Text),
 }
 
 /// A drawing.
@@ -65,7 +69,7 @@ impl Page {
     pub fn line_count(&self) -> usize {
         let count = |shape: &Shape| match shape {
             Shape::Lines { lines, .. } => lines.len(),
-            Shape::Area { .. } => 0,
+            Shape::Area { .. } | Shape::Text(_) => 0,
         };
         self.shapes.iter().map(count).sum()
     }

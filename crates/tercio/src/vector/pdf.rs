@@ -8,6 +8,7 @@ use flate2::write::ZlibEncoder;
 use glam::DVec2;
 
 use super::page::{Cap, Page, Shape, fixed, flush, is_closed, number, push_fixed};
+use super::text::Text;
 
 /// Writes a page.
 pub fn write(page: &Page, out: &mut dyn Write) -> io::Result<()> {
@@ -23,12 +24,15 @@ pub fn write(page: &Page, out: &mut dyn Write) -> io::Result<()> {
         let share = number(f64::from(alpha) / 255.0);
         let _ = write!(states, "/A{k} <</CA {share} /ca {share}>> ");
     }
+    let has_text = page.shapes.iter().any(|shape| matches!(shape, Shape::Text(_)));
+    let font = "/Font <</F <</Type /Font /Subtype /Type1 /BaseFont /Helvetica /Encoding /WinAnsiEncoding>>>>";
+    let font = if has_text { font } else { "" };
     let objects = [
         "<</Type /Catalog /Pages 2 0 R>>".to_owned(),
         "<</Type /Pages /Kids [3 0 R] /Count 1>>".to_owned(),
         format!(
             "<</Type /Page /Parent 2 0 R /MediaBox [0 0 {width} {height}] /Contents 4 0 R \
-             /Resources <</ExtGState <<{states}>>>>>>"
+             /Resources <</ExtGState <<{states}>>{font}>>>>"
         ),
         format!("<</Length {} /Filter /FlateDecode>>", packed.len()),
     ];
@@ -61,6 +65,7 @@ fn alphas(page: &Page) -> Vec<u8> {
     let of_shapes = page.shapes.iter().map(|shape| match shape {
         Shape::Lines { style, .. } => style.color[3],
         Shape::Area { color, .. } => color[3],
+        Shape::Text(text) => text.color[3],
     });
     let mut alphas: Vec<u8> = of_shapes.chain(page.background.map(|color| color[3])).collect();
     alphas.sort_unstable();
@@ -83,6 +88,10 @@ fn write_content(page: &Page, alphas: &[u8], out: &mut dyn Write) -> io::Result<
     for shape in &page.shapes {
         let mut text = String::new();
         match shape {
+            Shape::Text(line) => {
+                out.write_all(color(line.color, "rg").as_bytes())?;
+                write_line(line, out)?;
+            }
             Shape::Lines { style, lines } => {
                 let cap = match style.cap {
                     Cap::Round => 1,
@@ -110,6 +119,24 @@ fn write_content(page: &Page, alphas: &[u8], out: &mut dyn Write) -> io::Result<
         }
     }
     Ok(())
+}
+
+fn write_line(line: &Text, out: &mut dyn Write) -> io::Result<()> {
+    let [x, y] = line.start().to_array().map(number);
+    // The page's y axis points down, that of letters up.
+    let turn = if line.upwards { "0 -1 -1 0" } else { "1 0 0 -1" };
+    write!(out, "BT\n/F {} Tf\n{turn} {x} {y} Tm\n(", number(line.size))?;
+    for character in line.text.chars() {
+        let byte = match u32::from(character) {
+            0..=0x1f | 0x7f..=0x9f => b'?',
+            code => u8::try_from(code).unwrap_or(b'?'),
+        };
+        if matches!(byte, b'(' | b')' | b'\\') {
+            out.write_all(b"\\")?;
+        }
+        out.write_all(&[byte])?;
+    }
+    out.write_all(b") Tj\nET\n")
 }
 
 fn push_path(text: &mut String, points: &[DVec2]) {

@@ -6,6 +6,7 @@ use std::io::{self, Write};
 use glam::DVec2;
 
 use super::page::{Cap, Page, Shape, fixed, flush, is_closed, number, push_fixed};
+use super::text::{Anchor, Text, text_width};
 
 /// Writes a page.
 pub fn write(page: &Page, out: &mut dyn Write) -> io::Result<()> {
@@ -21,6 +22,10 @@ pub fn write(page: &Page, out: &mut dyn Write) -> io::Result<()> {
     }
     for shape in &page.shapes {
         match shape {
+            Shape::Text(line) => {
+                push_text(&mut text, line);
+                continue;
+            }
             Shape::Lines { style, lines } => {
                 let cap = match style.cap {
                     Cap::Round => "round",
@@ -47,6 +52,26 @@ pub fn write(page: &Page, out: &mut dyn Write) -> io::Result<()> {
     }
     text.push_str("</svg>\n");
     out.write_all(text.as_bytes())
+}
+
+fn push_text(out: &mut String, line: &Text) {
+    let anchor = match line.anchor {
+        Anchor::Start => "start",
+        Anchor::Middle => "middle",
+        Anchor::End => "end",
+    };
+    let [x, y] = line.at.to_array().map(number);
+    let turn = if line.upwards { format!(" transform=\"rotate(-90 {x} {y})\"") } else { String::new() };
+    // Where the font is another one, it is as wide.
+    let width = number(text_width(&line.text, line.size));
+    let text = line.text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;");
+    let _ = writeln!(
+        out,
+        "<text x=\"{x}\" y=\"{y}\"{turn}{} font-family=\"Helvetica,Arial,'Liberation Sans',sans-serif\" \
+         font-size=\"{}\" text-anchor=\"{anchor}\" textLength=\"{width}\" lengthAdjust=\"spacingAndGlyphs\">{text}</text>",
+        paint("fill", line.color),
+        number(line.size)
+    );
 }
 
 fn paint(what: &str, [r, g, b, alpha]: [u8; 4]) -> String {

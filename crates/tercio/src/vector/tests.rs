@@ -56,7 +56,7 @@ fn triangles_of(mesh: &Mesh) -> Vec<[DVec3; 3]> {
 fn lines_of(page: &Page) -> Vec<Vec<DVec2>> {
     let lines = |shape: &Shape| match shape {
         Shape::Lines { lines, .. } => lines.clone(),
-        Shape::Area { .. } => Vec::new(),
+        Shape::Area { .. } | Shape::Text(_) => Vec::new(),
     };
     page.shapes.iter().flat_map(lines).collect()
 }

@@ -16,8 +16,8 @@ use crate::progress::Display;
 /// Reproduces published figures and tables: data, plot and verdict of each.
 #[derive(Debug, Args)]
 #[command(after_help = "\
-Each experiment has a folder with its data (CSV), its plots (SVG) and verdict.json. Without ID all are run,
-and a report joins them: index.html and report.md.
+Each experiment has a folder with its data (CSV), its plots (SVG, PDF) and verdict.json. Without ID all are run,
+and a report joins them: index.html, with a page for each document, and report.md.
 
 Examples:
   tercio lab reproduce -o report

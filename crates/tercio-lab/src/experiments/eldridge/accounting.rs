@@ -86,8 +86,12 @@ fn phases() -> Result<Findings, ExperimentError> {
     let [geometry, communication, raster] = shares;
     let plot = Plot::new(
         "phases",
-        "Share of each phase: Beethoven (1 to 3), crocodile (4 to 6), teapot (7 to 9)",
-        Axis::linear("row of table 8.1"),
+        "Share of each phase of a frame",
+        Axis::categories(
+            "row of table 8.1",
+            1,
+            (0..9).map(|row| format!("{} {}", scenes[row / 3], row % 3 + 1)),
+        ),
         Axis::linear("percent of the frame"),
     )
     .with(Series::line_points("geometry", geometry).published())

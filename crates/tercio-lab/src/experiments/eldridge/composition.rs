@@ -53,7 +53,7 @@ fn owners() -> Result<Findings, ExperimentError> {
             table.push([f64::from(r).into(), f64::from(j).into(), start.get().into(), end.get().into()]);
             points.push((f64::from(j), end.get()));
         }
-        plot = plot.with(Series::line_points(format!("region {r}"), points));
+        plot = plot.with(Series::points(format!("region {r}"), points));
     }
     Ok(Findings {
         tables: vec![table],

@@ -92,7 +92,7 @@ fn rates() -> Result<Findings, ExperimentError> {
                 points.push((processors, rate));
             }
             if row == ROWS[2] {
-                plot = plot.with(Series::line_points(name, points));
+                plot = plot.with(Series::line_points(name, points).published());
             }
         }
     }
@@ -143,7 +143,7 @@ fn speed_ups(
                 ]);
                 points.push((processors, speed_up));
             }
-            plot = plot.with(Series::line_points(format!("{kind} polygons, row {row}"), points));
+            plot = plot.with(Series::line_points(format!("{kind} polygons, row {row}"), points).published());
         }
     }
     let prefixes = tables.map(|t| format!("O-T{t}-su"));

@@ -75,7 +75,7 @@ fn scene_tables() -> Result<Findings, ExperimentError> {
     let mut plot = Plot::new(
         "scenes",
         "Slowest processor of each machine",
-        Axis::linear("figure"),
+        Axis::categories("figure", *FIGURES.start(), FIGURES.map(|f| f.to_string())),
         Axis::log10("million memory cycles"),
     );
     for (machine, name) in MACHINES.into_iter().enumerate() {
@@ -111,11 +111,11 @@ fn seconds() -> Result<Findings, ExperimentError> {
     let plot = Plot::new(
         "seconds",
         "16 processors with 300 ns a cycle",
-        Axis::linear("figure"),
+        Axis::categories("figure", 16, (16..=25).map(|f| f.to_string())),
         Axis::linear("seconds"),
     )
-    .with(Series::line_points("interlace", interlace))
-    .with(Series::line_points("splitter", splitter));
+    .with(Series::line_points("interlace", interlace).published())
+    .with(Series::line_points("splitter", splitter).published());
     Ok(Findings {
         tables: vec![table],
         plots: vec![plot],
@@ -156,11 +156,11 @@ fn relative() -> Result<Findings, ExperimentError> {
     let plot = Plot::new(
         "relative",
         "16 processors over the uniprocessor",
-        Axis::linear("figure"),
+        Axis::categories("figure", *FIGURES.start(), FIGURES.map(|f| f.to_string())),
         Axis::linear("percent of the uniprocessor's time"),
     )
-    .with(Series::line_points("interlace", interlace))
-    .with(Series::line_points("splitter", splitter));
+    .with(Series::line_points("interlace", interlace).published())
+    .with(Series::line_points("splitter", splitter).published());
     Ok(Findings {
         tables: vec![table, changes],
         plots: vec![plot],
@@ -183,11 +183,11 @@ fn approach() -> Result<Findings, ExperimentError> {
     let plot = Plot::new(
         "approach",
         "Approach to the runway, 16 processors",
-        Axis::linear("figure"),
+        Axis::categories("figure", 16, (16..=21).map(|f| f.to_string())),
         Axis::linear("million memory cycles"),
     )
-    .with(Series::line_points("interlace", column(&facts, 16..=21, INTERLACE_16)?))
-    .with(Series::line_points("splitter", column(&facts, 16..=21, SPLITTER_16)?));
+    .with(Series::line_points("interlace", column(&facts, 16..=21, INTERLACE_16)?).published())
+    .with(Series::line_points("splitter", column(&facts, 16..=21, SPLITTER_16)?).published());
     let mut comparison = Comparison::new();
     // The trend that the text describes: between similar scenes the splitter changes more than the interlace.
     for (from, to) in SIMILAR.into_iter().filter(|s| s.1 <= 21) {

@@ -1,155 +1,303 @@
-//! Drawing a plot as SVG.
+//! Drawing a plot as a page of lines, areas and text.
 
-use plotters::prelude::*;
+use glam::{DVec2, dvec2};
+use tercio::vector::{Anchor, Cap, Page, Shape, Style, VectorFormat};
 
+use super::bars::{FILLED, push_bar, push_gap};
+use super::label::{self, INK};
+use super::legend::Legend;
+use super::palette::{COLORS, DASHES};
 use super::scale::Division;
+use super::symbols::{dashed, symbol};
 use super::{Mark, Plot, Role, Series};
 
-/// Width and height of a plot in SVG units. Coordinates are rounded to whole units, so a plot is drawn large and
-/// displayed smaller.
-const SIZE: (u32, u32) = (1280, 880);
-const TITLE_SIZE: u32 = 30;
-const LABEL_SIZE: u32 = 26;
-/// The palette of Okabe and Ito, which colour-blind readers can distinguish, too.
-const COLORS: [RGBColor; 7] = [
-    RGBColor(0, 114, 178),
-    RGBColor(213, 94, 0),
-    RGBColor(0, 158, 115),
-    RGBColor(204, 121, 167),
-    RGBColor(230, 159, 0),
-    RGBColor(86, 180, 233),
-    RGBColor(0, 0, 0),
-];
+/// Width of a plot, and its height if the legend needs no more, in pixels of which 96 are an inch.
+const SIZE: DVec2 = dvec2(640.0, 420.0);
+const MARGIN: f64 = 14.0;
+const TITLE: f64 = 16.0;
+/// Height of the font of ticks, axes and legend, and of a line of it.
+pub(super) const LABEL: f64 = 12.0;
+pub(super) const LINE: f64 = 15.0;
+const RADIUS: f64 = 3.6;
+/// Symbols on a line that has none of its own.
+const SYMBOLS_OF_LINE: u32 = 5;
+
+/// How a series looks.
+pub(super) struct Look<'a> {
+    series: &'a Series,
+    /// The number of its colour and symbol.
+    number: usize,
+    as_bars: bool,
+}
+
+/// The rectangle of the data, and the axes along it.
+struct Frame {
+    low: DVec2,
+    high: DVec2,
+    x: Division,
+    y: Division,
+}
 
 impl Plot {
-    /// The points of a series in axis coordinates, without those that cannot be drawn.
-    fn placed(&self, series: &Series) -> Vec<(f64, f64)> {
-        let place = |&(x, y): &(f64, f64)| (self.x.scale.place(x), self.y.scale.place(y));
-        series.points.iter().map(place).filter(|(x, y)| x.is_finite() && y.is_finite()).collect()
+    /// The points of a series in axis coordinates; nothing where a point cannot be drawn.
+    fn placed(&self, series: &Series) -> Vec<Option<DVec2>> {
+        let place = |&(x, y): &(f64, f64)| {
+            let place = dvec2(self.x.scale.place(x), self.y.scale.place(y));
+            place.is_finite().then_some(place)
+        };
+        series.points.iter().map(place).collect()
     }
 
-    /// The plot as SVG.
-    ///
-    /// # Errors
-    /// What the plotting library cannot draw.
-    pub fn to_svg(&self) -> Result<String, String> {
-        let mut svg = String::new();
-        self.draw(&mut svg).map_err(|e| format!("plot {}: {e}", self.name))?;
-        // The displayed size follows the page, not the units in which it is drawn.
-        let fixed = format!("width=\"{}\" height=\"{}\" ", SIZE.0, SIZE.1);
-        Ok(svg.replacen(&fixed, "", 1))
+    /// The looks of all series: each has its own, but published values that of the series they belong to.
+    fn looks(&self) -> Vec<Look<'_>> {
+        let mut looks: Vec<Look<'_>> = Vec::new();
+        let mut next = 0;
+        for series in &self.series {
+            let other =
+                looks.iter().find(|l| series.like.as_ref() == Some(&l.series.label)).map(|l| l.number);
+            let number = other.unwrap_or(next);
+            next += usize::from(other.is_none());
+            looks.push(Look { series, number, as_bars: self.x.categories.is_some() });
+        }
+        looks
     }
 
-    fn draw(&self, svg: &mut String) -> Result<(), Box<dyn std::error::Error>> {
+    /// The plot as a file.
+    pub fn to_file(&self, format: VectorFormat) -> Vec<u8> {
+        let mut file = Vec::new();
+        // Writing into memory cannot fail.
+        let written = self.page().write(format, &mut file);
+        debug_assert!(written.is_ok(), "{written:?}");
+        file
+    }
+
+    /// The plot as a page.
+    pub(super) fn page(&self) -> Page {
         let placed: Vec<_> = self.series.iter().map(|s| self.placed(s)).collect();
-        let x = Division::new(self.x.scale, false, placed.iter().flatten().map(|p| p.0));
-        // The vertical axis starts at zero, so that heights can be compared.
-        let y = Division::new(self.y.scale, true, placed.iter().flatten().map(|p| p.1));
-        let (x_ends, y_ends) = ((x.low, x.high), (y.low, y.high));
-        let root = SVGBackend::with_string(svg, SIZE).into_drawing_area();
-        root.fill(&WHITE)?;
-        let mut chart = ChartBuilder::on(&root)
-            .caption(&self.title, ("sans-serif", TITLE_SIZE))
-            .margin(24)
-            .margin_right(72)
-            .x_label_area_size(80)
-            .y_label_area_size(150)
-            .build_cartesian_2d(x, y)?;
-        chart
-            .configure_mesh()
-            .light_line_style(TRANSPARENT)
-            .bold_line_style(BLACK.mix(0.12))
-            .x_desc(&self.x.label)
-            .y_desc(&self.y.label)
-            .axis_desc_style(("sans-serif", LABEL_SIZE))
-            .label_style(("sans-serif", LABEL_SIZE - 4))
-            .draw()?;
-        for (i, (series, points)) in self.series.iter().zip(placed).enumerate() {
-            let color = COLORS[i % COLORS.len()];
-            let published = series.role == Role::Published;
-            let mut labelled = false;
-            if series.mark != Mark::Points {
-                let style = color.stroke_width(3);
-                let drawn = if published {
-                    chart.draw_series(DashedLineSeries::new(points.iter().copied(), 10, 8, style))?
-                } else {
-                    chart.draw_series(LineSeries::new(points.iter().copied(), style))?
-                };
-                drawn.label(&series.label).legend(move |(x, y)| {
-                    let end = if published { x + 14 } else { x + 30 };
-                    PathElement::new(vec![(x, y), (end, y)], color.stroke_width(3))
-                });
-                labelled = true;
+        let has_gaps = self.x.categories.is_some() && placed.iter().flatten().any(Option::is_none);
+        let legend = Legend::of(self, has_gaps);
+        let title = label::wrapped(&self.title, TITLE, SIZE.x - 2.0 * MARGIN);
+        let known = || placed.iter().flatten().flatten();
+        let x = match &self.x.categories {
+            Some(names) => {
+                let first = f64::from(names.first) - 0.5;
+                Division::of_categories(first, first + names.names.len() as f64)
             }
-            if series.mark != Mark::Line {
-                let style = if published { color.stroke_width(3) } else { color.filled() };
-                let drawn = chart.draw_series(points.iter().map(|&p| Circle::new(p, 7, style)))?;
-                if !labelled {
-                    drawn.label(&series.label).legend(move |(x, y)| Circle::new((x + 15, y), 7, style));
+            None => Division::new(self.x.scale, false, known().map(|p| p.x)),
+        };
+        // The vertical axis starts at zero, so that heights can be compared.
+        let y = Division::new(self.y.scale, true, known().map(|p| p.y));
+
+        let widest = y.ticks.iter().map(|&t| label::width(&y.label(t), LABEL)).fold(0.0, f64::max);
+        let left = MARGIN + LINE + 8.0 + widest + 6.0;
+        let top = MARGIN + title.len() as f64 * (TITLE + 4.0) + 10.0;
+        let beside = legend.size();
+        let right = SIZE.x - MARGIN - if beside.x > 0.0 { beside.x + 16.0 } else { 14.0 };
+        let names = Names::of(self, (right - left) / (x.high - x.low));
+        let below = names.height() + LINE + 16.0;
+        let height = SIZE.y.max(top + beside.y + below + MARGIN);
+        let frame = Frame { low: dvec2(left, height - MARGIN - below), high: dvec2(right, top), x, y };
+
+        let mut page = Page { size: [SIZE.x, height], background: Some([255; 4]), shapes: Vec::new() };
+        let shapes = &mut page.shapes;
+        for (i, line) in title.iter().enumerate() {
+            let at = dvec2(MARGIN, MARGIN + TITLE + i as f64 * (TITLE + 4.0));
+            label::push(shapes, line, TITLE, at, Anchor::Start, false);
+        }
+        self.push_axes(shapes, &frame, &names);
+        let looks = self.looks();
+        if self.x.categories.is_some() {
+            push_all_bars(shapes, &frame, &looks, &placed);
+        } else {
+            for (look, points) in looks.iter().zip(&placed) {
+                look.push_line(shapes, &frame, points, looks.len());
+            }
+        }
+        legend.push(shapes, dvec2(right + 16.0, top), &looks);
+        page
+    }
+
+    fn push_axes(&self, shapes: &mut Vec<Shape>, frame: &Frame, names: &Names) {
+        let Frame { low, high, x, y } = frame;
+        let style = |alpha, width| Style { color: [INK[0], INK[1], INK[2], alpha], width, cap: Cap::Square };
+        let mut grid = Vec::new();
+        for &tick in &y.ticks {
+            let at = frame.at(dvec2(x.low, tick));
+            grid.push(vec![at, dvec2(high.x, at.y)]);
+            let text = at + dvec2(-6.0, 0.36 * LABEL);
+            label::push(shapes, &y.label(tick), LABEL, text, Anchor::End, false);
+        }
+        let foot = low.y + LINE + 2.0;
+        if names.lines.is_empty() {
+            let labels: Vec<_> = x.ticks.iter().map(|&t| (frame.at(dvec2(t, y.low)), x.label(t))).collect();
+            let every = sparse(&labels);
+            for (i, (at, text)) in labels.into_iter().enumerate() {
+                grid.push(vec![at, dvec2(at.x, high.y)]);
+                if i % every == 0 {
+                    label::push(shapes, &text, LABEL, dvec2(at.x, foot), Anchor::Middle, false);
                 }
             }
         }
-        if self.series.len() > 1 {
-            chart
-                .configure_series_labels()
-                .position(self.empty_corner(x_ends, y_ends))
-                .legend_area_size(44)
-                .label_font(("sans-serif", LABEL_SIZE - 4))
-                .background_style(WHITE.mix(0.7))
-                .border_style(BLACK.mix(0.3))
-                .draw()?;
+        for (i, lines) in names.lines.iter().enumerate() {
+            let at = frame.at(dvec2(x.low + 0.5 + i as f64, y.low));
+            for (k, line) in lines.iter().enumerate() {
+                if names.upwards {
+                    let at = at + dvec2(0.36 * LABEL, 6.0);
+                    label::push(shapes, line, LABEL, at, Anchor::End, true);
+                } else {
+                    let at = dvec2(at.x, foot + k as f64 * LINE);
+                    label::push(shapes, line, LABEL, at, Anchor::Middle, false);
+                }
+            }
         }
-        root.present()?;
-        Ok(())
+        shapes.push(Shape::Lines { style: style(34, 1.0), lines: grid });
+        let axes = vec![vec![dvec2(low.x, high.y), *low, dvec2(high.x, low.y)]];
+        shapes.push(Shape::Lines { style: style(255, 1.0), lines: axes });
+        let middle = 0.5 * (*low + *high);
+        let at = dvec2(middle.x, foot + names.height() + 4.0);
+        label::push(shapes, &self.x.label, LABEL, at, Anchor::Middle, false);
+        label::push(shapes, &self.y.label, LABEL, dvec2(MARGIN + LABEL, middle.y), Anchor::Middle, true);
+    }
+}
+
+/// What is written below the horizontal axis.
+struct Names {
+    /// Lines of text of every category.
+    lines: Vec<Vec<String>>,
+    /// Are they read upwards, because a word is wider than a category?
+    upwards: bool,
+}
+
+impl Names {
+    fn of(plot: &Plot, width: f64) -> Self {
+        let names = || plot.x.categories.iter().flat_map(|c| &c.names);
+        let lines: Vec<_> = names().map(|name| label::wrapped(name, LABEL, width - 6.0)).collect();
+        if lines.iter().flatten().all(|line| label::width(line, LABEL) <= width - 6.0) {
+            return Self { lines, upwards: false };
+        }
+        Self { lines: names().map(|name| vec![name.clone()]).collect(), upwards: true }
     }
 
-    /// The corner in which the legend covers fewest points.
-    fn empty_corner(&self, x: (f64, f64), y: (f64, f64)) -> SeriesLabelPosition {
-        /// Width of the legend as a share of the plot, and its height per series.
-        const WIDTH: f64 = 0.4;
-        const HEIGHT: f64 = 0.05;
-        let height = HEIGHT * (self.series.len() + 1) as f64;
-        let points: Vec<_> = self.series.iter().flat_map(|s| self.placed(s)).collect();
-        let share = |place: f64, (low, high): (f64, f64)| (place - low) / (high - low);
-        let hidden = |right: bool, upper: bool| {
-            let within = |p: &&(f64, f64)| {
-                let (across, up) = (share(p.0, x), share(p.1, y));
-                let across = if right { 1.0 - across } else { across };
-                let up = if upper { 1.0 - up } else { up };
-                across < WIDTH && up < height
-            };
-            points.iter().filter(within).count()
-        };
-        let corners = [
-            (hidden(true, true), SeriesLabelPosition::UpperRight),
-            (hidden(false, true), SeriesLabelPosition::UpperLeft),
-            (hidden(true, false), SeriesLabelPosition::LowerRight),
-            (hidden(false, false), SeriesLabelPosition::LowerLeft),
-        ];
-        let best = corners.into_iter().min_by_key(|c| c.0);
-        best.map_or(SeriesLabelPosition::UpperRight, |c| c.1)
+    /// In pixels; that of ticks if there are no names.
+    fn height(&self) -> f64 {
+        if self.upwards {
+            return self.lines.iter().flatten().map(|line| label::width(line, LABEL)).fold(0.0, f64::max);
+        }
+        self.lines.iter().map(Vec::len).max().unwrap_or(1) as f64 * LINE
     }
+}
+
+/// Of how many ticks one has a label, so that labels do not touch.
+fn sparse(labels: &[(DVec2, String)]) -> usize {
+    let fits = |every: &usize| {
+        let shown: Vec<_> = labels.iter().step_by(*every).collect();
+        shown.windows(2).all(|pair| {
+            let half = |label: &(DVec2, String)| 0.5 * label::width(&label.1, LABEL);
+            pair[1].0.x - pair[0].0.x > half(pair[0]) + half(pair[1]) + 6.0
+        })
+    };
+    (1..=labels.len().max(1)).find(fits).unwrap_or(1)
+}
+
+fn push_all_bars(shapes: &mut Vec<Shape>, frame: &Frame, looks: &[Look<'_>], placed: &[Vec<Option<DVec2>>]) {
+    let width = FILLED / looks.len() as f64;
+    for (i, (look, points)) in looks.iter().zip(placed).enumerate() {
+        for (point, &(x, _)) in points.iter().zip(&look.series.points) {
+            let left = x - 0.5 * FILLED + i as f64 * width;
+            let foot = |x| frame.at(dvec2(x, frame.y.low));
+            let Some(point) = point else {
+                push_gap(
+                    shapes,
+                    LABEL.min(1.6 * (foot(left + width).x - foot(left).x)),
+                    foot(left + 0.5 * width),
+                );
+                continue;
+            };
+            let high = frame.at(dvec2(left + 0.94 * width, point.y));
+            push_bar(shapes, look.number, look.color(), look.is_published(), foot(left), high);
+        }
+    }
+}
+
+impl Frame {
+    fn at(&self, place: DVec2) -> DVec2 {
+        let share = dvec2(self.x.share(place.x), self.y.share(place.y));
+        self.low + (self.high - self.low) * share
+    }
+}
+
+impl Look<'_> {
+    fn color(&self) -> [u8; 4] {
+        let [r, g, b] = COLORS[self.number % COLORS.len()];
+        [r, g, b, 255]
+    }
+
+    fn is_published(&self) -> bool {
+        self.series.role == Role::Published
+    }
+
+    fn push_stroke(&self, shapes: &mut Vec<Shape>, line: &[DVec2]) {
+        let (cap, lines) = if self.is_published() {
+            (Cap::Square, dashed(line, DASHES[self.number % DASHES.len()]))
+        } else {
+            (Cap::Round, vec![line.to_vec()])
+        };
+        shapes.push(Shape::Lines { style: Style { color: self.color(), width: 1.8, cap }, lines });
+    }
+
+    fn push_symbol(&self, shapes: &mut Vec<Shape>, at: DVec2) {
+        let outline = symbol(self.number, at, RADIUS);
+        if self.is_published() {
+            // Not filled, so that what is below can be seen.
+            let closed = outline.iter().copied().chain(outline.first().copied()).collect();
+            let style = Style { color: self.color(), width: 1.4, cap: Cap::Round };
+            shapes.push(Shape::Lines { style, lines: vec![closed] });
+        } else {
+            shapes.push(Shape::Area { color: self.color(), polygons: vec![outline] });
+        }
+    }
+
+    /// The line and the symbols of a series.
+    fn push_line(&self, shapes: &mut Vec<Shape>, frame: &Frame, points: &[Option<DVec2>], of: usize) {
+        let runs: Vec<Vec<DVec2>> = points
+            .split(Option::is_none)
+            .map(|run| run.iter().flatten().map(|&p| frame.at(p)).collect())
+            .collect();
+        if self.series.mark != Mark::Points {
+            runs.iter().filter(|run| run.len() > 1).for_each(|run| self.push_stroke(shapes, run));
+        }
+        if self.series.mark != Mark::Line {
+            runs.iter().flatten().for_each(|&at| self.push_symbol(shapes, at));
+        } else if of > 1 && (self.is_published() || self.series.like.is_none()) {
+            let width = frame.high.x - frame.low.x;
+            let place =
+                |k| (f64::from(k) + (self.number as f64 + 0.5) / of as f64) / f64::from(SYMBOLS_OF_LINE);
+            for x in (0..SYMBOLS_OF_LINE).map(|k| frame.low.x + width * place(k)) {
+                if let Some(at) = runs.iter().find_map(|run| on_line(run, x)) {
+                    self.push_symbol(shapes, at);
+                }
+            }
+        }
+    }
+
+    /// The sample of the legend, whose left end is at `at`.
+    pub fn push_sample(&self, shapes: &mut Vec<Shape>, at: DVec2, width: f64) {
+        if self.as_bars {
+            let (low, high) = (at + dvec2(6.0, 5.0), at + dvec2(width, -5.0));
+            return push_bar(shapes, self.number, self.color(), self.is_published(), low, high);
+        }
+        if self.series.mark != Mark::Points {
+            self.push_stroke(shapes, &[at, at + dvec2(width, 0.0)]);
+        }
+        self.push_symbol(shapes, at + dvec2(0.5 * width, 0.0));
+    }
+}
+
+/// The point of a line at `x`.
+fn on_line(line: &[DVec2], x: f64) -> Option<DVec2> {
+    let pair = line.windows(2).find(|p| p[0].x <= x && x < p[1].x)?;
+    Some(pair[0].lerp(pair[1], (x - pair[0].x) / (pair[1].x - pair[0].x)))
 }
 
 #[cfg(test)]
-mod tests {
-    use super::super::Axis;
-    use super::*;
-
-    #[test]
-    fn a_plot_has_its_labels_and_is_the_same_each_time() {
-        let plot = || {
-            Plot::new("p", "Passes < all", Axis::log2("d"), Axis::linear("instructions"))
-                .with(Series::line("ours", vec![(1.0, 2.0), (4.0, 8.0)]))
-                .with(Series::points("printed", vec![(2.0, 4.0), (f64::NAN, 1.0), (0.0, 1.0)]).published())
-        };
-        let svg = plot().to_svg().unwrap();
-        assert!(svg.contains("Passes &lt; all") && svg.contains("printed") && svg.contains("viewBox"));
-        assert_eq!(svg, plot().to_svg().unwrap());
-    }
-
-    #[test]
-    fn a_plot_without_points_is_drawn() {
-        assert!(Plot::new("p", "t", Axis::log10("x"), Axis::linear("y")).to_svg().is_ok());
-    }
-}
+mod tests;

@@ -1,7 +1,14 @@
-//! Plots for print: few colours, our values as solid lines, published points hollow, ticks at round numbers.
+//! Plots for print, as SVG and PDF: our values as solid lines with full symbols, published ones as dashed lines with hollow
+//! symbols, bars for categories, the legend beside the data, and gaps where a value is not known. Series differ in colour and
+//! symbol (bars in colour and hatching), colours also in lightness.
 
+mod bars;
 mod draw;
+mod label;
+mod legend;
+mod palette;
 mod scale;
+mod symbols;
 
 /// A plot of series over two axes.
 #[derive(Clone, Debug)]
@@ -25,6 +32,17 @@ pub struct Axis {
     pub label: String,
     /// Its scale.
     pub scale: Scale,
+    /// What is on a horizontal axis of categories, instead of numbers.
+    pub categories: Option<Categories>,
+}
+
+/// Categories: the values of the axis are their numbers, and series are drawn as bars.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Categories {
+    /// The number of the first.
+    pub first: u32,
+    /// Their names.
+    pub names: Vec<String>,
 }
 
 /// The scale of an axis.
@@ -47,7 +65,9 @@ pub struct Series {
     pub role: Role,
     /// How they are drawn.
     pub mark: Mark,
-    /// The points; those that are not finite, or not positive on a logarithmic axis, are skipped.
+    /// The label of the series whose colour and symbol this one has, too: published values beside ours.
+    pub like: Option<String>,
+    /// The points. Those that are not finite, or not positive on a logarithmic axis, are gaps.
     pub points: Vec<(f64, f64)>,
 }
 
@@ -74,24 +94,34 @@ pub enum Mark {
 impl Axis {
     /// An axis with a linear scale.
     pub fn linear(label: impl Into<String>) -> Self {
-        Self { label: label.into(), scale: Scale::Linear }
+        Self { label: label.into(), scale: Scale::Linear, categories: None }
+    }
+
+    /// An axis of categories, which are numbered from `first`.
+    pub fn categories<N: Into<String>>(
+        label: impl Into<String>,
+        first: u32,
+        names: impl IntoIterator<Item = N>,
+    ) -> Self {
+        let names = names.into_iter().map(Into::into).collect();
+        Self { categories: Some(Categories { first, names }), ..Self::linear(label) }
     }
 
     /// An axis with a scale of powers of two.
     pub fn log2(label: impl Into<String>) -> Self {
-        Self { label: label.into(), scale: Scale::Log2 }
+        Self { label: label.into(), scale: Scale::Log2, categories: None }
     }
 
     /// An axis with a scale of powers of ten.
     pub fn log10(label: impl Into<String>) -> Self {
-        Self { label: label.into(), scale: Scale::Log10 }
+        Self { label: label.into(), scale: Scale::Log10, categories: None }
     }
 }
 
 impl Series {
     /// Our values as a line.
     pub fn line(label: impl Into<String>, points: Vec<(f64, f64)>) -> Self {
-        Self { label: label.into(), role: Role::Ours, mark: Mark::Line, points }
+        Self { label: label.into(), role: Role::Ours, mark: Mark::Line, like: None, points }
     }
 
     /// Our values as points.
@@ -108,6 +138,18 @@ impl Series {
     #[must_use]
     pub fn published(self) -> Self {
         Self { role: Role::Published, ..self }
+    }
+
+    /// Gives the series the colour and symbol of the series `label`.
+    #[must_use]
+    pub fn like(self, label: impl Into<String>) -> Self {
+        Self { like: Some(label.into()), ..self }
+    }
+
+    /// Marks the series as the document's values of what the series `label` has as ours.
+    #[must_use]
+    pub fn published_for(self, label: impl Into<String>) -> Self {
+        self.published().like(label)
     }
 }
 

@@ -1,9 +1,5 @@
 //! Axes: positions of values and ticks.
 
-use std::ops::Range;
-
-use plotters::coord::ranged1d::{KeyPointHint, NoDefaultFormatting, Ranged, ValueFormatter};
-
 use super::Scale;
 
 /// Approximate number of ticks on an axis.
@@ -43,7 +39,6 @@ impl Scale {
         match self {
             Self::Linear => grouped(place),
             Self::Log2 => grouped(place.exp2()),
-            Self::Log10 if place >= 6.0 && place.fract() == 0.0 => format!("10{}", superscript(place)),
             Self::Log10 => grouped(10f64.powf(place)),
         }
     }
@@ -63,16 +58,16 @@ fn few_decades(low: f64, high: f64) -> (f64, f64, Vec<f64>) {
 fn superscript(number: f64) -> String {
     format!("{number:.0}")
         .chars()
-        .map(|c| "⁰¹²³⁴⁵⁶⁷⁸⁹".chars().nth(c as usize - '0' as usize).unwrap_or(c))
+        .map(|c| "⁰¹²³⁴⁵⁶⁷⁸⁹".chars().nth((c as usize).wrapping_sub('0' as usize)).unwrap_or('⁻'))
         .collect()
 }
 
-/// An axis for the plotting library: positions instead of values, and our own ticks.
+/// The division of an axis: its ends, and ticks between them.
 pub(super) struct Division {
     /// The ends, as positions.
     pub low: f64,
     pub high: f64,
-    ticks: Vec<f64>,
+    pub ticks: Vec<f64>,
     scale: Scale,
 }
 
@@ -85,29 +80,24 @@ impl Division {
         let (low, high, ticks) = scale.ticks(if to_zero { low.min(0.0) } else { low }, high);
         Self { low, high, ticks, scale }
     }
-}
 
-impl Ranged for Division {
-    type FormatOption = NoDefaultFormatting;
-    type ValueType = f64;
-
-    fn map(&self, value: &f64, limit: (i32, i32)) -> i32 {
-        let share = (value - self.low) / (self.high - self.low);
-        limit.0 + (share * f64::from(limit.1 - limit.0)).round() as i32
+    /// An axis of categories, which has names instead of ticks.
+    pub fn of_categories(low: f64, high: f64) -> Self {
+        Self { low, high, ticks: Vec::new(), scale: Scale::Linear }
     }
 
-    fn key_points<Hint: KeyPointHint>(&self, _hint: Hint) -> Vec<f64> {
-        self.ticks.clone()
+    /// Where a position is between the ends: 0 to 1.
+    pub fn share(&self, place: f64) -> f64 {
+        (place - self.low) / (self.high - self.low)
     }
 
-    fn range(&self) -> Range<f64> {
-        self.low..self.high
-    }
-}
-
-impl ValueFormatter<f64> for Division {
-    fn format_ext(&self, place: &f64) -> String {
-        self.scale.tick_label(*place)
+    /// What is written at a tick: a power of ten if the axis has many of them.
+    pub fn label(&self, tick: f64) -> String {
+        let wide = self.high >= 6.0 || self.low <= -5.0;
+        if self.scale == Scale::Log10 && wide && self.ticks.iter().all(|t| t.fract() == 0.0) {
+            return format!("10{}", superscript(tick));
+        }
+        self.scale.tick_label(tick)
     }
 }
 
@@ -145,7 +135,8 @@ mod tests {
         let (low, high, ticks) = Scale::Log10.ticks(0.1, 0.9);
         assert_eq!((low, high, ticks.len()), (0.0, 1.0, 4));
         assert_eq!(Scale::Log10.tick_label(5.0), "100,000");
-        assert_eq!(Scale::Log10.tick_label(12.0), "10¹²");
+        let wide = Division::new(Scale::Log10, false, [-5.0, 12.0].into_iter());
+        assert_eq!((wide.label(12.0), wide.label(-5.0)), ("10¹²".into(), "10⁻⁵".into()));
         assert_eq!(grouped(-1234.5), "-1,234.5");
         assert_eq!(grouped(0.0025), "0.0025");
     }

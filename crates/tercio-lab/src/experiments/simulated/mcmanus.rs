@@ -116,10 +116,8 @@ fn table_1() -> Result<Findings, ExperimentError> {
             worst <= 0.078,
         );
         series.push(Series::points(name, runs.iter().map(|r| (f64::from(r.side), r.overlap())).collect()));
-        series.push(Series::line(
-            format!("{name}, equation 6"),
-            sides().map(|a| (f64::from(a), predicted(area, a))).collect(),
-        ));
+        let equation = sides().map(|a| (f64::from(a), predicted(area, a))).collect();
+        series.push(Series::line(format!("{name}, equation 6"), equation).like(name));
     }
     let published = [23.91, 8.36, 3.64, 2.06, 1.46, 1.21, 1.09, 1.04, 1.01, 1.00];
     let points = sides().map(f64::from).zip(published).collect();

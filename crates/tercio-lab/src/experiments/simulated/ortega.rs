@@ -111,7 +111,7 @@ fn findings(processors: &[u64], published: [&[f64]; 2]) -> Result<Findings, Expe
         }
         last.push(ours[ours.len() - 1].1);
         series.push(Series::line_points(*name, ours));
-        series.push(Series::line_points(format!("{name}, published"), theirs).published());
+        series.push(Series::line_points(format!("{name}, published"), theirs).published_for(*name));
     }
     // Speed-up from the fewest to the most processors, for one scene and buffer.
     let ends = [processors[0], processors[processors.len() - 1]];

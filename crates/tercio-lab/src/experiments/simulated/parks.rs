@@ -150,11 +150,11 @@ fn appendix_c() -> Result<Findings, ExperimentError> {
     let plot = Plot {
         name: "cycles".into(),
         title: "Memory cycles of the processors of appendix C".into(),
-        x: Axis::linear("section of appendix C"),
+        x: Axis::categories("section of appendix C", 1, (1..=APPENDIX_C.len()).map(|i| format!("C.{i}"))),
         y: Axis::linear("memory cycles"),
         series: vec![
             Series::points("ours", ours_points),
-            Series::points("published", printed_points).published(),
+            Series::points("published", printed_points).published_for("ours"),
         ],
     };
     Ok(Findings {

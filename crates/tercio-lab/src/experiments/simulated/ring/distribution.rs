@@ -16,10 +16,12 @@ pub fn sparse_and_dense() -> Result<Findings, ExperimentError> {
     ];
     let mut table = Table::new("networks", &columns);
     let (mut sparse_points, mut dense_points, mut comparison) = (Vec::new(), Vec::new(), Comparison::new());
+    let mut names = Vec::new();
     for (number, (name, scene)) in scenes()?.into_iter().enumerate() {
         let dense = communication(&frame(&scene, 1024, |_| ())?);
         let sparse = communication(&frame(&scene, 1024, |a| a.test_period = 1024)?);
         table.push([name.into(), sparse.into(), dense.into(), (sparse / dense).into()]);
+        names.push(name);
         sparse_points.push((number as f64 + 1.0, sparse));
         dense_points.push((number as f64 + 1.0, dense));
         comparison
@@ -28,7 +30,7 @@ pub fn sparse_and_dense() -> Result<Findings, ExperimentError> {
     let plot = Plot {
         name: "networks".into(),
         title: "Instructions of communication for each visible polygon".into(),
-        x: Axis::linear("scene, in the order of the table"),
+        x: Axis::categories("scene", 1, names),
         y: Axis::linear("instructions per visible polygon"),
         series: vec![Series::points("sparse", sparse_points), Series::points("dense", dense_points)],
     };

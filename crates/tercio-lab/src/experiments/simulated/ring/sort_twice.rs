@@ -29,6 +29,9 @@ struct Pair {
 
 /// Why the figures cannot be reproduced exactly.
 const WHY: &str = "The size of the random polygons is not given.";
+/// The names of the curves.
+const SORT_MIDDLE: &str = "sort-middle, strides 16 and 1";
+const SORT_TWICE: &str = "sort-twice";
 /// The first stride of sort-middle.
 const FIRST_STRIDE: u32 = 16;
 
@@ -153,8 +156,8 @@ fn findings(
         x: Axis::log10("visible polygons"),
         y: Axis::log10("instructions"),
         series: vec![
-            Series::line_points("sort-middle, strides 16 and 1", points.iter().map(|p| (p.0, p.1)).collect()),
-            Series::line_points("sort-twice", points.iter().map(|p| (p.0, p.2)).collect()),
+            Series::line_points(SORT_MIDDLE, points.iter().map(|p| (p.0, p.1)).collect()),
+            Series::line_points(SORT_TWICE, points.iter().map(|p| (p.0, p.2)).collect()),
         ],
     };
     let crossing = crossover(&points).map_or("Sort-twice never falls below sort-middle.".to_owned(), |p| {
@@ -197,6 +200,16 @@ pub fn communication() -> Result<Findings, ExperimentError> {
         let name = format!("sort-twice over its equations, {} polygons", pair.visible);
         comparison.add(name, ratio, 1.0, 0.05, ToleranceSource::Words);
     }
+    let equations = |of: &dyn Fn(&Pair) -> f64| pairs.iter().map(|p| (p.visible, of(p))).collect();
+    let middle = Series::line("sort-middle, equation 5.5", equations(&|p| predicted_middle(p.visible)));
+    let twice = Series::line("sort-twice, equations 6.5 and 6.3", equations(&predicted_twice));
+    // The document's curves are lost; it says that they match its equations, and where they cross.
+    let crossing = Series::points("crossing in print", vec![(50_503.0, predicted_middle(50_503.0))]);
+    findings.plots[0].series.extend([
+        middle.published_for(SORT_MIDDLE),
+        twice.published_for(SORT_TWICE),
+        crossing.published(),
+    ]);
     findings.tables.push(middle_by_width()?);
     findings.remarks.push(
         "The document says that the simulation closely matches the prediction. Sort-twice does so in every scene, with 78 \
@@ -228,5 +241,13 @@ pub fn frames() -> Result<Findings, ExperimentError> {
     findings.verdict = comparison.qualitative(
         "The size of the random polygons is not given, nor whether the axis counts all of them.",
     );
+    // The document's curves are lost but for the place where they cross.
+    let middle = &findings.plots[0].series[0].points;
+    let at_64_000 = middle.windows(2).find(|w| w[0].0 <= 64e3 && 64e3 < w[1].0).map(|w| {
+        let share = (64e3f64 / w[0].0).ln() / (w[1].0 / w[0].0).ln();
+        (64e3, w[0].1 * (w[1].1 / w[0].1).powf(share))
+    });
+    let crossing = Series::points("crossing in print", at_64_000.into_iter().collect()).published();
+    findings.plots[0].series.push(crossing);
     Ok(findings)
 }

@@ -1,0 +1,318 @@
+//! The report: a site of `index.html` and one page a document, without scripts and without anything from the network, and
+//! all of it once more as `report.md`.
+
+mod diagram;
+mod equations;
+mod expression;
+mod html;
+mod markdown;
+
+use std::path::Path;
+
+use self::equations::Typeset;
+use self::html::Html;
+use self::markdown::Markdown;
+use super::files::{self, WriteError};
+use super::{Document, Outcome, Table};
+use crate::machines::{self, Machine, NAMES};
+use crate::predict::quoted::{self, Quoted, QuotedRow};
+use crate::published::{Agreement, Check, summary};
+
+/// Writes `report.md` and the site into `directory`, beside the experiments' folders.
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn write(outcomes: &[Outcome], checks: &[Check], directory: impl AsRef<Path>) -> Result<(), WriteError> {
+    let directory = directory.as_ref();
+    files::write(&directory.join("report.md"), whole(outcomes, checks))?;
+    for page in Page::ALL.into_iter().filter(|page| page.has_content(outcomes)) {
+        let mut html = Html::default();
+        html.head(&page.title());
+        let others = Page::ALL.into_iter().filter(|p| p.has_content(outcomes));
+        html.links("Pages", &others.map(|p| (p.name(), p.file().to_owned())).collect::<Vec<_>>());
+        page.write(outcomes, checks, &mut html);
+        files::write(&directory.join(page.file()), html.end())?;
+    }
+    Ok(())
+}
+
+/// The elements of a report; the two output formats differ only in how they write them.
+trait Format {
+    fn head(&mut self, title: &str);
+    fn heading(&mut self, level: usize, text: &str, anchor: Option<&str>);
+    fn paragraph(&mut self, text: &str);
+    fn labelled(&mut self, label: &str, text: &str);
+    fn picture(&mut self, path: &str, title: &str);
+    fn links(&mut self, label: &str, links: &[(String, String)]);
+    fn table(&mut self, header: &[&str], rows: &[Vec<Text>]);
+    fn equation(&mut self, equation: &Typeset);
+    /// A drawing as SVG, where it can be shown.
+    fn drawing(&mut self, _svg: &str) {}
+    /// The data of an experiment, where they can be folded away.
+    fn data(&mut self, _table: &Table) {}
+    fn end(&mut self) -> String;
+}
+
+/// A cell of a table of the report.
+struct Text {
+    text: String,
+    link: Option<String>,
+}
+
+impl From<String> for Text {
+    fn from(text: String) -> Self {
+        Self { text, link: None }
+    }
+}
+
+/// A page of the site.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Page {
+    Overview,
+    Of(Document),
+    Machines,
+    Prediction,
+    Numbers,
+}
+
+impl Page {
+    const ALL: [Self; 9] = [
+        Self::Overview,
+        Self::Of(Document::Eldridge),
+        Self::Of(Document::Hybris),
+        Self::Of(Document::Parks),
+        Self::Of(Document::McManus),
+        Self::Of(Document::Ortega),
+        Self::Machines,
+        Self::Prediction,
+        Self::Numbers,
+    ];
+
+    /// Does it exist? A document without experiments has no page.
+    fn has_content(self, outcomes: &[Outcome]) -> bool {
+        match self {
+            Self::Of(document) => outcomes.iter().any(|o| o.experiment.document == document),
+            _ => true,
+        }
+    }
+
+    fn file(self) -> &'static str {
+        match self {
+            Self::Overview => "index.html",
+            Self::Of(Document::Eldridge) => "eldridge.html",
+            Self::Of(Document::Hybris) => "hybris.html",
+            Self::Of(Document::Parks) => "parks.html",
+            Self::Of(Document::McManus) => "mcmanus.html",
+            Self::Of(Document::Ortega) => "ortega.html",
+            Self::Machines => "machines.html",
+            Self::Prediction => "prediction.html",
+            Self::Numbers => "numbers.html",
+        }
+    }
+
+    /// Its name in links.
+    fn name(self) -> String {
+        match self {
+            Self::Overview => "overview".into(),
+            Self::Of(document) => {
+                format!("{} {document:?}", document.number())
+            }
+            Self::Machines => "machines".into(),
+            Self::Prediction => "predictions".into(),
+            Self::Numbers => "published numbers".into(),
+        }
+    }
+
+    fn title(self) -> String {
+        match self {
+            Self::Overview => TITLE.into(),
+            Self::Of(document) => format!("Document {}", document.number()),
+            Self::Machines => "Machines".into(),
+            Self::Prediction => "The renderer, predicted and measured".into(),
+            Self::Numbers => "Published numbers".into(),
+        }
+    }
+
+    fn write(self, outcomes: &[Outcome], checks: &[Check], to: &mut impl Format) {
+        match self {
+            Self::Overview => {
+                to.paragraph(INTRODUCTION);
+                overview(
+                    outcomes,
+                    checks,
+                    &|o| format!("{}#{}", Self::Of(o.experiment.document).file(), o.experiment.id),
+                    to,
+                );
+            }
+            Self::Of(of) => document(of, outcomes, to),
+            Self::Machines => all_machines(to),
+            Self::Prediction => predicted_frames(to),
+            Self::Numbers => published_numbers(checks, to),
+        }
+    }
+}
+
+const TITLE: &str = "Published graphics machines, reproduced";
+const INTRODUCTION: &str = "Every figure and table of the five documents that follows from a formula or a simulator, \
+    reproduced: data, plot, and result of the comparison. Lost scenes are replaced by our own, and marked so.";
+
+/// The report as one page of Markdown.
+fn whole(outcomes: &[Outcome], checks: &[Check]) -> String {
+    let mut to = Markdown::default();
+    to.head(TITLE);
+    to.paragraph(INTRODUCTION);
+    to.heading(2, "Overview", None);
+    overview(outcomes, checks, &|o| format!("#{}", o.experiment.id), &mut to);
+    for page in &Page::ALL[1..] {
+        if page.has_content(outcomes) && *page != Page::Machines {
+            let anchor = (*page == Page::Prediction).then_some("prediction");
+            to.heading(2, &page.title(), anchor);
+            page.write(outcomes, checks, &mut to);
+        }
+    }
+    to.end()
+}
+
+fn overview(outcomes: &[Outcome], checks: &[Check], link: &dyn Fn(&Outcome) -> String, to: &mut impl Format) {
+    let verdict = |o: &Outcome| o.findings.as_ref().map_or("failed", |f| f.verdict.name());
+    let row = |o: &Outcome| {
+        let link = Text { text: o.experiment.title.into(), link: Some(link(o)) };
+        let place = format!("{} {}", o.experiment.document.number(), o.experiment.place);
+        vec![Text::from(place), link, Text::from(verdict(o).to_owned())]
+    };
+    to.table(&["place", "experiment", "verdict"], &outcomes.iter().map(row).collect::<Vec<_>>());
+    let of = |(class, count): (Agreement, usize)| format!("{count} {}", class.text());
+    let classes: Vec<_> = summary(checks).into_iter().map(of).collect();
+    to.paragraph(&format!("Of {} numbers of the documents: {}.", checks.len(), classes.join(", ")));
+}
+
+fn document(of: Document, outcomes: &[Outcome], to: &mut impl Format) {
+    to.paragraph(of.reference());
+    let equations = equations::of(of);
+    if !equations.is_empty() {
+        to.heading(3, "Equations", None);
+        to.paragraph(
+            "Corrected where the document or its scan is wrong. The name is that of 'tercio lab eval'.",
+        );
+        equations.iter().for_each(|e| to.equation(e));
+    }
+    let of_document = |machine: &Machine| machine.sorting.source.starts_with(of.number());
+    let machines: Vec<_> = built_in().filter(of_document).collect();
+    if !machines.is_empty() {
+        to.heading(3, "Machines", None);
+        machines.iter().for_each(|m| machine(m, to));
+    }
+    outcomes.iter().filter(|o| o.experiment.document == of).for_each(|o| experiment(o, to));
+}
+
+/// The built-in machines. A test reads them all.
+fn built_in() -> impl Iterator<Item = Machine> {
+    NAMES.iter().filter_map(|name| machines::load(name).ok())
+}
+
+fn all_machines(to: &mut impl Format) {
+    to.paragraph(
+        "Where each machine sorts, and what travels between its processors there. At most three processors are drawn; the \
+         last one stands for those between.",
+    );
+    for of in built_in() {
+        to.heading(3, &of.name, None);
+        machine(&of, to);
+    }
+}
+
+fn machine(of: &Machine, to: &mut impl Format) {
+    let Machine { name, summary, sorting, processors, network, .. } = of;
+    to.labelled(name, &format!("{summary} {} ({}).", sorting.how, sorting.source));
+    to.drawing(&diagram::svg(of));
+    let network = network
+        .as_ref()
+        .map_or(String::new(), |n| format!("; network: {}, {} a link", n.topology.name(), n.bandwidth));
+    to.paragraph(&format!(
+        "Sorting: {}; screen: {}; processors: {}{network}.",
+        sorting.class.name(),
+        sorting.screen.name(),
+        processors.count
+    ));
+}
+
+fn experiment(outcome: &Outcome, to: &mut impl Format) {
+    let of = &outcome.experiment;
+    to.heading(3, &format!("{}: {}", of.place, of.title), Some(of.id));
+    let findings = match &outcome.findings {
+        Ok(findings) => findings,
+        Err(error) => return to.labelled("failed", &error.to_string()),
+    };
+    to.labelled(findings.verdict.name(), &findings.verdict.text());
+    for remark in &findings.remarks {
+        to.paragraph(remark);
+    }
+    for plot in &findings.plots {
+        to.picture(&format!("{}/{}.svg", of.id, plot.name), &plot.title);
+    }
+    let file = |name: &String| (format!("{name}.csv"), format!("{}/{name}.csv", of.id));
+    findings.tables.iter().for_each(|t| to.data(t));
+    to.links("Data", &findings.tables.iter().map(|t| file(&t.name)).collect::<Vec<_>>());
+}
+
+/// Predictions for the renderer, compared with measurements: tables from the repository, because a report is the same
+/// wherever it is made.
+fn predicted_frames(to: &mut impl Format) {
+    to.paragraph(
+        "Measured before, not with this report. Counters have to be equal, times within 25 %. Of two times the \
+         first is predicted; the time of a stage is that of its busiest rank, waiting is that of rank 0, page faults \
+         and context switches are those of all ranks.",
+    );
+    quoted_frames("Threads", quoted::of_threads(), to);
+    quoted_frames("Ranks of one process", quoted::of_ranks(), to);
+    quoted_frames("Ranks over MPI", quoted::of_mpi(), to);
+}
+
+fn quoted_frames<R: QuotedRow>(title: &str, table: Result<Quoted<R>, toml::de::Error>, to: &mut impl Format) {
+    let anchor = format!("prediction-{}", title.to_lowercase().replace(' ', "-"));
+    to.heading(3, title, Some(&anchor));
+    let table = match table {
+        Ok(table) => table,
+        Err(error) => return to.labelled("failed", &error.to_string()),
+    };
+    to.labelled(
+        &format!("{} of {} rows hold", table.holding(), table.rows.len()),
+        &format!("{}, {}.", table.machine, table.date),
+    );
+    to.paragraph(&format!("Commands: {}.", table.commands.join("; ")));
+    for why in &table.why {
+        to.labelled("Misses", why);
+    }
+    let rows: Vec<Vec<Text>> =
+        table.rows.iter().map(|r| r.cells().into_iter().map(Text::from).collect()).collect();
+    to.table(R::HEADER, &rows);
+}
+
+fn published_numbers(checks: &[Check], to: &mut impl Format) {
+    to.paragraph(
+        "Ours is compared with what is printed. Where a document or its scan is wrong, ours contradicts the print, and \
+         the last column says why, in our reading. Numbers that are read from the scan are measurements on lost scenes; \
+         nothing computes them.",
+    );
+    let row = |c: &Check| {
+        let n = &c.number;
+        let unit = n.unit.as_deref().map_or(String::new(), |u| format!(" {u}"));
+        let ours = c.ours.as_ref().map_or_else(ToString::to_string, |v| format!("{v}{unit}"));
+        [
+            n.id.clone(),
+            format!("{} {}", n.document, n.place),
+            c.print().map_or(String::new(), |_| format!("{}{unit}", c.print_text())),
+            ours,
+            format!("{} ({})", n.tolerance, c.tolerance_text()),
+            c.agreement().text().to_owned(),
+            n.why.clone().unwrap_or_default(),
+        ]
+        .map(Text::from)
+        .into()
+    };
+    let rows: Vec<Vec<Text>> = checks.iter().map(row).collect();
+    to.table(&["number", "place", "printed", "ours", "tolerance", "class", "why"], &rows);
+}
+
+#[cfg(test)]
+mod tests;
