@@ -170,9 +170,10 @@ impl DataReader {
         }
         // Only one of the sources is of normals.
         let normals = cluster.normals().filter(|_| matches!(self.source, DataSource::Normal(_)));
+        let [x, y, z] = cluster.positions();
         for (v, to) in to[..count].iter_mut().enumerate() {
             let normal = normals.map(|n| n[v].decode());
-            *to = self.of_vertex(cluster.position(v), normal, |number| cluster.attribute(number)[v]);
+            *to = self.of_vertex([x[v], y[v], z[v]], normal, |number| cluster.attribute(number)[v]);
         }
     }
 

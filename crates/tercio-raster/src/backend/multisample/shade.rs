@@ -15,7 +15,7 @@ use crate::backend::shade::{
 use crate::context::FrameContext;
 use crate::frame::Outputs;
 use crate::projection::CornerTable;
-use crate::simd::{LANES, part};
+use crate::simd::{LANES, has_wide_registers, part};
 use crate::stats::BackEndCounts;
 
 /// Is any plane requested for which fragments are shaded?
@@ -68,13 +68,14 @@ pub fn cluster<S: Simd, K: Sink>(
                 facing: table.facing,
             };
             let work = ClusterFragments { context, instance, cluster, colored, at, first };
-            // Lines and data on surfaces that are not opaque are rare.
-            let explained = || Explained::of(look, context, instance).filter(|_| !K::LAYERS);
             if !vertices.is_wide && look.is(Common::<true>) {
                 work.shade::<S, K, _>(simd, Common::<true>, scratch, outputs);
-            } else if !vertices.is_wide
-                && let Some(features) = explained()
+            } else if !K::LAYERS
+                && has_wide_registers(simd)
+                && !vertices.is_wide
+                && let Some(features) = Explained::of(look, context, instance)
             {
+                // Lines and data on surfaces that are not opaque are rare.
                 work.shade_explained(simd, features, scratch, outputs);
             } else {
                 work.shade::<S, K, _>(simd, look, scratch, outputs);
