@@ -19,6 +19,7 @@
 //! # Ok::<(), tercio::Error>(())
 //! ```
 //!
+//! All edges of a surface cost less where the surface is shaded ([`Instance::edges`]); [`EdgePart::BesideSurface`] is the rest of them.
 //! Where strokes that are not opaque overlap, each of them is a layer of its own: the picture is denser there.
 
 mod eye;

@@ -3,7 +3,8 @@
 //! For the winners of a cluster, the corners of their triangles are looked up in the cluster's tables ([`winners`]).
 //! The visible pixels of triangles that were binned one by one are packed into full groups of 16 ([`tile`]); the
 //! corners of their triangles are fetched from the mesh, and projected again as in the front end. Both use the same
-//! `kernel`, which is compiled for any look, and specialized for the most common ones (`features`).
+//! `kernel`, which is compiled for any look, and specialized for the most common ones (`features`). Lines along the sides of triangles
+//! are drawn over what is shaded ([`super::edges`]).
 
 mod features;
 mod kernel;
