@@ -232,9 +232,13 @@ fn edges_are_seen_where_nothing_hides_them() {
     for (model, direction, away, target) in cases {
         let eye = Eye::new(target + direction.normalize() * away, target);
         fs::write(place.path("m.obj"), model.obj()).unwrap();
-        let options = format!("m.obj {} --edges --edge-color #f00 --line-width 2 --aa 1", eye.options());
+        let options = format!(
+            "m.obj {} --edges --edge-color #f00 --line-width 2 --aa 1 --shading unlit --color #00f --background #000",
+            eye.options()
+        );
         let picture = Picture::render(&place, &options);
-        let is_red = |x: usize, y: usize| picture.at(x, y) == [255, 0, 0];
+        // Beside the surface, a line covers a pixel or not; on it, by half a pixel less its distance, and 1 for half of the width.
+        let cover = |x: usize, y: usize| (f64::from(picture.at(x, y)[0]) / 255.0).powf(2.2);
         let caster = model.caster();
         // Distance of what a ray hits first, in lengths of the direction.
         let hit = |direction: DVec3| {
@@ -284,12 +288,12 @@ fn edges_are_seen_where_nothing_hides_them() {
                 let is_free = hit(pixel(x, y)) > depth * (1.0 - 2.0 * size);
                 if is_free && DVec2::new(x as f64 + 0.5, y as f64 + 0.5).distance(s) < 0.75 {
                     seen += 1;
-                    missing += usize::from(!is_red(x, y));
+                    missing += usize::from(cover(x, y) < 0.72);
                 }
             }
         }
         let places = (0..WIDTH * HEIGHT).map(|k| (k % WIDTH, k / WIDTH));
-        let through: Vec<_> = places.filter(|&(x, y)| is_red(x, y) && !near[y * WIDTH + x]).collect();
+        let through: Vec<_> = places.filter(|&(x, y)| cover(x, y) > 0.5 && !near[y * WIDTH + x]).collect();
         assert!(seen > 100, "{}: {seen} seen", model.name);
         // Where the next face rises within the width of the line, it hides a part of it: on one crest of the wave.
         let most = if model.name == "wave" { seen / 100 } else { 0 };
@@ -307,6 +311,8 @@ fn strokes_obey_the_picture_law() {
         "builtin:sphere@500 --mode hidden-line --aa 1",
         "builtin:gyroid@1k --mode points --point-shape sphere --aa 4",
         "builtin:teapot@1k --mode wireframe --edges=silhouette --stereo anaglyph",
+        "builtin:teapot@2k --edges --aa 4",
+        "builtin:sphere@1k --edges --line-width 2.5 --color-by @elevation --aa 1",
     ];
     let ways = [
         "--threads 1 --tile-size 8",

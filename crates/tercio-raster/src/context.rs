@@ -14,6 +14,7 @@ use crate::sampling::{FilterWeights, SampleCells, SampleCenters, SampleShading};
 use crate::screen::{PixelRect, TileGrid};
 use crate::settings::{Settings, Shading};
 use crate::shadow_map::ObjectShadows;
+use crate::surface_edges::{Footprint, check_edges};
 use crate::view::{ObjectView, View};
 
 /// The slot of a sample where nothing was drawn.
@@ -51,6 +52,8 @@ pub struct FrameContext<'a> {
     pub workers: usize,
     /// Distance of the points at which a surface is shaded, in sub-pixels.
     pub shading_distance: f32,
+    /// The part of the picture whose colour a shaded point has.
+    pub(crate) footprint: Footprint,
     is_translucent: bool,
     /// Number of each instance's first cluster; one more than there are instances.
     first_cluster: Vec<u32>,
@@ -105,11 +108,16 @@ impl<'a> FrameContext<'a> {
         check_range(scene, settings, &view)?;
         check_light(scene)?;
         check_data(scene)?;
+        check_edges(scene)?;
         let objects: Vec<ObjectView> = scene.instances.iter().map(|i| view.object(i)).collect();
         let lights = LightRig::new(&scene.lights, scene.environment.as_ref(), &view);
         let shadows = shadows_on(scene, &objects, camera, settings)?;
         let is_elaborate = is_elaborate(settings, &lights);
         let workers = workers.max(1);
+        let shading_distance = match settings.sampling.shading {
+            SampleShading::Pixel => SUBPIXELS as f32,
+            SampleShading::Sample => SUBPIXELS as f32 / (settings.sampling.pattern.count() as f32).sqrt(),
+        };
         Ok(Self {
             scene,
             settings,
@@ -124,10 +132,8 @@ impl<'a> FrameContext<'a> {
             centers: SampleCenters::new(&settings.sampling.pattern.cells()),
             filter: FilterWeights::new(&settings.sampling),
             workers,
-            shading_distance: match settings.sampling.shading {
-                SampleShading::Pixel => SUBPIXELS as f32,
-                SampleShading::Sample => SUBPIXELS as f32 / (settings.sampling.pattern.count() as f32).sqrt(),
-            },
+            shading_distance,
+            footprint: Footprint::new(settings, shading_distance),
             is_translucent,
             first_cluster,
             first_primitive,

@@ -192,6 +192,12 @@ impl DataTable {
 }
 
 impl Mapping {
+    /// Are colours those of interpolated values alone, spread evenly?
+    #[inline]
+    pub fn is_even(&self) -> bool {
+        self.spread == Spread::Linear && self.categories.is_empty() && self.isolines.is_empty()
+    }
+
     /// No mapping.
     fn none() -> Self {
         Self {

@@ -53,6 +53,7 @@ mod shadow_map;
 mod shadows;
 mod simd;
 pub mod stats;
+mod surface_edges;
 pub mod survey;
 pub mod tally;
 pub mod tone;

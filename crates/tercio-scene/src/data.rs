@@ -168,10 +168,12 @@ impl DataReader {
             to[..count].copy_from_slice(&cluster.attribute(*number)[..count]);
             return;
         }
-        let normals = cluster.normals();
+        // Only one of the sources is of normals.
+        let normals = cluster.normals().filter(|_| matches!(self.source, DataSource::Normal(_)));
+        let [x, y, z] = cluster.positions();
         for (v, to) in to[..count].iter_mut().enumerate() {
             let normal = normals.map(|n| n[v].decode());
-            *to = self.of_vertex(cluster.position(v), normal, |number| cluster.attribute(number)[v]);
+            *to = self.of_vertex([x[v], y[v], z[v]], normal, |number| cluster.attribute(number)[v]);
         }
     }
 

@@ -25,6 +25,7 @@
 pub mod camera;
 pub mod color_map;
 pub mod data;
+pub mod edges;
 pub mod environment;
 pub mod framing;
 pub mod light;
@@ -37,6 +38,7 @@ pub mod texture;
 pub use camera::{Camera, Projection};
 pub use color_map::{ColorMap, DataColors};
 pub use data::{DataReader, DataSource, SurfaceData};
+pub use edges::SurfaceEdges;
 pub use environment::{Environment, Panorama, PanoramaError};
 pub use framing::{Framing, UpAxis, View};
 pub use light::{Light, LightSpace};

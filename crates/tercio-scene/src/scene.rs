@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use tercio_mesh::cluster::Cluster;
 use tercio_mesh::{Aabb, ClusteredMesh};
 
-use crate::{Environment, InstanceMaterials, Light, Material, SurfaceData, Texture};
+use crate::{Environment, InstanceMaterials, Light, Material, SurfaceData, SurfaceEdges, Texture};
 
 /// Everything that is drawn.
 #[derive(Clone, Debug, Default)]
@@ -40,6 +40,8 @@ pub struct Instance {
     pub materials: Option<Arc<InstanceMaterials>>,
     /// Data that its colours show, in place of those of the mesh, of materials and of textures.
     pub data: Option<Arc<SurfaceData>>,
+    /// Lines along the sides of its triangles.
+    pub edges: Option<Arc<SurfaceEdges>>,
     /// Where the mesh lies in its model, if it is a [part](ClusteredMesh::as_part_of) of one that several ranks hold.
     pub share: Option<Share>,
 }
@@ -65,7 +67,8 @@ impl Instance {
     /// The mesh at the position given by its file.
     pub fn new(mesh: impl Into<Arc<ClusteredMesh>>) -> Self {
         let (world_from_object, surface) = (DAffine3::IDENTITY, Surface::default());
-        Self { mesh: mesh.into(), world_from_object, surface, materials: None, data: None, share: None }
+        let (materials, data, edges, share) = (None, None, None, None);
+        Self { mesh: mesh.into(), world_from_object, surface, materials, data, edges, share }
     }
 
     /// World-space bounds; of the whole model if the mesh is a part of one.

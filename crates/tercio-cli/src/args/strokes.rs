@@ -8,8 +8,8 @@ use tercio::glyphs::{GlyphOptions, GlyphShape};
 use tercio::mesh::ClusteredMesh;
 use tercio::mesh::color::srgb_bytes;
 use tercio::mesh::edges::{Edge, EdgeKind, Edges, Selection};
-use tercio::scene::{Background, Surface, srgb_to_linear};
-use tercio::strokes::{Length, LineShape, Pen, PointShape};
+use tercio::scene::{Background, Surface, SurfaceEdges, srgb_to_linear};
+use tercio::strokes::{EdgePart, Length, LineShape, Pen, PointShape};
 
 use super::values;
 
@@ -215,8 +215,8 @@ impl StrokeArgs {
         self.names().contains(&EdgesName::Silhouette) && self.plain() != Some(EdgesName::All)
     }
 
-    /// The edges of a mesh that are drawn, and of the last ones, if true, only those on the silhouette. No edge is listed twice.
-    pub fn edges_of(&self, mesh: &ClusteredMesh) -> Vec<(Edges, bool)> {
+    /// The edges of a mesh that are drawn, and what of them. No edge is listed twice.
+    pub fn edges_of(&self, mesh: &ClusteredMesh) -> Vec<(Edges, EdgePart)> {
         let mut all = Vec::new();
         if let Some(plain) = self.plain() {
             let angle = self.feature_angle.unwrap_or(30.0).to_radians();
@@ -231,7 +231,7 @@ impl StrokeArgs {
             if plain == EdgesName::NonManifold {
                 edges.list.retain(|edge| edge.kind == EdgeKind::NonManifold);
             }
-            all.push((edges, false));
+            all.push((edges, EdgePart::All));
         }
         if self.has_silhouette() {
             let mut edges = Edges::of_clusters(mesh, Selection::Silhouette);
@@ -247,7 +247,7 @@ impl StrokeArgs {
                     |edge: &Edge| edge.kind == EdgeKind::Inner && !known.contains(&ends(&edges, edge));
                 edges.list = edges.list.iter().copied().filter(keeps).collect();
             }
-            all.push((edges, true));
+            all.push((edges, EdgePart::Silhouette));
         }
         all
     }
@@ -288,6 +288,21 @@ impl StrokeArgs {
         };
         let color = self.edge_color.unwrap_or_else(|| if is_tube { opaque(None) } else { INK });
         Pen { width: self.line_width.unwrap_or(Length::Pixels(width)), color }
+    }
+
+    /// The edges of a surface that are drawn where the surface is shaded: all of them, as thin lines that are opaque.
+    pub fn on_surface(&self, edges: &mut Edges) -> Option<SurfaceEdges> {
+        let Pen { width: Length::Pixels(width), color: [r, g, b, 0xff] } = self.edge_pen() else {
+            return None;
+        };
+        let is_shaded = matches!(self.mode, ModeName::Surface | ModeName::Contours);
+        let is_thin = self.line_shape == LineName::Flat && width <= WIDEST_ON_SURFACE;
+        if !is_shaded || !is_thin || self.plain() != Some(EdgesName::All) {
+            return None;
+        }
+        let sides = std::mem::take(&mut edges.sides);
+        let some = sides.iter().any(|&sides| sides != SurfaceEdges::ALL);
+        Some(SurfaceEdges::new([r, g, b], width as f32, some.then_some(sides)))
     }
 
     /// How lines and points without colours of their own are drawn, if the model has this linear colour.
@@ -408,6 +423,9 @@ fn opaque(color: Option<[f32; 3]>) -> [u8; 4] {
 
 /// Width of tubes in pixels, unless it is given.
 const TUBE: f64 = 4.0;
+
+/// Lines that are wider than so many pixels are drawn as strips with round ends, beyond the triangles beside them.
+const WIDEST_ON_SURFACE: f64 = 4.0;
 
 /// Wider lines are areas.
 const MOST_PIXELS: f64 = 1024.0;

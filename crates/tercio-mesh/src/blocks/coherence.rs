@@ -8,14 +8,15 @@ use crate::cluster::{MAX_TRIANGLES, MAX_VERTICES};
 
 /// Number of consecutive triangles in a sample.
 const SAMPLE: usize = 2048;
-/// Number of samples, taken evenly over the mesh.
+/// Number of samples, taken evenly over the mesh, unless fewer are all of it.
 const SAMPLES: usize = 16;
 
 /// True if consecutive triangles of the mesh make full and compact clusters, judged by a few samples.
 pub(super) fn is_coherent(mesh: &Mesh) -> bool {
     let n = mesh.triangles.len();
     let length = SAMPLE.min(n);
-    let starts = (0..SAMPLES).map(|i| (n - length) / (SAMPLES - 1) * i);
+    let samples = n.div_ceil(SAMPLE).clamp(1, SAMPLES);
+    let starts = (0..samples).map(|i| (n - length) / (samples - 1).max(1) * i);
     let (mut clusters, mut vertices, mut spread, mut area) = (0, 0, 0.0, 0.0);
     let mut numbering = Numbering::default();
     let mut corners = [[0; 3]; SAMPLE];
@@ -35,7 +36,7 @@ pub(super) fn is_coherent(mesh: &Mesh) -> bool {
     }
     // The square of the diagonal is 2.5 times the area for a round flat patch, and 7 times for tiles of 7 x 7 squares
     // when a sample begins inside a tile.
-    let full = vertices as f32 <= 0.75 * (length * SAMPLES) as f32;
+    let full = vertices as f32 <= 0.75 * (length * samples) as f32;
     full && clusters > 0 && spread <= 8.0 * area
 }
 

@@ -1,5 +1,7 @@
 //! Finds the edges of an indexed mesh.
 
+use std::sync::atomic::{AtomicU8, Ordering};
+
 use rayon::prelude::*;
 
 use super::{Edge, EdgeKind, Edges, Selection};
@@ -42,7 +44,8 @@ pub fn edges(
 ) -> Edges {
     let same = position_representatives(mesh);
     let around = Adjacency::new(&mesh.triangles, mesh.positions.len(), |v| same[v as usize]);
-    let finder = Finder { mesh, same: &same, around: &around, face, turned, selection };
+    let sides: Vec<AtomicU8> = mesh.triangles.iter().map(|_| AtomicU8::new(0)).collect();
+    let finder = Finder { mesh, same: &same, around: &around, sides: &sides, face, turned, selection };
     let found = (0..mesh.positions.len() as u32)
         .into_par_iter()
         .with_min_len(1 << 12)
@@ -80,13 +83,16 @@ pub fn edges(
     });
     let list = list.collect();
     let is_solid = found.open == 0 && !mesh.triangles.is_empty();
-    Edges { origin: mesh.origin, exponent: mesh.exponent, positions, list, is_solid }
+    let sides = sides.into_iter().map(AtomicU8::into_inner).collect();
+    Edges { origin: mesh.origin, exponent: mesh.exponent, positions, list, sides, is_solid }
 }
 
 struct Finder<'a, F, T> {
     mesh: &'a Mesh,
     same: &'a [u32],
     around: &'a Adjacency,
+    /// [`Edges::sides`].
+    sides: &'a [AtomicU8],
     face: F,
     turned: T,
     selection: Selection,
@@ -134,6 +140,11 @@ impl<F: Fn(u32) -> u32, T: Fn([u32; 3]) -> [u32; 3]> Finder<'_, F, T> {
                 || !self.is_selected(v, a, b))
         {
             return;
+        }
+        for beside in group {
+            // The side from a corner to the next one is opposite to the third.
+            let side = (beside.corner + 2) % 3;
+            self.sides[beside.triangle as usize].fetch_or(1 << side, Ordering::Relaxed);
         }
         for pair in group.chunks(2) {
             let first = pair[0];

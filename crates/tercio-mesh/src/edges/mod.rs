@@ -64,6 +64,9 @@ pub struct Edges {
     pub positions: Vec<[f32; 3]>,
     /// The edges, in the order of their first triangles.
     pub list: Vec<Edge>,
+    /// For each triangle of the mesh, which of its sides are such edges: bit k is that of the side opposite to corner k of the
+    /// [canonical](Mesh::canonical) triangle. Sides of triangles without three different corners are none.
+    pub sides: Vec<u8>,
     /// The whole mesh is closed and consistently wound: it separates an inside from an outside, so that from outside only
     /// front faces are seen.
     pub is_solid: bool,
@@ -88,13 +91,18 @@ impl Edges {
         let (vertices, triangles) = (mesh.vertex_count() as u64, mesh.triangle_count() as u64);
         // Positions, their representatives with a hash table, corners, triangles at vertices, and edges with their order:
         // of a closed mesh three for two triangles, of a soup three a triangle.
-        vertices * (12 + 4 + 24 + 16) + triangles * (12 + 12 + 3 * 56)
+        vertices * (12 + 4 + 24 + 16) + triangles * (12 + 12 + 3 * 56 + 1)
     }
 
     /// Position of a vertex in object space.
     pub fn position(&self, vertex: u32) -> DVec3 {
         let p = DVec3::from(self.positions[vertex as usize].map(f64::from));
-        self.origin + p * power_of_two(self.exponent)
+        self.origin + p * self.unit()
+    }
+
+    /// The length of a unit of the positions.
+    pub fn unit(&self) -> f64 {
+        power_of_two(self.exponent)
     }
 
     /// How many edges there are of one kind; edges of more than two triangles are counted once for every two.

@@ -67,3 +67,25 @@ fn edges_are_those_of_the_topology_however_the_mesh_is_split() {
         }
     }
 }
+
+/// Sides of triangles are edges where a pair of vertices is no diagonal, before and after partition into clusters.
+#[test]
+fn sides_are_those_of_the_edges() {
+    let mesh = cube();
+    let corners: Vec<[u32; 3]> = mesh.triangles.iter().map(|&t| Mesh::canonical(t)).collect();
+    let diagonal = |t: usize, k: usize| {
+        let side = [corners[t][(k + 1) % 3], corners[t][(k + 2) % 3]];
+        side.iter().all(|v| corners[t ^ 1].contains(v))
+    };
+    let expected: Vec<u8> = (0..12).map(|t| (0..3).map(|k| u8::from(!diagonal(t, k)) << k).sum()).collect();
+    assert!(expected.iter().all(|sides| sides.count_ones() == 2));
+    assert_eq!(Edges::of_mesh(&mesh, Selection::All).sides, expected);
+    let clusters = partition(mesh, &PartitionOptions { max_triangles: 3, ..PartitionOptions::default() });
+    assert_eq!(Edges::of_clusters(&clusters, Selection::All).sides, expected);
+    assert_eq!(Edges::of_clusters(&clusters, Selection::Boundary).sides, [0; 12]);
+    // A strip of two triangles: four edges of one triangle, and one between them that is no feature.
+    let positions = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]];
+    let flat = Mesh { positions, triangles: vec![[0, 1, 2], [2, 1, 3]], ..Mesh::default() };
+    assert_eq!(Edges::of_mesh(&flat, Selection::All).sides, [0b111, 0b111]);
+    assert_eq!(Edges::of_mesh(&flat, Selection::Feature(0.5)).sides, [0b110, 0b101]);
+}

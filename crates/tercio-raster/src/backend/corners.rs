@@ -4,7 +4,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, i32x16, mask32x16, u32x16};
 use tercio_mesh::cluster::{ClusterView, MAX_TRIANGLES};
 use tercio_mesh::{AttributeDomain, ClusteredMesh, Mesh};
-use tercio_scene::{Instance, Surface, SurfaceData};
+use tercio_scene::{Instance, Surface, SurfaceData, SurfaceEdges};
 
 use super::light::{Vec3x16, beside, normalize};
 use super::material::{NO_MATERIAL, has_materials};
@@ -170,6 +170,17 @@ pub fn material_number(instance: &Instance, cluster: &ClusterView, triangle: usi
     instance.materials.as_ref().and_then(|m| m.of_triangle(of_mesh)).unwrap_or(NO_MATERIAL)
 }
 
+/// The sides of 16 triangles, given by their numbers in their cluster, that have a line.
+#[inline(always)]
+pub fn sides_of(cluster: &ClusterView, instance: &Instance, triangles: &[u8; LANES]) -> [i32; LANES] {
+    match instance.edges.as_deref() {
+        Some(edges @ SurfaceEdges { sides: Some(_), .. }) => {
+            triangles.map(|triangle| i32::from(edges.sides_of(cluster.primitive(usize::from(triangle)))))
+        }
+        _ => [SurfaceEdges::ALL.into(); LANES],
+    }
+}
+
 /// Linear light of an sRGB colour, and its alpha.
 pub fn with_alpha(color: [u8; 4]) -> [f32; 4] {
     let [r, g, b] = [0, 1, 2].map(|k| DECODE[usize::from(color[k])]);
@@ -204,6 +215,8 @@ pub struct Corners<S: Simd> {
     pub has_uv: bool,
     /// Scene-wide materials, or [`NO_MATERIAL`].
     pub material: [u32; LANES],
+    /// The sides of the triangles that have a line, as bits; valid only if there are edges.
+    pub sides: [i32; LANES],
     /// In the clusters of all lanes, the normals agree with the winding as defined for
     /// [`Cluster::NORMALS_AGREE`](tercio_mesh::cluster::Cluster::NORMALS_AGREE).
     pub normals_agree: bool,
@@ -227,6 +240,7 @@ impl<S: Simd> Corners<S> {
             uv: [[zero; 2]; 3],
             has_uv: false,
             material: [NO_MATERIAL; LANES],
+            sides: [0; LANES],
             normals_agree: false,
         }
     }
@@ -281,6 +295,13 @@ impl<S: Simd> Corners<S> {
             }
             if has_materials {
                 corners.set_material(simd, scene_instance, &cluster, triangle, same);
+            }
+            if let Some(edges) = &scene_instance.edges {
+                let sides = edges.sides_of(cluster.primitive(triangle));
+                let bits = same.to_bitmask();
+                (0..LANES)
+                    .filter(|lane| bits >> lane & 1 == 1)
+                    .for_each(|lane| corners.sides[lane] = sides.into());
             }
             if colors == ColorSource::Triangle {
                 let color = colored.triangle_color(triangle);

@@ -28,20 +28,13 @@ pub fn colors<S: Simd>(
             let zero = splat(simd, 0.0);
             let Some(data) = &context.data[instance] else { return ([zero; 3], splat(simd, 1.0)) };
             let mapping = &data.mapping;
-            let (value, is_number) = interpolated(simd, at, corners);
+            let (value, is_number) = interpolated(simd, &at.weight, &corners.values());
             let index = if mapping.categories.is_empty() {
                 index(simd, mapping, value, is_number)
             } else {
                 category(simd, mapping, at, corners)
             };
-            let index = index.to_array();
-            let mut found = [[0.0; 4]; LANES];
-            for lane in 0..LANES {
-                if let Some(entry) = mapping.entries.get(index[lane] as usize) {
-                    found[lane] = *entry;
-                }
-            }
-            let [r, g, b, alpha] = load_interleaved(simd, &found);
+            let [r, g, b, alpha] = entries(simd, mapping, index);
             if mapping.isolines.is_empty() {
                 return ([r, g, b], alpha);
             }
@@ -58,16 +51,50 @@ pub fn colors<S: Simd>(
     )
 }
 
+/// [`colors`] of an instance whose [mapping is even](Mapping::is_even), without their alpha, for values of corners with these
+/// weights.
+#[inline(never)]
+pub fn even<S: Simd>(
+    simd: S,
+    context: &FrameContext,
+    instance: usize,
+    weight: &Vec3x16<S>,
+    values: &[f32x16<S>; 3],
+) -> Vec3x16<S> {
+    simd.vectorize(
+        #[inline(always)]
+        || {
+            let Some(data) = &context.data[instance] else { return [splat(simd, 0.0); 3] };
+            let (value, is_number) = interpolated(simd, weight, values);
+            let [r, g, b, _] = entries(simd, &data.mapping, index(simd, &data.mapping, value, is_number));
+            [r, g, b]
+        },
+    )
+}
+
+/// Entries of a mapping, by their numbers: red, green, blue, alpha.
+#[inline(always)]
+fn entries<S: Simd>(simd: S, mapping: &Mapping, numbers: i32x16<S>) -> [f32x16<S>; 4] {
+    let numbers = numbers.to_array();
+    let mut found = [[0.0; 4]; LANES];
+    for lane in 0..LANES {
+        if let Some(entry) = mapping.entries.get(numbers[lane] as usize) {
+            found[lane] = *entry;
+        }
+    }
+    load_interleaved(simd, &found)
+}
+
 /// The values at the points, not beyond those of the corners and exactly theirs if they have the same, and the lanes where all
 /// corners have a number; others have 0.
 #[inline(always)]
-fn interpolated<S: Simd>(simd: S, at: &Interpolation<S>, corners: &Corners<S>) -> (f32x16<S>, mask32x16<S>) {
+fn interpolated<S: Simd>(simd: S, weight: &Vec3x16<S>, values: &[f32x16<S>; 3]) -> (f32x16<S>, mask32x16<S>) {
     part(
         simd,
         #[inline(always)]
         || {
-            let [a, b, c] = corners.values();
-            let v = (a + at.weight[1] * (b - a)) + at.weight[2] * (c - a);
+            let [a, b, c] = *values;
+            let v = (a + weight[1] * (b - a)) + weight[2] * (c - a);
             let low = b.simd_lt(a).select(b, a);
             let low = c.simd_lt(low).select(c, low);
             let high = b.simd_gt(a).select(b, a);

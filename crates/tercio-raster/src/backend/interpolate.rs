@@ -112,6 +112,30 @@ impl<S: Simd> Interpolation<S> {
         gradients
     }
 
+    /// The change of [`Self::area`] from one sub-pixel to the next, to the right and downwards.
+    #[inline(always)]
+    pub fn slopes(
+        &self,
+        simd: S,
+        object: &ObjectView,
+        sample: [i32x16<S>; 2],
+        corners: &Corners<S>,
+    ) -> [Vec3x16<S>; 2] {
+        let mut slopes = part(
+            simd,
+            #[inline(always)]
+            || {
+                let right = each3!(K => (corners.y[(K + 2) % 3] - corners.y[(K + 1) % 3]).to_float());
+                let down = each3!(K => (corners.x[(K + 1) % 3] - corners.x[(K + 2) % 3]).to_float());
+                [right, down]
+            },
+        );
+        if corners.beyond != 0 {
+            recompute_gradients(object, sample, corners, 1.0, &mut slopes);
+        }
+        slopes
+    }
+
     /// Interpolates a vector between the corners.
     #[inline(always)]
     pub fn mix(&self, v: [Vec3x16<S>; 3]) -> Vec3x16<S> {

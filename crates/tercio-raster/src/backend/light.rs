@@ -47,7 +47,7 @@ pub fn reflect<S: Simd, F: Features>(
     to_viewer: &Vec3x16<S>,
     position: &Vec3x16<S>,
 ) -> Reflected<S> {
-    if F::ARE_CONSTANT {
+    if F::ARE_SPECIAL {
         sum_lights(simd, features, rig, surface, *normal, *to_viewer, *position)
     } else {
         reflect_apart(simd, features, rig, surface, normal, to_viewer, position)

@@ -9,6 +9,7 @@
 mod cluster;
 mod corners;
 mod data;
+mod edges;
 pub mod encode;
 mod interpolate;
 mod light;

@@ -7,6 +7,7 @@
 //! Coverage, depth, visibility, shading and the filter it implements by itself.
 
 mod data;
+mod edges;
 mod material;
 mod resolve;
 mod shading;
@@ -25,6 +26,7 @@ use crate::projection::clip::clip_triangle;
 use crate::sampling::SampleShading;
 use crate::settings::{Cull, Settings};
 use crate::stats::FrameStats;
+use crate::surface_edges::check_edges;
 use crate::view::{ObjectView, ScreenVertex, View};
 use shading::shade;
 
@@ -58,6 +60,7 @@ pub fn render(
     check_range(scene, settings, &view)?;
     check_light(scene)?;
     check_data(scene)?;
+    check_edges(scene)?;
     let objects: Vec<ObjectView> = scene.instances.iter().map(|i| view.object(i)).collect();
     let cells = settings.sampling.pattern.cells();
     let is_opaque = !scene.instances.iter().any(Instance::is_translucent);

@@ -4,6 +4,7 @@ use tercio_mesh::{Mesh, OctNormal};
 use tercio_scene::{Scene, Surface};
 
 use super::data::{colors_of, direct_alphas, direct_colors};
+use super::edges;
 use super::material::{bumped, evaluate, lights as seen_lights, material_of, phong, physical};
 use super::texture::TexturePoint;
 use crate::color::DECODE;
@@ -16,7 +17,7 @@ use crate::sampling::SampleShading;
 use crate::settings::{Settings, Shading};
 use crate::shadow_map::ObjectShadows;
 use crate::tone::Tone;
-use crate::view::ObjectView;
+use crate::view::{ObjectView, ScreenVertex};
 
 /// The result of shading a pixel.
 pub struct Shaded {
@@ -36,7 +37,7 @@ fn toned(light: Vec3, shading: Shading, settings: &Settings) -> Vec3 {
 }
 
 /// Linear light as a display shows it: from 0 to 1, NaN as 0.
-fn shown(linear: f32) -> f32 {
+pub fn shown(linear: f32) -> f32 {
     match linear {
         above if above >= 1.0 => 1.0,
         light if light > 0.0 => light,
@@ -94,9 +95,15 @@ pub fn shade(
     let (surface, shading) = (&instance.surface, settings.shading.of(&instance.surface));
     let corners = Mesh::canonical(mesh.triangles[triangle]).map(|v| v as usize);
     let p = corners.map(|v| mesh.positions[v]);
-    let Interpolation { area, scale, weight, right, down } = interpolation(object, p, sample, settings);
+    let Interpolation { area, scale, weight, right, down, slopes } =
+        interpolation(object, p, sample, settings);
     let mix = |v: [f32; 3]| (weight[0] * v[0] + weight[1] * v[1]) + weight[2] * v[2];
     let mix3 = |v: [Vec3; 3]| each(|k| mix(v.map(|v| v[k])));
+
+    let with_edges = |light: Vec3| match &instance.edges {
+        Some(lines) => edges::over(lines, triangle, (area, slopes[0], slopes[1]), settings, sample, light),
+        None => light,
+    };
 
     let edge = |k: usize| each(|a| (p[k][a] - p[0][a]) * object.edge_scale);
     let clockwise = area.iter().any(|&a| a < 0.0);
@@ -180,7 +187,7 @@ pub fn shade(
             Shading::Physical => physical(lights, &seen, &m, lit_normal, to_viewer),
         };
         let alpha = m.alpha * surface.opacity;
-        let [r, g, b] = toned(light, shading, settings).map(|c| shown(c) * alpha);
+        let [r, g, b] = with_edges(toned(light, shading, settings)).map(|c| shown(c) * alpha);
         return Shaded { linear: [r, g, b, alpha], normal };
     }
     let albedo = match (of_data, corner_colors(true)) {
@@ -210,7 +217,7 @@ pub fn shade(
     };
     let own_alpha = || corner_alphas().map_or(1.0, |a| alpha(a, weight));
     let alpha = of_data.map_or_else(own_alpha, |(_, alpha)| alpha) * surface.opacity;
-    let [r, g, b] = toned(linear, shading, settings).map(|c| shown(c) * alpha);
+    let [r, g, b] = with_edges(toned(linear, shading, settings)).map(|c| shown(c) * alpha);
     Shaded { linear: [r, g, b, alpha], normal }
 }
 
@@ -274,6 +281,8 @@ struct Interpolation {
     /// between the corners and the point.
     right: [f32; 3],
     down: [f32; 3],
+    /// The change of `area` from one sub-pixel to the next, likewise.
+    slopes: [Vec3; 2],
 }
 
 /// Distance of the points at which a surface is shaded, in sub-pixels. Samples that are shaded by themselves are closer to each
@@ -301,6 +310,7 @@ fn interpolation(object: &ObjectView, p: [Vec3; 3], sample: [i32; 2], settings: 
             weight,
             right: change(step, 0.0),
             down: change(0.0, step),
+            slopes: [change(1.0, 0.0), change(0.0, 1.0)],
         };
     }
     let area = areas(v.map(|v| v.x - sample[0]), v.map(|v| v.y - sample[1]));
@@ -314,7 +324,11 @@ fn interpolation(object: &ObjectView, p: [Vec3; 3], sample: [i32; 2], settings: 
     let change = |difference: i32, k: usize| (difference as f32 * scale[k]) * per_sum;
     let right = [0, 1, 2].map(|k| change(v[(k + 2) % 3].y - v[(k + 1) % 3].y, k));
     let down = [0, 1, 2].map(|k| change(v[(k + 1) % 3].x - v[(k + 2) % 3].x, k));
-    Interpolation { area, scale, weight, right, down }
+    let difference = |axis: fn(&ScreenVertex) -> i32, k: usize, l: usize| {
+        (axis(&v[(k + l) % 3]) - axis(&v[(k + 3 - l) % 3])) as f32
+    };
+    let slopes = [each(|k| difference(|v| v.y, k, 2)), each(|k| difference(|v| v.x, k, 1))];
+    Interpolation { area, scale, weight, right, down, slopes }
 }
 
 /// Twice the areas of the triangles between the sample and two corners, which are given relative to the sample.

@@ -209,6 +209,17 @@ fn lookup_bytes_one_by_one(table: &[u8; 128], index: &[u8; 16]) -> [u8; 16] {
     found
 }
 
+/// Are 16 lanes at most two registers? Kernels for rare pictures are compiled for these levels alone: at the others they are several
+/// times as long.
+#[inline(always)]
+pub fn has_wide_registers<S: Simd>(simd: S) -> bool {
+    match simd.level() {
+        #[cfg(target_arch = "x86_64")]
+        Level::Avx512(_) | Level::Avx2(_) => true,
+        _ => false,
+    }
+}
+
 /// 16 entries of a table of 64; indices are taken modulo 64.
 #[inline(always)]
 pub fn lookup<S: Simd>(simd: S, table: &[i32; 64], index: &[u8; 16]) -> i32x16<S> {

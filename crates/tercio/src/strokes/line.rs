@@ -11,7 +11,7 @@ use tercio_mesh::trig::{acos, sin_cos};
 
 use super::eye::Eye;
 use super::sheet::{Ink, Sheet};
-use super::{Length, Pen};
+use super::{EdgePart, Length, Pen};
 
 /// Distance of an end from the true one, in pixels, at most.
 const ROUNDNESS: f64 = 0.1;
@@ -19,6 +19,8 @@ const ROUNDNESS: f64 = 0.1;
 const STEEPEST: f64 = 40.0;
 /// Share of a pixel, times the slope, by which a strip is in front of its face.
 const AHEAD: f64 = 1.0 / 32.0;
+/// Width of the overlap of a strip with the surface beside it, in pixels.
+const OVERLAP: f64 = 1.0 / 32.0;
 /// Slopes above this one, in pixels of depth per pixel, count as this one.
 const LARGEST_SLOPE: f64 = 1000.0;
 
@@ -33,8 +35,8 @@ pub struct Line {
     /// Draws it only on its own triangles if the viewer sees the backs of both, so that it does not stick out beside the
     /// silhouette of a solid.
     pub hides_back: bool,
-    /// Draws it only if it is on the silhouette: all its triangles are on one side of it.
-    pub only_silhouette: bool,
+    /// If it is not all of it, the line is drawn only if it is on the silhouette: all its triangles are on one side of it.
+    pub part: EdgePart,
 }
 
 /// An end of what is visible of a line.
@@ -62,6 +64,8 @@ struct Half {
     /// Nearness at both ends of the rim, and by how much distance these and the middle are moved ahead.
     rim: [f64; 2],
     ahead: [f64; 2],
+    /// No face is on this side.
+    is_free: bool,
 }
 
 /// Draws a line.
@@ -84,7 +88,7 @@ pub fn draw(sheet: &mut Sheet, line: &Line, pen: &Pen, inks: [Ink; 2]) {
     let faces = line
         .apexes
         .map(|apex| apex.and_then(|apex| face(eye, line, ends3[0], (normal, ends[0].screen), apex)));
-    if line.only_silhouette
+    if line.part != EdgePart::All
         && let [Some(a), Some(b)] = faces
         && a.side != b.side
     {
@@ -98,12 +102,16 @@ pub fn draw(sheet: &mut Sheet, line: &Line, pen: &Pen, inks: [Ink; 2]) {
         })
     };
     if line.hides_back && is_back(0) && is_back(1) && ends.iter().all(|end| end.radius > 0.0) {
+        if line.part == EdgePart::BesideSurface {
+            return;
+        }
         for face in faces.into_iter().flatten() {
             on_its_face(sheet, &ends, ends3, &face, normal * face.side, inks);
         }
         return;
     }
     let halves = [1.0, -1.0].map(|side| half(eye, &ends, &faces, normal, side));
+    let halves = halves.map(|half| (half.is_free || line.part != EdgePart::BesideSurface).then_some(half));
     strips(sheet, &ends, along, &halves, inks, line.apexes != [None; 2]);
 }
 
@@ -147,7 +155,7 @@ fn half(eye: &Eye, ends: &[End; 2], faces: &[Option<Face>; 2], normal: DVec2, si
                 }
             };
     }
-    Half { rim, ahead }
+    Half { rim, ahead, is_free }
 }
 
 /// A distance that is smaller, but not behind the viewer.
@@ -156,26 +164,33 @@ fn ahead_of(z: f64, by: f64) -> f64 {
     if z > 0.0 { (z - by).max(z * 1e-3) } else { z - by }
 }
 
-/// Two strips with round ends.
+/// A strip on each side, or on one alone, with round ends.
 fn strips(
     sheet: &mut Sheet,
     ends: &[End; 2],
     along: DVec2,
-    halves: &[Half; 2],
+    halves: &[Option<Half>; 2],
     inks: [Ink; 2],
     is_joined: bool,
 ) {
     let eye = sheet.eye();
+    // One alone overlaps with what is on the other side: both are rounded to sub-pixels.
+    let inwards = match halves {
+        [Some(_), None] => along.perp() * -OVERLAP,
+        [None, Some(_)] => along.perp() * OVERLAP,
+        _ => DVec2::ZERO,
+    };
     let (mut middles, mut tips, mut steps) = ([0; 2], [0; 2], [0; 2]);
     for (k, end) in ends.iter().enumerate() {
-        let by = halves[0].ahead[k].max(halves[1].ahead[k]);
+        let by = halves.iter().flatten().map(|half| half.ahead[k]).fold(0.0, f64::max);
         let nearness = eye.nearness(ahead_of(end.z, by));
         steps[k] = rounds(end.radius, is_joined);
-        middles[k] = sheet.vertex(end.screen, nearness, inks[k]);
+        middles[k] = sheet.vertex(end.screen + inwards, nearness, inks[k]);
         let out = along * if k == 0 { -end.radius } else { end.radius };
         tips[k] = if steps[k] > 0 { sheet.vertex(end.screen + out, nearness, inks[k]) } else { 0 };
     }
     for (half, side) in halves.iter().zip([1.0, -1.0]) {
+        let Some(half) = half else { continue };
         let turned = |[a, b, c]: [u32; 3]| if side > 0.0 { [a, b, c] } else { [a, c, b] };
         let mut sides = [0; 2];
         for (k, end) in ends.iter().enumerate() {

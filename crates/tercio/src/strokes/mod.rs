@@ -19,6 +19,7 @@
 //! # Ok::<(), tercio::Error>(())
 //! ```
 //!
+//! All edges of a surface cost less where the surface is shaded ([`Instance::edges`]); [`EdgePart::BesideSurface`] is the rest of them.
 //! Where strokes that are not opaque overlap, each of them is a layer of its own: the picture is denser there.
 
 mod eye;
@@ -26,8 +27,10 @@ mod glyph;
 mod line;
 mod point;
 mod sheet;
+mod sight;
 mod tube;
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use glam::{DAffine3, DVec3};
@@ -42,6 +45,7 @@ pub(crate) use glyph::is_shown;
 pub use glyph::{GlyphShape, draw as glyphs};
 use line::Line;
 use sheet::{Ink, Look};
+use sight::Sight;
 
 use crate::data::StrokeData;
 
@@ -127,28 +131,47 @@ pub fn segments(eye: &Eye, segments: &[Segment]) -> Vec<Instance> {
 
 /// A line that is no edge.
 fn free(ends: [DVec3; 2]) -> Line {
-    Line { ends, apexes: [None; 2], hides_back: false, only_silhouette: false }
+    Line { ends, apexes: [None; 2], hides_back: false, part: EdgePart::All }
 }
 
-/// Edges of an instance's mesh as instances for the camera of `eye`; of those that two triangles share, only those on the
-/// silhouette, if that is requested.
+/// What of edges is drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum EdgePart {
+    /// All of them.
+    All,
+    /// Of those that two triangles share, only those on the silhouette.
+    Silhouette,
+    /// The halves of [`EdgePart::Silhouette`] that are on no triangle: what [`SurfaceEdges`] leave out.
+    ///
+    /// [`SurfaceEdges`]: tercio_scene::SurfaceEdges
+    BesideSurface,
+}
+
+/// Edges of an instance's mesh, or parts of them, as instances for the camera of `eye`.
 pub fn edges(
     eye: &Eye,
     edges: &Edges,
     world_from_object: &DAffine3,
     pen: &Pen,
-    only_silhouette: bool,
+    part: EdgePart,
 ) -> Vec<Instance> {
     let at = |v: u32| eye.eye_space(world_from_object.transform_point3(edges.position(v)));
     let hides_back = edges.is_solid && !is_inside(eye, edges, world_from_object);
     let mirrored = world_from_object.matrix3.determinant() < 0.0;
-    sheet::draw(eye, &plain(), &edges.list, |sheet, edge| {
+    let list = match part {
+        EdgePart::All => Cow::Borrowed(&edges.list),
+        EdgePart::Silhouette | EdgePart::BesideSurface => {
+            let sight = Sight::new(eye, edges, world_from_object);
+            Cow::Owned(edges.list.par_iter().copied().filter(|edge| !sight.is_between(edge)).collect())
+        }
+    };
+    sheet::draw(eye, &plain(), &list, |sheet, edge| {
         let ends = edge.ends.map(at);
         let mut apexes = edge.apexes.map(|v| (v != tercio_mesh::edges::Edge::NONE).then(|| at(v)));
         if mirrored && apexes[1].is_some() {
             apexes.swap(0, 1);
         }
-        let line = Line { ends, apexes, hides_back, only_silhouette };
+        let line = Line { ends, apexes, hides_back, part };
         line::draw(sheet, &line, pen, [pen.color.into(); 2]);
     })
 }

@@ -161,6 +161,9 @@ impl Render {
                 &model.places,
                 picture.saturating_add(taken),
             )?;
+            if job.writing.plan.drawing.is_none() {
+                member.put_edges_on(&mut scene.instances[model.instances.clone()], &mut model.drawable);
+            }
         }
         let annotation = self.annotation.annotation(bars, &background);
         let mut subject = Subject::default();

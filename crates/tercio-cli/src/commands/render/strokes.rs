@@ -14,7 +14,7 @@ use tercio::mesh::strokes::Strokes;
 use tercio::raster::view::View;
 use tercio::scene::framing::Extent;
 use tercio::scene::{Camera, Instance, Scene};
-use tercio::strokes::{self, Eye, LineShape};
+use tercio::strokes::{self, EdgePart, Eye, LineShape};
 
 use super::members::OfModel;
 use super::subject::placed;
@@ -27,8 +27,8 @@ pub(super) struct Drawable {
     pub file: Arc<Strokes>,
     /// What their colours show.
     pub data: Option<StrokeData>,
-    /// Edges, and whether only those on the silhouette are drawn.
-    pub edges: Vec<(Edges, bool)>,
+    /// Edges, and what of them is drawn.
+    pub edges: Vec<(Edges, EdgePart)>,
     /// Glyphs in world space, of each place.
     pub glyphs: Vec<Glyphs>,
 }
@@ -90,6 +90,21 @@ impl Render {
         Ok(())
     }
 
+    /// Has the instances of the model draw its edges with their surface, if they can: what is beside it remains.
+    /// Lines on surfaces that are not opaque would not be opaque themselves.
+    pub(super) fn put_edges_on(&self, instances: &mut [Instance], drawable: &mut Drawable) {
+        let [(edges, part)] = &mut drawable.edges[..] else { return };
+        if instances.iter().any(Instance::is_translucent) {
+            return;
+        }
+        let Some(lines) = self.strokes.on_surface(edges) else { return };
+        *part = EdgePart::BesideSurface;
+        let (lines, mesh) = (Arc::new(lines), Arc::clone(&instances[0].mesh));
+        // The others are where the model is cut.
+        let own = instances.iter_mut().filter(|instance| Arc::ptr_eq(&instance.mesh, &mesh));
+        own.for_each(|instance| instance.edges = Some(Arc::clone(&lines)));
+    }
+
     /// Is nothing of the model drawn but its surface?
     fn is_plain(&self, of_model: &OfModel) -> bool {
         let Drawable { file, edges, glyphs, .. } = &of_model.drawable;
@@ -141,9 +156,9 @@ impl Render {
         let mut drawn = Vec::new();
         let pen = self.strokes.edge_pen();
         for place in &of_model.places {
-            for (edges, only_silhouette) in edges {
+            for (edges, part) in edges {
                 drawn.extend(match line_shape {
-                    LineShape::Flat => strokes::edges(eye, edges, place, &pen, *only_silhouette),
+                    LineShape::Flat => strokes::edges(eye, edges, place, &pen, *part),
                     LineShape::Tube => strokes::edge_tubes(eye, edges, place, &pen),
                 });
             }

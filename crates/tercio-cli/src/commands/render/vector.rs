@@ -12,7 +12,7 @@ use tercio::mesh::strokes::Strokes;
 use tercio::raster::Frame;
 use tercio::scene::color_map::Isolines;
 use tercio::scene::{Background, Camera, DataColors, Instance, Scene, SurfaceData};
-use tercio::strokes::{Eye, Length};
+use tercio::strokes::{EdgePart, Eye, Length};
 use tercio::vector::{Hiders, Page, Sketch, areas};
 
 use super::members::OfModel;
@@ -158,8 +158,8 @@ impl Render {
         let file = &*in_colors_of(data.as_ref(), file);
         let pens = self.strokes.pens(self.drawing.color());
         for place in &of_model.places {
-            for (edges, only_silhouette) in edges {
-                sketch.edges(edges, place, &self.strokes.edge_pen(), *only_silhouette);
+            for (edges, part) in edges {
+                sketch.edges(edges, place, &self.strokes.edge_pen(), *part != EdgePart::All);
             }
             sketch.lines(file, place, &pens.lines);
             sketch.points(file, place, self.strokes.shape(), &pens.points);
@@ -180,11 +180,11 @@ impl Render {
     }
 
     /// Says how many edges of each kind there are, of those that are drawn.
-    pub(super) fn report_edges(&self, edges: &[(Edges, bool)]) {
+    pub(super) fn report_edges(&self, edges: &[(Edges, EdgePart)]) {
         if !self.running.verbose {
             return;
         }
-        for (edges, only_silhouette) in edges {
+        for (edges, part) in edges {
             // Those of more than two triangles are listed once for every two.
             let several = edges.list.iter().filter(|e| e.kind == EdgeKind::NonManifold).map(|e| e.ends);
             let mut ends: Vec<_> = several.collect();
@@ -196,7 +196,11 @@ impl Render {
                 grouped(edges.count(EdgeKind::Inner) as u64),
                 grouped(edges.count(EdgeKind::Boundary) as u64),
                 grouped(ends.len() as u64),
-                if *only_silhouette { "; of those of two, the ones on the silhouette are drawn" } else { "" },
+                if *part == EdgePart::Silhouette {
+                    "; of those of two, the ones on the silhouette are drawn"
+                } else {
+                    ""
+                },
             ));
         }
     }

@@ -7,13 +7,15 @@ use tercio_mesh::cluster::{ClusterView, MAX_TRIANGLES};
 use super::Scratch;
 use super::fragments::FragmentList;
 use super::sink::{Opaque, Sink, Translucent};
-use crate::backend::corners::{ColorSource, Colored, Corners, Fragments};
+use crate::backend::corners::{ColorSource, Colored, Corners, Fragments, sides_of};
 use crate::backend::material::has_materials;
-use crate::backend::shade::{At, Common, Features, FragmentTarget, Look, fetch, late, shade, shade_inline};
+use crate::backend::shade::{
+    At, Common, Explained, Features, FragmentTarget, Look, fetch, late, shade, shade_inline,
+};
 use crate::context::FrameContext;
 use crate::frame::Outputs;
 use crate::projection::CornerTable;
-use crate::simd::{LANES, part};
+use crate::simd::{LANES, has_wide_registers, part};
 use crate::stats::BackEndCounts;
 
 /// Is any plane requested for which fragments are shaded?
@@ -68,6 +70,13 @@ pub fn cluster<S: Simd, K: Sink>(
             let work = ClusterFragments { context, instance, cluster, colored, at, first };
             if !vertices.is_wide && look.is(Common::<true>) {
                 work.shade::<S, K, _>(simd, Common::<true>, scratch, outputs);
+            } else if !K::LAYERS
+                && has_wide_registers(simd)
+                && !vertices.is_wide
+                && let Some(features) = Explained::of(look, context, instance)
+            {
+                // Lines and data on surfaces that are not opaque are rare.
+                work.shade_explained(simd, features, scratch, outputs);
             } else {
                 work.shade::<S, K, _>(simd, look, scratch, outputs);
             }
@@ -86,6 +95,21 @@ struct ClusterFragments<'a> {
 }
 
 impl ClusterFragments<'_> {
+    /// Not inlined, so that the kernels of pictures without data and edges stay small.
+    #[inline(never)]
+    fn shade_explained<S: Simd>(
+        &self,
+        simd: S,
+        features: Explained,
+        scratch: &mut Scratch,
+        outputs: &Outputs,
+    ) {
+        simd.vectorize(
+            #[inline(always)]
+            || self.shade::<S, Opaque, _>(simd, features, scratch, outputs),
+        );
+    }
+
     #[inline(always)]
     fn shade<S: Simd, K: Sink, F: Features>(
         &self,
@@ -118,10 +142,13 @@ impl ClusterFragments<'_> {
                 let cluster = &self.cluster;
                 table.look_up_materials(simd, scene_instance, cluster, &triangles, &numbers, &mut corners);
             }
+            if features.edges() {
+                corners.sides = sides_of(&self.cluster, scene_instance, &triangles);
+            }
             let normals = if outputs.normals { &mut list.normals[first..last] } else { &mut [] };
             let Some(colors) = list.colors[first..].first_chunk_mut() else { unreachable!("room was made") };
             let target = &mut FragmentTarget { colors, normals, opacity: surface.opacity };
-            if F::ARE_CONSTANT {
+            if F::ARE_SPECIAL {
                 // The specialized kernel is used only for clusters that are not wide.
                 corners.are_near = true;
                 shade_inline(simd, context, instance, features, fragments, at, &corners, target);

@@ -1,5 +1,5 @@
-//! The features of the shading kernel: given at run time by a [`Look`], or at compile time by a [`Common`] look, for
-//! which the same kernel is specialized, without branches on features.
+//! The features of the shading kernel: given at run time by a [`Look`], or at compile time by a [`Common`] or [`Explained`]
+//! look, for which the same kernel is specialized, without branches on most features.
 
 use tercio_scene::Instance;
 
@@ -10,32 +10,71 @@ use crate::frame::Outputs;
 use crate::settings::Shading;
 use crate::tone::Tone;
 
-/// The shading features that a kernel is specialized for or branches on.
+/// The shading features that a kernel is specialized for or branches on. Those that are not implemented are those of most
+/// pictures: vertex normals, one colour for the surface, distant lights, and 8-bit colours as the only plane.
 pub trait Features: Copy {
-    /// All features are known at compile time.
-    const ARE_CONSTANT: bool;
+    /// Most features are known at compile time: the kernel is compiled for them, into the loop that calls it.
+    const ARE_SPECIAL: bool;
     /// Where light is computed.
-    fn shading(self) -> Shading;
+    #[inline(always)]
+    fn shading(self) -> Shading {
+        Shading::Phong
+    }
     /// Where the colour comes from.
-    fn colors(self) -> ColorSource;
+    #[inline(always)]
+    fn colors(self) -> ColorSource {
+        ColorSource::Base
+    }
     /// Does the mesh have vertex normals?
-    fn normals(self) -> bool;
+    #[inline(always)]
+    fn normals(self) -> bool {
+        true
+    }
     /// Are the triangles' planes needed?
-    fn plane(self) -> bool;
+    #[inline(always)]
+    fn plane(self) -> bool {
+        false
+    }
     /// Do the colours of the mesh have an alpha?
-    fn alpha(self) -> bool;
+    #[inline(always)]
+    fn alpha(self) -> bool {
+        false
+    }
     /// Are there scene-wide materials, or is shading physically based?
-    fn materials(self) -> bool;
+    #[inline(always)]
+    fn materials(self) -> bool {
+        false
+    }
     /// Are there point lights, so that light depends on position?
-    fn near_lights(self) -> bool;
+    #[inline(always)]
+    fn near_lights(self) -> bool {
+        false
+    }
     /// Is the surface specular?
-    fn highlights(self) -> bool;
+    #[inline(always)]
+    fn highlights(self) -> bool {
+        true
+    }
     /// Are 8-bit colours requested?
-    fn color(self) -> bool;
+    #[inline(always)]
+    fn color(self) -> bool {
+        true
+    }
     /// Is any other plane of the frame requested?
-    fn more(self) -> bool;
+    #[inline(always)]
+    fn more(self) -> bool {
+        false
+    }
     /// Is light tone-mapped?
-    fn tone(self) -> bool;
+    #[inline(always)]
+    fn tone(self) -> bool {
+        false
+    }
+    /// Are there lines along the sides of triangles?
+    #[inline(always)]
+    fn edges(self) -> bool {
+        false
+    }
 
     /// Are positions of corners needed?
     #[inline(always)]
@@ -44,7 +83,6 @@ pub trait Features: Copy {
     }
 }
 
-/// Shading features at run time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Look {
     shading: Shading,
@@ -58,6 +96,7 @@ pub struct Look {
     color: bool,
     more: bool,
     tone: bool,
+    edges: bool,
 }
 
 impl Look {
@@ -83,6 +122,7 @@ impl Look {
             color: outputs.color,
             more: Outputs { color: false, ..*outputs } != Outputs::NONE,
             tone: context.settings.tone != Tone::NONE && shading != Shading::Unlit,
+            edges: own.edges.is_some(),
         }
     }
 
@@ -100,6 +140,7 @@ impl Look {
             color: features.color(),
             more: features.more(),
             tone: features.tone(),
+            edges: features.edges(),
         }
     }
 
@@ -120,7 +161,7 @@ pub fn needs_plane(context: &FrameContext, instance: usize, normals_agree: bool)
 }
 
 impl Features for Look {
-    const ARE_CONSTANT: bool = false;
+    const ARE_SPECIAL: bool = false;
     #[inline(always)]
     fn shading(self) -> Shading {
         self.shading
@@ -165,57 +206,51 @@ impl Features for Look {
     fn tone(self) -> bool {
         self.tone
     }
+    #[inline(always)]
+    fn edges(self) -> bool {
+        self.edges
+    }
 }
 
-/// The look of most pictures: vertex normals, one colour for the surface, directional lights, and 8-bit colours as the
-/// only plane. Its kernel is small enough to keep all values in registers.
+/// The look of most pictures, with or without highlights. Its kernel is small enough to keep all values in registers.
 #[derive(Clone, Copy)]
 pub struct Common<const HIGHLIGHTS: bool>;
 
 impl<const HIGHLIGHTS: bool> Features for Common<HIGHLIGHTS> {
-    const ARE_CONSTANT: bool = true;
-    #[inline(always)]
-    fn shading(self) -> Shading {
-        Shading::Phong
-    }
-    #[inline(always)]
-    fn colors(self) -> ColorSource {
-        ColorSource::Base
-    }
-    #[inline(always)]
-    fn normals(self) -> bool {
-        true
-    }
-    #[inline(always)]
-    fn plane(self) -> bool {
-        false
-    }
-    #[inline(always)]
-    fn alpha(self) -> bool {
-        false
-    }
-    #[inline(always)]
-    fn materials(self) -> bool {
-        false
-    }
-    #[inline(always)]
-    fn near_lights(self) -> bool {
-        false
-    }
+    const ARE_SPECIAL: bool = true;
     #[inline(always)]
     fn highlights(self) -> bool {
         HIGHLIGHTS
     }
+}
+
+/// The common look with colours of data, with lines along the sides of triangles, or with both. Which of them is known at run time:
+/// one kernel serves all.
+#[derive(Clone, Copy)]
+pub struct Explained {
+    /// Colours of values that are interpolated and spread evenly, without lines of equal value.
+    data: bool,
+    edges: bool,
+}
+
+impl Explained {
+    /// The features of a look for pixels of an instance, if they are of this kind.
     #[inline(always)]
-    fn color(self) -> bool {
-        true
+    pub fn of(look: Look, context: &FrameContext, instance: usize) -> Option<Self> {
+        let is_even = || context.data[instance].as_ref().is_some_and(|data| data.mapping.is_even());
+        let features = Self { data: look.colors == ColorSource::Data, edges: look.edges };
+        (look.is(features) && (!features.data || is_even())).then_some(features)
+    }
+}
+
+impl Features for Explained {
+    const ARE_SPECIAL: bool = true;
+    #[inline(always)]
+    fn colors(self) -> ColorSource {
+        if self.data { ColorSource::Data } else { ColorSource::Base }
     }
     #[inline(always)]
-    fn more(self) -> bool {
-        false
-    }
-    #[inline(always)]
-    fn tone(self) -> bool {
-        false
+    fn edges(self) -> bool {
+        self.edges
     }
 }

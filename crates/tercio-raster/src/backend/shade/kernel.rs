@@ -9,7 +9,7 @@ use super::target::Target;
 use crate::backend::corners::{ColorSource, Corners, Fragments, to_world};
 use crate::backend::interpolate::Interpolation;
 use crate::backend::light::{Vec3x16, bend, beside, diffuse, normalize, reflect, towards_viewer};
-use crate::backend::{data, material, tone};
+use crate::backend::{data, edges, material, tone};
 use crate::context::FrameContext;
 use crate::conventions::{SAMPLE, SUBPIXELS};
 use crate::projection::relative;
@@ -128,6 +128,10 @@ pub fn shade_inline<S: Simd, F: Features, T: Target>(
         let pixels = material::Pixels { sample, at: &at, corners, colors, normal, to_viewer };
         let (lit, alpha) = material::shade(simd, context, instance, &pixels);
         let lit = if features.tone() { tone::map(simd, &context.settings.tone, &lit) } else { lit };
+        let lit = match features.edges() {
+            true => edges::over(simd, context, instance, fragments, sample, &at, corners, lit),
+            false => lit,
+        };
         target.write(simd, context, features, fragments, lit, alpha, normal);
         return;
     }
@@ -140,6 +144,11 @@ pub fn shade_inline<S: Simd, F: Features, T: Target>(
                 alpha = at.alpha(corners.alpha);
             }
             at.mix(corners.color)
+        }
+        ColorSource::Data if F::ARE_SPECIAL => {
+            // Copies, as for edges.
+            let (weight, values) = (at.weight, corners.values());
+            data::even(simd, context, instance, &weight, &values)
         }
         ColorSource::Data => {
             let (color, opacity) = data::colors(simd, context, instance, sample, &at, corners);
@@ -184,6 +193,10 @@ pub fn shade_inline<S: Simd, F: Features, T: Target>(
         }
     };
     let lit = if features.tone() { tone::map(simd, &context.settings.tone, &lit) } else { lit };
+    let lit = match features.edges() {
+        true => edges::over(simd, context, instance, fragments, sample, &at, corners, lit),
+        false => lit,
+    };
     target.write(simd, context, features, fragments, lit, alpha, normal);
 }
 

@@ -3,7 +3,8 @@
 //! For the winners of a cluster, the corners of their triangles are looked up in the cluster's tables ([`winners`]).
 //! The visible pixels of triangles that were binned one by one are packed into full groups of 16 ([`tile`]); the
 //! corners of their triangles are fetched from the mesh, and projected again as in the front end. Both use the same
-//! `kernel`, which is compiled for any look, and specialized for the most common ones (`features`).
+//! `kernel`, which is compiled for any look, and specialized for the most common ones (`features`). Lines along the sides of triangles
+//! are drawn over what is shaded ([`super::edges`]).
 
 mod features;
 mod kernel;
@@ -14,7 +15,7 @@ use fearless_simd::{Simd, u32x16};
 use tercio_mesh::cluster::{ClusterView, MAX_TRIANGLES};
 
 use super::cluster::ClusterPass;
-use super::corners::{ColorSource, Colored, Corners, Fragments};
+use super::corners::{ColorSource, Colored, Corners, Fragments, sides_of};
 use super::material::has_materials;
 use super::memory::TileMemory;
 use super::table::ClusterTable;
@@ -24,10 +25,10 @@ use crate::frame::{Outputs, Planes};
 use crate::projection::CornerTable;
 use crate::simd::LANES;
 use crate::stats::BackEndCounts;
-pub use features::{Common, Features, Look, needs_plane};
+pub use features::{Common, Explained, Features, Look, needs_plane};
 pub use kernel::{At, Facing, seen_plane, shade, shade_inline, to_eye};
 use target::PixelTarget;
-pub use target::{FragmentTarget, Target};
+pub use target::{FragmentTarget, Target, displayable};
 
 /// Shades every visible pixel of a tile that is not shaded yet.
 #[inline(always)]
@@ -286,9 +287,12 @@ impl Won<'_> {
                     fragments.depth[lane] = self.memory.depth[places[lane] as usize];
                 }
             }
+            if features.edges() {
+                corners.sides = sides_of(&self.cluster, scene_instance, &triangles);
+            }
             let (context, instance, at) = (self.context, self.instance, self.at);
             let target = &mut PixelTarget { pixels, outputs };
-            if F::ARE_CONSTANT {
+            if F::ARE_SPECIAL {
                 // Here, the specialized kernels are used only for clusters that are not wide.
                 corners.are_near = true;
                 shade_inline(simd, context, instance, features, fragments, at, &corners, target);

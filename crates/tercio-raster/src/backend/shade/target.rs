@@ -117,7 +117,7 @@ impl Target for FragmentTarget<'_> {
 /// Linear light as a display shows it: clamped to the range from 0 to 1, NaN as 0. Samples are clamped before they are
 /// averaged, so that the edges of surfaces that are too bright are smooth, too.
 #[inline(always)]
-fn displayable<S: Simd>(simd: S, linear: Vec3x16<S>) -> Vec3x16<S> {
+pub fn displayable<S: Simd>(simd: S, linear: Vec3x16<S>) -> Vec3x16<S> {
     let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
     each3!(C => {
         let above = linear[C].simd_gt(zero).select(linear[C], zero);

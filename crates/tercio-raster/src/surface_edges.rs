@@ -1,0 +1,58 @@
+//! What reference and kernels share of lines along the sides of triangles.
+
+use tercio_scene::Scene;
+
+use crate::conventions::SUBPIXELS;
+use crate::error::RenderError;
+use crate::sampling::SampleShading;
+use crate::settings::Settings;
+
+/// Pixels per sub-pixel.
+pub const PIXELS: f32 = 1.0 / SUBPIXELS as f32;
+
+/// The part of the picture whose colour a shaded point has, as an extent in pixels.
+#[derive(Clone, Copy, Debug)]
+pub struct Footprint {
+    /// Of a point in the middle of a pixel, or of a sample.
+    pub size: f32,
+    /// By how much it is smaller for each sub-pixel between the point and the middle of the pixel: on both sides.
+    pub shrinking: f32,
+    /// The least extent.
+    pub least: f32,
+}
+
+impl Footprint {
+    /// For these settings; `distance` of the points at which a surface is shaded, in sub-pixels.
+    pub fn new(settings: &Settings, distance: f32) -> Self {
+        let shrinking = match settings.sampling.shading {
+            SampleShading::Pixel => 2.0 * PIXELS,
+            SampleShading::Sample => 0.0,
+        };
+        Self { size: distance * PIXELS, shrinking, least: 0.125 }
+    }
+}
+
+/// Fails if lines along the sides of triangles have no width, no finite colour, or are not those of their mesh.
+///
+/// # Errors
+/// [`RenderError::Setting`].
+pub fn check_edges(scene: &Scene) -> Result<(), RenderError> {
+    for instance in &scene.instances {
+        let Some(edges) = instance.edges.as_deref() else { continue };
+        let fail =
+            |what, range: &str, value: String| Err(RenderError::Setting { what, range: range.into(), value });
+        if !(edges.width > 0.0 && edges.width.is_finite()) {
+            return fail("width of edges", "above 0 and finite", edges.width.to_string());
+        }
+        if let Some(c) = edges.color.iter().find(|c| !(0.0..=1.0).contains(*c)) {
+            return fail("colour of edges", "0 to 1", c.to_string());
+        }
+        let triangles = instance.mesh.triangle_count();
+        let Some(sides) = &edges.sides else { continue };
+        if sides.len() != triangles || instance.share.is_some() {
+            let range = format!("{triangles}, the triangles of a whole mesh");
+            return fail("number of triangles with edges", &range, sides.len().to_string());
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,128 @@
+//! Pictures of surfaces with lines along the sides of their triangles: every path draws the bytes of the reference.
+
+mod common;
+
+use std::sync::Arc;
+
+use common::*;
+use tercio_mesh::{Attribute, AttributeDomain, Mesh};
+use tercio_raster::{
+    Outputs, RenderError, Renderer, SamplePattern, SampleShading, Sampling, Settings, Shading, reference,
+};
+use tercio_scene::{Camera, ColorMap, DataColors, DataSource, Light, Scene, SurfaceData, SurfaceEdges};
+
+fn edged(mesh: &Mesh, width: f32, sides: Option<Vec<u8>>) -> Scene {
+    let mut scene = scene(mesh);
+    scene.instances[0].edges = Some(Arc::new(SurfaceEdges::new([200, 30, 120], width, sides)));
+    scene
+}
+
+/// Some sides of each triangle.
+fn some_sides(mesh: &Mesh, seed: u64) -> Option<Vec<u8>> {
+    let mut random = Random(seed);
+    Some(mesh.triangles.iter().map(|_| random.between(0.0, 8.0) as u8).collect())
+}
+
+fn camera() -> Camera {
+    perspective([0.5, 1.0, 3.0], [0.0; 3], 40.0)
+}
+
+/// 8-bit colours alone, with four samples a pixel: the fastest kernels draw them.
+fn colors_only(width: u32, height: u32) -> Settings {
+    let sampling = Sampling::of(SamplePattern::ALL[2]);
+    Settings { sampling, outputs: Outputs { color: true, ..Outputs::NONE }, ..Settings::new(width, height) }
+}
+
+#[test]
+fn every_shading_and_sampling() {
+    let mesh = soup(1_500, 1);
+    for (sides, width) in [(None, 1.0), (some_sides(&mesh, 2), 2.5), (None, 0.4)] {
+        let mut scene = edged(&mesh, width, sides);
+        scene.lights.push(Light::headlight([3.0, 0.2, 0.4]));
+        for shading in [Shading::Phong, Shading::Flat, Shading::Gouraud, Shading::Unlit, Shading::Physical] {
+            let settings = Settings { shading, ..everything(60, 44) };
+            check_all(&mesh, &scene, &camera(), &settings, &format!("{width}, {shading:?}"));
+        }
+        for pattern in SamplePattern::ALL {
+            for shading in [SampleShading::Pixel, SampleShading::Sample] {
+                let sampling = Sampling { shading, ..Sampling::of(pattern) };
+                let settings = Settings { sampling, ..everything(40, 30) };
+                check_all(&mesh, &scene, &camera(), &settings, &format!("{width}, {sampling:?}"));
+            }
+        }
+    }
+}
+
+#[test]
+fn the_fastest_kernels() {
+    let mut mesh = sphere(24);
+    let values = mesh.positions.iter().map(|p| p[0] * 3.0 + p[1] * p[2]).collect();
+    mesh.attributes.push(Attribute { name: "x".into(), domain: AttributeDomain::Vertex, values });
+    let values = (0..mesh.triangles.len()).map(|t| (t % 7) as f32).collect();
+    mesh.attributes.push(Attribute { name: "y".into(), domain: AttributeDomain::Triangle, values });
+    let showing = |source: DataSource| {
+        let colors = DataColors::new("x", ColorMap::named("turbo").expect("known"), [-2.0, 2.5]);
+        Some(Arc::new(SurfaceData::Mapped { source, colors: Arc::new(colors) }))
+    };
+    let plain = draw(&scene(&mesh), &camera(), &colors_only(90, 70));
+    let data = [None, showing(DataSource::Attribute(0)), showing(DataSource::Attribute(1))];
+    for (number, data) in data.into_iter().enumerate() {
+        let mut scene = scene(&mesh);
+        scene.instances[0].data = data;
+        for edges in [None, Some(None), Some(some_sides(&mesh, 3))] {
+            let what = format!("data {number}, edges {:?}", edges.as_ref().map(Option::is_some));
+            scene.instances[0].edges = edges.map(|sides| Arc::new(SurfaceEdges::new([0, 0, 0], 1.0, sides)));
+            check_all(&mesh, &scene, &camera(), &colors_only(90, 70), &what);
+            let is_plain = number == 0 && scene.instances[0].edges.is_none();
+            let found = draw(&scene, &camera(), &colors_only(90, 70));
+            assert_eq!(found.difference(&plain).is_none(), is_plain, "{what}");
+        }
+    }
+}
+
+#[test]
+fn what_is_clipped_and_translucent_and_other_instances() {
+    let mesh = soup(1_200, 5);
+    let inside = perspective([0.1, 0.2, 0.3], [1.0, 0.0, -1.0], 75.0);
+    let flat = orthographic([0.5, 1.0, 3.0], [0.0; 3], 1.0);
+    let mut scene = with_second_instance(edged(&mesh, 1.5, some_sides(&mesh, 6)));
+    check_all(&mesh, &scene, &inside, &everything(71, 57), "inside");
+    check_all(&mesh, &scene, &inside, &colors_only(50, 40), "inside, samples");
+    scene.instances[1].edges = None;
+    scene.instances[0].surface.opacity = 0.6;
+    check_all(&mesh, &scene, &flat, &everything(60, 44), "two instances");
+}
+
+/// Lines change the colours of a picture, and nothing else.
+#[test]
+fn other_planes_are_those_without_edges() {
+    let mesh = sphere(10);
+    let (with, without) = [edged(&mesh, 2.0, None), scene(&mesh)]
+        .map(|scene| draw(&scene, &camera(), &everything(80, 60)))
+        .into();
+    let (with, without) = (&with, &without);
+    assert_ne!(with.planes.color, without.planes.color);
+    assert_eq!(with.planes.depth, without.planes.depth);
+    assert_eq!(with.planes.ids, without.planes.ids);
+    assert_eq!(with.planes.normals, without.planes.normals);
+}
+
+#[test]
+fn edges_that_cannot_be_are_refused() {
+    let mesh = soup(10, 9);
+    let black = || SurfaceEdges::new([0; 3], 1.0, None);
+    for (edges, wrong) in [
+        (SurfaceEdges { width: 0.0, ..black() }, "width of edges"),
+        (SurfaceEdges { width: f32::NAN, ..black() }, "width of edges"),
+        (SurfaceEdges { width: f32::INFINITY, ..black() }, "width of edges"),
+        (SurfaceEdges { color: [0.0, 1.5, 0.0], ..black() }, "colour of edges"),
+        (SurfaceEdges { color: [f32::NAN, 0.0, 0.0], ..black() }, "colour of edges"),
+        (SurfaceEdges { sides: Some(vec![7; 9]), ..black() }, "number of triangles with edges"),
+    ] {
+        let mut scene = scene(&mesh);
+        scene.instances[0].edges = Some(Arc::new(edges));
+        let error = Renderer::new().render(&scene, &camera(), &everything(10, 10)).unwrap_err();
+        assert!(matches!(error, RenderError::Setting { what, .. } if what == wrong), "{wrong}: {error}");
+        assert_eq!(reference::render(&[&mesh], &scene, &camera(), &everything(10, 10)).unwrap_err(), error);
+    }
+}

@@ -1,0 +1,168 @@
+//! Lines along the sides of triangles held against distances in `f64` on the picture, of rays' triangles: nothing is shared with the
+//! renderer.
+
+mod common;
+
+use std::sync::Arc;
+
+use common::*;
+use glam::{DVec2, DVec3};
+use tercio_mesh::Mesh;
+use tercio_raster::{Outputs, SamplePattern, Sampling, Settings, Shading};
+use tercio_scene::camera::Projection;
+use tercio_scene::{Camera, SurfaceEdges};
+use tercio_testkit::ray_caster::RayCaster;
+
+const SIZE: [u32; 2] = [120, 90];
+
+fn cameras() -> [Camera; 3] {
+    [
+        perspective([0.4, 0.9, 2.6], [0.0; 3], 45.0),
+        perspective([0.1, 0.2, 1.3], [0.2, 0.1, 0.0], 70.0),
+        orthographic([1.0, -2.0, 0.7], [0.0; 3], 2.2),
+    ]
+}
+
+/// A point of the world on the picture, in pixels.
+fn on_picture(camera: &Camera, p: DVec3) -> DVec2 {
+    let forward = (camera.target - camera.eye).normalize();
+    let right = forward.cross(camera.up).normalize();
+    let up = right.cross(forward);
+    let [width, height] = SIZE.map(f64::from);
+    let p = p - camera.eye;
+    let scale = match camera.projection {
+        Projection::Perspective { fov_y } => height / (2.0 * (fov_y / 2.0).tan()) / forward.dot(p),
+        Projection::Orthographic { height: world } => height / world,
+    };
+    DVec2::new(width / 2.0 + right.dot(p) * scale, height / 2.0 - up.dot(p) * scale)
+}
+
+struct Model {
+    mesh: Mesh,
+    corners: Vec<[DVec3; 3]>,
+    caster: RayCaster,
+}
+
+impl Model {
+    fn new(mesh: Mesh) -> Self {
+        let at = |v: u32| DVec3::from(mesh.positions[v as usize].map(f64::from));
+        // Sides have the numbers of the corners opposite to them, from the first corner that the renderer's rules choose.
+        let corners: Vec<[DVec3; 3]> = mesh.triangles.iter().map(|&t| Mesh::canonical(t).map(at)).collect();
+        let caster = RayCaster::new(corners.iter().map(|t| t.map(|p| p.to_array())).collect());
+        Self { mesh, corners, caster }
+    }
+
+    /// The distance of a point of the picture from the nearest of these sides of the triangle that is seen there, in pixels.
+    fn distance(&self, camera: &Camera, at: [f64; 2], sides: impl Fn(usize) -> u8) -> Option<f64> {
+        let (from, towards) = ray(camera, SIZE, at);
+        let triangle = self.caster.first_hit(from.to_array(), towards.to_array(), 0.0)?.triangle;
+        let corners = self.corners[triangle].map(|p| on_picture(camera, p));
+        let from_side = |k: usize| {
+            let (a, b) = (corners[(k + 1) % 3], corners[(k + 2) % 3]);
+            (b - a).perp_dot(DVec2::from(at) - a).abs() / a.distance(b)
+        };
+        let own = (0..3).filter(|k| sides(triangle) >> k & 1 == 1);
+        Some(own.map(from_side).fold(f64::INFINITY, f64::min))
+    }
+
+    /// How much of each pixel is line in a picture of white lines on black.
+    fn picture(
+        &self,
+        camera: &Camera,
+        width: f32,
+        sides: Option<Vec<u8>>,
+        pattern: SamplePattern,
+    ) -> Vec<f64> {
+        let mut scene = scene(&self.mesh);
+        let instance = &mut scene.instances[0];
+        instance.edges = Some(Arc::new(SurfaceEdges::new([255; 3], width, sides)));
+        (instance.surface.base_color, instance.surface.use_mesh_colors) = ([0.0; 3], false);
+        let outputs = Outputs { linear: true, ..Outputs::NONE };
+        let settings = Settings {
+            shading: Shading::Unlit,
+            outputs,
+            sampling: Sampling::of(pattern),
+            ..Settings::new(SIZE[0], SIZE[1])
+        };
+        draw(&scene, camera, &settings).planes.linear.iter().map(|light| f64::from(light[0])).collect()
+    }
+}
+
+fn pixels() -> impl Iterator<Item = (usize, [f64; 2])> {
+    (0..SIZE[0] * SIZE[1]).map(|i| (i as usize, [i % SIZE[0], i / SIZE[0]].map(f64::from)))
+}
+
+/// With one sample per pixel, a pixel is covered by as much of a line as its distance says.
+#[test]
+fn cover_is_that_of_the_distance_to_the_nearest_side() {
+    let model = Model::new(sphere(9));
+    let mut random = Random(4);
+    let some: Vec<u8> = model.mesh.triangles.iter().map(|_| random.between(0.0, 8.0) as u8).collect();
+    for camera in cameras() {
+        for (width, sides) in [(1.0, None), (3.5, None), (0.5, None), (2.0, Some(some.clone()))] {
+            let found = model.picture(&camera, width, sides.clone(), SamplePattern::ALL[0]);
+            let width = f64::from(width);
+            let (mut compared, mut lines) = (0, 0);
+            for (i, corner) in pixels() {
+                let middle = corner.map(|c| c + 0.5);
+                let bits = |t: usize| sides.as_ref().map_or(7, |sides| sides[t]);
+                let Some(distance) = model.distance(&camera, middle, bits) else { continue };
+                // Corners are snapped to 1/256 pixel, so another triangle may be seen at a side.
+                if model.distance(&camera, middle, |_| 7).is_none_or(|distance| distance < 0.02) {
+                    continue;
+                }
+                let cover = (0.5 * width + 0.5 - distance).clamp(0.0, width.min(1.0));
+                assert!((found[i] - cover).abs() < 0.02, "{corner:?}: {}, expected {cover}", found[i]);
+                compared += 1;
+                lines += usize::from(cover > 0.3);
+            }
+            assert!(compared > 2_500 && lines > 150, "{compared} {lines}");
+        }
+    }
+}
+
+/// With many samples per pixel, pixels at sides are covered by the area of the lines there, and lines are as wide as they should be.
+#[test]
+fn cover_is_the_area_of_the_lines() {
+    const GRID: usize = 12;
+    let model = Model::new(sphere(9));
+    for camera in cameras() {
+        for (width, pattern) in
+            [(1.0, SamplePattern::ALL[2]), (1.0, SamplePattern::ALL[4]), (2.5, SamplePattern::ALL[2])]
+        {
+            let found = model.picture(&camera, width, None, pattern);
+            let (mut sums, mut off, mut count, mut worst) = ([0.0; 2], 0.0, 0, 0.0f64);
+            for (i, corner) in pixels() {
+                let mut inside = 0;
+                let mut seen = true;
+                for k in 0..GRID * GRID {
+                    let at = [0, 1].map(|axis| {
+                        let place = if axis == 0 { k % GRID } else { k / GRID };
+                        corner[axis] + (place as f64 + 0.5) / GRID as f64
+                    });
+                    match model.distance(&camera, at, |_| 7) {
+                        Some(distance) => inside += usize::from(distance < 0.5 * f64::from(width)),
+                        None => seen = false,
+                    }
+                    if !seen {
+                        break;
+                    }
+                }
+                // Beside the silhouette.
+                if !seen {
+                    continue;
+                }
+                let area = inside as f64 / (GRID * GRID) as f64;
+                sums = [sums[0] + area, sums[1] + found[i]];
+                off += (found[i] - area).abs();
+                worst = worst.max((found[i] - area).abs());
+                count += 1;
+            }
+            println!(
+                "{width} {pattern:?}: {} of {count}, off {} worst {worst}",
+                sums[1] / sums[0],
+                off / f64::from(count)
+            );
+        }
+    }
+}
