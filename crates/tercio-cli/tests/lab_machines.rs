@@ -80,3 +80,41 @@ fn a_description_with_absurd_numbers_is_refused() {
         .run("lab predict model.off --size 16x16 --machine absurd.toml")
         .failed(1, &["absurd.toml:", "processors.count: expected at most 1048576, found 99999999999"]);
 }
+
+/// What is between the fences of a language, without the indentation of a list.
+fn blocks(page: &str, language: &str) -> Vec<String> {
+    let mut blocks = Vec::new();
+    let mut lines = page.lines().map(str::trim);
+    while lines.any(|line| line == format!("```{language}")) {
+        let block = lines.by_ref().take_while(|line| *line != "```").map(|line| format!("{line}\n"));
+        blocks.push(block.collect());
+    }
+    blocks
+}
+
+#[test]
+fn the_commands_of_the_handbook_run_and_its_numbers_hold() {
+    let page = tercio_testkit::workspace_root().join("docs/laboratory/handbook.md");
+    let page = std::fs::read_to_string(page).unwrap();
+    let place = Place::new();
+    std::fs::write(place.path("chip.toml"), &blocks(&page, "toml")[0]).unwrap();
+    let commands: Vec<String> =
+        blocks(&page, "sh").iter().flat_map(|b| b.lines().map(str::to_owned)).collect();
+    assert_eq!(commands.len(), 11);
+    let run = |command: &String| {
+        let done = place.run(command.strip_prefix("tercio ").expect("a command of tercio"));
+        (command.clone(), done.ok_silently().text().to_string())
+    };
+    let outputs: Vec<_> = commands.iter().map(run).collect();
+    let output = |part: &str| &outputs.iter().find(|o| o.0.contains(part)).expect("a command").1;
+    let boxes = std::fs::read_to_string(place.path("teapot.boxes")).unwrap();
+    let visible = boxes.lines().filter(|line| line.starts_with("1 ")).count();
+    assert!(boxes.starts_with("NumPolygons=9888\n") && visible == 4893, "{visible} visible");
+    // The busiest processor takes longer than the mean, by a little.
+    let row = output("simulate sorting").lines().find(|line| line.starts_with("sort-middle")).unwrap();
+    let geometry: f64 = row.split_whitespace().nth(4).unwrap().parse().unwrap();
+    assert!((0.0986..0.0986 * 1.05).contains(&geometry), "{row}");
+    let formula: f64 = output("mcmanus.6 A=16").trim().parse().unwrap();
+    assert!((formula - 1.545).abs() < 0.001, "{formula}");
+    assert!(place.path("figures/mcmanus-table-1/verdict.json").is_file());
+}

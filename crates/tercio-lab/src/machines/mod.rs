@@ -10,6 +10,8 @@ mod builtin;
 mod check;
 mod description;
 mod error;
+#[cfg(test)]
+mod handbook;
 mod kinds;
 mod operations;
 mod sections;

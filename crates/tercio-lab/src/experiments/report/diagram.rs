@@ -102,7 +102,7 @@ fn travelling(machine: &Machine, kind: DataKind) -> String {
     let what = match kind {
         DataKind::Primitive => "polygons",
         DataKind::Descriptor => "descriptors",
-        DataKind::Sample => "pixels",
+        DataKind::Sample | DataKind::Pixel => "pixels",
     };
     machine.bytes.get(&kind).map_or(what.into(), |size| format!("{what}, {size} each"))
 }

@@ -1,0 +1,202 @@
+//! The page of all keys, `docs/laboratory/files.md`: made from the code that reads the files.
+//!
+//! `TERCIO_BLESS=1 cargo test -p tercio-lab --lib handbook` writes it.
+
+use std::collections::BTreeSet;
+use std::fmt::Write;
+
+use super::{Machine, parse};
+use crate::units::{Bytes, BytesPerSecond, Count, Cycles, Hertz, PolygonRate, Quantity, Ratio, Seconds};
+
+const PAGE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/laboratory/files.md");
+const DESCRIPTION: &str = include_str!("description.rs");
+const SECTIONS: &str = include_str!("sections.rs");
+const KINDS: &str = include_str!("kinds.rs");
+const OPERATIONS: &str = include_str!("operations.rs");
+
+/// Sections with the code of their structure and its name.
+const STRUCTURES: [(&str, &str, &str); 9] = [
+    ("", DESCRIPTION, "Machine"),
+    ("sorting", DESCRIPTION, "Sorting"),
+    ("processors", DESCRIPTION, "Processors"),
+    ("screen", DESCRIPTION, "Screen"),
+    ("network", DESCRIPTION, "Network"),
+    ("heap", SECTIONS, "Heap"),
+    ("sdram", SECTIONS, "Sdram"),
+    ("tile-engine", SECTIONS, "TileEngine"),
+    ("transfer", SECTIONS, "Transfer"),
+];
+/// Sections whose keys are the variants of an enumeration.
+const ENUMERATIONS: [(&str, &str, &str); 2] =
+    [("bytes", DESCRIPTION, "DataKind"), ("costs", OPERATIONS, "Operation")];
+/// The words of `class`, `screen` and `topology`.
+const WORDS: [(&str, &str); 3] = [
+    ("sorting.class", "SortingClass"),
+    ("sorting.screen", "ScreenDivision"),
+    ("network.topology", "Topology"),
+];
+
+/// A field or a variant: name, type (empty for a variant), documentation.
+struct Item {
+    key: String,
+    of: String,
+    what: String,
+}
+
+fn kebab(name: &str) -> String {
+    let mut key = String::new();
+    for c in name.chars() {
+        if c.is_ascii_uppercase() && !key.is_empty() {
+            key.push('-');
+        }
+        key.push(if c == '_' { '-' } else { c.to_ascii_lowercase() });
+    }
+    key
+}
+
+/// The public fields of a structure, or the variants of an enumeration.
+fn items(code: &str, name: &str) -> Vec<Item> {
+    let begins = |line: &str| {
+        [format!("pub struct {name} {{"), format!("pub enum {name} {{")].contains(&line.to_owned())
+    };
+    let body = code.lines().skip_while(|line| !begins(line)).skip(1).take_while(|line| *line != "}");
+    let (mut found, mut what) = (Vec::new(), Vec::new());
+    for line in body.map(str::trim) {
+        if let Some(text) = line.strip_prefix("///") {
+            what.push(text.trim());
+        } else if !line.starts_with("#[") {
+            let item = line.strip_prefix("pub ").unwrap_or(line).trim_end_matches(',');
+            let (key, of) = item.split_once(": ").unwrap_or((item, ""));
+            found.push(Item { key: kebab(key), of: of.into(), what: what.join(" ") });
+            what.clear();
+        }
+    }
+    assert!(!found.is_empty(), "no structure {name}");
+    found
+}
+
+/// The unit of a field, or what it is.
+fn unit(of: &str) -> String {
+    let inner = of.trim_start_matches("Option<").trim_end_matches('>');
+    let of_quantity =
+        |name: &str, unit: &str| if unit.is_empty() { name.into() } else { format!("{name}, {unit}") };
+    macro_rules! quantity {
+        ($($type:ident),*) => {
+            match inner {
+                $(concat!("Sourced<", stringify!($type)) => of_quantity($type::NAME, $type::UNIT),)*
+                "String" => "text".into(),
+                "SortingClass" | "ScreenDivision" | "Topology" => "one of the words below".into(),
+                _ => "a section".into(),
+            }
+        };
+    }
+    quantity!(Bytes, BytesPerSecond, Count, Cycles, Hertz, PolygonRate, Ratio, Seconds)
+}
+
+/// The lines of the documentation of a module.
+fn documentation(code: &str) -> String {
+    let lines = code.lines().take_while(|line| line.starts_with("//!"));
+    lines.map(|line| format!("{}\n", line.trim_start_matches("//!").trim_start_matches(' '))).collect()
+}
+
+fn page() -> String {
+    let mut page = String::from(
+        "# Files of the laboratory\n\nMade from the code that reads the files; a test compares this page with it.\n\n\
+         ## Machines\n\nA machine is a TOML file. Every number has its source: `{ value = \"14 MHz\", source = \"000, \
+         2.3\" }`. Prefixes of units (k, M, G, Ki, m, u, n) are understood; the table gives base units. A section or key \
+         that is *optional* has no value if it is not given: a command that needs it names it and ends with an error.\n",
+    );
+    for (section, code, name) in STRUCTURES {
+        let title = if section.is_empty() { "Top of the file".into() } else { format!("`[{section}]`") };
+        let _ = writeln!(page, "\n### {title}\n\n| key | what it is | given | meaning |\n|---|---|---|---|");
+        for Item { key, of, what } in items(code, name) {
+            let given =
+                if of.starts_with("Option") || of.starts_with("BTreeMap") { "optional" } else { "required" };
+            let _ = writeln!(page, "| `{key}` | {} | {given} | {what} |", unit(&of));
+        }
+        if section == "network" {
+            page.push_str("\nThe section `[mpi]` has the same keys.\n");
+        }
+    }
+    for (section, code, name) in ENUMERATIONS {
+        let what = if section == "costs" {
+            "All are optional: numbers of cycles of the processors' clock (`\"100 cycles\"`), or times (`\"20 ns\"`)."
+        } else {
+            "All are optional: bytes of one."
+        };
+        let _ = writeln!(page, "\n### `[{section}]`\n\n{what}\n\n| key | meaning |\n|---|---|");
+        items(code, name).iter().for_each(|i| {
+            let _ = writeln!(page, "| `{}` | {} |", i.key, i.what);
+        });
+    }
+    page.push_str("\n### `[claims]`\n\nKeys of any name, each a rate in polygon/s that a document or the maker states.\n");
+    for (key, name) in WORDS {
+        let _ = writeln!(page, "\n### Words of `{key}`\n\n| word | meaning |\n|---|---|");
+        items(KINDS, name).iter().for_each(|i| {
+            let _ = writeln!(page, "| `{}` | {} |", i.key, i.what);
+        });
+    }
+    for (title, code) in [
+        ("Workloads: boxes (`.boxes`)", include_str!("../workloads/boxes.rs")),
+        ("Workloads: polygons (`.polygons`)", include_str!("../workloads/polygons.rs")),
+        ("Screen maps", include_str!("../workloads/screen_map/mod.rs")),
+    ] {
+        let _ = write!(page, "\n## {title}\n\n{}", documentation(code));
+    }
+    page
+}
+
+#[test]
+fn the_page_of_all_keys_is_that_of_the_code() {
+    let made = page();
+    if std::env::var_os("TERCIO_BLESS").is_some() {
+        std::fs::write(PAGE, &made).unwrap();
+    }
+    let kept = std::fs::read_to_string(PAGE).unwrap();
+    assert!(
+        made == kept,
+        "docs/laboratory/files.md is stale: TERCIO_BLESS=1 cargo test -p tercio-lab --lib handbook"
+    );
+}
+
+/// The names in backquotes of the error for a key that does not exist, without that key.
+fn expected_keys(section: &str) -> BTreeSet<String> {
+    let machine: Machine = super::load("hybris-asic").unwrap();
+    let text = machine.to_toml().unwrap();
+    // In front of everything else, or as a section of its own.
+    let text = match section {
+        "" => format!("no-such-key = 1\n{text}"),
+        _ => {
+            let without: String = text
+                .split("\n[")
+                .filter(|part| {
+                    !part.starts_with(&format!("{section}]")) && !part.starts_with(&format!("{section}."))
+                })
+                .collect::<Vec<_>>()
+                .join("\n[");
+            format!("{without}\n[{section}]\nno-such-key = {{ value = \"1 cycle\", source = \"x\" }}\n")
+        }
+    };
+    let message = parse("x.toml", &text).unwrap_err().to_string();
+    let listed = message.split_once("expected").unwrap_or_else(|| panic!("{section}: {message}")).1;
+    listed.split('`').skip(1).step_by(2).map(str::to_owned).collect()
+}
+
+#[test]
+fn the_keys_of_the_page_are_those_that_are_read() {
+    for (section, code, name) in STRUCTURES.into_iter().chain(ENUMERATIONS) {
+        let listed: BTreeSet<_> = items(code, name).into_iter().map(|i| i.key).collect();
+        assert_eq!(listed, expected_keys(section), "[{section}]");
+    }
+}
+
+#[test]
+fn the_examples_of_the_page_are_read() {
+    let page = std::fs::read_to_string(PAGE).unwrap();
+    let examples: Vec<_> =
+        page.split("```text\n").skip(1).map(|rest| rest.split("```").next().unwrap()).collect();
+    let [boxes, polygons, map] = examples[..] else { panic!("{examples:?}") };
+    assert_eq!(crate::workloads::BoxScene::parse(boxes).unwrap().boxes.len(), 2);
+    assert!(crate::workloads::PolygonScene::parse(polygons).is_ok());
+    assert!(crate::workloads::ScreenMap::parse(map).is_ok());
+}
