@@ -308,7 +308,7 @@ impl Comparison {
 }
 
 /// Whether a number's name begins with one of `prefixes`; one that ends with `=` is the whole name.
-fn is_named(id: &str, prefixes: &[&str]) -> bool {
+pub(super) fn is_named(id: &str, prefixes: &[&str]) -> bool {
     prefixes.iter().any(|p| p.strip_suffix('=').map_or_else(|| id.starts_with(p), |whole| id == whole))
 }
 

@@ -6,6 +6,9 @@ use tercio_mesh::edges::{Edge, Edges};
 
 use super::eye::Eye;
 
+/// Sine of the angle at which a triangle counts as seen from the side.
+const EDGE_ON: f64 = 1e-9;
+
 /// Vertices of edges as the viewer sees them, in the units of their positions.
 pub struct Sight {
     /// Relative to the eye of a perspective camera.
@@ -38,6 +41,11 @@ impl Sight {
         let at = |v: u32| self.positions[v as usize];
         let from = at(edge.ends[0]);
         let plane = (at(edge.ends[1]) - from).cross(self.direction.unwrap_or(from));
-        plane.dot(at(a) - from) * plane.dot(at(b) - from) < 0.0
+        let side = |v: u32| {
+            let to = at(v) - from;
+            let beside = plane.dot(to);
+            if beside.abs() <= EDGE_ON * plane.length() * to.length() { 0.0 } else { beside.signum() }
+        };
+        side(a) * side(b) < 0.0
     }
 }

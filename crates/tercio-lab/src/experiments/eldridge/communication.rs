@@ -226,18 +226,25 @@ fn copies() -> Result<Findings, ExperimentError> {
         remarks: vec![format!(
             "The optimum lies at m = {best:.2}. Half of the polygons are taken to be visible."
         )],
-        verdict: Comparison::verdict_of_published(&["E5.8", "E5.9=", "E5.10"], correction)?,
+        verdict: Comparison::verdict_of_published(&OF_FIGURE_5_6, correction)?,
     })
 }
 
+/// Names of the numbers that the figure is made of. `E5.9fig` is one of figure 5-9.
+const OF_FIGURE_5_6: [&str; 3] = ["E5.8", "E5.9=", "E5.10"];
+
 #[cfg(test)]
 mod tests {
+    use super::OF_FIGURE_5_6;
+    use crate::experiments::comparison::is_named;
     use crate::published;
 
     #[test]
     fn numbers_of_figure_5_9_are_not_counted_under_figure_5_6() {
-        let of_equation = |id: &str| ["E5.8", "E5.9", "E5.10"].iter().any(|prefix| id.starts_with(prefix));
-        for number in published::numbers().unwrap().into_iter().filter(|n| of_equation(&n.id)) {
+        let named = |n: &published::Number| is_named(&n.id, &OF_FIGURE_5_6);
+        let numbers: Vec<_> = published::numbers().unwrap().into_iter().filter(named).collect();
+        assert!(numbers.len() >= OF_FIGURE_5_6.len());
+        for number in numbers {
             assert!(!number.place.contains("5-9"), "{} is of {}", number.id, number.place);
         }
     }
