@@ -195,6 +195,19 @@ impl Model {
         self.faces.iter().flat_map(of_face).map(|e| e.map(|v| self.vertices[v])).collect()
     }
 
+    /// A prism of so many sides, as polygons.
+    fn prism(name: &'static str, sides: usize) -> Self {
+        let corner = |k: usize, y: f64| {
+            let (z, x) = (k as f64 * std::f64::consts::TAU / sides as f64).sin_cos();
+            DVec3::new(x, y, z)
+        };
+        let vertices =
+            (0..sides).map(|k| corner(k, -0.5)).chain((0..sides).map(|k| corner(k, 0.5))).collect();
+        let side = |k: usize| vec![k, k + sides, (k + 1) % sides + sides, (k + 1) % sides];
+        let ends = [(0..sides).collect(), (sides..2 * sides).rev().collect()];
+        Self { name, vertices, faces: (0..sides).map(side).chain(ends).collect() }
+    }
+
     /// The same faces as triangles, all of whose sides are edges.
     fn split(mut self) -> Self {
         let of_face = |f: Vec<usize>| (1..f.len() - 1).map(move |k| vec![f[0], f[k], f[k + 1]]);
@@ -214,7 +227,7 @@ impl Model {
     }
 }
 
-/// Where the ray caster sees an edge, it is drawn: on its triangles, and beside them where it has none.
+/// Where the ray caster sees an edge, it is drawn; of a line that is shaded with triangles, on these and on the side where it has none.
 /// Where it sees none within the width, none shines through.
 #[test]
 fn edges_are_seen_where_nothing_hides_them() {
@@ -223,8 +236,8 @@ fn edges_are_seen_where_nothing_hides_them() {
     let far = DVec3::new(4e6, 5e6, -3e6);
     let front = DVec3::new(0.5, 0.6, 1.0);
     let cases = [
-        // Squares that are not flat may be split along either diagonal.
-        (Model::sheet("wave", 12, wave).split(), front, 5.0, DVec3::ZERO),
+        (Model::sheet("wave", 12, wave), front, 5.0, DVec3::ZERO),
+        (Model::sheet("wave of triangles", 12, wave).split(), front, 5.0, DVec3::ZERO),
         (Model::sheet("flat", 10, flat), front, 5.0, DVec3::ZERO),
         (Model::sheet("grazing", 6, flat), DVec3::new(0.1, 0.05, 1.0), 5.0, DVec3::ZERO),
         (Model::sheet("almost from the side", 6, flat), DVec3::new(0.3, 0.012, 1.0), 5.0, DVec3::ZERO),
@@ -237,9 +250,11 @@ fn edges_are_seen_where_nothing_hides_them() {
             DVec3::ZERO,
         ),
         (Model::plate("far away", DVec3::ONE, far), front, 7.0, far),
-        (Model::sphere("sphere", 8, 1.0).split(), front, 5.0, DVec3::ZERO),
+        (Model::sphere("sphere", 8, 1.0), front, 5.0, DVec3::ZERO),
+        (Model::sphere("sphere of triangles", 8, 1.0).split(), front, 5.0, DVec3::ZERO),
         (Model::sphere("tiny", 8, 1e-7).split(), front, 5e-7, DVec3::ZERO),
         (Model::sphere("huge", 8, 1e9).split(), front, 5e9, DVec3::ZERO),
+        (Model::prism("prism", 48), DVec3::new(0.0, 0.2, 1.0), 7.0, DVec3::ZERO),
     ];
     let place = Place::new();
     for (model, direction, away, target) in cases {
@@ -254,6 +269,8 @@ fn edges_are_seen_where_nothing_hides_them() {
         let cover = |x: usize, y: usize| (f64::from(picture.at(x, y)[0]) / 255.0).powf(2.2);
         let caster = model.caster();
         let triangles = model.triangles();
+        // Lines of triangles are drawn on these, those of polygons as strips in front of them.
+        let is_shaded = model.faces.iter().all(|face| face.len() == 3);
         let first = |direction: DVec3| caster.first_hit(eye.eye.to_array(), direction.to_array(), 0.0);
         // Distance of what a ray hits first, in lengths of the direction.
         let hit = |direction: DVec3| first(direction).map_or(f64::INFINITY, |hit| hit.distance);
@@ -302,11 +319,11 @@ fn edges_are_seen_where_nothing_hides_them() {
                 // What is nearer at the middle of the pixel by more than two pixels, hides it there.
                 let depth = (p - eye.eye).dot(eye.axes[2]);
                 let is_free = hit(pixel(x, y)) > depth * (1.0 - 2.0 * size);
-                // On the side of its triangles, what is wider than these is not seen.
+                // A line on triangles is not seen beyond them.
                 let is_beside = !sides.contains(&side(pixel(x, y)));
                 let is_own = || first(pixel(x, y)).is_some_and(|hit| has_edge(&triangles[hit.triangle]));
                 if is_free
-                    && (is_beside || is_own())
+                    && (!is_shaded || is_beside || is_own())
                     && DVec2::new(x as f64 + 0.5, y as f64 + 0.5).distance(s) < 0.75
                 {
                     seen += 1;
@@ -317,7 +334,9 @@ fn edges_are_seen_where_nothing_hides_them() {
         let places = (0..WIDTH * HEIGHT).map(|k| (k % WIDTH, k / WIDTH));
         let through: Vec<_> = places.filter(|&(x, y)| cover(x, y) > 0.5 && !near[y * WIDTH + x]).collect();
         assert!(seen > 100, "{}: {seen} seen", model.name);
-        assert_eq!(missing, 0, "{}: of {seen} are not drawn", model.name);
+        // Where the next face rises within the width of a strip, it hides a part of it: on one crest of the wave.
+        let most = if model.name == "wave" { seen / 100 } else { 0 };
+        assert!(missing <= most, "{}: {missing} of {seen} are not drawn", model.name);
         assert!(through.is_empty(), "{}: {through:?} shine through", model.name);
     }
 }

@@ -158,11 +158,12 @@ fn cover_is_the_area_of_the_lines() {
                 worst = worst.max((found[i] - area).abs());
                 count += 1;
             }
-            println!(
-                "{width} {pattern:?}: {} of {count}, off {} worst {worst}",
-                sums[1] / sums[0],
-                off / f64::from(count)
+            let (ink, mean) = (sums[1] / sums[0], off / f64::from(count));
+            let what = format!(
+                "{width} {pattern:?}: {ink} of the area of {count} pixels, off by {mean}, at most {worst}"
             );
+            // Where lines meet, the one that covers a pixel most counts, not both.
+            assert!(count > 2_000 && (0.97..1.01).contains(&ink) && mean < 0.015 && worst < 0.4, "{what}");
         }
     }
 }

@@ -99,7 +99,8 @@ pub struct StrokeArgs {
     #[arg(long, value_name = "WHAT", value_enum, default_value_t = ModeName::Surface)]
     mode: ModeName,
     /// Draws edges on the surface, or chooses those of --mode [default: all; feature for --mode edges].
-    /// Several with commas: --edges=feature,silhouette.
+    /// Several with commas: --edges=feature,silhouette. All edges of triangles, opaque and at most 4 pixels wide, are shaded with
+    /// the surface, which is quick; others are strips in front of it.
     #[arg(long, value_name = "WHICH", num_args = 0..=1, default_missing_value = "all", require_equals = true)]
     #[arg(value_enum, value_delimiter = ',')]
     edges: Option<Vec<EdgesName>>,
@@ -290,8 +291,10 @@ impl StrokeArgs {
         Pen { width: self.line_width.unwrap_or(Length::Pixels(width)), color }
     }
 
-    /// The edges of a surface that are drawn where the surface is shaded: all of them, as thin lines that are opaque.
-    pub fn on_surface(&self, edges: &mut Edges) -> Option<SurfaceEdges> {
+    /// The edges of a surface that are drawn where the surface is shaded: all of them, as thin lines that are opaque. Not those of
+    /// polygons: a triangle draws the lines along its own sides, and one that is narrower than a line would cut it off at the
+    /// diagonal of its polygon.
+    pub fn on_surface(&self, edges: &Edges) -> Option<SurfaceEdges> {
         let Pen { width: Length::Pixels(width), color: [r, g, b, 0xff] } = self.edge_pen() else {
             return None;
         };
@@ -300,9 +303,8 @@ impl StrokeArgs {
         if !is_shaded || !is_thin || self.plain() != Some(EdgesName::All) {
             return None;
         }
-        let sides = std::mem::take(&mut edges.sides);
-        let some = sides.iter().any(|&sides| sides != SurfaceEdges::ALL);
-        Some(SurfaceEdges::new([r, g, b], width as f32, some.then_some(sides)))
+        let of_triangles = edges.sides.iter().all(|&sides| sides == SurfaceEdges::ALL);
+        of_triangles.then(|| SurfaceEdges::new([r, g, b], width as f32, None))
     }
 
     /// How lines and points without colours of their own are drawn, if the model has this linear colour.

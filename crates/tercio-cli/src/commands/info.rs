@@ -175,10 +175,10 @@ fn attribute(a: &AttributeSummary, of: &str) -> Row {
     ("attribute", format!("{} ({of}): {range}{nans}", a.name))
 }
 
-/// Rows of bounds.
-fn extent(bounds: &Aabb) -> Vec<Row> {
+/// Rows of bounds, with their names.
+fn extent(bounds: &Aabb, [corners, size_of]: [&'static str; 2]) -> Vec<Row> {
     if bounds.is_empty() {
-        return vec![("bounds", "none".into())];
+        return vec![(corners, "none".into())];
     }
     let size = bounds.size();
     let point = |p: DVec3| report::point(p, size.max_element());
@@ -204,7 +204,7 @@ fn text(model: &str, loaded: &Inspection) -> String {
     }
     // Where there are only lines and points, theirs follow.
     if mesh.triangles > 0 || report.strokes.is_none() {
-        rows.extend(extent(&mesh.bounds));
+        rows.extend(extent(&mesh.bounds, ["bounds", "size"]));
         let present = [
             (mesh.normals, "normals"),
             (mesh.vertex_colors, "vertex colours"),
@@ -225,7 +225,7 @@ fn text(model: &str, loaded: &Inspection) -> String {
         rows.push(("besides", list));
     }
     if let Some(strokes) = &report.strokes {
-        rows.extend(extent(&strokes.bounds));
+        rows.extend(extent(&strokes.bounds, ["bounds of lines and points", "size of lines and points"]));
         if strokes.colors {
             rows.push(("holds", "colours of lines and points".into()));
         }

@@ -152,14 +152,13 @@ impl Comparison {
         if !self.fits.is_empty() {
             return self.qualitative("Inputs are not stated.");
         }
-        if has(Evidence::Independent) {
-            Verdict::Reproduced { within: words() }
-        } else if has(Evidence::Formula) {
+        // A verdict is no better than the weakest of its numbers.
+        if has(Evidence::Formula) {
             Verdict::Restated { within: words() }
+        } else if has(Evidence::Independent) {
+            Verdict::Reproduced { within: words() }
         } else if has(Evidence::Input) {
             Verdict::ByConstruction { within: words() }
-        } else if self.not_printed > 0 && self.claims.is_empty() {
-            Verdict::Restated { within: words() }
         } else {
             self.qualitative("No numbers are printed.")
         }
@@ -173,6 +172,11 @@ impl Comparison {
         } else {
             Verdict::Contradicted { why: words }
         }
+    }
+
+    /// Qualitative, for the reason `why`, whatever fails: what is compared is no print, but a model of ours.
+    pub fn of_our_model(&self, why: impl Into<String>) -> Verdict {
+        Verdict::Qualitative { why: why.into(), agrees: format!("{}.", self.words()) }
     }
 
     /// A sentence about what holds and what does not.
@@ -211,7 +215,7 @@ impl Comparison {
             }
         }
         if !held.is_empty() {
-            parts.push(held);
+            parts.push(if failed.is_empty() { held } else { format!("what agrees: {held}") });
         }
         parts.join("; ")
     }

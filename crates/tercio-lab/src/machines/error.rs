@@ -44,6 +44,16 @@ pub enum MachineError {
         /// The section or number.
         what: String,
     },
+    /// A network that the machine's control has no rules for.
+    #[error(
+        "machine \"{machine}\": processors.control = \"simd\" has rules for a ring only, found a network that is a {found}"
+    )]
+    NoRules {
+        /// Which machine.
+        machine: String,
+        /// The network.
+        found: &'static str,
+    },
     /// More processors than the machine may have.
     #[error("machine \"{machine}\": expected at most {most} {what}, found {found}")]
     TooMany {

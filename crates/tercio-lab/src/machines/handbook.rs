@@ -15,7 +15,7 @@ const KINDS: &str = include_str!("kinds.rs");
 const OPERATIONS: &str = include_str!("operations.rs");
 
 /// Sections with the code of their structure and its name.
-const STRUCTURES: [(&str, &str, &str); 9] = [
+const STRUCTURES: [(&str, &str, &str); 10] = [
     ("", DESCRIPTION, "Machine"),
     ("sorting", DESCRIPTION, "Sorting"),
     ("processors", DESCRIPTION, "Processors"),
@@ -25,22 +25,41 @@ const STRUCTURES: [(&str, &str, &str); 9] = [
     ("sdram", SECTIONS, "Sdram"),
     ("tile-engine", SECTIONS, "TileEngine"),
     ("transfer", SECTIONS, "Transfer"),
+    ("calibration", SECTIONS, "Calibration"),
 ];
 /// Sections whose keys are the variants of an enumeration.
 const ENUMERATIONS: [(&str, &str, &str); 2] =
     [("bytes", DESCRIPTION, "DataKind"), ("costs", OPERATIONS, "Operation")];
-/// The words of `class`, `screen` and `topology`.
-const WORDS: [(&str, &str); 3] = [
+/// Keys with the enumeration of their words.
+const WORDS: [(&str, &str); 6] = [
     ("sorting.class", "SortingClass"),
     ("sorting.screen", "ScreenDivision"),
+    ("processors.control", "Control"),
     ("network.topology", "Topology"),
+    ("network.packing", "Packing"),
+    ("network.delivery", "Delivery"),
 ];
 
-/// A field or a variant: name, type (empty for a variant), documentation.
+/// A field or a variant.
 struct Item {
     key: String,
+    /// The type; empty for a variant.
     of: String,
+    /// Its documentation.
     what: String,
+    /// It has a default: a key that need not be given, or the variant that stands for it.
+    is_default: bool,
+}
+
+impl Item {
+    fn is_required(&self) -> bool {
+        !self.is_default && !self.of.starts_with("Option") && !self.of.starts_with("BTreeMap")
+    }
+}
+
+/// The word that an enumeration has by default.
+fn default_word(name: &str) -> Option<String> {
+    items(KINDS, name).into_iter().find(|item| item.is_default).map(|item| item.key)
 }
 
 fn kebab(name: &str) -> String {
@@ -60,15 +79,18 @@ fn items(code: &str, name: &str) -> Vec<Item> {
         [format!("pub struct {name} {{"), format!("pub enum {name} {{")].contains(&line.to_owned())
     };
     let body = code.lines().skip_while(|line| !begins(line)).skip(1).take_while(|line| *line != "}");
-    let (mut found, mut what) = (Vec::new(), Vec::new());
+    let (mut found, mut what, mut is_default) = (Vec::new(), Vec::new(), false);
     for line in body.map(str::trim) {
         if let Some(text) = line.strip_prefix("///") {
             what.push(text.trim());
-        } else if !line.starts_with("#[") {
+        } else if line.starts_with("#[") {
+            is_default |= line.starts_with("#[serde(default") || line == "#[default]";
+        } else {
             let item = line.strip_prefix("pub ").unwrap_or(line).trim_end_matches(',');
             let (key, of) = item.split_once(": ").unwrap_or((item, ""));
-            found.push(Item { key: kebab(key), of: of.into(), what: what.join(" ") });
+            found.push(Item { key: kebab(key), of: of.into(), what: what.join(" "), is_default });
             what.clear();
+            is_default = false;
         }
     }
     assert!(!found.is_empty(), "no structure {name}");
@@ -85,7 +107,7 @@ fn unit(of: &str) -> String {
             match inner {
                 $(concat!("Sourced<", stringify!($type)) => of_quantity($type::NAME, $type::UNIT),)*
                 "String" => "text".into(),
-                "SortingClass" | "ScreenDivision" | "Topology" => "one of the words below".into(),
+                name if WORDS.iter().any(|words| words.1 == name) => "one of the words below".into(),
                 _ => "a section".into(),
             }
         };
@@ -109,13 +131,17 @@ fn page() -> String {
     for (section, code, name) in STRUCTURES {
         let title = if section.is_empty() { "Top of the file".into() } else { format!("`[{section}]`") };
         let _ = writeln!(page, "\n### {title}\n\n| key | what it is | given | meaning |\n|---|---|---|---|");
-        for Item { key, of, what } in items(code, name) {
-            let given =
-                if of.starts_with("Option") || of.starts_with("BTreeMap") { "optional" } else { "required" };
+        for item in items(code, name) {
+            let given = match WORDS.iter().find(|words| words.1 == item.of).and_then(|w| default_word(w.1)) {
+                Some(word) => format!("`{word}` by default"),
+                None if item.is_required() => "required".into(),
+                None => "optional".into(),
+            };
+            let Item { key, of, what, .. } = item;
             let _ = writeln!(page, "| `{key}` | {} | {given} | {what} |", unit(&of));
         }
         if section == "network" {
-            page.push_str("\nThe section `[mpi]` has the same keys.\n");
+            page.push_str("\nThe sections `[node]` and `[mpi]` have the same keys.\n");
         }
     }
     for (section, code, name) in ENUMERATIONS {
@@ -188,6 +214,28 @@ fn the_keys_of_the_page_are_those_that_are_read() {
         let listed: BTreeSet<_> = items(code, name).into_iter().map(|i| i.key).collect();
         assert_eq!(listed, expected_keys(section), "[{section}]");
     }
+}
+
+/// What the page calls required is missed, and nothing else.
+#[test]
+fn required_keys_are_those_that_are_missed() {
+    let whole: toml::Table = super::load("hybris-asic").unwrap().to_toml().unwrap().parse().unwrap();
+    let mut tried = 0;
+    for (section, code, name) in STRUCTURES {
+        for item in items(code, name) {
+            let mut without = whole.clone();
+            let table = match section {
+                "" => Some(&mut without),
+                _ => without.get_mut(section).and_then(toml::Value::as_table_mut),
+            };
+            let Some(removed) = table.and_then(|table| table.remove(&item.key)) else { continue };
+            let read = parse("x.toml", &without.to_string());
+            let missed = read.is_err_and(|e| e.to_string().contains("missing field"));
+            assert_eq!(missed, item.is_required(), "[{section}] {} = {removed}", item.key);
+            tried += 1;
+        }
+    }
+    assert!(tried > 30, "{tried}");
 }
 
 #[test]

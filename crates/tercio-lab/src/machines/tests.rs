@@ -65,6 +65,10 @@ fn mistakes_are_reported_with_file_and_line() {
     assert!(clock.starts_with("m.toml:15:1: costs.pixel"), "{clock}");
     let many = error("value = 4", "value = \"99999999999\"");
     assert!(many.starts_with("m.toml:12:1: processors.count: expected at most 1048576"), "{many}");
+    let most = error("21 cycles", "1e19 cycles");
+    assert!(most.starts_with("m.toml:16:1: costs.pixel: expected at most 1000000 cycles"), "{most}");
+    let bytes = error("[costs]", "[bytes]\ndescriptor = { value = \"1e19 B\", source = \"000\" }\n[costs]");
+    assert!(bytes.starts_with("m.toml:16:1: bytes.descriptor: expected at most 1073741824 B"), "{bytes}");
     let fewer = error("[costs]", "at-most = { value = 3, source = \"000\" }\n[costs]");
     assert!(fewer.starts_with("m.toml:15:1: processors.at-most: expected at least"), "{fewer}");
     let node = error("[costs]", "per-node = { value = 2, source = \"000\" }\n[costs]");

@@ -129,7 +129,10 @@ pub fn calibrate(
     let rounds = o.rounds.max(2);
     let mut repeats = 0;
     loop {
-        pictures.iter_mut().for_each(|p| p.sample.slowest = 0.0);
+        // A repeat begins anew: one frame that was too fast would keep every spread large.
+        for Picture { sample, .. } in &mut pictures {
+            (sample.seconds, sample.slowest, sample.together) = (f64::INFINITY, 0.0, None);
+        }
         for round in 0..rounds {
             progress(Progress::Next(&format!("round {} of {rounds}", round + 1)));
             pictures.iter_mut().try_for_each(|p| p.draw(o))?;

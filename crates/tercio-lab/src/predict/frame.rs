@@ -103,10 +103,7 @@ pub fn knows_clusters(machine: &Machine) -> bool {
 /// [`MachineError::Missing`] with the names of those that would do.
 pub fn need_costs(machine: &Machine) -> Result<(), MachineError> {
     use Operation as O;
-    machine.need_costs(&[
-        &[O::Polygon, O::PolygonSetUp, O::Vertex, O::ClusterDrawn],
-        &[O::Pixel, O::Stamp, O::Segment, O::SampleStep],
-    ])
+    machine.need_costs(&[&[O::Polygon, O::ClusterDrawn], &[O::Pixel, O::Stamp, O::Segment, O::SampleStep]])
 }
 
 /// A predicted frame in seconds.

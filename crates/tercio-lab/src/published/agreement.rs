@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::tolerance::last_digit;
-use super::{Basis, Check};
+use super::{Basis, Check, ToleranceSource};
 use crate::models::registry::Value;
 
 /// How a computed number relates to the document.
@@ -75,9 +75,29 @@ impl Check {
         }
     }
 
+    /// Where the tolerance comes from: what the row says, or else how the print was made from ours.
+    pub fn tolerance_source(&self) -> Option<ToleranceSource> {
+        let source = self.number.tolerance_source()?;
+        let numbers =
+            self.ours.as_ref().ok().and_then(Value::as_number).zip(self.print().and_then(Value::as_number));
+        let digit = self.print().and_then(last_digit);
+        let (ToleranceSource::LastDigit, Some((ours, print)), Some(digit)) = (source, numbers, digit) else {
+            return Some(source);
+        };
+        // Decimal fractions are rounded in binary.
+        const BINARY: f64 = 1e-6;
+        Some(if (ours - print).abs() <= (0.5 + BINARY) * digit {
+            ToleranceSource::LastDigit
+        } else if ((ours / digit + BINARY).trunc() - print / digit).abs() < 0.5 {
+            ToleranceSource::CutOff
+        } else {
+            ToleranceSource::LastDigitOff
+        })
+    }
+
     /// Where the tolerance comes from, in words.
     pub fn tolerance_text(&self) -> &'static str {
-        self.number.tolerance_source().map_or("not explained", super::ToleranceSource::text)
+        self.tolerance_source().map_or("not explained", ToleranceSource::text)
     }
 }
 
@@ -145,6 +165,17 @@ mod tests {
     fn a_difference_that_rounding_explains_is_no_contradiction() {
         let beyond = |ours, print| is_beyond_rounding(&Value::Number(ours), &Value::Number(print));
         assert!(!beyond(27.3552, 27.36) && beyond(27.3452, 27.36));
+    }
+
+    #[test]
+    fn the_last_digit_is_rounded_cut_off_or_off_by_one() {
+        let source = |id: &str| check(row(id)).tolerance_source();
+        assert_eq!(source("E5.6"), Some(ToleranceSource::LastDigit));
+        // 1,179,648 printed as 1.17 million, 0.6875 as 0.68.
+        assert_eq!(source("E6-1.17"), Some(ToleranceSource::CutOff));
+        assert_eq!(source("H3-68"), Some(ToleranceSource::CutOff));
+        // 41,827.47 printed as 41,828.
+        assert_eq!(source("M-T2P-1"), Some(ToleranceSource::LastDigitOff));
     }
 
     #[test]

@@ -11,8 +11,12 @@ use crate::models::registry::Value;
 pub enum ToleranceSource {
     /// The print is exact; only binary fractions are rounded.
     Exact,
-    /// The print is rounded or cut after its last digit.
+    /// The print is rounded after its last digit.
     LastDigit,
+    /// The print is cut off after its last digit.
+    CutOff,
+    /// The last digit of the print is neither rounded nor cut off: it is off by one.
+    LastDigitOff,
     /// The document says it in words: about, nearly, over.
     Words,
     /// The document states a bound, not the value.
@@ -35,6 +39,8 @@ impl ToleranceSource {
         match self {
             Self::Exact => "none: exact but for binary rounding",
             Self::LastDigit => "rounding of the print",
+            Self::CutOff => "cut off in print",
+            Self::LastDigitOff => "last digit of the print off by one",
             Self::Words => "stated in words",
             Self::Bound => "stated as a bound",
             Self::RoundedInput => "an input is rounded in print",

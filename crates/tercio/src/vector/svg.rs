@@ -64,7 +64,9 @@ fn push_text(out: &mut String, line: &Text) {
     let turn = if line.upwards { format!(" transform=\"rotate(-90 {x} {y})\"") } else { String::new() };
     // Where the font is another one, it is as wide.
     let width = number(text_width(&line.text, line.size));
-    let text = line.text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;");
+    // XML has no characters for control.
+    let text = line.text.replace(|c: char| c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}'), "?");
+    let text = text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;");
     let _ = writeln!(
         out,
         "<text x=\"{x}\" y=\"{y}\"{turn}{} font-family=\"Helvetica,Arial,'Liberation Sans',sans-serif\" \

@@ -69,7 +69,7 @@ fn json(checks: &[Checked]) -> Json {
             "error": check.ours.as_ref().err().map(ToString::to_string),
             "expected": number.expected,
             "tolerance": number.tolerance,
-            "tolerance_from": number.tolerance_source(),
+            "tolerance_from": check.tolerance_source(),
             "why": number.why,
             "standing": number.standing,
             "by": number.model,

@@ -251,7 +251,10 @@ impl Predict {
             let _ = writeln!(
                 text,
                 "{name}: {} bytes in {} messages, busiest link {:.0} bytes, longest way {} hops",
-                t.bytes, t.messages, t.busiest_link, t.most_hops
+                t.bytes,
+                t.messages,
+                t.busiest_link.max(t.inside.busiest_link),
+                t.most_hops.max(t.inside.most_hops)
             );
         }
         let _ = writeln!(

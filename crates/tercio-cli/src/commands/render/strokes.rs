@@ -91,10 +91,12 @@ impl Render {
     }
 
     /// Has the instances of the model draw its edges with their surface, if they can: what is beside it remains.
-    /// Lines on surfaces that are not opaque would not be opaque themselves.
+    /// Lines on surfaces that are not opaque would not be opaque themselves, and on triangles that are culled there would be none.
     pub(super) fn put_edges_on(&self, instances: &mut [Instance], drawable: &mut Drawable) {
         let [(edges, part)] = &mut drawable.edges[..] else { return };
-        if instances.iter().any(Instance::is_translucent) {
+        if matches!(self.drawing.cull(), Cull::Back | Cull::Front)
+            || instances.iter().any(Instance::is_translucent)
+        {
             return;
         }
         let Some(lines) = self.strokes.on_surface(edges) else { return };

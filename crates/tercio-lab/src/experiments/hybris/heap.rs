@@ -43,7 +43,7 @@ fn measured_overlap() -> Result<Findings, ExperimentError> {
         &[("tile", "px"), ("triangles", ""), ("entries", ""), ("counted", ""), ("equation 2.1", "")],
     );
     let mut comparison = Comparison::new();
-    let (mut counted, mut predicted) = (Vec::new(), Vec::new());
+    let (mut counted, mut predicted, mut too_large) = (Vec::new(), Vec::new(), Vec::new());
     for edge in EDGES {
         let done = run(&scene, edge);
         // A box of w pixels meets 1 + (w - 1)/S tiles on average over its positions on the pixel grid.
@@ -75,7 +75,12 @@ fn measured_overlap() -> Result<Findings, ExperimentError> {
             ours.into(),
             equation.into(),
         ]);
-        comparison.add(format!("tile {edge}"), ours, equation, error, ToleranceSource::Sampling);
+        // What could not be told from no overlap at all is in the table only.
+        if error < 0.5 * (equation - 1.0) {
+            comparison.add(format!("tile {edge}"), ours, equation, error, ToleranceSource::Sampling);
+        } else {
+            too_large.push(edge.to_string());
+        }
         counted.push((tile.get(), ours));
         predicted.push((tile.get(), equation));
     }
@@ -94,8 +99,13 @@ fn measured_overlap() -> Result<Findings, ExperimentError> {
             REMARK.into(),
             "What is published here is the equation. It is stated for any scene, so ours is as good as the document's."
                 .into(),
+            format!(
+                "Tiles of {} pixels are not compared: three standard errors of the sample are more than half of the overlap \
+                 beyond one tile.",
+                too_large.join(", ")
+            ),
         ],
-        verdict: comparison.verdict(),
+        verdict: comparison.qualitative("No numbers are printed; what is published is the equation."),
     })
 }
 

@@ -69,7 +69,7 @@ impl Costs {
         let without = sizes.iter().filter(|kind| bytes(**kind).is_none());
         let without: Vec<_> = without.map(|kind| format!("bytes.{}", kind.name())).collect();
         let of_costs = machine.need_costs(&[
-            &[Polygon, PolygonSetUp, ClusterDrawn],
+            &[Polygon, ClusterDrawn],
             &[Operation::Pixel],
             &[Operation::CompositePixel],
         ]);

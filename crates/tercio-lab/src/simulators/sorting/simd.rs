@@ -24,13 +24,16 @@ pub struct Simd {
 }
 
 impl Simd {
-    /// The rules of a machine; `None` if its processors have programs of their own, or its network is no ring.
+    /// The rules of a machine; `None` if its processors have programs of their own.
     ///
     /// # Errors
-    /// [`MachineError::Missing`], as [`ring::Machine::of`].
+    /// [`MachineError::Missing`], as [`ring::Machine::of`]; [`MachineError::NoRules`] for another network than a ring.
     pub fn of(machine: &Machine, topology: Topology) -> Result<Option<Self>, MachineError> {
-        if machine.processors.control != Control::Simd || topology != Topology::Ring {
+        if machine.processors.control != Control::Simd {
             return Ok(None);
+        }
+        if topology != Topology::Ring {
+            return Err(MachineError::NoRules { machine: machine.name.clone(), found: topology.name() });
         }
         let columns = machine.sorting.screen == ScreenDivision::Columns;
         let instruction = 1.0 / machine.clock()?;

@@ -226,9 +226,10 @@ fn table(machine: &Machine, size: (u32, u32), runs: &[((Organisation, Setting), 
             report.overlap,
             report.raster.imbalance(),
             report.redistribution.bytes + report.composition.bytes + report.delivery.bytes,
-            report.redistribution.busiest_link
-                + report.composition.busiest_link
-                + report.delivery.busiest_link,
+            [report.redistribution, report.composition, report.delivery]
+                .map(|traffic| traffic.busiest_link.max(traffic.inside.busiest_link))
+                .iter()
+                .sum::<f64>(),
         );
     }
     let missing = uncharged(runs);
