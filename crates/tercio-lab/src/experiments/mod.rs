@@ -195,7 +195,7 @@ mod tests {
         ("eldridge-fig-5-4", "reproduced after correction"),
         ("eldridge-fig-5-5-analytic", "restated"),
         ("eldridge-fig-5-6-analytic", "reproduced after correction"),
-        ("eldridge-fig-6-3", "reproduced"),
+        ("eldridge-fig-6-3", "restated"),
         ("eldridge-fig-6-4", "restated"),
         ("eldridge-fig-6-5", "contradicted"),
         ("eldridge-chapter-8", "reproduced after correction"),

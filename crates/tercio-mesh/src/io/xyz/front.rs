@@ -201,14 +201,12 @@ impl Front {
                 && columns.iter().any(|c| !matches!(c, Column::Axis(_)) && !is_plain(c));
             let front = Self { delimiter, columns, has_names, count, begin, lines: before };
             let most = if front.has_names { MOST } else { MOST_UNNAMED };
-            // Without names, a first line without a position is no sign of points.
-            let is_placed = front.has_names
-                || names_axes(text)
-                || front
-                    .columns
-                    .iter()
-                    .zip(&fields)
-                    .all(|(column, field)| !matches!(column, Column::Axis(_)) || !field.is_empty());
+            // That the first point has no place says nothing of the file.
+            let is_placed = front
+                .columns
+                .iter()
+                .zip(&fields)
+                .all(|(column, field)| !matches!(column, Column::Axis(_)) || !field.is_empty());
             if fields.len() < 3 || fields.len() > most || !is_placed || !front.holds(line) {
                 return None;
             }
