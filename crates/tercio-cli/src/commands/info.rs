@@ -182,7 +182,7 @@ fn extent(bounds: &Aabb, [corners, size_of]: [&'static str; 2]) -> Vec<Row> {
     }
     let size = bounds.size();
     let point = |p: DVec3| report::point(p, size.max_element());
-    vec![("bounds", format!("{} to {}", point(bounds.min), point(bounds.max))), ("size", point(size))]
+    vec![(corners, format!("{} to {}", point(bounds.min), point(bounds.max))), (size_of, point(size))]
 }
 
 fn text(model: &str, loaded: &Inspection) -> String {

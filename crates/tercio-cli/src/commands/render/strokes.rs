@@ -11,6 +11,7 @@ use tercio::glyphs::{self, Glyphs};
 use tercio::mesh::AttributeDomain;
 use tercio::mesh::edges::Edges;
 use tercio::mesh::strokes::Strokes;
+use tercio::raster::Cull;
 use tercio::raster::view::View;
 use tercio::scene::framing::Extent;
 use tercio::scene::{Camera, Instance, Scene};
