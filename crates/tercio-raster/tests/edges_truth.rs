@@ -159,7 +159,9 @@ fn cover_is_the_area_of_the_lines() {
                 count += 1;
             }
             let (ink, mean) = (sums[1] / sums[0], off / f64::from(count));
-            let what = format!("{width} {pattern:?}: {ink} of the area of {count} pixels, off by {mean}, at most {worst}");
+            let what = format!(
+                "{width} {pattern:?}: {ink} of the area of {count} pixels, off by {mean}, at most {worst}"
+            );
             // Where lines meet, the one that covers a pixel most counts, not both: a twentieth of the area of these short lines. A width
             // that were wrong by a tenth would be seen.
             assert!(count > 2_000 && (0.92..1.02).contains(&ink) && mean < 0.045 && worst < 0.5, "{what}");
