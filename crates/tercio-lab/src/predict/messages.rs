@@ -42,13 +42,23 @@ pub struct Measured {
 /// # Errors
 /// [`CommError`]; [`CommError::NoPartner`] for rank 0 if it is alone.
 pub fn measure(comm: &mut impl Communicator, way: Way) -> Result<Option<Measured>, CommError> {
+    let begin = Instant::now();
+    measure_by(comm, way, &|| begin.elapsed().as_secs_f64())
+}
+
+/// [`measure`] by a clock in seconds.
+fn measure_by(
+    comm: &mut impl Communicator,
+    way: Way,
+    clock: &dyn Fn() -> f64,
+) -> Result<Option<Measured>, CommError> {
     let partner = match comm.rank() {
         0 => 1,
         1 => 0,
         _ => return Ok(None),
     };
-    let small = half_trip(comm, partner, way, SMALL, SMALL_TRIPS)?;
-    let large = half_trip(comm, partner, way, LARGE, LARGE_TRIPS)?;
+    let small = half_trip(comm, partner, way, clock, [SMALL, SMALL_TRIPS])?;
+    let large = half_trip(comm, partner, way, clock, [LARGE, LARGE_TRIPS])?;
     Ok((partner == 1).then(|| Measured { latency: small, bandwidth: bandwidth(small, large) }))
 }
 
@@ -63,8 +73,8 @@ fn half_trip<C: Communicator>(
     comm: &mut C,
     partner: usize,
     way: Way,
-    bytes: usize,
-    trips: usize,
+    clock: &dyn Fn() -> f64,
+    [bytes, trips]: [usize; 2],
 ) -> Result<f64, CommError> {
     let take = |comm: &mut C| {
         let message = comm.receive(partner)?;
@@ -80,10 +90,10 @@ fn half_trip<C: Communicator>(
     let mut message = vec![1u8; bytes];
     let mut seconds = Vec::with_capacity(FIRST + trips);
     for _ in 0..FIRST + trips {
-        let begin = Instant::now();
+        let begin = clock();
         comm.send(partner, message)?;
         message = take(comm)?;
-        seconds.push(begin.elapsed().as_secs_f64());
+        seconds.push(clock() - begin);
     }
     let counted = &mut seconds[FIRST..];
     counted.sort_by(f64::total_cmp);
@@ -121,6 +131,8 @@ pub fn network(measured: Measured, between: &str, hop: &str) -> Network {
 
 #[cfg(test)]
 mod tests {
+    use std::cell::Cell;
+    use std::rc::Rc;
     use std::time::Duration;
 
     use tercio_parallel::comm::Traffic;
@@ -132,6 +144,8 @@ mod tests {
     struct Slow {
         message: Vec<u8>,
         traffic: Traffic,
+        /// What a clock shows.
+        now: Rc<Cell<Duration>>,
     }
 
     /// Microseconds of a message.
@@ -156,10 +170,7 @@ mod tests {
 
         fn receive(&mut self, _: usize) -> Result<Vec<u8>, CommError> {
             let there_and_back = 2 * Duration::from_micros(SLOW + self.message.len() as u64 / RATE);
-            let begin = Instant::now();
-            while begin.elapsed() < there_and_back {
-                std::hint::spin_loop();
-            }
+            self.now.set(self.now.get() + there_and_back);
             Ok(std::mem::take(&mut self.message))
         }
 
@@ -190,11 +201,12 @@ mod tests {
     #[test]
     fn a_known_latency_and_bandwidth_are_found() {
         let mut comm = Slow::default();
-        let measured = measure(&mut comm, Way::Copied).unwrap().expect("rank 0 measures");
+        let now = Rc::clone(&comm.now);
+        let clock = || now.get().as_secs_f64();
+        let measured = measure_by(&mut comm, Way::Copied, &clock).unwrap().expect("rank 0 measures");
         assert_eq!(comm.traffic().sent_messages as usize, 2 * FIRST + SMALL_TRIPS + LARGE_TRIPS);
-        // Never too fast; too slow only if the machine interrupts more than half of the trips.
-        assert!((50e-6..100e-6).contains(&measured.latency), "{measured:?}");
-        assert!((1.2e9..=2.02e9).contains(&measured.bandwidth), "{measured:?}");
+        assert!((measured.latency - 50e-6).abs() < 1e-9, "{measured:?}");
+        assert!((measured.bandwidth / 2e9 - 1.0).abs() < 1e-3, "{measured:?}");
     }
 
     #[test]
