@@ -155,9 +155,7 @@ impl Front {
                     continue;
                 }
                 if !front.holds(line) {
-                    let is_sure =
-                        front.has_names || front.count.is_some() || seen >= SURE || names_axes(text);
-                    if is_sure {
+                    if seen >= SURE || front.is_said(text) {
                         break;
                     }
                     return None;
@@ -201,7 +199,7 @@ impl Front {
                 && columns.iter().any(|c| !matches!(c, Column::Axis(_)) && !is_plain(c));
             let front = Self { delimiter, columns, has_names, count, begin, lines: before };
             let most = if front.has_names { MOST } else { MOST_UNNAMED };
-            // That the first point has no place says nothing of the file.
+            // The first point decides what the columns are, and has to have a place.
             let is_placed = front
                 .columns
                 .iter()
@@ -214,8 +212,12 @@ impl Front {
             found = Some(front);
         }
         let front = found?;
-        let is_said = front.has_names || front.count.is_some() || names_axes(text);
-        (seen >= 3 || is_said).then_some(front)
+        (seen >= 3 || front.is_said(text)).then_some(front)
+    }
+
+    /// Does a line before the points say what or how many they are?
+    fn is_said(&self, text: &[u8]) -> bool {
+        self.has_names || self.count.is_some() || names_axes(text)
     }
 
     /// Has a line the columns?
