@@ -83,6 +83,7 @@ pub trait Features: Copy {
     }
 }
 
+/// Shading features at run time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Look {
     shading: Shading,
