@@ -102,4 +102,13 @@ impl Page {
             VectorFormat::Pdf => pdf::write(self, out),
         }
     }
+
+    /// The drawing as a file in memory.
+    pub fn to_bytes(&self, format: VectorFormat) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        // Writing into memory cannot fail.
+        let written = self.write(format, &mut bytes);
+        debug_assert!(written.is_ok(), "{written:?}");
+        bytes
+    }
 }

@@ -126,11 +126,8 @@ fn write_line(line: &Text, out: &mut dyn Write) -> io::Result<()> {
     // The page's y axis points down, that of letters up.
     let turn = if line.upwards { "0 -1 -1 0" } else { "1 0 0 -1" };
     write!(out, "BT\n/F {} Tf\n{turn} {x} {y} Tm\n(", number(line.size))?;
-    for character in line.text.chars() {
-        let byte = match u32::from(character) {
-            0..=0x1f | 0x7f..=0x9f => b'?',
-            code => u8::try_from(code).unwrap_or(b'?'),
-        };
+    for character in line.characters() {
+        let byte = u8::try_from(u32::from(character)).unwrap_or(b'?');
         if matches!(byte, b'(' | b')' | b'\\') {
             out.write_all(b"\\")?;
         }

@@ -64,9 +64,9 @@ fn push_text(out: &mut String, line: &Text) {
     let turn = if line.upwards { format!(" transform=\"rotate(-90 {x} {y})\"") } else { String::new() };
     // Where the font is another one, it is as wide.
     let width = number(text_width(&line.text, line.size));
-    // XML has no characters for control.
-    let text = line.text.replace(|c: char| c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}'), "?");
-    let text = text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;");
+    // Two more that XML does not have.
+    let text = line.characters().map(|c| if matches!(c, '\u{fffe}' | '\u{ffff}') { '?' } else { c });
+    let text = text.collect::<String>().replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;");
     let _ = writeln!(
         out,
         "<text x=\"{x}\" y=\"{y}\"{turn}{} font-family=\"Helvetica,Arial,'Liberation Sans',sans-serif\" \

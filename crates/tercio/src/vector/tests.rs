@@ -326,12 +326,6 @@ fn broken_scenes_are_drawn() {
     }
 }
 
-fn written(page: &Page, format: VectorFormat) -> Vec<u8> {
-    let mut bytes = Vec::new();
-    page.write(format, &mut bytes).expect("memory");
-    bytes
-}
-
 /// All edges of a model, by several numbers of threads.
 #[test]
 fn files_are_the_same_for_all_threads() {
@@ -346,7 +340,7 @@ fn files_are_the_same_for_all_threads() {
             let edges = Edges::of_clusters(&scene.instances[0].mesh, Selection::All);
             sketch.edges(&edges, &DAffine3::IDENTITY, &PEN, false);
             let page = sketch.page(Some([255; 4]));
-            VectorFormat::ALL.map(|format| written(&page, format))
+            VectorFormat::ALL.map(|format| page.to_bytes(format))
         })
     };
     let one = draw(1);
@@ -476,7 +470,7 @@ fn svg_and_pdf_say_the_same() {
             },
         ],
     };
-    let svg = String::from_utf8(written(&page, VectorFormat::Svg)).expect("text");
+    let svg = String::from_utf8(page.to_bytes(VectorFormat::Svg)).expect("text");
     for part in [
         "width=\"200\" height=\"100\" viewBox=\"0 0 200 100\"",
         "fill=\"#ffffff\" fill-opacity=\"0.502\"",
@@ -486,7 +480,7 @@ fn svg_and_pdf_say_the_same() {
         assert!(svg.contains(part), "{part}: {svg}");
     }
     assert!(svg.ends_with("</svg>\n"));
-    let pdf = written(&page, VectorFormat::Pdf);
+    let pdf = page.to_bytes(VectorFormat::Pdf);
     assert!(pdf.starts_with(b"%PDF-") && pdf.trim_ascii_end().ends_with(b"%%EOF"));
     let find = |what: &[u8]| pdf.windows(what.len()).position(|part| part == what);
     assert!(find(b"/MediaBox [0 0 150 75]").is_some());

@@ -31,6 +31,17 @@ pub enum Anchor {
     End,
 }
 
+impl Anchor {
+    /// The share of the line before that place.
+    pub fn share(self) -> f64 {
+        match self {
+            Self::Start => 0.0,
+            Self::Middle => 0.5,
+            Self::End => 1.0,
+        }
+    }
+}
+
 /// Widths of the characters from ' ' to '~' in thousandths of the font's height: Adobe's metrics of Helvetica.
 const WIDTHS: [u16; 95] = [
     278, 278, 355, 556, 556, 889, 667, 191, 333, 333, 389, 584, 278, 333, 278, 278, 556, 556, 556, 556, 556,
@@ -52,12 +63,12 @@ pub fn text_width(text: &str, size: f64) -> f64 {
 impl Text {
     /// Where the line begins.
     pub(super) fn start(&self) -> DVec2 {
-        let before = match self.anchor {
-            Anchor::Start => 0.0,
-            Anchor::Middle => 0.5,
-            Anchor::End => 1.0,
-        };
         let along = if self.upwards { DVec2::NEG_Y } else { DVec2::X };
-        self.at - along * (before * text_width(&self.text, self.size))
+        self.at - along * (self.anchor.share() * text_width(&self.text, self.size))
+    }
+
+    /// The characters, with a question mark for those for control, which neither format can hold.
+    pub(super) fn characters(&self) -> impl Iterator<Item = char> {
+        self.text.chars().map(|c| if c.is_control() { '?' } else { c })
     }
 }
