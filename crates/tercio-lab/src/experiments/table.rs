@@ -49,6 +49,13 @@ impl From<&str> for Cell {
     }
 }
 
+impl Column {
+    /// The name, with the unit if there is one.
+    pub fn heading(&self) -> String {
+        if self.unit.is_empty() { self.name.clone() } else { format!("{} ({})", self.name, self.unit) }
+    }
+}
+
 impl Table {
     /// An empty table with columns of `(name, unit)`.
     pub fn new(name: impl Into<String>, columns: &[(&str, &'static str)]) -> Self {
@@ -80,10 +87,7 @@ impl Table {
 
     /// The table as CSV (RFC 4180): a header with `name (unit)`, then the rows.
     pub fn to_csv(&self) -> String {
-        let header = self
-            .columns
-            .iter()
-            .map(|c| if c.unit.is_empty() { c.name.clone() } else { format!("{} ({})", c.name, c.unit) });
+        let header = self.columns.iter().map(Column::heading);
         let text = |cell: &Cell| match cell {
             Cell::Number(number) => number.to_string(),
             Cell::Text(text) => text.clone(),

@@ -4,31 +4,16 @@ use glam::{DVec2, dvec2};
 use tercio::vector::{Anchor, Cap, Page, Shape, Style, VectorFormat};
 
 use super::bars::{FILLED, push_bar, push_gap};
-use super::label::{self, INK};
+use super::label::{self, INK, LABEL, LINE};
 use super::legend::Legend;
-use super::palette::{COLORS, DASHES};
+use super::look::Look;
 use super::scale::Division;
-use super::symbols::{dashed, symbol};
-use super::{Mark, Plot, Role, Series};
+use super::{Plot, Series};
 
 /// Width of a plot, and its height if the legend needs no more, in pixels of which 96 are an inch.
 const SIZE: DVec2 = dvec2(640.0, 420.0);
 const MARGIN: f64 = 14.0;
 const TITLE: f64 = 16.0;
-/// Height of the font of ticks, axes and legend, and of a line of it.
-pub(super) const LABEL: f64 = 12.0;
-pub(super) const LINE: f64 = 15.0;
-const RADIUS: f64 = 3.6;
-/// Symbols on a line that has none of its own.
-const SYMBOLS_OF_LINE: u32 = 5;
-
-/// How a series looks.
-pub(super) struct Look<'a> {
-    series: &'a Series,
-    /// The number of its colour and symbol.
-    number: usize,
-    as_bars: bool,
-}
 
 /// The rectangle of the data, and the axes along it.
 struct Frame {
@@ -64,11 +49,7 @@ impl Plot {
 
     /// The plot as a file.
     pub fn to_file(&self, format: VectorFormat) -> Vec<u8> {
-        let mut file = Vec::new();
-        // Writing into memory cannot fail.
-        let written = self.page().write(format, &mut file);
-        debug_assert!(written.is_ok(), "{written:?}");
-        file
+        self.page().to_bytes(format)
     }
 
     /// The plot as a page.
@@ -110,7 +91,8 @@ impl Plot {
             push_all_bars(shapes, &frame, &looks, &placed);
         } else {
             for (look, points) in looks.iter().zip(&placed) {
-                look.push_line(shapes, &frame, points, looks.len());
+                let points: Vec<_> = points.iter().map(|point| point.map(|p| frame.at(p))).collect();
+                look.push_line(shapes, [frame.low.x, frame.high.x], &points, looks.len());
             }
         }
         legend.push(shapes, dvec2(right + 16.0, top), &looks);
@@ -224,79 +206,6 @@ impl Frame {
         let share = dvec2(self.x.share(place.x), self.y.share(place.y));
         self.low + (self.high - self.low) * share
     }
-}
-
-impl Look<'_> {
-    fn color(&self) -> [u8; 4] {
-        let [r, g, b] = COLORS[self.number % COLORS.len()];
-        [r, g, b, 255]
-    }
-
-    fn is_published(&self) -> bool {
-        self.series.role == Role::Published
-    }
-
-    fn push_stroke(&self, shapes: &mut Vec<Shape>, line: &[DVec2]) {
-        let (cap, lines) = if self.is_published() {
-            (Cap::Square, dashed(line, DASHES[self.number % DASHES.len()]))
-        } else {
-            (Cap::Round, vec![line.to_vec()])
-        };
-        shapes.push(Shape::Lines { style: Style { color: self.color(), width: 1.8, cap }, lines });
-    }
-
-    fn push_symbol(&self, shapes: &mut Vec<Shape>, at: DVec2) {
-        let outline = symbol(self.number, at, RADIUS);
-        if self.is_published() {
-            // Not filled, so that what is below can be seen.
-            let closed = outline.iter().copied().chain(outline.first().copied()).collect();
-            let style = Style { color: self.color(), width: 1.4, cap: Cap::Round };
-            shapes.push(Shape::Lines { style, lines: vec![closed] });
-        } else {
-            shapes.push(Shape::Area { color: self.color(), polygons: vec![outline] });
-        }
-    }
-
-    /// The line and the symbols of a series.
-    fn push_line(&self, shapes: &mut Vec<Shape>, frame: &Frame, points: &[Option<DVec2>], of: usize) {
-        let runs: Vec<Vec<DVec2>> = points
-            .split(Option::is_none)
-            .map(|run| run.iter().flatten().map(|&p| frame.at(p)).collect())
-            .collect();
-        if self.series.mark != Mark::Points {
-            runs.iter().filter(|run| run.len() > 1).for_each(|run| self.push_stroke(shapes, run));
-        }
-        if self.series.mark != Mark::Line {
-            runs.iter().flatten().for_each(|&at| self.push_symbol(shapes, at));
-        } else if of > 1 && (self.is_published() || self.series.like.is_none()) {
-            let width = frame.high.x - frame.low.x;
-            let place =
-                |k| (f64::from(k) + (self.number as f64 + 0.5) / of as f64) / f64::from(SYMBOLS_OF_LINE);
-            for x in (0..SYMBOLS_OF_LINE).map(|k| frame.low.x + width * place(k)) {
-                if let Some(at) = runs.iter().find_map(|run| on_line(run, x)) {
-                    self.push_symbol(shapes, at);
-                }
-            }
-        }
-    }
-
-    /// The sample of the legend, whose left end is at `at`.
-    pub fn push_sample(&self, shapes: &mut Vec<Shape>, at: DVec2, width: f64) {
-        if self.as_bars {
-            let (low, high) = (at + dvec2(6.0, 5.0), at + dvec2(width, -5.0));
-            return push_bar(shapes, self.number, self.color(), self.is_published(), low, high);
-        }
-        if self.series.mark != Mark::Points {
-            self.push_stroke(shapes, &[at, at + dvec2(width, 0.0)]);
-        }
-        self.push_symbol(shapes, at + dvec2(0.5 * width, 0.0));
-    }
-}
-
-/// The point of a line at `x`.
-fn on_line(line: &[DVec2], x: f64) -> Option<DVec2> {
-    let pair = line.windows(2).find(|p| p[0].x <= x && x < p[1].x)?;
-    Some(pair[0].lerp(pair[1], (x - pair[0].x) / (pair[1].x - pair[0].x)))
 }
 
 #[cfg(test)]

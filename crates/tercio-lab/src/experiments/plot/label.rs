@@ -3,6 +3,9 @@
 use glam::{DVec2, dvec2};
 use tercio::vector::{Anchor, Shape, Text, text_width};
 
+/// Height of the font of ticks, axes and legend, and of a line of it.
+pub(super) const LABEL: f64 = 12.0;
+pub(super) const LINE: f64 = 15.0;
 /// Dark grey.
 pub(super) const INK: [u8; 4] = [25, 25, 25, 255];
 /// Height of raised digits over that of others.
@@ -64,12 +67,7 @@ pub(super) fn push(shapes: &mut Vec<Shape>, text: &str, size: f64, at: DVec2, an
     }
     let (along, up) =
         if upwards { (dvec2(0.0, -1.0), dvec2(-1.0, 0.0)) } else { (dvec2(1.0, 0.0), dvec2(0.0, -1.0)) };
-    let before = match anchor {
-        Anchor::Start => 0.0,
-        Anchor::Middle => 0.5,
-        Anchor::End => 1.0,
-    };
-    let mut start = at - along * before * width_of(&parts, size);
+    let mut start = at - along * anchor.share() * width_of(&parts, size);
     for (is_raised, text) in parts {
         // A blank at the start of an element of text is not drawn.
         let blank = text.len() - text.trim_start().len();

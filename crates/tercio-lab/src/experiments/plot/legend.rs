@@ -3,8 +3,9 @@
 use glam::{DVec2, dvec2};
 use tercio::vector::{Anchor, Shape};
 
-use super::draw::{LABEL, LINE, Look};
-use super::{Plot, label};
+use super::label::{self, LABEL, LINE};
+use super::look::Look;
+use super::{Plot, Series};
 
 /// Width of the sample of a series.
 const SAMPLE: f64 = 30.0;
@@ -25,7 +26,7 @@ impl Legend {
     /// The legend of a plot; a single series has none.
     pub fn of(plot: &Plot, has_gaps: bool) -> Self {
         let is_shown = plot.series.len() > 1;
-        let label = |s: &super::Series| label::wrapped(&s.label, LABEL, WIDEST);
+        let label = |s: &Series| label::wrapped(&s.label, LABEL, WIDEST);
         let labels = if is_shown { plot.series.iter().map(label).collect() } else { Vec::new() };
         Self { labels, has_gaps }
     }

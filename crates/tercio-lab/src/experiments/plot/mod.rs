@@ -6,9 +6,12 @@ mod bars;
 mod draw;
 mod label;
 mod legend;
+mod look;
 mod palette;
 mod scale;
 mod symbols;
+
+pub(super) use scale::six_digits;
 
 /// A plot of series over two axes.
 #[derive(Clone, Debug)]

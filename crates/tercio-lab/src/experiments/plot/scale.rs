@@ -54,6 +54,14 @@ fn few_decades(low: f64, high: f64) -> (f64, f64, Vec<f64>) {
     (steps[first], steps[last], steps[first..=last].to_vec())
 }
 
+/// A number with six digits, at most twelve of them behind the point, and all before it; without zeros at the end.
+pub(in crate::experiments) fn six_digits(number: f64) -> String {
+    let digits =
+        if number == 0.0 { 0 } else { (5 - number.abs().log10().floor() as i32).clamp(0, 12) as usize };
+    let text = format!("{number:.digits$}");
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+}
+
 /// A whole number in raised digits.
 fn superscript(number: f64) -> String {
     format!("{number:.0}")
@@ -101,13 +109,10 @@ impl Division {
     }
 }
 
-/// A number with at most six digits and with thousands separators.
+/// A number with thousands separators.
 fn grouped(number: f64) -> String {
-    let digits =
-        if number == 0.0 { 0 } else { (5 - number.abs().log10().floor() as i32).clamp(0, 9) as usize };
-    let text = format!("{number:.digits$}");
-    let text = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
-    let (sign, text) = text.strip_prefix('-').map_or(("", text), |rest| ("-", rest));
+    let text = six_digits(number);
+    let (sign, text) = text.strip_prefix('-').map_or(("", text.as_str()), |rest| ("-", rest));
     let (whole, fraction) = text.split_once('.').map_or((text, String::new()), |(w, f)| (w, format!(".{f}")));
     let mut separated = String::new();
     for (i, digit) in whole.chars().enumerate() {

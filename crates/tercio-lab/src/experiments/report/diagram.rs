@@ -44,11 +44,7 @@ fn links(class: SortingClass) -> [Link; 3] {
 
 /// A machine as an element `svg`.
 pub(super) fn svg(machine: &Machine) -> String {
-    let mut file = Vec::new();
-    // Writing into memory cannot fail.
-    let written = page(machine).write(VectorFormat::Svg, &mut file);
-    debug_assert!(written.is_ok(), "{written:?}");
-    let text = String::from_utf8(file).unwrap_or_default();
+    let text = String::from_utf8(page(machine).to_bytes(VectorFormat::Svg)).unwrap_or_default();
     text.split_once('\n').map_or(String::new(), |(_, element)| element.to_owned())
 }
 

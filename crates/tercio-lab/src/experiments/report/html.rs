@@ -4,7 +4,8 @@ use std::fmt::Write;
 
 use super::equations::Typeset;
 use super::{Format, Text};
-use crate::experiments::{Cell, Table};
+use crate::experiments::plot::six_digits;
+use crate::experiments::{Cell, Column, Table};
 
 /// One HTML page that needs no other files but its pictures.
 #[derive(Default)]
@@ -23,14 +24,6 @@ impl Html {
     fn line(&mut self, text: std::fmt::Arguments<'_>) {
         let _ = writeln!(self.0, "{text}");
     }
-}
-
-/// A number with six digits.
-fn short(number: f64) -> String {
-    let digits =
-        if number == 0.0 { 0 } else { (5 - number.abs().log10().floor() as i32).clamp(0, 12) as usize };
-    let text = format!("{number:.digits$}");
-    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
 }
 
 fn html_escaped(text: &str) -> String {
@@ -103,12 +96,10 @@ impl Format for Html {
     fn data(&mut self, table: &Table) {
         let name = html_escaped(&table.name);
         self.line(format_args!("<details><summary>Table: {name}</summary>"));
-        let heading =
-            |unit: &str, name: &str| if unit.is_empty() { name.into() } else { format!("{name} ({unit})") };
-        let header: Vec<String> = table.columns.iter().map(|c| heading(c.unit, &c.name)).collect();
+        let header: Vec<String> = table.columns.iter().map(Column::heading).collect();
         let cell = |cell: &Cell| {
             Text::from(match cell {
-                Cell::Number(number) => short(*number),
+                Cell::Number(number) => six_digits(*number),
                 Cell::Text(text) => text.clone(),
                 Cell::Empty => String::new(),
             })

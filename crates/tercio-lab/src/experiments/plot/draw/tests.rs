@@ -1,6 +1,8 @@
 use tercio::vector::{Text, text_width};
 
-use super::super::Axis;
+use super::super::palette::COLORS;
+use super::super::symbols::{COUNT, symbol};
+use super::super::{Axis, Series};
 use super::*;
 
 fn svg(plot: &Plot) -> String {
@@ -10,11 +12,7 @@ fn svg(plot: &Plot) -> String {
 /// Left, right, top and bottom of a text.
 fn place(text: &Text) -> [f64; 4] {
     let width = text_width(&text.text, text.size);
-    let before = match text.anchor {
-        Anchor::Start => 0.0,
-        Anchor::Middle => 0.5 * width,
-        Anchor::End => width,
-    };
+    let before = text.anchor.share() * width;
     if text.upwards {
         let low = text.at.y + before;
         return [text.at.x - 0.8 * text.size, text.at.x + 0.2 * text.size, low - width, low];
@@ -100,7 +98,7 @@ fn published_values_have_the_colour_of_ours_and_are_dashed() {
 
 #[test]
 fn every_series_of_ten_has_a_colour_and_a_symbol_of_its_own() {
-    assert_eq!(COLORS.len(), super::super::symbols::COUNT);
+    assert_eq!(COLORS.len(), COUNT);
     let outlines: Vec<_> =
         (0..COLORS.len()).map(|kind| format!("{:?}", symbol(kind, DVec2::ZERO, 1.0))).collect();
     assert!((0..outlines.len()).all(|i| !outlines[..i].contains(&outlines[i])));

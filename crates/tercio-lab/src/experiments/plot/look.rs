@@ -1,0 +1,97 @@
+//! How a series looks: colour, line, symbols, bars.
+
+use glam::{DVec2, dvec2};
+use tercio::vector::{Cap, Shape, Style};
+
+use super::bars::push_bar;
+use super::palette::{COLORS, DASHES};
+use super::symbols::{dashed, symbol};
+use super::{Mark, Role, Series};
+
+const RADIUS: f64 = 3.6;
+/// Symbols on a line that has none of its own.
+const SYMBOLS_OF_LINE: u32 = 5;
+
+/// How a series looks.
+pub(super) struct Look<'a> {
+    pub series: &'a Series,
+    /// The number of its colour and symbol.
+    pub number: usize,
+    pub as_bars: bool,
+}
+
+impl Look<'_> {
+    pub fn color(&self) -> [u8; 4] {
+        let [r, g, b] = COLORS[self.number % COLORS.len()];
+        [r, g, b, 255]
+    }
+
+    pub fn is_published(&self) -> bool {
+        self.series.role == Role::Published
+    }
+
+    fn push_stroke(&self, shapes: &mut Vec<Shape>, line: &[DVec2]) {
+        let (cap, lines) = if self.is_published() {
+            (Cap::Square, dashed(line, DASHES[self.number % DASHES.len()]))
+        } else {
+            (Cap::Round, vec![line.to_vec()])
+        };
+        shapes.push(Shape::Lines { style: Style { color: self.color(), width: 1.8, cap }, lines });
+    }
+
+    fn push_symbol(&self, shapes: &mut Vec<Shape>, at: DVec2) {
+        let outline = symbol(self.number, at, RADIUS);
+        if self.is_published() {
+            // Not filled, so that what is below can be seen.
+            let closed = outline.iter().copied().chain(outline.first().copied()).collect();
+            let style = Style { color: self.color(), width: 1.4, cap: Cap::Round };
+            shapes.push(Shape::Lines { style, lines: vec![closed] });
+        } else {
+            shapes.push(Shape::Area { color: self.color(), polygons: vec![outline] });
+        }
+    }
+
+    /// The line and the symbols of one of several series, whose axis is that wide; lines have gaps where there is no point.
+    pub fn push_line(
+        &self,
+        shapes: &mut Vec<Shape>,
+        [left, right]: [f64; 2],
+        points: &[Option<DVec2>],
+        of: usize,
+    ) {
+        let runs: Vec<Vec<DVec2>> =
+            points.split(Option::is_none).map(|run| run.iter().flatten().copied().collect()).collect();
+        if self.series.mark != Mark::Points {
+            runs.iter().filter(|run| run.len() > 1).for_each(|run| self.push_stroke(shapes, run));
+        }
+        if self.series.mark != Mark::Line {
+            runs.iter().flatten().for_each(|&at| self.push_symbol(shapes, at));
+        } else if of > 1 && (self.is_published() || self.series.like.is_none()) {
+            let place =
+                |k| (f64::from(k) + (self.number as f64 + 0.5) / of as f64) / f64::from(SYMBOLS_OF_LINE);
+            for x in (0..SYMBOLS_OF_LINE).map(|k| left + (right - left) * place(k)) {
+                if let Some(at) = runs.iter().find_map(|run| on_line(run, x)) {
+                    self.push_symbol(shapes, at);
+                }
+            }
+        }
+    }
+
+    /// The sample of the legend, whose left end is at `at`.
+    pub fn push_sample(&self, shapes: &mut Vec<Shape>, at: DVec2, width: f64) {
+        if self.as_bars {
+            let (low, high) = (at + dvec2(6.0, 5.0), at + dvec2(width, -5.0));
+            return push_bar(shapes, self.number, self.color(), self.is_published(), low, high);
+        }
+        if self.series.mark != Mark::Points {
+            self.push_stroke(shapes, &[at, at + dvec2(width, 0.0)]);
+        }
+        self.push_symbol(shapes, at + dvec2(0.5 * width, 0.0));
+    }
+}
+
+/// The point of a line at `x`.
+fn on_line(line: &[DVec2], x: f64) -> Option<DVec2> {
+    let pair = line.windows(2).find(|p| p[0].x <= x && x < p[1].x)?;
+    Some(pair[0].lerp(pair[1], (x - pair[0].x) / (pair[1].x - pair[0].x)))
+}
