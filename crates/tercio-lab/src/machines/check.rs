@@ -51,15 +51,6 @@ fn positive<Q>(section: &'static str, key: &str, number: Option<&Sourced<Q>>) ->
 /// The largest number of anything that is counted, processors above all: what the simulators are made for.
 pub const MOST: u64 = 1 << 20;
 
-fn simulated(section: &'static str, key: &str, number: Option<&Sourced<Count>>) -> Result<(), Wrong> {
-    match number {
-        Some(n) if n.whole() > MOST => {
-            Err(Wrong::new(section, key, format!("expected at most {MOST}, found {}", n.text)))
-        }
-        _ => Ok(()),
-    }
-}
-
 /// The most bytes of one thing that is sent or stored.
 const MOST_BYTES: f64 = (1u64 << 30) as f64;
 /// The most cycles of an operation: sums over a frame are counted in 64 bits.
@@ -78,7 +69,7 @@ fn at_most<Q>(
 ) -> Result<(), Wrong> {
     match number {
         Some(n) if n.value > most => {
-            Err(Wrong::new(section, key, format!("expected at most {most} {unit}, found {}", n.text)))
+            Err(Wrong::new(section, key, format!("expected at most {most}{unit}, found {}", n.text)))
         }
         _ => Ok(()),
     }
@@ -87,27 +78,27 @@ fn at_most<Q>(
 /// Numbers whose sums the simulators count in 64 bits, or cycle by cycle.
 fn sizes(m: &Machine) -> Result<(), Wrong> {
     for (kind, bytes) in &m.bytes {
-        at_most("bytes", kind.name(), Some(bytes), MOST_BYTES, "B")?;
+        at_most("bytes", kind.name(), Some(bytes), MOST_BYTES, " B")?;
     }
     for (operation, cost) in &m.costs {
         match cost.cost() {
-            Cost::Cycles(_) => at_most("costs", operation.name(), Some(cost), MOST_CYCLES, "cycles")?,
-            Cost::Time(_) => at_most("costs", operation.name(), Some(cost), MOST_SECONDS, "s")?,
+            Cost::Cycles(_) => at_most("costs", operation.name(), Some(cost), MOST_CYCLES, " cycles")?,
+            Cost::Time(_) => at_most("costs", operation.name(), Some(cost), MOST_SECONDS, " s")?,
         }
     }
     if let Some(heap) = &m.heap {
         for (key, bytes) in [("node", &heap.node), ("buffer", &heap.buffer), ("header", &heap.header)] {
-            at_most("heap", key, Some(bytes), MOST_BYTES, "B")?;
+            at_most("heap", key, Some(bytes), MOST_BYTES, " B")?;
         }
     }
     if let Some(sdram) = &m.sdram {
-        at_most("sdram", "page", Some(&sdram.page), MOST_BYTES, "B")?;
-        at_most("sdram", "width", Some(&sdram.width), MOST_BYTES, "B")?;
-        at_most("sdram", "page-miss", Some(&sdram.page_miss), MOST_CYCLES, "cycles")?;
+        at_most("sdram", "page", Some(&sdram.page), MOST_BYTES, " B")?;
+        at_most("sdram", "width", Some(&sdram.width), MOST_BYTES, " B")?;
+        at_most("sdram", "page-miss", Some(&sdram.page_miss), MOST_CYCLES, " cycles")?;
     }
-    at_most("transfer", "block", m.transfer.as_ref().map(|t| &t.block), MOST_BYTES, "B")?;
+    at_most("transfer", "block", m.transfer.as_ref().map(|t| &t.block), MOST_BYTES, " B")?;
     let engine = m.tile_engine.as_ref().map(|e| &e.set_up_triangle);
-    at_most("tile-engine", "set-up-triangle", engine, MOST_ENGINE_CYCLES, "cycles")
+    at_most("tile-engine", "set-up-triangle", engine, MOST_ENGINE_CYCLES, " cycles")
 }
 
 /// Finds the first invalid number.
@@ -142,6 +133,10 @@ pub(super) fn check(m: &Machine) -> Result<(), Wrong> {
         }
         _ => Ok(()),
     }
+}
+
+fn simulated(section: &'static str, key: &str, number: Option<&Sourced<Count>>) -> Result<(), Wrong> {
+    at_most(section, key, number, MOST as f64, "")
 }
 
 /// Numbers that simulators reserve memory by, and nodes.

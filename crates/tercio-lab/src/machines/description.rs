@@ -249,22 +249,6 @@ impl Machine {
         self.need(names.is_empty().then_some(&()), &names.join(", ")).copied()
     }
 
-    /// Joins parts that are missing with the costs that [`Machine::need_costs`] misses.
-    ///
-    /// # Errors
-    /// [`MachineError::Missing`] with all of them.
-    pub fn need_all(
-        &self,
-        mut parts: Vec<String>,
-        costs: Result<(), MachineError>,
-    ) -> Result<(), MachineError> {
-        match costs {
-            Err(MachineError::Missing { what, .. }) => parts.push(what),
-            other => other?,
-        }
-        self.need(parts.is_empty().then_some(&()), &parts.join(", ")).copied()
-    }
-
     /// The machine with MPI messages between its ranks: `mpi` becomes its network.
     ///
     /// # Errors

@@ -69,6 +69,16 @@ pub enum MachineError {
 }
 
 impl MachineError {
+    /// Both values; parts that are missing in both are named at once.
+    pub(crate) fn both<A, B>(a: Result<A, Self>, b: Result<B, Self>) -> Result<(A, B), Self> {
+        match (a, b) {
+            (Err(Self::Missing { machine, what }), Err(Self::Missing { what: too, .. })) => {
+                Err(Self::Missing { machine, what: format!("{what}, {too}") })
+            }
+            (a, b) => Ok((a?, b?)),
+        }
+    }
+
     /// An error of the TOML reader, with its line and column.
     pub(super) fn of_toml(file: &str, text: &str, error: &toml::de::Error) -> Self {
         let start = error.span().map_or(0, |s| s.start.min(text.len()));

@@ -63,11 +63,11 @@ impl Groups {
         let swapping = 1usize << whole.ilog2();
         let mut transfers = Vec::new();
         for group in swapping..whole {
-            let of = |member: usize| (owned[member], Part::Of { member, first: 0, end: owned[member] });
-            let of_group = (0..g).map(|member| (member, of(member)));
-            transfers.extend(of_group.map(|(member, (pixels, part))| {
-                let (from, to) = (group * g + member, (group - swapping) * g + member);
-                Transfer { from, to, pixels, part }
+            transfers.extend(owned.iter().enumerate().map(|(member, &pixels)| Transfer {
+                from: group * g + member,
+                to: (group - swapping) * g + member,
+                pixels,
+                part: Part::Of { member, first: 0, end: pixels },
             }));
         }
         // To the first group that no excess group sends to: there is one.

@@ -2,7 +2,8 @@
 //!
 //! Sort-middle is sort-twice with one group, sort-last is sort-twice with groups of one processor, so one function
 //! does the three. In every class the finished picture is delivered. Machines whose processors all execute the same
-//! instruction, in a ring, run by the rules of [`super::simd`]. Sources: document 000, chapters 4 and 6 and appendix A; document 001, 2.3.
+//! instruction, in a ring, run by the rules of [`super::simd`]. Sources: document 000, chapters 4 and 6 and appendix A;
+//! document 001, 2.3.
 
 use rayon::prelude::*;
 use serde::Serialize;
@@ -11,8 +12,9 @@ use super::composition::{Groups, Step};
 use super::network::{Links, NetworkModel, Traffic};
 use super::regions::{Assignment, Regions};
 use super::simd::{self, Simd};
-use crate::machines::{DataKind, Delivery, Machine, MachineError, Operation, Packing};
+use crate::machines::{DataKind, Delivery, Machine, MachineError, Operation, Packing, Sourced};
 use crate::simulators::ring::AlgorithmError;
+use crate::units::Bytes;
 use crate::workloads::{BoxScene, PixelBox};
 
 /// Where polygons and pixels are redistributed.
@@ -64,34 +66,29 @@ impl Costs {
     /// [`MachineError::Missing`] without the sizes of messages, or without costs of geometry, pixels or composition.
     pub fn of(machine: &Machine) -> Result<Self, MachineError> {
         use Operation::{Cluster, ClusterDrawn, ClusterEntry, Polygon, PolygonSetUp, Vertex};
-        let bytes = |kind: DataKind| machine.bytes.get(&kind).map(|b| b.value.ceil() as u64);
-        let sizes = [DataKind::Primitive, DataKind::Descriptor, DataKind::Sample];
-        let without = sizes.iter().filter(|kind| bytes(**kind).is_none());
-        let without: Vec<_> = without.map(|kind| format!("bytes.{}", kind.name())).collect();
-        let of_costs = machine.need_costs(&[
-            &[Polygon, ClusterDrawn],
-            &[Operation::Pixel],
-            &[Operation::CompositePixel],
-        ]);
-        machine.need_all(without, of_costs)?;
+        let whole = |bytes: &Sourced<Bytes>| bytes.value.ceil() as u64;
+        let need = |kind: DataKind| {
+            machine.need(machine.bytes.get(&kind), &format!("bytes.{}", kind.name())).map(whole)
+        };
+        let kinds: [&[_]; 3] = [&[Polygon, ClusterDrawn], &[Operation::Pixel], &[Operation::CompositePixel]];
+        let sample = MachineError::both(need(DataKind::Sample), machine.need_costs(&kinds));
+        let descriptor = MachineError::both(need(DataKind::Descriptor), sample);
+        let (primitive, (descriptor, (sample, ()))) =
+            MachineError::both(need(DataKind::Primitive), descriptor)?;
         let [vertices, polygons] = CLUSTER;
         let of_cluster: f64 =
             [Cluster, ClusterEntry, ClusterDrawn].map(|o| machine.seconds_or_0(o)).iter().sum();
         let of_cluster = of_cluster + vertices * machine.seconds_or_0(Vertex);
         Ok(Self {
-            polygon: machine.seconds(Polygon).unwrap_or(if machine.seconds(ClusterDrawn).is_some() {
-                of_cluster / polygons
-            } else {
-                0.0
-            }),
+            polygon: machine.seconds(Polygon).unwrap_or(of_cluster / polygons),
             set_up: machine.seconds_or_0(PolygonSetUp),
             entry: machine.seconds_or_0(Operation::Entry) + machine.seconds_or_0(Operation::DrawnEntry),
             pixel: machine.seconds_or_0(Operation::Pixel),
             composite: machine.seconds_or_0(Operation::CompositePixel),
-            primitive: bytes(DataKind::Primitive).unwrap_or(0),
-            descriptor: bytes(DataKind::Descriptor).unwrap_or(0),
-            sample: bytes(DataKind::Sample).unwrap_or(0),
-            delivered: bytes(DataKind::Pixel).unwrap_or(4),
+            primitive,
+            descriptor,
+            sample,
+            delivered: machine.bytes.get(&DataKind::Pixel).map_or(4, whole),
         })
     }
 
@@ -206,12 +203,7 @@ impl Setting {
         topology: Option<crate::machines::Topology>,
     ) -> Result<Self, MachineError> {
         machine.may_have(processors)?;
-        let costs = Costs::of(machine);
-        if machine.network.is_none() {
-            machine.need_all(vec!["network".into()], costs.map(|_| ()))?;
-            unreachable!("the network is missing");
-        }
-        let network = NetworkModel::of(machine, topology)?;
+        let (network, costs) = MachineError::both(NetworkModel::of(machine, topology), Costs::of(machine))?;
         Ok(Self {
             width,
             height,
@@ -219,7 +211,7 @@ impl Setting {
             region: None,
             assignment: Assignment::Interleaved,
             network,
-            costs: costs?,
+            costs,
             simd: Simd::of(machine, network.topology)?,
         })
     }
