@@ -257,9 +257,9 @@ impl Comparison {
         format!("{} numbers agree{worst}; tolerances: {}", kinds.join(", "), sources.join(", "))
     }
 
-    /// Compares the published numbers whose names begin with one of `prefixes`, or are `E5.9` for `E5.9=`: printed ones with the print, ours
-    /// counting as the document's formula unless the row is counted or simulated; contradicted ones and those without a
-    /// print are listed.
+    /// Compares the published numbers whose names begin with one of `prefixes`, or are `E5.9` for `E5.9=`: printed ones
+    /// with the print, ours counting as the document's formula unless the row is counted or simulated; contradicted ones
+    /// and those without a print are listed.
     ///
     /// # Errors
     /// The table has a mistake.

@@ -1,7 +1,8 @@
 //! The best organisation for a machine and a model: all candidates are predicted, the fastest is explained.
 //!
 //! If a machine has the costs of the renderer and its ranks ([`Plan::by_renderer`]), the advice is about the renderer and
-//! comes from the models of its threads and ranks. The simulator of the sorting classes then estimates the others, comparable only with its own figures.
+//! comes from the models of its threads and ranks. The simulator of the sorting classes then estimates the others,
+//! comparable only with its own figures.
 //! Without such a model, the advice is the simulator's.
 
 use rayon::prelude::*;

@@ -78,10 +78,8 @@ impl Check {
     /// Where the tolerance comes from: what the row says, or else how the print was made from ours.
     pub fn tolerance_source(&self) -> Option<ToleranceSource> {
         let source = self.number.tolerance_source()?;
-        let numbers =
-            self.ours.as_ref().ok().and_then(Value::as_number).zip(self.print().and_then(Value::as_number));
-        let digit = self.print().and_then(last_digit);
-        let (ToleranceSource::LastDigit, Some((ours, print)), Some(digit)) = (source, numbers, digit) else {
+        let digits = self.ours.as_ref().ok().zip(self.print()).and_then(|(ours, print)| digits(ours, print));
+        let (ToleranceSource::LastDigit, Some([ours, print, digit])) = (source, digits) else {
             return Some(source);
         };
         // Decimal fractions are rounded in binary.
@@ -109,10 +107,12 @@ pub fn summary(checks: &[Check]) -> Vec<(Agreement, usize)> {
 
 /// Whether a number is farther from the print than rounding of its last digit explains.
 fn is_beyond_rounding(ours: &Value, print: &Value) -> bool {
-    match (ours.as_number(), print.as_number(), last_digit(print)) {
-        (Some(ours), Some(print), Some(digit)) => (ours - print).abs() > 0.5 * digit,
-        _ => ours != print,
-    }
+    digits(ours, print).map_or(ours != print, |[ours, print, digit]| (ours - print).abs() > 0.5 * digit)
+}
+
+/// Two numbers, and the unit of the last digit of the second one.
+fn digits(ours: &Value, print: &Value) -> Option<[f64; 3]> {
+    Some([ours.as_number()?, print.as_number()?, last_digit(print)?])
 }
 
 #[cfg(test)]

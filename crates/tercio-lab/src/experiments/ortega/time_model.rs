@@ -50,12 +50,6 @@ fn model() -> Result<Findings, ExperimentError> {
             ("largest error", "%"),
         ],
     );
-    let mut plot = Plot::new(
-        "errors",
-        "Largest error of a time, fitted on row 1",
-        Axis::linear("table"),
-        Axis::linear("percent"),
-    );
     let mut comparison = Comparison::new();
     let (mut own, mut others) = (Vec::new(), Vec::new());
     for (number, name, partitions) in TABLES {
@@ -85,7 +79,14 @@ fn model() -> Result<Findings, ExperimentError> {
             worst <= 10.0,
         );
     }
-    plot = plot.with(Series::points("row 1 itself", own)).with(Series::points("rows 2 and 3", others));
+    let plot = Plot::new(
+        "errors",
+        "Largest error of a time, fitted on row 1",
+        Axis::linear("table"),
+        Axis::linear("percent"),
+    )
+    .with(Series::points("row 1 itself", own))
+    .with(Series::points("rows 2 and 3", others));
     Ok(Findings {
         tables: vec![table],
         plots: vec![plot],
