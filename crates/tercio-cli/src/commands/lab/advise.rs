@@ -18,7 +18,8 @@ use crate::output::write_text;
 /// Searches threads, ranks, organisation, group size, region size and assignment for a machine and a model, and says why.
 ///
 /// Of the renderer, threads of one process are compared with ranks of one thread and of several, in sort-first and
-/// sort-last, by the models that 'tercio lab validate' compares with it. The simulator of the sorting classes covers all classes; its figures are comparable with each other only.
+/// sort-last, by the models that 'tercio lab validate' compares with it. The simulator of the sorting classes covers all
+/// classes; its figures are comparable with each other only.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:

@@ -25,10 +25,11 @@ use crate::{messages, mpi, threads};
 Costs are fitted to frames of built-in models on one thread, whole ones and ones that end at earlier stages; the
 serial share follows from the whole frames on all threads. Costs of ranks are fitted to frames of one, two and
 three of them. Residuals of the fit, spread of the rounds, day, processor and version are in the section calibration.
-A measurement that is too noisy is repeated, and refused if that does not help. Messages are sent back and forth: half the median round trip of small ones is the latency, that of
-large ones gives the bandwidth. Those between threads of one process are the section network. mpirun with two
-processes or more measures the section mpi first, between ranks 0 and 1; then all ranks except 0, which writes,
-end. mpirun may bind a process to one processor: with --bind-to none rank 0 can use its whole machine.
+A measurement that is too noisy is repeated, and refused if that does not help. Messages are sent back and forth: half
+the median round trip of small ones is the latency, that of large ones gives the bandwidth. Those between threads of
+one process are the section network. mpirun with two processes or more measures the section mpi first, between ranks
+0 and 1; then all ranks except 0, which writes, end. mpirun may bind a process to one processor: with --bind-to none
+rank 0 can use its whole machine.
 
 Examples:
   tercio lab calibrate -o mine.toml

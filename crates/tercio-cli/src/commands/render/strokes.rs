@@ -100,9 +100,9 @@ impl Render {
         {
             return;
         }
-        let Some(lines) = self.strokes.on_surface(edges) else { return };
+        let (Some(lines), [first, ..]) = (self.strokes.on_surface(edges), &*instances) else { return };
         *part = EdgePart::BesideSurface;
-        let (lines, mesh) = (Arc::new(lines), Arc::clone(&instances[0].mesh));
+        let (lines, mesh) = (Arc::new(lines), Arc::clone(&first.mesh));
         // The others are where the model is cut.
         let own = instances.iter_mut().filter(|instance| Arc::ptr_eq(&instance.mesh, &mesh));
         own.for_each(|instance| instance.edges = Some(Arc::clone(&lines)));

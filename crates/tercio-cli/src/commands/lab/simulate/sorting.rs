@@ -21,8 +21,9 @@ use crate::progress::Display;
 #[command(after_help = "\
 What each processor computes and what each link carries is counted exactly; times are those of the busiest
 processor and the busiest link; a machine whose processors are 'simd' runs by the rules of
-'tercio lab simulate ring'. The finished picture is delivered to processor 0, or to a display. Costs, bytes and network are the machine's: to change them, write its description
-to a file ('tercio lab machines NAME'), edit it and name the file. Lists are combined with one another, on all cores.
+'tercio lab simulate ring'. The finished picture is delivered to processor 0, or to a display. Costs, bytes and network
+are the machine's: to change them, write its description to a file ('tercio lab machines NAME'), edit it and name the
+file. Lists are combined with one another, on all cores.
 
 Examples:
   tercio lab simulate sorting teapot.boxes --size 768x512
