@@ -79,3 +79,27 @@ fn damaged_files_give_errors() {
         "a: line 12: expected 4000000000 points of 6 numbers, found 38 bytes up to the end of the file"
     );
 }
+
+/// A header of a few bytes states four thousand million points without a number, or millions of attributes without a
+/// point. Both used to run for minutes.
+#[test]
+fn headers_cannot_ask_for_more_than_the_file_holds() {
+    let header = |fields: usize, names: &str, count: &str, points: &str| {
+        let all = |one: &str| vec![one; fields].join(" ");
+        let (names, counts) = (all(names), all(count));
+        let (sizes, types) = (all("4"), all("F"));
+        format!(
+            "VERSION 0.7\nFIELDS {names}\nSIZE {sizes}\nTYPE {types}\nCOUNT {counts}\nPOINTS {points}\nDATA ascii\n"
+        )
+    };
+    let error = |text: String| try_read(text.as_bytes()).expect_err("no such points").to_string();
+    let nothing = error(header(3, "x", "0", "4000000000"));
+    assert_eq!(nothing, "a: line 7: expected the fields x, y and z, found \"\"");
+    let many = error(header(256, "histogram", "4096", "0"));
+    assert!(many.contains("expected at most 4096 components of all fields, not 1048576"), "{many}");
+    // A field without components is in no point.
+    let empty = "VERSION 0.7\nFIELDS x y z w\nSIZE 4 4 4 4\nTYPE F F F F\nCOUNT 1 1 1 0\nPOINTS 1\nDATA ascii\n1 2 3\n";
+    let model = try_read(empty.as_bytes()).unwrap_or_else(|e| panic!("{e}"));
+    assert_eq!((model.strokes.origin.to_array(), &model.strokes.points[..]), ([1.0, 2.0, 3.0], &[0][..]));
+    assert!(model.strokes.attributes.is_empty());
+}

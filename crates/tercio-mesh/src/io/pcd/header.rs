@@ -5,7 +5,8 @@ use crate::error::{Place, printable};
 use crate::io::input::Input;
 use crate::io::text::Cursor;
 
-/// Most fields, and most components of one.
+/// Most fields, and most components of all fields together: a header of a few bytes can state any number, and each
+/// component is an attribute.
 const MOST: usize = 4096;
 
 /// A field of a point.
@@ -45,6 +46,8 @@ pub struct Header {
     /// Where the points begin, and the line.
     pub end: usize,
     pub line: u64,
+    /// The line with DATA, which ends the header.
+    last_line: u64,
 }
 
 impl Header {
@@ -53,9 +56,20 @@ impl Header {
         self.fields.last().map_or(0, |f| f.before + f.size * f.count)
     }
 
+    /// The field of a coordinate.
+    ///
+    /// # Errors
+    /// There is none with one component.
+    pub fn axis(&self, input: &Input, name: &str) -> Result<usize, ReadError> {
+        self.fields.iter().position(|f| f.name == name && f.count == 1).ok_or_else(|| {
+            let found = self.fields.iter().map(|f| f.name.as_str()).collect::<Vec<_>>().join(" ");
+            self.malformed(input, "the fields x, y and z", format!("{found:?}"))
+        })
+    }
+
     /// The error of something in the header.
-    pub fn malformed(&self, input: &Input, expected: &str, found: String) -> ReadError {
-        let place = Place::Line(self.line);
+    fn malformed(&self, input: &Input, expected: &str, found: String) -> ReadError {
+        let place = Place::Line(self.last_line);
         ReadError::Malformed { file: input.name.clone(), place, expected: expected.into(), found }
     }
 
@@ -131,11 +145,18 @@ impl Header {
                                 "a type of 1 to 8 bytes for field {name:?}, not {kind} of {size}"
                             ));
                         }
-                        fields.push(Field { name, size, kind, count, before: before_field });
-                        before_field += size * count;
+                        // A field without components is in no point.
+                        if count > 0 {
+                            fields.push(Field { name, size, kind, count, before: before_field });
+                            before_field += size * count;
+                        }
+                    }
+                    let values: usize = fields.iter().map(|f| f.count).sum();
+                    if values > MOST {
+                        return wrong(&format!("at most {MOST} components of all fields, not {values}"));
                     }
                     let (end, line) = (cursor.offset(), cursor.line());
-                    return Ok(Self { fields, points, data, end, line });
+                    return Ok(Self { fields, points, data, end, line, last_line: before.line() });
                 }
                 _ => {
                     return wrong(

@@ -41,6 +41,8 @@ pub fn read(input: &Input, options: &ReadOptions) -> Result<ReadModel, ReadError
     if count > MAX_ELEMENTS {
         return Err(ReadError::TooMany { file: input.name.clone(), what: "points", count });
     }
+    // Before the points: with them a point has at least three numbers, and the bytes of the file limit their number.
+    let axes = [header.axis(input, "x")?, header.axis(input, "y")?, header.axis(input, "z")?];
     let values: u64 = header.fields.iter().map(|f| f.count as u64).sum();
     // The body is checked against the bytes of the file first, so that this is not larger than these are.
     let body = Body::open(input, options, &header)?;
@@ -53,13 +55,7 @@ pub fn read(input: &Input, options: &ReadOptions) -> Result<ReadModel, ReadError
     if let Some(progress) = options.progress {
         progress.begin("reading points", header.fields.len() as u64);
     }
-    let axis = |name: &str| header.fields.iter().position(|f| f.name == name && f.count == 1);
-    let column = |field: Option<usize>| field.map(|field| body.column(&header, field, 0));
-    let (Some(x), Some(y), Some(z)) = (column(axis("x")), column(axis("y")), column(axis("z"))) else {
-        let expected = "the fields x, y and z";
-        let found = header.fields.iter().map(|f| f.name.as_str()).collect::<Vec<_>>().join(" ");
-        return Err(header.malformed(input, expected, format!("{found:?}")));
-    };
+    let [x, y, z] = axes.map(|field| body.column(&header, field, 0));
     let points: Vec<[f64; 3]> = x.zip(y).zip(z).map(|((x, y), z)| [x, y, z]).collect();
     let (coordinates, origin, positions) = localize_at(&points, options.origin);
     drop(points);
