@@ -10,8 +10,9 @@ use tercio_mesh::{AttributeDomain, ReadError};
 /// A function that reads a model.
 pub type Read = fn(&Input, &ReadOptions) -> Result<ReadModel, ReadError>;
 
-/// Far below libFuzzer's own limit, so that a reader that exceeds its memory limit is detected.
-const MEMORY_LIMIT: u64 = 256 << 20;
+/// Far below libFuzzer's own limit, so that a reader that exceeds its memory limit is detected; and so low that an input of some bytes
+/// that stands for a large grid is refused, before it takes its time.
+const MEMORY_LIMIT: u64 = 64 << 20;
 
 /// Reads the bytes with `read`. An error is a valid result: only a panic, a hang, too much memory or an inconsistent
 /// model is a failure.

@@ -14,7 +14,8 @@ use tercio::raster::{
 use tercio::scene::{Camera, Framing, Projection, Scene};
 use tercio::{LoadError, LoadOptions, Normals};
 
-use crate::MEMORY_LIMIT;
+/// Models are loaded twice, and clusters, normals and welding take more time than reading.
+const MEMORY_LIMIT: u64 = 16 << 20;
 
 /// Larger models are loaded and not drawn: the reference renderer is slow.
 const MOST_TRIANGLES: usize = 2_000;

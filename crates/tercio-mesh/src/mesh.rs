@@ -46,7 +46,7 @@ pub struct Mesh {
 }
 
 /// Whether an attribute's values belong to vertices or to triangles.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum AttributeDomain {
     /// One value per vertex.
     Vertex,
@@ -72,6 +72,11 @@ impl Attribute {
     /// The name of a component of an array with so many: that of the array if it has one component only.
     pub fn component_name(array: &str, component: usize, of: usize) -> String {
         if of == 1 { array.into() } else { format!("{array}:{component}") }
+    }
+
+    /// Bytes that the components of an array take without their values, about: a file of a few bytes can have many, of long names.
+    pub(crate) fn bytes_of_names(array: &str, components: usize) -> u64 {
+        (components as u64).saturating_mul(128 + array.len() as u64)
     }
 }
 

@@ -134,3 +134,27 @@ fn damaged_files_give_errors() {
     let input = Input::from_bytes("a", bytes, &ReadOptions::default()).unwrap();
     assert!(matches!(read_input(&input, &limit), Err(ReadError::MemoryLimit { .. })));
 }
+
+/// Each item has a decompressor of some kilobytes, also one of no bytes.
+#[test]
+fn more_items_than_a_point_can_have_are_refused() {
+    let mut bytes = file(0, true, 100, |_| ());
+    let id = b"laszip encoded";
+    let vlr = bytes.windows(id.len()).position(|w| w == id).expect("a record of LASzip") - 2;
+    let record = vlr + 54;
+    let of_32 = |bytes: &[u8], at: usize| u32::from_le_bytes(bytes[at..at + 4].try_into().unwrap());
+    let items = 1000u16;
+    let more = usize::from(items - 1) * 6;
+    let begin = of_32(&bytes, 96);
+    let table = of_32(&bytes, begin as usize);
+    bytes[begin as usize..][..4].copy_from_slice(&(table + more as u32).to_le_bytes());
+    bytes[96..100].copy_from_slice(&(begin + more as u32).to_le_bytes());
+    let length = u16::from_le_bytes([bytes[vlr + 20], bytes[vlr + 21]]);
+    bytes[vlr + 20..vlr + 22].copy_from_slice(&(length + more as u16).to_le_bytes());
+    bytes[record + 32..record + 34].copy_from_slice(&items.to_le_bytes());
+    // Type 6, no bytes, version 2.
+    let end = record + usize::from(length);
+    bytes.splice(end..end, [6, 0, 0, 0, 2, 0].repeat(usize::from(items - 1)));
+    let error = try_read(&bytes).expect_err("a thousand items").to_string();
+    assert!(error.contains("expected at most 8 items of a point, found 1000"), "{error}");
+}

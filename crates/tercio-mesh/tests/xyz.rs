@@ -99,6 +99,11 @@ fn columns_with_names() {
     assert!(a[0] == 4.0 && a[1].is_nan() && a[2] == 1.0 && b[0].is_nan() && b[1].is_nan() && b[2] == 2.0);
     let place = model.strokes.positions[2];
     assert!(place[0].is_nan() && model.strokes.positions[1] == [5.0, 6.0, 7.0], "{place:?}");
+    // A line of names says what the columns are, also if the first point has no place; without one it is no cloud.
+    let model = read("x,y,z,a\n,,,1\n5,6,7,2\n");
+    assert_eq!((model.strokes.points.len(), model.strokes.origin.to_array()), (2, [5.0, 6.0, 7.0]));
+    assert_eq!(attributes(&model), [("a", &[1.0, 2.0][..])]);
+    assert!(try_read(b",,,1\n5,6,7,2\n8,9,1,3\n4,5,6,7\n").is_err());
     // A delimiter at the end of all lines is no column.
     let model = read("x,y,z,a,\n1,2,3,4,\n5,6,7,8,\n");
     assert_eq!(attributes(&model), [("a", &[4.0, 8.0][..])]);

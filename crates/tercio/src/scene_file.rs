@@ -326,7 +326,7 @@ impl<'a> Document<'a> {
         {
             return Err(entry.wrong(&format!("there is no such table; there are {tables}")));
         }
-        let value = value(entry.value).map_err(|reason| entry.wrong(&reason))?;
+        let value = value(entry.value, MOST_LEVELS).map_err(|reason| entry.wrong(&reason))?;
         Ok(Setting { key: entry.key.into(), value, line: entry.line })
     }
 
@@ -362,7 +362,15 @@ impl<'a> Document<'a> {
     }
 }
 
-fn value(value: &DeValue<'_>) -> Result<Value, String> {
+/// Lists and tables in a value, one in the other: dotted keys make as many as they have dots.
+const MOST_LEVELS: usize = 16;
+
+/// A value of at most so many `levels` of lists and tables.
+fn value(value: &DeValue<'_>, levels: usize) -> Result<Value, String> {
+    let inside = |value: &DeValue<'_>| match levels.checked_sub(1) {
+        Some(levels) => self::value(value, levels),
+        None => Err(format!("expected at most {MOST_LEVELS} lists and tables, one in the other")),
+    };
     Ok(match value {
         DeValue::Boolean(flag) => Value::Flag(*flag),
         DeValue::String(text) => Value::Text(text.clone().into_owned()),
@@ -372,11 +380,10 @@ fn value(value: &DeValue<'_>) -> Result<Value, String> {
         }
         DeValue::Float(float) => Value::Number(float.as_str().into()),
         DeValue::Array(values) => {
-            Value::List(values.iter().map(|v| self::value(v.get_ref())).collect::<Result<_, _>>()?)
+            Value::List(values.iter().map(|v| inside(v.get_ref())).collect::<Result<_, _>>()?)
         }
         DeValue::Table(table) => {
-            let named =
-                table.iter().map(|(name, v)| Ok((name.get_ref().to_string(), self::value(v.get_ref())?)));
+            let named = table.iter().map(|(name, v)| Ok((name.get_ref().to_string(), inside(v.get_ref())?)));
             Value::Named(named.collect::<Result<_, String>>()?)
         }
         DeValue::Datetime(_) => return Err("a date has no meaning here; a text has quotation marks".into()),
@@ -405,6 +412,18 @@ mod tests {
         assert_eq!(clips.iter().map(|c| c.text().unwrap()).collect::<Vec<_>>(), ["1,0,0,-0.50", "x:0.5"]);
         assert_eq!(first.instances[0].settings[0].value, Value::Number("16".into()));
         assert_eq!(second.settings[1].value, Value::Flag(true));
+    }
+
+    /// Dotted keys are tables in tables, which are written in braces, of which a reader takes no more than 80.
+    #[test]
+    fn values_are_nested_a_little() {
+        let nested = |levels: usize| format!("a = [{{ {} = 1 }}]\n", vec!["b"; levels].join("."));
+        let read = scene(&nested(MOST_LEVELS - 1)).expect("a scene");
+        assert_eq!(scene(&read.to_toml()).map(without_lines), Ok(without_lines(read)));
+        for levels in [MOST_LEVELS, 80, 5000] {
+            let error = scene(&nested(levels)).expect_err("too deep");
+            assert!(error.contains("expected at most 16 lists and tables, one in the other"), "{error}");
+        }
     }
 
     #[test]

@@ -42,7 +42,7 @@ impl NotDrawn {
         };
         let all: HashSet<&String> = mesh.materials.iter().flat_map(FileMaterial::texture_files).collect();
         self.textures = self.textures.max(all.difference(&drawn).count() as u64);
-        let is_cloud = faces == 0 && self.points + self.lines + self.curves + self.surfaces == 0;
+        let is_cloud = faces == 0 && [self.points, self.lines, self.curves, self.surfaces] == [0; 4];
         if is_cloud {
             self.points = mesh.positions.len() as u64;
         }

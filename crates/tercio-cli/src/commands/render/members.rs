@@ -175,8 +175,9 @@ pub(super) fn together(models: &[OfModel], scene: &Scene) -> LoadReport {
         all.lines += report.lines;
         all.points += report.points;
         let left = &report.read.not_drawn;
-        all.read.not_drawn.points += left.points;
-        all.read.not_drawn.lines += left.lines;
+        let into = &mut all.read.not_drawn;
+        into.points = into.points.saturating_add(left.points);
+        into.lines = into.lines.saturating_add(left.lines);
     }
     all
 }

@@ -8,7 +8,6 @@ use laz::record::{LayeredPointRecordDecompressor, RecordDecompressor, Sequential
 use laz::{LazItem, LazItemType, LazVlr};
 use rayon::prelude::*;
 
-use super::PIECE;
 use super::columns::Columns;
 use super::header::{Header, u16_at, u32_at, u64_at};
 use crate::ReadError;
@@ -17,6 +16,9 @@ use crate::guard::guarded;
 use crate::io::input::Input;
 
 const DAMAGED: &str = "damaged data";
+
+/// Items of a point: its own, time, colours, waves, and more bytes. Each has a decompressor, whatever its size.
+const MOST_ITEMS: usize = 8;
 
 /// A part that is compressed by itself.
 struct Chunk<'a> {
@@ -44,6 +46,10 @@ pub fn read(
     let record = bytes.get(from..to).unwrap_or_default();
     let vlr = LazVlr::from_buffer(record);
     let vlr = vlr.map_err(|error| wrong(from, "a record of LASzip", error.to_string()))?;
+    if vlr.items().len() > MOST_ITEMS {
+        let found = vlr.items().len().to_string();
+        return Err(wrong(from, &format!("at most {MOST_ITEMS} items of a point"), found));
+    }
     let size: u64 = vlr.items().iter().map(|item| u64::from(item.size())).sum();
     if vlr.items().is_empty() || size != header.record as u64 {
         let expected = format!("items of {} bytes", header.record);
@@ -162,16 +168,10 @@ impl Chunk<'_> {
                 counted(decompressor.record_size() as u64, "byte")
             ));
         }
-        let mut buffer = vec![0; record * self.points.min(PIECE)];
-        let mut left = self.points;
-        while left > 0 {
-            let count = left.min(PIECE);
-            let part = buffer.get_mut(..count * record).unwrap_or_default();
-            for point in part.chunks_exact_mut(record) {
-                decompressor.decompress_next(point).map_err(|error| error.to_string())?;
-                columns.add(point);
-            }
-            left -= count;
+        let mut point = vec![0; record];
+        for _ in 0..self.points {
+            decompressor.decompress_next(&mut point).map_err(|error| error.to_string())?;
+            columns.add(&point);
         }
         Ok(())
     }

@@ -47,10 +47,11 @@ pub fn read(input: &Input, options: &ReadOptions) -> Result<ReadModel, ReadError
     // The body is checked against the bytes of the file first, so that this is not larger than these are.
     let body = Body::open(input, options, &header)?;
     let held = input.held_bytes().saturating_add(body.held());
+    let names: u64 = header.fields.iter().map(|f| Attribute::bytes_of_names(&f.name, f.count)).sum();
     options.check_memory(
         &input.name,
         "its points",
-        held.saturating_add(count.saturating_mul(48 + 4 * values)),
+        held.saturating_add(count.saturating_mul(48 + 4 * values)).saturating_add(names),
     )?;
     if let Some(progress) = options.progress {
         progress.begin("reading points", header.fields.len() as u64);

@@ -53,7 +53,7 @@ pub(super) fn model(
         face_columns(job, &mut mesh, &plan, columns, &triangles)?;
         let [empty, points, lines] = triangles.small;
         report.not_drawn.points += points;
-        report.not_drawn.lines += lines;
+        report.not_drawn.lines = report.not_drawn.lines.saturating_add(lines);
         report.faces -= empty + points + lines;
         if empty > 0 {
             job.warn(ignored_empty_faces(empty));
@@ -169,7 +169,8 @@ fn split_wedges(job: &Job, mesh: &mut Mesh, table: &mut Table) -> Result<(), Rea
         let faces = counted(without, "face");
         job.warn(format!("{faces} {have} no texture coordinates at {their} corners"));
     }
-    job.reserve("vertices copied at texture seams", 32 * split.copied.len() as u64)?;
+    let of_one = 32 + 8 * mesh.attributes.len() as u64;
+    job.reserve("vertices copied at texture seams", of_one.saturating_mul(split.copied.len() as u64))?;
     repeat(&mut mesh.positions, &split.copied);
     mesh.normals.iter_mut().for_each(|v| repeat(v, &split.copied));
     mesh.vertex_colors.iter_mut().for_each(|v| repeat(v, &split.copied));

@@ -1,8 +1,8 @@
 //! What a VTK file holds, in the terms of VTK: points, cells, and arrays of both.
 
 use std::ops::Range;
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
+use std::sync::{Mutex, PoisonError};
 
 use super::numbers::{Numbers, Scalar};
 use crate::ReadError;
@@ -15,12 +15,25 @@ pub struct Job<'a> {
     pub options: &'a ReadOptions<'a>,
     /// Bytes of memory taken.
     held: AtomicU64,
-    warnings: Mutex<Vec<String>>,
+    warnings: Mutex<Warnings>,
+    /// A byte of the file, and how many lines end before it: see [`Job::line`].
+    counted: Mutex<(usize, u64)>,
 }
+
+/// Different warnings, up to [`MOST_WARNINGS`], and how many more there were.
+#[derive(Default)]
+struct Warnings {
+    first: Vec<String>,
+    more: u64,
+}
+
+/// An array each could have one.
+const MOST_WARNINGS: usize = 64;
 
 impl<'a> Job<'a> {
     pub fn new(input: &'a Input, options: &'a ReadOptions<'a>) -> Self {
-        Self { input, options, held: AtomicU64::new(input.held_bytes()), warnings: Mutex::default() }
+        let held = AtomicU64::new(input.held_bytes());
+        Self { input, options, held, warnings: Mutex::default(), counted: Mutex::default() }
     }
 
     pub fn file(&self) -> &'a str {
@@ -44,14 +57,38 @@ impl<'a> Job<'a> {
 
     pub fn warn(&self, warning: String) {
         if let Ok(mut warnings) = self.warnings.lock()
-            && !warnings.contains(&warning)
+            && !warnings.first.contains(&warning)
         {
-            warnings.push(warning);
+            if warnings.first.len() < MOST_WARNINGS {
+                warnings.first.push(warning);
+            } else {
+                warnings.more += 1;
+            }
         }
     }
 
     pub fn into_warnings(self) -> Vec<String> {
-        self.warnings.into_inner().unwrap_or_default()
+        let Warnings { first: mut warnings, more } = self.warnings.into_inner().unwrap_or_default();
+        if more > 0 {
+            warnings.push(format!("{more} more warnings of this kind"));
+        }
+        warnings
+    }
+
+    /// The line with a byte of the file. Lines are counted from the byte that was asked for before: arrays, of which there may be many,
+    /// ask one after the other.
+    pub fn line(&self, at: usize) -> Place {
+        let bytes = self.input.bytes();
+        let at = at.min(bytes.len());
+        let ends = |from: usize, to: usize| {
+            let between = bytes.get(from..to).unwrap_or_default();
+            between.iter().filter(|&&b| b == b'\n').count() as u64
+        };
+        let mut last = self.counted.lock().unwrap_or_else(PoisonError::into_inner);
+        let (before, lines) = *last;
+        let lines = if at < before { lines - ends(at, before) } else { lines + ends(before, at) };
+        *last = (at, lines);
+        Place::Line(1 + lines)
     }
 
     pub fn begin(&self, stage: &'static str, total: u64) {

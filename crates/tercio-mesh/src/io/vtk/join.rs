@@ -1,6 +1,7 @@
 //! Joins parts to one model.
 
-use std::collections::HashSet;
+use std::collections::hash_map::Entry;
+use std::collections::{HashMap, HashSet};
 
 use glam::DVec3;
 
@@ -197,14 +198,21 @@ fn append_attributes(
     part: Vec<Attribute>,
     lengths: impl Fn(AttributeDomain) -> (usize, usize),
 ) {
+    // Not by a search for each: a file of a kilobyte can have tens of thousands.
+    let mut places: HashMap<(AttributeDomain, String), usize> = HashMap::new();
+    for (place, attribute) in whole.iter().enumerate() {
+        places.entry((attribute.domain, attribute.name.clone())).or_insert(place);
+    }
     for attribute in part {
-        let same = whole.iter_mut().find(|a| a.name == attribute.name && a.domain == attribute.domain);
-        match same {
-            Some(all) if all.values.len() == lengths(attribute.domain).0 => {
-                all.values.extend(attribute.values)
+        match places.entry((attribute.domain, attribute.name.clone())) {
+            Entry::Occupied(place) => {
+                let all = whole.get_mut(*place.get());
+                if let Some(all) = all.filter(|all| all.values.len() == lengths(attribute.domain).0) {
+                    all.values.extend(attribute.values);
+                }
             }
-            Some(_) => {}
-            None => {
+            Entry::Vacant(place) => {
+                place.insert(whole.len());
                 let mut values = vec![f32::NAN; lengths(attribute.domain).0];
                 values.extend(attribute.values);
                 whole.push(Attribute { values, ..attribute });

@@ -55,6 +55,13 @@ pub fn make(job: &Job, mut data: DataSet) -> Result<Part, ReadError> {
             }
         }
     }
+    // Arrays of nothing, of any number of components, would become as many attributes.
+    if data.points.count() == 0 {
+        data.point_data.clear();
+    }
+    if data.cells.count() == 0 {
+        data.cell_data.clear();
+    }
     let cell_count = data.cells.count();
     // Points of polygonal data belong to the surface, and where nothing is left out they need not be counted.
     let all_points = match (&data.cells, &data.points) {
@@ -71,9 +78,12 @@ pub fn make(job: &Job, mut data: DataSet) -> Result<Part, ReadError> {
     let per_vertex = 24 + 12 + 4 * (components(&data.point_data) + 4);
     let needed = count.saturating_mul(per_vertex) + triangles.saturating_mul(4 * components(&data.cell_data));
     let of_strokes = per_vertex + 4 * components(&data.cell_data) + 20;
+    // Of the surface, and of lines and points.
+    let arrays = data.point_data.iter().chain(&data.cell_data);
+    let names: u64 = arrays.map(|a| 2 * Attribute::bytes_of_names(&a.name, a.components)).sum();
     job.reserve(
         "its vertices and their data",
-        needed.saturating_add(stroke_vertices.saturating_mul(of_strokes)),
+        needed.saturating_add(stroke_vertices.saturating_mul(of_strokes)).saturating_add(names),
     )?;
 
     let strokes = strokes(job, &data, &surface)?;

@@ -199,13 +199,14 @@ impl Front {
                 && columns.iter().any(|c| !matches!(c, Column::Axis(_)) && !is_plain(c));
             let front = Self { delimiter, columns, has_names, count, begin, lines: before };
             let most = if front.has_names { MOST } else { MOST_UNNAMED };
-            // The first point decides what the columns are, and has to have a place.
+            // Without a line before it the first point decides what the columns are, and has to have a place.
             let is_placed = front
                 .columns
                 .iter()
                 .zip(&fields)
                 .all(|(column, field)| !matches!(column, Column::Axis(_)) || !field.is_empty());
-            if fields.len() < 3 || fields.len() > most || !is_placed || !front.holds(line) {
+            let is_clear = is_placed || front.is_said(text);
+            if fields.len() < 3 || fields.len() > most || !is_clear || !front.holds(line) {
                 return None;
             }
             seen = 1;

@@ -10,8 +10,8 @@
 //! position of six, are the components of `normal` if none is greater than 1. A column left over is `value`, several are
 //! `value:0`, `value:1` and so on.
 //!
-//! An empty field between commas, semicolons or tabs is no number (NaN); a point without a coordinate is counted and not drawn,
-//! but the first point has to have all three.
+//! An empty field between commas, semicolons or tabs is no number (NaN); a point without a coordinate is counted and not drawn.
+//! Without a line of names or a number of points before it, the first point has to have all three.
 //!
 //! Points become [strokes](crate::strokes). The text is parsed in parallel, in pieces of whole lines.
 

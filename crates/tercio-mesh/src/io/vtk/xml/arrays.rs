@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::base64::{characters, decode};
 use super::compress::{Compressor, decompress};
-use super::tree::{Element, line};
+use super::tree::Element;
 use crate::ReadError;
 use crate::error::{Place, counted, printable};
 use crate::io::text::{Cursor, is_space};
@@ -42,7 +42,7 @@ pub fn scalar(job: &Job, element: &Element) -> Result<Option<Scalar>, ReadError>
         "String" | "Bit" => return Ok(None),
         other => {
             let expected = "the type of an array (Int8 to UInt64, Float32, Float64)";
-            return Err(job.malformed(line(job, element.at), expected, format!("{other:?}")));
+            return Err(job.malformed(job.line(element.at), expected, format!("{other:?}")));
         }
     }))
 }
@@ -68,7 +68,7 @@ pub fn numbers<'a>(
     let (bytes, place) = match element.attribute("format").unwrap_or("ascii") {
         "ascii" => return ascii(job, text, element, scalar),
         "binary" => {
-            let place = line(job, element.text.start);
+            let place = job.line(element.text.start);
             if text.is_empty() {
                 // Writers leave empty arrays out.
                 (Cow::Borrowed(&[][..]), place)
@@ -87,14 +87,14 @@ pub fn numbers<'a>(
             let offset = element.attribute("offset").and_then(|o| o.trim().parse::<u64>().ok());
             let (Some(offset), Some((start, base64))) = (offset, encoding.appended) else {
                 let expected = format!("an offset into appended data for array {name:?}");
-                return Err(job.malformed(line(job, element.at), expected, "none"));
+                return Err(job.malformed(job.line(element.at), expected, "none"));
             };
             let at = (start as u64).saturating_add(offset);
             let place = Place::Byte(at);
             let Some(rest) = usize::try_from(at).ok().and_then(|at| bytes.get(at..)) else {
                 let expected = format!("array {name:?} at offset {offset} of the appended data");
                 let length = counted((bytes.len() - start) as u64, "byte");
-                return Err(job.malformed(line(job, element.at), expected, format!("{length} of them")));
+                return Err(job.malformed(job.line(element.at), expected, format!("{length} of them")));
             };
             if base64 {
                 (from_base64(job, encoding, rest, place, name)?.into(), place)
@@ -112,7 +112,7 @@ pub fn numbers<'a>(
         }
         other => {
             let expected = "format=\"ascii\", \"binary\" or \"appended\"";
-            return Err(job.malformed(line(job, element.at), expected, format!("{other:?}")));
+            return Err(job.malformed(job.line(element.at), expected, format!("{other:?}")));
         }
     };
     check_length(job, bytes.len(), scalar, place, name)?;
@@ -301,12 +301,12 @@ fn ascii<'a>(
             Err(at) => {
                 let word = Cursor::new(&text[at..], 1).word();
                 let name = element.attribute("Name").unwrap_or("without a name");
-                let place = line(job, element.text.start + at);
+                let place = job.line(element.text.start + at);
                 return Err(job.malformed(place, format!("a number of array {name:?}"), printable(word)));
             }
         }
     }
-    let Place::Line(first) = line(job, element.text.start) else {
+    let Place::Line(first) = job.line(element.text.start) else {
         return Err(job.malformed(Place::File, "", ""));
     };
     let (source, big_endian) = (Source::Text(text, first), cfg!(target_endian = "big"));

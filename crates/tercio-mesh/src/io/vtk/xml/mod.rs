@@ -16,7 +16,7 @@ use super::part::{self, Part};
 use crate::ReadError;
 use arrays::Encoding;
 use compress::Compressor;
-use tree::{Document, Element, line};
+use tree::{Document, Element};
 
 /// What a file is.
 pub enum Kind {
@@ -45,7 +45,7 @@ pub fn kind(job: &Job, document: &Document) -> Result<Kind, ReadError> {
         "Collection" => Kind::Collection("collection"),
         "vtkMultiBlockDataSet" => Kind::Collection("blocks"),
         "vtkPartitionedDataSet" | "vtkPartitionedDataSetCollection" => Kind::Collection("partitions"),
-        _ => return Err(job.unsupported(line(job, root.at), format!("VTK's data set {kind}"))),
+        _ => return Err(job.unsupported(job.line(root.at), format!("VTK's data set {kind}"))),
     })
 }
 
@@ -66,7 +66,7 @@ pub fn encoding_name(document: &Document) -> String {
 fn encoding(job: &Job, document: &Document) -> Result<Encoding, ReadError> {
     let root = &document.root;
     let malformed =
-        |expected: &str, found: &str| job.malformed(line(job, root.at), expected, format!("{found:?}"));
+        |expected: &str, found: &str| job.malformed(job.line(root.at), expected, format!("{found:?}"));
     let big_endian = match root.attribute("byte_order") {
         Some("LittleEndian") | None => false,
         Some("BigEndian") => true,
@@ -96,7 +96,7 @@ pub fn parts(job: &Job, document: &Document) -> Result<Vec<Part>, ReadError> {
     let root = &document.root;
     let kind = root.attribute("type").unwrap_or_default();
     let Some(data) = root.child(kind) else {
-        return Err(job.malformed(line(job, root.at), format!("the element {kind}"), "none"));
+        return Err(job.malformed(job.line(root.at), format!("the element {kind}"), "none"));
     };
     job.begin("reading pieces", data.children_named("Piece").count() as u64);
     let mut parts = Vec::new();
@@ -130,7 +130,7 @@ impl<'a> Reader<'_, 'a> {
                 None => 1,
                 Some(Ok(n)) if (1..=1 << 16).contains(&n) => n as usize,
                 _ => {
-                    let place = line(self.job, element.at);
+                    let place = self.job.line(element.at);
                     let found = format!("{:?}", element.attribute("NumberOfComponents").unwrap_or_default());
                     return Err(self.job.malformed(place, "NumberOfComponents from 1 to 65536", found));
                 }

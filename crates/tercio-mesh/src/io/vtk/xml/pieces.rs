@@ -2,7 +2,7 @@
 
 use super::Reader;
 use super::arrays;
-use super::tree::{Element, line};
+use super::tree::Element;
 use crate::ReadError;
 use crate::io::vtk::build;
 use crate::io::vtk::dataset::{CellList, Cells, Ends, Points};
@@ -31,7 +31,7 @@ impl<'a> Reader<'_, 'a> {
                 let Some((points, count)) = self.points(piece)? else { return Ok(None) };
                 let list = self.list(piece, "Cells", "NumberOfCells", count)?;
                 let Some(types) = self.array(piece, "Cells", "types")? else {
-                    let place = line(self.job, piece.at);
+                    let place = self.job.line(piece.at);
                     return Err(self.job.malformed(place, "an array \"types\" of its cells", "none"));
                 };
                 let faces = self.polyhedra(piece, list.len(), count)?;
@@ -69,7 +69,7 @@ impl<'a> Reader<'_, 'a> {
                         let expected =
                             format!("{}, {} and {} coordinates for Extent", dims[0], dims[1], dims[2]);
                         return Err(self.job.malformed(
-                            line(self.job, piece.at),
+                            self.job.line(piece.at),
                             expected,
                             "other numbers of them",
                         ));
@@ -99,7 +99,7 @@ impl<'a> Reader<'_, 'a> {
     fn count(&self, piece: &Element, name: &str) -> Result<Option<u64>, ReadError> {
         let Some(text) = piece.attribute(name) else { return Ok(None) };
         text.trim().parse().map(Some).map_err(|_| {
-            self.job.malformed(line(self.job, piece.at), format!("a count as {name}"), format!("{text:?}"))
+            self.job.malformed(self.job.line(piece.at), format!("a count as {name}"), format!("{text:?}"))
         })
     }
 
@@ -114,7 +114,7 @@ impl<'a> Reader<'_, 'a> {
                 Ok(Some((Points::Listed(numbers), count)))
             }
             (Some(count), None) => {
-                let place = line(self.job, piece.at);
+                let place = self.job.line(piece.at);
                 Err(self.job.malformed(
                     place,
                     format!("{count} points, as NumberOfPoints says"),
@@ -134,7 +134,7 @@ impl<'a> Reader<'_, 'a> {
     }
 
     fn line_words(&self, element: &Element) -> String {
-        line(self.job, element.at).to_string().trim_end_matches(": ").to_owned()
+        self.job.line(element.at).to_string().trim_end_matches(": ").to_owned()
     }
 
     fn list(&self, piece: &Element, parent: &str, count: &str, points: u64) -> Result<CellList, ReadError> {
@@ -147,7 +147,7 @@ impl<'a> Reader<'_, 'a> {
                 Some(n) => {
                     let expected = format!("{n} cells in {parent}, as {count} says");
                     Err(self.job.malformed(
-                        line(self.job, piece.at),
+                        self.job.line(piece.at),
                         expected,
                         "no offsets or no connectivity",
                     ))
@@ -248,7 +248,7 @@ impl<'a> Reader<'_, 'a> {
             return Ok(([x0, y0, z0], [x, y, z]));
         }
         let expected = "Extent with the first and the last point along three axes";
-        Err(self.job.malformed(line(self.job, piece.at), expected, format!("{text:?}")))
+        Err(self.job.malformed(self.job.line(piece.at), expected, format!("{text:?}")))
     }
 
     fn attribute_numbers(
@@ -263,6 +263,6 @@ impl<'a> Reader<'_, 'a> {
             return Ok(numbers);
         }
         let expected = format!("{} numbers as {name}", default.len());
-        Err(self.job.malformed(line(self.job, element.at), expected, format!("{text:?}")))
+        Err(self.job.malformed(self.job.line(element.at), expected, format!("{text:?}")))
     }
 }

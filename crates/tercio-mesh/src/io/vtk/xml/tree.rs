@@ -47,12 +47,6 @@ impl Element {
     }
 }
 
-/// The line with a byte of the file.
-pub fn line(job: &Job, at: usize) -> Place {
-    let before = job.input.bytes().get(..at).unwrap_or_default();
-    Place::Line(1 + before.iter().filter(|&&b| b == b'\n').count() as u64)
-}
-
 /// Reads the elements of a file.
 ///
 /// # Errors
@@ -68,7 +62,7 @@ pub fn parse(job: &Job) -> Result<Document, ReadError> {
     while root.is_none() {
         let before = mark + reader.buffer_position() as usize;
         let event = reader.read_event().map_err(|error| {
-            let place = line(job, mark + reader.error_position() as usize);
+            let place = job.line(mark + reader.error_position() as usize);
             job.malformed(place, "well-formed XML", error.to_string())
         })?;
         let after = mark + reader.buffer_position() as usize;
@@ -84,7 +78,7 @@ pub fn parse(job: &Job) -> Result<Document, ReadError> {
             if open.len() >= DEEPEST {
                 let found = "deeper ones";
                 return Err(job.malformed(
-                    line(job, before),
+                    job.line(before),
                     format!("elements nested {DEEPEST} deep at most"),
                     found,
                 ));
@@ -99,7 +93,7 @@ pub fn parse(job: &Job) -> Result<Document, ReadError> {
                     Some("raw") => false,
                     Some("base64") | None => true,
                     Some(other) => {
-                        let place = line(job, before);
+                        let place = job.line(before);
                         return Err(job.malformed(
                             place,
                             "encoding=\"raw\" or \"base64\"",
@@ -142,7 +136,7 @@ pub fn parse(job: &Job) -> Result<Document, ReadError> {
                 }
             }
             Event::Eof => {
-                let place = line(job, after);
+                let place = job.line(after);
                 let expected = match open.last() {
                     Some(open) => format!("the end of element {}", open.name),
                     None => "the element VTKFile".into(),
@@ -170,9 +164,8 @@ fn markup<'a>(job: &Job<'a>, bytes: &'a [u8]) -> Result<&'a str, ReadError> {
     }
     let is_appended = bytes[..end].ends_with(b">");
     let markup = if is_appended { &bytes[..end] } else { bytes };
-    std::str::from_utf8(markup).map_err(|error| {
-        job.malformed(line(job, error.valid_up_to()), "text in UTF-8", "bytes that are none")
-    })
+    std::str::from_utf8(markup)
+        .map_err(|error| job.malformed(job.line(error.valid_up_to()), "text in UTF-8", "bytes that are none"))
 }
 
 fn close(open: &mut [Element], root: &mut Option<Element>, done: Element) {
