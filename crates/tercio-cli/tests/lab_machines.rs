@@ -116,5 +116,15 @@ fn the_commands_of_the_handbook_run_and_its_numbers_hold() {
     assert!((0.0986..0.0986 * 1.05).contains(&geometry), "{row}");
     let formula: f64 = output("mcmanus.6 A=16").trim().parse().unwrap();
     assert!((formula - 1.545).abs() < 0.001, "{formula}");
-    assert!(place.path("figures/mcmanus-table-1/verdict.json").is_file());
+    let predicted = output("lab predict");
+    let after = |text: &str| -> f64 {
+        let rest = predicted.split_once(text).expect("a line of the prediction").1;
+        rest.split_whitespace().next().unwrap().parse().unwrap()
+    };
+    let memory = after("fullest rank: ") / 65536.0;
+    assert!(after(", rasterization ") > 4.0, "{predicted}");
+    assert!((4.5..5.5).contains(&memory), "{memory}");
+    assert!(output("simulate mcmanus").contains(" 1.53 "));
+    let scenes = ["figures/mcmanus-table-1/verdict.json", "figures/mcmanus-table-1-scenes/verdict.json"];
+    assert!(scenes.iter().all(|file| place.path(file).is_file()));
 }

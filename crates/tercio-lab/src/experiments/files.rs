@@ -44,9 +44,12 @@ pub(super) fn write_findings(
     for table in &findings.tables {
         write(&folder.join(format!("{}.csv", table.name)), table.to_csv())?;
     }
+    let mut plots = Vec::new();
     for plot in &findings.plots {
         for format in VectorFormat::ALL {
-            write(&folder.join(format!("{}.{}", plot.name, format.name())), plot.to_file(format))?;
+            let file = format!("{}.{}", plot.name, format.name());
+            write(&folder.join(&file), plot.to_file(format))?;
+            plots.push(file);
         }
     }
     let verdict = json!({
@@ -58,7 +61,7 @@ pub(super) fn write_findings(
         "text": findings.verdict.text(),
         "remarks": findings.remarks,
         "tables": findings.tables.iter().map(|t| format!("{}.csv", t.name)).collect::<Vec<_>>(),
-        "plots": findings.plots.iter().map(|p| format!("{}.svg", p.name)).collect::<Vec<_>>(),
+        "plots": plots,
     });
     write(&folder.join("verdict.json"), format!("{verdict:#}\n"))
 }

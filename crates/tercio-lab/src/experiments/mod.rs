@@ -277,6 +277,8 @@ mod tests {
             let findings = outcome.findings.as_ref().unwrap_or_else(|e| panic!("{id}: {e}"));
             assert!(findings.tables.iter().all(|t| !t.rows.is_empty()), "{id} has an empty table");
             for plot in &findings.plots {
+                let on_zero = plot.x.categories.is_none() || plot.y.scale == Scale::Linear;
+                assert!(on_zero, "{id}/{}: bars stand on zero, which no logarithmic axis has", plot.name);
                 let file = |extension| directory.path().join(id).join(format!("{}.{extension}", plot.name));
                 assert!(file("svg").is_file() && file("pdf").is_file());
                 let collisions = plot.collisions().into_iter().map(|c| format!("{id}/{}: {c}", plot.name));

@@ -104,7 +104,8 @@ fn text(checks: &[Checked]) -> String {
             let _ = writeln!(text, "    {why}");
         }
     }
-    let _ = writeln!(text, "{} numbers:", checks.len());
+    let numbers = if checks.len() == 1 { "number" } else { "numbers" };
+    let _ = writeln!(text, "{} {numbers}:", checks.len());
     for (class, count) in published::summary(checks) {
         let _ = writeln!(text, "{count:5}  {}", class.text());
     }

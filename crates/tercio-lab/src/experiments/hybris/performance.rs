@@ -133,7 +133,7 @@ fn rates() -> Result<Findings, ExperimentError> {
         "rates",
         "Triangle rates that the document measured",
         Axis::categories("implementation", 1, implementations.map(|i| i.1)),
-        Axis::log10("triangles a second"),
+        Axis::linear("triangles a second"),
     );
     for (model, label) in [("bunny", "bunny, 69,451 triangles"), ("buddha", "Buddha, 1,087,716 triangles")] {
         let mut points = Vec::new();

@@ -55,7 +55,8 @@ fn classes() -> Result<Findings, ExperimentError> {
     for topology in NETWORKS {
         for (_, organisation) in CLASSES {
             for power in (0..=20).step_by(4) {
-                plans.push((organisation, Setting::of(&machine, 1 << power, SIZE, Some(topology))?));
+                let setting = Setting::of(&machine, 1 << power, SIZE, Some(topology), &[organisation])?;
+                plans.push((organisation, setting));
             }
         }
     }

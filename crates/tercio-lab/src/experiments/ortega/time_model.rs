@@ -51,7 +51,8 @@ fn model() -> Result<Findings, ExperimentError> {
         ],
     );
     let mut comparison = Comparison::new();
-    let (mut own, mut others) = (Vec::new(), Vec::new());
+    // The errors of each row by the model of row 1, table by table.
+    let mut errors = ROWS.map(|_| Vec::new());
     for (number, name, partitions) in TABLES {
         let rows =
             ROWS.iter().map(|&row| points(&facts, number, row, partitions)).collect::<Result<Vec<_>, _>>()?;
@@ -68,25 +69,26 @@ fn model() -> Result<Findings, ExperimentError> {
                     error.into(),
                 ]);
                 if from == 0 {
-                    let points = if to == 0 { &mut own } else { &mut others };
-                    points.push((f64::from(number), error));
+                    errors[to].push((f64::from(number), error));
                 }
             }
         }
-        let worst = others.iter().filter(|p| p.0 == f64::from(number)).map(|p| p.1).fold(0.0, f64::max);
+        let of_table = errors[1..].iter().flatten().filter(|p| p.0 == f64::from(number));
+        let worst = of_table.map(|p| p.1).fold(0.0, f64::max);
         comparison.claim(
             format!("{name}: row 1 predicts the times of rows 2 and 3 within 10 % ({worst:.1} %)"),
             worst <= 10.0,
         );
     }
-    let plot = Plot::new(
+    let mut plot = Plot::new(
         "errors",
         "Largest error of a time, fitted on row 1",
-        Axis::linear("table"),
+        Axis::categories("table", 1, TABLES.map(|t| t.1)),
         Axis::linear("percent"),
-    )
-    .with(Series::points("row 1 itself", own))
-    .with(Series::points("rows 2 and 3", others));
+    );
+    for (label, points) in ["row 1 itself", "row 2", "row 3"].into_iter().zip(errors) {
+        plot = plot.with(Series::points(label, points));
+    }
     Ok(Findings {
         tables: vec![table],
         plots: vec![plot],

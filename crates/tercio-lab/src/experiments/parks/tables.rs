@@ -76,7 +76,7 @@ fn scene_tables() -> Result<Findings, ExperimentError> {
         "scenes",
         "Slowest processor of each machine",
         Axis::categories("figure", *FIGURES.start(), FIGURES.map(|f| f.to_string())),
-        Axis::log10("million memory cycles"),
+        Axis::linear("million memory cycles"),
     );
     for (machine, name) in MACHINES.into_iter().enumerate() {
         plot = plot.with(Series::line_points(name, column(&facts, FIGURES, machine)?).published());

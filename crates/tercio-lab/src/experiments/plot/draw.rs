@@ -42,7 +42,7 @@ impl Plot {
                 looks.iter().find(|l| series.like.as_ref() == Some(&l.series.label)).map(|l| l.number);
             let number = other.unwrap_or(next);
             next += usize::from(other.is_none());
-            looks.push(Look { series, number, as_bars: self.x.categories.is_some() });
+            looks.push(Look { series, number, as_bars: self.x.categories.is_some(), hidden_by: 0 });
         }
         looks
     }
@@ -86,13 +86,19 @@ impl Plot {
             label::push(shapes, line, TITLE, at, Anchor::Start, false);
         }
         self.push_axes(shapes, &frame, &names);
-        let looks = self.looks();
+        let mut looks = self.looks();
         if self.x.categories.is_some() {
             push_all_bars(shapes, &frame, &looks, &placed);
         } else {
-            for (look, points) in looks.iter().zip(&placed) {
-                let points: Vec<_> = points.iter().map(|point| point.map(|p| frame.at(p))).collect();
-                look.push_line(shapes, [frame.low.x, frame.high.x], &points, looks.len());
+            let on_page =
+                |points: &Vec<Option<DVec2>>| points.iter().map(|p| p.map(|p| frame.at(p))).collect();
+            let points: Vec<Vec<_>> = placed.iter().map(on_page).collect();
+            for i in 0..looks.len() {
+                let hides = |j: &usize| looks[i].is_hidden_by(&points[i], &looks[*j], &points[*j]);
+                looks[i].hidden_by = (i + 1..looks.len()).filter(hides).count() as u32;
+            }
+            for (look, points) in looks.iter().zip(&points) {
+                look.push_line(shapes, [frame.low.x, frame.high.x], points, looks.len());
             }
         }
         legend.push(shapes, dvec2(right + 16.0, top), &looks);
@@ -188,11 +194,8 @@ fn push_all_bars(shapes: &mut Vec<Shape>, frame: &Frame, looks: &[Look<'_>], pla
             let left = x - 0.5 * FILLED + i as f64 * width;
             let foot = |x| frame.at(dvec2(x, frame.y.low));
             let Some(point) = point else {
-                push_gap(
-                    shapes,
-                    LABEL.min(1.6 * (foot(left + width).x - foot(left).x)),
-                    foot(left + 0.5 * width),
-                );
+                let size = (1.6 * (foot(left + width).x - foot(left).x)).clamp(9.0, LABEL);
+                push_gap(shapes, size, foot(left + 0.5 * width));
                 continue;
             };
             let high = frame.at(dvec2(left + 0.94 * width, point.y));

@@ -5,7 +5,7 @@ use tercio::vector::{Anchor, Shape};
 
 use super::label::{self, LABEL, LINE};
 use super::look::Look;
-use super::{Plot, Series};
+use super::{Plot, Role, Series};
 
 /// Width of the sample of a series.
 const SAMPLE: f64 = 30.0;
@@ -13,33 +13,46 @@ const SAMPLE: f64 = 30.0;
 const WIDEST: f64 = 140.0;
 /// What a question mark stands for.
 const UNKNOWN: &str = "? not known";
+/// What the looks of a document's values and of ours stand for: with bars, and with lines and points.
+const ORIGINS: [[&str; 2]; 2] = [
+    ["hatched: from the document", "filled: computed"],
+    ["hollow, dashed: from the document", "filled, solid: computed"],
+];
 
 /// What the legend says.
 pub(super) struct Legend {
     /// Lines of text of every series.
     labels: Vec<Vec<String>>,
-    /// Are there values that are not known?
-    has_gaps: bool,
+    /// Lines below them: what the looks of values from the document stand for, and question marks.
+    notes: Vec<String>,
 }
 
 impl Legend {
-    /// The legend of a plot; a single series has none.
+    /// The legend of a plot. A single series has no label.
     pub fn of(plot: &Plot, has_gaps: bool) -> Self {
         let is_shown = plot.series.len() > 1;
         let label = |s: &Series| label::wrapped(&s.label, LABEL, WIDEST);
         let labels = if is_shown { plot.series.iter().map(label).collect() } else { Vec::new() };
-        Self { labels, has_gaps }
+        let has = |role| plot.series.iter().any(|s| s.role == role);
+        let [theirs, ours] = ORIGINS[usize::from(plot.x.categories.is_none())];
+        let notes = [
+            has(Role::Published).then_some(theirs),
+            (has(Role::Published) && has(Role::Ours)).then_some(ours),
+            has_gaps.then_some(UNKNOWN),
+        ];
+        let wrapped = |note| label::wrapped(note, LABEL, SAMPLE + WIDEST);
+        Self { labels, notes: notes.into_iter().flatten().flat_map(wrapped).collect() }
     }
 
     /// Width and height, both zero if nothing is said.
     pub fn size(&self) -> DVec2 {
-        let texts = self.labels.iter().flatten().map(String::as_str).chain(self.has_gaps.then_some(UNKNOWN));
-        let width = texts.map(|line| label::width(line, LABEL)).fold(0.0, f64::max);
-        if width == 0.0 {
-            return DVec2::ZERO;
-        }
+        let widest = |lines: &mut dyn Iterator<Item = &String>| {
+            lines.map(|line| label::width(line, LABEL)).fold(0.0, f64::max)
+        };
+        let labels = widest(&mut self.labels.iter().flatten());
+        let labels = if labels > 0.0 { SAMPLE + 8.0 + labels } else { 0.0 };
         let lines: f64 = self.labels.iter().map(|l| l.len() as f64 * LINE + 5.0).sum();
-        dvec2(SAMPLE + 8.0 + width, lines + if self.has_gaps { LINE } else { 0.0 })
+        dvec2(labels.max(widest(&mut self.notes.iter())), lines + self.notes.len() as f64 * LINE)
     }
 
     /// Draws it with its upper left corner at `corner`.
@@ -60,9 +73,9 @@ impl Legend {
             }
             at.y += 5.0;
         }
-        if self.has_gaps {
-            let at = at + dvec2(SAMPLE + 8.0, 0.75 * LINE);
-            label::push(shapes, UNKNOWN, LABEL, at, Anchor::Start, false);
+        for note in &self.notes {
+            at.y += LINE;
+            label::push(shapes, note, LABEL, at - dvec2(0.0, 0.25 * LINE), Anchor::Start, false);
         }
     }
 }

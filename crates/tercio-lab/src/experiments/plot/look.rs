@@ -9,6 +9,10 @@ use super::symbols::{dashed, symbol};
 use super::{Mark, Role, Series};
 
 const RADIUS: f64 = 3.6;
+/// Hollow symbols are larger, so that they can be seen around full ones.
+const HOLLOW: f64 = 4.8;
+/// What a line and a symbol grow by for each line above that hides them.
+const RIM: f64 = 1.6;
 /// Symbols on a line that has none of its own.
 const SYMBOLS_OF_LINE: u32 = 5;
 
@@ -18,6 +22,8 @@ pub(super) struct Look<'a> {
     /// The number of its colour and symbol.
     pub number: usize,
     pub as_bars: bool,
+    /// How many of the series drawn later lie on this one, which is drawn wider, so that a rim of it remains.
+    pub hidden_by: u32,
 }
 
 impl Look<'_> {
@@ -36,11 +42,17 @@ impl Look<'_> {
         } else {
             (Cap::Round, vec![line.to_vec()])
         };
-        shapes.push(Shape::Lines { style: Style { color: self.color(), width: 1.8, cap }, lines });
+        let width = 1.8 + 2.0 * self.rim();
+        shapes.push(Shape::Lines { style: Style { color: self.color(), width, cap }, lines });
+    }
+
+    fn rim(&self) -> f64 {
+        f64::from(self.hidden_by) * RIM
     }
 
     fn push_symbol(&self, shapes: &mut Vec<Shape>, at: DVec2) {
-        let outline = symbol(self.number, at, RADIUS);
+        let radius = if self.is_published() { HOLLOW } else { RADIUS };
+        let outline = symbol(self.number, at, radius + self.rim());
         if self.is_published() {
             // Not filled, so that what is below can be seen.
             let closed = outline.iter().copied().chain(outline.first().copied()).collect();
@@ -49,6 +61,25 @@ impl Look<'_> {
         } else {
             shapes.push(Shape::Area { color: self.color(), polygons: vec![outline] });
         }
+    }
+
+    /// Do most points of this series lie under those of another one? Hollow symbols hide nothing, and symbols of lines without
+    /// points are at different places.
+    pub fn is_hidden_by(&self, points: &[Option<DVec2>], other: &Self, others: &[Option<DVec2>]) -> bool {
+        /// In pixels.
+        const NEAR: f64 = 2.0;
+        if self.is_published()
+            || other.is_published()
+            || other.series.mark != self.series.mark
+            || self.as_bars
+        {
+            return false;
+        }
+        let known = || points.iter().flatten();
+        let is_met = |p: &&DVec2| others.iter().flatten().any(|q| q.distance(**p) < NEAR);
+        self.series.mark != Mark::Line
+            && known().count() > 1
+            && 2 * known().filter(is_met).count() > known().count()
     }
 
     /// The line and the symbols of one of several series, whose axis is that wide; lines have gaps where there is no point.

@@ -1,6 +1,6 @@
 //! Plots for print, as SVG and PDF: our values as solid lines with full symbols, published ones as dashed lines with hollow
 //! symbols, bars for categories, the legend beside the data, and gaps where a value is not known. Series differ in colour and
-//! symbol (bars in colour and hatching), colours also in lightness.
+//! symbol (bars in colour and hatching), colours also in lightness; one that lies under another is drawn wider.
 
 mod bars;
 mod draw;
@@ -35,7 +35,7 @@ pub struct Axis {
     pub label: String,
     /// Its scale.
     pub scale: Scale,
-    /// What is on a horizontal axis of categories, instead of numbers.
+    /// What is on a horizontal axis of categories, instead of numbers. The vertical one is then linear: bars stand on zero.
     pub categories: Option<Categories>,
 }
 

@@ -192,10 +192,19 @@ fn document(of: Document, outcomes: &[Outcome], to: &mut impl Format) {
     if !equations.is_empty() {
         to.heading(3, "Equations", None);
         to.paragraph(
-            "Corrected where the document or its scan is wrong. The name is that of 'tercio lab eval'.",
+            "Corrected where the document or its scan is wrong. The name is that of 'tercio lab eval'; one that ends in \
+             'as-printed' has the printed form. Of several lines, the last ones are the result.",
         );
         equations.iter().for_each(|e| to.equation(e));
+        let left_out = equations::left_out(of);
+        if !left_out.is_empty() {
+            to.paragraph(&format!("Not typeset: {}.", left_out.join("; ")));
+        }
     }
+    to.paragraph(
+        "In the figures, filled symbols and bars and solid lines are computed here; hollow symbols, dashed lines and hatched \
+         bars are the document's own values and equations.",
+    );
     let of_document = |machine: &Machine| machine.sorting.source.starts_with(of.number());
     let machines: Vec<_> = built_in().filter(of_document).collect();
     if !machines.is_empty() {
@@ -212,8 +221,9 @@ fn built_in() -> impl Iterator<Item = Machine> {
 
 fn all_machines(to: &mut impl Format) {
     to.paragraph(
-        "Where each machine sorts, and what travels between its processors there. At most three processors are drawn; the \
-         last one stands for those between.",
+        "Where each machine sorts, and what travels there. At most three processors are drawn; the last one stands for those \
+         between. Of a machine with tile engines, its pipeline is drawn: heap, stages of each engine, and the entries of \
+         the queues between them.",
     );
     for of in built_in() {
         to.heading(3, &of.name, None);

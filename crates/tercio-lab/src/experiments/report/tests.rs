@@ -57,6 +57,23 @@ fn elements_of_pages_are_closed() {
 }
 
 #[test]
+fn a_verdict_lists_all_files_of_its_folder() {
+    let (directory, outcomes) = site();
+    for outcome in outcomes {
+        let folder = directory.path().join(outcome.experiment.id);
+        let verdict = std::fs::read_to_string(folder.join("verdict.json")).unwrap();
+        let verdict: serde_json::Value = serde_json::from_str(&verdict).unwrap();
+        let listed = ["tables", "plots"].map(|key| verdict[key].as_array().unwrap().clone()).concat();
+        let listed: BTreeSet<_> = listed.iter().map(|f| f.as_str().unwrap().to_owned()).collect();
+        let files =
+            std::fs::read_dir(&folder).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap());
+        let files: BTreeSet<_> = files.filter(|f| f != "verdict.json").collect();
+        assert_eq!(listed, files);
+        assert!(files.iter().any(|f| f.ends_with(".pdf")), "{files:?}");
+    }
+}
+
+#[test]
 fn what_is_a_sign_of_the_markup_is_escaped() {
     let mut html = Html::default();
     html.labelled("a < b", "\"c\" & d");

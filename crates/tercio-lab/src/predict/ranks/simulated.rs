@@ -8,7 +8,7 @@
 use serde::Serialize;
 
 use super::Plan;
-use crate::machines::{Machine, MachineError, Operation};
+use crate::machines::{Machine, Operation};
 use crate::predict::PredictError;
 use crate::predict::counts::Counters;
 use crate::predict::frame::{FrameTime, knows_clusters};
@@ -59,8 +59,7 @@ struct Work {
 }
 
 impl Work {
-    fn of(machine: &Machine, c: &Counters, boxes: &BoxScene) -> Result<Self, MachineError> {
-        let costs = Costs::of(machine)?;
+    fn of(machine: &Machine, costs: Costs, c: &Counters, boxes: &BoxScene) -> Self {
         let visible = boxes.boxes.iter().filter(|b| b.visible);
         let box_pixels = visible.map(|b| b.pixels.area()).sum::<u64>().max(1) as f64;
         let one = FrameTime::on_one_thread(machine, c);
@@ -74,7 +73,7 @@ impl Work {
             Costs { pixel: costs.pixel + stamps / box_pixels, ..costs }
         };
         let picture = one.picture - machine.seconds_or_0(Operation::Frame);
-        Ok(Self { costs, shading: one.shading, picture })
+        Self { costs, shading: one.shading, picture }
     }
 }
 
@@ -90,8 +89,8 @@ pub fn predict(
     size: (u32, u32),
     plan: Plan,
 ) -> Result<SimulatedFrame, PredictError> {
-    let setting = Setting::of(machine, plan.ranks, size, plan.topology)?;
-    let work = Work::of(machine, counters, boxes)?;
+    let setting = Setting::of(machine, plan.ranks, size, plan.topology, &[plan.organisation])?;
+    let work = Work::of(machine, setting.costs, counters, boxes);
     let setting = Setting { region: plan.region, assignment: plan.assignment, costs: work.costs, ..setting };
     let sorting = simulate(boxes, plan.organisation, &setting)?;
     let ranks = plan.ranks as f64;

@@ -32,6 +32,13 @@ pub enum Organisation {
     SortTwice(usize),
 }
 
+impl Organisation {
+    /// Are pictures of several processors merged?
+    pub fn composites(self) -> bool {
+        matches!(self, Self::SortLast | Self::SortTwice(_))
+    }
+}
+
 /// Costs of a processor's work in seconds, and sizes in bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Costs {
@@ -45,7 +52,7 @@ pub struct Costs {
     pub pixel: f64,
     /// Seconds to merge a pixel of two pictures.
     pub composite: f64,
-    /// Bytes of a polygon before the geometry work.
+    /// Bytes of a polygon before the geometry work; 0 if none travels and the description does not say.
     pub primitive: u64,
     /// Bytes of a set-up polygon.
     pub descriptor: u64,
@@ -59,22 +66,29 @@ pub struct Costs {
 const CLUSTER: [f64; 2] = [64.0, 128.0];
 
 impl Costs {
-    /// The costs of a description. A machine that is charged for clusters transforms a polygon for its share of a full
-    /// one.
+    /// The costs of a description for some organisations. A machine that is charged for clusters transforms a polygon for
+    /// its share of a full one.
     ///
     /// # Errors
-    /// [`MachineError::Missing`] without the sizes of messages, or without costs of geometry, pixels or composition.
-    pub fn of(machine: &Machine) -> Result<Self, MachineError> {
+    /// [`MachineError::Missing`] without the costs of geometry and pixels or the bytes of descriptors and samples, which every
+    /// organisation keeps; without the cost of composition if one composites; without the bytes of primitives if
+    /// one sends them.
+    pub fn of(machine: &Machine, uses: &[Organisation]) -> Result<Self, MachineError> {
         use Operation::{Cluster, ClusterDrawn, ClusterEntry, Polygon, PolygonSetUp, Vertex};
         let whole = |bytes: &Sourced<Bytes>| bytes.value.ceil() as u64;
         let need = |kind: DataKind| {
             machine.need(machine.bytes.get(&kind), &format!("bytes.{}", kind.name())).map(whole)
         };
         let kinds: [&[_]; 3] = [&[Polygon, ClusterDrawn], &[Operation::Pixel], &[Operation::CompositePixel]];
-        let sample = MachineError::both(need(DataKind::Sample), machine.need_costs(&kinds));
+        let composites = uses.iter().any(|o| o.composites());
+        let sample = MachineError::both(
+            need(DataKind::Sample),
+            machine.need_costs(&kinds[..2 + usize::from(composites)]),
+        );
         let descriptor = MachineError::both(need(DataKind::Descriptor), sample);
-        let (primitive, (descriptor, (sample, ()))) =
-            MachineError::both(need(DataKind::Primitive), descriptor)?;
+        let primitive = need(DataKind::Primitive)
+            .or_else(|error| if uses.contains(&Organisation::SortFirst) { Err(error) } else { Ok(0) });
+        let (primitive, (descriptor, (sample, ()))) = MachineError::both(primitive, descriptor)?;
         let [vertices, polygons] = CLUSTER;
         let of_cluster: f64 =
             [Cluster, ClusterEntry, ClusterDrawn].map(|o| machine.seconds_or_0(o)).iter().sum();
@@ -92,8 +106,8 @@ impl Costs {
         })
     }
 
-    /// Operations without a cost in the description: the times are too short if they occur.
-    pub fn uncharged(&self) -> Vec<Operation> {
+    /// Operations of an organisation without a cost in the description: the times are too short if they occur.
+    pub fn uncharged(&self, organisation: Organisation) -> Vec<Operation> {
         let all = [
             (self.polygon, Operation::Polygon),
             (self.set_up, Operation::PolygonSetUp),
@@ -101,7 +115,8 @@ impl Costs {
             (self.pixel, Operation::Pixel),
             (self.composite, Operation::CompositePixel),
         ];
-        all.into_iter().filter(|(seconds, _)| *seconds == 0.0).map(|(_, operation)| operation).collect()
+        let occurs = |o: &Operation| *o != Operation::CompositePixel || organisation.composites();
+        all.into_iter().filter(|(s, o)| *s == 0.0 && occurs(o)).map(|(_, operation)| operation).collect()
     }
 }
 
@@ -192,7 +207,7 @@ pub struct Setting {
 }
 
 impl Setting {
-    /// The settings of a machine, with the largest regions, interleaved, on a screen of some pixels.
+    /// The settings of a machine for some organisations, with the largest regions, interleaved, on a screen of some pixels.
     ///
     /// # Errors
     /// [`MachineError`]: costs, bytes or a network are missing; the machine cannot have so many processors.
@@ -201,9 +216,11 @@ impl Setting {
         processors: usize,
         (width, height): (u32, u32),
         topology: Option<crate::machines::Topology>,
+        uses: &[Organisation],
     ) -> Result<Self, MachineError> {
         machine.may_have(processors)?;
-        let (network, costs) = MachineError::both(NetworkModel::of(machine, topology), Costs::of(machine))?;
+        let (network, costs) =
+            MachineError::both(NetworkModel::of(machine, topology), Costs::of(machine, uses))?;
         Ok(Self {
             width,
             height,

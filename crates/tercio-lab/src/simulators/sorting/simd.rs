@@ -173,7 +173,8 @@ mod tests {
         let machine = ring::Machine::princeton_engine();
         assert_eq!(ring::Machine::of(&description).unwrap(), machine);
         let (scene, clock) = (scene(), 14e6);
-        let setting = Setting::of(&description, 1024, (768, 512), None).unwrap();
+        let all = [Organisation::SortMiddle, Organisation::SortLast];
+        let setting = Setting::of(&description, 1024, (768, 512), None, &all).unwrap();
         for (organisation, group) in [
             (Organisation::SortMiddle, 1024),
             (Organisation::SortTwice(64), 64),
@@ -209,7 +210,7 @@ mod tests {
     #[test]
     fn a_picture_for_processor_0_passes_its_neighbour() {
         let description = builtin("princeton-engine").unwrap().unwrap();
-        let mut setting = Setting::of(&description, 4, (64, 32), None).unwrap();
+        let mut setting = Setting::of(&description, 4, (64, 32), None, &[Organisation::SortMiddle]).unwrap();
         let delivered = |setting: &Setting| {
             sorting::simulate(&scene(), Organisation::SortMiddle, setting).unwrap().delivery_seconds
         };
@@ -222,7 +223,7 @@ mod tests {
     #[test]
     fn groups_that_do_not_divide_the_ring_are_refused() {
         let description = builtin("princeton-engine").unwrap().unwrap();
-        let setting = Setting::of(&description, 10, (768, 512), None).unwrap();
+        let setting = Setting::of(&description, 10, (768, 512), None, &[Organisation::SortTwice(4)]).unwrap();
         let error = sorting::simulate(&scene(), Organisation::SortTwice(4), &setting).unwrap_err();
         assert!(error.to_string().contains("a group that divides the 10 processors, found 4"), "{error}");
     }

@@ -139,10 +139,16 @@ fn text(name: &str, f: &HybrisFrame) -> String {
         let _ = writeln!(t, "bus: {} bytes in {} transfers, {:.3} ms", b.bytes, b.transfers, b.seconds * 1e3);
     }
     if let Some(s) = &f.software {
+        let times = |seconds: &[f64]| {
+            let each: Vec<_> = seconds.iter().map(|s| format!("{:.3} ms", s * 1e3)).collect();
+            each.join(" and ")
+        };
         let _ = writeln!(
             t,
-            "software: front ends {:?} s, back ends {:?} s, serial {} s",
-            s.front, s.back, s.serial
+            "software: front ends {}, back ends {}, serial {}",
+            times(&s.front),
+            times(&s.back),
+            times(&[s.serial])
         );
     }
     let _ = match f.seconds() {

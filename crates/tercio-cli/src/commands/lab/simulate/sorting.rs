@@ -126,7 +126,8 @@ impl Sorting {
             if self.region.is_empty() { vec![None] } else { self.region.iter().copied().map(Some).collect() };
         let mut plans = Vec::new();
         for &processors in counts {
-            let mut of_machine = Setting::of(machine, processors, size, self.network.map(Into::into))?;
+            let network = self.network.map(Into::into);
+            let mut of_machine = Setting::of(machine, processors, size, network, &self.organisations())?;
             if self.unbatched {
                 of_machine.network.packing = Packing::OneAPolygon;
             }
@@ -171,7 +172,10 @@ impl Sorting {
 
 /// Work that has no cost in the machine's description and is therefore missing in the times.
 fn uncharged(runs: &[((Organisation, Setting), SortReport)]) -> Vec<&'static str> {
-    let work = runs.first().map(|((_, setting), _)| setting.costs.uncharged()).unwrap_or_default();
+    let mut work: Vec<_> =
+        runs.iter().flat_map(|((organisation, s), _)| s.costs.uncharged(*organisation)).collect();
+    work.sort_unstable();
+    work.dedup();
     work.into_iter().map(Operation::name).collect()
 }
 

@@ -103,3 +103,41 @@ fn every_series_of_ten_has_a_colour_and_a_symbol_of_its_own() {
         (0..COLORS.len()).map(|kind| format!("{:?}", symbol(kind, DVec2::ZERO, 1.0))).collect();
     assert!((0..outlines.len()).all(|i| !outlines[..i].contains(&outlines[i])));
 }
+
+#[test]
+fn the_legend_says_once_what_is_from_the_document() {
+    let points = || vec![(1.0, 1.0), (2.0, 2.0)];
+    let lines =
+        || Plot::new("p", "t", Axis::linear("x"), Axis::linear("y")).with(Series::line("a", points()));
+    let both = lines().with(Series::points("b", points()).published());
+    let alone = Plot { series: vec![Series::points("b", points()).published()], ..lines() };
+    let bars = Plot { x: Axis::categories("x", 1, ["a", "b"]), ..both.clone() };
+    let says = |plot: &Plot, what: &str| svg(plot).matches(&format!(">{what}</text>")).count();
+    assert_eq!((says(&both, "filled, solid: computed"), says(&lines(), "filled, solid: computed")), (1, 0));
+    assert_eq!((says(&alone, "filled, solid: computed"), says(&bars, "filled: computed")), (0, 1));
+    for (plot, from) in [(&both, "dashed: from"), (&alone, "dashed: from"), (&bars, "hatched: from")] {
+        assert!(svg(plot).contains(from) && collisions(&plot.page()).is_empty(), "{from}");
+    }
+    assert!(!svg(&lines()).contains("from the document"));
+}
+
+#[test]
+fn a_line_under_another_one_is_wider() {
+    let points = || vec![(1.0, 1.0), (2.0, 2.0), (3.0, 4.0)];
+    let far = vec![(1.0, 4.0), (2.0, 1.0), (3.0, 1.0)];
+    let plot = |second| {
+        Plot::new("p", "t", Axis::linear("x"), Axis::linear("y"))
+            .with(Series::line_points("a", points()))
+            .with(Series::line_points("b", second))
+    };
+    let width = |plot: &Plot, of: usize| {
+        let widths = plot.page().shapes.into_iter().filter_map(|shape| match shape {
+            Shape::Lines { style, .. } if style.color[..3] == COLORS[of] => Some(style.width),
+            _ => None,
+        });
+        widths.fold(0.0, f64::max)
+    };
+    let (same, apart) = (plot(points()), plot(far));
+    assert!(width(&same, 0) > 2.0 * width(&same, 1));
+    assert_eq!(width(&apart, 0), width(&apart, 1));
+}

@@ -161,3 +161,52 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn what_an_organisation_does_not_use_may_be_missing() {
+    use crate::machines::{Machine, builtin};
+    type Removed = (&'static str, fn(&mut Machine));
+    let keys: [Removed; 6] = [
+        ("bytes.primitive", |m| drop(m.bytes.remove(&DataKind::Primitive))),
+        ("bytes.descriptor", |m| drop(m.bytes.remove(&DataKind::Descriptor))),
+        ("bytes.sample", |m| drop(m.bytes.remove(&DataKind::Sample))),
+        ("costs.cluster-drawn", |m| drop(m.costs.remove(&Operation::ClusterDrawn))),
+        ("costs.pixel", |m| drop(m.costs.remove(&Operation::Pixel))),
+        ("costs.composite-pixel", |m| drop(m.costs.remove(&Operation::CompositePixel))),
+    ];
+    let scene = scene(&[(3, 3, 40, 50), (30, 30, 33, 33), (10, 2, 11, 60), (0, 0, 63, 63)]);
+    let machine = builtin("cluster-64").unwrap().unwrap();
+    let optional = |organisation, key| match organisation {
+        Organisation::SortFirst => key == "costs.composite-pixel",
+        Organisation::SortMiddle => matches!(key, "costs.composite-pixel" | "bytes.primitive"),
+        Organisation::SortLast | Organisation::SortTwice(_) => key == "bytes.primitive",
+    };
+    let all = [
+        Organisation::SortFirst,
+        Organisation::SortMiddle,
+        Organisation::SortLast,
+        Organisation::SortTwice(2),
+    ];
+    for organisation in all {
+        let of = |machine: &Machine| Setting::of(machine, 4, (64, 64), None, &[organisation]);
+        let whole = simulate(&scene, organisation, &of(&machine).unwrap());
+        for (key, remove) in keys {
+            let mut without = machine.clone();
+            remove(&mut without);
+            match of(&without) {
+                // What is not asked for makes no difference.
+                Ok(setting) => {
+                    assert!(optional(organisation, key), "{organisation:?}: {key}");
+                    assert_eq!(simulate(&scene, organisation, &setting), whole, "{organisation:?}: {key}");
+                    assert!(setting.costs.uncharged(organisation).iter().all(|o| !key.ends_with(o.name())));
+                }
+                Err(error) => {
+                    assert!(!optional(organisation, key), "{organisation:?}: {key}");
+                    assert!(error.to_string().contains(key), "{error}");
+                }
+            }
+            let error = Setting::of(&without, 4, (64, 64), None, &all).unwrap_err();
+            assert!(error.to_string().contains(key), "{error}");
+        }
+    }
+}
