@@ -202,6 +202,7 @@ mod tests {
         ("eldridge-table-8-1", "qualitative"),
         ("eldridge-fig-4-1", "qualitative"),
         ("eldridge-fig-4-2", "qualitative"),
+        ("eldridge-fig-4-3-pixels", "reproduced after correction"),
         ("eldridge-fig-5-3", "qualitative"),
         ("eldridge-fig-5-5", "qualitative"),
         ("eldridge-fig-5-6", "contradicted"),
