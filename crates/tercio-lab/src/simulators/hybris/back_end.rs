@@ -184,15 +184,16 @@ mod tests {
         let tiles = Tiles { width: 256, height: 32, edge: 32 };
         let at = |x: i32| Triangle::new([(x, 0), (x, 30), (x + 30, 0)].map(|(x, y)| (x * 256, y * 256)));
         let triangles = (0..8).flat_map(|tile| [at(tile * 32); 8]).collect();
-        let front = FrontEnd::run(
-            &[Partition { vertices: 3, outside: 0, triangles }],
-            tiles,
-            HeapLayout::DOCUMENT,
-        );
+        let front =
+            FrontEnd::run(&[Partition { vertices: 3, outside: 0, triangles }], tiles, HeapLayout::DOCUMENT);
         let engine =
             EngineSettings { set_up_triangle: 1, fifo: 1, fifo_after_broadcast: 1, rows: 1, columns: 1 };
         let run = |engines, sharing| {
-            run(std::slice::from_ref(&front), tiles, BackEndSettings { engine, engines, sharing, output: 1 << 20 })
+            run(
+                std::slice::from_ref(&front),
+                tiles,
+                BackEndSettings { engine, engines, sharing, output: 1 << 20 },
+            )
         };
         // A tile of k triangles takes 3 cycles to fill the pipeline, and a cycle a pixel or an empty row.
         let one = run(1, Sharing::Tiles);

@@ -25,7 +25,8 @@ pub fn patterns(n: u32) -> Vec<Vec<u32>> {
 
 /// The scene at `n` times the resolution.
 pub fn scaled(scene: &Scene, n: u32) -> Scene {
-    let of = |p: &Partition| Partition { triangles: p.triangles.iter().map(|t| larger(t, n)).collect(), ..*p };
+    let of =
+        |p: &Partition| Partition { triangles: p.triangles.iter().map(|t| larger(t, n)).collect(), ..*p };
     Scene {
         width: scene.width * n,
         height: scene.height * n,
