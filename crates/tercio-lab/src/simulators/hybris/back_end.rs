@@ -15,6 +15,20 @@ pub enum Sharing {
     Tiles,
     /// All work on the same tile, each on every n-th triangle; their pictures are composited (3.6.4).
     Composition,
+    /// Pairs have tiles of their own, and the two of a pair every other triangle (figure 3.23). An odd number of engines
+    /// has no pairs, and shares as [`Sharing::Tiles`].
+    Hybrid,
+}
+
+impl Sharing {
+    /// In how many groups `engines` are, and how many work on the same tile.
+    pub fn groups(self, engines: usize) -> (usize, usize) {
+        match self {
+            Self::Hybrid if engines.is_multiple_of(2) && engines > 0 => (engines / 2, 2),
+            Self::Tiles | Self::Hybrid => (engines.max(1), 1),
+            Self::Composition => (1, engines.max(1)),
+        }
+    }
 }
 
 /// A frame's back end.
@@ -98,18 +112,15 @@ pub fn tile_work(front_ends: &[FrontEnd], tiles: Tiles, tile: usize) -> Vec<Tile
 }
 
 fn draw(tile: usize, work: &[TileWork], tiles: Tiles, s: BackEndSettings) -> Vec<(usize, EngineCounts)> {
-    match s.sharing {
-        Sharing::Tiles => {
-            let (column, row) = tiles.place(tile);
-            vec![((column + row) as usize % s.engines, run_tile(s.engine, work))]
-        }
-        Sharing::Composition => (0..s.engines)
-            .map(|engine| {
-                let own: Vec<_> = work.iter().skip(engine).step_by(s.engines).cloned().collect();
-                (engine, run_tile(s.engine, &own))
-            })
-            .collect(),
-    }
+    let (groups, parts) = s.sharing.groups(s.engines);
+    let (column, row) = tiles.place(tile);
+    let first = (column + row) as usize % groups * parts;
+    (0..parts)
+        .map(|part| {
+            let own: Vec<_> = work.iter().skip(part).step_by(parts).cloned().collect();
+            (first + part, run_tile(s.engine, &own))
+        })
+        .collect()
 }
 
 /// The times at which engines and the bus to the frame buffer are free.
@@ -163,6 +174,40 @@ mod tests {
         let mut clock = Clock::new(1);
         (0..3).for_each(|_| clock.tile(&[(0, 10)], 100));
         assert_eq!(clock.now(), 10 + 3 * 100);
+    }
+
+    /// Each of 8 tiles in a row with the same 6 triangles, which any sharing of four engines divides evenly.
+    #[test]
+    fn four_engines_share_even_tiles_evenly() {
+        use crate::simulators::hybris::heap::HeapLayout;
+        use crate::simulators::hybris::{Partition, Triangle};
+        let tiles = Tiles { width: 256, height: 32, edge: 32 };
+        let at = |x: i32| Triangle::new([(x, 0), (x, 30), (x + 30, 0)].map(|(x, y)| (x * 256, y * 256)));
+        let triangles = (0..8).flat_map(|tile| [at(tile * 32); 8]).collect();
+        let front =
+            FrontEnd::run(&[Partition { vertices: 3, outside: 0, triangles }], tiles, HeapLayout::DOCUMENT);
+        let engine =
+            EngineSettings { set_up_triangle: 1, fifo: 1, fifo_after_broadcast: 1, rows: 1, columns: 1 };
+        let run = |engines, sharing| {
+            run(
+                std::slice::from_ref(&front),
+                tiles,
+                BackEndSettings { engine, engines, sharing, output: 1 << 20 },
+            )
+        };
+        // A tile of k triangles takes 3 cycles to fill the pipeline, and a cycle a pixel or an empty row.
+        let one = run(1, Sharing::Tiles);
+        let of_triangle = (one.total().cycles / 8 - 3) / 8;
+        assert_eq!(one.total().cycles, 8 * (3 + 8 * of_triangle));
+        for (sharing, most) in [
+            (Sharing::Tiles, 2 * (3 + 8 * of_triangle)),
+            (Sharing::Hybrid, 4 * (3 + 4 * of_triangle)),
+            (Sharing::Composition, 8 * (3 + 2 * of_triangle)),
+        ] {
+            let four = run(4, sharing);
+            assert!(four.engines.iter().all(|e| e.cycles == most), "{sharing:?} {four:?}");
+            assert_eq!(four.total().pixels, one.total().pixels);
+        }
     }
 
     #[test]

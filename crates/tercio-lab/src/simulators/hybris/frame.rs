@@ -140,6 +140,7 @@ mod tests {
             ("hybris-asic-2x2", Sharing::Tiles),
             ("hybris-asic-two-engines", Sharing::Tiles),
             ("hybris-asic-two-engines", Sharing::Composition),
+            ("hybris-asic-two-engines", Sharing::Hybrid),
             ("hybris-fpga", Sharing::Tiles),
             ("hybris-dual-cpu", Sharing::Tiles),
         ] {

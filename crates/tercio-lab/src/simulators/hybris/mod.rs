@@ -3,11 +3,13 @@
 //! | module | part | place in document 001 |
 //! |---|---|---|
 //! | [`triangle`] | rounding rules, spans | 3.2.6, 3.2.7 |
+//! | [`planes`] | planes of triangles in 32 bits, and culling by them | 3.2.4, 3.2.5 |
 //! | [`partition`] | objects divided into partitions of 500 triangles | 3.3.3 |
 //! | [`front_end`] | culling, bucket sorting | 3.2.4, 3.2.5, 3.4, 3.5 |
 //! | [`heap`] | buffers of 63 nodes in SDRAM pages | 3.5, 4.4 |
-//! | [`tile_engine`] | four stages with FIFOs, cycle by cycle; 2x2 interleave | 3.6.1, 3.6.2, 3.6.5 |
-//! | [`back_end`] | tiles on one or two engines, image composition | 3.6.3, 3.6.4 |
+//! | [`tile_engine`] | four stages with FIFOs, cycle by cycle; interleaved rows and pixels | 3.6.1, 3.6.2, 3.6.5 |
+//! | [`samples`] | ordered and sparse samples of a pixel | 3.6.6 |
+//! | [`back_end`] | tiles on several engines, image composition | 3.6.3, 3.6.4 |
 //! | [`transfer`] | the bus to the board | 4.5.1 |
 //! | [`software`] | one and two processors with their barrier | 4.3.1, 4.3.2 |
 //! | [`scene`] | a model under a camera | |
@@ -21,6 +23,8 @@ pub mod frame;
 pub mod front_end;
 pub mod heap;
 pub mod partition;
+pub mod planes;
+pub mod samples;
 pub mod scene;
 pub mod software;
 pub mod tile_engine;

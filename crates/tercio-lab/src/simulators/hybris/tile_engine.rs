@@ -3,12 +3,13 @@
 //! Four stages form a pipeline: *Set-up Triangle* clips a triangle to the tile, *Draw Triangle* makes a span of every
 //! row, *Set-up Span* clips it at the tile's border, *Draw Span* draws its pixels. A stage makes one step per cycle;
 //! there is a FIFO before each stage that iterates. In the 2x2 interleaved engine a triangle is broadcast to two Draw
-//! Triangle stages, even and odd rows, and each of their spans to two Draw Span stages, even and odd pixels.
+//! Triangle stages, even and odd rows, and each of their spans to two Draw Span stages, even and odd pixels. In the
+//! scan-line interleaved one it is broadcast to four Draw Triangle stages with a Draw Span stage each.
 //!
 //! Within a cycle the last stage moves first: an entry taken from a FIFO makes room for one that is written in the same
 //! cycle, and that one is visible in the next cycle. So a queue of depth 1 is a register.
 //!
-//! Source: document 001, 3.6.1, 3.6.2, 3.6.5, figures 3.20 and 3.24; an iteration a cycle: 4.4.
+//! Source: document 001, 3.6.1, 3.6.2, 3.6.5, figures 3.20, 3.24 and 3.26; an iteration a cycle: 4.4.
 
 use std::collections::VecDeque;
 
@@ -28,8 +29,10 @@ pub struct EngineSettings {
     pub fifo: usize,
     /// Entries of a FIFO after a broadcast.
     pub fifo_after_broadcast: usize,
-    /// 1, or 2 for the 2x2 interleaved engine.
-    pub interleave: usize,
+    /// Draw Triangle stages: every triangle is broadcast to them, and each draws every so-manieth row.
+    pub rows: usize,
+    /// Draw Span stages of each of them: every span is broadcast to them, and each draws every so-manieth pixel.
+    pub columns: usize,
 }
 
 impl EngineSettings {
@@ -39,7 +42,8 @@ impl EngineSettings {
             set_up_triangle: engine.set_up_triangle.whole(),
             fifo: engine.fifo.whole() as usize,
             fifo_after_broadcast: engine.fifo_after_broadcast.whole() as usize,
-            interleave: engine.interleave.whole() as usize,
+            rows: engine.interleave.whole() as usize,
+            columns: engine.interleave.whole() as usize,
         }
     }
 }
@@ -168,17 +172,17 @@ struct Pipeline<'a> {
 /// Runs one tile through an empty engine.
 ///
 /// # Panics
-/// If the interleave is 0.
+/// If the engine has no Draw Triangle or no Draw Span stage.
 pub fn run_tile(settings: EngineSettings, work: &[TileWork]) -> EngineCounts {
-    let k = settings.interleave;
-    assert!(k > 0, "an engine has at least one Draw Span stage");
+    let EngineSettings { rows, columns, .. } = settings;
+    assert!(rows > 0 && columns > 0, "an engine has at least one stage of each kind");
     // Without a broadcast the only queue is the one before it.
     let lane = |_| DrawTriangle {
-        queue: Fifo::new(if k == 1 { settings.fifo } else { settings.fifo_after_broadcast }),
+        queue: Fifo::new(if rows == 1 { settings.fifo } else { settings.fifo_after_broadcast }),
         current: None,
         register: Fifo::new(1),
         spans: Fifo::new(settings.fifo),
-        draw_spans: (0..k)
+        draw_spans: (0..columns)
             .map(|_| DrawSpan { queue: Fifo::new(settings.fifo_after_broadcast), left: 0 })
             .collect(),
     };
@@ -188,7 +192,7 @@ pub fn run_tile(settings: EngineSettings, work: &[TileWork]) -> EngineCounts {
         next: 0,
         set_up_left: settings.set_up_triangle.max(1),
         triangles: Fifo::new(settings.fifo),
-        lanes: (0..k).map(lane).collect(),
+        lanes: (0..rows).map(lane).collect(),
         counts: EngineCounts {
             triangles: work.len() as u64,
             pixels: work.iter().map(TileWork::pixels).sum(),
@@ -214,25 +218,25 @@ impl Pipeline<'_> {
     }
 
     fn cycle(&mut self) {
-        let step = self.settings.interleave;
+        let EngineSettings { rows, columns, .. } = self.settings;
         for (number, lane) in self.lanes.iter_mut().enumerate() {
             for (column, stage) in lane.draw_spans.iter_mut().enumerate() {
                 // Without a broadcast Draw Span takes its spans from the queue after Set-up Span.
-                let queue = if step == 1 { &mut lane.spans } else { &mut stage.queue };
-                self.counts.stages[3].count(draw_span(queue, &mut stage.left, column, step));
+                let queue = if columns == 1 { &mut lane.spans } else { &mut stage.queue };
+                self.counts.stages[3].count(draw_span(queue, &mut stage.left, column, columns));
             }
-            if step > 1
+            if columns > 1
                 && lane.draw_spans.iter().all(|d| d.queue.has_room())
                 && let Some(span) = lane.spans.entries.pop_front()
             {
                 lane.draw_spans.iter_mut().for_each(|d| d.queue.push(span));
             }
             self.counts.stages[2].count(set_up_span(&mut lane.register, &mut lane.spans));
-            let queue = if step == 1 { &mut self.triangles } else { &mut lane.queue };
-            let made = draw_triangle(self.work, queue, &mut lane.current, &mut lane.register, number, step);
+            let queue = if rows == 1 { &mut self.triangles } else { &mut lane.queue };
+            let made = draw_triangle(self.work, queue, &mut lane.current, &mut lane.register, number, rows);
             self.counts.stages[1].count(made);
         }
-        if step > 1
+        if rows > 1
             && self.lanes.iter().all(|l| l.queue.has_room())
             && let Some(triangle) = self.triangles.entries.pop_front()
         {

@@ -5,6 +5,7 @@ mod distribution;
 mod duplication;
 mod line_locked;
 mod load;
+mod sort_last;
 mod sort_twice;
 
 use super::super::sweep::{pairs, sweep};
@@ -28,6 +29,12 @@ const fn experiment(
 pub(in crate::experiments) const EXPERIMENTS: &[Experiment] = &[
     experiment("eldridge-fig-4-1", "figure 4-1", "Sort-first: polygons on each processor", load::sort_first),
     experiment("eldridge-fig-4-2", "figure 4-2", "Sort-middle: shifts for each polygon", load::shifts),
+    experiment(
+        "eldridge-fig-4-3-pixels",
+        "section 4.4.2, figure 4-3",
+        "Sparse sort-last on the ring, pixel by pixel, against dense",
+        sort_last::sparse_and_dense,
+    ),
     experiment(
         "eldridge-fig-5-3",
         "figure 5-3",

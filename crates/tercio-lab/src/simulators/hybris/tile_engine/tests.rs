@@ -5,8 +5,8 @@ use crate::simulators::hybris::Triangle;
 use crate::simulators::hybris::triangle::PixelBox;
 
 const PLAIN: EngineSettings =
-    EngineSettings { set_up_triangle: 1, fifo: 4, fifo_after_broadcast: 2, interleave: 1 };
-const INTERLEAVED: EngineSettings = EngineSettings { interleave: 2, ..PLAIN };
+    EngineSettings { set_up_triangle: 1, fifo: 4, fifo_after_broadcast: 2, rows: 1, columns: 1 };
+const INTERLEAVED: EngineSettings = EngineSettings { rows: 2, columns: 2, ..PLAIN };
 
 /// A rectangle of pixels as input of the engine.
 fn rectangle(x: i32, y: i32, width: i32, height: usize) -> TileWork {
@@ -40,6 +40,16 @@ fn four_draw_spans_share_a_large_triangle() {
     // A single pixel uses only one of the four; nothing is gained.
     let counts = run_tile(INTERLEAVED, &[rectangle(0, 0, 1, 1)]);
     assert_eq!(counts.cycles, 3 + 2 + 1);
+}
+
+#[test]
+fn four_rows_are_drawn_at_a_time() {
+    let lines = EngineSettings { rows: 4, columns: 1, ..PLAIN };
+    // Eight rows of 32 pixels each; one broadcast on the way, that of the triangle.
+    assert_eq!(run_tile(lines, &[rectangle(0, 0, 32, 32)]).cycles, 3 + 1 + 8 * 32);
+    // One row uses one stage of four.
+    assert_eq!(run_tile(lines, &[rectangle(0, 0, 32, 1)]).cycles, 3 + 1 + 32);
+    assert_eq!(run_tile(lines, &[rectangle(0, 0, 1, 32)]).cycles, 3 + 1 + 8);
 }
 
 #[test]
@@ -85,18 +95,18 @@ fn any_work() -> impl Strategy<Value = Vec<TileWork>> {
 proptest! {
     /// Every stage's cycles are accounted for, all work is done, and no engine is faster than its busiest stage.
     #[test]
-    fn cycles_are_accounted_for(work in any_work(), fifo in 1usize..6, interleave in 1usize..3) {
-        let settings = EngineSettings { fifo, interleave, ..PLAIN };
+    fn cycles_are_accounted_for(work in any_work(), fifo in 1usize..6, rows in 1usize..5, columns in 1usize..3) {
+        let settings = EngineSettings { fifo, rows, columns, ..PLAIN };
         let counts = run_tile(settings, &work);
-        let rows: u64 = work.iter().map(TileWork::rows).sum();
-        for (k, instances) in [1, interleave, interleave, interleave * interleave].into_iter().enumerate() {
+        let all_rows: u64 = work.iter().map(TileWork::rows).sum();
+        for (k, instances) in [1, rows, rows, rows * columns].into_iter().enumerate() {
             let s = counts.stages[k];
             prop_assert_eq!(s.busy + s.stalled + s.starved, counts.cycles * instances as u64);
         }
         prop_assert_eq!(counts.stages[0].busy, work.len() as u64);
-        prop_assert_eq!(counts.stages[2].busy, rows);
+        prop_assert_eq!(counts.stages[2].busy, all_rows);
         prop_assert!(counts.stages[3].busy >= counts.pixels);
-        let least = rows.div_ceil(interleave as u64).max(counts.pixels.div_ceil((interleave * interleave) as u64));
+        let least = all_rows.div_ceil(rows as u64).max(counts.pixels.div_ceil((rows * columns) as u64));
         prop_assert!(counts.cycles >= least.max(work.len() as u64));
         prop_assert!(counts.fifo_peaks[0] <= fifo);
     }

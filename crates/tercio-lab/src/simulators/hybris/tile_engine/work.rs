@@ -40,6 +40,15 @@ impl TileWork {
         Self { first_row: y0, spans: (y0..y1).map(span).collect() }
     }
 
+    /// The same rows with other spans: `change` gets the row, the first column and the one after the last.
+    #[must_use]
+    pub fn with_spans(mut self, change: impl Fn(i32, i32, i32) -> (i32, i32)) -> Self {
+        for (row, span) in (self.first_row..).zip(&mut self.spans) {
+            (span.first, span.end) = change(row, span.first, span.end);
+        }
+        self
+    }
+
     /// Pixels drawn.
     pub fn pixels(&self) -> u64 {
         self.spans.iter().map(|s| u64::from(s.pixels(0, 1))).sum()
