@@ -39,7 +39,7 @@ pub(super) fn push(shapes: &mut Vec<Shape>, machine: &Machine, heap: &Heap, engi
         for k in 0..of {
             let label = match stage {
                 0 if in_software => format!("processor {}", k + 1),
-                0 => format!("host {}", k + 1),
+                0 => "host".into(),
                 1 => format!("heap {}", k + 1),
                 3 | 4 if lanes > 1 => parity(k, "lines"),
                 5 if lanes > 1 => parity(k, "pixels"),
