@@ -4,6 +4,7 @@
 //! |---|---|
 //! | [`views`] | the scenes and cameras of `tercio bench` |
 //! | [`counts`] | the work of a frame, by the renderer's own counts |
+//! | `occlusion` | the samples looked at to find out what is hidden |
 //! | [`boxes`] | its triangles as boxes of samples, for simulated ranks |
 //! | [`frame`] | times from counts and costs: one process with several threads |
 //! | [`ranks`] | the same for ranks that share a frame |
@@ -29,6 +30,7 @@ pub mod frame;
 pub mod hardware;
 pub mod measure;
 pub mod messages;
+mod occlusion;
 pub mod quoted;
 pub mod ranks;
 pub mod usage;
