@@ -17,6 +17,7 @@
 //! | [`fit`] | fits costs to measured frames |
 //! | [`calibrate`] | measures the description of this machine |
 //! | [`validate`] | predicted against measured |
+//! | [`difference`] | the terms of the difference between both |
 //! | [`validate_ranks`] | the same for ranks, of one process or several |
 //! | [`quoted`] | tables of results in the repository |
 
@@ -25,6 +26,7 @@ pub mod boxes;
 pub mod calibrate;
 pub mod choose;
 pub mod counts;
+pub mod difference;
 pub mod fit;
 pub mod frame;
 pub mod hardware;
