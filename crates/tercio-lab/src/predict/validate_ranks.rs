@@ -38,9 +38,7 @@ type TermSeconds = [f64; RANK_TERMS.len()];
 fn predicted_terms(frame: &RanksFrame, clock: Clock) -> TermSeconds {
     let first = frame.ranks.first().copied().unwrap_or_default();
     match clock {
-        Clock::Wall => {
-            [first.draw, first.compose, first.collect, first.wait + first.message, first.queue]
-        }
+        Clock::Wall => [first.draw, first.compose, first.collect, first.wait + first.message, first.queue],
         Clock::Processor => {
             let sum = |of: fn(&RankSeconds) -> f64| frame.ranks.iter().map(of).sum();
             [sum(|r| r.draw), sum(|r| r.compose), sum(|r| r.collect), 0.0, 0.0]
