@@ -32,8 +32,12 @@ pub enum Operation {
     PicturePixel,
     /// One cluster added to one tile.
     ClusterEntry,
+    /// One cluster taken apart: its triangles are sorted one by one.
+    ClusterApart,
     /// One cluster in one tile found to be hidden by what is drawn there.
     ClusterHidden,
+    /// One stamp of 16 samples that is compared with the depth of such a cluster.
+    HiddenStamp,
     /// One cluster drawn into one tile.
     ClusterDrawn,
     /// One triangle of a cluster tested in one tile.
@@ -54,6 +58,8 @@ pub enum Operation {
     Shading,
     /// The additional cost where pixels use the planes of their triangles.
     PlaneShading,
+    /// The additional cost where the colours of pixels are those of vertices or triangles.
+    ColoredShading,
     /// One colour of a pixel fetched from vertices or triangles.
     ColoredPixel,
     /// One colour of a vertex prepared for the pixels of its cluster.
@@ -105,7 +111,9 @@ impl Operation {
             Self::ShadedPixel => "shaded-pixel",
             Self::PicturePixel => "picture-pixel",
             Self::ClusterEntry => "cluster-entry",
+            Self::ClusterApart => "cluster-apart",
             Self::ClusterHidden => "cluster-hidden",
+            Self::HiddenStamp => "hidden-stamp",
             Self::ClusterDrawn => "cluster-drawn",
             Self::ClusterTriangle => "cluster-triangle",
             Self::SetUp => "set-up",
@@ -116,6 +124,7 @@ impl Operation {
             Self::ClusterShaded => "cluster-shaded",
             Self::Shading => "shading",
             Self::PlaneShading => "plane-shading",
+            Self::ColoredShading => "colored-shading",
             Self::ColoredPixel => "colored-pixel",
             Self::ColoredVertex => "colored-vertex",
             Self::WholeBlock => "whole-block",

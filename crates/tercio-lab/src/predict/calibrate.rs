@@ -27,11 +27,12 @@ use crate::machines::{
 };
 
 /// Models that costs are fitted to.
-pub const MODELS: [&str; 8] = [
+pub const MODELS: [&str; 9] = [
     "builtin:sphere@2k",
     "builtin:sphere@200k",
     "builtin:teapot@30k",
     "builtin:soup@10k",
+    "builtin:soup@100k",
     "builtin:gyroid@100k",
     "builtin:terrain@150k",
     "builtin:gyroid@400k",

@@ -6,7 +6,7 @@ use tercio_raster::tally::{self, DetailCounts};
 use tercio_raster::{Frame, FrameStats, Settings};
 use tercio_scene::{Camera, Scene};
 
-use super::PredictError;
+use super::{PredictError, occlusion};
 
 /// Counts of a frame or a tile. Those of [`Counters::comparable`] are part of every picture's statistics.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
@@ -25,6 +25,8 @@ pub struct Counters {
     pub cluster_entries: u64,
     /// Triangles of the scene.
     pub triangles: u64,
+    /// Clusters that are sorted triangle by triangle.
+    pub clusters_apart: u64,
     /// Vertices of clusters that are sorted triangle by triangle.
     pub vertices_apart: u64,
     /// Triangles of clusters that are sorted triangle by triangle.
@@ -77,6 +79,10 @@ pub struct Counters {
     pub shadings: u64,
     /// Of these, those that need the triangles' planes.
     pub shadings_by_plane: u64,
+    /// Of the groups of pixels shaded, those in tiles that show colours of vertices or triangles.
+    pub shadings_colored: u64,
+    /// Stamps of 16 samples that the clusters of the tiles may reach, times the share of the clusters that are hidden.
+    pub hidden_stamps: u64,
     /// Pixels shaded whose colour is that of vertices or triangles; each is fetched by itself.
     pub pixels_colored: u64,
     /// Vertices with a colour, of clusters that won a pixel, summed over tiles.
@@ -139,7 +145,12 @@ impl Counters {
     /// The counters of a picture that was drawn.
     pub fn from_stats(stats: &FrameStats) -> Self {
         let (f, bins) = (&stats.frontend, &stats.binning);
+        let culled = f.clusters_outside + f.clusters_facing + f.clusters_no_sample + f.clusters_elsewhere;
+        // A frame that ends with culling takes none apart.
+        let is_apart = f.vertices_transformed > 0;
+        let left = f.clusters_in.saturating_sub(culled + bins.clusters);
         Self {
+            clusters_apart: if is_apart { left } else { 0 },
             clusters: f.clusters_in,
             clusters_outside: f.clusters_outside,
             clusters_facing: f.clusters_facing,
@@ -186,6 +197,7 @@ impl Counters {
             clusters_won: d.clusters_won,
             shadings: d.shadings,
             shadings_by_plane: d.shadings_by_plane,
+            shadings_colored: if d.vertices_colored > 0 { d.shadings } else { 0 },
             pixels_colored: d.pixels_colored,
             vertices_colored: d.vertices_colored,
             entries_drawn: d.entries_drawn,
@@ -232,8 +244,20 @@ pub fn count_into(
 ) -> Result<Counted, PredictError> {
     let counted = tally::count_into(scene, camera, settings, threads, frame)?;
     let sum = Counters::from_stats(&counted.stats).with_details(&counted.details);
-    Ok(Counted {
-        frame: Counters { bytes_touched: counted.bytes_touched, ..sum },
-        tiles: counted.tiles.iter().map(TileWork::from_tile).collect(),
-    })
+    let mut tiles: Vec<TileWork> = counted.tiles.iter().map(TileWork::from_tile).collect();
+    if counted.stats.backend.clusters_hidden > 0 {
+        let stamps = occlusion::stamps(scene, camera, settings, threads)?;
+        for (tile, stamps) in tiles.iter_mut().zip(stamps) {
+            let c = &mut tile.counters;
+            c.hidden_stamps = stamps * c.clusters_hidden / (c.clusters_hidden + c.clusters_drawn).max(1);
+        }
+    }
+    let of_tiles = |of: fn(&Counters) -> u64| tiles.iter().map(|tile| of(&tile.counters)).sum();
+    let frame = Counters {
+        bytes_touched: counted.bytes_touched,
+        shadings_colored: of_tiles(|c| c.shadings_colored),
+        hidden_stamps: of_tiles(|c| c.hidden_stamps),
+        ..sum
+    };
+    Ok(Counted { frame, tiles })
 }

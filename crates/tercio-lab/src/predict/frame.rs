@@ -55,7 +55,7 @@ fn missed_lines(touched: u64, cache: f64) -> f64 {
 }
 
 /// The operations of a frame with the number of times each is charged.
-pub fn charges(c: &Counters, caches: Caches) -> [(Phase, Operation, f64); 27] {
+pub fn charges(c: &Counters, caches: Caches) -> [(Phase, Operation, f64); 30] {
     use Operation as O;
     use Phase as P;
     let whole = (16 * c.whole_blocks) as f64;
@@ -64,10 +64,12 @@ pub fn charges(c: &Counters, caches: Caches) -> [(Phase, Operation, f64); 27] {
         (P::Frame, O::Frame, 1.0),
         (P::FrontEnd, O::Cluster, n(c.clusters)),
         (P::FrontEnd, O::ClusterEntry, n(c.cluster_entries)),
+        (P::FrontEnd, O::ClusterApart, n(c.clusters_apart)),
         (P::FrontEnd, O::Polygon, n(c.triangles_apart)),
         (P::FrontEnd, O::PolygonSetUp, n(c.triangles_binned)),
         (P::FrontEnd, O::Entry, n(c.entries)),
         (P::Geometry, O::ClusterHidden, n(c.clusters_hidden)),
+        (P::Geometry, O::HiddenStamp, n(c.hidden_stamps)),
         (P::Geometry, O::ClusterDrawn, n(c.clusters_drawn)),
         (P::Geometry, O::Vertex, n(c.vertices)),
         (P::Geometry, O::ClusterTriangle, n(c.triangles_in)),
@@ -80,6 +82,7 @@ pub fn charges(c: &Counters, caches: Caches) -> [(Phase, Operation, f64); 27] {
         (P::Shading, O::ClusterShaded, n(c.clusters_won)),
         (P::Shading, O::Shading, n(c.shadings)),
         (P::Shading, O::PlaneShading, n(c.shadings_by_plane)),
+        (P::Shading, O::ColoredShading, n(c.shadings_colored)),
         (P::Shading, O::ColoredPixel, n(c.pixels_colored)),
         (P::Shading, O::ColoredVertex, n(c.vertices_colored)),
         (P::Shading, O::WholeBlock, n(c.whole_blocks)),

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | [`views`] | the scenes and cameras of `tercio bench` |
 //! | [`counts`] | the work of a frame, by the renderer's own counts |
+//! | `occlusion` | the samples looked at to find out what is hidden |
 //! | [`boxes`] | its triangles as boxes of samples, for simulated ranks |
 //! | [`frame`] | times from counts and costs: one process with several threads |
 //! | [`ranks`] | the same for ranks that share a frame |
@@ -16,6 +17,7 @@
 //! | [`fit`] | fits costs to measured frames |
 //! | [`calibrate`] | measures the description of this machine |
 //! | [`validate`] | predicted against measured |
+//! | [`difference`] | the terms of the difference between both |
 //! | [`validate_ranks`] | the same for ranks, of one process or several |
 //! | [`quoted`] | tables of results in the repository |
 
@@ -24,11 +26,13 @@ pub mod boxes;
 pub mod calibrate;
 pub mod choose;
 pub mod counts;
+pub mod difference;
 pub mod fit;
 pub mod frame;
 pub mod hardware;
 pub mod measure;
 pub mod messages;
+mod occlusion;
 pub mod quoted;
 pub mod ranks;
 pub mod usage;

@@ -6,13 +6,28 @@ use tercio_raster::{Settings, Sorting};
 use tercio_scene::{Camera, Scene};
 
 use super::counts::{Counters, count};
+use super::difference::{STAGES, Term, of_stages, terms};
 use super::frame::FrameTime;
 use super::measure::{Clock, measure};
 use super::{PredictError, views};
 use crate::machines::Machine;
 
 /// Largest relative error of a time that holds.
-pub const TOLERANCE: f64 = 0.25;
+pub const TOLERANCE: f64 = 0.15;
+/// The same for models of loose triangles, of which no two share a vertex: each is a cluster of its own, so that what
+/// differs between clusters does not average out.
+pub const LOOSE_TOLERANCE: f64 = 0.2;
+
+/// The tolerance of a model's times.
+pub fn tolerance(is_loose: bool) -> f64 {
+    if is_loose { LOOSE_TOLERANCE } else { TOLERANCE }
+}
+
+/// Whether no two triangles of a scene share a vertex.
+pub fn is_loose(scene: &Scene) -> bool {
+    let mut clusters = scene.instances.iter().flat_map(|i| i.mesh.views());
+    clusters.all(|c| c.vertices() == 3 * c.triangles())
+}
 
 /// One model, size and number of threads.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -33,6 +48,10 @@ pub struct Row {
     pub predicted: f64,
     /// Measured seconds, the mean of the views.
     pub measured: f64,
+    /// Whether no two triangles of the model share a vertex.
+    pub is_loose: bool,
+    /// The [stages](STAGES) of both, the largest difference first.
+    pub terms: Vec<Term>,
 }
 
 impl Row {
@@ -41,9 +60,14 @@ impl Row {
         self.predicted / self.measured - 1.0
     }
 
-    /// All counters equal, and the time within [`TOLERANCE`].
+    /// Largest relative error that holds.
+    pub fn tolerance(&self) -> f64 {
+        tolerance(self.is_loose)
+    }
+
+    /// All counters equal, and the time within the tolerance.
     pub fn holds(&self) -> bool {
-        self.differing.is_empty() && self.error().abs() <= TOLERANCE
+        self.differing.is_empty() && self.error().abs() <= self.tolerance()
     }
 }
 
@@ -80,15 +104,24 @@ struct View<'a> {
     settings: Settings,
     threads: usize,
     counters: Counters,
-    predicted: f64,
-    measured: f64,
+    /// Seconds until the end of each stage; the last one's are those of the frame.
+    predicted: [f64; STAGES.len()],
+    measured: [f64; STAGES.len()],
     differing: Vec<(&'static str, u64, u64)>,
 }
 
 impl View<'_> {
     fn measure(&mut self, o: Options) -> Result<(), PredictError> {
-        let real = measure(self.scene, &self.camera, &self.settings, self.threads, o.frames, o.clock)?;
-        self.measured = self.measured.min(real.seconds);
+        let draw = |settings: &Settings| {
+            measure(self.scene, &self.camera, settings, self.threads, o.frames, o.clock)
+        };
+        for ((last_stage, _), seconds) in STAGES.into_iter().zip(&mut self.measured).take(STAGES.len() - 1) {
+            let settings = Settings { last_stage, ..self.settings.clone() };
+            *seconds = seconds.min(draw(&settings)?.seconds);
+        }
+        let real = draw(&self.settings)?;
+        let whole = &mut self.measured[STAGES.len() - 1];
+        *whole = whole.min(real.seconds);
         let pairs =
             self.counters.comparable().into_iter().zip(Counters::from_stats(&real.stats).comparable());
         let differing = pairs.filter(|(ours, theirs)| ours != theirs);
@@ -117,17 +150,17 @@ pub fn compare(
                 let views = (0..o.views.max(1)).map(|view| {
                     let camera = views::camera(&model.bounds, size, view, o.views);
                     let settings = Settings { sorting: o.sorting, ..Settings::one_sample(size.0, size.1) };
-                    let counted = count(&model.scene, &camera, &settings, threads)?;
-                    Ok(View {
-                        scene: &model.scene,
-                        camera,
-                        settings,
-                        threads,
-                        counters: counted.frame,
-                        predicted: FrameTime::on_threads(machine, &counted, threads).total(),
-                        measured: f64::INFINITY,
-                        differing: Vec::new(),
-                    })
+                    let (mut counters, mut predicted) = (Counters::default(), [0.0; STAGES.len()]);
+                    for ((last_stage, _), seconds) in STAGES.into_iter().zip(&mut predicted) {
+                        let settings = Settings { last_stage, ..settings.clone() };
+                        let counted = count(&model.scene, &camera, &settings, threads)?;
+                        *seconds = FrameTime::on_threads(machine, &counted, threads).total();
+                        // Those of the last stage remain.
+                        counters = counted.frame;
+                    }
+                    let (measured, differing) = ([f64::INFINITY; STAGES.len()], Vec::new());
+                    let scene = &model.scene;
+                    Ok(View { scene, camera, settings, threads, counters, predicted, measured, differing })
                 });
                 rows.push((model, views.collect::<Result<_, PredictError>>()?));
             }
@@ -139,21 +172,27 @@ pub fn compare(
             progress();
         }
     }
-    Ok(rows.into_iter().map(|(model, views)| row(&model.name, &views, o.clock)).collect())
+    Ok(rows.into_iter().map(|(model, views)| row(model, &views, o.clock)).collect())
 }
 
-fn row(model: &str, views: &[View], clock: Clock) -> Row {
+fn row(model: &Model, views: &[View], clock: Clock) -> Row {
     let first = &views[0];
-    let mean = |of: fn(&View) -> f64| views.iter().map(of).sum::<f64>() / views.len() as f64;
+    let mean = |of: fn(&View) -> [f64; STAGES.len()]| {
+        let of_stage = |k: usize| views.iter().map(|v| of(v)[k]).sum::<f64>() / views.len() as f64;
+        std::array::from_fn(of_stage)
+    };
+    let (predicted, measured) = (mean(|v| v.predicted), mean(|v| v.measured));
     Row {
-        model: model.into(),
+        model: model.name.clone(),
         size: (first.settings.width, first.settings.height),
         threads: first.threads,
         clock,
         differing: views.iter().flat_map(|v| v.differing.iter().copied()).collect(),
         compared: views.iter().map(|v| v.counters.comparable().len()).sum(),
-        predicted: mean(|v| v.predicted),
-        measured: mean(|v| v.measured),
+        predicted: predicted[STAGES.len() - 1],
+        measured: measured[STAGES.len() - 1],
+        is_loose: is_loose(&model.scene),
+        terms: terms(STAGES.map(|s| s.1), of_stages(predicted), of_stages(measured)),
     }
 }
 
@@ -175,8 +214,19 @@ mod tests {
             assert_eq!((rows.len(), calls), (4, 8));
             for row in rows {
                 assert_eq!((row.differing.len(), row.compared), (0, 44), "{row:?}");
-                assert!(row.measured.is_finite() && row.predicted > 0.0);
+                assert!(row.measured.is_finite() && row.predicted > 0.0 && !row.is_loose);
+                let sum = |of: fn(&Term) -> f64| row.terms.iter().map(of).sum::<f64>();
+                assert!((sum(|t| t.predicted) / row.predicted - 1.0).abs() < 1e-9, "{row:?}");
+                assert!((sum(|t| t.measured) / row.measured - 1.0).abs() < 1e-9, "{row:?}");
             }
+        }
+    }
+
+    #[test]
+    fn triangles_are_loose_if_no_two_share_a_vertex() {
+        for (model, expected) in [("builtin:soup@300", true), ("builtin:gyroid@2k", false)] {
+            let (scene, _) = prepare(tercio_mesh::builtin::make(model).unwrap());
+            assert_eq!(is_loose(&scene), expected, "{model}");
         }
     }
 
@@ -189,9 +239,15 @@ mod tests {
             clock: Clock::Wall,
             differing: vec![],
             compared: 1,
-            predicted: 1.2,
+            predicted: 1.18,
             measured: 1.0,
+            is_loose: true,
+            terms: vec![],
         };
+        assert!(row.holds());
+        row.is_loose = false;
+        assert!(!row.holds(), "a mesh has the smaller tolerance");
+        row.predicted = 1.14;
         assert!(row.holds());
         row.differing.push(("triangles", 1, 2));
         assert!(!row.holds());

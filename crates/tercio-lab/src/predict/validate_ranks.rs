@@ -5,20 +5,57 @@
 
 use serde::Serialize;
 use tercio_parallel::organisation::tile_edge;
+use tercio_parallel::report::{RankStages, Stage};
 use tercio_parallel::{Communicator, Division, Organisation, ParallelError};
 use tercio_raster::Settings;
 use tercio_scene::{Camera, Scene};
 
 use super::counts::Counters;
+use super::difference::{RANK_TERMS, Term, terms};
 use super::measure::Clock;
 use super::ranks::RanksError;
 use super::ranks::exchange::ExchangeCosts;
 use super::ranks::measure::MeasuredRanks;
-use super::ranks::renderer::{RankSeconds, RanksFrame, RanksWork, predict};
+use super::ranks::renderer::{Carrier, RankSeconds, RanksFrame, RanksWork, predict};
 use super::ranks::traffic::{RankCounts, Sharing};
-use super::validate::{Model, TOLERANCE};
+use super::validate::{self, Model};
 use super::{PredictError, views};
 use crate::machines::Machine;
+
+/// Largest relative error of processes that holds: they poll while they wait, which takes time from others if there are
+/// more of them than processors.
+pub const MPI_TOLERANCE: f64 = 0.25;
+
+/// The tolerance of ranks that are processes, or threads of one.
+pub fn tolerance(is_over_mpi: bool) -> f64 {
+    if is_over_mpi { MPI_TOLERANCE } else { validate::TOLERANCE }
+}
+
+/// Seconds of the [terms](RANK_TERMS) of a frame.
+type TermSeconds = [f64; RANK_TERMS.len()];
+
+/// The terms of a predicted frame on rank 0; by processor time, those of all ranks together.
+fn predicted_terms(frame: &RanksFrame, clock: Clock) -> TermSeconds {
+    let first = frame.ranks.first().copied().unwrap_or_default();
+    match clock {
+        Clock::Wall => [first.draw, first.compose, first.collect, first.wait + first.message, first.queue],
+        Clock::Processor => {
+            let sum = |of: fn(&RankSeconds) -> f64| frame.ranks.iter().map(of).sum();
+            [sum(|r| r.draw), sum(|r| r.compose), sum(|r| r.collect), 0.0, 0.0]
+        }
+    }
+}
+
+/// The terms of the measured frame that counts.
+fn measured_terms(ranks: usize, measured: &MeasuredRanks, clock: Clock) -> TermSeconds {
+    match clock {
+        Clock::Wall => measured.terms_of_the_fastest(),
+        Clock::Processor => {
+            let sum = |of: fn(&RankStages) -> &Stage| (0..ranks).map(|r| measured.busy(r, of)).sum();
+            [sum(|s| &s.draw), sum(|s| &s.compose), sum(|s| &s.collect), 0.0, 0.0]
+        }
+    }
+}
 
 /// Seconds of a frame. The time of a stage is that of its busiest rank.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
@@ -104,6 +141,10 @@ pub struct Row {
     pub page_faults: f64,
     /// Context switches in a frame, likewise.
     pub switches: f64,
+    /// Whether ranks are processes.
+    pub is_over_mpi: bool,
+    /// The [terms](RANK_TERMS) of both frames, the largest difference first.
+    pub terms: Vec<Term>,
 }
 
 impl Row {
@@ -112,9 +153,14 @@ impl Row {
         self.predicted.frame / self.measured.frame - 1.0
     }
 
-    /// All counters equal, and the frame's time within [`TOLERANCE`].
+    /// Largest relative error that holds.
+    pub fn tolerance(&self) -> f64 {
+        tolerance(self.is_over_mpi)
+    }
+
+    /// All counters equal, and the frame's time within the tolerance.
     pub fn holds(&self) -> bool {
-        self.differing.is_empty() && self.error().abs() <= TOLERANCE
+        self.differing.is_empty() && self.error().abs() <= self.tolerance()
     }
 }
 
@@ -278,6 +324,7 @@ fn row(views: &[View], clock: Clock) -> Row {
     let of = views.len() as f64;
     let (mut predicted, mut measured) = (StageSeconds::default(), StageSeconds::default());
     let (mut messages, mut bytes, mut usage) = (0, 0, [0.0; 2]);
+    let mut of_terms = [TermSeconds::default(); 2];
     for view in views {
         predicted.add(StageSeconds::predicted(&view.predicted, clock), of);
         measured.add(StageSeconds::measured(sharing.ranks, &view.measured, clock), of);
@@ -286,6 +333,11 @@ fn row(views: &[View], clock: Clock) -> Row {
             bytes += report.bytes;
         }
         usage.iter_mut().zip(view.measured.usage()).for_each(|(sum, u)| *sum += u / of);
+        let both =
+            [predicted_terms(&view.predicted, clock), measured_terms(sharing.ranks, &view.measured, clock)];
+        for (sums, seconds) in of_terms.iter_mut().zip(both) {
+            sums.iter_mut().zip(seconds).for_each(|(sum, s)| *sum += s / of);
+        }
     }
     Row {
         model: first.model.name.clone(),
@@ -300,6 +352,8 @@ fn row(views: &[View], clock: Clock) -> Row {
         measured,
         page_faults: usage[0],
         switches: usage[1],
+        is_over_mpi: first.predicted.carrier != Carrier::Threads,
+        terms: terms(RANK_TERMS, of_terms[0], of_terms[1]),
     }
 }
 

@@ -11,7 +11,6 @@ use tercio_lab::predict::quoted::{self, RanksRow};
 use tercio_lab::predict::ranks::calibrate;
 use tercio_lab::predict::ranks::exchange::ExchangeCosts;
 use tercio_lab::predict::ranks::measure::MeasuredRanks;
-use tercio_lab::predict::validate::TOLERANCE;
 use tercio_lab::predict::validate_ranks::{Row, Table, compare};
 
 use super::measured::Measured;
@@ -118,7 +117,7 @@ pub fn write(rows: &[Row], as_json: bool, output: &Measured) -> Result<bool> {
 
 /// With stable keys.
 fn json(row: &Row) -> Value {
-    json!({ "row": row, "error": row.error(), "tolerance": TOLERANCE, "holds": row.holds() })
+    json!({ "row": row, "error": row.error(), "tolerance": row.tolerance(), "holds": row.holds() })
 }
 
 /// A table in Markdown, and the counters that differ.
@@ -126,7 +125,7 @@ fn text(rows: &[Row], quoted: &[RanksRow]) -> String {
     let mut text = quoted::markdown(quoted);
     text.push_str(
         "\nTimes: predicted / measured; a stage's is that of its busiest rank, waiting that of rank 0. Page faults and \
-         context switches: of the median frame, all ranks.\n",
+         context switches: of the median frame, all ranks. Differences: predicted less measured.\n",
     );
     for row in rows {
         for (rank, name, ours, theirs) in &row.differing {

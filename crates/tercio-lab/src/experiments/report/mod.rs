@@ -269,9 +269,10 @@ fn experiment(outcome: &Outcome, to: &mut impl Format) {
 /// wherever it is made.
 fn predicted_frames(to: &mut impl Format) {
     to.paragraph(
-        "Measured before, not with this report. Counters have to be equal, times within 25 %. Of two times the \
-         first is predicted; the time of a stage is that of its busiest rank, waiting is that of rank 0, page faults \
-         and context switches are those of all ranks.",
+        "Measured before, not with this report. Counters have to be equal, times within the percentage of the \
+         verdict. Of two times the first is predicted; the time of a stage is that of its busiest rank, waiting is \
+         that of rank 0, page faults and context switches are those of all ranks. Differences are predicted less \
+         measured, by stage, the largest first.",
     );
     quoted_frames("Threads", quoted::of_threads(), to);
     quoted_frames("Ranks of one process", quoted::of_ranks(), to);

@@ -133,6 +133,11 @@ pub fn of_mpi() -> Result<Quoted<RanksRow>, toml::de::Error> {
     Quoted::parse(include_str!("../../../data/measured/mpi.toml"))
 }
 
+/// The cell of a verdict: whether a row holds, and with which tolerance.
+fn verdict(holds: bool, tolerance: f64) -> String {
+    format!("{} ({:.0} %)", if holds { "holds" } else { "misses" }, tolerance * 100.0)
+}
+
 /// Seconds as milliseconds, rounded to a thousandth.
 fn milliseconds(seconds: f64) -> f64 {
     (seconds * 1e6).round() / 1e3

@@ -2,9 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{QuotedRow, milliseconds};
-use crate::predict::validate::TOLERANCE;
-use crate::predict::validate_ranks::{Row, StageSeconds};
+use super::{QuotedRow, milliseconds, verdict};
+use crate::predict::difference::{Term, explanation};
+use crate::predict::validate_ranks::{Row, StageSeconds, tolerance};
 
 /// A model at one size, shared in one way. Times are predicted and measured milliseconds; that of a stage is its
 /// busiest rank's, waiting is rank 0's.
@@ -39,6 +39,12 @@ pub struct RanksRow {
     pub faults: u64,
     /// Context switches in it.
     pub switches: u64,
+    /// Whether ranks are processes.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub mpi: bool,
+    /// The terms of the frame on rank 0, the largest difference first.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub terms: Vec<Term>,
 }
 
 impl RanksRow {
@@ -67,6 +73,8 @@ impl From<&Row> for RanksRow {
             frame: both(|s| s.frame),
             faults: row.page_faults.round() as u64,
             switches: row.switches.round() as u64,
+            mpi: row.is_over_mpi,
+            terms: row.terms.iter().map(|t| t.map(milliseconds)).collect(),
         }
     }
 }
@@ -87,6 +95,7 @@ impl QuotedRow for RanksRow {
         "frame ms",
         "faults",
         "switches",
+        "difference on rank 0, ms",
         "error",
         "verdict",
     ];
@@ -108,13 +117,14 @@ impl QuotedRow for RanksRow {
             both(self.frame),
             self.faults.to_string(),
             self.switches.to_string(),
+            explanation(&self.terms),
             format!("{:+.1} %", self.error() * 100.0),
-            if self.holds() { "holds" } else { "misses" }.into(),
+            verdict(self.holds(), tolerance(self.mpi)),
         ]
     }
 
     fn holds(&self) -> bool {
-        self.counters[0] == self.counters[1] && self.error().abs() <= TOLERANCE
+        self.counters[0] == self.counters[1] && self.error().abs() <= tolerance(self.mpi)
     }
 
     fn is_of_the_same(&self, other: &Self) -> bool {

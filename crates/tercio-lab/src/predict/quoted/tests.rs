@@ -58,19 +58,28 @@ fn row() -> ThreadsRow {
         counters: [2, 2],
         predicted: 1.3,
         measured: 1.0,
+        loose: false,
+        terms: crate::predict::difference::terms(["culling", "shading"], [0.6, 0.7], [0.5, 0.5]),
     }
 }
 
 #[test]
 fn a_row_has_its_verdict() {
-    assert_eq!(row().cells()[6..], ["+30.0 %".to_string(), "misses".into()]);
-    assert!(ThreadsRow { predicted: 0.8, ..row() }.holds());
+    let cells = |row: ThreadsRow| row.cells()[6..].join("; ");
+    assert_eq!(cells(row()), "shading +0.20, culling +0.10; +30.0 %; misses (15 %)");
+    let low = ThreadsRow { predicted: 0.82, ..row() };
+    assert!(!low.holds() && ThreadsRow { predicted: 0.86, ..row() }.holds());
+    let loose = ThreadsRow { loose: true, ..low };
+    assert_eq!(cells(loose), "shading +0.20, culling +0.10; -18.0 %; holds (20 %)");
     assert!(!ThreadsRow { predicted: 0.8, counters: [1, 2], ..row() }.holds());
     let ranks = of_ranks().unwrap().rows.remove(0);
-    let [error, verdict] = &ranks.cells()[14..] else { panic!("{ranks:?}") };
-    assert_eq!(verdict == "holds", error.trim_end_matches(" %").parse::<f64>().unwrap().abs() <= 25.0);
+    let [error, verdict] = &ranks.cells()[15..] else { panic!("{ranks:?}") };
+    let error: f64 = error.trim_end_matches(" %").parse().unwrap();
+    assert_eq!(verdict == "holds (15 %)", error.abs() <= 15.0);
     let twice = RanksRow { frame: [2.0, 1.0], ..ranks.clone() };
-    assert!(!twice.holds() && twice.cells()[14..] == ["+100.0 %".to_string(), "misses".into()]);
+    assert!(!twice.holds() && twice.cells()[15..] == ["+100.0 %".to_string(), "misses (15 %)".into()]);
+    let processes = |frame| RanksRow { frame, mpi: true, ..ranks.clone() };
+    assert!(processes([1.24, 1.0]).holds() && !processes([1.26, 1.0]).holds());
     assert!(!RanksRow { frame: [1.0; 2], counters: [1, 2], ..ranks }.holds());
 }
 

@@ -2,8 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{QuotedRow, milliseconds};
-use crate::predict::validate::{Row, TOLERANCE};
+use super::{QuotedRow, milliseconds, verdict};
+use crate::predict::difference::{Term, explanation};
+use crate::predict::validate::{Row, tolerance};
 
 /// A model at one size on some threads.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -21,6 +22,11 @@ pub struct ThreadsRow {
     pub predicted: f64,
     /// Measured milliseconds.
     pub measured: f64,
+    /// Whether no two triangles of the model share a vertex.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub loose: bool,
+    /// The stages of both, the largest difference first.
+    pub terms: Vec<Term>,
 }
 
 impl ThreadsRow {
@@ -39,13 +45,24 @@ impl From<&Row> for ThreadsRow {
             counters: [row.compared - row.differing.len(), row.compared],
             predicted: milliseconds(row.predicted),
             measured: milliseconds(row.measured),
+            loose: row.is_loose,
+            terms: row.terms.iter().map(|t| t.map(milliseconds)).collect(),
         }
     }
 }
 
 impl QuotedRow for ThreadsRow {
-    const HEADER: &'static [&'static str] =
-        &["model", "size", "threads", "counters equal", "predicted ms", "measured ms", "error", "verdict"];
+    const HEADER: &'static [&'static str] = &[
+        "model",
+        "size",
+        "threads",
+        "counters equal",
+        "predicted ms",
+        "measured ms",
+        "difference by stage, ms",
+        "error",
+        "verdict",
+    ];
 
     fn cells(&self) -> Vec<String> {
         vec![
@@ -55,13 +72,14 @@ impl QuotedRow for ThreadsRow {
             format!("{} of {}", self.counters[0], self.counters[1]),
             format!("{:.3}", self.predicted),
             format!("{:.3}", self.measured),
+            explanation(&self.terms),
             format!("{:+.1} %", self.error() * 100.0),
-            if self.holds() { "holds" } else { "misses" }.into(),
+            verdict(self.holds(), tolerance(self.loose)),
         ]
     }
 
     fn holds(&self) -> bool {
-        self.counters[0] == self.counters[1] && self.error().abs() <= TOLERANCE
+        self.counters[0] == self.counters[1] && self.error().abs() <= tolerance(self.loose)
     }
 
     fn is_of_the_same(&self, other: &Self) -> bool {
