@@ -1,0 +1,72 @@
+//! How far a prediction may be off.
+
+use serde::Serialize;
+
+use super::Frame;
+use crate::machines::Machine;
+
+/// Residuals that an interval is wide, to each side: about 95 of 100 frames, if they are distributed normally.
+const WIDTH: f64 = 2.0;
+
+/// The uncertainty of predictions with the costs of a calibrated machine.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Uncertainty {
+    /// Root of the mean square of the residuals of its costs.
+    pub residual: f64,
+}
+
+impl Uncertainty {
+    /// That of a machine's costs; `None` without a calibration: then nobody knows.
+    pub fn of(machine: &Machine) -> Option<Self> {
+        machine.calibration.as_ref().map(|c| Self { residual: c.residual.value })
+    }
+
+    /// By which factor a frame may be faster or slower.
+    pub fn factor(self, frame: &Frame) -> f64 {
+        let of_model = match frame {
+            Frame::Threads(_) | Frame::Counted(_) => 0.0,
+            Frame::Formulas { .. } => OF_FORMULAS,
+        };
+        1.0 + WIDTH * self.residual.hypot(of_model)
+    }
+
+    /// Seconds between which a frame lies.
+    pub fn interval(self, frame: &Frame) -> [f64; 2] {
+        let (seconds, factor) = (frame.total(), self.factor(frame));
+        [seconds / factor, seconds * factor]
+    }
+}
+
+/// Root mean square of predicted over measured time, minus 1, of the formulas besides the residuals of the costs.
+pub const OF_FORMULAS: f64 = 0.0;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::machines::{Calibration, Sourced, builtin};
+    use crate::predict::choose::terms::{Sums, Terms};
+    use crate::predict::frame::FrameTime;
+
+    #[test]
+    fn intervals_come_from_the_residuals_and_those_of_formulas_are_wider() {
+        let mut machine = builtin("server-128").unwrap().unwrap();
+        assert_eq!(Uncertainty::of(&machine), None);
+        let share = |value| Sourced::new(value, String::new(), String::new());
+        machine.calibration = Some(Calibration {
+            date: String::new(),
+            processor: String::new(),
+            version: String::new(),
+            frames: Sourced::new(9.0, "9".into(), String::new()),
+            residual: share(0.05),
+            worst_residual: share(0.5),
+            spread: share(0.3),
+        });
+        let uncertainty = Uncertainty::of(&machine).unwrap();
+        let frame = Frame::Threads(FrameTime { raster: 11.0, ..FrameTime::default() });
+        let [low, high] = uncertainty.interval(&frame);
+        assert!((low - 10.0).abs() < 1e-12 && (high - 12.1).abs() < 1e-12, "{low} {high}");
+        let terms = Terms { draw: 11.0, ..Terms::default() };
+        let wider = uncertainty.interval(&Frame::Formulas { terms, sent: Sums::default() });
+        assert!(wider[0] < low && wider[1] > high, "{wider:?}");
+    }
+}
