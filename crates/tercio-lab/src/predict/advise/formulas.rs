@@ -12,7 +12,7 @@ use tercio_scene::Instance;
 
 use super::splits::Split;
 use super::{Candidate, Frame, How};
-use crate::machines::{Machine, MachineError, Topology};
+use crate::machines::{Machine, Topology};
 use crate::predict::PredictError;
 use crate::predict::choose;
 use crate::predict::choose::candidates::Limits;
@@ -49,7 +49,8 @@ pub fn rates(machine: &Machine, picture: &Picture) -> Result<Rates, PredictError
     Ok(if times.is_finite() && times > 0.0 { rates.drawing(times) } else { rates })
 }
 
-/// Predicts all ways in which the ranks of each split share the frame.
+/// Predicts all ways in which the ranks of each split share the frame, each thread with a processor of its own, or with so many
+/// processors of all ranks together.
 ///
 /// # Errors
 /// [`PredictError`].
@@ -58,6 +59,7 @@ pub fn ranks(
     picture: &Picture,
     topology: Option<Topology>,
     splits: &[Split],
+    processors: Option<usize>,
 ) -> Result<Vec<Candidate>, PredictError> {
     let rates = rates(machine, picture)?;
     let one = on_threads(machine, picture, None, 1)?.total();
@@ -72,7 +74,9 @@ pub fn ranks(
         let mut sights = Sights::new(picture, ranks);
         let mut found = Vec::new();
         for &split in splits.iter().filter(|split| split.ranks == ranks) {
-            let stage = stage(machine, topology, &rates, split, shares[&split.threads])?;
+            let wires = Wires::of(machine, topology, ranks, split.threads)?;
+            let processors = processors.unwrap_or(split.processors()) as f64;
+            let stage = Stage { rates: &rates, wires, share: shares[&split.threads], processors };
             let predicted = sights.predict(&sharings, &stage)?;
             found.extend(predicted.into_iter().map(|p| {
                 let frame = Frame::Formulas { terms: p.terms, sent: p.sent };
@@ -83,16 +87,4 @@ pub fn ranks(
     };
     let all: Result<Vec<_>, _> = numbers.par_iter().map(of_ranks).collect();
     Ok(all?.into_iter().flatten().collect())
-}
-
-fn stage<'a>(
-    machine: &Machine,
-    topology: Option<Topology>,
-    rates: &'a Rates,
-    split: Split,
-    share: f64,
-) -> Result<Stage<'a>, MachineError> {
-    let Split { ranks, threads } = split;
-    let wires = Wires::of(machine, topology, ranks, threads)?;
-    Ok(Stage { rates, wires, share, processors: split.processors() as f64 })
 }

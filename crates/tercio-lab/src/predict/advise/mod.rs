@@ -141,7 +141,7 @@ pub fn advise(
     }
     let mut candidates = one_process(machine, picture, processors)?;
     let splits = splits::of_ranks(machine, processors);
-    candidates.extend(formulas::ranks(machine, picture, topology, &splits)?);
+    candidates.extend(formulas::ranks(machine, picture, topology, &splits, None)?);
     sort(&mut candidates);
     if topology.is_none() {
         refine(machine, picture, &mut candidates)?;

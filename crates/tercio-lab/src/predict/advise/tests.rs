@@ -122,7 +122,7 @@ fn formulas_have_the_speed_of_the_machine() {
     assert!((one(&slow) / one(&machine) - 3.0).abs() < 1e-9);
     let all = |machine: &Machine| {
         let splits = [Split { ranks: 2, threads: 1 }, Split { ranks: 4, threads: 1 }];
-        formulas::ranks(machine, &picture, None, &splits).unwrap()
+        formulas::ranks(machine, &picture, None, &splits, None).unwrap()
     };
     for (fast, slow) in all(&machine).iter().zip(&all(&slow)) {
         let ratio = slow.frame.total() / fast.frame.total();
@@ -139,7 +139,7 @@ fn the_best_ranks_are_counted() {
     let picture = Picture { scene: &scene, camera: &camera, settings: &settings };
     let machine = builtin("server-128").unwrap().unwrap();
     let splits = [Split { ranks: 2, threads: 1 }, Split { ranks: 2, threads: 4 }];
-    let mut candidates = formulas::ranks(&machine, &picture, None, &splits).unwrap();
+    let mut candidates = formulas::ranks(&machine, &picture, None, &splits, None).unwrap();
     let only = |c: &Candidate| c.counted().is_some();
     candidates.retain(only);
     assert_eq!(candidates.len(), 4, "sort-first and sort-last");

@@ -5,10 +5,12 @@
 //!
 //! | module | what |
 //! |---|---|
+//! | [`advice`] | rows of advised ways to draw |
 //! | [`threads`] | rows of threads |
 //! | [`ranks`] | rows of ranks |
 //! | [`date`] | the day |
 
+pub mod advice;
 pub mod date;
 pub mod ranks;
 pub mod threads;
@@ -18,6 +20,7 @@ use std::fmt::Write;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
+pub use advice::AdviceRow;
 pub use ranks::RanksRow;
 pub use threads::ThreadsRow;
 
