@@ -96,7 +96,8 @@ impl Row {
     /// The errors of the predictions by formulas, or of all others.
     pub fn errors(&self, of_formulas: bool) -> Errors {
         let is = |d: &&Drawn| matches!(d.candidate.frame, Frame::Formulas { .. }) == of_formulas;
-        let squares = self.drawn.iter().filter(is).map(|d| (d.candidate.frame.total() / d.seconds - 1.0).powi(2));
+        let squares =
+            self.drawn.iter().filter(is).map(|d| (d.candidate.frame.total() / d.seconds - 1.0).powi(2));
         let (number, sum) = squares.fold((0usize, 0.0), |(number, sum), square| (number + 1, sum + square));
         Errors { number, rms: (sum / number.max(1) as f64).sqrt() }
     }

@@ -92,12 +92,11 @@ impl Advise {
                 "like_the_best": advice.is_like_the_best(c), "prediction": c.frame,
             })
         };
-        let of_simulator =
-            |p: &SimulatedFrame| json!({ "plan": describe(&p.plan), "total_seconds": p.total(), "prediction": p });
+        let of_simulator = |p: &SimulatedFrame| json!({ "plan": describe(&p.plan), "total_seconds": p.total(), "prediction": p });
         let value = json!({
             "machine": machine, "processors": ranks,
             "renderer": {
-                "plans_compared": advice.candidates.len(),
+                "plans_compared": advice.candidates.len(), "splits_left_out": advice.left_out,
                 "best": advice.candidates.iter().take(top).map(of_candidate).collect::<Value>(),
                 "why_not": why_not, "uncertainty": advice.uncertainty,
             },

@@ -164,7 +164,8 @@ impl Validate {
         let processors = pool.current_num_threads();
         let options = advice::Options { processors, more_ranks, frames, rounds };
         let display = Display::new(self.running.progress_mode());
-        let rows = pool.install(|| validate_advice::rows(&machine, &models, &self.sizes, options, &display))?;
+        let rows =
+            pool.install(|| validate_advice::rows(&machine, &models, &self.sizes, options, &display))?;
         drop(display);
         let holds = validate_advice::write(&rows, self.json, &output)?;
         Ok(ExitCode::from(u8::from(!holds)))

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use tercio_parallel::{Composition, Organisation};
 
-use super::splits::Split;
+use super::splits::{MOST_RANKS, Split};
 use super::{Advice, Candidate, Frame, How};
 use crate::predict::choose::parts_of;
 
@@ -26,7 +26,9 @@ impl Candidate {
     pub fn describe(&self) -> String {
         let Split { ranks, threads } = self.split;
         match self.how {
-            How::OneProcess { region } => format!("threads, {threads} of one process, tiles of {region} pixels"),
+            How::OneProcess { region } => {
+                format!("threads, {threads} of one process, tiles of {region} pixels")
+            }
             How::Ranks(sharing) => {
                 let (group, division, composition) = parts_of(&sharing, ranks);
                 let mut text = sharing.organisation.name().to_string();
@@ -57,7 +59,8 @@ impl Candidate {
         let seconds = match &self.frame {
             Frame::Threads(time) => [time.front_end, 0.0, time.total() - time.front_end, 0.0, 0.0],
             Frame::Counted(frame) => {
-                let [draw, compose, collect, messages, waiting, queueing] = frame.phases().map(|phase| phase.1);
+                let [draw, compose, collect, messages, waiting, queueing] =
+                    frame.phases().map(|phase| phase.1);
                 [0.0, messages + waiting + queueing, draw, compose, collect]
             }
             Frame::Formulas { terms, .. } => {
@@ -109,8 +112,7 @@ impl Advice {
         let threads = self.candidates.iter().filter(one).map(|c| c.split.threads);
         let threads: BTreeSet<String> = threads.map(|t| format!("{t:9}")).collect();
         let threads: Vec<_> = threads.iter().map(|t| t.trim().to_string()).collect();
-        let ranks: BTreeSet<Split> =
-            self.candidates.iter().filter(|c| !one(c)).map(|c| c.split).collect();
+        let ranks: BTreeSet<Split> = self.candidates.iter().filter(|c| !one(c)).map(|c| c.split).collect();
         let of_threads = format!(
             "compared are {} ways to use threads of one process ({} threads, tiles of 8 to 128 pixels)",
             self.candidates.iter().filter(one).count(),
@@ -126,9 +128,15 @@ impl Advice {
             let all: Vec<_> = ranks.iter().map(|s| format!("{} x {}", s.ranks, s.threads)).collect();
             format!("ranks x threads {}", all.join(", "))
         };
+        let left_out = match self.left_out {
+            0 => String::new(),
+            n => format!(
+                "; {n} splits of more than {MOST_RANKS} ranks are not: the formulas would take too long"
+            ),
+        };
         format!(
             "{of_threads}, and {} ways to share a frame ({list}; every organisation, division and composition that is a \
-             candidate of --organisation auto, with the tiles that the renderer then chooses)",
+             candidate of --organisation auto, with the tiles that the renderer then chooses){left_out}",
             self.candidates.iter().filter(|c| !one(c)).count()
         )
     }
@@ -171,11 +179,8 @@ pub fn others(lines: &[Line], parts: impl Fn(usize) -> Vec<(&'static str, f64)>)
             .zip(&ours)
             .map(|(o, b)| (o.0, o.1, b.1))
             .fold(("", 0.0, 0.0), |worst, p| if p.1 - p.2 > worst.1 - worst.2 { p } else { worst });
-        let mut text = format!(
-            "{words} takes {:.2} times as long, {}",
-            seconds / best.seconds,
-            milliseconds(*seconds)
-        );
+        let mut text =
+            format!("{words} takes {:.2} times as long, {}", seconds / best.seconds, milliseconds(*seconds));
         if !loses.0.is_empty() {
             let [theirs, ours] = [loses.1, loses.2].map(milliseconds);
             text += &format!(": {} takes {theirs} instead of {ours}", loses.0);

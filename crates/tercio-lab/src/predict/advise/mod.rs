@@ -102,6 +102,8 @@ pub struct Advice {
     pub candidates: Vec<Candidate>,
     /// How far the predictions may be off; `None` if the machine has no calibration.
     pub uncertainty: Option<Uncertainty>,
+    /// Splits that were not predicted, because they have more than [`splits::MOST_RANKS`] ranks.
+    pub left_out: usize,
 }
 
 impl Advice {
@@ -120,7 +122,9 @@ impl Advice {
 /// Why a machine has no predictions of the renderer's frames, if so.
 pub fn why_not(machine: &Machine) -> Option<Simulated> {
     let (organisation, assignment) = (Organisation::SortFirst, Assignment::Interleaved);
-    Plan { organisation, ranks: 1, threads: 1, region: None, assignment, topology: None }.by_renderer(machine).err()
+    Plan { organisation, ranks: 1, threads: 1, region: None, assignment, topology: None }
+        .by_renderer(machine)
+        .err()
 }
 
 /// Predicts everything that the renderer can do with up to so many processors of a machine, with another shape of network than
@@ -137,16 +141,18 @@ pub fn advise(
     machine.may_have(processors)?;
     let uncertainty = Uncertainty::of(machine);
     if why_not(machine).is_some() {
-        return Ok(Advice { candidates: Vec::new(), uncertainty });
+        return Ok(Advice { candidates: Vec::new(), uncertainty, left_out: 0 });
     }
     let mut candidates = one_process(machine, picture, processors)?;
-    let splits = splits::of_ranks(machine, processors);
+    let all = splits::of_ranks(machine, processors);
+    let (splits, left_out): (Vec<Split>, Vec<Split>) =
+        all.into_iter().partition(|split| split.ranks <= splits::MOST_RANKS);
     candidates.extend(formulas::ranks(machine, picture, topology, &splits, None)?);
     sort(&mut candidates);
     if topology.is_none() {
         refine(machine, picture, &mut candidates)?;
     }
-    Ok(Advice { candidates, uncertainty })
+    Ok(Advice { candidates, uncertainty, left_out: left_out.len() })
 }
 
 /// Threads of one process, with tiles of every size.
@@ -174,11 +180,7 @@ fn sort(candidates: &mut [Candidate]) {
 const REFINED: usize = 8;
 
 /// Counts the best as long as it is a formula's, and there is a model that counts it.
-fn refine(
-    machine: &Machine,
-    picture: &Picture,
-    candidates: &mut [Candidate],
-) -> Result<(), PredictError> {
+fn refine(machine: &Machine, picture: &Picture, candidates: &mut [Candidate]) -> Result<(), PredictError> {
     for _ in 0..REFINED {
         let Some(best) = candidates.first_mut() else { break };
         let Some(plan) = best.counted() else { break };

@@ -5,6 +5,10 @@ use std::collections::BTreeSet;
 use serde::Serialize;
 
 use crate::machines::Machine;
+use crate::predict::choose::candidates::MANY;
+
+/// The largest number of ranks that the formulas predict: twice as many take twice as long, and this many already seconds.
+pub const MOST_RANKS: usize = 1 << 15;
 
 /// Ranks, and threads of each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -36,14 +40,16 @@ pub fn threads(machine: &Machine, processors: usize) -> Vec<usize> {
     numbers(machine, processors).into_iter().filter(shares).collect()
 }
 
-/// All ways to divide each of the numbers of processors into two or more ranks of as many threads each, which share a memory. Few
-/// processors first.
+/// All ways to divide each of the numbers of processors into two or more ranks of as many threads each, which share a memory; of
+/// more than 64 ranks only those with threads that are a power of two, or divide a node. Few processors first.
 pub fn of_ranks(machine: &Machine, processors: usize) -> Vec<Split> {
     let mut splits = Vec::new();
     for number in numbers(machine, processors) {
-        let most = usize::try_from(machine.most_threads()).unwrap_or(usize::MAX).min(number / 2);
-        let divides = (1..=most).filter(|threads| number.is_multiple_of(*threads));
-        splits.extend(divides.map(|threads| Split { ranks: number / threads, threads }));
+        let node = usize::try_from(machine.most_threads()).unwrap_or(usize::MAX);
+        let divides = (1..=node.min(number / 2)).filter(|threads| number.is_multiple_of(*threads));
+        let all = divides.map(|threads| Split { ranks: number / threads, threads });
+        let is_usual = |threads: usize| threads.is_power_of_two() || node.is_multiple_of(threads);
+        splits.extend(all.filter(|split| split.ranks <= MANY || is_usual(split.threads)));
     }
     splits
 }
@@ -74,5 +80,10 @@ mod tests {
         let distinct: BTreeSet<_> = all.iter().collect();
         assert_eq!(distinct.len(), all.len());
         assert_eq!(threads(&machine, 1000).last(), Some(&128));
+        // Of a million processors each has work in some split that can be predicted.
+        let all = of_ranks(&machine, 1_000_000);
+        let can = |s: &&Split| s.ranks <= MOST_RANKS && s.processors() == 1_000_000;
+        assert!(all.iter().any(|s| s.ranks > MOST_RANKS) && all.iter().any(|s| can(&s)));
+        assert!(all.len() < 200, "{}", all.len());
     }
 }

@@ -10,12 +10,8 @@ use crate::predict::views;
 use crate::workloads::{BoundingBox, BoxScene, PixelBox};
 
 fn counters(boxes: u64) -> Counters {
-    let binned = Counters {
-        triangles: boxes,
-        triangles_apart: boxes,
-        triangles_binned: boxes,
-        ..Counters::default()
-    };
+    let binned =
+        Counters { triangles: boxes, triangles_apart: boxes, triangles_binned: boxes, ..Counters::default() };
     Counters {
         entries: boxes,
         entries_drawn: boxes,
@@ -106,6 +102,12 @@ fn the_best_is_explained_and_what_was_compared_is_said() {
     assert!(lines[2].contains("no stated uncertainty"), "{lines:?}");
     // The best, the search, the uncertainty, and the classes threads, sort-first, -middle, -last and -twice but one.
     assert_eq!(lines.len(), 3 + 4, "{lines:?}");
+    assert!(!lines[1].contains("ranks are not"), "{lines:?}");
+    let fewer = Advice { left_out: 3, ..advice.clone() };
+    assert!(
+        fewer.explanation()[1]
+            .ends_with("3 splits of more than 32768 ranks are not: the formulas would take too long")
+    );
     let parts: f64 = best.parts().iter().map(|part| part.1).sum();
     assert!((parts - best.frame.total()).abs() < 1e-12);
 }
@@ -147,7 +149,10 @@ fn the_best_ranks_are_counted() {
     refine(&machine, &picture, &mut candidates).unwrap();
     let best = &candidates[0];
     let Frame::Counted(frame) = &best.frame else { panic!("{}", best.describe()) };
-    let again = Candidate { frame: Frame::Formulas { terms: Terms::default(), sent: Sums::default() }, ..best.clone() };
+    let again = Candidate {
+        frame: Frame::Formulas { terms: Terms::default(), sent: Sums::default() },
+        ..best.clone()
+    };
     let plan = again.counted().unwrap();
     assert_eq!(predict(&machine, &picture, &plan).unwrap().unwrap(), **frame);
     assert!(best.counted().is_none(), "once");

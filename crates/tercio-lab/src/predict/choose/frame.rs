@@ -177,7 +177,8 @@ impl Grouped<'_> {
         // Each rank then finds the tiles that several have: a word at a time.
         let load = Load { messages: rounds, out: bytes, into: bytes, work: bytes * stage.rates.byte };
         let all = Reach { within: self.ranks, stride: 1 };
-        stage.exchange_evenly(&load, (self.ranks, self.ranks), all) + (rounds - 1.0) * stage.wires.latency(all)
+        stage.exchange_evenly(&load, (self.ranks, self.ranks), all)
+            + (rounds - 1.0) * stage.wires.latency(all)
     }
 }
 

@@ -41,11 +41,7 @@ impl<'a> Sights<'a> {
     ///
     /// # Errors
     /// [`PredictError`]: a picture that cannot be drawn.
-    pub fn predict(
-        &mut self,
-        candidates: &[Sharing],
-        stage: &Stage,
-    ) -> Result<Vec<Predicted>, PredictError> {
+    pub fn predict(&mut self, candidates: &[Sharing], stage: &Stage) -> Result<Vec<Predicted>, PredictError> {
         self.seen.iter_mut().for_each(|seen| seen.divided.clear());
         let mut predicted = Vec::new();
         for &sharing in candidates {

@@ -124,7 +124,8 @@ impl Wires {
         let Some((node, wire)) = self.inside else { return most / self.between.bandwidth };
         let share = self.share_inside(reach);
         let of_node = |loads: &[Load]| {
-            let [out, into] = [|l: &Load| l.out, |l: &Load| l.into].map(|of| loads.iter().map(of).sum::<f64>());
+            let [out, into] =
+                [|l: &Load| l.out, |l: &Load| l.into].map(|of| loads.iter().map(of).sum::<f64>());
             out.max(into)
         };
         let nodes = loads.chunks(node.max(1)).map(of_node).fold(0.0, f64::max);
@@ -187,7 +188,10 @@ mod tests {
                 }
             }
             let share = nodes().share_inside(Reach { within, stride });
-            assert!((share - f64::from(inside as u32) / f64::from(all as u32)).abs() < 1e-12, "{within} {stride}");
+            assert!(
+                (share - f64::from(inside as u32) / f64::from(all as u32)).abs() < 1e-12,
+                "{within} {stride}"
+            );
         }
     }
 

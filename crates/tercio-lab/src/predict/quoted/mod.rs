@@ -136,6 +136,14 @@ pub fn of_mpi() -> Result<Quoted<RanksRow>, toml::de::Error> {
     Quoted::parse(include_str!("../../../data/measured/mpi.toml"))
 }
 
+/// The table of advised ways to draw in the repository.
+///
+/// # Errors
+/// The file has a mistake.
+pub fn of_advice() -> Result<Quoted<AdviceRow>, toml::de::Error> {
+    Quoted::parse(include_str!("../../../data/measured/advice.toml"))
+}
+
 /// Seconds as milliseconds, rounded to a thousandth.
 fn milliseconds(seconds: f64) -> f64 {
     (seconds * 1e6).round() / 1e3
