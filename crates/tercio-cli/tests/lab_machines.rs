@@ -48,8 +48,11 @@ fn advice_searches_threads_and_ranks_with_threads() {
     let place = Place::new();
     let advice = place.run("lab advise model.off --size 64x64 --ranks 4 --machine server-128").ok_silently();
     let text = advice.text();
-    assert!(text.contains("up to 4 threads of one process, and ranks x threads 2 x 2, 4 x 1"), "{text}");
-    assert!(text.contains("is fastest of the 35 plans of the renderer compared"), "{text}");
+    assert!(text.contains("(1, 2, 4 threads, tiles of 8 to 128 pixels)"), "{text}");
+    assert!(text.contains("(ranks x threads 2 x 1, 2 x 2, 4 x 1;"), "{text}");
+    let shared = ["sort-first", "sort-middle", "sort-last", "sort-twice, groups of 2"];
+    assert!(shared.iter().all(|how| text.lines().any(|line| line.starts_with(how))), "{text}");
+    assert!(text.contains("have no stated uncertainty"), "{text}");
     place
         .run("lab advise model.off --size 64x64 --ranks 3 --machine two-core-2026")
         .failed(1, &["expected at most 2 processors, found 3"]);

@@ -9,7 +9,7 @@
 //! | [`frame`] | times from counts and costs: one process with several threads |
 //! | [`ranks`] | the same for ranks that share a frame |
 //! | [`choose`] | how ranks share a frame, chosen before it is drawn: `--organisation auto` |
-//! | [`advise`] | the best organisation for a machine and a model, and why |
+//! | [`advise`] | the best way to draw a model on a machine, and why |
 //! | [`measure`] | the real renderer's counters and times |
 //! | [`usage`] | page faults and context switches |
 //! | [`hardware`] | caches and memory of this machine |
@@ -18,6 +18,7 @@
 //! | [`calibrate`] | measures the description of this machine |
 //! | [`validate`] | predicted against measured |
 //! | [`difference`] | the terms of the difference between both |
+//! | [`validate_advice`] | the advised way to draw against all others |
 //! | [`validate_ranks`] | the same for ranks, of one process or several |
 //! | [`quoted`] | tables of results in the repository |
 
@@ -37,6 +38,7 @@ pub mod quoted;
 pub mod ranks;
 pub mod usage;
 pub mod validate;
+pub mod validate_advice;
 pub mod validate_ranks;
 pub mod views;
 

@@ -7,19 +7,23 @@ use anyhow::Result;
 use clap::Args;
 use serde_json::{Value, json};
 use tercio::image::Destination;
-use tercio_lab::predict::advise::{Advice, advise, describe, plans, renderer_plans, why_not};
+use tercio_lab::predict::advise::simulated::{describe, explanation, plans, simulated};
+use tercio_lab::predict::advise::{Advice, Candidate, advise, why_not};
 use tercio_lab::predict::ranks::Simulated;
+use tercio_lab::predict::ranks::simulated::SimulatedFrame;
 
 use super::plan::{MachineArgs, PictureArgs};
 use super::predict::ranks;
 use crate::args::RunningArgs;
 use crate::output::write_text;
 
-/// Searches threads, ranks, organisation, group size, region size and assignment for a machine and a model, and says why.
+/// Searches all ways to draw a model on a machine for the fastest, and says why it is.
 ///
-/// Of the renderer, threads of one process are compared with ranks of one thread and of several, in sort-first and
-/// sort-last, by the models that 'tercio lab validate' compares with it. The simulator of the sorting classes covers all
-/// classes; its figures are comparable with each other only.
+/// Compared are threads of one process, and all splits of 1, 2, 4 ... N processors and of whole nodes into ranks and threads, with
+/// every organisation, division and composition that 'tercio render --organisation auto' chooses among. Each time is shown with
+/// the model that it is from. If the machine has a calibration, it has an interval, too; '=' marks candidates that cannot be told
+/// apart from the best one. The simulator of the sorting classes covers its own plans; its figures are comparable with each
+/// other only.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
@@ -32,7 +36,7 @@ pub struct Advise {
     picture: PictureArgs,
     #[command(flatten)]
     machine: MachineArgs,
-    /// Processors: ranks times threads [default: all of the machine].
+    /// Processors at most: ranks times threads [default: all of the machine].
     #[arg(short = 'n', long, value_name = "N", value_parser = ranks)]
     ranks: Option<usize>,
     /// Number of the best plans to list.
@@ -56,63 +60,92 @@ impl Advise {
         let ranks = self.ranks.unwrap_or(machine.processors.count.whole() as usize);
         machine.may_have(ranks)?;
         let pool = self.running.pool()?;
-        let advice = pool.install(|| -> Result<_> {
+        let topology = self.machine.topology();
+        let (advice, simulated) = pool.install(|| -> Result<_> {
             let c = self.picture.count(&self.running, &machine, 1)?;
-            let topology = self.machine.topology();
-            // Only the simulator supports a network other than the machine's.
-            let rendered = if topology.is_none() { renderer_plans(&machine, ranks) } else { Vec::new() };
-            let simulated = plans(&machine, ranks, topology);
-            let counters = &c.counted.frame;
-            Ok(advise(&machine, &c.picture(), counters, &c.boxes()?, (&rendered, &simulated))?)
+            let advice = advise(&machine, &c.picture(), ranks, topology)?;
+            let plans = plans(&machine, ranks, topology);
+            Ok((advice, simulated(&machine, &c.counted.frame, &c.boxes()?, c.size, &plans)?))
         })?;
-        let why_not = why_not(&machine, self.machine.topology());
+        let why_not = why_not(&machine);
         let text = match self.json {
-            true => self.json_text(&machine.name, ranks, &advice, why_not),
-            false => self.text(&machine.name, ranks, &advice, why_not),
+            true => self.json_text(&machine.name, ranks, &advice, &simulated, why_not),
+            false => self.text(&machine.name, ranks, &advice, &simulated, why_not),
         };
         write_text(&Destination::Stdout, &text)?;
         Ok(ExitCode::SUCCESS)
     }
 
-    fn json_text(&self, machine: &str, ranks: usize, advice: &Advice, why_not: Option<Simulated>) -> String {
+    fn json_text(
+        &self,
+        machine: &str,
+        ranks: usize,
+        advice: &Advice,
+        simulated: &[SimulatedFrame],
+        why_not: Option<Simulated>,
+    ) -> String {
         let top = self.top.max(1);
-        let rendered = advice.renderer.iter().take(top).map(
-            |r| json!({ "plan": r.describe(), "total_seconds": r.frame.total(), "prediction": r.frame }),
-        );
-        let simulated = advice
-            .simulated
-            .iter()
-            .take(top)
-            .map(|p| json!({ "plan": describe(&p.plan), "total_seconds": p.total(), "prediction": p }));
+        let of_candidate = |c: &Candidate| {
+            json!({
+                "plan": c.describe(), "ranks": c.split.ranks, "threads": c.split.threads,
+                "total_seconds": c.frame.total(), "model": c.frame.model(), "interval_seconds": advice.interval(c),
+                "like_the_best": advice.is_like_the_best(c), "prediction": c.frame,
+            })
+        };
+        let of_simulator = |p: &SimulatedFrame| json!({ "plan": describe(&p.plan), "total_seconds": p.total(), "prediction": p });
         let value = json!({
             "machine": machine, "processors": ranks,
             "renderer": {
-                "plans_compared": advice.renderer.len(), "best": rendered.collect::<Value>(), "why_not": why_not,
+                "plans_compared": advice.candidates.len(), "splits_left_out": advice.left_out,
+                "best": advice.candidates.iter().take(top).map(of_candidate).collect::<Value>(),
+                "why_not": why_not, "uncertainty": advice.uncertainty,
             },
             "simulator": {
-                "plans_compared": advice.simulated.len(), "best": simulated.collect::<Value>(),
+                "plans_compared": simulated.len(),
+                "best": simulated.iter().take(top).map(of_simulator).collect::<Value>(),
             },
-            "explanation": advice.explanation(),
+            "explanation": lines(advice, simulated),
         });
         format!("{value:#}\n")
     }
 
-    fn text(&self, machine: &str, ranks: usize, advice: &Advice, why_not: Option<Simulated>) -> String {
+    fn text(
+        &self,
+        machine: &str,
+        ranks: usize,
+        advice: &Advice,
+        simulated: &[SimulatedFrame],
+        why_not: Option<Simulated>,
+    ) -> String {
         let top = self.top.max(1);
-        let mut text = format!("{machine}, {ranks} processors\n");
+        let mut text = format!("{machine}, up to {ranks} processors\n");
         // Writing into a string cannot fail.
         let _ = match why_not {
-            Some(reason) => writeln!(text, "no prediction by the model of the renderer's ranks: {reason}"),
-            None => writeln!(text, "the renderer, {} plans compared", advice.renderer.len()),
+            Some(reason) => writeln!(text, "no prediction by the models of the renderer: {reason}"),
+            None => writeln!(text, "the renderer, {} candidates compared", advice.candidates.len()),
         };
-        for r in advice.renderer.iter().take(top) {
-            let _ = writeln!(text, "{:12.4} ms  {}", r.frame.total() * 1e3, r.describe());
+        for c in advice.candidates.iter().take(top) {
+            let like = if advice.is_like_the_best(c) == Some(true) { "=" } else { " " };
+            let interval = advice.interval(c);
+            let interval = interval.map(|[low, high]| format!(" ({:.4} to {:.4})", low * 1e3, high * 1e3));
+            let (time, interval) = (c.frame.total() * 1e3, interval.unwrap_or_default());
+            let _ = writeln!(text, "{like}{time:11.4} ms{interval}  {} [{}]", c.describe(), c.frame.model());
         }
-        let _ = writeln!(text, "simulator of the sorting classes, {} plans compared", advice.simulated.len());
-        for p in advice.simulated.iter().take(top) {
+        let _ = writeln!(text, "simulator of the sorting classes, {} plans compared", simulated.len());
+        for p in simulated.iter().take(top) {
             let _ = writeln!(text, "{:12.4} ms  {}", p.total() * 1e3, describe(&p.plan));
         }
-        advice.explanation().iter().for_each(|line| text += &format!("{line}.\n"));
+        lines(advice, simulated).iter().for_each(|line| text += &format!("{line}.\n"));
         text
     }
+}
+
+/// Both advices in words.
+fn lines(advice: &Advice, simulated: &[SimulatedFrame]) -> Vec<String> {
+    let mut lines = advice.explanation();
+    if !lines.is_empty() {
+        lines.push("the rest is from the simulator of the sorting classes, another model".into());
+    }
+    lines.extend(explanation(simulated));
+    lines
 }

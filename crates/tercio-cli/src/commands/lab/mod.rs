@@ -11,6 +11,7 @@ mod predict;
 mod reproduce;
 mod simulate;
 mod validate;
+mod validate_advice;
 mod validate_ranks;
 mod workload;
 

@@ -7,7 +7,7 @@ use anyhow::Result;
 use clap::{Args, ValueEnum};
 use serde_json::json;
 use tercio::image::Destination;
-use tercio_lab::predict::advise::describe;
+use tercio_lab::predict::advise::simulated::describe;
 use tercio_lab::predict::frame::{FrameTime, need_costs};
 use tercio_lab::predict::ranks::renderer::{Carrier, RankSeconds, RanksFrame};
 use tercio_lab::predict::ranks::simulated::SimulatedFrame;

@@ -13,11 +13,13 @@ use tercio::parallel::{Communicator as _, Organisation};
 use tercio_lab::machines::load;
 use tercio_lab::predict::quoted::{self, ThreadsRow};
 use tercio_lab::predict::validate::{Model, Options, Row, compare};
+use tercio_lab::predict::validate_advice::{self as advice, MODELS};
 use tercio_lab::predict::validate_ranks as ranks;
 
 use super::calibrate::ClockName;
 use super::measured::Measured;
 use super::plan::load_scene;
+use super::validate_advice;
 use super::validate_ranks::{self, Who};
 use crate::args::drawing::SortingName;
 use crate::args::ranks::parse_ranks;
@@ -42,11 +44,12 @@ Examples:
   tercio lab validate builtin:teapot@500k dragon.ply --machine mine.toml --sizes 800x600,1920x1080
   tercio lab validate builtin:teapot@500k --machine mine.toml --ranks 1,2,4 --organisation sort-last
   mpirun -n 2 --bind-to none tercio lab validate builtin:teapot@500k --machine mine.toml   (built with --features mpi)
+  tercio lab validate --advice --machine mine.toml --ranks 3,4 --sizes 800x600
 
 Exit code: 0 all hold, 1 some do not or an error, 2 wrong usage.")]
 pub struct Validate {
-    /// Models as for 'tercio render'.
-    #[arg(value_name = "MODEL", required = true)]
+    /// Models as for 'tercio render' [default with --advice: ten built-in ones].
+    #[arg(value_name = "MODEL", required_unless_present = "advice")]
     models: Vec<PathBuf>,
     /// This machine's description, from 'tercio lab calibrate'.
     #[arg(short, long, value_name = "MACHINE")]
@@ -67,6 +70,11 @@ pub struct Validate {
     /// Which clock times frames.
     #[arg(long, value_name = "CLOCK", value_enum, default_value_t = ClockName::Wall)]
     clock: ClockName,
+    /// Tests the advice instead: draws one view in all ways that 'tercio lab advise' compares for this machine, and compares the
+    /// advised one with the fastest, which it may exceed by 10 %. With --ranks, as many ranks are drawn, too, though there
+    /// are fewer processors.
+    #[arg(long, conflicts_with_all = ["organisation", "clock", "sorting", "views"])]
+    advice: bool,
     /// Compares ranks of one thread each instead: messages, bytes and counters of every rank, and times. Processes that
     /// mpirun started are ranks without this option.
     #[arg(long, value_name = "N,...", value_delimiter = ',', value_parser = parse_ranks)]
@@ -103,6 +111,13 @@ impl Validate {
     /// # Errors
     /// [`UsageError`] for options that contradict each other, else what went wrong.
     pub fn run(&self) -> Result<ExitCode> {
+        if self.advice {
+            if mpi::processes().is_some_and(|count| count > 1) {
+                let text = "--advice draws with ranks of one process: start it without mpirun";
+                return Err(UsageError(text.into()).into());
+            }
+            return self.advice();
+        }
         let who = Who::of(&self.ranks, self.organisation.is_some(), mpi::processes()).map_err(UsageError)?;
         let files = self.files();
         files.check()?;
@@ -129,6 +144,34 @@ impl Validate {
         let files =
             table.fold(NamedFiles::default().prints(), |files, table| files.writes("--output", &table));
         self.models.iter().fold(files.reads_machine(&self.machine), |files, model| files.reads_model(model))
+    }
+
+    /// Compares the advised way to draw with all others.
+    fn advice(&self) -> Result<ExitCode> {
+        let pool = self.running.pool()?;
+        let named: Vec<PathBuf>;
+        let models = if self.models.is_empty() {
+            named = MODELS.iter().map(PathBuf::from).collect();
+            &named
+        } else {
+            &self.models
+        };
+        self.files().check()?;
+        let machine = load(&self.machine)?;
+        let views = format!(" --views {}", self.views);
+        let command = self.command().replacen("validate ", "validate --advice ", 1);
+        let command = command.replace(&views, "").replace("  ", " ");
+        let output = Measured::new(self.output.clone(), command, machine.summary.clone())?;
+        let models = self.load(models, &pool, self.running.progress_mode())?;
+        let (frames, rounds, more_ranks) = (self.frames, self.rounds, self.ranks.as_slice());
+        let processors = pool.current_num_threads();
+        let options = advice::Options { processors, more_ranks, frames, rounds };
+        let display = Display::new(self.running.progress_mode());
+        let rows =
+            pool.install(|| validate_advice::rows(&machine, &models, &self.sizes, options, &display))?;
+        drop(display);
+        let holds = validate_advice::write(&rows, self.json, &output)?;
+        Ok(ExitCode::from(u8::from(!holds)))
     }
 
     /// Compares threads; returns whether all rows hold.
@@ -195,13 +238,17 @@ impl Validate {
     }
 
     fn load_models(&self, pool: &ThreadPool, progress: ProgressMode) -> Result<Vec<Model>> {
+        self.load(&self.models, pool, progress)
+    }
+
+    fn load(&self, models: &[PathBuf], pool: &ThreadPool, progress: ProgressMode) -> Result<Vec<Model>> {
         let files = self.files();
         let load = |path: &PathBuf| {
             let model = ModelArgs { model: path.clone(), moment: None };
             let (scene, bounds) = pool.install(|| load_scene(&model, &self.running, progress, &files))?;
             Ok(Model { name: file_name(path), scene, bounds })
         };
-        self.models.iter().map(load).collect()
+        models.iter().map(load).collect()
     }
 
     fn how(&self, ranks: &[usize]) -> Vec<(usize, Organisation)> {

@@ -3,6 +3,7 @@
 use tercio_parallel::Composition;
 
 use super::terms::{Load, Stage, Sums};
+use super::wires::Reach;
 
 /// Tiles in which several ranks have something.
 #[derive(Clone, Debug, Default)]
@@ -43,6 +44,10 @@ impl SharedTiles {
         self.of_rank.iter().filter(|of| of[1] > 0.0).count()
     }
 
+    fn all(&self) -> Reach {
+        Reach { within: self.of_rank.len(), stride: 1 }
+    }
+
     /// Pixels or fragments of all ranks, when those of this many consecutive ranks are merged.
     fn after(&self, merged: usize, participants: usize) -> f64 {
         let blocks = participants.div_ceil(merged.max(1)) as f64;
@@ -64,8 +69,9 @@ impl SharedTiles {
                 let extra = count - swapping;
                 if extra > 0 {
                     // These send all that they have to others first.
+                    let all_ranks = Reach { within: count, stride: 1 };
                     let all_of_one = self.after(1, count) / count as f64;
-                    all = all.plus(transfer(stage, extra, 1.0, all_of_one, 1.0));
+                    all = all.plus(transfer(stage, extra, count, (1.0, all_of_one, 1.0), all_ranks));
                 }
                 all
             }
@@ -85,7 +91,7 @@ impl SharedTiles {
             work: owned * stage.rates.merged + (sent + taken) * bytes * stage.rates.byte,
         });
         let loads: Vec<Load> = loads.collect();
-        Composited { seconds: stage.exchange(&loads), sent: Sums::of(&loads) }
+        Composited { seconds: stage.exchange(&loads, self.all()), sent: Sums::of(&loads) }
     }
 
     /// Rounds in which groups of ranks exchange parts of their tiles; the sizes of the groups of each round.
@@ -96,7 +102,9 @@ impl SharedTiles {
             *steps += self.tiles.len() as u64;
             let has = self.after(merged, count) / count as f64;
             let share = (size - 1) as f64 / size as f64;
-            all = all.plus(transfer(stage, count, (size - 1) as f64, has * share, self.unevenness()));
+            let each = ((size - 1) as f64, has * share, self.unevenness());
+            let reach = Reach { within: merged * size, stride: merged };
+            all = all.plus(transfer(stage, count, count, each, reach));
             merged *= size;
         }
         // Fragments are only concatenated before.
@@ -116,7 +124,8 @@ impl SharedTiles {
             let sent: usize = senders.map(|sender| merged.min(count - sender)).sum();
             let has = self.after(merged, count) * sent as f64 / (count * number.max(1)) as f64;
             let uneven = (merged * number) as f64 / sent.max(1) as f64;
-            all = all.plus(transfer(stage, number, 1.0, has, uneven));
+            let reach = Reach { within: 2 * merged, stride: merged };
+            all = all.plus(transfer(stage, number, count, (1.0, has, uneven), reach));
             merged *= 2;
         }
         let merging = if stage.rates.fragments { self.sum() * stage.rates.merged } else { 0.0 };
@@ -129,7 +138,7 @@ impl SharedTiles {
         let merged: f64 = self.tiles.iter().map(|tile| tile.merged).sum();
         for done in 1..count {
             let has = (self.sum() * done as f64 / count as f64).min(merged);
-            all = all.plus(transfer(stage, 1, 1.0, has, 1.0));
+            all = all.plus(transfer(stage, 1, count, (1.0, has, 1.0), Reach { within: 2, stride: 1 }));
         }
         let merging = if stage.rates.fragments { self.sum() * stage.rates.merged } else { 0.0 };
         all.seconds += stage.evenly(merging, 1);
@@ -148,14 +157,20 @@ impl SharedTiles {
     }
 }
 
-/// This many ranks send this many pixels or fragments each, in messages to as many others, which merge them; the busiest one
-/// has `uneven` times as many.
-fn transfer(stage: &Stage, ranks: usize, messages: f64, shown: f64, uneven: f64) -> Composited {
+/// This many ranks `of` all send so many messages and pixels or fragments each, to as many others, which merge them; the busiest
+/// one has `uneven` times as many.
+fn transfer(
+    stage: &Stage,
+    ranks: usize,
+    of: usize,
+    (messages, shown, uneven): (f64, f64, f64),
+    reach: Reach,
+) -> Composited {
     let bytes = shown * stage.rates.composited_bytes;
     let merging = if stage.rates.fragments { 0.0 } else { shown * stage.rates.merged };
     let work = (merging + 2.0 * bytes * stage.rates.byte) * uneven;
     let load = Load { messages, out: bytes * uneven, into: bytes * uneven, work };
-    let seconds = stage.exchange_evenly(&load, ranks);
+    let seconds = stage.exchange_evenly(&load, (ranks, of), reach);
     let sent = Sums { messages: messages * ranks as f64, bytes: bytes * ranks as f64 };
     Composited { seconds, sent }
 }

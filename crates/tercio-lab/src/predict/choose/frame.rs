@@ -7,6 +7,7 @@ use super::compose::{SharedTile, SharedTiles};
 use super::rates::{BIN_HEAD, BIN_TILE, TILE_HEAD};
 use super::terms::{Load, Stage, Sums, Terms};
 use super::tiles::{Part, Tiles, covered};
+use super::wires::Reach;
 
 /// A picture for candidates with the same tiles and groups.
 pub struct Grouped<'a> {
@@ -161,7 +162,7 @@ impl Grouped<'_> {
         let loads: Vec<Load> = (0..self.ranks).map(load).collect();
         let sums = Sums::of(&loads);
         *sent = Sums { messages: sent.messages + sums.messages, bytes: sent.bytes + sums.bytes };
-        stage.exchange(&loads)
+        stage.exchange(&loads, Reach { within: self.group, stride: 1 })
     }
 
     /// A bit for each tile, to all ranks, in as many rounds as the logarithm of their number.
@@ -175,7 +176,9 @@ impl Grouped<'_> {
         sent.bytes += bytes * self.ranks as f64;
         // Each rank then finds the tiles that several have: a word at a time.
         let load = Load { messages: rounds, out: bytes, into: bytes, work: bytes * stage.rates.byte };
-        stage.exchange_evenly(&load, self.ranks) + (rounds - 1.0) * stage.latency()
+        let all = Reach { within: self.ranks, stride: 1 };
+        stage.exchange_evenly(&load, (self.ranks, self.ranks), all)
+            + (rounds - 1.0) * stage.wires.latency(all)
     }
 }
 
@@ -216,9 +219,12 @@ impl Divided {
             messages += f64::from(u8::from(finishes(rank) > 0.0));
         }
         let bytes = pixels * rates.finished_bytes;
+        let all = Reach { within: ranks, stride: 1 };
         // Others have nothing to do now: rank 0 works with one thread.
-        let first = cleared + pixels * rates.collected[1] + messages * stage.busy();
-        let wire = if messages > 0.0 { stage.latency() + bytes / stage.network.bandwidth } else { 0.0 };
+        let first = cleared + pixels * rates.collected[1] + messages * stage.wires.busy(all);
+        let into = Load { into: bytes, ..Load::default() };
+        let wire =
+            if messages > 0.0 { stage.wires.latency(all) + stage.wires.ports(&[into], all) } else { 0.0 };
         (packing + wire + first, Sums { messages, bytes })
     }
 }

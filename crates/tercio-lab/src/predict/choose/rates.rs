@@ -117,4 +117,24 @@ impl Rates {
             translucent,
         }
     }
+
+    /// The same on a machine that is so much slower than the one that the fitted constants are of; the costs of its description
+    /// stay.
+    pub fn slower(self, by: f64) -> Self {
+        let of_fragments = if self.fragments { by } else { 1.0 };
+        Self {
+            survey: self.survey.map(|seconds| seconds * by),
+            triangle: self.triangle * by,
+            shown: self.shown * by,
+            kept: self.kept * of_fragments,
+            merged: self.merged * of_fragments,
+            byte: self.byte * by,
+            ..self
+        }
+    }
+
+    /// The same where drawing triangles, pixels and fragments takes so many times as long.
+    pub fn drawing(self, times: f64) -> Self {
+        Self { triangle: self.triangle * times, shown: self.shown * times, ..self }
+    }
 }

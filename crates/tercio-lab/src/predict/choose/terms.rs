@@ -2,11 +2,8 @@
 
 use serde::Serialize;
 
-use super::network::{Network, Source};
 use super::rates::Rates;
-
-/// Seconds of a message of which the processor is busy, at most.
-const BUSY: f64 = 2e-6;
+use super::wires::{Reach, Wires};
 
 /// Predicted seconds of a frame; their sum is its time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
@@ -66,9 +63,9 @@ pub struct Stage<'a> {
     /// Costs of work.
     pub rates: &'a Rates,
     /// Costs of messages.
-    pub network: Network,
-    /// Threads of each rank.
-    pub threads: f64,
+    pub wires: Wires,
+    /// Seconds in which the threads of a rank do a second's work of one thread, while no other rank needs their processors.
+    pub share: f64,
     /// Processors of all ranks together.
     pub processors: f64,
 }
@@ -89,7 +86,7 @@ impl Stage<'_> {
 
     /// Seconds for a second of work on one thread, while this many ranks work.
     fn slowdown(&self, ranks: f64) -> f64 {
-        (1.0 / self.threads.min(self.processors)).max(ranks / self.processors)
+        self.share.max(ranks / self.processors)
     }
 
     /// Seconds of work that this many ranks share evenly.
@@ -98,34 +95,21 @@ impl Stage<'_> {
         work / ranks * self.slowdown(ranks)
     }
 
-    /// Seconds of an exchange: its work, the bytes through the ports of the busiest rank, and a latency.
-    pub fn exchange(&self, loads: &[Load]) -> f64 {
-        let most = |of: fn(&Load) -> f64| loads.iter().map(of).fold(0.0, f64::max);
-        if most(|load| load.messages) == 0.0 {
+    /// Seconds of an exchange: its work, the bytes through the busiest ports, and a latency.
+    pub fn exchange(&self, loads: &[Load], reach: Reach) -> f64 {
+        if loads.iter().all(|load| load.messages == 0.0) {
             return 0.0;
         }
-        let port = most(|load| load.out.max(load.into)) / self.network.bandwidth;
-        let work = self.work(loads.iter().map(|load| load.work + load.messages * self.busy()));
-        work + port + self.latency()
+        let busy = self.wires.busy(reach);
+        let work = self.work(loads.iter().map(|load| load.work + load.messages * busy));
+        work + self.wires.ports(loads, reach) + self.wires.latency(reach)
     }
 
-    /// The same if this many ranks have the same load.
-    pub fn exchange_evenly(&self, load: &Load, ranks: usize) -> f64 {
-        let port = load.out.max(load.into) / self.network.bandwidth;
-        self.evenly((load.work + load.messages * self.busy()) * ranks as f64, ranks) + port + self.latency()
-    }
-
-    /// Seconds of a small message.
-    pub fn latency(&self) -> f64 {
-        self.network.latency
-    }
-
-    /// Processor time of a message. Between threads of a process that is all of it.
-    pub fn busy(&self) -> f64 {
-        match self.network.source {
-            Source::Constants => self.network.latency,
-            Source::Measured { .. } => self.network.latency.min(BUSY),
-        }
+    /// The same if this many ranks of so many, scattered evenly among them, have the same load.
+    pub fn exchange_evenly(&self, load: &Load, (ranks, of): (usize, usize), reach: Reach) -> f64 {
+        let ports = self.wires.ports_evenly(load.out.max(load.into), (ranks, of), reach);
+        let work = load.work + load.messages * self.wires.busy(reach);
+        self.evenly(work * ranks as f64, ranks) + ports + self.wires.latency(reach)
     }
 }
 
@@ -133,6 +117,7 @@ impl Stage<'_> {
 mod tests {
     use super::*;
     use crate::machines;
+    use crate::predict::choose::network::Network;
 
     #[test]
     fn ranks_share_processors_until_they_are_done() {
@@ -141,7 +126,8 @@ mod tests {
         let rates = &Rates::of(&machine, &settings, false);
         let network = Network::in_process(&machine).expect("it has a network");
         let seconds = |threads: f64, processors: f64, works: &[f64]| {
-            let stage = Stage { rates, network, threads, processors };
+            let share = 1.0 / threads.min(processors);
+            let stage = Stage { rates, wires: network.into(), share, processors };
             stage.work(works.iter().copied())
         };
         let near = |a: f64, b: f64| assert!((a - b).abs() < 1e-12, "{a} {b}");
@@ -156,7 +142,7 @@ mod tests {
         // Threads of a rank divide its work.
         near(seconds(2.0, 4.0, &[4.0, 2.0]), 2.0);
         near(seconds(4.0, 2.0, &[4.0]), 2.0);
-        let stage = Stage { rates, network, threads: 2.0, processors: 3.0 };
+        let stage = Stage { rates, wires: network.into(), share: 0.5, processors: 3.0 };
         near(stage.evenly(6.0, 3), seconds(2.0, 3.0, &[2.0; 3]));
     }
 }

@@ -5,7 +5,7 @@ use tercio_mesh::cluster::{PartitionOptions, partition};
 use tercio_parallel::comm::{Communicator as _, threads};
 use tercio_parallel::organisation::{Rank, Task};
 use tercio_parallel::{Matter, ParallelError, Ranks, between_processes, in_process};
-use tercio_raster::Frame;
+use tercio_raster::{Frame, Settings};
 use tercio_scene::{Camera, Scene};
 
 use super::network::Source;

@@ -5,10 +5,12 @@
 //!
 //! | module | what |
 //! |---|---|
+//! | [`advice`] | rows of advised ways to draw |
 //! | [`threads`] | rows of threads |
 //! | [`ranks`] | rows of ranks |
 //! | [`date`] | the day |
 
+pub mod advice;
 pub mod date;
 pub mod ranks;
 pub mod threads;
@@ -18,6 +20,7 @@ use std::fmt::Write;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
+pub use advice::AdviceRow;
 pub use ranks::RanksRow;
 pub use threads::ThreadsRow;
 
@@ -136,6 +139,14 @@ pub fn of_mpi() -> Result<Quoted<RanksRow>, toml::de::Error> {
 /// The cell of a verdict: whether a row holds, and with which tolerance.
 fn verdict(holds: bool, tolerance: f64) -> String {
     format!("{} ({:.0} %)", if holds { "holds" } else { "misses" }, tolerance * 100.0)
+}
+
+/// The table of advised ways to draw in the repository.
+///
+/// # Errors
+/// The file has a mistake.
+pub fn of_advice() -> Result<Quoted<AdviceRow>, toml::de::Error> {
+    Quoted::parse(include_str!("../../../data/measured/advice.toml"))
 }
 
 /// Seconds as milliseconds, rounded to a thousandth.

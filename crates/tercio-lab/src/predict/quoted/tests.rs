@@ -15,6 +15,7 @@ fn each(mut with: impl FnMut(&str, &str, &str, &[String], bool)) {
     one("prediction.md", of_threads().unwrap(), &mut with);
     one("ranks.md", of_ranks().unwrap(), &mut with);
     one("mpi.md", of_mpi().unwrap(), &mut with);
+    one("advice.md", of_advice().unwrap(), &mut with);
 }
 
 /// With `TERCIO_BLESS` set, after `tercio lab validate -o`, the pages are updated instead.

@@ -1,0 +1,191 @@
+//! The advice in words.
+
+use std::collections::BTreeSet;
+
+use tercio_parallel::{Composition, Organisation};
+
+use super::splits::{MOST_RANKS, Split};
+use super::{Advice, Candidate, Frame, How};
+use crate::predict::choose::parts_of;
+
+/// Splits that are listed; more are counted.
+const LISTED: usize = 12;
+
+/// What [`others`] compares.
+pub struct Line {
+    /// Of several of the same class only the first is shown.
+    pub class: &'static str,
+    /// Seconds.
+    pub seconds: f64,
+    /// In words.
+    pub words: String,
+}
+
+impl Candidate {
+    /// In words.
+    pub fn describe(&self) -> String {
+        let Split { ranks, threads } = self.split;
+        match self.how {
+            How::OneProcess { region } => {
+                format!("threads, {threads} of one process, tiles of {region} pixels")
+            }
+            How::Ranks(sharing) => {
+                let (group, division, composition) = parts_of(&sharing, ranks);
+                let mut text = sharing.organisation.name().to_string();
+                let mut add = |part: Option<String>| text.extend(part.map(|part| format!(", {part}")));
+                add(group.map(|group| format!("groups of {group}")));
+                add(division.map(|division| division.to_string()));
+                add(composition.map(|composition| match composition {
+                    Composition::RadixK(radix) => format!("radix-k of {radix}"),
+                    other => other.to_string(),
+                }));
+                format!("{text}, {ranks} ranks of {threads} threads")
+            }
+        }
+    }
+
+    fn class(&self) -> &'static str {
+        match self.how {
+            How::OneProcess { .. } => "threads",
+            How::Ranks(sharing) => match sharing.organisation {
+                Organisation::SortTwice { .. } => "sort-twice",
+                other => other.name(),
+            },
+        }
+    }
+
+    /// Seconds of parts that all models have.
+    pub fn parts(&self) -> [(&'static str, f64); 5] {
+        let seconds = match &self.frame {
+            Frame::Threads(time) => [time.front_end, 0.0, time.total() - time.front_end, 0.0, 0.0],
+            Frame::Counted(frame) => {
+                let [draw, compose, collect, messages, waiting, queueing] =
+                    frame.phases().map(|phase| phase.1);
+                [0.0, messages + waiting + queueing, draw, compose, collect]
+            }
+            Frame::Formulas { terms, .. } => {
+                [terms.front_end, terms.exchange, terms.draw, terms.composite, terms.collect]
+            }
+        };
+        let names = ["the front end", "exchanging and waiting", "drawing", "compositing", "collecting"];
+        std::array::from_fn(|k| (names[k], seconds[k]))
+    }
+}
+
+impl Advice {
+    /// Why the first one is the fastest, what was compared, how sure that is, and what limits the best of each other class.
+    pub fn explanation(&self) -> Vec<String> {
+        let Some(best) = self.candidates.first() else { return Vec::new() };
+        let mut lines = vec![self.why(best), self.searched(), self.how_sure(best)];
+        let line = |c: &Candidate| Line { class: c.class(), seconds: c.frame.total(), words: c.describe() };
+        let all: Vec<Line> = self.candidates.iter().map(line).collect();
+        lines.extend(others(&all, |k| self.candidates[k].parts().to_vec()));
+        lines
+    }
+
+    fn why(&self, best: &Candidate) -> String {
+        let parts = best.parts().map(|(name, seconds)| format!("{name} {}", milliseconds(seconds)));
+        let detail = match &best.frame {
+            Frame::Threads(time) => format!("busiest over mean thread {:.2}", time.imbalance),
+            Frame::Counted(frame) => {
+                let memory = frame.memory.total();
+                let (bytes, messages) = (frame.bytes, frame.messages);
+                format!("{bytes} bytes in {messages} messages; {memory} bytes in the rank that needs most")
+            }
+            Frame::Formulas { sent, .. } => {
+                format!("about {:.0} bytes in {:.0} messages", sent.bytes, sent.messages)
+            }
+        };
+        format!(
+            "{} is fastest of the {} candidates, {} a frame ({}): {}; {detail}",
+            best.describe(),
+            self.candidates.len(),
+            milliseconds(best.frame.total()),
+            best.frame.model(),
+            parts.join(", ")
+        )
+    }
+
+    /// What was compared.
+    fn searched(&self) -> String {
+        let one = |c: &&Candidate| matches!(c.how, How::OneProcess { .. });
+        let threads = self.candidates.iter().filter(one).map(|c| c.split.threads);
+        let threads: BTreeSet<String> = threads.map(|t| format!("{t:9}")).collect();
+        let threads: Vec<_> = threads.iter().map(|t| t.trim().to_string()).collect();
+        let ranks: BTreeSet<Split> = self.candidates.iter().filter(|c| !one(c)).map(|c| c.split).collect();
+        let of_threads = format!(
+            "compared are {} ways to use threads of one process ({} threads, tiles of 8 to 128 pixels)",
+            self.candidates.iter().filter(one).count(),
+            threads.join(", ")
+        );
+        if ranks.is_empty() {
+            return of_threads;
+        }
+        let list = if ranks.len() > LISTED {
+            let most = ranks.iter().map(|s| s.processors()).max().unwrap_or(0);
+            format!("{} splits of 2 to {most} processors into ranks and threads", ranks.len())
+        } else {
+            let all: Vec<_> = ranks.iter().map(|s| format!("{} x {}", s.ranks, s.threads)).collect();
+            format!("ranks x threads {}", all.join(", "))
+        };
+        let left_out = match self.left_out {
+            0 => String::new(),
+            n => format!(
+                "; {n} splits of more than {MOST_RANKS} ranks are not: the formulas would take too long"
+            ),
+        };
+        format!(
+            "{of_threads}, and {} ways to share a frame ({list}; every organisation, division and composition that is a \
+             candidate of --organisation auto, with the tiles that the renderer then chooses){left_out}",
+            self.candidates.iter().filter(|c| !one(c)).count()
+        )
+    }
+
+    fn how_sure(&self, best: &Candidate) -> String {
+        let Some([low, high]) = self.interval(best) else {
+            return "the machine has no calibration: its predictions have no stated uncertainty".into();
+        };
+        let like = self.candidates.iter().skip(1).filter(|c| self.is_like_the_best(c) == Some(true)).count();
+        format!(
+            "by the residuals of the machine's costs it takes {} to {}; {like} of the others are not to be told apart from it: \
+             their intervals overlap",
+            milliseconds(low),
+            milliseconds(high)
+        )
+    }
+}
+
+/// Seconds as text.
+pub fn milliseconds(seconds: f64) -> String {
+    format!("{:.3} ms", seconds * 1e3)
+}
+
+/// The part with the most seconds.
+pub fn longest(phases: &[(&'static str, f64)]) -> (&'static str, f64) {
+    phases.iter().copied().fold(phases[0], |best, p| if p.1 > best.1 { p } else { best })
+}
+
+/// The best of each class except the first, with the part in which it loses most.
+pub fn others(lines: &[Line], parts: impl Fn(usize) -> Vec<(&'static str, f64)>) -> Vec<String> {
+    let Some(best) = lines.first() else { return Vec::new() };
+    let (mut texts, mut seen, ours) = (Vec::new(), vec![best.class], parts(0));
+    for (k, Line { class, seconds, words }) in lines.iter().enumerate() {
+        if seen.contains(class) {
+            continue;
+        }
+        seen.push(*class);
+        let loses = parts(k)
+            .into_iter()
+            .zip(&ours)
+            .map(|(o, b)| (o.0, o.1, b.1))
+            .fold(("", 0.0, 0.0), |worst, p| if p.1 - p.2 > worst.1 - worst.2 { p } else { worst });
+        let mut text =
+            format!("{words} takes {:.2} times as long, {}", seconds / best.seconds, milliseconds(*seconds));
+        if !loses.0.is_empty() {
+            let [theirs, ours] = [loses.1, loses.2].map(milliseconds);
+            text += &format!(": {} takes {theirs} instead of {ours}", loses.0);
+        }
+        texts.push(text);
+    }
+    texts
+}

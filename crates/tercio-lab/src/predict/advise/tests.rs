@@ -1,0 +1,203 @@
+use tercio_parallel::{Composition, Organisation as RendererOrganisation};
+use tercio_scene::{Camera, Scene};
+
+use super::simulated::{explanation, plans, simulated};
+use super::*;
+use crate::machines::builtin;
+use crate::predict::calibrate::prepare;
+use crate::predict::counts::Counters;
+use crate::predict::views;
+use crate::workloads::{BoundingBox, BoxScene, PixelBox};
+
+fn counters(boxes: u64) -> Counters {
+    let binned =
+        Counters { triangles: boxes, triangles_apart: boxes, triangles_binned: boxes, ..Counters::default() };
+    Counters {
+        entries: boxes,
+        entries_drawn: boxes,
+        stamps: boxes,
+        stamps_alone: boxes,
+        pixels: 1 << 20,
+        ..binned
+    }
+}
+
+fn boxes(boxes: u64) -> BoxScene {
+    let at = |k: u64| (k * 7919 % 1_000_003 % 1000) as i32;
+    let of = |k| {
+        let (x, y) = (at(k), at(k * 31 + 5));
+        BoundingBox { visible: true, pixels: PixelBox { x0: x, y0: y, x1: x + 2, y1: y + 2 } }
+    };
+    BoxScene { boxes: (0..boxes).map(of).collect() }
+}
+
+fn made(model: &str, size: (u32, u32)) -> (Scene, Camera, tercio_raster::Settings) {
+    let (scene, bounds) = prepare(tercio_mesh::builtin::make(model).unwrap());
+    (scene, views::camera(&bounds, size, 0, 1), tercio_raster::Settings::one_sample(size.0, size.1))
+}
+
+fn advice(machine: &str, model: &str, processors: usize, topology: Option<Topology>) -> Advice {
+    let (scene, camera, settings) = made(model, (160, 120));
+    let picture = Picture { scene: &scene, camera: &camera, settings: &settings };
+    advise(&builtin(machine).unwrap().unwrap(), &picture, processors, topology).unwrap()
+}
+
+#[test]
+fn the_first_of_the_simulator_is_the_fastest_and_the_others_are_explained() {
+    let machine = builtin("princeton-engine").unwrap().unwrap();
+    let plans = plans(&machine, 64, None);
+    let frames = simulated(&machine, &counters(3000), &boxes(3000), (1024, 1024), &plans).unwrap();
+    assert_eq!(frames.len(), plans.len());
+    assert!(frames.windows(2).all(|w| w[0].total() <= w[1].total()));
+    let lines = explanation(&frames);
+    assert_eq!(lines.len(), 4, "one line a class: {lines:?}");
+    // Sending 3,000 polygons is faster than sending megabytes of pixels round a ring.
+    let first = frames[0].plan.organisation;
+    assert!(matches!(first, Organisation::SortMiddle | Organisation::SortFirst));
+    assert!(lines.iter().any(|l| l.starts_with("sort-last") && l.contains("composition")), "{lines:?}");
+}
+
+#[test]
+fn a_machine_without_costs_of_ranks_has_no_candidates() {
+    let advice = advice("princeton-engine", "builtin:teapot@1k", 64, None);
+    assert!(advice.candidates.is_empty() && advice.explanation().is_empty());
+    assert_eq!(why_not(&builtin("princeton-engine").unwrap().unwrap()), Some(Simulated::Costs));
+}
+
+/// Every split, organisation, division and composition of `--organisation auto` is a candidate, once.
+#[test]
+fn all_that_the_renderer_can_do_is_searched() {
+    let advice = advice("server-128", "builtin:gyroid@5k", 4, None);
+    assert!(advice.candidates.windows(2).all(|w| w[0].frame.total() <= w[1].frame.total()));
+    assert!(advice.candidates.iter().all(|c| c.frame.total().is_finite() && c.frame.total() > 0.0));
+    for (ranks, threads) in [(2, 1), (2, 2), (4, 1)] {
+        let all = crate::predict::choose::candidates::Limits::default().candidates(ranks).unwrap();
+        for sharing in all {
+            let is = |c: &&Candidate| c.how == How::Ranks(sharing) && c.split == Split { ranks, threads };
+            assert_eq!(advice.candidates.iter().filter(is).count(), 1, "{sharing:?} {ranks} x {threads}");
+        }
+    }
+    for threads in [1, 2, 4] {
+        let of = |c: &&Candidate| matches!(c.how, How::OneProcess { .. }) && c.split.threads == threads;
+        assert_eq!(advice.candidates.iter().filter(of).count(), TILE_EDGES.len());
+    }
+    let has = |organisation: RendererOrganisation, composition| {
+        advice.candidates.iter().any(|c| match c.how {
+            How::Ranks(s) => s.organisation == organisation && s.composition == composition,
+            How::OneProcess { .. } => false,
+        })
+    };
+    assert!(has(RendererOrganisation::SortTwice { group: 2 }, Composition::Tree));
+    assert!(has(RendererOrganisation::SortLast, Composition::BinarySwap));
+}
+
+#[test]
+fn the_best_is_explained_and_what_was_compared_is_said() {
+    let advice = advice("server-128", "builtin:gyroid@5k", 4, None);
+    let (lines, best) = (advice.explanation(), &advice.candidates[0]);
+    assert!(lines[0].starts_with(&best.describe()), "{lines:?}");
+    let number = advice.candidates.len();
+    assert!(lines[0].contains(&format!("fastest of the {number} candidates")), "{lines:?}");
+    assert!(lines[1].contains("1, 2, 4 threads") && lines[1].contains("2 x 1, 2 x 2, 4 x 1"), "{lines:?}");
+    assert!(lines[2].contains("no stated uncertainty"), "{lines:?}");
+    // The best, the search, the uncertainty, and the classes threads, sort-first, -middle, -last and -twice but one.
+    assert_eq!(lines.len(), 3 + 4, "{lines:?}");
+    assert!(!lines[1].contains("ranks are not"), "{lines:?}");
+    let fewer = Advice { left_out: 3, ..advice.clone() };
+    assert!(
+        fewer.explanation()[1]
+            .ends_with("3 splits of more than 32768 ranks are not: the formulas would take too long")
+    );
+    let parts: f64 = best.parts().iter().map(|part| part.1).sum();
+    assert!((parts - best.frame.total()).abs() < 1e-12);
+}
+
+/// The formulas take as long as the count of the work, for one rank of one thread, on machines of any speed.
+#[test]
+fn formulas_have_the_speed_of_the_machine() {
+    let (scene, camera, settings) = made("builtin:gyroid@20k", (320, 240));
+    let picture = Picture { scene: &scene, camera: &camera, settings: &settings };
+    let machine = builtin("server-128").unwrap().unwrap();
+    let mut slow = machine.clone();
+    slow.costs.values_mut().for_each(|cost| cost.value *= 3.0);
+    let one = |machine: &Machine| on_threads(machine, &picture, None, 1).unwrap().total();
+    assert!((one(&slow) / one(&machine) - 3.0).abs() < 1e-9);
+    let all = |machine: &Machine| {
+        let splits = [Split { ranks: 2, threads: 1 }, Split { ranks: 4, threads: 1 }];
+        formulas::ranks(machine, &picture, None, &splits, None).unwrap()
+    };
+    for (fast, slow) in all(&machine).iter().zip(&all(&slow)) {
+        let ratio = slow.frame.total() / fast.frame.total();
+        // Messages are as fast.
+        assert!(ratio > 1.5 && ratio < 3.0 + 1e-9, "{} {ratio}", fast.describe());
+        assert!(fast.frame.total() > one(&machine) / fast.split.ranks as f64, "{}", fast.describe());
+    }
+}
+
+/// Whoever is first among those that can be counted was counted by the model of ranks.
+#[test]
+fn the_best_ranks_are_counted() {
+    let (scene, camera, settings) = made("builtin:gyroid@20k", (320, 240));
+    let picture = Picture { scene: &scene, camera: &camera, settings: &settings };
+    let machine = builtin("server-128").unwrap().unwrap();
+    let splits = [Split { ranks: 2, threads: 1 }, Split { ranks: 2, threads: 4 }];
+    let mut candidates = formulas::ranks(&machine, &picture, None, &splits, None).unwrap();
+    let only = |c: &Candidate| c.counted().is_some();
+    candidates.retain(only);
+    assert_eq!(candidates.len(), 4, "sort-first and sort-last");
+    sort(&mut candidates);
+    refine(&machine, &picture, &mut candidates).unwrap();
+    let best = &candidates[0];
+    let Frame::Counted(frame) = &best.frame else { panic!("{}", best.describe()) };
+    let again = Candidate {
+        frame: Frame::Formulas { terms: Terms::default(), sent: Sums::default() },
+        ..best.clone()
+    };
+    let plan = again.counted().unwrap();
+    assert_eq!(predict(&machine, &picture, &plan).unwrap().unwrap(), **frame);
+    assert!(best.counted().is_none(), "once");
+}
+
+#[test]
+fn another_network_changes_ranks_only() {
+    let own = advice("cluster-64", "builtin:gyroid@5k", 256, None);
+    let ring = advice("cluster-64", "builtin:gyroid@5k", 256, Some(Topology::Ring));
+    assert_eq!(own.candidates.len(), ring.candidates.len());
+    let threads = |advice: &Advice| -> Vec<f64> {
+        let one = advice.candidates.iter().filter(|c| c.split.ranks == 1);
+        one.map(|c| c.frame.total()).collect()
+    };
+    assert_eq!(threads(&own), threads(&ring));
+    assert!(ring.candidates.iter().all(|c| !matches!(c.frame, Frame::Counted(_))));
+}
+
+#[test]
+fn ranks_of_several_threads_draw_faster_than_ranks_of_one() {
+    let machine = builtin("server-128").unwrap().unwrap();
+    let (scene, camera, settings) = made("builtin:gyroid@20k", (320, 240));
+    let picture = Picture { scene: &scene, camera: &camera, settings: &settings };
+    for organisation in [Organisation::SortFirst, Organisation::SortLast] {
+        let draw = |threads| {
+            let (region, assignment) = (Some(16), Assignment::Interleaved);
+            let plan = Plan { organisation, ranks: 2, threads, region, assignment, topology: None };
+            let frame = predict(&machine, &picture, &plan).unwrap().unwrap();
+            (frame.busiest_and_mean(|r| r.draw).0, frame.bytes, frame.messages)
+        };
+        let (one, four) = (draw(1), draw(4));
+        assert_eq!((one.1, one.2), (four.1, four.2), "threads send nothing");
+        assert!(four.0 < one.0 && four.0 > one.0 / 4.0, "{four:?} {one:?}");
+    }
+}
+
+#[test]
+fn missing_parts_and_too_many_processors_are_reported() {
+    let machine = builtin("server-128").unwrap().unwrap();
+    let (scene, camera, settings) = made("builtin:teapot@1k", (64, 64));
+    let picture = Picture { scene: &scene, camera: &camera, settings: &settings };
+    let error = advise(&machine, &picture, 129, None).unwrap_err();
+    assert!(error.to_string().contains("expected at most 128 processors, found 129"), "{error}");
+    let machine = builtin("voodoo-sli").unwrap().unwrap();
+    let error =
+        simulated(&machine, &counters(1), &boxes(1), (64, 64), &plans(&machine, 2, None)).unwrap_err();
+    assert!(error.to_string().contains("missing in its description: network, bytes.primitive"), "{error}");
+}

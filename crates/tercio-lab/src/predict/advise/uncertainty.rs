@@ -1,0 +1,74 @@
+//! How far a prediction may be off.
+
+use serde::Serialize;
+
+use super::Frame;
+use crate::machines::Machine;
+
+/// Residuals that an interval is wide, to each side: 95 of 100 frames, if residuals are distributed normally. Of measured ones
+/// 86 and 91 of 100 were inside (docs/laboratory/advice.md).
+const WIDTH: f64 = 2.0;
+
+/// Root mean square of predicted over measured time, minus 1, of 500 ways to share a frame that formulas predict
+/// (docs/laboratory/advice.md). Ranks that are counted were not among them; they are taken to be no better.
+pub const OF_RANKS: f64 = 0.22;
+
+/// The uncertainty of predictions with the costs of a calibrated machine.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Uncertainty {
+    /// Root of the mean square of the residuals of its costs.
+    pub residual: f64,
+}
+
+impl Uncertainty {
+    /// That of a machine's costs; `None` without a calibration: then nobody knows.
+    pub fn of(machine: &Machine) -> Option<Self> {
+        machine.calibration.as_ref().map(|c| Self { residual: c.residual.value })
+    }
+
+    /// By which factor a frame may be faster or slower.
+    pub fn factor(self, frame: &Frame) -> f64 {
+        let of_model = match frame {
+            Frame::Threads(_) => 0.0,
+            Frame::Counted(_) | Frame::Formulas { .. } => OF_RANKS,
+        };
+        1.0 + WIDTH * self.residual.hypot(of_model)
+    }
+
+    /// Seconds between which a frame lies.
+    pub fn interval(self, frame: &Frame) -> [f64; 2] {
+        let (seconds, factor) = (frame.total(), self.factor(frame));
+        [seconds / factor, seconds * factor]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::machines::{Calibration, Sourced, builtin};
+    use crate::predict::choose::terms::{Sums, Terms};
+    use crate::predict::frame::FrameTime;
+
+    #[test]
+    fn intervals_come_from_the_residuals_and_those_of_formulas_are_wider() {
+        let mut machine = builtin("server-128").unwrap().unwrap();
+        assert_eq!(Uncertainty::of(&machine), None);
+        let share = |value| Sourced::new(value, String::new(), String::new());
+        machine.calibration = Some(Calibration {
+            date: String::new(),
+            processor: String::new(),
+            version: String::new(),
+            frames: Sourced::new(9.0, "9".into(), String::new()),
+            residual: share(0.05),
+            worst_residual: share(0.5),
+            spread: share(0.3),
+        });
+        let uncertainty = Uncertainty::of(&machine).unwrap();
+        let frame = Frame::Threads(FrameTime { raster: 11.0, ..FrameTime::default() });
+        let [low, high] = uncertainty.interval(&frame);
+        assert!((low - 10.0).abs() < 1e-12 && (high - 12.1).abs() < 1e-12, "{low} {high}");
+        let terms = Terms { draw: 11.0, ..Terms::default() };
+        let wider = uncertainty.interval(&Frame::Formulas { terms, sent: Sums::default() });
+        assert!(wider[0] < low && wider[1] > high, "{wider:?}");
+    }
+}
