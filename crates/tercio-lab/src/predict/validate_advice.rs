@@ -1,6 +1,8 @@
 //! Tests the advice on this machine: all ways to draw that [`advise`](super::advise) compares are drawn, and the advised one is
 //! compared with the fastest.
 
+use std::collections::BTreeSet;
+
 use serde::Serialize;
 use tercio_parallel::{Ranks, draw_frames};
 use tercio_raster::Settings;
@@ -147,8 +149,10 @@ fn candidates(
     options: Options,
 ) -> Result<Vec<Candidate>, PredictError> {
     let Advice { mut candidates, .. } = advise(machine, picture, options.processors, None)?;
-    let more = options.more_ranks.iter().filter(|&&ranks| ranks > options.processors);
-    let more: Vec<Split> = more.map(|&ranks| Split { ranks, threads: 1 }).collect();
+    // As many ranks as processors and fewer are in the advice.
+    let more: BTreeSet<usize> =
+        options.more_ranks.iter().copied().filter(|&n| n > options.processors).collect();
+    let more: Vec<Split> = more.into_iter().map(|ranks| Split { ranks, threads: 1 }).collect();
     candidates.extend(formulas::ranks(machine, picture, None, &more, Some(options.processors))?);
     Ok(candidates)
 }
@@ -185,7 +189,7 @@ mod tests {
         let machine = builtin("two-core-2026").unwrap().unwrap();
         let (scene, bounds) = prepare(tercio_mesh::builtin::make("builtin:teapot@1k").unwrap());
         let model = Model { name: "teapot".into(), scene, bounds };
-        let options = Options { processors: 2, more_ranks: &[1, 2, 3], frames: 1, rounds: 1 };
+        let options = Options { processors: 2, more_ranks: &[1, 2, 3, 3], frames: 1, rounds: 1 };
         let mut seen = 0;
         let rows = compare(&machine, &[model], &[(64, 48), (90, 70)], options, || seen += 1).unwrap();
         assert_eq!((rows.len(), seen), (2, 2));

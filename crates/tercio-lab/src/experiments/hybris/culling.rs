@@ -106,7 +106,7 @@ fn culling() -> Result<Findings, ExperimentError> {
             (triangles as f64).into(),
             of(c.back, c.triangles).into(),
             of(c.by_plane, c.triangles).into(),
-            of(c.back - c.by_plane, c.triangles).into(),
+            of(c.back.saturating_sub(c.by_plane), c.triangles).into(),
             (c.wrong as f64).into(),
             of(c.whole, c.partitions).into(),
             of(c.spared, c.vertices).into(),
@@ -114,7 +114,7 @@ fn culling() -> Result<Findings, ExperimentError> {
         comparison.claim(
             format!(
                 "{model}: no triangle that shows its front is culled, and {:.1} % of those that do not are left to set-up",
-                of(c.back - c.by_plane, c.back)
+                of(c.back.saturating_sub(c.by_plane), c.back)
             ),
             c.wrong == 0 && c.by_plane < c.back,
         );

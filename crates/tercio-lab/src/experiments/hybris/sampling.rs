@@ -204,10 +204,7 @@ fn sampling() -> Result<Findings, ExperimentError> {
         reach > 0.0,
     );
     let of_all = mean_error(&evenly.1);
-    comparison.claim(
-        "of the 24 patterns none has a smaller error over all angles than the most even one",
-        of_four.iter().all(|p| mean_error(&sparse(p)) >= of_all * (1.0 - 1e-9)),
-    );
+    let least = of_four.iter().map(|p| mean_error(&sparse(p))).fold(f64::MAX, f64::min);
     let [even, in_line] = [evenly, diagonal].map(|n| flashing(&n.1));
     comparison.claim("an even distribution flashes less than samples in a line", even < in_line);
     Ok(Findings {
@@ -223,6 +220,11 @@ fn sampling() -> Result<Findings, ExperimentError> {
                  near the axes they lose between; the document's reason for them is that the eye minds the former more.",
                 100.0 * of_all,
                 100.0 * mean_error(&square.1)
+            ),
+            format!(
+                "The least error over all angles that one of the 24 patterns has is {:.2} %; the most even one has {:.2} %.",
+                100.0 * least,
+                100.0 * of_all
             ),
         ],
         // The numbers alone would be reproduced; what the figure is about, quality, is so near the axes only.

@@ -155,8 +155,8 @@ fn symbol(name: &str) -> String {
         Some(("v0", part)) => (part, "0"),
         Some(("v1", part)) => (part, "1"),
         Some(("v2", part)) => (part, "2"),
-        Some(("steps", "x")) => ("Δx", ""),
-        Some(("steps", _)) => ("Δy", ""),
+        // Not Δx and Δy, which are the differences of the corners in equation 3.4.
+        Some(("steps", part)) => ("s", part),
         Some(("normal", part)) => ("n", part),
         Some((base, index)) => (base, index),
         None => match name.strip_prefix(['G', 't']) {

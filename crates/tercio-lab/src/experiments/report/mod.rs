@@ -193,7 +193,7 @@ fn document(of: Document, outcomes: &[Outcome], to: &mut impl Format) {
         to.heading(3, "Equations", None);
         to.paragraph(
             "Corrected where the document or its scan is wrong. The name is that of 'tercio lab eval'; one that ends in \
-             'as-printed' has the printed form. Of several lines, the last ones are the result.",
+             'as-printed' has the printed form, or what follows from it. Of several lines, the last ones are the result.",
         );
         equations.iter().for_each(|e| to.equation(e));
         let left_out = equations::left_out(of);
@@ -223,7 +223,7 @@ fn all_machines(to: &mut impl Format) {
     to.paragraph(
         "Where each machine sorts, and what travels there. At most three processors are drawn; the last one stands for those \
          between. Of a machine with tile engines, its pipeline is drawn: heap, stages of each engine, and the entries of \
-         the queues between them.",
+         the queues between them; of more than two engines or lanes two are drawn.",
     );
     for of in built_in() {
         to.heading(3, &of.name, None);

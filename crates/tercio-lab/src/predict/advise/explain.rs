@@ -146,11 +146,16 @@ impl Advice {
             return "the machine has no calibration: its predictions have no stated uncertainty".into();
         };
         let like = self.candidates.iter().skip(1).filter(|c| self.is_like_the_best(c) == Some(true)).count();
+        let most = if high.is_finite() { format!(" to {}", milliseconds(high)) } else { " or more".into() };
+        let of = match &best.frame {
+            Frame::Threads(_) => "the residuals of the machine's costs",
+            Frame::Counted(_) | Frame::Formulas { .. } => {
+                "the measured error of ranks, or the larger residuals of the machine's costs"
+            }
+        };
         format!(
-            "by the residuals of the machine's costs it takes {} to {}; {like} of the others are not to be told apart from it: \
-             their intervals overlap",
-            milliseconds(low),
-            milliseconds(high)
+            "by {of} it takes {}{most}; {like} of the others are not to be told apart from it: their intervals overlap",
+            milliseconds(low)
         )
     }
 }

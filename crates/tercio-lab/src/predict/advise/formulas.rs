@@ -25,7 +25,7 @@ use crate::predict::frame::FrameTime;
 use crate::predict::ranks::{Picture, on_threads};
 
 /// One thread, that has messages with nobody.
-fn alone(rates: &Rates) -> Stage<'_> {
+pub(super) fn alone(rates: &Rates) -> Stage<'_> {
     let between = Wire { latency: 0.0, busy: 0.0, bandwidth: f64::INFINITY };
     Stage { rates, wires: Wires { between, inside: None }, share: 1.0, processors: 1.0 }
 }

@@ -5,6 +5,7 @@ use super::simulated::{explanation, plans, simulated};
 use super::*;
 use crate::machines::builtin;
 use crate::predict::calibrate::prepare;
+use crate::predict::choose::sights::Sights;
 use crate::predict::counts::Counters;
 use crate::predict::views;
 use crate::workloads::{BoundingBox, BoxScene, PixelBox};
@@ -122,6 +123,16 @@ fn formulas_have_the_speed_of_the_machine() {
     slow.costs.values_mut().for_each(|cost| cost.value *= 3.0);
     let one = |machine: &Machine| on_threads(machine, &picture, None, 1).unwrap().total();
     assert!((one(&slow) / one(&machine) - 3.0).abs() < 1e-9);
+    for machine in [&machine, &slow] {
+        let rates = formulas::rates(machine, &picture).unwrap();
+        let sharing = [RendererOrganisation::SortMiddle.into()];
+        let terms = Sights::new(&picture, 1).predict(&sharing, &formulas::alone(&rates)).unwrap()[0].terms;
+        assert!(
+            ((terms.front_end + terms.draw) / one(machine) - 1.0).abs() < 1e-9,
+            "{terms:?} {}",
+            one(machine)
+        );
+    }
     let all = |machine: &Machine| {
         let splits = [Split { ranks: 2, threads: 1 }, Split { ranks: 4, threads: 1 }];
         formulas::ranks(machine, &picture, None, &splits, None).unwrap()
@@ -156,6 +167,23 @@ fn the_best_ranks_are_counted() {
     let plan = again.counted().unwrap();
     assert_eq!(predict(&machine, &picture, &plan).unwrap().unwrap(), **frame);
     assert!(best.counted().is_none(), "once");
+}
+
+/// Predictions 5 % off: the best takes 0.91 to 1.11 s; 1.2 s may be 1.09, and 1.3 at least 1.18.
+#[test]
+fn candidates_like_the_best_are_those_whose_intervals_overlap() {
+    let candidate = |raster| {
+        let (split, how) = (Split { ranks: 1, threads: 1 }, How::OneProcess { region: 8 });
+        Candidate { split, how, frame: Frame::Threads(FrameTime { raster, ..FrameTime::default() }) }
+    };
+    let candidates = [1.0, 1.2, 1.3].map(candidate).into();
+    let advice = Advice { candidates, uncertainty: Some(Uncertainty { residual: 0.05 }), left_out: 0 };
+    let like = advice.candidates.iter().map(|c| advice.is_like_the_best(c)).collect::<Vec<_>>();
+    assert_eq!(like, [Some(true), Some(true), Some(false)]);
+    let sure = &advice.explanation()[2];
+    assert!(sure.contains("it takes 909.091 ms to 1111.111 ms; 1 of the others"), "{sure}");
+    let none = Advice { uncertainty: None, ..advice };
+    assert_eq!(none.is_like_the_best(&none.candidates[1]), None);
 }
 
 #[test]

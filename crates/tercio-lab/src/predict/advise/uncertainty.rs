@@ -5,12 +5,12 @@ use serde::Serialize;
 use super::Frame;
 use crate::machines::Machine;
 
-/// Residuals that an interval is wide, to each side: 95 of 100 frames, if residuals are distributed normally. Of measured ones
-/// 86 and 91 of 100 were inside (docs/laboratory/advice.md).
+/// Relative errors that an interval is wide, to each side.
 const WIDTH: f64 = 2.0;
 
 /// Root mean square of predicted over measured time, minus 1, of 500 ways to share a frame that formulas predict
-/// (docs/laboratory/advice.md). Ranks that are counted were not among them; they are taken to be no better.
+/// (docs/laboratory/advice.md): of two to four ranks of one thread, on one machine. Ranks that are counted were not among them; they
+/// are taken to be no better.
 pub const OF_RANKS: f64 = 0.22;
 
 /// The uncertainty of predictions with the costs of a calibrated machine.
@@ -26,19 +26,21 @@ impl Uncertainty {
         machine.calibration.as_ref().map(|c| Self { residual: c.residual.value })
     }
 
-    /// By which factor a frame may be faster or slower.
-    pub fn factor(self, frame: &Frame) -> f64 {
-        let of_model = match frame {
-            Frame::Threads(_) => 0.0,
-            Frame::Counted(_) | Frame::Formulas { .. } => OF_RANKS,
-        };
-        1.0 + WIDTH * self.residual.hypot(of_model)
+    /// Root mean square of predicted over measured time, minus 1, that is assumed of a frame. That of ranks was measured with fitted
+    /// costs, so that it contains their residuals.
+    pub fn error(self, frame: &Frame) -> f64 {
+        match frame {
+            Frame::Threads(_) => self.residual,
+            Frame::Counted(_) | Frame::Formulas { .. } => self.residual.max(OF_RANKS),
+        }
     }
 
-    /// Seconds between which a frame lies.
+    /// Seconds between which a frame lies if its prediction is at most twice that far off; without an upper end, which is then infinite,
+    /// if it may be too low by all of the frame.
     pub fn interval(self, frame: &Frame) -> [f64; 2] {
-        let (seconds, factor) = (frame.total(), self.factor(frame));
-        [seconds / factor, seconds * factor]
+        let (seconds, off) = (frame.total(), WIDTH * self.error(frame));
+        let most = if off < 1.0 { seconds / (1.0 - off) } else { f64::INFINITY };
+        [seconds / (1.0 + off), most]
     }
 }
 
@@ -64,11 +66,15 @@ mod tests {
             spread: share(0.3),
         });
         let uncertainty = Uncertainty::of(&machine).unwrap();
+        // Frames of 10 s and of 11 / 0.9 s that are predicted as 11 s are 10 % off.
         let frame = Frame::Threads(FrameTime { raster: 11.0, ..FrameTime::default() });
         let [low, high] = uncertainty.interval(&frame);
-        assert!((low - 10.0).abs() < 1e-12 && (high - 12.1).abs() < 1e-12, "{low} {high}");
+        assert!((low - 10.0).abs() < 1e-12 && (high - 11.0 / 0.9).abs() < 1e-12, "{low} {high}");
         let terms = Terms { draw: 11.0, ..Terms::default() };
         let wider = uncertainty.interval(&Frame::Formulas { terms, sent: Sums::default() });
         assert!(wider[0] < low && wider[1] > high, "{wider:?}");
+        // Costs that miss by half say nothing of how slow a frame may be.
+        let useless = Uncertainty { residual: 0.5 };
+        assert_eq!(useless.interval(&frame), [5.5, f64::INFINITY]);
     }
 }

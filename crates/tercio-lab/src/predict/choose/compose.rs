@@ -16,6 +16,8 @@ pub struct SharedTiles {
     pub direct: Vec<[f64; 3]>,
     /// The largest number of ranks that a rank may have tiles in common with.
     pub partners: f64,
+    /// How many ranks apart these are: the ranks of a group. 0 is 1.
+    pub apart: usize,
 }
 
 /// A tile in which several ranks have something.
@@ -44,8 +46,9 @@ impl SharedTiles {
         self.of_rank.iter().filter(|of| of[1] > 0.0).count()
     }
 
-    fn all(&self) -> Reach {
-        Reach { within: self.of_rank.len(), stride: 1 }
+    /// Of ranks that have the same tiles: they have the same place in their groups.
+    fn owners_of_the_same(&self) -> Reach {
+        Reach { within: self.of_rank.len(), stride: self.apart.max(1) }
     }
 
     /// Pixels or fragments of all ranks, when those of this many consecutive ranks are merged.
@@ -68,10 +71,10 @@ impl SharedTiles {
                 let mut all = self.in_rounds(&pairs, swapping, stage, steps);
                 let extra = count - swapping;
                 if extra > 0 {
-                    // These send all that they have to others first.
-                    let all_ranks = Reach { within: count, stride: 1 };
+                    // These send all that they have to the rank before them first.
+                    let neighbours = Reach { within: 2, stride: 1 };
                     let all_of_one = self.after(1, count) / count as f64;
-                    all = all.plus(transfer(stage, extra, count, (1.0, all_of_one, 1.0), all_ranks));
+                    all = all.plus(transfer(stage, extra, count, (1.0, all_of_one, 1.0), neighbours));
                 }
                 all
             }
@@ -91,7 +94,7 @@ impl SharedTiles {
             work: owned * stage.rates.merged + (sent + taken) * bytes * stage.rates.byte,
         });
         let loads: Vec<Load> = loads.collect();
-        Composited { seconds: stage.exchange(&loads, self.all()), sent: Sums::of(&loads) }
+        Composited { seconds: stage.exchange(&loads, self.owners_of_the_same()), sent: Sums::of(&loads) }
     }
 
     /// Rounds in which groups of ranks exchange parts of their tiles; the sizes of the groups of each round.

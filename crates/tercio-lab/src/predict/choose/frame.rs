@@ -77,6 +77,7 @@ impl Grouped<'_> {
             of_rank: vec![[0.0; 2]; ranks],
             direct: vec![[0.0; 3]; ranks],
             partners: (self.groups() - 1) as f64,
+            apart: self.group,
             tiles: Vec::new(),
         };
         let mut finished = vec![0.0; ranks];

@@ -92,15 +92,31 @@ impl Wires {
         Ok(Self { between, inside })
     }
 
-    /// The share of a rank's partners that is on its own node.
+    /// The share of the ranks' partners that is on their own node, in the mean over all places that groups of consecutive ranks have
+    /// on the nodes.
     fn share_inside(&self, reach: Reach) -> f64 {
         let Some((node, _)) = self.inside else { return 0.0 };
-        if reach.within <= node {
+        let (node, within, stride) = (node.max(1), reach.within.max(1), reach.stride.max(1));
+        // Ordered pairs of as many consecutive ranks that are multiples of the stride apart.
+        let pairs = |ranks: usize| {
+            let (each, more) = (ranks / stride, ranks % stride);
+            (more * (each + 1) * each + (stride - more) * each * each.saturating_sub(1)) as u64
+        };
+        let of_group = pairs(within);
+        if of_group == 0 {
             return 1.0;
         }
-        let stride = reach.stride.max(1);
-        let partners = |ranks: usize| (ranks.div_ceil(stride) as f64 - 1.0).max(0.0);
-        partners(node) / partners(reach.within).max(1.0)
+        // Nodes cut a group into pieces. Its first rank is at a multiple of the common divisor in a node.
+        let step = divisor(node, within);
+        let inside: u64 = (0..node)
+            .step_by(step)
+            .map(|place| {
+                let first = within.min(node - place);
+                let (whole, last) = ((within - first) / node, (within - first) % node);
+                pairs(first) + whole as u64 * pairs(node) + pairs(last)
+            })
+            .sum();
+        inside as f64 / ((node / step) as u64 * of_group) as f64
     }
 
     /// Seconds of a small message.
@@ -142,8 +158,13 @@ impl Wires {
     }
 }
 
-/// The load of the busiest link relative to that of the busiest port, at least 1, and the mean number of links of a path, if all
-/// members send to members at every power of two as a distance.
+/// The greatest common divisor.
+fn divisor(a: usize, b: usize) -> usize {
+    if b == 0 { a } else { divisor(b, a % b) }
+}
+
+/// The load of the busiest link relative to that of the busiest port, at least 1, and the most links of a path, if all members send
+/// to members at every power of two as a distance.
 fn contention(network: &NetworkModel, members: usize) -> (f64, f64) {
     if members < 2 {
         return (1.0, 0.0);
@@ -178,21 +199,28 @@ mod tests {
     /// The formula against every pair of ranks.
     #[test]
     fn the_share_of_partners_on_a_node_is_that_of_all_pairs() {
-        for (within, stride) in [(16, 1), (16, 2), (16, 4), (16, 8), (4, 1), (4, 2), (8, 1)] {
-            let (mut inside, mut all) = (0, 0);
-            for from in 0..16usize {
+        let reaches =
+            [(16, 1), (16, 2), (16, 4), (16, 8), (4, 1), (4, 2), (8, 1), (2, 1), (12, 5), (64, 32), (100, 7)];
+        // Nodes that the groups fill, and others, which cut them anywhere.
+        for (node, (within, stride)) in
+            [1, 3, 4, 6, 9, 16, 42].into_iter().flat_map(|n| reaches.map(|r| (n, r)))
+        {
+            let (mut inside, mut all) = (0u32, 0u32);
+            for from in 0..node * within {
                 let first = from / within * within;
-                for to in (first..first + within).filter(|to| *to != from && to % stride == from % stride) {
+                for to in (first..first + within)
+                    .filter(|to| *to != from && to.abs_diff(from).is_multiple_of(stride))
+                {
                     all += 1;
-                    inside += usize::from(from / 4 == to / 4);
+                    inside += u32::from(from / node == to / node);
                 }
             }
-            let share = nodes().share_inside(Reach { within, stride });
-            assert!(
-                (share - f64::from(inside as u32) / f64::from(all as u32)).abs() < 1e-12,
-                "{within} {stride}"
-            );
+            let wires = Wires { inside: nodes().inside.map(|(_, wire)| (node, wire)), ..nodes() };
+            let share = wires.share_inside(Reach { within, stride });
+            assert!((share - f64::from(inside) / f64::from(all)).abs() < 1e-12, "{node} {within} {stride}");
         }
+        // Nobody to send to.
+        assert_eq!(nodes().share_inside(Reach { within: 1, stride: 1 }), 1.0);
     }
 
     /// Every rank sends 5 bytes to each other one, message by message through the ports.

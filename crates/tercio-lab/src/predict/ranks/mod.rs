@@ -184,7 +184,10 @@ pub fn predict(
     // Scattered by the work in the tiles, as ranks do without options.
     let how = (plan.ranks, organisation.into());
     let work = RanksWork::with_threads(picture.scene, picture.camera, &settings, how, plan.threads.max(1))?;
-    let processors = machine.processors.count.whole() as usize;
+    // Of more nodes than described, as many as the ranks need.
+    let described = machine.processors.count.whole() as usize;
+    let threads = plan.ranks * plan.threads.max(1);
+    let processors = if machine.processors.per_node.is_some() { described.max(threads) } else { described };
     Ok(Ok(renderer::predict(machine, &costs, &work, processors)?))
 }
 

@@ -176,7 +176,7 @@ mod tests {
         assert_eq!(clock.now(), 10 + 3 * 100);
     }
 
-    /// Each of 8 tiles in a row with the same 6 triangles, which any sharing of four engines divides evenly.
+    /// Each of 8 tiles in a row with the same 8 triangles, which any sharing of four engines divides evenly.
     #[test]
     fn four_engines_share_even_tiles_evenly() {
         use crate::simulators::hybris::heap::HeapLayout;

@@ -96,6 +96,7 @@ fn what_is_typeset_is_what_is_computed() {
                 model.parameters.iter().map(|p| (p.name.into(), random.of_form(&(p.form)()))).collect();
             let Ok(computed) = model.evaluate(&arguments) else { continue };
             let computed = numbers(&computed);
+            assert!(!computed.is_empty(), "{id}: no numbers");
             let typeset = evaluated(id, &lines, &arguments, computed.len());
             for (typeset, computed) in typeset.iter().zip(&computed) {
                 let near = (typeset - computed).abs() <= 1e-9 * computed.abs().max(1e-3);
