@@ -203,7 +203,7 @@ mod tests {
             [(16, 1), (16, 2), (16, 4), (16, 8), (4, 1), (4, 2), (8, 1), (2, 1), (12, 5), (64, 32), (100, 7)];
         // Nodes that the groups fill, and others, which cut them anywhere.
         for (node, (within, stride)) in
-            [1, 3, 4, 6, 9, 16, 42].into_iter().flat_map(|n| reaches.map(|r| (n, r)))
+            [1usize, 3, 4, 6, 9, 16, 42].into_iter().flat_map(|n| reaches.map(|r| (n, r)))
         {
             let (mut inside, mut all) = (0u32, 0u32);
             for from in 0..node * within {

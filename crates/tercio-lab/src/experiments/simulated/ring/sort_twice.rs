@@ -219,7 +219,7 @@ fn compare_sides(comparison: &mut Comparison) -> Result<(Table, String), Experim
 
 /// Where the curves cross by the sides of the boxes, and for which they do not.
 fn crossings_of(sides: &[[f64; 3]]) -> String {
-    let (found, not): (Vec<_>, Vec<_>) = sides.iter().partition(|side| side[2].is_finite());
+    let (found, not): (Vec<&[f64; 3]>, Vec<&[f64; 3]>) = sides.iter().partition(|side| side[2].is_finite());
     let ends = |of: fn(f64, f64) -> f64| found.iter().map(|side| side[2]).reduce(of);
     let never = not.iter().map(|side| side[0].to_string()).collect::<Vec<_>>().join(", ");
     let never = if never.is_empty() { never } else { format!("not with boxes of {never} pixels") };
