@@ -70,7 +70,7 @@ fn pieces_with_very_many_attributes_are_joined() {
     assert!(matches!(error, ReadError::MemoryLimit { .. }), "{error}");
 }
 
-/// Lines of arrays, in any order, are those of the text; of very many warnings the first are told.
+/// Errors name the line of an array, whatever order arrays are read in. The first 64 warnings are reported, and the number of the rest.
 #[test]
 fn places_and_warnings_of_many_arrays() {
     let mut text = String::from(

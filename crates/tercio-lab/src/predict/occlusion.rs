@@ -11,11 +11,12 @@ use tercio_raster::{Renderer, Settings};
 use tercio_scene::{Camera, Scene};
 
 use super::PredictError;
+use super::choose::rates::{BIN_CLUSTER, BIN_HEAD, BIN_TILE};
 
 /// Bytes of the message's header, of that of a tile, and of a cluster ([`Sorted::write_bytes`]).
-const HEAD: usize = 36;
-const TILE_HEAD: usize = 12;
-const CLUSTER: usize = 16;
+const HEAD: usize = BIN_HEAD as usize;
+const TILE_HEAD: usize = BIN_TILE as usize;
+const CLUSTER: usize = BIN_CLUSTER as usize;
 /// Samples of a stamp, side by side.
 const STAMP: u32 = 16;
 

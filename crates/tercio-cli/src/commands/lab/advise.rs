@@ -68,23 +68,28 @@ impl Advise {
             Ok((advice, simulated(&machine, &c.counted.frame, &c.boxes()?, c.size, &plans)?))
         })?;
         let why_not = why_not(&machine);
-        let text = match self.json {
-            true => self.json_text(&machine.name, ranks, &advice, &simulated, why_not),
-            false => self.text(&machine.name, ranks, &advice, &simulated, why_not),
-        };
+        let answer =
+            Answer { machine: &machine.name, ranks, advice, simulated, why_not, top: self.top.max(1) };
+        let text = if self.json { answer.json_text() } else { answer.text() };
         write_text(&Destination::Stdout, &text)?;
         Ok(ExitCode::SUCCESS)
     }
+}
 
-    fn json_text(
-        &self,
-        machine: &str,
-        ranks: usize,
-        advice: &Advice,
-        simulated: &[SimulatedFrame],
-        why_not: Option<Simulated>,
-    ) -> String {
-        let top = self.top.max(1);
+/// What is printed.
+struct Answer<'a> {
+    machine: &'a str,
+    ranks: usize,
+    advice: Advice,
+    simulated: Vec<SimulatedFrame>,
+    why_not: Option<Simulated>,
+    /// Plans that are listed.
+    top: usize,
+}
+
+impl Answer<'_> {
+    fn json_text(&self) -> String {
+        let Self { machine, ranks, ref advice, ref simulated, why_not, top } = *self;
         let of_candidate = |c: &Candidate| {
             json!({
                 "plan": c.describe(), "ranks": c.split.ranks, "threads": c.split.threads,
@@ -109,15 +114,8 @@ impl Advise {
         format!("{value:#}\n")
     }
 
-    fn text(
-        &self,
-        machine: &str,
-        ranks: usize,
-        advice: &Advice,
-        simulated: &[SimulatedFrame],
-        why_not: Option<Simulated>,
-    ) -> String {
-        let top = self.top.max(1);
+    fn text(&self) -> String {
+        let Self { machine, ranks, ref advice, ref simulated, why_not, top } = *self;
         let mut text = format!("{machine}, up to {ranks} processors\n");
         // Writing into a string cannot fail.
         let _ = match why_not {

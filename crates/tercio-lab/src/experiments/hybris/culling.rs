@@ -1,5 +1,6 @@
 //! What culling by quantised normals is worth: sections 3.2.4 and 3.2.5.
 
+use glam::DVec3;
 use tercio_mesh::{Mesh, builtin, trig};
 
 use super::scenes::{SCREEN, SMALL};
@@ -35,10 +36,10 @@ struct Counted {
 }
 
 /// The eye and the ball of a mesh, in its own coordinates.
-fn place(mesh: &Mesh, view: u32) -> ([f64; 3], Ball) {
+fn place(mesh: &Mesh, view: u32) -> (DVec3, Ball) {
     let bounds = mesh.bounds();
     let unit = mesh.unit();
-    let local = |p: glam::DVec3| ((p - mesh.origin) / unit).to_array();
+    let local = |p: DVec3| (p - mesh.origin) / unit;
     let eye = local(views::camera(&bounds, SCREEN, view, VIEWS).eye);
     (eye, Ball { centre: local(bounds.center()), radius: 0.5 * bounds.size().length() / unit })
 }
@@ -64,9 +65,8 @@ fn of_model(mesh: &Mesh) -> Result<Culled, ExperimentError> {
 /// The share of triangles culled by the direction alone, by the angle of view, in percent.
 fn by_direction(mesh: &Mesh) -> Vec<(f64, f64)> {
     let (eye, ball) = place(mesh, 0);
-    let towards = [0, 1, 2].map(|k| eye[k] - ball.centre[k]);
-    let length = towards.iter().map(|x| x * x).sum::<f64>().sqrt();
-    let towards = towards.map(|x| x / length);
+    let towards = eye - ball.centre;
+    let towards = towards / towards.length();
     let share = |degrees: f64| {
         let (sine, _) = trig::sin_cos((0.5 * degrees).to_radians());
         100.0 * behind_all(mesh, towards, sine) as f64 / mesh.triangles.len() as f64

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use tercio_parallel::{Composition, Organisation};
 
-use super::splits::{MOST_RANKS, Split};
+use super::splits::{MOST_BY_FORMULAS, Split};
 use super::{Advice, Candidate, Frame, How};
 use crate::predict::choose::parts_of;
 
@@ -110,8 +110,7 @@ impl Advice {
     fn searched(&self) -> String {
         let one = |c: &&Candidate| matches!(c.how, How::OneProcess { .. });
         let threads = self.candidates.iter().filter(one).map(|c| c.split.threads);
-        let threads: BTreeSet<String> = threads.map(|t| format!("{t:9}")).collect();
-        let threads: Vec<_> = threads.iter().map(|t| t.trim().to_string()).collect();
+        let threads: Vec<_> = threads.collect::<BTreeSet<_>>().iter().map(usize::to_string).collect();
         let ranks: BTreeSet<Split> = self.candidates.iter().filter(|c| !one(c)).map(|c| c.split).collect();
         let of_threads = format!(
             "compared are {} ways to use threads of one process ({} threads, tiles of 8 to 128 pixels)",
@@ -131,7 +130,7 @@ impl Advice {
         let left_out = match self.left_out {
             0 => String::new(),
             n => format!(
-                "; {n} splits of more than {MOST_RANKS} ranks are not: the formulas would take too long"
+                "; {n} splits of more than {MOST_BY_FORMULAS} ranks are not: the formulas would take too long"
             ),
         };
         format!(

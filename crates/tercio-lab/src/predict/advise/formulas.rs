@@ -63,8 +63,8 @@ pub fn ranks(
 ) -> Result<Vec<Candidate>, PredictError> {
     let rates = rates(machine, picture)?;
     let one = on_threads(machine, picture, None, 1)?.total();
-    let mut shares = BTreeMap::new();
-    for threads in splits.iter().map(|split| split.threads).collect::<BTreeSet<_>>() {
+    let mut shares = BTreeMap::from([(1, 1.0)]);
+    for threads in splits.iter().map(|split| split.threads).filter(|&n| n > 1).collect::<BTreeSet<_>>() {
         let together = on_threads(machine, picture, None, threads)?.total();
         shares.insert(threads, if one > 0.0 { together / one } else { 1.0 });
     }

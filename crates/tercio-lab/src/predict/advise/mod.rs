@@ -102,7 +102,7 @@ pub struct Advice {
     pub candidates: Vec<Candidate>,
     /// How far the predictions may be off; `None` if the machine has no calibration.
     pub uncertainty: Option<Uncertainty>,
-    /// Splits that were not predicted, because they have more than [`splits::MOST_RANKS`] ranks.
+    /// Splits that were not predicted, because they have more than [`splits::MOST_BY_FORMULAS`] ranks.
     pub left_out: usize,
 }
 
@@ -146,7 +146,7 @@ pub fn advise(
     let mut candidates = one_process(machine, picture, processors)?;
     let all = splits::of_ranks(machine, processors);
     let (splits, left_out): (Vec<Split>, Vec<Split>) =
-        all.into_iter().partition(|split| split.ranks <= splits::MOST_RANKS);
+        all.into_iter().partition(|split| split.ranks <= splits::MOST_BY_FORMULAS);
     candidates.extend(formulas::ranks(machine, picture, topology, &splits, None)?);
     sort(&mut candidates);
     if topology.is_none() {

@@ -8,7 +8,7 @@ use crate::machines::Machine;
 use crate::predict::choose::candidates::MANY;
 
 /// The largest number of ranks that the formulas predict: twice as many take twice as long, and this many already seconds.
-pub const MOST_RANKS: usize = 1 << 15;
+pub const MOST_BY_FORMULAS: usize = 1 << 15;
 
 /// Ranks, and threads of each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -82,8 +82,8 @@ mod tests {
         assert_eq!(threads(&machine, 1000).last(), Some(&128));
         // Of a million processors each has work in some split that can be predicted.
         let all = of_ranks(&machine, 1_000_000);
-        let can = |s: &&Split| s.ranks <= MOST_RANKS && s.processors() == 1_000_000;
-        assert!(all.iter().any(|s| s.ranks > MOST_RANKS) && all.iter().any(|s| can(&s)));
+        let can = |s: &&Split| s.ranks <= MOST_BY_FORMULAS && s.processors() == 1_000_000;
+        assert!(all.iter().any(|s| s.ranks > MOST_BY_FORMULAS) && all.iter().any(|s| can(&s)));
         assert!(all.len() < 200, "{}", all.len());
     }
 }

@@ -6,6 +6,7 @@
 use super::network::{Network, Source};
 use super::terms::Load;
 use crate::machines::{Machine, MachineError, Topology};
+use crate::simulators::gcd;
 use crate::simulators::sorting::network::{Links, NetworkModel};
 
 /// Seconds of a message of which the processor is busy, at most.
@@ -107,7 +108,7 @@ impl Wires {
             return 1.0;
         }
         // Nodes cut a group into pieces. Its first rank is at a multiple of the common divisor in a node.
-        let step = divisor(node, within);
+        let step = gcd(node as u64, within as u64) as usize;
         let inside: u64 = (0..node)
             .step_by(step)
             .map(|place| {
@@ -156,11 +157,6 @@ impl Wires {
         let nodes = bytes * on_node as f64;
         (bytes * share / wire.bandwidth).max(nodes * (1.0 - share) / self.between.bandwidth)
     }
-}
-
-/// The greatest common divisor.
-fn divisor(a: usize, b: usize) -> usize {
-    if b == 0 { a } else { divisor(b, a % b) }
 }
 
 /// The load of the busiest link relative to that of the busiest port, at least 1, and the most links of a path, if all members send

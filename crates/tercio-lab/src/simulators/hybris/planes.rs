@@ -4,6 +4,7 @@
 //! is so by more than rounding can have moved the plane: a triangle that is culled shows its back, and those near the limit
 //! are left to set-up (document 001, 3.2.4).
 
+use glam::DVec3;
 use tercio_mesh::Mesh;
 
 use super::partition::{PARTITION, partitions, vertices};
@@ -11,30 +12,23 @@ use super::partition::{PARTITION, partitions, vertices};
 /// The largest number of eight bits with a sign.
 const STEPS: f64 = 127.0;
 
-/// A point or a direction.
-type Vector = [f64; 3];
-
-fn dot(a: Vector, b: Vector) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn minus(a: Vector, b: Vector) -> Vector {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
-}
-
 /// The unit normal of a triangle whose front shows its corners counter-clockwise; `None` without area.
-fn normal([a, b, c]: [Vector; 3]) -> Option<Vector> {
-    let (u, v) = (minus(b, a), minus(c, a));
-    let n = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
-    let length = dot(n, n).sqrt();
-    (length > 0.0).then(|| n.map(|x| x / length))
+fn normal([a, b, c]: [DVec3; 3]) -> Option<DVec3> {
+    let n = (b - a).cross(c - a);
+    let length = n.length();
+    (length > 0.0).then(|| n / length)
+}
+
+/// The corners of a triangle of a mesh, in its own coordinates.
+fn corners(mesh: &Mesh, triangle: [u32; 3]) -> [DVec3; 3] {
+    triangle.map(|v| DVec3::from_array(mesh.positions[v as usize].map(f64::from)))
 }
 
 /// A ball round an object: the origin and the unit of its planes' distances.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ball {
     /// Its centre.
-    pub centre: [f64; 3],
+    pub centre: DVec3,
     /// Its radius, in the object's unit.
     pub radius: f64,
 }
@@ -50,19 +44,20 @@ pub struct Plane {
 
 impl Plane {
     /// The plane of a triangle inside the ball; `None` if the triangle has no area.
-    pub fn new(corners: [[f64; 3]; 3], ball: Ball) -> Option<Self> {
+    pub fn new(corners: [DVec3; 3], ball: Ball) -> Option<Self> {
         let normal = normal(corners)?;
-        let distance = dot(normal, minus(corners[0], ball.centre)) / ball.radius;
+        let distance = normal.dot(corners[0] - ball.centre) / ball.radius;
         let steps = |x: f64| (x * STEPS).round().clamp(-STEPS, STEPS) as i8;
-        Some(Self { normal: normal.map(steps), distance: steps(distance) })
+        Some(Self { normal: normal.to_array().map(steps), distance: steps(distance) })
     }
 
     /// Whether an eye is certainly behind it.
-    pub fn is_behind(&self, eye: [f64; 3], ball: Ball) -> bool {
-        let eye = minus(eye, ball.centre);
-        let height = dot(self.normal.map(f64::from), eye) - f64::from(self.distance) * ball.radius;
+    pub fn is_behind(&self, eye: DVec3, ball: Ball) -> bool {
+        let eye = eye - ball.centre;
+        let normal = DVec3::from_array(self.normal.map(f64::from));
+        let height = normal.dot(eye) - f64::from(self.distance) * ball.radius;
         // Each of the four numbers is at most half a step off.
-        let margin = 0.5 * (eye.iter().map(|x| x.abs()).sum::<f64>() + ball.radius);
+        let margin = 0.5 * (eye.abs().element_sum() + ball.radius);
         height < -margin
     }
 }
@@ -89,13 +84,13 @@ pub struct Culled {
 }
 
 /// Counts what an eye culls of a model in partitions of 500 triangles. Eye and ball are in the mesh's own coordinates.
-pub fn count(mesh: &Mesh, eye: [f64; 3], ball: Ball) -> Culled {
+pub fn count(mesh: &Mesh, eye: DVec3, ball: Ball) -> Culled {
     let mut all = Culled::default();
     for numbers in partitions(mesh, PARTITION) {
         let mut culled = 0;
         for &number in &numbers {
-            let corners = mesh.triangles[number as usize].map(|v| mesh.positions[v as usize].map(f64::from));
-            let back = normal(corners).is_none_or(|n| dot(n, minus(eye, corners[0])) <= 0.0);
+            let corners = corners(mesh, mesh.triangles[number as usize]);
+            let back = normal(corners).is_none_or(|n| n.dot(eye - corners[0]) <= 0.0);
             let by_plane = Plane::new(corners, ball).is_some_and(|p| p.is_behind(eye, ball));
             all.back += u64::from(back);
             all.wrong += u64::from(by_plane && !back);
@@ -115,9 +110,9 @@ pub fn count(mesh: &Mesh, eye: [f64; 3], ball: Ball) -> Culled {
 
 /// Triangles that show their back from everywhere in the directions within an angle, whose sine is `sine`, of the
 /// direction to the eye: what a test of normals against a direction culls (document 001, 3.2.4, on normal masks).
-pub fn behind_all(mesh: &Mesh, towards_eye: [f64; 3], sine: f64) -> u64 {
-    let corners = mesh.triangles.iter().map(|t| t.map(|v| mesh.positions[v as usize].map(f64::from)));
-    corners.filter_map(normal).filter(|&n| dot(n, towards_eye) < -sine).count() as u64
+pub fn behind_all(mesh: &Mesh, towards_eye: DVec3, sine: f64) -> u64 {
+    let normals = mesh.triangles.iter().filter_map(|&triangle| normal(corners(mesh, triangle)));
+    normals.filter(|n| n.dot(towards_eye) < -sine).count() as u64
 }
 
 #[cfg(test)]
@@ -127,7 +122,7 @@ mod tests {
 
     use super::*;
 
-    const UNIT: Ball = Ball { centre: [0.0; 3], radius: 1.0 };
+    const UNIT: Ball = Ball { centre: DVec3::ZERO, radius: 1.0 };
 
     /// Six times the signed volume of the tetrahedron of triangle and eye, by Leibniz' formula in whole numbers: negative
     /// behind the triangle.
@@ -148,14 +143,14 @@ mod tests {
             eye in prop::array::uniform3(-4000i32..4001),
         ) {
             let exact = volume(corners.map(|c| c.map(i128::from)), eye.map(i128::from));
-            let corners = corners.map(|c| c.map(|x| f64::from(x) / 1000.0));
-            let eye = eye.map(|x| f64::from(x) / 1000.0);
+            let thousandths = |c: [i32; 3]| DVec3::from_array(c.map(|x| f64::from(x) / 1000.0));
+            let (corners, eye) = (corners.map(thousandths), thousandths(eye));
             let Some(plane) = Plane::new(corners, UNIT) else { return Ok(()) };
             let behind = plane.is_behind(eye, UNIT);
             prop_assert!(!behind || exact < 0);
             // Twice the margin is beyond all rounding.
-            let height = dot(normal(corners).unwrap(), minus(eye, corners[0]));
-            let margin = 0.5 / STEPS * (eye.iter().map(|x| x.abs()).sum::<f64>() + 1.0);
+            let height = normal(corners).unwrap().dot(eye - corners[0]);
+            let margin = 0.5 / STEPS * (eye.abs().element_sum() + 1.0);
             prop_assert!(behind || height > -2.001 * margin);
         }
     }
@@ -164,7 +159,7 @@ mod tests {
     fn from_a_distance_more_than_half_of_a_sphere_is_hidden() {
         let mesh = builtin::make("builtin:sphere@40k").unwrap();
         for distance in [1.5, 3.0, 30.0] {
-            let c = count(&mesh, [0.0, 0.6 * distance, 0.8 * distance], UNIT);
+            let c = count(&mesh, DVec3::new(0.0, 0.6 * distance, 0.8 * distance), UNIT);
             let share = |n: u64| n as f64 / c.triangles as f64;
             // The part of a ball's surface beyond the horizon.
             assert!((share(c.back) - 0.5 * (1.0 + 1.0 / distance)).abs() < 0.005, "{distance} {c:?}");
@@ -172,7 +167,8 @@ mod tests {
             assert!(c.whole > 0 && c.spared < c.vertices, "{c:?}");
         }
         for sine in [0.0f64, 0.2, 0.5] {
-            let share = behind_all(&mesh, [0.6, 0.0, 0.8], sine) as f64 / mesh.triangles.len() as f64;
+            let share =
+                behind_all(&mesh, DVec3::new(0.6, 0.0, 0.8), sine) as f64 / mesh.triangles.len() as f64;
             assert!((share - 0.5 * (1.0 - sine)).abs() < 0.005, "{sine} {share}");
         }
     }

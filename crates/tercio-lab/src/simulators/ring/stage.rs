@@ -4,6 +4,7 @@ use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 use super::destinations::Destinations;
+use crate::simulators::gcd;
 
 /// A polygon at a processor that has to pass it on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -140,7 +141,7 @@ struct Waiting {
 
 impl Waiting {
     fn new(n: u32, stride: u32) -> Self {
-        let cycles = gcd(n, stride);
+        let cycles = gcd(n.into(), stride.into()) as u32;
         let cycle = n / cycles;
         let mut place = vec![0; n as usize];
         for c in 0..cycles {
@@ -180,8 +181,4 @@ impl Waiting {
         }
         None
     }
-}
-
-fn gcd(a: u32, b: u32) -> u32 {
-    if b == 0 { a } else { gcd(b, a % b) }
 }

@@ -17,6 +17,14 @@ use crate::workloads::{BoxScene, ScreenMap};
 /// The document's screen.
 const SCREEN: (u32, u32) = (768, 512);
 
+/// Where the second curve falls below the first, interpolated between scenes.
+fn crossover(points: &[(f64, f64, f64)]) -> Option<f64> {
+    points.windows(2).find(|w| w[0].2 >= w[0].1 && w[1].2 < w[1].1).map(|w| {
+        let (before, after) = (w[0].2 - w[0].1, w[1].1 - w[1].2);
+        w[0].0 + (w[1].0 - w[0].0) * before / (before + after)
+    })
+}
+
 const fn experiment(
     id: &'static str,
     place: &'static str,

@@ -3,7 +3,7 @@
 use super::super::super::facts::Facts;
 use super::super::super::sweep::sweep;
 use super::super::super::{Axis, Comparison, ExperimentError, Findings, Plot, Series, Table};
-use super::SCREEN;
+use super::{SCREEN, crossover};
 use crate::models::eldridge::comparison::sort_last_sparse;
 use crate::published::ToleranceSource;
 use crate::simulators::ring::{Algorithm, Machine, RingRun, simulate};
@@ -60,8 +60,7 @@ fn send(scene: &BoxScene, machine: &Machine, test_period: u32) -> Result<RingRun
 
 /// Where a rising curve reaches `level`.
 fn reaches(points: &[(f64, f64)], level: f64) -> Option<f64> {
-    let pair = points.windows(2).find(|w| w[0].1 <= level && level < w[1].1)?;
-    Some(pair[0].0 + (pair[1].0 - pair[0].0) * (level - pair[0].1) / (pair[1].1 - pair[0].1))
+    crossover(&points.iter().map(|&(x, y)| (x, y, level)).collect::<Vec<_>>())
 }
 
 /// As many polygons on every processor, and the document's number, which is two or three.

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::super::super::sweep::sweep;
 use super::super::super::{Axis, Comparison, ExperimentError, Findings, Fit, Plot, Series, Table};
-use super::SCREEN;
+use super::{SCREEN, crossover};
 use crate::models::eldridge::distribution::two_stages;
 use crate::models::eldridge::sort_twice::{self, optimal_group};
 use crate::published::ToleranceSource;
@@ -89,14 +89,6 @@ fn pairs() -> Result<Vec<Pair>, ExperimentError> {
         Some(Pair { visible, group: group(visible), middle, twice })
     };
     Ok(scenes.iter().map_while(pair).collect())
-}
-
-/// Where the second curve falls below the first, interpolated between scenes.
-fn crossover(points: &[(f64, f64, f64)]) -> Option<f64> {
-    points.windows(2).find(|w| w[0].2 >= w[0].1 && w[1].2 < w[1].1).map(|w| {
-        let (before, after) = (w[0].2 - w[0].1, w[1].1 - w[1].2);
-        w[0].0 + (w[1].0 - w[0].0) * before / (before + after)
-    })
 }
 
 /// Equations 6.5 (with 78 for 84) and 6.3: instructions of sort-twice's communication.
