@@ -29,9 +29,9 @@ pub struct EngineSettings {
     pub fifo: usize,
     /// Entries of a FIFO after a broadcast.
     pub fifo_after_broadcast: usize,
-    /// Draw Triangle stages: every triangle is broadcast to them, and each draws every so-manieth row.
+    /// Draw Triangle stages: every triangle is broadcast to them, and of n each draws every n-th row.
     pub rows: usize,
-    /// Draw Span stages of each of them: every span is broadcast to them, and each draws every so-manieth pixel.
+    /// Draw Span stages of each of them: every span is broadcast to them, and of n each draws every n-th pixel.
     pub columns: usize,
 }
 
