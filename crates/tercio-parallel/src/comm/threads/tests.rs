@@ -184,8 +184,9 @@ fn an_awaited_rank_that_is_gone_is_an_error_after_the_messages_that_came() {
             1 => comm.send(0, vec![1])?,
             // Waits until rank 0 is done.
             3 => assert!(comm.receive(0).is_err()),
+            // Is gone after rank 1, whose message has arrived then.
+            2 => assert!(comm.receive(1).is_err()),
             0 => {
-                // Both are gone then.
                 assert_eq!(comm.receive(2), Err(CommError::Gone { rank: 2 }));
                 let mut awaited = Awaited::new([1, 2, 3]);
                 assert_eq!(comm.receive_any(&mut awaited), Ok((1, vec![1])));
