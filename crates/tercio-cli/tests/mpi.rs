@@ -187,6 +187,9 @@ fn messages_over_mpi_are_measured_and_predicted_with() {
         serde_json::from_str(place.run(&format!("lab {what} --json")).ok_silently().text()).unwrap()
     };
     let machine = described("machines m.toml");
+    // Those of the whole machine: the other processes have ended when threads are measured.
+    let processors = std::thread::available_parallelism().map_or(1, |all| all.get().min(256));
+    assert_eq!(machine["processors"]["count"]["value"], processors.to_string());
     for (section, says) in [("network", "two threads"), ("mpi", "ranks 0 and 1 on one machine")] {
         for (key, unit) in [("message", " us"), ("bandwidth", " GB/s")] {
             let number = &machine[section][key];

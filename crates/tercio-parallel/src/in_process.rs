@@ -10,6 +10,7 @@ use tercio_scene::{Camera, Scene};
 use crate::comm::threads::{self, ThreadComm};
 use crate::comm::{Communicator, Kind, Observed};
 use crate::organisation::{Rank, Task, tile_edge};
+use crate::placement;
 use crate::report::{FrameReport, RankReport};
 use crate::trace::{Step, Timeline, Trace};
 use crate::{ParallelError, Sharing};
@@ -93,6 +94,7 @@ fn frames(
         }
         Ok((reports, own.take_timeline()))
     };
+    let first = placement::current();
     let drawn = threads::run(ranks.count, |comm| {
         let mut own = Rank::new();
         if records {
@@ -101,7 +103,8 @@ fn frames(
         // All work of a rank runs on its own threads: it is not passed between pools, and no thread searches for more
         // work.
         let threads = ranks.threads.max(1);
-        let pool = ThreadPoolBuilder::new().num_threads(threads).build();
+        let own_first = first + comm.rank() * threads;
+        let pool = placement::spread(ThreadPoolBuilder::new().num_threads(threads), own_first).build();
         let pool = pool.map_err(|source| ParallelError::Threads { threads, source })?;
         pool.install(|| draw(comm, &mut own))
     })?;

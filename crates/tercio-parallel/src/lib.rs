@@ -7,6 +7,7 @@
 //! | [`composite`] | what several ranks have drawn of the same tiles: [packed](composite::packet), [exchanged](composite::exchange) in the order of a [strategy](composite::strategy), merged |
 //! | [`organisation`] | who draws what, and where work is redistributed: sort-first, sort-middle, sort-last, sort-twice |
 //! | [`parts`] | models of which every rank holds a part |
+//! | [`placement`] | threads on processors |
 //! | [`report`] | counts and times of every rank |
 //! | [`trace`] | when each rank did what |
 //! | [`in_process`] | all ranks in one process, a thread each |
@@ -52,6 +53,7 @@ mod error;
 pub mod in_process;
 pub mod organisation;
 pub mod parts;
+pub mod placement;
 pub mod report;
 pub mod trace;
 

@@ -10,8 +10,9 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use serde::Serialize;
+use tercio::{LoadOptions, Normals};
+use tercio_mesh::Mesh;
 use tercio_mesh::cluster::{PartitionOptions, partition};
-use tercio_mesh::{Mesh, builtin};
 use tercio_raster::{LastStage, Settings, Sorting as RasterSorting};
 use tercio_scene::{Camera, Scene};
 
@@ -26,7 +27,7 @@ use crate::machines::{
     Sourced,
 };
 
-/// Models that costs are fitted to.
+/// Models that costs are fitted to, loaded as for `tercio render`.
 pub const MODELS: [&str; 9] = [
     "builtin:sphere@2k",
     "builtin:sphere@200k",
@@ -38,6 +39,8 @@ pub const MODELS: [&str; 9] = [
     "builtin:gyroid@400k",
     "builtin:gyroid@4M",
 ];
+/// Those without normals of their own: they are fitted without normals, too, when planes of triangles shade them.
+pub const FLAT_MODELS: [&str; 2] = ["builtin:soup@10k", "builtin:soup@100k"];
 /// Sizes of their pictures, one for each tile size that the renderer chooses, except that of the smallest pictures.
 pub const SIZES: [(u32, u32); 3] = [(256, 256), (640, 480), (1200, 1000)];
 /// Variants of each picture: what is sorted, and the last stage.
@@ -121,11 +124,12 @@ pub fn calibrate(
     mut progress: impl FnMut(Progress<'_>),
 ) -> Result<Calibration, PredictError> {
     let mut pictures = Vec::new();
-    for model in MODELS {
+    let flat = FLAT_MODELS.map(|model| (model, Normals::File));
+    for (model, normals) in MODELS.map(|model| (model, Normals::default())).into_iter().chain(flat) {
         progress(Progress::Next(model));
         // Built-in names; a model that cannot be made is skipped.
-        let Ok(mesh) = builtin::make(model) else { continue };
-        pictures.extend(pictures_of(model, mesh)?);
+        let Ok(loaded) = LoadOptions { normals, ..LoadOptions::default() }.load_mesh(model) else { continue };
+        pictures.extend(pictures_of(model, loaded.mesh)?);
     }
     let rounds = o.rounds.max(2);
     let mut repeats = 0;

@@ -3,6 +3,7 @@
 use std::time::Instant;
 
 use serde::Serialize;
+use tercio_parallel::placement;
 use tercio_raster::{Frame, FrameStats, Renderer, Settings};
 use tercio_scene::{Camera, Scene};
 
@@ -39,7 +40,8 @@ fn processor_time() -> Option<f64> {
     None
 }
 
-/// Draws a frame several times on a pool of `threads` threads; the first, which allocates memory, is not timed.
+/// Draws a frame several times on a pool of `threads` threads, which start on processors of their own, as those of the
+/// program do; the first frame, which allocates memory, is not timed.
 ///
 /// # Errors
 /// [`PredictError`].
@@ -51,7 +53,8 @@ pub fn measure(
     frames: u32,
     clock: Clock,
 ) -> Result<Measured, PredictError> {
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+    let builder = rayon::ThreadPoolBuilder::new().num_threads(threads);
+    let pool = placement::spread(builder, placement::current()).build();
     let pool = pool.map_err(|e| PredictError::Threads(threads, e))?;
     let start = Instant::now();
     let now = || {

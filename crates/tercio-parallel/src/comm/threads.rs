@@ -8,7 +8,7 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard};
 use std::time::{Duration, Instant};
 
 use super::{Awaited, CommError, Communicator, ReadySenders, Traffic};
-use crate::ParallelError;
+use crate::{ParallelError, placement};
 
 /// A rank's access to the mailboxes. When it is dropped, also by a panic, the others notice that the rank is gone.
 #[derive(Debug)]
@@ -224,7 +224,7 @@ impl Communicator for ThreadComm {
     }
 }
 
-/// Runs the same work on some ranks, each on a thread of its own, and returns the results in the order of the ranks.
+/// Runs the same work on some ranks, each on a thread of its own that starts on a [processor](placement) of its own, and returns the results in the order of the ranks.
 ///
 /// # Errors
 /// The error of the first rank that failed by itself. A rank that panics affects only those that wait for its
@@ -238,10 +238,12 @@ pub fn run<T: Send>(
 ) -> Result<Vec<T>, ParallelError> {
     assert!(ranks > 0, "there must be at least one rank");
     let work = &work;
+    let first = placement::current();
     let results: Vec<Result<T, ParallelError>> = std::thread::scope(|scope| {
         let start = |mut comm: ThreadComm| {
             let rank = comm.rank;
             let thread = std::thread::Builder::new().spawn_scoped(scope, move || {
+                placement::move_to(first + rank);
                 // The communicator is dropped in here, before the thread ends.
                 catch_unwind(AssertUnwindSafe(move || work(&mut comm)))
                     .unwrap_or_else(|panic| Err(panicked(rank, &*panic)))

@@ -94,7 +94,10 @@ impl Calibrate {
                 None
             }
         };
-        let pool = self.running.pool()?;
+        // All ranks except this one have ended.
+        let mut alone = self.running.clone();
+        alone.threads = alone.threads.or(mpi.is_some().then(threads::without_others));
+        let pool = alone.pool()?;
         let options = Options {
             threads: pool.current_num_threads(),
             frames: self.frames,

@@ -10,6 +10,7 @@ use std::time::Instant;
 
 use anyhow::{Context, Result};
 use rayon::{ThreadPool, ThreadPoolBuilder};
+use tercio::parallel::placement;
 
 use super::{Job, Render, Writing};
 use crate::args::ProgressMode;
@@ -137,7 +138,9 @@ impl Item {
 /// and no thread that waits begins another item.
 pub(super) fn side_by_side<T: Sync>(items: &[T], workers: usize, work: impl Fn(&T) + Sync) -> Result<()> {
     let next = AtomicUsize::new(0);
-    let of_worker = || -> Result<()> {
+    let first = placement::current();
+    let of_worker = |number: usize| -> Result<()> {
+        placement::move_to(first + number);
         let pool: ThreadPool = ThreadPoolBuilder::new()
             .num_threads(1)
             .use_current_thread()
@@ -152,7 +155,7 @@ pub(super) fn side_by_side<T: Sync>(items: &[T], workers: usize, work: impl Fn(&
     };
     thread::scope(|scope| {
         let started: Vec<_> =
-            (0..workers).map(|_| thread::Builder::new().spawn_scoped(scope, of_worker)).collect();
+            (0..workers).map(|n| thread::Builder::new().spawn_scoped(scope, move || of_worker(n))).collect();
         // Those that could be started do the work of the others.
         let mut result = Ok(());
         let mut any = false;
