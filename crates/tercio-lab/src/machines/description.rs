@@ -113,6 +113,9 @@ pub struct Processors {
     /// Share of a frame's work that runs on one processor only.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub serial: Option<Sourced<Ratio>>,
+    /// Time from the beginning of a frame until the other processors take part; none by default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub wake_up: Option<Sourced<Seconds>>,
 }
 
 /// The screen.

@@ -92,6 +92,10 @@ pub enum Operation {
     ClearedPixel,
     /// One line of memory of pictures and messages that no cache holds.
     ExchangeLine,
+    /// One cluster looked at, to divide the picture among ranks by the work in its tiles.
+    SurveyedCluster,
+    /// One tile of the picture so divided.
+    DividedTile,
 }
 
 impl Operation {
@@ -141,6 +145,8 @@ impl Operation {
             Self::UnpackedSample => "unpacked-sample",
             Self::ClearedPixel => "cleared-pixel",
             Self::ExchangeLine => "exchange-line",
+            Self::SurveyedCluster => "surveyed-cluster",
+            Self::DividedTile => "divided-tile",
         }
     }
 }

@@ -28,12 +28,14 @@ use crate::machines::{
 };
 
 /// Models that costs are fitted to, loaded as for `tercio render`.
-pub const MODELS: [&str; 9] = [
+pub const MODELS: [&str; 11] = [
     "builtin:sphere@2k",
     "builtin:sphere@200k",
+    "builtin:teapot@8k",
     "builtin:teapot@30k",
     "builtin:soup@10k",
     "builtin:soup@100k",
+    "builtin:gyroid@20k",
     "builtin:gyroid@100k",
     "builtin:terrain@150k",
     "builtin:gyroid@400k",
@@ -41,8 +43,9 @@ pub const MODELS: [&str; 9] = [
 ];
 /// Those without normals of their own: they are fitted without normals, too, when planes of triangles shade them.
 pub const FLAT_MODELS: [&str; 2] = ["builtin:soup@10k", "builtin:soup@100k"];
-/// Sizes of their pictures, one for each tile size that the renderer chooses, except that of the smallest pictures.
-pub const SIZES: [(u32, u32); 3] = [(256, 256), (640, 480), (1200, 1000)];
+/// Sizes of their pictures: one for each tile size that the renderer chooses, except that of the smallest pictures, and a large
+/// one.
+pub const SIZES: [(u32, u32); 4] = [(256, 256), (640, 480), (1200, 1000), (1920, 1080)];
 /// Variants of each picture: what is sorted, and the last stage.
 const VARIANTS: [(RasterSorting, LastStage); 8] = [
     (RasterSorting::Clusters, LastStage::Output),
@@ -199,13 +202,23 @@ fn quality(samples: &[Sample]) -> machines::Calibration {
     }
 }
 
+/// How much the relative error of a frame counts: whole frames are what is predicted; those that end earlier tell costs apart.
+fn weight(last_stage: LastStage) -> f64 {
+    match last_stage {
+        LastStage::Output => 4.0,
+        LastStage::Visibility => 2.0,
+        _ => 1.0,
+    }
+}
+
 /// Fits the costs to the samples and adds them to a description.
 fn fitted(mut machine: Machine, mut samples: Vec<Sample>, threads: usize) -> Calibration {
     let caches = Caches::of(&machine, 1);
     let rows: Vec<Vec<f64>> =
         samples.iter().map(|s| charges(&s.counted.frame, caches).map(|c| c.2).to_vec()).collect();
     let times: Vec<f64> = samples.iter().map(|s| s.seconds).collect();
-    let fitted = fit::costs(&rows, &times);
+    let weights: Vec<f64> = samples.iter().map(|s| weight(s.settings.last_stage)).collect();
+    let fitted = fit::costs(&rows, &times, &weights);
     for (sample, row) in samples.iter_mut().zip(&rows) {
         sample.fitted = row.iter().zip(&fitted).map(|(count, cost)| count * cost).sum();
     }
@@ -216,9 +229,10 @@ fn fitted(mut machine: Machine, mut samples: Vec<Sample>, threads: usize) -> Cal
         let text = format!("{:.4} ns", seconds * 1e9);
         machine.costs.insert(operation, Sourced::new(seconds, text, source.clone()));
     }
-    let serial = serial_share(&machine, &samples, threads);
-    let measured = "measured by tercio lab calibrate".to_string();
-    machine.processors.serial = Some(Sourced::new(serial, format!("{:.2} %", serial * 100.0), measured));
+    let [serial, wake_up] = of_threads(&machine, &samples, threads);
+    let measured = || "measured by tercio lab calibrate".to_string();
+    machine.processors.serial = Some(Sourced::new(serial, format!("{:.2} %", serial * 100.0), measured()));
+    machine.processors.wake_up = Some(Sourced::new(wake_up, format!("{:.2} us", wake_up * 1e6), measured()));
     machine.calibration = Some(quality(&samples));
     Calibration { machine, samples }
 }
@@ -278,19 +292,26 @@ impl Picture {
     }
 }
 
-/// The share of the work that is not parallel, by Amdahl's law, from frames of one thread and of all: the excess of the
-/// measured time on all threads over that predicted for the frame's tiles distributed among them. 0 if there is only
-/// one thread, or if the speed-up is more than linear.
-fn serial_share(machine: &Machine, samples: &[Sample], threads: usize) -> f64 {
-    let (mut over, mut most) = (0.0, 0.0);
+/// The share of the work that is not parallel, by Amdahl's law, at most 1, and the seconds until the other threads take part,
+/// from frames of one thread and of all: what makes the measured time on all threads longer than that predicted for the frame's
+/// tiles distributed among them, as far as it grows with the frame, and as far as it does not. 0 if there is only one thread,
+/// or if the speed-up is more than linear.
+fn of_threads(machine: &Machine, samples: &[Sample], threads: usize) -> [f64; 2] {
+    let machine = &Machine {
+        processors: Processors { serial: None, wake_up: None, ..machine.processors.clone() },
+        ..machine.clone()
+    };
+    let (mut terms, mut excess, mut times) = (Vec::new(), Vec::new(), Vec::new());
     for sample in samples {
         let Some(together) = sample.together else { continue };
         let one = FrameTime::on_one_thread(machine, &sample.counted.frame).total();
         let divided = sample.seconds * FrameTime::on_threads(machine, &sample.counted, threads).total() / one;
-        over += together - divided;
-        most += sample.seconds - divided;
+        terms.push([sample.seconds - divided, 1.0 - 1.0 / threads as f64]);
+        excess.push(together - divided);
+        times.push(together);
     }
-    if most > 0.0 { (over / most).clamp(0.0, 1.0) } else { 0.0 }
+    let [serial, wake_up] = fit::two_terms(&terms, &excess, &times);
+    [serial.min(1.0), wake_up]
 }
 
 /// A description of this machine without the costs of drawing.
@@ -322,6 +343,7 @@ fn description(o: Options, mpi: Option<Network>) -> Result<Machine, PredictError
             shared_cache: cache(3),
             per_node: None,
             serial: None,
+            wake_up: None,
         },
         screen: None,
         node: None,
@@ -360,16 +382,16 @@ mod tests {
     use crate::machines::parse;
 
     #[test]
-    fn a_serial_share_follows_from_two_times() {
-        let machine =
-            Machine { processors: Processors { serial: None, ..machine().processors }, ..machine() };
+    fn serial_share_and_waking_follow_from_the_times_of_two_frames() {
+        let machine = machine();
         let frame = Counters { clusters_drawn: 2000, clusters: 4096, ..Counters::default() };
         let tile = crate::predict::counts::TileWork {
             counters: Counters { clusters_drawn: 1000, ..Counters::default() },
             is_shared: false,
         };
-        let share = |seconds: f64, together: f64| {
-            let sample = Sample {
+        // Seconds on one thread and on two.
+        let of = |frames: [(f64, f64); 2]| {
+            let sample = |(seconds, together)| Sample {
                 model: "x".into(),
                 settings: Settings::one_sample(8, 8),
                 counted: Counted { frame, tiles: vec![tile; 2] },
@@ -378,16 +400,23 @@ mod tests {
                 fitted: 0.0,
                 together: Some(together),
             };
-            serial_share(&machine, &[sample], 2)
+            of_threads(&machine, &frames.map(sample), 2)
         };
         // The fixed cost of a frame is serial already and accounts for a little of it.
-        let frame = machine.seconds_or_0(Operation::Frame);
+        let fixed = machine.seconds_or_0(Operation::Frame);
         let one = FrameTime::on_one_thread(&machine, &frame_of(2000, 4096)).total();
-        let divided = (1.0 + frame / one) / 2.0;
-        assert!(share(1.0, divided).abs() < 1e-9, "{}", share(1.0, divided));
-        assert!((share(1.0, 1.0) - 1.0).abs() < 1e-9);
-        assert!((share(1.0, divided + 0.1 * (1.0 - divided)) - 0.1).abs() < 1e-9);
-        assert_eq!(share(1.0, 0.4), 0.0, "faster than linear");
+        let divided = (1.0 + fixed / one) / 2.0;
+        let near = |found: [f64; 2], serial: f64, wake_up: f64| {
+            assert!((found[0] - serial).abs() < 1e-9 && (found[1] - wake_up).abs() < 1e-9, "{found:?}");
+        };
+        near(of([(1.0, divided), (2.0, 2.0 * divided)]), 0.0, 0.0);
+        near(of([(1.0, 1.0), (2.0, 2.0)]), 1.0, 0.0);
+        let tenth = divided + 0.1 * (1.0 - divided);
+        near(of([(1.0, tenth), (2.0, 2.0 * tenth)]), 0.1, 0.0);
+        // Both threads gain nothing in the first 0.04 s.
+        near(of([(1.0, tenth + 0.02), (2.0, 2.0 * tenth + 0.02)]), 0.1, 0.04);
+        near(of([(1.0, divided + 0.02), (2.0, 2.0 * divided + 0.02)]), 0.0, 0.04);
+        near(of([(1.0, 0.4), (2.0, 0.8)]), 0.0, 0.0);
     }
 
     fn frame_of(clusters_drawn: u64, clusters: u64) -> Counters {

@@ -19,7 +19,7 @@ pub const STAGES: [(LastStage, &str); 4] = [
 ];
 
 /// The terms of the time of ranks, on rank 0. "queueing" is everything else, most of it waiting for a processor.
-pub const RANK_TERMS: [&str; 5] = ["drawing", "composing", "collecting", "waiting", "queueing"];
+pub const RANK_TERMS: [&str; 6] = ["dividing", "drawing", "composing", "collecting", "waiting", "queueing"];
 
 /// The share of all differences, taken without their signs, that an explanation names.
 const NAMED: f64 = 0.9;

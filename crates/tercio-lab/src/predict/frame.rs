@@ -124,6 +124,8 @@ pub struct FrameTime {
     pub memory: f64,
     /// The fixed cost, and clearing and writing the picture.
     pub picture: f64,
+    /// The additional time because one thread draws alone until the others have woken up.
+    pub waking: f64,
     /// Busiest over mean thread while tiles are drawn.
     pub imbalance: f64,
 }
@@ -156,7 +158,9 @@ impl FrameTime {
 
     /// On several threads: the front end is divided into batches, the back end into tiles, which threads take one after
     /// another; the serial share of the description is not divided, and memory is read at most at the bandwidth of all
-    /// threads together.
+    /// threads together. Until the others have woken up, the first thread works alone: of the work of n threads that
+    /// takes them a time t, it does its own n-th part and that of the others one after the other. A frame that is shorter
+    /// than that is one thread's.
     pub fn on_threads(machine: &Machine, counted: &Counted, threads: usize) -> Self {
         let threads = threads.max(1);
         let c = &counted.frame;
@@ -176,20 +180,25 @@ impl FrameTime {
         let back = scale(busiest);
         let missed = missed_lines(c.bytes_touched, Caches::of(machine, threads).shared) * LINE;
         let bandwidth = machine.processors.memory_bandwidth.as_ref().map_or(f64::INFINITY, |b| b.value);
-        Self {
+        let alone = one.total();
+        let wake_up = machine.processors.wake_up.as_ref().map_or(0.0, |w| w.value);
+        let time = Self {
             front_end: one.front_end * front,
             geometry: one.geometry * back,
             raster: one.raster * back,
             shading: one.shading * back,
             memory: (one.memory * back).max(missed / bandwidth),
             picture: frame + (one.picture - frame) * back,
+            waking: 0.0,
             imbalance: busiest * threads as f64,
-        }
+        };
+        let gain = (alone - time.total()).max(0.0);
+        Self { waking: (wake_up * (1.0 - 1.0 / threads as f64)).min(gain), ..time }
     }
 
     /// The whole frame.
     pub fn total(&self) -> f64 {
-        self.front_end + self.geometry + self.raster + self.shading + self.memory + self.picture
+        self.front_end + self.geometry + self.raster + self.shading + self.memory + self.picture + self.waking
     }
 }
 
@@ -223,7 +232,7 @@ fn busiest_thread(machine: &Machine, one: &FrameTime, counted: &Counted, threads
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::machines::builtin;
+    use crate::machines::{Sourced, builtin};
 
     fn tile(clusters_drawn: u64, is_shared: bool) -> TileWork {
         TileWork { counters: Counters { clusters_drawn, ..Counters::default() }, is_shared }
@@ -242,6 +251,29 @@ mod tests {
         near(share(&[tile(4, false), tile(4, false), tile(4, false)], 2), 8.0 / 12.0);
         near(share(&[tile(2, false), tile(8, false), tile(2, false)], 4), 8.0 / 12.0);
         near(share(&[tile(2, false), tile(8, true), tile(2, false)], 4), 4.0 / 12.0);
+    }
+
+    #[test]
+    fn one_thread_works_alone_until_the_others_have_woken_up() {
+        let mut machine = builtin("two-core-2026").unwrap().unwrap();
+        machine.processors.serial = None;
+        let frame = |clusters_drawn| {
+            let half = tile(clusters_drawn / 2, false);
+            let frame = Counters { clusters_drawn, ..Counters::default() };
+            Counted { frame, tiles: vec![half; 2] }
+        };
+        let seconds = |machine: &Machine, counted: &Counted, threads| {
+            FrameTime::on_threads(machine, counted, threads).total()
+        };
+        let (long, short) = (frame(100_000), frame(2));
+        let [one, two] = [1, 2].map(|threads| seconds(&machine, &long, threads));
+        let wake_up = (one - two) / 5.0;
+        machine.processors.wake_up = Some(Sourced::new(wake_up, String::new(), String::new()));
+        assert_eq!(seconds(&machine, &long, 1), one, "one thread wakes nobody up");
+        // In the time until it wakes up, the second thread would have done the same as the first.
+        assert!((seconds(&machine, &long, 2) / (two + wake_up / 2.0) - 1.0).abs() < 1e-12);
+        let [one, two] = [1, 2].map(|threads| seconds(&machine, &short, threads));
+        assert!((two / one - 1.0).abs() < 1e-12, "{two} {one}");
     }
 
     #[test]

@@ -38,10 +38,12 @@ type TermSeconds = [f64; RANK_TERMS.len()];
 fn predicted_terms(frame: &RanksFrame, clock: Clock) -> TermSeconds {
     let first = frame.ranks.first().copied().unwrap_or_default();
     match clock {
-        Clock::Wall => [first.draw, first.compose, first.collect, first.wait + first.message, first.queue],
+        Clock::Wall => {
+            [first.divide, first.draw, first.compose, first.collect, first.wait + first.message, first.queue]
+        }
         Clock::Processor => {
             let sum = |of: fn(&RankSeconds) -> f64| frame.ranks.iter().map(of).sum();
-            [sum(|r| r.draw), sum(|r| r.compose), sum(|r| r.collect), 0.0, 0.0]
+            [sum(|r| r.divide), sum(|r| r.draw), sum(|r| r.compose), sum(|r| r.collect), 0.0, 0.0]
         }
     }
 }
@@ -52,7 +54,7 @@ fn measured_terms(ranks: usize, measured: &MeasuredRanks, clock: Clock) -> TermS
         Clock::Wall => measured.terms_of_the_fastest(),
         Clock::Processor => {
             let sum = |of: fn(&RankStages) -> &Stage| (0..ranks).map(|r| measured.busy(r, of)).sum();
-            [sum(|s| &s.draw), sum(|s| &s.compose), sum(|s| &s.collect), 0.0, 0.0]
+            [sum(|s| &s.redistribute), sum(|s| &s.draw), sum(|s| &s.compose), sum(|s| &s.collect), 0.0, 0.0]
         }
     }
 }

@@ -187,7 +187,8 @@ impl Predict {
         );
         let mut text = table(&head, &frame.phases(), frame.total());
         let _ = writeln!(text, "{:16} {:>12}    {:>12}    busiest over mean", "all ranks", "busiest", "mean");
-        let stages: [(&str, Seconds); 5] = [
+        let stages: [(&str, Seconds); 6] = [
+            ("dividing", |r| r.divide),
             ("drawing", |r| r.draw),
             ("composing", |r| r.compose),
             ("collecting", |r| r.collect),

@@ -59,9 +59,9 @@ impl Candidate {
         let seconds = match &self.frame {
             Frame::Threads(time) => [time.front_end, 0.0, time.total() - time.front_end, 0.0, 0.0],
             Frame::Counted(frame) => {
-                let [draw, compose, collect, messages, waiting, queueing] =
+                let [divide, draw, compose, collect, messages, waiting, queueing] =
                     frame.phases().map(|phase| phase.1);
-                [0.0, messages + waiting + queueing, draw, compose, collect]
+                [divide, messages + waiting + queueing, draw, compose, collect]
             }
             Frame::Formulas { terms, .. } => {
                 [terms.front_end, terms.exchange, terms.draw, terms.composite, terms.collect]

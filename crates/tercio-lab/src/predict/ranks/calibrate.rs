@@ -23,6 +23,8 @@ const SIZES: [(u32, u32); 2] = [(800, 500), (1900, 1100)];
 const RANKS: [usize; 3] = [1, 2, 3];
 /// Number of kinds of work that are about keys; they come first.
 const OF_KEYS: usize = 3;
+/// The first kind of work that is about dividing the picture; they come last.
+const OF_DIVISION: usize = 10;
 
 /// Frames of one picture, drawn by ranks.
 struct Shared {
@@ -79,6 +81,15 @@ impl Picture {
 }
 
 impl Shared {
+    /// The work of dividing the picture, with the seconds of each rank of sort-first.
+    fn divisions(&self, cache: f64) -> Vec<(Charges, f64)> {
+        let (work, ranks) = (&self.work, self.work.sharing.ranks);
+        let divided = work.sharing.organisation == Organisation::SortFirst && ranks > 1;
+        let exchange = Exchange::new(&work.sharing, &work.messages, &work.drawing, (ranks, cache), false);
+        let of_rank = |rank| (exchange.dividing(), self.measured.busy(rank, |s| &s.redistribute));
+        (0..if divided { ranks } else { 0 }).map(of_rank).collect()
+    }
+
     /// The work of the stages of its ranks, with their seconds.
     fn stages(&self, cache: f64) -> Vec<(Charges, f64)> {
         let ranks = self.work.sharing.ranks;
@@ -131,14 +142,18 @@ pub fn measure(frames: u32, rounds: u32) -> Result<ExchangeCosts, RanksError> {
     let stages = pictures.iter().flat_map(|p| &p.shared).flat_map(|s| s.stages(cache));
     // Stages without work carry no information.
     let stages = stages.filter(|s| s.1 > 1e-6);
-    let (rows, times): (Vec<_>, Vec<_>) = stages.map(|s| (s.0[OF_KEYS..].to_vec(), s.1)).unzip();
-    place(&mut costs[OF_KEYS..], &rows, &times);
+    let (rows, times): (Vec<_>, Vec<_>) = stages.map(|s| (s.0[OF_KEYS..OF_DIVISION].to_vec(), s.1)).unzip();
+    place(&mut costs[OF_KEYS..OF_DIVISION], &rows, &times);
+    let divisions = pictures.iter().flat_map(|p| &p.shared).flat_map(|s| s.divisions(cache));
+    let divisions = divisions.filter(|d| d.1 > 1e-6);
+    let (rows, times): (Vec<_>, Vec<_>) = divisions.map(|d| (d.0[OF_DIVISION..].to_vec(), d.1)).unzip();
+    place(&mut costs[OF_DIVISION..], &rows, &times);
     Ok(ExchangeCosts(costs))
 }
 
 fn place(costs: &mut [f64], rows: &[Vec<f64>], times: &[f64]) {
     if !times.is_empty() {
-        costs.copy_from_slice(&fit::costs(rows, times));
+        costs.copy_from_slice(&fit::costs(rows, times, &vec![1.0; times.len()]));
     }
 }
 

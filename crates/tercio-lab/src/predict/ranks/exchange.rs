@@ -1,6 +1,7 @@
 //! The work of ranks besides drawing, and its costs: keys, packing, compositing, collecting.
 
 use serde::Serialize;
+use tercio_parallel::Organisation;
 
 use super::traffic::{Messages, Pixels, Sharing};
 use crate::machines::{Machine, MachineError, Operation};
@@ -16,13 +17,16 @@ const COLOR: f64 = 4.0;
 /// the times for a picture in cache and one in memory.
 const CACHE_SHARE: f64 = 0.5;
 
+/// The renderer looks at this many clusters at most, whatever the size of the model (`tercio_raster`'s estimate of the load).
+const MOST_SURVEYED: u64 = 4096;
+
 /// Kinds of work that are charged.
-pub const KINDS: usize = 10;
+pub const KINDS: usize = 12;
 
 /// How often each kind of work is done, or its costs, in the order of [`OPERATIONS`].
 pub type Charges = [f64; KINDS];
 
-/// The kinds of work: keys while drawing first, then the exchange.
+/// The kinds of work: keys while drawing first, then the exchange, and last the division of the picture.
 pub const OPERATIONS: [Operation; KINDS] = [
     Operation::PictureKey,
     Operation::ShadedKey,
@@ -34,6 +38,8 @@ pub const OPERATIONS: [Operation; KINDS] = [
     Operation::UnpackedSample,
     Operation::ClearedPixel,
     Operation::ExchangeLine,
+    Operation::SurveyedCluster,
+    Operation::DividedTile,
 ];
 
 /// Seconds of each kind of work.
@@ -120,6 +126,17 @@ impl<'a> Exchange<'a> {
                 + if self.copied { self.messages.bytes_taken(rank) } else { 0 },
             model: drawn.bytes_touched,
         }
+    }
+
+    /// Dividing the picture among the ranks of sort-first by an estimate of the work in its tiles; all of them do all of it.
+    pub fn dividing(&self) -> Charges {
+        let mut charges = [0.0; KINDS];
+        let Sharing { organisation, division, ranks, size, edge } = *self.sharing;
+        if organisation == Organisation::SortFirst && ranks > 1 && division.needs_load() {
+            charges[10] = self.drawing[0].clusters.min(MOST_SURVEYED) as f64;
+            charges[11] = f64::from(size.0.div_ceil(edge)) * f64::from(size.1.div_ceil(edge));
+        }
+        charges
     }
 
     /// Keys while a rank draws, in tiles that other ranks draw, too.

@@ -10,6 +10,7 @@ use tercio_raster::{Frame, Settings};
 use tercio_scene::{Camera, Scene};
 
 use super::traffic::Sharing;
+use crate::predict::difference::RANK_TERMS;
 use crate::predict::usage::Usage;
 
 /// Frames that allocate memory and fill caches; they are not evaluated.
@@ -94,15 +95,18 @@ impl MeasuredRanks {
         self.reports.iter().map(|r| r.milliseconds * 1e-3).fold(f64::INFINITY, f64::min)
     }
 
-    /// What rank 0 did in the fastest frame, in seconds: drawing, composing and collecting by processor time, waiting
+    /// What rank 0 did in the fastest frame, in seconds: dividing the picture, drawing, composing and collecting by processor time, waiting
     /// for messages, and the rest, in which it was not running.
-    pub fn terms_of_the_fastest(&self) -> [f64; 5] {
+    pub fn terms_of_the_fastest(&self) -> [f64; RANK_TERMS.len()] {
         let fastest = self.reports.iter().min_by(|a, b| a.milliseconds.total_cmp(&b.milliseconds));
-        let Some((frame, first)) = fastest.and_then(|f| Some((f, f.ranks.first()?))) else { return [0.0; 5] };
+        let Some((frame, first)) = fastest.and_then(|f| Some((f, f.ranks.first()?))) else {
+            return [0.0; RANK_TERMS.len()];
+        };
         let s = &first.stages;
-        let busy = [&s.draw, &s.compose, &s.collect].map(|stage| stage.busy_milliseconds);
+        let busy = [&s.redistribute, &s.draw, &s.compose, &s.collect].map(|stage| stage.busy_milliseconds);
         let rest = frame.milliseconds - s.wait.milliseconds - busy.iter().sum::<f64>();
-        [busy[0], busy[1], busy[2], s.wait.milliseconds, rest].map(|ms| ms * 1e-3)
+        let [divide, draw, compose, collect] = busy;
+        [divide, draw, compose, collect, s.wait.milliseconds, rest].map(|ms| ms * 1e-3)
     }
 
     /// Medians over the frames: page faults; context switches.

@@ -94,6 +94,8 @@ impl RanksWork {
 /// Seconds of a rank.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct RankSeconds {
+    /// Dividing the picture by an estimate of the work.
+    pub divide: f64,
     /// Drawing, keys included.
     pub draw: f64,
     /// Packing for other owners and compositing.
@@ -112,14 +114,14 @@ pub struct RankSeconds {
 
 impl RankSeconds {
     fn of(played: &Played) -> Self {
-        let [draw, compose, collect, message] = played.busy;
+        let [draw, compose, collect, message, divide] = played.busy;
         let Played { waited: wait, queued: queue, end, .. } = *played;
-        Self { draw, compose, collect, message, wait, queue, end }
+        Self { divide, draw, compose, collect, message, wait, queue, end }
     }
 
     /// Work, without waiting.
     pub fn busy(&self) -> f64 {
-        self.draw + self.compose + self.collect + self.message
+        self.divide + self.draw + self.compose + self.collect + self.message
     }
 }
 
@@ -171,8 +173,8 @@ pub struct RanksFrame {
 
 impl RanksFrame {
     /// Names of the parts of a frame, in the order in which they occur.
-    pub const PHASES: [&'static str; 6] =
-        ["drawing", "composing", "collecting", "messages", "waiting", "queueing"];
+    pub const PHASES: [&'static str; 7] =
+        ["dividing", "drawing", "composing", "collecting", "messages", "waiting", "queueing"];
 
     /// Seconds until rank 0 has the picture.
     pub fn total(&self) -> f64 {
@@ -194,9 +196,10 @@ impl RanksFrame {
 
     /// The parts of the frame's time on rank 0, by name, in the order in which they occur; their sum is
     /// [`Self::total`].
-    pub fn phases(&self) -> [(&'static str, f64); 6] {
+    pub fn phases(&self) -> [(&'static str, f64); 7] {
         let first = self.ranks.first().copied().unwrap_or_default();
-        let seconds = [first.draw, first.compose, first.collect, first.message, first.wait, first.queue];
+        let RankSeconds { divide, draw, compose, collect, message, wait, queue, .. } = first;
+        let seconds = [divide, draw, compose, collect, message, wait, queue];
         std::array::from_fn(|k| (Self::PHASES[k], seconds[k]))
     }
 }
@@ -279,6 +282,10 @@ fn program(costs: &Costs, work: &RanksWork, exchange: &Exchange, rank: usize) ->
         let seconds = message + byte * (content + TRAILER as u64) as f64;
         steps.extend([Step::Take { from }, Step::Work(Stage::Message, seconds)]);
     };
+    let dividing = costs.seconds(&exchange.dividing());
+    if dividing > 0.0 {
+        steps.push(Step::Work(Stage::Divide, dividing));
+    }
     // Between front end and back end; the front end is charged with drawing, behind it.
     for (distance, bytes) in gathering(messages, ranks) {
         send(&mut steps, (rank + ranks - distance) % ranks, bytes);

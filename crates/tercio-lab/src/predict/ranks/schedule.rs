@@ -21,6 +21,8 @@ pub enum Stage {
     Collect,
     /// Sending and receiving messages, whatever their content.
     Message,
+    /// Estimating the work in all tiles, and dividing them.
+    Divide,
 }
 
 /// A step of a rank.
@@ -78,7 +80,7 @@ fn found(arrives: f64) -> f64 {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Played {
     /// Seconds of its work, by [`Stage`], as actually spent.
-    pub busy: [f64; 4],
+    pub busy: [f64; 5],
     /// Seconds it waited for messages.
     pub waited: f64,
     /// Seconds it waited for a processor.
