@@ -144,10 +144,6 @@ pub fn late<S: Simd, T: Target>(
 ) {
     if look.is(Common::<true>) {
         shade(simd, context, instance, Common::<true>, fragments, at, corners, target);
-    } else if has_wide_registers(simd)
-        && let Some(features) = Explained::of(look, context, instance)
-    {
-        shade(simd, context, instance, features, fragments, at, corners, target);
     } else {
         shade(simd, context, instance, look, fragments, at, corners, target);
     }
