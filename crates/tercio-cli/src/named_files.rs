@@ -1,7 +1,8 @@
 //! The files that a command line names. The rule for all commands: no output is an input or another output.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
 
 use anyhow::Result;
 use tercio::image::{Destination, FileIdentity};
@@ -14,6 +15,8 @@ use crate::output::{self, UsageError};
 pub struct NamedFiles {
     read: Vec<Named>,
     written: Vec<(Named, Destination)>,
+    /// Companions that no output replaces.
+    checked: Mutex<HashSet<PathBuf>>,
 }
 
 #[derive(Debug)]
@@ -111,13 +114,18 @@ impl NamedFiles {
         if companions.is_empty() || self.written.iter().all(|(output, _)| output.identity.is_none()) {
             return Ok(());
         }
-        // A missing file cannot be overwritten.
-        let there = companions.iter().filter(|path| path.is_file());
+        // Each time of a collection names the files of all times: the file system is asked once about each.
+        let mut checked = self.checked.lock().unwrap_or_else(PoisonError::into_inner);
+        // A missing file cannot be overwritten; it may be there later.
+        let there: Vec<&PathBuf> =
+            companions.iter().filter(|path| !checked.contains(*path) && path.is_file()).collect();
         let named = |path: &PathBuf| Named {
             words: format!("a material library or texture of {model}"),
             identity: FileIdentity::from_path(path),
         };
-        self.check_against(&there.map(named).collect::<Vec<_>>())
+        self.check_against(&there.iter().copied().map(named).collect::<Vec<_>>())?;
+        checked.extend(there.into_iter().cloned());
+        Ok(())
     }
 
     /// Does any output replace a file?

@@ -1,5 +1,6 @@
 //! Progress of long work: a bar on a terminal, lines elsewhere.
 
+use std::fmt::Write;
 use std::io::{self, IsTerminal};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
@@ -7,7 +8,7 @@ use std::sync::mpsc::{self, Receiver, RecvTimeoutError, Sender};
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use tercio::mesh::Progress;
 
 use crate::args::ProgressMode;
@@ -91,14 +92,24 @@ fn draw(progress: &Progress, stopped: &Receiver<()>) {
     bar.finish_and_clear();
 }
 
+/// Pictures a second, with two digits that count.
+fn rate(per_second: f64) -> String {
+    let decimals = if per_second >= 9.95 { 0 } else { 1 + usize::from(per_second < 0.995) };
+    format!("{per_second:.decimals$}/s")
+}
+
 fn draw_once(bar: &ProgressBar, (stage, done, total): (&'static str, u64, u64)) {
     let template = match total {
         0 => "{msg} {spinner}",
-        _ if stage == PICTURES => "{msg} {bar:40} {pos}/{len}, {per_sec}, {eta} left",
+        _ if stage == PICTURES => "{msg} {bar:40} {pos}/{len}, {rate}, {eta} left",
         _ => "{msg} {bar:40} {percent:>3}% {eta}",
     };
     if let Ok(style) = ProgressStyle::with_template(template) {
-        bar.set_style(style);
+        let written = |state: &ProgressState, to: &mut dyn Write| {
+            // Nothing can be done where the terminal does not take it.
+            let _ = to.write_str(&rate(state.per_sec()));
+        };
+        bar.set_style(style.with_key("rate", written));
     }
     bar.set_message(stage);
     match total {
@@ -139,12 +150,20 @@ impl Drop for Display {
 
 #[cfg(test)]
 mod tests {
-    use super::line;
+    use super::{line, rate};
 
     #[test]
     fn lines_show_the_share_that_is_done_if_it_is_known() {
         assert_eq!(line(("reading", 7, 0)), "progress: reading");
         assert_eq!(line(("parsing", 2, 3)), "progress: parsing, 66 %");
         assert_eq!(line(("parsing", u64::MAX, 3)), "progress: parsing, 100 %");
+    }
+
+    #[test]
+    fn rates_have_two_digits() {
+        assert_eq!(
+            [100.4673, 9.96, 9.94, 1.0, 0.994, 0.25].map(rate),
+            ["100/s", "10/s", "9.9/s", "1.0/s", "0.99/s", "0.25/s"]
+        );
     }
 }

@@ -233,3 +233,31 @@ fn contours_are_bands_with_lines_between() {
     };
     assert_eq!([data(""), data("--isolines 3"), data("--isolines 1.5,7")], ["10", "4", "null"]);
 }
+
+/// The triangles of a strip are polygons of one cell: all of their sides are edges. Those of a quad are not divided.
+#[test]
+fn strips_have_the_sides_of_all_their_triangles() {
+    let place = Place::new();
+    let points = "POINTS 8 float\n0 0 0 0 1 0 1 0 .2 1 1 .3 2 0 0 2 1 0 3 0 .2 3 1 .1\n";
+    let head = "# vtk DataFile Version 3.0\nstrip\nASCII\nDATASET POLYDATA\n";
+    for (cells, edges) in [
+        ("TRIANGLE_STRIPS 1 9\n8 0 1 2 3 4 5 6 7\n", 13),
+        ("POLYGONS 3 15\n4 0 1 3 2\n4 2 3 5 4\n4 4 5 7 6\n", 10),
+    ] {
+        fs::write(place.path("a.vtk"), format!("{head}{points}{cells}")).unwrap();
+        let camera = "--eye 1.5,0.4,6 --target 1.5,0.5,0 --size 300x200";
+        place.run(&format!("render a.vtk -o a.svg --mode wireframe {camera}")).ok_silently();
+        let found = pieces(&String::from_utf8(place.read("a.svg")).unwrap());
+        assert_eq!(found.len(), edges, "{cells}");
+    }
+}
+
+#[test]
+fn samples_of_drawings_are_said_to_have_no_effect() {
+    let place = Place::new();
+    let ran = place.run("render builtin:teapot@200 --mode wireframe -o a.svg --aa 16");
+    let said = ran.stderr.contains("--aa, --aa-shading and --aa-filter have no effect on SVG");
+    assert!(ran.code == Some(0) && said, "{}", ran.stderr);
+    place.run("render builtin:teapot@200 --mode wireframe -o b.svg").ok_silently();
+    assert_eq!(place.read("a.svg"), place.read("b.svg"));
+}

@@ -69,6 +69,10 @@ pub struct Attribute {
 }
 
 impl Attribute {
+    /// The name of what is no data of the file: of a triangle whose input face has several polygons (a cell with a volume, a strip),
+    /// the number of its polygon within the face. Edges are between polygons. Files whose faces are polygons do without.
+    pub const POLYGON: &str = "@polygon";
+
     /// The name of a component of an array with so many: that of the array if it has one component only.
     pub fn component_name(array: &str, component: usize, of: usize) -> String {
         if of == 1 { array.into() } else { format!("{array}:{component}") }

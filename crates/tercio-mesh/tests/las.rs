@@ -34,8 +34,12 @@ fn point(i: u32, format: &Format) -> Point {
 }
 
 fn file(format: u8, packed: bool, count: u32, change: impl Fn(&mut Point)) -> Vec<u8> {
+    file_of(Format::new(format).unwrap(), packed, count, change)
+}
+
+fn file_of(format: Format, packed: bool, count: u32, change: impl Fn(&mut Point)) -> Vec<u8> {
     let mut builder = Builder::from(Version::new(1, 4));
-    builder.point_format = Format::new(format).unwrap();
+    builder.point_format = format;
     builder.point_format.is_compressed = packed;
     let transform = |offset| Transform { scale: 0.001, offset };
     builder.transforms = Vector { x: transform(690_000.0), y: transform(5_335_000.0), z: transform(0.0) };
@@ -86,6 +90,25 @@ fn every_format_gives_the_points_that_were_written() {
             }
             assert_eq!(values("gps_time").is_some(), layout.has_gps_time);
         }
+    }
+}
+
+/// More bytes of a point are passed over: those of layers at once, whether a layer has bytes (every third one here) or stands for bytes
+/// that do not change.
+#[test]
+fn more_bytes_of_points_change_nothing() {
+    const COUNT: u32 = 400;
+    for format in [1u8, 6, 7, 8] {
+        let plain = try_read(&file(format, true, COUNT, |_| {})).unwrap_or_else(|e| panic!("{format}: {e}"));
+        let layout = Format { extra_bytes: 300, ..Format::new(format).unwrap() };
+        let bytes = file_of(layout, true, COUNT, |point| {
+            let changing = point.intensity as u8;
+            point.extra_bytes = (0..300).map(|k| if k % 3 == 0 { changing ^ k as u8 } else { 7 }).collect();
+        });
+        let model = try_read(&bytes).unwrap_or_else(|e| panic!("{format}: {e}"));
+        assert_eq!(model.strokes.positions, plain.strokes.positions, "{format}");
+        assert_eq!(model.strokes.colors, plain.strokes.colors, "{format}");
+        assert_eq!(model.strokes.attributes, plain.strokes.attributes, "{format}");
     }
 }
 

@@ -96,7 +96,18 @@ fn headers_cannot_ask_for_more_than_the_file_holds() {
     let nothing = error(header(3, "x", "0", "4000000000"));
     assert_eq!(nothing, "a: line 7: expected the fields x, y and z, found \"\"");
     let many = error(header(256, "histogram", "4096", "0"));
-    assert!(many.contains("expected at most 4096 components of all fields, not 1048576"), "{many}");
+    assert!(
+        many.contains("expected at most 4096 components of fields beside x, y and z, not 1048576"),
+        "{many}"
+    );
+    // As many components as there may be, beside the coordinates.
+    let most = "VERSION 0.7\nFIELDS x y z vfh\nSIZE 4 4 4 4\nTYPE F F F F\nCOUNT 1 1 1 4096\nPOINTS 1\nDATA ascii\n1 2 3";
+    let most = format!("{most}{}\n", " 7".repeat(4096));
+    let model = try_read(most.as_bytes()).unwrap_or_else(|e| panic!("{e}"));
+    assert_eq!(
+        (model.strokes.attributes.len(), &model.strokes.attributes[4095].values[..]),
+        (4096, &[7.0][..])
+    );
     // A field without components is in no point.
     let empty = "VERSION 0.7\nFIELDS x y z w\nSIZE 4 4 4 4\nTYPE F F F F\nCOUNT 1 1 1 0\nPOINTS 1\nDATA ascii\n1 2 3\n";
     let model = try_read(empty.as_bytes()).unwrap_or_else(|e| panic!("{e}"));

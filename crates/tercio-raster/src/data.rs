@@ -1,6 +1,6 @@
 //! How the data of an instance become colours: a table that reference and kernels look up.
 
-use tercio_mesh::cluster::{ClusterView, MAX_VERTICES};
+use tercio_mesh::cluster::{ClusterView, MAX_TRIANGLES};
 use tercio_mesh::{AttributeDomain, ClusteredMesh};
 use tercio_scene::color::srgb_to_linear;
 use tercio_scene::color_map::Scale;
@@ -137,11 +137,18 @@ impl DataTable {
         &self.readers[component]
     }
 
-    /// Reads the values at the vertices of a cluster, if they are there.
+    /// Reads the values at the vertices or at the triangles of a cluster, which has this number in the mesh.
     #[inline(never)]
-    pub fn read_vertices(&self, cluster: &ClusterView, to: &mut [f32; MAX_VERTICES]) {
-        if !self.is_at_triangles {
-            self.readers[0].read_vertices(cluster, to);
+    pub fn read(
+        &self,
+        mesh: &ClusteredMesh,
+        number: usize,
+        cluster: &ClusterView,
+        to: &mut [f32; MAX_TRIANGLES],
+    ) {
+        match self.is_at_triangles {
+            true => self.readers[0].read_triangles(mesh, number, cluster, to),
+            false => self.readers[0].read_vertices(cluster, to),
         }
     }
 
@@ -192,10 +199,10 @@ impl DataTable {
 }
 
 impl Mapping {
-    /// Are colours those of interpolated values alone, spread evenly?
+    /// Are colours those of interpolated values alone, without categories and lines of equal value?
     #[inline]
-    pub fn is_even(&self) -> bool {
-        self.spread == Spread::Linear && self.categories.is_empty() && self.isolines.is_empty()
+    pub fn is_smooth(&self) -> bool {
+        self.categories.is_empty() && self.isolines.is_empty()
     }
 
     /// No mapping.

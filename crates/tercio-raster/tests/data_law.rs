@@ -11,7 +11,7 @@ use tercio_raster::{
     Outputs, RenderError, Renderer, SamplePattern, SampleShading, Sampling, Settings, Shading, SimdLevel,
 };
 use tercio_scene::color_map::{Category, Isolines, Scale};
-use tercio_scene::{Camera, ColorMap, DataColors, DataSource, Light, Scene, SurfaceData};
+use tercio_scene::{Camera, ColorMap, DataColors, DataSource, Light, Scene, SurfaceData, SurfaceEdges};
 
 const SPECIAL: [f32; 6] = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 3e38, -3e38, 1e-40];
 
@@ -164,6 +164,27 @@ fn every_shading_and_sampling() {
             let sampling = Sampling { shading, ..Sampling::of(pattern) };
             let settings = Settings { sampling, tile_size: Some(16), ..everything(50, 38) };
             check_all(&mesh, &scene, &camera(), &settings, &format!("{number}, {settings:?}"));
+        }
+    }
+}
+
+/// Colours alone, of a surface with vertex normals that agree with its triangles: what kernels are specialized for, for triangles in
+/// clusters and (seen from near by) for those that are binned one by one, with one sample and with several.
+#[test]
+fn surfaces_that_are_plain_but_for_data_and_edges() {
+    let sphere = tercio_mesh::builtin::make("builtin:sphere@3k").expect("a model");
+    let mesh = with_data(sphere, 0.005, 11);
+    let near = perspective([0.1, 0.2, 1.1], [0.3, 0.0, 0.0], 70.0);
+    for (name, data) in kinds() {
+        for has_edges in [false, true] {
+            let mut scene = showing(&mesh, data.clone());
+            let edges = || Arc::new(SurfaceEdges::new([200, 30, 120], 1.3, None));
+            scene.instances[0].edges = has_edges.then(edges);
+            for settings in [Settings::one_sample(75, 58), Settings::new(55, 40)] {
+                for camera in [&camera(), &near] {
+                    check_all(&mesh, &scene, camera, &settings, &format!("{name}, edges {has_edges}"));
+                }
+            }
         }
     }
 }

@@ -196,6 +196,18 @@ impl DataReader {
         self.of_triangle(face, |number| cluster.attribute(number)[triangle])
     }
 
+    /// The values of the triangles of a cluster, which has this number in the mesh, not padded. Precondition: they are at triangles.
+    pub fn read_triangles(&self, mesh: &ClusteredMesh, number: usize, cluster: &ClusterView, to: &mut [f32]) {
+        let count = cluster.triangles().min(to.len());
+        if let DataSource::Attribute(attribute) = &self.source {
+            to[..count].copy_from_slice(&cluster.attribute(*attribute)[..count]);
+            return;
+        }
+        for (triangle, to) in to[..count].iter_mut().enumerate() {
+            *to = self.triangle(mesh, number, cluster, triangle);
+        }
+    }
+
     /// Calls `see` with the value of every vertex or triangle of a mesh, by cluster: vertices in several clusters are seen several
     /// times.
     pub fn each(&self, mesh: &ClusteredMesh, cluster: usize, mut see: impl FnMut(f32)) {

@@ -16,7 +16,7 @@ use tercio_mesh::io::{self, ReadOptions, ReadReport};
 use tercio_mesh::mesh::MAX_ELEMENTS;
 use tercio_mesh::strokes::Strokes;
 use tercio_mesh::topology::{self, Topology};
-use tercio_mesh::{BlockedMesh, FileMaterial, Mesh, Progress, ReadError, normals, weld};
+use tercio_mesh::{Attribute, BlockedMesh, FileMaterial, Mesh, Progress, ReadError, normals, weld};
 
 use tercio_mesh::clip::ClipError;
 use tercio_scene::framing::Extent;
@@ -587,7 +587,8 @@ fn read_and_repair<E: From<LoadError>>(
         begin(options, "looking at edges", 0);
         let start = Instant::now();
         report.topology = Some(topology::analyze(&mesh));
-        report.attributes = mesh.attributes.iter().map(AttributeSummary::from_attribute).collect();
+        let of_file = mesh.attributes.iter().filter(|a| a.name != Attribute::POLYGON);
+        report.attributes = of_file.map(AttributeSummary::from_attribute).collect();
         report.strokes = StrokesSummary::from_strokes(&strokes);
         report.times.topology = milliseconds(start);
     }

@@ -26,6 +26,9 @@ struct Beside {
 /// An edge, and its place in the order: three times its first triangle, plus a corner of it.
 type Placed = (u64, Edge);
 
+/// A polygon: the input face, and the bits of its [`Attribute::POLYGON`](crate::Attribute::POLYGON).
+pub type Polygon = (u32, u32);
+
 /// What was found in a part of the mesh.
 #[derive(Default)]
 struct Found {
@@ -34,18 +37,18 @@ struct Found {
     open: u64,
 }
 
-/// The selected edges; `face` is the polygon that a triangle comes from. The edges of a triangle are in the order of its corners,
+/// The selected edges; `polygon` is the one that a triangle comes from: two triangles of the same are not divided by an edge. The edges of a triangle are in the order of its corners,
 /// of which `turned` says which one is first.
 pub fn edges(
     mesh: &Mesh,
     selection: Selection,
-    face: impl Fn(u32) -> u32 + Sync,
+    polygon: impl Fn(u32) -> Polygon + Sync,
     turned: impl Fn([u32; 3]) -> [u32; 3] + Sync,
 ) -> Edges {
     let same = position_representatives(mesh);
     let around = Adjacency::new(&mesh.triangles, mesh.positions.len(), |v| same[v as usize]);
     let sides: Vec<AtomicU8> = mesh.triangles.iter().map(|_| AtomicU8::new(0)).collect();
-    let finder = Finder { mesh, same: &same, around: &around, sides: &sides, face, turned, selection };
+    let finder = Finder { mesh, same: &same, around: &around, sides: &sides, polygon, turned, selection };
     let found = (0..mesh.positions.len() as u32)
         .into_par_iter()
         .with_min_len(1 << 12)
@@ -93,15 +96,12 @@ struct Finder<'a, F, T> {
     around: &'a Adjacency,
     /// [`Edges::sides`].
     sides: &'a [AtomicU8],
-    face: F,
+    polygon: F,
     turned: T,
     selection: Selection,
 }
 
-/// Cosine of 80 degrees.
-const COS_80: f64 = 0.1736;
-
-impl<F: Fn(u32) -> u32, T: Fn([u32; 3]) -> [u32; 3]> Finder<'_, F, T> {
+impl<F: Fn(u32) -> Polygon, T: Fn([u32; 3]) -> [u32; 3]> Finder<'_, F, T> {
     /// Finds the edges from a vertex to those with higher numbers.
     fn at_vertex(&self, v: u32, scratch: &mut Vec<Beside>, found: &mut Found) {
         scratch.clear();
@@ -136,8 +136,7 @@ impl<F: Fn(u32) -> u32, T: Fn([u32; 3]) -> [u32; 3]> Finder<'_, F, T> {
             _ => EdgeKind::NonManifold,
         };
         if let [a, b] = group
-            && ((self.face)(a.triangle) == (self.face)(b.triangle) && self.is_diagonal(v, a, b)
-                || !self.is_selected(v, a, b))
+            && ((self.polygon)(a.triangle) == (self.polygon)(b.triangle) || !self.is_selected(v, a, b))
         {
             return;
         }
@@ -153,16 +152,6 @@ impl<F: Fn(u32) -> u32, T: Fn([u32; 3]) -> [u32; 3]> Finder<'_, F, T> {
             let place = 3 * u64::from(first.triangle) + u64::from(first.corner);
             found.edges.push((place, Edge { ends, apexes, kind }));
         }
-    }
-
-    /// Is an edge between two triangles of the same face a diagonal of a polygon? A face of the model may be a volume cell or a
-    /// strip, which has several polygons: where it bends by at least 80 degrees, its edge is a real one. Polygons that are folded so
-    /// sharply are rare.
-    fn is_diagonal(&self, v: u32, a: &Beside, b: &Beside) -> bool {
-        let at = |v: u32| glam::DVec3::from(self.mesh.positions[v as usize].map(f64::from));
-        let (from, along) = (at(v), at(a.to) - at(v));
-        let (m, n) = (along.cross(at(a.apex) - from), (at(b.apex) - from).cross(along));
-        m.dot(n) >= COS_80 * m.length() * n.length()
     }
 
     /// Is an edge between two triangles selected?

@@ -1,7 +1,8 @@
 //! The edges of a mesh, each once: those of polygons, features, borders.
 //!
 //! Vertices are identified by position, as in [`topology`](crate::topology), so that a seam in the normals or texture
-//! coordinates is not a border. Diagonals of triangulated polygons are no edges. What is found does not depend on how the
+//! coordinates is not a border. Diagonals of triangulated polygons are no edges; sides of polygons are, also between those of one cell of
+//! VTK, such as the triangles of a strip ([`Attribute::POLYGON`](crate::Attribute::POLYGON)). What is found does not depend on how the
 //! mesh is split into clusters, nor on the number of threads.
 
 mod find;
@@ -91,7 +92,7 @@ impl Edges {
         let (vertices, triangles) = (mesh.vertex_count() as u64, mesh.triangle_count() as u64);
         // Positions, their representatives with a hash table, corners, triangles at vertices, and edges with their order:
         // of a closed mesh three for two triangles, of a soup three a triangle.
-        vertices * (12 + 4 + 24 + 16) + triangles * (12 + 12 + 3 * 56 + 1)
+        vertices * (12 + 4 + 24 + 16) + triangles * (12 + 20 + 3 * 56 + 1)
     }
 
     /// Position of a vertex in object space.

@@ -3,11 +3,20 @@
 use rayon::prelude::*;
 
 use super::{Edges, Selection, find};
-use crate::{ClusteredMesh, Mesh};
+use crate::{Attribute, AttributeDomain, ClusteredMesh, Mesh};
+
+fn is_polygon(name: &str, domain: AttributeDomain) -> bool {
+    name == Attribute::POLYGON && domain == AttributeDomain::Triangle
+}
 
 pub fn of_mesh(mesh: &Mesh, selection: Selection) -> Edges {
     let face = mesh.face_of_triangle.as_deref();
-    find::edges(mesh, selection, |t| face.map_or(t, |faces| faces[t as usize]), Mesh::canonical)
+    let is_polygon = |a: &&Attribute| is_polygon(&a.name, a.domain);
+    let polygons = mesh.attributes.iter().find(is_polygon).map(|a| &a.values[..]);
+    let polygon = |t: u32| {
+        (face.map_or(t, |faces| faces[t as usize]), polygons.map_or(0, |all| all[t as usize].to_bits()))
+    };
+    find::edges(mesh, selection, polygon, Mesh::canonical)
 }
 
 /// Rebuilds the indexed mesh. Its vertices have other numbers, which the result does not depend on; triangles have the same.
@@ -28,22 +37,24 @@ pub fn of_clusters(mesh: &ClusteredMesh, selection: Selection) -> Edges {
             (0..cluster.vertices()).map(move |v| [x[v], y[v], z[v]])
         })
         .collect();
-    let mut numbered: Vec<(u32, u32, [u32; 3])> = firsts
+    let polygon = mesh.layout().attributes.iter().position(|(name, domain)| is_polygon(name, *domain));
+    let mut numbered: Vec<(u32, find::Polygon, [u32; 3])> = firsts
         .par_iter()
         .enumerate()
         .flat_map_iter(|(number, &(first, _))| {
             let cluster = mesh.cluster(number);
             (0..cluster.triangles()).map(move |t| {
                 let corners = cluster.corners_of(t).map(|corner| first + u32::from(corner));
-                (cluster.primitive(t), mesh.face(number, t), corners)
+                let part = polygon.map_or(0, |attribute| cluster.attribute(attribute)[t].to_bits());
+                (cluster.primitive(t), (mesh.face(number, t), part), corners)
             })
         })
         .collect();
     numbered.par_sort_unstable_by_key(|triangle| triangle.0);
-    let faces: Vec<u32> = numbered.par_iter().map(|triangle| triangle.1).collect();
+    let polygons: Vec<find::Polygon> = numbered.par_iter().map(|triangle| triangle.1).collect();
     let triangles = numbered.into_par_iter().map(|triangle| triangle.2).collect();
     let indexed =
         Mesh { origin: mesh.origin, exponent: mesh.exponent, positions, triangles, ..Mesh::default() };
     // Clusters have canonical triangles already, in the numbers of the mesh.
-    find::edges(&indexed, selection, |t| faces[t as usize], |corners| corners)
+    find::edges(&indexed, selection, |t| polygons[t as usize], |corners| corners)
 }

@@ -1,6 +1,6 @@
 use super::*;
 use crate::cluster::{PartitionOptions, partition};
-use crate::{builtin, topology};
+use crate::{Attribute, AttributeDomain, builtin, topology};
 
 /// A cube of six squares, each of two triangles.
 fn cube() -> Mesh {
@@ -21,9 +21,15 @@ fn a_cube_has_twelve_edges_of_each_kind_that_it_has() {
     }
     assert!(Edges::of_mesh(&mesh, Selection::Feature(1.58)).list.is_empty());
     assert!(Edges::of_mesh(&mesh, Selection::Boundary).list.is_empty());
-    // As one cell, the surface of a hexahedron.
+    // As one cell, the surface of a hexahedron, whose polygons are numbered.
     mesh.face_of_triangle = Some(vec![0; 12]);
+    let (name, domain) = (Attribute::POLYGON.into(), AttributeDomain::Triangle);
+    mesh.attributes.push(Attribute { name, domain, values: (0..12).map(|t| (t / 2) as f32).collect() });
     assert_eq!(Edges::of_mesh(&mesh, Selection::All).list.len(), 12);
+    let clusters = partition(mesh.clone(), &PartitionOptions::default());
+    assert_eq!(Edges::of_clusters(&clusters, Selection::All).list.len(), 12);
+    mesh.attributes.clear();
+    assert!(Edges::of_mesh(&mesh, Selection::All).list.is_empty(), "one polygon, whatever its angles");
     // Without polygons, the diagonals are edges, but not features.
     mesh.face_of_triangle = None;
     assert_eq!(Edges::of_mesh(&mesh, Selection::All).list.len(), 18);

@@ -51,10 +51,10 @@ pub fn colors<S: Simd>(
     )
 }
 
-/// [`colors`] of an instance whose [mapping is even](Mapping::is_even), without their alpha, for values of corners with these
+/// [`colors`] of an instance whose [mapping is smooth](Mapping::is_smooth), without their alpha, for values of corners with these
 /// weights.
 #[inline(never)]
-pub fn even<S: Simd>(
+pub fn smooth<S: Simd>(
     simd: S,
     context: &FrameContext,
     instance: usize,

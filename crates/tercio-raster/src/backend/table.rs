@@ -2,7 +2,7 @@
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, f32x16, i32x16};
-use tercio_mesh::cluster::{ClusterView, MAX_VERTICES};
+use tercio_mesh::cluster::{ClusterView, MAX_TRIANGLES, MAX_VERTICES};
 use tercio_scene::Instance;
 
 use super::corners::{ColorSource, Colored, Corners, material_number, scaled, unit_normal};
@@ -23,7 +23,8 @@ pub struct ClusterTable {
     normal: [[i32; MAX_VERTICES]; 3],
     /// What is known about all normals interpolated in the cluster; nothing if the cluster is wide.
     pub facing: Facing,
-    /// Linear colours, likewise; valid only if the mesh has vertex colours. With [`ColorSource::Data`], values in the first array.
+    /// Linear colours, likewise; valid only if the mesh has vertex colours. With [`ColorSource::Data`], values of vertices in the first
+    /// array, or of triangles in the first two.
     color: [[i32; MAX_VERTICES]; 3],
     /// Alpha of the colours, likewise.
     alpha: [i32; MAX_VERTICES],
@@ -144,9 +145,10 @@ impl ClusterTable {
                 }
             }
             (ColorSource::Data, Some(data)) => {
-                let mut values = [0.0; MAX_VERTICES];
-                data.read_vertices(&of.cluster, &mut values);
-                for (to, value) in self.color[0].iter_mut().zip(values) {
+                let mut values = [0.0; MAX_TRIANGLES];
+                data.read(&of.instance.mesh, of.number, &of.cluster, &mut values);
+                let count = if data.is_at_triangles() { MAX_TRIANGLES } else { MAX_VERTICES };
+                for (to, value) in self.color.as_flattened_mut().iter_mut().zip(&values[..count]) {
                     *to = value.to_bits() as i32;
                 }
             }
@@ -225,10 +227,10 @@ impl ClusterTable {
                 let values: [f32x16<S>; 3] = match data.is_at_triangles() {
                     false => each3!(K => lookup(simd, &self.color[0], &numbers[K]).bitcast()),
                     true => {
-                        let mut values = [0.0; LANES];
+                        let (of_triangles, mut values) = (self.color.as_flattened(), [0.0; LANES]);
                         for lane in 0..LANES {
-                            let triangle = usize::from(triangles[lane]);
-                            values[lane] = data.value(&of.instance.mesh, of.number, &of.cluster, triangle, 0);
+                            let bits = of_triangles[usize::from(triangles[lane]) % MAX_TRIANGLES];
+                            values[lane] = f32::from_bits(bits as u32);
                         }
                         [load(simd, &values); 3]
                     }

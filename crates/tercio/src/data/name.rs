@@ -1,8 +1,8 @@
 //! From a name to the data that it means.
 
 use glam::DVec3;
-use tercio_mesh::AttributeDomain;
 use tercio_mesh::cluster::Layout;
+use tercio_mesh::{Attribute, AttributeDomain};
 use tercio_scene::DataSource;
 
 use super::DataError;
@@ -28,7 +28,7 @@ pub fn needs_normals(name: &str) -> bool {
 pub fn available(layout: &Layout) -> Vec<String> {
     let domain = |d: AttributeDomain| if d == AttributeDomain::Vertex { "vertices" } else { "triangles" };
     let mut all: Vec<String> = Vec::new();
-    for (name, d) in &layout.attributes {
+    for (name, d) in layout.attributes.iter().filter(|(name, _)| name != Attribute::POLYGON) {
         // Of the components of a vector, the vector is named once.
         let array = name.strip_suffix(":0").filter(|array| vector(array, layout).len() > 1);
         let is_other = name.rsplit_once(':').is_some_and(|(array, n)| {

@@ -70,6 +70,7 @@ impl Render {
             plan.outputs = plan.outputs.with(self.effects.needed()).with(self.annotation.needed());
         }
         self.check_vector(plan).map_err(UsageError)?;
+        self.warn_of_samples(plan);
         self.check_options()?;
         for member in &self.others {
             let named = |UsageError(text)| UsageError(format!("{}: {text}", member.model.name()));

@@ -1,7 +1,7 @@
 //! Drawings of lines: what of a model becomes an SVG or PDF.
 
 use std::borrow::Cow;
-use std::sync::Arc;
+use std::sync::{Arc, Once};
 use std::time::Instant;
 
 use anyhow::Result;
@@ -9,7 +9,7 @@ use tercio::data::StrokeData;
 use tercio::mesh::AttributeDomain;
 use tercio::mesh::edges::{EdgeKind, Edges};
 use tercio::mesh::strokes::Strokes;
-use tercio::raster::Frame;
+use tercio::raster::{Frame, Sampling};
 use tercio::scene::color_map::Isolines;
 use tercio::scene::{Background, Camera, DataColors, Instance, Scene, SurfaceData};
 use tercio::strokes::{EdgePart, Eye, Length};
@@ -65,6 +65,21 @@ impl Render {
             ));
         }
         Ok(())
+    }
+
+    /// Says, once in a run, that samples are asked for where there are none. Not an error: a scene file or a configuration may be for
+    /// pictures, too.
+    pub(super) fn warn_of_samples(&self, plan: &Plan) {
+        static SAID: Once = Once::new();
+        let Some((_, format)) = plan.drawing.as_ref().filter(|_| !self.running.quiet) else { return };
+        if self.sampling.sampling() != Sampling::default() {
+            let name = format.name().to_uppercase();
+            SAID.call_once(|| {
+                messages::warning(&format!(
+                    "--aa, --aa-shading and --aa-filter have no effect on {name}, which has no pixels"
+                ));
+            });
+        }
     }
 
     /// Gives a dressed instance the look of contours: no light, bands of one colour, and lines between them.

@@ -11,6 +11,7 @@
 mod columns;
 mod header;
 mod packed;
+mod skipped;
 
 use rayon::prelude::*;
 

@@ -10,6 +10,7 @@ use rayon::prelude::*;
 
 use super::columns::Columns;
 use super::header::{Header, u16_at, u32_at, u64_at};
+use super::skipped::Skipped;
 use crate::ReadError;
 use crate::error::{Place, counted};
 use crate::guard::guarded;
@@ -157,11 +158,19 @@ impl Chunk<'_> {
         let source = Cursor::new(self.bytes);
         let mut decompressor: Box<dyn RecordDecompressor<Cursor<&[u8]>>> = if is_layered {
             self.check_layers(items, record)?;
-            Box::new(LayeredPointRecordDecompressor::new(source))
+            let mut layered = LayeredPointRecordDecompressor::new(source);
+            for item in items {
+                match item.item_type() {
+                    LazItemType::Byte14(count) => layered.add_field_decompressor(Skipped::new(count.into())),
+                    _ => layered.set_fields_from(&vec![*item]).map_err(|error| error.to_string())?,
+                }
+            }
+            Box::new(layered)
         } else {
-            Box::new(SequentialPointRecordDecompressor::new(source))
+            let mut sequential = SequentialPointRecordDecompressor::new(source);
+            sequential.set_fields_from(items).map_err(|error| error.to_string())?;
+            Box::new(sequential)
         };
-        decompressor.set_fields_from(items).map_err(|error| error.to_string())?;
         if decompressor.record_size() != record {
             return Err(format!(
                 "{} a point, not {record}",

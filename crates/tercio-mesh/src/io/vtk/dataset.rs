@@ -1,5 +1,7 @@
 //! What a VTK file holds, in the terms of VTK: points, cells, and arrays of both.
 
+use std::collections::HashSet;
+use std::hash::{BuildHasher, BuildHasherDefault, DefaultHasher};
 use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use std::sync::{Mutex, PoisonError};
@@ -24,7 +26,8 @@ pub struct Job<'a> {
 #[derive(Default)]
 struct Warnings {
     first: Vec<String>,
-    more: u64,
+    /// Hashes of all of them.
+    known: HashSet<u64>,
 }
 
 /// An array each could have one.
@@ -57,18 +60,16 @@ impl<'a> Job<'a> {
 
     pub fn warn(&self, warning: String) {
         if let Ok(mut warnings) = self.warnings.lock()
-            && !warnings.first.contains(&warning)
+            && warnings.known.insert(BuildHasherDefault::<DefaultHasher>::default().hash_one(&warning))
+            && warnings.first.len() < MOST_WARNINGS
         {
-            if warnings.first.len() < MOST_WARNINGS {
-                warnings.first.push(warning);
-            } else {
-                warnings.more += 1;
-            }
+            warnings.first.push(warning);
         }
     }
 
     pub fn into_warnings(self) -> Vec<String> {
-        let Warnings { first: mut warnings, more } = self.warnings.into_inner().unwrap_or_default();
+        let Warnings { first: mut warnings, known } = self.warnings.into_inner().unwrap_or_default();
+        let more = known.len() - warnings.len();
         if more > 0 {
             warnings.push(format!("{more} more warnings of this kind"));
         }

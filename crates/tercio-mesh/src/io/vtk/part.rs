@@ -76,7 +76,8 @@ pub fn make(job: &Job, mut data: DataSet) -> Result<Part, ReadError> {
     let triangles = surface.triangles.len() as u64;
     let stroke_vertices = surface.lines.len() as u64 + surface.dots.len() as u64;
     let per_vertex = 24 + 12 + 4 * (components(&data.point_data) + 4);
-    let needed = count.saturating_mul(per_vertex) + triangles.saturating_mul(4 * components(&data.cell_data));
+    let needed =
+        count.saturating_mul(per_vertex) + triangles.saturating_mul(4 * (components(&data.cell_data) + 1));
     let of_strokes = per_vertex + 4 * components(&data.cell_data) + 20;
     // Of the surface, and of lines and points.
     let arrays = data.point_data.iter().chain(&data.cell_data);
@@ -133,6 +134,10 @@ pub fn make(job: &Job, mut data: DataSet) -> Result<Part, ReadError> {
             part.face_colors = Some(colors(array, cells));
         }
         attributes(job, array, AttributeDomain::Triangle, cells, &mut part.attributes);
+    }
+    if !surface.polygons.is_empty() {
+        let (name, domain) = (Attribute::POLYGON.into(), AttributeDomain::Triangle);
+        part.attributes.push(Attribute { name, domain, values: surface.polygons });
     }
     Ok(part)
 }

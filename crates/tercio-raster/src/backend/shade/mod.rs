@@ -23,7 +23,7 @@ use crate::backend::tally::Tally;
 use crate::context::{FrameContext, NO_SLOT};
 use crate::frame::{Outputs, Planes};
 use crate::projection::CornerTable;
-use crate::simd::LANES;
+use crate::simd::{LANES, has_wide_registers};
 use crate::stats::BackEndCounts;
 pub use features::{Common, Explained, Features, Look, needs_plane};
 pub use kernel::{At, Facing, seen_plane, shade, shade_inline, to_eye};
@@ -243,6 +243,11 @@ pub fn winners<S: Simd>(
                 won.shade(simd, Common::<true>, pass, scratch, pixels, outputs);
             } else if is_common && look.is(Common::<false>) {
                 won.shade(simd, Common::<false>, pass, scratch, pixels, outputs);
+            } else if is_common
+                && has_wide_registers(simd)
+                && let Some(features) = Explained::of(look, context, instance)
+            {
+                won.shade_explained(simd, features, pass, scratch, pixels, outputs);
             } else {
                 won.shade(simd, look, pass, scratch, pixels, outputs);
             }
@@ -251,6 +256,23 @@ pub fn winners<S: Simd>(
 }
 
 impl Won<'_> {
+    /// Not inlined, so that the kernels of pictures without data and edges stay small.
+    #[inline(never)]
+    fn shade_explained<S: Simd>(
+        &self,
+        simd: S,
+        features: Explained,
+        pass: &mut ClusterPass,
+        scratch: &mut WinnerScratch,
+        pixels: &mut Planes,
+        outputs: &Outputs,
+    ) {
+        simd.vectorize(
+            #[inline(always)]
+            || self.shade(simd, features, pass, scratch, pixels, outputs),
+        );
+    }
+
     #[inline(always)]
     fn shade<S: Simd, F: Features>(
         &self,

@@ -11,7 +11,9 @@ pub struct Builder<'a> {
     triangulator: Triangulator,
     corners: Vec<[f64; 3]>,
     /// The cell that is being drawn.
-    pub cell: u32,
+    cell: u32,
+    /// The number of its polygon that is being drawn.
+    polygon: u32,
     pub surface: Surface,
     /// The cell of each triangle.
     pub cells: Vec<u32>,
@@ -26,10 +28,22 @@ impl<'a> Builder<'a> {
             triangulator: Triangulator::default(),
             corners: Vec::new(),
             cell: 0,
+            polygon: 0,
             surface: Surface::default(),
             cells: Vec::new(),
             not_drawn: 0,
         }
+    }
+
+    /// Begins a cell.
+    pub fn begin(&mut self, cell: u32) {
+        (self.cell, self.polygon) = (cell, 0);
+    }
+
+    /// Draws a face of a cell that may have several.
+    pub fn side(&mut self, corners: usize, nodes: &[u32]) {
+        self.face(corners, nodes);
+        self.polygon += 1;
     }
 
     /// Draws a cell without a volume.
@@ -45,6 +59,7 @@ impl<'a> Builder<'a> {
                 for (i, corners) in nodes.windows(3).enumerate() {
                     let [a, b, c] = [corners[0], corners[1], corners[2]];
                     self.push(if i % 2 == 0 { [a, b, c] } else { [b, a, c] });
+                    self.polygon += 1;
                 }
             }
             Shape::Polygon => self.polygon(nodes),
@@ -65,7 +80,7 @@ impl<'a> Builder<'a> {
     }
 
     /// Draws a face with these corners, the nodes between them, and one in the middle.
-    pub fn face(&mut self, corners: usize, nodes: &[u32]) {
+    fn face(&mut self, corners: usize, nodes: &[u32]) {
         match (corners, nodes) {
             (3, &[a, b, c]) => self.push([a, b, c]),
             (3, &[a, b, c, ab, bc, ca]) => {
@@ -99,7 +114,8 @@ impl<'a> Builder<'a> {
         }
     }
 
-    pub fn polygon(&mut self, nodes: &[u32]) {
+    fn polygon(&mut self, nodes: &[u32]) {
+        let first = self.surface.triangles.len();
         let Self { points, triangulator, corners, surface, cells, cell, .. } = self;
         corners.clear();
         corners.extend(nodes.iter().map(|&node| points.get(node)));
@@ -107,11 +123,24 @@ impl<'a> Builder<'a> {
             surface.triangles.push(triangle.map(|corner| nodes[corner]));
             cells.push(*cell);
         });
+        self.number(first);
+    }
+
+    /// Gives the triangles from this one on the number of their polygon. Where all of them have the first one of their cell, there are no
+    /// numbers.
+    fn number(&mut self, first: usize) {
+        let Surface { triangles, polygons, .. } = &mut self.surface;
+        if self.polygon > 0 || !polygons.is_empty() {
+            polygons.resize(first, 0.0);
+            // Triangles with the same number are not neighbours.
+            polygons.resize(triangles.len(), (self.polygon % (1 << f32::MANTISSA_DIGITS)) as f32);
+        }
     }
 
     fn push(&mut self, triangle: [u32; 3]) {
         self.surface.triangles.push(triangle);
         self.cells.push(self.cell);
+        self.number(self.cells.len() - 1);
     }
 
     fn line(&mut self, nodes: impl Iterator<Item = u32>) {

@@ -43,7 +43,7 @@ pub fn outer(job: &Job, dims: [u64; 3], points: &Points) -> Result<Surface, Read
     }
     let is_solid = dims.iter().all(|&n| n > 1);
     let faces = if is_solid { 2 * (x * y + y * z + z * x) } else { x * y * z };
-    job.reserve("the surface of its grid", 2 * 16 * 2 * faces)?;
+    job.reserve("the surface of its grid", 2 * 20 * 2 * faces)?;
     job.begin("extracting the surface", z);
     let mut builder = Builder::new(points);
     let mut buffer = [0; 8];
@@ -54,7 +54,7 @@ pub fn outer(job: &Job, dims: [u64; 3], points: &Points) -> Result<Surface, Read
             for i in (0..x).step_by(step as usize) {
                 let number = i + x * (j + y * k);
                 let (shape, nodes) = cell(dims, number as usize, &mut buffer);
-                builder.cell = number as u32;
+                builder.begin(number as u32);
                 let Shape::Volume(volume) = shape else {
                     builder.flat(shape, nodes);
                     continue;
@@ -63,7 +63,7 @@ pub fn outer(job: &Job, dims: [u64; 3], points: &Points) -> Result<Surface, Read
                 let open = [i == 0, i + 1 == x, j == 0, j + 1 == y, k == 0, k + 1 == z];
                 for (face, _) in volume.faces.iter().zip(open).filter(|(_, open)| *open) {
                     let corners = [0, 1, 2, 3].map(|c| nodes[face.nodes[c] as usize]);
-                    builder.polygon(&corners);
+                    builder.side(4, &corners);
                 }
             }
         }

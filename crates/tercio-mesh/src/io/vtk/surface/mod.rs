@@ -30,6 +30,8 @@ pub struct Surface {
     pub triangles: Vec<[u32; 3]>,
     /// The cell of each triangle; `None` where it has the same number.
     pub cells: Option<Vec<u32>>,
+    /// The [number](crate::Attribute::POLYGON) of each triangle's polygon in its cell; empty where all are 0.
+    pub polygons: Vec<f32>,
     /// Points of all lines, one after the other.
     pub lines: Vec<u32>,
     /// Where each line ends, and its cell.
@@ -178,7 +180,7 @@ impl<'a> Extraction<'a> {
             })
             .sum();
         // Triangles and their cells, at first in pieces.
-        job.reserve("the surface of its cells", nodes.saturating_mul(2 * 16))?;
+        job.reserve("the surface of its cells", nodes.saturating_mul(2 * 20))?;
         let pieces: Vec<(Surface, Vec<u32>, u64)> = (0..chunks)
             .into_par_iter()
             .map(|chunk| {
@@ -190,11 +192,11 @@ impl<'a> Extraction<'a> {
                         continue;
                     }
                     let (shape, nodes) = self.cell(cell, &mut buffer);
-                    builder.cell = cell as u32;
+                    builder.begin(cell as u32);
                     match shape {
                         Shape::Volume(_) | Shape::Polyhedron => Self::faces(shape, nodes, |corners, face| {
                             if part == Part::Whole && !hidden.is(number) {
-                                builder.face(corners, face);
+                                builder.side(corners, face);
                             }
                             number += 1;
                         }),
@@ -239,6 +241,14 @@ impl Surface {
         }
         let triangles = flat(pieces.iter().map(|p| &p.0.triangles[..]).collect());
         let cells = flat(pieces.iter().map(|p| &p.1[..]).collect());
+        let mut polygons = Vec::new();
+        if pieces.iter().any(|p| !p.0.polygons.is_empty()) {
+            for (piece, ..) in &pieces {
+                let end = polygons.len() + piece.triangles.len();
+                polygons.extend(&piece.polygons);
+                polygons.resize(end, 0.0);
+            }
+        }
         let lines = flat(pieces.iter().map(|p| &p.0.lines[..]).collect());
         let dots = flat(pieces.iter().map(|p| &p.0.dots[..]).collect());
         let (mut line_ends, mut before) = (Vec::new(), 0);
@@ -246,6 +256,6 @@ impl Surface {
             line_ends.extend(piece.line_ends.iter().map(|&(end, cell)| (end + before, cell)));
             before += piece.lines.len() as u64;
         }
-        Self { triangles, cells: Some(cells), lines, line_ends, dots }
+        Self { triangles, cells: Some(cells), polygons, lines, line_ends, dots }
     }
 }
