@@ -54,6 +54,14 @@ pub enum MachineError {
         /// The network.
         found: &'static str,
     },
+    /// Tile engines that make no pairs.
+    #[error("machine \"{machine}\": tile-engine.engines: expected an even number of engines for hybrid sharing, found {found}")]
+    Pairs {
+        /// Which machine.
+        machine: String,
+        /// Its engines.
+        found: u64,
+    },
     /// More processors than the machine may have.
     #[error("machine \"{machine}\": expected at most {most} {what}, found {found}")]
     TooMany {

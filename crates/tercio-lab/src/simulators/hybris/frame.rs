@@ -62,7 +62,7 @@ impl HybrisFrame {
 /// Runs a frame.
 ///
 /// # Errors
-/// A machine without heap, tile engine or clock.
+/// A machine without heap, tile engine or clock, or whose engines cannot share a frame so.
 pub fn simulate(machine: &Machine, scene: &Scene, sharing: Sharing) -> Result<HybrisFrame, MachineError> {
     let heap = machine.need(machine.heap.as_ref(), "heap")?;
     let engine = machine.need(machine.tile_engine.as_ref(), "tile-engine")?;
@@ -77,7 +77,10 @@ pub fn simulate(machine: &Machine, scene: &Scene, sharing: Sharing) -> Result<Hy
         sharing,
         output: engine.output.whole(),
     };
-    let back_end = back_end::run(&fronts, tiles, settings);
+    let back_end = back_end::run(&fronts, tiles, settings).ok_or_else(|| MachineError::Pairs {
+        machine: machine.name.clone(),
+        found: engine.engines.whole(),
+    })?;
     let pages = machine.sdram.as_ref().map(|sdram| {
         let sum = |of: &dyn Fn(&FrontEnd) -> PageCounts| {
             fronts.iter().map(of).fold(PageCounts::default(), PageCounts::plus)
@@ -148,6 +151,24 @@ mod tests {
             assert_eq!(other.front_end.nodes, c.nodes, "{name}");
             assert_eq!(other.back_end.total().pixels, one.back_end.total().pixels, "{name}");
             assert_eq!(other.back_counts.iter().map(|b| b.entries).sum::<u64>(), c.entries, "{name}");
+        }
+    }
+
+    /// One engine has no pairs; four share tiles and triangles, and are faster than pairs that share triangles only.
+    #[test]
+    fn hybrid_sharing_needs_pairs() {
+        let mut of = machine("hybris-asic-two-engines").unwrap().unwrap();
+        let mut run = |engines: f64, sharing| {
+            of.tile_engine.as_mut().unwrap().engines.value = engines;
+            simulate(&of, &scene(), sharing)
+        };
+        let [two, four] = [2.0, 4.0].map(|n| run(n, Sharing::Hybrid).unwrap().back_end);
+        assert!(four.cycles < two.cycles && four.total().pixels == two.total().pixels);
+        assert!(four.engines.iter().all(|engine| engine.pixels > 0), "{four:?}");
+        for odd in [1.0, 3.0] {
+            let error = run(odd, Sharing::Hybrid).unwrap_err().to_string();
+            let expected = format!("expected an even number of engines for hybrid sharing, found {odd}");
+            assert!(error.contains(&expected), "{error}");
         }
     }
 
