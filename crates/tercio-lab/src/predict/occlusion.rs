@@ -118,9 +118,7 @@ mod tests {
                 .map(|tile| {
                     let (left, top) = context.grid.corner(tile);
                     let has = |at: i32, first: u32, end: u32| {
-                        at + halo as i32 >= first as i32
-                            && at < (first + 32 + halo) as i32
-                            && at < end as i32
+                        at + halo as i32 >= first as i32 && at < (first + 32 + halo) as i32 && at < end as i32
                     };
                     let mut stamps = 0;
                     for cluster in sorted.clusters_of(tile) {
@@ -139,6 +137,9 @@ mod tests {
             assert_eq!(stamps(&scene, &camera, &settings, 1).unwrap(), by_sample, "{sampling:?}");
             sums.push(by_sample.iter().sum::<u64>());
         }
-        assert!(sums[..3].is_sorted() && sums[1] > sums[0] && sums[3] > sums[1] && sums[0] > 10_000, "{sums:?}");
+        assert!(
+            sums[..3].is_sorted() && sums[1] > sums[0] && sums[3] > sums[1] && sums[0] > 10_000,
+            "{sums:?}"
+        );
     }
 }
